@@ -1,0 +1,26 @@
+#include "common/base/digest.hpp"
+
+#include <openssl/sha.h>
+
+namespace fracture {
+
+std::string Digest::hex() const {
+  constexpr char kDigits[] = "0123456789abcdef";
+  std::string s;
+  s.reserve(2 * bytes.size());
+  for (const std::uint8_t b : bytes) {
+    s += kDigits[b >> 4];
+    s += kDigits[b & 15];
+  }
+  return s;
+}
+
+Digest sha256(std::span<const std::byte> data) {
+  Digest d;
+  SHA256(reinterpret_cast<const unsigned char*>(data.data()), data.size(), d.bytes.data());
+  return d;
+}
+
+Digest sha256(std::string_view data) { return sha256(std::as_bytes(std::span(data.data(), data.size()))); }
+
+}  // namespace fracture

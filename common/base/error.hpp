@@ -1,0 +1,49 @@
+// Bad input is a value: every stage that can refuse its input returns Expected<T>. Exceptions are for broken
+// invariants (InternalError) and out-of-memory, caught once per request and in main. The one table of codes is
+// error_codes.def; the HTTP status of each stands in server/ and the same names in proto/openapi.yaml.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+#include <tl/expected.hpp>
+#include <utility>
+
+namespace fracture {
+
+enum class ErrorCode {
+#define FRACTURE_ERROR(name, slug, title) name,
+#include "common/base/error_codes.def"
+#undef FRACTURE_ERROR
+};
+
+/// The stable name of a code, e.g. "mesh-not-closed": the last path segment of the problem type.
+const char* slug(ErrorCode code);
+/// One short sentence for people.
+const char* title(ErrorCode code);
+
+/// What went wrong (code), where (pointer: a JSON pointer or parameter name, may be empty), and how to mend it
+/// (detail: one or two sentences that state the offending value and the limit). `extra` carries figures for
+/// programs, e.g. {"open_edges": 42, "sample": [x, y, z]}.
+struct Error {
+  ErrorCode code;
+  std::string detail;
+  std::string pointer = {};
+  nlohmann::json extra = nlohmann::json::object();
+};
+
+template <class T>
+using Expected = tl::expected<T, Error>;
+
+inline tl::unexpected<Error> fail(ErrorCode code, std::string detail, std::string pointer = {},
+                                  nlohmann::json extra = nlohmann::json::object()) {
+  return tl::unexpected<Error>(Error{code, std::move(detail), std::move(pointer), std::move(extra)});
+}
+
+/// A broken invariant of our own: a bug, never the user's fault. Names the invariant and the ids involved.
+class InternalError : public std::logic_error {
+ public:
+  using std::logic_error::logic_error;
+};
+
+}  // namespace fracture

@@ -1,0 +1,42 @@
+// How the caller of a long computation stays in charge of it: threads, cancellation, deadline, progress. Passed by
+// the caller to every stage (no globals); a default-constructed context means "one thread, never stop".
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <stop_token>
+
+#include "common/base/error.hpp"
+
+namespace fracture {
+
+/// Thrown by poll() inside the geometry loops and turned into an Error by the pipeline. Not an error of the library.
+struct Interrupted {
+  ErrorCode code;  ///< kCancelled or kDeadlineExceeded
+};
+
+struct Execution {
+  int threads = 1;  ///< how many threads parallel_for may use, the caller's included
+  std::stop_token stop{};
+  std::optional<std::chrono::steady_clock::time_point> deadline{};
+  /// Called with (stage name, fraction done in [0, 1]) from any worker thread; must be thread-safe and cheap.
+  std::function<void(const char*, double)> progress{};
+
+  /// Throws Interrupted when the work is no longer wanted. Cheap enough for once per few hundred items.
+  void poll() const {
+    if (stop.stop_requested()) throw Interrupted{ErrorCode::kCancelled};
+    if (deadline && std::chrono::steady_clock::now() > *deadline) throw Interrupted{ErrorCode::kDeadlineExceeded};
+  }
+};
+
+/// Calls body(begin, end) for consecutive blocks of at most `grain` items that together cover [0, count).
+/// Blocks run on up to execution.threads threads in any order; the *boundaries* do not depend on the number of
+/// threads, so a result kept per block and joined in block order is the same for every thread count. Polls the
+/// execution before each block. The first exception of a block is rethrown after all workers have stopped.
+void parallel_for(const Execution& execution, std::size_t count, std::size_t grain,
+                  const std::function<void(std::size_t begin, std::size_t end)>& body);
+
+}  // namespace fracture

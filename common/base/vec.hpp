@@ -1,0 +1,80 @@
+// Small fixed vectors. Plain data, no cleverness: every operation is written out so that each compiler evaluates
+// the same expression in the same order (one of the conditions for identical bytes everywhere).
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+namespace fracture {
+
+struct Vec2d {
+  double x = 0, y = 0;
+  friend bool operator==(const Vec2d&, const Vec2d&) = default;
+};
+struct Vec2f {
+  float x = 0, y = 0;
+  friend bool operator==(const Vec2f&, const Vec2f&) = default;
+};
+struct Vec3f {
+  float x = 0, y = 0, z = 0;
+  friend bool operator==(const Vec3f&, const Vec3f&) = default;
+};
+struct Vec4f {
+  float x = 0, y = 0, z = 0, w = 0;
+  friend bool operator==(const Vec4f&, const Vec4f&) = default;
+};
+struct Vec3d {
+  double x = 0, y = 0, z = 0;
+  double operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
+  double& operator[](int axis) { return axis == 0 ? x : axis == 1 ? y : z; }
+  friend bool operator==(const Vec3d&, const Vec3d&) = default;
+};
+
+inline Vec3d operator+(const Vec3d& a, const Vec3d& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+inline Vec3d operator-(const Vec3d& a, const Vec3d& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+inline Vec3d operator*(double s, const Vec3d& a) { return {s * a.x, s * a.y, s * a.z}; }
+inline double dot(const Vec3d& a, const Vec3d& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline Vec3d cross(const Vec3d& a, const Vec3d& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+inline double length(const Vec3d& a) { return std::sqrt(dot(a, a)); }  // sqrt is exactly rounded (IEEE 754)
+inline Vec3d to_double(const Vec3f& a) { return {a.x, a.y, a.z}; }
+
+/// Lexicographic order by x, then y, then z: the order of the sites' infinitesimal weights (exact/ties.md).
+inline bool lexicographic_less(const Vec3d& a, const Vec3d& b) {
+  if (a.x != b.x) return a.x < b.x;
+  if (a.y != b.y) return a.y < b.y;
+  return a.z < b.z;
+}
+
+/// Axis-aligned box; empty until something is added.
+struct Box {
+  Vec3d min{HUGE_VAL, HUGE_VAL, HUGE_VAL}, max{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+
+  bool empty() const { return !(min.x <= max.x); }
+  void add(const Vec3d& p) {
+    for (int a = 0; a < 3; ++a) {
+      if (p[a] < min[a]) min[a] = p[a];
+      if (p[a] > max[a]) max[a] = p[a];
+    }
+  }
+  void add(const Box& b) {
+    if (b.empty()) return;
+    add(b.min);
+    add(b.max);
+  }
+  Vec3d size() const { return empty() ? Vec3d{} : max - min; }
+  Vec3d center() const { return 0.5 * (min + max); }
+  double longest_side() const {
+    const Vec3d s = size();
+    return std::fmax(s.x, std::fmax(s.y, s.z));
+  }
+  bool intersects(const Box& b) const {
+    for (int a = 0; a < 3; ++a)
+      if (b.max[a] < min[a] || b.min[a] > max[a]) return false;
+    return true;
+  }
+};
+
+}  // namespace fracture

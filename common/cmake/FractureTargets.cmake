@@ -1,0 +1,55 @@
+# What every target of this project has in common, as INTERFACE libraries, and the two functions that make targets.
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS ON)  # __int128 is part of the exact arithmetic
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
+endif()
+
+find_program(FRACTURE_CCACHE ccache)
+if(FRACTURE_CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${FRACTURE_CCACHE})
+endif()
+
+# Strict IEEE arithmetic. g++ contracts a*b+c to fma by default, which breaks both the proven error bounds and the
+# promise of identical bytes from every compiler; -ffast-math must never appear.
+add_library(fracture_strict_fp INTERFACE)
+target_compile_options(fracture_strict_fp INTERFACE -ffp-contract=off)
+
+add_library(fracture_warnings INTERFACE)
+target_compile_options(fracture_warnings INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wunused
+                       -Werror=return-type)
+
+add_library(fracture_sanitizers INTERFACE)
+if(FRACTURE_SANITIZE)
+  target_compile_options(fracture_sanitizers INTERFACE -fsanitize=${FRACTURE_SANITIZE} -fno-omit-frame-pointer
+                         -fno-sanitize-recover=all)
+  target_link_options(fracture_sanitizers INTERFACE -fsanitize=${FRACTURE_SANITIZE})
+  target_compile_definitions(fracture_sanitizers INTERFACE FRACTURE_SANITIZED=1)
+endif()
+
+# fracture_library(name SOURCES ... DEPS ...): one stage of the pipeline, also known as fracture::name.
+function(fracture_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPS" ${ARGN})
+  add_library(fracture_${name} STATIC ${ARG_SOURCES})
+  add_library(fracture::${name} ALIAS fracture_${name})
+  target_include_directories(fracture_${name} PUBLIC ${CMAKE_SOURCE_DIR})
+  target_link_libraries(fracture_${name} PUBLIC ${ARG_DEPS} fracture_strict_fp fracture_sanitizers
+                        PRIVATE fracture_warnings)
+endfunction()
+
+# fracture_test(name LABELS unit|property|golden|e2e|threads|fuzz SOURCES ... DEPS ...): a GoogleTest program.
+function(fracture_test name)
+  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;DEPS;LABELS" ${ARGN})
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 600)
+  endif()
+  add_executable(${name} ${ARG_SOURCES})
+  target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR})
+  target_link_libraries(${name} PRIVATE ${ARG_DEPS} fracture_warnings fracture_strict_fp fracture_sanitizers
+                        GTest::gmock_main)
+  add_test(NAME ${name} COMMAND ${name})
+  set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT})
+endfunction()

@@ -1,0 +1,46 @@
+// Delaunay tetrahedralization of the sites inside a big tetrahedron: incremental, flip-based, exact.
+//
+// Conventions. Site ids are 0..site_count()-1 in the caller's order of *distinct* points; the four corners of the big
+// tetrahedron are the ids site_count()..site_count()+3. A tetrahedron (a, b, c, d) is positive: orient3d(a,b,c,d) > 0
+// with orient3d as in common/exact/orient3d.hpp. Neighbour k is opposite vertex k.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/base/error.hpp"
+#include "common/base/execution.hpp"
+#include "common/base/vec.hpp"
+
+namespace fracture {
+
+using SiteId = std::uint32_t;
+using TetId = std::uint32_t;
+inline constexpr TetId kNoTet = 0xffffffffu;
+inline constexpr SiteId kNoSite = 0xffffffffu;
+
+struct Tetrahedron {
+  std::array<SiteId, 4> v;
+  std::array<TetId, 4> n;  ///< neighbours; kNoTet on the hull of the big tetrahedron
+};
+
+/// The finished, immutable tetrahedralization as later stages read it: compact, no holes in the numbering.
+struct Tetrahedralization {
+  std::vector<Vec3d> points;  ///< sites, then the four corners
+  std::vector<Tetrahedron> tets;
+  std::vector<TetId> tet_of_site;  ///< some tetrahedron at each point
+  /// Where each point of the caller's list went: the id of its site, kNoSite when dropped (owns no point of the box).
+  std::vector<SiteId> site_of_input;
+  std::uint32_t duplicates_merged = 0;
+  std::uint32_t far_sites_dropped = 0;
+
+  std::uint32_t site_count() const { return static_cast<std::uint32_t>(points.size()) - 4; }
+  bool is_corner(SiteId s) const { return s >= site_count(); }
+};
+
+/// Builds it. `box` is the mesh's box. Errors: kNotFinite, kTooComplex.
+Expected<Tetrahedralization> tetrahedralize(std::span<const Vec3d> sites, const Box& box, const Execution& execution);
+
+}  // namespace fracture

@@ -1,0 +1,59 @@
+// The mesh as every importer delivers it and as the exporter needs it back: triangles over *wedges* (a wedge is one
+// vertex of the file: a position with one set of attributes; glTF splits a vertex into several wedges along seams),
+// material slots in source order, and the source's materials, textures and images untouched.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "common/base/vec.hpp"
+
+namespace fracture {
+
+inline constexpr std::uint32_t kNoIndex = 0xffffffffu;
+
+/// Per-wedge attributes. Each array is empty when no surface of the mesh has the attribute, else as long as
+/// Mesh::positions (surfaces that lack it are filled with zeros, colours with ones).
+struct Attributes {
+  std::vector<Vec3f> normals;              ///< unit length
+  std::vector<Vec4f> tangents;             ///< xyz unit length, w = +1 or -1 (handedness)
+  std::vector<std::vector<Vec2f>> uvs;     ///< uvs[set][wedge]
+  std::vector<std::vector<Vec4f>> colors;  ///< colors[set][wedge], linear RGBA
+};
+
+/// An image as the source holds it, byte for byte.
+struct Image {
+  std::string name;
+  std::string mime_type;  ///< "image/png", "image/jpeg", "image/webp", "image/ktx2"
+  std::vector<std::uint8_t> bytes;
+};
+
+/// Materials in glTF's own terms: `materials[k]`, `textures[k]`, `samplers[k]` are glTF 2.0 JSON objects whose
+/// indices refer to the arrays here (a texture's "source" is an index into `images`). Importers of other formats
+/// translate into these terms, so that the exporter writes every material back with what it had.
+struct MaterialLibrary {
+  nlohmann::json materials = nlohmann::json::array();
+  nlohmann::json textures = nlohmann::json::array();
+  nlohmann::json samplers = nlohmann::json::array();
+  std::vector<Image> images;
+  std::vector<std::string> extensions_used;      ///< material and texture extensions only
+  std::vector<std::string> extensions_required;  ///< subset of extensions_used
+};
+
+struct Mesh {
+  std::vector<Vec3f> positions;  ///< per wedge, metres, y up, right-handed, in the frame of the scene's root
+  Attributes attributes;
+  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< wedge ids, counter-clockwise seen from outside
+  std::vector<std::uint32_t> material;                  ///< per triangle: index into library->materials, or kNoIndex
+  std::vector<std::uint32_t> node;                      ///< per triangle: index into node_names
+  std::vector<std::string> node_names;                  ///< the source's mesh instances, UTF-8, may repeat
+  std::shared_ptr<const MaterialLibrary> library = std::make_shared<MaterialLibrary>();
+  std::string copyright;               ///< asset.copyright of the source, passed on
+  std::vector<std::string> warnings;   ///< what the importer changed or dropped (skins baked, animations dropped, …)
+};
+
+}  // namespace fracture

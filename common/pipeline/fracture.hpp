@@ -1,0 +1,51 @@
+// The whole job, in the order of the folders: mesh -> solid -> sites -> tetrahedralization -> clip -> fragments.
+// Two steps, so that a server can keep what is reusable: prepare() once for each mesh, fracture() for each request.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/error.hpp"
+#include "common/base/execution.hpp"
+#include "common/base/timings.hpp"
+#include "common/delaunay/tetrahedralization.hpp"
+#include "common/fragment/fragments.hpp"
+#include "common/solid/solid.hpp"
+
+namespace fracture {
+
+/// An answer changes only when this does; the changelog says how.
+inline constexpr int kAlgorithmVersion = 1;
+
+enum class Dual {
+  kCircumcenter,  ///< the Voronoi diagram: fragments partition the solid exactly
+  kBarycenter,    ///< the paper's look: hulls of barycentres clipped to the solid; no partition is promised
+};
+
+struct FractureParameters {
+  std::uint32_t sites = 50;  ///< how many random sites, 1 … 100,000
+  std::uint64_t seed = 1;
+  Dual dual = Dual::kCircumcenter;
+  std::vector<Vec3d> points{};  ///< when not empty: the sites themselves (never snapped); `sites` and `seed` are ignored
+  /// Per point of `points` (or empty): cells with the same group id stay together as one fragment.
+  std::vector<std::uint32_t> groups{};
+};
+
+/// The reusable result for (mesh, site parameters): sites and their tetrahedralization.
+struct Diagram {
+  std::vector<Vec3d> sites;
+  Tetrahedralization tetrahedralization;
+};
+
+Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& parameters, const Execution& execution,
+                               StageTimings& timings);
+
+/// Cuts the solid by the diagram.
+Expected<FragmentSet> fracture(const Solid& solid, const Diagram& diagram, const FractureParameters& parameters,
+                               const Execution& execution, StageTimings& timings);
+
+}  // namespace fracture

@@ -1,0 +1,88 @@
+// From a mesh to solids: weld, orient, split, fill, nest (geometry of real assets). A Solid is what the exact part
+// of the pipeline works on: a closed, consistently oriented triangle surface, in shells and parts.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "common/base/error.hpp"
+#include "common/base/execution.hpp"
+#include "common/base/vec.hpp"
+#include "common/mesh/mesh.hpp"
+
+namespace fracture {
+
+enum class Repair {
+  kFill,    ///< bounded holes are filled and marked as interior material (the default)
+  kStrict,  ///< refuse whatever is not already closed and consistently oriented
+};
+
+struct SolidOptions {
+  Repair repair = Repair::kFill;
+  /// Vertices closer than this fraction of the box's diagonal may be welded when that closes open edges. 0 = exact only.
+  double weld_tolerance = 1e-6;
+};
+
+/// Per-triangle material of triangles that were not in the source (filled holes): the interior material.
+inline constexpr std::uint32_t kInteriorMaterial = 0xfffffffeu;
+
+/// A part: one outward shell with its cavities. Parts are fractured independently of one another.
+struct Part {
+  std::vector<std::uint32_t> shells;  ///< shells[0] is the outward one
+  double volume = 0;                  ///< m³, > 0
+  Box box;
+  /// Parts of one layer have pairwise disjoint boxes, so one pass of the clipper can treat them as one surface.
+  std::uint32_t layer = 0;
+  std::uint32_t node = 0;  ///< index into Mesh::node_names: the source node that names its fragments
+};
+
+/// What was done to the input. Counts, and where an intervention touches a place, the first place.
+struct SolidReport {
+  std::uint64_t source_triangles = 0, source_vertices = 0;
+  std::uint64_t welded = 0;            ///< vertices merged by exact position
+  std::uint64_t welded_tolerant = 0;   ///< vertices merged within the tolerance
+  std::uint64_t degenerate_dropped = 0, duplicates_dropped = 0;
+  std::uint64_t flipped = 0;             ///< triangles whose orientation was reversed
+  std::uint64_t open_edges = 0;          ///< before filling
+  std::uint64_t nonmanifold_edges = 0;   ///< before splitting
+  std::uint64_t holes_filled = 0, fill_triangles = 0;
+  double filled_area = 0;  ///< m²
+  std::uint64_t shells = 0, parts = 0, cavities = 0;
+  std::uint64_t shells_dropped = 0;  ///< shells that bound no volume
+  double volume = 0;  ///< m³, of the solid: what the fragments add up to
+  double area = 0;    ///< m², of the kept source triangles and the fill
+  std::vector<std::string> notes;  ///< sentences for people, each with a count and a sample place
+  nlohmann::json to_json() const;
+};
+
+struct Solid {
+  std::shared_ptr<const Mesh> source;
+  std::vector<Vec3f> positions;  ///< per vertex; vertices that touch several fans of triangles are split (umbrellas)
+  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< vertex ids, counter-clockwise from outside, grouped by part
+  /// Per triangle: the wedges of the source at its corners, or kNoIndex three times for filled triangles.
+  std::vector<std::array<std::uint32_t, 3>> wedges;
+  std::vector<std::uint32_t> material;  ///< per triangle: source material, kNoIndex or kInteriorMaterial
+  /// edges[t][k] = id of the edge from corner k to corner (k+1)%3. Each edge id is used by exactly two triangles, in
+  /// opposite directions (this is what "closed" means here, after non-manifold edges have been split).
+  std::vector<std::array<std::uint32_t, 3>> edges;
+  /// edge_vertices[e] = its two vertices, lower id first.
+  std::vector<std::array<std::uint32_t, 2>> edge_vertices;
+  std::vector<std::uint32_t> shell;         ///< per triangle
+  std::vector<std::uint32_t> part;          ///< per triangle: index into parts
+  std::vector<Part> parts;
+  std::uint32_t layers = 0;  ///< 1 + the largest Part::layer
+  Box box;
+  SolidReport report;
+
+  /// Throws InternalError naming the first broken statement of the comments above (with ids).
+  void validate() const;
+};
+
+/// Makes solids of a mesh. Errors: kEmptyMesh, kNotFinite (with the vertex), kMeshNotClosed (with counts and the first
+/// offending edge).
+Expected<Solid> make_solid(std::shared_ptr<const Mesh> mesh, const SolidOptions& options, const Execution& execution);
+
+}  // namespace fracture
