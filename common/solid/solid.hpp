@@ -1,5 +1,5 @@
-// From a mesh to solids: weld, orient, split, fill, nest (geometry of real assets). A Solid is what the exact part
-// of the pipeline works on: a closed, consistently oriented triangle surface, in shells and parts.
+// From a mesh to solids: weld, orient, split, fill, nest (geometry of real assets). A Solid is what the exact
+// part of the pipeline works on: a closed, consistently oriented triangle surface, in shells and parts.
 #pragma once
 
 #include <array>
@@ -22,7 +22,8 @@ enum class Repair {
 
 struct SolidOptions {
   Repair repair = Repair::kFill;
-  /// Vertices closer than this fraction of the box's diagonal may be welded when that closes open edges. 0 = exact only.
+  /// Vertices closer than this fraction of the box's diagonal may be welded when that closes open edges. 0 =
+  /// exact only.
   double weld_tolerance = 1e-6;
 };
 
@@ -34,7 +35,8 @@ struct Part {
   std::vector<std::uint32_t> shells;  ///< shells[0] is the outward one
   double volume = 0;                  ///< m³, > 0
   Box box;
-  /// Parts of one layer have pairwise disjoint boxes, so one pass of the clipper can treat them as one surface.
+  /// Parts of one layer have pairwise disjoint boxes, so one pass of the clipper can treat them as one
+  /// surface.
   std::uint32_t layer = 0;
   std::uint32_t node = 0;  ///< index into Mesh::node_names: the source node that names its fragments
 };
@@ -42,36 +44,39 @@ struct Part {
 /// What was done to the input. Counts, and where an intervention touches a place, the first place.
 struct SolidReport {
   std::uint64_t source_triangles = 0, source_vertices = 0;
-  std::uint64_t welded = 0;            ///< vertices merged by exact position
-  std::uint64_t welded_tolerant = 0;   ///< vertices merged within the tolerance
+  std::uint64_t welded = 0;           ///< vertices merged by exact position
+  std::uint64_t welded_tolerant = 0;  ///< vertices merged within the tolerance
   std::uint64_t degenerate_dropped = 0, duplicates_dropped = 0;
-  std::uint64_t flipped = 0;             ///< triangles whose orientation was reversed
-  std::uint64_t open_edges = 0;          ///< before filling
-  std::uint64_t nonmanifold_edges = 0;   ///< before splitting
+  std::uint64_t flipped = 0;            ///< triangles whose orientation was reversed
+  std::uint64_t open_edges = 0;         ///< before filling
+  std::uint64_t nonmanifold_edges = 0;  ///< before splitting
   std::uint64_t holes_filled = 0, fill_triangles = 0;
   double filled_area = 0;  ///< m²
   std::uint64_t shells = 0, parts = 0, cavities = 0;
   std::uint64_t shells_dropped = 0;  ///< shells that bound no volume
-  double volume = 0;  ///< m³, of the solid: what the fragments add up to
-  double area = 0;    ///< m², of the kept source triangles and the fill
-  std::vector<std::string> notes;  ///< sentences for people, each with a count and a sample place
+  double volume = 0;                 ///< m³, of the solid: what the fragments add up to
+  double area = 0;                   ///< m², of the kept source triangles and the fill
+  std::vector<std::string> notes;    ///< sentences for people, each with a count and a sample place
   nlohmann::json to_json() const;
 };
 
 struct Solid {
   std::shared_ptr<const Mesh> source;
-  std::vector<Vec3f> positions;  ///< per vertex; vertices that touch several fans of triangles are split (umbrellas)
-  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< vertex ids, counter-clockwise from outside, grouped by part
+  std::vector<Vec3f>
+      positions;  ///< per vertex; vertices that touch several fans of triangles are split (umbrellas)
+  std::vector<std::array<std::uint32_t, 3>>
+      triangles;  ///< vertex ids, counter-clockwise from outside, grouped by part
   /// Per triangle: the wedges of the source at its corners, or kNoIndex three times for filled triangles.
   std::vector<std::array<std::uint32_t, 3>> wedges;
   std::vector<std::uint32_t> material;  ///< per triangle: source material, kNoIndex or kInteriorMaterial
-  /// edges[t][k] = id of the edge from corner k to corner (k+1)%3. Each edge id is used by exactly two triangles, in
-  /// opposite directions (this is what "closed" means here, after non-manifold edges have been split).
+  /// edges[t][k] = id of the edge from corner k to corner (k+1)%3. Each edge id is used by exactly two
+  /// triangles, in opposite directions (this is what "closed" means here, after non-manifold edges have been
+  /// split).
   std::vector<std::array<std::uint32_t, 3>> edges;
   /// edge_vertices[e] = its two vertices, lower id first.
   std::vector<std::array<std::uint32_t, 2>> edge_vertices;
-  std::vector<std::uint32_t> shell;         ///< per triangle
-  std::vector<std::uint32_t> part;          ///< per triangle: index into parts
+  std::vector<std::uint32_t> shell;  ///< per triangle
+  std::vector<std::uint32_t> part;   ///< per triangle: index into parts
   std::vector<Part> parts;
   std::uint32_t layers = 0;  ///< 1 + the largest Part::layer
   Box box;
@@ -81,8 +86,9 @@ struct Solid {
   void validate() const;
 };
 
-/// Makes solids of a mesh. Errors: kEmptyMesh, kNotFinite (with the vertex), kMeshNotClosed (with counts and the first
-/// offending edge).
-Expected<Solid> make_solid(std::shared_ptr<const Mesh> mesh, const SolidOptions& options, const Execution& execution);
+/// Makes solids of a mesh. Errors: kEmptyMesh, kNotFinite (with the vertex), kMeshNotClosed (with counts and
+/// the first offending edge).
+Expected<Solid> make_solid(std::shared_ptr<const Mesh> mesh, const SolidOptions& options,
+                           const Execution& execution);
 
 }  // namespace fracture

@@ -1,0 +1,54 @@
+#include "common/solid/edges.hpp"
+
+#include <algorithm>
+
+namespace fracture::solid_detail {
+
+EdgeTable::EdgeTable(const Surface& surface, const Execution& execution)
+    : start_(surface.positions.size() + 2, 0), uses_(3 * surface.triangles.size()) {
+  execution.poll();
+  // start_ is shifted by one while scattering, so that it ends as the table of beginnings.
+  for (const Triangle& t : surface.triangles)
+    for (int k = 0; k < 3; ++k) ++start_[std::min(t[k], t[k == 2 ? 0 : k + 1]) + 2];
+  for (std::size_t v = 2; v < start_.size(); ++v) start_[v] += start_[v - 1];
+  HalfEdge h = 0;
+  for (const Triangle& t : surface.triangles)
+    for (int k = 0; k < 3; ++k, ++h) {
+      const VertexId u = t[k], v = t[k == 2 ? 0 : k + 1];
+      const std::uint64_t high = std::max(u, v);
+      uses_[start_[std::min(u, v) + 1]++] = {high << 32 | static_cast<std::uint64_t>(h) << 1 |
+                                             (u > v ? 1u : 0u)};
+    }
+  start_.pop_back();
+  execution.poll();
+  for (std::size_t v = 0; v + 1 < start_.size(); ++v) {
+    EdgeUse* const first = uses_.data() + start_[v];
+    EdgeUse* const last = uses_.data() + start_[v + 1];
+    if (last - first > 24) {
+      std::sort(first, last, [](const EdgeUse& a, const EdgeUse& b) { return a.bits < b.bits; });
+      continue;
+    }
+    for (EdgeUse* i = first + 1; i < last; ++i) {
+      const EdgeUse use = *i;
+      EdgeUse* j = i;
+      for (; j > first && use.bits < (j - 1)->bits; --j) *j = *(j - 1);
+      *j = use;
+    }
+  }
+}
+
+bool pair_clean_edges(Surface& surface, const EdgeTable& edges) {
+  surface.twin.assign(3 * surface.triangles.size(), kNoIndex);
+  bool all = true;
+  edges.for_each([&](VertexId, VertexId, std::span<const EdgeUse> uses) {
+    if (uses.size() == 2 && uses[0].backward() != uses[1].backward()) {
+      surface.twin[uses[0].half_edge()] = uses[1].half_edge();
+      surface.twin[uses[1].half_edge()] = uses[0].half_edge();
+    } else {
+      all = false;
+    }
+  });
+  return all;
+}
+
+}  // namespace fracture::solid_detail

@@ -1,0 +1,85 @@
+#include "common/solid/holes.hpp"
+
+#include <algorithm>
+
+#include "common/base/error.hpp"
+#include "common/solid/loop_triangulation.hpp"
+
+namespace fracture::solid_detail {
+namespace {
+
+/// The open half-edge that comes after h when walking along the hole, i.e. against the direction of h.
+HalfEdge next_along_hole(const Surface& surface, HalfEdge h) {
+  HalfEdge p = previous(h);
+  while (surface.twin[p] != kNoIndex) p = previous(surface.twin[p]);
+  return p;
+}
+
+/// Appends the triangles (indices into the loop) and glues them to the loop's half-edges and to one another.
+void glue_in(Surface& surface, const std::vector<HalfEdge>& loop, const std::vector<Triangle>& fill) {
+  // Corner i of the loop is the vertex the hole's walk leaves along loop[i]: the end of that half-edge.
+  const auto count = static_cast<std::uint32_t>(loop.size());
+  struct Side {
+    std::uint64_t key;  // lower corner << 32 | higher corner
+    HalfEdge half_edge;
+  };
+  std::vector<Side> diagonals;
+  for (const Triangle& t : fill) {
+    const auto first = static_cast<HalfEdge>(3 * surface.triangles.size());
+    surface.triangles.push_back({surface.to(loop[t[0]]), surface.to(loop[t[1]]), surface.to(loop[t[2]])});
+    surface.source.push_back(kNoIndex);
+    if (!surface.flipped.empty()) surface.flipped.push_back(0);
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const std::uint32_t i = t[k], j = t[(k + 1) % 3];
+      surface.twin.push_back(kNoIndex);
+      if (j == (i + 1) % count) {
+        surface.twin[first + k] = loop[i];
+        surface.twin[loop[i]] = first + k;
+      } else {
+        const std::uint64_t low = std::min(i, j), high = std::max(i, j);
+        diagonals.push_back({low << 32 | high, first + k});
+      }
+    }
+  }
+  std::sort(diagonals.begin(), diagonals.end(), [](const Side& a, const Side& b) {
+    return a.key != b.key ? a.key < b.key : a.half_edge < b.half_edge;
+  });
+  for (std::size_t i = 0; i + 1 < diagonals.size(); i += 2) {
+    if (diagonals[i].key != diagonals[i + 1].key)
+      throw InternalError("hole filling: a diagonal has one side");
+    surface.twin[diagonals[i].half_edge] = diagonals[i + 1].half_edge;
+    surface.twin[diagonals[i + 1].half_edge] = diagonals[i].half_edge;
+  }
+}
+
+}  // namespace
+
+std::vector<TriangleId> fill_holes(Surface& surface, const Execution& execution) {
+  std::vector<TriangleId> fills;
+  const auto half_edges = static_cast<HalfEdge>(surface.twin.size());
+  std::vector<HalfEdge> loop;
+  std::vector<Vec3f> corners;
+  for (HalfEdge start = 0; start < half_edges; ++start) {
+    if (surface.twin[start] != kNoIndex) continue;
+    execution.poll();
+    loop.clear();
+    HalfEdge h = start;
+    do {
+      loop.push_back(h);
+      h = next_along_hole(surface, h);
+    } while (h != start);
+    if (loop.size() == 2) {  // a slit: its two sides are one edge
+      surface.twin[loop[0]] = loop[1];
+      surface.twin[loop[1]] = loop[0];
+      continue;
+    }
+    corners.clear();
+    for (const HalfEdge side : loop) corners.push_back(surface.positions[surface.to(side)]);
+    const std::vector<Triangle> fill = triangulate_loop(corners);
+    fills.push_back(static_cast<TriangleId>(surface.triangles.size()));
+    glue_in(surface, loop, fill);
+  }
+  return fills;
+}
+
+}  // namespace fracture::solid_detail

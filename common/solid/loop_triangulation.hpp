@@ -1,0 +1,24 @@
+// Triangulation of a closed loop in space over its own vertices.
+//
+// Small loops (up to kSmallLoop corners) get the triangulation of least area (Barequet & Sharir 1995,
+// "Filling gaps in the boundary of a polyhedron": dynamic programming over sub-loops), which is a proper one
+// for every planar simple loop and the natural one for a bent loop. Larger loops are projected along their
+// mean normal and cut by ears, shortest diagonal first (Meisters 1975); reflex corners stand in a grid, so
+// the cost is near-linear. Where no proper ear is left (the projection crosses itself) the shortest convex
+// corner is cut anyway: any triangulation closes the surface, only its shape is poor.
+#pragma once
+
+#include <vector>
+
+#include "common/solid/surface.hpp"
+
+namespace fracture::solid_detail {
+
+inline constexpr std::size_t kSmallLoop = 28;  ///< the cubic method costs about 0.1 ms here
+
+/// n - 2 triangles of corner indices for n >= 3 corners, in the loop's direction: each side (i, i + 1) is
+/// used once in that direction and each diagonal once in each. Corners may coincide; then triangles without
+/// area may appear.
+std::vector<Triangle> triangulate_loop(const std::vector<Vec3f>& corners);
+
+}  // namespace fracture::solid_detail

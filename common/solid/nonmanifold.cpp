@@ -1,0 +1,194 @@
+#include "common/solid/nonmanifold.hpp"
+
+#include <algorithm>
+
+#include "common/solid/float_predicates.hpp"
+
+namespace fracture::solid_detail {
+namespace {
+
+/// Sorts the uses of one edge by angle around it (see pair_nonmanifold_edges).
+class AngleOrder {
+ public:
+  AngleOrder(const Surface& surface, VertexId a, VertexId b, std::span<const EdgeUse> uses)
+      : surface_(surface), a_(surface.positions[a]), b_(surface.positions[b]) {
+    // The reference direction is the first apex that does not lie on the edge's line.
+    for (const EdgeUse& use : uses) {
+      reference_ = surface.positions[surface.apex(use.half_edge())];
+      for (axis_ = 0; axis_ < 3; ++axis_)
+        if ((side_ = flat_side(reference_)) != 0) return;
+    }
+    axis_ = 0;
+  }
+
+  struct Item {
+    EdgeUse use;
+    Vec3f apex;
+    int sector;  ///< 0: on the line or at the reference's angle, 1: (0, π), 2: π, 3: (π, 2π)
+  };
+  Item item(const EdgeUse& use) const {
+    const Vec3f apex = surface_.positions[surface_.apex(use.half_edge())];
+    const int turn = sign_orient3d(a_, b_, reference_, apex);
+    return {use, apex, turn > 0 ? 1 : turn < 0 ? 3 : flat_side(apex) == -side_ && side_ != 0 ? 2 : 0};
+  }
+  bool operator()(const Item& x, const Item& y) const {
+    if (x.sector != y.sector) return x.sector < y.sector;
+    if (x.sector == 1 || x.sector == 3) {
+      const int turn = sign_orient3d(a_, b_, x.apex, y.apex);
+      if (turn != 0) return turn > 0;
+    }
+    if (x.use.backward() != y.use.backward()) return !x.use.backward();
+    return x.use.bits < y.use.bits;
+  }
+
+ private:
+  int flat_side(const Vec3f& p) const {
+    return sign_orient2d(drop_axis(a_, axis_), drop_axis(b_, axis_), drop_axis(p, axis_));
+  }
+  const Surface& surface_;
+  Vec3f a_, b_, reference_;
+  int axis_ = 0, side_ = 0;
+};
+
+}  // namespace
+
+std::size_t drop_duplicates(Surface& surface, const EdgeTable& edges) {
+  // Only a triangle with an edge that is not clean can have a copy that matters: a pair of opposite copies
+  // with three clean edges is a closed shell without volume and goes with those.
+  struct Entry {
+    Triangle key;
+    std::uint32_t odd;  // parity of the permutation that sorts the corners: the orientation
+    TriangleId triangle;
+    auto operator<=>(const Entry&) const = default;
+  };
+  std::vector<std::uint8_t> candidate(surface.triangles.size(), 0);
+  edges.for_each([&](VertexId, VertexId, std::span<const EdgeUse> uses) {
+    if (uses.size() == 1 || (uses.size() == 2 && uses[0].backward() != uses[1].backward())) return;
+    for (const EdgeUse& use : uses) candidate[use.half_edge() / 3] = 1;
+  });
+  std::vector<Entry> entries;
+  for (TriangleId t = 0; t < surface.triangles.size(); ++t) {
+    if (!candidate[t]) continue;
+    Triangle key = surface.triangles[t];
+    const bool even = (key[0] < key[1] && key[1] < key[2]) || (key[1] < key[2] && key[2] < key[0]) ||
+                      (key[2] < key[0] && key[0] < key[1]);
+    std::sort(key.begin(), key.end());
+    entries.push_back({key, even ? 0u : 1u, t});
+  }
+  std::sort(entries.begin(), entries.end());
+
+  std::vector<std::uint8_t> doomed(surface.triangles.size(), 0);
+  std::size_t dropped = 0;
+  std::vector<std::uint32_t> group_of(surface.triangles.size(), kNoIndex);
+  std::vector<std::array<TriangleId, 2>> groups;  // doubled triangles, the lower id first
+  for (std::size_t i = 0; i < entries.size();) {
+    std::size_t j = i + 1;
+    while (j < entries.size() && entries[j].key == entries[i].key) ++j;
+    std::vector<TriangleId> copies;
+    for (std::size_t k = i; k < j; ++k) copies.push_back(entries[k].triangle);
+    const bool both_ways = entries[i].odd != entries[j - 1].odd;
+    std::array<TriangleId, 2> kept{copies.front(),
+                                   copies.size() > 1 ? (both_ways ? copies.back() : copies[1]) : kNoIndex};
+    if (kept[1] < kept[0]) std::swap(kept[0], kept[1]);
+    if (copies.size() % 2 == 1) kept = {*std::min_element(copies.begin(), copies.end()), kNoIndex};
+    for (const TriangleId t : copies)
+      if (t != kept[0] && t != kept[1]) doomed[t] = 1, ++dropped;
+    if (kept[1] != kNoIndex) {
+      group_of[kept[0]] = group_of[kept[1]] = static_cast<std::uint32_t>(groups.size());
+      groups.push_back(kept);
+    }
+    i = j;
+  }
+  if (!groups.empty()) {
+    DisjointSets patches(groups.size());
+    std::vector<std::uint32_t> here;
+    const auto groups_at = [&](std::span<const EdgeUse> uses) {
+      here.clear();
+      for (const EdgeUse& use : uses)
+        if (const std::uint32_t g = group_of[use.half_edge() / 3]; g != kNoIndex) here.push_back(g);
+      std::sort(here.begin(), here.end());
+      here.erase(std::unique(here.begin(), here.end()), here.end());
+    };
+    edges.for_each([&](VertexId, VertexId, std::span<const EdgeUse> uses) {
+      if (uses.size() < 2) return;
+      groups_at(uses);
+      for (std::size_t k = 1; k < here.size(); ++k) patches.unite(here[0], here[k]);
+    });
+    std::vector<std::int64_t> odd_with_one(groups.size(), 0), odd_with_both(groups.size(), 0);
+    edges.for_each([&](VertexId, VertexId, std::span<const EdgeUse> uses) {
+      if (uses.size() < 2) return;
+      groups_at(uses);
+      if (here.empty()) return;
+      std::size_t count = 0;
+      for (const EdgeUse& use : uses) count += !doomed[use.half_edge() / 3];
+      odd_with_both[patches.find(here[0])] += count % 2;
+      odd_with_one[patches.find(here[0])] += (count - here.size()) % 2;
+    });
+    for (std::uint32_t g = 0; g < groups.size(); ++g) {
+      const std::uint32_t patch = patches.find(g);
+      if (odd_with_one[patch] > odd_with_both[patch]) continue;
+      doomed[groups[g][1]] = 1;
+      ++dropped;
+    }
+  }
+  if (dropped > 0) surface.remove(doomed);
+  return dropped;
+}
+
+std::size_t pair_nonmanifold_edges(Surface& surface, const EdgeTable& edges) {
+  std::size_t nonmanifold = 0;
+  std::vector<AngleOrder::Item> ring;
+  std::vector<EdgeUse> entered;
+  edges.for_each([&](VertexId a, VertexId b, std::span<const EdgeUse> uses) {
+    if (uses.size() <= 2) return;
+    ++nonmanifold;
+    const AngleOrder order(surface, a, b, uses);
+    ring.clear();
+    for (const EdgeUse& use : uses) ring.push_back(order.item(use));
+    std::sort(ring.begin(), ring.end(), order);
+    entered.clear();
+    for (int lap = 0; lap < 2; ++lap)
+      for (const AngleOrder::Item& item : ring) {
+        const HalfEdge h = item.use.half_edge();
+        if (item.use.backward()) {
+          if (lap == 0) entered.push_back(item.use);
+        } else if (surface.twin[h] == kNoIndex && !entered.empty()) {
+          surface.twin[h] = entered.back().half_edge();
+          surface.twin[entered.back().half_edge()] = h;
+          entered.pop_back();
+        }
+      }
+  });
+  return nonmanifold;
+}
+
+std::size_t split_umbrellas(Surface& surface, const Execution& execution) {
+  execution.poll();
+  const std::size_t original = surface.positions.size();
+  std::vector<std::uint8_t> corner_done(3 * surface.triangles.size(), 0), vertex_seen(original, 0);
+  for (HalfEdge start = 0; start < corner_done.size(); ++start) {
+    if (corner_done[start]) continue;
+    const VertexId old = surface.from(start);
+    VertexId id = old;
+    if (vertex_seen[old]) {
+      id = static_cast<VertexId>(surface.positions.size());
+      const Vec3f position = surface.positions[old];
+      surface.positions.push_back(position);
+    }
+    vertex_seen[old] = 1;
+    const auto visit = [&](HalfEdge h) {
+      corner_done[h] = 1;
+      if (id != old) surface.triangles[h / 3][h % 3] = id;
+    };
+    visit(start);
+    HalfEdge h = surface.twin[previous(start)];
+    for (; h != kNoIndex && h != start; h = surface.twin[previous(h)]) visit(h);
+    if (h == start) continue;
+    // An open fan: the other way round as well.
+    for (HalfEdge back = surface.twin[start]; back != kNoIndex; back = surface.twin[next(back)])
+      visit(next(back));
+  }
+  return surface.positions.size() - original;
+}
+
+}  // namespace fracture::solid_detail

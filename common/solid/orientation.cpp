@@ -1,0 +1,48 @@
+#include "common/solid/orientation.hpp"
+
+namespace fracture::solid_detail {
+
+std::size_t orient_patches(Surface& surface, const EdgeTable& edges) {
+  const std::size_t count = surface.triangles.size();
+  constexpr std::uint32_t kSameWay = 1;
+  std::vector<std::uint64_t> across(3 * count,
+                                    ~0ull);  // neighbour half-edge << 1 | kSameWay when both run the same way
+  bool inconsistent = false;
+  edges.for_each([&](VertexId, VertexId, std::span<const EdgeUse> uses) {
+    if (uses.size() != 2) return;
+    const std::uint64_t same = uses[0].backward() == uses[1].backward() ? kSameWay : 0;
+    inconsistent |= same != 0;
+    across[uses[0].half_edge()] = static_cast<std::uint64_t>(uses[1].half_edge()) << 1 | same;
+    across[uses[1].half_edge()] = static_cast<std::uint64_t>(uses[0].half_edge()) << 1 | same;
+  });
+  if (!inconsistent) return 0;
+
+  std::vector<std::uint8_t> state(
+      count, 2);  // 0: as it is, 1: reversed against the patch's lowest triangle, 2: unseen
+  std::vector<TriangleId> patch;
+  std::size_t flipped = 0;
+  for (TriangleId seed = 0; seed < count; ++seed) {
+    if (state[seed] != 2) continue;
+    patch.assign(1, seed);
+    state[seed] = 0;
+    std::size_t reversed = 0;
+    for (std::size_t i = 0; i < patch.size(); ++i)
+      for (HalfEdge h = 3 * patch[i]; h < 3 * patch[i] + 3; ++h) {
+        if (across[h] == ~0ull) continue;
+        const auto neighbour = static_cast<TriangleId>((across[h] >> 1) / 3);
+        if (state[neighbour] != 2) continue;
+        state[neighbour] = state[patch[i]] ^ static_cast<std::uint8_t>(across[h] & kSameWay);
+        reversed += state[neighbour];
+        patch.push_back(neighbour);
+      }
+    const std::uint8_t minority = 2 * reversed > patch.size() ? 0 : 1;
+    for (const TriangleId t : patch)
+      if (state[t] == minority) {
+        surface.flip(t);
+        ++flipped;
+      }
+  }
+  return flipped;
+}
+
+}  // namespace fracture::solid_detail

@@ -1,0 +1,81 @@
+// The working form of make_solid(): an indexed surface that its stages weld, orient, pair, fill and split in
+// place.
+//
+// Half-edge h = 3t + k is the directed edge of triangle t from corner k to corner (k + 1) % 3.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "common/base/vec.hpp"
+#include "common/mesh/mesh.hpp"
+
+namespace fracture::solid_detail {
+
+using VertexId = std::uint32_t;
+using TriangleId = std::uint32_t;
+using HalfEdge = std::uint32_t;
+using Triangle = std::array<VertexId, 3>;
+
+inline HalfEdge next(HalfEdge h) { return h % 3 == 2 ? h - 2 : h + 1; }
+inline HalfEdge previous(HalfEdge h) { return h % 3 == 0 ? h + 2 : h - 1; }
+
+struct Surface {
+  std::vector<Vec3f> positions;
+  std::vector<Triangle> triangles;
+  std::vector<TriangleId> source;  ///< per triangle: the source triangle, kNoIndex for filled ones
+  std::vector<std::uint8_t>
+      flipped;  ///< per triangle, empty when none is: corners 1 and 2 are swapped against the source
+  std::vector<HalfEdge> twin;  ///< per half-edge: the opposite half-edge it is glued to, kNoIndex when open
+
+  VertexId from(HalfEdge h) const { return triangles[h / 3][h % 3]; }
+  VertexId to(HalfEdge h) const { return triangles[h / 3][(h % 3 + 1) % 3]; }
+  VertexId apex(HalfEdge h) const { return triangles[h / 3][(h % 3 + 2) % 3]; }
+  void flip(TriangleId t) {
+    if (flipped.empty()) flipped.assign(triangles.size(), 0);
+    std::swap(triangles[t][1], triangles[t][2]);
+    flipped[t] ^= 1;
+  }
+  /// Removes the triangles whose entry is not zero, keeping the order of the others; twins become invalid.
+  void remove(const std::vector<std::uint8_t>& doomed);
+};
+
+inline void Surface::remove(const std::vector<std::uint8_t>& doomed) {
+  std::size_t kept = 0;
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    if (doomed[t]) continue;
+    triangles[kept] = triangles[t];
+    source[kept] = source[t];
+    if (!flipped.empty()) flipped[kept] = flipped[t];
+    ++kept;
+  }
+  triangles.resize(kept);
+  source.resize(kept);
+  if (!flipped.empty()) flipped.resize(kept);
+  twin.clear();
+}
+
+/// Disjoint sets whose root is always the lowest member (so that results do not depend on the order of
+/// unions).
+class DisjointSets {
+ public:
+  explicit DisjointSets(std::size_t count) : parent_(count) {
+    for (std::size_t i = 0; i < count; ++i) parent_[i] = static_cast<std::uint32_t>(i);
+  }
+  std::uint32_t find(std::uint32_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void unite(std::uint32_t a, std::uint32_t b) {
+    a = find(a);
+    b = find(b);
+    if (a < b) parent_[b] = a;
+    if (b < a) parent_[a] = b;
+  }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+};
+
+}  // namespace fracture::solid_detail
