@@ -1,0 +1,174 @@
+#include "common/clip/caps.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "common/clip/triangulate.hpp"
+
+namespace fracture {
+namespace {
+
+/// The boundary pieces of all facets, by facet: a facet is (lo, hi, part).
+std::vector<CapSegment> gather_segments(const Solid& solid, const VoronoiDiagram& diagram,
+                                        const SurfaceCuts& cuts, const Winding& winding) {
+  // Counting sort by lo, then a stable sort of each cell's few facets: the order inside a facet is that of
+  // gathering.
+  const std::uint32_t sites = diagram.dual().site_count();
+  std::vector<std::uint32_t> begin(sites + 1, 0);
+  const auto each = [&](const auto& visit) {
+    // Surface: the polygon of cell lo runs along the bisector one way, so the cap of cell lo runs the other
+    // way.
+    for (const CutPolygon& p : cuts.polygons)
+      for (std::uint32_t k = 0; k < p.count; ++k) {
+        const PolygonSide side = cuts.sides[p.first + k];
+        if (is_mesh_edge(side) || side < p.cell) continue;
+        const VertexId from = cuts.vertices[p.first + k], to = cuts.vertices[p.first + (k + 1) % p.count];
+        visit(CapSegment{p.cell, side, to, from, 1, solid.part[p.triangle]});
+      }
+    for (const CapSegment& s : winding.segments) visit(s);
+  };
+  each([&](const CapSegment& s) { ++begin[s.lo + 1]; });
+  for (std::uint32_t s = 0; s < sites; ++s) begin[s + 1] += begin[s];
+  std::vector<CapSegment> sorted(begin[sites]);
+  std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
+  each([&](const CapSegment& s) { sorted[next[s.lo]++] = s; });
+  for (std::uint32_t s = 0; s < sites; ++s)
+    std::stable_sort(sorted.begin() + begin[s], sorted.begin() + begin[s + 1],
+                     [](const CapSegment& a, const CapSegment& b) {
+                       return a.hi != b.hi ? a.hi < b.hi : a.part < b.part;
+                     });
+  return sorted;
+}
+
+/// Builds the caps of one facet after the other; keeps its buffers between them.
+class FacetBuilder {
+ public:
+  FacetBuilder(const VoronoiDiagram& diagram, const VertexPositions& positions, Caps& out)
+      : diagram_(diagram), positions_(positions), out_(out) {}
+
+  /// segments: all of one facet, in gathering order.
+  void build(const CapSegment* first, const CapSegment* last) {
+    chain(first, last);
+    project(first->lo, first->hi);
+    triangulate(points_, loop_begin_, triangulation_);
+    out_.crossing += triangulation_.unnested_loops;
+
+    // Triangles by region (they come in runs, but a region may have several).
+    const auto& t = triangulation_;
+    for (std::uint32_t region = 0; region < t.regions; ++region) {
+      const auto first_triangle = static_cast<std::uint32_t>(out_.triangles.size());
+      for (std::size_t k = 0; k < t.triangles.size(); ++k)
+        if (t.region[k] == region)
+          out_.triangles.push_back(
+              {loop_[t.triangles[k][0]], loop_[t.triangles[k][1]], loop_[t.triangles[k][2]]});
+      const auto count = static_cast<std::uint32_t>(out_.triangles.size()) - first_triangle;
+      if (count > 0) out_.regions.push_back({first->lo, first->hi, first->part, first_triangle, count});
+    }
+  }
+
+ private:
+  // Directed pieces into loops. A vertex has as many pieces leaving as arriving; more than one of each only
+  // where the winding number is above one: then the k-th copy goes on with the k-th.
+  void chain(const CapSegment* first, const CapSegment* last) {
+    edges_.clear();
+    for (const CapSegment* s = first; s != last; ++s)
+      for (std::int32_t copy = 0; copy < std::abs(s->multiplicity); ++copy)
+        edges_.push_back(s->multiplicity > 0 ? Edge{s->from, s->to, false} : Edge{s->to, s->from, false});
+    leaving_.resize(edges_.size());
+    for (std::uint32_t e = 0; e < edges_.size(); ++e) leaving_[e] = e;
+    std::sort(leaving_.begin(), leaving_.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return edges_[a].from != edges_[b].from ? edges_[a].from < edges_[b].from : a < b;
+    });
+    loop_.clear();
+    loop_begin_.assign(1, 0);
+    for (std::uint32_t start = 0; start < edges_.size(); ++start) {
+      if (edges_[start].used) continue;
+      const VertexId home = edges_[start].from;
+      for (std::uint32_t e = start;;) {
+        edges_[e].used = true;
+        loop_.push_back(edges_[e].from);
+        const VertexId at = edges_[e].to;
+        if (at == home) break;
+        e = next_from(at, first);
+      }
+      loop_begin_.push_back(static_cast<std::uint32_t>(loop_.size()));
+    }
+  }
+
+  std::uint32_t next_from(VertexId v, const CapSegment* facet) const {
+    auto it = std::lower_bound(leaving_.begin(), leaving_.end(), v,
+                               [&](std::uint32_t e, VertexId key) { return edges_[e].from < key; });
+    for (; it != leaving_.end() && edges_[*it].from == v; ++it)
+      if (!edges_[*it].used) return *it;
+    throw InternalError("cap of cells " + std::to_string(facet->lo) + " and " + std::to_string(facet->hi) +
+                        " is open at vertex " + std::to_string(v));
+  }
+
+  // Drops the axis along which the bisector's normal is longest, keeping the orientation seen from cell hi.
+  void project(SiteId lo, SiteId hi) {
+    const Vec3d u = diagram_.site(hi) - diagram_.site(lo);
+    int axis = 0;
+    for (int a = 1; a < 3; ++a)
+      if (std::fabs(u[a]) > std::fabs(u[axis])) axis = a;
+    int x = (axis + 1) % 3, y = (axis + 2) % 3;
+    if (u[axis] < 0) std::swap(x, y);
+    points_.resize(loop_.size());
+    for (std::size_t k = 0; k < loop_.size(); ++k) {
+      const auto& s = positions_.steps[loop_[k] - positions_.first_constructed];
+      points_[k] = {s[static_cast<std::size_t>(x)], s[static_cast<std::size_t>(y)]};
+    }
+  }
+
+  struct Edge {
+    VertexId from, to;
+    bool used;
+  };
+  const VoronoiDiagram& diagram_;
+  const VertexPositions& positions_;
+  Caps& out_;
+  std::vector<Edge> edges_;
+  std::vector<std::uint32_t> leaving_;
+  std::vector<VertexId> loop_;
+  std::vector<std::uint32_t> loop_begin_;
+  std::vector<LatticePoint> points_;
+  Triangulation triangulation_;
+};
+
+bool same_facet(const CapSegment& a, const CapSegment& b) {
+  return a.lo == b.lo && a.hi == b.hi && a.part == b.part;
+}
+
+}  // namespace
+
+Caps build_caps(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
+                const Winding& winding, const VertexPositions& positions, const Execution& execution) {
+  const std::vector<CapSegment> segments = gather_segments(solid, diagram, cuts, winding);
+  std::vector<std::uint32_t> facet_begin;
+  for (std::uint32_t s = 0; s < segments.size(); ++s)
+    if (s == 0 || !same_facet(segments[s - 1], segments[s])) facet_begin.push_back(s);
+  const std::size_t facets = facet_begin.size();
+  facet_begin.push_back(static_cast<std::uint32_t>(segments.size()));
+
+  constexpr std::size_t kBlock = 64;
+  std::vector<Caps> found((facets + kBlock - 1) / kBlock);
+  parallel_for(execution, facets, kBlock, [&](std::size_t begin, std::size_t end) {
+    FacetBuilder builder(diagram, positions, found[begin / kBlock]);
+    for (std::size_t f = begin; f < end; ++f)
+      builder.build(segments.data() + facet_begin[f], segments.data() + facet_begin[f + 1]);
+  });
+
+  Caps out;
+  for (const Caps& block : found) {
+    const auto base = static_cast<std::uint32_t>(out.triangles.size());
+    for (CapRegion r : block.regions) {
+      r.first_triangle += base;
+      out.regions.push_back(r);
+    }
+    out.triangles.insert(out.triangles.end(), block.triangles.begin(), block.triangles.end());
+    out.crossing += block.crossing;
+  }
+  return out;
+}
+
+}  // namespace fracture

@@ -1,0 +1,34 @@
+// Caps: the interior faces, solid ∩ Voronoi facet. On each facet the surface's segments and the intervals of
+// Voronoi edges inside the solid, with multiplicity, chain by key into closed loops; each facet is
+// triangulated once, and both cells get the same triangles, one set mirrored. Closed by algebra for any
+// closed surface, self-crossing ones too.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "common/clip/positions.hpp"
+#include "common/clip/surface_cuts.hpp"
+#include "common/clip/winding.hpp"
+
+namespace fracture {
+
+/// A connected piece of solid ∩ facet(lo, hi): a loop with its holes.
+struct CapRegion {
+  SiteId lo, hi;       ///< lo < hi
+  std::uint32_t part;  ///< of the solid
+  std::uint32_t first_triangle, triangle_count;
+};
+
+struct Caps {
+  std::vector<CapRegion> regions;  ///< by (lo, hi, part)
+  std::vector<std::array<VertexId, 3>>
+      triangles;               ///< as seen from cell hi: outward for lo; cell hi takes them mirrored
+  std::uint64_t crossing = 0;  ///< loops that could not be nested (0 on embedded input)
+};
+
+Caps build_caps(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
+                const Winding& winding, const VertexPositions& positions, const Execution& execution);
+
+}  // namespace fracture

@@ -1,0 +1,105 @@
+#include "common/clip/ear_clipping.hpp"
+
+#include <cstdlib>
+
+namespace fracture {
+namespace {
+
+using Triangles = std::vector<std::array<std::uint32_t, 3>>;
+
+// Halves the ring again and again: triangles of even size rather than a fan of slivers.
+void split_convex(std::span<const std::uint32_t> ring, std::size_t first, std::size_t last,
+                  Triangles& triangles) {
+  if (last - first < 2) return;
+  const std::size_t middle = first + (last - first) / 2;
+  triangles.push_back({ring[first], ring[middle], ring[last]});
+  split_convex(ring, first, middle, triangles);
+  split_convex(ring, middle, last, triangles);
+}
+
+bool in_triangle(const LatticePoint& p, const LatticePoint& a, const LatticePoint& b, const LatticePoint& c) {
+  return orient2d(a, b, p) >= 0 && orient2d(b, c, p) >= 0 && orient2d(c, a, p) >= 0;
+}
+
+}  // namespace
+
+bool is_convex(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring) {
+  const std::size_t n = ring.size();
+  int turns =
+      0;  // a convex ring changes its direction in x twice; a ring that winds twice does so four times
+  bool strict = false;
+  std::int64_t last = 0;
+  for (std::size_t k = 0; k < n; ++k) {
+    const LatticePoint &a = points[ring[k]], &b = points[ring[(k + 1) % n]], &c = points[ring[(k + 2) % n]];
+    const std::int64_t o = orient2d(a, b, c);
+    if (o < 0) return false;
+    strict |= o > 0;
+    const std::int64_t dx = b.x - a.x;
+    if (dx != 0) {
+      if (last != 0 && (dx > 0) != (last > 0)) ++turns;
+      last = dx;
+    }
+  }
+  return strict && turns <= 2;
+}
+
+void clip_ears(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring,
+               Triangles& triangles) {
+  const std::size_t n = ring.size();
+  if (n < 3) return;
+  if (n == 3) {
+    triangles.push_back({ring[0], ring[1], ring[2]});
+    return;
+  }
+  if (is_convex(points, ring)) {
+    split_convex(ring, 0, n - 1, triangles);
+    return;
+  }
+
+  std::vector<std::uint32_t> next(n), prev(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    next[k] = static_cast<std::uint32_t>((k + 1) % n);
+    prev[k] = static_cast<std::uint32_t>((k + n - 1) % n);
+  }
+  const auto at = [&](std::uint32_t k) -> const LatticePoint& { return points[ring[k]]; };
+  const auto area = [&](std::uint32_t k) { return orient2d(at(prev[k]), at(k), at(next[k])); };
+  const auto is_ear = [&](std::uint32_t k) {
+    const LatticePoint &a = at(prev[k]), &b = at(k), &c = at(next[k]);
+    for (std::uint32_t m = next[next[k]]; m != prev[k]; m = next[m]) {
+      const LatticePoint& p = at(m);
+      if (p == a || p == b || p == c) continue;  // a pinch touches, it does not block
+      if (area(m) <= 0 && in_triangle(p, a, b, c)) return false;
+    }
+    return true;
+  };
+  const auto cut = [&](std::uint32_t k) {
+    triangles.push_back({ring[prev[k]], ring[k], ring[next[k]]});
+    next[prev[k]] = next[k];
+    prev[next[k]] = prev[k];
+  };
+
+  std::uint32_t k = 0;
+  std::size_t left = n, since_cut = 0;
+  while (left > 3) {
+    if (area(k) > 0 && is_ear(k)) {
+      cut(k);
+      --left;
+      since_cut = 0;
+      k = next[next[k]];  // skipping one spreads the ears around the ring
+      continue;
+    }
+    k = next[k];
+    if (++since_cut < left) continue;
+    // No proper ear: a flat one, or at worst the smallest.
+    std::uint32_t best = k;
+    for (std::size_t m = 0; m < left; ++m, k = next[k])
+      if (std::llabs(area(k)) < std::llabs(area(best))) best = k;
+    cut(best);
+    --left;
+    since_cut = 0;
+    k = next[best];
+  }
+  triangles.push_back({ring[prev[k]], ring[k], ring[next[k]]});
+}
+
+}  // namespace fracture

@@ -1,0 +1,40 @@
+// Where the symbolic vertices are: twice over. `point` is the exact rational position rounded to double, for
+// figures (volumes, areas, moments); `steps` is the same rational position rounded once, to nearest-even, on
+// the seam lattice, and is what the file holds. Vertices that are equal as rationals get equal steps,
+// whatever their keys.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "common/clip/surface_cuts.hpp"
+#include "common/clip/winding.hpp"
+
+namespace fracture {
+
+/// The lattice of constructed vertices: on each axis a step of h = 2^(ceil(log2(max(R, S))) - 23), R the
+/// largest |coordinate| and S the extent of the input on that axis. Coordinates are then integers of at most
+/// 24 bits, so positions, pivots (multiples of h) and their differences are all exact in float32 (invariant
+/// I2).
+struct SeamLattice {
+  std::array<int, 3> exponent{};  ///< h_a = 2^exponent[a], metres
+  explicit SeamLattice(const Box& box);
+  SeamLattice() = default;
+  Vec3d step() const;
+  Vec3d to_world(const std::array<std::int32_t, 3>& steps) const;
+};
+
+struct VertexPositions {
+  SeamLattice lattice;
+  VertexId first_constructed = 0;  ///< = number of mesh vertices
+  std::vector<Vec3d> points;       ///< of vertex first_constructed + k, unrounded
+  std::vector<std::array<std::int32_t, 3>>
+      steps;                          ///< of vertex first_constructed + k, in units of the lattice
+  std::uint64_t exact_roundings = 0;  ///< how many needed rational arithmetic (debugging aid)
+};
+
+VertexPositions place_vertices(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
+                               const Winding& winding, const Execution& execution);
+
+}  // namespace fracture

@@ -1,0 +1,73 @@
+// The restricted Voronoi diagram of the surface: every mesh triangle divided among the cells it meets, with
+// symbolic vertices (Yan et al. 2009, "Isotropic remeshing with fast and exact computation of restricted
+// Voronoi diagram"; Lévy 2016 for the symbolic vertices). Three passes, each near-linear and each an exact
+// decision:
+//   labels      the cell of each mesh vertex, by a greedy walk from a neighbour's label
+//   edge cuts   where a mesh edge passes from cell to cell                                         (B
+//   vertices) polygons    triangle ∩ cell for every cell that meets a triangle whose labels differ (C
+//   vertices)
+// A cell is convex, so a triangle whose labels agree lies in one cell and needs no cutting.
+//
+// Vertex names (keys), one VertexId space for the whole solid:
+//   A  mesh vertex v                                   ids [0, vertices)
+//   B  mesh edge e x bisector(i, j)                    ids [vertices, vertices + edge_cuts)
+//   C  mesh triangle t x Voronoi edge (i, j, k)        ids [.. , .. + triangle_cuts)
+//   D  Voronoi vertex (tetrahedron) in a layer         ids from there on (winding.hpp)
+// Both sides of every cut use the same ids: that is why nothing can open.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "common/base/execution.hpp"
+#include "common/solid/solid.hpp"
+#include "common/voronoi/voronoi_diagram.hpp"
+
+namespace fracture {
+
+using VertexId = std::uint32_t;
+
+/// Going along the edge from its lower to its higher vertex id, here it leaves cell `from` and enters cell
+/// `to`.
+struct EdgeCut {
+  std::uint32_t edge;
+  SiteId from, to;
+};
+
+struct TriangleCut {
+  std::uint32_t triangle;
+  std::array<SiteId, 3> sites;  ///< ascending
+};
+
+/// What a side of a polygon lies on: a neighbour's site id (the bisector of `cell` and it), or kMeshEdge + k
+/// for the triangle's edge from corner k to corner k+1.
+using PolygonSide = std::uint32_t;
+inline constexpr PolygonSide kMeshEdge = 0xfffffff0u;
+inline bool is_mesh_edge(PolygonSide side) { return side >= kMeshEdge; }
+
+/// triangle ∩ cell: a convex polygon, counter-clockwise as the triangle. Side k runs from vertex k to vertex
+/// k+1.
+struct CutPolygon {
+  std::uint32_t triangle;
+  SiteId cell;
+  std::uint32_t first, count;  ///< range of SurfaceCuts::vertices and ::sides
+};
+
+struct SurfaceCuts {
+  std::vector<SiteId> label;                  ///< per mesh vertex
+  std::vector<std::uint32_t> edge_cut_begin;  ///< per mesh edge + 1: its range of edge_cuts
+  std::vector<EdgeCut> edge_cuts;             ///< B vertices, by edge, in order along the edge
+  std::vector<TriangleCut> triangle_cuts;     ///< C vertices, by triangle
+  std::vector<CutPolygon> polygons;           ///< of cut triangles only, by triangle, then ascending by cell
+  std::vector<VertexId> vertices;
+  std::vector<PolygonSide> sides;
+
+  VertexId first_b() const { return static_cast<VertexId>(label.size()); }
+  VertexId first_c() const { return first_b() + static_cast<VertexId>(edge_cuts.size()); }
+  VertexId first_d() const { return first_c() + static_cast<VertexId>(triangle_cuts.size()); }
+};
+
+SurfaceCuts cut_surface(const Solid& solid, const VoronoiDiagram& diagram, const Execution& execution);
+
+}  // namespace fracture

@@ -1,0 +1,151 @@
+#include "common/clip/triangulate.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <tuple>
+
+#include "common/clip/ear_clipping.hpp"
+#include "common/clip/monotone_partition.hpp"
+
+namespace fracture {
+namespace {
+
+using Triangles = std::vector<std::array<std::uint32_t, 3>>;
+
+// Up to here ears are as fast as a sweep and make better triangles.
+constexpr std::size_t kSmallRing = 64;
+
+/// Garey, Johnson, Preparata & Tarjan 1978, written as ear cutting on a linked ring so that it cannot use an
+/// edge twice: a triangle is only cut where its three corners are consecutive. Returns false, with nothing
+/// emitted, when the ring is not monotone after all.
+bool triangulate_monotone(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring,
+                          Triangles& triangles) {
+  const std::size_t n = ring.size(), before = triangles.size();
+  std::vector<std::uint32_t> next(n), prev(n), order(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    next[k] = static_cast<std::uint32_t>((k + 1) % n);
+    prev[k] = static_cast<std::uint32_t>((k + n - 1) % n);
+  }
+  std::iota(order.begin(), order.end(), 0u);
+  const auto at = [&](std::uint32_t k) -> const LatticePoint& { return points[ring[k]]; };
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return std::tie(at(a).y, at(a).x, ring[a], a) < std::tie(at(b).y, at(b).x, ring[b], b);
+  });
+  const auto cut = [&](std::uint32_t k) {
+    triangles.push_back({ring[prev[k]], ring[k], ring[next[k]]});
+    next[prev[k]] = next[k];
+    prev[next[k]] = prev[k];
+  };
+  const auto fail = [&] {
+    triangles.resize(before);
+    return false;
+  };
+
+  std::vector<std::uint32_t> stack{order[0], order[1]};
+  for (std::size_t m = 2; m < n; ++m) {
+    const std::uint32_t v = order[m], top = stack.back();
+    if (next[top] == v || prev[top] == v) {
+      // Same chain (or the last vertex, adjacent to both): cut while the corner at the top is convex.
+      while (stack.size() >= 2) {
+        const std::uint32_t k = stack.back();
+        const bool forward = next[k] == v;
+        if (!forward && prev[k] != v) return fail();
+        if (m + 1 < n && orient2d(at(prev[k]), at(k), at(next[k])) <= 0) break;
+        if (prev[k] == next[k]) break;
+        const std::uint32_t below = stack[stack.size() - 2];
+        if ((forward ? prev[k] : next[k]) != below) return fail();
+        cut(k);
+        stack.pop_back();
+      }
+      stack.push_back(v);
+    } else {
+      // Opposite chain: fan from v over the whole stack, from its bottom, which is v's neighbour.
+      for (std::size_t s = 0; s + 1 < stack.size(); ++s) {
+        const std::uint32_t k = stack[s];
+        if (next[k] != v && prev[k] != v) return fail();
+        if ((next[k] == v ? prev[k] : next[k]) != stack[s + 1]) return fail();
+        cut(k);
+      }
+      stack.assign({top, v});
+    }
+  }
+  return triangles.size() == before + n - 2 || fail();
+}
+
+void triangulate_ring(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring,
+                      Triangles& triangles) {
+  if (ring.size() > kSmallRing && triangulate_monotone(points, ring, triangles)) return;
+  clip_ears(points, ring, triangles);
+}
+
+/// A large single loop without holes.
+void triangulate_loop(std::span<const LatticePoint> points, std::span<const std::uint32_t> loop,
+                      Triangles& triangles) {
+  std::vector<LatticePoint> own(loop.size());
+  for (std::size_t k = 0; k < loop.size(); ++k) own[k] = points[loop[k]];
+  const std::array<std::uint32_t, 2> begin{0, static_cast<std::uint32_t>(loop.size())};
+  Partition partition;
+  partition_monotone(own, begin, partition);
+  const std::size_t from = triangles.size();
+  for (std::size_t r = 0; r + 1 < partition.ring_begin.size(); ++r)
+    triangulate_ring(own,
+                     std::span<const std::uint32_t>(partition.ring_points.data() + partition.ring_begin[r],
+                                                    partition.ring_begin[r + 1] - partition.ring_begin[r]),
+                     triangles);
+  for (std::size_t t = from; t < triangles.size(); ++t)
+    for (std::uint32_t& k : triangles[t]) k = loop[k];
+}
+
+int orientation(std::span<const LatticePoint> points, std::uint32_t begin, std::uint32_t end) {
+  __int128 sum = 0;
+  for (std::uint32_t k = begin + 1; k + 1 < end; ++k)
+    sum += orient2d(points[begin], points[k], points[k + 1]);
+  return sum > 0 ? 1 : sum < 0 ? -1 : 0;
+}
+
+}  // namespace
+
+void triangulate(std::span<const LatticePoint> points, std::span<const std::uint32_t> loop_begin,
+                 Triangulation& out) {
+  out.clear();
+  const auto loops = static_cast<std::uint32_t>(loop_begin.size() - 1);
+  const auto add_region = [&](std::size_t from) {
+    out.region.resize(from);
+    out.region.resize(out.triangles.size(), out.regions++);
+  };
+  std::vector<std::uint32_t> ring;
+
+  bool holes = false;
+  for (std::uint32_t l = 0; l < loops && loops > 1; ++l)
+    holes |= orientation(points, loop_begin[l], loop_begin[l + 1]) < 0;
+  if (!holes) {  // every loop is a region of its own
+    for (std::uint32_t l = 0; l < loops; ++l) {
+      ring.resize(loop_begin[l + 1] - loop_begin[l]);
+      std::iota(ring.begin(), ring.end(), loop_begin[l]);
+      const std::size_t from = out.triangles.size();
+      if (ring.size() <= kSmallRing || is_convex(points, ring))
+        clip_ears(points, ring, out.triangles);
+      else
+        triangulate_loop(points, ring, out.triangles);
+      add_region(from);
+    }
+    return;
+  }
+
+  Partition partition;
+  partition_monotone(points, loop_begin, partition);
+  out.unnested_loops = static_cast<std::uint32_t>(partition.unnested.size());
+  // Rings of one region become consecutive; regions are numbered by their first ring.
+  std::vector<std::uint32_t> number(loops, 0xffffffffu);
+  for (std::size_t r = 0; r + 1 < partition.ring_begin.size(); ++r) {
+    std::uint32_t& region = number[partition.ring_loop[r]];
+    if (region == 0xffffffffu) region = out.regions++;
+    const std::span<const std::uint32_t> points_of_ring(
+        partition.ring_points.data() + partition.ring_begin[r],
+        partition.ring_begin[r + 1] - partition.ring_begin[r]);
+    triangulate_ring(points, points_of_ring, out.triangles);
+    out.region.resize(out.triangles.size(), region);
+  }
+}
+
+}  // namespace fracture

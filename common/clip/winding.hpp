@@ -1,0 +1,43 @@
+// Which pieces of Voronoi edges lie inside the solid. The C vertices on a Voronoi edge, put in order along
+// it, cut it into intervals; the winding number w of the surface rises by one where the edge enters and falls
+// by one where it leaves. The edges form a connected graph, and w = 0 at Voronoi vertices beyond the box, so
+// one traversal of the tetrahedra gives w everywhere without a single point query. Every circuit must come
+// back to the same w: if not, the surface was not closed, and that is an internal error with ids (invariant
+// I1's exact test).
+//
+// Layers (solid.hpp) are treated one by one: a Voronoi vertex that lies inside two overlapping parts is two D
+// vertices.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/clip/surface_cuts.hpp"
+
+namespace fracture {
+
+/// A directed piece of the boundary of the region solid ∩ facet(lo, hi), lo < hi: counter-clockwise seen from
+/// hi, that is, as the cap of cell lo whose normal points from lo to hi. Stands for |multiplicity| copies,
+/// reversed when < 0.
+struct CapSegment {
+  SiteId lo, hi;
+  VertexId from, to;
+  std::int32_t multiplicity;
+  std::uint32_t part;  ///< of the solid
+};
+
+/// A Voronoi vertex inside the solid.
+struct InnerVertex {
+  TetId tet;
+  std::uint32_t part;
+};
+
+struct Winding {
+  std::vector<InnerVertex> inner_vertices;  ///< the D vertices: ids from SurfaceCuts::first_d() on
+  std::vector<CapSegment> segments;  ///< pieces of Voronoi edges inside the solid, each for its three facets
+};
+
+Winding wind_voronoi_edges(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
+                           const Execution& execution);
+
+}  // namespace fracture
