@@ -1,5 +1,13 @@
-// Mesh files in: tinygltf for glTF and GLB, Assimp for everything else. Bytes in, Mesh or a typed error out; no file is
-// ever opened by name (the bytes are the only file a loader can see).
+// Mesh files in: tinygltf for glTF and GLB, Assimp for everything else. Bytes in, Mesh or a typed error out;
+// no file is ever opened by name: the bytes, and the further parts of a multipart upload, are all a loader
+// can see.
+//
+//   bytes ──> preflight (own code: magic, lengths, depth, ranges) ──> loader ──> Mesh ──> finish (finite,
+//   limits)
+//
+// The preflight exists because the loaders trust what a file says about itself: tinygltf takes an accessor of
+// 2^31 elements, RapidJSON inside Assimp overflows the stack on 400 KB of '[', a 186-byte PLY that declares
+// 10^7 vertices costs seconds, and both libraries open any local file that a uri names.
 #pragma once
 
 #include <cstddef>
@@ -24,13 +32,25 @@ const char* extension_of(MeshFormat format);
 bool enabled_by_default(MeshFormat format);
 
 struct ImportLimits {
-  std::uint64_t max_triangles = 4'000'000;
-  std::uint64_t max_decoded_bytes = 256ull << 20;
+  std::uint64_t max_triangles = 4'000'000;         ///< after instancing
+  std::uint64_t max_decoded_bytes = 256ull << 20;  ///< decompressed buffers, and the arrays of the Mesh
   std::uint32_t max_json_depth = 64;
 };
 
-/// Errors: kEmptyBody, kMalformedMesh (what and at which byte), kUnsupportedFeature (names it), kExternalResource,
-/// kTooLarge, kNotFinite (NaN or infinite coordinate, with the vertex), kEmptyMesh.
-Expected<Mesh> import_mesh(std::span<const std::byte> bytes, MeshFormat format, const ImportLimits& limits);
+/// A further file that the mesh may name ("barrel.bin", "textures/wood.png", "barrel.mtl"): a part of a
+/// multipart upload. Names are compared literally with the percent-decoded uri; there is no directory to
+/// walk.
+struct ImportFile {
+  std::string name;
+  std::span<const std::byte> bytes;
+};
+
+/// Coordinates are those of the file after its own node transforms (glTF: metres, y up). Wedges with
+/// identical positions in the file have bit-identical positions here. Texture coordinates are glTF's (v down)
+/// whatever the format. Errors: kEmptyBody, kMalformedMesh (what and at which byte), kUnsupportedFeature
+/// (names it), kExternalResource, kTooLarge, kNotFinite (NaN or infinite coordinate, with the vertex),
+/// kEmptyMesh.
+Expected<Mesh> import_mesh(std::span<const std::byte> bytes, MeshFormat format, const ImportLimits& limits,
+                           std::span<const ImportFile> files = {});
 
 }  // namespace fracture

@@ -1,0 +1,32 @@
+// The only files Assimp can see: the upload's own bytes under one name, and its further parts.
+#pragma once
+
+#include <assimp/IOStream.hpp>
+#include <assimp/IOSystem.hpp>
+#include <cstddef>
+#include <span>
+#include <string>
+
+#include "common/import/import.hpp"
+
+namespace fracture {
+
+class UploadedFiles : public Assimp::IOSystem {
+ public:
+  UploadedFiles(std::string main_name, std::span<const std::byte> main, std::span<const ImportFile> files)
+      : main_name_(std::move(main_name)), main_(main), files_(files) {}
+
+  bool Exists(const char* name) const override { return find(name) != nullptr; }
+  char getOsSeparator() const override { return '/'; }
+  Assimp::IOStream* Open(const char* name, const char* mode) override;
+  void Close(Assimp::IOStream* stream) override { delete stream; }
+
+ private:
+  const std::span<const std::byte>* find(std::string_view name) const;
+
+  std::string main_name_;
+  std::span<const std::byte> main_;
+  std::span<const ImportFile> files_;
+};
+
+}  // namespace fracture

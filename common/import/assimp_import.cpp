@@ -1,0 +1,165 @@
+#include "common/import/assimp_import.hpp"
+
+#include <assimp/BaseImporter.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+
+#include <assimp/Importer.hpp>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "common/import/assimp_files.hpp"
+#include "common/import/assimp_materials.hpp"
+#include "common/import/mesh_builder.hpp"
+#include "common/import/refused.hpp"
+#include "common/import/transform.hpp"
+
+namespace fracture {
+namespace {
+
+/// Leaves the one reader of the format registered. Unregistering does not delete, so that is done here.
+void keep_only(Assimp::Importer& importer, const std::string& extension) {
+  std::vector<Assimp::BaseImporter*> others;
+  for (std::size_t k = 0; k < importer.GetImporterCount(); ++k) {
+    std::set<std::string> extensions;
+    importer.GetImporter(k)->GetExtensionList(extensions);
+    if (extensions.count(extension) == 0) others.push_back(importer.GetImporter(k));
+  }
+  for (Assimp::BaseImporter* other : others) {
+    importer.UnregisterLoader(other);
+    delete other;
+  }
+}
+
+Transform to_transform(const aiMatrix4x4& m) {
+  return {{m.a1, m.b1, m.c1}, {m.a2, m.b2, m.c2}, {m.a3, m.b3, m.c3}, {m.a4, m.b4, m.c4}};
+}
+
+/// Before Assimp's own post-processing walks over them.
+void check_indices(const aiScene& scene) {
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+    const aiMesh& mesh = *scene.mMeshes[m];
+    for (unsigned f = 0; f < mesh.mNumFaces; ++f)
+      for (unsigned k = 0; k < mesh.mFaces[f].mNumIndices; ++k)
+        if (mesh.mFaces[f].mIndices[k] >= mesh.mNumVertices)
+          refuse(ErrorCode::kMalformedMesh, "Face " + std::to_string(f) + " names vertex " +
+                                                std::to_string(mesh.mFaces[f].mIndices[k]) + "; there are " +
+                                                std::to_string(mesh.mNumVertices) + ".");
+  }
+}
+
+/// Normals that only repeat the facets (STL) say nothing that the triangles do not; without them wedges can
+/// be shared and a reader shades flat, as glTF prescribes for missing normals.
+bool keeps_normals(MeshFormat format) { return format != MeshFormat::kStl; }
+
+Surface to_surface(const aiMesh& mesh, const Transform& transform, std::uint32_t material,
+                   MeshFormat format) {
+  Surface surface;
+  const std::size_t count = mesh.mNumVertices;
+  const bool identity = transform == Transform{};
+  const bool mirrored = transform.determinant() < 0;
+  surface.positions.resize(count);
+  for (std::size_t v = 0; v < count; ++v) {
+    const aiVector3D& p = mesh.mVertices[v];
+    surface.positions[v] = identity ? Vec3f{p.x, p.y, p.z} : to_float(transform.point({p.x, p.y, p.z}));
+  }
+  if (mesh.HasNormals() && keeps_normals(format)) {
+    surface.attributes.normals.resize(count);
+    for (std::size_t v = 0; v < count; ++v) {
+      const Vec3d n{mesh.mNormals[v].x, mesh.mNormals[v].y, mesh.mNormals[v].z};
+      surface.attributes.normals[v] = unit_float(identity ? n : transform.normal(n));
+    }
+  }
+  for (unsigned set = 0; set < AI_MAX_NUMBER_OF_TEXTURECOORDS && mesh.mTextureCoords[set] != nullptr; ++set) {
+    auto& uvs = surface.attributes.uvs.emplace_back(count);
+    // Assimp's v points up, glTF's down.
+    for (std::size_t v = 0; v < count; ++v)
+      uvs[v] = {mesh.mTextureCoords[set][v].x, 1.0f - mesh.mTextureCoords[set][v].y};
+  }
+  for (unsigned set = 0; set < AI_MAX_NUMBER_OF_COLOR_SETS && mesh.mColors[set] != nullptr; ++set) {
+    auto& colors = surface.attributes.colors.emplace_back(count);
+    for (std::size_t v = 0; v < count; ++v) {
+      const aiColor4D& c = mesh.mColors[set][v];
+      colors[v] = {c.r, c.g, c.b, c.a};
+    }
+  }
+  for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+    const aiFace& face = mesh.mFaces[f];
+    if (face.mNumIndices != 3) continue;  // points and lines
+    const unsigned* i = face.mIndices;
+    surface.triangles.push_back(mirrored ? std::array{i[0], i[2], i[1]} : std::array{i[0], i[1], i[2]});
+  }
+  surface.materials.assign(surface.triangles.size(), material);
+  merge_identical_wedges(surface);
+  return surface;
+}
+
+/// Names that Assimp makes up where the file has none are not the source's.
+std::string node_name(const aiNode& node) {
+  const std::string name = node.mName.C_Str();
+  return name.empty() || name == "defaultobject" || name[0] == '<' ? "mesh" : name;
+}
+
+void add_scene(const aiScene& scene, MeshFormat format, const std::vector<std::uint32_t>& slots,
+               MeshBuilder& builder) {
+  std::vector<std::pair<const aiNode*, Transform>> stack{{scene.mRootNode, Transform{}}};
+  while (!stack.empty()) {
+    const auto [node, parent] = stack.back();
+    stack.pop_back();
+    const Transform local = to_transform(node->mTransformation);
+    const Transform world = parent == Transform{} ? local : local == Transform{} ? parent : parent * local;
+    if (node->mNumMeshes > 0) builder.begin_node(node_name(*node));
+    for (unsigned k = 0; k < node->mNumMeshes; ++k) {
+      if (node->mMeshes[k] >= scene.mNumMeshes)
+        refuse(ErrorCode::kMalformedMesh, "A node names a mesh that does not exist.");
+      const aiMesh& mesh = *scene.mMeshes[node->mMeshes[k]];
+      if (mesh.HasBones()) builder.warn("Skins were baked in the bind pose.");
+      if (mesh.mNumAnimMeshes > 0) builder.warn("Morph targets were dropped: the base shape is used.");
+      const std::uint32_t material =
+          mesh.mMaterialIndex < slots.size() ? slots[mesh.mMaterialIndex] : kNoIndex;
+      Surface surface = to_surface(mesh, world, material, format);
+      if (surface.triangles.empty()) continue;
+      if (auto added = builder.add(std::move(surface)); !added) throw Refused{added.error()};
+    }
+    for (unsigned k = node->mNumChildren; k-- > 0;) stack.emplace_back(node->mChildren[k], world);
+  }
+}
+
+}  // namespace
+
+Expected<Mesh> import_with_assimp(std::span<const std::byte> bytes, MeshFormat format,
+                                  const ImportLimits& limits, std::span<const ImportFile> files) {
+  try {
+    const std::string extension = extension_of(format), name = "mesh." + extension;
+    Assimp::Importer importer;
+    keep_only(importer, extension);
+    importer.SetIOHandler(new UploadedFiles(name, bytes, files));  // owned by the importer
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
+    const auto check = [&importer](const aiScene* read) {
+      if (read != nullptr && read->mRootNode != nullptr) return;
+      std::string reason = importer.GetErrorString();
+      for (char& c : reason) c = c >= 0x20 && c < 0x7f ? c : ' ';
+      refuse(ErrorCode::kMalformedMesh, "The file cannot be read: " + reason.substr(0, 300));
+    };
+    const aiScene* scene = importer.ReadFile(name, 0);
+    check(scene);
+    check_indices(*scene);
+    scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
+    check(scene);
+
+    MeshBuilder builder(limits);
+    TranslatedMaterials materials = translate_materials(*scene, files);
+    for (const std::string& warning : materials.warnings) builder.warn(warning);
+    builder.set_library(std::move(materials.library));
+    if (scene->mNumAnimations > 0)
+      builder.warn(std::to_string(scene->mNumAnimations) + " animations were dropped.");
+    add_scene(*scene, format, materials.slot, builder);
+    return builder.finish();
+  } catch (const Refused& refused) {
+    return tl::unexpected<Error>(refused.error);
+  }
+}
+
+}  // namespace fracture

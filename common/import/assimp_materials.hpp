@@ -1,0 +1,26 @@
+// Assimp's materials in glTF's terms: the usual mapping of diffuse colour, opacity, shininess and emission to
+// metallic-roughness, and the textures whose bytes the upload holds.
+#pragma once
+
+#include <assimp/scene.h>
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/import/import.hpp"
+#include "common/mesh/mesh.hpp"
+
+namespace fracture {
+
+struct TranslatedMaterials {
+  MaterialLibrary library;
+  std::vector<std::uint32_t>
+      slot;  ///< per Assimp material: index into the library, or kNoIndex for its placeholder
+  std::vector<std::string> warnings;
+};
+
+TranslatedMaterials translate_materials(const aiScene& scene, std::span<const ImportFile> files);
+
+}  // namespace fracture

@@ -1,0 +1,473 @@
+#include "common/import/gltf_import.hpp"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "common/import/gltf_accessor.hpp"
+#include "common/import/gltf_document.hpp"
+#include "common/import/mesh_builder.hpp"
+#include "common/import/refused.hpp"
+#include "common/import/tinygltf_renamed.hpp"
+#include "common/import/transform.hpp"
+
+namespace fracture {
+namespace {
+
+template <class T>
+const T& at(const std::vector<T>& items, int index, const char* what) {
+  if (index < 0 || static_cast<std::size_t>(index) >= items.size())
+    refuse(ErrorCode::kMalformedMesh,
+           std::string("The ") + what + " " + std::to_string(index) + " does not exist.");
+  return items[static_cast<std::size_t>(index)];
+}
+
+// -- loading
+
+bool no_file_exists(const std::string&, void*) { return false; }
+std::string no_path(const std::string&, void*) { return {}; }
+bool read_nothing(std::vector<unsigned char>*, std::string*, const std::string&, void*) { return false; }
+bool write_nothing(std::string*, const std::string&, const std::vector<unsigned char>&, void*) {
+  return false;
+}
+bool keep_no_image(tinygltf::Image*, const int, std::string*, std::string*, int, int, const unsigned char*,
+                   int, void*) {
+  return true;
+}
+
+void put_u32(std::vector<unsigned char>& out, std::uint64_t value) {
+  for (int k = 0; k < 4; ++k) out.push_back(static_cast<unsigned char>(value >> 8 * k & 0xff));
+}
+
+/// The plain document as a GLB in memory, given to tinygltf with callbacks that deny every file.
+tinygltf::Model load(GltfDocument& document) {
+  std::string json = document.json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  std::vector<unsigned char> glb;
+  glb.reserve(28 + json.size() + document.binary.size());
+  put_u32(glb, 0x46546c67);
+  put_u32(glb, 2);
+  put_u32(glb, 28 + json.size() + document.binary.size());
+  put_u32(glb, json.size());
+  put_u32(glb, 0x4e4f534a);
+  glb.insert(glb.end(), json.begin(), json.end());
+  put_u32(glb, document.binary.size());
+  put_u32(glb, 0x004e4942);
+  glb.insert(glb.end(), document.binary.begin(), document.binary.end());
+  document.binary = {};
+
+  tinygltf::TinyGLTF loader;
+  loader.SetFsCallbacks({no_file_exists, no_path, read_nothing, write_nothing, nullptr});
+  loader.SetImageLoader(keep_no_image, nullptr);
+  tinygltf::Model model;
+  std::string errors, warnings;
+  if (!loader.LoadBinaryFromMemory(&model, &errors, &warnings, glb.data(), static_cast<unsigned>(glb.size()),
+                                   "", 0)) {
+    while (!errors.empty() && (errors.back() == '\n' || errors.back() == ' ')) errors.pop_back();
+    refuse(ErrorCode::kMalformedMesh, "The glTF cannot be read: " + errors.substr(0, 300) + ".");
+  }
+  return model;
+}
+
+// -- the scene graph
+
+Transform local_transform(const tinygltf::Node& node) {
+  if (node.matrix.size() == 16) {
+    const std::vector<double>& m = node.matrix;  // column-major
+    return {{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}, {m[12], m[13], m[14]}};
+  }
+  const auto vector = [](const std::vector<double>& v, double fallback) {
+    return v.size() == 3 ? Vec3d{v[0], v[1], v[2]} : Vec3d{fallback, fallback, fallback};
+  };
+  std::array<double, 4> q{0, 0, 0, 1};
+  if (node.rotation.size() == 4) std::copy(node.rotation.begin(), node.rotation.end(), q.begin());
+  return compose(vector(node.translation, 0), q, vector(node.scale, 1));
+}
+
+/// World transforms of the nodes of the default scene, depth first in the file's order. Nodes outside keep
+/// nothing.
+struct Scene {
+  std::vector<std::optional<Transform>> world;
+  std::vector<int> order;
+};
+
+Scene walk_scene(const tinygltf::Model& model) {
+  Scene scene;
+  scene.world.resize(model.nodes.size());
+  std::vector<int> roots;
+  if (!model.scenes.empty()) {
+    roots = at(model.scenes, std::max(model.defaultScene, 0), "scene").nodes;
+  } else {
+    std::vector<bool> child(model.nodes.size(), false);
+    for (const auto& node : model.nodes)
+      for (const int c : node.children)
+        if (c >= 0 && static_cast<std::size_t>(c) < child.size()) child[static_cast<std::size_t>(c)] = true;
+    for (std::size_t n = 0; n < child.size(); ++n)
+      if (!child[n]) roots.push_back(static_cast<int>(n));
+  }
+  std::vector<std::pair<int, Transform>> stack;
+  for (auto it = roots.rbegin(); it != roots.rend(); ++it) stack.emplace_back(*it, Transform{});
+  while (!stack.empty()) {
+    const auto [index, parent] = stack.back();
+    stack.pop_back();
+    const tinygltf::Node& node = at(model.nodes, index, "node");
+    auto& world = scene.world[static_cast<std::size_t>(index)];
+    if (world)
+      refuse(ErrorCode::kMalformedMesh,
+             "Node " + std::to_string(index) + " is reached twice: the nodes are not a tree.",
+             "/nodes/" + std::to_string(index));
+    const Transform local = local_transform(node);
+    world = parent == Transform{} ? local : local == Transform{} ? parent : parent * local;
+    scene.order.push_back(index);
+    for (auto it = node.children.rbegin(); it != node.children.rend(); ++it) stack.emplace_back(*it, *world);
+  }
+  return scene;
+}
+
+/// EXT_mesh_gpu_instancing: one transform for each instance, or the identity alone.
+std::vector<Transform> instances_of(const tinygltf::Model& model, const tinygltf::Node& node,
+                                    const ImportLimits& limits) {
+  const auto extension = node.extensions.find("EXT_mesh_gpu_instancing");
+  if (extension == node.extensions.end()) return {Transform{}};
+  const tinygltf::Value& attributes = extension->second.Get("attributes");
+  const auto read = [&](const char* name, int width) -> std::vector<double> {
+    if (!attributes.IsObject() || !attributes.Has(name) || !attributes.Get(name).IsInt()) return {};
+    return read_accessor(model, attributes.Get(name).GetNumberAsInt(), width);
+  };
+  const std::vector<double> t = read("TRANSLATION", 3), r = read("ROTATION", 4), s = read("SCALE", 3);
+  const std::size_t count = std::max({t.size() / 3, r.size() / 4, s.size() / 3});
+  if (count == 0) return {Transform{}};
+  if ((!t.empty() && t.size() != 3 * count) || (!r.empty() && r.size() != 4 * count) ||
+      (!s.empty() && s.size() != 3 * count))
+    refuse(ErrorCode::kMalformedMesh, "The attributes of EXT_mesh_gpu_instancing have different counts.");
+  if (count > limits.max_triangles)
+    refuse(ErrorCode::kTooLarge, "EXT_mesh_gpu_instancing makes " + std::to_string(count) + " instances.");
+  std::vector<Transform> result(count);
+  for (std::size_t k = 0; k < count; ++k)
+    result[k] = compose(t.empty() ? Vec3d{} : Vec3d{t[3 * k], t[3 * k + 1], t[3 * k + 2]},
+                        r.empty() ? std::array<double, 4>{0, 0, 0, 1}
+                                  : std::array{r[4 * k], r[4 * k + 1], r[4 * k + 2], r[4 * k + 3]},
+                        s.empty() ? Vec3d{1, 1, 1} : Vec3d{s[3 * k], s[3 * k + 1], s[3 * k + 2]});
+  return result;
+}
+
+// -- primitives
+
+/// Decoded once for each mesh: primitives with the same attribute accessors share wedges.
+struct RawSurface {
+  std::map<std::string, int> accessors;
+  std::vector<double> positions, normals, tangents;
+  std::vector<std::vector<double>> uvs;
+  std::vector<std::vector<double>> colors;  ///< 4 components
+  std::vector<std::vector<double>> joints, weights;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<std::uint32_t> materials;
+};
+
+std::vector<std::array<std::uint32_t, 3>> assemble(const std::vector<std::uint32_t>& i, int mode) {
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  if (mode == TINYGLTF_MODE_TRIANGLES) {
+    for (std::size_t k = 0; k + 2 < i.size(); k += 3) triangles.push_back({i[k], i[k + 1], i[k + 2]});
+    return triangles;
+  }
+  for (std::size_t k = 0; k + 2 < i.size(); ++k) {
+    std::array<std::uint32_t, 3> triangle{};
+    if (mode == TINYGLTF_MODE_TRIANGLE_FAN)
+      triangle = {i[k + 1], i[k + 2], i[0]};
+    else
+      triangle = k % 2 == 0 ? std::array{i[k], i[k + 1], i[k + 2]} : std::array{i[k], i[k + 2], i[k + 1]};
+    // Strips are stitched together by triangles that name a vertex twice.
+    if (triangle[0] != triangle[1] && triangle[1] != triangle[2] && triangle[2] != triangle[0])
+      triangles.push_back(triangle);
+  }
+  return triangles;
+}
+
+class MeshReader {
+ public:
+  MeshReader(const tinygltf::Model& model, std::size_t material_count, MeshBuilder& builder)
+      : model_(model), material_count_(material_count), builder_(builder) {}
+
+  std::vector<RawSurface> read(const tinygltf::Mesh& mesh) const {
+    std::vector<RawSurface> surfaces;
+    for (const tinygltf::Primitive& primitive : mesh.primitives) {
+      if (primitive.mode < TINYGLTF_MODE_TRIANGLES || primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN) {
+        builder_.warn("Points and lines were dropped.");
+        continue;
+      }
+      if (primitive.attributes.count("POSITION") == 0)
+        continue;  // the specification: such a primitive is not drawn
+      if (!primitive.targets.empty()) builder_.warn("Morph targets were dropped: the base shape is used.");
+      auto it = std::find_if(surfaces.begin(), surfaces.end(), [&](const RawSurface& surface) {
+        return surface.accessors == primitive.attributes;
+      });
+      if (it == surfaces.end()) it = surfaces.insert(surfaces.end(), read_attributes(primitive));
+      std::vector<std::uint32_t> indices;
+      const std::size_t vertices = it->positions.size() / 3;
+      if (primitive.indices >= 0) {
+        indices = read_indices(model_, primitive.indices);
+        for (const std::uint32_t index : indices)
+          if (index >= vertices)
+            refuse(ErrorCode::kMalformedMesh,
+                   "A triangle of mesh \"" + mesh.name.substr(0, 60) + "\" names vertex " +
+                       std::to_string(index) + "; there are " + std::to_string(vertices) + ".",
+                   "/accessors/" + std::to_string(primitive.indices));
+      } else {
+        indices.resize(vertices);
+        for (std::size_t k = 0; k < vertices; ++k) indices[k] = static_cast<std::uint32_t>(k);
+      }
+      const auto triangles = assemble(indices, primitive.mode);
+      it->triangles.insert(it->triangles.end(), triangles.begin(), triangles.end());
+      const bool known =
+          primitive.material >= 0 && static_cast<std::size_t>(primitive.material) < material_count_;
+      it->materials.resize(it->triangles.size(),
+                           known ? static_cast<std::uint32_t>(primitive.material) : kNoIndex);
+    }
+    return surfaces;
+  }
+
+ private:
+  RawSurface read_attributes(const tinygltf::Primitive& primitive) const {
+    RawSurface raw;
+    raw.accessors = primitive.attributes;
+    raw.positions = read_accessor(model_, primitive.attributes.at("POSITION"), 3);
+    const std::size_t count = raw.positions.size() / 3;
+    const auto read = [&](const std::string& name, int width) -> std::vector<double> {
+      const auto it = primitive.attributes.find(name);
+      if (it == primitive.attributes.end()) return {};
+      std::vector<double> values = read_accessor(model_, it->second, width);
+      if (values.size() != count * static_cast<std::size_t>(width))
+        refuse(ErrorCode::kMalformedMesh, "The attribute " + name + " has another count than POSITION.",
+               "/accessors/" + std::to_string(it->second) + "/count");
+      return values;
+    };
+    raw.normals = read("NORMAL", 3);
+    raw.tangents = read("TANGENT", 4);
+    const auto has = [&](const std::string& name) { return primitive.attributes.count(name) > 0; };
+    const auto numbered = [](const char* name, std::size_t k) { return name + std::to_string(k); };
+    for (std::size_t k = 0; has(numbered("TEXCOORD_", k)); ++k)
+      raw.uvs.push_back(read(numbered("TEXCOORD_", k), 2));
+    for (std::size_t k = 0; has(numbered("COLOR_", k)); ++k) {
+      const std::string name = numbered("COLOR_", k);
+      const int width = accessor_width(model_, primitive.attributes.at(name));
+      if (width != 3 && width != 4) refuse(ErrorCode::kMalformedMesh, "Colours have 3 or 4 components.");
+      const std::vector<double> values = read(name, width);
+      std::vector<double> rgba(4 * count, 1.0);
+      for (std::size_t v = 0; v < count; ++v)
+        for (int c = 0; c < width; ++c) rgba[4 * v + c] = values[v * width + c];
+      raw.colors.push_back(std::move(rgba));
+    }
+    for (std::size_t k = 0; has(numbered("JOINTS_", k)) && has(numbered("WEIGHTS_", k)); ++k) {
+      raw.joints.push_back(read(numbered("JOINTS_", k), 4));
+      raw.weights.push_back(read(numbered("WEIGHTS_", k), 4));
+    }
+    return raw;
+  }
+
+  const tinygltf::Model& model_;
+  std::size_t material_count_;
+  MeshBuilder& builder_;
+};
+
+// -- skins
+
+/// One matrix for each joint: where the pose stored in the file carries the mesh (joint's world · inverse
+/// bind matrix).
+std::vector<Transform> joint_matrices(const tinygltf::Model& model, const Scene& scene,
+                                      const tinygltf::Skin& skin) {
+  std::vector<double> inverse;
+  if (skin.inverseBindMatrices >= 0) inverse = read_accessor(model, skin.inverseBindMatrices, 16);
+  std::vector<Transform> result;
+  for (std::size_t j = 0; j < skin.joints.size(); ++j) {
+    at(model.nodes, skin.joints[j], "joint");
+    const auto& world = scene.world[static_cast<std::size_t>(skin.joints[j])];
+    Transform bind;
+    if (inverse.size() >= 16 * (j + 1)) {
+      const double* m = &inverse[16 * j];
+      bind = {{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}, {m[12], m[13], m[14]}};
+    }
+    result.push_back(world.value_or(Transform{}) * bind);
+  }
+  return result;
+}
+
+double largest_difference(const Transform& a, const Transform& b) {
+  double d = 0;
+  for (const auto& [u, v] : {std::pair{a.x, b.x}, {a.y, b.y}, {a.z, b.z}, {a.t, b.t}})
+    for (int k = 0; k < 3; ++k) d = std::max(d, std::abs(u[k] - v[k]));
+  return d;
+}
+
+/// How a vertex of a skinned mesh gets to the world. When the stored pose is the bind pose, all joints agree
+/// up to the rounding of the inverse bind matrices; then one matrix moves the whole mesh, and what was
+/// identical stays so.
+class Skinning {
+ public:
+  Skinning(std::vector<Transform> joints, double size) : joints_(std::move(joints)) {
+    constexpr double kRounding = 1e-4;  // float32 matrices multiplied along a chain of some twenty joints
+    if (joints_.empty()) return;
+    for (const Transform& joint : joints_)
+      if (!(largest_difference(joint, joints_[0]) <= kRounding * std::max(1.0, size))) return;
+    rigid_ = joints_[0];
+    if (largest_difference(*rigid_, Transform{}) <= kRounding * std::max(1.0, size)) rigid_ = Transform{};
+  }
+  const std::optional<Transform>& rigid() const { return rigid_; }
+
+  Transform blend(const RawSurface& raw, std::size_t vertex) const {
+    Transform sum{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+    double total = 0;
+    for (std::size_t set = 0; set < raw.joints.size(); ++set)
+      for (std::size_t k = 0; k < 4; ++k) {
+        const double weight = raw.weights[set][4 * vertex + k], joint = raw.joints[set][4 * vertex + k];
+        if (!(weight > 0)) continue;
+        if (!(joint < static_cast<double>(joints_.size())))
+          refuse(ErrorCode::kMalformedMesh, "A vertex names joint " +
+                                                std::to_string(static_cast<std::uint64_t>(joint)) +
+                                                "; the skin has " + std::to_string(joints_.size()) + ".");
+        const Transform& m = joints_[static_cast<std::size_t>(joint)];
+        sum = {sum.x + weight * m.x, sum.y + weight * m.y, sum.z + weight * m.z, sum.t + weight * m.t};
+        total += weight;
+      }
+    if (!(total > 0)) return Transform{};
+    const double scale = 1 / total;
+    return {scale * sum.x, scale * sum.y, scale * sum.z, scale * sum.t};
+  }
+
+ private:
+  std::vector<Transform> joints_;
+  std::optional<Transform> rigid_;
+};
+
+// -- into the world
+
+Vec3d triple(const std::vector<double>& values, std::size_t v, std::size_t width = 3) {
+  return {values[width * v], values[width * v + 1], values[width * v + 2]};
+}
+
+/// The surface under a transform for each vertex (the same one for all unless skinned). Winding follows
+/// `mirrored`.
+template <class TransformOf>
+Surface place(const RawSurface& raw, bool mirrored, TransformOf&& transform_of) {
+  Surface surface;
+  const std::size_t count = raw.positions.size() / 3;
+  surface.positions.resize(count);
+  surface.attributes.normals.resize(raw.normals.empty() ? 0 : count);
+  surface.attributes.tangents.resize(raw.tangents.empty() ? 0 : count);
+  for (std::size_t v = 0; v < count; ++v) {
+    const Transform& m = transform_of(v);
+    const bool identity = m == Transform{};
+    const Vec3d p = triple(raw.positions, v);
+    surface.positions[v] = to_float(identity ? p : m.point(p));
+    if (!raw.normals.empty()) {
+      const Vec3d n = triple(raw.normals, v);
+      // Unit already and not moved: the bits stay. Quantised normals are unit only after normalising.
+      const bool keep = identity && std::abs(dot(n, n) - 1) < 1e-6;
+      surface.attributes.normals[v] = keep ? to_float(n) : unit_float(identity ? n : m.normal(n));
+    }
+    if (!raw.tangents.empty()) {
+      const Vec3d t = triple(raw.tangents, v, 4);
+      const bool keep = identity && std::abs(dot(t, t) - 1) < 1e-6;
+      const Vec3f u = keep ? to_float(t) : unit_float(identity ? t : m.linear(t));
+      const double sign = raw.tangents[4 * v + 3] < 0 ? -1 : 1;
+      surface.attributes.tangents[v] = {u.x, u.y, u.z, static_cast<float>(mirrored ? -sign : sign)};
+    }
+  }
+  for (const auto& set : raw.uvs) {
+    auto& uvs = surface.attributes.uvs.emplace_back(count);
+    for (std::size_t v = 0; v < count; ++v)
+      uvs[v] = {static_cast<float>(set[2 * v]), static_cast<float>(set[2 * v + 1])};
+  }
+  for (const auto& set : raw.colors) {
+    auto& colors = surface.attributes.colors.emplace_back(count);
+    for (std::size_t v = 0; v < count; ++v) {
+      const auto c = [&](std::size_t k) { return static_cast<float>(set[4 * v + k]); };
+      colors[v] = {c(0), c(1), c(2), c(3)};
+    }
+  }
+  surface.triangles = raw.triangles;
+  if (mirrored)
+    for (auto& triangle : surface.triangles) std::swap(triangle[1], triangle[2]);
+  surface.materials = raw.materials;
+  return surface;
+}
+
+double largest_coordinate(const std::vector<RawSurface>& surfaces) {
+  double size = 0;
+  for (const RawSurface& surface : surfaces)
+    for (const double c : surface.positions) size = std::max(size, std::abs(c));
+  return size;
+}
+
+void add(MeshBuilder& builder, Surface surface) {
+  if (surface.triangles.empty()) return;
+  if (auto added = builder.add(std::move(surface)); !added) throw Refused{added.error()};
+}
+
+void add_node(const tinygltf::Model& model, const Scene& scene, int index, const MeshReader& reader,
+              MeshBuilder& builder, const ImportLimits& limits) {
+  const tinygltf::Node& node = model.nodes[static_cast<std::size_t>(index)];
+  if (node.mesh < 0) return;
+  const tinygltf::Mesh& mesh = at(model.meshes, node.mesh, "mesh");
+  const std::vector<RawSurface> surfaces = reader.read(mesh);
+  const std::string name = !node.name.empty() ? node.name : !mesh.name.empty() ? mesh.name : "mesh";
+  const bool skinned = node.skin >= 0 && std::any_of(surfaces.begin(), surfaces.end(),
+                                                     [](const RawSurface& s) { return !s.joints.empty(); });
+  if (skinned) {
+    // A skinned mesh ignores its node's own transform (glTF 2.0, 3.7.3.3).
+    const Skinning skinning(joint_matrices(model, scene, at(model.skins, node.skin, "skin")),
+                            largest_coordinate(surfaces));
+    builder.begin_node(name);
+    builder.warn(skinning.rigid()
+                     ? "Skins were baked in the bind pose."
+                     : "Skins were baked in the pose that the file stores, which is not the bind pose.");
+    for (const RawSurface& raw : surfaces) {
+      const bool blended = !skinning.rigid() && !raw.joints.empty();
+      const Transform rigid = skinning.rigid().value_or(*scene.world[static_cast<std::size_t>(index)]);
+      if (blended) {
+        Transform current;
+        add(builder, place(raw, false, [&](std::size_t v) -> const Transform& {
+              return current = skinning.blend(raw, v);
+            }));
+      } else {
+        add(builder,
+            place(raw, rigid.determinant() < 0, [&](std::size_t) -> const Transform& { return rigid; }));
+      }
+    }
+    return;
+  }
+  const Transform& world = *scene.world[static_cast<std::size_t>(index)];
+  for (const Transform& instance : instances_of(model, node, limits)) {
+    const Transform m = instance == Transform{} ? world : world * instance;
+    builder.begin_node(name);
+    for (const RawSurface& raw : surfaces)
+      add(builder, place(raw, m.determinant() < 0, [&](std::size_t) -> const Transform& { return m; }));
+  }
+}
+
+}  // namespace
+
+Expected<Mesh> import_gltf(std::span<const std::byte> bytes, MeshFormat format, const ImportLimits& limits,
+                           std::span<const ImportFile> files) {
+  try {
+    GltfDocument document = read_gltf_document(bytes, format, limits, files);
+    MeshBuilder builder(limits);
+    for (const std::string& warning : document.warnings) builder.warn(warning);
+    const std::size_t material_count = document.library.materials.size();
+    builder.set_library(std::move(document.library));
+    builder.set_copyright(document.copyright);
+    const tinygltf::Model model = load(document);
+    const MeshReader reader(model, material_count, builder);
+    const Scene scene = walk_scene(model);
+    for (const int index : scene.order) add_node(model, scene, index, reader, builder, limits);
+    return builder.finish();
+  } catch (const Refused& refused) {
+    return tl::unexpected<Error>(refused.error);
+  } catch (const nlohmann::json::exception& error) {
+    return fail(ErrorCode::kMalformedMesh,
+                std::string("The glTF has a value of the wrong type: ") + error.what() + ".");
+  }
+}
+
+}  // namespace fracture

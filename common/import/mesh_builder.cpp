@@ -1,0 +1,191 @@
+#include "common/import/mesh_builder.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+namespace fracture {
+namespace {
+
+bool finite(const Vec3f& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
+
+/// Attributes are for looks: a value that is not a number becomes the neutral one instead of refusing the
+/// mesh.
+template <class Vec>
+bool neutralise(Vec& value, const Vec& neutral) {
+  const auto* f = reinterpret_cast<const float*>(&value);
+  for (std::size_t k = 0; k < sizeof(Vec) / sizeof(float); ++k)
+    if (!std::isfinite(f[k])) {
+      value = neutral;
+      return true;
+    }
+  return false;
+}
+
+template <class Vec>
+std::uint64_t neutralise(std::vector<Vec>& values, const Vec& neutral) {
+  std::uint64_t changed = 0;
+  for (Vec& value : values) changed += neutralise(value, neutral);
+  return changed;
+}
+
+template <class T>
+void append(std::vector<T>& to, std::size_t before, std::vector<T>&& from, std::size_t count, const T& fill) {
+  if (from.empty()) {
+    if (!to.empty()) to.resize(before + count, fill);
+    return;
+  }
+  to.resize(before, fill);
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+}  // namespace
+
+void MeshBuilder::begin_node(std::string name) { mesh_.node_names.push_back(std::move(name)); }
+
+Expected<void> MeshBuilder::add(Surface surface) {
+  const std::size_t before = mesh_.positions.size(), count = surface.positions.size();
+  for (const auto& triangle : surface.triangles)
+    for (const std::uint32_t wedge : triangle)
+      if (wedge >= count)
+        return fail(ErrorCode::kMalformedMesh, "A triangle of \"" + mesh_.node_names.back() +
+                                                   "\" names vertex " + std::to_string(wedge) +
+                                                   "; there are " + std::to_string(count) + ".");
+  const std::uint64_t triangles = mesh_.triangles.size() + surface.triangles.size();
+  if (triangles > limits_.max_triangles)
+    return fail(ErrorCode::kTooLarge,
+                "The scene has more than the " + std::to_string(limits_.max_triangles) +
+                    " triangles that are allowed.",
+                {}, {{"limit", limits_.max_triangles}});
+  const Attributes& a = surface.attributes;
+  bytes_ += surface.triangles.size() * 20 +
+            count * (12 + (a.normals.empty() ? 0 : 12) + (a.tangents.empty() ? 0 : 16) + 8 * a.uvs.size() +
+                     16 * a.colors.size());
+  if (bytes_ > limits_.max_decoded_bytes || before + count >= kNoIndex)
+    return fail(ErrorCode::kTooLarge,
+                "The scene needs more than the " + std::to_string(limits_.max_decoded_bytes) +
+                    " bytes that are allowed.",
+                {}, {{"limit", limits_.max_decoded_bytes}});
+
+  mesh_.positions.insert(mesh_.positions.end(), surface.positions.begin(), surface.positions.end());
+  Attributes& all = mesh_.attributes;
+  append(all.normals, before, std::move(surface.attributes.normals), count, Vec3f{});
+  append(all.tangents, before, std::move(surface.attributes.tangents), count, Vec4f{});
+  all.uvs.resize(std::max(all.uvs.size(), surface.attributes.uvs.size()));
+  surface.attributes.uvs.resize(all.uvs.size());
+  for (std::size_t set = 0; set < all.uvs.size(); ++set)
+    append(all.uvs[set], before, std::move(surface.attributes.uvs[set]), count, Vec2f{});
+  all.colors.resize(std::max(all.colors.size(), surface.attributes.colors.size()));
+  surface.attributes.colors.resize(all.colors.size());
+  for (std::size_t set = 0; set < all.colors.size(); ++set)
+    append(all.colors[set], before, std::move(surface.attributes.colors[set]), count, Vec4f{1, 1, 1, 1});
+
+  const auto node = static_cast<std::uint32_t>(mesh_.node_names.size() - 1);
+  for (auto triangle : surface.triangles) {
+    for (std::uint32_t& wedge : triangle) wedge += static_cast<std::uint32_t>(before);
+    mesh_.triangles.push_back(triangle);
+  }
+  mesh_.material.insert(mesh_.material.end(), surface.materials.begin(), surface.materials.end());
+  mesh_.node.resize(mesh_.triangles.size(), node);
+  return {};
+}
+
+void MeshBuilder::warn(std::string warning) {
+  if (std::find(mesh_.warnings.begin(), mesh_.warnings.end(), warning) == mesh_.warnings.end())
+    mesh_.warnings.push_back(std::move(warning));
+}
+
+void MeshBuilder::set_library(MaterialLibrary library) {
+  mesh_.library = std::make_shared<const MaterialLibrary>(std::move(library));
+}
+
+void MeshBuilder::pad_to(std::size_t size) {
+  Attributes& a = mesh_.attributes;
+  if (!a.normals.empty()) a.normals.resize(size);
+  if (!a.tangents.empty()) a.tangents.resize(size);
+  for (auto& set : a.uvs) set.resize(size);
+  for (auto& set : a.colors) set.resize(size, Vec4f{1, 1, 1, 1});
+}
+
+Expected<Mesh> MeshBuilder::finish() {
+  if (mesh_.triangles.empty()) return fail(ErrorCode::kEmptyMesh, "The file has no triangles.");
+  pad_to(mesh_.positions.size());
+  for (std::size_t v = 0; v < mesh_.positions.size(); ++v) {
+    if (finite(mesh_.positions[v])) continue;
+    // JSON has no NaN: the offending vertex is named by its index and the node it belongs to.
+    std::string node;
+    for (std::size_t t = 0; t < mesh_.triangles.size() && node.empty(); ++t)
+      for (const std::uint32_t wedge : mesh_.triangles[t])
+        if (wedge == v) node = " of \"" + mesh_.node_names[mesh_.node[t]] + "\"";
+    return fail(ErrorCode::kNotFinite,
+                "Vertex " + std::to_string(v) + node + " has a coordinate that is not a finite number.", {},
+                {{"vertex", v}});
+  }
+  Attributes& a = mesh_.attributes;
+  std::uint64_t changed = neutralise(a.normals, Vec3f{}) + neutralise(a.tangents, Vec4f{});
+  for (auto& set : a.uvs) changed += neutralise(set, Vec2f{});
+  for (auto& set : a.colors) changed += neutralise(set, Vec4f{1, 1, 1, 1});
+  if (changed > 0)
+    warn(std::to_string(changed) +
+         " attribute values that are not finite numbers were replaced by neutral ones.");
+  return std::move(mesh_);
+}
+
+void merge_identical_wedges(Surface& surface) {
+  const std::size_t count = surface.positions.size();
+  const Attributes& a = surface.attributes;
+  // One row of bits for each wedge; open addressing over rows (hash by FNV-1a over words, compare by memcmp).
+  const std::size_t words =
+      3 + (a.normals.empty() ? 0 : 3) + (a.tangents.empty() ? 0 : 4) + 2 * a.uvs.size() + 4 * a.colors.size();
+  std::vector<std::uint32_t> rows(count * words);
+  for (std::size_t v = 0; v < count; ++v) {
+    std::uint32_t* row = &rows[v * words];
+    const auto put = [&row](const auto& value) {
+      std::memcpy(row, &value, sizeof(value));
+      row += sizeof(value) / sizeof(std::uint32_t);
+    };
+    put(surface.positions[v]);
+    if (!a.normals.empty()) put(a.normals[v]);
+    if (!a.tangents.empty()) put(a.tangents[v]);
+    for (const auto& set : a.uvs) put(set[v]);
+    for (const auto& set : a.colors) put(set[v]);
+  }
+  const std::size_t slots = std::bit_ceil(2 * count + 1);
+  std::vector<std::uint32_t> table(slots, kNoIndex), first_of(count, kNoIndex), kept;
+  const auto find = [&](std::uint32_t v) {
+    const std::uint32_t* row = &rows[v * words];
+    std::uint64_t hash = 0xcbf29ce484222325ull;
+    for (std::size_t k = 0; k < words; ++k) hash = (hash ^ row[k]) * 0x100000001b3ull;
+    hash ^= hash >> 29;
+    for (std::size_t slot = hash & (slots - 1);; slot = (slot + 1) & (slots - 1)) {
+      if (table[slot] == kNoIndex) {
+        table[slot] = static_cast<std::uint32_t>(kept.size());
+        kept.push_back(v);
+        return table[slot];
+      }
+      if (std::memcmp(row, &rows[kept[table[slot]] * words], words * sizeof(std::uint32_t)) == 0)
+        return table[slot];
+    }
+  };
+  for (auto& triangle : surface.triangles)
+    for (std::uint32_t& wedge : triangle) {
+      if (first_of[wedge] == kNoIndex) first_of[wedge] = find(wedge);
+      wedge = first_of[wedge];
+    }
+  const auto gather = [&kept](auto& values) {
+    if (values.empty()) return;
+    auto gathered = values;
+    gathered.resize(kept.size());
+    for (std::size_t k = 0; k < kept.size(); ++k) gathered[k] = values[kept[k]];
+    values = std::move(gathered);
+  };
+  gather(surface.positions);
+  gather(surface.attributes.normals);
+  gather(surface.attributes.tangents);
+  for (auto& set : surface.attributes.uvs) gather(set);
+  for (auto& set : surface.attributes.colors) gather(set);
+}
+
+}  // namespace fracture

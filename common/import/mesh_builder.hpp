@@ -1,0 +1,55 @@
+// Collects surfaces into one Mesh. A surface that lacks an attribute another
+// surface has gets zeros (colours: ones), so that every attribute array of the Mesh is either empty or
+// complete.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/base/error.hpp"
+#include "common/import/import.hpp"
+#include "common/mesh/mesh.hpp"
+
+namespace fracture {
+
+/// Triangles that share one set of wedges, in the frame of the scene's root: one primitive, or several that
+/// share their accessors. Attribute arrays are empty or as long as positions.
+struct Surface {
+  std::vector<Vec3f> positions;
+  Attributes attributes;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<std::uint32_t> materials;  ///< per triangle
+};
+
+class MeshBuilder {
+ public:
+  explicit MeshBuilder(const ImportLimits& limits) : limits_(limits) {}
+
+  /// Begins a mesh instance; the surfaces that follow belong to it.
+  void begin_node(std::string name);
+  /// kMalformedMesh (a triangle names a vertex that does not exist), kTooLarge.
+  Expected<void> add(Surface surface);
+  /// Each warning once, in the order of first appearance.
+  void warn(std::string warning);
+  void set_library(MaterialLibrary library);
+  void set_copyright(std::string copyright) { mesh_.copyright = std::move(copyright); }
+
+  /// Completes the attribute arrays. kNotFinite naming the first vertex, kEmptyMesh.
+  Expected<Mesh> finish();
+
+ private:
+  void pad_to(std::size_t size);
+
+  ImportLimits limits_;
+  Mesh mesh_;
+  std::uint64_t bytes_ = 0;
+};
+
+/// Merges wedges of the surface that agree in every bit of every attribute (formats that store one vertex for
+/// each corner: STL, and OBJ as Assimp reads it). Triangles and their order stay; wedges come in order of
+/// first use.
+void merge_identical_wedges(Surface& surface);
+
+}  // namespace fracture

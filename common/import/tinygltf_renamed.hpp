@@ -1,0 +1,21 @@
+// tinygltf 2.7, compiled once in tinygltf_renamed.cpp under a namespace of our own. libdraco.so.7, which
+// Assimp pulls in, exports the symbols of another build of tinygltf; linked under its own name the two mix
+// and crash. Every file that uses tinygltf includes this header, so that all see the same macros (they change
+// the classes' layout).
+//
+// TINYGLTF_ENABLE_DRACO stays off: Draco primitives are decoded before tinygltf sees the document
+// (gltf_compression.hpp), with our own checks. TINYGLTF_NO_FS: it can open no file.
+#pragma once
+
+#define tinygltf fracture_tinygltf
+#define TINYGLTF_NO_STB_IMAGE
+#define TINYGLTF_NO_STB_IMAGE_WRITE
+#define TINYGLTF_NO_EXTERNAL_IMAGE
+#define TINYGLTF_NO_INCLUDE_JSON
+#define TINYGLTF_NO_FS
+#include <nlohmann/json.hpp>
+
+#include <tiny_gltf.h>  // after the JSON library, which it expects to find
+#undef tinygltf
+
+namespace tinygltf = fracture_tinygltf;
