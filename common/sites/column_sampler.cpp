@@ -1,0 +1,212 @@
+#include "common/sites/column_sampler.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fracture::sites_detail {
+namespace {
+
+/// Coordinates across and along the axis: (u, v, axis) is right-handed.
+struct Frame {
+  int u, v, axis;
+};
+Frame frame_of(int axis) { return {(axis + 1) % 3, (axis + 2) % 3, axis}; }
+
+/// Twice the signed area of (a, b, p) in the plane across the axis. Evaluated from the vertex with the lower
+/// id, so that both triangles of an edge get the same number with opposite signs and a column passes exactly
+/// one of them.
+double side(const Frame& f, const Vec3d& a, const Vec3d& b, bool a_first, double u, double v) {
+  const Vec3d &p = a_first ? a : b, &q = a_first ? b : a;
+  const double area = (q[f.u] - p[f.u]) * (v - p[f.v]) - (q[f.v] - p[f.v]) * (u - p[f.u]);
+  return a_first ? area : -area;
+}
+/// A column on an edge counts as left of it, seen from the lower vertex.
+bool left(double side, bool a_first) { return a_first ? side >= 0 : side > 0; }
+
+constexpr std::uint64_t kSiteStream = 0x5173'0000'0000'0001ull, kProbeStream = 0x5173'0000'0000'0002ull;
+
+}  // namespace
+
+ColumnSampler::ColumnSampler(const Solid& solid, std::uint64_t seed, const Execution& execution)
+    : solid_(solid), execution_(execution), seed_(seed) {
+  // The axis along which most candidates are kept: least (projected area × width).
+  std::array<double, 3> area{};
+  for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
+    const auto& c = solid.triangles[t];
+    const Vec3d a = to_double(solid.positions[c[0]]);
+    const Vec3d n = cross(to_double(solid.positions[c[1]]) - a, to_double(solid.positions[c[2]]) - a);
+    for (int k = 0; k < 3; ++k) area[k] += n[k] < 0 ? -0.5 * n[k] : 0;
+  }
+  const Vec3d size = solid.box.size();
+  for (int k = 1; k < 3; ++k)
+    if (area[k] * size[k] < area[axis_] * size[axis_]) axis_ = k;
+  entry_area_.resize(solid.triangles.size());
+  double sum = 0;
+  for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
+    const auto& c = solid.triangles[t];
+    const Vec3d a = to_double(solid.positions[c[0]]);
+    const double n = cross(to_double(solid.positions[c[1]]) - a, to_double(solid.positions[c[2]]) - a)[axis_];
+    if (n < 0) sum -= n;
+    entry_area_[t] = sum;
+  }
+
+  cap_ = size[axis_];
+  if (solid.report.volume >= area[axis_] * size[axis_] / 64) return;
+  std::vector<Column> probes;
+  for (std::uint64_t k = 0; k < 256; ++k) probes.push_back(column(kProbeStream, k));
+  double longest = 0;
+  for (const Chord& chord : chords(probes)) longest = std::fmax(longest, chord.length);
+  if (longest > 0) cap_ = longest;
+}
+
+ColumnSampler::Column ColumnSampler::column(std::uint64_t stream, std::uint64_t number) const {
+  Random seeder(seed_ ^ stream);
+  Random random(seeder() + number * 0xd1b54a32d192ed03ull);
+  const double pick = random.uniform() * entry_area_.back();
+  double b = random.uniform(), c = random.uniform();
+  const double keep = random.uniform(), share = random.uniform();
+  if (b + c > 1) b = 1 - b, c = 1 - c;
+  // The first running sum beyond `pick` belongs to a triangle of positive area.
+  const auto it = std::upper_bound(entry_area_.begin(), entry_area_.end(), pick);
+  auto triangle = static_cast<std::uint32_t>(it - entry_area_.begin());
+  if (it == entry_area_.end())  // pick rounded up to the total
+    triangle = static_cast<std::uint32_t>(
+        std::lower_bound(entry_area_.begin(), entry_area_.end(), entry_area_.back()) - entry_area_.begin());
+  const auto& corners = solid_.triangles[triangle];
+  const Vec3d p = to_double(solid_.positions[corners[0]]);
+  const Vec3d q = p + b * (to_double(solid_.positions[corners[1]]) - p) +
+                  c * (to_double(solid_.positions[corners[2]]) - p);
+  const Frame f = frame_of(axis_);
+  return {triangle, q[f.u], q[f.v], keep, share};
+}
+
+void ColumnSampler::cross_all(std::span<const Column> columns, std::vector<Crossing>& crossings) const {
+  const Frame f = frame_of(axis_);
+  const Box& box = solid_.box;
+  const auto side_count =
+      static_cast<std::uint32_t>(std::ceil(std::sqrt(static_cast<double>(columns.size()))));
+  const Vec3d size = box.size();
+  const double scale_u = size[f.u] > 0 ? side_count / size[f.u] : 0,
+               scale_v = size[f.v] > 0 ? side_count / size[f.v] : 0;
+  const auto cell = [&](double t, int axis, double scale) {
+    const double c = (t - box.min[axis]) * scale;
+    return static_cast<std::uint32_t>(std::fmin(std::fmax(c, 0.0), static_cast<double>(side_count - 1)));
+  };
+  std::vector<std::uint32_t> start(static_cast<std::size_t>(side_count) * side_count + 2, 0),
+      items(columns.size());
+  const auto cell_of = [&](const Column& c) {
+    return cell(c.v, f.v, scale_v) * side_count + cell(c.u, f.u, scale_u);
+  };
+  for (const Column& c : columns) ++start[cell_of(c) + 2];
+  for (std::size_t i = 2; i < start.size(); ++i) start[i] += start[i - 1];
+  for (std::uint32_t i = 0; i < columns.size(); ++i) items[start[cell_of(columns[i]) + 1]++] = i;
+
+  for (std::uint32_t t = 0; t < solid_.triangles.size(); ++t) {
+    if (t % 65536 == 0) execution_.poll();
+    const auto& id = solid_.triangles[t];
+    const Vec3d a = to_double(solid_.positions[id[0]]), b = to_double(solid_.positions[id[1]]),
+                c = to_double(solid_.positions[id[2]]);
+    const double u0 = std::min(a[f.u], std::min(b[f.u], c[f.u])),
+                 u1 = std::max(a[f.u], std::max(b[f.u], c[f.u]));
+    const double v0 = std::min(a[f.v], std::min(b[f.v], c[f.v])),
+                 v1 = std::max(a[f.v], std::max(b[f.v], c[f.v]));
+    const std::uint32_t i0 = cell(u0, f.u, scale_u), i1 = cell(u1, f.u, scale_u), j0 = cell(v0, f.v, scale_v),
+                        j1 = cell(v1, f.v, scale_v);
+    const bool ab = id[0] < id[1], bc = id[1] < id[2], ca = id[2] < id[0];
+    for (std::uint32_t j = j0; j <= j1; ++j)
+      for (std::uint32_t k = start[j * side_count + i0]; k < start[j * side_count + i1 + 1]; ++k) {
+        const Column& column = columns[items[k]];
+        if (column.u < u0 || column.u > u1 || column.v < v0 || column.v > v1) continue;
+        const double sc = side(f, a, b, ab, column.u, column.v), sa = side(f, b, c, bc, column.u, column.v),
+                     sb = side(f, c, a, ca, column.u, column.v);
+        const bool lc = left(sc, ab), la = left(sa, bc), lb = left(sb, ca);
+        if (lc != la || la != lb) continue;
+        const double sum = sa + sb + sc;
+        if (sum == 0) continue;
+        // Left of all three edges: counter-clockwise across the axis, so the normal points along it: a way
+        // out.
+        crossings.push_back(
+            {items[k], (sa * a[axis_] + sb * b[axis_] + sc * c[axis_]) / sum, lc ? -1 : 1, t});
+      }
+  }
+  std::sort(crossings.begin(), crossings.end(), [](const Crossing& x, const Crossing& y) {
+    if (x.column != y.column) return x.column < y.column;
+    if (x.at != y.at) return x.at < y.at;
+    if (x.enters != y.enters) return x.enters > y.enters;
+    return x.triangle < y.triangle;
+  });
+}
+
+std::vector<ColumnSampler::Chord> ColumnSampler::chords(std::span<const Column> columns) const {
+  std::vector<Crossing> crossings;
+  cross_all(columns, crossings);
+  std::vector<Chord> chords(columns.size());
+  for (std::size_t i = 0; i < crossings.size();) {
+    const std::uint32_t column = crossings[i].column;
+    Chord chord;
+    int winding = 0;
+    bool open = false;
+    for (; i < crossings.size() && crossings[i].column == column; ++i) {
+      const int before = winding;
+      winding += crossings[i].enters;
+      if (before <= 0 && winding >= 1 && crossings[i].triangle == columns[column].triangle) {
+        chord.begin = crossings[i].at;
+        open = true;
+      } else if (open && winding <= 0) {
+        chord.length = crossings[i].at - chord.begin;
+        open = false;
+      }
+    }
+    // Rounding next to a vertex can lose a crossing; such a column is not used.
+    if (winding == 0) chords[column] = chord;
+  }
+  return chords;
+}
+
+double ColumnSampler::height_on_triangle(const Column& column) const {
+  const auto& id = solid_.triangles[column.triangle];
+  double sum = 0;
+  for (const std::uint32_t v : id) sum += to_double(solid_.positions[v])[axis_];
+  return sum / 3;
+}
+
+Vec3d ColumnSampler::place(const Column& column, double along) const {
+  const Frame f = frame_of(axis_);
+  Vec3d p;
+  p[f.u] = column.u;
+  p[f.v] = column.v;
+  p[axis_] = along;
+  return p;
+}
+
+std::vector<Vec3d> ColumnSampler::sample(std::uint32_t count) {
+  std::vector<Vec3d> points;
+  points.reserve(count);
+  std::uint64_t candidate = 0;
+  std::uint32_t refused = 0;
+  double rate = 0.5;  // kept candidates per candidate, so far: only the size of the next batch depends on it
+  std::vector<Column> columns;
+  while (points.size() < count) {
+    execution_.poll();
+    const double wanted = static_cast<double>(count - points.size()) / std::fmax(rate, 1e-3);
+    const auto batch = static_cast<std::uint64_t>(std::fmin(1.1 * wanted + 32, 1 << 18));
+    columns.clear();
+    for (std::uint64_t k = 0; k < batch; ++k) columns.push_back(column(kSiteStream, candidate + k));
+    const std::vector<Chord> found = chords(columns);
+    for (std::size_t k = 0; k < columns.size() && points.size() < count; ++k) {
+      const Chord& chord = found[k];
+      const bool kept = chord.length > 0 && columns[k].keep * cap_ < chord.length;
+      if (!kept && ++refused < kPatience) continue;
+      const bool has_chord = chord.length > 0;
+      const double along =
+          has_chord ? chord.begin + columns[k].share * chord.length : height_on_triangle(columns[k]);
+      points.push_back(place(columns[k], along));
+      refused = 0;
+    }
+    candidate += batch;
+    rate = (static_cast<double>(points.size()) + 1) / (static_cast<double>(candidate) + 1);
+  }
+  return points;
+}
+
+}  // namespace fracture::sites_detail

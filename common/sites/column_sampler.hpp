@@ -1,0 +1,69 @@
+// Uniform points in the volume of a closed surface, by columns.
+//
+// A column is a line along one axis. Picking a triangle through which columns enter, with probability
+// proportional to its area projected along the axis, and a uniform point on it, picks an (entry, column) pair
+// uniformly over the projection. The point then starts a chord: the stretch of the column with winding number
+// >= 1 that begins at this entry. Keeping the candidate with probability chord / cap and then going a uniform
+// share of the chord inwards gives points uniform in the volume as long as no chord is longer than the cap.
+// (Entries into what is already inside, where parts overlap, are refused, so that overlaps count once.)
+//
+// The cap is the width of the box: exact. Only for solids so thin and slanted that fewer than one candidate
+// in 64 would be kept it is the longest chord of 256 probes; the few longer chords then count as if they were
+// that long.
+//
+// Crossings of a batch of columns with all triangles are found by streaming the triangles once over a grid of
+// the columns: near-linear in triangles + crossings, and nothing is built for the mesh.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/base/execution.hpp"
+#include "common/base/random.hpp"
+#include "common/solid/solid.hpp"
+
+namespace fracture::sites_detail {
+
+class ColumnSampler {
+ public:
+  ColumnSampler(const Solid& solid, std::uint64_t seed, const Execution& execution);
+
+  /// `count` points: candidates in the order of their numbers, the kept ones. Each candidate draws from a
+  /// generator of its own number, so batches do not show. After kPatience refusals in a row the next
+  /// candidate is kept as it is, which bounds the work.
+  std::vector<Vec3d> sample(std::uint32_t count);
+
+  static constexpr std::uint32_t kPatience = 4096;
+
+ private:
+  struct Column {
+    std::uint32_t triangle;  ///< the entry
+    double u, v;             ///< where the column stands, across the axis
+    double keep, share;      ///< uniform in [0, 1)
+  };
+  struct Crossing {
+    std::uint32_t column;
+    double at;   ///< along the axis
+    int enters;  ///< +1 into the solid, -1 out of it
+    std::uint32_t triangle;
+  };
+  struct Chord {
+    double begin = 0, length = -1;  ///< negative: none begins here
+  };
+  Column column(std::uint64_t stream, std::uint64_t number) const;
+  /// The chord that begins at each column's entry.
+  std::vector<Chord> chords(std::span<const Column> columns) const;
+  void cross_all(std::span<const Column> columns, std::vector<Crossing>& crossings) const;
+  Vec3d place(const Column& column, double along) const;
+  double height_on_triangle(const Column& column) const;
+
+  const Solid& solid_;
+  const Execution& execution_;
+  std::uint64_t seed_;
+  int axis_ = 0;
+  double cap_ = 0;
+  std::vector<double> entry_area_;  ///< running sums over the triangles
+};
+
+}  // namespace fracture::sites_detail
