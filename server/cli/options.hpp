@@ -1,0 +1,47 @@
+// The command line: two commands, each with its own settings.
+//
+// Exit codes: 0 done · 1 this machine stood in the way (a file, a port) · 2 the command line is wrong · 3 the
+// mesh or a parameter was refused · 4 a bug of ours · 130 interrupted.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "server/http/limits.hpp"
+#include "server/http/server.hpp"
+#include "server/service/service.hpp"
+
+namespace fracture::cli {
+
+inline constexpr int kExitDone = 0, kExitSystem = 1, kExitUsage = 2, kExitRefused = 3, kExitInternal = 4,
+                     kExitInterrupted = 130;
+
+struct ServeOptions {
+  http::ServerConfig server;
+  http::HttpLimits limits;
+  ServiceConfig service;
+  int threads = 0;  ///< of the worker pool; 0: as many as there are cores
+  std::size_t max_queue = 64;
+  std::chrono::milliseconds drain_delay{0}, grace{30'000};
+  std::string log_level = "info";
+};
+
+struct BakeOptions {
+  std::string input, output;
+  ServiceConfig service;
+  /// As given: checked by the same table as the server's query.
+  std::vector<RawParameter> parameters;
+  int threads = 0;
+  bool quiet = false;
+};
+
+int serve(const ServeOptions& options);
+int bake(const BakeOptions& options);
+
+/// Parses the command line and runs the command.
+int run(int argc, char** argv);
+
+}  // namespace fracture::cli

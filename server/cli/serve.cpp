@@ -1,0 +1,75 @@
+// fracture-server serve: starts, waits for a signal, drains.
+#include <pthread.h>
+#include <signal.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <system_error>
+
+#include "server/cli/options.hpp"
+
+namespace fracture::cli {
+namespace {
+
+using std::chrono::steady_clock;
+
+/// Waits for one of the signals, at most until `end`. False when the time is over.
+bool wait_for_signal(const sigset_t& signals, steady_clock::time_point end) {
+  for (;;) {
+    const auto left = std::chrono::duration_cast<std::chrono::nanoseconds>(end - steady_clock::now());
+    if (left.count() <= 0) return false;
+    const timespec timeout{static_cast<time_t>(left.count() / 1'000'000'000), left.count() % 1'000'000'000};
+    if (sigtimedwait(&signals, nullptr, &timeout) > 0) return true;
+    if (errno == EAGAIN) return false;
+  }
+}
+
+}  // namespace
+
+int serve(const ServeOptions& options) {
+  // Standard output is for results; a log is none.
+  spdlog::set_default_logger(spdlog::stderr_color_mt("fracture"));
+  spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%eZ %^%l%$ %v", spdlog::pattern_time_type::utc);
+  spdlog::set_level(spdlog::level::from_str(options.log_level));
+
+  // Blocked before any thread starts, so that every thread inherits it and only this one receives them.
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGINT);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  signal(SIGPIPE, SIG_IGN);
+
+  FractureService service(options.service, make_engine());
+  WorkerPool pool(options.threads > 0 ? options.threads : available_cores(), options.max_queue);
+  http::Api api(service, pool, options.limits);
+  try {
+    http::HttpServer server(options.server, api);
+    spdlog::info("serving on http://{}:{} (admin port {}), {} computing threads", options.server.address,
+                 server.port(), server.admin_port(), pool.threads());
+
+    while (!wait_for_signal(signals, steady_clock::now() + std::chrono::hours(24))) {
+    }
+    spdlog::info("draining: not ready; {} requests in progress", server.requests_in_progress());
+    api.set_draining();
+    wait_for_signal(signals, steady_clock::now() + options.drain_delay);  // a second signal skips the delay
+    server.stop_accepting();
+    const steady_clock::time_point end = steady_clock::now() + options.grace;
+    while (server.connections() > 0 && steady_clock::now() < end)
+      if (wait_for_signal(signals, steady_clock::now() + std::chrono::milliseconds(10))) break;
+    if (server.connections() > 0) {
+      spdlog::warn("{} connections are still open: cancelling their work", server.connections());
+      server.cancel_jobs();
+      const steady_clock::time_point last = steady_clock::now() + std::chrono::seconds(2);
+      while (server.requests_in_progress() > 0 && steady_clock::now() < last)
+        if (wait_for_signal(signals, steady_clock::now() + std::chrono::milliseconds(10))) break;
+    }
+  } catch (const std::system_error& e) {
+    spdlog::critical("{}", e.what());
+    return kExitSystem;
+  }
+  spdlog::info("stopped");
+  return kExitDone;
+}
+
+}  // namespace fracture::cli

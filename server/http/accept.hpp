@@ -1,0 +1,15 @@
+// Content negotiation by the Accept field (RFC 9110, section 12.5.1).
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string_view>
+
+namespace fracture::http {
+
+/// Index of the offered media type that the client likes best (the earlier offer wins a tie); nothing when it
+/// accepts none. An empty field accepts everything; a more specific range overrides a wider one; malformed
+/// items are skipped.
+std::optional<std::size_t> negotiate(std::string_view accept, std::span<const std::string_view> offers);
+
+}  // namespace fracture::http

@@ -1,0 +1,31 @@
+// What a connection may cost. Finite by default, each a flag of `fracture-server serve`, published at GET
+// /limits.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+
+namespace fracture::http {
+
+struct HttpLimits {
+  std::uint64_t max_body = 64ull << 20;  ///< bytes of a request body
+  std::size_t max_header = 16u << 10;    ///< bytes of request line and fields together
+  std::size_t max_uri = 4u << 10;        ///< bytes of the request target
+  std::chrono::milliseconds header_timeout{
+      5'000};                                   ///< from the first byte of a request to the end of its header
+  std::chrono::milliseconds body_grace{5'000};  ///< a body may be slower than the rate for this long
+  std::uint64_t body_rate = 16u << 10;  ///< bytes a second that a body must keep up on average after that
+  std::chrono::milliseconds write_stall{
+      15'000};                             ///< longest time without the client taking a byte of the answer
+  std::chrono::milliseconds idle{15'000};  ///< between requests on a kept connection
+  std::chrono::milliseconds deadline{60'000};  ///< from the complete request to the end of its computation
+  std::size_t max_connections = 1024;
+  std::size_t max_connections_per_address = 64;
+};
+
+/// Bound of the read buffer, which also bounds a chunk header with its extensions and a trailer section:
+/// Boost.Beast throws or grows without limit when its buffer is unbounded.
+inline constexpr std::size_t kReadBuffer = 64u << 10;
+
+}  // namespace fracture::http

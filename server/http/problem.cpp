@@ -1,0 +1,72 @@
+#include "server/http/problem.hpp"
+
+#include <array>
+
+namespace fracture::http {
+namespace {
+
+// Filled in the order of problems.def: the codes of the libraries first, then the HTTP ones.
+const std::array kTable = {
+#define FRACTURE_STATUS(code, status) ProblemType{slug(ErrorCode::code), title(ErrorCode::code), status},
+#define FRACTURE_HTTP_PROBLEM(name, slug, title, status) ProblemType{slug, title, status},
+#include "server/http/problems.def"
+#undef FRACTURE_STATUS
+#undef FRACTURE_HTTP_PROBLEM
+};
+
+enum class Row {
+#define FRACTURE_STATUS(code, status) code,
+#define FRACTURE_HTTP_PROBLEM(name, slug, title, status) name,
+#include "server/http/problems.def"
+#undef FRACTURE_STATUS
+#undef FRACTURE_HTTP_PROBLEM
+};
+
+const ProblemType& at(Row row) { return kTable[static_cast<std::size_t>(row)]; }
+
+}  // namespace
+
+const ProblemType& problem_type(ErrorCode code) {
+  // No default: a code that is added to error_codes.def without a status is a compiler warning here.
+  switch (code) {
+#define FRACTURE_STATUS(name, status) \
+  case ErrorCode::name:               \
+    return at(Row::name);
+#define FRACTURE_HTTP_PROBLEM(name, slug, title, status)
+#include "server/http/problems.def"
+#undef FRACTURE_STATUS
+#undef FRACTURE_HTTP_PROBLEM
+  }
+  return at(Row::kInternal);
+}
+
+const ProblemType& problem_type(HttpProblem problem) {
+  switch (problem) {
+#define FRACTURE_STATUS(name, status)
+#define FRACTURE_HTTP_PROBLEM(name, slug, title, status) \
+  case HttpProblem::name:                                \
+    return at(Row::name);
+#include "server/http/problems.def"
+#undef FRACTURE_STATUS
+#undef FRACTURE_HTTP_PROBLEM
+  }
+  return at(Row::kInternal);
+}
+
+std::span<const ProblemType> problem_types() { return kTable; }
+
+std::string Problem::body(std::string_view request_id) const {
+  nlohmann::ordered_json document;
+  document["type"] = "/problems/" + std::string(type->slug);
+  document["title"] = type->title;
+  document["status"] = type->status;
+  document["detail"] = detail;
+  if (!pointer.empty()) document["parameter"] = pointer;
+  document["request_id"] = request_id;
+  for (const auto& [name, value] : extra.items())
+    if (!document.contains(name)) document[name] = nlohmann::ordered_json::parse(value.dump());
+  // Details may quote what the client sent: bytes that are no UTF-8 are replaced, never an exception.
+  return document.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace fracture::http

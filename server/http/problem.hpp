@@ -1,0 +1,71 @@
+// Every error a client can see, as RFC 9457 problem details. The one table (problems.def) maps the libraries'
+// error codes to statuses and adds what only HTTP can refuse; proto/openapi.yaml lists the same slugs and a
+// test compares.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <string_view>
+#include <tl/expected.hpp>
+#include <utility>
+#include <vector>
+
+#include "common/base/error.hpp"
+
+namespace fracture::http {
+
+enum class HttpProblem {
+#define FRACTURE_STATUS(code, status)
+#define FRACTURE_HTTP_PROBLEM(name, slug, title, status) name,
+#include "server/http/problems.def"
+#undef FRACTURE_STATUS
+#undef FRACTURE_HTTP_PROBLEM
+};
+
+struct ProblemType {
+  std::string_view slug;
+  std::string_view title;
+  int status;
+};
+
+const ProblemType& problem_type(ErrorCode code);
+const ProblemType& problem_type(HttpProblem problem);
+/// The whole table.
+std::span<const ProblemType> problem_types();
+
+/// One refusal: its type, what was wrong in this request, and header fields that belong to it (Allow,
+/// Retry-After, …).
+struct Problem {
+  const ProblemType* type;
+  std::string detail;
+  std::string pointer{};  ///< the parameter, part or header field concerned; may be empty
+  nlohmann::json extra = nlohmann::json::object();
+  std::vector<std::pair<std::string, std::string>> headers{};
+
+  Problem(HttpProblem problem, std::string problem_detail)
+      : type(&problem_type(problem)), detail(std::move(problem_detail)) {}
+  explicit Problem(Error error)
+      : type(&problem_type(error.code)),
+        detail(std::move(error.detail)),
+        pointer(std::move(error.pointer)),
+        extra(std::move(error.extra)) {}
+
+  Problem&& with(std::string name, std::string value) && {
+    headers.emplace_back(std::move(name), std::move(value));
+    return std::move(*this);
+  }
+
+  /// The application/problem+json body: type (/problems/<slug>), title, status, detail, request_id,
+  /// parameter, extras.
+  std::string body(std::string_view request_id) const;
+};
+
+template <class T>
+using OrProblem = tl::expected<T, Problem>;
+
+inline tl::unexpected<Problem> refuse(HttpProblem problem, std::string detail) {
+  return tl::unexpected<Problem>(Problem(problem, std::move(detail)));
+}
+
+}  // namespace fracture::http

@@ -1,0 +1,236 @@
+#include "server/http/request_head.hpp"
+
+#include <algorithm>
+#include <charconv>
+
+namespace fracture::http {
+namespace {
+
+/// RFC 9110, section 5.6.2.
+bool is_token_char(char c) {
+  if ((c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z')) return true;
+  return std::string_view("!#$%&'*+-.^_`|~").find(c) != std::string_view::npos;
+}
+
+bool is_token(std::string_view s) { return !s.empty() && std::all_of(s.begin(), s.end(), is_token_char); }
+
+/// A field value: visible characters, spaces, tabs and bytes above 0x7f.
+bool is_field_value(std::string_view s) {
+  return std::all_of(s.begin(), s.end(), [](char c) {
+    const auto u = static_cast<unsigned char>(c);
+    return u == '\t' || (u >= 0x20 && u != 0x7f);
+  });
+}
+
+std::string_view trim(std::string_view s) {
+  while (!s.empty() && (s.front() == ' ' || s.front() == '\t')) s.remove_prefix(1);
+  while (!s.empty() && (s.back() == ' ' || s.back() == '\t')) s.remove_suffix(1);
+  return s;
+}
+
+char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; }
+
+tl::unexpected<Problem> malformed(std::string detail) {
+  return refuse(HttpProblem::kMalformedRequest, std::move(detail));
+}
+
+int hex_value(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  return -1;
+}
+
+OrProblem<bool> parse_request_line(std::string_view line, RequestHead& head, const HttpLimits& limits) {
+  const std::size_t first = line.find(' '), last = line.rfind(' ');
+  if (first == std::string_view::npos || first == last)
+    return malformed("The request line must be 'METHOD /path HTTP/1.1'.");
+  const std::string_view method = line.substr(0, first), target = line.substr(first + 1, last - first - 1),
+                         version = line.substr(last + 1);
+  if (!is_token(method)) return malformed("The method is not a token.");
+  if (version.size() != 8 || version.substr(0, 5) != "HTTP/" || version[6] != '.' ||
+      hex_value(version[5]) < 0 || hex_value(version[5]) > 9 || hex_value(version[7]) < 0 ||
+      hex_value(version[7]) > 9)
+    return malformed("The protocol must be written 'HTTP/1.1'.");
+  if (version != "HTTP/1.1" && version != "HTTP/1.0")
+    return refuse(HttpProblem::kVersionNotSupported,
+                  "The request names a protocol version other than HTTP/1.1 and HTTP/1.0.");
+  if (target.size() > limits.max_uri)
+    return refuse(HttpProblem::kUriTooLong, "The request target has " + std::to_string(target.size()) +
+                                                " bytes; the limit is " + std::to_string(limits.max_uri) +
+                                                ".");
+  if (target.empty() || target.front() != '/')
+    return malformed("The request target must be a path that begins with '/' (no absolute form, no '*').");
+  for (const char c : target)
+    if (static_cast<unsigned char>(c) <= 0x20 || static_cast<unsigned char>(c) >= 0x7f || c == '#')
+      return malformed("The request target has a character that must be percent-encoded.");
+  const std::size_t mark = target.find('?');
+  const std::optional<std::string> path = percent_decode(target.substr(0, mark), Plus::kIsPlus);
+  if (!path || path->find('\0') != std::string::npos)
+    return malformed("The path has a malformed percent escape.");
+  head.method = method;
+  head.path = *path;
+  if (mark != std::string_view::npos) head.query = target.substr(mark + 1);
+  head.minor_version = version.back() - '0';
+  return true;
+}
+
+OrProblem<bool> parse_fields(std::string_view block, RequestHead& head) {
+  while (!block.empty()) {
+    const std::size_t end = block.find("\r\n");
+    const std::string_view line = block.substr(0, end);
+    block.remove_prefix(end + 2);
+    if (line.front() == ' ' || line.front() == '\t')
+      return malformed("A header field is folded over several lines; write it on one.");
+    const std::size_t colon = line.find(':');
+    if (colon == std::string_view::npos || !is_token(line.substr(0, colon)))
+      return malformed(
+          "A header line is not 'name: value' with a token as name and no space before the colon.");
+    const std::string_view value = trim(line.substr(colon + 1));
+    if (!is_field_value(value)) return malformed("A header field has a control character in its value.");
+    head.fields.emplace_back(line.substr(0, colon), value);
+  }
+  return true;
+}
+
+OrProblem<bool> decide_framing(RequestHead& head) {
+  std::size_t hosts = 0, lengths = 0, codings = 0;
+  std::string_view length, coding, host;
+  for (const auto& [name, value] : head.fields) {
+    if (equals_ignoring_case(name, "host")) ++hosts, host = value;
+    if (equals_ignoring_case(name, "content-length")) ++lengths, length = value;
+    if (equals_ignoring_case(name, "transfer-encoding")) ++codings, coding = value;
+  }
+  if (hosts > 1 || (hosts == 0 && head.minor_version == 1))
+    return malformed("A request needs exactly one Host field; this one has " + std::to_string(hosts) + ".");
+  if (host.find_first_of(" \t,/@") != std::string_view::npos)
+    return malformed("The Host field is not 'host[:port]'.");
+  if (codings > 0) {
+    if (lengths > 0) return malformed("Content-Length and Transfer-Encoding were both given.");
+    if (head.minor_version == 0) return malformed("Transfer-Encoding does not exist in HTTP/1.0.");
+    if (codings > 1 || !equals_ignoring_case(coding, "chunked"))
+      return refuse(HttpProblem::kNotImplemented, "The only transfer coding is 'chunked', given once.");
+    head.chunked = true;
+  }
+  if (lengths > 1) return malformed("Content-Length was given more than once.");
+  if (lengths == 1) {
+    std::uint64_t number = 0;
+    const auto [end, error] = std::from_chars(length.data(), length.data() + length.size(), number);
+    if (length.empty() || error == std::errc::invalid_argument || end != length.data() + length.size())
+      return malformed("Content-Length must be a whole number in digits.");
+    if (error == std::errc::result_out_of_range) number = UINT64_MAX;
+    head.content_length = number;
+  }
+
+  const std::string connection = head.field("connection");
+  bool close = head.minor_version == 0;  // HTTP/1.0 persistence is not worth its ambiguities
+  for (std::size_t at = 0; at <= connection.size();) {
+    const std::size_t comma = std::min(connection.find(',', at), connection.size());
+    if (equals_ignoring_case(trim(std::string_view(connection).substr(at, comma - at)), "close"))
+      close = true;
+    at = comma + 1;
+  }
+  head.keep_alive = !close;
+
+  const std::string expect = head.field("expect");
+  if (!expect.empty()) {
+    if (!equals_ignoring_case(expect, "100-continue"))
+      return refuse(HttpProblem::kExpectationFailed,
+                    "The only expectation that can be met is '100-continue'.");
+    head.expects_continue = head.minor_version == 1 && head.has_body();
+  }
+  return true;
+}
+
+}  // namespace
+
+bool equals_ignoring_case(std::string_view a, std::string_view b) {
+  return a.size() == b.size() &&
+         std::equal(a.begin(), a.end(), b.begin(), [](char x, char y) { return lower(x) == lower(y); });
+}
+
+std::string RequestHead::field(std::string_view name) const {
+  std::string joined;
+  bool found = false;
+  for (const auto& [key, value] : fields) {
+    if (!equals_ignoring_case(key, name)) continue;
+    if (found) joined += ", ";
+    joined += value;
+    found = true;
+  }
+  return joined;
+}
+
+OrProblem<std::optional<std::size_t>> find_head_end(std::string_view received, std::size_t& searched,
+                                                    const HttpLimits& limits) {
+  for (std::size_t i = searched; i < received.size() && i < limits.max_header; ++i) {
+    const char c = received[i];
+    if (c == '\0') return malformed("The header has a NUL byte.");
+    if (c == '\n') {
+      if (i == 0 || received[i - 1] != '\r') return malformed("A header line ends in LF without CR.");
+      if (i == 1) return malformed("The request begins with an empty line.");
+      if (i >= 3 && received[i - 2] == '\n') return std::optional<std::size_t>(i + 1);
+    } else if (i > 0 && received[i - 1] == '\r') {
+      return malformed("The header has a CR without LF.");
+    }
+    searched = i + 1;
+  }
+  if (received.size() >= limits.max_header) {
+    if (received.substr(0, limits.max_header).find('\n') == std::string_view::npos)
+      return refuse(HttpProblem::kUriTooLong,
+                    "The request line is longer than " + std::to_string(limits.max_header) + " bytes.");
+    return refuse(HttpProblem::kHeaderTooLarge,
+                  "The request header is larger than " + std::to_string(limits.max_header) + " bytes.");
+  }
+  return std::optional<std::size_t>();
+}
+
+OrProblem<RequestHead> parse_head(std::string_view head, const HttpLimits& limits) {
+  if (head.size() < 4 || head.substr(head.size() - 4) != "\r\n\r\n")
+    return malformed("The header does not end with an empty line.");
+  head.remove_suffix(2);  // each remaining line ends in CRLF
+  const std::size_t end = head.find("\r\n");
+  RequestHead result;
+  if (auto line = parse_request_line(head.substr(0, end), result, limits); !line)
+    return tl::unexpected<Problem>(std::move(line.error()));
+  if (auto fields = parse_fields(head.substr(end + 2), result); !fields)
+    return tl::unexpected<Problem>(std::move(fields.error()));
+  if (auto framing = decide_framing(result); !framing)
+    return tl::unexpected<Problem>(std::move(framing.error()));
+  return result;
+}
+
+std::optional<std::string> percent_decode(std::string_view text, Plus plus) {
+  std::string decoded;
+  decoded.reserve(text.size());
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '%') {
+      if (i + 2 >= text.size()) return std::nullopt;
+      const int high = hex_value(text[i + 1]), low = hex_value(text[i + 2]);
+      if (high < 0 || low < 0) return std::nullopt;
+      decoded += static_cast<char>(16 * high + low);
+      i += 2;
+    } else {
+      decoded += text[i] == '+' && plus == Plus::kIsSpace ? ' ' : text[i];
+    }
+  }
+  return decoded;
+}
+
+std::optional<std::vector<std::pair<std::string, std::string>>> parse_query(std::string_view query) {
+  std::vector<std::pair<std::string, std::string>> pairs;
+  while (!query.empty()) {
+    const std::string_view item = query.substr(0, query.find('&'));
+    query.remove_prefix(std::min(query.size(), item.size() + 1));
+    if (item.empty()) continue;
+    const std::size_t equals = item.find('=');
+    auto name = percent_decode(item.substr(0, equals), Plus::kIsSpace);
+    auto value = percent_decode(
+        equals == std::string_view::npos ? std::string_view() : item.substr(equals + 1), Plus::kIsSpace);
+    if (!name || !value) return std::nullopt;
+    pairs.emplace_back(std::move(*name), std::move(*value));
+  }
+  return pairs;
+}
+
+}  // namespace fracture::http

@@ -1,0 +1,176 @@
+#include "server/http/server.hpp"
+
+#include <spdlog/spdlog.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <exception>
+#include <system_error>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "server/http/asio.hpp"
+#include "server/http/connections.hpp"
+#include "server/http/session.hpp"
+
+namespace fracture::http {
+namespace {
+
+using error_code = boost::system::error_code;
+
+/// File descriptors that are not connections: logs, listeners, event queues, what the libraries open for a
+/// moment.
+constexpr std::size_t kReservedDescriptors = 64;
+/// Connections beyond the limit that may be open at once only to be told so.
+constexpr std::size_t kTurnedAway = 32;
+/// Pause after a failed accept. Without it, a process at its descriptor limit spins: the listening socket
+/// stays readable.
+constexpr std::chrono::milliseconds kAcceptBackOff{75};
+
+std::size_t connection_limit(std::size_t wanted) {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return wanted;
+  if (limit.rlim_cur < limit.rlim_max) {
+    limit.rlim_cur = limit.rlim_max;
+    if (setrlimit(RLIMIT_NOFILE, &limit) != 0) getrlimit(RLIMIT_NOFILE, &limit);
+  }
+  const std::size_t usable =
+      limit.rlim_cur > 2 * (kReservedDescriptors + kTurnedAway)
+          ? static_cast<std::size_t>(limit.rlim_cur) - kReservedDescriptors - kTurnedAway
+          : static_cast<std::size_t>(limit.rlim_cur) / 2;
+  if (usable < wanted)
+    spdlog::warn("at most {} connections: the limit of open files is {}", usable, limit.rlim_cur);
+  return std::min(wanted, usable);
+}
+
+/// io_context::run() with a last line of defence: an exception out of a handler is logged, and the loop goes
+/// on.
+void run_forever(asio::io_context& context) {
+  for (;;) {
+    try {
+      context.run();
+      return;
+    } catch (const std::exception& e) {
+      spdlog::error("an exception reached the io loop: {}", e.what());
+    } catch (...) {
+      spdlog::error("an unknown exception reached the io loop");
+    }
+  }
+}
+
+tcp::acceptor open_acceptor(asio::io_context& context, const std::string& address, std::uint16_t port) {
+  try {
+    const tcp::endpoint endpoint(asio::ip::make_address(address), port);
+    tcp::acceptor acceptor(asio::make_strand(context));
+    acceptor.open(endpoint.protocol());
+    acceptor.set_option(tcp::acceptor::reuse_address(true));
+    acceptor.bind(endpoint);
+    acceptor.listen(1024);
+    return acceptor;
+  } catch (const boost::system::system_error& e) {
+    throw std::system_error(e.code().value(), std::generic_category(),
+                            "cannot listen on " + address + " port " + std::to_string(port));
+  }
+}
+
+asio::awaitable<void> accept_loop(tcp::acceptor& acceptor, asio::io_context& context, Listener listener,
+                                  Api& api, Connections& connections, std::size_t max_open) {
+  asio::steady_timer pause(acceptor.get_executor());
+  while (acceptor.is_open()) {
+    error_code ec;
+    if (connections.count() >= max_open) {
+      pause.expires_after(kAcceptBackOff);
+      co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, ec));
+      continue;
+    }
+    tcp::socket socket(asio::make_strand(context));
+    co_await acceptor.async_accept(socket, asio::redirect_error(asio::use_awaitable, ec));
+    if (ec == asio::error::operation_aborted || !acceptor.is_open()) co_return;
+    if (ec) {
+      if (ec == asio::error::connection_aborted) continue;  // the client gave up in the queue
+      spdlog::warn("accept failed: {}", ec.message());
+      pause.expires_after(kAcceptBackOff);
+      co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, ec));
+      continue;
+    }
+    const tcp::endpoint peer = socket.remote_endpoint(ec);
+    if (ec) continue;
+    const std::string address = peer.address().to_string();
+    const Connections::Verdict verdict = connections.add(address);
+    start_session(std::move(socket), listener, api, connections, verdict, address);
+  }
+}
+
+}  // namespace
+
+class HttpServer::Impl {
+ public:
+  Impl(const ServerConfig& config, Api& api)
+      : api_(api),
+        max_connections_(connection_limit(api.limits().max_connections)),
+        connections_(max_connections_, api.limits().max_connections_per_address),
+        admin_connections_(kReservedDescriptors / 2, kReservedDescriptors / 2),
+        public_acceptor_(open_acceptor(context_, config.address, config.port)),
+        admin_acceptor_(open_acceptor(admin_context_, config.address, config.admin_port)),
+        port_(public_acceptor_.local_endpoint().port()),
+        admin_port_(admin_acceptor_.local_endpoint().port()) {
+    asio::co_spawn(public_acceptor_.get_executor(),
+                   accept_loop(public_acceptor_, context_, Listener::kPublic, api, connections_,
+                               max_connections_ + kTurnedAway),
+                   asio::detached);
+    asio::co_spawn(admin_acceptor_.get_executor(),
+                   accept_loop(admin_acceptor_, admin_context_, Listener::kAdmin, api, admin_connections_,
+                               kReservedDescriptors / 2),
+                   asio::detached);
+    for (int t = 0; t < std::max(1, config.io_threads); ++t)
+      threads_.emplace_back([this] { run_forever(context_); });
+    threads_.emplace_back([this] { run_forever(admin_context_); });
+  }
+
+  ~Impl() {
+    work_.reset();
+    admin_work_.reset();
+    context_.stop();
+    admin_context_.stop();
+    for (std::thread& thread : threads_) thread.join();
+    // No handler runs any more, so nothing can be submitted; what was submitted still uses sessions and
+    // contexts.
+    api_.pool().wait_idle();
+  }
+
+  void stop_accepting() {
+    connections_.stopping = true;
+    asio::post(public_acceptor_.get_executor(), [this] {
+      error_code ignored;
+      public_acceptor_.close(ignored);
+    });
+    for (const auto& session : connections_.sessions()) session->close_when_idle();
+  }
+  void cancel_jobs() {
+    for (const auto& session : connections_.sessions()) session->cancel_job();
+  }
+
+  Api& api_;
+  std::size_t max_connections_;
+  // Sessions live in handlers of the contexts and use the connections: destroyed after the contexts.
+  Connections connections_, admin_connections_;
+  asio::io_context context_, admin_context_{1};
+  asio::executor_work_guard<asio::io_context::executor_type> work_{context_.get_executor()},
+      admin_work_{admin_context_.get_executor()};
+  tcp::acceptor public_acceptor_, admin_acceptor_;
+  std::uint16_t port_, admin_port_;
+  std::vector<std::thread> threads_;
+};
+
+HttpServer::HttpServer(const ServerConfig& config, Api& api) : impl_(std::make_unique<Impl>(config, api)) {}
+HttpServer::~HttpServer() = default;
+
+std::uint16_t HttpServer::port() const { return impl_->port_; }
+std::uint16_t HttpServer::admin_port() const { return impl_->admin_port_; }
+void HttpServer::stop_accepting() { impl_->stop_accepting(); }
+void HttpServer::cancel_jobs() { impl_->cancel_jobs(); }
+std::size_t HttpServer::connections() const { return impl_->connections_.count(); }
+std::size_t HttpServer::requests_in_progress() const { return impl_->connections_.in_progress.load(); }
+
+}  // namespace fracture::http

@@ -1,0 +1,14 @@
+// fracture-server: exact mesh fracture over HTTP (serve) or from the command line (bake).
+#include <cstdio>
+#include <exception>
+
+#include "server/cli/options.hpp"
+
+int main(int argc, char** argv) {
+  try {
+    return fracture::cli::run(argc, argv);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "fracture-server: %s\n", e.what());
+    return fracture::cli::kExitInternal;
+  }
+}

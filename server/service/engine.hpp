@@ -1,0 +1,44 @@
+// The five steps of the job as the service calls them. An interface because two things replace it: the tests
+// (a fake that answers at once, waits, or fails on demand, so that the HTTP side is attacked without
+// computing anything), and an importer that runs in another process.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "common/base/error.hpp"
+#include "common/base/execution.hpp"
+#include "common/base/timings.hpp"
+#include "common/gltf/gltf_writer.hpp"
+#include "common/import/import.hpp"
+#include "common/mesh/mesh.hpp"
+#include "common/pipeline/fracture.hpp"
+#include "common/solid/solid.hpp"
+
+namespace fracture {
+
+/// Thread-safe: every method may be called from several threads at once. Errors are those of the function
+/// each method stands for (import_mesh, make_solid, make_diagram, fracture); Interrupted may be thrown from
+/// any of them.
+class FractureEngine {
+ public:
+  virtual ~FractureEngine() = default;
+  virtual Expected<Mesh> import(std::span<const std::byte> bytes, MeshFormat format,
+                                const ImportLimits& limits, const Execution& execution) const = 0;
+  virtual Expected<Solid> prepare(std::shared_ptr<const Mesh> mesh, const Execution& execution) const = 0;
+  virtual Expected<Diagram> diagram(const Solid& solid, const FractureParameters& parameters,
+                                    const Execution& execution, StageTimings& timings) const = 0;
+  virtual Expected<FragmentSet> cut(const Solid& solid, const Diagram& diagram,
+                                    const FractureParameters& parameters, const Execution& execution,
+                                    StageTimings& timings) const = 0;
+  virtual std::vector<std::uint8_t> encode(const FragmentSet& fragments,
+                                           const GltfOptions& options) const = 0;
+};
+
+/// The real one: calls the libraries of common/.
+std::unique_ptr<FractureEngine> make_engine();
+
+}  // namespace fracture

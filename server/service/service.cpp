@@ -1,0 +1,171 @@
+#include "server/service/service.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <string_view>
+#include <utility>
+
+#include "common/base/digest.hpp"
+
+namespace fracture {
+namespace {
+
+template <class T>
+std::size_t heap(const std::vector<T>& v) {
+  return v.capacity() * sizeof(T);
+}
+
+template <class T>
+std::size_t nested_heap(const std::vector<std::vector<T>>& v) {
+  std::size_t bytes = heap(v);
+  for (const std::vector<T>& inner : v) bytes += heap(inner);
+  return bytes;
+}
+
+std::size_t memory_size(const Mesh& mesh) {
+  std::size_t bytes = sizeof mesh + heap(mesh.positions) + heap(mesh.attributes.normals) +
+                      heap(mesh.attributes.tangents) + nested_heap(mesh.attributes.uvs) +
+                      nested_heap(mesh.attributes.colors) + heap(mesh.triangles) + heap(mesh.material) +
+                      heap(mesh.node);
+  for (const std::string& name : mesh.node_names) bytes += sizeof name + name.capacity();
+  for (const Image& image : mesh.library->images) bytes += sizeof image + heap(image.bytes);
+  // A parsed JSON value takes several times its text; materials are small, so an upper guess does no harm.
+  bytes += 512 * (mesh.library->materials.size() + mesh.library->textures.size());
+  return bytes;
+}
+
+std::string hex_of(std::string_view material) { return sha256(material).hex(); }
+
+CacheOutcome stored(bool kept) { return kept ? CacheOutcome::kMissStored : CacheOutcome::kMissNotStored; }
+
+}  // namespace
+
+std::size_t memory_size(const Solid& solid) {
+  std::size_t bytes = sizeof solid + heap(solid.positions) + heap(solid.triangles) + heap(solid.wedges) +
+                      heap(solid.material) + heap(solid.edges) + heap(solid.edge_vertices) +
+                      heap(solid.shell) + heap(solid.part) + heap(solid.parts);
+  for (const Part& part : solid.parts) bytes += heap(part.shells);
+  if (solid.source) bytes += memory_size(*solid.source);
+  return bytes;
+}
+
+std::size_t memory_size(const Diagram& diagram) {
+  const Tetrahedralization& t = diagram.tetrahedralization;
+  return sizeof diagram + heap(diagram.sites) + heap(t.points) + heap(t.tets) + heap(t.tet_of_site) +
+         heap(t.site_of_input);
+}
+
+FractureService::FractureService(const ServiceConfig& config, std::unique_ptr<FractureEngine> engine)
+    : config_(config),
+      parameters_(config.max_sites, config.formats),
+      engine_(std::move(engine)),
+      meshes_(config.mesh_cache_bytes),
+      diagrams_(config.diagram_cache_bytes),
+      results_(config.result_cache_bytes) {}
+
+Expected<FractureAnswer> FractureService::fracture(const FractureRequest& request,
+                                                   const Execution& execution) {
+  try {
+    execution.poll();  // the time in the queue may have used up the deadline
+    return compute(request, execution);
+  } catch (const Interrupted& interrupted) {
+    return fail(interrupted.code,
+                interrupted.code == ErrorCode::kDeadlineExceeded
+                    ? "The work was given up because its deadline passed. Ask for fewer sites or a "
+                      "smaller mesh, or raise the server's --deadline."
+                    : "The work was cancelled before it was done.");
+  }
+}
+
+Expected<FractureAnswer> FractureService::compute(const FractureRequest& request,
+                                                  const Execution& execution) {
+  if (request.mesh.empty())
+    return fail(ErrorCode::kEmptyBody,
+                "The mesh has 0 bytes. Send the file as the body, or as the part 'mesh'.", "mesh");
+
+  FractureAnswer answer;
+  const std::string digest = sha256(request.mesh).hex();
+  const std::string mesh_key = digest + "." + extension_of(request.format);
+  const std::string canonical = canonical_parameters(request.parameters).dump();
+  const std::string version = std::to_string(kAlgorithmVersion);
+  const std::string result_key =
+      digest.substr(0, 16) +
+      hex_of("result\n" + mesh_key + "\n" + canonical + "\n" + version + "\nglb").substr(0, 48);
+
+  if ((answer.result = results_.find(result_key))) {
+    answer.result_cache = CacheOutcome::kHit;
+    return answer;
+  }
+
+  std::shared_ptr<const Solid> solid = meshes_.find(mesh_key);
+  answer.mesh_cache = CacheOutcome::kHit;
+  if (!solid) {
+    std::shared_ptr<const Mesh> mesh;
+    {
+      const StageTimings::Scope scope(answer.timings, "import");
+      Expected<Mesh> imported =
+          engine_->import(request.mesh, request.format, config_.import_limits, execution);
+      if (!imported) return tl::unexpected<Error>(std::move(imported.error()));
+      mesh = std::make_shared<const Mesh>(std::move(*imported));
+    }
+    const StageTimings::Scope scope(answer.timings, "prepare");
+    Expected<Solid> made = engine_->prepare(std::move(mesh), execution);
+    if (!made) return tl::unexpected<Error>(std::move(made.error()));
+    solid = std::make_shared<const Solid>(std::move(*made));
+    answer.mesh_cache = stored(meshes_.insert(mesh_key, solid, memory_size(*solid)));
+  }
+
+  // Only the sites decide the tetrahedralization: every dual and output format shares it.
+  const std::string diagram_key =
+      hex_of("diagram\n" + mesh_key + "\n" + std::to_string(request.parameters.sites) + "\n" +
+             std::to_string(request.parameters.seed) + "\n" + version);
+  std::shared_ptr<const Diagram> diagram = diagrams_.find(diagram_key);
+  answer.diagram_cache = CacheOutcome::kHit;
+  if (!diagram) {
+    const StageTimings::Scope scope(answer.timings, "tetrahedralize");
+    Expected<Diagram> made = engine_->diagram(*solid, request.parameters, execution, answer.inner);
+    if (!made) return tl::unexpected<Error>(std::move(made.error()));
+    diagram = std::make_shared<const Diagram>(std::move(*made));
+    answer.diagram_cache = stored(diagrams_.insert(diagram_key, diagram, memory_size(*diagram)));
+  }
+
+  auto result = std::make_shared<FractureResult>();
+  result->key = result_key;
+  result->mesh_digest = "sha256:" + digest;
+  Expected<FragmentSet> fragments = [&] {
+    const StageTimings::Scope scope(answer.timings, "clip");
+    return engine_->cut(*solid, *diagram, request.parameters, execution, answer.inner);
+  }();
+  if (!fragments) return tl::unexpected<Error>(std::move(fragments.error()));
+  execution.poll();
+  {
+    const StageTimings::Scope scope(answer.timings, "encode");
+    GltfOptions options;
+    options.parameters = canonical_parameters(request.parameters);
+    options.mesh_digest = result->mesh_digest;
+    options.algorithm = kAlgorithmVersion;
+    result->glb = engine_->encode(*fragments, options);
+    result->certificate = fragments->certificate;
+  }
+  answer.result = result;
+  answer.result_cache = stored(results_.insert(result_key, result, sizeof *result + result->glb.capacity()));
+  return answer;
+}
+
+nlohmann::json figures_of(const FractureResult& result) {
+  // Layout of a GLB (glTF 2.0, section 4.4): 12 bytes of header, then the JSON chunk as length, type, text.
+  const std::vector<std::uint8_t>& glb = result.glb;
+  std::uint32_t length = 0;
+  if (glb.size() < 20) throw InternalError("figures_of: the GLB is shorter than its header");
+  std::memcpy(&length, glb.data() + 12, 4);
+  if (length > glb.size() - 20) throw InternalError("figures_of: the JSON chunk is longer than the GLB");
+  const auto* text = reinterpret_cast<const char*>(glb.data()) + 20;
+  const nlohmann::json document = nlohmann::json::parse(text, text + length);
+  for (const nlohmann::json& node : document.value("nodes", nlohmann::json::array()))
+    if (node.contains("extras") && node["extras"].contains("fracture") &&
+        node["extras"]["fracture"].contains("bonds"))
+      return node["extras"]["fracture"];
+  throw InternalError("figures_of: no node carries extras.fracture");
+}
+
+}  // namespace fracture
