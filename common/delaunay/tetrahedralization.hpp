@@ -1,8 +1,8 @@
 // Delaunay tetrahedralization of the sites inside a big tetrahedron: incremental, flip-based, exact.
 //
-// Conventions. Site ids are 0..site_count()-1 in the caller's order of *distinct* points; the four corners of the big
-// tetrahedron are the ids site_count()..site_count()+3. A tetrahedron (a, b, c, d) is positive: orient3d(a,b,c,d) > 0
-// with orient3d as in common/exact/orient3d.hpp. Neighbour k is opposite vertex k.
+// Conventions. Site ids are 0..site_count()-1 in the caller's order of *distinct* points; the four corners of
+// the big tetrahedron are the ids site_count()..site_count()+3. A tetrahedron (a, b, c, d) is positive:
+// orient3d(a,b,c,d) > 0 with orient3d as in common/exact/orient3d.hpp. Neighbour k is opposite vertex k.
 #pragma once
 
 #include <array>
@@ -31,7 +31,8 @@ struct Tetrahedralization {
   std::vector<Vec3d> points;  ///< sites, then the four corners
   std::vector<Tetrahedron> tets;
   std::vector<TetId> tet_of_site;  ///< some tetrahedron at each point
-  /// Where each point of the caller's list went: the id of its site, kNoSite when dropped (owns no point of the box).
+  /// Where each point of the caller's list went: the id of its site, kNoSite when dropped (owns no point of
+  /// the box).
   std::vector<SiteId> site_of_input;
   std::uint32_t duplicates_merged = 0;
   std::uint32_t far_sites_dropped = 0;
@@ -40,7 +41,22 @@ struct Tetrahedralization {
   bool is_corner(SiteId s) const { return s >= site_count(); }
 };
 
-/// Builds it. `box` is the mesh's box. Errors: kNotFinite, kTooComplex.
-Expected<Tetrahedralization> tetrahedralize(std::span<const Vec3d> sites, const Box& box, const Execution& execution);
+/// The stated range of site and box coordinates.
+inline constexpr double kMaxSiteCoordinate = 1e12;
+/// More sites are refused (kTooComplex) before any work is done: 2 GB of tetrahedra.
+inline constexpr std::uint32_t kMaxSites = 4'000'000;
+/// The limit of tetrahedra is kTetsAlways + kTetsPerSite * sites, checked while inserting, so that time and
+/// memory are bounded too. Sites in a volume make 6.8 a site, sites on a smooth surface up to about 10; two
+/// skew lines of n sites make n^2/4.
+inline constexpr std::uint64_t kTetsAlways = 2'000'000;
+inline constexpr std::uint64_t kTetsPerSite = 32;
+
+/// Builds it. `box` is the mesh's box (may be empty: then no site is far). The result is a function of the
+/// list of sites and the box; the *set* of tetrahedra only of the set of sites and the box. Errors:
+/// kNotFinite with "/points/<k>" (NaN, infinite or beyond kMaxSiteCoordinate), kTooComplex. Throws
+/// Interrupted. Degenerate results: no sites give the big tetrahedron alone; duplicates are merged into the
+/// one with the lowest index.
+Expected<Tetrahedralization> tetrahedralize(std::span<const Vec3d> sites, const Box& box,
+                                            const Execution& execution);
 
 }  // namespace fracture

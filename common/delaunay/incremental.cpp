@@ -1,0 +1,148 @@
+#include "common/delaunay/incremental.hpp"
+
+#include "common/delaunay/incremental_detail.hpp"
+#include "common/exact/in_sphere.hpp"
+#include "common/exact/orient3d.hpp"
+
+namespace fracture {
+
+IncrementalDelaunay::IncrementalDelaunay(const BigTetrahedron& big, Options options)
+    : big_(big), options_(options) {
+  const std::array<Vec3d, 4> corners = big.corners();
+  for (const Vec3d& c : corners) new_vertex(c);
+  // Any difference of two points in the big tetrahedron is at most its edge, 2 sqrt(2) K.
+  const double edge = 2.8285 * big.half;
+  orient_bound_ = exact::kOrient3dError * edge * edge * edge + exact::kUnderflow;
+  make_tet(0, 1, 2, 3);
+}
+
+void IncrementalDelaunay::reserve(std::size_t sites) {
+  vertices_.reserve(sites + 4);
+  tets_.reserve(sites * 7 + 64);
+}
+
+VertexId IncrementalDelaunay::new_vertex(const Vec3d& p) {
+  scale_builder_.include(p);
+  scale_ = scale_builder_.scale();
+  // + 0.0 makes a negative zero positive, so that equal points have equal bits.
+  const Vertex vertex{p.x + 0.0, p.y + 0.0, p.z + 0.0, 0, kNoLocal};
+  if (free_vertices_.empty()) {
+    vertices_.push_back(vertex);
+    return static_cast<VertexId>(vertices_.size() - 1);
+  }
+  const VertexId v = free_vertices_.back();
+  free_vertices_.pop_back();
+  vertices_[v] = vertex;
+  return v;
+}
+
+TetId IncrementalDelaunay::new_tet() {
+  if (!free_tets_.empty()) {
+    const TetId t = free_tets_.back();
+    free_tets_.pop_back();
+    return t;
+  }
+  tets_.emplace_back();
+  return static_cast<TetId>(tets_.size() - 1);
+}
+
+void IncrementalDelaunay::free_tet(TetId t) {
+  tets_[t].v[0] = kNoVertex;
+  tets_[t].mark = 0;
+  free_tets_.push_back(t);
+}
+
+TetId IncrementalDelaunay::make_tet(VertexId a, VertexId b, VertexId c, VertexId d) {
+  const TetId t = new_tet();
+  tets_[t] = Tet{{a, b, c, d}, {kNoLink, kNoLink, kNoLink, kNoLink}, {}, 0, 0};
+  set_sphere(tets_[t]);
+  for (const VertexId v : tets_[t].v) vertices_[v].tet = t;
+  return t;
+}
+
+void IncrementalDelaunay::set_sphere(Tet& t) const {
+  const Vec3d o = position(t.v[0]);
+  const Vec3d b = position(t.v[1]) - o, c = position(t.v[2]) - o, d = position(t.v[3]) - o;
+  set_sphere(t, b, c, d, dot(b, b), dot(c, c), dot(d, d));
+}
+
+void IncrementalDelaunay::next_visit() {
+  visit_ += 2;
+  if (visit_ >= 0xfffffff0u) {
+    for (Tet& t : tets_) t.mark = 0;
+    visit_ = 2;
+  }
+}
+
+int IncrementalDelaunay::orient_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) const {
+  const Vec3d ba = b - a, ca = c - a, da = d - a;
+  const double det = exact::det3(ba, ca, da);
+  const double bound =
+      exact::kOrient3dError * std::sqrt(dot(ba, ba)) * std::sqrt(dot(ca, ca)) * std::sqrt(dot(da, da)) +
+      exact::kUnderflow;
+  if (det > bound) return 1;
+  if (det < -bound) return -1;
+  return exact::orient3d_exact(a, b, c, d, scale_, &counters_.orient3d);
+}
+
+int IncrementalDelaunay::orient(VertexId a, VertexId b, VertexId c, VertexId d) const {
+  return orient_exact(position(a), position(b), position(c), position(d));
+}
+
+bool IncrementalDelaunay::in_conflict_exact(const Tet& t, const Vec3d& p) const {
+  return exact::in_sphere_exact(position(t.v[0]), position(t.v[1]), position(t.v[2]), position(t.v[3]), p,
+                                scale_, &counters_.in_sphere) > 0;
+}
+
+// Remembering stochastic walk (Devillers, Pion & Teillaud 2001; the paper's Algorithm 2): through any facet
+// that separates the tetrahedron from p, tried from a random one on, never back through the one we came by.
+// The random choice is what makes it terminate in every triangulation; its generator is part of the state, so
+// runs repeat.
+IncrementalDelaunay::Located IncrementalDelaunay::locate(const Vec3d& p, TetId t) {
+  unsigned came = 4;
+  for (std::uint64_t steps = 1;; ++steps) {
+    const Tet& tet = tets_[t];
+    Vec3d q[4];
+    for (int k = 0; k < 4; ++k) q[k] = position(tet.v[k]) - p;
+    walk_state_ = walk_state_ * 6364136223846793005ull + 1442695040888963407ull;
+    const unsigned first = walk_state_ >> 62;
+    unsigned zeros = 0, left_by = 4;
+    for (unsigned i = 0; i < 4; ++i) {
+      const unsigned k = (first + i) & 3;
+      if (k == came) continue;
+      const std::uint8_t* f = kFacet[k];
+      const double det = exact::det3(q[f[0]], q[f[1]], q[f[2]]);
+      if (det > orient_bound_) continue;
+      int side = -1;
+      if (det >= -orient_bound_)
+        side = orient_exact(p, position(tet.v[f[0]]), position(tet.v[f[1]]), position(tet.v[f[2]]));
+      if (side < 0) {
+        left_by = k;
+        break;
+      }
+      if (side == 0) zeros |= 1u << k;
+    }
+    if (left_by == 4) {
+      counters_.walk_steps += steps;
+      return {t, zeros};
+    }
+    const Link link = tet.n[left_by];
+    if (link == kNoLink) throw InternalError("walk left the big tetrahedron: a site outside the domain");
+    t = link >> 2;
+    came = link & 3;
+  }
+}
+
+IncrementalDelaunay::Insertion IncrementalDelaunay::insert(const Vec3d& p) {
+  if (!big_.contains(p)) return {Status::kOutsideDomain, kNoVertex};
+  const Located at = locate(p, last_);
+  for (const VertexId v : tets_[at.tet].v)
+    if (position(v) == p) return {Status::kDuplicate, v};
+  if (tet_count() > options_.max_tets) return {Status::kFull, kNoVertex};
+  const VertexId v = new_vertex(p);
+  insert_by_cavity(v, at.tet);
+  last_ = vertices_[v].tet;
+  return {Status::kInserted, v};
+}
+
+}  // namespace fracture

@@ -1,0 +1,199 @@
+// The mutable Delaunay tetrahedralization: insertion and removal of single sites, exact and with the one tie
+// rule, so that the set of tetrahedra depends only on the set of sites, never on the history
+// (exact/in_sphere.hpp).
+//
+// Sources. The paper's section 4 and Ledoux 2007 ("Computing the 3D Voronoi diagram robustly: an easy
+// explanation") for the flips; Bowyer 1981 and Watson 1981 for the cavity; Devillers, Pion & Teillaud 2001
+// ("Walking in a triangulation") for the walk; Devillers & Teillaud 2003 ("Perturbations and vertex removal
+// in a 3D Delaunay triangulation") for removal; Marot, Pellerin & Remacle 2019 for the compact storage.
+// DECISION.md: why the cavity is the default.
+//
+// Invariants, after every public call (validate() checks them):
+//  1. Every tetrahedron (a, b, c, d) is positive: orient3d(a, b, c, d) > 0. No flat one exists at any time.
+//  2. Adjacency is symmetric: neighbour k of t is opposite vertex k, and its link leads back.
+//  3. Every facet is locally Delaunay by exact in_sphere with the tie rule. With 1 and 2 it follows that no
+//  sphere
+//     contains a site (Delaunay's lemma, valid for generic weights).
+//
+// Vertices 0..3 are the corners of the big tetrahedron; sites follow in the order of insertion and keep their
+// id for life; ids of removed sites are used again. Not thread-safe.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/delaunay/big_tetrahedron.hpp"
+#include "common/delaunay/huge_pages.hpp"
+#include "common/delaunay/tetrahedralization.hpp"
+#include "common/exact/wide_int.hpp"
+
+namespace fracture {
+
+using VertexId = std::uint32_t;
+
+class IncrementalDelaunay {
+ public:
+  enum class Method : std::uint8_t {
+    kCavity,  ///< Bowyer–Watson: remove all tetrahedra in conflict, connect their boundary with the site
+              ///< (default)
+    kFlips,   ///< the paper's: flip14/26/n→2n, then the queue of flip23, 32, 44
+  };
+  struct Options {
+    Method method = Method::kCavity;
+    /// Insertion refuses (kFull) once the structure has more tetrahedra than this.
+    std::uint32_t max_tets = 0x3fffffff;
+  };
+  enum class Status : std::uint8_t {
+    kInserted,
+    kDuplicate,      ///< a site with these coordinates exists: `vertex` is its id, nothing changed
+    kOutsideDomain,  ///< outside U: build a new structure with a larger domain; nothing changed
+    kFull,           ///< beyond Options::max_tets; nothing changed
+  };
+  struct Insertion {
+    Status status;
+    VertexId vertex;
+  };
+
+  IncrementalDelaunay(const BigTetrahedron& big, Options options);
+  explicit IncrementalDelaunay(const BigTetrahedron& big) : IncrementalDelaunay(big, Options{}) {}
+
+  void reserve(std::size_t sites);
+  /// Adds a finite point. Expected constant time when near the last insertion, N^(1/3) steps of walk
+  /// otherwise.
+  Insertion insert(const Vec3d& p);
+  /// Takes a site out. `v` must be a live site (not a corner): InternalError otherwise.
+  void remove(VertexId v);
+
+  std::uint32_t site_count() const {
+    return static_cast<std::uint32_t>(vertices_.size() - 4 - free_vertices_.size());
+  }
+  std::uint32_t tet_count() const { return static_cast<std::uint32_t>(tets_.size() - free_tets_.size()); }
+  /// One above the largest vertex id in use.
+  VertexId vertex_end() const { return static_cast<VertexId>(vertices_.size()); }
+  bool is_live(VertexId v) const { return v < vertices_.size() && vertices_[v].tet != kNoTet; }
+  Vec3d position(VertexId v) const { return {vertices_[v].x, vertices_[v].y, vertices_[v].z}; }
+  const BigTetrahedron& big() const { return big_; }
+
+  /// The names of the first broken invariant with its ids, or nothing when all hold. Exact; linear in the
+  /// tetrahedra.
+  std::optional<std::string> validate() const;
+
+  /// The compact, immutable copy. site_of_vertex[v] is the id that vertex v gets; live sites must map to
+  /// 0..n-1 one to one. Tetrahedra are in canonical order (by their sorted vertices), each with its vertices
+  /// in canonical order (the smallest id first, the rest sorted up to the last swap that keeps it positive):
+  /// equal sites with equal ids give equal results.
+  Tetrahedralization snapshot(std::span<const SiteId> site_of_vertex) const;
+  /// The same with sites numbered by increasing vertex id.
+  Tetrahedralization snapshot() const;
+
+  /// Calls visit(std::array<VertexId, 4>) for every tetrahedron, in storage order.
+  template <class Visit>
+  void for_each_tet(Visit visit) const {
+    for (const Tet& t : tets_)
+      if (t.v[0] != kNoVertex) visit(std::array<VertexId, 4>{t.v[0], t.v[1], t.v[2], t.v[3]});
+  }
+
+  /// How the decisions were made (geometry.md section 7). Free: the filter's calls are counted by insertion,
+  /// the rest on the slow path.
+  struct Counters {
+    std::uint64_t sphere_tests = 0;  ///< in_sphere decisions of insertions
+    std::uint64_t walk_steps = 0;
+    exact::PredicateCounters in_sphere;
+    exact::PredicateCounters orient3d;
+    std::uint64_t flips14 = 0, flips26 = 0, flips_edge = 0, flips23 = 0, flips32 = 0, flips44 = 0,
+                  flips41 = 0;
+  };
+  const Counters& counters() const { return counters_; }
+
+ private:
+  static constexpr VertexId kNoVertex = 0xffffffffu;
+  /// A neighbour and the facet through which it is one: 4 * tetrahedron + index of the facet there. 2^30
+  /// tetrahedra.
+  using Link = std::uint32_t;
+  static constexpr Link kNoLink = 0xffffffffu;
+
+  /// One cache line. The circumsphere's centre, kept with a bound of its error, turns in_sphere into a dot
+  /// product (the sub-determinants of Marot et al. 2019, divided by the volume):
+  ///   p is inside  <=>  |d|^2 < axis · d,  d = p - v[0],  axis = 2 (centre - v[0]).
+  struct alignas(64) Tet {
+    VertexId v[4];
+    Link n[4];
+    double axis[3];
+    float error;  ///< |computed axis component - true one| <= error; infinity: always ask the exact path
+    std::uint32_t mark;  ///< state of the running insertion, see visit_
+  };
+  struct alignas(32) Vertex {
+    double x, y, z;
+    TetId tet;            ///< some tetrahedron at this vertex; kNoTet: removed
+    std::uint32_t local;  ///< its number in the cavity of the running insertion, else kNoLocal
+  };
+  static constexpr std::uint32_t kNoLocal = 0xffffffffu;
+
+  struct Located {
+    TetId tet;
+    unsigned zeros;  ///< bit k: the point lies on the plane of facet k
+  };
+
+  // incremental.cpp
+  Located locate(const Vec3d& p, TetId start);
+  int orient_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) const;
+  int orient(VertexId a, VertexId b, VertexId c, VertexId d) const;
+  bool in_conflict(const Tet& t, VertexId v, const Vec3d& p) const;
+  bool in_conflict_exact(const Tet& t, const Vec3d& p) const;
+  void set_sphere(Tet& t) const;
+  static void set_sphere(Tet& t, const Vec3d& b, const Vec3d& c, const Vec3d& d, double lift_b, double lift_c,
+                         double lift_d);
+  VertexId new_vertex(const Vec3d& p);
+  TetId new_tet();
+  void free_tet(TetId t);
+  void next_visit();
+  // cavity.cpp
+  void insert_by_cavity(VertexId v, TetId start);
+  void grow_cavity(const Vec3d& p, TetId start);
+  void fill_cavity(VertexId v);
+  // flips.cpp
+  void insert_by_flips(VertexId v, const Located& at);
+  TetId make_tet(VertexId a, VertexId b, VertexId c, VertexId d);
+  void replace(std::span<const TetId> removed, std::span<const std::array<VertexId, 4>> created);
+  void flip_around(VertexId v);
+  // removal.cpp
+  void collect_star(VertexId v);
+
+  BigTetrahedron big_;
+  Options options_;
+  exact::ScaleBuilder scale_builder_;
+  exact::PointScale scale_;
+  double orient_bound_;  ///< filter of orient3d for any four points in the big tetrahedron
+
+  HugePageVector<Tet> tets_;
+  HugePageVector<Vertex> vertices_;
+  std::vector<TetId> free_tets_;
+  std::vector<VertexId> free_vertices_;
+  TetId last_ = 0;  ///< where the next walk starts
+  std::uint64_t walk_state_ = 0x853c49e6748fea9bull;
+  std::uint32_t visit_ = 0;  ///< marks equal to visit_: in conflict; visit_ + 1: known not to be
+  mutable Counters counters_;
+
+  // Scratch of one insertion; kept to avoid allocation.
+  struct Facet {
+    VertexId v[3];
+    Link outer;
+  };
+  struct LocalVertex {
+    Vec3d d;  ///< position relative to the new site
+    double lift;
+    VertexId vertex;
+  };
+  std::vector<TetId> cavity_;
+  std::vector<Facet> boundary_;
+  std::vector<LocalVertex> local_;
+  std::vector<TetId> fresh_;
+  std::vector<std::uint32_t> edge_table_;
+  std::vector<TetId> queue_;
+};
+
+}  // namespace fracture

@@ -1,0 +1,127 @@
+#include "common/delaunay/spatial_order.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+
+#include "common/base/random.hpp"
+
+namespace fracture {
+namespace {
+
+// Hamilton's state machine. A state is (entry corner e, direction d) of the curve through a subcube: 8 x 3
+// states. Octants are numbered x + 2y + 4z.
+struct HilbertTable {
+  std::uint8_t digit[24][8];
+  std::uint8_t next[24][8];
+};
+
+constexpr std::uint32_t rotate_left3(std::uint32_t v, std::uint32_t by) {
+  by %= 3;
+  return (v << by | v >> (3 - by)) & 7;
+}
+constexpr std::uint32_t gray(std::uint32_t w) { return w ^ w >> 1; }
+constexpr std::uint32_t trailing_ones(std::uint32_t w) {
+  std::uint32_t n = 0;
+  for (; w & 1; w >>= 1) ++n;
+  return n;
+}
+
+constexpr HilbertTable make_hilbert_table() {
+  HilbertTable table{};
+  for (std::uint32_t e = 0; e < 8; ++e)
+    for (std::uint32_t d = 0; d < 3; ++d)
+      for (std::uint32_t w = 0; w < 8; ++w) {
+        const std::uint32_t octant = rotate_left3(gray(w), d + 1) ^ e;
+        const std::uint32_t entry = w == 0 ? 0 : gray((w - 1) / 2 * 2);
+        const std::uint32_t direction =
+            w == 0 ? 0 : (w % 2 == 0 ? trailing_ones(w - 1) : trailing_ones(w)) % 3;
+        const std::uint32_t next_e = e ^ rotate_left3(entry, d + 1);
+        const std::uint32_t next_d = (d + direction + 1) % 3;
+        table.digit[e * 3 + d][octant] = static_cast<std::uint8_t>(w);
+        table.next[e * 3 + d][octant] = static_cast<std::uint8_t>(next_e * 3 + next_d);
+      }
+  return table;
+}
+constexpr HilbertTable kHilbert = make_hilbert_table();
+
+struct Keyed {
+  std::uint64_t key;
+  std::uint32_t point;
+};
+
+// Stable radix sort by bits [low, high) of the key.
+void radix_sort(std::vector<Keyed>& items, int low, int high) {
+  std::vector<Keyed> other(items.size());
+  for (int shift = low; shift < high; shift += 11) {
+    std::array<std::uint32_t, 2048> start{};
+    for (const Keyed& k : items) ++start[k.key >> shift & 2047];
+    std::uint32_t sum = 0;
+    for (std::uint32_t& s : start) sum += std::exchange(s, sum);
+    for (const Keyed& k : items) other[start[k.key >> shift & 2047]++] = k;
+    items.swap(other);
+  }
+}
+
+constexpr int kBits = 19;        // per axis: 57 bits of curve
+constexpr int kCoarseBits = 33;  // sorted by radix; the rest only where it matters
+constexpr std::size_t kFirstRound = 64;
+
+}  // namespace
+
+std::uint64_t hilbert_index(std::uint32_t x, std::uint32_t y, std::uint32_t z, int bits) {
+  std::uint64_t index = 0;
+  std::uint32_t state = 0;
+  for (int b = bits - 1; b >= 0; --b) {
+    const std::uint32_t octant = (x >> b & 1) | (y >> b & 1) << 1 | (z >> b & 1) << 2;
+    index = index << 3 | kHilbert.digit[state][octant];
+    state = kHilbert.next[state][octant];
+  }
+  return index;
+}
+
+std::vector<std::uint32_t> spatial_order(std::span<const Vec3d> points) {
+  Box box;
+  for (const Vec3d& p : points) box.add(p);
+  const double side = box.longest_side();
+  const double scale = side > 0 ? ((1 << kBits) - 1) / side : 0;
+  const auto cell = [&](double v, double low) {
+    const double c = (v - low) * scale;
+    return static_cast<std::uint32_t>(std::min<double>(std::max(c, 0.0), (1 << kBits) - 1));
+  };
+
+  // Rounds: 0 is the last one. The number of rounds grows with the logarithm of the number of points.
+  int rounds = 1;
+  for (std::size_t n = points.size(); n > kFirstRound; n /= 8) ++rounds;
+  Random random(0x9d5c0f1e5ca1ab1eull);
+  std::vector<std::vector<Keyed>> items(rounds);
+  items[0].reserve(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vec3d& p = points[i];
+    const std::uint64_t key =
+        hilbert_index(cell(p.x, box.min.x), cell(p.y, box.min.y), cell(p.z, box.min.z), kBits);
+    const int round = std::countr_zero(random() | std::uint64_t{1} << 63) / 3;
+    items[std::min(round, rounds - 1)].push_back({key, static_cast<std::uint32_t>(i)});
+  }
+
+  std::vector<std::uint32_t> order;
+  order.reserve(points.size());
+  for (int r = rounds; r-- > 0;) {
+    std::vector<Keyed>& round = items[r];
+    constexpr int kCoarse = 3 * kBits - kCoarseBits;
+    radix_sort(round, kCoarse, 3 * kBits);
+    for (std::size_t i = 0; i < round.size();) {
+      std::size_t end = i + 1;
+      while (end < round.size() && round[end].key >> kCoarse == round[i].key >> kCoarse) ++end;
+      if (end - i > 1)
+        std::sort(round.begin() + i, round.begin() + end, [](const Keyed& a, const Keyed& b) {
+          return a.key != b.key ? a.key < b.key : a.point < b.point;
+        });
+      i = end;
+    }
+    for (const Keyed& k : round) order.push_back(k.point);
+  }
+  return order;
+}
+
+}  // namespace fracture

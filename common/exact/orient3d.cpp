@@ -1,0 +1,76 @@
+#include "common/exact/orient3d.hpp"
+
+#include "common/exact/number_types.hpp"
+
+namespace fracture::exact {
+namespace {
+
+template <class T>
+T det3_of(const T& bx, const T& by, const T& bz, const T& cx, const T& cy, const T& cz, const T& dx,
+          const T& dy, const T& dz) {
+  return bx * (cy * dz - cz * dy) + by * (cz * dx - cx * dz) + bz * (cx * dy - cy * dx);
+}
+
+template <class T>
+int sign_as(const IntPoint& b, const IntPoint& c, const IntPoint& d) {
+  const T det = det3_of<T>(b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z);
+  return (det > 0) - (det < 0);
+}
+
+// |det| and its partial sums are at most 6 m^3 where all |differences| <= m.
+int integer_sign(const IntPoint& b, const IntPoint& c, const IntPoint& d) {
+  const std::uint64_t bits = magnitude_bits(b) | magnitude_bits(c) | magnitude_bits(d);
+  if (bits < std::uint64_t{1} << 20) return sign_as<std::int64_t>(b, c, d);  // 6 * 2^60 < 2^63
+  if (bits < std::uint64_t{1} << 41) return sign_as<Int128>(b, c, d);        // 6 * 2^123 < 2^127
+  const auto minor = [](std::int64_t p, std::int64_t q, std::int64_t r, std::int64_t s) {
+    return static_cast<Int128>(p) * q - static_cast<Int128>(r) * s;
+  };
+  return (multiply(b.x, minor(c.y, d.z, c.z, d.y)) + multiply(b.y, minor(c.z, d.x, c.x, d.z)) +
+          multiply(b.z, minor(c.x, d.y, c.y, d.x)))
+      .sign();
+}
+
+int any_size_sign(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
+  BinaryScale scale;
+  for (const Vec3d* p : {&a, &b, &c, &d}) scale.include(*p);
+  const Point<BigInt> o = scale.scaled<BigInt>(a);
+  const BigInt det =
+      dot(scale.scaled<BigInt>(b) - o, cross(scale.scaled<BigInt>(c) - o, scale.scaled<BigInt>(d) - o));
+  return det.sign();
+}
+
+}  // namespace
+
+int orient3d_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, const PointScale& given,
+                   PredicateCounters* counters) {
+  PointScale scale = given;
+  if (!scale.fits()) {
+    ScaleBuilder builder;
+    for (const Vec3d* p : {&a, &b, &c, &d}) builder.include(*p);
+    scale = builder.scale();
+  }
+  int sign;
+  if (scale.fits()) {
+    const IntPoint o = to_integers(a, scale);
+    sign = integer_sign(to_integers(b, scale) - o, to_integers(c, scale) - o, to_integers(d, scale) - o);
+  } else {
+    sign = any_size_sign(a, b, c, d);
+  }
+  if (counters) {
+    ++counters->exact;
+    counters->ties += sign == 0;
+  }
+  return sign;
+}
+
+int orient3d(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
+  const Vec3d ba = b - a, ca = c - a, da = d - a;
+  const double det = det3(ba, ca, da);
+  const double bound =
+      kOrient3dError * std::sqrt(dot(ba, ba)) * std::sqrt(dot(ca, ca)) * std::sqrt(dot(da, da));
+  if (det > bound + kUnderflow) return 1;
+  if (det < -bound - kUnderflow) return -1;
+  return orient3d_exact(a, b, c, d, PointScale{});
+}
+
+}  // namespace fracture::exact
