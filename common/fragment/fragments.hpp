@@ -1,5 +1,5 @@
-// What leaves the pipeline: closed fragments with attributes and figures, the bonds between them, and the certificate.
-// File-format free: gltf/ writes it down, the server reports it, tests judge it.
+// What leaves the pipeline: closed fragments with attributes and figures, the bonds between them, and the
+// certificate. File-format free: gltf/ writes it down, the server reports it, tests judge it.
 #pragma once
 
 #include <array>
@@ -22,22 +22,23 @@ struct FragmentPrimitive {
 
 /// Mass properties for density 1 kg/m³, about the centre of mass, in the file's frame.
 struct MassProperties {
-  double volume = 0;                     ///< m³
-  double area = 0;                       ///< m², exterior and interior
-  Vec3d center_of_mass;                  ///< m
-  std::array<double, 6> inertia{};       ///< kg·m² per kg/m³: xx, yy, zz, xy, xz, yz of the inertia tensor
+  double volume = 0;                ///< m³
+  double area = 0;                  ///< m², exterior and interior
+  Vec3d center_of_mass;             ///< m
+  std::array<double, 6> inertia{};  ///< kg·m² per kg/m³: xx, yy, zz, xy, xz, yz of the inertia tensor
 };
 
 struct Fragment {
-  std::uint64_t id = 0;             ///< function of its sites and part only (at most 2^53 - 1: exact in JSON)
+  std::uint64_t id = 0;  ///< function of its sites and part only (at most 2^53 - 1: exact in JSON)
   std::vector<std::uint32_t> sites;  ///< ids of its cells' sites, ascending
-  std::uint32_t part = 0;           ///< index into Solid::parts
-  std::uint32_t node = 0;           ///< index into Mesh::node_names
-  Vec3d pivot;                      ///< node translation: a multiple of the seam lattice's step on each axis, exact in float
-  std::vector<Vec3f> positions;     ///< local: float32(world - pivot), exact for constructed vertices
-  Attributes attributes;            ///< per vertex, same arrays as the source's (interior vertices: own normals and UVs)
-  std::vector<std::uint32_t> indices;          ///< 3 per triangle, counter-clockwise from outside
-  std::vector<FragmentPrimitive> primitives;   ///< exterior ones in material order, the interior one last
+  std::uint32_t part = 0;            ///< index into Solid::parts
+  std::uint32_t node = 0;            ///< index into Mesh::node_names
+  Vec3d pivot;  ///< node translation: a multiple of the seam lattice's step on each axis, exact in float
+  std::vector<Vec3f> positions;  ///< local: float32(world - pivot), exact for constructed vertices
+  Attributes
+      attributes;  ///< per vertex, same arrays as the source's (interior vertices: own normals and UVs)
+  std::vector<std::uint32_t> indices;         ///< 3 per triangle, counter-clockwise from outside
+  std::vector<FragmentPrimitive> primitives;  ///< exterior ones in material order, the interior one last
   /// Per vertex: the index of the first vertex with the same position key (topology across attribute seams).
   std::vector<std::uint32_t> topology;
   MassProperties mass;  ///< from the unrounded positions
@@ -54,15 +55,18 @@ struct Bond {
 
 /// Proof of the invariants, checked on every answer.
 struct Certificate {
-  std::uint64_t open_edges = 0;    ///< over all fragments, after welding equal positions: 0
-  std::uint64_t pinched_edges = 0; ///< edges used 2k > 2 times after welding (allowed)
-  double volume_in = 0;            ///< m³, of the solid
-  double volume_out = 0;           ///< m³, of all fragments, from the unrounded positions
-  double volume_file = 0;          ///< m³, of all fragments, from the final rounded positions
-  double relative_error = 0;       ///< |volume_out - volume_in| / volume_in
-  bool seams_identical = true;     ///< every cap region stands in two fragments, mirrored, bit for bit
+  std::uint64_t open_edges = 0;     ///< over all fragments, after welding equal positions: 0
+  std::uint64_t pinched_edges = 0;  ///< edges used 2k > 2 times after welding (allowed)
+  double volume_in = 0;             ///< m³, of the solid
+  double volume_out = 0;            ///< m³, of all fragments, from the unrounded positions
+  double volume_file = 0;           ///< m³, of all fragments, from the final rounded positions
+  double relative_error = 0;        ///< |volume_out - volume_in| / volume_in
+  /// Pockets of negative winding that no positive piece contains (the surface turned inside out by crossing
+  /// itself) are not emitted; their signed volume, m³, is part of volume_out, and their area, m², is stated.
+  /// 0 for clean solids.
+  double pocket_volume = 0, pocket_area = 0;
   std::uint32_t sites_asked = 0, cells = 0, islands = 0, united = 0, dropped = 0, fragments = 0;
-  std::uint64_t crossing_caps = 0; ///< caps whose loops crossed: 0 on every embedded input
+  std::uint64_t crossing_caps = 0;  ///< caps whose loops crossed: 0 on every embedded input
 };
 
 struct FragmentSet {
@@ -70,7 +74,7 @@ struct FragmentSet {
   std::vector<Fragment> fragments;
   std::vector<Bond> bonds;
   Certificate certificate;
-  Vec3d lattice_step;  ///< h_a: the seam lattice, m
+  Vec3d lattice_step;        ///< h_a: the seam lattice, m
   double lattice_ratio = 0;  ///< max over axes of h/size; above 1e-5 a warning
   nlohmann::json report;     ///< the solid's report, the sites' report, warnings
 };

@@ -1,5 +1,6 @@
-// The whole job, in the order of the folders: mesh -> solid -> sites -> tetrahedralization -> clip -> fragments.
-// Two steps, so that a server can keep what is reusable: prepare() once for each mesh, fracture() for each request.
+// The whole job, in the order of the folders: mesh -> solid -> sites -> tetrahedralization -> clip ->
+// fragments. Two steps, so that a server can keep what is reusable: prepare() once for each mesh, fracture()
+// for each request.
 #pragma once
 
 #include <cstdint>
@@ -30,7 +31,8 @@ struct FractureParameters {
   std::uint32_t sites = 50;  ///< how many random sites, 1 … 100,000
   std::uint64_t seed = 1;
   Dual dual = Dual::kCircumcenter;
-  std::vector<Vec3d> points{};  ///< when not empty: the sites themselves (never snapped); `sites` and `seed` are ignored
+  std::vector<Vec3d>
+      points{};  ///< when not empty: the sites themselves (never snapped); `sites` and `seed` are ignored
   /// Per point of `points` (or empty): cells with the same group id stay together as one fragment.
   std::vector<std::uint32_t> groups{};
 };
@@ -41,11 +43,12 @@ struct Diagram {
   Tetrahedralization tetrahedralization;
 };
 
-Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& parameters, const Execution& execution,
-                               StageTimings& timings);
+Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& parameters,
+                               const Execution& execution, StageTimings& timings);
 
 /// Cuts the solid by the diagram.
-Expected<FragmentSet> fracture(const Solid& solid, const Diagram& diagram, const FractureParameters& parameters,
-                               const Execution& execution, StageTimings& timings);
+Expected<FragmentSet> fracture(const Solid& solid, const Diagram& diagram,
+                               const FractureParameters& parameters, const Execution& execution,
+                               StageTimings& timings);
 
 }  // namespace fracture

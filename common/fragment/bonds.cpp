@@ -1,0 +1,52 @@
+#include "common/fragment/bonds.hpp"
+
+#include <algorithm>
+
+namespace fracture {
+
+std::vector<Bond> find_bonds(const RestrictedDiagram& d, const Pieces& pieces,
+                             const std::vector<std::uint32_t>& group_of_piece) {
+  struct Contact {
+    std::uint32_t a, b, region;
+    bool reversed;  // the cap's normal leads from b to a
+  };
+  std::vector<Contact> contacts;
+  for (std::uint32_t r = 0; r < d.caps.regions.size(); ++r) {
+    const std::uint32_t p = pieces.piece_of_cap[2 * r], q = pieces.piece_of_cap[2 * r + 1];
+    if (p == kNoIndex || q == kNoIndex) continue;
+    const std::uint32_t a = group_of_piece[p], b = group_of_piece[q];
+    if (a == b || a == kNoIndex || b == kNoIndex) continue;
+    contacts.push_back({std::min(a, b), std::max(a, b), r, a > b});
+  }
+  std::sort(contacts.begin(), contacts.end(), [](const Contact& x, const Contact& y) {
+    if (x.a != y.a) return x.a < y.a;
+    if (x.b != y.b) return x.b < y.b;
+    return x.region < y.region;
+  });
+
+  std::vector<Bond> bonds;
+  for (std::size_t k = 0; k < contacts.size();) {
+    Bond bond{contacts[k].a, contacts[k].b, 0, {}, {}};
+    Vec3d normal, moment;
+    for (; k < contacts.size() && contacts[k].a == bond.a && contacts[k].b == bond.b; ++k) {
+      const CapRegion& r = d.caps.regions[contacts[k].region];
+      for (std::uint32_t t = r.first_triangle; t < r.first_triangle + r.triangle_count; ++t) {
+        const auto& v = d.caps.triangles[t];
+        const Vec3d a = d.point(v[0]), b = d.point(v[1]), c = d.point(v[2]);
+        const Vec3d n = 0.5 * cross(b - a, c - a);
+        const double area = length(n);
+        bond.area += area;
+        normal = contacts[k].reversed ? normal - n : normal + n;
+        moment = moment + (area / 3) * (a + b + c);
+      }
+    }
+    if (!(bond.area > 0)) continue;
+    bond.centroid = (1 / bond.area) * moment;
+    const double l = length(normal);
+    bond.normal = l > 0 ? (1 / l) * normal : Vec3d{0, 0, 1};
+    bonds.push_back(bond);
+  }
+  return bonds;
+}
+
+}  // namespace fracture

@@ -1,0 +1,64 @@
+#include "common/fragment/closedness.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <vector>
+
+namespace fracture {
+namespace {
+
+std::uint64_t mix(std::uint64_t z) {
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
+  return z ^ (z >> 31);
+}
+
+std::uint32_t bits(float v) { return std::bit_cast<std::uint32_t>(v == 0 ? 0.0f : v); }  // -0 is 0
+
+/// Open addressing over positions: per vertex the first one at the same place.
+std::vector<std::uint32_t> weld(const std::vector<Vec3f>& positions) {
+  const std::size_t size = std::bit_ceil(2 * positions.size() + 1);
+  std::vector<std::uint32_t> table(size, kNoIndex), first(positions.size());
+  for (std::uint32_t v = 0; v < positions.size(); ++v) {
+    const Vec3f& p = positions[v];
+    std::size_t slot =
+        mix(mix(bits(p.x) | static_cast<std::uint64_t>(bits(p.y)) << 32) + bits(p.z)) & (size - 1);
+    while (table[slot] != kNoIndex && !(positions[table[slot]] == p)) slot = (slot + 1) & (size - 1);
+    if (table[slot] == kNoIndex) table[slot] = v;
+    first[v] = table[slot];
+  }
+  return first;
+}
+
+}  // namespace
+
+Closedness closedness(const Fragment& f) {
+  const std::vector<std::uint32_t> at = weld(f.positions);
+  // Undirected edge -> uses, and uses forwards minus backwards.
+  struct Entry {
+    std::uint64_t key = ~0ull;
+    std::int32_t uses = 0, balance = 0;
+  };
+  const std::size_t size = std::bit_ceil(2 * f.indices.size() + 1);
+  std::vector<Entry> table(size);
+  for (std::size_t k = 0; k < f.indices.size(); k += 3) {
+    const std::uint32_t v[3] = {at[f.indices[k]], at[f.indices[k + 1]], at[f.indices[k + 2]]};
+    if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0]) continue;  // its edges cancel one another
+    for (int e = 0; e < 3; ++e) {
+      const std::uint64_t a = v[e], b = v[(e + 1) % 3], key = a < b ? a << 32 | b : b << 32 | a;
+      std::size_t slot = mix(key) & (size - 1);
+      while (table[slot].key != ~0ull && table[slot].key != key) slot = (slot + 1) & (size - 1);
+      table[slot].key = key;
+      ++table[slot].uses;
+      table[slot].balance += a < b ? 1 : -1;
+    }
+  }
+  Closedness c;
+  for (const Entry& e : table) {
+    c.open_edges += static_cast<std::uint64_t>(std::abs(e.balance));
+    if (e.uses > 2) ++c.pinched_edges;
+  }
+  return c;
+}
+
+}  // namespace fracture

@@ -1,0 +1,18 @@
+// Is a fragment closed? Judged on what the file holds: final positions, equal ones welded.
+#pragma once
+
+#include <cstdint>
+
+#include "common/fragment/fragments.hpp"
+
+namespace fracture {
+
+struct Closedness {
+  std::uint64_t open_edges = 0;     ///< directed edges without an opposite
+  std::uint64_t pinched_edges = 0;  ///< undirected edges used more than twice
+};
+
+/// Counts, by a table of all edges.
+Closedness closedness(const Fragment& fragment);
+
+}  // namespace fracture

@@ -1,0 +1,203 @@
+#include "common/fragment/make_fragments.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numeric>
+#include <unordered_set>
+
+#include "common/fragment/assemble.hpp"
+#include "common/fragment/bonds.hpp"
+#include "common/fragment/closedness.hpp"
+
+namespace fracture {
+namespace {
+
+/// Pieces joined so far: a group is named by its smallest piece.
+class PieceGroups {
+ public:
+  explicit PieceGroups(std::size_t pieces) : group_(pieces), members_(pieces) {
+    for (std::uint32_t p = 0; p < pieces; ++p) {
+      group_[p] = p;
+      members_[p] = {p};
+    }
+  }
+  const std::vector<std::uint32_t>& of_piece() const { return group_; }
+  const std::vector<std::uint32_t>& members(std::uint32_t group) const { return members_[group]; }
+  void unite(std::uint32_t a, std::uint32_t b) {
+    a = group_[a];
+    b = group_[b];
+    if (a == b) return;
+    if (b < a) std::swap(a, b);
+    for (const std::uint32_t p : members_[b]) group_[p] = a;
+    members_[a].insert(members_[a].end(), members_[b].begin(), members_[b].end());
+    std::sort(members_[a].begin(), members_[a].end());
+    members_[b].clear();
+  }
+
+ private:
+  std::vector<std::uint32_t> group_;
+  std::vector<std::vector<std::uint32_t>> members_;
+};
+
+/// The faces of a group of pieces: all of theirs, but the caps between them, which cancel.
+std::pair<Piece, std::vector<Face>> join_pieces(const Pieces& pieces,
+                                                const std::vector<std::uint32_t>& members,
+                                                const std::vector<std::uint32_t>& group_of_piece) {
+  Piece joined = pieces.pieces[members[0]];
+  std::vector<Face> faces;
+  joined.owners.clear();
+  for (const std::uint32_t m : members) {
+    const Piece& piece = pieces.pieces[m];
+    joined.owners.insert(joined.owners.end(), piece.owners.begin(), piece.owners.end());
+    for (std::uint32_t f = piece.first_face; f < piece.first_face + piece.face_count; ++f) {
+      const Face& face = pieces.faces[f];
+      if (is_cap(face.source)) {
+        const std::uint32_t other = pieces.piece_of_cap[(face.source ^ 1) & ~kCapFace];
+        if (other != kNoIndex && group_of_piece[other] == group_of_piece[m]) continue;
+      }
+      faces.push_back(face);
+    }
+  }
+  std::sort(joined.owners.begin(), joined.owners.end());
+  joined.owners.erase(std::unique(joined.owners.begin(), joined.owners.end()), joined.owners.end());
+  joined.first_face = 0;
+  joined.face_count = static_cast<std::uint32_t>(faces.size());
+  return {std::move(joined), std::move(faces)};
+}
+
+std::uint64_t mix(std::uint64_t h, std::uint64_t v) {
+  h ^= v;
+  h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9ull;
+  h = (h ^ (h >> 27)) * 0x94d049bb133111ebull;
+  return (h ^ (h >> 31)) + 0x9e3779b97f4a7c15ull;
+}
+
+/// A function of the coordinates of the fragment's sites, the part and which island of them it is: local
+/// refracture keeps the ids of what it does not touch. At most 2^53 - 1: exact in JSON.
+std::uint64_t fragment_id(const VoronoiDiagram& diagram, const Fragment& f, std::uint32_t island) {
+  std::vector<Vec3d> sites;
+  for (const SiteId s : f.sites) sites.push_back(diagram.site(s));
+  std::sort(sites.begin(), sites.end(), lexicographic_less);
+  std::uint64_t h = 0x6672616374757265ull;
+  for (const Vec3d& s : sites)
+    for (int a = 0; a < 3; ++a) h = mix(h, std::bit_cast<std::uint64_t>(s[a] == 0 ? 0.0 : s[a]));
+  return mix(mix(h, f.part), island) >> 11;
+}
+
+}  // namespace
+
+FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownership,
+                           const Execution& execution) {
+  const Pieces pieces = gather_pieces(d, ownership, execution);
+  const std::size_t n = pieces.pieces.size();
+  FragmentSet out;
+  out.source = d.solid.source;
+  Certificate& certificate = out.certificate;
+
+  // Assemble; unite what has no volume; assemble again what changed.
+  PieceGroups groups(n);
+  std::vector<Fragment> fragments(n);
+  std::vector<FileVolume> volumes(n);
+  std::vector<bool> dropped(n, false);
+  std::vector<std::uint32_t> todo(n);
+  std::iota(todo.begin(), todo.end(), 0u);
+  while (!todo.empty()) {
+    parallel_for(execution, todo.size(), 8, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) {
+        const std::uint32_t g = todo[k];
+        if (groups.members(g).size() == 1) {
+          fragments[g] =
+              assemble(d, ownership, pieces.pieces[g], pieces.faces.data() + pieces.pieces[g].first_face);
+        } else {
+          const auto [piece, faces] = join_pieces(pieces, groups.members(g), groups.of_piece());
+          fragments[g] = assemble(d, ownership, piece, faces.data());
+        }
+        volumes[g] = file_volume(fragments[g]);
+      }
+    });
+    std::vector<std::uint32_t> bad;
+    for (const std::uint32_t g : todo)
+      if (volumes[g].sign <= 0 && !dropped[g]) bad.push_back(g);
+    todo.clear();
+    if (bad.empty()) break;
+
+    const std::vector<Bond> bonds = find_bonds(d, pieces, groups.of_piece());
+    for (const std::uint32_t g : bad) {
+      if (groups.of_piece()[g] != g || groups.members(g).empty()) continue;  // swallowed meanwhile
+      std::uint32_t neighbor = kNoIndex;
+      double area = -1;
+      for (const Bond& b : bonds) {  // ascending: the first of equal area is the lowest
+        const std::uint32_t p = groups.of_piece()[b.a], q = groups.of_piece()[b.b];
+        if (p == q || (p != g && q != g)) continue;
+        if (b.area > area) {
+          area = b.area;
+          neighbor = p == g ? q : p;
+        }
+      }
+      // Contacts without area bind too, where there is nothing better.
+      for (std::uint32_t r = 0; neighbor == kNoIndex && r < d.caps.regions.size(); ++r) {
+        const std::uint32_t p = pieces.piece_of_cap[2 * r], q = pieces.piece_of_cap[2 * r + 1];
+        if (p == kNoIndex || q == kNoIndex) continue;
+        const std::uint32_t gp = groups.of_piece()[p], gq = groups.of_piece()[q];
+        if (gp != gq && (gp == g || gq == g)) neighbor = gp == g ? gq : gp;
+      }
+      if (neighbor == kNoIndex) {
+        dropped[g] = true;
+        ++certificate.dropped;
+        certificate.pocket_volume += fragments[g].mass.volume;
+        certificate.pocket_area += fragments[g].exterior_area;
+        continue;
+      }
+      groups.unite(g, neighbor);
+      ++certificate.united;
+      todo.push_back(std::min(g, neighbor));
+    }
+    std::sort(todo.begin(), todo.end());
+    todo.erase(std::unique(todo.begin(), todo.end()), todo.end());
+    std::erase_if(todo, [&](std::uint32_t g) { return groups.of_piece()[g] != g; });
+  }
+
+  // What is left, in order of the pieces.
+  std::vector<std::uint32_t> fragment_of_piece(n, kNoIndex);
+  std::unordered_set<std::uint64_t> ids;  // only asked for membership
+  std::unordered_set<std::uint32_t> owners_seen;
+  for (std::uint32_t g = 0; g < n; ++g) {
+    certificate.islands += pieces.pieces[g].island > 0;
+    owners_seen.insert(pieces.pieces[g].owners[0]);
+    if (groups.of_piece()[g] != g || dropped[g]) continue;
+    for (const std::uint32_t p : groups.members(g))
+      fragment_of_piece[p] = static_cast<std::uint32_t>(out.fragments.size());
+    Fragment& f = fragments[g];
+    f.id = fragment_id(d.diagram, f, pieces.pieces[g].island);
+    while (!ids.insert(f.id).second) f.id = (f.id + 1) & ((1ull << 53) - 1);
+    certificate.volume_out += f.mass.volume;
+    certificate.volume_file += volumes[g].volume;
+    out.fragments.push_back(std::move(f));
+  }
+  out.bonds = find_bonds(d, pieces, fragment_of_piece);
+
+  std::vector<Closedness> closed(out.fragments.size());
+  parallel_for(execution, closed.size(), 8, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) closed[k] = closedness(out.fragments[k]);
+  });
+  for (const Closedness& c : closed) {
+    certificate.open_edges += c.open_edges;
+    certificate.pinched_edges += c.pinched_edges;
+  }
+  certificate.volume_in = d.solid.report.volume;
+  certificate.volume_out += certificate.pocket_volume;
+  certificate.relative_error =
+      std::fabs(certificate.volume_out - certificate.volume_in) / certificate.volume_in;
+  certificate.cells = static_cast<std::uint32_t>(owners_seen.size());
+  certificate.fragments = static_cast<std::uint32_t>(out.fragments.size());
+  certificate.crossing_caps = d.caps.crossing;
+
+  out.lattice_step = d.positions.lattice.step();
+  const Vec3d size = d.solid.box.size();
+  for (int a = 0; a < 3; ++a)
+    if (size[a] > 0) out.lattice_ratio = std::max(out.lattice_ratio, out.lattice_step[a] / size[a]);
+  return out;
+}
+
+}  // namespace fracture

@@ -1,0 +1,82 @@
+// Faces into pieces. Every face of the restricted diagram, piece of input triangle or cap, belongs to the
+// *owner* of its cell: the cell itself, or the group of cells that stay together (inside a group bisectors do
+// not exist: polygons are fused, caps are not emitted, an exact union at no cost). An owner's faces fall into
+// components; each is a piece, except a cavity's shell that no bisector cuts, which joins the piece around
+// it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "common/clip/caps.hpp"
+#include "common/clip/positions.hpp"
+#include "common/clip/surface_cuts.hpp"
+
+namespace fracture {
+
+/// Everything the clipper found, as one argument.
+struct RestrictedDiagram {
+  const Solid& solid;
+  const VoronoiDiagram& diagram;
+  SurfaceCuts cuts;
+  Winding winding;
+  VertexPositions positions;
+  Caps caps;
+
+  /// Unrounded position of any vertex.
+  Vec3d point(VertexId v) const {
+    return v < positions.first_constructed ? to_double(solid.positions[v])
+                                           : positions.points[v - positions.first_constructed];
+  }
+  VertexId vertex_count() const {
+    return positions.first_constructed + static_cast<VertexId>(positions.points.size());
+  }
+};
+
+/// Which cells stay together.
+struct Ownership {
+  std::vector<std::uint32_t> owner_of_site;         ///< 0.., numbered by smallest member site
+  std::vector<std::vector<SiteId>> sites_of_owner;  ///< ascending
+  bool grouped = false;                             ///< some owner has several cells
+  /// Equal entries stay together; an empty vector means every cell for itself. One entry per site.
+  static Ownership from_groups(std::uint32_t site_count, const std::vector<std::uint32_t>& groups);
+};
+
+/// Where a face comes from: an input triangle (its index), or side 0 (cell lo) or 1 (cell hi) of a cap
+/// region.
+using FaceSource = std::uint32_t;
+inline constexpr FaceSource kCapFace = 0x80000000u;
+inline FaceSource cap_source(std::uint32_t region, int side) {
+  return kCapFace | (2 * region + static_cast<FaceSource>(side));
+}
+inline bool is_cap(FaceSource s) { return s & kCapFace; }
+inline std::uint32_t cap_region(FaceSource s) { return (s & ~kCapFace) / 2; }
+inline int cap_side(FaceSource s) { return static_cast<int>(s & 1); }
+
+struct Face {
+  std::array<VertexId, 3> v;  ///< counter-clockwise from outside the piece
+  FaceSource source;
+};
+
+struct Piece {
+  std::vector<std::uint32_t> owners;  ///< ascending; several after uniting
+  std::uint32_t part;
+  std::uint32_t island;                  ///< 0 for the first piece of its owner and part, 1 for the next, …
+  std::uint32_t first_face, face_count;  ///< range of Pieces::faces
+};
+
+struct Pieces {
+  std::vector<Piece> pieces;  ///< by owner, then part, then largest volume first
+  std::vector<Face> faces;
+  std::vector<std::uint32_t> piece_of_cap;  ///< per 2 * region + side; kNoIndex inside a group
+};
+
+Pieces gather_pieces(const RestrictedDiagram& diagram, const Ownership& ownership,
+                     const Execution& execution);
+
+/// Signed volume of the closed surface `faces` (divergence theorem), from the unrounded positions, m³.
+double signed_volume(const RestrictedDiagram& diagram, const Face* faces, std::size_t count,
+                     const Vec3d& origin);
+
+}  // namespace fracture

@@ -1,0 +1,44 @@
+// A map from a dense id space to uint32 that is emptied in O(1): each entry carries the epoch it was written
+// in. For "local index of a global id", asked for many small subsets of a large set.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace fracture {
+
+class StampedMap {
+ public:
+  static constexpr std::uint32_t kEmpty = 0xffffffffu;
+
+  /// Forgets everything; ids are < size from now on.
+  void next_epoch(std::size_t size) {
+    if (entries_.size() < size) entries_.resize(size, {0, kEmpty});
+    if (++epoch_ == 0) {
+      for (Entry& e : entries_) e.epoch = 0;
+      epoch_ = 1;
+    }
+  }
+  /// The entry of id, kEmpty when nothing was stored since next_epoch().
+  std::uint32_t& slot(std::size_t id) {
+    Entry& e = entries_[id];
+    if (e.epoch != epoch_) e = {epoch_, kEmpty};
+    return e.value;
+  }
+
+ private:
+  struct Entry {
+    std::uint32_t epoch, value;
+  };
+  std::vector<Entry> entries_;
+  std::uint32_t epoch_ = 0;
+};
+
+/// The calling thread's own map, kept from call to call (fresh memory costs more than the work done in it).
+/// One user at a time: next_epoch() takes it over.
+inline StampedMap& worker_map() {
+  thread_local StampedMap map;
+  return map;
+}
+
+}  // namespace fracture

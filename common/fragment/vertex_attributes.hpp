@@ -1,0 +1,29 @@
+// The attributes of one vertex, as the assembler makes them up from the source's.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "common/fragment/fragments.hpp"
+#include "common/mesh/mesh.hpp"
+
+namespace fracture {
+
+/// Appends vertices to a fragment's attribute arrays; the same arrays as the source has.
+class AttributeWriter {
+ public:
+  AttributeWriter(const Attributes& source, Attributes& out);
+
+  /// Wedge w of the source, bit for bit.
+  void copy(std::uint32_t w);
+  /// A weighted mean of three wedges (weights sum to 1); normals and tangents made unit again.
+  void blend(const std::array<std::uint32_t, 3>& wedges, const std::array<double, 3>& weights);
+  /// A vertex on a flat interior face with this unit normal, at world position p.
+  void interior(const Vec3d& normal, const Vec3d& p);
+
+ private:
+  const Attributes& in_;
+  Attributes& out_;
+};
+
+}  // namespace fracture

@@ -1,0 +1,95 @@
+#include "common/pipeline/fracture.hpp"
+
+#include <string>
+#include <utility>
+
+#include "common/clip/caps.hpp"
+#include "common/fragment/make_fragments.hpp"
+#include "common/sites/sites.hpp"
+
+namespace fracture {
+namespace {
+
+/// Runs a stage: its time is kept, and an interruption becomes the error it stands for.
+template <class Body>
+auto stage(StageTimings& timings, const Execution& execution, const char* name, const Body& body)
+    -> decltype(body()) {
+  const StageTimings::Scope scope(timings, name);
+  if (execution.progress) execution.progress(name, 0);
+  try {
+    auto result = body();
+    if (execution.progress) execution.progress(name, 1);
+    return result;
+  } catch (const Interrupted& interrupted) {
+    return fail(interrupted.code, interrupted.code == ErrorCode::kCancelled
+                                      ? std::string("cancelled while in stage ") + name
+                                      : std::string("the deadline passed in stage ") + name);
+  }
+}
+
+nlohmann::json report_of(const Solid& solid, const Diagram& diagram, const FragmentSet& set) {
+  nlohmann::json warnings = nlohmann::json::array();
+  for (const std::string& w : solid.source->warnings) warnings.push_back(w);
+  for (const std::string& note : solid.report.notes) warnings.push_back(note);
+  if (set.lattice_ratio > 1e-5)
+    warnings.push_back(
+        "the mesh lies so far from the origin that float32 positions are coarse: one step is more than 1e-5 "
+        "of its size");
+  const Tetrahedralization& t = diagram.tetrahedralization;
+  return {{"solid", solid.report.to_json()},
+          {"sites",
+           {{"given", diagram.sites.size()},
+            {"used", t.site_count()},
+            {"duplicates_merged", t.duplicates_merged},
+            {"far_dropped", t.far_sites_dropped}}},
+          {"warnings", std::move(warnings)}};
+}
+
+}  // namespace
+
+Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& parameters,
+                               const Execution& execution, StageTimings& timings) {
+  return stage(timings, execution, "tetrahedralize", [&]() -> Expected<Diagram> {
+    Diagram diagram;
+    if (parameters.points.empty()) {
+      Expected<std::vector<Vec3d>> sites = uniform_sites(solid, parameters.sites, parameters.seed, execution);
+      if (!sites) return tl::unexpected(sites.error());
+      diagram.sites = std::move(*sites);
+    } else {
+      diagram.sites = parameters.points;
+    }
+    Expected<Tetrahedralization> t = tetrahedralize(diagram.sites, solid.box, execution);
+    if (!t) return tl::unexpected(t.error());
+    diagram.tetrahedralization = std::move(*t);
+    return diagram;
+  });
+}
+
+Expected<FragmentSet> fracture(const Solid& solid, const Diagram& diagram,
+                               const FractureParameters& parameters, const Execution& execution,
+                               StageTimings& timings) {
+  return stage(timings, execution, "clip", [&]() -> Expected<FragmentSet> {
+    const Tetrahedralization& t = diagram.tetrahedralization;
+    std::vector<std::uint32_t> groups;  // of sites, from those of the input points
+    if (!parameters.groups.empty()) {
+      groups.resize(t.site_count());
+      for (std::size_t k = parameters.groups.size(); k-- > 0;)  // the first of merged points decides
+        if (t.site_of_input[k] != kNoSite) groups[t.site_of_input[k]] = parameters.groups[k];
+    }
+    const Ownership ownership = Ownership::from_groups(t.site_count(), groups);
+
+    const VoronoiDiagram voronoi(t, solid.box);
+    RestrictedDiagram restricted{solid, voronoi, cut_surface(solid, voronoi, execution), {}, {}, {}};
+    restricted.winding = wind_voronoi_edges(solid, voronoi, restricted.cuts, execution);
+    restricted.positions = place_vertices(solid, voronoi, restricted.cuts, restricted.winding, execution);
+    restricted.caps =
+        build_caps(solid, voronoi, restricted.cuts, restricted.winding, restricted.positions, execution);
+    FragmentSet set = make_fragments(restricted, ownership, execution);
+    if (set.fragments.empty()) return fail(ErrorCode::kNoFragments, "none of the pieces has a volume");
+    set.certificate.sites_asked = static_cast<std::uint32_t>(diagram.sites.size());
+    set.report = report_of(solid, diagram, set);
+    return set;
+  });
+}
+
+}  // namespace fracture
