@@ -1,0 +1,94 @@
+// JSON written straight into a string: no document in between (the writer is on the path to a frame), numbers
+// by std::to_chars, the shortest text that reads back as the same double (invariant I4).
+#pragma once
+
+#include <charconv>
+#include <cmath>
+#include <concepts>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+
+#include "common/base/error.hpp"
+#include "common/base/vec.hpp"
+
+namespace fracture {
+
+/// Commas are its own business; nesting and keys are the caller's. Keys are trusted text (no escaping).
+class JsonText {
+ public:
+  const std::string& text() const { return text_; }
+  std::string take() { return std::move(text_); }
+  void reserve(std::size_t bytes) { text_.reserve(bytes); }
+
+  JsonText& begin_object() { return open('{'); }
+  JsonText& end_object() { return close('}'); }
+  JsonText& begin_array() { return open('['); }
+  JsonText& end_array() { return close(']'); }
+  JsonText& key(std::string_view name) {
+    separate();
+    text_ += '"';
+    text_ += name;
+    text_ += "\":";
+    comma_ = false;
+    return *this;
+  }
+
+  template <std::integral Integer>
+  requires(!std::same_as<Integer, bool>) JsonText& value(Integer number) { return put_number(number); }
+  /// Floats are written as the double they are exactly, so that every reader gets the stored bits back.
+  JsonText& value(double number) {
+    if (!std::isfinite(number)) throw InternalError("a figure for the file is not a finite number");
+    return put_number(number);
+  }
+  JsonText& value(bool flag) { return put(flag ? "true" : "false"); }
+  JsonText& value(std::string_view text);
+  JsonText& value(const std::string& text) { return value(std::string_view(text)); }
+  JsonText& value(const char* text) { return value(std::string_view(text)); }
+  JsonText& value(const Vec3d& v) { return begin_array().value(v.x).value(v.y).value(v.z).end_array(); }
+  JsonText& null() { return put("null"); }
+  /// A finished document, in its own order of keys.
+  JsonText& value(const nlohmann::json& document);
+
+  /// JSON that was written elsewhere, as it is.
+  JsonText& value_text(std::string_view json) { return put(json); }
+
+  template <class T>
+  JsonText& member(std::string_view name, const T& v) {
+    return key(name).value(v);
+  }
+
+ private:
+  void separate() {
+    if (comma_) text_ += ',';
+  }
+  JsonText& open(char bracket) {
+    separate();
+    text_ += bracket;
+    comma_ = false;
+    return *this;
+  }
+  JsonText& close(char bracket) {
+    text_ += bracket;
+    comma_ = true;
+    return *this;
+  }
+  JsonText& put(std::string_view raw) {
+    separate();
+    text_ += raw;
+    comma_ = true;
+    return *this;
+  }
+  template <class Number>
+  JsonText& put_number(Number number) {
+    char digits[32];
+    const auto result = std::to_chars(digits, digits + sizeof(digits), number);
+    return put({digits, static_cast<std::size_t>(result.ptr - digits)});
+  }
+
+  std::string text_;
+  bool comma_ = false;
+};
+
+}  // namespace fracture

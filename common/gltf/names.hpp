@@ -1,0 +1,32 @@
+// Names that every tool accepts: ASCII letters, digits and _, at most 63 bytes (Unreal's and Blender's common
+// ground).
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace fracture {
+
+inline constexpr std::size_t kMaxName = 63;
+
+/// The name with every other byte replaced by _, cut to `room` bytes; "mesh" where nothing is left.
+inline std::string ascii_name(std::string_view name, std::size_t room = kMaxName) {
+  std::string result;
+  for (const char c : name.substr(0, std::min(room, name.size()))) {
+    const bool keep = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+    result += keep ? c : '_';
+  }
+  return result.empty() ? "mesh" : result;
+}
+
+/// "<source>_007": begins with the source node's name; unique because the number is.
+inline std::string fragment_name(std::string_view source, std::size_t number, std::size_t count) {
+  const std::size_t width = std::to_string(count - 1).size();
+  std::string digits = std::to_string(number);
+  digits.insert(0, width - digits.size(), '0');
+  return ascii_name(source, kMaxName - 1 - width) + "_" + digits;
+}
+
+}  // namespace fracture
