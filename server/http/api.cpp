@@ -31,8 +31,7 @@ constexpr Route kRoutes[] = {
     {Listener::kPublic, "GET", "/fractures/{id}", Route::Runs::kInline,
      "A result that is still in the cache"},
     {Listener::kAdmin, "GET", "/livez", Route::Runs::kInline, "The process answers"},
-    {Listener::kAdmin, "GET", "/readyz", Route::Runs::kInline,
-     "The server takes requests (503 while it stops)"},
+    {Listener::kAdmin, "GET", "/readyz", Route::Runs::kInline, "The server takes requests"},
 };
 
 bool matches(const Route& route, std::string_view path, std::string* segment) {

@@ -32,8 +32,9 @@ std::string shown(const nlohmann::json& value) {
 
 std::optional<std::uint64_t> to_integer(const RawParameter& raw) {
   if (!raw.is_text) {
-    if (raw.value.is_number_unsigned()) return raw.value.get<std::uint64_t>();
-    return std::nullopt;
+    const bool whole = raw.value.is_number_unsigned() ||
+                       (raw.value.is_number_integer() && raw.value.get<std::int64_t>() >= 0);
+    return whole ? std::optional(raw.value.get<std::uint64_t>()) : std::nullopt;
   }
   const auto& text = raw.value.get_ref<const std::string&>();
   std::uint64_t number = 0;

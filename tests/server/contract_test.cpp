@@ -1,0 +1,102 @@
+// Holds proto/openapi.yaml (as the JSON that the server serves) and the server's own tables together.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+
+#include "server/http/api.hpp"
+#include "server/http/problem.hpp"
+#include "server/service/parameters.hpp"
+
+namespace fracture::http {
+namespace {
+
+using nlohmann::json;
+
+const json& document() {
+  static const json parsed = json::parse(openapi_json());
+  return parsed;
+}
+
+json resolve(const json& value) {
+  if (!value.contains("$ref")) return value;
+  return resolve(document().at(json::json_pointer(value.at("$ref").get<std::string>().substr(1))));
+}
+
+TEST(Contract, EveryPathAndMethodOfTheDocumentIsRoutedAndTheReverse) {
+  std::set<std::string> documented, routed;
+  for (const auto& [path, item] : document().at("paths").items())
+    for (const auto& [method, operation] : item.items())
+      if (method != "servers" && method != "parameters") {
+        std::string upper = method;
+        for (char& c : upper) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+        documented.insert(upper + " " + path);
+      }
+  for (const Route& route : routes())
+    routed.insert(std::string(route.method) + " " + std::string(route.path));
+  EXPECT_EQ(documented, routed);
+}
+
+TEST(Contract, SummariesAndListenersAgree) {
+  for (const Route& route : routes()) {
+    const json& item = document().at("paths").at(std::string(route.path));
+    const json& operation = item.at(route.method == "POST" ? "post" : "get");
+    EXPECT_EQ(operation.at("summary"), route.summary) << route.path;
+    EXPECT_EQ(item.contains("servers"), route.listener == Listener::kAdmin) << route.path;
+  }
+}
+
+TEST(Contract, EveryProblemIsListedAndNoOther) {
+  std::set<std::string> documented, table;
+  for (const json& type :
+       document().at("components").at("schemas").at("Problem").at("properties").at("type").at("enum"))
+    documented.insert(type);
+  for (const ProblemType& type : problem_types()) table.insert("/problems/" + std::string(type.slug));
+  EXPECT_EQ(documented, table);
+  EXPECT_EQ(table.size(), problem_types().size()) << "a slug stands twice in the table";
+}
+
+TEST(Contract, EveryCodeHasItsOwnRowAndAnErrorStatus) {
+#define FRACTURE_ERROR(name, its_slug, its_title) EXPECT_EQ(problem_type(ErrorCode::name).slug, its_slug);
+#include "common/base/error_codes.def"
+#undef FRACTURE_ERROR
+  for (const ProblemType& type : problem_types()) {
+    EXPECT_GE(type.status, 400) << type.slug;
+    EXPECT_LE(type.status, 599) << type.slug;
+  }
+}
+
+TEST(Contract, EveryParameterIsListedWithItsRangeAndDefault) {
+  const ParameterTable table(ServiceConfig{}.max_sites, FormatSet::all());
+  const json operation = document().at("paths").at("/fracture").at("post");
+  std::set<std::string> documented, known;
+  for (const json& reference : operation.at("parameters")) {
+    const json parameter = resolve(reference), schema = resolve(parameter.at("schema"));
+    const std::string name = parameter.at("name");
+    documented.insert(name);
+    const ParameterSpec* spec = table.find(name);
+    ASSERT_NE(spec, nullptr) << name;
+    if (spec->type == ParameterSpec::Type::kInteger) {
+      EXPECT_EQ(schema.at("minimum"), spec->min) << name;
+      EXPECT_EQ(schema.at("maximum"), spec->max) << name;
+    } else {
+      EXPECT_EQ(schema.at("enum"), json(spec->choices)) << name;
+    }
+    EXPECT_EQ(schema.value("default", json()), spec->default_value) << name;
+  }
+  for (const ParameterSpec& spec : table.specs()) known.insert(spec.name);
+  EXPECT_EQ(documented, known);
+  std::set<std::string> in_json;
+  for (const auto& [name, schema] :
+       document().at("components").at("schemas").at("Parameters").at("properties").items())
+    in_json.insert(name);
+  EXPECT_EQ(in_json, known);
+}
+
+TEST(Contract, TheDocumentCarriesTheServersVersion) {
+  EXPECT_EQ(document().at("info").at("version"), FRACTURE_VERSION);
+}
+
+}  // namespace
+}  // namespace fracture::http

@@ -1,0 +1,90 @@
+// An engine that computes nothing: it counts its calls, and does what a test tells it to do.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <cstring>
+#include <functional>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/service/engine.hpp"
+
+namespace fracture::test {
+
+/// Counters and hooks, shared between the test and the engine that the service owns.
+struct FakeControl {
+  std::atomic<int> imports{0}, prepares{0}, diagrams{0}, cuts{0}, cancelled{0};
+  /// Runs inside cut(); may block, throw, or poll the execution.
+  std::function<void(const Execution&)> during_cut;
+  /// Runs inside import(); an error is returned as it is.
+  std::function<Expected<Mesh>(std::string_view bytes)> import;
+  std::size_t glb_padding = 0;  ///< extra bytes of the answer
+};
+
+class FakeEngine final : public FractureEngine {
+ public:
+  explicit FakeEngine(std::shared_ptr<FakeControl> control) : control_(std::move(control)) {}
+
+  Expected<Mesh> import(std::span<const std::byte> bytes, MeshFormat, const ImportLimits&,
+                        const Execution& execution) const override {
+    ++control_->imports;
+    execution.poll();
+    if (control_->import)
+      return control_->import({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    return Mesh{};
+  }
+  Expected<Solid> prepare(std::shared_ptr<const Mesh> mesh, const Execution&) const override {
+    ++control_->prepares;
+    Solid solid;
+    solid.source = std::move(mesh);
+    return solid;
+  }
+  Expected<Diagram> diagram(const Solid&, const FractureParameters& parameters, const Execution&,
+                            StageTimings&) const override {
+    ++control_->diagrams;
+    Diagram diagram;
+    diagram.sites.resize(parameters.sites);
+    return diagram;
+  }
+  Expected<FragmentSet> cut(const Solid&, const Diagram& diagram, const FractureParameters&,
+                            const Execution& execution, StageTimings&) const override {
+    ++control_->cuts;
+    try {
+      if (control_->during_cut) control_->during_cut(execution);
+    } catch (const Interrupted&) {
+      ++control_->cancelled;
+      throw;
+    }
+    FragmentSet set;
+    set.certificate.fragments = static_cast<std::uint32_t>(diagram.sites.size());
+    return set;
+  }
+  /// A GLB whose JSON says what was asked; no geometry.
+  std::vector<std::uint8_t> encode(const FragmentSet& fragments, const GltfOptions& options) const override {
+    std::string text = nlohmann::json{{"asset", {{"version", "2.0"}}},
+                                      {"nodes",
+                                       {{{"extras",
+                                          {{"fracture",
+                                            {{"parameters", options.parameters},
+                                             {"mesh", options.mesh_digest},
+                                             {"fragments", fragments.certificate.fragments},
+                                             {"bonds", nlohmann::json::object()}}}}}}}}}
+                           .dump();
+    text.resize((text.size() + 3) / 4 * 4 + control_->glb_padding, ' ');
+    std::vector<std::uint8_t> glb(20 + text.size());
+    const std::uint32_t header[5] = {0x46546C67u, 2u, static_cast<std::uint32_t>(glb.size()),
+                                     static_cast<std::uint32_t>(text.size()), 0x4E4F534Au};
+    std::memcpy(glb.data(), header, sizeof header);
+    std::memcpy(glb.data() + 20, text.data(), text.size());
+    return glb;
+  }
+
+ private:
+  std::shared_ptr<FakeControl> control_;
+};
+
+}  // namespace fracture::test

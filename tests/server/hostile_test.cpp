@@ -1,0 +1,448 @@
+// The HTTP adapter under attack: what a rude, slow or confused client sends. Whatever comes, there is exactly
+// one answer or a close, no second request is read out of the first one's body, and the same process answers
+// the next one.
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <thread>
+#include <vector>
+
+#include "common/base/random.hpp"
+#include "tests/server/test_server.hpp"
+
+namespace fracture::test {
+namespace {
+
+using std::chrono::milliseconds;
+
+std::size_t count(const std::string& text, const std::string& what) {
+  std::size_t n = 0;
+  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++n;
+  return n;
+}
+
+/// Peak resident memory of this process in MiB.
+long peak_mib() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_maxrss / 1024;
+}
+
+#define EXPECT_ALIVE(server) EXPECT_EQ((server).get("/version").status, 200)
+
+const std::string kPost = "POST /fracture HTTP/1.1\r\nHost: a\r\nContent-Type: model/obj\r\n";
+
+// Trap 1: Beast throws std::length_error out of run() on a long trailer field when its buffer is unbounded.
+TEST(Hostile, AGiantTrailerFieldIsAnsweredAndTheProcessLives) {
+  TestServer server;
+  RawClient client(server.port());
+  client.send(kPost + "Transfer-Encoding: chunked\r\n\r\n4\r\nmesh\r\n0\r\nX: ");
+  client.send(std::string(300'000, 'x'));
+  const auto reply = client.receive();
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(reply->status, 431);
+  EXPECT_ALIVE(server);
+}
+
+TEST(Hostile, AnEndlessChunkExtensionIsCutOffWithoutGrowingMemory) {
+  TestServer server;
+  const long before = peak_mib();
+  RawClient client(server.port());
+  client.send(kPost + "Transfer-Encoding: chunked\r\n\r\n4;x=");
+  const std::string block(1 << 20, 'x');
+  for (int i = 0; i < 64 && client.send(block); ++i) {
+  }
+  const auto reply = client.receive();
+  if (reply) {
+    EXPECT_EQ(reply->status, 431);
+  }
+  EXPECT_LT(peak_mib() - before, 32);
+  EXPECT_ALIVE(server);
+}
+
+TEST(Hostile, ManyChunksWithLongExtensionsAreBoundedInTotal) {
+  TestServerOptions options;
+  options.limits.max_body = 1 << 16;
+  TestServer server(options);
+  RawClient client(server.port());
+  client.send(kPost + "Transfer-Encoding: chunked\r\n\r\n");
+  const std::string chunk = "1;" + std::string(30'000, 'x') + "\r\nm\r\n";
+  for (int i = 0; i < 1000 && client.send(chunk); ++i) {
+  }
+  const auto reply = client.receive();
+  if (reply) {
+    EXPECT_EQ(reply->status, 431);
+  }
+  EXPECT_EQ(server.control->imports, 0);
+  EXPECT_ALIVE(server);
+}
+
+TEST(Hostile, ManyOneByteChunksAreAnHonestBody) {
+  TestServer server;
+  RawClient client(server.port());
+  std::string chunks;
+  for (int i = 0; i < 65'537; ++i) chunks += "1\r\nm\r\n";
+  client.send(kPost + "Transfer-Encoding: chunked\r\n\r\n" + chunks + "0\r\n\r\n");
+  const auto reply = client.receive();
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(reply->status, 200);
+}
+
+// Trap 2: whatever follows an ambiguous request on the connection must never be taken for a request.
+TEST(Hostile, NothingIsSmuggled) {
+  TestServer server;
+  const std::string smuggled = "GET /version HTTP/1.1\r\nHost: a\r\nX-Request-Id: smuggled\r\n\r\n";
+  const std::vector<std::pair<std::string, int>> corpus = {
+      {kPost + "Transfer-Encoding: xchunked\r\n\r\n", 501},
+      {kPost + "Transfer-Encoding: gzip\r\n\r\n", 501},
+      {kPost + "Transfer-Encoding: identity\r\n\r\n", 501},
+      {kPost + "Transfer-Encoding: chunked, identity\r\n\r\n", 501},
+      {kPost + "Transfer-Encoding: identity, chunked\r\n\r\n0\r\n\r\n", 501},
+      {kPost + "Transfer-Encoding: chunked\r\nTransfer-Encoding: x\r\n\r\n0\r\n\r\n", 501},
+      {kPost + "Transfer-Encoding: chunked\r\nContent-Length: 4\r\n\r\n0\r\n\r\n", 400},
+      {kPost + "Content-Length: 4\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n", 400},
+      {kPost + "Content-Length: 0\r\nContent-Length: 61\r\n\r\n", 400},
+      {kPost + "Content-Length: 0, 61\r\n\r\n", 400},
+      {kPost + "Content-Length: +4\r\n\r\nmesh", 400},
+      {kPost + "Content-Length: 4_\r\n\r\nmesh", 400},
+      {kPost + "Content-Length: 18446744073709551616\r\n\r\n", 413},
+      {kPost + "Content-Length:\r\n 4\r\n\r\nmesh", 400},
+      {kPost + "Content-Length : 4\r\n\r\nmesh", 400},
+      {kPost + "Transfer-Encoding : chunked\r\n\r\n0\r\n\r\n", 400},
+      {kPost + "Transfer-Encoding:\x0b"
+               "chunked\r\n\r\n0\r\n\r\n",
+       400},
+      {kPost + "X: a\r\n Transfer-Encoding: chunked\r\n\r\n0\r\n\r\n", 400},
+      {kPost + "X: a\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n", 400},
+      {kPost + "Host: b\r\nContent-Length: 4\r\n\r\nmesh", 400},
+      {"POST /fracture HTTP/1.1\r\nContent-Type: model/obj\r\nContent-Length: 4\r\n\r\nmesh", 400},
+      {"POST /fracture HTTP/1.0\r\nContent-Type: model/obj\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n",
+       400},
+      {"POST http://b/fracture HTTP/1.1\r\nHost: a\r\nContent-Type: model/obj\r\nContent-Length: "
+       "4\r\n\r\nmesh",
+       400},
+      {"POST /fracture HTTP/1.1\nHost: a\nContent-Length: 4\n\nmesh", 400},
+      {kPost + "Transfer-Encoding: chunked\r\n\r\n0x4\r\nmesh\r\n0\r\n\r\n", 400},
+      {kPost + "Transfer-Encoding: chunked\r\n\r\n-4\r\nmesh\r\n0\r\n\r\n", 400},
+      {kPost + "Transfer-Encoding: chunked\r\n\r\n4 \r\nmeshX\r\n0\r\n\r\n", 400},
+      {kPost + "Transfer-Encoding: chunked\r\n\r\n4\r\nmeshXX0\r\n\r\n", 400},
+      {kPost + "Transfer-Encoding: chunked\r\n\r\n4\nmesh\n0\n\n", 400},
+      {kPost + "Transfer-Encoding: chunked\r\n\r\nfffffffffffffffff\r\nmesh\r\n0\r\n\r\n", 400},
+      {kPost + "Transfer-Encoding: chunked\r\n\r\n\r\n0\r\n\r\n", 400},
+  };
+  for (const auto& [request, status] : corpus) {
+    RawClient client(server.port());
+    client.send(request + smuggled);
+    const std::string all = client.receive_all();
+    EXPECT_FALSE(client.timed_out()) << request;
+    EXPECT_EQ(count(all, "HTTP/1.1 "), 1u) << request << "\n---\n" << all;
+    EXPECT_EQ(all.substr(0, 12), "HTTP/1.1 " + std::to_string(status)) << request;
+    EXPECT_EQ(all.find("smuggled"), std::string::npos) << request;
+  }
+  EXPECT_EQ(server.control->imports, 0);
+  EXPECT_ALIVE(server);
+}
+
+// Trap 3: an expectation is answered before the body is sent, with 100 or with the refusal.
+TEST(Hostile, ExpectationsAreAnsweredBeforeTheBody) {
+  TestServer server;
+  const std::string expect = "Expect: 100-continue\r\n";
+  {
+    RawClient client(server.port());
+    client.send(kPost + expect + "Content-Length: 4\r\n\r\n");
+    const auto interim = client.receive();
+    ASSERT_TRUE(interim);
+    EXPECT_EQ(interim->status, 100);
+    client.send("mesh");
+    EXPECT_EQ(client.receive()->status, 200);
+  }
+  const std::vector<std::pair<std::string, int>> refused = {
+      {kPost + expect + "Content-Length: 99999999\r\n\r\n", 413},
+      {"POST /fracture?sites=0 HTTP/1.1\r\nHost: a\r\nContent-Type: model/obj\r\nContent-Length: 4\r\n" +
+           expect + "\r\n",
+       400},
+      {"POST /nothing HTTP/1.1\r\nHost: a\r\nContent-Length: 4\r\n" + expect + "\r\n", 404},
+      {kPost + "Expect: a-miracle\r\nContent-Length: 4\r\n\r\n", 417},
+  };
+  for (const auto& [request, status] : refused) {
+    RawClient client(server.port());
+    client.send(request);
+    const auto reply = client.receive();
+    ASSERT_TRUE(reply) << request;
+    EXPECT_EQ(reply->status, status) << request;
+    EXPECT_EQ(reply->header("connection"), "close");
+  }
+}
+
+TEST(Hostile, ABodyOverTheLimitIsAnsweredWhileTheClientStillSends) {
+  TestServer server;
+  for (const bool chunked : {false, true}) {
+    RawClient client(server.port());
+    const std::string block(1 << 20, 'x');
+    client.send(kPost +
+                (chunked ? "Transfer-Encoding: chunked\r\n\r\n" : "Content-Length: 33554432\r\n\r\n"));
+    for (int i = 0; i < 32; ++i)  // a client that does not look at the answer before it has sent everything
+      if (!client.send(chunked ? "100000\r\n" + block + "\r\n" : block)) break;
+    const auto reply = client.receive();
+    ASSERT_TRUE(reply) << "chunked: " << chunked;
+    EXPECT_EQ(reply->problem(), "body-too-large") << "chunked: " << chunked;
+  }
+  EXPECT_EQ(server.control->imports, 0);
+}
+
+TEST(Hostile, ABodyOfExactlyTheLimitPasses) {
+  TestServerOptions options;
+  options.limits.max_body = 1000;
+  TestServer server(options);
+  EXPECT_EQ(server.post("/fracture", std::string(1000, 'x')).status, 200);
+  EXPECT_EQ(server.post("/fracture", std::string(1001, 'x')).status, 413);
+}
+
+TEST(Hostile, SlowHeadersAndBodiesAre408AndIdleConnectionsJustClose) {
+  TestServerOptions options;
+  options.limits.header_timeout = options.limits.body_grace = options.limits.idle = milliseconds(200);
+  TestServer server(options);
+  {
+    RawClient client(server.port());
+    client.send("GET / HT");
+    const auto reply = client.receive();
+    ASSERT_TRUE(reply);
+    EXPECT_EQ(reply->status, 408);
+  }
+  {
+    RawClient client(server.port());  // one byte now and then does not extend the time
+    client.send("GET / HTTP/1.1\r\nX: ");
+    std::thread drip([&] {
+      for (int i = 0; i < 100 && client.send("x"); ++i) std::this_thread::sleep_for(milliseconds(50));
+    });
+    const auto reply = client.receive();
+    EXPECT_TRUE(reply && reply->status == 408);
+    client.half_close();
+    drip.join();
+  }
+  {
+    RawClient client(server.port());
+    client.send(kPost + "Content-Length: 100\r\n\r\nabc");
+    const auto reply = client.receive();
+    ASSERT_TRUE(reply);
+    EXPECT_EQ(reply->problem(), "request-timeout");
+  }
+  {
+    RawClient client(server.port());
+    EXPECT_EQ(client.receive_all(), "");
+    EXPECT_FALSE(client.timed_out());
+  }
+}
+
+TEST(Hostile, AClientThatNeverReadsIsDroppedWhenItsWindowIsFull) {
+  TestServerOptions options;
+  options.limits.write_stall = milliseconds(200);
+  TestServer server(options);
+  server.control->glb_padding = 64u << 20;
+  RawClient client(server.port());
+  client.send(kPost + "Content-Length: 4\r\n\r\nmesh");
+  while (server.control->cuts == 0) std::this_thread::yield();
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while (server.server.connections() > 0 && std::chrono::steady_clock::now() < end)
+    std::this_thread::sleep_for(milliseconds(5));
+  EXPECT_EQ(server.server.connections(), 0u);
+}
+
+TEST(Hostile, AHalfClosingClientGetsItsAnswer) {
+  TestServer server;
+  server.control->during_cut = [](const Execution& execution) {
+    for (int i = 0; i < 100; ++i) {
+      std::this_thread::sleep_for(milliseconds(1));
+      execution.poll();
+    }
+  };
+  RawClient client(server.port());
+  client.send(kPost + "Content-Length: 4\r\n\r\nmesh");
+  client.half_close();
+  const auto reply = client.receive();
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(reply->status, 200);
+  EXPECT_EQ(server.control->cancelled, 0);
+}
+
+TEST(Hostile, AHalfCloseInsideTheBodyIsAnswered) {
+  TestServer server;
+  RawClient client(server.port());
+  client.send(kPost + "Content-Length: 100\r\n\r\nabc");
+  client.half_close();
+  const auto reply = client.receive();
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(reply->status, 400);
+}
+
+TEST(Hostile, AResetCancelsTheWork) {
+  TestServer server;
+  server.control->during_cut = [](const Execution& execution) {
+    for (;;) {  // only a cancellation ends this
+      execution.poll();
+      std::this_thread::sleep_for(milliseconds(1));
+    }
+  };
+  RawClient client(server.port());
+  client.send(kPost + "Content-Length: 4\r\n\r\nmesh");
+  while (server.control->cuts == 0) std::this_thread::yield();
+  client.reset();
+  server.pool.wait_idle();
+  EXPECT_EQ(server.control->cancelled, 1);
+  server.control->during_cut = nullptr;
+  EXPECT_ALIVE(server);
+}
+
+TEST(Hostile, OneAddressCannotTakeAllConnections) {
+  TestServerOptions options;
+  options.limits.max_connections_per_address = 3;
+  TestServer server(options);
+  std::vector<std::unique_ptr<RawClient>> open;
+  for (int i = 0; i < 3; ++i) {
+    open.push_back(std::make_unique<RawClient>(server.port()));
+    open.back()->send("GET /version HTTP/1.1\r\nHost: a\r\n\r\n");
+    EXPECT_EQ(open.back()->receive()->status, 200);
+  }
+  RawClient fourth(server.port());
+  const auto reply = fourth.receive();
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(reply->problem(), "too-many-connections");
+  EXPECT_EQ(reply->header("retry-after"), "2");
+  open.clear();
+  while (server.server.connections() > 0) {
+    fourth.half_close();
+    std::this_thread::sleep_for(milliseconds(5));
+  }
+  EXPECT_ALIVE(server);
+}
+
+TEST(Hostile, AServerWithAllConnectionsTakenSaysSo) {
+  TestServerOptions options;
+  options.limits.max_connections = 2;
+  TestServer server(options);
+  RawClient a(server.port()), b(server.port());
+  for (RawClient* client : {&a, &b}) {
+    client->send("GET /version HTTP/1.1\r\nHost: a\r\n\r\n");
+    ASSERT_TRUE(client->receive());
+  }
+  RawClient c(server.port());
+  const auto reply = c.receive();
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(reply->problem(), "overloaded");
+}
+
+// Trap 4: at the limit of open files an accept loop without a pause spins.
+TEST(Hostile, AtTheLimitOfOpenFilesTheServerNeitherSpinsNorDies) {
+  TestServer server;
+  EXPECT_ALIVE(server);
+  rlimit saved{};
+  getrlimit(RLIMIT_NOFILE, &saved);
+  std::vector<std::unique_ptr<RawClient>> clients;
+  rlimit low = saved;
+  low.rlim_cur = 96;
+  setrlimit(RLIMIT_NOFILE, &low);
+  try {  // both ends of a connection are descriptors of this process
+    for (int i = 0; i < 200; ++i) clients.push_back(std::make_unique<RawClient>(server.port()));
+  } catch (const std::runtime_error&) {
+  }
+  rusage before{}, after{};
+  getrusage(RUSAGE_SELF, &before);
+  std::this_thread::sleep_for(milliseconds(1000));
+  getrusage(RUSAGE_SELF, &after);
+  const double cpu = static_cast<double>(after.ru_utime.tv_sec - before.ru_utime.tv_sec +
+                                         after.ru_stime.tv_sec - before.ru_stime.tv_sec) +
+                     1e-6 * static_cast<double>(after.ru_utime.tv_usec - before.ru_utime.tv_usec +
+                                                after.ru_stime.tv_usec - before.ru_stime.tv_usec);
+  EXPECT_LT(cpu, 0.5) << "CPU seconds used in one second of being full";
+  clients.clear();
+  setrlimit(RLIMIT_NOFILE, &saved);
+  EXPECT_ALIVE(server);
+}
+
+TEST(Hostile, BrokenAndRandomBytesAreAnsweredOrClosed) {
+  TestServer server;
+  Random random(20260101);
+  const std::string seed_text = kPost + "Transfer-Encoding: chunked\r\n\r\n4\r\nmesh\r\n0\r\n\r\n";
+  for (int i = 0; i < 300; ++i) {
+    std::string bytes = seed_text;
+    const int edits = 1 + static_cast<int>(random.below(4));
+    for (int e = 0; e < edits; ++e) bytes[random.below(bytes.size())] = static_cast<char>(random.below(256));
+    RawClient client(server.port());
+    client.send(bytes);
+    client.half_close();
+    client.receive_all();
+    EXPECT_FALSE(client.timed_out()) << "mutation " << i;
+  }
+  EXPECT_ALIVE(server);
+}
+
+// -- stopping
+
+TEST(Drain, NotReadyAtOnceThenBusyRequestsFinishAndIdleConnectionsClose) {
+  TestServer server;
+  std::atomic<bool> release{false};
+  server.control->during_cut = [&](const Execution&) {
+    while (!release) std::this_thread::sleep_for(milliseconds(1));
+  };
+  RawClient idle(server.port()), busy(server.port());
+  idle.send("GET /version HTTP/1.1\r\nHost: a\r\n\r\n");
+  ASSERT_TRUE(idle.receive());
+  busy.send(kPost + "Content-Length: 4\r\n\r\nmesh");
+  while (server.control->cuts == 0) std::this_thread::yield();
+
+  server.api.set_draining();
+  const Reply ready = ask(server.server.admin_port(), "GET", "/readyz");
+  EXPECT_EQ(ready.status, 503);
+  EXPECT_EQ(ready.problem(), "draining");
+  EXPECT_EQ(ask(server.server.admin_port(), "GET", "/livez").status, 200);
+  EXPECT_EQ(server.get("/version").status, 200) << "requests are still taken during the drain delay";
+
+  server.server.stop_accepting();
+  EXPECT_EQ(idle.receive_all(), "");
+  EXPECT_FALSE(idle.timed_out());
+  release = true;
+  const auto reply = busy.receive();
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(reply->status, 200);
+  EXPECT_EQ(reply->header("connection"), "close");
+  EXPECT_THROW(RawClient(server.port()), std::runtime_error);
+}
+
+TEST(Drain, AfterTheGraceWorkIsCancelledWithA503) {
+  TestServer server;
+  server.control->during_cut = [](const Execution& execution) {
+    for (;;) {
+      execution.poll();
+      std::this_thread::sleep_for(milliseconds(1));
+    }
+  };
+  RawClient client(server.port());
+  client.send(kPost + "Content-Length: 4\r\n\r\nmesh");
+  while (server.control->cuts == 0) std::this_thread::yield();
+  server.server.stop_accepting();
+  server.server.cancel_jobs();
+  const auto reply = client.receive();
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(reply->status, 503);
+  EXPECT_EQ(reply->problem(), "cancelled");
+  EXPECT_GE(std::atoi(reply->header("retry-after").c_str()), 1);
+}
+
+TEST(Drain, DestroyingABusyServerIsSafe) {
+  std::vector<std::unique_ptr<RawClient>> clients;
+  {
+    TestServer server;
+    server.control->during_cut = [](const Execution&) { std::this_thread::sleep_for(milliseconds(30)); };
+    for (int i = 0; i < 20; ++i) {
+      clients.push_back(std::make_unique<RawClient>(server.port()));
+      clients.back()->send(
+          "POST /fracture?seed=" + std::to_string(i) +
+          " HTTP/1.1\r\nHost: a\r\nContent-Type: model/obj\r\nContent-Length: 4\r\n\r\nmesh");
+    }
+    while (server.control->cuts < 3) std::this_thread::yield();
+  }
+  for (const auto& client : clients) client->receive_all();
+}
+
+}  // namespace
+}  // namespace fracture::test

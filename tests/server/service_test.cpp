@@ -1,0 +1,206 @@
+#include "server/service/service.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <condition_variable>
+#include <latch>
+#include <mutex>
+
+#include "server/service/lru_cache.hpp"
+#include "server/service/worker_pool.hpp"
+#include "tests/server/fake_engine.hpp"
+
+namespace fracture {
+namespace {
+
+using test::FakeControl;
+using test::FakeEngine;
+
+std::span<const std::byte> bytes(std::string_view text) {
+  return std::as_bytes(std::span(text.data(), text.size()));
+}
+
+// -- LruCache
+
+TEST(LruCache, TheLeastRecentlyUsedEntryLeavesFirst) {
+  LruCache<int> cache(30);
+  for (const char* key : {"a", "b", "c"}) EXPECT_TRUE(cache.insert(key, std::make_shared<int>(1), 10));
+  EXPECT_TRUE(cache.find("a"));
+  EXPECT_TRUE(cache.insert("d", std::make_shared<int>(1), 10));
+  EXPECT_TRUE(cache.find("a"));
+  EXPECT_FALSE(cache.find("b"));
+  EXPECT_TRUE(cache.find("c"));
+  EXPECT_EQ(cache.bytes(), 30u);
+}
+
+TEST(LruCache, AnEntryOverTheBudgetIsNotKeptAndEvictsNothing) {
+  LruCache<int> cache(30);
+  cache.insert("a", std::make_shared<int>(1), 30);
+  EXPECT_FALSE(cache.insert("big", std::make_shared<int>(1), 31));
+  EXPECT_TRUE(cache.find("a"));
+}
+
+TEST(LruCache, ReplacingAnEntryCountsItOnce) {
+  LruCache<int> cache(30);
+  cache.insert("a", std::make_shared<int>(1), 20);
+  cache.insert("a", std::make_shared<int>(2), 25);
+  EXPECT_EQ(cache.bytes(), 25u);
+  EXPECT_EQ(cache.count(), 1u);
+  EXPECT_EQ(*cache.find("a"), 2);
+}
+
+TEST(LruCache, AnEvictedValueLivesAsLongAsItsReaders) {
+  LruCache<int> cache(10);
+  cache.insert("a", std::make_shared<int>(7), 10);
+  const auto held = cache.find("a");
+  cache.insert("b", std::make_shared<int>(8), 10);
+  EXPECT_FALSE(cache.find("a"));
+  EXPECT_EQ(*held, 7);
+}
+
+// -- WorkerPool
+
+TEST(WorkerPool, ALoneJobMayUseEveryThreadAndALoadedPoolGivesOneEach) {
+  WorkerPool pool(4, 100);
+  std::atomic<int> alone{0};
+  pool.try_submit([&](int threads) { alone = threads; });
+  pool.wait_idle();
+  EXPECT_EQ(alone, 4);
+
+  std::latch all_running(5);
+  std::atomic<int> last{0};
+  for (int i = 0; i < 3; ++i) pool.try_submit([&](int) { all_running.arrive_and_wait(); });
+  while (pool.running() < 3) std::this_thread::yield();
+  pool.try_submit([&](int threads) {
+    last = threads;
+    all_running.arrive_and_wait();
+  });
+  all_running.arrive_and_wait();
+  pool.wait_idle();
+  EXPECT_EQ(last, 1);
+}
+
+TEST(WorkerPool, AFullQueueRefusesAtOnceAndSaysWhenToComeBack) {
+  WorkerPool pool(1, 2);
+  std::latch release(1);
+  pool.try_submit([&](int) { release.wait(); });
+  while (pool.running() == 0) std::this_thread::yield();
+  EXPECT_TRUE(pool.try_submit([](int) {}));
+  EXPECT_TRUE(pool.try_submit([](int) {}));
+  EXPECT_TRUE(pool.full());
+  EXPECT_FALSE(pool.try_submit([](int) {}));
+  EXPECT_GE(pool.retry_after().count(), 1);
+  EXPECT_LE(pool.retry_after().count(), 60);
+  release.count_down();
+  pool.wait_idle();
+  EXPECT_FALSE(pool.full());
+}
+
+TEST(WorkerPool, AQueueOfNoneStillFeedsIdleThreads) {
+  WorkerPool pool(1, 0);
+  std::latch release(1);
+  EXPECT_TRUE(pool.try_submit([&](int) { release.wait(); }));
+  while (pool.running() == 0) std::this_thread::yield();
+  EXPECT_FALSE(pool.try_submit([](int) {}));
+  release.count_down();
+}
+
+TEST(WorkerPool, CoresAreAtLeastOne) { EXPECT_GE(available_cores(), 1); }
+
+// -- FractureService
+
+struct ServiceTest : testing::Test {
+  std::shared_ptr<FakeControl> control = std::make_shared<FakeControl>();
+  ServiceConfig config;
+  FractureService service{config, std::make_unique<FakeEngine>(control)};
+
+  FractureRequest request(std::string_view mesh, std::uint32_t sites = 50, std::uint64_t seed = 1) {
+    FractureRequest r;
+    r.mesh = bytes(mesh);
+    r.parameters.sites = sites;
+    r.parameters.seed = seed;
+    return r;
+  }
+};
+
+TEST_F(ServiceTest, TheSameRequestIsComputedOnceAndSharesOneBuffer) {
+  const auto first = service.fracture(request("mesh"), {}), second = service.fracture(request("mesh"), {});
+  ASSERT_TRUE(first && second);
+  EXPECT_EQ(first->result.get(), second->result.get());
+  EXPECT_EQ(first->result_cache, CacheOutcome::kMissStored);
+  EXPECT_EQ(second->result_cache, CacheOutcome::kHit);
+  EXPECT_EQ(control->cuts, 1);
+  EXPECT_EQ(service.find_result(first->result->key), first->result);
+}
+
+TEST_F(ServiceTest, ANewSeedReusesThePreparedMesh) {
+  ASSERT_TRUE(service.fracture(request("mesh", 50, 1), {}));
+  const auto second = service.fracture(request("mesh", 50, 2), {});
+  ASSERT_TRUE(second);
+  EXPECT_EQ(second->mesh_cache, CacheOutcome::kHit);
+  EXPECT_EQ(second->diagram_cache, CacheOutcome::kMissStored);
+  EXPECT_EQ(control->imports, 1);
+  EXPECT_EQ(control->diagrams, 2);
+}
+
+TEST_F(ServiceTest, AnotherDualReusesTheTetrahedralization) {
+  FractureRequest r = request("mesh");
+  ASSERT_TRUE(service.fracture(r, {}));
+  r.parameters.dual = Dual::kBarycenter;
+  const auto second = service.fracture(r, {});
+  ASSERT_TRUE(second);
+  EXPECT_EQ(second->diagram_cache, CacheOutcome::kHit);
+  EXPECT_EQ(control->cuts, 2);
+}
+
+TEST_F(ServiceTest, KeysDifferInEverythingThatMattersAndBeginWithTheMesh) {
+  std::set<std::string> keys;
+  const auto key_of = [&](const FractureRequest& r) { return service.fracture(r, {})->result->key; };
+  FractureRequest r = request("mesh");
+  keys.insert(key_of(r));
+  r.format = MeshFormat::kObj;  // the same bytes read as another format
+  keys.insert(key_of(r));
+  keys.insert(key_of(request("mesh", 51)));
+  keys.insert(key_of(request("mesh", 50, 2)));
+  EXPECT_EQ(keys.size(), 4u);
+  for (const std::string& key : keys) {
+    EXPECT_EQ(key.size(), 64u);
+    EXPECT_EQ(key.substr(0, 16), keys.begin()->substr(0, 16));
+  }
+  EXPECT_NE(key_of(request("other")).substr(0, 16), keys.begin()->substr(0, 16));
+}
+
+TEST_F(ServiceTest, TheFiguresAreThoseOfTheFile) {
+  const auto answer = service.fracture(request("mesh", 7), {});
+  EXPECT_EQ(figures_of(*answer->result).at("fragments"), 7);
+  EXPECT_EQ(figures_of(*answer->result).at("mesh"), answer->result->mesh_digest);
+}
+
+TEST_F(ServiceTest, ErrorsAreNotCached) {
+  control->import = [&](std::string_view) -> Expected<Mesh> {
+    if (control->imports == 1) return fail(ErrorCode::kMalformedMesh, "once");
+    return Mesh{};
+  };
+  EXPECT_FALSE(service.fracture(request("mesh"), {}));
+  EXPECT_TRUE(service.fracture(request("mesh"), {}));
+}
+
+TEST_F(ServiceTest, CancellationAndDeadlineComeBackAsErrors) {
+  control->during_cut = [](const Execution& execution) { execution.poll(); };
+  Execution late;
+  late.deadline = std::chrono::steady_clock::now() - std::chrono::seconds(1);
+  EXPECT_EQ(service.fracture(request("mesh"), late).error().code, ErrorCode::kDeadlineExceeded);
+  std::stop_source stop;
+  stop.request_stop();
+  Execution stopped;
+  stopped.stop = stop.get_token();
+  EXPECT_EQ(service.fracture(request("mesh"), stopped).error().code, ErrorCode::kCancelled);
+}
+
+TEST_F(ServiceTest, NoBytesIsAnEmptyBody) {
+  EXPECT_EQ(service.fracture(request(""), {}).error().code, ErrorCode::kEmptyBody);
+}
+
+}  // namespace
+}  // namespace fracture
