@@ -57,27 +57,47 @@ void glue_in(Surface& surface, const std::vector<HalfEdge>& loop, const std::vec
 std::vector<TriangleId> fill_holes(Surface& surface, const Execution& execution) {
   std::vector<TriangleId> fills;
   const auto half_edges = static_cast<HalfEdge>(surface.twin.size());
-  std::vector<HalfEdge> loop;
+  std::vector<HalfEdge> walk, loop;
   std::vector<Vec3f> corners;
-  for (HalfEdge start = 0; start < half_edges; ++start) {
-    if (surface.twin[start] != kNoIndex) continue;
-    execution.poll();
-    loop.clear();
-    HalfEdge h = start;
-    do {
-      loop.push_back(h);
-      h = next_along_hole(surface, h);
-    } while (h != start);
+  std::vector<std::uint32_t> place(surface.positions.size(), kNoIndex);  // of each vertex in the walk
+
+  const auto fill = [&](std::size_t begin) {  // the simple loop walk[begin…]
+    loop.assign(walk.begin() + static_cast<std::ptrdiff_t>(begin), walk.end());
     if (loop.size() == 2) {  // a slit: its two sides are one edge
       surface.twin[loop[0]] = loop[1];
       surface.twin[loop[1]] = loop[0];
-      continue;
+      return;
     }
     corners.clear();
     for (const HalfEdge side : loop) corners.push_back(surface.positions[surface.to(side)]);
-    const std::vector<Triangle> fill = triangulate_loop(corners);
     fills.push_back(static_cast<TriangleId>(surface.triangles.size()));
-    glue_in(surface, loop, fill);
+    glue_in(surface, loop, triangulate_loop(corners));
+  };
+
+  std::vector<std::uint8_t> walked(half_edges, 0);
+  for (HalfEdge start = 0; start < half_edges; ++start) {
+    if (surface.twin[start] != kNoIndex || walked[start]) continue;
+    execution.poll();
+    // The whole loop first: gluing changes what next_along_hole() sees.
+    std::vector<HalfEdge> whole;
+    for (HalfEdge h = start; !walked[h]; h = next_along_hole(surface, h)) {
+      walked[h] = 1;
+      whole.push_back(h);
+    }
+    walk.clear();
+    for (const HalfEdge h : whole) {
+      const VertexId v = surface.to(h);
+      if (place[v] != kNoIndex) {  // back at a vertex: what lies between is a loop of its own
+        const std::size_t begin = place[v];
+        for (std::size_t i = begin; i < walk.size(); ++i) place[surface.to(walk[i])] = kNoIndex;
+        fill(begin);
+        walk.resize(begin);
+      }
+      place[v] = static_cast<std::uint32_t>(walk.size());
+      walk.push_back(h);
+    }
+    for (const HalfEdge h : walk) place[surface.to(h)] = kNoIndex;
+    fill(0);
   }
   return fills;
 }

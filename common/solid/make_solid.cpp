@@ -260,9 +260,9 @@ Expected<Solid> make_solid(std::shared_ptr<const Mesh> mesh, const SolidOptions&
                             counted(report.flipped, "triangle faces", "triangles face") + " the other way.",
                   faults, report);
 
-  split_umbrellas(surface, execution);
   std::vector<TriangleId> fills;
   if (open) fills = fill_holes(surface, execution);
+  split_umbrellas(surface, execution);
 
   const Shells shells = find_shells(surface, execution);
   Nesting nesting = nest_shells(surface, shells, execution);

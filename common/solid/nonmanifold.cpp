@@ -50,6 +50,20 @@ class AngleOrder {
   int axis_ = 0, side_ = 0;
 };
 
+/// Per triangle: whether its patch (triangles connected across clean edges) has an open edge.
+std::vector<std::uint8_t> find_sheets(const Surface& surface, const EdgeTable& edges) {
+  DisjointSets patches(surface.triangles.size());
+  std::vector<std::uint8_t> open(surface.triangles.size(), 0);
+  edges.for_each([&](VertexId, VertexId, std::span<const EdgeUse> uses) {
+    if (uses.size() == 2) patches.unite(uses[0].half_edge() / 3, uses[1].half_edge() / 3);
+  });
+  edges.for_each([&](VertexId, VertexId, std::span<const EdgeUse> uses) {
+    if (uses.size() == 1) open[patches.find(uses[0].half_edge() / 3)] = 1;
+  });
+  for (TriangleId t = 0; t < open.size(); ++t) open[t] = open[patches.find(t)];
+  return open;
+}
+
 }  // namespace
 
 std::size_t drop_duplicates(Surface& surface, const EdgeTable& edges) {
@@ -137,27 +151,40 @@ std::size_t drop_duplicates(Surface& surface, const EdgeTable& edges) {
 
 std::size_t pair_nonmanifold_edges(Surface& surface, const EdgeTable& edges) {
   std::size_t nonmanifold = 0;
+  std::vector<std::uint8_t> on_sheet;  // per triangle; found when the first unbalanced edge asks for it
   std::vector<AngleOrder::Item> ring;
   std::vector<EdgeUse> entered;
-  edges.for_each([&](VertexId a, VertexId b, std::span<const EdgeUse> uses) {
-    if (uses.size() <= 2) return;
-    ++nonmanifold;
-    const AngleOrder order(surface, a, b, uses);
-    ring.clear();
-    for (const EdgeUse& use : uses) ring.push_back(order.item(use));
-    std::sort(ring.begin(), ring.end(), order);
+  const auto glue = [&](bool with_sheets) {
     entered.clear();
     for (int lap = 0; lap < 2; ++lap)
       for (const AngleOrder::Item& item : ring) {
         const HalfEdge h = item.use.half_edge();
+        if (surface.twin[h] != kNoIndex || (!with_sheets && on_sheet[h / 3])) continue;
         if (item.use.backward()) {
           if (lap == 0) entered.push_back(item.use);
-        } else if (surface.twin[h] == kNoIndex && !entered.empty()) {
+        } else if (!entered.empty()) {
           surface.twin[h] = entered.back().half_edge();
           surface.twin[entered.back().half_edge()] = h;
           entered.pop_back();
         }
       }
+  };
+  edges.for_each([&](VertexId a, VertexId b, std::span<const EdgeUse> uses) {
+    if (uses.size() <= 2) return;
+    ++nonmanifold;
+    const AngleOrder order(surface, a, b, uses);
+    ring.clear();
+    std::size_t backward = 0;
+    for (const EdgeUse& use : uses) {
+      ring.push_back(order.item(use));
+      backward += use.backward();
+    }
+    std::sort(ring.begin(), ring.end(), order);
+    if (2 * backward != uses.size()) {
+      if (on_sheet.empty()) on_sheet = find_sheets(surface, edges);
+      glue(false);
+    }
+    glue(true);
   });
   return nonmanifold;
 }

@@ -1,0 +1,22 @@
+#include "common/base/digest.hpp"
+
+#include <gtest/gtest.h>
+
+namespace fracture {
+namespace {
+
+TEST(Sha256, MatchesTheExamplesOfFips180) {
+  EXPECT_EQ(sha256("abc").hex(), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_EQ(sha256("").hex(), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+  EXPECT_EQ(sha256("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq").hex(),
+            "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
+}
+
+TEST(Sha256, OfBytesAndOfTextAgree) {
+  const std::string text("a\0b", 3);
+  EXPECT_EQ(sha256(text), sha256(std::as_bytes(std::span(text.data(), text.size()))));
+  EXPECT_NE(sha256(text), sha256("a"));
+}
+
+}  // namespace
+}  // namespace fracture

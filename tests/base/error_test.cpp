@@ -1,0 +1,36 @@
+#include "common/base/error.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+
+namespace fracture {
+namespace {
+
+constexpr ErrorCode kAll[] = {
+#define FRACTURE_ERROR(name, slug, title) ErrorCode::name,
+#include "common/base/error_codes.def"
+#undef FRACTURE_ERROR
+};
+
+TEST(ErrorCodes, EveryCodeHasASlugOfItsOwnInKebabCaseAndATitle) {
+  std::set<std::string> slugs;
+  for (const ErrorCode code : kAll) {
+    const std::string s = slug(code);
+    EXPECT_TRUE(slugs.insert(s).second) << s;
+    EXPECT_EQ(s.find_first_not_of("abcdefghijklmnopqrstuvwxyz-"), std::string::npos) << s;
+    EXPECT_FALSE(std::string(title(code)).empty()) << s;
+  }
+}
+
+TEST(Expected, CarriesTheErrorWithItsFigures) {
+  const Expected<int> refused = fail(ErrorCode::kTooLarge, "Too many.", "sites", {{"limit", 3}});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kTooLarge);
+  EXPECT_EQ(refused.error().pointer, "sites");
+  EXPECT_EQ(refused.error().extra["limit"], 3);
+}
+
+}  // namespace
+}  // namespace fracture

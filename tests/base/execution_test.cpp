@@ -1,0 +1,90 @@
+#include "common/base/execution.hpp"
+
+#include <gtest/gtest.h>
+
+#include <mutex>
+#include <set>
+#include <vector>
+
+namespace fracture {
+namespace {
+
+TEST(ParallelFor, CoversEveryItemOnceWithTheSameBlocksForAnyThreadCount) {
+  std::set<std::pair<std::size_t, std::size_t>> reference;
+  for (const int threads : {1, 2, 7}) {
+    Execution execution;
+    execution.threads = threads;
+    std::vector<int> visits(1003, 0);
+    std::set<std::pair<std::size_t, std::size_t>> blocks;
+    std::mutex mutex;
+    parallel_for(execution, visits.size(), 10, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) ++visits[i];
+      const std::lock_guard lock(mutex);
+      blocks.emplace(begin, end);
+    });
+    for (const int v : visits) ASSERT_EQ(v, 1);
+    if (reference.empty()) reference = blocks;
+    EXPECT_EQ(blocks, reference) << threads << " threads";
+  }
+}
+
+TEST(ParallelFor, DoesNothingForNoItemsAndAcceptsAGrainOfZero) {
+  int calls = 0;
+  parallel_for({}, 0, 5, [&](std::size_t, std::size_t) { ++calls; });
+  EXPECT_EQ(calls, 0);
+  parallel_for({}, 3, 0, [&](std::size_t begin, std::size_t end) { calls += static_cast<int>(end - begin); });
+  EXPECT_EQ(calls, 3);
+}
+
+TEST(ParallelFor, RethrowsAnExceptionOfABlockAfterAllWorkersHaveStopped) {
+  for (const int threads : {1, 4}) {
+    Execution execution;
+    execution.threads = threads;
+    std::atomic<int> running{0};
+    EXPECT_THROW(parallel_for(execution, 1000, 1,
+                              [&](std::size_t begin, std::size_t) {
+                                ++running;
+                                if (begin == 100) {
+                                  --running;
+                                  throw InternalError("block 100");
+                                }
+                                --running;
+                              }),
+                 InternalError);
+    EXPECT_EQ(running, 0);
+  }
+}
+
+TEST(ParallelFor, StopsWhenCancelled) {
+  std::stop_source source;
+  Execution execution;
+  execution.threads = 2;
+  execution.stop = source.get_token();
+  std::atomic<int> blocks{0};
+  try {
+    parallel_for(execution, 100000, 1, [&](std::size_t, std::size_t) {
+      if (++blocks == 50) source.request_stop();
+    });
+    FAIL() << "not interrupted";
+  } catch (const Interrupted& interrupted) {
+    EXPECT_EQ(interrupted.code, ErrorCode::kCancelled);
+  }
+  EXPECT_LT(blocks, 100000);
+}
+
+TEST(Execution, PollThrowsPastTheDeadline) {
+  Execution execution;
+  EXPECT_NO_THROW(execution.poll());
+  execution.deadline = std::chrono::steady_clock::now() + std::chrono::hours(1);
+  EXPECT_NO_THROW(execution.poll());
+  execution.deadline = std::chrono::steady_clock::now() - std::chrono::seconds(1);
+  try {
+    execution.poll();
+    FAIL() << "not interrupted";
+  } catch (const Interrupted& interrupted) {
+    EXPECT_EQ(interrupted.code, ErrorCode::kDeadlineExceeded);
+  }
+}
+
+}  // namespace
+}  // namespace fracture

@@ -1,0 +1,181 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "common/solid/solid.hpp"
+#include "tests/support/figures.hpp"
+#include "tests/support/shapes.hpp"
+
+namespace fracture::test {
+namespace {
+
+Expected<Solid> solid_of(Mesh mesh, Repair repair = Repair::kFill) {
+  return make_solid(std::make_shared<const Mesh>(std::move(mesh)), {.repair = repair}, {});
+}
+
+TEST(MakeSolid, ClosedShapesAreKeptAsTheyAre) {
+  for (const NamedMesh& shape : closed_shapes()) {
+    SCOPED_TRACE(shape.name);
+    const Expected<Solid> solid = solid_of(shape.mesh, Repair::kStrict);
+    ASSERT_TRUE(solid) << solid.error().detail;
+    ASSERT_NO_THROW(solid->validate());
+    EXPECT_EQ(solid->triangles.size(), shape.mesh.triangles.size());
+    EXPECT_EQ(solid->report.open_edges, 0u);
+    EXPECT_EQ(solid->report.flipped, 0u);
+    EXPECT_EQ(solid->report.fill_triangles, 0u);
+    EXPECT_NEAR(solid->report.volume, volume_of(shape.mesh), 1e-12 * solid->report.volume);
+    EXPECT_NEAR(solid->report.area, area_of(shape.mesh), 1e-12 * solid->report.area);
+  }
+}
+
+TEST(MakeSolid, StatesTheVolumesOfShapesWithKnownFormulas) {
+  EXPECT_EQ(solid_of(cube(4))->report.volume, 1);
+  EXPECT_EQ(solid_of(cube(4))->report.area, 6);
+  EXPECT_NEAR(solid_of(tetrahedron())->report.volume, 1.0 / 6, 1e-16);
+  for (int level = 1; level <= 3; ++level) {
+    const Expected<Solid> sponge = solid_of(menger_sponge(level));
+    EXPECT_NEAR(sponge->report.volume, std::pow(20.0 / 27, level), 1e-6);
+    EXPECT_NEAR(sponge->report.area, 2 * std::pow(20.0 / 9, level) + 4 * std::pow(8.0 / 9, level), 1e-5);
+    EXPECT_EQ(sponge->report.nonmanifold_edges, 0u);
+    EXPECT_EQ(sponge->parts.size(), 1u);
+  }
+}
+
+TEST(MakeSolid, KeepsEachTriangleWithItsWedgesMaterialAndPositions) {
+  Mesh mesh = cube_with_seams();
+  for (std::size_t t = 0; t < mesh.material.size(); ++t) mesh.material[t] = static_cast<std::uint32_t>(t % 3);
+  const Expected<Solid> solid = solid_of(mesh);
+  ASSERT_TRUE(solid);
+  EXPECT_EQ(solid->positions.size(), 8u);
+  EXPECT_EQ(solid->report.welded, 16u);
+  ASSERT_EQ(solid->triangles.size(), mesh.triangles.size());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    EXPECT_EQ(solid->wedges[t], mesh.triangles[t]);
+    EXPECT_EQ(solid->material[t], mesh.material[t]);
+    for (int k = 0; k < 3; ++k)
+      EXPECT_EQ(solid->positions[solid->triangles[t][k]], mesh.positions[mesh.triangles[t][k]]);
+  }
+}
+
+TEST(MakeSolid, WeldsPlusAndMinusZero) {
+  Mesh mesh = unindexed(box({0, 0, 0}, {1, 1, 1}));
+  for (std::size_t i = 0; i < mesh.positions.size(); i += 2)
+    if (mesh.positions[i].x == 0) mesh.positions[i].x = -0.0f;
+  const Expected<Solid> solid = solid_of(mesh);
+  ASSERT_TRUE(solid);
+  EXPECT_EQ(solid->positions.size(), 8u);
+  for (const Vec3f& p : solid->positions) EXPECT_FALSE(std::signbit(p.x) && p.x == 0);
+}
+
+TEST(MakeSolid, DropsUnusedVertices) {
+  Mesh mesh = cube();
+  mesh.positions.insert(mesh.positions.begin(), Vec3f{100, 100, 100});
+  for (auto& triangle : mesh.triangles)
+    for (auto& v : triangle) ++v;
+  const Expected<Solid> solid = solid_of(mesh);
+  ASSERT_TRUE(solid);
+  EXPECT_EQ(solid->positions.size(), 8u);
+  EXPECT_EQ(solid->box.max, (Vec3d{0.5, 0.5, 0.5}));
+}
+
+TEST(MakeSolid, DropsDegenerateTrianglesWithoutOpeningAnything) {
+  Mesh mesh = cube();
+  mesh.triangles.push_back({0, 0, 1});
+  mesh.triangles.push_back({3, 2, 3});
+  const Expected<Solid> solid = solid_of(mesh);
+  ASSERT_TRUE(solid);
+  EXPECT_NO_THROW(solid->validate());
+  EXPECT_EQ(solid->report.degenerate_dropped, 2u);
+  EXPECT_EQ(solid->report.open_edges, 0u);
+  EXPECT_EQ(solid->triangles.size(), 12u);
+}
+
+TEST(MakeSolid, KeepsTrianglesWithThreeCornersOnALineWhereTheyCloseTheSurface) {
+  // An edge of a tetrahedron is split on one side only; a triangle without area closes the gap.
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}, {1, 0, 0}};
+  mesh.triangles = {{0, 2, 1}, {0, 4, 3}, {4, 1, 3}, {0, 3, 2}, {1, 2, 3}, {0, 1, 4}};
+  const Expected<Solid> solid = solid_of(mesh, Repair::kStrict);
+  ASSERT_TRUE(solid) << solid.error().detail;
+  EXPECT_NO_THROW(solid->validate());
+  EXPECT_EQ(solid->triangles.size(), 6u);
+  EXPECT_NEAR(solid->report.volume, 8.0 / 6, 1e-15);
+}
+
+TEST(MakeSolid, RefusesAnEmptyMesh) {
+  const Expected<Solid> none = solid_of(Mesh{});
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().code, ErrorCode::kEmptyMesh);
+  Mesh degenerate;
+  degenerate.positions = {{0, 0, 0}, {1, 0, 0}, {0, 0, 0}};
+  degenerate.triangles = {{0, 1, 2}};
+  EXPECT_EQ(solid_of(degenerate).error().code, ErrorCode::kEmptyMesh);
+}
+
+TEST(MakeSolid, RefusesNaNAndInfinityNamingTheVertex) {
+  for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    Mesh mesh = cube();
+    mesh.positions[5].y = bad;
+    const Expected<Solid> solid = solid_of(mesh);
+    ASSERT_FALSE(solid);
+    EXPECT_EQ(solid.error().code, ErrorCode::kNotFinite);
+    EXPECT_EQ(solid.error().extra["vertex"], 5);
+  }
+}
+
+TEST(MakeSolid, RefusesAnIndexBeyondThePositions) {
+  Mesh mesh = cube();
+  mesh.triangles[3][1] = 8;
+  EXPECT_EQ(solid_of(mesh).error().code, ErrorCode::kMalformedMesh);
+}
+
+TEST(MakeSolid, RefusesASingleQuadWithCountsAndThePlace) {
+  const Expected<Solid> solid = solid_of(open_quad());
+  ASSERT_FALSE(solid);
+  EXPECT_EQ(solid.error().code, ErrorCode::kMeshNotClosed);
+  EXPECT_EQ(solid.error().extra["open_edges"], 4);
+  EXPECT_EQ(solid.error().extra["edge"].size(), 2u);
+}
+
+TEST(MakeSolid, IsInterruptedByCancellation) {
+  std::stop_source source;
+  source.request_stop();
+  Execution execution;
+  execution.stop = source.get_token();
+  EXPECT_THROW((void)make_solid(std::make_shared<const Mesh>(cube()), {}, execution), Interrupted);
+}
+
+TEST(Layers, PartsWithDisjointBoxesShareOneLayerAndTouchingOnesDoNot) {
+  EXPECT_EQ(solid_of(cube_field(3))->layers, 1u);
+  EXPECT_EQ(solid_of(two_cubes_sharing_a_vertex())->layers, 2u);
+  EXPECT_EQ(solid_of(joined({cube(), cube(2), cube(3)}))->layers, 3u);
+}
+
+TEST(SolidReport, WritesEveryFigureToJson) {
+  const nlohmann::json json = solid_of(cube_without({2}))->report.to_json();
+  EXPECT_EQ(json["open_edges"], 4);
+  EXPECT_EQ(json["holes_filled"], 1);
+  EXPECT_EQ(json["fill_triangles"], 2);
+  EXPECT_EQ(json["filled_area"], 1.0);
+  EXPECT_EQ(json["volume"], 1.0);
+  EXPECT_EQ(json["parts"], 1);
+  EXPECT_FALSE(json["notes"].empty());
+}
+
+TEST(SolidValidate, NamesABrokenStatement) {
+  Solid solid = *solid_of(cube());
+  std::swap(solid.triangles[4][0], solid.triangles[4][1]);
+  EXPECT_THROW(solid.validate(), InternalError);
+  solid = *solid_of(two_cubes_sharing_an_edge());
+  solid.parts[1].layer = solid.parts[0].layer;
+  EXPECT_THROW(solid.validate(), InternalError);
+  solid = *solid_of(cube());
+  solid.parts[0].volume = 2;
+  EXPECT_THROW(solid.validate(), InternalError);
+}
+
+}  // namespace
+}  // namespace fracture::test
