@@ -1,6 +1,7 @@
 #include "common/clip/monotone_partition.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <numeric>
 #include <set>
 #include <tuple>
@@ -60,11 +61,12 @@ class Sweep {
       out.ring_begin.push_back(static_cast<std::uint32_t>(out.ring_points.size()));
       out.ring_loop.push_back(find(loop_[point_[c]]));
     }
-    // A clockwise loop that was joined to nothing.
+    // A clockwise loop that was joined to nothing, unless rounding alone may have turned it round: vertices
+    // move by half a step, which changes twice the area by at most about the perimeter.
     std::vector<std::uint32_t> members(joined_.size(), 0);
     for (std::uint32_t l = 0; l < joined_.size(); ++l) ++members[find(l)];
     for (std::uint32_t l = 0; l < joined_.size(); ++l)
-      if (members[find(l)] == 1 && signed_area(l) < 0) out.unnested.push_back(l);
+      if (members[find(l)] == 1 && twice_area(l) < -perimeter(l)) out.unnested.push_back(l);
   }
 
  private:
@@ -211,12 +213,19 @@ class Sweep {
     while (joined_[l] != l) l = joined_[l] = joined_[joined_[l]];
     return l;
   }
-  int signed_area(std::uint32_t l) const {
+  __int128 twice_area(std::uint32_t l) const {
     __int128 sum = 0;
     const LatticePoint& o = at(loop_begin_[l]);
     for (std::uint32_t k = loop_begin_[l] + 1; k + 1 < loop_begin_[l + 1]; ++k)
       sum += orient2d(o, at(k), at(k + 1));
-    return sum > 0 ? 1 : sum < 0 ? -1 : 0;
+    return sum;
+  }
+  /// In the 1-norm, an upper bound.
+  __int128 perimeter(std::uint32_t l) const {
+    __int128 sum = 0;
+    for (std::uint32_t k = loop_begin_[l]; k < loop_begin_[l + 1]; ++k)
+      sum += std::abs(at(next_[k]).x - at(k).x) + std::abs(at(next_[k]).y - at(k).y);
+    return sum;
   }
 
   std::span<const LatticePoint> points_;

@@ -65,6 +65,8 @@ struct Certificate {
   /// itself) are not emitted; their signed volume, m³, is part of volume_out, and their area, m², is stated.
   /// 0 for clean solids.
   double pocket_volume = 0, pocket_area = 0;
+  /// fragments = cells + islands - united - dropped: cells (or groups) that meet the solid, further pieces of
+  /// them, pieces without volume united with a neighbour, pieces without volume or neighbour.
   std::uint32_t sites_asked = 0, cells = 0, islands = 0, united = 0, dropped = 0, fragments = 0;
   std::uint64_t crossing_caps = 0;  ///< caps whose loops crossed: 0 on every embedded input
 };

@@ -163,7 +163,6 @@ FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownershi
   std::unordered_set<std::uint64_t> ids;  // only asked for membership
   std::unordered_set<std::uint32_t> owners_seen;
   for (std::uint32_t g = 0; g < n; ++g) {
-    certificate.islands += pieces.pieces[g].island > 0;
     owners_seen.insert(pieces.pieces[g].owners[0]);
     if (groups.of_piece()[g] != g || dropped[g]) continue;
     for (const std::uint32_t p : groups.members(g))
@@ -190,6 +189,7 @@ FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownershi
   certificate.relative_error =
       std::fabs(certificate.volume_out - certificate.volume_in) / certificate.volume_in;
   certificate.cells = static_cast<std::uint32_t>(owners_seen.size());
+  certificate.islands = static_cast<std::uint32_t>(n) - certificate.cells;
   certificate.fragments = static_cast<std::uint32_t>(out.fragments.size());
   certificate.crossing_caps = d.caps.crossing;
 

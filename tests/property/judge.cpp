@@ -1,0 +1,262 @@
+#include "tests/property/judge.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <map>
+#include <tuple>
+#include <vector>
+
+#include "common/base/random.hpp"
+#include "common/solid/solid.hpp"
+
+namespace fracture::test {
+namespace {
+
+using Key = std::tuple<float, float, float>;
+
+Key key(const Vec3f& p) { return {p.x, p.y, p.z}; }  // -0 == 0
+
+Vec3f world(const Fragment& f, std::uint32_t v) {
+  const Vec3f& p = f.positions[v];
+  return {p.x + static_cast<float>(f.pivot.x), p.y + static_cast<float>(f.pivot.y),
+          p.z + static_cast<float>(f.pivot.z)};
+}
+
+template <class Name>
+std::int64_t unbalanced_edges(const Fragment& f, const Name& name) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> balance;
+  for (std::size_t k = 0; k < f.indices.size(); k += 3)
+    for (int e = 0; e < 3; ++e) {
+      const std::uint32_t a = name(f.indices[k + e]), b = name(f.indices[k + (e + 1) % 3]);
+      if (a != b) balance[{std::min(a, b), std::max(a, b)}] += a < b ? 1 : -1;
+    }
+  std::int64_t n = 0;
+  for (const auto& [edge, sum] : balance) n += sum != 0;
+  return n;
+}
+
+/// Signed crossings of the ray from q in direction +x; `doubt` is set when the ray passes an edge, or q a
+/// face, so closely that double arithmetic cannot be trusted.
+int winding(const std::vector<std::array<Vec3d, 3>>& triangles, const Vec3d& q, double scale, bool& doubt) {
+  int w = 0;
+  for (const auto& t : triangles) {
+    const Vec3d a = t[0] - q, b = t[1] - q, c = t[2] - q;
+    if (std::max({a.x, b.x, c.x}) < 0 || std::min({a.y, b.y, c.y}) > 0 || std::max({a.y, b.y, c.y}) < 0 ||
+        std::min({a.z, b.z, c.z}) > 0 || std::max({a.z, b.z, c.z}) < 0)
+      continue;
+    const double ab = a.y * b.z - a.z * b.y, bc = b.y * c.z - b.z * c.y, ca = c.y * a.z - c.z * a.y;
+    const double tiny = 1e-7 * scale * scale;
+    const bool inside = (ab > 0 && bc > 0 && ca > 0) || (ab < 0 && bc < 0 && ca < 0);
+    if (std::fabs(ab) < tiny || std::fabs(bc) < tiny || std::fabs(ca) < tiny) {
+      const int up = (ab > -tiny) + (bc > -tiny) + (ca > -tiny),
+                down = (ab < tiny) + (bc < tiny) + (ca < tiny);
+      doubt |= up == 3 || down == 3;
+      continue;
+    }
+    if (!inside) continue;
+    const Vec3d n = cross(b - a, c - a);
+    const double x = dot(n, a) / n.x;
+    doubt |= std::fabs(x) < 1e-6 * scale;
+    if (x > 0) w += n.x > 0 ? 1 : -1;
+  }
+  return w;
+}
+
+}  // namespace
+
+Mesh with_traced_triangles(Mesh mesh) {
+  mesh.material.resize(mesh.triangles.size());
+  for (std::uint32_t t = 0; t < mesh.material.size(); ++t) mesh.material[t] = t;
+  return mesh;
+}
+
+void expect_closed(const FragmentSet& set) {
+  for (std::size_t n = 0; n < set.fragments.size(); ++n) {
+    const Fragment& f = set.fragments[n];
+    EXPECT_EQ(unbalanced_edges(f, [&](std::uint32_t v) { return f.topology[v]; }), 0)
+        << "own topology of fragment " << n;
+    std::map<Key, std::uint32_t> first;
+    std::vector<std::uint32_t> weld;
+    for (std::uint32_t v = 0; v < f.positions.size(); ++v)
+      weld.push_back(first.try_emplace(key(f.positions[v]), v).first->second);
+    EXPECT_EQ(unbalanced_edges(f, [&](std::uint32_t v) { return weld[v]; }), 0)
+        << "fragment " << n << " after welding";
+    long double six = 0;
+    for (std::size_t k = 0; k < f.indices.size(); k += 3) {
+      const Vec3d a = to_double(f.positions[f.indices[k]]), b = to_double(f.positions[f.indices[k + 1]]),
+                  c = to_double(f.positions[f.indices[k + 2]]);
+      six += static_cast<long double>(a.x) *
+                 (static_cast<long double>(b.y) * c.z - static_cast<long double>(b.z) * c.y) +
+             static_cast<long double>(a.y) *
+                 (static_cast<long double>(b.z) * c.x - static_cast<long double>(b.x) * c.z) +
+             static_cast<long double>(a.z) *
+                 (static_cast<long double>(b.x) * c.y - static_cast<long double>(b.y) * c.x);
+    }
+    EXPECT_GT(six, 0) << "volume of fragment " << n;
+  }
+}
+
+void expect_partition(const FragmentSet& set, double volume, double area) {
+  double unrounded = 0, file = 0;
+  std::map<std::array<Key, 3>, int> seams;
+  for (const Fragment& f : set.fragments) {
+    unrounded += f.mass.volume;
+    double six = 0;
+    for (std::size_t k = 0; k < f.indices.size(); k += 3)
+      six += dot(to_double(f.positions[f.indices[k]]),
+                 cross(to_double(f.positions[f.indices[k + 1]]), to_double(f.positions[f.indices[k + 2]])));
+    file += six / 6;
+    for (const FragmentPrimitive& p : f.primitives) {
+      if (p.material != kInteriorMaterial) continue;
+      for (std::uint32_t k = p.first_index; k < p.first_index + p.index_count; k += 3) {
+        std::array<Key, 3> t;
+        for (std::uint32_t c = 0; c < 3; ++c) {
+          const std::uint32_t v = f.indices[k + c];
+          const Vec3f w = world(f, v);
+          const Vec3d exact = to_double(f.positions[v]) + f.pivot;
+          EXPECT_EQ(to_double(w), exact) << "local + pivot rounds";
+          t[c] = key(w);
+        }
+        // Turned to a canonical start; an odd order of the corners counts against an even one.
+        std::array<Key, 3> sorted = t;
+        std::sort(sorted.begin(), sorted.end());
+        const int start = static_cast<int>(std::min_element(t.begin(), t.end()) - t.begin());
+        seams[sorted] += t[(start + 1) % 3] == sorted[1] ? 1 : -1;
+      }
+    }
+  }
+  EXPECT_NEAR(unrounded, volume, 1e-9 * volume);
+  const double h = std::max({set.lattice_step.x, set.lattice_step.y, set.lattice_step.z});
+  EXPECT_NEAR(file, volume, 2 * h * area);
+  int unpaired = 0;
+  for (const auto& [corners, sum] : seams) {
+    const bool flat = corners[0] == corners[1] || corners[1] == corners[2];
+    unpaired += sum != 0 && !flat;
+  }
+  EXPECT_EQ(unpaired, 0) << "interior triangles without mirror image";
+}
+
+void expect_outside_untouched(const FragmentSet& set, const Mesh& traced) {
+  const std::size_t n = traced.triangles.size();
+  std::vector<double> covered(n, 0);
+  const Vec3d h = set.lattice_step;
+  const double reach = 2 * (h.x + h.y + h.z);
+  std::map<Key, int> seen;
+  for (const Fragment& f : set.fragments)
+    for (const FragmentPrimitive& p : f.primitives) {
+      if (p.material == kInteriorMaterial) continue;
+      ASSERT_LT(p.material, n);
+      const auto& corners = traced.triangles[p.material];
+      const Vec3d a = to_double(traced.positions[corners[0]]), b = to_double(traced.positions[corners[1]]),
+                  c = to_double(traced.positions[corners[2]]);
+      Vec3d normal = cross(b - a, c - a);
+      const double l = length(normal);
+      if (l > 0) normal = (1 / l) * normal;
+      Box box;
+      for (const Vec3d& q : {a, b, c}) box.add(q);
+      for (std::uint32_t k = p.first_index; k < p.first_index + p.index_count; k += 3) {
+        Vec3d x[3];
+        for (std::uint32_t m = 0; m < 3; ++m) {
+          const Vec3f w = world(f, f.indices[k + m]);
+          x[m] = to_double(w);
+          if (l > reach * reach) {
+            EXPECT_LE(std::fabs(dot(x[m] - a, normal)), reach) << "off the plane of triangle " << p.material;
+          }
+          for (int axis = 0; axis < 3; ++axis) {
+            EXPECT_GE(x[m][axis], box.min[axis] - reach);
+            EXPECT_LE(x[m][axis], box.max[axis] + reach);
+          }
+          ++seen[key(w)];
+        }
+        if (l > 0) covered[p.material] += 0.5 * dot(cross(x[1] - x[0], x[2] - x[0]), normal);
+      }
+    }
+  for (std::size_t t = 0; t < n; ++t) {
+    const auto& v = traced.triangles[t];
+    const Vec3d a = to_double(traced.positions[v[0]]), b = to_double(traced.positions[v[1]]),
+                c = to_double(traced.positions[v[2]]);
+    const double area = 0.5 * length(cross(b - a, c - a)),
+                 perimeter = length(b - a) + length(c - b) + length(a - c);
+    EXPECT_NEAR(covered[t], area, 2 * reach * perimeter + reach * reach) << "triangle " << t;
+  }
+}
+
+void expect_voronoi(const FragmentSet& set, const Mesh& mesh, std::span<const Vec3d> sites, int count,
+                    std::uint64_t seed) {
+  Box box;
+  std::vector<std::array<Vec3d, 3>> whole;
+  for (const auto& t : mesh.triangles) {
+    whole.push_back(
+        {to_double(mesh.positions[t[0]]), to_double(mesh.positions[t[1]]), to_double(mesh.positions[t[2]])});
+    for (const Vec3d& p : whole.back()) box.add(p);
+  }
+  const double scale = box.longest_side();
+  struct Body {
+    Box box;
+    std::vector<std::array<Vec3d, 3>> triangles;
+  };
+  std::vector<Body> bodies(set.fragments.size());
+  for (std::size_t n = 0; n < bodies.size(); ++n) {
+    const Fragment& f = set.fragments[n];
+    for (std::size_t k = 0; k < f.indices.size(); k += 3) {
+      std::array<Vec3d, 3> t;
+      for (int c = 0; c < 3; ++c) t[c] = to_double(f.positions[f.indices[k + c]]) + f.pivot;
+      bodies[n].triangles.push_back(t);
+      for (const Vec3d& p : t) bodies[n].box.add(p);
+    }
+  }
+  Random random(seed);
+  int judged = 0, inside = 0;
+  for (int k = 0; k < count; ++k) {
+    Vec3d q;
+    for (int a = 0; a < 3; ++a) q[a] = box.min[a] + random.uniform() * (box.max[a] - box.min[a]);
+    // The nearest site, and whether the second is too close to call.
+    double best = HUGE_VAL, second = HUGE_VAL;
+    std::vector<std::uint32_t> nearest;
+    for (std::uint32_t s = 0; s < sites.size(); ++s) {
+      const double d = dot(sites[s] - q, sites[s] - q);
+      if (d < best) {
+        if (!nearest.empty() && !(sites[nearest[0]] == sites[s])) second = best;
+        best = d;
+        nearest = {s};
+      } else if (sites[nearest[0]] == sites[s]) {
+        nearest.push_back(s);
+      } else {
+        second = std::min(second, d);
+      }
+    }
+    if (second - best < 1e-5 * scale * scale) continue;
+    bool doubt = false;
+    const int in_solid = winding(whole, q, scale, doubt);
+    if (doubt) continue;
+    std::vector<std::size_t> holders;
+    for (std::size_t n = 0; n < bodies.size(); ++n) {
+      if (q.x < bodies[n].box.min.x || q.x > bodies[n].box.max.x || q.y < bodies[n].box.min.y ||
+          q.y > bodies[n].box.max.y || q.z < bodies[n].box.min.z || q.z > bodies[n].box.max.z)
+        continue;
+      const int w = winding(bodies[n].triangles, q, scale, doubt);
+      if (w != 0) holders.push_back(n);
+    }
+    if (doubt) continue;
+    ++judged;
+    if (in_solid == 0) {
+      EXPECT_TRUE(holders.empty()) << "a point outside the solid lies in a fragment";
+      continue;
+    }
+    ++inside;
+    ASSERT_EQ(holders.size(), 1u) << "point " << q.x << " " << q.y << " " << q.z;
+    const auto& own = set.fragments[holders[0]].sites;
+    const bool right = std::any_of(nearest.begin(), nearest.end(), [&](std::uint32_t s) {
+      return std::binary_search(own.begin(), own.end(), s);
+    });
+    EXPECT_TRUE(right) << "nearest site " << nearest[0] << " is not the fragment's";
+  }
+  EXPECT_GT(judged, count / 4);
+  EXPECT_GT(inside, 0);
+}
+
+}  // namespace fracture::test
