@@ -11,12 +11,6 @@ std::array<Vec3d, 4> BigTetrahedron::corners() const {
           Vec3d{c.x - half, c.y - half, c.z + half}, Vec3d{c.x - half, c.y + half, c.z - half}};
 }
 
-bool BigTetrahedron::contains(const Vec3d& p) const {
-  for (int a = 0; a < 3; ++a)
-    if (!(p[a] >= domain.min[a] && p[a] <= domain.max[a])) return false;
-  return true;
-}
-
 BigTetrahedron big_tetrahedron(const Box& domain) {
   BigTetrahedron big;
   big.domain = domain;

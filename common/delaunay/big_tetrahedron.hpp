@@ -22,7 +22,11 @@ struct BigTetrahedron {
 
   /// Positive order: orient3d(corners) > 0.
   std::array<Vec3d, 4> corners() const;
-  bool contains(const Vec3d& p) const;  ///< p in U
+  /// p in U; false for NaN.
+  bool contains(const Vec3d& p) const {
+    return p.x >= domain.min.x && p.x <= domain.max.x && p.y >= domain.min.y && p.y <= domain.max.y &&
+           p.z >= domain.min.z && p.z <= domain.max.z;
+  }
 };
 
 /// For any finite, possibly empty or flat box with |coordinates| <= 1e12.

@@ -23,70 +23,84 @@ void IncrementalDelaunay::insert_by_cavity(VertexId v, TetId start) {
   fill_cavity(v);
 }
 
+// Whether a tetrahedron is in conflict is a coin toss to the branch predictor, so nothing branches on it:
+// both outcomes are written and the counters advanced by the result.
 void IncrementalDelaunay::grow_cavity(const Vec3d& p, TetId start) {
   next_visit();
   const std::uint32_t in = visit_, out = visit_ + 1;
-  cavity_.clear();
-  boundary_.clear();
-  cavity_.push_back(start);
-  tets_[start].mark = in;
-  std::uint64_t tests = 0;
-  for (std::size_t i = 0; i < cavity_.size(); ++i) {
-    const Tet& t = tets_[cavity_[i]];
-    for (int k = 0; k < 4; ++k) {
-      const Link link = t.n[k];
-      if (link != kNoLink) {
-        Tet& neighbour = tets_[link >> 2];
-        if (neighbour.mark == in) continue;
-        if (neighbour.mark != out) {
-          ++tests;
-          if (in_conflict(neighbour, 0, p)) {
-            neighbour.mark = in;
-            cavity_.push_back(link >> 2);
-            continue;
-          }
-          neighbour.mark = out;
-        }
-      }
-      const std::uint8_t* f = kFacet[k];
-      boundary_.push_back({{t.v[f[0]], t.v[f[1]], t.v[f[2]]}, link});
+  std::size_t cavity = 0, boundary = 0;
+  if (cavity_.size() < 8) cavity_.resize(64);
+  if (boundary_.size() < 8) boundary_.resize(64);
+
+  const auto look = [&](const Tet& t, unsigned k) {
+    const Link link = t.n[k];
+    const std::uint8_t* f = kFacet[k];
+    boundary_[boundary] = {{t.v[f[0]], t.v[f[1]], t.v[f[2]]}, link};
+    if (link == kNoLink) [[unlikely]] {
+      ++boundary;
+      return;
     }
+    Tet& neighbour = tets_[link >> 2];
+    if (neighbour.mark == in) return;
+    if (neighbour.mark == out) {
+      ++boundary;
+      return;
+    }
+    const bool conflict = in_conflict(neighbour, p);
+    cavity_[cavity] = link;
+    cavity += conflict;
+    boundary += !conflict;
+    neighbour.mark = out - conflict;
+  };
+
+  tets_[start].mark = in;
+  cavity_[cavity++] = 4 * start;
+  look(tets_[start], 0);
+  for (std::size_t i = 0; i < cavity; ++i) {
+    if (cavity + 4 > cavity_.size()) cavity_.resize(2 * cavity_.size());
+    if (boundary + 4 > boundary_.size()) boundary_.resize(2 * boundary_.size());
+    const Tet& t = tets_[cavity_[i] >> 2];
+    const unsigned entry = cavity_[i] & 3;
+    look(t, (entry + 1) & 3);
+    look(t, (entry + 2) & 3);
+    look(t, (entry + 3) & 3);
   }
-  counters_.sphere_tests += tests;
+  cavity_count_ = cavity;
+  boundary_count_ = boundary;
+  counters_.sphere_tests += cavity + boundary - 1;
 }
 
 void IncrementalDelaunay::fill_cavity(VertexId v) {
   const Vec3d p = position(v);
 
   // Slots for the new tetrahedra: those of the cavity first, they are in the cache.
-  const std::size_t count = boundary_.size();
-  while (cavity_.size() > count) {
-    free_tet(cavity_.back());
-    cavity_.pop_back();
-  }
-  while (cavity_.size() < count) cavity_.push_back(new_tet());
+  const std::size_t count = boundary_count_;
+  if (cavity_.size() < count) cavity_.resize(count);
+  for (std::size_t i = 0; i < cavity_count_; ++i) cavity_[i] >>= 2;
+  while (cavity_count_ > count) free_tet(cavity_[--cavity_count_]);
+  while (cavity_count_ < count) cavity_[cavity_count_++] = new_tet();
 
-  local_.clear();
-  const auto number = [&](VertexId w, TetId t) {
-    Vertex& vertex = vertices_[w];
-    if (vertex.local == kNoLocal) {
-      vertex.local = static_cast<std::uint32_t>(local_.size());
-      vertex.tet = t;
-      const Vec3d d{vertex.x - p.x, vertex.y - p.y, vertex.z - p.z};
-      local_.push_back({d, dot(d, d), w});
-    }
-    return vertex.local;
+  if (local_.size() < count + 8) local_.resize(2 * count + 8);
+  if (fresh_.size() < 3 * count) fresh_.resize(6 * count);
+  if (edge_table_.size() < kTableSide * kTableSide) edge_table_.resize(kTableSide * kTableSide);
+  std::uint32_t locals = 0;
+  const auto number = [&](Vertex& vertex, VertexId w, TetId t) {
+    const bool is_new = vertex.local == kNoLocal;
+    const std::uint32_t local = is_new ? locals : vertex.local;
+    local_[locals] = w;
+    locals += is_new;
+    vertex.local = local;
+    vertex.tet = t;
+    return local;
   };
 
   // Each new tetrahedron is (p, a, b, c) over the boundary facet abc. Its facet opposite a holds the edge bc;
   // the new neighbour there is the one whose facet has the edge in the other direction.
-  if (edge_table_.size() < kTableSide * kTableSide) edge_table_.resize(kTableSide * kTableSide);
-  bool small = true;
-  fresh_.resize(3 * count);
   for (std::size_t i = 0; i < count; ++i) {
     const Facet& f = boundary_[i];
     const TetId id = cavity_[i];
-    const std::uint32_t a = number(f.v[0], id), b = number(f.v[1], id), c = number(f.v[2], id);
+    Vertex &va = vertices_[f.v[0]], &vb = vertices_[f.v[1]], &vc = vertices_[f.v[2]];
+    const std::uint32_t a = number(va, f.v[0], id), b = number(vb, f.v[1], id), c = number(vc, f.v[2], id);
     Tet& t = tets_[id];
     t.v[0] = v;
     t.v[1] = f.v[0];
@@ -94,20 +108,21 @@ void IncrementalDelaunay::fill_cavity(VertexId v) {
     t.v[3] = f.v[2];
     t.n[0] = f.outer;
     t.mark = 0;
-    if (f.outer != kNoLink) tets_[f.outer >> 2].n[f.outer & 3] = 4 * id;
-    const LocalVertex &la = local_[a], &lb = local_[b], &lc = local_[c];
-    set_sphere(t, la.d, lb.d, lc.d, la.lift, lb.lift, lc.lift);
+    if (f.outer != kNoLink) [[likely]]
+      tets_[f.outer >> 2].n[f.outer & 3] = 4 * id;
     fresh_[3 * i] = a;
     fresh_[3 * i + 1] = b;
     fresh_[3 * i + 2] = c;
-    if (local_.size() <= kTableSide) {
+    if (locals <= kTableSide) [[likely]] {
       edge_table_[b * kTableSide + c] = 4 * id + 1;
       edge_table_[c * kTableSide + a] = 4 * id + 2;
       edge_table_[a * kTableSide + b] = 4 * id + 3;
-    } else {
-      small = false;
     }
+    const Vec3d da = Vec3d{va.x, va.y, va.z} - p, db = Vec3d{vb.x, vb.y, vb.z} - p,
+                dc = Vec3d{vc.x, vc.y, vc.z} - p;
+    set_sphere(t, da, db, dc, dot(da, da), dot(db, db), dot(dc, dc));
   }
+  const bool small = locals <= kTableSide;
   if (small) {
     for (std::size_t i = 0; i < count; ++i) {
       const std::uint32_t a = fresh_[3 * i], b = fresh_[3 * i + 1], c = fresh_[3 * i + 2];
@@ -142,7 +157,7 @@ void IncrementalDelaunay::fill_cavity(VertexId v) {
       tets_[cavity_[entry / 3]].n[1 + entry % 3] = 4 * cavity_[table[s] / 3] + 1 + table[s] % 3;
     }
   }
-  for (const LocalVertex& l : local_) vertices_[l.vertex].local = kNoLocal;
+  for (std::uint32_t i = 0; i < locals; ++i) vertices_[local_[i]].local = kNoLocal;
   vertices_[v].tet = cavity_[0];
 }
 

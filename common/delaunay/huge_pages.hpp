@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <new>
 #include <vector>
 
@@ -12,10 +13,20 @@
 
 namespace fracture {
 
+inline constexpr std::size_t kHugePage = std::size_t{1} << 21;
+
+/// Asks for huge pages in the whole ones of a range not yet touched; a hint, never an error.
+inline void advise_huge_pages([[maybe_unused]] void* data, [[maybe_unused]] std::size_t bytes) {
+#ifdef __linux__
+  const auto begin = (reinterpret_cast<std::uintptr_t>(data) + kHugePage - 1) / kHugePage * kHugePage;
+  const auto end = (reinterpret_cast<std::uintptr_t>(data) + bytes) / kHugePage * kHugePage;
+  if (begin < end) ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
+#endif
+}
+
 template <class T>
 struct HugePageAllocator {
   using value_type = T;
-  static constexpr std::size_t kHugePage = std::size_t{1} << 21;
 
   HugePageAllocator() = default;
   template <class U>
@@ -26,9 +37,7 @@ struct HugePageAllocator {
   }
   T* allocate(std::size_t count) {
     void* p = ::operator new (count * sizeof(T), std::align_val_t{alignment(count)});
-#ifdef __linux__
-    if (alignment(count) == kHugePage) ::madvise(p, count * sizeof(T), MADV_HUGEPAGE);
-#endif
+    if (alignment(count) == kHugePage) advise_huge_pages(p, count * sizeof(T));
     return static_cast<T*>(p);
   }
   void deallocate(T* p, std::size_t count) { ::operator delete (p, std::align_val_t{alignment(count)}); }

@@ -22,8 +22,7 @@ void IncrementalDelaunay::reserve(std::size_t sites) {
 }
 
 VertexId IncrementalDelaunay::new_vertex(const Vec3d& p) {
-  scale_builder_.include(p);
-  scale_ = scale_builder_.scale();
+  if (scale_builder_.include(p)) scale_ = scale_builder_.scale();
   // + 0.0 makes a negative zero positive, so that equal points have equal bits.
   const Vertex vertex{p.x + 0.0, p.y + 0.0, p.z + 0.0, 0, kNoLocal};
   if (free_vertices_.empty()) {

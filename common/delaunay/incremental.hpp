@@ -83,9 +83,8 @@ class IncrementalDelaunay {
   std::optional<std::string> validate() const;
 
   /// The compact, immutable copy. site_of_vertex[v] is the id that vertex v gets; live sites must map to
-  /// 0..n-1 one to one. Tetrahedra are in canonical order (by their sorted vertices), each with its vertices
-  /// in canonical order (the smallest id first, the rest sorted up to the last swap that keeps it positive):
-  /// equal sites with equal ids give equal results.
+  /// 0..n-1 one to one. Tetrahedra keep the order of the storage, which depends on the history:
+  /// canonicalize() removes that.
   Tetrahedralization snapshot(std::span<const SiteId> site_of_vertex) const;
   /// The same with sites numbered by increasing vertex id.
   Tetrahedralization snapshot() const;
@@ -142,7 +141,7 @@ class IncrementalDelaunay {
   Located locate(const Vec3d& p, TetId start);
   int orient_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) const;
   int orient(VertexId a, VertexId b, VertexId c, VertexId d) const;
-  bool in_conflict(const Tet& t, VertexId v, const Vec3d& p) const;
+  bool in_conflict(const Tet& t, const Vec3d& p) const;
   bool in_conflict_exact(const Tet& t, const Vec3d& p) const;
   void set_sphere(Tet& t) const;
   static void set_sphere(Tet& t, const Vec3d& b, const Vec3d& c, const Vec3d& d, double lift_b, double lift_c,
@@ -183,15 +182,12 @@ class IncrementalDelaunay {
     VertexId v[3];
     Link outer;
   };
-  struct LocalVertex {
-    Vec3d d;  ///< position relative to the new site
-    double lift;
-    VertexId vertex;
-  };
-  std::vector<TetId> cavity_;
+  std::vector<Link>
+      cavity_;  ///< first a tetrahedron and the facet it was reached by; then the slots of the new ones
   std::vector<Facet> boundary_;
-  std::vector<LocalVertex> local_;
-  std::vector<TetId> fresh_;
+  std::size_t cavity_count_ = 0, boundary_count_ = 0;  ///< in use; the arrays only grow
+  std::vector<VertexId> local_;                        ///< the vertices of the cavity
+  std::vector<std::uint32_t> fresh_;                   ///< three local numbers for each boundary facet
   std::vector<std::uint32_t> edge_table_;
   std::vector<TetId> queue_;
 };

@@ -10,21 +10,23 @@ namespace fracture {
 /// inner side: the permutation (k, kFacet[k]...) is even.
 inline constexpr std::uint8_t kFacet[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
 
+/// std::fmax is a library call (it must treat NaN); this is one instruction.
+inline double larger(double a, double b) { return a > b ? a : b; }
+
 /// The sphere filter. With u = 2^-53: the error of |d|^2 - axis·d is at most
 ///   6u |d|^2                        (each difference 1 rounding, squares 3, sums 5, last subtraction 6)
 /// + (error + 6u max|axis|) |d|_1    (axis itself, and the same roundings of the dot product)
 /// where set_sphere() has put the second term's 6u max|axis| into `error` already. 1e-300 covers underflow.
-inline bool IncrementalDelaunay::in_conflict(const Tet& t, [[maybe_unused]] VertexId v,
-                                             const Vec3d& p) const {
+inline bool IncrementalDelaunay::in_conflict(const Tet& t, const Vec3d& p) const {
   const Vertex& o = vertices_[t.v[0]];
   const double dx = p.x - o.x, dy = p.y - o.y, dz = p.z - o.z;
   const double d2 = dx * dx + dy * dy + dz * dz;
   const double g = d2 - (t.axis[0] * dx + t.axis[1] * dy + t.axis[2] * dz);
   const double bound =
       static_cast<double>(t.error) * (std::fabs(dx) + std::fabs(dy) + std::fabs(dz)) + 0x1p-50 * d2 + 1e-300;
-  if (g > bound) return false;
-  if (g < -bound) return true;
-  return in_conflict_exact(t, p);
+  if (!(std::fabs(g) > bound)) [[unlikely]]  // also when the bound is infinite
+    return in_conflict_exact(t, p);
+  return g < 0;
 }
 
 /// b, c, d: the vertices 1..3 relative to vertex 0, each with one rounding; lifts their squared lengths.
@@ -40,13 +42,13 @@ inline void IncrementalDelaunay::set_sphere(Tet& t, const Vec3d& b, const Vec3d&
   constexpr double u = 0x1p-53;
   const Vec3d cd = cross(c, d), db = cross(d, b), bc = cross(b, c);
   const double delta = dot(b, cd);
-  const double r2 = std::fmax(lift_b, std::fmax(lift_c, lift_d));
+  const double r2 = larger(lift_b, larger(lift_c, lift_d));
   const double r3 = r2 * std::sqrt(r2);
   const double inverse = 1 / delta;
   const double ax = (lift_b * cd.x + lift_c * db.x + lift_d * bc.x) * inverse;
   const double ay = (lift_b * cd.y + lift_c * db.y + lift_d * bc.y) * inverse;
   const double az = (lift_b * cd.z + lift_c * db.z + lift_d * bc.z) * inverse;
-  const double axis = std::fmax(std::fabs(ax), std::fmax(std::fabs(ay), std::fabs(az)));
+  const double axis = larger(std::fabs(ax), larger(std::fabs(ay), std::fabs(az)));
   t.axis[0] = ax;
   t.axis[1] = ay;
   t.axis[2] = az;

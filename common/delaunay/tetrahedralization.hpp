@@ -56,7 +56,14 @@ inline constexpr std::uint64_t kTetsPerSite = 32;
 /// kNotFinite with "/points/<k>" (NaN, infinite or beyond kMaxSiteCoordinate), kTooComplex. Throws
 /// Interrupted. Degenerate results: no sites give the big tetrahedron alone; duplicates are merged into the
 /// one with the lowest index.
+/// The numbering of the tetrahedra is a function of the list of sites and the box too; for one that depends
+/// on the set of tetrahedra alone (after local insertion or removal, say) see canonicalize().
 Expected<Tetrahedralization> tetrahedralize(std::span<const Vec3d> sites, const Box& box,
                                             const Execution& execution);
+
+/// Renumbers: each tetrahedron's vertices ascending (up to a swap of the last two that keeps it positive),
+/// tetrahedra by vertex tuple, tet_of_site the first one. Equal sets of tetrahedra with equal site ids become
+/// equal. n log n in the tetrahedra; not part of tetrahedralize() because it would add a quarter to its time.
+void canonicalize(Tetrahedralization& t);
 
 }  // namespace fracture

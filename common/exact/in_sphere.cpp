@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <utility>
 
 #include "common/exact/number_types.hpp"
 #include "common/exact/orient3d.hpp"
@@ -100,20 +102,17 @@ int any_size_sign(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d
 }
 
 // f is exactly zero: the first site in lexicographic order with a non-zero cofactor decides (see the header).
-int break_tie(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, const Vec3d& e,
-              const PointScale& scale) {
-  std::array<const Vec3d*, 5> site{&a, &b, &c, &d, &e};
-  std::array<const Vec3d*, 5> order = site;
+// `less` compares two of the five sites, `cofactor` gives orient3d of the tetrahedron with vertex k replaced
+// by e.
+template <class Less, class Cofactor>
+int break_tie(Less less, Cofactor cofactor) {
+  std::array<int, 5> order{0, 1, 2, 3, 4};
   for (int k = 0; k < 5; ++k) {
-    int least = k;
     for (int i = k + 1; i < 5; ++i)
-      if (lexicographic_less(*order[i], *order[least])) least = i;
-    std::swap(order[k], order[least]);
-    if (order[k] == &e) return 1;
-    std::array<const Vec3d*, 4> t{&a, &b, &c, &d};
-    std::replace(t.begin(), t.end(), order[k], &e);
-    const int cofactor = orient3d_exact(*t[0], *t[1], *t[2], *t[3], scale);
-    if (cofactor != 0) return -cofactor;
+      if (less(order[i], order[k])) std::swap(order[k], order[i]);
+    if (order[k] == 4) return 1;
+    const int sign = cofactor(order[k]);
+    if (sign != 0) return -sign;
   }
   return 1;  // not reached: e is one of the five
 }
@@ -128,19 +127,31 @@ int in_sphere_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d&
     for (const Vec3d* p : {&a, &b, &c, &d, &e}) builder.include(*p);
     scale = builder.scale();
   }
-  int sign;
+  if (counters) ++counters->exact;
   if (scale.fits()) {
     const IntPoint o = to_integers(a, scale);
-    sign = integer_sign(to_integers(b, scale) - o, to_integers(c, scale) - o, to_integers(d, scale) - o,
-                        to_integers(e, scale) - o);
-  } else {
-    sign = any_size_sign(a, b, c, d, e);
+    const std::array<IntPoint, 5> p{IntPoint{0, 0, 0}, to_integers(b, scale) - o, to_integers(c, scale) - o,
+                                    to_integers(d, scale) - o, to_integers(e, scale) - o};
+    const int sign = integer_sign(p[1], p[2], p[3], p[4]);
+    if (sign != 0) return sign;
+    if (counters) ++counters->ties;
+    return break_tie([&](int i, int j) { return lexicographic_less(p[i], p[j]); },
+                     [&](int k) {
+                       std::array<IntPoint, 4> t{p[0], p[1], p[2], p[3]};
+                       t[k] = p[4];
+                       return orient3d_sign(t[1] - t[0], t[2] - t[0], t[3] - t[0]);
+                     });
   }
-  if (counters) {
-    ++counters->exact;
-    counters->ties += sign == 0;
-  }
-  return sign != 0 ? sign : break_tie(a, b, c, d, e, scale);
+  const int sign = any_size_sign(a, b, c, d, e);
+  if (sign != 0) return sign;
+  if (counters) ++counters->ties;
+  const std::array<Vec3d, 5> p{a, b, c, d, e};
+  return break_tie([&](int i, int j) { return lexicographic_less(p[i], p[j]); },
+                   [&](int k) {
+                     std::array<Vec3d, 4> t{a, b, c, d};
+                     t[k] = e;
+                     return orient3d_exact(t[0], t[1], t[2], t[3], scale);
+                   });
 }
 
 int in_sphere(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, const Vec3d& e) {

@@ -1,5 +1,7 @@
 #include "common/exact/orient3d.hpp"
 
+#include <cmath>
+
 #include "common/exact/number_types.hpp"
 
 namespace fracture::exact {
@@ -17,19 +19,6 @@ int sign_as(const IntPoint& b, const IntPoint& c, const IntPoint& d) {
   return (det > 0) - (det < 0);
 }
 
-// |det| and its partial sums are at most 6 m^3 where all |differences| <= m.
-int integer_sign(const IntPoint& b, const IntPoint& c, const IntPoint& d) {
-  const std::uint64_t bits = magnitude_bits(b) | magnitude_bits(c) | magnitude_bits(d);
-  if (bits < std::uint64_t{1} << 20) return sign_as<std::int64_t>(b, c, d);  // 6 * 2^60 < 2^63
-  if (bits < std::uint64_t{1} << 41) return sign_as<Int128>(b, c, d);        // 6 * 2^123 < 2^127
-  const auto minor = [](std::int64_t p, std::int64_t q, std::int64_t r, std::int64_t s) {
-    return static_cast<Int128>(p) * q - static_cast<Int128>(r) * s;
-  };
-  return (multiply(b.x, minor(c.y, d.z, c.z, d.y)) + multiply(b.y, minor(c.z, d.x, c.x, d.z)) +
-          multiply(b.z, minor(c.x, d.y, c.y, d.x)))
-      .sign();
-}
-
 int any_size_sign(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
   BinaryScale scale;
   for (const Vec3d* p : {&a, &b, &c, &d}) scale.include(*p);
@@ -40,6 +29,19 @@ int any_size_sign(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d
 }
 
 }  // namespace
+
+// |det| and its partial sums are at most 6 m^3 where all |differences| <= m.
+int orient3d_sign(const IntPoint& b, const IntPoint& c, const IntPoint& d) {
+  const std::uint64_t bits = magnitude_bits(b) | magnitude_bits(c) | magnitude_bits(d);
+  if (bits < std::uint64_t{1} << 20) return sign_as<std::int64_t>(b, c, d);  // 6 * 2^60 < 2^63
+  if (bits < std::uint64_t{1} << 41) return sign_as<Int128>(b, c, d);        // 6 * 2^123 < 2^127
+  const auto minor = [](std::int64_t p, std::int64_t q, std::int64_t r, std::int64_t s) {
+    return static_cast<Int128>(p) * q - static_cast<Int128>(r) * s;
+  };
+  return (multiply(b.x, minor(c.y, d.z, c.z, d.y)) + multiply(b.y, minor(c.z, d.x, c.x, d.z)) +
+          multiply(b.z, minor(c.x, d.y, c.y, d.x)))
+      .sign();
+}
 
 int orient3d_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, const PointScale& given,
                    PredicateCounters* counters) {
@@ -52,7 +54,7 @@ int orient3d_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& 
   int sign;
   if (scale.fits()) {
     const IntPoint o = to_integers(a, scale);
-    sign = integer_sign(to_integers(b, scale) - o, to_integers(c, scale) - o, to_integers(d, scale) - o);
+    sign = orient3d_sign(to_integers(b, scale) - o, to_integers(c, scale) - o, to_integers(d, scale) - o);
   } else {
     sign = any_size_sign(a, b, c, d);
   }

@@ -21,6 +21,9 @@ int orient3d(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d);
 int orient3d_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, const PointScale& scale,
                    PredicateCounters* counters = nullptr);
 
+/// Sign of det[b; c; d] for exact differences, all below 2^62 in magnitude.
+int orient3d_sign(const IntPoint& b, const IntPoint& c, const IntPoint& d);
+
 /// |computed - exact| <= kOrient3dError * |B| |C| |D| for det[B; C; D] evaluated as in det3() below on the
 /// rounded differences B = b - a, ..., plus kUnderflow. Derivation. Each difference carries one rounding, so
 /// a product of two carries 3, the difference of two products 4, its product with a third difference 6, the

@@ -10,7 +10,7 @@
 // subtract, sign; two's complement, least significant limb first.
 #pragma once
 
-#include <cmath>
+#include <bit>
 #include <cstdint>
 
 #include "common/base/vec.hpp"
@@ -108,11 +108,24 @@ struct PointScale {
 /// Collects the exponents of a point set.
 class ScaleBuilder {
  public:
-  void include(double v);
-  void include(const Vec3d& p) {
-    include(p.x);
-    include(p.y);
-    include(p.z);
+  /// True when the scale may have changed.
+  bool include(double v) {
+    const auto bits = std::bit_cast<std::uint64_t>(v);
+    const int biased = static_cast<int>(bits >> 52 & 0x7ff);
+    std::uint64_t mantissa = bits & ((std::uint64_t{1} << 52) - 1);
+    if (biased != 0) mantissa |= std::uint64_t{1} << 52;
+    if (mantissa == 0) return false;
+    const int unit = (biased != 0 ? biased : 1) - 1075;  // v = ± mantissa * 2^unit
+    const int low = unit + std::countr_zero(mantissa);
+    const int top = unit + std::bit_width(mantissa);
+    if (low >= lowest_bit_ && top <= top_bit_) return false;
+    if (low < lowest_bit_) lowest_bit_ = low;
+    if (top > top_bit_) top_bit_ = top;
+    return true;
+  }
+  bool include(const Vec3d& p) {
+    const bool x = include(p.x), y = include(p.y), z = include(p.z);
+    return x || y || z;
   }
   PointScale scale() const;
 
@@ -130,6 +143,12 @@ inline IntPoint to_integers(const Vec3d& p, const PointScale& s) {
           static_cast<std::int64_t>(p.z * s.scale)};
 }
 inline IntPoint operator-(const IntPoint& a, const IntPoint& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+
+inline bool lexicographic_less(const IntPoint& a, const IntPoint& b) {
+  if (a.x != b.x) return a.x < b.x;
+  if (a.y != b.y) return a.y < b.y;
+  return a.z < b.z;
+}
 
 /// A value v with |c| < 2^k for every coordinate c exactly where v < 2^k: the bits of all magnitudes or-ed
 /// together.
