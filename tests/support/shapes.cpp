@@ -77,8 +77,9 @@ Mesh uv_sphere(int rings, int segments, double radius) {
 
 Mesh sphere_with(int triangles, double radius) {
   // segments = 2 · rings: 4 rings (rings - 1) triangles.
+  const auto count = [](int rings) { return 4 * rings * (rings - 1); };
   int rings = 2;
-  while (4 * (rings + 1) * rings <= triangles) ++rings;
+  while (count(rings + 1) - triangles <= triangles - count(rings)) ++rings;
   return uv_sphere(rings, 2 * rings, radius);
 }
 
