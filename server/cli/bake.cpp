@@ -12,6 +12,7 @@
 #include <fstream>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <stop_token>
 #include <string>
 #include <string_view>
@@ -78,7 +79,7 @@ class Progress {
                    std::string(static_cast<std::size_t>(kWidth - full), '.').c_str(), percent);
       std::fflush(stderr);
       drawn_ = true;
-    } else if (new_stage) {
+    } else if (seen_.insert(stage).second) {
       std::fprintf(stderr, "%s\n", stage);
     }
   }
@@ -93,6 +94,7 @@ class Progress {
   const bool quiet_, terminal_;
   std::mutex mutex_;
   std::string stage_;
+  std::set<std::string> seen_;
   int percent_ = -1;
   bool drawn_ = false;
 };

@@ -1,0 +1,18 @@
+# shellcheck shell=bash
+# Sourced by the scripts, which set root (the checkout): builds presets. A build folder is kept and reused.
+
+# build_preset PRESET [TARGET...]: configures and builds; the compiler's output is shown only when it fails.
+build_preset() {
+  local preset=$1 log targets=()
+  shift
+  [[ $# -eq 0 ]] || targets=(--target "$@")
+  log=${root:?}/build/$preset.log
+  mkdir -p "$root/build"
+  echo "== building preset $preset${*:+ ($*)}"
+  if ! (cd "$root" && cmake --preset "$preset" && cmake --build --preset "$preset" --parallel "$(nproc)" "${targets[@]}") \
+    >"$log" 2>&1; then
+    tail -60 "$log" >&2
+    echo "the build of preset $preset failed; the whole log is build/$preset.log" >&2
+    return 1
+  fi
+}
