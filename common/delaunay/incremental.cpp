@@ -139,7 +139,10 @@ IncrementalDelaunay::Insertion IncrementalDelaunay::insert(const Vec3d& p) {
     if (position(v) == p) return {Status::kDuplicate, v};
   if (tet_count() > options_.max_tets) return {Status::kFull, kNoVertex};
   const VertexId v = new_vertex(p);
-  insert_by_cavity(v, at.tet);
+  if (options_.method == Method::kCavity)
+    insert_by_cavity(v, at.tet);
+  else
+    insert_by_flips(v, at);
   last_ = vertices_[v].tet;
   return {Status::kInserted, v};
 }

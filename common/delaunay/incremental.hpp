@@ -161,6 +161,7 @@ class IncrementalDelaunay {
   void flip_around(VertexId v);
   // removal.cpp
   void collect_star(VertexId v);
+  void fill_star(VertexId v);
 
   BigTetrahedron big_;
   Options options_;
@@ -189,7 +190,14 @@ class IncrementalDelaunay {
   std::vector<VertexId> local_;                        ///< the vertices of the cavity
   std::vector<std::uint32_t> fresh_;                   ///< three local numbers for each boundary facet
   std::vector<std::uint32_t> edge_table_;
-  std::vector<TetId> queue_;
+  std::vector<TetId> queue_;  ///< flips: tetrahedra at the new site whose outer facet is to be checked
+  struct Side {
+    std::array<VertexId, 3> key;
+    Link link;
+  };
+  std::vector<Side> sides_;
+  std::vector<TetId> removed_;
+  std::vector<std::array<VertexId, 4>> created_;
 };
 
 }  // namespace fracture

@@ -1,0 +1,199 @@
+// Insertion by flips: the paper's InsertOnePoint and Flip (sections 4.1 and 4.3; Ledoux 2007), Edelsbrunner &
+// Shah 1996 for why it terminates, here for the power diagram of the one tie rule.
+//
+// Departure from the paper: its flip14 of a site that lies on a facet or an edge makes flat tetrahedra, and
+// its case 4 exists to flip them away. We begin with flip26 or n→2n instead, so that no flat tetrahedron
+// exists at any time and case 4 is dealt with before the queue starts.
+#include <algorithm>
+
+#include "common/delaunay/incremental.hpp"
+#include "common/delaunay/incremental_detail.hpp"
+#include "common/exact/orient3d.hpp"
+
+namespace fracture {
+
+// Takes a set of tetrahedra out and puts another set with the same outer facets in. Facets are matched by
+// their vertices.
+void IncrementalDelaunay::replace(std::span<const TetId> removed,
+                                  std::span<const std::array<VertexId, 4>> created) {
+  sides_.clear();
+  const auto add_side = [&](const VertexId(&v)[4], unsigned k, Link link) {
+    const std::uint8_t* f = kFacet[k];
+    std::array<VertexId, 3> key{v[f[0]], v[f[1]], v[f[2]]};
+    if (key[1] < key[0]) std::swap(key[0], key[1]);
+    if (key[2] < key[1]) std::swap(key[1], key[2]);
+    if (key[1] < key[0]) std::swap(key[0], key[1]);
+    sides_.push_back({key, link});
+  };
+  next_visit();
+  for (const TetId t : removed) tets_[t].mark = visit_;
+  for (const TetId id : removed) {
+    const Tet& t = tets_[id];
+    for (unsigned k = 0; k < 4; ++k)
+      if (t.n[k] == kNoLink || tets_[t.n[k] >> 2].mark != visit_) add_side(t.v, k, t.n[k]);
+  }
+  for (const TetId t : removed) free_tet(t);
+  for (const std::array<VertexId, 4>& v : created) {
+    const TetId id = make_tet(v[0], v[1], v[2], v[3]);
+    for (unsigned k = 0; k < 4; ++k) add_side(tets_[id].v, k, 4 * id + k);
+    queue_.push_back(id);
+  }
+  const auto less = [](const Side& a, const Side& b) { return a.key < b.key; };
+  if (sides_.size() <= 32) {
+    for (std::size_t i = 1; i < sides_.size(); ++i)
+      for (std::size_t j = i; j > 0 && less(sides_[j], sides_[j - 1]); --j)
+        std::swap(sides_[j], sides_[j - 1]);
+  } else {
+    std::sort(sides_.begin(), sides_.end(), less);
+  }
+  for (std::size_t i = 0; i + 1 < sides_.size(); i += 2) {
+    const Link a = sides_[i].link, b = sides_[i + 1].link;
+    if (sides_[i].key != sides_[i + 1].key) throw InternalError("flip: a facet has no partner");
+    if (a != kNoLink) tets_[a >> 2].n[a & 3] = b;
+    if (b != kNoLink) tets_[b >> 2].n[b & 3] = a;
+  }
+}
+
+void IncrementalDelaunay::insert_by_flips(VertexId p, const Located& at) {
+  using V4 = std::array<VertexId, 4>;
+  const auto with = [p](const Tet& t, unsigned k) {  // vertex k replaced by p, p first, still positive
+    return V4{p, t.v[kFacet[k][0]], t.v[kFacet[k][1]], t.v[kFacet[k][2]]};
+  };
+  removed_.clear();
+  created_.clear();
+  queue_.clear();
+  const Tet& first = tets_[at.tet];
+  const int zeros = __builtin_popcount(at.zeros);
+  removed_.push_back(at.tet);
+  if (zeros == 0) {  // flip14
+    for (unsigned k = 0; k < 4; ++k) created_.push_back(with(first, k));
+    ++counters_.flips14;
+  } else if (zeros == 1) {  // flip26: p on facet k, shared with one neighbour
+    const unsigned facet = static_cast<unsigned>(__builtin_ctz(at.zeros));
+    const Link link = first.n[facet];
+    for (unsigned k = 0; k < 4; ++k) {
+      if (k != facet) created_.push_back(with(first, k));
+      if (k != (link & 3)) created_.push_back(with(tets_[link >> 2], k));
+    }
+    removed_.push_back(link >> 2);
+    ++counters_.flips26;
+  } else {  // n→2n: p on the edge ab of n tetrahedra
+    unsigned ends[2], count = 0;
+    for (unsigned k = 0; k < 4; ++k)
+      if (!(at.zeros >> k & 1)) ends[count++] = k;
+    const VertexId a = first.v[ends[0]], b = first.v[ends[1]];
+    // Turn around the edge: leave each tetrahedron through the facet opposite the vertex it was entered with.
+    TetId id = at.tet;
+    unsigned leave = static_cast<unsigned>(__builtin_ctz(at.zeros));
+    do {
+      const Tet& t = tets_[id];
+      unsigned other = 0;
+      for (unsigned k = 0; k < 4; ++k) {
+        if (t.v[k] == a || t.v[k] == b)
+          created_.push_back(with(t, k));
+        else if (k != leave)
+          other = k;
+      }
+      if (id != at.tet) removed_.push_back(id);
+      const VertexId pivot = t.v[other];  // stays on the facet we cross; it is the one to leave by next
+      const Link link = t.n[leave];
+      id = link >> 2;
+      const Tet& next = tets_[id];
+      for (unsigned k = 0; k < 4; ++k)
+        if (next.v[k] == pivot) leave = k;
+    } while (id != at.tet);
+    ++counters_.flips_edge;
+  }
+  replace(removed_, created_);
+  flip_around(p);
+}
+
+// The queue holds tetrahedra t = (p, a, b, c) whose facet abc may not be locally Delaunay; d is the far
+// vertex behind it.
+//
+//   case 1: pd passes through    case 2: pd passes beyond one   case 3: pd meets the edge ab
+//   the inside of abc            edge ab whose third            exactly and ab has four
+//                                tetrahedron is pabd            tetrahedra (config44)
+//          p                            p                             p ---- c
+//         /|\                          /| \                          /| \  / |
+//        / | \                        / |  \                        / |  \/  |
+//       a--+--c     flip23           a--|---c    flip32            a--+--/---b     flip44
+//        \ | /                        \ |  /                        \ | /\  |
+//         \|/                          \| /                          \|/  \ |
+//          d                            d                             d ---- e
+//
+//   case 4 (p in the plane of abc: t is flat) does not arise, see above. In every other position the facet is
+//   left alone: another flip must come first, and the tetrahedra it makes come back into the queue.
+void IncrementalDelaunay::flip_around(VertexId p) {
+  const Vec3d site = position(p);
+  while (!queue_.empty()) {
+    const TetId id = queue_.back();
+    queue_.pop_back();
+    const Tet& t = tets_[id];
+    if (t.v[0] != p) continue;  // gone, or its slot serves another one without p (p always stands first)
+    const Link link = t.n[0];
+    if (link == kNoLink) continue;
+    const TetId outer = link >> 2;
+    const Tet& o = tets_[outer];
+    ++counters_.sphere_tests;
+    if (!in_conflict(o, site)) continue;
+
+    const VertexId abc[3] = {t.v[1], t.v[2], t.v[3]};
+    const VertexId d = o.v[link & 3];
+    // side[k]: is d on the same side as vertex k of the plane through p and the other two? created
+    // tetrahedron k has k replaced by d and is positive exactly then.
+    std::array<std::array<VertexId, 4>, 3> tuple;
+    int side[3];
+    int positive = 0, bad = -1;
+    for (int k = 0; k < 3; ++k) {
+      tuple[k] = {p, abc[0], abc[1], abc[2]};
+      tuple[k][k + 1] = d;
+      side[k] = orient(tuple[k][0], tuple[k][1], tuple[k][2], tuple[k][3]);
+      if (side[k] > 0)
+        ++positive;
+      else
+        bad = k;
+    }
+    if (positive < 2) continue;
+    removed_.assign({id, outer});
+    created_.clear();
+    if (positive == 3) {
+      created_.assign(tuple.begin(), tuple.end());
+      ++counters_.flips23;
+    } else {
+      // The edge ab of the refused vertex c = abc[bad]: the tetrahedra behind pab and behind abd.
+      const unsigned c_in_t = static_cast<unsigned>(bad) + 1;
+      unsigned c_in_o = 0;
+      for (unsigned k = 0; k < 4; ++k)
+        if (o.v[k] == abc[bad]) c_in_o = k;
+      const Link behind_t = t.n[c_in_t], behind_o = o.n[c_in_o];
+      if (behind_t == kNoLink || behind_o == kNoLink) continue;
+      const TetId tb = behind_t >> 2, tc = behind_o >> 2;
+      for (int k = 0; k < 3; ++k)
+        if (k != bad) created_.push_back(tuple[k]);
+      if (side[bad] < 0) {
+        if (tb != tc) continue;
+        removed_.push_back(tb);
+        ++counters_.flips32;
+      } else {
+        // config44: tb = (p, a, b, e) and tc = (d, a, b, e) are neighbours.
+        if (tb == tc) continue;
+        const VertexId e = tets_[tb].v[behind_t & 3];
+        if (tets_[tc].v[behind_o & 3] != e) continue;
+        // Below the plane pabd, e takes the place of c; the mirrored order keeps the tetrahedra positive.
+        for (int k = 0; k < 2; ++k) {
+          std::array<VertexId, 4> mirrored = created_[k];
+          std::replace(mirrored.begin(), mirrored.end(), abc[bad], e);
+          std::swap(mirrored[2], mirrored[3]);
+          created_.push_back(mirrored);
+        }
+        removed_.push_back(tb);
+        removed_.push_back(tc);
+        ++counters_.flips44;
+      }
+    }
+    replace(removed_, created_);
+  }
+}
+
+}  // namespace fracture
