@@ -198,7 +198,9 @@ VertexPositions place_vertices(const Solid& solid, const VoronoiDiagram& diagram
                                            mesh_vertex(v[2])}},
                        out.lattice, step, exact);
       } else {
-        const auto& v = diagram.dual().tets[winding.inner_vertices[n - b - c].tet].v;
+        // In ascending order of the sites, so that the doubles do not depend on how the tetrahedron was made.
+        std::array<SiteId, 4> v = diagram.dual().tets[winding.inner_vertices[n - b - c].tet].v;
+        std::sort(v.begin(), v.end());
         placed = place(CircumcenterFormula{{diagram.site(v[0]), diagram.site(v[1]), diagram.site(v[2]),
                                             diagram.site(v[3])}},
                        out.lattice, step, exact);

@@ -40,6 +40,48 @@ class PieceGroups {
   std::vector<std::vector<std::uint32_t>> members_;
 };
 
+/// Who touches whom, and how much: the shared cap areas at the start of a round of uniting.
+class Contacts {
+ public:
+  Contacts(const RestrictedDiagram& d, const Pieces& pieces, const std::vector<std::uint32_t>& group_of_piece)
+      : begin_(group_of_piece.size() + 1, 0) {
+    // Every touching pair is a contact, those without area too: they bind where there is nothing better.
+    std::vector<Contact> all;
+    for (const Bond& b : find_bonds(d, pieces, group_of_piece)) {
+      all.push_back({b.a, b.b, b.area});
+      all.push_back({b.b, b.a, b.area});
+    }
+    for (std::uint32_t r = 0; r < d.caps.regions.size(); ++r) {
+      const std::uint32_t p = pieces.piece_of_cap[2 * r], q = pieces.piece_of_cap[2 * r + 1];
+      if (p == kNoIndex || q == kNoIndex || group_of_piece[p] == group_of_piece[q]) continue;
+      all.push_back({group_of_piece[p], group_of_piece[q], 0});
+      all.push_back({group_of_piece[q], group_of_piece[p], 0});
+    }
+    std::sort(all.begin(), all.end(), [](const Contact& x, const Contact& y) {
+      if (x.of != y.of) return x.of < y.of;
+      return x.area != y.area ? x.area > y.area : x.with < y.with;
+    });
+    contacts_ = std::move(all);
+    for (const Contact& c : contacts_) ++begin_[c.of + 1];
+    for (std::size_t g = 0; g + 1 < begin_.size(); ++g) begin_[g + 1] += begin_[g];
+  }
+
+  /// The group that shares the largest cap with g, ties to the lowest; kNoIndex when g touches nobody.
+  std::uint32_t best_neighbor(std::uint32_t g, const PieceGroups& groups) const {
+    for (std::uint32_t k = begin_[g]; k < begin_[g + 1]; ++k)
+      if (groups.of_piece()[contacts_[k].with] != g) return groups.of_piece()[contacts_[k].with];
+    return kNoIndex;
+  }
+
+ private:
+  struct Contact {
+    std::uint32_t of, with;
+    double area;
+  };
+  std::vector<std::uint32_t> begin_;
+  std::vector<Contact> contacts_;
+};
+
 /// The faces of a group of pieces: all of theirs, but the caps between them, which cancel.
 std::pair<Piece, std::vector<Face>> join_pieces(const Pieces& pieces,
                                                 const std::vector<std::uint32_t>& members,
@@ -122,26 +164,10 @@ FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownershi
     todo.clear();
     if (bad.empty()) break;
 
-    const std::vector<Bond> bonds = find_bonds(d, pieces, groups.of_piece());
+    const Contacts contacts(d, pieces, groups.of_piece());
     for (const std::uint32_t g : bad) {
-      if (groups.of_piece()[g] != g || groups.members(g).empty()) continue;  // swallowed meanwhile
-      std::uint32_t neighbor = kNoIndex;
-      double area = -1;
-      for (const Bond& b : bonds) {  // ascending: the first of equal area is the lowest
-        const std::uint32_t p = groups.of_piece()[b.a], q = groups.of_piece()[b.b];
-        if (p == q || (p != g && q != g)) continue;
-        if (b.area > area) {
-          area = b.area;
-          neighbor = p == g ? q : p;
-        }
-      }
-      // Contacts without area bind too, where there is nothing better.
-      for (std::uint32_t r = 0; neighbor == kNoIndex && r < d.caps.regions.size(); ++r) {
-        const std::uint32_t p = pieces.piece_of_cap[2 * r], q = pieces.piece_of_cap[2 * r + 1];
-        if (p == kNoIndex || q == kNoIndex) continue;
-        const std::uint32_t gp = groups.of_piece()[p], gq = groups.of_piece()[q];
-        if (gp != gq && (gp == g || gq == g)) neighbor = gp == g ? gq : gp;
-      }
+      if (groups.of_piece()[g] != g) continue;  // swallowed meanwhile
+      const std::uint32_t neighbor = contacts.best_neighbor(g, groups);
       if (neighbor == kNoIndex) {
         dropped[g] = true;
         ++certificate.dropped;

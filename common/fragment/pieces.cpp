@@ -238,9 +238,11 @@ Pieces gather_pieces(const RestrictedDiagram& d, const Ownership& ownership, con
   constexpr std::size_t kBlock = 16;
   parallel_for(execution, owners, kBlock, [&](std::size_t begin, std::size_t end) {
     OwnerPieces builder(d, ownership);
-    for (std::size_t o = begin; o < end; ++o)
+    for (std::size_t o = begin; o < end; ++o) {
+      if (!ownership.wanted.empty() && !ownership.wanted[o]) continue;
       found[o] = builder.split(static_cast<std::uint32_t>(o), surface.faces.data() + surface.begin[o],
                                surface.faces.data() + surface.begin[o + 1], caps[o], polygons[o]);
+    }
   });
 
   Pieces out;

@@ -39,6 +39,7 @@ struct Ownership {
   std::vector<std::uint32_t> owner_of_site;         ///< 0.., numbered by smallest member site
   std::vector<std::vector<SiteId>> sites_of_owner;  ///< ascending
   bool grouped = false;                             ///< some owner has several cells
+  std::vector<bool> wanted;  ///< per owner; empty: all. Pieces of the others are not made.
   /// Equal entries stay together; an empty vector means every cell for itself. One entry per site.
   static Ownership from_groups(std::uint32_t site_count, const std::vector<std::uint32_t>& groups);
 };

@@ -3,8 +3,9 @@
 #include <string>
 #include <utility>
 
-#include "common/clip/caps.hpp"
 #include "common/fragment/make_fragments.hpp"
+#include "common/pipeline/barycentric.hpp"
+#include "common/pipeline/restrict.hpp"
 #include "common/sites/sites.hpp"
 
 namespace fracture {
@@ -79,15 +80,24 @@ Expected<FragmentSet> fracture(const Solid& solid, const Diagram& diagram,
     const Ownership ownership = Ownership::from_groups(t.site_count(), groups);
 
     const VoronoiDiagram voronoi(t, solid.box);
-    RestrictedDiagram restricted{solid, voronoi, cut_surface(solid, voronoi, execution), {}, {}, {}};
-    restricted.winding = wind_voronoi_edges(solid, voronoi, restricted.cuts, execution);
-    restricted.positions = place_vertices(solid, voronoi, restricted.cuts, restricted.winding, execution);
-    restricted.caps =
-        build_caps(solid, voronoi, restricted.cuts, restricted.winding, restricted.positions, execution);
-    FragmentSet set = make_fragments(restricted, ownership, execution);
+    FragmentSet set;
+    std::uint32_t skipped_hulls = 0;
+    if (parameters.dual == Dual::kBarycenter) {
+      BarycentricResult result = fracture_barycentric(solid, voronoi, execution);
+      set = std::move(result.set);
+      skipped_hulls = result.skipped_hulls;
+    } else {
+      set = make_fragments(restrict_to_solid(solid, voronoi, execution), ownership, execution);
+    }
     if (set.fragments.empty()) return fail(ErrorCode::kNoFragments, "none of the pieces has a volume");
     set.certificate.sites_asked = static_cast<std::uint32_t>(diagram.sites.size());
     set.report = report_of(solid, diagram, set);
+    if (parameters.dual == Dual::kBarycenter) {
+      set.report["barycenter"] = {{"partition", false}, {"skipped_hulls", skipped_hulls}};
+      set.report["warnings"].push_back(
+          "dual=barycenter: the hulls of barycentres overlap and leave gaps; volumes do not add up to the "
+          "solid's, and there are no bonds");
+    }
     return set;
   });
 }

@@ -1,0 +1,14 @@
+#include "common/pipeline/restrict.hpp"
+
+namespace fracture {
+
+RestrictedDiagram restrict_to_solid(const Solid& solid, const VoronoiDiagram& diagram,
+                                    const Execution& execution) {
+  RestrictedDiagram r{solid, diagram, cut_surface(solid, diagram, execution), {}, {}, {}};
+  r.winding = wind_voronoi_edges(solid, diagram, r.cuts, execution);
+  r.positions = place_vertices(solid, diagram, r.cuts, r.winding, execution);
+  r.caps = build_caps(solid, diagram, r.cuts, r.winding, r.positions, execution);
+  return r;
+}
+
+}  // namespace fracture

@@ -1,0 +1,19 @@
+// The source paper's look: the cell of a site is the convex hull (Quickhull, Barber et al. 1996, through the
+// Qhull library) of the barycentres, instead of the circumcentres, of the tetrahedra around it. Such cells
+// overlap and leave gaps: they are no partition of space.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "common/voronoi/voronoi_diagram.hpp"
+
+namespace fracture {
+
+/// The hull as a Voronoi cell: sites[0] is site i itself, the others are its mirror images across the planes
+/// of the hull's facets, so that the Voronoi cell of sites[0] among them *is* the hull (up to the rounding of
+/// the images). This way the exact clipper cuts these cells too. Nothing for a hull that is flat, degenerate
+/// or does not hold its site.
+std::optional<std::vector<Vec3d>> barycentric_cell(const VoronoiDiagram& diagram, SiteId i);
+
+}  // namespace fracture
