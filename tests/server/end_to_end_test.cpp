@@ -83,8 +83,7 @@ class ServeProcess : public Process {
 
  private:
   static std::vector<std::string> with_ports(std::vector<std::string> flags) {
-    std::vector<std::string> all = {"serve", "--port",    "0", "--admin-port", "0", "--drain-delay",
-                                    "0",     "--threads", "2"};
+    std::vector<std::string> all = {"serve", "--port", "0", "--admin-port", "0", "--threads", "2"};
     if (std::find(flags.begin(), flags.end(), "--drain-delay") == flags.end())
       flags.insert(flags.end(), {"--drain-delay", "0"});
     all.insert(all.end(), flags.begin(), flags.end());
