@@ -83,51 +83,62 @@ ColumnSampler::Column ColumnSampler::column(std::uint64_t stream, std::uint64_t 
 void ColumnSampler::cross_all(std::span<const Column> columns, std::vector<Crossing>& crossings) const {
   const Frame f = frame_of(axis_);
   const Box& box = solid_.box;
-  const auto side_count =
-      static_cast<std::uint32_t>(std::ceil(std::sqrt(static_cast<double>(columns.size()))));
+  // About four cells for each column, so that most triangles meet empty cells only.
+  const auto side_count = static_cast<std::uint32_t>(
+      std::fmin(4096, 2 * std::ceil(std::sqrt(static_cast<double>(columns.size())))));
   const Vec3d size = box.size();
   const double scale_u = size[f.u] > 0 ? side_count / size[f.u] : 0,
                scale_v = size[f.v] > 0 ? side_count / size[f.v] : 0;
-  const auto cell = [&](double t, int axis, double scale) {
-    const double c = (t - box.min[axis]) * scale;
-    return static_cast<std::uint32_t>(std::fmin(std::fmax(c, 0.0), static_cast<double>(side_count - 1)));
+  const double low_u = box.min[f.u], low_v = box.min[f.v];
+  // Everything lies in the box, so the product is in [0, side_count] but for rounding. Monotone: a column
+  // between the extreme coordinates of a triangle stands in a cell between theirs.
+  const auto cell = [last = static_cast<std::int32_t>(side_count) - 1](double t, double low, double scale) {
+    const auto c = static_cast<std::int32_t>((t - low) * scale);
+    return static_cast<std::uint32_t>(c < 0 ? 0 : c > last ? last : c);
   };
   std::vector<std::uint32_t> start(static_cast<std::size_t>(side_count) * side_count + 2, 0),
       items(columns.size());
   const auto cell_of = [&](const Column& c) {
-    return cell(c.v, f.v, scale_v) * side_count + cell(c.u, f.u, scale_u);
+    return cell(c.v, low_v, scale_v) * side_count + cell(c.u, low_u, scale_u);
   };
   for (const Column& c : columns) ++start[cell_of(c) + 2];
   for (std::size_t i = 2; i < start.size(); ++i) start[i] += start[i - 1];
   for (std::uint32_t i = 0; i < columns.size(); ++i) items[start[cell_of(columns[i]) + 1]++] = i;
 
-  for (std::uint32_t t = 0; t < solid_.triangles.size(); ++t) {
-    if (t % 65536 == 0) execution_.poll();
+  struct CellOfVertex {
+    std::uint16_t u, v;
+  };
+  std::vector<CellOfVertex> cells(solid_.positions.size());
+  for (std::size_t v = 0; v < cells.size(); ++v) {
+    const Vec3d p = to_double(solid_.positions[v]);
+    cells[v] = {static_cast<std::uint16_t>(cell(p[f.u], low_u, scale_u)),
+                static_cast<std::uint16_t>(cell(p[f.v], low_v, scale_v))};
+  }
+  const auto cross = [&](std::uint32_t t, std::uint32_t item) {
+    const Column& column = columns[item];
     const auto& id = solid_.triangles[t];
     const Vec3d a = to_double(solid_.positions[id[0]]), b = to_double(solid_.positions[id[1]]),
                 c = to_double(solid_.positions[id[2]]);
-    const double u0 = std::min(a[f.u], std::min(b[f.u], c[f.u])),
-                 u1 = std::max(a[f.u], std::max(b[f.u], c[f.u]));
-    const double v0 = std::min(a[f.v], std::min(b[f.v], c[f.v])),
-                 v1 = std::max(a[f.v], std::max(b[f.v], c[f.v]));
-    const std::uint32_t i0 = cell(u0, f.u, scale_u), i1 = cell(u1, f.u, scale_u), j0 = cell(v0, f.v, scale_v),
-                        j1 = cell(v1, f.v, scale_v);
     const bool ab = id[0] < id[1], bc = id[1] < id[2], ca = id[2] < id[0];
-    for (std::uint32_t j = j0; j <= j1; ++j)
-      for (std::uint32_t k = start[j * side_count + i0]; k < start[j * side_count + i1 + 1]; ++k) {
-        const Column& column = columns[items[k]];
-        if (column.u < u0 || column.u > u1 || column.v < v0 || column.v > v1) continue;
-        const double sc = side(f, a, b, ab, column.u, column.v), sa = side(f, b, c, bc, column.u, column.v),
-                     sb = side(f, c, a, ca, column.u, column.v);
-        const bool lc = left(sc, ab), la = left(sa, bc), lb = left(sb, ca);
-        if (lc != la || la != lb) continue;
-        const double sum = sa + sb + sc;
-        if (sum == 0) continue;
-        // Left of all three edges: counter-clockwise across the axis, so the normal points along it: a way
-        // out.
-        crossings.push_back(
-            {items[k], (sa * a[axis_] + sb * b[axis_] + sc * c[axis_]) / sum, lc ? -1 : 1, t});
-      }
+    const double sc = side(f, a, b, ab, column.u, column.v), sa = side(f, b, c, bc, column.u, column.v),
+                 sb = side(f, c, a, ca, column.u, column.v);
+    const bool lc = left(sc, ab);
+    if (lc != left(sa, bc) || lc != left(sb, ca)) return;
+    const double sum = sa + sb + sc;
+    if (sum == 0) return;
+    // Left of all three edges: counter-clockwise across the axis, so the normal points along it: a way out.
+    crossings.push_back({item, (sa * a[axis_] + sb * b[axis_] + sc * c[axis_]) / sum, lc ? -1 : 1, t});
+  };
+  for (std::uint32_t t = 0; t < solid_.triangles.size(); ++t) {
+    if (t % 65536 == 0) execution_.poll();
+    const auto& id = solid_.triangles[t];
+    const CellOfVertex a = cells[id[0]], b = cells[id[1]], c = cells[id[2]];
+    const std::uint32_t u0 = std::min({a.u, b.u, c.u}), u1 = std::max({a.u, b.u, c.u});
+    const std::uint32_t v0 = std::min({a.v, b.v, c.v}), v1 = std::max({a.v, b.v, c.v});
+    for (std::uint32_t v = v0; v <= v1; ++v) {
+      const std::uint32_t end = start[v * side_count + u1 + 1];
+      for (std::uint32_t k = start[v * side_count + u0]; k < end; ++k) cross(t, items[k]);
+    }
   }
   std::sort(crossings.begin(), crossings.end(), [](const Crossing& x, const Crossing& y) {
     if (x.column != y.column) return x.column < y.column;

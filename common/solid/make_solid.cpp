@@ -1,5 +1,6 @@
 // make_solid(): the stages in their order. Clean closed meshes (the common case on the timed path) skip the
 // repairs.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <optional>
@@ -130,73 +131,107 @@ std::vector<std::uint32_t> make_parts(const Shells& shells, Nesting& nesting, co
   return part_of_shell;
 }
 
-/// Triangles in their final order (by part, then as they were), with the ids every later stage uses.
-void write_out(const Mesh& mesh, const Surface& surface, const Shells& shells,
-               const std::vector<std::uint32_t>& part_of_shell, const std::vector<std::uint32_t>& new_shell,
-               Solid& solid) {
+/// Final order of the triangles: by part, then as they were; dropped shells are left out.
+struct Order {
+  std::vector<TriangleId> place_of;  ///< kNoIndex for dropped triangles; empty when nothing moves
+  TriangleId kept = 0;
+};
+
+Order final_order(const Surface& surface, const Shells& shells,
+                  const std::vector<std::uint32_t>& part_of_shell, std::size_t parts) {
   const auto count = static_cast<TriangleId>(surface.triangles.size());
-  std::vector<TriangleId> start(solid.parts.size() + 1, 0);
+  if (parts == 1 && std::find(part_of_shell.begin(), part_of_shell.end(), kNoIndex) == part_of_shell.end())
+    return {{}, count};
+  std::vector<TriangleId> start(parts + 1, 0);
   for (TriangleId t = 0; t < count; ++t)
     if (const std::uint32_t part = part_of_shell[shells.of_triangle[t]]; part != kNoIndex) ++start[part + 1];
   for (std::size_t p = 1; p < start.size(); ++p) start[p] += start[p - 1];
-  const TriangleId kept = start.back();
-  std::vector<TriangleId> place_of(count, kNoIndex);
+  Order order{std::vector<TriangleId>(count, kNoIndex), start.back()};
   for (TriangleId t = 0; t < count; ++t)
     if (const std::uint32_t part = part_of_shell[shells.of_triangle[t]]; part != kNoIndex)
-      place_of[t] = start[part]++;
+      order.place_of[t] = start[part]++;
+  return order;
+}
 
-  std::vector<VertexId> new_vertex(surface.positions.size(), kNoIndex);
-  for (TriangleId t = 0; t < count; ++t)
-    if (place_of[t] != kNoIndex)
-      for (const VertexId v : surface.triangles[t]) new_vertex[v] = 0;
-  solid.positions.reserve(surface.positions.size());
-  for (VertexId v = 0; v < new_vertex.size(); ++v)
-    if (new_vertex[v] == 0) {
-      new_vertex[v] = static_cast<VertexId>(solid.positions.size());
-      solid.positions.push_back(surface.positions[v]);
-    }
-
-  solid.triangles.resize(kept);
-  solid.wedges.resize(kept);
-  solid.material.resize(kept);
-  solid.edges.resize(kept);
-  solid.shell.resize(kept);
-  solid.part.resize(kept);
-  for (TriangleId t = 0; t < count; ++t) {
-    const TriangleId to = place_of[t];
+/// Moves triangles, with the twins of their half-edges, to their places.
+void apply_order(Surface& surface, Shells& shells, const Order& order) {
+  Surface moved;
+  moved.triangles.resize(order.kept);
+  moved.source.resize(order.kept);
+  moved.twin.resize(3 * static_cast<std::size_t>(order.kept));
+  if (!surface.flipped.empty()) moved.flipped.resize(order.kept);
+  std::vector<std::uint32_t> shell(order.kept);
+  for (TriangleId t = 0; t < order.place_of.size(); ++t) {
+    const TriangleId to = order.place_of[t];
     if (to == kNoIndex) continue;
-    const std::uint32_t shell = shells.of_triangle[t];
-    const Triangle& corners = surface.triangles[t];
-    solid.triangles[to] = {new_vertex[corners[0]], new_vertex[corners[1]], new_vertex[corners[2]]};
-    solid.shell[to] = new_shell[shell];
-    solid.part[to] = part_of_shell[shell];
+    moved.triangles[to] = surface.triangles[t];
+    moved.source[to] = surface.source[t];
+    shell[to] = shells.of_triangle[t];
+    if (!surface.flipped.empty()) moved.flipped[to] = surface.flipped[t];
+    for (HalfEdge k = 0; k < 3; ++k) {  // glued triangles are of one shell, so the twin was kept as well
+      const HalfEdge twin = surface.twin[3 * t + k];
+      moved.twin[3 * to + k] = 3 * order.place_of[twin / 3] + twin % 3;
+    }
+  }
+  surface.triangles = std::move(moved.triangles);
+  surface.source = std::move(moved.source);
+  surface.twin = std::move(moved.twin);
+  surface.flipped = std::move(moved.flipped);
+  shells.of_triangle = std::move(shell);
+}
+
+void drop_unused_vertices(Surface& surface) {
+  std::vector<VertexId> new_vertex(surface.positions.size(), kNoIndex);
+  for (const Triangle& t : surface.triangles)
+    for (const VertexId v : t) new_vertex[v] = 0;
+  VertexId kept = 0;
+  for (VertexId v = 0; v < new_vertex.size(); ++v) {
+    if (new_vertex[v] == kNoIndex) continue;
+    new_vertex[v] = kept;
+    surface.positions[kept++] = surface.positions[v];
+  }
+  surface.positions.resize(kept);
+  for (Triangle& t : surface.triangles)
+    for (VertexId& v : t) v = new_vertex[v];
+}
+
+/// The ordered surface with the ids every later stage uses. Edges are numbered in the order the triangles
+/// meet them.
+void write_out(const Mesh& mesh, Surface& surface, Shells& shells,
+               const std::vector<std::uint32_t>& part_of_shell, const std::vector<std::uint32_t>& new_shell,
+               Solid& solid) {
+  const std::size_t count = surface.triangles.size();
+  solid.wedges.resize(count);
+  solid.material.resize(count);
+  solid.edges.resize(count);
+  solid.part.resize(count);
+  solid.edge_vertices.reserve(3 * count / 2);
+  for (TriangleId t = 0; t < count; ++t) {
+    solid.part[t] = part_of_shell[shells.of_triangle[t]];
+    shells.of_triangle[t] = new_shell[shells.of_triangle[t]];
     const TriangleId source = surface.source[t];
     if (source == kNoIndex) {
-      solid.wedges[to] = {kNoIndex, kNoIndex, kNoIndex};
-      solid.material[to] = kInteriorMaterial;
-      continue;
+      solid.wedges[t] = {kNoIndex, kNoIndex, kNoIndex};
+      solid.material[t] = kInteriorMaterial;
+    } else {
+      solid.wedges[t] = mesh.triangles[source];
+      if (!surface.flipped.empty() && surface.flipped[t]) std::swap(solid.wedges[t][1], solid.wedges[t][2]);
+      solid.material[t] = source < mesh.material.size() ? mesh.material[source] : kNoIndex;
     }
-    solid.wedges[to] = mesh.triangles[source];
-    if (!surface.flipped.empty() && surface.flipped[t]) std::swap(solid.wedges[to][1], solid.wedges[to][2]);
-    solid.material[to] = source < mesh.material.size() ? mesh.material[source] : kNoIndex;
-  }
-  // Edges are numbered in the order the triangles meet them. (Twins never cross from a kept to a dropped
-  // triangle.)
-  solid.edge_vertices.reserve(3 * static_cast<std::size_t>(kept) / 2);
-  std::vector<TriangleId> at(kept);
-  for (TriangleId t = 0; t < count; ++t)
-    if (place_of[t] != kNoIndex) at[place_of[t]] = t;
-  for (TriangleId to = 0; to < kept; ++to)
-    for (std::uint32_t k = 0; k < 3; ++k) {
-      const HalfEdge twin = surface.twin[3 * at[to] + k];
-      const TriangleId other = place_of[twin / 3];
-      if (other > to || (other == to && twin % 3 > k)) {
-        const VertexId a = solid.triangles[to][k], b = solid.triangles[to][k == 2 ? 0 : k + 1];
-        solid.edges[to][k] = solid.edges[other][twin % 3] =
-            static_cast<std::uint32_t>(solid.edge_vertices.size());
-        solid.edge_vertices.push_back({std::min(a, b), std::max(a, b)});
+    for (HalfEdge h = 3 * t; h < 3 * t + 3; ++h) {
+      const HalfEdge twin = surface.twin[h];
+      if (twin < h) {
+        solid.edges[t][h - 3 * t] = solid.edges[twin / 3][twin % 3];
+        continue;
       }
+      const VertexId a = surface.from(h), b = surface.to(h);
+      solid.edges[t][h - 3 * t] = static_cast<std::uint32_t>(solid.edge_vertices.size());
+      solid.edge_vertices.push_back({std::min(a, b), std::max(a, b)});
     }
+  }
+  solid.positions = std::move(surface.positions);
+  solid.triangles = std::move(surface.triangles);
+  solid.shell = std::move(shells.of_triangle);
 }
 
 void write_notes(const EdgeFaults& faults, const SolidReport& report, std::size_t overlapping,
@@ -238,7 +273,7 @@ Expected<Solid> make_solid(std::shared_ptr<const Mesh> mesh, const SolidOptions&
   Surface& surface = *welded;
 
   EdgeFaults faults;
-  {
+  if (!pair_closed_manifold(surface, execution)) {
     EdgeTable edges(surface, execution);
     if (!pair_clean_edges(surface, edges)) {
       Box box;
@@ -264,7 +299,7 @@ Expected<Solid> make_solid(std::shared_ptr<const Mesh> mesh, const SolidOptions&
   if (open) fills = fill_holes(surface, execution);
   split_umbrellas(surface, execution);
 
-  const Shells shells = find_shells(surface, execution);
+  Shells shells = find_shells(surface, execution);
   Nesting nesting = nest_shells(surface, shells, execution);
   const std::vector<std::uint32_t> part_of_shell = make_parts(shells, nesting, *mesh, surface, solid.parts);
   for (std::uint32_t s = 0; s < shells.list.size(); ++s) report.shells_dropped += shells.list[s].flat;
@@ -325,6 +360,10 @@ Expected<Solid> make_solid(std::shared_ptr<const Mesh> mesh, const SolidOptions&
                 c = to_double(surface.positions[corners[2]]);
     report.filled_area += 0.5 * length(cross(b - a, c - a));
   }
+  const Order order = final_order(surface, shells, part_of_shell, solid.parts.size());
+  if (!order.place_of.empty()) apply_order(surface, shells, order);
+  if (report.degenerate_dropped + report.duplicates_dropped + report.welded_tolerant + report.shells_dropped > 0)
+    drop_unused_vertices(surface);
   write_out(*mesh, surface, shells, part_of_shell, new_shell, solid);
   write_notes(faults, report, solid.layers, report.notes);
   if (report.shells_dropped > 0)

@@ -68,14 +68,15 @@ Expected<Surface> weld_exact(const Mesh& mesh, SolidReport& report, const Execut
   if (mesh.triangles.empty()) return fail(ErrorCode::kEmptyMesh, "The mesh has no triangles.");
 
   Surface surface;
-  surface.triangles.reserve(mesh.triangles.size());
-  surface.source.reserve(mesh.triangles.size());
-  surface.positions.reserve(std::min(mesh.positions.size(), 3 * mesh.triangles.size()));
-  std::vector<VertexId> vertex_of_wedge(mesh.positions.size(), kNoIndex);
   const std::size_t wedge_bound = std::min(mesh.positions.size(), 3 * mesh.triangles.size());
+  surface.triangles.resize(mesh.triangles.size());
+  surface.source.resize(mesh.triangles.size());
+  surface.positions.reserve(wedge_bound);
+  std::vector<VertexId> vertex_of_wedge(mesh.positions.size(), kNoIndex);
   const std::size_t table_size = std::bit_ceil(2 * wedge_bound + 1);
   std::vector<VertexId> table(table_size, kNoIndex);
   std::uint64_t used_wedges = 0;
+  std::size_t kept = 0;
 
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (t % 65536 == 0) execution.poll();
@@ -110,9 +111,11 @@ Expected<Surface> weld_exact(const Mesh& mesh, SolidReport& report, const Execut
       ++report.degenerate_dropped;
       continue;
     }
-    surface.triangles.push_back(triangle);
-    surface.source.push_back(static_cast<TriangleId>(t));
+    surface.triangles[kept] = triangle;
+    surface.source[kept++] = static_cast<TriangleId>(t);
   }
+  surface.triangles.resize(kept);
+  surface.source.resize(kept);
   report.welded = used_wedges - surface.positions.size();
   if (surface.triangles.empty())
     return fail(ErrorCode::kEmptyMesh, "All " + std::to_string(mesh.triangles.size()) +
