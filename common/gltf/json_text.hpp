@@ -40,6 +40,7 @@ class JsonText {
   /// Floats are written as the double they are exactly, so that every reader gets the stored bits back.
   JsonText& value(double number) {
     if (!std::isfinite(number)) throw InternalError("a figure for the file is not a finite number");
+    if (number == 0 && std::signbit(number)) return put("-0.0");  // "-0" is an integer to some readers
     return put_number(number);
   }
   JsonText& value(bool flag) { return put(flag ? "true" : "false"); }

@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "tests/import/make_files.hpp"
+#include "tests/support/figures.hpp"
 #include "tests/support/mesh_files.hpp"
 
 namespace fracture::test {
@@ -87,7 +88,6 @@ TEST(AssetImport, TwinsOfTheBarrelAreTheSameSolid) {
     const char* name;
     double times, tolerance;
   };
-  // barrel_transforms scales by 2 · 2 · 1 with a mirror; its nodes are compared by triangles and sign only.
   for (const Twin& twin : {Twin{"formats/barrel_large.obj", 1, 1e-5},
                            {"formats/barrel_large.fbx", 1, 1e-5},
                            {"variants/barrel.gltf", 1, 1e-7},
@@ -130,7 +130,8 @@ TEST(AssetImport, TheMonkeyOfThePaperIsRead) {
   const Expected<Mesh> mesh = import_text(whole, MeshFormat::kBlend);
   ASSERT_TRUE(mesh) << mesh.error().detail;
   EXPECT_EQ(mesh->node_names, std::vector<std::string>{"Suzanne"});
-  EXPECT_EQ(mesh->triangles.size(), 3872u);  // 968 triangles of the primitive, subdivided once
+  EXPECT_EQ(mesh->triangles.size(), 4 * 968u);  // the primitive's triangles, subdivided once
+  EXPECT_EQ(open_directed_edges(*mesh), 84u);   // around the eyes and their sockets
   EXPECT_GT(signed_volume(*mesh), 0);
   EXPECT_EQ(mesh->attributes.normals.size(), mesh->positions.size());
 }

@@ -1,0 +1,115 @@
+// Judges GLB files that this project wrote by programs that nobody here wrote.
+//   usage: node judge.mjs FILE.glb …      exit 0: all good; 1: a file was found wanting; 77: the judges are not installed
+// 1. The Khronos validator has to report no error and no warning.
+// 2. Manifold has to accept every fragment (vertices merged where their positions are identical, nothing else) and to
+//    find the volume that the file states.
+// 3. Each interior triangle has to have its mirror image, bit for bit in world space, in another fragment, unless the
+//    report says that holes of the source were filled (those faces are interior material without a partner).
+// 4. Fragment ids and node names are unique, and bonds name fragments that exist.
+import fs from 'node:fs';
+import { createRequire } from 'node:module';
+
+let validator, manifold;
+try {
+  validator = createRequire(import.meta.url)('gltf-validator');
+  manifold = await (await import('manifold-3d')).default();
+  manifold.setup();
+} catch (error) {
+  console.log(`skipped: the judges are not installed (npm ci in tests/clients): ${error.message.split('\n')[0]}`);
+  process.exit(77);
+}
+
+const COMPONENTS = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4 };
+const ARRAYS = { 5123: Uint16Array, 5125: Uint32Array, 5126: Float32Array };
+
+function parseGlb(bytes) {
+  const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
+  const jsonLength = view.getUint32(12, true);
+  return { json: JSON.parse(new TextDecoder().decode(bytes.subarray(20, 20 + jsonLength))), binary: bytes.subarray(28 + jsonLength) };
+}
+
+function accessor({ json, binary }, index) {
+  const a = json.accessors[index], v = json.bufferViews[a.bufferView], Type = ARRAYS[a.componentType];
+  const length = a.count * COMPONENTS[a.type], start = (v.byteOffset ?? 0) + (a.byteOffset ?? 0);
+  return new Type(binary.slice(start, start + length * Type.BYTES_PER_ELEMENT).buffer);
+}
+
+/** Vertex -> the first vertex at the identical position. */
+function weld(positions) {
+  const first = new Map();
+  return Uint32Array.from({ length: positions.length / 3 }, (_, i) => {
+    const key = `${positions[3 * i]},${positions[3 * i + 1]},${positions[3 * i + 2]}`;
+    if (!first.has(key)) first.set(key, i);
+    return first.get(key);
+  });
+}
+
+/** What Manifold says: 'NoError' and the volume, or the name of the error. */
+function askManifold(positions, triangles) {
+  const to = weld(positions), merged = [...to.keys()].filter(i => to[i] !== i);
+  const mesh = new manifold.Mesh({ numProp: 3, vertProperties: positions, triVerts: triangles,
+    mergeFromVert: Uint32Array.from(merged), mergeToVert: Uint32Array.from(merged, i => to[i]) });
+  let solid;
+  try {
+    solid = new manifold.Manifold(mesh);
+    const status = solid.status();
+    return { status: String(status?.value ?? status), volume: solid.volume() };
+  } catch (error) {
+    return { status: error.code ?? error.message ?? String(error) };
+  } finally {
+    solid?.delete?.();
+  }
+}
+
+async function judge(file) {
+  const bytes = Uint8Array.from(fs.readFileSync(file)), complaints = [];
+  const { issues } = await validator.validateBytes(bytes, { maxIssues: 0 });
+  for (const m of issues.messages.filter(m => m.severity < 2).slice(0, 5)) complaints.push(`${m.code} at ${m.pointer}: ${m.message}`);
+  if (issues.numErrors || issues.numWarnings) complaints.push(`validator: ${issues.numErrors} errors, ${issues.numWarnings} warnings`);
+
+  const glb = parseGlb(bytes), { json } = glb;
+  const fragments = json.nodes.filter(n => n.extras?.fracture?.id !== undefined);
+  const root = json.nodes.map(n => n.extras?.fracture).find(f => f?.bonds);
+  const unpaired = new Map();
+  for (const node of fragments) {
+    const { primitives } = json.meshes[node.mesh], stated = node.extras.fracture.volume;
+    const positions = accessor(glb, primitives[0].attributes.POSITION), triangles = [];
+    for (const primitive of primitives) {
+      const indices = accessor(glb, primitive.indices);
+      for (const index of indices) triangles.push(index);
+      if (!/interior/i.test(json.materials?.[primitive.material]?.name ?? '')) continue;
+      const world = i => [0, 1, 2].map(k => Math.fround(positions[3 * i + k] + (node.translation?.[k] ?? 0))).join();
+      for (let t = 0; t < indices.length; t += 3) {
+        const corners = [world(indices[t]), world(indices[t + 1]), world(indices[t + 2])];
+        const at = corners.indexOf([...corners].sort()[0]), turn = k => corners[(at + k) % 3];
+        const mine = `${turn(0)};${turn(1)};${turn(2)}`, mirrored = `${turn(0)};${turn(2)};${turn(1)}`;
+        if (unpaired.get(mirrored) > 0) unpaired.set(mirrored, unpaired.get(mirrored) - 1);
+        else unpaired.set(mine, (unpaired.get(mine) ?? 0) + 1);
+      }
+    }
+    const { status, volume } = askManifold(positions, Uint32Array.from(triangles));
+    // Manifold computes in the file's rounded positions; 1e-4 relative catches a wrong figure, not rounding.
+    if (status !== 'NoError') complaints.push(`${node.name}: Manifold says ${status}`);
+    else if (!(volume > 0) || Math.abs(volume - stated) > 1e-4 * stated + 1e-12) complaints.push(`${node.name}: volume ${volume}, stated ${stated}`);
+  }
+  const filled = root?.report?.solid?.fill_triangles ?? root?.report?.fill_triangles ?? 0;
+  const alone = [...unpaired.values()].reduce((sum, n) => sum + n, 0);
+  if (alone && !filled) complaints.push(`${alone} interior triangles without their mirror image`);
+
+  const ids = new Set(fragments.map(n => n.extras.fracture.id)), names = new Set(json.nodes.map(n => n.name));
+  if (!fragments.length) complaints.push('no fragments');
+  if (ids.size !== fragments.length) complaints.push('fragment ids are not unique');
+  if (names.size !== json.nodes.length) complaints.push('node names are not unique');
+  if (![...root.bonds.a, ...root.bonds.b].every(id => ids.has(id))) complaints.push('a bond names a fragment that does not exist');
+  return { fragments: fragments.length, complaints };
+}
+
+let bad = 0;
+for (const file of process.argv.slice(2)) {
+  const { fragments, complaints } = await judge(file);
+  console.log(`${complaints.length ? 'BAD ' : 'good'} ${file}: ${fragments} fragments`);
+  for (const complaint of complaints) console.log(`     ${complaint}`);
+  bad += complaints.length > 0;
+}
+if (process.argv.length < 3) console.log('no files to judge');
+process.exit(bad || process.argv.length < 3 ? 1 : 0);

@@ -1,0 +1,327 @@
+// The file against the specification and against what went in; read back by the importer and by hand.
+#include "common/gltf/gltf_writer.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <limits>
+#include <set>
+
+#include "common/gltf/json_text.hpp"
+#include "common/gltf/names.hpp"
+#include "common/import/import.hpp"
+#include "common/solid/solid.hpp"
+#include "tests/gltf/two_halves.hpp"
+
+namespace fracture::test {
+namespace {
+
+using nlohmann::json;
+
+/// The container split by hand: the test's own reading of the GLB specification.
+struct Glb {
+  json document;
+  std::vector<std::uint8_t> binary;
+
+  explicit Glb(const std::vector<std::uint8_t>& bytes) {
+    const auto u32 = [&](std::size_t at) {
+      std::uint32_t value = 0;
+      std::memcpy(&value, &bytes.at(at), 4);
+      return value;
+    };
+    EXPECT_EQ(u32(0), 0x46546c67u);
+    EXPECT_EQ(u32(4), 2u);
+    EXPECT_EQ(u32(8), bytes.size());
+    const std::uint32_t size = u32(12);
+    EXPECT_EQ(u32(16), 0x4e4f534au);
+    EXPECT_EQ(size % 4, 0u);
+    document = json::parse(bytes.begin() + 20, bytes.begin() + 20 + size);
+    if (bytes.size() > 20 + size) {
+      EXPECT_EQ(u32(24 + size), 0x004e4942u);
+      EXPECT_EQ(u32(20 + size) % 4, 0u);
+      EXPECT_EQ(28 + size + u32(20 + size), bytes.size());
+      binary.assign(bytes.begin() + 28 + size, bytes.end());
+    }
+  }
+  /// The bytes of an accessor (tightly packed here).
+  template <class T>
+  std::vector<T> read(const json& accessor_index) const {
+    const json& accessor = document["accessors"].at(accessor_index.get<std::size_t>());
+    const json& view = document["bufferViews"].at(accessor["bufferView"].get<std::size_t>());
+    const std::size_t at = view.value("byteOffset", 0u) + accessor.value("byteOffset", 0u);
+    std::vector<T> values(accessor["count"].get<std::size_t>());
+    EXPECT_LE(accessor.value("byteOffset", 0u) + values.size() * sizeof(T),
+              view["byteLength"].get<std::size_t>());
+    std::memcpy(values.data(), &binary.at(at), values.size() * sizeof(T));
+    return values;
+  }
+};
+
+TEST(GltfWriter, SameInputSameBytes) { EXPECT_EQ(write_glb(two_halves(), {}), write_glb(two_halves(), {})); }
+
+TEST(GltfWriter, OneIdentityRootAndOneNodeForEachFragmentAtItsPivot) {
+  const Glb glb(write_glb(two_halves(), {}));
+  const json& nodes = glb.document["nodes"];
+  ASSERT_EQ(nodes.size(), 3u);
+  EXPECT_EQ(glb.document["scenes"][0]["nodes"], json({0}));
+  EXPECT_EQ(nodes[0]["children"], json({1, 2}));
+  for (const char* key : {"translation", "rotation", "scale", "matrix"}) EXPECT_FALSE(nodes[0].contains(key));
+  EXPECT_EQ(nodes[1]["translation"], json({0.5, 0.5, 0.5}));
+  EXPECT_EQ(nodes[2]["translation"], json({1.5, 0.5, 0.5}));
+  EXPECT_FALSE(glb.document.contains("extensionsRequired"));
+}
+
+TEST(GltfWriter, PositionsAndAttributesAreBitForBitThoseOfTheFragments) {
+  const FragmentSet set = two_halves();
+  const Glb glb(write_glb(set, {}));
+  for (std::size_t k = 0; k < set.fragments.size(); ++k) {
+    const Fragment& f = set.fragments[k];
+    const json& attributes = glb.document["meshes"][k]["primitives"][0]["attributes"];
+    EXPECT_EQ(glb.read<Vec3f>(attributes["POSITION"]), f.positions);
+    EXPECT_EQ(glb.read<Vec3f>(attributes["NORMAL"]), f.attributes.normals);
+    EXPECT_EQ(glb.read<Vec4f>(attributes["TANGENT"]), f.attributes.tangents);
+    EXPECT_EQ(glb.read<Vec2f>(attributes["TEXCOORD_0"]), f.attributes.uvs[0]);
+    EXPECT_EQ(glb.read<Vec2f>(attributes["TEXCOORD_1"]), f.attributes.uvs[1]);
+    EXPECT_EQ(glb.read<Vec4f>(attributes["COLOR_0"]), f.attributes.colors[0]);
+  }
+}
+
+TEST(GltfWriter, PrimitivesShareAttributesAndCoverTheIndicesInOrder) {
+  const FragmentSet set = two_halves();
+  const Glb glb(write_glb(set, {}));
+  for (std::size_t k = 0; k < set.fragments.size(); ++k) {
+    const json& primitives = glb.document["meshes"][k]["primitives"];
+    ASSERT_EQ(primitives.size(), 3u);
+    std::vector<std::uint32_t> indices;
+    std::set<std::size_t> views;
+    for (const json& primitive : primitives) {
+      EXPECT_EQ(primitive["attributes"]["POSITION"], primitives[0]["attributes"]["POSITION"]);
+      views.insert(glb.document["accessors"][primitive["indices"].get<std::size_t>()]["bufferView"]
+                       .get<std::size_t>());
+      for (const std::uint16_t index : glb.read<std::uint16_t>(primitive["indices"]))
+        indices.push_back(index);
+    }
+    EXPECT_EQ(indices, set.fragments[k].indices);
+    EXPECT_EQ(views.size(), 1u);
+  }
+}
+
+TEST(GltfWriter, SourceMaterialsComeFirstInOrderThenTheInterior) {
+  const FragmentSet set = two_halves();
+  const Glb glb(write_glb(set, {}));
+  const json& materials = glb.document["materials"];
+  ASSERT_EQ(materials.size(), 3u);
+  EXPECT_EQ(materials[0], set.source->library->materials[0]);
+  EXPECT_EQ(materials[1], set.source->library->materials[1]);
+  EXPECT_THAT(materials[2]["name"].get<std::string>(), ::testing::HasSubstr("Interior"));
+  const json& primitives = glb.document["meshes"][0]["primitives"];
+  EXPECT_EQ(primitives[0]["material"], 0);
+  EXPECT_EQ(primitives[1]["material"], 1);
+  EXPECT_EQ(primitives[2]["material"], 2);
+}
+
+TEST(GltfWriter, TangentsStandExactlyWhereAMaterialHasANormalMap) {
+  FragmentSet set = two_halves();
+  const json primitives = Glb(write_glb(set, {})).document["meshes"][0]["primitives"];
+  EXPECT_TRUE(primitives[0]["attributes"].contains("TANGENT"));
+  EXPECT_FALSE(primitives[1]["attributes"].contains("TANGENT"));
+  EXPECT_FALSE(primitives[2]["attributes"].contains("TANGENT"));
+}
+
+TEST(GltfWriter, PrimitiveWithoutMaterialNamesNone) {
+  FragmentSet set = two_halves();
+  set.fragments[0].primitives[1].material = kNoIndex;
+  EXPECT_FALSE(Glb(write_glb(set, {})).document["meshes"][0]["primitives"][1].contains("material"));
+}
+
+TEST(GltfWriter, ImagesPassThroughByteForByte) {
+  const FragmentSet set = two_halves();
+  const Glb glb(write_glb(set, {}));
+  const json& view = glb.document["bufferViews"][glb.document["images"][0]["bufferView"].get<std::size_t>()];
+  const auto& source = set.source->library->images[0].bytes;
+  ASSERT_EQ(view["byteLength"], source.size());
+  EXPECT_FALSE(view.contains("target"));
+  EXPECT_EQ(std::memcmp(&glb.binary.at(view["byteOffset"].get<std::size_t>()), source.data(), source.size()),
+            0);
+}
+
+TEST(GltfWriter, ViewsAreAlignedAndSayWhatTheyAreFor) {
+  const Glb glb(write_glb(two_halves(), {}));
+  for (const json& accessor : glb.document["accessors"]) {
+    const json& view = glb.document["bufferViews"][accessor["bufferView"].get<std::size_t>()];
+    const bool index = accessor["type"] == "SCALAR";
+    EXPECT_EQ(view["target"], index ? 34963 : 34962);
+    EXPECT_EQ(view.contains("byteStride"), !index);
+    EXPECT_EQ(view.value("byteOffset", 0u) % 4, 0u);
+    EXPECT_EQ(accessor.value("byteOffset", 0u) % (index ? 2 : 4), 0u);
+  }
+}
+
+TEST(GltfWriter, PositionBoundsAreTheStoredFloats) {
+  FragmentSet set = two_halves();
+  set.fragments[0].positions[0] = {0.1f, -0.3f, 1e-20f};
+  const Glb glb(write_glb(set, {}));
+  const json& accessor =
+      glb.document["accessors"]
+                  [glb.document["meshes"][0]["primitives"][0]["attributes"]["POSITION"].get<std::size_t>()];
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    double low = std::numeric_limits<double>::max(), high = -low;
+    for (const Vec3f& p : set.fragments[0].positions) {
+      low = std::min(low, to_double(p)[static_cast<int>(axis)]);
+      high = std::max(high, to_double(p)[static_cast<int>(axis)]);
+    }
+    EXPECT_EQ(accessor["min"][axis].get<double>(), low);
+    EXPECT_EQ(accessor["max"][axis].get<double>(), high);
+  }
+}
+
+/// One triangle fan over n vertices: only the count matters.
+FragmentSet fragment_with_vertices(std::uint32_t n) {
+  FragmentSet set = two_halves();
+  set.bonds.clear();
+  set.fragments.resize(1);
+  Fragment& f = set.fragments[0];
+  f.attributes = {};
+  f.positions.resize(n);
+  for (std::uint32_t k = 0; k < n; ++k)
+    f.positions[k] = {static_cast<float>(k), static_cast<float>(k % 7), 0};
+  f.indices = {0, 1, n - 1};
+  f.primitives = {{kNoIndex, 0, 3}};
+  return set;
+}
+
+TEST(GltfWriter, IndicesHave16BitsUpTo65535VerticesAnd32Beyond) {
+  const Glb narrow(write_glb(fragment_with_vertices(65535), {})),
+      wide(write_glb(fragment_with_vertices(65536), {}));
+  const auto type = [](const Glb& glb) {
+    return glb.document["accessors"][glb.document["meshes"][0]["primitives"][0]["indices"].get<std::size_t>()]
+                       ["componentType"];
+  };
+  EXPECT_EQ(type(narrow), 5123);
+  EXPECT_EQ(type(wide), 5125);
+  EXPECT_EQ(narrow.read<std::uint16_t>(narrow.document["meshes"][0]["primitives"][0]["indices"])[2], 65534);
+  EXPECT_EQ(wide.read<std::uint32_t>(wide.document["meshes"][0]["primitives"][0]["indices"])[2], 65535u);
+}
+
+TEST(GltfWriter, NormalsAndTangentsWithoutLengthAreMended) {
+  FragmentSet set = two_halves();
+  Fragment& f = set.fragments[0];
+  f.attributes.normals[0] = {};
+  f.attributes.normals[1] = {0, 0, 5};
+  f.attributes.tangents[0] = {};
+  f.attributes.tangents[1] = {3, 0, 0, -0.5f};
+  const Glb glb(write_glb(set, {}));
+  const json& attributes = glb.document["meshes"][0]["primitives"][0]["attributes"];
+  const auto normals = glb.read<Vec3f>(attributes["NORMAL"]);
+  EXPECT_EQ(normals[0], (Vec3f{0, 0, 1}));  // of the triangle: the face z = const
+  EXPECT_EQ(normals[1], (Vec3f{0, 0, 1}));
+  const auto tangents = glb.read<Vec4f>(attributes["TANGENT"]);
+  EXPECT_NEAR(length({tangents[0].x, tangents[0].y, tangents[0].z}), 1, 1e-6);
+  EXPECT_EQ(std::abs(tangents[0].w), 1);
+  EXPECT_EQ(tangents[1], (Vec4f{1, 0, 0, -1}));
+}
+
+TEST(GltfWriter, NamesAreUniqueShortAsciiAndBeginWithTheSourceNode) {
+  const Glb glb(write_glb(two_halves(), {}));
+  EXPECT_EQ(glb.document["nodes"][1]["name"], "Kiste_____1__0");
+  EXPECT_EQ(glb.document["nodes"][2]["name"], "Kiste_____1__1");
+  EXPECT_EQ(fragment_name(std::string(200, 'x'), 7, 1001).size(), 63u);
+  EXPECT_EQ(fragment_name("", 7, 1001), "mesh_0007");
+  EXPECT_EQ(fragment_name("a", 0, 1), "a_0");
+}
+
+TEST(GltfWriter, ExtrasCarryFiguresBondsAndCertificateKeyedById) {
+  GltfOptions options;
+  options.parameters = {{"sites", 2}, {"seed", 1}};
+  options.mesh_digest = "sha256:00";
+  options.density = 500;
+  const FragmentSet set = two_halves();
+  const json document = Glb(write_glb(set, options)).document;
+  EXPECT_EQ(document["asset"]["copyright"], "CC0 \"test\"");
+  EXPECT_EQ(document["asset"]["extras"]["parameters"], options.parameters);
+  const json& root = document["nodes"][0]["extras"]["fracture"];
+  EXPECT_EQ(root, fracture_extras(set, options));
+  EXPECT_EQ(root["mesh"], "sha256:00");
+  EXPECT_EQ(root["parameters"]["sites"], 2);
+  EXPECT_EQ(root["certificate"]["open_edges"], 0);
+  EXPECT_EQ(root["report"]["solid"]["parts"], 1);
+  EXPECT_EQ(root["bonds"]["a"], json({9007199254740991}));
+  EXPECT_EQ(root["bonds"]["b"], json({7}));
+  EXPECT_EQ(root["bonds"]["area"], json({1}));
+  EXPECT_EQ(root["bonds"]["centroid"], json({{1, 0.5, 0.5}}));
+  EXPECT_EQ(root["bonds"]["normal"], json({{1, 0, 0}}));
+  const json& fragment = document["nodes"][2]["extras"]["fracture"];
+  EXPECT_EQ(fragment["id"], 7);
+  EXPECT_EQ(fragment["mass"], 500);
+  EXPECT_EQ(fragment["sites"], json({1, 2}));
+  EXPECT_TRUE(fragment["parent"].is_null());
+}
+
+TEST(GltfWriter, WhatItWritesTheImporterReadsBackInWorldSpace) {
+  const std::vector<std::uint8_t> glb = write_glb(two_halves(), {});
+  const Expected<Mesh> mesh =
+      import_mesh({reinterpret_cast<const std::byte*>(glb.data()), glb.size()}, MeshFormat::kGlb, {});
+  ASSERT_TRUE(mesh) << mesh.error().detail;
+  const FragmentSet set = two_halves();
+  std::vector<Vec3f> world;
+  for (const Fragment& f : set.fragments)
+    for (const Vec3f& p : f.positions)
+      world.push_back({p.x + static_cast<float>(f.pivot.x), p.y + static_cast<float>(f.pivot.y),
+                       p.z + static_cast<float>(f.pivot.z)});
+  // Primitives with and without tangents are two surfaces there, so vertices may come twice; triangles do
+  // not.
+  ASSERT_EQ(mesh->triangles.size(), 24u);
+  std::multiset<std::array<float, 9>> before, after;
+  const auto corners = [](const std::vector<Vec3f>& p, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    return std::array<float, 9>{p[a].x, p[a].y, p[a].z, p[b].x, p[b].y, p[b].z, p[c].x, p[c].y, p[c].z};
+  };
+  std::uint32_t base = 0;
+  for (const Fragment& f : set.fragments) {
+    for (std::size_t k = 0; k < f.indices.size(); k += 3)
+      before.insert(corners(world, base + f.indices[k], base + f.indices[k + 1], base + f.indices[k + 2]));
+    base += static_cast<std::uint32_t>(f.positions.size());
+  }
+  for (const auto& t : mesh->triangles) after.insert(corners(mesh->positions, t[0], t[1], t[2]));
+  EXPECT_EQ(before, after);
+  EXPECT_EQ(mesh->library->materials.size(), 3u);
+  EXPECT_EQ(mesh->library->images[0].bytes, set.source->library->images[0].bytes);
+}
+
+TEST(GltfWriter, FragmentThatContradictsItselfIsABugNotAFile) {
+  const auto broken = [](auto&& change) {
+    FragmentSet set = two_halves();
+    change(set.fragments[1]);
+    return set;
+  };
+  EXPECT_THROW(write_glb(broken([](Fragment& f) { f.indices[0] = 1000; }), {}), InternalError);
+  EXPECT_THROW(write_glb(broken([](Fragment& f) { f.attributes.normals.pop_back(); }), {}), InternalError);
+  EXPECT_THROW(write_glb(broken([](Fragment& f) { f.primitives.pop_back(); }), {}), InternalError);
+  EXPECT_THROW(
+      write_glb(broken([](Fragment& f) { f.mass.volume = std::numeric_limits<double>::quiet_NaN(); }), {}),
+      InternalError);
+}
+
+TEST(JsonText, NumbersReadBackAsTheSameDouble) {
+  for (const double number : {0.1, 1.0 / 3, 5e-324, 1.7976931348623157e308, -0.0, 1e21, 123456789012345680.0,
+                              static_cast<double>(0.1f)}) {
+    JsonText text;
+    text.value(number);
+    const double back = json::parse(text.text()).get<double>();
+    EXPECT_EQ(std::memcmp(&back, &number, 8), 0) << text.text();
+  }
+}
+
+TEST(JsonText, StringsAreEscaped) {
+  JsonText text;
+  const std::string odd = std::string("a\"b\\c\n\x01") + "\xc3\xa4";
+  text.begin_object().key("k").value(odd).end_object();
+  EXPECT_EQ(json::parse(text.text())["k"], odd);
+  JsonText nested;
+  const json document = {{"a \"quoted\" key", {1, -2, 2.5, true, nullptr, {{"x", json::array()}}}}};
+  nested.value(document);
+  EXPECT_EQ(json::parse(nested.text()), document);
+}
+
+}  // namespace
+}  // namespace fracture::test
