@@ -333,6 +333,10 @@ TEST(Hostile, AServerWithAllConnectionsTakenSaysSo) {
 
 // Trap 4: at the limit of open files an accept loop without a pause spins.
 TEST(Hostile, AtTheLimitOfOpenFilesTheServerNeitherSpinsNorDies) {
+#ifdef FRACTURE_SANITIZED
+  GTEST_SKIP()
+      << "UBSan probes memory through a pipe of its own, and takes the lack of descriptors for a bad pointer";
+#endif
   TestServer server;
   EXPECT_ALIVE(server);
   rlimit saved{};

@@ -91,7 +91,7 @@ TEST(RequestHead, AnythingAboutFramingThatTwoParsersCouldReadDifferentlyIsRefuse
   EXPECT_EQ(status_of(line + end), 400) << "no Host";
   EXPECT_EQ(status_of("GET / HTTP/1.0\r\n\r\n"), 200) << "HTTP/1.0 needs no Host";
   EXPECT_EQ(status_of("POST / HTTP/1.0\r\nHost: a\r\nTransfer-Encoding: chunked\r\n\r\n"), 400);
-  EXPECT_EQ(status_of(std::string("GET / HTTP/1.1\r\nHost: a\r\nX: \0\r\n\r\n", 37)), 400) << "NUL";
+  EXPECT_EQ(status_of(std::string("GET / HTTP/1.1\r\nHost: a\r\nX: ") + '\0' + "\r\n\r\n"), 400) << "NUL";
 }
 
 TEST(RequestHead, OnlyOneFormOfRequestLineIsRead) {

@@ -82,8 +82,8 @@ TEST(WorkerPool, ALoneJobMayUseEveryThreadAndALoadedPoolGivesOneEach) {
 }
 
 TEST(WorkerPool, AFullQueueRefusesAtOnceAndSaysWhenToComeBack) {
-  WorkerPool pool(1, 2);
   std::latch release(1);
+  WorkerPool pool(1, 2);
   pool.try_submit([&](int) { release.wait(); });
   while (pool.running() == 0) std::this_thread::yield();
   EXPECT_TRUE(pool.try_submit([](int) {}));
@@ -98,8 +98,8 @@ TEST(WorkerPool, AFullQueueRefusesAtOnceAndSaysWhenToComeBack) {
 }
 
 TEST(WorkerPool, AQueueOfNoneStillFeedsIdleThreads) {
-  WorkerPool pool(1, 0);
   std::latch release(1);
+  WorkerPool pool(1, 0);
   EXPECT_TRUE(pool.try_submit([&](int) { release.wait(); }));
   while (pool.running() == 0) std::this_thread::yield();
   EXPECT_FALSE(pool.try_submit([](int) {}));
