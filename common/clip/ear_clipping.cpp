@@ -72,8 +72,14 @@ void clip_ears(std::span<const LatticePoint> points, std::span<const std::uint32
     }
     return true;
   };
+  // A ring that crosses itself may pass a point twice; an ear between its two visits uses one edge in both
+  // directions, which cancels: nothing to emit.
+  const auto emit = [&](std::uint32_t k) {
+    const std::array<std::uint32_t, 3> t{ring[prev[k]], ring[k], ring[next[k]]};
+    if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) triangles.push_back(t);
+  };
   const auto cut = [&](std::uint32_t k) {
-    triangles.push_back({ring[prev[k]], ring[k], ring[next[k]]});
+    emit(k);
     next[prev[k]] = next[k];
     prev[next[k]] = prev[k];
   };
@@ -99,7 +105,7 @@ void clip_ears(std::span<const LatticePoint> points, std::span<const std::uint32
     since_cut = 0;
     k = next[best];
   }
-  triangles.push_back({ring[prev[k]], ring[k], ring[next[k]]});
+  emit(k);
 }
 
 }  // namespace fracture
