@@ -16,6 +16,10 @@ bool in_range(const Vec3d& p) {
   return true;
 }
 
+/// How many insertions ahead the coordinates are fetched: the order of insertion jumps about in the caller's
+/// list.
+constexpr std::size_t kPrefetch = 8;
+
 double squared(double v) { return v * v; }
 
 /// Squared distances from p to the nearest and the farthest point of the box.
@@ -80,6 +84,7 @@ Expected<Tetrahedralization> tetrahedralize(std::span<const Vec3d> sites, const 
       if (execution.progress && i % 4096 == 0)
         execution.progress("delaunay", static_cast<double>(i) / static_cast<double>(order.size()));
     }
+    if (i + kPrefetch < order.size()) __builtin_prefetch(&points[order[i + kPrefetch]]);
     const auto [status, vertex] = delaunay.insert(points[order[i]]);
     if (status == IncrementalDelaunay::Status::kFull)
       return fail(ErrorCode::kTooComplex,

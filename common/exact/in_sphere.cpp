@@ -1,6 +1,5 @@
 #include "common/exact/in_sphere.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -21,27 +20,62 @@ namespace {
 // * 2^-53 r^5, rounded up to 2^-46.
 constexpr double kInSphereError = 0x1p-46;
 
+/// Differences up to this many steps: 72 m^5 < 2^53, so every operation on doubles is exact (the differences
+/// too).
+constexpr double kExactInDoubles = 512;
+
+double larger(double a, double b) { return a > b ? a : b; }
+
 template <class T>
 T minor(const T& px, const T& py, const T& qx, const T& qy) {
   return px * qy - qx * py;
 }
 
-double in_sphere_double(const Vec3d& b, const Vec3d& c, const Vec3d& d, const Vec3d& e, double lift_b,
-                        double lift_c, double lift_d, double lift_e) {
+/// The sign of f, and the signs of its derivatives by the lifted coordinates of a, b, c, d, e: the cofactors
+/// of the tie rule.
+struct Decision {
+  int sign;
+  std::array<int, 5> cofactor;  // only where sign == 0
+};
+
+template <class Number>
+int sign_of_number(const Number& v) {
+  if constexpr (requires { v.sign(); })
+    return v.sign();
+  else
+    return (v > 0) - (v < 0);
+}
+
+/// cde = [C, D, E] = [E, C, D], bde = [B, D, E] = -[B, E, D], bce = [B, C, E], bcd = [B, C, D]. The cofactor
+/// of a is minus the sum of the others, because lifts are relative to a.
+template <class Number, class Det>
+Decision decide(const Number& f, const Det& cde, const Det& bde, const Det& bce, const Det& bcd) {
+  const int sign = sign_of_number(f);
+  if (sign != 0) return {sign, {}};
+  return {0,
+          {sign_of_number((bde - cde) + (bcd - bce)), sign_of_number(cde), -sign_of_number(bde),
+           sign_of_number(bce), -sign_of_number(bcd)}};
+}
+
+struct InSphereDoubles {
+  double f, cde, bde, bce, bcd;
+};
+InSphereDoubles in_sphere_doubles(const Vec3d& b, const Vec3d& c, const Vec3d& d, const Vec3d& e,
+                                  double lift_b, double lift_c, double lift_d, double lift_e) {
   const double bc = minor(b.x, b.y, c.x, c.y), bd = minor(b.x, b.y, d.x, d.y), be = minor(b.x, b.y, e.x, e.y),
                cd = minor(c.x, c.y, d.x, d.y), ce = minor(c.x, c.y, e.x, e.y), de = minor(d.x, d.y, e.x, e.y);
-  const double cde = c.z * de - d.z * ce + e.z * cd;  // [C, D, E] = [E, C, D]
-  const double bde = b.z * de - d.z * be + e.z * bd;  // [B, D, E] = -[B, E, D]
+  const double cde = c.z * de - d.z * ce + e.z * cd;
+  const double bde = b.z * de - d.z * be + e.z * bd;
   const double bce = b.z * ce - c.z * be + e.z * bc;
   const double bcd = b.z * cd - c.z * bd + d.z * bc;
-  return (lift_b * cde - lift_c * bde) + (lift_d * bce - lift_e * bcd);
+  return {(lift_b * cde - lift_c * bde) + (lift_d * bce - lift_e * bcd), cde, bde, bce, bcd};
 }
 
 // The types of the levels of the computation are chosen by the callers so that nothing overflows:
 // minors <= 2 m^2, determinants <= 6 m^3, lifts <= 3 m^2, f <= 4 * 3 m^2 * 6 m^3 = 72 m^5 (all partial sums
 // included).
 template <class Minor, class Det, class Lift, class Result>
-int sign_as(const IntPoint& b, const IntPoint& c, const IntPoint& d, const IntPoint& e) {
+Decision decide_as(const IntPoint& b, const IntPoint& c, const IntPoint& d, const IntPoint& e) {
   const auto minor2 = [](const IntPoint& p, const IntPoint& q) {
     return static_cast<Minor>(p.x) * q.y - static_cast<Minor>(q.x) * p.y;
   };
@@ -57,10 +91,10 @@ int sign_as(const IntPoint& b, const IntPoint& c, const IntPoint& d, const IntPo
             bce = det(b.z, ce, c.z, be, e.z, bc), bcd = det(b.z, cd, c.z, bd, d.z, bc);
   const Result f = (static_cast<Result>(lift(b)) * cde - static_cast<Result>(lift(c)) * bde) +
                    (static_cast<Result>(lift(d)) * bce - static_cast<Result>(lift(e)) * bcd);
-  return (f > 0) - (f < 0);
+  return decide(f, cde, bde, bce, bcd);
 }
 
-int wide_sign(const IntPoint& b, const IntPoint& c, const IntPoint& d, const IntPoint& e) {
+Decision decide_wide(const IntPoint& b, const IntPoint& c, const IntPoint& d, const IntPoint& e) {
   const auto minor2 = [](const IntPoint& p, const IntPoint& q) {
     return static_cast<Int128>(p.x) * q.y - static_cast<Int128>(q.x) * p.y;
   };
@@ -74,91 +108,101 @@ int wide_sign(const IntPoint& b, const IntPoint& c, const IntPoint& d, const Int
   };
   const WideInt<3> cde = det(c.z, de, d.z, ce, e.z, cd), bde = det(b.z, de, d.z, be, e.z, bd),
                    bce = det(b.z, ce, c.z, be, e.z, bc), bcd = det(b.z, cd, c.z, bd, d.z, bc);
-  return ((multiply(lift(b), cde) - multiply(lift(c), bde)) +
-          (multiply(lift(d), bce) - multiply(lift(e), bcd)))
-      .sign();
+  const WideInt<5> f =
+      (multiply(lift(b), cde) - multiply(lift(c), bde)) + (multiply(lift(d), bce) - multiply(lift(e), bcd));
+  return decide(f, cde, bde, bce, bcd);
 }
 
-int integer_sign(const IntPoint& b, const IntPoint& c, const IntPoint& d, const IntPoint& e) {
+Decision decide_integers(const std::array<IntPoint, 5>& p) {
+  const IntPoint &b = p[1], &c = p[2], &d = p[3], &e = p[4];
   const std::uint64_t bits = magnitude_bits(b) | magnitude_bits(c) | magnitude_bits(d) | magnitude_bits(e);
   using I64 = std::int64_t;
-  if (bits < std::uint64_t{1} << 11) return sign_as<I64, I64, I64, I64>(b, c, d, e);     // 72 * 2^55 < 2^62
-  if (bits < std::uint64_t{1} << 20) return sign_as<I64, I64, I64, Int128>(b, c, d, e);  // 6 * 2^60 < 2^63
+  if (bits < std::uint64_t{1} << 11) return decide_as<I64, I64, I64, I64>(b, c, d, e);     // 72 * 2^55 < 2^62
+  if (bits < std::uint64_t{1} << 20) return decide_as<I64, I64, I64, Int128>(b, c, d, e);  // 6 * 2^60 < 2^63
   if (bits < std::uint64_t{1} << 24)
-    return sign_as<I64, Int128, I64, Int128>(b, c, d, e);  // 72 * 2^120 < 2^127
-  return wide_sign(b, c, d, e);
+    return decide_as<I64, Int128, I64, Int128>(b, c, d, e);  // 72 * 2^120 < 2^127
+  return decide_wide(b, c, d, e);
 }
 
-int any_size_sign(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, const Vec3d& e) {
+Decision decide_any_size(const std::array<Vec3d, 5>& p) {
   BinaryScale scale;
-  for (const Vec3d* p : {&a, &b, &c, &d, &e}) scale.include(*p);
+  for (const Vec3d& q : p) scale.include(q);
   using P = Point<BigInt>;
-  const P o = scale.scaled<BigInt>(a);
-  const P rb = scale.scaled<BigInt>(b) - o, rc = scale.scaled<BigInt>(c) - o,
-          rd = scale.scaled<BigInt>(d) - o, re = scale.scaled<BigInt>(e) - o;
-  const BigInt f = dot(rb, rb) * dot(re, cross(rc, rd)) + dot(rc, rc) * dot(rb, cross(re, rd)) +
-                   dot(rd, rd) * dot(rb, cross(rc, re)) - dot(re, re) * dot(rb, cross(rc, rd));
-  return f.sign();
+  const P o = scale.scaled<BigInt>(p[0]);
+  const P b = scale.scaled<BigInt>(p[1]) - o, c = scale.scaled<BigInt>(p[2]) - o,
+          d = scale.scaled<BigInt>(p[3]) - o, e = scale.scaled<BigInt>(p[4]) - o;
+  const BigInt cde = dot(c, cross(d, e)), bde = dot(b, cross(d, e)), bce = dot(b, cross(c, e)),
+               bcd = dot(b, cross(c, d));
+  const BigInt f = dot(b, b) * cde - dot(c, c) * bde + dot(d, d) * bce - dot(e, e) * bcd;
+  return decide(f, cde, bde, bce, bcd);
+}
+
+// Without branches: in a lattice no comparison of coordinates can be predicted.
+template <class P>
+bool less_without_branch(const P& a, const P& b) {
+  return (a.x < b.x) | ((a.x == b.x) & ((a.y < b.y) | ((a.y == b.y) & (a.z < b.z))));
 }
 
 // f is exactly zero: the first site in lexicographic order with a non-zero cofactor decides (see the header).
-// `less` compares two of the five sites, `cofactor` gives orient3d of the tetrahedron with vertex k replaced
-// by e.
-template <class Less, class Cofactor>
-int break_tie(Less less, Cofactor cofactor) {
+template <class P>
+int break_tie(const std::array<P, 5>& p, const std::array<int, 5>& cofactor) {
+  int least = 0;
+  for (int i = 1; i < 5; ++i) least = less_without_branch(p[i], p[least]) ? i : least;
+  if (cofactor[least] != 0) return -cofactor[least];
   std::array<int, 5> order{0, 1, 2, 3, 4};
   for (int k = 0; k < 5; ++k) {
     for (int i = k + 1; i < 5; ++i)
-      if (less(order[i], order[k])) std::swap(order[k], order[i]);
-    if (order[k] == 4) return 1;
-    const int sign = cofactor(order[k]);
-    if (sign != 0) return -sign;
+      if (less_without_branch(p[order[i]], p[order[k]])) std::swap(order[k], order[i]);
+    if (cofactor[order[k]] != 0) return -cofactor[order[k]];
   }
-  return 1;  // not reached: e is one of the five
+  return 1;  // not reached: the cofactor of e is the volume
 }
 
 }  // namespace
 
 int in_sphere_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, const Vec3d& e,
                     const PointScale& given, PredicateCounters* counters) {
+  const auto conclude = [&](const auto& points, const Decision& decision) {
+    if (counters) {
+      ++counters->exact;
+      counters->ties += decision.sign == 0;
+    }
+    return decision.sign != 0 ? decision.sign : break_tie(points, decision.cofactor);
+  };
   PointScale scale = given;
-  if (!scale.fits()) {
+  if (scale.fits()) {
+    // On a lattice the points are usually a few steps apart: then doubles are exact integers too, and need no
+    // conversion.
+    const double s = scale.scale;
+    const std::array<Vec3d, 5> p{Vec3d{}, s * (b - a), s * (c - a), s * (d - a), s * (e - a)};
+    double m = 0;
+    for (int k = 1; k < 5; ++k)
+      m = larger(larger(m, std::fabs(p[k].x)), larger(std::fabs(p[k].y), std::fabs(p[k].z)));
+    if (m <= kExactInDoubles) {
+      const InSphereDoubles r = in_sphere_doubles(p[1], p[2], p[3], p[4], dot(p[1], p[1]), dot(p[2], p[2]),
+                                                  dot(p[3], p[3]), dot(p[4], p[4]));
+      return conclude(p, decide(r.f, r.cde, r.bde, r.bce, r.bcd));
+    }
+  } else {
     ScaleBuilder builder;
     for (const Vec3d* p : {&a, &b, &c, &d, &e}) builder.include(*p);
     scale = builder.scale();
   }
-  if (counters) ++counters->exact;
-  if (scale.fits()) {
-    const IntPoint o = to_integers(a, scale);
-    const std::array<IntPoint, 5> p{IntPoint{0, 0, 0}, to_integers(b, scale) - o, to_integers(c, scale) - o,
-                                    to_integers(d, scale) - o, to_integers(e, scale) - o};
-    const int sign = integer_sign(p[1], p[2], p[3], p[4]);
-    if (sign != 0) return sign;
-    if (counters) ++counters->ties;
-    return break_tie([&](int i, int j) { return lexicographic_less(p[i], p[j]); },
-                     [&](int k) {
-                       std::array<IntPoint, 4> t{p[0], p[1], p[2], p[3]};
-                       t[k] = p[4];
-                       return orient3d_sign(t[1] - t[0], t[2] - t[0], t[3] - t[0]);
-                     });
+  if (!scale.fits()) {
+    const std::array<Vec3d, 5> p{a, b, c, d, e};
+    return conclude(p, decide_any_size(p));
   }
-  const int sign = any_size_sign(a, b, c, d, e);
-  if (sign != 0) return sign;
-  if (counters) ++counters->ties;
-  const std::array<Vec3d, 5> p{a, b, c, d, e};
-  return break_tie([&](int i, int j) { return lexicographic_less(p[i], p[j]); },
-                   [&](int k) {
-                     std::array<Vec3d, 4> t{a, b, c, d};
-                     t[k] = e;
-                     return orient3d_exact(t[0], t[1], t[2], t[3], scale);
-                   });
+  const IntPoint o = to_integers(a, scale);
+  const std::array<IntPoint, 5> p{IntPoint{0, 0, 0}, to_integers(b, scale) - o, to_integers(c, scale) - o,
+                                  to_integers(d, scale) - o, to_integers(e, scale) - o};
+  return conclude(p, decide_integers(p));
 }
 
 int in_sphere(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, const Vec3d& e) {
   const Vec3d rb = b - a, rc = c - a, rd = d - a, re = e - a;
   const double lb = dot(rb, rb), lc = dot(rc, rc), ld = dot(rd, rd), le = dot(re, re);
-  const double f = in_sphere_double(rb, rc, rd, re, lb, lc, ld, le);
-  const double r2 = std::max(std::max(lb, lc), std::max(ld, le));
+  const double f = in_sphere_doubles(rb, rc, rd, re, lb, lc, ld, le).f;
+  const double r2 = larger(larger(lb, lc), larger(ld, le));
   const double bound = kInSphereError * r2 * r2 * std::sqrt(r2) + kUnderflow;
   if (f > bound) return 1;
   if (f < -bound) return -1;
