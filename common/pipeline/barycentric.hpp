@@ -10,7 +10,7 @@ namespace fracture {
 
 struct BarycentricResult {
   FragmentSet set;                  ///< every fragment closed; together no partition of the solid; no bonds
-  std::uint32_t skipped_hulls = 0;  ///< cells whose hull was flat or did not hold its site
+  std::uint32_t skipped_hulls = 0;  ///< cells whose hull was flat
 };
 
 /// Cuts the solid by each barycentric cell on its own: cost is sites x triangles, as in the paper (the

@@ -51,7 +51,11 @@ std::optional<std::vector<Vec3d>> barycentric_cell(const VoronoiDiagram& diagram
   }
   std::sort(barycenters.begin(), barycenters.end(), lexicographic_less);
   if (barycenters.size() < 4) return std::nullopt;
-  const Vec3d p = diagram.site(i);
+  // The mirror must lie inside; the site itself sometimes does not. The mean of the hull's points always
+  // does.
+  Vec3d p;
+  for (const Vec3d& b : barycenters) p = p + b;
+  p = (1.0 / static_cast<double>(barycenters.size())) * p;
   std::vector<Vec3d> sites{p};
   for (const Plane& plane : hull_planes(barycenters)) {
     const double distance = dot(plane.normal, p) + plane.offset;

@@ -10,10 +10,10 @@
 
 namespace fracture {
 
-/// The hull as a Voronoi cell: sites[0] is site i itself, the others are its mirror images across the planes
-/// of the hull's facets, so that the Voronoi cell of sites[0] among them *is* the hull (up to the rounding of
-/// the images). This way the exact clipper cuts these cells too. Nothing for a hull that is flat, degenerate
-/// or does not hold its site.
+/// The hull as a Voronoi cell: sites[0] is the mean of the barycentres, the others are its mirror images
+/// across the planes of the hull's facets, so that the Voronoi cell of sites[0] among them *is* the hull (up
+/// to the rounding of the images). This way the exact clipper cuts these cells too. Nothing where the hull is
+/// flat or degenerate.
 std::optional<std::vector<Vec3d>> barycentric_cell(const VoronoiDiagram& diagram, SiteId i);
 
 }  // namespace fracture

@@ -1,0 +1,114 @@
+// Rounding of constructed vertices to the seam lattice, against rational arithmetic.
+#include "common/clip/positions.hpp"
+
+#include <gtest/gtest.h>
+
+#include <boost/multiprecision/cpp_int.hpp>
+
+#include "common/pipeline/restrict.hpp"
+#include "common/sites/sites.hpp"
+#include "tests/support/figures.hpp"
+#include "tests/support/shapes.hpp"
+#include "tests/support/site_families.hpp"
+
+namespace fracture::test {
+namespace {
+
+using Q = boost::multiprecision::cpp_rational;
+using QVec = std::array<Q, 3>;
+
+QVec q(const Vec3d& p) { return {Q(p.x), Q(p.y), Q(p.z)}; }
+QVec operator-(const QVec& a, const QVec& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+Q dot(const QVec& a, const QVec& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+QVec cross(const QVec& a, const QVec& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+/// Nearest lattice coordinate, ties to even.
+Q round_to_lattice(const Q& x, int exponent) {
+  const Q step = exponent >= 0 ? Q(boost::multiprecision::cpp_int(1) << exponent)
+                               : Q(1, boost::multiprecision::cpp_int(1) << -exponent);
+  const Q y = x / step;
+  boost::multiprecision::cpp_int floor = numerator(y) / denominator(y);
+  if (y < 0 && Q(floor) != y) --floor;
+  const Q rest = y - Q(floor);
+  const bool up = rest > Q(1, 2) || (rest == Q(1, 2) && floor % 2 != 0);
+  return up ? Q(floor + 1) : Q(floor);
+}
+
+struct Plane {
+  QVec n;
+  Q d;
+};
+Plane bisector(const Vec3d& i, const Vec3d& j) {
+  return {q(j) - q(i), (dot(q(j), q(j)) - dot(q(i), q(i))) / 2};
+}
+QVec meet(const Plane& a, const Plane& b, const Plane& c) {
+  const Q det = dot(a.n, cross(b.n, c.n));
+  EXPECT_NE(det, 0);
+  const QVec u = cross(b.n, c.n), v = cross(c.n, a.n), w = cross(a.n, b.n);
+  QVec x;
+  for (int k = 0; k < 3; ++k) x[k] = (a.d * u[k] + b.d * v[k] + c.d * w[k]) / det;
+  return x;
+}
+
+void expect_rounded(const VertexPositions& p, std::size_t n, const QVec& exact) {
+  for (int a = 0; a < 3; ++a) {
+    EXPECT_EQ(Q(p.steps[n][a]), round_to_lattice(exact[a], p.lattice.exponent[a]))
+        << "vertex " << n << " axis " << a;
+    EXPECT_NEAR(p.points[n][a], static_cast<double>(exact[a]), std::ldexp(0.002, p.lattice.exponent[a]));
+  }
+}
+
+TEST(SeamLattice, StepIsTheFloatSpacingOfTheLargestCoordinate) {
+  Box box;
+  box.add(Vec3d{-1, 0, 1000});
+  box.add(Vec3d{1, 3, 1001});
+  const SeamLattice l(box);
+  EXPECT_EQ(l.exponent[0], 1 - 23) << "extent 2 decides";
+  EXPECT_EQ(l.exponent[1], 2 - 23);
+  EXPECT_EQ(l.exponent[2], 10 - 23) << "distance 1001 decides";
+}
+
+TEST(SeamLattice, EveryConstructedVertexIsTheExactPositionRoundedOnce) {
+  // Aligned lattices make exact half-way cases and points on the lattice; random sites the generic ones.
+  for (const NamedMesh& shape : {NamedMesh{"cube", cube(2)}, NamedMesh{"torus", torus(12, 8)}}) {
+    for (const SiteFamily& family : small_site_families(shape.mesh, 3)) {
+      SCOPED_TRACE(shape.name + " " + family.name);
+      const Expected<Solid> solid = make_solid(std::make_shared<Mesh>(shape.mesh), {}, {});
+      ASSERT_TRUE(solid);
+      const Expected<Tetrahedralization> t = tetrahedralize(family.sites, solid->box, {});
+      ASSERT_TRUE(t);
+      const VoronoiDiagram diagram(*t, solid->box);
+      const RestrictedDiagram r = restrict_to_solid(*solid, diagram, {});
+      const auto vertex = [&](std::uint32_t v) { return to_double(solid->positions[v]); };
+      std::size_t n = 0;
+      for (const EdgeCut& c : r.cuts.edge_cuts) {
+        const auto [lo, hi] = solid->edge_vertices[c.edge];
+        const QVec a = q(vertex(lo)), e = q(vertex(hi)) - a;
+        const Plane p = bisector(diagram.site(c.from), diagram.site(c.to));
+        const Q s = (p.d - dot(p.n, a)) / dot(p.n, e);
+        expect_rounded(r.positions, n++, {a[0] + s * e[0], a[1] + s * e[1], a[2] + s * e[2]});
+      }
+      for (const TriangleCut& c : r.cuts.triangle_cuts) {
+        const auto& v = solid->triangles[c.triangle];
+        const QVec a = q(vertex(v[0])), normal = cross(q(vertex(v[1])) - a, q(vertex(v[2])) - a);
+        expect_rounded(
+            r.positions, n++,
+            meet({normal, dot(normal, a)}, bisector(diagram.site(c.sites[0]), diagram.site(c.sites[1])),
+                 bisector(diagram.site(c.sites[0]), diagram.site(c.sites[2]))));
+      }
+      for (const InnerVertex& d : r.winding.inner_vertices) {
+        const auto& v = t->tets[d.tet].v;
+        expect_rounded(r.positions, n++,
+                       meet(bisector(diagram.site(v[0]), diagram.site(v[1])),
+                            bisector(diagram.site(v[0]), diagram.site(v[2])),
+                            bisector(diagram.site(v[0]), diagram.site(v[3]))));
+      }
+      EXPECT_EQ(n, r.positions.steps.size());
+    }
+  }
+}
+
+}  // namespace
+}  // namespace fracture::test

@@ -1,0 +1,171 @@
+// Figures of fragments against closed forms, attributes at cuts, bonds.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/fragment/closedness.hpp"
+#include "common/fragment/mass_properties.hpp"
+#include "common/pipeline/fracture.hpp"
+#include "tests/support/figures.hpp"
+#include "tests/support/shapes.hpp"
+
+namespace fracture::test {
+namespace {
+
+MassProperties mass_of(const Mesh& mesh, const Vec3d& origin) {
+  MassIntegral m(origin);
+  for (const auto& t : mesh.triangles)
+    m.add(to_double(mesh.positions[t[0]]), to_double(mesh.positions[t[1]]), to_double(mesh.positions[t[2]]));
+  return m.result();
+}
+
+FragmentSet fracture_at(const Mesh& mesh, std::vector<Vec3d> points) {
+  FractureParameters p;
+  p.points = std::move(points);
+  StageTimings timings;
+  const Expected<Solid> solid = make_solid(std::make_shared<Mesh>(mesh), {}, {});
+  return *fracture(*solid, *make_diagram(*solid, p, {}, timings), p, {}, timings);
+}
+
+TEST(MassIntegral, BoxHasItsTextbookInertia) {
+  const Vec3d low{1, 2, 3}, high{2, 4, 6};  // 1 x 2 x 3
+  const MassProperties m = mass_of(box(low, high), {0, 0, 0});
+  EXPECT_NEAR(m.volume, 6, 1e-12);
+  EXPECT_NEAR(m.area, 2 * (2 + 3 + 6), 1e-12);
+  EXPECT_NEAR(length(m.center_of_mass - Vec3d{1.5, 3, 4.5}), 0, 1e-12);
+  EXPECT_NEAR(m.inertia[0], 6.0 / 12 * (4 + 9), 1e-9);
+  EXPECT_NEAR(m.inertia[1], 6.0 / 12 * (1 + 9), 1e-9);
+  EXPECT_NEAR(m.inertia[2], 6.0 / 12 * (1 + 4), 1e-9);
+  for (int k = 3; k < 6; ++k) EXPECT_NEAR(m.inertia[k], 0, 1e-9);
+}
+
+TEST(MassIntegral, TetrahedronHasItsTextbookProducts) {
+  // Corners 0, x, y, z: second moments 1/60, products 1/120 about the origin; centre (1/4, 1/4, 1/4), volume
+  // 1/6.
+  const Mesh t = tetrahedron();
+  const MassProperties m = mass_of(t, {0.3, 0.1, 0.2});
+  const double v = volume_of(t);
+  EXPECT_NEAR(m.volume, v, 1e-12);
+  Vec3d center;
+  for (const Vec3f& p : t.positions) center = center + 0.25 * to_double(p);
+  EXPECT_NEAR(length(m.center_of_mass - center), 0, 1e-12);
+  // For any tetrahedron: integral of (x - c)_i (x - c)_j = V/20 · sum over corners of (p - c)_i (p - c)_j.
+  double s[3][3] = {};
+  for (const Vec3f& f : t.positions) {
+    const Vec3d p = to_double(f) - center;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) s[i][j] += v / 20 * p[i] * p[j];
+  }
+  EXPECT_NEAR(m.inertia[0], s[1][1] + s[2][2], 1e-12);
+  EXPECT_NEAR(m.inertia[1], s[0][0] + s[2][2], 1e-12);
+  EXPECT_NEAR(m.inertia[2], s[0][0] + s[1][1], 1e-12);
+  EXPECT_NEAR(m.inertia[3], -s[0][1], 1e-12);
+  EXPECT_NEAR(m.inertia[4], -s[0][2], 1e-12);
+  EXPECT_NEAR(m.inertia[5], -s[1][2], 1e-12);
+}
+
+TEST(MassIntegral, FarAwayKeepsItsFigures) {
+  const Vec3d far{1000, -2000, 4000};
+  const Mesh moved = translated(torus(24, 12), far);  // rounds its coordinates: a slightly different torus
+  EXPECT_NEAR(mass_of(moved, far).volume, volume_of(moved), 1e-12 * volume_of(moved));
+  EXPECT_NEAR(length(mass_of(moved, far).center_of_mass - far), 0, 1e-4);
+}
+
+TEST(Closedness, CountsOpenAndPinchedEdges) {
+  Fragment f;
+  f.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  f.indices = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
+  EXPECT_EQ(closedness(f).open_edges, 0u);
+  EXPECT_EQ(closedness(f).pinched_edges, 0u);
+  f.indices.resize(9);
+  EXPECT_EQ(closedness(f).open_edges, 3u);
+  f.indices = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3, 0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
+  EXPECT_EQ(closedness(f).open_edges, 0u);
+  EXPECT_EQ(closedness(f).pinched_edges, 6u);
+}
+
+TEST(Fragments, TwoHalvesOfACubeShareOneSquareBond) {
+  const FragmentSet set = fracture_at(cube(), {{-0.25, 0, 0}, {0.25, 0, 0}});
+  ASSERT_EQ(set.fragments.size(), 2u);
+  ASSERT_EQ(set.bonds.size(), 1u);
+  EXPECT_NEAR(set.bonds[0].area, 1, 1e-12);
+  EXPECT_NEAR(length(set.bonds[0].centroid), 0, 1e-12);
+  EXPECT_NEAR(length(set.bonds[0].normal - Vec3d{1, 0, 0}), 0, 1e-12);
+  for (const Fragment& f : set.fragments) {
+    EXPECT_NEAR(f.mass.volume, 0.5, 1e-12);
+    EXPECT_NEAR(f.mass.area, 4, 1e-12);
+    EXPECT_NEAR(f.exterior_area, 3, 1e-12);
+    EXPECT_NEAR(std::fabs(f.mass.center_of_mass.x), 0.25, 1e-12);
+  }
+}
+
+TEST(Fragments, EightOctantsOfACubeShareThreeUnitSquares) {
+  std::vector<Vec3d> sites;
+  for (int k = 0; k < 8; ++k)
+    sites.push_back({k & 1 ? 0.25 : -0.25, k & 2 ? 0.25 : -0.25, k & 4 ? 0.25 : -0.25});
+  const FragmentSet set = fracture_at(cube(), sites);
+  ASSERT_EQ(set.fragments.size(), 8u);
+  for (const Fragment& f : set.fragments) EXPECT_NEAR(f.mass.volume, 0.125, 1e-12);
+  // The perturbation lets more cells touch along edges; only bonds with area count, and those add up to three
+  // unit squares.
+  double area = 0;
+  for (const Bond& b : set.bonds) area += b.area;
+  EXPECT_NEAR(area, 3, 1e-12);
+}
+
+TEST(Fragments, AttributesAreInterpolatedLinearlyAtCuts) {
+  // A cube whose UVs are an affine function of position keeps that function on every exterior vertex.
+  Mesh mesh = cube_with_seams();
+  ASSERT_FALSE(mesh.attributes.uvs.empty());
+  for (std::size_t w = 0; w < mesh.positions.size(); ++w) {
+    const Vec3f& p = mesh.positions[w];
+    mesh.attributes.uvs[0][w] = {0.25f + 0.5f * p.x + 0.125f * p.y, 0.5f - 0.25f * p.z + 0.5f * p.y};
+  }
+  const FragmentSet set =
+      fracture_at(mesh, {{-0.3, 0.1, 0.05}, {0.2, 0.2, -0.1}, {0.1, -0.3, 0.2}, {0.05, 0.1, 0.3}});
+  int cut = 0;
+  for (const Fragment& f : set.fragments)
+    for (const FragmentPrimitive& p : f.primitives)
+      for (std::uint32_t k = p.first_index; k < p.first_index + p.index_count; ++k) {
+        const std::uint32_t v = f.indices[k];
+        const Vec3d w = to_double(f.positions[v]) + f.pivot;
+        EXPECT_NEAR(length(to_double(f.attributes.normals[v])), 1, 1e-6);
+        if (p.material == kInteriorMaterial) continue;
+        EXPECT_NEAR(f.attributes.uvs[0][v].x, 0.25 + 0.5 * w.x + 0.125 * w.y, 1e-6);
+        EXPECT_NEAR(f.attributes.uvs[0][v].y, 0.5 - 0.25 * w.z + 0.5 * w.y, 1e-6);
+        cut += std::fabs(std::fabs(w.x) - 0.5) > 1e-6 || std::fabs(std::fabs(w.y) - 0.5) > 1e-6 ||
+               std::fabs(std::fabs(w.z) - 0.5) > 1e-6;
+      }
+  EXPECT_GT(cut, 0);
+}
+
+TEST(Fragments, InteriorNormalsPointOutOfTheFragment) {
+  const FragmentSet set =
+      fracture_at(cube_with_seams(), {{-0.3, 0.1, 0.05}, {0.2, 0.2, -0.1}, {0.1, -0.3, 0.2}});
+  for (const Fragment& f : set.fragments)
+    for (const FragmentPrimitive& p : f.primitives) {
+      if (p.material != kInteriorMaterial) continue;
+      for (std::uint32_t k = p.first_index; k < p.first_index + p.index_count; k += 3) {
+        const auto at = [&](std::uint32_t n) { return to_double(f.positions[f.indices[n]]); };
+        const Vec3d n = cross(at(k + 1) - at(k), at(k + 2) - at(k));
+        if (!(length(n) > 1e-5)) continue;  // a sliver's direction is rounding
+        EXPECT_GT(dot(n, to_double(f.attributes.normals[f.indices[k]])), 0.99 * length(n));
+      }
+    }
+}
+
+TEST(Fragments, IdsDependOnTheSitesAndNotOnTheirOrder) {
+  const std::vector<Vec3d> sites{{-0.3, 0.1, 0.05}, {0.2, 0.2, -0.1}, {0.1, -0.3, 0.2}};
+  const FragmentSet a = fracture_at(cube(), sites), b = fracture_at(cube(), {sites[2], sites[0], sites[1]});
+  std::vector<std::uint64_t> ids_a, ids_b;
+  for (const Fragment& f : a.fragments) ids_a.push_back(f.id);
+  for (const Fragment& f : b.fragments) ids_b.push_back(f.id);
+  std::sort(ids_a.begin(), ids_a.end());
+  std::sort(ids_b.begin(), ids_b.end());
+  EXPECT_EQ(ids_a, ids_b);
+  for (const std::uint64_t id : ids_a) EXPECT_LT(id, 1ull << 53);
+}
+
+}  // namespace
+}  // namespace fracture::test
