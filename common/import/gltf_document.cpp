@@ -384,10 +384,10 @@ GltfDocument read_gltf_document(std::span<const std::byte> bytes, MeshFormat for
     refuse(ErrorCode::kMalformedMesh, "This is a binary glTF: send it as format glb (model/gltf-binary).");
   }
   document.json = parse(text, limits);
+  check_version_and_extensions(document.json);
   for (const char* key : {"buffers", "bufferViews", "accessors", "meshes", "nodes", "scenes", "skins",
                           "images", "textures", "materials", "samplers", "animations"})
     require_objects(document.json, key);
-  check_version_and_extensions(document.json);
   const Buffers buffers(document.json, glb_binary, format == MeshFormat::kGlb, limits, files);
   const auto view_bytes = [&](std::uint64_t view, const std::string& pointer) {
     const json& views = array_at(document.json, "bufferViews");

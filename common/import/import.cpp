@@ -4,8 +4,10 @@
 #include <array>
 
 #include "common/import/assimp_import.hpp"
+#include "common/import/complete_attributes.hpp"
 #include "common/import/gltf_import.hpp"
 #include "common/import/preflight.hpp"
+#include "common/import/text_encoding.hpp"
 
 namespace fracture {
 namespace {
@@ -83,11 +85,17 @@ bool enabled_by_default(MeshFormat format) { return row(format).enabled_by_defau
 Expected<Mesh> import_mesh(std::span<const std::byte> bytes, MeshFormat format, const ImportLimits& limits,
                            std::span<const ImportFile> files) {
   if (bytes.empty()) return fail(ErrorCode::kEmptyBody, "The mesh has no bytes.");
+  const bool text = format == MeshFormat::kObj || format == MeshFormat::kOff || format == MeshFormat::kDae;
+  std::optional<std::string> converted;
+  if (text) converted = utf16_to_utf8(bytes);
+  if (converted) bytes = std::as_bytes(std::span(*converted));
   if (auto checked = preflight_of(bytes, format, limits); !checked)
     return tl::unexpected<Error>(checked.error());
-  if (format == MeshFormat::kGlb || format == MeshFormat::kGltf)
-    return import_gltf(bytes, format, limits, files);
-  return import_with_assimp(bytes, format, limits, files);
+  const bool gltf = format == MeshFormat::kGlb || format == MeshFormat::kGltf;
+  Expected<Mesh> mesh =
+      gltf ? import_gltf(bytes, format, limits, files) : import_with_assimp(bytes, format, limits, files);
+  if (mesh) complete_attributes(*mesh);
+  return mesh;
 }
 
 }  // namespace fracture

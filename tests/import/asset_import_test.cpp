@@ -9,6 +9,7 @@
 #include <map>
 #include <sstream>
 
+#include "common/import/complete_attributes.hpp"
 #include "tests/import/make_files.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/mesh_files.hpp"
@@ -121,6 +122,25 @@ TEST(AssetImport, TexturedAssetKeepsItsSixMaterialsAndFifteenImages) {
   EXPECT_EQ(mesh->node_names.size(), 6u);
   EXPECT_EQ(mesh->attributes.tangents.size(), mesh->positions.size());
   EXPECT_TRUE(mesh->warnings.empty());
+}
+
+// The authors' tangents (MikkTSpace) are the oracle: ours have to point the same way and have the same
+// handedness, though they are averaged by area instead of angle and never split a wedge.
+TEST(AssetImport, ComputedTangentsAgreeWithThoseTheAuthorsWrote) {
+  const auto file = find_test_mesh("FlightHelmet/FlightHelmet.gltf");
+  if (!file) GTEST_SKIP() << "no FlightHelmet in FRACTURE_TEST_MESHES";
+  Expected<Mesh> mesh = import_with_siblings(*file);
+  ASSERT_TRUE(mesh) << mesh.error().detail;
+  const std::vector<Vec4f> theirs = mesh->attributes.tangents;
+  compute_tangents(*mesh, std::vector<std::uint32_t>(mesh->library->materials.size(), 0));
+  std::size_t same_hand = 0, close = 0;
+  for (std::size_t v = 0; v < theirs.size(); ++v) {
+    const Vec4f &a = theirs[v], &b = mesh->attributes.tangents[v];
+    same_hand += a.w == b.w;
+    close += double{a.x} * b.x + double{a.y} * b.y + double{a.z} * b.z > 0.9;
+  }
+  EXPECT_GT(static_cast<double>(same_hand), 0.99 * static_cast<double>(theirs.size()));
+  EXPECT_GT(static_cast<double>(close), 0.97 * static_cast<double>(theirs.size()));
 }
 
 TEST(AssetImport, TheMonkeyOfThePaperIsRead) {

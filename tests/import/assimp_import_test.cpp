@@ -86,6 +86,14 @@ TEST(ObjImport, NaNIsRefused) {
   EXPECT_EQ(mesh.error().code, ErrorCode::kNotFinite);
 }
 
+TEST(ObjImport, Utf16WithByteOrderMarkIsRead) {
+  for (const bool big : {false, true}) {
+    std::string wide = big ? "\xfe\xff" : "\xff\xfe";
+    for (const char c : std::string(kCubeObj)) wide += big ? std::string{'\0', c} : std::string{c, '\0'};
+    EXPECT_DOUBLE_EQ(signed_volume(import_ok(wide, MeshFormat::kObj)), 1.0);
+  }
+}
+
 TEST(StlImport, AsciiAndBinarySayTheSame) {
   const char* ascii =
       "solid t\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 0 1 0\nvertex 1 0 0\nendloop\nendfacet\n"
