@@ -137,22 +137,26 @@ Decision decide_any_size(const std::array<Vec3d, 5>& p) {
   return decide(f, cde, bde, bce, bcd);
 }
 
-// Without branches: in a lattice no comparison of coordinates can be predicted.
-template <class P>
-bool less_without_branch(const P& a, const P& b) {
+// Comparisons compile to a few instructions without branches: in a lattice none of them can be predicted.
+bool is_less(const IntPoint& a, const IntPoint& b) {
   return (a.x < b.x) | ((a.x == b.x) & ((a.y < b.y) | ((a.y == b.y) & (a.z < b.z))));
 }
+bool is_less(const Vec3d& a, const Vec3d& b) { return lexicographic_less(a, b); }
+bool is_less(double a, double b) { return a < b; }
+
+/// The lexicographic order of small integers as one number: |y|, |z| <= kExactInDoubles < 2^10.
+double lexicographic_key(const Vec3d& p) { return (p.x * 0x1p11 + p.y) * 0x1p11 + p.z; }
 
 // f is exactly zero: the first site in lexicographic order with a non-zero cofactor decides (see the header).
-template <class P>
+template <class P>  // anything with is_less()
 int break_tie(const std::array<P, 5>& p, const std::array<int, 5>& cofactor) {
   int least = 0;
-  for (int i = 1; i < 5; ++i) least = less_without_branch(p[i], p[least]) ? i : least;
+  for (int i = 1; i < 5; ++i) least = is_less(p[i], p[least]) ? i : least;
   if (cofactor[least] != 0) return -cofactor[least];
   std::array<int, 5> order{0, 1, 2, 3, 4};
   for (int k = 0; k < 5; ++k) {
     for (int i = k + 1; i < 5; ++i)
-      if (less_without_branch(p[order[i]], p[order[k]])) std::swap(order[k], order[i]);
+      if (is_less(p[order[i]], p[order[k]])) std::swap(order[k], order[i]);
     if (cofactor[order[k]] != 0) return -cofactor[order[k]];
   }
   return 1;  // not reached: the cofactor of e is the volume
@@ -181,7 +185,9 @@ int in_sphere_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d&
     if (m <= kExactInDoubles) {
       const InSphereDoubles r = in_sphere_doubles(p[1], p[2], p[3], p[4], dot(p[1], p[1]), dot(p[2], p[2]),
                                                   dot(p[3], p[3]), dot(p[4], p[4]));
-      return conclude(p, decide(r.f, r.cde, r.bde, r.bce, r.bcd));
+      std::array<double, 5> keys;
+      for (int k = 0; k < 5; ++k) keys[k] = lexicographic_key(p[k]);
+      return conclude(keys, decide(r.f, r.cde, r.bde, r.bce, r.bcd));
     }
   } else {
     ScaleBuilder builder;
