@@ -64,7 +64,7 @@ TEST(GltfWriter, OneIdentityRootAndOneNodeForEachFragmentAtItsPivot) {
   const Glb glb(write_glb(two_halves(), {}));
   const json& nodes = glb.document["nodes"];
   ASSERT_EQ(nodes.size(), 3u);
-  EXPECT_EQ(glb.document["scenes"][0]["nodes"], json({0}));
+  EXPECT_EQ(glb.document["scenes"][0]["nodes"], json::array({0}));
   EXPECT_EQ(nodes[0]["children"], json({1, 2}));
   for (const char* key : {"translation", "rotation", "scale", "matrix"}) EXPECT_FALSE(nodes[0].contains(key));
   EXPECT_EQ(nodes[1]["translation"], json({0.5, 0.5, 0.5}));
@@ -246,11 +246,11 @@ TEST(GltfWriter, ExtrasCarryFiguresBondsAndCertificateKeyedById) {
   EXPECT_EQ(root["parameters"]["sites"], 2);
   EXPECT_EQ(root["certificate"]["open_edges"], 0);
   EXPECT_EQ(root["report"]["solid"]["parts"], 1);
-  EXPECT_EQ(root["bonds"]["a"], json({9007199254740991}));
-  EXPECT_EQ(root["bonds"]["b"], json({7}));
-  EXPECT_EQ(root["bonds"]["area"], json({1}));
-  EXPECT_EQ(root["bonds"]["centroid"], json({{1, 0.5, 0.5}}));
-  EXPECT_EQ(root["bonds"]["normal"], json({{1, 0, 0}}));
+  EXPECT_EQ(root["bonds"]["a"], json::array({9007199254740991}));
+  EXPECT_EQ(root["bonds"]["b"], json::array({7}));
+  EXPECT_EQ(root["bonds"]["area"], json::array({1}));
+  EXPECT_EQ(root["bonds"]["centroid"], json::array({json::array({1, 0.5, 0.5})}));
+  EXPECT_EQ(root["bonds"]["normal"], json::array({json::array({1, 0, 0})}));
   const json& fragment = document["nodes"][2]["extras"]["fracture"];
   EXPECT_EQ(fragment["id"], 7);
   EXPECT_EQ(fragment["mass"], 500);

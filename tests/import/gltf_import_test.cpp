@@ -155,7 +155,7 @@ TEST(GltfImport, NormalizedAndPlainIntegersAreDecodedAsTheQuantizationExtensionS
   const std::size_t accessor = tet.add_accessor(shorts, 5122, 4, "VEC3", true);
   tet.json["bufferViews"].back()["byteStride"] = 8;
   tet.primitive()["attributes"]["POSITION"] = accessor;
-  tet.json["extensionsRequired"] = {"KHR_mesh_quantization"};
+  tet.json["extensionsRequired"] = nlohmann::json::array({"KHR_mesh_quantization"});
   Mesh mesh = import_ok(tet);
   EXPECT_EQ(mesh.positions[1], (Vec3f{1, 0, 0}));
   EXPECT_EQ(mesh.positions[3], (Vec3f{0, 0, -1}));  // -32768 and -32767 are both -1
@@ -230,9 +230,9 @@ TEST(GltfImport, ImagesTexturesAndMaterialsPassThroughByteForByte) {
   const nlohmann::json material = {{"name", "wood"},
                                    {"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}},
                                    {"extensions", {{"KHR_materials_ior", {{"ior", 1.4}}}}}};
-  tet.json["materials"] = {material};
-  tet.json["extensionsUsed"] = {"KHR_materials_ior"};
-  tet.json["extensionsRequired"] = {"KHR_materials_ior"};
+  tet.json["materials"] = nlohmann::json::array({material});
+  tet.json["extensionsUsed"] = nlohmann::json::array({"KHR_materials_ior"});
+  tet.json["extensionsRequired"] = nlohmann::json::array({"KHR_materials_ior"});
   tet.json["asset"]["copyright"] = "CC0";
   const Mesh mesh = import_ok(tet);
   EXPECT_EQ(mesh.library->materials[0], material);
@@ -358,7 +358,7 @@ TEST(GltfImport, RequiredExtensionOutsideTheListIsRefusedByName) {
 
 TEST(GltfImport, NodeCycleIsRefused) {
   Tetrahedron tet;
-  tet.node()["children"] = {0};
+  tet.node()["children"] = nlohmann::json::array({0});
   EXPECT_EQ(import_refused(tet).code, ErrorCode::kMalformedMesh);
 }
 
