@@ -11,6 +11,7 @@
 #include "common/solid/nesting.hpp"
 #include "common/solid/nonmanifold.hpp"
 #include "common/solid/orientation.hpp"
+#include "common/solid/sheets.hpp"
 #include "common/solid/shells.hpp"
 #include "common/solid/solid.hpp"
 #include "common/solid/weld.hpp"
@@ -252,7 +253,10 @@ void write_notes(const EdgeFaults& faults, const SolidReport& report, std::size_
     notes.push_back(
         counted(faults.nonmanifold + faults.one_way, "non-manifold edge was", "non-manifold edges were") +
         " split, the first at " + place((*faults.first_nonmanifold)[0]) + ".");
-  if (report.fill_triangles > 0)
+  if (report.sheets_thickened > 0)
+    notes.push_back(counted(report.sheets_thickened, "open sheet was", "open sheets were") +
+                    " given the thickness asked for.");
+  if (report.holes_filled > 0)
     notes.push_back(
         counted(report.holes_filled, "hole was", "holes were") + " filled with " +
         counted(report.fill_triangles, "triangle", "triangles") +
@@ -300,6 +304,13 @@ Expected<Solid> make_solid(std::shared_ptr<const Mesh> mesh, const SolidOptions&
   split_umbrellas(surface, execution);
 
   Shells shells = find_shells(surface, execution);
+  if (options.thickness > 0) {
+    report.sheets_thickened = thicken_sheets(surface, shells, options.thickness, fills, execution);
+    if (report.sheets_thickened > 0) {
+      split_umbrellas(surface, execution);
+      shells = find_shells(surface, execution);
+    }
+  }
   Nesting nesting = nest_shells(surface, shells, execution);
   const std::vector<std::uint32_t> part_of_shell = make_parts(shells, nesting, *mesh, surface, solid.parts);
   for (std::uint32_t s = 0; s < shells.list.size(); ++s) report.shells_dropped += shells.list[s].flat;
@@ -351,9 +362,8 @@ Expected<Solid> make_solid(std::shared_ptr<const Mesh> mesh, const SolidOptions&
   report.parts = solid.parts.size();
   solid.layers = assign_layers(solid.parts);
   for (const TriangleId fill : fills) report.holes_filled += !shells.list[shells.of_triangle[fill]].flat;
-  for (TriangleId t = fills.empty() ? static_cast<TriangleId>(surface.triangles.size()) : fills.front();
-       t < surface.triangles.size(); ++t) {
-    if (shells.list[shells.of_triangle[t]].flat) continue;
+  for (TriangleId t = 0; open + report.sheets_thickened > 0 && t < surface.triangles.size(); ++t) {
+    if (surface.source[t] != kNoIndex || shells.list[shells.of_triangle[t]].flat) continue;
     ++report.fill_triangles;
     const Triangle& corners = surface.triangles[t];
     const Vec3d a = to_double(surface.positions[corners[0]]), b = to_double(surface.positions[corners[1]]),
@@ -362,7 +372,9 @@ Expected<Solid> make_solid(std::shared_ptr<const Mesh> mesh, const SolidOptions&
   }
   const Order order = final_order(surface, shells, part_of_shell, solid.parts.size());
   if (!order.place_of.empty()) apply_order(surface, shells, order);
-  if (report.degenerate_dropped + report.duplicates_dropped + report.welded_tolerant + report.shells_dropped > 0)
+  if (report.degenerate_dropped + report.duplicates_dropped + report.welded_tolerant + report.shells_dropped +
+          report.sheets_thickened >
+      0)
     drop_unused_vertices(surface);
   write_out(*mesh, surface, shells, part_of_shell, new_shell, solid);
   write_notes(faults, report, solid.layers, report.notes);

@@ -15,6 +15,7 @@ nlohmann::json SolidReport::to_json() const {
           {"holes_filled", holes_filled},
           {"fill_triangles", fill_triangles},
           {"filled_area", filled_area},
+          {"sheets_thickened", sheets_thickened},
           {"shells", shells},
           {"parts", parts},
           {"cavities", cavities},

@@ -25,6 +25,10 @@ struct SolidOptions {
   /// Vertices closer than this fraction of the box's diagonal may be welded when that closes open edges. 0 =
   /// exact only.
   double weld_tolerance = 1e-6;
+  /// Metres. When positive, open sheets (panes, leaves, wall quads: pieces that bound no volume, or whose
+  /// filled holes would enclose less than this times their area) become slabs of this thickness behind their
+  /// surface. 0 = such pieces are dropped.
+  double thickness = 0;
 };
 
 /// Per-triangle material of triangles that were not in the source (filled holes): the interior material.
@@ -51,7 +55,8 @@ struct SolidReport {
   std::uint64_t open_edges = 0;         ///< before filling
   std::uint64_t nonmanifold_edges = 0;  ///< before splitting
   std::uint64_t holes_filled = 0, fill_triangles = 0;
-  double filled_area = 0;  ///< m²
+  double filled_area = 0;  ///< m², of the filled holes and of the backs and rims of thickened sheets
+  std::uint64_t sheets_thickened = 0;
   std::uint64_t shells = 0, parts = 0, cavities = 0;
   std::uint64_t shells_dropped = 0;  ///< shells that bound no volume
   double volume = 0;                 ///< m³, of the solid: what the fragments add up to

@@ -54,7 +54,8 @@ TEST(RandomDamage, EndsAsAValidSolidOrATypedRefusal) {
                         : joined({two_cubes_sharing_an_edge(), two_cubes_sharing_a_face()});
     const auto blows = static_cast<int>(1 + random.below(seed % 7 == 0 ? 200 : 12));
     const auto mesh = std::make_shared<const Mesh>(damaged(base, random, blows));
-    const Expected<Solid> solid = make_solid(mesh, {}, {});
+    const SolidOptions options{.thickness = seed % 2 == 0 ? 0 : 0.02};
+    const Expected<Solid> solid = make_solid(mesh, options, {});
     if (!solid) {
       EXPECT_TRUE(solid.error().code == ErrorCode::kMeshNotClosed ||
                   solid.error().code == ErrorCode::kEmptyMesh);
@@ -68,7 +69,7 @@ TEST(RandomDamage, EndsAsAValidSolidOrATypedRefusal) {
     again.triangles = solid->triangles;
     EXPECT_EQ(open_directed_edges(again), 0u);
     EXPECT_NEAR(volume_of(again), solid->report.volume, 1e-9 * solid->report.volume + 1e-12);
-    const Expected<Solid> repeated = make_solid(mesh, {}, {});
+    const Expected<Solid> repeated = make_solid(mesh, options, {});
     EXPECT_EQ(repeated->triangles, solid->triangles);
     EXPECT_EQ(repeated->edges, solid->edges);
   }

@@ -1,0 +1,272 @@
+#include "common/solid/sheets.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "common/base/error.hpp"
+
+namespace fracture::solid_detail {
+namespace {
+
+bool before(const Vec3f& a, const Vec3f& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
+
+/// For each of the triangles: the one with the same three positions the other way round, or kNoIndex.
+std::vector<TriangleId> find_mirrors(const Surface& surface, const std::vector<TriangleId>& triangles) {
+  struct Entry {
+    std::array<Vec3f, 3> key;
+    bool odd;
+    TriangleId triangle;
+  };
+  std::vector<Entry> entries;
+  for (const TriangleId t : triangles) {
+    Entry e{{}, false, t};
+    for (int k = 0; k < 3; ++k) e.key[k] = surface.positions[surface.triangles[t][k]];
+    for (const auto& [i, j] : {std::pair{0, 1}, std::pair{1, 2}, std::pair{0, 1}})
+      if (before(e.key[j], e.key[i])) {
+        std::swap(e.key[i], e.key[j]);
+        e.odd = !e.odd;
+      }
+    entries.push_back(e);
+  }
+  const auto less = [](const Entry& a, const Entry& b) {
+    for (int k = 0; k < 3; ++k) {
+      if (before(a.key[k], b.key[k])) return true;
+      if (before(b.key[k], a.key[k])) return false;
+    }
+    return a.triangle < b.triangle;
+  };
+  std::sort(entries.begin(), entries.end(), less);
+  std::vector<TriangleId> mirror(surface.triangles.size(), kNoIndex);
+  for (std::size_t i = 0; i + 1 < entries.size(); ++i)
+    if (entries[i].key == entries[i + 1].key && entries[i].odd != entries[i + 1].odd &&
+        mirror[entries[i].triangle] == kNoIndex) {
+      mirror[entries[i].triangle] = entries[i + 1].triangle;
+      mirror[entries[i + 1].triangle] = entries[i].triangle;
+    }
+  return mirror;
+}
+
+class Thickener {
+ public:
+  Thickener(Surface& surface, double thickness, const std::vector<TriangleId>& mirror)
+      : surface_(surface),
+        thickness_(thickness),
+        mirror_(mirror),
+        front_of_(surface.triangles.size(), kNoIndex),
+        back_vertex_(surface.positions.size(), kNoIndex),
+        doomed_(surface.triangles.size(), 0) {}
+
+  /// The front that grows from the seed; nothing when the seed belongs to one already or is another's back.
+  bool make_slab(TriangleId seed) {
+    if (front_of_[seed] != kNoIndex || doomed_[seed] || surface_.source[seed] == kNoIndex) return false;
+    std::vector<TriangleId> front{seed};
+    front_of_[seed] = seed;
+    for (std::size_t i = 0; i < front.size(); ++i)
+      for (HalfEdge h = 3 * front[i]; h < 3 * front[i] + 3; ++h) {
+        const TriangleId n = surface_.twin[h] / 3;
+        if (n >= doomed_.size() || front_of_[n] != kNoIndex || doomed_[n] || surface_.source[n] == kNoIndex)
+          continue;
+        if (mirror_[n] != kNoIndex && front_of_[mirror_[n]] == seed) continue;
+        front_of_[n] = seed;
+        front.push_back(n);
+      }
+    std::sort(front.begin(), front.end());
+    if (!place_back_vertices(front)) {
+      for (const TriangleId t : front) front_of_[t] = kNoIndex;
+      return false;
+    }
+    build(front, seed);
+    for (const TriangleId t : front) {
+      for (const VertexId v : surface_.triangles[t]) back_vertex_[v] = kNoIndex;
+      if (mirror_[t] != kNoIndex) doomed_[mirror_[t]] = 1;
+    }
+    return true;
+  }
+  bool in_front(TriangleId t) const { return t < front_of_.size() && front_of_[t] != kNoIndex; }
+
+ private:
+  bool place_back_vertices(const std::vector<TriangleId>& front) {
+    std::vector<VertexId> vertices;
+    for (const TriangleId t : front)
+      vertices.insert(vertices.end(), surface_.triangles[t].begin(), surface_.triangles[t].end());
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    std::vector<Vec3d> normals(vertices.size());
+    const auto index = [&](VertexId v) {
+      return std::lower_bound(vertices.begin(), vertices.end(), v) - vertices.begin();
+    };
+    for (const TriangleId t : front) {
+      const Triangle& c = surface_.triangles[t];
+      const Vec3d a = to_double(surface_.positions[c[0]]);
+      const Vec3d n = cross(to_double(surface_.positions[c[1]]) - a, to_double(surface_.positions[c[2]]) - a);
+      for (const VertexId v : c) normals[index(v)] = normals[index(v)] + n;
+    }
+    std::vector<Vec3f> back(vertices.size());
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      const double l = length(normals[i]);
+      const Vec3f& p = surface_.positions[vertices[i]];
+      if (!(l > 0)) return false;
+      const Vec3d q = to_double(p) - (thickness_ / l) * normals[i];
+      back[i] = {static_cast<float>(q.x) + 0.0f, static_cast<float>(q.y) + 0.0f,
+                 static_cast<float>(q.z) + 0.0f};
+      if (back[i] == p) return false;
+    }
+    for (const TriangleId t : front)  // rounding must not merge corners of a back triangle
+      for (int k = 0; k < 3; ++k)
+        if (back[index(surface_.triangles[t][k])] == back[index(surface_.triangles[t][(k + 1) % 3])])
+          return false;
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      back_vertex_[vertices[i]] = static_cast<VertexId>(surface_.positions.size());
+      surface_.positions.push_back(back[i]);
+    }
+    return true;
+  }
+
+  TriangleId append(const Triangle& triangle, TriangleId source, bool flipped) {
+    surface_.triangles.push_back(triangle);
+    surface_.source.push_back(source);
+    if (!surface_.flipped.empty()) surface_.flipped.push_back(flipped);
+    surface_.twin.resize(surface_.twin.size() + 3, kNoIndex);
+    return static_cast<TriangleId>(surface_.triangles.size() - 1);
+  }
+  void glue(HalfEdge a, HalfEdge b) {
+    surface_.twin[a] = b;
+    surface_.twin[b] = a;
+  }
+
+  void build(const std::vector<TriangleId>& front, TriangleId seed) {
+    const auto position_in = [&](TriangleId t) {
+      return static_cast<std::size_t>(std::lower_bound(front.begin(), front.end(), t) - front.begin());
+    };
+    const auto inside = [&](HalfEdge h) { return h / 3 < front_of_.size() && front_of_[h / 3] == seed; };
+    const std::vector<HalfEdge> old_twin = [&] {
+      std::vector<HalfEdge> twins;
+      for (const TriangleId t : front)
+        for (HalfEdge h = 3 * t; h < 3 * t + 3; ++h) twins.push_back(surface_.twin[h]);
+      return twins;
+    }();
+    const auto twin_of = [&](HalfEdge h) {
+      const HalfEdge twin = old_twin[3 * position_in(h / 3) + h % 3];
+      return inside(twin) ? twin : kNoIndex;
+    };
+
+    std::vector<TriangleId> back(front.size());
+    for (std::size_t i = 0; i < front.size(); ++i) {
+      const Triangle c = surface_.triangles[front[i]];
+      const TriangleId m = mirror_[front[i]];
+      Triangle b{back_vertex_[c[0]], back_vertex_[c[2]], back_vertex_[c[1]]};
+      if (m != kNoIndex) {  // start where the other side's triangle starts, so that its wedges stay at their
+                            // corners
+        const Vec3f& first = surface_.positions[surface_.triangles[m][0]];
+        const int k = surface_.positions[c[0]] == first ? 0 : surface_.positions[c[1]] == first ? 1 : 2;
+        b = {back_vertex_[c[k]], back_vertex_[c[(k + 2) % 3]], back_vertex_[c[(k + 1) % 3]]};
+      }
+      back[i] = append(b, m == kNoIndex ? kNoIndex : surface_.source[m],
+                       m != kNoIndex && !surface_.flipped.empty() && surface_.flipped[m]);
+    }
+    const auto back_of = [&](HalfEdge h) {  // runs from the back of the end of h to the back of its beginning
+      const TriangleId t = back[position_in(h / 3)];
+      for (HalfEdge g = 3 * t; g < 3 * t + 3; ++g)
+        if (surface_.from(g) == back_vertex_[surface_.to(h)] &&
+            surface_.to(g) == back_vertex_[surface_.from(h)])
+          return g;
+      throw InternalError("sheets: a back triangle does not face its front");
+    };
+
+    std::vector<std::pair<HalfEdge, TriangleId>> walls;  // rim half-edge, its first wall triangle; ascending
+    for (const TriangleId t : front)
+      for (HalfEdge h = 3 * t; h < 3 * t + 3; ++h) {
+        if (const HalfEdge twin = twin_of(h); twin != kNoIndex) {
+          glue(back_of(h), back_of(twin));
+          continue;
+        }
+        const VertexId u = surface_.from(h), v = surface_.to(h);
+        const TriangleId first = append({v, u, back_vertex_[u]}, kNoIndex, false);
+        const TriangleId second = append({v, back_vertex_[u], back_vertex_[v]}, kNoIndex, false);
+        glue(3 * first, h);
+        glue(3 * first + 2, 3 * second);
+        glue(3 * second + 1, back_of(h));
+        walls.emplace_back(h, first);
+      }
+    for (const auto& [h, wall] : walls) {
+      HalfEdge p = previous(h);  // the rim half-edge that ends where h begins, around the same fan
+      for (HalfEdge twin = twin_of(p); twin != kNoIndex; twin = twin_of(p)) p = previous(twin);
+      const auto neighbour = std::lower_bound(walls.begin(), walls.end(), std::pair{p, TriangleId{0}});
+      glue(3 * wall + 1, 3 * (neighbour->second + 1) + 2);
+    }
+  }
+
+  Surface& surface_;
+  double thickness_;
+  const std::vector<TriangleId>& mirror_;
+  std::vector<TriangleId> front_of_;  ///< per triangle: the seed of its front
+  std::vector<VertexId> back_vertex_;
+  std::vector<std::uint8_t> doomed_;
+};
+
+}  // namespace
+
+std::size_t thicken_sheets(Surface& surface, const Shells& shells, double thickness,
+                           std::vector<TriangleId>& fills, const Execution& execution) {
+  std::vector<double> source_area(shells.list.size(), 0);
+  std::vector<std::uint8_t> filled(shells.list.size(), 0);
+  for (TriangleId t = 0; t < surface.triangles.size(); ++t) {
+    const std::uint32_t s = shells.of_triangle[t];
+    if (surface.source[t] == kNoIndex) {
+      filled[s] = 1;
+      continue;
+    }
+    const Triangle& c = surface.triangles[t];
+    const Vec3d a = to_double(surface.positions[c[0]]);
+    source_area[s] +=
+        0.5 * length(cross(to_double(surface.positions[c[1]]) - a, to_double(surface.positions[c[2]]) - a));
+  }
+  const auto is_sheet = [&](std::uint32_t s) {
+    return shells.list[s].flat ||
+           (filled[s] && std::fabs(shells.list[s].volume) < thickness * source_area[s]);
+  };
+  std::vector<TriangleId> candidates;
+  for (TriangleId t = 0; t < surface.triangles.size(); ++t)
+    if (surface.source[t] != kNoIndex && is_sheet(shells.of_triangle[t])) candidates.push_back(t);
+  if (candidates.empty()) return 0;
+
+  const std::vector<TriangleId> mirror = find_mirrors(surface, candidates);
+  Thickener thickener(surface, thickness, mirror);
+  const std::size_t old_count = surface.triangles.size();
+  std::size_t slabs = 0;
+  std::vector<std::uint8_t> shell_done(shells.list.size(), 0);
+  for (const TriangleId t : candidates) {
+    execution.poll();
+    if (!thickener.make_slab(t)) continue;
+    ++slabs;
+    shell_done[shells.of_triangle[t]] = 1;
+  }
+  // What remains of a replaced shell goes: its fill, the other sides, and parts too small to be moved.
+  std::vector<TriangleId> place_of(surface.triangles.size(), kNoIndex);
+  TriangleId kept = 0;
+  for (TriangleId t = 0; t < place_of.size(); ++t)
+    if (t >= old_count || !shell_done[shells.of_triangle[t]] || thickener.in_front(t)) place_of[t] = kept++;
+  for (TriangleId t = 0; t < place_of.size(); ++t) {
+    const TriangleId to = place_of[t];
+    if (to == kNoIndex) continue;
+    surface.triangles[to] = surface.triangles[t];
+    surface.source[to] = surface.source[t];
+    if (!surface.flipped.empty()) surface.flipped[to] = surface.flipped[t];
+    for (HalfEdge k = 0; k < 3; ++k) {
+      const HalfEdge twin = surface.twin[3 * t + k];
+      surface.twin[3 * to + k] = 3 * place_of[twin / 3] + twin % 3;
+    }
+  }
+  surface.triangles.resize(kept);
+  surface.source.resize(kept);
+  if (!surface.flipped.empty()) surface.flipped.resize(kept);
+  surface.twin.resize(3 * static_cast<std::size_t>(kept));
+  std::size_t fills_kept = 0;
+  for (const TriangleId fill : fills)
+    if (place_of[fill] != kNoIndex) fills[fills_kept++] = place_of[fill];
+  fills.resize(fills_kept);
+  return slabs;
+}
+
+}  // namespace fracture::solid_detail

@@ -1,0 +1,139 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "common/solid/solid.hpp"
+#include "tests/support/figures.hpp"
+#include "tests/support/mesh_files.hpp"
+#include "tests/support/shapes.hpp"
+
+namespace fracture::test {
+namespace {
+
+Expected<Solid> solid_of(Mesh mesh, double thickness) {
+  return make_solid(std::make_shared<const Mesh>(std::move(mesh)), {.thickness = thickness}, {});
+}
+
+/// n × n squares in the plane z = 0, facing +z, over the unit square.
+Mesh sheet(int n) {
+  Mesh mesh = cube(n);
+  std::erase_if(mesh.triangles, [&](const auto& t) {
+    for (const auto v : t)
+      if (mesh.positions[v].z != 0.5f) return true;
+    return false;
+  });
+  mesh.material.assign(mesh.triangles.size(), 7);
+  mesh.node.assign(mesh.triangles.size(), 0);
+  return translated(mesh, {0.5, 0.5, -0.5});
+}
+
+TEST(Thickness, AQuadBecomesASlabBehindItsFace) {
+  const Expected<Solid> solid = solid_of(open_quad(), 0.25);
+  ASSERT_TRUE(solid) << solid.error().detail;
+  ASSERT_NO_THROW(solid->validate());
+  EXPECT_EQ(solid->report.sheets_thickened, 1u);
+  EXPECT_EQ(solid->triangles.size(), 12u);
+  EXPECT_EQ(solid->report.volume, 0.25);
+  EXPECT_EQ(solid->report.area, 3);
+  EXPECT_EQ(solid->box.max.z, 0);
+  EXPECT_EQ(solid->box.min.z, -0.25);
+  EXPECT_EQ(solid->report.holes_filled, 0u);
+  std::size_t front = 0;
+  for (std::size_t t = 0; t < 12; ++t) front += solid->wedges[t][0] != kNoIndex;
+  EXPECT_EQ(front, 2u) << "the back and the walls are not of the source";
+}
+
+TEST(Thickness, ZeroRefusesTheQuad) {
+  EXPECT_EQ(solid_of(open_quad(), 0).error().code, ErrorCode::kMeshNotClosed);
+}
+
+TEST(Thickness, ASubdividedSheetWithAHoleBecomesASlabWithAHole) {
+  Mesh mesh = sheet(5);
+  std::erase_if(mesh.triangles, [&](const auto& t) {
+    for (const auto v : t)
+      if (std::fabs(mesh.positions[v].x - 0.5f) > 0.11f || std::fabs(mesh.positions[v].y - 0.5f) > 0.11f)
+        return false;
+    return true;
+  });
+  mesh.material.resize(mesh.triangles.size());
+  mesh.node.resize(mesh.triangles.size());
+  ASSERT_EQ(mesh.triangles.size(), 48u);
+  const Expected<Solid> solid = solid_of(mesh, 0.5);
+  ASSERT_TRUE(solid);
+  ASSERT_NO_THROW(solid->validate());
+  EXPECT_NEAR(solid->report.volume, 0.48, 1e-6);
+  EXPECT_NEAR(solid->report.area, 2 * 0.96 + 0.5 * (4 + 0.8), 1e-6);
+}
+
+TEST(Thickness, ASheetGivenFromBothSidesKeepsBothAndTheirWedges) {
+  const Mesh front = sheet(2);
+  Mesh mesh = joined({front, reversed(front)});
+  mesh.material.assign(mesh.triangles.size(), 1);
+  for (std::size_t t = front.triangles.size(); t < mesh.triangles.size(); ++t) mesh.material[t] = 2;
+  const Expected<Solid> solid = solid_of(mesh, 0.125);
+  ASSERT_TRUE(solid);
+  ASSERT_NO_THROW(solid->validate());
+  EXPECT_EQ(solid->report.volume, 0.125);
+  std::size_t front_count = 0, back_count = 0;
+  for (std::size_t t = 0; t < solid->triangles.size(); ++t) {
+    if (solid->wedges[t][0] == kNoIndex) continue;
+    (solid->material[t] == 1 ? front_count : back_count)++;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3f& p = solid->positions[solid->triangles[t][k]];
+      const Vec3f& q = mesh.positions[solid->wedges[t][k]];
+      EXPECT_EQ(p.x, q.x);
+      EXPECT_EQ(p.y, q.y);
+    }
+  }
+  EXPECT_EQ(front_count, 8u);
+  EXPECT_EQ(back_count, 8u);
+}
+
+TEST(Thickness, LeavesSolidsAndLargeHolesAlone) {
+  const Expected<Solid> solid = solid_of(
+      joined({cube(), translated(cube_without({5}), {3, 0, 0}), translated(open_quad(), {6, 0, 0})}), 0.1);
+  ASSERT_TRUE(solid);
+  ASSERT_NO_THROW(solid->validate());
+  EXPECT_EQ(solid->report.sheets_thickened, 1u);
+  EXPECT_NEAR(solid->report.volume, 2.1, 1e-7);
+  EXPECT_EQ(solid->report.holes_filled, 1u);
+}
+
+TEST(Thickness, ABentSheetFollowsItsNormals) {
+  // A strip of a cylinder of radius 1, a quarter turn, height 1, facing outwards.
+  constexpr int kSteps = 32;
+  Mesh mesh;
+  for (int i = 0; i <= kSteps; ++i) {
+    const CirclePoint p = circle_point(i, 4 * kSteps);
+    mesh.positions.push_back({static_cast<float>(p.cos), static_cast<float>(p.sin), 0});
+    mesh.positions.push_back({static_cast<float>(p.cos), static_cast<float>(p.sin), 1});
+  }
+  for (std::uint32_t i = 0; i < kSteps; ++i) {
+    mesh.triangles.push_back({2 * i, 2 * i + 2, 2 * i + 3});
+    mesh.triangles.push_back({2 * i, 2 * i + 3, 2 * i + 1});
+  }
+  const Expected<Solid> solid = solid_of(mesh, 0.3);
+  ASSERT_TRUE(solid);
+  ASSERT_NO_THROW(solid->validate());
+  const double exact = 3.14159265358979 / 4 * (1 - 0.7 * 0.7);
+  EXPECT_NEAR(solid->report.volume, exact, 0.01 * exact);
+}
+
+TEST(Thickness, TooThinForFloat32IsRefused) {
+  EXPECT_FALSE(solid_of(translated(open_quad(), {1000, 1000, 1000}), 1e-6));
+}
+
+TEST(Thickness, TheSoupBecomesSlabs) {
+  const auto file = find_test_mesh("soup.stl");
+  if (!file) GTEST_SKIP() << "soup.stl is absent";
+  const Expected<Mesh> mesh = load_mesh(*file);
+  if (!mesh) GTEST_SKIP() << mesh.error().detail;
+  const Expected<Solid> solid = solid_of(*mesh, 0.01);
+  ASSERT_TRUE(solid);
+  ASSERT_NO_THROW(solid->validate());
+  EXPECT_EQ(solid->parts.size(), 100u);
+  EXPECT_NEAR(solid->report.volume, 0.01 * area_of(*mesh), 1e-4 * solid->report.volume);
+}
+
+}  // namespace
+}  // namespace fracture::test
