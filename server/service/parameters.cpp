@@ -150,7 +150,10 @@ Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter
       if (raw.name == "sites") result.fracture.sites = static_cast<std::uint32_t>(*number);
       if (raw.name == "seed") result.fracture.seed = *number;
     } else {
-      const std::string choice = raw.value.is_string() ? raw.value.get<std::string>() : std::string();
+      std::string choice = raw.value.is_string() ? raw.value.get<std::string>() : std::string();
+      if (raw.name == "format")  // file endings come in both cases: part.STL
+        for (char& c : choice)
+          if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + ('a' - 'A'));
       if (std::find(spec->choices.begin(), spec->choices.end(), choice) == spec->choices.end()) {
         offend(raw.name == "format" ? ErrorCode::kUnknownFormat : ErrorCode::kBadParameter, raw, complaint);
         continue;

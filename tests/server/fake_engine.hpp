@@ -55,8 +55,8 @@ class FakeEngine final : public FractureEngine {
     ++control_->cuts;
     try {
       if (control_->during_cut) control_->during_cut(execution);
-    } catch (const Interrupted&) {
-      ++control_->cancelled;
+    } catch (const Interrupted& interrupted) {
+      if (interrupted.code == ErrorCode::kCancelled) ++control_->cancelled;
       throw;
     }
     FragmentSet set;

@@ -80,6 +80,7 @@ TEST(Parameters, FormatsThatAreOffAreUnknownUntilEnabled) {
   EXPECT_EQ(parse_text("format", "blend").error().code, ErrorCode::kUnknownFormat);
   EXPECT_EQ(parse_text("format", "exe").error().code, ErrorCode::kUnknownFormat);
   EXPECT_EQ(parse_text("format", "obj")->format, MeshFormat::kObj);
+  EXPECT_EQ(parse_text("format", "STL")->format, MeshFormat::kStl);
   FormatSet with_blend;
   with_blend.enable(MeshFormat::kBlend);
   EXPECT_EQ(ParameterTable(10, with_blend).parse({{"format", "blend"}})->format, MeshFormat::kBlend);
