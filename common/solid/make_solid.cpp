@@ -75,20 +75,13 @@ tl::unexpected<Error> refuse(std::string detail, const EdgeFaults& faults, const
 EdgeFaults repair_edges(Surface& surface, EdgeTable edges, const SolidOptions& options, double diagonal,
                         SolidReport& report, const Execution& execution) {
   const auto rebuild = [&] { edges = EdgeTable(surface, execution); };
-  const auto drop = [&] {
-    const std::size_t dropped = drop_duplicates(surface, edges);
-    report.duplicates_dropped += dropped;
-    if (dropped > 0) rebuild();
-  };
-  drop();
+  if (drop_duplicates(surface, edges, report)) rebuild();
   if (options.repair == Repair::kFill &&
       weld_tolerant(surface, edges, options.weld_tolerance * diagonal, report)) {
     rebuild();
-    drop();
+    if (drop_duplicates(surface, edges, report)) rebuild();
   }
-  const std::size_t flipped = orient_patches(surface, edges);
-  report.flipped += flipped;
-  if (flipped > 0) rebuild();
+  if (orient_patches(surface, edges, report)) rebuild();
   pair_clean_edges(surface, edges);
   pair_nonmanifold_edges(surface, edges);
   return find_faults(surface, edges);
@@ -286,6 +279,8 @@ Expected<Solid> make_solid(std::shared_ptr<const Mesh> mesh, const SolidOptions&
     }
   }
   report.open_edges = faults.open;
+  if (faults.first_open) report.add_sample("open_edges", (*faults.first_open)[0]);
+  if (faults.first_nonmanifold) report.add_sample("nonmanifold_edges", (*faults.first_nonmanifold)[0]);
   report.nonmanifold_edges = faults.nonmanifold + faults.one_way;
   bool open = false;
   if (report.open_edges + report.nonmanifold_edges > 0)
@@ -332,6 +327,7 @@ Expected<Solid> make_solid(std::shared_ptr<const Mesh> mesh, const SolidOptions&
     }
     for (TriangleId t = 0; t < surface.triangles.size(); ++t) {
       if (!nesting.reversed[shells.of_triangle[t]]) continue;
+      report.add_sample("flipped", surface.positions[surface.triangles[t][0]]);
       surface.flip(t);
       // The half-edges ab, bc, ca became ac, cb, ba: the first and the last change places.
       std::swap(surface.twin[3 * t], surface.twin[3 * t + 2]);
@@ -348,6 +344,7 @@ Expected<Solid> make_solid(std::shared_ptr<const Mesh> mesh, const SolidOptions&
   for (std::uint32_t s = 0; s < shells.list.size(); ++s) {
     if (shells.list[s].flat) {
       flat_triangles += shells.list[s].triangles;
+      report.add_sample("shells_dropped", surface.positions[surface.triangles[shells.list[s].first][0]]);
       continue;
     }
     new_shell[s] = static_cast<std::uint32_t>(report.shells++);
@@ -361,7 +358,11 @@ Expected<Solid> make_solid(std::shared_ptr<const Mesh> mesh, const SolidOptions&
   }
   report.parts = solid.parts.size();
   solid.layers = assign_layers(solid.parts);
-  for (const TriangleId fill : fills) report.holes_filled += !shells.list[shells.of_triangle[fill]].flat;
+  for (const TriangleId fill : fills) {
+    if (shells.list[shells.of_triangle[fill]].flat) continue;
+    if (report.holes_filled++ == 0)
+      report.add_sample("holes_filled", surface.positions[surface.triangles[fill][0]]);
+  }
   for (TriangleId t = 0; open + report.sheets_thickened > 0 && t < surface.triangles.size(); ++t) {
     if (surface.source[t] != kNoIndex || shells.list[shells.of_triangle[t]].flat) continue;
     ++report.fill_triangles;

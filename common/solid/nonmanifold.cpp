@@ -66,7 +66,7 @@ std::vector<std::uint8_t> find_sheets(const Surface& surface, const EdgeTable& e
 
 }  // namespace
 
-std::size_t drop_duplicates(Surface& surface, const EdgeTable& edges) {
+bool drop_duplicates(Surface& surface, const EdgeTable& edges, SolidReport& report) {
   // Only a triangle with an edge that is not clean can have a copy that matters: a pair of opposite copies
   // with three clean edges is a closed shell without volume and goes with those.
   struct Entry {
@@ -145,8 +145,12 @@ std::size_t drop_duplicates(Surface& surface, const EdgeTable& edges) {
       ++dropped;
     }
   }
-  if (dropped > 0) surface.remove(doomed);
-  return dropped;
+  if (dropped == 0) return false;
+  const auto first = static_cast<TriangleId>(std::find(doomed.begin(), doomed.end(), 1) - doomed.begin());
+  report.add_sample("duplicates_dropped", surface.positions[surface.triangles[first][0]]);
+  report.duplicates_dropped += dropped;
+  surface.remove(doomed);
+  return true;
 }
 
 std::size_t pair_nonmanifold_edges(Surface& surface, const EdgeTable& edges) {

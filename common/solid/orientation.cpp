@@ -2,7 +2,7 @@
 
 namespace fracture::solid_detail {
 
-std::size_t orient_patches(Surface& surface, const EdgeTable& edges) {
+bool orient_patches(Surface& surface, const EdgeTable& edges, SolidReport& report) {
   const std::size_t count = surface.triangles.size();
   constexpr std::uint32_t kSameWay = 1;
   std::vector<std::uint64_t> across(3 * count,
@@ -15,7 +15,7 @@ std::size_t orient_patches(Surface& surface, const EdgeTable& edges) {
     across[uses[0].half_edge()] = static_cast<std::uint64_t>(uses[1].half_edge()) << 1 | same;
     across[uses[1].half_edge()] = static_cast<std::uint64_t>(uses[0].half_edge()) << 1 | same;
   });
-  if (!inconsistent) return 0;
+  if (!inconsistent) return false;
 
   std::vector<std::uint8_t> state(
       count, 2);  // 0: as it is, 1: reversed against the patch's lowest triangle, 2: unseen
@@ -38,11 +38,13 @@ std::size_t orient_patches(Surface& surface, const EdgeTable& edges) {
     const std::uint8_t minority = 2 * reversed > patch.size() ? 0 : 1;
     for (const TriangleId t : patch)
       if (state[t] == minority) {
+        report.add_sample("flipped", surface.positions[surface.triangles[t][0]]);
         surface.flip(t);
         ++flipped;
       }
   }
-  return flipped;
+  report.flipped += flipped;
+  return flipped > 0;
 }
 
 }  // namespace fracture::solid_detail

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/solid/edges.hpp"
+#include "common/solid/solid.hpp"
 #include "common/solid/surface.hpp"
 
 namespace fracture::solid_detail {
@@ -9,7 +10,8 @@ namespace fracture::solid_detail {
 /// Within each patch (triangles connected across edges with exactly two uses) flips the minority so that
 /// neighbours agree; on a tie the lowest triangle keeps its orientation. A patch that cannot be oriented
 /// (Möbius, Klein) keeps edges whose two uses run the same way: they stay open and are closed like holes.
-/// Returns the number of triangles flipped; the edge table is stale when it is not zero.
-std::size_t orient_patches(Surface& surface, const EdgeTable& edges);
+/// The
+/// report counts the triangles flipped; the edge table is stale when true is returned.
+bool orient_patches(Surface& surface, const EdgeTable& edges, SolidReport& report);
 
 }  // namespace fracture::solid_detail

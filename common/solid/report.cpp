@@ -2,7 +2,16 @@
 
 namespace fracture {
 
+void SolidReport::add_sample(const char* figure, const Vec3f& place) {
+  for (const Sample& sample : samples)
+    if (sample.figure == figure) return;
+  samples.push_back({figure, to_double(place)});
+}
+
 nlohmann::json SolidReport::to_json() const {
+  nlohmann::json places = nlohmann::json::object();
+  for (const Sample& sample : samples)
+    places[sample.figure] = {sample.place.x, sample.place.y, sample.place.z};
   return {{"source_triangles", source_triangles},
           {"source_vertices", source_vertices},
           {"welded", welded},
@@ -22,6 +31,7 @@ nlohmann::json SolidReport::to_json() const {
           {"shells_dropped", shells_dropped},
           {"volume", volume},
           {"area", area},
+          {"samples", std::move(places)},
           {"notes", notes}};
 }
 

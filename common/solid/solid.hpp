@@ -62,6 +62,13 @@ struct SolidReport {
   double volume = 0;                 ///< m³, of the solid: what the fragments add up to
   double area = 0;                   ///< m², of the kept source triangles and the fill
   std::vector<std::string> notes;    ///< sentences for people, each with a count and a sample place
+  struct Sample {
+    std::string figure;  ///< the name of the figure above, as in to_json()
+    Vec3d place;
+  };
+  std::vector<Sample> samples;  ///< one place for each kind of intervention: the first met
+  /// Keeps the place unless the figure has one already.
+  void add_sample(const char* figure, const Vec3f& place);
   nlohmann::json to_json() const;
 };
 

@@ -108,7 +108,8 @@ Expected<Surface> weld_exact(const Mesh& mesh, SolidReport& report, const Execut
       triangle[k] = vertex;
     }
     if (triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0]) {
-      ++report.degenerate_dropped;
+      if (report.degenerate_dropped++ == 0)
+        report.add_sample("degenerate_dropped", surface.positions[triangle[0]]);
       continue;
     }
     surface.triangles[kept] = triangle;
@@ -162,7 +163,7 @@ bool weld_tolerant(Surface& surface, const EdgeTable& edges, double tolerance, S
     const VertexId root = near.find(v);
     if (root == v || !useful[root]) continue;
     target[v] = root;
-    ++merged;
+    if (merged++ == 0) report.add_sample("welded_tolerant", surface.positions[v]);
   }
   if (merged == 0) return false;
   for (Triangle& triangle : surface.triangles)

@@ -163,6 +163,11 @@ TEST(SolidReport, WritesEveryFigureToJson) {
   EXPECT_EQ(json["volume"], 1.0);
   EXPECT_EQ(json["parts"], 1);
   EXPECT_FALSE(json["notes"].empty());
+  for (const char* figure : {"open_edges", "holes_filled"}) {  // the hole is the face y = -1/2
+    ASSERT_EQ(json["samples"][figure].size(), 3u);
+    EXPECT_EQ(json["samples"][figure][1], -0.5);
+  }
+  EXPECT_FALSE(json["samples"].contains("flipped"));
 }
 
 TEST(SolidValidate, NamesABrokenStatement) {
