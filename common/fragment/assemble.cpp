@@ -48,7 +48,7 @@ class Assembler {
       out_.primitives.back().index_count += 3;
     }
     measure();
-    place();
+    place(piece);
   }
 
  private:
@@ -175,7 +175,7 @@ class Assembler {
     out_.mass = all.result();
   }
 
-  void place() {
+  void place(const Piece& piece) {
     const SeamLattice& lattice = d_.positions.lattice;
     const Vec3d step = lattice.step();
     // Inside the box even when rounding error throws the centre of a sliver out of it.
@@ -186,17 +186,20 @@ class Assembler {
       pivot[a] = static_cast<std::int32_t>(
           std::nearbyint(std::clamp(out_.mass.center_of_mass[a], box.min[a], box.max[a]) / step[a]));
     out_.pivot = lattice.to_world(pivot);
-    out_.positions.reserve(ids_.size());
-    for (const VertexId v : ids_) {
+    const auto local = [&](VertexId v) -> Vec3f {
       if (v < d_.positions.first_constructed) {
         const Vec3d p = d_.point(v) - out_.pivot;
-        out_.positions.push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
-      } else {
-        const auto& s = d_.positions.steps[v - d_.positions.first_constructed];
-        out_.positions.push_back({static_cast<float>((s[0] - pivot[0]) * step.x),
-                                  static_cast<float>((s[1] - pivot[1]) * step.y),
-                                  static_cast<float>((s[2] - pivot[2]) * step.z)});
+        return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
       }
+      const auto& s = d_.positions.steps[v - d_.positions.first_constructed];
+      return {static_cast<float>((s[0] - pivot[0]) * step.x), static_cast<float>((s[1] - pivot[1]) * step.y),
+              static_cast<float>((s[2] - pivot[2]) * step.z)};
+    };
+    out_.positions.reserve(ids_.size());
+    for (const VertexId v : ids_) out_.positions.push_back(local(v));
+    for (const std::vector<VertexId>& body : piece.bodies) {
+      out_.bodies.emplace_back();
+      for (const VertexId v : body) out_.bodies.back().push_back(local(v));
     }
   }
 

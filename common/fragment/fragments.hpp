@@ -28,6 +28,12 @@ struct MassProperties {
   std::array<double, 6> inertia{};  ///< kg·m² per kg/m³: xx, yy, zz, xy, xz, yz of the inertia tensor
 };
 
+/// A convex hull for physics engines, in the fragment's local frame (physics/collision_hulls.hpp).
+struct CollisionHull {
+  std::vector<Vec3f> points;                            ///< at most 255
+  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise from outside
+};
+
 struct Fragment {
   std::uint64_t id = 0;  ///< function of its sites and part only (at most 2^53 - 1: exact in JSON)
   std::vector<std::uint32_t> sites;  ///< ids of its cells' sites, ascending
@@ -42,6 +48,10 @@ struct Fragment {
   /// Per vertex: the index of the first vertex with the same position key (topology across attribute seams).
   std::vector<std::uint32_t> topology;
   MassProperties mass;  ///< from the unrounded positions
+  /// Local points of each member cell's share, for fragments of several cells; empty when the fragment lies
+  /// in one convex cell (then its own positions serve).
+  std::vector<std::vector<Vec3f>> bodies;
+  std::vector<CollisionHull> hulls;  ///< one for each body; empty until asked for
   double exterior_area = 0;
 };
 

@@ -89,9 +89,18 @@ std::pair<Piece, std::vector<Face>> join_pieces(const Pieces& pieces,
   Piece joined = pieces.pieces[members[0]];
   std::vector<Face> faces;
   joined.owners.clear();
+  joined.bodies.clear();
   for (const std::uint32_t m : members) {
     const Piece& piece = pieces.pieces[m];
     joined.owners.insert(joined.owners.end(), piece.owners.begin(), piece.owners.end());
+    joined.bodies.insert(joined.bodies.end(), piece.bodies.begin(), piece.bodies.end());
+    if (piece.bodies.empty()) {
+      std::vector<VertexId>& body = joined.bodies.emplace_back();
+      for (std::uint32_t f = piece.first_face; f < piece.first_face + piece.face_count; ++f)
+        body.insert(body.end(), pieces.faces[f].v.begin(), pieces.faces[f].v.end());
+      std::sort(body.begin(), body.end());
+      body.erase(std::unique(body.begin(), body.end()), body.end());
+    }
     for (std::uint32_t f = piece.first_face; f < piece.first_face + piece.face_count; ++f) {
       const Face& face = pieces.faces[f];
       if (is_cap(face.source)) {

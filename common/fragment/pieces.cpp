@@ -16,6 +16,7 @@ class UnionFind {
     parent_.push_back(static_cast<std::uint32_t>(parent_.size()));
     return parent_.back();
   }
+  std::size_t size() const { return parent_.size(); }
   std::uint32_t find(std::uint32_t x) {
     while (parent_[x] != x) x = parent_[x] = parent_[parent_[x]];
     return x;
@@ -66,12 +67,12 @@ class OwnerPieces {
     std::uint32_t part = 0;
     double volume = 0;
     bool has_caps = false;
+    std::vector<std::vector<VertexId>> bodies{};
   };
 
   std::vector<Component> split(std::uint32_t owner, const Face* begin, const Face* end,
                                const std::vector<FaceSource>& caps,
                                const std::vector<std::uint32_t>& polygons) {
-    (void)owner;
     local_.next_epoch(d_.vertex_count());
     sets_.reset();
     faces_.assign(begin, end);
@@ -94,7 +95,9 @@ class OwnerPieces {
         join({d_.cuts.vertices[polygon.first], d_.cuts.vertices[polygon.first + k - 1],
               d_.cuts.vertices[polygon.first + k]});
     }
-    return collect();
+    std::vector<Component> components = collect();
+    if (ownership_.sites_of_owner[owner].size() > 1) collect_bodies(owner, caps, polygons, components);
+    return components;
   }
 
  private:
@@ -131,6 +134,50 @@ class OwnerPieces {
       return a.part != b.part ? a.part < b.part : a.volume > b.volume;
     });
     return components;
+  }
+
+  // Who lies where in a group: the vertices of every cell's faces, by the component they ended up in.
+  void collect_bodies(std::uint32_t owner, const std::vector<FaceSource>& caps,
+                      const std::vector<std::uint32_t>& polygons, std::vector<Component>& components) {
+    struct Share {
+      std::uint32_t component;
+      SiteId cell;
+      VertexId vertex;
+      auto operator<=>(const Share&) const = default;
+    };
+    std::vector<std::uint32_t> component_of(sets_.size(),
+                                            kNoIndex);  // components were reordered: by root again
+    for (std::uint32_t c = 0; c < components.size(); ++c)
+      for (const Face& f : components[c].faces) component_of[sets_.find(local_.slot(f.v[0]))] = c;
+    std::vector<Share> shares;
+    const auto add = [&](SiteId cell, VertexId v) {
+      const std::uint32_t c = component_of[sets_.find(local_.slot(v))];
+      if (c != kNoIndex) shares.push_back({c, cell, v});
+    };
+    for (const Face& f : faces_)
+      if (!is_cap(f.source))
+        for (const VertexId v : f.v)
+          if (v < d_.cuts.first_b()) add(d_.cuts.label[v], v);
+    for (const FaceSource source : caps) {
+      const CapRegion& r = d_.caps.regions[cap_region(source)];
+      for (const SiteId cell : {r.lo, r.hi}) {
+        if (ownership_.owner_of_site[cell] != owner) continue;
+        for (std::uint32_t k = 0; k < r.triangle_count; ++k)
+          for (const VertexId v : d_.caps.triangles[r.first_triangle + k]) add(cell, v);
+      }
+    }
+    for (const std::uint32_t p : polygons) {
+      const CutPolygon& polygon = d_.cuts.polygons[p];
+      for (std::uint32_t k = 0; k < polygon.count; ++k)
+        add(polygon.cell, d_.cuts.vertices[polygon.first + k]);
+    }
+    std::sort(shares.begin(), shares.end());
+    shares.erase(std::unique(shares.begin(), shares.end()), shares.end());
+    for (std::size_t k = 0; k < shares.size(); ++k) {
+      if (k == 0 || shares[k].component != shares[k - 1].component || shares[k].cell != shares[k - 1].cell)
+        components[shares[k].component].bodies.emplace_back();
+      components[shares[k].component].bodies.back().push_back(shares[k].vertex);
+    }
   }
 
   std::uint32_t part_of(const Face& f) const {
@@ -261,7 +308,8 @@ Pieces gather_pieces(const RestrictedDiagram& d, const Ownership& ownership, con
                             c.part,
                             island,
                             static_cast<std::uint32_t>(out.faces.size()),
-                            static_cast<std::uint32_t>(c.faces.size())});
+                            static_cast<std::uint32_t>(c.faces.size()),
+                            std::move(c.bodies)});
       for (const Face& f : c.faces)
         if (is_cap(f.source)) out.piece_of_cap[f.source & ~kCapFace] = piece;
       out.faces.insert(out.faces.end(), c.faces.begin(), c.faces.end());

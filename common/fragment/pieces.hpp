@@ -65,6 +65,9 @@ struct Piece {
   std::uint32_t part;
   std::uint32_t island;                  ///< 0 for the first piece of its owner and part, 1 for the next, …
   std::uint32_t first_face, face_count;  ///< range of Pieces::faces
+  /// The vertices of each member cell's share (also those that fusing hides), for pieces of several cells;
+  /// else empty.
+  std::vector<std::vector<VertexId>> bodies{};
 };
 
 struct Pieces {

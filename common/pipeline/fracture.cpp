@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/fragment/make_fragments.hpp"
+#include "common/physics/collision_hulls.hpp"
 #include "common/pipeline/barycentric.hpp"
 #include "common/pipeline/restrict.hpp"
 #include "common/sites/sites.hpp"
@@ -90,8 +91,12 @@ Expected<FragmentSet> fracture(const Solid& solid, const Diagram& diagram,
       set = make_fragments(restrict_to_solid(solid, voronoi, execution), ownership, execution);
     }
     if (set.fragments.empty()) return fail(ErrorCode::kNoFragments, "none of the pieces has a volume");
+    HullReport hulls;
+    if (parameters.hulls == Hulls::kConvex) hulls = add_collision_hulls(set, execution);
     set.certificate.sites_asked = static_cast<std::uint32_t>(diagram.sites.size());
     set.report = report_of(solid, diagram, set);
+    if (parameters.hulls == Hulls::kConvex)
+      set.report["hulls"] = {{"count", hulls.hulls}, {"flat", hulls.flat}, {"simplified", hulls.simplified}};
     if (parameters.dual == Dual::kBarycenter) {
       set.report["barycenter"] = {{"partition", false}, {"skipped_hulls", skipped_hulls}};
       set.report["warnings"].push_back(

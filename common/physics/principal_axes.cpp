@@ -1,0 +1,74 @@
+#include "common/physics/principal_axes.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fracture {
+namespace {
+
+/// Unit quaternion of a proper rotation matrix (columns = axes); Shepperd 1978: divides by the largest
+/// component.
+std::array<double, 4> to_quaternion(const double r[3][3]) {
+  const double trace = r[0][0] + r[1][1] + r[2][2];
+  std::array<double, 4> q;
+  if (trace >= r[0][0] && trace >= r[1][1] && trace >= r[2][2]) {
+    const double s = 2 * std::sqrt(1 + trace);
+    q = {(r[2][1] - r[1][2]) / s, (r[0][2] - r[2][0]) / s, (r[1][0] - r[0][1]) / s, s / 4};
+  } else if (r[0][0] >= r[1][1] && r[0][0] >= r[2][2]) {
+    const double s = 2 * std::sqrt(1 + r[0][0] - r[1][1] - r[2][2]);
+    q = {s / 4, (r[0][1] + r[1][0]) / s, (r[0][2] + r[2][0]) / s, (r[2][1] - r[1][2]) / s};
+  } else if (r[1][1] >= r[2][2]) {
+    const double s = 2 * std::sqrt(1 + r[1][1] - r[0][0] - r[2][2]);
+    q = {(r[0][1] + r[1][0]) / s, s / 4, (r[1][2] + r[2][1]) / s, (r[0][2] - r[2][0]) / s};
+  } else {
+    const double s = 2 * std::sqrt(1 + r[2][2] - r[0][0] - r[1][1]);
+    q = {(r[0][2] + r[2][0]) / s, (r[1][2] + r[2][1]) / s, s / 4, (r[1][0] - r[0][1]) / s};
+  }
+  const double l = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+  for (double& c : q) c /= q[3] < 0 ? -l : l;  // the representative with w >= 0
+  return q;
+}
+
+}  // namespace
+
+PrincipalAxes principal_axes(const std::array<double, 6>& inertia) {
+  double a[3][3] = {{inertia[0], inertia[3], inertia[4]},
+                    {inertia[3], inertia[1], inertia[5]},
+                    {inertia[4], inertia[5], inertia[2]}};
+  double v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  // Converges quadratically; six sweeps reach rounding for any 3 x 3 matrix, twelve leave room.
+  for (int sweep = 0; sweep < 12; ++sweep) {
+    bool diagonal = true;
+    for (int p = 0; p < 2; ++p)
+      for (int q = p + 1; q < 3; ++q) {
+        if (std::fabs(a[p][q]) <= 0x1.0p-60 * (std::fabs(a[p][p]) + std::fabs(a[q][q]))) continue;
+        diagonal = false;
+        const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
+        const double t = (theta >= 0 ? 1 : -1) / (std::fabs(theta) + std::sqrt(theta * theta + 1));
+        const double c = 1 / std::sqrt(t * t + 1), s = t * c;
+        for (int k = 0; k < 3; ++k) {
+          const double kp = a[k][p], kq = a[k][q];
+          a[k][p] = c * kp - s * kq;
+          a[k][q] = s * kp + c * kq;
+        }
+        for (int k = 0; k < 3; ++k) {
+          const double pk = a[p][k], qk = a[q][k];
+          a[p][k] = c * pk - s * qk;
+          a[q][k] = s * pk + c * qk;
+        }
+        for (int k = 0; k < 3; ++k) {
+          const double kp = v[k][p], kq = v[k][q];
+          v[k][p] = c * kp - s * kq;
+          v[k][q] = s * kp + c * kq;
+        }
+      }
+    if (diagonal) break;
+  }
+  // Products of rotations: det v = +1 up to rounding.
+  PrincipalAxes out;
+  for (int k = 0; k < 3; ++k) out.moments[static_cast<std::size_t>(k)] = std::max(0.0, a[k][k]);
+  out.rotation = to_quaternion(v);
+  return out;
+}
+
+}  // namespace fracture

@@ -1,0 +1,117 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "common/physics/collision_hulls.hpp"
+#include "common/physics/principal_axes.hpp"
+#include "common/pipeline/fracture.hpp"
+#include "tests/support/figures.hpp"
+#include "tests/support/shapes.hpp"
+#include "tests/support/site_families.hpp"
+
+namespace fracture::test {
+namespace {
+
+FragmentSet fracture_at(const Mesh& mesh, FractureParameters p) {
+  StageTimings timings;
+  const Expected<Solid> solid = make_solid(std::make_shared<Mesh>(mesh), {}, {});
+  return *fracture(*solid, *make_diagram(*solid, p, {}, timings), p, {}, timings);
+}
+
+/// The tensor back from moments and rotation.
+std::array<double, 6> tensor_of(const PrincipalAxes& p) {
+  const auto [x, y, z, w] = p.rotation;
+  const double r[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)},
+                          {2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)},
+                          {2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)}};
+  double t[3][3] = {};
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      for (int k = 0; k < 3; ++k) t[i][j] += r[i][k] * p.moments[static_cast<std::size_t>(k)] * r[j][k];
+  return {t[0][0], t[1][1], t[2][2], t[0][1], t[0][2], t[1][2]};
+}
+
+TEST(PrincipalAxes, GiveTheTensorBack) {
+  for (const std::array<double, 6>& t : {std::array<double, 6>{1, 2, 3, 0, 0, 0},
+                                         {2, 2, 2, 0, 0, 0},
+                                         {3, 3, 3, 1, 1, 1},
+                                         {5, 4, 6, 0.1, -1.5, 0.7},
+                                         {1, 1, 1, 1e-13, 0, 0},
+                                         {1e-9, 2e-9, 3e-9, 1e-10, 1e-10, -1e-10}}) {
+    const PrincipalAxes p = principal_axes(t);
+    const auto back = tensor_of(p);
+    double scale = 0, norm = 0;
+    for (const double v : t) scale = std::max(scale, std::fabs(v));
+    for (int k = 0; k < 6; ++k)
+      EXPECT_NEAR(back[static_cast<std::size_t>(k)], t[static_cast<std::size_t>(k)], 1e-12 * scale);
+    for (const double c : p.rotation) norm += c * c;
+    EXPECT_NEAR(norm, 1, 1e-14);
+  }
+}
+
+Mesh mesh_of(const CollisionHull& hull) {
+  Mesh m;
+  m.positions = hull.points;
+  m.triangles = hull.triangles;
+  return m;
+}
+
+TEST(CollisionHulls, AreClosedConvexAndOutward) {
+  for (const Mesh& mesh : {torus(32, 16), menger_sponge(1), sphere_with(2000)}) {
+    FractureParameters p;
+    p.sites = 40;
+    const FragmentSet set = fracture_at(mesh, p);
+    for (const Fragment& f : set.fragments) {
+      ASSERT_EQ(f.hulls.size(), 1u);
+      const Mesh hull = mesh_of(f.hulls[0]);
+      EXPECT_LE(hull.positions.size(), kMaxHullPoints);
+      EXPECT_EQ(open_directed_edges(hull), 0u);
+      // The hull holds the fragment, less what shrinking takes.
+      EXPECT_GT(volume_of(hull), 0.99 * f.mass.volume);
+    }
+  }
+}
+
+TEST(CollisionHulls, OfNeighboursAreSeparatedByTheBisectorOfTheirSites) {
+  FractureParameters p;
+  p.points = random_sites(box_of(cube()), 60, 9);
+  const FragmentSet set = fracture_at(cube(), p);
+  for (const Bond& b : set.bonds) {
+    const Fragment &f = set.fragments[b.a], &g = set.fragments[b.b];
+    const Vec3d i = p.points[f.sites[0]], j = p.points[g.sites[0]], u = j - i, middle = 0.5 * (i + j);
+    for (const Vec3f& q : f.hulls[0].points) EXPECT_LT(dot(to_double(q) + f.pivot - middle, u), 0);
+    for (const Vec3f& q : g.hulls[0].points) EXPECT_GT(dot(to_double(q) + g.pivot - middle, u), 0);
+  }
+}
+
+TEST(CollisionHulls, AGroupCarriesOneForEachMemberCell) {
+  FractureParameters p;
+  p.points = random_sites(box_of(cube()), 30, 9);
+  for (std::uint32_t k = 0; k < 30; ++k) p.groups.push_back(k < 10 ? 0 : k);
+  const FragmentSet set = fracture_at(cube(), p);
+  std::size_t shared = 0;
+  for (const Fragment& f : set.fragments) {
+    if (f.sites.size() == 1) {
+      EXPECT_EQ(f.hulls.size(), 1u);
+      continue;
+    }
+    shared += f.hulls.size();
+    double volume = 0;
+    for (const CollisionHull& h : f.hulls) volume += volume_of(mesh_of(h));
+    // Cells of a convex body: their hulls fill the group, less what shrinking takes.
+    EXPECT_NEAR(volume, f.mass.volume, 0.01 * f.mass.volume);
+  }
+  EXPECT_EQ(shared, 10u);
+}
+
+TEST(CollisionHulls, ManyPointsAreSimplified) {
+  FractureParameters p;
+  p.points = {{0, 0, 0}};
+  const FragmentSet set = fracture_at(sphere_with(20'000), p);
+  ASSERT_EQ(set.fragments.size(), 1u);
+  EXPECT_LE(set.fragments[0].hulls[0].points.size(), kMaxHullPoints);
+  EXPECT_GT(volume_of(mesh_of(set.fragments[0].hulls[0])), 0.9 * set.fragments[0].mass.volume);
+}
+
+}  // namespace
+}  // namespace fracture::test
