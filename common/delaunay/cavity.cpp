@@ -122,6 +122,7 @@ void IncrementalDelaunay::fill_cavity(VertexId v) {
                 dc = Vec3d{vc.x, vc.y, vc.z} - p;
     set_sphere(t, da, db, dc, dot(da, da), dot(db, db), dot(dc, dc));
   }
+  counters_.tets_created += count;
   const bool small = locals <= kTableSide;
   if (small) {
     for (std::size_t i = 0; i < count; ++i) {

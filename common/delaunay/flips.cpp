@@ -33,6 +33,7 @@ void IncrementalDelaunay::replace(std::span<const TetId> removed,
       if (t.n[k] == kNoLink || tets_[t.n[k] >> 2].mark != visit_) add_side(t.v, k, t.n[k]);
   }
   for (const TetId t : removed) free_tet(t);
+  counters_.tets_created += created.size();
   for (const std::array<VertexId, 4>& v : created) {
     const TetId id = make_tet(v[0], v[1], v[2], v[3]);
     for (unsigned k = 0; k < 4; ++k) add_side(tets_[id].v, k, 4 * id + k);

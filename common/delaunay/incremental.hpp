@@ -101,6 +101,7 @@ class IncrementalDelaunay {
   struct Counters {
     std::uint64_t sphere_tests = 0;  ///< in_sphere decisions of insertions
     std::uint64_t walk_steps = 0;
+    std::uint64_t tets_created = 0;
     exact::PredicateCounters in_sphere;
     exact::PredicateCounters orient3d;
     std::uint64_t flips14 = 0, flips26 = 0, flips_edge = 0, flips23 = 0, flips32 = 0, flips44 = 0,

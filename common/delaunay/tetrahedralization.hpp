@@ -46,10 +46,10 @@ inline constexpr double kMaxSiteCoordinate = 1e12;
 /// More sites are refused (kTooComplex) before any work is done: 2 GB of tetrahedra.
 inline constexpr std::uint32_t kMaxSites = 4'000'000;
 /// The limit of tetrahedra is kTetsAlways + kTetsPerSite * sites, checked while inserting, so that time and
-/// memory are bounded too. Sites in a volume make 6.8 a site, sites on a smooth surface up to about 10; two
-/// skew lines of n sites make n^2/4.
+/// memory are bounded too. Sites in a volume make 6.8 a site, sites on a sphere 5; two skew lines of
+/// n sites make n^2/4.
 inline constexpr std::uint64_t kTetsAlways = 2'000'000;
-inline constexpr std::uint64_t kTetsPerSite = 32;
+inline constexpr std::uint64_t kTetsPerSite = 16;
 
 /// Builds it. `box` is the mesh's box (may be empty: then no site is far). The result is a function of the
 /// list of sites and the box; the *set* of tetrahedra only of the set of sites and the box. Errors:

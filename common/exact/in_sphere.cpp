@@ -124,17 +124,24 @@ Decision decide_integers(const std::array<IntPoint, 5>& p) {
   return decide_wide(b, c, d, e);
 }
 
+template <class Int>
+Decision decide_scaled(const std::array<Vec3d, 5>& p, const BinaryScale& scale) {
+  using P = Point<Int>;
+  const P o = scale.scaled<Int>(p[0]);
+  const P b = scale.scaled<Int>(p[1]) - o, c = scale.scaled<Int>(p[2]) - o, d = scale.scaled<Int>(p[3]) - o,
+          e = scale.scaled<Int>(p[4]) - o;
+  const Int cde = dot(c, cross(d, e)), bde = dot(b, cross(d, e)), bce = dot(b, cross(c, e)),
+            bcd = dot(b, cross(c, d));
+  const Int f = dot(b, b) * cde - dot(c, c) * bde + dot(d, d) * bce - dot(e, e) * bcd;
+  return decide(f, cde, bde, bce, bcd);
+}
+
 Decision decide_any_size(const std::array<Vec3d, 5>& p) {
   BinaryScale scale;
   for (const Vec3d& q : p) scale.include(q);
-  using P = Point<BigInt>;
-  const P o = scale.scaled<BigInt>(p[0]);
-  const P b = scale.scaled<BigInt>(p[1]) - o, c = scale.scaled<BigInt>(p[2]) - o,
-          d = scale.scaled<BigInt>(p[3]) - o, e = scale.scaled<BigInt>(p[4]) - o;
-  const BigInt cde = dot(c, cross(d, e)), bde = dot(b, cross(d, e)), bce = dot(b, cross(c, e)),
-               bcd = dot(b, cross(c, d));
-  const BigInt f = dot(b, b) * cde - dot(c, c) * bde + dot(d, d) * bce - dot(e, e) * bcd;
-  return decide(f, cde, bde, bce, bcd);
+  // Differences have one bit more than coordinates, and 72 < 2^7.
+  if (5 * (scale.width() + 1) + 7 <= 1000) return decide_scaled<FixedInt>(p, scale);
+  return decide_scaled<BigInt>(p, scale);
 }
 
 // Comparisons compile to a few instructions without branches: in a lattice none of them can be predicted.

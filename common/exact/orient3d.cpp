@@ -19,13 +19,19 @@ int sign_as(const IntPoint& b, const IntPoint& c, const IntPoint& d) {
   return (det > 0) - (det < 0);
 }
 
+template <class Int>
+int scaled_sign(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, const BinaryScale& scale) {
+  const Point<Int> o = scale.scaled<Int>(a);
+  const Int det = dot(scale.scaled<Int>(b) - o, cross(scale.scaled<Int>(c) - o, scale.scaled<Int>(d) - o));
+  return det.sign();
+}
+
 int any_size_sign(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
   BinaryScale scale;
   for (const Vec3d* p : {&a, &b, &c, &d}) scale.include(*p);
-  const Point<BigInt> o = scale.scaled<BigInt>(a);
-  const BigInt det =
-      dot(scale.scaled<BigInt>(b) - o, cross(scale.scaled<BigInt>(c) - o, scale.scaled<BigInt>(d) - o));
-  return det.sign();
+  // Differences have one bit more than coordinates, and 6 < 2^3.
+  if (3 * (scale.width() + 1) + 3 <= 1000) return scaled_sign<FixedInt>(a, b, c, d, scale);
+  return scaled_sign<BigInt>(a, b, c, d, scale);
 }
 
 }  // namespace

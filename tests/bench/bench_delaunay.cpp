@@ -24,6 +24,12 @@ int main(int argc, char** argv) {
     bench::TetSetHash hash;
     for (const Tetrahedron& t : result.tets) hash.add(t.v);
     bench::print_result(w, ms, hash.count(), hash.value());
+    // The numbering too is part of the promise of identical results: compare it between compilers and builds.
+    std::uint64_t numbering = 0;
+    for (const Tetrahedron& t : result.tets)
+      for (int k = 0; k < 4; ++k)
+        numbering = Random(numbering ^ (static_cast<std::uint64_t>(t.v[k]) << 32 | t.n[k]))();
+    if (arguments.check) std::printf("  numbering %016llx\n", static_cast<unsigned long long>(numbering));
 
     if (arguments.check) {
       const double start = bench::cpu_milliseconds();
@@ -45,7 +51,8 @@ int main(int argc, char** argv) {
         correct = correct && good;
         const auto& c = delaunay.counters();
         std::printf(
-            "  %s: insertion %.1f ms, %s; in_sphere %llu, exact %llu, ties %llu; walk steps %llu, exact "
+            "  %s: insertion %.1f ms, %s; in_sphere %llu, exact %llu, ties %llu; created %llu; walk steps "
+            "%llu, exact "
             "orient3d %llu\n",
             method == Method::kCavity ? "cavity" : "flips ", inserted,
             error  ? error->c_str()
@@ -53,7 +60,8 @@ int main(int argc, char** argv) {
                    : "WRONG SET",
             static_cast<unsigned long long>(c.sphere_tests),
             static_cast<unsigned long long>(c.in_sphere.exact),
-            static_cast<unsigned long long>(c.in_sphere.ties), static_cast<unsigned long long>(c.walk_steps),
+            static_cast<unsigned long long>(c.in_sphere.ties),
+            static_cast<unsigned long long>(c.tets_created), static_cast<unsigned long long>(c.walk_steps),
             static_cast<unsigned long long>(c.orient3d.exact));
       }
     }

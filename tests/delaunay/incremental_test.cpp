@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "common/delaunay/spatial_order.hpp"
+#include "tests/bench/delaunay_workloads.hpp"
 #include "tests/delaunay/point_families.hpp"
 
 namespace fracture {
@@ -50,6 +52,18 @@ TEST(IncrementalDelaunay, IsValidAfterEveryInsertionByEitherMethod) {
         ASSERT_FALSE(error.has_value()) << family.name << ", " << d.site_count() << " sites: " << *error;
       }
     }
+}
+
+TEST(IncrementalDelaunay, IsValidOnEveryInputOfTheBenchmarkUpTo100kSites) {
+  for (const std::string& name : bench::workload_names()) {
+    if (name == "random_1M") continue;
+    const std::vector<Vec3d> points = bench::make_workload(name).points;
+    IncrementalDelaunay d(big_of(points));
+    for (const std::uint32_t i : spatial_order(points))
+      ASSERT_EQ(d.insert(points[i]).status, Status::kInserted);
+    const auto error = d.validate();
+    EXPECT_FALSE(error.has_value()) << name << ": " << *error;
+  }
 }
 
 TEST(IncrementalDelaunay, FlipsAndCavityGiveTheSameTetrahedra) {
