@@ -43,7 +43,7 @@ class Assembler {
       const Face& face = faces[f];
       // The plane of a flat face is the same for all three corners.
       const bool flat = material == kInteriorMaterial;
-      const Vec3d normal = flat && !plain_ ? flat_normal(face) : Vec3d{};
+      const Vec3d normal = flat ? flat_normal(face) : Vec3d{};
       for (const VertexId v : face.v) out_.indices.push_back(vertex(face, v, flat, normal));
       out_.primitives.back().index_count += 3;
     }
@@ -79,7 +79,6 @@ class Assembler {
 
   Flavor flavor(const Face& face, VertexId v, bool flat) const {
     if (flat) {
-      if (plain_) return {kInterior, 0, 0};
       // Regions of one facet share their plane, but not their vertices: the region will do.
       return {kInterior, face.source, 0};
     }
@@ -123,12 +122,14 @@ class Assembler {
       next_variant_[first] = fresh;
     }
     out_.topology.push_back(first);
-    if (!plain_) write_attributes(f, face, v, normal);
+    write_attributes(f, face, v, normal);
     return fresh;
   }
 
   void write_attributes(const Flavor& f, const Face& face, VertexId v, const Vec3d& normal) {
     switch (f.kind) {
+      case kPlain:
+        return writer_.blank();
       case kWedge:
         return writer_.copy(f.a);
       case kOnEdge: {

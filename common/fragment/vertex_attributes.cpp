@@ -48,13 +48,18 @@ Vec3d tangent_of(const Vec3d& n) {
 }  // namespace
 
 AttributeWriter::AttributeWriter(const Attributes& source, Attributes& out) : in_(source), out_(out) {
-  out_.uvs.resize(in_.uvs.size());
+  out_.uvs.resize(in_.uvs.empty() ? 1 : in_.uvs.size());
   out_.colors.resize(in_.colors.size());
+}
+
+void AttributeWriter::blank() {
+  if (in_.uvs.empty()) out_.uvs[0].push_back({0, 0});
 }
 
 void AttributeWriter::copy(std::uint32_t w) {
   if (!in_.normals.empty()) out_.normals.push_back(in_.normals[w]);
   if (!in_.tangents.empty()) out_.tangents.push_back(in_.tangents[w]);
+  blank();
   for (std::size_t s = 0; s < in_.uvs.size(); ++s) out_.uvs[s].push_back(in_.uvs[s][w]);
   for (std::size_t s = 0; s < in_.colors.size(); ++s) out_.colors[s].push_back(in_.colors[s][w]);
 }
@@ -75,6 +80,7 @@ void AttributeWriter::blend(const std::array<std::uint32_t, 3>& wedges,
     const Vec3f d = unit({t[0], t[1], t[2]}, {m.x, m.y, m.z});
     out_.tangents.push_back({d.x, d.y, d.z, m.w});
   }
+  blank();
   for (std::size_t s = 0; s < in_.uvs.size(); ++s) {
     const auto t = mix(in_.uvs[s], wedges, weights);
     out_.uvs[s].push_back({static_cast<float>(t[0]), static_cast<float>(t[1])});
@@ -87,18 +93,14 @@ void AttributeWriter::blend(const std::array<std::uint32_t, 3>& wedges,
 }
 
 void AttributeWriter::interior(const Vec3d& n, const Vec3d& p) {
-  const bool plane = !in_.tangents.empty() || !in_.uvs.empty();
-  const Vec3d t = plane ? tangent_of(n) : Vec3d{1, 0, 0};
+  const Vec3d t = tangent_of(n), b = cross(n, t);
   if (!in_.normals.empty()) out_.normals.push_back(unit(n, {0, 0, 1}));
   if (!in_.tangents.empty()) {
     const Vec3f d = unit(t, {1, 0, 0});
     out_.tangents.push_back({d.x, d.y, d.z, 1});
   }
-  if (!in_.uvs.empty()) {
-    const Vec3d b = cross(n, t);
-    const Vec2f uv{static_cast<float>(dot(p, t)), static_cast<float>(dot(p, b))};
-    for (auto& set : out_.uvs) set.push_back(uv);
-  }
+  const Vec2f uv{static_cast<float>(dot(p, t)), static_cast<float>(dot(p, b))};
+  for (auto& set : out_.uvs) set.push_back(uv);
   for (auto& set : out_.colors) set.push_back({1, 1, 1, 1});
 }
 

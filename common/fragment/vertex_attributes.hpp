@@ -9,11 +9,14 @@
 
 namespace fracture {
 
-/// Appends vertices to a fragment's attribute arrays; the same arrays as the source has.
+/// Appends vertices to a fragment's attribute arrays: those of the source, and always one set of UVs (interior faces have
+/// planar UVs whatever the source; exterior vertices of a source without UVs get zeros).
 class AttributeWriter {
  public:
   AttributeWriter(const Attributes& source, Attributes& out);
 
+  /// An exterior vertex of a source without attributes.
+  void blank();
   /// Wedge w of the source, bit for bit.
   void copy(std::uint32_t w);
   /// A weighted mean of three wedges (weights sum to 1); normals and tangents made unit again.
