@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <vector>
 
 #include "common/import/assimp_import.hpp"
 #include "common/import/complete_attributes.hpp"
 #include "common/import/gltf_import.hpp"
+#include "common/import/gzip.hpp"
 #include "common/import/preflight.hpp"
 #include "common/import/text_encoding.hpp"
 
@@ -89,6 +91,13 @@ Expected<Mesh> import_mesh(std::span<const std::byte> bytes, MeshFormat format, 
   std::optional<std::string> converted;
   if (text) converted = utf16_to_utf8(bytes);
   if (converted) bytes = std::as_bytes(std::span(*converted));
+  std::vector<std::byte> inflated;
+  if (format == MeshFormat::kBlend && is_gzip(bytes)) {
+    auto plain = gunzip(bytes, limits.max_decoded_bytes);
+    if (!plain) return tl::unexpected<Error>(plain.error());
+    inflated = std::move(*plain);
+    bytes = inflated;
+  }
   if (auto checked = preflight_of(bytes, format, limits); !checked)
     return tl::unexpected<Error>(checked.error());
   const bool gltf = format == MeshFormat::kGlb || format == MeshFormat::kGltf;

@@ -156,5 +156,16 @@ TEST(AssetImport, TheMonkeyOfThePaperIsRead) {
   EXPECT_EQ(mesh->attributes.normals.size(), mesh->positions.size());
 }
 
+TEST(AssetImport, CompressedBlendIsInflatedUpToTheLimit) {
+  const auto file = assimp_model("BLEND/MirroredCube_252.blend");
+  if (!file) GTEST_SKIP() << "assimp-testmodels is not installed";
+  const std::string whole = read_whole(file->path);
+  ASSERT_EQ(whole.substr(0, 2), "\x1f\x8b");
+  EXPECT_TRUE(import_text(whole, MeshFormat::kBlend));
+  ImportLimits limits;
+  limits.max_decoded_bytes = whole.size();
+  EXPECT_EQ(import_text(whole, MeshFormat::kBlend, limits).error().code, ErrorCode::kTooLarge);
+}
+
 }  // namespace
 }  // namespace fracture::test

@@ -139,12 +139,17 @@ TEST(OffImport, ReadsPolygons) {
   EXPECT_DOUBLE_EQ(signed_volume(mesh), 1.0 / 6);
 }
 
-TEST(BlendImport, CompressedFileSaysHowToMendIt) {
-  const Expected<Mesh> mesh =
-      import_text(std::string("\x1f\x8b") + std::string(100, 'x'), MeshFormat::kBlend);
+TEST(BlendImport, ZstandardFileSaysHowToMendIt) {
+  const Expected<Mesh> mesh = import_text("\x28\xb5\x2f\xfd" + std::string(100, 'x'), MeshFormat::kBlend);
   ASSERT_FALSE(mesh);
   EXPECT_EQ(mesh.error().code, ErrorCode::kUnsupportedFeature);
   EXPECT_THAT(mesh.error().detail, HasSubstr("Compress"));
+}
+
+TEST(BlendImport, DamagedGzipIsRefused) {
+  const Expected<Mesh> mesh = import_text("\x1f\x8b" + std::string(100, 'x'), MeshFormat::kBlend);
+  ASSERT_FALSE(mesh);
+  EXPECT_EQ(mesh.error().code, ErrorCode::kMalformedMesh);
 }
 
 }  // namespace
