@@ -58,6 +58,8 @@ void add_serve(CLI::App& app, ServeOptions& o) {
 
   CLI::App& limits = *app.add_option_group("Limits");
   limits.add_option("--max-body", o.limits.max_body, "Bytes of a request body")->capture_default_str();
+  limits.add_option("--max-bodies", o.limits.max_bodies, "Bytes of all request bodies held at the same time")
+      ->capture_default_str();
   limits.add_option("--max-header", o.limits.max_header, "Bytes of a request header")
       ->check(CLI::Range(std::size_t{256}, http::kReadBuffer / 2))
       ->capture_default_str();

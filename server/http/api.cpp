@@ -165,6 +165,12 @@ Problem Api::overloaded() const {
       .with("Retry-After", std::to_string(pool_.retry_after().count()));
 }
 
+Problem Api::no_memory() const {
+  return Problem(HttpProblem::kOverloaded, "The requests in progress hold " + std::to_string(bodies_.used()) +
+                                               " bytes; there is no room for this body now.")
+      .with("Retry-After", std::to_string(pool_.retry_after().count()));
+}
+
 OrProblem<Admission> Api::admit(Listener listener, const RequestHead& head) const {
   Admission admission;
   std::string allow;
@@ -296,6 +302,7 @@ OrProblem<Response> Api::dispatch(const Request& request, const Execution& execu
   if (path == "/limits") {
     const ServiceConfig& config = service_.config();
     return json_response({{"max_body_bytes", limits_.max_body},
+                          {"max_bodies_bytes", limits_.max_bodies},
                           {"max_header_bytes", limits_.max_header},
                           {"max_uri_bytes", limits_.max_uri},
                           {"header_timeout_ms", limits_.header_timeout.count()},

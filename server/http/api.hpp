@@ -18,6 +18,7 @@
 #include "server/http/limits.hpp"
 #include "server/http/problem.hpp"
 #include "server/http/request_head.hpp"
+#include "server/service/memory_budget.hpp"
 #include "server/service/service.hpp"
 #include "server/service/worker_pool.hpp"
 
@@ -66,14 +67,15 @@ struct Request {
   RequestHead head;
   Admission admission;
   std::string body;
-  std::string id;                 ///< X-Request-Id
-  double queue_milliseconds = 0;  ///< from the whole body being there to the start of the work
+  MemoryBudget::Reservation reservation;  ///< for the body
+  std::string id;                         ///< X-Request-Id
+  double queue_milliseconds = 0;          ///< from the whole body being there to the start of the work
 };
 
 class Api {
  public:
   Api(FractureService& service, WorkerPool& pool, const HttpLimits& limits)
-      : service_(service), pool_(pool), limits_(limits) {}
+      : service_(service), pool_(pool), limits_(limits), bodies_(limits.max_bodies) {}
 
   /// Decides from the header alone, before any of the body is read: 404, 405, 406, 413, 415, bad parameters
   /// in the query, no room in the queue.
@@ -85,6 +87,8 @@ class Api {
   Problem overloaded() const;
   void set_draining() { draining_ = true; }
   bool draining() const { return draining_; }
+  Problem no_memory() const;
+  MemoryBudget& bodies() { return bodies_; }
   const HttpLimits& limits() const { return limits_; }
   WorkerPool& pool() { return pool_; }
 
@@ -97,6 +101,7 @@ class Api {
   FractureService& service_;
   WorkerPool& pool_;
   const HttpLimits limits_;
+  MemoryBudget bodies_;
   std::atomic<bool> draining_{false};
 };
 

@@ -9,9 +9,10 @@
 namespace fracture::http {
 
 struct HttpLimits {
-  std::uint64_t max_body = 64ull << 20;  ///< bytes of a request body
-  std::size_t max_header = 16u << 10;    ///< bytes of request line and fields together
-  std::size_t max_uri = 4u << 10;        ///< bytes of the request target
+  std::uint64_t max_body = 64ull << 20;     ///< bytes of a request body
+  std::uint64_t max_bodies = 512ull << 20;  ///< bytes of all request bodies that are held at the same time
+  std::size_t max_header = 16u << 10;       ///< bytes of request line and fields together
+  std::size_t max_uri = 4u << 10;           ///< bytes of the request target
   std::chrono::milliseconds header_timeout{
       5'000};                                   ///< from the first byte of a request to the end of its header
   std::chrono::milliseconds body_grace{5'000};  ///< a body may be slower than the rate for this long

@@ -191,6 +191,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
 
       std::optional<Problem> body_problem = co_await read_body(exchange.request);
       if (body_problem) {
+        exchange.request.reservation = {};
         const Response response = Response::problem(*body_problem, id_);
         co_await refuse_and_close(response, request_head.method, request_head.path, start);
         co_return;
@@ -284,6 +285,9 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     buffer_.consume(head_size_);
     if (parser.is_done()) co_return std::nullopt;
 
+    request.reservation = MemoryBudget::Reservation(api_.bodies());
+    if (!request.reservation.grow_to(request.head.content_length.value_or(0))) co_return api_.no_memory();
+
     if (request.head.expects_continue && buffer_.size() == 0) {
       static constexpr std::string_view kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
       set_deadline(steady_clock::now() + api_.limits().write_stall);
@@ -308,6 +312,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
       const std::size_t n = co_await bhttp::async_read_some(socket_, buffer_, parser,
                                                             asio::redirect_error(asio::use_awaitable, ec));
       wire += n;
+      if (!request.reservation.grow_to(parser.get().body().size())) co_return api_.no_memory();
       if (ec == bhttp::error::body_limit)
         co_return Problem(HttpProblem::kBodyTooLarge, body_limit_text(request.admission));
       if (timed_out_)
@@ -359,7 +364,9 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
       execution.stop = stop;
       execution.deadline = received + self->api_.limits().deadline;
       Response response = self->api_.answer(exchange->request, execution);
-      std::string().swap(exchange->request.body);  // the mesh is not needed while the answer is written
+      // The mesh is not needed while the answer is written.
+      std::string().swap(exchange->request.body);
+      exchange->request.reservation = {};
       asio::post(self->socket_.get_executor(), [self, exchange, response = std::move(response)]() mutable {
         exchange->response = std::move(response);
         exchange->done = true;
