@@ -4,6 +4,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "common/clip/delaunay_flips.hpp"
 #include "common/clip/ear_clipping.hpp"
 #include "common/clip/monotone_partition.hpp"
 
@@ -109,6 +110,8 @@ void triangulate(std::span<const LatticePoint> points, std::span<const std::uint
                  Triangulation& out) {
   out.clear();
   const auto loops = static_cast<std::uint32_t>(loop_begin.size() - 1);
+  // Flips stay within a region: regions share no inner edge.
+  const auto finish = [&] { flip_to_delaunay(points, out.triangles); };
   const auto add_region = [&](std::size_t from) {
     out.region.resize(from);
     out.region.resize(out.triangles.size(), out.regions++);
@@ -129,6 +132,7 @@ void triangulate(std::span<const LatticePoint> points, std::span<const std::uint
         triangulate_loop(points, ring, out.triangles);
       add_region(from);
     }
+    finish();
     return;
   }
 
@@ -146,6 +150,7 @@ void triangulate(std::span<const LatticePoint> points, std::span<const std::uint
     triangulate_ring(points, points_of_ring, out.triangles);
     out.region.resize(out.triangles.size(), region);
   }
+  finish();
 }
 
 }  // namespace fracture

@@ -195,6 +195,20 @@ TEST(Triangulate, CollinearPointsOnEveryEdge) {
   EXPECT_EQ(t.triangles.size(), ring.size() - 2);
 }
 
+TEST(Triangulate, NoFlatTrianglesWherePointsOnALineSeeTheInside) {
+  // Sixty points along each side of a square: every triangulation without flat triangles turns them inwards.
+  Loops loops;
+  std::vector<LatticePoint> ring;
+  for (int k = 0; k < 60; ++k) ring.push_back({1000 * k, 0});
+  for (int k = 0; k < 60; ++k) ring.push_back({60000, 1000 * k});
+  for (int k = 0; k < 60; ++k) ring.push_back({60000 - 1000 * k, 60000});
+  for (int k = 0; k < 60; ++k) ring.push_back({0, 60000 - 1000 * k});
+  loops.add(ring);
+  const Triangulation t = run(loops);
+  for (const auto& tri : t.triangles)
+    EXPECT_GT(orient2d(loops.points[tri[0]], loops.points[tri[1]], loops.points[tri[2]]), 0);
+}
+
 TEST(Triangulate, RandomLoopsThatCrossThemselvesStillUseEveryEdgeOnce) {
   Random random(7);
   for (int round = 0; round < 200; ++round) {
