@@ -11,9 +11,9 @@
 
 namespace fracture {
 namespace {
-/// Cavities with up to this many vertices find the neighbour across an edge in a square table (about 16
-/// vertices is usual, 98 % have fewer than 40); larger ones in a hash table. The square of it is 64 KiB of 4
-/// bytes.
+/// Cavities with up to this many vertices find the neighbour across an edge in a square table of 64 KiB
+/// (random sites make 27 facets, so by Euler about 16 vertices); larger ones, as around the centre of a
+/// sphere, in a hash table.
 constexpr std::uint32_t kTableSide = 128;
 constexpr std::uint32_t kEmpty = 0xffffffffu;
 }  // namespace

@@ -27,7 +27,6 @@
 #include <vector>
 
 #include "common/delaunay/big_tetrahedron.hpp"
-#include "common/delaunay/huge_pages.hpp"
 #include "common/delaunay/tetrahedralization.hpp"
 #include "common/exact/wide_int.hpp"
 
@@ -170,8 +169,8 @@ class IncrementalDelaunay {
   exact::PointScale scale_;
   double orient_bound_;  ///< filter of orient3d for any four points in the big tetrahedron
 
-  HugePageVector<Tet> tets_;
-  HugePageVector<Vertex> vertices_;
+  std::vector<Tet> tets_;
+  std::vector<Vertex> vertices_;
   std::vector<TetId> free_tets_;
   std::vector<VertexId> free_vertices_;
   TetId last_ = 0;  ///< where the next walk starts

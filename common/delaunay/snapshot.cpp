@@ -1,5 +1,4 @@
 // From the mutable structure to the compact Tetrahedralization.
-#include "common/delaunay/huge_pages.hpp"
 #include "common/delaunay/incremental.hpp"
 
 namespace fracture {
@@ -35,7 +34,6 @@ Tetrahedralization IncrementalDelaunay::snapshot(std::span<const SiteId> site_of
     result.tet_of_site[name[v]] = new_id(vertices_[v].tet);
   }
   result.tets.reserve(tet_count());
-  advise_huge_pages(result.tets.data(), result.tets.capacity() * sizeof(Tetrahedron));
   for (const Tet& t : tets_) {
     if (t.v[0] == kNoVertex) continue;
     const auto neighbour = [&](int k) { return t.n[k] == kNoLink ? kNoTet : new_id(t.n[k] >> 2); };

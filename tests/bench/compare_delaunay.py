@@ -31,7 +31,7 @@ def main():
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--check", action="store_true")
     parser.add_argument("workloads", nargs="*", default=WORKLOADS)
-    options = parser.parse_args()
+    options = parser.parse_intermixed_args()
     folder = pathlib.Path(options.build) / "tests" / "bench"
     ours = folder / "bench_delaunay"
     peers = {name: folder / f"bench_delaunay_{name}" for name in ("cgal", "voropp")}
