@@ -148,9 +148,10 @@ void ColumnSampler::cross_all(std::span<const Column> columns, std::vector<Cross
   });
 }
 
-std::vector<ColumnSampler::Chord> ColumnSampler::chords(std::span<const Column> columns) const {
+std::vector<ColumnSampler::Chord> ColumnSampler::chords(std::span<const Column> columns) {
   std::vector<Crossing> crossings;
   cross_all(columns, crossings);
+  depth_ = 1 + crossings.size() / (columns.size() + 1);
   std::vector<Chord> chords(columns.size());
   for (std::size_t i = 0; i < crossings.size();) {
     const std::uint32_t column = crossings[i].column;
@@ -200,7 +201,9 @@ std::vector<Vec3d> ColumnSampler::sample(std::uint32_t count) {
   while (points.size() < count) {
     execution_.poll();
     const double wanted = static_cast<double>(count - points.size()) / std::fmax(rate, 1e-3);
-    const auto batch = static_cast<std::uint64_t>(std::fmin(1.1 * wanted + 32, 1 << 18));
+    // Columns that meet very many triangles (tangled surfaces) come in small batches, to bound the memory.
+    const auto most = static_cast<double>(std::max<std::size_t>(16, kCrossingsPerBatch / depth_));
+    const auto batch = static_cast<std::uint64_t>(std::fmin(1.1 * wanted + 32, most));
     columns.clear();
     for (std::uint64_t k = 0; k < batch; ++k) columns.push_back(column(kSiteStream, candidate + k));
     const std::vector<Chord> found = chords(columns);

@@ -35,6 +35,7 @@ class ColumnSampler {
   std::vector<Vec3d> sample(std::uint32_t count);
 
   static constexpr std::uint32_t kPatience = 4096;
+  static constexpr std::size_t kCrossingsPerBatch = 1 << 22;
 
  private:
   struct Column {
@@ -53,7 +54,7 @@ class ColumnSampler {
   };
   Column column(std::uint64_t stream, std::uint64_t number) const;
   /// The chord that begins at each column's entry.
-  std::vector<Chord> chords(std::span<const Column> columns) const;
+  std::vector<Chord> chords(std::span<const Column> columns);
   void cross_all(std::span<const Column> columns, std::vector<Crossing>& crossings) const;
   Vec3d place(const Column& column, double along) const;
   double height_on_triangle(const Column& column) const;
@@ -63,6 +64,7 @@ class ColumnSampler {
   std::uint64_t seed_;
   int axis_ = 0;
   double cap_ = 0;
+  std::size_t depth_ = 8;           ///< crossings per column, in the last batch
   std::vector<double> entry_area_;  ///< running sums over the triangles
 };
 

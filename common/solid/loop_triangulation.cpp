@@ -81,10 +81,10 @@ class EarCutter {
     }
     version_.assign(count_, 0);
     waiting_first_.assign(count_, kNoIndex);
-    waiting_next_.assign(count_, kNoIndex);
     reflex_.resize(count_);
     for (std::uint32_t i = 0; i < count_; ++i) reflex_[i] = turn(i) <= 0;
     build_grid();
+    looks_left_ = kLooksPerCorner * count_;
   }
 
   std::vector<Triangle> run() {
@@ -99,14 +99,15 @@ class EarCutter {
         queue_.pop();
         if (candidate.version != version_[candidate.corner]) continue;
         const std::uint32_t blocker = forced_ ? kNoIndex : blocking(candidate.corner);
+        if (looks_left_ < 0 && !forced_) break;
         if (blocker == kNoIndex) {
           ear = candidate.corner;
         } else {  // looked at again when the blocker is cut or turns convex
-          waiting_next_[candidate.corner] = waiting_first_[blocker];
-          waiting_first_[blocker] = candidate.corner;
+          waiting_.push_back({candidate.corner, candidate.version, waiting_first_[blocker]});
+          waiting_first_[blocker] = static_cast<std::uint32_t>(waiting_.size() - 1);
         }
       }
-      if (ear == kNoIndex) {
+      if (ear == kNoIndex) {  // no proper ear is left, or looking for them costs too much
         force();
         continue;
       }
@@ -122,6 +123,8 @@ class EarCutter {
 
  private:
   static constexpr std::uint32_t kCut = 0xffffffffu;
+  /// Bounds the work on loops whose projection is a tangle; outlines of real holes need a few dozen.
+  static constexpr std::int64_t kLooksPerCorner = 500;
   struct Candidate {
     bool poor;  // only when forced: not convex
     double diagonal;
@@ -144,7 +147,7 @@ class EarCutter {
     queue_.push({reflex_[i] != 0, dot(d, d), i, version_[i]});
   }
 
-  /// No proper ear is left: from now on every corner is a candidate, convex ones first.
+  /// From now on every corner is a candidate, convex ones first.
   void force() {
     if (forced_) throw InternalError("ear cutting: no candidate left");
     forced_ = true;
@@ -155,12 +158,8 @@ class EarCutter {
   void release(std::uint32_t blocker) {
     std::uint32_t i = waiting_first_[blocker];
     waiting_first_[blocker] = kNoIndex;
-    while (i != kNoIndex) {
-      const std::uint32_t following = waiting_next_[i];
-      waiting_next_[i] = kNoIndex;
-      if (version_[i] != kCut) push(i);
-      i = following;
-    }
+    for (; i != kNoIndex; i = waiting_[i].next)
+      if (waiting_[i].version == version_[waiting_[i].corner]) push(waiting_[i].corner);
   }
 
   void cut(std::uint32_t ear) {
@@ -180,15 +179,17 @@ class EarCutter {
 
   /// A reflex corner inside or on the triangle at the corner, or kNoIndex. Corners at the position of one of
   /// its three corners do not block (loops may touch themselves).
-  std::uint32_t blocking(std::uint32_t ear) const {
+  std::uint32_t blocking(std::uint32_t ear) {
+    looks_left_ -= 16;  // what a look that finds nothing costs; also bounds the memory of waiting_
     const std::uint32_t ip = previous_[ear], in = next_[ear];
     const Vec2d a = points_[ip], b = points_[ear], c = points_[in];
     const auto [x0, y0] = cell(std::fmin(a.x, std::fmin(b.x, c.x)), std::fmin(a.y, std::fmin(b.y, c.y)));
     const auto [x1, y1] = cell(std::fmax(a.x, std::fmax(b.x, c.x)), std::fmax(a.y, std::fmax(b.y, c.y)));
-    for (std::uint32_t y = y0; y <= y1; ++y)
-      for (std::uint32_t x = x0; x <= x1; ++x)
+    for (std::uint32_t y = y0; y <= y1 && looks_left_ >= 0; ++y)
+      for (std::uint32_t x = x0; x <= x1; ++x, --looks_left_)
         for (std::uint32_t k = cell_start_[y * side_ + x]; k < cell_start_[y * side_ + x + 1]; ++k) {
           const std::uint32_t i = cell_items_[k];
+          --looks_left_;
           if (version_[i] == kCut || !reflex_[i] || i == ip || i == ear || i == in) continue;
           const Vec2d& p = points_[i];
           if (p == a || p == b || p == c) continue;
@@ -231,7 +232,12 @@ class EarCutter {
   std::uint32_t count_;
   std::vector<Vec3d> space_;
   std::vector<Vec2d> points_;
-  std::vector<std::uint32_t> next_, previous_, version_, waiting_first_, waiting_next_;
+  std::vector<std::uint32_t> next_, previous_, version_, waiting_first_;
+  struct Waiting {
+    std::uint32_t corner, version, next;
+  };
+  std::vector<Waiting> waiting_;
+  std::int64_t looks_left_ = 0;  ///< cells and corners that blocking() may still look at
   std::vector<std::uint8_t> reflex_;
   std::priority_queue<Candidate> queue_;
   bool forced_ = false;
