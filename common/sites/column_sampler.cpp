@@ -155,6 +155,7 @@ std::vector<ColumnSampler::Chord> ColumnSampler::chords(std::span<const Column> 
   std::vector<Chord> chords(columns.size());
   for (std::size_t i = 0; i < crossings.size();) {
     const std::uint32_t column = crossings[i].column;
+    const std::size_t first = i;
     Chord chord;
     int winding = 0;
     bool open = false;
@@ -171,6 +172,7 @@ std::vector<ColumnSampler::Chord> ColumnSampler::chords(std::span<const Column> 
     }
     // Rounding next to a vertex can lose a crossing; such a column is not used.
     if (winding == 0) chords[column] = chord;
+    chords[column].crossings = static_cast<std::uint32_t>(i - first);
   }
   return chords;
 }
@@ -196,6 +198,7 @@ std::vector<Vec3d> ColumnSampler::sample(std::uint32_t count) {
   points.reserve(count);
   std::uint64_t candidate = 0;
   std::uint32_t refused = 0;
+  std::uint64_t looked_at = 0;
   double rate = 0.5;  // kept candidates per candidate, so far: only the size of the next batch depends on it
   std::vector<Column> columns;
   while (points.size() < count) {
@@ -210,12 +213,14 @@ std::vector<Vec3d> ColumnSampler::sample(std::uint32_t count) {
     for (std::size_t k = 0; k < columns.size() && points.size() < count; ++k) {
       const Chord& chord = found[k];
       const bool kept = chord.length > 0 && columns[k].keep * cap_ < chord.length;
-      if (!kept && ++refused < kPatience) continue;
+      looked_at += chord.crossings;
+      if (!kept && ++refused < kPatience && looked_at < kCrossingsPerPoint) continue;
       const bool has_chord = chord.length > 0;
       const double along =
           has_chord ? chord.begin + columns[k].share * chord.length : height_on_triangle(columns[k]);
       points.push_back(place(columns[k], along));
       refused = 0;
+      looked_at = 0;
     }
     candidate += batch;
     rate = (static_cast<double>(points.size()) + 1) / (static_cast<double>(candidate) + 1);

@@ -36,6 +36,9 @@ class ColumnSampler {
 
   static constexpr std::uint32_t kPatience = 4096;
   static constexpr std::size_t kCrossingsPerBatch = 1 << 22;
+  /// Crossings looked at between two kept candidates, for columns through tangles: the next one is kept as
+  /// well.
+  static constexpr std::uint64_t kCrossingsPerPoint = 1 << 18;
 
  private:
   struct Column {
@@ -51,6 +54,7 @@ class ColumnSampler {
   };
   struct Chord {
     double begin = 0, length = -1;  ///< negative: none begins here
+    std::uint32_t crossings = 0;    ///< of the whole column
   };
   Column column(std::uint64_t stream, std::uint64_t number) const;
   /// The chord that begins at each column's entry.
