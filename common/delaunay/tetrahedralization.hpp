@@ -63,7 +63,7 @@ Expected<Tetrahedralization> tetrahedralize(std::span<const Vec3d> sites, const 
 
 /// Renumbers: each tetrahedron's vertices ascending (up to a swap of the last two that keeps it positive),
 /// tetrahedra by vertex tuple, tet_of_site the first one. Equal sets of tetrahedra with equal site ids become
-/// equal. n log n in the tetrahedra; not part of tetrahedralize() because it would add a quarter to its time.
+/// equal. n log n in the tetrahedra; not part of tetrahedralize() because of its cost (DECISION.md).
 void canonicalize(Tetrahedralization& t);
 
 }  // namespace fracture
