@@ -26,7 +26,7 @@ struct HullReport {
 };
 
 /// Fills Fragment::hulls of every fragment: one hull for each body (member cell), in the fragment's local
-/// frame. Quickhull (Barber, Dobkin & Huhdanpaa 1996) through the Qhull library.
+/// frame.
 HullReport add_collision_hulls(FragmentSet& set, const Execution& execution);
 
 }  // namespace fracture

@@ -33,7 +33,7 @@ struct FractureParameters {
   std::uint32_t sites = 50;  ///< how many random sites, 1 … 100,000
   std::uint64_t seed = 1;
   Dual dual = Dual::kCircumcenter;
-  Hulls hulls = Hulls::kConvex;  ///< collision hulls for physics engines (physics/collision_hulls.hpp)
+  Hulls hulls = Hulls::kNone;  ///< collision hulls for physics engines (physics/collision_hulls.hpp)
   std::vector<Vec3d>
       points{};  ///< when not empty: the sites themselves (never snapped); `sites` and `seed` are ignored
   /// Per point of `points` (or empty): cells with the same group id stay together as one fragment.

@@ -13,6 +13,7 @@ namespace fracture::test {
 namespace {
 
 FragmentSet fracture_at(const Mesh& mesh, FractureParameters p) {
+  p.hulls = Hulls::kConvex;
   StageTimings timings;
   const Expected<Solid> solid = make_solid(std::make_shared<Mesh>(mesh), {}, {});
   return *fracture(*solid, *make_diagram(*solid, p, {}, timings), p, {}, timings);
