@@ -1,0 +1,65 @@
+// What TSan watches: several threads inside one fracture, and several fractures of one shared solid and
+// diagram at once.
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "common/pipeline/fracture.hpp"
+#include "tests/support/shapes.hpp"
+
+namespace fracture::test {
+namespace {
+
+TEST(FractureThreads, ConcurrentRequestsOnOneSharedSolidAndDiagramGiveTheSameFragments) {
+  const Expected<Solid> solid = make_solid(std::make_shared<Mesh>(torus(32, 16)), {}, {});
+  FractureParameters parameters;
+  parameters.sites = 80;
+  parameters.hulls = Hulls::kConvex;
+  StageTimings timings;
+  const Expected<Diagram> diagram = make_diagram(*solid, parameters, {}, timings);
+
+  constexpr int kRequests = 4;
+  std::vector<std::optional<FragmentSet>> answers(kRequests);
+  std::vector<std::thread> threads;
+  for (int k = 0; k < kRequests; ++k)
+    threads.emplace_back([&, k] {
+      Execution execution;
+      execution.threads = 1 + k;  // 1, 2, 3, 4
+      StageTimings own;
+      if (auto set = fracture(*solid, *diagram, parameters, execution, own))
+        answers[static_cast<std::size_t>(k)] = std::move(*set);
+    });
+  for (std::thread& t : threads) t.join();
+
+  for (const auto& answer : answers) {
+    ASSERT_TRUE(answer.has_value());
+    ASSERT_EQ(answer->fragments.size(), answers[0]->fragments.size());
+    for (std::size_t f = 0; f < answer->fragments.size(); ++f) {
+      EXPECT_EQ(answer->fragments[f].positions, answers[0]->fragments[f].positions);
+      EXPECT_EQ(answer->fragments[f].indices, answers[0]->fragments[f].indices);
+      EXPECT_EQ(answer->fragments[f].hulls[0].points, answers[0]->fragments[f].hulls[0].points);
+    }
+  }
+}
+
+TEST(FractureThreads, BarycentricCellsOnSeveralThreads) {
+  const Expected<Solid> solid = make_solid(std::make_shared<Mesh>(torus(16, 8)), {}, {});
+  FractureParameters parameters;
+  parameters.sites = 20;
+  parameters.dual = Dual::kBarycenter;
+  StageTimings timings;
+  const Expected<Diagram> diagram = make_diagram(*solid, parameters, {}, timings);
+  Execution two;
+  two.threads = 2;
+  const auto a = fracture(*solid, *diagram, parameters, {}, timings),
+             b = fracture(*solid, *diagram, parameters, two, timings);
+  ASSERT_TRUE(a && b);
+  ASSERT_EQ(a->fragments.size(), b->fragments.size());
+  for (std::size_t f = 0; f < a->fragments.size(); ++f)
+    EXPECT_EQ(a->fragments[f].positions, b->fragments[f].positions);
+}
+
+}  // namespace
+}  // namespace fracture::test
