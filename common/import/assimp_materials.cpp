@@ -36,7 +36,7 @@ class Textures {
         embedded != nullptr && embedded->mHeight == 0) {
       const auto* begin = reinterpret_cast<const std::uint8_t*>(embedded->pcData);
       image.bytes.assign(begin, begin + embedded->mWidth);
-    } else if (const ImportFile* file = find(path)) {
+    } else if (const ImportFile* file = find_file(files_, path)) {
       const auto* begin = reinterpret_cast<const std::uint8_t*>(file->bytes.data());
       image.bytes.assign(begin, begin + file->bytes.size());
     }
@@ -56,13 +56,6 @@ class Textures {
   }
 
  private:
-  /// By the path as written, else by its file name alone (tools write paths of the machine they ran on).
-  const ImportFile* find(std::string path) const {
-    std::replace(path.begin(), path.end(), '\\', '/');
-    const ImportFile* file = find_file(files_, path);
-    return file != nullptr ? file : find_file(files_, path.substr(path.rfind('/') + 1));
-  }
-
   const aiScene& scene_;
   std::span<const ImportFile> files_;
   TranslatedMaterials& out_;

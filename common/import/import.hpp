@@ -38,8 +38,8 @@ struct ImportLimits {
 };
 
 /// A further file that the mesh may name ("barrel.bin", "textures/wood.png", "barrel.mtl"): a part of a
-/// multipart upload. Names are compared literally with the percent-decoded uri; there is no directory to
-/// walk.
+/// multipart upload. Names are compared literally with the percent-decoded uri, then with its last component;
+/// there is no directory to walk.
 struct ImportFile {
   std::string name;
   std::span<const std::byte> bytes;

@@ -51,7 +51,7 @@ std::optional<DataUri> decode_data_uri(std::string_view uri) {
   return result;
 }
 
-const ImportFile* find_file(std::span<const ImportFile> files, std::string_view uri) {
+std::string decode_percent(std::string_view uri) {
   std::string name;
   for (std::size_t k = 0; k < uri.size(); ++k) {
     const bool escaped =
@@ -63,10 +63,21 @@ const ImportFile* find_file(std::span<const ImportFile> files, std::string_view 
       name += uri[k];
     }
   }
+  return name;
+}
+
+const ImportFile* find_file(std::span<const ImportFile> files, std::string_view uri) {
+  std::string name = decode_percent(uri);
   if (name.substr(0, 2) == "./") name.erase(0, 2);
-  const auto it =
-      std::find_if(files.begin(), files.end(), [&](const ImportFile& file) { return file.name == name; });
-  return it == files.end() ? nullptr : &*it;
+  const auto named = [&](const std::string& wanted) {
+    const auto it =
+        std::find_if(files.begin(), files.end(), [&](const ImportFile& file) { return file.name == wanted; });
+    return it == files.end() ? nullptr : &*it;
+  };
+  if (const ImportFile* file = named(name)) return file;
+  std::replace(name.begin(), name.end(), '\\', '/');
+  const ImportFile* file = named(name);
+  return file != nullptr ? file : named(name.substr(name.rfind('/') + 1));
 }
 
 }  // namespace fracture

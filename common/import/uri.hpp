@@ -21,7 +21,12 @@ struct DataUri {
 /// RFC 2397 with base64 (RFC 4648 §4; missing padding is accepted). Nothing where it is not that.
 std::optional<DataUri> decode_data_uri(std::string_view uri);
 
-/// The part with this name: the uri percent-decoded, a leading "./" ignored. Null where there is none.
+/// "%20" and the like as the bytes they stand for; what is no escape stays.
+std::string decode_percent(std::string_view uri);
+
+/// The part with this name: the uri percent-decoded, a leading "./" ignored. Where there is none, the part
+/// with the name's last component: browsers and curl send file names without their folder, and tools write
+/// paths of the machine they ran on. Null where there is none either.
 const ImportFile* find_file(std::span<const ImportFile> files, std::string_view uri);
 
 }  // namespace fracture

@@ -17,6 +17,7 @@
 #include <string>
 #include <string_view>
 
+#include "common/import/sibling_files.hpp"
 #include "server/cli/options.hpp"
 #include "server/service/worker_pool.hpp"
 
@@ -144,9 +145,11 @@ int bake(const BakeOptions& options) {
   execution.stop = stop.get_token();
   execution.progress = [&progress](const char* stage, double fraction) { progress.show(stage, fraction); };
 
+  const auto view = std::as_bytes(std::span(*bytes));
+  const std::vector<SiblingFile> siblings = read_sibling_files(options.input, view, *format);
   const auto start = std::chrono::steady_clock::now();
   const Expected<FractureAnswer> answer =
-      service.fracture({std::as_bytes(std::span(*bytes)), *format, parameters->fracture}, execution);
+      service.fracture({view, *format, parameters->fracture, as_import_files(siblings)}, execution);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   progress.finish();
   if (!answer) return refuse(answer.error());

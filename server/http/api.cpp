@@ -110,6 +110,13 @@ Expected<std::vector<RawParameter>> parse_params(std::string_view text) {
   return given;
 }
 
+/// A filename as an asset would write it: forward slashes, no leading "./".
+std::string file_name(std::string name) {
+  std::replace(name.begin(), name.end(), '\\', '/');
+  while (name.substr(0, 2) == "./") name.erase(0, 2);
+  return name;
+}
+
 std::vector<RawParameter> raw_parameters(const std::vector<std::pair<std::string, std::string>>& query) {
   std::vector<RawParameter> given;
   given.reserve(query.size());
@@ -369,6 +376,7 @@ OrProblem<Response> Api::post_fracture(const Request& request, const Execution& 
   std::string_view mesh = request.body;
   std::string declared_type = media_type_of(content_type);
   std::string extension;
+  std::vector<ImportFile> files;
 
   if (const auto boundary = multipart_boundary(content_type)) {
     auto parts = parse_multipart(request.body, *boundary);
@@ -386,6 +394,14 @@ OrProblem<Response> Api::post_fracture(const Request& request, const Execution& 
         Expected<std::vector<RawParameter>> params = parse_params(part.body);
         if (!params) return tl::unexpected<Problem>(to_problem(std::move(params.error())));
         given.insert(given.end(), params->begin(), params->end());
+      } else if (part.filename) {
+        const std::string name = file_name(*part.filename);
+        if (name.empty())
+          return refuse(HttpProblem::kMalformedMultipart, "A file part has an empty filename.");
+        if (std::any_of(files.begin(), files.end(), [&](const ImportFile& f) { return f.name == name; }))
+          return refuse(HttpProblem::kMalformedMultipart,
+                        "Two file parts have the same filename: which one the mesh names cannot be known.");
+        files.push_back({name, std::as_bytes(std::span(part.body.data(), part.body.size()))});
       } else {
         given.push_back({part.name, std::string(part.body.substr(0, 200)), true});  // curl -F sites=50
       }
@@ -405,7 +421,8 @@ OrProblem<Response> Api::post_fracture(const Request& request, const Execution& 
         unknown_format(table.formats(), extension.empty() ? declared_type : extension));
 
   Expected<FractureAnswer> answer = service_.fracture(
-      {std::as_bytes(std::span(mesh.data(), mesh.size())), *format, parameters->fracture}, execution);
+      {std::as_bytes(std::span(mesh.data(), mesh.size())), *format, parameters->fracture, std::move(files)},
+      execution);
   if (!answer) return tl::unexpected<Problem>(to_problem(std::move(answer.error())));
   Response response = result_response(answer->result, request.admission.representation);
   response.headers.emplace_back("Cache-Status", cache_status(*answer));

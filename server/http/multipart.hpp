@@ -22,7 +22,7 @@ struct FormPart {
 std::optional<std::string> multipart_boundary(std::string_view content_type);
 
 /// At most kMaxParts parts with at most kMaxPartHeader bytes of header each. Refusals: kMalformedMultipart.
-inline constexpr std::size_t kMaxParts = 32;
+inline constexpr std::size_t kMaxParts = 256;
 inline constexpr std::size_t kMaxPartHeader = 4096;
 OrProblem<std::vector<FormPart>> parse_multipart(std::string_view body, std::string_view boundary);
 

@@ -7,10 +7,11 @@ namespace {
 
 class LibraryEngine final : public FractureEngine {
  public:
-  Expected<Mesh> import(std::span<const std::byte> bytes, MeshFormat format, const ImportLimits& limits,
+  Expected<Mesh> import(std::span<const std::byte> bytes, MeshFormat format,
+                        std::span<const ImportFile> files, const ImportLimits& limits,
                         const Execution& execution) const override {
     execution.poll();
-    return import_mesh(bytes, format, limits);
+    return import_mesh(bytes, format, limits, files);
   }
   Expected<Solid> prepare(std::shared_ptr<const Mesh> mesh, const Execution& execution) const override {
     return make_solid(std::move(mesh), SolidOptions{}, execution);

@@ -27,7 +27,8 @@ class FractureEngine {
  public:
   virtual ~FractureEngine() = default;
   virtual Expected<Mesh> import(std::span<const std::byte> bytes, MeshFormat format,
-                                const ImportLimits& limits, const Execution& execution) const = 0;
+                                std::span<const ImportFile> files, const ImportLimits& limits,
+                                const Execution& execution) const = 0;
   virtual Expected<Solid> prepare(std::shared_ptr<const Mesh> mesh, const Execution& execution) const = 0;
   virtual Expected<Diagram> diagram(const Solid& solid, const FractureParameters& parameters,
                                     const Execution& execution, StageTimings& timings) const = 0;

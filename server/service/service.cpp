@@ -55,6 +55,19 @@ std::size_t memory_size(const Diagram& diagram) {
          heap(t.site_of_input);
 }
 
+Digest digest_of(const FractureRequest& request) {
+  if (request.files.empty()) return sha256(request.mesh);
+  std::vector<const ImportFile*> files;
+  for (const ImportFile& file : request.files) files.push_back(&file);
+  std::sort(files.begin(), files.end(), [](const ImportFile* a, const ImportFile* b) {
+    return std::lexicographical_compare(a->name.begin(), a->name.end(), b->name.begin(), b->name.end());
+  });
+  std::string list = "files\n" + sha256(request.mesh).hex() + "\n";
+  for (const ImportFile* file : files)  // the length keeps names with line breaks apart
+    list += std::to_string(file->name.size()) + " " + file->name + " " + sha256(file->bytes).hex() + "\n";
+  return sha256(list);
+}
+
 FractureService::FractureService(const ServiceConfig& config, std::unique_ptr<FractureEngine> engine)
     : config_(config),
       parameters_(config.max_sites, config.formats),
@@ -84,7 +97,7 @@ Expected<FractureAnswer> FractureService::compute(const FractureRequest& request
                 "The mesh has 0 bytes. Send the file as the body, or as the part 'mesh'.", "mesh");
 
   FractureAnswer answer;
-  const std::string digest = sha256(request.mesh).hex();
+  const std::string digest = digest_of(request).hex();
   const std::string mesh_key = digest + "." + extension_of(request.format);
   const std::string canonical = canonical_parameters(request.parameters).dump();
   const std::string version = std::to_string(kAlgorithmVersion);
@@ -104,7 +117,7 @@ Expected<FractureAnswer> FractureService::compute(const FractureRequest& request
     {
       const StageTimings::Scope scope(answer.timings, "import");
       Expected<Mesh> imported =
-          engine_->import(request.mesh, request.format, config_.import_limits, execution);
+          engine_->import(request.mesh, request.format, request.files, config_.import_limits, execution);
       if (!imported) return tl::unexpected<Error>(std::move(imported.error()));
       mesh = std::make_shared<const Mesh>(std::move(*imported));
     }

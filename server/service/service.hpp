@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/digest.hpp"
 #include "common/base/error.hpp"
 #include "common/base/execution.hpp"
 #include "common/base/timings.hpp"
@@ -35,19 +36,24 @@ struct ServiceConfig {
   std::size_t result_cache_bytes = 256u << 20;
 };
 
-/// The mesh is borrowed for the duration of the call.
+/// The mesh and its further files are borrowed for the duration of the call.
 struct FractureRequest {
   std::span<const std::byte> mesh;
   MeshFormat format = MeshFormat::kGlb;
   FractureParameters parameters;
+  std::vector<ImportFile> files{};  ///< what the mesh may name; their order does not matter
 };
+
+/// The digest of an input: of the mesh's bytes when it is alone; with further files, of a text that lists the
+/// digest of the mesh and then name and digest of each file, ordered by name.
+Digest digest_of(const FractureRequest& request);
 
 /// Immutable and shared: by the cache and by every response that is being written from it.
 struct FractureResult {
   /// 64 hex digits. The first 16 are the mesh digest's, so that a proxy can route every request that concerns
   /// one mesh to one server; the rest hashes the whole request and the algorithm version.
   std::string key;
-  std::string mesh_digest;  ///< "sha256:<hex>" of the input bytes
+  std::string mesh_digest;  ///< "sha256:<hex>", digest_of(the request)
   std::vector<std::uint8_t> glb;
   Certificate certificate;
 };

@@ -1,12 +1,7 @@
 // The real program as a process of its own: real meshes over HTTP, bad input, bake against serve, signals.
-#include <fcntl.h>
 #include <gtest/gtest.h>
-#include <signal.h>
-#include <spawn.h>
-#include <sys/wait.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -14,82 +9,12 @@
 #include <vector>
 
 #include "tests/server/raw_client.hpp"
-
-extern char** environ;
+#include "tests/server/server_process.hpp"
 
 namespace fracture::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-class Process {
- public:
-  explicit Process(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), FRACTURE_SERVER_PROGRAM);
-    std::vector<char*> argv;
-    for (std::string& a : arguments) argv.push_back(a.data());
-    argv.push_back(nullptr);
-    int ends[2];
-    if (::pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("pipe");
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_adddup2(&actions, ends[1], 2);
-    posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", O_WRONLY, 0);
-    const int error = posix_spawn(&pid_, argv[0], &actions, nullptr, argv.data(), environ);
-    posix_spawn_file_actions_destroy(&actions);
-    ::close(ends[1]);
-    if (error != 0) throw std::runtime_error("cannot start " + arguments[0]);
-    errors_ = ::fdopen(ends[0], "r");
-  }
-  ~Process() {
-    if (!ended_) {
-      ::kill(pid_, SIGKILL);
-      ::waitpid(pid_, nullptr, 0);
-    }
-    std::fclose(errors_);
-  }
-  std::string error_line() {
-    char line[1000];
-    return std::fgets(line, sizeof line, errors_) ? line : "";
-  }
-  void signal(int number) { ::kill(pid_, number); }
-  /// The exit code, or 1000 + the signal that killed it.
-  int wait() {
-    int status = 0;
-    ::waitpid(pid_, &status, 0);
-    ended_ = true;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
-  }
-  bool alive() { return ::kill(pid_, 0) == 0 && ::waitpid(pid_, nullptr, WNOHANG) == 0; }
-
- private:
-  pid_t pid_ = 0;
-  FILE* errors_ = nullptr;
-  bool ended_ = false;
-};
-
-/// `fracture-server serve` on free ports, which it names in its first log line.
-class ServeProcess : public Process {
- public:
-  explicit ServeProcess(std::vector<std::string> flags = {}) : Process(with_ports(std::move(flags))) {
-    const std::string line = error_line();
-    const std::size_t colon = line.rfind(':', line.find(" (admin port ")), admin = line.find("admin port ");
-    if (colon == std::string::npos || admin == std::string::npos)
-      throw std::runtime_error("unexpected: " + line);
-    port = static_cast<std::uint16_t>(std::atoi(line.c_str() + colon + 1));
-    admin_port = static_cast<std::uint16_t>(std::atoi(line.c_str() + admin + 11));
-  }
-  std::uint16_t port = 0, admin_port = 0;
-
- private:
-  static std::vector<std::string> with_ports(std::vector<std::string> flags) {
-    std::vector<std::string> all = {"serve", "--port", "0", "--admin-port", "0", "--threads", "2"};
-    if (std::find(flags.begin(), flags.end(), "--drain-delay") == flags.end())
-      flags.insert(flags.end(), {"--drain-delay", "0"});
-    all.insert(all.end(), flags.begin(), flags.end());
-    return all;
-  }
-};
 
 /// An axis-aligned unit cube, closed, as OBJ text.
 const std::string kCube =
@@ -142,6 +67,43 @@ TEST_F(EndToEnd, BakeAndServeGiveTheSameBytesForAnyNumberOfThreads) {
   EXPECT_TRUE(fs::exists(folder / "out.glb"));
   for (const auto& entry : fs::directory_iterator(folder))
     EXPECT_EQ(entry.path().string().find(".tmp"), std::string::npos);
+}
+
+TEST_F(EndToEnd, AnAssetOfSeveralFilesIsTheSameThroughAFormAndThroughBake) {
+  const std::string obj = "mtllib parts/cube.mtl\nusemtl red\n" + kCube, mtl = "newmtl red\nKd 1 0 0\n";
+  fs::create_directories(folder / "asset" / "parts");
+  write("asset/parts/cube.mtl", mtl);
+  const std::string out = (folder / "out.glb").string();
+  Process bake({"bake", write("asset/cube.obj", obj), "-o", out, "--sites", "6"});
+  ASSERT_EQ(bake.wait(), 0);
+  const std::string baked = read(out);
+  EXPECT_NE(baked.find("\"name\":\"red\""), std::string::npos);
+  ServeProcess server;
+  const auto part = [](const std::string& disposition, const std::string& body) {
+    return "--B\r\nContent-Disposition: form-data; " + disposition + "\r\n\r\n" + body + "\r\n";
+  };
+  const std::string mesh = part("name=mesh; filename=cube.obj", obj), sites = part("name=sites", "6"),
+                    library = part("name=file; filename=\"parts/cube.mtl\"", mtl),
+                    type = "Content-Type: multipart/form-data; boundary=B\r\n";
+  EXPECT_EQ(ask(server.port, "POST", "/fracture", type, mesh + library + sites + "--B--").body, baked);
+  EXPECT_EQ(ask(server.port, "POST", "/fracture", type, library + sites + mesh + "--B--").body, baked);
+  EXPECT_NE(ask(server.port, "POST", "/fracture", type, mesh + sites + "--B--").body, baked);
+}
+
+TEST_F(EndToEnd, BakeReadsNothingOutsideTheFolderOfItsInput) {
+  fs::create_directories(folder / "asset");
+  write("secret.bin", std::string(42, 'x'));
+  const std::string outside = (folder / "secret.bin").string();
+  fs::create_symlink(folder / "secret.bin", folder / "asset" / "link.bin");
+  for (const std::string& uri : {std::string("../secret.bin"), std::string("%2e%2e/secret.bin"), outside,
+                                 std::string("link.bin"), "file://" + outside}) {
+    const std::string gltf =
+        write("asset/a.gltf",
+              R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":42,"uri":")" + uri + R"("}]})");
+    Process bake({"bake", gltf, "-q", "-o", (folder / "out.glb").string()});
+    EXPECT_NE(bake.error_line().find("another file"), std::string::npos) << uri;
+    EXPECT_EQ(bake.wait(), 3) << uri;
+  }
 }
 
 TEST_F(EndToEnd, SimultaneousRequestsGetTheirOwnAnswers) {

@@ -22,6 +22,8 @@ struct FakeControl {
   std::function<void(const Execution&)> during_cut;
   /// Runs inside import(); an error is returned as it is.
   std::function<Expected<Mesh>(std::string_view bytes)> import;
+  /// Sees the further files of import().
+  std::function<void(std::span<const ImportFile>)> files;
   std::size_t glb_padding = 0;  ///< extra bytes of the answer
 };
 
@@ -29,10 +31,11 @@ class FakeEngine final : public FractureEngine {
  public:
   explicit FakeEngine(std::shared_ptr<FakeControl> control) : control_(std::move(control)) {}
 
-  Expected<Mesh> import(std::span<const std::byte> bytes, MeshFormat, const ImportLimits&,
-                        const Execution& execution) const override {
+  Expected<Mesh> import(std::span<const std::byte> bytes, MeshFormat, std::span<const ImportFile> files,
+                        const ImportLimits&, const Execution& execution) const override {
     ++control_->imports;
     execution.poll();
+    if (control_->files) control_->files(files);
     if (control_->import)
       return control_->import({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     return Mesh{};

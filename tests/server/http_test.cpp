@@ -77,6 +77,25 @@ TEST(Http, AFormCarriesTheMeshAndItsParameters) {
   EXPECT_EQ(by_query.header("etag"), by_json.header("etag"));
 }
 
+TEST(Http, FurtherFilePartsAreTheFilesThatTheMeshMayName) {
+  TestServer server;
+  std::vector<std::pair<std::string, std::size_t>> seen;
+  server.control->files = [&](std::span<const ImportFile> files) {
+    for (const ImportFile& file : files) seen.emplace_back(file.name, file.bytes.size());
+  };
+  const std::string mesh = part("name=mesh; filename=a.gltf", "{}"),
+                    one = part("name=file; filename=\"tex/a.png\"", "12345"),
+                    two = part("name=file; filename=\".\\\\a.bin\"", "123");
+  const Reply reply = server.post("/fracture", form(one + mesh + two), kFormType);
+  ASSERT_EQ(reply.status, 200) << reply.body;
+  EXPECT_EQ(seen, (std::vector<std::pair<std::string, std::size_t>>{{"tex/a.png", 5}, {"a.bin", 3}}));
+  EXPECT_EQ(server.post("/fracture", form(two + mesh + one), kFormType).header("etag"), reply.header("etag"));
+  EXPECT_NE(server.post("/fracture", form(mesh + one), kFormType).header("etag"), reply.header("etag"));
+  EXPECT_EQ(server.post("/fracture", form(mesh + one + one), kFormType).problem(), "malformed-multipart");
+  EXPECT_EQ(server.post("/fracture", form(mesh + part("name=x; filename=\"\"", "")), kFormType).problem(),
+            "malformed-multipart");
+}
+
 TEST(Http, DamagedFormsSayWhatIsWrong) {
   TestServer server;
   const std::string mesh = part("name=mesh; filename=a.obj", "v");

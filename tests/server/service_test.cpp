@@ -171,6 +171,24 @@ TEST_F(ServiceTest, KeysDifferInEverythingThatMattersAndBeginWithTheMesh) {
   EXPECT_NE(key_of(request("other")).substr(0, 16), keys.begin()->substr(0, 16));
 }
 
+TEST_F(ServiceTest, FurtherFilesAreInTheDigestByNameAndBytesWhateverTheirOrder) {
+  const auto digest_with = [&](std::vector<ImportFile> files) {
+    FractureRequest r = request("mesh");
+    r.files = std::move(files);
+    return digest_of(r).hex();
+  };
+  const ImportFile a{"a.bin", bytes("1")}, b{"b.bin", bytes("2")};
+  EXPECT_EQ(digest_with({}), sha256("mesh").hex());
+  EXPECT_EQ(digest_with({a, b}), digest_with({b, a}));
+  const std::set<std::string> distinct{digest_with({}), digest_with({a}), digest_with({a, b}),
+                                       digest_with({{"a.bin", bytes("2")}, {"b.bin", bytes("1")}}),
+                                       digest_with({{"c.bin", bytes("1")}})};
+  EXPECT_EQ(distinct.size(), 5u);
+  FractureRequest with = request("mesh");
+  with.files = {a};
+  EXPECT_NE(service.fracture(with, {})->result->key, service.fracture(request("mesh"), {})->result->key);
+}
+
 TEST_F(ServiceTest, TheFiguresAreThoseOfTheFile) {
   const auto answer = service.fracture(request("mesh", 7), {});
   EXPECT_EQ(figures_of(*answer->result).at("fragments"), 7);

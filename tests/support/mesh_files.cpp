@@ -8,7 +8,7 @@
 #include <sstream>
 
 #ifdef FRACTURE_HAS_IMPORT
-#include "common/import/import.hpp"
+#include "common/import/sibling_files.hpp"
 #endif
 
 namespace fracture::test {
@@ -82,7 +82,9 @@ Expected<Mesh> load_mesh(const MeshFile& file) {
   const std::string bytes{std::istreambuf_iterator<char>(in), {}};
   const auto format = format_from_extension(lower_extension(file.path));
   if (!format) return fail(ErrorCode::kUnknownFormat, "No importer for " + file.name + ".");
-  return import_mesh(std::as_bytes(std::span(bytes.data(), bytes.size())), *format, {});
+  const auto view = std::as_bytes(std::span(bytes.data(), bytes.size()));
+  const std::vector<SiblingFile> siblings = read_sibling_files(file.path, view, *format);
+  return import_mesh(view, *format, {}, as_import_files(siblings));
 #else
   if (lower_extension(file.path) == "obj") return read_obj_positions(file.path);
   return fail(ErrorCode::kUnknownFormat, "This build has no importer for " + file.name + ".");

@@ -27,7 +27,7 @@ const std::vector<std::string>& closed_test_meshes();
 std::optional<MeshFile> assimp_model(const std::string& name);
 
 /// Loads through common/import. Without that library (early builds) OBJ files are read by a minimal reader of
-/// our own and everything else is kUnknownFormat. For multi-file .gltf the import reports what it reports.
+/// our own and everything else is kUnknownFormat. The files it names beside itself are given to the importer.
 Expected<Mesh> load_mesh(const MeshFile& file);
 
 /// The minimal OBJ reader: positions and polygons (fans) only. The benchmark uses it so that it times no

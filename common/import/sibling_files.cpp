@@ -1,0 +1,190 @@
+#include "common/import/sibling_files.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "common/import/uri.hpp"
+
+namespace fracture {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Names {
+ public:
+  void add(std::string name) {
+    std::replace(name.begin(), name.end(), '\\', '/');
+    while (!name.empty() && (name.back() == ' ' || name.back() == '\r' || name.back() == '\t'))
+      name.pop_back();
+    while (!name.empty() && (name.front() == ' ' || name.front() == '\t')) name.erase(0, 1);
+    if (name.substr(0, 2) == "./") name.erase(0, 2);
+    if (name.empty() || is_data_uri(name) || name.find("://") != std::string::npos) return;
+    if (std::find(list_.begin(), list_.end(), name) == list_.end()) list_.push_back(std::move(name));
+  }
+  std::vector<std::string> take() { return std::move(list_); }
+
+ private:
+  std::vector<std::string> list_;
+};
+
+void add_gltf(std::string_view text, Names& names) {
+  // A GLB (glTF 2.0, section 4.4): 12 bytes of header, then the JSON chunk as length, type, text.
+  if (text.size() >= 20 && text.substr(0, 4) == "glTF") {
+    std::uint32_t length = 0;
+    std::memcpy(&length, text.data() + 12, 4);
+    text = text.substr(20, length);
+  }
+  const auto document = nlohmann::json::parse(text.begin(), text.end(), nullptr, /*allow_exceptions=*/false);
+  if (!document.is_object()) return;
+  for (const char* key : {"buffers", "images"}) {
+    const auto list = document.find(key);
+    if (list == document.end() || !list->is_array()) continue;
+    for (const auto& entry : *list) {
+      if (!entry.is_object()) continue;
+      const auto uri = entry.find("uri");
+      if (uri != entry.end() && uri->is_string() && !is_data_uri(uri->get_ref<const std::string&>()))
+        names.add(decode_percent(uri->get_ref<const std::string&>()));
+    }
+  }
+}
+
+/// Calls f(keyword, rest) for every line of an OBJ or MTL file that has both.
+template <class F>
+void for_lines(std::string_view text, F&& f) {
+  while (!text.empty()) {
+    std::string_view line = text.substr(0, text.find('\n'));
+    text.remove_prefix(std::min(text.size(), line.size() + 1));
+    line.remove_prefix(std::min(line.size(), line.find_first_not_of(" \t")));
+    const std::size_t space = line.find_first_of(" \t");
+    if (space != std::string_view::npos) f(line.substr(0, space), line.substr(space + 1));
+  }
+}
+
+void add_dae(std::string_view text, Names& names) {
+  constexpr std::string_view kOpen = "<init_from>";
+  for (std::size_t at = 0; (at = text.find(kOpen, at)) != std::string_view::npos;) {
+    at += kOpen.size();
+    const std::string_view value = text.substr(at, text.find('<', at) - at);
+    names.add(decode_percent(value.substr(0, 7) == "file://" ? value.substr(7) : value));
+  }
+}
+
+/// FBX properties: binary as 'S', a 32-bit length and the text (after the record's name), ASCII in quotes.
+void add_fbx(std::string_view text, Names& names) {
+  constexpr std::string_view kKey = "RelativeFilename";
+  for (std::size_t at = 0; (at = text.find(kKey, at)) != std::string_view::npos;) {
+    at += kKey.size();
+    const std::string_view rest = text.substr(at);
+    if (rest.size() > 5 && rest[0] == 'S') {
+      std::uint32_t length = 0;
+      std::memcpy(&length, rest.data() + 1, 4);
+      if (length <= 4096 && length <= rest.size() - 5) names.add(std::string(rest.substr(5, length)));
+    } else if (const std::size_t quote = rest.substr(0, 16).find('"'); quote != std::string_view::npos) {
+      const std::size_t end = rest.find('"', quote + 1);
+      if (end != std::string_view::npos && end - quote <= 4096)
+        names.add(std::string(rest.substr(quote + 1, end - quote - 1)));
+    }
+  }
+}
+
+std::string read_whole(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// The regular file `name` of the folder; nothing where it is not there or not below the folder.
+std::optional<fs::path> inside(const fs::path& folder, const std::string& name) {
+  std::error_code error;
+  const fs::path root = fs::canonical(folder, error);
+  if (error) return std::nullopt;
+  const fs::path file = fs::canonical(root / name, error);
+  if (error || !fs::is_regular_file(file, error)) return std::nullopt;
+  const auto [end, other] = std::mismatch(root.begin(), root.end(), file.begin(), file.end());
+  return end == root.end() ? std::optional(file) : std::nullopt;
+}
+
+void read_named(const fs::path& folder, const std::vector<std::string>& names,
+                std::vector<SiblingFile>& out) {
+  for (const std::string& name : names) {
+    const fs::path path(name);
+    const bool plain = path.is_relative() && name.find(':') == std::string::npos &&
+                       std::find(path.begin(), path.end(), "..") == path.end();
+    std::string as = name;
+    std::optional<fs::path> file = plain ? inside(folder, name) : std::nullopt;
+    if (!file) {
+      as = name.substr(name.rfind('/') + 1);
+      if (as.empty() || as == "..") continue;
+      file = inside(folder, as);
+    }
+    const bool known = std::any_of(out.begin(), out.end(), [&](const auto& f) { return f.name == as; });
+    if (file && !known) out.push_back({as, read_whole(*file)});
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> referenced_files(std::span<const std::byte> bytes, MeshFormat format) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  Names names;
+  switch (format) {
+    case MeshFormat::kGlb:
+    case MeshFormat::kGltf:
+      add_gltf(text, names);
+      break;
+    case MeshFormat::kObj:
+      for_lines(text, [&](std::string_view key, std::string_view rest) {
+        if (key == "mtllib") names.add(std::string(rest));
+      });
+      break;
+    case MeshFormat::kFbx:
+      add_fbx(text, names);
+      break;
+    case MeshFormat::kDae:
+      add_dae(text, names);
+      break;
+    default:
+      break;
+  }
+  return names.take();
+}
+
+std::vector<std::string> textures_of_mtl(std::string_view text) {
+  Names names;
+  for_lines(text, [&](std::string_view key, std::string_view rest) {
+    const bool texture = key.substr(0, 4) == "map_" || key == "bump" || key == "norm" || key == "disp" ||
+                         key == "decal" || key == "refl";
+    if (!texture) return;
+    while (!rest.empty() && (rest.back() == '\r' || rest.back() == ' ')) rest.remove_suffix(1);
+    // Options such as `-bm 0.2` stand before the name; a name may hold blanks, but not after options.
+    const bool options =
+        rest.substr(0, rest.find_first_not_of(" \t") + 1).find('-') != std::string_view::npos;
+    names.add(std::string(options ? rest.substr(rest.find_last_of(" \t") + 1) : rest));
+  });
+  return names.take();
+}
+
+std::vector<SiblingFile> read_sibling_files(const std::string& path, std::span<const std::byte> bytes,
+                                            MeshFormat format) {
+  fs::path folder = fs::path(path).parent_path();
+  if (folder.empty()) folder = ".";
+  std::vector<SiblingFile> files;
+  read_named(folder, referenced_files(bytes, format), files);
+  if (format == MeshFormat::kObj)
+    for (std::size_t k = 0, libraries = files.size(); k < libraries; ++k)
+      read_named(folder, textures_of_mtl(std::string(files[k].bytes)), files);
+  return files;
+}
+
+std::vector<ImportFile> as_import_files(const std::vector<SiblingFile>& files) {
+  std::vector<ImportFile> views;
+  for (const SiblingFile& file : files)
+    views.push_back({file.name, std::as_bytes(std::span(file.bytes.data(), file.bytes.size()))});
+  return views;
+}
+
+}  // namespace fracture

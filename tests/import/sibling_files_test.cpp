@@ -1,0 +1,110 @@
+// Which other files an asset names, and which of them are read.
+#include "common/import/sibling_files.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "common/import/uri.hpp"
+#include "tests/import/make_files.hpp"
+#include "tests/support/mesh_files.hpp"
+
+namespace fracture::test {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+TEST(ReferencedFiles, OfGltfAreItsBuffersAndImagesButNoDataUris) {
+  const char* text = R"({"buffers":[{"uri":"a%20b.bin"},{"uri":"data:;base64,AA=="},{}],
+                         "images":[{"uri":".\\tex\\c.png"},{"uri":"a b.bin"},{"uri":"http://x/y.png"},{"uri":5}]})";
+  EXPECT_THAT(referenced_files(bytes_of(text), MeshFormat::kGltf), ElementsAre("a b.bin", "tex/c.png"));
+  const std::string glb = make_glb(nlohmann::json::parse(text), "");
+  EXPECT_THAT(referenced_files(bytes_of(glb), MeshFormat::kGlb), ElementsAre("a b.bin", "tex/c.png"));
+}
+
+TEST(ReferencedFiles, OfObjAreItsLibrariesAndOfThoseTheirTextures) {
+  EXPECT_THAT(referenced_files(bytes_of("# mtllib no.mtl\nmtllib my parts.mtl\r\n v 0 0 0\n  mtllib b.mtl"),
+                               MeshFormat::kObj),
+              ElementsAre("my parts.mtl", "b.mtl"));
+  EXPECT_THAT(textures_of_mtl("newmtl a\nmap_Kd wood grain.png\r\nbump -bm 0.2 tex\\n.png\nKd 1 0 0\n"),
+              ElementsAre("wood grain.png", "tex/n.png"));
+}
+
+TEST(ReferencedFiles, OfFbxAndDaeAreTheirTextures) {
+  std::string binary = "Kaydara...RelativeFilenameS";
+  put<std::uint32_t>(binary, {8});
+  binary += "..\\t.png>";
+  EXPECT_THAT(referenced_files(bytes_of(binary), MeshFormat::kFbx), ElementsAre("../t.png"));
+  EXPECT_THAT(referenced_files(bytes_of("RelativeFilename: \"a.png\"\n"), MeshFormat::kFbx),
+              ElementsAre("a.png"));
+  EXPECT_THAT(
+      referenced_files(bytes_of("<image><init_from>./a%20b.png</init_from></image>"), MeshFormat::kDae),
+      ElementsAre("a b.png"));
+}
+
+TEST(ReferencedFiles, OfDamagedFilesAreNone) {
+  EXPECT_THAT(referenced_files(bytes_of("{\"buffers\":[{"), MeshFormat::kGltf), IsEmpty());
+  EXPECT_THAT(referenced_files(bytes_of("[1]"), MeshFormat::kGltf), IsEmpty());
+  EXPECT_THAT(referenced_files(bytes_of("glTF"), MeshFormat::kGlb), IsEmpty());
+  EXPECT_THAT(referenced_files(bytes_of("RelativeFilenameS\xff\xff\xff\xff..."), MeshFormat::kFbx),
+              IsEmpty());
+}
+
+TEST(SiblingFiles, AreReadFromTheFolderAndBelowOnly) {
+  const fs::path top = fs::temp_directory_path() / ("fracture_siblings_" + std::to_string(::getpid()));
+  fs::create_directories(top / "asset" / "tex");
+  const auto write = [&](const fs::path& name, const std::string& text) {
+    std::ofstream(top / name, std::ios::binary) << text;
+  };
+  write("outside.png", "no");
+  write("asset/tex/in.png", "yes");
+  write("asset/flat.png", "flat");
+  fs::create_symlink(top / "outside.png", top / "asset" / "link.png");
+  const auto read = [&](const std::string& uri) {
+    const nlohmann::json document = {{"images", {{{"uri", uri}}}}};
+    const std::string text = document.dump();
+    std::vector<std::string> found;
+    for (const SiblingFile& f :
+         read_sibling_files((top / "asset" / "a.gltf").string(), bytes_of(text), MeshFormat::kGltf))
+      found.push_back(f.name + "=" + f.bytes);
+    return found;
+  };
+  EXPECT_THAT(read("tex/in.png"), ElementsAre("tex/in.png=yes"));
+  EXPECT_THAT(read("/somewhere/else/flat.png"), ElementsAre("flat.png=flat"));
+  EXPECT_THAT(read("C:\\Users\\me\\flat.png"), ElementsAre("flat.png=flat"));
+  for (const std::string& bad :
+       {std::string("../outside.png"), std::string("tex/../../outside.png"), (top / "outside.png").string(),
+        std::string("link.png"), std::string("tex"), std::string(".."), std::string("absent.png")})
+    EXPECT_THAT(read(bad), IsEmpty()) << bad;
+  fs::remove_all(top);
+}
+
+TEST(FindFile, ByWholeNameThenByItsLastComponent) {
+  const std::vector<ImportFile> files{{"a.png", {}}, {"x/a.png", {}}, {"y/b.png", {}}};
+  EXPECT_EQ(find_file(files, "x/a.png"), &files[1]);
+  EXPECT_EQ(find_file(files, "./x%2Fa.png"), &files[1]);
+  EXPECT_EQ(find_file(files, "x\\a.png"), &files[1]);
+  EXPECT_EQ(find_file(files, "C:\\z\\a.png"), &files[0]);
+  EXPECT_EQ(find_file(files, "b.png"), nullptr);
+}
+
+TEST(SiblingFiles, OfRealAssetsMakeThemReadable) {
+  if (test_meshes().empty()) GTEST_SKIP() << "FRACTURE_TEST_MESHES is absent";
+  for (const char* name :
+       {"FlightHelmet/FlightHelmet.gltf", "citybits/building_A.gltf", "variants/barrel.gltf",
+        "formats/barrel_large.obj", "formats/barrel_large.fbx", "kenney-city/building-small-c.glb"}) {
+    const auto file = find_test_mesh(name);
+    ASSERT_TRUE(file) << name;
+    const Expected<Mesh> mesh = load_mesh(*file);
+    ASSERT_TRUE(mesh) << name << ": " << mesh.error().detail;
+    EXPECT_GE(mesh->library->images.size(), 1u) << name;
+  }
+}
+
+}  // namespace
+}  // namespace fracture::test

@@ -1,0 +1,93 @@
+// The program as a process of its own, and the server as one on free ports.
+#pragma once
+
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+extern char** environ;
+
+namespace fracture::test {
+
+class Process {
+ public:
+  /// Standard output goes to the file `output`.
+  explicit Process(std::vector<std::string> arguments, const std::string& output = "/dev/null") {
+    arguments.insert(arguments.begin(), FRACTURE_SERVER_PROGRAM);
+    std::vector<char*> argv;
+    for (std::string& a : arguments) argv.push_back(a.data());
+    argv.push_back(nullptr);
+    int ends[2];
+    if (::pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("pipe");
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, ends[1], 2);
+    posix_spawn_file_actions_addopen(&actions, 1, output.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+    const int error = posix_spawn(&pid_, argv[0], &actions, nullptr, argv.data(), environ);
+    posix_spawn_file_actions_destroy(&actions);
+    ::close(ends[1]);
+    if (error != 0) throw std::runtime_error("cannot start " + arguments[0]);
+    errors_ = ::fdopen(ends[0], "r");
+  }
+  ~Process() {
+    if (!ended_) {
+      ::kill(pid_, SIGKILL);
+      ::waitpid(pid_, nullptr, 0);
+    }
+    std::fclose(errors_);
+  }
+  std::string error_line() {
+    char line[1000];
+    return std::fgets(line, sizeof line, errors_) ? line : "";
+  }
+  void signal(int number) { ::kill(pid_, number); }
+  /// The exit code, or 1000 + the signal that killed it.
+  int wait() {
+    int status = 0;
+    ::waitpid(pid_, &status, 0);
+    ended_ = true;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
+  }
+  pid_t pid() const { return pid_; }
+  bool alive() { return ::kill(pid_, 0) == 0 && ::waitpid(pid_, nullptr, WNOHANG) == 0; }
+
+ private:
+  pid_t pid_ = 0;
+  FILE* errors_ = nullptr;
+  bool ended_ = false;
+};
+
+/// `fracture-server serve` on free ports, which it names in its first log line.
+class ServeProcess : public Process {
+ public:
+  explicit ServeProcess(std::vector<std::string> flags = {}) : Process(with_ports(std::move(flags))) {
+    const std::string line = error_line();
+    const std::size_t colon = line.rfind(':', line.find(" (admin port ")), admin = line.find("admin port ");
+    if (colon == std::string::npos || admin == std::string::npos)
+      throw std::runtime_error("unexpected: " + line);
+    port = static_cast<std::uint16_t>(std::atoi(line.c_str() + colon + 1));
+    admin_port = static_cast<std::uint16_t>(std::atoi(line.c_str() + admin + 11));
+  }
+  std::uint16_t port = 0, admin_port = 0;
+
+ private:
+  static std::vector<std::string> with_ports(std::vector<std::string> flags) {
+    std::vector<std::string> all = {"serve", "--port", "0", "--admin-port", "0", "--threads", "2"};
+    if (std::find(flags.begin(), flags.end(), "--drain-delay") == flags.end())
+      flags.insert(flags.end(), {"--drain-delay", "0"});
+    all.insert(all.end(), flags.begin(), flags.end());
+    return all;
+  }
+};
+
+}  // namespace fracture::test
