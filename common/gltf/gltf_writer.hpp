@@ -1,13 +1,17 @@
-// Fragments out: one GLB that standard tools read (glTF 2.0 core, nothing required), with figures, bonds and
+// Fragments out: one file that standard tools read (glTF 2.0 core, nothing required), with figures, bonds and
 // certificate in extras. The same fragments and options give the same bytes.
 //
 //   scene ── root (identity; extras.fracture: report, certificate, bonds)
-//             ├─ fragment 0 (translation = pivot; extras.fracture: id, volume, …) ── mesh 0: exterior
-//             primitives, interior └─ fragment 1 …
+//             ├─ fragment 0 (translation = pivot; extras.fracture: id, volume, …; mesh 0: exterior
+//             primitives, │   │          interior; rigid body) │   └─ colliders of a compound, UCX_ hulls:
+//             identity, no extras └─ fragment 1 …
 //
 // All fragments share one bufferView for each attribute and one for the indices; the primitives of a mesh
 // share their attribute accessors. World positions are float32(local) + float32(translation), exact by
-// construction (I2).
+// construction (I2). Collision hulls are meshes of their own behind those of the fragments.
+//
+// Images pass through byte for byte, with one exception: chunks of a PNG that glTF tells readers to ignore
+// and that the Khronos validator therefore warns of (image_bytes.hpp) are left out; pixels are untouched.
 #pragma once
 
 #include <cstdint>
@@ -19,6 +23,20 @@
 
 namespace fracture {
 
+/// Which physics extension the fragments carry (always optional: in extensionsUsed only).
+enum class Physics {
+  kKhr,   ///< KHR_physics_rigid_bodies: motion with mass, centre and inertia; convex colliders
+          ///< (khr_physics.hpp)
+  kOmi,   ///< OMI_physics_body and OMI_physics_shape, for Godot (omi_physics.hpp)
+  kNone,  ///< neither
+};
+
+/// Hulls under the names by which Unreal takes them for collision geometry.
+enum class UeCollision {
+  kNone,
+  kUcx,  ///< a node UCX_<fragment>_NN for each hull (ue_collision.hpp)
+};
+
 /// What the file says beside the geometry. No time stamps, no host names: identical requests give identical
 /// bytes.
 struct GltfOptions {
@@ -27,6 +45,12 @@ struct GltfOptions {
   std::string mesh_digest;       ///< "sha256:…" of the input bytes
   int algorithm = 1;             ///< version of the algorithm
   double density = 1000;         ///< kg/m³, for the mass of each fragment
+  /// Colliders need Fragment::hulls; a fragment without hulls is a body without a collider.
+  Physics physics = Physics::kKhr;
+  UeCollision ue_collision = UeCollision::kNone;
+  double friction = 0.6;      ///< static and dynamic
+  double restitution = 0.1;   ///< 0 … 1
+  bool mesh_manifold = true;  ///< EXT_mesh_manifold on every fragment with a topology (mesh_manifold.hpp)
   /// The material of the cut faces as a glTF material object; its name should contain "Interior" (that is how
   /// tools tell cut faces from the outside). Textures are indices into the source's.
   nlohmann::json interior_material = {
@@ -38,6 +62,8 @@ struct GltfOptions {
 /// Throws InternalError when a fragment contradicts its own description (attribute lengths, index ranges,
 /// primitives that do not cover the indices) or the file would pass 4 GiB.
 std::vector<std::uint8_t> write_glb(const FragmentSet& fragments, const GltfOptions& options);
+/// The same as model/gltf+json: JSON text with the buffer in a data URI. Throws as write_glb.
+std::vector<std::uint8_t> write_gltf(const FragmentSet& fragments, const GltfOptions& options);
 /// The `extras.fracture` object of the root node: {version, mesh, parameters, report, certificate, bonds}.
 nlohmann::json fracture_extras(const FragmentSet& fragments, const GltfOptions& options);
 

@@ -21,12 +21,18 @@ inline std::string ascii_name(std::string_view name, std::size_t room = kMaxName
   return result.empty() ? "mesh" : result;
 }
 
-/// "<source>_007": begins with the source node's name; unique because the number is.
-inline std::string fragment_name(std::string_view source, std::size_t number, std::size_t count) {
-  const std::size_t width = std::to_string(count - 1).size();
+/// The number in at least `width` digits.
+inline std::string padded(std::size_t number, std::size_t width) {
   std::string digits = std::to_string(number);
-  digits.insert(0, width - digits.size(), '0');
-  return ascii_name(source, kMaxName - 1 - width) + "_" + digits;
+  if (digits.size() < width) digits.insert(0, width - digits.size(), '0');
+  return digits;
+}
+
+/// "<source>_007": begins with the source node's name; unique because the number is. At most `room` bytes.
+inline std::string fragment_name(std::string_view source, std::size_t number, std::size_t count,
+                                 std::size_t room = kMaxName) {
+  const std::size_t width = std::to_string(count - 1).size();
+  return ascii_name(source, room - 1 - width) + "_" + padded(number, width);
 }
 
 }  // namespace fracture

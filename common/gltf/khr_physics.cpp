@@ -1,0 +1,45 @@
+#include "common/gltf/khr_physics.hpp"
+
+#include "common/physics/principal_axes.hpp"
+
+namespace fracture {
+namespace {
+
+constexpr const char* kName = "KHR_physics_rigid_bodies";
+
+void write_collider(JsonText& json, std::size_t hull_mesh) {
+  json.key("collider").begin_object().key("geometry").begin_object();
+  json.member("mesh", hull_mesh).member("convexHull", true).end_object();
+  json.member("physicsMaterial", 0).end_object();
+}
+
+}  // namespace
+
+void write_khr_physics_document(JsonText& json, const GltfOptions& options) {
+  json.key(kName).begin_object().key("physicsMaterials").begin_array().begin_object();
+  json.member("staticFriction", options.friction).member("dynamicFriction", options.friction);
+  json.member("restitution", options.restitution).end_object().end_array().end_object();
+}
+
+void write_khr_physics_body(JsonText& json, const Fragment& f, std::size_t index, const SceneLayout& layout,
+                            const GltfOptions& options) {
+  const PrincipalAxes axes = principal_axes(f.mass.inertia);
+  json.key(kName).begin_object().key("motion").begin_object();
+  json.member("mass", f.mass.volume * options.density);
+  json.member("centerOfMass", f.mass.center_of_mass - f.pivot);
+  json.key("inertiaDiagonal").begin_array();
+  for (const double moment : axes.moments) json.value(moment * options.density);
+  json.end_array().key("inertiaOrientation").begin_array();
+  for (const double component : axes.rotation) json.value(component);
+  json.end_array().end_object();
+  if (layout.hulls(index) == 1) write_collider(json, layout.hull_mesh(index, 0));
+  json.end_object();
+}
+
+void write_khr_physics_collider(JsonText& json, std::size_t hull_mesh) {
+  json.key(kName).begin_object();
+  write_collider(json, hull_mesh);
+  json.end_object();
+}
+
+}  // namespace fracture

@@ -1,0 +1,38 @@
+#include "common/gltf/omi_physics.hpp"
+
+namespace fracture {
+namespace {
+
+void write_collider(JsonText& json, std::size_t shape) {
+  json.key("collider").begin_object().member("shape", shape).end_object();
+}
+
+}  // namespace
+
+void write_omi_physics_document(JsonText& json, const FragmentSet& set, const SceneLayout& layout) {
+  if (!layout.has_hulls()) return;
+  json.key("OMI_physics_shape").begin_object().key("shapes").begin_array();
+  for (std::size_t k = 0; k < set.fragments.size(); ++k)
+    for (std::size_t hull = 0; hull < layout.hulls(k); ++hull) {
+      json.begin_object().member("type", "convex").key("convex").begin_object();
+      json.member("mesh", layout.hull_mesh(k, hull)).end_object().end_object();
+    }
+  json.end_array().end_object();
+}
+
+void write_omi_physics_body(JsonText& json, const Fragment& f, std::size_t index, const SceneLayout& layout,
+                            const GltfOptions& options) {
+  json.key("OMI_physics_body").begin_object().key("motion").begin_object().member("type", "dynamic");
+  json.member("mass", f.mass.volume * options.density);
+  json.member("centerOfMass", f.mass.center_of_mass - f.pivot).end_object();
+  if (layout.hulls(index) == 1) write_collider(json, layout.hull_number(index, 0));
+  json.end_object();
+}
+
+void write_omi_physics_collider(JsonText& json, std::size_t shape) {
+  json.key("OMI_physics_body").begin_object();
+  write_collider(json, shape);
+  json.end_object();
+}
+
+}  // namespace fracture

@@ -1,0 +1,57 @@
+#include "common/gltf/scene_layout.hpp"
+
+#include <algorithm>
+
+#include "common/gltf/names.hpp"
+
+namespace fracture {
+
+SceneLayout::SceneLayout(const FragmentSet& set, const GltfOptions& options)
+    : physics_(options.physics != Physics::kNone), ucx_(options.ue_collision == UeCollision::kUcx) {
+  const std::size_t count = set.fragments.size();
+  std::size_t mesh = count, most = 0;
+  first_hull_.reserve(count + 1);
+  for (const Fragment& f : set.fragments) {
+    first_hull_.push_back(mesh);
+    if (physics_ || ucx_) mesh += f.hulls.size();
+    most = std::max(most, f.hulls.size());
+  }
+  first_hull_.push_back(mesh);
+  digits_ = std::max<std::size_t>(2, std::to_string(std::max<std::size_t>(most, 1) - 1).size());
+
+  // Room for the longest thing a hull's name adds, so that those are at most kMaxName bytes as well.
+  const std::size_t room =
+      has_hulls() ? kMaxName - digits_ - std::string_view("__collider").size() : kMaxName;
+  names_.reserve(count);
+  const auto& sources = set.source->node_names;
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::uint32_t node = set.fragments[k].node;
+    const std::string_view source = node < sources.size() ? std::string_view(sources[node]) : "mesh";
+    // A fragment that is called UCX_ would itself be taken for collision geometry.
+    std::string base(ucx_ && source.starts_with("UCX_") ? 1 : 0, '_');
+    base += source;
+    names_.push_back(fragment_name(base, k, count, room));
+  }
+
+  std::size_t node = 1 + count;
+  first_child_.reserve(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    first_child_.push_back(node);
+    node += children(k);
+  }
+}
+
+std::string SceneLayout::hull_name(std::size_t fragment, std::size_t hull) const {
+  std::string name = ucx_ ? "UCX_" : "";
+  name += names_[fragment];
+  name += '_';
+  name += padded(hull, digits_);
+  if (!ucx_) name += "_hull";
+  return name;
+}
+
+std::string SceneLayout::collider_name(std::size_t fragment, std::size_t hull) const {
+  return names_[fragment] + "_" + padded(hull, digits_) + "_collider";
+}
+
+}  // namespace fracture

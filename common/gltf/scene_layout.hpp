@@ -1,0 +1,49 @@
+// Which names and indices the file's nodes and meshes have: nodes are the root, the fragments, then the
+// children of the fragments in order; meshes are those of the fragments, then the hulls in order.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "common/fragment/fragments.hpp"
+#include "common/gltf/gltf_writer.hpp"
+
+namespace fracture {
+
+class SceneLayout {
+ public:
+  SceneLayout(const FragmentSet& set, const GltfOptions& options);
+
+  const std::string& name(std::size_t fragment) const { return names_[fragment]; }
+  /// Of mesh and node: "UCX_<fragment>_00" for Unreal, else "<fragment>_00_hull".
+  std::string hull_name(std::size_t fragment, std::size_t hull) const;
+  /// "<fragment>_00_collider"
+  std::string collider_name(std::size_t fragment, std::size_t hull) const;
+
+  /// Hull meshes of the fragment: 0 when nothing in the file refers to them.
+  std::size_t hulls(std::size_t fragment) const { return first_hull_[fragment + 1] - first_hull_[fragment]; }
+  std::size_t hull_mesh(std::size_t fragment, std::size_t hull) const { return first_hull_[fragment] + hull; }
+  /// Among all hulls of the file.
+  std::size_t hull_number(std::size_t fragment, std::size_t hull) const {
+    return hull_mesh(fragment, hull) - names_.size();
+  }
+  bool has_hulls() const { return first_hull_.back() > first_hull_.front(); }
+
+  /// A compound (several hulls) has its colliders on child nodes, one hull stands on the fragment's own node.
+  std::size_t collider_nodes(std::size_t fragment) const {
+    return physics_ && hulls(fragment) > 1 ? hulls(fragment) : 0;
+  }
+  std::size_t ucx_nodes(std::size_t fragment) const { return ucx_ ? hulls(fragment) : 0; }
+  std::size_t children(std::size_t fragment) const { return collider_nodes(fragment) + ucx_nodes(fragment); }
+  std::size_t first_child(std::size_t fragment) const { return first_child_[fragment]; }
+
+ private:
+  bool physics_, ucx_;
+  std::size_t digits_ = 2;
+  std::vector<std::string> names_;
+  std::vector<std::size_t> first_hull_;   ///< mesh index; one more than fragments
+  std::vector<std::size_t> first_child_;  ///< node index
+};
+
+}  // namespace fracture
