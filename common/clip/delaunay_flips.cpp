@@ -52,30 +52,30 @@ class Flipper {
   static std::uint32_t next(std::uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
   const LatticePoint& at(std::uint32_t v) const { return points_[v]; }
 
+  // Twins by the lower end: each point has few edges, so its list is searched in place.
   void pair_edges() {
     twin_.assign(3 * triangles_.size(), kNone);
-    struct Use {
-      std::uint64_t edge;
-      std::uint32_t half;
-      auto operator<=>(const Use&) const = default;
-    };
-    std::vector<Use> uses;
-    uses.reserve(twin_.size());
-    for (std::uint32_t h = 0; h < twin_.size(); ++h) {
-      const std::uint64_t a = from(h), b = from(next(h));
-      uses.push_back({a < b ? a << 32 | b : b << 32 | a, h});
-    }
-    std::sort(uses.begin(), uses.end());
-    for (std::size_t k = 0; k + 1 < uses.size();) {
-      std::size_t end = k + 1;
-      while (end < uses.size() && uses[end].edge == uses[k].edge) ++end;
-      // Only a clean pair may be flipped; an edge that occurs more often (rounded loops that touch) stays as
-      // it is.
-      if (end - k == 2 && from(uses[k].half) != from(uses[k + 1].half)) {
-        twin_[uses[k].half] = uses[k + 1].half;
-        twin_[uses[k + 1].half] = uses[k].half;
+    std::vector<std::uint32_t> begin(points_.size() + 1, 0), half(twin_.size());
+    for (std::uint32_t h = 0; h < twin_.size(); ++h) ++begin[std::min(from(h), from(next(h))) + 1];
+    for (std::size_t v = 0; v < points_.size(); ++v) begin[v + 1] += begin[v];
+    std::vector<std::uint32_t> end(begin.begin(), begin.end() - 1);
+    for (std::uint32_t h = 0; h < twin_.size(); ++h) half[end[std::min(from(h), from(next(h)))]++] = h;
+    for (std::size_t v = 0; v < points_.size(); ++v) {
+      const auto upper = [&](std::uint32_t h) { return std::max(from(h), from(next(h))); };
+      std::sort(half.begin() + begin[v], half.begin() + begin[v + 1], [&](std::uint32_t x, std::uint32_t y) {
+        return upper(x) != upper(y) ? upper(x) < upper(y) : x < y;
+      });
+      for (std::uint32_t k = begin[v]; k < begin[v + 1];) {
+        std::uint32_t last = k + 1;
+        while (last < begin[v + 1] && upper(half[last]) == upper(half[k])) ++last;
+        // Only a clean pair may be flipped; an edge that occurs more often (rounded loops that touch) stays
+        // as it is.
+        if (last - k == 2 && from(half[k]) != from(half[k + 1])) {
+          twin_[half[k]] = half[k + 1];
+          twin_[half[k + 1]] = half[k];
+        }
+        k = last;
       }
-      k = end;
     }
   }
 

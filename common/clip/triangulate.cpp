@@ -1,6 +1,7 @@
 #include "common/clip/triangulate.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <numeric>
 #include <tuple>
 
@@ -97,6 +98,16 @@ void triangulate_loop(std::span<const LatticePoint> points, std::span<const std:
     for (std::uint32_t& k : triangles[t]) k = loop[k];
 }
 
+/// Lower than two lattice steps over its longest edge: the mark of loop points on a line that do not see the
+/// inside.
+bool is_flat(std::span<const LatticePoint> points, const std::array<std::uint32_t, 3>& t) {
+  const LatticePoint &a = points[t[0]], &b = points[t[1]], &c = points[t[2]];
+  const auto span = [](const LatticePoint& p, const LatticePoint& q) {
+    return std::llabs(p.x - q.x) + std::llabs(p.y - q.y);
+  };
+  return orient2d(a, b, c) <= 2 * std::max({span(a, b), span(b, c), span(c, a)});
+}
+
 int orientation(std::span<const LatticePoint> points, std::uint32_t begin, std::uint32_t end) {
   __int128 sum = 0;
   for (std::uint32_t k = begin + 1; k + 1 < end; ++k)
@@ -111,7 +122,11 @@ void triangulate(std::span<const LatticePoint> points, std::span<const std::uint
   out.clear();
   const auto loops = static_cast<std::uint32_t>(loop_begin.size() - 1);
   // Flips stay within a region: regions share no inner edge.
-  const auto finish = [&] { flip_to_delaunay(points, out.triangles); };
+  const auto finish = [&] {
+    if (std::any_of(out.triangles.begin(), out.triangles.end(),
+                    [&](const auto& t) { return is_flat(points, t); }))
+      flip_to_delaunay(points, out.triangles);
+  };
   const auto add_region = [&](std::size_t from) {
     out.region.resize(from);
     out.region.resize(out.triangles.size(), out.regions++);

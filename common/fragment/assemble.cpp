@@ -37,14 +37,26 @@ class Assembler {
     order_by_material(piece, faces);
     first_variant_.next_epoch(d_.vertex_count());
     out_.indices.reserve(3 * order_.size());
+    const std::size_t vertices =
+        order_.size() / 2 + order_.size() / 4 + 8;  // a guess: half the faces, and seams
+    out_.topology.reserve(vertices);
+    ids_.reserve(vertices);
+    flavors_.reserve(vertices);
+    next_variant_.reserve(vertices);
+    points_.reserve(vertices);
+    FlatFrame frame({0, 0, 1});
+    FaceSource frame_source = kNoIndex;
     for (const auto& [material, f] : order_) {
       if (out_.primitives.empty() || out_.primitives.back().material != material)
         out_.primitives.push_back({material, static_cast<std::uint32_t>(out_.indices.size()), 0});
       const Face& face = faces[f];
-      // The plane of a flat face is the same for all three corners.
+      // The plane of a flat face is the same for all its triangles, which follow one another.
       const bool flat = material == kInteriorMaterial;
-      const Vec3d normal = flat ? flat_normal(face) : Vec3d{};
-      for (const VertexId v : face.v) out_.indices.push_back(vertex(face, v, flat, normal));
+      if (flat && face.source != frame_source) {
+        frame = FlatFrame(flat_normal(face));
+        frame_source = face.source;
+      }
+      for (const VertexId v : face.v) out_.indices.push_back(vertex(face, v, flat, frame));
       out_.primitives.back().index_count += 3;
     }
     measure();
@@ -52,17 +64,32 @@ class Assembler {
   }
 
  private:
+  // Faces by material, in their order within each; interior last, "no material" just before it. A piece has
+  // few materials.
   void order_by_material(const Piece& piece, const Face* faces) {
-    order_.reserve(piece.face_count);
-    for (std::uint32_t f = 0; f < piece.face_count; ++f)
-      order_.push_back({is_cap(faces[f].source) ? kInteriorMaterial : d_.solid.material[faces[f].source], f});
-    // Interior last, "no material" just before it.
     const auto rank = [](std::uint32_t m) {
       return m == kInteriorMaterial ? 0xffffffffu : m == kNoIndex ? 0xfffffffeu : m;
     };
-    std::sort(order_.begin(), order_.end(), [&](const auto& x, const auto& y) {
-      return rank(x.first) != rank(y.first) ? rank(x.first) < rank(y.first) : x.second < y.second;
-    });
+    std::vector<std::uint32_t> material(piece.face_count);
+    std::vector<std::uint32_t> kinds;
+    for (std::uint32_t f = 0; f < piece.face_count; ++f) {
+      material[f] = is_cap(faces[f].source) ? kInteriorMaterial : d_.solid.material[faces[f].source];
+      if (f > 0 && material[f] == material[f - 1]) continue;
+      kinds.push_back(material[f]);
+    }
+    std::sort(kinds.begin(), kinds.end(),
+              [&](std::uint32_t x, std::uint32_t y) { return rank(x) < rank(y); });
+    kinds.erase(std::unique(kinds.begin(), kinds.end()), kinds.end());
+    order_.reserve(piece.face_count);
+    if (kinds.size() <= 4) {
+      for (const std::uint32_t m : kinds)
+        for (std::uint32_t f = 0; f < piece.face_count; ++f)
+          if (material[f] == m) order_.push_back({m, f});
+      return;
+    }
+    for (std::uint32_t f = 0; f < piece.face_count; ++f) order_.push_back({material[f], f});
+    std::stable_sort(order_.begin(), order_.end(),
+                     [&](const auto& x, const auto& y) { return rank(x.first) < rank(y.first); });
   }
 
   Vec3d flat_normal(const Face& face) const {
@@ -104,7 +131,7 @@ class Assembler {
     return d_.solid.edge_vertices[d_.cuts.edge_cuts[b - d_.cuts.first_b()].edge];
   }
 
-  std::uint32_t vertex(const Face& face, VertexId v, bool flat, const Vec3d& normal) {
+  std::uint32_t vertex(const Face& face, VertexId v, bool flat, const FlatFrame& frame) {
     const Flavor f = flavor(face, v, flat);
     std::uint32_t& first = first_variant_.slot(v);
     for (std::uint32_t k = first; k != kNoIndex; k = next_variant_[k])
@@ -122,11 +149,11 @@ class Assembler {
       next_variant_[first] = fresh;
     }
     out_.topology.push_back(first);
-    write_attributes(f, face, v, normal);
+    write_attributes(f, face, v, frame);
     return fresh;
   }
 
-  void write_attributes(const Flavor& f, const Face& face, VertexId v, const Vec3d& normal) {
+  void write_attributes(const Flavor& f, const Face& face, VertexId v, const FlatFrame& frame) {
     switch (f.kind) {
       case kPlain:
         return writer_.blank();
@@ -140,7 +167,7 @@ class Assembler {
       case kInside:
         return writer_.blend(d_.solid.wedges[face.source], barycentric(face.source, d_.point(v)));
       default:
-        return writer_.interior(normal, d_.point(v));
+        return writer_.interior(frame, d_.point(v));
     }
   }
 

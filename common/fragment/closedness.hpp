@@ -15,4 +15,9 @@ struct Closedness {
 /// Counts, by a table of all edges.
 Closedness closedness(const Fragment& fragment);
 
+/// The number of open edges alone, fast enough for every answer: the directed edges' hashes, forwards minus
+/// backwards, sum to zero when all are paired (and by chance with probability 2^-64); only when they do not,
+/// edges are counted.
+std::uint64_t open_edges(const Fragment& fragment);
+
 }  // namespace fracture

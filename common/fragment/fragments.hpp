@@ -65,12 +65,11 @@ struct Bond {
 
 /// Proof of the invariants, checked on every answer.
 struct Certificate {
-  std::uint64_t open_edges = 0;     ///< over all fragments, after welding equal positions: 0
-  std::uint64_t pinched_edges = 0;  ///< edges used 2k > 2 times after welding (allowed)
-  double volume_in = 0;             ///< m³, of the solid
-  double volume_out = 0;            ///< m³, of all fragments, from the unrounded positions
-  double volume_file = 0;           ///< m³, of all fragments, from the final rounded positions
-  double relative_error = 0;        ///< |volume_out - volume_in| / volume_in
+  std::uint64_t open_edges = 0;  ///< over all fragments, after welding equal positions: 0
+  double volume_in = 0;          ///< m³, of the solid
+  double volume_out = 0;         ///< m³, of all fragments, from the unrounded positions
+  double volume_file = 0;        ///< m³, of all fragments, from the final rounded positions
+  double relative_error = 0;     ///< |volume_out - volume_in| / volume_in
   /// Pockets of negative winding that no positive piece contains (the surface turned inside out by crossing
   /// itself) are not emitted; their signed volume, m³, is part of volume_out, and their area, m², is stated.
   /// 0 for clean solids.

@@ -211,14 +211,11 @@ FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownershi
   }
   out.bonds = find_bonds(d, pieces, fragment_of_piece);
 
-  std::vector<Closedness> closed(out.fragments.size());
-  parallel_for(execution, closed.size(), 8, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) closed[k] = closedness(out.fragments[k]);
+  std::vector<std::uint64_t> open(out.fragments.size());
+  parallel_for(execution, open.size(), 8, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) open[k] = open_edges(out.fragments[k]);
   });
-  for (const Closedness& c : closed) {
-    certificate.open_edges += c.open_edges;
-    certificate.pinched_edges += c.pinched_edges;
-  }
+  for (const std::uint64_t edges : open) certificate.open_edges += edges;
   certificate.volume_in = d.solid.report.volume;
   certificate.volume_out += certificate.pocket_volume;
   certificate.relative_error =

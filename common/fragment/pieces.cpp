@@ -114,6 +114,17 @@ class OwnerPieces {
 
   std::vector<Component> collect() {
     std::vector<Component> components;
+    if (faces_.empty()) return components;
+    // Mostly there is one component, and then nothing to sort or to measure.
+    const std::uint32_t root0 = sets_.find(local_.slot(faces_[0].v[0]));
+    if (std::all_of(faces_.begin(), faces_.end(),
+                    [&](const Face& f) { return sets_.find(local_.slot(f.v[0])) == root0; })) {
+      Component& only = components.emplace_back();
+      only.part = part_of(faces_[0]);
+      only.faces = std::move(faces_);
+      faces_ = {};
+      return components;
+    }
     component_of_root_.clear();
     for (const Face& f : faces_) {
       const std::uint32_t root = sets_.find(local_.slot(f.v[0]));
@@ -154,10 +165,11 @@ class OwnerPieces {
       const std::uint32_t c = component_of[sets_.find(local_.slot(v))];
       if (c != kNoIndex) shares.push_back({c, cell, v});
     };
-    for (const Face& f : faces_)
-      if (!is_cap(f.source))
-        for (const VertexId v : f.v)
-          if (v < d_.cuts.first_b()) add(d_.cuts.label[v], v);
+    for (const Component& c : components)
+      for (const Face& f : c.faces)
+        if (!is_cap(f.source))
+          for (const VertexId v : f.v)
+            if (v < d_.cuts.first_b()) add(d_.cuts.label[v], v);
     for (const FaceSource source : caps) {
       const CapRegion& r = d_.caps.regions[cap_region(source)];
       for (const SiteId cell : {r.lo, r.hi}) {

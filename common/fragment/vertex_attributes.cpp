@@ -47,6 +47,9 @@ Vec3d tangent_of(const Vec3d& n) {
 
 }  // namespace
 
+FlatFrame::FlatFrame(const Vec3d& unit_normal)
+    : normal(unit_normal), tangent(tangent_of(unit_normal)), bitangent(cross(unit_normal, tangent)) {}
+
 AttributeWriter::AttributeWriter(const Attributes& source, Attributes& out) : in_(source), out_(out) {
   out_.uvs.resize(in_.uvs.empty() ? 1 : in_.uvs.size());
   out_.colors.resize(in_.colors.size());
@@ -92,14 +95,13 @@ void AttributeWriter::blend(const std::array<std::uint32_t, 3>& wedges,
   }
 }
 
-void AttributeWriter::interior(const Vec3d& n, const Vec3d& p) {
-  const Vec3d t = tangent_of(n), b = cross(n, t);
-  if (!in_.normals.empty()) out_.normals.push_back(unit(n, {0, 0, 1}));
+void AttributeWriter::interior(const FlatFrame& frame, const Vec3d& p) {
+  if (!in_.normals.empty()) out_.normals.push_back(unit(frame.normal, {0, 0, 1}));
   if (!in_.tangents.empty()) {
-    const Vec3f d = unit(t, {1, 0, 0});
+    const Vec3f d = unit(frame.tangent, {1, 0, 0});
     out_.tangents.push_back({d.x, d.y, d.z, 1});
   }
-  const Vec2f uv{static_cast<float>(dot(p, t)), static_cast<float>(dot(p, b))};
+  const Vec2f uv{static_cast<float>(dot(p, frame.tangent)), static_cast<float>(dot(p, frame.bitangent))};
   for (auto& set : out_.uvs) set.push_back(uv);
   for (auto& set : out_.colors) set.push_back({1, 1, 1, 1});
 }

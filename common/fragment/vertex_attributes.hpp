@@ -9,8 +9,14 @@
 
 namespace fracture {
 
-/// Appends vertices to a fragment's attribute arrays: those of the source, and always one set of UVs (interior faces have
-/// planar UVs whatever the source; exterior vertices of a source without UVs get zeros).
+/// A flat interior face: its unit normal and two unit vectors that span it, functions of the normal alone.
+struct FlatFrame {
+  Vec3d normal, tangent, bitangent;
+  explicit FlatFrame(const Vec3d& unit_normal);
+};
+
+/// Appends vertices to a fragment's attribute arrays: those of the source, and always one set of UVs
+/// (interior faces have planar UVs whatever the source; exterior vertices of a source without UVs get zeros).
 class AttributeWriter {
  public:
   AttributeWriter(const Attributes& source, Attributes& out);
@@ -21,8 +27,8 @@ class AttributeWriter {
   void copy(std::uint32_t w);
   /// A weighted mean of three wedges (weights sum to 1); normals and tangents made unit again.
   void blend(const std::array<std::uint32_t, 3>& wedges, const std::array<double, 3>& weights);
-  /// A vertex on a flat interior face with this unit normal, at world position p.
-  void interior(const Vec3d& normal, const Vec3d& p);
+  /// A vertex on a flat interior face, at world position p: flat normal, planar UVs in metres, white.
+  void interior(const FlatFrame& frame, const Vec3d& p);
 
  private:
   const Attributes& in_;

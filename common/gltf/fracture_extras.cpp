@@ -9,7 +9,6 @@ constexpr int kExtrasVersion = 1;
 void write_certificate(JsonText& json, const Certificate& c) {
   json.begin_object()
       .member("open_edges", c.open_edges)
-      .member("pinched_edges", c.pinched_edges)
       .member("volume_in", c.volume_in)
       .member("volume_out", c.volume_out)
       .member("volume_file", c.volume_file)

@@ -53,7 +53,6 @@ BarycentricResult fracture_barycentric(const Solid& solid, const VoronoiDiagram&
     if (!cells[i]) continue;
     const Certificate& c = cells[i]->certificate;
     total.open_edges += c.open_edges;
-    total.pinched_edges += c.pinched_edges;
     total.volume_out += c.volume_out;
     total.volume_file += c.volume_file;
     total.cells += c.cells;
