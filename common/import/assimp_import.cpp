@@ -5,6 +5,7 @@
 #include <assimp/scene.h>
 
 #include <assimp/Importer.hpp>
+#include <cmath>
 #include <memory>
 #include <set>
 #include <string>
@@ -12,6 +13,7 @@
 
 #include "common/import/assimp_files.hpp"
 #include "common/import/assimp_materials.hpp"
+#include "common/import/assimp_quads.hpp"
 #include "common/import/mesh_builder.hpp"
 #include "common/import/refused.hpp"
 #include "common/import/transform.hpp"
@@ -127,6 +129,27 @@ void add_scene(const aiScene& scene, MeshFormat format, const std::vector<std::u
   }
 }
 
+/// FBX: centimetres in one unit, and 0, 1, 2 for the axis that is up (GlobalSettings).
+SourceFrame fbx_frame(const aiScene& scene, MeshBuilder& builder) {
+  SourceFrame frame;
+  if (scene.mMetaData == nullptr) return frame;
+  float centimetres = 0;
+  if (scene.mMetaData->Get("UnitScaleFactor", centimetres) && std::isfinite(centimetres) && centimetres > 0) {
+    frame.metres = static_cast<double>(centimetres) / 100;
+    frame.metres_stated = true;
+  }
+  std::int32_t up = 1, sign = 1;
+  if (scene.mMetaData->Get("UpAxis", up)) {
+    scene.mMetaData->Get("UpAxisSign", sign);
+    frame.z_up = up == 2;
+    frame.up_stated = (up == 1 || up == 2) && sign == 1;
+    if (!frame.up_stated)
+      builder.warn("The file's up axis is neither y nor z; " + std::string(frame.z_up ? "z" : "y") +
+                   " was taken.");
+  }
+  return frame;
+}
+
 }  // namespace
 
 Expected<Mesh> import_with_assimp(std::span<const std::byte> bytes, MeshFormat format,
@@ -146,6 +169,7 @@ Expected<Mesh> import_with_assimp(std::span<const std::byte> bytes, MeshFormat f
     const aiScene* scene = importer.ReadFile(name, 0);
     check(scene);
     check_indices(*scene);
+    fan_quads(const_cast<aiScene&>(*scene));  // the importer's own, and it lets its users mend it
     scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
     check(scene);
 
@@ -156,7 +180,10 @@ Expected<Mesh> import_with_assimp(std::span<const std::byte> bytes, MeshFormat f
     if (scene->mNumAnimations > 0)
       builder.warn(std::to_string(scene->mNumAnimations) + " animations were dropped.");
     add_scene(*scene, format, materials.slot, builder);
-    return builder.finish();
+    const SourceFrame frame = format == MeshFormat::kFbx ? fbx_frame(*scene, builder) : SourceFrame{};
+    Expected<Mesh> mesh = builder.finish();
+    if (mesh) mesh->frame = frame;
+    return mesh;
   } catch (const Refused& refused) {
     return tl::unexpected<Error>(refused.error);
   }

@@ -1,0 +1,58 @@
+#include "common/import/assimp_quads.hpp"
+
+#include <array>
+#include <utility>
+
+#include "common/base/vec.hpp"
+
+namespace fracture {
+namespace {
+
+Vec3d at(const aiMesh& mesh, unsigned index) {
+  const aiVector3D& p = mesh.mVertices[index];
+  return {p.x, p.y, p.z};
+}
+
+/// Do the two triangles on either side of the diagonal (a, c) of the quad (a, b, c, d) face the same way?
+bool same_side(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
+  return dot(cross(b - a, c - a), cross(c - a, d - a)) > 0;
+}
+
+void set_triangle(aiFace& face, const std::array<unsigned, 3>& corners) {
+  delete[] face.mIndices;
+  face.mNumIndices = 3;
+  face.mIndices = new unsigned[3]{corners[0], corners[1], corners[2]};
+}
+
+void fan_quads(aiMesh& mesh) {
+  unsigned quads = 0;
+  for (unsigned f = 0; f < mesh.mNumFaces; ++f) quads += mesh.mFaces[f].mNumIndices == 4;
+  if (quads == 0) return;
+  auto* faces = new aiFace[mesh.mNumFaces + quads];
+  unsigned n = 0;
+  for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+    aiFace& face = mesh.mFaces[f];
+    if (face.mNumIndices != 4) {
+      faces[n].mNumIndices = std::exchange(face.mNumIndices, 0u);
+      faces[n++].mIndices = std::exchange(face.mIndices, nullptr);
+      continue;
+    }
+    const unsigned* i = face.mIndices;
+    const Vec3d a = at(mesh, i[0]), b = at(mesh, i[1]), c = at(mesh, i[2]), d = at(mesh, i[3]);
+    const unsigned s =
+        !same_side(a, b, c, d) && same_side(b, c, d, a) ? 1 : 0;  // the corner the fan starts from
+    set_triangle(faces[n++], {i[s], i[s + 1], i[s + 2]});
+    set_triangle(faces[n++], {i[s], i[s + 2], i[(s + 3) % 4]});
+  }
+  delete[] mesh.mFaces;
+  mesh.mFaces = faces;
+  mesh.mNumFaces = n;
+}
+
+}  // namespace
+
+void fan_quads(aiScene& scene) {
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m) fan_quads(*scene.mMeshes[m]);
+}
+
+}  // namespace fracture
