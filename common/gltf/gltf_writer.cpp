@@ -72,7 +72,7 @@ void write_document_extensions(JsonText& json, const FragmentSet& set, const Glt
   if (set.fragments.empty()) return;
   if (options.physics == Physics::kKhr) {
     json.key("extensions").begin_object();
-    write_khr_physics_document(json, options);
+    write_khr_physics_document(json, layout, options);
     json.end_object();
   } else if (options.physics == Physics::kOmi && layout.has_hulls()) {
     json.key("extensions").begin_object();
@@ -121,7 +121,7 @@ void write_collider_nodes(JsonText& json, std::size_t fragment, const GltfOption
     json.begin_object().member("name", layout.collider_name(fragment, hull));
     json.key("extensions").begin_object();
     if (options.physics == Physics::kKhr)
-      write_khr_physics_collider(json, layout.hull_mesh(fragment, hull));
+      write_khr_physics_collider(json, fragment, hull, layout);
     else
       write_omi_physics_collider(json, layout.hull_number(fragment, hull));
     json.end_object().end_object();

@@ -7,18 +7,31 @@ namespace {
 
 constexpr const char* kName = "KHR_physics_rigid_bodies";
 
-void write_collider(JsonText& json, std::size_t hull_mesh) {
+void write_collider(JsonText& json, std::size_t fragment, std::size_t hull, const SceneLayout& layout) {
   json.key("collider").begin_object().key("geometry").begin_object();
-  json.member("mesh", hull_mesh).member("convexHull", true).end_object();
-  json.member("physicsMaterial", 0).end_object();
+  json.member("mesh", layout.hull_mesh(fragment, hull)).member("convexHull", true).end_object();
+  json.member("physicsMaterial", 0);
+  const std::uint32_t system = layout.systems().of_fragment[fragment];
+  if (system != kNoIndex) json.member("collisionFilter", system);
+  json.end_object();
 }
 
 }  // namespace
 
-void write_khr_physics_document(JsonText& json, const GltfOptions& options) {
+void write_khr_physics_document(JsonText& json, const SceneLayout& layout, const GltfOptions& options) {
   json.key(kName).begin_object().key("physicsMaterials").begin_array().begin_object();
   json.member("staticFriction", options.friction).member("dynamicFriction", options.friction);
-  json.member("restitution", options.restitution).end_object().end_array().end_object();
+  json.member("restitution", options.restitution).end_object().end_array();
+  if (const std::size_t systems = layout.systems().count; systems > 0) {
+    json.key("collisionFilters").begin_array();
+    for (std::size_t k = 0; k < systems; ++k) {
+      const std::string name = std::to_string(k);
+      json.begin_object().key("collisionSystems").begin_array().value(name).end_array();
+      json.key("notCollideWithSystems").begin_array().value(name).end_array().end_object();
+    }
+    json.end_array();
+  }
+  json.end_object();
 }
 
 void write_khr_physics_body(JsonText& json, const Fragment& f, std::size_t index, const SceneLayout& layout,
@@ -32,13 +45,14 @@ void write_khr_physics_body(JsonText& json, const Fragment& f, std::size_t index
   json.end_array().key("inertiaOrientation").begin_array();
   for (const double component : axes.rotation) json.value(component);
   json.end_array().end_object();
-  if (layout.hulls(index) == 1) write_collider(json, layout.hull_mesh(index, 0));
+  if (layout.hulls(index) == 1) write_collider(json, index, 0, layout);
   json.end_object();
 }
 
-void write_khr_physics_collider(JsonText& json, std::size_t hull_mesh) {
+void write_khr_physics_collider(JsonText& json, std::size_t fragment, std::size_t hull,
+                                const SceneLayout& layout) {
   json.key(kName).begin_object();
-  write_collider(json, hull_mesh);
+  write_collider(json, fragment, hull, layout);
   json.end_object();
 }
 

@@ -8,9 +8,10 @@
 
 namespace fracture {
 
-/// The document's member "KHR_physics_rigid_bodies": one physics material. Always there, because Babylon's
-/// loader refuses the asset without it.
-void write_khr_physics_document(JsonText& json, const GltfOptions& options);
+/// The document's member "KHR_physics_rigid_bodies": one physics material (always there, because Babylon's
+/// loader refuses the asset without it), and a collision filter for each system of fragments that must not
+/// collide with one another (collision_systems.hpp).
+void write_khr_physics_document(JsonText& json, const SceneLayout& layout, const GltfOptions& options);
 
 /// The node's member "KHR_physics_rigid_bodies" of a fragment: motion with all four of mass, centerOfMass
 /// (local), inertiaDiagonal and inertiaOrientation (engines take unit inertia where it is missing), and the
@@ -19,6 +20,7 @@ void write_khr_physics_body(JsonText& json, const Fragment& fragment, std::size_
                             const SceneLayout& layout, const GltfOptions& options);
 
 /// The same member of a compound's child node: one convex collider of the hull mesh.
-void write_khr_physics_collider(JsonText& json, std::size_t hull_mesh);
+void write_khr_physics_collider(JsonText& json, std::size_t fragment, std::size_t hull,
+                                const SceneLayout& layout);
 
 }  // namespace fracture

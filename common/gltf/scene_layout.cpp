@@ -33,6 +33,8 @@ SceneLayout::SceneLayout(const FragmentSet& set, const GltfOptions& options)
     names_.push_back(fragment_name(base, k, count, room));
   }
 
+  if (options.physics == Physics::kKhr && has_hulls()) systems_ = collision_systems(set);
+
   std::size_t node = 1 + count;
   first_child_.reserve(count);
   for (std::size_t k = 0; k < count; ++k) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/fragment/fragments.hpp"
+#include "common/gltf/collision_systems.hpp"
 #include "common/gltf/gltf_writer.hpp"
 
 namespace fracture {
@@ -30,6 +31,8 @@ class SceneLayout {
   }
   bool has_hulls() const { return first_hull_.back() > first_hull_.front(); }
 
+  const CollisionSystems& systems() const { return systems_; }
+
   /// A compound (several hulls) has its colliders on child nodes, one hull stands on the fragment's own node.
   std::size_t collider_nodes(std::size_t fragment) const {
     return physics_ && hulls(fragment) > 1 ? hulls(fragment) : 0;
@@ -40,6 +43,7 @@ class SceneLayout {
 
  private:
   bool physics_, ucx_;
+  CollisionSystems systems_;  ///< KHR_physics_rigid_bodies alone can say so
   std::size_t digits_ = 2;
   std::vector<std::string> names_;
   std::vector<std::size_t> first_hull_;   ///< mesh index; one more than fragments

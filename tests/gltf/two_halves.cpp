@@ -1,5 +1,6 @@
 #include "tests/gltf/two_halves.hpp"
 
+#include <algorithm>
 #include <memory>
 
 #include "common/solid/solid.hpp"
@@ -49,7 +50,19 @@ Fragment half(double pivot_x, int cap) {
   add_primitive(0, {0, 1});
   add_primitive(1, {2, 3, cap == 4 ? 5 : 4});
   add_primitive(kInteriorMaterial, {cap});
+  for (const Vec3f& p : f.positions)  // the corners of the cube, each in three faces
+    f.topology.push_back(static_cast<std::uint32_t>(std::find(f.positions.begin(), f.positions.end(), p) -
+                                                    f.positions.begin()));
   return f;
+}
+
+CollisionHull box(const Vec3f& min, const Vec3f& max) {
+  CollisionHull hull;
+  for (int k = 0; k < 8; ++k)
+    hull.points.push_back({k & 1 ? max.x : min.x, k & 2 ? max.y : min.y, k & 4 ? max.z : min.z});
+  hull.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                    {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  return hull;
 }
 
 }  // namespace
@@ -87,6 +100,14 @@ FragmentSet two_halves() {
   set.certificate.fragments = 2;
   set.lattice_step = {0x1p-22, 0x1p-23, 0x1p-23};
   set.report = {{"solid", {{"parts", 1}}}};
+  return set;
+}
+
+FragmentSet two_halves_with_hulls() {
+  FragmentSet set = two_halves();
+  set.fragments[0].hulls = {box({-0.4995f, -0.4995f, -0.4995f}, {0.4995f, 0.4995f, 0.4995f})};
+  set.fragments[1].hulls = {box({-0.4995f, -0.4995f, -0.4995f}, {0.4995f, 0, 0.4995f}),
+                            box({-0.4995f, 0, -0.4995f}, {0.4995f, 0.4995f, 0.4995f})};
   return set;
 }
 

@@ -10,4 +10,8 @@ namespace fracture::test {
 /// and (1.5, 0.5, 0.5). One bond of area 1 at (1, 0.5, 0.5).
 FragmentSet two_halves();
 
+/// The same with collision hulls, boxes with sides of 0.999: one for the first half, two (y < 0 and y > 0)
+/// for the second.
+FragmentSet two_halves_with_hulls();
+
 }  // namespace fracture::test
