@@ -25,8 +25,11 @@ void set_triangle(aiFace& face, const std::array<unsigned, 3>& corners) {
 }
 
 void fan_quads(aiMesh& mesh) {
-  unsigned quads = 0;
-  for (unsigned f = 0; f < mesh.mNumFaces; ++f) quads += mesh.mFaces[f].mNumIndices == 4;
+  unsigned quads = 0, larger = 0;
+  for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+    quads += mesh.mFaces[f].mNumIndices == 4;
+    larger += mesh.mFaces[f].mNumIndices > 4;
+  }
   if (quads == 0) return;
   auto* faces = new aiFace[mesh.mNumFaces + quads];
   unsigned n = 0;
@@ -47,6 +50,9 @@ void fan_quads(aiMesh& mesh) {
   delete[] mesh.mFaces;
   mesh.mFaces = faces;
   mesh.mNumFaces = n;
+  // aiProcess_Triangulate aborts the process when it is told of polygons and finds none.
+  mesh.mPrimitiveTypes |= aiPrimitiveType_TRIANGLE;
+  if (larger == 0) mesh.mPrimitiveTypes &= ~static_cast<unsigned>(aiPrimitiveType_POLYGON);
 }
 
 }  // namespace

@@ -63,6 +63,25 @@ Expected<void> preflight_of(std::span<const std::byte> bytes, MeshFormat format,
   }
 }
 
+/// What the format says where the file cannot (FBX says it itself, its reader fills the frame in).
+void state_frame(Mesh& mesh, MeshFormat format) {
+  switch (format) {
+    case MeshFormat::kGlb:
+    case MeshFormat::kGltf:  // glTF 2.0, section 3.4
+    case MeshFormat::kDae:   // Assimp applies <unit> and <up_axis> to the root
+      mesh.frame.metres_stated = mesh.frame.up_stated = true;
+      break;
+    case MeshFormat::k3ds:  // z up by convention, turned by Assimp
+      mesh.frame.up_stated = true;
+      break;
+    case MeshFormat::kBlend:
+      mesh.frame.z_up = mesh.frame.up_stated = true;
+      break;
+    default:
+      break;
+  }
+}
+
 }  // namespace
 
 std::optional<MeshFormat> format_from_extension(std::string_view extension) {
@@ -103,6 +122,7 @@ Expected<Mesh> import_mesh(std::span<const std::byte> bytes, MeshFormat format, 
   const bool gltf = format == MeshFormat::kGlb || format == MeshFormat::kGltf;
   Expected<Mesh> mesh =
       gltf ? import_gltf(bytes, format, limits, files) : import_with_assimp(bytes, format, limits, files);
+  if (mesh) state_frame(*mesh, format);
   if (mesh) complete_attributes(*mesh);
   return mesh;
 }

@@ -45,11 +45,12 @@ struct ImportFile {
   std::span<const std::byte> bytes;
 };
 
-/// Coordinates are those of the file after its own node transforms (glTF: metres, y up). Wedges with
-/// identical positions in the file have bit-identical positions here. Texture coordinates are glTF's (v down)
-/// whatever the format. Errors: kEmptyBody, kMalformedMesh (what and at which byte), kUnsupportedFeature
-/// (names it), kExternalResource, kTooLarge, kNotFinite (NaN or infinite coordinate, with the vertex),
-/// kEmptyMesh.
+/// Coordinates are those of the file after its own node transforms, and Mesh::frame says what they mean as
+/// far as the file does: glTF and DAE metres and y up, 3DS y up (the loader turns it), BLEND z up, FBX what
+/// its global settings say, the others nothing. Wedges with identical positions in the file have
+/// bit-identical positions here. Texture coordinates are glTF's (v down) whatever the format. Errors:
+/// kEmptyBody, kMalformedMesh (what and at which byte), kUnsupportedFeature (names it), kExternalResource,
+/// kTooLarge, kNotFinite (NaN or infinite coordinate, with the vertex), kEmptyMesh.
 Expected<Mesh> import_mesh(std::span<const std::byte> bytes, MeshFormat format, const ImportLimits& limits,
                            std::span<const ImportFile> files = {});
 

@@ -1,6 +1,6 @@
-// The mesh as every importer delivers it and as the exporter needs it back: triangles over *wedges* (a wedge is one
-// vertex of the file: a position with one set of attributes; glTF splits a vertex into several wedges along seams),
-// material slots in source order, and the source's materials, textures and images untouched.
+// The mesh as every importer delivers it and as the exporter needs it back: triangles over *wedges* (a wedge
+// is one vertex of the file: a position with one set of attributes; glTF splits a vertex into several wedges
+// along seams), material slots in source order, and the source's materials, textures and images untouched.
 #pragma once
 
 #include <array>
@@ -32,9 +32,10 @@ struct Image {
   std::vector<std::uint8_t> bytes;
 };
 
-/// Materials in glTF's own terms: `materials[k]`, `textures[k]`, `samplers[k]` are glTF 2.0 JSON objects whose
-/// indices refer to the arrays here (a texture's "source" is an index into `images`). Importers of other formats
-/// translate into these terms, so that the exporter writes every material back with what it had.
+/// Materials in glTF's own terms: `materials[k]`, `textures[k]`, `samplers[k]` are glTF 2.0 JSON objects
+/// whose indices refer to the arrays here (a texture's "source" is an index into `images`). Importers of
+/// other formats translate into these terms, so that the exporter writes every material back with what it
+/// had.
 struct MaterialLibrary {
   nlohmann::json materials = nlohmann::json::array();
   nlohmann::json textures = nlohmann::json::array();
@@ -44,16 +45,31 @@ struct MaterialLibrary {
   std::vector<std::string> extensions_required;  ///< subset of extensions_used
 };
 
+/// What the coordinates of an imported mesh mean, as far as its file or its format says so.
+struct SourceFrame {
+  double metres = 1;           ///< metres in one unit of the coordinates, > 0
+  bool metres_stated = false;  ///< false: nothing says so, metres are assumed
+  bool z_up = false;           ///< z is up and y points away; else y is up
+  bool up_stated = false;      ///< false: nothing says so, y is assumed
+};
+
 struct Mesh {
-  std::vector<Vec3f> positions;  ///< per wedge, metres, y up, right-handed, in the frame of the scene's root
+  /// Per wedge, right-handed, in the frame of the scene's root: metres and y up, for an imported mesh once
+  /// to_metres_y_up() (mesh/frame.hpp) has seen it.
+  std::vector<Vec3f> positions;
+  SourceFrame frame;
   Attributes attributes;
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< wedge ids, counter-clockwise seen from outside
-  std::vector<std::uint32_t> material;                  ///< per triangle: index into library->materials, or kNoIndex
-  std::vector<std::uint32_t> node;                      ///< per triangle: index into node_names
-  std::vector<std::string> node_names;                  ///< the source's mesh instances, UTF-8, may repeat
+  std::vector<std::uint32_t> material;  ///< per triangle: index into library->materials, or kNoIndex
+  std::vector<std::uint32_t> node;      ///< per triangle: index into node_names
+  std::vector<std::string> node_names;  ///< the source's mesh instances, UTF-8, may repeat
   std::shared_ptr<const MaterialLibrary> library = std::make_shared<MaterialLibrary>();
-  std::string copyright;               ///< asset.copyright of the source, passed on
-  std::vector<std::string> warnings;   ///< what the importer changed or dropped (skins baked, animations dropped, …)
+  std::string copyright;  ///< asset.copyright of the source, passed on
+  /// The rest of the scene, which is not to be fractured (mesh/selection.hpp): written whole beside the
+  /// fragments. Same frame, node_names and library. Null when there is none.
+  std::shared_ptr<const Mesh> passed_through;
+  std::vector<std::string>
+      warnings;  ///< what the importer changed or dropped (skins baked, animations dropped, …)
 };
 
 }  // namespace fracture

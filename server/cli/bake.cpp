@@ -147,13 +147,16 @@ int bake(const BakeOptions& options) {
 
   const auto view = std::as_bytes(std::span(*bytes));
   const std::vector<SiblingFile> siblings = read_sibling_files(options.input, view, *format);
+  const bool gltf =
+      format_from_extension(options.output.substr(options.output.rfind('.') + 1)) == MeshFormat::kGltf;
+  const OutputFormat output = gltf ? OutputFormat::kGltf : OutputFormat::kGlb;
   const auto start = std::chrono::steady_clock::now();
   const Expected<FractureAnswer> answer =
-      service.fracture({view, *format, parameters->fracture, as_import_files(siblings)}, execution);
+      service.fracture({view, *format, *parameters, as_import_files(siblings), output}, execution);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   progress.finish();
   if (!answer) return refuse(answer.error());
-  if (!write_file(options.output, answer->result->glb)) {
+  if (!write_file(options.output, answer->result->file)) {
     std::fprintf(stderr, "fracture-server bake: cannot write %s: %s\n", options.output.c_str(),
                  std::strerror(errno));
     return kExitSystem;
@@ -163,7 +166,7 @@ int bake(const BakeOptions& options) {
     std::printf("%s: %u fragments, volume in %.9g m3, out %.9g m3, relative error %.2g, %" PRIu64
                 " open edges, %zu bytes, %.3f s (",
                 options.output.c_str(), c.fragments, c.volume_in, c.volume_out, c.relative_error,
-                c.open_edges, answer->result->glb.size(), took.count());
+                c.open_edges, answer->result->file.size(), took.count());
     const char* separator = "";
     for (const auto& [stage, ms] : answer->timings.stages()) {
       std::printf("%s%s %.1f ms", separator, stage.c_str(), ms);

@@ -103,7 +103,8 @@ void add_serve(CLI::App& app, ServeOptions& o) {
 /// Parameters are taken as text and checked by the service's table: one validation for every way to ask.
 void add_bake(CLI::App& app, BakeOptions& o) {
   app.add_option("input", o.input, "Mesh file")->required();
-  app.add_option("-o,--output", o.output, "GLB to write")->required();
+  app.add_option("-o,--output", o.output, "File to write: .gltf as one JSON text, everything else GLB")
+      ->required();
   const ParameterTable table(o.service.max_sites, FormatSet::all());
   for (const ParameterSpec& spec : table.specs()) {
     CLI::Option* option = app.add_option_function<std::string>(

@@ -15,9 +15,12 @@ namespace fracture::http {
 namespace {
 
 constexpr std::size_t kMaxParams = 64u << 10;  // bytes of the `params` part
+constexpr std::size_t kMaxField = 16u << 10;   // bytes of a parameter as a field of its own
 constexpr std::string_view kAcceptPost =
     "model/gltf-binary, model/gltf+json, model/obj, model/stl, application/octet-stream, multipart/form-data";
-constexpr std::string_view kResultTypes[] = {"model/gltf-binary", "application/json"};
+constexpr std::string_view kResultTypes[] = {"model/gltf-binary", "application/json", "model/gltf+json"};
+constexpr std::string_view kStoredTypes[] = {"model/gltf-binary", "model/gltf+json"};
+constexpr std::size_t kAsFigures = 1, kAsGltf = 2;  // of kResultTypes
 constexpr std::string_view kJsonTypes[] = {"application/json"};
 constexpr std::string_view kTextTypes[] = {"text/plain"};
 
@@ -47,7 +50,7 @@ bool matches(const Route& route, std::string_view path, std::string* segment) {
 /// The media types a route can answer with, in order of preference.
 std::span<const std::string_view> offers(const Route& route) {
   if (route.path == "/fracture") return kResultTypes;
-  if (route.path == "/fractures/{id}") return std::span(kResultTypes).first(1);
+  if (route.path == "/fractures/{id}") return kStoredTypes;
   if (route.path == "/livez" || route.path == "/readyz") return kTextTypes;
   return kJsonTypes;
 }
@@ -339,15 +342,16 @@ namespace {
 /// The answer for a result in the negotiated representation, headers that depend on the result only.
 Response result_response(const std::shared_ptr<const FractureResult>& result, std::size_t representation) {
   Response response;
-  if (representation == 1) {
+  if (representation == kAsFigures) {
     response = Response::text(200, "application/json", figures_of(*result).dump() + "\n");
   } else {
-    response.content_type = "model/gltf-binary";
-    response.body = result->glb;
+    response.content_type = result->format == OutputFormat::kGltf ? "model/gltf+json" : "model/gltf-binary";
+    response.body = result->file;
     response.owner = result;
   }
-  response.headers.emplace_back("ETag", "\"" + result->key + (representation == 1 ? ".json\"" : "\""));
-  if (representation == 0)
+  response.headers.emplace_back("ETag",
+                                "\"" + result->key + (representation == kAsFigures ? ".json\"" : "\""));
+  if (representation != kAsFigures)
     response.headers.emplace_back("Content-Location", "/fractures/sha256:" + result->key);
   response.headers.emplace_back("Vary", "Accept");
   response.headers.emplace_back("Fracture-Algorithm", std::to_string(kAlgorithmVersion));
@@ -402,8 +406,11 @@ OrProblem<Response> Api::post_fracture(const Request& request, const Execution& 
           return refuse(HttpProblem::kMalformedMultipart,
                         "Two file parts have the same filename: which one the mesh names cannot be known.");
         files.push_back({name, std::as_bytes(std::span(part.body.data(), part.body.size()))});
+      } else if (part.body.size() > kMaxField) {
+        return refuse(HttpProblem::kMalformedMultipart,
+                      "A form field without a filename is over " + std::to_string(kMaxField) + " bytes.");
       } else {
-        given.push_back({part.name, std::string(part.body.substr(0, 200)), true});  // curl -F sites=50
+        given.push_back({part.name, std::string(part.body), true});  // curl -F sites=50
       }
     }
     if (!found)
@@ -421,7 +428,8 @@ OrProblem<Response> Api::post_fracture(const Request& request, const Execution& 
         unknown_format(table.formats(), extension.empty() ? declared_type : extension));
 
   Expected<FractureAnswer> answer = service_.fracture(
-      {std::as_bytes(std::span(mesh.data(), mesh.size())), *format, parameters->fracture, std::move(files)},
+      {std::as_bytes(std::span(mesh.data(), mesh.size())), *format, std::move(*parameters), std::move(files),
+       request.admission.representation == kAsGltf ? OutputFormat::kGltf : OutputFormat::kGlb},
       execution);
   if (!answer) return tl::unexpected<Problem>(to_problem(std::move(answer.error())));
   Response response = result_response(answer->result, request.admission.representation);
@@ -438,7 +446,7 @@ OrProblem<Response> Api::get_fracture(const Request& request) {
   if (!result)
     return refuse(HttpProblem::kNotFound,
                   "This result is not (or no longer) in the cache. POST /fracture makes it again.");
-  Response response = result_response(result, request.admission.representation);
+  Response response = result_response(result, 0);
   response.headers.emplace_back("Cache-Status", "result; hit");
   response.headers.emplace_back("Cache-Control", "public, max-age=31536000, immutable");
   const std::string none_match = request.head.field("if-none-match");

@@ -64,7 +64,9 @@ std::string Problem::body(std::string_view request_id) const {
   if (!pointer.empty()) document["parameter"] = pointer;
   document["request_id"] = request_id;
   for (const auto& [name, value] : extra.items())
-    if (!document.contains(name)) document[name] = nlohmann::ordered_json::parse(value.dump());
+    if (!document.contains(name))
+      document[name] =
+          nlohmann::ordered_json::parse(value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
   // Details may quote what the client sent: bytes that are no UTF-8 are replaced, never an exception.
   return document.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }

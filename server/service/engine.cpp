@@ -13,8 +13,9 @@ class LibraryEngine final : public FractureEngine {
     execution.poll();
     return import_mesh(bytes, format, limits, files);
   }
-  Expected<Solid> prepare(std::shared_ptr<const Mesh> mesh, const Execution& execution) const override {
-    return make_solid(std::move(mesh), SolidOptions{}, execution);
+  Expected<Solid> prepare(std::shared_ptr<const Mesh> mesh, const SolidOptions& options,
+                          const Execution& execution) const override {
+    return make_solid(std::move(mesh), options, execution);
   }
   Expected<Diagram> diagram(const Solid& solid, const FractureParameters& parameters,
                             const Execution& execution, StageTimings& timings) const override {
@@ -24,8 +25,9 @@ class LibraryEngine final : public FractureEngine {
                             const Execution& execution, StageTimings& timings) const override {
     return fracture(solid, diagram, parameters, execution, timings);
   }
-  std::vector<std::uint8_t> encode(const FragmentSet& fragments, const GltfOptions& options) const override {
-    return write_glb(fragments, options);
+  std::vector<std::uint8_t> encode(const FragmentSet& fragments, const GltfOptions& options,
+                                   OutputFormat format) const override {
+    return format == OutputFormat::kGltf ? write_gltf(fragments, options) : write_glb(fragments, options);
   }
 };
 

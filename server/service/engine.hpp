@@ -20,6 +20,9 @@
 
 namespace fracture {
 
+/// How the fragments are written down.
+enum class OutputFormat { kGlb, kGltf };
+
 /// Thread-safe: every method may be called from several threads at once. Errors are those of the function
 /// each method stands for (import_mesh, make_solid, make_diagram, fracture); Interrupted may be thrown from
 /// any of them.
@@ -29,14 +32,15 @@ class FractureEngine {
   virtual Expected<Mesh> import(std::span<const std::byte> bytes, MeshFormat format,
                                 std::span<const ImportFile> files, const ImportLimits& limits,
                                 const Execution& execution) const = 0;
-  virtual Expected<Solid> prepare(std::shared_ptr<const Mesh> mesh, const Execution& execution) const = 0;
+  virtual Expected<Solid> prepare(std::shared_ptr<const Mesh> mesh, const SolidOptions& options,
+                                  const Execution& execution) const = 0;
   virtual Expected<Diagram> diagram(const Solid& solid, const FractureParameters& parameters,
                                     const Execution& execution, StageTimings& timings) const = 0;
   virtual Expected<FragmentSet> cut(const Solid& solid, const Diagram& diagram,
                                     const FractureParameters& parameters, const Execution& execution,
                                     StageTimings& timings) const = 0;
-  virtual std::vector<std::uint8_t> encode(const FragmentSet& fragments,
-                                           const GltfOptions& options) const = 0;
+  virtual std::vector<std::uint8_t> encode(const FragmentSet& fragments, const GltfOptions& options,
+                                           OutputFormat format) const = 0;
 };
 
 /// The real one: calls the libraries of common/.

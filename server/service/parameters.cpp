@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
+#include <iterator>
 #include <set>
 #include <utility>
 
@@ -43,9 +45,114 @@ std::optional<std::uint64_t> to_integer(const RawParameter& raw) {
   return number;
 }
 
+std::optional<double> to_number(const RawParameter& raw) {
+  double number = 0;
+  if (!raw.is_text) {
+    if (!raw.value.is_number()) return std::nullopt;
+    number = raw.value.get<double>();
+  } else {
+    const auto& text = raw.value.get_ref<const std::string&>();
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (error != std::errc{} || end != text.data() + text.size() || text.empty()) return std::nullopt;
+  }
+  return std::isfinite(number) ? std::optional(number == 0 ? 0.0 : number) : std::nullopt;
+}
+
+/// JSON text must be UTF-8, and the canonical parameters are JSON: strict and lenient spelling differ else.
+bool is_utf8(const std::string& text) {
+  const nlohmann::json value(text);
+  using Handler = nlohmann::json::error_handler_t;
+  return value.dump(-1, ' ', false, Handler::ignore) == value.dump(-1, ' ', false, Handler::replace);
+}
+
+/// Sorted, each once; nothing when an entry is empty, no UTF-8, or no text.
+std::optional<std::vector<std::string>> to_names(const RawParameter& raw) {
+  std::vector<std::string> names;
+  if (raw.value.is_string()) {
+    std::string_view text = raw.value.get_ref<const std::string&>();
+    for (;;) {
+      const std::size_t comma = text.find(',');
+      names.emplace_back(text.substr(0, comma));
+      if (comma == std::string_view::npos) break;
+      text.remove_prefix(comma + 1);
+    }
+  } else if (raw.value.is_array() && !raw.value.empty()) {
+    for (const auto& entry : raw.value) {
+      if (!entry.is_string()) return std::nullopt;
+      names.push_back(entry.get<std::string>());
+    }
+  } else {
+    return std::nullopt;
+  }
+  for (const std::string& name : names)
+    if (name.empty() || !is_utf8(name)) return std::nullopt;
+  std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  return names;
+}
+
+std::string shortest(double number) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, number).ptr};
+}
+
 std::string expectation(const ParameterSpec& spec) {
-  if (spec.type == ParameterSpec::Type::kChoice) return "must be " + join(spec.choices);
-  return "must be a whole number from " + std::to_string(spec.min) + " to " + std::to_string(spec.max);
+  switch (spec.type) {
+    case ParameterSpec::Type::kInteger:
+      return "must be a whole number from " + std::to_string(spec.min) + " to " + std::to_string(spec.max);
+    case ParameterSpec::Type::kNumber:
+      return "must be a number from " + shortest(spec.low) + " to " + shortest(spec.high);
+    case ParameterSpec::Type::kNames:
+      return "must be names or indices separated by commas, in UTF-8, none of them empty";
+    case ParameterSpec::Type::kChoice:
+      break;
+  }
+  return "must be " + join(spec.choices);
+}
+
+void set_integer(RequestParameters& result, std::string_view name, std::uint64_t value) {
+  if (name == "sites") result.fracture.sites = static_cast<std::uint32_t>(value);
+  if (name == "seed") result.fracture.seed = value;
+}
+
+void set_number(RequestParameters& result, std::string_view name, double value) {
+  if (name == "thickness") result.solid.thickness = value;
+  if (name == "weld_tolerance") result.solid.weld_tolerance = value;
+  if (name == "density") result.density = value;
+  if (name == "mass") result.mass = value;
+}
+
+void set_names(RequestParameters& result, std::string_view name, std::vector<std::string> value) {
+  (name == "nodes" ? result.parts.nodes : result.parts.materials) = std::move(value);
+}
+
+// The spellings of each choice, in the order of the table.
+constexpr const char* kDuals[] = {"circumcenter", "barycenter"};
+constexpr const char* kRepairs[] = {"fill", "strict"};
+constexpr const char* kUnits[] = {"file", "m", "cm", "mm", "inch"};
+constexpr const char* kAxes[] = {"file", "y", "z"};
+constexpr const char* kPhysics[] = {"khr", "omi", "none"};
+constexpr const char* kUeCollisions[] = {"none", "ucx"};
+
+/// The enumerators stand in the order of their spellings.
+template <std::size_t n>
+std::vector<std::string> spellings(const char* const (&names)[n]) {
+  return {names, names + n};
+}
+template <class Enum, std::size_t n>
+const char* spelling(Enum value, const char* const (&names)[n]) {
+  return names[static_cast<std::size_t>(value)];
+}
+
+void set_choice(RequestParameters& result, const ParameterSpec& spec, const std::string& choice) {
+  const auto index = std::find(spec.choices.begin(), spec.choices.end(), choice) - spec.choices.begin();
+  if (spec.name == "dual") result.fracture.dual = static_cast<Dual>(index);
+  if (spec.name == "repair") result.solid.repair = static_cast<Repair>(index);
+  if (spec.name == "unit") result.frame.unit = static_cast<LengthUnit>(index);
+  if (spec.name == "up") result.frame.up = static_cast<UpAxis>(index);
+  if (spec.name == "physics") result.physics = static_cast<Physics>(index);
+  if (spec.name == "ue_collision") result.ue_collision = static_cast<UeCollision>(index);
+  if (spec.name == "format") result.format = format_from_extension(choice);
 }
 
 }  // namespace
@@ -79,7 +186,8 @@ std::vector<std::string> FormatSet::names() const {
 
 ParameterTable::ParameterTable(std::uint32_t max_sites, FormatSet formats) : formats_(std::move(formats)) {
   using Type = ParameterSpec::Type;
-  const FractureParameters defaults;
+  const RequestParameters request;
+  const FractureParameters& defaults = request.fracture;
   specs_ = {
       {.name = "sites",
        .type = Type::kInteger,
@@ -95,11 +203,70 @@ ParameterTable::ParameterTable(std::uint32_t max_sites, FormatSet formats) : for
        .doc = "Seed of the random sites: the same seed gives the same bytes."},
       {.name = "dual",
        .type = Type::kChoice,
-       .choices = {"circumcenter", "barycenter"},
-       .default_value = "circumcenter",
+       .choices = spellings(kDuals),
+       .default_value = kDuals[0],
        .doc = "circumcenter: Voronoi cells, an exact partition. barycenter: hulls of the tetrahedra's "
-              "barycentres, "
-              "a softer look that is no partition."},
+              "barycentres, a softer look that is no partition."},
+      {.name = "repair",
+       .type = Type::kChoice,
+       .choices = spellings(kRepairs),
+       .default_value = kRepairs[0],
+       .doc = "fill: holes are closed and what is turned is turned back. strict: a mesh that is not closed "
+              "and consistently oriented is refused."},
+      {.name = "thickness",
+       .type = Type::kNumber,
+       .low = 0,
+       .high = 1000,
+       .default_value = request.solid.thickness,
+       .doc = "Metres; makes open sheets (panes, leaves) slabs of this thickness. 0: they are dropped."},
+      {.name = "weld_tolerance",
+       .type = Type::kNumber,
+       .low = 0,
+       .high = 0.01,
+       .default_value = request.solid.weld_tolerance,
+       .doc = "Vertices closer than this fraction of the box's diagonal are merged where that closes open "
+              "edges. 0: only equal ones."},
+      {.name = "unit",
+       .type = Type::kChoice,
+       .choices = spellings(kUnits),
+       .default_value = kUnits[0],
+       .doc = "Unit of the mesh's coordinates. file: as the file or its format says, else metres."},
+      {.name = "up",
+       .type = Type::kChoice,
+       .choices = spellings(kAxes),
+       .default_value = kAxes[0],
+       .doc = "Axis of the mesh that points up; the answer is y up. file: as the file or its format says, "
+              "else y."},
+      {.name = "nodes",
+       .type = Type::kNames,
+       .doc = "Fracture only these nodes (names or indices, separated by commas); the others pass through "
+              "whole."},
+      {.name = "materials",
+       .type = Type::kNames,
+       .doc = "Fracture only triangles with these materials (names or indices, separated by commas); the "
+              "others pass through whole."},
+      {.name = "physics",
+       .type = Type::kChoice,
+       .choices = spellings(kPhysics),
+       .default_value = kPhysics[0],
+       .doc = "khr: KHR_physics_rigid_bodies. omi: OMI_physics_body and OMI_physics_shape, for Godot. none: "
+              "neither, and no collision hulls."},
+      {.name = "ue_collision",
+       .type = Type::kChoice,
+       .choices = spellings(kUeCollisions),
+       .default_value = kUeCollisions[0],
+       .doc = "ucx: the collision hulls also as nodes UCX_..., which Unreal takes for collision geometry."},
+      {.name = "density",
+       .type = Type::kNumber,
+       .low = 1e-3,
+       .high = 1e6,
+       .default_value = request.density,
+       .doc = "Kilograms in a cubic metre."},
+      {.name = "mass",
+       .type = Type::kNumber,
+       .low = 1e-9,
+       .high = 1e15,
+       .doc = "Kilograms of all fragments together, instead of a density."},
       {.name = "format",
        .type = Type::kChoice,
        .choices = formats_.names(),
@@ -143,26 +310,36 @@ Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter
         "'" + raw.name + "' " + expectation(*spec) + "; it was '" + shown(raw.value) + "'.";
     if (spec->type == ParameterSpec::Type::kInteger) {
       const std::optional<std::uint64_t> number = to_integer(raw);
-      if (!number || *number < spec->min || *number > spec->max) {
+      if (number && *number >= spec->min && *number <= spec->max)
+        set_integer(result, raw.name, *number);
+      else
         offend(ErrorCode::kBadParameter, raw, complaint);
-        continue;
-      }
-      if (raw.name == "sites") result.fracture.sites = static_cast<std::uint32_t>(*number);
-      if (raw.name == "seed") result.fracture.seed = *number;
+    } else if (spec->type == ParameterSpec::Type::kNumber) {
+      const std::optional<double> number = to_number(raw);
+      if (number && *number >= spec->low && *number <= spec->high)
+        set_number(result, raw.name, *number);
+      else
+        offend(ErrorCode::kBadParameter, raw, complaint);
+    } else if (spec->type == ParameterSpec::Type::kNames) {
+      if (std::optional<std::vector<std::string>> names = to_names(raw))
+        set_names(result, raw.name, std::move(*names));
+      else
+        offend(ErrorCode::kBadParameter, raw, complaint);
     } else {
       std::string choice = raw.value.is_string() ? raw.value.get<std::string>() : std::string();
       if (raw.name == "format")  // file endings come in both cases: part.STL
         for (char& c : choice)
           if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + ('a' - 'A'));
-      if (std::find(spec->choices.begin(), spec->choices.end(), choice) == spec->choices.end()) {
+      if (std::find(spec->choices.begin(), spec->choices.end(), choice) == spec->choices.end())
         offend(raw.name == "format" ? ErrorCode::kUnknownFormat : ErrorCode::kBadParameter, raw, complaint);
-        continue;
-      }
-      if (raw.name == "dual")
-        result.fracture.dual = choice == "barycenter" ? Dual::kBarycenter : Dual::kCircumcenter;
-      if (raw.name == "format") result.format = format_from_extension(choice);
+      else
+        set_choice(result, *spec, choice);
     }
   }
+  const auto both =
+      std::find_if(given.begin(), given.end(), [](const auto& raw) { return raw.name == "mass"; });
+  if (result.mass && seen.count("density") > 0)
+    offend(ErrorCode::kBadParameter, *both, "'mass' and 'density' were both given; each decides the other.");
   if (first) {
     first->extra = {{"errors", std::move(offenders)}};
     return tl::unexpected<Error>(std::move(*first));
@@ -179,6 +356,12 @@ nlohmann::json ParameterTable::to_json() const {
       entry["type"] = "integer";
       entry["minimum"] = spec.min;
       entry["maximum"] = spec.max;
+    } else if (spec.type == ParameterSpec::Type::kNumber) {
+      entry["type"] = "number";
+      entry["minimum"] = spec.low;
+      entry["maximum"] = spec.high;
+    } else if (spec.type == ParameterSpec::Type::kNames) {
+      entry["type"] = "string";
     } else {
       entry["type"] = "string";
       entry["enum"] = spec.choices;
@@ -188,10 +371,29 @@ nlohmann::json ParameterTable::to_json() const {
   return list;
 }
 
-nlohmann::json canonical_parameters(const FractureParameters& parameters) {
-  return {{"dual", parameters.dual == Dual::kBarycenter ? "barycenter" : "circumcenter"},
-          {"seed", parameters.seed},
-          {"sites", parameters.sites}};
+nlohmann::json canonical_solid_parameters(const RequestParameters& p) {
+  nlohmann::json json = {{"repair", spelling(p.solid.repair, kRepairs)},
+                         {"thickness", p.solid.thickness},
+                         {"unit", spelling(p.frame.unit, kUnits)},
+                         {"up", spelling(p.frame.up, kAxes)},
+                         {"weld_tolerance", p.solid.weld_tolerance}};
+  if (!p.parts.nodes.empty()) json["nodes"] = p.parts.nodes;
+  if (!p.parts.materials.empty()) json["materials"] = p.parts.materials;
+  return json;
+}
+
+nlohmann::json canonical_parameters(const RequestParameters& p) {
+  nlohmann::json json = canonical_solid_parameters(p);
+  json["dual"] = spelling(p.fracture.dual, kDuals);
+  json["seed"] = p.fracture.seed;
+  json["sites"] = p.fracture.sites;
+  json["physics"] = spelling(p.physics, kPhysics);
+  json["ue_collision"] = spelling(p.ue_collision, kUeCollisions);
+  if (p.mass)
+    json["mass"] = *p.mass;
+  else
+    json["density"] = p.density;
+  return json;
 }
 
 }  // namespace fracture

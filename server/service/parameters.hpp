@@ -10,8 +10,12 @@
 #include <vector>
 
 #include "common/base/error.hpp"
+#include "common/gltf/gltf_writer.hpp"
 #include "common/import/import.hpp"
+#include "common/mesh/frame.hpp"
+#include "common/mesh/selection.hpp"
 #include "common/pipeline/fracture.hpp"
+#include "common/solid/solid.hpp"
 
 namespace fracture {
 
@@ -21,11 +25,14 @@ inline constexpr std::uint64_t kMaxSeed = (1ull << 53) - 1;
 struct ParameterSpec {
   enum class Type {
     kInteger,  ///< whole number from min to max
+    kNumber,   ///< finite number from low to high
     kChoice,   ///< one of choices
+    kNames,    ///< names separated by commas; in JSON an array of strings or such a text
   };
   std::string name;
   Type type = Type::kInteger;
   std::uint64_t min = 0, max = 0;
+  double low = 0, high = 0;
   std::vector<std::string> choices{};
   nlohmann::json default_value{};  ///< null: no default
   std::string doc;
@@ -40,7 +47,14 @@ struct RawParameter {
 };
 
 struct RequestParameters {
+  FrameOptions frame;
+  PartSelection parts;  ///< sorted, each entry once
+  SolidOptions solid;
   FractureParameters fracture;
+  Physics physics = Physics::kKhr;
+  UeCollision ue_collision = UeCollision::kNone;
+  double density = 1000;             ///< kg/m³
+  std::optional<double> mass;        ///< kg, of all fragments; when given it decides the density
   std::optional<MeshFormat> format;  ///< as given by `format=`; nothing when absent
 };
 
@@ -80,6 +94,8 @@ class ParameterTable {
 
 /// The one spelling of a request: sorted keys, defaults filled in. Part of every cache key and of the GLB's
 /// extras, and the same for every way to ask (query, JSON, `bake`).
-nlohmann::json canonical_parameters(const FractureParameters& parameters);
+nlohmann::json canonical_parameters(const RequestParameters& parameters);
+/// Those of them that decide the solid.
+nlohmann::json canonical_solid_parameters(const RequestParameters& parameters);
 
 }  // namespace fracture

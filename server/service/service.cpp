@@ -31,6 +31,8 @@ std::size_t memory_size(const Mesh& mesh) {
   for (const Image& image : mesh.library->images) bytes += sizeof image + heap(image.bytes);
   // A parsed JSON value takes several times its text; materials are small, so an upper guess does no harm.
   bytes += 512 * (mesh.library->materials.size() + mesh.library->textures.size());
+  // The library is shared: counted twice, which does no harm either.
+  if (mesh.passed_through) bytes += memory_size(*mesh.passed_through);
   return bytes;
 }
 
@@ -40,8 +42,9 @@ CacheOutcome stored(bool kept) { return kept ? CacheOutcome::kMissStored : Cache
 
 }  // namespace
 
-std::size_t memory_size(const Solid& solid) {
-  std::size_t bytes = sizeof solid + heap(solid.positions) + heap(solid.triangles) + heap(solid.wedges) +
+std::size_t memory_size(const PreparedMesh& mesh) {
+  const Solid& solid = mesh.solid;
+  std::size_t bytes = sizeof mesh + heap(solid.positions) + heap(solid.triangles) + heap(solid.wedges) +
                       heap(solid.material) + heap(solid.edges) + heap(solid.edge_vertices) +
                       heap(solid.shell) + heap(solid.part) + heap(solid.parts);
   for (const Part& part : solid.parts) bytes += heap(part.shells);
@@ -76,67 +79,121 @@ FractureService::FractureService(const ServiceConfig& config, std::unique_ptr<Fr
       diagrams_(config.diagram_cache_bytes),
       results_(config.result_cache_bytes) {}
 
+namespace {
+
+Error interrupted_error(const Interrupted& interrupted) {
+  return {interrupted.code,
+          interrupted.code == ErrorCode::kDeadlineExceeded
+              ? "The work was given up because its deadline passed. Ask for fewer sites or a "
+                "smaller mesh, or raise the server's --deadline."
+              : "The work was cancelled before it was done."};
+}
+
+/// Bytes, format and everything that decides the solid: one solid for each key.
+std::string mesh_key_of(const FractureRequest& request, const std::string& digest) {
+  return digest + "." + extension_of(request.format) + "\n" +
+         canonical_solid_parameters(request.parameters).dump();
+}
+
+GltfOptions output_options(const RequestParameters& parameters, const FragmentSet& fragments) {
+  GltfOptions options;
+  options.parameters = canonical_parameters(parameters);
+  options.algorithm = kAlgorithmVersion;
+  options.physics = parameters.physics;
+  options.ue_collision = parameters.ue_collision;
+  options.density = parameters.density;
+  const double volume = fragments.certificate.volume_out;
+  if (parameters.mass && volume > 0) options.density = *parameters.mass / volume;
+  return options;
+}
+
+}  // namespace
+
 Expected<FractureAnswer> FractureService::fracture(const FractureRequest& request,
                                                    const Execution& execution) {
   try {
     execution.poll();  // the time in the queue may have used up the deadline
     return compute(request, execution);
   } catch (const Interrupted& interrupted) {
-    return fail(interrupted.code,
-                interrupted.code == ErrorCode::kDeadlineExceeded
-                    ? "The work was given up because its deadline passed. Ask for fewer sites or a "
-                      "smaller mesh, or raise the server's --deadline."
-                    : "The work was cancelled before it was done.");
+    return tl::unexpected<Error>(interrupted_error(interrupted));
   }
+}
+
+Expected<std::shared_ptr<const PreparedMesh>> FractureService::prepare(const FractureRequest& request,
+                                                                       const Execution& execution) {
+  try {
+    FractureAnswer unused;
+    return prepared(request, mesh_key_of(request, digest_of(request).hex()), execution, unused);
+  } catch (const Interrupted& interrupted) {
+    return tl::unexpected<Error>(interrupted_error(interrupted));
+  }
+}
+
+Expected<std::shared_ptr<const PreparedMesh>> FractureService::prepared(const FractureRequest& request,
+                                                                        const std::string& mesh_key,
+                                                                        const Execution& execution,
+                                                                        FractureAnswer& answer) {
+  if (request.mesh.empty())
+    return fail(ErrorCode::kEmptyBody,
+                "The mesh has 0 bytes. Send the file as the body, or as the part 'mesh'.", "mesh");
+  answer.mesh_cache = CacheOutcome::kHit;
+  if (auto found = meshes_.find(mesh_key)) return found;
+
+  auto result = std::make_shared<PreparedMesh>();
+  auto mesh = std::make_shared<Mesh>();
+  {
+    const StageTimings::Scope scope(answer.timings, "import");
+    Expected<Mesh> imported =
+        engine_->import(request.mesh, request.format, request.files, config_.import_limits, execution);
+    if (!imported) return tl::unexpected<Error>(std::move(imported.error()));
+    *mesh = std::move(*imported);
+    Expected<nlohmann::json> frame = to_metres_y_up(*mesh, request.parameters.frame);
+    if (!frame) return tl::unexpected<Error>(std::move(frame.error()));
+    result->frame = std::move(*frame);
+    if (auto restricted = restrict_to(*mesh, request.parameters.parts); !restricted)
+      return tl::unexpected<Error>(std::move(restricted.error()));
+  }
+  const StageTimings::Scope scope(answer.timings, "prepare");
+  Expected<Solid> made = engine_->prepare(std::move(mesh), request.parameters.solid, execution);
+  if (!made) return tl::unexpected<Error>(std::move(made.error()));
+  result->solid = std::move(*made);
+  answer.mesh_cache = stored(meshes_.insert(mesh_key, result, memory_size(*result)));
+  return result;
 }
 
 Expected<FractureAnswer> FractureService::compute(const FractureRequest& request,
                                                   const Execution& execution) {
-  if (request.mesh.empty())
-    return fail(ErrorCode::kEmptyBody,
-                "The mesh has 0 bytes. Send the file as the body, or as the part 'mesh'.", "mesh");
-
   FractureAnswer answer;
   const std::string digest = digest_of(request).hex();
-  const std::string mesh_key = digest + "." + extension_of(request.format);
-  const std::string canonical = canonical_parameters(request.parameters).dump();
+  const std::string mesh_key = mesh_key_of(request, digest);
   const std::string version = std::to_string(kAlgorithmVersion);
   const std::string result_key =
       digest.substr(0, 16) +
-      hex_of("result\n" + mesh_key + "\n" + canonical + "\n" + version + "\nglb").substr(0, 48);
+      hex_of("result\n" + mesh_key + "\n" + canonical_parameters(request.parameters).dump() + "\n" + version +
+             (request.output == OutputFormat::kGltf ? "\ngltf" : "\nglb"))
+          .substr(0, 48);
 
   if ((answer.result = results_.find(result_key))) {
     answer.result_cache = CacheOutcome::kHit;
     return answer;
   }
+  const Expected<std::shared_ptr<const PreparedMesh>> mesh = prepared(request, mesh_key, execution, answer);
+  if (!mesh) return tl::unexpected<Error>(mesh.error());
+  const Solid& solid = (*mesh)->solid;
 
-  std::shared_ptr<const Solid> solid = meshes_.find(mesh_key);
-  answer.mesh_cache = CacheOutcome::kHit;
-  if (!solid) {
-    std::shared_ptr<const Mesh> mesh;
-    {
-      const StageTimings::Scope scope(answer.timings, "import");
-      Expected<Mesh> imported =
-          engine_->import(request.mesh, request.format, request.files, config_.import_limits, execution);
-      if (!imported) return tl::unexpected<Error>(std::move(imported.error()));
-      mesh = std::make_shared<const Mesh>(std::move(*imported));
-    }
-    const StageTimings::Scope scope(answer.timings, "prepare");
-    Expected<Solid> made = engine_->prepare(std::move(mesh), execution);
-    if (!made) return tl::unexpected<Error>(std::move(made.error()));
-    solid = std::make_shared<const Solid>(std::move(*made));
-    answer.mesh_cache = stored(meshes_.insert(mesh_key, solid, memory_size(*solid)));
-  }
+  FractureParameters parameters = request.parameters.fracture;
+  const bool hulls =
+      request.parameters.physics != Physics::kNone || request.parameters.ue_collision != UeCollision::kNone;
+  parameters.hulls = hulls ? Hulls::kConvex : Hulls::kNone;
 
   // Only the sites decide the tetrahedralization: every dual and output format shares it.
-  const std::string diagram_key =
-      hex_of("diagram\n" + mesh_key + "\n" + std::to_string(request.parameters.sites) + "\n" +
-             std::to_string(request.parameters.seed) + "\n" + version);
+  const std::string diagram_key = hex_of("diagram\n" + mesh_key + "\n" + std::to_string(parameters.sites) +
+                                         "\n" + std::to_string(parameters.seed) + "\n" + version);
   std::shared_ptr<const Diagram> diagram = diagrams_.find(diagram_key);
   answer.diagram_cache = CacheOutcome::kHit;
   if (!diagram) {
     const StageTimings::Scope scope(answer.timings, "tetrahedralize");
-    Expected<Diagram> made = engine_->diagram(*solid, request.parameters, execution, answer.inner);
+    Expected<Diagram> made = engine_->diagram(solid, parameters, execution, answer.inner);
     if (!made) return tl::unexpected<Error>(std::move(made.error()));
     diagram = std::make_shared<const Diagram>(std::move(*made));
     answer.diagram_cache = stored(diagrams_.insert(diagram_key, diagram, memory_size(*diagram)));
@@ -145,29 +202,31 @@ Expected<FractureAnswer> FractureService::compute(const FractureRequest& request
   auto result = std::make_shared<FractureResult>();
   result->key = result_key;
   result->mesh_digest = "sha256:" + digest;
+  result->format = request.output;
   Expected<FragmentSet> fragments = [&] {
     const StageTimings::Scope scope(answer.timings, "clip");
-    return engine_->cut(*solid, *diagram, request.parameters, execution, answer.inner);
+    return engine_->cut(solid, *diagram, parameters, execution, answer.inner);
   }();
   if (!fragments) return tl::unexpected<Error>(std::move(fragments.error()));
   execution.poll();
   {
     const StageTimings::Scope scope(answer.timings, "encode");
-    GltfOptions options;
-    options.parameters = canonical_parameters(request.parameters);
+    fragments->report["frame"] = (*mesh)->frame;
+    if (solid.source->passed_through)
+      fragments->report["passed_through"] = {{"triangles", solid.source->passed_through->triangles.size()}};
+    GltfOptions options = output_options(request.parameters, *fragments);
     options.mesh_digest = result->mesh_digest;
-    options.algorithm = kAlgorithmVersion;
-    result->glb = engine_->encode(*fragments, options);
+    result->file = engine_->encode(*fragments, options, request.output);
     result->certificate = fragments->certificate;
   }
   answer.result = result;
-  answer.result_cache = stored(results_.insert(result_key, result, sizeof *result + result->glb.capacity()));
+  answer.result_cache = stored(results_.insert(result_key, result, sizeof *result + result->file.capacity()));
   return answer;
 }
 
 nlohmann::json figures_of(const FractureResult& result) {
   // Layout of a GLB (glTF 2.0, section 4.4): 12 bytes of header, then the JSON chunk as length, type, text.
-  const std::vector<std::uint8_t>& glb = result.glb;
+  const std::vector<std::uint8_t>& glb = result.file;
   std::uint32_t length = 0;
   if (glb.size() < 20) throw InternalError("figures_of: the GLB is shorter than its header");
   std::memcpy(&length, glb.data() + 12, 4);

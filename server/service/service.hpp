@@ -40,13 +40,20 @@ struct ServiceConfig {
 struct FractureRequest {
   std::span<const std::byte> mesh;
   MeshFormat format = MeshFormat::kGlb;
-  FractureParameters parameters;
+  RequestParameters parameters;
   std::vector<ImportFile> files{};  ///< what the mesh may name; their order does not matter
+  OutputFormat output = OutputFormat::kGlb;
 };
 
 /// The digest of an input: of the mesh's bytes when it is alone; with further files, of a text that lists the
 /// digest of the mesh and then name and digest of each file, ordered by name.
 Digest digest_of(const FractureRequest& request);
+
+/// A mesh made ready for any number of fractures.
+struct PreparedMesh {
+  Solid solid;
+  nlohmann::json frame;  ///< units and axes: what was assumed (mesh/frame.hpp)
+};
 
 /// Immutable and shared: by the cache and by every response that is being written from it.
 struct FractureResult {
@@ -54,7 +61,8 @@ struct FractureResult {
   /// one mesh to one server; the rest hashes the whole request and the algorithm version.
   std::string key;
   std::string mesh_digest;  ///< "sha256:<hex>", digest_of(the request)
-  std::vector<std::uint8_t> glb;
+  OutputFormat format = OutputFormat::kGlb;
+  std::vector<std::uint8_t> file;
   Certificate certificate;
 };
 
@@ -77,6 +85,10 @@ class FractureService {
   /// (kDeadlineExceeded) come back as errors; a broken invariant or lack of memory throws.
   Expected<FractureAnswer> fracture(const FractureRequest& request, const Execution& execution);
 
+  /// The first two steps alone, for a report on the mesh without fracturing it. Errors as fracture().
+  Expected<std::shared_ptr<const PreparedMesh>> prepare(const FractureRequest& request,
+                                                        const Execution& execution);
+
   /// A result that is still in the cache, by FractureResult::key; null when it is not.
   std::shared_ptr<const FractureResult> find_result(const std::string& key) { return results_.find(key); }
 
@@ -84,21 +96,25 @@ class FractureService {
   const ParameterTable& parameters() const { return parameters_; }
 
  private:
+  Expected<std::shared_ptr<const PreparedMesh>> prepared(const FractureRequest& request,
+                                                         const std::string& mesh_key,
+                                                         const Execution& execution, FractureAnswer& answer);
   Expected<FractureAnswer> compute(const FractureRequest& request, const Execution& execution);
 
   const ServiceConfig config_;
   const ParameterTable parameters_;
   const std::unique_ptr<FractureEngine> engine_;
-  LruCache<Solid> meshes_;
+  LruCache<PreparedMesh> meshes_;
   LruCache<Diagram> diagrams_;
   LruCache<FractureResult> results_;
 };
 
 /// Bytes of heap behind a value, close enough to budget a cache with.
-std::size_t memory_size(const Solid& solid);
+std::size_t memory_size(const PreparedMesh& mesh);
 std::size_t memory_size(const Diagram& diagram);
 
-/// The `extras.fracture` object of a GLB that this service made (parameters, report, certificate, bonds).
+/// The `extras.fracture` object of a GLB that this service made (parameters, report, certificate, bonds);
+/// throws InternalError for a result of another format.
 nlohmann::json figures_of(const FractureResult& result);
 
 }  // namespace fracture

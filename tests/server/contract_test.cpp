@@ -80,6 +80,11 @@ TEST(Contract, EveryParameterIsListedWithItsRangeAndDefault) {
     if (spec->type == ParameterSpec::Type::kInteger) {
       EXPECT_EQ(schema.at("minimum"), spec->min) << name;
       EXPECT_EQ(schema.at("maximum"), spec->max) << name;
+    } else if (spec->type == ParameterSpec::Type::kNumber) {
+      EXPECT_EQ(schema.at("minimum"), spec->low) << name;
+      EXPECT_EQ(schema.at("maximum"), spec->high) << name;
+    } else if (spec->type == ParameterSpec::Type::kNames) {
+      EXPECT_EQ(schema.at("oneOf").size(), 2u) << name;  // a text, or an array of texts
     } else {
       EXPECT_EQ(schema.at("enum"), json(spec->choices)) << name;
     }

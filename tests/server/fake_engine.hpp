@@ -40,9 +40,11 @@ class FakeEngine final : public FractureEngine {
       return control_->import({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     return Mesh{};
   }
-  Expected<Solid> prepare(std::shared_ptr<const Mesh> mesh, const Execution&) const override {
+  Expected<Solid> prepare(std::shared_ptr<const Mesh> mesh, const SolidOptions&,
+                          const Execution&) const override {
     ++control_->prepares;
     Solid solid;
+    solid.report.volume = 1;
     solid.source = std::move(mesh);
     return solid;
   }
@@ -67,7 +69,8 @@ class FakeEngine final : public FractureEngine {
     return set;
   }
   /// A GLB whose JSON says what was asked; no geometry.
-  std::vector<std::uint8_t> encode(const FragmentSet& fragments, const GltfOptions& options) const override {
+  std::vector<std::uint8_t> encode(const FragmentSet& fragments, const GltfOptions& options,
+                                   OutputFormat) const override {
     std::string text = nlohmann::json{{"asset", {{"version", "2.0"}}},
                                       {"nodes",
                                        {{{"extras",

@@ -44,6 +44,71 @@ TEST(Parameters, EverythingThatIsNoNumberInRangeIsRefusedWithValueAndRange) {
   }
 }
 
+TEST(Parameters, NumbersAreDecimalsInTheirRange) {
+  EXPECT_EQ(parse_text("thickness", "0.02")->solid.thickness, 0.02);
+  EXPECT_EQ(parse_text("thickness", "1e-3")->solid.thickness, 0.001);
+  EXPECT_EQ(table().parse({{"thickness", 1, false}})->solid.thickness, 1.0);
+  EXPECT_EQ(parse_text("weld_tolerance", "0")->solid.weld_tolerance, 0.0);
+  EXPECT_EQ(parse_text("density", "2400")->density, 2400.0);
+  EXPECT_EQ(parse_text("mass", "80.5")->mass, 80.5);
+  for (const char* bad :
+       {"", " 1", "1 ", "+1", "nan", "inf", "-1", "-0.001", "1001", "0x1", "1,5", "1e999"}) {
+    const auto parsed = parse_text("thickness", bad);
+    ASSERT_FALSE(parsed) << bad;
+    EXPECT_EQ(parsed.error().code, ErrorCode::kBadParameter) << bad;
+    EXPECT_NE(parsed.error().detail.find("from 0 to 1000"), std::string::npos) << parsed.error().detail;
+  }
+  EXPECT_FALSE(table().parse({{"thickness", "1", false}}));
+  EXPECT_FALSE(parse_text("weld_tolerance", "0.02"));
+  EXPECT_FALSE(parse_text("density", "0"));
+}
+
+TEST(Parameters, MassAndDensityExcludeEachOther) {
+  const auto parsed = table().parse({{"mass", "5"}, {"density", "1000"}});
+  ASSERT_FALSE(parsed);
+  EXPECT_EQ(parsed.error().pointer, "mass");
+  const auto mass = canonical_parameters(*table().parse({{"mass", "5"}}));
+  EXPECT_EQ(mass.at("mass"), 5.0);
+  EXPECT_FALSE(mass.contains("density"));
+}
+
+TEST(Parameters, NamesAreASetHoweverTheyAreGiven) {
+  const std::vector<std::string> expected{"a b", "wand", "\xc3\xbc"};
+  EXPECT_EQ(parse_text("nodes", "wand,a b,\xc3\xbc,wand")->parts.nodes, expected);
+  EXPECT_EQ(table().parse({{"materials", {"\xc3\xbc", "a b", "wand"}, false}})->parts.materials, expected);
+  for (const char* bad : {"", ",", "a,", ",a", "a,,b", "\xff"}) EXPECT_FALSE(parse_text("nodes", bad)) << bad;
+  for (const nlohmann::json& bad :
+       {nlohmann::json::array(), nlohmann::json{5}, nlohmann::json(5), nlohmann::json{""}})
+    EXPECT_FALSE(table().parse({{"nodes", bad, false}})) << bad;
+}
+
+TEST(Parameters, EverythingThatDecidesTheAnswerIsInItsCanonicalForm) {
+  const std::string defaults = canonical_parameters(*table().parse({})).dump();
+  for (const auto& [name, value] : std::vector<std::pair<std::string, std::string>>{{"repair", "strict"},
+                                                                                    {"thickness", "0.1"},
+                                                                                    {"weld_tolerance", "0"},
+                                                                                    {"unit", "inch"},
+                                                                                    {"up", "z"},
+                                                                                    {"nodes", "a"},
+                                                                                    {"materials", "a"},
+                                                                                    {"physics", "omi"},
+                                                                                    {"ue_collision", "ucx"},
+                                                                                    {"density", "1"},
+                                                                                    {"mass", "1"},
+                                                                                    {"sites", "7"},
+                                                                                    {"seed", "7"},
+                                                                                    {"dual", "barycenter"}}) {
+    const auto parsed = parse_text(name, value);
+    ASSERT_TRUE(parsed) << name;
+    EXPECT_NE(canonical_parameters(*parsed).dump(), defaults) << name;
+    const auto shown = canonical_parameters(*parsed).at(name);
+    EXPECT_EQ(shown.is_array()    ? shown.at(0).get<std::string>()
+              : shown.is_string() ? shown.get<std::string>()
+                                  : value,
+              value);
+  }
+}
+
 TEST(Parameters, AnUnknownNameIsRefusedByNameWithTheKnownOnes) {
   const auto parsed = parse_text("site", "5");
   ASSERT_FALSE(parsed);
@@ -95,8 +160,10 @@ TEST(Parameters, ControlCharactersOfTheClientNeverReachTheDetail) {
 TEST(Parameters, OneSpellingForEveryWayToAsk) {
   const auto by_text = table().parse({{"seed", "3"}, {"sites", "50"}});
   const auto by_json = table().parse({{"seed", 3, false}});
-  EXPECT_EQ(canonical_parameters(by_text->fracture).dump(), canonical_parameters(by_json->fracture).dump());
-  EXPECT_EQ(canonical_parameters(by_text->fracture).dump(), R"({"dual":"circumcenter","seed":3,"sites":50})");
+  EXPECT_EQ(canonical_parameters(*by_text).dump(), canonical_parameters(*by_json).dump());
+  EXPECT_EQ(canonical_parameters(*by_text).dump(),
+            R"({"density":1000.0,"dual":"circumcenter","physics":"khr","repair":"fill","seed":3,"sites":50,)"
+            R"("thickness":0.0,"ue_collision":"none","unit":"file","up":"file","weld_tolerance":1e-06})");
 }
 
 }  // namespace

@@ -118,8 +118,8 @@ struct ServiceTest : testing::Test {
   FractureRequest request(std::string_view mesh, std::uint32_t sites = 50, std::uint64_t seed = 1) {
     FractureRequest r;
     r.mesh = bytes(mesh);
-    r.parameters.sites = sites;
-    r.parameters.seed = seed;
+    r.parameters.fracture.sites = sites;
+    r.parameters.fracture.seed = seed;
     return r;
   }
 };
@@ -147,7 +147,7 @@ TEST_F(ServiceTest, ANewSeedReusesThePreparedMesh) {
 TEST_F(ServiceTest, AnotherDualReusesTheTetrahedralization) {
   FractureRequest r = request("mesh");
   ASSERT_TRUE(service.fracture(r, {}));
-  r.parameters.dual = Dual::kBarycenter;
+  r.parameters.fracture.dual = Dual::kBarycenter;
   const auto second = service.fracture(r, {});
   ASSERT_TRUE(second);
   EXPECT_EQ(second->diagram_cache, CacheOutcome::kHit);

@@ -1,0 +1,63 @@
+#include "common/mesh/frame.hpp"
+
+#include <cmath>
+#include <string>
+
+namespace fracture {
+namespace {
+
+double metres_of(LengthUnit unit) {
+  switch (unit) {
+    case LengthUnit::kCentimetre:
+      return 0.01;
+    case LengthUnit::kMillimetre:
+      return 0.001;
+    case LengthUnit::kInch:
+      return 0.0254;
+    default:
+      return 1;
+  }
+}
+
+/// (x, y, z) -> (x, z, -y). Subtracting from zero keeps a zero positive, so that equal coordinates stay equal
+/// bit for bit.
+template <class Vector>
+void turn(Vector& v) {
+  const float y = v.y;
+  v.y = v.z;
+  v.z = 0.0f - y;
+}
+
+}  // namespace
+
+Expected<nlohmann::json> to_metres_y_up(Mesh& mesh, const FrameOptions& options) {
+  const bool unit_asked = options.unit != LengthUnit::kFromFile, up_asked = options.up != UpAxis::kFromFile;
+  const double metres = unit_asked ? metres_of(options.unit) : mesh.frame.metres;
+  const bool z_up = up_asked ? options.up == UpAxis::kZ : mesh.frame.z_up;
+
+  if (metres != 1)
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+      Vec3f& p = mesh.positions[v];
+      p = {static_cast<float>(p.x * metres), static_cast<float>(p.y * metres),
+           static_cast<float>(p.z * metres)};
+      if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+        return fail(ErrorCode::kNotFinite,
+                    "Vertex " + std::to_string(v) + " is out of range in metres (one unit of the file is " +
+                        std::to_string(metres) + " m).",
+                    "unit", {{"vertex", v}});
+    }
+  if (z_up) {
+    for (Vec3f& p : mesh.positions) turn(p);
+    for (Vec3f& n : mesh.attributes.normals) turn(n);
+    for (Vec4f& t : mesh.attributes.tangents) turn(t);
+  }
+  const auto from = [](bool asked, bool stated) { return asked ? "request" : stated ? "file" : "assumed"; };
+  nlohmann::json report = {{"metres_per_unit", metres},
+                           {"unit_from", from(unit_asked, mesh.frame.metres_stated)},
+                           {"up", z_up ? "z" : "y"},
+                           {"up_from", from(up_asked, mesh.frame.up_stated)}};
+  mesh.frame = {.metres = 1, .metres_stated = true, .z_up = false, .up_stated = true};
+  return report;
+}
+
+}  // namespace fracture

@@ -1,0 +1,26 @@
+// Units and axes: what a file's coordinates mean, and the mesh in metres with y up.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "common/base/error.hpp"
+#include "common/mesh/mesh.hpp"
+
+namespace fracture {
+
+enum class LengthUnit { kFromFile, kMetre, kCentimetre, kMillimetre, kInch };
+enum class UpAxis { kFromFile, kY, kZ };
+
+/// What the request says about the input; it overrides the file.
+struct FrameOptions {
+  LengthUnit unit = LengthUnit::kFromFile;
+  UpAxis up = UpAxis::kFromFile;
+};
+
+/// Rescales and turns the mesh (positions, normals, tangents): z up becomes y up by a quarter turn about x,
+/// which is exact; a unit other than the metre rounds each coordinate once. Afterwards frame says metres and
+/// y up. Returns what was assumed, for the report: {metres_per_unit, unit_from, up, up_from}, where *_from is
+/// "request", "file" or "assumed". kNotFinite (with the vertex) when a rescaled coordinate overflows.
+Expected<nlohmann::json> to_metres_y_up(Mesh& mesh, const FrameOptions& options);
+
+}  // namespace fracture
