@@ -50,6 +50,12 @@ void fan_quads(aiMesh& mesh) {
   delete[] mesh.mFaces;
   mesh.mFaces = faces;
   mesh.mNumFaces = n;
+  // The flags must tell the truth: aiProcess_Triangulate aborts on a mesh that announces polygons and has
+  // none.
+  bool polygons = false;
+  for (unsigned f = 0; f < n; ++f) polygons |= mesh.mFaces[f].mNumIndices > 3;
+  mesh.mPrimitiveTypes |= aiPrimitiveType_TRIANGLE;
+  if (!polygons) mesh.mPrimitiveTypes &= ~static_cast<unsigned>(aiPrimitiveType_POLYGON);
   // aiProcess_Triangulate aborts the process when it is told of polygons and finds none.
   mesh.mPrimitiveTypes |= aiPrimitiveType_TRIANGLE;
   if (larger == 0) mesh.mPrimitiveTypes &= ~static_cast<unsigned>(aiPrimitiveType_POLYGON);
