@@ -19,8 +19,9 @@
 // weights; the coefficients stand in side.cpp). Coordinates are never perturbed. Hence no sideN ever returns
 // zero, and together they describe one true power diagram.
 //
-// Sites must be distinct; |coordinates| <= kMaxCoordinate. A constructed point must exist (its line or plane
-// crosses transversally); the callers guarantee it by having classified the end points first.
+// Sites must be distinct; |coordinates| <= 1e12 (far from overflow and underflow of every polynomial here). A
+// constructed point must exist (its line or plane crosses transversally); the callers guarantee it by having
+// classified the end points first.
 #pragma once
 
 #include <cstdint>
@@ -28,9 +29,6 @@
 #include "common/base/vec.hpp"
 
 namespace fracture::exact {
-
-/// The stated range of input coordinates: far from overflow and underflow of every polynomial here.
-inline constexpr double kMaxCoordinate = 1e12;
 
 /// +1 when q is closer to site i than to site j, -1 otherwise.
 int side1(const Vec3d& i, const Vec3d& j, const Vec3d& q);

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/base/disjoint_sets.hpp"
 #include "common/base/vec.hpp"
 #include "common/mesh/mesh.hpp"
 
@@ -55,27 +56,5 @@ inline void Surface::remove(const std::vector<std::uint8_t>& doomed) {
   if (!flipped.empty()) flipped.resize(kept);
   twin.clear();
 }
-
-/// Disjoint sets whose root is always the lowest member (so that results do not depend on the order of
-/// unions).
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t count) : parent_(count) {
-    for (std::size_t i = 0; i < count; ++i) parent_[i] = static_cast<std::uint32_t>(i);
-  }
-  std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void unite(std::uint32_t a, std::uint32_t b) {
-    a = find(a);
-    b = find(b);
-    if (a < b) parent_[b] = a;
-    if (b < a) parent_[a] = b;
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 }  // namespace fracture::solid_detail

@@ -1,0 +1,202 @@
+#include "common/fragment/components.hpp"
+
+#include <algorithm>
+
+#include "common/base/disjoint_sets.hpp"
+#include "common/fragment/stamped_map.hpp"
+
+namespace fracture {
+namespace {
+
+/// Does the closed surface wind around q? Signed crossings of the ray from q towards +x, in doubles: only
+/// which piece takes an uncut cavity hangs on it (the stated exception of invariant I5), never closedness.
+int winding_of(const RestrictedDiagram& d, const std::vector<Face>& faces, const Vec3d& q) {
+  int winding = 0;
+  for (const Face& f : faces) {
+    const Vec3d p[3] = {d.point(f.v[0]) - q, d.point(f.v[1]) - q, d.point(f.v[2]) - q};
+    // Half-open rule in the yz-plane: each edge of the projection counts for exactly one of its two sides.
+    int crossings = 0;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3d &a = p[k], &b = p[(k + 1) % 3];
+      const bool up = a.y <= 0 && b.y > 0, down = b.y <= 0 && a.y > 0;
+      if (!up && !down) continue;
+      const double z = up ? a.z * (b.y - a.y) - a.y * (b.z - a.z) : b.z * (a.y - b.y) - b.y * (a.z - b.z);
+      if (z > 0) crossings += up ? 1 : -1;
+    }
+    if (crossings == 0) continue;
+    const Vec3d n = cross(p[1] - p[0], p[2] - p[0]);
+    if (n.x != 0 && dot(n, p[0]) / n.x > 0) winding += n.x > 0 ? 1 : -1;
+  }
+  return winding;
+}
+
+class ComponentFinder {
+ public:
+  ComponentFinder(const RestrictedDiagram& diagram, const Ownership& ownership)
+      : d_(diagram), ownership_(ownership) {}
+
+  std::vector<Component> find(const OwnerShare& share) {
+    local_.next_epoch(d_.vertex_count());
+    sets_.clear();
+    faces_.assign(share.surface.begin(), share.surface.end());
+    for (const Face& f : faces_) join(f.v);
+    for (const FaceSource source : share.caps) {
+      const CapRegion& r = d_.caps.regions[cap_region(source)];
+      const bool inner = ownership_.owner_of_site[r.lo] == ownership_.owner_of_site[r.hi];
+      for (std::uint32_t k = 0; k < r.triangle_count; ++k) {
+        const auto& v = d_.caps.triangles[r.first_triangle + k];
+        join(v);
+        if (inner) continue;
+        faces_.push_back(cap_side(source) == 0 ? Face{v, source} : Face{{v[0], v[2], v[1]}, source});
+      }
+    }
+    // Within a group the fused faces skip vertices; the cells' own polygons say what hangs together.
+    for (const std::uint32_t p : share.polygons) {
+      const CutPolygon& polygon = d_.cuts.polygons[p];
+      for (std::uint32_t k = 2; k < polygon.count; ++k)
+        join({d_.cuts.vertices[polygon.first], d_.cuts.vertices[polygon.first + k - 1],
+              d_.cuts.vertices[polygon.first + k]});
+    }
+    std::vector<Component> components = collect();
+    if (ownership_.sites_of_owner[share.owner].size() > 1) collect_bodies(share, components);
+    return components;
+  }
+
+ private:
+  void join(const std::array<VertexId, 3>& v) {
+    std::uint32_t id[3];
+    for (int k = 0; k < 3; ++k) {
+      std::uint32_t& slot = local_.slot(v[k]);
+      if (slot == kNoIndex) slot = sets_.add();
+      id[k] = slot;
+    }
+    sets_.unite(id[0], id[1]);
+    sets_.unite(id[1], id[2]);
+  }
+
+  std::vector<Component> collect() {
+    std::vector<Component> components;
+    if (faces_.empty()) return components;
+    // Mostly there is one component, and then nothing to sort or to measure.
+    const std::uint32_t root0 = sets_.find(local_.slot(faces_[0].v[0]));
+    if (std::all_of(faces_.begin(), faces_.end(),
+                    [&](const Face& f) { return sets_.find(local_.slot(f.v[0])) == root0; })) {
+      Component& only = components.emplace_back();
+      only.part = part_of(faces_[0]);
+      only.faces = std::move(faces_);
+      faces_ = {};
+      return components;
+    }
+    component_of_root_.clear();
+    for (const Face& f : faces_) {
+      const std::uint32_t root = sets_.find(local_.slot(f.v[0]));
+      if (component_of_root_.size() <= root) component_of_root_.resize(root + 1, kNoIndex);
+      std::uint32_t& c = component_of_root_[root];
+      if (c == kNoIndex) {
+        c = static_cast<std::uint32_t>(components.size());
+        components.emplace_back();
+        components.back().part = part_of(f);
+      }
+      components[c].faces.push_back(f);
+      components[c].has_caps |= is_cap(f.source);
+    }
+    for (Component& c : components)
+      c.volume = signed_volume(d_, c.faces.data(), c.faces.size(), d_.point(c.faces[0].v[0]));
+    give_cavities_to_parents(components);
+    std::stable_sort(components.begin(), components.end(), [](const Component& a, const Component& b) {
+      return a.part != b.part ? a.part < b.part : a.volume > b.volume;
+    });
+    return components;
+  }
+
+  // Who lies where in a group: the vertices of every cell's faces, by the component they ended up in.
+  void collect_bodies(const OwnerShare& share, std::vector<Component>& components) {
+    struct Share {
+      std::uint32_t component;
+      SiteId cell;
+      VertexId vertex;
+      auto operator<=>(const Share&) const = default;
+    };
+    std::vector<std::uint32_t> component_of(sets_.size(),
+                                            kNoIndex);  // components were reordered: by root again
+    for (std::uint32_t c = 0; c < components.size(); ++c)
+      for (const Face& f : components[c].faces) component_of[sets_.find(local_.slot(f.v[0]))] = c;
+    std::vector<Share> shares;
+    const auto add = [&](SiteId cell, VertexId v) {
+      const std::uint32_t c = component_of[sets_.find(local_.slot(v))];
+      if (c != kNoIndex) shares.push_back({c, cell, v});
+    };
+    for (const Component& c : components)
+      for (const Face& f : c.faces)
+        if (!is_cap(f.source))
+          for (const VertexId v : f.v)
+            if (v < d_.cuts.first_b()) add(d_.cuts.label[v], v);
+    for (const FaceSource source : share.caps) {
+      const CapRegion& r = d_.caps.regions[cap_region(source)];
+      for (const SiteId cell : {r.lo, r.hi}) {
+        if (ownership_.owner_of_site[cell] != share.owner) continue;
+        for (std::uint32_t k = 0; k < r.triangle_count; ++k)
+          for (const VertexId v : d_.caps.triangles[r.first_triangle + k]) add(cell, v);
+      }
+    }
+    for (const std::uint32_t p : share.polygons) {
+      const CutPolygon& polygon = d_.cuts.polygons[p];
+      for (std::uint32_t k = 0; k < polygon.count; ++k)
+        add(polygon.cell, d_.cuts.vertices[polygon.first + k]);
+    }
+    std::sort(shares.begin(), shares.end());
+    shares.erase(std::unique(shares.begin(), shares.end()), shares.end());
+    for (std::size_t k = 0; k < shares.size(); ++k) {
+      if (k == 0 || shares[k].component != shares[k - 1].component || shares[k].cell != shares[k - 1].cell)
+        components[shares[k].component].bodies.emplace_back();
+      components[shares[k].component].bodies.back().push_back(shares[k].vertex);
+    }
+  }
+
+  std::uint32_t part_of(const Face& f) const {
+    return is_cap(f.source) ? d_.caps.regions[cap_region(f.source)].part : d_.solid.part[f.source];
+  }
+
+  // A component without caps is a whole shell; one of negative volume bounds a cavity of the piece around it.
+  void give_cavities_to_parents(std::vector<Component>& components) const {
+    for (std::size_t c = 0; c < components.size(); ++c) {
+      if (components[c].has_caps || components[c].volume > 0) continue;
+      std::size_t parent = components.size(), candidates = 0, last = 0;
+      for (std::size_t p = 0; p < components.size(); ++p)
+        if (p != c && components[p].part == components[c].part && components[p].volume > 0) {
+          ++candidates;
+          last = p;
+        }
+      if (candidates == 1) parent = last;
+      for (std::size_t p = 0; candidates > 1 && p < components.size(); ++p) {
+        if (p == c || components[p].part != components[c].part || components[p].volume <= 0) continue;
+        if (winding_of(d_, components[p].faces, d_.point(components[c].faces[0].v[0])) == 0) continue;
+        if (parent == components.size() || components[p].volume < components[parent].volume) parent = p;
+      }
+      if (parent == components.size()) continue;
+      Component& to = components[parent];
+      to.faces.insert(to.faces.end(), components[c].faces.begin(), components[c].faces.end());
+      to.volume += components[c].volume;
+      components[c].faces.clear();
+      components[c].volume = 0;
+      components[c].has_caps = true;  // nobody's cavity any more
+    }
+    std::erase_if(components, [](const Component& c) { return c.faces.empty(); });
+  }
+
+  const RestrictedDiagram& d_;
+  const Ownership& ownership_;
+  StampedMap& local_ = worker_map();
+  DisjointSets sets_;
+  std::vector<Face> faces_;
+  std::vector<std::uint32_t> component_of_root_;
+};
+
+}  // namespace
+
+std::vector<Component> find_components(const RestrictedDiagram& diagram, const Ownership& ownership,
+                                       const OwnerShare& share) {
+  return ComponentFinder(diagram, ownership).find(share);
+}
+
+}  // namespace fracture
