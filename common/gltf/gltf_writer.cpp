@@ -10,6 +10,7 @@
 #include "common/gltf/khr_physics.hpp"
 #include "common/gltf/mesh_writer.hpp"
 #include "common/gltf/omi_physics.hpp"
+#include "common/gltf/passed_through.hpp"
 #include "common/gltf/scene_layout.hpp"
 #include "common/gltf/ue_collision.hpp"
 
@@ -81,11 +82,13 @@ void write_document_extensions(JsonText& json, const FragmentSet& set, const Glt
   }
 }
 
-void write_root(JsonText& json, const FragmentSet& set, const GltfOptions& options) {
+void write_root(JsonText& json, const FragmentSet& set, const GltfOptions& options, const SceneLayout& layout,
+                std::size_t whole) {
   json.begin_object().member("name", "Fracture");
   if (!set.fragments.empty()) {
     json.key("children").begin_array();
     for (std::size_t k = 0; k < set.fragments.size(); ++k) json.value(k + 1);
+    for (std::size_t k = 0; k < whole; ++k) json.value(layout.node_count() + k);
     json.end_array();
   }
   json.key("extras").begin_object().key("fracture");
@@ -129,17 +132,19 @@ void write_collider_nodes(JsonText& json, std::size_t fragment, const GltfOption
 }
 
 void write_nodes(JsonText& json, const FragmentSet& set, const GltfOptions& options,
-                 const SceneLayout& layout) {
+                 const SceneLayout& layout, const std::vector<WholeNode>& whole) {
   json.member("scene", 0).key("scenes").begin_array().begin_object();
   json.key("nodes").begin_array().value(0).end_array().end_object().end_array();
   json.key("nodes").begin_array();
-  write_root(json, set, options);
+  write_root(json, set, options, layout, whole.size());
   for (std::size_t k = 0; k < set.fragments.size(); ++k)
     write_fragment(json, set.fragments[k], k, options, layout);
   for (std::size_t k = 0; k < set.fragments.size(); ++k) {
     write_collider_nodes(json, k, options, layout);
     write_ucx_nodes(json, k, layout);
   }
+  for (std::size_t k = 0; k < whole.size(); ++k)
+    json.begin_object().member("name", whole[k].name).member("mesh", layout.mesh_count() + k).end_object();
   json.end_array();
 }
 
@@ -167,7 +172,7 @@ void write_images(JsonText& json, const MaterialLibrary& library, Accessors& acc
 }
 
 void write_meshes(JsonText& json, const FragmentSet& set, const GltfOptions& options,
-                  const SceneLayout& layout, Accessors& accessors) {
+                  const SceneLayout& layout, const std::vector<WholeNode>& whole, Accessors& accessors) {
   if (set.fragments.empty()) return;
   MeshWriter writer(*set.source->library, options.mesh_manifold, accessors);
   json.key("meshes").begin_array();
@@ -175,6 +180,7 @@ void write_meshes(JsonText& json, const FragmentSet& set, const GltfOptions& opt
   for (std::size_t k = 0; k < set.fragments.size(); ++k)
     for (std::size_t hull = 0; hull < layout.hulls(k); ++hull)
       writer.write(json, set.fragments[k].hulls[hull], layout.hull_name(k, hull));
+  for (const WholeNode& node : whole) writer.write(json, node.mesh, node.name);
   json.end_array();
 }
 
@@ -184,6 +190,8 @@ std::vector<std::uint8_t> write(const FragmentSet& set, const GltfOptions& optio
   const MaterialLibrary& library = *set.source->library;
   for (const Fragment& f : set.fragments) check(f);
   const SceneLayout layout(set, options);
+  const std::vector<WholeNode> whole = whole_nodes(set, layout);
+  for (const WholeNode& node : whole) check(node.mesh);
 
   JsonText json;
   json.reserve(4096 + 2400 * set.fragments.size() + 200 * set.bonds.size());
@@ -192,10 +200,10 @@ std::vector<std::uint8_t> write(const FragmentSet& set, const GltfOptions& optio
   write_extensions_used(json, set, options, layout);
   write_string_array(json, "extensionsRequired", library.extensions_required);
   write_document_extensions(json, set, options, layout);
-  write_nodes(json, set, options, layout);
+  write_nodes(json, set, options, layout, whole);
   write_materials(json, library, options);
   Accessors accessors;
-  write_meshes(json, set, options, layout, accessors);
+  write_meshes(json, set, options, layout, whole, accessors);
   write_images(json, library, accessors);
   if (accessors.count() > 0) json.key("accessors").value_text(accessors.finish());
   const std::size_t buffer = write_views(json, accessors.views());

@@ -41,6 +41,12 @@ class SceneLayout {
   std::size_t children(std::size_t fragment) const { return collider_nodes(fragment) + ucx_nodes(fragment); }
   std::size_t first_child(std::size_t fragment) const { return first_child_[fragment]; }
 
+  /// What follows behind all of these.
+  std::size_t mesh_count() const { return first_hull_.back(); }
+  std::size_t node_count() const {
+    return names_.empty() ? 1 : first_child_.back() + children(names_.size() - 1);
+  }
+
  private:
   bool physics_, ucx_;
   CollisionSystems systems_;  ///< KHR_physics_rigid_bodies alone can say so

@@ -13,7 +13,7 @@ namespace fracture {
 /// for everything that is called so; an entry that is no name but a number is an index. An empty list selects
 /// all; where both lists are given a triangle has to be in both.
 struct PartSelection {
-  std::vector<std::string> nodes, materials;
+  std::vector<std::string> nodes{}, materials{};
   friend bool operator==(const PartSelection&, const PartSelection&) = default;
 };
 

@@ -9,7 +9,6 @@
 #include <cinttypes>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -17,7 +16,7 @@
 #include <string>
 #include <string_view>
 
-#include "common/import/sibling_files.hpp"
+#include "server/cli/input_file.hpp"
 #include "server/cli/options.hpp"
 #include "server/service/worker_pool.hpp"
 
@@ -26,14 +25,6 @@ namespace {
 
 std::atomic<bool> interrupted{false};
 void on_interrupt(int) { interrupted = true; }
-
-std::optional<std::string> read_file(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return std::nullopt;
-  std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  if (file.bad()) return std::nullopt;
-  return bytes;
-}
 
 /// Whole or not at all: a temporary file beside the target, flushed to the disk, then renamed over it.
 bool write_file(const std::string& path, const std::vector<std::uint8_t>& bytes) {
@@ -115,13 +106,10 @@ int bake(const BakeOptions& options) {
   FractureService service(options.service, make_engine());
   Expected<RequestParameters> parameters = service.parameters().parse(options.parameters);
   if (!parameters) return refuse(parameters.error());
-  std::optional<MeshFormat> format = parameters->format;
-  if (!format) format = format_from_extension(options.input.substr(options.input.rfind('.') + 1));
-  if (!format)
-    return refuse(
-        {ErrorCode::kUnknownFormat, "The name '" + options.input + "' has no known ending; say --format."});
-  const std::optional<std::string> bytes = read_file(options.input);
-  if (!bytes) {
+  const Expected<MeshFormat> format = format_of_input(options.input, *parameters);
+  if (!format) return refuse(format.error());
+  const std::optional<InputFile> input = read_input(options.input, *format);
+  if (!input) {
     std::fprintf(stderr, "fracture-server bake: cannot read %s: %s\n", options.input.c_str(),
                  std::strerror(errno));
     return kExitSystem;
@@ -145,14 +133,12 @@ int bake(const BakeOptions& options) {
   execution.stop = stop.get_token();
   execution.progress = [&progress](const char* stage, double fraction) { progress.show(stage, fraction); };
 
-  const auto view = std::as_bytes(std::span(*bytes));
-  const std::vector<SiblingFile> siblings = read_sibling_files(options.input, view, *format);
   const bool gltf =
       format_from_extension(options.output.substr(options.output.rfind('.') + 1)) == MeshFormat::kGltf;
   const OutputFormat output = gltf ? OutputFormat::kGltf : OutputFormat::kGlb;
   const auto start = std::chrono::steady_clock::now();
-  const Expected<FractureAnswer> answer =
-      service.fracture({view, *format, *parameters, as_import_files(siblings), output}, execution);
+  const Expected<FractureAnswer> answer = service.fracture(
+      {input->view(), *format, *parameters, as_import_files(input->siblings), output}, execution);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   progress.finish();
   if (!answer) return refuse(answer.error());

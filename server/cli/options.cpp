@@ -101,10 +101,8 @@ void add_serve(CLI::App& app, ServeOptions& o) {
 }
 
 /// Parameters are taken as text and checked by the service's table: one validation for every way to ask.
-void add_bake(CLI::App& app, BakeOptions& o) {
-  app.add_option("input", o.input, "Mesh file")->required();
-  app.add_option("-o,--output", o.output, "File to write: .gltf as one JSON text, everything else GLB")
-      ->required();
+template <class Options>
+void add_parameters(CLI::App& app, Options& o) {
   const ParameterTable table(o.service.max_sites, FormatSet::all());
   for (const ParameterSpec& spec : table.specs()) {
     CLI::Option* option = app.add_option_function<std::string>(
@@ -120,7 +118,20 @@ void add_bake(CLI::App& app, BakeOptions& o) {
   app.add_option("--threads", o.threads, "Threads that compute, 0: one for each core")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
+}
+
+void add_bake(CLI::App& app, BakeOptions& o) {
+  app.add_option("input", o.input, "Mesh file")->required();
+  app.add_option("-o,--output", o.output, "File to write: .gltf as one JSON text, everything else GLB")
+      ->required();
+  add_parameters(app, o);
   app.add_flag("-q,--quiet", o.quiet, "No progress and no summary");
+}
+
+void add_inspect(CLI::App& app, InspectOptions& o) {
+  app.add_option("input", o.input, "Mesh file")->required();
+  app.add_flag("--json", o.json, "The report as JSON");
+  add_parameters(app, o);
 }
 
 }  // namespace
@@ -143,11 +154,22 @@ int run(int argc, char** argv) {
       *app.add_subcommand("bake", "Fracture one file: the same bytes as the server's answer");
   add_bake(bake_command, bake_options);
 
+  InspectOptions inspect_options;
+  inspect_options.service.formats = FormatSet::all();
+  CLI::App& inspect_command =
+      *app.add_subcommand("inspect",
+                          "Say what a mesh is worth without fracturing it. Exits with 0: a closed solid as "
+                          "it is, 1: usable after "
+                          "repair, 2: refused, 3: wrong command line or unreadable file");
+  add_inspect(inspect_command, inspect_options);
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? kExitDone : kExitUsage;
+    constexpr int kInspectUsage = 3;
+    return app.exit(e) == 0 ? kExitDone : inspect_command.parsed() ? kInspectUsage : kExitUsage;
   }
+  if (inspect_command.parsed()) return inspect(inspect_options);
   return serve_command.parsed() ? serve(serve_options) : bake(bake_options);
 }
 

@@ -1,7 +1,9 @@
-// The command line: two commands, each with its own settings.
+// The command line: three commands, each with its own settings.
 //
 // Exit codes: 0 done · 1 this machine stood in the way (a file, a port) · 2 the command line is wrong · 3 the
-// mesh or a parameter was refused · 4 a bug of ours · 130 interrupted.
+// mesh or a parameter was refused · 4 a bug of ours · 130 interrupted. inspect has its own, for
+// pipelines: 0 a closed solid as it is · 1 usable after repair · 2 refused · 3 the command line or the file
+// was wrong · 4 a bug of ours.
 #pragma once
 
 #include <chrono>
@@ -38,8 +40,17 @@ struct BakeOptions {
   bool quiet = false;
 };
 
+struct InspectOptions {
+  std::string input;
+  ServiceConfig service;
+  std::vector<RawParameter> parameters;
+  int threads = 0;
+  bool json = false;
+};
+
 int serve(const ServeOptions& options);
 int bake(const BakeOptions& options);
+int inspect(const InspectOptions& options);
 
 /// Parses the command line and runs the command.
 int run(int argc, char** argv);

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -213,6 +214,83 @@ TEST_F(EndToEnd, ATakenPortIsSaidAndEndsWithOne) {
   const std::string line = second.error_line();
   EXPECT_EQ(second.wait(), 1);
   EXPECT_NE(line.find(std::to_string(server.port)), std::string::npos) << line;
+}
+
+TEST_F(EndToEnd, InspectSaysWhatAMeshIsWorthByItsExitStatusAndAsJson) {
+  const std::string lid = "f 1 4 3 2\n",
+                    open_box = std::string(kCube).replace(kCube.find(lid), lid.size(), "");
+  const std::string closed = write("cube.obj", kCube), open = write("open.obj", open_box),
+                    quad = write("quad.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
+  const struct {
+    std::vector<std::string> arguments;
+    int code;
+    const char* verdict;
+  } cases[] = {
+      {{"inspect", closed, "--json"}, 0, "closed"},
+      {{"inspect", open, "--json"}, 1, "repaired"},
+      {{"inspect", quad, "--json"}, 2, "refused"},
+      {{"inspect", quad, "--json", "--thickness", "0.1"}, 1, "repaired"},
+      {{"inspect", open, "--json", "--repair", "strict"}, 2, "refused"},
+      {{"inspect", closed, "--json", "--sites", "0"}, 3, "refused"},
+      {{"inspect", closed, "--json", "--nodes", "absent"}, 3, "refused"},
+      {{"inspect", (folder / "absent.obj").string(), "--json"}, 3, ""},
+      {{"inspect", closed, "--colour", "red"}, 3, ""},
+      {{"inspect"}, 3, ""},
+  };
+  const fs::path out = folder / "out.json";
+  for (const auto& c : cases) {
+    Process inspect(c.arguments, out.string());
+    EXPECT_EQ(inspect.wait(), c.code) << c.arguments.back();
+    if (!*c.verdict) continue;
+    const auto report = nlohmann::json::parse(read(out), nullptr, false);
+    ASSERT_TRUE(report.is_object()) << read(out);
+    EXPECT_EQ(report.at("verdict"), c.verdict);
+  }
+  Process figures({"inspect", open, "--json", "--unit", "cm", "--up", "z"}, out.string());
+  EXPECT_EQ(figures.wait(), 1);
+  const auto report = nlohmann::json::parse(read(out));
+  EXPECT_NEAR(report.at("solid").at("volume").get<double>(), 1e-6, 1e-12);
+  EXPECT_EQ(report.at("solid").at("open_edges"), 4);
+  EXPECT_EQ(report.at("solid").at("holes_filled"), 1);
+  EXPECT_EQ(report.at("frame").at("unit_from"), "request");
+  Process human({"inspect", closed}, out.string());
+  EXPECT_EQ(human.wait(), 0);
+  EXPECT_NE(read(out).find("closed solid as it is"), std::string::npos);
+}
+
+TEST_F(EndToEnd, PartsThatAreNotAskedForPassThroughWhole) {
+  const std::string two =
+      "o left\n" + kCube +
+      "o right\nv 5 0 0\nv 6 0 0\nv 6 1 0\nv 5 1 0\nv 5 0 1\nv 6 0 1\nv 6 1 1\nv 5 1 1\n"
+      "f 9 12 11 10\nf 13 14 15 16\nf 9 10 14 13\nf 10 11 15 14\nf 11 12 16 15\nf 12 9 13 16\n";
+  const std::string out = (folder / "out.glb").string();
+  Process bake({"bake", write("two.obj", two), "-q", "-o", out, "--sites", "5", "--nodes", "right"});
+  ASSERT_EQ(bake.wait(), 0);
+  const std::string file = read(out);
+  std::uint32_t length = 0;
+  std::memcpy(&length, file.data() + 12, 4);
+  const auto document = nlohmann::json::parse(file.substr(20, length));
+  std::size_t plain = 0, fragments = 0;
+  for (const auto& node : document.at("nodes")) {
+    if (!node.contains("mesh")) continue;
+    const bool fragment = node.contains("extras");
+    fragments += fragment;
+    if (fragment) {
+      EXPECT_EQ(node.at("name").get<std::string>().rfind("right_", 0), 0u);
+      continue;
+    }
+    if (node.at("name") != "left") continue;  // colliders have other names
+    ++plain;
+    EXPECT_FALSE(node.contains("extensions"));
+    const auto& primitive =
+        document.at("meshes").at(node.at("mesh").get<std::size_t>()).at("primitives").at(0);
+    EXPECT_EQ(document.at("accessors").at(primitive.at("indices").get<std::size_t>()).at("count"), 36);
+  }
+  EXPECT_EQ(plain, 1u);
+  EXPECT_GE(fragments, 5u);
+  const auto& figures = document.at("nodes").at(0).at("extras").at("fracture");
+  EXPECT_EQ(figures.at("report").at("passed_through").at("triangles"), 12);
+  EXPECT_NEAR(figures.at("certificate").at("volume_in").get<double>(), 1, 1e-12);
 }
 
 TEST_F(EndToEnd, BakeSaysWhatIsWrongAndLeavesNoFile) {

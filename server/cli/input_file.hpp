@@ -1,0 +1,26 @@
+// The mesh file of a command, with the files it names beside itself.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/import/sibling_files.hpp"
+#include "server/service/parameters.hpp"
+
+namespace fracture::cli {
+
+struct InputFile {
+  std::string bytes;
+  std::vector<SiblingFile> siblings;
+  std::span<const std::byte> view() const { return std::as_bytes(std::span(bytes)); }
+};
+
+/// As the parameters say, else by the name's ending; kUnknownFormat.
+Expected<MeshFormat> format_of_input(const std::string& path, const RequestParameters& parameters);
+/// Nothing when the file cannot be read; errno says why.
+std::optional<InputFile> read_input(const std::string& path, MeshFormat format);
+
+}  // namespace fracture::cli

@@ -1,0 +1,119 @@
+// fracture-server inspect: what the service would make of a mesh, without fracturing it.
+#include <cinttypes>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "server/cli/input_file.hpp"
+#include "server/cli/options.hpp"
+#include "server/service/worker_pool.hpp"
+
+namespace fracture::cli {
+namespace {
+
+// Of a pipeline: see options.hpp.
+constexpr int kClosed = 0, kRepaired = 1, kRefused = 2, kFailed = 3;
+
+/// Did the solid need anything beyond merging equal positions?
+bool repaired(const SolidReport& r) {
+  return r.open_edges + r.nonmanifold_edges + r.flipped + r.degenerate_dropped + r.duplicates_dropped +
+             r.welded_tolerant + r.holes_filled + r.sheets_thickened + r.shells_dropped >
+         0;
+}
+
+nlohmann::json material_names(const Mesh& mesh) {
+  nlohmann::json names = nlohmann::json::array();
+  for (const auto& material : mesh.library->materials)
+    names.push_back(material.contains("name") ? material["name"] : nlohmann::json());
+  return names;
+}
+
+nlohmann::json report_of(const PreparedMesh& mesh, bool mended) {
+  const Mesh& source = *mesh.solid.source;
+  nlohmann::json report = {{"verdict", mended ? "repaired" : "closed"},
+                           {"solid", mesh.solid.report.to_json()},
+                           {"frame", mesh.frame},
+                           {"nodes", source.node_names},
+                           {"materials", material_names(source)},
+                           {"images", source.library->images.size()},
+                           {"warnings", source.warnings}};
+  for (const std::string& note : mesh.solid.report.notes) report["warnings"].push_back(note);
+  if (source.passed_through)
+    report["passed_through"] = {{"triangles", source.passed_through->triangles.size()}};
+  return report;
+}
+
+void print(const std::string& input, const PreparedMesh& mesh, bool mended) {
+  const SolidReport& r = mesh.solid.report;
+  const Mesh& source = *mesh.solid.source;
+  std::printf("%s: %s\n", input.c_str(), mended ? "usable after repair" : "a closed solid as it is");
+  const Vec3d size = mesh.solid.box.size();
+  std::printf("  size       %.6g x %.6g x %.6g m (%.9g m in one unit: %s; %s up: %s)\n", size.x, size.y,
+              size.z, mesh.frame["metres_per_unit"].get<double>(),
+              mesh.frame["unit_from"].get_ref<const std::string&>().c_str(),
+              mesh.frame["up"].get_ref<const std::string&>().c_str(),
+              mesh.frame["up_from"].get_ref<const std::string&>().c_str());
+  std::printf("  volume     %.9g m3, area %.9g m2\n", r.volume, r.area);
+  std::printf("  solid      %" PRIu64 " parts, %" PRIu64 " shells, %" PRIu64 " cavities\n", r.parts, r.shells,
+              r.cavities);
+  std::printf("  source     %" PRIu64 " triangles, %" PRIu64
+              " vertices, %zu nodes, %zu materials, %zu images\n",
+              r.source_triangles, r.source_vertices, source.node_names.size(),
+              source.library->materials.size(), source.library->images.size());
+  if (source.passed_through)
+    std::printf("  passed through whole: %zu triangles\n", source.passed_through->triangles.size());
+  if (mended)
+    std::printf("  repaired   %" PRIu64 " open edges, %" PRIu64 " non-manifold edges, %" PRIu64
+                " holes filled with %.6g m2\n",
+                r.open_edges, r.nonmanifold_edges, r.holes_filled, r.filled_area);
+  for (const std::string& warning : source.warnings) std::printf("  - %s\n", warning.c_str());
+  for (const std::string& note : r.notes) std::printf("  - %s\n", note.c_str());
+}
+
+int refuse(const InspectOptions& options, const Error& error) {
+  if (options.json) {
+    const nlohmann::json report = {{"verdict", "refused"},
+                                   {"error", slug(error.code)},
+                                   {"detail", error.detail},
+                                   {"pointer", error.pointer},
+                                   {"figures", error.extra}};
+    std::printf("%s\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+  } else {
+    std::printf("%s: refused: %s: %s\n  %s\n", options.input.c_str(), slug(error.code), title(error.code),
+                error.detail.c_str());
+  }
+  // A wrong parameter says nothing about the mesh.
+  const bool about_the_request = error.code == ErrorCode::kBadParameter ||
+                                 error.code == ErrorCode::kUnknownParameter ||
+                                 error.code == ErrorCode::kUnknownFormat;
+  return about_the_request ? kFailed : kRefused;
+}
+
+}  // namespace
+
+int inspect(const InspectOptions& options) {
+  FractureService service(options.service, make_engine());
+  Expected<RequestParameters> parameters = service.parameters().parse(options.parameters);
+  if (!parameters) return refuse(options, parameters.error());
+  Expected<MeshFormat> format = format_of_input(options.input, *parameters);
+  if (!format) return refuse(options, format.error());
+  const std::optional<InputFile> input = read_input(options.input, *format);
+  if (!input) {
+    std::perror(("fracture-server inspect: cannot read " + options.input).c_str());
+    return kFailed;
+  }
+  Execution execution;
+  execution.threads = options.threads > 0 ? options.threads : available_cores();
+  const auto mesh =
+      service.prepare({input->view(), *format, *parameters, as_import_files(input->siblings)}, execution);
+  if (!mesh) return refuse(options, mesh.error());
+  const bool mended = repaired((*mesh)->solid.report);
+  if (options.json)
+    std::printf(
+        "%s\n",
+        report_of(**mesh, mended).dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+  else
+    print(options.input, **mesh, mended);
+  return mended ? kRepaired : kClosed;
+}
+
+}  // namespace fracture::cli

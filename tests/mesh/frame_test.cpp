@@ -1,0 +1,83 @@
+// Units and axes: lengths scale, z up becomes y up, and the report says where each came from.
+#include "common/mesh/frame.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/figures.hpp"
+#include "tests/support/shapes.hpp"
+
+namespace fracture::test {
+namespace {
+
+TEST(Frame, MetresAndYUpStayBitForBit) {
+  Mesh mesh = box({0.1, -0.2, 0.3}, {1, 2, 3});
+  const std::vector<Vec3f> before = mesh.positions;
+  const auto report = to_metres_y_up(mesh, {});
+  ASSERT_TRUE(report);
+  EXPECT_EQ(mesh.positions, before);
+  EXPECT_EQ(report->at("unit_from"), "assumed");
+  EXPECT_EQ(report->at("up_from"), "assumed");
+  EXPECT_EQ(report->at("metres_per_unit"), 1.0);
+}
+
+TEST(Frame, ABoxInEachUnitHasItsVolumeInCubicMetres) {
+  const std::pair<LengthUnit, double> units[] = {{LengthUnit::kMetre, 1},
+                                                 {LengthUnit::kCentimetre, 0.01},
+                                                 {LengthUnit::kMillimetre, 0.001},
+                                                 {LengthUnit::kInch, 0.0254}};
+  for (const auto& [unit, metres] : units) {
+    Mesh mesh = box({0, 0, 0}, {2, 3, 4});
+    const auto report = to_metres_y_up(mesh, {.unit = unit});
+    ASSERT_TRUE(report);
+    EXPECT_NEAR(volume_of(mesh) / (24 * metres * metres * metres), 1, 1e-6);
+    EXPECT_EQ(report->at("unit_from"), "request");
+  }
+}
+
+TEST(Frame, ZUpIsTurnedSoThatTheTopIsTheTopAndNothingIsMirrored) {
+  Mesh mesh = box({0, 0, 0}, {1, 2, 3});
+  mesh.attributes.normals.assign(mesh.positions.size(), {0, 0, 1});
+  mesh.attributes.tangents.assign(mesh.positions.size(), {0, 1, 0, -1});
+  const auto report = to_metres_y_up(mesh, {.up = UpAxis::kZ});
+  ASSERT_TRUE(report);
+  float height = 0;
+  for (const Vec3f& p : mesh.positions) height = std::max(height, p.y);
+  EXPECT_EQ(height, 3.0f);
+  EXPECT_EQ(volume_of(mesh), 6.0);
+  EXPECT_EQ(mesh.attributes.normals[0], (Vec3f{0, 1, 0}));
+  EXPECT_EQ(mesh.attributes.tangents[0], (Vec4f{0, 0, -1, -1}));
+  for (const Vec3f& p : mesh.positions) EXPECT_FALSE(p.z == 0 && std::signbit(p.z));
+  EXPECT_EQ(report->at("up"), "z");
+}
+
+TEST(Frame, TheFileIsBelievedUnlessTheRequestSaysOtherwise) {
+  const SourceFrame inches_z_up{.metres = 0.0254, .metres_stated = true, .z_up = true, .up_stated = true};
+  Mesh by_file = cube();
+  by_file.frame = inches_z_up;
+  const auto report = to_metres_y_up(by_file, {});
+  EXPECT_EQ(report->at("metres_per_unit"), 0.0254);
+  EXPECT_EQ(report->at("unit_from"), "file");
+  EXPECT_EQ(report->at("up_from"), "file");
+  const std::vector<Vec3f> once = by_file.positions;
+  EXPECT_TRUE(to_metres_y_up(by_file, {}));
+  EXPECT_EQ(by_file.positions, once) << "a mesh in metres with y up is not turned again";
+  Mesh by_request = cube();
+  by_request.frame = inches_z_up;
+  EXPECT_TRUE(to_metres_y_up(by_request, {.unit = LengthUnit::kMetre, .up = UpAxis::kY}));
+  EXPECT_EQ(by_request.positions, cube().positions);
+}
+
+TEST(Frame, CoordinatesBeyondFloatAreRefusedWithTheVertex) {
+  Mesh mesh = cube();
+  mesh.positions[3].x = 3e38f;
+  mesh.frame.metres = 10;
+  const auto report = to_metres_y_up(mesh, {});
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().code, ErrorCode::kNotFinite);
+  EXPECT_EQ(report.error().extra.at("vertex"), 3);
+}
+
+}  // namespace
+}  // namespace fracture::test

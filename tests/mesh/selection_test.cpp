@@ -1,0 +1,98 @@
+// Parts of a scene: what is selected, and that nothing is lost on the other side.
+#include "common/mesh/selection.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/figures.hpp"
+#include "tests/support/shapes.hpp"
+
+namespace fracture::test {
+namespace {
+
+/// Three boxes of volume 1, 2, 4: nodes "crate", "wall", "crate"; materials "wood" (0, 2) and "stone" (1);
+/// the last has the second's material on its first triangle.
+Mesh scene() {
+  Mesh mesh;
+  auto library = std::make_shared<MaterialLibrary>();
+  library->materials = {{{"name", "wood"}}, {{"name", "stone"}}};
+  mesh.library = library;
+  mesh.node_names = {"crate", "wall", "crate"};
+  for (std::uint32_t k = 0; k < 3; ++k) {
+    const Mesh part = box({10.0 * k, 0, 0}, {10.0 * k + (1u << k), 1, 1});
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+    mesh.positions.insert(mesh.positions.end(), part.positions.begin(), part.positions.end());
+    for (auto triangle : part.triangles) {
+      for (std::uint32_t& w : triangle) w += first;
+      mesh.triangles.push_back(triangle);
+      mesh.node.push_back(k);
+      mesh.material.push_back(k % 2);
+    }
+  }
+  mesh.material[24] = 1;
+  mesh.attributes.uvs.emplace_back();
+  for (const Vec3f& p : mesh.positions) mesh.attributes.uvs[0].push_back({p.x, p.y});
+  mesh.warnings = {"kept"};
+  return mesh;
+}
+
+TEST(Selection, NothingAskedLeavesTheMeshAsItIs) {
+  Mesh mesh = scene();
+  ASSERT_TRUE(restrict_to(mesh, {}));
+  EXPECT_EQ(mesh.triangles.size(), 36u);
+  EXPECT_EQ(mesh.passed_through, nullptr);
+  ASSERT_TRUE(restrict_to(mesh, {.nodes = {"crate", "wall"}}));
+  EXPECT_EQ(mesh.passed_through, nullptr);
+}
+
+TEST(Selection, ANameStandsForEveryNodeOfThatNameAndTheRestPassesThrough) {
+  Mesh mesh = scene();
+  ASSERT_TRUE(restrict_to(mesh, {.nodes = {"crate"}}));
+  EXPECT_DOUBLE_EQ(volume_of(mesh), 5.0);
+  ASSERT_NE(mesh.passed_through, nullptr);
+  EXPECT_DOUBLE_EQ(volume_of(*mesh.passed_through), 2.0);
+  EXPECT_EQ(mesh.positions.size() + mesh.passed_through->positions.size(), scene().positions.size());
+  EXPECT_EQ(mesh.passed_through->library, mesh.library);
+  EXPECT_EQ(mesh.passed_through->node_names[mesh.passed_through->node[0]], "wall");
+  EXPECT_EQ(mesh.warnings, std::vector<std::string>{"kept"});
+  for (const Mesh* part : {static_cast<const Mesh*>(&mesh), mesh.passed_through.get()})
+    for (std::size_t w = 0; w < part->positions.size(); ++w)
+      EXPECT_EQ(part->attributes.uvs[0][w], (Vec2f{part->positions[w].x, part->positions[w].y}));
+}
+
+TEST(Selection, IndicesSelectOneNode) {
+  Mesh mesh = scene();
+  ASSERT_TRUE(restrict_to(mesh, {.nodes = {"2"}}));
+  EXPECT_DOUBLE_EQ(volume_of(mesh), 4.0);
+}
+
+TEST(Selection, ANameThatLooksLikeANumberIsAName) {
+  Mesh mesh = scene();
+  mesh.node_names[1] = "0";
+  ASSERT_TRUE(restrict_to(mesh, {.nodes = {"0"}}));
+  EXPECT_DOUBLE_EQ(volume_of(mesh), 2.0);
+}
+
+TEST(Selection, WithBothListsATriangleHasToBeInBoth) {
+  Mesh mesh = scene();
+  ASSERT_TRUE(restrict_to(mesh, {.nodes = {"2"}, .materials = {"wood"}}));
+  EXPECT_EQ(mesh.triangles.size(), 11u);
+  EXPECT_EQ(mesh.passed_through->triangles.size(), 25u);
+}
+
+TEST(Selection, WhatIsNotThereIsRefusedWithTheNamesThatAre) {
+  Mesh mesh = scene();
+  for (const char* absent : {"Crate", "3", "-1", "1x"}) {
+    const auto restricted = restrict_to(mesh, {.nodes = {absent}});
+    ASSERT_FALSE(restricted) << absent;
+    EXPECT_EQ(restricted.error().code, ErrorCode::kBadParameter);
+    EXPECT_EQ(restricted.error().pointer, "nodes");
+    EXPECT_EQ(restricted.error().extra.at("known").size(), 3u);
+  }
+  EXPECT_EQ(restrict_to(mesh, {.materials = {"glass"}}).error().pointer, "materials");
+  EXPECT_FALSE(restrict_to(mesh, {.nodes = {"wall"}, .materials = {"wood"}})) << "empty";
+  EXPECT_EQ(mesh.triangles.size(), 36u);
+}
+
+}  // namespace
+}  // namespace fracture::test
