@@ -1,5 +1,4 @@
-// Judges GLB files that this project wrote by programs that nobody here wrote.
-//   usage: node judge.mjs FILE.glb …      exit 0: all good; 1: a file was found wanting; 77: the judges are not installed
+// Judges files that this project wrote by programs that nobody here wrote.   usage: node judge.mjs FILE.glb …
 // 1. The Khronos validator has to report no error and no warning.
 // 2. Manifold has to accept every fragment (vertices merged where their positions are identical, nothing else). Its
 //    volume is not compared: it tidies up surfaces that cross themselves. The volume of the stored triangles has to be
@@ -7,33 +6,12 @@
 // 3. Each interior triangle has to have its mirror image, bit for bit in world space, in another fragment, unless the
 //    report says that holes of the source were filled (those faces are interior material without a partner).
 // 4. Fragment ids and node names are unique, and bonds name fragments that exist.
-import fs from 'node:fs';
 import { createRequire } from 'node:module';
+import { accessor, fragmentsOf, installed, judgeAll, parse } from './files.mjs';
 
-let validator, manifold;
-try {
-  validator = createRequire(import.meta.url)('gltf-validator');
-  manifold = await (await import('manifold-3d')).default();
-  manifold.setup();
-} catch (error) {
-  console.log(`skipped: the judges are not installed (npm ci in tests/clients): ${error.message.split('\n')[0]}`);
-  process.exit(77);
-}
-
-const COMPONENTS = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4 };
-const ARRAYS = { 5123: Uint16Array, 5125: Uint32Array, 5126: Float32Array };
-
-function parseGlb(bytes) {
-  const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
-  const jsonLength = view.getUint32(12, true);
-  return { json: JSON.parse(new TextDecoder().decode(bytes.subarray(20, 20 + jsonLength))), binary: bytes.subarray(28 + jsonLength) };
-}
-
-function accessor({ json, binary }, index) {
-  const a = json.accessors[index], v = json.bufferViews[a.bufferView], Type = ARRAYS[a.componentType];
-  const length = a.count * COMPONENTS[a.type], start = (v.byteOffset ?? 0) + (a.byteOffset ?? 0);
-  return new Type(binary.slice(start, start + length * Type.BYTES_PER_ELEMENT).buffer);
-}
+const validator = await installed(() => createRequire(import.meta.url)('gltf-validator'));
+const manifold = await (await installed(() => import('manifold-3d'))).default();
+manifold.setup();
 
 /** Vertex -> the first vertex at the identical position. */
 function weld(positions) {
@@ -73,14 +51,13 @@ function signedVolume(p, triangles) {
   return sum / 6;
 }
 
-async function judge(file) {
-  const bytes = Uint8Array.from(fs.readFileSync(file)), complaints = [];
+await judgeAll(async bytes => {
+  const complaints = [];
   const { issues } = await validator.validateBytes(bytes, { maxIssues: 0 });
   for (const m of issues.messages.filter(m => m.severity < 2).slice(0, 5)) complaints.push(`${m.code} at ${m.pointer}: ${m.message}`);
   if (issues.numErrors || issues.numWarnings) complaints.push(`validator: ${issues.numErrors} errors, ${issues.numWarnings} warnings`);
 
-  const glb = parseGlb(bytes), { json } = glb;
-  const fragments = json.nodes.filter(n => n.extras?.fracture?.id !== undefined);
+  const glb = parse(bytes), { json } = glb, fragments = fragmentsOf(json);
   const root = json.nodes.map(n => n.extras?.fracture).find(f => f?.bonds);
   const unpaired = new Map();
   for (const node of fragments) {
@@ -115,15 +92,5 @@ async function judge(file) {
   if (ids.size !== fragments.length) complaints.push('fragment ids are not unique');
   if (names.size !== json.nodes.length) complaints.push('node names are not unique');
   if (![...root.bonds.a, ...root.bonds.b].every(id => ids.has(id))) complaints.push('a bond names a fragment that does not exist');
-  return { fragments: fragments.length, complaints };
-}
-
-let bad = 0;
-for (const file of process.argv.slice(2)) {
-  const { fragments, complaints } = await judge(file);
-  console.log(`${complaints.length ? 'BAD ' : 'good'} ${file}: ${fragments} fragments`);
-  for (const complaint of complaints) console.log(`     ${complaint}`);
-  bad += complaints.length > 0;
-}
-if (process.argv.length < 3) console.log('no files to judge');
-process.exit(bad || process.argv.length < 3 ? 1 : 0);
+  return { note: `${fragments.length} fragments`, complaints };
+});

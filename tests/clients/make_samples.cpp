@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "common/gltf/gltf_writer.hpp"
@@ -11,40 +12,73 @@
 #ifdef FRACTURE_HAS_PIPELINE
 #include "common/import/import.hpp"
 #include "common/pipeline/fracture.hpp"
+#include "tests/support/figures.hpp"
 #include "tests/support/mesh_files.hpp"
 #include "tests/support/shapes.hpp"
+#include "tests/support/site_families.hpp"
 #endif
 
 namespace fracture::test {
 namespace {
 
-void write(const std::filesystem::path& path, const FragmentSet& set) {
-  const std::vector<std::uint8_t> glb = write_glb(set, {});
+void write(const std::filesystem::path& path, const FragmentSet& set, const GltfOptions& options = {}) {
+  const std::vector<std::uint8_t> bytes =
+      path.extension() == ".gltf" ? write_gltf(set, options) : write_glb(set, options);
   std::ofstream file(path, std::ios::binary);
-  file.write(reinterpret_cast<const char*>(glb.data()), static_cast<std::streamsize>(glb.size()));
+  file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+}
+
+/// The same fragments in every variant of the file.
+void write_variants(const std::filesystem::path& folder, const std::string& name, const FragmentSet& set) {
+  GltfOptions options;
+  write(folder / (name + "_json.gltf"), set, options);
+  options.physics = Physics::kNone;
+  options.mesh_manifold = false;
+  write(folder / (name + "_plain.glb"), set, options);
+  options.ue_collision = UeCollision::kUcx;
+  write(folder / (name + "_ucx.glb"), set, options);
+  options = {};
+  options.physics = Physics::kOmi;
+  write(folder / (name + "_omi.glb"), set, options);
 }
 
 #ifdef FRACTURE_HAS_PIPELINE
-/// False where a stage refuses the mesh.
-bool fracture_to(const std::filesystem::path& path, Mesh mesh, std::uint32_t sites) {
+/// Nothing where a stage refuses the mesh.
+std::optional<FragmentSet> fracture_of(Mesh mesh, FractureParameters parameters) {
   StageTimings timings;
   const Execution execution;
   const Expected<Solid> solid = make_solid(std::make_shared<const Mesh>(std::move(mesh)), {}, execution);
-  if (!solid) return false;
+  if (!solid) return std::nullopt;
+  parameters.hulls = Hulls::kConvex;
+  const Expected<Diagram> diagram = make_diagram(*solid, parameters, execution, timings);
+  if (!diagram) return std::nullopt;
+  Expected<FragmentSet> set = fracture(*solid, *diagram, parameters, execution, timings);
+  if (!set) return std::nullopt;
+  return std::move(*set);
+}
+
+bool fracture_to(const std::filesystem::path& path, Mesh mesh, std::uint32_t sites) {
   FractureParameters parameters;
   parameters.sites = sites;
-  const Expected<Diagram> diagram = make_diagram(*solid, parameters, execution, timings);
-  if (!diagram) return false;
-  const Expected<FragmentSet> set = fracture(*solid, *diagram, parameters, execution, timings);
-  if (!set) return false;
-  write(path, *set);
-  return true;
+  const std::optional<FragmentSet> set = fracture_of(std::move(mesh), parameters);
+  if (set) write(path, *set);
+  return set.has_value();
+}
+
+/// 30 cells, of which the first ten are one fragment: a compound.
+FractureParameters grouped(const Box& box) {
+  FractureParameters parameters;
+  parameters.points = random_sites(box, 30, 9);
+  for (std::uint32_t k = 0; k < 30; ++k) parameters.groups.push_back(k < 10 ? 0 : k);
+  return parameters;
 }
 #endif
 
 int run(const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder);
   write(folder / "two_halves.glb", two_halves());
+  write(folder / "two_halves_hulls.glb", two_halves_with_hulls());
+  write_variants(folder, "two_halves", two_halves_with_hulls());
   int failures = 0;
 #ifdef FRACTURE_HAS_PIPELINE
   const auto expect = [&failures](bool done, const std::string& name) {
@@ -55,6 +89,12 @@ int run(const std::filesystem::path& folder) {
   expect(fracture_to(folder / "torus.glb", torus(48, 24), 50), "torus");
   expect(fracture_to(folder / "seams.glb", sphere_with_seams(24, 48), 100), "sphere with seams");
   expect(fracture_to(folder / "one.glb", cube(), 1), "cube in one piece");
+  if (const auto set = fracture_of(cube(), grouped(box_of(cube())))) {
+    write(folder / "compound.glb", *set);
+    write_variants(folder, "compound", *set);
+  } else {
+    expect(false, "cube in groups");
+  }
   for (const std::string& name : closed_test_meshes()) {
     const auto file = find_test_mesh(name);
     if (!file) continue;
@@ -62,6 +102,11 @@ int run(const std::filesystem::path& folder) {
     std::string flat = name + ".glb";
     for (char& c : flat) c = c == '/' ? '_' : c;
     expect(mesh && fracture_to(folder / flat, *mesh, 50), name);
+  }
+  // Six materials, textures with colour profiles; not closed.
+  if (const auto helmet = find_test_mesh("FlightHelmet/FlightHelmet.gltf")) {
+    const Expected<Mesh> mesh = load_mesh(*helmet);
+    expect(mesh && fracture_to(folder / "FlightHelmet.glb", *mesh, 50), "the helmet");
   }
   if (const auto monkey = assimp_model("BLEND/Suzanne_248.blend")) {
     const Expected<Mesh> mesh = load_mesh(*monkey);

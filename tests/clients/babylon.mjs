@@ -1,0 +1,165 @@
+// Babylon (NullEngine) has to load the file, and Havok has to take its rigid bodies: mass, centre and inertia read back
+// from the engine equal what the visible triangles have at the stated density, and the fragments, dropped on a plane,
+// come to rest on it. Babylon's own packages hold no loader of KHR_physics_rigid_bodies: the extension is read by
+// files.mjs, the numbers then go through the engine.   usage: node babylon.mjs FILE.glb …
+import fs from 'node:fs';
+import { createRequire } from 'node:module';
+import path from 'node:path';
+import { accessor, bodiesOf, fragmentsOf, installed, judgeAll, parse } from './files.mjs';
+
+const core = file => installed(() => import(`@babylonjs/core/${file}.js`));
+const HavokPhysics = (await installed(() => import('@babylonjs/havok'))).default;
+await installed(() => import('@babylonjs/loaders/glTF/2.0/index.js'));
+const { NullEngine } = await core('Engines/nullEngine'), { Scene } = await core('scene');
+const { LoadAssetContainerAsync } = await core('Loading/sceneLoader');
+const { Logger } = await core('Misc/logger');
+const { Vector3, Quaternion } = await core('Maths/math.vector');
+const { Mesh } = await core('Meshes/mesh'), { VertexData } = await core('Meshes/mesh.vertexData');
+const { TransformNode } = await core('Meshes/transformNode');
+await core('Physics/joinedPhysicsEngineComponent');
+await core('Physics/v2/physicsEngineComponent');
+const { HavokPlugin } = await core('Physics/v2/Plugins/havokPlugin');
+const { PhysicsBody } = await core('Physics/v2/physicsBody');
+const { PhysicsShapeConvexHull, PhysicsShapeContainer, PhysicsShapeBox } = await core('Physics/v2/physicsShape');
+const { PhysicsMotionType } = await core('Physics/v2/IPhysicsEnginePlugin');
+const folder = path.dirname(createRequire(import.meta.url).resolve('@babylonjs/havok'));
+const havok = await HavokPhysics({ wasmBinary: fs.readFileSync(path.join(folder, 'HavokPhysics.wasm')) });
+Logger.LogLevels = Logger.ErrorLogLevel;
+
+const STEP = 1 / 240, LONGEST = 30;  // s; some fragments are splinters of millimetres
+const REST = 0.02;                  // of the speed of falling the height of the whole: at rest, for half a second
+// kg m²: bodies that resist turning less fall through the plane in Havok at any time step (tried: splinters of a few
+// grams, alone on the plane; with inertia made 400 times larger they lie still). They are counted, not judged.
+const LEAST = 5e-6;
+
+/** Volume, centre and inertia tensor (xx yy zz xy xz yz, about the centre) of the triangles, density 1. */
+function measured(glb, node) {
+  const { primitives } = glb.json.meshes[node.mesh], p = accessor(glb, primitives[0].attributes.POSITION);
+  let volume = 0;
+  const first = [0, 0, 0], second = [0, 0, 0, 0, 0, 0], pairs = [[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]];
+  for (const primitive of primitives) {
+    const indices = accessor(glb, primitive.indices);
+    for (let t = 0; t < indices.length; t += 3) {
+      const [a, b, c] = [0, 1, 2].map(k => [...p.subarray(3 * indices[t + k], 3 * indices[t + k] + 3)]), sum = [0, 1, 2].map(k => a[k] + b[k] + c[k]);
+      const six = a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+      volume += six / 6;
+      first.forEach((_, k) => (first[k] += six / 24 * sum[k]));
+      pairs.forEach(([i, j], k) => (second[k] += six / 120 * (sum[i] * sum[j] + a[i] * a[j] + b[i] * b[j] + c[i] * c[j])));
+    }
+  }
+  const center = first.map(x => x / volume), moment = pairs.map(([i, j], k) => second[k] - volume * center[i] * center[j]);
+  const [xx, yy, zz, xy, xz, yz] = moment;
+  const size = p.reduce((most, x) => Math.max(most, Math.abs(x)), 0);
+  return { volume, center, size, tensor: [yy + zz, xx + zz, xx + yy, -xy, -xz, -yz] };
+}
+
+/** How far a stored position may be from the exact one: half a step of the lattice, and of the local floats. */
+const rounding = ({ json }, size) =>
+  Math.max(...json.nodes.map(n => n.extras?.fracture).find(f => f?.lattice).lattice.step) + size * 2 ** -23;
+
+/** The tensor of principal moments in the frame of the quaternion. */
+function tensorOf([a, b, c], q) {
+  const axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map(v => new Vector3(...v).applyRotationQuaternion(q).asArray());
+  return [[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]].map(([i, j]) => [a, b, c].reduce((sum, m, k) => sum + m * axes[k][i] * axes[k][j], 0));
+}
+
+function hullShape({ points, triangles }, scene) {
+  const mesh = new Mesh('hull', scene), data = new VertexData();
+  data.positions = points;
+  data.indices = triangles;
+  data.applyToMesh(mesh);
+  const shape = new PhysicsShapeConvexHull(mesh, scene);
+  mesh.dispose();
+  return shape;
+}
+
+await judgeAll(async (bytes, file) => {
+  const complaints = [], glb = parse(bytes), nodes = fragmentsOf(glb.json);
+  const engine = new NullEngine(), scene = new Scene(engine);
+  scene.useRightHandedSystem = true;
+  const data = bytes[0] === 0x7b ? `data:${new TextDecoder().decode(bytes)}` : bytes;
+  const container = await LoadAssetContainerAsync(data, scene, { pluginExtension: bytes[0] === 0x7b ? '.gltf' : '.glb',
+    pluginOptions: { gltf: { skipMaterials: true } } });
+  container.addAllToScene();
+  const loaded = new Map(container.getNodes().map(node => [node.name, node]));
+  for (const node of nodes) {
+    const object = loaded.get(node.name);
+    if (!object) complaints.push(`${node.name} is missing`);
+    else if (object.metadata?.gltf?.extras?.fracture?.id !== node.extras.fracture.id) complaints.push(`${node.name} has lost its id`);
+  }
+
+  scene.enablePhysics(new Vector3(0, -9.81, 0), new HavokPlugin(false, havok));
+  let low = Infinity, high = -Infinity, wide = 0;
+  const described = bodiesOf(glb), systems = [...new Set(described.map(b => b.filter?.collisionSystems[0]))];
+  const bodies = described.map((body, k) => {
+    const at = new TransformNode(`body ${k}`, scene);
+    at.position = Vector3.FromArray(body.translation);
+    const made = new PhysicsBody(at, PhysicsMotionType.DYNAMIC, false, scene), hulls = body.hulls.map(hull => hullShape(hull, scene));
+    const shape = hulls.length === 1 ? hulls[0] : new PhysicsShapeContainer(scene);
+    if (hulls.length !== 1) hulls.forEach(hull => shape.addChild(hull));
+    for (const { points } of body.hulls) {
+      for (let v = 0; v < points.length; v += 3) {
+        low = Math.min(low, points[v + 1] + body.translation[1]);
+        high = Math.max(high, points[v + 1] + body.translation[1]);
+        wide = Math.max(wide, Math.abs(points[v] + body.translation[0]), Math.abs(points[v + 2] + body.translation[2]));
+      }
+    }
+    if (body.filter) {  // Havok has 32 bits for systems; beyond that some share one
+      const bit = 1 << systems.indexOf(body.filter.collisionSystems[0]) % 31;
+      for (const part of new Set([...hulls, shape])) {
+        part.filterMembershipMask = bit;
+        part.filterCollideMask = ~bit;
+      }
+    }
+    for (const part of hulls) part.material = { friction: body.material.dynamicFriction, restitution: body.material.restitution };
+    made.shape = shape;
+    const { mass, centerOfMass, inertiaDiagonal, inertiaOrientation } = body.motion;
+    made.setMassProperties({ mass, centerOfMass: Vector3.FromArray(centerOfMass), inertia: Vector3.FromArray(inertiaDiagonal),
+      inertiaOrientation: Quaternion.FromArray(inertiaOrientation) });
+    made.setAngularDamping(2);  // or round pieces roll for minutes
+    made.setLinearDamping(0.2);
+
+    // The engine's against the file's; the file's against the triangles', whose positions are rounded.
+    const read = made.getMassProperties(), density = body.fracture.mass / body.fracture.volume;
+    const node = nodes.find(n => n.extras.fracture.id === body.fracture.id), ours = measured(glb, node);
+    const off = (what, a, b, tolerance) => Math.abs(a - b) <= tolerance || complaints.push(`${body.name}: ${what} ${a}, not ${b}`);
+    const trace = inertiaDiagonal[0] + inertiaDiagonal[1] + inertiaDiagonal[2];
+    const engineTensor = tensorOf(read.inertia.asArray(), read.inertiaOrientation);
+    const fileTensor = tensorOf(inertiaDiagonal, Quaternion.FromArray(inertiaOrientation));
+    const size = ours.size, slack = rounding(glb, size) * body.fracture.area;  // m³
+    off('mass in the engine', read.mass, mass, 1e-5 * mass);
+    off('mass', mass, ours.volume * density, 1e-9 * mass + density * slack);
+    for (let k = 0; k < 3; ++k) {
+      off('centre in the engine', read.centerOfMass.asArray()[k], centerOfMass[k], 1e-5 * size);
+      off('centre', centerOfMass[k], ours.center[k], 1e-9 * size + 2 * size * slack / ours.volume);
+    }
+    for (let k = 0; k < 6; ++k) {
+      off('inertia in the engine', engineTensor[k], fileTensor[k], 1e-5 * trace);
+      off('inertia', fileTensor[k], ours.tensor[k] * density, 1e-9 * trace + 2 * density * size * size * slack);
+    }
+    return made;
+  });
+  if (!bodies.length) complaints.push('no rigid bodies');
+
+  const tall = high - low, ground = new TransformNode('ground', scene);
+  const still = new PhysicsBody(ground, PhysicsMotionType.STATIC, false, scene), reach = 20 * (wide + tall);
+  still.shape = new PhysicsShapeBox(new Vector3(0, low - 0.1 * tall - 0.5 * tall, 0), Quaternion.Identity(), new Vector3(reach, tall, reach), scene);
+  still.shape.material = { friction: 0.6, restitution: 0.1 };
+  const floor = low - 0.1 * tall, velocity = new Vector3(), rest = REST * Math.sqrt(9.81 * tall);
+  const judged = bodies.filter((_, k) => Math.min(...described[k].motion.inertiaDiagonal) >= LEAST);
+  const speed = body => (body.getLinearVelocityToRef(velocity), velocity.length());
+  let seconds = 0, quiet = 0;
+  for (; seconds < LONGEST && quiet < 0.5; seconds += STEP) {
+    scene.getPhysicsEngine()._step(STEP);
+    quiet = judged.every(body => speed(body) < rest) && seconds > 0.5 ? quiet + STEP : 0;
+  }
+  for (const body of judged) {
+    const { y } = body.transformNode.position;
+    if (quiet < 0.5 && !(speed(body) < rest)) complaints.push(`${body.transformNode.name} still moves at ${speed(body)} m/s after ${LONGEST} s`);
+    if (!(y > floor - 0.02 * tall)) complaints.push(`${body.transformNode.name} lies at ${y}, under the plane at ${floor}`);
+  }
+  scene.dispose();
+  engine.dispose();
+  const light = bodies.length - judged.length;
+  return { note: `${judged.length} bodies at rest after ${seconds.toFixed(1)} s${light ? `, ${light} too light to judge` : ''}`, complaints };
+});

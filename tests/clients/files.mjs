@@ -1,0 +1,81 @@
+// What the judges share: reading the files (our own few lines, so that a judge's reader is never the only one) and
+// the verdict of a run. Exit 0: all good; 1: a file was found wanting; 77: the judge is not installed.
+import fs from 'node:fs';
+import path from 'node:path';
+
+const COMPONENTS = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4 };
+const ARRAYS = { 5123: Uint16Array, 5125: Uint32Array, 5126: Float32Array };
+
+/** Imports the judge's packages; a missing one ends the run as skipped, anything else that goes wrong is an error. */
+export async function installed(load) {
+  try {
+    return await load();
+  } catch (error) {
+    if (!['ERR_MODULE_NOT_FOUND', 'MODULE_NOT_FOUND'].includes(error.code)) throw error;
+    console.log(`skipped: the judge is not installed (npm ci in tests/clients): ${error.message.split('\n')[0]}`);
+    process.exit(77);
+  }
+}
+
+export function parse(bytes) {
+  if (bytes[0] === 0x7b) {  // {
+    const json = JSON.parse(new TextDecoder().decode(bytes));
+    return { json, binary: Uint8Array.from(Buffer.from(json.buffers[0].uri.split(',')[1], 'base64')) };
+  }
+  const length = new DataView(bytes.buffer, bytes.byteOffset).getUint32(12, true);
+  return { json: JSON.parse(new TextDecoder().decode(bytes.subarray(20, 20 + length))), binary: bytes.subarray(28 + length) };
+}
+
+export function accessor({ json, binary }, index) {
+  const a = json.accessors[index], v = json.bufferViews[a.bufferView], Type = ARRAYS[a.componentType];
+  const length = a.count * COMPONENTS[a.type], start = (v.byteOffset ?? 0) + (a.byteOffset ?? 0);
+  return new Type(binary.slice(start, start + length * Type.BYTES_PER_ELEMENT).buffer);
+}
+
+/** The nodes that are fragments: nothing else has an id in extras.fracture. */
+export const fragmentsOf = json => json.nodes.filter(n => n.extras?.fracture?.id !== undefined);
+
+/**
+ * The rigid bodies of KHR_physics_rigid_bodies, as the extension says: motion, position, and the points of the convex
+ * hulls of the node's own collider or of its children's (compounds; identity transforms, which is checked).
+ */
+export function bodiesOf(glb) {
+  const { json } = glb, NAME = 'KHR_physics_rigid_bodies';
+  return fragmentsOf(json).filter(n => n.extensions?.[NAME]).map(node => {
+    const filters = new Set();
+    const colliders = [node, ...(node.children ?? []).map(k => json.nodes[k])].flatMap(n => {
+      const collider = n.extensions?.[NAME]?.collider;
+      if (!collider) return [];
+      if (n !== node && (n.translation || n.rotation || n.scale || n.matrix)) throw new Error(`${n.name} is not at the identity`);
+      filters.add(collider.collisionFilter);
+      if (collider.geometry.convexHull !== true) throw new Error(`${n.name}: not a convex hull`);
+      return [collider];
+    });
+    if (filters.size > 1) throw new Error(`${node.name}: several collision filters`);
+    const hulls = colliders.map(({ geometry }) => {
+      const { attributes, indices } = json.meshes[geometry.mesh].primitives[0];
+      return { points: accessor(glb, attributes.POSITION), triangles: accessor(glb, indices) };
+    });
+    return { name: node.name, motion: node.extensions[NAME].motion, translation: node.translation ?? [0, 0, 0], hulls,
+      material: json.extensions[NAME].physicsMaterials[colliders[0]?.physicsMaterial], filter: json.extensions[NAME].collisionFilters?.[[...filters][0]], fracture: node.extras.fracture };
+  });
+}
+
+/** Does the filter of one let it collide with the other? As the extension defines it; it has to hold both ways. */
+const lets = (a, b) => !a.filter?.notCollideWithSystems?.length || !(b.filter?.collisionSystems ?? []).length ||
+  !b.filter.collisionSystems.every(system => a.filter.notCollideWithSystems.includes(system));
+export const collide = (a, b) => lets(a, b) && lets(b, a);
+
+/** Runs `judge(bytes, file)`, which returns {note, complaints}, over the files of the command line. */
+export async function judgeAll(judge) {
+  const files = process.argv.slice(2);
+  let bad = 0;
+  for (const file of files) {
+    const { note, complaints } = await judge(Uint8Array.from(fs.readFileSync(file)), file);
+    console.log(`${complaints.length ? 'BAD ' : 'good'} ${path.basename(file)}: ${note}`);
+    for (const complaint of complaints.slice(0, 20)) console.log(`     ${complaint}`);
+    bad += complaints.length > 0;
+  }
+  if (!files.length) console.log('no files to judge');
+  process.exit(bad || !files.length ? 1 : 0);
+}
