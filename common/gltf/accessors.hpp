@@ -27,13 +27,18 @@ class Accessors {
     int target;  ///< 0 for images
   };
 
-  Accessors() { json_.begin_array(); }
+  /// With room for this many vertices and indices in all: no view is moved while it grows.
+  Accessors(std::size_t vertices, std::size_t indices) : vertices_(vertices), indices_(indices) {
+    json_.begin_array();
+  }
 
   std::size_t view(std::string_view name, int stride, int target) {
     for (std::size_t k = 0; k < names_.size(); ++k)
       if (names_[k] == name) return k;
     names_.emplace_back(name);
     views_.push_back({{}, stride, target});
+    if (stride > 0) views_.back().bytes.reserve(static_cast<std::size_t>(stride) * vertices_);
+    if (target == kElementArrayBuffer) views_.back().bytes.reserve(2 * indices_);
     return views_.size() - 1;
   }
   ViewBytes& bytes(std::size_t view) { return views_[view].bytes; }
@@ -65,6 +70,7 @@ class Accessors {
   std::vector<View> views_;
   JsonText json_;
   std::size_t count_ = 0;
+  std::size_t vertices_, indices_;
 };
 
 /// Appends indices of either width, 4-byte aligned; returns the byte offset of the first.

@@ -1,6 +1,5 @@
 #include "common/gltf/container.hpp"
 
-#include <cstring>
 #include <limits>
 
 namespace fracture {
@@ -8,17 +7,14 @@ namespace {
 
 std::size_t aligned(std::size_t size) { return (size + 3) / 4 * 4; }
 
-void put_u32(std::uint8_t*& out, std::size_t value) {
-  const auto narrow = static_cast<std::uint32_t>(value);
-  std::memcpy(out, &narrow, 4);
-  out += 4;
+void append_u32(std::vector<std::uint8_t>& out, std::size_t value) {
+  for (const int shift : {0, 8, 16, 24}) out.push_back(static_cast<std::uint8_t>(value >> shift));
 }
 
-/// `out` holds zeros.
-void put_views(std::uint8_t* out, const std::vector<Accessors::View>& views) {
+void append_views(std::vector<std::uint8_t>& out, const std::vector<Accessors::View>& views) {
   for (const Accessors::View& view : views) {
-    if (view.bytes.size() > 0) std::memcpy(out, view.bytes.data(), view.bytes.size());
-    out += aligned(view.bytes.size());
+    out.insert(out.end(), view.bytes.data(), view.bytes.data() + view.bytes.size());
+    out.resize(out.size() + aligned(view.bytes.size()) - view.bytes.size());
   }
 }
 
@@ -71,20 +67,19 @@ std::vector<std::uint8_t> pack_glb(JsonText document, const std::vector<Accessor
   const std::size_t total = 12 + 8 + json_size + (buffer > 0 ? 8 + buffer : 0);
   if (total > std::numeric_limits<std::uint32_t>::max())
     throw InternalError("the GLB would be larger than 4 GiB");
-  std::vector<std::uint8_t> glb(total);
-  std::uint8_t* out = glb.data();
-  put_u32(out, 0x46546c67);  // "glTF"
-  put_u32(out, 2);
-  put_u32(out, total);
-  put_u32(out, json_size);
-  put_u32(out, 0x4e4f534a);  // "JSON"
-  std::memcpy(out, json.data(), json.size());
-  std::memset(out + json.size(), ' ', json_size - json.size());
-  out += json_size;
+  std::vector<std::uint8_t> glb;
+  glb.reserve(total);
+  append_u32(glb, 0x46546c67);  // "glTF"
+  append_u32(glb, 2);
+  append_u32(glb, total);
+  append_u32(glb, json_size);
+  append_u32(glb, 0x4e4f534a);  // "JSON"
+  glb.insert(glb.end(), json.begin(), json.end());
+  glb.resize(glb.size() + json_size - json.size(), ' ');
   if (buffer == 0) return glb;
-  put_u32(out, buffer);
-  put_u32(out, 0x004e4942);  // "BIN"
-  put_views(out, views);
+  append_u32(glb, buffer);
+  append_u32(glb, 0x004e4942);  // "BIN"
+  append_views(glb, views);
   return glb;
 }
 
@@ -102,8 +97,9 @@ std::vector<std::uint8_t> pack_gltf(JsonText document, const std::vector<Accesso
     return {json.begin(), json.end()};
   }
   json.pop_back();  // the quotation mark comes after the data
-  std::vector<std::uint8_t> bytes(buffer);
-  put_views(bytes.data(), views);
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(buffer);
+  append_views(bytes, views);
   static constexpr std::string_view kEnd = "\"}]}";
   std::vector<std::uint8_t> out;
   out.reserve(json.size() + (buffer + 2) / 3 * 4 + kEnd.size());

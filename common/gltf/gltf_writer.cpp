@@ -202,7 +202,16 @@ std::vector<std::uint8_t> write(const FragmentSet& set, const GltfOptions& optio
   write_document_extensions(json, set, options, layout);
   write_nodes(json, set, options, layout, whole);
   write_materials(json, library, options);
-  Accessors accessors;
+  std::size_t vertices = 0, indices = 0;
+  for (std::size_t k = 0; k < set.fragments.size(); ++k) {
+    vertices += set.fragments[k].positions.size();
+    indices += set.fragments[k].indices.size() + 2;  // aligned
+    for (std::size_t hull = 0; hull < layout.hulls(k); ++hull) {
+      vertices += set.fragments[k].hulls[hull].points.size();
+      indices += 3 * set.fragments[k].hulls[hull].triangles.size() + 2;
+    }
+  }
+  Accessors accessors(vertices, indices);
   write_meshes(json, set, options, layout, whole, accessors);
   write_images(json, library, accessors);
   if (accessors.count() > 0) json.key("accessors").value_text(accessors.finish());
