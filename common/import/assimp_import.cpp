@@ -16,6 +16,7 @@
 #include "common/import/assimp_quads.hpp"
 #include "common/import/mesh_builder.hpp"
 #include "common/import/refused.hpp"
+#include "common/import/text_encoding.hpp"
 #include "common/import/transform.hpp"
 
 namespace fracture {
@@ -100,7 +101,7 @@ Surface to_surface(const aiMesh& mesh, const Transform& transform, std::uint32_t
 
 /// Names that Assimp makes up where the file has none are not the source's.
 std::string node_name(const aiNode& node) {
-  const std::string name = node.mName.C_Str();
+  const std::string name = name_as_utf8(node.mName.C_Str());
   return name.empty() || name == "defaultobject" || name[0] == '<' ? "mesh" : name;
 }
 

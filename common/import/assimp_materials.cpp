@@ -8,6 +8,7 @@
 #include <map>
 
 #include "common/import/gltf_materials.hpp"
+#include "common/import/text_encoding.hpp"
 #include "common/import/uri.hpp"
 
 namespace fracture {
@@ -43,12 +44,12 @@ class Textures {
     image.mime_type = sniff_image(image.bytes);
     const bool core = image.mime_type == "image/png" || image.mime_type == "image/jpeg";
     if (!core) {
-      out_.warnings.push_back("The image \"" + path.substr(0, 80) + "\" " +
+      out_.warnings.push_back("The image \"" + name_as_utf8(path).substr(0, 80) + "\" " +
                               (image.bytes.empty() ? "is in another file" : "is neither PNG nor JPEG") +
                               " and was left out.");
       return known_[path] = kNoIndex;
     }
-    image.name = path.substr(path.find_last_of("/\\") + 1);
+    image.name = name_as_utf8(path.substr(path.find_last_of("/\\") + 1));
     json& textures = out_.library.textures;
     textures.push_back({{"source", out_.library.images.size()}});
     out_.library.images.push_back(std::move(image));
@@ -66,7 +67,7 @@ json translate(const aiMaterial& source, Textures& textures) {
   json material = json::object();
   aiString name;
   if (source.Get(AI_MATKEY_NAME, name) == aiReturn_SUCCESS && name.length > 0)
-    material["name"] = name.C_Str();
+    material["name"] = name_as_utf8(name.C_Str());
   json pbr = {{"metallicFactor", 0}};
   aiColor4D color(1, 1, 1, 1);
   if (source.Get(AI_MATKEY_BASE_COLOR, color) != aiReturn_SUCCESS) source.Get(AI_MATKEY_COLOR_DIFFUSE, color);

@@ -13,9 +13,11 @@ Vec3d at(const aiMesh& mesh, unsigned index) {
   return {p.x, p.y, p.z};
 }
 
-/// Do the two triangles on either side of the diagonal (a, c) of the quad (a, b, c, d) face the same way?
-bool same_side(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
-  return dot(cross(b - a, c - a), cross(c - a, d - a)) > 0;
+/// Does the fan (a, b, c), (a, c, d) fold flat over itself, as that of a planar quad with a reflex corner at
+/// b or d does? A bent quad does not: its two triangles meet at an angle.
+bool folds(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
+  const Vec3d n = cross(b - a, c - a), m = cross(c - a, d - a);
+  return dot(n, m) < -0.9 * length(n) * length(m);
 }
 
 void set_triangle(aiFace& face, const std::array<unsigned, 3>& corners) {
@@ -42,8 +44,7 @@ void fan_quads(aiMesh& mesh) {
     }
     const unsigned* i = face.mIndices;
     const Vec3d a = at(mesh, i[0]), b = at(mesh, i[1]), c = at(mesh, i[2]), d = at(mesh, i[3]);
-    const unsigned s =
-        !same_side(a, b, c, d) && same_side(b, c, d, a) ? 1 : 0;  // the corner the fan starts from
+    const unsigned s = folds(a, b, c, d) && !folds(b, c, d, a) ? 1 : 0;  // the corner the fan starts from
     set_triangle(faces[n++], {i[s], i[s + 1], i[s + 2]});
     set_triangle(faces[n++], {i[s], i[s + 2], i[(s + 3) % 4]});
   }

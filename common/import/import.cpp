@@ -123,6 +123,8 @@ Expected<Mesh> import_mesh(std::span<const std::byte> bytes, MeshFormat format, 
   Expected<Mesh> mesh =
       gltf ? import_gltf(bytes, format, limits, files) : import_with_assimp(bytes, format, limits, files);
   if (mesh) state_frame(*mesh, format);
+  if (mesh)  // they quote the file, cut to a length that may end within a character
+    for (std::string& warning : mesh->warnings) warning = name_as_utf8(warning);
   if (mesh) complete_attributes(*mesh);
   return mesh;
 }

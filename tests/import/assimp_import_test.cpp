@@ -70,6 +70,17 @@ TEST(ObjImport, MaterialSlotsSurviveWithoutTheMtlAndTakeItsColoursWithIt) {
   EXPECT_NE(without.material[0], without.material[3]);
 }
 
+TEST(ObjImport, NamesInLatin1BecomeUtf8) {
+  const std::string mtl = "newmtl d\xe4k\nKd 1 0 0\nmap_Kd \xfc.png\n";
+  const std::vector<ImportFile> files{{"a.mtl", bytes_of(mtl)}};
+  std::string obj = kCubeObj;
+  obj.replace(obj.find("o box"), 5, "mtllib a.mtl\no b\xf6x\nusemtl d\xe4k");
+  const Mesh mesh = import_ok(obj, MeshFormat::kObj, files);
+  EXPECT_EQ(mesh.node_names, std::vector<std::string>{"b\xc3\xb6x"});
+  EXPECT_EQ(mesh.library->materials.at(0).at("name"), "d\xc3\xa4k");
+  for (const std::string& warning : mesh.warnings) EXPECT_NO_THROW(nlohmann::json(warning).dump());
+}
+
 TEST(ObjImport, MtlOutsideTheUploadIsNotOpened) {
   const Mesh mesh = import_ok(std::string("mtllib /etc/passwd\n") + kCubeObj, MeshFormat::kObj);
   EXPECT_EQ(mesh.triangles.size(), 12u);
