@@ -13,7 +13,7 @@
 
 #include "common/import/assimp_files.hpp"
 #include "common/import/assimp_materials.hpp"
-#include "common/import/assimp_quads.hpp"
+#include "common/import/assimp_polygons.hpp"
 #include "common/import/mesh_builder.hpp"
 #include "common/import/refused.hpp"
 #include "common/import/text_encoding.hpp"
@@ -170,7 +170,7 @@ Expected<Mesh> import_with_assimp(std::span<const std::byte> bytes, MeshFormat f
     const aiScene* scene = importer.ReadFile(name, 0);
     check(scene);
     check_indices(*scene);
-    fan_quads(const_cast<aiScene&>(*scene));  // the importer's own, and it lets its users mend it
+    fan_polygons(const_cast<aiScene&>(*scene));  // the importer's own, and it lets its users mend it
     scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
     check(scene);
 
