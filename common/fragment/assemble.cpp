@@ -260,27 +260,24 @@ Fragment assemble(const RestrictedDiagram& diagram, const Ownership& ownership, 
 }
 
 FileVolume file_volume(const Fragment& f) {
-  double six = 0, magnitude = 0;
-  for (std::size_t k = 0; k < f.indices.size(); k += 3) {
-    const Vec3d a = to_double(f.positions[f.indices[k]]), b = to_double(f.positions[f.indices[k + 1]]),
-                c = to_double(f.positions[f.indices[k + 2]]);
-    const Vec3d n = cross(b, c);
-    six += dot(a, n);
-    magnitude += std::fabs(a.x * n.x) + std::fabs(a.y * n.y) + std::fabs(a.z * n.z) +
-                 std::fabs(a.x) * (std::fabs(b.y * c.z) + std::fabs(b.z * c.y)) +
-                 std::fabs(a.y) * (std::fabs(b.z * c.x) + std::fabs(b.x * c.z)) +
-                 std::fabs(a.z) * (std::fabs(b.x * c.y) + std::fabs(b.y * c.x));
-  }
-  // Float inputs are exact in double; each product and sum rounds once, n terms add up.
-  const double error = magnitude * 0x1.0p-50 * static_cast<double>(8 + f.indices.size() / 3);
+  double six = 0, reach = 0;
+  for (const Vec3f& p : f.positions)
+    for (const float c : {p.x, p.y, p.z}) reach = std::max(reach, std::fabs(static_cast<double>(c)));
+  for (std::size_t k = 0; k < f.indices.size(); k += 3)
+    six += dot(to_double(f.positions[f.indices[k]]),
+               cross(to_double(f.positions[f.indices[k + 1]]), to_double(f.positions[f.indices[k + 2]])));
+  // Floats are exact in double. A term is at most 6 reach³ and off by fewer than 8 roundings; the k-th
+  // partial sum is at most k times that and rounded once: together less than n (n + 16) 2^-53 6 reach³.
+  const auto n = static_cast<double>(f.indices.size() / 3);
+  const double error = n * (n + 16) * 0x1.0p-52 * 6 * reach * reach * reach;
   if (std::fabs(six) > error) return {six / 6, six > 0 ? 1 : -1};
 
   exact::BinaryScale scale;
   for (const Vec3f& p : f.positions) scale.include(to_double(p));
   exact::BigInt sum = 0;
   for (std::size_t k = 0; k < f.indices.size(); k += 3) {
-    const auto at = [&](std::size_t n) {
-      return scale.scaled<exact::BigInt>(to_double(f.positions[f.indices[n]]));
+    const auto at = [&](std::size_t m) {
+      return scale.scaled<exact::BigInt>(to_double(f.positions[f.indices[m]]));
     };
     sum += dot(at(k), cross(at(k + 1), at(k + 2)));
   }

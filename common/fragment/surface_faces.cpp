@@ -115,11 +115,12 @@ OwnedFaces divide_surface(const RestrictedDiagram& d, const Ownership& ownership
   const auto owners = static_cast<std::uint32_t>(ownership.sites_of_owner.size());
   const auto owner_of = [&](SiteId s) { return ownership.owner_of_site[s]; };
 
-  // First all faces by input triangle, with their owner; then a counting sort by owner.
-  std::vector<Face> faces;
-  std::vector<std::uint32_t> owner;
-  faces.reserve(triangles + 2 * polygons.size());
-  owner.reserve(triangles + 2 * polygons.size());
+  // The faces of triangles that several owners share, by input triangle; all other triangles stay whole.
+  std::vector<Face> shared;
+  std::vector<std::uint32_t> owner;             // per face of `shared`
+  std::vector<std::uint32_t> whole(triangles);  // per triangle: its only owner, or kNoIndex
+  OwnedFaces out;
+  out.begin.assign(owners + 1, 0);
   Fuser fuser(d, ownership);
   std::vector<std::uint32_t> here;
   std::size_t p = 0;
@@ -132,10 +133,11 @@ OwnedFaces divide_surface(const RestrictedDiagram& d, const Ownership& ownership
       if (std::find(here.begin(), here.end(), o) == here.end()) here.push_back(o);
     }
     if (here.size() <= 1) {
-      faces.push_back({d.solid.triangles[t], t});
-      owner.push_back(here.empty() ? owner_of(d.cuts.label[d.solid.triangles[t][0]]) : here[0]);
+      whole[t] = here.empty() ? owner_of(d.cuts.label[d.solid.triangles[t][0]]) : here[0];
+      ++out.begin[whole[t] + 1];
       continue;
     }
+    whole[t] = kNoIndex;
     for (const std::uint32_t o : here) {
       const CutPolygon* only = nullptr;
       std::size_t count = 0;
@@ -144,21 +146,25 @@ OwnedFaces divide_surface(const RestrictedDiagram& d, const Ownership& ownership
           only = &polygons[k];
           ++count;
         }
+      const std::size_t before = shared.size();
       if (count == 1 && ownership.sites_of_owner[o].size() == 1)
-        halve(d.cuts.vertices.data() + only->first, 0, only->count - 1, t, faces);
+        halve(d.cuts.vertices.data() + only->first, 0, only->count - 1, t, shared);
       else
-        fuser.fuse(t, o, polygons.data() + first, polygons.data() + p, faces);
-      owner.resize(faces.size(), o);
+        fuser.fuse(t, o, polygons.data() + first, polygons.data() + p, shared);
+      owner.resize(shared.size(), o);
+      out.begin[o + 1] += static_cast<std::uint32_t>(shared.size() - before);
     }
   }
 
-  OwnedFaces out;
-  out.begin.assign(owners + 1, 0);
-  for (const std::uint32_t o : owner) ++out.begin[o + 1];
+  // Counting sort by owner, in order of the input triangles.
   for (std::uint32_t o = 0; o < owners; ++o) out.begin[o + 1] += out.begin[o];
-  out.faces.resize(faces.size());
+  out.faces.resize(out.begin[owners]);
   std::vector<std::uint32_t> next(out.begin.begin(), out.begin.end() - 1);
-  for (std::size_t f = 0; f < faces.size(); ++f) out.faces[next[owner[f]]++] = faces[f];
+  std::size_t s = 0;
+  for (std::uint32_t t = 0; t < triangles; ++t) {
+    if (whole[t] != kNoIndex) out.faces[next[whole[t]]++] = {d.solid.triangles[t], t};
+    for (; s < shared.size() && shared[s].source == t; ++s) out.faces[next[owner[s]]++] = shared[s];
+  }
   return out;
 }
 
