@@ -211,7 +211,7 @@ TEST_F(EndToEnd, AWorkingRequestIsFinishedAfterSigint) {
 TEST_F(EndToEnd, ATakenPortIsSaidAndEndsWithOne) {
   ServeProcess server;
   Process second({"serve", "--port", std::to_string(server.port), "--admin-port", "0"});
-  const std::string line = second.error_line();
+  const std::string line = second.error_line_with(std::to_string(server.port));
   EXPECT_EQ(second.wait(), 1);
   EXPECT_NE(line.find(std::to_string(server.port)), std::string::npos) << line;
 }

@@ -50,6 +50,13 @@ class Process {
     char line[1000];
     return std::fgets(line, sizeof line, errors_) ? line : "";
   }
+  /// The first line from here on that contains `text`, warnings before it skipped; empty when there is none.
+  std::string error_line_with(const std::string& text) {
+    std::string line;
+    do line = error_line();
+    while (!line.empty() && line.find(text) == std::string::npos);
+    return line;
+  }
   void signal(int number) { ::kill(pid_, number); }
   /// The exit code, or 1000 + the signal that killed it.
   int wait() {
@@ -67,14 +74,14 @@ class Process {
   bool ended_ = false;
 };
 
-/// `fracture-server serve` on free ports, which it names in its first log line.
+/// `fracture-server serve` on free ports, which it names in its log.
 class ServeProcess : public Process {
  public:
   explicit ServeProcess(std::vector<std::string> flags = {}) : Process(with_ports(std::move(flags))) {
-    const std::string line = error_line();
+    const std::string line = error_line_with(" (admin port ");
     const std::size_t colon = line.rfind(':', line.find(" (admin port ")), admin = line.find("admin port ");
     if (colon == std::string::npos || admin == std::string::npos)
-      throw std::runtime_error("unexpected: " + line);
+      throw std::runtime_error("the server ended before it listened");
     port = static_cast<std::uint16_t>(std::atoi(line.c_str() + colon + 1));
     admin_port = static_cast<std::uint16_t>(std::atoi(line.c_str() + admin + 11));
   }
