@@ -1,6 +1,6 @@
 // Bad input is a value: every stage that can refuse its input returns Expected<T>. Exceptions are for broken
-// invariants (InternalError) and out-of-memory, caught once per request and in main. The one table of codes is
-// error_codes.def; the HTTP status of each stands in server/ and the same names in proto/openapi.yaml.
+// invariants (InternalError) and out-of-memory, caught once per request and in main. The one table of codes
+// is error_codes.def; the HTTP status of each stands in server/ and the same names in proto/openapi.yaml.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -22,9 +22,9 @@ const char* slug(ErrorCode code);
 /// One short sentence for people.
 const char* title(ErrorCode code);
 
-/// What went wrong (code), where (pointer: a JSON pointer or parameter name, may be empty), and how to mend it
-/// (detail: one or two sentences that state the offending value and the limit). `extra` carries figures for
-/// programs, e.g. {"open_edges": 42, "sample": [x, y, z]}.
+/// What went wrong (code), where (pointer: a JSON pointer or parameter name, may be empty), and how to mend
+/// it (detail: one or two sentences that state the offending value and the limit). `extra` carries figures
+/// for programs, e.g. {"open_edges": 42, "sample": [x, y, z]}.
 struct Error {
   ErrorCode code;
   std::string detail;

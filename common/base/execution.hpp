@@ -1,5 +1,6 @@
-// How the caller of a long computation stays in charge of it: threads, cancellation, deadline, progress. Passed by
-// the caller to every stage (no globals); a default-constructed context means "one thread, never stop".
+// How the caller of a long computation stays in charge of it: threads, cancellation, deadline, progress.
+// Passed by the caller to every stage (no globals); a default-constructed context means "one thread, never
+// stop".
 #pragma once
 
 #include <atomic>
@@ -13,7 +14,8 @@
 
 namespace fracture {
 
-/// Thrown by poll() inside the geometry loops and turned into an Error by the pipeline. Not an error of the library.
+/// Thrown by poll() inside the geometry loops and turned into an Error by the pipeline. Not an error of the
+/// library.
 struct Interrupted {
   ErrorCode code;  ///< kCancelled or kDeadlineExceeded
 };
@@ -28,14 +30,16 @@ struct Execution {
   /// Throws Interrupted when the work is no longer wanted. Cheap enough for once per few hundred items.
   void poll() const {
     if (stop.stop_requested()) throw Interrupted{ErrorCode::kCancelled};
-    if (deadline && std::chrono::steady_clock::now() > *deadline) throw Interrupted{ErrorCode::kDeadlineExceeded};
+    if (deadline && std::chrono::steady_clock::now() > *deadline)
+      throw Interrupted{ErrorCode::kDeadlineExceeded};
   }
 };
 
 /// Calls body(begin, end) for consecutive blocks of at most `grain` items that together cover [0, count).
-/// Blocks run on up to execution.threads threads in any order; the *boundaries* do not depend on the number of
-/// threads, so a result kept per block and joined in block order is the same for every thread count. Polls the
-/// execution before each block. The first exception of a block is rethrown after all workers have stopped.
+/// Blocks run on up to execution.threads threads in any order; the *boundaries* do not depend on the number
+/// of threads, so a result kept per block and joined in block order is the same for every thread count. Polls
+/// the execution before each block. The first exception of a block is rethrown after all workers have
+/// stopped.
 void parallel_for(const Execution& execution, std::size_t count, std::size_t grain,
                   const std::function<void(std::size_t begin, std::size_t end)>& body);
 

@@ -9,8 +9,9 @@
 
 namespace fracture {
 
-/// SplitMix64 (Steele, Lea & Flood 2014, "Fast splittable pseudorandom number generators"): 64 bits of state, passes
-/// BigCrush, any seed is a good seed. Draw into named variables: f(rng(), rng()) has no specified order.
+/// SplitMix64 (Steele, Lea & Flood 2014, "Fast splittable pseudorandom number generators"): 64 bits of state,
+/// passes BigCrush, any seed is a good seed. Draw into named variables: f(rng(), rng()) has no specified
+/// order.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}

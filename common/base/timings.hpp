@@ -1,5 +1,5 @@
-// Wall-clock time by stage, in the order the stages first ran: the source of Server-Timing and of bake reports.
-// Timings never reach the GLB (its bytes depend on input and parameters only).
+// Wall-clock time by stage, in the order the stages first ran: the source of Server-Timing and of bake
+// reports. Timings never reach the GLB (its bytes depend on input and parameters only).
 #pragma once
 
 #include <chrono>

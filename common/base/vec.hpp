@@ -1,5 +1,5 @@
-// Small fixed vectors. Plain data, no cleverness: every operation is written out so that each compiler evaluates
-// the same expression in the same order (one of the conditions for identical bytes everywhere).
+// Small fixed vectors. Plain data, no cleverness: every operation is written out so that each compiler
+// evaluates the same expression in the same order (one of the conditions for identical bytes everywhere).
 #pragma once
 
 #include <array>
