@@ -1,0 +1,109 @@
+// What is decided from the header alone, before any of the body is read.
+#include "server/http/accept.hpp"
+#include "server/http/api.hpp"
+#include "server/http/multipart.hpp"
+
+namespace fracture::http {
+
+Problem Api::overloaded() const {
+  return Problem(HttpProblem::kOverloaded, "The queue is full: " + std::to_string(pool_.queued()) +
+                                               " jobs wait and " + std::to_string(pool_.running()) +
+                                               " run. Try again after Retry-After.")
+      .with("Retry-After", std::to_string(pool_.retry_after().count()));
+}
+
+Problem Api::no_memory() const {
+  return Problem(HttpProblem::kOverloaded, "The requests in progress hold " + std::to_string(bodies_.used()) +
+                                               " bytes; there is no room for this body now.")
+      .with("Retry-After", std::to_string(pool_.retry_after().count()));
+}
+
+OrProblem<Admission> Api::admit(Listener listener, const RequestHead& head) const {
+  Admission admission;
+  std::string allow;
+  const bool is_head = head.method == "HEAD";
+  for (const Route& route : routes()) {
+    if (route.listener != listener) continue;
+    auto segment = match(route, head.path);
+    if (!segment) continue;
+    allow +=
+        (allow.empty() ? "" : ", ") + std::string(route.method) + (route.method == "GET" ? ", HEAD" : "");
+    if (route.method == head.method || (is_head && route.method == "GET")) {
+      admission.route = &route;
+      admission.segment = std::move(*segment);
+    }
+  }
+  if (!admission.route) {
+    for (const std::string_view known :
+         {"GET", "HEAD", "POST", "PUT", "DELETE", "PATCH", "OPTIONS", "TRACE", "CONNECT"})
+      if (head.method == known)
+        return allow.empty() ? tl::unexpected<Problem>(Problem(
+                                   HttpProblem::kNotFound, "There is no path '" + head.path.substr(0, 100) +
+                                                               "'. GET /openapi.json lists them."))
+                             : tl::unexpected<Problem>(
+                                   Problem(HttpProblem::kMethodNotAllowed, "This path answers " + allow + ".")
+                                       .with("Allow", allow));
+    return refuse(HttpProblem::kNotImplemented, "The method is not known here.");
+  }
+  admission.head_only = is_head;
+  admission.max_body = head.method == "POST" ? limits_.max_body : 0;
+
+  auto query = parse_query(head.query);
+  if (!query) return refuse(HttpProblem::kMalformedRequest, "The query has a malformed percent escape.");
+  admission.query = std::move(*query);
+  const bool is_post = head.method == "POST";
+  if (is_post) {
+    // Parameters first: their errors are the most useful ones.
+    if (auto parsed = service_.parameters().parse(raw_parameters(admission.query)); !parsed)
+      return tl::unexpected<Problem>(to_problem(std::move(parsed.error())));
+  } else if (!admission.query.empty()) {
+    return tl::unexpected<Problem>(to_problem(
+        {ErrorCode::kUnknownParameter, "This path takes no parameters.", admission.query.front().first}));
+  }
+
+  const auto representation = negotiate(head.field("accept"), admission.route->offers);
+  if (!representation) {
+    std::string list;
+    for (const std::string_view offer : admission.route->offers)
+      list += (list.empty() ? "" : ", ") + std::string(offer);
+    return refuse(HttpProblem::kNotAcceptable, "This path can answer with " + list + ".");
+  }
+  admission.representation = *representation;
+
+  if (head.content_length.value_or(0) > admission.max_body)
+    return refuse(HttpProblem::kBodyTooLarge, "The body has " + std::to_string(*head.content_length) +
+                                                  " bytes; the limit here is " +
+                                                  std::to_string(admission.max_body) + ".");
+  if (is_post) {
+    if (!head.has_body())
+      return tl::unexpected<Problem>(
+          to_problem({ErrorCode::kEmptyBody,
+                      "The body is empty. Send the mesh file as the body, or as the part 'mesh' of a "
+                      "multipart/form-data body.",
+                      "mesh"}));
+    const std::string coding = head.field("content-encoding");
+    if (!coding.empty() && !equals_ignoring_case(coding, "identity"))
+      return refuse(HttpProblem::kUnsupportedCoding,
+                    "Content-Encoding is not supported; send the body as it is.");
+    if (auto problem = refuse_media_type(head, admission))
+      return tl::unexpected<Problem>(std::move(*problem));
+    if (pool_.full()) return tl::unexpected<Problem>(overloaded());
+  }
+  return admission;
+}
+
+/// A raw body whose format cannot be known is refused before it is read.
+std::optional<Problem> Api::refuse_media_type(const RequestHead& head, const Admission& admission) const {
+  const std::string content_type = head.field("content-type"), type = media_type_of(content_type);
+  if (type == "multipart/form-data") {
+    if (multipart_boundary(content_type)) return std::nullopt;
+    return Problem(HttpProblem::kMalformedMultipart, "The Content-Type has no usable boundary.");
+  }
+  for (const auto& [name, value] : admission.query)
+    if (name == "format") return std::nullopt;
+  const auto format = format_from_media_type(type);
+  if (format && service_.parameters().formats().contains(*format)) return std::nullopt;
+  return unknown_format(service_.parameters().formats(), type == "application/octet-stream" ? "" : type);
+}
+
+}  // namespace fracture::http

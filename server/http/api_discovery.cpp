@@ -1,0 +1,57 @@
+// What may be asked, and how; and the probes.
+#include "server/http/api.hpp"
+
+namespace fracture::http {
+
+Response Api::get_index() const {
+  return Response::json(
+      {{"name", "fracture-server"},
+       {"about", "POST a mesh to /fracture and get exact, watertight fragments back as one GLB."},
+       {"version", FRACTURE_VERSION},
+       {"algorithm", kAlgorithmVersion},
+       {"links", {{"interface", "/openapi.json"}, {"limits", "/limits"}, {"version", "/version"}}}});
+}
+
+Response Api::get_version() const {
+  return Response::json(
+      {{"name", "fracture-server"}, {"version", FRACTURE_VERSION}, {"algorithm", kAlgorithmVersion}});
+}
+
+Response Api::get_limits() const {
+  const ServiceConfig& config = service_.config();
+  return Response::json({{"max_body_bytes", limits_.max_body},
+                         {"max_bodies_bytes", limits_.max_bodies},
+                         {"max_header_bytes", limits_.max_header},
+                         {"max_uri_bytes", limits_.max_uri},
+                         {"header_timeout_ms", limits_.header_timeout.count()},
+                         {"body_grace_ms", limits_.body_grace.count()},
+                         {"body_bytes_per_second", limits_.body_rate},
+                         {"write_stall_ms", limits_.write_stall.count()},
+                         {"idle_ms", limits_.idle.count()},
+                         {"max_connections", limits_.max_connections},
+                         {"max_connections_per_address", limits_.max_connections_per_address},
+                         {"max_triangles", config.import_limits.max_triangles},
+                         {"max_decoded_bytes", config.import_limits.max_decoded_bytes},
+                         {"max_json_depth", config.import_limits.max_json_depth},
+                         {"deadline_ms", limits_.deadline.count()},
+                         {"formats", service_.parameters().formats().names()},
+                         {"parameters", service_.parameters().to_json()}});
+}
+
+Response Api::get_openapi() const {
+  Response response;
+  response.content_type = "application/json";
+  const std::string_view text = openapi_json();
+  response.body = {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+  return response;
+}
+
+OrProblem<Response> Api::get_readyz() const {
+  if (draining())
+    return tl::unexpected<Problem>(
+        Problem(HttpProblem::kDraining, "The server is stopping; send requests elsewhere.")
+            .with("Retry-After", "5"));
+  return Response::text(200, "text/plain", "ready\n");
+}
+
+}  // namespace fracture::http

@@ -1,0 +1,51 @@
+// What a session and the Api hand each other: a request whose header was approved, and its answer.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "server/http/problem.hpp"
+#include "server/http/request_head.hpp"
+#include "server/http/routes.hpp"
+#include "server/service/memory_budget.hpp"
+
+namespace fracture::http {
+
+/// A request that may go on: which route, and what its header already decided.
+struct Admission {
+  const Route* route = nullptr;
+  bool head_only = false;  ///< HEAD: the answer without its body
+  std::uint64_t max_body = 0;
+  std::string segment;  ///< what the braced segment matched
+  std::vector<std::pair<std::string, std::string>> query;
+  std::size_t representation = 0;  ///< which offered media type was negotiated
+};
+
+struct Request {
+  RequestHead head;
+  Admission admission;
+  std::string body;
+  MemoryBudget::Reservation reservation;  ///< for the body
+  std::string id;                         ///< X-Request-Id
+  double queue_milliseconds = 0;          ///< from the whole body being there to the start of the work
+};
+
+struct Response {
+  int status = 200;
+  std::string content_type;
+  std::vector<std::pair<std::string, std::string>> headers;
+  std::shared_ptr<const void> owner;  ///< keeps `body` alive; shared with the cache, never copied
+  std::span<const std::uint8_t> body;
+
+  static Response text(int status, std::string content_type, std::string body);
+  static Response json(const nlohmann::ordered_json& document, int status = 200);
+  static Response problem(const Problem& problem, std::string_view request_id);
+};
+
+}  // namespace fracture::http

@@ -1,0 +1,50 @@
+// The table of routes: every method and path there is, and what a request of each may carry.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace fracture::http {
+
+enum class Listener { kPublic, kAdmin };
+
+/// The operationId of each route in proto/openapi.yaml.
+enum class Operation {
+  kGetIndex,
+  kGetVersion,
+  kGetLimits,
+  kGetOpenapi,
+  kPostFracture,
+  kGetFracture,
+  kGetLivez,
+  kGetReadyz,
+};
+
+struct Route {
+  enum class Runs {
+    kInline,  ///< answered on the io thread: must not block or compute
+    kOnPool,  ///< a job of the worker pool
+  };
+  Operation operation;
+  Listener listener;
+  std::string_view method;
+  std::string_view path;  ///< a segment in braces matches any one segment; at most one in a path
+  Runs runs;
+  std::span<const std::string_view> offers;  ///< media types of the answer, in order of preference
+  std::string_view summary;
+};
+
+/// Every method and path there is. HEAD is answered wherever GET is. proto/openapi.yaml describes exactly
+/// these.
+std::span<const Route> routes();
+
+/// What the segment in braces stands for (empty when the route has none); nothing when the path is another.
+std::optional<std::string> match(const Route& route, std::string_view path);
+
+/// Of the offers of the routes that answer with a result.
+inline constexpr std::size_t kAsGlb = 0, kAsFigures = 1, kAsGltf = 2;
+
+}  // namespace fracture::http
