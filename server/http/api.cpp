@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <chrono>
 #include <exception>
 #include <new>
 
@@ -31,14 +32,36 @@ Problem to_problem(Error error) {
 Problem unknown_format(const FormatSet& formats, std::string_view given) {
   std::string names;
   for (const std::string& name : formats.names()) names += (names.empty() ? "" : ", ") + name;
-  std::string detail = given.empty()
-                           ? "The request does not say what format the mesh has."
-                           : "'" + std::string(given) + "' names no mesh format that this server reads.";
+  std::string detail = "The request does not say what format the mesh has.";
+  if (!given.empty())
+    detail = std::string(given).insert(0, 1, '\'') + "' names no mesh format that this server reads.";
   return to_problem(
       {ErrorCode::kUnknownFormat,
        detail + " Say it in Content-Type (for example model/gltf-binary) or as ?format= with one of " +
            names + ".",
        "format"});
+}
+
+void Api::start(std::shared_ptr<Request> request, std::stop_token gone, std::function<void(Response)> reply) {
+  if (request->admission.route->runs == Route::Runs::kInline) {
+    reply(answer(*request, Execution{}));
+    return;
+  }
+  const auto received = std::chrono::steady_clock::now();
+  auto job = [this, request, received, gone = std::move(gone), reply](int threads) {
+    const auto begin = std::chrono::steady_clock::now();
+    request->queue_milliseconds = std::chrono::duration<double, std::milli>(begin - received).count();
+    Execution execution;
+    execution.threads = threads;
+    execution.stop = gone;
+    execution.deadline = received + limits_.deadline;
+    Response response = answer(*request, execution);
+    // The mesh is not needed while the answer is written.
+    std::string().swap(request->body);
+    request->reservation = {};
+    reply(std::move(response));
+  };
+  if (!pool_.try_submit(std::move(job))) reply(Response::problem(overloaded(), request->id));
 }
 
 Response Api::answer(const Request& request, const Execution& execution) noexcept {

@@ -1,10 +1,13 @@
 // What the server answers. Knows HTTP's meaning but no sockets: a session hands it the header (admit), then
-// the whole request (answer), and writes what comes back. The handlers stand in one file for each subject:
+// the whole request (start), and writes what comes back. The handlers stand in one file for each subject:
 // api_fracture.cpp, api_results.cpp, api_discovery.cpp; admit.cpp decides from the header alone.
 #pragma once
 
 #include <atomic>
+#include <functional>
+#include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -29,18 +32,22 @@ class Api {
   /// in the query, no room in the queue.
   OrProblem<Admission> admit(Listener listener, const RequestHead& head) const;
 
-  /// Never throws; a broken invariant becomes a 500 problem and a log line.
-  Response answer(const Request& request, const Execution& execution) noexcept;
+  /// Answers through `reply`, which is called exactly once: before this returns or later, from any thread. A
+  /// stop of `gone` says that nobody waits for the answer any more. A broken invariant becomes a 500 problem
+  /// and a log line.
+  void start(std::shared_ptr<Request> request, std::stop_token gone, std::function<void(Response)> reply);
+  /// Returns when nothing is computed any more and no reply is outstanding.
+  void wait_idle() { pool_.wait_idle(); }
 
-  Problem overloaded() const;
   void set_draining() { draining_ = true; }
   bool draining() const { return draining_; }
   Problem no_memory() const;
   MemoryBudget& bodies() { return bodies_; }
   const HttpLimits& limits() const { return limits_; }
-  WorkerPool& pool() { return pool_; }
 
  private:
+  Response answer(const Request& request, const Execution& execution) noexcept;
+  Problem overloaded() const;
   OrProblem<Response> dispatch(const Request& request, const Execution& execution);
   OrProblem<Response> post_fracture(const Request& request, const Execution& execution);
   OrProblem<Response> get_fracture(const Request& request);

@@ -3,7 +3,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -36,12 +38,23 @@ struct Request {
   double queue_milliseconds = 0;          ///< from the whole body being there to the start of the work
 };
 
+/// A body that is not all there when the answer begins: it is written in chunks as it comes.
+class BodyStream {
+ public:
+  virtual ~BodyStream() = default;
+  /// Calls `ready` exactly once, from any thread, possibly before returning: with the next bytes, or with
+  /// nothing at the end. Not asked again before it has answered. `ready` is dropped uncalled when the server
+  /// is destroyed.
+  virtual void next(std::function<void(std::optional<std::string>)> ready) = 0;
+};
+
 struct Response {
   int status = 200;
   std::string content_type;
   std::vector<std::pair<std::string, std::string>> headers;
   std::shared_ptr<const void> owner;  ///< keeps `body` alive; shared with the cache, never copied
   std::span<const std::uint8_t> body;
+  std::shared_ptr<BodyStream> stream;  ///< when there is one, it is the body
 
   static Response text(int status, std::string content_type, std::string body);
   static Response json(const nlohmann::ordered_json& document, int status = 200);

@@ -136,7 +136,7 @@ class HttpServer::Impl {
     for (std::thread& thread : threads_) thread.join();
     // No handler runs any more, so nothing can be submitted; what was submitted still uses sessions and
     // contexts.
-    api_.pool().wait_idle();
+    api_.wait_idle();
   }
 
   void stop_accepting() {

@@ -113,6 +113,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     asio::post(socket_.get_executor(), [self = shared_from_this()] {
       self->closing_ = true;
       if (!self->busy_) self->abort_io();
+      self->job_done_.cancel();  // a stream of events ends
     });
   }
 
@@ -345,49 +346,37 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     return "The body is larger than the limit of " + std::to_string(admission.max_body) + " bytes.";
   }
 
-  /// Fills exchange_->response, on the pool or here.
+  /// Fills exchange_->response.
   asio::awaitable<void> compute() {
     const std::shared_ptr<Exchange> exchange = exchange_;
-    if (exchange->request.admission.route->runs == Route::Runs::kInline) {
-      exchange->response = api_.answer(exchange->request, Execution{});
-      co_return;
-    }
     stop_ = std::stop_source();
-    const steady_clock::time_point received = steady_clock::now();
     job_done_.expires_at(steady_clock::time_point::max());
-    auto job = [self = shared_from_this(), exchange, received, stop = stop_.get_token()](int threads) {
-      const steady_clock::time_point start = steady_clock::now();
-      exchange->request.queue_milliseconds =
-          std::chrono::duration<double, std::milli>(start - received).count();
-      Execution execution;
-      execution.threads = threads;
-      execution.stop = stop;
-      execution.deadline = received + self->api_.limits().deadline;
-      Response response = self->api_.answer(exchange->request, execution);
-      // The mesh is not needed while the answer is written.
-      std::string().swap(exchange->request.body);
-      exchange->request.reservation = {};
-      asio::post(self->socket_.get_executor(), [self, exchange, response = std::move(response)]() mutable {
-        exchange->response = std::move(response);
-        exchange->done = true;
-        self->job_done_.cancel();
-      });
-    };
-    if (!api_.pool().try_submit(std::move(job))) {
-      exchange->response = Response::problem(api_.overloaded(), exchange->request.id);
-      co_return;
-    }
-    // A reset (not a half-close: that client still reads) means nobody wants the answer any more.
-    socket_.async_wait(tcp::socket::wait_error, [weak = weak_from_this()](error_code ec) {
-      const auto self = weak.lock();
-      if (ec || !self || !self->is_reset()) return;
-      self->stop_.request_stop();
-    });
+    api_.start(std::shared_ptr<Request>(exchange, &exchange->request), stop_.get_token(),
+               [self = shared_from_this(), exchange](Response response) {
+                 asio::dispatch(self->socket_.get_executor(),
+                                [self, exchange, response = std::move(response)]() mutable {
+                                  exchange->response = std::move(response);
+                                  exchange->done = true;
+                                  self->job_done_.cancel();
+                                });
+               });
+    if (exchange->done) co_return;
+    watch_for_reset();
     while (!exchange->done) {
       error_code ignored;
       co_await job_done_.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
     }
     abort_io();  // ends the wait for a reset
+  }
+
+  /// A reset (not a half-close: that client still reads) means nobody wants the answer any more.
+  void watch_for_reset() {
+    socket_.async_wait(tcp::socket::wait_error, [weak = weak_from_this()](error_code ec) {
+      const auto self = weak.lock();
+      if (ec || !self || !self->is_reset()) return;
+      self->stop_.request_stop();
+      self->job_done_.cancel();
+    });
   }
 
   /// The pending error of the socket: set by a reset, not by urgent data, which wakes the same wait.
@@ -397,9 +386,10 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     return ::getsockopt(socket_.native_handle(), SOL_SOCKET, SO_ERROR, &error, &size) == 0 && error != 0;
   }
 
-  /// False when the client is gone or took nothing for too long.
-  asio::awaitable<bool> write(const Response& response, bool keep_alive, bool head_only) {
-    bhttp::response<bhttp::span_body<const std::uint8_t>> message;
+  /// Status line and the fields that every answer has.
+  template <class Body>
+  bhttp::response<Body> begin_message(const Response& response, bool keep_alive) const {
+    bhttp::response<Body> message;
     message.version(11);
     message.result(static_cast<unsigned>(response.status));
     message.set(bhttp::field::server, "fracture-server/" FRACTURE_VERSION);
@@ -408,9 +398,16 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     message.set("X-Request-Id", id_);
     message.set("X-Content-Type-Options", "nosniff");
     for (const auto& [name, value] : response.headers) message.insert(name, value);
+    message.keep_alive(keep_alive);
+    return message;
+  }
+
+  /// False when the client is gone or took nothing for too long.
+  asio::awaitable<bool> write(const Response& response, bool keep_alive, bool head_only) {
+    if (response.stream) co_return co_await write_stream(response, keep_alive, head_only);
+    auto message = begin_message<bhttp::span_body<const std::uint8_t>>(response, keep_alive);
     message.body() = beast::span<const std::uint8_t>(response.body.data(), response.body.size());
     if (response.status != 304) message.content_length(response.body.size());
-    message.keep_alive(keep_alive);
 
     bhttp::response_serializer<bhttp::span_body<const std::uint8_t>> serializer(message);
     serializer.split(head_only);
@@ -425,6 +422,61 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     }
     clear_deadline();
     co_return true;
+  }
+
+  /// Chunks as the stream delivers them, until it ends or the server drains. An HTTP/1.0 client knows no
+  /// chunks: its answer ends with the connection.
+  asio::awaitable<bool> write_stream(const Response& response, bool keep_alive, bool head_only) {
+    const bool chunked = exchange_->request.head.minor_version >= 1;
+    auto message = begin_message<bhttp::empty_body>(response, keep_alive && chunked);
+    message.chunked(chunked);
+    bhttp::response_serializer<bhttp::empty_body> serializer(message);
+    error_code ec;
+    set_deadline(steady_clock::now() + api_.limits().write_stall);
+    co_await bhttp::async_write_header(socket_, serializer, asio::redirect_error(asio::use_awaitable, ec));
+    while (!ec && !head_only) {
+      clear_deadline();
+      struct Next {
+        bool there = false;
+        std::optional<std::string> bytes;
+      };
+      const auto next = std::make_shared<Next>();
+      stop_ = std::stop_source();
+      job_done_.expires_at(steady_clock::time_point::max());
+      response.stream->next([weak = weak_from_this(), next](std::optional<std::string> bytes) {
+        const auto self = weak.lock();
+        if (!self) return;
+        asio::dispatch(self->socket_.get_executor(), [weak, next, bytes = std::move(bytes)]() mutable {
+          next->there = true;
+          next->bytes = std::move(bytes);
+          if (const auto session = weak.lock()) session->job_done_.cancel();
+        });
+      });
+      if (!next->there) {
+        watch_for_reset();
+        while (!next->there && !closing() && !stop_.stop_requested())
+          co_await job_done_.async_wait(asio::redirect_error(asio::use_awaitable, ec));
+        abort_io();  // ends the wait for a reset
+        ec = {};
+      }
+      if (stop_.stop_requested()) co_return false;
+      const bool last = !next->there || !next->bytes;
+      if (last && !chunked) break;
+      set_deadline(steady_clock::now() + api_.limits().write_stall);
+      if (last) {
+        co_await asio::async_write(socket_, bhttp::make_chunk_last(),
+                                   asio::redirect_error(asio::use_awaitable, ec));
+        break;
+      }
+      const asio::const_buffer bytes(next->bytes->data(), next->bytes->size());
+      if (chunked)
+        co_await asio::async_write(socket_, bhttp::make_chunk(bytes),
+                                   asio::redirect_error(asio::use_awaitable, ec));
+      else
+        co_await asio::async_write(socket_, bytes, asio::redirect_error(asio::use_awaitable, ec));
+    }
+    clear_deadline();
+    co_return !ec && chunked;
   }
 
   asio::awaitable<void> refuse_and_close(const Response& response, std::string_view method,
