@@ -41,8 +41,18 @@ class MemoryStream : public Assimp::IOStream {
 
 const std::span<const std::byte>* UploadedFiles::find(std::string_view name) const {
   if (name == main_name_) return &main_;
-  const ImportFile* file = find_file(files_, name);
-  return file != nullptr ? &file->bytes : nullptr;
+  if (const ImportFile* file = find_file(files_, name)) return &file->bytes;
+  const std::string_view stem = std::string_view(main_name_).substr(0, main_name_.find_first_of("._"));
+  name.remove_prefix(name.rfind('/') + 1);
+  if (name.size() <= stem.size() + 1 || name.substr(0, stem.size()) != stem) return nullptr;
+  const std::string_view ending = name.substr(stem.size());
+  const ImportFile* companion = nullptr;
+  for (const ImportFile& file : files_) {
+    if (!std::string_view(file.name).ends_with(ending)) continue;
+    if (companion != nullptr) return nullptr;
+    companion = &file;
+  }
+  return companion != nullptr ? &companion->bytes : nullptr;
 }
 
 Assimp::IOStream* UploadedFiles::Open(const char* name, const char* mode) {

@@ -11,6 +11,9 @@
 
 namespace fracture {
 
+/// Companions that a reader looks for under a name made from the main file's ("mesh_d.3d" beside "mesh_a.3d",
+/// "mesh.skin") are found by what follows "mesh" where exactly one further part ends so: the upload does not
+/// say what the main file was called.
 class UploadedFiles : public Assimp::IOSystem {
  public:
   UploadedFiles(std::string main_name, std::span<const std::byte> main, std::span<const ImportFile> files)

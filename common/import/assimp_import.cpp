@@ -4,6 +4,7 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
+#include <algorithm>
 #include <assimp/Importer.hpp>
 #include <cmath>
 #include <memory>
@@ -36,6 +37,17 @@ void keep_only(Assimp::Importer& importer, const std::string& extension) {
   }
 }
 
+/// What the main file is called for Assimp: its readers go by the ending.
+std::string main_name(MeshFormat format, std::span<const ImportFile> files) {
+  if (format == MeshFormat::kXml) return "mesh.mesh.xml";  // Ogre's: see preflight::kind_of_xml
+  if (format == MeshFormat::k3d) {  // Unreal's vertices and their animation come in a pair
+    const bool animation = std::any_of(files.begin(), files.end(),
+                                       [](const ImportFile& f) { return f.name.ends_with("_d.3d"); });
+    return animation ? "mesh_a.3d" : "mesh_d.3d";
+  }
+  return "mesh." + std::string(extension_of(format));
+}
+
 Transform to_transform(const aiMatrix4x4& m) {
   return {{m.a1, m.b1, m.c1}, {m.a2, m.b2, m.c2}, {m.a3, m.b3, m.c3}, {m.a4, m.b4, m.c4}};
 }
@@ -44,6 +56,9 @@ Transform to_transform(const aiMatrix4x4& m) {
 void check_indices(const aiScene& scene) {
   for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
     const aiMesh& mesh = *scene.mMeshes[m];
+    if ((mesh.mVertices == nullptr && mesh.mNumVertices > 0) ||
+        (mesh.mFaces == nullptr && mesh.mNumFaces > 0))
+      refuse(ErrorCode::kMalformedMesh, "Mesh " + std::to_string(m) + " has faces but no vertices.");
     for (unsigned f = 0; f < mesh.mNumFaces; ++f)
       for (unsigned k = 0; k < mesh.mFaces[f].mNumIndices; ++k)
         if (mesh.mFaces[f].mIndices[k] >= mesh.mNumVertices)
@@ -126,7 +141,8 @@ void add_scene(const aiScene& scene, MeshFormat format, const std::vector<std::u
       if (surface.triangles.empty()) continue;
       if (auto added = builder.add(std::move(surface)); !added) throw Refused{added.error()};
     }
-    for (unsigned k = node->mNumChildren; k-- > 0;) stack.emplace_back(node->mChildren[k], world);
+    for (unsigned k = node->mNumChildren; k-- > 0;)  // the reader of RAW leaves null ones
+      if (node->mChildren[k] != nullptr) stack.emplace_back(node->mChildren[k], world);
   }
 }
 
@@ -156,16 +172,18 @@ SourceFrame fbx_frame(const aiScene& scene, MeshBuilder& builder) {
 Expected<Mesh> import_with_assimp(std::span<const std::byte> bytes, MeshFormat format,
                                   const ImportLimits& limits, std::span<const ImportFile> files) {
   try {
-    const std::string extension = extension_of(format), name = "mesh." + extension;
+    const std::string name = main_name(format, files);
     Assimp::Importer importer;
-    keep_only(importer, extension);
+    keep_only(importer, format == MeshFormat::kXml ? "mesh.xml" : extension_of(format));
     importer.SetIOHandler(new UploadedFiles(name, bytes, files));  // owned by the importer
     importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
-    const auto check = [&importer](const aiScene* read) {
+    const auto check = [&importer, format](const aiScene* read) {
       if (read != nullptr && read->mRootNode != nullptr) return;
       std::string reason = importer.GetErrorString();
       for (char& c : reason) c = c >= 0x20 && c < 0x7f ? c : ' ';
-      refuse(ErrorCode::kMalformedMesh, "The file cannot be read: " + reason.substr(0, 300));
+      refuse(ErrorCode::kMalformedMesh,
+             "The file cannot be read as " + std::string(extension_of(format)) + ": " +
+                 (reason.empty() ? "its reader gives no reason." : reason.substr(0, 300)));
     };
     const aiScene* scene = importer.ReadFile(name, 0);
     check(scene);

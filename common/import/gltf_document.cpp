@@ -43,6 +43,10 @@ void require_objects(const json& document, const char* key) {
 
 void check_version_and_extensions(const json& document) {
   const auto asset = document.find("asset");
+  if (const auto meshes = document.find("meshes"); meshes != document.end() && meshes->is_object())
+    refuse(ErrorCode::kUnsupportedFeature,
+           "The document is glTF 1.0 (its meshes are an object with names); only glTF 2.x is read.",
+           "/meshes");
   if (asset == document.end() || !asset->is_object() || !asset->contains("version") ||
       !(*asset)["version"].is_string())
     refuse(ErrorCode::kMalformedMesh, "The document has no asset.version: it is not glTF.", "/asset/version");

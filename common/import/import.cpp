@@ -1,48 +1,55 @@
 #include "common/import/import.hpp"
 
-#include <algorithm>
-#include <array>
+#include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "common/import/assimp_import.hpp"
 #include "common/import/complete_attributes.hpp"
+#include "common/import/decompress.hpp"
 #include "common/import/gltf_import.hpp"
-#include "common/import/gzip.hpp"
 #include "common/import/preflight.hpp"
 #include "common/import/text_encoding.hpp"
 
 namespace fracture {
 namespace {
 
-struct FormatRow {
+bool is_gltf(MeshFormat format) { return format == MeshFormat::kGlb || format == MeshFormat::kGltf; }
+
+/// The file as its parser wants it: text in UTF-8, whole-file compression undone, `format` the one it turns
+/// out to be.
+struct PlainFile {
+  std::span<const std::byte> bytes;
   MeshFormat format;
-  const char* extension;
-  bool enabled_by_default;
-  std::array<const char*, 3> media_types;
+  std::string text;
+  std::vector<std::byte> inflated;
 };
 
-constexpr std::array kFormats = {
-    FormatRow{MeshFormat::kGlb, "glb", true, {"model/gltf-binary", nullptr, nullptr}},
-    FormatRow{MeshFormat::kGltf, "gltf", true, {"model/gltf+json", nullptr, nullptr}},
-    FormatRow{MeshFormat::kObj, "obj", true, {"model/obj", "text/prs.wavefront-obj", nullptr}},
-    FormatRow{MeshFormat::kStl, "stl", true, {"model/stl", "application/sla", "application/vnd.ms-pki.stl"}},
-    FormatRow{MeshFormat::kPly, "ply", true, {"model/ply", "application/ply", nullptr}},
-    FormatRow{MeshFormat::kOff, "off", true, {"model/off", "model/vnd.off", nullptr}},
-    FormatRow{MeshFormat::kBlend, "blend", false, {"application/x-blender", nullptr, nullptr}},
-    FormatRow{MeshFormat::kFbx, "fbx", false, {"model/fbx", "application/vnd.autodesk.fbx", nullptr}},
-    FormatRow{MeshFormat::kDae, "dae", false, {"model/vnd.collada+xml", nullptr, nullptr}},
-    FormatRow{MeshFormat::k3ds, "3ds", false, {"application/x-3ds", "image/x-3ds", nullptr}},
-};
-
-const FormatRow& row(MeshFormat format) {
-  return *std::find_if(kFormats.begin(), kFormats.end(),
-                       [&](const FormatRow& r) { return r.format == format; });
-}
-
-bool equal_ignoring_case(std::string_view a, std::string_view b) {
-  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [&](char x, char y) { return lower(x) == lower(y); });
+Expected<PlainFile> make_plain(std::span<const std::byte> bytes, MeshFormat format,
+                               const ImportLimits& limits) {
+  PlainFile file{bytes, format, {}, {}};
+  const bool zgl = format == MeshFormat::kZgl, blend = format == MeshFormat::kBlend;
+  if (zgl || (blend && (is_gzip(bytes) || is_zstd(bytes)))) {
+    auto plain = blend && is_zstd(bytes) ? unzstd(bytes, limits.max_decoded_bytes)
+                                         : inflate(bytes, limits.max_decoded_bytes);
+    if (!plain) return tl::unexpected<Error>(plain.error());
+    file.inflated = std::move(*plain);
+    file.bytes = file.inflated;
+    if (zgl) file.format = MeshFormat::kXgl;
+  }
+  if (format_info(file.format).encoding != FormatEncoding::kBinary && !is_gltf(format)) {
+    if (std::optional<std::string> text = utf16_to_utf8(file.bytes)) {
+      file.text = std::move(*text);
+      file.bytes = std::as_bytes(std::span(file.text));
+    }
+  }
+  if (file.format == MeshFormat::kXml) {
+    const Expected<MeshFormat> kind = preflight::kind_of_xml(file.bytes);
+    if (!kind) return tl::unexpected<Error>(kind.error());
+    file.format = *kind;
+  }
+  return file;
 }
 
 Expected<void> preflight_of(std::span<const std::byte> bytes, MeshFormat format, const ImportLimits& limits) {
@@ -58,74 +65,45 @@ Expected<void> preflight_of(std::span<const std::byte> bytes, MeshFormat format,
       return preflight::check_ply(bytes, limits);
     case MeshFormat::kOff:
       return preflight::check_off(bytes, limits);
+    case MeshFormat::k3mf:
+    case MeshFormat::kIfczip:
+    case MeshFormat::kPk3:
+    case MeshFormat::kZae:
+      return preflight::check_zip(bytes, limits);
     default:
+      if (format_info(format).encoding == FormatEncoding::kXml)
+        if (auto checked = preflight::check_xml_depth(bytes); !checked) return checked;
       return preflight::check_magic(bytes, format);
   }
 }
 
 /// What the format says where the file cannot (FBX says it itself, its reader fills the frame in).
-void state_frame(Mesh& mesh, MeshFormat format) {
-  switch (format) {
-    case MeshFormat::kGlb:
-    case MeshFormat::kGltf:  // glTF 2.0, section 3.4
-    case MeshFormat::kDae:   // Assimp applies <unit> and <up_axis> to the root
-      mesh.frame.metres_stated = mesh.frame.up_stated = true;
-      break;
-    case MeshFormat::k3ds:  // z up by convention, turned by Assimp
-      mesh.frame.up_stated = true;
-      break;
-    case MeshFormat::kBlend:
-      mesh.frame.z_up = mesh.frame.up_stated = true;
-      break;
-    default:
-      break;
-  }
+void state_frame(Mesh& mesh, FormatFrame frame) {
+  if (frame == FormatFrame::kUnknown) return;
+  mesh.frame.up_stated = true;
+  mesh.frame.z_up = frame == FormatFrame::kZUp;
+  mesh.frame.metres_stated = frame == FormatFrame::kMetresYUp;
 }
 
 }  // namespace
 
-std::optional<MeshFormat> format_from_extension(std::string_view extension) {
-  for (const FormatRow& r : kFormats)
-    if (equal_ignoring_case(extension, r.extension)) return r.format;
-  return std::nullopt;
-}
-
-std::optional<MeshFormat> format_from_media_type(std::string_view media_type) {
-  media_type = media_type.substr(0, media_type.find(';'));
-  while (!media_type.empty() && media_type.back() == ' ') media_type.remove_suffix(1);
-  for (const FormatRow& r : kFormats)
-    for (const char* known : r.media_types)
-      if (known != nullptr && equal_ignoring_case(media_type, known)) return r.format;
-  return std::nullopt;
-}
-
-const char* extension_of(MeshFormat format) { return row(format).extension; }
-
-bool enabled_by_default(MeshFormat format) { return row(format).enabled_by_default; }
-
 Expected<Mesh> import_mesh(std::span<const std::byte> bytes, MeshFormat format, const ImportLimits& limits,
                            std::span<const ImportFile> files) {
   if (bytes.empty()) return fail(ErrorCode::kEmptyBody, "The mesh has no bytes.");
-  const bool text = format == MeshFormat::kObj || format == MeshFormat::kOff || format == MeshFormat::kDae;
-  std::optional<std::string> converted;
-  if (text) converted = utf16_to_utf8(bytes);
-  if (converted) bytes = std::as_bytes(std::span(*converted));
-  std::vector<std::byte> inflated;
-  if (format == MeshFormat::kBlend && is_gzip(bytes)) {
-    auto plain = gunzip(bytes, limits.max_decoded_bytes);
-    if (!plain) return tl::unexpected<Error>(plain.error());
-    inflated = std::move(*plain);
-    bytes = inflated;
-  }
-  if (auto checked = preflight_of(bytes, format, limits); !checked)
+  if (const FormatInfo& info = format_info(format); *info.without_surface != 0)
+    return fail(ErrorCode::kEmptyMesh, "A ." + std::string(info.name) + " file holds " +
+                                           info.without_surface + ", no surface that could be fractured.");
+  const Expected<PlainFile> plain = make_plain(bytes, format, limits);
+  if (!plain) return tl::unexpected<Error>(plain.error());
+  if (auto checked = preflight_of(plain->bytes, plain->format, limits); !checked)
     return tl::unexpected<Error>(checked.error());
-  const bool gltf = format == MeshFormat::kGlb || format == MeshFormat::kGltf;
-  Expected<Mesh> mesh =
-      gltf ? import_gltf(bytes, format, limits, files) : import_with_assimp(bytes, format, limits, files);
-  if (mesh) state_frame(*mesh, format);
-  if (mesh)  // they quote the file, cut to a length that may end within a character
-    for (std::string& warning : mesh->warnings) warning = name_as_utf8(warning);
-  if (mesh) complete_attributes(*mesh);
+  Expected<Mesh> mesh = is_gltf(format) ? import_gltf(plain->bytes, format, limits, files)
+                                        : import_with_assimp(plain->bytes, plain->format, limits, files);
+  if (!mesh) return mesh;
+  state_frame(*mesh, format_info(plain->format).frame);
+  for (std::string& warning : mesh->warnings)  // they quote the file, cut to a length that may end within a
+    warning = name_as_utf8(warning);           // character
+  complete_attributes(*mesh);
   return mesh;
 }
 

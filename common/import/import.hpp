@@ -12,24 +12,15 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 
 #include "common/base/error.hpp"
+#include "common/import/formats.hpp"
 #include "common/mesh/mesh.hpp"
 
 namespace fracture {
-
-enum class MeshFormat { kGlb, kGltf, kObj, kStl, kPly, kOff, kBlend, kFbx, kDae, k3ds };
-
-/// From a file extension without the dot ("glb", "OBJ") or a media type ("model/gltf-binary").
-std::optional<MeshFormat> format_from_extension(std::string_view extension);
-std::optional<MeshFormat> format_from_media_type(std::string_view media_type);
-const char* extension_of(MeshFormat format);
-/// glTF, GLB, OBJ, STL, PLY and OFF are always on; the others run much larger parsers and are off by default.
-bool enabled_by_default(MeshFormat format);
 
 struct ImportLimits {
   std::uint64_t max_triangles = 4'000'000;         ///< after instancing
@@ -46,11 +37,10 @@ struct ImportFile {
 };
 
 /// Coordinates are those of the file after its own node transforms, and Mesh::frame says what they mean as
-/// far as the file does: glTF and DAE metres and y up, 3DS y up (the loader turns it), BLEND z up, FBX what
-/// its global settings say, the others nothing. Wedges with identical positions in the file have
-/// bit-identical positions here. Texture coordinates are glTF's (v down) whatever the format. Errors:
-/// kEmptyBody, kMalformedMesh (what and at which byte), kUnsupportedFeature (names it), kExternalResource,
-/// kTooLarge, kNotFinite (NaN or infinite coordinate, with the vertex), kEmptyMesh.
+/// far as the file or its format does (FormatInfo::frame; FBX by its global settings). Wedges with identical
+/// positions in the file have bit-identical positions here. Texture coordinates are glTF's (v down) whatever
+/// the format. Errors: kEmptyBody, kMalformedMesh (what and at which byte), kUnsupportedFeature (names it),
+/// kExternalResource, kTooLarge, kNotFinite (NaN or infinite coordinate, with the vertex), kEmptyMesh.
 Expected<Mesh> import_mesh(std::span<const std::byte> bytes, MeshFormat format, const ImportLimits& limits,
                            std::span<const ImportFile> files = {});
 

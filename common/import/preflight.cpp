@@ -321,9 +321,6 @@ Expected<void> check_magic(std::span<const std::byte> bytes, MeshFormat format) 
   };
   switch (format) {
     case MeshFormat::kBlend:
-      if (begins("\x28\xb5\x2f\xfd"))
-        return fail(ErrorCode::kUnsupportedFeature,
-                    "The .blend is compressed with Zstandard: save it with \"Compress\" switched off.");
       if (!begins("BLENDER")) return refuse("BLEND", "\"BLENDER\" at the beginning");
       return {};
     case MeshFormat::kFbx:

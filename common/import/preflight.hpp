@@ -37,8 +37,22 @@ Expected<void> check_off(std::span<const std::byte> bytes, const ImportLimits& l
 /// OBJ: text with at least one face; counts faces against the limit.
 Expected<void> check_obj(std::span<const std::byte> bytes, const ImportLimits& limits);
 
-/// BLEND, FBX, DAE, 3DS: the magic of the declared format (their structure is the sandboxed parser's
-/// business).
+/// BLEND, FBX, DAE, 3DS: the magic of the declared format (their structure, and all of the rest, is the
+/// sandboxed parser's business).
 Expected<void> check_magic(std::span<const std::byte> bytes, MeshFormat format);
+
+// -- preflight_containers.cpp
+
+/// Refuses XML nested deeper than any scene is (the readers recurse). Not an XML parser: tags outside
+/// comments and quotes only.
+Expected<void> check_xml_depth(std::span<const std::byte> bytes);
+
+/// Which reader an .xml file is for: COLLADA, Irrlicht (mesh or scene), XGL; kXml itself for Ogre.
+/// kUnsupportedFeature naming the root element.
+Expected<MeshFormat> kind_of_xml(std::span<const std::byte> bytes);
+
+/// A ZIP archive (3MF, ZAE, PK3, IFCZIP) whose directory is whole and declares no more bytes than may be
+/// decoded.
+Expected<void> check_zip(std::span<const std::byte> bytes, const ImportLimits& limits);
 
 }  // namespace fracture::preflight

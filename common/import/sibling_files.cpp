@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "common/import/text_encoding.hpp"
 #include "common/import/uri.hpp"
 
 namespace fracture {
@@ -126,6 +127,64 @@ void read_named(const fs::path& folder, const std::vector<std::string>& names,
   }
 }
 
+std::string lower(std::string_view text) {
+  std::string result(text);
+  for (char& c : result) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return result;
+}
+
+/// The files of the folder and below, ordered, links left out.
+std::vector<fs::path> files_below(const fs::path& folder) {
+  constexpr int kMaxDepth = 2, kMaxEntries = 1000;
+  std::vector<fs::path> files;
+  std::error_code error;
+  int entries = 0;
+  for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end && entries < kMaxEntries;
+       it.increment(error), ++entries) {
+    if (it.depth() >= kMaxDepth) it.disable_recursion_pending();
+    if (it->is_regular_file(error) && !it->is_symlink(error)) files.push_back(it->path());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+/// Does a reader look for it beside an asset of this stem without being told?
+bool is_companion(const std::string& stem, const std::string& name) {
+  std::string base = stem;
+  if (base.ends_with("_a") || base.ends_with("_d")) base.resize(base.size() - 2);
+  if (base.ends_with(".mesh")) base.resize(base.size() - 5);
+  if (name.substr(0, base.size()) != base) return false;
+  const std::string ending = name.substr(base.size());
+  for (const char* known :
+       {"_a.3d", "_d.3d", ".skin", "_default.skin", ".md5anim", ".material", ".skeleton.xml", "t.mdl"})
+    if (ending == known) return true;
+  const auto digit = [&](std::size_t k) { return ending[k] >= '0' && ending[k] <= '9'; };
+  return ending.size() == 6 && digit(0) && digit(1) && ending.ends_with(".mdl");  // sequences of Half-Life
+}
+
+void read_mentioned(const fs::path& asset, const fs::path& folder, std::string_view bytes,
+                    std::vector<SiblingFile>& out) {
+  const auto text_of = [](std::string_view raw) {
+    const auto converted = utf16_to_utf8(std::as_bytes(std::span(raw)));
+    return lower(converted ? *converted : raw);
+  };
+  std::string text = text_of(bytes);
+  const std::string stem = lower(asset.stem().string());
+  std::vector<fs::path> candidates = files_below(folder);
+  std::erase_if(candidates, [&](const fs::path& f) { return f.filename() == asset.filename(); });
+  for (std::size_t next = 0;;) {
+    std::erase_if(candidates, [&](const fs::path& file) {
+      const std::string name = lower(file.filename().string());
+      const bool mentioned = name.size() >= 5 && text.find(name) != std::string::npos;
+      if (!mentioned && !(next == 0 && is_companion(stem, name))) return false;
+      out.push_back({fs::relative(file, folder).generic_string(), read_whole(file)});
+      return true;
+    });
+    if (next >= out.size()) return;
+    text = text_of(out[next++].bytes);  // an object that the scene names has textures of its own
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> referenced_files(std::span<const std::byte> bytes, MeshFormat format) {
@@ -173,6 +232,17 @@ std::vector<SiblingFile> read_sibling_files(const std::string& path, std::span<c
   fs::path folder = fs::path(path).parent_path();
   if (folder.empty()) folder = ".";
   std::vector<SiblingFile> files;
+  switch (format) {
+    case MeshFormat::kGlb:
+    case MeshFormat::kGltf:
+    case MeshFormat::kObj:
+    case MeshFormat::kFbx:
+    case MeshFormat::kDae:
+      break;
+    default:
+      read_mentioned(path, folder, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, files);
+      return files;
+  }
   read_named(folder, referenced_files(bytes, format), files);
   if (format == MeshFormat::kObj)
     for (std::size_t k = 0, libraries = files.size(); k < libraries; ++k)

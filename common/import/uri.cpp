@@ -66,6 +66,10 @@ std::string decode_percent(std::string_view uri) {
   return name;
 }
 
+namespace {
+char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+}  // namespace
+
 const ImportFile* find_file(std::span<const ImportFile> files, std::string_view uri) {
   std::string name = decode_percent(uri);
   if (name.substr(0, 2) == "./") name.erase(0, 2);
@@ -76,8 +80,18 @@ const ImportFile* find_file(std::span<const ImportFile> files, std::string_view 
   };
   if (const ImportFile* file = named(name)) return file;
   std::replace(name.begin(), name.end(), '\\', '/');
-  const ImportFile* file = named(name);
-  return file != nullptr ? file : named(name.substr(name.rfind('/') + 1));
+  if (const ImportFile* file = named(name)) return file;
+  const std::string last = name.substr(name.rfind('/') + 1);
+  if (const ImportFile* file = named(last)) return file;
+  const ImportFile* alike = nullptr;
+  for (const ImportFile& file : files) {
+    const bool same = std::equal(file.name.begin(), file.name.end(), last.begin(), last.end(),
+                                 [](char a, char b) { return lower(a) == lower(b); });
+    if (!same) continue;
+    if (alike != nullptr) return nullptr;  // the order of the parts must not decide
+    alike = &file;
+  }
+  return alike;
 }
 
 }  // namespace fracture

@@ -26,7 +26,8 @@ std::string decode_percent(std::string_view uri);
 
 /// The part with this name: the uri percent-decoded, a leading "./" ignored. Where there is none, the part
 /// with the name's last component: browsers and curl send file names without their folder, and tools write
-/// paths of the machine they ran on. Null where there is none either.
+/// paths of the machine they ran on; ignoring case at last, as on the machines of most artists. Null where
+/// there is none either.
 const ImportFile* find_file(std::span<const ImportFile> files, std::string_view uri);
 
 }  // namespace fracture

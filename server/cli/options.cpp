@@ -31,7 +31,8 @@ void add_formats(CLI::App& app, FormatSet& formats) {
              formats.enable(*format);
            }
          },
-         "Also read this format (blend, fbx, dae, 3ds): their parsers are large and off by default")
+         "Also read this format (blend, fbx, dae, 3ds and others): their parsers are large and off by "
+         "default")
       ->delimiter(',');
   app.add_flag_callback(
       "--all-formats", [&formats] { formats = FormatSet::all(); }, "Read every format there is");

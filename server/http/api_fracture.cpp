@@ -94,6 +94,7 @@ OrProblem<Response> Api::post_fracture(const Request& request, const Execution& 
   std::optional<MeshFormat> format = parameters->format;
   if (!format) format = format_from_media_type(declared_type);
   if (!format) format = format_from_extension(extension);
+  if (!format) format = format_from_content(std::as_bytes(std::span(mesh.data(), mesh.size())));
   if (!format || !table.formats().contains(*format))
     return tl::unexpected<Problem>(
         unknown_format(table.formats(), extension.empty() ? declared_type : extension));

@@ -3,16 +3,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <iterator>
 #include <set>
 #include <utility>
 
 namespace fracture {
 namespace {
-
-constexpr MeshFormat kAllFormats[] = {
-    MeshFormat::kGlb, MeshFormat::kGltf,  MeshFormat::kObj, MeshFormat::kStl, MeshFormat::kPly,
-    MeshFormat::kOff, MeshFormat::kBlend, MeshFormat::kFbx, MeshFormat::kDae, MeshFormat::k3ds};
 
 std::string join(const std::vector<std::string>& words) {
   std::string s;
@@ -158,13 +153,13 @@ void set_choice(RequestParameters& result, const ParameterSpec& spec, const std:
 }  // namespace
 
 FormatSet::FormatSet() {
-  for (const MeshFormat format : kAllFormats)
-    if (enabled_by_default(format)) formats_.push_back(format);
+  for (const FormatInfo& info : all_formats())
+    if (info.enabled_by_default) formats_.push_back(info.format);
 }
 
 FormatSet FormatSet::all() {
   FormatSet set;
-  set.formats_.assign(std::begin(kAllFormats), std::end(kAllFormats));
+  for (const FormatInfo& info : all_formats()) set.enable(info.format);
   return set;
 }
 

@@ -93,6 +93,40 @@ TEST(FindFile, ByWholeNameThenByItsLastComponent) {
   EXPECT_EQ(find_file(files, "b.png"), nullptr);
 }
 
+TEST(FindFile, IgnoresCaseOnlyWhereOneFileIsMeant) {
+  const std::vector<ImportFile> files{{"Wood.PNG", {}}, {"a.png", {}}, {"A.png", {}}};
+  EXPECT_EQ(find_file(files, "tex\\wood.png"), &files[0]);
+  EXPECT_EQ(find_file(files, "A.png"), &files[2]);
+  EXPECT_EQ(find_file(files, "A.PNG"), nullptr);
+}
+
+TEST(SiblingFiles, OfOtherFormatsAreThoseThatTheyMentionAndTheirCompanions) {
+  const fs::path top = fs::temp_directory_path() / ("fracture_mentioned_" + std::to_string(::getpid()));
+  fs::create_directories(top / "objects");
+  const auto write = [&](const fs::path& name, const std::string& text) {
+    std::ofstream(top / name, std::ios::binary) << text;
+  };
+  write("scene.lws", "itself: scene.lws");
+  write("objects/Hull.lwo", "FORM....LWO2 rust.png");
+  write("rust.png", "of the object");
+  write("other.lwo", "not named");
+  write("box_a.3d", "vertices");
+  write("box_d.3d", "animation");
+  write("crate_a.3d", "another");
+  fs::create_symlink(top / "other.lwo", top / "link.lwo");
+  const auto read = [&](const char* name, const std::string& text, MeshFormat format) {
+    std::vector<std::string> found;
+    for (const SiblingFile& f : read_sibling_files((top / name).string(), bytes_of(text), format))
+      found.push_back(f.name);
+    return found;
+  };
+  EXPECT_THAT(read("scene.lws", "LoadObject C:\\OBJECTS\\hull.lwo\nlink.lwo", MeshFormat::kLws),
+              ElementsAre("objects/Hull.lwo", "rust.png"));
+  EXPECT_THAT(read("box_d.3d", "", MeshFormat::k3d), ElementsAre("box_a.3d"));
+  EXPECT_THAT(read("scene.lws", "nothing", MeshFormat::kLws), IsEmpty());
+  fs::remove_all(top);
+}
+
 TEST(SiblingFiles, OfRealAssetsMakeThemReadable) {
   if (test_meshes().empty()) GTEST_SKIP() << "FRACTURE_TEST_MESHES is absent";
   for (const char* name :
