@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,14 @@ struct ServeOptions {
   std::size_t max_queue = 64;
   std::chrono::milliseconds drain_delay{0}, grace{30'000};
   std::string log_level = "info";
+  std::string log_format = "auto";
+  std::vector<std::string> enabled_formats;  ///< added to service.formats
+  bool all_formats = false;
+  std::string token_file;      ///< empty: no authentication
+  bool insecure_bind = false;  ///< listen beyond this machine without tokens
+  /// Every setting as it is in force, for the log.
+  nlohmann::ordered_json configuration;
+  std::vector<std::string> warnings;
 };
 
 struct BakeOptions {

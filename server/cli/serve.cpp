@@ -1,12 +1,15 @@
 // fracture-server serve: starts, waits for a signal, drains.
 #include <pthread.h>
 #include <signal.h>
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
+#include <chrono>
+#include <cstdlib>
 #include <system_error>
 
 #include "server/cli/options.hpp"
+#include "server/ops/log.hpp"
 
 namespace fracture::cli {
 namespace {
@@ -24,22 +27,17 @@ bool wait_for_signal(const sigset_t& signals, steady_clock::time_point end) {
   }
 }
 
-}  // namespace
-
-int serve(const ServeOptions& options) {
-  // Standard output is for results; a log is none.
-  spdlog::set_default_logger(spdlog::stderr_color_mt("fracture"));
-  spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%eZ %^%l%$ %v", spdlog::pattern_time_type::utc);
-  spdlog::set_level(spdlog::level::from_str(options.log_level));
-
-  // Blocked before any thread starts, so that every thread inherits it and only this one receives them.
+sigset_t stopping_signals() {
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGTERM);
   sigaddset(&signals, SIGINT);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  signal(SIGPIPE, SIG_IGN);
+  return signals;
+}
 
+/// Serves until a signal and drains. An exit code.
+int serve_until_stopped(const ServeOptions& options) {
+  const sigset_t signals = stopping_signals();
   FractureService service(options.service, make_engine());
   WorkerPool pool(options.threads > 0 ? options.threads : available_cores(), options.max_queue);
   http::Api api(service, pool, options.limits);
@@ -70,6 +68,26 @@ int serve(const ServeOptions& options) {
   }
   spdlog::info("stopped");
   return kExitDone;
+}
+
+}  // namespace
+
+int serve(const ServeOptions& options) {
+  // Blocked before any thread starts, so that every thread inherits it and only this one receives them.
+  const sigset_t signals = stopping_signals();
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  signal(SIGPIPE, SIG_IGN);
+
+  // Standard output is for results; a log is none.
+  const bool text = options.log_format == "text" || (options.log_format == "auto" && ::isatty(STDERR_FILENO));
+  ops::start_logging(text ? ops::LogFormat::kText : ops::LogFormat::kJson, options.log_level);
+  for (const std::string& warning : options.warnings) spdlog::warn("{}", warning);
+  ops::log_event("configuration", options.configuration);
+
+  const int code = serve_until_stopped(options);
+  constexpr std::chrono::milliseconds kPatience{1'000};
+  if (!ops::stop_logging(kPatience)) std::_Exit(code);
+  return code;
 }
 
 }  // namespace fracture::cli

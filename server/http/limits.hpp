@@ -10,6 +10,7 @@ namespace fracture::http {
 
 struct HttpLimits {
   std::uint64_t max_body = 64ull << 20;     ///< bytes of a request body
+  std::uint64_t max_decoded_body = 256ull << 20;  ///< bytes of a request body after its Content-Encoding
   std::uint64_t max_bodies = 512ull << 20;  ///< bytes of all request bodies that are held at the same time
   std::size_t max_header = 16u << 10;       ///< bytes of request line and fields together
   std::size_t max_uri = 4u << 10;           ///< bytes of the request target

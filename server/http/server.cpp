@@ -74,12 +74,12 @@ tcp::acceptor open_acceptor(asio::io_context& context, const std::string& addres
   }
 }
 
-asio::awaitable<void> accept_loop(tcp::acceptor& acceptor, asio::io_context& context, Listener listener,
-                                  Api& api, Connections& connections, std::size_t max_open) {
+asio::awaitable<void> accept_loop(tcp::acceptor& acceptor, asio::io_context& context, SessionContext shared,
+                                  std::size_t max_open) {
   asio::steady_timer pause(acceptor.get_executor());
   while (acceptor.is_open()) {
     error_code ec;
-    if (connections.count() >= max_open) {
+    if (shared.connections.count() >= max_open) {
       pause.expires_after(kAcceptBackOff);
       co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, ec));
       continue;
@@ -97,8 +97,8 @@ asio::awaitable<void> accept_loop(tcp::acceptor& acceptor, asio::io_context& con
     const tcp::endpoint peer = socket.remote_endpoint(ec);
     if (ec) continue;
     const std::string address = peer.address().to_string();
-    const Connections::Verdict verdict = connections.add(address);
-    start_session(std::move(socket), listener, api, connections, verdict, address);
+    const Connections::Verdict verdict = shared.connections.add(address);
+    start_session(std::move(socket), shared, verdict, address);
   }
 }
 
@@ -108,21 +108,23 @@ class HttpServer::Impl {
  public:
   Impl(const ServerConfig& config, Api& api)
       : api_(api),
+        policy_{config.tokens, CorsPolicy(config.cors_origins)},
         max_connections_(connection_limit(api.limits().max_connections)),
         connections_(max_connections_, api.limits().max_connections_per_address),
         admin_connections_(kReservedDescriptors / 2, kReservedDescriptors / 2),
         public_acceptor_(open_acceptor(context_, config.address, config.port)),
-        admin_acceptor_(open_acceptor(admin_context_, config.address, config.admin_port)),
+        admin_acceptor_(open_acceptor(admin_context_, config.admin_address, config.admin_port)),
         port_(public_acceptor_.local_endpoint().port()),
         admin_port_(admin_acceptor_.local_endpoint().port()) {
     asio::co_spawn(public_acceptor_.get_executor(),
-                   accept_loop(public_acceptor_, context_, Listener::kPublic, api, connections_,
+                   accept_loop(public_acceptor_, context_, {Listener::kPublic, api, connections_, policy_},
                                max_connections_ + kTurnedAway),
                    asio::detached);
-    asio::co_spawn(admin_acceptor_.get_executor(),
-                   accept_loop(admin_acceptor_, admin_context_, Listener::kAdmin, api, admin_connections_,
-                               kReservedDescriptors / 2),
-                   asio::detached);
+    asio::co_spawn(
+        admin_acceptor_.get_executor(),
+        accept_loop(admin_acceptor_, admin_context_, {Listener::kAdmin, api, admin_connections_, policy_},
+                    kReservedDescriptors / 2),
+        asio::detached);
     for (int t = 0; t < std::max(1, config.io_threads); ++t)
       threads_.emplace_back([this] { run_forever(context_); });
     threads_.emplace_back([this] { run_forever(admin_context_); });
@@ -152,6 +154,7 @@ class HttpServer::Impl {
   }
 
   Api& api_;
+  const Policy policy_;
   std::size_t max_connections_;
   // Sessions live in handlers of the contexts and use the connections: destroyed after the contexts.
   Connections connections_, admin_connections_;

@@ -11,16 +11,21 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "server/http/api.hpp"
+#include "server/http/auth.hpp"
 
 namespace fracture::http {
 
 struct ServerConfig {
-  std::string address = "127.0.0.1";  ///< numeric IPv4 or IPv6 address of both listeners
-  std::uint16_t port = 8080;          ///< 0: any free one
-  std::uint16_t admin_port = 8081;    ///< 0: any free one
+  std::string address = "127.0.0.1";        ///< numeric IPv4 or IPv6 address of the public listener
+  std::uint16_t port = 8080;                ///< 0: any free one
+  std::string admin_address = "127.0.0.1";  ///< of the admin listener
+  std::uint16_t admin_port = 8081;          ///< 0: any free one
   int io_threads = 1;
+  TokenSet tokens{};                        ///< empty: nobody is asked for one
+  std::vector<std::string> cors_origins{};  ///< empty: no page of another origin may ask
 };
 
 class HttpServer {

@@ -1,18 +1,32 @@
 // One connection: reads requests one after another, hands them to the Api, writes the answers.
 #pragma once
 
-#include <memory>
-
 #include "server/http/api.hpp"
 #include "server/http/asio.hpp"
+#include "server/http/auth.hpp"
 #include "server/http/connections.hpp"
+#include "server/http/cors.hpp"
 
 namespace fracture::http {
+
+/// Who may ask on the public listener.
+struct Policy {
+  TokenSet tokens;
+  CorsPolicy cors;
+};
+
+/// What the sessions of a listener share; the references outlive them.
+struct SessionContext {
+  Listener listener;
+  Api& api;
+  Connections& connections;
+  const Policy& policy;
+};
 
 /// Starts a session that owns the socket, on the socket's executor (a strand). `verdict` other than kWelcome
 /// makes it answer one refusal and close. The connection must have been added to `connections`; the session
 /// removes it.
-void start_session(tcp::socket socket, Listener listener, Api& api, Connections& connections,
-                   Connections::Verdict verdict, const std::string& address);
+void start_session(tcp::socket socket, const SessionContext& context, Connections::Verdict verdict,
+                   const std::string& address);
 
 }  // namespace fracture::http

@@ -14,6 +14,7 @@
 namespace fracture::test {
 
 struct TestServerOptions {
+  http::ServerConfig server{.address = "127.0.0.1", .port = 0, .admin_port = 0, .io_threads = 2};
   http::HttpLimits limits;
   ServiceConfig service;
   int threads = 2;
@@ -31,7 +32,7 @@ class TestServer {
       : service(options.service, std::make_unique<FakeEngine>(control)),
         pool(options.threads, options.max_queue),
         api(service, pool, options.limits),
-        server({.address = "127.0.0.1", .port = 0, .admin_port = 0, .io_threads = 2}, api) {
+        server(options.server, api) {
     spdlog::set_level(spdlog::level::off);
   }
 

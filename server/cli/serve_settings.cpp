@@ -1,0 +1,168 @@
+#include "server/cli/serve_settings.hpp"
+
+#include <arpa/inet.h>
+#include <unistd.h>
+
+#include <optional>
+#include <utility>
+
+#include "server/http/auth.hpp"
+
+namespace fracture::cli {
+namespace {
+
+constexpr std::uint64_t kMiB = 1u << 20, kTiB = 1ull << 40;
+
+enum class Reach { kThisMachine, kNetwork };
+
+/// Nothing when it is no numeric address.
+std::optional<Reach> reach_of(const std::string& address) {
+  in_addr v4{};
+  if (::inet_pton(AF_INET, address.c_str(), &v4) == 1)
+    return (ntohl(v4.s_addr) >> 24) == 127 ? Reach::kThisMachine : Reach::kNetwork;
+  in6_addr v6{};
+  if (::inet_pton(AF_INET6, address.c_str(), &v6) == 1)
+    return IN6_IS_ADDR_LOOPBACK(&v6) ? Reach::kThisMachine : Reach::kNetwork;
+  return std::nullopt;
+}
+
+/// scheme://host[:port], as browsers send it.
+bool is_origin(const std::string& origin) {
+  const std::size_t scheme = origin.find("://");
+  return scheme != std::string::npos && scheme > 0 && origin.size() > scheme + 3 &&
+         origin.find_first_of("/ \t,?#@*", scheme + 3) == std::string::npos;
+}
+
+}  // namespace
+
+std::vector<Setting> serve_settings(ServeOptions& o) {
+  std::vector<Setting> settings;
+  const auto group = [&settings](const char* name, std::vector<Setting> members) {
+    for (Setting& member : members) {
+      member.group = name;
+      settings.push_back(std::move(member));
+    }
+  };
+  http::HttpLimits& l = o.limits;
+  ServiceConfig& s = o.service;
+  constexpr std::uint64_t kPort = 65535;
+
+  group(
+      "Listening",
+      {text("address", "ADDRESS", o.server.address, "Numeric address of the public listener"),
+       number("port", "PORT", o.server.port, 0, kPort, "Port of the public listener, 0: any free one"),
+       text("admin-address", "ADDRESS", o.server.admin_address,
+            "Numeric address of the admin listener, which asks for no token"),
+       number("admin-port", "PORT", o.server.admin_port, 0, kPort,
+              "Port of /livez, /readyz and /metrics, 0: any free one"),
+       text(
+           "token-file", "FILE", o.token_file,
+           "Bearer tokens, one a line as 'name token' or 'name token read-only'; without it nobody is asked"),
+       flag("insecure-bind", o.insecure_bind, "Listen beyond this machine without tokens"),
+       list("cors-origin", "ORIGIN", o.server.cors_origins,
+            "Web pages of this origin may ask (https://example.org), or '*': of any")});
+  group("Work",
+        {number("io-threads", "N", o.server.io_threads, 1, 2, "Threads that read and write"),
+         number("threads", "N", o.threads, 0, 1024, "Threads that compute, 0: one for each core"),
+         number("max-queue", "N", o.max_queue, 0, 1'000'000, "Requests that may wait for a computing thread"),
+         list("enable-format", "FORMAT", o.enabled_formats,
+              "Also read this format (blend, fbx and others): their parsers are large and off by default"),
+         flag("all-formats", o.all_formats, "Read every format there is")});
+  group("Logs", {choice("log-level", o.log_level, {"trace", "debug", "info", "warn", "error", "off"},
+                        "Least important lines that are written"),
+                 choice("log-format", o.log_format, {"auto", "json", "text"},
+                        "Form of the lines; auto: text on a terminal, else JSON")});
+  group("Limits",
+        {number("max-body", "BYTES", l.max_body, 1, kTiB, "Bytes of a request body as it is sent"),
+         number("max-bodies", "BYTES", l.max_bodies, 1, kTiB,
+                "Bytes of all request bodies held at the same time"),
+         number("max-header", "BYTES", l.max_header, 256, http::kReadBuffer / 2, "Bytes of a request header"),
+         number("max-uri", "BYTES", l.max_uri, 64, http::kReadBuffer / 2, "Bytes of a request target"),
+         number("max-sites", "N", s.max_sites, 1, 10'000'000, "Sites of one request"),
+         number("max-triangles", "N", s.import_limits.max_triangles, 1, UINT32_MAX, "Triangles of one mesh"),
+         number("max-decoded", "BYTES", s.import_limits.max_decoded_bytes, 1, kTiB,
+                "Bytes of a body or a mesh after decompression"),
+         number("max-connections", "N", l.max_connections, 1, 1'000'000, "Open connections"),
+         number("max-connections-per-address", "N", l.max_connections_per_address, 1, 1'000'000,
+                "Open connections of one client address"),
+         seconds("deadline", l.deadline, "Longest computation, with its time in the queue"),
+         seconds("header-timeout", l.header_timeout, "Time for a whole header"),
+         seconds("body-grace", l.body_grace, "Time before a body must keep up its rate"),
+         number("body-rate", "BYTES/S", l.body_rate, 1, kTiB, "Bytes a second that a body must keep up"),
+         seconds("write-stall", l.write_stall, "Longest time without the client taking a byte"),
+         seconds("idle", l.idle, "Longest time between requests of a connection")});
+  group("Caches",
+        {number("mesh-cache", "BYTES", s.mesh_cache_bytes, 0, kTiB, "Bytes of prepared meshes"),
+         number("diagram-cache", "BYTES", s.diagram_cache_bytes, 0, kTiB, "Bytes of tetrahedralizations"),
+         number("result-cache", "BYTES", s.result_cache_bytes, 0, kTiB, "Bytes of finished answers")});
+  group(
+      "Stopping",
+      {seconds("drain-delay", o.drain_delay,
+               "After SIGTERM, keep accepting for this long with /readyz at 503; 0 by default on a terminal"),
+       seconds("grace", o.grace, "Then finish what is in progress for at most this long")});
+  return settings;
+}
+
+std::vector<std::string> inconsistencies(const ServeOptions& o) {
+  std::vector<std::string> errors;
+  const auto refuse = [&errors](std::string error) { errors.push_back(std::move(error)); };
+  const auto reach = reach_of(o.server.address), admin_reach = reach_of(o.server.admin_address);
+  if (!reach) refuse("address must be a numeric IPv4 or IPv6 address; it was '" + o.server.address + "'");
+  if (!admin_reach)
+    refuse("admin-address must be a numeric IPv4 or IPv6 address; it was '" + o.server.admin_address + "'");
+  if (o.server.port != 0 && o.server.port == o.server.admin_port &&
+      o.server.address == o.server.admin_address)
+    refuse("port and admin-port are both " + std::to_string(o.server.port) + "; they must differ");
+  if (reach == Reach::kNetwork && o.token_file.empty() && !o.insecure_bind)
+    refuse(
+        "address " + o.server.address +
+        " can be reached from other machines, and anybody there could use this server: give a --token-file, "
+        "or --insecure-bind if something in front of it (a proxy, a firewall) decides who may");
+
+  const http::HttpLimits& l = o.limits;
+  const auto at_most = [&](const char* small, std::uint64_t a, const char* large, std::uint64_t b) {
+    if (a > b)
+      refuse(std::string(small) + " (" + std::to_string(a) + ") is over " + large + " (" + std::to_string(b) +
+             "): the first could never be reached");
+  };
+  at_most("max-uri", l.max_uri, "max-header", l.max_header);
+  at_most("max-body", l.max_body, "max-bodies", l.max_bodies);
+  at_most("max-connections-per-address", l.max_connections_per_address, "max-connections", l.max_connections);
+  const std::pair<const char*, std::chrono::milliseconds> positive[] = {{"deadline", l.deadline},
+                                                                        {"header-timeout", l.header_timeout},
+                                                                        {"write-stall", l.write_stall},
+                                                                        {"idle", l.idle}};
+  for (const auto& [name, value] : positive)
+    if (value.count() <= 0) refuse(std::string(name) + " must be more than 0 seconds");
+
+  for (const std::string& name : o.enabled_formats)
+    if (!format_from_extension(name)) refuse("enable-format: there is no format '" + name + "'");
+  for (const std::string& origin : o.server.cors_origins)
+    if (origin != "*" && !is_origin(origin))
+      refuse("cors-origin must be '*' or scheme://host[:port] without a path; it was '" + origin + "'");
+  if (!o.token_file.empty())
+    if (const auto tokens = http::TokenSet::load(o.token_file); !tokens)
+      refuse("token-file " + tokens.error());
+  return errors;
+}
+
+std::vector<std::string> configure(ServeOptions& options, const std::vector<Setting>& settings,
+                                   const GivenSettings& flags, const std::string& config_file) {
+  std::vector<std::string> errors, unknown;
+  std::vector<GivenSettings> sources = {flags, from_environment(environ, settings, unknown)};
+  for (const std::string& name : unknown)
+    options.warnings.push_back("the environment variable " + name + " is no setting of this server");
+  if (!config_file.empty()) sources.push_back(from_file(config_file, settings, errors));
+  apply(settings, sources, errors);
+  for (std::string& error : inconsistencies(options)) errors.push_back(std::move(error));
+  if (!errors.empty()) return errors;
+
+  if (options.all_formats) options.service.formats = FormatSet::all();
+  for (const std::string& name : options.enabled_formats)
+    options.service.formats.enable(*format_from_extension(name));
+  options.limits.max_decoded_body = options.service.import_limits.max_decoded_bytes;
+  if (!options.token_file.empty()) options.server.tokens = *http::TokenSet::load(options.token_file);
+  return errors;
+}
+
+}  // namespace fracture::cli

@@ -1,0 +1,23 @@
+// The settings of `serve`.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "server/cli/options.hpp"
+#include "server/cli/settings.hpp"
+
+namespace fracture::cli {
+
+/// The table. The settings read and write `options`, which must outlive them.
+std::vector<Setting> serve_settings(ServeOptions& options);
+
+/// Takes the settings from flags, environment and `config_file` (empty: none), then judges them as a whole.
+/// Every error there is, in sentences; none: `options` is ready to serve.
+std::vector<std::string> configure(ServeOptions& options, const std::vector<Setting>& settings,
+                                   const GivenSettings& flags, const std::string& config_file);
+
+/// What is inconsistent between settings that are each valid alone.
+std::vector<std::string> inconsistencies(const ServeOptions& options);
+
+}  // namespace fracture::cli

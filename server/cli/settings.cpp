@@ -1,0 +1,235 @@
+#include "server/cli/settings.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <utility>
+
+namespace fracture::cli {
+namespace {
+
+constexpr std::string_view kPrefix = "FRACTURE_";
+/// Read by the tests, not by the server.
+constexpr std::string_view kTestPrefix = "FRACTURE_TEST_";
+
+const Setting* find(std::span<const Setting> settings, std::string_view name) {
+  const auto at =
+      std::find_if(settings.begin(), settings.end(), [&](const Setting& s) { return s.name == name; });
+  return at == settings.end() ? nullptr : &*at;
+}
+
+std::string join(const std::vector<std::string>& items) {
+  std::string joined;
+  for (const std::string& item : items) joined += (joined.empty() ? "" : ",") + item;
+  return joined;
+}
+
+std::vector<std::string> split(const std::string& text) {
+  std::vector<std::string> items;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t comma = std::min(text.find(',', at), text.size());
+    std::string item = text.substr(at, comma - at);
+    item.erase(0, std::min(item.find_first_not_of(" \t"), item.size()));
+    item.erase(item.find_last_not_of(" \t") + 1);
+    if (!item.empty()) items.push_back(std::move(item));
+    at = comma + 1;
+  }
+  return items;
+}
+
+Setting make(std::string name, std::string type, std::string doc,
+             Setting::Kind kind = Setting::Kind::kValue) {
+  Setting setting;
+  setting.name = std::move(name);
+  setting.type = std::move(type);
+  setting.doc = std::move(doc);
+  setting.kind = kind;
+  return setting;
+}
+
+/// As JSON and TOML write one.
+bool is_plain_number(const std::string& value) {
+  return nlohmann::json::parse(value, nullptr, /*allow_exceptions=*/false).is_number();
+}
+
+}  // namespace
+
+std::string Setting::variable() const {
+  std::string variable(kPrefix);
+  for (const char c : name) variable += c == '-' ? '_' : c >= 'a' && c <= 'z' ? static_cast<char>(c - 32) : c;
+  return variable;
+}
+
+std::string detail::parse_number(const std::string& text, bool bytes, std::uint64_t low, std::uint64_t high,
+                                 std::uint64_t& number) {
+  const char* const last = text.data() + text.size();
+  auto [end, error] = std::from_chars(text.data(), last, number);
+  const std::string_view suffix(end, static_cast<std::size_t>(last - end));
+  int shift = 0;
+  bool understood = error == std::errc() && suffix.empty();
+  if (bytes && error == std::errc() && !suffix.empty()) {
+    shift = suffix == "KiB" ? 10 : suffix == "MiB" ? 20 : suffix == "GiB" ? 30 : 0;
+    understood = shift > 0;
+  }
+  if (understood && shift > 0) {
+    if (number > (UINT64_MAX >> shift)) understood = false;
+    number <<= shift;
+  }
+  if (understood && number >= low && number <= high) return "";
+  return "must be a whole number from " + std::to_string(low) + " to " + std::to_string(high) +
+         (bytes ? " (64MiB and the like also do)" : "");
+}
+
+Setting seconds(std::string name, std::chrono::milliseconds& target, std::string doc) {
+  Setting setting = make(std::move(name), "SECONDS", std::move(doc));
+  setting.set = [&target](const std::string& given) -> std::string {
+    double value = 0;
+    const auto [end, error] = std::from_chars(given.data(), given.data() + given.size(), value);
+    if (error != std::errc() || end != given.data() + given.size() || !(value >= 0) || value > 86400)
+      return "must be seconds from 0 to 86400";
+    target = std::chrono::milliseconds(std::llround(value * 1000));
+    return "";
+  };
+  setting.get = [&target] {
+    char digits[32];
+    const auto [end, error] =
+        std::to_chars(digits, digits + sizeof digits, static_cast<double>(target.count()) / 1000);
+    return std::string(digits, end);
+  };
+  return setting;
+}
+
+Setting text(std::string name, std::string type, std::string& target, std::string doc) {
+  Setting setting = make(std::move(name), std::move(type), std::move(doc));
+  setting.set = [&target](const std::string& given) {
+    target = given;
+    return std::string();
+  };
+  setting.get = [&target] { return target; };
+  return setting;
+}
+
+Setting choice(std::string name, std::string& target, std::vector<std::string> choices, std::string doc) {
+  Setting setting = make(std::move(name), "", std::move(doc));
+  for (const std::string& c : choices) setting.type += (setting.type.empty() ? "" : "|") + c;
+  setting.set = [&target, choices = std::move(choices)](const std::string& given) -> std::string {
+    if (std::find(choices.begin(), choices.end(), given) == choices.end())
+      return "must be one of " + join(choices);
+    target = given;
+    return "";
+  };
+  setting.get = [&target] { return target; };
+  return setting;
+}
+
+Setting flag(std::string name, bool& target, std::string doc) {
+  Setting setting = make(std::move(name), "", std::move(doc), Setting::Kind::kFlag);
+  setting.set = [&target](const std::string& given) -> std::string {
+    if (given != "true" && given != "false") return "must be true or false";
+    target = given == "true";
+    return "";
+  };
+  setting.get = [&target] { return std::string(target ? "true" : "false"); };
+  return setting;
+}
+
+Setting list(std::string name, std::string type, std::vector<std::string>& target, std::string doc) {
+  Setting setting = make(std::move(name), std::move(type), std::move(doc), Setting::Kind::kList);
+  setting.set = [&target](const std::string& given) {
+    target = split(given);
+    return std::string();
+  };
+  setting.get = [&target] { return join(target); };
+  return setting;
+}
+
+GivenSettings from_environment(const char* const* variables, std::span<const Setting> settings,
+                               std::vector<std::string>& unknown) {
+  GivenSettings given;
+  for (; variables && *variables; ++variables) {
+    const std::string_view entry(*variables);
+    if (!entry.starts_with(kPrefix) || entry.starts_with(kTestPrefix)) continue;
+    const std::string name(entry.substr(0, entry.find('=')));
+    const auto at = std::find_if(settings.begin(), settings.end(),
+                                 [&](const Setting& s) { return s.variable() == name; });
+    if (at == settings.end())
+      unknown.push_back(name);
+    else
+      given[at->name] = {std::string(entry.substr(std::min(entry.size(), name.size() + 1))), name};
+  }
+  return given;
+}
+
+GivenSettings from_file(const std::string& path, std::span<const Setting> settings,
+                        std::vector<std::string>& errors) {
+  GivenSettings given;
+  std::vector<CLI::ConfigItem> items;
+  try {
+    items = CLI::ConfigTOML().from_file(path);
+  } catch (const CLI::Error& e) {
+    errors.push_back("--config " + path + ": " + e.what());
+    return given;
+  }
+  for (const CLI::ConfigItem& item : items) {
+    if (item.name == "++" || item.name == "--") continue;  // how a section begins and ends
+    const std::string where = path + ": " + item.fullname();
+    const Setting* const setting = item.parents.empty() ? find(settings, item.name) : nullptr;
+    if (!setting)
+      errors.push_back(where + " is no setting (--print-config lists them)");
+    else if (given.contains(item.name) ||  // the parser joins neighbours of the same name
+             (setting->kind != Setting::Kind::kList && item.inputs.size() != 1))
+      errors.push_back(where + " must be given once, with one value");
+    else
+      given[item.name] = {join(item.inputs), path};
+  }
+  return given;
+}
+
+void apply(std::span<const Setting> settings, std::span<const GivenSettings> sources,
+           std::vector<std::string>& errors) {
+  for (const Setting& setting : settings) {
+    for (const GivenSettings& source : sources) {
+      const auto at = source.find(setting.name);
+      if (at == source.end()) continue;
+      if (const std::string wrong = setting.set(at->second.value); !wrong.empty())
+        errors.push_back(setting.name + " " + wrong +
+                         (setting.secret ? "" : "; it was '" + at->second.value + "'") + " (" +
+                         at->second.where + ")");
+      break;
+    }
+  }
+}
+
+std::string to_config_file(std::span<const Setting> settings) {
+  std::string file, group;
+  for (const Setting& setting : settings) {
+    if (setting.group != group) file += "\n# " + (group = setting.group) + "\n";
+    const std::string value = setting.get();
+    const bool bare = setting.kind == Setting::Kind::kFlag || is_plain_number(value);
+    file += "# " + setting.doc + "\n";
+    if (setting.secret && !value.empty())
+      file += "# " + setting.name + " = \"***\"\n";
+    else
+      file += setting.name + " = " + (bare ? value : "\"" + value + "\"") + "\n";
+  }
+  return file;
+}
+
+nlohmann::ordered_json to_json(std::span<const Setting> settings) {
+  nlohmann::ordered_json object = nlohmann::ordered_json::object();
+  for (const Setting& setting : settings) {
+    const std::string value = setting.get();
+    if (setting.secret && !value.empty())
+      object[setting.name] = "***";
+    else if (setting.kind == Setting::Kind::kFlag)
+      object[setting.name] = value == "true";
+    else if (is_plain_number(value))
+      object[setting.name] = nlohmann::ordered_json::parse(value, nullptr, false);
+    else
+      object[setting.name] = value;
+  }
+  return object;
+}
+
+}  // namespace fracture::cli

@@ -1,0 +1,109 @@
+#include "server/http/request_body.hpp"
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace fracture::http {
+namespace {
+
+using error_code = boost::system::error_code;
+using Clock = TimedSocket::Clock;
+namespace bhttp = beast::http;
+using Parser = bhttp::request_parser<bhttp::string_body>;
+
+/// A request body may be wrapped in this many bytes of chunk headers for each byte, on top of a fixed
+/// allowance: one byte chunks ("1\r\nx\r\n", 6 bytes) pass, an endless chunk extension does not.
+constexpr std::uint64_t kMaxWireFactor = 8;
+constexpr std::uint64_t kWireAllowance = 1u << 20;
+
+Problem over_limit(const Admission& admission) {
+  return Problem(HttpProblem::kBodyTooLarge,
+                 "The body is larger than the limit of " + std::to_string(admission.max_body) + " bytes.");
+}
+
+/// What an error of the parser or of the socket means; nothing: the client is gone.
+std::optional<Problem> explain(error_code ec, const Admission& admission) {
+  if (ec == bhttp::error::body_limit) return over_limit(admission);
+  if (ec == bhttp::error::buffer_overflow)
+    return Problem(HttpProblem::kHeaderTooLarge,
+                   "The body has oversized chunk extensions or trailer fields.");
+  if (ec == bhttp::error::partial_message || ec == bhttp::error::end_of_stream || ec == asio::error::eof)
+    return Problem(HttpProblem::kMalformedRequest,
+                   "The connection was half-closed before the body was complete.");
+  if (ec.category() == bhttp::make_error_code(bhttp::error::bad_chunk).category())
+    return Problem(HttpProblem::kMalformedRequest, "The chunked body is malformed (" + ec.message() + ").");
+  return std::nullopt;
+}
+
+}  // namespace
+
+asio::awaitable<BodyOutcome> read_body(TimedSocket& connection, beast::flat_buffer& buffer,
+                                       std::size_t head_size, Api& api, Request& request) {
+  const HttpLimits& limits = api.limits();
+  const Admission& admission = request.admission;
+  BodyOutcome outcome;
+  const auto refused = [&outcome](Problem problem) {
+    outcome.problem = std::move(problem);
+    return std::move(outcome);
+  };
+
+  Parser parser;
+  parser.header_limit(static_cast<std::uint32_t>(limits.max_header + 1));
+  parser.body_limit(admission.max_body);
+  error_code ec;
+  const std::size_t used = parser.put(asio::buffer(buffer.cdata().data(), head_size), ec);
+  if (ec == bhttp::error::body_limit) co_return refused(over_limit(admission));
+  if ((ec && ec != bhttp::error::need_more) || !parser.is_header_done() || used != head_size)
+    co_return refused(
+        Problem(HttpProblem::kMalformedRequest, "The header was not understood (" + ec.message() + ")."));
+  buffer.consume(head_size);
+  if (parser.is_done()) co_return outcome;
+
+  request.reservation = MemoryBudget::Reservation(api.bodies());
+  if (!request.reservation.grow_to(request.head.content_length.value_or(0)))
+    co_return refused(api.no_memory());
+
+  if (request.head.expects_continue && buffer.size() == 0) {
+    static constexpr std::string_view kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
+    connection.set_deadline(Clock::now() + limits.write_stall);
+    co_await asio::async_write(connection.socket(), asio::buffer(kContinue.data(), kContinue.size()),
+                               asio::redirect_error(asio::use_awaitable, ec));
+    if (ec) {
+      outcome.closed = true;
+      co_return outcome;
+    }
+  }
+
+  const Clock::time_point start = Clock::now();
+  const std::uint64_t max_wire = kMaxWireFactor * admission.max_body + kWireAllowance;
+  while (!parser.is_done()) {
+    const std::uint64_t received = parser.get().body().size();
+    const auto earned =
+        std::chrono::milliseconds(1000 * received / std::max<std::uint64_t>(1, limits.body_rate));
+    // What a fast start has earned is not to be spent on one long silence.
+    connection.set_deadline(std::min(start + limits.body_grace + earned, Clock::now() + limits.write_stall));
+    outcome.wire_bytes += co_await bhttp::async_read_some(connection.socket(), buffer, parser,
+                                                          asio::redirect_error(asio::use_awaitable, ec));
+    if (!request.reservation.grow_to(parser.get().body().size())) co_return refused(api.no_memory());
+    if (connection.timed_out())
+      co_return refused(
+          Problem(HttpProblem::kRequestTimeout,
+                  "The body arrived slower than " + std::to_string(limits.body_rate) + " bytes a second."));
+    if (ec) {
+      outcome.problem = explain(ec, admission);
+      outcome.closed = !outcome.problem;
+      co_return outcome;
+    }
+    if (outcome.wire_bytes > max_wire)
+      co_return refused(*explain(bhttp::make_error_code(bhttp::error::buffer_overflow), admission));
+  }
+  connection.clear_deadline();
+  request.body = std::move(parser.get().body());
+  if (request.head.method == "POST" && request.body.empty())  // only chunked bodies are found empty this late
+    co_return refused(Problem(Error{ErrorCode::kEmptyBody, "The body is empty.", "mesh"}));
+  co_return outcome;
+}
+
+}  // namespace fracture::http

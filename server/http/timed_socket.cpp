@@ -1,0 +1,62 @@
+#include "server/http/timed_socket.hpp"
+
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace fracture::http {
+namespace {
+
+using error_code = boost::system::error_code;
+
+constexpr std::chrono::seconds kLingerIdle{2}, kLingerTotal{10};
+
+}  // namespace
+
+TimedSocket::TimedSocket(tcp::socket socket) : socket_(std::move(socket)), timer_(socket_.get_executor()) {}
+
+void TimedSocket::set_deadline(Clock::time_point when) {
+  const std::uint64_t generation = ++generation_;
+  timed_out_ = false;
+  timer_.expires_at(when);
+  timer_.async_wait([weak = weak_from_this(), generation](error_code ec) {
+    const auto self = weak.lock();
+    if (ec || !self || generation != self->generation_) return;
+    self->timed_out_ = true;
+    self->abort();
+  });
+}
+
+void TimedSocket::clear_deadline() {
+  ++generation_;
+  timer_.cancel();
+}
+
+void TimedSocket::abort() {
+  error_code ignored;
+  socket_.cancel(ignored);
+}
+
+bool TimedSocket::is_reset() {
+  int error = 0;
+  socklen_t size = sizeof error;
+  return ::getsockopt(socket_.native_handle(), SOL_SOCKET, SO_ERROR, &error, &size) == 0 && error != 0;
+}
+
+asio::awaitable<void> TimedSocket::linger() {
+  error_code ec;
+  socket_.shutdown(tcp::socket::shutdown_send, ec);
+  const Clock::time_point end = Clock::now() + kLingerTotal;
+  std::array<char, 4096> rubbish;
+  while (!ec) {
+    set_deadline(std::min(end, Clock::now() + kLingerIdle));
+    co_await socket_.async_read_some(asio::buffer(rubbish), asio::redirect_error(asio::use_awaitable, ec));
+    if (Clock::now() >= end) break;
+  }
+  clear_deadline();
+  socket_.close(ec);
+}
+
+}  // namespace fracture::http

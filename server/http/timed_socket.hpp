@@ -1,0 +1,43 @@
+// A socket whose operations end at a deadline.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+
+#include "server/http/asio.hpp"
+
+namespace fracture::http {
+
+/// Used from the socket's strand only. Held by shared_ptr: the timer's handler may run after its owner has
+/// gone.
+class TimedSocket : public std::enable_shared_from_this<TimedSocket> {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  explicit TimedSocket(tcp::socket socket);
+
+  tcp::socket& socket() { return socket_; }
+
+  /// From now on every operation ends at `when`, with timed_out(). A later call replaces it.
+  void set_deadline(Clock::time_point when);
+  void clear_deadline();
+  bool timed_out() const { return timed_out_; }
+
+  /// Ends every operation in progress.
+  void abort();
+  /// The connection was reset; urgent data, which wakes the same wait, is none.
+  bool is_reset();
+  /// After an answer that ends the connection, what the client still sends is read and thrown away for a
+  /// while: closing a socket with unread data makes the kernel send a reset that can destroy the answer
+  /// before the client has read it.
+  asio::awaitable<void> linger();
+
+ private:
+  tcp::socket socket_;
+  asio::steady_timer timer_;
+  std::uint64_t generation_ = 0;
+  bool timed_out_ = false;
+};
+
+}  // namespace fracture::http

@@ -1,0 +1,125 @@
+// Who may ask: bearer tokens and pages of other origins.
+#include <gtest/gtest.h>
+
+#include "tests/server/test_server.hpp"
+
+namespace fracture::test {
+namespace {
+
+const std::string kObj = "Content-Type: model/obj\r\n";
+
+TestServerOptions with_tokens() {
+  TestServerOptions options;
+  options.server.tokens = *http::TokenSet::parse("ana 0123456789abcdef\nbob readonly-token-1234 read-only\n");
+  return options;
+}
+
+TEST(Tokens, OnlyAKnownTokenOpensThePublicListener) {
+  TestServer server(with_tokens());
+  const std::string good = "Authorization: Bearer 0123456789abcdef\r\n";
+  EXPECT_EQ(server.get("/version", good).status, 200);
+  EXPECT_EQ(server.get("/version", "authorization: bearer 0123456789abcdef\r\n").status, 200);
+  EXPECT_EQ(server.post("/fracture", "mesh", kObj + good).status, 200);
+  const std::string wrong[] = {"",
+                               "Authorization: Bearer 0123456789abcdeF\r\n",
+                               "Authorization: Bearer 0123456789abcde\r\n",
+                               "Authorization: Bearer 0123456789abcdef0\r\n",
+                               "Authorization: Bearer \r\n",
+                               "Authorization: Basic 0123456789abcdef\r\n",
+                               "Authorization: 0123456789abcdef\r\n",
+                               good + good,
+                               good + "Authorization: Bearer x\r\n"};
+  for (const std::string& fields : wrong) {
+    const Reply reply = server.post("/fracture", "mesh", kObj + fields);
+    EXPECT_EQ(reply.status, 401) << fields;
+    EXPECT_EQ(reply.problem(), "unauthorized") << fields;
+    EXPECT_EQ(reply.header("www-authenticate").rfind("Bearer realm=", 0), 0u) << fields;
+    EXPECT_EQ(server.get("/nothing", fields).status, 401) << "who is not known learns no paths";
+  }
+  EXPECT_EQ(server.control->imports, 1);
+}
+
+TEST(Tokens, AReadOnlyTokenMayGetAndHeadButNotPost) {
+  TestServer server(with_tokens());
+  const std::string token = "Authorization: Bearer readonly-token-1234\r\n";
+  EXPECT_EQ(server.get("/limits", token).status, 200);
+  EXPECT_EQ(ask(server.port(), "HEAD", "/limits", token).status, 200);
+  const Reply reply = server.post("/fracture", "mesh", kObj + token);
+  EXPECT_EQ(reply.status, 403);
+  EXPECT_EQ(reply.problem(), "forbidden");
+  EXPECT_NE(reply.header("www-authenticate").find("insufficient_scope"), std::string::npos);
+}
+
+TEST(Tokens, ARefusalComesBeforeTheBodyIsRead) {
+  TestServer server(with_tokens());
+  RawClient client(server.port());
+  client.send("POST /fracture HTTP/1.1\r\nHost: a\r\n" + kObj +
+              "Content-Length: 1000\r\nExpect: 100-continue\r\n\r\n");
+  EXPECT_EQ(client.receive()->status, 401);
+}
+
+TEST(Tokens, TheAdminListenerAsksForNone) {
+  TestServer server(with_tokens());
+  EXPECT_EQ(ask(server.server.admin_port(), "GET", "/readyz").status, 200);
+}
+
+TEST(Cors, IsOffByDefault) {
+  TestServer server;
+  const std::string origin = "Origin: https://example.org\r\n";
+  EXPECT_EQ(server.get("/version", origin).header("access-control-allow-origin"), "");
+  EXPECT_EQ(
+      ask(server.port(), "OPTIONS", "/fracture", origin + "Access-Control-Request-Method: POST\r\n").status,
+      405);
+}
+
+TEST(Cors, AnAllowedOriginMayAskAndReadEveryAnswer) {
+  TestServerOptions options;
+  options.server.cors_origins = {"https://example.org", "http://localhost:5173"};
+  TestServer server(options);
+  const std::string origin = "Origin: https://example.org\r\n";
+  const Reply preflight =
+      ask(server.port(), "OPTIONS", "/fracture",
+          origin + "Access-Control-Request-Method: POST\r\nAccess-Control-Request-Headers: content-type\r\n");
+  EXPECT_EQ(preflight.status, 204);
+  EXPECT_EQ(preflight.header("access-control-allow-origin"), "https://example.org");
+  EXPECT_NE(preflight.header("access-control-allow-methods").find("POST"), std::string::npos);
+  EXPECT_NE(preflight.header("access-control-allow-headers").find("Content-Type"), std::string::npos);
+  EXPECT_EQ(preflight.headers.count("content-length"), 0u) << "RFC 9110, section 8.6";
+
+  for (const Reply& reply : {server.post("/fracture", "mesh", kObj + origin), server.get("/nothing", origin),
+                             server.post("/fracture?sites=0", "mesh", kObj + origin)}) {
+    EXPECT_EQ(reply.header("access-control-allow-origin"), "https://example.org") << reply.status;
+    EXPECT_NE(reply.header("access-control-expose-headers").find("ETag"), std::string::npos) << reply.status;
+  }
+  const Reply other = server.get("/version", "Origin: https://evil.example\r\n");
+  EXPECT_EQ(other.status, 200);
+  EXPECT_EQ(other.header("access-control-allow-origin"), "");
+  EXPECT_EQ(other.header("vary"), "Origin") << "or a shared cache hands the answer to the wrong page";
+  const Reply refused = ask(server.port(), "OPTIONS", "/fracture",
+                            "Origin: https://evil.example\r\nAccess-Control-Request-Method: POST\r\n");
+  EXPECT_EQ(refused.header("access-control-allow-methods"), "");
+}
+
+TEST(Cors, APreflightNeedsNoTokenAndKeepsTheConnection) {
+  TestServerOptions options = with_tokens();
+  options.server.cors_origins = {"*"};
+  TestServer server(options);
+  RawClient client(server.port());
+  client.send(
+      "OPTIONS /fracture HTTP/1.1\r\nHost: a\r\nOrigin: null\r\nAccess-Control-Request-Method: POST\r\n\r\n");
+  const auto preflight = client.receive();
+  ASSERT_TRUE(preflight);
+  EXPECT_EQ(preflight->status, 204);
+  EXPECT_EQ(preflight->header("access-control-allow-origin"), "*");
+  client.send(
+      "GET /version HTTP/1.1\r\nHost: a\r\nOrigin: null\r\nAuthorization: Bearer 0123456789abcdef\r\n\r\n");
+  EXPECT_EQ(client.receive()->status, 200);
+  client.send("GET /version HTTP/1.1\r\nHost: a\r\nOrigin: null\r\n\r\n");
+  const auto refused = client.receive();
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->status, 401);
+  EXPECT_EQ(refused->header("access-control-allow-origin"), "*") << "the page can read why";
+}
+
+}  // namespace
+}  // namespace fracture::test

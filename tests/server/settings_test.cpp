@@ -1,0 +1,168 @@
+// The settings of `serve`: precedence, and that every mistake is found in one go.
+#include "server/cli/serve_settings.hpp"
+
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+namespace fracture::cli {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+struct Settings : testing::Test {
+  ServeOptions options;
+  std::vector<Setting> table = serve_settings(options);
+  std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("fracture_settings_" + std::to_string(::getpid()));
+  void SetUp() override { std::filesystem::create_directories(folder); }
+  void TearDown() override { std::filesystem::remove_all(folder); }
+
+  std::string write(const std::string& name, const std::string& text) {
+    std::ofstream(folder / name) << text;
+    return (folder / name).string();
+  }
+  /// Errors of flags and a file together.
+  std::vector<std::string> configured(const GivenSettings& flags, const std::string& file = "") {
+    return configure(options, table, flags, file.empty() ? "" : write("config.toml", file));
+  }
+};
+
+TEST_F(Settings, TheDefaultsAreConsistent) { EXPECT_THAT(configured({}), IsEmpty()); }
+
+TEST_F(Settings, NamesAreUniqueAndEveryDefaultReadsBackAsItself) {
+  std::set<std::string> names;
+  for (const Setting& setting : table) {
+    EXPECT_TRUE(names.insert(setting.name).second) << setting.name;
+    EXPECT_FALSE(setting.doc.empty()) << setting.name;
+    EXPECT_FALSE(setting.group.empty()) << setting.name;
+    const std::string value = setting.get();
+    EXPECT_EQ(setting.set(value), "") << setting.name << " " << value;
+    EXPECT_EQ(setting.get(), value) << setting.name;
+  }
+}
+
+TEST_F(Settings, AFlagComesBeforeAVariableAndThatBeforeTheFile) {
+  const char* const variables[] = {"FRACTURE_MAX_URI=2000",  "FRACTURE_IDLE=7.5",   "PATH=/bin",
+                                   "FRACTURE_TEST_MESHES=x", "FRACTURE_COLOUR=red", nullptr};
+  std::vector<std::string> unknown, errors;
+  const std::vector<GivenSettings> sources = {
+      {{"max-uri", {"1000", "--max-uri"}}},
+      from_environment(variables, table, unknown),
+      from_file(write("c.toml", "max-uri = 3000\nidle = 8\nmax-body = \"1MiB\"\nall-formats = true\n"), table,
+                errors)};
+  apply(table, sources, errors);
+  EXPECT_THAT(errors, IsEmpty());
+  EXPECT_THAT(unknown, ElementsAre("FRACTURE_COLOUR"));
+  EXPECT_EQ(options.limits.max_uri, 1000u);
+  EXPECT_EQ(options.limits.idle, std::chrono::milliseconds(7500));
+  EXPECT_EQ(options.limits.max_body, 1u << 20);
+  EXPECT_TRUE(options.all_formats);
+}
+
+TEST_F(Settings, ThePrintedFileReadsBack) {
+  options.limits.max_body = 12345;
+  options.limits.idle = std::chrono::milliseconds(1250);
+  options.enabled_formats = {"blend", "fbx"};
+  options.all_formats = true;
+  const std::string printed = to_config_file(table);
+  ServeOptions other;
+  const std::vector<Setting> other_table = serve_settings(other);
+  std::vector<std::string> errors;
+  apply(other_table, std::vector<GivenSettings>{from_file(write("p.toml", printed), other_table, errors)},
+        errors);
+  EXPECT_THAT(errors, IsEmpty());
+  EXPECT_EQ(to_config_file(other_table), printed);
+  EXPECT_THAT(other.enabled_formats, ElementsAre("blend", "fbx"));
+}
+
+TEST_F(Settings, EveryMistakeIsNamedAtOnceWithItsPlace) {
+  const auto errors =
+      configured({{"max-body", {"12x", "--max-body"}}, {"log-level", {"loud", "--log-level"}}},
+                 "idle = -1\ncolour = \"red\"\nmax-uri = 3000\nmax-uri = 3001\n[limits]\nidle = 1\n");
+  EXPECT_THAT(errors, testing::UnorderedElementsAre(
+                          testing::AllOf(HasSubstr("max-body must be"), HasSubstr("'12x'"),
+                                         HasSubstr("(--max-body)")),
+                          testing::AllOf(HasSubstr("log-level must be one of"), HasSubstr("'loud'")),
+                          testing::AllOf(HasSubstr("idle must be seconds"), HasSubstr("config.toml")),
+                          HasSubstr("colour is no setting"), HasSubstr("max-uri must be given once"),
+                          HasSubstr("limits.idle is no setting")));
+}
+
+TEST_F(Settings, LimitsThatContradictEachOtherAreRefusedTogether) {
+  options.limits.max_uri = 20'000;
+  options.limits.max_bodies = 1000;
+  options.limits.max_connections_per_address = 5000;
+  options.limits.deadline = std::chrono::milliseconds(0);
+  options.server.admin_port = options.server.port;
+  options.enabled_formats = {"docx"};
+  options.server.cors_origins = {"https://example.org", "example.org", "https://example.org/path"};
+  EXPECT_THAT(configured({}),
+              testing::UnorderedElementsAre(HasSubstr("max-uri (20000) is over max-header (16384)"),
+                                            HasSubstr("max-body"), HasSubstr("max-connections-per-address"),
+                                            HasSubstr("deadline"), HasSubstr("port and admin-port"),
+                                            HasSubstr("'docx'"), HasSubstr("'example.org'"),
+                                            HasSubstr("'https://example.org/path'")));
+}
+
+TEST_F(Settings, ListeningBeyondThisMachineNeedsTokensOrAnExplicitWord) {
+  for (const char* open : {"0.0.0.0", "192.0.2.1", "::", "2001:db8::1"}) {
+    options.server.address = open;
+    EXPECT_THAT(configured({}),
+                ElementsAre(testing::AllOf(HasSubstr("--token-file"), HasSubstr("--insecure-bind"))))
+        << open;
+  }
+  EXPECT_THAT(configured({{"insecure-bind", {"true", "--insecure-bind"}}}), IsEmpty());
+  options.insecure_bind = false;
+  EXPECT_THAT(configured({{"token-file", {write("tokens", "me 0123456789abcdef\n"), "--token-file"}}}),
+              IsEmpty());
+  EXPECT_EQ(options.server.tokens.size(), 1u);
+  options.token_file.clear();
+  for (const char* closed : {"127.0.0.1", "127.1.2.3", "::1"}) {
+    options.server.address = closed;
+    EXPECT_THAT(configured({}), IsEmpty()) << closed;
+  }
+  options.server.address = "localhost";
+  EXPECT_THAT(configured({}), ElementsAre(HasSubstr("numeric")));
+}
+
+TEST_F(Settings, TokenFilesAreReadStrictly) {
+  const std::pair<const char*, const char*> wrong[] = {
+      {"", "holds no token"},
+      {"# only a comment\n", "holds no token"},
+      {"ana\n", "line 1"},
+      {"ana short\n", "at least 16"},
+      {"ana 0123456789abcde!\n", "at least 16"},
+      {"ana 0123456789abcdef write\n", "read-only"},
+      {"ana 0123456789abcdef read-only yes\n", "read-only"},
+      {"ana 0123456789abcdef\nana 0123456789abcdeg\n", "line 2"},
+      {"ana 0123456789abcdef\nbob 0123456789abcdef\n", "line 2"},
+  };
+  for (const auto& [text, message] : wrong) {
+    const auto tokens = http::TokenSet::parse(text);
+    ASSERT_FALSE(tokens) << text;
+    EXPECT_THAT(tokens.error(), HasSubstr(message)) << text;
+    EXPECT_THAT(tokens.error(), testing::Not(HasSubstr("0123456789"))) << "a token in an error message";
+  }
+  EXPECT_EQ(
+      http::TokenSet::parse("# studio\nana 0123456789abcdef\n\nbob 0123456789abcdeg read-only\r\n")->size(),
+      2u);
+  EXPECT_THAT(configured({{"token-file", {"/absent/tokens", ""}}}), ElementsAre(HasSubstr("cannot be read")));
+}
+
+TEST_F(Settings, SecretsAreNotPrinted) {
+  std::string password = "hunter2";
+  Setting secret = text("password", "TEXT", password, "A secret.");
+  secret.secret = true;
+  const std::vector<Setting> secrets = {secret};
+  EXPECT_THAT(to_config_file(secrets), testing::Not(HasSubstr("hunter2")));
+  EXPECT_EQ(to_json(secrets).at("password"), "***");
+}
+
+}  // namespace
+}  // namespace fracture::cli
