@@ -55,8 +55,8 @@ struct Box {
   bool empty() const { return !(min.x <= max.x); }
   void add(const Vec3d& p) {
     for (int a = 0; a < 3; ++a) {
-      if (p[a] < min[a]) min[a] = p[a];
-      if (p[a] > max[a]) max[a] = p[a];
+      min[a] = p[a] < min[a] ? p[a] : min[a];
+      max[a] = p[a] > max[a] ? p[a] : max[a];
     }
   }
   void add(const Box& b) {
