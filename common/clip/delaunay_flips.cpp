@@ -1,80 +1,104 @@
 #include "common/clip/delaunay_flips.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace fracture {
 namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
 
-/// > 0 when d lies strictly inside the circle through the counter-clockwise a, b, c. Differences have 26
-/// bits, the determinant fewer than 110: exact.
+/// Does d lie strictly inside the circle through the counter-clockwise a, b, c? Differences have 26 bits, the
+/// determinant fewer than 110: exact in 128 bits, which are only asked where doubles cannot tell.
 bool in_circle(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c, const LatticePoint& d) {
   const std::int64_t ax = a.x - d.x, ay = a.y - d.y, bx = b.x - d.x, by = b.y - d.y, cx = c.x - d.x,
                      cy = c.y - d.y;
-  const __int128 al = static_cast<__int128>(ax) * ax + static_cast<__int128>(ay) * ay;
-  const __int128 bl = static_cast<__int128>(bx) * bx + static_cast<__int128>(by) * by;
-  const __int128 cl = static_cast<__int128>(cx) * cx + static_cast<__int128>(cy) * cy;
-  return al * (static_cast<__int128>(bx) * cy - static_cast<__int128>(by) * cx) -
-             bl * (static_cast<__int128>(ax) * cy - static_cast<__int128>(ay) * cx) +
-             cl * (static_cast<__int128>(ax) * by - static_cast<__int128>(ay) * bx) >
+  // Products of two differences are exact in 64 bits. As doubles each of the six is off by 2^-53 of itself,
+  // each of the three terms by less than 4 * 2^-53 of itself, their sum by less than 8 * 2^-53 of all.
+  const auto a2 = static_cast<double>(ax * ax + ay * ay), b2 = static_cast<double>(bx * bx + by * by),
+             c2 = static_cast<double>(cx * cx + cy * cy);
+  const double u = a2 * static_cast<double>(bx * cy - by * cx),
+               v = b2 * static_cast<double>(ax * cy - ay * cx),
+               w = c2 * static_cast<double>(ax * by - ay * bx);
+  const double sum = u - v + w, bound = 0x1.0p-50 * (std::fabs(u) + std::fabs(v) + std::fabs(w));
+  if (std::fabs(sum) > bound) return sum > 0;
+  const auto term = [](std::int64_t square, std::int64_t minor) {
+    return static_cast<__int128>(square) * minor;
+  };
+  return term(ax * ax + ay * ay, bx * cy - by * cx) - term(bx * bx + by * by, ax * cy - ay * cx) +
+             term(cx * cx + cy * cy, ax * by - ay * bx) >
          0;
 }
 
+/// Keeps its memory from one triangulation to the next: they are many and small.
 class Flipper {
  public:
-  Flipper(std::span<const LatticePoint> points, std::span<std::array<std::uint32_t, 3>> triangles)
-      : points_(points), triangles_(triangles) {
+  void run(std::span<const LatticePoint> points, std::span<std::array<std::uint32_t, 3>> triangles) {
+    points_ = points;
+    corner_.resize(4 * triangles.size());
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+      for (std::size_t k = 0; k < 3; ++k) corner_[4 * t + k] = triangles[t][k];
     pair_edges();
-  }
-
-  void run() {
-    std::vector<std::uint32_t> queue;
+    queue_.clear();
     for (std::uint32_t h = 0; h < twin_.size(); ++h)
-      if (twin_[h] != kNone && h < twin_[h]) queue.push_back(h);
-    std::size_t flips = kFlipsPerTriangle * triangles_.size();
-    while (!queue.empty() && flips > 0) {
-      const std::uint32_t h = queue.back();
-      queue.pop_back();
+      if (twin_[h] != kNone && h < twin_[h]) queue_.push_back(h);
+    std::size_t flips = kFlipsPerTriangle * triangles.size();
+    while (!queue_.empty() && flips > 0) {
+      const std::uint32_t h = queue_.back();
+      queue_.pop_back();
       if (twin_[h] == kNone || !should_flip(h)) continue;
       const std::uint32_t g = twin_[h];
       flip(h);
       --flips;
-      for (const std::uint32_t t : {h / 3, g / 3})
-        for (std::uint32_t k = 3 * t; k < 3 * t + 3; ++k)
-          if (twin_[k] != kNone) queue.push_back(k);
+      for (const std::uint32_t t : {h & ~3u, g & ~3u})
+        for (std::uint32_t k = t; k < t + 3; ++k)
+          if (twin_[k] != kNone) queue_.push_back(k);
     }
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+      for (std::size_t k = 0; k < 3; ++k) triangles[t][k] = corner_[4 * t + k];
   }
 
  private:
-  // Half-edge h = 3 t + k runs from corner k to corner k+1 of triangle t.
-  std::uint32_t from(std::uint32_t h) const { return triangles_[h / 3][h % 3]; }
-  static std::uint32_t next(std::uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
+  // Half-edge h = 4 t + k, k = 0, 1, 2, runs from corner k to corner k+1 of triangle t.
+  std::uint32_t from(std::uint32_t h) const { return corner_[h]; }
+  static std::uint32_t next(std::uint32_t h) { return (h & 3) == 2 ? h - 2 : h + 1; }
   const LatticePoint& at(std::uint32_t v) const { return points_[v]; }
 
-  // Twins by the lower end: each point has few edges, so its list is searched in place.
+  // Twins by the lower end: each point has few edges, so its list is sorted by the upper end in place.
   void pair_edges() {
-    twin_.assign(3 * triangles_.size(), kNone);
-    std::vector<std::uint32_t> begin(points_.size() + 1, 0), half(twin_.size());
-    for (std::uint32_t h = 0; h < twin_.size(); ++h) ++begin[std::min(from(h), from(next(h))) + 1];
-    for (std::size_t v = 0; v < points_.size(); ++v) begin[v + 1] += begin[v];
-    std::vector<std::uint32_t> end(begin.begin(), begin.end() - 1);
-    for (std::uint32_t h = 0; h < twin_.size(); ++h) half[end[std::min(from(h), from(next(h)))]++] = h;
+    const auto size = static_cast<std::uint32_t>(corner_.size());
+    twin_.assign(size, kNone);
+    begin_.assign(points_.size() + 1, 0);
+    uses_.resize(size / 4 * 3);
+    const auto each = [&](const auto& visit) {
+      for (std::uint32_t t = 0; t < size; t += 4)
+        for (std::uint32_t h = t; h < t + 3; ++h) {
+          const std::uint32_t u = from(h), v = from(next(h));
+          visit(std::min(u, v), std::max(u, v), h);
+        }
+    };
+    each([&](std::uint32_t low, std::uint32_t, std::uint32_t) { ++begin_[low + 1]; });
+    for (std::size_t v = 0; v < points_.size(); ++v) begin_[v + 1] += begin_[v];
+    end_.assign(begin_.begin(), begin_.end() - 1);
+    each([&](std::uint32_t low, std::uint32_t high, std::uint32_t h) {
+      uses_[end_[low]++] = static_cast<std::uint64_t>(high) << 32 | h;
+    });
     for (std::size_t v = 0; v < points_.size(); ++v) {
-      const auto upper = [&](std::uint32_t h) { return std::max(from(h), from(next(h))); };
-      std::sort(half.begin() + begin[v], half.begin() + begin[v + 1], [&](std::uint32_t x, std::uint32_t y) {
-        return upper(x) != upper(y) ? upper(x) < upper(y) : x < y;
-      });
-      for (std::uint32_t k = begin[v]; k < begin[v + 1];) {
-        std::uint32_t last = k + 1;
-        while (last < begin[v + 1] && upper(half[last]) == upper(half[k])) ++last;
+      const std::uint32_t last = begin_[v + 1];
+      std::sort(uses_.begin() + begin_[v], uses_.begin() + last);
+      for (std::uint32_t k = begin_[v]; k < last;) {
+        std::uint32_t other = k + 1;
+        while (other < last && uses_[other] >> 32 == uses_[k] >> 32) ++other;
         // Only a clean pair may be flipped; an edge that occurs more often (rounded loops that touch) stays
         // as it is.
-        if (last - k == 2 && from(half[k]) != from(half[k + 1])) {
-          twin_[half[k]] = half[k + 1];
-          twin_[half[k + 1]] = half[k];
+        if (other - k == 2) {
+          const auto h = static_cast<std::uint32_t>(uses_[k]), g = static_cast<std::uint32_t>(uses_[k + 1]);
+          if (from(h) != from(g)) {
+            twin_[h] = g;
+            twin_[g] = h;
+          }
         }
-        k = last;
+        k = other;
       }
     }
   }
@@ -97,33 +121,41 @@ class Flipper {
   }
 
   void flip(std::uint32_t h) {
-    const std::uint32_t g = twin_[h], t = h / 3, u = g / 3;
+    const std::uint32_t g = twin_[h], t = h & ~3u, u = g & ~3u;
     const std::uint32_t a = from(h), b = from(next(h)), c = from(next(next(h))), d = from(next(next(g)));
     const std::uint32_t bc = twin_[next(h)], ca = twin_[next(next(h))], ad = twin_[next(g)],
                         db = twin_[next(next(g))];
-    triangles_[t] = {c, a, d};  // edges c-a, a-d, d-c
-    triangles_[u] = {d, b, c};  // edges d-b, b-c, c-d
+    const auto set = [&](std::uint32_t first, std::uint32_t p, std::uint32_t q, std::uint32_t r) {
+      corner_[first] = p;
+      corner_[first + 1] = q;
+      corner_[first + 2] = r;
+    };
+    set(t, c, a, d);  // edges c-a, a-d, d-c
+    set(u, d, b, c);  // edges d-b, b-c, c-d
     const auto join = [&](std::uint32_t x, std::uint32_t y) {
       twin_[x] = y;
       if (y != kNone) twin_[y] = x;
     };
-    join(3 * t, ca);
-    join(3 * t + 1, ad);
-    join(3 * u, db);
-    join(3 * u + 1, bc);
-    join(3 * t + 2, 3 * u + 2);
+    join(t, ca);
+    join(t + 1, ad);
+    join(u, db);
+    join(u + 1, bc);
+    join(t + 2, u + 2);
   }
 
   std::span<const LatticePoint> points_;
-  std::span<std::array<std::uint32_t, 3>> triangles_;
-  std::vector<std::uint32_t> twin_;
+  std::vector<std::uint32_t> corner_, twin_;  // by half-edge
+  std::vector<std::uint32_t> queue_;
+  std::vector<std::uint32_t> begin_, end_;  // per point: its range of uses_
+  std::vector<std::uint64_t> uses_;         // upper end << 32 | half-edge, by lower end
 };
 
 }  // namespace
 
 void flip_to_delaunay(std::span<const LatticePoint> points,
                       std::span<std::array<std::uint32_t, 3>> triangles) {
-  if (triangles.size() > 1) Flipper(points, triangles).run();
+  thread_local Flipper flipper;
+  if (triangles.size() > 1) flipper.run(points, triangles);
 }
 
 }  // namespace fracture

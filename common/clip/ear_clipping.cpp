@@ -17,6 +17,17 @@ void split_convex(std::span<const std::uint32_t> ring, std::size_t first, std::s
   split_convex(ring, middle, last, triangles);
 }
 
+void link_ring(std::size_t n, std::vector<std::uint32_t>& next, std::vector<std::uint32_t>& prev) {
+  next.resize(n);
+  prev.resize(n);
+  for (std::uint32_t k = 0; k < n; ++k) {
+    next[k] = k + 1;
+    prev[k] = k - 1;
+  }
+  next[n - 1] = 0;
+  prev[0] = static_cast<std::uint32_t>(n - 1);
+}
+
 bool in_triangle(const LatticePoint& p, const LatticePoint& a, const LatticePoint& b, const LatticePoint& c) {
   return orient2d(a, b, p) >= 0 && orient2d(b, c, p) >= 0 && orient2d(c, a, p) >= 0;
 }
@@ -29,8 +40,8 @@ bool is_convex(std::span<const LatticePoint> points, std::span<const std::uint32
       0;  // a convex ring changes its direction in x twice; a ring that winds twice does so four times
   bool strict = false;
   std::int64_t last = 0;
-  for (std::size_t k = 0; k < n; ++k) {
-    const LatticePoint &a = points[ring[k]], &b = points[ring[(k + 1) % n]], &c = points[ring[(k + 2) % n]];
+  for (std::size_t i = n - 2, j = n - 1, k = 0; k < n; i = j, j = k++) {
+    const LatticePoint &a = points[ring[i]], &b = points[ring[j]], &c = points[ring[k]];
     const std::int64_t o = orient2d(a, b, c);
     if (o < 0) return false;
     strict |= o > 0;
@@ -56,11 +67,8 @@ void clip_ears(std::span<const LatticePoint> points, std::span<const std::uint32
     return;
   }
 
-  std::vector<std::uint32_t> next(n), prev(n);
-  for (std::size_t k = 0; k < n; ++k) {
-    next[k] = static_cast<std::uint32_t>((k + 1) % n);
-    prev[k] = static_cast<std::uint32_t>((k + n - 1) % n);
-  }
+  thread_local std::vector<std::uint32_t> next, prev;  // kept: rings are many and small
+  link_ring(n, next, prev);
   const auto at = [&](std::uint32_t k) -> const LatticePoint& { return points[ring[k]]; };
   const auto area = [&](std::uint32_t k) { return orient2d(at(prev[k]), at(k), at(next[k])); };
   const auto is_ear = [&](std::uint32_t k) {

@@ -35,7 +35,12 @@ struct Triangulation {
   /// Happens only when loops cross; 0 for every embedded input.
   std::uint32_t unnested_loops = 0;
 
-  void clear() { *this = {}; }
+  /// Keeps the memory.
+  void clear() {
+    triangles.clear();
+    region.clear();
+    regions = unnested_loops = 0;
+  }
 };
 
 /// `loop_begin` has one entry per loop and a last one = points.size(). Outer loops run counter-clockwise,
