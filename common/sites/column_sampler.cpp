@@ -31,10 +31,12 @@ ColumnSampler::ColumnSampler(const Solid& solid, std::uint64_t seed, const Execu
     : solid_(solid), execution_(execution), seed_(seed) {
   // The axis along which most candidates are kept: least (projected area × width).
   std::array<double, 3> area{};
+  std::vector<Vec3d> normal(solid.triangles.size());
   for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
     const auto& c = solid.triangles[t];
     const Vec3d a = to_double(solid.positions[c[0]]);
     const Vec3d n = cross(to_double(solid.positions[c[1]]) - a, to_double(solid.positions[c[2]]) - a);
+    normal[t] = n;
     for (int k = 0; k < 3; ++k) area[k] += n[k] < 0 ? -0.5 * n[k] : 0;
   }
   const Vec3d size = solid.box.size();
@@ -43,9 +45,7 @@ ColumnSampler::ColumnSampler(const Solid& solid, std::uint64_t seed, const Execu
   entry_area_.resize(solid.triangles.size());
   double sum = 0;
   for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
-    const auto& c = solid.triangles[t];
-    const Vec3d a = to_double(solid.positions[c[0]]);
-    const double n = cross(to_double(solid.positions[c[1]]) - a, to_double(solid.positions[c[2]]) - a)[axis_];
+    const double n = normal[t][axis_];
     if (n < 0) sum -= n;
     entry_area_[t] = sum;
   }
@@ -83,9 +83,9 @@ ColumnSampler::Column ColumnSampler::column(std::uint64_t stream, std::uint64_t 
 void ColumnSampler::cross_all(std::span<const Column> columns, std::vector<Crossing>& crossings) const {
   const Frame f = frame_of(axis_);
   const Box& box = solid_.box;
-  // About four cells for each column, so that most triangles meet empty cells only.
+  // About sixteen cells for each column, so that most triangles meet empty cells only.
   const auto side_count = static_cast<std::uint32_t>(
-      std::fmin(4096, 2 * std::ceil(std::sqrt(static_cast<double>(columns.size())))));
+      std::fmin(4096, 4 * std::ceil(std::sqrt(static_cast<double>(columns.size())))));
   const Vec3d size = box.size();
   const double scale_u = size[f.u] > 0 ? side_count / size[f.u] : 0,
                scale_v = size[f.v] > 0 ? side_count / size[f.v] : 0;
@@ -107,6 +107,7 @@ void ColumnSampler::cross_all(std::span<const Column> columns, std::vector<Cross
 
   struct CellOfVertex {
     std::uint16_t u, v;
+    bool operator==(const CellOfVertex&) const = default;
   };
   std::vector<CellOfVertex> cells(solid_.positions.size());
   for (std::size_t v = 0; v < cells.size(); ++v) {
@@ -133,8 +134,13 @@ void ColumnSampler::cross_all(std::span<const Column> columns, std::vector<Cross
     if (t % 65536 == 0) execution_.poll();
     const auto& id = solid_.triangles[t];
     const CellOfVertex a = cells[id[0]], b = cells[id[1]], c = cells[id[2]];
-    const std::uint32_t u0 = std::min({a.u, b.u, c.u}), u1 = std::max({a.u, b.u, c.u});
-    const std::uint32_t v0 = std::min({a.v, b.v, c.v}), v1 = std::max({a.v, b.v, c.v});
+    if (a == b && b == c) {  // most triangles are smaller than a cell
+      const std::uint32_t at = a.v * side_count + a.u;
+      for (std::uint32_t k = start[at]; k < start[at + 1]; ++k) cross(t, items[k]);
+      continue;
+    }
+    const std::uint32_t u0 = std::min(std::min(a.u, b.u), c.u), u1 = std::max(std::max(a.u, b.u), c.u);
+    const std::uint32_t v0 = std::min(std::min(a.v, b.v), c.v), v1 = std::max(std::max(a.v, b.v), c.v);
     for (std::uint32_t v = v0; v <= v1; ++v) {
       const std::uint32_t end = start[v * side_count + u1 + 1];
       for (std::uint32_t k = start[v * side_count + u0]; k < end; ++k) cross(t, items[k]);
