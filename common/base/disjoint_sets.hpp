@@ -11,14 +11,21 @@ namespace fracture {
 /// unions.
 class DisjointSets {
  public:
-  explicit DisjointSets(std::size_t count = 0) : parent_(count) {
+  explicit DisjointSets(std::size_t count = 0) : parent_(count), sets_(count) {
     for (std::size_t i = 0; i < count; ++i) parent_[i] = static_cast<std::uint32_t>(i);
   }
   std::size_t size() const { return parent_.size(); }
-  void clear() { parent_.clear(); }
+  /// How many sets there are.
+  std::size_t set_count() const { return sets_; }
+  void clear() {
+    parent_.clear();
+    sets_ = 0;
+  }
+  void reserve(std::size_t count) { parent_.reserve(count); }
   /// A new member, in a set of its own.
   std::uint32_t add() {
     parent_.push_back(static_cast<std::uint32_t>(parent_.size()));
+    ++sets_;
     return parent_.back();
   }
   std::uint32_t find(std::uint32_t i) {
@@ -26,14 +33,20 @@ class DisjointSets {
     return i;
   }
   void unite(std::uint32_t a, std::uint32_t b) {
+    if (parent_[a] == parent_[b]) return;  // mostly
     a = find(a);
     b = find(b);
-    if (a < b) parent_[b] = a;
-    if (b < a) parent_[a] = b;
+    if (a == b) return;
+    --sets_;
+    if (a < b)
+      parent_[b] = a;
+    else
+      parent_[a] = b;
   }
 
  private:
   std::vector<std::uint32_t> parent_;
+  std::size_t sets_;
 };
 
 }  // namespace fracture

@@ -11,164 +11,214 @@
 namespace fracture {
 namespace {
 
-/// Which vertex of the file: a position (VertexId) and the attributes it has there. Faces that agree share
-/// the vertex.
-struct Flavor {
-  std::uint32_t kind, a, b;
-  friend bool operator==(const Flavor&, const Flavor&) = default;
+/// Where a vertex of the file gets its attributes. Faces that agree on them share the vertex.
+struct VertexSource {
+  enum Kind : std::uint32_t {
+    kPlain,     ///< the source has no attributes: a position is all
+    kWedge,     ///< input vertex: the wedge (a)
+    kOnEdge,    ///< cut of an edge: the wedges at its ends (a lower vertex, b higher)
+    kInside,    ///< in the interior of triangle a
+    kInterior,  ///< on the flat face a: a cap's facet and side, or a filled triangle
+  };
+  Kind kind;
+  std::uint32_t a, b;
+  friend bool operator==(const VertexSource&, const VertexSource&) = default;
 };
-enum FlavorKind : std::uint32_t {
-  kPlain,     // the source has no attributes: a position is all
-  kWedge,     // input vertex: the wedge (a)
-  kOnEdge,    // cut of an edge: the wedges at its ends (a lower vertex, b higher)
-  kInside,    // in the interior of triangle a
-  kInterior,  // on the flat face a: a cap's facet and side, or a filled triangle
+
+/// What one fragment's assembly keeps in memory, kept from fragment to fragment by each thread: fresh memory
+/// costs more than the work done in it.
+struct Scratch {
+  StampedMap at_position;  // VertexId -> its first vertex in the fragment
+  StampedMap of_wedge;     // wedge -> vertex
+  StampedMap on_face;      // VertexId -> vertex, within one flat face
+  // Per vertex of the fragment.
+  std::vector<VertexId> ids;
+  std::vector<VertexSource> sources;
+  std::vector<std::uint32_t> topology;
+  std::vector<std::uint32_t> next;  // another vertex at the same edge cut
+  std::vector<Vec3d> points;
+
+  static Scratch& of_this_thread() {
+    thread_local Scratch scratch;
+    return scratch;
+  }
 };
 
 class Assembler {
  public:
   Assembler(const RestrictedDiagram& diagram, Fragment& out)
-      : d_(diagram), mesh_(*diagram.solid.source), out_(out), writer_(mesh_.attributes, out.attributes) {
+      : d_(diagram), mesh_(*diagram.solid.source), out_(out) {
     const Attributes& a = mesh_.attributes;
     plain_ = a.normals.empty() && a.tangents.empty() && a.uvs.empty() && a.colors.empty();
   }
 
-  void run(const Piece& piece, const Face* faces) {
-    order_by_material(piece, faces);
-    first_variant_.next_epoch(d_.vertex_count());
-    out_.indices.reserve(3 * order_.size());
-    const std::size_t vertices =
-        order_.size() / 2 + order_.size() / 4 + 8;  // a guess: half the faces, and seams
-    out_.topology.reserve(vertices);
-    ids_.reserve(vertices);
-    flavors_.reserve(vertices);
-    next_variant_.reserve(vertices);
-    points_.reserve(vertices);
-    FlatFrame frame({0, 0, 1});
-    FaceSource frame_source = kNoIndex;
-    for (const auto& [material, f] : order_) {
-      if (out_.primitives.empty() || out_.primitives.back().material != material)
-        out_.primitives.push_back({material, static_cast<std::uint32_t>(out_.indices.size()), 0});
-      const Face& face = faces[f];
-      // The plane of a flat face is the same for all its triangles, which follow one another.
-      const bool flat = material == kInteriorMaterial;
-      if (flat && face.source != frame_source) {
-        frame = FlatFrame(flat_normal(face));
-        frame_source = face.source;
-      }
-      for (const VertexId v : face.v) out_.indices.push_back(vertex(face, v, flat, frame));
-      out_.primitives.back().index_count += 3;
-    }
+  void run(const Piece& piece) {
+    collect_vertices(piece);
+    points_.clear();
+    points_.reserve(ids_.size());
+    for (const VertexId v : ids_) points_.push_back(d_.point(v));
+    write_attributes();
     measure();
     place(piece);
   }
 
  private:
-  // Faces by material, in their order within each; interior last, "no material" just before it. A piece has
-  // few materials.
-  void order_by_material(const Piece& piece, const Face* faces) {
+  // -- which vertices there are, and which triangles
+
+  /// Consecutive faces of one material.
+  struct Run {
+    std::uint32_t material, begin, end;
+  };
+
+  // Faces by material, in their order within each; interior last, "no material" just before it.
+  std::vector<Run> runs_by_material(const std::vector<Face>& faces) const {
+    std::vector<Run> runs;
+    for (std::uint32_t f = 0; f < faces.size(); ++f) {
+      const FaceSource source = faces[f].source;
+      const std::uint32_t material = is_cap(source) ? kInteriorMaterial : d_.solid.material[source];
+      if (runs.empty() || runs.back().material != material) runs.push_back({material, f, f});
+      ++runs.back().end;
+    }
     const auto rank = [](std::uint32_t m) {
       return m == kInteriorMaterial ? 0xffffffffu : m == kNoIndex ? 0xfffffffeu : m;
     };
-    std::vector<std::uint32_t> material(piece.face_count);
-    std::vector<std::uint32_t> kinds;
-    for (std::uint32_t f = 0; f < piece.face_count; ++f) {
-      material[f] = is_cap(faces[f].source) ? kInteriorMaterial : d_.solid.material[faces[f].source];
-      if (f > 0 && material[f] == material[f - 1]) continue;
-      kinds.push_back(material[f]);
-    }
-    std::sort(kinds.begin(), kinds.end(),
-              [&](std::uint32_t x, std::uint32_t y) { return rank(x) < rank(y); });
-    kinds.erase(std::unique(kinds.begin(), kinds.end()), kinds.end());
-    order_.reserve(piece.face_count);
-    if (kinds.size() <= 4) {
-      for (const std::uint32_t m : kinds)
-        for (std::uint32_t f = 0; f < piece.face_count; ++f)
-          if (material[f] == m) order_.push_back({m, f});
-      return;
-    }
-    for (std::uint32_t f = 0; f < piece.face_count; ++f) order_.push_back({material[f], f});
-    std::stable_sort(order_.begin(), order_.end(),
-                     [&](const auto& x, const auto& y) { return rank(x.first) < rank(y.first); });
+    std::stable_sort(runs.begin(), runs.end(),
+                     [&](const Run& x, const Run& y) { return rank(x.material) < rank(y.material); });
+    return runs;
   }
 
-  Vec3d flat_normal(const Face& face) const {
-    if (is_cap(face.source)) {
-      const CapRegion& r = d_.caps.regions[cap_region(face.source)];
-      const Vec3d n = d_.diagram.site(r.hi) - d_.diagram.site(r.lo);
-      return ((cap_side(face.source) == 0 ? 1.0 : -1.0) / length(n)) * n;
-    }
-    const auto& v = d_.solid.triangles[face.source];
-    const Vec3d n = cross(d_.point(v[1]) - d_.point(v[0]), d_.point(v[2]) - d_.point(v[0]));
-    const double l = length(n);
-    return l > 0 ? (1 / l) * n : Vec3d{0, 0, 1};
-  }
-
-  Flavor flavor(const Face& face, VertexId v, bool flat) const {
-    if (flat) {
-      // Regions of one facet share their plane, but not their vertices: the region will do.
-      return {kInterior, face.source, 0};
-    }
-    if (plain_) return {kPlain, 0, 0};
-    const auto& corners = d_.solid.triangles[face.source];
-    const auto& wedges = d_.solid.wedges[face.source];
-    if (v < d_.cuts.first_b()) {
-      for (int k = 0; k < 3; ++k)
-        if (corners[k] == v) return {kWedge, wedges[k], 0};
-    } else if (v < d_.cuts.first_c()) {
-      const auto [lo, hi] = edge_of(v);
-      Flavor f{kOnEdge, 0, 0};
-      for (int k = 0; k < 3; ++k) {
-        if (corners[k] == lo) f.a = wedges[k];
-        if (corners[k] == hi) f.b = wedges[k];
+  void collect_vertices(const Piece& piece) {
+    s_.at_position.next_epoch(d_.vertex_count());
+    s_.of_wedge.next_epoch(mesh_.positions.size());
+    ids_.clear();
+    sources_.clear();
+    s_.topology.clear();
+    s_.next.clear();
+    out_.indices.resize(3 * piece.faces.size());
+    std::uint32_t* index = out_.indices.data();
+    for (const Run& run : runs_by_material(piece.faces)) {
+      if (out_.primitives.empty() || out_.primitives.back().material != run.material)
+        out_.primitives.push_back({run.material, static_cast<std::uint32_t>(index - out_.indices.data()), 0});
+      out_.primitives.back().index_count += 3 * (run.end - run.begin);
+      const Face *face = piece.faces.data() + run.begin, *end = piece.faces.data() + run.end;
+      if (run.material == kInteriorMaterial) {
+        FaceSource flat = kNoIndex;
+        for (; face != end; ++face) {
+          // Regions of one facet share their plane, but not their vertices; the faces of one region follow
+          // one another.
+          if (face->source != flat) s_.on_face.next_epoch(d_.vertex_count());
+          flat = face->source;
+          for (const VertexId v : face->v) *index++ = interior_vertex(v, flat);
+        }
+      } else if (plain_) {
+        for (; face != end; ++face)
+          for (const VertexId v : face->v) *index++ = plain_vertex(v);
+      } else {
+        for (; face != end; ++face)
+          for (const VertexId v : face->v) *index++ = exterior_vertex(v, face->source);
       }
-      return f;
     }
-    return {kInside, face.source, 0};
+    out_.topology = s_.topology;
+  }
+
+  std::uint32_t add(VertexId v, const VertexSource& source) {
+    const auto fresh = static_cast<std::uint32_t>(ids_.size());
+    std::uint32_t& first = s_.at_position.slot(v);
+    if (first == kNoIndex) first = fresh;
+    ids_.push_back(v);
+    sources_.push_back(source);
+    s_.topology.push_back(first);
+    return fresh;
+  }
+
+  std::uint32_t interior_vertex(VertexId v, FaceSource face) {
+    std::uint32_t& vertex = s_.on_face.slot(v);
+    if (vertex == kNoIndex) vertex = add(v, {VertexSource::kInterior, face, 0});
+    return vertex;
+  }
+
+  // The interior comes last: who is at a position before it is the exterior.
+  std::uint32_t plain_vertex(VertexId v) {
+    const std::uint32_t vertex = s_.at_position.slot(v);
+    return vertex != kNoIndex ? vertex : add(v, {VertexSource::kPlain, 0, 0});
+  }
+
+  std::uint32_t exterior_vertex(VertexId v, std::uint32_t triangle) {
+    const auto& corners = d_.solid.triangles[triangle];
+    const auto& wedges = d_.solid.wedges[triangle];
+    if (v < d_.cuts.first_b()) {
+      const std::uint32_t wedge = wedges[corners[0] == v ? 0 : corners[1] == v ? 1 : 2];
+      std::uint32_t& vertex = s_.of_wedge.slot(wedge);
+      if (vertex == kNoIndex) vertex = add(v, {VertexSource::kWedge, wedge, 0});
+      return vertex;
+    }
+    if (v >= d_.cuts.first_c()) {  // inside this triangle and no other
+      const std::uint32_t vertex = s_.at_position.slot(v);
+      return vertex != kNoIndex ? vertex : add(v, {VertexSource::kInside, triangle, 0});
+    }
+    const auto [lo, hi] = edge_of(v);
+    VertexSource source{VertexSource::kOnEdge, 0, 0};
+    for (int k = 0; k < 3; ++k) {
+      if (corners[k] == lo) source.a = wedges[k];
+      if (corners[k] == hi) source.b = wedges[k];
+    }
+    // The triangles of the edge may disagree about its wedges.
+    std::uint32_t last = kNoIndex;
+    for (std::uint32_t k = s_.at_position.slot(v); k != kNoIndex; last = k, k = s_.next[k])
+      if (sources_[k] == source) return k;
+    const std::uint32_t fresh = add(v, source);
+    s_.next.resize(fresh + 1, kNoIndex);
+    if (last != kNoIndex) s_.next[last] = fresh;
+    return fresh;
   }
 
   std::array<std::uint32_t, 2> edge_of(VertexId b) const {
     return d_.solid.edge_vertices[d_.cuts.edge_cuts[b - d_.cuts.first_b()].edge];
   }
 
-  std::uint32_t vertex(const Face& face, VertexId v, bool flat, const FlatFrame& frame) {
-    const Flavor f = flavor(face, v, flat);
-    std::uint32_t& first = first_variant_.slot(v);
-    for (std::uint32_t k = first; k != kNoIndex; k = next_variant_[k])
-      if (flavors_[k] == f) return k;
+  // -- their attributes
 
-    const auto fresh = static_cast<std::uint32_t>(ids_.size());
-    ids_.push_back(v);
-    flavors_.push_back(f);
-    points_.push_back(d_.point(v));
-    if (first == kNoIndex) {
-      first = fresh;
-      next_variant_.push_back(kNoIndex);
-    } else {  // behind the first, which stands for the position's topology
-      next_variant_.push_back(next_variant_[first]);
-      next_variant_[first] = fresh;
+  void write_attributes() {
+    AttributeWriter writer(mesh_.attributes, out_.attributes, ids_.size());
+    FlatFrame frame({0, 0, 1});
+    FaceSource frame_of = kNoIndex;  // the vertices of a flat face follow one another
+    for (std::size_t k = 0; k < ids_.size(); ++k) {
+      const VertexSource& s = sources_[k];
+      switch (s.kind) {
+        case VertexSource::kPlain:
+          writer.blank();
+          break;
+        case VertexSource::kWedge:
+          writer.copy(s.a);
+          break;
+        case VertexSource::kOnEdge: {
+          const auto [lo, hi] = edge_of(ids_[k]);
+          const double t = along(d_.point(lo), d_.point(hi), points_[k]);
+          writer.blend({s.a, s.b, s.a}, {1 - t, t, 0});
+          break;
+        }
+        case VertexSource::kInside:
+          writer.blend(d_.solid.wedges[s.a], barycentric(s.a, points_[k]));
+          break;
+        case VertexSource::kInterior:
+          if (s.a != frame_of) frame = FlatFrame(flat_normal(s.a));
+          frame_of = s.a;
+          writer.interior(frame, points_[k]);
+          break;
+      }
     }
-    out_.topology.push_back(first);
-    write_attributes(f, face, v, frame);
-    return fresh;
   }
 
-  void write_attributes(const Flavor& f, const Face& face, VertexId v, const FlatFrame& frame) {
-    switch (f.kind) {
-      case kPlain:
-        return writer_.blank();
-      case kWedge:
-        return writer_.copy(f.a);
-      case kOnEdge: {
-        const auto [lo, hi] = edge_of(v);
-        const double t = along(d_.point(lo), d_.point(hi), d_.point(v));
-        return writer_.blend({f.a, f.b, f.a}, {1 - t, t, 0});
-      }
-      case kInside:
-        return writer_.blend(d_.solid.wedges[face.source], barycentric(face.source, d_.point(v)));
-      default:
-        return writer_.interior(frame, d_.point(v));
+  Vec3d flat_normal(FaceSource face) const {
+    if (is_cap(face)) {
+      const CapRegion& r = d_.caps.regions[cap_region(face)];
+      const Vec3d n = d_.diagram.site(r.hi) - d_.diagram.site(r.lo);
+      return ((cap_side(face) == 0 ? 1.0 : -1.0) / length(n)) * n;
     }
+    const auto& v = d_.solid.triangles[face];
+    const Vec3d n = cross(d_.point(v[1]) - d_.point(v[0]), d_.point(v[2]) - d_.point(v[0]));
+    const double l = length(n);
+    return l > 0 ? (1 / l) * n : Vec3d{0, 0, 1};
   }
 
   /// Parameter of x on the segment (a, b), from its longest axis.
@@ -193,11 +243,13 @@ class Assembler {
     return w;
   }
 
+  // -- figures and final positions
+
   void measure() {
     MassIntegral all(points_[out_.indices[0]]);
     for (const FragmentPrimitive& p : out_.primitives) {
-      for (std::uint32_t k = p.first_index; k < p.first_index + p.index_count; k += 3)
-        all.add(points_[out_.indices[k]], points_[out_.indices[k + 1]], points_[out_.indices[k + 2]]);
+      const std::uint32_t *at = out_.indices.data() + p.first_index, *const end = at + p.index_count;
+      for (; at != end; at += 3) all.add(points_[at[0]], points_[at[1]], points_[at[2]]);
       if (p.material != kInteriorMaterial) out_.exterior_area = all.area();  // the interior comes last
     }
     out_.mass = all.result();
@@ -234,28 +286,23 @@ class Assembler {
   const RestrictedDiagram& d_;
   const Mesh& mesh_;
   Fragment& out_;
-  AttributeWriter writer_;
   bool plain_;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> order_;  // (material, face)
-  StampedMap& first_variant_ = worker_map();
-  // Per vertex of the fragment.
-  std::vector<VertexId> ids_;
-  std::vector<Flavor> flavors_;
-  std::vector<std::uint32_t> next_variant_;
-  std::vector<Vec3d> points_;
+  Scratch& s_ = Scratch::of_this_thread();
+  std::vector<VertexId>& ids_ = s_.ids;
+  std::vector<VertexSource>& sources_ = s_.sources;
+  std::vector<Vec3d>& points_ = s_.points;
 };
 
 }  // namespace
 
-Fragment assemble(const RestrictedDiagram& diagram, const Ownership& ownership, const Piece& piece,
-                  const Face* faces) {
+Fragment assemble(const RestrictedDiagram& diagram, const Ownership& ownership, const Piece& piece) {
   Fragment out;
   for (const std::uint32_t o : piece.owners)
     out.sites.insert(out.sites.end(), ownership.sites_of_owner[o].begin(), ownership.sites_of_owner[o].end());
   std::sort(out.sites.begin(), out.sites.end());
   out.part = piece.part;
   out.node = diagram.solid.parts[piece.part].node;
-  Assembler(diagram, out).run(piece, faces);
+  Assembler(diagram, out).run(piece);
   return out;
 }
 

@@ -62,16 +62,22 @@ Closedness closedness(const Fragment& f) {
 }
 
 std::uint64_t open_edges(const Fragment& f) {
-  std::vector<std::uint64_t> at(f.positions.size());  // a position's hash: equal positions weld by themselves
+  // Two hashes of each position: equal positions weld by themselves. A directed edge a -> b counts
+  // u_a w_b - u_b w_a, so that it cancels its opposite; around a triangle the three terms are one cross
+  // product.
+  struct Hash {
+    std::uint64_t u, w;
+  };
+  std::vector<Hash> at(f.positions.size());
   for (std::size_t v = 0; v < at.size(); ++v) {
     const Vec3f& p = f.positions[v];
-    at[v] = mix(mix(bits(p.x) | static_cast<std::uint64_t>(bits(p.y)) << 32) + bits(p.z) + 1);
+    const std::uint64_t h = mix(mix(bits(p.x) | static_cast<std::uint64_t>(bits(p.y)) << 32) + bits(p.z) + 1);
+    at[v] = {h ^ (h >> 29), h | 1};
   }
-  const auto edge = [](std::uint64_t a, std::uint64_t b) { return (a ^ (a >> 29)) * (b | 1); };
   std::uint64_t sum = 0;
   for (std::size_t k = 0; k < f.indices.size(); k += 3) {
-    const std::uint64_t a = at[f.indices[k]], b = at[f.indices[k + 1]], c = at[f.indices[k + 2]];
-    sum += edge(a, b) - edge(b, a) + edge(b, c) - edge(c, b) + edge(c, a) - edge(a, c);
+    const Hash &a = at[f.indices[k]], &b = at[f.indices[k + 1]], &c = at[f.indices[k + 2]];
+    sum += (b.u - a.u) * (c.w - a.w) - (c.u - a.u) * (b.w - a.w);
   }
   return sum == 0 ? 0 : closedness(f).open_edges;
 }

@@ -38,6 +38,11 @@ class ComponentFinder {
   std::vector<Component> find(const OwnerShare& share) {
     local_.next_epoch(d_.vertex_count());
     sets_.clear();
+    std::size_t count = share.surface.size();
+    for (const FaceSource source : share.caps) count += d_.caps.regions[cap_region(source)].triangle_count;
+    faces_.clear();
+    faces_.reserve(count);
+    sets_.reserve(count / 2 + 8);  // a closed surface has about half as many vertices as faces
     faces_.assign(share.surface.begin(), share.surface.end());
     for (const Face& f : faces_) join(f.v);
     for (const FaceSource source : share.caps) {
@@ -78,9 +83,7 @@ class ComponentFinder {
     std::vector<Component> components;
     if (faces_.empty()) return components;
     // Mostly there is one component, and then nothing to sort or to measure.
-    const std::uint32_t root0 = sets_.find(local_.slot(faces_[0].v[0]));
-    if (std::all_of(faces_.begin(), faces_.end(),
-                    [&](const Face& f) { return sets_.find(local_.slot(f.v[0])) == root0; })) {
+    if (sets_.set_count() == 1) {
       Component& only = components.emplace_back();
       only.part = part_of(faces_[0]);
       only.faces = std::move(faces_);

@@ -83,11 +83,10 @@ class Contacts {
 };
 
 /// The faces of a group of pieces: all of theirs, but the caps between them, which cancel.
-std::pair<Piece, std::vector<Face>> join_pieces(const Pieces& pieces,
-                                                const std::vector<std::uint32_t>& members,
-                                                const std::vector<std::uint32_t>& group_of_piece) {
+Piece join_pieces(const Pieces& pieces, const std::vector<std::uint32_t>& members,
+                  const std::vector<std::uint32_t>& group_of_piece) {
   Piece joined = pieces.pieces[members[0]];
-  std::vector<Face> faces;
+  joined.faces.clear();
   joined.owners.clear();
   joined.bodies.clear();
   for (const std::uint32_t m : members) {
@@ -96,25 +95,21 @@ std::pair<Piece, std::vector<Face>> join_pieces(const Pieces& pieces,
     joined.bodies.insert(joined.bodies.end(), piece.bodies.begin(), piece.bodies.end());
     if (piece.bodies.empty()) {
       std::vector<VertexId>& body = joined.bodies.emplace_back();
-      for (std::uint32_t f = piece.first_face; f < piece.first_face + piece.face_count; ++f)
-        body.insert(body.end(), pieces.faces[f].v.begin(), pieces.faces[f].v.end());
+      for (const Face& face : piece.faces) body.insert(body.end(), face.v.begin(), face.v.end());
       std::sort(body.begin(), body.end());
       body.erase(std::unique(body.begin(), body.end()), body.end());
     }
-    for (std::uint32_t f = piece.first_face; f < piece.first_face + piece.face_count; ++f) {
-      const Face& face = pieces.faces[f];
+    for (const Face& face : piece.faces) {
       if (is_cap(face.source)) {
         const std::uint32_t other = pieces.piece_of_cap[(face.source ^ 1) & ~kCapFace];
         if (other != kNoIndex && group_of_piece[other] == group_of_piece[m]) continue;
       }
-      faces.push_back(face);
+      joined.faces.push_back(face);
     }
   }
   std::sort(joined.owners.begin(), joined.owners.end());
   joined.owners.erase(std::unique(joined.owners.begin(), joined.owners.end()), joined.owners.end());
-  joined.first_face = 0;
-  joined.face_count = static_cast<std::uint32_t>(faces.size());
-  return {std::move(joined), std::move(faces)};
+  return joined;
 }
 
 std::uint64_t mix(std::uint64_t h, std::uint64_t v) {
@@ -157,13 +152,11 @@ FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownershi
     parallel_for(execution, todo.size(), 8, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) {
         const std::uint32_t g = todo[k];
-        if (groups.members(g).size() == 1) {
-          fragments[g] =
-              assemble(d, ownership, pieces.pieces[g], pieces.faces.data() + pieces.pieces[g].first_face);
-        } else {
-          const auto [piece, faces] = join_pieces(pieces, groups.members(g), groups.of_piece());
-          fragments[g] = assemble(d, ownership, piece, faces.data());
-        }
+        const auto& members = groups.members(g);
+        if (members.size() == 1)
+          fragments[g] = assemble(d, ownership, pieces.pieces[g]);
+        else
+          fragments[g] = assemble(d, ownership, join_pieces(pieces, members, groups.of_piece()));
         volumes[g] = file_volume(fragments[g]);
       }
     });

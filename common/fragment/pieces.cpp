@@ -84,25 +84,15 @@ Pieces gather_pieces(const RestrictedDiagram& d, const Ownership& ownership, con
 
   Pieces out;
   out.piece_of_cap.assign(2 * d.caps.regions.size(), kNoIndex);
-  std::size_t faces = 0;
-  for (const auto& components : found)
-    for (const auto& c : components) faces += c.faces.size();
-  out.faces.reserve(faces);
   for (std::uint32_t o = 0; o < owners; ++o) {
     std::uint32_t island = 0, last_part = kNoIndex;
     for (Component& c : found[o]) {
       island = c.part == last_part ? island + 1 : 0;
       last_part = c.part;
       const auto piece = static_cast<std::uint32_t>(out.pieces.size());
-      out.pieces.push_back({{o},
-                            c.part,
-                            island,
-                            static_cast<std::uint32_t>(out.faces.size()),
-                            static_cast<std::uint32_t>(c.faces.size()),
-                            std::move(c.bodies)});
       for (const Face& f : c.faces)
         if (is_cap(f.source)) out.piece_of_cap[f.source & ~kCapFace] = piece;
-      out.faces.insert(out.faces.end(), c.faces.begin(), c.faces.end());
+      out.pieces.push_back({{o}, c.part, island, std::move(c.faces), std::move(c.bodies)});
     }
   }
   return out;

@@ -125,6 +125,11 @@ OwnedFaces divide_surface(const RestrictedDiagram& d, const Ownership& ownership
   std::vector<std::uint32_t> here;
   std::size_t p = 0;
   for (std::uint32_t t = 0; t < triangles; ++t) {
+    if (p == polygons.size() || polygons[p].triangle != t) {  // not cut
+      whole[t] = owner_of(d.cuts.label[d.solid.triangles[t][0]]);
+      ++out.begin[whole[t] + 1];
+      continue;
+    }
     const std::size_t first = p;
     while (p < polygons.size() && polygons[p].triangle == t) ++p;
     here.clear();  // the owners in this triangle, each once
@@ -132,8 +137,8 @@ OwnedFaces divide_surface(const RestrictedDiagram& d, const Ownership& ownership
       const std::uint32_t o = owner_of(polygons[k].cell);
       if (std::find(here.begin(), here.end(), o) == here.end()) here.push_back(o);
     }
-    if (here.size() <= 1) {
-      whole[t] = here.empty() ? owner_of(d.cuts.label[d.solid.triangles[t][0]]) : here[0];
+    if (here.size() == 1) {
+      whole[t] = here[0];
       ++out.begin[whole[t] + 1];
       continue;
     }

@@ -50,9 +50,14 @@ Vec3d tangent_of(const Vec3d& n) {
 FlatFrame::FlatFrame(const Vec3d& unit_normal)
     : normal(unit_normal), tangent(tangent_of(unit_normal)), bitangent(cross(unit_normal, tangent)) {}
 
-AttributeWriter::AttributeWriter(const Attributes& source, Attributes& out) : in_(source), out_(out) {
+AttributeWriter::AttributeWriter(const Attributes& source, Attributes& out, std::size_t count)
+    : in_(source), out_(out) {
+  if (!in_.normals.empty()) out_.normals.reserve(count);
+  if (!in_.tangents.empty()) out_.tangents.reserve(count);
   out_.uvs.resize(in_.uvs.empty() ? 1 : in_.uvs.size());
+  for (auto& set : out_.uvs) set.reserve(count);
   out_.colors.resize(in_.colors.size());
+  for (auto& set : out_.colors) set.reserve(count);
 }
 
 void AttributeWriter::blank() {

@@ -19,7 +19,8 @@ struct FlatFrame {
 /// (interior faces have planar UVs whatever the source; exterior vertices of a source without UVs get zeros).
 class AttributeWriter {
  public:
-  AttributeWriter(const Attributes& source, Attributes& out);
+  /// `count`: of the vertices that will be appended.
+  AttributeWriter(const Attributes& source, Attributes& out, std::size_t count);
 
   /// An exterior vertex of a source without attributes.
   void blank();
