@@ -148,7 +148,7 @@ int bake(const BakeOptions& options) {
     return kExitSystem;
   }
   if (!options.quiet) {
-    const Certificate& c = answer->result->certificate;
+    const Certificate& c = answer->certificate;
     std::printf("%s: %u fragments, volume in %.9g m3, out %.9g m3, relative error %.2g, %" PRIu64
                 " open edges, %zu bytes, %.3f s (",
                 options.output.c_str(), c.fragments, c.volume_in, c.volume_out, c.relative_error,

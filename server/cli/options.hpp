@@ -15,6 +15,7 @@
 
 #include "server/http/limits.hpp"
 #include "server/http/server.hpp"
+#include "server/service/dispatcher.hpp"
 #include "server/service/service.hpp"
 
 namespace fracture::cli {
@@ -26,8 +27,9 @@ struct ServeOptions {
   http::ServerConfig server;
   http::HttpLimits limits;
   ServiceConfig service;
+  DispatcherConfig dispatcher;
   int threads = 0;  ///< of the worker pool; 0: as many as there are cores
-  std::size_t max_queue = 64;
+  std::size_t max_queue = 256;
   std::chrono::milliseconds drain_delay{0}, grace{30'000};
   std::string log_level = "info";
   std::string log_format = "auto";

@@ -40,7 +40,8 @@ int serve_until_stopped(const ServeOptions& options) {
   const sigset_t signals = stopping_signals();
   FractureService service(options.service, make_engine());
   WorkerPool pool(options.threads > 0 ? options.threads : available_cores(), options.max_queue);
-  http::Api api(service, pool, options.limits);
+  Dispatcher dispatcher(service, pool, options.dispatcher);
+  http::Api api(dispatcher, options.limits);
   try {
     http::HttpServer server(options.server, api);
     spdlog::info("serving on http://{}:{} (admin port {}), {} computing threads", options.server.address,

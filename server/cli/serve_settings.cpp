@@ -86,6 +86,9 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
          number("max-connections-per-address", "N", l.max_connections_per_address, 1, 1'000'000,
                 "Open connections of one client address"),
          seconds("deadline", l.deadline, "Longest computation, with its time in the queue"),
+         seconds("realtime-deadline", l.realtime_deadline, "The same for realtime work"),
+         number("max-working", "BYTES", o.dispatcher.max_working_bytes, 1, kTiB,
+                "Bytes that computations may work in at the same time, by estimate"),
          seconds("header-timeout", l.header_timeout, "Time for a whole header"),
          seconds("body-grace", l.body_grace, "Time before a body must keep up its rate"),
          number("body-rate", "BYTES/S", l.body_rate, 1, kTiB, "Bytes a second that a body must keep up"),
@@ -128,10 +131,12 @@ std::vector<std::string> inconsistencies(const ServeOptions& o) {
   at_most("max-uri", l.max_uri, "max-header", l.max_header);
   at_most("max-body", l.max_body, "max-bodies", l.max_bodies);
   at_most("max-connections-per-address", l.max_connections_per_address, "max-connections", l.max_connections);
-  const std::pair<const char*, std::chrono::milliseconds> positive[] = {{"deadline", l.deadline},
-                                                                        {"header-timeout", l.header_timeout},
-                                                                        {"write-stall", l.write_stall},
-                                                                        {"idle", l.idle}};
+  const std::pair<const char*, std::chrono::milliseconds> positive[] = {
+      {"deadline", l.deadline},
+      {"realtime-deadline", l.realtime_deadline},
+      {"header-timeout", l.header_timeout},
+      {"write-stall", l.write_stall},
+      {"idle", l.idle}};
   for (const auto& [name, value] : positive)
     if (value.count() <= 0) refuse(std::string(name) + " must be more than 0 seconds");
 

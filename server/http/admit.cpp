@@ -1,21 +1,40 @@
 // What is decided from the header alone, before any of the body is read.
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
 #include "server/http/accept.hpp"
 #include "server/http/api.hpp"
+#include "server/http/mesh_input.hpp"
 #include "server/http/multipart.hpp"
 
 namespace fracture::http {
+namespace {
 
-Problem Api::overloaded() const {
-  return Problem(HttpProblem::kOverloaded, "The queue is full: " + std::to_string(pool_.queued()) +
-                                               " jobs wait and " + std::to_string(pool_.running()) +
-                                               " run. Try again after Retry-After.")
-      .with("Retry-After", std::to_string(pool_.retry_after().count()));
+/// The Priority field (RFC 9218) makes a request realtime up to this urgency (0 is the most urgent, 3 the
+/// default).
+constexpr int kRealtimeUrgency = 2;
+
+/// The member u of the field, a dictionary such as "u=1, i"; nothing when it is absent or malformed, which
+/// RFC 9218 wants ignored.
+std::optional<int> urgency_of(std::string_view field) {
+  while (!field.empty()) {
+    std::string_view item = field.substr(0, field.find(','));
+    field.remove_prefix(std::min(field.size(), item.size() + 1));
+    while (!item.empty() && (item.front() == ' ' || item.front() == '\t')) item.remove_prefix(1);
+    if (item.size() >= 3 && item.substr(0, 2) == "u=" && item[2] >= '0' && item[2] <= '7' &&
+        (item.size() == 3 || item[3] == ' ' || item[3] == ';'))
+      return item[2] - '0';
+  }
+  return std::nullopt;
 }
+
+}  // namespace
 
 Problem Api::no_memory() const {
   return Problem(HttpProblem::kOverloaded, "The requests in progress hold " + std::to_string(bodies_.used()) +
                                                " bytes; there is no room for this body now.")
-      .with("Retry-After", std::to_string(pool_.retry_after().count()));
+      .with("Retry-After", "2");
 }
 
 OrProblem<Admission> Api::admit(Listener listener, const RequestHead& head) const {
@@ -87,9 +106,43 @@ OrProblem<Admission> Api::admit(Listener listener, const RequestHead& head) cons
                     "Content-Encoding is not supported; send the body as it is.");
     if (auto problem = refuse_media_type(head, admission))
       return tl::unexpected<Problem>(std::move(*problem));
-    if (pool_.full()) return tl::unexpected<Problem>(overloaded());
+    if (auto problem = refuse_overload(head, admission)) return tl::unexpected<Problem>(std::move(*problem));
   }
   return admission;
+}
+
+/// A large body is not read when it could not be worked on in time. A small one is: its answer may be there
+/// already.
+std::optional<Problem> Api::refuse_overload(const RequestHead& head, const Admission& admission) const {
+  constexpr std::uint64_t kSmall = 64u << 10;
+  const std::uint64_t bytes = head.content_length.value_or(kSmall);
+  OrProblem<Terms> terms = terms_of(head, *admission.route);
+  if (!terms) return std::move(terms.error());
+  if (bytes <= kSmall) return std::nullopt;
+  const auto parsed = service_.parameters().parse(raw_parameters(admission.query));
+  const auto overload = dispatcher_.refuses(bytes, parsed ? parsed->fracture.sites : 1, *terms);
+  if (overload) return to_problem(*overload);
+  return std::nullopt;
+}
+
+OrProblem<Terms> Api::terms_of(const RequestHead& head, const Route& route) const {
+  Terms terms;
+  terms.priority = route.priority;
+  if (const std::optional<int> urgency = urgency_of(head.field("priority")))
+    terms.priority = *urgency <= kRealtimeUrgency ? Priority::kRealtime : Priority::kBatch;
+  std::chrono::milliseconds time =
+      terms.priority == Priority::kRealtime ? limits_.realtime_deadline : limits_.deadline;
+  if (const std::string given = head.field("request-timeout"); !given.empty()) {
+    double seconds = 0;
+    const auto [end, error] = std::from_chars(given.data(), given.data() + given.size(), seconds);
+    if (error != std::errc{} || end != given.data() + given.size() || !(seconds > 0) || seconds > 86400)
+      return tl::unexpected<Problem>(to_problem(
+          {ErrorCode::kBadParameter, "Request-Timeout must be a number of seconds from 0 to 86400, not 0.",
+           "Request-Timeout"}));
+    time = std::min(time, std::chrono::milliseconds(static_cast<std::int64_t>(std::ceil(seconds * 1000))));
+  }
+  terms.deadline = std::chrono::steady_clock::now() + time;
+  return terms;
 }
 
 /// A raw body whose format cannot be known is refused before it is read.

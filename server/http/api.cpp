@@ -2,7 +2,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include <chrono>
 #include <exception>
 #include <new>
 
@@ -14,80 +13,54 @@ constexpr std::string_view kAcceptPost =
 
 }  // namespace
 
-std::vector<RawParameter> raw_parameters(const std::vector<std::pair<std::string, std::string>>& query) {
-  std::vector<RawParameter> given;
-  given.reserve(query.size());
-  for (const auto& [name, value] : query) given.push_back({name, value, true});
-  return given;
-}
-
 Problem to_problem(Error error) {
   const ErrorCode code = error.code;
   Problem problem(std::move(error));
   if (code == ErrorCode::kUnknownFormat) problem.headers.emplace_back("Accept-Post", kAcceptPost);
   if (code == ErrorCode::kCancelled) problem.headers.emplace_back("Retry-After", "5");
+  if (code == ErrorCode::kOutOfMemory) problem.headers.emplace_back("Retry-After", "10");
+  if (code == ErrorCode::kInternal)
+    problem.detail = "This is a bug of the server, not of the request. Please report it with the request_id.";
   return problem;
 }
 
-Problem unknown_format(const FormatSet& formats, std::string_view given) {
-  std::string names;
-  for (const std::string& name : formats.names()) names += (names.empty() ? "" : ", ") + name;
-  std::string detail = "The request does not say what format the mesh has.";
-  if (!given.empty())
-    detail = std::string(given).insert(0, 1, '\'') + "' names no mesh format that this server reads.";
-  return to_problem(
-      {ErrorCode::kUnknownFormat,
-       detail + " Say it in Content-Type (for example model/gltf-binary) or as ?format= with one of " +
-           names + ".",
-       "format"});
+Problem to_problem(const Overload& overload) {
+  return Problem(HttpProblem::kOverloaded, overload.detail + " Try again after Retry-After.")
+      .with("Retry-After", std::to_string(overload.retry_after.count()));
 }
 
-void Api::start(std::shared_ptr<Request> request, std::stop_token gone, std::function<void(Response)> reply) {
-  if (request->admission.route->runs == Route::Runs::kInline) {
-    reply(answer(*request, Execution{}));
-    return;
-  }
-  const auto received = std::chrono::steady_clock::now();
-  auto job = [this, request, received, gone = std::move(gone), reply](int threads) {
-    const auto begin = std::chrono::steady_clock::now();
-    request->queue_milliseconds = std::chrono::duration<double, std::milli>(begin - received).count();
-    Execution execution;
-    execution.threads = threads;
-    execution.stop = gone;
-    execution.deadline = received + limits_.deadline;
-    Response response = answer(*request, execution);
-    // The mesh is not needed while the answer is written.
-    std::string().swap(request->body);
-    request->reservation = {};
-    reply(std::move(response));
-  };
-  if (!pool_.try_submit(std::move(job))) reply(Response::problem(overloaded(), request->id));
+Response refusal(Error error, std::string_view request_id) {
+  if (error.code == ErrorCode::kInternal) spdlog::error("{} broken invariant: {}", request_id, error.detail);
+  if (error.code == ErrorCode::kOutOfMemory) spdlog::error("{} out of memory", request_id);
+  return Response::problem(to_problem(std::move(error)), request_id);
 }
 
-Response Api::answer(const Request& request, const Execution& execution) noexcept {
+void Api::start(std::shared_ptr<Request> request, std::stop_token gone, Reply reply) {
+  answering(*request, reply, [&] { return dispatch(request, gone, reply); });
+}
+
+void Api::answering(const Request& request, const Reply& reply,
+                    const std::function<Answered()>& handle) noexcept {
+  Error error{ErrorCode::kInternal, "an exception of unknown type"};
   try {
-    OrProblem<Response> response = dispatch(request, execution);
-    if (response) return std::move(*response);
-    return Response::problem(response.error(), request.id);
+    Answered response = handle();
+    if (!response)
+      reply(Response::problem(response.error(), request.id));
+    else if (*response)
+      reply(std::move(**response));
+    return;
   } catch (const std::bad_alloc&) {
-    spdlog::error("{} out of memory", request.id);
-    return Response::problem(
-        Problem(HttpProblem::kOverloaded, "There is not enough memory for this request now.")
-            .with("Retry-After", "10"),
-        request.id);
+    error = {ErrorCode::kOutOfMemory, "There is not enough memory for this request now."};
   } catch (const std::exception& e) {
-    spdlog::error("{} broken invariant: {}", request.id, e.what());
+    error.detail = e.what();
   } catch (...) {
-    spdlog::error("{} an exception of unknown type", request.id);
   }
-  return Response::problem(Problem(Error{ErrorCode::kInternal,
-                                         "This is a bug of the server, not of the request. Please report it "
-                                         "with the request_id."}),
-                           request.id);
+  reply(refusal(std::move(error), request.id));
 }
 
-OrProblem<Response> Api::dispatch(const Request& request, const Execution& execution) {
-  switch (request.admission.route->operation) {
+Answered Api::dispatch(const std::shared_ptr<Request>& request, const std::stop_token& gone,
+                       const Reply& reply) {
+  switch (request->admission.route->operation) {
     case Operation::kGetIndex:
       return get_index();
     case Operation::kGetVersion:
@@ -97,9 +70,9 @@ OrProblem<Response> Api::dispatch(const Request& request, const Execution& execu
     case Operation::kGetOpenapi:
       return get_openapi();
     case Operation::kPostFracture:
-      return post_fracture(request, execution);
+      return post_fracture(request, gone, reply);
     case Operation::kGetFracture:
-      return get_fracture(request);
+      return get_fracture(*request);
     case Operation::kGetLivez:
       return Response::text(200, "text/plain", "alive\n");
     case Operation::kGetReadyz:

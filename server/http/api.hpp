@@ -13,20 +13,27 @@
 #include <utility>
 #include <vector>
 
-#include "common/base/execution.hpp"
 #include "server/http/limits.hpp"
 #include "server/http/message.hpp"
 #include "server/http/routes.hpp"
+#include "server/service/dispatcher.hpp"
 #include "server/service/memory_budget.hpp"
 #include "server/service/service.hpp"
-#include "server/service/worker_pool.hpp"
 
 namespace fracture::http {
 
+/// What a handler has to say: an answer, or nothing yet (it replies later), or a refusal.
+using Answered = OrProblem<std::optional<Response>>;
+
 class Api {
  public:
-  Api(FractureService& service, WorkerPool& pool, const HttpLimits& limits)
-      : service_(service), pool_(pool), limits_(limits), bodies_(limits.max_bodies) {}
+  using Reply = std::function<void(Response)>;
+
+  Api(Dispatcher& dispatcher, const HttpLimits& limits)
+      : dispatcher_(dispatcher),
+        service_(dispatcher.service()),
+        limits_(limits),
+        bodies_(limits.max_bodies) {}
 
   /// Decides from the header alone, before any of the body is read: 404, 405, 406, 413, 415, bad parameters
   /// in the query, no room in the queue.
@@ -35,9 +42,9 @@ class Api {
   /// Answers through `reply`, which is called exactly once: before this returns or later, from any thread. A
   /// stop of `gone` says that nobody waits for the answer any more. A broken invariant becomes a 500 problem
   /// and a log line.
-  void start(std::shared_ptr<Request> request, std::stop_token gone, std::function<void(Response)> reply);
+  void start(std::shared_ptr<Request> request, std::stop_token gone, Reply reply);
   /// Returns when nothing is computed any more and no reply is outstanding.
-  void wait_idle() { pool_.wait_idle(); }
+  void wait_idle() { dispatcher_.wait_idle(); }
 
   void set_draining() { draining_ = true; }
   bool draining() const { return draining_; }
@@ -46,10 +53,16 @@ class Api {
   const HttpLimits& limits() const { return limits_; }
 
  private:
-  Response answer(const Request& request, const Execution& execution) noexcept;
-  Problem overloaded() const;
-  OrProblem<Response> dispatch(const Request& request, const Execution& execution);
-  OrProblem<Response> post_fracture(const Request& request, const Execution& execution);
+  /// Runs a handler and replies with what it returns, if anything; exceptions become problems.
+  void answering(const Request& request, const Reply& reply,
+                 const std::function<Answered()>& handle) noexcept;
+  Answered dispatch(const std::shared_ptr<Request>& request, const std::stop_token& gone, const Reply& reply);
+
+  Answered post_fracture(const std::shared_ptr<Request>& request, const std::stop_token& gone,
+                         const Reply& reply);
+  /// What every way to ask for a fracture ends in.
+  Answered fracture(const std::shared_ptr<Request>& request, FractureRequest asked, const Terms& terms,
+                    const Reply& reply);
   OrProblem<Response> get_fracture(const Request& request);
   Response get_index() const;
   Response get_version() const;
@@ -58,19 +71,22 @@ class Api {
   OrProblem<Response> get_readyz() const;
   std::optional<Problem> refuse_media_type(const RequestHead& head, const Admission& admission) const;
 
+  /// Deadline and class of a request, from its header.
+  OrProblem<Terms> terms_of(const RequestHead& head, const Route& route) const;
+  std::optional<Problem> refuse_overload(const RequestHead& head, const Admission& admission) const;
+
+  Dispatcher& dispatcher_;
   FractureService& service_;
-  WorkerPool& pool_;
   const HttpLimits limits_;
   MemoryBudget bodies_;
   std::atomic<bool> draining_{false};
 };
 
-/// Refusal of the library as a problem, with the header fields that belong to it.
+/// Refusals as problems, with the header fields that belong to them.
 Problem to_problem(Error error);
-/// 415 with the list of what is read; `given` is what the client said, may be empty.
-Problem unknown_format(const FormatSet& formats, std::string_view given);
-/// The query as the parameter table wants it.
-std::vector<RawParameter> raw_parameters(const std::vector<std::pair<std::string, std::string>>& query);
+Problem to_problem(const Overload& overload);
+/// The same as an answer; what is a bug of ours is logged.
+Response refusal(Error error, std::string_view request_id);
 
 /// The OpenAPI document as JSON, generated from proto/openapi.yaml at build time.
 std::string_view openapi_json();

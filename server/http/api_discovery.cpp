@@ -34,6 +34,7 @@ Response Api::get_limits() const {
                          {"max_decoded_bytes", config.import_limits.max_decoded_bytes},
                          {"max_json_depth", config.import_limits.max_json_depth},
                          {"deadline_ms", limits_.deadline.count()},
+                         {"realtime_deadline_ms", limits_.realtime_deadline.count()},
                          {"formats", service_.parameters().formats().names()},
                          {"parameters", service_.parameters().to_json()}});
 }

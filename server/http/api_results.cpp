@@ -57,6 +57,7 @@ std::string cache_status(const FractureAnswer& answer) {
     if (outcome == CacheOutcome::kHit) value += "; hit";
     if (outcome == CacheOutcome::kMissStored) value += "; fwd=miss; stored";
     if (outcome == CacheOutcome::kMissNotStored) value += "; fwd=miss";
+    if (outcome == CacheOutcome::kCollapsed) value += "; fwd=miss; collapsed";
   };
   add("mesh", answer.mesh_cache);
   add("diagram", answer.diagram_cache);
@@ -64,10 +65,10 @@ std::string cache_status(const FractureAnswer& answer) {
   return value;
 }
 
-std::string server_timing(double queue, const StageTimings& timings) {
-  std::string value = "queue;dur=" + milliseconds(queue);
+std::string server_timing(const FractureAnswer& answer) {
+  std::string value = "queue;dur=" + milliseconds(std::max(0.0, answer.queue_milliseconds));
   for (const char* stage : {"import", "prepare", "tetrahedralize", "clip", "encode"})
-    value += std::string(", ") + stage + ";dur=" + milliseconds(timings.milliseconds(stage));
+    value += std::string(", ") + stage + ";dur=" + milliseconds(answer.timings.milliseconds(stage));
   return value;
 }
 

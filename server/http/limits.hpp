@@ -22,6 +22,7 @@ struct HttpLimits {
       15'000};                             ///< longest time without the client taking a byte of the answer
   std::chrono::milliseconds idle{15'000};  ///< between requests on a kept connection
   std::chrono::milliseconds deadline{60'000};  ///< from the complete request to the end of its computation
+  std::chrono::milliseconds realtime_deadline{2'000};  ///< the same for realtime work
   std::size_t max_connections = 1024;
   std::size_t max_connections_per_address = 64;
 };

@@ -35,7 +35,6 @@ struct Request {
   std::string body;
   MemoryBudget::Reservation reservation;  ///< for the body
   std::string id;                         ///< X-Request-Id
-  double queue_milliseconds = 0;          ///< from the whole body being there to the start of the work
 };
 
 /// A body that is not all there when the answer begins: it is written in chunks as it comes.
@@ -55,6 +54,7 @@ struct Response {
   std::shared_ptr<const void> owner;  ///< keeps `body` alive; shared with the cache, never copied
   std::span<const std::uint8_t> body;
   std::shared_ptr<BodyStream> stream;  ///< when there is one, it is the body
+  double queue_milliseconds = -1;      ///< for the log: waiting for a computing thread; -1: never was
 
   static Response text(int status, std::string content_type, std::string body);
   static Response json(const nlohmann::ordered_json& document, int status = 200);

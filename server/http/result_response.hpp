@@ -16,7 +16,7 @@ Response result_response(const std::shared_ptr<const FractureResult>& result, st
 /// RFC 9211: the caches in the order the request meets them, nearest to the computation first.
 std::string cache_status(const FractureAnswer& answer);
 
-/// Milliseconds of each stage, those that did not run as 0.
-std::string server_timing(double queue, const StageTimings& timings);
+/// Milliseconds in the queue and of each stage, those that did not run as 0.
+std::string server_timing(const FractureAnswer& answer);
 
 }  // namespace fracture::http

@@ -10,19 +10,16 @@ constexpr std::string_view kTextTypes[] = {"text/plain"};
 
 using enum Operation;
 using enum Listener;
-using enum Route::Runs;
 
 constexpr Route kRoutes[] = {
-    {kGetIndex, kPublic, "GET", "/", kInline, kJsonTypes, "What this is"},
-    {kGetVersion, kPublic, "GET", "/version", kInline, kJsonTypes,
-     "Versions of the server and of the algorithm"},
-    {kGetLimits, kPublic, "GET", "/limits", kInline, kJsonTypes, "Limits, parameters and formats"},
-    {kGetOpenapi, kPublic, "GET", "/openapi.json", kInline, kJsonTypes, "This interface as OpenAPI 3.1"},
-    {kPostFracture, kPublic, "POST", "/fracture", kOnPool, kResultTypes, "Fracture a mesh"},
-    {kGetFracture, kPublic, "GET", "/fractures/{id}", kInline, kStoredTypes,
-     "A result that is still in the cache"},
-    {kGetLivez, kAdmin, "GET", "/livez", kInline, kTextTypes, "The process answers"},
-    {kGetReadyz, kAdmin, "GET", "/readyz", kInline, kTextTypes, "The server takes requests"},
+    {kGetIndex, kPublic, "GET", "/", kJsonTypes, "What this is"},
+    {kGetVersion, kPublic, "GET", "/version", kJsonTypes, "Versions of the server and of the algorithm"},
+    {kGetLimits, kPublic, "GET", "/limits", kJsonTypes, "Limits, parameters and formats"},
+    {kGetOpenapi, kPublic, "GET", "/openapi.json", kJsonTypes, "This interface as OpenAPI 3.1"},
+    {kPostFracture, kPublic, "POST", "/fracture", kResultTypes, "Fracture a mesh"},
+    {kGetFracture, kPublic, "GET", "/fractures/{id}", kStoredTypes, "A result that is still in the cache"},
+    {kGetLivez, kAdmin, "GET", "/livez", kTextTypes, "The process answers"},
+    {kGetReadyz, kAdmin, "GET", "/readyz", kTextTypes, "The server takes requests"},
 };
 
 }  // namespace

@@ -5,7 +5,8 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <vector>
+
+#include "server/service/worker_pool.hpp"
 
 namespace fracture::http {
 
@@ -24,17 +25,13 @@ enum class Operation {
 };
 
 struct Route {
-  enum class Runs {
-    kInline,  ///< answered on the io thread: must not block or compute
-    kOnPool,  ///< a job of the worker pool
-  };
   Operation operation;
   Listener listener;
   std::string_view method;
   std::string_view path;  ///< a segment in braces matches any one segment; at most one in a path
-  Runs runs;
   std::span<const std::string_view> offers;  ///< media types of the answer, in order of preference
   std::string_view summary;
+  Priority priority = Priority::kBatch;  ///< of its work, where the request does not say
 };
 
 /// Every method and path there is. HEAD is answered wherever GET is. proto/openapi.yaml describes exactly

@@ -185,8 +185,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
         co_return false;
       }
       co_await compute();
-      if (request.admission.route->runs == Route::Runs::kOnPool)
-        record_.queue_milliseconds = request.queue_milliseconds;
+      record_.queue_milliseconds = exchange_->response.queue_milliseconds;
     }
 
     const bool keep = head.keep_alive && !closing();

@@ -47,6 +47,7 @@ class MemoryBudget {
   };
 
   std::uint64_t used() const { return used_; }
+  std::uint64_t capacity() const { return capacity_; }
 
  private:
   const std::uint64_t capacity_;

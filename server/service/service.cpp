@@ -1,99 +1,12 @@
 #include "server/service/service.hpp"
 
-#include <algorithm>
 #include <cstring>
-#include <string_view>
 #include <utility>
-
-#include "common/base/digest.hpp"
 
 namespace fracture {
 namespace {
 
-template <class T>
-std::size_t heap(const std::vector<T>& v) {
-  return v.capacity() * sizeof(T);
-}
-
-template <class T>
-std::size_t nested_heap(const std::vector<std::vector<T>>& v) {
-  std::size_t bytes = heap(v);
-  for (const std::vector<T>& inner : v) bytes += heap(inner);
-  return bytes;
-}
-
-std::size_t memory_size(const Mesh& mesh) {
-  std::size_t bytes = sizeof mesh + heap(mesh.positions) + heap(mesh.attributes.normals) +
-                      heap(mesh.attributes.tangents) + nested_heap(mesh.attributes.uvs) +
-                      nested_heap(mesh.attributes.colors) + heap(mesh.triangles) + heap(mesh.material) +
-                      heap(mesh.node);
-  for (const std::string& name : mesh.node_names) bytes += sizeof name + name.capacity();
-  for (const Image& image : mesh.library->images) bytes += sizeof image + heap(image.bytes);
-  // A parsed JSON value takes several times its text; materials are small, so an upper guess does no harm.
-  bytes += 512 * (mesh.library->materials.size() + mesh.library->textures.size());
-  // The library is shared: counted twice, which does no harm either.
-  if (mesh.passed_through) bytes += memory_size(*mesh.passed_through);
-  return bytes;
-}
-
-std::string hex_of(std::string_view material) { return sha256(material).hex(); }
-
 CacheOutcome stored(bool kept) { return kept ? CacheOutcome::kMissStored : CacheOutcome::kMissNotStored; }
-
-}  // namespace
-
-std::size_t memory_size(const PreparedMesh& mesh) {
-  const Solid& solid = mesh.solid;
-  std::size_t bytes = sizeof mesh + heap(solid.positions) + heap(solid.triangles) + heap(solid.wedges) +
-                      heap(solid.material) + heap(solid.edges) + heap(solid.edge_vertices) +
-                      heap(solid.shell) + heap(solid.part) + heap(solid.parts);
-  for (const Part& part : solid.parts) bytes += heap(part.shells);
-  if (solid.source) bytes += memory_size(*solid.source);
-  return bytes;
-}
-
-std::size_t memory_size(const Diagram& diagram) {
-  const Tetrahedralization& t = diagram.tetrahedralization;
-  return sizeof diagram + heap(diagram.sites) + heap(t.points) + heap(t.tets) + heap(t.tet_of_site) +
-         heap(t.site_of_input);
-}
-
-Digest digest_of(const FractureRequest& request) {
-  if (request.files.empty()) return sha256(request.mesh);
-  std::vector<const ImportFile*> files;
-  for (const ImportFile& file : request.files) files.push_back(&file);
-  std::sort(files.begin(), files.end(), [](const ImportFile* a, const ImportFile* b) {
-    return std::lexicographical_compare(a->name.begin(), a->name.end(), b->name.begin(), b->name.end());
-  });
-  std::string list = "files\n" + sha256(request.mesh).hex() + "\n";
-  for (const ImportFile* file : files)  // the length keeps names with line breaks apart
-    list += std::to_string(file->name.size()) + " " + file->name + " " + sha256(file->bytes).hex() + "\n";
-  return sha256(list);
-}
-
-FractureService::FractureService(const ServiceConfig& config, std::unique_ptr<FractureEngine> engine)
-    : config_(config),
-      parameters_(config.max_sites, config.formats),
-      engine_(std::move(engine)),
-      meshes_(config.mesh_cache_bytes),
-      diagrams_(config.diagram_cache_bytes),
-      results_(config.result_cache_bytes) {}
-
-namespace {
-
-Error interrupted_error(const Interrupted& interrupted) {
-  return {interrupted.code,
-          interrupted.code == ErrorCode::kDeadlineExceeded
-              ? "The work was given up because its deadline passed. Ask for fewer sites or a "
-                "smaller mesh, or raise the server's --deadline."
-              : "The work was cancelled before it was done."};
-}
-
-/// Bytes, format and everything that decides the solid: one solid for each key.
-std::string mesh_key_of(const FractureRequest& request, const std::string& digest) {
-  return digest + "." + extension_of(request.format) + "\n" +
-         canonical_solid_parameters(request.parameters).dump();
-}
 
 GltfOptions output_options(const RequestParameters& parameters, const FragmentSet& fragments) {
   GltfOptions options;
@@ -107,42 +20,86 @@ GltfOptions output_options(const RequestParameters& parameters, const FragmentSe
   return options;
 }
 
+void add(StageTimings& to, const StageTimings& more) {
+  for (const auto& [stage, ms] : more.stages()) to.add(stage, ms);
+}
+
 }  // namespace
+
+Error to_error(const Interrupted& interrupted) {
+  return {interrupted.code,
+          interrupted.code == ErrorCode::kDeadlineExceeded
+              ? "The work was given up because its deadline passed. Ask for fewer sites or a "
+                "smaller mesh, or raise the server's --deadline."
+              : "The work was cancelled before it was done."};
+}
+
+FractureService::FractureService(const ServiceConfig& config, std::unique_ptr<FractureEngine> engine)
+    : config_(config),
+      parameters_(config.max_sites, config.formats),
+      engine_(std::move(engine)),
+      meshes_(config.mesh_cache_bytes),
+      diagrams_(config.diagram_cache_bytes),
+      results_(config.result_cache_bytes) {}
 
 Expected<FractureAnswer> FractureService::fracture(const FractureRequest& request,
                                                    const Execution& execution) {
+  FractureAnswer answer;
+  const RequestKeys keys = keys_of(request);
+  if ((answer.result = find_result(keys.result))) {
+    answer.result_cache = CacheOutcome::kHit;
+    return answer;
+  }
   try {
-    execution.poll();  // the time in the queue may have used up the deadline
-    return compute(request, execution);
+    execution.poll();
+    Step<PreparedMesh> mesh{find_mesh(keys), CacheOutcome::kHit, {}, {}};
+    if (!mesh.value) {
+      auto made = make_mesh(request, keys, execution);
+      if (!made) return tl::unexpected<Error>(std::move(made.error()));
+      mesh = std::move(*made);
+    }
+    Step<Diagram> diagram{find_diagram(keys), CacheOutcome::kHit, {}, {}};
+    if (!diagram.value) {
+      auto made = make_diagram(*mesh.value, request, keys, execution);
+      if (!made) return tl::unexpected<Error>(std::move(made.error()));
+      diagram = std::move(*made);
+    }
+    answer.mesh_cache = mesh.cache;
+    answer.diagram_cache = diagram.cache;
+    for (const StageTimings* timings : {&mesh.timings, &diagram.timings}) add(answer.timings, *timings);
+    add(answer.inner, diagram.inner);
+    auto made = make_result(*mesh.value, *diagram.value, request, keys, execution, answer);
+    if (!made) return tl::unexpected<Error>(std::move(made.error()));
+    return answer;
   } catch (const Interrupted& interrupted) {
-    return tl::unexpected<Error>(interrupted_error(interrupted));
+    return tl::unexpected<Error>(to_error(interrupted));
   }
 }
 
 Expected<std::shared_ptr<const PreparedMesh>> FractureService::prepare(const FractureRequest& request,
                                                                        const Execution& execution) {
+  const RequestKeys keys = keys_of(request);
+  if (auto found = find_mesh(keys)) return found;
   try {
-    FractureAnswer unused;
-    return prepared(request, mesh_key_of(request, digest_of(request).hex()), execution, unused);
+    auto made = make_mesh(request, keys, execution);
+    if (!made) return tl::unexpected<Error>(std::move(made.error()));
+    return made->value;
   } catch (const Interrupted& interrupted) {
-    return tl::unexpected<Error>(interrupted_error(interrupted));
+    return tl::unexpected<Error>(to_error(interrupted));
   }
 }
 
-Expected<std::shared_ptr<const PreparedMesh>> FractureService::prepared(const FractureRequest& request,
-                                                                        const std::string& mesh_key,
-                                                                        const Execution& execution,
-                                                                        FractureAnswer& answer) {
+Expected<Step<PreparedMesh>> FractureService::make_mesh(const FractureRequest& request,
+                                                        const RequestKeys& keys, const Execution& execution) {
   if (request.mesh.empty())
     return fail(ErrorCode::kEmptyBody,
                 "The mesh has 0 bytes. Send the file as the body, or as the part 'mesh'.", "mesh");
-  answer.mesh_cache = CacheOutcome::kHit;
-  if (auto found = meshes_.find(mesh_key)) return found;
-
+  Step<PreparedMesh> step;
   auto result = std::make_shared<PreparedMesh>();
   auto mesh = std::make_shared<Mesh>();
   {
-    const StageTimings::Scope scope(answer.timings, "import");
+    if (execution.progress) execution.progress("import", 0);
+    const StageTimings::Scope scope(step.timings, "import");
     Expected<Mesh> imported =
         engine_->import(request.mesh, request.format, request.files, config_.import_limits, execution);
     if (!imported) return tl::unexpected<Error>(std::move(imported.error()));
@@ -153,75 +110,71 @@ Expected<std::shared_ptr<const PreparedMesh>> FractureService::prepared(const Fr
     if (auto restricted = restrict_to(*mesh, request.parameters.parts); !restricted)
       return tl::unexpected<Error>(std::move(restricted.error()));
   }
-  const StageTimings::Scope scope(answer.timings, "prepare");
-  Expected<Solid> made = engine_->prepare(std::move(mesh), request.parameters.solid, execution);
-  if (!made) return tl::unexpected<Error>(std::move(made.error()));
-  result->solid = std::move(*made);
-  answer.mesh_cache = stored(meshes_.insert(mesh_key, result, memory_size(*result)));
-  return result;
+  if (execution.progress) execution.progress("prepare", 0);
+  {
+    const StageTimings::Scope scope(step.timings, "prepare");
+    Expected<Solid> made = engine_->prepare(std::move(mesh), request.parameters.solid, execution);
+    if (!made) return tl::unexpected<Error>(std::move(made.error()));
+    result->solid = std::move(*made);
+  }
+  step.value = result;
+  step.cache = stored(meshes_.insert(keys.mesh, result, memory_size(*result)));
+  return step;
 }
 
-Expected<FractureAnswer> FractureService::compute(const FractureRequest& request,
-                                                  const Execution& execution) {
-  FractureAnswer answer;
-  const std::string digest = digest_of(request).hex();
-  const std::string mesh_key = mesh_key_of(request, digest);
-  const std::string version = std::to_string(kAlgorithmVersion);
-  const std::string result_key =
-      digest.substr(0, 16) +
-      hex_of("result\n" + mesh_key + "\n" + canonical_parameters(request.parameters).dump() + "\n" + version +
-             (request.output == OutputFormat::kGltf ? "\ngltf" : "\nglb"))
-          .substr(0, 48);
-
-  if ((answer.result = results_.find(result_key))) {
-    answer.result_cache = CacheOutcome::kHit;
-    return answer;
+Expected<Step<Diagram>> FractureService::make_diagram(const PreparedMesh& mesh,
+                                                      const FractureRequest& request, const RequestKeys& keys,
+                                                      const Execution& execution) {
+  if (execution.progress) execution.progress("tetrahedralize", 0);
+  Step<Diagram> step;
+  std::shared_ptr<const Diagram> diagram;
+  {
+    const StageTimings::Scope scope(step.timings, "tetrahedralize");
+    Expected<Diagram> made = engine_->diagram(mesh.solid, request.parameters.fracture, execution, step.inner);
+    if (!made) return tl::unexpected<Error>(std::move(made.error()));
+    diagram = std::make_shared<const Diagram>(std::move(*made));
   }
-  const Expected<std::shared_ptr<const PreparedMesh>> mesh = prepared(request, mesh_key, execution, answer);
-  if (!mesh) return tl::unexpected<Error>(mesh.error());
-  const Solid& solid = (*mesh)->solid;
+  step.value = diagram;
+  step.cache = stored(diagrams_.insert(keys.diagram, diagram, memory_size(*diagram)));
+  return step;
+}
 
+Expected<void> FractureService::make_result(const PreparedMesh& mesh, const Diagram& diagram,
+                                            const FractureRequest& request, const RequestKeys& keys,
+                                            const Execution& execution, FractureAnswer& answer) {
+  if (execution.progress) execution.progress("clip", 0);
   FractureParameters parameters = request.parameters.fracture;
   const bool hulls =
       request.parameters.physics != Physics::kNone || request.parameters.ue_collision != UeCollision::kNone;
   parameters.hulls = hulls ? Hulls::kConvex : Hulls::kNone;
-
-  // Only the sites decide the tetrahedralization: every dual and output format shares it.
-  const std::string diagram_key = hex_of("diagram\n" + mesh_key + "\n" + std::to_string(parameters.sites) +
-                                         "\n" + std::to_string(parameters.seed) + "\n" + version);
-  std::shared_ptr<const Diagram> diagram = diagrams_.find(diagram_key);
-  answer.diagram_cache = CacheOutcome::kHit;
-  if (!diagram) {
-    const StageTimings::Scope scope(answer.timings, "tetrahedralize");
-    Expected<Diagram> made = engine_->diagram(solid, parameters, execution, answer.inner);
-    if (!made) return tl::unexpected<Error>(std::move(made.error()));
-    diagram = std::make_shared<const Diagram>(std::move(*made));
-    answer.diagram_cache = stored(diagrams_.insert(diagram_key, diagram, memory_size(*diagram)));
-  }
-
-  auto result = std::make_shared<FractureResult>();
-  result->key = result_key;
-  result->mesh_digest = "sha256:" + digest;
-  result->format = request.output;
   Expected<FragmentSet> fragments = [&] {
     const StageTimings::Scope scope(answer.timings, "clip");
-    return engine_->cut(solid, *diagram, parameters, execution, answer.inner);
+    return engine_->cut(mesh.solid, diagram, parameters, execution, answer.inner);
   }();
   if (!fragments) return tl::unexpected<Error>(std::move(fragments.error()));
   execution.poll();
+
+  if (execution.progress) execution.progress("encode", 0);
+  auto result = std::make_shared<FractureResult>();
+  result->key = keys.result;
+  result->mesh_digest = "sha256:" + keys.digest;
+  result->format = request.output;
   {
     const StageTimings::Scope scope(answer.timings, "encode");
-    fragments->report["frame"] = (*mesh)->frame;
-    if (solid.source->passed_through)
-      fragments->report["passed_through"] = {{"triangles", solid.source->passed_through->triangles.size()}};
+    fragments->report["frame"] = mesh.frame;
+    if (mesh.solid.source->passed_through)
+      fragments->report["passed_through"] = {
+          {"triangles", mesh.solid.source->passed_through->triangles.size()}};
     GltfOptions options = output_options(request.parameters, *fragments);
     options.mesh_digest = result->mesh_digest;
     result->file = engine_->encode(*fragments, options, request.output);
-    result->certificate = fragments->certificate;
+    result->file_digest = sha256(std::as_bytes(std::span(result->file)));
   }
+  answer.certificate = fragments->certificate;
   answer.result = result;
-  answer.result_cache = stored(results_.insert(result_key, result, sizeof *result + result->file.capacity()));
-  return answer;
+  answer.result_cache =
+      stored(results_.insert(keys.result, result, sizeof *result + result->file.capacity()));
+  return {};
 }
 
 nlohmann::json figures_of(const FractureResult& result) {

@@ -5,25 +5,25 @@
 //   bytes ──import──> Mesh ──prepare──> Solid ──diagram──> Diagram ──cut──> FragmentSet ──encode──> GLB
 //                          [mesh cache]          [diagram cache]                          [result cache]
 //
-// Keys are SHA-256 over what determines the value and the algorithm version, so an entry is never stale.
+// Everything here is synchronous, on the caller's thread. The server arranges the steps on its worker pool
+// and shares them between requests (dispatcher.hpp); `bake` and `inspect` call them as they are.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <span>
 #include <string>
 #include <vector>
 
-#include "common/base/digest.hpp"
 #include "common/base/error.hpp"
 #include "common/base/execution.hpp"
 #include "common/base/timings.hpp"
 #include "common/fragment/fragments.hpp"
+#include "server/cache/memory_cache.hpp"
 #include "server/service/engine.hpp"
-#include "server/service/lru_cache.hpp"
 #include "server/service/parameters.hpp"
+#include "server/service/request.hpp"
 
 namespace fracture {
 
@@ -36,45 +36,46 @@ struct ServiceConfig {
   std::size_t result_cache_bytes = 256u << 20;
 };
 
-/// The mesh and its further files are borrowed for the duration of the call.
-struct FractureRequest {
-  std::span<const std::byte> mesh;
-  MeshFormat format = MeshFormat::kGlb;
-  RequestParameters parameters;
-  std::vector<ImportFile> files{};  ///< what the mesh may name; their order does not matter
-  OutputFormat output = OutputFormat::kGlb;
-};
-
-/// The digest of an input: of the mesh's bytes when it is alone; with further files, of a text that lists the
-/// digest of the mesh and then name and digest of each file, ordered by name.
-Digest digest_of(const FractureRequest& request);
-
 /// A mesh made ready for any number of fractures.
 struct PreparedMesh {
   Solid solid;
   nlohmann::json frame;  ///< units and axes: what was assumed (mesh/frame.hpp)
 };
 
-/// Immutable and shared: by the cache and by every response that is being written from it.
+/// Immutable and shared: by the caches and by every response that is being written from it.
 struct FractureResult {
-  /// 64 hex digits. The first 16 are the mesh digest's, so that a proxy can route every request that concerns
-  /// one mesh to one server; the rest hashes the whole request and the algorithm version.
-  std::string key;
+  std::string key;          ///< RequestKeys::result
   std::string mesh_digest;  ///< "sha256:<hex>", digest_of(the request)
   OutputFormat format = OutputFormat::kGlb;
   std::vector<std::uint8_t> file;
-  Certificate certificate;
+  Digest file_digest;  ///< SHA-256 of `file`
 };
 
-enum class CacheOutcome { kNotConsulted, kHit, kMissStored, kMissNotStored };
+enum class CacheOutcome {
+  kNotConsulted,
+  kHit,
+  kMissStored,
+  kMissNotStored,
+  kCollapsed,  ///< not there, but somebody else was computing it: waited for that
+};
+
+/// What one step made, or found.
+template <class Value>
+struct Step {
+  std::shared_ptr<const Value> value;
+  CacheOutcome cache = CacheOutcome::kNotConsulted;
+  StageTimings timings;  ///< import, prepare, tetrahedralize, clip, encode: those that ran
+  StageTimings inner;    ///< the pipeline's own finer stages
+};
 
 struct FractureAnswer {
   std::shared_ptr<const FractureResult> result;
   CacheOutcome result_cache = CacheOutcome::kNotConsulted;
   CacheOutcome diagram_cache = CacheOutcome::kNotConsulted;
   CacheOutcome mesh_cache = CacheOutcome::kNotConsulted;
-  StageTimings timings;  ///< import, prepare, tetrahedralize, clip, encode: those that ran
-  StageTimings inner;    ///< the pipeline's own finer stages
+  double queue_milliseconds = -1;  ///< waiting for a computing thread; -1: never did
+  StageTimings timings, inner;  ///< as in Step, of all steps
+  Certificate certificate;      ///< when it was computed now; a cached result has it in its file
 };
 
 class FractureService {
@@ -89,25 +90,41 @@ class FractureService {
   Expected<std::shared_ptr<const PreparedMesh>> prepare(const FractureRequest& request,
                                                         const Execution& execution);
 
-  /// A result that is still in the cache, by FractureResult::key; null when it is not.
+  /// What is still in memory; null when it is not.
+  std::shared_ptr<const PreparedMesh> find_mesh(const RequestKeys& keys) { return meshes_.find(keys.mesh); }
+  std::shared_ptr<const Diagram> find_diagram(const RequestKeys& keys) {
+    return diagrams_.find(keys.diagram);
+  }
   std::shared_ptr<const FractureResult> find_result(const std::string& key) { return results_.find(key); }
 
+  /// Each step by itself: computes without looking into the cache, and stores. Errors as fracture(), but an
+  /// interruption is thrown (Interrupted).
+  Expected<Step<PreparedMesh>> make_mesh(const FractureRequest& request, const RequestKeys& keys,
+                                         const Execution& execution);
+  Expected<Step<Diagram>> make_diagram(const PreparedMesh& mesh, const FractureRequest& request,
+                                       const RequestKeys& keys, const Execution& execution);
+  /// `answer` gets the result, its cache, timings and certificate.
+  Expected<void> make_result(const PreparedMesh& mesh, const Diagram& diagram, const FractureRequest& request,
+                             const RequestKeys& keys, const Execution& execution, FractureAnswer& answer);
+
+  struct Figures {
+    CacheFigures meshes, diagrams, results;
+  };
+  Figures figures() const { return {meshes_.figures(), diagrams_.figures(), results_.figures()}; }
   const ServiceConfig& config() const { return config_; }
   const ParameterTable& parameters() const { return parameters_; }
 
  private:
-  Expected<std::shared_ptr<const PreparedMesh>> prepared(const FractureRequest& request,
-                                                         const std::string& mesh_key,
-                                                         const Execution& execution, FractureAnswer& answer);
-  Expected<FractureAnswer> compute(const FractureRequest& request, const Execution& execution);
-
   const ServiceConfig config_;
   const ParameterTable parameters_;
   const std::unique_ptr<FractureEngine> engine_;
-  LruCache<PreparedMesh> meshes_;
-  LruCache<Diagram> diagrams_;
-  LruCache<FractureResult> results_;
+  MemoryCache<PreparedMesh> meshes_;
+  MemoryCache<Diagram> diagrams_;
+  MemoryCache<FractureResult> results_;
 };
+
+/// The error that an interruption is for a client.
+Error to_error(const Interrupted& interrupted);
 
 /// Bytes of heap behind a value, close enough to budget a cache with.
 std::size_t memory_size(const PreparedMesh& mesh);

@@ -53,65 +53,115 @@ WorkerPool::~WorkerPool() {
   for (std::thread& thread : threads_) thread.join();
 }
 
-bool WorkerPool::try_submit(Job job) {
+WorkerPool::TaskId WorkerPool::submit(Priority priority, double cost, Job job) {
+  TaskId id;
   {
     const std::lock_guard lock(mutex_);
-    // An idle worker takes the job at once: such a job does not count as queued.
-    const std::size_t idle = thread_count_ - std::min(thread_count_, running_);
-    if (queue_.size() >= max_queue_ + idle) return false;
-    queue_.push_back(std::move(job));
+    id = next_++;
+    (priority == Priority::kRealtime ? realtime_ : batch_)
+        .push_back({id, cost, Clock::now(), std::move(job)});
   }
   wake_.notify_one();
-  return true;
+  return id;
+}
+
+void WorkerPool::resume(Job job) {
+  {
+    const std::lock_guard lock(mutex_);
+    resumed_.push_back({next_++, 0, Clock::now(), std::move(job)});
+  }
+  wake_.notify_one();
+}
+
+void WorkerPool::promote(TaskId task) {
+  const std::lock_guard lock(mutex_);
+  const auto at = std::find_if(batch_.begin(), batch_.end(), [&](const Task& t) { return t.id == task; });
+  if (at == batch_.end()) return;
+  // By arrival, which keeps the queue in order.
+  const auto place = std::find_if(realtime_.begin(), realtime_.end(),
+                                  [&](const Task& t) { return t.arrival > at->arrival; });
+  Task moved = std::move(*at);
+  batch_.erase(at);
+  realtime_.insert(place, std::move(moved));
 }
 
 bool WorkerPool::full() const {
   const std::lock_guard lock(mutex_);
-  return queue_.size() >= max_queue_ + (thread_count_ - std::min(thread_count_, running_));
+  // An idle worker takes the job at once: such a job does not count as queued.
+  const std::size_t idle = thread_count_ - std::min(thread_count_, running_.size());
+  return realtime_.size() + batch_.size() >= max_queue_ + idle;
 }
 
 void WorkerPool::wait_idle() {
   std::unique_lock lock(mutex_);
-  idle_.wait(lock, [this] { return running_ == 0 && queue_.empty(); });
+  idle_.wait(lock, [this] { return running_.empty() && queued_locked() == 0; });
 }
 
-std::chrono::seconds WorkerPool::retry_after() const {
+std::chrono::duration<double> WorkerPool::predicted_wait(Priority priority) const {
   const std::lock_guard lock(mutex_);
-  const double ahead = static_cast<double>(queue_.size() + running_);
-  const double seconds = std::ceil(ahead * mean_seconds_ / static_cast<double>(thread_count_));
-  return std::chrono::seconds(static_cast<int>(std::clamp(seconds, 1.0, 60.0)));
+  if (running_.size() + queued_locked() < thread_count_) return {};
+  double ahead = 0;
+  for (const Task& task : realtime_) ahead += task.cost;
+  if (priority == Priority::kBatch)
+    for (const Task& task : batch_) ahead += task.cost;
+  ahead *= took_ / cost_;
+  const Clock::time_point now = Clock::now();
+  for (const auto& [id, running] : running_)
+    ahead += std::max(
+        0.0, running.cost * took_ / cost_ - std::chrono::duration<double>(now - running.start).count());
+  return std::chrono::duration<double>(ahead / static_cast<double>(thread_count_));
+}
+
+std::chrono::duration<double> WorkerPool::predicted_run(double cost) const {
+  const std::lock_guard lock(mutex_);
+  return std::chrono::duration<double>(cost * took_ / cost_);
+}
+
+void WorkerPool::measured(double cost, double seconds) {
+  constexpr double kKept = 0.95;  // the last twenty or so decide
+  const std::lock_guard lock(mutex_);
+  took_ = kKept * took_ + seconds;
+  cost_ = kKept * cost_ + cost;
 }
 
 std::size_t WorkerPool::queued() const {
   const std::lock_guard lock(mutex_);
-  return queue_.size();
+  return queued_locked();
 }
 
 std::size_t WorkerPool::running() const {
   const std::lock_guard lock(mutex_);
-  return running_;
+  return running_.size();
+}
+
+WorkerPool::Task WorkerPool::take() {
+  std::deque<Task>* queue = &resumed_;
+  if (queue->empty()) {
+    queue = &realtime_;
+    if (realtime_.empty() || (!batch_.empty() && batch_.front().arrival + kAging < realtime_.front().arrival))
+      queue = &batch_;
+  }
+  Task task = std::move(queue->front());
+  queue->pop_front();
+  return task;
 }
 
 void WorkerPool::work() {
   std::unique_lock lock(mutex_);
   for (;;) {
-    wake_.wait(lock, [this] { return stopping_ || !queue_.empty(); });
-    if (queue_.empty()) return;
-    Job job = std::move(queue_.front());
-    queue_.pop_front();
-    ++running_;
-    const std::size_t sharing = std::min(thread_count_, running_ + queue_.size());
+    wake_.wait(lock, [this] { return stopping_ || queued_locked() > 0; });
+    if (queued_locked() == 0) return;
+    Task task = take();
+    running_[task.id] = {task.cost, Clock::now()};
+    const std::size_t sharing = std::min(thread_count_, running_.size() + queued_locked());
     lock.unlock();
 
-    const auto start = std::chrono::steady_clock::now();
-    job(static_cast<int>(thread_count_ / sharing));
-    job = nullptr;  // what the job holds (a request body) is released here, not when the next job arrives
-    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+    task.job(static_cast<int>(thread_count_ / sharing));
+    task.job = nullptr;  // what it holds (a request body) is released here, not when the next job arrives
 
     lock.lock();
-    --running_;
-    if (running_ == 0 && queue_.empty()) idle_.notify_all();
-    mean_seconds_ += 0.1 * (took.count() - mean_seconds_);
+    running_.erase(task.id);
+    if (running_.empty() && queued_locked() == 0) idle_.notify_all();
   }
 }
 

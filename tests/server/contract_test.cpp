@@ -74,6 +74,7 @@ TEST(Contract, EveryParameterIsListedWithItsRangeAndDefault) {
   const json operation = document().at("paths").at("/fracture").at("post");
   std::set<std::string> documented, known;
   for (const json& reference : operation.at("parameters")) {
+    if (resolve(reference).at("in") != "query") continue;
     const json parameter = resolve(reference), schema = resolve(parameter.at("schema"));
     const std::string name = parameter.at("name");
     documented.insert(name);

@@ -2,13 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <condition_variable>
-#include <latch>
-#include <mutex>
+#include <set>
 
-#include "server/service/lru_cache.hpp"
-#include "server/service/worker_pool.hpp"
 #include "tests/server/fake_engine.hpp"
 
 namespace fracture {
@@ -20,95 +15,6 @@ using test::FakeEngine;
 std::span<const std::byte> bytes(std::string_view text) {
   return std::as_bytes(std::span(text.data(), text.size()));
 }
-
-// -- LruCache
-
-TEST(LruCache, TheLeastRecentlyUsedEntryLeavesFirst) {
-  LruCache<int> cache(30);
-  for (const char* key : {"a", "b", "c"}) EXPECT_TRUE(cache.insert(key, std::make_shared<int>(1), 10));
-  EXPECT_TRUE(cache.find("a"));
-  EXPECT_TRUE(cache.insert("d", std::make_shared<int>(1), 10));
-  EXPECT_TRUE(cache.find("a"));
-  EXPECT_FALSE(cache.find("b"));
-  EXPECT_TRUE(cache.find("c"));
-  EXPECT_EQ(cache.bytes(), 30u);
-}
-
-TEST(LruCache, AnEntryOverTheBudgetIsNotKeptAndEvictsNothing) {
-  LruCache<int> cache(30);
-  cache.insert("a", std::make_shared<int>(1), 30);
-  EXPECT_FALSE(cache.insert("big", std::make_shared<int>(1), 31));
-  EXPECT_TRUE(cache.find("a"));
-}
-
-TEST(LruCache, ReplacingAnEntryCountsItOnce) {
-  LruCache<int> cache(30);
-  cache.insert("a", std::make_shared<int>(1), 20);
-  cache.insert("a", std::make_shared<int>(2), 25);
-  EXPECT_EQ(cache.bytes(), 25u);
-  EXPECT_EQ(cache.count(), 1u);
-  EXPECT_EQ(*cache.find("a"), 2);
-}
-
-TEST(LruCache, AnEvictedValueLivesAsLongAsItsReaders) {
-  LruCache<int> cache(10);
-  cache.insert("a", std::make_shared<int>(7), 10);
-  const auto held = cache.find("a");
-  cache.insert("b", std::make_shared<int>(8), 10);
-  EXPECT_FALSE(cache.find("a"));
-  EXPECT_EQ(*held, 7);
-}
-
-// -- WorkerPool
-
-TEST(WorkerPool, ALoneJobMayUseEveryThreadAndALoadedPoolGivesOneEach) {
-  WorkerPool pool(4, 100);
-  std::atomic<int> alone{0};
-  pool.try_submit([&](int threads) { alone = threads; });
-  pool.wait_idle();
-  EXPECT_EQ(alone, 4);
-
-  std::latch all_running(5);
-  std::atomic<int> last{0};
-  for (int i = 0; i < 3; ++i) pool.try_submit([&](int) { all_running.arrive_and_wait(); });
-  while (pool.running() < 3) std::this_thread::yield();
-  pool.try_submit([&](int threads) {
-    last = threads;
-    all_running.arrive_and_wait();
-  });
-  all_running.arrive_and_wait();
-  pool.wait_idle();
-  EXPECT_EQ(last, 1);
-}
-
-TEST(WorkerPool, AFullQueueRefusesAtOnceAndSaysWhenToComeBack) {
-  std::latch release(1);
-  WorkerPool pool(1, 2);
-  pool.try_submit([&](int) { release.wait(); });
-  while (pool.running() == 0) std::this_thread::yield();
-  EXPECT_TRUE(pool.try_submit([](int) {}));
-  EXPECT_TRUE(pool.try_submit([](int) {}));
-  EXPECT_TRUE(pool.full());
-  EXPECT_FALSE(pool.try_submit([](int) {}));
-  EXPECT_GE(pool.retry_after().count(), 1);
-  EXPECT_LE(pool.retry_after().count(), 60);
-  release.count_down();
-  pool.wait_idle();
-  EXPECT_FALSE(pool.full());
-}
-
-TEST(WorkerPool, AQueueOfNoneStillFeedsIdleThreads) {
-  std::latch release(1);
-  WorkerPool pool(1, 0);
-  EXPECT_TRUE(pool.try_submit([&](int) { release.wait(); }));
-  while (pool.running() == 0) std::this_thread::yield();
-  EXPECT_FALSE(pool.try_submit([](int) {}));
-  release.count_down();
-}
-
-TEST(WorkerPool, CoresAreAtLeastOne) { EXPECT_GE(available_cores(), 1); }
-
-// -- FractureService
 
 struct ServiceTest : testing::Test {
   std::shared_ptr<FakeControl> control = std::make_shared<FakeControl>();

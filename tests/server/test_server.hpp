@@ -17,6 +17,7 @@ struct TestServerOptions {
   http::ServerConfig server{.address = "127.0.0.1", .port = 0, .admin_port = 0, .io_threads = 2};
   http::HttpLimits limits;
   ServiceConfig service;
+  DispatcherConfig dispatcher;
   int threads = 2;
   std::size_t max_queue = 64;
 
@@ -31,7 +32,8 @@ class TestServer {
   explicit TestServer(const TestServerOptions& options = {})
       : service(options.service, std::make_unique<FakeEngine>(control)),
         pool(options.threads, options.max_queue),
-        api(service, pool, options.limits),
+        dispatcher(service, pool, options.dispatcher),
+        api(dispatcher, options.limits),
         server(options.server, api) {
     spdlog::set_level(spdlog::level::off);
   }
@@ -48,6 +50,7 @@ class TestServer {
   std::shared_ptr<FakeControl> control = std::make_shared<FakeControl>();
   FractureService service;
   WorkerPool pool;
+  Dispatcher dispatcher;
   http::Api api;
   http::HttpServer server;
 };

@@ -1,0 +1,36 @@
+// The mesh and the parameters out of the body of a request: raw, or a multipart form.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/http/message.hpp"
+#include "server/service/parameters.hpp"
+#include "server/service/request.hpp"
+
+namespace fracture::http {
+
+/// The body of a request, shared by all who still need its bytes; its reservation goes with it.
+struct Body {
+  std::string bytes;
+  MemoryBudget::Reservation reservation;
+};
+
+/// What is asked, with the bytes borrowed from (and owned by) the body. Parameters of the query, of the part
+/// `params` and of form fields are taken together.
+OrProblem<FractureRequest> read_mesh_input(const Request& request, std::shared_ptr<const Body> body,
+                                           const ParameterTable& table);
+
+/// Names and values of a JSON object. Refuses what is not one object, deep nesting, and a member given twice
+/// (of which a JSON parser would silently keep one). `what` names the text in errors: "part 'params'".
+Expected<std::vector<RawParameter>> read_params(std::string_view text, std::string_view what);
+
+/// 415 with the list of what is read; `given` is what the client said, may be empty.
+Problem unknown_format(const FormatSet& formats, std::string_view given);
+
+/// The query as the parameter table wants it.
+std::vector<RawParameter> raw_parameters(const std::vector<std::pair<std::string, std::string>>& query);
+
+}  // namespace fracture::http

@@ -1,0 +1,395 @@
+#include "server/service/dispatcher.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <new>
+#include <utility>
+
+namespace fracture {
+namespace {
+
+// Seconds of one thread of the machine this was written on, for the queue's prediction: WorkerPool measures
+// how far off they are, so that only their proportions matter.
+constexpr double kSecondsPerMeshByte = 60e-9;  // import and repair of a 1 MB OBJ: 60 ms
+constexpr double kSecondsPerSite = 0.15e-3;    // 50 sites of a mesh of 1k triangles: 8 ms
+constexpr double kSecondsPerRequest = 1e-3;
+
+// What a computation holds at its peak, in bytes.
+constexpr std::uint64_t kWorkingPerMeshByte = 12, kWorkingPerSite = 16u << 10, kWorkingPerRequest = 4u << 20;
+
+double cost_of(std::uint64_t mesh_bytes, std::uint32_t sites) {
+  return kSecondsPerRequest + kSecondsPerMeshByte * static_cast<double>(mesh_bytes) + kSecondsPerSite * sites;
+}
+
+std::uint64_t working_bytes(std::uint64_t mesh_bytes, std::uint32_t sites) {
+  return kWorkingPerRequest + kWorkingPerMeshByte * mesh_bytes + kWorkingPerSite * sites;
+}
+
+std::uint64_t bytes_of(const FractureRequest& request) {
+  std::uint64_t bytes = request.mesh.size();
+  for (const ImportFile& file : request.files) bytes += file.bytes.size();
+  return bytes;
+}
+
+/// Everything that a step may throw, as the error that it is for the client.
+template <class Work>
+auto guarded(Work work) -> decltype(work()) {
+  try {
+    return work();
+  } catch (const Interrupted& interrupted) {
+    return tl::unexpected<Error>(to_error(interrupted));
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::kOutOfMemory, "There is not enough memory for this request now.");
+  } catch (const std::exception& e) {
+    return fail(ErrorCode::kInternal, e.what());
+  } catch (...) {
+    return fail(ErrorCode::kInternal, "an exception of unknown type");
+  }
+}
+
+std::chrono::seconds whole_seconds(double seconds) {
+  return std::chrono::seconds(static_cast<int>(std::clamp(std::ceil(seconds), 1.0, 60.0)));
+}
+
+void append(StageTimings& to, const StageTimings& more) {
+  for (const auto& [stage, ms] : more.stages()) to.add(stage, ms);
+}
+
+}  // namespace
+
+/// One who waits in a flight: its reply, and the two ways to leave early. Lives in the flight's waiter; the
+/// timer and the stop callback only point to it.
+template <class Flights, class Value>
+struct Dispatcher::Waiting : std::enable_shared_from_this<Waiting<Flights, Value>> {
+  Waiting(Dispatcher& d, Flights& f, std::function<void(Expected<Value>)> r)
+      : dispatcher(d), flights(f), reply(std::move(r)) {}
+  ~Waiting() {
+    if (alarm) dispatcher.timer_.cancel(*alarm);
+  }
+
+  /// After join(). May leave, and so reply, before it returns.
+  void arm(typename Flights::Seat taken, const Terms& terms) {
+    seat = std::move(taken);
+    const auto leave_with = [weak = this->weak_from_this()](ErrorCode code) {
+      if (const auto self = weak.lock()) self->leave(code);
+    };
+    if (terms.deadline != Clock::time_point::max())
+      alarm =
+          dispatcher.timer_.at(terms.deadline, [leave_with] { leave_with(ErrorCode::kDeadlineExceeded); });
+    gone.emplace(terms.gone, [leave_with] { leave_with(ErrorCode::kCancelled); });
+  }
+
+  void leave(ErrorCode code) {
+    if (!flights.leave(seat)) return;
+    ++dispatcher.abandoned_;
+    reply(tl::unexpected<Error>(to_error(Interrupted{code})));
+  }
+
+  Dispatcher& dispatcher;
+  Flights& flights;
+  const std::function<void(Expected<Value>)> reply;
+  typename Flights::Seat seat;
+  std::optional<Timer::Id> alarm;
+  std::optional<std::stop_callback<std::function<void()>>> gone;
+};
+
+void Dispatcher::Common::tell(const char* stage, double fraction) {
+  const std::lock_guard lock(mutex);
+  for (const auto& observer : observers) observer(stage, fraction);
+}
+
+/// One result being computed, by the leader of its flight.
+struct Dispatcher::Computation {
+  FractureRequest request;
+  RequestKeys keys;
+  double cost = 0;
+  MemoryBudget::Reservation working;
+  std::shared_ptr<ResultFlights::Flight> flight;
+  Clock::time_point submitted = Clock::now();
+  double busy_seconds = 0;
+  FractureAnswer answer;
+  std::shared_ptr<const PreparedMesh> mesh;
+
+  bool abandoned() const { return flight->stop().stop_requested(); }
+  Execution execution(int threads, std::stop_token stop) const {
+    Execution e;
+    e.threads = threads;
+    e.stop = std::move(stop);
+    e.progress = [flight = flight](const char* stage, double fraction) {
+      flight->common.tell(stage, fraction);
+    };
+    return e;
+  }
+};
+
+// -- admission
+
+std::optional<Overload> Dispatcher::refuses(double cost, const Terms& terms) const {
+  const double wait = pool_.predicted_wait(terms.priority).count();
+  const double total = wait + pool_.predicted_run(cost).count();
+  if (pool_.full())
+    return Overload{"The queue is full: " + std::to_string(pool_.queued()) + " jobs wait and " +
+                        std::to_string(pool_.running()) + " run.",
+                    whole_seconds(wait)};
+  const std::chrono::duration<double> left = terms.deadline - Clock::now();
+  // With nothing ahead it is tried: the prediction may be wrong.
+  if (terms.deadline != Clock::time_point::max() && wait > 0 && total > left.count())
+    return Overload{"The work would be done in about " + std::to_string(total) +
+                        " s; the deadline of this request is in " +
+                        std::to_string(std::max(0.0, left.count())) + " s.",
+                    whole_seconds(total - left.count())};
+  return std::nullopt;
+}
+
+std::optional<Overload> Dispatcher::refuses(std::uint64_t mesh_bytes, std::uint32_t sites,
+                                            const Terms& terms) const {
+  return refuses(cost_of(mesh_bytes, sites), terms);
+}
+
+std::optional<Overload> Dispatcher::reserve(std::uint64_t bytes, MemoryBudget::Reservation& reservation) {
+  reservation = MemoryBudget::Reservation(working_);
+  if (reservation.grow_to(std::min(bytes, working_.capacity()))) return std::nullopt;
+  return Overload{"The computations in progress hold " + std::to_string(working_.used()) +
+                      " bytes by estimate, and this one needs " + std::to_string(bytes) + ".",
+                  whole_seconds(pool_.predicted_wait(Priority::kBatch).count())};
+}
+
+// -- requests
+
+std::optional<Overload> Dispatcher::fracture(FractureRequest request, const Terms& terms,
+                                             FractureReply reply) {
+  RequestKeys keys = keys_of(request);
+  if (auto result = service_.find_result(keys.result)) {
+    FractureAnswer answer;
+    answer.result = std::move(result);
+    answer.result_cache = CacheOutcome::kHit;
+    reply(std::move(answer));
+    return std::nullopt;
+  }
+
+  double cost = 0;
+  MemoryBudget::Reservation working;
+  if (!results_.exists(keys.result)) {  // otherwise it costs nothing more
+    const std::uint64_t to_prepare = service_.find_mesh(keys) ? 0 : bytes_of(request);
+    const std::uint32_t sites = request.parameters.fracture.sites;
+    cost = cost_of(to_prepare, sites);
+    std::optional<Overload> overload = refuses(cost, terms);
+    if (!overload) overload = reserve(working_bytes(to_prepare, sites), working);
+    if (overload) {
+      ++refused_;
+      return overload;
+    }
+  }
+
+  using Waiter = Waiting<ResultFlights, FractureAnswer>;
+  const auto waiting = std::make_shared<Waiter>(*this, results_, std::move(reply));
+  auto seat = results_.join(keys.result,
+                            [waiting](const Expected<FractureAnswer>& outcome, ResultFlights::Role role) {
+                              Expected<FractureAnswer> mine = outcome;
+                              if (mine && role == ResultFlights::Role::kFollower)
+                                mine->result_cache = CacheOutcome::kCollapsed;
+                              waiting->reply(std::move(mine));
+                            });
+  ResultFlights::Flight& flight = *seat.flight;
+  if (terms.progress) {
+    const std::lock_guard lock(flight.common.mutex);
+    flight.common.observers.push_back(terms.progress);
+  }
+  const Clock::rep deadline = terms.deadline.time_since_epoch().count();
+  for (Clock::rep latest = flight.common.latest_deadline;
+       latest < deadline && !flight.common.latest_deadline.compare_exchange_weak(latest, deadline);) {
+  }
+  if (seat.role == ResultFlights::Role::kLeader) {
+    const auto c = std::make_shared<Computation>();
+    c->request = std::move(request);
+    c->keys = std::move(keys);
+    c->cost = cost;
+    c->working = std::move(working);
+    c->flight = seat.flight;
+    flight.common.task = pool_.submit(terms.priority, cost, [this, c](int threads) { begin(c, threads); });
+  } else {
+    ++collapsed_;
+    if (terms.priority == Priority::kRealtime) pool_.promote(flight.common.task);
+  }
+  waiting->arm(std::move(seat), terms);
+  return std::nullopt;
+}
+
+std::optional<Overload> Dispatcher::prepare(FractureRequest request, const Terms& terms, MeshReply reply) {
+  RequestKeys keys = keys_of(request);
+  if (auto mesh = service_.find_mesh(keys)) {
+    reply(std::move(mesh));
+    return std::nullopt;
+  }
+  const double cost = cost_of(bytes_of(request), 0);
+  MemoryBudget::Reservation working;
+  if (!meshes_.exists(keys.mesh)) {
+    std::optional<Overload> overload = refuses(cost, terms);
+    if (!overload) overload = reserve(working_bytes(bytes_of(request), 0), working);
+    if (overload) {
+      ++refused_;
+      return overload;
+    }
+  }
+
+  using Waiter = Waiting<MeshFlights, std::shared_ptr<const PreparedMesh>>;
+  const auto waiting = std::make_shared<Waiter>(*this, meshes_, std::move(reply));
+  auto seat = meshes_.join(keys.mesh, [waiting](const Outcome<PreparedMesh>& outcome, MeshFlights::Role) {
+    if (outcome)
+      waiting->reply(outcome->value);
+    else
+      waiting->reply(tl::unexpected<Error>(outcome.error()));
+  });
+  if (seat.role == MeshFlights::Role::kLeader) {
+    struct Preparation {
+      FractureRequest request;
+      RequestKeys keys;
+      MemoryBudget::Reservation working;
+      Terms terms;
+    };
+    const auto p = std::make_shared<Preparation>(
+        Preparation{std::move(request), std::move(keys), std::move(working), terms});
+    pool_.submit(terms.priority, cost, [this, p, cost, flight = seat.flight](int threads) {
+      if (flight->stop().stop_requested()) return;
+      Execution execution;
+      execution.threads = threads;
+      execution.stop = flight->stop();
+      execution.progress = p->terms.progress;
+      const Clock::time_point start = Clock::now();
+      const auto made = guarded([&] { return service_.make_mesh(p->request, p->keys, execution); });
+      if (made) pool_.measured(cost, std::chrono::duration<double>(Clock::now() - start).count());
+      p->working = {};
+      meshes_.land(flight, made);
+    });
+  }
+  waiting->arm(std::move(seat), terms);
+  return std::nullopt;
+}
+
+void Dispatcher::run(Priority priority, std::function<void()> work) {
+  pool_.submit(priority, kSecondsPerRequest, [work = std::move(work)](int) { work(); });
+}
+
+// -- the stations of a computation
+
+namespace {
+
+/// Adds the time from its construction to its destruction.
+class Stopwatch {
+ public:
+  explicit Stopwatch(double& seconds) : seconds_(seconds) {}
+  ~Stopwatch() {
+    seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
+
+ private:
+  double& seconds_;
+  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace
+
+/// The value of this key: computed here, or waited for (then this thread is free, and `next` runs on another
+/// one when the value is there).
+template <class Value, class Make>
+void Dispatcher::obtain(SingleFlight<Step<Value>>& flights, const std::string& key, const Shared& c,
+                        int threads, Make make,
+                        void (Dispatcher::*next)(const Shared&, const Outcome<Value>&, int)) {
+  using Flights = SingleFlight<Step<Value>>;
+  // Lives in the flight's waiter, like Waiting: this thread has no part in `c` any more once it has joined.
+  struct Place {
+    typename Flights::Seat seat;
+    std::optional<std::stop_callback<std::function<void()>>> gives_up;
+  };
+  const auto place = std::make_shared<Place>();
+  const std::stop_token abandoned = c->flight->stop();
+  const auto seat = flights.join(
+      key, [this, c, next, place](const Outcome<Value>& outcome, typename Flights::Role role) {
+        if (role == Flights::Role::kLeader) return;  // goes on by itself, below
+        Outcome<Value> waited = outcome;
+        if (waited) waited->cache = CacheOutcome::kCollapsed;
+        pool_.resume([this, c, next, waited = std::move(waited)](int free) { (this->*next)(c, waited, free); });
+      });
+  place->seat = seat;
+  place->gives_up.emplace(abandoned, [&flights, weak = std::weak_ptr(place)] {
+    if (const auto mine = weak.lock()) flights.leave(mine->seat);
+  });
+  if (seat.role != Flights::Role::kLeader) return;
+  Outcome<Value> made;
+  {
+    const Stopwatch busy(c->busy_seconds);
+    made = guarded([&] { return make(c->execution(threads, seat.flight->stop())); });
+  }
+  flights.land(seat.flight, made);
+  (this->*next)(c, made, threads);
+}
+
+void Dispatcher::begin(const Shared& c, int threads) {
+  if (c->abandoned()) return;
+  const Clock::time_point now = Clock::now();
+  if (now.time_since_epoch().count() > c->flight->common.latest_deadline) {
+    ++expired_;
+    return end(c, tl::unexpected<Error>(to_error(Interrupted{ErrorCode::kDeadlineExceeded})));
+  }
+  c->answer.queue_milliseconds = std::chrono::duration<double, std::milli>(now - c->submitted).count();
+  if (auto mesh = service_.find_mesh(c->keys))
+    return with_mesh(c, Step<PreparedMesh>{std::move(mesh), CacheOutcome::kHit, {}, {}}, threads);
+  obtain<PreparedMesh>(
+      meshes_, c->keys.mesh, c, threads,
+      [this, c](const Execution& execution) { return service_.make_mesh(c->request, c->keys, execution); },
+      &Dispatcher::with_mesh);
+}
+
+void Dispatcher::with_mesh(const Shared& c, const Outcome<PreparedMesh>& mesh, int threads) {
+  if (c->abandoned()) return;
+  if (!mesh) return end(c, tl::unexpected<Error>(mesh.error()));
+  c->answer.mesh_cache = mesh->cache;
+  append(c->answer.timings, mesh->timings);
+  c->mesh = mesh->value;
+  // The file is not needed any more.
+  c->request.mesh = {};
+  c->request.files.clear();
+  c->request.owner.reset();
+  if (auto diagram = service_.find_diagram(c->keys))
+    return with_diagram(c, Step<Diagram>{std::move(diagram), CacheOutcome::kHit, {}, {}}, threads);
+  obtain<Diagram>(
+      diagrams_, c->keys.diagram, c, threads,
+      [this, c](const Execution& execution) {
+        return service_.make_diagram(*c->mesh, c->request, c->keys, execution);
+      },
+      &Dispatcher::with_diagram);
+}
+
+void Dispatcher::with_diagram(const Shared& c, const Outcome<Diagram>& diagram, int threads) {
+  if (c->abandoned()) return;
+  if (!diagram) return end(c, tl::unexpected<Error>(diagram.error()));
+  c->answer.diagram_cache = diagram->cache;
+  append(c->answer.timings, diagram->timings);
+  append(c->answer.inner, diagram->inner);
+  Expected<void> made;
+  {
+    const Stopwatch busy(c->busy_seconds);
+    made = guarded([&] {
+      return service_.make_result(*c->mesh, *diagram->value, c->request, c->keys,
+                                  c->execution(threads, c->flight->stop()), c->answer);
+    });
+  }
+  if (!made) return end(c, tl::unexpected<Error>(std::move(made.error())));
+  ++computed_;
+  pool_.measured(c->cost, c->busy_seconds);
+  end(c, std::move(c->answer));
+}
+
+void Dispatcher::end(const Shared& c, Expected<FractureAnswer> outcome) {
+  c->working = {};
+  results_.land(c->flight, outcome);
+}
+
+Dispatcher::Figures Dispatcher::figures() const {
+  return {computed_, collapsed_, abandoned_, expired_, refused_, results_.count(), working_.used()};
+}
+
+}  // namespace fracture

@@ -1,0 +1,146 @@
+// Who computes what, when, and for whom. Requests come in and callbacks go out; nobody blocks.
+//
+//   request ──in memory?──> answer at once
+//      │ no
+//      ├──in flight?──> one more waiter                       (result flights, by RequestKeys::result)
+//      │ no
+//      ├──would it be too late, too much memory?──> refused at once, with the time when to come back
+//      │ no
+//      └──queued──> mesh ──> diagram ──> cut, encode ──> everybody who waits
+//                  flight    flight
+//
+// Mesh preparation and tetrahedralization are flights of their own, shared by results that differ in their
+// seed or in their dual. A computation that needs a value somebody else is computing gives its thread back
+// and is resumed when the value is there.
+//
+// Whoever waits has a deadline and may leave at any time; a computation is stopped when nobody waits for it.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "server/service/memory_budget.hpp"
+#include "server/service/service.hpp"
+#include "server/service/single_flight.hpp"
+#include "server/service/timer.hpp"
+#include "server/service/worker_pool.hpp"
+
+namespace fracture {
+
+struct DispatcherConfig {
+  /// Bytes that computations may be working in at the same time, by estimate; one alone may always run.
+  std::uint64_t max_working_bytes = 2ull << 30;
+};
+
+/// What goes with a request besides what is asked.
+struct Terms {
+  Priority priority = Priority::kBatch;
+  std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
+  std::stop_token gone{};  ///< requested when nobody wants the answer any more
+  /// Told (stage, fraction of it) by whatever thread computes; must be thread-safe and cheap.
+  std::function<void(const char*, double)> progress{};
+};
+
+/// Refused at once: there is no room.
+struct Overload {
+  std::string detail;
+  std::chrono::seconds retry_after;  ///< computed: when there should be room
+};
+
+class Dispatcher {
+ public:
+  using FractureReply = std::function<void(Expected<FractureAnswer>)>;
+  using MeshReply = std::function<void(Expected<std::shared_ptr<const PreparedMesh>>)>;
+
+  Dispatcher(FractureService& service, WorkerPool& pool, const DispatcherConfig& config = {})
+      : service_(service), pool_(pool), working_(config.max_working_bytes) {}
+  /// Waits until nothing is computed any more; stop the flights first (stop_all) when that would take long.
+  ~Dispatcher() { wait_idle(); }
+  Dispatcher(const Dispatcher&) = delete;
+  Dispatcher& operator=(const Dispatcher&) = delete;
+
+  /// Nothing: `reply` is called exactly once, before this returns or later, from any thread. All errors of
+  /// FractureService::fracture; kInternal for a broken invariant, kOutOfMemory. Otherwise `reply` is dropped
+  /// uncalled. The request must own its bytes (FractureRequest::owner).
+  std::optional<Overload> fracture(FractureRequest request, const Terms& terms, FractureReply reply);
+  /// The first two steps alone, in the same way.
+  std::optional<Overload> prepare(FractureRequest request, const Terms& terms, MeshReply reply);
+  /// Other work for the pool's threads (the digest of a large body), with no flight.
+  void run(Priority priority, std::function<void()> work);
+
+  /// Would a request that has so many bytes of mesh to prepare (0: it is prepared) and so many sites be
+  /// refused? Asked before a body is read, so nothing is reserved.
+  std::optional<Overload> refuses(std::uint64_t mesh_bytes, std::uint32_t sites, const Terms& terms) const;
+
+  /// Returns when nothing is computed any more and no reply is outstanding.
+  void wait_idle() {
+    pool_.wait_idle();
+    timer_.flush();
+  }
+
+  struct Figures {
+    std::uint64_t computed = 0;   ///< results computed to the end
+    std::uint64_t collapsed = 0;  ///< requests that waited for the computation of another one
+    std::uint64_t abandoned = 0;  ///< waiters who left: reset, cancelled or past their deadline
+    std::uint64_t expired = 0;    ///< computations whose deadline had passed when their turn came
+    std::uint64_t refused = 0;    ///< by admission
+    std::size_t flights = 0;      ///< of results, now
+    std::uint64_t working_bytes = 0;
+  };
+  Figures figures() const;
+  Timer& timer() { return timer_; }
+  FractureService& service() { return service_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Computation;
+  using Shared = std::shared_ptr<Computation>;
+  template <class Value>
+  using Outcome = Expected<Step<Value>>;
+
+  /// What all who wait for a result share.
+  struct Common {
+    std::atomic<WorkerPool::TaskId> task{0};
+    std::atomic<Clock::rep> latest_deadline{0};
+    std::mutex mutex;
+    std::vector<std::function<void(const char*, double)>> observers;
+    void tell(const char* stage, double fraction);
+  };
+  using ResultFlights = SingleFlight<FractureAnswer, Common>;
+  using MeshFlights = SingleFlight<Step<PreparedMesh>>;
+  using DiagramFlights = SingleFlight<Step<Diagram>>;
+
+  std::optional<Overload> refuses(double cost, const Terms& terms) const;
+  std::optional<Overload> reserve(std::uint64_t bytes, MemoryBudget::Reservation& reservation);
+
+  // The stations of a computation, each on a thread of the pool.
+  void begin(const Shared& c, int threads);
+  void with_mesh(const Shared& c, const Outcome<PreparedMesh>& mesh, int threads);
+  void with_diagram(const Shared& c, const Outcome<Diagram>& diagram, int threads);
+  void end(const Shared& c, Expected<FractureAnswer> outcome);
+  template <class Value, class Make>
+  void obtain(SingleFlight<Step<Value>>& flights, const std::string& key, const Shared& c, int threads,
+              Make make, void (Dispatcher::*next)(const Shared&, const Outcome<Value>&, int));
+
+  template <class Flights, class Value>
+  struct Waiting;
+
+  FractureService& service_;
+  WorkerPool& pool_;
+  MemoryBudget working_;
+  ResultFlights results_;
+  MeshFlights meshes_;
+  DiagramFlights diagrams_;
+  std::atomic<std::uint64_t> computed_{0}, collapsed_{0}, abandoned_{0}, expired_{0}, refused_{0};
+  Timer timer_;  // last: its calls use everything above
+};
+
+}  // namespace fracture

@@ -1,0 +1,51 @@
+// Bytes of heap behind what the caches keep.
+#include "server/service/service.hpp"
+
+namespace fracture {
+namespace {
+
+template <class T>
+std::size_t heap(const std::vector<T>& v) {
+  return v.capacity() * sizeof(T);
+}
+
+template <class T>
+std::size_t nested_heap(const std::vector<std::vector<T>>& v) {
+  std::size_t bytes = heap(v);
+  for (const std::vector<T>& inner : v) bytes += heap(inner);
+  return bytes;
+}
+
+std::size_t memory_size(const Mesh& mesh) {
+  std::size_t bytes = sizeof mesh + heap(mesh.positions) + heap(mesh.attributes.normals) +
+                      heap(mesh.attributes.tangents) + nested_heap(mesh.attributes.uvs) +
+                      nested_heap(mesh.attributes.colors) + heap(mesh.triangles) + heap(mesh.material) +
+                      heap(mesh.node);
+  for (const std::string& name : mesh.node_names) bytes += sizeof name + name.capacity();
+  for (const Image& image : mesh.library->images) bytes += sizeof image + heap(image.bytes);
+  // A parsed JSON value takes several times its text; materials are small, so an upper guess does no harm.
+  bytes += 512 * (mesh.library->materials.size() + mesh.library->textures.size());
+  // The library is shared: counted twice, which does no harm either.
+  if (mesh.passed_through) bytes += memory_size(*mesh.passed_through);
+  return bytes;
+}
+
+}  // namespace
+
+std::size_t memory_size(const PreparedMesh& mesh) {
+  const Solid& solid = mesh.solid;
+  std::size_t bytes = sizeof mesh + heap(solid.positions) + heap(solid.triangles) + heap(solid.wedges) +
+                      heap(solid.material) + heap(solid.edges) + heap(solid.edge_vertices) +
+                      heap(solid.shell) + heap(solid.part) + heap(solid.parts);
+  for (const Part& part : solid.parts) bytes += heap(part.shells);
+  if (solid.source) bytes += memory_size(*solid.source);
+  return bytes;
+}
+
+std::size_t memory_size(const Diagram& diagram) {
+  const Tetrahedralization& t = diagram.tetrahedralization;
+  return sizeof diagram + heap(diagram.sites) + heap(t.points) + heap(t.tets) + heap(t.tet_of_site) +
+         heap(t.site_of_input);
+}
+
+}  // namespace fracture

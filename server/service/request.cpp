@@ -1,0 +1,42 @@
+#include "server/service/request.hpp"
+
+#include <algorithm>
+#include <string_view>
+
+namespace fracture {
+namespace {
+
+std::string hex_of(std::string_view material) { return sha256(material).hex(); }
+
+}  // namespace
+
+Digest digest_of(const FractureRequest& request) {
+  if (request.files.empty()) return sha256(request.mesh);
+  std::vector<const ImportFile*> files;
+  for (const ImportFile& file : request.files) files.push_back(&file);
+  std::sort(files.begin(), files.end(), [](const ImportFile* a, const ImportFile* b) {
+    return std::lexicographical_compare(a->name.begin(), a->name.end(), b->name.begin(), b->name.end());
+  });
+  std::string list = "files\n" + sha256(request.mesh).hex() + "\n";
+  for (const ImportFile* file : files)  // the length keeps names with line breaks apart
+    list += std::to_string(file->name.size()) + " " + file->name + " " + sha256(file->bytes).hex() + "\n";
+  return sha256(list);
+}
+
+RequestKeys keys_of(const FractureRequest& request) {
+  const RequestParameters& parameters = request.parameters;
+  const std::string version = std::to_string(kAlgorithmVersion);
+  RequestKeys keys;
+  keys.digest = request.digest.empty() ? digest_of(request).hex() : request.digest;
+  keys.mesh =
+      keys.digest + "." + extension_of(request.format) + "\n" + canonical_solid_parameters(parameters).dump();
+  keys.diagram = hex_of("diagram\n" + keys.mesh + "\n" + std::to_string(parameters.fracture.sites) + "\n" +
+                        std::to_string(parameters.fracture.seed) + "\n" + version);
+  keys.result = keys.digest.substr(0, 16) +
+                hex_of("result\n" + keys.mesh + "\n" + canonical_parameters(parameters).dump() + "\n" +
+                       version + (request.output == OutputFormat::kGltf ? "\ngltf" : "\nglb"))
+                    .substr(0, 48);
+  return keys;
+}
+
+}  // namespace fracture

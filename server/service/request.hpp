@@ -1,0 +1,44 @@
+// One request of the service, and the keys that it has in the caches.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/base/digest.hpp"
+#include "server/service/engine.hpp"
+#include "server/service/parameters.hpp"
+
+namespace fracture {
+
+/// The mesh and its further files are borrowed: from `owner` when there is one, else from the caller for the
+/// duration of the call.
+struct FractureRequest {
+  std::span<const std::byte> mesh;
+  MeshFormat format = MeshFormat::kGlb;
+  RequestParameters parameters;
+  std::vector<ImportFile> files{};  ///< what the mesh may name; their order does not matter
+  OutputFormat output = OutputFormat::kGlb;
+  std::shared_ptr<const void> owner{};
+  std::string digest{};  ///< digest_of() in hex, when it is known already
+};
+
+/// The digest of an input: of the mesh's bytes when it is alone; with further files, of a text that lists the
+/// digest of the mesh and then name and digest of each file, ordered by name.
+Digest digest_of(const FractureRequest& request);
+
+/// What the values of a request are called in the caches. Keys hash everything that determines the value and
+/// the algorithm version, so an entry is never stale.
+struct RequestKeys {
+  std::string digest;   ///< digest_of() in hex
+  std::string mesh;     ///< bytes, format and everything that decides the solid
+  std::string diagram;  ///< the solid and the sites: every dual and output format shares it
+  /// 64 hex digits, the whole request. The first 16 are the mesh digest's, so that a proxy can route every
+  /// request that concerns one mesh to one server.
+  std::string result;
+};
+RequestKeys keys_of(const FractureRequest& request);
+
+}  // namespace fracture

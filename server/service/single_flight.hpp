@@ -1,0 +1,123 @@
+// Single flight: of several who want the same value at the same time, one computes it and all get it. The
+// computation belongs to the flight and not to who asked first: it is stopped only when the last one who
+// waits has left. Nobody blocks: a waiter is a callback.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <stop_token>
+#include <string>
+#include <unordered_map>
+#include <utility>
+
+#include "common/base/error.hpp"
+
+namespace fracture {
+
+/// Thread-safe. Callbacks run without the lock, on the thread that lands the flight. `Common` is whatever all
+/// who wait have in common; it guards itself.
+struct Nothing {};
+template <class Value, class Common = Nothing>
+class SingleFlight {
+ public:
+  using Outcome = Expected<Value>;
+  enum class Role {
+    kLeader,    ///< the flight began with this waiter: whoever gets this seat computes and lands
+    kFollower,  ///< joined later
+  };
+  using Waiter = std::function<void(const Outcome&, Role)>;
+
+  class Flight {
+   public:
+    Common common;
+    const std::string& key() const { return key_; }
+    /// Requested when the last waiter has left.
+    std::stop_token stop() const { return stop_.get_token(); }
+
+   private:
+    friend SingleFlight;
+    explicit Flight(std::string key) : key_(std::move(key)) {}
+    const std::string key_;
+    std::stop_source stop_;
+    std::map<std::uint64_t, Waiter> waiters_;  // in the order they came
+    std::uint64_t next_ = 0;
+    bool over_ = false;
+  };
+
+  struct Seat {
+    std::shared_ptr<Flight> flight;
+    std::uint64_t number = 0;
+    Role role = Role::kFollower;
+  };
+
+  /// Takes a seat in the flight of this key, a new one where there is none.
+  Seat join(const std::string& key, Waiter waiter) {
+    const std::lock_guard lock(mutex_);
+    std::shared_ptr<Flight>& flight = flights_[key];
+    Seat seat;
+    if (!flight) {
+      flight = std::shared_ptr<Flight>(new Flight(key));
+      seat.role = Role::kLeader;
+    }
+    seat.flight = flight;
+    seat.number = flight->next_++;
+    flight->waiters_.emplace(seat.number, std::move(waiter));
+    return seat;
+  }
+
+  /// Gives the seat up: its waiter will not be called. False when that is too late: it was or is being
+  /// called. The last one who leaves stops the computation; who joins after that starts a new flight.
+  bool leave(const Seat& seat) {
+    Waiter dropped;  // destroyed, like the stop callbacks run, without the lock
+    std::shared_ptr<Flight> abandoned;
+    {
+      const std::lock_guard lock(mutex_);
+      Flight& flight = *seat.flight;
+      const auto at = flight.waiters_.find(seat.number);
+      if (flight.over_ || at == flight.waiters_.end()) return false;
+      dropped = std::move(at->second);
+      flight.waiters_.erase(at);
+      if (flight.waiters_.empty()) {
+        flight.over_ = true;
+        flights_.erase(flight.key_);
+        abandoned = seat.flight;
+      }
+    }
+    if (abandoned) abandoned->stop_.request_stop();
+    return true;
+  }
+
+  /// Hands the outcome to everybody who still waits. Nothing happens when all have left.
+  void land(const std::shared_ptr<Flight>& flight, const Outcome& outcome) {
+    std::map<std::uint64_t, Waiter> waiters;
+    {
+      const std::lock_guard lock(mutex_);
+      if (flight->over_) return;
+      flight->over_ = true;
+      flights_.erase(flight->key_);
+      waiters.swap(flight->waiters_);
+    }
+    for (const auto& [number, waiter] : waiters)
+      waiter(outcome, number == 0 ? Role::kLeader : Role::kFollower);
+  }
+
+  bool exists(const std::string& key) const {
+    const std::lock_guard lock(mutex_);
+    return flights_.count(key) > 0;
+  }
+
+  std::size_t count() const {
+    const std::lock_guard lock(mutex_);
+    return flights_.size();
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::unordered_map<std::string, std::shared_ptr<Flight>> flights_;
+};
+
+}  // namespace fracture

@@ -1,0 +1,360 @@
+#include "server/service/dispatcher.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <future>
+#include <latch>
+#include <map>
+#include <thread>
+#include <vector>
+
+#include "tests/server/fake_engine.hpp"
+
+namespace fracture {
+namespace {
+
+using std::chrono::steady_clock;
+using test::FakeControl;
+using test::FakeEngine;
+
+/// A request that owns its bytes.
+FractureRequest request(const std::string& mesh, std::uint64_t seed = 1) {
+  FractureRequest r;
+  const auto text = std::make_shared<const std::string>(mesh);
+  r.mesh = std::as_bytes(std::span(text->data(), text->size()));
+  r.owner = text;
+  r.parameters.fracture.seed = seed;
+  return r;
+}
+
+/// Blocks whoever passes until it is opened; an interruption of the execution gets through.
+struct Gate {
+  void pass(const Execution& execution) {
+    ++arrived;
+    while (!open) {
+      execution.poll();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  }
+  void wait_for(int n) const {
+    while (arrived < n) std::this_thread::yield();
+  }
+  std::atomic<int> arrived{0};
+  std::atomic<bool> open{false};
+};
+
+struct DispatcherTest : testing::Test {
+  std::shared_ptr<FakeControl> control = std::make_shared<FakeControl>();
+  FractureService service{ServiceConfig{}, std::make_unique<FakeEngine>(control)};
+  WorkerPool pool{2, 256};
+  Dispatcher dispatcher{service, pool};
+  std::atomic<int> good{0}, bad{0};
+  std::mutex mutex;
+  std::map<ErrorCode, int> errors;
+  std::map<CacheOutcome, int> outcomes;
+
+  void ask(FractureRequest r, const Terms& terms = {}) {
+    const auto overload = dispatcher.fracture(std::move(r), terms, [this](Expected<FractureAnswer> answer) {
+      const std::lock_guard lock(mutex);
+      if (answer)
+        ++outcomes[answer->result_cache];
+      else
+        ++errors[answer.error().code];
+      ++(answer ? good : bad);
+    });
+    EXPECT_FALSE(overload) << overload->detail;
+  }
+};
+
+TEST_F(DispatcherTest, SixtyFourIdenticalColdRequestsAreOneComputation) {
+  Gate gate;
+  control->during_cut = [&](const Execution& execution) { gate.pass(execution); };
+  for (int i = 0; i < 64; ++i) ask(request("mesh"));
+  gate.open = true;
+  dispatcher.wait_idle();
+  EXPECT_EQ(good, 64);
+  EXPECT_EQ(control->imports, 1);
+  EXPECT_EQ(control->diagrams, 1);
+  EXPECT_EQ(control->cuts, 1);
+  EXPECT_EQ(outcomes[CacheOutcome::kMissStored], 1);
+  EXPECT_EQ(outcomes[CacheOutcome::kCollapsed], 63);
+  EXPECT_EQ(dispatcher.figures().collapsed, 63u);
+  ask(request("mesh"));
+  EXPECT_EQ(outcomes[CacheOutcome::kHit], 1) << "answered at once, on this thread";
+}
+
+TEST_F(DispatcherTest, TheLeaderIsCancelledHalfWayAndTheOthersSucceed) {
+  Gate gate;
+  control->during_cut = [&](const Execution& execution) { gate.pass(execution); };
+  std::stop_source leader;
+  Terms terms;
+  terms.gone = leader.get_token();
+  ask(request("mesh"), terms);
+  for (int i = 0; i < 63; ++i) ask(request("mesh"));
+  gate.wait_for(1);
+  leader.request_stop();
+  EXPECT_EQ(errors[ErrorCode::kCancelled], 1) << "told at once";
+  gate.open = true;
+  dispatcher.wait_idle();
+  EXPECT_EQ(good, 63);
+  EXPECT_EQ(control->cuts, 1);
+  EXPECT_EQ(control->cancelled, 0);
+}
+
+TEST_F(DispatcherTest, TheComputationDiesWithTheLastWhoWaits) {
+  Gate gate;
+  control->during_cut = [&](const Execution& execution) { gate.pass(execution); };
+  std::stop_source everybody;
+  Terms terms;
+  terms.gone = everybody.get_token();
+  for (int i = 0; i < 5; ++i) ask(request("mesh"), terms);
+  gate.wait_for(1);
+  everybody.request_stop();
+  dispatcher.wait_idle();  // would hang if it went on: the gate is closed
+  EXPECT_EQ(control->cancelled, 1);
+  EXPECT_EQ(errors[ErrorCode::kCancelled], 5);
+  EXPECT_EQ(dispatcher.figures().flights, 0u);
+}
+
+TEST_F(DispatcherTest, ManySeedsOfOneColdMeshPrepareItOnce) {
+  Gate gate;
+  control->import = [&](std::string_view) -> Expected<Mesh> {
+    gate.pass({});
+    return Mesh{};
+  };
+  for (int seed = 0; seed < 20; ++seed) ask(request("mesh", static_cast<std::uint64_t>(seed)));
+  gate.wait_for(1);
+  gate.open = true;
+  dispatcher.wait_idle();
+  EXPECT_EQ(good, 20);
+  EXPECT_EQ(control->imports, 1);
+  EXPECT_EQ(control->prepares, 1);
+  EXPECT_EQ(control->cuts, 20);
+}
+
+TEST_F(DispatcherTest, WaitingForAMeshHoldsNoThread) {
+  Gate gate;
+  control->import = [&](std::string_view mesh) -> Expected<Mesh> {
+    if (mesh == "slow") gate.pass({});
+    return Mesh{};
+  };
+  for (int seed = 0; seed < 20; ++seed) ask(request("slow", static_cast<std::uint64_t>(seed)));
+  gate.wait_for(1);
+  std::promise<void> done;  // one thread imports, nineteen requests wait for it: the other thread is free
+  EXPECT_FALSE(dispatcher.fracture(request("quick"), {}, [&](Expected<FractureAnswer> answer) {
+    EXPECT_TRUE(answer);
+    done.set_value();
+  }));
+  EXPECT_EQ(done.get_future().wait_for(std::chrono::seconds(30)), std::future_status::ready);
+  EXPECT_EQ(good, 0);
+  gate.open = true;
+  dispatcher.wait_idle();
+  EXPECT_EQ(good, 20);
+}
+
+TEST_F(DispatcherTest, WhoLeavesWhileWaitingForAMeshDoesNotStopItForTheOthers) {
+  Gate gate;
+  control->import = [&](std::string_view) -> Expected<Mesh> {
+    gate.pass({});
+    return Mesh{};
+  };
+  std::stop_source first, third;
+  for (int seed = 0; seed < 4; ++seed) {
+    Terms terms;
+    if (seed == 0) terms.gone = first.get_token();
+    if (seed == 2) terms.gone = third.get_token();
+    ask(request("mesh", static_cast<std::uint64_t>(seed)), terms);
+    if (seed == 0) gate.wait_for(1);  // it is the one that imports
+  }
+  while (pool.queued() > 0) std::this_thread::yield();
+  first.request_stop();
+  third.request_stop();
+  gate.open = true;
+  dispatcher.wait_idle();
+  EXPECT_EQ(good, 2);
+  EXPECT_EQ(errors[ErrorCode::kCancelled], 2);
+  EXPECT_EQ(control->imports, 1);
+  EXPECT_EQ(control->cuts, 2);
+}
+
+TEST_F(DispatcherTest, AnotherDualWaitsForTheSameTetrahedralization) {
+  for (const Dual dual : {Dual::kCircumcenter, Dual::kBarycenter}) {
+    FractureRequest r = request("mesh");
+    r.parameters.fracture.dual = dual;
+    ask(std::move(r));
+  }
+  dispatcher.wait_idle();
+  EXPECT_EQ(good, 2);
+  EXPECT_EQ(control->diagrams, 1);
+  EXPECT_EQ(control->cuts, 2);
+}
+
+TEST_F(DispatcherTest, EachWaiterHasItsOwnDeadline) {
+  Gate gate;
+  control->during_cut = [&](const Execution& execution) { gate.pass(execution); };
+  Terms hasty;
+  hasty.deadline = steady_clock::now() + std::chrono::milliseconds(50);
+  ask(request("mesh"), hasty);
+  ask(request("mesh"));
+  while (bad == 0) std::this_thread::yield();
+  EXPECT_EQ(errors[ErrorCode::kDeadlineExceeded], 1);
+  EXPECT_EQ(good, 0);
+  gate.open = true;
+  dispatcher.wait_idle();
+  EXPECT_EQ(good, 1);
+  EXPECT_EQ(control->cuts, 1);
+}
+
+TEST_F(DispatcherTest, WorkWhoseDeadlinePassedInTheQueueIsNotDone) {
+  Gate gate;
+  control->during_cut = [&](const Execution& execution) { gate.pass(execution); };
+  ask(request("a"));
+  ask(request("b"));
+  gate.wait_for(2);  // both threads are busy
+  Terms terms;
+  terms.deadline = steady_clock::now() + std::chrono::milliseconds(500);
+  ask(request("late"), terms);
+  while (bad == 0) std::this_thread::yield();
+  gate.open = true;
+  dispatcher.wait_idle();
+  EXPECT_EQ(good, 2);
+  EXPECT_EQ(errors[ErrorCode::kDeadlineExceeded], 1);
+  EXPECT_EQ(control->imports, 2) << "nothing of the late one was begun";
+}
+
+TEST_F(DispatcherTest, WhatCannotBeInTimeIsRefusedAtOnceWithTheTimeToComeBack) {
+  Gate gate;
+  control->during_cut = [&](const Execution& execution) { gate.pass(execution); };
+  for (int i = 0; i < 200; ++i) pool.measured(1, 1000);  // a machine a thousand times slower than nominal
+  ask(request("a"));
+  ask(request("b"));
+  gate.wait_for(2);
+  Terms terms;
+  terms.deadline = steady_clock::now() + std::chrono::seconds(1);
+  const auto overload = dispatcher.fracture(request("c"), terms, [](Expected<FractureAnswer>) { FAIL(); });
+  ASSERT_TRUE(overload);
+  EXPECT_GE(overload->retry_after.count(), 1);
+  EXPECT_LE(overload->retry_after.count(), 60);
+  EXPECT_EQ(dispatcher.figures().refused, 1u);
+  ask(request("a"), terms);  // who only has to wait for what is in flight costs nothing
+  gate.open = true;
+  dispatcher.wait_idle();
+  EXPECT_EQ(good, 3);
+}
+
+TEST_F(DispatcherTest, MemoryIsHandedOutByEstimateAndOneAloneAlwaysRuns) {
+  Dispatcher narrow(service, pool, {.max_working_bytes = 1});
+  Gate gate;
+  control->during_cut = [&](const Execution& execution) { gate.pass(execution); };
+  std::atomic<int> answers{0};
+  const auto reply = [&](Expected<FractureAnswer> answer) { answers += answer.has_value(); };
+  EXPECT_FALSE(narrow.fracture(request("a"), {}, reply));
+  EXPECT_TRUE(narrow.fracture(request("b"), {}, reply));
+  gate.open = true;
+  narrow.wait_idle();
+  EXPECT_FALSE(narrow.fracture(request("b"), {}, reply)) << "what was held is given back";
+  narrow.wait_idle();
+  EXPECT_EQ(answers, 2);
+  EXPECT_EQ(narrow.figures().working_bytes, 0u);
+}
+
+TEST_F(DispatcherTest, AnErrorIsEverybodysAndNobodyKeepsIt) {
+  Gate gate;
+  control->import = [&](std::string_view) -> Expected<Mesh> {
+    gate.pass({});
+    return fail(ErrorCode::kMalformedMesh, "broken");
+  };
+  for (int i = 0; i < 3; ++i) ask(request("mesh", static_cast<std::uint64_t>(i)));
+  gate.open = true;
+  dispatcher.wait_idle();
+  EXPECT_EQ(errors[ErrorCode::kMalformedMesh], 3);
+  control->import = nullptr;
+  ask(request("mesh"));
+  dispatcher.wait_idle();
+  EXPECT_EQ(good, 1);
+}
+
+TEST_F(DispatcherTest, ABrokenInvariantIsAnInternalErrorForAllAndTheNextOneWorks) {
+  control->during_cut = [](const Execution&) { throw InternalError("an invariant"); };
+  ask(request("mesh"));
+  dispatcher.wait_idle();
+  control->during_cut = [](const Execution&) { throw std::bad_alloc(); };
+  ask(request("mesh"));
+  dispatcher.wait_idle();
+  EXPECT_EQ(errors[ErrorCode::kInternal], 1);
+  EXPECT_EQ(errors[ErrorCode::kOutOfMemory], 1);
+  control->during_cut = nullptr;
+  ask(request("mesh"));
+  dispatcher.wait_idle();
+  EXPECT_EQ(good, 1);
+}
+
+TEST_F(DispatcherTest, PreparingIsSharedWithTheFractureThatNeedsIt) {
+  Gate gate;
+  control->import = [&](std::string_view) -> Expected<Mesh> {
+    gate.pass({});
+    return Mesh{};
+  };
+  std::atomic<int> prepared{0};
+  EXPECT_FALSE(dispatcher.prepare(request("mesh"), {}, [&](auto mesh) { prepared += mesh.has_value(); }));
+  gate.wait_for(1);
+  ask(request("mesh"));
+  EXPECT_FALSE(dispatcher.prepare(request("mesh"), {}, [&](auto mesh) { prepared += mesh.has_value(); }));
+  gate.open = true;
+  dispatcher.wait_idle();
+  EXPECT_EQ(prepared, 2);
+  EXPECT_EQ(good, 1);
+  EXPECT_EQ(control->imports, 1);
+}
+
+TEST_F(DispatcherTest, EveryoneIsToldOfTheProgress) {
+  std::mutex guard;
+  std::map<int, std::vector<std::string>> stages;
+  Gate gate;
+  control->import = [&](std::string_view) -> Expected<Mesh> {
+    gate.pass({});
+    return Mesh{};
+  };
+  for (int who = 0; who < 2; ++who) {
+    Terms terms;
+    terms.progress = [&, who](const char* stage, double) {
+      const std::lock_guard lock(guard);
+      stages[who].emplace_back(stage);
+    };
+    ask(request("mesh"), terms);
+    gate.wait_for(1);
+  }
+  gate.open = true;
+  dispatcher.wait_idle();
+  EXPECT_EQ(stages[0], (std::vector<std::string>{"import", "prepare", "tetrahedralize", "clip", "encode"}));
+  EXPECT_EQ(stages[1], (std::vector<std::string>{"prepare", "tetrahedralize", "clip", "encode"}));
+}
+
+TEST_F(DispatcherTest, ComingAndGoingAtRandomNobodyIsForgotten) {
+  std::atomic<int> replies{0};
+  constexpr int kThreads = 4, kRounds = 300;
+  std::vector<std::thread> threads;
+  for (int t = 0; t < kThreads; ++t)
+    threads.emplace_back([&, t] {
+      for (int i = 0; i < kRounds; ++i) {
+        std::stop_source gone;
+        Terms terms;
+        terms.gone = gone.get_token();
+        terms.priority = i % 2 ? Priority::kRealtime : Priority::kBatch;
+        if (i % 5 == 0) terms.deadline = steady_clock::now() + std::chrono::microseconds(50 * (i % 7));
+        const auto overload = dispatcher.fracture(request("mesh" + std::to_string(i / 40), i % 13), terms,
+                                                  [&](const Expected<FractureAnswer>&) { ++replies; });
+        if (overload) ++replies;
+        if ((i + t) % 3 == 0) gone.request_stop();
+      }
+    });
+  for (std::thread& thread : threads) thread.join();
+  dispatcher.wait_idle();
+  EXPECT_EQ(replies, kThreads * kRounds);
+  EXPECT_EQ(dispatcher.figures().flights, 0u);
+  EXPECT_EQ(dispatcher.figures().working_bytes, 0u);
+}
+
+}  // namespace
+}  // namespace fracture

@@ -1,0 +1,136 @@
+#include "server/service/worker_pool.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <latch>
+#include <string>
+#include <thread>
+
+namespace fracture {
+namespace {
+
+constexpr Priority kRealtime = Priority::kRealtime, kBatch = Priority::kBatch;
+
+/// One thread that is busy until release(), so that the order of what is queued can be seen.
+struct BusyPool {
+  explicit BusyPool(std::size_t max_queue = 100, double cost = 0) : pool(1, max_queue) {
+    pool.submit(kBatch, cost, [this](int) { gate.wait(); });
+    while (pool.running() == 0) std::this_thread::yield();
+  }
+  ~BusyPool() {
+    if (!released) release();
+  }
+  void release() {
+    released = true;
+    gate.count_down();
+    pool.wait_idle();
+  }
+  WorkerPool::TaskId add(Priority priority, char name) {
+    return pool.submit(priority, 0, [this, name](int) { order += name; });
+  }
+  std::latch gate{1};
+  bool released = false;
+  std::string order;
+  WorkerPool pool;
+};
+
+TEST(WorkerPool, ALoneJobMayUseEveryThreadAndALoadedPoolGivesOneEach) {
+  WorkerPool pool(4, 100);
+  std::atomic<int> alone{0};
+  pool.submit(kBatch, 0, [&](int threads) { alone = threads; });
+  pool.wait_idle();
+  EXPECT_EQ(alone, 4);
+
+  std::latch all_running(5);
+  std::atomic<int> last{0};
+  for (int i = 0; i < 3; ++i) pool.submit(kBatch, 0, [&](int) { all_running.arrive_and_wait(); });
+  while (pool.running() < 3) std::this_thread::yield();
+  pool.submit(kBatch, 0, [&](int threads) {
+    last = threads;
+    all_running.arrive_and_wait();
+  });
+  all_running.arrive_and_wait();
+  pool.wait_idle();
+  EXPECT_EQ(last, 1);
+}
+
+TEST(WorkerPool, ItIsFullWhenAsManyWaitAsMay) {
+  BusyPool busy(2);
+  busy.add(kBatch, 'a');
+  EXPECT_FALSE(busy.pool.full());
+  busy.add(kRealtime, 'b');
+  EXPECT_TRUE(busy.pool.full());
+  busy.release();
+  EXPECT_FALSE(busy.pool.full());
+}
+
+TEST(WorkerPool, AQueueOfNoneStillFeedsIdleThreads) {
+  std::latch release(1);
+  WorkerPool pool(1, 0);
+  EXPECT_FALSE(pool.full());
+  pool.submit(kBatch, 0, [&](int) { release.wait(); });
+  while (pool.running() == 0) std::this_thread::yield();
+  EXPECT_TRUE(pool.full());
+  release.count_down();
+}
+
+TEST(WorkerPool, RealtimeGoesBeforeBatchAndResumedWorkBeforeBoth) {
+  BusyPool busy;
+  busy.add(kBatch, 'b');
+  busy.add(kRealtime, 'r');
+  busy.add(kBatch, 'c');
+  busy.add(kRealtime, 's');
+  busy.pool.resume([&](int) { busy.order += '!'; });
+  busy.release();
+  EXPECT_EQ(busy.order, "!rsbc");
+}
+
+TEST(WorkerPool, BatchWorkAges) {
+  BusyPool busy;
+  busy.add(kBatch, 'b');
+  std::this_thread::sleep_for(WorkerPool::kAging + std::chrono::milliseconds(100));
+  busy.add(kRealtime, 'r');
+  busy.add(kBatch, 'c');
+  busy.release();
+  EXPECT_EQ(busy.order, "brc");
+}
+
+TEST(WorkerPool, APromotedTaskGoesWithTheRealtimeOnesByItsArrival) {
+  BusyPool busy;
+  busy.add(kBatch, 'b');
+  const auto promoted = busy.add(kBatch, 'p');
+  busy.add(kRealtime, 'r');
+  busy.pool.promote(promoted);
+  busy.pool.promote(promoted);
+  busy.release();
+  EXPECT_EQ(busy.order, "prb");
+  busy.pool.promote(promoted);  // long gone
+}
+
+TEST(WorkerPool, ThePredictedWaitIsWhatGoesBeforeOverTheMeasuredThroughput) {
+  BusyPool busy(100, 0);
+  for (int i = 0; i < 500; ++i) busy.pool.measured(1, 2);  // everything takes twice what was said
+  EXPECT_NEAR(busy.pool.predicted_run(3).count(), 6, 1e-6);
+  EXPECT_EQ(busy.pool.predicted_wait(kBatch).count(), 0);
+  busy.pool.submit(kBatch, 10, [](int) {});
+  busy.pool.submit(kRealtime, 1, [](int) {});
+  EXPECT_NEAR(busy.pool.predicted_wait(kRealtime).count(), 2, 1e-6);
+  EXPECT_NEAR(busy.pool.predicted_wait(kBatch).count(), 22, 1e-6);
+}
+
+TEST(WorkerPool, NothingIsPredictedToWaitWhileAThreadIsIdle) {
+  WorkerPool pool(2, 100);
+  std::latch gate(1);
+  pool.submit(kBatch, 1000, [&](int) { gate.wait(); });
+  while (pool.running() == 0) std::this_thread::yield();
+  EXPECT_EQ(pool.predicted_wait(kBatch).count(), 0);
+  pool.submit(kBatch, 1000, [&](int) { gate.wait(); });
+  EXPECT_GT(pool.predicted_wait(kBatch).count(), 100) << "both are busy, for long";
+  gate.count_down();
+}
+
+TEST(WorkerPool, CoresAreAtLeastOne) { EXPECT_GE(available_cores(), 1); }
+
+}  // namespace
+}  // namespace fracture
