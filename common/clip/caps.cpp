@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "common/base/stamped_map.hpp"
 #include "common/clip/triangulate.hpp"
 
 namespace fracture {
@@ -74,12 +75,14 @@ class FacetBuilder {
     edges_.clear();
     for (const CapSegment* s = first; s != last; ++s)
       for (std::int32_t copy = 0; copy < std::abs(s->multiplicity); ++copy)
-        edges_.push_back(s->multiplicity > 0 ? Edge{s->from, s->to, false} : Edge{s->to, s->from, false});
-    leaving_.resize(edges_.size());
-    for (std::uint32_t e = 0; e < edges_.size(); ++e) leaving_[e] = e;
-    std::sort(leaving_.begin(), leaving_.end(), [&](std::uint32_t a, std::uint32_t b) {
-      return edges_[a].from != edges_[b].from ? edges_[a].from < edges_[b].from : a < b;
-    });
+        edges_.push_back(s->multiplicity > 0 ? Edge{s->from, s->to} : Edge{s->to, s->from});
+    // From the last to the first, so that the list of a vertex is ascending.
+    leaving_.next_epoch(positions_.steps.size());
+    for (auto e = static_cast<std::uint32_t>(edges_.size()); e-- > 0;) {
+      std::uint32_t& first_leaving = leaving_.slot(edges_[e].from - positions_.first_constructed);
+      edges_[e].other = first_leaving;
+      first_leaving = e;
+    }
     loop_.clear();
     loop_begin_.assign(1, 0);
     for (std::uint32_t start = 0; start < edges_.size(); ++start) {
@@ -96,11 +99,10 @@ class FacetBuilder {
     }
   }
 
-  std::uint32_t next_from(VertexId v, const CapSegment* facet) const {
-    auto it = std::lower_bound(leaving_.begin(), leaving_.end(), v,
-                               [&](std::uint32_t e, VertexId key) { return edges_[e].from < key; });
-    for (; it != leaving_.end() && edges_[*it].from == v; ++it)
-      if (!edges_[*it].used) return *it;
+  std::uint32_t next_from(VertexId v, const CapSegment* facet) {
+    for (std::uint32_t e = leaving_.slot(v - positions_.first_constructed); e != kNoIndex;
+         e = edges_[e].other)
+      if (!edges_[e].used) return e;
     throw InternalError("cap of cells " + std::to_string(facet->lo) + " and " + std::to_string(facet->hi) +
                         " is open at vertex " + std::to_string(v));
   }
@@ -122,13 +124,14 @@ class FacetBuilder {
 
   struct Edge {
     VertexId from, to;
-    bool used;
+    bool used = false;
+    std::uint32_t other = kNoIndex;  // the next one that leaves `from`
   };
   const VoronoiDiagram& diagram_;
   const VertexPositions& positions_;
   Caps& out_;
   std::vector<Edge> edges_;
-  std::vector<std::uint32_t> leaving_;
+  StampedMap& leaving_ = worker_map();  // vertex -> its first edge
   std::vector<VertexId> loop_;
   std::vector<std::uint32_t> loop_begin_;
   std::vector<LatticePoint> points_;

@@ -5,7 +5,7 @@
 
 #include "common/exact/number_types.hpp"
 #include "common/fragment/mass_properties.hpp"
-#include "common/fragment/stamped_map.hpp"
+#include "common/base/stamped_map.hpp"
 #include "common/fragment/vertex_attributes.hpp"
 
 namespace fracture {

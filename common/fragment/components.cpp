@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "common/base/disjoint_sets.hpp"
-#include "common/fragment/stamped_map.hpp"
+#include "common/base/stamped_map.hpp"
 
 namespace fracture {
 namespace {
