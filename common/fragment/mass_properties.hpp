@@ -17,7 +17,8 @@ class MassIntegral {
   /// A triangle, counter-clockwise from outside.
   void add(const Vec3d& p, const Vec3d& q, const Vec3d& r) {
     const Vec3d a = p - origin_, b = q - origin_, c = r - origin_, s = a + b + c;
-    const double det = dot(a, cross(b, c));
+    const Vec3d normal = cross(b - a, c - a);
+    const double det = dot(a, normal);  // = a . (b x c)
     six_volume_ += det;
     moment_ = moment_ + det * s;
     xx_ += det * (a.x * a.x + b.x * b.x + c.x * c.x + s.x * s.x);
@@ -26,17 +27,17 @@ class MassIntegral {
     xy_ += det * (a.x * a.y + b.x * b.y + c.x * c.y + s.x * s.y);
     xz_ += det * (a.x * a.z + b.x * b.z + c.x * c.z + s.x * s.z);
     yz_ += det * (a.y * a.z + b.y * b.z + c.y * c.z + s.y * s.z);
-    area_ += 0.5 * length(cross(b - a, c - a));
+    twice_area_ += length(normal);
   }
 
-  double area() const { return area_; }
+  double area() const { return 0.5 * twice_area_; }
   double volume() const { return six_volume_ / 6; }
 
   /// About the centre of mass. A surface without volume has its centre at the origin given and no inertia.
   MassProperties result() const {
     MassProperties m;
     m.volume = six_volume_ / 6;
-    m.area = area_;
+    m.area = area();
     m.center_of_mass = origin_;
     if (!(m.volume > 0)) return m;
     const Vec3d c = (1.0 / (4 * six_volume_)) * moment_;
@@ -56,7 +57,7 @@ class MassIntegral {
 
  private:
   Vec3d origin_;
-  double six_volume_ = 0, area_ = 0;
+  double six_volume_ = 0, twice_area_ = 0;
   Vec3d moment_;
   double xx_ = 0, yy_ = 0, zz_ = 0, xy_ = 0, xz_ = 0, yz_ = 0;
 };

@@ -31,21 +31,23 @@ ColumnSampler::ColumnSampler(const Solid& solid, std::uint64_t seed, const Execu
     : solid_(solid), execution_(execution), seed_(seed) {
   // The axis along which most candidates are kept: least (projected area × width).
   std::array<double, 3> area{};
-  std::vector<Vec3d> normal(solid.triangles.size());
   for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
     const auto& c = solid.triangles[t];
     const Vec3d a = to_double(solid.positions[c[0]]);
     const Vec3d n = cross(to_double(solid.positions[c[1]]) - a, to_double(solid.positions[c[2]]) - a);
-    normal[t] = n;
     for (int k = 0; k < 3; ++k) area[k] += n[k] < 0 ? -0.5 * n[k] : 0;
   }
   const Vec3d size = solid.box.size();
   for (int k = 1; k < 3; ++k)
     if (area[k] * size[k] < area[axis_] * size[axis_]) axis_ = k;
   entry_area_.resize(solid.triangles.size());
+  const Frame f = frame_of(axis_);
   double sum = 0;
   for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
-    const double n = normal[t][axis_];
+    const auto& c = solid.triangles[t];
+    const Vec3d a = to_double(solid.positions[c[0]]), b = to_double(solid.positions[c[1]]) - a,
+                d = to_double(solid.positions[c[2]]) - a;
+    const double n = b[f.u] * d[f.v] - b[f.v] * d[f.u];  // of the normal, along the axis
     if (n < 0) sum -= n;
     entry_area_[t] = sum;
   }

@@ -54,21 +54,30 @@ Shells find_shells(const Surface& surface, const Execution& execution) {
   }
   execution.poll();
   std::vector<double> magnitude(shells.list.size(), 0);
-  for (TriangleId t = 0; t < surface.triangles.size(); ++t) {
+  for (TriangleId t = 0; t < surface.triangles.size();) {
     const std::uint32_t id = shells.of_triangle[t];
     Shell& shell = shells.list[id];
-    const Triangle& corners = surface.triangles[t];
     const Vec3d origin = to_double(surface.positions[surface.triangles[shell.first][0]]);
-    const Vec3d a = to_double(surface.positions[corners[0]]), b = to_double(surface.positions[corners[1]]),
-                c = to_double(surface.positions[corners[2]]);
-    shell.box.add(a);
-    shell.box.add(b);
-    shell.box.add(c);
-    const Vec3d normal = cross(b - a, c - a);
-    const double term = dot(a - origin, normal);  // six times the tetrahedron (origin, a, b, c)
-    shell.volume += term;
-    shell.area += length(normal);
-    magnitude[id] += std::fabs(term);
+    // Triangles of one shell come in long runs: its sums stay in registers.
+    Box box;
+    double volume = 0, area = 0, sum = 0;
+    for (; t < surface.triangles.size() && shells.of_triangle[t] == id; ++t) {
+      const Triangle& corners = surface.triangles[t];
+      const Vec3d a = to_double(surface.positions[corners[0]]), b = to_double(surface.positions[corners[1]]),
+                  c = to_double(surface.positions[corners[2]]);
+      box.add(a);
+      box.add(b);
+      box.add(c);
+      const Vec3d normal = cross(b - a, c - a);
+      const double term = dot(a - origin, normal);  // six times the tetrahedron (origin, a, b, c)
+      volume += term;
+      area += length(normal);
+      sum += std::fabs(term);
+    }
+    shell.box.add(box);
+    shell.volume += volume;
+    shell.area += area;
+    magnitude[id] += sum;
   }
   for (std::uint32_t id = 0; id < shells.list.size(); ++id) {
     Shell& shell = shells.list[id];
