@@ -8,6 +8,7 @@
 #include <assimp/Importer.hpp>
 #include <cmath>
 #include <memory>
+#include <new>
 #include <set>
 #include <string>
 #include <vector>
@@ -180,6 +181,7 @@ Expected<Mesh> import_with_assimp(std::span<const std::byte> bytes, MeshFormat f
     const auto check = [&importer, format](const aiScene* read) {
       if (read != nullptr && read->mRootNode != nullptr) return;
       std::string reason = importer.GetErrorString();
+      if (reason == "std::bad_alloc") throw std::bad_alloc();  // Assimp catches everything
       for (char& c : reason) c = c >= 0x20 && c < 0x7f ? c : ' ';
       refuse(ErrorCode::kMalformedMesh,
              "The file cannot be read as " + std::string(extension_of(format)) + ": " +

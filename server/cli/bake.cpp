@@ -16,6 +16,7 @@
 #include <string>
 #include <string_view>
 
+#include "server/cli/import_workers.hpp"
 #include "server/cli/input_file.hpp"
 #include "server/cli/options.hpp"
 #include "server/service/worker_pool.hpp"
@@ -103,7 +104,7 @@ int refuse(const Error& error) {
 }  // namespace
 
 int bake(const BakeOptions& options) {
-  FractureService service(options.service, make_engine());
+  FractureService service(options.service, make_engine(one_import_worker()));
   Expected<RequestParameters> parameters = service.parameters().parse(options.parameters);
   if (!parameters) return refuse(parameters.error());
   const Expected<MeshFormat> format = format_of_input(options.input, *parameters);

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "server/cli/import_workers.hpp"
 #include "server/cli/input_file.hpp"
 #include "server/cli/options.hpp"
 #include "server/service/worker_pool.hpp"
@@ -91,7 +92,7 @@ int refuse(const InspectOptions& options, const Error& error) {
 }  // namespace
 
 int inspect(const InspectOptions& options) {
-  FractureService service(options.service, make_engine());
+  FractureService service(options.service, make_engine(one_import_worker()));
   Expected<RequestParameters> parameters = service.parameters().parse(options.parameters);
   if (!parameters) return refuse(options, parameters.error());
   Expected<MeshFormat> format = format_of_input(options.input, *parameters);

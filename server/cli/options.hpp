@@ -17,6 +17,7 @@
 #include "server/http/server.hpp"
 #include "server/service/dispatcher.hpp"
 #include "server/service/service.hpp"
+#include "server/service/worker_pool.hpp"
 
 namespace fracture::cli {
 
@@ -30,6 +31,8 @@ struct ServeOptions {
   DispatcherConfig dispatcher;
   int threads = 0;  ///< of the worker pool; 0: as many as there are cores
   std::size_t max_queue = 256;
+  int import_workers = available_cores();    ///< 0: imports run in the server's own process
+  std::uint64_t import_memory = 2ull << 30;  ///< bytes of address space of an import worker; 0: no limit
   std::chrono::milliseconds drain_delay{0}, grace{30'000};
   std::string log_level = "info";
   std::string log_format = "auto";

@@ -1,4 +1,5 @@
 // fracture-server serve: starts, waits for a signal, drains.
+#include <malloc.h>
 #include <pthread.h>
 #include <signal.h>
 #include <spdlog/spdlog.h>
@@ -8,6 +9,7 @@
 #include <cstdlib>
 #include <system_error>
 
+#include "server/cli/import_workers.hpp"
 #include "server/cli/options.hpp"
 #include "server/ops/log.hpp"
 
@@ -35,10 +37,29 @@ sigset_t stopping_signals() {
   return signals;
 }
 
+/// What large meshes leave behind in the allocator's arenas goes back to the system while nothing is
+/// computed. Called about once a second.
+void trim_memory_when_idle(const WorkerPool& pool) {
+  constexpr std::size_t kWorthIt = 8u << 20;
+  static std::size_t trimmed_at = 0;
+  if (pool.running() + pool.queued() > 0) return;
+  const std::size_t free = ::mallinfo2().fordblks;
+  if (free < kWorthIt || free == trimmed_at) return;
+  ::malloc_trim(0);
+  trimmed_at = ::mallinfo2().fordblks;
+}
+
 /// Serves until a signal and drains. An exit code.
 int serve_until_stopped(const ServeOptions& options) {
   const sigset_t signals = stopping_signals();
-  FractureService service(options.service, make_engine());
+  std::shared_ptr<ImportPool> imports;
+  try {
+    imports = start_import_workers(options.import_workers, options.import_memory, options.limits.deadline);
+  } catch (const std::exception& e) {
+    spdlog::critical("{}", e.what());
+    return kExitSystem;
+  }
+  FractureService service(options.service, make_engine(imports));
   WorkerPool pool(options.threads > 0 ? options.threads : available_cores(), options.max_queue);
   Dispatcher dispatcher(service, pool, options.dispatcher);
   http::Api api(dispatcher, options.limits);
@@ -47,8 +68,8 @@ int serve_until_stopped(const ServeOptions& options) {
     spdlog::info("serving on http://{}:{} (admin port {}), {} computing threads", options.server.address,
                  server.port(), server.admin_port(), pool.threads());
 
-    while (!wait_for_signal(signals, steady_clock::now() + std::chrono::hours(24))) {
-    }
+    while (!wait_for_signal(signals, steady_clock::now() + std::chrono::seconds(1)))
+      trim_memory_when_idle(pool);
     spdlog::info("draining: not ready; {} requests in progress", server.requests_in_progress());
     api.set_draining();
     wait_for_signal(signals, steady_clock::now() + options.drain_delay);  // a second signal skips the delay

@@ -65,6 +65,10 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
         {number("io-threads", "N", o.server.io_threads, 1, 2, "Threads that read and write"),
          number("threads", "N", o.threads, 0, 1024, "Threads that compute, 0: one for each core"),
          number("max-queue", "N", o.max_queue, 0, 1'000'000, "Requests that may wait for a computing thread"),
+         number("import-workers", "N", o.import_workers, 0, 1024,
+                "Sandboxed processes that read files; 0: files are read in the server's own process"),
+         number("import-memory", "BYTES", o.import_memory, 0, kTiB,
+                "Address space of an import process, 0: no limit"),
          list("enable-format", "FORMAT", o.enabled_formats,
               "Also read this format (blend, fbx and others): their parsers are large and off by default"),
          flag("all-formats", o.all_formats, "Read every format there is")});

@@ -2,14 +2,19 @@
 
 #include <utility>
 
+#include "server/import_worker/import_pool.hpp"
+
 namespace fracture {
 namespace {
 
 class LibraryEngine final : public FractureEngine {
  public:
+  explicit LibraryEngine(std::shared_ptr<ImportPool> imports) : imports_(std::move(imports)) {}
+
   Expected<Mesh> import(std::span<const std::byte> bytes, MeshFormat format,
                         std::span<const ImportFile> files, const ImportLimits& limits,
                         const Execution& execution) const override {
+    if (imports_) return imports_->import(bytes, format, files, limits, execution);
     execution.poll();
     return import_mesh(bytes, format, limits, files);
   }
@@ -29,10 +34,15 @@ class LibraryEngine final : public FractureEngine {
                                    OutputFormat format) const override {
     return format == OutputFormat::kGltf ? write_gltf(fragments, options) : write_glb(fragments, options);
   }
+
+ private:
+  const std::shared_ptr<ImportPool> imports_;
 };
 
 }  // namespace
 
-std::unique_ptr<FractureEngine> make_engine() { return std::make_unique<LibraryEngine>(); }
+std::unique_ptr<FractureEngine> make_engine(std::shared_ptr<ImportPool> imports) {
+  return std::make_unique<LibraryEngine>(std::move(imports));
+}
 
 }  // namespace fracture

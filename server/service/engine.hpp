@@ -20,6 +20,8 @@
 
 namespace fracture {
 
+class ImportPool;
+
 /// How the fragments are written down.
 enum class OutputFormat { kGlb, kGltf };
 
@@ -43,7 +45,8 @@ class FractureEngine {
                                            OutputFormat format) const = 0;
 };
 
-/// The real one: calls the libraries of common/.
-std::unique_ptr<FractureEngine> make_engine();
+/// The real one: calls the libraries of common/. Imports go through the pool where there is one, which adds its
+/// errors (import_worker/import_pool.hpp); else they run in this process.
+std::unique_ptr<FractureEngine> make_engine(std::shared_ptr<ImportPool> imports = nullptr);
 
 }  // namespace fracture

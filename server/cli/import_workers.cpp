@@ -1,0 +1,49 @@
+#include "server/cli/import_workers.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <stdexcept>
+#include <system_error>
+
+namespace fracture::cli {
+
+std::shared_ptr<ImportPool> start_import_workers(int workers, std::uint64_t memory_bytes,
+                                                 std::chrono::milliseconds deadline) {
+  if (workers == 0) {
+    spdlog::warn("--import-workers 0: files are read in this process, where a hostile one can end it");
+    return nullptr;
+  }
+  ImportPoolConfig config;
+  config.workers = workers;
+  config.worker.program = import_worker_beside_this_program();
+  if (config.worker.program.empty())
+    throw std::runtime_error(
+        "fracture-import is not beside fracture-server: install both, or read files in this process with "
+        "--import-workers 0");
+  config.worker.memory_bytes = memory_bytes;
+  // The deadline, by the clock, is first to end an import; this is the second line.
+  config.worker.cpu = std::chrono::ceil<std::chrono::seconds>(deadline) + std::chrono::seconds(1);
+  auto pool = std::make_shared<ImportPool>(config);
+  if (const WorkerHello hello = pool->hello(); hello.seccomp == 0)
+    spdlog::warn(
+        "import workers run without a seccomp filter, which this machine does not allow ({}); their limits "
+        "and "
+        "the other parts of the sandbox are in force",
+        std::generic_category().message(hello.seccomp_errno));
+  return pool;
+}
+
+std::shared_ptr<ImportPool> one_import_worker() {
+  ImportPoolConfig config;
+  config.worker.program = import_worker_beside_this_program();
+  if (config.worker.program.empty()) return nullptr;
+  config.worker.memory_bytes = 0;
+  config.worker.cpu = std::chrono::seconds(0);
+  try {
+    return std::make_shared<ImportPool>(config);
+  } catch (const std::exception&) {
+    return nullptr;
+  }
+}
+
+}  // namespace fracture::cli

@@ -1,0 +1,101 @@
+// Numbers, texts and arrays of plain values in a flat run of bytes, in the machine's own byte order: for two
+// processes of one program on one machine. The reader trusts nothing: every length is checked against the
+// bytes that are there before anything is allocated, and the first failure sticks.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace fracture {
+
+class ByteWriter {
+ public:
+  void reserve(std::size_t bytes) { bytes_.reserve(bytes); }
+  template <class T>
+  void value(T v) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    append(&v, sizeof v);
+  }
+  void text(std::string_view s) {
+    value<std::uint64_t>(s.size());
+    append(s.data(), s.size());
+  }
+  template <class T>
+  void array(const std::vector<T>& values) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    value<std::uint64_t>(values.size());
+    append(values.data(), values.size() * sizeof(T));
+  }
+  std::vector<std::byte> take() { return std::move(bytes_); }
+
+ private:
+  void append(const void* data, std::size_t size) {
+    const auto* begin = static_cast<const std::byte*>(data);
+    bytes_.insert(bytes_.end(), begin, begin + size);
+  }
+  std::vector<std::byte> bytes_;
+};
+
+class ByteReader {
+ public:
+  explicit ByteReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
+
+  template <class T>
+  T value() {
+    static_assert(std::is_trivially_copyable_v<T>);
+    T v{};
+    take(&v, sizeof v);
+    return v;
+  }
+  std::string text() {
+    const std::uint64_t size = length(1);
+    std::string s(static_cast<std::size_t>(size), '\0');
+    take(s.data(), s.size());
+    return s;
+  }
+  template <class T>
+  std::vector<T> array() {
+    static_assert(std::is_trivially_copyable_v<T>);
+    std::vector<T> values(static_cast<std::size_t>(length(sizeof(T))));
+    take(values.data(), values.size() * sizeof(T));
+    return values;
+  }
+  /// A view of the next `size` bytes; empty where they are not there.
+  std::span<const std::byte> view(std::uint64_t size) {
+    if (size > bytes_.size()) return fail(), std::span<const std::byte>();
+    const auto found = bytes_.first(static_cast<std::size_t>(size));
+    bytes_ = bytes_.subspan(found.size());
+    return found;
+  }
+  /// A count of items of at least `item_bytes` each that can follow; 0 where it cannot be true.
+  std::uint64_t length(std::size_t item_bytes) {
+    const auto count = value<std::uint64_t>();
+    if (count <= bytes_.size() / item_bytes) return count;
+    fail();
+    return 0;
+  }
+  bool good() const { return good_; }
+  bool at_end() const { return good_ && bytes_.empty(); }
+
+ private:
+  void take(void* to, std::size_t size) {
+    if (size > bytes_.size()) return fail();
+    if (size > 0) std::memcpy(to, bytes_.data(), size);
+    bytes_ = bytes_.subspan(size);
+  }
+  void fail() {
+    good_ = false;
+    bytes_ = {};
+  }
+  std::span<const std::byte> bytes_;
+  bool good_ = true;
+};
+
+}  // namespace fracture

@@ -1,0 +1,241 @@
+#include "server/import_worker/mesh_codec.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include "common/import/preflight.hpp"
+#include "common/import/text_encoding.hpp"
+#include "server/import_worker/byte_stream.hpp"
+
+namespace fracture {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::uint32_t kMagic = 0x31524d46;  // "FMR1": raised with every change of the layout
+enum Kind : std::uint32_t { kMesh = 1, kError = 2 };
+
+/// Longest error text and most sets of UVs or colours that an import can have: glTF's readers stop long
+/// before.
+constexpr std::size_t kMaxDetail = 16 * 1024, kMaxSets = 64;
+
+std::string dump(const json& value) { return value.dump(-1, ' ', false, json::error_handler_t::replace); }
+
+void write_texts(ByteWriter& out, const std::vector<std::string>& texts) {
+  out.value<std::uint64_t>(texts.size());
+  for (const std::string& text : texts) out.text(text);
+}
+
+template <class T>
+void write_sets(ByteWriter& out, const std::vector<std::vector<T>>& sets) {
+  out.value<std::uint64_t>(sets.size());
+  for (const auto& set : sets) out.array(set);
+}
+
+/// About what the arrays take, so that they are written without growing.
+std::size_t bulk_of(const Mesh& mesh) {
+  const Attributes& a = mesh.attributes;
+  const std::size_t wedge =
+      sizeof(Vec3f) * 2 + sizeof(Vec4f) + sizeof(Vec2f) * a.uvs.size() + sizeof(Vec4f) * a.colors.size();
+  std::size_t bytes =
+      4096 + mesh.positions.size() * wedge + mesh.triangles.size() * 5 * sizeof(std::uint32_t);
+  for (const Image& image : mesh.library->images) bytes += image.bytes.size();
+  return bytes;
+}
+
+void write_mesh(ByteWriter& out, const Mesh& mesh) {
+  out.reserve(bulk_of(mesh));
+  out.value(mesh.frame.metres);
+  for (const bool flag : {mesh.frame.metres_stated, mesh.frame.z_up, mesh.frame.up_stated})
+    out.value<std::uint8_t>(flag);
+  out.array(mesh.positions);
+  out.array(mesh.attributes.normals);
+  out.array(mesh.attributes.tangents);
+  write_sets(out, mesh.attributes.uvs);
+  write_sets(out, mesh.attributes.colors);
+  out.array(mesh.triangles);
+  out.array(mesh.material);
+  out.array(mesh.node);
+  write_texts(out, mesh.node_names);
+  const MaterialLibrary& library = *mesh.library;
+  for (const json* list : {&library.materials, &library.textures, &library.samplers}) out.text(dump(*list));
+  out.value<std::uint64_t>(library.images.size());
+  for (const Image& image : library.images) {
+    out.text(image.name);
+    out.text(image.mime_type);
+    out.array(image.bytes);
+  }
+  write_texts(out, library.extensions_used);
+  write_texts(out, library.extensions_required);
+  out.text(mesh.copyright);
+  write_texts(out, mesh.warnings);
+}
+
+void require(bool promise, const char* what) {
+  if (!promise) throw BadReply(what);
+}
+
+std::vector<std::string> read_texts(ByteReader& in) {
+  std::vector<std::string> texts(in.length(sizeof(std::uint64_t)));
+  for (std::string& text : texts) {
+    text = in.text();
+    require(is_utf8(text), "a text is not UTF-8");
+  }
+  return texts;
+}
+
+template <class T>
+std::vector<std::vector<T>> read_sets(ByteReader& in) {
+  const std::uint64_t count = in.length(sizeof(std::uint64_t));
+  require(count <= kMaxSets, "there are too many attribute sets");
+  std::vector<std::vector<T>> sets(count);
+  for (auto& set : sets) set = in.array<T>();
+  return sets;
+}
+
+json read_json(ByteReader& in, const ImportLimits& limits) {
+  const std::string text = in.text();
+  // The parser of nlohmann::json keeps a stack of its own, but everything that walks its values recurses. One
+  // level more than the file may have: the list around its objects.
+  require(preflight::check_json_depth(text, limits.max_json_depth + 8).has_value(), "a JSON is too deep");
+  json value = json::parse(text, nullptr, /*allow_exceptions=*/false);
+  require(!value.is_discarded(), "a JSON cannot be parsed");
+  return value;
+}
+
+json read_objects(ByteReader& in, const ImportLimits& limits) {
+  json list = read_json(in, limits);
+  require(list.is_array(), "a list of the material library is no array");
+  for (const json& object : list) require(object.is_object(), "a material, texture or sampler is no object");
+  return list;
+}
+
+template <class T>
+bool all_finite(const std::vector<T>& values) {
+  static_assert(sizeof(T) % sizeof(float) == 0);
+  const auto* begin = reinterpret_cast<const float*>(values.data());
+  return std::all_of(begin, begin + values.size() * (sizeof(T) / sizeof(float)),
+                     [](float x) { return std::isfinite(x); });
+}
+
+void check_mesh(const Mesh& mesh, const ImportLimits& limits) {
+  const std::size_t wedges = mesh.positions.size(), triangles = mesh.triangles.size();
+  require(std::isfinite(mesh.frame.metres) && mesh.frame.metres > 0, "the unit is not a positive length");
+  require(triangles > 0 && triangles <= limits.max_triangles, "the number of triangles is out of range");
+  require(wedges < kNoIndex, "there are too many vertices");
+  const auto complete = [&](const auto& values) {
+    require(values.empty() || values.size() == wedges, "an attribute is not given for every vertex");
+    require(all_finite(values), "an attribute is not finite");
+  };
+  complete(mesh.positions);
+  complete(mesh.attributes.normals);
+  complete(mesh.attributes.tangents);
+  for (const auto& set : mesh.attributes.uvs) complete(set);
+  for (const auto& set : mesh.attributes.colors) complete(set);
+  for (const auto& triangle : mesh.triangles)
+    for (const std::uint32_t wedge : triangle) require(wedge < wedges, "a triangle names no vertex");
+  require(mesh.material.size() == triangles && mesh.node.size() == triangles,
+          "a triangle has no material or node");
+  for (const std::uint32_t node : mesh.node)
+    require(node < mesh.node_names.size(), "a triangle names no node");
+  const std::size_t materials = mesh.library->materials.size();
+  for (const std::uint32_t slot : mesh.material)
+    require(slot < materials || slot == kNoIndex, "a triangle names no material");
+}
+
+Mesh read_mesh(ByteReader& in, const ImportLimits& limits) {
+  Mesh mesh;
+  mesh.frame.metres = in.value<double>();
+  mesh.frame.metres_stated = in.value<std::uint8_t>() != 0;
+  mesh.frame.z_up = in.value<std::uint8_t>() != 0;
+  mesh.frame.up_stated = in.value<std::uint8_t>() != 0;
+  mesh.positions = in.array<Vec3f>();
+  mesh.attributes.normals = in.array<Vec3f>();
+  mesh.attributes.tangents = in.array<Vec4f>();
+  mesh.attributes.uvs = read_sets<Vec2f>(in);
+  mesh.attributes.colors = read_sets<Vec4f>(in);
+  mesh.triangles = in.array<std::array<std::uint32_t, 3>>();
+  mesh.material = in.array<std::uint32_t>();
+  mesh.node = in.array<std::uint32_t>();
+  mesh.node_names = read_texts(in);
+  MaterialLibrary library;
+  library.materials = read_objects(in, limits);
+  library.textures = read_objects(in, limits);
+  library.samplers = read_objects(in, limits);
+  library.images.resize(in.length(3 * sizeof(std::uint64_t)));
+  for (Image& image : library.images) {
+    image.name = in.text();
+    image.mime_type = in.text();
+    image.bytes = in.array<std::uint8_t>();
+    require(is_utf8(image.name) && is_utf8(image.mime_type), "the name of an image is not UTF-8");
+  }
+  library.extensions_used = read_texts(in);
+  library.extensions_required = read_texts(in);
+  mesh.library = std::make_shared<const MaterialLibrary>(std::move(library));
+  mesh.copyright = in.text();
+  require(is_utf8(mesh.copyright), "the copyright is not UTF-8");
+  mesh.warnings = read_texts(in);
+  require(in.at_end(), "the mesh ends early or late");
+  check_mesh(mesh, limits);
+  return mesh;
+}
+
+/// The codes an import may end with; with any other a worker could, say, blame the server.
+bool is_import_error(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::kEmptyBody:
+    case ErrorCode::kMalformedMesh:
+    case ErrorCode::kUnsupportedFeature:
+    case ErrorCode::kExternalResource:
+    case ErrorCode::kImporterLimit:
+    case ErrorCode::kTooLarge:
+    case ErrorCode::kEmptyMesh:
+    case ErrorCode::kNotFinite:
+      return true;
+    default:
+      return false;
+  }
+}
+
+Error read_error(ByteReader& in, const ImportLimits& limits) {
+  Error error{static_cast<ErrorCode>(in.value<std::uint32_t>()), in.text(), in.text(), {}};
+  require(in.good() && is_import_error(error.code), "the error has a code that no import ends with");
+  require(!error.detail.empty() && error.detail.size() + error.pointer.size() <= kMaxDetail,
+          "the text of the error is empty or too long");
+  error.detail = name_as_utf8(error.detail);
+  error.pointer = name_as_utf8(error.pointer);
+  error.extra = read_json(in, limits);
+  require(error.extra.is_object() && in.at_end(), "the figures of the error are no object");
+  return error;
+}
+
+}  // namespace
+
+std::vector<std::byte> encode_reply(const Expected<Mesh>& imported) {
+  ByteWriter out;
+  out.value(kMagic);
+  out.value<std::uint32_t>(imported ? kMesh : kError);
+  if (imported) {
+    write_mesh(out, *imported);
+  } else {
+    const Error& error = imported.error();
+    out.value(static_cast<std::uint32_t>(error.code));
+    out.text(error.detail.substr(0, kMaxDetail / 2));
+    out.text(error.pointer.substr(0, kMaxDetail / 2));
+    out.text(dump(error.extra));
+  }
+  return out.take();
+}
+
+Expected<Mesh> decode_reply(std::span<const std::byte> bytes, const ImportLimits& limits) {
+  ByteReader in(bytes);
+  require(in.value<std::uint32_t>() == kMagic, "the reply is of another version");
+  const auto kind = in.value<std::uint32_t>();
+  if (kind == kError) return tl::unexpected<Error>(read_error(in, limits));
+  require(kind == kMesh, "the reply is neither a mesh nor an error");
+  return read_mesh(in, limits);
+}
+
+}  // namespace fracture

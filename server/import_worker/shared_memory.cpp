@@ -1,0 +1,80 @@
+#include "server/import_worker/shared_memory.hpp"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <system_error>
+#include <utility>
+
+namespace fracture {
+
+Descriptor::Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+
+Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
+  reset();
+  fd_ = std::exchange(other.fd_, -1);
+  return *this;
+}
+
+void Descriptor::reset() {
+  if (fd_ >= 0) ::close(std::exchange(fd_, -1));
+}
+
+Descriptor make_shared_memory(const char* name) {
+  int fd = ::memfd_create(name, MFD_CLOEXEC | MFD_ALLOW_SEALING);
+  if (fd < 0 && (errno == ENOSYS || errno == EPERM || errno == EACCES))  // a container that forbids it
+    for (const char* folder : {"/dev/shm", "/tmp"})
+      if ((fd = ::open(folder, O_TMPFILE | O_RDWR | O_CLOEXEC, 0600)) >= 0) break;
+  if (fd < 0) throw std::system_error(errno, std::generic_category(), "shared memory for an import worker");
+  return Descriptor(fd);
+}
+
+bool write_all(int fd, std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t n = ::write(fd, bytes.data(), bytes.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return false;
+    bytes = bytes.subspan(static_cast<std::size_t>(n));
+  }
+  return true;
+}
+
+SealedBytes SealedBytes::take(int fd, std::uint64_t size) {
+  SealedBytes bytes;
+  const bool sealed = ::fcntl(fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE) == 0;
+  struct stat status {};
+  if (::fstat(fd, &status) != 0 || size > static_cast<std::uint64_t>(status.st_size)) return bytes;
+  if (sealed && size > 0) {
+    void* at = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, fd, 0);
+    if (at == MAP_FAILED) return bytes;
+    bytes.mapping_ = at;
+    bytes.view_ = {static_cast<const std::byte*>(at), static_cast<std::size_t>(size)};
+  } else {
+    bytes.copy_.resize(size);
+    for (std::size_t at = 0; at < size;) {
+      const ssize_t n = ::pread(fd, bytes.copy_.data() + at, size - at, static_cast<off_t>(at));
+      if (n < 0 && errno == EINTR) continue;
+      if (n <= 0) return bytes;  // it was shortened meanwhile
+      at += static_cast<std::size_t>(n);
+    }
+    bytes.view_ = bytes.copy_;
+  }
+  bytes.good_ = true;
+  return bytes;
+}
+
+SealedBytes::SealedBytes(SealedBytes&& other) noexcept
+    : good_(std::exchange(other.good_, false)),
+      mapping_(std::exchange(other.mapping_, nullptr)),
+      copy_(std::move(other.copy_)),
+      view_(std::exchange(other.view_, {})) {}
+
+SealedBytes::~SealedBytes() {
+  if (mapping_ != nullptr) ::munmap(mapping_, view_.size());
+}
+
+}  // namespace fracture

@@ -1,0 +1,53 @@
+// Memory that two processes see, by descriptor: a memfd, or where the kernel has none an unlinked file.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace fracture {
+
+/// A descriptor that closes itself.
+class Descriptor {
+ public:
+  Descriptor() = default;
+  explicit Descriptor(int fd) : fd_(fd) {}
+  Descriptor(Descriptor&& other) noexcept;
+  Descriptor& operator=(Descriptor&& other) noexcept;
+  ~Descriptor() { reset(); }
+  int get() const { return fd_; }
+  void reset();
+
+ private:
+  int fd_ = -1;
+};
+
+/// Empty shared memory. Throws std::system_error.
+Descriptor make_shared_memory(const char* name);
+
+/// Appends everything. False on an error (no space).
+bool write_all(int fd, std::span<const std::byte> bytes);
+
+/// The first `size` bytes, read-only: mapped where nobody can change them any more (the memory is sealed,
+/// which fails while somebody else may still write through a mapping), else copied, so that what was checked
+/// is what is used. Nothing where the memory is shorter.
+class SealedBytes {
+ public:
+  static SealedBytes take(int fd, std::uint64_t size);
+  SealedBytes() = default;
+  SealedBytes(SealedBytes&& other) noexcept;
+  SealedBytes& operator=(SealedBytes&&) = delete;
+  ~SealedBytes();
+
+  bool good() const { return good_; }
+  std::span<const std::byte> view() const { return view_; }
+
+ private:
+  bool good_ = false;
+  void* mapping_ = nullptr;
+  std::vector<std::byte> copy_;
+  std::span<const std::byte> view_;
+};
+
+}  // namespace fracture

@@ -1,0 +1,124 @@
+#include "server/import_worker/worker.hpp"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <charconv>
+#include <cstdio>
+#include <cstring>
+#include <new>
+#include <stdexcept>
+#include <string_view>
+
+#include "server/import_worker/mesh_codec.hpp"
+#include "server/import_worker/shared_memory.hpp"
+
+namespace fracture {
+namespace {
+
+constexpr int kDone = 0, kNoServer = 2, kNoSandbox = 3, kBadRequest = 4;
+
+/// The input, read-only, for as long as this lives.
+class Input {
+ public:
+  Input(int fd, std::uint64_t size) : size_(size) {
+    if (size > 0) at_ = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, fd, 0);
+  }
+  Input(const Input&) = delete;
+  Input& operator=(const Input&) = delete;
+  ~Input() {
+    if (good() && size_ > 0) ::munmap(at_, size_);
+  }
+  bool good() const { return at_ != MAP_FAILED; }
+  std::span<const std::byte> view() const { return {static_cast<const std::byte*>(at_), size_}; }
+
+ private:
+  std::uint64_t size_;
+  void* at_ = nullptr;
+};
+
+std::vector<std::byte> reply_to(const ImportFunction& import, const ImportJob& job) {
+  try {
+    return encode_reply(import(job));
+  } catch (const std::bad_alloc&) {
+  } catch (const std::length_error&) {  // a vector asked to grow beyond the address space
+  }
+  return encode_reply(
+      fail(ErrorCode::kImporterLimit,
+           "The importer needed more memory for this file than one import may have. Send a smaller mesh, or "
+           "raise the server's --import-memory.",
+           {}, {{"limit", "memory"}}));
+}
+
+/// A reader needs locale facets, lazily bound symbols and static tables at its first call: now, while files
+/// can still be read.
+void warm_up(const ImportFunction& import) {
+  const std::string_view obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+  const std::string_view gltf =
+      R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[]}]})";
+  for (const auto& [format, text] : {std::pair{MeshFormat::kObj, obj}, std::pair{MeshFormat::kGltf, gltf}})
+    (void)encode_reply(import({format, {}, std::as_bytes(std::span(text)), {}}));
+}
+
+bool answer(int socket, const ImportRequest& request, int input_fd, int output_fd,
+            const ImportFunction& import) {
+  ImportDone done;
+  {
+    const Input input(input_fd, request.input_bytes);
+    if (!input.good()) return false;
+    const std::optional<ImportJob> job = parse_request(request, input.view());
+    if (!job) return false;
+    const std::vector<std::byte> reply = reply_to(import, *job);
+    if (!write_all(output_fd, reply)) return false;
+    done.output_bytes = reply.size();
+  }
+  return send_message(socket, &done, sizeof done);
+}
+
+}  // namespace
+
+Expected<Mesh> import_job(const ImportJob& job) {
+  return import_mesh(job.mesh, job.format, job.limits, job.files);
+}
+
+int run_import_worker(int socket, const SandboxLimits& limits, const ImportFunction& import) {
+  warm_up(import);
+  const SandboxReport report = enter_sandbox(limits);
+  WorkerHello hello;
+  hello.seccomp = report.seccomp ? 1 : 0;
+  hello.seccomp_errno = report.seccomp_errno;
+  if (!send_message(socket, &hello, sizeof hello)) return kNoServer;
+  for (;;) {
+    ImportRequest request;
+    const Received received = receive_message(socket, &request, sizeof request);
+    if (!received.whole) return kDone;
+    const Descriptor input(received.descriptors[0]), output(received.descriptors[1]);
+    if (!answer(socket, request, input.get(), output.get(), import)) return kBadRequest;
+  }
+}
+
+int import_worker_main(int argc, char** argv, const ImportFunction& import) {
+  SandboxLimits limits;
+  const std::string_view memory = argc == 2 ? argv[1] : "";
+  const auto [end, error] =
+      std::from_chars(memory.data(), memory.data() + memory.size(), limits.memory_bytes);
+  int type = 0;
+  socklen_t size = sizeof type;
+  if (argc != 2 || error != std::errc{} || end != memory.data() + memory.size() ||
+      ::getsockopt(kWorkerSocket, SOL_SOCKET, SO_TYPE, &type, &size) != 0 || type != SOCK_SEQPACKET) {
+    std::fprintf(stderr, "%s is started by fracture-server, which hands it a socket.\n",
+                 argc > 0 ? argv[0] : "fracture-import");
+    return kNoServer;
+  }
+  try {
+    const int code = run_import_worker(kWorkerSocket, limits, import);
+    ::_exit(code);  // without destructors: nothing to keep, and leak checks could not run in the sandbox
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "fracture-import: %s\n", e.what());
+    return kNoSandbox;
+  }
+}
+
+}  // namespace fracture

@@ -1,0 +1,241 @@
+// Killer bodies and dying workers, over HTTP against the real program: the right status, the same process, no
+// memory kept, no file read, nobody else affected.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <future>
+#include <iterator>
+#include <thread>
+
+#include "tests/server/raw_client.hpp"
+#include "tests/server/server_process.hpp"
+
+namespace fracture::test {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+const std::string kTetrahedron =
+    "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+
+/// A server on free ports whose log is read while it runs: a full pipe would stop it.
+class Server : public ServeProcess {
+ public:
+  explicit Server(std::vector<std::string> flags = {})
+      : ServeProcess(std::move(flags)), reader_([this] {
+          while (!error_line().empty()) {
+          }
+        }) {}
+  ~Server() {
+    signal(SIGKILL);
+    reader_.join();
+  }
+  std::vector<pid_t> workers() const {
+    std::vector<pid_t> pids;
+    for (const auto& task : std::filesystem::directory_iterator("/proc/" + std::to_string(pid()) + "/task")) {
+      std::ifstream list(task.path() / "children");
+      std::copy(std::istream_iterator<pid_t>(list), {}, std::back_inserter(pids));
+    }
+    return pids;
+  }
+  /// Resident memory of the server itself, MiB.
+  double memory() const {
+    std::ifstream status("/proc/" + std::to_string(pid()) + "/status");
+    for (std::string line; std::getline(status, line);)
+      if (line.rfind("VmRSS:", 0) == 0) return std::atof(line.c_str() + 6) / 1024;
+    return 0;
+  }
+
+ private:
+  std::thread reader_;
+};
+
+Reply post(const Server& server, const std::string& format, const std::string& body,
+           const std::string& headers = "") {
+  return ask(server.port, "POST", "/fracture?sites=5&physics=none&format=" + format,
+             "Content-Type: application/octet-stream\r\nAccept: application/json\r\n" + headers, body);
+}
+
+std::string ply_declaring(const std::string& vertices) {
+  return "ply\nformat binary_little_endian 1.0\nelement vertex " + vertices +
+         "\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int "
+         "vertex_indices\nend_header\n";
+}
+
+std::string gltf_with(const std::string& buffer, const std::string& count = "3") {
+  return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":)"
+         R"([{"attributes":{"POSITION":0}}]}],"accessors":[{"bufferView":0,"componentType":5126,"type":"VEC3","count":)" +
+         count + R"(}],"bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[)" + buffer + "]}";
+}
+
+std::string gzip(const std::string& text) {
+  z_stream stream{};
+  deflateInit2(&stream, 9, Z_DEFLATED, 16 + MAX_WBITS, 9, Z_DEFAULT_STRATEGY);
+  std::string out(deflateBound(&stream, text.size()), '\0');
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
+  stream.avail_in = static_cast<uInt>(text.size());
+  stream.next_out = reinterpret_cast<Bytef*>(out.data());
+  stream.avail_out = static_cast<uInt>(out.size());
+  deflate(&stream, Z_FINISH);
+  out.resize(stream.total_out);
+  deflateEnd(&stream);
+  return out;
+}
+
+TEST(ImportAttack, KillerBodiesGetTheirStatusAndLeaveNothingBehind) {
+  Server server({"--all-formats"});
+  EXPECT_EQ(post(server, "off", kTetrahedron).status, 200);
+  const double before = server.memory();
+
+  struct Killer {
+    const char* what;
+    std::string format, body;
+    int status;
+    const char* problem;
+  };
+  const std::string bomb = gzip(std::string(300u << 20, ' '));
+  const std::vector<Killer> killers = {
+      {"ten million vertices", "ply", ply_declaring("10000000"), 422, "malformed-mesh"},
+      {"a hundred million vertices", "ply", ply_declaring("100000000"), 422, "malformed-mesh"},
+      {"400 KB of [", "gltf", std::string(400'000, '['), 422, "malformed-mesh"},
+      {"an accessor of 2^31", "gltf",
+       gltf_with(R"({"byteLength":36,"uri":"data:;base64,AAAA"})", "2147483648"), 422, "malformed-mesh"},
+      {"a file of the machine", "gltf", gltf_with(R"({"byteLength":36,"uri":"/etc/passwd"})"), 422,
+       "external-resource"},
+      {"a file with its scheme", "gltf", gltf_with(R"({"byteLength":36,"uri":"file:///etc/passwd"})"), 422,
+       "external-resource"},
+      {"a file above", "gltf", gltf_with(R"({"byteLength":36,"uri":"../../../../etc/passwd"})"), 422,
+       "external-resource"},
+      {"a gzip bomb", "blend", bomb, 413, "too-large"},
+      {"deep XML", "x3d",
+       "<X3D>" +
+           [] {
+             std::string deep;
+             for (int k = 0; k < 100'000; ++k) deep += "<Group>";
+             return deep;
+           }(),
+       422, "malformed-mesh"},
+      {"a library of the machine", "obj",
+       "mtllib /etc/passwd\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\n"
+       "f 1 2 4\nf 1 4 3\nf 2 3 4\n",
+       200, ""},
+      {"an object of the machine", "lws", "LWSC\n3\nLoadObjectLayer 1 /etc/passwd\nEndPlugin\n", 422, ""},
+  };
+  for (const Killer& killer : killers) {
+    const Reply reply = post(server, killer.format, killer.body);
+    EXPECT_EQ(reply.status, killer.status) << killer.what << ": " << reply.body.substr(0, 500);
+    if (*killer.problem != 0) {
+      EXPECT_EQ(reply.problem(), killer.problem) << killer.what << ": " << reply.body;
+    }
+    EXPECT_THAT(reply.body, Not(HasSubstr("root:"))) << killer.what;
+    ASSERT_TRUE(server.alive()) << killer.what;
+  }
+  EXPECT_EQ(post(server, "off", kTetrahedron).status, 200);
+#ifndef FRACTURE_SANITIZED  // whose quarantine keeps what was freed
+  EXPECT_LT(server.memory() - before, 32) << "MiB of growth";
+#endif
+}
+
+/// A grid of n x n quads as OBJ: an import that takes a while.
+std::string large_obj(int n) {
+  std::string obj;
+  for (int y = 0; y <= n; ++y)
+    for (int x = 0; x <= n; ++x) obj += "v " + std::to_string(x) + " " + std::to_string(y) + " 0\n";
+  for (int y = 0; y < n; ++y)
+    for (int x = 0; x < n; ++x) {
+      const int a = y * (n + 1) + x + 1;
+      obj += "f " + std::to_string(a) + " " + std::to_string(a + 1) + " " + std::to_string(a + n + 2) + " " +
+             std::to_string(a + n + 1) + "\n";
+    }
+  return obj;
+}
+
+/// Is the process computing now?
+bool runs(pid_t pid) {
+  std::ifstream stat("/proc/" + std::to_string(pid) + "/stat");
+  std::string text{std::istreambuf_iterator<char>(stat), {}};
+  const std::size_t name_end = text.rfind(')');
+  return name_end != std::string::npos && text.substr(name_end + 2, 1) == "R";
+}
+
+TEST(ImportAttack, AWorkerKilledInMidImportIs422ForItsRequestAndNothingForOthers) {
+  Server server({"--import-workers", "2"});
+  const std::string large = large_obj(500);
+  for (const int signal : {SIGKILL, SIGSEGV}) {
+    EXPECT_EQ(post(server, "off", kTetrahedron).status, 200);
+    auto doomed = std::async(std::launch::async, [&] { return post(server, "obj", large); });
+    pid_t victim = 0;
+    for (int k = 0; k < 2000 && victim == 0; ++k) {
+      for (const pid_t pid : server.workers())
+        if (runs(pid)) victim = pid;
+      std::this_thread::sleep_for(1ms);
+    }
+    ASSERT_NE(victim, 0);
+    ::kill(victim, signal);
+    const Reply reply = doomed.get();
+    EXPECT_EQ(reply.status, 422) << reply.body.substr(0, 300);
+    EXPECT_EQ(reply.problem(), "importer-crashed");
+    EXPECT_THAT(reply.json().value("detail", ""), HasSubstr("signal " + std::to_string(signal)));
+    EXPECT_EQ(post(server, "obj", kTetrahedron.substr(4)).status, 422);
+    EXPECT_EQ(post(server, "off", kTetrahedron + "# " + std::to_string(signal)).status, 200);
+    const std::vector<pid_t> now = server.workers();
+    EXPECT_EQ(std::count(now.begin(), now.end(), victim), 0) << "reaped";
+  }
+  EXPECT_TRUE(server.alive());
+}
+
+TEST(ImportAttack, AFileOverTheMemoryOfAWorkerIs422) {
+#ifdef FRACTURE_SANITIZED
+  GTEST_SKIP() << "the sanitizers reserve terabytes: no limit of the address space";
+#else
+  // Enough for the program and its libraries, too little for the mesh.
+  Server server({"--import-memory", std::to_string(96u << 20)});
+  EXPECT_EQ(post(server, "off", kTetrahedron).status, 200);
+  const Reply reply = post(server, "obj", large_obj(500));
+  EXPECT_EQ(reply.status, 422) << reply.body.substr(0, 300);
+  EXPECT_THAT(reply.problem(), ::testing::AnyOf("importer-limit", "importer-crashed"));
+  EXPECT_EQ(post(server, "off", kTetrahedron + "#").status, 200);
+#endif
+}
+
+TEST(ImportAttack, WithoutWorkersTheServerSaysSoAndAnswersTheSame) {
+  Server with({"--import-workers", "1"});
+  Server without({"--import-workers", "0"});
+  EXPECT_EQ(with.workers().size(), 1u);
+  EXPECT_EQ(without.workers().size(), 0u);
+  const Reply a = post(with, "off", kTetrahedron), b = post(without, "off", kTetrahedron);
+  EXPECT_EQ(a.status, 200);
+  EXPECT_EQ(a.body, b.body);
+}
+
+TEST(ImportAttack, TheWorkersEndWithTheServer) {
+  std::vector<pid_t> workers;
+  {
+    Server server;
+    EXPECT_EQ(post(server, "off", kTetrahedron).status, 200);
+    workers = server.workers();
+    ASSERT_FALSE(workers.empty());
+  }  // killed with SIGKILL
+  for (const pid_t pid : workers) {
+    bool gone = false;
+    for (int k = 0; k < 500 && !gone; ++k) {
+      gone = ::kill(pid, 0) != 0;
+      std::ifstream stat("/proc/" + std::to_string(pid) + "/stat");
+      const std::string text{std::istreambuf_iterator<char>(stat), {}};
+      gone = gone || text.find(") Z ") != std::string::npos;  // whoever inherited it has not reaped it yet
+      if (!gone) std::this_thread::sleep_for(10ms);
+    }
+    EXPECT_TRUE(gone) << pid;
+  }
+}
+
+}  // namespace
+}  // namespace fracture::test

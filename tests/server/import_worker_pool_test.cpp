@@ -1,0 +1,332 @@
+// The pool and its processes: what a file can do to its worker, and what that does to everybody else.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <filesystem>
+#include <fstream>
+#include <future>
+#include <iterator>
+#include <thread>
+
+#include "common/import/sibling_files.hpp"
+#include "server/import_worker/import_pool.hpp"
+#include "server/import_worker/mesh_codec.hpp"
+#include "tests/import/make_files.hpp"
+#include "tests/support/mesh_files.hpp"
+
+namespace fracture::test {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+using ::testing::HasSubstr;
+
+ImportPoolConfig config_of(const char* program, int workers = 2) {
+  ImportPoolConfig config;
+  config.worker.program = program;
+  config.workers = workers;
+  return config;
+}
+
+const std::string kTetrahedron =
+    "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+
+Expected<Mesh> import_with(ImportPool& pool, std::string_view bytes, const Execution& execution = {}) {
+  return pool.import(bytes_of(bytes), MeshFormat::kOff, {}, {}, execution);
+}
+
+/// Waits (at most 10 s) until the condition holds.
+template <class Condition>
+bool eventually(Condition&& condition) {
+  for (int k = 0; k < 1000; ++k) {
+    if (condition()) return true;
+    std::this_thread::sleep_for(10ms);
+  }
+  return false;
+}
+
+std::size_t open_descriptors() {
+  return static_cast<std::size_t>(std::distance(fs::directory_iterator("/proc/self/fd"), {}));
+}
+
+/// Children of this process, zombies too.
+std::size_t children() {
+  std::size_t count = 0;
+  for (const auto& task : fs::directory_iterator("/proc/self/task")) {
+    std::ifstream list(task.path() / "children");
+    count += static_cast<std::size_t>(std::distance(std::istream_iterator<int>(list), {}));
+  }
+  return count;
+}
+
+TEST(ImportPool, GivesTheSameMeshAsThisProcessBitForBit) {
+  ImportPool pool(config_of(FRACTURE_IMPORT_PROGRAM));
+  std::vector<MeshFile> files = test_meshes();
+  for (const char* name : {"3DS/fels.3ds",
+                           "AC/Wuson.ac",
+                           "ASE/MotionCaptureROM.ase",
+                           "B3D/WusonBlitz.b3d",
+                           "BLEND/Suzanne_248.blend",
+                           "COB/molecule.cob",
+                           "Collada/duck.dae",
+                           "DXF/wuson.dxf",
+                           "FBX/spider.fbx",
+                           "HMP/terrain.hmp",
+                           "IFC/AC14-FZK-Haus.ifc",
+                           "IQM/mrfixit.iqm",
+                           "LWO/LWO2/sphere_with_mat_gloss_10pc.lwo",
+                           "MD2/sydney.md2",
+                           "MS3D/twospheres.ms3d",
+                           "OBJ/spider.obj",
+                           "Q3D/WusonOK.q3o",
+                           "SMD/WusonSMD.smd",
+                           "X/anim_test.x",
+                           "XGL/Wuson.zgl",
+                           "invalid/malformed.obj",
+                           "RAW/WithColor.raw",
+                           "BVH/01_01.bvh"})
+    if (const auto file = assimp_model(name)) files.push_back(*file);
+  std::size_t compared = 0;
+  for (const MeshFile& file : files) {
+    std::ifstream in(file.path, std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+    const auto format = format_from_extension(fs::path(file.path).extension().string().substr(1));
+    if (!format) continue;
+    const std::vector<SiblingFile> siblings = read_sibling_files(file.path, bytes_of(bytes), *format);
+    const std::vector<ImportFile> parts = as_import_files(siblings);
+    const auto here = encode_reply(import_mesh(bytes_of(bytes), *format, {}, parts));
+    const auto there = encode_reply(pool.import(bytes_of(bytes), *format, parts, {}, {}));
+    EXPECT_EQ(here == there, true) << file.name;
+    ++compared;
+  }
+  if (compared == 0) GTEST_SKIP() << "there are no mesh files";
+  EXPECT_EQ(pool.counters().crashed, 0u);
+  EXPECT_EQ(pool.counters().imported + pool.counters().refused, compared);
+}
+
+TEST(ImportPool, AWorkerKilledInMidImportCostsItsRequestOnly) {
+  ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM));
+  std::uint64_t crashes = 0;
+  for (const int signal : {SIGKILL, SIGSEGV}) {
+    const std::vector<pid_t> before = pool.pids();
+    auto doomed = std::async(std::launch::async, [&] { return import_with(pool, "! hang"); });
+    ASSERT_TRUE(eventually([&] { return pool.counters().busy == 1; }));
+    const pid_t victim = pool.pids().front();  // the busy come first
+    // Others go on meanwhile.
+    for (int k = 0; k < 10; ++k) EXPECT_TRUE(import_with(pool, kTetrahedron));
+    ASSERT_EQ(::kill(victim, signal), 0);
+    const Expected<Mesh> result = doomed.get();
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().code, ErrorCode::kImporterCrashed);
+    EXPECT_THAT(result.error().detail, HasSubstr("signal " + std::to_string(signal)));
+    EXPECT_EQ(pool.counters().crashed, ++crashes);
+    EXPECT_TRUE(eventually([&] { return pool.counters().workers == 2; })) << "it is replaced";
+    for (const pid_t pid : pool.pids()) EXPECT_NE(pid, victim);
+    EXPECT_TRUE(import_with(pool, kTetrahedron));
+  }
+  EXPECT_EQ(children(), 2u);
+}
+
+TEST(ImportPool, EveryWayToDieHasItsError) {
+  ImportPoolConfig config = config_of(FRACTURE_MISBEHAVING_PROGRAM, 1);
+  config.worker.cpu = 1s;
+  ImportPool pool(config);
+  const auto error_of = [&](const char* command) {
+    const Expected<Mesh> result = import_with(pool, command);
+    EXPECT_FALSE(result) << command;
+    const Error error = result ? Error{} : result.error();
+    EXPECT_TRUE(import_with(pool, kTetrahedron)) << "after " << command;
+    return error;
+  };
+#ifndef FRACTURE_SANITIZED  // whose handlers turn the signal into an exit
+  EXPECT_THAT(error_of("! null").detail, HasSubstr("signal 11"));
+#endif
+  EXPECT_EQ(error_of("! null").code, ErrorCode::kImporterCrashed);
+  EXPECT_THAT(error_of("! exit").detail, HasSubstr("exit code 7"));
+  EXPECT_EQ(error_of("! exit").code, ErrorCode::kImporterCrashed);
+  EXPECT_THAT(error_of("! lie").detail, HasSubstr("names no vertex"));
+  EXPECT_THAT(error_of("! lie about code").detail, HasSubstr("code that no import ends with"));
+  const Error spun = error_of("! spin");
+  EXPECT_EQ(spun.code, ErrorCode::kImporterLimit) << spun.detail;
+  EXPECT_EQ(spun.extra.value("limit", ""), "cpu");
+  const ImportCounters counters = pool.counters();
+  EXPECT_EQ(counters.limited, 1u);
+  EXPECT_GE(counters.crashed, 5u);
+  EXPECT_EQ(children(), 1u);
+}
+
+TEST(ImportPool, MemoryIsLimitedAndTheWorkerLivesOn) {
+#ifdef FRACTURE_SANITIZED
+  GTEST_SKIP() << "the sanitizers reserve terabytes: no limit of the address space";
+#else
+  ImportPoolConfig config = config_of(FRACTURE_MISBEHAVING_PROGRAM, 1);
+  config.worker.memory_bytes = 512u << 20;
+  ImportPool pool(config);
+  const Expected<Mesh> greedy = import_with(pool, "! memory");
+  ASSERT_FALSE(greedy);
+  EXPECT_EQ(greedy.error().code, ErrorCode::kImporterLimit);
+  EXPECT_EQ(greedy.error().extra.value("limit", ""), "memory");
+  EXPECT_TRUE(import_with(pool, kTetrahedron));
+  EXPECT_EQ(pool.counters().crashed, 0u);
+  // The reply of "unfold" would have 1.1 GiB, more than the address space: within the limit of output or not,
+  // it is a typed error.
+  EXPECT_EQ(import_with(pool, "! unfold").error().code, ErrorCode::kImporterLimit);
+#endif
+}
+
+TEST(ImportPool, DeadlineAndCancelKillTheWorkerAndFreeItsPlace) {
+  ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 1));
+  Execution late;
+  late.deadline = std::chrono::steady_clock::now() + 50ms;
+  try {
+    (void)import_with(pool, "! spin", late);
+    FAIL() << "it should have been interrupted";
+  } catch (const Interrupted& interrupted) {
+    EXPECT_EQ(interrupted.code, ErrorCode::kDeadlineExceeded);
+  }
+  std::stop_source stop;
+  Execution cancelled;
+  cancelled.stop = stop.get_token();
+  std::thread canceller([&] {
+    EXPECT_TRUE(eventually([&] { return pool.counters().busy == 1; }));
+    stop.request_stop();
+  });
+  EXPECT_THROW((void)import_with(pool, "! hang", cancelled), Interrupted);
+  canceller.join();
+  EXPECT_EQ(pool.counters().interrupted, 2u);
+  EXPECT_TRUE(import_with(pool, kTetrahedron));
+  EXPECT_TRUE(eventually([] { return children() == 1; })) << "the killed ones are reaped";
+}
+
+TEST(ImportPool, AWaitingImportIsCancelledToo) {
+  ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 1));
+  std::stop_source stop;
+  Execution cancelled;
+  cancelled.stop = stop.get_token();
+  auto hanging = std::async(std::launch::async,
+                            [&] { EXPECT_THROW((void)import_with(pool, "! hang", cancelled), Interrupted); });
+  ASSERT_TRUE(eventually([&] { return pool.counters().busy == 1; }));
+  Execution impatient;
+  impatient.deadline = std::chrono::steady_clock::now() + 30ms;
+  EXPECT_THROW((void)import_with(pool, kTetrahedron, impatient), Interrupted);
+  stop.request_stop();
+  hanging.get();
+}
+
+TEST(ImportPool, TheSandboxOpensNothingAndReachesNobody) {
+  ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 1));
+  if (pool.hello().seccomp == 0) GTEST_SKIP() << "this machine allows no seccomp filter";
+  for (const auto& [call, error] :
+       {std::pair{"open", EACCES}, std::pair{"create", EACCES}, std::pair{"socket", EPERM},
+        std::pair{"fork", EPERM}, std::pair{"exec", EPERM}, std::pair{"kill", EPERM},
+        std::pair{"code", EPERM}}) {
+    const Expected<Mesh> told = import_with(pool, std::string("! try ") + call);
+    ASSERT_FALSE(told);
+    EXPECT_EQ(told.error().detail, "errno " + std::to_string(error)) << call;
+  }
+  EXPECT_FALSE(fs::exists("/tmp/fracture-import-was-here"));
+}
+
+TEST(ImportPool, WorkersHaveNoEnvironmentAndNoDescriptorsOfTheServer) {
+  const int ours = ::open("/dev/null", O_RDONLY);  // without close-on-exec, as a careless library would
+  ImportPool pool(config_of(FRACTURE_IMPORT_PROGRAM, 1));
+  const std::string proc = "/proc/" + std::to_string(pool.pids().at(0));
+  std::ifstream status(proc + "/status");
+  const std::string text{std::istreambuf_iterator<char>(status), {}};
+  EXPECT_THAT(text, HasSubstr("NoNewPrivs:\t1"));
+  if (pool.hello().seccomp == 1) {
+    EXPECT_THAT(text, HasSubstr("Seccomp:\t2"));
+  }
+  // Not dumpable: /proc shows descriptors to root only.
+  std::error_code error;
+  std::size_t descriptors = 0;
+  for (fs::directory_iterator it(proc + "/fd", error), end; !error && it != end; it.increment(error))
+    ++descriptors;
+  if (!error) {
+    EXPECT_EQ(descriptors, 4u) << "0, 1, 2 and its socket";
+  }
+  ::close(ours);
+}
+
+TEST(ImportPool, WornWorkersAreReplacedAndTheirMemoryGoes) {
+  ImportPoolConfig config = config_of(FRACTURE_MISBEHAVING_PROGRAM, 1);
+  config.max_imports = 5;
+  ImportPool by_count(config);
+  for (int k = 0; k < 12; ++k) EXPECT_TRUE(import_with(by_count, kTetrahedron));
+  EXPECT_EQ(by_count.counters().recycled, 2u);
+  EXPECT_EQ(by_count.counters().imported, 12u);
+
+#ifndef FRACTURE_SANITIZED  // whose shadow memory is over any bound
+  config.max_imports = 1000;
+  config.max_resident_bytes = 64u << 20;
+  ImportPool by_memory(config);
+  for (int k = 0; k < 12; ++k) EXPECT_TRUE(import_with(by_memory, "! keep"));
+  EXPECT_GE(by_memory.counters().recycled, 2u);
+  EXPECT_LE(by_memory.counters().recycled, 6u);
+#endif
+}
+
+TEST(ImportPool, LeaksNoDescriptorsAndNoProcesses) {
+  {
+    ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 2));
+    EXPECT_TRUE(import_with(pool, kTetrahedron));
+    const auto settled = [&] {
+      const ImportCounters c = pool.counters();
+      return c.workers == static_cast<int>(children()) && c.busy == 0;
+    };
+    ASSERT_TRUE(eventually(settled));
+    const std::size_t per_worker = open_descriptors() - static_cast<std::size_t>(pool.counters().workers);
+    for (int k = 0; k < 20; ++k) {
+      EXPECT_TRUE(import_with(pool, kTetrahedron));
+      EXPECT_FALSE(import_with(pool, "! exit"));
+      EXPECT_FALSE(import_with(pool, "! lie"));
+    }
+    ASSERT_TRUE(eventually(settled));
+    EXPECT_EQ(open_descriptors() - static_cast<std::size_t>(pool.counters().workers), per_worker);
+  }
+  EXPECT_EQ(children(), 0u);
+}
+
+TEST(ImportPool, ManyThreadsShareFewWorkers) {
+  ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 2));
+  std::vector<std::thread> threads;
+  std::atomic<int> good{0}, crashed{0};
+  for (int t = 0; t < 8; ++t)
+    threads.emplace_back([&, t] {
+      for (int k = 0; k < 25; ++k) {
+        const bool bad = (t + k) % 8 == 0;
+        const Expected<Mesh> result = import_with(pool, bad ? "! exit" : kTetrahedron.c_str());
+        good += result.has_value();
+        crashed += !result && result.error().code == ErrorCode::kImporterCrashed;
+      }
+    });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(good + crashed, 200);
+  EXPECT_EQ(pool.counters().imported, static_cast<std::uint64_t>(good));
+  EXPECT_EQ(pool.counters().crashed, static_cast<std::uint64_t>(crashed));
+  EXPECT_EQ(crashed, 25);
+  EXPECT_LE(pool.counters().workers, 2);
+}
+
+TEST(ImportPool, AProgramThatIsNoWorkerIsSaidToBeThat) {
+  const auto reason = [](const char* program) -> std::string {
+    try {
+      ImportPool pool(config_of(program));
+      return "it started";
+    } catch (const std::exception& e) {
+      return e.what();
+    }
+  };
+  EXPECT_THAT(reason("/nonexistent/fracture-import"), HasSubstr("/nonexistent/fracture-import"));
+  EXPECT_THAT(reason("/bin/true"), HasSubstr("does not start"));
+  EXPECT_EQ(children(), 0u);
+}
+
+}  // namespace
+}  // namespace fracture::test
