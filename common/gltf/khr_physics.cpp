@@ -36,7 +36,7 @@ void write_khr_physics_document(JsonText& json, const SceneLayout& layout, const
 
 void write_khr_physics_body(JsonText& json, const Fragment& f, std::size_t index, const SceneLayout& layout,
                             const GltfOptions& options) {
-  const PrincipalAxes axes = principal_axes(f.mass.inertia);
+  const PrincipalAxes axes = body_inertia(f);
   json.key(kName).begin_object().key("motion").begin_object();
   json.member("mass", f.mass.volume * options.density);
   json.member("centerOfMass", f.mass.center_of_mass - f.pivot);

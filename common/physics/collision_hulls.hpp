@@ -1,7 +1,7 @@
 // Convex collision hulls: what a physics engine collides instead of the visible mesh. The part of a fragment
 // in one cell lies in that convex cell, hence so does its hull, and hulls of neighbours cannot overlap;
-// shrunk a little towards their centres they do not even touch (hulls that touch exactly are pushed apart by
-// the solver at spawn).
+// shrunk towards their centres they do not even touch (hulls that touch exactly are pushed apart by the
+// solver at spawn).
 #pragma once
 
 #include <cstdint>
@@ -14,15 +14,18 @@ namespace fracture {
 
 /// Most engines cap convex hulls at 255 or 256 points.
 inline constexpr std::uint32_t kMaxHullPoints = 255;
-/// Each hull is scaled by 1 - kHullShrink about the mean of its points.
-inline constexpr double kHullShrink = 0.001;
+/// m: how far a hull's faces are moved inwards, about (at least half of it, more on round hulls). In metres,
+/// because the tolerances of the engines are: with none, Rapier's GJK takes some splinters for overlapping
+/// (DECISION.md).
+inline constexpr double kHullInset = 2e-4;
+/// Each hull is scaled about its centre by 1 - shrink; the inset is bounded by these, so that a large hull is
+/// inset by more than the rounding of its coordinates, and a splinter keeps its shape.
+inline constexpr double kLeastHullShrink = 0.001, kMostHullShrink = 0.1;
 
 struct HullReport {
   std::uint32_t hulls = 0;
-  std::uint32_t flat = 0;  ///< bodies too thin for a hull (a box of their extent stands in, at least 1e-6 of
-                           ///< the fragment thick)
-  std::uint32_t simplified =
-      0;  ///< had more than kMaxHullPoints points: extreme points in fixed directions were kept
+  std::uint32_t flat = 0;        ///< bodies too thin for a hull (1e-5 of their extent): a small box stands in
+  std::uint32_t simplified = 0;  ///< had more than kMaxHullPoints extreme points: some were left out
 };
 
 /// Fills Fragment::hulls of every fragment: one hull for each body (member cell), in the fragment's local

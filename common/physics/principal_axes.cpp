@@ -29,7 +29,32 @@ std::array<double, 4> to_quaternion(const double r[3][3]) {
   return q;
 }
 
+/// What a solid box of this mass has about the origin.
+std::array<double, 6> inertia_of_box(const Box& box, double mass) {
+  const Vec3d size = box.size(), c = box.center();
+  const Vec3d second{size.x * size.x / 12 + c.x * c.x, size.y * size.y / 12 + c.y * c.y,
+                     size.z * size.z / 12 + c.z * c.z};
+  return {mass * (second.y + second.z),
+          mass * (second.x + second.z),
+          mass * (second.x + second.y),
+          -mass * c.x * c.y,
+          -mass * c.x * c.z,
+          -mass * c.y * c.z};
+}
+
 }  // namespace
+
+PrincipalAxes body_inertia(const Fragment& f) {
+  const PrincipalAxes axes = principal_axes(f.mass.inertia);
+  const auto [a, b, c] = axes.moments;
+  // Each moment is less than the sum of the others, but for what is infinitely thin: so thin that the tensor
+  // may be half rounding is not told from impossible.
+  const double least = 1e-9 * (a + b + c);
+  if (a + b - c > least && b + c - a > least && c + a - b > least) return axes;
+  Box box;
+  for (const Vec3f& p : f.positions) box.add(to_double(p) + f.pivot - f.mass.center_of_mass);
+  return principal_axes(inertia_of_box(box, f.mass.volume));
+}
 
 PrincipalAxes principal_axes(const std::array<double, 6>& inertia) {
   double a[3][3] = {{inertia[0], inertia[3], inertia[4]},

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "common/base/vec.hpp"
+#include "common/fragment/fragments.hpp"
 
 namespace fracture {
 
@@ -17,5 +18,10 @@ struct PrincipalAxes {
 /// & Van Loan, Matrix Computations, 8.5): only + - * / and sqrt, the same bits everywhere. Tiny negative
 /// moments (rounding) become 0.
 PrincipalAxes principal_axes(const std::array<double, 6>& inertia);
+
+/// Of the fragment about its centre of mass, at 1 kg/m³. Where the surface crosses itself parts of the volume
+/// count negative and the tensor can be one that no body has (engines take a moment of 0 for a body that
+/// never turns): then that of a solid box of the fragment's extent and mass.
+PrincipalAxes body_inertia(const Fragment& f);
 
 }  // namespace fracture

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "common/physics/collision_hulls.hpp"
@@ -50,6 +51,25 @@ TEST(PrincipalAxes, GiveTheTensorBack) {
   }
 }
 
+TEST(BodyInertia, IsTheFragmentsOwnUnlessNoBodyHasIt) {
+  Fragment f;
+  f.mass.volume = 6;
+  f.mass.center_of_mass = {1.5, 1, 0.5};  // of the box [1, 2] x [0, 2] x [-1, 2]
+  f.pivot = {1, 0, 0};
+  for (int k = 0; k < 8; ++k)
+    f.positions.push_back({k & 1 ? 1.0f : 0.0f, k & 2 ? 2.0f : 0.0f, k & 4 ? 2.0f : -1.0f});
+  const std::array<double, 6> solid{6 * 13 / 12.0, 6 * 10 / 12.0, 6 * 5 / 12.0, 0, 0, 0};
+  for (const std::array<double, 6>& own :
+       {solid, std::array<double, 6>{-2, 3, 4, 0, 0, 0}, {1, 1, 3, 0, 0, 0}, {0, 0, 0, 0, 0, 0}}) {
+    f.mass.inertia = own;
+    const auto tensor = tensor_of(body_inertia(f));
+    for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(tensor[k], solid[k], 1e-12);
+  }
+  f.mass.inertia = {2, 2, 3, 0.1, 0, 0};
+  const auto tensor = tensor_of(body_inertia(f));
+  for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(tensor[k], f.mass.inertia[k], 1e-12);
+}
+
 Mesh mesh_of(const CollisionHull& hull) {
   Mesh m;
   m.positions = hull.points;
@@ -68,7 +88,7 @@ TEST(CollisionHulls, AreClosedConvexAndOutward) {
       EXPECT_LE(hull.positions.size(), kMaxHullPoints);
       EXPECT_EQ(open_directed_edges(hull), 0u);
       // The hull holds the fragment, less what shrinking takes.
-      EXPECT_GT(volume_of(hull), 0.99 * f.mass.volume);
+      EXPECT_GT(volume_of(hull), (1 - 3 * kLeastHullShrink) * f.mass.volume - 3 * kHullInset * f.mass.area);
     }
   }
 }
@@ -100,9 +120,27 @@ TEST(CollisionHulls, AGroupCarriesOneForEachMemberCell) {
     double volume = 0;
     for (const CollisionHull& h : f.hulls) volume += volume_of(mesh_of(h));
     // Cells of a convex body: their hulls fill the group, less what shrinking takes.
-    EXPECT_NEAR(volume, f.mass.volume, 0.01 * f.mass.volume);
+    EXPECT_LT(volume, f.mass.volume);
+    EXPECT_GT(volume, 0.97 * f.mass.volume);
   }
   EXPECT_EQ(shared, 10u);
+}
+
+TEST(CollisionHulls, AreInsetByAFewTenthsOfAMillimetreOrAThousandth) {
+  for (const float size : {0.0001f, 0.01f, 1.0f, 1000.0f}) {
+    Mesh mesh = cube();
+    for (Vec3f& p : mesh.positions) p = {size * p.x, size * p.y, size * p.z};
+    FractureParameters p;
+    p.points = {{0.5 * size, 0.5 * size, 0.5 * size}};
+    const FragmentSet set = fracture_at(mesh, p);
+    ASSERT_EQ(set.fragments[0].hulls[0].points.size(), 8u);
+    const Box box = box_of(mesh_of(set.fragments[0].hulls[0]));
+    // Of a cube, A / V = 6 / size: its faces move by three times the inset.
+    const double expected =
+        std::clamp(3 * kHullInset, kLeastHullShrink * size / 2, kMostHullShrink * size / 2);
+    for (int a = 0; a < 3; ++a)
+      EXPECT_NEAR((size - (box.max[a] - box.min[a])) / 2, expected, 1e-6 * size) << size;
+  }
 }
 
 TEST(CollisionHulls, ManyPointsAreSimplified) {
@@ -110,8 +148,10 @@ TEST(CollisionHulls, ManyPointsAreSimplified) {
   p.points = {{0, 0, 0}};
   const FragmentSet set = fracture_at(sphere_with(20'000), p);
   ASSERT_EQ(set.fragments.size(), 1u);
-  EXPECT_LE(set.fragments[0].hulls[0].points.size(), kMaxHullPoints);
-  EXPECT_GT(volume_of(mesh_of(set.fragments[0].hulls[0])), 0.9 * set.fragments[0].mass.volume);
+  EXPECT_EQ(set.fragments[0].hulls[0].points.size(), kMaxHullPoints);
+  // 255 points spread evenly over a sphere enclose 0.97 of its ball.
+  EXPECT_GT(volume_of(mesh_of(set.fragments[0].hulls[0])), 0.95 * set.fragments[0].mass.volume);
+  EXPECT_EQ(set.report["hulls"]["simplified"], 1);
 }
 
 }  // namespace

@@ -1,0 +1,131 @@
+// The hull against its definition: closed, and no point of the input lies outside any face.
+#include "common/physics/convex_hull.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <set>
+#include <string>
+
+#include "tests/support/figures.hpp"
+
+namespace fracture::test {
+namespace {
+
+using Points = std::vector<Vec3f>;
+
+/// How far, at most, a point lies outside a face; both in units of the box's longest side.
+double farthest_outside(const Points& points, const ConvexHullBuilder::Triangles& triangles) {
+  Box box;
+  for (const Vec3f& p : points) box.add(to_double(p));
+  double farthest = 0;
+  for (const auto& t : triangles) {
+    const Vec3d a = to_double(points[t[0]]), b = to_double(points[t[1]]), c = to_double(points[t[2]]);
+    const Vec3d n = cross(b - a, c - a);
+    if (length(n) < 1e-4 * box.longest_side() * box.longest_side()) continue;  // no direction to speak of
+    for (const Vec3f& p : points) farthest = std::max(farthest, dot(n, to_double(p) - a) / length(n));
+  }
+  return farthest / box.longest_side();
+}
+
+Mesh mesh_of(const Points& points, const ConvexHullBuilder::Triangles& triangles) {
+  Mesh mesh;
+  mesh.positions = points;
+  mesh.triangles = triangles;
+  return mesh;
+}
+
+std::set<std::uint32_t> corners(const ConvexHullBuilder::Triangles& triangles) {
+  std::set<std::uint32_t> out;
+  for (const auto& t : triangles) out.insert(t.begin(), t.end());
+  return out;
+}
+
+struct Family {
+  std::string name;
+  Points points;
+};
+
+std::vector<Family> families() {
+  std::vector<Family> out;
+  std::mt19937 random(7);
+  const auto unit = [&random] { return static_cast<float>(random() % 100001) / 100000.0f; };
+  for (const int n : {4, 5, 20, 300, 3000}) {
+    Points box, ball, disc, dented;
+    for (int k = 0; k < n; ++k) {
+      const Vec3f p{unit(), unit(), unit()};
+      const Vec3d v = to_double(p) - Vec3d{0.5, 0.5, 0.5};
+      const double l = length(v) + 1e-9;
+      box.push_back(p);
+      ball.push_back({static_cast<float>(v.x / l), static_cast<float>(v.y / l), static_cast<float>(v.z / l)});
+      disc.push_back({p.x, 0.001f * p.y, p.z});
+      dented.push_back({100 + p.x, std::round(8 * p.y), std::round(8 * p.z)});
+    }
+    out.push_back({"box " + std::to_string(n), box});
+    out.push_back({"ball " + std::to_string(n), ball});
+    out.push_back({"disc " + std::to_string(n), disc});
+    out.push_back({"on planes " + std::to_string(n), dented});
+    ball.insert(ball.end(), ball.begin(), ball.end());
+    out.push_back({"twice " + std::to_string(n), ball});
+  }
+  return out;
+}
+
+TEST(ConvexHull, IsClosedAndNothingLiesOutside) {
+  ConvexHullBuilder builder;
+  for (const Family& f : families()) {
+    const auto& triangles = builder.build(f.points, 1u << 20);
+    ASSERT_FALSE(triangles.empty()) << f.name;
+    EXPECT_FALSE(builder.stopped_early());
+    EXPECT_EQ(open_directed_edges(mesh_of(f.points, triangles)), 0u) << f.name;
+    EXPECT_EQ(triangles.size(), 2 * corners(triangles).size() - 4) << f.name;  // Euler: one sphere
+    EXPECT_LE(farthest_outside(f.points, triangles), 2e-5) << f.name;
+  }
+}
+
+TEST(ConvexHull, OfAGridIsItsEightCorners) {
+  Points points;
+  for (int x = 0; x <= 8; ++x)
+    for (int y = 0; y <= 8; ++y)
+      for (int z = 0; z <= 8; ++z)
+        points.push_back({static_cast<float>(x), static_cast<float>(y), 3.0f * static_cast<float>(z)});
+  ConvexHullBuilder builder;
+  const auto triangles = builder.build(points, 255);
+  EXPECT_EQ(triangles.size(), 12u);
+  EXPECT_EQ(corners(triangles).size(), 8u);
+  EXPECT_DOUBLE_EQ(volume_of(mesh_of(points, triangles)), 8 * 8 * 24);
+}
+
+TEST(ConvexHull, OfFlatPointsIsEmpty) {
+  ConvexHullBuilder builder;
+  Points line, plane;
+  for (int k = 0; k < 50; ++k) {
+    line.push_back({static_cast<float>(k), 2.0f * static_cast<float>(k), 1});
+    plane.push_back(
+        {static_cast<float>(k % 7), static_cast<float>(k / 7), static_cast<float>(k % 7 + k / 7)});
+  }
+  for (const Points& points : {Points{}, Points(3), Points(9, {1, 2, 3}), line, plane})
+    EXPECT_TRUE(builder.build(points, 255).empty());
+  plane.push_back({3, 3, 100});
+  EXPECT_EQ(corners(builder.build(plane, 255)).count(50), 1u);
+}
+
+TEST(ConvexHull, StopsAtTheGivenNumberOfPointsWithoutLeavingASideOut) {
+  ConvexHullBuilder builder;
+  for (const Family& f : families()) {
+    if (f.name != "ball 3000") continue;
+    const auto all = builder.build(f.points, 1u << 20);
+    for (const std::uint32_t most : {4u, 20u, 60u, 255u}) {
+      const auto& some = builder.build(f.points, most);
+      EXPECT_TRUE(builder.stopped_early());
+      EXPECT_EQ(corners(some).size(), most);
+      EXPECT_EQ(open_directed_edges(mesh_of(f.points, some)), 0u);
+    }
+    EXPECT_GT(volume_of(mesh_of(f.points, builder.build(f.points, 255))),
+              0.95 * volume_of(mesh_of(f.points, all)));
+  }
+}
+
+}  // namespace
+}  // namespace fracture::test
