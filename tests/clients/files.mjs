@@ -61,6 +61,31 @@ export function bodiesOf(glb) {
   });
 }
 
+/** The same bodies in another unit of length: `unit` of them are a metre. Masses keep their density. */
+export const inUnits = (bodies, unit) => bodies.map(body => ({ ...body, translation: body.translation.map(x => x * unit),
+  hulls: body.hulls.map(hull => ({ ...hull, points: hull.points.map(x => x * unit) })),
+  motion: { ...body.motion, mass: body.motion.mass * unit ** 3, centerOfMass: body.motion.centerOfMass.map(x => x * unit),
+    inertiaDiagonal: body.motion.inertiaDiagonal.map(x => x * unit ** 5) } }));
+
+/** The tensor (xx yy zz xy xz yz) of principal moments in the frame of a unit quaternion. */
+export function tensorOf(moments, [x, y, z, w]) {
+  const axes = [[1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)],
+    [2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)],
+    [2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)]];
+  return [[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]].map(([i, j]) => moments.reduce((sum, m, k) => sum + m * axes[k][i] * axes[k][j], 0));
+}
+
+/** What an engine has as {mass, centerOfMass, inertiaDiagonal, inertiaOrientation} against the file's, to 1e-5. */
+export function massComplaints(body, read, size) {
+  const complaints = [], { mass, centerOfMass, inertiaDiagonal, inertiaOrientation } = body.motion;
+  const off = (what, a, b, tolerance) => Math.abs(a - b) <= tolerance || complaints.push(`${body.name}: ${what} ${a} in the engine, ${b} in the file`);
+  off('mass', read.mass, mass, 1e-5 * mass);
+  centerOfMass.forEach((c, k) => off('centre', read.centerOfMass[k], c, 1e-5 * size));
+  const theirs = tensorOf(read.inertiaDiagonal, read.inertiaOrientation), trace = inertiaDiagonal[0] + inertiaDiagonal[1] + inertiaDiagonal[2];
+  tensorOf(inertiaDiagonal, inertiaOrientation).forEach((m, k) => off('inertia', theirs[k], m, 1e-5 * trace));
+  return complaints;
+}
+
 /** Does the filter of one let it collide with the other? As the extension defines it; it has to hold both ways. */
 const lets = (a, b) => !a.filter?.notCollideWithSystems?.length || !(b.filter?.collisionSystems ?? []).length ||
   !b.filter.collisionSystems.every(system => a.filter.notCollideWithSystems.includes(system));

@@ -1,4 +1,5 @@
-# Lets one judge look at all samples but those whose name matches EXCEPT.
+# Lets one judge look at all samples but those whose name matches EXCEPT; one with a FOLDER of its own gets the
+# samples' folder and that one.
 find_program(NODE NAMES node nodejs)
 if(NOT NODE)
   execute_process(COMMAND ${CMAKE_COMMAND} -E echo "skipped: node is not installed")
@@ -7,6 +8,9 @@ endif()
 file(GLOB samples ${SAMPLES}/*.glb ${SAMPLES}/*.gltf)
 if(EXCEPT)
   list(FILTER samples EXCLUDE REGEX "${EXCEPT}")
+endif()
+if(FOLDER)
+  set(samples ${SAMPLES} ${FOLDER})
 endif()
 execute_process(COMMAND ${NODE} ${SCRIPT} ${samples} RESULT_VARIABLE judged)
 if(NOT judged EQUAL 0 AND NOT judged EQUAL 77)

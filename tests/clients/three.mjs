@@ -1,5 +1,5 @@
 // three.js GLTFLoader has to load the file, with every fragment in the scene: name, id, triangles, place, materials.
-// Textures are skipped: decoding pictures needs a browser.   usage: node three.mjs FILE.glb …
+// Textures are decoded by pictures.mjs, in a browser.   usage: node three.mjs FILE.glb …
 import { fragmentsOf, installed, judgeAll, parse } from './files.mjs';
 
 // What the loader expects of a browser.
