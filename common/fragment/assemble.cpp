@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/stamped_map.hpp"
 #include "common/exact/number_types.hpp"
 #include "common/fragment/mass_properties.hpp"
-#include "common/base/stamped_map.hpp"
 #include "common/fragment/vertex_attributes.hpp"
 
 namespace fracture {
@@ -52,14 +52,14 @@ class Assembler {
     plain_ = a.normals.empty() && a.tangents.empty() && a.uvs.empty() && a.colors.empty();
   }
 
-  void run(const Piece& piece) {
+  void run(const Piece& piece, Pivot pivot) {
     collect_vertices(piece);
     points_.clear();
     points_.reserve(ids_.size());
     for (const VertexId v : ids_) points_.push_back(d_.point(v));
     write_attributes();
     measure();
-    place(piece);
+    place(piece, pivot);
   }
 
  private:
@@ -255,16 +255,23 @@ class Assembler {
     out_.mass = all.result();
   }
 
-  void place(const Piece& piece) {
-    const SeamLattice& lattice = d_.positions.lattice;
-    const Vec3d step = lattice.step();
-    // Inside the box even when rounding error throws the centre of a sliver out of it.
+  /// The centre of mass on the seam lattice, inside the box even when rounding error throws the centre of a
+  /// sliver out of it.
+  std::array<std::int32_t, 3> center_on_lattice(const Vec3d& step) const {
     Box box;
     for (const Vec3d& p : points_) box.add(p);
-    std::array<std::int32_t, 3> pivot;
+    std::array<std::int32_t, 3> center;
     for (int a = 0; a < 3; ++a)
-      pivot[a] = static_cast<std::int32_t>(
+      center[a] = static_cast<std::int32_t>(
           std::nearbyint(std::clamp(out_.mass.center_of_mass[a], box.min[a], box.max[a]) / step[a]));
+    return center;
+  }
+
+  void place(const Piece& piece, Pivot where) {
+    const SeamLattice& lattice = d_.positions.lattice;
+    const Vec3d step = lattice.step();
+    const std::array<std::int32_t, 3> pivot =
+        where == Pivot::kSource ? std::array<std::int32_t, 3>{} : center_on_lattice(step);
     out_.pivot = lattice.to_world(pivot);
     const auto local = [&](VertexId v) -> Vec3f {
       if (v < d_.positions.first_constructed) {
@@ -295,14 +302,15 @@ class Assembler {
 
 }  // namespace
 
-Fragment assemble(const RestrictedDiagram& diagram, const Ownership& ownership, const Piece& piece) {
+Fragment assemble(const RestrictedDiagram& diagram, const Ownership& ownership, const Piece& piece,
+                  Pivot pivot) {
   Fragment out;
   for (const std::uint32_t o : piece.owners)
     out.sites.insert(out.sites.end(), ownership.sites_of_owner[o].begin(), ownership.sites_of_owner[o].end());
   std::sort(out.sites.begin(), out.sites.end());
   out.part = piece.part;
   out.node = diagram.solid.parts[piece.part].node;
-  Assembler(diagram, out).run(piece);
+  Assembler(diagram, out).run(piece, pivot);
   return out;
 }
 

@@ -9,8 +9,9 @@ namespace fracture {
 
 /// Exterior vertices carry the source's attributes: unchanged at input vertices, interpolated linearly along
 /// edges and across triangles at cut points. Cap vertices carry the cap's flat normal, planar UVs in metres,
-/// white. The pivot is the centre of mass rounded to the seam lattice. Does not set `id`.
-Fragment assemble(const RestrictedDiagram& diagram, const Ownership& ownership, const Piece& piece);
+/// white. Does not set `id`.
+Fragment assemble(const RestrictedDiagram& diagram, const Ownership& ownership, const Piece& piece,
+                  Pivot pivot);
 
 /// Volume enclosed by the final rounded positions (float32, local): the value as computed, m³, and its exact
 /// sign.

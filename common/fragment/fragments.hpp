@@ -34,6 +34,12 @@ struct CollisionHull {
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise from outside
 };
 
+/// Where the origin of a fragment's local frame is.
+enum class Pivot {
+  kCenterOfMass,  ///< at the centre of mass, rounded to the seam lattice
+  kSource,        ///< at the origin of the source: local positions are world positions
+};
+
 struct Fragment {
   std::uint64_t id = 0;  ///< function of its sites and part only (at most 2^53 - 1: exact in JSON)
   std::vector<std::uint32_t> sites;  ///< ids of its cells' sites, ascending

@@ -133,7 +133,7 @@ std::uint64_t fragment_id(const VoronoiDiagram& diagram, const Fragment& f, std:
 
 }  // namespace
 
-FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownership,
+FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownership, Pivot pivot,
                            const Execution& execution) {
   const Pieces pieces = gather_pieces(d, ownership, execution);
   const std::size_t n = pieces.pieces.size();
@@ -154,9 +154,9 @@ FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownershi
         const std::uint32_t g = todo[k];
         const auto& members = groups.members(g);
         if (members.size() == 1)
-          fragments[g] = assemble(d, ownership, pieces.pieces[g]);
+          fragments[g] = assemble(d, ownership, pieces.pieces[g], pivot);
         else
-          fragments[g] = assemble(d, ownership, join_pieces(pieces, members, groups.of_piece()));
+          fragments[g] = assemble(d, ownership, join_pieces(pieces, members, groups.of_piece()), pivot);
         volumes[g] = file_volume(fragments[g]);
       }
     });

@@ -12,7 +12,7 @@ namespace fracture {
 /// positive is united with the neighbour of largest shared cap area (ties: the lowest piece), their common
 /// caps disappearing on both sides, until none is left; a piece without any neighbour is dropped and counted,
 /// its volume in `pocket_volume`.
-FragmentSet make_fragments(const RestrictedDiagram& diagram, const Ownership& ownership,
+FragmentSet make_fragments(const RestrictedDiagram& diagram, const Ownership& ownership, Pivot pivot,
                            const Execution& execution);
 
 }  // namespace fracture

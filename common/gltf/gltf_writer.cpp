@@ -174,7 +174,7 @@ void write_images(JsonText& json, const MaterialLibrary& library, Accessors& acc
 void write_meshes(JsonText& json, const FragmentSet& set, const GltfOptions& options,
                   const SceneLayout& layout, const std::vector<WholeNode>& whole, Accessors& accessors) {
   if (set.fragments.empty()) return;
-  MeshWriter writer(*set.source->library, options.mesh_manifold, accessors);
+  MeshWriter writer(*set.source->library, options.interior_material, options.mesh_manifold, accessors);
   json.key("meshes").begin_array();
   for (std::size_t k = 0; k < set.fragments.size(); ++k) writer.write(json, set.fragments[k], layout.name(k));
   for (std::size_t k = 0; k < set.fragments.size(); ++k)

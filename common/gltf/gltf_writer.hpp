@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "common/fragment/fragments.hpp"
+#include "common/gltf/interior_material.hpp"
 
 namespace fracture {
 
@@ -51,12 +52,9 @@ struct GltfOptions {
   double friction = 0.6;      ///< static and dynamic
   double restitution = 0.1;   ///< 0 … 1
   bool mesh_manifold = true;  ///< EXT_mesh_manifold on every fragment with a topology (mesh_manifold.hpp)
-  /// The material of the cut faces as a glTF material object; its name should contain "Interior" (that is how
-  /// tools tell cut faces from the outside). Textures are indices into the source's.
-  nlohmann::json interior_material = {
-      {"name", "Interior"},
-      {"pbrMetallicRoughness",
-       {{"baseColorFactor", {0.55, 0.5, 0.45, 1}}, {"metallicFactor", 0}, {"roughnessFactor", 0.9}}}};
+  /// The material of the cut faces as a glTF material object (interior_material.hpp); its name should contain
+  /// "Interior" (that is how tools tell cut faces from the outside). Textures are indices into the source's.
+  nlohmann::json interior_material = plain_interior_material();
 };
 
 /// Throws InternalError when a fragment contradicts its own description (attribute lengths, index ranges,

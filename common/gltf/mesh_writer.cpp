@@ -20,9 +20,16 @@ bool has_normal_texture(const nlohmann::json& value) {
 
 }  // namespace
 
-MeshWriter::MeshWriter(const MaterialLibrary& library, bool mesh_manifold, Accessors& accessors)
+MeshWriter::MeshWriter(const MaterialLibrary& library, const nlohmann::json& interior_material,
+                       bool mesh_manifold, Accessors& accessors)
     : accessors_(accessors), mesh_manifold_(mesh_manifold), interior_(library.materials.size()) {
   for (const auto& material : library.materials) normal_mapped_.push_back(has_normal_texture(material));
+  normal_mapped_.push_back(has_normal_texture(interior_material));
+}
+
+bool MeshWriter::needs_tangents(const FragmentPrimitive& p) const {
+  const std::size_t material = p.material == kInteriorMaterial ? interior_ : p.material;
+  return material < normal_mapped_.size() && normal_mapped_[material];
 }
 
 std::size_t MeshWriter::write_positions(const std::vector<Vec3f>& positions) {

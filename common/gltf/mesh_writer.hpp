@@ -13,7 +13,8 @@ namespace fracture {
 
 class MeshWriter {
  public:
-  MeshWriter(const MaterialLibrary& library, bool mesh_manifold, Accessors& accessors);
+  MeshWriter(const MaterialLibrary& library, const nlohmann::json& interior_material, bool mesh_manifold,
+             Accessors& accessors);
 
   /// Attribute accessors shared by the primitives, indices of all of them in one run.
   void write(JsonText& json, const Fragment& fragment, const std::string& name);
@@ -21,9 +22,7 @@ class MeshWriter {
   void write(JsonText& json, const CollisionHull& hull, const std::string& name);
 
  private:
-  bool needs_tangents(const FragmentPrimitive& p) const {
-    return p.material < normal_mapped_.size() && normal_mapped_[p.material];
-  }
+  bool needs_tangents(const FragmentPrimitive& p) const;
   /// Returns the accessor.
   std::size_t write_positions(const std::vector<Vec3f>& positions);
 

@@ -13,7 +13,7 @@ namespace fracture {
 namespace {
 
 /// solid ∩ the Voronoi cell of sites[0]; nothing when they do not meet.
-std::optional<FragmentSet> cut_one_cell(const Solid& solid, const std::vector<Vec3d>& sites,
+std::optional<FragmentSet> cut_one_cell(const Solid& solid, const std::vector<Vec3d>& sites, Pivot pivot,
                                         const Execution& execution) {
   const Expected<Tetrahedralization> t = tetrahedralize(sites, solid.box, execution);
   if (!t || t->site_of_input[0] == kNoSite) return std::nullopt;
@@ -22,12 +22,12 @@ std::optional<FragmentSet> cut_one_cell(const Solid& solid, const std::vector<Ve
   Ownership ownership = Ownership::from_groups(t->site_count(), {});
   ownership.wanted.assign(t->site_count(), false);
   ownership.wanted[t->site_of_input[0]] = true;
-  return make_fragments(restricted, ownership, execution);
+  return make_fragments(restricted, ownership, pivot, execution);
 }
 
 }  // namespace
 
-BarycentricResult fracture_barycentric(const Solid& solid, const VoronoiDiagram& diagram,
+BarycentricResult fracture_barycentric(const Solid& solid, const VoronoiDiagram& diagram, Pivot pivot,
                                        const Execution& execution) {
   const std::uint32_t sites = diagram.dual().site_count();
   std::vector<std::optional<FragmentSet>> cells(sites);
@@ -39,7 +39,7 @@ BarycentricResult fracture_barycentric(const Solid& solid, const VoronoiDiagram&
     for (std::size_t i = begin; i < end; ++i) {
       const auto mirrored = barycentric_cell(diagram, static_cast<SiteId>(i));
       if (mirrored)
-        cells[i] = cut_one_cell(solid, *mirrored, single);
+        cells[i] = cut_one_cell(solid, *mirrored, pivot, single);
       else
         skipped[i] = 1;
     }

@@ -15,7 +15,7 @@ struct BarycentricResult {
 
 /// Cuts the solid by each barycentric cell on its own: cost is sites x triangles, as in the paper (the
 /// Voronoi mode has no such term).
-BarycentricResult fracture_barycentric(const Solid& solid, const VoronoiDiagram& diagram,
+BarycentricResult fracture_barycentric(const Solid& solid, const VoronoiDiagram& diagram, Pivot pivot,
                                        const Execution& execution);
 
 }  // namespace fracture

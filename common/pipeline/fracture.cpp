@@ -84,11 +84,12 @@ Expected<FragmentSet> fracture(const Solid& solid, const Diagram& diagram,
     FragmentSet set;
     std::uint32_t skipped_hulls = 0;
     if (parameters.dual == Dual::kBarycenter) {
-      BarycentricResult result = fracture_barycentric(solid, voronoi, execution);
+      BarycentricResult result = fracture_barycentric(solid, voronoi, parameters.pivot, execution);
       set = std::move(result.set);
       skipped_hulls = result.skipped_hulls;
     } else {
-      set = make_fragments(restrict_to_solid(solid, voronoi, execution), ownership, execution);
+      set = make_fragments(restrict_to_solid(solid, voronoi, execution), ownership, parameters.pivot,
+                           execution);
     }
     if (set.fragments.empty()) return fail(ErrorCode::kNoFragments, "none of the pieces has a volume");
     HullReport hulls;

@@ -34,6 +34,7 @@ struct FractureParameters {
   std::uint64_t seed = 1;
   Dual dual = Dual::kCircumcenter;
   Hulls hulls = Hulls::kNone;  ///< collision hulls for physics engines (physics/collision_hulls.hpp)
+  Pivot pivot = Pivot::kCenterOfMass;
   std::vector<Vec3d>
       points{};  ///< when not empty: the sites themselves (never snapped); `sites` and `seed` are ignored
   /// Per point of `points` (or empty): cells with the same group id stay together as one fragment.

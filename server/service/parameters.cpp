@@ -1,95 +1,13 @@
 #include "server/service/parameters.hpp"
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <set>
 #include <utility>
 
+#include "server/service/parameter_values.hpp"
+
 namespace fracture {
 namespace {
-
-std::string join(const std::vector<std::string>& words) {
-  std::string s;
-  for (std::size_t i = 0; i < words.size(); ++i)
-    s += (i == 0 ? "" : i + 1 == words.size() ? " or " : ", ") + words[i];
-  return s;
-}
-
-/// The value as a person typed it, short enough for an error message and free of control characters.
-std::string shown(const nlohmann::json& value) {
-  if (value.is_structured())
-    return value.is_array() ? "an array" : "an object";  // dump() recurses: never on depth
-  std::string s = value.is_string() ? value.get<std::string>() : value.dump();
-  if (s.size() > 40) s = s.substr(0, 40) + "...";
-  for (char& c : s)
-    if (static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) >= 0x7f) c = '?';
-  return s;
-}
-
-std::optional<std::uint64_t> to_integer(const RawParameter& raw) {
-  if (!raw.is_text) {
-    const bool whole = raw.value.is_number_unsigned() ||
-                       (raw.value.is_number_integer() && raw.value.get<std::int64_t>() >= 0);
-    return whole ? std::optional(raw.value.get<std::uint64_t>()) : std::nullopt;
-  }
-  const auto& text = raw.value.get_ref<const std::string&>();
-  std::uint64_t number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc{} || end != text.data() + text.size() || text.empty()) return std::nullopt;
-  return number;
-}
-
-std::optional<double> to_number(const RawParameter& raw) {
-  double number = 0;
-  if (!raw.is_text) {
-    if (!raw.value.is_number()) return std::nullopt;
-    number = raw.value.get<double>();
-  } else {
-    const auto& text = raw.value.get_ref<const std::string&>();
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (error != std::errc{} || end != text.data() + text.size() || text.empty()) return std::nullopt;
-  }
-  return std::isfinite(number) ? std::optional(number == 0 ? 0.0 : number) : std::nullopt;
-}
-
-/// JSON text must be UTF-8, and the canonical parameters are JSON: strict and lenient spelling differ else.
-bool is_utf8(const std::string& text) {
-  const nlohmann::json value(text);
-  using Handler = nlohmann::json::error_handler_t;
-  return value.dump(-1, ' ', false, Handler::ignore) == value.dump(-1, ' ', false, Handler::replace);
-}
-
-/// Sorted, each once; nothing when an entry is empty, no UTF-8, or no text.
-std::optional<std::vector<std::string>> to_names(const RawParameter& raw) {
-  std::vector<std::string> names;
-  if (raw.value.is_string()) {
-    std::string_view text = raw.value.get_ref<const std::string&>();
-    for (;;) {
-      const std::size_t comma = text.find(',');
-      names.emplace_back(text.substr(0, comma));
-      if (comma == std::string_view::npos) break;
-      text.remove_prefix(comma + 1);
-    }
-  } else if (raw.value.is_array() && !raw.value.empty()) {
-    for (const auto& entry : raw.value) {
-      if (!entry.is_string()) return std::nullopt;
-      names.push_back(entry.get<std::string>());
-    }
-  } else {
-    return std::nullopt;
-  }
-  for (const std::string& name : names)
-    if (name.empty() || !is_utf8(name)) return std::nullopt;
-  std::sort(names.begin(), names.end());
-  names.erase(std::unique(names.begin(), names.end()), names.end());
-  return names;
-}
-
-std::string shortest(double number) {
-  char text[32];
-  return {text, std::to_chars(text, text + sizeof text, number).ptr};
-}
 
 std::string expectation(const ParameterSpec& spec) {
   switch (spec.type) {
@@ -99,6 +17,10 @@ std::string expectation(const ParameterSpec& spec) {
       return "must be a number from " + shortest(spec.low) + " to " + shortest(spec.high);
     case ParameterSpec::Type::kNames:
       return "must be names or indices separated by commas, in UTF-8, none of them empty";
+    case ParameterSpec::Type::kText:
+      return "must be 1 to 63 bytes of text";
+    case ParameterSpec::Type::kColor:
+      return "must be an sRGB colour as #rrggbb";
     case ParameterSpec::Type::kChoice:
       break;
   }
@@ -115,6 +37,13 @@ void set_number(RequestParameters& result, std::string_view name, double value) 
   if (name == "weld_tolerance") result.solid.weld_tolerance = value;
   if (name == "density") result.density = value;
   if (name == "mass") result.mass = value;
+  if (name == "interior_roughness") result.interior.roughness = value;
+  if (name == "interior_metallic") result.interior.metallic = value;
+}
+
+void set_text(RequestParameters& result, std::string_view name, std::string value) {
+  if (name == "interior_name") result.interior.name = std::move(value);
+  if (name == "interior_material") result.interior.material = std::move(value);
 }
 
 void set_names(RequestParameters& result, std::string_view name, std::vector<std::string> value) {
@@ -128,6 +57,7 @@ constexpr const char* kUnits[] = {"file", "m", "cm", "mm", "inch"};
 constexpr const char* kAxes[] = {"file", "y", "z"};
 constexpr const char* kPhysics[] = {"khr", "omi", "none"};
 constexpr const char* kUeCollisions[] = {"none", "ucx"};
+constexpr const char* kPivots[] = {"center_of_mass", "source"};
 
 /// The enumerators stand in the order of their spellings.
 template <std::size_t n>
@@ -147,6 +77,7 @@ void set_choice(RequestParameters& result, const ParameterSpec& spec, const std:
   if (spec.name == "up") result.frame.up = static_cast<UpAxis>(index);
   if (spec.name == "physics") result.physics = static_cast<Physics>(index);
   if (spec.name == "ue_collision") result.ue_collision = static_cast<UeCollision>(index);
+  if (spec.name == "pivot") result.fracture.pivot = static_cast<Pivot>(index);
   if (spec.name == "format") result.format = format_from_extension(choice);
 }
 
@@ -251,6 +182,32 @@ ParameterTable::ParameterTable(std::uint32_t max_sites, FormatSet formats) : for
        .choices = spellings(kUeCollisions),
        .default_value = kUeCollisions[0],
        .doc = "ucx: the collision hulls also as nodes UCX_..., which Unreal takes for collision geometry."},
+      {.name = "pivot",
+       .type = Type::kChoice,
+       .choices = spellings(kPivots),
+       .default_value = kPivots[0],
+       .doc = "Origin of each fragment's node: its centre of mass, or that of the source."},
+      {.name = "interior_material",
+       .type = Type::kText,
+       .doc = "Name or index of a material of the mesh whose look, textures included, the cut faces get. "
+              "Without it they are a matt grey."},
+      {.name = "interior_name",
+       .type = Type::kText,
+       .doc = "Name of the cut faces' material. Without it: Interior, or Interior_ and the name of "
+              "interior_material."},
+      {.name = "interior_color",
+       .type = Type::kColor,
+       .doc = "Base colour of the cut faces, sRGB as #rrggbb; replaces the reused base colour texture."},
+      {.name = "interior_roughness",
+       .type = Type::kNumber,
+       .low = 0,
+       .high = 1,
+       .doc = "Roughness of the cut faces."},
+      {.name = "interior_metallic",
+       .type = Type::kNumber,
+       .low = 0,
+       .high = 1,
+       .doc = "How metallic the cut faces are."},
       {.name = "density",
        .type = Type::kNumber,
        .low = 1e-3,
@@ -320,6 +277,17 @@ Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter
         set_names(result, raw.name, std::move(*names));
       else
         offend(ErrorCode::kBadParameter, raw, complaint);
+    } else if (spec->type == ParameterSpec::Type::kText) {
+      if (std::optional<std::string> text = to_text(raw))
+        set_text(result, raw.name, std::move(*text));
+      else
+        offend(ErrorCode::kBadParameter, raw, complaint);
+    } else if (spec->type == ParameterSpec::Type::kColor) {
+      const std::string text = raw.value.is_string() ? raw.value.get<std::string>() : std::string();
+      if ((result.interior.color = linear_color(text)))
+        result.interior_color = text;
+      else
+        offend(ErrorCode::kBadParameter, raw, complaint);
     } else {
       std::string choice = raw.value.is_string() ? raw.value.get<std::string>() : std::string();
       if (raw.name == "format")  // file endings come in both cases: part.STL
@@ -357,6 +325,13 @@ nlohmann::json ParameterTable::to_json() const {
       entry["maximum"] = spec.high;
     } else if (spec.type == ParameterSpec::Type::kNames) {
       entry["type"] = "string";
+    } else if (spec.type == ParameterSpec::Type::kText) {
+      entry["type"] = "string";
+      entry["minLength"] = 1;
+      entry["maxLength"] = 63;
+    } else if (spec.type == ParameterSpec::Type::kColor) {
+      entry["type"] = "string";
+      entry["pattern"] = "^#[0-9a-fA-F]{6}$";
     } else {
       entry["type"] = "string";
       entry["enum"] = spec.choices;
@@ -384,6 +359,12 @@ nlohmann::json canonical_parameters(const RequestParameters& p) {
   json["sites"] = p.fracture.sites;
   json["physics"] = spelling(p.physics, kPhysics);
   json["ue_collision"] = spelling(p.ue_collision, kUeCollisions);
+  json["pivot"] = spelling(p.fracture.pivot, kPivots);
+  if (!p.interior.material.empty()) json["interior_material"] = p.interior.material;
+  if (p.interior.name) json["interior_name"] = *p.interior.name;
+  if (p.interior.color) json["interior_color"] = p.interior_color;
+  if (p.interior.roughness) json["interior_roughness"] = *p.interior.roughness;
+  if (p.interior.metallic) json["interior_metallic"] = *p.interior.metallic;
   if (p.mass)
     json["mass"] = *p.mass;
   else

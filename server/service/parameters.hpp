@@ -28,6 +28,8 @@ struct ParameterSpec {
     kNumber,   ///< finite number from low to high
     kChoice,   ///< one of choices
     kNames,    ///< names separated by commas; in JSON an array of strings or such a text
+    kText,     ///< 1 to 63 bytes of UTF-8
+    kColor,    ///< sRGB as "#rrggbb"
   };
   std::string name;
   Type type = Type::kInteger;
@@ -53,7 +55,9 @@ struct RequestParameters {
   FractureParameters fracture;
   Physics physics = Physics::kKhr;
   UeCollision ue_collision = UeCollision::kNone;
-  double density = 1000;             ///< kg/m³
+  double density = 1000;  ///< kg/m³
+  InteriorLook interior;
+  std::string interior_color;        ///< as given, when interior.color is set
   std::optional<double> mass;        ///< kg, of all fragments; when given it decides the density
   std::optional<MeshFormat> format;  ///< as given by `format=`; nothing when absent
 };

@@ -143,6 +143,8 @@ Expected<void> FractureService::make_result(const PreparedMesh& mesh, const Diag
                                             const FractureRequest& request, const RequestKeys& keys,
                                             const Execution& execution, FractureAnswer& answer) {
   if (execution.progress) execution.progress("clip", 0);
+  auto interior = interior_material(request.parameters.interior, *mesh.solid.source->library);
+  if (!interior) return tl::unexpected<Error>(std::move(interior.error()));
   FractureParameters parameters = request.parameters.fracture;
   const bool hulls =
       request.parameters.physics != Physics::kNone || request.parameters.ue_collision != UeCollision::kNone;
@@ -166,6 +168,7 @@ Expected<void> FractureService::make_result(const PreparedMesh& mesh, const Diag
       fragments->report["passed_through"] = {
           {"triangles", mesh.solid.source->passed_through->triangles.size()}};
     GltfOptions options = output_options(request.parameters, *fragments);
+    options.interior_material = std::move(*interior);
     options.mesh_digest = result->mesh_digest;
     result->file = engine_->encode(*fragments, options, request.output);
     result->file_digest = sha256(std::as_bytes(std::span(result->file)));

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <set>
+#include <tuple>
 
 #include "common/pipeline/fracture.hpp"
 #include "tests/support/figures.hpp"
@@ -52,6 +54,41 @@ TEST(Pipeline, DuplicateSitesAreMergedAndReported) {
   EXPECT_EQ(set->report["sites"]["used"], 2);
   EXPECT_EQ(set->report["sites"]["duplicates_merged"], 2);
   EXPECT_EQ(set->certificate.sites_asked, 4u);
+}
+
+TEST(Pipeline, InTheSourcesFrameNothingIsMovedNorRoundedOtherwise) {
+  Mesh mesh = sphere_with(2000);
+  for (Vec3f& p : mesh.positions) p = {p.x + 30, p.y - 7, p.z + 0.3f};
+  const Solid solid = solid_of(mesh);
+  FractureParameters p;
+  StageTimings timings;
+  const Diagram diagram = *make_diagram(solid, p, {}, timings);
+  const FragmentSet centred = *fracture(solid, diagram, p, {}, timings);
+  p.pivot = Pivot::kSource;
+  const FragmentSet placed = *fracture(solid, diagram, p, {}, timings);
+
+  const auto before = [](const Vec3f& a, const Vec3f& b) {
+    return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+  };
+  std::set<Vec3f, decltype(before)> source(mesh.positions.begin(), mesh.positions.end(), before),
+      seen(before);
+  ASSERT_EQ(placed.fragments.size(), centred.fragments.size());
+  for (std::size_t k = 0; k < placed.fragments.size(); ++k) {
+    const Fragment &at = placed.fragments[k], &from = centred.fragments[k];
+    EXPECT_EQ(at.pivot, Vec3d{});
+    EXPECT_EQ(at.id, from.id);
+    ASSERT_EQ(at.positions.size(), from.positions.size());
+    for (std::size_t v = 0; v < at.positions.size(); ++v) {
+      if (source.count(at.positions[v]) > 0) {
+        seen.insert(at.positions[v]);
+        continue;
+      }
+      const Vec3d moved = to_double(from.positions[v]) + from.pivot;  // of a cut: exact
+      EXPECT_EQ(to_double(at.positions[v]), moved);
+    }
+  }
+  EXPECT_EQ(seen.size(), source.size()) << "an input vertex lost its bits";
+  EXPECT_EQ(placed.certificate.open_edges, 0u);
 }
 
 TEST(Pipeline, BarycentricFragmentsAreClosedAndSaySo) {

@@ -88,6 +88,11 @@ TEST(Contract, EveryParameterIsListedWithItsRangeAndDefault) {
       EXPECT_EQ(schema.at("maximum"), spec->high) << name;
     } else if (spec->type == ParameterSpec::Type::kNames) {
       EXPECT_EQ(schema.at("oneOf").size(), 2u) << name;  // a text, or an array of texts
+    } else if (spec->type == ParameterSpec::Type::kText) {
+      EXPECT_EQ(schema.at("minLength"), 1) << name;
+      EXPECT_EQ(schema.at("maxLength"), 63) << name;
+    } else if (spec->type == ParameterSpec::Type::kColor) {
+      EXPECT_EQ(schema.at("pattern"), "^#[0-9a-fA-F]{6}$") << name;
     } else {
       EXPECT_EQ(schema.at("enum"), json(spec->choices)) << name;
     }

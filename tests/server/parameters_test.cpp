@@ -84,20 +84,27 @@ TEST(Parameters, NamesAreASetHoweverTheyAreGiven) {
 
 TEST(Parameters, EverythingThatDecidesTheAnswerIsInItsCanonicalForm) {
   const std::string defaults = canonical_parameters(*table().parse({})).dump();
-  for (const auto& [name, value] : std::vector<std::pair<std::string, std::string>>{{"repair", "strict"},
-                                                                                    {"thickness", "0.1"},
-                                                                                    {"weld_tolerance", "0"},
-                                                                                    {"unit", "inch"},
-                                                                                    {"up", "z"},
-                                                                                    {"nodes", "a"},
-                                                                                    {"materials", "a"},
-                                                                                    {"physics", "omi"},
-                                                                                    {"ue_collision", "ucx"},
-                                                                                    {"density", "1"},
-                                                                                    {"mass", "1"},
-                                                                                    {"sites", "7"},
-                                                                                    {"seed", "7"},
-                                                                                    {"dual", "barycenter"}}) {
+  for (const auto& [name, value] :
+       std::vector<std::pair<std::string, std::string>>{{"repair", "strict"},
+                                                        {"thickness", "0.1"},
+                                                        {"weld_tolerance", "0"},
+                                                        {"unit", "inch"},
+                                                        {"up", "z"},
+                                                        {"nodes", "a"},
+                                                        {"materials", "a"},
+                                                        {"physics", "omi"},
+                                                        {"ue_collision", "ucx"},
+                                                        {"pivot", "source"},
+                                                        {"interior_material", "Rock"},
+                                                        {"interior_name", "Inside"},
+                                                        {"interior_color", "#a0B1c2"},
+                                                        {"interior_roughness", "0.25"},
+                                                        {"interior_metallic", "1"},
+                                                        {"density", "1"},
+                                                        {"mass", "1"},
+                                                        {"sites", "7"},
+                                                        {"seed", "7"},
+                                                        {"dual", "barycenter"}}) {
     const auto parsed = parse_text(name, value);
     ASSERT_TRUE(parsed) << name;
     EXPECT_NE(canonical_parameters(*parsed).dump(), defaults) << name;
@@ -157,13 +164,28 @@ TEST(Parameters, ControlCharactersOfTheClientNeverReachTheDetail) {
   for (const char c : parsed.error().detail) EXPECT_TRUE(c >= 0x20 && c < 0x7f);
 }
 
+TEST(Parameters, AColourIsHexInSrgbAndAText63BytesWithoutControlCharacters) {
+  const auto color = parse_text("interior_color", "#ff0080");
+  ASSERT_TRUE(color);
+  EXPECT_EQ(color->interior.color->x, 1);
+  EXPECT_EQ(color->interior.color->y, 0);
+  EXPECT_NEAR(color->interior.color->z, 0.2158605, 1e-6);  // IEC 61966-2-1 of 128 / 255
+  for (const char* bad : {"ff0080", "#ff008", "#ff00800", "#ff00gg", "red", ""})
+    EXPECT_FALSE(parse_text("interior_color", bad)) << bad;
+  EXPECT_TRUE(parse_text("interior_name", std::string(63, 'a')));
+  for (const std::string& bad :
+       {std::string(), std::string(64, 'a'), std::string("a\nb"), std::string("\xff")})
+    EXPECT_FALSE(parse_text("interior_name", bad));
+}
+
 TEST(Parameters, OneSpellingForEveryWayToAsk) {
   const auto by_text = table().parse({{"seed", "3"}, {"sites", "50"}});
   const auto by_json = table().parse({{"seed", 3, false}});
   EXPECT_EQ(canonical_parameters(*by_text).dump(), canonical_parameters(*by_json).dump());
-  EXPECT_EQ(canonical_parameters(*by_text).dump(),
-            R"({"density":1000.0,"dual":"circumcenter","physics":"khr","repair":"fill","seed":3,"sites":50,)"
-            R"("thickness":0.0,"ue_collision":"none","unit":"file","up":"file","weld_tolerance":1e-06})");
+  EXPECT_EQ(
+      canonical_parameters(*by_text).dump(),
+      R"({"density":1000.0,"dual":"circumcenter","physics":"khr","pivot":"center_of_mass","repair":"fill","seed":3,"sites":50,)"
+      R"("thickness":0.0,"ue_collision":"none","unit":"file","up":"file","weld_tolerance":1e-06})");
 }
 
 }  // namespace
