@@ -26,6 +26,8 @@ namespace {
 /// How often a waiting import looks whether it is still wanted.
 constexpr int kPollMilliseconds = 10;
 constexpr std::chrono::seconds kStartTimeout{20};
+/// Room in a reply for names, warnings and the text of an error.
+constexpr std::uint64_t kSlack = 1u << 20;
 
 [[noreturn]] void fail_to_start(int error, const std::string& what) {
   throw std::system_error(error, std::generic_category(), what);
@@ -209,6 +211,11 @@ Expected<Mesh> WorkerProcess::import(std::span<const std::byte> mesh, MeshFormat
   const Received received = receive_message(socket_.get(), &done, sizeof done);
   const Descriptor unasked[] = {Descriptor(received.descriptors[0]), Descriptor(received.descriptors[1])};
   if (!received.whole || done.version != kProtocolVersion) return died(WorkerDeath::kCrash);
+  // The arrays within the limit, what is added to complete them, and images as they came.
+  if (done.output_bytes > 3 * limits.max_decoded_bytes + request.input_bytes + kSlack) {
+    last_words_ = "a reply of " + std::to_string(done.output_bytes) + " bytes";
+    return died(WorkerDeath::kSizeLimit);
+  }
   const SealedBytes reply = SealedBytes::take(output.get(), done.output_bytes);
   try {
     if (!reply.good()) throw BadReply("the reply is shorter than announced");
