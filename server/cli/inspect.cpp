@@ -6,6 +6,7 @@
 #include "server/cli/import_workers.hpp"
 #include "server/cli/input_file.hpp"
 #include "server/cli/options.hpp"
+#include "server/service/mesh_report.hpp"
 #include "server/service/worker_pool.hpp"
 
 namespace fracture::cli {
@@ -13,35 +14,6 @@ namespace {
 
 // Of a pipeline: see options.hpp.
 constexpr int kClosed = 0, kRepaired = 1, kRefused = 2, kFailed = 3;
-
-/// Did the solid need anything beyond merging equal positions?
-bool repaired(const SolidReport& r) {
-  return r.open_edges + r.nonmanifold_edges + r.flipped + r.degenerate_dropped + r.duplicates_dropped +
-             r.welded_tolerant + r.holes_filled + r.sheets_thickened + r.shells_dropped >
-         0;
-}
-
-nlohmann::json material_names(const Mesh& mesh) {
-  nlohmann::json names = nlohmann::json::array();
-  for (const auto& material : mesh.library->materials)
-    names.push_back(material.contains("name") ? material["name"] : nlohmann::json());
-  return names;
-}
-
-nlohmann::json report_of(const PreparedMesh& mesh, bool mended) {
-  const Mesh& source = *mesh.solid.source;
-  nlohmann::json report = {{"verdict", mended ? "repaired" : "closed"},
-                           {"solid", mesh.solid.report.to_json()},
-                           {"frame", mesh.frame},
-                           {"nodes", source.node_names},
-                           {"materials", material_names(source)},
-                           {"images", source.library->images.size()},
-                           {"warnings", source.warnings}};
-  for (const std::string& note : mesh.solid.report.notes) report["warnings"].push_back(note);
-  if (source.passed_through)
-    report["passed_through"] = {{"triangles", source.passed_through->triangles.size()}};
-  return report;
-}
 
 void print(const std::string& input, const PreparedMesh& mesh, bool mended) {
   const SolidReport& r = mesh.solid.report;
@@ -109,9 +81,8 @@ int inspect(const InspectOptions& options) {
   if (!mesh) return refuse(options, mesh.error());
   const bool mended = repaired((*mesh)->solid.report);
   if (options.json)
-    std::printf(
-        "%s\n",
-        report_of(**mesh, mended).dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    std::printf("%s\n",
+                mesh_report(**mesh).dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
   else
     print(options.input, **mesh, mended);
   return mended ? kRepaired : kClosed;

@@ -16,6 +16,8 @@
 #include "server/http/limits.hpp"
 #include "server/http/server.hpp"
 #include "server/service/dispatcher.hpp"
+#include "server/service/jobs.hpp"
+#include "server/service/mesh_store.hpp"
 #include "server/service/service.hpp"
 #include "server/service/worker_pool.hpp"
 
@@ -29,6 +31,8 @@ struct ServeOptions {
   http::HttpLimits limits;
   ServiceConfig service;
   DispatcherConfig dispatcher;
+  StoreConfig store;
+  JobsConfig jobs;
   int threads = 0;  ///< of the worker pool; 0: as many as there are cores
   std::size_t max_queue = 256;
   int import_workers = available_cores();    ///< 0: imports run in the server's own process

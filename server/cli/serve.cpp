@@ -62,7 +62,9 @@ int serve_until_stopped(const ServeOptions& options) {
   FractureService service(options.service, make_engine(imports));
   WorkerPool pool(options.threads > 0 ? options.threads : available_cores(), options.max_queue);
   Dispatcher dispatcher(service, pool, options.dispatcher);
-  http::Api api(dispatcher, options.limits);
+  http::Api api(dispatcher, options.limits, options.store, options.jobs);
+  if (const std::string& problem = service.tiers().disk_problem(); !problem.empty())
+    spdlog::warn("no disk cache: {}", problem);
   try {
     http::HttpServer server(options.server, api);
     spdlog::info("serving on http://{}:{} (admin port {}), {} computing threads", options.server.address,
@@ -99,6 +101,7 @@ int serve(const ServeOptions& options) {
   const sigset_t signals = stopping_signals();
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   signal(SIGPIPE, SIG_IGN);
+  signal(SIGXFSZ, SIG_IGN);  // a full quota is an error of write(), not the end
 
   // Standard output is for results; a log is none.
   const bool text = options.log_format == "text" || (options.log_format == "auto" && ::isatty(STDERR_FILENO));

@@ -101,7 +101,17 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
   group("Caches",
         {number("mesh-cache", "BYTES", s.mesh_cache_bytes, 0, kTiB, "Bytes of prepared meshes"),
          number("diagram-cache", "BYTES", s.diagram_cache_bytes, 0, kTiB, "Bytes of tetrahedralizations"),
-         number("result-cache", "BYTES", s.result_cache_bytes, 0, kTiB, "Bytes of finished answers")});
+         number("result-cache", "BYTES", s.result_cache_bytes, 0, kTiB, "Bytes of finished answers"),
+         text("cache-dir", "FOLDER", s.tiers.folder, "Keep finished answers in this folder too"),
+         number("disk-cache", "BYTES", s.tiers.disk_bytes, 0, kTiB, "Bytes of that folder"),
+         text("redis", "HOST:PORT", s.tiers.redis.address,
+              "Share finished answers through this Redis; or the path of its socket")});
+  group("Stores",
+        {number("mesh-store", "BYTES", o.store.quota_bytes, 0, kTiB, "Bytes of all stored meshes"),
+         seconds("mesh-ttl", o.store.ttl, "A stored mesh is forgotten when nobody used it for so long"),
+         number("max-jobs", "N", o.jobs.max_jobs, 0, 1'000'000, "Jobs known at the same time"),
+         number("job-results", "BYTES", o.jobs.max_result_bytes, 0, kTiB, "Bytes of results kept for jobs"),
+         seconds("job-ttl", o.jobs.ttl, "A finished job is forgotten after this")});
   group(
       "Stopping",
       {seconds("drain-delay", o.drain_delay,
@@ -144,6 +154,13 @@ std::vector<std::string> inconsistencies(const ServeOptions& o) {
   for (const auto& [name, value] : positive)
     if (value.count() <= 0) refuse(std::string(name) + " must be more than 0 seconds");
 
+  const std::string& redis = o.service.tiers.redis.address;
+  if (!redis.empty() && redis.front() != '/') {
+    const std::size_t colon = redis.rfind(':');
+    if (colon == 0 || colon == std::string::npos || colon + 1 == redis.size() ||
+        redis.find_first_not_of("0123456789", colon + 1) != std::string::npos)
+      refuse("redis must be host:port or the path of a socket; it was '" + redis + "'");
+  }
   for (const std::string& name : o.enabled_formats)
     if (!format_from_extension(name)) refuse("enable-format: there is no format '" + name + "'");
   for (const std::string& origin : o.server.cors_origins)

@@ -15,6 +15,8 @@ namespace {
 /// default).
 constexpr int kRealtimeUrgency = 2;
 
+bool is_json(std::string_view content_type) { return media_type_of(content_type) == "application/json"; }
+
 /// The member u of the field, a dictionary such as "u=1, i"; nothing when it is absent or malformed, which
 /// RFC 9218 wants ignored.
 std::optional<int> urgency_of(std::string_view field) {
@@ -65,13 +67,15 @@ OrProblem<Admission> Api::admit(Listener listener, const RequestHead& head) cons
     return refuse(HttpProblem::kNotImplemented, "The method is not known here.");
   }
   admission.head_only = is_head;
-  admission.max_body = head.method == "POST" ? limits_.max_body : 0;
+  const Carries carries = admission.route->carries;
+  const bool small = carries == Carries::kParameters ||
+                     (carries == Carries::kMeshOrName && is_json(head.field("content-type")));
+  admission.max_body = carries == Carries::kNothing ? 0 : small ? kMaxSmallBody : limits_.max_body;
 
   auto query = parse_query(head.query);
   if (!query) return refuse(HttpProblem::kMalformedRequest, "The query has a malformed percent escape.");
   admission.query = std::move(*query);
-  const bool is_post = head.method == "POST";
-  if (is_post) {
+  if (carries != Carries::kNothing) {
     // Parameters first: their errors are the most useful ones.
     if (auto parsed = service_.parameters().parse(raw_parameters(admission.query)); !parsed)
       return tl::unexpected<Problem>(to_problem(std::move(parsed.error())));
@@ -93,22 +97,33 @@ OrProblem<Admission> Api::admit(Listener listener, const RequestHead& head) cons
     return refuse(HttpProblem::kBodyTooLarge, "The body has " + std::to_string(*head.content_length) +
                                                   " bytes; the limit here is " +
                                                   std::to_string(admission.max_body) + ".");
-  if (is_post) {
-    if (!head.has_body())
-      return tl::unexpected<Problem>(
-          to_problem({ErrorCode::kEmptyBody,
-                      "The body is empty. Send the mesh file as the body, or as the part 'mesh' of a "
-                      "multipart/form-data body.",
-                      "mesh"}));
-    const std::string coding = head.field("content-encoding");
-    if (!coding.empty() && !equals_ignoring_case(coding, "identity"))
-      return refuse(HttpProblem::kUnsupportedCoding,
-                    "Content-Encoding is not supported; send the body as it is.");
-    if (auto problem = refuse_media_type(head, admission))
-      return tl::unexpected<Problem>(std::move(*problem));
-    if (auto problem = refuse_overload(head, admission)) return tl::unexpected<Problem>(std::move(*problem));
-  }
+  if (auto problem = refuse_body(head, admission)) return tl::unexpected<Problem>(std::move(*problem));
   return admission;
+}
+
+std::optional<Problem> Api::refuse_body(const RequestHead& head, const Admission& admission) const {
+  const Carries carries = admission.route->carries;
+  if (carries == Carries::kNothing) return std::nullopt;
+  if (!head.has_body()) {
+    if (carries == Carries::kParameters) return std::nullopt;  // all of them have defaults
+    return to_problem({ErrorCode::kEmptyBody,
+                       "The body is empty. Send the mesh file as the body, or as the part 'mesh' of a "
+                       "multipart/form-data body.",
+                       "mesh"});
+  }
+  const std::string coding = head.field("content-encoding");
+  if (!coding.empty() && !equals_ignoring_case(coding, "identity"))
+    return Problem(HttpProblem::kUnsupportedCoding,
+                   "Content-Encoding is not supported; send the body as it is.");
+  const std::string type = head.field("content-type");
+  if (carries == Carries::kParameters) {
+    if (is_json(type)) return std::nullopt;
+    return Problem(HttpProblem::kUnsupportedMediaType, "Parameters come as Content-Type: application/json.")
+        .with("Accept-Post", "application/json");
+  }
+  if (carries == Carries::kMeshOrName && is_json(type)) return std::nullopt;
+  if (auto problem = refuse_media_type(head, admission)) return problem;
+  return refuse_overload(head, admission);
 }
 
 /// A large body is not read when it could not be worked on in time. A small one is: its answer may be there

@@ -35,6 +35,38 @@ Response refusal(Error error, std::string_view request_id) {
   return Response::problem(to_problem(std::move(error)), request_id);
 }
 
+Api::Api(Dispatcher& dispatcher, const HttpLimits& limits, const StoreConfig& store, const JobsConfig& jobs)
+    : dispatcher_(dispatcher),
+      service_(dispatcher.service()),
+      limits_(limits),
+      bodies_(limits.max_bodies),
+      meshes_(store),
+      jobs_(dispatcher, jobs) {
+  sweep_later();
+}
+
+Api::~Api() { wait_idle(); }
+
+void Api::wait_idle() {
+  jobs_.cancel_all();
+  dispatcher_.wait_idle();
+  // What is left are watchers of jobs that have finished, and keep-alives.
+  jobs_.drop_watchers();
+  closing_ = true;  // a sweep that is at work puts no further one on the timer
+  dispatcher_.timer().flush();
+  dispatcher_.timer().clear();
+}
+
+void Api::sweep_later() {
+  constexpr std::chrono::seconds kInterval{10};
+  if (closing_) return;
+  dispatcher_.timer().at(Timer::Clock::now() + kInterval, [this] {
+    meshes_.sweep();
+    jobs_.sweep();
+    sweep_later();
+  });
+}
+
 void Api::start(std::shared_ptr<Request> request, std::stop_token gone, Reply reply) {
   answering(*request, reply, [&] { return dispatch(request, gone, reply); });
 }
@@ -72,7 +104,22 @@ Answered Api::dispatch(const std::shared_ptr<Request>& request, const std::stop_
     case Operation::kPostFracture:
       return post_fracture(request, gone, reply);
     case Operation::kGetFracture:
-      return get_fracture(*request);
+      return get_fracture(request, reply);
+    case Operation::kPutMesh:
+    case Operation::kPostMesh:
+      return put_mesh(request, gone, reply);
+    case Operation::kGetMesh:
+      return get_mesh(*request);
+    case Operation::kDeleteMesh:
+      return delete_mesh(*request);
+    case Operation::kPostMeshFracture:
+      return fracture_stored(request, request->body, request->admission.segment, gone, reply);
+    case Operation::kGetJob:
+      return get_job(*request);
+    case Operation::kDeleteJob:
+      return delete_job(*request);
+    case Operation::kGetJobEvents:
+      return get_job_events(*request);
     case Operation::kGetLivez:
       return Response::text(200, "text/plain", "alive\n");
     case Operation::kGetReadyz:

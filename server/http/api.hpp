@@ -1,6 +1,7 @@
 // What the server answers. Knows HTTP's meaning but no sockets: a session hands it the header (admit), then
 // the whole request (start), and writes what comes back. The handlers stand in one file for each subject:
-// api_fracture.cpp, api_results.cpp, api_discovery.cpp; admit.cpp decides from the header alone.
+// api_fracture.cpp, api_meshes.cpp, api_results.cpp, api_jobs.cpp, api_discovery.cpp; admit.cpp decides from
+// the header alone.
 #pragma once
 
 #include <atomic>
@@ -14,10 +15,13 @@
 #include <vector>
 
 #include "server/http/limits.hpp"
+#include "server/http/mesh_input.hpp"
 #include "server/http/message.hpp"
 #include "server/http/routes.hpp"
 #include "server/service/dispatcher.hpp"
+#include "server/service/jobs.hpp"
 #include "server/service/memory_budget.hpp"
+#include "server/service/mesh_store.hpp"
 #include "server/service/service.hpp"
 
 namespace fracture::http {
@@ -29,11 +33,9 @@ class Api {
  public:
   using Reply = std::function<void(Response)>;
 
-  Api(Dispatcher& dispatcher, const HttpLimits& limits)
-      : dispatcher_(dispatcher),
-        service_(dispatcher.service()),
-        limits_(limits),
-        bodies_(limits.max_bodies) {}
+  Api(Dispatcher& dispatcher, const HttpLimits& limits, const StoreConfig& store = {},
+      const JobsConfig& jobs = {});
+  ~Api();
 
   /// Decides from the header alone, before any of the body is read: 404, 405, 406, 413, 415, bad parameters
   /// in the query, no room in the queue.
@@ -43,13 +45,17 @@ class Api {
   /// stop of `gone` says that nobody waits for the answer any more. A broken invariant becomes a 500 problem
   /// and a log line.
   void start(std::shared_ptr<Request> request, std::stop_token gone, Reply reply);
-  /// Returns when nothing is computed any more and no reply is outstanding.
-  void wait_idle() { dispatcher_.wait_idle(); }
+  /// The end: stops the jobs, then returns when nothing is computed any more and no reply is outstanding.
+  void wait_idle();
+  /// Stops what was started with Prefer: respond-async.
+  void cancel_jobs() { jobs_.cancel_all(); }
 
   void set_draining() { draining_ = true; }
   bool draining() const { return draining_; }
   Problem no_memory() const;
   MemoryBudget& bodies() { return bodies_; }
+  const MeshStore& meshes() const { return meshes_; }
+  const Jobs& jobs() const { return jobs_; }
   const HttpLimits& limits() const { return limits_; }
 
  private:
@@ -58,12 +64,32 @@ class Api {
                  const std::function<Answered()>& handle) noexcept;
   Answered dispatch(const std::shared_ptr<Request>& request, const std::stop_token& gone, const Reply& reply);
 
+  /// Takes a mesh out of the body, here or on the pool when it is large, and goes on with it.
+  using WithMesh =
+      std::function<Answered(FractureRequest input, const std::shared_ptr<Body>& body, const Terms& terms)>;
+  Answered with_mesh_input(const std::shared_ptr<Request>& request, const std::stop_token& gone,
+                           const Reply& reply, WithMesh go_on);
   Answered post_fracture(const std::shared_ptr<Request>& request, const std::stop_token& gone,
                          const Reply& reply);
   /// What every way to ask for a fracture ends in.
   Answered fracture(const std::shared_ptr<Request>& request, FractureRequest asked, const Terms& terms,
                     const Reply& reply);
-  OrProblem<Response> get_fracture(const Request& request);
+  Answered get_fracture(const std::shared_ptr<Request>& request, const Reply& reply);
+  Answered found_result(const Request& request, const std::shared_ptr<const FractureResult>& result,
+                        std::string_view cache_status);
+
+  Answered put_mesh(const std::shared_ptr<Request>& request, const std::stop_token& gone, const Reply& reply);
+  Answered get_mesh(const Request& request);
+  Answered delete_mesh(const Request& request);
+  OrProblem<std::shared_ptr<const StoredMesh>> stored_mesh(std::string_view id);
+  /// `text` holds parameters as JSON; an empty `id` stands there as "mesh".
+  Answered fracture_stored(const std::shared_ptr<Request>& request, std::string_view text,
+                           std::string_view id, const std::stop_token& gone, const Reply& reply);
+
+  Answered start_job(const Request& request, FractureRequest asked, const Terms& terms);
+  Answered get_job(const Request& request);
+  Answered delete_job(const Request& request);
+  Answered get_job_events(const Request& request);
   Response get_index() const;
   Response get_version() const;
   Response get_limits() const;
@@ -74,13 +100,20 @@ class Api {
   /// Deadline and class of a request, from its header.
   OrProblem<Terms> terms_of(const RequestHead& head, const Route& route) const;
   std::optional<Problem> refuse_overload(const RequestHead& head, const Admission& admission) const;
+  std::optional<Problem> refuse_body(const RequestHead& head, const Admission& admission) const;
+  void sweep_later();
 
   Dispatcher& dispatcher_;
   FractureService& service_;
   const HttpLimits limits_;
   MemoryBudget bodies_;
-  std::atomic<bool> draining_{false};
+  MeshStore meshes_;
+  Jobs jobs_;
+  std::atomic<bool> draining_{false}, closing_{false};
 };
+
+/// Prefer: respond-async (RFC 7240).
+bool prefers_async(const RequestHead& head);
 
 /// Refusals as problems, with the header fields that belong to them.
 Problem to_problem(Error error);

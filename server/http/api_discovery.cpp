@@ -35,6 +35,12 @@ Response Api::get_limits() const {
                          {"max_json_depth", config.import_limits.max_json_depth},
                          {"deadline_ms", limits_.deadline.count()},
                          {"realtime_deadline_ms", limits_.realtime_deadline.count()},
+                         {"max_stored_mesh_bytes", meshes_.config().quota_bytes},
+                         {"mesh_ttl_ms", meshes_.config().ttl.count()},
+                         {"max_jobs", jobs_.config().max_jobs},
+                         {"max_job_result_bytes", jobs_.config().max_result_bytes},
+                         {"job_ttl_ms", jobs_.config().ttl.count()},
+                         {"max_parameters_bytes", kMaxSmallBody},
                          {"formats", service_.parameters().formats().names()},
                          {"parameters", service_.parameters().to_json()}});
 }

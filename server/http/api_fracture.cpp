@@ -1,6 +1,7 @@
 // POST /fracture: a mesh and parameters in, fragments out.
 #include "server/http/api.hpp"
 #include "server/http/mesh_input.hpp"
+#include "server/http/multipart.hpp"
 #include "server/http/result_response.hpp"
 
 namespace fracture::http {
@@ -12,27 +13,38 @@ constexpr std::size_t kReadInline = 256u << 10;
 
 }  // namespace
 
-Answered Api::post_fracture(const std::shared_ptr<Request>& request, const std::stop_token& gone,
-                            const Reply& reply) {
+Answered Api::with_mesh_input(const std::shared_ptr<Request>& request, const std::stop_token& gone,
+                              const Reply& reply, WithMesh go_on) {
   OrProblem<Terms> terms = terms_of(request->head, *request->admission.route);
   if (!terms) return tl::unexpected<Problem>(std::move(terms.error()));
   terms->gone = gone;
   const auto body = std::make_shared<Body>(Body{std::move(request->body), std::move(request->reservation)});
-  const auto read_and_ask = [this, request, body, terms = *terms, reply]() -> Answered {
-    OrProblem<FractureRequest> asked = read_mesh_input(*request, body, service_.parameters());
-    if (!asked) return tl::unexpected<Problem>(std::move(asked.error()));
-    return fracture(request, std::move(*asked), terms, reply);
+  const auto read = [this, request, body, terms = *terms, go_on = std::move(go_on)]() -> Answered {
+    OrProblem<FractureRequest> input = read_mesh_input(*request, body, service_.parameters());
+    if (!input) return tl::unexpected<Problem>(std::move(input.error()));
+    return go_on(std::move(*input), body, terms);
   };
-  if (body->bytes.size() <= kReadInline) return read_and_ask();
-  dispatcher_.run(terms->priority,
-                  [this, request, read_and_ask, reply] { answering(*request, reply, read_and_ask); });
+  if (body->bytes.size() <= kReadInline) return read();
+  dispatcher_.run(terms->priority, [this, request, read, reply] { answering(*request, reply, read); });
   return std::nullopt;
+}
+
+Answered Api::post_fracture(const std::shared_ptr<Request>& request, const std::stop_token& gone,
+                            const Reply& reply) {
+  if (media_type_of(request->head.field("content-type")) == "application/json")
+    return fracture_stored(request, request->body, "", gone, reply);
+  return with_mesh_input(
+      request, gone, reply,
+      [this, request, reply](FractureRequest input, const std::shared_ptr<Body>&, const Terms& terms) {
+        return fracture(request, std::move(input), terms, reply);
+      });
 }
 
 Answered Api::fracture(const std::shared_ptr<Request>& request, FractureRequest asked, const Terms& terms,
                        const Reply& reply) {
   const std::size_t representation = request->admission.representation;
   asked.output = representation == kAsGltf ? OutputFormat::kGltf : OutputFormat::kGlb;
+  if (prefers_async(request->head)) return start_job(*request, std::move(asked), terms);
   const std::optional<Overload> overload = dispatcher_.fracture(
       std::move(asked), terms, [this, request, representation, reply](Expected<FractureAnswer> answer) {
         answering(*request, reply, [&]() -> Answered {

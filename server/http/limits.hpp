@@ -9,7 +9,7 @@
 namespace fracture::http {
 
 struct HttpLimits {
-  std::uint64_t max_body = 64ull << 20;     ///< bytes of a request body
+  std::uint64_t max_body = 64ull << 20;           ///< bytes of a request body
   std::uint64_t max_decoded_body = 256ull << 20;  ///< bytes of a request body after its Content-Encoding
   std::uint64_t max_bodies = 512ull << 20;  ///< bytes of all request bodies that are held at the same time
   std::size_t max_header = 16u << 10;       ///< bytes of request line and fields together
@@ -26,6 +26,9 @@ struct HttpLimits {
   std::size_t max_connections = 1024;
   std::size_t max_connections_per_address = 64;
 };
+
+/// Bytes of a body that is a JSON object of parameters.
+inline constexpr std::uint64_t kMaxSmallBody = 4u << 10;
 
 /// Bound of the read buffer, which also bounds a chunk header with its extensions and a trailer section:
 /// Boost.Beast throws or grows without limit when its buffer is unbounded.

@@ -101,7 +101,9 @@ asio::awaitable<BodyOutcome> read_body(TimedSocket& connection, beast::flat_buff
   }
   connection.clear_deadline();
   request.body = std::move(parser.get().body());
-  if (request.head.method == "POST" && request.body.empty())  // only chunked bodies are found empty this late
+  const Carries carries = admission.route->carries;
+  // Only chunked bodies are found empty this late.
+  if ((carries == Carries::kMesh || carries == Carries::kMeshOrName) && request.body.empty())
     co_return refused(Problem(Error{ErrorCode::kEmptyBody, "The body is empty.", "mesh"}));
   co_return outcome;
 }

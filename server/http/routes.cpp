@@ -4,22 +4,35 @@ namespace fracture::http {
 namespace {
 
 constexpr std::string_view kResultTypes[] = {"model/gltf-binary", "application/json", "model/gltf+json"};
-constexpr std::string_view kStoredTypes[] = {"model/gltf-binary", "model/gltf+json"};
 constexpr std::string_view kJsonTypes[] = {"application/json"};
+constexpr std::string_view kEventTypes[] = {"text/event-stream"};
 constexpr std::string_view kTextTypes[] = {"text/plain"};
 
 using enum Operation;
 using enum Listener;
 
 constexpr Route kRoutes[] = {
-    {kGetIndex, kPublic, "GET", "/", kJsonTypes, "What this is"},
-    {kGetVersion, kPublic, "GET", "/version", kJsonTypes, "Versions of the server and of the algorithm"},
-    {kGetLimits, kPublic, "GET", "/limits", kJsonTypes, "Limits, parameters and formats"},
-    {kGetOpenapi, kPublic, "GET", "/openapi.json", kJsonTypes, "This interface as OpenAPI 3.1"},
-    {kPostFracture, kPublic, "POST", "/fracture", kResultTypes, "Fracture a mesh"},
-    {kGetFracture, kPublic, "GET", "/fractures/{id}", kStoredTypes, "A result that is still in the cache"},
-    {kGetLivez, kAdmin, "GET", "/livez", kTextTypes, "The process answers"},
-    {kGetReadyz, kAdmin, "GET", "/readyz", kTextTypes, "The server takes requests"},
+    {kGetIndex, kPublic, "GET", "/", Carries::kNothing, kJsonTypes, "What this is"},
+    {kGetVersion, kPublic, "GET", "/version", Carries::kNothing, kJsonTypes,
+     "Versions of the server and of the algorithm"},
+    {kGetLimits, kPublic, "GET", "/limits", Carries::kNothing, kJsonTypes, "Limits, parameters and formats"},
+    {kGetOpenapi, kPublic, "GET", "/openapi.json", Carries::kNothing, kJsonTypes,
+     "This interface as OpenAPI 3.1"},
+    {kPostFracture, kPublic, "POST", "/fracture", Carries::kMeshOrName, kResultTypes, "Fracture a mesh"},
+    {kGetFracture, kPublic, "GET", "/fractures/{id}", Carries::kNothing, kResultTypes,
+     "A result that is still in the cache"},
+    {kPostMesh, kPublic, "POST", "/meshes", Carries::kMesh, kJsonTypes, "Store a mesh"},
+    {kPutMesh, kPublic, "PUT", "/meshes/{id}", Carries::kMesh, kJsonTypes, "Store a mesh under its digest"},
+    {kGetMesh, kPublic, "GET", "/meshes/{id}", Carries::kNothing, kJsonTypes, "The report on a stored mesh"},
+    {kDeleteMesh, kPublic, "DELETE", "/meshes/{id}", Carries::kNothing, kJsonTypes, "Forget a stored mesh"},
+    {kPostMeshFracture, kPublic, "POST", "/meshes/{id}/fracture", Carries::kParameters, kResultTypes,
+     "Fracture a stored mesh", Priority::kRealtime},
+    {kGetJob, kPublic, "GET", "/jobs/{id}", Carries::kNothing, kJsonTypes, "How far a job is"},
+    {kDeleteJob, kPublic, "DELETE", "/jobs/{id}", Carries::kNothing, kJsonTypes, "Cancel or forget a job"},
+    {kGetJobEvents, kPublic, "GET", "/jobs/{id}/events", Carries::kNothing, kEventTypes,
+     "The changes of a job as server-sent events"},
+    {kGetLivez, kAdmin, "GET", "/livez", Carries::kNothing, kTextTypes, "The process answers"},
+    {kGetReadyz, kAdmin, "GET", "/readyz", Carries::kNothing, kTextTypes, "The server takes requests"},
 };
 
 }  // namespace

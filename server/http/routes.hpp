@@ -20,8 +20,24 @@ enum class Operation {
   kGetOpenapi,
   kPostFracture,
   kGetFracture,
+  kPostMesh,
+  kPutMesh,
+  kGetMesh,
+  kDeleteMesh,
+  kPostMeshFracture,
+  kGetJob,
+  kDeleteJob,
+  kGetJobEvents,
   kGetLivez,
   kGetReadyz,
+};
+
+/// What the body of a request is, and with it what its query may hold.
+enum class Carries {
+  kNothing,     ///< no body and no query
+  kMesh,        ///< a mesh, parameters in the query
+  kMeshOrName,  ///< the same, or a small JSON object that names a stored mesh beside parameters
+  kParameters,  ///< a small JSON object of parameters; more of them in the query
 };
 
 struct Route {
@@ -29,6 +45,7 @@ struct Route {
   Listener listener;
   std::string_view method;
   std::string_view path;  ///< a segment in braces matches any one segment; at most one in a path
+  Carries carries;
   std::span<const std::string_view> offers;  ///< media types of the answer, in order of preference
   std::string_view summary;
   Priority priority = Priority::kBatch;  ///< of its work, where the request does not say

@@ -151,6 +151,7 @@ class HttpServer::Impl {
   }
   void cancel_jobs() {
     for (const auto& session : connections_.sessions()) session->cancel_job();
+    api_.cancel_jobs();
   }
 
   Api& api_;

@@ -170,7 +170,7 @@ std::optional<Overload> Dispatcher::fracture(FractureRequest request, const Term
 
   double cost = 0;
   MemoryBudget::Reservation working;
-  if (!results_.exists(keys.result)) {  // otherwise it costs nothing more
+  if (!results_.find(keys.result)) {  // otherwise it costs nothing more
     const std::uint64_t to_prepare = service_.find_mesh(keys) ? 0 : bytes_of(request);
     const std::uint32_t sites = request.parameters.fracture.sites;
     cost = cost_of(to_prepare, sites);
@@ -224,7 +224,7 @@ std::optional<Overload> Dispatcher::prepare(FractureRequest request, const Terms
   }
   const double cost = cost_of(bytes_of(request), 0);
   MemoryBudget::Reservation working;
-  if (!meshes_.exists(keys.mesh)) {
+  if (!meshes_.find(keys.mesh)) {
     std::optional<Overload> overload = refuses(cost, terms);
     if (!overload) overload = reserve(working_bytes(bytes_of(request), 0), working);
     if (overload) {
@@ -306,13 +306,13 @@ void Dispatcher::obtain(SingleFlight<Step<Value>>& flights, const std::string& k
   };
   const auto place = std::make_shared<Place>();
   const std::stop_token abandoned = c->flight->stop();
-  const auto seat = flights.join(
-      key, [this, c, next, place](const Outcome<Value>& outcome, typename Flights::Role role) {
-        if (role == Flights::Role::kLeader) return;  // goes on by itself, below
-        Outcome<Value> waited = outcome;
-        if (waited) waited->cache = CacheOutcome::kCollapsed;
-        pool_.resume([this, c, next, waited = std::move(waited)](int free) { (this->*next)(c, waited, free); });
-      });
+  const auto seat = flights.join(key, [this, c, next, place](const Outcome<Value>& outcome,
+                                                             typename Flights::Role role) {
+    if (role == Flights::Role::kLeader) return;  // goes on by itself, below
+    Outcome<Value> waited = outcome;
+    if (waited) waited->cache = CacheOutcome::kCollapsed;
+    pool_.resume([this, c, next, waited = std::move(waited)](int free) { (this->*next)(c, waited, free); });
+  });
   place->seat = seat;
   place->gives_up.emplace(abandoned, [&flights, weak = std::weak_ptr(place)] {
     if (const auto mine = weak.lock()) flights.leave(mine->seat);
@@ -335,6 +335,10 @@ void Dispatcher::begin(const Shared& c, int threads) {
     return end(c, tl::unexpected<Error>(to_error(Interrupted{ErrorCode::kDeadlineExceeded})));
   }
   c->answer.queue_milliseconds = std::chrono::duration<double, std::milli>(now - c->submitted).count();
+  if (service_.has_tiers()) {
+    service_.fetch_result(c->keys.result, c->answer);
+    if (c->answer.result) return end(c, std::move(c->answer));
+  }
   if (auto mesh = service_.find_mesh(c->keys))
     return with_mesh(c, Step<PreparedMesh>{std::move(mesh), CacheOutcome::kHit, {}, {}}, threads);
   obtain<PreparedMesh>(
@@ -386,6 +390,11 @@ void Dispatcher::with_diagram(const Shared& c, const Outcome<Diagram>& diagram, 
 void Dispatcher::end(const Shared& c, Expected<FractureAnswer> outcome) {
   c->working = {};
   results_.land(c->flight, outcome);
+}
+
+std::optional<std::size_t> Dispatcher::queue_position(const std::string& result_key) const {
+  const auto flight = results_.find(result_key);
+  return flight ? pool_.position(flight->common.task) : std::nullopt;
 }
 
 Dispatcher::Figures Dispatcher::figures() const {

@@ -86,6 +86,10 @@ class Dispatcher {
     timer_.flush();
   }
 
+  /// How many tasks go before the computation of this result (RequestKeys::result); nothing when it is not
+  /// queued.
+  std::optional<std::size_t> queue_position(const std::string& result_key) const;
+
   struct Figures {
     std::uint64_t computed = 0;   ///< results computed to the end
     std::uint64_t collapsed = 0;  ///< requests that waited for the computation of another one

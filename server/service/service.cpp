@@ -6,6 +6,8 @@
 namespace fracture {
 namespace {
 
+std::size_t memory_size(const FractureResult& result) { return sizeof result + result.file.capacity(); }
+
 CacheOutcome stored(bool kept) { return kept ? CacheOutcome::kMissStored : CacheOutcome::kMissNotStored; }
 
 GltfOptions output_options(const RequestParameters& parameters, const FragmentSet& fragments) {
@@ -40,7 +42,17 @@ FractureService::FractureService(const ServiceConfig& config, std::unique_ptr<Fr
       engine_(std::move(engine)),
       meshes_(config.mesh_cache_bytes),
       diagrams_(config.diagram_cache_bytes),
-      results_(config.result_cache_bytes) {}
+      results_(config.result_cache_bytes),
+      tiers_(config.tiers) {}
+
+void FractureService::fetch_result(const std::string& key, FractureAnswer& answer) {
+  ResultTiers::Found found = tiers_.find(key);
+  answer.disk_cache = found.disk;
+  answer.redis_cache = found.redis;
+  if (!found.result) return;
+  answer.result_cache = stored(results_.insert(key, found.result, memory_size(*found.result)));
+  answer.result = std::move(found.result);
+}
 
 Expected<FractureAnswer> FractureService::fracture(const FractureRequest& request,
                                                    const Execution& execution) {
@@ -175,8 +187,8 @@ Expected<void> FractureService::make_result(const PreparedMesh& mesh, const Diag
   }
   answer.certificate = fragments->certificate;
   answer.result = result;
-  answer.result_cache =
-      stored(results_.insert(keys.result, result, sizeof *result + result->file.capacity()));
+  answer.result_cache = stored(results_.insert(keys.result, result, memory_size(*result)));
+  tiers_.store(std::move(result));
   return {};
 }
 

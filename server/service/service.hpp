@@ -24,6 +24,8 @@
 #include "server/service/engine.hpp"
 #include "server/service/parameters.hpp"
 #include "server/service/request.hpp"
+#include "server/service/result.hpp"
+#include "server/service/result_tiers.hpp"
 
 namespace fracture {
 
@@ -34,29 +36,13 @@ struct ServiceConfig {
   std::size_t mesh_cache_bytes = 256u << 20;
   std::size_t diagram_cache_bytes = 64u << 20;
   std::size_t result_cache_bytes = 256u << 20;
+  TiersConfig tiers;  ///< below the result cache
 };
 
 /// A mesh made ready for any number of fractures.
 struct PreparedMesh {
   Solid solid;
   nlohmann::json frame;  ///< units and axes: what was assumed (mesh/frame.hpp)
-};
-
-/// Immutable and shared: by the caches and by every response that is being written from it.
-struct FractureResult {
-  std::string key;          ///< RequestKeys::result
-  std::string mesh_digest;  ///< "sha256:<hex>", digest_of(the request)
-  OutputFormat format = OutputFormat::kGlb;
-  std::vector<std::uint8_t> file;
-  Digest file_digest;  ///< SHA-256 of `file`
-};
-
-enum class CacheOutcome {
-  kNotConsulted,
-  kHit,
-  kMissStored,
-  kMissNotStored,
-  kCollapsed,  ///< not there, but somebody else was computing it: waited for that
 };
 
 /// What one step made, or found.
@@ -71,11 +57,12 @@ struct Step {
 struct FractureAnswer {
   std::shared_ptr<const FractureResult> result;
   CacheOutcome result_cache = CacheOutcome::kNotConsulted;
+  CacheOutcome disk_cache = CacheOutcome::kNotConsulted, redis_cache = CacheOutcome::kNotConsulted;
   CacheOutcome diagram_cache = CacheOutcome::kNotConsulted;
   CacheOutcome mesh_cache = CacheOutcome::kNotConsulted;
   double queue_milliseconds = -1;  ///< waiting for a computing thread; -1: never did
-  StageTimings timings, inner;  ///< as in Step, of all steps
-  Certificate certificate;      ///< when it was computed now; a cached result has it in its file
+  StageTimings timings, inner;     ///< as in Step, of all steps
+  Certificate certificate;         ///< when it was computed now; a cached result has it in its file
 };
 
 class FractureService {
@@ -97,6 +84,11 @@ class FractureService {
   }
   std::shared_ptr<const FractureResult> find_result(const std::string& key) { return results_.find(key); }
 
+  /// Are there tiers below memory? fetch_result() looks into them, which blocks, and takes what it finds into
+  /// memory: `answer` gets the result (null: nowhere) and the caches.
+  bool has_tiers() const { return tiers_.any(); }
+  void fetch_result(const std::string& key, FractureAnswer& answer);
+
   /// Each step by itself: computes without looking into the cache, and stores. Errors as fracture(), but an
   /// interruption is thrown (Interrupted).
   Expected<Step<PreparedMesh>> make_mesh(const FractureRequest& request, const RequestKeys& keys,
@@ -109,8 +101,12 @@ class FractureService {
 
   struct Figures {
     CacheFigures meshes, diagrams, results;
+    TiersFigures tiers;
   };
-  Figures figures() const { return {meshes_.figures(), diagrams_.figures(), results_.figures()}; }
+  Figures figures() const {
+    return {meshes_.figures(), diagrams_.figures(), results_.figures(), tiers_.figures()};
+  }
+  ResultTiers& tiers() { return tiers_; }
   const ServiceConfig& config() const { return config_; }
   const ParameterTable& parameters() const { return parameters_; }
 
@@ -121,6 +117,7 @@ class FractureService {
   MemoryCache<PreparedMesh> meshes_;
   MemoryCache<Diagram> diagrams_;
   MemoryCache<FractureResult> results_;
+  ResultTiers tiers_;
 };
 
 /// The error that an interruption is for a client.

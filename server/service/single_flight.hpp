@@ -105,9 +105,11 @@ class SingleFlight {
       waiter(outcome, number == 0 ? Role::kLeader : Role::kFollower);
   }
 
-  bool exists(const std::string& key) const {
+  /// Null when there is none.
+  std::shared_ptr<Flight> find(const std::string& key) const {
     const std::lock_guard lock(mutex_);
-    return flights_.count(key) > 0;
+    const auto at = flights_.find(key);
+    return at == flights_.end() ? nullptr : at->second;
   }
 
   std::size_t count() const {

@@ -54,6 +54,13 @@ class Timer {
     calls_.erase(found);
   }
 
+  /// Drops every pending call.
+  void clear() {
+    std::map<Id, std::function<void()>> dropped;
+    const std::lock_guard lock(mutex_);
+    dropped.swap(calls_);
+  }
+
   /// Returns when no call is in progress that had begun before.
   void flush() {
     std::promise<void> done;

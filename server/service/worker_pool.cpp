@@ -85,6 +85,17 @@ void WorkerPool::promote(TaskId task) {
   realtime_.insert(place, std::move(moved));
 }
 
+std::optional<std::size_t> WorkerPool::position(TaskId task) const {
+  const std::lock_guard lock(mutex_);
+  std::size_t before = resumed_.size();
+  for (const std::deque<Task>* queue : {&realtime_, &batch_})
+    for (const Task& queued : *queue) {
+      if (queued.id == task) return before;
+      ++before;
+    }
+  return std::nullopt;
+}
+
 bool WorkerPool::full() const {
   const std::lock_guard lock(mutex_);
   // An idle worker takes the job at once: such a job does not count as queued.

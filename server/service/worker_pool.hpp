@@ -12,6 +12,7 @@
 #include <functional>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -44,6 +45,9 @@ class WorkerPool {
   void resume(Job job);
   /// A batch task that is still queued becomes a realtime one. Nothing happens when it is not.
   void promote(TaskId task);
+
+  /// How many tasks go before this one, as things are; nothing when it is not queued.
+  std::optional<std::size_t> position(TaskId task) const;
 
   /// As many tasks wait as may.
   bool full() const;

@@ -107,6 +107,18 @@ TEST(Contract, EveryParameterIsListedWithItsRangeAndDefault) {
   EXPECT_EQ(in_json, known);
 }
 
+TEST(Contract, AStoredMeshIsFracturedWithTheSameParametersButItsFormat) {
+  const auto names = [](const char* path) {
+    std::set<std::string> set;
+    for (const json& reference : document().at("paths").at(path).at("post").at("parameters"))
+      set.insert(resolve(reference).at("name"));
+    return set;
+  };
+  std::set<std::string> all = names("/fracture");
+  all.erase("format");
+  EXPECT_EQ(names("/meshes/{id}/fracture"), all);
+}
+
 TEST(Contract, TheDocumentCarriesTheServersVersion) {
   EXPECT_EQ(document().at("info").at("version"), FRACTURE_VERSION);
 }

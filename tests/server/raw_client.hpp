@@ -133,7 +133,7 @@ class RawClient {
       reply.headers[name] = received_.substr(colon + 2, stop - colon - 2);
       at = stop + 2;
     }
-    const bool no_body = head_only || reply.status == 100 || reply.status == 304;
+    const bool no_body = head_only || reply.status == 100 || reply.status == 204 || reply.status == 304;
     const std::size_t length =
         no_body ? 0 : std::strtoull(reply.header("content-length").c_str(), nullptr, 10);
     if (received_.size() < end + 4 + length) return std::nullopt;

@@ -18,6 +18,8 @@ struct TestServerOptions {
   http::HttpLimits limits;
   ServiceConfig service;
   DispatcherConfig dispatcher;
+  StoreConfig store;
+  JobsConfig jobs;
   int threads = 2;
   std::size_t max_queue = 64;
 
@@ -33,7 +35,7 @@ class TestServer {
       : service(options.service, std::make_unique<FakeEngine>(control)),
         pool(options.threads, options.max_queue),
         dispatcher(service, pool, options.dispatcher),
-        api(dispatcher, options.limits),
+        api(dispatcher, options.limits, options.store, options.jobs),
         server(options.server, api) {
     spdlog::set_level(spdlog::level::off);
   }
@@ -45,6 +47,15 @@ class TestServer {
   Reply post(const std::string& target, const std::string& body = "a mesh",
              const std::string& fields = "Content-Type: model/gltf-binary\r\n") {
     return ask(port(), "POST", target, fields, body);
+  }
+
+  Reply put(const std::string& target, const std::string& body,
+            const std::string& fields = "Content-Type: model/gltf-binary\r\n") {
+    return ask(port(), "PUT", target, fields, body);
+  }
+  /// As JSON.
+  Reply post_json(const std::string& target, const std::string& body, const std::string& fields = "") {
+    return ask(port(), "POST", target, "Content-Type: application/json\r\n" + fields, body);
   }
 
   std::shared_ptr<FakeControl> control = std::make_shared<FakeControl>();

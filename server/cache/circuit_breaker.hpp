@@ -1,0 +1,49 @@
+// Stops asking who does not answer: after a few failures in a row every call is refused for a while, then one
+// is let through to try; each further failure doubles the while (Nygard, "Release It!", 2007).
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <mutex>
+
+namespace fracture {
+
+/// Thread-safe.
+class CircuitBreaker {
+ public:
+  using Clock = std::chrono::steady_clock;
+  static constexpr int kFailures = 3;
+  static constexpr std::chrono::milliseconds kShortest{1'000}, kLongest{30'000};
+
+  /// May a call be made now? Who gets true reports success() or failure().
+  bool allows(Clock::time_point now = Clock::now()) {
+    const std::lock_guard lock(mutex_);
+    if (failures_ < kFailures) return true;
+    if (now < closed_until_) return false;
+    closed_until_ = now + pause_;  // one tries, the others go on waiting
+    return true;
+  }
+  void success() {
+    const std::lock_guard lock(mutex_);
+    failures_ = 0;
+    pause_ = kShortest;
+  }
+  void failure(Clock::time_point now = Clock::now()) {
+    const std::lock_guard lock(mutex_);
+    if (++failures_ < kFailures) return;
+    if (failures_ > kFailures) pause_ = std::min(2 * pause_, kLongest);
+    closed_until_ = now + pause_;
+  }
+  bool open() const {
+    const std::lock_guard lock(mutex_);
+    return failures_ >= kFailures;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  int failures_ = 0;
+  std::chrono::milliseconds pause_{kShortest};
+  Clock::time_point closed_until_{};
+};
+
+}  // namespace fracture

@@ -1,0 +1,220 @@
+#include "server/cache/disk_cache.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <sys/uio.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+namespace fracture {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMaxQuarantined = 16;
+
+bool is_key(std::string_view key) {
+  return key.size() >= 4 && key.size() <= 128 && std::all_of(key.begin(), key.end(), [](char c) {
+           return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f');
+         });
+}
+
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  ~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const { return fd_; }
+  explicit operator bool() const { return fd_ >= 0; }
+
+ private:
+  int fd_;
+};
+
+/// The whole file; nothing when it is not there or cannot be read (errno says which).
+std::optional<std::vector<std::uint8_t>> read_file(const std::string& path) {
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  struct stat status {};
+  if (!file || ::fstat(file.get(), &status) != 0) return std::nullopt;
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(status.st_size));
+  for (std::size_t at = 0; at < bytes.size();) {
+    const ssize_t n = ::read(file.get(), bytes.data() + at, bytes.size() - at);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return std::nullopt;
+    if (n == 0) bytes.resize(at);  // it has become shorter: the checksum will tell
+    at += static_cast<std::size_t>(n);
+  }
+  return bytes;
+}
+
+bool write_all(int file, std::span<const std::uint8_t> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t n = ::write(file, bytes.data(), bytes.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return false;
+    bytes = bytes.subspan(static_cast<std::size_t>(n));
+  }
+  return true;
+}
+
+}  // namespace
+
+DiskCache::DiskCache(std::string folder, std::uint64_t budget) : folder_(std::move(folder)), budget_(budget) {
+  try {
+    take_over();
+    if (unusable_.empty()) learn_what_is_there();
+  } catch (const fs::filesystem_error& e) {
+    unusable_ = e.what();
+  }
+}
+
+DiskCache::~DiskCache() {
+  if (lock_ >= 0) ::close(lock_);
+}
+
+void DiskCache::take_over() {
+  fs::create_directories(folder_);
+  const std::string lock = folder_ + "/lock";
+  lock_ = ::open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (lock_ < 0) {
+    unusable_ = lock + ": " + std::strerror(errno);
+    return;
+  }
+  if (::flock(lock_, LOCK_EX | LOCK_NB) != 0) {
+    unusable_ = folder_ + " is in use by another server";
+    return;
+  }
+  fs::remove_all(folder_ + "/tmp");
+  fs::create_directories(folder_ + "/tmp");
+  fs::create_directories(folder_ + "/quarantine");
+}
+
+void DiskCache::learn_what_is_there() {
+  std::vector<std::pair<fs::file_time_type, File>> found;
+  for (const fs::directory_entry& sub : fs::directory_iterator(folder_)) {
+    const std::string prefix = sub.path().filename();
+    if (prefix.size() != 2 || !sub.is_directory()) continue;
+    for (const fs::directory_entry& file : fs::directory_iterator(sub)) {
+      const std::string key = file.path().filename();
+      std::error_code gone;
+      const std::uint64_t size = file.file_size(gone);
+      if (!gone && is_key(key) && key.substr(0, 2) == prefix)
+        found.push_back({file.last_write_time(gone), {key, size}});
+    }
+  }
+  std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  for (auto& [time, file] : found) {
+    figures_.bytes += file.size;
+    files_.push_back(std::move(file));
+    index_.emplace(files_.back().key, std::prev(files_.end()));
+  }
+}
+
+std::optional<StoredEntry> DiskCache::find(const std::string& key) {
+  if (!unusable_.empty() || !is_key(key)) return std::nullopt;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto at = index_.find(key);
+    if (at == index_.end()) {
+      ++figures_.misses;
+      return std::nullopt;
+    }
+    files_.splice(files_.begin(), files_, at->second);
+  }
+  errno = 0;
+  std::optional<std::vector<std::uint8_t>> bytes = read_file(path_of(key));
+  const bool gone = errno == ENOENT;
+  std::optional<StoredEntry> stored;
+  if (bytes) {
+    if (const auto entry = decode_entry(*bytes, key)) stored = StoredEntry{std::move(*bytes), *entry};
+  }
+  const std::lock_guard lock(mutex_);
+  if (stored) {
+    ++figures_.hits;
+    return stored;
+  }
+  ++figures_.misses;
+  if (bytes)
+    quarantine(key);
+  else if (!gone)
+    ++figures_.failures;
+  forget(key);
+  return std::nullopt;
+}
+
+bool DiskCache::insert(const CacheEntry& entry) {
+  const std::string key(entry.key);
+  if (!unusable_.empty() || !is_key(key)) return false;
+  const std::string head = encode_entry_head(entry);
+  const std::uint64_t size = head.size() + entry.payload.size();
+  if (size > budget_) return false;
+  std::string temporary;
+  {
+    const std::lock_guard lock(mutex_);
+    if (index_.count(key) > 0) return true;  // the key says what the bytes are
+    while (figures_.bytes + size > budget_ && !files_.empty()) {
+      const std::string oldest = files_.back().key;
+      ::unlink(path_of(oldest).c_str());
+      forget(oldest);
+      ++figures_.evictions;
+    }
+    temporary = folder_ + "/tmp/" + std::to_string(next_temporary_++);
+  }
+  const bool written = write(temporary, head, entry.payload);
+  std::error_code ignored;
+  if (written) fs::create_directory(folder_ + "/" + key.substr(0, 2), ignored);
+  if (!written || ::rename(temporary.c_str(), path_of(key).c_str()) != 0) {
+    ::unlink(temporary.c_str());
+    const std::lock_guard lock(mutex_);
+    ++figures_.failures;
+    return false;
+  }
+  const std::lock_guard lock(mutex_);
+  ++figures_.writes;
+  if (index_.count(key) > 0) return true;  // somebody else wrote the same meanwhile
+  files_.push_front({key, size});
+  index_.emplace(key, files_.begin());
+  figures_.bytes += size;
+  return true;
+}
+
+bool DiskCache::write(const std::string& path, std::string_view head, std::span<const std::uint8_t> payload) {
+  const Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644));
+  // Without fsync the rename may reach the disk before the bytes do, and a power cut leaves a file of zeros:
+  // the checksum would tell, but the entry would be lost.
+  return file && write_all(file.get(), {reinterpret_cast<const std::uint8_t*>(head.data()), head.size()}) &&
+         write_all(file.get(), payload) && ::fsync(file.get()) == 0;
+}
+
+void DiskCache::quarantine(const std::string& key) {
+  ++figures_.quarantined;
+  const std::string name = folder_ + "/quarantine/" + std::to_string(figures_.quarantined % kMaxQuarantined);
+  if (::rename(path_of(key).c_str(), name.c_str()) != 0) ::unlink(path_of(key).c_str());
+}
+
+void DiskCache::forget(const std::string& key) {
+  const auto at = index_.find(key);
+  if (at == index_.end()) return;
+  figures_.bytes -= at->second->size;
+  files_.erase(at->second);
+  index_.erase(at);
+}
+
+DiskFigures DiskCache::figures() const {
+  const std::lock_guard lock(mutex_);
+  DiskFigures figures = figures_;
+  figures.entries = index_.size();
+  return figures;
+}
+
+}  // namespace fracture

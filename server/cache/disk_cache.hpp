@@ -1,0 +1,84 @@
+// L1: a folder of entries that survives the process. A file appears under its name only when it is whole
+// (written beside, fsync, rename), and what is read is believed only when its checksum says so; whatever else
+// goes wrong with the disk is counted and otherwise ignored, for a cache may always miss.
+//
+//   <folder>/lock              held by the one server that uses the folder
+//   <folder>/tmp/...           being written; emptied at the start
+//   <folder>/3f/3f0c…d2        entries, by the first two digits of their key
+//   <folder>/quarantine/...    what was found damaged, a few of them, to look at
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <list>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "server/cache/entry.hpp"
+
+namespace fracture {
+
+/// An entry with the bytes that it points into.
+struct StoredEntry {
+  std::vector<std::uint8_t> bytes;
+  CacheEntry entry;
+};
+
+struct DiskFigures {
+  std::uint64_t hits = 0, misses = 0, writes = 0, evictions = 0;
+  std::uint64_t failures = 0;     ///< reads or writes that the system refused
+  std::uint64_t quarantined = 0;  ///< entries that were found damaged
+  std::uint64_t bytes = 0;
+  std::size_t entries = 0;
+};
+
+/// Thread-safe; calls block for as long as the disk takes.
+class DiskCache {
+ public:
+  /// Takes the folder over: makes it, removes what an earlier process left half-written, learns what is
+  /// there. The least recently used entries leave when `budget` bytes are used.
+  DiskCache(std::string folder, std::uint64_t budget);
+  ~DiskCache();
+  DiskCache(const DiskCache&) = delete;
+  DiskCache& operator=(const DiskCache&) = delete;
+
+  /// Empty when the folder can be used; else why it cannot (then every find misses and insert does nothing).
+  const std::string& unusable() const { return unusable_; }
+
+  /// Keys are lower-case hex digits, at least four; nothing is found under others.
+  std::optional<StoredEntry> find(const std::string& key);
+  /// False when it could not be written.
+  bool insert(const CacheEntry& entry);
+
+  DiskFigures figures() const;
+
+ private:
+  struct File {
+    std::string key;
+    std::uint64_t size;
+  };
+
+  std::string path_of(const std::string& key) const { return folder_ + "/" + key.substr(0, 2) + "/" + key; }
+  void take_over();
+  void learn_what_is_there();
+  void quarantine(const std::string& key);
+  void forget(const std::string& key);
+  bool write(const std::string& path, std::string_view head, std::span<const std::uint8_t> payload);
+
+  const std::string folder_;
+  const std::uint64_t budget_;
+  std::string unusable_;
+  int lock_ = -1;
+  mutable std::mutex mutex_;
+  std::list<File> files_;  // most recently used first
+  std::unordered_map<std::string, std::list<File>::iterator> index_;
+  std::uint64_t next_temporary_ = 0;
+  DiskFigures figures_;
+};
+
+}  // namespace fracture

@@ -1,0 +1,147 @@
+// Stored meshes: PUT, POST, GET and DELETE /meshes, and fracturing one of them, which is the path of a game
+// at the moment of a collision: a few bytes in, no mesh on the wire.
+#include <algorithm>
+
+#include "server/http/api.hpp"
+#include "server/http/mesh_input.hpp"
+#include "server/service/mesh_report.hpp"
+
+namespace fracture::http {
+namespace {
+
+constexpr std::string_view kScheme = "sha256:";
+
+/// The digest of "sha256:<64 hex digits>"; nothing for anything else.
+std::optional<std::string> digest_in(std::string_view id) {
+  if (id.size() != kScheme.size() + 64 || id.substr(0, kScheme.size()) != kScheme) return std::nullopt;
+  id.remove_prefix(kScheme.size());
+  const auto is_digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
+  if (!std::all_of(id.begin(), id.end(), is_digit)) return std::nullopt;
+  return std::string(id);
+}
+
+Problem no_mesh() {
+  return Problem(
+      HttpProblem::kNotFound,
+      "This mesh is not (or no longer) stored here. PUT it to /meshes/sha256:<digest of the file>, "
+      "then ask again.");
+}
+
+nlohmann::ordered_json describe(const StoredMesh& mesh, const StoreConfig& config) {
+  return {{"id", std::string(kScheme) + mesh.digest},
+          {"format", extension_of(mesh.format)},
+          {"bytes", mesh.bytes()},
+          {"files", mesh.files.size()},
+          {"ttl_s", config.ttl.count() / 1000},
+          {"report", mesh.report}};
+}
+
+}  // namespace
+
+Answered Api::put_mesh(const std::shared_ptr<Request>& request, const std::stop_token& gone,
+                       const Reply& reply) {
+  std::string wanted;  // empty: whatever the bytes have
+  if (request->admission.route->operation == Operation::kPutMesh) {
+    const auto digest = digest_in(request->admission.segment);
+    if (!digest)
+      return refuse(HttpProblem::kNotFound,
+                    "A mesh is named sha256: and the 64 lower-case hex digits of its SHA-256.");
+    wanted = *digest;
+  }
+  return with_mesh_input(
+      request, gone, reply,
+      [this, request, reply, wanted](FractureRequest input, const std::shared_ptr<Body>& body,
+                                     const Terms& terms) -> Answered {
+        input.digest = digest_of(input).hex();
+        if (!wanted.empty() && input.digest != wanted)
+          return refuse(HttpProblem::kDigestMismatch,
+                        "The digest of this mesh is sha256:" + input.digest + ", not sha256:" + wanted +
+                            ". (With further files it covers their names and digests: see openapi.json.)");
+        const auto stored = std::make_shared<StoredMesh>();
+        stored->digest = input.digest;
+        stored->format = input.format;
+        stored->owner = body;
+        stored->mesh = input.mesh;
+        stored->files = input.files;
+        if (stored->bytes() > meshes_.config().quota_bytes)
+          return refuse(HttpProblem::kBodyTooLarge, "The mesh has " + std::to_string(stored->bytes()) +
+                                                        " bytes; all stored meshes together may have " +
+                                                        std::to_string(meshes_.config().quota_bytes) + ".");
+        const auto overload = dispatcher_.prepare(
+            std::move(input), terms,
+            [this, request, reply, stored, body](Expected<std::shared_ptr<const PreparedMesh>> prepared) {
+              answering(*request, reply, [&]() -> Answered {
+                if (!prepared) return refusal(std::move(prepared.error()), request->id);
+                stored->report = mesh_report(**prepared);
+                body->reservation = {};  // from here on the quota of the store counts it
+                const bool created = meshes_.put(stored) == MeshStore::Put::kCreated;
+                Response response = Response::json(describe(*stored, meshes_.config()), created ? 201 : 200);
+                response.headers.emplace_back("Location", "/meshes/" + std::string(kScheme) + stored->digest);
+                return response;
+              });
+            });
+        if (overload) return tl::unexpected<Problem>(to_problem(*overload));
+        return std::nullopt;
+      });
+}
+
+OrProblem<std::shared_ptr<const StoredMesh>> Api::stored_mesh(std::string_view id) {
+  const auto digest = digest_in(id);
+  auto mesh = digest ? meshes_.find(*digest) : nullptr;
+  if (!mesh) return tl::unexpected<Problem>(no_mesh());
+  return mesh;
+}
+
+Answered Api::get_mesh(const Request& request) {
+  auto mesh = stored_mesh(request.admission.segment);
+  if (!mesh) return tl::unexpected<Problem>(std::move(mesh.error()));
+  return Response::json(describe(**mesh, meshes_.config()));
+}
+
+Answered Api::delete_mesh(const Request& request) {
+  const auto digest = digest_in(request.admission.segment);
+  if (!digest || !meshes_.erase(*digest)) return tl::unexpected<Problem>(no_mesh());
+  Response response;
+  response.status = 204;
+  return response;
+}
+
+Answered Api::fracture_stored(const std::shared_ptr<Request>& request, std::string_view text,
+                              std::string_view id, const std::stop_token& gone, const Reply& reply) {
+  std::vector<RawParameter> given = raw_parameters(request->admission.query);
+  if (!text.empty()) {
+    Expected<std::vector<RawParameter>> more = read_params(text, "body");
+    if (!more) return tl::unexpected<Problem>(to_problem(std::move(more.error())));
+    given.insert(given.end(), more->begin(), more->end());
+  }
+  std::string named(id);
+  if (id.empty()) {  // POST /fracture: the body names the mesh beside the parameters
+    const auto mesh =
+        std::find_if(given.begin(), given.end(), [](const RawParameter& p) { return p.name == "mesh"; });
+    if (mesh == given.end() || !mesh->value.is_string())
+      return tl::unexpected<Problem>(to_problem(
+          {ErrorCode::kBadParameter,
+           "A JSON body has to name a stored mesh: {\"mesh\": \"sha256:...\", \"sites\": 50}. A glTF "
+           "file has Content-Type: model/gltf+json.",
+           "mesh"}));
+    named = mesh->value.get<std::string>();
+    given.erase(mesh);
+  }
+  if (std::any_of(given.begin(), given.end(), [](const RawParameter& p) { return p.name == "format"; }))
+    return tl::unexpected<Problem>(to_problem(
+        {ErrorCode::kBadParameter, "The format of a stored mesh is known: leave 'format' out.", "format"}));
+  Expected<RequestParameters> parameters = service_.parameters().parse(given);
+  if (!parameters) return tl::unexpected<Problem>(to_problem(std::move(parameters.error())));
+  OrProblem<Terms> terms = terms_of(request->head, *request->admission.route);
+  if (!terms) return tl::unexpected<Problem>(std::move(terms.error()));
+  terms->gone = gone;
+  auto mesh = stored_mesh(named);
+  if (!mesh) return tl::unexpected<Problem>(std::move(mesh.error()));
+
+  FractureRequest asked{(*mesh)->mesh, (*mesh)->format, std::move(*parameters), (*mesh)->files};
+  asked.digest = (*mesh)->digest;
+  asked.owner = std::move(*mesh);
+  return fracture(request, std::move(asked), *terms, reply);
+}
+
+}  // namespace fracture::http

@@ -1,0 +1,36 @@
+#include "server/service/mesh_report.hpp"
+
+namespace fracture {
+namespace {
+
+nlohmann::json material_names(const Mesh& mesh) {
+  nlohmann::json names = nlohmann::json::array();
+  for (const auto& material : mesh.library->materials)
+    names.push_back(material.contains("name") ? material["name"] : nlohmann::json());
+  return names;
+}
+
+}  // namespace
+
+bool repaired(const SolidReport& r) {
+  return r.open_edges + r.nonmanifold_edges + r.flipped + r.degenerate_dropped + r.duplicates_dropped +
+             r.welded_tolerant + r.holes_filled + r.sheets_thickened + r.shells_dropped >
+         0;
+}
+
+nlohmann::json mesh_report(const PreparedMesh& mesh) {
+  const Mesh& source = *mesh.solid.source;
+  nlohmann::json report = {{"verdict", repaired(mesh.solid.report) ? "repaired" : "closed"},
+                           {"solid", mesh.solid.report.to_json()},
+                           {"frame", mesh.frame},
+                           {"nodes", source.node_names},
+                           {"materials", material_names(source)},
+                           {"images", source.library->images.size()},
+                           {"warnings", source.warnings}};
+  for (const std::string& note : mesh.solid.report.notes) report["warnings"].push_back(note);
+  if (source.passed_through)
+    report["passed_through"] = {{"triangles", source.passed_through->triangles.size()}};
+  return report;
+}
+
+}  // namespace fracture

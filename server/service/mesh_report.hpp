@@ -1,0 +1,16 @@
+// What a mesh is worth, as JSON: the reply to a stored mesh, and `fracture-server inspect`.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "server/service/service.hpp"
+
+namespace fracture {
+
+/// Did the solid need anything beyond merging equal positions?
+bool repaired(const SolidReport& report);
+
+/// verdict ("closed" or "repaired"), solid, frame, nodes, materials, images, warnings, passed_through.
+nlohmann::json mesh_report(const PreparedMesh& mesh);
+
+}  // namespace fracture

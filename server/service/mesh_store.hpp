@@ -1,0 +1,87 @@
+// Meshes that clients have left here, by their digest: sent once, fractured as often as they break. The bytes
+// are kept, not the prepared solid: that one lives in the mesh cache and is made again from the bytes when it
+// has left it.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "server/service/request.hpp"
+
+namespace fracture {
+
+struct StoreConfig {
+  std::uint64_t quota_bytes = 1ull << 30;    ///< of all stored meshes together
+  std::chrono::milliseconds ttl{3'600'000};  ///< after its last use a mesh is forgotten
+};
+
+/// Immutable; `owner` keeps the bytes of the mesh and its further files.
+struct StoredMesh {
+  std::string digest;  ///< digest_of() in hex
+  MeshFormat format = MeshFormat::kGlb;
+  std::shared_ptr<const void> owner;
+  std::span<const std::byte> mesh;
+  std::vector<ImportFile> files;
+  nlohmann::json report;  ///< mesh_report()
+
+  std::uint64_t bytes() const {
+    std::uint64_t sum = mesh.size();
+    for (const ImportFile& file : files) sum += file.name.size() + file.bytes.size();
+    return sum;
+  }
+};
+
+struct StoreFigures {
+  std::uint64_t stored = 0;   ///< meshes that were put in
+  std::uint64_t expired = 0;  ///< forgotten because nobody used them
+  std::uint64_t evicted = 0;  ///< forgotten because others needed their room
+  std::uint64_t bytes = 0;
+  std::size_t meshes = 0;
+};
+
+/// Invariant: the bytes of what is stored are at most the quota. Who holds an evicted mesh keeps it alive.
+/// Thread-safe.
+class MeshStore {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  explicit MeshStore(const StoreConfig& config) : config_(config) {}
+
+  enum class Put { kCreated, kReplaced, kOverQuota };
+  /// The least recently used ones leave for it.
+  Put put(std::shared_ptr<const StoredMesh> mesh, Clock::time_point now = Clock::now());
+  /// Null when it is not there; a use.
+  std::shared_ptr<const StoredMesh> find(const std::string& digest, Clock::time_point now = Clock::now());
+  bool erase(const std::string& digest);
+  /// Forgets what has expired; put() and find() do it too.
+  void sweep(Clock::time_point now = Clock::now());
+
+  StoreFigures figures() const;
+  const StoreConfig& config() const { return config_; }
+
+ private:
+  struct Entry {
+    std::shared_ptr<const StoredMesh> mesh;
+    Clock::time_point used;
+  };
+  using Iterator = std::list<Entry>::iterator;
+  void remove(Iterator at);
+  void expire(Clock::time_point now);
+
+  const StoreConfig config_;
+  mutable std::mutex mutex_;
+  std::list<Entry> entries_;  // most recently used first
+  std::unordered_map<std::string, Iterator> index_;
+  StoreFigures figures_;
+};
+
+}  // namespace fracture

@@ -1,0 +1,31 @@
+// A finished answer, as the caches and the responses share it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/base/digest.hpp"
+#include "server/service/engine.hpp"
+
+namespace fracture {
+
+/// Immutable and shared: by the caches and by every response that is being written from it.
+struct FractureResult {
+  std::string key;          ///< RequestKeys::result
+  std::string mesh_digest;  ///< "sha256:<hex>", digest_of(the request)
+  OutputFormat format = OutputFormat::kGlb;
+  std::vector<std::uint8_t> file;
+  Digest file_digest;  ///< SHA-256 of `file`
+};
+
+enum class CacheOutcome {
+  kNotConsulted,
+  kHit,
+  kMissStored,
+  kMissNotStored,
+  kCollapsed,  ///< not there, but somebody else was computing it: waited for that
+};
+
+}  // namespace fracture

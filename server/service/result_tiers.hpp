@@ -1,0 +1,83 @@
+// The tiers below memory, for results: the disk of this server (L1), then a Redis that servers share (L2).
+// Reading blocks, on a thread of the pool; writing happens behind the answer, on a thread of its own, and is
+// given up when it cannot keep up: a cache may always miss.
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "server/cache/disk_cache.hpp"
+#include "server/cache/redis_cache.hpp"
+#include "server/service/result.hpp"
+
+namespace fracture {
+
+struct TiersConfig {
+  std::string folder;  ///< of the disk tier; empty: none
+  std::uint64_t disk_bytes = 4ull << 30;
+  RedisConfig redis;                          ///< without an address: none
+  std::size_t max_pending_bytes = 64u << 20;  ///< of results that wait to be written
+};
+
+struct TiersFigures {
+  std::optional<DiskFigures> disk;  ///< nothing: there is no such tier
+  std::optional<RedisFigures> redis;
+  std::uint64_t dropped = 0;  ///< results that were not written because too many waited
+};
+
+/// Thread-safe.
+class ResultTiers {
+ public:
+  explicit ResultTiers(const TiersConfig& config);
+  /// Writes what is still pending, for a second at most.
+  ~ResultTiers();
+  ResultTiers(const ResultTiers&) = delete;
+  ResultTiers& operator=(const ResultTiers&) = delete;
+
+  /// Is there any tier to ask?
+  bool any() const { return disk_ || redis_; }
+  /// Empty, or why the disk tier cannot be used.
+  const std::string& disk_problem() const { return disk_problem_; }
+
+  struct Found {
+    std::shared_ptr<const FractureResult> result;  ///< null: nowhere
+    CacheOutcome disk = CacheOutcome::kNotConsulted, redis = CacheOutcome::kNotConsulted;
+  };
+  /// Blocks. What Redis had is written to the disk too.
+  Found find(const std::string& key);
+  /// Returns at once.
+  void store(std::shared_ptr<const FractureResult> result);
+  /// Returns when nothing is pending.
+  void flush();
+
+  TiersFigures figures() const;
+
+ private:
+  void write_pending();
+
+  std::string disk_problem_;
+  std::unique_ptr<DiskCache> disk_;
+  std::unique_ptr<RedisCache> redis_;
+  const std::size_t max_pending_bytes_;
+  mutable std::mutex mutex_;
+  std::condition_variable wake_, written_;
+  struct Pending {
+    std::shared_ptr<const FractureResult> result;
+    bool to_redis;
+  };
+  void enqueue(Pending pending);
+  std::deque<Pending> pending_;
+  std::size_t pending_bytes_ = 0;
+  std::uint64_t dropped_ = 0;
+  bool writing_ = false, stopping_ = false;
+  std::thread writer_;
+};
+
+}  // namespace fracture

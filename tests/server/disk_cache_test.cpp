@@ -1,0 +1,268 @@
+#include "server/cache/disk_cache.hpp"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "common/base/digest.hpp"
+#include "tests/server/temporary_folder.hpp"
+
+namespace fracture {
+namespace {
+
+namespace fs = std::filesystem;
+using test::entries_in;
+using test::TemporaryFolder;
+using Bytes = std::vector<std::uint8_t>;
+
+std::string key_of(int n) { return sha256("key " + std::to_string(n)).hex(); }
+/// What belongs to a key, so that a wrong byte can be told without remembering what was written.
+Bytes payload_of(int n, std::size_t size) {
+  Bytes bytes(size);
+  std::uint32_t state = static_cast<std::uint32_t>(n) * 2654435761u + 1;
+  for (auto& b : bytes) b = static_cast<std::uint8_t>((state = state * 1664525u + 1013904223u) >> 24);
+  return bytes;
+}
+
+Bytes encode(const CacheEntry& entry) {
+  const std::string head = encode_entry_head(entry);
+  Bytes bytes(head.begin(), head.end());
+  bytes.insert(bytes.end(), entry.payload.begin(), entry.payload.end());
+  return bytes;
+}
+
+// -- the entry
+
+TEST(CacheEntry, WhatIsEncodedIsDecoded) {
+  for (const std::size_t size : {0u, 1u, 1000u}) {
+    const Bytes payload = payload_of(1, size);
+    const Bytes bytes = encode({"abcd", "some\nmetadata", payload});
+    const auto entry = decode_entry(bytes, "abcd");
+    ASSERT_TRUE(entry);
+    EXPECT_EQ(entry->key, "abcd");
+    EXPECT_EQ(entry->metadata, "some\nmetadata");
+    EXPECT_TRUE(std::equal(payload.begin(), payload.end(), entry->payload.begin(), entry->payload.end()));
+    EXPECT_FALSE(decode_entry(bytes, "abce")) << "another key";
+  }
+}
+
+TEST(CacheEntry, EveryTruncationEveryExtensionAndEveryFlippedBitIsSeen) {
+  const Bytes payload = payload_of(1, 100), bytes = encode({"abcd", "m", payload});
+  for (std::size_t size = 0; size < bytes.size(); ++size)
+    EXPECT_FALSE(decode_entry(std::span(bytes).first(size), "abcd")) << size;
+  Bytes longer = bytes;
+  longer.push_back(0);
+  EXPECT_FALSE(decode_entry(longer, "abcd"));
+  for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
+    Bytes flipped = bytes;
+    flipped[bit / 8] = static_cast<std::uint8_t>(flipped[bit / 8] ^ (1u << (bit % 8)));
+    EXPECT_FALSE(decode_entry(flipped, "abcd")) << bit;
+  }
+}
+
+TEST(CacheEntry, SizesThatOverflowAreRefused) {
+  const Bytes payload = payload_of(1, 10), bytes = encode({"abcd", "m", payload});
+  for (std::size_t at = 8; at < 24; ++at)
+    for (const std::uint8_t value : {0x7f, 0x80, 0xff}) {
+      Bytes damaged = bytes;
+      damaged[at] = value;
+      EXPECT_FALSE(decode_entry(damaged, "abcd")) << at;
+    }
+}
+
+// -- the folder
+
+struct Disk : testing::Test {
+  TemporaryFolder folder;
+  std::string path = folder.path + "/cache";
+
+  static bool insert(DiskCache& cache, int n, std::size_t size = 1000) {
+    const Bytes payload = payload_of(n, size);
+    const std::string key = key_of(n);
+    return cache.insert({key, std::to_string(size), payload});
+  }
+  /// Found and right; a wrong byte is a failure.
+  static bool finds(DiskCache& cache, int n) {
+    const auto stored = cache.find(key_of(n));
+    if (!stored) return false;
+    const Bytes expected = payload_of(n, std::stoul(std::string(stored->entry.metadata)));
+    EXPECT_TRUE(std::equal(expected.begin(), expected.end(), stored->entry.payload.begin(),
+                           stored->entry.payload.end()))
+        << "wrong bytes of " << n;
+    return true;
+  }
+};
+
+TEST_F(Disk, WhatIsWrittenIsFoundAlsoByTheNextProcess) {
+  {
+    DiskCache cache(path, 1 << 20);
+    EXPECT_EQ(cache.unusable(), "");
+    EXPECT_FALSE(finds(cache, 1));
+    EXPECT_TRUE(insert(cache, 1));
+    EXPECT_TRUE(finds(cache, 1));
+  }
+  DiskCache next(path, 1 << 20);
+  EXPECT_TRUE(finds(next, 1));
+  EXPECT_EQ(next.figures().entries, 1u);
+  EXPECT_EQ(next.figures().bytes, fs::file_size(entries_in(path).at(0)));
+}
+
+TEST_F(Disk, TheLeastRecentlyUsedLeavesWhenTheBudgetIsReached) {
+  DiskCache cache(path, 3500);
+  for (int n = 0; n < 3; ++n) insert(cache, n);
+  EXPECT_TRUE(finds(cache, 0));
+  EXPECT_TRUE(insert(cache, 3));
+  EXPECT_TRUE(finds(cache, 0));
+  EXPECT_FALSE(finds(cache, 1));
+  EXPECT_FALSE(insert(cache, 4, 5000)) << "over the budget alone";
+  EXPECT_EQ(entries_in(path).size(), 3u);
+  EXPECT_LE(cache.figures().bytes, 3500u);
+}
+
+TEST_F(Disk, ADamagedEntryIsQuarantinedAndNeverServed) {
+  DiskCache cache(path, 1 << 20);
+  for (int n = 0; n < 40; ++n) {
+    insert(cache, n);
+    const fs::path file = path + "/" + key_of(n).substr(0, 2) + "/" + key_of(n);
+    if (n % 2) {
+      fs::resize_file(file, static_cast<std::uintmax_t>(n) * 20);
+    } else {
+      std::fstream stream(file, std::ios::in | std::ios::out | std::ios::binary);
+      stream.seekp(n * 20);
+      const int old = stream.peek();
+      stream.put(static_cast<char>(old ^ 4));
+    }
+    EXPECT_FALSE(finds(cache, n)) << n;
+    EXPECT_FALSE(fs::exists(file)) << n;
+  }
+  EXPECT_EQ(cache.figures().quarantined, 40u);
+  const auto kept = fs::directory_iterator(path + "/quarantine");
+  EXPECT_LE(std::distance(begin(kept), end(kept)), 16);
+  EXPECT_TRUE(insert(cache, 0));
+  EXPECT_TRUE(finds(cache, 0));
+}
+
+TEST_F(Disk, TwoServersDoNotShareAFolder) {
+  DiskCache first(path, 1 << 20);
+  DiskCache second(path, 1 << 20);
+  EXPECT_NE(second.unusable().find("another server"), std::string::npos);
+  EXPECT_FALSE(insert(second, 1));
+  EXPECT_FALSE(finds(second, 1));
+  EXPECT_TRUE(insert(first, 1));
+}
+
+TEST_F(Disk, WhereNothingCanBeWrittenEveryCallIsAMiss) {
+  std::ofstream(folder.path + "/file") << "x";
+  for (const std::string& bad :
+       {folder.path + "/file", folder.path + "/file/below", std::string("/proc/cache")}) {
+    DiskCache cache(bad, 1 << 20);
+    EXPECT_NE(cache.unusable(), "") << bad;
+    EXPECT_FALSE(insert(cache, 1));
+    EXPECT_FALSE(finds(cache, 1));
+  }
+}
+
+TEST_F(Disk, AFolderThatGoesAwayIsCountedAndDoesNoHarm) {
+  DiskCache cache(path, 1 << 20);
+  insert(cache, 1);
+  fs::remove_all(path);
+  EXPECT_FALSE(finds(cache, 1));
+  EXPECT_FALSE(insert(cache, 2));
+  EXPECT_EQ(cache.figures().failures, 1u)
+      << "a file that is gone is a miss; one that cannot be made a failure";
+}
+
+TEST_F(Disk, KeysAreHexDigitsAndNothingElse) {
+  DiskCache cache(path, 1 << 20);
+  const Bytes payload = payload_of(1, 10);
+  for (const char* key : {"", "ab", "../../../../etc/passwd", "ABCDEF0123", "abcd/ef01", "lock"}) {
+    EXPECT_FALSE(cache.insert({key, "10", payload})) << key;
+    EXPECT_FALSE(cache.find(key)) << key;
+  }
+}
+
+/// Runs in a process of its own, which may end as it likes.
+template <class Work>
+int in_child(Work work) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    work();
+    ::_exit(0);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  return status;
+}
+
+TEST_F(Disk, WhenTheDiskIsFullWritesFailAndReadsGoOn) {
+  {
+    DiskCache cache(path, 1 << 20);
+    insert(cache, 1);
+  }
+  const int status = in_child([&] {
+    ::signal(SIGXFSZ, SIG_IGN);
+    const rlimit small{5000, 5000};  // of any file: write() fails in the middle, as on a full disk
+    ::setrlimit(RLIMIT_FSIZE, &small);
+    DiskCache cache(path, 1 << 20);
+    if (insert(cache, 2, 100'000)) ::_exit(1);
+    if (!finds(cache, 1)) ::_exit(2);
+    if (finds(cache, 2)) ::_exit(3);
+    if (cache.figures().failures != 1) ::_exit(4);
+    if (!insert(cache, 3)) ::_exit(5);  // what fits is still written
+  });
+  EXPECT_EQ(status, 0);
+  EXPECT_TRUE(fs::is_empty(path + "/tmp")) << "nothing half-written is left";
+}
+
+TEST_F(Disk, KilledAtAnyMomentItNeverServesAWrongByte) {
+  const bool full = std::getenv("FRACTURE_TEST_FULL") != nullptr;
+  const int rounds = full ? 200 : 25;
+  std::uint32_t state = 4711;
+  int found = 0;
+  for (int round = 0; round < rounds; ++round) {
+    const pid_t child = ::fork();
+    if (child == 0) {
+      DiskCache cache(path, 300'000);  // small: it evicts all the time
+      for (int n = 0;; n = (n + 1) % 64) {
+        insert(cache, n, 100 + static_cast<std::size_t>(n) * 300);
+        finds(cache, (n * 7) % 64);
+      }
+    }
+    state = state * 1664525u + 1013904223u;
+    ::usleep(state >> 16 & 0x7fff);  // up to 33 ms
+    ::kill(child, SIGKILL);
+    ::waitpid(child, nullptr, 0);
+    // Then what the disk itself may do: flip a bit, cut a file.
+    for (const fs::path& file : entries_in(path)) {
+      state = state * 1664525u + 1013904223u;
+      const std::uintmax_t size = fs::file_size(file);
+      if (size == 0 || state >> 28 > 1) continue;
+      if (state >> 28 == 0) {
+        fs::resize_file(file, (state & 0xffff) % size);
+      } else {
+        std::fstream stream(file, std::ios::in | std::ios::out | std::ios::binary);
+        stream.seekg((state & 0xffff) % size);
+        const int old = stream.peek();
+        stream.seekp((state & 0xffff) % size);
+        stream.put(static_cast<char>(old ^ (1 << (state >> 20 & 7))));
+      }
+    }
+    DiskCache cache(path, 300'000);
+    ASSERT_EQ(cache.unusable(), "") << "the lock of a dead process is none";
+    for (int n = 0; n < 64; ++n) found += finds(cache, n);
+    EXPECT_TRUE(fs::is_empty(path + "/tmp"));
+    EXPECT_LE(cache.figures().bytes, 300'000u);
+    if (HasFailure()) break;
+  }
+  EXPECT_GT(found, rounds) << "the loop has to find entries to say anything";
+}
+
+}  // namespace
+}  // namespace fracture

@@ -1,0 +1,149 @@
+// Many clients at once: one computation, classes, deadlines, refusals.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "tests/server/test_server.hpp"
+
+namespace fracture::test {
+namespace {
+
+struct Gate {
+  std::atomic<bool> open{false};
+  std::atomic<int> arrived{0};
+};
+
+struct FlightsOverHttp : testing::Test {
+  TestServer server;
+  Gate gate;
+  std::vector<std::unique_ptr<RawClient>> clients;
+
+  void SetUp() override {
+    server.control->during_cut = [this](const Execution& execution) {
+      ++gate.arrived;
+      while (!gate.open) {
+        execution.poll();
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      }
+    };
+  }
+  void TearDown() override { gate.open = true; }
+  RawClient& send(const std::string& target, const std::string& fields = "") {
+    clients.push_back(std::make_unique<RawClient>(server.port()));
+    clients.back()->send("POST " + target + " HTTP/1.1\r\nHost: t\r\nContent-Type: model/gltf-binary\r\n" +
+                         fields + "Content-Length: 4\r\n\r\nmesh");
+    return *clients.back();
+  }
+  void wait_for_waiters(std::uint64_t collapsed) {
+    while (server.dispatcher.figures().collapsed < collapsed) std::this_thread::yield();
+  }
+};
+
+TEST_F(FlightsOverHttp, SixtyFourIdenticalColdRequestsAreOneComputation) {
+  for (int i = 0; i < 64; ++i) send("/fracture");
+  wait_for_waiters(63);
+  gate.open = true;
+  int collapsed = 0;
+  std::string body;
+  for (const auto& client : clients) {
+    const auto reply = client->receive();
+    ASSERT_TRUE(reply && reply->status == 200);
+    if (body.empty()) body = reply->body;
+    EXPECT_EQ(reply->body, body);
+    collapsed += reply->header("cache-status").find("collapsed") != std::string::npos;
+  }
+  EXPECT_EQ(collapsed, 63);
+  EXPECT_EQ(server.control->imports, 1);
+  EXPECT_EQ(server.control->cuts, 1);
+}
+
+TEST_F(FlightsOverHttp, TheLeaderIsResetHalfWayAndTheOthersGetTheirAnswer) {
+  RawClient& leader = send("/fracture");
+  while (gate.arrived == 0) std::this_thread::yield();
+  for (int i = 0; i < 63; ++i) send("/fracture");
+  wait_for_waiters(63);
+  leader.reset();
+  while (server.dispatcher.figures().abandoned == 0) std::this_thread::yield();
+  gate.open = true;
+  for (std::size_t i = 1; i < clients.size(); ++i) {
+    const auto reply = clients[i]->receive();
+    ASSERT_TRUE(reply);
+    EXPECT_EQ(reply->status, 200);
+  }
+  EXPECT_EQ(server.control->cuts, 1);
+  EXPECT_EQ(server.control->cancelled, 0);
+}
+
+TEST_F(FlightsOverHttp, WhenEveryClientIsResetTheComputationStops) {
+  for (int i = 0; i < 10; ++i) send("/fracture");
+  wait_for_waiters(9);
+  while (gate.arrived == 0) std::this_thread::yield();
+  for (const auto& client : clients) client->reset();
+  server.dispatcher.wait_idle();  // the gate stays closed
+  EXPECT_EQ(server.control->cancelled, 1);
+  EXPECT_EQ(server.dispatcher.figures().abandoned, 10u);
+}
+
+TEST_F(FlightsOverHttp, RequestTimeoutLowersTheDeadlineOfOneWaiterOnly) {
+  send("/fracture");
+  RawClient& hasty = send("/fracture", "Request-Timeout: 0.05\r\n");
+  const auto late = hasty.receive();
+  ASSERT_TRUE(late);
+  EXPECT_EQ(late->status, 504);
+  EXPECT_EQ(late->problem(), "deadline-exceeded");
+  gate.open = true;
+  EXPECT_EQ(clients[0]->receive()->status, 200);
+}
+
+TEST_F(FlightsOverHttp, ARequestTimeoutThatIsNoTimeIsRefused) {
+  for (const char* value : {"0", "-1", "soon", "1s", "nan", "1e9"})
+    EXPECT_EQ(server
+                  .post("/fracture", "mesh",
+                        std::string("Content-Type: model/gltf-binary\r\nRequest-Timeout: ") + value + "\r\n")
+                  .problem(),
+              "bad-parameter")
+        << value;
+}
+
+TEST_F(FlightsOverHttp, TheDeadlineOfRealtimeWorkIsTheShortOne) {
+  TestServerOptions options;
+  options.limits.realtime_deadline = std::chrono::milliseconds(100);
+  TestServer other(options);
+  other.control->during_cut = server.control->during_cut;
+  const auto urgent = [&](const char* priority) {
+    return ask(other.port(), "POST", "/fracture",
+               std::string("Content-Type: model/gltf-binary\r\nPriority: ") + priority + "\r\n", "mesh");
+  };
+  EXPECT_EQ(urgent("u=1").problem(), "deadline-exceeded");
+  EXPECT_EQ(urgent("i, u=2;x").problem(), "deadline-exceeded");
+  other.dispatcher.wait_idle();
+  gate.open = true;
+  EXPECT_EQ(urgent("u=1").status, 200);
+}
+
+TEST_F(FlightsOverHttp, WhatCannotBeInTimeIsRefusedAtOnceWithAComputedRetryAfter) {
+  for (int i = 0; i < 200; ++i) server.pool.measured(1, 1e5);  // very slow
+  send("/fracture?seed=1");
+  send("/fracture?seed=2");
+  while (gate.arrived < 2) std::this_thread::yield();
+  const Reply refused = server.post("/fracture?seed=3");
+  EXPECT_EQ(refused.status, 503);
+  EXPECT_EQ(refused.problem(), "overloaded");
+  EXPECT_GE(std::stoi(refused.header("retry-after")), 1);
+  EXPECT_EQ(server.control->cuts, 2);
+  EXPECT_EQ(server.get("/version").status, 200);
+  // A large body is refused before it is sent.
+  RawClient large(server.port());
+  large.send(
+      "POST /fracture?seed=4 HTTP/1.1\r\nHost: t\r\nContent-Type: model/stl\r\nExpect: 100-continue\r\n"
+      "Content-Length: 1000000\r\n\r\n");
+  EXPECT_EQ(large.receive()->status, 503);
+  gate.open = true;
+  for (const auto& client : clients) EXPECT_EQ(client->receive()->status, 200);
+}
+
+}  // namespace
+}  // namespace fracture::test

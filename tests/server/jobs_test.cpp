@@ -1,0 +1,205 @@
+// Prefer: respond-async, and what becomes of it.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <thread>
+
+#include "tests/server/test_server.hpp"
+
+namespace fracture::test {
+namespace {
+
+const std::string kAsync = "Content-Type: model/gltf-binary\r\nPrefer: wait=5, respond-async\r\n";
+
+struct Gate {
+  std::atomic<bool> open{false};
+  std::atomic<int> arrived{0};
+  std::function<void(const Execution&)> hook() {
+    return [this](const Execution& execution) {
+      ++arrived;
+      while (!open) {
+        execution.poll();
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      }
+    };
+  }
+};
+
+nlohmann::json wait_for_state(TestServer& server, const std::string& job, const std::string& state) {
+  nlohmann::json document;
+  for (int i = 0; i < 3000; ++i) {
+    document = server.get(job).json();
+    if (document.value("state", "") == state) return document;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  ADD_FAILURE() << "the job never was " << state << ": " << document.dump();
+  return document;
+}
+
+TEST(Jobs, AJobIsStartedFollowedAndItsResultFetched) {
+  TestServer server;
+  Gate gate;
+  server.control->during_cut = gate.hook();
+  const Reply accepted = server.post("/fracture?sites=5", "mesh", kAsync);
+  ASSERT_EQ(accepted.status, 202) << accepted.body;
+  EXPECT_EQ(accepted.header("preference-applied"), "respond-async");
+  const std::string job = accepted.header("location");
+  EXPECT_EQ(job.substr(0, 6 + 16), "/jobs/" + sha256("mesh").hex().substr(0, 16)) << "routable by the mesh";
+  const auto running = wait_for_state(server, job, "running");
+  EXPECT_EQ(running.at("stage"), "clip");
+  EXPECT_LT(running.at("percent"), 100);
+  EXPECT_FALSE(running.contains("result"));
+  gate.open = true;
+  const auto done = wait_for_state(server, job, "done");
+  EXPECT_EQ(done.at("percent"), 100);
+  const Reply result = server.get(done.at("result"));
+  EXPECT_EQ(result.status, 200);
+  EXPECT_EQ(result.body, server.post("/fracture?sites=5", "mesh").body);
+  EXPECT_EQ(server.control->cuts, 1);
+}
+
+TEST(Jobs, TheResultIsKeptForTheJobWhenTheCacheForgetsIt) {
+  TestServerOptions options;
+  options.service.result_cache_bytes = 0;
+  TestServer server(options);
+  const std::string job = server.post("/fracture", "mesh", kAsync).header("location");
+  const std::string result = wait_for_state(server, job, "done").at("result");
+  EXPECT_EQ(server.get(result).header("cache-status"), "job; hit");
+  EXPECT_EQ(ask(server.port(), "DELETE", job).status, 204);
+  EXPECT_EQ(server.get(job).status, 404);
+  EXPECT_EQ(server.get(result).status, 404);
+}
+
+TEST(Jobs, ACancelledJobStopsItsComputation) {
+  TestServer server;
+  Gate gate;
+  server.control->during_cut = gate.hook();
+  const std::string job = server.post("/fracture", "mesh", kAsync).header("location");
+  wait_for_state(server, job, "running");
+  EXPECT_EQ(ask(server.port(), "DELETE", job).status, 204);
+  const auto cancelled = wait_for_state(server, job, "cancelled");
+  EXPECT_EQ(cancelled.at("error").at("type"), "/problems/cancelled");
+  server.dispatcher.wait_idle();  // the gate is closed: it would never end by itself
+  EXPECT_EQ(server.control->cancelled, 1);
+}
+
+TEST(Jobs, AJobThatFailsSaysWhy) {
+  TestServer server;
+  server.control->import = [](std::string_view) -> Expected<Mesh> {
+    return fail(ErrorCode::kMalformedMesh, "broken at byte 7");
+  };
+  const auto failed =
+      wait_for_state(server, server.post("/fracture", "mesh", kAsync).header("location"), "failed");
+  EXPECT_EQ(failed.at("error").at("type"), "/problems/malformed-mesh");
+  EXPECT_EQ(failed.at("error").at("detail"), "broken at byte 7");
+}
+
+TEST(Jobs, TheQueuePositionIsHowManyGoBefore) {
+  TestServerOptions options;
+  options.threads = 1;
+  TestServer server(options);
+  Gate gate;
+  server.control->during_cut = gate.hook();
+  std::vector<std::string> jobs;
+  for (int seed = 0; seed < 3; ++seed)
+    jobs.push_back(server.post("/fracture?seed=" + std::to_string(seed), "mesh", kAsync).header("location"));
+  wait_for_state(server, jobs[0], "running");
+  EXPECT_EQ(server.get(jobs[1]).json().at("queue_position"), 0);
+  EXPECT_EQ(server.get(jobs[2]).json().at("queue_position"), 1);
+  EXPECT_EQ(server.get(jobs[2]).json().at("state"), "queued");
+  gate.open = true;
+  for (const std::string& job : jobs) wait_for_state(server, job, "done");
+}
+
+TEST(Jobs, TheEventsTellEveryChangeOnceAndEndWithTheJob) {
+  TestServer server;
+  Gate gate;
+  server.control->during_cut = gate.hook();
+  const std::string job = server.post("/fracture", "mesh", kAsync).header("location");
+  RawClient client(server.port());
+  client.send("GET " + job +
+              "/events HTTP/1.0\r\nHost: test\r\n\r\n");  // unchunked: ends with the connection
+  while (gate.arrived == 0) std::this_thread::yield();
+  gate.open = true;
+  const std::string stream = client.receive_all();
+  EXPECT_FALSE(client.timed_out());
+  EXPECT_NE(stream.find("Content-Type: text/event-stream"), std::string::npos) << stream;
+  int percent = 0, events = 0;
+  std::string last;
+  for (std::size_t at = stream.find("data: "); at != std::string::npos; at = stream.find("data: ", at + 1)) {
+    const auto data = nlohmann::json::parse(stream.substr(at + 6, stream.find('\n', at) - at - 6));
+    EXPECT_GE(data.at("percent"), percent) << "never falls";
+    percent = data.at("percent");
+    last = data.at("state");
+    ++events;
+  }
+  EXPECT_EQ(last, "done");
+  EXPECT_EQ(percent, 100);
+  EXPECT_GE(events, 2);
+  EXPECT_NE(stream.find("event: done\n"), std::string::npos);
+}
+
+TEST(Jobs, AnEventStreamOnAKeptConnectionIsChunkedAndTheConnectionGoesOn) {
+  TestServer server;
+  const std::string job = server.post("/fracture", "mesh", kAsync).header("location");
+  wait_for_state(server, job, "done");
+  RawClient client(server.port());
+  client.send("GET " + job +
+              "/events HTTP/1.1\r\nHost: test\r\n\r\n"
+              "GET /version HTTP/1.1\r\nHost: test\r\nConnection: close\r\n\r\n");
+  const std::string all = client.receive_all();
+  EXPECT_NE(all.find("Transfer-Encoding: chunked"), std::string::npos);
+  EXPECT_NE(all.find("event: done\n"), std::string::npos);
+  EXPECT_NE(all.find("\r\n0\r\n\r\nHTTP/1.1 200"), std::string::npos) << all;
+}
+
+TEST(Jobs, AServerThatStopsEndsItsStreamsAndItsJobs) {
+  Gate gate;
+  std::shared_ptr<FakeControl> control;
+  std::string stream;
+  {
+    TestServer server;
+    control = server.control;
+    server.control->during_cut = gate.hook();
+    const std::string job = server.post("/fracture", "mesh", kAsync).header("location");
+    RawClient client(server.port());
+    client.send("GET " + job + "/events HTTP/1.1\r\nHost: test\r\n\r\n");
+    ASSERT_TRUE(client.receive()) << "the header of the stream";
+    while (gate.arrived == 0) std::this_thread::yield();
+    server.server.stop_accepting();
+    stream = client.receive_all();
+    EXPECT_FALSE(client.timed_out());
+  }  // waits for everything: would hang on a job that goes on
+  EXPECT_EQ(control->cancelled, 1);
+  EXPECT_NE(stream.find("\r\n0\r\n\r\n"), std::string::npos) << stream;
+}
+
+TEST(Jobs, FinishedJobsAreForgottenAfterTheirTimeAndForTheirBytes) {
+  TestServerOptions options;
+  options.jobs.ttl = std::chrono::milliseconds(100);
+  TestServer server(options);
+  const std::string job = server.post("/fracture", "mesh", kAsync).header("location");
+  for (int i = 0; i < 3000 && server.get(job).status != 404; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_EQ(server.get(job).status, 404);
+  EXPECT_EQ(server.api.jobs().figures().expired, 1u);
+
+  TestServerOptions narrow;
+  narrow.jobs.max_result_bytes = 1;
+  TestServer other(narrow);
+  const std::string first = other.post("/fracture", "mesh", kAsync).header("location");
+  other.dispatcher.wait_idle();
+  EXPECT_EQ(other.get(first).status, 404);
+  EXPECT_EQ(other.api.jobs().figures().evicted, 1u);
+  EXPECT_EQ(other.api.jobs().figures().result_bytes, 0u);
+}
+
+TEST(Jobs, UnknownOnesAreNotFound) {
+  TestServer server;
+  for (const char* path : {"/jobs/0123456789abcdef-0123456789abcdef", "/jobs/x", "/jobs/x/events"})
+    EXPECT_EQ(server.get(path).problem(), "not-found") << path;
+  EXPECT_EQ(ask(server.port(), "DELETE", "/jobs/x").status, 404);
+}
+
+}  // namespace
+}  // namespace fracture::test

@@ -1,0 +1,74 @@
+#include "server/service/mesh_store.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace fracture {
+namespace {
+
+using std::chrono::seconds;
+using Put = MeshStore::Put;
+
+std::shared_ptr<const StoredMesh> mesh(const std::string& digest, std::size_t bytes) {
+  const auto text = std::make_shared<const std::string>(bytes, 'x');
+  auto stored = std::make_shared<StoredMesh>();
+  stored->digest = digest;
+  stored->owner = text;
+  stored->mesh = std::as_bytes(std::span(text->data(), text->size()));
+  return stored;
+}
+
+TEST(MeshStore, TheLeastRecentlyUsedLeavesWhenTheQuotaIsReached) {
+  MeshStore store({.quota_bytes = 100, .ttl = seconds(1000)});
+  EXPECT_EQ(store.put(mesh("a", 40)), Put::kCreated);
+  EXPECT_EQ(store.put(mesh("b", 40)), Put::kCreated);
+  EXPECT_TRUE(store.find("a"));
+  EXPECT_EQ(store.put(mesh("c", 40)), Put::kCreated);
+  EXPECT_FALSE(store.find("b"));
+  EXPECT_TRUE(store.find("a"));
+  EXPECT_EQ(store.figures().bytes, 80u);
+  EXPECT_EQ(store.figures().evicted, 1u);
+}
+
+TEST(MeshStore, WhatIsOverTheQuotaAloneIsNotStoredAndMovesNobody) {
+  MeshStore store({.quota_bytes = 100, .ttl = seconds(1000)});
+  store.put(mesh("a", 100));
+  EXPECT_EQ(store.put(mesh("b", 101)), Put::kOverQuota);
+  EXPECT_TRUE(store.find("a"));
+}
+
+TEST(MeshStore, AMeshThatIsPutAgainIsThereOnce) {
+  MeshStore store({.quota_bytes = 100, .ttl = seconds(1000)});
+  store.put(mesh("a", 60));
+  EXPECT_EQ(store.put(mesh("a", 60)), Put::kReplaced);
+  EXPECT_EQ(store.figures().bytes, 60u);
+  EXPECT_EQ(store.figures().meshes, 1u);
+}
+
+TEST(MeshStore, TheTimeToLiveBeginsAnewWithEachUse) {
+  MeshStore store({.quota_bytes = 100, .ttl = seconds(10)});
+  const MeshStore::Clock::time_point start{};
+  store.put(mesh("a", 10), start);
+  store.put(mesh("b", 10), start);
+  EXPECT_TRUE(store.find("a", start + seconds(9)));
+  EXPECT_FALSE(store.find("b", start + seconds(10)));
+  EXPECT_TRUE(store.find("a", start + seconds(18)));
+  store.sweep(start + seconds(28));
+  EXPECT_EQ(store.figures().meshes, 0u);
+  EXPECT_EQ(store.figures().bytes, 0u);
+  EXPECT_EQ(store.figures().expired, 2u);
+}
+
+TEST(MeshStore, WhoHoldsAMeshKeepsItsBytes) {
+  MeshStore store({.quota_bytes = 100, .ttl = seconds(1000)});
+  store.put(mesh("a", 3));
+  const auto held = store.find("a");
+  EXPECT_TRUE(store.erase("a"));
+  EXPECT_FALSE(store.erase("a"));
+  EXPECT_EQ(held->mesh.size(), 3u);
+  EXPECT_EQ(static_cast<char>(held->mesh[2]), 'x');
+}
+
+}  // namespace
+}  // namespace fracture

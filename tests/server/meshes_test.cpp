@@ -1,0 +1,140 @@
+// Stored meshes over HTTP, and the path of a collision.
+#include <gtest/gtest.h>
+
+#include "common/base/digest.hpp"
+#include "tests/server/test_server.hpp"
+
+namespace fracture::test {
+namespace {
+
+std::string id_of(const std::string& bytes) { return "sha256:" + sha256(bytes).hex(); }
+
+TEST(Meshes, AMeshIsPutUnderItsDigestAndReported) {
+  TestServer server;
+  const Reply created = server.put("/meshes/" + id_of("mesh"), "mesh");
+  ASSERT_EQ(created.status, 201) << created.body;
+  EXPECT_EQ(created.header("location"), "/meshes/" + id_of("mesh"));
+  EXPECT_EQ(created.json().at("id"), id_of("mesh"));
+  EXPECT_EQ(created.json().at("bytes"), 4);
+  EXPECT_EQ(created.json().at("report").at("verdict"), "closed");
+  EXPECT_EQ(server.control->prepares, 1) << "it is prepared at once";
+  EXPECT_EQ(server.put("/meshes/" + id_of("mesh"), "mesh").status, 200);
+  EXPECT_EQ(server.control->prepares, 1);
+  EXPECT_EQ(server.get("/meshes/" + id_of("mesh")).json().at("id"), id_of("mesh"));
+  EXPECT_EQ(ask(server.port(), "HEAD", "/meshes/" + id_of("mesh")).status, 200);
+  EXPECT_EQ(server.api.meshes().figures().bytes, 4u);
+}
+
+TEST(Meshes, PostNamesItItself) {
+  TestServer server;
+  const Reply created = server.post("/meshes", "mesh");
+  EXPECT_EQ(created.status, 201);
+  EXPECT_EQ(created.header("location"), "/meshes/" + id_of("mesh"));
+}
+
+TEST(Meshes, AWrongDigestIsRefusedAndNothingStored) {
+  TestServer server;
+  const Reply refused = server.put("/meshes/" + id_of("mesh"), "another mesh");
+  EXPECT_EQ(refused.status, 422);
+  EXPECT_EQ(refused.problem(), "digest-mismatch");
+  EXPECT_NE(refused.body.find(id_of("another mesh")), std::string::npos) << "says what it is";
+  EXPECT_EQ(server.get("/meshes/" + id_of("mesh")).status, 404);
+  EXPECT_EQ(server.put("/meshes/nonsense", "mesh").status, 404);
+  EXPECT_EQ(server.control->imports, 0);
+}
+
+TEST(Meshes, AMeshThatCannotBeUsedIsNotStored) {
+  TestServer server;
+  server.control->import = [](std::string_view) -> Expected<Mesh> {
+    return fail(ErrorCode::kMalformedMesh, "broken");
+  };
+  EXPECT_EQ(server.put("/meshes/" + id_of("mesh"), "mesh").problem(), "malformed-mesh");
+  EXPECT_EQ(server.get("/meshes/" + id_of("mesh")).problem(), "not-found");
+}
+
+TEST(Meshes, AStoredMeshIsFracturedWithoutSendingItAgain) {
+  TestServer server;
+  const std::string path = "/meshes/" + id_of("mesh");
+  EXPECT_EQ(server.post_json(path + "/fracture", R"({"sites": 7})").problem(), "not-found");
+  ASSERT_EQ(server.put(path, "mesh").status, 201);
+  const Reply made = server.post_json(path + "/fracture", R"({"sites": 7, "seed": 3})");
+  ASSERT_EQ(made.status, 200) << made.body;
+  EXPECT_EQ(server.control->imports, 1);
+  const Reply by_mesh = server.post("/fracture?sites=7&seed=3", "mesh");
+  EXPECT_EQ(by_mesh.body, made.body) << "the same bytes, whichever way it is asked";
+  EXPECT_EQ(by_mesh.header("cache-status"), "result; hit");
+  EXPECT_EQ(server.post(path + "/fracture?sites=7&seed=3", "", "").header("etag"), made.header("etag"));
+  const Reply named =
+      server.post_json("/fracture", R"({"seed": 3, "mesh": ")" + id_of("mesh") + R"(", "sites": 7})");
+  EXPECT_EQ(named.header("etag"), made.header("etag")) << named.body;
+}
+
+TEST(Meshes, AnEvictedPreparationIsMadeAgainFromTheStoredBytes) {
+  TestServerOptions options;
+  options.service.mesh_cache_bytes = 0;  // keeps nothing
+  TestServer server(options);
+  server.put("/meshes/" + id_of("mesh"), "mesh");
+  EXPECT_EQ(server.control->imports, 1);
+  EXPECT_EQ(server.post_json("/meshes/" + id_of("mesh") + "/fracture", "{}").status, 200);
+  EXPECT_EQ(server.control->imports, 2);
+}
+
+TEST(Meshes, ADeletedMeshIsGone) {
+  TestServer server;
+  const std::string path = "/meshes/" + id_of("mesh");
+  server.put(path, "mesh");
+  EXPECT_EQ(ask(server.port(), "DELETE", path).status, 204);
+  EXPECT_EQ(ask(server.port(), "DELETE", path).status, 404);
+  EXPECT_EQ(server.post_json(path + "/fracture", "{}").status, 404);
+}
+
+TEST(Meshes, TheQuotaAndTheTimeToLiveHold) {
+  TestServerOptions options;
+  options.store = {.quota_bytes = 10, .ttl = std::chrono::milliseconds(200)};
+  TestServer server(options);
+  const Reply over = server.put("/meshes/" + id_of("eleven byte"), "eleven byte");
+  EXPECT_EQ(over.status, 413);
+  EXPECT_EQ(over.problem(), "body-too-large");
+  EXPECT_EQ(server.put("/meshes/" + id_of("first"), "first").status, 201);
+  EXPECT_EQ(server.put("/meshes/" + id_of("secondd"), "secondd").status, 201);
+  EXPECT_EQ(server.get("/meshes/" + id_of("first")).status, 404);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_EQ(server.get("/meshes/" + id_of("secondd")).status, 404);
+  EXPECT_EQ(server.api.meshes().figures().expired, 1u);
+  EXPECT_EQ(server.api.meshes().figures().evicted, 1u);
+}
+
+TEST(Meshes, AMeshOfSeveralFilesHasTheDigestOfAll) {
+  TestServer server;
+  const std::string form =
+      "--B\r\nContent-Disposition: form-data; name=mesh; filename=a.gltf\r\n\r\n{}\r\n"
+      "--B\r\nContent-Disposition: form-data; name=file; filename=a.bin\r\n\r\nbytes\r\n--B--\r\n";
+  // As openapi.yaml describes it, written out.
+  const std::string digest =
+      "sha256:" + sha256("files\n" + sha256("{}").hex() + "\n5 a.bin " + sha256("bytes").hex() + "\n").hex();
+  const Reply created =
+      server.put("/meshes/" + digest, form, "Content-Type: multipart/form-data; boundary=B\r\n");
+  ASSERT_EQ(created.status, 201) << created.body;
+  EXPECT_EQ(created.json().at("files"), 1);
+  std::size_t seen = 0;
+  server.control->files = [&](std::span<const ImportFile> files) { seen = files.size(); };
+  EXPECT_EQ(server.post_json("/meshes/" + digest + "/fracture?unit=cm", "").status, 200);
+  EXPECT_EQ(seen, 1u) << "prepared anew, from all of its files";
+}
+
+TEST(Meshes, TheBodyOfACollisionIsSmallAndJson) {
+  TestServer server;
+  const std::string path = "/meshes/" + id_of("mesh");
+  server.put(path, "mesh");
+  EXPECT_EQ(server.post_json(path + "/fracture", "{\"sites\": 1" + std::string(5000, ' ') + "}").status, 413);
+  EXPECT_EQ(server.post(path + "/fracture", "{}", "Content-Type: text/plain\r\n").problem(),
+            "unsupported-media-type");
+  EXPECT_EQ(server.post_json(path + "/fracture", "[]").problem(), "bad-json");
+  EXPECT_EQ(server.post_json(path + "/fracture", R"({"sites": 0})").problem(), "bad-parameter");
+  EXPECT_EQ(server.post_json(path + "/fracture", R"({"format": "obj"})").problem(), "bad-parameter");
+  EXPECT_EQ(server.post_json("/fracture", R"({"sites": 5})").problem(), "bad-parameter");
+  EXPECT_EQ(server.post_json("/fracture", R"({"mesh": "sha256:00"})").problem(), "not-found");
+}
+
+}  // namespace
+}  // namespace fracture::test

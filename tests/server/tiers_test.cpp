@@ -1,0 +1,95 @@
+// The tiers under a whole server: what is asked for again after a restart, and what a broken tier does.
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "tests/server/temporary_folder.hpp"
+#include "tests/server/test_server.hpp"
+
+namespace fracture::test {
+namespace {
+
+struct Tiers : testing::Test {
+  TemporaryFolder folder;
+  TestServerOptions options;
+  void SetUp() override { options.service.tiers.folder = folder.path + "/cache"; }
+};
+
+TEST_F(Tiers, AResultSurvivesARestartOnTheDisk) {
+  Reply made;
+  {
+    TestServer server(options);
+    made = server.post("/fracture?sites=5");
+    server.service.tiers().flush();
+  }
+  TestServer server(options);
+  const Reply got = server.get(made.header("content-location"));
+  ASSERT_EQ(got.status, 200) << got.body;
+  EXPECT_EQ(got.body, made.body);
+  EXPECT_EQ(got.header("etag"), made.header("etag"));
+  EXPECT_EQ(got.header("repr-digest"), made.header("repr-digest"));
+  EXPECT_EQ(got.header("cache-status"), "disk; hit, result; fwd=miss; stored");
+  EXPECT_EQ(server.get(made.header("content-location")).header("cache-status"), "result; hit")
+      << "now in memory";
+}
+
+TEST_F(Tiers, AskedForAgainItIsReadAndNotComputed) {
+  {
+    TestServer server(options);
+    server.post("/fracture?sites=5");
+    server.service.tiers().flush();
+  }
+  TestServer server(options);
+  const Reply again = server.post("/fracture?sites=5");
+  EXPECT_EQ(again.status, 200);
+  EXPECT_EQ(server.control->imports, 0);
+  EXPECT_EQ(again.header("cache-status"), "disk; hit, result; fwd=miss; stored");
+}
+
+TEST_F(Tiers, ADamagedEntryIsComputedAgain) {
+  std::string good;
+  {
+    TestServer server(options);
+    good = server.post("/fracture?sites=5").body;
+    server.service.tiers().flush();
+  }
+  const auto files = entries_in(folder.path + "/cache");
+  ASSERT_EQ(files.size(), 1u);
+  std::fstream(files[0], std::ios::in | std::ios::out | std::ios::binary).seekp(200).put('!');
+  TestServer server(options);
+  const Reply again = server.post("/fracture?sites=5");
+  EXPECT_EQ(again.body, good);
+  EXPECT_EQ(server.control->cuts, 1);
+  EXPECT_EQ(server.service.figures().tiers.disk->quarantined, 1u);
+  server.service.tiers().flush();
+  EXPECT_EQ(server.service.figures().tiers.disk->entries, 1u) << "and written again";
+}
+
+TEST_F(Tiers, WithoutAUsableFolderOrARedisRequestsAreAnsweredAllTheSame) {
+  std::ofstream(folder.path + "/file") << "x";
+  options.service.tiers.folder = folder.path + "/file";
+  options.service.tiers.redis.address = "127.0.0.1:1";  // nobody listens there
+  TestServer server(options);
+  EXPECT_NE(server.service.tiers().disk_problem(), "");
+  for (int seed = 0; seed < 10; ++seed)
+    EXPECT_EQ(server.post("/fracture?seed=" + std::to_string(seed)).status, 200);
+  EXPECT_EQ(server.control->cuts, 10);
+  const auto redis = server.service.figures().tiers.redis;
+  ASSERT_TRUE(redis);
+  EXPECT_TRUE(redis->open);
+  EXPECT_EQ(server.get("/fractures/sha256:" + std::string(64, '0')).problem(), "not-found");
+}
+
+TEST_F(Tiers, AFolderThatGoesAwayWhileServingIsNoError) {
+  TestServer server(options);
+  server.post("/fracture?seed=1");
+  server.service.tiers().flush();
+  std::filesystem::remove_all(options.service.tiers.folder);
+  for (int seed = 2; seed < 6; ++seed)
+    EXPECT_EQ(server.post("/fracture?seed=" + std::to_string(seed)).status, 200);
+  server.service.tiers().flush();
+  EXPECT_EQ(server.service.figures().tiers.disk->failures, 4u);
+}
+
+}  // namespace
+}  // namespace fracture::test
