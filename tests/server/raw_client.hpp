@@ -112,7 +112,7 @@ class RawClient {
         timed_out_ = true;
         return false;
       }
-      char bytes[16384];
+      char bytes[131072];
       const ssize_t n = ::recv(fd_, bytes, sizeof bytes, 0);
       if (n < 0 && errno == EINTR) continue;
       if (n <= 0) return false;
