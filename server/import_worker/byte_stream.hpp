@@ -82,6 +82,7 @@ class ByteReader {
     return 0;
   }
   bool good() const { return good_; }
+  std::size_t left() const { return bytes_.size(); }
   bool at_end() const { return good_ && bytes_.empty(); }
 
  private:

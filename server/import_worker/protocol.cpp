@@ -28,7 +28,9 @@ std::vector<std::byte> input_head(std::span<const std::byte> mesh, std::span<con
     out.text(file.name);
     out.value<std::uint64_t>(file.bytes.size());
   }
-  return out.take();
+  std::vector<std::byte> head = out.take();
+  head.resize(aligned(head.size()));
+  return head;
 }
 
 std::optional<ImportJob> parse_request(const ImportRequest& request, std::span<const std::byte> input) {
@@ -44,8 +46,14 @@ std::optional<ImportJob> parse_request(const ImportRequest& request, std::span<c
     file.name = in.text();
     sizes.push_back(in.value<std::uint64_t>());
   }
-  job.mesh = in.view(mesh_bytes);
-  for (std::size_t k = 0; k < sizes.size(); ++k) job.files[k].bytes = in.view(sizes[k]);
+  const auto fill_up = [&] { (void)in.view(aligned(input.size() - in.left()) - (input.size() - in.left())); };
+  const auto part = [&](std::uint64_t size) {
+    fill_up();
+    return in.view(size);
+  };
+  job.mesh = part(mesh_bytes);
+  for (std::size_t k = 0; k < sizes.size(); ++k) job.files[k].bytes = part(sizes[k]);
+  fill_up();
   return in.at_end() ? std::optional(std::move(job)) : std::nullopt;
 }
 

@@ -49,7 +49,15 @@ struct ImportJob {
   std::vector<ImportFile> files;
 };
 
-/// The head of the input: names and sizes. Behind it come the bytes of the mesh, then those of each file.
+/// Every part of the input begins at a multiple of this, as memory from an allocator does: formats align
+/// their numbers within the file, and decoders read them in place.
+inline constexpr std::uint64_t kInputAlignment = 16;
+inline constexpr std::uint64_t aligned(std::uint64_t size) {
+  return (size + kInputAlignment - 1) / kInputAlignment * kInputAlignment;
+}
+
+/// The head of the input: names and sizes. Behind it come the bytes of the mesh, then those of each file,
+/// each part filled up to the alignment.
 std::vector<std::byte> input_head(std::span<const std::byte> mesh, std::span<const ImportFile> files);
 
 /// Nothing where the request does not fit its input: then it is not from our server.

@@ -92,7 +92,8 @@ void WorkerProcess::start(const WorkerProcessConfig& config) {
   char* const argv[] = {program.data(), memory.data(), nullptr};
   std::vector<char*> environment;
 #ifdef FRACTURE_SANITIZED
-  std::string options = std::string("ASAN_OPTIONS=detect_leaks=0:") + (std::getenv("ASAN_OPTIONS") ?: "");
+  std::string options =
+      std::string("ASAN_OPTIONS=") + (std::getenv("ASAN_OPTIONS") ?: "") + ":detect_leaks=0";
   environment.push_back(options.data());
 #endif
   environment.push_back(nullptr);
@@ -196,12 +197,17 @@ Expected<Mesh> WorkerProcess::import(std::span<const std::byte> mesh, MeshFormat
   request.max_triangles = limits.max_triangles;
   request.max_decoded_bytes = limits.max_decoded_bytes;
   request.max_json_depth = limits.max_json_depth;
-  request.input_bytes = head.size() + mesh.size();
-  bool written = write_all(input.get(), head) && write_all(input.get(), mesh);
-  for (const ImportFile& file : files) {
-    written = written && write_all(input.get(), file.bytes);
-    request.input_bytes += file.bytes.size();
-  }
+  request.input_bytes = head.size();
+  bool written = write_all(input.get(), head);
+  const auto add_part = [&](std::span<const std::byte> bytes) {
+    constexpr std::byte kZeros[kInputAlignment] = {};
+    const std::uint64_t size = aligned(bytes.size());
+    written = written && write_all(input.get(), bytes) &&
+              write_all(input.get(), std::span(kZeros).first(size - bytes.size()));
+    request.input_bytes += size;
+  };
+  add_part(mesh);
+  for (const ImportFile& file : files) add_part(file.bytes);
   if (!written) throw std::bad_alloc();  // shared memory is full
   allow_cpu();
   const int descriptors[] = {input.get(), output.get()};

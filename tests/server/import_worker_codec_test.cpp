@@ -178,8 +178,11 @@ TEST(ImportProtocol, RequestsAreParsedBackAndRefusedWhereTheyDoNotFit) {
   const std::string mesh = "v 0 0 0\n", texture = "PNG";
   const std::vector<ImportFile> files{{"a.mtl", bytes_of("newmtl a")}, {"b.png", bytes_of(texture)}};
   std::vector<std::byte> input = input_head(bytes_of(mesh), files);
-  for (const auto& part : {bytes_of(mesh), files[0].bytes, files[1].bytes})
+  for (const auto& part : {bytes_of(mesh), files[0].bytes, files[1].bytes}) {
+    EXPECT_EQ(input.size() % kInputAlignment, 0u);
     input.insert(input.end(), part.begin(), part.end());
+    input.resize(aligned(input.size()));
+  }
   ImportRequest request;
   request.format = static_cast<std::uint32_t>(MeshFormat::kObj);
   request.max_triangles = 5;
