@@ -12,6 +12,7 @@
 #include "server/cli/import_workers.hpp"
 #include "server/cli/options.hpp"
 #include "server/ops/log.hpp"
+#include "server/ops/metrics.hpp"
 
 namespace fracture::cli {
 namespace {
@@ -65,6 +66,7 @@ int serve_until_stopped(const ServeOptions& options) {
   http::Api api(dispatcher, options.limits, options.store, options.jobs);
   if (const std::string& problem = service.tiers().disk_problem(); !problem.empty())
     spdlog::warn("no disk cache: {}", problem);
+  api.metrics().add_source(ops::write_process_metrics);
   try {
     http::HttpServer server(options.server, api);
     spdlog::info("serving on http://{}:{} (admin port {}), {} computing threads", options.server.address,

@@ -5,6 +5,7 @@
 
 #include "server/http/accept.hpp"
 #include "server/http/api.hpp"
+#include "server/http/content_coding.hpp"
 #include "server/http/mesh_input.hpp"
 #include "server/http/multipart.hpp"
 
@@ -111,10 +112,7 @@ std::optional<Problem> Api::refuse_body(const RequestHead& head, const Admission
                        "multipart/form-data body.",
                        "mesh"});
   }
-  const std::string coding = head.field("content-encoding");
-  if (!coding.empty() && !equals_ignoring_case(coding, "identity"))
-    return Problem(HttpProblem::kUnsupportedCoding,
-                   "Content-Encoding is not supported; send the body as it is.");
+  if (auto coding = content_coding(head.field("content-encoding")); !coding) return std::move(coding.error());
   const std::string type = head.field("content-type");
   if (carries == Carries::kParameters) {
     if (is_json(type)) return std::nullopt;

@@ -5,6 +5,8 @@
 #include <exception>
 #include <new>
 
+#include "server/http/content_coding.hpp"
+
 namespace fracture::http {
 namespace {
 
@@ -42,6 +44,7 @@ Api::Api(Dispatcher& dispatcher, const HttpLimits& limits, const StoreConfig& st
       bodies_(limits.max_bodies),
       meshes_(store),
       jobs_(dispatcher, jobs) {
+  metrics_.add_source([this](ops::MetricWriter& writer) { write_metrics(writer); });
   sweep_later();
 }
 
@@ -67,8 +70,36 @@ void Api::sweep_later() {
   });
 }
 
+std::optional<Problem> Api::decode(Request& request, ContentCoding coding,
+                                   const std::stop_token& gone) const {
+  // Where less than a mesh is expected, the limit holds before and after decoding.
+  const std::uint64_t limit =
+      request.admission.max_body < limits_.max_body ? request.admission.max_body : limits_.max_decoded_body;
+  Execution execution;
+  execution.stop = gone;
+  execution.deadline = std::chrono::steady_clock::now() + limits_.deadline;
+  try {
+    Decoding decoding = decode_body(request.body, coding, limit, request.reservation, execution);
+    if (decoding.no_room) return no_memory();
+    return std::move(decoding.problem);
+  } catch (const Interrupted& interrupted) {
+    return to_problem(to_error(interrupted));
+  }
+}
+
 void Api::start(std::shared_ptr<Request> request, std::stop_token gone, Reply reply) {
-  answering(*request, reply, [&] { return dispatch(request, gone, reply); });
+  const OrProblem<ContentCoding> coding = content_coding(request->head.field("content-encoding"));
+  if (!coding || *coding == ContentCoding::kIdentity || request->body.empty()) {
+    answering(*request, reply, [&] { return dispatch(request, gone, reply); });
+    return;
+  }
+  dispatcher_.run(Priority::kRealtime, [this, request, gone, reply, coding = *coding] {
+    answering(*request, reply, [&]() -> Answered {
+      if (std::optional<Problem> problem = decode(*request, coding, gone))
+        return tl::unexpected<Problem>(std::move(*problem));
+      return dispatch(request, gone, reply);
+    });
+  });
 }
 
 void Api::answering(const Request& request, const Reply& reply,
@@ -124,6 +155,8 @@ Answered Api::dispatch(const std::shared_ptr<Request>& request, const std::stop_
       return Response::text(200, "text/plain", "alive\n");
     case Operation::kGetReadyz:
       return get_readyz();
+    case Operation::kGetMetrics:
+      return Response::text(200, ops::Metrics::kContentType, metrics_.text());
   }
   throw InternalError("a route without a handler");
 }

@@ -14,10 +14,12 @@
 #include <utility>
 #include <vector>
 
+#include "server/http/content_coding.hpp"
 #include "server/http/limits.hpp"
 #include "server/http/mesh_input.hpp"
 #include "server/http/message.hpp"
 #include "server/http/routes.hpp"
+#include "server/ops/metrics.hpp"
 #include "server/service/dispatcher.hpp"
 #include "server/service/jobs.hpp"
 #include "server/service/memory_budget.hpp"
@@ -56,12 +58,16 @@ class Api {
   MemoryBudget& bodies() { return bodies_; }
   const MeshStore& meshes() const { return meshes_; }
   const Jobs& jobs() const { return jobs_; }
+  ops::Metrics& metrics() { return metrics_; }
   const HttpLimits& limits() const { return limits_; }
 
  private:
   /// Runs a handler and replies with what it returns, if anything; exceptions become problems.
   void answering(const Request& request, const Reply& reply,
                  const std::function<Answered()>& handle) noexcept;
+  /// Undoes the Content-Encoding of the body.
+  std::optional<Problem> decode(Request& request, ContentCoding coding, const std::stop_token& gone) const;
+  void write_metrics(ops::MetricWriter& writer) const;
   Answered dispatch(const std::shared_ptr<Request>& request, const std::stop_token& gone, const Reply& reply);
 
   /// Takes a mesh out of the body, here or on the pool when it is large, and goes on with it.
@@ -110,6 +116,7 @@ class Api {
   MeshStore meshes_;
   Jobs jobs_;
   std::atomic<bool> draining_{false}, closing_{false};
+  ops::Metrics metrics_;
 };
 
 /// Prefer: respond-async (RFC 7240).

@@ -33,6 +33,8 @@ constexpr Route kRoutes[] = {
      "The changes of a job as server-sent events"},
     {kGetLivez, kAdmin, "GET", "/livez", Carries::kNothing, kTextTypes, "The process answers"},
     {kGetReadyz, kAdmin, "GET", "/readyz", Carries::kNothing, kTextTypes, "The server takes requests"},
+    {kGetMetrics, kAdmin, "GET", "/metrics", Carries::kNothing, kTextTypes,
+     "Counts and gauges for Prometheus"},
 };
 
 }  // namespace

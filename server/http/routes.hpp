@@ -30,6 +30,7 @@ enum class Operation {
   kGetJobEvents,
   kGetLivez,
   kGetReadyz,
+  kGetMetrics,
 };
 
 /// What the body of a request is, and with it what its query may hold.

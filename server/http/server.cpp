@@ -74,6 +74,13 @@ tcp::acceptor open_acceptor(asio::io_context& context, const std::string& addres
   }
 }
 
+void count(ops::Metrics& metrics, Connections::Verdict verdict) {
+  metrics.count_connection();
+  if (verdict == Connections::Verdict::kFull) metrics.count_refused_connection(ops::Metrics::Refusal::kFull);
+  if (verdict == Connections::Verdict::kTooManyOfAddress)
+    metrics.count_refused_connection(ops::Metrics::Refusal::kTooManyOfAddress);
+}
+
 asio::awaitable<void> accept_loop(tcp::acceptor& acceptor, asio::io_context& context, SessionContext shared,
                                   std::size_t max_open) {
   asio::steady_timer pause(acceptor.get_executor());
@@ -98,6 +105,7 @@ asio::awaitable<void> accept_loop(tcp::acceptor& acceptor, asio::io_context& con
     if (ec) continue;
     const std::string address = peer.address().to_string();
     const Connections::Verdict verdict = shared.connections.add(address);
+    if (shared.listener == Listener::kPublic) count(shared.api.metrics(), verdict);
     start_session(std::move(socket), shared, verdict, address);
   }
 }
@@ -125,6 +133,15 @@ class HttpServer::Impl {
         accept_loop(admin_acceptor_, admin_context_, {Listener::kAdmin, api, admin_connections_, policy_},
                     kReservedDescriptors / 2),
         asio::detached);
+    metrics_source_ = api.metrics().add_source([this](ops::MetricWriter& writer) {
+      writer.gauge("fracture_connections", "Open connections of the public listener.",
+                   static_cast<double>(connections_.count()));
+      writer.gauge("fracture_connections_limit", "Connections that may be open.",
+                   static_cast<double>(max_connections_));
+      writer.gauge("fracture_requests_in_progress",
+                   "From the first byte of a request to the last of its answer.",
+                   static_cast<double>(connections_.in_progress.load()));
+    });
     for (int t = 0; t < std::max(1, config.io_threads); ++t)
       threads_.emplace_back([this] { run_forever(context_); });
     threads_.emplace_back([this] { run_forever(admin_context_); });
@@ -139,6 +156,7 @@ class HttpServer::Impl {
     // No handler runs any more, so nothing can be submitted; what was submitted still uses sessions and
     // contexts.
     api_.wait_idle();
+    api_.metrics().remove_source(metrics_source_);
   }
 
   void stop_accepting() {
@@ -164,6 +182,7 @@ class HttpServer::Impl {
       admin_work_{admin_context_.get_executor()};
   tcp::acceptor public_acceptor_, admin_acceptor_;
   std::uint16_t port_, admin_port_;
+  int metrics_source_ = 0;
   std::vector<std::thread> threads_;
 };
 

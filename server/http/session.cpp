@@ -220,6 +220,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     record_.milliseconds = milliseconds_since(start_);
     record_.cache = field_of(response, "cache-status");
     record_.mesh = mesh_of(response);
+    api_.metrics().count_request(record_);
     ops::log_request(record_);
   }
 
@@ -291,6 +292,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     connection_->socket().async_wait(tcp::socket::wait_error, [weak = weak_from_this()](error_code ec) {
       const auto self = weak.lock();
       if (ec || !self || !self->connection_->is_reset()) return;
+      if (!self->exchange_->done) self->api_.metrics().count_abandoned_work();
       self->stop_.request_stop();
       self->job_done_.cancel();
     });

@@ -102,6 +102,7 @@ class Dispatcher {
   Figures figures() const;
   Timer& timer() { return timer_; }
   FractureService& service() { return service_; }
+  const WorkerPool& pool() const { return pool_; }
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -1,0 +1,107 @@
+// What the Api and everything below it knows about itself, for /metrics.
+#include "server/http/api.hpp"
+
+namespace fracture::http {
+
+void Api::write_metrics(ops::MetricWriter& writer) const {
+  writer.gauge("fracture_build_info", "1; version of the server and of its algorithm.", 1,
+               {{"version", FRACTURE_VERSION}, {"algorithm", std::to_string(kAlgorithmVersion)}});
+  writer.gauge("fracture_ready", "1 while the server takes requests, 0 while it drains.", draining() ? 0 : 1);
+  const WorkerPool& pool = dispatcher_.pool();
+  writer.gauge("fracture_queue_depth", "Jobs that wait for a computing thread.",
+               static_cast<double>(pool.queued()));
+  writer.gauge("fracture_jobs_running", "Jobs that are being computed.", static_cast<double>(pool.running()));
+  writer.gauge("fracture_compute_threads", "Threads that compute.", pool.threads());
+  writer.gauge("fracture_predicted_wait_seconds", "How long a new job would be queued, by class.",
+               pool.predicted_wait(Priority::kRealtime).count(), {{"class", "realtime"}});
+  writer.gauge("fracture_predicted_wait_seconds", "How long a new job would be queued, by class.",
+               pool.predicted_wait(Priority::kBatch).count(), {{"class", "batch"}});
+  writer.gauge("fracture_body_memory_bytes", "Bytes of request bodies held.",
+               static_cast<double>(bodies_.used()));
+  writer.gauge("fracture_body_memory_limit_bytes", "Bytes of request bodies that may be held.",
+               static_cast<double>(limits_.max_bodies));
+
+  const Dispatcher::Figures work = dispatcher_.figures();
+  const auto count = [&writer](const char* name, const char* help, std::uint64_t value) {
+    writer.counter(name, help, static_cast<double>(value));
+  };
+  count("fracture_results_computed_total", "Results computed to the end.", work.computed);
+  count("fracture_requests_collapsed_total", "Requests that waited for the computation of another one.",
+        work.collapsed);
+  count("fracture_waiters_left_total", "Waiters who left: reset, cancelled or past their deadline.",
+        work.abandoned);
+  count("fracture_jobs_expired_total", "Jobs whose deadline had passed when their turn came.", work.expired);
+  count("fracture_requests_not_admitted_total", "Requests refused at once for lack of time or memory.",
+        work.refused);
+  writer.gauge("fracture_flights", "Results that are being computed or wait for it.",
+               static_cast<double>(work.flights));
+  writer.gauge("fracture_working_memory_bytes", "Bytes that computations work in, by estimate.",
+               static_cast<double>(work.working_bytes));
+
+  const auto cache = [&writer](const char* name, const CacheFigures& figures, std::size_t budget) {
+    const ops::MetricWriter::Labels labels = {{"cache", name}, {"tier", "memory"}};
+    writer.gauge("fracture_cache_bytes", "Bytes held by each cache.", static_cast<double>(figures.bytes),
+                 labels);
+    writer.gauge("fracture_cache_limit_bytes", "Bytes that each cache may hold.", static_cast<double>(budget),
+                 labels);
+    writer.gauge("fracture_cache_entries", "Entries of each cache.", static_cast<double>(figures.entries),
+                 labels);
+    writer.counter("fracture_cache_evictions_total", "Entries that made room for others.",
+                   static_cast<double>(figures.evictions), labels);
+  };
+  const FractureService::Figures caches = service_.figures();
+  const ServiceConfig& config = service_.config();
+  cache("mesh", caches.meshes, config.mesh_cache_bytes);
+  cache("diagram", caches.diagrams, config.diagram_cache_bytes);
+  cache("result", caches.results, config.result_cache_bytes);
+
+  const StoreFigures store = meshes_.figures();
+  writer.gauge("fracture_stored_meshes", "Meshes in the store.", static_cast<double>(store.meshes));
+  writer.gauge("fracture_stored_mesh_bytes", "Bytes of stored meshes.", static_cast<double>(store.bytes));
+  writer.gauge("fracture_stored_mesh_limit_bytes", "Bytes of stored meshes that there may be.",
+               static_cast<double>(meshes_.config().quota_bytes));
+  count("fracture_meshes_stored_total", "Meshes that were put into the store.", store.stored);
+  count("fracture_meshes_expired_total", "Stored meshes forgotten because nobody used them.", store.expired);
+  count("fracture_meshes_evicted_total", "Stored meshes forgotten because others needed their room.",
+        store.evicted);
+
+  const JobFigures jobs = jobs_.figures();
+  writer.gauge("fracture_jobs", "Jobs that are known, finished ones included.",
+               static_cast<double>(jobs.jobs));
+  writer.gauge("fracture_jobs_unfinished", "Jobs that wait or run.", static_cast<double>(jobs.unfinished));
+  writer.gauge("fracture_job_result_bytes", "Bytes that finished jobs hold.",
+               static_cast<double>(jobs.result_bytes));
+  count("fracture_jobs_started_total", "Jobs begun by Prefer: respond-async.", jobs.started);
+  count("fracture_jobs_forgotten_total", "Finished jobs that nobody asked for in time.", jobs.expired);
+  count("fracture_jobs_evicted_total", "Finished jobs forgotten because others needed their room.",
+        jobs.evicted);
+
+  const TiersFigures tiers = service_.tiers().figures();
+  if (tiers.disk) {
+    const ops::MetricWriter::Labels labels = {{"cache", "result"}, {"tier", "disk"}};
+    writer.gauge("fracture_cache_bytes", "Bytes held by each cache.", static_cast<double>(tiers.disk->bytes),
+                 labels);
+    writer.gauge("fracture_cache_entries", "Entries of each cache.", static_cast<double>(tiers.disk->entries),
+                 labels);
+    writer.counter("fracture_cache_evictions_total", "Entries that made room for others.",
+                   static_cast<double>(tiers.disk->evictions), labels);
+    writer.counter("fracture_cache_damaged_total", "Entries that were found damaged and put aside.",
+                   static_cast<double>(tiers.disk->quarantined), labels);
+    writer.counter("fracture_cache_failures_total", "Reads and writes that failed.",
+                   static_cast<double>(tiers.disk->failures), labels);
+  }
+  if (tiers.redis) {
+    const ops::MetricWriter::Labels labels = {{"cache", "result"}, {"tier", "redis"}};
+    writer.counter("fracture_cache_damaged_total", "Entries that were found damaged and put aside.",
+                   static_cast<double>(tiers.redis->damaged), labels);
+    writer.counter("fracture_cache_failures_total", "Reads and writes that failed.",
+                   static_cast<double>(tiers.redis->failures), labels);
+    writer.counter("fracture_cache_skipped_total",
+                   "Times the tier was not asked because it had not answered before.",
+                   static_cast<double>(tiers.redis->skipped), labels);
+  }
+  count("fracture_results_unwritten_total",
+        "Results that were not written to a tier because too many waited.", tiers.dropped);
+}
+
+}  // namespace fracture::http

@@ -1,0 +1,120 @@
+#include "server/http/content_coding.hpp"
+
+#include <zlib.h>
+#include <zstd.h>
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "server/http/request_head.hpp"
+
+namespace fracture::http {
+namespace {
+
+/// Decoded bytes between two looks at the deadline.
+constexpr std::size_t kBlock = 256u << 10;
+constexpr int kMaxWindowLog = 23;
+
+enum class Outcome { kWhole, kDamaged, kStopped };
+
+/// Calls sink(bytes) -> bool for every decoded block, until it returns false.
+template <class Sink>
+Outcome each_gzip_block(std::string_view body, Sink sink) {
+  z_stream stream{};
+  constexpr int kGzipOnly = 16 + MAX_WBITS;
+  if (inflateInit2(&stream, kGzipOnly) != Z_OK) throw std::bad_alloc();
+  const auto end = [](z_stream* s) { inflateEnd(s); };
+  const std::unique_ptr<z_stream, decltype(end)> owner(&stream, end);
+  std::vector<char> block(kBlock);
+  std::size_t read = 0;
+  for (;;) {
+    const std::size_t piece = std::min<std::size_t>(body.size() - read, std::numeric_limits<uInt>::max());
+    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(body.data() + read));  // zlib only reads
+    stream.avail_in = static_cast<uInt>(piece);
+    stream.next_out = reinterpret_cast<Bytef*>(block.data());
+    stream.avail_out = kBlock;
+    const int result = ::inflate(&stream, Z_NO_FLUSH);
+    read += piece - stream.avail_in;
+    const std::size_t made = kBlock - stream.avail_out;
+    if (made > 0 && !sink(std::string_view(block.data(), made))) return Outcome::kStopped;
+    if (result == Z_STREAM_END) {
+      if (read == body.size()) return Outcome::kWhole;
+      if (inflateReset(&stream) != Z_OK) return Outcome::kDamaged;
+    } else if (result != Z_OK || (made == 0 && stream.avail_in == piece)) {
+      return Outcome::kDamaged;
+    }
+  }
+}
+
+template <class Sink>
+Outcome each_zstd_block(std::string_view body, Sink sink) {
+  const auto free = [](ZSTD_DCtx* c) { ZSTD_freeDCtx(c); };
+  const std::unique_ptr<ZSTD_DCtx, decltype(free)> context(ZSTD_createDCtx(), free);
+  if (!context) throw std::bad_alloc();
+  if (ZSTD_isError(ZSTD_DCtx_setParameter(context.get(), ZSTD_d_windowLogMax, kMaxWindowLog)))
+    throw InternalError("zstd does not take a window limit");
+  std::vector<char> block(kBlock);
+  ZSTD_inBuffer in{body.data(), body.size(), 0};
+  std::size_t pending = 1;  // 0 at the end of a frame
+  while (in.pos < in.size || pending != 0) {
+    const std::size_t before = in.pos;
+    ZSTD_outBuffer out{block.data(), block.size(), 0};
+    pending = ZSTD_decompressStream(context.get(), &out, &in);
+    if (ZSTD_isError(pending)) return Outcome::kDamaged;
+    if (out.pos > 0 && !sink(std::string_view(block.data(), out.pos))) return Outcome::kStopped;
+    if (out.pos == 0 && in.pos == before) return Outcome::kDamaged;
+  }
+  return Outcome::kWhole;
+}
+
+template <class Sink>
+Outcome each_block(std::string_view body, ContentCoding coding, Sink sink) {
+  return coding == ContentCoding::kGzip ? each_gzip_block(body, sink) : each_zstd_block(body, sink);
+}
+
+}  // namespace
+
+OrProblem<ContentCoding> content_coding(std::string_view field) {
+  if (field.empty() || equals_ignoring_case(field, "identity")) return ContentCoding::kIdentity;
+  if (equals_ignoring_case(field, "gzip") || equals_ignoring_case(field, "x-gzip"))
+    return ContentCoding::kGzip;
+  if (equals_ignoring_case(field, "zstd")) return ContentCoding::kZstd;
+  return tl::unexpected<Problem>(
+      Problem(HttpProblem::kUnsupportedCoding, "Content-Encoding '" + std::string(field.substr(0, 100)) +
+                                                   "' is not read here; gzip and zstd are, one at a time.")
+          .with("Accept-Encoding", "gzip, zstd"));
+}
+
+Decoding decode_body(std::string& body, ContentCoding coding, std::uint64_t limit,
+                     MemoryBudget::Reservation& reservation, const Execution& execution) {
+  if (coding == ContentCoding::kIdentity) return {};
+  const char* const name = coding == ContentCoding::kGzip ? "gzip" : "zstd";
+  std::uint64_t size = 0;
+  const Outcome outcome = each_block(body, coding, [&](std::string_view block) {
+    execution.poll();
+    size += block.size();
+    return size <= limit;
+  });
+  if (outcome == Outcome::kStopped)
+    return {Problem(HttpProblem::kBodyTooLarge, std::string("The ") + name +
+                                                    " body decodes to more than the limit of " +
+                                                    std::to_string(limit) + " bytes.")};
+  if (outcome == Outcome::kDamaged)
+    return {Problem(HttpProblem::kMalformedCoding, std::string("The body is no whole ") + name +
+                                                       " stream: it is damaged or ends early after " +
+                                                       std::to_string(size) + " decoded bytes.")};
+  if (!reservation.grow_to(body.size() + size)) return {.no_room = true};
+  std::string decoded;
+  decoded.reserve(size);
+  each_block(body, coding, [&](std::string_view block) {
+    execution.poll();
+    decoded.append(block);
+    return true;
+  });
+  body = std::move(decoded);
+  return {};
+}
+
+}  // namespace fracture::http

@@ -1,0 +1,32 @@
+// Content-Encoding of request bodies (RFC 9110, section 8.4; RFC 8878 for zstd).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "common/base/execution.hpp"
+#include "server/http/problem.hpp"
+#include "server/service/memory_budget.hpp"
+
+namespace fracture::http {
+
+enum class ContentCoding { kIdentity, kGzip, kZstd };
+
+/// What a Content-Encoding field names: nothing or `identity`, `gzip` (also `x-gzip`), `zstd`. Refuses every
+/// other and every list of codings with 415, whose Accept-Encoding says what would do.
+OrProblem<ContentCoding> content_coding(std::string_view field);
+
+/// Decodes `body` in place. Decodes twice: the first time it only counts, so that a body that unfolds beyond
+/// `limit` (413), is damaged (400) or finds no room in the budget (nothing) has cost no memory. Members of a
+/// gzip file and frames of zstd may follow one another; whatever else follows is damage. The window of zstd
+/// is at most 8 MiB (RFC 9659). Throws Interrupted.
+struct Decoding {
+  std::optional<Problem> problem{};
+  bool no_room = false;  ///< the budget is exhausted
+};
+Decoding decode_body(std::string& body, ContentCoding coding, std::uint64_t limit,
+                     MemoryBudget::Reservation& reservation, const Execution& execution);
+
+}  // namespace fracture::http

@@ -1,0 +1,178 @@
+// Compressed request bodies: what is decoded, what is refused, and what a bomb costs.
+#include "server/http/content_coding.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <zlib.h>
+#include <zstd.h>
+
+#include "tests/server/test_server.hpp"
+
+namespace fracture::test {
+namespace {
+
+std::string gzip(const std::string& text) {
+  z_stream stream{};
+  deflateInit2(&stream, 9, Z_DEFLATED, 16 + MAX_WBITS, 9, Z_DEFAULT_STRATEGY);
+  std::string out(deflateBound(&stream, text.size()) + 64, '\0');
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
+  stream.avail_in = static_cast<uInt>(text.size());
+  stream.next_out = reinterpret_cast<Bytef*>(out.data());
+  stream.avail_out = static_cast<uInt>(out.size());
+  EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
+  out.resize(out.size() - stream.avail_out);
+  deflateEnd(&stream);
+  return out;
+}
+
+std::string zstd(const std::string& text, int window_log = 0) {
+  ZSTD_CCtx* context = ZSTD_createCCtx();
+  if (window_log > 0) ZSTD_CCtx_setParameter(context, ZSTD_c_windowLog, window_log);
+  ZSTD_CCtx_setParameter(context, ZSTD_c_contentSizeFlag, 0);  // as a stream is written
+  std::string out(ZSTD_compressBound(text.size()) + 64, '\0');
+  ZSTD_inBuffer in{text.data(), text.size(), 0};
+  ZSTD_outBuffer buffer{out.data(), out.size(), 0};
+  EXPECT_EQ(ZSTD_compressStream2(context, &buffer, &in, ZSTD_e_end), 0u);
+  out.resize(buffer.pos);
+  ZSTD_freeCCtx(context);
+  return out;
+}
+
+std::string fields(const std::string& coding) {
+  return "Content-Type: model/obj\r\nContent-Encoding: " + coding + "\r\n";
+}
+
+long peak_mib() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_maxrss / 1024;
+}
+
+TEST(ContentCoding, ACompressedBodyIsTheSameRequest) {
+  TestServer server;
+  const std::string mesh(100'000, 'm');
+  const Reply plain = server.post("/fracture", mesh, "Content-Type: model/obj\r\n");
+  ASSERT_EQ(plain.status, 200);
+  const std::string half = mesh.substr(0, 50'000);
+  const std::pair<const char*, std::string> same[] = {{"identity", mesh},
+                                                      {"gzip", gzip(mesh)},
+                                                      {"x-gzip", gzip(mesh)},
+                                                      {"GZIP", gzip(mesh)},
+                                                      {"zstd", zstd(mesh)},
+                                                      {"gzip", gzip(half) + gzip(half)},
+                                                      {"zstd", zstd(half) + zstd(half)}};
+  for (const auto& [coding, body] : same) {
+    const Reply reply = server.post("/fracture", body, fields(coding));
+    EXPECT_EQ(reply.status, 200) << coding << reply.body;
+    EXPECT_EQ(reply.header("etag"), plain.header("etag")) << coding;
+  }
+  EXPECT_EQ(server.control->imports, 1) << "one mesh, one import";
+  EXPECT_EQ(server.api.bodies().used(), 0u);
+}
+
+TEST(ContentCoding, OtherCodingsAre415WithWhatWouldDo) {
+  TestServer server;
+  for (const char* coding : {"br", "deflate", "gzip, gzip", "gzip, zstd", "gzip;q=1", "compress", "*"}) {
+    const Reply reply = server.post("/fracture", "mesh", fields(coding));
+    EXPECT_EQ(reply.status, 415) << coding;
+    EXPECT_EQ(reply.problem(), "unsupported-coding") << coding;
+    EXPECT_EQ(reply.header("accept-encoding"), "gzip, zstd") << coding;
+  }
+  EXPECT_EQ(server.post("/fracture", gzip("mesh"), fields("gzip") + fields("gzip")).status, 415)
+      << "two fields are a list of two";
+}
+
+TEST(ContentCoding, DamagedBodiesAre400) {
+  TestServer server;
+  const std::string text(10'000, 'x');
+  const std::string g = gzip(text), z = zstd(text);
+  std::string flipped_g = g, flipped_z = z;
+  flipped_g[g.size() - 6] ^= 1;  // in the checksum
+  flipped_z[2] ^= 1;             // in the magic number
+  const std::pair<const char*, std::string> damaged[] = {{"gzip", "mesh"},
+                                                         {"zstd", "mesh"},
+                                                         {"gzip", z},
+                                                         {"zstd", g},
+                                                         {"gzip", flipped_g},
+                                                         {"zstd", flipped_z},
+                                                         {"gzip", g.substr(0, g.size() - 1)},
+                                                         {"zstd", z.substr(0, z.size() - 1)},
+                                                         {"gzip", g + "tail"},
+                                                         {"zstd", z + "tail"},
+                                                         {"gzip", g.substr(0, 5)}};
+  for (const auto& [coding, body] : damaged)
+    EXPECT_EQ(server.post("/fracture", body, fields(coding)).problem(), "malformed-coding")
+        << coding << " of " << body.size() << " bytes";
+  EXPECT_EQ(server.post("/fracture", gzip(""), fields("gzip")).problem(), "empty-body");
+  EXPECT_EQ(server.control->imports, 0);
+}
+
+TEST(ContentCoding, ABombIs413AndCostsNoMemory) {
+  TestServerOptions options;
+  options.limits.max_decoded_body = 256u << 20;
+  TestServer server(options);
+  const std::string zeros(64u << 20, '\0');
+  std::string g = gzip(zeros), z = zstd(zeros);
+  std::string bomb_g, bomb_z;
+  for (int i = 0; i < 8; ++i) {  // 512 MiB each
+    bomb_g += g;
+    bomb_z += z;
+  }
+  const long before = peak_mib();
+  for (const auto& [coding, body] : {std::pair("gzip", bomb_g), std::pair("zstd", bomb_z)}) {
+    const Reply reply = server.post("/fracture", body, fields(coding));
+    EXPECT_EQ(reply.problem(), "body-too-large") << coding;
+    EXPECT_NE(reply.body.find("268435456"), std::string::npos) << "the limit is named";
+  }
+#ifndef FRACTURE_SANITIZED
+  EXPECT_LT(peak_mib() - before, 32);
+#endif
+  EXPECT_EQ(server.control->imports, 0);
+  EXPECT_EQ(server.api.bodies().used(), 0u);
+}
+
+TEST(ContentCoding, TheLimitHoldsToTheByte) {
+  TestServerOptions options;
+  options.limits.max_decoded_body = 100'000;
+  TestServer server(options);
+  EXPECT_EQ(server.post("/fracture", gzip(std::string(100'000, 'x')), fields("gzip")).status, 200);
+  EXPECT_EQ(server.post("/fracture", gzip(std::string(100'001, 'x')), fields("gzip")).status, 413);
+  EXPECT_EQ(server.post("/fracture", zstd(std::string(100'001, 'x')), fields("zstd")).status, 413);
+}
+
+TEST(ContentCoding, AWindowOver8MiBIsRefused) {
+  // Not worth its memory, and RFC 9659 forbids it for a content coding.
+  std::string text(20u << 20, '\0');
+  for (std::size_t i = 0; i < text.size(); i += 1000) text[i] = static_cast<char>(i * 2654435761u >> 24);
+  MemoryBudget budget(100u << 20);
+  MemoryBudget::Reservation reservation(budget);
+  std::string small = zstd(text, 23), large = zstd(text, 24);
+  EXPECT_FALSE(http::decode_body(small, http::ContentCoding::kZstd, 100u << 20, reservation, {}).problem);
+  EXPECT_EQ(small, text);
+  EXPECT_TRUE(http::decode_body(large, http::ContentCoding::kZstd, 100u << 20, reservation, {}).problem);
+}
+
+TEST(ContentCoding, DecodedBytesCountAgainstTheMemoryOfAllBodies) {
+  TestServerOptions options;
+  options.limits.max_bodies = 50'000;
+  TestServer server(options);
+  const Reply reply = server.post("/fracture", gzip(std::string(100'000, 'x')), fields("gzip"));
+  EXPECT_EQ(reply.status, 503);
+  EXPECT_NE(reply.header("retry-after"), "");
+  EXPECT_EQ(server.api.bodies().used(), 0u);
+}
+
+TEST(ContentCoding, ACancelledRequestStopsDecoding) {
+  std::stop_source stop;
+  stop.request_stop();
+  Execution execution;
+  execution.stop = stop.get_token();
+  MemoryBudget budget(100u << 20);
+  MemoryBudget::Reservation reservation(budget);
+  std::string body = gzip(std::string(1u << 20, 'x'));
+  EXPECT_THROW(http::decode_body(body, http::ContentCoding::kGzip, 100u << 20, reservation, execution),
+               Interrupted);
+}
+
+}  // namespace
+}  // namespace fracture::test
