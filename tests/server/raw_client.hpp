@@ -19,6 +19,8 @@
 #include <string>
 #include <string_view>
 
+#include "tests/server/record.hpp"
+
 namespace fracture::test {
 
 struct Reply {
@@ -156,6 +158,7 @@ inline Reply ask(std::uint16_t port, const std::string& method, const std::strin
   client.send(request + "\r\n" + body);
   auto reply = client.receive(method == "HEAD");
   if (!reply) throw std::runtime_error("no reply to " + method + " " + target);
+  record_exchange(method, target, reply->status, reply->headers, reply->body);
   return *reply;
 }
 

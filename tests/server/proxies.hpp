@@ -1,0 +1,128 @@
+// HAProxy and nginx in front of a server, as children of the test on loopback ports, with all their files in
+// a temporary folder. Each logs one line `request <1 when it was sent on, else 0> <status>` for each request
+// it saw.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "tests/server/child_process.hpp"
+#include "tests/server/raw_client.hpp"
+
+namespace fracture::test {
+
+class Proxy {
+ public:
+  enum class Kind { kHaproxy, kNginx };
+
+  static const char* name(Kind kind) { return kind == Kind::kHaproxy ? "haproxy" : "nginx"; }
+  static bool installed(Kind kind) { return find_program(name(kind)).has_value(); }
+
+  struct Server {
+    std::uint16_t port;
+    std::uint16_t admin_port =
+        0;  ///< HAProxy asks its /readyz whether the server gets requests; 0: it always does
+  };
+
+  Proxy(Kind kind, std::uint16_t server_port) : Proxy(kind, std::vector<Server>{{server_port}}) {}
+  /// Returns when it listens.
+  Proxy(Kind kind, const std::vector<Server>& servers)
+      : folder_(std::string("proxy_") + name(kind)), port(free_port()) {
+    const std::string listen = "127.0.0.1:" + std::to_string(port), program = *find_program(name(kind));
+    std::vector<std::string> arguments;
+    if (kind == Kind::kHaproxy) {
+      log_ = folder_ / "output";
+      std::string list;
+      for (const Server& server : servers) {
+        list += "  server s" + std::to_string(server.port) + " 127.0.0.1:" + std::to_string(server.port);
+        if (server.admin_port != 0)
+          list += " check port " + std::to_string(server.admin_port) + " inter 100ms fall 1 rise 1";
+        list += "\n";
+      }
+      arguments = {program, "-db", "-f",
+                   folder_.write("haproxy.cfg",
+                                 "global\n  maxconn 200\n  log stdout format raw local0\n"
+                                 "defaults\n  mode http\n  log global\n"
+                                 // <NOSRV> was never sent on
+                                 "  log-format \"request %s %ST\"\n"
+                                 "  timeout connect 2s\n  timeout client 3s\n  timeout server 20s\n"
+                                 "  timeout http-request 2s\n  timeout http-keep-alive 3s\n"
+                                 "  option http-keep-alive\n  http-reuse always\n"
+
+                                 "frontend public\n  bind " +
+                                     listen +
+                                     "\n  default_backend servers\n"
+                                     "backend servers\n" +
+                                     "  option httpchk GET /readyz\n" + list)};
+    } else {
+      log_ = folder_ / "access.log";
+      std::string temporary;
+      for (const char* kind_of : {"client_body", "proxy", "fastcgi", "uwsgi", "scgi"})
+        temporary += std::string(kind_of) + "_temp_path " + (folder_ / kind_of) + ";\n";
+      arguments = {
+          program,
+          "-p",
+          folder_ / "",
+          "-e",
+          folder_ / "error.log",
+          "-c",
+          folder_.write("nginx.conf",
+                        "daemon off;\nmaster_process off;\npid " + (folder_ / "pid") +
+                            ";\nevents {}\nhttp {\n" + temporary +
+                            "log_format counts 'request $upstream_bytes_sent $status';\n"
+                            "access_log " +
+                            log_ +
+                            " counts;\n"
+                            "client_header_timeout 2s;\nclient_body_timeout 2s;\nkeepalive_timeout 2s;\n"
+                            "client_max_body_size 16m;\n"
+                            "upstream servers { server 127.0.0.1:" +
+                            std::to_string(servers.front().port) +
+                            "; keepalive 8; }\n"
+                            "server {\nlisten " +
+                            listen +
+                            ";\nlocation / {\n"
+                            "proxy_pass http://servers;\nproxy_http_version 1.1;\n"
+                            "proxy_set_header Connection \"\";\nproxy_next_upstream off;\n}\n}\n}\n")};
+    }
+    process_ = std::make_unique<ChildProcess>(arguments, folder_ / "output");
+    for (int i = 0; i < 500; ++i) {
+      if (!process_->alive())
+        throw std::runtime_error(std::string(name(kind)) + ": " + read_file(folder_ / "output"));
+      try {
+        RawClient probe(port);
+        return;
+      } catch (const std::runtime_error&) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      }
+    }
+    throw std::runtime_error(std::string(name(kind)) + " does not listen");
+  }
+
+  struct Counts {
+    int seen = 0, sent_on = 0;
+  };
+  Counts counts() const {
+    Counts counts;
+    std::istringstream lines(read_file(log_));
+    for (std::string line; std::getline(lines, line);) {
+      std::istringstream words(line);
+      std::string word, upstream;
+      if (!(words >> word >> upstream) || word != "request") continue;
+      ++counts.seen;
+      if (upstream != "-" && upstream != "0" && upstream.find("NOSRV") == std::string::npos) ++counts.sent_on;
+    }
+    return counts;
+  }
+  std::string log() const { return read_file(log_); }
+  bool alive() { return process_->alive(); }
+
+ private:
+  TemporaryFolder folder_;
+  std::string log_;
+  std::unique_ptr<ChildProcess> process_;
+
+ public:
+  const std::uint16_t port;
+};
+
+}  // namespace fracture::test

@@ -1,0 +1,116 @@
+// The same attacks with a proxy in front, and a server that is replaced behind one.
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "tests/server/exposition.hpp"
+#include "tests/server/hostile_corpus.hpp"
+#include "tests/server/proxies.hpp"
+#include "tests/server/server_process.hpp"
+#include "tests/server/test_server.hpp"
+
+namespace fracture::test {
+namespace {
+
+std::size_t count(const std::string& text, const std::string& what) {
+  std::size_t n = 0;
+  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++n;
+  return n;
+}
+
+struct BehindProxy : testing::TestWithParam<Proxy::Kind> {
+  void SetUp() override {
+    if (!Proxy::installed(GetParam())) GTEST_SKIP() << Proxy::name(GetParam()) << " is not installed";
+  }
+};
+
+// Where proxy and server disagree about where a request ends, the server sees a request that the proxy never
+// sent.
+TEST_P(BehindProxy, EveryHopCountsTheSameRequests) {
+  TestServer server;
+  Proxy proxy(GetParam(), server.port());
+  const auto served = [&server] {
+    return static_cast<int>(parse_exposition(ask(server.server.admin_port(), "GET", "/metrics").body)
+                                .sum("fracture_requests_total", "public"));
+  };
+  int answers = 0, passed = 0, refused = 0;
+  Proxy::Counts before = proxy.counts();  // of the probe that waited for it
+  const int seen_before = before.seen;
+  for (const HostileRequest& request : hostile_corpus()) {
+    RawClient client(proxy.port);
+    client.send(request.bytes + kSmuggled);
+    const std::string all = client.receive_all();
+    EXPECT_FALSE(client.timed_out()) << request.name;
+    const int got = static_cast<int>(count_answers(all)), marked = static_cast<int>(count(all, "smuggled"));
+    answers += got;
+    (marked > 0 ? passed : refused) += 1;
+    EXPECT_LE(got, 2) << request.name;
+
+    // Logs and counters are written after the answers.
+    Proxy::Counts now = proxy.counts();
+    for (int i = 0; i < 200 && (now.seen == before.seen || now.sent_on != served()); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      now = proxy.counts();
+    }
+    ASSERT_EQ(now.sent_on, served()) << request.name
+                                     << ": the hops disagree about how many requests there were\n"
+                                     << all.substr(0, 1000);
+    EXPECT_GE(now.seen - before.seen, got) << request.name << ": more answers than requests";
+    before = now;
+  }
+  EXPECT_GT(passed, 0) << "the controls";
+  EXPECT_GT(refused, 100);
+  EXPECT_GE(proxy.counts().seen - seen_before, answers);
+  EXPECT_EQ(ask(proxy.port, "GET", "/version").status, 200) << "the same processes answer";
+  EXPECT_TRUE(proxy.alive());
+  std::printf("%s: %d answers, %d requests sent on, %d served\n", Proxy::name(GetParam()), answers,
+              proxy.counts().sent_on, served());
+}
+
+INSTANTIATE_TEST_SUITE_P(Proxies, BehindProxy, testing::Values(Proxy::Kind::kHaproxy, Proxy::Kind::kNginx),
+                         [](const auto& info) { return std::string(Proxy::name(info.param)); });
+
+const std::string kCube =
+    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+    "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+
+// Two servers behind HAProxy, which asks /readyz: one is told to stop while clients ask without a pause. The
+// drain delay is ten times what the proxy needs to notice.
+TEST(RollingRestart, SigtermUnderLoadBehindHaproxyFailsNoRequest) {
+  if (!Proxy::installed(Proxy::Kind::kHaproxy)) GTEST_SKIP() << "haproxy is not installed";
+  ServeProcess first({"--drain-delay", "3"}), second({"--drain-delay", "3"});
+  Proxy proxy(Proxy::Kind::kHaproxy, {{first.port, first.admin_port}, {second.port, second.admin_port}});
+  std::atomic<int> answered{0}, failed{0};
+  std::atomic<bool> stop{false};
+  std::vector<std::thread> clients;
+  for (int c = 0; c < 4; ++c)
+    clients.emplace_back([&, c] {
+      for (int i = 0; !stop; ++i) {
+        try {
+          const Reply reply =
+              ask(proxy.port, "POST", "/fracture?sites=8&seed=" + std::to_string(1000 * c + i),
+                  "Content-Type: model/obj\r\n", kCube);
+          ++(reply.status == 200 ? answered : failed);
+        } catch (const std::runtime_error&) {
+          ++failed;
+        }
+      }
+    });
+  const auto answers = [&](int more) {
+    for (const int end = answered + more; answered < end && failed == 0;)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  };
+  answers(50);
+  first.signal(SIGTERM);
+  EXPECT_EQ(first.wait(), 0);
+  answers(50);
+  stop = true;
+  for (std::thread& client : clients) client.join();
+  EXPECT_EQ(failed, 0);
+  EXPECT_GE(answered, 100);
+  second.signal(SIGTERM);
+  EXPECT_EQ(second.wait(), 0);
+}
+
+}  // namespace
+}  // namespace fracture::test
