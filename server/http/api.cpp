@@ -95,8 +95,11 @@ void Api::start(std::shared_ptr<Request> request, std::stop_token gone, Reply re
   }
   dispatcher_.run(Priority::kRealtime, [this, request, gone, reply, coding = *coding] {
     answering(*request, reply, [&]() -> Answered {
-      if (std::optional<Problem> problem = decode(*request, coding, gone))
+      if (std::optional<Problem> problem = decode(*request, coding, gone)) {
+        std::string().swap(request->body);
+        request->reservation = {};
         return tl::unexpected<Problem>(std::move(*problem));
+      }
       return dispatch(request, gone, reply);
     });
   });

@@ -274,6 +274,39 @@ TEST(Hostile, AResetCancelsTheWork) {
   EXPECT_ALIVE(server);
 }
 
+TEST(Hostile, AHundredResetsAfterTheUploadLeaveNoWorkBehind) {
+  constexpr int kClients = 100;
+  TestServerOptions options;
+  options.max_queue = 2 * kClients;
+  TestServer server(options);
+  server.control->during_cut = [](const Execution& execution) {
+    for (;;) {
+      execution.poll();
+      std::this_thread::sleep_for(milliseconds(1));
+    }
+  };
+  std::vector<std::unique_ptr<RawClient>> clients;
+  for (int i = 0; i < kClients; ++i) {
+    clients.push_back(std::make_unique<RawClient>(server.port()));
+    clients.back()->send("POST /fracture?seed=" + std::to_string(i) +
+                         " HTTP/1.1\r\nHost: a\r\nContent-Type: model/obj\r\nContent-Length: 4\r\n\r\nmesh");
+  }
+  const auto metrics = [&server] {
+    return parse_exposition(ask(server.server.admin_port(), "GET", "/metrics").body);
+  };
+  while (metrics()["fracture_flights"] < kClients) std::this_thread::sleep_for(milliseconds(5));
+  for (const auto& client : clients) client->reset();
+  while (metrics()["fracture_work_abandoned_total"] < kClients) std::this_thread::sleep_for(milliseconds(5));
+  server.api.wait_idle();  // without the cancellation this would take for ever
+  const Exposition after = metrics();
+  EXPECT_EQ(after["fracture_work_abandoned_total"], kClients);
+  EXPECT_EQ(after["fracture_results_computed_total"], 0);
+  EXPECT_EQ(server.control->cancelled, server.control->cuts) << "what had begun was stopped";
+  EXPECT_EQ(after["fracture_flights"], 0);
+  server.control->during_cut = nullptr;
+  EXPECT_ALIVE(server);
+}
+
 TEST(Hostile, OneAddressCannotTakeAllConnections) {
   TestServerOptions options;
   options.limits.max_connections_per_address = 3;

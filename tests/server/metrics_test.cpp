@@ -50,7 +50,7 @@ TEST(Metrics, RequestsAreCountedByRouteAndStatus) {
   EXPECT_EQ(requests("none", 400), 2) << "what was refused by its header alone has no route";
   EXPECT_EQ(m.sum("fracture_requests_total", "public"), 8);
   EXPECT_EQ(m["fracture_request_duration_seconds_count{route=\"/fracture\"}"], 2);
-  EXPECT_EQ(m["fracture_queue_wait_seconds_count"], 2);
+  EXPECT_EQ(m["fracture_queue_wait_seconds_count"], 1) << "what is in memory waits for nobody";
   EXPECT_EQ(m["fracture_connections_total"], 8);
   EXPECT_EQ(m["fracture_body_bytes_total{direction=\"in\"}"], 2 * 6);
   EXPECT_EQ(m["fracture_cache_lookups_total{cache=\"result\",outcome=\"miss\"}"], 1);
@@ -96,7 +96,7 @@ TEST(Metrics, QueueAndMemoryAreShownWhileTheyAreInUse) {
   EXPECT_EQ(m["fracture_compute_threads"], 1);
   EXPECT_EQ(m["fracture_connections"], 3);
   EXPECT_EQ(m["fracture_requests_in_progress"], 3);
-  EXPECT_EQ(m["fracture_body_memory_bytes"], 3 * 7);
+  EXPECT_EQ(m["fracture_body_memory_bytes"], 2 * 7) << "the mesh of the one that runs has been imported";
   release.count_down();
   for (std::thread& client : clients) client.join();
 }

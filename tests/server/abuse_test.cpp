@@ -1,0 +1,151 @@
+// The real program under clients that mean it harm, while others work.
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <atomic>
+#include <thread>
+
+#include "tests/server/child_process.hpp"
+#include "tests/server/exposition.hpp"
+#include "tests/server/raw_client.hpp"
+#include "tests/server/server_process.hpp"
+
+namespace fracture::test {
+namespace {
+
+const std::string kCube =
+    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+    "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+const std::string kObj = "Content-Type: model/obj\r\n";
+
+Exposition metrics(ServeProcess& server) {
+  return parse_exposition(ask(server.admin_port, "GET", "/metrics").body);
+}
+
+/// Waits, far longer than it should take, until the public listener has no connection left.
+bool all_closed(ServeProcess& server) {
+  for (int i = 0; i < 600; ++i) {
+    if (metrics(server)["fracture_connections"] == 0) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  return false;
+}
+
+/// Clients that ask one request after another until told to stop, each on a connection of its own.
+class Foreground {
+ public:
+  Foreground(std::uint16_t port, int clients) {
+    for (int c = 0; c < clients; ++c)
+      threads_.emplace_back([this, port, c] {
+        for (int i = 0; !stop_; ++i) {
+          try {
+            const Reply reply =
+                ask(port, "POST", "/fracture?sites=4&seed=" + std::to_string(100'000 * c + i), kObj, kCube);
+            ++(reply.status == 200 ? answered : failed);
+          } catch (const std::runtime_error&) {
+            ++failed;
+          }
+          std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        }
+      });
+  }
+  ~Foreground() { join(); }
+  void join() {
+    stop_ = true;
+    for (std::thread& thread : threads_)
+      if (thread.joinable()) thread.join();
+  }
+  std::atomic<int> answered{0}, failed{0};
+
+ private:
+  std::atomic<bool> stop_{false};
+  std::vector<std::thread> threads_;
+};
+
+constexpr int kSlow = 500;
+
+struct SlowMode {
+  const char* name;
+  std::vector<std::string> arguments;
+};
+
+struct SlowHttp : testing::TestWithParam<SlowMode> {};
+
+TEST_P(SlowHttp, FiveHundredSlowClientsAreClosedAndTheOthersServed) {
+  const auto program = find_program("slowhttptest");
+  if (!program) GTEST_SKIP() << "slowhttptest is not installed";
+  rlimit saved{};
+  getrlimit(RLIMIT_NOFILE, &saved);
+  if (saved.rlim_max < 2048) GTEST_SKIP() << "the limit of open files is " << saved.rlim_max;
+  ServeProcess server({"--max-connections-per-address", "1000", "--header-timeout", "1", "--body-grace", "1",
+                       "--write-stall", "1", "--idle", "1"});
+  // Something large to read slowly.
+  const Reply large = ask(server.port, "POST", "/fracture?sites=3000", kObj, kCube);
+  ASSERT_EQ(large.status, 200);
+  const std::string base = "http://127.0.0.1:" + std::to_string(server.port);
+  std::vector<std::string> arguments = {*program, "-c", std::to_string(kSlow), "-r", "500", "-l", "6",
+                                        "-v",     "1"};
+  for (std::string argument : GetParam().arguments) {
+    if (argument == "LARGE") argument = base + large.header("content-location");
+    if (argument == "FRACTURE") argument = base + "/fracture?format=obj";
+    arguments.push_back(argument);
+  }
+  const TemporaryFolder folder;
+
+  Foreground foreground(server.port, 2);
+  {
+    ChildProcess slow(arguments, folder / "output");
+    slow.wait();
+  }
+  foreground.join();
+  EXPECT_EQ(foreground.failed, 0) << read_file(folder / "output");
+  EXPECT_GE(foreground.answered, 20);
+  EXPECT_TRUE(all_closed(server));
+  const Exposition m = metrics(server);
+  EXPECT_GE(m["fracture_connections_total"], kSlow) << read_file(folder / "output");
+  const double refused = m.sum("fracture_requests_total", "status=\"408\""),
+               untaken = m["fracture_answers_undelivered_total"];
+  // Every slow client was told (408) or, when it did not take its answer, cut off. slowhttptest itself gives
+  // some up when its time is over.
+  EXPECT_GE(refused + untaken, 0.9 * kSlow) << refused << " times 408, " << untaken << " answers not taken\n"
+                                            << read_file(folder / "output");
+  server.signal(SIGTERM);
+  EXPECT_EQ(server.wait(), 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Modes, SlowHttp,
+    testing::Values(SlowMode{"headers", {"-H", "-i", "1", "-u", "FRACTURE"}},
+                    SlowMode{"body", {"-B", "-i", "1", "-s", "8192", "-u", "FRACTURE"}},
+                    SlowMode{"read", {"-X", "-w", "10", "-y", "20", "-n", "2", "-z", "8", "-u", "LARGE"}}),
+    [](const auto& instance) { return std::string(instance.param.name); });
+
+// A server with few descriptors: connections beyond them wait or are turned away, those that are open are
+// served.
+TEST(FewDescriptors, OpenConnectionsAreServedAndNewOnesWhenThereIsRoom) {
+  rlimit saved{}, low{};
+  getrlimit(RLIMIT_NOFILE, &saved);
+  low.rlim_cur = low.rlim_max = 100;
+  if (saved.rlim_max < 1000) GTEST_SKIP() << "the limit of open files is " << saved.rlim_max;
+  ServeProcess server({"--idle", "60"});
+  ASSERT_EQ(::prlimit(server.pid(), RLIMIT_NOFILE, &low, nullptr), 0);
+  RawClient early(server.port);
+  early.send("GET /version HTTP/1.1\r\nHost: a\r\n\r\n");
+  ASSERT_TRUE(early.receive());
+  std::vector<std::unique_ptr<RawClient>> crowd;
+  for (int i = 0; i < 150; ++i) crowd.push_back(std::make_unique<RawClient>(server.port));
+  for (int i = 0; i < 20; ++i) {
+    early.send("POST /fracture?sites=4&seed=" + std::to_string(i) + " HTTP/1.1\r\nHost: a\r\n" + kObj +
+               "Content-Length: " + std::to_string(kCube.size()) + "\r\n\r\n" + kCube);
+    const auto reply = early.receive();
+    ASSERT_TRUE(reply);
+    EXPECT_EQ(reply->status, 200);
+  }
+  crowd.clear();
+  EXPECT_EQ(ask(server.port, "GET", "/version").status, 200);
+  server.signal(SIGTERM);
+  EXPECT_EQ(server.wait(), 0);
+}
+
+}  // namespace
+}  // namespace fracture::test
