@@ -4,6 +4,7 @@
 
 #include <stdexcept>
 #include <system_error>
+#include <utility>
 
 namespace fracture::cli {
 
@@ -31,6 +32,26 @@ std::shared_ptr<ImportPool> start_import_workers(int workers, std::uint64_t memo
         "the other parts of the sandbox are in force",
         std::generic_category().message(hello.seccomp_errno));
   return pool;
+}
+
+void write_import_metrics(const ImportCounters& counters, ops::MetricWriter& writer) {
+  const std::pair<const char*, std::uint64_t> outcomes[] = {{"imported", counters.imported},
+                                                            {"refused", counters.refused},
+                                                            {"crashed", counters.crashed},
+                                                            {"limited", counters.limited},
+                                                            {"interrupted", counters.interrupted}};
+  for (const auto& [outcome, count] : outcomes)
+    writer.counter(
+        "fracture_imports_total",
+        "Imports by their end: a mesh, an error of the file, the death of the worker, a limit of its "
+        "sandbox, or given up.",
+        static_cast<double>(count), {{"outcome", outcome}});
+  writer.counter("fracture_import_workers_started_total", "Import processes started.",
+                 static_cast<double>(counters.started));
+  writer.counter("fracture_import_workers_recycled_total", "Import processes replaced in good health.",
+                 static_cast<double>(counters.recycled));
+  writer.gauge("fracture_import_workers", "Import processes alive.", counters.workers);
+  writer.gauge("fracture_import_workers_busy", "Import processes at work.", counters.busy);
 }
 
 std::shared_ptr<ImportPool> one_import_worker() {

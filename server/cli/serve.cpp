@@ -67,6 +67,9 @@ int serve_until_stopped(const ServeOptions& options) {
   if (const std::string& problem = service.tiers().disk_problem(); !problem.empty())
     spdlog::warn("no disk cache: {}", problem);
   api.metrics().add_source(ops::write_process_metrics);
+  if (imports)
+    api.metrics().add_source(
+        [&imports](ops::MetricWriter& writer) { write_import_metrics(imports->counters(), writer); });
   try {
     http::HttpServer server(options.server, api);
     spdlog::info("serving on http://{}:{} (admin port {}), {} computing threads", options.server.address,

@@ -143,6 +143,7 @@ TEST(FewDescriptors, OpenConnectionsAreServedAndNewOnesWhenThereIsRoom) {
   }
   crowd.clear();
   EXPECT_EQ(ask(server.port, "GET", "/version").status, 200);
+  EXPECT_EQ(metrics(server)["fracture_imports_total{outcome=\"imported\"}"], 1) << "one mesh, 20 seeds";
   server.signal(SIGTERM);
   EXPECT_EQ(server.wait(), 0);
 }
