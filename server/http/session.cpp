@@ -114,8 +114,6 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
   }
 
   asio::awaitable<void> run() {
-    error_code ignored;
-    connection_->socket().set_option(tcp::no_delay(true), ignored);
     if (verdict_ != Connections::Verdict::kWelcome) {
       begin_record(new_request_id());
       co_await refuse_and_close(turned_away());

@@ -51,7 +51,7 @@ TEST_P(BehindProxy, EveryHopCountsTheSameRequests) {
 
     // Logs and counters are written after the answers.
     Proxy::Counts now = proxy.counts();
-    for (int i = 0; i < 200 && (now.seen == before.seen || now.sent_on != served()); ++i) {
+    for (int i = 0; i < 2000 && (now.seen == before.seen || now.sent_on != served()); ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
       now = proxy.counts();
     }
