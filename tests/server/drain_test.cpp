@@ -1,0 +1,84 @@
+// How a server stops: not ready at once, what is in progress is finished, then cancelled with an answer.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <thread>
+#include <vector>
+
+#include "tests/server/test_server.hpp"
+
+namespace fracture::test {
+namespace {
+
+using std::chrono::milliseconds;
+
+const std::string kPost = "POST /fracture HTTP/1.1\r\nHost: a\r\nContent-Type: model/obj\r\n";
+
+TEST(Drain, NotReadyAtOnceThenBusyRequestsFinishAndIdleConnectionsClose) {
+  TestServer server;
+  std::atomic<bool> release{false};
+  server.control->during_cut = [&](const Execution&) {
+    while (!release) std::this_thread::sleep_for(milliseconds(1));
+  };
+  RawClient idle(server.port()), busy(server.port());
+  idle.send("GET /version HTTP/1.1\r\nHost: a\r\n\r\n");
+  ASSERT_TRUE(idle.receive());
+  busy.send(kPost + "Content-Length: 4\r\n\r\nmesh");
+  while (server.control->cuts == 0) std::this_thread::yield();
+
+  server.api.set_draining();
+  const Reply ready = ask(server.server.admin_port(), "GET", "/readyz");
+  EXPECT_EQ(ready.status, 503);
+  EXPECT_EQ(ready.problem(), "draining");
+  EXPECT_EQ(ask(server.server.admin_port(), "GET", "/livez").status, 200);
+  EXPECT_EQ(server.get("/version").status, 200) << "requests are still taken during the drain delay";
+
+  server.server.stop_accepting();
+  EXPECT_EQ(idle.receive_all(), "");
+  EXPECT_FALSE(idle.timed_out());
+  release = true;
+  const auto reply = busy.receive();
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(reply->status, 200);
+  EXPECT_EQ(reply->header("connection"), "close");
+  EXPECT_THROW(RawClient(server.port()), std::runtime_error);
+}
+
+TEST(Drain, AfterTheGraceWorkIsCancelledWithA503) {
+  TestServer server;
+  server.control->during_cut = [](const Execution& execution) {
+    for (;;) {
+      execution.poll();
+      std::this_thread::sleep_for(milliseconds(1));
+    }
+  };
+  RawClient client(server.port());
+  client.send(kPost + "Content-Length: 4\r\n\r\nmesh");
+  while (server.control->cuts == 0) std::this_thread::yield();
+  server.server.stop_accepting();
+  server.server.cancel_jobs();
+  const auto reply = client.receive();
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(reply->status, 503);
+  EXPECT_EQ(reply->problem(), "cancelled");
+  EXPECT_GE(std::atoi(reply->header("retry-after").c_str()), 1);
+}
+
+TEST(Drain, DestroyingABusyServerIsSafe) {
+  std::vector<std::unique_ptr<RawClient>> clients;
+  {
+    TestServer server;
+    server.control->during_cut = [](const Execution&) { std::this_thread::sleep_for(milliseconds(30)); };
+    for (int i = 0; i < 20; ++i) {
+      clients.push_back(std::make_unique<RawClient>(server.port()));
+      clients.back()->send(
+          "POST /fracture?seed=" + std::to_string(i) +
+          " HTTP/1.1\r\nHost: a\r\nContent-Type: model/obj\r\nContent-Length: 4\r\n\r\nmesh");
+    }
+    while (server.control->cuts < 3) std::this_thread::yield();
+  }
+  for (const auto& client : clients) client->receive_all();
+}
+
+}  // namespace
+}  // namespace fracture::test
