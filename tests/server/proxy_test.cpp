@@ -1,6 +1,7 @@
 // The same attacks with a proxy in front, and a server that is replaced behind one.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <thread>
 
 #include "tests/server/exposition.hpp"
@@ -51,7 +52,7 @@ TEST_P(BehindProxy, EveryHopCountsTheSameRequests) {
 
     // Logs and counters are written after the answers.
     Proxy::Counts now = proxy.counts();
-    for (int i = 0; i < 2000 && (now.seen == before.seen || now.sent_on != served()); ++i) {
+    for (int i = 0; i < 2000 && (now.seen - before.seen < std::max(got, 1) || now.sent_on != served()); ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
       now = proxy.counts();
     }
