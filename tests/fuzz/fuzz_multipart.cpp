@@ -20,7 +20,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (parts.error().detail.empty()) std::abort();
     return 0;
   }
-  if (parts->empty() || parts->size() > kMaxParts) std::abort();
+  if (parts->size() > kMaxParts) std::abort();
   const char* after = body.data();
   for (const FormPart& part : *parts) {  // in order, apart from each other, inside the body
     if (part.body.data() < after || part.body.data() + part.body.size() > body.data() + body.size())

@@ -297,7 +297,7 @@ TEST(Hostile, AHundredResetsAfterTheUploadLeaveNoWorkBehind) {
   while (metrics()["fracture_flights"] < kClients) std::this_thread::sleep_for(milliseconds(5));
   for (const auto& client : clients) client->reset();
   while (metrics()["fracture_work_abandoned_total"] < kClients) std::this_thread::sleep_for(milliseconds(5));
-  server.api.wait_idle();  // without the cancellation this would take for ever
+  server.dispatcher.wait_idle();  // without the cancellation this would take for ever
   const Exposition after = metrics();
   EXPECT_EQ(after["fracture_work_abandoned_total"], kClients);
   EXPECT_EQ(after["fracture_results_computed_total"], 0);
