@@ -123,17 +123,30 @@ INSTANTIATE_TEST_SUITE_P(
 // A server with few descriptors: connections beyond them wait or are turned away, those that are open are
 // served.
 TEST(FewDescriptors, OpenConnectionsAreServedAndNewOnesWhenThereIsRoom) {
-  rlimit saved{}, low{};
-  getrlimit(RLIMIT_NOFILE, &saved);
-  low.rlim_cur = low.rlim_max = 100;
-  if (saved.rlim_max < 1000) GTEST_SKIP() << "the limit of open files is " << saved.rlim_max;
-  ServeProcess server({"--idle", "60"});
-  ASSERT_EQ(::prlimit(server.pid(), RLIMIT_NOFILE, &low, nullptr), 0);
-  RawClient early(server.port);
+  const auto prlimit = find_program("prlimit");
+  if (!prlimit) GTEST_SKIP() << "prlimit (util-linux) is not installed";
+  const TemporaryFolder folder;
+  const std::uint16_t port = free_port(), admin_port = free_port();
+  ChildProcess server({*prlimit, "--nofile=256:256", FRACTURE_SERVER_PROGRAM, "serve", "--port",
+                       std::to_string(port), "--admin-port", std::to_string(admin_port), "--drain-delay", "0",
+                       "--max-connections", "1000", "--max-connections-per-address", "1000"},
+                      folder / "log");
+  const auto ready = [&] {
+    try {
+      return ask(admin_port, "GET", "/readyz").status == 200;
+    } catch (const std::runtime_error&) {
+      return false;
+    }
+  };
+  for (int i = 0; i < 1000 && !ready(); ++i) {
+    ASSERT_TRUE(server.alive()) << read_file(folder / "log");
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  RawClient early(port);
   early.send("GET /version HTTP/1.1\r\nHost: a\r\n\r\n");
   ASSERT_TRUE(early.receive());
   std::vector<std::unique_ptr<RawClient>> crowd;
-  for (int i = 0; i < 150; ++i) crowd.push_back(std::make_unique<RawClient>(server.port));
+  for (int i = 0; i < 300; ++i) crowd.push_back(std::make_unique<RawClient>(port));
   for (int i = 0; i < 20; ++i) {
     early.send("POST /fracture?sites=4&seed=" + std::to_string(i) + " HTTP/1.1\r\nHost: a\r\n" + kObj +
                "Content-Length: " + std::to_string(kCube.size()) + "\r\n\r\n" + kCube);
@@ -141,11 +154,14 @@ TEST(FewDescriptors, OpenConnectionsAreServedAndNewOnesWhenThereIsRoom) {
     ASSERT_TRUE(reply);
     EXPECT_EQ(reply->status, 200);
   }
+  EXPECT_TRUE(ready()) << "the admin listener has descriptors of its own";
   crowd.clear();
-  EXPECT_EQ(ask(server.port, "GET", "/version").status, 200);
-  EXPECT_EQ(metrics(server)["fracture_imports_total{outcome=\"imported\"}"], 1) << "one mesh, 20 seeds";
+  EXPECT_EQ(ask(port, "GET", "/version").status, 200);
+  const Exposition m = parse_exposition(ask(admin_port, "GET", "/metrics").body);
+  EXPECT_EQ(m["fracture_imports_total{outcome=\"imported\"}"], 1) << "one mesh, 20 seeds";
+  EXPECT_EQ(m["process_max_fds"], 256);
   server.signal(SIGTERM);
-  EXPECT_EQ(server.wait(), 0);
+  EXPECT_EQ(server.wait(), 0) << read_file(folder / "log");
 }
 
 }  // namespace
