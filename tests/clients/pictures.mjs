@@ -7,10 +7,12 @@ import fs from 'node:fs';
 import http from 'node:http';
 import os from 'node:os';
 import path from 'node:path';
+import { fileURLToPath } from 'node:url';
 
 const LIMIT = 0.01;                                           // mean absolute difference of a channel, of its range
 const DRAWN = ['FlightHelmet/FlightHelmet.gltf', 'Fox.glb'];  // the other pairs are loaded and counted
-const here = import.meta.dirname, [samples, pictures] = process.argv.slice(2);
+const here = path.dirname(fileURLToPath(import.meta.url)),  // Debian's node 18 has no import.meta.dirname
+      [samples, pictures] = process.argv.slice(2);
 const skip = why => {
   console.log(`skipped: ${why}`);
   process.exit(77);
