@@ -25,10 +25,12 @@ nlohmann::ordered_json describe(const JobView& job, std::string_view request_id)
 class JobEvents final : public BodyStream {
  public:
   JobEvents(Jobs& jobs, Timer& timer, std::string id, std::string request_id)
-      : jobs_(jobs), timer_(timer), id_(std::move(id)), request_id_(std::move(request_id)) {}
+      : jobs_(jobs), timer_(timer), id_(std::move(id)) {
+    state_->request_id = std::move(request_id);
+  }
 
   void next(std::function<void(std::optional<std::string>)> ready) override {
-    if (ended_) return ready(std::nullopt);
+    if (state_->ended) return ready(std::nullopt);
     // Whichever comes first, the change or the time, answers; the other one finds the seal broken.
     struct Once {
       std::function<void(std::optional<std::string>)> ready;
@@ -39,25 +41,31 @@ class JobEvents final : public BodyStream {
     const Timer::Id alarm = timer_.at(Timer::Clock::now() + kKeepAlive, [once] {
       if (!once->used.exchange(true)) once->ready(": nothing new\n\n");
     });
-    const bool known = jobs_.watch(id_, seen_, [this, once, alarm, &timer = timer_](const JobView& job) {
-      if (once->used.exchange(true)) return;
-      timer.cancel(alarm);
-      // Nobody else touches the stream before ready() is called.
-      seen_ = job.version;
-      ended_ = job.finished();
-      once->ready("id: " + std::to_string(job.version) +
-                  "\nevent: " + (ended_ ? name_of(job.state) : "progress") +
-                  "\ndata: " + describe(job, request_id_).dump() + "\n\n");
-    });
+    const bool known =
+        jobs_.watch(id_, state_->seen, [state = state_, once, alarm, &timer = timer_](const JobView& job) {
+          if (once->used.exchange(true)) return;
+          timer.cancel(alarm);
+          // Nobody else touches the stream before ready() is called.
+          state->seen = job.version;
+          state->ended = job.finished();
+          once->ready("id: " + std::to_string(job.version) +
+                      "\nevent: " + (state->ended ? name_of(job.state) : "progress") +
+                      "\ndata: " + describe(job, state->request_id).dump() + "\n\n");
+        });
     if (!known && !once->used.exchange(true)) once->ready(std::nullopt);
   }
 
  private:
   Jobs& jobs_;
   Timer& timer_;
-  const std::string id_, request_id_;
-  std::uint64_t seen_ = 0;
-  bool ended_ = false;
+  const std::string id_;
+  // Shared with the watcher, which may be called when the stream is gone with its session.
+  struct State {
+    std::string request_id;
+    std::uint64_t seen = 0;
+    bool ended = false;
+  };
+  const std::shared_ptr<State> state_ = std::make_shared<State>();
 };
 
 Problem no_job() { return Problem(HttpProblem::kNotFound, "This job is not (or no longer) known here."); }

@@ -120,8 +120,8 @@ TEST(WorkerPool, ThePredictedWaitIsWhatGoesBeforeOverTheMeasuredThroughput) {
 }
 
 TEST(WorkerPool, NothingIsPredictedToWaitWhileAThreadIsIdle) {
+  std::latch gate(1);  // outlives the pool, whose threads wait at it
   WorkerPool pool(2, 100);
-  std::latch gate(1);
   pool.submit(kBatch, 1000, [&](int) { gate.wait(); });
   while (pool.running() == 0) std::this_thread::yield();
   EXPECT_EQ(pool.predicted_wait(kBatch).count(), 0);
