@@ -176,7 +176,9 @@ void slow_clients() {
 }
 
 void resets() {
-  ServeProcess server({"--max-connections-per-address", "1000", "--max-queue", "1000"});
+  // Nothing may be refused: every client is to have work that waits or runs.
+  ServeProcess server({"--max-connections-per-address", "1000", "--max-queue", "1000", "--deadline", "36000",
+                       "--max-working", "1023GiB"});
   std::vector<std::unique_ptr<test::RawClient>> clients;
   for (std::size_t i = 0; i < 100; ++i) {
     clients.push_back(std::make_unique<test::RawClient>(server.port));
