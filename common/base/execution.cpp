@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <exception>
 #include <mutex>
-#include <thread>
-#include <vector>
+
+#include "common/base/helper_threads.hpp"
 
 namespace fracture {
 
@@ -31,11 +31,7 @@ void parallel_for(const Execution& execution, std::size_t count, std::size_t gra
       if (!first) first = std::current_exception();
     }
   };
-  std::vector<std::thread> threads;
-  threads.reserve(workers - 1);
-  for (std::size_t t = 1; t < workers; ++t) threads.emplace_back(work);
-  work();
-  for (std::thread& t : threads) t.join();
+  base_detail::run_with_helpers(workers - 1, work);
   if (first) std::rethrow_exception(first);
 }
 

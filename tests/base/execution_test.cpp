@@ -4,6 +4,7 @@
 
 #include <mutex>
 #include <set>
+#include <thread>
 #include <vector>
 
 namespace fracture {
@@ -52,6 +53,40 @@ TEST(ParallelFor, RethrowsAnExceptionOfABlockAfterAllWorkersHaveStopped) {
                               }),
                  InternalError);
     EXPECT_EQ(running, 0);
+  }
+}
+
+TEST(ParallelFor, RunsInsideItselfAndFromManyThreadsAtOnce) {
+  Execution execution;
+  execution.threads = 3;
+  std::vector<std::thread> callers;
+  std::vector<std::size_t> sums(8, 0);
+  for (std::size_t c = 0; c < sums.size(); ++c)
+    callers.emplace_back([&, c] {
+      for (int round = 0; round < 50; ++round) {
+        std::atomic<std::size_t> sum{0};
+        parallel_for(execution, 10, 1, [&](std::size_t outer, std::size_t) {
+          parallel_for(execution, 10, 1, [&](std::size_t inner, std::size_t) { sum += 10 * outer + inner; });
+        });
+        sums[c] += sum;
+      }
+    });
+  for (std::thread& t : callers) t.join();
+  for (const std::size_t sum : sums) EXPECT_EQ(sum, 50u * (99 * 100 / 2));
+}
+
+TEST(ParallelFor, WaitsForTheHelpersThatAreStillAtWork) {
+  Execution execution;
+  execution.threads = 2;
+  for (int round = 0; round < 200; ++round) {
+    std::atomic<int> begun{0}, ended{0};
+    parallel_for(execution, 2, 1, [&](std::size_t, std::size_t) {
+      ++begun;
+      std::this_thread::yield();
+      ++ended;
+    });
+    EXPECT_EQ(begun, 2);
+    EXPECT_EQ(ended, 2);
   }
 }
 

@@ -1,0 +1,109 @@
+#include "common/base/helper_threads.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <system_error>
+#include <thread>
+
+namespace fracture::base_detail {
+namespace {
+
+/// A caller's loop, on the caller's stack.
+struct Loop {
+  const std::function<void()>& work;
+  std::size_t wanted;      ///< helpers that may still come
+  std::size_t active = 0;  ///< helpers in it
+  std::condition_variable done{};
+};
+
+class HelperThreads {
+ public:
+  void run(std::size_t helpers, const std::function<void()>& work) {
+    Loop loop{work, helpers};
+    {
+      const std::lock_guard lock(mutex_);
+      loops_.push_back(&loop);
+      wanted_ += helpers;
+      any_ = true;
+      start_missing();
+    }
+    if (helpers == 1)
+      work_is_there_.notify_one();
+    else
+      work_is_there_.notify_all();
+    work();
+    std::unique_lock lock(mutex_);
+    if (loop.wanted > 0) {
+      wanted_ -= loop.wanted;
+      loops_.erase(std::find(loops_.begin(), loops_.end(), &loop));
+      any_ = !loops_.empty();
+    }
+    loop.done.wait(lock, [&] { return loop.active == 0; });
+  }
+
+ private:
+  /// As many as are wanted now and not idle; a system that gives no more threads makes loops slower, no more.
+  void start_missing() {
+    while (idle_ < wanted_ && threads_ < kMost) {
+      try {
+        std::thread([this] { help(); }).detach();
+      } catch (const std::system_error&) {
+        return;
+      }
+      ++threads_;
+      ++idle_;
+    }
+  }
+
+  [[noreturn]] void help() {
+    std::unique_lock lock(mutex_);
+    for (;;) {
+      if (loops_.empty()) {
+        lock.unlock();
+        const auto end = std::chrono::steady_clock::now() + kPatience;
+        while (!any_.load(std::memory_order_relaxed) && std::chrono::steady_clock::now() < end)
+          std::this_thread::yield();
+        lock.lock();
+      }
+      work_is_there_.wait(lock, [this] { return !loops_.empty(); });
+      Loop& loop = *loops_.front();
+      --wanted_;
+      if (--loop.wanted == 0) loops_.pop_front();
+      any_ = !loops_.empty();
+      ++loop.active;
+      --idle_;
+      lock.unlock();
+      loop.work();
+      lock.lock();
+      ++idle_;
+      if (--loop.active == 0) loop.done.notify_one();
+    }
+  }
+
+  static constexpr std::size_t kMost = 512;
+  /// The loops of one fracture follow each other closely, and to wake a sleeping thread takes as long as a
+  /// small one runs.
+  static constexpr std::chrono::microseconds kPatience{200};
+
+  std::mutex mutex_;
+  std::condition_variable work_is_there_;
+  std::deque<Loop*> loops_;  ///< that want more helpers, oldest first
+  std::size_t wanted_ = 0;   ///< by all of them
+  std::size_t idle_ = 0, threads_ = 0;
+  std::atomic<bool> any_{false};  ///< loops_ is not empty: read without the lock by helpers that stay awake
+};
+
+}  // namespace
+
+void run_with_helpers(std::size_t helpers, const std::function<void()>& work) {
+  if (helpers == 0) return work();
+  // Never destroyed: its threads wait in it until the process ends.
+  static HelperThreads& threads = *new HelperThreads;
+  threads.run(helpers, work);
+}
+
+}  // namespace fracture::base_detail
