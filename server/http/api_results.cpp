@@ -88,7 +88,7 @@ std::string server_timing(const FractureAnswer& answer) {
   std::string value = "queue;dur=" + milliseconds(std::max(0.0, answer.queue_milliseconds));
   for (const char* stage : {"import", "prepare", "tetrahedralize", "clip", "encode"})
     value += std::string(", ") + stage + ";dur=" + milliseconds(answer.timings.milliseconds(stage));
-  return value;
+  return value + ", work;dur=" + milliseconds(answer.work_milliseconds);
 }
 
 namespace {

@@ -106,7 +106,7 @@ struct Dispatcher::Computation {
   double cost = 0;
   MemoryBudget::Reservation working;
   std::shared_ptr<ResultFlights::Flight> flight;
-  Clock::time_point submitted = Clock::now();
+  Clock::time_point submitted = Clock::now(), begun;
   double busy_seconds = 0;
   FractureAnswer answer;
   std::shared_ptr<const PreparedMesh> mesh;
@@ -334,6 +334,7 @@ void Dispatcher::begin(const Shared& c, int threads) {
     ++expired_;
     return end(c, tl::unexpected<Error>(to_error(Interrupted{ErrorCode::kDeadlineExceeded})));
   }
+  c->begun = now;
   c->answer.queue_milliseconds = std::chrono::duration<double, std::milli>(now - c->submitted).count();
   if (service_.has_tiers()) {
     service_.fetch_result(c->keys.result, c->answer);
@@ -373,7 +374,7 @@ void Dispatcher::with_diagram(const Shared& c, const Outcome<Diagram>& diagram, 
   c->answer.diagram_cache = diagram->cache;
   append(c->answer.timings, diagram->timings);
   append(c->answer.inner, diagram->inner);
-  Expected<void> made;
+  Expected<FragmentSet> made;  // freed when the answer is on its way
   {
     const Stopwatch busy(c->busy_seconds);
     made = guarded([&] {
@@ -383,6 +384,7 @@ void Dispatcher::with_diagram(const Shared& c, const Outcome<Diagram>& diagram, 
   }
   if (!made) return end(c, tl::unexpected<Error>(std::move(made.error())));
   ++computed_;
+  c->answer.work_milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - c->begun).count();
   pool_.measured(c->cost, c->busy_seconds);
   end(c, std::move(c->answer));
 }

@@ -151,9 +151,9 @@ Expected<Step<Diagram>> FractureService::make_diagram(const PreparedMesh& mesh,
   return step;
 }
 
-Expected<void> FractureService::make_result(const PreparedMesh& mesh, const Diagram& diagram,
-                                            const FractureRequest& request, const RequestKeys& keys,
-                                            const Execution& execution, FractureAnswer& answer) {
+Expected<FragmentSet> FractureService::make_result(const PreparedMesh& mesh, const Diagram& diagram,
+                                                   const FractureRequest& request, const RequestKeys& keys,
+                                                   const Execution& execution, FractureAnswer& answer) {
   if (execution.progress) execution.progress("clip", 0);
   auto interior = interior_material(request.parameters.interior, *mesh.solid.source->library);
   if (!interior) return tl::unexpected<Error>(std::move(interior.error()));
@@ -165,7 +165,7 @@ Expected<void> FractureService::make_result(const PreparedMesh& mesh, const Diag
     const StageTimings::Scope scope(answer.timings, "clip");
     return engine_->cut(mesh.solid, diagram, parameters, execution, answer.inner);
   }();
-  if (!fragments) return tl::unexpected<Error>(std::move(fragments.error()));
+  if (!fragments) return fragments;
   execution.poll();
 
   if (execution.progress) execution.progress("encode", 0);
@@ -189,7 +189,7 @@ Expected<void> FractureService::make_result(const PreparedMesh& mesh, const Diag
   answer.result = result;
   answer.result_cache = stored(results_.insert(keys.result, result, memory_size(*result)));
   tiers_.store(std::move(result));
-  return {};
+  return fragments;
 }
 
 nlohmann::json figures_of(const FractureResult& result) {
