@@ -109,7 +109,7 @@ class FacetBuilder {
 
   // Drops the axis along which the bisector's normal is longest, keeping the orientation seen from cell hi.
   void project(SiteId lo, SiteId hi) {
-    const Vec3d u = diagram_.site(hi) - diagram_.site(lo);
+    const Vec3d u = diagram_.facet_normal(lo, hi);
     int axis = 0;
     for (int a = 1; a < 3; ++a)
       if (std::fabs(u[a]) > std::fabs(u[axis])) axis = a;

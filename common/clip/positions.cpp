@@ -4,27 +4,20 @@
 #include <atomic>
 #include <cmath>
 
-#include "common/exact/approx.hpp"
-#include "common/exact/number_types.hpp"
+#include "common/clip/construction.hpp"
+#include "common/clip/image_constructions.hpp"
 
 namespace fracture {
 namespace {
 
-using exact::Approx;
-using exact::BigInt;
-using exact::BinaryScale;
+using namespace clip_detail;
 using exact::Point;
-
-/// A point as origin + numerator / denominator, over any number type.
-template <class T>
-struct Fraction {
-  Point<T> numerator;
-  T denominator;
-};
 
 // The three constructions; derivations stand in exact/side.cpp. Each takes its input points in the order
 // listed.
-struct EdgeCutFormula {        // mesh edge (a, b) x bisector(i, k): a + e (c_k - 2 u·(a - i)) / (2 u·e)
+struct EdgeCutFormula {  // mesh edge (a, b) x bisector(i, k): a + e (c_k - 2 u·(a - i)) / (2 u·e)
+  static constexpr bool kFromFirst = true;
+  static constexpr int kDegree = 1;
   std::array<Vec3d, 4> input;  // a, b, i, k
   template <class T>
   Fraction<T> operator()(const std::array<Point<T>, 4>& p) const {
@@ -34,7 +27,9 @@ struct EdgeCutFormula {        // mesh edge (a, b) x bisector(i, k): a + e (c_k 
     return {{e.x * t, e.y * t, e.z * t}, ue + ue};
   }
 };
-struct TriangleCutFormula {    // mesh triangle (a, b, c) x Voronoi edge (i, k, l), from origin i
+struct TriangleCutFormula {  // mesh triangle (a, b, c) x Voronoi edge (i, k, l), from origin i
+  static constexpr bool kFromFirst = true;
+  static constexpr int kDegree = 1;
   std::array<Vec3d, 6> input;  // i, k, l, a, b, c
   template <class T>
   Fraction<T> operator()(const std::array<Point<T>, 6>& p) const {
@@ -47,6 +42,8 @@ struct TriangleCutFormula {    // mesh triangle (a, b, c) x Voronoi edge (i, k, 
   }
 };
 struct CircumcenterFormula {  // Voronoi vertex (i, j, k, l), from origin i
+  static constexpr bool kFromFirst = true;
+  static constexpr int kDegree = 1;
   std::array<Vec3d, 4> input;
   template <class T>
   Fraction<T> operator()(const std::array<Point<T>, 4>& p) const {
@@ -57,91 +54,6 @@ struct CircumcenterFormula {  // Voronoi vertex (i, j, k, l), from origin i
             delta + delta};
   }
 };
-
-struct Placed {
-  Vec3d point;
-  std::array<std::int32_t, 3> steps;
-};
-
-/// numerator / denominator, rounded to nearest, ties to even; denominator > 0.
-BigInt round_quotient(const BigInt& numerator, const BigInt& denominator) {
-  BigInt quotient, remainder;
-  boost::multiprecision::divide_qr(numerator, denominator, quotient, remainder);
-  if (remainder.sign() < 0) {  // floor
-    remainder += denominator;
-    --quotient;
-  }
-  const BigInt twice = remainder << 1;
-  if (twice > denominator ||
-      (twice == denominator && boost::multiprecision::bit_test(BigInt(abs(quotient)), 0)))
-    ++quotient;
-  return quotient;
-}
-
-/// numerator / denominator * 2^exponent as a double (64 quotient bits before the one rounding that shows).
-double quotient_to_double(const BigInt& numerator, const BigInt& denominator, int exponent) {
-  if (numerator.is_zero()) return 0;
-  const auto bits = [](const BigInt& v) {
-    return static_cast<int>(boost::multiprecision::msb(BigInt(abs(v))));
-  };
-  const int shift = 64 - (bits(numerator) - bits(denominator));
-  const BigInt scaled = shift >= 0 ? BigInt(numerator << shift) : numerator;
-  const BigInt below = shift >= 0 ? denominator : BigInt(denominator << -shift);
-  return std::ldexp(static_cast<double>(BigInt(scaled / below)), exponent - shift);
-}
-
-template <class Formula>
-Placed place_exactly(const Formula& formula, const SeamLattice& lattice) {
-  BinaryScale scale;
-  for (const Vec3d& p : formula.input) scale.include(p);
-  std::array<Point<BigInt>, std::tuple_size_v<decltype(formula.input)>> p;
-  for (std::size_t k = 0; k < p.size(); ++k) p[k] = scale.scaled<BigInt>(formula.input[k]);
-  Fraction<BigInt> f = formula(p);
-  if (f.denominator.sign() < 0) f = {{-f.numerator.x, -f.numerator.y, -f.numerator.z}, -f.denominator};
-  const std::array<BigInt, 3> offset{f.numerator.x, f.numerator.y, f.numerator.z};
-  const std::array<BigInt, 3> origin{p[0].x, p[0].y, p[0].z};
-  Placed placed;
-  for (int a = 0; a < 3; ++a) {
-    const BigInt numerator = origin[a] * f.denominator + offset[a];
-    placed.point[a] = quotient_to_double(numerator, f.denominator, scale.lowest_bit);
-    // In units of the lattice: times 2^(lowest_bit - exponent).
-    const int shift = scale.lowest_bit - lattice.exponent[a];
-    const BigInt rounded = shift >= 0 ? round_quotient(numerator << shift, f.denominator)
-                                      : round_quotient(numerator, f.denominator << -shift);
-    placed.steps[a] = static_cast<std::int32_t>(rounded);
-  }
-  return placed;
-}
-
-template <class Formula>
-Placed place(const Formula& formula, const SeamLattice& lattice, const Vec3d& step,
-             std::atomic<std::uint64_t>& exact) {
-  std::array<Point<Approx>, std::tuple_size_v<decltype(formula.input)>> p;
-  for (std::size_t k = 0; k < p.size(); ++k) {
-    const Vec3d& q = formula.input[k];
-    p[k] = {Approx(q.x), Approx(q.y), Approx(q.z)};
-  }
-  const Fraction<Approx> f = formula(p);
-  const double den = f.denominator.value, den_error = 1.001 * f.denominator.error;
-  Placed placed;
-  bool certain = std::fabs(den) > 2 * den_error;
-  const std::array<Approx, 3> offset{f.numerator.x, f.numerator.y, f.numerator.z};
-  for (int a = 0; a < 3 && certain; ++a) {
-    const double q = offset[a].value / den;
-    const double x = formula.input[0][a] + q;
-    const double error = 1.001 * (offset[a].error + std::fabs(q) * den_error) / (std::fabs(den) - den_error) +
-                         0x1.0p-52 * (std::fabs(q) + std::fabs(x));
-    // A double that is good to a thousandth of a step serves for figures; a rounding that the error cannot
-    // change is the exact one.
-    const double y = x / step[a], k = std::nearbyint(y);
-    certain = error <= 0.001 * step[a] && std::fabs(y - k) + error / step[a] < 0.4999999;
-    placed.point[a] = x;
-    if (certain) placed.steps[a] = static_cast<std::int32_t>(k);
-  }
-  if (certain) return placed;
-  exact.fetch_add(1, std::memory_order_relaxed);
-  return place_exactly(formula, lattice);
-}
 
 /// The edge cut with a static error bound: by far the most frequent construction. False when the bound does
 /// not decide.
@@ -198,8 +110,8 @@ Vec3d SeamLattice::to_world(const std::array<std::int32_t, 3>& steps) const {
           std::ldexp(steps[2], exponent[2])};
 }
 
-VertexPositions place_vertices(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
-                               const Winding& winding, const Execution& execution) {
+VertexPositions place_vertices(const Solid& solid, const Solid& image, const VoronoiDiagram& diagram,
+                               const SurfaceCuts& cuts, const Winding& winding, const Execution& execution) {
   VertexPositions out;
   out.lattice = SeamLattice(solid.box);
   out.first_constructed = cuts.first_b();
@@ -209,32 +121,44 @@ VertexPositions place_vertices(const Solid& solid, const VoronoiDiagram& diagram
   out.steps.resize(b + c + d);
   const Vec3d step = out.lattice.step();
   std::atomic<std::uint64_t> exact{0};
-  const auto mesh_vertex = [&](std::uint32_t v) { return to_double(solid.positions[v]); };
+  const auto at = [&](std::uint32_t v) { return to_double(solid.positions[v]); };
+  const auto image_at = [&](std::uint32_t v) { return to_double(image.positions[v]); };
+  const auto site = [&](SiteId s) { return diagram.site(s); };
+  const auto placed_by = [&](const auto& formula) { return place(formula, out.lattice, step, exact); };
+  const std::optional<Matrix3>& map = diagram.map();
+
+  const auto place_edge = [&](const EdgeCut& cut) {
+    const auto [lo, hi] = solid.edge_vertices[cut.edge];
+    if (map)
+      return placed_by(
+          ImageEdgeCutFormula{{at(lo), at(hi), image_at(lo), image_at(hi), site(cut.from), site(cut.to)}});
+    const EdgeCutFormula formula{{at(lo), at(hi), site(cut.from), site(cut.to)}};
+    Placed placed;
+    return place_edge_cut(formula, step, placed) ? placed : placed_by(formula);
+  };
+  const auto place_triangle = [&](const TriangleCut& cut) {
+    const auto& v = solid.triangles[cut.triangle];
+    const Vec3d i = site(cut.sites[0]), k = site(cut.sites[1]), l = site(cut.sites[2]);
+    if (map)
+      return placed_by(ImageTriangleCutFormula{
+          {at(v[0]), at(v[1]), at(v[2]), image_at(v[0]), image_at(v[1]), image_at(v[2]), i, k, l}});
+    return placed_by(TriangleCutFormula{{i, k, l, at(v[0]), at(v[1]), at(v[2])}});
+  };
+  const auto place_inner = [&](const InnerVertex& inner) {
+    // In ascending order of the sites, so that the doubles do not depend on how the tetrahedron was made.
+    std::array<SiteId, 4> v = diagram.dual().tets[inner.tet].v;
+    std::sort(v.begin(), v.end());
+    if (map)
+      return placed_by(ImageCircumcenterFormula{
+          {site(v[0]), site(v[1]), site(v[2]), site(v[3]), map->rows[0], map->rows[1], map->rows[2]}});
+    return placed_by(CircumcenterFormula{{site(v[0]), site(v[1]), site(v[2]), site(v[3])}});
+  };
 
   parallel_for(execution, out.points.size(), 1024, [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) {
-      Placed placed;
-      if (n < b) {
-        const EdgeCut& cut = cuts.edge_cuts[n];
-        const auto [lo, hi] = solid.edge_vertices[cut.edge];
-        const EdgeCutFormula formula{
-            {mesh_vertex(lo), mesh_vertex(hi), diagram.site(cut.from), diagram.site(cut.to)}};
-        if (!place_edge_cut(formula, step, placed)) placed = place(formula, out.lattice, step, exact);
-      } else if (n < b + c) {
-        const TriangleCut& cut = cuts.triangle_cuts[n - b];
-        const auto& v = solid.triangles[cut.triangle];
-        placed = place(TriangleCutFormula{{diagram.site(cut.sites[0]), diagram.site(cut.sites[1]),
-                                           diagram.site(cut.sites[2]), mesh_vertex(v[0]), mesh_vertex(v[1]),
-                                           mesh_vertex(v[2])}},
-                       out.lattice, step, exact);
-      } else {
-        // In ascending order of the sites, so that the doubles do not depend on how the tetrahedron was made.
-        std::array<SiteId, 4> v = diagram.dual().tets[winding.inner_vertices[n - b - c].tet].v;
-        std::sort(v.begin(), v.end());
-        placed = place(CircumcenterFormula{{diagram.site(v[0]), diagram.site(v[1]), diagram.site(v[2]),
-                                            diagram.site(v[3])}},
-                       out.lattice, step, exact);
-      }
+      const Placed placed = n < b       ? place_edge(cuts.edge_cuts[n])
+                            : n < b + c ? place_triangle(cuts.triangle_cuts[n - b])
+                                        : place_inner(winding.inner_vertices[n - b - c]);
       out.points[n] = placed.point;
       out.steps[n] = placed.steps;
     }

@@ -34,7 +34,10 @@ struct VertexPositions {
   std::uint64_t exact_roundings = 0;  ///< how many needed rational arithmetic (debugging aid)
 };
 
-VertexPositions place_vertices(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
-                               const Winding& winding, const Execution& execution);
+/// `image` is what cuts and winding were decided on: the solid itself, or, when the diagram has a map, its
+/// image under it. Then cuts are carried back by their parameters along the edge or in the triangle, and
+/// Voronoi vertices by the inverse map (image_constructions.hpp).
+VertexPositions place_vertices(const Solid& solid, const Solid& image, const VoronoiDiagram& diagram,
+                               const SurfaceCuts& cuts, const Winding& winding, const Execution& execution);
 
 }  // namespace fracture

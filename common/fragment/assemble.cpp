@@ -212,7 +212,7 @@ class Assembler {
   Vec3d flat_normal(FaceSource face) const {
     if (is_cap(face)) {
       const CapRegion& r = d_.caps.regions[cap_region(face)];
-      const Vec3d n = d_.diagram.site(r.hi) - d_.diagram.site(r.lo);
+      const Vec3d n = d_.diagram.facet_normal(r.lo, r.hi);
       return ((cap_side(face) == 0 ? 1.0 : -1.0) / length(n)) * n;
     }
     const auto& v = d_.solid.triangles[face];

@@ -18,7 +18,7 @@ std::optional<FragmentSet> cut_one_cell(const Solid& solid, const std::vector<Ve
   const Expected<Tetrahedralization> t = tetrahedralize(sites, solid.box, execution);
   if (!t || t->site_of_input[0] == kNoSite) return std::nullopt;
   const VoronoiDiagram cell(*t, solid.box);
-  const RestrictedDiagram restricted = restrict_to_solid(solid, cell, execution);
+  const RestrictedDiagram restricted = restrict_to_solid(solid, solid, cell, execution);
   Ownership ownership = Ownership::from_groups(t->site_count(), {});
   ownership.wanted.assign(t->site_count(), false);
   ownership.wanted[t->site_of_input[0]] = true;

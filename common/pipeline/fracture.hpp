@@ -15,6 +15,7 @@
 #include "common/base/timings.hpp"
 #include "common/delaunay/tetrahedralization.hpp"
 #include "common/fragment/fragments.hpp"
+#include "common/sites/pattern.hpp"
 #include "common/solid/solid.hpp"
 
 namespace fracture {
@@ -29,28 +30,28 @@ enum class Dual {
 
 enum class Hulls { kNone, kConvex };
 
-struct FractureParameters {
-  std::uint32_t sites = 50;  ///< how many random sites, 1 … 100,000
-  std::uint64_t seed = 1;
+struct FractureParameters : SiteParameters {
   Dual dual = Dual::kCircumcenter;
   Hulls hulls = Hulls::kNone;  ///< collision hulls for physics engines (physics/collision_hulls.hpp)
   Pivot pivot = Pivot::kCenterOfMass;
-  std::vector<Vec3d>
-      points{};  ///< when not empty: the sites themselves (never snapped); `sites` and `seed` are ignored
-  /// Per point of `points` (or empty): cells with the same group id stay together as one fragment.
-  std::vector<std::uint32_t> groups{};
 };
 
 /// The reusable result for (mesh, site parameters): sites and their tetrahedralization.
 struct Diagram {
   std::vector<Vec3d> sites;
+  std::vector<std::uint32_t> groups{};  ///< per site, or empty: cells with equal ids stay together
+  /// Sites and tetrahedralization are those of the solid's image under this map (none: of itself).
+  std::optional<Matrix3> map{};
+  std::vector<std::string> notes{};  ///< about the sites, for people
   Tetrahedralization tetrahedralization;
 };
 
+/// Errors: those of plan_sites() and tetrahedralize(), an interruption.
 Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& parameters,
                                const Execution& execution, StageTimings& timings);
 
-/// Cuts the solid by the diagram.
+/// Cuts the solid by the diagram. Errors: kNoFragments, kBadParameter (`dual`: barycentric cells know no
+/// map), an interruption.
 Expected<FragmentSet> fracture(const Solid& solid, const Diagram& diagram,
                                const FractureParameters& parameters, const Execution& execution,
                                StageTimings& timings);

@@ -2,11 +2,11 @@
 
 namespace fracture {
 
-RestrictedDiagram restrict_to_solid(const Solid& solid, const VoronoiDiagram& diagram,
+RestrictedDiagram restrict_to_solid(const Solid& solid, const Solid& image, const VoronoiDiagram& diagram,
                                     const Execution& execution) {
-  RestrictedDiagram r{solid, diagram, cut_surface(solid, diagram, execution), {}, {}, {}};
-  r.winding = wind_voronoi_edges(solid, diagram, r.cuts, execution);
-  r.positions = place_vertices(solid, diagram, r.cuts, r.winding, execution);
+  RestrictedDiagram r{solid, diagram, cut_surface(image, diagram, execution), {}, {}, {}};
+  r.winding = wind_voronoi_edges(image, diagram, r.cuts, execution);
+  r.positions = place_vertices(solid, image, diagram, r.cuts, r.winding, execution);
   r.caps = build_caps(solid, diagram, r.cuts, r.winding, r.positions, execution);
   return r;
 }

@@ -185,6 +185,44 @@ std::vector<ColumnSampler::Chord> ColumnSampler::chords(std::span<const Column> 
   return chords;
 }
 
+std::vector<bool> ColumnSampler::inside(std::span<const Vec3d> points) {
+  const Frame f = frame_of(axis_);
+  std::vector<bool> result(points.size(), false);
+  std::vector<std::uint32_t> candidates;
+  for (std::uint32_t i = 0; i < points.size(); ++i) {
+    bool in_box = true;
+    for (int a = 0; a < 3; ++a)
+      in_box = in_box && points[i][a] >= solid_.box.min[a] && points[i][a] <= solid_.box.max[a];
+    if (in_box) candidates.push_back(i);
+  }
+  std::vector<Column> columns;
+  std::vector<Crossing> crossings;
+  for (std::size_t first = 0; first < candidates.size();) {
+    execution_.poll();
+    const std::size_t batch =
+        std::min(candidates.size() - first, std::max<std::size_t>(16, kCrossingsPerBatch / depth_));
+    columns.clear();
+    crossings.clear();
+    for (std::size_t k = 0; k < batch; ++k) {
+      const Vec3d& p = points[candidates[first + k]];
+      columns.push_back({kNoIndex, p[f.u], p[f.v], 0, 0});
+    }
+    cross_all(columns, crossings);
+    depth_ = 1 + crossings.size() / (batch + 1);
+    for (std::size_t i = 0; i < crossings.size();) {
+      const std::uint32_t column = crossings[i].column, point = candidates[first + column];
+      int below = 0, total = 0;
+      for (; i < crossings.size() && crossings[i].column == column; ++i) {
+        total += crossings[i].enters;
+        if (crossings[i].at < points[point][axis_]) below += crossings[i].enters;
+      }
+      result[point] = total == 0 && below >= 1;  // a lost crossing (see chords()): not used
+    }
+    first += batch;
+  }
+  return result;
+}
+
 double ColumnSampler::height_on_triangle(const Column& column) const {
   const auto& id = solid_.triangles[column.triangle];
   double sum = 0;

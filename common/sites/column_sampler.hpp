@@ -34,6 +34,10 @@ class ColumnSampler {
   /// candidate is kept as it is, which bounds the work.
   std::vector<Vec3d> sample(std::uint32_t count);
 
+  /// Which of these points lie in the solid (winding number at least 1). A point within rounding error of
+  /// the surface may be told either way.
+  std::vector<bool> inside(std::span<const Vec3d> points);
+
   static constexpr std::uint32_t kPatience = 4096;
   static constexpr std::size_t kCrossingsPerBatch = 1 << 22;
   /// Crossings looked at between two kept candidates, for columns through tangles: the next one is kept as

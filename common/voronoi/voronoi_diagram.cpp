@@ -8,8 +8,9 @@
 
 namespace fracture {
 
-VoronoiDiagram::VoronoiDiagram(const Tetrahedralization& tetrahedralization, const Box& box)
-    : dual_(&tetrahedralization) {
+VoronoiDiagram::VoronoiDiagram(const Tetrahedralization& tetrahedralization, const Box& box,
+                               const std::optional<Matrix3>& map)
+    : dual_(&tetrahedralization), map_(map) {
   const std::uint32_t sites = dual_->site_count();
 
   // Tetrahedra by site (counting sort), corners left out: no point of the box lies in their cells.

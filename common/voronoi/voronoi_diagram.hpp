@@ -9,9 +9,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "common/base/matrix3.hpp"
 #include "common/base/vec.hpp"
 #include "common/delaunay/tetrahedralization.hpp"
 
@@ -28,8 +30,17 @@ struct Bisector {
 
 class VoronoiDiagram {
  public:
-  /// `box` must contain every point that is ever asked about (the solid's box).
-  VoronoiDiagram(const Tetrahedralization& tetrahedralization, const Box& box);
+  /// `box` must contain every point that is ever asked about (the solid's box). With a map the diagram is
+  /// that of the solid's image: sites, box and every point asked about are images.
+  VoronoiDiagram(const Tetrahedralization& tetrahedralization, const Box& box,
+                 const std::optional<Matrix3>& map = std::nullopt);
+
+  const std::optional<Matrix3>& map() const { return map_; }
+  /// Direction of the normal of facet (i, j), from i to j, in the frame of the solid; not of unit length.
+  Vec3d facet_normal(SiteId i, SiteId j) const {
+    const Vec3d u = site(j) - site(i);
+    return map_ ? map_->transposed_times(u) : u;
+  }
 
   const Tetrahedralization& dual() const { return *dual_; }
   const Vec3d& site(SiteId s) const { return dual_->points[s]; }
@@ -62,6 +73,7 @@ class VoronoiDiagram {
 
  private:
   const Tetrahedralization* dual_;
+  std::optional<Matrix3> map_;
   std::vector<std::uint32_t> bisector_begin_, tet_begin_;
   std::vector<Bisector> bisectors_;
   std::vector<TetId> tets_;

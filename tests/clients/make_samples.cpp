@@ -67,9 +67,10 @@ bool fracture_to(const std::filesystem::path& path, Mesh mesh, std::uint32_t sit
 
 /// 30 cells, of which the first ten are one fragment: a compound.
 FractureParameters grouped(const Box& box) {
+  PointsPattern pattern{random_sites(box, 30, 9)};
+  for (std::uint32_t k = 0; k < 30; ++k) pattern.groups.push_back(k < 10 ? 0 : k);
   FractureParameters parameters;
-  parameters.points = random_sites(box, 30, 9);
-  for (std::uint32_t k = 0; k < 30; ++k) parameters.groups.push_back(k < 10 ? 0 : k);
+  parameters.pattern = std::move(pattern);
   return parameters;
 }
 #endif

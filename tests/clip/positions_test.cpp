@@ -80,7 +80,7 @@ TEST(SeamLattice, EveryConstructedVertexIsTheExactPositionRoundedOnce) {
       const Expected<Tetrahedralization> t = tetrahedralize(family.sites, solid->box, {});
       ASSERT_TRUE(t);
       const VoronoiDiagram diagram(*t, solid->box);
-      const RestrictedDiagram r = restrict_to_solid(*solid, diagram, {});
+      const RestrictedDiagram r = restrict_to_solid(*solid, *solid, diagram, {});
       const auto vertex = [&](std::uint32_t v) { return to_double(solid->positions[v]); };
       std::size_t n = 0;
       for (const EdgeCut& c : r.cuts.edge_cuts) {

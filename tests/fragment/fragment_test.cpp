@@ -22,7 +22,7 @@ MassProperties mass_of(const Mesh& mesh, const Vec3d& origin) {
 
 FragmentSet fracture_at(const Mesh& mesh, std::vector<Vec3d> points) {
   FractureParameters p;
-  p.points = std::move(points);
+  p.pattern = PointsPattern{std::move(points)};
   StageTimings timings;
   const Expected<Solid> solid = make_solid(std::make_shared<Mesh>(mesh), {}, {});
   return *fracture(*solid, *make_diagram(*solid, p, {}, timings), p, {}, timings);

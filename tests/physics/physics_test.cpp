@@ -95,11 +95,12 @@ TEST(CollisionHulls, AreClosedConvexAndOutward) {
 
 TEST(CollisionHulls, OfNeighboursAreSeparatedByTheBisectorOfTheirSites) {
   FractureParameters p;
-  p.points = random_sites(box_of(cube()), 60, 9);
+  const std::vector<Vec3d> points = random_sites(box_of(cube()), 60, 9);
+  p.pattern = PointsPattern{points};
   const FragmentSet set = fracture_at(cube(), p);
   for (const Bond& b : set.bonds) {
     const Fragment &f = set.fragments[b.a], &g = set.fragments[b.b];
-    const Vec3d i = p.points[f.sites[0]], j = p.points[g.sites[0]], u = j - i, middle = 0.5 * (i + j);
+    const Vec3d i = points[f.sites[0]], j = points[g.sites[0]], u = j - i, middle = 0.5 * (i + j);
     for (const Vec3f& q : f.hulls[0].points) EXPECT_LT(dot(to_double(q) + f.pivot - middle, u), 0);
     for (const Vec3f& q : g.hulls[0].points) EXPECT_GT(dot(to_double(q) + g.pivot - middle, u), 0);
   }
@@ -107,8 +108,9 @@ TEST(CollisionHulls, OfNeighboursAreSeparatedByTheBisectorOfTheirSites) {
 
 TEST(CollisionHulls, AGroupCarriesOneForEachMemberCell) {
   FractureParameters p;
-  p.points = random_sites(box_of(cube()), 30, 9);
-  for (std::uint32_t k = 0; k < 30; ++k) p.groups.push_back(k < 10 ? 0 : k);
+  PointsPattern pattern{random_sites(box_of(cube()), 30, 9)};
+  for (std::uint32_t k = 0; k < 30; ++k) pattern.groups.push_back(k < 10 ? 0 : k);
+  p.pattern = std::move(pattern);
   const FragmentSet set = fracture_at(cube(), p);
   std::size_t shared = 0;
   for (const Fragment& f : set.fragments) {
@@ -131,7 +133,7 @@ TEST(CollisionHulls, AreInsetByAFewTenthsOfAMillimetreOrAThousandth) {
     Mesh mesh = cube();
     for (Vec3f& p : mesh.positions) p = {size * p.x, size * p.y, size * p.z};
     FractureParameters p;
-    p.points = {{0.5 * size, 0.5 * size, 0.5 * size}};
+    p.pattern = PointsPattern{{{0.5 * size, 0.5 * size, 0.5 * size}}};
     const FragmentSet set = fracture_at(mesh, p);
     ASSERT_EQ(set.fragments[0].hulls[0].points.size(), 8u);
     const Box box = box_of(mesh_of(set.fragments[0].hulls[0]));
@@ -145,7 +147,7 @@ TEST(CollisionHulls, AreInsetByAFewTenthsOfAMillimetreOrAThousandth) {
 
 TEST(CollisionHulls, ManyPointsAreSimplified) {
   FractureParameters p;
-  p.points = {{0, 0, 0}};
+  p.pattern = PointsPattern{{{0, 0, 0}}};
   const FragmentSet set = fracture_at(sphere_with(20'000), p);
   ASSERT_EQ(set.fragments.size(), 1u);
   EXPECT_EQ(set.fragments[0].hulls[0].points.size(), kMaxHullPoints);

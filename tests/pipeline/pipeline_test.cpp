@@ -45,7 +45,7 @@ TEST(Pipeline, APassedDeadlineIsATypedError) {
 TEST(Pipeline, DuplicateSitesAreMergedAndReported) {
   const Solid solid = solid_of(cube());
   FractureParameters p;
-  p.points = {{0.1, 0, 0}, {-0.1, 0, 0}, {0.1, 0, 0}, {0.1, 0, 0}};
+  p.pattern = PointsPattern{{{0.1, 0, 0}, {-0.1, 0, 0}, {0.1, 0, 0}, {0.1, 0, 0}}};
   StageTimings timings;
   const auto set = fracture(solid, *make_diagram(solid, p, {}, timings), p, {}, timings);
   ASSERT_TRUE(set);
@@ -110,7 +110,7 @@ TEST(Pipeline, APlaneThroughAMillionTrianglesMakesOneCap) {
   const Mesh mesh = sphere_with(1'000'000);
   const Solid solid = solid_of(mesh);
   FractureParameters p;
-  p.points = {{-0.3, 0.013, 0.007}, {0.3, 0.01, -0.02}};
+  p.pattern = PointsPattern{{{-0.3, 0.013, 0.007}, {0.3, 0.01, -0.02}}};
   StageTimings timings;
   const auto set = fracture(solid, *make_diagram(solid, p, {}, timings), p, {}, timings);
   ASSERT_TRUE(set);

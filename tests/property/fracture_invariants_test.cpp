@@ -35,7 +35,7 @@ Fractured fracture_at(const Mesh& mesh, const FractureParameters& parameters, in
 
 FractureParameters at_points(std::vector<Vec3d> points) {
   FractureParameters p;
-  p.points = std::move(points);
+  p.pattern = PointsPattern{std::move(points)};
   return p;
 }
 
@@ -163,8 +163,10 @@ TEST(FractureGroups, OneGroupOfAllCellsReturnsTheInputTrianglesBitForBit) {
   for (const NamedMesh& shape : ClosedShape::shapes()) {
     SCOPED_TRACE(shape.name);
     const Mesh mesh = with_traced_triangles(shape.mesh);
-    FractureParameters p = at_points(random_sites(box_of(mesh), 60, kSeed));
-    p.groups.assign(p.points.size(), 7);
+    PointsPattern pattern{random_sites(box_of(mesh), 60, kSeed)};
+    pattern.groups.assign(pattern.points.size(), 7);
+    FractureParameters p;
+    p.pattern = std::move(pattern);
     const Fractured f = fracture_at(mesh, p);
     EXPECT_EQ(f.set.bonds.size(), 0u);
     std::size_t triangles = 0;
@@ -192,8 +194,10 @@ TEST(FractureGroups, EveryThirdCellGroupedKeepsAllInvariants) {
     const Mesh mesh = with_traced_triangles(shape.mesh);
     for (const std::uint32_t groups : {2u, 5u, 17u}) {
       SCOPED_TRACE(groups);
-      FractureParameters p = at_points(random_sites(box_of(mesh), 60, kSeed));
-      for (std::uint32_t k = 0; k < p.points.size(); ++k) p.groups.push_back(k * 7919 % groups);
+      PointsPattern pattern{random_sites(box_of(mesh), 60, kSeed)};
+      for (std::uint32_t k = 0; k < pattern.points.size(); ++k) pattern.groups.push_back(k * 7919 % groups);
+      FractureParameters p;
+      p.pattern = std::move(pattern);
       const Fractured f = fracture_at(mesh, p);
       expect_closed(f.set);
       expect_partition(f.set, volume_of(mesh), area_of(mesh));

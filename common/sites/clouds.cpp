@@ -1,0 +1,117 @@
+// Sites that gather around points: the impact and clustered patterns.
+#include <algorithm>
+#include <cmath>
+
+#include "common/sites/arithmetic.hpp"
+#include "common/sites/generators.hpp"
+
+namespace fracture::sites_detail {
+namespace {
+
+constexpr std::uint64_t kCloudStream = 0xc10d'0000'0000'0001ull, kClusterStream = 0xc10d'0000'0000'0002ull;
+
+std::uint32_t part_of(double share, std::uint32_t count) {
+  return static_cast<std::uint32_t>(std::nearbyint(share * count));
+}
+
+/// The points of the clouds, then uniform ones up to the asked number.
+SitePlan with_rest(const Task& task, ColumnSampler& sampler, std::vector<Vec3d> points) {
+  SitePlan plan;
+  plan.points = std::move(points);
+  const std::vector<Vec3d> rest = sampler.sample(task.count - static_cast<std::uint32_t>(plan.points.size()));
+  plan.points.insert(plan.points.end(), rest.begin(), rest.end());
+  return plan;
+}
+
+}  // namespace
+
+std::vector<Vec3d> points_in_clouds(const Task& task, ColumnSampler& sampler, std::span<const Cloud> clouds,
+                                    std::span<const std::uint32_t> cloud_of, double exponent) {
+  // Density r^-e in space is r^(2-e) in distance: its inverse distribution is u^(1 / (3 - e)).
+  const double inverse = 1 / (3 - exponent);
+  std::vector<Vec3d> found(cloud_of.size());
+  std::vector<bool> done(cloud_of.size(), false);
+  std::vector<std::uint32_t> open(cloud_of.size());
+  for (std::uint32_t k = 0; k < open.size(); ++k) open[k] = k;
+  constexpr int kDrawsAtOnce = 4;
+  std::vector<Vec3d> draws;
+  for (int round = 0; round < kDraws / kDrawsAtOnce && !open.empty(); ++round) {
+    draws.clear();
+    for (const std::uint32_t k : open) {
+      Random seeder(task.seed ^ kCloudStream);
+      Random random(seeder() + k * 0xd1b54a32d192ed03ull +
+                    static_cast<std::uint64_t>(round) * 0x9e6c63d0876a9a47ull);
+      const Cloud& cloud = clouds[cloud_of[k]];
+      for (int d = 0; d < kDrawsAtOnce; ++d) {
+        const double distance = cloud.radius * power(random.uniform(), inverse);
+        draws.push_back(cloud.center + distance * random_direction(random));
+      }
+    }
+    const std::vector<bool> inside = sampler.inside(draws);
+    std::vector<std::uint32_t> still_open;
+    for (std::size_t n = 0; n < open.size(); ++n) {
+      for (int d = 0; d < kDrawsAtOnce && !done[open[n]]; ++d)
+        if (inside[n * kDrawsAtOnce + static_cast<std::size_t>(d)]) {
+          found[open[n]] = draws[n * kDrawsAtOnce + static_cast<std::size_t>(d)];
+          done[open[n]] = true;
+        }
+      if (!done[open[n]]) still_open.push_back(open[n]);
+    }
+    open.swap(still_open);
+  }
+  std::vector<Vec3d> points;
+  for (std::size_t k = 0; k < found.size(); ++k)
+    if (done[k]) points.push_back(found[k]);
+  return points;
+}
+
+Expected<SitePlan> impact_sites(const Task& task, const ImpactPattern& pattern) {
+  ColumnSampler sampler(task.solid, task.seed, task.execution);
+  std::vector<Vec3d> impacts = pattern.impacts;
+  if (impacts.empty()) impacts.push_back(task.solid.box.center());
+  const double radius = pattern.radius.value_or(task.solid.box.longest_side() / 3);
+  std::vector<Cloud> clouds;
+  for (const Vec3d& impact : impacts) clouds.push_back({impact, radius});
+  // Site by site in turn, so that every impact gets its share.
+  std::vector<std::uint32_t> cloud_of(part_of(pattern.share, task.count));
+  for (std::uint32_t k = 0; k < cloud_of.size(); ++k)
+    cloud_of[k] = k % static_cast<std::uint32_t>(clouds.size());
+  std::vector<Vec3d> near = points_in_clouds(task, sampler, clouds, cloud_of, pattern.exponent);
+  const std::size_t missing = cloud_of.size() - near.size();
+  SitePlan plan = with_rest(task, sampler, std::move(near));
+  if (missing > 0)
+    plan.notes.push_back(std::to_string(missing) + " of " + std::to_string(cloud_of.size()) +
+                         " sites found no place in the solid within the radius of their impact and were "
+                         "placed uniformly");
+  return plan;
+}
+
+Expected<SitePlan> clustered_sites(const Task& task, const ClusteredPattern& pattern) {
+  const std::uint32_t count = pattern.clusters.value_or(std::max(1u, task.count / 12));
+  ColumnSampler sampler(task.solid, task.seed, task.execution);
+  Random random(task.seed ^ kClusterStream);
+  const std::uint64_t center_seed = random();
+  const std::vector<Vec3d> centers = ColumnSampler(task.solid, center_seed, task.execution).sample(count);
+  const double radius = pattern.radius.value_or(task.solid.box.longest_side() / 10);
+  // Uneven clusters: their shares of the sites spread over a factor of about ten.
+  std::vector<Cloud> clouds;
+  std::vector<double> weight;  // running sums
+  double sum = 0;
+  for (const Vec3d& center : centers) {
+    const double size = random.uniform();
+    clouds.push_back({center, radius * (0.5 + size)});
+    sum += 0.1 + size * size;
+    weight.push_back(sum);
+  }
+  std::vector<std::uint32_t> cloud_of(part_of(pattern.share, task.count));
+  for (std::uint32_t& cloud : cloud_of) {
+    const double pick = random.uniform() * sum;
+    cloud = static_cast<std::uint32_t>(
+        std::min<std::ptrdiff_t>(std::upper_bound(weight.begin(), weight.end(), pick) - weight.begin(),
+                                 static_cast<std::ptrdiff_t>(weight.size()) - 1));
+  }
+  std::vector<Vec3d> points = points_in_clouds(task, sampler, clouds, cloud_of, pattern.exponent);
+  return with_rest(task, sampler, std::move(points));
+}
+
+}  // namespace fracture::sites_detail

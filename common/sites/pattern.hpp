@@ -1,0 +1,137 @@
+// How a solid is to break: the pattern of the Voronoi sites and its parameters, and what a pattern makes of
+// a solid. Every pattern is a pure function of (solid, its parameters, number of sites, seed) and needs no
+// more than points, groups of points whose cells stay together, and a linear map under which the cells are
+// those of the nearest site. Lengths are metres, places are in the frame of the answer (y up).
+//
+// Generated points are made with + - * / and sqrt alone (arithmetic.hpp), so that every compiler and C
+// library gives the same ones, and snapped to the site lattice.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "common/base/error.hpp"
+#include "common/base/execution.hpp"
+#include "common/base/matrix3.hpp"
+#include "common/base/vec.hpp"
+#include "common/solid/solid.hpp"
+
+namespace fracture {
+
+/// Uniform in the volume of the solid.
+struct UniformPattern {
+  friend bool operator==(const UniformPattern&, const UniformPattern&) = default;
+};
+
+/// The sites themselves, as the caller wants them: never snapped.
+struct PointsPattern {
+  std::vector<Vec3d> points{};
+  /// Per point, or empty: cells with the same group id stay together as one fragment.
+  std::vector<std::uint32_t> groups{};
+  friend bool operator==(const PointsPattern&, const PointsPattern&) = default;
+};
+
+/// Most sites near one or several impacts, the others uniform in the solid. Distances from an impact are
+/// drawn by their inverse distribution, so a small radius costs no more than a large one: the density falls
+/// as distance^-exponent out to the radius.
+struct ImpactPattern {
+  std::vector<Vec3d> impacts{};    ///< empty: the middle of the box
+  std::optional<double> radius{};  ///< > 0; none: a third of the box's longest side
+  double exponent = 2;             ///< 0 (even within the radius) … 2.9 (all but at the impact)
+  double share = 0.8;              ///< of the sites that go near an impact, 0 … 1
+  friend bool operator==(const ImpactPattern&, const ImpactPattern&) = default;
+};
+
+/// Rings and spokes around an axis: a pane of glass that was hit. An aligned polar grid, so the cells'
+/// bisectors are exactly radial planes (between spokes) and chords across the spokes (between rings); see
+/// radial_sites.cpp.
+struct RadialPattern {
+  std::vector<Vec3d> impacts{};  ///< the first one is the centre; empty: the middle of the box
+  std::optional<Vec3d> axis{};   ///< none: along the shortest side of the box
+  std::optional<std::uint32_t> spokes{}, rings{};  ///< none: as many as give about the asked number of pieces
+  double growth = 1.35;  ///< each ring is so many times as wide as the one inside it, >= 1
+  double jitter = 0.5;   ///< 0 … 1: how uneven the angles and radii are
+  double merge = 0.4;    ///< 0 … 0.9: share of the ring cracks that stay away
+  friend bool operator==(const RadialPattern&, const RadialPattern&) = default;
+};
+
+/// Boxes in rows: the product of three sets of parallel planes, which jitter as wholes.
+struct GridPattern {
+  std::optional<Vec3d> cell{};  ///< along x, y and z; none: cubes, as many as asked for
+  double jitter = 0;            ///< 0 … 1: planes move by up to this share of half a cell
+  friend bool operator==(const GridPattern&, const GridPattern&) = default;
+};
+
+/// Masonry: courses along y, each shifted against the one below. A brick is several cells that stay
+/// together, so the joints are planes to the lattice step.
+struct BrickPattern {
+  enum class Bond { kStack, kHalf, kThird };  ///< shift of a course: none, half a brick, a third
+  std::optional<Vec3d> cell{};  ///< length, height and depth of a brick with its joint; none: 3 : 1 : 1.5
+  Bond bond = Bond::kHalf;
+  double jitter = 0;  ///< as in GridPattern
+  friend bool operator==(const BrickPattern&, const BrickPattern&) = default;
+};
+
+/// One to three families of parallel planes. Several families are the product grid of their coordinates.
+struct SlicePattern {
+  std::vector<Vec3d> normals{{0, 1, 0}};  ///< 1 … 3, linearly independent; not necessarily of unit length
+  std::optional<double> spacing{};        ///< > 0; none: as gives about the asked number of pieces
+  double jitter = 0.2;                    ///< 0 … 1: planes move by up to this share of half the spacing
+  double tilt = 0;                        ///< degrees, 0 … 45, of each plane's normal; for one family only
+  friend bool operator==(const SlicePattern&, const SlicePattern&) = default;
+};
+
+/// Groups of small pieces between large ones.
+struct ClusteredPattern {
+  std::optional<std::uint32_t> clusters{};  ///< none: one for about twelve sites
+  std::optional<double> radius{};           ///< > 0; none: a tenth of the box's longest side
+  double exponent = 1.5;                    ///< as in ImpactPattern
+  double share = 0.85;                      ///< of the sites that go into clusters, 0 … 1
+  friend bool operator==(const ClusteredPattern&, const ClusteredPattern&) = default;
+};
+
+using SitePattern = std::variant<UniformPattern, PointsPattern, ImpactPattern, RadialPattern, GridPattern,
+                                 BrickPattern, SlicePattern, ClusteredPattern>;
+/// Names of the alternatives, in their order.
+inline constexpr const char* kPatternNames[] = {"uniform", "points", "impact", "radial",
+                                                "grid",    "brick",  "slice",  "clustered"};
+static_assert(std::size(kPatternNames) == std::variant_size_v<SitePattern>);
+
+/// Cells that are longer in one direction: the pattern is made in the image of the solid under the inverse
+/// stretch, where it is isotropic. Not for slices of several families, which are such images themselves.
+struct Anisotropy {
+  double stretch = 1;               ///< how many times as long along the grain as across it, > 0; 1: not
+  std::optional<Vec3d> grain{};     ///< direction; none: the longest side of the box
+  std::optional<Matrix3> matrix{};  ///< instead: what a cell goes through, not singular
+  friend bool operator==(const Anisotropy&, const Anisotropy&) = default;
+};
+
+/// Exactly what decides the sites.
+struct SiteParameters {
+  std::uint32_t sites = 50;  ///< about how many pieces; not for PointsPattern
+  std::uint64_t seed = 1;
+  SitePattern pattern{};
+  std::uint32_t lloyd = 0;  ///< passes of relaxation (pipeline/lloyd.hpp), for patterns without groups
+  Anisotropy anisotropy{};
+};
+
+/// What a pattern makes of a solid.
+struct SitePlan {
+  std::vector<Vec3d> points;          ///< in the image under `map`
+  std::vector<std::uint32_t> groups;  ///< per point, or empty: cells with equal ids stay together
+  std::optional<Matrix3> map;         ///< of positive determinant; none: the identity
+  std::vector<std::string> notes;     ///< what could not be done as asked, for people
+};
+
+/// Patterns that would make more sites than this are refused.
+inline constexpr std::uint32_t kMaxPatternSites = 100'000;
+
+/// Errors: kBadParameter with the parameter's name (a combination that has no meaning), kTooComplex (more
+/// than kMaxPatternSites). Near-linear in triangles + sites.
+Expected<SitePlan> plan_sites(const Solid& solid, const SiteParameters& parameters,
+                              const Execution& execution);
+
+}  // namespace fracture

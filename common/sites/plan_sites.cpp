@@ -1,0 +1,153 @@
+#include <algorithm>
+#include <cmath>
+
+#include "common/sites/arithmetic.hpp"
+#include "common/sites/generators.hpp"
+#include "common/sites/sites.hpp"
+#include "common/solid/image.hpp"
+
+namespace fracture {
+namespace {
+
+using sites_detail::Task;
+
+/// Makes the map's determinant positive: with -A all distances are those with A.
+Matrix3 positive(const Matrix3& map) { return map.determinant() < 0 ? -map : map; }
+
+/// Compression along the grain: A = 1 + (1 / stretch - 1) g gᵀ.
+Matrix3 along_grain(const Vec3d& direction, double stretch) {
+  const Vec3d g = sites_detail::normalized(direction);
+  Matrix3 map;
+  for (int a = 0; a < 3; ++a) map.rows[a] = map.rows[a] + ((1 / stretch - 1) * g[a]) * g;
+  return map;
+}
+
+Vec3d longest_side(const Box& box) {
+  const Vec3d size = box.size();
+  int axis = 1;  // of equal ones y, then x: timber mostly stands or lies along x
+  for (const int a : {0, 2})
+    if (size[a] > size[axis]) axis = a;
+  Vec3d direction;
+  direction[axis] = 1;
+  return direction;
+}
+
+std::optional<Matrix3> map_of(const Anisotropy& anisotropy, const Box& box) {
+  if (anisotropy.matrix) return positive(anisotropy.matrix->inverse());
+  if (anisotropy.stretch == 1) return std::nullopt;
+  return along_grain(anisotropy.grain.value_or(longest_side(box)), anisotropy.stretch);
+}
+
+/// Several families: their coordinates q -> (n1·q, n2·q, n3·q), in which the slices are a grid. Two families
+/// leave the third direction whole.
+Matrix3 map_of(const SlicePattern& slices) {
+  Matrix3 map;
+  for (std::size_t k = 0; k < slices.normals.size(); ++k)
+    map.rows[k] = sites_detail::normalized(slices.normals[k]);
+  if (slices.normals.size() == 2) map.rows[2] = sites_detail::normalized(cross(map.rows[0], map.rows[1]));
+  return positive(map);
+}
+
+/// The grid that slices are in their image: cells of the spacing, the third direction of two families whole.
+GridPattern grid_of(const SlicePattern& slices, const Task& task) {
+  const Vec3d size = task.solid.box.size();
+  GridPattern grid;
+  grid.jitter = slices.jitter;
+  const auto families = slices.normals.size();
+  if (slices.spacing) {
+    grid.cell = Vec3d{*slices.spacing, *slices.spacing, *slices.spacing};
+  } else if (families == 3) {
+    return grid;  // as many cubes as asked for
+  } else {
+    // As many squares as asked for fill the rectangle of the first two coordinates.
+    const double side = std::sqrt(size.x * size.y / task.count);
+    grid.cell = Vec3d{side, side, side};
+  }
+  if (families == 2) grid.cell->z = size.z > 0 ? 2 * size.z : 1;
+  return grid;
+}
+
+std::vector<Vec3d> mapped(std::vector<Vec3d> points, const std::optional<Matrix3>& map) {
+  if (map)
+    for (Vec3d& p : points) p = *map * p;
+  return points;
+}
+
+Expected<SitePlan> generate(const Task& task, const SitePattern& pattern, const std::optional<Matrix3>& map) {
+  struct Generator {
+    const Task& task;
+    const std::optional<Matrix3>& map;
+    Expected<SitePlan> operator()(const UniformPattern&) const {
+      Expected<std::vector<Vec3d>> points = uniform_sites(task.solid, task.count, task.seed, task.execution);
+      if (!points) return tl::unexpected(points.error());
+      SitePlan plan;
+      plan.points = std::move(*points);
+      return plan;
+    }
+    Expected<SitePlan> operator()(const PointsPattern& pattern) const {
+      SitePlan plan;
+      plan.points = mapped(pattern.points, map);
+      plan.groups = pattern.groups;
+      return plan;
+    }
+    Expected<SitePlan> operator()(ImpactPattern pattern) const {
+      pattern.impacts = mapped(std::move(pattern.impacts), map);
+      return sites_detail::impact_sites(task, pattern);
+    }
+    Expected<SitePlan> operator()(RadialPattern pattern) const {
+      pattern.impacts = mapped(std::move(pattern.impacts), map);
+      return sites_detail::radial_sites(task, pattern);
+    }
+    Expected<SitePlan> operator()(const GridPattern& pattern) const {
+      return sites_detail::grid_sites(task, pattern);
+    }
+    Expected<SitePlan> operator()(const BrickPattern& pattern) const {
+      return sites_detail::brick_sites(task, pattern);
+    }
+    Expected<SitePlan> operator()(const SlicePattern& pattern) const {
+      return pattern.normals.size() == 1 ? sites_detail::slice_sites(task, pattern)
+                                         : sites_detail::grid_sites(task, grid_of(pattern, task));
+    }
+    Expected<SitePlan> operator()(const ClusteredPattern& pattern) const {
+      return sites_detail::clustered_sites(task, pattern);
+    }
+  };
+  return std::visit(Generator{task, map}, pattern);
+}
+
+}  // namespace
+
+tl::unexpected<Error> sites_detail::too_many_sites(double sites) {
+  return fail(ErrorCode::kTooComplex,
+              "The pattern needs " + std::to_string(static_cast<std::uint64_t>(std::fmin(sites, 1e15))) +
+                  " sites for this mesh; a pattern may make at most " + std::to_string(kMaxPatternSites) +
+                  ". Ask for larger cells or fewer rings and spokes.",
+              "pattern");
+}
+
+Expected<SitePlan> plan_sites(const Solid& solid, const SiteParameters& p, const Execution& execution) {
+  const auto* slices = std::get_if<SlicePattern>(&p.pattern);
+  const bool oblique = slices && slices->normals.size() > 1;
+  std::optional<Matrix3> map = map_of(p.anisotropy, solid.box);
+  if (oblique && map)
+    return fail(ErrorCode::kBadParameter,
+                "Slices of several families cannot be stretched: give the normals they should have.",
+                "stretch");
+  if (oblique) map = map_of(*slices);
+  if (map && *map == Matrix3{}) map.reset();
+  std::optional<Solid> image;
+  if (map) image = image_of(solid, *map);
+  const Solid& seen = image ? *image : solid;
+
+  const Task task{seen, std::max(1u, p.sites), p.seed, execution};
+  Expected<SitePlan> plan = generate(task, p.pattern, map);
+  if (!plan) return plan;
+  plan->map = map;
+  if (!std::holds_alternative<PointsPattern>(p.pattern)) {
+    const SiteLattice lattice = site_lattice(seen.box);
+    for (Vec3d& site : plan->points) site = lattice.snap(site);
+  }
+  return plan;
+}
+
+}  // namespace fracture
