@@ -25,7 +25,7 @@ void write_certificate(JsonText& json, const Certificate& c) {
       .end_object();
 }
 
-void write_bonds(JsonText& json, const FragmentSet& set) {
+void write_bonds(JsonText& json, const FragmentSet& set, const GltfOptions& options) {
   const auto column = [&](const char* name, auto&& of) {
     json.key(name).begin_array();
     for (const Bond& bond : set.bonds) json.value(of(bond));
@@ -38,6 +38,7 @@ void write_bonds(JsonText& json, const FragmentSet& set) {
   column("area", [](const Bond& bond) { return bond.area; });
   column("centroid", [](const Bond& bond) { return bond.centroid; });
   column("normal", [](const Bond& bond) { return bond.normal; });
+  column("strength", [&](const Bond& bond) { return bond.area * options.bond_strength; });
   json.end_object();
 }
 
@@ -58,7 +59,7 @@ void write_root_extras(JsonText& json, const FragmentSet& set, const GltfOptions
   json.key("certificate");
   write_certificate(json, set.certificate);
   json.key("bonds");
-  write_bonds(json, set);
+  write_bonds(json, set, options);
   json.end_object();
 }
 

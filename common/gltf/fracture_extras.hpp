@@ -10,7 +10,8 @@
 
 namespace fracture {
 
-/// {version, algorithm, mesh, parameters, report, certificate, lattice, bonds {a, b, area, centroid, normal}}
+/// {version, algorithm, mesh, parameters, report, certificate, lattice, bonds {a, b, area, centroid, normal,
+/// strength (N)}}
 void write_root_extras(JsonText& json, const FragmentSet& fragments, const GltfOptions& options);
 
 /// {id, volume, mass, area, exterior_area, center_of_mass, level, parent, anchored, part, sites}

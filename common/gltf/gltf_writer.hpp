@@ -49,9 +49,10 @@ struct GltfOptions {
   /// Colliders need Fragment::hulls; a fragment without hulls is a body without a collider.
   Physics physics = Physics::kKhr;
   UeCollision ue_collision = UeCollision::kNone;
-  double friction = 0.6;      ///< static and dynamic
-  double restitution = 0.1;   ///< 0 … 1
-  bool mesh_manifold = true;  ///< EXT_mesh_manifold on every fragment with a topology (mesh_manifold.hpp)
+  double friction = 0.6;       ///< static and dynamic
+  double restitution = 0.1;    ///< 0 … 1
+  double bond_strength = 1e6;  ///< Pa: a bond's area times this is the tension it withstands
+  bool mesh_manifold = true;   ///< EXT_mesh_manifold on every fragment with a topology (mesh_manifold.hpp)
   /// The material of the cut faces as a glTF material object (interior_material.hpp); its name should contain
   /// "Interior" (that is how tools tell cut faces from the outside). Textures are indices into the source's.
   nlohmann::json interior_material = plain_interior_material();

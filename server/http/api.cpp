@@ -133,6 +133,8 @@ Answered Api::dispatch(const std::shared_ptr<Request>& request, const std::stop_
       return get_version();
     case Operation::kGetLimits:
       return get_limits();
+    case Operation::kGetPatterns:
+      return get_patterns();
     case Operation::kGetOpenapi:
       return get_openapi();
     case Operation::kPostFracture:

@@ -99,6 +99,7 @@ class Api {
   Response get_index() const;
   Response get_version() const;
   Response get_limits() const;
+  Response get_patterns() const;
   Response get_openapi() const;
   OrProblem<Response> get_readyz() const;
   std::optional<Problem> refuse_media_type(const RequestHead& head, const Admission& admission) const;

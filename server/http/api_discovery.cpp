@@ -9,7 +9,11 @@ Response Api::get_index() const {
        {"about", "POST a mesh to /fracture and get exact, watertight fragments back as one GLB."},
        {"version", FRACTURE_VERSION},
        {"algorithm", kAlgorithmVersion},
-       {"links", {{"interface", "/openapi.json"}, {"limits", "/limits"}, {"version", "/version"}}}});
+       {"links",
+        {{"interface", "/openapi.json"},
+         {"limits", "/limits"},
+         {"patterns", "/patterns"},
+         {"version", "/version"}}}});
 }
 
 Response Api::get_version() const {
@@ -44,6 +48,8 @@ Response Api::get_limits() const {
                          {"formats", service_.parameters().formats().names()},
                          {"parameters", service_.parameters().to_json()}});
 }
+
+Response Api::get_patterns() const { return Response::json(service_.parameters().patterns_to_json()); }
 
 Response Api::get_openapi() const {
   Response response;

@@ -16,6 +16,8 @@ constexpr Route kRoutes[] = {
     {kGetVersion, kPublic, "GET", "/version", Carries::kNothing, kJsonTypes,
      "Versions of the server and of the algorithm"},
     {kGetLimits, kPublic, "GET", "/limits", Carries::kNothing, kJsonTypes, "Limits, parameters and formats"},
+    {kGetPatterns, kPublic, "GET", "/patterns", Carries::kNothing, kJsonTypes,
+     "Patterns, materials and their parameters"},
     {kGetOpenapi, kPublic, "GET", "/openapi.json", Carries::kNothing, kJsonTypes,
      "This interface as OpenAPI 3.1"},
     {kPostFracture, kPublic, "POST", "/fracture", Carries::kMeshOrName, kResultTypes, "Fracture a mesh"},

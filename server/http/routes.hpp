@@ -17,6 +17,7 @@ enum class Operation {
   kGetIndex,
   kGetVersion,
   kGetLimits,
+  kGetPatterns,
   kGetOpenapi,
   kPostFracture,
   kGetFracture,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <utility>
 
 namespace fracture {
 namespace {
@@ -14,24 +15,14 @@ bool is_utf8(const std::string& text) {
   return value.dump(-1, ' ', false, Handler::ignore) == value.dump(-1, ' ', false, Handler::replace);
 }
 
-}  // namespace
-
-std::string join(const std::vector<std::string>& words) {
-  std::string s;
-  for (std::size_t i = 0; i < words.size(); ++i)
-    s += (i == 0 ? "" : i + 1 == words.size() ? " or " : ", ") + words[i];
-  return s;
+bool is_color(const std::string& text) {
+  const auto is_digit = [](char c) {
+    return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F');
+  };
+  return text.size() == 7 && text[0] == '#' && std::all_of(text.begin() + 1, text.end(), is_digit);
 }
 
-std::string shown(const nlohmann::json& value) {
-  if (value.is_structured())
-    return value.is_array() ? "an array" : "an object";  // dump() recurses: never on depth
-  std::string s = value.is_string() ? value.get<std::string>() : value.dump();
-  if (s.size() > 40) s = s.substr(0, 40) + "...";
-  for (char& c : s)
-    if (static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) >= 0x7f) c = '?';
-  return s;
-}
+// Nothing when the value is not of the kind asked for.
 
 std::optional<std::uint64_t> to_integer(const RawParameter& raw) {
   if (!raw.is_text) {
@@ -46,19 +37,7 @@ std::optional<std::uint64_t> to_integer(const RawParameter& raw) {
   return number;
 }
 
-std::optional<double> to_number(const RawParameter& raw) {
-  double number = 0;
-  if (!raw.is_text) {
-    if (!raw.value.is_number()) return std::nullopt;
-    number = raw.value.get<double>();
-  } else {
-    const auto& text = raw.value.get_ref<const std::string&>();
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (error != std::errc{} || end != text.data() + text.size() || text.empty()) return std::nullopt;
-  }
-  return std::isfinite(number) ? std::optional(number == 0 ? 0.0 : number) : std::nullopt;
-}
-
+/// Sorted, each once; nothing when an entry is empty, no UTF-8, or no text.
 std::optional<std::vector<std::string>> to_names(const RawParameter& raw) {
   std::vector<std::string> names;
   if (raw.value.is_string()) {
@@ -84,17 +63,144 @@ std::optional<std::vector<std::string>> to_names(const RawParameter& raw) {
   return names;
 }
 
-std::string shortest(double number) {
-  char text[32];
-  return {text, std::to_chars(text, text + sizeof text, number).ptr};
-}
-
+/// 1 to 63 bytes of UTF-8 without control characters.
 std::optional<std::string> to_text(const RawParameter& raw) {
   if (!raw.value.is_string()) return std::nullopt;
   const auto& text = raw.value.get_ref<const std::string&>();
   const bool control =
       std::any_of(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
   return text.empty() || text.size() > 63 || control || !is_utf8(text) ? std::nullopt : std::optional(text);
+}
+
+/// The index of the choice.
+std::optional<std::uint64_t> to_choice(const ParameterSpec& spec, const RawParameter& raw) {
+  std::string choice = raw.value.is_string() ? raw.value.get<std::string>() : std::string();
+  if (spec.name == "format")  // file endings come in both cases: part.STL
+    for (char& c : choice)
+      if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + ('a' - 'A'));
+  const auto at = std::find(spec.choices.begin(), spec.choices.end(), choice);
+  if (at == spec.choices.end()) return std::nullopt;
+  return static_cast<std::uint64_t>(at - spec.choices.begin());
+}
+
+/// Nothing when it is not of the kind or out of range.
+std::optional<ParameterValue> to_scalar(const ParameterSpec& spec, const RawParameter& raw) {
+  const auto value = [](auto&& found) {
+    return found ? std::optional<ParameterValue>(std::move(*found)) : std::nullopt;
+  };
+  switch (spec.type) {
+    case ParameterSpec::Type::kInteger: {
+      const auto number = to_integer(raw);
+      return number && *number >= spec.min && *number <= spec.max ? value(number) : std::nullopt;
+    }
+    case ParameterSpec::Type::kNumber: {
+      const auto number = to_number(raw.value, raw.is_text);
+      return number && *number >= spec.low && *number <= spec.high ? value(number) : std::nullopt;
+    }
+    case ParameterSpec::Type::kNames:
+      return value(to_names(raw));
+    case ParameterSpec::Type::kText:
+      return value(to_text(raw));
+    case ParameterSpec::Type::kColor:
+      if (raw.value.is_string() && is_color(raw.value.get_ref<const std::string&>()))
+        return raw.value.get<std::string>();
+      return std::nullopt;
+    default:
+      return value(to_choice(spec, raw));
+  }
+}
+
+bool is_vector(ParameterSpec::Type type) {
+  using Type = ParameterSpec::Type;
+  return type == Type::kVector || type == Type::kDirection || type == Type::kVectors || type == Type::kMatrix;
+}
+
+}  // namespace
+
+std::string join(const std::vector<std::string>& words) {
+  std::string s;
+  for (std::size_t i = 0; i < words.size(); ++i)
+    s += (i == 0 ? "" : i + 1 == words.size() ? " or " : ", ") + words[i];
+  return s;
+}
+
+std::string shown(const nlohmann::json& value) {
+  if (value.is_structured())
+    return value.is_array() ? "an array" : "an object";  // dump() recurses: never on depth
+  std::string s = value.is_string() ? value.get<std::string>() : value.dump();
+  if (s.size() > 40) s = s.substr(0, 40) + "...";
+  for (char& c : s)
+    if (static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) >= 0x7f) c = '?';
+  return s;
+}
+
+std::string shortest(double number) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, number).ptr};
+}
+
+std::optional<double> to_number(const nlohmann::json& value, bool is_text) {
+  double number = 0;
+  if (!is_text) {
+    if (!value.is_number()) return std::nullopt;
+    number = value.get<double>();
+  } else {
+    const auto& text = value.get_ref<const std::string&>();
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (error != std::errc{} || end != text.data() + text.size() || text.empty()) return std::nullopt;
+  }
+  return std::isfinite(number) ? std::optional(number == 0 ? 0.0 : number) : std::nullopt;
+}
+
+std::string expectation(const ParameterSpec& spec) {
+  using Type = ParameterSpec::Type;
+  const std::string range = "from " + shortest(spec.low) + " to " + shortest(spec.high);
+  switch (spec.type) {
+    case Type::kInteger:
+      return "a whole number from " + std::to_string(spec.min) + " to " + std::to_string(spec.max);
+    case Type::kNumber:
+      return "a number " + range;
+    case Type::kNames:
+      return "names or indices separated by commas, in UTF-8, none of them empty";
+    case Type::kText:
+      return "1 to 63 bytes of text";
+    case Type::kColor:
+      return "an sRGB colour as #rrggbb";
+    case Type::kVector:
+      return "three numbers " + range + ", as text x,y,z or in JSON [x, y, z]";
+    case Type::kDirection:
+      return "three numbers " + range + ", not all zero, as text x,y,z or in JSON [x, y, z]";
+    case Type::kVectors:
+      return std::to_string(spec.min) + " to " + std::to_string(spec.max) + " vectors of three numbers " +
+             range + ", as text x,y,z;x,y,z or in JSON [[x, y, z], ...]";
+    case Type::kMatrix:
+      return "three rows of three numbers " + range +
+             ", as text a,b,c;d,e,f;g,h,i or in JSON [[a, b, c], ...]";
+    case Type::kChoice:
+      break;
+  }
+  return join(spec.choices);
+}
+
+ValueOrComplaint to_value(const ParameterSpec& spec, const RawParameter& raw) {
+  const auto wrong = [&](const std::string& must) {
+    return tl::unexpected(
+        Complaint{"", "'" + spec.name + "' must " + must + "; it was '" + shown(raw.value) + "'."});
+  };
+  ValueOrComplaint value;
+  if (is_vector(spec.type))
+    value = to_vectors(spec, raw);
+  else if (std::optional<ParameterValue> scalar = to_scalar(spec, raw))
+    value = std::move(*scalar);
+  else
+    return wrong("be " + expectation(spec));
+  if (!value) return value;
+  // A direction needs a length that can be divided by.
+  if (spec.type == ParameterSpec::Type::kDirection && !(length(std::get<Vec3d>(*value)) > 1e-9))
+    return wrong("be " + expectation(spec));
+  if (spec.check)
+    if (const std::string must = spec.check(*value); !must.empty()) return wrong(must);
+  return value;
 }
 
 }  // namespace fracture

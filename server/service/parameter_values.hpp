@@ -1,12 +1,13 @@
-// One given parameter value, text or JSON, converted and shown: what the table of parameters is made of.
+// One given parameter value, text or JSON, converted, checked and shown.
 #pragma once
 
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <tl/expected.hpp>
 #include <vector>
 
-#include "server/service/parameters.hpp"
+#include "server/service/parameter_spec.hpp"
 
 namespace fracture {
 
@@ -16,13 +17,23 @@ std::string join(const std::vector<std::string>& words);
 std::string shown(const nlohmann::json& value);
 /// In as few digits as say the same number.
 std::string shortest(double number);
+/// Finite; text is converted, JSON must be a number.
+std::optional<double> to_number(const nlohmann::json& value, bool is_text);
 
-/// Nothing when the value is not of the kind asked for. Text is converted, JSON must have the right type.
-std::optional<std::uint64_t> to_integer(const RawParameter& raw);
-std::optional<double> to_number(const RawParameter& raw);  ///< finite
-/// Sorted, each once; nothing when an entry is empty, no UTF-8, or no text.
-std::optional<std::vector<std::string>> to_names(const RawParameter& raw);
-/// 1 to 63 bytes of UTF-8 without control characters.
-std::optional<std::string> to_text(const RawParameter& raw);
+/// The legal values of a parameter, as the end of the sentence "'name' must be …".
+std::string expectation(const ParameterSpec& spec);
+
+/// Why a value is none.
+struct Complaint {
+  std::string pointer;  ///< JSON pointer to the offender inside the value, empty for the whole
+  std::string detail;   ///< a sentence with the legal range and the offending value
+};
+using ValueOrComplaint = tl::expected<ParameterValue, Complaint>;
+
+/// Converts and checks. Text is converted, JSON must have the right type.
+ValueOrComplaint to_value(const ParameterSpec& spec, const RawParameter& raw);
+
+/// The part of it for vectors, lists of them and matrices (parameter_vectors.cpp); spec.check is not asked.
+ValueOrComplaint to_vectors(const ParameterSpec& spec, const RawParameter& raw);
 
 }  // namespace fracture

@@ -1,5 +1,6 @@
 // What may be asked, in one table: it validates the query of a URL, a JSON object and the flags of `bake`,
-// words the errors, fills GET /limits, and a test holds proto/openapi.yaml to it.
+// words the errors, makes the canonical form of a request, fills GET /limits and GET /patterns, and a test
+// holds proto/openapi.yaml to it. The rows stand in parameter_rows.cpp and site_parameter_rows.cpp.
 #pragma once
 
 #include <cstdint>
@@ -12,41 +13,17 @@
 #include "common/base/error.hpp"
 #include "common/gltf/gltf_writer.hpp"
 #include "common/import/import.hpp"
+#include "common/materials/materials.hpp"
 #include "common/mesh/frame.hpp"
 #include "common/mesh/selection.hpp"
 #include "common/pipeline/fracture.hpp"
 #include "common/solid/solid.hpp"
+#include "server/service/parameter_spec.hpp"
 
 namespace fracture {
 
 /// Whole numbers go up to 2^53 - 1, so that they are exact in the JSON of every language.
 inline constexpr std::uint64_t kMaxSeed = (1ull << 53) - 1;
-
-struct ParameterSpec {
-  enum class Type {
-    kInteger,  ///< whole number from min to max
-    kNumber,   ///< finite number from low to high
-    kChoice,   ///< one of choices
-    kNames,    ///< names separated by commas; in JSON an array of strings or such a text
-    kText,     ///< 1 to 63 bytes of UTF-8
-    kColor,    ///< sRGB as "#rrggbb"
-  };
-  std::string name;
-  Type type = Type::kInteger;
-  std::uint64_t min = 0, max = 0;
-  double low = 0, high = 0;
-  std::vector<std::string> choices{};
-  nlohmann::json default_value{};  ///< null: no default
-  std::string doc;
-};
-
-/// One given value: text from a query or a form field, or a JSON value.
-struct RawParameter {
-  std::string name;
-  nlohmann::json value;  ///< a string when it came as text
-  bool is_text =
-      true;  ///< text is converted ("50" is a number); JSON values must already have the right type
-};
 
 struct RequestParameters {
   FrameOptions frame;
@@ -55,7 +32,8 @@ struct RequestParameters {
   FractureParameters fracture;
   Physics physics = Physics::kKhr;
   UeCollision ue_collision = UeCollision::kNone;
-  double density = 1000;  ///< kg/m³
+  std::string material;  ///< name of the preset that the other members started from; empty: none
+  PhysicalProperties physical;
   InteriorLook interior;
   std::string interior_color;        ///< as given, when interior.color is set
   std::optional<double> mass;        ///< kg, of all fragments; when given it decides the density
@@ -86,10 +64,14 @@ class ParameterTable {
 
   /// Checks everything before it answers: the error carries each offender in extra.errors as {parameter |
   /// pointer, detail}; `Error::pointer` names the first. kUnknownParameter, kBadParameter (also: given
-  /// twice), kUnknownFormat.
+  /// twice, or of another pattern), kUnknownFormat. A material applies first, then the pattern, then the
+  /// rest, whatever the order they were given in.
   Expected<RequestParameters> parse(const std::vector<RawParameter>& given) const;
 
+  /// For GET /limits.
   nlohmann::json to_json() const;
+  /// For GET /patterns: every pattern, every material and every parameter.
+  nlohmann::json patterns_to_json() const;
 
  private:
   FormatSet formats_;
@@ -101,5 +83,7 @@ class ParameterTable {
 nlohmann::json canonical_parameters(const RequestParameters& parameters);
 /// Those of them that decide the solid.
 nlohmann::json canonical_solid_parameters(const RequestParameters& parameters);
+/// Those that decide the sites: a material and the same values given one by one are the same sites.
+nlohmann::json canonical_site_parameters(const RequestParameters& parameters);
 
 }  // namespace fracture

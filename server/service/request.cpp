@@ -30,8 +30,8 @@ RequestKeys keys_of(const FractureRequest& request) {
   keys.digest = request.digest.empty() ? digest_of(request).hex() : request.digest;
   keys.mesh =
       keys.digest + "." + extension_of(request.format) + "\n" + canonical_solid_parameters(parameters).dump();
-  keys.diagram = hex_of("diagram\n" + keys.mesh + "\n" + std::to_string(parameters.fracture.sites) + "\n" +
-                        std::to_string(parameters.fracture.seed) + "\n" + version);
+  keys.diagram =
+      hex_of("diagram\n" + keys.mesh + "\n" + canonical_site_parameters(parameters).dump() + "\n" + version);
   keys.result = keys.digest.substr(0, 16) +
                 hex_of("result\n" + keys.mesh + "\n" + canonical_parameters(parameters).dump() + "\n" +
                        version + (request.output == OutputFormat::kGltf ? "\ngltf" : "\nglb"))

@@ -16,7 +16,10 @@ GltfOptions output_options(const RequestParameters& parameters, const FragmentSe
   options.algorithm = kAlgorithmVersion;
   options.physics = parameters.physics;
   options.ue_collision = parameters.ue_collision;
-  options.density = parameters.density;
+  options.density = parameters.physical.density;
+  options.friction = parameters.physical.friction;
+  options.restitution = parameters.physical.restitution;
+  options.bond_strength = parameters.physical.bond_strength;
   const double volume = fragments.certificate.volume_out;
   if (parameters.mass && volume > 0) options.density = *parameters.mass / volume;
   return options;

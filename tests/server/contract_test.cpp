@@ -93,8 +93,17 @@ TEST(Contract, EveryParameterIsListedWithItsRangeAndDefault) {
       EXPECT_EQ(schema.at("maxLength"), 63) << name;
     } else if (spec->type == ParameterSpec::Type::kColor) {
       EXPECT_EQ(schema.at("pattern"), "^#[0-9a-fA-F]{6}$") << name;
-    } else {
+    } else if (spec->type == ParameterSpec::Type::kChoice) {
       EXPECT_EQ(schema.at("enum"), json(spec->choices)) << name;
+    } else {  // a text, or arrays of numbers
+      const json array = schema.at("oneOf").at(1);
+      const bool list = spec->type == ParameterSpec::Type::kVectors,
+                 matrix = spec->type == ParameterSpec::Type::kMatrix;
+      EXPECT_EQ(array.at("minItems"), list ? spec->min : 3) << name;
+      EXPECT_EQ(array.at("maxItems"), list ? spec->max : 3) << name;
+      const json numbers = list || matrix ? array.at("items").at("items") : array.at("items");
+      EXPECT_EQ(numbers.at("minimum"), spec->low) << name;
+      EXPECT_EQ(numbers.at("maximum"), spec->high) << name;
     }
     EXPECT_EQ(schema.value("default", json()), spec->default_value) << name;
   }

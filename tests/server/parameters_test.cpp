@@ -49,7 +49,7 @@ TEST(Parameters, NumbersAreDecimalsInTheirRange) {
   EXPECT_EQ(parse_text("thickness", "1e-3")->solid.thickness, 0.001);
   EXPECT_EQ(table().parse({{"thickness", 1, false}})->solid.thickness, 1.0);
   EXPECT_EQ(parse_text("weld_tolerance", "0")->solid.weld_tolerance, 0.0);
-  EXPECT_EQ(parse_text("density", "2400")->density, 2400.0);
+  EXPECT_EQ(parse_text("density", "2400")->physical.density, 2400.0);
   EXPECT_EQ(parse_text("mass", "80.5")->mass, 80.5);
   for (const char* bad :
        {"", " 1", "1 ", "+1", "nan", "inf", "-1", "-0.001", "1001", "0x1", "1,5", "1e999"}) {
@@ -184,7 +184,8 @@ TEST(Parameters, OneSpellingForEveryWayToAsk) {
   EXPECT_EQ(canonical_parameters(*by_text).dump(), canonical_parameters(*by_json).dump());
   EXPECT_EQ(
       canonical_parameters(*by_text).dump(),
-      R"({"density":1000.0,"dual":"circumcenter","physics":"khr","pivot":"center_of_mass","repair":"fill","seed":3,"sites":50,)"
+      R"({"bond_strength":1000000.0,"density":1000.0,"dual":"circumcenter","friction":0.6,"lloyd":0,"pattern":"uniform",)"
+      R"("physics":"khr","pivot":"center_of_mass","repair":"fill","restitution":0.1,"seed":3,"sites":50,"stretch":1.0,)"
       R"("thickness":0.0,"ue_collision":"none","unit":"file","up":"file","weld_tolerance":1e-06})");
 }
 

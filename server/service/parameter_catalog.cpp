@@ -1,0 +1,111 @@
+// The table of parameters as JSON, for people and programs: GET /limits and GET /patterns.
+#include <algorithm>
+
+#include "server/service/parameter_rows.hpp"
+
+namespace fracture {
+namespace {
+
+nlohmann::json vector_schema(const ParameterSpec& spec) {
+  return {{"type", "array"},
+          {"minItems", 3},
+          {"maxItems", 3},
+          {"items", {{"type", "number"}, {"minimum", spec.low}, {"maximum", spec.high}}}};
+}
+
+nlohmann::json describe(const ParameterSpec& spec) {
+  using Type = ParameterSpec::Type;
+  nlohmann::json entry;
+  switch (spec.type) {
+    case Type::kInteger:
+      entry = {{"type", "integer"}, {"minimum", spec.min}, {"maximum", spec.max}};
+      break;
+    case Type::kNumber:
+      entry = {{"type", "number"}, {"minimum", spec.low}, {"maximum", spec.high}};
+      break;
+    case Type::kNames:
+      entry = {{"type", "string"}};
+      break;
+    case Type::kText:
+      entry = {{"type", "string"}, {"minLength", 1}, {"maxLength", 63}};
+      break;
+    case Type::kColor:
+      entry = {{"type", "string"}, {"pattern", "^#[0-9a-fA-F]{6}$"}};
+      break;
+    case Type::kVector:
+    case Type::kDirection:
+      entry = vector_schema(spec);
+      entry["text"] = "x,y,z";
+      break;
+    case Type::kVectors:
+      entry = {
+          {"type", "array"}, {"minItems", spec.min}, {"maxItems", spec.max}, {"items", vector_schema(spec)}};
+      entry["text"] = "x,y,z;x,y,z";
+      break;
+    case Type::kMatrix:
+      entry = {{"type", "array"}, {"minItems", 3}, {"maxItems", 3}, {"items", vector_schema(spec)}};
+      entry["text"] = "a,b,c;d,e,f;g,h,i";
+      break;
+    case Type::kChoice:
+      entry = {{"type", "string"}, {"enum", spec.choices}};
+      break;
+  }
+  entry["name"] = spec.name;
+  entry["description"] = spec.doc;
+  if (!spec.unit.empty()) entry["unit"] = spec.unit;
+  if (!spec.default_value.is_null()) entry["default"] = spec.default_value;
+  return entry;
+}
+
+}  // namespace
+
+nlohmann::json ParameterTable::to_json() const {
+  nlohmann::json list = nlohmann::json::array();
+  for (const ParameterSpec& spec : specs_) list.push_back(describe(spec));
+  return list;
+}
+
+nlohmann::json ParameterTable::patterns_to_json() const {
+  nlohmann::json patterns = nlohmann::json::array(), materials = nlohmann::json::array(),
+                 general = nlohmann::json::array();
+  for (std::size_t k = 0; k < std::size(kPatternNames); ++k) {
+    RequestParameters request;
+    request.fracture.pattern = default_pattern(k);
+    nlohmann::json own = nlohmann::json::array();
+    for (const ParameterSpec& spec : specs_) {
+      if (spec.patterns.empty() || !belongs(spec, request.fracture.pattern)) continue;
+      nlohmann::json entry = describe(spec);
+      if (nlohmann::json value = spec.get(request, spec); !value.is_null())
+        entry["default"] = std::move(value);
+      own.push_back(std::move(entry));
+    }
+    patterns.push_back(
+        {{"name", kPatternNames[k]}, {"description", pattern_docs()[k]}, {"parameters", std::move(own)}});
+  }
+  for (const ParameterSpec& spec : specs_)
+    if (spec.patterns.empty() && spec.decides != Decides::kSolid) general.push_back(describe(spec));
+
+  const ParameterSpec& material = *find("material");
+  const nlohmann::json defaults = canonical_parameters({});
+  for (std::size_t k = 0; k < material.choices.size(); ++k) {
+    RequestParameters request;
+    material.set(request, material, static_cast<std::uint64_t>(k));
+    // What it sets: its pattern's values, and whatever else is not the default.
+    nlohmann::json sets = canonical_parameters(request);
+    for (const ParameterSpec& spec : specs_)
+      if (spec.name == "material" || spec.decides == Decides::kSolid ||
+          (defaults.contains(spec.name) && sets.contains(spec.name) &&
+           defaults[spec.name] == sets[spec.name] && spec.name != "pattern"))
+        sets.erase(spec.name);
+    const MaterialPreset& preset = material_presets()[k];
+    materials.push_back({{"name", preset.name},
+                         {"description", preset.doc},
+                         {"parameters", std::move(sets)},
+                         {"source", preset.source}});
+  }
+  return {{"patterns", std::move(patterns)},
+          {"parameters", std::move(general)},
+          {"materials", std::move(materials)}};
+}
+
+}  // namespace fracture

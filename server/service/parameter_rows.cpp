@@ -1,0 +1,230 @@
+#include "server/service/parameter_rows.hpp"
+
+#include <algorithm>
+
+#include "server/service/parameter_fields.hpp"
+
+namespace fracture {
+namespace {
+
+using parameter_fields::with_member;
+using Type = ParameterSpec::Type;
+
+void add_solid_rows(std::vector<ParameterSpec>& rows) {
+  const auto add = [&](ParameterSpec spec) {
+    spec.decides = Decides::kSolid;
+    rows.push_back(std::move(spec));
+  };
+  add(with_member(
+      {.name = "repair",
+       .type = Type::kChoice,
+       .choices = {"fill", "strict"},
+       .doc = "fill: holes are closed and what is turned is turned back. strict: a mesh that is not "
+              "closed and consistently oriented is refused."},
+      [](auto& r) -> auto& { return r.solid.repair; }));
+  add(with_member(
+      {.name = "thickness",
+       .type = Type::kNumber,
+       .unit = "m",
+       .low = 0,
+       .high = 1000,
+       .doc = "Makes open sheets (panes, leaves) slabs of this thickness. 0: they are dropped."},
+      [](auto& r) -> auto& { return r.solid.thickness; }));
+  add(with_member(
+      {.name = "weld_tolerance",
+       .type = Type::kNumber,
+       .low = 0,
+       .high = 0.01,
+       .doc = "Vertices closer than this fraction of the box's diagonal are merged where that closes "
+              "open edges. 0: only equal ones."},
+      [](auto& r) -> auto& { return r.solid.weld_tolerance; }));
+  add(with_member(
+      {.name = "unit",
+       .type = Type::kChoice,
+       .choices = {"file", "m", "cm", "mm", "inch"},
+       .doc = "Unit of the mesh's coordinates. file: as the file or its format says, else metres."},
+      [](auto& r) -> auto& { return r.frame.unit; }));
+  add(with_member(
+      {.name = "up",
+       .type = Type::kChoice,
+       .choices = {"file", "y", "z"},
+       .doc = "Axis of the mesh that points up; the answer is y up. file: as the file or its format "
+              "says, else y."},
+      [](auto& r) -> auto& { return r.frame.up; }));
+  add(with_member(
+      {.name = "nodes",
+       .type = Type::kNames,
+       .doc = "Fracture only these nodes (names or indices, separated by commas); the others pass "
+              "through whole."},
+      [](auto& r) -> auto& { return r.parts.nodes; }));
+  add(with_member(
+      {.name = "materials",
+       .type = Type::kNames,
+       .doc = "Fracture only triangles with these materials (names or indices, separated by commas); "
+              "the others pass through whole."},
+      [](auto& r) -> auto& { return r.parts.materials; }));
+}
+
+void add_output_rows(std::vector<ParameterSpec>& rows) {
+  rows.push_back(with_member(
+      {.name = "dual",
+       .type = Type::kChoice,
+       .choices = {"circumcenter", "barycenter"},
+       .doc = "circumcenter: Voronoi cells, an exact partition. barycenter: hulls of the "
+              "tetrahedra's barycentres, a softer look that is no partition."},
+      [](auto& r) -> auto& { return r.fracture.dual; }));
+  rows.push_back(with_member(
+      {.name = "physics",
+       .type = Type::kChoice,
+       .choices = {"khr", "omi", "none"},
+       .doc = "khr: KHR_physics_rigid_bodies. omi: OMI_physics_body and OMI_physics_shape, "
+              "for Godot. none: neither, and no collision hulls."},
+      [](auto& r) -> auto& { return r.physics; }));
+  rows.push_back(with_member(
+      {.name = "ue_collision",
+       .type = Type::kChoice,
+       .choices = {"none", "ucx"},
+       .doc = "ucx: the collision hulls also as nodes UCX_..., which Unreal takes for "
+              "collision geometry."},
+      [](auto& r) -> auto& { return r.ue_collision; }));
+  rows.push_back(with_member(
+      {.name = "pivot",
+       .type = Type::kChoice,
+       .choices = {"center_of_mass", "source"},
+       .doc = "Origin of each fragment's node: its centre of mass, or that of the source."},
+      [](auto& r) -> auto& { return r.fracture.pivot; }));
+}
+
+void add_interior_rows(std::vector<ParameterSpec>& rows) {
+  ParameterSpec reused = with_member(
+      {.name = "interior_material",
+       .type = Type::kText,
+       .doc = "Name or index of a material of the mesh whose look, textures included, the cut faces get. "
+              "Without it they have the look of `material`, or are a matt grey."},
+      [](auto& r) -> auto& { return r.interior.material; });
+  reused.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
+    r.interior = {.material = std::get<std::string>(value)};  // in the place of the look of `material`
+    r.interior_color.clear();
+  };
+  rows.push_back(std::move(reused));
+  rows.push_back(with_member(
+      {.name = "interior_name",
+       .type = Type::kText,
+       .doc = "Name of the cut faces' material. Without it: Interior, or Interior_ and the "
+              "name of interior_material."},
+      [](auto& r) -> auto& { return r.interior.name; }));
+  ParameterSpec color = with_member(
+      {.name = "interior_color",
+       .type = Type::kColor,
+       .doc = "Base colour of the cut faces, sRGB as #rrggbb; replaces the reused base colour texture."},
+      [](auto& r) -> auto& { return r.interior_color; });
+  color.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
+    r.interior_color = std::get<std::string>(value);
+    r.interior.color = linear_color(r.interior_color);
+  };
+  rows.push_back(std::move(color));
+  rows.push_back(with_member(
+      {.name = "interior_roughness",
+       .type = Type::kNumber,
+       .low = 0,
+       .high = 1,
+       .doc = "Roughness of the cut faces."},
+      [](auto& r) -> auto& { return r.interior.roughness; }));
+  rows.push_back(with_member(
+      {.name = "interior_metallic",
+       .type = Type::kNumber,
+       .low = 0,
+       .high = 1,
+       .doc = "How metallic the cut faces are."},
+      [](auto& r) -> auto& { return r.interior.metallic; }));
+}
+
+void add_physical_rows(std::vector<ParameterSpec>& rows) {
+  ParameterSpec density = with_member(
+      {.name = "density",
+       .type = Type::kNumber,
+       .unit = "kg/m³",
+       .low = 1e-3,
+       .high = 1e6,
+       .doc = "Kilograms in a cubic metre."},
+      [](auto& r) -> auto& { return r.physical.density; });
+  density.get = [get = density.get](const RequestParameters& r, const ParameterSpec& s) {
+    return r.mass ? nlohmann::json() : get(r, s);
+  };
+  rows.push_back(std::move(density));
+  rows.push_back(with_member(
+      {.name = "mass",
+       .type = Type::kNumber,
+       .unit = "kg",
+       .low = 1e-9,
+       .high = 1e15,
+       .doc = "Kilograms of all fragments together, instead of a density."},
+      [](auto& r) -> auto& { return r.mass; }));
+  rows.push_back(with_member(
+      {.name = "friction",
+       .type = Type::kNumber,
+       .low = 0,
+       .high = 10,
+       .doc = "Static and dynamic friction of the fragments."},
+      [](auto& r) -> auto& { return r.physical.friction; }));
+  rows.push_back(with_member(
+      {.name = "restitution",
+       .type = Type::kNumber,
+       .low = 0,
+       .high = 1,
+       .doc = "How much the fragments bounce."},
+      [](auto& r) -> auto& { return r.physical.restitution; }));
+  rows.push_back(with_member(
+      {.name = "bond_strength",
+       .type = Type::kNumber,
+       .unit = "Pa",
+       .low = 0,
+       .high = 1e12,
+       .doc = "What the shared area of two fragments withstands before they part."},
+      [](auto& r) -> auto& { return r.physical.bond_strength; }));
+}
+
+ParameterSpec format_row(const FormatSet& formats) {
+  ParameterSpec spec{.name = "format",
+                     .type = Type::kChoice,
+                     .choices = formats.names(),
+                     .doc = "Format of the mesh, where the Content-Type does not say it."};
+  spec.set = [](RequestParameters& r, const ParameterSpec& s, const ParameterValue& value) {
+    r.format = format_from_extension(s.choices.at(std::get<std::uint64_t>(value)));
+  };
+  spec.get = [](const RequestParameters&, const ParameterSpec&) { return nlohmann::json(); };
+  return spec;
+}
+
+}  // namespace
+
+bool belongs(const ParameterSpec& spec, const SitePattern& pattern) {
+  return spec.patterns.empty() || std::find(spec.patterns.begin(), spec.patterns.end(),
+                                            kPatternNames[pattern.index()]) != spec.patterns.end();
+}
+
+std::vector<ParameterSpec> parameter_rows(std::uint32_t max_sites, const FormatSet& formats) {
+  std::vector<ParameterSpec> rows = site_parameter_rows(max_sites);
+  add_solid_rows(rows);
+  add_output_rows(rows);
+  add_interior_rows(rows);
+  add_physical_rows(rows);
+  rows.push_back(format_row(formats));
+  for (ParameterSpec& row : rows) {
+    std::vector<nlohmann::json> defaults;  // one for each pattern
+    RequestParameters request;
+    for (std::size_t k = 0; k < std::size(kPatternNames); ++k) {
+      request.fracture.pattern = default_pattern(k);
+      if (belongs(row, request.fracture.pattern)) defaults.push_back(row.get(request, row));
+    }
+    const bool one =
+        std::all_of(defaults.begin(), defaults.end(), [&](const auto& d) { return d == defaults[0]; });
+    if (row.name == "pattern")
+      row.default_value = kPatternNames[RequestParameters().fracture.pattern.index()];
+    else if (one)
+      row.default_value = defaults[0];
+  }
+  return rows;
+}
+
+}  // namespace fracture

@@ -1,0 +1,26 @@
+// The rows of the table of parameters.
+#pragma once
+
+#include <vector>
+
+#include "server/service/parameters.hpp"
+
+namespace fracture {
+
+/// Every parameter, in the order in which they apply and are listed. `max_sites` and `formats` are the
+/// server's.
+std::vector<ParameterSpec> parameter_rows(std::uint32_t max_sites, const FormatSet& formats);
+
+/// The part of it that decides where the sites go; `material` and `pattern` come first.
+std::vector<ParameterSpec> site_parameter_rows(std::uint32_t max_sites);
+
+/// One sentence on each pattern, in the order of kPatternNames.
+const std::vector<std::string>& pattern_docs();
+
+/// The pattern of this number, all its parameters at their defaults.
+SitePattern default_pattern(std::size_t index);
+
+/// Does the parameter mean anything for this pattern?
+bool belongs(const ParameterSpec& spec, const SitePattern& pattern);
+
+}  // namespace fracture

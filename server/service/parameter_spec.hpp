@@ -1,0 +1,68 @@
+// One parameter of a request: what it may be, what it means, and where it goes.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "common/base/matrix3.hpp"
+#include "common/base/vec.hpp"
+
+namespace fracture {
+
+struct RequestParameters;
+struct ParameterSpec;
+
+/// A value that has passed its checks. A choice is the index of its spelling.
+using ParameterValue = std::variant<std::uint64_t, double, std::string, std::vector<std::string>, Vec3d,
+                                    std::vector<Vec3d>, Matrix3>;
+
+/// What a parameter decides: each cache key holds those that decide its value and no other.
+enum class Decides { kSolid, kSites, kAnswer };
+
+struct ParameterSpec {
+  enum class Type {
+    kInteger,    ///< whole number from min to max
+    kNumber,     ///< finite number from low to high
+    kChoice,     ///< one of choices
+    kNames,      ///< names separated by commas; in JSON an array of strings or such a text
+    kText,       ///< 1 to 63 bytes of UTF-8
+    kColor,      ///< sRGB as "#rrggbb"
+    kVector,     ///< three numbers from low to high: text x,y,z or a JSON array
+    kDirection,  ///< a vector that is not zero
+    kVectors,    ///< min to max vectors: text x,y,z;x,y,z or a JSON array of arrays (or one vector)
+    kMatrix,     ///< three rows of three numbers, or nine numbers: as kVectors, or all in one list
+  };
+  std::string name;
+  Type type = Type::kInteger;
+  std::string unit{};  ///< "m", "kg/m³", …; empty: none
+  std::uint64_t min = 0, max = 0;
+  double low = 0, high = 0;
+  std::vector<std::string> choices{};
+  std::string doc{};
+  Decides decides = Decides::kAnswer;
+  /// Names of the patterns it belongs to; empty: every request.
+  std::vector<std::string> patterns{};
+  /// null: no default, or one that depends on the mesh or the pattern (the doc says).
+  nlohmann::json default_value{};
+
+  /// A further condition, as the end of the sentence "'name' must …"; empty when it holds.
+  std::function<std::string(const ParameterValue&)> check{};
+  std::function<void(RequestParameters&, const ParameterSpec&, const ParameterValue&)> set{};
+  /// The canonical value; null: as if not given. Not asked where the parameter does not belong to the
+  /// pattern.
+  std::function<nlohmann::json(const RequestParameters&, const ParameterSpec&)> get{};
+};
+
+/// One given value: text from a query or a form field, or a JSON value.
+struct RawParameter {
+  std::string name;
+  nlohmann::json value;  ///< a string when it came as text
+  bool is_text =
+      true;  ///< text is converted ("50" is a number); JSON values must already have the right type
+};
+
+}  // namespace fracture

@@ -1,0 +1,318 @@
+// Which material, which pattern, and the parameters of each.
+#include "server/service/parameter_fields.hpp"
+#include "server/service/parameter_rows.hpp"
+
+namespace fracture {
+namespace {
+
+using parameter_fields::with_member;
+using parameter_fields::with_pattern_member;
+using Type = ParameterSpec::Type;
+
+constexpr double kFar = 1e6;           // metres: as far as places may lie
+constexpr double kLeastLength = 1e-6;  // metres
+// Rows of a matrix or normals of slices that are more nearly dependent than this have no usable inverse.
+constexpr double kLeastConditioning = 1e-3;
+
+ParameterSpec material_row() {
+  ParameterSpec spec{
+      .name = "material",
+      .type = Type::kChoice,
+      .doc =
+          "How it breaks, what it weighs, how it rubs, bounces, holds and looks inside: a preset of "
+          "`pattern` and of most other parameters, each of which may still be given. See GET /patterns."};
+  for (const MaterialPreset& preset : material_presets()) spec.choices.emplace_back(preset.name);
+  spec.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
+    const MaterialPreset& preset = material_presets()[std::get<std::uint64_t>(value)];
+    r.material = preset.name;
+    r.fracture.pattern = preset.pattern;
+    r.fracture.lloyd = preset.lloyd;
+    r.fracture.anisotropy.stretch = preset.stretch;
+    r.physical = preset.physical;
+    r.interior_color = preset.look.color;
+    r.interior.color = linear_color(preset.look.color);
+    r.interior.roughness = preset.look.roughness;
+    r.interior.metallic = preset.look.metallic;
+  };
+  spec.get = [](const RequestParameters& r, const ParameterSpec&) {
+    return r.material.empty() ? nlohmann::json() : nlohmann::json(r.material);
+  };
+  return spec;
+}
+
+template <std::size_t... k>
+SitePattern pattern_at(std::size_t index, std::index_sequence<k...>) {
+  SitePattern pattern;
+  ((index == k ? void(pattern.emplace<k>()) : void()), ...);
+  return pattern;
+}
+
+ParameterSpec pattern_row() {
+  ParameterSpec spec{.name = "pattern",
+                     .type = Type::kChoice,
+                     .choices = {std::begin(kPatternNames), std::end(kPatternNames)},
+                     .doc = "Where the Voronoi sites go; see GET /patterns.",
+                     .decides = Decides::kSites};
+  spec.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
+    const auto index = static_cast<std::size_t>(std::get<std::uint64_t>(value));
+    if (r.fracture.pattern.index() == index) return;  // keeps what a material has set
+    r.fracture.pattern = default_pattern(index);
+    // Relaxation moves single sites, and slices have directions of their own.
+    if (!std::holds_alternative<ImpactPattern>(r.fracture.pattern) &&
+        !std::holds_alternative<ClusteredPattern>(r.fracture.pattern))
+      r.fracture.lloyd = 0;
+    if (std::holds_alternative<SlicePattern>(r.fracture.pattern)) r.fracture.anisotropy = {};
+  };
+  spec.get = [](const RequestParameters& r, const ParameterSpec&) {
+    return kPatternNames[r.fracture.pattern.index()];
+  };
+  return spec;
+}
+
+ParameterSpec for_patterns(std::vector<std::string> patterns, ParameterSpec spec) {
+  spec.decides = Decides::kSites;
+  spec.patterns = std::move(patterns);
+  return spec;
+}
+
+void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
+  rows.push_back(for_patterns(
+      {"uniform", "impact", "radial", "grid", "brick", "slice", "clustered"},
+      with_member(
+          {.name = "sites",
+           .type = Type::kInteger,
+           .min = 1,
+           .max = max_sites,
+           .doc = "About how many pieces. uniform, impact, clustered: the number of Voronoi sites."},
+          [](auto& r) -> auto& { return r.fracture.sites; })));
+  rows.push_back(
+      for_patterns({}, with_member(
+                           {.name = "seed",
+                            .type = Type::kInteger,
+                            .min = 0,
+                            .max = kMaxSeed,
+                            .doc = "Seed of everything random: the same seed gives the same bytes."},
+                           [](auto& r) -> auto& { return r.fracture.seed; })));
+  rows.push_back(for_patterns(
+      {"uniform", "points", "impact", "clustered"},
+      with_member(
+          {.name = "lloyd",
+           .type = Type::kInteger,
+           .min = 0,
+           .max = 50,
+           .doc = "Passes of relaxation: each moves every site to the middle of its piece, for pieces of "
+                  "more even size. A pass costs about as much as the fracture."},
+          [](auto& r) -> auto& { return r.fracture.lloyd; })));
+  ParameterSpec stretch = for_patterns(
+      {},
+      with_member(
+          {.name = "stretch",
+           .type = Type::kNumber,
+           .low = 0.01,
+           .high = 100,
+           .doc = "How many times as long pieces are along the grain as across it. Lengths of the pattern "
+                  "are then those across the grain."},
+          [](auto& r) -> auto& { return r.fracture.anisotropy.stretch; }));
+  stretch.get = [get = stretch.get](const RequestParameters& r, const ParameterSpec& s) {
+    return r.fracture.anisotropy.matrix ? nlohmann::json() : get(r, s);
+  };
+  rows.push_back(std::move(stretch));
+  rows.push_back(
+      for_patterns({}, with_member(
+                           {.name = "grain",
+                            .type = Type::kDirection,
+                            .low = -kFar,
+                            .high = kFar,
+                            .doc = "Direction of the stretch. Without it: the longest side of the box."},
+                           [](auto& r) -> auto& { return r.fracture.anisotropy.grain; })));
+  ParameterSpec matrix = for_patterns(
+      {},
+      with_member(
+          {.name = "stretch_matrix",
+           .type = Type::kMatrix,
+           .low = -1000,
+           .high = 1000,
+           .doc = "Instead of `stretch` and `grain`: the matrix that every piece goes through, row by row."},
+          [](auto& r) -> auto& { return r.fracture.anisotropy.matrix; }));
+  matrix.check = [](const ParameterValue& value) -> std::string {
+    const auto& m = std::get<Matrix3>(value);
+    return m.conditioning() >= kLeastConditioning && std::fabs(m.determinant()) >= 1e-6
+               ? ""
+               : "have a determinant of at least 1e-6, and of at least 0.001 of the product of its rows' "
+                 "lengths: "
+                 "this matrix is singular or nearly so";
+  };
+  matrix.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
+    r.fracture.anisotropy = {.matrix = std::get<Matrix3>(value)};  // in the place of a material's stretch
+  };
+  rows.push_back(std::move(matrix));
+}
+
+void add_pattern_rows(std::vector<ParameterSpec>& rows) {
+  rows.push_back(with_pattern_member<&PointsPattern::points>(
+      {.name = "points",
+       .type = Type::kVectors,
+       .unit = "m",
+       .min = 1,
+       .max = kMaxPatternSites,
+       .low = -kFar,
+       .high = kFar,
+       .doc = "The Voronoi sites themselves, in the frame of the answer (y up). Required by this pattern."}));
+  rows.push_back(with_pattern_member<&ImpactPattern::impacts, &RadialPattern::impacts>(
+      {.name = "impacts",
+       .type = Type::kVectors,
+       .unit = "m",
+       .min = 1,
+       .max = 64,
+       .low = -kFar,
+       .high = kFar,
+       .doc = "Where it was hit, in the frame of the answer (y up). radial: the first is the centre. Without "
+              "it: "
+              "the middle of the box."}));
+  rows.push_back(with_pattern_member<&ImpactPattern::radius, &ClusteredPattern::radius>(
+      {.name = "radius",
+       .type = Type::kNumber,
+       .unit = "m",
+       .low = kLeastLength,
+       .high = kFar,
+       .doc = "How far from an impact, or about how far from the middle of a cluster, its sites lie. Without "
+              "it: a "
+              "third of the box's longest side for an impact, a tenth for a cluster."}));
+  rows.push_back(with_pattern_member<&ImpactPattern::exponent, &ClusteredPattern::exponent>(
+      {.name = "exponent",
+       .type = Type::kNumber,
+       .low = 0,
+       .high = 2.9,
+       .doc =
+           "The density of sites falls as distance to the power of minus this: 0 is even within the radius. "
+           "Without it: 2 for impact, 1.5 for clustered."}));
+  rows.push_back(with_pattern_member<&ImpactPattern::share, &ClusteredPattern::share>(
+      {.name = "share",
+       .type = Type::kNumber,
+       .low = 0,
+       .high = 1,
+       .doc =
+           "Share of the sites that go near an impact or into a cluster; the others are uniform. Without it: "
+           "0.8 for impact, 0.85 for clustered."}));
+  rows.push_back(with_pattern_member<&ClusteredPattern::clusters>(
+      {.name = "clusters",
+       .type = Type::kInteger,
+       .min = 1,
+       .max = 10'000,
+       .doc = "How many clusters. Without it: one for twelve sites."}));
+  rows.push_back(with_pattern_member<&RadialPattern::axis>(
+      {.name = "axis",
+       .type = Type::kDirection,
+       .low = -kFar,
+       .high = kFar,
+       .doc = "What rings and spokes go around. Without it: the shortest side of the box."}));
+  rows.push_back(
+      with_pattern_member<&RadialPattern::spokes>({.name = "spokes",
+                                                   .type = Type::kInteger,
+                                                   .min = 3,
+                                                   .max = 720,
+                                                   .doc = "Without it: as `sites` needs, at least 14."}));
+  rows.push_back(with_pattern_member<&RadialPattern::rings>({.name = "rings",
+                                                             .type = Type::kInteger,
+                                                             .min = 1,
+                                                             .max = 1000,
+                                                             .doc = "Without it: as `sites` needs."}));
+  rows.push_back(with_pattern_member<&RadialPattern::growth>(
+      {.name = "growth",
+       .type = Type::kNumber,
+       .low = 1,
+       .high = 10,
+       .doc = "Each ring is so many times as wide as the one inside it."}));
+  rows.push_back(with_pattern_member<&RadialPattern::merge>(
+      {.name = "merge",
+       .type = Type::kNumber,
+       .low = 0,
+       .high = 0.9,
+       .doc = "Share of the ring cracks that stay away, which makes long shards."}));
+  rows.push_back(with_pattern_member<&RadialPattern::jitter, &GridPattern::jitter, &BrickPattern::jitter,
+                                     &SlicePattern::jitter>(
+      {.name = "jitter",
+       .type = Type::kNumber,
+       .low = 0,
+       .high = 1,
+       .doc = "How uneven it is. grid, brick, slice: whole planes move by up to this share of half their "
+              "spacing. "
+              "Without it: 0.5 for radial, 0.2 for slice, else 0."}));
+  ParameterSpec cell = with_pattern_member<&GridPattern::cell, &BrickPattern::cell>(
+      {.name = "cell",
+       .type = Type::kVector,
+       .unit = "m",
+       .low = kLeastLength,
+       .high = kFar,
+       .doc = "grid: the sides of a box along x, y and z. brick: length, height and depth of a brick with "
+              "its joint, the "
+              "length along the longer horizontal side of the box. Without it: as `sites` needs."});
+  rows.push_back(std::move(cell));
+  rows.push_back(with_pattern_member<&BrickPattern::bond>(
+      {.name = "bond",
+       .type = Type::kChoice,
+       .choices = {"stack", "half", "third"},
+       .doc = "By how much of a brick each course is shifted against the one below."}));
+  ParameterSpec normals = with_pattern_member<&SlicePattern::normals>(
+      {.name = "normals",
+       .type = Type::kVectors,
+       .min = 1,
+       .max = 3,
+       .low = -kFar,
+       .high = kFar,
+       .doc = "One to three directions, each of a family of parallel planes."});
+  normals.check = [](const ParameterValue& value) -> std::string {
+    const auto& given = std::get<std::vector<Vec3d>>(value);
+    Matrix3 rows_of;
+    for (std::size_t k = 0; k < given.size(); ++k) rows_of.rows[k] = given[k];
+    if (given.size() == 1) return length(given[0]) > 1e-9 ? "" : "be directions, none of them zero";
+    if (given.size() == 2) rows_of.rows[2] = cross(given[0], given[1]);
+    return rows_of.conditioning() >= kLeastConditioning
+               ? ""
+               : "be linearly independent directions: these lie in one plane or line, or nearly so";
+  };
+  rows.push_back(std::move(normals));
+  rows.push_back(
+      with_pattern_member<&SlicePattern::spacing>({.name = "spacing",
+                                                   .type = Type::kNumber,
+                                                   .unit = "m",
+                                                   .low = kLeastLength,
+                                                   .high = kFar,
+                                                   .doc = "Between planes of a family. Without it: as "
+                                                          "`sites` needs."}));
+  rows.push_back(with_pattern_member<&SlicePattern::tilt>(
+      {.name = "tilt",
+       .type = Type::kNumber,
+       .unit = "degrees",
+       .low = 0,
+       .high = 45,
+       .doc = "By how much planes of a single family lean at random."}));
+}
+
+}  // namespace
+
+SitePattern default_pattern(std::size_t index) {
+  return pattern_at(index, std::make_index_sequence<std::variant_size_v<SitePattern>>{});
+}
+
+std::vector<ParameterSpec> site_parameter_rows(std::uint32_t max_sites) {
+  std::vector<ParameterSpec> rows{material_row(), pattern_row()};
+  add_general_rows(rows, max_sites);
+  add_pattern_rows(rows);
+  return rows;
+}
+
+const std::vector<std::string>& pattern_docs() {
+  static const std::vector<std::string> docs{
+      "Sites uniform in the volume of the solid.",
+      "The sites are given by the caller.",
+      "Most sites near the impacts, their density falling with distance.",
+      "Rings and spokes around an axis: a pane that was hit.",
+      "Boxes in rows.",
+      "Masonry: courses of bricks, each shifted against the one below.",
+      "One to three families of parallel planes.",
+      "Groups of small pieces between large ones."};
+  return docs;
+}
+
+}  // namespace fracture
