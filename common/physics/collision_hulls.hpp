@@ -17,10 +17,10 @@ inline constexpr std::uint32_t kMaxHullPoints = 255;
 /// m: how far a hull's faces are moved inwards, about (at least half of it, more on round hulls). In metres,
 /// because the tolerances of the engines are: with none, Rapier's GJK takes some splinters for overlapping
 /// (DECISION.md).
-inline constexpr double kHullInset = 2e-4;
+inline constexpr double kHullInset = 4e-4;
 /// Each hull is scaled about its centre by 1 - shrink; the inset is bounded by these, so that a large hull is
 /// inset by more than the rounding of its coordinates, and a splinter keeps its shape.
-inline constexpr double kLeastHullShrink = 0.001, kMostHullShrink = 0.1;
+inline constexpr double kLeastHullShrink = 0.001, kMostHullShrink = 0.25;
 
 struct HullReport {
   std::uint32_t hulls = 0;
