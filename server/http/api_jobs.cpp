@@ -87,12 +87,10 @@ bool prefers_async(const RequestHead& head) {
 }
 
 Answered Api::start_job(const Request& request, FractureRequest asked, const Terms& terms) {
-  const auto id = jobs_.start(std::move(asked), terms);
-  if (!id) return tl::unexpected<Problem>(to_problem(id.error()));
-  const auto job = jobs_.find(*id);
-  if (!job) throw InternalError("a job is gone as soon as it was started");
+  const auto job = jobs_.start(std::move(asked), terms);
+  if (!job) return tl::unexpected<Problem>(to_problem(job.error()));
   Response response = Response::json(describe(*job, request.id), 202);
-  response.headers.emplace_back("Location", "/jobs/" + *id);
+  response.headers.emplace_back("Location", "/jobs/" + job->id);
   response.headers.emplace_back("Preference-Applied", "respond-async");
   return response;
 }

@@ -53,7 +53,7 @@ const char* name_of(JobState state) {
   return "failed";
 }
 
-tl::expected<std::string, Overload> Jobs::start(FractureRequest request, Terms terms) {
+tl::expected<JobView, Overload> Jobs::start(FractureRequest request, Terms terms) {
   const RequestKeys keys = keys_of(request);
   request.digest = keys.digest;
   const auto job = std::make_shared<Job>();
@@ -83,7 +83,7 @@ tl::expected<std::string, Overload> Jobs::start(FractureRequest request, Terms t
     --figures_.started;
     return tl::unexpected<Overload>(std::move(*overload));
   }
-  return job->view.id;
+  return look_at(*job);
 }
 
 void Jobs::progress(const Shared& job, const char* stage, double fraction) {
@@ -150,17 +150,23 @@ Jobs::Shared Jobs::get(const std::string& id) {
 }
 
 std::optional<JobView> Jobs::find(const std::string& id) {
-  JobView view;
-  std::string key;
+  Shared job;
   {
     const std::lock_guard lock(mutex_);
     make_room();
-    const Shared job = get(id);
-    if (!job) return std::nullopt;
-    view = job->view;
-    key = job->result_key;
+    job = get(id);
   }
-  if (view.state == JobState::kQueued) view.queue_position = dispatcher_.queue_position(key);
+  if (!job) return std::nullopt;
+  return look_at(*job);
+}
+
+JobView Jobs::look_at(const Job& job) {
+  JobView view;
+  {
+    const std::lock_guard lock(mutex_);
+    view = job.view;
+  }
+  if (view.state == JobState::kQueued) view.queue_position = dispatcher_.queue_position(job.result_key);
   return view;
 }
 

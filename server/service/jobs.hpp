@@ -55,9 +55,10 @@ class Jobs {
  public:
   Jobs(Dispatcher& dispatcher, const JobsConfig& config) : dispatcher_(dispatcher), config_(config) {}
 
-  /// The id of the new job: the first 16 hex digits of the mesh digest (for routing by proxies), a hyphen,
-  /// 16 random ones. `terms.gone` and `terms.progress` are the job's own.
-  tl::expected<std::string, Overload> start(FractureRequest request, Terms terms);
+  /// The new job as it is by now (it may even be done and forgotten). Its id: the first 16 hex digits of the
+  /// mesh digest (for routing by proxies), a hyphen, 16 random ones. `terms.gone` and `terms.progress` are
+  /// the job's own.
+  tl::expected<JobView, Overload> start(FractureRequest request, Terms terms);
 
   /// Nothing when it is not known (any more).
   std::optional<JobView> find(const std::string& id);
@@ -91,6 +92,8 @@ class Jobs {
   using Shared = std::shared_ptr<Job>;
 
   Shared get(const std::string& id);
+  /// Takes the lock.
+  JobView look_at(const Job& job);
   void progress(const Shared& job, const char* stage, double fraction);
   void finish(const Shared& job, Expected<FractureAnswer> answer);
   /// With the lock; returns the calls to make without it.
