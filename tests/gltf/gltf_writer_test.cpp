@@ -216,6 +216,7 @@ TEST(GltfWriter, ExtrasCarryFiguresBondsAndCertificateKeyedById) {
   EXPECT_EQ(root["bonds"]["area"], json::array({1}));
   EXPECT_EQ(root["bonds"]["centroid"], json::array({json::array({1, 0.5, 0.5})}));
   EXPECT_EQ(root["bonds"]["normal"], json::array({json::array({1, 0, 0})}));
+  EXPECT_EQ(root["bonds"]["strength"], json::array({1e6}));
   const json& fragment = document["nodes"][2]["extras"]["fracture"];
   EXPECT_EQ(fragment["id"], 7);
   EXPECT_EQ(fragment["mass"], 500);

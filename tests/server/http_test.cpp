@@ -212,9 +212,12 @@ TEST(Http, DiscoveryDescribesThisServer) {
   EXPECT_EQ(server.get("/").status, 200);
   EXPECT_EQ(server.get("/version").json().at("algorithm"), kAlgorithmVersion);
   EXPECT_EQ(server.get("/limits").json().at("max_body_bytes"), 12345);
-  EXPECT_EQ(server.get("/limits").json().at("parameters").at(0).at("name"), "sites");
+  EXPECT_EQ(server.get("/limits").json().at("parameters").at(0).at("name"), "material");
   EXPECT_EQ(server.get("/openapi.json").json().at("openapi"), "3.1.0");
   EXPECT_EQ(server.get("/version", "Accept: text/html\r\n").status, 406);
+  const nlohmann::json patterns = server.get("/patterns").json();
+  EXPECT_EQ(patterns.at("patterns").at(0).at("name"), "uniform");
+  EXPECT_EQ(patterns.at("materials").at(0).at("parameters").at("pattern"), "radial");
 }
 
 TEST(Http, TheAdminListenerAnswersWhileEveryWorkerIsBusyAndTheQueueIsFull) {
