@@ -1,6 +1,9 @@
 # shellcheck shell=bash
 # Sourced by the scripts, which set root (the checkout): builds presets. A build folder is kept and reused.
 
+# What one checkout has compiled serves the next one, wherever it lies.
+export CCACHE_BASEDIR=${CCACHE_BASEDIR:-${root:?}} CCACHE_NOHASHDIR=${CCACHE_NOHASHDIR:-1}
+
 # build_preset PRESET [TARGET...]: configures and builds; the compiler's output is shown only when it fails.
 build_preset() {
   local preset=$1 log targets=()
