@@ -5,6 +5,7 @@
 #include <signal.h>
 #include <spawn.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -45,7 +46,7 @@ class RedisProcess {
       pid_ = 0;
       return;
     }
-    for (int i = 0; i < 500 && ::access(socket.c_str(), F_OK) != 0; ++i) ::usleep(10'000);
+    for (int i = 0; i < 2000 && !accepts(); ++i) ::usleep(10'000);
   }
   void stop() {
     if (pid_ == 0) return;
@@ -55,10 +56,21 @@ class RedisProcess {
     ::unlink(socket.c_str());
   }
   void pause() { ::kill(pid_, SIGSTOP); }
-  bool running() const { return pid_ != 0 && ::access(socket.c_str(), F_OK) == 0; }
+  bool running() const { return pid_ != 0 && accepts(); }
   const std::string socket;
 
  private:
+  /// The file is there before anybody listens on it.
+  bool accepts() const {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    socket.copy(address.sun_path, sizeof address.sun_path - 1);
+    const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    const bool connected = ::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+    ::close(fd);
+    return connected;
+  }
+
   pid_t pid_ = 0;
 };
 
