@@ -3,14 +3,15 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "common/import/gltf_accessor.hpp"
 #include "common/import/gltf_document.hpp"
+#include "common/import/gltf_model.hpp"
 #include "common/import/mesh_builder.hpp"
 #include "common/import/refused.hpp"
-#include "common/import/tinygltf_renamed.hpp"
 #include "common/import/transform.hpp"
 
 namespace fracture {
@@ -22,135 +23,6 @@ const T& at(const std::vector<T>& items, int index, const char* what) {
     refuse(ErrorCode::kMalformedMesh,
            std::string("The ") + what + " " + std::to_string(index) + " does not exist.");
   return items[static_cast<std::size_t>(index)];
-}
-
-// -- loading
-
-bool no_file_exists(const std::string&, void*) { return false; }
-std::string no_path(const std::string&, void*) { return {}; }
-bool read_nothing(std::vector<unsigned char>*, std::string*, const std::string&, void*) { return false; }
-bool write_nothing(std::string*, const std::string&, const std::vector<unsigned char>&, void*) {
-  return false;
-}
-bool keep_no_image(tinygltf::Image*, const int, std::string*, std::string*, int, int, const unsigned char*,
-                   int, void*) {
-  return true;
-}
-
-void put_u32(std::vector<unsigned char>& out, std::uint64_t value) {
-  for (int k = 0; k < 4; ++k) out.push_back(static_cast<unsigned char>(value >> 8 * k & 0xff));
-}
-
-/// The plain document as a GLB in memory, given to tinygltf with callbacks that deny every file.
-tinygltf::Model load(GltfDocument& document) {
-  std::string json = document.json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-  json.resize((json.size() + 3) / 4 * 4, ' ');
-  std::vector<unsigned char> glb;
-  glb.reserve(28 + json.size() + document.binary.size());
-  put_u32(glb, 0x46546c67);
-  put_u32(glb, 2);
-  put_u32(glb, 28 + json.size() + document.binary.size());
-  put_u32(glb, json.size());
-  put_u32(glb, 0x4e4f534a);
-  glb.insert(glb.end(), json.begin(), json.end());
-  put_u32(glb, document.binary.size());
-  put_u32(glb, 0x004e4942);
-  glb.insert(glb.end(), document.binary.begin(), document.binary.end());
-  document.binary = {};
-
-  tinygltf::TinyGLTF loader;
-  loader.SetFsCallbacks({no_file_exists, no_path, read_nothing, write_nothing, nullptr});
-  loader.SetImageLoader(keep_no_image, nullptr);
-  tinygltf::Model model;
-  std::string errors, warnings;
-  if (!loader.LoadBinaryFromMemory(&model, &errors, &warnings, glb.data(), static_cast<unsigned>(glb.size()),
-                                   "", 0)) {
-    while (!errors.empty() && (errors.back() == '\n' || errors.back() == ' ')) errors.pop_back();
-    refuse(ErrorCode::kMalformedMesh, "The glTF cannot be read: " + errors.substr(0, 300) + ".");
-  }
-  return model;
-}
-
-// -- the scene graph
-
-Transform local_transform(const tinygltf::Node& node) {
-  if (node.matrix.size() == 16) {
-    const std::vector<double>& m = node.matrix;  // column-major
-    return {{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}, {m[12], m[13], m[14]}};
-  }
-  const auto vector = [](const std::vector<double>& v, double fallback) {
-    return v.size() == 3 ? Vec3d{v[0], v[1], v[2]} : Vec3d{fallback, fallback, fallback};
-  };
-  std::array<double, 4> q{0, 0, 0, 1};
-  if (node.rotation.size() == 4) std::copy(node.rotation.begin(), node.rotation.end(), q.begin());
-  return compose(vector(node.translation, 0), q, vector(node.scale, 1));
-}
-
-/// World transforms of the nodes of the default scene, depth first in the file's order. Nodes outside keep
-/// nothing.
-struct Scene {
-  std::vector<std::optional<Transform>> world;
-  std::vector<int> order;
-};
-
-Scene walk_scene(const tinygltf::Model& model) {
-  Scene scene;
-  scene.world.resize(model.nodes.size());
-  std::vector<int> roots;
-  if (!model.scenes.empty()) {
-    roots = at(model.scenes, std::max(model.defaultScene, 0), "scene").nodes;
-  } else {
-    std::vector<bool> child(model.nodes.size(), false);
-    for (const auto& node : model.nodes)
-      for (const int c : node.children)
-        if (c >= 0 && static_cast<std::size_t>(c) < child.size()) child[static_cast<std::size_t>(c)] = true;
-    for (std::size_t n = 0; n < child.size(); ++n)
-      if (!child[n]) roots.push_back(static_cast<int>(n));
-  }
-  std::vector<std::pair<int, Transform>> stack;
-  for (auto it = roots.rbegin(); it != roots.rend(); ++it) stack.emplace_back(*it, Transform{});
-  while (!stack.empty()) {
-    const auto [index, parent] = stack.back();
-    stack.pop_back();
-    const tinygltf::Node& node = at(model.nodes, index, "node");
-    auto& world = scene.world[static_cast<std::size_t>(index)];
-    if (world)
-      refuse(ErrorCode::kMalformedMesh,
-             "Node " + std::to_string(index) + " is reached twice: the nodes are not a tree.",
-             "/nodes/" + std::to_string(index));
-    const Transform local = local_transform(node);
-    world = parent == Transform{} ? local : local == Transform{} ? parent : parent * local;
-    scene.order.push_back(index);
-    for (auto it = node.children.rbegin(); it != node.children.rend(); ++it) stack.emplace_back(*it, *world);
-  }
-  return scene;
-}
-
-/// EXT_mesh_gpu_instancing: one transform for each instance, or the identity alone.
-std::vector<Transform> instances_of(const tinygltf::Model& model, const tinygltf::Node& node,
-                                    const ImportLimits& limits) {
-  const auto extension = node.extensions.find("EXT_mesh_gpu_instancing");
-  if (extension == node.extensions.end()) return {Transform{}};
-  const tinygltf::Value& attributes = extension->second.Get("attributes");
-  const auto read = [&](const char* name, int width) -> std::vector<double> {
-    if (!attributes.IsObject() || !attributes.Has(name) || !attributes.Get(name).IsInt()) return {};
-    return read_accessor(model, attributes.Get(name).GetNumberAsInt(), width);
-  };
-  const std::vector<double> t = read("TRANSLATION", 3), r = read("ROTATION", 4), s = read("SCALE", 3);
-  const std::size_t count = std::max({t.size() / 3, r.size() / 4, s.size() / 3});
-  if (count == 0) return {Transform{}};
-  if ((!t.empty() && t.size() != 3 * count) || (!r.empty() && r.size() != 4 * count) ||
-      (!s.empty() && s.size() != 3 * count))
-    refuse(ErrorCode::kMalformedMesh, "The attributes of EXT_mesh_gpu_instancing have different counts.");
-  if (count > limits.max_triangles)
-    refuse(ErrorCode::kTooLarge, "EXT_mesh_gpu_instancing makes " + std::to_string(count) + " instances.");
-  std::vector<Transform> result(count);
-  for (std::size_t k = 0; k < count; ++k)
-    result[k] = compose(t.empty() ? Vec3d{} : Vec3d{t[3 * k], t[3 * k + 1], t[3 * k + 2]},
-                        r.empty() ? std::array<double, 4>{0, 0, 0, 1}
-                                  : std::array{r[4 * k], r[4 * k + 1], r[4 * k + 2], r[4 * k + 3]},
-                        s.empty() ? Vec3d{1, 1, 1} : Vec3d{s[3 * k], s[3 * k + 1], s[3 * k + 2]});
-  return result;
 }
 
 // -- primitives
@@ -165,25 +37,6 @@ struct RawSurface {
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<std::uint32_t> materials;
 };
-
-std::vector<std::array<std::uint32_t, 3>> assemble(const std::vector<std::uint32_t>& i, int mode) {
-  std::vector<std::array<std::uint32_t, 3>> triangles;
-  if (mode == TINYGLTF_MODE_TRIANGLES) {
-    for (std::size_t k = 0; k + 2 < i.size(); k += 3) triangles.push_back({i[k], i[k + 1], i[k + 2]});
-    return triangles;
-  }
-  for (std::size_t k = 0; k + 2 < i.size(); ++k) {
-    std::array<std::uint32_t, 3> triangle{};
-    if (mode == TINYGLTF_MODE_TRIANGLE_FAN)
-      triangle = {i[k + 1], i[k + 2], i[0]};
-    else
-      triangle = k % 2 == 0 ? std::array{i[k], i[k + 1], i[k + 2]} : std::array{i[k], i[k + 2], i[k + 1]};
-    // Strips are stitched together by triangles that name a vertex twice.
-    if (triangle[0] != triangle[1] && triangle[1] != triangle[2] && triangle[2] != triangle[0])
-      triangles.push_back(triangle);
-  }
-  return triangles;
-}
 
 class MeshReader {
  public:
@@ -218,7 +71,7 @@ class MeshReader {
         indices.resize(vertices);
         for (std::size_t k = 0; k < vertices; ++k) indices[k] = static_cast<std::uint32_t>(k);
       }
-      const auto triangles = assemble(indices, primitive.mode);
+      const auto triangles = gltf_triangles(indices, primitive.mode);
       it->triangles.insert(it->triangles.end(), triangles.begin(), triangles.end());
       const bool known =
           primitive.material >= 0 && static_cast<std::size_t>(primitive.material) < material_count_;
@@ -275,7 +128,7 @@ class MeshReader {
 
 /// One matrix for each joint: where the pose stored in the file carries the mesh (joint's world · inverse
 /// bind matrix).
-std::vector<Transform> joint_matrices(const tinygltf::Model& model, const Scene& scene,
+std::vector<Transform> joint_matrices(const tinygltf::Model& model, const GltfScene& scene,
                                       const tinygltf::Skin& skin) {
   std::vector<double> inverse;
   if (skin.inverseBindMatrices >= 0) inverse = read_accessor(model, skin.inverseBindMatrices, 16);
@@ -405,7 +258,7 @@ void add(MeshBuilder& builder, Surface surface) {
   if (auto added = builder.add(std::move(surface)); !added) throw Refused{added.error()};
 }
 
-void add_node(const tinygltf::Model& model, const Scene& scene, int index, const MeshReader& reader,
+void add_node(const tinygltf::Model& model, const GltfScene& scene, int index, const MeshReader& reader,
               MeshBuilder& builder, const ImportLimits& limits) {
   const tinygltf::Node& node = model.nodes[static_cast<std::size_t>(index)];
   if (node.mesh < 0) return;
@@ -438,7 +291,7 @@ void add_node(const tinygltf::Model& model, const Scene& scene, int index, const
     return;
   }
   const Transform& world = *scene.world[static_cast<std::size_t>(index)];
-  for (const Transform& instance : instances_of(model, node, limits)) {
+  for (const Transform& instance : gltf_instances(model, node, limits.max_triangles)) {
     const Transform m = instance == Transform{} ? world : world * instance;
     builder.begin_node(name);
     for (const RawSurface& raw : surfaces)
@@ -457,9 +310,9 @@ Expected<Mesh> import_gltf(std::span<const std::byte> bytes, MeshFormat format, 
     const std::size_t material_count = document.library.materials.size();
     builder.set_library(std::move(document.library));
     builder.set_copyright(document.copyright);
-    const tinygltf::Model model = load(document);
+    const tinygltf::Model model = load_gltf_model(document);
     const MeshReader reader(model, material_count, builder);
-    const Scene scene = walk_scene(model);
+    const GltfScene scene = walk_gltf_scene(model);
     for (const int index : scene.order) add_node(model, scene, index, reader, builder, limits);
     return builder.finish();
   } catch (const Refused& refused) {
