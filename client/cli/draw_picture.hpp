@@ -1,0 +1,38 @@
+// From options to a picture: loads the file, fits the camera, draws, reads back.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "client/cli/picture_options.hpp"
+#include "client/render/frame_target.hpp"
+
+namespace fracture::cli {
+
+/// Keeps what the next picture may need as well: the renderer, the last target and the last few scenes.
+class PictureMaker {
+ public:
+  /// A context has to be current.
+  static render::Result<PictureMaker> create();
+
+  render::Result<render::Picture> draw(const PictureOptions& options);
+
+  const render::FrameStats& stats() const { return stats_; }  ///< of the last picture
+  const std::vector<std::string>& warnings() const {
+    return warnings_;
+  }  ///< of all files so far, with their names
+
+ private:
+  explicit PictureMaker(render::Renderer renderer) : renderer_(std::move(renderer)) {}
+  render::Result<render::GpuScene*> scene(const std::string& file);
+
+  render::Renderer renderer_;
+  std::optional<render::FrameTarget> target_;
+  std::map<std::string, render::GpuScene> scenes_;
+  render::FrameStats stats_;
+  std::vector<std::string> warnings_;
+};
+
+}  // namespace fracture::cli

@@ -1,0 +1,113 @@
+// fracture-render: pictures of GLB files, without a window.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <nlohmann/json.hpp>
+
+#include "client/cli/draw_picture.hpp"
+#include "client/cli/sheet.hpp"
+#include "client/headless/egl_context.hpp"
+
+namespace {
+
+using fracture::cli::OptionSpec;
+using fracture::cli::PictureMaker;
+using fracture::cli::PictureOptions;
+using fracture::render::RenderError;
+using fracture::render::RenderErrorCode;
+using fracture::render::Result;
+
+constexpr int kExitDone = 0, kExitSystem = 1, kExitUsage = 2, kExitRefused = 3, kExitBug = 4;
+
+int exit_code(const RenderError& error) {
+  switch (error.code) {
+    case RenderErrorCode::kBadOption:
+      return kExitUsage;
+    case RenderErrorCode::kMesh:
+    case RenderErrorCode::kTooLarge:
+      return kExitRefused;
+    default:
+      return kExitSystem;
+  }
+}
+
+struct Command {
+  std::string output, sheet;
+  nlohmann::json options = nlohmann::json::object();
+  bool quiet = false;
+};
+
+Result<void> run(const Command& command) {
+  PictureOptions options;
+  fracture::cli::Sheet sheet;
+  if (command.sheet.empty()) {
+    if (auto set = set_options(options, command.options, "The command line"); !set) return set;
+  } else {
+    auto read = fracture::cli::read_sheet(command.sheet);
+    if (!read) return tl::unexpected(read.error());
+    sheet = std::move(*read);
+  }
+  const auto context = fracture::headless::EglContext::create();
+  if (!context) return tl::unexpected(context.error());
+  auto maker = PictureMaker::create();
+  if (!maker) return tl::unexpected(maker.error());
+  const Result<fracture::render::Picture> picture =
+      command.sheet.empty()
+          ? maker->draw(options)
+          : compose_sheet(sheet, [&](const PictureOptions& cell) { return maker->draw(cell); });
+  if (!command.quiet)
+    for (const std::string& warning : maker->warnings()) std::fprintf(stderr, "%s\n", warning.c_str());
+  if (!picture) return tl::unexpected(picture.error());
+  return write_png(*picture, command.output);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Pictures of a GLB file of the fracture service (or any other), drawn without a window.",
+               "fracture-render");
+  Command command;
+  app.add_option_function<std::string>(
+      "input", [&](const std::string& file) { command.options["file"] = file; }, "GLB to show");
+  app.add_option("-o,--output", command.output, "PNG to write")->required();
+  app.add_option("--sheet", command.sheet,
+                 "Draw the table of pictures that this JSON file describes (client/cli/sheet.hpp)");
+  app.add_flag("-q,--quiet", command.quiet, "No warnings");
+  for (const OptionSpec& spec : fracture::cli::option_specs()) {
+    const std::string name = spec.name;
+    if (name == "file") continue;
+    if (*spec.type == '\0')
+      app.add_flag_function(
+          "--" + name, [&command, name](std::int64_t) { command.options[name] = true; }, spec.doc);
+    else
+      app.add_option_function<std::string>(
+             "--" + name, [&command, name](const std::string& value) { command.options[name] = value; },
+             spec.doc)
+          ->type_name(spec.type);
+  }
+  app.footer(
+      "Exit code: 0 done, 1 a file or the display failed, 2 wrong command line, 3 the mesh is refused, 4 a "
+      "bug.");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kExitDone : kExitUsage;
+  }
+  if (command.sheet.empty() != command.options.contains("file")) {
+    std::fprintf(stderr, "fracture-render: give either a GLB or --sheet.\n");
+    return kExitUsage;
+  }
+  if (!command.sheet.empty() && !command.options.empty()) {
+    std::fprintf(stderr, "fracture-render: options stand in the sheet's file, not beside --sheet.\n");
+    return kExitUsage;
+  }
+  try {
+    const Result<void> done = run(command);
+    if (done) return kExitDone;
+    std::fprintf(stderr, "fracture-render: %s\n", done.error().detail.c_str());
+    return exit_code(done.error());
+  } catch (const std::exception& bug) {
+    std::fprintf(stderr, "fracture-render: a bug: %s\n", bug.what());
+    return kExitBug;
+  }
+}

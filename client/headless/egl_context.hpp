@@ -1,0 +1,29 @@
+// OpenGL without a window: an EGL context that draws into framebuffers of its own. With Mesa it needs neither
+// a display server nor a graphics card (llvmpipe).
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "client/render/render_error.hpp"
+
+namespace fracture::headless {
+
+class EglContext {
+ public:
+  /// OpenGL 3.3 core, made current in this thread, without a surface. Tries Mesa's surfaceless platform, then
+  /// the devices that EGL lists, then the default display. kNoDevice with what each of them said.
+  static render::Result<EglContext> create();
+  EglContext(EglContext&&) noexcept;
+  EglContext& operator=(EglContext&&) noexcept;
+  ~EglContext();
+
+  const std::string& description() const;  ///< platform, renderer and version, for people
+
+ private:
+  struct State;
+  explicit EglContext(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace fracture::headless

@@ -1,0 +1,111 @@
+#include "client/render/image.hpp"
+
+#include <stb/stb_image.h>
+#include <stb/stb_image_write.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+
+namespace fracture::render {
+namespace {
+
+/// IEC 61966-2-1, as a table: a byte to linear light.
+std::array<float, 256> linear_table() {
+  std::array<float, 256> table{};
+  for (std::size_t k = 0; k < table.size(); ++k) {
+    const double c = static_cast<double>(k) / 255.0;
+    table[k] = static_cast<float>(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
+  }
+  return table;
+}
+
+std::uint8_t srgb_byte(float linear) {
+  const double c = linear <= 0.0031308f ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+  return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(c, 0.0, 1.0)));
+}
+
+}  // namespace
+
+Result<Picture> decode_picture(std::span<const std::uint8_t> bytes) {
+  int width = 0, height = 0, channels = 0;
+  const int size = static_cast<int>(bytes.size());
+  if (bytes.size() > 0x7fffffff || stbi_info_from_memory(bytes.data(), size, &width, &height, &channels) == 0)
+    return fail(RenderErrorCode::kImage, "The image is neither PNG nor JPEG.");
+  if (width < 1 || height < 1 || width > kMaxPictureSide || height > kMaxPictureSide)
+    return fail(RenderErrorCode::kTooLarge, "The image has " + std::to_string(width) + " x " +
+                                                std::to_string(height) + " pixels; a side may have " +
+                                                std::to_string(kMaxPictureSide) + ".");
+  const std::unique_ptr<stbi_uc, void (*)(void*)> data(
+      stbi_load_from_memory(bytes.data(), size, &width, &height, &channels, 4), stbi_image_free);
+  if (!data)
+    return fail(RenderErrorCode::kImage, std::string("The image is damaged: ") + stbi_failure_reason() + ".");
+  Picture picture(width, height);
+  std::memcpy(picture.pixels.data(), data.get(), picture.pixels.size() * sizeof(Color));
+  return picture;
+}
+
+Result<void> write_png(const Picture& picture, const std::string& path) {
+  if (picture.width < 1 || picture.height < 1)
+    return fail(RenderErrorCode::kImage, "There is no picture to write to " + path + ".");
+  std::vector<std::uint8_t> rgb(3 * picture.pixels.size());
+  for (std::size_t k = 0; k < picture.pixels.size(); ++k)
+    std::copy_n(picture.pixels[k].begin(), 3, rgb.begin() + static_cast<std::ptrdiff_t>(3 * k));
+  std::vector<std::uint8_t> png;
+  const auto append = [](void* to, void* data, int size) {
+    auto& out = *static_cast<std::vector<std::uint8_t>*>(to);
+    const auto* at = static_cast<const std::uint8_t*>(data);
+    out.insert(out.end(), at, at + size);
+  };
+  if (stbi_write_png_to_func(append, &png, picture.width, picture.height, 3, rgb.data(), 3 * picture.width) ==
+      0)
+    return fail(RenderErrorCode::kImage, "The picture for " + path + " cannot be encoded.");
+
+  const std::string temporary = path + ".tmp";
+  std::FILE* file = std::fopen(temporary.c_str(), "wb");
+  bool good = file != nullptr;
+  if (good) {
+    good = std::fwrite(png.data(), 1, png.size(), file) == png.size();
+    good = std::fclose(file) == 0 && good;
+    good = good && std::rename(temporary.c_str(), path.c_str()) == 0;
+  }
+  if (!good) {
+    const int reason = errno;
+    if (file != nullptr) std::remove(temporary.c_str());
+    return fail(RenderErrorCode::kFile, "Cannot write " + path + ": " + std::strerror(reason) + ".");
+  }
+  return {};
+}
+
+void paste(Picture& to, const Picture& from, int x, int y) {
+  const int first = std::max(0, -x), last = std::min(from.width, to.width - x);
+  if (first >= last) return;
+  for (int row = std::max(0, -y); row < std::min(from.height, to.height - y); ++row)
+    std::copy(&from.at(first, row), &from.at(last - 1, row) + 1, &to.at(x + first, y + row));
+}
+
+Picture downsample(const Picture& picture, int factor) {
+  if (factor <= 1) return picture;
+  static const std::array<float, 256> linear = linear_table();
+  Picture small(picture.width / factor, picture.height / factor);
+  const float weight = 1.0f / static_cast<float>(factor * factor);
+  for (int y = 0; y < small.height; ++y)
+    for (int x = 0; x < small.width; ++x) {
+      std::array<float, 4> sum{};
+      for (int j = 0; j < factor; ++j)
+        for (int i = 0; i < factor; ++i) {
+          const Color& c = picture.at(factor * x + i, factor * y + j);
+          for (std::size_t k = 0; k < 3; ++k) sum[k] += linear[c[k]];
+          sum[3] += static_cast<float>(c[3]);
+        }
+      Color& out = small.at(x, y);
+      for (std::size_t k = 0; k < 3; ++k) out[k] = srgb_byte(weight * sum[k]);
+      out[3] = static_cast<std::uint8_t>(std::lround(weight * sum[3]));
+    }
+  return small;
+}
+
+}  // namespace fracture::render

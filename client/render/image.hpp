@@ -1,0 +1,50 @@
+// Pictures in memory: decoding of textures (PNG, JPEG), writing of PNG, and the little that contact sheets
+// need.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "client/render/render_error.hpp"
+
+namespace fracture::render {
+
+using Color = std::array<std::uint8_t, 4>;  ///< red, green, blue, alpha; sRGB unless it says otherwise
+
+/// Rows from the top, pixels from the left, no padding.
+struct Picture {
+  int width = 0, height = 0;
+  std::vector<Color> pixels;
+
+  Picture() = default;
+  Picture(int w, int h, Color fill = {0, 0, 0, 255})
+      : width(w), height(h), pixels(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), fill) {}
+  Color& at(int x, int y) {
+    return pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                  static_cast<std::size_t>(x)];
+  }
+  const Color& at(int x, int y) const {
+    return pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                  static_cast<std::size_t>(x)];
+  }
+};
+
+inline constexpr int kMaxPictureSide = 16384;  ///< of a decoded texture and of a written picture, in pixels
+
+/// PNG or JPEG; grey and palette become RGBA. kImage with the reason, kTooLarge over kMaxPictureSide.
+Result<Picture> decode_picture(std::span<const std::uint8_t> bytes);
+
+/// Writes an 8-bit RGB PNG (alpha is dropped), whole or not at all. kFile, kImage.
+Result<void> write_png(const Picture& picture, const std::string& path);
+
+/// Copies `from` into `to` with its upper left corner at (x, y); what does not fit is cut off.
+void paste(Picture& to, const Picture& from, int x, int y);
+
+/// Averages blocks of factor × factor pixels in linear light. Sides are divisible by the factor.
+Picture downsample(const Picture& picture, int factor);
+
+}  // namespace fracture::render

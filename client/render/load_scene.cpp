@@ -1,0 +1,326 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <map>
+
+#include "client/render/read_materials.hpp"
+#include "client/render/scene.hpp"
+#include "common/import/gltf_accessor.hpp"
+#include "common/import/gltf_document.hpp"
+#include "common/import/gltf_model.hpp"
+#include "common/import/refused.hpp"
+
+namespace fracture::render {
+namespace {
+
+using nlohmann::json;
+
+glm::vec3 to_vec3(const Vec3d& v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
+
+glm::mat4 to_mat4(const Transform& t) {
+  return {glm::vec4(to_vec3(t.x), 0), glm::vec4(to_vec3(t.y), 0), glm::vec4(to_vec3(t.z), 0),
+          glm::vec4(to_vec3(t.t), 1)};
+}
+
+/// extras.fracture of a node, as the document's JSON has it; null where there is none.
+const json* fracture_extras(const json& document, int node) {
+  const json& nodes = document.at("nodes");
+  const json& object = nodes.at(static_cast<std::size_t>(node));
+  const auto extras = object.find("extras");
+  if (extras == object.end() || !extras->is_object()) return nullptr;
+  const auto fracture = extras->find("fracture");
+  return fracture != extras->end() && fracture->is_object() ? &*fracture : nullptr;
+}
+
+class SceneReader {
+ public:
+  SceneReader(const json& nodes_document, const tinygltf::Model& model, const ImportLimits& limits,
+              Scene& scene)
+      : document_(nodes_document), model_(model), limits_(limits), scene_(scene) {}
+
+  void read() {
+    const GltfScene graph = walk_gltf_scene(model_);
+    std::vector<int> parents(model_.nodes.size(), -1);
+    for (std::size_t n = 0; n < model_.nodes.size(); ++n)
+      for (const int child : model_.nodes[n].children)
+        if (child >= 0 && static_cast<std::size_t>(child) < parents.size())
+          parents[static_cast<std::size_t>(child)] = static_cast<int>(n);
+    bool from_service = false;
+    for (const int index : graph.order) {
+      const json* extras = fracture_extras(document_, index);
+      from_service = from_service || (extras != nullptr && extras->contains("certificate"));
+      const tinygltf::Node& node = model_.nodes[static_cast<std::size_t>(index)];
+      if (node.mesh < 0 || node.name.starts_with("UCX_")) continue;
+      const Transform& world = *graph.world[static_cast<std::size_t>(index)];
+      for (const Transform& instance : gltf_instances(model_, node, limits_.max_triangles))
+        read_object(node, world * instance, fragment_info(index, extras, parents));
+    }
+    // The service writes the source's materials, then the one of the cut faces.
+    if (from_service && scene_.materials.size() > 1)
+      scene_.materials[scene_.materials.size() - 2].interior = true;
+    sort_surfaces();
+  }
+
+ private:
+  std::optional<FragmentInfo> fragment_info(int node, const json* extras,
+                                            const std::vector<int>& parents) const {
+    if (extras == nullptr || !extras->contains("id")) return std::nullopt;
+    FragmentInfo info;
+    info.id = extras->at("id").get<std::uint64_t>();
+    info.volume = extras->value("volume", 0.0);
+    info.anchored = extras->value("anchored", false);
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    info.centroid = glm::vec3(nan);
+    if (const auto it = extras->find("center_of_mass");
+        it != extras->end() && it->is_array() && it->size() == 3)
+      for (int k = 0; k < 3; ++k) info.centroid[k] = (*it)[static_cast<std::size_t>(k)].get<float>();
+    for (int n = node; n >= 0; n = parents[static_cast<std::size_t>(n)])
+      if (const json* own = fracture_extras(document_, n); own != nullptr && own->contains("level"))
+        info.ancestors.insert(info.ancestors.begin(), static_cast<std::uint32_t>(n));
+    if (info.ancestors.empty()) info.ancestors.push_back(static_cast<std::uint32_t>(node));
+    return info;
+  }
+
+  void read_object(const tinygltf::Node& node, const Transform& world, std::optional<FragmentInfo> fragment) {
+    if (node.skin >= 0) warn("Skins are shown in their bind pose.");
+    const auto number = static_cast<std::uint32_t>(scene_.objects.size());
+    Object object;
+    object.name = node.name;
+    object.transform = to_mat4(world);
+    shared_.clear();
+    const std::size_t first_vertex = scene_.vertices.size(), first_surface = scene_.surfaces.size();
+    if (static_cast<std::size_t>(node.mesh) >= model_.meshes.size())
+      refuse(ErrorCode::kMalformedMesh, "Mesh " + std::to_string(node.mesh) + " does not exist.");
+    for (const tinygltf::Primitive& p : model_.meshes[static_cast<std::size_t>(node.mesh)].primitives)
+      read_primitive(p, number, world.determinant() < 0);
+    if (scene_.surfaces.size() == first_surface) {
+      scene_.vertices.resize(first_vertex);
+      return;
+    }
+
+    glm::vec3 low(HUGE_VALF), high(-HUGE_VALF);
+    for (std::size_t v = first_vertex; v < scene_.vertices.size(); ++v) {
+      low = glm::min(low, scene_.vertices[v].position);
+      high = glm::max(high, scene_.vertices[v].position);
+    }
+    object.bounds.center = 0.5f * (low + high);
+    for (std::size_t v = first_vertex; v < scene_.vertices.size(); ++v)
+      object.bounds.radius =
+          std::max(object.bounds.radius, glm::distance(object.bounds.center, scene_.vertices[v].position));
+    if (fragment && !(std::isfinite(fragment->centroid.x + fragment->centroid.y + fragment->centroid.z)))
+      fragment->centroid = glm::vec3(object.transform * glm::vec4(object.bounds.center, 1));
+    object.fragment = std::move(fragment);
+    scene_.objects.push_back(std::move(object));
+  }
+
+  void read_primitive(const tinygltf::Primitive& primitive, std::uint32_t object, bool mirrored) {
+    const auto position = primitive.attributes.find("POSITION");
+    if (position == primitive.attributes.end()) return;  // glTF 2.0, 3.7.2.1: not drawn
+    if (primitive.mode < TINYGLTF_MODE_TRIANGLES || primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN) {
+      warn("Points and lines are not shown.");
+      return;
+    }
+    if (!primitive.targets.empty()) warn("Morph targets are not shown.");
+    auto [shared, first_use] = shared_.try_emplace(primitive.attributes, 0u, 0u);
+    if (first_use) shared->second = append_vertices(primitive, object);
+    const auto [base, count] = shared->second;
+
+    std::vector<std::uint32_t> indices(count);
+    if (primitive.indices >= 0) {
+      indices = read_indices(model_, primitive.indices);
+    } else {
+      for (std::uint32_t k = 0; k < count; ++k) indices[k] = k;
+    }
+    for (const std::uint32_t index : indices)
+      if (index >= count)
+        refuse(ErrorCode::kMalformedMesh, "A triangle of mesh \"" + scene_name(object) + "\" names vertex " +
+                                              std::to_string(index) + "; there are " + std::to_string(count) +
+                                              ".");
+    std::vector<std::array<std::uint32_t, 3>> triangles = gltf_triangles(indices, primitive.mode);
+    if (scene_.indices.size() / 3 + triangles.size() > limits_.max_triangles)
+      refuse(ErrorCode::kTooLarge, "The scene has more than the " + std::to_string(limits_.max_triangles) +
+                                       " triangles that are shown.");
+    if (triangles.empty()) return;
+    if (mirrored)
+      for (auto& t : triangles) std::swap(t[1], t[2]);
+
+    Surface surface;
+    surface.object = object;
+    surface.material =
+        primitive.material >= 0 && static_cast<std::size_t>(primitive.material) + 1 < scene_.materials.size()
+            ? static_cast<std::uint32_t>(primitive.material)
+            : static_cast<std::uint32_t>(scene_.materials.size() - 1);
+    surface.first_index = static_cast<std::uint32_t>(scene_.indices.size());
+    surface.index_count = static_cast<std::uint32_t>(3 * triangles.size());
+    if (primitive.attributes.count("NORMAL") > 0) {
+      for (const auto& t : triangles)
+        for (const std::uint32_t v : t) scene_.indices.push_back(base + v);
+    } else {
+      append_flat(triangles, base, mirrored);
+    }
+    scene_.surfaces.push_back(surface);
+  }
+
+  /// The vertices of a set of accessors, once for each object. Returns where they begin and how many they
+  /// are.
+  std::pair<std::uint32_t, std::uint32_t> append_vertices(const tinygltf::Primitive& primitive,
+                                                          std::uint32_t object) {
+    const auto base = static_cast<std::uint32_t>(scene_.vertices.size());
+    const std::vector<double> positions = read_accessor(model_, primitive.attributes.at("POSITION"), 3);
+    const std::size_t count = positions.size() / 3;
+    if (scene_.vertices.size() + count > 3 * limits_.max_triangles)
+      refuse(ErrorCode::kTooLarge,
+             "The scene has more than " + std::to_string(3 * limits_.max_triangles) + " vertices.");
+    scene_.vertices.resize(base + count);
+    const auto each = [&](const std::string& name, int width, auto&& store) {
+      const auto it = primitive.attributes.find(name);
+      if (it == primitive.attributes.end()) return;
+      const std::vector<double> values = read_accessor(model_, it->second, width);
+      if (values.size() != count * static_cast<std::size_t>(width))
+        refuse(ErrorCode::kMalformedMesh, "The attribute " + name + " has another count than POSITION.");
+      for (std::size_t v = 0; v < count; ++v) {
+        std::array<float, 4> x{0, 0, 0, 1};
+        for (int c = 0; c < width; ++c) {
+          const double value = values[v * static_cast<std::size_t>(width) + static_cast<std::size_t>(c)];
+          if (!std::isfinite(static_cast<float>(value)))
+            refuse(ErrorCode::kNotFinite, name + " of vertex " + std::to_string(v) + " of \"" +
+                                              scene_name(object) + "\" is not a finite number.");
+          x[static_cast<std::size_t>(c)] = static_cast<float>(value);
+        }
+        store(scene_.vertices[base + v], x);
+      }
+    };
+    using Four = std::array<float, 4>;
+    const auto unit = [](glm::vec3 n) { return glm::dot(n, n) > 0 ? glm::normalize(n) : glm::vec3(0, 1, 0); };
+    each("POSITION", 3, [](Vertex& v, const Four& x) { v.position = {x[0], x[1], x[2]}; });
+    each("NORMAL", 3, [&](Vertex& v, const Four& x) { v.normal = unit({x[0], x[1], x[2]}); });
+    each("TANGENT", 4, [&](Vertex& v, const Four& x) {
+      v.tangent = glm::vec4(unit({x[0], x[1], x[2]}), x[3] < 0 ? -1.f : 1.f);
+    });
+    for (int set = 0; set < 2; ++set)
+      each("TEXCOORD_" + std::to_string(set), 2, [&](Vertex& v, const Four& x) { v.uv[set] = {x[0], x[1]}; });
+    if (const auto it = primitive.attributes.find("COLOR_0"); it != primitive.attributes.end())
+      each("COLOR_0", std::clamp(accessor_width(model_, it->second), 3, 4), [](Vertex& v, const Four& x) {
+        for (int c = 0; c < 4; ++c)
+          v.color[c] = static_cast<std::uint8_t>(
+              std::lround(255 * std::clamp(x[static_cast<std::size_t>(c)], 0.f, 1.f)));
+      });
+    for (std::size_t v = base; v < scene_.vertices.size(); ++v) scene_.vertices[v].object = object;
+    return {base, static_cast<std::uint32_t>(count)};
+  }
+
+  /// glTF 2.0, 3.7.2.1: without normals a client shows flat ones. Every corner gets a vertex of its own.
+  void append_flat(const std::vector<std::array<std::uint32_t, 3>>& triangles, std::uint32_t base,
+                   bool mirrored) {
+    if (scene_.vertices.size() + 3 * triangles.size() > 6 * limits_.max_triangles)
+      refuse(ErrorCode::kTooLarge, "The scene has too many vertices without normals.");
+    for (const auto& t : triangles) {
+      std::array<Vertex, 3> corner;
+      for (std::size_t k = 0; k < 3; ++k) corner[k] = scene_.vertices[base + t[k]];
+      glm::vec3 n =
+          glm::cross(corner[1].position - corner[0].position, corner[2].position - corner[0].position);
+      if (mirrored) n = -n;  // in the object's own frame the winding has been turned
+      n = glm::dot(n, n) > 0 ? glm::normalize(n) : glm::vec3(0, 1, 0);
+      for (Vertex& v : corner) {
+        v.normal = n;
+        scene_.indices.push_back(static_cast<std::uint32_t>(scene_.vertices.size()));
+        scene_.vertices.push_back(v);
+      }
+    }
+  }
+
+  /// Indices in the order of the surfaces, those by material: then neighbours can be one draw call.
+  void sort_surfaces() {
+    std::stable_sort(scene_.surfaces.begin(), scene_.surfaces.end(),
+                     [](const Surface& a, const Surface& b) { return a.material < b.material; });
+    std::vector<std::uint32_t> sorted;
+    sorted.reserve(scene_.indices.size());
+    for (Surface& s : scene_.surfaces) {
+      const auto from = scene_.indices.begin() + s.first_index;
+      s.first_index = static_cast<std::uint32_t>(sorted.size());
+      sorted.insert(sorted.end(), from, from + s.index_count);
+    }
+    scene_.indices = std::move(sorted);
+  }
+
+  std::string scene_name(std::uint32_t object) const { return "object " + std::to_string(object); }
+  void warn(const std::string& text) {
+    if (std::find(scene_.warnings.begin(), scene_.warnings.end(), text) == scene_.warnings.end())
+      scene_.warnings.push_back(text);
+  }
+
+  const json& document_;
+  const tinygltf::Model& model_;
+  const ImportLimits& limits_;
+  Scene& scene_;
+  std::map<std::map<std::string, int>, std::pair<std::uint32_t, std::uint32_t>>
+      shared_;  ///< of the current object
+};
+
+}  // namespace
+
+Result<Scene> read_scene(std::span<const std::byte> bytes) {
+  const bool binary = bytes.size() >= 4 && bytes[0] == std::byte{'g'} && bytes[1] == std::byte{'l'} &&
+                      bytes[2] == std::byte{'T'} && bytes[3] == std::byte{'F'};
+  try {
+    const ImportLimits limits;
+    GltfDocument document =
+        read_gltf_document(bytes, binary ? MeshFormat::kGlb : MeshFormat::kGltf, limits, {});
+    Scene scene;
+    scene.warnings = std::move(document.warnings);
+    read_materials(document.library, scene);
+    if (!document.json.contains("nodes")) refuse(ErrorCode::kEmptyMesh, "The glTF has no nodes.", "/nodes");
+    const tinygltf::Model model = load_gltf_model(document);
+    SceneReader(document.json, model, limits, scene).read();
+    if (scene.surfaces.empty())
+      refuse(ErrorCode::kEmptyMesh, "The default scene of the glTF shows no triangle.");
+    return scene;
+  } catch (const Refused& refused) {
+    const auto code =
+        refused.error.code == ErrorCode::kTooLarge ? RenderErrorCode::kTooLarge : RenderErrorCode::kMesh;
+    return fail(code, std::string(slug(refused.error.code)) + ": " + refused.error.detail);
+  } catch (const json::exception& error) {
+    return fail(RenderErrorCode::kMesh,
+                std::string("malformed-mesh: The glTF has a value of the wrong type: ") + error.what() + ".");
+  }
+}
+
+Result<Scene> load_scene(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::vector<char> bytes{std::istreambuf_iterator<char>(in), {}};
+  if (!in.is_open() || in.bad()) return fail(RenderErrorCode::kFile, "Cannot read " + path + ".");
+  Result<Scene> scene = read_scene(std::as_bytes(std::span(bytes)));
+  if (!scene) return fail(scene.error().code, path + ": " + scene.error().detail);
+  return scene;
+}
+
+std::vector<ObjectState> initial_states(const Scene& scene) {
+  std::vector<ObjectState> states(scene.objects.size());
+  for (std::size_t k = 0; k < states.size(); ++k) states[k].transform = scene.objects[k].transform;
+  return states;
+}
+
+Sphere bounding_sphere(const Scene& scene, std::span<const ObjectState> states) {
+  glm::vec3 low(HUGE_VALF), high(-HUGE_VALF);
+  const auto each = [&](auto&& use) {
+    for (const Vertex& v : scene.vertices) {
+      if (!states.empty() && !states[v.object].visible) continue;
+      const glm::mat4& m = states.empty() ? scene.objects[v.object].transform : states[v.object].transform;
+      use(glm::vec3(m * glm::vec4(v.position, 1)));
+    }
+  };
+  each([&](const glm::vec3& p) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  });
+  if (!(low.x <= high.x)) return {};
+  Sphere sphere{0.5f * (low + high), 0};
+  each([&](const glm::vec3& p) { sphere.radius = std::max(sphere.radius, glm::distance(sphere.center, p)); });
+  return sphere;
+}
+
+}  // namespace fracture::render

@@ -1,0 +1,85 @@
+// Draws scenes into the bound framebuffer: sun with a soft shadow map, sky with shadows of its own, a ground,
+// and glTF 2.0's metallic-roughness materials. It makes no context and no window: one with OpenGL 3.3 core
+// has to be current, made by EGL (client/headless) or by a window, from construction to destruction.
+//
+// A frame is: table of objects → sun depth → sky depths → background, opaque surfaces, ground, blended
+// surfaces (their back faces, then their front faces: for closed fragments of one glass the order among them
+// changes little, as absorption multiplies). Neighbouring surfaces of one material are one draw call.
+#pragma once
+
+#include <cstddef>
+#include <glm/glm.hpp>
+#include <optional>
+#include <span>
+
+#include "client/render/camera.hpp"
+#include "client/render/gpu_scene.hpp"
+#include "client/render/looks.hpp"
+#include "client/render/shadow_maps.hpp"
+
+namespace fracture::render {
+
+enum class Ground { kNone, kPlane, kGrid };
+/// What covers the materials: nothing, or plain grey outside and orange inside.
+enum class Highlight { kNone, kInterior };
+
+struct Lighting {
+  glm::vec3 towards_sun{0.45f, 0.8f, 0.5f};  ///< any length
+  glm::vec3 sun{2.9f, 2.75f, 2.5f};          ///< irradiance on a surface that faces it, linear
+  glm::vec3 sky{0.47f, 0.52f, 0.60f};        ///< radiance from above, linear
+  glm::vec3 ground{0.26f, 0.25f, 0.24f};     ///< radiance from below
+  float sun_softness = 2.0f;                 ///< radius of the penumbra filter in texels of the sun's map
+  int sky_shadows = 32;  ///< directions, 0 … kMaxSkyDirections; 0: the sky throws no shadow
+  bool sun_shadow = true;
+  float exposure = 1.0f;
+};
+
+struct RenderSettings {
+  Lighting lighting;
+  Ground ground = Ground::kPlane;
+  std::optional<float> ground_height;            ///< y, metres; the lowest point of the scene when empty
+  glm::vec3 ground_color{0.34f, 0.345f, 0.36f};  ///< linear
+  bool background = true;                        ///< false: transparent black
+  glm::vec3 background_top{0.17f, 0.20f, 0.25f},
+      background_bottom{0.42f, 0.43f, 0.45f};  ///< as shown, linear
+  Highlight highlight = Highlight::kNone;
+  SolidLook look = SolidLook::kNone;  ///< a material for everything, by a solid texture (looks.hpp)
+  glm::vec3 grain{0, 1, 0};           ///< of a look that has one
+};
+
+struct FrameStats {
+  std::size_t draw_calls = 0;  ///< of the visible pass, without the depth passes
+  std::size_t surfaces = 0;    ///< drawn in the visible pass
+  std::size_t culled = 0;      ///< outside the view
+};
+
+class Renderer {
+ public:
+  /// kNoDevice below OpenGL 3.3, kGl where a shader or a map is refused.
+  static Result<Renderer> create();
+
+  /// Draws into `framebuffer`, of width × height pixels, and clears it first. `states` has one for each
+  /// object.
+  FrameStats draw(GpuScene& scene, std::span<const ObjectState> states, const Camera& camera,
+                  const RenderSettings& settings, GLuint framebuffer, int width, int height);
+
+ private:
+  struct Frame;
+  struct Draw;
+  Renderer() = default;
+  void upload_frame(const Frame& frame) const;
+  void depth_passes(const GpuScene& scene, std::span<const ObjectState> states,
+                    const RenderSettings& settings) const;
+  void draw_depth(const GpuScene& scene, std::span<const ObjectState> states, SolidLook look, int map) const;
+  void draw_surfaces(const GpuScene& scene, std::span<const ObjectState> states, const Camera& camera,
+                     bool blended, const RenderSettings& settings, FrameStats& stats) const;
+  void set_material(const GpuScene& scene, const Material& material, const RenderSettings& settings) const;
+  void draw_ground(const RenderSettings& settings) const;
+
+  Program surface_, depth_, ground_, background_;
+  Buffer frame_block_;
+  VertexArray empty_;
+  std::optional<ShadowMaps> shadows_;
+};
+
+}  // namespace fracture::render

@@ -1,0 +1,19 @@
+// What every program knows of the current picture; Renderer::Frame in std140.
+#define MAX_SKY 64
+layout(std140) uniform Frame {
+  mat4 view_projection, inverse_view_projection, sun_matrix;
+  mat4 sky_matrix[MAX_SKY];
+  vec4 sky_direction[MAX_SKY];
+  vec4 eye;          // w: exposure
+  vec4 towards_sun;  // w: softness in texels
+  vec4 sun;          // irradiance; w: 1 with shadow
+  vec4 sky;          // radiance; w: number of sky directions
+  vec4 ground;       // radiance; w: 1 where the camera is orthographic
+  vec4 background_top, background_bottom;
+  vec4 sphere;       // of what is drawn: centre, radius
+  vec4 plane;        // of the ground: colour, height
+  vec4 texel;        // metres of a texel: sun, sky; 1 / side: sun, sky
+  vec4 forward;      // the camera's direction
+};
+
+vec3 background_at(float ndc_y) { return mix(background_bottom.rgb, background_top.rgb, 0.5 + 0.5 * ndc_y); }

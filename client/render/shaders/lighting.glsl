@@ -1,0 +1,98 @@
+// Light and its reflection. Reflection: glTF 2.0 specification, appendix B.3 (GGX of Trowbridge-Reitz, visibility
+// term of Smith correlated by height, Heitz 2014; Fresnel by Schlick 1994).
+const float PI = 3.14159265358979;
+uniform sampler2DShadow sun_map;
+uniform sampler2DArrayShadow sky_maps;
+
+// Interleaved gradient noise: Jimenez, "Next Generation Post Processing in Call of Duty: Advanced Warfare", 2014.
+float dither(vec2 p) { return fract(52.9829189 * fract(dot(p, vec2(0.06711056, 0.00583715)))); }
+
+// Percentage-closer filtering (Reeves, Salesin, Cook, 1987) over a Vogel disc that turns from pixel to pixel. The
+// point is moved along its normal by what a texel can hide (Holbert, "Saying Goodbye to Shadow Acne", 2011).
+float sun_visibility(vec3 p, vec3 n) {
+  if (sun.w < 0.5) return 1.0;
+  float facing = clamp(dot(n, towards_sun.xyz), 0.0, 1.0);
+  float radius = max(towards_sun.w, 0.75);
+  p += n * texel.x * (1.0 + radius * (1.0 - facing));
+  vec3 q = (sun_matrix * vec4(p, 1.0)).xyz;
+  float turn = 2.0 * PI * dither(gl_FragCoord.xy), lit = 0.0;
+  const int kTaps = 16;
+  for (int k = 0; k < kTaps; ++k) {
+    float r = sqrt((float(k) + 0.5) / float(kTaps)), angle = 2.39996323 * float(k) + turn;
+    lit += texture(sun_map, vec3(q.xy + radius * texel.z * r * vec2(cos(angle), sin(angle)), q.z));
+  }
+  return lit / float(kTaps);
+}
+
+// Share of the sky's light (weighted with the cosine) that reaches the point; 1 without sky shadows.
+float sky_visibility(vec3 p, vec3 n) {
+  int count = int(sky.w);
+  if (count == 0) return 1.0;
+  const float kRadius = 3.0;  // texels: neighbouring directions run into each other
+  vec3 moved = p + n * (1.0 + kRadius) * texel.y;
+  float turn = 2.0 * PI * dither(gl_FragCoord.xy);
+  float all = 0.02, lit = 0.02;
+  for (int k = 0; k < count; ++k) {
+    float weight = dot(n, sky_direction[k].xyz) + 0.15;  // a little beyond the horizon: no hard edge of the sum
+    if (weight <= 0.0) continue;
+    vec3 q = (sky_matrix[k] * vec4(moved, 1.0)).xyz;
+    float angle = turn + 2.39996323 * float(k);
+    all += weight;
+    lit += weight * texture(sky_maps, vec4(q.xy + kRadius * sqrt(fract(0.618034 * float(k) + 0.3)) * texel.w * vec2(cos(angle), sin(angle)), float(k), q.z));
+  }
+  return lit / all;
+}
+
+// A soft rectangle of light around `towards`, for reflections.
+float soft_box(vec3 r, vec3 towards, vec3 up, vec2 half_size, float blur) {
+  vec3 x = normalize(cross(up, towards)), y = cross(towards, x);
+  float depth = dot(r, towards);
+  if (depth <= 0.05) return 0.0;
+  vec2 d = abs(vec2(dot(r, x), dot(r, y))) / depth;
+  vec2 edge = smoothstep(half_size + blur, half_size - min(vec2(blur), half_size), d);
+  return edge.x * edge.y * min(half_size.x * half_size.y, 1.0) / min((half_size.x + blur) * (half_size.y + blur), 1.0);
+}
+
+// What a mirror direction shows: ground and sky, and two lamps of a studio.
+vec3 environment(vec3 r, float roughness) {
+  float blur = 0.04 + 0.9 * roughness * roughness;
+  vec3 horizon = mix(sky.rgb, vec3(1.0), 0.25);
+  vec3 color = mix(ground.rgb, horizon, smoothstep(-blur, blur, r.y));
+  color = mix(color, sky.rgb * 0.85, smoothstep(0.0, 0.8, r.y));
+  color += 2.6 * soft_box(r, normalize(vec3(-0.55, 0.62, 0.56)), vec3(0, 1, 0), vec2(0.45, 0.30), blur);
+  color += 1.5 * soft_box(r, normalize(vec3(0.92, 0.28, -0.1)), vec3(0, 1, 0), vec2(0.16, 0.75), blur);
+  return color;
+}
+
+// The environment's share of reflected light: Karis, "Physically Based Shading on Mobile", 2014, after Lazarov.
+vec3 environment_brdf(vec3 f0, float roughness, float n_dot_v) {
+  vec4 r = roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
+  float a = min(r.x * r.x, exp2(-9.28 * n_dot_v)) * r.x + r.y;
+  vec2 ab = vec2(-1.04, 1.04) * a + r.zw;
+  return f0 * ab.x + ab.y;
+}
+
+vec3 fresnel(vec3 f0, float v_dot_h) { return f0 + (1.0 - f0) * pow(clamp(1.0 - v_dot_h, 0.0, 1.0), 5.0); }
+
+// D · V of appendix B.3.2, alpha = roughness².
+float ggx(float n_dot_h, float n_dot_l, float n_dot_v, float alpha) {
+  float a2 = alpha * alpha, f = n_dot_h * n_dot_h * (a2 - 1.0) + 1.0;
+  float d = a2 / (PI * f * f);
+  float v = 0.5 / max(n_dot_l * sqrt(n_dot_v * n_dot_v * (1.0 - a2) + a2) +
+                      n_dot_v * sqrt(n_dot_l * n_dot_l * (1.0 - a2) + a2), 1e-5);
+  return d * v;
+}
+
+// Khronos PBR Neutral tone mapper, as specified in KhronosGroup/ToneMapping, PBR_Neutral/README.md: base colours come
+// out as they went in, highlights are compressed and lose their colour.
+vec3 tone_map(vec3 c) {
+  const float kF90 = 0.04, kStart = 0.8 - kF90, kDesaturation = 0.15;
+  c = max(c, vec3(0.0));
+  float x = min(c.r, min(c.g, c.b));
+  c -= x <= 2.0 * kF90 ? x - x * x / (4.0 * kF90) : kF90;
+  float peak = max(c.r, max(c.g, c.b));
+  if (peak <= kStart) return c;
+  float new_peak = 1.0 - (1.0 - kStart) * (1.0 - kStart) / (peak + 1.0 - 2.0 * kStart);
+  float keep = 1.0 / (kDesaturation * (peak - new_peak) + 1.0);
+  return mix(vec3(new_peak), c * new_peak / peak, keep);
+}

@@ -1,0 +1,101 @@
+// A context and a renderer for all tests of a suite, or the reason why there is none; and what is read off
+// pictures.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "client/headless/egl_context.hpp"
+#include "client/render/frame_target.hpp"
+#include "client/render/renderer.hpp"
+
+namespace fracture::test {
+
+class RendererTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    auto made = headless::EglContext::create();
+    if (!made) {
+      reason = made.error().detail;
+      return;
+    }
+    context = std::make_unique<headless::EglContext>(std::move(*made));
+    auto built = render::Renderer::create();
+    ASSERT_TRUE(built) << built.error().detail;
+    renderer = std::make_unique<render::Renderer>(std::move(*built));
+  }
+  static void TearDownTestSuite() {
+    renderer.reset();
+    context.reset();
+  }
+  void SetUp() override {
+    if (!context) GTEST_SKIP() << reason;
+    ASSERT_TRUE(renderer);
+  }
+
+  /// Draws once; the statistics are in `stats`.
+  render::Picture draw(const render::Scene& scene, const render::Camera& camera,
+                       const render::RenderSettings& settings, int width = 300, int height = 300,
+                       std::span<const render::ObjectState> states = {}) {
+    auto gpu = render::GpuScene::upload(std::make_shared<const render::Scene>(scene));
+    if (!gpu) throw std::runtime_error(gpu.error().detail);
+    auto target = render::FrameTarget::create(width, height);
+    if (!target) throw std::runtime_error(target.error().detail);
+    const auto initial = initial_states(scene);
+    stats = renderer->draw(*gpu, states.empty() ? std::span<const render::ObjectState>(initial) : states,
+                           camera, settings, target->framebuffer(), width, height);
+    EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
+    return target->read();
+  }
+
+  /// Objects alone on transparent black.
+  static render::RenderSettings bare() {
+    render::RenderSettings settings;
+    settings.ground = render::Ground::kNone;
+    settings.background = false;
+    settings.lighting.sky_shadows = 0;  // asked for where they are judged
+    return settings;
+  }
+
+  render::FrameStats stats;
+  static inline std::unique_ptr<headless::EglContext> context;
+  static inline std::unique_ptr<render::Renderer> renderer;
+  static inline std::string reason;
+};
+
+/// Share of the picture that something covers, by its alpha.
+inline double coverage(const render::Picture& picture) {
+  double sum = 0;
+  for (const render::Color& c : picture.pixels) sum += c[3] / 255.0;
+  return sum / static_cast<double>(picture.pixels.size());
+}
+
+/// Linear light of a channel (IEC 61966-2-1).
+inline double linear(std::uint8_t srgb) {
+  const double c = srgb / 255.0;
+  return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+}
+
+inline double luminance(const render::Color& c) {
+  return 0.2126 * linear(c[0]) + 0.7152 * linear(c[1]) + 0.0722 * linear(c[2]);
+}
+
+/// The pixel that shows a point of the world.
+inline render::Color pixel_at(const render::Picture& picture, const render::Camera& camera,
+                              const glm::vec3& point) {
+  const glm::vec4 clip = camera.view_projection() * glm::vec4(point, 1);
+  const int x =
+      static_cast<int>(std::floor((0.5f + 0.5f * clip.x / clip.w) * static_cast<float>(picture.width)));
+  const int y =
+      static_cast<int>(std::floor((0.5f - 0.5f * clip.y / clip.w) * static_cast<float>(picture.height)));
+  EXPECT_TRUE(x >= 0 && y >= 0 && x < picture.width && y < picture.height) << x << ", " << y;
+  return picture.at(x, y);
+}
+
+}  // namespace fracture::test
