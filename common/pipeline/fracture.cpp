@@ -124,6 +124,9 @@ Expected<FragmentSet> fracture(const Solid& solid, const Diagram& diagram,
       set.report["warnings"].push_back(
           "dual=barycenter: the hulls of barycentres overlap and leave gaps; volumes do not add up to the "
           "solid's, and there are no bonds");
+      if (ownership.grouped)
+        set.report["warnings"].push_back(
+            "dual=barycenter: each cell is a fragment, those that the pattern keeps together too");
     }
     return set;
   });

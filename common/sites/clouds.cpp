@@ -14,6 +14,14 @@ std::uint32_t part_of(double share, std::uint32_t count) {
   return static_cast<std::uint32_t>(std::nearbyint(share * count));
 }
 
+/// Geometric mean of the box's sides.
+double mean_side(const Box& box) {
+  const Vec3d size = box.size();
+  const double longest = box.longest_side();
+  return longest > 0 ? longest * power(size.x / longest * (size.y / longest) * (size.z / longest), 1.0 / 3)
+                     : 1;
+}
+
 /// The points of the clouds, then uniform ones up to the asked number.
 SitePlan with_rest(const Task& task, ColumnSampler& sampler, std::vector<Vec3d> points) {
   SitePlan plan;
@@ -87,12 +95,13 @@ Expected<SitePlan> impact_sites(const Task& task, const ImpactPattern& pattern) 
 }
 
 Expected<SitePlan> clustered_sites(const Task& task, const ClusteredPattern& pattern) {
-  const std::uint32_t count = pattern.clusters.value_or(std::max(1u, task.count / 12));
+  // Few clusters of many sites: the outer cells of a cluster share what lies half-way to the sites around it.
+  const std::uint32_t count = pattern.clusters.value_or(std::max(1u, task.count / 40));
   ColumnSampler sampler(task.solid, task.seed, task.execution);
   Random random(task.seed ^ kClusterStream);
   const std::uint64_t center_seed = random();
   const std::vector<Vec3d> centers = ColumnSampler(task.solid, center_seed, task.execution).sample(count);
-  const double radius = pattern.radius.value_or(task.solid.box.longest_side() / 10);
+  const double radius = pattern.radius.value_or(0.12 * mean_side(task.solid.box));
   // Uneven clusters: their shares of the sites spread over a factor of about ten.
   std::vector<Cloud> clouds;
   std::vector<double> weight;  // running sums

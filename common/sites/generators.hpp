@@ -13,6 +13,7 @@ struct Task {
   std::uint32_t count;  ///< > 0
   std::uint64_t seed;
   const Execution& execution;
+  std::uint32_t most_sites;
 };
 
 Expected<SitePlan> impact_sites(const Task& task, const ImpactPattern& pattern);
@@ -35,6 +36,6 @@ std::vector<Vec3d> points_in_clouds(const Task& task, ColumnSampler& sampler, st
 inline constexpr int kDraws = 64;
 
 /// Error of a pattern that would make `sites` of them.
-tl::unexpected<Error> too_many_sites(double sites);
+tl::unexpected<Error> too_many_sites(const Task& task, double sites);
 
 }  // namespace fracture::sites_detail

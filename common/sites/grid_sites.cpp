@@ -24,9 +24,10 @@ Division fitted(double min, double max, double size) {
   return {min, (max - min) / n, static_cast<std::uint32_t>(n)};
 }
 
-/// Cells of exactly this size that cover the side.
+/// Cells of exactly this size that cover the side. A rest of less than a thousandth of a cell (rounding, say)
+/// belongs to its neighbour.
 Division covering(double min, double max, double size) {
-  const double n = std::fmax(1, std::ceil((max - min) / size - 1e-9));
+  const double n = std::fmax(1, std::ceil((max - min) / size - 1e-3));
   return {0.5 * (min + max) - 0.5 * n * size, size,
           static_cast<std::uint32_t>(std::fmin(n, 2.0 * kMaxPatternSites))};
 }
@@ -78,7 +79,7 @@ Expected<SitePlan> grid_sites(const Task& task, const GridPattern& pattern) {
   for (int a = 0; a < 3; ++a)
     d[a] = pattern.cell ? covering(box.min[a], box.max[a], (*pattern.cell)[a])
                         : fitted(box.min[a], box.max[a], scale);
-  if (product(d) > kMaxPatternSites) return too_many_sites(product(d));
+  if (product(d) > task.most_sites) return too_many_sites(task, product(d));
   Random random(task.seed ^ kGridStream);
   std::array<std::vector<double>, 3> at;
   for (int a = 0; a < 3; ++a) at[a] = coordinates(d[a], pattern.jitter, random);
@@ -117,7 +118,7 @@ Expected<SitePlan> brick_sites(const Task& task, const BrickPattern& pattern) {
   const std::uint32_t bricks = d[along].count + 1;  // in a course, the cut one at its end included
   d[along].count *= split;
   d[along].step /= split;
-  if (product(d) > kMaxPatternSites) return too_many_sites(product(d));
+  if (product(d) > task.most_sites) return too_many_sites(task, product(d));
   Random random(task.seed ^ kGridStream);
   std::array<std::vector<double>, 3> at;
   for (const int a : {along, up, deep}) at[a] = coordinates(d[a], pattern.jitter, random);

@@ -86,10 +86,10 @@ struct SlicePattern {
 
 /// Groups of small pieces between large ones.
 struct ClusteredPattern {
-  std::optional<std::uint32_t> clusters{};  ///< none: one for about twelve sites
-  std::optional<double> radius{};           ///< > 0; none: a tenth of the box's longest side
+  std::optional<std::uint32_t> clusters{};  ///< none: one for about forty sites
+  std::optional<double> radius{};           ///< > 0; none: 0.12 of the mean of the box's sides
   double exponent = 1.5;                    ///< as in ImpactPattern
-  double share = 0.85;                      ///< of the sites that go into clusters, 0 … 1
+  double share = 0.88;                      ///< of the sites that go into clusters, 0 … 1
   friend bool operator==(const ClusteredPattern&, const ClusteredPattern&) = default;
 };
 
@@ -109,6 +109,9 @@ struct Anisotropy {
   friend bool operator==(const Anisotropy&, const Anisotropy&) = default;
 };
 
+/// Patterns make at most this many sites.
+inline constexpr std::uint32_t kMaxPatternSites = 100'000;
+
 /// Exactly what decides the sites.
 struct SiteParameters {
   std::uint32_t sites = 50;  ///< about how many pieces; not for PointsPattern
@@ -116,6 +119,8 @@ struct SiteParameters {
   SitePattern pattern{};
   std::uint32_t lloyd = 0;  ///< passes of relaxation (pipeline/lloyd.hpp), for patterns without groups
   Anisotropy anisotropy{};
+  /// A pattern that would make more sites is refused. Decides no sites, only whether there are any.
+  std::uint32_t most_sites = kMaxPatternSites;
 };
 
 /// What a pattern makes of a solid.
@@ -126,11 +131,8 @@ struct SitePlan {
   std::vector<std::string> notes;     ///< what could not be done as asked, for people
 };
 
-/// Patterns that would make more sites than this are refused.
-inline constexpr std::uint32_t kMaxPatternSites = 100'000;
-
 /// Errors: kBadParameter with the parameter's name (a combination that has no meaning), kTooComplex (more
-/// than kMaxPatternSites). Near-linear in triangles + sites.
+/// than most_sites). Near-linear in triangles + sites.
 Expected<SitePlan> plan_sites(const Solid& solid, const SiteParameters& parameters,
                               const Execution& execution);
 

@@ -96,6 +96,7 @@ Expected<SitePlan> generate(const Task& task, const SitePattern& pattern, const 
     }
     Expected<SitePlan> operator()(RadialPattern pattern) const {
       pattern.impacts = mapped(std::move(pattern.impacts), map);
+      if (map && pattern.axis) pattern.axis = *map * *pattern.axis;
       return sites_detail::radial_sites(task, pattern);
     }
     Expected<SitePlan> operator()(const GridPattern& pattern) const {
@@ -104,9 +105,11 @@ Expected<SitePlan> generate(const Task& task, const SitePattern& pattern, const 
     Expected<SitePlan> operator()(const BrickPattern& pattern) const {
       return sites_detail::brick_sites(task, pattern);
     }
-    Expected<SitePlan> operator()(const SlicePattern& pattern) const {
-      return pattern.normals.size() == 1 ? sites_detail::slice_sites(task, pattern)
-                                         : sites_detail::grid_sites(task, grid_of(pattern, task));
+    Expected<SitePlan> operator()(SlicePattern pattern) const {
+      if (pattern.normals.size() > 1) return sites_detail::grid_sites(task, grid_of(pattern, task));
+      // The plane n·q = c is A^-T n · A q = c.
+      if (map) pattern.normals[0] = map->inverse().transposed_times(pattern.normals[0]);
+      return sites_detail::slice_sites(task, pattern);
     }
     Expected<SitePlan> operator()(const ClusteredPattern& pattern) const {
       return sites_detail::clustered_sites(task, pattern);
@@ -117,10 +120,10 @@ Expected<SitePlan> generate(const Task& task, const SitePattern& pattern, const 
 
 }  // namespace
 
-tl::unexpected<Error> sites_detail::too_many_sites(double sites) {
+tl::unexpected<Error> sites_detail::too_many_sites(const Task& task, double sites) {
   return fail(ErrorCode::kTooComplex,
               "The pattern needs " + std::to_string(static_cast<std::uint64_t>(std::fmin(sites, 1e15))) +
-                  " sites for this mesh; a pattern may make at most " + std::to_string(kMaxPatternSites) +
+                  " sites for this mesh; a pattern may make at most " + std::to_string(task.most_sites) +
                   ". Ask for larger cells or fewer rings and spokes.",
               "pattern");
 }
@@ -139,7 +142,7 @@ Expected<SitePlan> plan_sites(const Solid& solid, const SiteParameters& p, const
   if (map) image = image_of(solid, *map);
   const Solid& seen = image ? *image : solid;
 
-  const Task task{seen, std::max(1u, p.sites), p.seed, execution};
+  const Task task{seen, std::max(1u, p.sites), p.seed, execution, p.most_sites};
   Expected<SitePlan> plan = generate(task, p.pattern, map);
   if (!plan) return plan;
   plan->map = map;

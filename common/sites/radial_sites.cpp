@@ -58,8 +58,8 @@ Expected<SitePlan> radial_sites(const Task& task, const RadialPattern& pattern) 
       std::nearbyint(std::fmin(kMostSpokes, std::fmax(kLeastSpokes, std::sqrt(2 * cells))))));
   const auto rings = pattern.rings.value_or(
       static_cast<std::uint32_t>(std::nearbyint(std::fmin(1000, std::fmax(2, cells / spokes)))));
-  if (static_cast<double>(spokes) * rings > kMaxPatternSites)
-    return too_many_sites(static_cast<double>(spokes) * rings);
+  if (static_cast<double>(spokes) * rings > task.most_sites)
+    return too_many_sites(task, static_cast<double>(spokes) * rings);
 
   Random random(task.seed ^ kRadialStream);
   std::vector<double> width(rings);

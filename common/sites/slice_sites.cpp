@@ -26,10 +26,10 @@ Expected<SitePlan> slice_sites(const Task& task, const SlicePattern& pattern) {
   double count = task.count, spacing = length / count;
   if (pattern.spacing) {
     spacing = *pattern.spacing;
-    count = std::fmax(1, std::ceil(length / spacing - 1e-9));
+    count = std::fmax(1, std::ceil(length / spacing - 1e-3));
     low = 0.5 * (low + high) - 0.5 * count * spacing;
   }
-  if (count > kMaxPatternSites) return too_many_sites(count);
+  if (count > task.most_sites) return too_many_sites(task, count);
 
   // Neighbouring sites are at least (1 - jitter) spacings apart along the normal, and at most twice `off`
   // across it: their plane tilts by at most the asked angle.

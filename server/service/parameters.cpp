@@ -131,6 +131,7 @@ Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter
 
   // In the order of the table: a material, then the pattern, then what belongs to it.
   RequestParameters result;
+  result.fracture.most_sites = static_cast<std::uint32_t>(find("sites")->max);
   for (const ParameterSpec& spec : specs_) {
     const auto value = values.find(spec.name);
     if (value == values.end()) continue;
