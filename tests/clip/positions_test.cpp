@@ -7,6 +7,7 @@
 
 #include "common/pipeline/restrict.hpp"
 #include "common/sites/sites.hpp"
+#include "common/solid/image.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/site_families.hpp"
@@ -108,6 +109,59 @@ TEST(SeamLattice, EveryConstructedVertexIsTheExactPositionRoundedOnce) {
       EXPECT_EQ(n, r.positions.steps.size());
     }
   }
+}
+
+TEST(SeamLattice, CutsDecidedInAnImageAreCarriedBackExactly) {
+  // A diagonal map gives half-way cases on aligned lattices, a skew one the generic ones.
+  const Matrix3 halved{{Vec3d{0.5, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 2}}},
+      skew{{Vec3d{0.3, 0.1, 0}, Vec3d{-0.2, 1.1, 0.4}, Vec3d{0, 0.5, 0.7}}};
+  for (const NamedMesh& shape : {NamedMesh{"cube", cube(2)}, NamedMesh{"torus", torus(12, 8)}})
+    for (const Matrix3& map : {halved, skew}) {
+      const Expected<Solid> solid = make_solid(std::make_shared<Mesh>(shape.mesh), {}, {});
+      ASSERT_TRUE(solid);
+      const Solid image = image_of(*solid, map);
+      Mesh seen = shape.mesh;
+      seen.positions = image.positions;
+      for (const SiteFamily& family : small_site_families(seen, 3)) {
+        SCOPED_TRACE(shape.name + " " + family.name);
+        const Expected<Tetrahedralization> t = tetrahedralize(family.sites, image.box, {});
+        ASSERT_TRUE(t);
+        const VoronoiDiagram diagram(*t, image.box, map);
+        const RestrictedDiagram r = restrict_to_solid(*solid, image, diagram, {});
+        const auto at = [&](std::uint32_t v) { return q(to_double(solid->positions[v])); };
+        const auto image_at = [&](std::uint32_t v) { return q(to_double(image.positions[v])); };
+        const auto plane = [&](SiteId i, SiteId j) { return bisector(diagram.site(i), diagram.site(j)); };
+        std::size_t n = 0;
+        for (const EdgeCut& c : r.cuts.edge_cuts) {
+          const auto [lo, hi] = solid->edge_vertices[c.edge];
+          const QVec a = at(lo), e = at(hi) - a, b = image_at(lo), f = image_at(hi) - b;
+          const Plane p = plane(c.from, c.to);
+          const Q s = (p.d - dot(p.n, b)) / dot(p.n, f);
+          expect_rounded(r.positions, n++, {a[0] + s * e[0], a[1] + s * e[1], a[2] + s * e[2]});
+        }
+        for (const TriangleCut& c : r.cuts.triangle_cuts) {
+          const auto& v = solid->triangles[c.triangle];
+          const QVec b = image_at(v[0]), e = image_at(v[1]) - b, f = image_at(v[2]) - b, normal = cross(e, f);
+          const QVec x =
+              meet({normal, dot(normal, b)}, plane(c.sites[0], c.sites[1]), plane(c.sites[0], c.sites[2])) -
+              b;
+          // x = s e + t f, by areas against the normal.
+          const Q s = dot(cross(x, f), normal) / dot(normal, normal),
+                  u = dot(cross(e, x), normal) / dot(normal, normal);
+          const QVec a = at(v[0]), g = at(v[1]) - a, h = at(v[2]) - a;
+          expect_rounded(
+              r.positions, n++,
+              {a[0] + s * g[0] + u * h[0], a[1] + s * g[1] + u * h[1], a[2] + s * g[2] + u * h[2]});
+        }
+        for (const InnerVertex& d : r.winding.inner_vertices) {
+          const auto& v = t->tets[d.tet].v;
+          const QVec x = meet(plane(v[0], v[1]), plane(v[0], v[2]), plane(v[0], v[3]));
+          expect_rounded(r.positions, n++,
+                         meet({q(map.rows[0]), x[0]}, {q(map.rows[1]), x[1]}, {q(map.rows[2]), x[2]}));
+        }
+        EXPECT_EQ(n, r.positions.steps.size());
+      }
+    }
 }
 
 }  // namespace

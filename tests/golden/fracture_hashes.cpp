@@ -1,4 +1,5 @@
-// Prints one hash a line over the bytes of whole answers: `<mesh> <sites> <seed> <dual> t<threads> <sha256>`.
+// Prints one hash a line over the bytes of whole answers: `<mesh> <request> t<threads> <sha256>`, for plain
+// requests on every mesh, and for every pattern and material on three of them.
 // scripts/test
 // --full runs it in every build (g++ and clang++, debug and release) and compares the outputs; nothing is
 // ever compared with a stored value. Exits 1 when one and two threads of the same build already differ.
@@ -10,6 +11,7 @@
 #include "common/gltf/gltf_writer.hpp"
 #include "common/pipeline/fracture.hpp"
 #include "tests/support/mesh_files.hpp"
+#include "tests/support/pattern_requests.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace {
@@ -42,6 +44,13 @@ int main() {
       meshes.emplace_back(file.name, std::make_shared<Mesh>(std::move(*mesh)));
 
   int differing = 0;
+  const auto compare = [&](const std::string& name, const std::shared_ptr<const Mesh>& mesh,
+                           const std::string& request, const FractureParameters& parameters) {
+    const std::string one = hash_of(mesh, parameters, 1), two = hash_of(mesh, parameters, 2);
+    differing += one != two;
+    std::printf("%s %s t1 %s\n%s %s t2 %s\n", name.c_str(), request.c_str(), one.c_str(), name.c_str(),
+                request.c_str(), two.c_str());
+  };
   for (const auto& [name, mesh] : meshes)
     for (const Dual dual : {Dual::kCircumcenter, Dual::kBarycenter})
       for (const std::uint32_t sites : {7u, 120u}) {
@@ -51,12 +60,18 @@ int main() {
         parameters.sites = sites;
         parameters.seed = 42;
         parameters.dual = dual;
-        const std::string one = hash_of(mesh, parameters, 1), two = hash_of(mesh, parameters, 2);
-        differing += one != two;
-        const char* dual_name = dual == Dual::kCircumcenter ? "circumcenter" : "barycenter";
-        std::printf("%s %u 42 %s t1 %s\n", name.c_str(), sites, dual_name, one.c_str());
-        std::printf("%s %u 42 %s t2 %s\n", name.c_str(), sites, dual_name, two.c_str());
+        compare(
+            name, mesh,
+            std::to_string(sites) + " 42 " + (dual == Dual::kCircumcenter ? "circumcenter" : "barycenter"),
+            parameters);
       }
+  for (const auto& [name, mesh] : meshes) {
+    if (name != "uv_sphere" && name != "torus" && name != "kk_bottle_A_brown.glb") continue;
+    const Expected<Solid> solid = make_solid(mesh, {}, {});
+    if (!solid) continue;
+    for (const test::NamedParameters& request : test::pattern_requests(solid->box, 90, 42))
+      compare(name, mesh, request.name, request.parameters);
+  }
   if (differing) std::fprintf(stderr, "%d answers differ between one and two threads\n", differing);
   return differing ? 1 : 0;
 }

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+
 namespace fracture {
 namespace {
 
@@ -176,6 +178,129 @@ TEST(Parameters, AColourIsHexInSrgbAndAText63BytesWithoutControlCharacters) {
   for (const std::string& bad :
        {std::string(), std::string(64, 'a'), std::string("a\nb"), std::string("\xff")})
     EXPECT_FALSE(parse_text("interior_name", bad));
+}
+
+TEST(Parameters, VectorsAreTextOrArrays) {
+  const auto text = table().parse({{"pattern", "impact"}, {"impacts", "1,-2.5,1e-3;0,0,0"}});
+  ASSERT_TRUE(text) << text.error().detail;
+  const std::vector<Vec3d> expected{{1, -2.5, 1e-3}, {0, 0, 0}};
+  EXPECT_EQ(std::get<ImpactPattern>(text->fracture.pattern).impacts, expected);
+  const auto json =
+      table().parse({{"pattern", "impact", false},
+                     {"impacts", nlohmann::json::parse("[[1, -2.5, 1e-3], [0, 0, 0]]"), false}});
+  ASSERT_TRUE(json);
+  EXPECT_EQ(canonical_parameters(*json), canonical_parameters(*text));
+  const auto one = table().parse({{"pattern", "impact"}, {"impacts", {1, 2, 3}, false}});
+  ASSERT_TRUE(one);
+  EXPECT_EQ(std::get<ImpactPattern>(one->fracture.pattern).impacts, (std::vector<Vec3d>{{1, 2, 3}}));
+  const auto matrix = table().parse({{"stretch_matrix", "1,0,0;0,2,0;0,0,3"}});
+  ASSERT_TRUE(matrix);
+  EXPECT_EQ(matrix->fracture.anisotropy.matrix->rows[1], (Vec3d{0, 2, 0}));
+}
+
+TEST(Parameters, AnOffenderInsideAListIsPointedAt) {
+  const auto pointer = [](const char* name, const char* json, const char* pattern) {
+    const auto parsed = table().parse({{"pattern", pattern}, {name, nlohmann::json::parse(json), false}});
+    return parsed ? std::string("accepted") : parsed.error().extra.at("errors")[0].value("pointer", "none");
+  };
+  EXPECT_EQ(pointer("points", "[[0, 0, 0], [1, null, 0]]", "points"), "/points/1/1");
+  EXPECT_EQ(pointer("points", "[[0, 0, 0], [1, 2]]", "points"), "/points/1");
+  EXPECT_EQ(pointer("points", "[[0, 0, 0], \"1,2,3\"]", "points"), "/points/1");
+  EXPECT_EQ(pointer("points", "[]", "points"), "/points");
+  EXPECT_EQ(pointer("impacts", "[0, 2e6, 0]", "impact"), "/impacts/1");
+  EXPECT_EQ(pointer("axis", "[0, 0, 0]", "radial"), "/axis");
+  EXPECT_EQ(pointer("cell", "[1, 0, 1]", "grid"), "/cell/1");
+  EXPECT_EQ(pointer("normals", "[[1, 0, 0], [2, 0, 0]]", "slice"), "/normals");
+  EXPECT_EQ(pointer("normals", "[[1,0,0],[0,1,0],[0,0,1],[1,1,1]]", "slice"), "/normals");
+  EXPECT_EQ(pointer("stretch_matrix", "[[1, 2, 3], [2, 4, 6], [0, 0, 1]]", "uniform"), "/stretch_matrix");
+  EXPECT_EQ(pointer("stretch_matrix", "[[1, 0, 0], [0, 1, 0]]", "uniform"), "/stretch_matrix");
+  for (const char* bad : {"nan,0,0", "0,0", "0,0,0,0", "", "0,0,0;", "1;2;3", "inf,0,0", "0, 0,0"})
+    EXPECT_FALSE(table().parse({{"pattern", "points"}, {"points", bad}})) << bad;
+}
+
+TEST(Parameters, BadPatternsAndMaterialsAreRefusedWithTheLegalOnes) {
+  const auto detail = [](const std::vector<RawParameter>& given) {
+    const auto parsed = table().parse(given);
+    return parsed ? std::string("accepted") : parsed.error().detail;
+  };
+  EXPECT_NE(detail({{"material", "wodo"}}).find("glass, wood, concrete"), std::string::npos);
+  EXPECT_NE(detail({{"pattern", "star"}}).find("uniform, points, impact"), std::string::npos);
+  EXPECT_NE(detail({{"pattern", "impact"}, {"radius", "-1"}}).find("from 1e-06 to 1e+06"), std::string::npos);
+  EXPECT_NE(detail({{"rings", "5"}}).find("belongs to the pattern radial"), std::string::npos);
+  EXPECT_NE(detail({{"pattern", "points"}}).find("needs 'points'"), std::string::npos);
+  EXPECT_NE(detail({{"pattern", "points"}, {"points", "0,0,0"}, {"sites", "5"}}).find("'sites' belongs"),
+            std::string::npos);
+  EXPECT_NE(detail({{"stretch_matrix", "1,0,0;0,1,0;0,0,1"}, {"stretch", "2"}}).find("both given"),
+            std::string::npos);
+}
+
+TEST(Parameters, AMaterialIsAPresetThatGivenParametersOverride) {
+  for (const MaterialPreset& preset : material_presets()) {
+    SCOPED_TRACE(preset.name);
+    const auto parsed = table().parse({{"friction", "0.9"}, {"material", preset.name}});
+    ASSERT_TRUE(parsed) << parsed.error().detail;
+    EXPECT_EQ(parsed->physical.friction, 0.9);
+    EXPECT_EQ(parsed->physical.density, preset.physical.density);
+    EXPECT_EQ(parsed->physical.bond_strength, preset.physical.bond_strength);
+    EXPECT_EQ(parsed->fracture.pattern, preset.pattern);
+    EXPECT_EQ(parsed->interior_color, preset.look.color);
+    EXPECT_TRUE(parsed->interior.color);
+    // Its canonical form means the same.
+    const nlohmann::json canonical = canonical_parameters(*parsed);
+    std::vector<RawParameter> again;
+    for (const auto& [name, value] : canonical.items()) again.push_back({name, value, false});
+    const auto reparsed = table().parse(again);
+    ASSERT_TRUE(reparsed) << reparsed.error().detail;
+    EXPECT_EQ(canonical_parameters(*reparsed), canonical);
+  }
+  const auto other = table().parse({{"material", "metal"}, {"pattern", "radial"}, {"spokes", "20"}});
+  ASSERT_TRUE(other) << other.error().detail;
+  EXPECT_EQ(other->physical.density, 7850);
+  EXPECT_EQ(other->fracture.lloyd, 0u) << "relaxation belongs to the preset's own pattern";
+  EXPECT_EQ(std::get<RadialPattern>(other->fracture.pattern).spokes, 20u);
+}
+
+TEST(Parameters, OnlyWhatDecidesTheSitesIsInTheirKey) {
+  const auto key = [](const std::vector<RawParameter>& given) {
+    return canonical_site_parameters(*table().parse(given)).dump();
+  };
+  const std::string plain = key({});
+  EXPECT_EQ(key({{"density", "5"}, {"pivot", "source"}, {"repair", "strict"}, {"dual", "barycenter"}}),
+            plain);
+  EXPECT_EQ(key({{"material", "wood"}}), key({{"stretch", "8"}, {"density", "3"}}));
+  EXPECT_NE(key({{"pattern", "impact"}}), plain);
+  EXPECT_NE(key({{"seed", "2"}}), plain);
+  EXPECT_NE(key({{"lloyd", "1"}}), plain);
+  EXPECT_NE(key({{"pattern", "impact"}, {"impacts", "0,0,0"}}),
+            key({{"pattern", "impact"}, {"impacts", "0,0,1"}}));
+}
+
+TEST(Parameters, TheCatalogueDescribesEveryPatternAndMaterial) {
+  const nlohmann::json catalogue = table().patterns_to_json();
+  ASSERT_EQ(catalogue.at("patterns").size(), std::variant_size_v<SitePattern>);
+  std::set<std::string> named;
+  for (const auto& pattern : catalogue.at("patterns"))
+    for (const auto& parameter : pattern.at("parameters")) {
+      EXPECT_FALSE(parameter.at("description").get<std::string>().empty());
+      EXPECT_TRUE(parameter.contains("type"));
+      named.insert(parameter.at("name"));
+    }
+  for (const auto& parameter : catalogue.at("parameters")) named.insert(parameter.at("name"));
+  for (const ParameterSpec& spec : table().specs())
+    if (spec.decides != Decides::kSolid) {
+      EXPECT_EQ(named.count(spec.name), 1u) << spec.name;
+    }
+  ASSERT_EQ(catalogue.at("materials").size(), 8u);
+  for (const auto& material : catalogue.at("materials")) {
+    std::vector<RawParameter> given;
+    for (const auto& [name, value] : material.at("parameters").items()) given.push_back({name, value, false});
+    const auto spelled = table().parse(given),
+               named_only = table().parse({{"material", material.at("name"), false}});
+    ASSERT_TRUE(spelled) << spelled.error().detail;
+    EXPECT_EQ(spelled->fracture.pattern, named_only->fracture.pattern);
+    EXPECT_EQ(spelled->physical, named_only->physical);
+    EXPECT_EQ(spelled->interior, named_only->interior);
+  }
 }
 
 TEST(Parameters, OneSpellingForEveryWayToAsk) {

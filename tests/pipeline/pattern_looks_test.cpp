@@ -1,0 +1,212 @@
+// Does glass break like glass and wood like wood? The measurable floors of each material, from the file's own
+// positions.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/support/figures.hpp"
+#include "tests/support/pattern_requests.hpp"
+#include "tests/support/shapes.hpp"
+
+namespace fracture::test {
+namespace {
+
+Solid solid_of(const Mesh& mesh) { return *make_solid(std::make_shared<Mesh>(mesh), {}, {}); }
+
+FragmentSet fractured(const Mesh& mesh, const FractureParameters& p) {
+  const Solid solid = solid_of(mesh);
+  StageTimings timings;
+  const Expected<Diagram> diagram = make_diagram(solid, p, {}, timings);
+  if (!diagram) throw std::runtime_error(diagram.error().detail);
+  Expected<FragmentSet> set = fracture(solid, *diagram, p, {}, timings);
+  if (!set) throw std::runtime_error(set.error().detail);
+  return std::move(*set);
+}
+
+FractureParameters material(const char* name, std::uint32_t sites, std::uint64_t seed = 1) {
+  return of_material(*find_material_preset(name), sites, seed);
+}
+
+Vec3d world(const Fragment& f, std::uint32_t v) { return to_double(f.positions[v]) + f.pivot; }
+
+/// Calls visit(corner a, b, c) for each triangle of the cuts.
+template <class Visit>
+void for_each_cut(const FragmentSet& set, const Visit& visit) {
+  for (const Fragment& f : set.fragments)
+    for (const FragmentPrimitive& p : f.primitives) {
+      if (p.material != kInteriorMaterial) continue;
+      for (std::uint32_t k = p.first_index; k < p.first_index + p.index_count; k += 3)
+        visit(world(f, f.indices[k]), world(f, f.indices[k + 1]), world(f, f.indices[k + 2]));
+    }
+}
+
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
+                   values.end());
+  return values[values.size() / 2];
+}
+
+std::vector<double> volumes(const FragmentSet& set) {
+  std::vector<double> all;
+  for (const Fragment& f : set.fragments) all.push_back(f.mass.volume);
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+double coefficient_of_variation(const FragmentSet& set) {
+  const std::vector<double> all = volumes(set);
+  double mean = 0, square = 0;
+  for (const double v : all) mean += v / static_cast<double>(all.size());
+  for (const double v : all) square += (v - mean) * (v - mean) / static_cast<double>(all.size());
+  return std::sqrt(square) / mean;
+}
+
+/// Share of the cut area whose normal is within 15 degrees of radial or tangential about the axis z through
+/// the centre.
+double radial_share(const FragmentSet& set, const Vec3d& center) {
+  double all = 0, good = 0;
+  const double limit = std::cos(15 * M_PI / 180);
+  for_each_cut(set, [&](const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+    const Vec3d n = cross(b - a, c - a), middle = (1.0 / 3) * (a + b + c) - center;
+    const double area = 0.5 * length(n), across = std::hypot(middle.x, middle.y);
+    all += area;
+    if (area == 0 || across == 0) return;
+    const Vec3d unit = (0.5 / area) * n;
+    const double radial = (unit.x * middle.x + unit.y * middle.y) / across,
+                 tangential = (unit.y * middle.x - unit.x * middle.y) / across;
+    if (std::fabs(radial) >= limit || std::fabs(tangential) >= limit) good += area;
+  });
+  return good / all;
+}
+
+TEST(GlassLooks, FourFifthsOfTheCutsAreRadialOrTangential) {
+  for (const std::uint64_t seed : {1u, 2u, 3u})
+    for (const std::uint32_t sites : {20u, 50u, 200u}) {
+      SCOPED_TRACE(sites);
+      const FragmentSet pane = fractured(box({0, 0, 0}, {2, 1.5, 0.02}, 4), material("glass", sites, seed));
+      EXPECT_GE(radial_share(pane, {1, 0.75, 0.01}), 0.8);
+      FractureParameters hit = material("glass", sites, seed);
+      std::get<RadialPattern>(hit.pattern).impacts = {{0.3, 0.4, 0}};
+      EXPECT_GE(radial_share(fractured(box({0, 0, 0}, {2, 1.5, 0.02}, 4), hit), {0.3, 0.4, 0}), 0.8);
+      EXPECT_GE(pane.fragments.size(), sites / 2);
+      EXPECT_LE(pane.fragments.size(), sites * 2);
+    }
+}
+
+TEST(WoodLooks, MedianExtentAlongTheGrainIsFourTimesThatAcross) {
+  const std::vector<Mesh> meshes{box({0, 0, 0}, {0.2, 2, 0.2}, 4), cube(4),
+                                 box({0, 0, 0}, {1.2, 1, 0.05}, 4)};
+  for (const Mesh& mesh : meshes)
+    for (const std::uint32_t sites : {50u, 150u}) {
+      const Vec3d size = box_of(mesh).size();
+      SCOPED_TRACE(std::to_string(sites) + " sites, box " + std::to_string(size.x) + " x " +
+                   std::to_string(size.y));
+      const int grain = size.x > size.y ? 0 : 1;
+      std::vector<double> along, across;
+      for (const Fragment& f : fractured(mesh, material("wood", sites)).fragments) {
+        Box bounds;
+        for (std::uint32_t v = 0; v < f.positions.size(); ++v) bounds.add(world(f, v));
+        const Vec3d s = bounds.size();
+        along.push_back(s[grain]);
+        for (const int k : {1, 2}) across.push_back(s[(grain + k) % 3]);
+      }
+      EXPECT_GE(median(along), 4 * median(across));
+    }
+}
+
+TEST(BrickLooks, NoCutIsFartherThanTheJitterFromAMortarPlane) {
+  for (const double jitter : {0.0, 0.05, 0.5}) {
+    SCOPED_TRACE(jitter);
+    FractureParameters p = material("brick", 50);
+    auto& brick = std::get<BrickPattern>(p.pattern);
+    brick.cell = Vec3d{0.225, 0.075, 0.1125};
+    brick.jitter = jitter;
+    // 9 bricks long, 16 courses, one brick deep: the lattice of bricks begins at the corner of the box.
+    const Mesh wall = box({0, 0, 0}, {9 * 0.225, 16 * 0.075, 2 * 0.1125}, 3);
+    const FragmentSet set = fractured(wall, p);
+    // Per course and wythe 9 bricks, or 8 and two halves.
+    EXPECT_EQ(set.fragments.size(), 2u * 8 * (9 + 10));
+    const Vec3d mortar{0.225 / 2, 0.075, 0.1125};  // every second plane along x cuts a course
+    double worst = 0;
+    for_each_cut(set, [&](const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+      const Vec3d n = cross(b - a, c - a);
+      int axis = 0;
+      for (int k = 1; k < 3; ++k)
+        if (std::fabs(n[k]) > std::fabs(n[axis])) axis = k;
+      for (const Vec3d& q : {a, b, c}) {
+        const double off = q[axis] - std::nearbyint(q[axis] / mortar[axis]) * mortar[axis];
+        worst = std::max(worst, std::fabs(off) / mortar[axis]);
+      }
+    });
+    EXPECT_LE(worst, 0.5 * jitter + 1e-4);
+  }
+}
+
+TEST(ConcreteLooks, TheLargestTenthOfTheFragmentsHoldsHalfOfTheVolume) {
+  for (const std::uint64_t seed : {1u, 2u, 3u})
+    for (const Mesh& mesh : {cube(4), sphere_with(2000), box({0, 0, 0}, {0.4, 3, 0.4}, 4)})
+      for (const std::uint32_t sites : {50u, 100u, 300u}) {
+        SCOPED_TRACE(std::to_string(sites) + " sites, seed " + std::to_string(seed));
+        const std::vector<double> all = volumes(fractured(mesh, material("concrete", sites, seed)));
+        const std::size_t tenth = (all.size() + 9) / 10;
+        double large = 0, sum = 0;
+        for (std::size_t k = 0; k < all.size(); ++k) {
+          sum += all[k];
+          if (k + tenth >= all.size()) large += all[k];
+        }
+        EXPECT_GE(large, 0.5 * sum);
+      }
+}
+
+TEST(LloydLooks, FivePassesHalveTheCoefficientOfVariation) {
+  for (const Mesh& mesh : {cube(4), sphere_with(2000), torus(48, 24)})
+    for (const std::uint32_t sites : {50u, 200u}) {
+      SCOPED_TRACE(std::to_string(sites) + " sites, " + std::to_string(mesh.triangles.size()) + " triangles");
+      double uniform = 0, relaxed = 0;
+      for (const std::uint64_t seed : {1u, 2u, 3u}) {
+        FractureParameters p;
+        p.sites = sites;
+        p.seed = seed;
+        uniform += coefficient_of_variation(fractured(mesh, p));
+        p.lloyd = 5;
+        relaxed += coefficient_of_variation(fractured(mesh, p));
+      }
+      EXPECT_LE(relaxed, 0.5 * uniform);
+    }
+}
+
+TEST(ImpactLooks, PiecesAreSmallerNearTheImpact) {
+  FractureParameters p;
+  p.sites = 200;
+  p.pattern = ImpactPattern{.impacts = {{0.5, 0.5, 0.5}}, .radius = 0.3};
+  std::vector<double> near, far;
+  for (const Fragment& f : fractured(cube(4), p).fragments) {
+    const double distance = length(f.mass.center_of_mass - Vec3d{0.5, 0.5, 0.5});
+    (distance < 0.3 ? near : far).push_back(f.mass.volume);
+  }
+  ASSERT_GT(near.size(), 100u);
+  ASSERT_GT(far.size(), 10u);
+  EXPECT_LT(20 * median(near), median(far));
+}
+
+TEST(SliceLooks, ObliqueFamiliesCutOnlyAlongTheirPlanes) {
+  FractureParameters p;
+  p.sites = 60;
+  const std::vector<Vec3d> normals{{1, 0.3, 0}, {0, 1, 0.2}, {0.4, -0.2, 1}};
+  p.pattern = SlicePattern{.normals = normals};
+  const FragmentSet set = fractured(cube(3), p);
+  EXPECT_GT(set.fragments.size(), 30u);
+  double worst = 0;
+  for_each_cut(set, [&](const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+    const Vec3d n = cross(b - a, c - a);
+    if (length(n) < 1e-6) return;  // a sliver's normal is rounding error
+    double best = 0;
+    for (const Vec3d& m : normals) best = std::max(best, std::fabs(dot(n, m)) / (length(n) * length(m)));
+    worst = std::max(worst, 1 - best);
+  });
+  EXPECT_LT(worst, 1e-4);
+}
+
+}  // namespace
+}  // namespace fracture::test

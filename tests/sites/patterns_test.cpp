@@ -1,0 +1,189 @@
+// The patterns as lists of sites, and what they are made with.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/sites/arithmetic.hpp"
+#include "common/sites/column_sampler.hpp"
+#include "common/sites/pattern.hpp"
+#include "common/sites/sites.hpp"
+#include "common/solid/image.hpp"
+#include "tests/support/figures.hpp"
+#include "tests/support/shapes.hpp"
+
+namespace fracture::test {
+namespace {
+
+Solid solid_of(const Mesh& mesh) { return *make_solid(std::make_shared<const Mesh>(mesh), {}, {}); }
+
+SitePlan plan_of(const Solid& solid, SitePattern pattern, std::uint32_t sites = 50, std::uint64_t seed = 1) {
+  SiteParameters p;
+  p.sites = sites;
+  p.seed = seed;
+  p.pattern = std::move(pattern);
+  return *plan_sites(solid, p, {});
+}
+
+TEST(Arithmetic, PowerAgreesWithTheLibrary) {
+  for (const double base : {0.0, 1e-9, 0.1, 0.5, 0.999, 1.0})
+    for (const double exponent : {1.0 / 3, 0.5, 1.0, 1.7, 2.0, 9.99})
+      EXPECT_NEAR(sites_detail::power(base, exponent), std::pow(base, exponent), 1e-11)
+          << base << "^" << exponent;
+}
+
+TEST(Arithmetic, UnitAtAgreesWithTheLibrary) {
+  for (int k = -400; k <= 400; ++k) {
+    const double turns = k / 173.0, angle = 2 * M_PI * turns;
+    EXPECT_NEAR(sites_detail::unit_at(turns).x, std::cos(angle), 1e-13);
+    EXPECT_NEAR(sites_detail::unit_at(turns).y, std::sin(angle), 1e-13);
+  }
+}
+
+TEST(Arithmetic, AcrossIsARightHandedFrame) {
+  for (const Vec3d& axis : {Vec3d{1, 0, 0}, Vec3d{0, -3, 0}, Vec3d{1e-9, 2e-9, -1e-9}, Vec3d{1e6, 1, -1e6}}) {
+    const auto [u, v] = sites_detail::across(axis);
+    EXPECT_NEAR(length(u), 1, 1e-14);
+    EXPECT_NEAR(length(v), 1, 1e-14);
+    EXPECT_NEAR(dot(u, v), 0, 1e-14);
+    EXPECT_NEAR(dot(cross(u, v), axis) / length(axis), 1, 1e-14);
+  }
+}
+
+TEST(ColumnSampler, TellsInsideAsTheWindingNumberDoes) {
+  for (const NamedMesh& shape : closed_shapes()) {
+    SCOPED_TRACE(shape.name);
+    const Solid solid = solid_of(shape.mesh);
+    const Execution execution;
+    sites_detail::ColumnSampler sampler(solid, 1, execution);
+    Random random(7);
+    std::vector<Vec3d> points;
+    for (int k = 0; k < 200; ++k) {
+      Vec3d p;
+      for (int a = 0; a < 3; ++a)
+        p[a] = solid.box.min[a] + (1.2 * random.uniform() - 0.1) * (solid.box.max[a] - solid.box.min[a]);
+      points.push_back(p);
+    }
+    const std::vector<bool> inside = sampler.inside(points);
+    int wrong = 0;
+    for (std::size_t k = 0; k < points.size(); ++k)
+      wrong += inside[k] != (winding_number(shape.mesh, points[k]) > 0.5);
+    EXPECT_EQ(wrong, 0);
+  }
+}
+
+TEST(Patterns, AreFunctionsOfTheSeed) {
+  const Solid solid = solid_of(torus(24, 12));
+  for (const SitePattern& pattern : std::vector<SitePattern>{
+           UniformPattern{}, ImpactPattern{}, RadialPattern{}, GridPattern{.jitter = 0.5},
+           BrickPattern{.jitter = 0.5}, SlicePattern{}, ClusteredPattern{}}) {
+    SCOPED_TRACE(kPatternNames[pattern.index()]);
+    EXPECT_EQ(plan_of(solid, pattern, 50, 3).points, plan_of(solid, pattern, 50, 3).points);
+    EXPECT_NE(plan_of(solid, pattern, 50, 3).points, plan_of(solid, pattern, 50, 4).points);
+  }
+}
+
+TEST(Patterns, GeneratedSitesLieOnTheLatticeAndGivenOnesAreLeftAlone) {
+  const Solid solid = solid_of(cube());
+  const SiteLattice lattice = site_lattice(solid.box);
+  for (const SitePattern& pattern :
+       std::vector<SitePattern>{ImpactPattern{}, RadialPattern{}, ClusteredPattern{}})
+    for (const Vec3d& p : plan_of(solid, pattern).points) EXPECT_EQ(lattice.snap(p), p);
+  const std::vector<Vec3d> own{{0.1, 0.2, 0.3}, {1.0 / 3, -0.1, 7}};
+  EXPECT_EQ(plan_of(solid, PointsPattern{own}).points, own);
+}
+
+TEST(ImpactPattern, AllOfASmallRadiusIsFilledWithTheAskedDensity) {
+  const Solid solid = solid_of(cube(2));
+  for (const double exponent : {0.0, 1.0, 2.0, 2.5}) {
+    SCOPED_TRACE(exponent);
+    const double radius = 0.01;
+    const SitePlan plan = plan_of(
+        solid, ImpactPattern{.impacts = {{0.1, 0, 0}}, .radius = radius, .exponent = exponent, .share = 1},
+        4000);
+    ASSERT_EQ(plan.points.size(), 4000u);
+    EXPECT_TRUE(plan.notes.empty());
+    // Within a distance r lies the share (r / radius)^(3 - exponent).
+    for (const double part : {0.25, 0.5, 0.75}) {
+      const auto near = std::count_if(plan.points.begin(), plan.points.end(), [&](const Vec3d& p) {
+        return length(p - Vec3d{0.1, 0, 0}) <= part * radius;
+      });
+      EXPECT_NEAR(static_cast<double>(near) / 4000, std::pow(part, 3 - exponent), 0.03);
+    }
+  }
+}
+
+TEST(ImpactPattern, AnImpactFarOutsideLeavesUniformSitesAndSaysSo) {
+  const Solid solid = solid_of(cube(2));
+  const SitePlan plan = plan_of(solid, ImpactPattern{.impacts = {{50, 0, 0}}, .radius = 0.1});
+  EXPECT_EQ(plan.points.size(), 50u);
+  ASSERT_EQ(plan.notes.size(), 1u);
+  EXPECT_NE(plan.notes[0].find("40 of 40 sites"), std::string::npos) << plan.notes[0];
+}
+
+TEST(GridPattern, CountsAndCellsAreAsAsked) {
+  const Solid solid = solid_of(box({0, 0, 0}, {2, 1, 1}));
+  EXPECT_EQ(plan_of(solid, GridPattern{.cell = Vec3d{0.5, 0.25, 1}}).points.size(), 4u * 4 * 1);
+  EXPECT_EQ(plan_of(solid, GridPattern{}, 16).points.size(), 16u);
+  const SitePlan bricks = plan_of(solid, BrickPattern{.cell = Vec3d{0.5, 0.25, 1}});
+  EXPECT_EQ(bricks.points.size(), 8u * 4 * 1);
+  EXPECT_EQ(bricks.groups.size(), bricks.points.size());
+}
+
+TEST(Patterns, TooManySitesAreATypedError) {
+  const Solid solid = solid_of(cube());
+  for (const SitePattern& pattern : std::vector<SitePattern>{
+           GridPattern{.cell = Vec3d{1e-4, 1e-4, 1e-4}}, BrickPattern{.cell = Vec3d{1e-6, 1e-6, 1e-6}},
+           SlicePattern{.spacing = 1e-6}, RadialPattern{.spokes = 720, .rings = 1000},
+           SlicePattern{.normals = {{1, 0, 0}, {0, 1, 0}}, .spacing = 1e-6}}) {
+    SiteParameters p;
+    p.pattern = pattern;
+    const Expected<SitePlan> plan = plan_sites(solid, p, {});
+    ASSERT_FALSE(plan);
+    EXPECT_EQ(plan.error().code, ErrorCode::kTooComplex);
+  }
+}
+
+TEST(Patterns, SlicesOfSeveralFamiliesCannotBeStretched) {
+  SiteParameters p;
+  p.pattern = SlicePattern{.normals = {{1, 0, 0}, {0, 1, 0}}};
+  p.anisotropy.stretch = 2;
+  const Expected<SitePlan> plan = plan_sites(solid_of(cube()), p, {});
+  ASSERT_FALSE(plan);
+  EXPECT_EQ(plan.error().code, ErrorCode::kBadParameter);
+  EXPECT_EQ(plan.error().pointer, "stretch");
+}
+
+TEST(Anisotropy, TheMapCompressesAlongTheGrainAndMirrorsAreTurnedBack) {
+  const Solid solid = solid_of(box({0, 0, 0}, {1, 3, 1}));
+  SiteParameters p;
+  p.anisotropy.stretch = 4;
+  const std::optional<Matrix3> map = plan_sites(solid, p, {})->map;
+  ASSERT_TRUE(map);
+  EXPECT_EQ((*map * Vec3d{1, 4, 1}), (Vec3d{1, 1, 1})) << "the grain is the longest side";
+  p.anisotropy = {.matrix = Matrix3{{Vec3d{-2, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}}}};
+  const std::optional<Matrix3> mirrored = plan_sites(solid, p, {})->map;
+  ASSERT_TRUE(mirrored);
+  EXPECT_GT(mirrored->determinant(), 0);
+  EXPECT_NEAR(mirrored->determinant(), 0.5, 1e-12);
+}
+
+TEST(ImageOf, KeepsTheTopologyAndStatesTheImagesFigures) {
+  const Mesh mesh = nested_spheres(3, 800);
+  const Solid solid = solid_of(mesh);
+  const Matrix3 map{{Vec3d{2, 0, 0}, Vec3d{0, 0.5, 0.1}, Vec3d{0, 0, 3}}};
+  const Solid image = image_of(solid, map);
+  EXPECT_EQ(image.triangles, solid.triangles);
+  EXPECT_EQ(image.edge_vertices, solid.edge_vertices);
+  ASSERT_EQ(image.positions.size(), solid.positions.size());
+  Mesh seen;
+  seen.positions = image.positions;
+  seen.triangles = image.triangles;
+  EXPECT_NEAR(image.report.volume, volume_of(seen), 1e-6 * image.report.volume);
+  EXPECT_NEAR(image.report.area, area_of(seen), 1e-6 * image.report.area);
+  EXPECT_EQ(image.box.min, box_of(seen).min);
+  EXPECT_EQ(image.box.max, box_of(seen).max);
+}
+
+}  // namespace
+}  // namespace fracture::test
