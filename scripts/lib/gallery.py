@@ -1,0 +1,274 @@
+"""gallery.py ROOT [--only …] [--size …] [--keep]: see scripts/gallery, which calls it.
+
+Asks the server what materials and patterns there are (GET /patterns), has each break the meshes, and lets
+fracture-render draw the sheets.
+"""
+import argparse
+import contextlib
+import hashlib
+import json
+import os
+import pathlib
+import socket
+import struct
+import subprocess
+import sys
+import time
+import urllib.error
+import urllib.request
+
+from gallery_meshes import MESHES
+
+MONKEY = "/usr/share/assimp/models/BLEND/Suzanne_248.blend"  # Debian: assimp-testmodels
+SITES = {"pane": 60, "wall": 70, "monkey": 60, "column": 60, "vase": 50}
+ASSETS = 6  # files of FRACTURE_TEST_MESHES on the sheet
+ASSET_BYTES = 400_000
+COLUMNS = [("intact", {}), ("exploded", {"view": "exploded", "explode": 0.5}), ("after an impact", {"view": "impact"})]
+
+
+def free_port():
+    with socket.socket() as s:
+        s.bind(("127.0.0.1", 0))
+        return s.getsockname()[1]
+
+
+class Server:
+    """A server on free ports, and the few requests that the gallery makes."""
+
+    def __init__(self, program, log):
+        self.port, self.admin = free_port(), free_port()
+        self.process = subprocess.Popen(
+            [program, "serve", "--port", str(self.port), "--admin-port", str(self.admin), "--enable-format", "blend",
+             "--drain-delay", "0", "--log-level", "warn"], stderr=log)
+        while True:
+            if self.process.poll() is not None:
+                sys.exit("gallery: the server did not start; its words are in build/gallery/server.log")
+            with contextlib.suppress(OSError):
+                urllib.request.urlopen(f"http://127.0.0.1:{self.admin}/readyz").read()
+                return
+            time.sleep(0.1)
+
+    def ask(self, method, path, body=None, kind="application/json"):
+        """The answer's bytes; the server's own words where it refuses."""
+        request = urllib.request.Request(f"http://127.0.0.1:{self.port}{path}", body, {"Content-Type": kind}, method=method)
+        try:
+            with urllib.request.urlopen(request) as answer:
+                return answer.read()
+        except urllib.error.HTTPError as error:
+            problem = json.loads(error.read() or "{}")
+            raise RuntimeError(f"{method} {path}: {error.code} {problem.get('detail', '')}") from None
+
+    def stop(self):
+        self.process.terminate()
+        self.process.wait()
+
+
+def bounds(glb):
+    """Corners of the box around the positions of a GLB of the service, in the world (its nodes only move)."""
+    length = struct.unpack_from("<I", glb, 12)[0]
+    document = json.loads(glb[20:20 + length])
+    low, high = [float("inf")] * 3, [float("-inf")] * 3
+    for node in document["nodes"]:
+        if "mesh" not in node:
+            continue
+        shift = node.get("translation", [0, 0, 0])
+        for primitive in document["meshes"][node["mesh"]]["primitives"]:
+            accessor = document["accessors"][primitive["attributes"]["POSITION"]]
+            low = [min(a, b + s) for a, b, s in zip(low, accessor["min"], shift)]
+            high = [max(a, b + s) for a, b, s in zip(high, accessor["max"], shift)]
+    return low, high
+
+
+class Mesh:
+    """A stored mesh: its address, its box, where it is hit, and the options of its pictures."""
+
+    def __init__(self, server, name, data, query, kind, impact):
+        self.server, self.name = server, name
+        self.path = "/meshes/sha256:" + hashlib.sha256(data).hexdigest()
+        server.ask("PUT", self.path + query, data, kind)
+        self.query, self.kind = query, kind
+        self.intact = self.fracture({"sites": 1})
+        low, high = bounds(self.intact)
+        size = [h - l for l, h in zip(low, high)]
+        # Without a given one the middle of the front, which the camera sees.
+        self.impact = list(impact or [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, high[2]])
+        axis = size.index(max(size))
+        self.grain = [1 if k == axis else 0 for k in range(3)]
+        self.radius = 0.55 * sum(s * s for s in size) ** 0.5 / 2
+        self.options = {"impact": self.impact, "impact-radius": round(1.1 * self.radius, 6), "grain": self.grain,
+                        "impact-direction": [-0.25, 0, -1],
+                        # The camera sees the whole sphere; a wide object leaves much of it empty.
+                        "margin": 1.0 if axis == 1 else 0.85}
+
+    def fracture(self, parameters):
+        return self.server.ask("POST", self.path + "/fracture", json.dumps(parameters).encode())
+
+
+def sites_for(mesh, pattern, patterns):
+    """Number of pieces and place of the impact, where the pattern has these parameters."""
+    known = {p["name"] for p in patterns.get(pattern, [])} or {"sites"}
+    parameters = {"seed": 7}
+    if "sites" in known:
+        parameters["sites"] = SITES.get(mesh.name, 50)
+    if "impacts" in known:
+        parameters["impacts"] = [mesh.impact]
+    return parameters
+
+
+class Gallery:
+    def __init__(self, root, arguments):
+        self.folder = root / "build/gallery"
+        self.models = self.folder / "glb"
+        self.models.mkdir(parents=True, exist_ok=True)
+        self.render = root / "build/release/client/cli/fracture-render"
+        self.size, self.keep = arguments.size, arguments.keep
+        self.only = set(arguments.only.split(",")) if arguments.only else None
+        self.log = open(self.folder / "server.log", "w", encoding="utf-8")
+        self.server = Server(root / "build/release/server/fracture-server", self.log)
+        self.failures = []
+
+    def wants(self, *names):
+        return self.only is None or bool(self.only & set(names))
+
+    def describe(self):
+        """Materials and patterns of this server; a server without GET /patterns has the uniform pattern alone."""
+        try:
+            table = json.loads(self.server.ask("GET", "/patterns"))
+        except RuntimeError:
+            table = {"materials": [], "patterns": [{"name": "uniform", "parameters": []}], "parameters": []}
+        self.materials = {m["name"]: m["parameters"] for m in table["materials"]}
+        self.patterns = {p["name"]: p["parameters"] for p in table["patterns"]}
+        help_text = subprocess.run([self.render, "--help"], capture_output=True, text=True, check=True).stdout
+        self.looks = {name for name in self.materials if name in help_text}
+
+    def meshes(self):
+        made = []
+        if os.path.exists(MONKEY):
+            data = pathlib.Path(MONKEY).read_bytes()
+            made.append(Mesh(self.server, "monkey", data, "?format=blend", "application/octet-stream", None))
+        else:
+            print("gallery: no monkey (Debian package assimp-testmodels)", file=sys.stderr)
+        for name, make in MESHES.items():
+            text, impact = make()
+            made.append(Mesh(self.server, name, text.encode(), "", "model/obj", impact))
+        return made
+
+    def model(self, mesh, label, parameters):
+        """The file of a request, relative to the sheets; None where the server refuses it."""
+        path = self.models / f"{mesh.name}_{label}.glb"
+        if not (self.keep and path.exists()):
+            try:
+                path.write_bytes(mesh.fracture(parameters))
+            except RuntimeError as refusal:
+                self.failures.append(f"{mesh.name}, {label}: {refusal}")
+                return None
+        return str(path.relative_to(self.folder))
+
+    def sheet(self, name, title, columns, rows, options=None):
+        """rows: (label, options, [options of each cell, None for an empty one])."""
+        rows = [row for row in rows if all(cell is not None for cell in row[2])]
+        if not rows:
+            return
+        description = {"title": title, "options": {"size": self.size, "supersample": 2, **(options or {})},
+                       "columns": [{"label": label, "options": own} for label, own in columns],
+                       "rows": [{"label": label, "options": own} for label, own, _ in rows],
+                       "cells": [cells for _, _, cells in rows]}
+        file = self.folder / f"{name}.json"
+        file.write_text(json.dumps(description, indent=1), encoding="utf-8")
+        start = time.monotonic()
+        subprocess.run([self.render, "--sheet", file, "-o", self.folder / f"{name}.png", "-q"], check=True)
+        print(f"   {name}.png   {len(rows)} x {len(columns)} pictures, {time.monotonic() - start:.0f} s")
+
+    def material_sheets(self, meshes):
+        for material, sets in self.materials.items():
+            if not self.wants("materials", material):
+                continue
+            rows = []
+            for mesh in meshes:
+                parameters = {"material": material, **sites_for(mesh, sets.get("pattern", "uniform"), self.patterns)}
+                broken = self.model(mesh, material, parameters)
+                intact = self.model(mesh, f"{material}_intact", {"material": material, "pattern": "uniform", "sites": 1})
+                rows.append((mesh.name, mesh.options, [None if f is None else {"file": f} for f in (intact, broken, broken)]))
+            look = {"look": material} if material in self.looks else {}
+            self.sheet(f"material_{material}", f"material={material}", COLUMNS, rows, look)
+
+    def pattern_sheet(self, meshes):
+        if not self.wants("patterns"):
+            return
+        rows = []
+        for pattern in self.patterns:
+            if pattern == "points":
+                continue  # the caller's own
+            request = {"pattern": pattern} if len(self.patterns) > 1 else {}
+            cells = []
+            for mesh in meshes:
+                file = self.model(mesh, f"pattern_{pattern}", {**request, **sites_for(mesh, pattern, self.patterns)})
+                cells.append(None if file is None else {"file": file, **mesh.options})
+            rows.append((pattern, {}, cells))
+        self.sheet("patterns", "Patterns, a colour for each fragment", [(mesh.name, {}) for mesh in meshes], rows,
+                   {"view": "exploded", "explode": 0.25, "colors": "fragment"})
+
+    def paper_sheet(self, meshes):
+        """The paper's own cells beside ours, on the paper's own mesh where it is here."""
+        if not self.wants("paper"):
+            return
+        mesh = meshes[0]
+        rows = []
+        for label, dual in (("ours (dual=circumcenter)", "circumcenter"), ("the paper's (dual=barycenter)", "barycenter")):
+            file = self.model(mesh, f"dual_{dual}", {"dual": dual, "sites": 50, "seed": 7})
+            rows.append((label, mesh.options, [None if file is None else {"file": file}] * 3))
+        self.sheet("paper", "Voronoi cells and hulls of barycentres, 50 sites",
+                   [("assembled", {"colors": "fragment"}), ("exploded", {"view": "exploded", "colors": "fragment"}),
+                    ("cut faces", {"view": "exploded", "colors": "interior"})], rows)
+
+    def asset_sheet(self):
+        """Textured meshes of others, with the materials that they bring."""
+        folder = os.environ.get("FRACTURE_TEST_MESHES")
+        if not folder or not self.wants("assets"):
+            return
+        rows = []
+        for path in sorted(pathlib.Path(folder).glob("*.glb")):
+            if len(rows) == ASSETS or path.stat().st_size > ASSET_BYTES or path.stat().st_size < 10_000:
+                continue
+            try:
+                mesh = Mesh(self.server, path.stem, path.read_bytes(), "", "model/gltf-binary", None)
+            except RuntimeError as refusal:
+                self.failures.append(f"{path.name}: {refusal}")
+                continue
+            broken = self.model(mesh, "uniform", {"sites": 40, "seed": 7})
+            intact = self.model(mesh, "intact", {"sites": 1})
+            rows.append((mesh.name, mesh.options, [None if f is None else {"file": f} for f in (intact, broken, broken)]))
+        self.sheet("assets", "Their own materials", COLUMNS, rows)
+
+    def run(self):
+        try:
+            self.describe()
+            meshes = self.meshes()
+            print(f"== sheets in {self.folder}")
+            self.paper_sheet(meshes)
+            self.pattern_sheet(meshes)
+            self.material_sheets(meshes)
+            self.asset_sheet()
+        finally:
+            self.server.stop()
+            self.log.close()
+        for failure in self.failures:
+            print("gallery: " + failure, file=sys.stderr)
+        return 1 if self.failures else 0
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="scripts/gallery")
+    parser.add_argument("root", type=pathlib.Path)
+    parser.add_argument("--only", help="materials, patterns, paper, assets, or the name of a material; several with commas")
+    parser.add_argument("--size", default="400x300", help="of one picture")
+    parser.add_argument("--keep", action="store_true", help="use the GLB files of the last run again")
+    arguments = parser.parse_args()
+    try:
+        return Gallery(arguments.root, arguments).run()
+    except (RuntimeError, subprocess.CalledProcessError) as error:
+        print(f"gallery: {error}", file=sys.stderr)
+        return 1
+
+
+sys.exit(main())
