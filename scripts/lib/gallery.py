@@ -9,6 +9,7 @@ import hashlib
 import json
 import os
 import pathlib
+import signal
 import socket
 import struct
 import subprocess
@@ -264,6 +265,7 @@ def main():
     parser.add_argument("--size", default="400x300", help="of one picture")
     parser.add_argument("--keep", action="store_true", help="use the GLB files of the last run again")
     arguments = parser.parse_args()
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that the server is stopped on the way out
     try:
         return Gallery(arguments.root, arguments).run()
     except (RuntimeError, subprocess.CalledProcessError) as error:
