@@ -104,6 +104,11 @@ class Assembler {
       if (run.material == kInteriorMaterial) {
         FaceSource flat = kNoIndex;
         for (; face != end; ++face) {
+          // Cut faces of an earlier fracture come with the source, attributes and all; they precede the caps.
+          if (has_wedges(face->source)) {
+            for (const VertexId v : face->v) *index++ = exterior_vertex(v, face->source);
+            continue;
+          }
           // Regions of one facet share their plane, but not their vertices; the faces of one region follow
           // one another.
           if (face->source != flat) s_.on_face.next_epoch(d_.vertex_count());
@@ -119,6 +124,10 @@ class Assembler {
       }
     }
     out_.topology = s_.topology;
+  }
+
+  bool has_wedges(FaceSource source) const {
+    return !plain_ && !is_cap(source) && d_.solid.wedges[source][0] != kNoIndex;
   }
 
   std::uint32_t add(VertexId v, const VertexSource& source) {

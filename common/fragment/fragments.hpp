@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/base/vec.hpp"
+#include "common/fragment/size_limits.hpp"
 #include "common/mesh/mesh.hpp"
 
 namespace fracture {
@@ -59,6 +60,7 @@ struct Fragment {
   std::vector<std::vector<Vec3f>> bodies;
   std::vector<CollisionHull> hulls;  ///< one for each body; empty until asked for
   double exterior_area = 0;
+  bool anchored = false;  ///< something outside holds it (structure/anchors.hpp)
 };
 
 /// The shared caps of two fragments.
@@ -67,6 +69,24 @@ struct Bond {
   double area = 0;     ///< m², > 0
   Vec3d centroid;      ///< m
   Vec3d normal;        ///< unit, from a to b, area-weighted
+};
+
+/// Fragments that a coarser level of the hierarchy keeps together.
+struct Cluster {
+  std::uint64_t id = 0;         ///< function of its fragments' ids only (at most 2^53 - 1)
+  std::uint32_t parent = 0;     ///< index into the clusters of the next coarser level, or kNoIndex
+  std::uint32_t fragments = 0;  ///< how many
+  double volume = 0;            ///< m³
+  Vec3d center_of_mass;         ///< m
+};
+struct ClusterLevel {
+  std::vector<Cluster> clusters;
+  std::vector<Bond> bonds;  ///< between clusters: a and b are indices into `clusters`, otherwise as Bond says
+};
+/// Clusters of clusters of fragments (structure/hierarchy.hpp).
+struct Hierarchy {
+  std::vector<ClusterLevel> levels;  ///< coarsest first; the fragments are the level after the last
+  std::vector<std::uint32_t> cluster_of_fragment;  ///< in levels.back(); empty without levels
 };
 
 /// Proof of the invariants, checked on every answer.
@@ -81,7 +101,8 @@ struct Certificate {
   /// 0 for clean solids.
   double pocket_volume = 0, pocket_area = 0;
   /// fragments = cells + islands - united - dropped: cells (or groups) that meet the solid, further pieces of
-  /// them, pieces without volume united with a neighbour, pieces without volume or neighbour.
+  /// them, pieces united with a neighbour (without volume, or because of a limit of size), pieces without
+  /// volume or neighbour.
   std::uint32_t sites_asked = 0, cells = 0, islands = 0, united = 0, dropped = 0, fragments = 0;
   std::uint64_t crossing_caps = 0;  ///< caps whose loops crossed: 0 on every embedded input
 };
@@ -90,7 +111,9 @@ struct FragmentSet {
   std::shared_ptr<const Mesh> source;
   std::vector<Fragment> fragments;
   std::vector<Bond> bonds;
+  Hierarchy hierarchy;
   Certificate certificate;
+  SizeFigures size;          ///< what the limits of size did
   Vec3d lattice_step;        ///< h_a: the seam lattice, m
   double lattice_ratio = 0;  ///< max over axes of h/size; above 1e-5 a warning
   nlohmann::json report;     ///< the solid's report, the sites' report, warnings

@@ -9,59 +9,16 @@
 #include "common/fragment/assemble.hpp"
 #include "common/fragment/bonds.hpp"
 #include "common/fragment/closedness.hpp"
+#include "common/fragment/unite.hpp"
 
 namespace fracture {
 namespace {
 
-/// Pieces joined so far: a group is named by its smallest piece.
-class PieceGroups {
- public:
-  explicit PieceGroups(std::size_t pieces) : group_(pieces), members_(pieces) {
-    for (std::uint32_t p = 0; p < pieces; ++p) {
-      group_[p] = p;
-      members_[p] = {p};
-    }
-  }
-  const std::vector<std::uint32_t>& of_piece() const { return group_; }
-  const std::vector<std::uint32_t>& members(std::uint32_t group) const { return members_[group]; }
-  void unite(std::uint32_t a, std::uint32_t b) {
-    a = group_[a];
-    b = group_[b];
-    if (a == b) return;
-    if (b < a) std::swap(a, b);
-    for (const std::uint32_t p : members_[b]) group_[p] = a;
-    members_[a].insert(members_[a].end(), members_[b].begin(), members_[b].end());
-    std::sort(members_[a].begin(), members_[a].end());
-    members_[b].clear();
-  }
-
- private:
-  std::vector<std::uint32_t> group_;
-  std::vector<std::vector<std::uint32_t>> members_;
-};
-
-/// Who touches whom, and how much: the shared cap areas at the start of a round of uniting.
+/// Whom a group shares its largest cap with, at the start of a round of uniting.
 class Contacts {
  public:
   Contacts(const RestrictedDiagram& d, const Pieces& pieces, const std::vector<std::uint32_t>& group_of_piece)
-      : begin_(group_of_piece.size() + 1, 0) {
-    // Every touching pair is a contact, those without area too: they bind where there is nothing better.
-    std::vector<Contact> all;
-    for (const Bond& b : find_bonds(d, pieces, group_of_piece)) {
-      all.push_back({b.a, b.b, b.area});
-      all.push_back({b.b, b.a, b.area});
-    }
-    for (std::uint32_t r = 0; r < d.caps.regions.size(); ++r) {
-      const std::uint32_t p = pieces.piece_of_cap[2 * r], q = pieces.piece_of_cap[2 * r + 1];
-      if (p == kNoIndex || q == kNoIndex || group_of_piece[p] == group_of_piece[q]) continue;
-      all.push_back({group_of_piece[p], group_of_piece[q], 0});
-      all.push_back({group_of_piece[q], group_of_piece[p], 0});
-    }
-    std::sort(all.begin(), all.end(), [](const Contact& x, const Contact& y) {
-      if (x.of != y.of) return x.of < y.of;
-      return x.area != y.area ? x.area > y.area : x.with < y.with;
-    });
-    contacts_ = std::move(all);
+      : begin_(group_of_piece.size() + 1, 0), contacts_(find_contacts(d, pieces, group_of_piece)) {
     for (const Contact& c : contacts_) ++begin_[c.of + 1];
     for (std::size_t g = 0; g + 1 < begin_.size(); ++g) begin_[g + 1] += begin_[g];
   }
@@ -74,43 +31,9 @@ class Contacts {
   }
 
  private:
-  struct Contact {
-    std::uint32_t of, with;
-    double area;
-  };
   std::vector<std::uint32_t> begin_;
   std::vector<Contact> contacts_;
 };
-
-/// The faces of a group of pieces: all of theirs, but the caps between them, which cancel.
-Piece join_pieces(const Pieces& pieces, const std::vector<std::uint32_t>& members,
-                  const std::vector<std::uint32_t>& group_of_piece) {
-  Piece joined = pieces.pieces[members[0]];
-  joined.faces.clear();
-  joined.owners.clear();
-  joined.bodies.clear();
-  for (const std::uint32_t m : members) {
-    const Piece& piece = pieces.pieces[m];
-    joined.owners.insert(joined.owners.end(), piece.owners.begin(), piece.owners.end());
-    joined.bodies.insert(joined.bodies.end(), piece.bodies.begin(), piece.bodies.end());
-    if (piece.bodies.empty()) {
-      std::vector<VertexId>& body = joined.bodies.emplace_back();
-      for (const Face& face : piece.faces) body.insert(body.end(), face.v.begin(), face.v.end());
-      std::sort(body.begin(), body.end());
-      body.erase(std::unique(body.begin(), body.end()), body.end());
-    }
-    for (const Face& face : piece.faces) {
-      if (is_cap(face.source)) {
-        const std::uint32_t other = pieces.piece_of_cap[(face.source ^ 1) & ~kCapFace];
-        if (other != kNoIndex && group_of_piece[other] == group_of_piece[m]) continue;
-      }
-      joined.faces.push_back(face);
-    }
-  }
-  std::sort(joined.owners.begin(), joined.owners.end());
-  joined.owners.erase(std::unique(joined.owners.begin(), joined.owners.end()), joined.owners.end());
-  return joined;
-}
 
 std::uint64_t mix(std::uint64_t h, std::uint64_t v) {
   h ^= v;
@@ -134,20 +57,23 @@ std::uint64_t fragment_id(const VoronoiDiagram& diagram, const Fragment& f, std:
 }  // namespace
 
 FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownership, Pivot pivot,
-                           const Execution& execution) {
+                           const SizeLimits& limits, const Execution& execution) {
   const Pieces pieces = gather_pieces(d, ownership, execution);
   const std::size_t n = pieces.pieces.size();
   FragmentSet out;
   out.source = d.solid.source;
   Certificate& certificate = out.certificate;
 
-  // Assemble; unite what has no volume; assemble again what changed.
+  // Unite what is too small; assemble; unite what has no volume; assemble again what changed.
   PieceGroups groups(n);
+  out.size = unite_by_size(d, pieces, limits, groups, execution);
+  certificate.united = out.size.united;
   std::vector<Fragment> fragments(n);
   std::vector<FileVolume> volumes(n);
   std::vector<bool> dropped(n, false);
   std::vector<std::uint32_t> todo(n);
   std::iota(todo.begin(), todo.end(), 0u);
+  std::erase_if(todo, [&](std::uint32_t g) { return !groups.is_group(g); });
   while (!todo.empty()) {
     parallel_for(execution, todo.size(), 8, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) {
@@ -156,7 +82,7 @@ FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownershi
         if (members.size() == 1)
           fragments[g] = assemble(d, ownership, pieces.pieces[g], pivot);
         else
-          fragments[g] = assemble(d, ownership, join_pieces(pieces, members, groups.of_piece()), pivot);
+          fragments[g] = assemble(d, ownership, join_pieces(d, pieces, members, groups.of_piece()), pivot);
         volumes[g] = file_volume(fragments[g]);
       }
     });

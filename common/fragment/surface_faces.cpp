@@ -1,10 +1,8 @@
 #include "common/fragment/surface_faces.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <string>
 
-#include "common/clip/triangulate.hpp"
+#include "common/fragment/outline.hpp"
 
 namespace fracture {
 namespace {
@@ -18,94 +16,21 @@ void halve(const VertexId* ring, std::uint32_t first, std::uint32_t last, std::u
   halve(ring, middle, last, triangle, out);
 }
 
-/// Fuses the polygons of one owner within one triangle.
-class Fuser {
- public:
-  Fuser(const RestrictedDiagram& diagram, const Ownership& ownership) : d_(diagram), ownership_(ownership) {}
-
-  void fuse(std::uint32_t t, std::uint32_t owner, const CutPolygon* first, const CutPolygon* last,
-            std::vector<Face>& out) {
-    // The sides that remain: those that do not face a cell of the same owner.
-    sides_.clear();
-    for (const CutPolygon* p = first; p != last; ++p) {
-      if (ownership_.owner_of_site[p->cell] != owner) continue;
-      for (std::uint32_t k = 0; k < p->count; ++k) {
-        const PolygonSide side = d_.cuts.sides[p->first + k];
-        if (!is_mesh_edge(side) && ownership_.owner_of_site[side] == owner) continue;
-        sides_.push_back(
-            {d_.cuts.vertices[p->first + k], d_.cuts.vertices[p->first + (k + 1) % p->count], false});
-      }
-    }
-    std::sort(sides_.begin(), sides_.end(), [](const Side& a, const Side& b) { return a.from < b.from; });
-    loop_.clear();
-    loop_begin_.assign(1, 0);
-    for (std::size_t start = 0; start < sides_.size(); ++start) {
-      if (sides_[start].used) continue;
-      const std::size_t loop_start = loop_.size();
-      for (std::size_t s = start; !sides_[s].used; s = leaving(sides_[s].to, t)) {
-        sides_[s].used = true;
-        if (!is_inside_group(sides_[s].from)) loop_.push_back(sides_[s].from);
-      }
-      if (loop_.size() > loop_start) loop_begin_.push_back(static_cast<std::uint32_t>(loop_.size()));
-    }
-    project(t);
-    triangulate(points_, loop_begin_, triangulation_);
-    for (const auto& k : triangulation_.triangles)
-      out.push_back({{loop_[k[0]], loop_[k[1]], loop_[k[2]]}, t});
-  }
-
- private:
-  struct Side {
-    VertexId from, to;
-    bool used;
-  };
-
-  // In a generic diagram a vertex on the outline of a group within a triangle is left by one side.
-  std::size_t leaving(VertexId v, std::uint32_t t) const {
-    const auto it = std::lower_bound(sides_.begin(), sides_.end(), v,
-                                     [](const Side& s, VertexId key) { return s.from < key; });
-    if (it == sides_.end() || it->from != v)
-      throw InternalError("the fused polygon of triangle " + std::to_string(t) + " is open at vertex " +
-                          std::to_string(v));
-    return static_cast<std::size_t>(it - sides_.begin());
-  }
-
-  bool is_inside_group(VertexId v) const {
-    if (v < d_.cuts.first_b() || v >= d_.cuts.first_c())
-      return false;  // a C vertex of three fellow cells has no side left
-    const EdgeCut& cut = d_.cuts.edge_cuts[v - d_.cuts.first_b()];
-    return ownership_.owner_of_site[cut.from] == ownership_.owner_of_site[cut.to];
-  }
-
-  // On the lattice, dropping the axis of the largest normal component: which triangulation is chosen may
-  // depend on rounded positions, whether it closes cannot.
-  void project(std::uint32_t t) {
-    const auto& v = d_.solid.triangles[t];
-    const Vec3d a = to_double(d_.solid.positions[v[0]]), b = to_double(d_.solid.positions[v[1]]),
-                c = to_double(d_.solid.positions[v[2]]);
-    const Vec3d n = cross(b - a, c - a);
-    int axis = 0;
-    for (int k = 1; k < 3; ++k)
-      if (std::fabs(n[k]) > std::fabs(n[axis])) axis = k;
-    int x = (axis + 1) % 3, y = (axis + 2) % 3;
-    if (n[axis] < 0) std::swap(x, y);
-    const Vec3d step = d_.positions.lattice.step();
-    points_.clear();
-    for (const VertexId id : loop_) {
-      const Vec3d p = d_.point(id);
-      points_.push_back({static_cast<std::int64_t>(std::nearbyint(p[x] / step[x])),
-                         static_cast<std::int64_t>(std::nearbyint(p[y] / step[y]))});
+/// Fuses the polygons of one owner within triangle t: the sides that remain are those that do not face a cell
+/// of the same owner.
+void fuse(const RestrictedDiagram& d, const Ownership& ownership, std::uint32_t t, std::uint32_t owner,
+          const CutPolygon* first, const CutPolygon* last, Outline& outline, std::vector<Face>& out) {
+  outline.clear();
+  for (const CutPolygon* p = first; p != last; ++p) {
+    if (ownership.owner_of_site[p->cell] != owner) continue;
+    for (std::uint32_t k = 0; k < p->count; ++k) {
+      const PolygonSide side = d.cuts.sides[p->first + k];
+      if (!is_mesh_edge(side) && ownership.owner_of_site[side] == owner) continue;
+      outline.add(d.cuts.vertices[p->first + k], d.cuts.vertices[p->first + (k + 1) % p->count]);
     }
   }
-
-  const RestrictedDiagram& d_;
-  const Ownership& ownership_;
-  std::vector<Side> sides_;
-  std::vector<VertexId> loop_;
-  std::vector<std::uint32_t> loop_begin_;
-  std::vector<LatticePoint> points_;
-  Triangulation triangulation_;
-};
+  outline.triangulate_into(t, out);
+}
 
 }  // namespace
 
@@ -121,7 +46,7 @@ OwnedFaces divide_surface(const RestrictedDiagram& d, const Ownership& ownership
   std::vector<std::uint32_t> whole(triangles);  // per triangle: its only owner, or kNoIndex
   OwnedFaces out;
   out.begin.assign(owners + 1, 0);
-  Fuser fuser(d, ownership);
+  Outline outline(d);
   std::vector<std::uint32_t> here;
   std::size_t p = 0;
   for (std::uint32_t t = 0; t < triangles; ++t) {
@@ -155,7 +80,7 @@ OwnedFaces divide_surface(const RestrictedDiagram& d, const Ownership& ownership
       if (count == 1 && ownership.sites_of_owner[o].size() == 1)
         halve(d.cuts.vertices.data() + only->first, 0, only->count - 1, t, shared);
       else
-        fuser.fuse(t, o, polygons.data() + first, polygons.data() + p, shared);
+        fuse(d, ownership, t, o, polygons.data() + first, polygons.data() + p, outline, shared);
       owner.resize(shared.size(), o);
       out.begin[o + 1] += static_cast<std::uint32_t>(shared.size() - before);
     }

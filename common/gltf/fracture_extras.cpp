@@ -25,13 +25,14 @@ void write_certificate(JsonText& json, const Certificate& c) {
       .end_object();
 }
 
-void write_bonds(JsonText& json, const FragmentSet& set, const GltfOptions& options) {
+/// `id(index)`: the id of the bond's fragment or cluster.
+template <class Id>
+void write_bonds(JsonText& json, const std::vector<Bond>& bonds, const GltfOptions& options, const Id& id) {
   const auto column = [&](const char* name, auto&& of) {
     json.key(name).begin_array();
-    for (const Bond& bond : set.bonds) json.value(of(bond));
+    for (const Bond& bond : bonds) json.value(of(bond));
     json.end_array();
   };
-  const auto id = [&](std::uint32_t index) { return set.fragments.at(index).id; };
   json.begin_object();
   column("a", [&](const Bond& bond) { return id(bond.a); });
   column("b", [&](const Bond& bond) { return id(bond.b); });
@@ -40,6 +41,41 @@ void write_bonds(JsonText& json, const FragmentSet& set, const GltfOptions& opti
   column("normal", [](const Bond& bond) { return bond.normal; });
   column("strength", [&](const Bond& bond) { return bond.area * options.bond_strength; });
   json.end_object();
+}
+
+/// The id of what a fragment or a cluster of `level` belongs to; null on the coarsest level.
+void write_parent(JsonText& json, const Hierarchy& hierarchy, std::size_t level, std::uint32_t parent) {
+  json.key("parent");
+  if (level == 0)
+    json.null();
+  else
+    json.value(hierarchy.levels[level - 1].clusters.at(parent).id);
+}
+
+/// The levels above the fragments, coarsest first.
+void write_levels(JsonText& json, const Hierarchy& hierarchy, const GltfOptions& options) {
+  json.key("levels").begin_array();
+  for (std::size_t level = 0; level < hierarchy.levels.size(); ++level) {
+    const ClusterLevel& here = hierarchy.levels[level];
+    const auto column = [&](const char* name, auto&& of) {
+      json.key(name).begin_array();
+      for (const Cluster& cluster : here.clusters) json.value(of(cluster));
+      json.end_array();
+    };
+    json.begin_object().member("level", level);
+    column("id", [](const Cluster& c) { return c.id; });
+    if (level > 0)
+      column("parent",
+             [&](const Cluster& c) { return hierarchy.levels[level - 1].clusters.at(c.parent).id; });
+    column("fragments", [](const Cluster& c) { return c.fragments; });
+    column("volume", [](const Cluster& c) { return c.volume; });
+    column("mass", [&](const Cluster& c) { return c.volume * options.density; });
+    column("center_of_mass", [](const Cluster& c) { return c.center_of_mass; });
+    json.key("bonds");
+    write_bonds(json, here.bonds, options, [&](std::uint32_t index) { return here.clusters.at(index).id; });
+    json.end_object();
+  }
+  json.end_array();
 }
 
 }  // namespace
@@ -59,12 +95,16 @@ void write_root_extras(JsonText& json, const FragmentSet& set, const GltfOptions
   json.key("certificate");
   write_certificate(json, set.certificate);
   json.key("bonds");
-  write_bonds(json, set, options);
+  write_bonds(json, set.bonds, options, [&](std::uint32_t index) { return set.fragments.at(index).id; });
+  if (!set.hierarchy.levels.empty()) write_levels(json, set.hierarchy, options);
   json.end_object();
 }
 
-void write_fragment_extras(JsonText& json, const Fragment& fragment, const GltfOptions& options) {
+void write_fragment_extras(JsonText& json, const FragmentSet& set, std::size_t index,
+                           const GltfOptions& options) {
+  const Fragment& fragment = set.fragments[index];
   const MassProperties& mass = fragment.mass;
+  const std::size_t level = set.hierarchy.levels.size();
   json.begin_object()
       .member("id", fragment.id)
       .member("volume", mass.volume)
@@ -72,12 +112,24 @@ void write_fragment_extras(JsonText& json, const Fragment& fragment, const GltfO
       .member("area", mass.area)
       .member("exterior_area", fragment.exterior_area)
       .member("center_of_mass", mass.center_of_mass)
-      .member("level", 0);
-  json.key("parent").null();
-  json.member("anchored", false).member("part", fragment.part);
+      .member("level", level);
+  write_parent(json, set.hierarchy, level, level > 0 ? set.hierarchy.cluster_of_fragment[index] : kNoIndex);
+  json.member("anchored", fragment.anchored).member("part", fragment.part);
   json.key("sites").begin_array();
   for (const std::uint32_t site : fragment.sites) json.value(site);
   json.end_array().end_object();
+}
+
+void write_cluster_extras(JsonText& json, const FragmentSet& set, std::size_t level, std::size_t cluster,
+                          const GltfOptions& options) {
+  const Cluster& c = set.hierarchy.levels[level].clusters[cluster];
+  json.begin_object().member("cluster", c.id).member("level", level);
+  write_parent(json, set.hierarchy, level, c.parent);
+  json.member("fragments", c.fragments)
+      .member("volume", c.volume)
+      .member("mass", c.volume * options.density)
+      .member("center_of_mass", c.center_of_mass)
+      .end_object();
 }
 
 nlohmann::json fracture_extras(const FragmentSet& fragments, const GltfOptions& options) {

@@ -11,10 +11,17 @@
 namespace fracture {
 
 /// {version, algorithm, mesh, parameters, report, certificate, lattice, bonds {a, b, area, centroid, normal,
-/// strength (N)}}
+/// strength (N)}, levels}: one entry for each level above the fragments, coarsest first, {level, id, parent,
+/// fragments, volume, mass, center_of_mass, bonds}, its figures in columns; absent without a hierarchy.
 void write_root_extras(JsonText& json, const FragmentSet& fragments, const GltfOptions& options);
 
 /// {id, volume, mass, area, exterior_area, center_of_mass, level, parent, anchored, part, sites}
-void write_fragment_extras(JsonText& json, const Fragment& fragment, const GltfOptions& options);
+void write_fragment_extras(JsonText& json, const FragmentSet& set, std::size_t index,
+                           const GltfOptions& options);
+
+/// {cluster, level, parent, fragments, volume, mass, center_of_mass}. Its id is called `cluster`: only
+/// fragments have an `id`.
+void write_cluster_extras(JsonText& json, const FragmentSet& set, std::size_t level, std::size_t cluster,
+                          const GltfOptions& options);
 
 }  // namespace fracture

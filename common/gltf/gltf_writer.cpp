@@ -3,6 +3,7 @@
 #include <string>
 
 #include "common/gltf/accessors.hpp"
+#include "common/gltf/cluster_nodes.hpp"
 #include "common/gltf/container.hpp"
 #include "common/gltf/fracture_extras.hpp"
 #include "common/gltf/image_bytes.hpp"
@@ -83,11 +84,11 @@ void write_document_extensions(JsonText& json, const FragmentSet& set, const Glt
 }
 
 void write_root(JsonText& json, const FragmentSet& set, const GltfOptions& options, const SceneLayout& layout,
-                std::size_t whole) {
+                const ClusterNodes& clusters, std::size_t whole) {
   json.begin_object().member("name", "Fracture");
   if (!set.fragments.empty()) {
     json.key("children").begin_array();
-    for (std::size_t k = 0; k < set.fragments.size(); ++k) json.value(k + 1);
+    for (const std::size_t node : clusters.roots()) json.value(node);
     for (std::size_t k = 0; k < whole; ++k) json.value(layout.node_count() + k);
     json.end_array();
   }
@@ -96,8 +97,9 @@ void write_root(JsonText& json, const FragmentSet& set, const GltfOptions& optio
   json.end_object().end_object();
 }
 
-void write_fragment(JsonText& json, const Fragment& f, std::size_t index, const GltfOptions& options,
+void write_fragment(JsonText& json, const FragmentSet& set, std::size_t index, const GltfOptions& options,
                     const SceneLayout& layout) {
+  const Fragment& f = set.fragments[index];
   json.begin_object().member("name", layout.name(index)).member("mesh", index);
   if (layout.children(index) > 0) {
     json.key("children").begin_array();
@@ -114,7 +116,7 @@ void write_fragment(JsonText& json, const Fragment& f, std::size_t index, const 
     json.end_object();
   }
   json.key("extras").begin_object().key("fracture");
-  write_fragment_extras(json, f, options);
+  write_fragment_extras(json, set, index, options);
   json.end_object().end_object();
 }
 
@@ -136,15 +138,16 @@ void write_nodes(JsonText& json, const FragmentSet& set, const GltfOptions& opti
   json.member("scene", 0).key("scenes").begin_array().begin_object();
   json.key("nodes").begin_array().value(0).end_array().end_object().end_array();
   json.key("nodes").begin_array();
-  write_root(json, set, options, layout, whole.size());
-  for (std::size_t k = 0; k < set.fragments.size(); ++k)
-    write_fragment(json, set.fragments[k], k, options, layout);
+  const ClusterNodes clusters(set, layout.node_count() + whole.size());
+  write_root(json, set, options, layout, clusters, whole.size());
+  for (std::size_t k = 0; k < set.fragments.size(); ++k) write_fragment(json, set, k, options, layout);
   for (std::size_t k = 0; k < set.fragments.size(); ++k) {
     write_collider_nodes(json, k, options, layout);
     write_ucx_nodes(json, k, layout);
   }
   for (std::size_t k = 0; k < whole.size(); ++k)
     json.begin_object().member("name", whole[k].name).member("mesh", layout.mesh_count() + k).end_object();
+  clusters.write(json, options);
   json.end_array();
 }
 

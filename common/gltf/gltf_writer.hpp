@@ -63,7 +63,7 @@ struct GltfOptions {
 std::vector<std::uint8_t> write_glb(const FragmentSet& fragments, const GltfOptions& options);
 /// The same as model/gltf+json: JSON text with the buffer in a data URI. Throws as write_glb.
 std::vector<std::uint8_t> write_gltf(const FragmentSet& fragments, const GltfOptions& options);
-/// The `extras.fracture` object of the root node: {version, mesh, parameters, report, certificate, bonds}.
+/// The `extras.fracture` object of the root node (fracture_extras.hpp).
 nlohmann::json fracture_extras(const FragmentSet& fragments, const GltfOptions& options);
 
 }  // namespace fracture

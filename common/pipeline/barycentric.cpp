@@ -22,7 +22,7 @@ std::optional<FragmentSet> cut_one_cell(const Solid& solid, const std::vector<Ve
   Ownership ownership = Ownership::from_groups(t->site_count(), {});
   ownership.wanted.assign(t->site_count(), false);
   ownership.wanted[t->site_of_input[0]] = true;
-  return make_fragments(restricted, ownership, pivot, execution);
+  return make_fragments(restricted, ownership, pivot, {}, execution);
 }
 
 }  // namespace

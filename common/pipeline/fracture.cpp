@@ -1,5 +1,9 @@
 #include "common/pipeline/fracture.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -9,6 +13,7 @@
 #include "common/pipeline/lloyd.hpp"
 #include "common/pipeline/restrict.hpp"
 #include "common/solid/image.hpp"
+#include "common/structure/hierarchy.hpp"
 
 namespace fracture {
 namespace {
@@ -49,6 +54,91 @@ nlohmann::json report_of(const Solid& solid, const Diagram& diagram, const Fragm
           {"warnings", std::move(warnings)}};
 }
 
+/// The group of each site, from those of the input points and the cells that stay together whatever their
+/// groups; empty when each is for itself.
+std::vector<std::uint32_t> groups_of_sites(const Tetrahedralization& t,
+                                           const std::vector<std::uint32_t>& groups_of_input,
+                                           const std::vector<SiteId>& kept) {
+  if (groups_of_input.empty() && kept.size() < 2) return {};
+  std::vector<const std::uint32_t*> given(t.site_count(), nullptr);
+  for (std::size_t k = groups_of_input.size(); k-- > 0;)  // the first of merged points decides
+    if (t.site_of_input[k] != kNoSite) given[t.site_of_input[k]] = &groups_of_input[k];
+  std::map<std::uint32_t, SiteId> first;  // per given group: its lowest site
+  std::vector<std::uint32_t> groups(t.site_count());
+  for (SiteId s = 0; s < t.site_count(); ++s)
+    groups[s] = given[s] ? first.emplace(*given[s], s).first->second : s;
+  if (kept.size() < 2) return groups;
+  std::set<std::uint32_t> joined;
+  for (const SiteId s : kept) joined.insert(groups[s]);
+  for (std::uint32_t& g : groups)
+    if (joined.contains(g)) g = *joined.begin();
+  return groups;
+}
+
+std::string text_of(double value) { return nlohmann::json(value).dump(); }
+
+/// What was asked of the sizes and the structure, and what was made.
+void report_structure(const FractureParameters& p, const Diagram& diagram, std::size_t kept_cells,
+                      std::uint32_t anchored, FragmentSet& set) {
+  double smallest = HUGE_VAL, largest = 0;
+  std::uint64_t triangles = 0;
+  for (const Fragment& f : set.fragments) {
+    smallest = std::min(smallest, f.mass.volume);
+    largest = std::max(largest, f.mass.volume);
+    triangles += f.indices.size() / 3;
+  }
+  nlohmann::json& warnings = set.report["warnings"];
+  nlohmann::json size = {{"smallest", smallest}, {"largest", largest}, {"triangles", triangles}};
+  if (p.size.any()) {
+    size["united"] = set.size.united;
+    size["alone"] = set.size.alone;
+    if (set.size.min_volume > 0) size["min_volume"] = set.size.min_volume;
+    if (set.size.alone > 0)
+      warnings.push_back(std::to_string(set.size.alone) + " pieces below " + text_of(set.size.min_volume) +
+                         " m3 touch no other piece; they stay as they are");
+  }
+  if (p.size.max_fragments > 0) {
+    size["max_fragments"] = p.size.max_fragments;
+    if (set.fragments.size() > p.size.max_fragments)
+      warnings.push_back("max_fragments: " + std::to_string(p.size.max_fragments) + " asked, " +
+                         std::to_string(set.fragments.size()) +
+                         " made; what is left touches nothing it could "
+                         "be united with");
+  }
+  if (p.size.max_triangles > 0) {
+    size["max_triangles"] = p.size.max_triangles;
+    size["fewest_triangles"] = set.size.fewest_triangles;
+    if (triangles > p.size.max_triangles)
+      warnings.push_back("max_triangles: " + std::to_string(p.size.max_triangles) + " asked, " +
+                         std::to_string(triangles) + " made; uniting everything would leave " +
+                         std::to_string(set.size.fewest_triangles) + ", so nothing was united for it");
+  }
+  if (p.max_volume > 0) {
+    size["max_volume"] = p.max_volume;
+    size["sites_added"] = diagram.split.sites_added;
+    size["passes"] = diagram.split.passes;
+    size["too_large"] = diagram.split.too_large;
+    if (largest > p.max_volume)
+      warnings.push_back("max_volume: " + text_of(p.max_volume) + " m3 asked, the largest fragment has " +
+                         text_of(largest) + " m3 (united, kept, or the passes or sites ran out)");
+  }
+  set.report["size"] = std::move(size);
+  if (p.keep) {
+    set.report["keep"] = {{"cells", kept_cells}};
+    if (kept_cells == 0) warnings.push_back("keep: the region lies outside of the mesh's box");
+  }
+  if (p.anchors.any()) {
+    set.report["anchors"] = {{"fragments", anchored}};
+    if (anchored == 0) warnings.push_back("anchors: no fragment touches one");
+  }
+  if (!p.levels.empty()) {
+    nlohmann::json made = nlohmann::json::array();
+    for (const ClusterLevel& level : set.hierarchy.levels) made.push_back(level.clusters.size());
+    made.push_back(set.fragments.size());
+    set.report["levels"] = std::move(made);
+  }
+}
+
 }  // namespace
 
 Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& parameters,
@@ -76,6 +166,16 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
     diagram.map = plan->map;
     diagram.notes = std::move(plan->notes);
     diagram.tetrahedralization = std::move(*t);
+    if (parameters.max_volume > 0) {
+      if (!diagram.groups.empty())
+        return fail(ErrorCode::kBadParameter,
+                    "'max_volume' divides cells, but a piece of this pattern is several cells.",
+                    "max_volume");
+      Expected<SplitFigures> split =
+          split_large(solid, seen, diagram, parameters.max_volume, parameters.seed, execution);
+      if (!split) return tl::unexpected(split.error());
+      diagram.split = *split;
+    }
     return diagram;
   });
 }
@@ -85,18 +185,15 @@ Expected<FragmentSet> fracture(const Solid& solid, const Diagram& diagram,
                                StageTimings& timings) {
   return stage(timings, execution, "clip", [&]() -> Expected<FragmentSet> {
     const Tetrahedralization& t = diagram.tetrahedralization;
-    std::vector<std::uint32_t> groups;  // of sites, from those of the input points
-    if (!diagram.groups.empty()) {
-      groups.resize(t.site_count());
-      for (std::size_t k = diagram.groups.size(); k-- > 0;)  // the first of merged points decides
-        if (t.site_of_input[k] != kNoSite) groups[t.site_of_input[k]] = diagram.groups[k];
-    }
-    const Ownership ownership = Ownership::from_groups(t.site_count(), groups);
-
     std::optional<Solid> image;
     if (diagram.map) image = image_of(solid, *diagram.map);
     const Solid& seen = image ? *image : solid;
     const VoronoiDiagram voronoi(t, seen.box, diagram.map);
+    std::vector<SiteId> kept;
+    if (parameters.keep) kept = cells_meeting(*parameters.keep, voronoi, seen.box);
+    const Ownership ownership =
+        Ownership::from_groups(t.site_count(), groups_of_sites(t, diagram.groups, kept));
+
     FragmentSet set;
     std::uint32_t skipped_hulls = 0;
     if (parameters.dual == Dual::kBarycenter) {
@@ -110,13 +207,17 @@ Expected<FragmentSet> fracture(const Solid& solid, const Diagram& diagram,
       skipped_hulls = result.skipped_hulls;
     } else {
       set = make_fragments(restrict_to_solid(solid, seen, voronoi, execution), ownership, parameters.pivot,
-                           execution);
+                           parameters.size, execution);
     }
     if (set.fragments.empty()) return fail(ErrorCode::kNoFragments, "none of the pieces has a volume");
+    set.hierarchy = make_hierarchy(set, parameters.levels, execution);
+    std::uint32_t anchored = 0;
+    if (parameters.anchors.any()) anchored = mark_anchored(set, parameters.anchors);
     HullReport hulls;
     if (parameters.hulls == Hulls::kConvex) hulls = add_collision_hulls(set, execution);
     set.certificate.sites_asked = static_cast<std::uint32_t>(diagram.sites.size());
     set.report = report_of(solid, diagram, set);
+    report_structure(parameters, diagram, kept.size(), anchored, set);
     if (parameters.hulls == Hulls::kConvex)
       set.report["hulls"] = {{"count", hulls.hulls}, {"flat", hulls.flat}, {"simplified", hulls.simplified}};
     if (parameters.dual == Dual::kBarycenter) {

@@ -15,8 +15,11 @@
 #include "common/base/timings.hpp"
 #include "common/delaunay/tetrahedralization.hpp"
 #include "common/fragment/fragments.hpp"
+#include "common/pipeline/keep_region.hpp"
+#include "common/pipeline/split_large.hpp"
 #include "common/sites/pattern.hpp"
 #include "common/solid/solid.hpp"
+#include "common/structure/anchors.hpp"
 
 namespace fracture {
 
@@ -34,6 +37,13 @@ struct FractureParameters : SiteParameters {
   Dual dual = Dual::kCircumcenter;
   Hulls hulls = Hulls::kNone;  ///< collision hulls for physics engines (physics/collision_hulls.hpp)
   Pivot pivot = Pivot::kCenterOfMass;
+  SizeLimits size;        ///< small fragments are united with a neighbour
+  double max_volume = 0;  ///< m³; 0: no limit. Cells with a larger piece get further sites
+  /// Nothing within it is cut: the cells that meet it are one group.
+  std::optional<Region> keep{};
+  /// How many clusters each level of the hierarchy above the fragments has, coarsest first, increasing.
+  std::vector<std::uint32_t> levels{};
+  Anchors anchors;  ///< fragments that touch these are marked
 };
 
 /// The reusable result for (mesh, site parameters): sites and their tetrahedralization.
@@ -44,6 +54,7 @@ struct Diagram {
   std::optional<Matrix3> map{};
   std::vector<std::string> notes{};  ///< about the sites, for people
   Tetrahedralization tetrahedralization;
+  SplitFigures split;  ///< what FractureParameters::max_volume did
 };
 
 /// Errors: those of plan_sites() and tetrahedralize(), an interruption.

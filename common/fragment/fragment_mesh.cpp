@@ -1,0 +1,28 @@
+#include "common/fragment/fragment_mesh.hpp"
+
+namespace fracture {
+
+Mesh fragment_mesh(const FragmentSet& set, std::size_t index) {
+  const Fragment& f = set.fragments.at(index);
+  Mesh mesh;
+  mesh.positions.reserve(f.positions.size());
+  for (const Vec3f& local : f.positions) {
+    const Vec3d p = to_double(local) + f.pivot;
+    mesh.positions.push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
+  }
+  mesh.frame = set.source->frame;
+  mesh.attributes = f.attributes;
+  for (const FragmentPrimitive& primitive : f.primitives)
+    for (std::uint32_t k = 0; k < primitive.index_count; k += 3) {
+      const std::uint32_t* corner = f.indices.data() + primitive.first_index + k;
+      mesh.triangles.push_back({corner[0], corner[1], corner[2]});
+      mesh.material.push_back(primitive.material);
+    }
+  mesh.node.assign(mesh.triangles.size(), f.node);
+  mesh.node_names = set.source->node_names;
+  mesh.library = set.source->library;
+  mesh.copyright = set.source->copyright;
+  return mesh;
+}
+
+}  // namespace fracture

@@ -1,0 +1,82 @@
+#include "common/fragment/outline.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace fracture {
+
+void Outline::triangulate_into(std::uint32_t t, std::vector<Face>& out) {
+  std::sort(sides_.begin(), sides_.end(), [](const Side& a, const Side& b) { return a.from < b.from; });
+  loop_.clear();
+  loop_begin_.assign(1, 0);
+  for (std::size_t start = 0; start < sides_.size(); ++start) {
+    if (sides_[start].used) continue;
+    ring_.clear();
+    for (std::size_t s = start; !sides_[s].used; s = leaving(sides_[s].to, t)) {
+      sides_[s].used = true;
+      ring_.push_back(sides_[s].from);
+    }
+    const std::size_t n = ring_.size(), loop_start = loop_.size();
+    for (std::size_t k = 0; k < n; ++k)
+      if (!is_straight(ring_[(k + n - 1) % n], ring_[k], ring_[(k + 1) % n])) loop_.push_back(ring_[k]);
+    if (loop_.size() > loop_start) loop_begin_.push_back(static_cast<std::uint32_t>(loop_.size()));
+  }
+  const auto& corners = d_.solid.triangles[t];
+  const auto is_corner = [&](VertexId v) {
+    return std::find(corners.begin(), corners.end(), v) != corners.end();
+  };
+  if (loop_.size() == 3 && std::all_of(loop_.begin(), loop_.end(), is_corner)) {
+    out.push_back({corners, t});
+    return;
+  }
+  project(t);
+  triangulate(points_, loop_begin_, triangulation_);
+  for (const auto& k : triangulation_.triangles) out.push_back({{loop_[k[0]], loop_[k[1]], loop_[k[2]]}, t});
+}
+
+std::size_t Outline::leaving(VertexId v, std::uint32_t t) const {
+  const auto it = std::lower_bound(sides_.begin(), sides_.end(), v,
+                                   [](const Side& s, VertexId key) { return s.from < key; });
+  if (it == sides_.end() || it->from != v)
+    throw InternalError("the fused polygon of triangle " + std::to_string(t) + " is open at vertex " +
+                        std::to_string(v));
+  return static_cast<std::size_t>(it - sides_.begin());
+}
+
+bool Outline::lies_on(VertexId v, std::uint32_t edge) const {
+  if (v < d_.cuts.first_b()) {
+    const auto& ends = d_.solid.edge_vertices[edge];
+    return v == ends[0] || v == ends[1];
+  }
+  return v < d_.cuts.first_c() && d_.cuts.edge_cuts[v - d_.cuts.first_b()].edge == edge;
+}
+
+bool Outline::is_straight(VertexId before, VertexId v, VertexId after) const {
+  if (v < d_.cuts.first_b() || v >= d_.cuts.first_c()) return false;  // only edge cuts lie within an edge
+  const std::uint32_t edge = d_.cuts.edge_cuts[v - d_.cuts.first_b()].edge;
+  return lies_on(before, edge) && lies_on(after, edge);
+}
+
+// On the lattice, dropping the axis of the largest normal component: which triangulation is chosen may depend
+// on rounded positions, whether it closes cannot.
+void Outline::project(std::uint32_t t) {
+  const auto& v = d_.solid.triangles[t];
+  const Vec3d a = to_double(d_.solid.positions[v[0]]), b = to_double(d_.solid.positions[v[1]]),
+              c = to_double(d_.solid.positions[v[2]]);
+  const Vec3d n = cross(b - a, c - a);
+  int axis = 0;
+  for (int k = 1; k < 3; ++k)
+    if (std::fabs(n[k]) > std::fabs(n[axis])) axis = k;
+  int x = (axis + 1) % 3, y = (axis + 2) % 3;
+  if (n[axis] < 0) std::swap(x, y);
+  const Vec3d step = d_.positions.lattice.step();
+  points_.clear();
+  for (const VertexId id : loop_) {
+    const Vec3d p = d_.point(id);
+    points_.push_back({static_cast<std::int64_t>(std::nearbyint(p[x] / step[x])),
+                       static_cast<std::int64_t>(std::nearbyint(p[y] / step[y]))});
+  }
+}
+
+}  // namespace fracture

@@ -1,0 +1,45 @@
+// What several polygons of one input triangle cover together, as new triangles: the outline of their union,
+// triangulated, without the vertices that only separated them.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/clip/triangulate.hpp"
+#include "common/fragment/pieces.hpp"
+
+namespace fracture {
+
+/// Fuses within one triangle after the other; keeps its buffers between them.
+class Outline {
+ public:
+  explicit Outline(const RestrictedDiagram& diagram) : d_(diagram) {}
+
+  void clear() { sides_.clear(); }
+  /// A directed side of the outline. In a generic diagram a vertex is left by one side.
+  void add(VertexId from, VertexId to) { sides_.push_back({from, to, false}); }
+  /// Appends the triangles of what the sides enclose in triangle t. A vertex between two sides along the same
+  /// edge of t is left out: the edge is not cut there any more. Both triangles at the edge agree about that,
+  /// because what lies on the two sides of such a vertex hangs together by volume around it. The whole
+  /// triangle comes back as it was. Throws InternalError when the sides do not chain into loops.
+  void triangulate_into(std::uint32_t t, std::vector<Face>& out);
+
+ private:
+  struct Side {
+    VertexId from, to;
+    bool used;
+  };
+  std::size_t leaving(VertexId v, std::uint32_t t) const;
+  bool lies_on(VertexId v, std::uint32_t edge) const;
+  bool is_straight(VertexId before, VertexId v, VertexId after) const;
+  void project(std::uint32_t t);
+
+  const RestrictedDiagram& d_;
+  std::vector<Side> sides_;
+  std::vector<VertexId> ring_, loop_;
+  std::vector<std::uint32_t> loop_begin_;
+  std::vector<LatticePoint> points_;
+  Triangulation triangulation_;
+};
+
+}  // namespace fracture

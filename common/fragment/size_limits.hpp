@@ -1,0 +1,30 @@
+// How small a fragment may be, and how many there may be: what is asked, and what was made of it.
+#pragma once
+
+#include <cstdint>
+
+namespace fracture {
+
+/// Zero: no limit. All are met by uniting the smallest fragment with the neighbour of largest shared cap
+/// area.
+struct SizeLimits {
+  double min_volume = 0;            ///< m³
+  double min_fraction = 0;          ///< of the solid's volume; the larger of the two counts
+  std::uint32_t max_fragments = 0;  ///< fragments that no other touches count, but cannot be united
+  /// Triangles of all fragments. A budget below what the solid has when nothing is cut cannot be met; then it
+  /// unites nothing.
+  std::uint64_t max_triangles = 0;
+
+  bool any() const { return min_volume > 0 || min_fraction > 0 || max_fragments > 0 || max_triangles > 0; }
+};
+
+/// What the limits did.
+struct SizeFigures {
+  std::uint32_t united = 0;  ///< pieces united because of a limit
+  std::uint32_t alone = 0;   ///< pieces below the smallest volume that touch no other: they stay
+  double min_volume = 0;     ///< m³, the smallest volume in force
+  /// The fewest triangles that uniting can reach; only counted where max_triangles is set.
+  std::uint64_t fewest_triangles = 0;
+};
+
+}  // namespace fracture

@@ -1,0 +1,55 @@
+#include "common/gltf/cluster_nodes.hpp"
+
+#include <algorithm>
+
+#include "common/gltf/fracture_extras.hpp"
+#include "common/gltf/names.hpp"
+
+namespace fracture {
+namespace {
+
+/// A beginning that no name made from the source's has.
+std::string free_prefix(const Mesh& source) {
+  for (std::size_t number = 1;; ++number) {
+    const std::string prefix = number == 1 ? "Cluster_" : "Cluster" + std::to_string(number) + "_";
+    if (std::none_of(source.node_names.begin(), source.node_names.end(),
+                     [&](const std::string& name) { return ascii_name(name).starts_with(prefix); }))
+      return prefix;
+  }
+}
+
+}  // namespace
+
+ClusterNodes::ClusterNodes(const FragmentSet& set, std::size_t first_node)
+    : set_(set), prefix_(free_prefix(*set.source)) {
+  const Hierarchy& hierarchy = set.hierarchy;
+  std::vector<std::size_t> begin;  // per level: its first node, counted from first_node
+  for (std::size_t level = 0; level < hierarchy.levels.size(); ++level) {
+    begin.push_back(nodes_.size());
+    for (std::size_t c = 0; c < hierarchy.levels[level].clusters.size(); ++c) {
+      const std::size_t node = first_node + nodes_.size();
+      const std::uint32_t parent = hierarchy.levels[level].clusters[c].parent;
+      (level == 0 ? roots_ : nodes_[begin[level - 1] + parent].children).push_back(node);
+      nodes_.push_back({level, c, {}});
+    }
+  }
+  for (std::size_t f = 0; f < set.fragments.size(); ++f)
+    (nodes_.empty() ? roots_ : nodes_[begin.back() + hierarchy.cluster_of_fragment[f]].children)
+        .push_back(1 + f);
+}
+
+void ClusterNodes::write(JsonText& json, const GltfOptions& options) const {
+  for (const Node& node : nodes_) {
+    const std::size_t width = std::to_string(set_.hierarchy.levels[node.level].clusters.size() - 1).size();
+    json.begin_object().member("name",
+                               prefix_ + std::to_string(node.level) + "_" + padded(node.cluster, width));
+    json.key("children").begin_array();
+    for (const std::size_t child : node.children) json.value(child);
+    json.end_array();
+    json.key("extras").begin_object().key("fracture");
+    write_cluster_extras(json, set_, node.level, node.cluster, options);
+    json.end_object().end_object();
+  }
+}
+
+}  // namespace fracture

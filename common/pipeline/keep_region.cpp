@@ -1,0 +1,143 @@
+#include "common/pipeline/keep_region.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fracture {
+namespace {
+
+using Polygon = std::vector<Vec3d>;
+
+/// Keeps what has normal · x <= offset.
+void clip(Polygon& polygon, const Vec3d& normal, double offset, Polygon& scratch) {
+  scratch.clear();
+  for (std::size_t k = 0; k < polygon.size(); ++k) {
+    const Vec3d &a = polygon[k], &b = polygon[(k + 1) % polygon.size()];
+    const double da = dot(normal, a) - offset, db = dot(normal, b) - offset;
+    if (da <= 0) scratch.push_back(a);
+    if ((da < 0 && db > 0) || (da > 0 && db < 0)) scratch.push_back(a + (da / (da - db)) * (b - a));
+  }
+  polygon.swap(scratch);
+}
+
+/// Squared distance from q to a convex polygon in the plane with this unit normal.
+double distance2(const Polygon& polygon, const Vec3d& normal, const Vec3d& q) {
+  double nearest = HUGE_VAL;
+  int turns = 0;  // all to one side: q is above the inside
+  for (std::size_t k = 0; k < polygon.size(); ++k) {
+    const Vec3d a = polygon[k] - q, e = polygon[(k + 1) % polygon.size()] - polygon[k];
+    const double ee = dot(e, e), t = ee > 0 ? std::clamp(-dot(a, e) / ee, 0.0, 1.0) : 0.0;
+    const Vec3d p = a + t * e;
+    nearest = std::min(nearest, dot(p, p));
+    turns += dot(normal, cross(a, e)) >= 0 ? 1 : -1;
+  }
+  const double height = dot(normal, polygon[0] - q);
+  return std::abs(turns) == static_cast<int>(polygon.size()) ? height * height : nearest;
+}
+
+Box box_of(const Region& region) {
+  if (region.shape == Region::Shape::kBox) return region.box;
+  const Vec3d r{region.radius, region.radius, region.radius};
+  return {region.center - r, region.center + r};
+}
+
+Box image_of(const Box& box, const Matrix3& map, double margin) {
+  Box image;
+  for (int corner = 0; corner < 8; ++corner) {
+    Vec3d p = box.min;
+    for (int a = 0; a < 3; ++a)
+      if (corner >> a & 1) p[a] = box.max[a];
+    image.add(map * p);
+  }
+  const Vec3d wide{margin, margin, margin};
+  return {image.min - wide, image.max + wide};
+}
+
+class RegionWalk {
+ public:
+  RegionWalk(const Region& region, const VoronoiDiagram& diagram, const Box& bounds)
+      : region_(region), diagram_(diagram), margin_(1e-9 * bounds.longest_side()) {
+    Box wide = box_of(region);
+    if (diagram.map()) {
+      // Vertices of the image are rounded to float.
+      wide = image_of(wide, *diagram.map(), 1e-6 * bounds.longest_side());
+      region_.shape = Region::Shape::kBox;
+    }
+    for (int a = 0; a < 3; ++a) {
+      limits_.min[a] = std::max(wide.min[a], bounds.min[a]);
+      limits_.max[a] = std::min(wide.max[a], bounds.max[a]);
+    }
+  }
+
+  std::vector<SiteId> run() {
+    for (int a = 0; a < 3; ++a)
+      if (limits_.min[a] > limits_.max[a]) return {};
+    Vec3d start = limits_.center();
+    if (region_.shape == Region::Shape::kSphere) {
+      for (int a = 0; a < 3; ++a) start[a] = std::clamp(region_.center[a], limits_.min[a], limits_.max[a]);
+      if (length(start - region_.center) > region_.radius + margin_) return {};
+    }
+    std::vector<char> seen(diagram_.dual().site_count(), 0);
+    std::vector<SiteId> found{diagram_.nearest(start, 0)};
+    seen[found[0]] = 1;
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      const SiteId i = found[k];
+      for (const Bisector& b : diagram_.bisectors(i))
+        if (!diagram_.dual().is_corner(b.neighbor) && !seen[b.neighbor] && facet_meets(i, b)) {
+          seen[b.neighbor] = 1;
+          found.push_back(b.neighbor);
+        }
+    }
+    std::sort(found.begin(), found.end());
+    return found;
+  }
+
+ private:
+  /// The facet between i and its neighbour, within the region's box.
+  bool facet_meets(SiteId i, const Bisector& facet) {
+    const double l = length(facet.u);
+    const Vec3d n = (1 / l) * facet.u, middle = diagram_.site(i) + 0.5 * facet.u, center = limits_.center();
+    const Vec3d foot = center - dot(n, center - middle) * n;
+    int axis = 0;
+    for (int a = 1; a < 3; ++a)
+      if (std::fabs(n[a]) < std::fabs(n[axis])) axis = a;
+    Vec3d unit;
+    unit[axis] = 1;
+    Vec3d s = cross(n, unit);
+    s = (1 / length(s)) * s;
+    const Vec3d t = cross(n, s);
+    const double reach = 2 * length(limits_.size()) + 4 * margin_;
+    polygon_ = {foot - reach * s - reach * t, foot + reach * s - reach * t, foot + reach * s + reach * t,
+                foot - reach * s + reach * t};
+    for (int a = 0; a < 3 && !polygon_.empty(); ++a) {
+      Vec3d normal;
+      normal[a] = 1;
+      clip(polygon_, normal, limits_.max[a] + margin_, scratch_);
+      clip(polygon_, -1.0 * normal, margin_ - limits_.min[a], scratch_);
+    }
+    for (const Bisector& b : diagram_.bisectors(i)) {
+      if (polygon_.empty()) return false;
+      if (b.neighbor == facet.neighbor) continue;
+      clip(polygon_, b.u, b.half + dot(b.u, diagram_.site(i)) + margin_ * length(b.u), scratch_);
+    }
+    if (polygon_.empty()) return false;
+    if (region_.shape == Region::Shape::kBox) return true;
+    const double r = region_.radius + margin_;
+    return distance2(polygon_, n, region_.center) <= r * r;
+  }
+
+  Region region_;
+  const VoronoiDiagram& diagram_;
+  const double margin_;
+  Box limits_;  ///< of the region within the bounds
+  Polygon polygon_, scratch_;
+};
+
+}  // namespace
+
+std::vector<SiteId> cells_meeting(const Region& region, const VoronoiDiagram& diagram, const Box& bounds) {
+  if (diagram.dual().site_count() == 0 || bounds.empty()) return {};
+  return RegionWalk(region, diagram, bounds).run();
+}
+
+}  // namespace fracture

@@ -1,0 +1,58 @@
+#include "common/pipeline/split_large.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/fragment/pieces.hpp"
+#include "common/pipeline/fracture.hpp"
+#include "common/pipeline/restrict.hpp"
+#include "common/sites/sites.hpp"
+
+namespace fracture {
+
+Expected<SplitFigures> split_large(const Solid& solid, const Solid& seen, Diagram& diagram, double max_volume,
+                                   std::uint64_t seed, const Execution& execution) {
+  SplitFigures figures;
+  for (;;) {
+    const Tetrahedralization& t = diagram.tetrahedralization;
+    const VoronoiDiagram voronoi(t, seen.box, diagram.map);
+    const RestrictedDiagram restricted = restrict_to_solid(solid, seen, voronoi, execution);
+    const Pieces pieces = gather_pieces(restricted, Ownership::from_groups(t.site_count(), {}), execution);
+    std::vector<std::uint32_t> wanted(t.site_count(), 0);
+    figures.too_large = 0;
+    for (const Piece& p : pieces.pieces) {
+      const double volume =
+          signed_volume(restricted, p.faces.data(), p.faces.size(), restricted.point(p.faces[0].v[0]));
+      if (!(volume > max_volume)) continue;
+      ++figures.too_large;
+      // Every cell stands for itself here, so its number is the site's. A random point in three more than the
+      // volume asks for, because random parts are uneven.
+      const double parts = std::ceil(std::min(1e6, 1.3 * volume / max_volume));
+      wanted[p.owners[0]] += static_cast<std::uint32_t>(std::max(1.0, parts - 1));
+    }
+    if (figures.too_large == 0 || figures.passes == kMaxSplitPasses || diagram.sites.size() >= kMaxSplitSites)
+      return figures;
+
+    // Of uniform points a cell gets its share of the volume: enough of them for every part, and twice that.
+    ++figures.passes;
+    const double share = 4 * solid.report.volume / max_volume;
+    const auto count = static_cast<std::uint32_t>(std::clamp(share, 64.0, 2.0 * kMaxSplitSites));
+    Expected<std::vector<Vec3d>> points =
+        uniform_sites(seen, count, seed ^ (0x9e3779b97f4a7c15ull * figures.passes), execution);
+    if (!points) return tl::unexpected(points.error());
+    SiteId cell = 0;
+    for (const Vec3d& p : *points) {
+      if (diagram.sites.size() >= kMaxSplitSites) break;
+      cell = voronoi.nearest(p, cell);
+      if (wanted[cell] == 0) continue;
+      --wanted[cell];
+      diagram.sites.push_back(p);
+      ++figures.sites_added;
+    }
+    Expected<Tetrahedralization> finer = tetrahedralize(diagram.sites, seen.box, execution);
+    if (!finer) return tl::unexpected(finer.error());
+    diagram.tetrahedralization = std::move(*finer);
+  }
+}
+
+}  // namespace fracture

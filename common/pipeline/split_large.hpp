@@ -1,0 +1,31 @@
+// Fragments that are too large get further sites: the source paper's volume filter turned round.
+#pragma once
+
+#include <cstdint>
+
+#include "common/base/error.hpp"
+#include "common/base/execution.hpp"
+#include "common/solid/solid.hpp"
+
+namespace fracture {
+
+struct Diagram;
+
+/// What asking for a largest volume came to.
+struct SplitFigures {
+  std::uint32_t sites_added = 0, passes = 0;
+  std::uint32_t too_large = 0;  ///< pieces above the volume when the passes or the sites ran out
+};
+
+/// How often the cells are measured and divided again; how many sites there may be in the end.
+inline constexpr std::uint32_t kMaxSplitPasses = 16;
+inline constexpr std::uint32_t kMaxSplitSites = 100'000;
+
+/// Adds sites to the diagram until no cell's piece of the solid is larger than `max_volume` (m³, > 0): in
+/// each pass every cell with a larger piece gets as many further sites as it holds that volume, from a
+/// sequence of uniform points of the solid. Deterministic in the seed. One clipping of the surface a pass.
+/// `seen` is the solid, or its image under the diagram's map; the diagram must have no groups.
+Expected<SplitFigures> split_large(const Solid& solid, const Solid& seen, Diagram& diagram, double max_volume,
+                                   std::uint64_t seed, const Execution& execution);
+
+}  // namespace fracture

@@ -1,0 +1,47 @@
+// Fragments (or clusters of them) and what holds them together, as a graph: one node each, one edge for each
+// bond.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/fragment/fragments.hpp"
+
+namespace fracture {
+
+class BondGraph {
+ public:
+  struct Node {
+    double volume;  ///< m³
+    Vec3d center;   ///< of mass, m
+  };
+  struct Edge {
+    std::uint32_t to, bond;  ///< index of the bond
+    double area;             ///< m²
+  };
+
+  BondGraph(std::vector<Node> nodes, const std::vector<Bond>& bonds);
+  static BondGraph of_fragments(const FragmentSet& set);
+
+  std::uint32_t size() const { return static_cast<std::uint32_t>(nodes_.size()); }
+  const Node& node(std::uint32_t n) const { return nodes_[n]; }
+  /// In the order of the bonds.
+  std::span<const Edge> edges(std::uint32_t n) const {
+    return {edges_.data() + begin_[n], edges_.data() + begin_[n + 1]};
+  }
+  /// Per node the lowest node that it hangs together with.
+  std::vector<std::uint32_t> components() const;
+
+ private:
+  std::vector<Node> nodes_;
+  std::vector<std::uint32_t> begin_;
+  std::vector<Edge> edges_;
+};
+
+/// The bonds between groups of nodes: area the sum, centroid and normal weighted by area, the normal from the
+/// lower group to the higher. group_of_node[n]: 0..; bonds within a group disappear. Ascending by (a, b).
+std::vector<Bond> bonds_between(const std::vector<Bond>& bonds,
+                                const std::vector<std::uint32_t>& group_of_node);
+
+}  // namespace fracture

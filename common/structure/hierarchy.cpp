@@ -1,0 +1,79 @@
+#include "common/structure/hierarchy.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/structure/bond_graph.hpp"
+#include "common/structure/clusters.hpp"
+
+namespace fracture {
+namespace {
+
+std::uint64_t mix(std::uint64_t h, std::uint64_t v) {
+  h ^= v;
+  h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9ull;
+  h = (h ^ (h >> 27)) * 0x94d049bb133111ebull;
+  return (h ^ (h >> 31)) + 0x9e3779b97f4a7c15ull;
+}
+
+/// A function of which fragments they are and of the level: a cluster of one fragment, or of one cluster, is
+/// not the same thing as that.
+std::uint64_t cluster_id(std::vector<std::uint64_t> fragments, std::size_t level) {
+  std::sort(fragments.begin(), fragments.end());
+  std::uint64_t h = mix(0x636c7573746572ull, level);
+  for (const std::uint64_t id : fragments) h = mix(h, id);
+  return h >> 11;
+}
+
+}  // namespace
+
+Hierarchy make_hierarchy(const FragmentSet& set, const std::vector<std::uint32_t>& counts,
+                         const Execution& execution) {
+  Hierarchy out;
+  if (counts.empty() || set.fragments.empty()) return out;
+  out.levels.resize(counts.size());
+
+  // From the fragments upwards: the nodes of a level are the clusters of the finer one.
+  const std::size_t fragments = set.fragments.size();
+  BondGraph graph = BondGraph::of_fragments(set);
+  const std::vector<Bond>* bonds = &set.bonds;
+  std::vector<std::vector<std::uint32_t>> members(fragments);  // per node: its fragments
+  for (std::uint32_t f = 0; f < fragments; ++f) members[f] = {f};
+  for (std::size_t level = counts.size(); level-- > 0;) {
+    const std::vector<std::uint32_t> cluster = find_clusters(graph, counts[level], execution);
+    if (level + 1 == counts.size())
+      out.cluster_of_fragment = cluster;
+    else
+      for (std::uint32_t n = 0; n < graph.size(); ++n) out.levels[level + 1].clusters[n].parent = cluster[n];
+
+    ClusterLevel& here = out.levels[level];
+    here.clusters.resize(1 + *std::max_element(cluster.begin(), cluster.end()));
+    std::vector<std::vector<std::uint32_t>> of_cluster(here.clusters.size());
+    std::vector<Vec3d> moment(here.clusters.size());
+    for (std::uint32_t n = 0; n < graph.size(); ++n) {
+      Cluster& c = here.clusters[cluster[n]];
+      c.volume += graph.node(n).volume;
+      moment[cluster[n]] = moment[cluster[n]] + graph.node(n).volume * graph.node(n).center;
+      auto& all = of_cluster[cluster[n]];
+      all.insert(all.end(), members[n].begin(), members[n].end());
+    }
+    std::vector<BondGraph::Node> nodes;
+    for (std::size_t c = 0; c < here.clusters.size(); ++c) {
+      Cluster& made = here.clusters[c];
+      made.parent = kNoIndex;
+      made.fragments = static_cast<std::uint32_t>(of_cluster[c].size());
+      if (made.volume > 0) made.center_of_mass = (1 / made.volume) * moment[c];
+      std::vector<std::uint64_t> ids;
+      for (const std::uint32_t f : of_cluster[c]) ids.push_back(set.fragments[f].id);
+      made.id = cluster_id(std::move(ids), level);
+      nodes.push_back({made.volume, made.center_of_mass});
+    }
+    here.bonds = bonds_between(*bonds, cluster);
+    graph = BondGraph(std::move(nodes), here.bonds);
+    bonds = &here.bonds;
+    members = std::move(of_cluster);
+  }
+  return out;
+}
+
+}  // namespace fracture

@@ -1,0 +1,71 @@
+#include "common/structure/anchors.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/structure/fractured.hpp"
+#include "tests/support/figures.hpp"
+#include "tests/support/shapes.hpp"
+
+namespace fracture::test {
+namespace {
+
+/// A tower of five cubes along y, fragment k from y = k to y = k + 1.
+FragmentSet tower() {
+  FractureParameters p;
+  PointsPattern pattern;
+  for (int k = 0; k < 5; ++k) pattern.points.push_back({0.5, k + 0.5, 0.5});
+  p.pattern = pattern;
+  return fracture_mesh(box({0, 0, 0}, {1, 5, 1}), p).set;
+}
+
+std::vector<bool> held(FragmentSet set, const Anchors& anchors) {
+  const std::uint32_t count = mark_anchored(set, anchors);
+  std::vector<bool> result;
+  for (const Fragment& f : set.fragments) result.push_back(f.anchored);
+  EXPECT_EQ(count, std::count(result.begin(), result.end(), true));
+  return result;
+}
+
+TEST(Anchors, PlaneHoldsWhatReachesIntoItsHalfSpace) {
+  const FragmentSet set = tower();
+  ASSERT_EQ(set.fragments.size(), 5u);
+  const auto on_ground = std::vector<bool>{true, false, false, false, false};
+  EXPECT_EQ(held(set, {{{{0, 1, 0}, 0}}, {}, {}}), on_ground);
+  EXPECT_EQ(held(set, {{{{0, 7, 0}, 0.5}}, {}, {}}), on_ground);  // the normal's length does not matter
+  EXPECT_EQ(held(set, {{{{0, 1, 0}, 1.5}}, {}, {}}), (std::vector<bool>{true, true, false, false, false}));
+  EXPECT_EQ(held(set, {{{{0, -1, 0}, -5}}, {}, {}}), (std::vector<bool>{false, false, false, false, true}));
+  EXPECT_EQ(held(set, {{{{0, 1, 0}, -0.1}}, {}, {}}), std::vector<bool>(5, false));
+}
+
+TEST(Anchors, BoxHoldsWhatItOverlapsEvenWithoutAVertexInside) {
+  const FragmentSet set = tower();
+  EXPECT_EQ(held(set, {{}, {Box{{0.4, 1.4, 0.9}, {0.6, 1.6, 1.1}}}, {}}),
+            (std::vector<bool>{false, true, false, false, false}));  // through the middle of a face
+  EXPECT_EQ(held(set, {{}, {Box{{0.4, 2.4, 0.4}, {0.6, 2.6, 0.6}}}, {}}),
+            (std::vector<bool>{false, false, true, false, false}));  // wholly within
+  EXPECT_EQ(held(set, {{}, {Box{{0.4, 0.5, 0.4}, {0.6, 3.5, 0.6}}}, {}}),
+            (std::vector<bool>{true, true, true, true, false}));
+  EXPECT_EQ(held(set, {{}, {Box{{1.1, 0, 0}, {2, 5, 1}}}, {}}), std::vector<bool>(5, false));
+}
+
+TEST(Anchors, PointHoldsWhatItLiesInOrOn) {
+  const FragmentSet set = tower();
+  EXPECT_EQ(held(set, {{}, {}, {{0.5, 3.5, 0.5}}}), (std::vector<bool>{false, false, false, true, false}));
+  EXPECT_EQ(held(set, {{}, {}, {{1, 0.5, 0.3}}}), (std::vector<bool>{true, false, false, false, false}));
+  EXPECT_EQ(held(set, {{}, {}, {{0.5, 1, 0.5}}}), (std::vector<bool>{true, true, false, false, false}));
+  EXPECT_EQ(held(set, {{}, {}, {{1.5, 0.5, 0.5}}}), std::vector<bool>(5, false));
+}
+
+TEST(Anchors, AreMarkedByThePipelineAndCounted) {
+  FractureParameters p;
+  p.pattern = PointsPattern{row_of_sites(Box{{0, 0, 0}, {4, 1, 1}}, 4)};
+  p.anchors.planes.push_back({{-1, 0, 0}, -4});
+  const FragmentSet set = fracture_mesh(box({0, 0, 0}, {4, 1, 1}), p).set;
+  ASSERT_EQ(set.fragments.size(), 4u);
+  EXPECT_TRUE(set.fragments[3].anchored);
+  EXPECT_FALSE(set.fragments[0].anchored);
+  EXPECT_EQ(set.report.at("anchors").at("fragments"), 1);
+}
+
+}  // namespace
+}  // namespace fracture::test

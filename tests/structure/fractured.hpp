@@ -1,0 +1,43 @@
+// A mesh fractured with given parameters, for the tests of what comes after the cells.
+#pragma once
+
+#include <memory>
+#include <stdexcept>
+#include <utility>
+
+#include "common/pipeline/fracture.hpp"
+
+namespace fracture::test {
+
+struct Fractured {
+  Solid solid;
+  Diagram diagram;
+  FragmentSet set;
+};
+
+/// Throws std::runtime_error with the detail of any error.
+inline Fractured fracture_mesh(const Mesh& mesh, const FractureParameters& parameters, int threads = 1) {
+  Execution execution;
+  execution.threads = threads;
+  StageTimings timings;
+  Expected<Solid> solid = make_solid(std::make_shared<Mesh>(mesh), {}, execution);
+  if (!solid) throw std::runtime_error(solid.error().detail);
+  Expected<Diagram> diagram = make_diagram(*solid, parameters, execution, timings);
+  if (!diagram) throw std::runtime_error(diagram.error().detail);
+  Expected<FragmentSet> set = fracture(*solid, *diagram, parameters, execution, timings);
+  if (!set) throw std::runtime_error(set.error().detail);
+  return {std::move(*solid), std::move(*diagram), std::move(*set)};
+}
+
+/// The sites of a row of n cells of the same length along x within the box.
+inline std::vector<Vec3d> row_of_sites(const Box& box, int n) {
+  std::vector<Vec3d> sites;
+  for (int k = 0; k < n; ++k) {
+    Vec3d p = box.center();
+    p.x = box.min.x + (k + 0.5) * (box.max.x - box.min.x) / n;
+    sites.push_back(p);
+  }
+  return sites;
+}
+
+}  // namespace fracture::test

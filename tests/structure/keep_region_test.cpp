@@ -1,0 +1,118 @@
+// A region that never breaks: no cut runs through it, and the rest is what it was.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/property/judge.hpp"
+#include "tests/structure/fractured.hpp"
+#include "tests/support/figures.hpp"
+#include "tests/support/shapes.hpp"
+#include "tests/support/site_families.hpp"
+
+namespace fracture::test {
+namespace {
+
+constexpr std::uint64_t kSeed = 20261121;
+
+/// By brute force over points of the region: cells that hold one of them must be among `found`.
+void expect_holds_every_cell(const Region& region, const std::vector<SiteId>& found,
+                             const std::vector<Vec3d>& sites, const Box& bounds) {
+  Box box = region.box;
+  if (region.shape == Region::Shape::kSphere) {
+    const Vec3d r{region.radius, region.radius, region.radius};
+    box = {region.center - r, region.center + r};
+  }
+  constexpr int kSteps = 24;
+  for (int x = 0; x <= kSteps; ++x)
+    for (int y = 0; y <= kSteps; ++y)
+      for (int z = 0; z <= kSteps; ++z) {
+        const Vec3d s = box.size();
+        const Vec3d p{box.min.x + s.x * x / kSteps, box.min.y + s.y * y / kSteps,
+                      box.min.z + s.z * z / kSteps};
+        if (region.shape == Region::Shape::kSphere && length(p - region.center) > region.radius) continue;
+        bool outside = false;
+        for (int a = 0; a < 3; ++a) outside = outside || p[a] < bounds.min[a] || p[a] > bounds.max[a];
+        if (outside) continue;
+        const auto nearest = std::min_element(
+            sites.begin(), sites.end(),
+            [&](const Vec3d& a, const Vec3d& b) { return dot(a - p, a - p) < dot(b - p, b - p); });
+        EXPECT_TRUE(
+            std::binary_search(found.begin(), found.end(), static_cast<SiteId>(nearest - sites.begin())));
+      }
+}
+
+TEST(KeepRegion, HoldsEveryCellThatMeetsItAndNoneThatIsFarAway) {
+  const Mesh mesh = cube();
+  const Box bounds = box_of(mesh);
+  const std::vector<Vec3d> sites = random_sites(bounds, 300, kSeed);
+  const Expected<Tetrahedralization> t = tetrahedralize(sites, bounds, {});
+  ASSERT_TRUE(t);
+  ASSERT_EQ(t->site_count(), sites.size());
+  const VoronoiDiagram voronoi(*t, bounds);
+  for (const double size : {1e-6, 0.05, 0.2, 0.45}) {
+    for (const Vec3d& center : {Vec3d{0.1, -0.2, 0.05}, Vec3d{0.5, 0.5, 0.5}, Vec3d{-0.6, 0, 0.1}}) {
+      SCOPED_TRACE(size);
+      Region ball;
+      ball.center = center;
+      ball.radius = size;
+      const auto in_ball = cells_meeting(ball, voronoi, bounds);
+      expect_holds_every_cell(ball, in_ball, sites, bounds);
+      Region box;
+      box.shape = Region::Shape::kBox;
+      box.box = {center - Vec3d{size, size / 2, size / 4}, center + Vec3d{size, size / 2, size / 4}};
+      const auto in_box = cells_meeting(box, voronoi, bounds);
+      expect_holds_every_cell(box, in_box, sites, bounds);
+      // A cell's distance to the region is at least its site's distance less the reach of a cell of 300.
+      for (const SiteId s : in_ball) EXPECT_LE(length(sites[s] - center), size + 0.3);
+    }
+  }
+  Region elsewhere;
+  elsewhere.center = {3, 0, 0};
+  elsewhere.radius = 1;
+  EXPECT_TRUE(cells_meeting(elsewhere, voronoi, bounds).empty());
+}
+
+TEST(KeepRegion, NothingInsideIsCutAndAllInvariantsHold) {
+  for (const NamedMesh& shape : closed_shapes()) {
+    SCOPED_TRACE(shape.name);
+    const Mesh mesh = with_traced_triangles(shape.mesh);
+    const Box box = box_of(mesh);
+    FractureParameters p;
+    p.pattern = PointsPattern{random_sites(box, 60, kSeed)};
+    Region ball;
+    ball.center = box.center() + 0.3 * Vec3d{box.size().x, 0, 0};
+    ball.radius = 0.2 * box.longest_side();
+    p.keep = ball;
+    const Fractured f = fracture_mesh(mesh, p);
+    expect_closed(f.set);
+    expect_partition(f.set, volume_of(mesh), area_of(mesh));
+    expect_outside_untouched(f.set, mesh);
+    EXPECT_GT(f.set.report.at("keep").at("cells").get<int>(), 0);
+    for (const Fragment& fragment : f.set.fragments)
+      for (const FragmentPrimitive& primitive : fragment.primitives) {
+        if (primitive.material != kInteriorMaterial) continue;
+        for (std::uint32_t k = 0; k < primitive.index_count; ++k) {
+          const Vec3d q =
+              to_double(fragment.positions[fragment.indices[primitive.first_index + k]]) + fragment.pivot;
+          EXPECT_GT(length(q - ball.center), ball.radius * (1 - 1e-6));
+        }
+      }
+  }
+}
+
+TEST(KeepRegion, AllOfTheSolidKeptIsTheSolid) {
+  const Mesh mesh = torus(24, 12);
+  FractureParameters p;
+  p.pattern = PointsPattern{random_sites(box_of(mesh), 60, kSeed)};
+  Region region;
+  region.shape = Region::Shape::kBox;
+  region.box = {{-9, -9, -9}, {9, 9, 9}};
+  p.keep = region;
+  const FragmentSet set = fracture_mesh(mesh, p).set;
+  ASSERT_EQ(set.fragments.size(), 1u);
+  EXPECT_EQ(set.fragments[0].indices.size(), 3 * mesh.triangles.size());
+}
+
+}  // namespace
+}  // namespace fracture::test

@@ -1,0 +1,118 @@
+// A fragment fractured again: its parts are a partition of it, and its cut faces stay cut faces.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/fragment/fragment_mesh.hpp"
+#include "tests/property/judge.hpp"
+#include "tests/structure/fractured.hpp"
+#include "tests/support/figures.hpp"
+#include "tests/support/mesh_files.hpp"
+#include "tests/support/shapes.hpp"
+#include "tests/support/site_families.hpp"
+
+namespace fracture::test {
+namespace {
+
+constexpr std::uint64_t kSeed = 20261121;
+
+Mesh largest_fragment(const Mesh& mesh, std::uint32_t sites) {
+  FractureParameters p;
+  p.pattern = PointsPattern{random_sites(box_of(mesh), sites, kSeed)};
+  p.pivot = Pivot::kSource;
+  const FragmentSet set = fracture_mesh(mesh, p).set;
+  const auto largest =
+      std::max_element(set.fragments.begin(), set.fragments.end(),
+                       [](const Fragment& a, const Fragment& b) { return a.mass.volume < b.mass.volume; });
+  return fragment_mesh(set, static_cast<std::size_t>(largest - set.fragments.begin()));
+}
+
+double interior_area(const Mesh& mesh) {
+  double sum = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (mesh.material[t] != kInteriorMaterial) continue;
+    const auto p = [&](int k) { return to_double(mesh.positions[mesh.triangles[t][k]]); };
+    sum += 0.5 * length(cross(p(1) - p(0), p(2) - p(0)));
+  }
+  return sum;
+}
+
+void expect_partition_of(const Mesh& fragment) {
+  ASSERT_EQ(open_directed_edges(fragment), 0u);
+  FractureParameters p;
+  p.pattern = PointsPattern{random_sites(box_of(fragment), 12, kSeed + 1)};
+  // Once with traced triangles, for the outside (old cut faces are part of it) ...
+  const Mesh traced = with_traced_triangles(fragment);
+  const Fractured f = fracture_mesh(traced, p);
+  EXPECT_EQ(f.solid.report.open_edges, 0u);
+  expect_closed(f.set);
+  expect_partition(f.set, volume_of(fragment), area_of(fragment));
+  expect_outside_untouched(f.set, traced);
+  // ... and as it is, for the material of the cut faces: old ones and both sides of the new ones.
+  const FragmentSet set = fracture_mesh(fragment, p).set;
+  double interior = 0, bonds = 0, exterior = 0;
+  for (std::size_t k = 0; k < set.fragments.size(); ++k) {
+    interior += interior_area(fragment_mesh(set, k));
+    exterior += set.fragments[k].exterior_area;
+  }
+  for (const Bond& b : set.bonds) bonds += b.area;
+  const double area = area_of(fragment), old = interior_area(fragment);
+  EXPECT_GT(old, 0);
+  EXPECT_NEAR(interior, old + 2 * bonds, 1e-5 * area);
+  EXPECT_NEAR(exterior, area - old, 1e-5 * area);
+}
+
+TEST(Refracture, PartsAreAPartitionOfTheFragment) {
+  for (const NamedMesh& shape : closed_shapes()) {
+    SCOPED_TRACE(shape.name);
+    if (shape.name == "thin_plate") continue;  // areas in float32 are too coarse there
+    if (shape.name == "cube_field") continue;  // its parts are smaller than a cell: uncut
+    expect_partition_of(largest_fragment(shape.mesh, 8));
+  }
+}
+
+TEST(Refracture, OldCutFacesKeepTheirAttributes) {
+  const Mesh mesh = largest_fragment(sphere_with_seams(12, 24), 6);
+  ASSERT_FALSE(mesh.attributes.normals.empty());
+  FractureParameters p;
+  p.pattern = PointsPattern{random_sites(box_of(mesh), 5, kSeed)};
+  p.pivot = Pivot::kSource;
+  const FragmentSet set = fracture_mesh(mesh, p).set;
+  // Every corner of an old cut face is found with its very normal and UV at its very place.
+  std::size_t corners = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (mesh.material[t] != kInteriorMaterial) continue;
+    for (const std::uint32_t w : mesh.triangles[t]) {
+      bool found = false;
+      for (const Fragment& f : set.fragments)
+        for (std::size_t v = 0; v < f.positions.size() && !found; ++v)
+          found = f.positions[v] == mesh.positions[w] &&
+                  f.attributes.normals[v] == mesh.attributes.normals[w] &&
+                  f.attributes.uvs[0][v] == mesh.attributes.uvs[0][w];
+      EXPECT_TRUE(found) << "triangle " << t;
+      ++corners;
+    }
+  }
+  EXPECT_GT(corners, 0u);
+}
+
+class RefractureOfMesh : public testing::TestWithParam<std::string> {};
+
+TEST_P(RefractureOfMesh, FragmentsCanBeFracturedAgain) {
+  const auto file = find_test_mesh(GetParam());
+  if (!file) GTEST_SKIP() << "no mesh " << GetParam();
+  const Expected<Mesh> mesh = load_mesh(*file);
+  ASSERT_TRUE(mesh) << mesh.error().detail;
+  expect_partition_of(largest_fragment(*mesh, 10));
+}
+
+INSTANTIATE_TEST_SUITE_P(Dev, RefractureOfMesh, testing::ValuesIn(closed_test_meshes()), [](const auto& i) {
+  std::string name = i.param;
+  for (char& c : name)
+    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
+  return name;
+});
+
+}  // namespace
+}  // namespace fracture::test

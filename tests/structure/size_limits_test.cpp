@@ -1,0 +1,202 @@
+// Fragments united because they are small: an exact union that keeps every invariant, and budgets that hold.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "tests/property/judge.hpp"
+#include "tests/structure/fractured.hpp"
+#include "tests/support/figures.hpp"
+#include "tests/support/mesh_files.hpp"
+#include "tests/support/shapes.hpp"
+#include "tests/support/site_families.hpp"
+
+namespace fracture::test {
+namespace {
+
+constexpr std::uint64_t kSeed = 20261121;
+
+std::uint64_t triangles_of(const FragmentSet& set) {
+  std::uint64_t sum = 0;
+  for (const Fragment& f : set.fragments) sum += f.indices.size() / 3;
+  return sum;
+}
+
+FractureParameters at_random(const Mesh& mesh, std::uint32_t sites) {
+  FractureParameters p;
+  p.pattern = PointsPattern{random_sites(box_of(mesh), sites, kSeed)};
+  return p;
+}
+
+void expect_invariants(const FragmentSet& set, const Mesh& traced) {
+  expect_closed(set);
+  expect_partition(set, volume_of(traced), area_of(traced));
+  expect_outside_untouched(set, traced);
+  const Certificate& c = set.certificate;
+  EXPECT_EQ(c.fragments, c.cells + c.islands - c.united - c.dropped);
+  EXPECT_EQ(c.fragments, set.fragments.size());
+}
+
+TEST(SizeLimits, WithoutAnyNothingIsUnited) {
+  const Mesh mesh = ico_sphere(2);
+  const FragmentSet set = fracture_mesh(mesh, at_random(mesh, 40)).set;
+  EXPECT_EQ(set.size.united, 0u);
+  EXPECT_FALSE(set.report.at("size").contains("united"));
+}
+
+TEST(SizeLimits, SmallFragmentJoinsTheNeighborOfLargestSharedArea) {
+  // A bar along x with a thin slice off its end, and a thinner one within: 1 | 0.02 | 0.2 | 1.
+  const Mesh mesh = box({0, 0, 0}, {2.22, 1, 1});
+  FractureParameters p;
+  p.pattern = PointsPattern {
+    {{0.5, 0.5, 0.5}, {1.5, 0.5, 0.5}, {1.54, 0.5, 0.5}};  // bisectors at x = 1 and 1.52
+    p.size.min_volume = 0.6
+  };
+  const FragmentSet set = fracture_mesh(with_traced_triangles(mesh), p).set;
+  expect_invariants(set, with_traced_triangles(mesh));
+  // The middle piece (0.52) has two neighbours with the same area of 1: the lower one takes it.
+  ASSERT_EQ(set.fragments.size(), 2u);
+  EXPECT_EQ(set.size.united, 1u);
+  std::vector<double> volumes;
+  for (const Fragment& f : set.fragments) volumes.push_back(f.mass.volume);
+  EXPECT_NEAR(volumes[0], 1.52, 1e-6);
+  EXPECT_NEAR(volumes[1], 0.70, 1e-6);
+  ASSERT_EQ(set.bonds.size(), 1u);
+  EXPECT_NEAR(set.bonds[0].area, 1, 1e-9);
+}
+
+TEST(SizeLimits, MinimalVolumeHoldsForAllButTheLonely) {
+  for (const NamedMesh& shape : closed_shapes()) {
+    SCOPED_TRACE(shape.name);
+    const Mesh mesh = with_traced_triangles(shape.mesh);
+    FractureParameters p = at_random(mesh, 60);
+    p.size.min_fraction = 0.02;
+    const Fractured f = fracture_mesh(mesh, p);
+    expect_invariants(f.set, mesh);
+    const double least = 0.02 * f.solid.report.volume;
+    const auto small = static_cast<std::uint32_t>(
+        std::count_if(f.set.fragments.begin(), f.set.fragments.end(),
+                      [&](const Fragment& x) { return x.mass.volume < least * (1 - 1e-9); }));
+    EXPECT_LE(small, f.set.size.alone);
+    // A lonely one touches nobody.
+    for (const Bond& b : f.set.bonds)
+      for (const std::uint32_t k : {b.a, b.b}) EXPECT_GE(f.set.fragments[k].mass.volume, least * (1 - 1e-9));
+  }
+}
+
+TEST(SizeLimits, UnitingAllOfOnePartGivesTheInputTrianglesBack) {
+  for (const NamedMesh& shape : closed_shapes()) {
+    SCOPED_TRACE(shape.name);
+    const Mesh mesh = with_traced_triangles(shape.mesh);
+    FractureParameters p = at_random(mesh, 40);
+    p.size.max_fragments = 1;
+    const Fractured f = fracture_mesh(mesh, p);
+    expect_invariants(f.set, mesh);
+    EXPECT_EQ(f.set.fragments.size(), f.solid.parts.size());
+    EXPECT_TRUE(f.set.bonds.empty());
+    EXPECT_EQ(triangles_of(f.set), mesh.triangles.size());
+  }
+}
+
+TEST(SizeLimits, NumberOfFragmentsHoldsItsBudget) {
+  const Mesh mesh = with_traced_triangles(torus(24, 12));
+  for (const std::uint32_t most : {60u, 23u, 7u}) {
+    FractureParameters p = at_random(mesh, 80);
+    p.size.max_fragments = most;
+    const FragmentSet set = fracture_mesh(mesh, p).set;
+    expect_invariants(set, mesh);
+    EXPECT_EQ(set.fragments.size(), most);
+    EXPECT_EQ(set.report.at("size").at("max_fragments"), most);
+  }
+}
+
+TEST(SizeLimits, NumberOfTrianglesHoldsItsBudgetAndNoMoreIsUnitedThanNeeded) {
+  const Mesh mesh = with_traced_triangles(torus(24, 12));  // 576 triangles
+  FractureParameters p = at_random(mesh, 80);
+  const std::uint64_t all = triangles_of(fracture_mesh(mesh, p).set);
+  for (const std::uint64_t most : {all - 1, all * 3 / 4, std::uint64_t{700}, std::uint64_t{576}}) {
+    SCOPED_TRACE(most);
+    p.size.max_triangles = most;
+    const FragmentSet set = fracture_mesh(mesh, p).set;
+    expect_invariants(set, mesh);
+    EXPECT_LE(triangles_of(set), most);
+    EXPECT_EQ(set.size.fewest_triangles, 576u);
+    FractureParameters fewer = p;
+    fewer.size = {};
+    fewer.size.max_fragments = static_cast<std::uint32_t>(set.fragments.size() + 1);
+    EXPECT_GT(triangles_of(fracture_mesh(mesh, fewer).set), most);
+  }
+}
+
+TEST(SizeLimits, BudgetOfTrianglesBelowTheUncutSolidUnitesNothingAndSaysSo) {
+  const Mesh mesh = torus(24, 12);
+  FractureParameters p = at_random(mesh, 30);
+  const std::size_t fragments = fracture_mesh(mesh, p).set.fragments.size();
+  p.size.max_triangles = 575;
+  const FragmentSet set = fracture_mesh(mesh, p).set;
+  EXPECT_EQ(set.fragments.size(), fragments);
+  EXPECT_EQ(set.size.united, 0u);
+  EXPECT_NE(set.report.at("warnings").dump().find("max_triangles: 575 asked"), std::string::npos);
+}
+
+TEST(SizeLimits, SameForAnyNumberOfThreads) {
+  const Mesh mesh = torus(24, 12);
+  FractureParameters p = at_random(mesh, 80);
+  p.size.min_fraction = 0.01;
+  p.size.max_triangles = 1500;
+  p.levels = {3, 9};
+  const FragmentSet one = fracture_mesh(mesh, p, 1).set, two = fracture_mesh(mesh, p, 2).set;
+  ASSERT_EQ(one.fragments.size(), two.fragments.size());
+  for (std::size_t k = 0; k < one.fragments.size(); ++k) {
+    EXPECT_EQ(one.fragments[k].id, two.fragments[k].id);
+    EXPECT_EQ(one.fragments[k].positions, two.fragments[k].positions);
+    EXPECT_EQ(one.fragments[k].indices, two.fragments[k].indices);
+  }
+  EXPECT_EQ(one.hierarchy.cluster_of_fragment, two.hierarchy.cluster_of_fragment);
+}
+
+TEST(SizeLimits, LargestVolumeIsReachedByFurtherSites) {
+  for (const char* name : {"cube", "uv_sphere", "torus"})
+    for (const NamedMesh& shape : closed_shapes()) {
+      if (shape.name != name) continue;
+      SCOPED_TRACE(name);
+      const Mesh mesh = with_traced_triangles(shape.mesh);
+      FractureParameters p = at_random(mesh, 5);
+      p.max_volume = volume_of(mesh) / 20;
+      const Fractured f = fracture_mesh(mesh, p);
+      expect_invariants(f.set, mesh);
+      EXPECT_EQ(f.diagram.split.too_large, 0u);
+      EXPECT_GT(f.diagram.split.sites_added, 0u);
+      EXPECT_GE(f.set.fragments.size(), 20u);
+      EXPECT_LE(f.set.fragments.size(), 100u);
+      for (const Fragment& x : f.set.fragments) EXPECT_LE(x.mass.volume, p.max_volume * (1 + 1e-9));
+    }
+}
+
+class SizeLimitsOfMesh : public testing::TestWithParam<std::string> {};
+
+TEST_P(SizeLimitsOfMesh, KeepsAllInvariantsWhenSmallPiecesAreUnited) {
+  const auto file = find_test_mesh(GetParam());
+  if (!file) GTEST_SKIP() << "no mesh " << GetParam();
+  const Expected<Mesh> loaded = load_mesh(*file);
+  ASSERT_TRUE(loaded) << loaded.error().detail;
+  const Mesh mesh = with_traced_triangles(*loaded);
+  FractureParameters p = at_random(mesh, 100);
+  p.size.min_fraction = 0.01;
+  p.size.max_fragments = 30;
+  p.levels = {4, 12};
+  const FragmentSet set = fracture_mesh(mesh, p).set;
+  expect_invariants(set, mesh);
+  EXPECT_EQ(set.hierarchy.cluster_of_fragment.size(), set.fragments.size());
+}
+
+INSTANTIATE_TEST_SUITE_P(Dev, SizeLimitsOfMesh, testing::ValuesIn(closed_test_meshes()), [](const auto& i) {
+  std::string name = i.param;
+  for (char& c : name)
+    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
+  return name;
+});
+
+}  // namespace
+}  // namespace fracture::test
