@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "common/fragment/fragment_mesh.hpp"
 #include "common/fragment/make_fragments.hpp"
 #include "common/physics/collision_hulls.hpp"
 #include "common/pipeline/barycentric.hpp"
@@ -158,6 +159,9 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
       if (auto relaxed = relax(solid, seen, *plan, parameters.lloyd, execution); !relaxed)
         return tl::unexpected(relaxed.error());
     }
+    if (parameters.local)
+      if (auto added = add_local_impact(solid, parameters, *parameters.local, *plan, execution); !added)
+        return tl::unexpected(added.error());
     Expected<Tetrahedralization> t = tetrahedralize(plan->points, seen.box, execution);
     if (!t) return tl::unexpected(t.error());
     Diagram diagram;
@@ -166,6 +170,7 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
     diagram.map = plan->map;
     diagram.notes = std::move(plan->notes);
     diagram.tetrahedralization = std::move(*t);
+    if (parameters.local) canonicalize(diagram.tetrahedralization);  // the same however the sites came to be
     if (parameters.max_volume > 0) {
       if (!diagram.groups.empty())
         return fail(ErrorCode::kBadParameter,
@@ -180,9 +185,53 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
   });
 }
 
+namespace {
+
+/// Fractures one fragment of the answer to these parameters again.
+Expected<FragmentSet> fracture_again(const Solid& solid, const Diagram& diagram,
+                                     const FractureParameters& parameters, const Execution& execution,
+                                     StageTimings& timings) {
+  FractureParameters before = parameters;
+  before.again.reset();
+  before.hulls = Hulls::kNone;
+  before.pivot = Pivot::kSource;
+  before.levels.clear();
+  before.anchors = {};
+  Expected<FragmentSet> whole = fracture(solid, diagram, before, execution, timings);
+  if (!whole) return whole;
+  const auto at = std::find_if(whole->fragments.begin(), whole->fragments.end(),
+                               [&](const Fragment& f) { return f.id == parameters.again->fragment; });
+  if (at == whole->fragments.end())
+    return fail(ErrorCode::kNoSuchFragment,
+                "The answer to these parameters has " + std::to_string(whole->fragments.size()) +
+                    " fragments; none has the id " + std::to_string(parameters.again->fragment) +
+                    ". Ids are a function of the sites: give the parameters of the answer that has it.",
+                "fragment");
+  auto mesh =
+      std::make_shared<Mesh>(fragment_mesh(*whole, static_cast<std::size_t>(at - whole->fragments.begin())));
+  Expected<Solid> fragment = make_solid(std::move(mesh), {}, execution);
+  if (!fragment) return tl::unexpected(fragment.error());
+
+  FractureParameters parts;
+  parts.sites = parameters.again->sites;
+  parts.seed = parameters.again->seed;
+  parts.hulls = parameters.hulls;
+  parts.pivot = parameters.pivot;
+  parts.levels = parameters.levels;
+  parts.anchors = parameters.anchors;
+  const Expected<Diagram> finer = make_diagram(*fragment, parts, execution, timings);
+  if (!finer) return tl::unexpected(finer.error());
+  Expected<FragmentSet> set = fracture(*fragment, *finer, parts, execution, timings);
+  if (set) set->report["fragment"] = {{"id", parameters.again->fragment}, {"volume", at->mass.volume}};
+  return set;
+}
+
+}  // namespace
+
 Expected<FragmentSet> fracture(const Solid& solid, const Diagram& diagram,
                                const FractureParameters& parameters, const Execution& execution,
                                StageTimings& timings) {
+  if (parameters.again) return fracture_again(solid, diagram, parameters, execution, timings);
   return stage(timings, execution, "clip", [&]() -> Expected<FragmentSet> {
     const Tetrahedralization& t = diagram.tetrahedralization;
     std::optional<Solid> image;

@@ -16,6 +16,7 @@
 #include "common/delaunay/tetrahedralization.hpp"
 #include "common/fragment/fragments.hpp"
 #include "common/pipeline/keep_region.hpp"
+#include "common/pipeline/local_impact.hpp"
 #include "common/pipeline/split_large.hpp"
 #include "common/sites/pattern.hpp"
 #include "common/solid/solid.hpp"
@@ -33,6 +34,13 @@ enum class Dual {
 
 enum class Hulls { kNone, kConvex };
 
+/// A fragment of the answer to these parameters, which is fractured again in its place.
+struct Refracture {
+  std::uint64_t fragment = 0;  ///< its id
+  std::uint32_t sites = 10;    ///< uniform in it
+  std::uint64_t seed = 1;
+};
+
 struct FractureParameters : SiteParameters {
   Dual dual = Dual::kCircumcenter;
   Hulls hulls = Hulls::kNone;  ///< collision hulls for physics engines (physics/collision_hulls.hpp)
@@ -44,6 +52,10 @@ struct FractureParameters : SiteParameters {
   /// How many clusters each level of the hierarchy above the fragments has, coarsest first, increasing.
   std::vector<std::uint32_t> levels{};
   Anchors anchors;  ///< fragments that touch these are marked
+  std::optional<LocalImpact> local{};
+  /// The answer is then the parts of this fragment, alone: a partition of it as it stands in the file with
+  /// Pivot::kSource. Limits of size apply to the earlier answer, levels and anchors to the parts.
+  std::optional<Refracture> again{};
 };
 
 /// The reusable result for (mesh, site parameters): sites and their tetrahedralization.
@@ -61,8 +73,8 @@ struct Diagram {
 Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& parameters,
                                const Execution& execution, StageTimings& timings);
 
-/// Cuts the solid by the diagram. Errors: kNoFragments, kBadParameter (`dual`: barycentric cells know no
-/// map), an interruption.
+/// Cuts the solid by the diagram. Errors: kNoFragments, kNoSuchFragment, kBadParameter (`dual`: barycentric
+/// cells know no map), an interruption.
 Expected<FragmentSet> fracture(const Solid& solid, const Diagram& diagram,
                                const FractureParameters& parameters, const Execution& execution,
                                StageTimings& timings);

@@ -11,9 +11,9 @@ namespace fracture {
 struct Region {
   enum class Shape { kSphere, kBox };
   Shape shape = Shape::kSphere;
-  Vec3d center;       ///< of a sphere
+  Vec3d center{};     ///< of a sphere
   double radius = 0;  ///< of a sphere, m
-  Box box;            ///< of a box
+  Box box{};          ///< of a box
 };
 
 /// The sites whose cells meet the region within `bounds` (the diagram's box), ascending; none where the

@@ -14,6 +14,7 @@ namespace fracture {
 struct HalfSpace {
   Vec3d normal{0, 1, 0};
   double offset = 0;
+  Vec3d point{};  ///< one of the plane, as the caller gave it; not used
 };
 
 struct Anchors {

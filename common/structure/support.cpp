@@ -265,7 +265,7 @@ nlohmann::json support_report(const FragmentSet& set, const SupportOptions& opti
     a.push_back(id(set.bonds[k].a));
     b.push_back(id(set.bonds[k].b));
     stress.push_back(support.loads[k].stress);
-    share.push_back(support.loads[k].stress / options.strength);
+    share.push_back(options.strength > 0 ? json(support.loads[k].stress / options.strength) : json());
   }
   const auto column = [&](double BondLoad::*figure) {
     json values = json::array();

@@ -20,6 +20,13 @@ nlohmann::json describe(const ParameterSpec& spec) {
     case Type::kInteger:
       entry = {{"type", "integer"}, {"minimum", spec.min}, {"maximum", spec.max}};
       break;
+    case Type::kIntegers:
+      entry = {{"type", "array"},
+               {"minItems", 1},
+               {"maxItems", kMaxIntegers},
+               {"items", {{"type", "integer"}, {"minimum", spec.min}, {"maximum", spec.max}}}};
+      entry["text"] = "a,b,c";
+      break;
     case Type::kNumber:
       entry = {{"type", "number"}, {"minimum", spec.low}, {"maximum", spec.high}};
       break;

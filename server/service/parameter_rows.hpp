@@ -14,6 +14,16 @@ std::vector<ParameterSpec> parameter_rows(std::uint32_t max_sites, const FormatS
 /// The part of it that decides where the sites go; `material` and `pattern` come first.
 std::vector<ParameterSpec> site_parameter_rows(std::uint32_t max_sites);
 
+/// The part of it about sizes, levels, regions, anchors and support, and fracturing a part again.
+std::vector<ParameterSpec> structure_parameter_rows();
+
+/// Makes values of several parameters of one (a region of centre and radius, …). The name and the sentence of
+/// what is missing or contradicts itself, or nothing.
+struct Contradiction {
+  std::string parameter, detail;
+};
+std::optional<Contradiction> complete_structure(RequestParameters& parameters);
+
 /// One sentence on each pattern, in the order of kPatternNames.
 const std::vector<std::string>& pattern_docs();
 

@@ -18,7 +18,10 @@ struct ParameterSpec;
 
 /// A value that has passed its checks. A choice is the index of its spelling.
 using ParameterValue = std::variant<std::uint64_t, double, std::string, std::vector<std::string>, Vec3d,
-                                    std::vector<Vec3d>, Matrix3>;
+                                    std::vector<Vec3d>, Matrix3, std::vector<std::uint64_t>>;
+
+/// Of one list.
+inline constexpr std::size_t kMaxIntegers = 10'000;
 
 /// What a parameter decides: each cache key holds those that decide its value and no other.
 enum class Decides { kSolid, kSites, kAnswer };
@@ -26,6 +29,7 @@ enum class Decides { kSolid, kSites, kAnswer };
 struct ParameterSpec {
   enum class Type {
     kInteger,    ///< whole number from min to max
+    kIntegers,   ///< up to kMaxIntegers whole numbers from min to max: text a,b,c or a JSON array
     kNumber,     ///< finite number from low to high
     kChoice,     ///< one of choices
     kNames,      ///< names separated by commas; in JSON an array of strings or such a text

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 namespace fracture {
@@ -83,6 +84,29 @@ std::optional<std::uint64_t> to_choice(const ParameterSpec& spec, const RawParam
   return static_cast<std::uint64_t>(at - spec.choices.begin());
 }
 
+/// Text a,b,c or a JSON array; each from min to max.
+std::optional<std::vector<std::uint64_t>> to_integers(const ParameterSpec& spec, const RawParameter& raw) {
+  std::vector<RawParameter> items;
+  if (raw.is_text) {
+    std::string_view text = raw.value.get_ref<const std::string&>();
+    for (std::size_t end = 0; end != std::string_view::npos && items.size() <= kMaxIntegers;) {
+      end = text.find(',');
+      items.push_back({raw.name, std::string(text.substr(0, end)), true});
+      if (end != std::string_view::npos) text.remove_prefix(end + 1);
+    }
+  } else if (raw.value.is_array() && raw.value.size() <= kMaxIntegers) {
+    for (const nlohmann::json& item : raw.value) items.push_back({raw.name, item, false});
+  }
+  if (items.empty() || items.size() > kMaxIntegers) return std::nullopt;
+  std::vector<std::uint64_t> numbers;
+  for (const RawParameter& item : items) {
+    const std::optional<std::uint64_t> number = to_integer(item);
+    if (!number || *number < spec.min || *number > spec.max) return std::nullopt;
+    numbers.push_back(*number);
+  }
+  return numbers;
+}
+
 /// Nothing when it is not of the kind or out of range.
 std::optional<ParameterValue> to_scalar(const ParameterSpec& spec, const RawParameter& raw) {
   const auto value = [](auto&& found) {
@@ -93,6 +117,8 @@ std::optional<ParameterValue> to_scalar(const ParameterSpec& spec, const RawPara
       const auto number = to_integer(raw);
       return number && *number >= spec.min && *number <= spec.max ? value(number) : std::nullopt;
     }
+    case ParameterSpec::Type::kIntegers:
+      return value(to_integers(spec, raw));
     case ParameterSpec::Type::kNumber: {
       const auto number = to_number(raw.value, raw.is_text);
       return number && *number >= spec.low && *number <= spec.high ? value(number) : std::nullopt;
@@ -158,6 +184,9 @@ std::string expectation(const ParameterSpec& spec) {
   switch (spec.type) {
     case Type::kInteger:
       return "a whole number from " + std::to_string(spec.min) + " to " + std::to_string(spec.max);
+    case Type::kIntegers:
+      return "whole numbers from " + std::to_string(spec.min) + " to " + std::to_string(spec.max) +
+             ", as text a,b,c or in JSON [a, b, c]";
     case Type::kNumber:
       return "a number " + range;
     case Type::kNames:

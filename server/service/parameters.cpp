@@ -153,6 +153,14 @@ Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter
                            "The pattern points needs 'points': " + expectation(*find("points")) + ".");
     result.fracture.sites = static_cast<std::uint32_t>(points->points.size());
   }
+  // The parameters of an answer name both, and may be sent again.
+  const auto levels = values.find("levels"), sites = values.find("sites");
+  if (levels != values.end() && sites != values.end() &&
+      std::get<std::vector<std::uint64_t>>(levels->second).back() != std::get<std::uint64_t>(sites->second))
+    refuse_both(offences, seen, "levels", "sites", "the last level is the number of sites.");
+  if (!offences.any())
+    if (const std::optional<Contradiction> wrong = complete_structure(result))
+      offences.add_missing(wrong->parameter, wrong->detail);
   if (offences.any()) return tl::unexpected<Error>(std::move(offences).error());
   return result;
 }

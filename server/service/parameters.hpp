@@ -32,6 +32,15 @@ struct RequestParameters {
   FractureParameters fracture;
   Physics physics = Physics::kKhr;
   UeCollision ue_collision = UeCollision::kNone;
+  std::optional<Vec3d> keep_center{};  ///< with keep_radius: fracture.keep
+  std::optional<double> keep_radius{};
+  std::optional<Vec3d> local_point{};  ///< with local_radius: fracture.local
+  std::optional<double> local_radius{};
+  LocalImpact local;                        ///< its other members
+  std::optional<std::uint64_t> fragment{};  ///< with these: fracture.again
+  Refracture again;
+  Vec3d gravity{0, -9.81, 0};           ///< m/s², for the support analysis
+  std::vector<std::uint64_t> broken{};  ///< ids of fragments that are gone, for the support analysis
   std::string material;  ///< name of the preset that the other members started from; empty: none
   PhysicalProperties physical;
   InteriorLook interior;

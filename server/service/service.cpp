@@ -3,6 +3,8 @@
 #include <cstring>
 #include <utility>
 
+#include "common/structure/support.hpp"
+
 namespace fracture {
 namespace {
 
@@ -183,6 +185,12 @@ Expected<FragmentSet> FractureService::make_result(const PreparedMesh& mesh, con
       fragments->report["passed_through"] = {
           {"triangles", mesh.solid.source->passed_through->triangles.size()}};
     GltfOptions options = output_options(request.parameters, *fragments);
+    if (request.parameters.fracture.anchors.any()) {
+      const SupportOptions support{request.parameters.gravity, options.density, options.bond_strength,
+                                   request.parameters.broken};
+      fragments->report["support"] =
+          support_report(*fragments, support, analyze_support(*fragments, support, execution));
+    }
     options.interior_material = std::move(*interior);
     options.mesh_digest = result->mesh_digest;
     result->file = engine_->encode(*fragments, options, request.output);

@@ -83,6 +83,11 @@ TEST(Contract, EveryParameterIsListedWithItsRangeAndDefault) {
     if (spec->type == ParameterSpec::Type::kInteger) {
       EXPECT_EQ(schema.at("minimum"), spec->min) << name;
       EXPECT_EQ(schema.at("maximum"), spec->max) << name;
+    } else if (spec->type == ParameterSpec::Type::kIntegers) {
+      const json array = schema.at("oneOf").at(1);
+      EXPECT_EQ(array.at("maxItems"), kMaxIntegers) << name;
+      EXPECT_EQ(array.at("items").at("minimum"), spec->min) << name;
+      EXPECT_EQ(array.at("items").at("maximum"), spec->max) << name;
     } else if (spec->type == ParameterSpec::Type::kNumber) {
       EXPECT_EQ(schema.at("minimum"), spec->low) << name;
       EXPECT_EQ(schema.at("maximum"), spec->high) << name;

@@ -118,6 +118,51 @@ TEST(Parameters, EverythingThatDecidesTheAnswerIsInItsCanonicalForm) {
   }
 }
 
+TEST(Parameters, LevelsMustIncreaseAndAreInsteadOfSites) {
+  const auto parsed = table().parse({{"levels", {8, 40, 200}, false}});
+  ASSERT_TRUE(parsed);
+  EXPECT_EQ(parsed->fracture.levels, (std::vector<std::uint32_t>{8, 40}));
+  EXPECT_EQ(parsed->fracture.sites, 200u);
+  EXPECT_EQ(canonical_parameters(*parsed).at("levels"), nlohmann::json({8, 40, 200}));
+  EXPECT_EQ(parse_text("levels", "8,40,200")->fracture.levels, parsed->fracture.levels);
+  for (const char* bad : {"40,8", "8,8", "", "8,", "0,5", "1.5,3", "1,2,3,4,5,6,7,8,9"})
+    EXPECT_FALSE(parse_text("levels", bad)) << bad;
+  EXPECT_TRUE(table().parse({{"levels", {8, 40}, false}, {"sites", 40, false}}));
+  const auto both = table().parse({{"levels", {8, 40}, false}, {"sites", 41, false}});
+  ASSERT_FALSE(both);
+  EXPECT_EQ(both.error().code, ErrorCode::kBadParameter);
+  const auto falling = table().parse({{"levels", {40, 8}, false}});
+  ASSERT_FALSE(falling);
+  EXPECT_EQ(falling.error().extra.at("errors").at(0).at("pointer"), "/levels");
+}
+
+TEST(Parameters, ValuesThatBelongTogetherAreAskedForTogether) {
+  using Given = std::vector<RawParameter>;
+  const Given sphere{{"keep_center", "0,1,0"}, {"keep_radius", "0.5"}};
+  const auto kept = table().parse(sphere);
+  ASSERT_TRUE(kept && kept->fracture.keep);
+  EXPECT_EQ(kept->fracture.keep->center, (Vec3d{0, 1, 0}));
+  EXPECT_EQ(kept->fracture.keep->radius, 0.5);
+  const auto held = table().parse({{"anchor_plane", "0,2,0;0,4,0"}});
+  ASSERT_TRUE(held);
+  ASSERT_EQ(held->fracture.anchors.planes.size(), 1u);
+  EXPECT_EQ(held->fracture.anchors.planes[0].offset, 2);  // along the unit normal
+  for (const auto& [given, name] : std::vector<std::pair<Given, std::string>>{
+           {{sphere[0]}, "keep_radius"},
+           {{sphere[1]}, "keep_center"},
+           {{{"local_point", "0,0,0"}}, "local_radius"},
+           {{{"local_radius", "1"}}, "local_point"},
+           {{{"broken", "5"}}, "broken"},
+           {{{"keep_box", "0,0,0;-1,1,1"}}, "keep_box"},
+           {{{"anchor_plane", "0,0,0;0,0,0"}}, "anchor_plane"},
+           {{{"min_volume", "2"}, {"max_volume", "1"}}, "max_volume"}}) {
+    const auto parsed = table().parse(given);
+    ASSERT_FALSE(parsed) << name;
+    EXPECT_EQ(parsed.error().code, ErrorCode::kBadParameter) << name;
+    EXPECT_EQ(parsed.error().pointer, name);
+  }
+}
+
 TEST(Parameters, AnUnknownNameIsRefusedByNameWithTheKnownOnes) {
   const auto parsed = parse_text("site", "5");
   ASSERT_FALSE(parsed);

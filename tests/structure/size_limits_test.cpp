@@ -46,13 +46,11 @@ TEST(SizeLimits, WithoutAnyNothingIsUnited) {
 }
 
 TEST(SizeLimits, SmallFragmentJoinsTheNeighborOfLargestSharedArea) {
-  // A bar along x with a thin slice off its end, and a thinner one within: 1 | 0.02 | 0.2 | 1.
+  // A bar along x in pieces of 1, 0.52 and 0.7.
   const Mesh mesh = box({0, 0, 0}, {2.22, 1, 1});
   FractureParameters p;
-  p.pattern = PointsPattern {
-    {{0.5, 0.5, 0.5}, {1.5, 0.5, 0.5}, {1.54, 0.5, 0.5}};  // bisectors at x = 1 and 1.52
-    p.size.min_volume = 0.6
-  };
+  p.pattern = PointsPattern{{{0.5, 0.5, 0.5}, {1.5, 0.5, 0.5}, {1.54, 0.5, 0.5}}};  // cuts at x = 1, 1.52
+  p.size.min_volume = 0.6;
   const FragmentSet set = fracture_mesh(with_traced_triangles(mesh), p).set;
   expect_invariants(set, with_traced_triangles(mesh));
   // The middle piece (0.52) has two neighbours with the same area of 1: the lower one takes it.

@@ -1,0 +1,304 @@
+// Sizes, levels, what stays whole, what is held, what breaks further.
+#include <algorithm>
+
+#include "server/service/parameter_fields.hpp"
+#include "server/service/parameter_rows.hpp"
+
+namespace fracture {
+namespace {
+
+using parameter_fields::with_member;
+using Type = ParameterSpec::Type;
+
+constexpr double kFar = 1e6;           // metres: as far as places may lie
+constexpr double kLeastLength = 1e-6;  // metres
+constexpr std::uint32_t kMostLevels = 8;
+
+ParameterSpec decides_sites(ParameterSpec spec) {
+  spec.decides = Decides::kSites;
+  return spec;
+}
+
+nlohmann::json vectors(const std::vector<Vec3d>& list) {
+  nlohmann::json json = nlohmann::json::array();
+  for (const Vec3d& v : list) json.push_back({v.x, v.y, v.z});
+  return json;
+}
+
+void add_size_rows(std::vector<ParameterSpec>& rows) {
+  const auto size = [&](const char* name, double most, const char* unit, const char* doc, auto member) {
+    rows.push_back(with_member(
+        {.name = name, .type = Type::kNumber, .unit = unit, .low = 0, .high = most, .doc = doc}, member));
+  };
+  size(
+      "min_volume", 1e18, "m³",
+      "Smaller fragments are united with the neighbour of largest shared area. 0: no limit.",
+      [](auto& r) -> auto& { return r.fracture.size.min_volume; });
+  size(
+      "min_fraction", 1, "",
+      "The same as a fraction of the solid; the larger of the two counts. 0: no limit.",
+      [](auto& r) -> auto& { return r.fracture.size.min_fraction; });
+  size(
+      "max_volume", 1e18, "m³",
+      "Cells with a larger piece get further sites. 0: no limit. Not for radial, grid, brick and slice.",
+      [](auto& r) -> auto& { return r.fracture.max_volume; });
+  rows.back().decides = Decides::kSites;
+  rows.push_back(with_member(
+      {.name = "max_fragments",
+       .type = Type::kInteger,
+       .min = 0,
+       .max = 1'000'000,
+       .doc = "The smallest are united until no more are left. 0: no limit."},
+      [](auto& r) -> auto& { return r.fracture.size.max_fragments; }));
+  rows.push_back(with_member(
+      {.name = "max_triangles",
+       .type = Type::kInteger,
+       .min = 0,
+       .max = 1'000'000'000,
+       .doc = "Of all fragments: the smallest are united until the answer has no "
+              "more. 0: no limit."},
+      [](auto& r) -> auto& { return r.fracture.size.max_triangles; }));
+}
+
+ParameterSpec levels_row() {
+  ParameterSpec spec{
+      .name = "levels",
+      .type = Type::kIntegers,
+      .min = 1,
+      .max = kMaxPatternSites,
+      .doc =
+          "Instead of `sites`: how many pieces each level of the hierarchy has, coarsest first. The last is "
+          "the number of sites, the others are clusters of fragments."};
+  spec.patterns = {"uniform", "impact", "radial", "grid", "brick", "slice", "clustered"};
+  spec.check = [](const ParameterValue& value) -> std::string {
+    const auto& levels = std::get<std::vector<std::uint64_t>>(value);
+    const bool increasing =
+        std::adjacent_find(levels.begin(), levels.end(), std::greater_equal<>()) == levels.end();
+    return increasing && levels.size() <= kMostLevels
+               ? ""
+               : "be 1 to " + std::to_string(kMostLevels) + " numbers, each larger than the one before";
+  };
+  spec.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
+    const auto& levels = std::get<std::vector<std::uint64_t>>(value);
+    r.fracture.levels.assign(levels.begin(), levels.end() - 1);
+    r.fracture.sites = static_cast<std::uint32_t>(levels.back());
+  };
+  spec.get = [](const RequestParameters& r, const ParameterSpec&) {
+    if (r.fracture.levels.empty()) return nlohmann::json();
+    nlohmann::json levels = r.fracture.levels;
+    levels.push_back(r.fracture.sites);
+    return levels;
+  };
+  return spec;
+}
+
+/// Two corners, lowest and highest.
+ParameterSpec box_row(const char* name, const char* doc) {
+  ParameterSpec spec{.name = name,
+                     .type = Type::kVectors,
+                     .unit = "m",
+                     .min = 2,
+                     .max = 2,
+                     .low = -kFar,
+                     .high = kFar,
+                     .doc = doc};
+  spec.check = [](const ParameterValue& value) -> std::string {
+    const auto& corners = std::get<std::vector<Vec3d>>(value);
+    for (int a = 0; a < 3; ++a)
+      if (corners[0][a] > corners[1][a]) return "be the lowest and the highest corner, in this order";
+    return "";
+  };
+  return spec;
+}
+
+void add_keep_rows(std::vector<ParameterSpec>& rows) {
+  rows.push_back(with_member(
+      {.name = "keep_center",
+       .type = Type::kVector,
+       .unit = "m",
+       .low = -kFar,
+       .high = kFar,
+       .doc = "Middle of a sphere in which nothing is cut, in the frame of the answer; with `keep_radius`."},
+      [](auto& r) -> auto& { return r.keep_center; }));
+  rows.push_back(with_member(
+      {.name = "keep_radius",
+       .type = Type::kNumber,
+       .unit = "m",
+       .low = kLeastLength,
+       .high = kFar,
+       .doc = "Of the sphere in which nothing is cut; with `keep_center`."},
+      [](auto& r) -> auto& { return r.keep_radius; }));
+  ParameterSpec box = box_row("keep_box", "Lowest and highest corner of a box in which nothing is cut.");
+  box.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
+    const auto& corners = std::get<std::vector<Vec3d>>(value);
+    r.fracture.keep = Region{.shape = Region::Shape::kBox, .box = {corners[0], corners[1]}};
+  };
+  box.get = [](const RequestParameters& r, const ParameterSpec&) {
+    if (!r.fracture.keep || r.fracture.keep->shape != Region::Shape::kBox) return nlohmann::json();
+    return vectors({r.fracture.keep->box.min, r.fracture.keep->box.max});
+  };
+  rows.push_back(std::move(box));
+}
+
+void add_anchor_rows(std::vector<ParameterSpec>& rows) {
+  ParameterSpec plane{.name = "anchor_plane",
+                      .type = Type::kVectors,
+                      .min = 2,
+                      .max = 2,
+                      .low = -kFar,
+                      .high = kFar,
+                      .doc =
+                          "A point and the normal of a plane: fragments that touch it or reach behind it "
+                          "are held. 0,0,0;0,1,0 is the ground at height 0."};
+  plane.check = [](const ParameterValue& value) -> std::string {
+    return length(std::get<std::vector<Vec3d>>(value)[1]) > 1e-9 ? "" : "have a normal that is not zero";
+  };
+  plane.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
+    const auto& given = std::get<std::vector<Vec3d>>(value);
+    r.fracture.anchors.planes = {{given[1], dot(given[0], given[1]) / length(given[1]), given[0]}};
+  };
+  plane.get = [](const RequestParameters& r, const ParameterSpec&) {
+    if (r.fracture.anchors.planes.empty()) return nlohmann::json();
+    return vectors({r.fracture.anchors.planes[0].point, r.fracture.anchors.planes[0].normal});
+  };
+  rows.push_back(std::move(plane));
+  ParameterSpec box =
+      box_row("anchor_box", "Lowest and highest corner of a box: fragments that overlap it are held.");
+  box.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
+    const auto& corners = std::get<std::vector<Vec3d>>(value);
+    r.fracture.anchors.boxes = {{corners[0], corners[1]}};
+  };
+  box.get = [](const RequestParameters& r, const ParameterSpec&) {
+    if (r.fracture.anchors.boxes.empty()) return nlohmann::json();
+    return vectors({r.fracture.anchors.boxes[0].min, r.fracture.anchors.boxes[0].max});
+  };
+  rows.push_back(std::move(box));
+  rows.push_back(with_member(
+      {.name = "anchor_points",
+       .type = Type::kVectors,
+       .unit = "m",
+       .min = 1,
+       .max = 1000,
+       .low = -kFar,
+       .high = kFar,
+       .doc = "Fragments that one of these points lies in or on are held."},
+      [](auto& r) -> auto& { return r.fracture.anchors.points; }));
+  rows.push_back(with_member(
+      {.name = "gravity",
+       .type = Type::kVector,
+       .unit = "m/s²",
+       .low = -1000,
+       .high = 1000,
+       .doc = "For the support analysis, which every answer with anchors has."},
+      [](auto& r) -> auto& { return r.gravity; }));
+  rows.push_back(with_member(
+      {.name = "broken",
+       .type = Type::kIntegers,
+       .min = 0,
+       .max = kMaxSeed,
+       .doc = "Ids of fragments that are gone: report.support says what falls without them. Needs anchors."},
+      [](auto& r) -> auto& { return r.broken; }));
+}
+
+void add_local_rows(std::vector<ParameterSpec>& rows) {
+  rows.push_back(decides_sites(with_member(
+      {.name = "local_point",
+       .type = Type::kVector,
+       .unit = "m",
+       .low = -kFar,
+       .high = kFar,
+       .doc = "Where a hit breaks only what is near it, in the frame of the answer; with `local_radius`."},
+      [](auto& r) -> auto& { return r.local_point; })));
+  rows.push_back(decides_sites(with_member(
+      {.name = "local_radius",
+       .type = Type::kNumber,
+       .unit = "m",
+       .low = kLeastLength,
+       .high = kFar,
+       .doc = "How far the hit reaches; with `local_point`."},
+      [](auto& r) -> auto& { return r.local_radius; })));
+  rows.push_back(decides_sites(with_member(
+      {.name = "local_sites",
+       .type = Type::kInteger,
+       .min = 1,
+       .max = 10'000,
+       .doc = "How many sites the hit adds, on top of those of the pattern."},
+      [](auto& r) -> auto& { return r.local.sites; })));
+  rows.push_back(decides_sites(with_member(
+      {.name = "local_rest",
+       .type = Type::kChoice,
+       .choices = {"whole", "fractured"},
+       .doc =
+           "whole: cells whose sites lie farther away stay together as one piece. fractured: they stay what "
+           "the pattern makes of them."},
+      [](auto& r) -> auto& { return r.local.rest; })));
+}
+
+void add_again_rows(std::vector<ParameterSpec>& rows) {
+  rows.push_back(with_member(
+      {.name = "fragment",
+       .type = Type::kInteger,
+       .min = 0,
+       .max = kMaxSeed,
+       .doc =
+           "Id of a fragment of the answer to the other parameters: it is fractured again, and its parts are "
+           "the answer."},
+      [](auto& r) -> auto& { return r.fragment; }));
+  rows.push_back(with_member(
+      {.name = "fragment_sites",
+       .type = Type::kInteger,
+       .min = 1,
+       .max = 10'000,
+       .doc = "How many sites `fragment` is broken by."},
+      [](auto& r) -> auto& { return r.again.sites; }));
+  rows.push_back(with_member(
+      {.name = "fragment_seed",
+       .type = Type::kInteger,
+       .min = 0,
+       .max = kMaxSeed,
+       .doc = "Seed of these sites."},
+      [](auto& r) -> auto& { return r.again.seed; }));
+}
+
+}  // namespace
+
+std::vector<ParameterSpec> structure_parameter_rows() {
+  std::vector<ParameterSpec> rows{levels_row()};
+  add_size_rows(rows);
+  add_keep_rows(rows);
+  add_anchor_rows(rows);
+  add_local_rows(rows);
+  add_again_rows(rows);
+  return rows;
+}
+
+std::optional<Contradiction> complete_structure(RequestParameters& r) {
+  FractureParameters& f = r.fracture;
+  if (r.keep_center.has_value() != r.keep_radius.has_value())
+    return Contradiction{r.keep_center ? "keep_radius" : "keep_center",
+                         "'keep_center' and 'keep_radius' say a sphere together; one of them is missing."};
+  if (r.keep_center && f.keep)
+    return Contradiction{"keep_box", "'keep_box' and 'keep_center' were both given; one region can be kept."};
+  if (r.keep_center) f.keep = Region{.center = *r.keep_center, .radius = *r.keep_radius};
+  if (r.local_point.has_value() != r.local_radius.has_value())
+    return Contradiction{
+        r.local_point ? "local_radius" : "local_point",
+        "'local_point' and 'local_radius' say where a hit is together; one of them is missing."};
+  if (r.local_point) {
+    f.local = r.local;
+    f.local->point = *r.local_point;
+    f.local->radius = *r.local_radius;
+  }
+  if (r.fragment) {
+    f.again = r.again;
+    f.again->fragment = *r.fragment;
+  }
+  if (!r.broken.empty() && !f.anchors.any())
+    return Contradiction{"broken", "'broken' needs anchors: without any, everything falls."};
+  if (f.max_volume > 0 && f.size.min_volume > f.max_volume)
+    return Contradiction{"max_volume", "'max_volume' must be at least 'min_volume', which is " +
+                                           nlohmann::json(f.size.min_volume).dump() + "."};
+  return std::nullopt;
+}
+
+}  // namespace fracture

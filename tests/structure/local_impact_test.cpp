@@ -1,0 +1,101 @@
+// A hit breaks what is near it and nothing else; a fragment is fractured again by its id.
+#include "common/pipeline/local_impact.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/property/judge.hpp"
+#include "tests/structure/fractured.hpp"
+#include "tests/support/figures.hpp"
+#include "tests/support/shapes.hpp"
+#include "tests/support/site_families.hpp"
+
+namespace fracture::test {
+namespace {
+
+constexpr std::uint64_t kSeed = 20261121;
+
+FractureParameters hit(const Mesh& mesh, LocalImpact::Rest rest) {
+  FractureParameters p;
+  p.sites = 60;
+  p.seed = kSeed;
+  const Box box = box_of(mesh);
+  p.local = LocalImpact{box.center() + 0.5 * Vec3d{box.size().x, 0, 0}, 0.25 * box.longest_side(), 15, rest};
+  return p;
+}
+
+TEST(LocalImpact, RestStaysOnePieceAndAllInvariantsHold) {
+  for (const NamedMesh& shape : closed_shapes()) {
+    SCOPED_TRACE(shape.name);
+    const Mesh mesh = with_traced_triangles(shape.mesh);
+    const FractureParameters p = hit(mesh, LocalImpact::Rest::kWhole);
+    const Fractured f = fracture_mesh(mesh, p);
+    expect_closed(f.set);
+    expect_partition(f.set, volume_of(mesh), area_of(mesh));
+    expect_outside_untouched(f.set, mesh);
+    // Whoever has a site outside of the sphere has all of them; one such fragment for each part and island.
+    const auto& points = f.diagram.tetrahedralization.points;
+    for (const Fragment& fragment : f.set.fragments) {
+      const auto far = std::count_if(fragment.sites.begin(), fragment.sites.end(), [&](std::uint32_t s) {
+        return length(points[s] - p.local->point) > p.local->radius;
+      });
+      if (far == 0) {
+        EXPECT_EQ(fragment.sites.size(), 1u);
+      }
+    }
+  }
+}
+
+TEST(LocalImpact, FragmentsFarAwayKeepIdAndShape) {
+  const Mesh mesh = torus(48, 24);
+  FractureParameters p = hit(mesh, LocalImpact::Rest::kFractured);
+  const FragmentSet after = fracture_mesh(mesh, p).set;
+  p.local.reset();
+  const Fractured before = fracture_mesh(mesh, p);
+  std::size_t same = 0;
+  for (const Fragment& f : before.set.fragments) {
+    const auto at = std::find_if(after.fragments.begin(), after.fragments.end(),
+                                 [&](const Fragment& x) { return x.id == f.id; });
+    if (at != after.fragments.end() && std::fabs(at->mass.volume - f.mass.volume) < 1e-12) ++same;
+  }
+  EXPECT_GT(same, before.set.fragments.size() / 3);
+  EXPECT_LT(same, before.set.fragments.size());
+  EXPECT_GT(after.fragments.size(), before.set.fragments.size());
+}
+
+TEST(FractureAgain, PartsOfTheFragmentWithThisIdAreTheAnswer) {
+  const Mesh mesh = torus(24, 12);
+  FractureParameters p;
+  p.sites = 12;
+  const FragmentSet whole = fracture_mesh(mesh, p).set;
+  const Fragment& one = whole.fragments.at(3);
+  p.again = Refracture{one.id, 6, 5};
+  const FragmentSet parts = fracture_mesh(mesh, p).set;
+  EXPECT_GT(parts.fragments.size(), 1u);
+  expect_closed(parts);
+  double volume = 0;
+  for (const Fragment& f : parts.fragments) volume += f.mass.volume;
+  EXPECT_NEAR(volume, one.mass.volume, 1e-6 * one.mass.volume);
+  EXPECT_EQ(parts.report.at("fragment").at("id"), one.id);
+}
+
+TEST(FractureAgain, UnknownIdIsAnError) {
+  const Mesh mesh = cube();
+  Execution execution;
+  StageTimings timings;
+  const Expected<Solid> solid = make_solid(std::make_shared<Mesh>(mesh), {}, execution);
+  ASSERT_TRUE(solid);
+  FractureParameters p;
+  p.again = Refracture{12345, 6, 5};
+  const Expected<Diagram> diagram = make_diagram(*solid, p, execution, timings);
+  ASSERT_TRUE(diagram);
+  const Expected<FragmentSet> set = fracture(*solid, *diagram, p, execution, timings);
+  ASSERT_FALSE(set);
+  EXPECT_EQ(set.error().code, ErrorCode::kNoSuchFragment);
+  EXPECT_EQ(set.error().pointer, "fragment");
+}
+
+}  // namespace
+}  // namespace fracture::test
