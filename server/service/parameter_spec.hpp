@@ -59,6 +59,9 @@ struct ParameterSpec {
   /// The canonical value; null: as if not given. Not asked where the parameter does not belong to the
   /// pattern.
   std::function<nlohmann::json(const RequestParameters&, const ParameterSpec&)> get{};
+  /// Does the value change anything in this request? Where not, the canonical form leaves it out. Empty:
+  /// always.
+  std::function<bool(const RequestParameters&)> matters{};
 };
 
 /// One given value: text from a query or a form field, or a JSON value.

@@ -22,6 +22,7 @@ nlohmann::json canonical(const RequestParameters& parameters, const Wanted& want
   nlohmann::json json = nlohmann::json::object();
   for (const ParameterSpec& row : rows()) {
     if (!wanted(row) || !belongs(row, parameters.fracture.pattern)) continue;
+    if (row.matters && !row.matters(parameters)) continue;
     nlohmann::json value = row.get(parameters, row);
     if (!value.is_null()) json[row.name] = std::move(value);
   }

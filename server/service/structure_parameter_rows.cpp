@@ -25,10 +25,17 @@ nlohmann::json vectors(const std::vector<Vec3d>& list) {
   return json;
 }
 
+/// The rows from `first` on matter only where `matters` says so.
+void only_where(std::vector<ParameterSpec>& rows, std::size_t first,
+                const std::function<bool(const RequestParameters&)>& matters) {
+  for (; first < rows.size(); ++first) rows[first].matters = matters;
+}
+
 void add_size_rows(std::vector<ParameterSpec>& rows) {
   const auto size = [&](const char* name, double most, const char* unit, const char* doc, auto member) {
     rows.push_back(with_member(
         {.name = name, .type = Type::kNumber, .unit = unit, .low = 0, .high = most, .doc = doc}, member));
+    rows.back().matters = [member](const RequestParameters& r) { return member(r) > 0; };
   };
   size(
       "min_volume", 1e18, "m³",
@@ -50,6 +57,7 @@ void add_size_rows(std::vector<ParameterSpec>& rows) {
        .max = 1'000'000,
        .doc = "The smallest are united until no more are left. 0: no limit."},
       [](auto& r) -> auto& { return r.fracture.size.max_fragments; }));
+  rows.back().matters = [](const RequestParameters& r) { return r.fracture.size.max_fragments > 0; };
   rows.push_back(with_member(
       {.name = "max_triangles",
        .type = Type::kInteger,
@@ -58,6 +66,7 @@ void add_size_rows(std::vector<ParameterSpec>& rows) {
        .doc = "Of all fragments: the smallest are united until the answer has no "
               "more. 0: no limit."},
       [](auto& r) -> auto& { return r.fracture.size.max_triangles; }));
+  rows.back().matters = [](const RequestParameters& r) { return r.fracture.size.max_triangles > 0; };
 }
 
 ParameterSpec levels_row() {
@@ -183,6 +192,7 @@ void add_anchor_rows(std::vector<ParameterSpec>& rows) {
        .high = kFar,
        .doc = "Fragments that one of these points lies in or on are held."},
       [](auto& r) -> auto& { return r.fracture.anchors.points; }));
+  const std::size_t support = rows.size();
   rows.push_back(with_member(
       {.name = "gravity",
        .type = Type::kVector,
@@ -198,9 +208,11 @@ void add_anchor_rows(std::vector<ParameterSpec>& rows) {
        .max = kMaxSeed,
        .doc = "Ids of fragments that are gone: report.support says what falls without them. Needs anchors."},
       [](auto& r) -> auto& { return r.broken; }));
+  only_where(rows, support, [](const RequestParameters& r) { return r.fracture.anchors.any(); });
 }
 
 void add_local_rows(std::vector<ParameterSpec>& rows) {
+  const std::size_t first = rows.size();
   rows.push_back(decides_sites(with_member(
       {.name = "local_point",
        .type = Type::kVector,
@@ -232,9 +244,11 @@ void add_local_rows(std::vector<ParameterSpec>& rows) {
            "whole: cells whose sites lie farther away stay together as one piece. fractured: they stay what "
            "the pattern makes of them."},
       [](auto& r) -> auto& { return r.local.rest; })));
+  only_where(rows, first, [](const RequestParameters& r) { return r.local_point.has_value(); });
 }
 
 void add_again_rows(std::vector<ParameterSpec>& rows) {
+  const std::size_t first = rows.size();
   rows.push_back(with_member(
       {.name = "fragment",
        .type = Type::kInteger,
@@ -258,6 +272,7 @@ void add_again_rows(std::vector<ParameterSpec>& rows) {
        .max = kMaxSeed,
        .doc = "Seed of these sites."},
       [](auto& r) -> auto& { return r.again.seed; }));
+  only_where(rows, first, [](const RequestParameters& r) { return r.fragment.has_value(); });
 }
 
 }  // namespace
