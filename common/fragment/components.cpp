@@ -4,29 +4,17 @@
 
 #include "common/base/disjoint_sets.hpp"
 #include "common/base/stamped_map.hpp"
+#include "common/fragment/ray_crossing.hpp"
 
 namespace fracture {
 namespace {
 
-/// Does the closed surface wind around q? Signed crossings of the ray from q towards +x, in doubles: only
-/// which piece takes an uncut cavity hangs on it (the stated exception of invariant I5), never closedness.
+/// Only which piece takes an uncut cavity hangs on it (the stated exception of invariant I5), never
+/// closedness.
 int winding_of(const RestrictedDiagram& d, const std::vector<Face>& faces, const Vec3d& q) {
   int winding = 0;
-  for (const Face& f : faces) {
-    const Vec3d p[3] = {d.point(f.v[0]) - q, d.point(f.v[1]) - q, d.point(f.v[2]) - q};
-    // Half-open rule in the yz-plane: each edge of the projection counts for exactly one of its two sides.
-    int crossings = 0;
-    for (int k = 0; k < 3; ++k) {
-      const Vec3d &a = p[k], &b = p[(k + 1) % 3];
-      const bool up = a.y <= 0 && b.y > 0, down = b.y <= 0 && a.y > 0;
-      if (!up && !down) continue;
-      const double z = up ? a.z * (b.y - a.y) - a.y * (b.z - a.z) : b.z * (a.y - b.y) - b.y * (a.z - b.z);
-      if (z > 0) crossings += up ? 1 : -1;
-    }
-    if (crossings == 0) continue;
-    const Vec3d n = cross(p[1] - p[0], p[2] - p[0]);
-    if (n.x != 0 && dot(n, p[0]) / n.x > 0) winding += n.x > 0 ? 1 : -1;
-  }
+  for (const Face& f : faces)
+    winding += ray_crossing(d.point(f.v[0]) - q, d.point(f.v[1]) - q, d.point(f.v[2]) - q);
   return winding;
 }
 

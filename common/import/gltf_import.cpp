@@ -17,14 +17,6 @@
 namespace fracture {
 namespace {
 
-template <class T>
-const T& at(const std::vector<T>& items, int index, const char* what) {
-  if (index < 0 || static_cast<std::size_t>(index) >= items.size())
-    refuse(ErrorCode::kMalformedMesh,
-           std::string("The ") + what + " " + std::to_string(index) + " does not exist.");
-  return items[static_cast<std::size_t>(index)];
-}
-
 // -- primitives
 
 /// Decoded once for each mesh: primitives with the same attribute accessors share wedges.

@@ -4,6 +4,7 @@
 
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "common/base/error.hpp"
 
@@ -16,6 +17,15 @@ struct Refused {
 [[noreturn]] inline void refuse(ErrorCode code, std::string detail, std::string pointer = {},
                                 nlohmann::json extra = nlohmann::json::object()) {
   throw Refused{Error{code, std::move(detail), std::move(pointer), std::move(extra)}};
+}
+
+/// items[index], refused where a file names an item that it has not.
+template <class T>
+const T& at(const std::vector<T>& items, int index, const char* what) {
+  if (index < 0 || static_cast<std::size_t>(index) >= items.size())
+    refuse(ErrorCode::kMalformedMesh,
+           std::string("The ") + what + " " + std::to_string(index) + " does not exist.");
+  return items[static_cast<std::size_t>(index)];
 }
 
 }  // namespace fracture

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "common/fragment/ray_crossing.hpp"
+
 namespace fracture {
 namespace {
 
@@ -28,24 +30,11 @@ struct Shape {
   }
 };
 
-/// Does the closed surface wind around q? Signed crossings of the ray towards +x, each edge counted on one of
-/// its sides.
 bool encloses(const Shape& shape, const Vec3d& q) {
   int winding = 0;
   for (std::size_t t = 0; t < shape.triangles(); ++t) {
-    Triangle p = shape.triangle(t);
-    for (Vec3d& corner : p) corner = corner - q;
-    int crossings = 0;
-    for (int k = 0; k < 3; ++k) {
-      const Vec3d &a = p[static_cast<std::size_t>(k)], &b = p[static_cast<std::size_t>((k + 1) % 3)];
-      const bool up = a.y <= 0 && b.y > 0, down = b.y <= 0 && a.y > 0;
-      if (!up && !down) continue;
-      const double z = up ? a.z * (b.y - a.y) - a.y * (b.z - a.z) : b.z * (a.y - b.y) - b.y * (a.z - b.z);
-      if (z > 0) crossings += up ? 1 : -1;
-    }
-    if (crossings == 0) continue;
-    const Vec3d n = cross(p[1] - p[0], p[2] - p[0]);
-    if (n.x != 0 && dot(n, p[0]) / n.x > 0) winding += n.x > 0 ? 1 : -1;
+    const Triangle p = shape.triangle(t);
+    winding += ray_crossing(p[0] - q, p[1] - q, p[2] - q);
   }
   return winding != 0;
 }

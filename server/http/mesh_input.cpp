@@ -9,7 +9,7 @@ namespace fracture::http {
 namespace {
 
 constexpr std::size_t kMaxParams = 1u << 20;  // bytes of the `params` part: about 30,000 points
-constexpr std::size_t kMaxField = 16u << 10;   // bytes of a parameter as a field of its own
+constexpr std::size_t kMaxField = 16u << 10;  // bytes of a parameter as a field of its own
 
 /// A filename as an asset would write it: forward slashes, no leading "./".
 std::string file_name(std::string name) {

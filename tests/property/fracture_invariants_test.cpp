@@ -5,6 +5,7 @@
 #include "common/pipeline/fracture.hpp"
 #include "tests/property/judge.hpp"
 #include "tests/support/figures.hpp"
+#include "tests/support/fractured.hpp"
 #include "tests/support/mesh_files.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/site_families.hpp"
@@ -13,25 +14,6 @@ namespace fracture::test {
 namespace {
 
 constexpr std::uint64_t kSeed = 20261121;
-
-struct Fractured {
-  Solid solid;
-  Diagram diagram;
-  FragmentSet set;
-};
-
-Fractured fracture_at(const Mesh& mesh, const FractureParameters& parameters, int threads = 1) {
-  Execution execution;
-  execution.threads = threads;
-  StageTimings timings;
-  Expected<Solid> solid = make_solid(std::make_shared<Mesh>(mesh), {}, execution);
-  if (!solid) throw std::runtime_error(solid.error().detail);
-  Expected<Diagram> diagram = make_diagram(*solid, parameters, execution, timings);
-  if (!diagram) throw std::runtime_error(diagram.error().detail);
-  Expected<FragmentSet> set = fracture(*solid, *diagram, parameters, execution, timings);
-  if (!set) throw std::runtime_error(set.error().detail);
-  return {std::move(*solid), std::move(*diagram), std::move(*set)};
-}
 
 FractureParameters at_points(std::vector<Vec3d> points) {
   FractureParameters p;
@@ -44,7 +26,7 @@ void expect_all_invariants(const Mesh& mesh, const std::vector<SiteFamily>& fami
   const double volume = volume_of(mesh), area = area_of(mesh);
   for (const SiteFamily& family : families) {
     SCOPED_TRACE("sites: " + family.name);
-    const Fractured f = fracture_at(traced, at_points(family.sites));
+    const Fractured f = fracture_mesh(traced, at_points(family.sites));
     expect_closed(f.set);
     expect_partition(f.set, volume, area);
     expect_outside_untouched(f.set, traced);
@@ -115,7 +97,7 @@ TEST(FractureFarFromOrigin, SeamsStayBitIdenticalAtZeroFourHundredAndThousandSiz
           if (s.name == shape) mesh = s.mesh;
         ASSERT_FALSE(mesh.positions.empty());
         mesh = with_traced_triangles(translated(mesh, distance * box_of(mesh).longest_side() * direction));
-        const Fractured f = fracture_at(mesh, at_points(random_sites(box_of(mesh), 50, kSeed)));
+        const Fractured f = fracture_mesh(mesh, at_points(random_sites(box_of(mesh), 50, kSeed)));
         expect_closed(f.set);
         expect_partition(f.set, volume_of(mesh), area_of(mesh));
         expect_outside_untouched(f.set, mesh);
@@ -131,7 +113,7 @@ TEST(FractureIsTheVoronoiDiagram, PointsLieInTheFragmentOfTheirNearestSite) {
     for (const SiteFamily& family : small_site_families(shape.mesh, kSeed)) {
       SCOPED_TRACE(family.name);
       if (family.name == "cluster") continue;  // so are its cells
-      const Fractured f = fracture_at(shape.mesh, at_points(family.sites));
+      const Fractured f = fracture_mesh(shape.mesh, at_points(family.sites));
       // Fragments name sites of the tetrahedralization (duplicates merged): brute force over the same list.
       const std::span<const Vec3d> sites(f.diagram.tetrahedralization.points.data(),
                                          f.diagram.tetrahedralization.site_count());
@@ -142,7 +124,7 @@ TEST(FractureIsTheVoronoiDiagram, PointsLieInTheFragmentOfTheirNearestSite) {
 
 TEST(FractureIsTheVoronoiDiagram, HundredThousandPointsOfATorus) {
   const Mesh mesh = torus(48, 24);
-  const Fractured f = fracture_at(mesh, at_points(random_sites(box_of(mesh), 200, kSeed)));
+  const Fractured f = fracture_mesh(mesh, at_points(random_sites(box_of(mesh), 200, kSeed)));
   const std::span<const Vec3d> sites(f.diagram.tetrahedralization.points.data(),
                                      f.diagram.tetrahedralization.site_count());
   expect_voronoi(f.set, mesh, sites, 100'000, kSeed);
@@ -152,7 +134,7 @@ TEST(FractureCounts, FragmentsAreCellsPlusIslandsLessUnionsAndDrops) {
   for (const NamedMesh& shape : ClosedShape::shapes())
     for (const SiteFamily& family : small_site_families(shape.mesh, kSeed)) {
       SCOPED_TRACE(shape.name + " " + family.name);
-      const Certificate c = fracture_at(shape.mesh, at_points(family.sites)).set.certificate;
+      const Certificate c = fracture_mesh(shape.mesh, at_points(family.sites)).set.certificate;
       EXPECT_EQ(c.fragments, c.cells + c.islands - c.united - c.dropped);
     }
 }
@@ -167,7 +149,7 @@ TEST(FractureGroups, OneGroupOfAllCellsReturnsTheInputTrianglesBitForBit) {
     pattern.groups.assign(pattern.points.size(), 7);
     FractureParameters p;
     p.pattern = std::move(pattern);
-    const Fractured f = fracture_at(mesh, p);
+    const Fractured f = fracture_mesh(mesh, p);
     EXPECT_EQ(f.set.bonds.size(), 0u);
     std::size_t triangles = 0;
     for (const Fragment& fragment : f.set.fragments)
@@ -198,7 +180,7 @@ TEST(FractureGroups, EveryThirdCellGroupedKeepsAllInvariants) {
       for (std::uint32_t k = 0; k < pattern.points.size(); ++k) pattern.groups.push_back(k * 7919 % groups);
       FractureParameters p;
       p.pattern = std::move(pattern);
-      const Fractured f = fracture_at(mesh, p);
+      const Fractured f = fracture_mesh(mesh, p);
       expect_closed(f.set);
       expect_partition(f.set, volume_of(mesh), area_of(mesh));
       expect_outside_untouched(f.set, mesh);
@@ -211,7 +193,7 @@ TEST(FractureGroups, EveryThirdCellGroupedKeepsAllInvariants) {
 TEST(FractureIslands, AShellAroundAFragmentKeepsItsCavity) {
   // One site: the whole body is one cell, with its uncut cavities.
   const Mesh mesh = nested_spheres(4, 800);  // two parts with a cavity each
-  const Fractured f = fracture_at(mesh, at_points({{0.1, 0.2, 0.3}}));
+  const Fractured f = fracture_mesh(mesh, at_points({{0.1, 0.2, 0.3}}));
   ASSERT_EQ(f.set.fragments.size(), 2u);
   expect_closed(f.set);
   expect_partition(f.set, volume_of(mesh), area_of(mesh));
@@ -222,14 +204,14 @@ TEST(FractureIslands, AnnularCapsAndNestedShellsAcrossSeveralCells) {
   for (const std::uint32_t count : {2u, 3u, 8u, 40u}) {
     SCOPED_TRACE(count);
     const Fractured f =
-        fracture_at(with_traced_triangles(mesh), at_points(random_sites(box_of(mesh), count, kSeed)));
+        fracture_mesh(with_traced_triangles(mesh), at_points(random_sites(box_of(mesh), count, kSeed)));
     expect_closed(f.set);
     expect_partition(f.set, volume_of(mesh), area_of(mesh));
     EXPECT_EQ(f.set.certificate.crossing_caps, 0u);
   }
   // Two sites whose bisector passes the centre: an annular cap for the hollow part, a disk for the ball
   // inside.
-  const Fractured f = fracture_at(mesh, at_points({{-0.5, 0.01, 0}, {0.5, 0, 0.02}}));
+  const Fractured f = fracture_mesh(mesh, at_points({{-0.5, 0.01, 0}, {0.5, 0, 0.02}}));
   EXPECT_EQ(f.set.fragments.size(), 4u);
   EXPECT_EQ(f.set.bonds.size(), 2u);
 }
@@ -237,7 +219,7 @@ TEST(FractureIslands, AnnularCapsAndNestedShellsAcrossSeveralCells) {
 TEST(FractureIslands, SelfCrossingSurfacesStayClosedAndKeepTheirSignedVolume) {
   for (const std::uint32_t count : {1u, 10u, 200u}) {
     const Mesh mesh = self_crossing_tube();
-    const Fractured f = fracture_at(mesh, at_points(random_sites(box_of(mesh), count, kSeed)));
+    const Fractured f = fracture_mesh(mesh, at_points(random_sites(box_of(mesh), count, kSeed)));
     expect_closed(f.set);
     EXPECT_LT(f.set.certificate.relative_error, 1e-9);
     EXPECT_EQ(f.set.certificate.open_edges, 0u);
@@ -248,7 +230,7 @@ TEST(FractureIslands, SelfCrossingSurfacesStayClosedAndKeepTheirSignedVolume) {
 
 TEST(FractureScale, TenThousandSites) {
   const Mesh mesh = sphere_with(2000);
-  const Fractured f = fracture_at(mesh, at_points(random_sites(box_of(mesh), 10'000, kSeed)), 2);
+  const Fractured f = fracture_mesh(mesh, at_points(random_sites(box_of(mesh), 10'000, kSeed)), 2);
   expect_closed(f.set);
   expect_partition(f.set, volume_of(mesh), area_of(mesh));
 }
@@ -257,7 +239,7 @@ TEST(FractureThreads, SameFragmentsForOneAndTwoThreads) {
   for (const NamedMesh& shape : ClosedShape::shapes()) {
     SCOPED_TRACE(shape.name);
     const FractureParameters p = at_points(random_sites(box_of(shape.mesh), 300, kSeed));
-    const FragmentSet a = fracture_at(shape.mesh, p, 1).set, b = fracture_at(shape.mesh, p, 2).set;
+    const FragmentSet a = fracture_mesh(shape.mesh, p, 1).set, b = fracture_mesh(shape.mesh, p, 2).set;
     ASSERT_EQ(a.fragments.size(), b.fragments.size());
     for (std::size_t k = 0; k < a.fragments.size(); ++k) {
       EXPECT_EQ(a.fragments[k].id, b.fragments[k].id);

@@ -119,7 +119,7 @@ TEST(Jobs, TheEventsTellEveryChangeOnceAndEndWithTheJob) {
   RawClient client(server.port());
   client.send("GET " + job +
               "/events HTTP/1.0\r\nHost: test\r\n\r\n");  // unchunked: ends with the connection
-  const auto head = client.receive();  // the stream has begun before the job may end
+  const auto head = client.receive();                     // the stream has begun before the job may end
   ASSERT_TRUE(head);
   EXPECT_EQ(head->header("content-type"), "text/event-stream");
   while (gate.arrived == 0) std::this_thread::yield();

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/structure/fractured.hpp"
 #include "tests/support/figures.hpp"
+#include "tests/support/fractured.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace fracture::test {

@@ -11,8 +11,8 @@
 #include "common/base/disjoint_sets.hpp"
 #include "common/structure/bond_graph.hpp"
 #include "common/structure/clusters.hpp"
-#include "tests/structure/fractured.hpp"
 #include "tests/support/figures.hpp"
+#include "tests/support/fractured.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/site_families.hpp"
 

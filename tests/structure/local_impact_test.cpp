@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "tests/property/judge.hpp"
-#include "tests/structure/fractured.hpp"
 #include "tests/support/figures.hpp"
+#include "tests/support/fractured.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/site_families.hpp"
 

@@ -6,8 +6,8 @@
 #include <numeric>
 
 #include "tests/property/judge.hpp"
-#include "tests/structure/fractured.hpp"
 #include "tests/support/figures.hpp"
+#include "tests/support/fractured.hpp"
 #include "tests/support/mesh_files.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/site_families.hpp"

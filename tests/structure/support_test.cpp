@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "common/structure/anchors.hpp"
-#include "tests/structure/fractured.hpp"
 #include "tests/support/figures.hpp"
+#include "tests/support/fractured.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/site_families.hpp"
 
