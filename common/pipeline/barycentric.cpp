@@ -28,7 +28,7 @@ std::optional<FragmentSet> cut_one_cell(const Solid& solid, const std::vector<Ve
 }  // namespace
 
 BarycentricResult fracture_barycentric(const Solid& solid, const VoronoiDiagram& diagram, Pivot pivot,
-                                       const Execution& execution) {
+                                       double drop_above, const Execution& execution) {
   const std::uint32_t sites = diagram.dual().site_count();
   std::vector<std::optional<FragmentSet>> cells(sites);
   std::vector<char> skipped(sites, 0);
@@ -51,6 +51,11 @@ BarycentricResult fracture_barycentric(const Solid& solid, const VoronoiDiagram&
   for (SiteId i = 0; i < sites; ++i) {
     out.skipped_hulls += static_cast<std::uint32_t>(skipped[i]);
     if (!cells[i]) continue;
+    if (const double volume = cells[i]->certificate.volume_out; drop_above > 0 && volume > drop_above) {
+      ++out.dropped;
+      out.dropped_volume += volume;
+      continue;
+    }
     const Certificate& c = cells[i]->certificate;
     total.open_edges += c.open_edges;
     total.volume_out += c.volume_out;

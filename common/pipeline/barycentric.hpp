@@ -11,11 +11,14 @@ namespace fracture {
 struct BarycentricResult {
   FragmentSet set;                  ///< every fragment closed; together no partition of the solid; no bonds
   std::uint32_t skipped_hulls = 0;  ///< cells whose hull was flat
+  std::uint32_t dropped = 0;        ///< fragments above `drop_above`
+  double dropped_volume = 0;        ///< m³, of those
 };
 
 /// Cuts the solid by each barycentric cell on its own: cost is sites x triangles, as in the paper (the
-/// Voronoi mode has no such term).
+/// Voronoi mode has no such term). `drop_above`, m³: larger fragments are left out, the paper's volume filter
+/// (section 5 there: pieces that look too large); 0: none.
 BarycentricResult fracture_barycentric(const Solid& solid, const VoronoiDiagram& diagram, Pivot pivot,
-                                       const Execution& execution);
+                                       double drop_above, const Execution& execution);
 
 }  // namespace fracture

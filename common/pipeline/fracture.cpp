@@ -78,18 +78,43 @@ std::vector<std::uint32_t> groups_of_sites(const Tetrahedralization& t,
 
 std::string text_of(double value) { return nlohmann::json(value).dump(); }
 
+/// How the volumes of the fragments are distributed, m³. The coefficient of variation is the standard
+/// deviation over the mean: 0 is all alike.
+nlohmann::json volume_distribution(const std::vector<Fragment>& fragments) {
+  std::vector<double> volumes;
+  for (const Fragment& f : fragments) volumes.push_back(f.mass.volume);
+  std::sort(volumes.begin(), volumes.end());
+  const std::size_t n = volumes.size();
+  if (n == 0) return nlohmann::json::object();
+  const auto quantile = [&](std::size_t tenths) { return volumes[(n - 1) * tenths / 10]; };
+  double sum = 0, squares = 0, in_largest_tenth = 0;
+  for (const double v : volumes) sum += v;
+  const double mean = sum / static_cast<double>(n);
+  for (const double v : volumes) squares += (v - mean) * (v - mean);
+  const std::size_t tenth = (n + 9) / 10;
+  for (std::size_t k = n - tenth; k < n; ++k) in_largest_tenth += volumes[k];
+  return {{"smallest", volumes.front()},
+          {"lowest_tenth", quantile(1)},
+          {"median", quantile(5)},
+          {"highest_tenth", quantile(9)},
+          {"largest", volumes.back()},
+          {"mean", mean},
+          {"coefficient_of_variation", mean > 0 ? std::sqrt(squares / static_cast<double>(n)) / mean : 0},
+          {"share_of_largest_tenth", sum > 0 ? in_largest_tenth / sum : 0}};
+}
+
 /// What was asked of the sizes and the structure, and what was made.
 void report_structure(const FractureParameters& p, const Diagram& diagram, std::size_t kept_cells,
                       std::uint32_t anchored, FragmentSet& set) {
-  double smallest = HUGE_VAL, largest = 0;
+  double largest = 0;
   std::uint64_t triangles = 0;
   for (const Fragment& f : set.fragments) {
-    smallest = std::min(smallest, f.mass.volume);
     largest = std::max(largest, f.mass.volume);
     triangles += f.indices.size() / 3;
   }
   nlohmann::json& warnings = set.report["warnings"];
-  nlohmann::json size = {{"smallest", smallest}, {"largest", largest}, {"triangles", triangles}};
+  nlohmann::json size = volume_distribution(set.fragments);
+  size["triangles"] = triangles;
   if (p.size.any()) {
     size["united"] = set.size.united;
     size["alone"] = set.size.alone;
@@ -244,21 +269,23 @@ Expected<FragmentSet> fracture(const Solid& solid, const Diagram& diagram,
         Ownership::from_groups(t.site_count(), groups_of_sites(t, diagram.groups, kept));
 
     FragmentSet set;
-    std::uint32_t skipped_hulls = 0;
+    BarycentricResult barycentric;
     if (parameters.dual == Dual::kBarycenter) {
       if (image)
         return fail(
             ErrorCode::kBadParameter,
             "dual=barycenter knows no stretched cells: leave out 'stretch', or slices of several families.",
             "dual");
-      BarycentricResult result = fracture_barycentric(solid, voronoi, parameters.pivot, execution);
-      set = std::move(result.set);
-      skipped_hulls = result.skipped_hulls;
+      barycentric = fracture_barycentric(solid, voronoi, parameters.pivot, parameters.drop_above, execution);
+      set = std::move(barycentric.set);
     } else {
       set = make_fragments(restrict_to_solid(solid, seen, voronoi, execution), ownership, parameters.pivot,
                            parameters.size, execution);
     }
-    if (set.fragments.empty()) return fail(ErrorCode::kNoFragments, "none of the pieces has a volume");
+    if (set.fragments.empty())
+      return fail(ErrorCode::kNoFragments, barycentric.dropped > 0
+                                               ? "'drop_above' leaves nothing: all pieces are larger"
+                                               : "none of the pieces has a volume");
     set.hierarchy = make_hierarchy(set, parameters.levels, execution);
     std::uint32_t anchored = 0;
     if (parameters.anchors.any()) anchored = mark_anchored(set, parameters.anchors);
@@ -270,7 +297,12 @@ Expected<FragmentSet> fracture(const Solid& solid, const Diagram& diagram,
     if (parameters.hulls == Hulls::kConvex)
       set.report["hulls"] = {{"count", hulls.hulls}, {"flat", hulls.flat}, {"simplified", hulls.simplified}};
     if (parameters.dual == Dual::kBarycenter) {
-      set.report["barycenter"] = {{"partition", false}, {"skipped_hulls", skipped_hulls}};
+      nlohmann::json& mode = set.report["barycenter"];
+      mode = {{"partition", false}, {"skipped_hulls", barycentric.skipped_hulls}};
+      if (parameters.drop_above > 0) {
+        mode["dropped"] = barycentric.dropped;
+        mode["dropped_volume"] = barycentric.dropped_volume;
+      }
       set.report["warnings"].push_back(
           "dual=barycenter: the hulls of barycentres overlap and leave gaps; volumes do not add up to the "
           "solid's, and there are no bonds");

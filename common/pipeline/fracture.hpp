@@ -27,7 +27,8 @@ namespace fracture {
 /// An answer changes only when this does.
 ///  1  2026-11-21
 ///  2  2026-11-21  hulls inset by 0.4 mm; united pieces fused on the outside; more parameters in the answer
-inline constexpr int kAlgorithmVersion = 2;
+///  3  2026-11-21  the distribution of volumes in the report
+inline constexpr int kAlgorithmVersion = 3;
 
 enum class Dual {
   kCircumcenter,  ///< the Voronoi diagram: fragments partition the solid exactly
@@ -45,6 +46,7 @@ struct Refracture {
 
 struct FractureParameters : SiteParameters {
   Dual dual = Dual::kCircumcenter;
+  double drop_above = 0;       ///< m³; with kBarycenter alone: larger fragments are left out. 0: none
   Hulls hulls = Hulls::kNone;  ///< collision hulls for physics engines (physics/collision_hulls.hpp)
   Pivot pivot = Pivot::kCenterOfMass;
   SizeLimits size;        ///< small fragments are united with a neighbour

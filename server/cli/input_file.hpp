@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/import/sibling_files.hpp"
-#include "server/service/parameters.hpp"
+#include "server/parameters/parameters.hpp"
 
 namespace fracture::cli {
 

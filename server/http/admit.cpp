@@ -133,7 +133,8 @@ std::optional<Problem> Api::refuse_overload(const RequestHead& head, const Admis
   if (!terms) return std::move(terms.error());
   if (bytes <= kSmall) return std::nullopt;
   const auto parsed = service_.parameters().parse(raw_parameters(admission.query));
-  const auto overload = dispatcher_.refuses(bytes, parsed ? parsed->fracture.sites : 1, *terms);
+  const ExpectedWork work = parsed ? expected_work(parsed->fracture, bytes, nullptr) : expected_work(bytes);
+  const auto overload = dispatcher_.refuses(work, *terms);
   if (overload) return to_problem(*overload);
   return std::nullopt;
 }

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "server/http/message.hpp"
-#include "server/service/parameters.hpp"
+#include "server/parameters/parameters.hpp"
 #include "server/service/request.hpp"
 
 namespace fracture::http {

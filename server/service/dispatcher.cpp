@@ -9,26 +9,9 @@
 namespace fracture {
 namespace {
 
-// Seconds of one thread of the machine this was written on, for the queue's prediction: WorkerPool measures
-// how far off they are, so that only their proportions matter.
-constexpr double kSecondsPerMeshByte = 60e-9;  // import and repair of a 1 MB OBJ: 60 ms
-constexpr double kSecondsPerSite = 0.15e-3;    // 50 sites of a mesh of 1k triangles: 8 ms
-constexpr double kSecondsPerRequest = 1e-3;
-
-// What a computation holds at its peak, in bytes.
-constexpr std::uint64_t kWorkingPerMeshByte = 12, kWorkingPerSite = 16u << 10, kWorkingPerRequest = 4u << 20;
-
 // A request that is admitted and then not done in time has cost others theirs: rather a few too many are
 // turned away. (bench_overload: at four times the capacity.)
 constexpr double kCaution = 1.2;
-
-double cost_of(std::uint64_t mesh_bytes, std::uint32_t sites) {
-  return kSecondsPerRequest + kSecondsPerMeshByte * static_cast<double>(mesh_bytes) + kSecondsPerSite * sites;
-}
-
-std::uint64_t working_bytes(std::uint64_t mesh_bytes, std::uint32_t sites) {
-  return kWorkingPerRequest + kWorkingPerMeshByte * mesh_bytes + kWorkingPerSite * sites;
-}
 
 std::uint64_t bytes_of(const FractureRequest& request) {
   std::uint64_t bytes = request.mesh.size();
@@ -146,9 +129,8 @@ std::optional<Overload> Dispatcher::refuses(double cost, const Terms& terms) con
   return std::nullopt;
 }
 
-std::optional<Overload> Dispatcher::refuses(std::uint64_t mesh_bytes, std::uint32_t sites,
-                                            const Terms& terms) const {
-  return refuses(cost_of(mesh_bytes, sites), terms);
+std::optional<Overload> Dispatcher::refuses(const ExpectedWork& work, const Terms& terms) const {
+  return refuses(work.seconds, terms);
 }
 
 std::optional<Overload> Dispatcher::reserve(std::uint64_t bytes, MemoryBudget::Reservation& reservation) {
@@ -175,11 +157,12 @@ std::optional<Overload> Dispatcher::fracture(FractureRequest request, const Term
   double cost = 0;
   MemoryBudget::Reservation working;
   if (!results_.find(keys.result)) {  // otherwise it costs nothing more
-    const std::uint64_t to_prepare = service_.find_mesh(keys) ? 0 : bytes_of(request);
-    const std::uint32_t sites = request.parameters.fracture.sites;
-    cost = cost_of(to_prepare, sites);
+    const std::shared_ptr<const PreparedMesh> mesh = service_.find_mesh(keys);
+    const ExpectedWork work = expected_work(request.parameters.fracture, mesh ? 0 : bytes_of(request),
+                                            mesh ? &mesh->solid : nullptr);
+    cost = work.seconds;
     std::optional<Overload> overload = refuses(cost, terms);
-    if (!overload) overload = reserve(working_bytes(to_prepare, sites), working);
+    if (!overload) overload = reserve(work.bytes, working);
     if (overload) {
       ++refused_;
       return overload;
@@ -226,11 +209,12 @@ std::optional<Overload> Dispatcher::prepare(FractureRequest request, const Terms
     reply(std::move(mesh));
     return std::nullopt;
   }
-  const double cost = cost_of(bytes_of(request), 0);
+  const ExpectedWork work = expected_work(bytes_of(request));
+  const double cost = work.seconds;
   MemoryBudget::Reservation working;
   if (!meshes_.find(keys.mesh)) {
     std::optional<Overload> overload = refuses(cost, terms);
-    if (!overload) overload = reserve(working_bytes(bytes_of(request), 0), working);
+    if (!overload) overload = reserve(work.bytes, working);
     if (overload) {
       ++refused_;
       return overload;
@@ -272,7 +256,7 @@ std::optional<Overload> Dispatcher::prepare(FractureRequest request, const Terms
 }
 
 void Dispatcher::run(Priority priority, std::function<void()> work) {
-  pool_.submit(priority, kSecondsPerRequest, [work = std::move(work)](int) { work(); });
+  pool_.submit(priority, expected_work(0).seconds, [work = std::move(work)](int) { work(); });
 }
 
 // -- the stations of a computation

@@ -27,6 +27,7 @@
 #include <string>
 #include <vector>
 
+#include "server/service/admission.hpp"
 #include "server/service/memory_budget.hpp"
 #include "server/service/service.hpp"
 #include "server/service/single_flight.hpp"
@@ -76,9 +77,8 @@ class Dispatcher {
   /// Other work for the pool's threads (the digest of a large body), with no flight.
   void run(Priority priority, std::function<void()> work);
 
-  /// Would a request that has so many bytes of mesh to prepare (0: it is prepared) and so many sites be
-  /// refused? Asked before a body is read, so nothing is reserved.
-  std::optional<Overload> refuses(std::uint64_t mesh_bytes, std::uint32_t sites, const Terms& terms) const;
+  /// Would a request of so much work be refused? Asked before a body is read, so nothing is reserved.
+  std::optional<Overload> refuses(const ExpectedWork& work, const Terms& terms) const;
 
   /// Returns when nothing is computed any more and no reply is outstanding.
   void wait_idle() {

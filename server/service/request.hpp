@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "common/base/digest.hpp"
+#include "server/parameters/parameters.hpp"
 #include "server/service/engine.hpp"
-#include "server/service/parameters.hpp"
 
 namespace fracture {
 

@@ -106,6 +106,29 @@ TEST(Pipeline, BarycentricFragmentsAreClosedAndSaySo) {
   for (const Fragment& f : set->fragments) EXPECT_GT(f.mass.volume, 0);
 }
 
+TEST(Pipeline, ThePapersVolumeFilterLeavesOutWhatIsLargerAndSaysHowMuch) {
+  const Solid solid = solid_of(sphere_with(500));
+  FractureParameters p;
+  p.sites = 60;
+  p.dual = Dual::kBarycenter;
+  StageTimings timings;
+  const Diagram diagram = *make_diagram(solid, p, {}, timings);
+  const FragmentSet all = *fracture(solid, diagram, p, {}, timings);
+  p.drop_above = all.report["size"]["median"].get<double>();
+  const FragmentSet some = *fracture(solid, diagram, p, {}, timings);
+  EXPECT_EQ(some.report["barycenter"]["dropped"].get<std::size_t>() + some.fragments.size(),
+            all.fragments.size());
+  EXPECT_GT(some.report["barycenter"]["dropped"], 10);
+  for (const Fragment& f : some.fragments) EXPECT_LE(f.mass.volume, p.drop_above);
+  EXPECT_NEAR(some.certificate.volume_out + some.report["barycenter"]["dropped_volume"].get<double>(),
+              all.certificate.volume_out, 1e-12);
+  p.drop_above = all.report["size"]["smallest"].get<double>() / 2;
+  const auto none = fracture(solid, diagram, p, {}, timings);
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().code, ErrorCode::kNoFragments);
+  EXPECT_NE(none.error().detail.find("drop_above"), std::string::npos);
+}
+
 TEST(Pipeline, APlaneThroughAMillionTrianglesMakesOneCap) {
   const Mesh mesh = sphere_with(1'000'000);
   const Solid solid = solid_of(mesh);

@@ -1,4 +1,4 @@
-#include "server/service/parameters.hpp"
+#include "server/parameters/parameters.hpp"
 
 #include <gtest/gtest.h>
 
@@ -155,6 +155,7 @@ TEST(Parameters, ValuesThatBelongTogetherAreAskedForTogether) {
            {{{"broken", "5"}}, "broken"},
            {{{"keep_box", "0,0,0;-1,1,1"}}, "keep_box"},
            {{{"anchor_plane", "0,0,0;0,0,0"}}, "anchor_plane"},
+           {{{"drop_above", "2"}}, "drop_above"},
            {{{"min_volume", "2"}, {"max_volume", "1"}}, "max_volume"}}) {
     const auto parsed = table().parse(given);
     ASSERT_FALSE(parsed) << name;
@@ -169,6 +170,17 @@ TEST(Parameters, AnUnknownNameIsRefusedByNameWithTheKnownOnes) {
   EXPECT_EQ(parsed.error().code, ErrorCode::kUnknownParameter);
   EXPECT_EQ(parsed.error().pointer, "site");
   EXPECT_NE(parsed.error().detail.find("sites"), std::string::npos);
+}
+
+TEST(Parameters, AMisspeltNameIsToldTheNearestOne) {
+  const std::vector<std::pair<std::string, std::string>> misspelt{
+      {"site", "sites"}, {"materal", "material"}, {"local-point", "local_point"}, {"sed", "seed"}};
+  for (const auto& [given, meant] : misspelt) {
+    const auto parsed = parse_text(given, "5");
+    ASSERT_FALSE(parsed);
+    EXPECT_NE(parsed.error().detail.find("Did you mean '" + meant + "'?"), std::string::npos) << given;
+  }
+  EXPECT_EQ(parse_text("colour", "5").error().detail.find("Did you mean"), std::string::npos);
 }
 
 TEST(Parameters, EveryOffenderIsListed) {

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <utility>
 
-#include "server/service/parameter_values.hpp"
+#include "server/parameters/values.hpp"
 
 namespace fracture {
 namespace {

@@ -1,8 +1,8 @@
 // Sizes, levels, what stays whole, what is held, what breaks further.
 #include <algorithm>
 
-#include "server/service/parameter_fields.hpp"
-#include "server/service/parameter_rows.hpp"
+#include "server/parameters/fields.hpp"
+#include "server/parameters/rows.hpp"
 
 namespace fracture {
 namespace {
@@ -310,6 +310,10 @@ std::optional<Contradiction> complete_structure(RequestParameters& r) {
   }
   if (!r.broken.empty() && !f.anchors.any())
     return Contradiction{"broken", "'broken' needs anchors: without any, everything falls."};
+  if (f.drop_above > 0 && f.dual != Dual::kBarycenter)
+    return Contradiction{"drop_above",
+                         "'drop_above' belongs to dual=barycenter; an exact partition leaves nothing out. "
+                         "'max_volume' breaks large fragments further."};
   if (f.max_volume > 0 && f.size.min_volume > f.max_volume)
     return Contradiction{"max_volume", "'max_volume' must be at least 'min_volume', which is " +
                                            nlohmann::json(f.size.min_volume).dump() + "."};

@@ -6,7 +6,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "server/service/parameters.hpp"
+#include "server/parameters/parameters.hpp"
 
 namespace fracture::parameter_fields {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "server/service/parameters.hpp"
+#include "server/parameters/parameters.hpp"
 
 namespace fracture {
 

@@ -1,12 +1,12 @@
-#include "server/service/parameters.hpp"
+#include "server/parameters/parameters.hpp"
 
 #include <algorithm>
 #include <map>
 #include <set>
 #include <utility>
 
-#include "server/service/parameter_rows.hpp"
-#include "server/service/parameter_values.hpp"
+#include "server/parameters/rows.hpp"
+#include "server/parameters/values.hpp"
 
 namespace fracture {
 namespace {
@@ -56,6 +56,39 @@ class Offences {
 };
 
 using Given = std::map<std::string, const RawParameter*>;
+
+/// How many letters are to be inserted, left out or changed (Levenshtein 1966).
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t changed = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = row[j];
+      row[j] = std::min({changed, row[j] + 1, row[j - 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+std::string unknown_parameter(const std::vector<ParameterSpec>& specs, const std::string& name) {
+  std::vector<std::string> known;
+  const ParameterSpec* nearest = nullptr;
+  std::size_t least = 1 + name.size() / 3;
+  for (const ParameterSpec& spec : specs) {
+    known.push_back(spec.name);
+    if (name.size() > 2 * spec.name.size()) continue;
+    if (const std::size_t distance = edit_distance(name, spec.name); distance < least) {
+      least = distance;
+      nearest = &spec;
+    }
+  }
+  return "There is no parameter '" + shown(name) + "'. " +
+         (nearest ? "Did you mean '" + nearest->name + "'? " : std::string()) + "The parameters are " +
+         join(known) + ".";
+}
 
 /// Two ways to say one thing.
 void refuse_both(Offences& offences, const Given& given, const char* name, const char* other,
@@ -111,11 +144,7 @@ Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter
   for (const RawParameter& raw : given) {
     const ParameterSpec* spec = find(raw.name);
     if (!spec) {
-      std::vector<std::string> known;
-      for (const ParameterSpec& s : specs_) known.push_back(s.name);
-      offences.add(
-          ErrorCode::kUnknownParameter, raw,
-          "There is no parameter '" + shown(raw.name) + "'. The parameters are " + join(known) + ".");
+      offences.add(ErrorCode::kUnknownParameter, raw, unknown_parameter(specs_, raw.name));
       continue;
     }
     if (!seen.emplace(raw.name, &raw).second) {

@@ -1,6 +1,6 @@
 // What may be asked, in one table: it validates the query of a URL, a JSON object and the flags of `bake`,
 // words the errors, makes the canonical form of a request, fills GET /limits and GET /patterns, and a test
-// holds proto/openapi.yaml to it. The rows stand in parameter_rows.cpp and site_parameter_rows.cpp.
+// holds proto/openapi.yaml to it. The rows stand in rows.cpp, site_rows.cpp and structure_rows.cpp.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@
 #include "common/mesh/selection.hpp"
 #include "common/pipeline/fracture.hpp"
 #include "common/solid/solid.hpp"
-#include "server/service/parameter_spec.hpp"
+#include "server/parameters/spec.hpp"
 
 namespace fracture {
 

@@ -1,8 +1,8 @@
-#include "server/service/parameter_rows.hpp"
+#include "server/parameters/rows.hpp"
 
 #include <algorithm>
 
-#include "server/service/parameter_fields.hpp"
+#include "server/parameters/fields.hpp"
 
 namespace fracture {
 namespace {
@@ -73,6 +73,15 @@ void add_output_rows(std::vector<ParameterSpec>& rows) {
        .doc = "circumcenter: Voronoi cells, an exact partition. barycenter: hulls of the "
               "tetrahedra's barycentres, a softer look that is no partition."},
       [](auto& r) -> auto& { return r.fracture.dual; }));
+  rows.push_back(with_member(
+      {.name = "drop_above",
+       .type = Type::kNumber,
+       .unit = "m³",
+       .low = 0,
+       .high = 1e18,
+       .doc = "With dual=barycenter alone: larger fragments are left out, as in the paper. 0: none."},
+      [](auto& r) -> auto& { return r.fracture.drop_above; }));
+  rows.back().matters = [](const RequestParameters& r) { return r.fracture.drop_above > 0; };
   rows.push_back(with_member(
       {.name = "physics",
        .type = Type::kChoice,

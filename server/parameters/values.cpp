@@ -1,4 +1,4 @@
-#include "server/service/parameter_values.hpp"
+#include "server/parameters/values.hpp"
 
 #include <algorithm>
 #include <charconv>

@@ -7,7 +7,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
-#include "server/service/parameter_spec.hpp"
+#include "server/parameters/spec.hpp"
 
 namespace fracture {
 
@@ -33,7 +33,7 @@ using ValueOrComplaint = tl::expected<ParameterValue, Complaint>;
 /// Converts and checks. Text is converted, JSON must have the right type.
 ValueOrComplaint to_value(const ParameterSpec& spec, const RawParameter& raw);
 
-/// The part of it for vectors, lists of them and matrices (parameter_vectors.cpp); spec.check is not asked.
+/// The part of it for vectors, lists of them and matrices (vectors.cpp); spec.check is not asked.
 ValueOrComplaint to_vectors(const ParameterSpec& spec, const RawParameter& raw);
 
 }  // namespace fracture

@@ -1,6 +1,6 @@
 // Which material, which pattern, and the parameters of each.
-#include "server/service/parameter_fields.hpp"
-#include "server/service/parameter_rows.hpp"
+#include "server/parameters/fields.hpp"
+#include "server/parameters/rows.hpp"
 
 namespace fracture {
 namespace {

@@ -1,0 +1,78 @@
+#include "server/service/admission.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fracture {
+namespace {
+
+constexpr double kSecondsPerMeshByte = 60e-9;  // import and repair of a 1 MB OBJ: 60 ms
+constexpr double kSecondsPerSite = 0.15e-3;    // 50 sites of a mesh of 1k triangles: 8 ms
+constexpr double kSecondsPerRequest = 1e-3;
+// Of kSecondsPerSite, what a pass of relaxation repeats: the diagram without the fragments.
+constexpr double kPassShare = 0.4;
+
+constexpr double kBytesPerMeshByte = 12, kBytesPerSite = 16u << 10, kBytesPerRequest = 4u << 20;
+
+/// Sites of the pattern itself in a box of this size.
+double pattern_sites(const SiteParameters& parameters, const Vec3d& side) {
+  const auto boxes = [&](const Vec3d& cell) {
+    double n = 1;
+    for (int axis = 0; axis < 3; ++axis) n *= std::fmax(1, std::ceil(side[axis] / cell[axis]));
+    return n;
+  };
+  if (const auto* grid = std::get_if<GridPattern>(&parameters.pattern); grid && grid->cell)
+    return boxes(*grid->cell);
+  if (const auto* brick = std::get_if<BrickPattern>(&parameters.pattern)) {
+    // A brick is as many cells as the shift of a course divides it into.
+    const double split = brick->bond == BrickPattern::Bond::kStack  ? 1
+                         : brick->bond == BrickPattern::Bond::kHalf ? 2
+                                                                    : 3;
+    return split * (brick->cell ? boxes(*brick->cell) : parameters.sites);
+  }
+  if (const auto* radial = std::get_if<RadialPattern>(&parameters.pattern)) {
+    // A ring crack that stays away leaves one piece of several cells.
+    if (radial->spokes && radial->rings) return static_cast<double>(*radial->spokes) * *radial->rings;
+    return 2.0 * parameters.sites;
+  }
+  if (const auto* slice = std::get_if<SlicePattern>(&parameters.pattern); slice && slice->spacing) {
+    double n = 1;
+    for (const Vec3d& normal : slice->normals) {
+      const double length = std::sqrt(dot(normal, normal));
+      const double across =
+          (std::fabs(normal.x) * side.x + std::fabs(normal.y) * side.y + std::fabs(normal.z) * side.z) /
+          length;
+      n *= std::fmax(1, std::ceil(across / *slice->spacing));
+    }
+    return n;
+  }
+  return parameters.sites;
+}
+
+ExpectedWork work(std::uint64_t mesh_bytes, double sites, double passes) {
+  const auto read = static_cast<double>(mesh_bytes);
+  return {
+      kSecondsPerRequest + kSecondsPerMeshByte * read + kSecondsPerSite * sites * (1 + kPassShare * passes),
+      static_cast<std::uint64_t>(kBytesPerRequest + kBytesPerMeshByte * read + kBytesPerSite * sites)};
+}
+
+}  // namespace
+
+double expected_sites(const FractureParameters& parameters, const Solid* solid) {
+  double sites = solid ? pattern_sites(parameters, solid->box.size()) : parameters.sites;
+  // A cell that is too large gets further sites until its pieces are below the limit: on average half of it.
+  if (solid && parameters.max_volume > 0)
+    sites = std::fmax(sites, 2 * solid->report.volume / parameters.max_volume);
+  if (parameters.local) sites += parameters.local->sites;
+  if (parameters.again) sites += parameters.again->sites;
+  return std::fmin(sites, parameters.most_sites);
+}
+
+ExpectedWork expected_work(const FractureParameters& parameters, std::uint64_t mesh_bytes,
+                           const Solid* solid) {
+  return work(mesh_bytes, expected_sites(parameters, solid), parameters.lloyd);
+}
+
+ExpectedWork expected_work(std::uint64_t mesh_bytes) { return work(mesh_bytes, 0, 0); }
+
+}  // namespace fracture

@@ -1,0 +1,30 @@
+// What a request should cost before any of it is computed: for the queue's prediction and the memory budget.
+#pragma once
+
+#include <cstdint>
+
+#include "common/solid/solid.hpp"
+#include "server/parameters/parameters.hpp"
+
+namespace fracture {
+
+struct ExpectedWork {
+  /// Of one thread of the machine this was written on. WorkerPool measures how far off that is, so only the
+  /// proportions matter.
+  double seconds = 0;
+  std::uint64_t bytes = 0;  ///< held at the peak
+};
+
+/// How many sites the parameters will lead to, every later one (a local hit, a limit of size, a fragment
+/// fractured again) included; at most FractureParameters::most_sites. Patterns whose cells have a given size,
+/// and max_volume, are counted in the box and the volume of the `solid`; without one (nothing is known of the
+/// mesh yet) they count as `sites`.
+double expected_sites(const FractureParameters& parameters, const Solid* solid);
+
+/// `mesh_bytes`: still to be read and prepared, 0 when that is done and `solid` is given.
+ExpectedWork expected_work(const FractureParameters& parameters, std::uint64_t mesh_bytes,
+                           const Solid* solid);
+/// Of reading and preparing alone.
+ExpectedWork expected_work(std::uint64_t mesh_bytes);
+
+}  // namespace fracture

@@ -1,0 +1,76 @@
+// What a request is expected to cost, held against how many sites its pattern really makes.
+#include "server/service/admission.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/shapes.hpp"
+
+namespace fracture {
+namespace {
+
+Solid wall() {
+  auto mesh = std::make_shared<Mesh>(test::box({0, 0, 0}, {3, 2, 0.5}));
+  return make_solid(std::move(mesh), {}, {}).value();
+}
+
+FractureParameters with(SitePattern pattern, std::uint32_t sites = 50) {
+  FractureParameters parameters;
+  parameters.pattern = std::move(pattern);
+  parameters.sites = sites;
+  return parameters;
+}
+
+TEST(Admission, CountsTheSitesOfPatternsWhoseCellsHaveASize) {
+  const Solid solid = wall();
+  GridPattern grid;
+  grid.cell = Vec3d{0.1, 0.1, 0.1};
+  BrickPattern half, third;
+  half.cell = third.cell = Vec3d{0.2, 0.05, 0.1};
+  third.bond = BrickPattern::Bond::kThird;
+  SlicePattern slices;
+  slices.normals = {{0, 2, 0}, {1, 0, 0}};
+  slices.spacing = 0.01;
+  RadialPattern rings;
+  rings.spokes = 20;
+  rings.rings = 30;
+  for (const FractureParameters& parameters :
+       {with(UniformPattern{}, 77), with(grid), with(half), with(third), with(slices),
+        with(BrickPattern{}, 200), with(RadialPattern{}, 300), with(rings)}) {
+    const SitePlan plan = plan_sites(solid, parameters, {}).value();
+    const auto made = static_cast<double>(plan.points.size());
+    SCOPED_TRACE(kPatternNames[parameters.pattern.index()]);
+    EXPECT_GE(expected_sites(parameters, &solid), made / 2);
+    EXPECT_LE(expected_sites(parameters, &solid), made * 2);
+  }
+}
+
+TEST(Admission, CountsLaterSitesAndNeverMoreThanThereMayBe) {
+  const Solid solid = wall();
+  FractureParameters parameters = with(UniformPattern{}, 10);
+  EXPECT_EQ(expected_sites(parameters, &solid), 10);
+  parameters.local = LocalImpact{.point = {}, .radius = 0.2, .sites = 30};
+  EXPECT_EQ(expected_sites(parameters, &solid), 40);
+  parameters.again = Refracture{.sites = 7};
+  EXPECT_EQ(expected_sites(parameters, &solid), 47);
+  parameters.max_volume = solid.report.volume / 1000;
+  EXPECT_GE(expected_sites(parameters, &solid), 1000);
+  EXPECT_EQ(expected_sites(parameters, nullptr), 47);  // of a mesh that was not read yet nothing is known
+  parameters.max_volume = 1e-300;
+  EXPECT_EQ(expected_sites(parameters, &solid), parameters.most_sites);
+}
+
+TEST(Admission, WorkGrowsWithBytesSitesAndPasses) {
+  FractureParameters parameters = with(UniformPattern{});
+  const ExpectedWork base = expected_work(parameters, 1000, nullptr);
+  EXPECT_GT(expected_work(parameters, 1'000'000, nullptr).seconds, base.seconds);
+  EXPECT_GT(expected_work(parameters, 1'000'000, nullptr).bytes, base.bytes);
+  parameters.sites = 5000;
+  EXPECT_GT(expected_work(parameters, 1000, nullptr).bytes, base.bytes);
+  const double one_pass = expected_work(parameters, 1000, nullptr).seconds;
+  EXPECT_GT(one_pass, base.seconds);
+  parameters.lloyd = 10;
+  EXPECT_GT(expected_work(parameters, 1000, nullptr).seconds, 2 * one_pass);
+}
+
+}  // namespace
+}  // namespace fracture
