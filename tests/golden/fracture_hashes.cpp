@@ -1,5 +1,5 @@
 // Prints one hash a line over the bytes of whole answers: `<mesh> <request> t<threads> <sha256>`, for plain
-// requests on every mesh, and for every pattern and material on three of them.
+// requests on every mesh, and for every pattern, material, limit, region and hit on three of them.
 // scripts/test
 // --full runs it in every build (g++ and clang++, debug and release) and compares the outputs; nothing is
 // ever compared with a stored value. Exits 1 when one and two threads of the same build already differ.
@@ -13,6 +13,7 @@
 #include "tests/support/mesh_files.hpp"
 #include "tests/support/pattern_requests.hpp"
 #include "tests/support/shapes.hpp"
+#include "tests/support/structure_requests.hpp"
 
 namespace {
 
@@ -69,8 +70,10 @@ int main() {
     if (name != "uv_sphere" && name != "torus" && name != "kk_bottle_A_brown.glb") continue;
     const Expected<Solid> solid = make_solid(mesh, {}, {});
     if (!solid) continue;
-    for (const test::NamedParameters& request : test::pattern_requests(solid->box, 90, 42))
-      compare(name, mesh, request.name, request.parameters);
+    for (const auto& requests :
+         {test::pattern_requests(solid->box, 90, 42), test::structure_requests(*solid, 90, 42)})
+      for (const test::NamedParameters& request : requests)
+        compare(name, mesh, request.name, request.parameters);
   }
   if (differing) std::fprintf(stderr, "%d answers differ between one and two threads\n", differing);
   return differing ? 1 : 0;

@@ -1,5 +1,5 @@
-// I1, I2 and I3 for every pattern and every material, on closed shapes and meshes, oblique and stretched ones
-// too. FRACTURE_TEST_FULL=1 adds all meshes and more sites.
+// I1, I2 and I3 for every pattern, every material and every limit, region and hit, on closed shapes and
+// meshes, oblique and stretched ones too. FRACTURE_TEST_FULL=1 adds all meshes and more sites.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -10,6 +10,7 @@
 #include "tests/support/mesh_files.hpp"
 #include "tests/support/pattern_requests.hpp"
 #include "tests/support/shapes.hpp"
+#include "tests/support/structure_requests.hpp"
 
 namespace fracture::test {
 namespace {
@@ -23,7 +24,10 @@ void expect_all_invariants(const Mesh& mesh, std::uint32_t sites, bool embedded)
   const double volume = volume_of(mesh), area = area_of(mesh);
   const Expected<Solid> solid = make_solid(std::make_shared<Mesh>(traced), {}, {});
   ASSERT_TRUE(solid) << solid.error().detail;
-  for (const NamedParameters& request : pattern_requests(solid->box, sites, kSeed)) {
+  std::vector<NamedParameters> requests = pattern_requests(solid->box, sites, kSeed);
+  for (NamedParameters& request : structure_requests(*solid, sites, kSeed))
+    requests.push_back(std::move(request));
+  for (const NamedParameters& request : requests) {
     SCOPED_TRACE(request.name);
     StageTimings timings;
     const Expected<Diagram> diagram = make_diagram(*solid, request.parameters, {}, timings);
