@@ -99,7 +99,7 @@ class Mesh:
         self.options = {"impact": self.impact, "impact-radius": round(1.1 * self.radius, 6), "grain": self.grain,
                         "impact-direction": [-0.25, 0, -1],
                         # The camera sees the whole sphere; a wide object leaves much of it empty.
-                        "margin": 1.0 if axis == 1 else 0.85}
+                        "margin": 1.1 if axis == 1 else 0.85}
 
     def fracture(self, parameters):
         return self.server.ask("POST", self.path + "/fracture", json.dumps(parameters).encode())
@@ -222,6 +222,51 @@ class Gallery:
                    [("assembled", {"colors": "fragment"}), ("exploded", {"view": "exploded", "colors": "fragment"}),
                     ("cut faces", {"view": "exploded", "colors": "interior"})], rows)
 
+    def overview_sheet(self, meshes):
+        """What the README shows: one object for each of six materials."""
+        if not self.wants("overview"):
+            return
+        by_name = {mesh.name: mesh for mesh in meshes}
+        pairs = [(name, material) for name, material in (("pane", "glass"), ("vase", "ceramic"), ("wall", "brick"),
+                                                         ("column", "concrete"), ("wall", "wood"), ("monkey", "stone"))
+                 if name in by_name and material in self.materials]
+        cells = []
+        for name, material in pairs:
+            mesh, pattern = by_name[name], self.materials[material].get("pattern", "uniform")
+            file = self.model(mesh, material, {"material": material, **sites_for(mesh, pattern, self.patterns)})
+            look = {"look": material} if material in self.looks else {}
+            cells.append(None if file is None else {"file": file, **mesh.options, **look})
+        self.sheet("overview", "", [(f"material={material}", {}) for _, material in pairs],
+                   [("exploded", {"view": "exploded", "explode": 0.4}, cells), ("hit", {"view": "impact"}, cells)])
+
+    def level_sheet(self, meshes):
+        """One hierarchy: its levels apart, a colour for each cluster, then the fragments."""
+        if not self.wants("levels"):
+            return
+        levels = [6, 30, 150]
+        columns = [(f"level {k}: {count}", {"colors": "level", "level": k, "by-group": True})
+                   for k, count in enumerate(levels[:-1])]
+        columns.append((f"fragments: {levels[-1]}", {"colors": "level", "level": 0}))
+        rows = []
+        for mesh in meshes:
+            file = self.model(mesh, "levels", {"levels": levels, "seed": 7})
+            rows.append((mesh.name, mesh.options, [None if file is None else {"file": file}] * len(columns)))
+        self.sheet("levels", f"levels={levels}", columns, rows, {"view": "exploded", "explode": 0.5})
+
+    def local_sheet(self, meshes):
+        """A hit that breaks only what is near it; the rest one piece, or what the pattern makes of it."""
+        if not self.wants("local"):
+            return
+        rows = []
+        for mesh in meshes:
+            hit = {"seed": 7, "sites": 12, "local_point": mesh.impact, "local_radius": 0.5 * mesh.radius, "local_sites": 40}
+            whole = self.model(mesh, "local_whole", {**hit, "local_rest": "whole"})
+            fractured = self.model(mesh, "local_fractured", {**hit, "local_rest": "fractured"})
+            rows.append((mesh.name, mesh.options, [None if f is None else {"file": f} for f in (whole, whole, fractured)]))
+        self.sheet("local", "local_point, local_radius: 40 sites near a hit",
+                   [("the rest whole", {"colors": "fragment"}), ("the rest whole, exploded", {"view": "exploded", "explode": 0.3, "colors": "fragment"}),
+                    ("the rest fractured", {"view": "exploded", "explode": 0.3, "colors": "fragment"})], rows)
+
     def asset_sheet(self):
         """Textured meshes of others, with the materials that they bring."""
         folder = os.environ.get("FRACTURE_TEST_MESHES")
@@ -248,6 +293,9 @@ class Gallery:
             print(f"== sheets in {self.folder}")
             self.paper_sheet(meshes)
             self.pattern_sheet(meshes)
+            self.overview_sheet(meshes)
+            self.level_sheet(meshes)
+            self.local_sheet(meshes)
             self.material_sheets(meshes)
             self.asset_sheet()
         finally:
@@ -261,7 +309,7 @@ class Gallery:
 def main():
     parser = argparse.ArgumentParser(prog="scripts/gallery")
     parser.add_argument("root", type=pathlib.Path)
-    parser.add_argument("--only", help="materials, patterns, paper, assets, or the name of a material; several with commas")
+    parser.add_argument("--only", help="materials, overview, patterns, levels, local, paper, assets, or the name of a material; several with commas")
     parser.add_argument("--size", default="400x300", help="of one picture")
     parser.add_argument("--keep", action="store_true", help="use the GLB files of the last run again")
     arguments = parser.parse_args()
