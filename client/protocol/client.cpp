@@ -1,0 +1,423 @@
+#include "client/protocol/client.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "client/protocol/connection_pool.hpp"
+#include "client/protocol/headers.hpp"
+
+namespace fracture::protocol {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Outcome = Exchange::Outcome;
+
+constexpr std::size_t kLatencies = 512;
+
+struct StoredMesh {
+  std::shared_ptr<const std::string> bytes;
+  std::string content_type;
+};
+
+struct Job {
+  RequestKind kind = RequestKind::kFracture;
+  Ticket ticket = 0;
+  std::string mesh;  ///< id
+  HttpRequest request;
+  Clock::time_point asked;
+  Interruption interruption;
+};
+
+/// What the exchange was, as a failure of the request if it is not tried again.
+Failure failure_of(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::kAnswered:
+      return Failure::kNone;
+    case Outcome::kNoServer:
+    case Outcome::kBroken:
+      return Failure::kServerAbsent;
+    case Outcome::kTimedOut:
+      return Failure::kTimedOut;
+    case Outcome::kTooLarge:
+      return Failure::kTooLarge;
+    case Outcome::kInterrupted:
+      return Failure::kCancelled;
+  }
+  return Failure::kCancelled;
+}
+
+/// The problem document's own words, if the body is one.
+void read_problem(const Exchange& exchange, Answer& answer) {
+  const nlohmann::json document = nlohmann::json::parse(exchange.body, nullptr, false);
+  const auto text = [&](const char* key) {
+    const auto it = document.is_object() ? document.find(key) : document.end();
+    return it != document.end() && it->is_string() ? it->get<std::string>() : std::string();
+  };
+  const std::string type = text("type");
+  answer.problem = type.substr(type.rfind('/') + 1);
+  answer.detail = text("detail");
+  if (answer.detail.empty()) answer.detail = "The server answered " + std::to_string(exchange.status) + ".";
+}
+
+bool is_json(const std::string& body) { return nlohmann::json::accept(body); }
+
+}  // namespace
+
+const char* name(Failure failure) {
+  switch (failure) {
+    case Failure::kNone:
+      return "none";
+    case Failure::kServerAbsent:
+      return "server-absent";
+    case Failure::kTimedOut:
+      return "timed-out";
+    case Failure::kOverloaded:
+      return "overloaded";
+    case Failure::kDamaged:
+      return "damaged";
+    case Failure::kTooLarge:
+      return "too-large";
+    case Failure::kRefused:
+      return "refused";
+    case Failure::kCancelled:
+      return "cancelled";
+  }
+  return "";
+}
+
+const char* name(ServerState state) {
+  switch (state) {
+    case ServerState::kUnknown:
+      return "unknown";
+    case ServerState::kReachable:
+      return "reachable";
+    case ServerState::kOverloaded:
+      return "overloaded";
+    case ServerState::kAbsent:
+      return "absent";
+  }
+  return "";
+}
+
+struct Client::State {
+  explicit State(Settings given)
+      : settings(std::move(given)), pool(io, settings), work(asio::make_work_guard(io)) {
+    if (settings.heartbeat.count() > 0) asio::co_spawn(io, heartbeat(), asio::detached);
+    thread = std::thread([this] { io.run(); });
+  }
+  ~State() {
+    asio::post(io, [this] {
+      stopping = true;
+      for (const auto& [ticket, job] : jobs) job->interruption.request();
+      beat.request();
+      pool.close_idle();
+      work.reset();
+    });
+    thread.join();  // every wait has been interrupted, so that all coroutines end by themselves
+  }
+
+  Ticket submit(std::shared_ptr<Job> job) {
+    {
+      const std::lock_guard lock(mutex);
+      job->ticket = next_ticket++;
+      ++shown.open;
+    }
+    job->asked = Clock::now();
+    const Ticket ticket = job->ticket;
+    asio::post(io, [this, job = std::move(job)]() mutable { start(std::move(job)); });
+    return ticket;
+  }
+
+  // -- from here on: IO thread
+
+  void start(std::shared_ptr<Job> job) {
+    jobs.emplace(job->ticket, job);
+    asio::co_spawn(
+        io,
+        [this, job]() -> asio::awaitable<void> {
+          Answer answer = co_await run(*job);
+          finish(*job, std::move(answer));
+        },
+        asio::detached);
+  }
+
+  void finish(const Job& job, Answer answer) {
+    answer.ticket = job.ticket;
+    answer.kind = job.kind;
+    answer.milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - job.asked).count();
+    jobs.erase(job.ticket);
+    const std::lock_guard lock(mutex);
+    --shown.open;
+    ++(answer.ok() ? shown.answered : shown.failed);
+    if (!answer.ok() && answer.failure != Failure::kCancelled) shown.last_trouble = answer.detail;
+    if (answer.ok() && job.kind == RequestKind::kFracture) {
+      latencies[timed++ % kLatencies] = answer.milliseconds;
+      shown.last_stages = answer.server_timing;
+    }
+    answers.push_back(std::move(answer));
+  }
+
+  void note(ServerState state, const std::string& trouble = {}) {
+    const std::lock_guard lock(mutex);
+    shown.state = state;
+    shown.connections_made = pool.connections_made();
+    if (!trouble.empty()) shown.last_trouble = trouble;
+    heard = Clock::now();
+  }
+  void note_retry() {
+    const std::lock_guard lock(mutex);
+    ++shown.retried;
+  }
+
+  /// One exchange, and what it says of the server.
+  asio::awaitable<Exchange> ask(const HttpRequest& request, Interruption& interruption) {
+    Exchange exchange = co_await pool.exchange(request, interruption);
+    switch (exchange.outcome) {
+      case Outcome::kAnswered: {
+        const bool busy = exchange.status == 503 || exchange.status == 429;
+        note(busy ? ServerState::kOverloaded : ServerState::kReachable,
+             busy ? "The server is busy (" + std::to_string(exchange.status) + ")." : "");
+        break;
+      }
+      case Outcome::kInterrupted:
+        break;
+      case Outcome::kTooLarge:
+        note(ServerState::kReachable, exchange.detail);
+        break;
+      case Outcome::kTimedOut:
+        note(ServerState::kOverloaded, exchange.detail);
+        break;
+      case Outcome::kNoServer:
+      case Outcome::kBroken:
+        note(ServerState::kAbsent, exchange.detail);
+        break;
+    }
+    co_return exchange;
+  }
+
+  /// Is it what was asked for, undamaged?
+  static std::string damage(RequestKind kind, const Exchange& exchange) {
+    if (kind != RequestKind::kFracture) return is_json(exchange.body) ? "" : "The answer is not JSON.";
+    if (exchange.repr_digest.empty()) return "The answer has no Repr-Digest.";
+    if (!digest_matches(exchange.repr_digest, exchange.body))
+      return "The answer has another digest than its Repr-Digest says.";
+    return "";
+  }
+
+  asio::awaitable<Answer> run(Job& job) {
+    Answer answer;
+    const Clock::time_point deadline = job.asked + settings.patience;
+    Milliseconds pause = settings.first_pause;
+    int damaged = 0;
+    bool put = job.kind == RequestKind::kStore;  // a 404 after a PUT is the server's own no
+    while (true) {
+      ++answer.exchanges;
+      const Exchange exchange = co_await ask(job.request, job.interruption);
+      answer.status = exchange.status;
+      answer.failure = failure_of(exchange.outcome);
+      answer.detail = exchange.detail;
+      Milliseconds wait = pause;
+      if (exchange.outcome == Outcome::kAnswered) {
+        if (exchange.status == 200 || exchange.status == 201) {
+          answer.detail = damage(job.kind, exchange);
+          if (answer.detail.empty()) {
+            answer.server_timing = parse_server_timing(exchange.server_timing);
+            answer.body = exchange.body;
+            if (job.kind == RequestKind::kStore) {
+              const std::lock_guard lock(mutex);
+              ++shown.meshes_stored;
+            }
+            co_return answer;
+          }
+          answer.failure = Failure::kDamaged;
+          if (++damaged >= settings.damaged_answers) co_return answer;
+          wait = Milliseconds(0);
+        } else if (exchange.status == 503 || exchange.status == 429) {
+          read_problem(exchange, answer);
+          answer.failure = Failure::kOverloaded;
+          wait = parse_retry_after(exchange.retry_after).value_or(pause);
+        } else {
+          read_problem(exchange, answer);
+          answer.failure = Failure::kRefused;
+          const bool forgotten = exchange.status == 404 && answer.problem == "not-found";
+          if (!forgotten || put || job.kind != RequestKind::kFracture || meshes.count(job.mesh) == 0)
+            co_return answer;
+          put = true;
+          Answer stored = co_await store(job);
+          answer.exchanges += stored.exchanges;
+          if (!stored.ok()) {
+            stored.exchanges = answer.exchanges;
+            co_return stored;
+          }
+          wait = Milliseconds(0);
+        }
+      } else if (exchange.outcome == Outcome::kTooLarge || exchange.outcome == Outcome::kInterrupted) {
+        if (answer.failure == Failure::kCancelled) answer.detail = "Cancelled.";
+        co_return answer;
+      } else if (exchange.outcome == Outcome::kBroken && exchange.began) {
+        answer.failure = Failure::kDamaged;
+        if (++damaged >= settings.damaged_answers) co_return answer;
+        wait = Milliseconds(0);
+      }
+      if (Clock::now() + wait > deadline) co_return answer;  // with what went wrong last
+      note_retry();
+      if (wait.count() > 0) {
+        co_await pool.pause(wait, job.interruption);
+        pause = std::min(2 * pause, settings.longest_pause);
+      }
+      if (job.interruption.requested) {
+        answer.failure = Failure::kCancelled;
+        answer.detail = "Cancelled.";
+        co_return answer;
+      }
+    }
+  }
+
+  /// PUT of the job's mesh, by the first of the jobs that miss it; the others wait for that.
+  asio::awaitable<Answer> store(Job& job) {
+    const std::string id = job.mesh;
+    if (putting.count(id) > 0) {
+      while (putting.count(id) > 0 && !job.interruption.requested)
+        co_await pool.pause(Milliseconds(2), job.interruption);
+      co_return Answer{};
+    }
+    putting[id] = true;
+    Job put;
+    put.kind = RequestKind::kStore;
+    put.mesh = id;
+    put.request = put_request(id);
+    put.asked = job.asked;
+    // What interrupts the job interrupts its PUT.
+    job.interruption.wake = [&put] { put.interruption.request(); };
+    Answer answer = co_await run(put);
+    job.interruption.wake = nullptr;
+    putting.erase(id);
+    co_return answer;
+  }
+
+  HttpRequest put_request(const std::string& id) const {
+    const StoredMesh& mesh = meshes.at(id);
+    return {
+        .method = "PUT", .target = "/meshes/" + id, .content_type = mesh.content_type, .body = mesh.bytes};
+  }
+
+  /// Notices a server that comes and goes while nobody asks for anything.
+  asio::awaitable<void> heartbeat() {
+    const HttpRequest version{"GET", "/version", {}, nullptr};
+    while (!stopping) {
+      const bool quiet = jobs.empty() && Clock::now() - heard >= settings.heartbeat;
+      if (quiet) co_await ask(version, beat);
+      if (!stopping) co_await pool.pause(settings.heartbeat, beat);
+    }
+  }
+
+  const Settings settings;
+  asio::io_context io{1};
+  ConnectionPool pool;
+  asio::executor_work_guard<asio::io_context::executor_type> work;
+  std::map<Ticket, std::shared_ptr<Job>> jobs;
+  std::map<std::string, StoredMesh> meshes;
+  std::map<std::string, bool> putting;
+  Interruption beat;
+  Clock::time_point heard{};
+  bool stopping = false;
+
+  mutable std::mutex mutex;  ///< of what follows
+  Ticket next_ticket = 1;
+  std::vector<Answer> answers;
+  Status shown;
+  std::array<double, kLatencies> latencies{};
+  std::size_t timed = 0;
+
+  std::thread thread;
+};
+
+Client::Client(Settings settings) : state_(std::make_unique<State>(std::move(settings))) {}
+Client::~Client() = default;
+
+std::string Client::add_mesh(std::string bytes, const std::string& content_type, Ticket* ticket) {
+  const std::string id = mesh_id(bytes);
+  auto shared = std::make_shared<const std::string>(std::move(bytes));
+  asio::post(state_->io, [state = state_.get(), id, mesh = StoredMesh{shared, content_type}] {
+    state->meshes.insert_or_assign(id, mesh);
+  });
+  auto job = std::make_shared<Job>();
+  job->kind = RequestKind::kStore;
+  job->mesh = id;
+  job->request = {.method = "PUT", .target = "/meshes/" + id, .content_type = content_type, .body = shared};
+  const Ticket given = state_->submit(std::move(job));
+  if (ticket != nullptr) *ticket = given;
+  return id;
+}
+
+Ticket Client::fracture(const std::string& mesh, const nlohmann::json& parameters) {
+  auto job = std::make_shared<Job>();
+  job->mesh = mesh;
+  std::string text = parameters.dump();
+  if (text.size() > kMaxParameterBytes) {
+    Answer answer;
+    answer.failure = Failure::kTooLarge;
+    answer.detail = "The parameters have " + std::to_string(text.size()) + " bytes; a request may have " +
+                    std::to_string(kMaxParameterBytes) + ".";
+    const std::lock_guard lock(state_->mutex);
+    answer.ticket = state_->next_ticket++;
+    ++state_->shown.failed;
+    state_->answers.push_back(answer);
+    return answer.ticket;
+  }
+  job->request = {.method = "POST",
+                  .target = "/meshes/" + mesh + "/fracture",
+                  .content_type = "application/json",
+                  .body = std::make_shared<const std::string>(std::move(text))};
+  return state_->submit(std::move(job));
+}
+
+Ticket Client::patterns() {
+  auto job = std::make_shared<Job>();
+  job->kind = RequestKind::kPatterns;
+  job->request.target = "/patterns";
+  return state_->submit(std::move(job));
+}
+
+void Client::cancel(Ticket ticket) {
+  asio::post(state_->io, [state = state_.get(), ticket] {
+    if (const auto job = state->jobs.find(ticket); job != state->jobs.end())
+      job->second->interruption.request();
+  });
+}
+
+std::vector<Answer> Client::poll() {
+  std::vector<Answer> answers;
+  const std::lock_guard lock(state_->mutex);
+  answers.swap(state_->answers);
+  return answers;
+}
+
+Status Client::status() const {
+  Status status;
+  std::vector<double> sorted;
+  {
+    const std::lock_guard lock(state_->mutex);
+    status = state_->shown;
+    status.fractures_timed = std::min(state_->timed, kLatencies);
+    sorted.assign(state_->latencies.begin(),
+                  state_->latencies.begin() + static_cast<std::ptrdiff_t>(status.fractures_timed));
+  }
+  if (sorted.empty()) return status;
+  std::sort(sorted.begin(), sorted.end());
+  // Nearest rank: the smallest value that so many percent do not exceed.
+  const auto rank = [&](double share) {
+    const auto count = static_cast<double>(sorted.size());
+    return sorted[static_cast<std::size_t>(std::max(0.0, std::ceil(share * count) - 1))];
+  };
+  status.p50_ms = rank(0.50);
+  status.p99_ms = rank(0.99);
+  return status;
+}
+
+}  // namespace fracture::protocol

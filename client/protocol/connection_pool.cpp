@@ -1,0 +1,167 @@
+#include "client/protocol/connection_pool.hpp"
+
+#include <algorithm>
+
+namespace fracture::protocol {
+namespace {
+
+namespace http = beast::http;
+using boost::system::error_code;
+
+constexpr auto kForever = std::chrono::hours(24);
+
+Exchange::Outcome outcome_of(const error_code& error, const Interruption& interruption) {
+  if (interruption.requested) return Exchange::Outcome::kInterrupted;
+  if (error == beast::error::timeout) return Exchange::Outcome::kTimedOut;
+  if (error == http::error::body_limit || error == http::error::header_limit)
+    return Exchange::Outcome::kTooLarge;
+  return Exchange::Outcome::kBroken;
+}
+
+}  // namespace
+
+asio::awaitable<void> ConnectionPool::pause(Milliseconds time, Interruption& interruption) {
+  if (interruption.requested) co_return;
+  asio::steady_timer timer(io_, time);
+  interruption.wake = [&timer] { timer.cancel(); };
+  error_code ignored;
+  co_await timer.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
+  interruption.wake = nullptr;
+}
+
+ConnectionPool::ConnectionPtr ConnectionPool::take_idle() {
+  const auto oldest = std::chrono::steady_clock::now() - settings_.idle;
+  std::erase_if(idle_, [&](const ConnectionPtr& connection) { return connection->used < oldest; });
+  if (idle_.empty()) return nullptr;
+  ConnectionPtr connection = std::move(idle_.back());
+  idle_.pop_back();
+  return connection;
+}
+
+asio::awaitable<Exchange> ConnectionPool::exchange(const HttpRequest& request, Interruption& interruption) {
+  while (busy_ >= std::max<std::size_t>(1, settings_.connections) && !interruption.requested) {
+    asio::steady_timer turn(io_, kForever);
+    waiting_.push_back(&turn);
+    interruption.wake = [&turn] { turn.cancel(); };
+    error_code ignored;
+    co_await turn.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
+    interruption.wake = nullptr;
+    std::erase(waiting_, &turn);
+  }
+  ++busy_;
+  ConnectionPtr connection = take_idle();
+  const bool kept = connection != nullptr;
+  Exchange result = co_await attempt(request, connection, interruption);
+  // RFC 9112, 9.3.1: a server may close an idle connection at any time; that says nothing of the request.
+  if (kept && result.outcome == Exchange::Outcome::kBroken && !result.began) {
+    connection.reset();
+    idle_.clear();  // the others are as old
+    result = co_await attempt(request, connection, interruption);
+  }
+  if (connection) {
+    connection->used = std::chrono::steady_clock::now();
+    idle_.push_back(std::move(connection));
+  }
+  --busy_;
+  if (!waiting_.empty()) waiting_.front()->cancel();
+  co_return result;
+}
+
+asio::awaitable<bool> ConnectionPool::connect(Connection& connection, Exchange& exchange) {
+  error_code error;
+  tcp::endpoint endpoint;
+  const auto address = asio::ip::make_address(settings_.host, error);
+  if (!error) {
+    endpoint = {address, settings_.port};
+  } else {
+    tcp::resolver resolver(io_);
+    const auto found = co_await resolver.async_resolve(settings_.host, std::to_string(settings_.port),
+                                                       asio::redirect_error(asio::use_awaitable, error));
+    if (error || found.empty()) {
+      exchange.outcome = Exchange::Outcome::kNoServer;
+      exchange.detail = "The name " + settings_.host + " cannot be resolved: " + error.message() + ".";
+      co_return false;
+    }
+    endpoint = found.begin()->endpoint();
+  }
+  connection.stream.expires_after(settings_.connect_timeout);
+  co_await connection.stream.async_connect(endpoint, asio::redirect_error(asio::use_awaitable, error));
+  if (error) {
+    exchange.outcome =
+        error == beast::error::timeout ? Exchange::Outcome::kTimedOut : Exchange::Outcome::kNoServer;
+    exchange.detail =
+        settings_.host + ":" + std::to_string(settings_.port) + " does not answer: " + error.message() + ".";
+    co_return false;
+  }
+  ++made_;
+  connection.stream.socket().set_option(tcp::no_delay(true), error);
+  co_return true;
+}
+
+asio::awaitable<Exchange> ConnectionPool::attempt(const HttpRequest& request, ConnectionPtr& connection,
+                                                  Interruption& interruption) {
+  Exchange exchange;
+  if (interruption.requested) {
+    connection.reset();
+    co_return exchange;
+  }
+  const bool fresh = !connection;
+  if (fresh) connection = std::make_unique<Connection>(io_);
+  interruption.wake = [stream = &connection->stream] { stream->cancel(); };
+  if (fresh && !co_await connect(*connection, exchange)) {
+    interruption.wake = nullptr;
+    if (interruption.requested) exchange.outcome = Exchange::Outcome::kInterrupted;
+    connection.reset();
+    co_return exchange;
+  }
+
+  http::request<http::span_body<const char>> message;
+  message.method_string(request.method);
+  message.target(request.target);
+  message.version(11);
+  message.set(http::field::host, settings_.host + ":" + std::to_string(settings_.port));
+  message.set(http::field::user_agent, "fracture-client");
+  if (!settings_.token.empty()) message.set(http::field::authorization, "Bearer " + settings_.token);
+  if (!request.content_type.empty()) message.set(http::field::content_type, request.content_type);
+  if (request.body) message.body() = {request.body->data(), request.body->size()};
+  message.prepare_payload();
+
+  connection->stream.expires_after(settings_.answer_timeout);
+  error_code error;
+  co_await http::async_write(connection->stream, message, asio::redirect_error(asio::use_awaitable, error));
+  http::response_parser<http::string_body> parser;
+  parser.body_limit(settings_.max_answer_bytes);
+  // A server that refuses a large upload answers and closes before it has read it: the answer counts.
+  if (!error || error == asio::error::broken_pipe || error == asio::error::connection_reset) {
+    error = {};
+    co_await http::async_read(connection->stream, connection->buffer, parser,
+                              asio::redirect_error(asio::use_awaitable, error));
+  }
+  interruption.wake = nullptr;
+  exchange.began = parser.got_some() || connection->buffer.size() > 0;
+  if (error) {
+    exchange.outcome = outcome_of(error, interruption);
+    exchange.detail =
+        exchange.outcome == Exchange::Outcome::kTooLarge
+            ? "The answer is larger than " + std::to_string(settings_.max_answer_bytes) + " bytes."
+            : "The connection broke within " + std::string(request.method) + " " +
+                  request.target.substr(0, 40) + ": " + error.message() + ".";
+    if (exchange.outcome == Exchange::Outcome::kTimedOut)
+      exchange.detail = "No whole answer within " + std::to_string(settings_.answer_timeout.count()) + " ms.";
+    connection.reset();
+    co_return exchange;
+  }
+  auto response = parser.release();
+  const auto text = [&](http::field field) { return std::string(response[field]); };
+  exchange.outcome = Exchange::Outcome::kAnswered;
+  exchange.status = static_cast<int>(response.result_int());
+  exchange.repr_digest = std::string(response["Repr-Digest"]);
+  exchange.server_timing = std::string(response["Server-Timing"]);
+  exchange.retry_after = text(http::field::retry_after);
+  exchange.content_type = text(http::field::content_type);
+  if (!response.keep_alive() || connection->buffer.size() > 0) connection.reset();
+  exchange.body = std::move(response.body());
+  co_return exchange;
+}
+
+}  // namespace fracture::protocol

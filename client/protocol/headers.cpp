@@ -1,0 +1,83 @@
+#include "client/protocol/headers.hpp"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+
+#include "common/base/digest.hpp"
+
+namespace fracture::protocol {
+namespace {
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
+  return text;
+}
+
+/// The part before the separator; `rest` keeps what follows it.
+std::string_view cut(std::string_view& rest, char separator) {
+  const std::size_t at = rest.find(separator);
+  const std::string_view head = rest.substr(0, at);
+  rest = at == std::string_view::npos ? std::string_view() : rest.substr(at + 1);
+  return trimmed(head);
+}
+
+std::string base64(const std::array<std::uint8_t, 32>& bytes) {
+  constexpr char kAlphabet[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (std::size_t k = 0; k < bytes.size(); k += 3) {
+    const std::size_t left = bytes.size() - k;
+    const std::uint32_t three = static_cast<std::uint32_t>(bytes[k] << 16) |
+                                (left > 1 ? static_cast<std::uint32_t>(bytes[k + 1] << 8) : 0u) |
+                                (left > 2 ? static_cast<std::uint32_t>(bytes[k + 2]) : 0u);
+    text += kAlphabet[three >> 18];
+    text += kAlphabet[(three >> 12) & 63];
+    text += left > 1 ? kAlphabet[(three >> 6) & 63] : '=';
+    text += left > 2 ? kAlphabet[three & 63] : '=';
+  }
+  return text;
+}
+
+}  // namespace
+
+std::vector<Stage> parse_server_timing(std::string_view value) {
+  std::vector<Stage> stages;
+  while (!value.empty()) {
+    std::string_view entry = cut(value, ',');
+    Stage stage{std::string(cut(entry, ';')), -1};
+    while (!entry.empty()) {
+      const std::string_view parameter = cut(entry, ';');
+      if (!parameter.starts_with("dur=")) continue;
+      double duration = 0;
+      const char* const end = parameter.data() + parameter.size();
+      const auto read = std::from_chars(parameter.data() + 4, end, duration);
+      if (read.ec == std::errc() && read.ptr == end && std::isfinite(duration)) stage.milliseconds = duration;
+    }
+    if (!stage.name.empty() && stage.milliseconds >= 0) stages.push_back(std::move(stage));
+  }
+  return stages;
+}
+
+std::optional<Milliseconds> parse_retry_after(std::string_view value) {
+  value = trimmed(value);
+  constexpr std::uint32_t kDay = 86'400;
+  std::uint32_t seconds = 0;
+  const auto read = std::from_chars(value.data(), value.data() + value.size(), seconds);
+  if (read.ec != std::errc() || read.ptr != value.data() + value.size() || seconds > kDay)
+    return std::nullopt;
+  return Milliseconds(1000 * static_cast<std::int64_t>(seconds));
+}
+
+bool digest_matches(std::string_view repr_digest, std::string_view bytes) {
+  while (!repr_digest.empty()) {
+    const std::string_view entry = cut(repr_digest, ',');
+    if (entry.starts_with("sha-256=")) return entry.substr(8) == ":" + base64(sha256(bytes).bytes) + ":";
+  }
+  return false;
+}
+
+std::string mesh_id(std::string_view bytes) { return "sha256:" + sha256(bytes).hex(); }
+
+}  // namespace fracture::protocol

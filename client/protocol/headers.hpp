@@ -1,0 +1,23 @@
+// The header fields that the client reads, as values. No network.
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "client/protocol/protocol.hpp"
+
+namespace fracture::protocol {
+
+/// Server-Timing (W3C): `queue;dur=0.1, clip;dur=3.25`. What is not understood is left out.
+std::vector<Stage> parse_server_timing(std::string_view value);
+
+/// Retry-After in whole seconds (RFC 9110, 10.2.3); nothing for a date or nonsense, or beyond a day.
+std::optional<Milliseconds> parse_retry_after(std::string_view value);
+
+/// Does Repr-Digest (RFC 9530) name the SHA-256 of these bytes? False for a field without sha-256.
+bool digest_matches(std::string_view repr_digest, std::string_view bytes);
+
+/// "sha256:" and the digest in hex: the id of a mesh.
+std::string mesh_id(std::string_view bytes);
+
+}  // namespace fracture::protocol
