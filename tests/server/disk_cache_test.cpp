@@ -227,18 +227,28 @@ TEST_F(Disk, KilledAtAnyMomentItNeverServesAWrongByte) {
   std::uint32_t state = 4711;
   int found = 0;
   for (int round = 0; round < rounds; ++round) {
+    int written[2];
+    ASSERT_EQ(::pipe(written), 0);
     const pid_t child = ::fork();
     if (child == 0) {
       DiskCache cache(path, 300'000);  // small: it evicts all the time
       for (int n = 0;; n = (n + 1) % 64) {
         insert(cache, n, 100 + static_cast<std::size_t>(n) * 300);
+        if (n == 8 && ::write(written[1], "8", 1) != 1) ::_exit(1);
         finds(cache, (n * 7) % 64);
       }
+    }
+    ::close(written[1]);
+    // Every other round is killed at any moment from its birth, the others when there is something to lose.
+    if (char byte = 0; round % 2 == 1) {
+      ASSERT_EQ(::read(written[0], &byte, 1), 1);
     }
     state = state * 1664525u + 1013904223u;
     ::usleep(state >> 16 & 0x7fff);  // up to 33 ms
     ::kill(child, SIGKILL);
     ::waitpid(child, nullptr, 0);
+    ::close(written[0]);
+    fs::create_directories(path);  // a child that was killed before it began has left nothing
     // Then what the disk itself may do: flip a bit, cut a file.
     for (const fs::path& file : entries_in(path)) {
       state = state * 1664525u + 1013904223u;
