@@ -119,9 +119,10 @@ TEST(Jobs, TheEventsTellEveryChangeOnceAndEndWithTheJob) {
   RawClient client(server.port());
   client.send("GET " + job +
               "/events HTTP/1.0\r\nHost: test\r\n\r\n");  // unchunked: ends with the connection
-  const auto head = client.receive();                     // the stream has begun before the job may end
+  const auto head = client.receive();
   ASSERT_TRUE(head);
   EXPECT_EQ(head->header("content-type"), "text/event-stream");
+  ASSERT_TRUE(client.receive_until("\n\n"));  // a first event has come before the job may end
   while (gate.arrived == 0) std::this_thread::yield();
   gate.open = true;
   const std::string stream = client.receive_all();

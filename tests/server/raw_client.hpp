@@ -93,6 +93,13 @@ class RawClient {
       if (!fill(end)) return std::nullopt;
     }
   }
+  /// Whether this text has come, which stays to be received.
+  bool receive_until(const std::string& text, std::chrono::seconds patience = std::chrono::seconds(30)) {
+    const auto end = std::chrono::steady_clock::now() + patience;
+    while (received_.find(text) == std::string::npos)
+      if (!fill(end)) return false;
+    return true;
+  }
   /// Everything until the server closes (or `patience` ends, which sets timed_out).
   std::string receive_all(std::chrono::seconds patience = std::chrono::seconds(30)) {
     const auto end = std::chrono::steady_clock::now() + patience;
