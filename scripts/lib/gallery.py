@@ -259,13 +259,14 @@ class Gallery:
             return
         rows = []
         for mesh in meshes:
-            hit = {"seed": 7, "sites": 12, "local_point": mesh.impact, "local_radius": 0.5 * mesh.radius, "local_sites": 40}
+            hit = {"seed": 7, "sites": 12, "local_sites": 40,
+                   "local_point": mesh.impact, "local_radius": 0.5 * mesh.radius}
             whole = self.model(mesh, "local_whole", {**hit, "local_rest": "whole"})
             fractured = self.model(mesh, "local_fractured", {**hit, "local_rest": "fractured"})
             rows.append((mesh.name, mesh.options, [None if f is None else {"file": f} for f in (whole, whole, fractured)]))
         self.sheet("local", "local_point, local_radius: 40 sites near a hit",
-                   [("the rest whole", {"colors": "fragment"}), ("the rest whole, exploded", {"view": "exploded", "explode": 0.3, "colors": "fragment"}),
-                    ("the rest fractured", {"view": "exploded", "explode": 0.3, "colors": "fragment"})], rows)
+                   [("the rest whole", {}), ("exploded", {"view": "exploded"}), ("the rest fractured", {"view": "exploded"})],
+                   rows, {"explode": 0.3, "colors": "fragment"})
 
     def asset_sheet(self):
         """Textured meshes of others, with the materials that they bring."""
@@ -309,7 +310,8 @@ class Gallery:
 def main():
     parser = argparse.ArgumentParser(prog="scripts/gallery")
     parser.add_argument("root", type=pathlib.Path)
-    parser.add_argument("--only", help="materials, overview, patterns, levels, local, paper, assets, or the name of a material; several with commas")
+    parser.add_argument("--only", help="overview, materials, patterns, levels, local, paper, assets, or the name of a "
+                        "material; several with commas")
     parser.add_argument("--size", default="400x300", help="of one picture")
     parser.add_argument("--keep", action="store_true", help="use the GLB files of the last run again")
     arguments = parser.parse_args()
