@@ -44,17 +44,30 @@ Result<FrameTarget> FrameTarget::create(int width, int height, int samples) {
   return target;
 }
 
-Picture FrameTarget::read() const {
+void FrameTarget::resolve() const {
+  glEnable(GL_FRAMEBUFFER_SRGB);  // samples are averaged as light
   glBindFramebuffer(GL_READ_FRAMEBUFFER, multisampled_.get());
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved_.get());
   glBlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT, GL_NEAREST);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, resolved_.get());
+}
+
+Picture FrameTarget::read() const {
+  resolve();
   Picture flipped(width_, height_), picture(width_, height_);
   glPixelStorei(GL_PACK_ALIGNMENT, 4);
   glReadPixels(0, 0, width_, height_, GL_RGBA, GL_UNSIGNED_BYTE, flipped.pixels.data());
   for (int y = 0; y < height_; ++y)  // OpenGL counts rows from below
     std::copy_n(&flipped.at(0, height_ - 1 - y), width_, &picture.at(0, y));
   return picture;
+}
+
+void FrameTarget::copy_to(GLuint framebuffer) const {
+  resolve();
+  glDisable(GL_FRAMEBUFFER_SRGB);  // the bytes as they are
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
+  glBlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
 }
 
 }  // namespace fracture::render

@@ -17,9 +17,13 @@ class FrameTarget {
   GLuint framebuffer() const { return multisampled_.get(); }
   /// Resolves and copies; alpha is the share of each pixel that something covers. Waits for the driver.
   Picture read() const;
+  /// Resolves and copies to the lower left corner of another framebuffer of the same encoding (a window's),
+  /// as the bytes are.
+  void copy_to(GLuint framebuffer) const;
 
  private:
   FrameTarget() = default;
+  void resolve() const;  ///< leaves the result bound for reading
   int width_ = 0, height_ = 0;
   Framebuffer multisampled_, resolved_;
   Renderbuffer color_, depth_, resolved_color_;

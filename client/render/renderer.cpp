@@ -63,11 +63,13 @@ Sphere in_world(const Sphere& local, const glm::mat4& transform) {
 }
 
 /// Around the spheres of the visible objects: cheap enough for every frame, unlike one around their vertices.
-Sphere around_objects(const Scene& scene, std::span<const ObjectState> states) {
+Sphere around_objects(std::span<const DrawItem> items) {
   glm::vec3 low(HUGE_VALF), high(-HUGE_VALF);
   const auto each = [&](auto&& use) {
-    for (std::size_t k = 0; k < states.size(); ++k)
-      if (states[k].visible) use(in_world(scene.objects[k].bounds, states[k].transform));
+    for (const DrawItem& item : items)
+      for (std::size_t k = 0; k < item.states.size(); ++k)
+        if (item.states[k].visible)
+          use(in_world(item.scene->scene().objects[k].bounds, item.states[k].transform));
   };
   each([&](const Sphere& s) {
     low = glm::min(low, s.center - s.radius);
@@ -82,14 +84,15 @@ Sphere around_objects(const Scene& scene, std::span<const ObjectState> states) {
   return result;
 }
 
-float lowest_point(const Scene& scene, std::span<const ObjectState> states) {
+float lowest_point(std::span<const DrawItem> items) {
   float lowest = HUGE_VALF;
-  for (const Vertex& v : scene.vertices)
-    if (states[v.object].visible) {
-      const glm::mat4& m = states[v.object].transform;
-      lowest =
-          std::min(lowest, m[0].y * v.position.x + m[1].y * v.position.y + m[2].y * v.position.z + m[3].y);
-    }
+  for (const DrawItem& item : items)
+    for (const Vertex& v : item.scene->scene().vertices)
+      if (item.states[v.object].visible) {
+        const glm::mat4& m = item.states[v.object].transform;
+        lowest =
+            std::min(lowest, m[0].y * v.position.x + m[1].y * v.position.y + m[2].y * v.position.z + m[3].y);
+      }
   return std::isfinite(lowest) ? lowest : 0.f;
 }
 
@@ -145,9 +148,12 @@ void Renderer::upload_frame(const Frame& frame) const {
 }
 
 /// map: -1 the sun, else a direction of the sky.
-void Renderer::draw_depth(const GpuScene& gpu, std::span<const ObjectState> states, SolidLook look,
-                          int map) const {
+void Renderer::draw_depth(const DrawItem& item, const RenderSettings& settings, int map) const {
+  const GpuScene& gpu = *item.scene;
   const Scene& scene = gpu.scene();
+  const std::span<const ObjectState> states = item.states;
+  const SolidLook look = settings.highlight == Highlight::kNone ? item.look : SolidLook::kPlaster;
+  gpu.bind();
   depth_.set("map", map);
   Draw draw;
   std::uint32_t current = kNoSlot;
@@ -170,9 +176,7 @@ void Renderer::draw_depth(const GpuScene& gpu, std::span<const ObjectState> stat
   draw.flush();
 }
 
-void Renderer::depth_passes(const GpuScene& gpu, std::span<const ObjectState> states,
-                            const RenderSettings& settings) const {
-  const SolidLook look = settings.highlight == Highlight::kNone ? settings.look : SolidLook::kPlaster;
+void Renderer::depth_passes(std::span<const DrawItem> items, const RenderSettings& settings) const {
   depth_.use();
   glEnable(GL_DEPTH_TEST);
   glDepthMask(GL_TRUE);
@@ -183,19 +187,35 @@ void Renderer::depth_passes(const GpuScene& gpu, std::span<const ObjectState> st
   glPolygonOffset(1.5f, 2.f);
   if (settings.lighting.sun_shadow) {
     shadows_->begin_sun();
-    draw_depth(gpu, states, look, -1);
+    for (const DrawItem& item : items) draw_depth(item, settings, -1);
   }
   const int count = std::clamp(settings.lighting.sky_shadows, 0, shadows_->sky_count());
   for (int k = 0; k < count; ++k) {
     shadows_->begin_sky(k);
-    draw_depth(gpu, states, look, k);
+    for (const DrawItem& item : items) draw_depth(item, settings, k);
   }
   glDisable(GL_POLYGON_OFFSET_FILL);
 }
 
-void Renderer::draw_surfaces(const GpuScene& gpu, std::span<const ObjectState> states, const Camera& camera,
-                             bool blended, const RenderSettings& settings, FrameStats& stats) const {
+void Renderer::begin_surfaces(const DrawItem& item) const {
+  const GpuScene& gpu = *item.scene;
+  surface_.use();
+  surface_.set("look", static_cast<int>(item.look));
+  const Sphere frame = item.look_frame.value_or(gpu.bounds());
+  const glm::vec4 whole(frame.center, std::max(frame.radius, 1e-6f));
+  glUniform4fv(surface_.location("look_frame"), 1, &whole[0]);
+  const glm::vec3 grain =
+      glm::dot(item.grain, item.grain) > 0 ? glm::normalize(item.grain) : glm::vec3(0, 1, 0);
+  glUniform3fv(surface_.location("grain"), 1, &grain[0]);
+  gpu.bind();
+}
+
+void Renderer::draw_surfaces(const DrawItem& item, const Camera& camera, bool blended,
+                             const RenderSettings& settings, FrameStats& stats) const {
+  begin_surfaces(item);
+  const GpuScene& gpu = *item.scene;
   const Scene& scene = gpu.scene();
+  const std::span<const ObjectState> states = item.states;
   const auto planes = frustum_planes(camera.view_projection());
   Draw draw;
   Material material;
@@ -221,7 +241,7 @@ void Renderer::draw_surfaces(const GpuScene& gpu, std::span<const ObjectState> s
     if (surface.material != current) {
       flush();
       current = surface.material;
-      material = with_look(scene.materials[current], settings.look);
+      material = with_look(scene.materials[current], item.look);
       if (settings.highlight == Highlight::kInterior)
         material.transmission = 0, material.alpha_mode = AlphaMode::kOpaque;
       if (material.blended() == blended) set_material(gpu, material, settings);
@@ -260,9 +280,14 @@ void Renderer::set_material(const GpuScene& gpu, const Material& m, const Render
 
 FrameStats Renderer::draw(GpuScene& gpu, std::span<const ObjectState> states, const Camera& camera,
                           const RenderSettings& settings, GLuint framebuffer, int width, int height) {
-  const Scene& scene = gpu.scene();
+  const DrawItem item{&gpu, states, settings.look, settings.grain, std::nullopt};
+  return draw(std::span(&item, 1), camera, settings, framebuffer, width, height);
+}
+
+FrameStats Renderer::draw(std::span<const DrawItem> items, const Camera& camera,
+                          const RenderSettings& settings, GLuint framebuffer, int width, int height) {
   const Lighting& light = settings.lighting;
-  const Sphere sphere = around_objects(scene, states);
+  const Sphere sphere = settings.stage ? *settings.stage : around_objects(items);
   Frame frame{};
   frame.view_projection = camera.view_projection();
   frame.inverse_view_projection = glm::inverse(frame.view_projection);
@@ -286,7 +311,7 @@ FrameStats Renderer::draw(GpuScene& gpu, std::span<const ObjectState> states, co
   frame.background_bottom = glm::vec4(settings.background_bottom, 1);
   frame.sphere = glm::vec4(sphere.center, sphere.radius);
   const float height_of_ground = settings.ground_height.value_or(
-      settings.ground == Ground::kNone ? 0.f : lowest_point(scene, states) - 1e-3f * sphere.radius);
+      settings.ground == Ground::kNone ? 0.f : lowest_point(items) - 1e-3f * sphere.radius);
   frame.plane = glm::vec4(settings.ground_color, height_of_ground);
   frame.texel = glm::vec4(2 * sphere.radius / static_cast<float>(shadows_->sun_side()),
                           2 * sphere.radius / static_cast<float>(shadows_->sky_side()),
@@ -295,9 +320,8 @@ FrameStats Renderer::draw(GpuScene& gpu, std::span<const ObjectState> states, co
   frame.forward = glm::vec4(-camera.view[0][2], -camera.view[1][2], -camera.view[2][2], 0);
   upload_frame(frame);
 
-  gpu.set_states(states);
-  gpu.bind();
-  depth_passes(gpu, states, settings);
+  for (const DrawItem& item : items) item.scene->set_states(item.states);
+  depth_passes(items, settings);
 
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
   glViewport(0, 0, width, height);
@@ -316,28 +340,20 @@ FrameStats Renderer::draw(GpuScene& gpu, std::span<const ObjectState> states, co
     glEnable(GL_DEPTH_TEST);
   }
   FrameStats stats;
-  const auto begin_surfaces = [&] {
-    surface_.use();
-    surface_.set("look", static_cast<int>(settings.look));
-    const glm::vec4 whole(gpu.bounds().center, std::max(gpu.bounds().radius, 1e-6f));
-    glUniform4fv(surface_.location("look_frame"), 1, &whole[0]);
-    const glm::vec3 grain =
-        glm::dot(settings.grain, settings.grain) > 0 ? glm::normalize(settings.grain) : glm::vec3(0, 1, 0);
-    glUniform3fv(surface_.location("grain"), 1, &grain[0]);
-    gpu.bind();
-  };
-  begin_surfaces();
   glDisable(GL_BLEND);
-  draw_surfaces(gpu, states, camera, false, settings, stats);
+  if (settings.wireframe) glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
+  for (const DrawItem& item : items) draw_surfaces(item, camera, false, settings, stats);
+  glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
   if (settings.ground != Ground::kNone) {
     draw_ground(settings);
     ++stats.draw_calls;
   }
-  begin_surfaces();
   glEnable(GL_BLEND);
   glBlendFuncSeparate(GL_ONE, GL_SRC1_COLOR, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   glDepthMask(GL_FALSE);
-  draw_surfaces(gpu, states, camera, true, settings, stats);
+  if (settings.wireframe) glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
+  for (const DrawItem& item : items) draw_surfaces(item, camera, true, settings, stats);
+  glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
   for (GLuint unit = kBaseColor; unit <= kEmissive; ++unit) glBindSampler(unit, 0);

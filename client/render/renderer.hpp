@@ -45,6 +45,18 @@ struct RenderSettings {
   Highlight highlight = Highlight::kNone;
   SolidLook look = SolidLook::kNone;  ///< a material for everything, by a solid texture (looks.hpp)
   glm::vec3 grain{0, 1, 0};           ///< of a look that has one
+  /// What light and shadow maps cover, and the middle of the ground; around all visible objects when empty.
+  std::optional<Sphere> stage;
+  bool wireframe = false;  ///< edges of the surfaces alone
+};
+
+/// One of several scenes that stand in the same picture, with a look of its own.
+struct DrawItem {
+  GpuScene* scene = nullptr;
+  std::span<const ObjectState> states;  ///< one for each object
+  SolidLook look = SolidLook::kNone;
+  glm::vec3 grain{0, 1, 0};
+  std::optional<Sphere> look_frame{};  ///< of what the solid texture fills; the scene's own bounds when empty
 };
 
 struct FrameStats {
@@ -62,17 +74,20 @@ class Renderer {
   /// object.
   FrameStats draw(GpuScene& scene, std::span<const ObjectState> states, const Camera& camera,
                   const RenderSettings& settings, GLuint framebuffer, int width, int height);
+  /// Several scenes in one picture; the looks of the items replace that of the settings.
+  FrameStats draw(std::span<const DrawItem> items, const Camera& camera, const RenderSettings& settings,
+                  GLuint framebuffer, int width, int height);
 
  private:
   struct Frame;
   struct Draw;
   Renderer() = default;
   void upload_frame(const Frame& frame) const;
-  void depth_passes(const GpuScene& scene, std::span<const ObjectState> states,
-                    const RenderSettings& settings) const;
-  void draw_depth(const GpuScene& scene, std::span<const ObjectState> states, SolidLook look, int map) const;
-  void draw_surfaces(const GpuScene& scene, std::span<const ObjectState> states, const Camera& camera,
-                     bool blended, const RenderSettings& settings, FrameStats& stats) const;
+  void depth_passes(std::span<const DrawItem> items, const RenderSettings& settings) const;
+  void draw_depth(const DrawItem& item, const RenderSettings& settings, int map) const;
+  void begin_surfaces(const DrawItem& item) const;
+  void draw_surfaces(const DrawItem& item, const Camera& camera, bool blended, const RenderSettings& settings,
+                     FrameStats& stats) const;
   void set_material(const GpuScene& scene, const Material& material, const RenderSettings& settings) const;
   void draw_ground(const RenderSettings& settings) const;
 
