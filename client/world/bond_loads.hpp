@@ -1,0 +1,67 @@
+// What a group of bonded fragments bears when forces pull at it, and which of its bonds that is too much for.
+//
+// The model: every bond is a spring with the stiffness area / distance in all three directions (so that equal
+// material gives equal stress); fragments shift, they do not turn. For the forces f on the fragments, the
+// shifts u solve the graph Laplacian  Σ_j k_ij (u_j − u_i) = m_i a_i − f_i − m_i g.  A group without anchors
+// accelerates as the rigid body that it is (inertia relief: a_i = g + F/M + α × r_i, quasi-static); one with
+// anchors does not move, and its anchors have u = 0. The force of a bond is k (u_b − u_a): its part along the
+// normal is tension or compression, the rest shear. (Shear and pull are carried from fragment to fragment;
+// bending, which needs fragments that turn, is not.)
+//
+// A hit is over before the far end knows of it. While it lasts (τ) the mass of what is near bears it: one
+// implicit step of  M ü + K u = f  over τ adds m_i / τ² to the diagonal. With K = ρ c² area / distance (c:
+// speed of sound) and divided by ρ c² that is volume_i / reach², reach = c τ: the force dies away over this
+// length instead of being led to the anchors whole, which would shear off every wall at its foot.
+//
+// A bond breaks where sqrt(pull² + shear²) · kStressConcentration > strength, pull counting compression by an
+// eighth: brittle solids bear about eight times as much pressed as pulled (Griffith, "The Theory of Rupture",
+// 1924).
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "client/world/fragments.hpp"
+
+namespace fracture::world {
+
+/// The strength in the file is that of sound material under even stress. Cracks start at notches and at the
+/// point of contact, where the stress is some ten times the mean that this network sees. Larger: everything
+/// breaks at a touch; 1: a thrown ball breaks no stone.
+inline constexpr double kStressConcentration = 25;
+inline constexpr double kCompressionShare = 1.0 / 8;
+/// Of the largest load: in one round only bonds beyond it break. Cracks run from where the load is largest,
+/// and what has come off there carries no load farther; breaking all that is overloaded at once would fell
+/// every wall as a whole.
+inline constexpr double kCrackFront = 0.4;
+
+/// Metres. Sound goes 0.5 to 1 km/s through masonry and timber with their joints, and hits take about a
+/// millisecond.
+inline constexpr double kReach = 0.5;
+
+/// Forces on the members, in the asset's frame; empty: none.
+struct Forces {
+  std::vector<glm::dvec3> on_member;  ///< N
+  glm::dvec3 torque{0};               ///< about the group's centre of mass, N·m
+};
+
+struct LoadCase {
+  std::span<const std::uint32_t> members;  ///< fragments of the group, ascending
+  std::span<const std::uint32_t> bonds;    ///< unbroken bonds among them
+  Forces lasting{};                        ///< without gravity
+  Forces hits{};                           ///< over within the contact time
+  glm::dvec3 gravity{0};                   ///< m/s², in the asset's frame
+};
+
+/// Load divided by strength for each bond of the case: more than 1 breaks. A bond of strength 0 under any
+/// load: a large number.
+std::vector<double> bond_loads(const FragmentSet& set, const LoadCase& load);
+
+/// Connected components of the members under the bonds: each sorted, the one with the lowest member first.
+std::vector<std::vector<std::uint32_t>> components(std::span<const std::uint32_t> members,
+                                                   std::span<const std::uint32_t> bonds,
+                                                   const FragmentSet& set);
+
+}  // namespace fracture::world

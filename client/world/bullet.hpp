@@ -1,0 +1,40 @@
+// Bullet's headers and the way to glm and back. Private to this folder.
+#pragma once
+
+#include <BulletCollision/CollisionShapes/btConvexHullShape.h>
+#include <btBulletDynamicsCommon.h>
+
+#include "client/world/world.hpp"
+
+#ifndef BT_USE_DOUBLE_PRECISION
+#error "Bullet has to be the one in double precision (pkg-config bullet-float64)"
+#endif
+
+namespace fracture::world {
+
+inline btVector3 to_bullet(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+inline btQuaternion to_bullet(const glm::dquat& q) { return {q.x, q.y, q.z, q.w}; }
+inline btTransform to_bullet(const Pose& pose) {
+  return btTransform(to_bullet(pose.rotation), to_bullet(pose.position));
+}
+inline glm::dvec3 from_bullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
+inline Pose from_bullet(const btTransform& t) {
+  const btQuaternion q = t.getRotation();
+  return {from_bullet(t.getOrigin()), glm::normalize(glm::dquat(q.w(), q.x(), q.y(), q.z()))};
+}
+
+/// A hull shape whose surface with Bullet's margin is that of the hull: points are moved inwards by it.
+std::unique_ptr<btConvexHullShape> make_hull(std::span<const glm::dvec3> points);
+
+struct PreparedFragments {
+  FragmentSet set;
+  struct Part {
+    Pose frame;  ///< centre of mass and principal axes, in the asset's frame
+    glm::dvec3 moments;
+    std::vector<std::unique_ptr<btConvexHullShape>> hulls;  ///< in `frame`
+  };
+  std::vector<Part> parts;
+  double volume = 0;
+};
+
+}  // namespace fracture::world

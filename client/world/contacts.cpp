@@ -1,0 +1,210 @@
+// What the solver's contact impulses do to objects.
+#include <algorithm>
+
+#include "client/world/state.hpp"
+
+namespace fracture::world {
+namespace {
+
+/// Impulse of a manifold's point on its first body, in the world: along the normal and the two friction
+/// directions. The normal points from the second body to the first.
+glm::dvec3 impulse_on_first(const btManifoldPoint& p) {
+  return from_bullet(p.m_appliedImpulse * p.m_normalWorldOnB +
+                     p.m_appliedImpulseLateral1 * p.m_lateralFrictionDir1 +
+                     p.m_appliedImpulseLateral2 * p.m_lateralFrictionDir2);
+}
+
+glm::dvec3 velocity_before(const Body& body, const glm::dvec3& point) {
+  if (!body.moves()) return glm::dvec3(0);
+  return body.velocity_before +
+         glm::cross(body.spin_before, point - from_bullet(body.rigid->getCenterOfMassPosition()));
+}
+
+/// A contact that is older carries weight; a younger one is a hit, whose impulse comes within the contact
+/// time.
+constexpr int kFreshSteps = 2;
+constexpr std::uint64_t kParting = 30;  ///< steps
+
+}  // namespace
+
+void World::State::hit_whole(Body& body, const glm::dvec3& point, const glm::dvec3& impulse,
+                             double approach) {
+  const auto known =
+      std::find_if(hits.begin(), hits.end(), [&](const Hit& hit) { return hit.body == &body; });
+  const double size = glm::length(impulse);
+  if (known == hits.end()) {
+    hits.push_back({&body, point, impulse, size, approach});
+    return;
+  }
+  known->impulse += impulse;
+  known->approach = std::max(known->approach, approach);
+  if (size > known->strongest) {
+    known->strongest = size;
+    known->point = point;
+  }
+}
+
+void World::State::collect_contacts() {
+  touches.clear();
+  hits.clear();
+  for (const auto& body : bodies) {
+    body->forces.clear();
+    body->total_force = 0;
+  }
+  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
+    const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
+    auto* first = static_cast<Body*>(manifold.getBody0()->getUserPointer());
+    auto* second = static_cast<Body*>(manifold.getBody1()->getUserPointer());
+    if (first == nullptr || second == nullptr || first->gone || second->gone) continue;
+    // What has just come off wedges itself fast in the hole that it leaves; real edges crumble there. It
+    // loads no bonds before it is out, else every hit would run through a wall from end to end.
+    const bool parting = first->kind == Body::Kind::kGroup && second->kind == Body::Kind::kGroup &&
+                         first->object == second->object &&
+                         steps - std::max(first->born, second->born) < kParting;
+    bool touched = false, fresh = false;
+    for (int k = 0; k < manifold.getNumContacts(); ++k) {
+      const btManifoldPoint& point = manifold.getContactPoint(k);
+      if (!(point.m_appliedImpulse > 0)) continue;
+      const bool is_fresh = point.getLifeTime() <= kFreshSteps;
+      touched = true;
+      fresh = fresh || is_fresh;
+      const glm::dvec3 where = from_bullet(point.getPositionWorldOnB());
+      const glm::dvec3 impulse = impulse_on_first(point);
+      const double approach =
+          std::max(0.0, -glm::dot(velocity_before(*first, where) - velocity_before(*second, where),
+                                  from_bullet(point.m_normalWorldOnB)));
+      for (const bool of_first : {true, false}) {
+        Body& body = of_first ? *first : *second;
+        const glm::dvec3 on_body = of_first ? impulse : -impulse;
+        if (body.kind == Body::Kind::kWhole) hit_whole(body, where, on_body, approach);
+        if (body.kind != Body::Kind::kGroup || parting) continue;
+        if (body.members.size() == 1) {
+          hit_whole(body, where, on_body, approach);
+          continue;
+        }
+        const int child = of_first ? point.m_index0 : point.m_index1;
+        if (child < 0 || static_cast<std::size_t>(child) >= body.fragment_of_child.size()) continue;
+        const Pose pose = body.asset_to_world();
+        const double time = is_fresh ? settings.contact_time : settings.step;
+        const glm::dvec3 force = glm::conjugate(pose.rotation) * on_body / time;
+        body.forces.push_back(
+            {body.fragment_of_child[static_cast<std::size_t>(child)], force, pose.local(where), is_fresh});
+        body.total_force += glm::length(force);
+      }
+    }
+    if (touched) touches.push_back({first, second, fresh});
+  }
+}
+
+void World::State::raise_impacts() {
+  for (const Hit& hit : hits) {
+    Object& object = *objects[hit.body->object];
+    const double impulse = glm::length(hit.impulse);
+    if (!(impulse > 0)) continue;
+    const Pose pose = hit.body->asset_to_world();
+    const Impact impact{pose.local(hit.point), glm::conjugate(pose.rotation) * (hit.impulse / impulse),
+                        impulse, 0.5 * impulse * hit.approach};
+    if (hit.body->kind == Body::Kind::kWhole) {
+      if (impulse <= object.spec.strength) continue;
+      object.impacts.push_back(impact);
+      if (object.asked) continue;
+      object.asked = true;
+      events.push_back({Event::Kind::kBreak, hit.body->object, 0, impact});
+    } else if (!hit.body->held && !hit.body->asked && hit.body->fading < 0) {
+      const std::uint32_t fragment = hit.body->members[0];
+      const Fragment& f = object.fragments->set.fragments[fragment];
+      if (f.volume < settings.secondary_share * object.fragments->volume ||
+          impulse <= 1.5 * object.critical_speed * f.mass.mass)
+        continue;
+      hit.body->asked = true;
+      events.push_back({Event::Kind::kBreakFragment, hit.body->object, fragment, impact});
+    }
+  }
+}
+
+void World::State::split_overloaded() {
+  std::vector<Body*> overloaded;
+  for (const auto& body : bodies) {
+    if (body->kind != Body::Kind::kGroup || body->bonds.empty() || body->gone) continue;
+    if (!(body->total_force > 1.05 * body->borne)) continue;
+    Object& object = *objects[body->object];
+    const glm::dvec3 gravity = glm::conjugate(body->asset_to_world().rotation) * settings.gravity;
+    if (break_bonds(object, body->members, body->bonds, body->forces, gravity) > 0)
+      overloaded.push_back(body.get());
+    else
+      body->borne = body->total_force;
+  }
+  // The impulses were those of bodies that do not exist: see world.hpp. All that touch, also by way of a
+  // third, share their momentum, and go back together.
+  for (Body* body : overloaded) body->restore = true;
+  for (bool spread = !overloaded.empty(); spread;) {
+    spread = false;
+    for (const Touch& touch : touches) {
+      if (touch.a->restore == touch.b->restore) continue;
+      Body& through = touch.a->restore ? *touch.a : *touch.b;
+      // The ground and what is held pass nothing on, except where they are what came apart.
+      if (!through.moves() && std::find(overloaded.begin(), overloaded.end(), &through) == overloaded.end())
+        continue;
+      touch.a->restore = touch.b->restore = spread = true;
+    }
+  }
+  for (const auto& body : bodies) {
+    if (!body->restore) continue;
+    body->restore = false;
+    if (!body->moves() || body->gone) continue;
+    set_motion(*body, body->velocity_before + settings.step * settings.gravity, body->spin_before);
+  }
+  for (Body* body : overloaded) split(*body);
+  sweep_out();
+}
+
+void World::State::look_ahead() {
+  if (!(settings.foresight > 0)) return;
+  constexpr std::uint64_t kEvery = 4;  // steps
+  constexpr double kYouth = 5;         // seconds: later it rolls
+  constexpr int kPieces = 5;           // of the parabola
+  struct Sweep : btCollisionWorld::ClosestConvexResultCallback {
+    using ClosestConvexResultCallback::ClosestConvexResultCallback;
+    const btCollisionObject* self = nullptr;
+    bool needsCollision(btBroadphaseProxy* proxy) const override {
+      return proxy->m_clientObject != self && ClosestConvexResultCallback::needsCollision(proxy);
+    }
+  };
+  for (const auto& ball : bodies) {
+    if (ball->kind != Body::Kind::kBall || (steps - ball->born) % kEvery != 0 || !ball->rigid->isActive() ||
+        static_cast<double>(steps - ball->born) * settings.step > kYouth)
+      continue;
+    const glm::dvec3 from = from_bullet(ball->rigid->getWorldTransform().getOrigin()),
+                     velocity = from_bullet(ball->rigid->getLinearVelocity());
+    btSphereShape sphere(0.9 * ball->radius);
+    const auto at = [&](double t) { return from + t * velocity + 0.5 * t * t * settings.gravity; };
+    for (int k = 0; k < kPieces; ++k) {
+      const double t0 = settings.foresight * k / kPieces, t1 = settings.foresight * (k + 1) / kPieces;
+      const btVector3 start = to_bullet(at(t0)), end = to_bullet(at(t1));
+      Sweep sweep(start, end);
+      sweep.self = ball->rigid.get();
+      bullet.convexSweepTest(&sphere, btTransform(btQuaternion::getIdentity(), start),
+                             btTransform(btQuaternion::getIdentity(), end), sweep);
+      if (!sweep.hasHit()) continue;
+      const auto* hit = static_cast<const Body*>(sweep.m_hitCollisionObject->getUserPointer());
+      if (hit == nullptr || hit->kind != Body::Kind::kWhole) break;
+      Object& object = *objects[hit->object];
+      if (object.asked || object.ahead) break;
+      const glm::dvec3 speed = velocity + t0 * settings.gravity, normal = from_bullet(sweep.m_hitNormalWorld);
+      const double approach = std::max(0.0, -glm::dot(speed, normal));
+      const double inverse_mass = 1 / ball->mass.mass + (hit->held ? 0 : 1 / hit->mass.mass);
+      const double impulse = approach / inverse_mass;
+      if (impulse <= object.spec.strength) break;
+      object.ahead = true;
+      const Pose pose = hit->asset_to_world();
+      events.push_back({Event::Kind::kAhead,
+                        hit->object,
+                        0,
+                        {pose.local(from_bullet(sweep.m_hitPointWorld)),
+                         glm::conjugate(pose.rotation) * -normal, impulse, 0.5 * impulse * approach}});
+      break;
+    }
+  }
+}
+
+}  // namespace fracture::world

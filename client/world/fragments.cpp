@@ -1,0 +1,255 @@
+#include "client/world/fragments.hpp"
+
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <string>
+
+#include "common/import/gltf_accessor.hpp"
+#include "common/import/gltf_document.hpp"
+#include "common/import/gltf_model.hpp"
+#include "common/import/refused.hpp"
+
+namespace fracture::world {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kExtension = "KHR_physics_rigid_bodies";
+
+[[noreturn]] void malformed(const std::string& what) { refuse(ErrorCode::kMalformedMesh, what); }
+
+const json& member(const json& object, const char* key, const std::string& where) {
+  const auto it = object.is_object() ? object.find(key) : object.end();
+  if (!object.is_object() || it == object.end()) malformed(where + " has no " + key + ".");
+  return *it;
+}
+
+const json* find(const json& object, const char* key) {
+  if (!object.is_object()) return nullptr;
+  const auto it = object.find(key);
+  return it == object.end() ? nullptr : &*it;
+}
+
+double number(const json& value, const std::string& where) {
+  if (!value.is_number()) malformed(where + " is not a number.");
+  const double x = value.get<double>();
+  if (!std::isfinite(x)) refuse(ErrorCode::kNotFinite, where + " is not finite.");
+  return x;
+}
+
+double positive(const json& object, const char* key, const std::string& where) {
+  const double x = number(member(object, key, where), where + "." + key);
+  if (!(x > 0)) malformed(where + "." + key + " is " + std::to_string(x) + "; it has to be more than 0.");
+  return x;
+}
+
+template <int N>
+std::array<double, N> numbers(const json& value, const std::string& where) {
+  if (!value.is_array() || value.size() != N)
+    malformed(where + " is not an array of " + std::to_string(N) + " numbers.");
+  std::array<double, N> x;
+  for (std::size_t k = 0; k < N; ++k) x[k] = number(value[k], where);
+  return x;
+}
+
+glm::dvec3 vector(const json& value, const std::string& where) {
+  const auto x = numbers<3>(value, where);
+  return {x[0], x[1], x[2]};
+}
+
+std::uint64_t whole(const json& value, const std::string& where) {
+  if (!value.is_number_unsigned()) malformed(where + " is not a whole number of 0 or more.");
+  return value.get<std::uint64_t>();
+}
+
+const json* physics_of(const json& node) {
+  const json* extensions = find(node, "extensions");
+  return extensions ? find(*extensions, kExtension) : nullptr;
+}
+
+glm::dvec3 to_world(const Transform& t, double x, double y, double z) {
+  return {t.t.x + x * t.x.x + y * t.y.x + z * t.z.x, t.t.y + x * t.x.y + y * t.y.y + z * t.z.y,
+          t.t.z + x * t.x.z + y * t.y.z + z * t.z.z};
+}
+
+/// Rigid: what the service writes has no other node transforms, and bodies cannot be scaled.
+glm::dquat rotation_of(const Transform& t, const std::string& where) {
+  const glm::dmat3 r(t.x.x, t.x.y, t.x.z, t.y.x, t.y.y, t.y.z, t.z.x, t.z.y, t.z.z);
+  const glm::dmat3 unit = glm::transpose(r) * r - glm::dmat3(1);
+  for (int c = 0; c < 3; ++c)
+    if (!(glm::length(unit[c]) < 1e-6)) malformed(where + " is scaled or sheared.");
+  if (glm::determinant(r) < 0) malformed(where + " is mirrored.");
+  return glm::normalize(glm::quat_cast(r));
+}
+
+class FragmentReader {
+ public:
+  FragmentReader(const json& document, const tinygltf::Model& model, const json& surfaces)
+      : document_(document), model_(model), surfaces_(surfaces) {}
+
+  FragmentSet read() {
+    const GltfScene graph = walk_gltf_scene(model_);
+    const json* root = nullptr;
+    for (const int index : graph.order) {
+      const json& node = document_.at("nodes").at(static_cast<std::size_t>(index));
+      const json* extras = find(node, "extras");
+      const json* own = extras ? find(*extras, "fracture") : nullptr;
+      if (own == nullptr) continue;
+      if (own->contains("bonds")) root = own;
+      if (own->contains("id")) read_fragment(node, *own, graph, index);
+    }
+    if (set_.fragments.empty())
+      refuse(ErrorCode::kNoFragments, "The file has no node with extras.fracture.id.");
+    if (root != nullptr) read_bonds(member(*root, "bonds", "extras.fracture"));
+    read_surface();
+    return std::move(set_);
+  }
+
+ private:
+  void read_fragment(const json& node, const json& own, const GltfScene& graph, int index) {
+    if (set_.fragments.size() >= kMaxFragments)
+      refuse(ErrorCode::kTooLarge, "The file has more than " + std::to_string(kMaxFragments) + " fragments.");
+    const std::string where = "Node " + std::to_string(index);
+    Fragment fragment;
+    fragment.id = whole(own.at("id"), where + ".extras.fracture.id");
+    fragment.volume = positive(own, "volume", where + ".extras.fracture");
+    const json* anchored = find(own, "anchored");
+    fragment.anchored = anchored != nullptr && anchored->is_boolean() && anchored->get<bool>();
+    const auto [at, is_new] =
+        index_.try_emplace(fragment.id, static_cast<std::uint32_t>(set_.fragments.size()));
+    if (!is_new) malformed("Two fragments have the id " + std::to_string(fragment.id) + ".");
+    const json* body = physics_of(node);
+    if (body == nullptr) malformed(where + " is a fragment without " + kExtension + ".");
+    const Transform& world = *graph.world[static_cast<std::size_t>(index)];
+    const json& motion = member(*body, "motion", where + "." + kExtension);
+    const std::string in_motion = where + ".motion";
+    const double mass = positive(motion, "mass", in_motion);
+    const glm::dvec3 center = vector(member(motion, "centerOfMass", in_motion), in_motion + ".centerOfMass");
+    const glm::dvec3 moments =
+        vector(member(motion, "inertiaDiagonal", in_motion), in_motion + ".inertiaDiagonal");
+    if (!(moments.x > 0 && moments.y > 0 && moments.z > 0))
+      malformed(in_motion + ".inertiaDiagonal has to be more than 0.");
+    const auto q =
+        numbers<4>(member(motion, "inertiaOrientation", in_motion), in_motion + ".inertiaOrientation");
+    const double norm = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    if (!(std::abs(norm - 1) < 1e-3)) malformed(in_motion + ".inertiaOrientation is no unit quaternion.");
+    const glm::dquat turn = rotation_of(world, where) * glm::normalize(glm::dquat(q[3], q[0], q[1], q[2]));
+    const glm::dmat3 axes = glm::mat3_cast(turn);
+    fragment.mass.mass = mass;
+    fragment.mass.center = to_world(world, center.x, center.y, center.z);
+    fragment.mass.inertia =
+        axes * glm::dmat3(moments.x, 0, 0, 0, moments.y, 0, 0, 0, moments.z) * glm::transpose(axes);
+    read_collider(node, world, fragment);
+    for (const int child : at_index(index).children)
+      read_collider(document_.at("nodes").at(static_cast<std::size_t>(child)),
+                    *graph.world[static_cast<std::size_t>(child)], fragment);
+    if (fragment.hulls.empty()) malformed(where + " is a fragment without a convex hull.");
+    set_.fragments.push_back(std::move(fragment));
+  }
+
+  const tinygltf::Node& at_index(int index) const { return at(model_.nodes, index, "node"); }
+
+  void read_collider(const json& node, const Transform& world, Fragment& fragment) {
+    const json* body = physics_of(node);
+    const json* collider = body ? find(*body, "collider") : nullptr;
+    if (collider == nullptr) return;
+    const json& geometry = member(*collider, "geometry", "A collider");
+    const std::uint64_t mesh = whole(member(geometry, "mesh", "A collider's geometry"), "A collider's mesh");
+    if (mesh >= model_.meshes.size())
+      malformed("A collider names mesh " + std::to_string(mesh) + "; there are " +
+                std::to_string(model_.meshes.size()) + ".");
+    Hull hull;
+    for (const tinygltf::Primitive& primitive : model_.meshes[mesh].primitives) {
+      const auto position = primitive.attributes.find("POSITION");
+      if (position == primitive.attributes.end()) malformed("A hull has no POSITION.");
+      const std::vector<double> xyz = read_accessor(model_, position->second, 3);
+      for (std::size_t k = 0; k + 2 < xyz.size(); k += 3) {
+        if (!std::isfinite(xyz[k] + xyz[k + 1] + xyz[k + 2]))
+          refuse(ErrorCode::kNotFinite, "A point of hull " + std::to_string(mesh) + " is not finite.");
+        hull.push_back(to_world(world, xyz[k], xyz[k + 1], xyz[k + 2]));
+      }
+      if (primitive.indices >= 0)
+        for (const std::uint32_t v : read_indices(model_, primitive.indices))
+          if (v >= xyz.size() / 3) malformed("Hull " + std::to_string(mesh) + " names a point it has not.");
+    }
+    if (hull.size() < 4) malformed("Hull " + std::to_string(mesh) + " has fewer than four points.");
+    fragment.hulls.push_back(std::move(hull));
+    if (const json* system = find(*collider, "collisionFilter"))
+      fragment.system = static_cast<int>(whole(*system, "A collider's collisionFilter") & 0x7fffffff);
+  }
+
+  void read_bonds(const json& bonds) {
+    const json &a = member(bonds, "a", "bonds"), &b = member(bonds, "b", "bonds"),
+               &area = member(bonds, "area", "bonds"), &strength = member(bonds, "strength", "bonds"),
+               &normal = member(bonds, "normal", "bonds");
+    for (const json* column : {&a, &b, &area, &strength, &normal})
+      if (!column->is_array() || column->size() != a.size())
+        malformed("The columns of the bonds are no arrays of one length.");
+    const auto fragment = [&](const json& value) {
+      const auto it = index_.find(whole(value, "An end of a bond"));
+      if (it == index_.end())
+        malformed("A bond names the fragment " + value.dump() + ", which is not there.");
+      return it->second;
+    };
+    set_.bonds.reserve(a.size());
+    for (std::size_t k = 0; k < a.size(); ++k) {
+      Bond bond{fragment(a[k]), fragment(b[k]), number(area[k], "bonds.area"),
+                number(strength[k], "bonds.strength"), vector(normal[k], "bonds.normal")};
+      if (bond.a == bond.b) malformed("A bond connects a fragment with itself.");
+      if (bond.area < 0 || bond.strength < 0) malformed("A bond's area and strength have to be 0 or more.");
+      const double length = glm::length(bond.normal);
+      bond.normal = length > 1e-9 ? bond.normal / length : glm::dvec3(0);
+      set_.bonds.push_back(bond);
+    }
+  }
+
+  /// One physics material for all, as the service writes it.
+  void read_surface() {
+    const json* extensions = find(surfaces_, "extensions");
+    const json* own = extensions ? find(*extensions, kExtension) : nullptr;
+    const json* materials = own ? find(*own, "physicsMaterials") : nullptr;
+    if (materials == nullptr || !materials->is_array() || materials->empty()) return;
+    const json& material = materials->front();
+    if (const json* x = find(material, "dynamicFriction")) set_.friction = number(*x, "dynamicFriction");
+    if (const json* x = find(material, "restitution")) set_.restitution = number(*x, "restitution");
+    if (set_.friction < 0 || set_.restitution < 0 || set_.restitution > 1)
+      malformed("The physics material has a friction below 0 or a restitution outside 0 … 1.");
+  }
+
+  const json& document_;
+  const tinygltf::Model& model_;
+  const json& surfaces_;
+  FragmentSet set_;
+  std::map<std::uint64_t, std::uint32_t> index_;
+};
+
+/// The document's own extensions, which the checked document leaves out (it has been checked: the first chunk
+/// of the container is JSON).
+json document_extensions(std::span<const std::byte> glb) {
+  std::uint32_t length = 0;
+  std::memcpy(&length, glb.data() + 12, 4);
+  const char* const text = reinterpret_cast<const char*>(glb.data()) + 20;
+  return json::parse(text, text + length, [](int depth, json::parse_event_t event, json& parsed) {
+    return depth != 1 || event != json::parse_event_t::key || parsed == "extensions";
+  });
+}
+
+}  // namespace
+
+Expected<FragmentSet> read_fragments(std::span<const std::byte> glb) {
+  try {
+    GltfDocument document = read_gltf_document(glb, MeshFormat::kGlb, ImportLimits{}, {});
+    if (!document.json.contains("nodes")) refuse(ErrorCode::kNoFragments, "The glTF has no nodes.", "/nodes");
+    const tinygltf::Model model = load_gltf_model(document);
+    const json surfaces = document_extensions(glb);
+    return FragmentReader(document.json, model, surfaces).read();
+  } catch (const Refused& refused) {
+    return tl::unexpected<Error>(refused.error);
+  } catch (const json::exception& error) {
+    return fail(ErrorCode::kMalformedMesh,
+                std::string("The glTF has a value of the wrong type: ") + error.what() + ".");
+  }
+}
+
+}  // namespace fracture::world

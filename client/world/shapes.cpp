@@ -1,0 +1,98 @@
+#include <LinearMath/btConvexHullComputer.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "client/world/bullet.hpp"
+
+namespace fracture::world {
+namespace {
+
+constexpr double kMargin = 0.002;      ///< metres, for hulls that have room for it
+constexpr double kMarginShare = 0.04;  ///< of the smallest side of the hull's box
+
+}  // namespace
+
+std::unique_ptr<btConvexHullShape> make_hull(std::span<const glm::dvec3> points) {
+  glm::dvec3 low(HUGE_VAL), high(-HUGE_VAL);
+  for (const glm::dvec3& p : points) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  const glm::dvec3 size = high - low;
+  const double margin = std::min(kMargin, kMarginShare * std::min({size.x, size.y, size.z}));
+  btConvexHullComputer computer;
+  const btScalar shrunk = computer.compute(&points[0].x, static_cast<int>(sizeof(glm::dvec3)),
+                                           static_cast<int>(points.size()), margin, 0.5);
+  auto shape = std::make_unique<btConvexHullShape>();
+  // A flat hull cannot be shrunk; it keeps its points.
+  if (shrunk >= 0 && computer.vertices.size() >= 4) {
+    for (int k = 0; k < computer.vertices.size(); ++k) shape->addPoint(computer.vertices[k], false);
+  } else {
+    for (const glm::dvec3& p : points) shape->addPoint(to_bullet(p), false);
+  }
+  shape->setMargin(std::max(margin, 1e-5));
+  shape->recalcLocalAabb();
+  return shape;
+}
+
+std::shared_ptr<const PreparedFragments> prepare(FragmentSet set) {
+  auto prepared = std::make_shared<PreparedFragments>();
+  for (const Fragment& fragment : set.fragments) {
+    const PrincipalAxes axes = principal_axes(fragment.mass.inertia);
+    PreparedFragments::Part& part = prepared->parts.emplace_back();
+    part.frame = {fragment.mass.center, axes.rotation};
+    part.moments = axes.moments;
+    for (const Hull& hull : fragment.hulls) {
+      Hull local;
+      local.reserve(hull.size());
+      for (const glm::dvec3& p : hull) local.push_back(part.frame.local(p));
+      part.hulls.push_back(make_hull(local));
+    }
+    prepared->volume += fragment.volume;
+  }
+  prepared->set = std::move(set);
+  return prepared;
+}
+
+const FragmentSet& fragments_of(const PreparedFragments& prepared) { return prepared.set; }
+
+Hull reduced_hull(std::span<const glm::vec3> points, std::size_t most) {
+  // The farthest points in evenly spread directions (a Fibonacci sphere): some of the hull's own corners.
+  Hull hull;
+  const double golden = 3.14159265358979323846 * (3 - std::sqrt(5.0));
+  std::vector<std::size_t> chosen;
+  for (std::size_t k = 0; k < 8 * most && !points.empty(); ++k) {
+    const double y = 1 - 2 * (static_cast<double>(k) + 0.5) / static_cast<double>(8 * most);
+    const double r = std::sqrt(1 - y * y), angle = golden * static_cast<double>(k);
+    const glm::dvec3 direction(r * std::cos(angle), y, r * std::sin(angle));
+    std::size_t best = 0;
+    double far = -HUGE_VAL;
+    for (std::size_t p = 0; p < points.size(); ++p) {
+      const double d = glm::dot(direction, glm::dvec3(points[p]));
+      if (d > far) {
+        far = d;
+        best = p;
+      }
+    }
+    if (std::find(chosen.begin(), chosen.end(), best) == chosen.end()) chosen.push_back(best);
+  }
+  // Keep those that stand farthest from one another.
+  while (chosen.size() > most) {
+    std::size_t closest = 0;
+    double least = HUGE_VAL;
+    for (std::size_t a = 0; a < chosen.size(); ++a)
+      for (std::size_t b = a + 1; b < chosen.size(); ++b) {
+        const double d = glm::distance(glm::dvec3(points[chosen[a]]), glm::dvec3(points[chosen[b]]));
+        if (d < least) {
+          least = d;
+          closest = b;
+        }
+      }
+    chosen.erase(chosen.begin() + static_cast<std::ptrdiff_t>(closest));
+  }
+  for (const std::size_t p : chosen) hull.emplace_back(points[p]);
+  return hull;
+}
+
+}  // namespace fracture::world

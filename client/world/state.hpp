@@ -1,0 +1,131 @@
+// The inside of World. Private to this folder.
+#pragma once
+
+#include <span>
+
+#include "client/world/bond_loads.hpp"
+#include "client/world/bullet.hpp"
+
+namespace fracture::world {
+
+/// A force on a fragment, in the frame of its asset.
+struct PointForce {
+  std::uint32_t fragment;
+  glm::dvec3 force, point;
+  bool hit;  ///< over within the contact time
+};
+
+struct Body {
+  enum class Kind { kGround, kStatic, kWhole, kGroup, kBall };
+  Kind kind = Kind::kStatic;
+  ObjectId object = 0;
+  std::unique_ptr<btCollisionShape> shape;  ///< null where the shape belongs to the fragments
+  std::vector<std::unique_ptr<btCollisionShape>> children;
+  std::unique_ptr<btRigidBody> rigid;
+  Pose local;           ///< the body's frame in the asset's
+  MassProperties mass;  ///< in the asset's frame
+  bool held = false;
+
+  // of a group
+  std::uint32_t group = 0;
+  std::vector<std::uint32_t> members, bonds;
+  std::vector<std::uint32_t> fragment_of_child;
+  std::vector<PointForce> forces;     ///< of this step
+  double total_force = 0, borne = 0;  ///< of this step; the largest that the bonds were seen to bear
+
+  // of a ball
+  BallId ball = 0;
+  double radius = 0;
+
+  std::uint64_t born = 0;  ///< step
+
+  glm::dvec3 velocity_before{0}, spin_before{0};
+  bool restore = false;
+  double asleep = 0;   ///< seconds
+  double fading = -1;  ///< seconds since it began to fade; negative: not yet
+  bool asked = false;  ///< has raised kBreakFragment
+  bool gone = false;
+
+  bool moves() const {
+    return !held && (kind == Kind::kWhole || kind == Kind::kGroup || kind == Kind::kBall);
+  }
+  Pose body_pose() const { return from_bullet(rigid->getWorldTransform()); }
+  Pose asset_to_world() const { return body_pose() * inverse(local); }
+  Motion motion() const;
+};
+
+struct Object {
+  ObjectSpec spec;
+  Body* whole = nullptr;
+  std::shared_ptr<const PreparedFragments> fragments;
+  std::vector<Body*> body_of;    ///< per fragment; null: gone
+  std::vector<float> bond_load;  ///< negative: broken
+  std::vector<Impact> impacts;   ///< since it asked for its fragments
+  bool asked = false, ahead = false;
+  double critical_speed = 1;  ///< strength over mass, m/s
+};
+
+struct World::State {
+  explicit State(WorldSettings s);
+  ~State();
+
+  // bodies.cpp
+  Body& add(std::unique_ptr<Body> body, btCollisionShape* shape, const PrincipalAxes& axes, const Pose& pose,
+            double friction, double restitution);
+  Body& add_group(ObjectId object, std::vector<std::uint32_t> members, std::vector<std::uint32_t> bonds,
+                  const Pose& asset_to_world);
+  void remove(Body& body);
+  void sweep_out();  ///< deletes what is gone
+  void fade();
+
+  // contacts.cpp
+  void collect_contacts();
+  void hit_whole(Body& body, const glm::dvec3& point, const glm::dvec3& impulse, double approach);
+  void raise_impacts();
+  void split_overloaded();
+  void look_ahead();
+
+  // swaps.cpp
+  void replace(std::span<Body* const> old, std::span<Body* const> by, Swap swap);
+  /// Takes bonds that the forces overload out of `bonds`; returns how many.
+  std::size_t break_bonds(Object& object, std::span<const std::uint32_t> members,
+                          std::vector<std::uint32_t>& bonds, std::span<const PointForce> forces,
+                          const glm::dvec3& gravity);
+  std::vector<Body*> spawn(ObjectId object, std::span<const std::uint32_t> members,
+                           std::span<const std::uint32_t> bonds, const Pose& asset_to_world,
+                           const Motion& field);
+  void burst(std::span<Body* const> pieces, const glm::dvec3& point, double energy);
+  void split(Body& body);
+
+  WorldSettings settings;
+  btDefaultCollisionConfiguration configuration;
+  btCollisionDispatcher dispatcher;
+  btDbvtBroadphase broadphase;
+  btSequentialImpulseConstraintSolver solver;
+  btDiscreteDynamicsWorld bullet;
+  std::unique_ptr<btOverlapFilterCallback> filter;
+  std::vector<std::unique_ptr<Body>> bodies;
+  std::vector<std::unique_ptr<Object>> objects;
+  std::vector<Event> events;
+  std::vector<Swap> swaps;
+  std::uint64_t steps = 0;
+  std::uint32_t next_group = 1;
+  BallId next_ball = 1;
+  std::size_t faded = 0;
+
+  struct Touch {  ///< of this step, both of them bodies of ours
+    Body *a, *b;
+    bool fresh;
+  };
+  std::vector<Touch> touches;
+  struct Hit {  ///< on whole objects, summed over the step
+    Body* body;
+    glm::dvec3 point, impulse;
+    double strongest, approach;
+  };
+  std::vector<Hit> hits;
+};
+
+void set_motion(Body& body, const glm::dvec3& velocity, const glm::dvec3& spin);
+
+}  // namespace fracture::world
