@@ -27,10 +27,16 @@ Body& World::State::add(std::unique_ptr<Body> body, btCollisionShape* shape, con
   info.m_friction = friction;
   info.m_restitution = restitution;
   info.m_linearSleepingThreshold = 0.12;
-  info.m_angularSleepingThreshold = 0.25;
+  info.m_angularSleepingThreshold = 0.4;
   info.m_angularDamping = moves ? 0.04 : 0;
   body->rigid = std::make_unique<btRigidBody>(info);
   body->rigid->setUserPointer(body.get());
+  if (body->kind != Body::Kind::kBall) {
+    btVector3 center;
+    btScalar radius = 0;
+    shape->getBoundingSphere(center, radius);
+    body->radius = radius;
+  }
   bullet.addRigidBody(body->rigid.get());
   bodies.push_back(std::move(body));
   return *bodies.back();

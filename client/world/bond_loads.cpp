@@ -153,7 +153,7 @@ std::vector<double> bond_loads(const FragmentSet& set, const LoadCase& load) {
   const Group group(set, load);
   std::vector<glm::dvec3> on_bond(load.bonds.size(), glm::dvec3(0));
   group.add(load.lasting, load.gravity, 0, on_bond);
-  if (!load.hits.on_member.empty()) group.add(load.hits, glm::dvec3(0), kReach, on_bond);
+  if (!load.hits.on_member.empty()) group.add(load.hits, glm::dvec3(0), load.reach, on_bond);
   std::vector<double> loads;
   loads.reserve(on_bond.size());
   for (std::size_t k = 0; k < on_bond.size(); ++k) {

@@ -32,15 +32,6 @@ namespace fracture::world {
 /// breaks at a touch; 1: a thrown ball breaks no stone.
 inline constexpr double kStressConcentration = 25;
 inline constexpr double kCompressionShare = 1.0 / 8;
-/// Of the largest load: in one round only bonds beyond it break. Cracks run from where the load is largest,
-/// and what has come off there carries no load farther; breaking all that is overloaded at once would fell
-/// every wall as a whole.
-inline constexpr double kCrackFront = 0.4;
-
-/// Metres. Sound goes 0.5 to 1 km/s through masonry and timber with their joints, and hits take about a
-/// millisecond.
-inline constexpr double kReach = 0.5;
-
 /// Forces on the members, in the asset's frame; empty: none.
 struct Forces {
   std::vector<glm::dvec3> on_member;  ///< N
@@ -52,6 +43,7 @@ struct LoadCase {
   std::span<const std::uint32_t> bonds;    ///< unbroken bonds among them
   Forces lasting{};                        ///< without gravity
   Forces hits{};                           ///< over within the contact time
+  double reach = 0.5;                      ///< metres, of hits
   glm::dvec3 gravity{0};                   ///< m/s², in the asset's frame
 };
 

@@ -20,9 +20,10 @@ glm::dvec3 velocity_before(const Body& body, const glm::dvec3& point) {
          glm::cross(body.spin_before, point - from_bullet(body.rigid->getCenterOfMassPosition()));
 }
 
-/// A contact that is older carries weight; a younger one is a hit, whose impulse comes within the contact
-/// time.
+/// A young contact of bodies that came at one another is a hit, whose impulse comes within the contact time.
+/// Others carry weight.
 constexpr int kFreshSteps = 2;
+constexpr double kHitSpeed = 0.3;       ///< m/s
 constexpr std::uint64_t kParting = 30;  ///< steps
 
 }  // namespace
@@ -61,38 +62,37 @@ void World::State::collect_contacts() {
     const bool parting = first->kind == Body::Kind::kGroup && second->kind == Body::Kind::kGroup &&
                          first->object == second->object &&
                          steps - std::max(first->born, second->born) < kParting;
-    bool touched = false, fresh = false;
+    bool touched = false;
     for (int k = 0; k < manifold.getNumContacts(); ++k) {
       const btManifoldPoint& point = manifold.getContactPoint(k);
       if (!(point.m_appliedImpulse > 0)) continue;
-      const bool is_fresh = point.getLifeTime() <= kFreshSteps;
       touched = true;
-      fresh = fresh || is_fresh;
       const glm::dvec3 where = from_bullet(point.getPositionWorldOnB());
       const glm::dvec3 impulse = impulse_on_first(point);
       const double approach =
           std::max(0.0, -glm::dot(velocity_before(*first, where) - velocity_before(*second, where),
                                   from_bullet(point.m_normalWorldOnB)));
+      const bool is_hit = point.getLifeTime() <= kFreshSteps && approach > kHitSpeed;
       for (const bool of_first : {true, false}) {
         Body& body = of_first ? *first : *second;
         const glm::dvec3 on_body = of_first ? impulse : -impulse;
-        if (body.kind == Body::Kind::kWhole) hit_whole(body, where, on_body, approach);
+        if (body.kind == Body::Kind::kWhole && is_hit) hit_whole(body, where, on_body, approach);
         if (body.kind != Body::Kind::kGroup || parting) continue;
         if (body.members.size() == 1) {
-          hit_whole(body, where, on_body, approach);
+          if (is_hit) hit_whole(body, where, on_body, approach);
           continue;
         }
         const int child = of_first ? point.m_index0 : point.m_index1;
         if (child < 0 || static_cast<std::size_t>(child) >= body.fragment_of_child.size()) continue;
         const Pose pose = body.asset_to_world();
-        const double time = is_fresh ? settings.contact_time : settings.step;
+        const double time = is_hit ? settings.contact_time : settings.step;
         const glm::dvec3 force = glm::conjugate(pose.rotation) * on_body / time;
         body.forces.push_back(
-            {body.fragment_of_child[static_cast<std::size_t>(child)], force, pose.local(where), is_fresh});
+            {body.fragment_of_child[static_cast<std::size_t>(child)], force, pose.local(where), is_hit});
         body.total_force += glm::length(force);
       }
     }
-    if (touched) touches.push_back({first, second, fresh});
+    if (touched) touches.push_back({first, second});
   }
 }
 
@@ -156,6 +156,50 @@ void World::State::split_overloaded() {
   }
   for (Body* body : overloaded) split(*body);
   sweep_out();
+}
+
+/// Contacts of heavy pieces with light ones with lighter ones would hand on speed as a whip does. Real pieces
+/// crumble there: no fragment gets faster than the fastest body was before the step, nor spins so fast that
+/// it would fling parts away at more than half of that.
+void World::State::limit_speeds() {
+  double limit = 0;
+  for (const auto& body : bodies)
+    if (body->moves()) limit = std::max(limit, glm::length(body->velocity_before));
+  limit += settings.step * glm::length(settings.gravity);
+  for (const auto& body : bodies) {
+    if (body->kind != Body::Kind::kGroup || !body->moves()) continue;
+    const glm::dvec3 velocity = from_bullet(body->rigid->getLinearVelocity()),
+                     spin = from_bullet(body->rigid->getAngularVelocity());
+    const double speed = glm::length(velocity), edge = 2 * body->radius * glm::length(spin);
+    if (speed > limit || edge > limit)
+      set_motion(*body, std::min(1.0, limit / std::max(speed, 1e-9)) * velocity,
+                 std::min(1.0, limit / std::max(edge, 1e-9)) * spin);
+  }
+}
+
+/// The solver never quite settles a heap of slivers: each step pushes some by what the last left over. Below
+/// the speed that gravity gives within a step and a half such motion is only that. And one shard that
+/// twitches once in a while must not keep the heap awake: sleep goes by the mean over some twenty steps.
+void World::State::calm() {
+  const double slow = 1.5 * settings.step * glm::length(settings.gravity);
+  constexpr double kSlowSpin = 1.5, kLeft = 0.8;  // rad/s; of the speed after a step
+  for (const Touch& touch : touches)
+    for (Body* body : {touch.a, touch.b}) {
+      if (!body->moves() || !body->rigid->isActive()) continue;
+      const glm::dvec3 velocity = from_bullet(body->rigid->getLinearVelocity()),
+                       spin = from_bullet(body->rigid->getAngularVelocity());
+      if (glm::length(velocity) < slow && glm::length(spin) < kSlowSpin)
+        set_motion(*body, kLeft * velocity, kLeft * spin);
+    }
+  constexpr double kWeight = 0.05, kStill = 0.08;  // of a step in the mean; m/s
+  for (const auto& body : bodies) {
+    if (!body->moves() || !body->rigid->isActive()) continue;
+    const double speed =
+        body->rigid->getLinearVelocity().length() + body->radius * body->rigid->getAngularVelocity().length();
+    body->lively += kWeight * (speed - body->lively);
+    body->still = body->lively < kStill ? body->still + settings.step : 0;
+    body->rigid->setDeactivationTime(body->still);
+  }
 }
 
 void World::State::look_ahead() {

@@ -33,11 +33,12 @@ struct Body {
   std::vector<PointForce> forces;     ///< of this step
   double total_force = 0, borne = 0;  ///< of this step; the largest that the bonds were seen to bear
 
-  // of a ball
   BallId ball = 0;
-  double radius = 0;
 
+  double radius = 0;       ///< of a sphere around it
   std::uint64_t born = 0;  ///< step
+  double lively = 1;       ///< m/s of its fastest point, averaged over the last steps
+  double still = 0;        ///< seconds for which it has hardly been lively
 
   glm::dvec3 velocity_before{0}, spin_before{0};
   bool restore = false;
@@ -84,6 +85,8 @@ struct World::State {
   void raise_impacts();
   void split_overloaded();
   void look_ahead();
+  void limit_speeds();
+  void calm();  ///< what almost rests on something, rests
 
   // swaps.cpp
   void replace(std::span<Body* const> old, std::span<Body* const> by, Swap swap);
@@ -115,7 +118,6 @@ struct World::State {
 
   struct Touch {  ///< of this step, both of them bodies of ours
     Body *a, *b;
-    bool fresh;
   };
   std::vector<Touch> touches;
   struct Hit {  ///< on whole objects, summed over the step

@@ -63,7 +63,8 @@ std::size_t World::State::break_bonds(Object& object, std::span<const std::uint3
     const std::size_t before = broken;
     std::vector<std::uint32_t> kept;
     for (std::uint32_t p = 0; p < parts.size(); ++p) {
-      LoadCase load{.members = parts[p], .bonds = bonds_of[p], .gravity = gravity};
+      LoadCase load{
+          .members = parts[p], .bonds = bonds_of[p], .reach = object.spec.reach, .gravity = gravity};
       std::vector<MassProperties> masses;
       bool loaded = false;
       for (const std::uint32_t m : parts[p]) {
@@ -85,7 +86,8 @@ std::size_t World::State::break_bonds(Object& object, std::span<const std::uint3
         continue;
       }
       const std::vector<double> loads = bond_loads(set, load);
-      const double front = std::max(1.0, kCrackFront * *std::max_element(loads.begin(), loads.end()));
+      const double front =
+          std::max(1.0, object.spec.crack_front * *std::max_element(loads.begin(), loads.end()));
       for (std::size_t k = 0; k < loads.size(); ++k) {
         const std::uint32_t bond = bonds_of[p][k];
         if (loads[k] > front) {

@@ -49,12 +49,14 @@ struct SystemFilter : btOverlapFilterCallback {
 
 World::State::State(WorldSettings s)
     : settings(s), dispatcher(&configuration), bullet(&dispatcher, &broadphase, &solver, &configuration) {
+  gDeactivationTime = 0.8;  // seconds of stillness before sleep; one value for all of Bullet
   bullet.setGravity(to_bullet(settings.gravity));
   bullet.getDispatchInfo().m_deterministicOverlappingPairs = true;
   bullet.getSolverInfo().m_numIterations = 20;
   // Penetration is mended without adding speed: fragments that touch must not fly apart.
   bullet.getSolverInfo().m_splitImpulse = true;
   bullet.getSolverInfo().m_splitImpulsePenetrationThreshold = -1e-5;
+  bullet.getSolverInfo().m_erp2 = 0.5;  // a thin shard that sank in is out again within a few steps
   filter = std::make_unique<SystemFilter>(objects);
   bullet.getPairCache()->setOverlapFilterCallback(filter.get());
   auto ground = std::make_unique<Body>();
@@ -151,7 +153,9 @@ void World::step() {
   }
   s.bullet.stepSimulation(s.settings.step, 0);
   ++s.steps;
+  s.limit_speeds();
   s.collect_contacts();
+  s.calm();
   s.raise_impacts();
   s.split_overloaded();
   s.look_ahead();

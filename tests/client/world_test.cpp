@@ -247,7 +247,7 @@ TEST(World, SplitsInFlightConserveMomentum) {
   world.take_swaps();
   world.throw_ball({0.2, 5.2, 3}, {0, 0, -20}, 0.15, 7800);
   const Momentum before = world.total_momentum();
-  run(world, 1);
+  run(world, 0.5);
   EXPECT_GT(groups_of(world, object), 1u);
   const auto swaps = world.take_swaps();
   ASSERT_FALSE(swaps.empty());

@@ -85,10 +85,12 @@ std::vector<std::uint32_t> first(std::size_t count) {
   return all;
 }
 
+constexpr double kReach = 0.5;
+
 std::vector<double> loads_of(const FragmentSet& set, const std::vector<glm::dvec3>& forces,
                              const glm::dvec3& gravity = glm::dvec3(0), bool hit = false) {
   const auto members = first(set.fragments.size()), bonds = first(set.bonds.size());
-  LoadCase load{.members = members, .bonds = bonds, .gravity = gravity};
+  LoadCase load{.members = members, .bonds = bonds, .reach = kReach, .gravity = gravity};
   (hit ? load.hits : load.lasting).on_member = forces;
   return bond_loads(set, load);
 }
