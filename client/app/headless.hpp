@@ -1,0 +1,20 @@
+// A run without a window: for tests, for pictures, for figures.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "client/app/options.hpp"
+#include "client/scenes/stage.hpp"
+#include "common/base/error.hpp"
+
+namespace fracture::app {
+
+/// The scene that the options ask for.
+Expected<scenes::Stage> stage_of(const Options& options);
+
+/// Runs it and returns the summary (client/README.md lists its members). With --fixed-step the simulated
+/// clock waits for answers, else it is that of the wall and nothing waits. kInternal where a picture is asked
+/// for and there is no OpenGL, or it cannot be written.
+Expected<nlohmann::json> run_headless(const Options& options);
+
+}  // namespace fracture::app

@@ -1,0 +1,24 @@
+// fracture-client: the game, in a window or without one.
+#include <cstdio>
+#include <exception>
+
+#include "client/app/headless.hpp"
+#include "client/app/window.hpp"
+
+int main(int argc, char** argv) {
+  try {
+    const auto options = fracture::app::parse_options(argc, argv);
+    if (!options) return options.error().code;
+    if (!options->headless) return fracture::app::run_window(*options);
+    const auto summary = fracture::app::run_headless(*options);
+    if (!summary) {
+      std::fprintf(stderr, "fracture-client: %s\n", summary.error().detail.c_str());
+      return 1;
+    }
+    if (options->json) std::printf("%s\n", summary->dump(1).c_str());
+    return 0;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "fracture-client: %s\n", error.what());
+    return 4;
+  }
+}

@@ -1,0 +1,55 @@
+#include "client/app/options.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include "client/scenes/stage.hpp"
+
+namespace fracture::app {
+
+tl::expected<Options, Exit> parse_options(int argc, char** argv) {
+  Options o;
+  CLI::App app{"fracture-client: things that break, with a fracture-server that breaks them"};
+  app.option_defaults()->always_capture_default();
+  app.add_option("files", o.files, "Meshes, or folders of meshes, to drop and break instead of a scene")
+      ->capture_default_str();
+  app.add_option("--scene", o.scene, "Scene")->check(CLI::IsMember(scenes::stage_names()));
+  app.add_option("--material", o.material, "Material of everything in it")
+      ->check(CLI::IsMember(scenes::material_names()));
+  app.add_option("--host", o.server.host, "Server: name or address");
+  app.add_option("--port", o.server.port, "Server: port")->check(CLI::Range(1, 65535));
+  app.add_option("--token", o.server.token, "Bearer token, where the server asks for one");
+  app.add_option("--seed", o.seed, "Seed of the fractures");
+  app.add_option("--width", o.width, "Pixels")->check(CLI::Range(64, 4096));
+  app.add_option("--height", o.height, "Pixels")->check(CLI::Range(64, 4096));
+  bool no_anticipation = false, no_throws = false;
+  app.add_flag("--no-anticipation", no_anticipation, "Ask at the contact, not when a ball is on its way");
+  app.add_flag("--gravity", o.gravity, "Window: gravity runs from the start, without holding X");
+  app.add_option("--close-after", o.close_after,
+                 "Window: closes after so many seconds and leaves window.png in --out")
+      ->check(CLI::Range(0.0, 86400.0));
+  app.add_option("--out", o.out, "Folder for pictures and saved files");
+  CLI::Option* headless = app.add_flag("--headless", o.headless, "Without a window, then exit");
+  const auto add = [&](CLI::Option* option) { option->needs(headless); };
+  add(app.add_flag("--fixed-step", o.fixed_step,
+                   "Reproducible: answers take effect after --answer-steps, and the simulated clock stands "
+                   "still for a slower server"));
+  add(app.add_option("--answer-steps", o.answer_steps, "Steps of 1/120 s")->check(CLI::Range(1, 1200)));
+  add(app.add_option("--seconds", o.seconds, "Simulated time")->check(CLI::Range(0.0, 3600.0)));
+  add(app.add_option("--screenshot-at", o.screenshots, "Seconds, separated by commas")
+          ->delimiter(',')
+          ->check(CLI::Range(0.0, 3600.0)));
+  add(app.add_flag("--record", o.record, "Every frame (60 a second) as PNG"));
+  add(app.add_flag("--json", o.json, "A summary on standard output"));
+  add(app.add_flag("--no-throws", no_throws, "Leave out the balls that the scene throws by itself"));
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);
+    return tl::unexpected(Exit{code == 0 ? 0 : 2});
+  }
+  o.anticipate = !no_anticipation;
+  o.throws = !no_throws;
+  return o;
+}
+
+}  // namespace fracture::app

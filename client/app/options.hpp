@@ -1,0 +1,43 @@
+// What the command line says.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <tl/expected.hpp>
+#include <vector>
+
+#include "client/protocol/protocol.hpp"
+
+namespace fracture::app {
+
+struct Options {
+  std::string scene = "monkey";
+  std::vector<std::string> files;  ///< meshes or folders, instead of a scene
+  std::string material;            ///< empty: the scene's own
+  protocol::Settings server;
+  std::uint64_t seed = 1;
+  int width = 1280, height = 720;
+  bool anticipate = true;
+
+  double close_after = 0;  ///< seconds; 0: when the player leaves. Leaves a picture window.png
+  bool gravity = false;    ///< starts with gravity on
+
+  bool headless = false;
+  bool fixed_step = false;
+  unsigned answer_steps = 6;  ///< fixed_step: from a request to its answer's effect (50 ms)
+  double seconds = 5;
+  std::vector<double> screenshots;  ///< seconds
+  bool record = false;              ///< every frame as PNG
+  std::string out = ".";
+  bool json = false;
+  bool throws = true;  ///< what the scene throws by itself; headless only
+};
+
+struct Exit {
+  int code = 0;
+};
+
+/// Options, or the code to exit with: help was shown (0), or the command line is wrong (2, said on stderr).
+tl::expected<Options, Exit> parse_options(int argc, char** argv);
+
+}  // namespace fracture::app

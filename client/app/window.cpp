@@ -1,0 +1,381 @@
+#include "client/app/window.hpp"
+
+#include <epoxy/gl.h>
+// GLFW after epoxy, which brings OpenGL's names.
+#include <GLFW/glfw3.h>
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <future>
+
+#include "client/app/headless.hpp"
+#include "client/app/panel.hpp"
+#include "client/render/frame_target.hpp"
+
+namespace fracture::app {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_between(Clock::time_point a, Clock::time_point b) {
+  return std::chrono::duration<double>(b - a).count();
+}
+
+/// Window, context and Dear ImGui, which end together.
+class Window {
+ public:
+  static tl::expected<std::unique_ptr<Window>, std::string> open(const Options& options) {
+    if (glfwInit() == GLFW_FALSE) return tl::unexpected(last_error());
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+    GLFWwindow* window = glfwCreateWindow(options.width, options.height, "fracture", nullptr, nullptr);
+    if (window == nullptr) {
+      std::string why = last_error();
+      glfwTerminate();
+      return tl::unexpected(why);
+    }
+    glfwMakeContextCurrent(window);
+    glfwSwapInterval(1);
+    return std::unique_ptr<Window>(new Window(window));
+  }
+  ~Window() {
+    if (overlay_) {
+      ImGui_ImplOpenGL3_Shutdown();
+      ImGui_ImplGlfw_Shutdown();
+    }
+    ImGui::DestroyContext();
+    glfwDestroyWindow(window_);
+    glfwTerminate();
+  }
+  /// After the callbacks of the game are set: Dear ImGui puts its own in front and calls them.
+  void start_overlay() {
+    ImGui_ImplGlfw_InitForOpenGL(window_, true);
+    ImGui_ImplOpenGL3_Init("#version 330");
+    overlay_ = true;
+  }
+  GLFWwindow* get() const { return window_; }
+
+ private:
+  explicit Window(GLFWwindow* window) : window_(window) {
+    ImGui::CreateContext();
+    ImGui::GetIO().IniFilename = nullptr;
+    ImGui::StyleColorsDark();
+  }
+  static std::string last_error() {
+    const char* text = nullptr;
+    glfwGetError(&text);
+    return text != nullptr ? text : "no reason given";
+  }
+  GLFWwindow* window_;
+  bool overlay_ = false;
+};
+
+/// A stage and the camera in it, and everything that happens in a frame.
+class Session {
+ public:
+  Session(const Options& options, GLFWwindow* window, view::StageView view)
+      : options_(options), window_(window), client_(options.server), view_(std::move(view)) {
+    glfwSetWindowUserPointer(window, this);
+    glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
+      static_cast<Session*>(glfwGetWindowUserPointer(w))->load_files({paths, paths + count});
+    });
+    glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int) {
+      if (action == GLFW_PRESS && !ImGui::GetIO().WantTextInput)
+        static_cast<Session*>(glfwGetWindowUserPointer(w))->press(key);
+    });
+    glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int) {
+      if (button == GLFW_MOUSE_BUTTON_LEFT && action == GLFW_PRESS && !ImGui::GetIO().WantCaptureMouse)
+        static_cast<Session*>(glfwGetWindowUserPointer(w))->throw_ball();
+    });
+    state_.gravity_always = options.gravity;
+    load([options] { return stage_of(options); });
+    client_.patterns();
+  }
+
+  void run() {
+    Clock::time_point last = Clock::now();
+    const Clock::time_point start = last;
+    while (glfwWindowShouldClose(window_) == GLFW_FALSE) {
+      glfwPollEvents();
+      const Clock::time_point now = Clock::now();
+      const double seconds = std::min(0.1, seconds_between(last, now));
+      last = now;
+      state_.frames_per_second += 0.05 * (1 / std::max(seconds, 1e-4) - state_.frames_per_second);
+      take_loaded();
+      frame(seconds);
+      glfwSwapBuffers(window_);
+      if (options_.close_after > 0 && seconds_between(start, now) > options_.close_after) {
+        screenshot("window.png");
+        break;
+      }
+    }
+  }
+
+ private:
+  using Loaded = Expected<scenes::Stage>;
+
+  // -- stages: read on another thread, for some take longer than a frame
+
+  void load(std::function<Loaded()> make) {
+    // One that is overtaken is forgotten: its end is awaited in the background.
+    if (loading_.valid())
+      background(
+          [overtaken = std::make_shared<std::future<Loaded>>(std::move(loading_))] { overtaken->wait(); });
+    loading_ = std::async(std::launch::async, std::move(make));
+    state_.loading = true;
+  }
+  /// Work that no frame waits for; the window's end does.
+  void background(std::function<void()> work) {
+    std::erase_if(background_, [](std::future<void>& f) {
+      return f.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+    });
+    background_.push_back(std::async(std::launch::async, std::move(work)));
+  }
+  void load_scene(const std::string& name) {
+    options_.scene = name;
+    options_.files.clear();
+    load([options = options_] { return stage_of(options); });
+  }
+  void load_files(std::vector<std::string> paths) {
+    options_.files = std::move(paths);
+    load([options = options_] { return stage_of(options); });
+  }
+  void set_material(const std::string& name) {
+    options_.material = name;
+    state_.note = "material: " + name;
+    load([options = options_] { return stage_of(options); });
+  }
+
+  void take_loaded() {
+    if (!loading_.valid() || loading_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+    Loaded stage = loading_.get();
+    state_.loading = false;
+    if (!stage) {
+      state_.note = stage.error().detail;
+      return;
+    }
+    for (const std::string& warning : stage->warnings) state_.note = warning;
+    if (!game_ || game_->stage().name != stage->name || stage->name == "files") aim(*stage);
+    game::GameSettings settings;
+    settings.seed = options_.seed;
+    settings.anticipate = options_.anticipate;
+    settings.overrides = state_.parameters.values();
+    view_.reset();
+    // The old one ends on another thread: its decoder may be at work.
+    if (game_) background([old = std::shared_ptr<game::Game>(std::move(game_))]() mutable { old.reset(); });
+    game_ = std::make_unique<game::Game>(std::move(*stage), client_, settings);
+  }
+
+  // -- camera
+
+  void aim(const scenes::Stage& stage) {
+    eye_ = stage.eye;
+    const glm::vec3 d = glm::normalize(stage.target - stage.eye);
+    yaw_ = std::atan2(d.x, -d.z);
+    pitch_ = std::asin(std::clamp(d.y, -1.f, 1.f));
+  }
+  glm::vec3 forward() const {
+    return {std::sin(yaw_) * std::cos(pitch_), std::sin(pitch_), -std::cos(yaw_) * std::cos(pitch_)};
+  }
+  bool down(int key) const { return !ImGui::GetIO().WantTextInput && glfwGetKey(window_, key) == GLFW_PRESS; }
+  void move(float seconds) {
+    const glm::vec3 ahead = forward(), right = glm::normalize(glm::cross(ahead, glm::vec3(0, 1, 0)));
+    const float speed = (down(GLFW_KEY_LEFT_SHIFT) || down(GLFW_KEY_RIGHT_SHIFT) ? 12.f : 4.f) * seconds;
+    const auto axis = [&](int plus, int minus) {
+      return static_cast<float>(down(plus)) - static_cast<float>(down(minus));
+    };
+    eye_ += speed * (axis(GLFW_KEY_W, GLFW_KEY_S) * ahead + axis(GLFW_KEY_D, GLFW_KEY_A) * right +
+                     axis(GLFW_KEY_E, GLFW_KEY_Q) * glm::vec3(0, 1, 0));
+    eye_.y = std::max(eye_.y, 0.1f);
+    double x = 0, y = 0;
+    glfwGetCursorPos(window_, &x, &y);
+    if (captured_ && had_cursor_) {
+      constexpr float kRadiansPerPixel = 0.0025f;
+      yaw_ += kRadiansPerPixel * static_cast<float>(x - cursor_x_);
+      pitch_ = std::clamp(pitch_ - kRadiansPerPixel * static_cast<float>(y - cursor_y_), -1.5f, 1.5f);
+    }
+    had_cursor_ = captured_;
+    cursor_x_ = x;
+    cursor_y_ = y;
+  }
+
+  // -- events
+
+  void press(int key) {
+    const auto& materials = scenes::material_names();
+    if (key >= GLFW_KEY_1 && key < GLFW_KEY_1 + static_cast<int>(materials.size()))
+      return set_material(materials[static_cast<std::size_t>(key - GLFW_KEY_1)]);
+    switch (key) {
+      case GLFW_KEY_ESCAPE:
+        glfwSetWindowShouldClose(window_, GLFW_TRUE);
+        break;
+      case GLFW_KEY_G:
+        state_.gravity_always = !state_.gravity_always;
+        break;
+      case GLFW_KEY_H:
+        state_.help = !state_.help;
+        break;
+      case GLFW_KEY_F1:
+        state_.panel = !state_.panel;
+        break;
+      case GLFW_KEY_R:
+        load([options = options_] { return stage_of(options); });
+        break;
+      case GLFW_KEY_P:
+        screenshot("fracture-" + std::to_string(++pictures_) + ".png");
+        break;
+      case GLFW_KEY_V:
+        state_.view.debug = static_cast<view::DebugView>((static_cast<int>(state_.view.debug) + 1) %
+                                                         static_cast<int>(view::kDebugViewNames.size()));
+        break;
+      case GLFW_KEY_N: {
+        const auto names = scenes::stage_names();
+        const auto at = std::find(names.begin(), names.end(), options_.scene);
+        options_.material.clear();
+        load_scene(at == names.end() || at + 1 == names.end() ? names.front() : *(at + 1));
+        break;
+      }
+      case GLFW_KEY_TAB:
+        captured_ = !captured_;
+        glfwSetInputMode(window_, GLFW_CURSOR, captured_ ? GLFW_CURSOR_DISABLED : GLFW_CURSOR_NORMAL);
+        break;
+      default:
+        break;
+    }
+  }
+
+  void throw_ball() {
+    if (!game_) return;
+    const glm::dvec3 direction(forward());
+    const double radius = game_->stage().ball_radius;
+    game_->throw_ball(glm::dvec3(eye_) + (radius + 0.3) * direction, game_->stage().ball_speed * direction);
+    if (!state_.gravity_always && !state_.gravity_held) state_.note = "Paused: hold X and the ball flies.";
+  }
+
+  void screenshot(const std::string& name) {
+    if (!target_) return;
+    // Reading waits for the driver, as a picture on demand may; encoding and writing do not.
+    const std::string path = (std::filesystem::path(options_.out) / name).string();
+    background([picture = std::make_shared<const render::Picture>(target_->read()), path] {
+      if (const auto written = render::write_png(*picture, path); !written)
+        std::fprintf(stderr, "fracture-client: %s\n", written.error().detail.c_str());
+    });
+    state_.note = "saved " + path;
+  }
+
+  void save_glb() {
+    const std::string path =
+        (std::filesystem::path(options_.out) / ("fragments-" + std::to_string(++saved_) + ".glb")).string();
+    background([glb = game_->last_glb(), path] {
+      std::ofstream(path, std::ios::binary).write(glb->data(), static_cast<std::streamsize>(glb->size()));
+    });
+    state_.note = "saved " + path;
+  }
+
+  // -- a frame
+
+  void frame(double seconds) {
+    move(static_cast<float>(seconds));
+    state_.gravity_held = down(GLFW_KEY_X);
+    int width = 0, height = 0;
+    glfwGetFramebufferSize(window_, &width, &height);
+    if (width < 1 || height < 1) return;
+    if (!target_ || target_->width() != width || target_->height() != height) {
+      auto made = render::FrameTarget::create(width, height);
+      if (!made) {
+        state_.note = made.error().detail;
+        return;
+      }
+      target_ = std::make_unique<render::FrameTarget>(std::move(*made));
+    }
+    const render::Camera camera =
+        view::look_at(eye_, eye_ + forward(), static_cast<float>(width) / static_cast<float>(height));
+    const Clock::time_point begin = Clock::now();
+    if (game_) {
+      game_->advance(seconds, state_.gravity_always || state_.gravity_held);
+      const auto drawn = view_.draw(*game_, camera, state_.view, target_->framebuffer(), width, height);
+      if (drawn)
+        state_.figures = *drawn;
+      else
+        state_.note = drawn.error().detail;
+    }
+    state_.frame_ms[state_.next_frame] = static_cast<float>(1e3 * seconds_between(begin, Clock::now()));
+    state_.next_frame = (state_.next_frame + 1) % state_.frame_ms.size();
+    target_->copy_to(0);
+    overlay(camera, width, height);
+    read_patterns();
+  }
+
+  void overlay(const render::Camera& camera, int width, int height) {
+    ImGui_ImplOpenGL3_NewFrame();
+    ImGui_ImplGlfw_NewFrame();
+    ImGui::NewFrame();
+    if (game_) {
+      if (state_.view.debug == view::DebugView::kFragments) draw_fragment_ids(*game_, camera, width, height);
+      draw_panel(
+          state_, *game_, client_,
+          {[this](const std::string& scene) {
+             options_.material.clear();
+             load_scene(scene);
+           },
+           [this](const std::string& material) { set_material(material); },
+           [this] { load([options = options_] { return stage_of(options); }); }, [this] { save_glb(); }});
+    }
+    draw_help(state_);
+    ImGui::Render();
+    glViewport(0, 0, width, height);
+    ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  }
+
+  void read_patterns() {
+    if (!state_.parameters.empty() || !game_) return;
+    if (const std::string& text = game_->patterns(); !text.empty()) state_.parameters.read(text);
+  }
+
+  Options options_;
+  GLFWwindow* window_;
+  protocol::Client client_;
+  view::StageView view_;
+  std::unique_ptr<game::Game> game_;
+  std::unique_ptr<render::FrameTarget> target_;
+  PanelState state_;
+  std::future<Loaded> loading_;
+  std::vector<std::future<void>> background_;
+  glm::vec3 eye_{0, 2, 8};
+  float yaw_ = 0, pitch_ = 0;
+  bool captured_ = false, had_cursor_ = false;
+  double cursor_x_ = 0, cursor_y_ = 0;
+  int pictures_ = 0, saved_ = 0;
+};
+
+}  // namespace
+
+int run_window(const Options& options) {
+  std::error_code ignored;  // what cannot be written there says so then
+  std::filesystem::create_directories(options.out, ignored);
+  const auto window = Window::open(options);
+  if (!window) {
+    std::fprintf(stderr, "fracture-client: no window: %s. --headless needs none.\n", window.error().c_str());
+    return 1;
+  }
+  auto view = view::StageView::create();
+  if (!view) {
+    std::fprintf(stderr, "fracture-client: %s\n", view.error().detail.c_str());
+    return 1;
+  }
+  Session session(options, (*window)->get(), std::move(*view));
+  (*window)->start_overlay();
+  session.run();
+  return 0;
+}
+
+}  // namespace fracture::app

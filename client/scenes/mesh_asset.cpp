@@ -1,0 +1,146 @@
+#include "client/scenes/mesh_asset.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "common/import/import.hpp"
+#include "common/mesh/frame.hpp"
+
+namespace fracture::scenes {
+namespace {
+
+namespace fs = std::filesystem;
+
+Expected<MeshAsset> complete(MeshAsset asset, const std::vector<float>& cuts = {}) {
+  auto scene = render::read_scene(std::as_bytes(std::span(asset.bytes.data(), asset.bytes.size())));
+  if (!scene) return fail(ErrorCode::kMalformedMesh, scene.error().detail);
+  std::vector<glm::vec3> positions;
+  positions.reserve(scene->vertices.size());
+  for (const render::Vertex& v : scene->vertices)
+    positions.emplace_back(scene->objects[v.object].transform * glm::vec4(v.position, 1));
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  for (std::size_t k = 0; k + 2 < scene->indices.size(); k += 3)
+    triangles.push_back({scene->indices[k], scene->indices[k + 1], scene->indices[k + 2]});
+  asset.unit_mass = world::solid_mass(positions, triangles, 1);
+  for (std::size_t k = 0; k <= cuts.size(); ++k) {
+    const float from = k == 0 ? -HUGE_VALF : cuts[k - 1], to = k == cuts.size() ? HUGE_VALF : cuts[k];
+    std::vector<glm::vec3> slice;
+    for (const glm::vec3& p : positions)
+      if (p.y >= from && p.y <= to) slice.push_back(p);
+    asset.hulls.push_back(world::reduced_hull(slice));
+    if (asset.hulls.back().size() < 4)
+      return fail(ErrorCode::kEmptyMesh, "The mesh has fewer than four corners.");
+  }
+  asset.low = glm::dvec3(HUGE_VAL);
+  asset.high = -asset.low;
+  for (const glm::vec3& p : positions) {
+    asset.low = glm::min(asset.low, glm::dvec3(p));
+    asset.high = glm::max(asset.high, glm::dvec3(p));
+  }
+  asset.warnings.insert(asset.warnings.end(), scene->warnings.begin(), scene->warnings.end());
+  asset.scene = std::make_shared<const render::Scene>(std::move(*scene));
+  return asset;
+}
+
+SurfaceMesh surface_of(const Mesh& mesh) {
+  SurfaceMesh surface;
+  const bool smooth = mesh.attributes.normals.size() == mesh.positions.size();
+  glm::vec3 low(HUGE_VALF), high(-HUGE_VALF);
+  for (const Vec3f& p : mesh.positions) {
+    low = glm::min(low, {p.x, p.y, p.z});
+    high = glm::max(high, {p.x, p.y, p.z});
+  }
+  const glm::vec3 size = high - low;
+  const float longest = std::max({size.x, size.y, size.z});
+  const float scale = longest > 4 || longest < 0.2f ? 2 / std::max(longest, 1e-6f) : 1;
+  const glm::vec3 middle(0.5f * (low + high));
+  const auto position = [&](std::uint32_t v) {
+    const Vec3f& p = mesh.positions[v];
+    return scale * (glm::vec3(p.x, p.y, p.z) - middle);
+  };
+  for (const auto& t : mesh.triangles) {
+    if (!smooth) {
+      const glm::vec3 n = glm::cross(position(t[1]) - position(t[0]), position(t[2]) - position(t[0]));
+      if (glm::dot(n, n) > 0) surface.triangle(position(t[0]), position(t[1]), position(t[2]));
+      continue;
+    }
+    surface.triangles.push_back(t);
+  }
+  if (smooth)
+    for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
+      const Vec3f& n = mesh.attributes.normals[v];
+      surface.positions.push_back(position(v));
+      surface.normals.emplace_back(n.x, n.y, n.z);
+    }
+  return surface;
+}
+
+}  // namespace
+
+MeshAsset make_asset(const SurfaceMesh& mesh, const std::string& name, const glm::vec4& color,
+                     const std::vector<float>& cuts) {
+  MeshAsset asset;
+  asset.name = name;
+  asset.bytes = to_glb(mesh, name, color);
+  Expected<MeshAsset> made = complete(std::move(asset), cuts);
+  if (!made) throw InternalError("The built-in mesh " + name + ": " + made.error().detail);
+  return std::move(*made);
+}
+
+Expected<MeshAsset> load_asset(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  MeshAsset asset;
+  asset.name = fs::path(path).stem().string();
+  asset.bytes.assign(std::istreambuf_iterator<char>(in), {});
+  if (!in.is_open() || in.bad()) return fail(ErrorCode::kMalformedMesh, "Cannot read " + path + ".");
+  std::string extension = fs::path(path).extension().string();
+  if (!extension.empty()) extension.erase(0, 1);
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const auto format = format_from_extension(extension);
+  if (!format)
+    return fail(ErrorCode::kUnknownFormat, path + " has no extension of a mesh format that is read.");
+  if (*format == MeshFormat::kGlb) return complete(std::move(asset));
+  // What the file names lies beside it.
+  std::vector<std::string> names, contents;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(fs::path(path).parent_path(), ignored)) {
+    constexpr std::uintmax_t kLargest = 64u << 20;
+    if (names.size() >= 64 || !entry.is_regular_file(ignored) || entry.file_size(ignored) > kLargest)
+      continue;
+    const std::string beside = entry.path().extension().string();
+    if (beside != ".bin" && beside != ".mtl" && beside != ".png" && beside != ".jpg") continue;
+    std::ifstream file(entry.path(), std::ios::binary);
+    names.push_back(entry.path().filename().string());
+    contents.emplace_back(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
+  }
+  std::vector<ImportFile> files;
+  for (std::size_t k = 0; k < names.size(); ++k)
+    files.push_back({names[k], std::as_bytes(std::span(contents[k].data(), contents[k].size()))});
+  Expected<Mesh> mesh = import_mesh(std::as_bytes(std::span(asset.bytes.data(), asset.bytes.size())), *format,
+                                    ImportLimits{}, files);
+  if (!mesh) return tl::unexpected(mesh.error());
+  to_metres_y_up(*mesh, {});
+  const SurfaceMesh surface = surface_of(*mesh);
+  glm::vec4 color(0.6f, 0.58f, 0.55f, 1);
+  if (!mesh->library->materials.empty()) {
+    const nlohmann::json& material = mesh->library->materials.front();
+    const nlohmann::json factor =
+        material.value("/pbrMetallicRoughness/baseColorFactor"_json_pointer, nlohmann::json());
+    if (factor.is_array() && factor.size() == 4)
+      for (int k = 0; k < 4; ++k) color[k] = factor[static_cast<std::size_t>(k)].get<float>();
+  }
+  asset.bytes = to_glb(surface, asset.name, color);
+  asset.warnings.push_back(path + " is shown and sent without its textures.");
+  return complete(std::move(asset));
+}
+
+std::string monkey_path() {
+  constexpr const char* kMonkey = "/usr/share/assimp/models/BLEND/Suzanne_248.blend";
+  return fs::exists(kMonkey) ? kMonkey : "";
+}
+
+}  // namespace fracture::scenes

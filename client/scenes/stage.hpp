@@ -1,0 +1,84 @@
+// A scene to play in: what stands where, how it breaks, and what a run without a player throws.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "client/render/looks.hpp"
+#include "client/scenes/mesh_asset.hpp"
+
+namespace fracture::scenes {
+
+/// What the request for fragments says, and how it grows with the energy of the hit.
+struct Breakage {
+  nlohmann::json parameters = nlohmann::json::object();  ///< of every request: material, anchors, …
+  bool impacts = false;                                  ///< its pattern takes `impacts`: where it was hit
+  bool radius = false;                                   ///< … and `radius`
+  int sites = 60;       ///< at `energy`; both counts and radius grow with its cube root
+  double reach = 0.5;   ///< metres: `radius` at `energy`
+  double energy = 500;  ///< J
+};
+
+struct StageObject {
+  std::string name;
+  std::shared_ptr<const MeshAsset> mesh;
+  world::Pose pose;
+  bool held = false;
+  double density = 1000;                  ///< kg/m³
+  double strength = 100;                  ///< N·s
+  double reach = 0.5, crack_front = 0.4;  ///< as in world::ObjectSpec
+  double friction = 0.6, restitution = 0.1;
+  Breakage breakage;
+  bool at_start = false;  ///< its fragments are asked for when the level is loaded, not when it is hit
+  render::SolidLook look = render::SolidLook::kNone;
+  glm::vec3 grain{0, 1, 0};
+};
+
+struct StageBox {  ///< does not move
+  world::Pose pose;
+  glm::dvec3 half_sides{0.5};
+  render::SolidLook look = render::SolidLook::kConcrete;
+};
+
+struct Throw {
+  double time = 0;  ///< seconds
+  glm::dvec3 from{0}, velocity{0};
+};
+
+struct Stage {
+  std::string name, title;
+  std::vector<StageObject> objects;
+  std::vector<StageBox> boxes;
+  std::vector<Throw> throws;
+  double ball_radius = 0.12, ball_density = 7800, ball_speed = 16;
+  glm::vec3 eye{0, 2, 8}, target{0, 1, 0};
+  render::Sphere bounds{{0, 1, 0}, 5};  ///< what light and shadows cover
+  std::vector<std::string> warnings;
+};
+
+/// monkey, panes, wall, temple, crates.
+std::vector<std::string> stage_names();
+
+/// A built-in scene; kBadParameter with the names there are. Meshes are generated; the monkey is read from
+/// assimp-testmodels, and is a vase where that is not installed.
+Expected<Stage> make_stage(const std::string& name);
+
+/// The meshes of files, and of folders all that can be read (at most 40), side by side above the ground.
+/// A file that cannot be read is a warning; kNoFragments where none can.
+Expected<Stage> stage_of_files(const std::vector<std::string>& paths);
+
+/// Materials for the number keys 1 … 8, in the server's order.
+const std::vector<std::string>& material_names();
+
+/// Gives every object another material: parameters, density, look, and a strength in proportion.
+void set_material(Stage& stage, const std::string& material);
+
+/// The body of POST /meshes/…/fracture for a hit. `overrides` (from the panel) replace whatever they name.
+nlohmann::json fracture_parameters(const StageObject& object, const world::Impact& impact, std::uint64_t seed,
+                                   const nlohmann::json& overrides);
+
+}  // namespace fracture::scenes

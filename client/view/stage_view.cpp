@@ -1,0 +1,247 @@
+#include "client/view/stage_view.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "client/render/fragment_views.hpp"
+
+namespace fracture::view {
+namespace {
+
+using render::ObjectState;
+using render::Result;
+
+constexpr std::size_t kBallObjects = 64;
+
+/// Several boxes, or a ball several times, as one scene with an object for each.
+std::shared_ptr<const render::Scene> scene_of(const std::vector<scenes::SurfaceMesh>& meshes,
+                                              render::Material material) {
+  auto scene = std::make_shared<render::Scene>();
+  scene->materials.push_back(std::move(material));
+  for (const scenes::SurfaceMesh& mesh : meshes) {
+    const auto number = static_cast<std::uint32_t>(scene->objects.size());
+    const auto base = static_cast<std::uint32_t>(scene->vertices.size());
+    render::Object object;
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+      render::Vertex vertex;
+      vertex.position = mesh.positions[v];
+      vertex.normal = mesh.normals[v];
+      vertex.object = number;
+      scene->vertices.push_back(vertex);
+      object.bounds.radius = std::max(object.bounds.radius, glm::length(mesh.positions[v]));
+    }
+    render::Surface surface;
+    surface.object = number;
+    surface.first_index = static_cast<std::uint32_t>(scene->indices.size());
+    surface.index_count = static_cast<std::uint32_t>(3 * mesh.triangles.size());
+    for (const auto& t : mesh.triangles)
+      for (const std::uint32_t v : t) scene->indices.push_back(base + v);
+    scene->objects.push_back(std::move(object));
+    scene->surfaces.push_back(surface);
+  }
+  return scene;
+}
+
+scenes::SurfaceMesh unit_ball() {
+  scenes::Turned shape;
+  shape.segments = 32;
+  constexpr int kRings = 16;
+  for (int k = 0; k <= kRings; ++k) {
+    const double angle = 3.14159265358979323846 * (0.02 + 0.96 * k / kRings);
+    shape.profile.emplace_back(static_cast<float>(std::sin(angle)), static_cast<float>(-std::cos(angle)));
+  }
+  scenes::SurfaceMesh mesh = scenes::turned(shape);
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) mesh.normals[v] = glm::normalize(mesh.positions[v]);
+  return mesh;
+}
+
+glm::vec3 load_color(float load) {
+  const float t = std::clamp(load, 0.f, 1.f);
+  return {std::min(1.f, 2 * t), std::min(1.f, 2 - 2 * t), 0.05f};
+}
+
+}  // namespace
+
+render::Camera look_at(const glm::vec3& eye, const glm::vec3& target, float aspect) {
+  render::Camera camera;
+  camera.eye = eye;
+  camera.view = glm::lookAt(eye, target, glm::vec3(0, 1, 0));
+  camera.projection = glm::perspective(glm::radians(50.f), aspect, 0.05f, 300.f);
+  return camera;
+}
+
+Result<StageView> StageView::create() {
+  Result<render::Renderer> renderer = render::Renderer::create();
+  if (!renderer) return tl::unexpected(renderer.error());
+  Result<DebugLines> lines = DebugLines::create();
+  if (!lines) return tl::unexpected(lines.error());
+  return StageView(std::move(*renderer), std::move(*lines));
+}
+
+Result<StageView::Item*> StageView::item_of(const game::Game& game, std::size_t index) {
+  const game::Thing& thing = game.things()[index];
+  const bool broken = thing.fragments != nullptr;
+  const auto known = items_.find(index);
+  if (known != items_.end() && known->second.broken == broken) return &known->second;
+  auto scene = broken ? thing.fragments->scene : game.stage().objects[thing.stage_object].mesh->scene;
+  Result<render::GpuScene> gpu = render::GpuScene::upload(scene);
+  if (!gpu) return tl::unexpected(gpu.error());
+  ++uploads_;
+  const render::Sphere frame = bounding_sphere(*game.stage().objects[thing.stage_object].mesh->scene, {});
+  const auto placed =
+      items_.insert_or_assign(index, Item{std::move(*gpu), initial_states(*scene), broken, frame});
+  return &placed.first->second;
+}
+
+void StageView::set_states(const game::Game& game, std::size_t index, Item& item, DebugView debug) {
+  const game::Thing& thing = game.things()[index];
+  const render::Scene& scene = item.gpu.scene();
+  if (!item.broken) {
+    const glm::mat4 world(game.world().object_pose(thing.id).matrix());
+    for (std::size_t k = 0; k < item.states.size(); ++k)
+      item.states[k].transform = world * scene.objects[k].transform;
+    return;
+  }
+  game.world().fragment_states(thing.id, fragment_states_);
+  for (std::size_t k = 0; k < item.states.size(); ++k) {
+    const std::uint32_t fragment = thing.fragments->fragment_of_object[k];
+    ObjectState& state = item.states[k];
+    if (fragment == game::Decoded::kNoFragment || !fragment_states_[fragment].present) {
+      state.visible = false;
+      continue;
+    }
+    const world::FragmentState& f = fragment_states_[fragment];
+    state.visible = true;
+    // The node's own transform is a translation to the fragment's origin: it shrinks about that.
+    state.transform = glm::mat4(f.asset_to_world.matrix()) * scene.objects[k].transform;
+    if (f.size < 1) state.transform = glm::scale(state.transform, glm::vec3(f.size));
+    state.tint =
+        debug == DebugView::kFragments ? glm::vec4(render::distinct_color(f.group), 0.85f) : glm::vec4(0);
+  }
+}
+
+void StageView::add_lines(const game::Game& game, DebugView debug) {
+  for (const game::Thing& thing : game.things()) {
+    if (!thing.fragments) continue;
+    const world::FragmentSet& set = world::fragments_of(*thing.fragments->fragments);
+    game.world().fragment_states(thing.id, fragment_states_);
+    if (debug == DebugView::kHulls) {
+      for (std::size_t k = 0; k < set.fragments.size(); ++k) {
+        if (!fragment_states_[k].present) continue;
+        const glm::vec3 color = render::distinct_color(static_cast<std::uint32_t>(k));
+        const world::Pose& pose = fragment_states_[k].asset_to_world;
+        // From each corner to its three nearest: enough to see the hull.
+        for (const world::Hull& hull : set.fragments[k].hulls)
+          for (std::size_t a = 0; a < hull.size(); ++a) {
+            std::vector<std::pair<double, std::size_t>> near;
+            for (std::size_t b = 0; b < hull.size(); ++b)
+              if (a != b) near.emplace_back(glm::distance(hull[a], hull[b]), b);
+            const std::size_t count = std::min<std::size_t>(3, near.size());
+            std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(count), near.end());
+            for (std::size_t n = 0; n < count; ++n)
+              lines_.add(glm::vec3(pose.point(hull[a])), glm::vec3(pose.point(hull[near[n].second])), color);
+          }
+      }
+      continue;
+    }
+    const std::vector<float> loads = game.world().bond_states(thing.id);
+    for (std::size_t k = 0; k < set.bonds.size(); ++k) {
+      const world::Bond& bond = set.bonds[k];
+      if (loads[k] < 0 || !fragment_states_[bond.a].present || !fragment_states_[bond.b].present) continue;
+      lines_.add(glm::vec3(fragment_states_[bond.a].asset_to_world.point(set.fragments[bond.a].mass.center)),
+                 glm::vec3(fragment_states_[bond.b].asset_to_world.point(set.fragments[bond.b].mass.center)),
+                 load_color(loads[k]));
+    }
+  }
+}
+
+Result<void> StageView::upload_furniture(const game::Game& game) {
+  if (furnished_ == &game) return {};
+  furniture_.clear();
+  std::map<render::SolidLook, std::vector<std::size_t>> by_look;
+  for (std::size_t k = 0; k < game.stage().boxes.size(); ++k)
+    by_look[game.stage().boxes[k].look].push_back(k);
+  for (const auto& [look, boxes] : by_look) {
+    std::vector<scenes::SurfaceMesh> meshes;
+    for (const std::size_t k : boxes) {
+      const glm::vec3 size(2.0 * game.stage().boxes[k].half_sides);
+      meshes.push_back(scenes::box(size, std::min(0.01f, 0.1f * std::min({size.x, size.y, size.z}))));
+    }
+    auto scene = scene_of(meshes, {});
+    Result<render::GpuScene> gpu = render::GpuScene::upload(scene);
+    if (!gpu) return tl::unexpected(gpu.error());
+    Item item{std::move(*gpu), initial_states(*scene), false, {}};
+    for (std::size_t k = 0; k < boxes.size(); ++k)
+      item.states[k].transform = glm::mat4(game.stage().boxes[boxes[k]].pose.matrix());
+    furniture_.emplace_back(look, std::move(item));
+  }
+  render::Material iron;
+  iron.base_color = {0.23f, 0.24f, 0.26f, 1};
+  iron.metallic = 1;
+  iron.roughness = 0.38f;
+  auto balls = scene_of(std::vector<scenes::SurfaceMesh>(kBallObjects, unit_ball()), iron);
+  Result<render::GpuScene> gpu = render::GpuScene::upload(balls);
+  if (!gpu) return tl::unexpected(gpu.error());
+  furniture_.emplace_back(render::SolidLook::kNone, Item{std::move(*gpu), initial_states(*balls), false, {}});
+  furnished_ = &game;
+  return {};
+}
+
+Result<ViewFigures> StageView::draw(const game::Game& game, const render::Camera& camera,
+                                    const ViewSettings& settings, GLuint framebuffer, int width, int height) {
+  const auto start = std::chrono::steady_clock::now();
+  uploads_ = 0;
+  if (const auto furnished = upload_furniture(game); !furnished) return tl::unexpected(furnished.error());
+  std::vector<render::DrawItem> draws;
+  std::optional<render::RenderError> trouble;
+  for (std::size_t k = 0; k < game.things().size(); ++k) {
+    const Result<Item*> item = item_of(game, k);
+    if (!item) {
+      trouble = item.error();
+      continue;
+    }
+    set_states(game, k, **item, settings.debug);
+    const scenes::StageObject& object = game.stage().objects[game.things()[k].stage_object];
+    draws.push_back({&(*item)->gpu, (*item)->states, object.look, object.grain, (*item)->look_frame});
+  }
+  std::vector<ObjectState>& balls = furniture_.back().second.states;
+  for (ObjectState& state : balls) state.visible = false;
+  std::size_t next = 0;
+  for (const world::BallState& ball : game.world().balls()) {
+    if (next >= balls.size()) break;
+    balls[next].visible = true;
+    balls[next].transform =
+        glm::scale(glm::mat4(ball.pose.matrix()), glm::vec3(static_cast<float>(ball.radius)));
+    ++next;
+  }
+  for (auto& [look, item] : furniture_)
+    draws.push_back({&item.gpu, item.states, look, {1, 0, 0}, std::nullopt});
+
+  render::RenderSettings how;
+  how.ground = render::Ground::kGrid;
+  how.ground_height = 0.f;
+  how.ground_color = {0.30f, 0.31f, 0.32f};
+  how.background_top = {0.20f, 0.33f, 0.52f};
+  how.background_bottom = {0.66f, 0.72f, 0.78f};
+  how.stage = game.stage().bounds;
+  how.lighting.sky_shadows = settings.sky_shadows;
+  how.lighting.sun_shadow = settings.sun_shadow;
+  how.wireframe = settings.debug == DebugView::kWireframe;
+  how.highlight =
+      settings.debug == DebugView::kInterior ? render::Highlight::kInterior : render::Highlight::kNone;
+  const render::FrameStats stats = renderer_.draw(draws, camera, how, framebuffer, width, height);
+  ViewFigures figures{stats.draw_calls, stats.culled, uploads_, 0};
+  if (settings.debug == DebugView::kHulls || settings.debug == DebugView::kBonds) {
+    add_lines(game, settings.debug);
+    lines_.draw(camera, settings.debug == DebugView::kBonds);
+    ++figures.draw_calls;
+  }
+  figures.submit_ms =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  if (trouble) return tl::unexpected(*trouble);
+  return figures;
+}
+
+}  // namespace fracture::view

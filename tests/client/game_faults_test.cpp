@@ -1,0 +1,275 @@
+// The game with a server that is away, busy, slow, or answers nonsense: it says so and goes on.
+#include <gtest/gtest.h>
+#include <openssl/evp.h>
+
+#include <cmath>
+#include <condition_variable>
+#include <mutex>
+
+#include "client/game/game.hpp"
+#include "common/base/digest.hpp"
+#include "tests/client/fake_server.hpp"
+#include "tests/client/rows.hpp"
+
+namespace fracture::game {
+namespace {
+
+using test::FakeReply;
+using test::FakeRequest;
+using test::FakeServer;
+
+std::string digest_field(const std::string& bytes) {
+  const Digest digest = sha256(bytes);
+  unsigned char text[48];
+  EVP_EncodeBlock(text, digest.bytes.data(), static_cast<int>(digest.bytes.size()));
+  return "Repr-Digest: sha-256=:" + std::string(reinterpret_cast<char*>(text)) + ":\r\n";
+}
+FakeReply glb(const std::string& bytes) { return FakeReply::answer(200, bytes, digest_field(bytes)); }
+
+/// Falls and is hit by the ground at once: two cubes of a metre.
+scenes::Stage falling_box() {
+  scenes::Stage stage;
+  stage.name = "box";
+  scenes::StageObject object;
+  scenes::SurfaceMesh mesh = scenes::box({2, 1, 1});
+  for (glm::vec3& p : mesh.positions) p.x += 0.5f;  // as the two cubes lie
+  object.mesh = std::make_shared<const scenes::MeshAsset>(scenes::make_asset(mesh, "box", {1, 1, 1, 1}));
+  object.density = 2000;
+  object.strength = 100;
+  object.pose.position = {0, 1.5, 0};
+  stage.objects.push_back(object);
+  return stage;
+}
+
+protocol::Settings settings_for(const FakeServer& server) {
+  protocol::Settings settings;
+  settings.port = server.port();
+  settings.heartbeat = protocol::Milliseconds(0);
+  settings.first_pause = protocol::Milliseconds(1);
+  settings.longest_pause = protocol::Milliseconds(5);
+  return settings;
+}
+
+constexpr double kFrame = 1.0 / 60;
+
+void frames(Game& game, int count) {
+  for (int k = 0; k < count; ++k) game.advance(kFrame, true);
+}
+/// Frames until the game has seen an answer's end, good or bad.
+void frames_until(Game& game, const std::function<bool()>& done) {
+  while (!done()) {
+    game.advance(kFrame, true);
+    std::this_thread::sleep_for(std::chrono::microseconds(200));
+  }
+}
+
+TEST(GameFaults, TheFrameDoesNotWaitForASlowServer) {
+  std::mutex mutex;
+  std::condition_variable wake;
+  bool answer = false;
+  const std::string bytes = test::two_cubes_glb().bytes();
+  FakeServer server([&](const FakeRequest& request) {
+    if (request.method == "PUT") return FakeReply::answer(201, "{}");
+    std::unique_lock lock(mutex);
+    wake.wait(lock, [&] { return answer; });
+    return glb(bytes);
+  });
+  protocol::Client client(settings_for(server));
+  Game game(falling_box(), client, {});
+  frames_until(game, [&] { return game.figures().requests == 1; });
+  const std::uint64_t steps = game.world().steps();
+  frames(game, 120);  // two seconds of the game pass, whatever the server does
+  EXPECT_EQ(game.world().steps(), steps + 240);
+  EXPECT_TRUE(game.world().is_whole(0));
+  EXPECT_EQ(game.open_requests(), 1u);
+  {
+    const std::lock_guard lock(mutex);
+    answer = true;
+  }
+  wake.notify_all();
+  frames_until(game, [&] { return game.figures().swaps == 1; });
+  EXPECT_FALSE(game.world().is_whole(0));
+}
+
+TEST(GameFaults, AReproducibleRunStandsStillInstead) {
+  std::atomic<bool> answer = false;
+  const std::string bytes = test::two_cubes_glb().bytes();
+  FakeServer server([&](const FakeRequest& request) {
+    if (request.method == "PUT") return FakeReply::answer(201, "{}");
+    while (!answer) std::this_thread::yield();
+    return glb(bytes);
+  });
+  protocol::Client client(settings_for(server));
+  GameSettings settings;
+  settings.fixed_latency = 6;
+  Game game(falling_box(), client, settings);
+  while (game.ready() && game.figures().requests == 0) game.step();
+  const std::uint64_t asked = game.world().steps();
+  while (game.ready()) game.step();
+  EXPECT_EQ(game.world().steps(), asked + 6);
+  for (int k = 0; k < 100; ++k) EXPECT_FALSE(game.ready());
+  answer = true;
+  while (!game.ready()) std::this_thread::yield();
+  game.step();
+  EXPECT_EQ(game.figures().swaps, 1u);
+  ASSERT_EQ(game.swaps().size(), 1u);
+  EXPECT_EQ(game.swaps()[0].step, asked + 6);
+}
+
+TEST(GameFaults, WithoutAServerThingsStayWholeAndTheGameGoesOn) {
+  std::uint16_t port;
+  {
+    FakeServer gone([](const FakeRequest&) { return FakeReply{}; });
+    port = gone.port();
+  }
+  protocol::Settings s;
+  s.port = port;
+  s.heartbeat = protocol::Milliseconds(0);
+  s.first_pause = protocol::Milliseconds(1);
+  s.patience = protocol::Milliseconds(10);
+  protocol::Client client(s);
+  Game game(falling_box(), client, {});
+  frames_until(game, [&] { return game.figures().failures >= 1; });
+  EXPECT_TRUE(game.world().is_whole(0));
+  EXPECT_NE(game.figures().last_trouble.find("server-absent"), std::string::npos)
+      << game.figures().last_trouble;
+  const std::uint64_t steps = game.world().steps();
+  frames(game, 10);
+  EXPECT_EQ(game.world().steps(), steps + 20);
+}
+
+TEST(GameFaults, AfterAFailureTheNextHitAsksAgain) {
+  std::atomic<int> asked = 0;
+  const std::string bytes = test::two_cubes_glb().bytes();
+  FakeServer server([&](const FakeRequest& request) {
+    if (request.method == "PUT") return FakeReply::answer(201, "{}");
+    return ++asked == 1 ? FakeReply::answer(400, R"({"type": "/problems/bad-parameter", "detail": "No."})")
+                        : glb(bytes);
+  });
+  protocol::Client client(settings_for(server));
+  Game game(falling_box(), client, {});
+  frames_until(game, [&] { return game.figures().failures == 1; });
+  EXPECT_TRUE(game.world().is_whole(0));
+  game.throw_ball({0.5, 0.5, 4}, {0, 1, -40});
+  frames_until(game, [&] { return game.figures().swaps == 1; });
+  EXPECT_FALSE(game.world().is_whole(0));
+}
+
+class BadAnswers : public testing::TestWithParam<int> {};
+
+TEST_P(BadAnswers, AreReportedAndTheGameGoesOn) {
+  test::GlbParts parts = test::two_cubes_glb();
+  const float nan = NAN;
+  switch (GetParam()) {
+    case 0:
+      parts.binary.replace(8, 4, reinterpret_cast<const char*>(&nan), 4);
+      break;
+    case 1:
+      parts.json["nodes"][0]["extras"]["fracture"]["bonds"]["b"] = {123456};
+      break;
+    case 2:
+      parts.json["meshes"][0]["primitives"][0]["indices"] = 77;
+      break;
+    default:
+      parts.json = {{"asset", {{"version", "2.0"}}}};
+      break;
+  }
+  const std::string bytes = GetParam() == 4 ? std::string("this is no glTF") : parts.bytes();
+  FakeServer server([&](const FakeRequest& request) {
+    return request.method == "PUT" ? FakeReply::answer(201, "{}") : glb(bytes);
+  });
+  protocol::Client client(settings_for(server));
+  Game game(falling_box(), client, {});
+  frames_until(game, [&] { return game.figures().failures >= 1; });
+  EXPECT_NE(game.figures().last_trouble.find("cannot be used"), std::string::npos)
+      << game.figures().last_trouble;
+  EXPECT_TRUE(game.world().is_whole(0));
+  const std::uint64_t steps = game.world().steps();
+  frames(game, 10);
+  EXPECT_EQ(game.world().steps(), steps + 20);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, BadAnswers, testing::Range(0, 5));
+
+TEST(GameFaults, BusyAndDamagedAnswersAreOvercome) {
+  const std::string bytes = test::two_cubes_glb().bytes();
+  std::atomic<int> asked = 0;
+  FakeServer server([&](const FakeRequest& request) {
+    if (request.method == "PUT") return FakeReply::answer(201, "{}");
+    FakeReply reply = glb(bytes);
+    switch (asked++) {
+      case 0:
+        return FakeReply::answer(503, "{}", "Retry-After: 0\r\n");
+      case 1:
+        reply.bytes[reply.bytes.size() / 2] ^= 1;
+        break;  // a bit
+      case 2:
+        reply = {reply.bytes.substr(0, reply.bytes.size() / 2), true};
+        break;  // cut off
+      default:
+        break;
+    }
+    return reply;
+  });
+  protocol::Client client(settings_for(server));
+  Game game(falling_box(), client, {});
+  frames_until(game, [&] { return game.figures().swaps == 1; });
+  EXPECT_EQ(game.figures().failures, 0u);
+  EXPECT_EQ(client.status().retried, 3u);
+}
+
+TEST(GameFaults, AServerThatForgotTheMeshGetsItAgain) {
+  const std::string bytes = test::two_cubes_glb().bytes();
+  std::atomic<int> puts = 0;
+  FakeServer server([&](const FakeRequest& request) {
+    if (request.method == "PUT") {
+      ++puts;
+      return FakeReply::answer(201, "{}");
+    }
+    return puts < 2 ? FakeReply::answer(404, R"({"type": "/problems/not-found", "detail": "?"})")
+                    : glb(bytes);
+  });
+  protocol::Client client(settings_for(server));
+  Game game(falling_box(), client, {});
+  frames_until(game, [&] { return game.figures().swaps == 1; });
+  EXPECT_EQ(puts, 2);
+}
+
+TEST(GameFaults, AnAnswerForAGameThatEndedIsIgnored) {
+  const std::string bytes = test::two_cubes_glb().bytes();
+  FakeServer server([&](const FakeRequest& request) {
+    return request.method == "PUT" ? FakeReply::answer(201, "{}") : glb(bytes);
+  });
+  protocol::Client client(settings_for(server));
+  {
+    Game first(falling_box(), client, {});
+    frames_until(first, [&] { return first.figures().requests == 1; });
+  }
+  Game second(falling_box(), client, {});
+  frames_until(second, [&] { return second.figures().swaps == 1; });
+  EXPECT_EQ(second.figures().answers, 1u);
+}
+
+TEST(GameFaults, TwoHundredGamesLeaveNothingBehind) {
+  const std::string bytes = test::two_cubes_glb().bytes();
+  FakeServer server([&](const FakeRequest& request) {
+    return request.method == "PUT" ? FakeReply::answer(201, "{}") : glb(bytes);
+  });
+  protocol::Client client(settings_for(server));
+  GameSettings settings;
+  settings.fixed_latency = 2;
+  std::optional<std::uint64_t> fingerprint;
+  for (int k = 0; k < 200; ++k) {
+    Game game(falling_box(), client, settings);
+    while (game.figures().swaps == 0) {
+      while (!game.ready()) std::this_thread::yield();
+      game.step();
+    }
+    if (!fingerprint) fingerprint = game.world().fingerprint();
+    ASSERT_EQ(game.world().fingerprint(), *fingerprint) << k;
+  }
+  while (client.status().open != 0) std::this_thread::yield();
+}
+
+}  // namespace
+}  // namespace fracture::game

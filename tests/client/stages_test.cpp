@@ -1,0 +1,131 @@
+// Built-in meshes and scenes, as values.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "client/scenes/stage.hpp"
+
+namespace fracture::scenes {
+namespace {
+
+/// Every edge has a partner in the other direction: closed, and consistently oriented.
+std::size_t open_edges(const SurfaceMesh& mesh) {
+  using Point = std::array<float, 3>;
+  std::map<std::pair<Point, Point>, int> edges;
+  const auto point = [&](std::uint32_t v) {
+    return Point{mesh.positions[v].x, mesh.positions[v].y, mesh.positions[v].z};
+  };
+  for (const auto& t : mesh.triangles)
+    for (std::size_t k = 0; k < 3; ++k) ++edges[{point(t[k]), point(t[(k + 1) % 3])}];
+  std::size_t open = 0;
+  for (const auto& [edge, count] : edges) {
+    const auto back = edges.find({edge.second, edge.first});
+    open += back == edges.end() || back->second != count;
+  }
+  return open;
+}
+
+double volume(const SurfaceMesh& mesh) { return world::solid_mass(mesh.positions, mesh.triangles, 1).mass; }
+
+TEST(SolidShapes, ABoxIsClosedAndHasItsVolume) {
+  EXPECT_EQ(open_edges(box({2, 3, 4})), 0u);
+  EXPECT_NEAR(volume(box({2, 3, 4})), 24, 1e-5);
+  EXPECT_EQ(open_edges(box({2, 3, 4}, 0.25f)), 0u);
+  EXPECT_LT(volume(box({2, 3, 4}, 0.25f)), 24);
+  EXPECT_GT(volume(box({2, 3, 4}, 0.25f)), 22);
+}
+
+TEST(SolidShapes, ACrateIsClosedAndHollow) {
+  const SurfaceMesh mesh = crate(1, 0.1f, 0.05f, 0.1f);
+  EXPECT_EQ(open_edges(mesh), 0u);
+  // The cube without the six panels and without the cavity.
+  EXPECT_NEAR(volume(mesh), 1 - 6 * 0.8 * 0.8 * 0.05 - 0.8 * 0.8 * 0.8, 1e-5);
+}
+
+TEST(SolidShapes, WhatIsTurnedIsClosed) {
+  Turned cylinder;
+  cylinder.profile = {{1, 0}, {1, 2}};
+  cylinder.segments = 64;
+  EXPECT_EQ(open_edges(turned(cylinder)), 0u);
+  const double angle = 2 * 3.14159265358979 / 64;
+  EXPECT_NEAR(volume(turned(cylinder)), 2 * 64 * 0.5 * std::sin(angle), 1e-4);
+  cylinder.flutes = 16;
+  cylinder.groove = 0.1f;
+  cylinder.fluted_to = 2;
+  EXPECT_EQ(open_edges(turned(cylinder)), 0u);
+  EXPECT_LT(volume(turned(cylinder)), 6);
+}
+
+class Stages : public testing::TestWithParam<std::string> {};
+
+TEST_P(Stages, StandOnTheGroundWithinTheirBounds) {
+  const Expected<Stage> stage = make_stage(GetParam());
+  ASSERT_TRUE(stage) << stage.error().detail;
+  EXPECT_EQ(stage->name, GetParam());
+  ASSERT_FALSE(stage->objects.empty());
+  for (const StageObject& object : stage->objects) {
+    EXPECT_GT(object.density * object.mesh->unit_mass.mass, 0.1) << object.name;
+    EXPECT_GT(object.strength, 0);
+    for (const world::Hull& hull : object.mesh->hulls)
+      for (const glm::dvec3& p : hull) {
+        const glm::dvec3 at = object.pose.point(p);
+        EXPECT_GT(at.y, -1e-3) << object.name;
+        EXPECT_LT(glm::distance(at, glm::dvec3(stage->bounds.center)), stage->bounds.radius) << object.name;
+      }
+    const nlohmann::json asked = fracture_parameters(object, {{0, 0, 0}, {0, -1, 0}, 10, 100}, 7, {});
+    EXPECT_EQ(asked["seed"], 7);
+    EXPECT_LE(asked.dump().size(), 4096u);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Stages, testing::ValuesIn(stage_names()),
+                         [](const auto& stage) { return stage.param; });
+
+TEST(Stage, AnUnknownOneIsRefusedByName) {
+  const Expected<Stage> stage = make_stage("castle");
+  ASSERT_FALSE(stage);
+  EXPECT_NE(stage.error().detail.find("castle"), std::string::npos);
+}
+
+TEST(Stage, AMaterialIsForEverythingAndKeepsTheAnchors) {
+  Expected<Stage> stage = make_stage("panes");
+  ASSERT_TRUE(stage);
+  for (const std::string& material : material_names()) {
+    set_material(*stage, material);
+    for (const StageObject& object : stage->objects) {
+      EXPECT_EQ(object.breakage.parameters["material"], material);
+      EXPECT_TRUE(object.breakage.parameters.contains("anchor_points"));
+    }
+  }
+}
+
+TEST(FractureParameters, GrowWithTheEnergy) {
+  StageObject object;
+  object.breakage = {{{"material", "stone"}}, true, true, 80, 0.5, 1000};
+  const auto at = [&](double energy) {
+    return fracture_parameters(object, {{0.1, 0.2, 0.3}, {0, 0, -1}, 10, energy}, 1, {});
+  };
+  EXPECT_EQ(at(1000)["sites"], 80);
+  EXPECT_NEAR(at(1000)["radius"].get<double>(), 0.5, 1e-9);
+  EXPECT_EQ(at(8000)["sites"], 160);  // the cube root of 8 is 2
+  EXPECT_NEAR(at(8000)["radius"].get<double>(), 1, 1e-9);
+  EXPECT_EQ(at(1e9)["sites"], 160);  // bounded
+  EXPECT_EQ(at(0)["sites"], 48);
+  EXPECT_EQ(at(1000)["impacts"].dump(), "[[0.1,0.2,0.3]]");
+}
+
+TEST(FractureParameters, ThePanelHasTheLastWord) {
+  StageObject object;
+  object.breakage = {{{"material", "ceramic"}}, true, true, 80, 0.5, 1000};
+  const nlohmann::json asked =
+      fracture_parameters(object, {}, 1, {{"pattern", "slice"}, {"sites", 5}, {"spacing", 0.1}});
+  EXPECT_EQ(asked["pattern"], "slice");
+  EXPECT_EQ(asked["sites"], 5);
+  EXPECT_FALSE(asked.contains("impacts"));  // slice takes none
+  EXPECT_FALSE(asked.contains("radius"));
+}
+
+}  // namespace
+}  // namespace fracture::scenes

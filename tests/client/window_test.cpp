@@ -1,0 +1,97 @@
+// The program with a window, on a display server without a screen.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <optional>
+#include <set>
+#include <thread>
+
+#include "client/render/image.hpp"
+#include "tests/server/child_process.hpp"
+#include "tests/server/server_process.hpp"
+
+namespace fracture::app {
+namespace {
+
+using test::ChildProcess;
+
+class OnADisplay : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto program = test::find_program("Xvfb");
+    if (!program) GTEST_SKIP() << "Xvfb is not installed";
+    display_.emplace(std::vector<std::string>{*program, "-displayfd", "1", "-screen", "0", "800x600x24"},
+                     folder_ / "display");
+    std::string number;
+    while (number.find('\n') == std::string::npos) {
+      ASSERT_TRUE(display_->alive()) << test::read_file(folder_ / "display");
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      number = test::read_file(folder_ / "display");
+      number = number.substr(0, number.rfind('\n') + 1);
+    }
+    // The last line is the number; the X server may have said something before it.
+    number.pop_back();
+    ::setenv("DISPLAY", (":" + number.substr(number.rfind('\n') + 1)).c_str(), 1);
+  }
+
+  int play(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), FRACTURE_CLIENT_PROGRAM);
+    ChildProcess client(arguments, folder_ / "output");
+    return client.wait();
+  }
+
+  test::TemporaryFolder folder_;
+  std::optional<ChildProcess> display_;
+};
+
+TEST_F(OnADisplay, TheGameOpensPlaysAndCloses) {
+  test::ServeProcess server;
+  ASSERT_EQ(play({"--scene", "monkey", "--gravity", "--port", std::to_string(server.port), "--width", "480",
+                  "--height", "320", "--close-after", "2", "--out", folder_.path}),
+            0)
+      << test::read_file(folder_ / "output");
+  const std::string bytes = test::read_file(folder_ / "window.png");
+  const auto picture =
+      render::decode_picture(std::span(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()));
+  ASSERT_TRUE(picture) << picture.error().detail;
+  EXPECT_EQ(picture->width, 480);
+  EXPECT_EQ(picture->height, 320);
+  std::set<render::Color> colors(picture->pixels.begin(), picture->pixels.end());
+  EXPECT_GT(colors.size(), 100u);  // something is to be seen
+}
+
+TEST_F(OnADisplay, WithoutAServerTheWindowOpensAllTheSame) {
+  EXPECT_EQ(play({"--scene", "crates", "--gravity", "--port", std::to_string(test::free_port()), "--width",
+                  "320", "--height", "240", "--close-after", "1", "--out", folder_.path}),
+            0)
+      << test::read_file(folder_ / "output");
+}
+
+TEST(Window, WithoutADisplayTheProgramSaysSo) {
+  test::TemporaryFolder folder;
+  ::unsetenv("DISPLAY");
+  ::unsetenv("WAYLAND_DISPLAY");
+  ChildProcess client({FRACTURE_CLIENT_PROGRAM}, folder / "output");
+  EXPECT_EQ(client.wait(), 1);
+  EXPECT_NE(test::read_file(folder / "output").find("--headless"), std::string::npos);
+}
+
+TEST(CommandLine, MistakesAreNamed) {
+  test::TemporaryFolder folder;
+  for (const std::vector<std::string>& arguments : {std::vector<std::string>{"--scene", "castle"},
+                                                    {"--fixed-step"},
+                                                    {"--headless", "--seconds", "-1"},
+                                                    {"--port", "x"}}) {
+    std::vector<std::string> all = {FRACTURE_CLIENT_PROGRAM};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    ChildProcess client(all, folder / "output");
+    EXPECT_EQ(client.wait(), 2) << arguments[0];
+    EXPECT_NE(test::read_file(folder / "output")
+                  .find(arguments.size() > 1 ? arguments[arguments.size() - 2] : arguments[0]),
+              std::string::npos)
+        << test::read_file(folder / "output");
+  }
+}
+
+}  // namespace
+}  // namespace fracture::app
