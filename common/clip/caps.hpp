@@ -28,7 +28,10 @@ struct Caps {
   std::uint64_t crossing = 0;  ///< loops that could not be nested (0 on embedded input)
 };
 
+/// `of_interest` (per site; null: all): only the facets of these cells, where winding and cuts are theirs
+/// alone.
 Caps build_caps(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
-                const Winding& winding, const VertexPositions& positions, const Execution& execution);
+                const Winding& winding, const VertexPositions& positions, const Execution& execution,
+                const std::vector<char>* of_interest = nullptr);
 
 }  // namespace fracture

@@ -54,9 +54,9 @@ bool PolygonClipper::divide_between_two(std::uint32_t t) {
     out_.vertices.insert(out_.vertices.end(), vertices);
     out_.sides.insert(out_.sides.end(), sides);
   };
-  const auto tip = [&] { emit(label[a], {v[a], on_ab, on_ca}, {side(a), label[b], side(c)}); };
+  const auto tip = [&] { emit(label[a], {on_ab, on_ca, v[a]}, {label[b], side(c), side(a)}); };
   const auto rest = [&] {
-    emit(label[b], {v[b], v[c], on_ca, on_ab}, {side(b), side(c), label[a], side(a)});
+    emit(label[b], {on_ca, on_ab, v[b], v[c]}, {label[a], side(a), side(b), side(c)});
   };
   if (label[a] < label[b]) {
     tip();
@@ -100,6 +100,8 @@ void PolygonClipper::clip_to_cell(SiteId cell) {
     polygon_.swap(clipped_);
   }
 
+  // Whatever cells share the rest of the triangle, and whichever bisector cut first.
+  std::rotate(polygon_.begin(), std::min_element(polygon_.begin(), polygon_.end()), polygon_.end());
   const auto first = static_cast<std::uint32_t>(out_.vertices.size());
   const std::size_t n = polygon_.size();
   for (std::size_t m = 0; m < n; ++m) {

@@ -49,34 +49,42 @@ void cut_edge(const Solid& solid, const VoronoiDiagram& diagram, const std::vect
   }
 }
 
-void cut_edges(const Solid& solid, const VoronoiDiagram& diagram, const Execution& execution,
-               SurfaceCuts& out) {
-  const std::size_t n = solid.edge_vertices.size(), blocks = (n + kBlock - 1) / kBlock;
+/// What of the mesh is cut: the elements numbered here, or all of them.
+struct Elements {
+  std::size_t count;
+  const std::vector<std::uint32_t>* list = nullptr;  // ascending
+  std::uint32_t operator[](std::size_t k) const { return list ? (*list)[k] : static_cast<std::uint32_t>(k); }
+};
+
+void cut_edges(const Solid& solid, const VoronoiDiagram& diagram, const Elements& edges,
+               const Execution& execution, SurfaceCuts& out) {
+  const std::size_t n = edges.count, blocks = (n + kBlock - 1) / kBlock;
   std::vector<std::vector<EdgeCut>> found(blocks);
   parallel_for(execution, n, kBlock, [&](std::size_t begin, std::size_t end) {
     std::vector<EdgeCut>& cuts = found[begin / kBlock];
-    for (std::size_t e = begin; e < end; ++e) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::uint32_t e = edges[k];
       const auto [lo, hi] = solid.edge_vertices[e];
-      if (out.label[lo] != out.label[hi])
-        cut_edge(solid, diagram, out.label, static_cast<std::uint32_t>(e), cuts);
+      if (out.label[lo] != out.label[hi]) cut_edge(solid, diagram, out.label, e, cuts);
     }
   });
   for (const auto& cuts : found) out.edge_cuts.insert(out.edge_cuts.end(), cuts.begin(), cuts.end());
-  out.edge_cut_begin.assign(n + 1, 0);
+  const std::size_t all = solid.edge_vertices.size();
+  out.edge_cut_begin.assign(all + 1, 0);
   for (const EdgeCut& c : out.edge_cuts) ++out.edge_cut_begin[c.edge + 1];
-  for (std::size_t e = 0; e < n; ++e) out.edge_cut_begin[e + 1] += out.edge_cut_begin[e];
+  for (std::size_t e = 0; e < all; ++e) out.edge_cut_begin[e + 1] += out.edge_cut_begin[e];
 }
 
-void cut_triangles(const Solid& solid, const VoronoiDiagram& diagram, const Execution& execution,
-                   SurfaceCuts& out) {
-  const std::size_t n = solid.triangles.size(), blocks = (n + kBlock - 1) / kBlock;
+void cut_triangles(const Solid& solid, const VoronoiDiagram& diagram, const Elements& triangles,
+                   const Execution& execution, SurfaceCuts& out) {
+  const std::size_t n = triangles.count, blocks = (n + kBlock - 1) / kBlock;
   std::vector<TriangleDivision> found(blocks);
   parallel_for(execution, n, kBlock, [&](std::size_t begin, std::size_t end) {
     PolygonClipper clipper(solid, diagram, out, found[begin / kBlock]);
-    for (std::size_t t = begin; t < end; ++t) {
-      const auto& v = solid.triangles[t];
+    for (std::size_t k = begin; k < end; ++k) {
+      const auto& v = solid.triangles[triangles[k]];
       if (out.label[v[0]] != out.label[v[1]] || out.label[v[1]] != out.label[v[2]])
-        clipper.divide(static_cast<std::uint32_t>(t));
+        clipper.divide(triangles[k]);
     }
   });
   // C ids are counted from each block's start until here.
@@ -100,8 +108,57 @@ void cut_triangles(const Solid& solid, const VoronoiDiagram& diagram, const Exec
 SurfaceCuts cut_surface(const Solid& solid, const VoronoiDiagram& diagram, const Execution& execution) {
   SurfaceCuts out;
   out.label = label_vertices(solid, diagram, execution);
-  cut_edges(solid, diagram, execution, out);
-  cut_triangles(solid, diagram, execution, out);
+  cut_edges(solid, diagram, {solid.edge_vertices.size()}, execution, out);
+  cut_triangles(solid, diagram, {solid.triangles.size()}, execution, out);
+  return out;
+}
+
+SurfaceLabels labels_of(const SurfaceCuts& cuts) {
+  SurfaceLabels labels{cuts.label, {}};
+  labels.shares.reserve(cuts.polygons.size());
+  for (const CutPolygon& p : cuts.polygons) labels.shares.push_back({p.triangle, p.cell});
+  return labels;
+}
+
+SurfaceCuts cut_surface_again(const Solid& solid, const VoronoiDiagram& diagram, SurfaceLabels& before,
+                              const std::vector<char>& of_interest, const Execution& execution) {
+  // Triangles that met such a cell, and all of their edges.
+  std::vector<char> met(solid.triangles.size(), 0), edge(solid.edge_vertices.size(), 0);
+  for (const CellShare& share : before.shares) met[share.triangle] |= of_interest[share.cell];
+  std::vector<std::uint32_t> triangles, edges;
+  for (std::uint32_t t = 0; t < met.size(); ++t) {
+    for (const std::uint32_t v : solid.triangles[t]) met[t] |= of_interest[before.label[v]];
+    if (!met[t]) continue;
+    triangles.push_back(t);
+    for (const std::uint32_t e : solid.edges[t]) edge[e] = 1;
+  }
+  for (std::uint32_t e = 0; e < edge.size(); ++e)
+    if (edge[e]) edges.push_back(e);
+
+  SurfaceCuts out;
+  out.label = std::move(before.label);
+  for (std::size_t v = 0; v < out.label.size(); ++v)
+    if (of_interest[out.label[v]])
+      out.label[v] = diagram.nearest(to_double(solid.positions[v]), out.label[v]);
+  cut_edges(solid, diagram, {edges.size(), &edges}, execution, out);
+  cut_triangles(solid, diagram, {triangles.size(), &triangles}, execution, out);
+
+  before.label = out.label;
+  std::vector<CellShare> shares;
+  shares.reserve(before.shares.size() + out.polygons.size());
+  std::size_t p = 0;
+  const auto take_until = [&](std::uint32_t triangle) {
+    for (; p < out.polygons.size() && out.polygons[p].triangle < triangle; ++p)
+      shares.push_back({out.polygons[p].triangle, out.polygons[p].cell});
+  };
+  for (const CellShare& share : before.shares) {
+    if (met[share.triangle]) continue;
+    take_until(share.triangle);
+    shares.push_back(share);
+  }
+  take_until(static_cast<std::uint32_t>(met.size()));
+  before.shares = std::move(shares);
+  out.selection = std::move(triangles);
   return out;
 }
 

@@ -3,9 +3,8 @@
 // Voronoi diagram"; Lévy 2016 for the symbolic vertices). Three passes, each near-linear and each an exact
 // decision:
 //   labels      the cell of each mesh vertex, by a greedy walk from a neighbour's label
-//   edge cuts   where a mesh edge passes from cell to cell                                         (B
-//   vertices) polygons    triangle ∩ cell for every cell that meets a triangle whose labels differ (C
-//   vertices)
+//   edge cuts   where a mesh edge passes from cell to cell (B vertices)
+//   polygons    triangle ∩ cell for every cell that meets a triangle whose labels differ (C vertices)
 // A cell is convex, so a triangle whose labels agree lies in one cell and needs no cutting.
 //
 // Vertex names (keys), one VertexId space for the whole solid:
@@ -18,6 +17,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "common/base/execution.hpp"
@@ -47,7 +47,7 @@ inline constexpr PolygonSide kMeshEdge = 0xfffffff0u;
 inline bool is_mesh_edge(PolygonSide side) { return side >= kMeshEdge; }
 
 /// triangle ∩ cell: a convex polygon, counter-clockwise as the triangle. Side k runs from vertex k to vertex
-/// k+1.
+/// k+1; side 0 is on the bisector of the neighbour with the lowest id.
 struct CutPolygon {
   std::uint32_t triangle;
   SiteId cell;
@@ -55,6 +55,8 @@ struct CutPolygon {
 };
 
 struct SurfaceCuts {
+  /// The triangles that were looked at, ascending; all of them where there is none.
+  std::optional<std::vector<std::uint32_t>> selection;
   std::vector<SiteId> label;                  ///< per mesh vertex
   std::vector<std::uint32_t> edge_cut_begin;  ///< per mesh edge + 1: its range of edge_cuts
   std::vector<EdgeCut> edge_cuts;             ///< B vertices, by edge, in order along the edge
@@ -69,5 +71,27 @@ struct SurfaceCuts {
 };
 
 SurfaceCuts cut_surface(const Solid& solid, const VoronoiDiagram& diagram, const Execution& execution);
+
+/// A cell's share in a triangle that several cells share.
+struct CellShare {
+  std::uint32_t triangle;
+  SiteId cell;
+};
+/// What is worth keeping of the cuts when further sites may come.
+struct SurfaceLabels {
+  std::vector<SiteId> label;      ///< per mesh vertex: its cell
+  std::vector<CellShare> shares;  ///< by triangle, then cell
+};
+
+/// The cuts again where sites were added to the diagram that gave `before`, with its sites' numbers kept:
+/// only the triangles that met a cell of interest are divided, and edges and polygons of the others are left
+/// out. `of_interest` (per site; new ones too) must hold for every cell that is not what it was. What is
+/// there equals what cut_surface() gives, in the same order; labels are complete. `before` becomes what a
+/// further call would need.
+SurfaceCuts cut_surface_again(const Solid& solid, const VoronoiDiagram& diagram, SurfaceLabels& before,
+                              const std::vector<char>& of_interest, const Execution& execution);
+
+/// The labels of cuts that are complete.
+SurfaceLabels labels_of(const SurfaceCuts& cuts);
 
 }  // namespace fracture

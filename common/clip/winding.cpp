@@ -44,10 +44,17 @@ bool is_even(const std::array<SiteId, 3>& s) { return (s[0] < s[1]) == ((s[1] < 
 /// All crossings, by Voronoi edge and layer, in order along each edge.
 class CrossingTable {
  public:
-  CrossingTable(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts) {
+  /// `of_interest` (per site; null: all): Voronoi edges of other cells alone are left out.
+  CrossingTable(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
+                const std::vector<char>* of_interest) {
     const auto& table = cuts.triangle_cuts;
     std::vector<std::uint32_t> order(table.size());
     std::iota(order.begin(), order.end(), 0u);
+    if (of_interest)
+      std::erase_if(order, [&](std::uint32_t c) {
+        const auto& s = table[c].sites;
+        return !(*of_interest)[s[0]] && !(*of_interest)[s[1]] && !(*of_interest)[s[2]];
+      });
     const auto layer_of = [&](std::uint32_t c) { return solid.parts[solid.part[table[c].triangle]].layer; };
     std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
       if (const auto la = layer_of(a), lb = layer_of(b); la != lb) return la < lb;
@@ -108,12 +115,14 @@ class CrossingTable {
 class LayerTraversal {
  public:
   LayerTraversal(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
-                 const CrossingTable& table, std::uint32_t layer, Winding& out)
+                 const CrossingTable& table, std::uint32_t layer, const WindingBefore* before, Winding& out)
       : solid_(solid),
         tets_(diagram.dual().tets),
         dual_(diagram.dual()),
         cuts_(cuts),
         table_(table),
+        layer_(layer),
+        before_(before),
         out_(out) {
     crossed_.assign(4 * tets_.size(), kNone);
     for (std::uint32_t e = table.begin(layer); e < table.end(layer); ++e) {
@@ -141,20 +150,48 @@ class LayerTraversal {
   }
   bool leads_out_of(const CrossedEdge& edge, TetId t) const { return (edge.tet == t) == edge.forward; }
 
+  bool matters(SiteId s) const { return !before_ || (!dual_.is_corner(s) && before_->of_interest[s]); }
+  bool tet_matters(TetId t) const {
+    const auto& v = tets_[t].v;
+    return matters(v[0]) || matters(v[1]) || matters(v[2]) || matters(v[3]);
+  }
+  /// Is the Voronoi edge through facet f of t one of a cell that matters?
+  bool edge_matters(TetId t, int f) const {
+    if (!before_) return true;
+    const std::array<SiteId, 3> s = outward_facet(tets_[t], f);
+    return matters(s[0]) || matters(s[1]) || matters(s[2]);
+  }
+
   void wind() {
     w_.assign(tets_.size(), kUnknown);
     part_.assign(tets_.size(), kNone);
     std::vector<TetId> queue;
-    for (TetId t = 0; t < tets_.size(); ++t)
-      if (std::any_of(tets_[t].v.begin(), tets_[t].v.end(), [&](SiteId s) { return dual_.is_corner(s); })) {
-        w_[t] = 0;
-        queue.push_back(t);
+    const auto known = [&](TetId t, std::int32_t w, std::uint32_t part) {
+      w_[t] = w;
+      part_[t] = part;
+      queue.push_back(t);
+    };
+    if (before_) {
+      for (const TetId t : before_->tet_now)
+        if (t != kNoTet && tet_matters(t)) w_[t] = 0;
+      for (const InnerVertex& v : before_->inner_vertices) {
+        const TetId t = before_->tet_now[v.tet];
+        if (t == kNoTet || w_[t] == kUnknown || solid_.parts[v.part].layer != layer_) continue;
+        w_[t] = v.winding;
+        part_[t] = v.part;
       }
+      for (TetId t = 0; t < tets_.size(); ++t)
+        if (w_[t] != kUnknown) queue.push_back(t);
+    }
+    for (TetId t = 0; t < tets_.size(); ++t)
+      if (w_[t] == kUnknown && tet_matters(t) &&
+          std::any_of(tets_[t].v.begin(), tets_[t].v.end(), [&](SiteId s) { return dual_.is_corner(s); }))
+        known(t, 0, kNone);
     for (std::size_t n = 0; n < queue.size(); ++n) {
       const TetId t = queue[n];
       for (int f = 0; f < 4; ++f) {
         const TetId u = tets_[t].n[f];
-        if (u == kNoTet) continue;
+        if (u == kNoTet || !edge_matters(t, f)) continue;
         const std::uint32_t e = crossed_[4 * t + static_cast<std::uint32_t>(f)];
         std::int32_t w = w_[t];
         std::uint32_t part = part_[t];
@@ -183,9 +220,9 @@ class LayerTraversal {
   void name_inner_vertices() {
     name_.assign(tets_.size(), kNone);
     for (TetId t = 0; t < tets_.size(); ++t)
-      if (w_[t] != 0) {
+      if (w_[t] != 0 && w_[t] != kUnknown) {
         name_[t] = cuts_.first_d() + static_cast<VertexId>(out_.inner_vertices.size());
-        out_.inner_vertices.push_back({t, part_[t]});
+        out_.inner_vertices.push_back({t, part_[t], w_[t]});
       }
   }
 
@@ -193,7 +230,7 @@ class LayerTraversal {
     for (TetId t = 0; t < tets_.size(); ++t)
       for (int f = 0; f < 4; ++f) {
         const TetId u = tets_[t].n[f];
-        if (u == kNoTet || u < t) continue;
+        if (u == kNoTet || u < t || !edge_matters(t, f)) continue;
         const std::uint32_t e = crossed_[4 * t + static_cast<std::uint32_t>(f)];
         if (e == kNone) {
           if (w_[t] != 0) emit(t, f, name_[t], name_[u], w_[t], part_[t]);
@@ -229,6 +266,7 @@ class LayerTraversal {
     const std::array<SiteId, 3> s = outward_facet(tets_[t], f);
     for (int k = 0; k < 3; ++k) {
       const SiteId a = s[k], b = s[(k + 1) % 3];
+      if (!matters(a) && !matters(b)) continue;
       if (a < b)
         out_.segments.push_back({a, b, from, to, w, part});
       else
@@ -241,6 +279,8 @@ class LayerTraversal {
   const Tetrahedralization& dual_;
   const SurfaceCuts& cuts_;
   const CrossingTable& table_;
+  const std::uint32_t layer_;
+  const WindingBefore* const before_;
   Winding& out_;
   std::vector<std::uint32_t> crossed_;  // per facet of each tetrahedron: index of its CrossedEdge
   std::vector<std::int32_t> w_;
@@ -248,17 +288,27 @@ class LayerTraversal {
   std::vector<VertexId> name_;
 };
 
+Winding wind(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
+             const WindingBefore* before, const Execution& execution) {
+  Winding out;
+  const CrossingTable table(solid, diagram, cuts, before ? &before->of_interest : nullptr);
+  for (std::uint32_t layer = 0; layer < solid.layers; ++layer) {
+    execution.poll();
+    LayerTraversal(solid, diagram, cuts, table, layer, before, out).run();
+  }
+  return out;
+}
+
 }  // namespace
 
 Winding wind_voronoi_edges(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
                            const Execution& execution) {
-  Winding out;
-  const CrossingTable table(solid, diagram, cuts);
-  for (std::uint32_t layer = 0; layer < solid.layers; ++layer) {
-    execution.poll();
-    LayerTraversal(solid, diagram, cuts, table, layer, out).run();
-  }
-  return out;
+  return wind(solid, diagram, cuts, nullptr, execution);
+}
+
+Winding wind_voronoi_edges_again(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
+                                 const WindingBefore& before, const Execution& execution) {
+  return wind(solid, diagram, cuts, &before, execution);
 }
 
 }  // namespace fracture

@@ -30,6 +30,7 @@ struct CapSegment {
 struct InnerVertex {
   TetId tet;
   std::uint32_t part;
+  std::int32_t winding;  ///< != 0
 };
 
 struct Winding {
@@ -39,5 +40,18 @@ struct Winding {
 
 Winding wind_voronoi_edges(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
                            const Execution& execution);
+
+/// What an earlier diagram, to which sites were added since, says about this one.
+struct WindingBefore {
+  const std::vector<char>& of_interest;            ///< per site of this diagram
+  const std::vector<TetId>& tet_now;               ///< per earlier tetrahedron: its number here, or kNoTet
+  const std::vector<InnerVertex>& inner_vertices;  ///< of the earlier diagram
+};
+/// The same for the cells of interest alone, with the cuts of cut_surface_again(): the inner vertices of
+/// these cells and the segments of their facets, equal to those of the function above and in the same order,
+/// where the tetrahedra of both diagrams are canonical. Starts from the Voronoi vertices that were there
+/// before.
+Winding wind_voronoi_edges_again(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
+                                 const WindingBefore& before, const Execution& execution);
 
 }  // namespace fracture

@@ -1,19 +1,54 @@
 #include "common/delaunay/incremental.hpp"
 
+#include <algorithm>
+
 #include "common/delaunay/incremental_detail.hpp"
 #include "common/exact/in_sphere.hpp"
 #include "common/exact/orient3d.hpp"
 
 namespace fracture {
+namespace {
 
-IncrementalDelaunay::IncrementalDelaunay(const BigTetrahedron& big, Options options)
-    : big_(big), options_(options) {
-  const std::array<Vec3d, 4> corners = big.corners();
-  for (const Vec3d& c : corners) new_vertex(c);
+double orient_bound(const BigTetrahedron& big) {
   // Any difference of two points in the big tetrahedron is at most its edge, 2 sqrt(2) K.
   const double edge = 2.8285 * big.half;
-  orient_bound_ = exact::kOrient3dError * edge * edge * edge + exact::kUnderflow;
+  return exact::kOrient3dError * edge * edge * edge + exact::kUnderflow;
+}
+
+}  // namespace
+
+IncrementalDelaunay::IncrementalDelaunay(const BigTetrahedron& big, Options options)
+    : big_(big), options_(options), orient_bound_(orient_bound(big)) {
+  const std::array<Vec3d, 4> corners = big.corners();
+  for (const Vec3d& c : corners) new_vertex(c);
   make_tet(0, 1, 2, 3);
+}
+
+IncrementalDelaunay::IncrementalDelaunay(const BigTetrahedron& big, Options options,
+                                         const Tetrahedralization& finished)
+    : big_(big), options_(options), orient_bound_(orient_bound(big)) {
+  const std::uint32_t sites = finished.site_count();
+  vertices_.reserve(finished.points.size());
+  for (std::uint32_t k = 0; k < 4; ++k) new_vertex(finished.points[sites + k]);
+  for (SiteId s = 0; s < sites; ++s) new_vertex(finished.points[s]);
+  const auto vertex = [sites](SiteId s) { return s < sites ? s + 4 : s - sites; };
+  tets_.resize(finished.tets.size());
+  for (TetId t = 0; t < tets_.size(); ++t) {
+    const Tetrahedron& from = finished.tets[t];
+    Tet& tet = tets_[t];
+    tet = Tet{{vertex(from.v[0]), vertex(from.v[1]), vertex(from.v[2]), vertex(from.v[3])},
+              {kNoLink, kNoLink, kNoLink, kNoLink},
+              {},
+              0,
+              0};
+    for (int k = 0; k < 4; ++k) {
+      if (from.n[k] == kNoTet) continue;
+      const auto& back = finished.tets[from.n[k]].n;
+      tet.n[k] = 4 * from.n[k] + static_cast<Link>(std::find(back.begin(), back.end(), t) - back.begin());
+    }
+    set_sphere(tet);
+    for (const VertexId v : tet.v) vertices_[v].tet = t;
+  }
 }
 
 void IncrementalDelaunay::reserve(std::size_t sites) {

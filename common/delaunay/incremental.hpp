@@ -59,6 +59,8 @@ class IncrementalDelaunay {
 
   IncrementalDelaunay(const BigTetrahedron& big, Options options);
   explicit IncrementalDelaunay(const BigTetrahedron& big) : IncrementalDelaunay(big, Options{}) {}
+  /// Goes on from a finished one of sites in `big`: site s is vertex 4 + s.
+  IncrementalDelaunay(const BigTetrahedron& big, Options options, const Tetrahedralization& finished);
 
   void reserve(std::size_t sites);
   /// Adds a finite point. Expected constant time when near the last insertion, N^(1/3) steps of walk

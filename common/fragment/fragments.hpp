@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -58,7 +59,8 @@ struct Fragment {
   /// Local points of each member cell's share, for fragments of several cells; empty when the fragment lies
   /// in one convex cell (then its own positions serve).
   std::vector<std::vector<Vec3f>> bodies;
-  std::vector<CollisionHull> hulls;  ///< one for each body; empty until asked for
+  std::vector<CollisionHull> hulls;                    ///< one for each body; empty until asked for
+  std::uint32_t flat_hulls = 0, simplified_hulls = 0;  ///< of these (physics/collision_hulls.hpp)
   double exterior_area = 0;
   bool anchored = false;  ///< something outside holds it (structure/anchors.hpp)
 };
@@ -89,6 +91,13 @@ struct Hierarchy {
   std::vector<std::uint32_t> cluster_of_fragment;  ///< in levels.back(); empty without levels
 };
 
+/// How the answer differs from an earlier one (pipeline/delta.hpp): ids, each in the order of its answer.
+struct Delta {
+  std::vector<std::uint64_t> added, changed, gone;  ///< `changed` ones have a new shape
+  /// Untouched fragments that bonds lead to, where the answer is only what was added and changed.
+  std::vector<std::uint64_t> neighbors;
+};
+
 /// Proof of the invariants, checked on every answer.
 struct Certificate {
   std::uint64_t open_edges = 0;  ///< over all fragments, after welding equal positions: 0
@@ -112,6 +121,8 @@ struct FragmentSet {
   std::vector<Fragment> fragments;
   std::vector<Bond> bonds;
   Hierarchy hierarchy;
+  /// A bond's index of fragments.size() + k means delta->neighbors[k].
+  std::optional<Delta> delta;
   Certificate certificate;
   SizeFigures size;          ///< what the limits of size did
   Vec3d lattice_step;        ///< h_a: the seam lattice, m

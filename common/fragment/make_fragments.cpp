@@ -144,11 +144,72 @@ FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownershi
   certificate.fragments = static_cast<std::uint32_t>(out.fragments.size());
   certificate.crossing_caps = d.caps.crossing;
 
+  state_lattice(d, out);
+  return out;
+}
+
+std::optional<WantedFragments> make_wanted_fragments(const RestrictedDiagram& d, const Ownership& ownership,
+                                                     const std::vector<std::uint32_t>& others, Pivot pivot,
+                                                     const Execution& execution) {
+  Pieces pieces = gather_pieces(d, ownership, execution);
+  const std::size_t n = pieces.pieces.size();
+  WantedFragments out;
+  out.crossing_caps = d.caps.crossing;
+  out.fragments.resize(n);
+  out.volumes_file.resize(n);
+  std::vector<char> bad(n, 0);
+  std::vector<std::uint64_t> open(n);
+  parallel_for(execution, n, 8, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      Fragment& f = out.fragments[k];
+      f = assemble(d, ownership, pieces.pieces[k], pivot);
+      const FileVolume volume = file_volume(f);
+      out.volumes_file[k] = volume.volume;
+      bad[k] = volume.sign <= 0;
+      if (bad[k]) continue;
+      f.id = fragment_id(d.diagram, f, pieces.pieces[k].island);
+      open[k] = open_edges(f);
+    }
+  });
+  if (std::find(bad.begin(), bad.end(), 1) != bad.end()) return std::nullopt;
+  for (const std::uint64_t edges : open) out.open_edges += edges;
+
+  // Pieces stand in the order of their owners.
+  const std::size_t owners = ownership.sites_of_owner.size();
+  out.first_of.assign(owners + 1, 0);
+  for (std::size_t o = 0; o < owners; ++o)
+    if (!ownership.wanted[o]) out.first_of[o + 1] = others[o];
+  for (const Piece& piece : pieces.pieces) ++out.first_of[piece.owners[0] + 1];
+  for (std::size_t o = 0; o < owners; ++o) out.first_of[o + 1] += out.first_of[o];
+  std::vector<std::uint32_t> fragment_of_piece(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::uint32_t o = pieces.pieces[k].owners[0];
+    fragment_of_piece[k] =
+        k > 0 && pieces.pieces[k - 1].owners[0] == o ? fragment_of_piece[k - 1] + 1 : out.first_of[o];
+  }
+
+  // The other sides of caps, whose pieces were not made, as further pieces.
+  std::vector<std::uint32_t> piece_of_owner(owners, kNoIndex);
+  for (std::uint32_t r = 0; r < d.caps.regions.size(); ++r)
+    for (int side = 0; side < 2; ++side) {
+      const CapRegion& region = d.caps.regions[r];
+      const std::uint32_t o = ownership.owner_of_site[side == 0 ? region.lo : region.hi];
+      if (ownership.wanted[o] || others[o] == 0) continue;
+      if (piece_of_owner[o] == kNoIndex) {
+        piece_of_owner[o] = static_cast<std::uint32_t>(fragment_of_piece.size());
+        fragment_of_piece.push_back(out.first_of[o]);
+      }
+      pieces.piece_of_cap[2 * r + static_cast<std::uint32_t>(side)] = piece_of_owner[o];
+    }
+  out.bonds = find_bonds(d, pieces, fragment_of_piece);
+  return out;
+}
+
+void state_lattice(const RestrictedDiagram& d, FragmentSet& out) {
   out.lattice_step = d.positions.lattice.step();
   const Vec3d size = d.solid.box.size();
   for (int a = 0; a < 3; ++a)
     if (size[a] > 0) out.lattice_ratio = std::max(out.lattice_ratio, out.lattice_step[a] / size[a]);
-  return out;
 }
 
 }  // namespace fracture

@@ -2,6 +2,8 @@
 // certified.
 #pragma once
 
+#include <optional>
+
 #include "common/base/execution.hpp"
 #include "common/fragment/fragments.hpp"
 #include "common/fragment/pieces.hpp"
@@ -15,5 +17,24 @@ namespace fracture {
 /// its volume in `pocket_volume`. Before that, pieces are united as the limits ask (unite.hpp).
 FragmentSet make_fragments(const RestrictedDiagram& diagram, const Ownership& ownership, Pivot pivot,
                            const SizeLimits& limits, const Execution& execution);
+
+/// The lattice and how coarse it is.
+void state_lattice(const RestrictedDiagram& diagram, FragmentSet& out);
+
+/// Fragments of some owners, numbered as if those of all were there.
+struct WantedFragments {
+  std::vector<Fragment> fragments;      ///< in their order
+  std::vector<double> volumes_file;     ///< m³, per fragment here
+  std::vector<std::uint32_t> first_of;  ///< per owner + 1: range of all fragments
+  std::vector<Bond> bonds;              ///< of the fragments here, by numbers among all
+  std::uint64_t open_edges = 0, crossing_caps = 0;
+};
+/// The pieces of the wanted owners alone, one fragment each; nothing where a piece would have to be united or
+/// dropped. `others`: per owner that is not wanted, how many fragments it has; bonds to such an owner lead to
+/// its first one, whichever of several they belong to.
+std::optional<WantedFragments> make_wanted_fragments(const RestrictedDiagram& diagram,
+                                                     const Ownership& ownership,
+                                                     const std::vector<std::uint32_t>& others, Pivot pivot,
+                                                     const Execution& execution);
 
 }  // namespace fracture

@@ -36,23 +36,32 @@ void fuse(const RestrictedDiagram& d, const Ownership& ownership, std::uint32_t 
 
 OwnedFaces divide_surface(const RestrictedDiagram& d, const Ownership& ownership) {
   const auto& polygons = d.cuts.polygons;
-  const auto triangles = static_cast<std::uint32_t>(d.solid.triangles.size());
+  const std::uint32_t* selection = d.cuts.selection ? d.cuts.selection->data() : nullptr;
+  const std::size_t count = selection ? d.cuts.selection->size() : d.solid.triangles.size();
+  const auto triangle = [&](std::size_t n) {
+    return selection ? selection[n] : static_cast<std::uint32_t>(n);
+  };
   const auto owners = static_cast<std::uint32_t>(ownership.sites_of_owner.size());
   const auto owner_of = [&](SiteId s) { return ownership.owner_of_site[s]; };
+  const auto wanted = [&](std::uint32_t o) { return ownership.wanted.empty() || ownership.wanted[o]; };
 
   // The faces of triangles that several owners share, by input triangle; all other triangles stay whole.
   std::vector<Face> shared;
-  std::vector<std::uint32_t> owner;             // per face of `shared`
-  std::vector<std::uint32_t> whole(triangles);  // per triangle: its only owner, or kNoIndex
+  std::vector<std::uint32_t> owner;         // per face of `shared`
+  std::vector<std::uint32_t> whole(count);  // per triangle looked at: its only owner, or kNoIndex
   OwnedFaces out;
   out.begin.assign(owners + 1, 0);
   Outline outline(d);
   std::vector<std::uint32_t> here;
   std::size_t p = 0;
-  for (std::uint32_t t = 0; t < triangles; ++t) {
+  for (std::size_t n = 0; n < count; ++n) {
+    const std::uint32_t t = triangle(n);
     if (p == polygons.size() || polygons[p].triangle != t) {  // not cut
-      whole[t] = owner_of(d.cuts.label[d.solid.triangles[t][0]]);
-      ++out.begin[whole[t] + 1];
+      whole[n] = owner_of(d.cuts.label[d.solid.triangles[t][0]]);
+      if (wanted(whole[n]))
+        ++out.begin[whole[n] + 1];
+      else
+        whole[n] = kNoIndex;
       continue;
     }
     const std::size_t first = p;
@@ -62,22 +71,23 @@ OwnedFaces divide_surface(const RestrictedDiagram& d, const Ownership& ownership
       const std::uint32_t o = owner_of(polygons[k].cell);
       if (std::find(here.begin(), here.end(), o) == here.end()) here.push_back(o);
     }
-    if (here.size() == 1) {
-      whole[t] = here[0];
-      ++out.begin[whole[t] + 1];
+    if (here.size() == 1 && wanted(here[0])) {
+      whole[n] = here[0];
+      ++out.begin[whole[n] + 1];
       continue;
     }
-    whole[t] = kNoIndex;
+    whole[n] = kNoIndex;
     for (const std::uint32_t o : here) {
+      if (!wanted(o)) continue;
       const CutPolygon* only = nullptr;
-      std::size_t count = 0;
+      std::size_t parts = 0;
       for (std::size_t k = first; k < p; ++k)
         if (owner_of(polygons[k].cell) == o) {
           only = &polygons[k];
-          ++count;
+          ++parts;
         }
       const std::size_t before = shared.size();
-      if (count == 1 && ownership.sites_of_owner[o].size() == 1)
+      if (parts == 1 && ownership.sites_of_owner[o].size() == 1)
         halve(d.cuts.vertices.data() + only->first, 0, only->count - 1, t, shared);
       else
         fuse(d, ownership, t, o, polygons.data() + first, polygons.data() + p, outline, shared);
@@ -91,8 +101,9 @@ OwnedFaces divide_surface(const RestrictedDiagram& d, const Ownership& ownership
   out.faces.resize(out.begin[owners]);
   std::vector<std::uint32_t> next(out.begin.begin(), out.begin.end() - 1);
   std::size_t s = 0;
-  for (std::uint32_t t = 0; t < triangles; ++t) {
-    if (whole[t] != kNoIndex) out.faces[next[whole[t]]++] = {d.solid.triangles[t], t};
+  for (std::size_t n = 0; n < count; ++n) {
+    const std::uint32_t t = triangle(n);
+    if (whole[n] != kNoIndex) out.faces[next[whole[n]]++] = {d.solid.triangles[t], t};
     for (; s < shared.size() && shared[s].source == t; ++s) out.faces[next[owner[s]]++] = shared[s];
   }
   return out;

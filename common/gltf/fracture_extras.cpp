@@ -95,7 +95,22 @@ void write_root_extras(JsonText& json, const FragmentSet& set, const GltfOptions
   json.key("certificate");
   write_certificate(json, set.certificate);
   json.key("bonds");
-  write_bonds(json, set.bonds, options, [&](std::uint32_t index) { return set.fragments.at(index).id; });
+  write_bonds(json, set.bonds, options, [&](std::uint32_t index) {
+    return index < set.fragments.size() ? set.fragments[index].id
+                                        : set.delta.value().neighbors.at(index - set.fragments.size());
+  });
+  if (set.delta) {
+    const auto ids = [&](const char* name, const std::vector<std::uint64_t>& list) {
+      json.key(name).begin_array();
+      for (const std::uint64_t id : list) json.value(id);
+      json.end_array();
+    };
+    json.key("delta").begin_object();
+    ids("new", set.delta->added);
+    ids("changed", set.delta->changed);
+    ids("gone", set.delta->gone);
+    json.end_object();
+  }
   if (!set.hierarchy.levels.empty()) write_levels(json, set.hierarchy, options);
   json.end_object();
 }

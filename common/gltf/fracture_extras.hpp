@@ -12,7 +12,8 @@ namespace fracture {
 
 /// {version, algorithm, mesh, parameters, report, certificate, lattice, bonds {a, b, area, centroid, normal,
 /// strength (N)}, levels}: one entry for each level above the fragments, coarsest first, {level, id, parent,
-/// fragments, volume, mass, center_of_mass, bonds}, its figures in columns; absent without a hierarchy.
+/// fragments, volume, mass, center_of_mass, bonds}, its figures in columns; absent without a hierarchy; with
+/// a delta `delta {new, changed, gone}`, ids.
 void write_root_extras(JsonText& json, const FragmentSet& fragments, const GltfOptions& options);
 
 /// {id, volume, mass, area, exterior_area, center_of_mass, level, parent, anchored, part, sites}

@@ -1,7 +1,6 @@
 #include "common/physics/collision_hulls.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <span>
 
@@ -70,37 +69,37 @@ void inset(CollisionHull& hull) {
   }
 }
 
-struct Counters {
-  std::atomic<std::uint32_t> hulls{0}, flat{0}, simplified{0};
-};
-
-CollisionHull hull_of(std::span<const Vec3f> points, ConvexHullBuilder& builder, Counters& counters) {
-  ++counters.hulls;
+void add_hull(std::span<const Vec3f> points, ConvexHullBuilder& builder, Fragment& f) {
   const Triangles& triangles = builder.build(points, kMaxHullPoints);
-  counters.simplified += builder.stopped_early();
+  f.simplified_hulls += builder.stopped_early();
   if (triangles.empty()) {
-    ++counters.flat;
-    return stand_in(points);
+    ++f.flat_hulls;
+    f.hulls.push_back(stand_in(points));
+    return;
   }
-  CollisionHull hull = compact(points, triangles);
-  inset(hull);
-  return hull;
+  f.hulls.push_back(compact(points, triangles));
+  inset(f.hulls.back());
 }
 
 }  // namespace
 
 HullReport add_collision_hulls(FragmentSet& set, const Execution& execution) {
-  Counters counters;
   parallel_for(execution, set.fragments.size(), 8, [&](std::size_t begin, std::size_t end) {
     ConvexHullBuilder builder;
     for (std::size_t k = begin; k < end; ++k) {
       Fragment& f = set.fragments[k];
-      f.hulls.clear();
-      if (f.bodies.empty()) f.hulls.push_back(hull_of(f.positions, builder, counters));
-      for (const std::vector<Vec3f>& body : f.bodies) f.hulls.push_back(hull_of(body, builder, counters));
+      if (!f.hulls.empty() || f.positions.empty()) continue;
+      if (f.bodies.empty()) add_hull(f.positions, builder, f);
+      for (const std::vector<Vec3f>& body : f.bodies) add_hull(body, builder, f);
     }
   });
-  return {counters.hulls, counters.flat, counters.simplified};
+  HullReport report;
+  for (const Fragment& f : set.fragments) {
+    report.hulls += static_cast<std::uint32_t>(f.hulls.size());
+    report.flat += f.flat_hulls;
+    report.simplified += f.simplified_hulls;
+  }
+  return report;
 }
 
 }  // namespace fracture

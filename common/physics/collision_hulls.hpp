@@ -28,8 +28,8 @@ struct HullReport {
   std::uint32_t simplified = 0;  ///< had more than kMaxHullPoints extreme points: some were left out
 };
 
-/// Fills Fragment::hulls of every fragment: one hull for each body (member cell), in the fragment's local
-/// frame.
+/// Fills Fragment::hulls of every fragment that has none: one hull for each body (member cell), in the
+/// fragment's local frame. The report is about those of all fragments.
 HullReport add_collision_hulls(FragmentSet& set, const Execution& execution);
 
 }  // namespace fracture

@@ -11,6 +11,7 @@
 #include "common/fragment/make_fragments.hpp"
 #include "common/physics/collision_hulls.hpp"
 #include "common/pipeline/barycentric.hpp"
+#include "common/pipeline/fracture_steps.hpp"
 #include "common/pipeline/lloyd.hpp"
 #include "common/pipeline/restrict.hpp"
 #include "common/solid/image.hpp"
@@ -18,23 +19,6 @@
 
 namespace fracture {
 namespace {
-
-/// Runs a stage: its time is kept, and an interruption becomes the error it stands for.
-template <class Body>
-auto stage(StageTimings& timings, const Execution& execution, const char* name, const Body& body)
-    -> decltype(body()) {
-  const StageTimings::Scope scope(timings, name);
-  if (execution.progress) execution.progress(name, 0);
-  try {
-    auto result = body();
-    if (execution.progress) execution.progress(name, 1);
-    return result;
-  } catch (const Interrupted& interrupted) {
-    return fail(interrupted.code, interrupted.code == ErrorCode::kCancelled
-                                      ? std::string("cancelled while in stage ") + name
-                                      : std::string("the deadline passed in stage ") + name);
-  }
-}
 
 nlohmann::json report_of(const Solid& solid, const Diagram& diagram, const FragmentSet& set) {
   nlohmann::json warnings = nlohmann::json::array();
@@ -105,9 +89,8 @@ nlohmann::json volume_distribution(const std::vector<Fragment>& fragments) {
 
 /// What was asked of the sizes and the structure, and what was made.
 void report_structure(const FractureParameters& p, const Diagram& diagram, std::size_t kept_cells,
-                      std::uint32_t anchored, FragmentSet& set) {
+                      std::uint64_t triangles, std::uint32_t anchored, FragmentSet& set) {
   double largest = 0;
-  std::uint64_t triangles = 0;
   for (const Fragment& f : set.fragments) {
     largest = std::max(largest, f.mass.volume);
     triangles += f.indices.size() / 3;
@@ -184,9 +167,12 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
       if (auto relaxed = relax(solid, seen, *plan, parameters.lloyd, execution); !relaxed)
         return tl::unexpected(relaxed.error());
     }
-    if (parameters.local)
-      if (auto added = add_local_impact(solid, parameters, *parameters.local, *plan, execution); !added)
+    if (!parameters.hits.empty()) {
+      const std::size_t of_pattern = plan->points.size();
+      if (auto added = append_hits(solid, parameters, parameters.hits, 0, *plan, execution); !added)
         return tl::unexpected(added.error());
+      group_hits(parameters.hits, parameters.rest, of_pattern, *plan);
+    }
     Expected<Tetrahedralization> t = tetrahedralize(plan->points, seen.box, execution);
     if (!t) return tl::unexpected(t.error());
     Diagram diagram;
@@ -195,7 +181,6 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
     diagram.map = plan->map;
     diagram.notes = std::move(plan->notes);
     diagram.tetrahedralization = std::move(*t);
-    if (parameters.local) canonicalize(diagram.tetrahedralization);  // the same however the sites came to be
     if (parameters.max_volume > 0) {
       if (!diagram.groups.empty())
         return fail(ErrorCode::kBadParameter,
@@ -206,6 +191,8 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
       if (!split) return tl::unexpected(split.error());
       diagram.split = *split;
     }
+    // Where the sites of a hit change nothing, nothing has another order than without them.
+    canonicalize(diagram.tetrahedralization);
     return diagram;
   });
 }
@@ -253,64 +240,83 @@ Expected<FragmentSet> fracture_again(const Solid& solid, const Diagram& diagram,
 
 }  // namespace
 
+Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const FractureParameters& parameters,
+                             const Execution& execution,
+                             const std::function<void(const RestrictedDiagram&)>& look) {
+  const Tetrahedralization& t = diagram.tetrahedralization;
+  std::optional<Solid> image;
+  if (diagram.map) image = image_of(solid, *diagram.map);
+  const Solid& seen = image ? *image : solid;
+  const VoronoiDiagram voronoi(t, seen.box, diagram.map);
+  std::vector<SiteId> kept;
+  if (parameters.keep) kept = cells_meeting(*parameters.keep, voronoi, seen.box);
+  const Ownership ownership =
+      Ownership::from_groups(t.site_count(), groups_of_sites(t, diagram.groups, kept));
+
+  CutCells cut;
+  cut.kept = kept.size();
+  cut.grouped = ownership.grouped;
+  if (parameters.dual == Dual::kBarycenter) {
+    if (image)
+      return fail(
+          ErrorCode::kBadParameter,
+          "dual=barycenter knows no stretched cells: leave out 'stretch', or slices of several families.",
+          "dual");
+    cut.barycentric =
+        fracture_barycentric(solid, voronoi, parameters.pivot, parameters.drop_above, execution);
+    cut.set = std::move(cut.barycentric.set);
+  } else {
+    const RestrictedDiagram restricted = restrict_to_solid(solid, seen, voronoi, execution);
+    if (look) look(restricted);
+    cut.set = make_fragments(restricted, ownership, parameters.pivot, parameters.size, execution);
+  }
+  if (cut.set.fragments.empty())
+    return fail(ErrorCode::kNoFragments, cut.barycentric.dropped > 0
+                                             ? "'drop_above' leaves nothing: all pieces are larger"
+                                             : "none of the pieces has a volume");
+  return cut;
+}
+
+FragmentSet complete(const Solid& solid, const Diagram& diagram, const FractureParameters& parameters,
+                     CutCells cut, const Execution& execution) {
+  FragmentSet set = std::move(cut.set);
+  set.hierarchy = make_hierarchy(set, parameters.levels, execution);
+  std::uint32_t anchored = 0;
+  if (parameters.anchors.any()) anchored = mark_anchored(set, parameters.anchors);
+  HullReport hulls;
+  if (parameters.hulls == Hulls::kConvex) hulls = add_collision_hulls(set, execution);
+  set.certificate.sites_asked = static_cast<std::uint32_t>(diagram.sites.size());
+  set.report = report_of(solid, diagram, set);
+  report_structure(parameters, diagram, cut.kept, cut.further_triangles, anchored, set);
+  if (parameters.hulls == Hulls::kConvex)
+    set.report["hulls"] = {{"count", hulls.hulls + cut.further_hulls.hulls},
+                           {"flat", hulls.flat + cut.further_hulls.flat},
+                           {"simplified", hulls.simplified + cut.further_hulls.simplified}};
+  if (parameters.dual == Dual::kBarycenter) {
+    nlohmann::json& mode = set.report["barycenter"];
+    mode = {{"partition", false}, {"skipped_hulls", cut.barycentric.skipped_hulls}};
+    if (parameters.drop_above > 0) {
+      mode["dropped"] = cut.barycentric.dropped;
+      mode["dropped_volume"] = cut.barycentric.dropped_volume;
+    }
+    set.report["warnings"].push_back(
+        "dual=barycenter: the hulls of barycentres overlap and leave gaps; volumes do not add up to the "
+        "solid's, and there are no bonds");
+    if (cut.grouped)
+      set.report["warnings"].push_back(
+          "dual=barycenter: each cell is a fragment, those that the pattern keeps together too");
+  }
+  return set;
+}
+
 Expected<FragmentSet> fracture(const Solid& solid, const Diagram& diagram,
                                const FractureParameters& parameters, const Execution& execution,
                                StageTimings& timings) {
   if (parameters.again) return fracture_again(solid, diagram, parameters, execution, timings);
   return stage(timings, execution, "clip", [&]() -> Expected<FragmentSet> {
-    const Tetrahedralization& t = diagram.tetrahedralization;
-    std::optional<Solid> image;
-    if (diagram.map) image = image_of(solid, *diagram.map);
-    const Solid& seen = image ? *image : solid;
-    const VoronoiDiagram voronoi(t, seen.box, diagram.map);
-    std::vector<SiteId> kept;
-    if (parameters.keep) kept = cells_meeting(*parameters.keep, voronoi, seen.box);
-    const Ownership ownership =
-        Ownership::from_groups(t.site_count(), groups_of_sites(t, diagram.groups, kept));
-
-    FragmentSet set;
-    BarycentricResult barycentric;
-    if (parameters.dual == Dual::kBarycenter) {
-      if (image)
-        return fail(
-            ErrorCode::kBadParameter,
-            "dual=barycenter knows no stretched cells: leave out 'stretch', or slices of several families.",
-            "dual");
-      barycentric = fracture_barycentric(solid, voronoi, parameters.pivot, parameters.drop_above, execution);
-      set = std::move(barycentric.set);
-    } else {
-      set = make_fragments(restrict_to_solid(solid, seen, voronoi, execution), ownership, parameters.pivot,
-                           parameters.size, execution);
-    }
-    if (set.fragments.empty())
-      return fail(ErrorCode::kNoFragments, barycentric.dropped > 0
-                                               ? "'drop_above' leaves nothing: all pieces are larger"
-                                               : "none of the pieces has a volume");
-    set.hierarchy = make_hierarchy(set, parameters.levels, execution);
-    std::uint32_t anchored = 0;
-    if (parameters.anchors.any()) anchored = mark_anchored(set, parameters.anchors);
-    HullReport hulls;
-    if (parameters.hulls == Hulls::kConvex) hulls = add_collision_hulls(set, execution);
-    set.certificate.sites_asked = static_cast<std::uint32_t>(diagram.sites.size());
-    set.report = report_of(solid, diagram, set);
-    report_structure(parameters, diagram, kept.size(), anchored, set);
-    if (parameters.hulls == Hulls::kConvex)
-      set.report["hulls"] = {{"count", hulls.hulls}, {"flat", hulls.flat}, {"simplified", hulls.simplified}};
-    if (parameters.dual == Dual::kBarycenter) {
-      nlohmann::json& mode = set.report["barycenter"];
-      mode = {{"partition", false}, {"skipped_hulls", barycentric.skipped_hulls}};
-      if (parameters.drop_above > 0) {
-        mode["dropped"] = barycentric.dropped;
-        mode["dropped_volume"] = barycentric.dropped_volume;
-      }
-      set.report["warnings"].push_back(
-          "dual=barycenter: the hulls of barycentres overlap and leave gaps; volumes do not add up to the "
-          "solid's, and there are no bonds");
-      if (ownership.grouped)
-        set.report["warnings"].push_back(
-            "dual=barycenter: each cell is a fragment, those that the pattern keeps together too");
-    }
-    return set;
+    Expected<CutCells> cut = cut_cells(solid, diagram, parameters, execution);
+    if (!cut) return tl::unexpected(cut.error());
+    return complete(solid, diagram, parameters, std::move(*cut), execution);
   });
 }
 

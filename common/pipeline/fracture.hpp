@@ -28,7 +28,9 @@ namespace fracture {
 ///  1  2026-11-21
 ///  2  2026-11-21  hulls inset by 0.4 mm; united pieces fused on the outside; more parameters in the answer
 ///  3  2026-11-21  the distribution of volumes in the report
-inline constexpr int kAlgorithmVersion = 3;
+///  4  2026-11-21  tetrahedra in canonical order, so that a hit leaves what it does not touch as it was, to
+///                 the bit; several hits, whose sites stay within their radius
+inline constexpr int kAlgorithmVersion = 4;
 
 enum class Dual {
   kCircumcenter,  ///< the Voronoi diagram: fragments partition the solid exactly
@@ -55,12 +57,20 @@ struct FractureParameters : SiteParameters {
   std::optional<Region> keep{};
   /// How many clusters each level of the hierarchy above the fragments has, coarsest first, increasing.
   std::vector<std::uint32_t> levels{};
-  Anchors anchors;  ///< fragments that touch these are marked
-  std::optional<LocalImpact> local{};
+  Anchors anchors;                  ///< fragments that touch these are marked
+  std::vector<LocalImpact> hits{};  ///< one after the other, each on what the ones before it left
+  LocalRest rest = LocalRest::kWhole;
+  /// Of these the last, which the answer that it is compared with has not (pipeline/delta.hpp). 0: it is
+  /// compared with none.
+  std::uint32_t new_hits = 0;
+  bool kept = false;          ///< the answer is kept for hits (pipeline/delta.hpp)
+  bool only_changed = false;  ///< what they left as it was is not in the answer; without levels and anchors
   /// The answer is then the parts of this fragment, alone: a partition of it as it stands in the file with
   /// Pivot::kSource. Limits of size apply to the earlier answer, levels and anchors to the parts.
   std::optional<Refracture> again{};
 };
+
+struct FracturedBase;
 
 /// The reusable result for (mesh, site parameters): sites and their tetrahedralization.
 struct Diagram {
@@ -68,9 +78,11 @@ struct Diagram {
   std::vector<std::uint32_t> groups{};  ///< per site, or empty: cells with equal ids stay together
   /// Sites and tetrahedralization are those of the solid's image under this map (none: of itself).
   std::optional<Matrix3> map{};
-  std::vector<std::string> notes{};  ///< about the sites, for people
-  Tetrahedralization tetrahedralization;
-  SplitFigures split;  ///< what FractureParameters::max_volume did
+  std::vector<std::string> notes{};       ///< about the sites, for people
+  Tetrahedralization tetrahedralization;  ///< canonical
+  SplitFigures split{};                   ///< what FractureParameters::max_volume did
+  /// Instead of all of the above: an answer that further hits start from (pipeline/delta.hpp).
+  std::shared_ptr<const FracturedBase> fractured{};
 };
 
 /// Errors: those of plan_sites() and tetrahedralize(), an interruption.

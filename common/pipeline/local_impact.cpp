@@ -2,37 +2,70 @@
 
 #include <algorithm>
 #include <numeric>
+#include <string>
 
 namespace fracture {
+namespace {
 
-Expected<void> add_local_impact(const Solid& solid, const SiteParameters& parameters,
-                                const LocalImpact& impact, SitePlan& plan, const Execution& execution) {
-  SiteParameters near = parameters;
-  near.sites = impact.sites;
-  near.seed = parameters.seed ^ 0x696d70616374ull;  // not the pattern's own sequence
-  near.pattern = ImpactPattern{.impacts = {impact.point}, .radius = impact.radius, .exponent = 1, .share = 1};
-  near.lloyd = 0;
-  Expected<SitePlan> further = plan_sites(solid, near, execution);
-  if (!further) return tl::unexpected(further.error());
+/// How far a site may lie beyond the radius, as a fraction: it is rounded to a lattice of 2^-21 of the box.
+constexpr double kRounding = 1e-5;
 
-  const std::size_t before = plan.points.size();
-  plan.points.insert(plan.points.end(), further->points.begin(), further->points.end());
-  const bool whole = impact.rest == LocalImpact::Rest::kWhole;
-  if (plan.groups.empty() && !whole) return {};
+}  // namespace
+
+Expected<void> append_hits(const Solid& solid, const SiteParameters& parameters,
+                           const std::vector<LocalImpact>& hits, std::size_t first, SitePlan& plan,
+                           const Execution& execution) {
+  for (std::size_t k = first; k < hits.size(); ++k) {
+    const LocalImpact& hit = hits[k];
+    SiteParameters near = parameters;
+    near.sites = hit.sites;
+    // Not the pattern's own sequence, nor that of another hit.
+    near.seed = (parameters.seed ^ 0x696d70616374ull) + k * 0x9e3779b97f4a7c15ull;
+    near.pattern = ImpactPattern{.impacts = {hit.point}, .radius = hit.radius, .exponent = 1, .share = 1};
+    near.lloyd = 0;
+    Expected<SitePlan> further = plan_sites(solid, near, execution);
+    if (!further) return tl::unexpected(further.error());
+    // What found no place near the point was placed elsewhere: no part of a hit.
+    const std::size_t asked = further->points.size();
+    const Vec3d center = further->map ? *further->map * hit.point : hit.point;
+    const double reach = hit.radius + kRounding * (hit.radius + solid.box.longest_side());
+    std::erase_if(further->points, [&](const Vec3d& p) { return length(p - center) > reach; });
+    // Oblique slices have a map of their own, which hits do not.
+    if (further->map != plan.map) {
+      const Matrix3 to_solid = further->map ? further->map->inverse() : Matrix3();
+      const Matrix3 to_image = plan.map.value_or(Matrix3());
+      for (Vec3d& p : further->points) p = to_image * (to_solid * p);
+    }
+    plan.points.insert(plan.points.end(), further->points.begin(), further->points.end());
+    if (further->points.size() < asked)
+      plan.notes.push_back(std::to_string(asked - further->points.size()) + " of " + std::to_string(asked) +
+                           " sites of hit " + std::to_string(k + 1) +
+                           " found no place in the solid within its radius and were left out");
+  }
+  return {};
+}
+
+void group_hits(const std::vector<LocalImpact>& hits, LocalRest rest, std::size_t first_of_hits,
+                SitePlan& plan) {
+  const bool whole = rest == LocalRest::kWhole;
+  if (plan.groups.empty() && !whole) return;
   if (plan.groups.empty()) {
-    plan.groups.resize(before);
+    plan.groups.resize(first_of_hits);
     std::iota(plan.groups.begin(), plan.groups.end(), 0u);
   }
   std::uint32_t next = 0;
   for (const std::uint32_t g : plan.groups) next = std::max(next, g + 1);
   if (whole) {
     const Matrix3 back = plan.map ? plan.map->inverse() : Matrix3();
-    for (std::size_t k = 0; k < before; ++k)
-      if (length(back * plan.points[k] - impact.point) > impact.radius) plan.groups[k] = next;
+    for (std::size_t k = 0; k < first_of_hits; ++k) {
+      const Vec3d site = back * plan.points[k];
+      if (std::all_of(hits.begin(), hits.end(),
+                      [&](const LocalImpact& hit) { return length(site - hit.point) > hit.radius; }))
+        plan.groups[k] = next;
+    }
     ++next;
   }
   while (plan.groups.size() < plan.points.size()) plan.groups.push_back(next++);
-  return {};
 }
 
 }  // namespace fracture

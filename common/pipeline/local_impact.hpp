@@ -1,6 +1,9 @@
 // A hit that breaks only what is near it.
 #pragma once
 
+#include <cstddef>
+#include <vector>
+
 #include "common/base/error.hpp"
 #include "common/base/execution.hpp"
 #include "common/sites/pattern.hpp"
@@ -9,19 +12,26 @@ namespace fracture {
 
 /// Further sites within a sphere, on top of the pattern's.
 struct LocalImpact {
-  enum class Rest {
-    kWhole,      ///< all cells whose sites lie outside of the sphere stay together: an exact union
-    kFractured,  ///< they stay what the pattern makes of them
-  };
   Vec3d point;               ///< m
   double radius = 0;         ///< m, > 0
   std::uint32_t sites = 30;  ///< drawn as ImpactPattern draws them, density falling as 1 / distance
-  Rest rest = Rest::kWhole;
 };
 
-/// Appends the sites of the impact to the plan of the same parameters, behind those of the pattern, and
-/// groups the rest. Errors of plan_sites().
-Expected<void> add_local_impact(const Solid& solid, const SiteParameters& parameters,
-                                const LocalImpact& impact, SitePlan& plan, const Execution& execution);
+/// What becomes of what no hit is near to.
+enum class LocalRest {
+  kWhole,      ///< all cells whose sites lie outside of every sphere stay together: an exact union
+  kFractured,  ///< they stay what the pattern makes of them
+};
+
+/// Appends the sites of hits[first], hits[first + 1], ... to plan.points; they depend on the number of the
+/// hit, so that a second one at the same place breaks further. Sites for which the solid has no room near the
+/// hit are left out, with a note. Errors of plan_sites().
+Expected<void> append_hits(const Solid& solid, const SiteParameters& parameters,
+                           const std::vector<LocalImpact>& hits, std::size_t first, SitePlan& plan,
+                           const Execution& execution);
+
+/// The groups of a plan whose points from `first_of_hits` on are those of the hits.
+void group_hits(const std::vector<LocalImpact>& hits, LocalRest rest, std::size_t first_of_hits,
+                SitePlan& plan);
 
 }  // namespace fracture

@@ -41,29 +41,37 @@ std::vector<Vec3d> points_in_clouds(const Task& task, ColumnSampler& sampler, st
   std::vector<bool> done(cloud_of.size(), false);
   std::vector<std::uint32_t> open(cloud_of.size());
   for (std::uint32_t k = 0; k < open.size(); ++k) open[k] = k;
-  constexpr int kDrawsAtOnce = 4;
+  // Each site has its draws in rounds, each with a generator of its own; the first draw inside counts. How
+  // many rounds are looked at together changes nothing but the time: the fewer sites are open, the more.
+  constexpr int kDrawsPerRound = 4, kRounds = kDraws / kDrawsPerRound, kDrawsAtOnce = 512;
   std::vector<Vec3d> draws;
-  for (int round = 0; round < kDraws / kDrawsAtOnce && !open.empty(); ++round) {
+  for (int round = 0, rounds; round < kRounds && !open.empty(); round += rounds) {
+    rounds = std::clamp(kDrawsAtOnce / (kDrawsPerRound * static_cast<int>(open.size())), 1, kRounds - round);
     draws.clear();
     for (const std::uint32_t k : open) {
       Random seeder(task.seed ^ kCloudStream);
-      Random random(seeder() + k * 0xd1b54a32d192ed03ull +
-                    static_cast<std::uint64_t>(round) * 0x9e6c63d0876a9a47ull);
+      const std::uint64_t seed = seeder() + k * 0xd1b54a32d192ed03ull;
       const Cloud& cloud = clouds[cloud_of[k]];
-      for (int d = 0; d < kDrawsAtOnce; ++d) {
-        const double distance = cloud.radius * power(random.uniform(), inverse);
-        draws.push_back(cloud.center + distance * random_direction(random));
+      for (int r = round; r < round + rounds; ++r) {
+        Random random(seed + static_cast<std::uint64_t>(r) * 0x9e6c63d0876a9a47ull);
+        for (int d = 0; d < kDrawsPerRound; ++d) {
+          const double distance = cloud.radius * power(random.uniform(), inverse);
+          draws.push_back(cloud.center + distance * random_direction(random));
+        }
       }
     }
     const std::vector<bool> inside = sampler.inside(draws);
+    const auto each = static_cast<std::ptrdiff_t>(rounds) * kDrawsPerRound;
     std::vector<std::uint32_t> still_open;
-    for (std::size_t n = 0; n < open.size(); ++n) {
-      for (int d = 0; d < kDrawsAtOnce && !done[open[n]]; ++d)
-        if (inside[n * kDrawsAtOnce + static_cast<std::size_t>(d)]) {
-          found[open[n]] = draws[n * kDrawsAtOnce + static_cast<std::size_t>(d)];
-          done[open[n]] = true;
-        }
-      if (!done[open[n]]) still_open.push_back(open[n]);
+    auto first = inside.begin();
+    for (const std::uint32_t k : open) {
+      const auto hit = std::find(first, first + each, true);
+      done[k] = hit != first + each;
+      if (done[k])
+        found[k] = draws[static_cast<std::size_t>(hit - inside.begin())];
+      else
+        still_open.push_back(k);
+      first += each;
     }
     open.swap(still_open);
   }

@@ -28,7 +28,10 @@ constexpr std::uint64_t kSiteStream = 0x5173'0000'0000'0001ull, kProbeStream = 0
 }  // namespace
 
 ColumnSampler::ColumnSampler(const Solid& solid, std::uint64_t seed, const Execution& execution)
-    : solid_(solid), execution_(execution), seed_(seed) {
+    : solid_(solid), execution_(execution), seed_(seed) {}
+
+void ColumnSampler::choose_axis() {
+  const Solid& solid = solid_;
   // The axis along which most candidates are kept: least (projected area × width).
   std::array<double, 3> area{};
   for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
@@ -82,27 +85,35 @@ ColumnSampler::Column ColumnSampler::column(std::uint64_t stream, std::uint64_t 
   return {triangle, q[f.u], q[f.v], keep, share};
 }
 
-void ColumnSampler::cross_all(std::span<const Column> columns, std::vector<Crossing>& crossings) const {
-  const Frame f = frame_of(axis_);
-  const Box& box = solid_.box;
-  // About sixteen cells for each column, so that most triangles meet empty cells only.
-  const auto side_count = static_cast<std::uint32_t>(
-      std::fmin(4096, 4 * std::ceil(std::sqrt(static_cast<double>(columns.size())))));
-  const Vec3d size = box.size();
-  const double scale_u = size[f.u] > 0 ? side_count / size[f.u] : 0,
-               scale_v = size[f.v] > 0 ? side_count / size[f.v] : 0;
-  const double low_u = box.min[f.u], low_v = box.min[f.v];
-  // Everything lies in the box, so the product is in [0, side_count] but for rounding. Monotone: a column
-  // between the extreme coordinates of a triangle stands in a cell between theirs.
-  const auto cell = [last = static_cast<std::int32_t>(side_count) - 1](double t, double low, double scale) {
-    const auto c = static_cast<std::int32_t>((t - low) * scale);
-    return static_cast<std::uint32_t>(c < 0 ? 0 : c > last ? last : c);
+void ColumnSampler::cross_all(int axis, std::span<const Column> columns,
+                              std::vector<Crossing>& crossings) const {
+  if (columns.empty()) return;
+  const Frame f = frame_of(axis);
+  // A grid over where columns stand, about sixteen cells for each of them, and a rim of cells for all that
+  // lies outside: most triangles meet empty cells only.
+  const auto side_count = 2 + static_cast<std::uint32_t>(std::fmin(
+                                  4096, 4 * std::ceil(std::sqrt(static_cast<double>(columns.size())))));
+  double low_u = columns[0].u, high_u = low_u, low_v = columns[0].v, high_v = low_v;
+  for (const Column& c : columns) {
+    low_u = std::fmin(low_u, c.u);
+    high_u = std::fmax(high_u, c.u);
+    low_v = std::fmin(low_v, c.v);
+    high_v = std::fmax(high_v, c.v);
+  }
+  const auto scale = [&](double size) { return size > 1e-300 ? (side_count - 2) / size : 0; };
+  const double scale_u = scale(high_u - low_u), scale_v = scale(high_v - low_v);
+  // Monotone: a column between the extreme coordinates of a triangle stands in a cell between theirs.
+  const auto cell = [rim = side_count - 1](double t, double low, double high, double scaling) {
+    if (t < low) return 0u;
+    if (t > high) return rim;
+    const auto c = 1 + static_cast<std::uint32_t>((t - low) * scaling);
+    return c < rim ? c : rim - 1;
   };
+  const auto cell_u = [&](double u) { return cell(u, low_u, high_u, scale_u); };
+  const auto cell_v = [&](double v) { return cell(v, low_v, high_v, scale_v); };
   std::vector<std::uint32_t> start(static_cast<std::size_t>(side_count) * side_count + 2, 0),
       items(columns.size());
-  const auto cell_of = [&](const Column& c) {
-    return cell(c.v, low_v, scale_v) * side_count + cell(c.u, low_u, scale_u);
-  };
+  const auto cell_of = [&](const Column& c) { return cell_v(c.v) * side_count + cell_u(c.u); };
   for (const Column& c : columns) ++start[cell_of(c) + 2];
   for (std::size_t i = 2; i < start.size(); ++i) start[i] += start[i - 1];
   for (std::uint32_t i = 0; i < columns.size(); ++i) items[start[cell_of(columns[i]) + 1]++] = i;
@@ -114,8 +125,7 @@ void ColumnSampler::cross_all(std::span<const Column> columns, std::vector<Cross
   std::vector<CellOfVertex> cells(solid_.positions.size());
   for (std::size_t v = 0; v < cells.size(); ++v) {
     const Vec3d p = to_double(solid_.positions[v]);
-    cells[v] = {static_cast<std::uint16_t>(cell(p[f.u], low_u, scale_u)),
-                static_cast<std::uint16_t>(cell(p[f.v], low_v, scale_v))};
+    cells[v] = {static_cast<std::uint16_t>(cell_u(p[f.u])), static_cast<std::uint16_t>(cell_v(p[f.v]))};
   }
   const auto cross = [&](std::uint32_t t, std::uint32_t item) {
     const Column& column = columns[item];
@@ -130,7 +140,7 @@ void ColumnSampler::cross_all(std::span<const Column> columns, std::vector<Cross
     const double sum = sa + sb + sc;
     if (sum == 0) return;
     // Left of all three edges: counter-clockwise across the axis, so the normal points along it: a way out.
-    crossings.push_back({item, (sa * a[axis_] + sb * b[axis_] + sc * c[axis_]) / sum, lc ? -1 : 1, t});
+    crossings.push_back({item, (sa * a[axis] + sb * b[axis] + sc * c[axis]) / sum, lc ? -1 : 1, t});
   };
   for (std::uint32_t t = 0; t < solid_.triangles.size(); ++t) {
     if (t % 65536 == 0) execution_.poll();
@@ -158,7 +168,7 @@ void ColumnSampler::cross_all(std::span<const Column> columns, std::vector<Cross
 
 std::vector<ColumnSampler::Chord> ColumnSampler::chords(std::span<const Column> columns) {
   std::vector<Crossing> crossings;
-  cross_all(columns, crossings);
+  cross_all(axis_, columns, crossings);
   depth_ = 1 + crossings.size() / (columns.size() + 1);
   std::vector<Chord> chords(columns.size());
   for (std::size_t i = 0; i < crossings.size();) {
@@ -186,7 +196,12 @@ std::vector<ColumnSampler::Chord> ColumnSampler::chords(std::span<const Column> 
 }
 
 std::vector<bool> ColumnSampler::inside(std::span<const Vec3d> points) {
-  const Frame f = frame_of(axis_);
+  // Along the shortest side of the box columns meet the fewest triangles.
+  const Vec3d size = solid_.box.size();
+  int axis = 0;
+  for (int a = 1; a < 3; ++a)
+    if (size[a] < size[axis]) axis = a;
+  const Frame f = frame_of(axis);
   std::vector<bool> result(points.size(), false);
   std::vector<std::uint32_t> candidates;
   for (std::uint32_t i = 0; i < points.size(); ++i) {
@@ -207,14 +222,14 @@ std::vector<bool> ColumnSampler::inside(std::span<const Vec3d> points) {
       const Vec3d& p = points[candidates[first + k]];
       columns.push_back({kNoIndex, p[f.u], p[f.v], 0, 0});
     }
-    cross_all(columns, crossings);
+    cross_all(axis, columns, crossings);
     depth_ = 1 + crossings.size() / (batch + 1);
     for (std::size_t i = 0; i < crossings.size();) {
       const std::uint32_t column = crossings[i].column, point = candidates[first + column];
       int below = 0, total = 0;
       for (; i < crossings.size() && crossings[i].column == column; ++i) {
         total += crossings[i].enters;
-        if (crossings[i].at < points[point][axis_]) below += crossings[i].enters;
+        if (crossings[i].at < points[point][axis]) below += crossings[i].enters;
       }
       result[point] = total == 0 && below >= 1;  // a lost crossing (see chords()): not used
     }
@@ -240,6 +255,7 @@ Vec3d ColumnSampler::place(const Column& column, double along) const {
 }
 
 std::vector<Vec3d> ColumnSampler::sample(std::uint32_t count) {
+  if (entry_area_.empty() && count > 0) choose_axis();
   std::vector<Vec3d> points;
   points.reserve(count);
   std::uint64_t candidate = 0;

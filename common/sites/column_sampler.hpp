@@ -60,10 +60,13 @@ class ColumnSampler {
     double begin = 0, length = -1;  ///< negative: none begins here
     std::uint32_t crossings = 0;    ///< of the whole column
   };
+  /// What sample() needs and inside() does not.
+  void choose_axis();
   Column column(std::uint64_t stream, std::uint64_t number) const;
   /// The chord that begins at each column's entry.
   std::vector<Chord> chords(std::span<const Column> columns);
-  void cross_all(std::span<const Column> columns, std::vector<Crossing>& crossings) const;
+  /// Of columns along `axis`: by column, then along it.
+  void cross_all(int axis, std::span<const Column> columns, std::vector<Crossing>& crossings) const;
   Vec3d place(const Column& column, double along) const;
   double height_on_triangle(const Column& column) const;
 
@@ -73,7 +76,7 @@ class ColumnSampler {
   int axis_ = 0;
   double cap_ = 0;
   std::size_t depth_ = 8;           ///< crossings per column, in the last batch
-  std::vector<double> entry_area_;  ///< running sums over the triangles
+  std::vector<double> entry_area_;  ///< running sums over the triangles; empty until choose_axis()
 };
 
 }  // namespace fracture::sites_detail

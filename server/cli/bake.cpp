@@ -105,7 +105,7 @@ int refuse(const Error& error) {
 
 int bake(const BakeOptions& options) {
   FractureService service(options.service, make_engine(one_import_worker()));
-  Expected<RequestParameters> parameters = service.parameters().parse(options.parameters);
+  Expected<RequestParameters> parameters = service.parse(options.parameters);
   if (!parameters) return refuse(parameters.error());
   const Expected<MeshFormat> format = format_of_input(options.input, *parameters);
   if (!format) return refuse(format.error());

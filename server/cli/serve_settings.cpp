@@ -100,7 +100,8 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
          seconds("idle", l.idle, "Longest time between requests of a connection")});
   group("Caches",
         {number("mesh-cache", "BYTES", s.mesh_cache_bytes, 0, kTiB, "Bytes of prepared meshes"),
-         number("diagram-cache", "BYTES", s.diagram_cache_bytes, 0, kTiB, "Bytes of tetrahedralizations"),
+         number("diagram-cache", "BYTES", s.diagram_cache_bytes, 0, kTiB,
+                "Bytes of tetrahedralizations, and of answers kept for hits on them"),
          number("result-cache", "BYTES", s.result_cache_bytes, 0, kTiB, "Bytes of finished answers"),
          text("cache-dir", "FOLDER", s.tiers.folder, "Keep finished answers in this folder too"),
          number("disk-cache", "BYTES", s.tiers.disk_bytes, 0, kTiB, "Bytes of that folder"),

@@ -20,7 +20,7 @@ Answered Api::with_mesh_input(const std::shared_ptr<Request>& request, const std
   terms->gone = gone;
   const auto body = std::make_shared<Body>(Body{std::move(request->body), std::move(request->reservation)});
   const auto read = [this, request, body, terms = *terms, go_on = std::move(go_on)]() -> Answered {
-    OrProblem<FractureRequest> input = read_mesh_input(*request, body, service_.parameters());
+    OrProblem<FractureRequest> input = read_mesh_input(*request, body, service_);
     if (!input) return tl::unexpected<Problem>(std::move(input.error()));
     return go_on(std::move(*input), body, terms);
   };

@@ -130,7 +130,7 @@ Answered Api::fracture_stored(const std::shared_ptr<Request>& request, std::stri
   if (std::any_of(given.begin(), given.end(), [](const RawParameter& p) { return p.name == "format"; }))
     return tl::unexpected<Problem>(to_problem(
         {ErrorCode::kBadParameter, "The format of a stored mesh is known: leave 'format' out.", "format"}));
-  Expected<RequestParameters> parameters = service_.parameters().parse(given);
+  Expected<RequestParameters> parameters = service_.parse(given);
   if (!parameters) return tl::unexpected<Problem>(to_problem(std::move(parameters.error())));
   OrProblem<Terms> terms = terms_of(request->head, *request->admission.route);
   if (!terms) return tl::unexpected<Problem>(std::move(terms.error()));

@@ -64,7 +64,7 @@ Expected<std::vector<RawParameter>> read_params(std::string_view text, std::stri
 }
 
 OrProblem<FractureRequest> read_mesh_input(const Request& request, std::shared_ptr<const Body> body,
-                                           const ParameterTable& table) {
+                                           FractureService& service) {
   std::vector<RawParameter> given = raw_parameters(request.admission.query);
   const std::string content_type = request.head.field("content-type");
   std::string_view mesh = body->bytes;
@@ -108,7 +108,8 @@ OrProblem<FractureRequest> read_mesh_input(const Request& request, std::shared_p
           to_problem({ErrorCode::kEmptyBody, "The form has no part named 'mesh'.", "mesh"}));
   }
 
-  Expected<RequestParameters> parameters = table.parse(given);
+  const ParameterTable& table = service.parameters();
+  Expected<RequestParameters> parameters = service.parse(given);
   if (!parameters) return tl::unexpected<Problem>(to_problem(std::move(parameters.error())));
   std::optional<MeshFormat> format = parameters->format;
   if (!format) format = format_from_media_type(declared_type);

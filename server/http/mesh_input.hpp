@@ -10,6 +10,10 @@
 #include "server/parameters/parameters.hpp"
 #include "server/service/request.hpp"
 
+namespace fracture {
+class FractureService;
+}
+
 namespace fracture::http {
 
 /// The body of a request, shared by all who still need its bytes; its reservation goes with it.
@@ -21,7 +25,7 @@ struct Body {
 /// What is asked, with the bytes borrowed from (and owned by) the body. Parameters of the query, of the part
 /// `params` and of form fields are taken together.
 OrProblem<FractureRequest> read_mesh_input(const Request& request, std::shared_ptr<const Body> body,
-                                           const ParameterTable& table);
+                                           FractureService& service);
 
 /// Names and values of a JSON object. Refuses what is not one object, deep nesting, and a member given twice
 /// (of which a JSON parser would silently keep one). `what` names the text in errors: "part 'params'".

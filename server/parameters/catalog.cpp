@@ -30,11 +30,18 @@ nlohmann::json describe(const ParameterSpec& spec) {
     case Type::kNumber:
       entry = {{"type", "number"}, {"minimum", spec.low}, {"maximum", spec.high}};
       break;
+    case Type::kNumbers:
+      entry = {{"type", "array"},
+               {"minItems", 1},
+               {"maxItems", kMaxIntegers},
+               {"items", {{"type", "number"}, {"minimum", spec.low}, {"maximum", spec.high}}}};
+      entry["text"] = "a,b,c";
+      break;
     case Type::kNames:
       entry = {{"type", "string"}};
       break;
     case Type::kText:
-      entry = {{"type", "string"}, {"minLength", 1}, {"maxLength", 63}};
+      entry = {{"type", "string"}, {"minLength", 1}, {"maxLength", spec.longest_text()}};
       break;
     case Type::kColor:
       entry = {{"type", "string"}, {"pattern", "^#[0-9a-fA-F]{6}$"}};
@@ -62,6 +69,18 @@ nlohmann::json describe(const ParameterSpec& spec) {
   if (!spec.unit.empty()) entry["unit"] = spec.unit;
   if (!spec.default_value.is_null()) entry["default"] = spec.default_value;
   return entry;
+}
+
+/// What a request without any parameter stands for.
+nlohmann::json default_parameters() {
+  const RequestParameters nothing;
+  return canonical_parameters(nothing);
+}
+
+RequestParameters with_choice(const ParameterSpec& spec, std::size_t choice) {
+  RequestParameters request;
+  spec.set(request, spec, static_cast<std::uint64_t>(choice));
+  return request;
 }
 
 }  // namespace
@@ -93,12 +112,10 @@ nlohmann::json ParameterTable::patterns_to_json() const {
     if (spec.patterns.empty() && spec.decides != Decides::kSolid) general.push_back(describe(spec));
 
   const ParameterSpec& material = *find("material");
-  const nlohmann::json defaults = canonical_parameters({});
+  const nlohmann::json defaults = default_parameters();
   for (std::size_t k = 0; k < material.choices.size(); ++k) {
-    RequestParameters request;
-    material.set(request, material, static_cast<std::uint64_t>(k));
     // What it sets: its pattern's values, and whatever else is not the default.
-    nlohmann::json sets = canonical_parameters(request);
+    nlohmann::json sets = canonical_parameters(with_choice(material, k));
     for (const ParameterSpec& spec : specs_)
       if (spec.name == "material" || spec.decides == Decides::kSolid ||
           (defaults.contains(spec.name) && sets.contains(spec.name) &&

@@ -207,4 +207,18 @@ nlohmann::json canonical_parameters(const RequestParameters& parameters) {
   return canonical(parameters, [](const ParameterSpec&) { return true; });
 }
 
+nlohmann::json canonical_base_parameters(const RequestParameters& parameters, bool hit) {
+  RequestParameters base = parameters;
+  base.delta = DeltaAnswer::kNone;
+  if (!hit) {
+    const std::size_t before = base.fracture.hits.size() - base.fracture.new_hits;
+    base.local_point.resize(before);
+    base.local_radius.resize(before);
+    base.local_sites.resize(before);
+  }
+  // Without the questions of the support analysis, which change from hit to hit.
+  return canonical(base,
+                   [](const ParameterSpec& row) { return row.name != "broken" && row.name != "gravity"; });
+}
+
 }  // namespace fracture

@@ -25,6 +25,13 @@ namespace fracture {
 /// Whole numbers go up to 2^53 - 1, so that they are exact in the JSON of every language.
 inline constexpr std::uint64_t kMaxSeed = (1ull << 53) - 1;
 
+/// What an answer says about how it differs from the one without the new hits.
+enum class DeltaAnswer {
+  kNone,
+  kStated,  ///< the ids of new, changed and gone fragments
+  kOnly,    ///< the same, and of the fragments only the new and the changed ones
+};
+
 struct RequestParameters {
   FrameOptions frame;
   PartSelection parts;  ///< sorted, each entry once
@@ -34,9 +41,14 @@ struct RequestParameters {
   UeCollision ue_collision = UeCollision::kNone;
   std::optional<Vec3d> keep_center{};  ///< with keep_radius: fracture.keep
   std::optional<double> keep_radius{};
-  std::optional<Vec3d> local_point{};  ///< with local_radius: fracture.local
-  std::optional<double> local_radius{};
-  LocalImpact local;                        ///< its other members
+  /// RequestKeys::result of an earlier answer. What parse() makes of a request with it is only what was
+  /// given; FractureService::parse() adds the parameters of that answer.
+  std::string of{};
+  std::vector<Vec3d> local_point{};            ///< with the next two: fracture.hits
+  std::vector<double> local_radius{};          ///< one for each point, or one for all
+  std::vector<std::uint64_t> local_sites{30};  ///< the same
+  std::uint32_t local_new = 1;                 ///< with delta: fracture.new_hits
+  DeltaAnswer delta = DeltaAnswer::kNone;
   std::optional<std::uint64_t> fragment{};  ///< with these: fracture.again
   Refracture again;
   Vec3d gravity{0, -9.81, 0};           ///< m/s², for the support analysis
@@ -94,5 +106,8 @@ nlohmann::json canonical_parameters(const RequestParameters& parameters);
 nlohmann::json canonical_solid_parameters(const RequestParameters& parameters);
 /// Those that decide the sites: a material and the same values given one by one are the same sites.
 nlohmann::json canonical_site_parameters(const RequestParameters& parameters);
+/// Of a request with `delta`: those that decide what its hits start from, without the hits that are new; or,
+/// with `hit`, what further hits on its answer start from.
+nlohmann::json canonical_base_parameters(const RequestParameters& parameters, bool hit);
 
 }  // namespace fracture

@@ -17,12 +17,17 @@ std::vector<ParameterSpec> site_parameter_rows(std::uint32_t max_sites);
 /// The part of it about sizes, levels, regions, anchors and support, and fracturing a part again.
 std::vector<ParameterSpec> structure_parameter_rows();
 
+/// The part of that about hits on what is fractured.
+std::vector<ParameterSpec> hit_parameter_rows();
+
 /// Makes values of several parameters of one (a region of centre and radius, …). The name and the sentence of
 /// what is missing or contradicts itself, or nothing.
 struct Contradiction {
   std::string parameter, detail;
 };
 std::optional<Contradiction> complete_structure(RequestParameters& parameters);
+/// The part of it for hits.
+std::optional<Contradiction> complete_hits(RequestParameters& parameters);
 
 /// One sentence on each pattern, in the order of kPatternNames.
 const std::vector<std::string>& pattern_docs();

@@ -17,11 +17,14 @@ struct RequestParameters;
 struct ParameterSpec;
 
 /// A value that has passed its checks. A choice is the index of its spelling.
-using ParameterValue = std::variant<std::uint64_t, double, std::string, std::vector<std::string>, Vec3d,
-                                    std::vector<Vec3d>, Matrix3, std::vector<std::uint64_t>>;
+using ParameterValue =
+    std::variant<std::uint64_t, double, std::string, std::vector<std::string>, Vec3d, std::vector<Vec3d>,
+                 Matrix3, std::vector<std::uint64_t>, std::vector<double>>;
 
 /// Of one list.
 inline constexpr std::size_t kMaxIntegers = 10'000;
+/// Bytes of a text, where its row says nothing else.
+inline constexpr std::size_t kMaxText = 63;
 
 /// What a parameter decides: each cache key holds those that decide its value and no other.
 enum class Decides { kSolid, kSites, kAnswer };
@@ -29,11 +32,12 @@ enum class Decides { kSolid, kSites, kAnswer };
 struct ParameterSpec {
   enum class Type {
     kInteger,    ///< whole number from min to max
-    kIntegers,   ///< up to kMaxIntegers whole numbers from min to max: text a,b,c or a JSON array
+    kIntegers,   ///< up to kMaxIntegers whole numbers from min to max: text a,b,c, a JSON array or number
     kNumber,     ///< finite number from low to high
+    kNumbers,    ///< up to kMaxIntegers of them, as kIntegers
     kChoice,     ///< one of choices
     kNames,      ///< names separated by commas; in JSON an array of strings or such a text
-    kText,       ///< 1 to 63 bytes of UTF-8
+    kText,       ///< 1 to max (0: kMaxText) bytes of UTF-8
     kColor,      ///< sRGB as "#rrggbb"
     kVector,     ///< three numbers from low to high: text x,y,z or a JSON array
     kDirection,  ///< a vector that is not zero
@@ -44,6 +48,7 @@ struct ParameterSpec {
   Type type = Type::kInteger;
   std::string unit{};  ///< "m", "kg/m³", …; empty: none
   std::uint64_t min = 0, max = 0;
+  std::size_t longest_text() const { return max > 0 ? static_cast<std::size_t>(max) : kMaxText; }
   double low = 0, high = 0;
   std::vector<std::string> choices{};
   std::string doc{};

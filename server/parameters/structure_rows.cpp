@@ -14,11 +14,6 @@ constexpr double kFar = 1e6;           // metres: as far as places may lie
 constexpr double kLeastLength = 1e-6;  // metres
 constexpr std::uint32_t kMostLevels = 8;
 
-ParameterSpec decides_sites(ParameterSpec spec) {
-  spec.decides = Decides::kSites;
-  return spec;
-}
-
 nlohmann::json vectors(const std::vector<Vec3d>& list) {
   nlohmann::json json = nlohmann::json::array();
   for (const Vec3d& v : list) json.push_back({v.x, v.y, v.z});
@@ -211,42 +206,6 @@ void add_anchor_rows(std::vector<ParameterSpec>& rows) {
   only_where(rows, support, [](const RequestParameters& r) { return r.fracture.anchors.any(); });
 }
 
-void add_local_rows(std::vector<ParameterSpec>& rows) {
-  const std::size_t first = rows.size();
-  rows.push_back(decides_sites(with_member(
-      {.name = "local_point",
-       .type = Type::kVector,
-       .unit = "m",
-       .low = -kFar,
-       .high = kFar,
-       .doc = "Where a hit breaks only what is near it, in the frame of the answer; with `local_radius`."},
-      [](auto& r) -> auto& { return r.local_point; })));
-  rows.push_back(decides_sites(with_member(
-      {.name = "local_radius",
-       .type = Type::kNumber,
-       .unit = "m",
-       .low = kLeastLength,
-       .high = kFar,
-       .doc = "How far the hit reaches; with `local_point`."},
-      [](auto& r) -> auto& { return r.local_radius; })));
-  rows.push_back(decides_sites(with_member(
-      {.name = "local_sites",
-       .type = Type::kInteger,
-       .min = 1,
-       .max = 10'000,
-       .doc = "How many sites the hit adds, on top of those of the pattern."},
-      [](auto& r) -> auto& { return r.local.sites; })));
-  rows.push_back(decides_sites(with_member(
-      {.name = "local_rest",
-       .type = Type::kChoice,
-       .choices = {"whole", "fractured"},
-       .doc =
-           "whole: cells whose sites lie farther away stay together as one piece. fractured: they stay what "
-           "the pattern makes of them."},
-      [](auto& r) -> auto& { return r.local.rest; })));
-  only_where(rows, first, [](const RequestParameters& r) { return r.local_point.has_value(); });
-}
-
 void add_again_rows(std::vector<ParameterSpec>& rows) {
   const std::size_t first = rows.size();
   rows.push_back(with_member(
@@ -282,28 +241,21 @@ std::vector<ParameterSpec> structure_parameter_rows() {
   add_size_rows(rows);
   add_keep_rows(rows);
   add_anchor_rows(rows);
-  add_local_rows(rows);
+  for (ParameterSpec& row : hit_parameter_rows()) rows.push_back(std::move(row));
   add_again_rows(rows);
   return rows;
 }
 
 std::optional<Contradiction> complete_structure(RequestParameters& r) {
   FractureParameters& f = r.fracture;
+  if (const std::optional<Contradiction> wrong = complete_hits(r)) return wrong;
+  if (!r.of.empty()) return std::nullopt;  // the rest may be in the parameters of that answer
   if (r.keep_center.has_value() != r.keep_radius.has_value())
     return Contradiction{r.keep_center ? "keep_radius" : "keep_center",
                          "'keep_center' and 'keep_radius' say a sphere together; one of them is missing."};
   if (r.keep_center && f.keep)
     return Contradiction{"keep_box", "'keep_box' and 'keep_center' were both given; one region can be kept."};
   if (r.keep_center) f.keep = Region{.center = *r.keep_center, .radius = *r.keep_radius};
-  if (r.local_point.has_value() != r.local_radius.has_value())
-    return Contradiction{
-        r.local_point ? "local_radius" : "local_point",
-        "'local_point' and 'local_radius' say where a hit is together; one of them is missing."};
-  if (r.local_point) {
-    f.local = r.local;
-    f.local->point = *r.local_point;
-    f.local->radius = *r.local_radius;
-  }
   if (r.fragment) {
     f.again = r.again;
     f.again->fragment = *r.fragment;

@@ -64,13 +64,14 @@ std::optional<std::vector<std::string>> to_names(const RawParameter& raw) {
   return names;
 }
 
-/// 1 to 63 bytes of UTF-8 without control characters.
-std::optional<std::string> to_text(const RawParameter& raw) {
+/// UTF-8 without control characters.
+std::optional<std::string> to_text(const ParameterSpec& spec, const RawParameter& raw) {
   if (!raw.value.is_string()) return std::nullopt;
   const auto& text = raw.value.get_ref<const std::string&>();
   const bool control =
       std::any_of(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
-  return text.empty() || text.size() > 63 || control || !is_utf8(text) ? std::nullopt : std::optional(text);
+  return text.empty() || text.size() > spec.longest_text() || control || !is_utf8(text) ? std::nullopt
+                                                                                        : std::optional(text);
 }
 
 /// The index of the choice.
@@ -84,8 +85,8 @@ std::optional<std::uint64_t> to_choice(const ParameterSpec& spec, const RawParam
   return static_cast<std::uint64_t>(at - spec.choices.begin());
 }
 
-/// Text a,b,c or a JSON array; each from min to max.
-std::optional<std::vector<std::uint64_t>> to_integers(const ParameterSpec& spec, const RawParameter& raw) {
+/// The entries of text a,b,c or of a JSON array; nothing when there are none or too many.
+std::optional<std::vector<RawParameter>> list_items(const RawParameter& raw) {
   std::vector<RawParameter> items;
   if (raw.is_text) {
     std::string_view text = raw.value.get_ref<const std::string&>();
@@ -96,12 +97,34 @@ std::optional<std::vector<std::uint64_t>> to_integers(const ParameterSpec& spec,
     }
   } else if (raw.value.is_array() && raw.value.size() <= kMaxIntegers) {
     for (const nlohmann::json& item : raw.value) items.push_back({raw.name, item, false});
+  } else if (raw.value.is_number()) {
+    items.push_back(raw);
   }
   if (items.empty() || items.size() > kMaxIntegers) return std::nullopt;
+  return items;
+}
+
+/// Each from min to max.
+std::optional<std::vector<std::uint64_t>> to_integers(const ParameterSpec& spec, const RawParameter& raw) {
+  const auto items = list_items(raw);
+  if (!items) return std::nullopt;
   std::vector<std::uint64_t> numbers;
-  for (const RawParameter& item : items) {
+  for (const RawParameter& item : *items) {
     const std::optional<std::uint64_t> number = to_integer(item);
     if (!number || *number < spec.min || *number > spec.max) return std::nullopt;
+    numbers.push_back(*number);
+  }
+  return numbers;
+}
+
+/// Each from low to high.
+std::optional<std::vector<double>> to_numbers(const ParameterSpec& spec, const RawParameter& raw) {
+  const auto items = list_items(raw);
+  if (!items) return std::nullopt;
+  std::vector<double> numbers;
+  for (const RawParameter& item : *items) {
+    const std::optional<double> number = to_number(item.value, item.is_text);
+    if (!number || !(*number >= spec.low && *number <= spec.high)) return std::nullopt;
     numbers.push_back(*number);
   }
   return numbers;
@@ -123,10 +146,12 @@ std::optional<ParameterValue> to_scalar(const ParameterSpec& spec, const RawPara
       const auto number = to_number(raw.value, raw.is_text);
       return number && *number >= spec.low && *number <= spec.high ? value(number) : std::nullopt;
     }
+    case ParameterSpec::Type::kNumbers:
+      return value(to_numbers(spec, raw));
     case ParameterSpec::Type::kNames:
       return value(to_names(raw));
     case ParameterSpec::Type::kText:
-      return value(to_text(raw));
+      return value(to_text(spec, raw));
     case ParameterSpec::Type::kColor:
       if (raw.value.is_string() && is_color(raw.value.get_ref<const std::string&>()))
         return raw.value.get<std::string>();
@@ -189,10 +214,12 @@ std::string expectation(const ParameterSpec& spec) {
              ", as text a,b,c or in JSON [a, b, c]";
     case Type::kNumber:
       return "a number " + range;
+    case Type::kNumbers:
+      return "numbers " + range + ", as text a,b,c or in JSON [a, b, c]";
     case Type::kNames:
       return "names or indices separated by commas, in UTF-8, none of them empty";
     case Type::kText:
-      return "1 to 63 bytes of text";
+      return "1 to " + std::to_string(spec.longest_text()) + " bytes of text";
     case Type::kColor:
       return "an sRGB colour as #rrggbb";
     case Type::kVector:

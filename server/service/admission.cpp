@@ -63,7 +63,7 @@ double expected_sites(const FractureParameters& parameters, const Solid* solid) 
   // A cell that is too large gets further sites until its pieces are below the limit: on average half of it.
   if (solid && parameters.max_volume > 0)
     sites = std::fmax(sites, 2 * solid->report.volume / parameters.max_volume);
-  if (parameters.local) sites += parameters.local->sites;
+  for (const LocalImpact& hit : parameters.hits) sites += hit.sites;
   if (parameters.again) sites += parameters.again->sites;
   return std::fmin(sites, parameters.most_sites);
 }

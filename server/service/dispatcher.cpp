@@ -146,6 +146,10 @@ std::optional<Overload> Dispatcher::reserve(std::uint64_t bytes, MemoryBudget::R
 std::optional<Overload> Dispatcher::fracture(FractureRequest request, const Terms& terms,
                                              FractureReply reply) {
   RequestKeys keys = keys_of(request);
+  if (auto wrong = wrong_mesh(request, keys)) {
+    reply(tl::unexpected<Error>(std::move(*wrong)));
+    return std::nullopt;
+  }
   if (auto result = service_.find_result(keys.result)) {
     FractureAnswer answer;
     answer.result = std::move(result);

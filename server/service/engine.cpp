@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "common/pipeline/delta.hpp"
 #include "server/import_worker/import_pool.hpp"
 
 namespace fracture {
@@ -24,11 +25,28 @@ class LibraryEngine final : public FractureEngine {
   }
   Expected<Diagram> diagram(const Solid& solid, const FractureParameters& parameters,
                             const Execution& execution, StageTimings& timings) const override {
-    return make_diagram(solid, parameters, execution, timings);
+    if (parameters.new_hits == 0) return make_diagram(solid, parameters, execution, timings);
+    Expected<KeptAnswer> before = fracture_and_keep(solid, before_hits(parameters), execution, timings);
+    if (!before) return tl::unexpected<Error>(std::move(before.error()));
+    Diagram diagram;
+    diagram.fractured = std::move(before->base);
+    return diagram;
   }
   Expected<FragmentSet> cut(const Solid& solid, const Diagram& diagram, const FractureParameters& parameters,
-                            const Execution& execution, StageTimings& timings) const override {
-    return fracture(solid, diagram, parameters, execution, timings);
+                            const Execution& execution, StageTimings& timings,
+                            std::shared_ptr<const Diagram>& kept) const override {
+    if (!parameters.kept) return fracture(solid, diagram, parameters, execution, timings);
+    if (parameters.new_hits > 0 && !diagram.fractured)
+      throw InternalError("new hits on a diagram that is not fractured");
+    Expected<KeptAnswer> after =
+        parameters.new_hits > 0 ? fracture_delta(solid, *diagram.fractured, parameters, execution, timings)
+                                : fracture_and_keep(solid, diagram, parameters, execution, timings);
+    if (!after) return tl::unexpected<Error>(std::move(after.error()));
+    auto next = std::make_shared<Diagram>();
+    next->fractured = std::move(after->base);
+    kept = std::move(next);
+    if (!after->set.delta) after->set.delta.emplace();  // nothing is new
+    return std::move(after->set);
   }
   std::vector<std::uint8_t> encode(const FragmentSet& fragments, const GltfOptions& options,
                                    OutputFormat format) const override {

@@ -36,17 +36,19 @@ class FractureEngine {
                                 const Execution& execution) const = 0;
   virtual Expected<Solid> prepare(std::shared_ptr<const Mesh> mesh, const SolidOptions& options,
                                   const Execution& execution) const = 0;
+  /// Where hits are new: with Diagram::fractured, the answer without them.
   virtual Expected<Diagram> diagram(const Solid& solid, const FractureParameters& parameters,
                                     const Execution& execution, StageTimings& timings) const = 0;
+  /// `kept`: where it is asked for (FractureParameters::kept), what further hits on this answer start from.
   virtual Expected<FragmentSet> cut(const Solid& solid, const Diagram& diagram,
                                     const FractureParameters& parameters, const Execution& execution,
-                                    StageTimings& timings) const = 0;
+                                    StageTimings& timings, std::shared_ptr<const Diagram>& kept) const = 0;
   virtual std::vector<std::uint8_t> encode(const FragmentSet& fragments, const GltfOptions& options,
                                            OutputFormat format) const = 0;
 };
 
-/// The real one: calls the libraries of common/. Imports go through the pool where there is one, which adds its
-/// errors (import_worker/import_pool.hpp); else they run in this process.
+/// The real one: calls the libraries of common/. Imports go through the pool where there is one, which adds
+/// its errors (import_worker/import_pool.hpp); else they run in this process.
 std::unique_ptr<FractureEngine> make_engine(std::shared_ptr<ImportPool> imports = nullptr);
 
 }  // namespace fracture

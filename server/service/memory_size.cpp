@@ -1,4 +1,5 @@
 // Bytes of heap behind what the caches keep.
+#include "common/pipeline/delta.hpp"
 #include "server/service/service.hpp"
 
 namespace fracture {
@@ -42,10 +43,33 @@ std::size_t memory_size(const PreparedMesh& mesh) {
   return bytes;
 }
 
+namespace {
+
+std::size_t memory_size(const Fragment& f) {
+  std::size_t bytes = sizeof f + heap(f.sites) + heap(f.positions) + heap(f.attributes.normals) +
+                      heap(f.attributes.tangents) + nested_heap(f.attributes.uvs) +
+                      nested_heap(f.attributes.colors) + heap(f.indices) + heap(f.primitives) +
+                      heap(f.topology) + nested_heap(f.bodies) + heap(f.hulls);
+  for (const CollisionHull& hull : f.hulls) bytes += heap(hull.points) + heap(hull.triangles);
+  return bytes;
+}
+
+/// Fragments that several answers share are counted by each: the budget holds whichever of them goes first.
+std::size_t memory_size(const FracturedBase& base) {
+  std::size_t bytes = sizeof base + memory_size(base.diagram) + heap(base.surface.label) +
+                      heap(base.surface.shares) + heap(base.inner_vertices) + heap(base.fragments) +
+                      heap(base.first_of) + heap(base.bonds);
+  for (const FracturedBase::Known& known : base.fragments) bytes += memory_size(*known.fragment);
+  return bytes;
+}
+
+}  // namespace
+
 std::size_t memory_size(const Diagram& diagram) {
   const Tetrahedralization& t = diagram.tetrahedralization;
   return sizeof diagram + heap(diagram.sites) + heap(diagram.groups) + heap(t.points) + heap(t.tets) +
-         heap(t.tet_of_site) + heap(t.site_of_input);
+         heap(t.tet_of_site) + heap(t.site_of_input) +
+         (diagram.fractured ? memory_size(*diagram.fractured) : 0);
 }
 
 }  // namespace fracture

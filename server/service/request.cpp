@@ -30,13 +30,32 @@ RequestKeys keys_of(const FractureRequest& request) {
   keys.digest = request.digest.empty() ? digest_of(request).hex() : request.digest;
   keys.mesh =
       keys.digest + "." + extension_of(request.format) + "\n" + canonical_solid_parameters(parameters).dump();
-  keys.diagram =
-      hex_of("diagram\n" + keys.mesh + "\n" + canonical_site_parameters(parameters).dump() + "\n" + version);
+  const auto fractured = [&](bool hit) {
+    return hex_of("fractured\n" + keys.mesh + "\n" + canonical_base_parameters(parameters, hit).dump() +
+                  "\n" + version);
+  };
+  if (parameters.fracture.new_hits > 0) {
+    keys.diagram = fractured(false);
+  } else {
+    keys.diagram = hex_of("diagram\n" + keys.mesh + "\n" + canonical_site_parameters(parameters).dump() +
+                          "\n" + version);
+  }
+  if (parameters.fracture.kept) keys.kept = fractured(true);
   keys.result = keys.digest.substr(0, 16) +
                 hex_of("result\n" + keys.mesh + "\n" + canonical_parameters(parameters).dump() + "\n" +
                        version + (request.output == OutputFormat::kGltf ? "\ngltf" : "\nglb"))
                     .substr(0, 48);
   return keys;
+}
+
+std::optional<Error> wrong_mesh(const FractureRequest& request, const RequestKeys& keys) {
+  const std::string& of = request.parameters.of;
+  // Both begin with the digest of their mesh.
+  if (of.empty() || of.compare(0, 16, keys.digest, 0, 16) == 0) return std::nullopt;
+  return Error{ErrorCode::kBadParameter,
+               "'of' names an answer to another mesh: it begins with " + of.substr(0, 16) +
+                   ", the digest of this one with " + keys.digest.substr(0, 16) + ".",
+               "of"};
 }
 
 }  // namespace fracture

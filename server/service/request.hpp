@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -32,13 +33,18 @@ Digest digest_of(const FractureRequest& request);
 /// What the values of a request are called in the caches. Keys hash everything that determines the value and
 /// the algorithm version, so an entry is never stale.
 struct RequestKeys {
-  std::string digest;   ///< digest_of() in hex
-  std::string mesh;     ///< bytes, format and everything that decides the solid
-  std::string diagram;  ///< the solid and the sites: every dual and output format shares it
+  std::string digest;  ///< digest_of() in hex
+  std::string mesh;    ///< bytes, format and everything that decides the solid
+  /// The solid and the sites: every dual and output format shares it. With new hits: the answer without them.
+  std::string diagram;
+  std::string kept;  ///< of an answer that is kept: what hits on it start from, a `diagram` of theirs
   /// 64 hex digits, the whole request. The first 16 are the mesh digest's, so that a proxy can route every
   /// request that concerns one mesh to one server.
   std::string result;
 };
 RequestKeys keys_of(const FractureRequest& request);
+
+/// Where `of` names an answer to another mesh: kBadParameter.
+std::optional<Error> wrong_mesh(const FractureRequest& request, const RequestKeys& keys);
 
 }  // namespace fracture

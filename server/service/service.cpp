@@ -4,11 +4,17 @@
 #include <utility>
 
 #include "common/structure/support.hpp"
+#include "server/service/earlier_answer.hpp"
 
 namespace fracture {
 namespace {
 
+/// For the parameters of answers that may be named by further requests: some thousand answers.
+constexpr std::size_t kAnswerBytes = 4u << 20;
+
 std::size_t memory_size(const FractureResult& result) { return sizeof result + result.file.capacity(); }
+/// A parsed value takes several times its text.
+std::size_t memory_size(const nlohmann::json& parameters) { return 4 * parameters.dump().size(); }
 
 CacheOutcome stored(bool kept) { return kept ? CacheOutcome::kMissStored : CacheOutcome::kMissNotStored; }
 
@@ -25,6 +31,14 @@ GltfOptions output_options(const RequestParameters& parameters, const FragmentSe
   const double volume = fragments.certificate.volume_out;
   if (parameters.mass && volume > 0) options.density = *parameters.mass / volume;
   return options;
+}
+
+/// Who asks for physics gets collision hulls.
+FractureParameters with_hulls(const RequestParameters& asked) {
+  FractureParameters parameters = asked.fracture;
+  const bool hulls = asked.physics != Physics::kNone || asked.ue_collision != UeCollision::kNone;
+  parameters.hulls = hulls ? Hulls::kConvex : Hulls::kNone;
+  return parameters;
 }
 
 void add(StageTimings& to, const StageTimings& more) {
@@ -48,7 +62,27 @@ FractureService::FractureService(const ServiceConfig& config, std::unique_ptr<Fr
       meshes_(config.mesh_cache_bytes),
       diagrams_(config.diagram_cache_bytes),
       results_(config.result_cache_bytes),
+      answers_(kAnswerBytes),
       tiers_(config.tiers) {}
+
+Expected<RequestParameters> FractureService::parse(const std::vector<RawParameter>& given) {
+  Expected<RequestParameters> own = parameters_.parse(given);
+  if (!own || own->of.empty()) return own;
+  std::shared_ptr<const nlohmann::json> earlier = answers_.find(own->of);
+  if (!earlier)
+    if (const auto result = results_.find(own->of))
+      earlier = std::make_shared<const nlohmann::json>(parameters_in(*result));
+  if (!earlier || !earlier->is_object())
+    return fail(ErrorCode::kNoSuchAnswer,
+                "This server does not know (or no longer knows) the answer sha256:" + own->of +
+                    ". Ask with its parameters instead, which stand in it: the answer is the same.",
+                "of");
+  const auto all = on_earlier_answer(parameters_, given, *own, *earlier);
+  if (!all) return tl::unexpected<Error>(all.error());
+  Expected<RequestParameters> result = parameters_.parse(*all);
+  if (result) result->of = own->of;
+  return result;
+}
 
 void FractureService::fetch_result(const std::string& key, FractureAnswer& answer) {
   ResultTiers::Found found = tiers_.find(key);
@@ -63,6 +97,7 @@ Expected<FractureAnswer> FractureService::fracture(const FractureRequest& reques
                                                    const Execution& execution) {
   FractureAnswer answer;
   const RequestKeys keys = keys_of(request);
+  if (auto wrong = wrong_mesh(request, keys)) return tl::unexpected<Error>(std::move(*wrong));
   if ((answer.result = find_result(keys.result))) {
     answer.result_cache = CacheOutcome::kHit;
     return answer;
@@ -147,7 +182,8 @@ Expected<Step<Diagram>> FractureService::make_diagram(const PreparedMesh& mesh,
   std::shared_ptr<const Diagram> diagram;
   {
     const StageTimings::Scope scope(step.timings, "tetrahedralize");
-    Expected<Diagram> made = engine_->diagram(mesh.solid, request.parameters.fracture, execution, step.inner);
+    Expected<Diagram> made =
+        engine_->diagram(mesh.solid, with_hulls(request.parameters), execution, step.inner);
     if (!made) return tl::unexpected<Error>(std::move(made.error()));
     diagram = std::make_shared<const Diagram>(std::move(*made));
   }
@@ -162,13 +198,10 @@ Expected<FragmentSet> FractureService::make_result(const PreparedMesh& mesh, con
   if (execution.progress) execution.progress("clip", 0);
   auto interior = interior_material(request.parameters.interior, *mesh.solid.source->library);
   if (!interior) return tl::unexpected<Error>(std::move(interior.error()));
-  FractureParameters parameters = request.parameters.fracture;
-  const bool hulls =
-      request.parameters.physics != Physics::kNone || request.parameters.ue_collision != UeCollision::kNone;
-  parameters.hulls = hulls ? Hulls::kConvex : Hulls::kNone;
+  std::shared_ptr<const Diagram> kept;
   Expected<FragmentSet> fragments = [&] {
     const StageTimings::Scope scope(answer.timings, "clip");
-    return engine_->cut(mesh.solid, diagram, parameters, execution, answer.inner);
+    return engine_->cut(mesh.solid, diagram, with_hulls(request.parameters), execution, answer.inner, kept);
   }();
   if (!fragments) return fragments;
   execution.poll();
@@ -196,6 +229,9 @@ Expected<FragmentSet> FractureService::make_result(const PreparedMesh& mesh, con
     result->file = engine_->encode(*fragments, options, request.output);
     result->file_digest = sha256(std::as_bytes(std::span(result->file)));
   }
+  if (kept) diagrams_.insert(keys.kept, kept, memory_size(*kept));
+  auto canonical = std::make_shared<const nlohmann::json>(canonical_parameters(request.parameters));
+  answers_.insert(keys.result, canonical, memory_size(*canonical));
   answer.certificate = fragments->certificate;
   answer.result = result;
   answer.result_cache = stored(results_.insert(keys.result, result, memory_size(*result)));

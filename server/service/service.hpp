@@ -70,6 +70,10 @@ class FractureService {
  public:
   FractureService(const ServiceConfig& config, std::unique_ptr<FractureEngine> engine);
 
+  /// Parses what is asked; where it names an earlier answer, with the parameters of that. Errors of
+  /// ParameterTable::parse() and on_earlier_answer(); kNoSuchAnswer. Does not block: only memory is asked.
+  Expected<RequestParameters> parse(const std::vector<RawParameter>& given);
+
   /// Thread-safe and synchronous. All bad input, cancellation (kCancelled) and a passed deadline
   /// (kDeadlineExceeded) come back as errors; a broken invariant or lack of memory throws.
   Expected<FractureAnswer> fracture(const FractureRequest& request, const Execution& execution);
@@ -121,6 +125,7 @@ class FractureService {
   MemoryCache<PreparedMesh> meshes_;
   MemoryCache<Diagram> diagrams_;
   MemoryCache<FractureResult> results_;
+  MemoryCache<nlohmann::json> answers_;  ///< canonical parameters, by RequestKeys::result
   ResultTiers tiers_;
 };
 

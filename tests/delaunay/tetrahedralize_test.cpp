@@ -184,5 +184,53 @@ TEST(Tetrahedralize, StopsWhenCancelled) {
   EXPECT_THROW((void)tetrahedralize(points, box_of(points), execution), Interrupted);
 }
 
+void expect_equal(const Tetrahedralization& a, const Tetrahedralization& b) {
+  EXPECT_EQ(a.points, b.points);
+  EXPECT_EQ(a.tet_of_site, b.tet_of_site);
+  EXPECT_EQ(a.site_of_input, b.site_of_input);
+  EXPECT_EQ(a.duplicates_merged, b.duplicates_merged);
+  EXPECT_EQ(a.far_sites_dropped, b.far_sites_dropped);
+  ASSERT_EQ(a.tets.size(), b.tets.size());
+  for (std::size_t i = 0; i < a.tets.size(); ++i) {
+    ASSERT_EQ(a.tets[i].v, b.tets[i].v) << i;
+    ASSERT_EQ(a.tets[i].n, b.tets[i].n) << i;
+  }
+}
+
+TEST(InsertSites, EqualsTheTetrahedralizationOfAllSites) {
+  for (const PointFamily& family : point_families()) {
+    SCOPED_TRACE(family.name);
+    std::vector<Vec3d> points = family.make(120, 5);
+    points.push_back(points[3]);  // a duplicate of an earlier one, and one of a further one
+    points.push_back(points[110]);
+    const Box box = box_of(points);
+    for (const std::size_t first : {std::size_t{0}, std::size_t{1}, std::size_t{100}, points.size()}) {
+      const std::span<const Vec3d> all(points);
+      auto before = tetrahedralize(all.first(first), box, {}), expected = tetrahedralize(points, box, {});
+      ASSERT_TRUE(before && expected);
+      canonicalize(*before);
+      canonicalize(*expected);
+      const auto after = insert_sites(*before, all.subspan(first), box, {});
+      ASSERT_TRUE(after.has_value());
+      expect_equal(*after, *expected);
+    }
+  }
+}
+
+TEST(InsertSites, IsLeftToOthersWhereASiteLiesOutsideOfTheBox) {
+  const std::vector<Vec3d> points = test::random_cube(20, 1), outside{{0.5, 0.5, 2}}, inside{{0.5, 0.5, 0.5}};
+  const Box box = box_of(points);
+  auto before = tetrahedralize(points, box, {});
+  ASSERT_TRUE(before);
+  canonicalize(*before);
+  EXPECT_FALSE(insert_sites(*before, outside, box, {}).has_value());
+  std::vector<Vec3d> wide = points;
+  wide.push_back({0.5, 0.5, 1.2});
+  auto wider = tetrahedralize(wide, box, {});
+  ASSERT_TRUE(wider);
+  canonicalize(*wider);
+  EXPECT_FALSE(insert_sites(*wider, inside, box, {}).has_value());
+}
+
 }  // namespace
 }  // namespace fracture

@@ -48,7 +48,7 @@ TEST(Admission, CountsLaterSitesAndNeverMoreThanThereMayBe) {
   const Solid solid = wall();
   FractureParameters parameters = with(UniformPattern{}, 10);
   EXPECT_EQ(expected_sites(parameters, &solid), 10);
-  parameters.local = LocalImpact{.point = {}, .radius = 0.2, .sites = 30};
+  parameters.hits = {{.point = {}, .radius = 0.2, .sites = 20}, {.point = {}, .radius = 0.2, .sites = 10}};
   EXPECT_EQ(expected_sites(parameters, &solid), 40);
   parameters.again = Refracture{.sites = 7};
   EXPECT_EQ(expected_sites(parameters, &solid), 47);

@@ -88,6 +88,11 @@ TEST(Contract, EveryParameterIsListedWithItsRangeAndDefault) {
       EXPECT_EQ(array.at("maxItems"), kMaxIntegers) << name;
       EXPECT_EQ(array.at("items").at("minimum"), spec->min) << name;
       EXPECT_EQ(array.at("items").at("maximum"), spec->max) << name;
+    } else if (spec->type == ParameterSpec::Type::kNumbers) {
+      const json array = schema.at("oneOf").at(1);
+      EXPECT_EQ(array.at("maxItems"), kMaxIntegers) << name;
+      EXPECT_EQ(array.at("items").at("minimum"), spec->low) << name;
+      EXPECT_EQ(array.at("items").at("maximum"), spec->high) << name;
     } else if (spec->type == ParameterSpec::Type::kNumber) {
       EXPECT_EQ(schema.at("minimum"), spec->low) << name;
       EXPECT_EQ(schema.at("maximum"), spec->high) << name;
@@ -95,7 +100,7 @@ TEST(Contract, EveryParameterIsListedWithItsRangeAndDefault) {
       EXPECT_EQ(schema.at("oneOf").size(), 2u) << name;  // a text, or an array of texts
     } else if (spec->type == ParameterSpec::Type::kText) {
       EXPECT_EQ(schema.at("minLength"), 1) << name;
-      EXPECT_EQ(schema.at("maxLength"), 63) << name;
+      EXPECT_EQ(schema.at("maxLength"), spec->longest_text()) << name;
     } else if (spec->type == ParameterSpec::Type::kColor) {
       EXPECT_EQ(schema.at("pattern"), "^#[0-9a-fA-F]{6}$") << name;
     } else if (spec->type == ParameterSpec::Type::kChoice) {

@@ -75,6 +75,45 @@ TEST_F(EndToEnd, BakeAndServeGiveTheSameBytesForAnyNumberOfThreads) {
     EXPECT_EQ(entry.path().string().find(".tmp"), std::string::npos);
 }
 
+TEST_F(EndToEnd, AHitOnAnEarlierAnswerSaysWhatItChangedAndIsTheSameFromNothing) {
+  const std::string hit = R"("local_point": [1, 1, 1], "local_radius": 0.3, "local_sites": 6})";
+  const std::string json = "Content-Type: application/json\r\n";
+  nlohmann::json parameters;
+  std::string bytes;
+  {
+    ServeProcess server;
+    const std::string path =
+        "/meshes/" + ask(server.port, "POST", "/meshes", kObj, kCube).json().at("id").get<std::string>() +
+        "/fracture";
+    const Reply first = ask(server.port, "POST", path, json, R"({"sites": 30})");
+    ASSERT_EQ(first.status, 200) << first.body;
+    const std::string of = R"({"of": ")" + first.header("content-location") + "\", ";
+    const Reply second = ask(server.port, "POST", path, json, of + hit);
+    ASSERT_EQ(second.status, 200) << second.body;
+    const Reply figures = ask(server.port, "POST", path, json + "Accept: application/json\r\n", of + hit);
+    EXPECT_GE(figures.json().at("delta").at("new").size(), 6u);
+    parameters = figures.json().at("parameters");
+    // Once more, on what the server has kept.
+    const Reply third =
+        ask(server.port, "POST", path, json,
+            R"({"of": ")" + second.header("content-location") + R"(", "delta": "only", )" + hit);
+    ASSERT_EQ(third.status, 200) << third.body;
+    EXPECT_NE(third.header("cache-status").find("diagram; hit"), std::string::npos)
+        << third.header("cache-status");
+    EXPECT_LT(third.body.size(), second.body.size());
+    bytes = second.body;
+  }
+  ServeProcess fresh;
+  const auto part = [](const std::string& disposition, const std::string& body) {
+    return "--B\r\nContent-Disposition: form-data; " + disposition + "\r\n\r\n" + body + "\r\n";
+  };
+  const Reply from_nothing =
+      ask(fresh.port, "POST", "/fracture", "Content-Type: multipart/form-data; boundary=B\r\n",
+          part("name=mesh; filename=cube.obj", kCube) + part("name=params", parameters.dump()) + "--B--");
+  EXPECT_EQ(from_nothing.status, 200);
+  EXPECT_EQ(from_nothing.body, bytes);
+}
+
 TEST_F(EndToEnd, AnAssetOfSeveralFilesIsTheSameThroughAFormAndThroughBake) {
   const std::string obj = "mtllib parts/cube.mtl\nusemtl red\n" + kCube, mtl = "newmtl red\nKd 1 0 0\n";
   fs::create_directories(folder / "asset" / "parts");

@@ -56,7 +56,8 @@ class FakeEngine final : public FractureEngine {
     return diagram;
   }
   Expected<FragmentSet> cut(const Solid&, const Diagram& diagram, const FractureParameters&,
-                            const Execution& execution, StageTimings&) const override {
+                            const Execution& execution, StageTimings&,
+                            std::shared_ptr<const Diagram>&) const override {
     ++control_->cuts;
     try {
       if (control_->during_cut) control_->during_cut(execution);

@@ -81,5 +81,39 @@ TEST_F(Results, TheFiguresOfAGlbCanBeHadToo) {
   EXPECT_EQ(server.get(location, "Accept: model/gltf+json\r\n").problem(), "not-acceptable");
 }
 
+TEST_F(Results, FurtherRequestsMayNameThem) {
+  const auto parameters_of = [](const Reply& reply) { return reply.json().at("parameters"); };
+  const std::string json = "Content-Type: model/gltf-binary\r\nAccept: application/json\r\n";
+  const Reply first = server.post("/fracture?sites=7&seed=3");
+  const std::string of = first.header("content-location");
+  const Reply again = server.post("/fracture?of=" + of + "&density=5", "a mesh", json);
+  ASSERT_EQ(again.status, 200) << again.body;
+  EXPECT_EQ(parameters_of(again).at("sites"), 7);
+  EXPECT_EQ(parameters_of(again).at("seed"), 3);
+  EXPECT_EQ(parameters_of(again).at("density"), 5);
+  EXPECT_FALSE(parameters_of(again).contains("of"));
+  // By its JSON too, of a stored mesh, with the whole address.
+  const std::string id = server.post("/meshes").json().at("id");
+  const Reply stored = server.post_json("/meshes/" + id + "/fracture",
+                                        nlohmann::json{{"of", "http://host:1" + of}, {"density", 5}}.dump(),
+                                        "Accept: application/json\r\n");
+  ASSERT_EQ(stored.status, 200) << stored.body;
+  EXPECT_EQ(parameters_of(stored), parameters_of(again));
+}
+
+TEST_F(Results, AnAnswerThatIsNotKnownOrOfAnotherMeshCannotBeNamed) {
+  const Reply unknown = server.post("/fracture?of=sha256:" + std::string(64, '0'));
+  EXPECT_EQ(unknown.status, 404);
+  EXPECT_EQ(unknown.problem(), "no-such-answer");
+  EXPECT_EQ(unknown.json().at("parameter"), "of");
+  const Reply other = server.post("/fracture?of=" + location, "another mesh");
+  EXPECT_EQ(other.status, 400);
+  EXPECT_EQ(other.problem(), "bad-parameter");
+  EXPECT_EQ(other.json().at("parameter"), "of");
+  const Reply nonsense = server.post("/fracture?of=yesterday");
+  EXPECT_EQ(nonsense.status, 400);
+  EXPECT_EQ(nonsense.problem(), "bad-parameter");
+}
+
 }  // namespace
 }  // namespace fracture::test

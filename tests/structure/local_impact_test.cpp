@@ -17,12 +17,13 @@ namespace {
 
 constexpr std::uint64_t kSeed = 20261121;
 
-FractureParameters hit(const Mesh& mesh, LocalImpact::Rest rest) {
+FractureParameters hit(const Mesh& mesh, LocalRest rest) {
   FractureParameters p;
   p.sites = 60;
   p.seed = kSeed;
   const Box box = box_of(mesh);
-  p.local = LocalImpact{box.center() + 0.5 * Vec3d{box.size().x, 0, 0}, 0.25 * box.longest_side(), 15, rest};
+  p.hits = {{box.center() + 0.5 * Vec3d{box.size().x, 0, 0}, 0.25 * box.longest_side(), 15}};
+  p.rest = rest;
   return p;
 }
 
@@ -30,7 +31,7 @@ TEST(LocalImpact, RestStaysOnePieceAndAllInvariantsHold) {
   for (const NamedMesh& shape : closed_shapes()) {
     SCOPED_TRACE(shape.name);
     const Mesh mesh = with_traced_triangles(shape.mesh);
-    const FractureParameters p = hit(mesh, LocalImpact::Rest::kWhole);
+    const FractureParameters p = hit(mesh, LocalRest::kWhole);
     const Fractured f = fracture_mesh(mesh, p);
     expect_closed(f.set);
     expect_partition(f.set, volume_of(mesh), area_of(mesh));
@@ -39,7 +40,7 @@ TEST(LocalImpact, RestStaysOnePieceAndAllInvariantsHold) {
     const auto& points = f.diagram.tetrahedralization.points;
     for (const Fragment& fragment : f.set.fragments) {
       const auto far = std::count_if(fragment.sites.begin(), fragment.sites.end(), [&](std::uint32_t s) {
-        return length(points[s] - p.local->point) > p.local->radius;
+        return length(points[s] - p.hits[0].point) > p.hits[0].radius;
       });
       if (far == 0) {
         EXPECT_EQ(fragment.sites.size(), 1u);
@@ -50,9 +51,9 @@ TEST(LocalImpact, RestStaysOnePieceAndAllInvariantsHold) {
 
 TEST(LocalImpact, FragmentsFarAwayKeepIdAndShape) {
   const Mesh mesh = torus(48, 24);
-  FractureParameters p = hit(mesh, LocalImpact::Rest::kFractured);
+  FractureParameters p = hit(mesh, LocalRest::kFractured);
   const FragmentSet after = fracture_mesh(mesh, p).set;
-  p.local.reset();
+  p.hits.clear();
   const Fractured before = fracture_mesh(mesh, p);
   std::size_t same = 0;
   for (const Fragment& f : before.set.fragments) {
@@ -63,6 +64,27 @@ TEST(LocalImpact, FragmentsFarAwayKeepIdAndShape) {
   EXPECT_GT(same, before.set.fragments.size() / 3);
   EXPECT_LT(same, before.set.fragments.size());
   EXPECT_GT(after.fragments.size(), before.set.fragments.size());
+}
+
+TEST(LocalImpact, AHitBesideTheSolidBreaksNothingAndSaysSo) {
+  const Mesh mesh = torus(24, 12);
+  FractureParameters p = hit(mesh, LocalRest::kFractured);
+  p.hits[0].point = {0, 10 * box_of(mesh).longest_side(), 0};
+  const FragmentSet after = fracture_mesh(mesh, p).set;
+  p.hits.clear();
+  const FragmentSet before = fracture_mesh(mesh, p).set;
+  ASSERT_EQ(after.fragments.size(), before.fragments.size());
+  for (std::size_t k = 0; k < after.fragments.size(); ++k)
+    EXPECT_EQ(after.fragments[k].id, before.fragments[k].id);
+  EXPECT_NE(after.report.at("warnings").dump().find("15 of 15 sites of hit 1"), std::string::npos);
+}
+
+TEST(LocalImpact, ASecondHitAtTheSamePlaceBreaksFurther) {
+  const Mesh mesh = torus(24, 12);
+  FractureParameters p = hit(mesh, LocalRest::kFractured);
+  const std::size_t once = fracture_mesh(mesh, p).set.fragments.size();
+  p.hits.push_back(p.hits[0]);
+  EXPECT_GT(fracture_mesh(mesh, p).set.fragments.size(), once + 5);
 }
 
 TEST(FractureAgain, PartsOfTheFragmentWithThisIdAreTheAnswer) {

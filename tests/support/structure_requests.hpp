@@ -38,9 +38,17 @@ inline std::vector<NamedParameters> structure_requests(const Solid& solid, std::
   levels.anchors.planes = {{.normal = {0, 1, 0}, .offset = box.min.y + 0.1 * size.y}};
   levels.anchors.points = {corner};
   levels.hulls = Hulls::kConvex;
-  add("local_whole").local = LocalImpact{.point = corner, .radius = 0.2 * side, .sites = sites / 2 + 1};
-  add("local_fractured").local = LocalImpact{
-      .point = corner, .radius = 0.2 * side, .sites = sites / 2 + 1, .rest = LocalImpact::Rest::kFractured};
+  const auto vertex_near = [&](const Vec3d& p) {
+    Vec3d best = to_double(solid.positions[0]);
+    for (const Vec3f& v : solid.positions)
+      if (length(to_double(v) - p) < length(best - p)) best = to_double(v);
+    return best;
+  };
+  const LocalImpact hit{.point = vertex_near(corner), .radius = 0.2 * side, .sites = sites / 2 + 1};
+  add("local_whole").hits = {hit};
+  FractureParameters& hits = add("local_fractured");
+  hits.hits = {hit, {.point = vertex_near(box.min), .radius = 0.2 * side, .sites = sites / 4 + 1}, hit};
+  hits.rest = LocalRest::kFractured;
   return all;
 }
 

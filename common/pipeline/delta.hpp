@@ -1,0 +1,64 @@
+// A hit on what is fractured already: further sites are inserted into the tetrahedralization that was kept,
+// only the cells that they change are cut again, and what comes out is spliced into what was kept. The answer
+// equals, to the bit, what fracture() makes of all sites from nothing.
+//
+// What a new site changes: its own cell and those of its Delaunay neighbours, no other (Watson 1981). A
+// tetrahedron without a new site was there before. So
+//   - only triangles that met a changed cell are divided again (clip/surface_cuts.hpp),
+//   - winding numbers start from the Voronoi vertices that are still there (clip/winding.hpp),
+//   - only facets of changed cells are chained and triangulated, only their pieces assembled, measured and
+//     given hulls.
+// What is linear in the whole mesh is a few passes over arrays of numbers. DECISION.md has the figures.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "common/clip/surface_cuts.hpp"
+#include "common/clip/winding.hpp"
+#include "common/pipeline/fracture.hpp"
+
+namespace fracture {
+
+/// An answer as far as further hits need it: reusable for any number of them.
+struct FracturedBase {
+  Diagram diagram;
+  SurfaceLabels surface;
+  std::vector<InnerVertex> inner_vertices;
+  struct Known {
+    std::shared_ptr<const Fragment> fragment;  ///< shared with the answers before and after it
+    double volume_file;                        ///< m³, as the certificate sums it
+  };
+  std::vector<Known> fragments;         ///< in the order of the answer
+  std::vector<std::uint32_t> first_of;  ///< per site + 1: range of `fragments`; empty where not `local`
+  std::vector<Bond> bonds;
+  /// Hits can be local: every fragment is a piece of one cell, nothing was united, dropped, kept, split or
+  /// roughened. Where not, the whole is fractured again.
+  bool local = false;
+};
+
+struct KeptAnswer {
+  FragmentSet set;
+  std::shared_ptr<const FracturedBase> base;  ///< for hits on this answer
+};
+
+/// fracture(), keeping what further hits need; no `again`. Errors of fracture().
+Expected<KeptAnswer> fracture_and_keep(const Solid& solid, Diagram diagram,
+                                       const FractureParameters& parameters, const Execution& execution,
+                                       StageTimings& timings);
+/// make_diagram() before it, with its errors too.
+Expected<KeptAnswer> fracture_and_keep(const Solid& solid, const FractureParameters& parameters,
+                                       const Execution& execution, StageTimings& timings);
+
+/// The parameters without their new hits.
+FractureParameters before_hits(FractureParameters parameters);
+
+/// The answer to `parameters`, where `base` is the answer to before_hits() of them; with FragmentSet::delta.
+/// Errors of make_diagram() and fracture().
+Expected<KeptAnswer> fracture_delta(const Solid& solid, const FracturedBase& base,
+                                    const FractureParameters& parameters, const Execution& execution,
+                                    StageTimings& timings);
+
+}  // namespace fracture

@@ -1,0 +1,53 @@
+// The steps of make_diagram() and fracture(), for those who go part of the way (pipeline/delta.hpp).
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "common/fragment/pieces.hpp"
+#include "common/physics/collision_hulls.hpp"
+#include "common/pipeline/barycentric.hpp"
+#include "common/pipeline/fracture.hpp"
+
+namespace fracture {
+
+/// Runs a stage: its time is kept, and an interruption becomes the error it stands for.
+template <class Body>
+auto stage(StageTimings& timings, const Execution& execution, const char* name, const Body& body)
+    -> decltype(body()) {
+  const StageTimings::Scope scope(timings, name);
+  if (execution.progress) execution.progress(name, 0);
+  try {
+    auto result = body();
+    if (execution.progress) execution.progress(name, 1);
+    return result;
+  } catch (const Interrupted& interrupted) {
+    return fail(interrupted.code, interrupted.code == ErrorCode::kCancelled
+                                      ? std::string("cancelled while in stage ") + name
+                                      : std::string("the deadline passed in stage ") + name);
+  }
+}
+
+/// Cells as fragments: with bonds, certificate and lattice, without what complete() adds.
+struct CutCells {
+  FragmentSet set;
+  std::size_t kept = 0;             ///< cells that FractureParameters::keep keeps together
+  bool grouped = false;             ///< some fragment has several cells
+  BarycentricResult barycentric;    ///< its figures, with Dual::kBarycenter
+  /// Of fragments of which the set has only the figures.
+  std::uint64_t further_triangles = 0;
+  HullReport further_hulls{};
+};
+
+/// `look` sees what the clipper found, unless for barycentric cells. Errors of fracture(); throws
+/// Interrupted.
+Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const FractureParameters& parameters,
+                             const Execution& execution,
+                             const std::function<void(const RestrictedDiagram&)>& look = {});
+
+/// Adds the hierarchy, anchors, hulls (to fragments that have none, but have a shape) and the report. Throws
+/// Interrupted.
+FragmentSet complete(const Solid& solid, const Diagram& diagram, const FractureParameters& parameters,
+                     CutCells cut, const Execution& execution);
+
+}  // namespace fracture

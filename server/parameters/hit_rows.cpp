@@ -1,0 +1,178 @@
+// Hits that break only what is near them, on an earlier answer or with it.
+#include <algorithm>
+#include <numeric>
+#include <string_view>
+
+#include "server/parameters/fields.hpp"
+#include "server/parameters/rows.hpp"
+
+namespace fracture {
+namespace {
+
+using parameter_fields::with_member;
+using Type = ParameterSpec::Type;
+
+constexpr double kFar = 1e6;           // metres: as far as places may lie
+constexpr double kLeastLength = 1e-6;  // metres
+constexpr std::size_t kMostHits = 64;
+constexpr std::uint64_t kMostHitSites = 10'000;  // of all hits of one answer
+constexpr std::size_t kKeyDigits = 64;
+
+/// The key at the end of an answer's address; empty when there is none.
+std::string key_in(std::string_view address) {
+  constexpr std::string_view kScheme = "sha256:", kFolder = "/fractures/";
+  if (address.size() < kScheme.size() + kKeyDigits) return {};
+  const std::string_view key = address.substr(address.size() - kKeyDigits);
+  address.remove_suffix(kKeyDigits);
+  if (!address.ends_with(kScheme)) return {};
+  address.remove_suffix(kScheme.size());
+  if (!address.empty() && !address.ends_with(kFolder)) return {};
+  const auto is_digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
+  return std::all_of(key.begin(), key.end(), is_digit) ? std::string(key) : std::string();
+}
+
+ParameterSpec of_row() {
+  ParameterSpec spec{
+      .name = "of",
+      .type = Type::kText,
+      .max = 300,
+      .doc =
+          "Address of an earlier answer to the same mesh (its Content-Location): its parameters are "
+          "taken over, and the hits given here come after its own. 404 where the server does not "
+          "know it any more; its parameters, which stand in it, say the same."};
+  spec.check = [](const ParameterValue& value) -> std::string {
+    return key_in(std::get<std::string>(value)).empty()
+               ? "be the address of an answer, /fractures/sha256: and 64 lower-case hex digits"
+               : "";
+  };
+  spec.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
+    r.of = key_in(std::get<std::string>(value));
+  };
+  // What it stands for is in the other parameters.
+  spec.get = [](const RequestParameters&, const ParameterSpec&) { return nlohmann::json(); };
+  return spec;
+}
+
+std::string counted(std::size_t n, const char* what) {
+  return std::to_string(n) + " " + what + (n == 1 ? "" : "s");
+}
+
+/// One for each point, or one for all.
+template <class T>
+std::optional<Contradiction> spread(const char* name, std::vector<T>& values, std::size_t points) {
+  if (values.size() == 1) values.resize(points, values.front());
+  if (values.size() == points) return std::nullopt;
+  return Contradiction{name, std::string("'") + name + "' has " + counted(values.size(), "number") +
+                                 ", 'local_point' " + counted(points, "point") +
+                                 "; give one number for each point, or one for all."};
+}
+
+}  // namespace
+
+std::vector<ParameterSpec> hit_parameter_rows() {
+  std::vector<ParameterSpec> rows{of_row()};
+  const std::size_t first = rows.size();
+  rows.push_back(with_member(
+      {.name = "local_point",
+       .type = Type::kVectors,
+       .unit = "m",
+       .min = 1,
+       .max = kMostHits,
+       .low = -kFar,
+       .high = kFar,
+       .doc =
+           "Where hits break only what is near them, one after the other, in the frame of the answer; with "
+           "`local_radius`."},
+      [](auto& r) -> auto& { return r.local_point; }));
+  rows.push_back(with_member(
+      {.name = "local_radius",
+       .type = Type::kNumbers,
+       .unit = "m",
+       .low = kLeastLength,
+       .high = kFar,
+       .doc = "How far each hit reaches, or all of them; with `local_point`."},
+      [](auto& r) -> auto& { return r.local_radius; }));
+  rows.push_back(with_member(
+      {.name = "local_sites",
+       .type = Type::kIntegers,
+       .min = 1,
+       .max = kMostHitSites,
+       .doc =
+           "How many sites each hit adds, or all of them, on top of those of the pattern; 10000 together."},
+      [](auto& r) -> auto& { return r.local_sites; }));
+  rows.push_back(with_member(
+      {.name = "local_rest",
+       .type = Type::kChoice,
+       .choices = {"whole", "fractured"},
+       .doc =
+           "whole: cells whose sites lie farther away stay together as one piece. fractured: they stay what "
+           "the pattern makes of them; so it is with `of`, where that answer has no hits."},
+      [](auto& r) -> auto& { return r.fracture.rest; }));
+  for (std::size_t k = first; k < rows.size(); ++k) {
+    rows[k].decides = Decides::kSites;
+    rows[k].matters = [](const RequestParameters& r) { return !r.local_point.empty(); };
+  }
+  rows.push_back(with_member(
+      {.name = "delta",
+       .type = Type::kChoice,
+       .choices = {"none", "stated", "only"},
+       .doc = "stated: the answer names the fragments that the new hits made, changed and took away, and is "
+              "kept "
+              "for further hits; so it is with `of` and hits. only: it has none but the new and the changed "
+              "ones."},
+      [](auto& r) -> auto& { return r.delta; }));
+  rows.push_back(with_member(
+      {.name = "local_new",
+       .type = Type::kInteger,
+       .min = 1,
+       .max = kMostHits,
+       .doc = "With `delta`: how many of the hits are new, the last ones. With `of` they are counted."},
+      [](auto& r) -> auto& { return r.local_new; }));
+  rows[rows.size() - 2].matters = [](const RequestParameters& r) { return r.delta != DeltaAnswer::kNone; };
+  rows.back().matters = [](const RequestParameters& r) {
+    return r.delta != DeltaAnswer::kNone && !r.local_point.empty();
+  };
+  return rows;
+}
+
+std::optional<Contradiction> complete_hits(RequestParameters& r) {
+  FractureParameters& f = r.fracture;
+  if (r.local_point.empty() != r.local_radius.empty())
+    return Contradiction{
+        r.local_point.empty() ? "local_point" : "local_radius",
+        "'local_point' and 'local_radius' say where a hit is together; one of them is missing."};
+  const std::size_t points = r.local_point.size();
+  if (points > 0) {
+    if (auto wrong = spread("local_radius", r.local_radius, points)) return wrong;
+    if (auto wrong = spread("local_sites", r.local_sites, points)) return wrong;
+    const std::uint64_t sites = std::accumulate(r.local_sites.begin(), r.local_sites.end(), std::uint64_t{0});
+    if (sites > kMostHitSites)
+      return Contradiction{"local_sites", "All hits together may add " + std::to_string(kMostHitSites) +
+                                              " sites; 'local_sites' adds up to " + std::to_string(sites) +
+                                              "."};
+  }
+  f.hits.clear();
+  for (std::size_t k = 0; k < points; ++k)
+    f.hits.push_back({r.local_point[k], r.local_radius[k], static_cast<std::uint32_t>(r.local_sites[k])});
+  f.new_hits = 0;
+  f.only_changed = f.kept = false;
+  if (!r.of.empty() || r.delta == DeltaAnswer::kNone) return std::nullopt;
+
+  if (points == 0 && r.delta == DeltaAnswer::kOnly)
+    return Contradiction{"delta", "delta=only leaves out what hits did not change: it needs 'local_point'."};
+  if (points > 0 && r.local_new > points)
+    return Contradiction{"local_new", "'local_new' must be at most the number of hits, which is " +
+                                          std::to_string(points) + "."};
+  if (r.fragment)
+    return Contradiction{"delta", "'delta' compares whole answers, not the parts of one 'fragment'."};
+  if (r.delta == DeltaAnswer::kOnly && (!f.levels.empty() || f.anchors.any()))
+    return Contradiction{
+        "delta",
+        "delta=only leaves fragments out that 'levels' and anchors are about: ask for delta=stated."};
+  f.kept = true;
+  f.new_hits = points > 0 ? r.local_new : 0;
+  f.only_changed = r.delta == DeltaAnswer::kOnly;
+  return std::nullopt;
+}
+
+}  // namespace fracture

@@ -1,0 +1,97 @@
+#include "server/service/earlier_answer.hpp"
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace fracture {
+namespace {
+
+bool is_hit(std::string_view name) {
+  return name == "local_point" || name == "local_radius" || name == "local_sites" || name == "local_rest";
+}
+
+tl::unexpected<Error> wrong(const std::string& name, std::string detail) {
+  return fail(ErrorCode::kBadParameter, std::move(detail), name);
+}
+
+/// What was there, then what is new.
+template <class T, class ToJson>
+nlohmann::json continued(const nlohmann::json& earlier, const char* name, const std::vector<T>& more,
+                         const ToJson& to_json) {
+  nlohmann::json list = earlier.value(name, nlohmann::json::array());
+  for (const T& value : more) list.push_back(to_json(value));
+  return list;
+}
+
+}  // namespace
+
+Expected<std::vector<RawParameter>> on_earlier_answer(const ParameterTable& table,
+                                                      const std::vector<RawParameter>& given,
+                                                      const RequestParameters& own,
+                                                      const nlohmann::json& earlier) {
+  const bool hits = !own.local_point.empty();
+  const bool hit_before = earlier.contains("local_point");
+  nlohmann::json taken = earlier;
+  std::vector<RawParameter> result;
+  for (const RawParameter& raw : given) {
+    if (raw.name == "of" || (hits && is_hit(raw.name) && raw.name != "local_rest")) continue;
+    if (raw.name == "local_new")
+      return wrong(raw.name, "'local_new' is counted where 'of' is given: the hits of this request are new.");
+    if (raw.name == "local_rest") {
+      const std::string rest = hit_before ? earlier.value("local_rest", "") : "fractured";
+      if (raw.value != rest)
+        return wrong(raw.name, "'local_rest' is '" + rest + "' for hits on this answer: leave it out.");
+      continue;
+    }
+    const ParameterSpec* spec = table.find(raw.name);
+    if (spec && (spec->decides != Decides::kAnswer || raw.name == "material"))
+      return wrong(raw.name, "'" + raw.name + "' was decided by the answer that 'of' names: leave it out.");
+    taken.erase(raw.name);
+    // Two ways to say one thing.
+    if (raw.name == "mass") taken.erase("density");
+    if (raw.name == "density") taken.erase("mass");
+    result.push_back(raw);
+  }
+  for (const char* name : {"delta", "local_new"})
+    if (taken.contains(name)) taken.erase(name);
+  if (hits) {
+    if (earlier.contains("fragment"))
+      return wrong("of", "'of' names an answer that has the parts of one fragment; hits need a whole one.");
+    taken["local_point"] = continued(earlier, "local_point", own.local_point, [](const Vec3d& p) {
+      return nlohmann::json{p.x, p.y, p.z};
+    });
+    const auto same = [](const auto& value) { return nlohmann::json(value); };
+    taken["local_radius"] = continued(earlier, "local_radius", own.local_radius, same);
+    taken["local_sites"] = continued(earlier, "local_sites", own.local_sites, same);
+    if (!hit_before) taken["local_rest"] = "fractured";
+    const bool asked =
+        std::any_of(given.begin(), given.end(), [](const RawParameter& raw) { return raw.name == "delta"; });
+    if (!asked) taken["delta"] = "stated";
+    if (!asked || own.delta != DeltaAnswer::kNone) taken["local_new"] = own.local_point.size();
+  }
+  for (const auto& [name, value] : taken.items()) result.push_back({name, value, false});
+  return result;
+}
+
+nlohmann::json parameters_in(const FractureResult& result) {
+  const auto* text = reinterpret_cast<const char*>(result.file.data());
+  std::size_t size = result.file.size();
+  if (result.format == OutputFormat::kGlb) {
+    // 12 bytes of header, then the JSON chunk as length, type, text (glTF 2.0, section 4.4).
+    if (size < 20) return nullptr;
+    std::size_t length = 0;
+    for (int k = 3; k >= 0; --k) length = length << 8 | result.file[12 + static_cast<std::size_t>(k)];
+    if (length > size - 20) return nullptr;
+    text += 20;
+    size = length;
+  }
+  const nlohmann::json document =
+      nlohmann::json::parse(text, text + size, nullptr, /*allow_exceptions=*/false);
+  if (!document.is_object()) return nullptr;
+  const nlohmann::json::json_pointer place("/asset/extras/parameters");
+  return document.contains(place) ? document.at(place) : nlohmann::json();
+}
+
+}  // namespace fracture

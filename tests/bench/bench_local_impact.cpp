@@ -1,0 +1,126 @@
+// A hit on a fractured mesh: the local answer against the same answer from nothing.
+//
+//   bench_local_impact [--repeat N] [--triangles N] [--sites N] [--new N]
+//
+// A sphere (20k triangles) in cells (300), further sites (30) at its side. Fastest of N runs (default 15)
+// each, in turn, in one process: make_solid(), make_diagram() and fracture() with all sites; fracture_delta()
+// on the kept answer, once the whole of it and once what is new and changed alone; and what they are as a
+// GLB. Fails when
+// the two answers differ in a bit of a position, an index or a volume.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include "common/gltf/gltf_writer.hpp"
+#include "common/pipeline/delta.hpp"
+#include "tests/support/shapes.hpp"
+
+namespace fracture::bench {
+namespace {
+
+double now_ms() {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+struct Least {
+  double ms = 1e9;
+  template <class Work>
+  auto time(const Work& work) {
+    const double start = now_ms();
+    auto result = work();
+    ms = std::min(ms, now_ms() - start);
+    return result;
+  }
+};
+
+bool same(const FragmentSet& a, const FragmentSet& b) {
+  return std::equal(a.fragments.begin(), a.fragments.end(), b.fragments.begin(), b.fragments.end(),
+                    [](const Fragment& x, const Fragment& y) {
+                      return x.id == y.id && x.positions == y.positions && x.indices == y.indices &&
+                             x.mass.volume == y.mass.volume;
+                    });
+}
+
+struct Options {
+  int repeat = 15, triangles = 20000, sites = 300, further = 30;
+};
+
+int run(const Options& options, Hulls hulls) {
+  const Execution execution;
+  StageTimings timings;
+  const auto mesh = std::make_shared<Mesh>(test::sphere_with(options.triangles));
+  const Expected<Solid> solid = make_solid(mesh, {}, execution);
+  FractureParameters p;
+  p.sites = static_cast<std::uint32_t>(options.sites);
+  p.hulls = hulls;
+  p.rest = LocalRest::kFractured;
+  p.hits = {{{1, 0, 0}, 0.3, static_cast<std::uint32_t>(options.further)}};
+  p.new_hits = 1;
+  const Expected<KeptAnswer> base = fracture_and_keep(*solid, before_hits(p), execution, timings);
+  if (!base || !base->base->local) return 1;
+  FractureParameters only = p;
+  only.only_changed = true;
+  Least prepare, whole, local, changed_only, whole_file, local_file;
+  std::size_t fragments = 0, added = 0, changed = 0, gone = 0, whole_bytes = 0, local_bytes = 0;
+  StageTimings stages;
+  for (int k = 0; k < options.repeat; ++k) {
+    if (!prepare.time([&] { return make_solid(mesh, {}, execution); })) return 1;
+    const Expected<FragmentSet> all = whole.time([&] {
+      const Expected<Diagram> diagram = make_diagram(*solid, p, execution, timings);
+      return fracture(*solid, *diagram, p, execution, timings);
+    });
+    StageTimings now;
+    Expected<KeptAnswer> hit =
+        local.time([&] { return fracture_delta(*solid, *base->base, p, execution, now); });
+    if (!all || !hit || !same(*all, hit->set)) {
+      std::printf("the answers differ\n");
+      return 1;
+    }
+    const Expected<KeptAnswer> part =
+        changed_only.time([&] { return fracture_delta(*solid, *base->base, only, execution, timings); });
+    if (!part) return 1;
+    if (k == 0 || now.milliseconds("clip") < stages.milliseconds("clip")) stages = now;
+    fragments = all->fragments.size();
+    added = hit->set.delta->added.size();
+    changed = hit->set.delta->changed.size();
+    gone = hit->set.delta->gone.size();
+    whole_bytes = whole_file.time([&] { return write_glb(*all, {}); }).size();
+    local_bytes = local_file.time([&] { return write_glb(part->set, {}); }).size();
+  }
+  const auto times = [&](double from_nothing, double of_a_hit) {
+    std::printf("; %.1f times as fast as the whole, %.1f with the mesh's preparation\n",
+                from_nothing / of_a_hit, (prepare.ms + from_nothing) / of_a_hit);
+  };
+  std::printf("%s hulls: %zu fragments, %zu new, %zu changed, %zu gone; preparation %.2f ms, whole %.2f ms\n",
+              hulls == Hulls::kNone ? "without" : "with", fragments, added, changed, gone, prepare.ms,
+              whole.ms);
+  std::printf("  a hit %.2f ms (insertion %.2f, cells %.2f)", local.ms, stages.milliseconds("tetrahedralize"),
+              stages.milliseconds("clip"));
+  times(whole.ms, local.ms);
+  std::printf("  without the untouched %.2f ms", changed_only.ms);
+  times(whole.ms, changed_only.ms);
+  const double hit_and_file = changed_only.ms + local_file.ms;
+  std::printf("  and its GLB %.2f ms, %zu bytes (whole: %.2f ms, %zu bytes)", hit_and_file, local_bytes,
+              whole.ms + whole_file.ms, whole_bytes);
+  times(whole.ms + whole_file.ms, hit_and_file);
+  return 0;
+}
+
+}  // namespace
+}  // namespace fracture::bench
+
+int main(int argc, char** argv) {
+  using namespace fracture::bench;
+  Options options;
+  for (int k = 1; k + 1 < argc; k += 2)
+    for (const auto& [name, value] : {std::pair{"--repeat", &options.repeat},
+                                      {"--triangles", &options.triangles},
+                                      {"--sites", &options.sites},
+                                      {"--new", &options.further}})
+      if (std::strcmp(argv[k], name) == 0) *value = std::atoi(argv[k + 1]);
+  const int without = run(options, fracture::Hulls::kNone);
+  return without + run(options, fracture::Hulls::kConvex);
+}

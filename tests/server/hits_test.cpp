@@ -1,0 +1,296 @@
+// Hits on earlier answers, with the real engine: what `of` stands for, deltas, and that a kept answer changes
+// nothing but the time.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <map>
+#include <set>
+#include <string>
+
+#include "common/gltf/gltf_writer.hpp"
+#include "server/service/service.hpp"
+
+namespace fracture {
+namespace {
+
+using nlohmann::json;
+
+std::span<const std::byte> bytes(std::string_view text) {
+  return std::as_bytes(std::span(text.data(), text.size()));
+}
+
+/// A closed box of 2 x 1 x 1 m, each side n x n squares, as OBJ text.
+std::string box_obj(int n) {
+  std::string text;
+  int vertices = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int end = 0; end < 2; ++end)
+      for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) {
+          for (const auto& [a, b] : {std::pair{i, j}, {i + 1, j}, {i + 1, j + 1}, {i, j + 1}}) {
+            double p[3];
+            p[axis] = end;
+            p[(axis + 1) % 3] = static_cast<double>(a) / n;
+            p[(axis + 2) % 3] = static_cast<double>(b) / n;
+            text += "v " + std::to_string(2 * p[0]) + " " + std::to_string(p[1]) + " " +
+                    std::to_string(p[2]) + "\n";
+          }
+          vertices += 4;
+          const std::string a = std::to_string(vertices - 3), b = std::to_string(vertices - 2),
+                            c = std::to_string(vertices - 1), d = std::to_string(vertices);
+          text += end == 1 ? "f " + a + " " + b + " " + c + " " + d + "\n"
+                           : "f " + d + " " + c + " " + b + " " + a + "\n";
+        }
+  return text;
+}
+
+json document_of(const FractureResult& glb) {
+  std::uint32_t length = 0;
+  std::memcpy(&length, glb.file.data() + 12, 4);
+  return json::parse(glb.file.begin() + 20, glb.file.begin() + 20 + length);
+}
+
+std::set<std::uint64_t> fragment_ids(const FractureResult& glb) {
+  std::set<std::uint64_t> ids;
+  const json document = document_of(glb);
+  for (const json& node : document.at("nodes"))
+    if (const json::json_pointer id("/extras/fracture/id"); node.contains(id))
+      ids.insert(node.at(id).get<std::uint64_t>());
+  return ids;
+}
+
+std::vector<std::uint64_t> ids(const json& delta, const char* name) {
+  return delta.at(name).get<std::vector<std::uint64_t>>();
+}
+
+struct HitsTest : testing::Test {
+  const std::string mesh = box_obj(6), other = box_obj(5);
+  ServiceConfig config;
+  FractureService service{config, make_engine()};
+
+  static Expected<FractureAnswer> ask(FractureService& service, const std::string& mesh,
+                                      const json& parameters) {
+    std::vector<RawParameter> given;
+    for (const auto& [name, value] : parameters.items()) given.push_back({name, value, false});
+    Expected<RequestParameters> parsed = service.parse(given);
+    if (!parsed) return tl::unexpected<Error>(parsed.error());
+    return service.fracture({bytes(mesh), MeshFormat::kObj, *parsed}, {});
+  }
+  FractureAnswer ask(const json& parameters) {
+    auto answer = ask(service, mesh, parameters);
+    if (!answer) throw std::runtime_error(answer.error().detail);
+    return *answer;
+  }
+  static std::string address(const FractureAnswer& answer) {
+    return "/fractures/sha256:" + answer.result->key;
+  }
+  Error refused(const json& parameters) {
+    auto answer = ask(service, mesh, parameters);
+    if (answer) throw std::runtime_error("was not refused: " + parameters.dump());
+    return answer.error();
+  }
+};
+
+TEST_F(HitsTest, AnAddressStandsForItsParametersAndAKeptAnswerForAComputedOne) {
+  const FractureAnswer first = ask({{"sites", 40}, {"seed", 7}, {"density", 500}});
+  const FractureAnswer second = ask(
+      {{"of", address(first)}, {"local_point", {2, 0.5, 0.5}}, {"local_radius", 0.3}, {"local_sites", 8}});
+  EXPECT_EQ(second.diagram_cache, CacheOutcome::kMissStored) << "nobody kept the first answer";
+  const FractureAnswer third =
+      ask({{"of", address(second)}, {"local_point", {0, 0, 0}}, {"local_radius", 0.2}, {"local_sites", 5}});
+  EXPECT_EQ(third.diagram_cache, CacheOutcome::kHit) << "the second answer was kept";
+
+  const json parameters = figures_of(*third.result).at("parameters");
+  EXPECT_EQ(parameters.at("local_point"), json::parse("[[2.0, 0.5, 0.5], [0.0, 0.0, 0.0]]"));
+  EXPECT_EQ(parameters.at("local_radius"), json::parse("[0.3, 0.2]"));
+  EXPECT_EQ(parameters.at("local_sites"), json::parse("[8, 5]"));
+  EXPECT_EQ(parameters.at("local_rest"), "fractured");
+  EXPECT_EQ(parameters.at("delta"), "stated");
+  EXPECT_EQ(parameters.at("local_new"), 1);
+  EXPECT_EQ(parameters.at("density"), 500);
+  EXPECT_FALSE(parameters.contains("of"));
+
+  // From nothing, with all parameters, by a server that has seen none of it; and without room to keep
+  // anything.
+  FractureService fresh(config, make_engine());
+  const auto cold = ask(fresh, mesh, parameters);
+  ASSERT_TRUE(cold);
+  EXPECT_EQ(cold->result->file, third.result->file);
+  EXPECT_EQ(cold->result->key, third.result->key);
+  config.diagram_cache_bytes = 0;
+  FractureService forgetful(config, make_engine());
+  EXPECT_EQ(ask(forgetful, mesh, parameters)->result->file, third.result->file);
+
+  // The same fragments as a plain request with all hits has, in the same nodes.
+  json plain = parameters;
+  plain.erase("delta");
+  plain.erase("local_new");
+  const json with_delta = document_of(*third.result), without = document_of(*ask(plain).result);
+  EXPECT_EQ(with_delta.at("meshes"), without.at("meshes"));
+  EXPECT_EQ(with_delta.at("bufferViews"), without.at("bufferViews"));
+  EXPECT_EQ(fragment_ids(*third.result), fragment_ids(*ask(plain).result));
+}
+
+TEST_F(HitsTest, AnAnswerCanBeKeptForItsFirstHit) {
+  const FractureAnswer plain = ask({{"sites", 20}}), kept = ask({{"sites", 20}, {"delta", "stated"}});
+  EXPECT_EQ(kept.diagram_cache, CacheOutcome::kHit);
+  EXPECT_EQ(figures_of(*kept.result).at("delta"), json::parse(R"({"new": [], "changed": [], "gone": []})"));
+  EXPECT_EQ(document_of(*kept.result).at("meshes"), document_of(*plain.result).at("meshes"));
+  for (const FractureAnswer& of : {plain, kept})
+    for (const char* delta : {"stated", "only"}) {
+      const FractureAnswer after = ask({{"of", address(of)},
+                                        {"local_point", {2, 0.5, 0.5}},
+                                        {"local_radius", of.result == plain.result ? 0.3 : 0.2},
+                                        {"delta", delta}});
+      EXPECT_EQ(after.diagram_cache, CacheOutcome::kHit) << delta;
+    }
+}
+
+TEST_F(HitsTest, TheDeltaIsTheDifferenceOfBothAnswers) {
+  const FractureAnswer before = ask({{"sites", 60}});
+  const json hit = {{"of", address(before)}, {"local_point", {2, 0.5, 0.5}}, {"local_radius", 0.3}};
+  const FractureAnswer after = ask(hit);
+  const json delta = figures_of(*after.result).at("delta");
+  const std::set<std::uint64_t> was = fragment_ids(*before.result), is = fragment_ids(*after.result);
+  std::set<std::uint64_t> expected = was;
+  for (const std::uint64_t id : ids(delta, "gone")) EXPECT_EQ(expected.erase(id), 1u);
+  for (const std::uint64_t id : ids(delta, "new")) EXPECT_TRUE(expected.insert(id).second);
+  EXPECT_EQ(expected, is);
+  EXPECT_GE(ids(delta, "new").size(), 20u);
+  const std::size_t touched = ids(delta, "new").size() + ids(delta, "changed").size();
+  EXPECT_LT(touched, is.size()) << "some of it is far from the hit";
+
+  json only = hit;
+  only["delta"] = "only";
+  const FractureAnswer part = ask(only);
+  std::set<std::uint64_t> named;
+  for (const char* list : {"new", "changed"})
+    for (const std::uint64_t id : ids(delta, list)) named.insert(id);
+  EXPECT_EQ(fragment_ids(*part.result), named);
+  const json figures = figures_of(*part.result), whole = figures_of(*after.result);
+  EXPECT_EQ(figures.at("delta"), delta);
+  EXPECT_EQ(figures.at("certificate"), whole.at("certificate"));
+  // Bonds: those of the whole with such a fragment, by the ids of both.
+  std::map<std::set<std::uint64_t>, double> bonds, expected_bonds;
+  const auto collect = [&](const json& from, auto& into) {
+    const json& b = from.at("bonds");
+    for (std::size_t k = 0; k < b.at("a").size(); ++k) {
+      const std::set<std::uint64_t> ends{b.at("a")[k], b.at("b")[k]};
+      if (named.contains(*ends.begin()) || named.contains(*ends.rbegin())) into[ends] = b.at("area")[k];
+    }
+  };
+  collect(figures, bonds);
+  collect(whole, expected_bonds);
+  EXPECT_EQ(bonds, expected_bonds);
+  EXPECT_EQ(bonds.size(), figures.at("bonds").at("a").size());
+  EXPECT_LT(part.result->file.size(), after.result->file.size());
+}
+
+TEST_F(HitsTest, SeveralNewHitsAreComparedWithTheAnswerBeforeThemAll) {
+  const FractureAnswer before = ask({{"sites", 30}});
+  const FractureAnswer after = ask({{"of", address(before)},
+                                    {"local_point", {{2, 0.5, 0.5}, {0, 0.5, 0.5}}},
+                                    {"local_radius", {0.2, 0.3}},
+                                    {"local_sites", 6}});
+  const json figures = figures_of(*after.result);
+  EXPECT_EQ(figures.at("parameters").at("local_new"), 2);
+  EXPECT_EQ(figures.at("parameters").at("local_sites"), json::parse("[6, 6]"));
+  const std::set<std::uint64_t> was = fragment_ids(*before.result);
+  std::set<std::uint64_t> added;
+  for (const std::uint64_t id : fragment_ids(*after.result))
+    if (!was.contains(id)) added.insert(id);
+  const auto named = ids(figures.at("delta"), "new");
+  EXPECT_EQ(std::set<std::uint64_t>(named.begin(), named.end()), added);
+}
+
+TEST_F(HitsTest, AnAnswerMayBeAskedOtherThingsOfItsFragments) {
+  const FractureAnswer first = ask({{"sites", 12}, {"mass", 5}});
+  const std::uint64_t one = *fragment_ids(*first.result).begin();
+  const FractureAnswer parts = ask({{"of", address(first)}, {"fragment", one}, {"fragment_sites", 4}});
+  EXPECT_EQ(parts.result->file,
+            ask({{"sites", 12}, {"mass", 5}, {"fragment", one}, {"fragment_sites", 4}}).result->file);
+  EXPECT_EQ(ask({{"of", address(first)}, {"density", 9}}).result->file,
+            ask({{"sites", 12}, {"density", 9}}).result->file);
+  EXPECT_EQ(ask({{"of", address(first)}}).result, first.result);
+  // Hits on parts of a fragment would have to be hits on the fragment.
+  EXPECT_EQ(refused({{"of", address(parts)}, {"local_point", {0, 0, 0}}, {"local_radius", 1}}).pointer, "of");
+}
+
+TEST_F(HitsTest, WhatCannotBeMeantIsRefusedByName) {
+  const FractureAnswer plain = ask({{"sites", 8}});
+  const FractureAnswer whole =
+      ask({{"sites", 8}, {"local_point", {2, 0, 0}}, {"local_radius", 0.5}, {"local_sites", 4}});
+  const std::string of = address(plain);
+  const json hit = {{"local_point", {2, 0, 0}}, {"local_radius", 0.5}};
+  const auto with = [](json object, const json& more) {
+    object.update(more);
+    return object;
+  };
+  const std::string unknown = of.substr(0, of.size() - 16) + "0123456789abcdef";
+  for (const auto& [given, name] : std::vector<std::pair<json, std::string>>{
+           {{{"of", "nonsense"}}, "of"},
+           {{{"of", "/fractures/sha256:12"}}, "of"},
+           {{{"of", "/jobs/" + of.substr(11)}}, "of"},
+           {{{"of", 5}}, "of"},
+           {{{"of", of}, {"sites", 9}}, "sites"},
+           {{{"of", of}, {"seed", 2}}, "seed"},
+           {{{"of", of}, {"material", "glass"}}, "material"},
+           {{{"of", of}, {"repair", "strict"}}, "repair"},
+           {{{"of", of}, {"local_point", {2, 0, 0}}}, "local_radius"},
+           {{{"of", of}, {"delta", "only"}}, "delta"},
+           {with(hit, {{"of", of}, {"local_new", 1}}), "local_new"},
+           {with(hit, {{"of", of}, {"local_rest", "whole"}}), "local_rest"},
+           {with(hit, {{"of", address(whole)}, {"local_rest", "fractured"}}), "local_rest"},
+           {with(hit, {{"of", of}, {"local_radius", -1}}), "local_radius"},
+           {with(hit, {{"of", of}, {"local_radius", {1, 2}}}), "local_radius"},
+           {with(hit, {{"of", of}, {"local_sites", {1, 2, 3}}}), "local_sites"},
+           {with(hit, {{"local_point", {{0, 0, 0}, {1, 0, 0}}}, {"local_sites", 6000}}), "local_sites"},
+           {with(hit, {{"local_sites", 0}}), "local_sites"},
+           {with(hit, {{"local_point", {{0, 0}}}}), "local_point"},
+           {with(hit, {{"of", of}, {"delta", "only"}, {"anchor_points", {{0, 0, 0}}}}), "delta"},
+           {with(hit, {{"levels", {2, 8}}, {"delta", "only"}}), "delta"},
+           {with(hit, {{"fragment", 5}, {"delta", "stated"}}), "delta"},
+           {with(hit, {{"delta", "stated"}, {"local_new", 2}}), "local_new"},
+           {{{"delta", "only"}}, "delta"}}) {
+    const Error error = refused(given);
+    EXPECT_EQ(error.code, ErrorCode::kBadParameter) << given << error.detail;
+    EXPECT_EQ(error.pointer, name) << given;
+    EXPECT_NE(error.detail.find("'"), std::string::npos) << given;
+  }
+  const Error error = refused({{"of", unknown}});
+  EXPECT_EQ(error.code, ErrorCode::kNoSuchAnswer);
+  EXPECT_EQ(error.pointer, "of");
+  const auto foreign = ask(service, other, {{"of", of}});
+  ASSERT_FALSE(foreign);
+  EXPECT_EQ(foreign.error().code, ErrorCode::kBadParameter);
+  EXPECT_EQ(foreign.error().pointer, "of");
+  EXPECT_NE(foreign.error().detail.find("another mesh"), std::string::npos);
+}
+
+TEST_F(HitsTest, TheRestMayStayOnePieceFromHitToHit) {
+  const FractureAnswer first =
+      ask({{"sites", 30}, {"local_point", {2, 0.5, 0.5}}, {"local_radius", 0.3}, {"local_sites", 6}});
+  const FractureAnswer second = ask(
+      {{"of", address(first)}, {"local_point", {0, 0.5, 0.5}}, {"local_radius", 0.3}, {"local_sites", 6}});
+  const json figures = figures_of(*second.result);
+  EXPECT_EQ(figures.at("parameters").at("local_rest"), "whole");
+  std::size_t large = 0;
+  const json document = document_of(*second.result);
+  for (const json& node : document.at("nodes"))
+    if (const json::json_pointer sites("/extras/fracture/sites"); node.contains(sites))
+      large += node.at(sites).size() > 1;
+  EXPECT_EQ(large, 1u);
+  EXPECT_GE(ids(figures.at("delta"), "new").size(), 6u);
+}
+
+TEST_F(HitsTest, KeptAnswersCountInTheBudgetOfTheDiagrams) {
+  const FractureAnswer first = ask({{"sites", 40}});
+  const std::size_t plain = service.figures().diagrams.bytes;
+  ask({{"of", address(first)}, {"local_point", {2, 0.5, 0.5}}, {"local_radius", 0.3}});
+  const auto& figures = service.figures().diagrams;
+  EXPECT_EQ(figures.entries, 3u) << "a diagram, and what was there before and after the hit";
+  EXPECT_GT(figures.bytes, plain + first.result->file.size() / 2);
+}
+
+}  // namespace
+}  // namespace fracture

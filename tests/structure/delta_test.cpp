@@ -1,0 +1,349 @@
+// The local answer to a hit equals, bit for bit, what the whole fracture with all sites makes; and what it
+// says it left as it was is what the answer before had.
+#include "common/pipeline/delta.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <map>
+
+#include "common/structure/keep_changed.hpp"
+#include "tests/support/figures.hpp"
+#include "tests/support/fractured.hpp"
+#include "tests/support/mesh_files.hpp"
+#include "tests/support/shapes.hpp"
+#include "tests/support/site_families.hpp"
+
+namespace fracture::test {
+namespace {
+
+constexpr std::uint64_t kSeed = 20261121;
+
+/// Equal to the last bit, and the sign of a zero.
+template <class T>
+bool same_bits(const T& a, const T& b) {
+  return std::memcmp(&a, &b, sizeof(T)) == 0;
+}
+
+void expect_same(const Fragment& a, const Fragment& b) {
+  EXPECT_EQ(a.id, b.id);
+  EXPECT_EQ(a.sites, b.sites);
+  EXPECT_EQ(a.part, b.part);
+  EXPECT_EQ(a.node, b.node);
+  EXPECT_TRUE(same_bits(a.pivot, b.pivot));
+  EXPECT_EQ(a.positions, b.positions);
+  EXPECT_EQ(a.attributes.normals, b.attributes.normals);
+  EXPECT_EQ(a.attributes.uvs, b.attributes.uvs);
+  EXPECT_EQ(a.indices, b.indices);
+  EXPECT_EQ(a.topology, b.topology);
+  ASSERT_EQ(a.primitives.size(), b.primitives.size());
+  for (std::size_t k = 0; k < a.primitives.size(); ++k)
+    EXPECT_TRUE(same_bits(a.primitives[k], b.primitives[k]));
+  EXPECT_TRUE(same_bits(a.mass, b.mass));
+  EXPECT_TRUE(same_bits(a.exterior_area, b.exterior_area));
+  ASSERT_EQ(a.hulls.size(), b.hulls.size());
+  for (std::size_t k = 0; k < a.hulls.size(); ++k) {
+    EXPECT_EQ(a.hulls[k].points, b.hulls[k].points);
+    EXPECT_EQ(a.hulls[k].triangles, b.hulls[k].triangles);
+  }
+  EXPECT_EQ(a.anchored, b.anchored);
+}
+
+void expect_same(const FragmentSet& a, const FragmentSet& b) {
+  ASSERT_EQ(a.fragments.size(), b.fragments.size());
+  for (std::size_t k = 0; k < a.fragments.size(); ++k) {
+    SCOPED_TRACE("fragment " + std::to_string(k));
+    expect_same(a.fragments[k], b.fragments[k]);
+  }
+  ASSERT_EQ(a.bonds.size(), b.bonds.size());
+  for (std::size_t k = 0; k < a.bonds.size(); ++k) EXPECT_TRUE(same_bits(a.bonds[k], b.bonds[k])) << k;
+  EXPECT_EQ(a.report, b.report);
+  EXPECT_TRUE(same_bits(a.lattice_step, b.lattice_step));
+  EXPECT_TRUE(same_bits(a.lattice_ratio, b.lattice_ratio));
+  EXPECT_EQ(a.certificate.open_edges, b.certificate.open_edges);
+  EXPECT_TRUE(same_bits(a.certificate.volume_in, b.certificate.volume_in));
+  EXPECT_TRUE(same_bits(a.certificate.volume_out, b.certificate.volume_out));
+  EXPECT_TRUE(same_bits(a.certificate.volume_file, b.certificate.volume_file));
+  EXPECT_TRUE(same_bits(a.certificate.relative_error, b.certificate.relative_error));
+  EXPECT_EQ(a.certificate.sites_asked, b.certificate.sites_asked);
+  EXPECT_EQ(a.certificate.cells, b.certificate.cells);
+  EXPECT_EQ(a.certificate.islands, b.certificate.islands);
+  EXPECT_EQ(a.certificate.united, b.certificate.united);
+  EXPECT_EQ(a.certificate.dropped, b.certificate.dropped);
+  EXPECT_EQ(a.certificate.fragments, b.certificate.fragments);
+  EXPECT_EQ(a.certificate.crossing_caps, b.certificate.crossing_caps);
+  EXPECT_EQ(a.hierarchy.cluster_of_fragment, b.hierarchy.cluster_of_fragment);
+  ASSERT_EQ(a.hierarchy.levels.size(), b.hierarchy.levels.size());
+}
+
+using ById = std::map<std::uint64_t, const Fragment*>;
+ById by_id(const FragmentSet& set) {
+  ById result;
+  for (const Fragment& f : set.fragments) result[f.id] = &f;
+  return result;
+}
+
+/// The delta is the difference of the two answers, each fracture()d from nothing.
+void expect_difference(const FragmentSet& before, const FragmentSet& after, const Delta& delta) {
+  const ById was = by_id(before), is = by_id(after);
+  std::vector<std::uint64_t> added, gone;
+  for (const Fragment& f : after.fragments)
+    if (!was.contains(f.id)) added.push_back(f.id);
+  for (const Fragment& f : before.fragments)
+    if (!is.contains(f.id)) gone.push_back(f.id);
+  EXPECT_EQ(delta.added, added);
+  EXPECT_EQ(delta.gone, gone);
+  for (const std::uint64_t id : delta.changed) EXPECT_TRUE(was.contains(id) && is.contains(id)) << id;
+  for (const auto& [id, f] : is) {
+    if (!was.contains(id) || std::count(delta.changed.begin(), delta.changed.end(), id) > 0) continue;
+    SCOPED_TRACE("untouched " + std::to_string(id));
+    expect_same(*was.at(id), *f);
+  }
+}
+
+/// Only what the delta names, and its bonds.
+void expect_selection(const FragmentSet& whole, FragmentSet part) {
+  keep_changed(part);
+  const Delta& delta = *part.delta;
+  EXPECT_EQ(part.fragments.size(), delta.added.size() + delta.changed.size());
+  const ById all = by_id(whole);
+  for (const Fragment& f : part.fragments) expect_same(f, *all.at(f.id));
+  const auto id_of = [&](std::uint32_t k) {
+    return k < part.fragments.size() ? part.fragments[k].id : delta.neighbors.at(k - part.fragments.size());
+  };
+  std::map<std::pair<std::uint64_t, std::uint64_t>, const Bond*> bonds;
+  for (const Bond& b : part.bonds) {
+    EXPECT_LT(b.a, part.fragments.size());
+    EXPECT_LT(b.a, b.b);
+    bonds[std::minmax(id_of(b.a), id_of(b.b))] = &b;
+  }
+  const ById kept = by_id(part);
+  std::size_t expected = 0;
+  for (const Bond& b : whole.bonds) {
+    const std::uint64_t x = whole.fragments[b.a].id, y = whole.fragments[b.b].id;
+    if (!kept.contains(x) && !kept.contains(y)) continue;
+    ++expected;
+    const auto at = bonds.find(std::minmax(x, y));
+    ASSERT_NE(at, bonds.end());
+    EXPECT_EQ(at->second->area, b.area);
+    EXPECT_EQ(at->second->normal, id_of(at->second->a) == x ? b.normal : -1.0 * b.normal);
+  }
+  EXPECT_EQ(part.bonds.size(), expected);
+}
+
+/// Hit after hit, each on what the one before left: how many of the answers were local.
+int expect_hits(const Mesh& mesh, const FractureParameters& all, int threads = 1) {
+  Execution execution;
+  execution.threads = threads;
+  StageTimings timings;
+  const Expected<Solid> solid = make_solid(std::make_shared<Mesh>(mesh), {}, execution);
+  if (!solid) throw std::runtime_error(solid.error().detail);
+  FractureParameters p = all;
+  p.hits.clear();
+  Expected<KeptAnswer> last = fracture_and_keep(*solid, p, execution, timings);
+  if (!last) throw std::runtime_error(last.error().detail);
+  FragmentSet before = fracture_mesh(mesh, p).set;
+  expect_same(last->set, before);
+  int local = 0;
+  for (std::size_t k = 0; k < all.hits.size(); ++k) {
+    SCOPED_TRACE("hit " + std::to_string(k + 1));
+    p.hits.push_back(all.hits[k]);
+    p.new_hits = 1;
+    local += last->base->local;
+    Expected<KeptAnswer> next = fracture_delta(*solid, *last->base, p, execution, timings);
+    if (!next) throw std::runtime_error(next.error().detail);
+    const FragmentSet after = fracture_mesh(mesh, p).set;
+    expect_same(next->set, after);
+    EXPECT_TRUE(next->set.delta.has_value());
+    if (!next->set.delta || testing::Test::HasFailure()) return local;
+    expect_difference(before, after, *next->set.delta);
+    expect_selection(after, next->set);
+    if (p.levels.empty() && !p.anchors.any()) {
+      FractureParameters only = p;
+      only.only_changed = true;
+      const Expected<KeptAnswer> part = fracture_delta(*solid, *last->base, only, execution, timings);
+      if (!part) throw std::runtime_error(part.error().detail);
+      FragmentSet expected = next->set;
+      keep_changed(expected);
+      expect_same(part->set, expected);
+    }
+    before = after;
+    last = std::move(next);
+  }
+  return local;
+}
+
+/// Hits at several places of the mesh's box, the last two at the same.
+FractureParameters hits_on(const Mesh& mesh, std::uint32_t sites, double radius, std::uint64_t seed = kSeed) {
+  FractureParameters p;
+  p.sites = sites;
+  p.seed = seed;
+  p.hulls = Hulls::kConvex;
+  p.rest = LocalRest::kFractured;
+  const Box box = box_of(mesh);
+  const Vec3d x{0.45 * box.size().x, 0, 0}, y{0, 0.3 * box.size().y, 0};
+  for (const Vec3d& at : {x + y, -1.0 * x, -1.0 * x})
+    p.hits.push_back({box.center() + at, radius * box.longest_side(), 12});
+  return p;
+}
+
+TEST(Delta, EqualsTheWholeFractureBitForBit) {
+  int local = 0, shapes = 0;
+  for (const NamedMesh& shape : closed_shapes()) {
+    SCOPED_TRACE(shape.name);
+    local += expect_hits(shape.mesh, hits_on(shape.mesh, 80, 0.15)) > 0;
+    ++shapes;
+    if (HasFailure()) return;
+  }
+  EXPECT_GT(2 * local, shapes) << "most of these are local, or nothing is tested here";
+}
+
+TEST(Delta, EqualsTheWholeFractureForManySeeds) {
+  if (!std::getenv("FRACTURE_TEST_FULL")) GTEST_SKIP() << "only with FRACTURE_TEST_FULL";
+  for (std::uint64_t seed = 1; seed <= 20; ++seed)
+    for (const NamedMesh& shape : closed_shapes()) {
+      SCOPED_TRACE(shape.name + ", seed " + std::to_string(seed));
+      expect_hits(shape.mesh, hits_on(shape.mesh, static_cast<std::uint32_t>(10 + 11 * seed), 0.15, seed));
+      if (HasFailure()) return;
+    }
+}
+
+TEST(Delta, OfSeveralSeeds) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    SCOPED_TRACE(seed);
+    EXPECT_EQ(expect_hits(torus(32, 16), hits_on(torus(32, 16), 40, 0.2, seed)), 3);
+  }
+}
+
+TEST(Delta, WithSeamsAndAttributesAndTwoThreads) {
+  const Mesh mesh = sphere_with_seams(24, 48);
+  EXPECT_EQ(expect_hits(mesh, hits_on(mesh, 100, 0.12), 2), 3);
+}
+
+TEST(Delta, InAStretchedDiagram) {
+  const Mesh mesh = ico_sphere(3);
+  FractureParameters p = hits_on(mesh, 80, 0.15);
+  p.anisotropy.stretch = 3;
+  EXPECT_EQ(expect_hits(mesh, p), 3);
+}
+
+TEST(Delta, DeepInsideWhereNoVoronoiVertexLiesOutside) {
+  const Mesh mesh = ico_sphere(3);
+  FractureParameters p = hits_on(mesh, 400, 0.05);
+  p.hits[0].point = p.hits[1].point = box_of(mesh).center();
+  EXPECT_EQ(expect_hits(mesh, p), 3);
+}
+
+TEST(Delta, OfOneCell) {
+  const Mesh mesh = cube();
+  EXPECT_EQ(expect_hits(mesh, hits_on(mesh, 1, 0.3)), 3);
+}
+
+TEST(Delta, BesideTheSolidNothingChanges) {
+  const Mesh mesh = torus(24, 12);
+  FractureParameters p = hits_on(mesh, 30, 0.1);
+  for (LocalImpact& hit : p.hits) hit.point = {0, 100, 0};
+  expect_hits(mesh, p);
+  Execution execution;
+  StageTimings timings;
+  const Expected<Solid> solid = make_solid(std::make_shared<Mesh>(mesh), {}, execution);
+  ASSERT_TRUE(solid);
+  p.new_hits = 3;
+  const auto base = fracture_and_keep(*solid, before_hits(p), execution, timings);
+  ASSERT_TRUE(base);
+  auto next = fracture_delta(*solid, *base->base, p, execution, timings);
+  ASSERT_TRUE(next);
+  EXPECT_TRUE(next->set.delta->added.empty() && next->set.delta->changed.empty() &&
+              next->set.delta->gone.empty());
+  keep_changed(next->set);
+  EXPECT_TRUE(next->set.fragments.empty() && next->set.bonds.empty());
+}
+
+TEST(Delta, OfSeveralNewHitsAtOnce) {
+  const Mesh mesh = torus(32, 16);
+  FractureParameters p = hits_on(mesh, 60, 0.15);
+  p.new_hits = 2;
+  Execution execution;
+  StageTimings timings;
+  const Expected<Solid> solid = make_solid(std::make_shared<Mesh>(mesh), {}, execution);
+  ASSERT_TRUE(solid);
+  const auto base = fracture_and_keep(*solid, before_hits(p), execution, timings);
+  ASSERT_TRUE(base);
+  EXPECT_TRUE(base->base->local);
+  const auto next = fracture_delta(*solid, *base->base, p, execution, timings);
+  ASSERT_TRUE(next);
+  const FragmentSet after = fracture_mesh(mesh, p).set;
+  expect_same(next->set, after);
+  expect_difference(fracture_mesh(mesh, before_hits(p)).set, after, *next->set.delta);
+}
+
+// What is not a piece of one cell each is fractured again as a whole, with the same answer.
+TEST(Delta, WhereHitsCannotBeLocalTheWholeIsFracturedAgain) {
+  const Mesh mesh = torus(32, 16);
+  const auto not_local = [&](const char* what, const auto& change) {
+    SCOPED_TRACE(what);
+    FractureParameters p = hits_on(mesh, 40, 0.2);
+    change(p);
+    EXPECT_EQ(expect_hits(mesh, p), 0);
+  };
+  not_local("limits of size", [](FractureParameters& p) { p.size.min_fraction = 0.02; });
+  not_local("splitting", [](FractureParameters& p) { p.max_volume = 0.05; });
+  not_local("groups", [](FractureParameters& p) { p.pattern = BrickPattern{}; });
+  not_local("a region that stays", [](FractureParameters& p) {
+    p.keep = Region{.center = {1, 0, 0}, .radius = 0.3};
+  });
+  FractureParameters whole = hits_on(mesh, 40, 0.2);
+  whole.rest = LocalRest::kWhole;
+  expect_hits(mesh, whole);
+}
+
+TEST(Delta, WithLevelsAndAnchors) {
+  const Mesh mesh = torus(32, 16);
+  FractureParameters p = hits_on(mesh, 60, 0.15);
+  p.levels = {4, 12};
+  p.anchors.points = {{1, 0, 0}};
+  EXPECT_EQ(expect_hits(mesh, p), 3);
+}
+
+TEST(Delta, OnlyPartOfTheFragmentsIsInTheAnswer) {
+  const Mesh mesh = sphere_with(20000);
+  FractureParameters p = hits_on(mesh, 300, 0.1);
+  p.hits.resize(1);
+  p.new_hits = 1;
+  Execution execution;
+  StageTimings timings;
+  const Expected<Solid> solid = make_solid(std::make_shared<Mesh>(mesh), {}, execution);
+  ASSERT_TRUE(solid);
+  const auto base = fracture_and_keep(*solid, before_hits(p), execution, timings);
+  ASSERT_TRUE(base);
+  auto next = fracture_delta(*solid, *base->base, p, execution, timings);
+  ASSERT_TRUE(next);
+  EXPECT_GT(next->set.fragments.size(), 300u);
+  EXPECT_GE(next->set.delta->added.size(), 8u);
+  keep_changed(next->set);
+  EXPECT_LT(next->set.fragments.size(), 100u);
+}
+
+class DeltaOfMesh : public testing::TestWithParam<std::string> {};
+
+TEST_P(DeltaOfMesh, EqualsTheWholeFracture) {
+  const auto file = find_test_mesh(GetParam());
+  if (!file) GTEST_SKIP() << "no mesh " << GetParam();
+  const Expected<Mesh> mesh = load_mesh(*file);
+  ASSERT_TRUE(mesh) << mesh.error().detail;
+  FractureParameters p = hits_on(*mesh, 60, 0.15);
+  p.hits.resize(2);
+  expect_hits(*mesh, p);
+}
+
+INSTANTIATE_TEST_SUITE_P(Dev, DeltaOfMesh, testing::ValuesIn(closed_test_meshes()), [](const auto& i) {
+  std::string name = i.param;
+  for (char& c : name)
+    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
+  return name;
+});
+
+}  // namespace
+}  // namespace fracture::test
