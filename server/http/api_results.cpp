@@ -53,8 +53,7 @@ Response result_response(const std::shared_ptr<const FractureResult>& result, st
   }
   response.headers.emplace_back("ETag",
                                 "\"" + result->key + (representation == kAsFigures ? ".json\"" : "\""));
-  if (representation != kAsFigures)
-    response.headers.emplace_back("Content-Location", "/fractures/sha256:" + result->key);
+  response.headers.emplace_back("Content-Location", "/fractures/sha256:" + result->key);
   if (representation != kAsFigures) {
     // RFC 9530: of the representation, whatever range of it is sent.
     const auto& digest = result->file_digest.bytes;
