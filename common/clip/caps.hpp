@@ -26,6 +26,8 @@ struct Caps {
   std::vector<std::array<VertexId, 3>>
       triangles;               ///< as seen from cell hi: outward for lo; cell hi takes them mirrored
   std::uint64_t crossing = 0;  ///< loops that could not be nested (0 on embedded input)
+  /// Of rough caps (rough/roughen.hpp): per corner of each triangle the unit normal, outward for lo; empty: flat.
+  std::vector<Vec3f> normals{};
 };
 
 /// `of_interest` (per site; null: all): only the facets of these cells, where winding and cuts are theirs

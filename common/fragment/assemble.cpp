@@ -18,7 +18,7 @@ struct VertexSource {
     kWedge,     ///< input vertex: the wedge (a)
     kOnEdge,    ///< cut of an edge: the wedges at its ends (a lower vertex, b higher)
     kInside,    ///< in the interior of triangle a
-    kInterior,  ///< on the flat face a: a cap's facet and side, or a filled triangle
+    kInterior,  ///< on face a: a cap's facet and side (rough: its corner b), or a filled triangle
   };
   Kind kind;
   std::uint32_t a, b;
@@ -103,17 +103,22 @@ class Assembler {
       const Face *face = piece.faces.data() + run.begin, *end = piece.faces.data() + run.end;
       if (run.material == kInteriorMaterial) {
         FaceSource flat = kNoIndex;
-        for (; face != end; ++face) {
+        std::uint32_t nth = 0;  // triangle of the region
+        for (; face != end; ++face, ++nth) {
           // Cut faces of an earlier fracture come with the source, attributes and all; they precede the caps.
           if (has_wedges(face->source)) {
             for (const VertexId v : face->v) *index++ = exterior_vertex(v, face->source);
             continue;
           }
           // Regions of one facet share their plane, but not their vertices; the faces of one region follow
-          // one another.
-          if (face->source != flat) s_.on_face.next_epoch(d_.vertex_count());
+          // one another, in the order of its triangles.
+          if (face->source != flat) {
+            s_.on_face.next_epoch(d_.vertex_count());
+            nth = 0;
+          }
           flat = face->source;
-          for (const VertexId v : face->v) *index++ = interior_vertex(v, flat);
+          for (std::uint32_t k = 0; k < 3; ++k)
+            *index++ = interior_vertex(face->v[k], flat, rough_ ? corner_of(flat, nth, k) : 0);
         }
       } else if (plain_) {
         for (; face != end; ++face)
@@ -140,10 +145,17 @@ class Assembler {
     return fresh;
   }
 
-  std::uint32_t interior_vertex(VertexId v, FaceSource face) {
+  std::uint32_t interior_vertex(VertexId v, FaceSource face, std::uint32_t corner) {
     std::uint32_t& vertex = s_.on_face.slot(v);
-    if (vertex == kNoIndex) vertex = add(v, {VertexSource::kInterior, face, 0});
+    if (vertex == kNoIndex) vertex = add(v, {VertexSource::kInterior, face, corner});
     return vertex;
+  }
+
+  /// Where Caps::normals has corner k of the nth triangle of a cap region, as this side sees it.
+  std::uint32_t corner_of(FaceSource face, std::uint32_t nth, std::uint32_t k) const {
+    if (!is_cap(face)) return 0;
+    const std::uint32_t triangle = d_.caps.regions[cap_region(face)].first_triangle + nth;
+    return 3 * triangle + (cap_side(face) == 0 ? k : (3 - k) % 3);
   }
 
   // The interior comes last: who is at a position before it is the exterior.
@@ -212,7 +224,12 @@ class Assembler {
         case VertexSource::kInterior:
           if (s.a != frame_of) frame = FlatFrame(flat_normal(s.a));
           frame_of = s.a;
-          writer.interior(frame, points_[k]);
+          if (rough_ && is_cap(s.a)) {
+            const Vec3d normal = (cap_side(s.a) == 0 ? 1.0 : -1.0) * to_double(d_.caps.normals[s.b]);
+            writer.interior(frame, points_[k], &normal);
+          } else {
+            writer.interior(frame, points_[k]);
+          }
           break;
       }
     }
@@ -293,15 +310,42 @@ class Assembler {
     };
     out_.positions.reserve(ids_.size());
     for (const VertexId v : ids_) out_.positions.push_back(local(v));
+    if (rough_) return place_flat_bodies(piece, pivot);
     for (const std::vector<VertexId>& body : piece.bodies) {
       out_.bodies.emplace_back();
       for (const VertexId v : body) out_.bodies.back().push_back(local(v));
     }
   }
 
+  // The bodies of rough pieces are those of the flat ones: these lie in disjoint convex cells.
+  void place_flat_bodies(const Piece& piece, const std::array<std::int32_t, 3>& pivot) {
+    const Vec3d step = d_.positions.lattice.step();
+    const auto& flat = d_.positions.flat_steps;
+    const auto add_body = [&](const std::vector<VertexId>& body) {
+      std::vector<Vec3f>& points = out_.bodies.emplace_back();
+      for (const VertexId v : body) {
+        if (v < d_.positions.first_constructed) {
+          const Vec3d p = d_.point(v) - out_.pivot;
+          points.push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
+        } else if (const std::size_t k = v - d_.positions.first_constructed; k < flat.size()) {
+          points.push_back({static_cast<float>((flat[k][0] - pivot[0]) * step.x),
+                            static_cast<float>((flat[k][1] - pivot[1]) * step.y),
+                            static_cast<float>((flat[k][2] - pivot[2]) * step.z)});
+        }
+      }
+    };
+    for (const std::vector<VertexId>& body : piece.bodies) add_body(body);
+    if (!piece.bodies.empty()) return;
+    std::vector<VertexId> all = ids_;
+    std::sort(all.begin(), all.end());
+    all.erase(std::unique(all.begin(), all.end()), all.end());
+    add_body(all);
+  }
+
   const RestrictedDiagram& d_;
   const Mesh& mesh_;
   Fragment& out_;
+  const bool rough_ = !d_.caps.normals.empty();
   bool plain_;
   Scratch& s_ = Scratch::of_this_thread();
   std::vector<VertexId>& ids_ = s_.ids;

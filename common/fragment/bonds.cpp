@@ -28,13 +28,15 @@ std::vector<Bond> find_bonds(const RestrictedDiagram& d, const Pieces& pieces,
   for (std::size_t k = 0; k < contacts.size();) {
     Bond bond{contacts[k].a, contacts[k].b, 0, {}, {}};
     Vec3d normal, moment;
+    const bool rough = !d.caps.normals.empty();
     for (; k < contacts.size() && contacts[k].a == bond.a && contacts[k].b == bond.b; ++k) {
       const CapRegion& r = d.caps.regions[contacts[k].region];
+      const Vec3d across = rough ? d.diagram.facet_normal(r.lo, r.hi) : Vec3d{};
       for (std::uint32_t t = r.first_triangle; t < r.first_triangle + r.triangle_count; ++t) {
         const auto& v = d.caps.triangles[t];
         const Vec3d a = d.point(v[0]), b = d.point(v[1]), c = d.point(v[2]);
         const Vec3d n = 0.5 * cross(b - a, c - a);
-        const double area = length(n);
+        const double area = rough ? dot(n, across) / length(across) : length(n);
         bond.area += area;
         normal = contacts[k].reversed ? normal - n : normal + n;
         moment = moment + (area / 3) * (a + b + c);

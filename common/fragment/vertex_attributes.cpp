@@ -100,10 +100,12 @@ void AttributeWriter::blend(const std::array<std::uint32_t, 3>& wedges,
   }
 }
 
-void AttributeWriter::interior(const FlatFrame& frame, const Vec3d& p) {
-  if (!in_.normals.empty()) out_.normals.push_back(unit(frame.normal, {0, 0, 1}));
+void AttributeWriter::interior(const FlatFrame& frame, const Vec3d& p, const Vec3d* rough_normal) {
+  const Vec3d& normal = rough_normal ? *rough_normal : frame.normal;
+  if (!in_.normals.empty()) out_.normals.push_back(unit(normal, {0, 0, 1}));
   if (!in_.tangents.empty()) {
-    const Vec3f d = unit(frame.tangent, {1, 0, 0});
+    const Vec3d& t = frame.tangent;
+    const Vec3f d = unit(rough_normal ? t - dot(t, normal) * normal : t, {1, 0, 0});
     out_.tangents.push_back({d.x, d.y, d.z, 1});
   }
   const Vec2f uv{static_cast<float>(dot(p, frame.tangent)), static_cast<float>(dot(p, frame.bitangent))};

@@ -28,8 +28,9 @@ class AttributeWriter {
   void copy(std::uint32_t w);
   /// A weighted mean of three wedges (weights sum to 1); normals and tangents made unit again.
   void blend(const std::array<std::uint32_t, 3>& wedges, const std::array<double, 3>& weights);
-  /// A vertex on a flat interior face, at world position p: flat normal, planar UVs in metres, white.
-  void interior(const FlatFrame& frame, const Vec3d& p);
+  /// A vertex on an interior face, at world position p: planar UVs in metres, white. Its normal is the
+  /// face's, or that of a rough face there.
+  void interior(const FlatFrame& frame, const Vec3d& p, const Vec3d* rough_normal = nullptr);
 
  private:
   const Attributes& in_;

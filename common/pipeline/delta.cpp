@@ -340,8 +340,8 @@ Expected<KeptAnswer> fracture_and_keep(const Solid& solid, Diagram diagram,
     if (!cut) return tl::unexpected(cut.error());
     const Certificate& c = cut->set.certificate;
     base->local = base->local && !cut->grouped && !parameters.keep && !parameters.size.any() &&
-                  parameters.max_volume == 0 && c.united == 0 && c.dropped == 0 && c.open_edges == 0 &&
-                  c.crossing_caps == 0;
+                  parameters.max_volume == 0 && !(parameters.roughness.amplitude > 0) && c.united == 0 &&
+                  c.dropped == 0 && c.open_edges == 0 && c.crossing_caps == 0;
     base->bonds = cut->set.bonds;
     KeptAnswer out;
     out.set = complete(solid, diagram, parameters, std::move(*cut), execution);

@@ -14,6 +14,7 @@
 #include "common/pipeline/fracture_steps.hpp"
 #include "common/pipeline/lloyd.hpp"
 #include "common/pipeline/restrict.hpp"
+#include "common/rough/roughen.hpp"
 #include "common/solid/image.hpp"
 #include "common/structure/hierarchy.hpp"
 
@@ -148,6 +149,25 @@ void report_structure(const FractureParameters& p, const Diagram& diagram, std::
   }
 }
 
+/// What was asked of the cuts, and what was made.
+void report_roughness(const FractureParameters& p, const RoughReport& rough, FragmentSet& set) {
+  nlohmann::json& warnings = set.report["warnings"];
+  if (p.dual == Dual::kBarycenter) {
+    warnings.push_back("rough cuts: hulls of barycentres share no cuts; theirs are flat");
+    return;
+  }
+  set.report["rough_cuts"] = {{"amplitude", rough.amplitude},    {"amplitude_asked", rough.asked},
+                              {"edge_length", rough.length},     {"triangles", rough.triangles},
+                              {"calmed_vertices", rough.calmed}, {"crossing_triangles", rough.crossing}};
+  if (rough.amplitude < rough.asked)
+    warnings.push_back("rough cuts: amplitude lowered from " + text_of(rough.asked) + " m to " +
+                       text_of(rough.amplitude) +
+                       " m, so that the cuts do not cross each other; a lower frequency allows a larger one");
+  if (rough.crossing > 0)
+    warnings.push_back("rough cuts: " + std::to_string(rough.crossing) +
+                       " pairs of their triangles cross, as the surface itself does there");
+}
+
 }  // namespace
 
 Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& parameters,
@@ -229,6 +249,7 @@ Expected<FragmentSet> fracture_again(const Solid& solid, const Diagram& diagram,
   parts.seed = parameters.again->seed;
   parts.hulls = parameters.hulls;
   parts.pivot = parameters.pivot;
+  parts.roughness = parameters.roughness;
   parts.levels = parameters.levels;
   parts.anchors = parameters.anchors;
   const Expected<Diagram> finer = make_diagram(*fragment, parts, execution, timings);
@@ -266,8 +287,11 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
         fracture_barycentric(solid, voronoi, parameters.pivot, parameters.drop_above, execution);
     cut.set = std::move(cut.barycentric.set);
   } else {
-    const RestrictedDiagram restricted = restrict_to_solid(solid, seen, voronoi, execution);
+    RestrictedDiagram restricted = restrict_to_solid(solid, seen, voronoi, execution);
     if (look) look(restricted);
+    cut.rough =
+        roughen(solid, voronoi, restricted.cuts, restricted.winding, ownership.owner_of_site,
+                parameters.roughness, parameters.seed, restricted.positions, restricted.caps, execution);
     cut.set = make_fragments(restricted, ownership, parameters.pivot, parameters.size, execution);
   }
   if (cut.set.fragments.empty())
@@ -288,6 +312,7 @@ FragmentSet complete(const Solid& solid, const Diagram& diagram, const FractureP
   set.certificate.sites_asked = static_cast<std::uint32_t>(diagram.sites.size());
   set.report = report_of(solid, diagram, set);
   report_structure(parameters, diagram, cut.kept, cut.further_triangles, anchored, set);
+  if (parameters.roughness.amplitude > 0) report_roughness(parameters, cut.rough, set);
   if (parameters.hulls == Hulls::kConvex)
     set.report["hulls"] = {{"count", hulls.hulls + cut.further_hulls.hulls},
                            {"flat", hulls.flat + cut.further_hulls.flat},

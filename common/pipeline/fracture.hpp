@@ -18,6 +18,7 @@
 #include "common/pipeline/keep_region.hpp"
 #include "common/pipeline/local_impact.hpp"
 #include "common/pipeline/split_large.hpp"
+#include "common/rough/roughness.hpp"
 #include "common/sites/pattern.hpp"
 #include "common/solid/solid.hpp"
 #include "common/structure/anchors.hpp"
@@ -55,6 +56,7 @@ struct FractureParameters : SiteParameters {
   double max_volume = 0;  ///< m³; 0: no limit. Cells with a larger piece get further sites
   /// Nothing within it is cut: the cells that meet it are one group.
   std::optional<Region> keep{};
+  Roughness roughness{};  ///< of the cuts; the noise has the seed of the sites. dual: kCircumcenter only
   /// How many clusters each level of the hierarchy above the fragments has, coarsest first, increasing.
   std::vector<std::uint32_t> levels{};
   Anchors anchors;                  ///< fragments that touch these are marked

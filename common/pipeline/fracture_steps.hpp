@@ -8,6 +8,7 @@
 #include "common/physics/collision_hulls.hpp"
 #include "common/pipeline/barycentric.hpp"
 #include "common/pipeline/fracture.hpp"
+#include "common/rough/roughen.hpp"
 
 namespace fracture {
 
@@ -31,9 +32,10 @@ auto stage(StageTimings& timings, const Execution& execution, const char* name, 
 /// Cells as fragments: with bonds, certificate and lattice, without what complete() adds.
 struct CutCells {
   FragmentSet set;
-  std::size_t kept = 0;             ///< cells that FractureParameters::keep keeps together
-  bool grouped = false;             ///< some fragment has several cells
-  BarycentricResult barycentric;    ///< its figures, with Dual::kBarycenter
+  std::size_t kept = 0;           ///< cells that FractureParameters::keep keeps together
+  bool grouped = false;           ///< some fragment has several cells
+  BarycentricResult barycentric;  ///< its figures, with Dual::kBarycenter
+  RoughReport rough;
   /// Of fragments of which the set has only the figures.
   std::uint64_t further_triangles = 0;
   HullReport further_hulls{};

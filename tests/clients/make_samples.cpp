@@ -96,6 +96,13 @@ int run(const std::filesystem::path& folder) {
   } else {
     expect(false, "cube in groups");
   }
+  FractureParameters rough;
+  rough.sites = 30;
+  rough.roughness = {0.03, 5, 2};
+  if (const auto set = fracture_of(sphere_with_seams(24, 48), rough))
+    write(folder / "rough.glb", *set);
+  else
+    expect(false, "sphere with rough cuts");
   // Every real mesh; only the triangle soup bounds no volume.
   nlohmann::json sources = nlohmann::json::array();
   for (const MeshFile& file : test_meshes()) {

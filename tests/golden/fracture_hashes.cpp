@@ -1,6 +1,6 @@
 // Prints one hash a line over the bytes of whole answers: `<mesh> <request> t<threads> <sha256>`, for plain
-// requests on every mesh, and for every pattern, material, limit, region and hit on three of them.
-// scripts/test
+// requests and rough cuts on every mesh, and for every pattern, material, limit, region and hit on three of
+// them. scripts/test
 // --full runs it in every build (g++ and clang++, debug and release) and compares the outputs; nothing is
 // ever compared with a stored value. Exits 1 when one and two threads of the same build already differ.
 #include <cstdio>
@@ -66,6 +66,13 @@ int main() {
             std::to_string(sites) + " 42 " + (dual == Dual::kCircumcenter ? "circumcenter" : "barycenter"),
             parameters);
       }
+  for (const auto& [name, mesh] : meshes) {
+    FractureParameters parameters;
+    parameters.sites = 7;
+    parameters.seed = 42;
+    parameters.roughness = {0.04, 4, 2};
+    compare(name, mesh, "7 42 rough", parameters);
+  }
   for (const auto& [name, mesh] : meshes) {
     if (name != "uv_sphere" && name != "torus" && name != "kk_bottle_A_brown.glb") continue;
     const Expected<Solid> solid = make_solid(mesh, {}, {});

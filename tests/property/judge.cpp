@@ -185,6 +185,58 @@ void expect_outside_untouched(const FragmentSet& set, const Mesh& traced) {
   }
 }
 
+namespace {
+
+using Corners = std::array<Vec3d, 3>;
+
+/// Does the segment pq pass through the triangle, farther than the tolerance from its sides on both ends and
+/// inside? By barycentric coordinates from a linear system (Möller & Trumbore 1997).
+bool pierces(const Vec3d& p, const Vec3d& q, const Corners& t, double tolerance) {
+  const Vec3d e = t[1] - t[0], f = t[2] - t[0], d = q - p, n = cross(e, f);
+  const double area = length(n), det = -dot(d, n);
+  if (!(area > 0) || std::fabs(dot(p - t[0], n)) <= tolerance * area ||
+      std::fabs(dot(q - t[0], n)) <= tolerance * area)
+    return false;
+  const double along = dot(p - t[0], n) / det;
+  if (!(along > 0 && along < 1)) return false;
+  const Vec3d m = cross(p - t[0], d);
+  const double u = dot(f, m) / det, v = -dot(e, m) / det;
+  // A barycentric coordinate is the distance from the side over the height of the triangle above it.
+  return u * area > tolerance * length(f) && v * area > tolerance * length(e) &&
+         (1 - u - v) * area > tolerance * length(f - e);
+}
+
+}  // namespace
+
+void expect_no_self_crossing(const FragmentSet& set, double tolerance) {
+  for (std::size_t n = 0; n < set.fragments.size(); ++n) {
+    const Fragment& f = set.fragments[n];
+    std::vector<Corners> triangles;
+    std::vector<Box> boxes;
+    std::vector<std::uint32_t> order;
+    for (std::size_t k = 0; k < f.indices.size(); k += 3) {
+      triangles.push_back({to_double(f.positions[f.indices[k]]), to_double(f.positions[f.indices[k + 1]]),
+                           to_double(f.positions[f.indices[k + 2]])});
+      boxes.emplace_back();
+      for (const Vec3d& p : triangles.back()) boxes.back().add(p);
+      order.push_back(static_cast<std::uint32_t>(order.size()));
+    }
+    std::sort(order.begin(), order.end(),
+              [&](std::uint32_t a, std::uint32_t b) { return boxes[a].min.x < boxes[b].min.x; });
+    int crossings = 0;
+    for (std::size_t i = 0; i < order.size(); ++i)
+      for (std::size_t j = i + 1; j < order.size() && boxes[order[j]].min.x <= boxes[order[i]].max.x; ++j) {
+        if (!boxes[order[i]].intersects(boxes[order[j]])) continue;
+        const Corners &s = triangles[order[i]], &t = triangles[order[j]];
+        bool cross = false;
+        for (std::size_t k = 0; k < 3; ++k)
+          cross |= pierces(s[k], s[(k + 1) % 3], t, tolerance) || pierces(t[k], t[(k + 1) % 3], s, tolerance);
+        crossings += cross;
+      }
+    EXPECT_EQ(crossings, 0) << "pairs of triangles of fragment " << n << " of " << f.indices.size() / 3;
+  }
+}
+
 void expect_voronoi(const FragmentSet& set, const Mesh& mesh, std::span<const Vec3d> sites, int count,
                     std::uint64_t seed) {
   Box box;

@@ -26,6 +26,10 @@ void expect_partition(const FragmentSet& set, double volume, double area);
 /// plane and box (within a lattice step) and cover its area; input vertices are where they were.
 void expect_outside_untouched(const FragmentSet& set, const Mesh& traced);
 
+/// No fragment passes through itself: no edge of a triangle pierces the inside of another by more than
+/// `tolerance` (m). Near-linear for triangles of even size.
+void expect_no_self_crossing(const FragmentSet& set, double tolerance);
+
 /// I7: of `count` points drawn in the box of the mesh, each that lies in the solid lies in one fragment,
 /// which has the nearest site among its own; others lie in none. Points too near to a surface for double to
 /// tell are not counted.

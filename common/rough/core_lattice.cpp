@@ -1,0 +1,182 @@
+#include "common/rough/core_lattice.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fracture {
+namespace {
+
+/// Lengths between the core and the loops. More than 1/sqrt(3), the radius of a triangle's circle: then an
+/// edge that passes through a triangle is too near to one of its corners.
+constexpr double kMargin = 0.6;
+/// The box of the loops may have so many lattice points for each that their area has room for.
+constexpr double kMostEmpty = 64;
+constexpr double kHalfRoot3 = 0.8660254037844386;
+constexpr std::uint32_t kNone = 0xffffffffu;
+
+}  // namespace
+
+void CoreLattice::build(std::span<const Vec2d> plane, std::span<const std::uint32_t> loop_begin,
+                        double length, double area) {
+  points_.clear();
+  triangles_.clear();
+  rim_.clear();
+  rim_begin_.assign(1, 0);
+  if (!lay_out(plane, length, area)) return;
+  mark_inside(plane, loop_begin);
+  for (std::size_t l = 0; l + 1 < loop_begin.size(); ++l)
+    for (std::uint32_t k = loop_begin[l]; k < loop_begin[l + 1]; ++k)
+      clear_near(plane[k], plane[k + 1 < loop_begin[l + 1] ? k + 1 : loop_begin[l]]);
+  while (remove_pinches()) {
+  }
+  collect();
+}
+
+bool CoreLattice::lay_out(std::span<const Vec2d> plane, double length, double area) {
+  Vec2d high = plane[0];
+  low_ = plane[0];
+  for (const Vec2d& p : plane) {
+    low_ = {std::fmin(low_.x, p.x), std::fmin(low_.y, p.y)};
+    high = {std::fmax(high.x, p.x), std::fmax(high.y, p.y)};
+  }
+  length_ = length;
+  height_ = kHalfRoot3 * length;
+  const double columns = std::floor((high.x - low_.x) / length_) + 1,
+               rows = std::floor((high.y - low_.y) / height_) + 1;
+  if (rows < 3 || columns < 3 || rows * columns > kMostEmpty * (area / (length_ * height_) + 64))
+    return false;
+  rows_ = static_cast<std::int64_t>(rows);
+  columns_ = static_cast<std::int64_t>(columns);
+  usable_.assign(static_cast<std::size_t>(rows_ * columns_), 0);
+  return true;
+}
+
+// The winding number along each row: it rises where a loop passes downwards, seen from the left.
+void CoreLattice::mark_inside(std::span<const Vec2d> plane, std::span<const std::uint32_t> loop_begin) {
+  std::vector<std::vector<std::pair<double, int>>> rows(static_cast<std::size_t>(rows_));
+  for (std::size_t l = 0; l + 1 < loop_begin.size(); ++l)
+    for (std::uint32_t k = loop_begin[l]; k < loop_begin[l + 1]; ++k) {
+      const Vec2d &a = plane[k], &b = plane[k + 1 < loop_begin[l + 1] ? k + 1 : loop_begin[l]];
+      if (a.y == b.y) continue;
+      const Vec2d &under = a.y < b.y ? a : b, &over = a.y < b.y ? b : a;
+      auto row = static_cast<std::int64_t>(std::floor((under.y - low_.y) / height_)) - 1;
+      for (row = std::max<std::int64_t>(row, 0); row < rows_ && y_of(row) <= over.y; ++row) {
+        if (y_of(row) <= under.y) continue;
+        const double t = (y_of(row) - under.y) / (over.y - under.y);
+        rows[static_cast<std::size_t>(row)].emplace_back(under.x + t * (over.x - under.x),
+                                                         a.y > b.y ? 1 : -1);
+      }
+    }
+  for (std::int64_t row = 0; row < rows_; ++row) {
+    auto& crossings = rows[static_cast<std::size_t>(row)];
+    std::sort(crossings.begin(), crossings.end());
+    int winding = 0;
+    std::size_t next = 0;
+    for (std::int64_t column = 0; column < columns_; ++column) {
+      for (; next < crossings.size() && crossings[next].first <= x_of(row, column); ++next)
+        winding += crossings[next].second;
+      usable_[index(row, column)] = winding == 1;
+    }
+  }
+}
+
+void CoreLattice::clear_near(const Vec2d& a, const Vec2d& b) {
+  const double margin = kMargin * length_;
+  const Vec2d e{b.x - a.x, b.y - a.y};
+  const double square = e.x * e.x + e.y * e.y;
+  const double bottom = std::fmin(a.y, b.y) - margin, top = std::fmax(a.y, b.y) + margin;
+  const auto first =
+      std::max<std::int64_t>(static_cast<std::int64_t>(std::floor((bottom - low_.y) / height_)), 0);
+  for (std::int64_t row = first; row < rows_ && y_of(row) <= top; ++row) {
+    // The part of the edge within the margin of the row.
+    double from = 0, to = 1;
+    if (e.y != 0) {
+      const double s = (y_of(row) - margin - a.y) / e.y, t = (y_of(row) + margin - a.y) / e.y;
+      from = std::fmax(0, std::fmin(s, t));
+      to = std::fmin(1, std::fmax(s, t));
+    }
+    const double x0 = a.x + from * e.x, x1 = a.x + to * e.x;
+    const double left = std::fmin(x0, x1) - margin, right = std::fmax(x0, x1) + margin;
+    auto column = static_cast<std::int64_t>(std::floor((left - low_.x) / length_)) - 1;
+    for (column = std::max<std::int64_t>(column, 0); column < columns_ && x_of(row, column) <= right;
+         ++column) {
+      const Vec2d d{x_of(row, column) - a.x, y_of(row) - a.y};
+      const double t = square > 0 ? std::fmin(std::fmax((d.x * e.x + d.y * e.y) / square, 0), 1) : 0;
+      const double x = d.x - t * e.x, y = d.y - t * e.y;
+      if (x * x + y * y < margin * margin) usable_[index(row, column)] = 0;
+    }
+  }
+}
+
+template <class Visit>
+void CoreLattice::each_triangle(const Visit& visit) const {
+  // Even rows: (r, c) is below and between (r+1, c-1) and (r+1, c); odd ones: (r+1, c) and (r+1, c+1).
+  for (std::int64_t r = 0; r + 1 < rows_; ++r)
+    for (std::int64_t c = 0; c < columns_; ++c) {
+      const std::int64_t left = (r & 1) ? c : c - 1, right = left + 1;
+      const auto usable = [&](std::int64_t row, std::int64_t column) {
+        return column >= 0 && column < columns_ && usable_[index(row, column)];
+      };
+      if (!usable(r, c) || !usable(r + 1, right)) continue;
+      if (usable(r + 1, left)) visit(index(r, c), index(r + 1, right), index(r + 1, left));
+      if (usable(r, c + 1)) visit(index(r, c), index(r, c + 1), index(r + 1, right));
+    }
+}
+
+/// Takes away points where more than one edge of the rim leaves; the loops of the rim are simple without.
+bool CoreLattice::remove_pinches() {
+  edges_.clear();
+  each_triangle([&](std::size_t a, std::size_t b, std::size_t c) {
+    edges_.push_back({a, b});
+    edges_.push_back({b, c});
+    edges_.push_back({c, a});
+  });
+  // What is left without those that are used the other way too.
+  std::sort(edges_.begin(), edges_.end());
+  std::vector<std::array<std::uint64_t, 2>> rim;
+  for (const auto& e : edges_)
+    if (!std::binary_search(edges_.begin(), edges_.end(), std::array<std::uint64_t, 2>{e[1], e[0]}))
+      rim.push_back(e);
+  bool removed = false;
+  for (std::size_t k = 1; k < rim.size(); ++k)
+    if (rim[k][0] == rim[k - 1][0]) {
+      usable_[rim[k][0]] = 0;
+      removed = true;
+    }
+  edges_ = std::move(rim);
+  return removed;
+}
+
+void CoreLattice::collect() {
+  number_.assign(usable_.size(), kNone);
+  const auto number_of = [&](std::size_t point) {
+    std::uint32_t& n = number_[point];
+    if (n == kNone) {
+      n = static_cast<std::uint32_t>(points_.size());
+      const auto row = static_cast<std::int64_t>(point) / columns_,
+                 column = static_cast<std::int64_t>(point) % columns_;
+      points_.push_back({x_of(row, column), y_of(row)});
+    }
+    return n;
+  };
+  each_triangle([&](std::size_t a, std::size_t b, std::size_t c) {
+    const std::uint32_t i = number_of(a), j = number_of(b), k = number_of(c);
+    triangles_.push_back({i, j, k});
+  });
+  // One edge of the rim leaves each of its points: follow them backwards, so that the core is on the right.
+  std::vector<std::uint32_t> before(points_.size(), kNone);
+  for (const auto& e : edges_) before[number_[e[1]]] = number_[e[0]];
+  for (const auto& e : edges_) {
+    std::uint32_t at = number_[e[0]];
+    if (before[at] == kNone) continue;
+    while (before[at] != kNone) {
+      rim_.push_back(at);
+      const std::uint32_t next = before[at];
+      before[at] = kNone;
+      at = next;
+    }
+    rim_begin_.push_back(static_cast<std::uint32_t>(rim_.size()));
+  }
+}
+
+}  // namespace fracture

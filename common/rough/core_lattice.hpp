@@ -1,0 +1,59 @@
+// The equilateral triangles of a lattice that lie well inside a set of loops in the plane.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/base/vec.hpp"
+
+namespace fracture {
+
+/// Rows of points `length` apart, every other row shifted by half of that, sqrt(3)/2 lengths from row to row.
+class CoreLattice {
+ public:
+  /// Outer loops run counter-clockwise, holes clockwise; loop l is plane[loop_begin[l] .. loop_begin[l+1]).
+  /// `area`: of what they enclose. Leaves nothing where there is no room, or where the box of the loops is so
+  /// much larger than their area that they enclose a thin rim only.
+  void build(std::span<const Vec2d> plane, std::span<const std::uint32_t> loop_begin, double length,
+             double area);
+
+  const std::vector<Vec2d>& points() const { return points_; }
+  const std::vector<std::array<std::uint32_t, 3>>& triangles() const { return triangles_; }  ///< ccw
+  /// The rim as the collar around the core sees it (the core on the right), in simple loops: indices of
+  /// points(), loop l from rim_begin()[l] on.
+  const std::vector<std::uint32_t>& rim() const { return rim_; }
+  const std::vector<std::uint32_t>& rim_begin() const { return rim_begin_; }
+
+ private:
+  bool lay_out(std::span<const Vec2d> plane, double length, double area);
+  void mark_inside(std::span<const Vec2d> plane, std::span<const std::uint32_t> loop_begin);
+  void clear_near(const Vec2d& a, const Vec2d& b);
+  bool remove_pinches();
+  void collect();
+
+  double x_of(std::int64_t row, std::int64_t column) const {
+    return low_.x + (static_cast<double>(column) + ((row & 1) ? 0.5 : 0.0)) * length_;
+  }
+  double y_of(std::int64_t row) const { return low_.y + static_cast<double>(row) * height_; }
+  std::size_t index(std::int64_t row, std::int64_t column) const {
+    return static_cast<std::size_t>(row * columns_ + column);
+  }
+  /// visit(a, b, c), counter-clockwise, for every triangle whose corners are all usable.
+  template <class Visit>
+  void each_triangle(const Visit& visit) const;
+
+  Vec2d low_;
+  double length_ = 1, height_ = 1;
+  std::int64_t rows_ = 0, columns_ = 0;
+  std::vector<char> usable_;           // per lattice point
+  std::vector<std::uint32_t> number_;  // per lattice point: its index in points_
+  std::vector<std::pair<double, int>> crossings_;
+  std::vector<std::array<std::uint64_t, 2>> edges_;  // directed, of all triangles
+  std::vector<Vec2d> points_;
+  std::vector<std::array<std::uint32_t, 3>> triangles_;
+  std::vector<std::uint32_t> rim_, rim_begin_;
+};
+
+}  // namespace fracture

@@ -1,0 +1,38 @@
+// What several caps share, the pieces of Voronoi edges inside the solid, divided evenly. Where is a function
+// of the rounded positions of the two ends alone, so that all caps at a piece agree, and pieces that coincide
+// under other keys (lattices) do too, bit for bit.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "common/clip/positions.hpp"
+#include "common/clip/winding.hpp"
+
+namespace fracture {
+
+class EdgeSplits {
+ public:
+  /// Divides the pieces that bound a facet of which `wanted(lo, hi)` into parts no longer than `length` (m)
+  /// and appends the new vertices to `positions`.
+  EdgeSplits(const Winding& winding, double length, const std::function<bool(SiteId, SiteId)>& wanted,
+             VertexPositions& positions);
+
+  /// Appends the vertices strictly between a and b, in this order: none where (a, b) is no divided piece.
+  void between(VertexId a, VertexId b, std::vector<VertexId>& out) const;
+
+ private:
+  struct Edge {
+    VertexId from, to;  // in lexicographic order of their positions
+    VertexId first;     // of `count` consecutive ones
+    std::uint32_t count;
+  };
+  const Edge* find(VertexId a, VertexId b) const;
+
+  std::vector<Edge> edges_;
+};
+
+/// Appends a vertex at p, rounded to the seam lattice.
+VertexId append_vertex(VertexPositions& positions, const Vec3d& p);
+
+}  // namespace fracture

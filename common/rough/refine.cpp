@@ -1,0 +1,270 @@
+#include "common/rough/refine.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "common/base/stamped_map.hpp"
+#include "common/clip/delaunay_flips.hpp"
+#include "common/clip/ear_clipping.hpp"
+#include "common/mesh/mesh.hpp"
+#include "common/rough/core_lattice.hpp"
+#include "common/rough/edge_splits.hpp"
+
+namespace fracture {
+namespace {
+
+using Triangle = std::array<std::uint32_t, 3>;
+
+/// Planar coordinates are rounded to so many steps across a region.
+constexpr double kSteps = 1 << 23;
+
+/// One region after the other; keeps its buffers between them.
+class RegionRefiner {
+ public:
+  RegionRefiner(const VoronoiDiagram& diagram, const VertexPositions& positions, const EdgeSplits& splits,
+                double length)
+      : diagram_(diagram), positions_(positions), splits_(splits), length_(length) {}
+
+  /// Afterwards: triangles() in indices, of known() first and then of fresh().
+  void refine(const CapRegion& region, std::span<const std::array<VertexId, 3>> old) {
+    ids_.clear();
+    triangles_.clear();
+    fresh_.clear();
+    local_.next_epoch(positions_.points.size());
+    gather_loops(old);
+    flatten(region);
+    if (const double area = planar_area(); area > 0) {
+      core_.build(plane_, loop_begin_, length_, area);
+      for (const Vec2d& p : core_.points()) fresh_.push_back(origin_ + p.x * across_ + p.y * up_);
+      if (triangulate_with_core()) return;
+    }
+    triangles_.clear();
+    fresh_.clear();
+    for (const auto& t : old) split_sides(t);
+  }
+  const std::vector<Triangle>& triangles() const { return triangles_; }
+  const std::vector<VertexId>& known() const { return ids_; }
+  const std::vector<Vec3d>& fresh() const { return fresh_; }
+
+ private:
+  std::uint32_t local(VertexId v) {
+    std::uint32_t& slot = local_.slot(v - positions_.first_constructed);
+    if (slot == kNoIndex) {
+      slot = static_cast<std::uint32_t>(ids_.size());
+      ids_.push_back(v);
+    }
+    return slot;
+  }
+
+  /// The region's boundary with the vertices of the splits: edges that no other triangle uses the other way,
+  /// chained from vertex to vertex (the k-th that arrives goes on with the k-th that leaves).
+  void gather_loops(std::span<const std::array<VertexId, 3>> old) {
+    edges_.clear();
+    for (const auto& t : old)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const VertexId a = t[k], b = t[(k + 1) % 3];
+        edges_.push_back({std::min(a, b), std::max(a, b), a < b ? 1 : -1});
+      }
+    std::sort(edges_.begin(), edges_.end(),
+              [](const Edge& x, const Edge& y) { return x.low != y.low ? x.low < y.low : x.high < y.high; });
+    boundary_.clear();
+    for (std::size_t k = 0; k < edges_.size();) {
+      const Edge e = edges_[k];
+      int balance = 0;
+      for (; k < edges_.size() && edges_[k].low == e.low && edges_[k].high == e.high; ++k)
+        balance += edges_[k].way;
+      for (; balance > 0; --balance) boundary_.push_back({e.low, e.high});
+      for (; balance < 0; ++balance) boundary_.push_back({e.high, e.low});
+    }
+    std::sort(boundary_.begin(), boundary_.end());
+
+    loop_begin_.assign(1, 0);
+    used_.assign(boundary_.size(), 0);
+    ring_.clear();
+    for (std::size_t start = 0; start < boundary_.size(); ++start) {
+      if (used_[start]) continue;
+      const VertexId home = boundary_[start].first;
+      for (std::size_t e = start;;) {
+        used_[e] = 1;
+        const auto [from, to] = boundary_[e];
+        ring_.push_back(from);
+        splits_.between(from, to, ring_);
+        if (to == home) break;
+        e = static_cast<std::size_t>(
+            std::lower_bound(boundary_.begin(), boundary_.end(), std::pair<VertexId, VertexId>{to, 0}) -
+            boundary_.begin());
+        while (e < boundary_.size() && boundary_[e].first == to && used_[e]) ++e;
+        if (e == boundary_.size() || boundary_[e].first != to)
+          throw InternalError("the boundary of a cap's triangles is open at vertex " + std::to_string(to));
+      }
+      loop_begin_.push_back(static_cast<std::uint32_t>(ring_.size()));
+    }
+  }
+
+  /// Planar coordinates of the loops, from the region's least vertex, with axes that the facet's normal
+  /// gives.
+  void flatten(const CapRegion& region) {
+    const Vec3d u = diagram_.facet_normal(region.lo, region.hi), normal = (1 / length(u)) * u;
+    int axis = 0;  // the coordinate axis least along the normal
+    for (int a = 1; a < 3; ++a)
+      if (std::fabs(normal[a]) < std::fabs(normal[axis])) axis = a;
+    Vec3d e;
+    e[axis] = 1;
+    e = e - normal[axis] * normal;
+    across_ = (1 / length(e)) * e;
+    up_ = cross(normal, across_);
+    loop_.clear();
+    for (const VertexId v : ring_) loop_.push_back(local(v));
+    flat_.clear();
+    for (const VertexId v : ids_) flat_.push_back(positions_.points[v - positions_.first_constructed]);
+    origin_ = *std::min_element(flat_.begin(), flat_.end(), lexicographic_less);
+    plane_.clear();
+    for (const std::uint32_t k : loop_) {
+      const Vec3d d = flat_[k] - origin_;
+      plane_.push_back({dot(d, across_), dot(d, up_)});
+    }
+    Vec2d low = plane_[0], high = plane_[0];
+    for (const Vec2d& p : plane_) {
+      low = {std::fmin(low.x, p.x), std::fmin(low.y, p.y)};
+      high = {std::fmax(high.x, p.x), std::fmax(high.y, p.y)};
+    }
+    low_ = low;
+    const double extent = std::fmax(high.x - low.x, high.y - low.y);
+    step_ = extent > 0 ? extent / kSteps : 1;
+  }
+
+  double planar_area() const {
+    double twice = 0;
+    for (std::size_t l = 0; l + 1 < loop_begin_.size(); ++l)
+      for (std::uint32_t k = loop_begin_[l]; k < loop_begin_[l + 1]; ++k) {
+        const Vec2d &p = plane_[k], &q = plane_[k + 1 < loop_begin_[l + 1] ? k + 1 : loop_begin_[l]];
+        twice += p.x * q.y - p.y * q.x;
+      }
+    return 0.5 * twice;
+  }
+
+  LatticePoint rounded(const Vec2d& p) const {
+    return {static_cast<std::int64_t>(std::nearbyint((p.x - low_.x) / step_)),
+            static_cast<std::int64_t>(std::nearbyint((p.y - low_.y) / step_))};
+  }
+
+  /// False, with nothing promised, where the loops do not nest (surfaces that cross themselves).
+  bool triangulate_with_core() {
+    // Corners of the collar: the loops in their order, then the rim of the core.
+    corner_.assign(loop_.begin(), loop_.end());
+    collar_begin_ = loop_begin_;
+    const auto known = static_cast<std::uint32_t>(ids_.size());
+    for (std::size_t l = 0; l + 1 < core_.rim_begin().size(); ++l) {
+      for (std::uint32_t k = core_.rim_begin()[l]; k < core_.rim_begin()[l + 1]; ++k)
+        corner_.push_back(known + core_.rim()[k]);
+      collar_begin_.push_back(static_cast<std::uint32_t>(corner_.size()));
+    }
+    collar_points_.clear();
+    for (std::size_t k = 0; k < loop_.size(); ++k) collar_points_.push_back(rounded(plane_[k]));
+    for (const std::uint32_t r : core_.rim()) collar_points_.push_back(rounded(core_.points()[r]));
+    triangulate(collar_points_, collar_begin_, collar_);
+    if (collar_.unnested_loops > 0) return false;
+    flip_to_delaunay(collar_points_, collar_.triangles);
+    for (const Triangle& t : collar_.triangles)
+      triangles_.push_back({corner_[t[0]], corner_[t[1]], corner_[t[2]]});
+    for (const Triangle& t : core_.triangles())
+      triangles_.push_back({known + t[0], known + t[1], known + t[2]});
+    return true;
+  }
+
+  // A pair of vertices is split alike wherever it is a side, so nothing can open.
+  void split_sides(const std::array<VertexId, 3>& t) {
+    ring_.clear();
+    for (std::size_t k = 0; k < 3; ++k) {
+      ring_.push_back(t[k]);
+      splits_.between(t[k], t[(k + 1) % 3], ring_);
+    }
+    std::vector<LatticePoint> points;
+    ring_local_.clear();
+    for (const VertexId v : ring_) {
+      const Vec3d d = positions_.points[v - positions_.first_constructed] - origin_;
+      points.push_back(rounded({dot(d, across_), dot(d, up_)}));
+      ring_local_.push_back(static_cast<std::uint32_t>(ring_local_.size()));
+    }
+    std::vector<Triangle> cut;
+    clip_ears(points, ring_local_, cut);
+    for (const Triangle& c : cut)
+      triangles_.push_back({local(ring_[c[0]]), local(ring_[c[1]]), local(ring_[c[2]])});
+  }
+
+  struct Edge {
+    VertexId low, high;
+    int way;
+  };
+  const VoronoiDiagram& diagram_;
+  const VertexPositions& positions_;
+  const EdgeSplits& splits_;
+  const double length_;
+  StampedMap& local_ = worker_map();
+  std::vector<Edge> edges_;
+  std::vector<std::pair<VertexId, VertexId>> boundary_;
+  std::vector<char> used_;
+  std::vector<VertexId> ring_;                    // the loops, one after the other
+  std::vector<std::uint32_t> loop_, loop_begin_;  // the same in local indices
+  Vec3d origin_, across_, up_;
+  std::vector<Vec3d> flat_;   // per known vertex
+  std::vector<Vec2d> plane_;  // per corner of the loops
+  Vec2d low_;
+  double step_ = 1;
+  CoreLattice core_;
+  std::vector<std::uint32_t> corner_, collar_begin_, ring_local_;
+  std::vector<LatticePoint> collar_points_;
+  Triangulation collar_;
+  std::vector<VertexId> ids_;
+  std::vector<Vec3d> fresh_;
+  std::vector<Triangle> triangles_;
+};
+
+}  // namespace
+
+void refine_caps(const VoronoiDiagram& diagram, const Winding& winding, double length,
+                 const std::function<bool(SiteId, SiteId)>& wanted, Caps& caps, VertexPositions& positions,
+                 const Execution& execution) {
+  const EdgeSplits splits(winding, length, wanted, positions);
+  struct Refined {
+    std::vector<Triangle> triangles;
+    std::vector<VertexId> known;
+    std::vector<Vec3d> fresh;
+  };
+  std::vector<Refined> refined(caps.regions.size());
+  parallel_for(execution, refined.size(), 8, [&](std::size_t begin, std::size_t end) {
+    RegionRefiner refiner(diagram, positions, splits, length);
+    for (std::size_t r = begin; r < end; ++r) {
+      const CapRegion& region = caps.regions[r];
+      if (!wanted(region.lo, region.hi)) continue;
+      refiner.refine(region, {caps.triangles.data() + region.first_triangle, region.triangle_count});
+      refined[r] = {refiner.triangles(), refiner.known(), refiner.fresh()};
+    }
+  });
+
+  std::vector<std::array<VertexId, 3>> triangles;
+  for (std::size_t r = 0; r < refined.size(); ++r) {
+    const Refined& now = refined[r];
+    CapRegion& region = caps.regions[r];
+    const auto first_triangle = static_cast<std::uint32_t>(triangles.size());
+    if (!wanted(region.lo, region.hi)) {
+      const auto from = caps.triangles.begin() + region.first_triangle;
+      triangles.insert(triangles.end(), from, from + region.triangle_count);
+    } else {
+      const auto known = static_cast<std::uint32_t>(now.known.size());
+      const VertexId first = positions.first_constructed + static_cast<VertexId>(positions.points.size());
+      for (const Vec3d& p : now.fresh) append_vertex(positions, p);
+      for (const Triangle& t : now.triangles) {
+        std::array<VertexId, 3> ids{};
+        for (std::size_t k = 0; k < 3; ++k) ids[k] = t[k] < known ? now.known[t[k]] : first + (t[k] - known);
+        triangles.push_back(ids);
+      }
+      region.triangle_count = static_cast<std::uint32_t>(now.triangles.size());
+    }
+    region.first_triangle = first_triangle;
+  }
+  caps.triangles = std::move(triangles);
+}
+
+}  // namespace fracture

@@ -1,0 +1,211 @@
+#include "common/rough/roughen.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/rough/cap_normals.hpp"
+#include "common/rough/crossings.hpp"
+#include "common/rough/displacement.hpp"
+#include "common/rough/edge_splits.hpp"
+#include "common/rough/refine.hpp"
+#include "common/rough/surface_grid.hpp"
+
+namespace fracture {
+namespace {
+
+/// Edges per wave of the finest octave.
+constexpr double kEdgesPerWave = 2.5;
+/// Rounds of calming: each of the first halves the movement, each later one takes all of it.
+constexpr int kHalvingRounds = 6, kMostRounds = 40;
+/// Crossings of fewer lattice steps are rounding.
+constexpr double kLeastCrossing = 8;
+
+/// By Newton's iteration, from + * / alone: the C library's cbrt is not rounded alike everywhere.
+double cube_root(double v) {
+  int exponent = 0;
+  const double mantissa = std::frexp(v, &exponent);  // v = mantissa 2^exponent, in [0.5, 1)
+  const int third = exponent >= 0 ? exponent / 3 : (exponent - 2) / 3;
+  const double rest = std::ldexp(mantissa, exponent - 3 * third);  // in [0.5, 4)
+  double x = 1.2;
+  for (int k = 0; k < 8; ++k) x = (2 * x + rest / (x * x)) / 3;
+  return std::ldexp(x, third);
+}
+
+double size_of(const Solid& solid) {
+  double largest = 0;
+  for (const Part& part : solid.parts) largest = std::fmax(largest, part.volume);
+  return cube_root(largest);
+}
+
+template <class Wanted>
+double area_of(const Caps& caps, const VertexPositions& positions, const Wanted& wanted) {
+  const auto at = [&](VertexId v) { return positions.points[v - positions.first_constructed]; };
+  double twice = 0;
+  for (const CapRegion& r : caps.regions) {
+    if (!wanted(r.lo, r.hi)) continue;
+    for (std::uint32_t k = r.first_triangle; k < r.first_triangle + r.triangle_count; ++k) {
+      const auto& t = caps.triangles[k];
+      twice += length(cross(at(t[1]) - at(t[0]), at(t[2]) - at(t[0])));
+    }
+  }
+  return twice / 2;
+}
+
+/// Moves the vertices, and those less that make triangles cross or turn over.
+class Mover {
+ public:
+  Mover(const VoronoiDiagram& diagram, const Caps& caps, VertexPositions& positions, std::size_t fixed)
+      : diagram_(diagram),
+        caps_(caps),
+        positions_(positions),
+        fixed_(fixed),
+        flat_(positions.points),
+        moves_(flat_.size()),
+        surface_(flat_.size(), 0),
+        share_(flat_.size(), 1),
+        moved_(flat_.size(), 0) {}
+
+  void move(const Displacement& displacement, const SurfaceGrid& outside, const Execution& execution) {
+    parallel_for(execution, flat_.size() - fixed_, 256, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t v = fixed_ + begin; v < fixed_ + end; ++v) {
+        flat_[v] = positions_.lattice.to_world(positions_.steps[v]);  // coinciding vertices stay together
+        surface_[v] = outside.distance(flat_[v]);
+        moves_[v] = displacement.at(flat_[v], surface_[v]);
+        place(v);
+      }
+    });
+  }
+
+  /// Returns how many pairs of triangles cross at the end.
+  std::uint64_t calm(const SurfaceGrid& outside, const Box& box, double width, const Execution& execution) {
+    find_coinciding();
+    const Vec3d step = positions_.lattice.step();
+    const double tolerance = kLeastCrossing * std::fmax(step.x, std::fmax(step.y, step.z));
+    std::vector<char> suspects, bad;
+    std::uint64_t pairs = 0;
+    for (int round = 0; round < kMostRounds; ++round) {
+      pairs =
+          find_crossings({caps_.triangles, positions_.first_constructed, positions_.points, moved_, surface_},
+                         outside, box, width, tolerance, suspects, bad, execution);
+      add_turned_over(tolerance, bad);
+      std::vector<char> calmed(flat_.size(), 0);
+      for (std::size_t t = 0; t < bad.size(); ++t)
+        if (bad[t])
+          for (const VertexId id : caps_.triangles[t])
+            if (const std::size_t v = id - positions_.first_constructed; moved_[v]) calmed[leader_[v]] = 1;
+      bool any = false;
+      for (std::size_t v = fixed_; v < flat_.size(); ++v) {
+        if (!calmed[leader_[v]]) continue;
+        calmed[v] = 1;
+        any = true;
+        share_[v] = round < kHalvingRounds ? 0.5 * share_[v] : 0;
+        place(v);
+      }
+      if (!any) break;
+      suspects.assign(caps_.triangles.size(), 0);
+      for (std::size_t t = 0; t < suspects.size(); ++t)
+        for (const VertexId id : caps_.triangles[t]) suspects[t] |= calmed[id - positions_.first_constructed];
+    }
+    return pairs;
+  }
+
+  std::uint64_t calmed() const {
+    return static_cast<std::uint64_t>(
+        std::count_if(share_.begin(), share_.end(), [](double s) { return s < 1; }));
+  }
+
+ private:
+  void place(std::size_t v) {
+    const Vec3d step = positions_.lattice.step();
+    const Vec3d p = flat_[v] + share_[v] * moves_[v];
+    positions_.points[v] = p;
+    for (int a = 0; a < 3; ++a)
+      positions_.steps[v][static_cast<std::size_t>(a)] =
+          static_cast<std::int32_t>(std::nearbyint(p[a] / step[a]));
+    moved_[v] = share_[v] > 0 && !(moves_[v] == Vec3d{});
+  }
+
+  /// Vertices at the same place under several keys (lattices of sites) stay together.
+  void find_coinciding() {
+    leader_.resize(flat_.size());
+    std::vector<std::uint32_t> order;
+    for (std::uint32_t v = 0; v < leader_.size(); ++v) {
+      leader_[v] = v;
+      if (v >= fixed_) order.push_back(v);
+    }
+    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return flat_[a] == flat_[b] ? a < b : lexicographic_less(flat_[a], flat_[b]);
+    });
+    for (std::size_t k = 1; k < order.size(); ++k)
+      if (flat_[order[k]] == flat_[order[k - 1]]) leader_[order[k]] = leader_[order[k - 1]];
+  }
+
+  /// Triangles that face away from their facet's normal, but did not when they were flat. Those that are no
+  /// higher than the tolerance have no side.
+  void add_turned_over(double tolerance, std::vector<char>& bad) const {
+    for (const CapRegion& region : caps_.regions) {
+      const Vec3d u = diagram_.facet_normal(region.lo, region.hi);
+      for (std::uint32_t t = region.first_triangle; t < region.first_triangle + region.triangle_count; ++t) {
+        const auto facing = [&](const std::vector<Vec3d>& points) {
+          const auto at = [&](std::size_t k) {
+            return points[caps_.triangles[t][k] - positions_.first_constructed];
+          };
+          return dot(u, cross(at(1) - at(0), at(2) - at(0)));
+        };
+        if (facing(positions_.points) > 0) continue;
+        double longest = 0;
+        for (std::size_t k = 0; k < 3; ++k)
+          longest = std::fmax(longest,
+                              length(flat_[caps_.triangles[t][(k + 1) % 3] - positions_.first_constructed] -
+                                     flat_[caps_.triangles[t][k] - positions_.first_constructed]));
+        if (facing(flat_) > tolerance * longest * length(u)) bad[t] = 1;
+      }
+    }
+  }
+
+  const VoronoiDiagram& diagram_;
+  const Caps& caps_;
+  VertexPositions& positions_;
+  const std::size_t fixed_;  // the vertices before are on the surface
+  // Per constructed vertex.
+  std::vector<Vec3d> flat_;
+  std::vector<Vec3d> moves_;
+  std::vector<double> surface_;  // distance, up to the reach of fading
+  std::vector<double> share_;    // of the movement
+  std::vector<char> moved_;
+  std::vector<std::uint32_t> leader_;  // the lowest vertex at the same place
+};
+
+}  // namespace
+
+RoughReport roughen(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
+                    const Winding& winding, const std::vector<std::uint32_t>& owner_of_site,
+                    const Roughness& roughness, std::uint64_t seed, VertexPositions& positions, Caps& caps,
+                    const Execution& execution) {
+  RoughReport report;
+  if (!(roughness.amplitude > 0)) return report;
+  const auto wanted = [&](SiteId lo, SiteId hi) { return owner_of_site[lo] != owner_of_site[hi]; };
+  const double size = size_of(solid), area = area_of(caps, positions, wanted);
+  report.asked = roughness.amplitude * size;
+  report.amplitude = std::fmin(report.asked, kMostSteepness / roughness.frequency * size);
+  if (!(area > 0)) return report;
+  const double finest = std::ldexp(roughness.frequency / size, static_cast<int>(roughness.octaves) - 1);
+  // An equilateral triangle of side l has 0.433 l² of area.
+  report.length = std::fmax(1 / (kEdgesPerWave * finest), std::sqrt(area / (0.433 * kMostRoughTriangles)));
+  positions.flat_steps = positions.steps;
+  refine_caps(diagram, winding, report.length, wanted, caps, positions, execution);
+  for (const CapRegion& r : caps.regions)
+    if (wanted(r.lo, r.hi)) report.triangles += r.triangle_count;
+
+  const Displacement displacement(report.amplitude, roughness.frequency / size, roughness.octaves, seed,
+                                  diagram.map());
+  const SurfaceGrid outside(solid, displacement.reach());
+  Mover mover(diagram, caps, positions, cuts.edge_cuts.size() + cuts.triangle_cuts.size());
+  mover.move(displacement, outside, execution);
+  report.crossing = mover.calm(outside, solid.box, 2 * report.length, execution);
+  report.calmed = mover.calmed();
+  caps.normals = cap_normals(diagram, owner_of_site, caps, positions, execution);
+  return report;
+}
+
+}  // namespace fracture

@@ -1,0 +1,46 @@
+// Rough cuts: the caps between fragments are refined (refine.hpp) and their vertices moved by noise
+// (noise.hpp), a function of position alone, so that both sides of a cut still match bit for bit and the
+// pieces still partition the solid. The movement fades to nothing at the outer surface, which stays as it
+// was.
+//
+// Why nothing crosses: p -> p + d(p) is one to one where |d(p) - d(q)| < |p - q|, and it takes no point out
+// of the solid where |d(p)| is less than the distance to its surface. The second always holds; the first
+// holds for the amplitudes that are allowed but for rare peaks of the noise, and triangles only sample d. So
+// the result is looked at (crossings.hpp): where caps cross one another or the outer surface, or a triangle
+// turns over in its cap, the vertices there are moved less, down to not at all.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/base/execution.hpp"
+#include "common/clip/caps.hpp"
+#include "common/rough/roughness.hpp"
+
+namespace fracture {
+
+struct RoughReport {
+  double amplitude = 0;         ///< m, in force: at most what was asked
+  double asked = 0;             ///< m
+  double length = 0;            ///< m, of the edges the caps were refined to
+  std::uint64_t triangles = 0;  ///< of all rough caps
+  std::uint64_t calmed = 0;     ///< vertices that are moved less, because triangles crossed or turned over
+  std::uint64_t crossing =
+      0;  ///< pairs of triangles that cross all the same: 0 unless the surface crosses itself
+};
+
+/// Larger amplitudes are lowered: amplitude times frequency of the coarsest octave.
+inline constexpr double kMostSteepness = 0.5;
+/// Edges are made longer until the caps have at most about so many triangles.
+inline constexpr double kMostRoughTriangles = 400'000;
+
+/// Replaces the triangles of the caps between different owners (`owner_of_site`: cells of one owner stay
+/// together) and moves the vertices inside the solid; those on its surface stay. Fills Caps::normals and
+/// VertexPositions::flat_steps. With an amplitude of 0 nothing changes. Where the diagram has a map the waves
+/// are stretched as the cells are.
+RoughReport roughen(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
+                    const Winding& winding, const std::vector<std::uint32_t>& owner_of_site,
+                    const Roughness& roughness, std::uint64_t seed, VertexPositions& positions, Caps& caps,
+                    const Execution& execution);
+
+}  // namespace fracture

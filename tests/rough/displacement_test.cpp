@@ -1,0 +1,52 @@
+#include "common/rough/displacement.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "common/base/random.hpp"
+
+namespace fracture {
+namespace {
+
+Vec3d random_point(Random& random) {
+  const double x = random.uniform(), y = random.uniform(), z = random.uniform();
+  return {x, y, z};
+}
+
+TEST(Displacement, StaysWithinTheAmplitudeAndUsesMuchOfIt) {
+  const Displacement displacement(0.02, 8, 3, 1, std::nullopt);
+  Random random(1);
+  double most = 0;
+  for (int n = 0; n < 50'000; ++n) {
+    const Vec3d d = displacement.at(random_point(random), displacement.reach());
+    for (int a = 0; a < 3; ++a) most = std::fmax(most, std::fabs(d[a]));
+  }
+  EXPECT_LE(most, 0.02);
+  EXPECT_GT(most, 0.01);
+}
+
+TEST(Displacement, FadesToNothingAtTheSurfaceAndNeverReachesIt) {
+  const Displacement displacement(0.02, 8, 1, 1, std::nullopt);
+  Random random(2);
+  for (int n = 0; n < 20'000; ++n) {
+    const Vec3d p = random_point(random);
+    const double surface = displacement.reach() * random.uniform();
+    EXPECT_LT(length(displacement.at(p, surface)), std::fmax(surface, 1e-300));
+    EXPECT_EQ(displacement.at(p, 0), Vec3d{});
+  }
+}
+
+TEST(Displacement, AMapStretchesTheWavesButShortensNone) {
+  // Across the grain as without it, along it eight times as long.
+  const Matrix3 map{{Vec3d{3, 0, 0}, Vec3d{0, 3, 0}, Vec3d{0, 0, 3.0 / 8}}};
+  const Displacement plain(1, 5, 1, 4, std::nullopt), stretched(1, 5, 1, 4, map);
+  Random random(3);
+  for (int n = 0; n < 1000; ++n) {
+    const Vec3d p = random_point(random), q{p.x, p.y, 8 * p.z};
+    EXPECT_LT(length(plain.at(p, plain.reach()) - stretched.at(q, stretched.reach())), 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace fracture

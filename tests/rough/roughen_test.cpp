@@ -1,0 +1,198 @@
+// Rough cuts keep what flat ones promise: closed fragments that add up, mirrored seams, an untouched outside.
+#include "common/rough/roughen.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <set>
+
+#include "common/pipeline/fracture.hpp"
+#include "tests/support/figures.hpp"
+#include "tests/support/fractured.hpp"
+#include "tests/support/shapes.hpp"
+
+namespace fracture::test {
+namespace {
+
+FragmentSet fracture_roughly(const Mesh& mesh, const FractureParameters& p, int threads = 1) {
+  return fracture_mesh(mesh, p, threads).set;
+}
+
+FractureParameters rough(std::uint32_t sites, double amplitude, double frequency, std::uint32_t octaves) {
+  FractureParameters p;
+  p.sites = sites;
+  p.roughness = {amplitude, frequency, octaves};
+  return p;
+}
+
+using Corner = std::array<double, 3>;
+
+Corner world(const Fragment& f, std::uint32_t vertex) {
+  const Vec3d p = to_double(f.positions[vertex]) + f.pivot;
+  return {p.x, p.y, p.z};
+}
+
+/// The triangles of primitives whose material is (or is not) the interior, in world space, each beginning at
+/// its least corner.
+std::multiset<std::array<Corner, 3>> triangles_of(const Fragment& f, bool interior, bool mirrored) {
+  std::multiset<std::array<Corner, 3>> out;
+  for (const FragmentPrimitive& p : f.primitives) {
+    if ((p.material == kInteriorMaterial) != interior) continue;
+    for (std::uint32_t k = p.first_index; k < p.first_index + p.index_count; k += 3) {
+      std::array<Corner, 3> t{world(f, f.indices[k]), world(f, f.indices[k + 1]), world(f, f.indices[k + 2])};
+      if (mirrored) std::swap(t[1], t[2]);
+      std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+      out.insert(t);
+    }
+  }
+  return out;
+}
+
+TEST(Roughen, TheOutsideIsThatOfFlatCuts) {
+  FractureParameters p = rough(30, 0.03, 4, 3);
+  p.pivot = Pivot::kSource;
+  const FragmentSet uneven = fracture_roughly(torus(48, 24), p);
+  p.roughness.amplitude = 0;
+  const FragmentSet flat = fracture_roughly(torus(48, 24), p);
+  ASSERT_EQ(uneven.fragments.size(), flat.fragments.size());
+  for (std::size_t k = 0; k < flat.fragments.size(); ++k) {
+    EXPECT_EQ(uneven.fragments[k].id, flat.fragments[k].id);
+    EXPECT_EQ(triangles_of(uneven.fragments[k], false, false), triangles_of(flat.fragments[k], false, false));
+    EXPECT_NE(uneven.fragments[k].mass.volume, flat.fragments[k].mass.volume) << "its cuts moved";
+  }
+}
+
+TEST(Roughen, VerticesMoveByTheAmplitudeAtMostAndByMuchOfIt) {
+  FractureParameters p;
+  p.pattern = PointsPattern{{{-0.2, 0, 0}, {0.2, 0, 0}}};
+  p.roughness = {0.02, 8, 1};
+  const FragmentSet set = fracture_roughly(cube(), p);
+  ASSERT_EQ(set.fragments.size(), 2u);
+  double most = 0;
+  for (const auto& t : triangles_of(set.fragments[0], true, false))
+    for (const Corner& c : t) most = std::fmax(most, std::fabs(c[0]));
+  EXPECT_LE(most, 0.02);
+  EXPECT_GT(most, 0.01);
+}
+
+TEST(Roughen, AmplitudeAndFrequencyAreInTermsOfTheSize) {
+  FractureParameters p = rough(12, 0.03, 4, 2);
+  const FragmentSet small = fracture_roughly(cube(), p);
+  EXPECT_NEAR(small.report.at("rough_cuts").at("amplitude").get<double>(), 0.03, 1e-12);
+  const FragmentSet large = fracture_roughly(scaled(cube(), {8, 8, 8}), p);
+  EXPECT_NEAR(large.report.at("rough_cuts").at("amplitude").get<double>(), 0.24, 1e-12);
+  EXPECT_EQ(large.report.at("rough_cuts").at("triangles"), small.report.at("rough_cuts").at("triangles"));
+}
+
+TEST(Roughen, AnAmplitudeThatWouldLetCutsCrossIsLowered) {
+  const FragmentSet set = fracture_roughly(cube(), rough(10, 0.25, 8, 2));
+  const auto& report = set.report.at("rough_cuts");
+  EXPECT_LT(report.at("amplitude"), report.at("amplitude_asked"));
+  EXPECT_EQ(report.at("crossing_triangles"), 0);
+  EXPECT_EQ(set.certificate.open_edges, 0u);
+  bool said = false;
+  for (const auto& warning : set.report.at("warnings"))
+    said |= warning.get<std::string>().find("amplitude lowered") != std::string::npos;
+  EXPECT_TRUE(said);
+}
+
+TEST(Roughen, BondsAreMeasuredAcrossTheirCuts) {
+  FractureParameters p;
+  p.pattern = PointsPattern{{{-0.2, 0, 0}, {0.2, 0, 0}}};
+  p.roughness = {0.03, 5, 2};
+  const FragmentSet set = fracture_roughly(cube(), p);
+  ASSERT_EQ(set.bonds.size(), 1u);
+  EXPECT_NEAR(set.bonds[0].area, 1, 1e-9) << "of the unit square that was cut, whatever its relief";
+  EXPECT_GT(set.fragments[0].mass.area - set.fragments[0].exterior_area, 1.005) << "the relief has more";
+}
+
+TEST(Roughen, HullsAreThoseOfFlatCuts) {
+  FractureParameters p = rough(15, 0.03, 5, 2);
+  p.hulls = Hulls::kConvex;
+  p.pivot = Pivot::kSource;
+  const FragmentSet uneven = fracture_roughly(cube(), p);
+  p.roughness.amplitude = 0;
+  const FragmentSet flat = fracture_roughly(cube(), p);
+  ASSERT_EQ(uneven.fragments.size(), flat.fragments.size());
+  for (std::size_t k = 0; k < flat.fragments.size(); ++k) {
+    ASSERT_EQ(uneven.fragments[k].hulls.size(), 1u);
+    Box a, b;
+    for (const Vec3f& q : uneven.fragments[k].hulls[0].points) a.add(to_double(q));
+    for (const Vec3f& q : flat.fragments[k].hulls[0].points) b.add(to_double(q));
+    EXPECT_LT(length(a.min - b.min) + length(a.max - b.max), 1e-5);
+  }
+}
+
+TEST(Roughen, CutsWithinAGroupStayAwayAndItsSeamsAreSmooth) {
+  // Two rows of cells on each side of x = 0: the wall between the groups is one cut of several facets.
+  PointsPattern pattern;
+  for (const double x : {-0.2, 0.2})
+    for (const double y : {-0.3, 0.0, 0.3}) {
+      pattern.points.push_back({x, y, 0});
+      pattern.groups.push_back(x < 0 ? 0 : 1);
+    }
+  FractureParameters p;
+  p.pattern = pattern;
+  p.roughness = {0.03, 4, 2};
+  const FragmentSet set = fracture_roughly(cube_with_seams(), p);
+  ASSERT_EQ(set.fragments.size(), 2u);
+  ASSERT_EQ(set.bonds.size(), 1u);
+  EXPECT_NEAR(set.bonds[0].area, 1, 1e-9);
+  EXPECT_EQ(set.fragments[0].bodies.size(), 3u);
+  std::map<Corner, std::set<std::array<float, 3>>> at;
+  for (const FragmentPrimitive& primitive : set.fragments[0].primitives)
+    if (primitive.material == kInteriorMaterial)
+      for (std::uint32_t k = primitive.first_index; k < primitive.first_index + primitive.index_count; ++k) {
+        const std::uint32_t* t = set.fragments[0].indices.data() + k / 3 * 3;
+        const auto local = [&](int c) { return to_double(set.fragments[0].positions[t[c]]); };
+        if (length(cross(local(1) - local(0), local(2) - local(0))) < 1e-9)
+          continue;  // of a facet without width: four sites on a circle
+        const Vec3f& n = set.fragments[0].attributes.normals[set.fragments[0].indices[k]];
+        at[world(set.fragments[0], set.fragments[0].indices[k])].insert({n.x, n.y, n.z});
+      }
+  EXPECT_GT(at.size(), 100u);
+  for (const auto& [place, normals] : at) EXPECT_EQ(normals.size(), 1u);
+}
+
+TEST(Roughen, NormalsAreSmoothWithinACutAndPointOutwards) {
+  Mesh mesh = cube_with_seams();
+  FractureParameters p;
+  p.pattern = PointsPattern{{{-0.2, 0, 0}, {0.2, 0, 0}}};
+  p.roughness = {0.03, 4, 2};
+  const FragmentSet set = fracture_roughly(mesh, p);
+  for (const Fragment& f : set.fragments) {
+    const double outward = f.pivot.x < 0 ? 1 : -1;
+    std::set<std::array<float, 3>> different;
+    std::map<Corner, std::set<std::array<float, 3>>> at;
+    for (const FragmentPrimitive& primitive : f.primitives) {
+      if (primitive.material != kInteriorMaterial) continue;
+      for (std::uint32_t k = primitive.first_index; k < primitive.first_index + primitive.index_count; ++k) {
+        const Vec3f& n = f.attributes.normals[f.indices[k]];
+        EXPECT_NEAR(length(to_double(n)), 1, 1e-6);
+        EXPECT_GT(outward * n.x, 0);
+        different.insert({n.x, n.y, n.z});
+        at[world(f, f.indices[k])].insert({n.x, n.y, n.z});
+      }
+    }
+    EXPECT_GT(different.size(), 50u);
+    for (const auto& [place, normals] : at) EXPECT_EQ(normals.size(), 1u);
+  }
+}
+
+TEST(Roughen, TheSameBytesForAnyNumberOfThreads) {
+  const FractureParameters p = rough(40, 0.03, 5, 3);
+  const FragmentSet one = fracture_roughly(sphere_with(2000), p, 1),
+                    three = fracture_roughly(sphere_with(2000), p, 3);
+  ASSERT_EQ(one.fragments.size(), three.fragments.size());
+  for (std::size_t k = 0; k < one.fragments.size(); ++k) {
+    EXPECT_EQ(one.fragments[k].positions, three.fragments[k].positions);
+    EXPECT_EQ(one.fragments[k].indices, three.fragments[k].indices);
+    EXPECT_EQ(one.fragments[k].attributes.normals, three.fragments[k].attributes.normals);
+  }
+}
+
+}  // namespace
+}  // namespace fracture::test
