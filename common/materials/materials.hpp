@@ -6,6 +6,7 @@
 #include <span>
 #include <string_view>
 
+#include "common/rough/roughness.hpp"
 #include "common/sites/pattern.hpp"
 
 namespace fracture {
@@ -31,6 +32,7 @@ struct MaterialPreset {
   SitePattern pattern;
   std::uint32_t lloyd;
   double stretch;  ///< along the grain, whose default direction is the longest side of the box
+  Roughness roughness;
   PhysicalProperties physical;
   CutLook look;
   const char* source;  ///< of the physical figures

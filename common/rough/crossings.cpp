@@ -3,169 +3,155 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <numeric>
 
 namespace fracture {
 namespace {
 
 using Corners = std::array<Vec3d, 3>;
 
-/// A triangle with its plane.
-struct Facet {
-  Corners corners;
-  Vec3d normal;  // unit; zero where the triangle is flat: then every height is 0
+double height(const PlaneTriangle& t, const Vec3d& p) { return dot(t.normal, p - t.corners[0]); }
 
-  explicit Facet(const Corners& t) : corners(t), normal(cross(t[1] - t[0], t[2] - t[0])) {
-    const double l = length(normal);
-    normal = l > 0 ? (1 / l) * normal : Vec3d{};
-  }
-  double height(const Vec3d& p) const { return dot(normal, p - corners[0]); }
-  /// Are there points of t on both sides?
-  bool parts(const Facet& t, double tolerance) const {
-    const double a = height(t.corners[0]), b = height(t.corners[1]), c = height(t.corners[2]);
-    return std::fmax(a, std::fmax(b, c)) > tolerance && std::fmin(a, std::fmin(b, c)) < -tolerance;
-  }
-  /// x in the plane: farther than the tolerance inside all sides?
-  bool contains(const Vec3d& x, double tolerance) const {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Vec3d side = corners[(k + 1) % 3] - corners[k];
-      if (!(dot(normal, cross(side, x - corners[k])) > tolerance * length(side))) return false;
-    }
-    return true;
-  }
-};
+/// Are there points of s on both sides of the plane of t?
+bool parts(const PlaneTriangle& t, const PlaneTriangle& s, double tolerance) {
+  const double a = height(t, s.corners[0]), b = height(t, s.corners[1]), c = height(t, s.corners[2]);
+  return (a > tolerance || b > tolerance || c > tolerance) &&
+         (a < -tolerance || b < -tolerance || c < -tolerance);
+}
 
-bool edges_pierce(const Facet& s, const Facet& t, double tolerance) {
+/// x in the plane: farther than the tolerance inside all sides?
+bool contains(const PlaneTriangle& t, const Vec3d& x, double tolerance) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3d side = t.corners[(k + 1) % 3] - t.corners[k];
+    if (!(dot(t.normal, cross(side, x - t.corners[k])) > tolerance * length(side))) return false;
+  }
+  return true;
+}
+
+bool edges_pierce(const PlaneTriangle& s, const PlaneTriangle& t, double tolerance) {
   std::array<double, 3> h{};
-  for (std::size_t k = 0; k < 3; ++k) h[k] = t.height(s.corners[k]);
+  for (std::size_t k = 0; k < 3; ++k) h[k] = height(t, s.corners[k]);
   for (std::size_t k = 0; k < 3; ++k) {
     const double p = h[k], q = h[(k + 1) % 3];
     if (!((p > tolerance && q < -tolerance) || (p < -tolerance && q > tolerance))) continue;
     const Vec3d& from = s.corners[k];
-    if (t.contains(from + (p / (p - q)) * (s.corners[(k + 1) % 3] - from), tolerance)) return true;
+    if (contains(t, from + (p / (p - q)) * (s.corners[(k + 1) % 3] - from), tolerance)) return true;
   }
   return false;
 }
 
-bool cross_each_other(const Facet& s, const Facet& t, double tolerance) {
-  // Where one lies on one side of the other's plane, nothing is pierced.
-  if (!s.parts(t, tolerance) || !t.parts(s, tolerance)) return false;
-  return edges_pierce(s, t, tolerance) || edges_pierce(t, s, tolerance);
-}
-
-struct Bounds {
-  Vec3d low, high;
-};
-
-Bounds bounds_of(const Corners& t) {
-  Bounds b{t[0], t[0]};
-  for (const Vec3d& p : {t[1], t[2]})
-    for (int a = 0; a < 3; ++a) {
-      b.low[a] = p[a] < b.low[a] ? p[a] : b.low[a];
-      b.high[a] = p[a] > b.high[a] ? p[a] : b.high[a];
+std::vector<Box> reachable_boxes(const CapSurface& caps) {
+  std::vector<Box> boxes(caps.triangles.size());
+  for (std::size_t t = 0; t < boxes.size(); ++t)
+    for (const VertexId v : caps.triangles[t]) {
+      boxes[t].add(caps.flat[v - caps.first]);
+      boxes[t].add(caps.points[v - caps.first]);
     }
-  return b;
-}
-
-bool overlap(const Bounds& x, const Bounds& y) {
-  return x.low.x <= y.high.x && y.low.x <= x.high.x && x.low.y <= y.high.y && y.low.y <= x.high.y &&
-         x.low.z <= y.high.z && y.low.z <= x.high.z;
+  return boxes;
 }
 
 }  // namespace
 
-bool triangles_cross(const std::array<Vec3d, 3>& s, const std::array<Vec3d, 3>& t, double tolerance) {
-  return cross_each_other(Facet(s), Facet(t), tolerance);
+PlaneTriangle::PlaneTriangle(const Corners& t) : corners(t), normal(cross(t[1] - t[0], t[2] - t[0])) {
+  const double l = length(normal);
+  normal = l > 0 ? (1 / l) * normal : Vec3d{};
 }
 
-std::uint64_t find_crossings(const CapSurface& caps, const SurfaceGrid& outside, const Box& box, double width,
-                             double tolerance, const std::vector<char>& suspects, std::vector<char>& crossing,
-                             const Execution& execution) {
-  const std::size_t n = caps.triangles.size();
-  const UniformGrid grid(box, width);
-  std::vector<Bounds> bounds(n);
-  std::vector<Facet> facets;
-  facets.reserve(n);
-  std::vector<std::uint32_t> begin(grid.size() + 1, 0);
-  for (std::size_t t = 0; t < n; ++t) {
-    const auto& v = caps.triangles[t];
-    facets.emplace_back(Corners{caps.points[v[0] - caps.first], caps.points[v[1] - caps.first],
-                                caps.points[v[2] - caps.first]});
-    bounds[t] = bounds_of(facets[t].corners);
-    grid.each_cell(bounds[t].low, bounds[t].high,
-                   [&](const UniformGrid::Cell& c) { ++begin[grid.index(c) + 1]; });
+bool cross_each_other(const PlaneTriangle& s, const PlaneTriangle& t, double tolerance) {
+  // Where one lies on one side of the other's plane, nothing is pierced.
+  if (!parts(t, s, tolerance) || !parts(s, t, tolerance)) return false;
+  return edges_pierce(s, t, tolerance) || edges_pierce(t, s, tolerance);
+}
+
+Crossings::Crossings(const CapSurface& caps, const SurfaceTree& outside, double tolerance)
+    : caps_(caps), outside_(outside), tolerance_(tolerance), tree_(reachable_boxes(caps)) {}
+
+Corners Crossings::corners(std::size_t t) const {
+  const auto& v = caps_.triangles[t];
+  return {caps_.points[v[0] - caps_.first], caps_.points[v[1] - caps_.first],
+          caps_.points[v[2] - caps_.first]};
+}
+
+bool Crossings::is_moved(std::size_t t) const {
+  const auto& v = caps_.triangles[t];
+  return caps_.moved[v[0] - caps_.first] || caps_.moved[v[1] - caps_.first] ||
+         caps_.moved[v[2] - caps_.first];
+}
+
+bool Crossings::pair_crosses(std::uint32_t s, std::uint32_t t) const {
+  int shared = 0;
+  for (const VertexId v : caps_.triangles[s])
+    for (const VertexId w : caps_.triangles[t]) shared += v == w;
+  return shared < 2 && cross_each_other(now_[s], now_[t], tolerance_) && (is_moved(s) || is_moved(t));
+}
+
+bool Crossings::leaves_surface(std::uint32_t t) const {
+  if (!is_moved(t)) return false;
+  // Can it have reached the outer surface? Its flat points are within 0.58 of its longest edge of a corner.
+  const Corners& c = now_[t].corners;
+  double longest = 0, move = 0, surface = HUGE_VAL;
+  for (std::size_t k = 0; k < 3; ++k) {
+    longest = std::fmax(longest, length(c[(k + 1) % 3] - c[k]));
+    const double distance = caps_.surface[caps_.triangles[t][k] - caps_.first];
+    move = std::fmax(move, distance);
+    surface = std::fmin(surface, distance);
   }
-  for (std::size_t c = 0; c < grid.size(); ++c) begin[c + 1] += begin[c];
-  std::vector<std::uint32_t> member(begin.back()), next(begin.begin(), begin.end() - 1);
-  for (std::uint32_t t = 0; t < n; ++t)
-    grid.each_cell(bounds[t].low, bounds[t].high,
-                   [&](const UniformGrid::Cell& c) { member[next[grid.index(c)]++] = t; });
-
-  const auto is_moved = [&](std::size_t t) {
-    return std::any_of(caps.triangles[t].begin(), caps.triangles[t].end(),
-                       [&](VertexId v) { return caps.moved[v - caps.first] != 0; });
-  };
-  const auto shared_corners = [&](std::size_t s, std::size_t t) {
-    int shared = 0;
-    for (const VertexId v : caps.triangles[s])
-      for (const VertexId w : caps.triangles[t]) shared += v == w;
-    return shared;
-  };
-  // Can the triangle have reached the outer surface? Its flat points are within 0.58 of its longest edge of a
-  // corner.
-  const auto may_touch_surface = [&](std::size_t t) {
-    double longest = 0, move = 0, surface = HUGE_VAL;
-    for (std::size_t k = 0; k < 3; ++k) {
-      longest = std::fmax(longest, length(facets[t].corners[(k + 1) % 3] - facets[t].corners[k]));
-      move = std::fmax(move, caps.surface[caps.triangles[t][k] - caps.first]);
-      surface = std::fmin(surface, caps.surface[caps.triangles[t][k] - caps.first]);
-    }
-    return surface < 0.58 * longest + move;
-  };
-
-  constexpr std::size_t kBlock = 256;
-  std::vector<std::vector<std::uint32_t>> found((n + kBlock - 1) / kBlock);
-  std::atomic<std::uint64_t> pairs{0};
-  parallel_for(execution, n, kBlock, [&](std::size_t first, std::size_t last) {
-    std::vector<std::uint32_t>& out = found[first / kBlock];
-    std::uint64_t count = 0;
-    for (std::size_t s = first; s < last; ++s) {
-      const bool moved = is_moved(s), suspect = suspects.empty() || suspects[s];
-      grid.each_cell(bounds[s].low, bounds[s].high, [&](const UniformGrid::Cell& cell) {
-        const std::size_t c = grid.index(cell);
-        for (std::uint32_t k = begin[c]; k < begin[c + 1]; ++k) {
-          const std::uint32_t t = member[k];
-          if (t <= s || !overlap(bounds[s], bounds[t])) continue;
-          if (!suspect && !suspects[t]) continue;
-          if (!moved && !is_moved(t)) continue;
-          if (!cross_each_other(facets[s], facets[t], tolerance) || shared_corners(s, t) >= 2) continue;
-          // Once for each pair: in the cell where their boxes' overlap begins.
-          const Vec3d corner{std::fmax(bounds[s].low.x, bounds[t].low.x),
-                             std::fmax(bounds[s].low.y, bounds[t].low.y),
-                             std::fmax(bounds[s].low.z, bounds[t].low.z)};
-          if (grid.cell_of(corner) != cell) continue;
-          out.push_back(static_cast<std::uint32_t>(s));
-          out.push_back(t);
-          ++count;
-        }
-      });
-      if (!moved || !suspect || !may_touch_surface(s)) continue;
-      bool touches = false;
-      outside.each_near({bounds[s].low, bounds[s].high}, [&](std::uint32_t t) {
-        if (touches) return;
-        const Corners other = outside.corners(t);
-        touches =
-            overlap(bounds[s], bounds_of(other)) && cross_each_other(facets[s], Facet(other), tolerance);
-      });
-      if (!touches) continue;
-      out.push_back(static_cast<std::uint32_t>(s));
-      ++count;
-    }
-    pairs += count;
+  if (!(surface < 0.58 * longest + move)) return false;
+  bool leaves = false;
+  outside_.each_near(box_of(c), [&](std::uint32_t other) {
+    leaves = leaves || cross_each_other(now_[t], PlaneTriangle(outside_.corners(other)), tolerance_);
   });
+  return leaves;
+}
+
+std::uint64_t Crossings::find(const std::vector<char>& suspects, std::vector<char>& crossing,
+                              const Execution& execution) {
+  const auto n = static_cast<std::uint32_t>(caps_.triangles.size());
+  const bool first_look = now_.empty();
+  std::vector<std::uint32_t> changed;
+  if (first_look) {
+    now_.reserve(n);
+    for (std::uint32_t t = 0; t < n; ++t) now_.emplace_back(corners(t));
+    changed.resize(n);
+    std::iota(changed.begin(), changed.end(), 0u);
+  } else {
+    for (std::uint32_t t = 0; t < n; ++t)
+      if (suspects[t]) {
+        now_[t] = PlaneTriangle(corners(t));
+        changed.push_back(t);
+      }
+  }
+
+  std::atomic<std::uint64_t> count{0};
   crossing.assign(n, 0);
-  for (const auto& block : found)
-    for (const std::uint32_t t : block) crossing[t] = 1;
-  return pairs;
+  const auto mark = [&](std::uint32_t t) {
+    std::atomic_ref(crossing[t]).store(1, std::memory_order_relaxed);
+  };
+  const auto look = [&](std::uint32_t s, std::uint32_t t) {
+    if (!pair_crosses(s, t)) return;
+    mark(s);
+    mark(t);
+    count.fetch_add(1, std::memory_order_relaxed);
+  };
+  if (first_look) {
+    const std::vector<BoxTree::Task> tasks = tree_.pair_tasks(execution.threads > 1 ? 64 : 1);
+    parallel_for(execution, tasks.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) tree_.each_pair(tasks[k], look);
+    });
+  }
+  parallel_for(execution, changed.size(), 256, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::uint32_t s = changed[k];
+      if (!first_look)
+        tree_.each_overlapping(box_of(now_[s].corners), [&](std::uint32_t t) {
+          if (t != s && (!suspects[t] || s < t)) look(s, t);
+        });
+      if (!leaves_surface(s)) continue;
+      mark(s);
+      count.fetch_add(1, std::memory_order_relaxed);
+    }
+  });
+  return count;
 }
 
 }  // namespace fracture

@@ -8,13 +8,11 @@
 #include "common/rough/displacement.hpp"
 #include "common/rough/edge_splits.hpp"
 #include "common/rough/refine.hpp"
-#include "common/rough/surface_grid.hpp"
+#include "common/rough/surface_tree.hpp"
 
 namespace fracture {
 namespace {
 
-/// Edges per wave of the finest octave.
-constexpr double kEdgesPerWave = 2.5;
 /// Rounds of calming: each of the first halves the movement, each later one takes all of it.
 constexpr int kHalvingRounds = 6, kMostRounds = 40;
 /// Crossings of fewer lattice steps are rounding.
@@ -65,11 +63,11 @@ class Mover {
         share_(flat_.size(), 1),
         moved_(flat_.size(), 0) {}
 
-  void move(const Displacement& displacement, const SurfaceGrid& outside, const Execution& execution) {
+  void move(const Displacement& displacement, const SurfaceTree& outside, const Execution& execution) {
     parallel_for(execution, flat_.size() - fixed_, 256, [&](std::size_t begin, std::size_t end) {
       for (std::size_t v = fixed_ + begin; v < fixed_ + end; ++v) {
         flat_[v] = positions_.lattice.to_world(positions_.steps[v]);  // coinciding vertices stay together
-        surface_[v] = outside.distance(flat_[v]);
+        surface_[v] = outside.distance(flat_[v], displacement.reach());
         moves_[v] = displacement.at(flat_[v], surface_[v]);
         place(v);
       }
@@ -77,16 +75,17 @@ class Mover {
   }
 
   /// Returns how many pairs of triangles cross at the end.
-  std::uint64_t calm(const SurfaceGrid& outside, const Box& box, double width, const Execution& execution) {
+  std::uint64_t calm(const SurfaceTree& outside, const Execution& execution) {
     find_coinciding();
     const Vec3d step = positions_.lattice.step();
     const double tolerance = kLeastCrossing * std::fmax(step.x, std::fmax(step.y, step.z));
+    Crossings crossings(
+        {caps_.triangles, positions_.first_constructed, flat_, positions_.points, moved_, surface_}, outside,
+        tolerance);
     std::vector<char> suspects, bad;
     std::uint64_t pairs = 0;
     for (int round = 0; round < kMostRounds; ++round) {
-      pairs =
-          find_crossings({caps_.triangles, positions_.first_constructed, positions_.points, moved_, surface_},
-                         outside, box, width, tolerance, suspects, bad, execution);
+      pairs = crossings.find(suspects, bad, execution);
       add_turned_over(tolerance, bad);
       std::vector<char> calmed(flat_.size(), 0);
       for (std::size_t t = 0; t < bad.size(); ++t)
@@ -199,10 +198,10 @@ RoughReport roughen(const Solid& solid, const VoronoiDiagram& diagram, const Sur
 
   const Displacement displacement(report.amplitude, roughness.frequency / size, roughness.octaves, seed,
                                   diagram.map());
-  const SurfaceGrid outside(solid, displacement.reach());
+  const SurfaceTree outside(solid);
   Mover mover(diagram, caps, positions, cuts.edge_cuts.size() + cuts.triangle_cuts.size());
   mover.move(displacement, outside, execution);
-  report.crossing = mover.calm(outside, solid.box, 2 * report.length, execution);
+  report.crossing = mover.calm(outside, execution);
   report.calmed = mover.calmed();
   caps.normals = cap_normals(diagram, owner_of_site, caps, positions, execution);
   return report;

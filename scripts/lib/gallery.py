@@ -18,7 +18,7 @@ import time
 import urllib.error
 import urllib.request
 
-from gallery_meshes import MESHES
+from gallery_meshes import MESHES, box
 
 MONKEY = "/usr/share/assimp/models/BLEND/Suzanne_248.blend"  # Debian: assimp-testmodels
 SITES = {"pane": 60, "wall": 70, "monkey": 60, "column": 60, "vase": 50}
@@ -209,6 +209,24 @@ class Gallery:
         self.sheet("patterns", "Patterns, a colour for each fragment", [(mesh.name, {}) for mesh in meshes], rows,
                    {"view": "exploded", "explode": 0.25, "colors": "fragment"})
 
+    def rough_sheet(self):
+        """The materials with rough cuts, and what the same cuts are when they are flat; without textures over them."""
+        if not self.wants("rough"):
+            return
+        text, impact = box((1, 1, 1), (0.5, 0.8, 0.5))  # thin objects have little room for relief
+        mesh = Mesh(self.server, "block", text.encode(), "", "model/obj", impact)
+        rows = []
+        for material, sets in self.materials.items():
+            if not sets.get("rough_amplitude"):
+                continue
+            request = {"material": material, **sites_for(mesh, sets.get("pattern", "uniform"), self.patterns), "sites": 12}
+            files = [self.model(mesh, f"{material}_{label}", {**request, **more})
+                     for label, more in (("flat", {"rough_amplitude": 0}), ("rough", {}))]
+            rows.append((material, mesh.options, [None if f is None else {"file": f} for f in files]))
+        self.sheet("rough", "Flat and rough cuts, 12 sites",
+                   [("rough_amplitude=0", {}), ("rough_amplitude of the material", {})],
+                   rows, {"view": "exploded", "explode": 0.9, "colors": "interior"})
+
     def paper_sheet(self, meshes):
         """The paper's own cells beside ours, on the paper's own mesh where it is here."""
         if not self.wants("paper"):
@@ -297,6 +315,7 @@ class Gallery:
             self.overview_sheet(meshes)
             self.level_sheet(meshes)
             self.local_sheet(meshes)
+            self.rough_sheet()
             self.material_sheets(meshes)
             self.asset_sheet()
         finally:
@@ -310,7 +329,7 @@ class Gallery:
 def main():
     parser = argparse.ArgumentParser(prog="scripts/gallery")
     parser.add_argument("root", type=pathlib.Path)
-    parser.add_argument("--only", help="overview, materials, patterns, levels, local, paper, assets, or the name of a "
+    parser.add_argument("--only", help="overview, materials, patterns, levels, local, rough, paper, assets, or the name of a "
                         "material; several with commas")
     parser.add_argument("--size", default="400x300", help="of one picture")
     parser.add_argument("--keep", action="store_true", help="use the GLB files of the last run again")

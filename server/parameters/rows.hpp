@@ -20,6 +20,9 @@ std::vector<ParameterSpec> structure_parameter_rows();
 /// The part of that about hits on what is fractured.
 std::vector<ParameterSpec> hit_parameter_rows();
 
+/// The part of it about rough cuts.
+std::vector<ParameterSpec> rough_parameter_rows();
+
 /// Makes values of several parameters of one (a region of centre and radius, …). The name and the sentence of
 /// what is missing or contradicts itself, or nothing.
 struct Contradiction {

@@ -28,6 +28,7 @@ ParameterSpec material_row() {
     r.fracture.pattern = preset.pattern;
     r.fracture.lloyd = preset.lloyd;
     r.fracture.anisotropy.stretch = preset.stretch;
+    r.fracture.roughness = preset.roughness;
     r.physical = preset.physical;
     r.interior_color = preset.look.color;
     r.interior.color = linear_color(preset.look.color);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/rough/roughen.hpp"
+
 namespace fracture {
 namespace {
 
@@ -13,6 +15,8 @@ constexpr double kSecondsPerRequest = 1e-3;
 constexpr double kPassShare = 0.4;
 
 constexpr double kBytesPerMeshByte = 12, kBytesPerSite = 16u << 10, kBytesPerRequest = 4u << 20;
+
+constexpr double kSecondsPerRoughTriangle = 4e-6, kBytesPerRoughTriangle = 600;
 
 /// Sites of the pattern itself in a box of this size.
 double pattern_sites(const SiteParameters& parameters, const Vec3d& side) {
@@ -49,11 +53,13 @@ double pattern_sites(const SiteParameters& parameters, const Vec3d& side) {
   return parameters.sites;
 }
 
-ExpectedWork work(std::uint64_t mesh_bytes, double sites, double passes) {
+ExpectedWork work(std::uint64_t mesh_bytes, double sites, double passes, double rough_triangles) {
   const auto read = static_cast<double>(mesh_bytes);
-  return {
-      kSecondsPerRequest + kSecondsPerMeshByte * read + kSecondsPerSite * sites * (1 + kPassShare * passes),
-      static_cast<std::uint64_t>(kBytesPerRequest + kBytesPerMeshByte * read + kBytesPerSite * sites)};
+  return {kSecondsPerRequest + kSecondsPerMeshByte * read +
+              kSecondsPerSite * sites * (1 + kPassShare * passes) +
+              kSecondsPerRoughTriangle * rough_triangles,
+          static_cast<std::uint64_t>(kBytesPerRequest + kBytesPerMeshByte * read + kBytesPerSite * sites +
+                                     kBytesPerRoughTriangle * rough_triangles)};
 }
 
 }  // namespace
@@ -68,11 +74,22 @@ double expected_sites(const FractureParameters& parameters, const Solid* solid) 
   return std::fmin(sites, parameters.most_sites);
 }
 
-ExpectedWork expected_work(const FractureParameters& parameters, std::uint64_t mesh_bytes,
-                           const Solid* solid) {
-  return work(mesh_bytes, expected_sites(parameters, solid), parameters.lloyd);
+double expected_rough_triangles(const FractureParameters& parameters, double sites) {
+  const Roughness& rough = parameters.roughness;
+  if (!(rough.amplitude > 0) || parameters.dual == Dual::kBarycenter) return 0;
+  // The faces of random Voronoi cells: 5.82 volume^(2/3) each (Meijering 1953), shared by two.
+  const double area = 0.5 * 5.82 * std::cbrt(sites);  // in squares of the solid's size
+  const double length =
+      1 / (kEdgesPerWave * rough.frequency * std::ldexp(1, static_cast<int>(rough.octaves) - 1));
+  return std::fmin(kMostRoughTriangles, area / (0.433 * length * length));
 }
 
-ExpectedWork expected_work(std::uint64_t mesh_bytes) { return work(mesh_bytes, 0, 0); }
+ExpectedWork expected_work(const FractureParameters& parameters, std::uint64_t mesh_bytes,
+                           const Solid* solid) {
+  const double sites = expected_sites(parameters, solid);
+  return work(mesh_bytes, sites, parameters.lloyd, expected_rough_triangles(parameters, sites));
+}
+
+ExpectedWork expected_work(std::uint64_t mesh_bytes) { return work(mesh_bytes, 0, 0, 0); }
 
 }  // namespace fracture

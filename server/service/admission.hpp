@@ -21,6 +21,9 @@ struct ExpectedWork {
 /// mesh yet) they count as `sites`.
 double expected_sites(const FractureParameters& parameters, const Solid* solid);
 
+/// Triangles of the rough cuts between so many cells, each counted once; 0 where cuts are flat.
+double expected_rough_triangles(const FractureParameters& parameters, double sites);
+
 /// `mesh_bytes`: still to be read and prepared, 0 when that is done and `solid` is given.
 ExpectedWork expected_work(const FractureParameters& parameters, std::uint64_t mesh_bytes,
                            const Solid* solid);

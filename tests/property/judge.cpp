@@ -206,6 +206,18 @@ bool pierces(const Vec3d& p, const Vec3d& q, const Corners& t, double tolerance)
          (1 - u - v) * area > tolerance * length(f - e);
 }
 
+/// Is the triangle s on both sides of the plane of t, by more than the tolerance? If not, it touches t at
+/// most: moved by the tolerance it would lie on one side.
+bool on_both_sides(const Corners& s, const Corners& t, double tolerance) {
+  const Vec3d n = cross(t[1] - t[0], t[2] - t[0]);
+  double least = 0, most = 0;
+  for (const Vec3d& p : s) {
+    least = std::fmin(least, dot(n, p - t[0]));
+    most = std::fmax(most, dot(n, p - t[0]));
+  }
+  return most > tolerance * length(n) && least < -tolerance * length(n);
+}
+
 }  // namespace
 
 void expect_no_self_crossing(const FragmentSet& set, double tolerance) {
@@ -228,6 +240,7 @@ void expect_no_self_crossing(const FragmentSet& set, double tolerance) {
       for (std::size_t j = i + 1; j < order.size() && boxes[order[j]].min.x <= boxes[order[i]].max.x; ++j) {
         if (!boxes[order[i]].intersects(boxes[order[j]])) continue;
         const Corners &s = triangles[order[i]], &t = triangles[order[j]];
+        if (!on_both_sides(s, t, tolerance) || !on_both_sides(t, s, tolerance)) continue;
         bool cross = false;
         for (std::size_t k = 0; k < 3; ++k)
           cross |= pierces(s[k], s[(k + 1) % 3], t, tolerance) || pierces(t[k], t[(k + 1) % 3], s, tolerance);

@@ -9,35 +9,42 @@
 namespace fracture::test {
 namespace {
 
+bool crosses(const std::array<Vec3d, 3>& s, const std::array<Vec3d, 3>& t, double tolerance) {
+  return cross_each_other(PlaneTriangle(s), PlaneTriangle(t), tolerance);
+}
+
 TEST(TrianglesCross, WhereAnEdgePiercesTheInside) {
   const std::array<Vec3d, 3> floor{Vec3d{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  EXPECT_TRUE(triangles_cross(floor, {Vec3d{0.2, 0.2, -1}, {0.2, 0.2, 1}, {2, 2, 0}}, 1e-9));
-  EXPECT_TRUE(triangles_cross({Vec3d{0.2, 0.2, -1}, {0.2, 0.2, 1}, {2, 2, 0}}, floor, 1e-9));
-  EXPECT_FALSE(triangles_cross(floor, {Vec3d{0.2, 0.2, 0}, {0.2, 0.2, 1}, {2, 2, 1}}, 1e-9)) << "touches";
-  EXPECT_FALSE(triangles_cross(floor, {Vec3d{0, 0, 0}, {1, 0, 0}, {0, 1, 1}}, 1e-9)) << "shares an edge";
-  EXPECT_FALSE(triangles_cross(floor, {Vec3d{0.9, 0.9, -1}, {0.9, 0.9, 1}, {2, 2, 0}}, 1e-9)) << "beside it";
-  EXPECT_FALSE(triangles_cross(floor, {Vec3d{0.2, 0.2, -1e-10}, {0.2, 0.2, 1}, {2, 2, 1}}, 1e-9))
+  EXPECT_TRUE(crosses(floor, {Vec3d{0.2, 0.2, -1}, {0.2, 0.2, 1}, {2, 2, 0}}, 1e-9));
+  EXPECT_TRUE(crosses({Vec3d{0.2, 0.2, -1}, {0.2, 0.2, 1}, {2, 2, 0}}, floor, 1e-9));
+  EXPECT_FALSE(crosses(floor, {Vec3d{0.2, 0.2, 0}, {0.2, 0.2, 1}, {2, 2, 1}}, 1e-9)) << "touches";
+  EXPECT_FALSE(crosses(floor, {Vec3d{0, 0, 0}, {1, 0, 0}, {0, 1, 1}}, 1e-9)) << "shares an edge";
+  EXPECT_FALSE(crosses(floor, {Vec3d{0.9, 0.9, -1}, {0.9, 0.9, 1}, {2, 2, 0}}, 1e-9)) << "beside it";
+  EXPECT_FALSE(crosses(floor, {Vec3d{0.2, 0.2, -1e-10}, {0.2, 0.2, 1}, {2, 2, 1}}, 1e-9))
       << "by less than the tolerance";
-  EXPECT_FALSE(triangles_cross(floor, {Vec3d{0, 0, 1}, {1, 1, 1}, {2, 2, 1}}, 1e-9)) << "flat";
+  EXPECT_FALSE(crosses(floor, {Vec3d{0, 0, 1}, {1, 1, 1}, {2, 2, 1}}, 1e-9)) << "flat";
 }
 
 /// Two parallel square caps, and what happens when one corner of the lower is lifted.
 struct TwoCaps {
   Solid solid = *make_solid(std::make_shared<Mesh>(cube()), {}, {});
-  SurfaceGrid outside{solid, 0.1};
+  SurfaceTree outside{solid};
   std::vector<std::array<VertexId, 3>> triangles{{10, 11, 12}, {10, 12, 13}, {14, 15, 16}, {14, 16, 17}};
   std::vector<Vec3d> points{{-0.2, -0.2, 0},   {0.2, -0.2, 0},   {0.2, 0.2, 0},   {-0.2, 0.2, 0},
                             {-0.2, -0.2, 0.1}, {0.3, -0.3, 0.1}, {0.3, 0.3, 0.1}, {-0.2, 0.2, 0.1}};
   std::vector<char> moved = std::vector<char>(8, 0), crossing;
   std::vector<double> surface = std::vector<double>(8, 0.1);
 
-  std::uint64_t find(const std::vector<char>& suspects = {}) {
-    return find_crossings({triangles, 10, points, moved, surface}, outside, solid.box, 0.05, 1e-9, suspects,
-                          crossing, {});
+  const std::vector<Vec3d> flat = points;
+
+  CapSurface surfaces() const { return {triangles, 10, flat, points, moved, surface}; }
+  std::uint64_t find() {
+    Crossings crossings(surfaces(), outside, 1e-9);
+    return crossings.find({}, crossing, {});
   }
 };
 
-TEST(FindCrossings, NamesBothTrianglesOfAPairWithAMovedVertex) {
+TEST(CrossingsOfCaps, NamesBothTrianglesOfAPairWithAMovedVertex) {
   TwoCaps caps;
   EXPECT_EQ(caps.find(), 0u);
   caps.points[1] = {0.2, -0.2, 0.2};  // of triangle 0 alone, through triangle 2
@@ -45,11 +52,23 @@ TEST(FindCrossings, NamesBothTrianglesOfAPairWithAMovedVertex) {
   caps.moved[1] = 1;
   EXPECT_EQ(caps.find(), 1u);
   EXPECT_EQ(caps.crossing, (std::vector<char>{1, 0, 1, 0}));
-  EXPECT_EQ(caps.find({0, 1, 0, 1}), 0u) << "neither is suspect";
-  EXPECT_EQ(caps.find({0, 0, 1, 0}), 1u);
 }
 
-TEST(FindCrossings, SeesTheOuterSurface) {
+TEST(CrossingsOfCaps, LooksAgainAtWhatHasMovedSince) {
+  TwoCaps caps;
+  caps.points[1] = {0.2, -0.2, 0.2};
+  caps.moved[1] = 1;
+  Crossings crossings(caps.surfaces(), caps.outside, 1e-9);
+  EXPECT_EQ(crossings.find({}, caps.crossing, {}), 1u);
+  EXPECT_EQ(crossings.find({0, 1, 0, 1}, caps.crossing, {}), 0u) << "neither has moved since";
+  EXPECT_EQ(crossings.find({0, 0, 1, 0}, caps.crossing, {}), 1u);
+  EXPECT_EQ(crossings.find({1, 0, 1, 0}, caps.crossing, {}), 1u) << "a pair counts once";
+  caps.points[1] = {0.2, -0.2, 0.05};
+  EXPECT_EQ(crossings.find({1, 0, 0, 0}, caps.crossing, {}), 0u);
+  EXPECT_EQ(caps.crossing, (std::vector<char>{0, 0, 0, 0}));
+}
+
+TEST(CrossingsOfCaps, SeesTheOuterSurface) {
   TwoCaps caps;
   caps.points[7] = {-0.2, 0.2, 0.6};  // out of the top of the cube
   caps.moved[7] = 1;

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "common/pipeline/fracture.hpp"
+#include "common/rough/roughen.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace fracture {
@@ -57,6 +59,34 @@ TEST(Admission, CountsLaterSitesAndNeverMoreThanThereMayBe) {
   EXPECT_EQ(expected_sites(parameters, nullptr), 47);  // of a mesh that was not read yet nothing is known
   parameters.max_volume = 1e-300;
   EXPECT_EQ(expected_sites(parameters, &solid), parameters.most_sites);
+}
+
+TEST(Admission, CountsTheTrianglesOfRoughCutsAboutRight) {
+  const Mesh mesh = test::cube();
+  const Solid solid = *make_solid(std::make_shared<Mesh>(mesh), {}, {});
+  for (const std::uint32_t sites : {20u, 200u})
+    for (const Roughness& roughness : {Roughness{0.05, 4, 1}, Roughness{0.02, 5, 2}}) {
+      FractureParameters p = with(UniformPattern{});
+      p.sites = sites;
+      p.roughness = roughness;
+      StageTimings timings;
+      const Expected<Diagram> diagram = make_diagram(solid, p, {}, timings);
+      const Expected<FragmentSet> set = fracture(solid, *diagram, p, {}, timings);
+      ASSERT_TRUE(set);
+      const double made = set->report.at("rough_cuts").at("triangles"),
+                   expected = expected_rough_triangles(p, sites);
+      EXPECT_GT(expected, made / 3);
+      EXPECT_LT(expected, made * 3);
+      const ExpectedWork rough = expected_work(p, 1000, nullptr);
+      p.roughness = {};
+      EXPECT_GT(rough.seconds, expected_work(p, 1000, nullptr).seconds);
+      EXPECT_GT(rough.bytes, expected_work(p, 1000, nullptr).bytes);
+    }
+  FractureParameters finest = with(UniformPattern{});
+  finest.roughness = {0.01, 100, 6};
+  EXPECT_LE(expected_rough_triangles(finest, 100000), kMostRoughTriangles) << "as many as are made";
+  finest.dual = Dual::kBarycenter;
+  EXPECT_EQ(expected_rough_triangles(finest, 50), 0) << "hulls of barycentres have no rough cuts";
 }
 
 TEST(Admission, WorkGrowsWithBytesSitesAndPasses) {

@@ -356,7 +356,36 @@ TEST(Parameters, TheCatalogueDescribesEveryPatternAndMaterial) {
     ASSERT_TRUE(spelled) << spelled.error().detail;
     EXPECT_EQ(spelled->fracture.pattern, named_only->fracture.pattern);
     EXPECT_EQ(spelled->physical, named_only->physical);
+    EXPECT_EQ(spelled->fracture.roughness, named_only->fracture.roughness);
     EXPECT_EQ(spelled->interior, named_only->interior);
+  }
+}
+
+TEST(Parameters, RoughnessIsCheckedAndShownWhereItMatters) {
+  const auto spelled = parse_text("rough_amplitude", "0.02");
+  ASSERT_TRUE(spelled);
+  EXPECT_EQ(spelled->fracture.roughness, (Roughness{0.02, 5, 2}));
+  EXPECT_EQ(canonical_parameters(*spelled).at("rough_octaves"), 2);
+  EXPECT_FALSE(canonical_parameters(*parse_text("rough_octaves", "4")).contains("rough_octaves"))
+      << "of flat cuts";
+  const auto stone = table().parse({{"material", "stone"}}),
+             flat = table().parse({{"material", "stone"}, {"rough_amplitude", "0"}});
+  EXPECT_GT(stone->fracture.roughness.amplitude, 0);
+  EXPECT_EQ(canonical_parameters(*flat).at("rough_amplitude"), 0.0) << "so that it can be sent again";
+  EXPECT_FALSE(canonical_parameters(*flat).contains("rough_frequency"));
+  for (const auto& [name, bad] :
+       std::vector<std::pair<std::string, nlohmann::json>>{{"rough_amplitude", -0.1},
+                                                           {"rough_amplitude", 0.3},
+                                                           {"rough_amplitude", "much"},
+                                                           {"rough_frequency", 0},
+                                                           {"rough_frequency", 101},
+                                                           {"rough_octaves", 0},
+                                                           {"rough_octaves", 7},
+                                                           {"rough_octaves", 1.5}}) {
+    const auto refused = table().parse({{name, bad, false}});
+    ASSERT_FALSE(refused) << name << " " << bad;
+    EXPECT_EQ(refused.error().code, ErrorCode::kBadParameter);
+    EXPECT_EQ(refused.error().extra.at("errors").at(0).at("pointer"), "/" + name);
   }
 }
 

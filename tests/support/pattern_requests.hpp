@@ -22,6 +22,7 @@ inline FractureParameters of_material(const MaterialPreset& preset, std::uint32_
   p.pattern = preset.pattern;
   p.lloyd = preset.lloyd;
   p.anisotropy.stretch = preset.stretch;
+  p.roughness = preset.roughness;
   return p;
 }
 

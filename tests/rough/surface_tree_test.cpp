@@ -1,4 +1,4 @@
-#include "common/rough/surface_grid.hpp"
+#include "common/rough/surface_tree.hpp"
 
 #include <gtest/gtest.h>
 
@@ -30,37 +30,37 @@ TEST(DistanceToTriangle, KnowsCornersEdgesAndTheFace) {
   EXPECT_DOUBLE_EQ(distance_to_triangle({5, 0, 0}, a, a, b), 1) << "a flat one";
 }
 
-TEST(SurfaceGrid, DistanceIsThatOfTheNearestTriangleUpToItsReach) {
+TEST(SurfaceTree, DistanceIsThatOfTheNearestTriangleUpToTheMost) {
   for (const Mesh& mesh : {torus(24, 12), box({0, 0, 0}, {3, 0.1, 2}, 2), tetrahedron()}) {
     const Solid solid = *make_solid(std::make_shared<Mesh>(mesh), {}, {});
+    const SurfaceTree surface(solid);
     for (const double reach : {0.02, 0.3, 10.0}) {
-      const SurfaceGrid grid(solid, reach);
       Random random(5);
       for (int n = 0; n < 300; ++n) {
         const Vec3d p = point_around(solid.box, random);
         double least = reach;
         for (std::uint32_t t = 0; t < solid.triangles.size(); ++t) {
-          const auto [a, b, c] = grid.corners(t);
+          const auto [a, b, c] = surface.corners(t);
           least = std::min(least, distance_to_triangle(p, a, b, c));
         }
-        EXPECT_NEAR(grid.distance(p), least, 1e-12);
+        EXPECT_NEAR(surface.distance(p, reach), least, 1e-12);
       }
     }
   }
 }
 
-TEST(SurfaceGrid, MissesNoTriangleThatMeetsABox) {
+TEST(SurfaceTree, MissesNoTriangleThatMeetsABox) {
   const Solid solid = *make_solid(std::make_shared<Mesh>(torus(24, 12)), {}, {});
-  const SurfaceGrid grid(solid, 0.1);
+  const SurfaceTree surface(solid);
   Random random(6);
   for (int n = 0; n < 200; ++n) {
     // A small box around a point of a triangle.
     const auto t = static_cast<std::uint32_t>(random.below(solid.triangles.size()));
-    const auto [a, b, c] = grid.corners(t);
+    const auto [a, b, c] = surface.corners(t);
     const double u = random.uniform(), v = (1 - u) * random.uniform();
     const Vec3d p = a + u * (b - a) + v * (c - a), half{0.01, 0.01, 0.01};
     std::set<std::uint32_t> seen;
-    grid.each_near({p - half, p + half}, [&](std::uint32_t other) { seen.insert(other); });
+    surface.each_near({p - half, p + half}, [&](std::uint32_t other) { seen.insert(other); });
     EXPECT_TRUE(seen.contains(t));
     EXPECT_LT(seen.size(), solid.triangles.size() / 4);
   }

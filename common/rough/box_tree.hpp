@@ -1,0 +1,134 @@
+// Boxes in a binary tree of boxes (bounding volume hierarchy: Kay & Kajiya 1986, "Ray tracing complex
+// scenes"): which of them overlap a box or each other, and which is nearest to a point.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "common/base/vec.hpp"
+
+namespace fracture {
+
+/// Square of the distance from p to the box; 0 inside.
+inline double square_distance(const Box& box, const Vec3d& p) {
+  double sum = 0;
+  for (int a = 0; a < 3; ++a) {
+    const double beyond = p[a] < box.min[a] ? box.min[a] - p[a] : p[a] > box.max[a] ? p[a] - box.max[a] : 0;
+    sum += beyond * beyond;
+  }
+  return sum;
+}
+
+class BoxTree {
+ public:
+  /// Halved at the median of the middles, along the axis on which these lie farthest apart: n log n.
+  explicit BoxTree(const std::vector<Box>& boxes);
+
+  /// visit(i) for every box that overlaps.
+  template <class Visit>
+  void each_overlapping(const Box& box, const Visit& visit) const {
+    if (!nodes_.empty()) descend(0, box, visit);
+  }
+
+  /// A part of the search for all pairs: tasks are independent of each other.
+  using Task = std::pair<std::uint32_t, std::uint32_t>;
+  /// About `least` of them or more, or as many as there are.
+  std::vector<Task> pair_tasks(std::size_t least) const;
+  /// visit(i, j), i < j, once for every two boxes that overlap.
+  template <class Visit>
+  void each_pair(const Task& task, const Visit& visit) const {
+    pairs(task.first, task.second, visit);
+  }
+
+  /// The least of `most` and distance(i) over all boxes, which is asked only where the box may be nearer.
+  template <class Distance>
+  double nearest(const Vec3d& p, double most, const Distance& distance) const {
+    if (!nodes_.empty() && square_distance(nodes_[0].box, p) < most * most) approach(0, p, most, distance);
+    return most;
+  }
+
+ private:
+  /// A leaf has items [first, first + count); an inner node has count 0, its children are the next and
+  /// `first`.
+  struct Node {
+    Box box;
+    std::uint32_t first, count;
+  };
+  struct Item {
+    Box box;
+    std::uint32_t index;
+  };
+  void build(std::uint32_t first, std::uint32_t last);
+
+  template <class Visit>
+  void descend(std::uint32_t n, const Box& box, const Visit& visit) const {
+    const Node& node = nodes_[n];
+    if (!node.box.intersects(box)) return;
+    for (std::uint32_t k = node.first; k < node.first + node.count; ++k)
+      if (items_[k].box.intersects(box)) visit(items_[k].index);
+    if (node.count > 0) return;
+    descend(n + 1, box, visit);
+    descend(node.first, box, visit);
+  }
+
+  template <class Visit>
+  void visit_pair(const Item& a, const Item& b, const Visit& visit) const {
+    if (a.box.intersects(b.box))
+      visit(a.index < b.index ? a.index : b.index, a.index < b.index ? b.index : a.index);
+  }
+  template <class Visit>
+  void pairs(std::uint32_t m, std::uint32_t n, const Visit& visit) const {
+    const Node &a = nodes_[m], &b = nodes_[n];
+    if (m == n) {
+      for (std::uint32_t i = a.first; i < a.first + a.count; ++i)
+        for (std::uint32_t j = i + 1; j < a.first + a.count; ++j) visit_pair(items_[i], items_[j], visit);
+      if (a.count > 0) return;
+      pairs(m + 1, m + 1, visit);
+      pairs(a.first, a.first, visit);
+      pairs(m + 1, a.first, visit);
+      return;
+    }
+    if (!a.box.intersects(b.box)) return;
+    if (a.count > 0 && b.count > 0) {
+      for (std::uint32_t i = a.first; i < a.first + a.count; ++i)
+        for (std::uint32_t j = b.first; j < b.first + b.count; ++j) visit_pair(items_[i], items_[j], visit);
+    } else if (a.count == 0) {
+      pairs(m + 1, n, visit);
+      pairs(a.first, n, visit);
+    } else {
+      pairs(m, n + 1, visit);
+      pairs(m, b.first, visit);
+    }
+  }
+
+  template <class Distance>
+  void approach(std::uint32_t n, const Vec3d& p, double& most, const Distance& distance) const {
+    const Node& node = nodes_[n];
+    for (std::uint32_t k = node.first; k < node.first + node.count; ++k)
+      if (square_distance(items_[k].box, p) < most * most) most = std::fmin(most, distance(items_[k].index));
+    if (node.count > 0) return;
+    std::uint32_t near = n + 1, far = node.first;
+    double near_square = square_distance(nodes_[near].box, p),
+           far_square = square_distance(nodes_[far].box, p);
+    if (far_square < near_square) {
+      std::swap(near, far);
+      std::swap(near_square, far_square);
+    }
+    if (near_square < most * most) approach(near, p, most, distance);
+    if (far_square < most * most) approach(far, p, most, distance);
+  }
+
+  std::vector<Node> nodes_;
+  std::vector<Item> items_;
+};
+
+inline Box box_of(const std::array<Vec3d, 3>& triangle) {
+  Box box;
+  for (const Vec3d& p : triangle) box.add(p);
+  return box;
+}
+
+}  // namespace fracture

@@ -1,0 +1,65 @@
+#include "common/rough/surface_tree.hpp"
+
+#include <algorithm>
+
+namespace fracture {
+namespace {
+
+std::vector<std::array<Vec3d, 3>> corners_of(const Solid& solid) {
+  std::vector<std::array<Vec3d, 3>> corners;
+  corners.reserve(solid.triangles.size());
+  for (const auto& t : solid.triangles)
+    corners.push_back({to_double(solid.positions[t[0]]), to_double(solid.positions[t[1]]),
+                       to_double(solid.positions[t[2]])});
+  return corners;
+}
+
+std::vector<Box> boxes_of(const std::vector<std::array<Vec3d, 3>>& triangles) {
+  std::vector<Box> boxes;
+  boxes.reserve(triangles.size());
+  for (const auto& t : triangles) boxes.push_back(box_of(t));
+  return boxes;
+}
+
+}  // namespace
+
+double distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+  const Vec3d ab = b - a, ac = c - a, ap = p - a;
+  const auto to = [&](const Vec3d& q) { return length(p - q); };
+  const double d1 = dot(ab, ap), d2 = dot(ac, ap);
+  if (d1 <= 0 && d2 <= 0) return to(a);
+  const Vec3d bp = p - b;
+  const double d3 = dot(ab, bp), d4 = dot(ac, bp);
+  if (d3 >= 0 && d4 <= d3) return to(b);
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0 && d1 - d3 > 0) return to(a + (d1 / (d1 - d3)) * ab);
+  const Vec3d cp = p - c;
+  const double d5 = dot(ab, cp), d6 = dot(ac, cp);
+  if (d6 >= 0 && d5 <= d6) return to(c);
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0 && d2 - d6 > 0) return to(a + (d2 / (d2 - d6)) * ac);
+  const double va = d3 * d6 - d5 * d4;
+  const double on_bc = d4 - d3, beyond = d5 - d6;
+  if (va <= 0 && on_bc >= 0 && beyond >= 0 && on_bc + beyond > 0)
+    return to(b + (on_bc / (on_bc + beyond)) * (c - b));
+  const double sum = va + vb + vc;
+  if (!(sum > 0)) return std::min({to(a), to(b), to(c)});  // flat
+  return to(a + (vb / sum) * ab + (vc / sum) * ac);
+}
+
+SurfaceTree::SurfaceTree(const Solid& solid) : corners_(corners_of(solid)), tree_(boxes_of(corners_)) {}
+
+double SurfaceTree::distance(const Vec3d& p, double most) const {
+  double least = most;
+  return tree_.nearest(p, most, [&](std::uint32_t triangle) {
+    const auto& [a, b, c] = corners_[triangle];
+    // Cheaper than the distance: that to the plane, where it is too far already.
+    const Vec3d n = cross(b - a, c - a);
+    const double height = dot(n, p - a);
+    if (height * height <= least * least * dot(n, n))
+      least = std::min(least, distance_to_triangle(p, a, b, c));
+    return least;
+  });
+}
+
+}  // namespace fracture

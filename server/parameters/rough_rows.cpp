@@ -1,0 +1,51 @@
+// How far cuts are from flat (common/rough).
+#include "common/materials/materials.hpp"
+#include "server/parameters/fields.hpp"
+#include "server/parameters/rows.hpp"
+
+namespace fracture {
+
+using parameter_fields::with_member;
+using Type = ParameterSpec::Type;
+
+// Lengths in terms of the solid's size: presets then suit meshes of any scale, and files whose unit is a
+// guess.
+std::vector<ParameterSpec> rough_parameter_rows() {
+  std::vector<ParameterSpec> rows;
+  rows.push_back(with_member(
+      {.name = "rough_amplitude",
+       .type = Type::kNumber,
+       .low = 0,
+       .high = 0.25,
+       .doc =
+           "How far cut faces are moved from their planes by noise, as a fraction of the solid's size (the "
+           "cube root of the volume of its largest part); lowered where `rough_frequency` needs that. 0: "
+           "flat cuts."},
+      [](auto& r) -> auto& { return r.fracture.roughness.amplitude; }));
+  rows.back().matters = [](const RequestParameters& r) {
+    const MaterialPreset* preset = find_material_preset(r.material);  // whose roughness is overridden by 0
+    return r.fracture.roughness.amplitude > 0 || (preset && preset->roughness.amplitude > 0);
+  };
+  const std::size_t first = rows.size();
+  rows.push_back(with_member(
+      {.name = "rough_frequency",
+       .type = Type::kNumber,
+       .low = 0.1,
+       .high = 100,
+       .doc = "Waves of the coarsest noise along the solid's size."},
+      [](auto& r) -> auto& { return r.fracture.roughness.frequency; }));
+  rows.push_back(with_member(
+      {.name = "rough_octaves",
+       .type = Type::kInteger,
+       .min = 1,
+       .max = 6,
+       .doc =
+           "Each has twice the frequency and half the amplitude of the one before. The finest decides into "
+           "how many triangles the cuts are divided."},
+      [](auto& r) -> auto& { return r.fracture.roughness.octaves; }));
+  for (std::size_t k = first; k < rows.size(); ++k)
+    rows[k].matters = [](const RequestParameters& r) { return r.fracture.roughness.amplitude > 0; };
+  return rows;
+}
+
+}  // namespace fracture

@@ -1,0 +1,83 @@
+#include "common/rough/box_tree.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "common/base/random.hpp"
+
+namespace fracture::test {
+namespace {
+
+/// Boxes of all sizes in a unit cube, some of them twice.
+std::vector<Box> random_boxes(std::size_t count, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<Box> boxes;
+  for (std::size_t k = 0; k < count; ++k) {
+    Vec3d low, size;
+    for (int a = 0; a < 3; ++a) {
+      low[a] = random.uniform();
+      size[a] = 0.2 * random.uniform() * random.uniform();
+    }
+    boxes.push_back(k % 7 == 6 ? boxes[k / 2] : Box{low, low + size});
+  }
+  return boxes;
+}
+
+using Pairs = std::multiset<std::pair<std::uint32_t, std::uint32_t>>;
+
+TEST(BoxTree, FindsWhatOverlapsABox) {
+  for (const std::size_t count : {0u, 1u, 5u, 300u}) {
+    const std::vector<Box> boxes = random_boxes(count, 1);
+    const BoxTree tree(boxes);
+    for (const Box& query : random_boxes(100, 2)) {
+      std::multiset<std::uint32_t> found, expected;
+      tree.each_overlapping(query, [&](std::uint32_t k) { found.insert(k); });
+      for (std::uint32_t k = 0; k < boxes.size(); ++k)
+        if (boxes[k].intersects(query)) expected.insert(k);
+      EXPECT_EQ(found, expected);
+    }
+  }
+}
+
+TEST(BoxTree, FindsEveryPairOnceHoweverTheWorkIsDivided) {
+  for (const std::size_t count : {0u, 1u, 4u, 5u, 400u}) {
+    const std::vector<Box> boxes = random_boxes(count, 3);
+    const BoxTree tree(boxes);
+    Pairs expected;
+    for (std::uint32_t i = 0; i < boxes.size(); ++i)
+      for (std::uint32_t j = i + 1; j < boxes.size(); ++j)
+        if (boxes[i].intersects(boxes[j])) expected.insert({i, j});
+    for (const std::size_t tasks : {1u, 16u, 100000u}) {
+      Pairs found;
+      for (const BoxTree::Task& task : tree.pair_tasks(tasks))
+        tree.each_pair(task, [&](std::uint32_t i, std::uint32_t j) { found.insert({i, j}); });
+      EXPECT_EQ(found, expected) << count << " boxes, " << tasks << " tasks";
+    }
+  }
+}
+
+TEST(BoxTree, FindsTheNearestAndLooksAtFew) {
+  const std::vector<Box> boxes = random_boxes(1000, 4);
+  const BoxTree tree(boxes);
+  Random random(5);
+  for (int n = 0; n < 100; ++n) {
+    const Vec3d p{random.uniform(), random.uniform(), random.uniform()};
+    for (const double most : {0.01, 5.0}) {
+      double expected = most;
+      for (const Box& box : boxes) expected = std::min(expected, std::sqrt(square_distance(box, p)));
+      int looked = 0;
+      EXPECT_EQ(tree.nearest(p, most,
+                             [&](std::uint32_t k) {
+                               ++looked;
+                               return std::sqrt(square_distance(boxes[k], p));
+                             }),
+                expected);
+      EXPECT_LT(looked, 100);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace fracture::test
