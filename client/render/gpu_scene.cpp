@@ -7,7 +7,7 @@
 namespace fracture::render {
 namespace {
 
-constexpr int kTexelsPerObject = 8;  ///< as in shaders/objects.glsl
+constexpr int kTexelsPerObject = 11;  ///< as in shaders/objects.glsl
 
 void attribute(GLuint location, GLint size, GLenum type, GLboolean normalized, std::size_t offset) {
   glEnableVertexAttribArray(location);
@@ -33,32 +33,59 @@ void each_slot(const Material& m, Use&& use) {
 
 }  // namespace
 
-Result<GpuScene> GpuScene::upload(std::shared_ptr<const Scene> scene) {
-  GpuScene gpu;
-  gpu.scene_ = std::move(scene);
-  gpu.bounds_ = bounding_sphere(*gpu.scene_, {});
-  const Scene& s = *gpu.scene_;
+void GpuScene::Store::add(const void* data, std::size_t bytes) {
+  if (used + bytes > capacity) {
+    const std::size_t room = used == 0 ? bytes : 2 * (used + bytes);
+    Buffer larger = make_buffer();
+    glBindBuffer(GL_COPY_WRITE_BUFFER, larger.get());
+    glBufferData(GL_COPY_WRITE_BUFFER, static_cast<GLsizeiptr>(room), nullptr, GL_STATIC_DRAW);
+    if (used > 0) {
+      glBindBuffer(GL_COPY_READ_BUFFER, buffer.get());
+      glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0, static_cast<GLsizeiptr>(used));
+    }
+    buffer = std::move(larger);
+    capacity = room;
+  }
+  glBindBuffer(GL_COPY_WRITE_BUFFER, buffer.get());
+  glBufferSubData(GL_COPY_WRITE_BUFFER, static_cast<GLintptr>(used), static_cast<GLsizeiptr>(bytes), data);
+  used += bytes;
+}
 
+void GpuScene::make_names() {
+  array_ = make_vertex_array();
+  table_ = make_buffer();
+  table_texture_ = make_texture();
+  constexpr std::uint8_t kWhitePixel[4] = {255, 255, 255, 255};
+  white_ = make_texture();
+  glBindTexture(GL_TEXTURE_2D, white_.get());
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, 1, 1, 0, GL_RGBA, GL_UNSIGNED_BYTE, kWhitePixel);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+}
+
+Result<void> GpuScene::check_room(const Scene& more) const {
   GLint texels = 0, side = 0;
   glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
   glGetIntegerv(GL_MAX_TEXTURE_SIZE, &side);
-  if (s.objects.size() * kTexelsPerObject > static_cast<std::size_t>(texels))
-    return fail(RenderErrorCode::kTooLarge, "The scene has " + std::to_string(s.objects.size()) +
+  const std::size_t objects = more.objects.size() + (own_ ? own_->objects.size() : 0);
+  if (objects * kTexelsPerObject > static_cast<std::size_t>(texels))
+    return fail(RenderErrorCode::kTooLarge, "The scene has " + std::to_string(objects) +
                                                 " objects; this driver has room for " +
                                                 std::to_string(texels / kTexelsPerObject) + ".");
-  for (const Picture& picture : s.pictures)
+  for (const Picture& picture : more.pictures)
     if (picture.width > side || picture.height > side)
       return fail(RenderErrorCode::kTooLarge, "A texture has " + std::to_string(picture.width) + " x " +
                                                   std::to_string(picture.height) +
                                                   " pixels; this driver takes " + std::to_string(side) + ".");
   while (glGetError() != GL_NO_ERROR) {
   }
-  gpu.array_ = make_vertex_array();
-  glBindVertexArray(gpu.array_.get());
-  gpu.vertices_ = make_buffer();
-  glBindBuffer(GL_ARRAY_BUFFER, gpu.vertices_.get());
-  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(s.vertices.size() * sizeof(Vertex)),
-               s.vertices.data(), GL_STATIC_DRAW);
+  return {};
+}
+
+Result<void> GpuScene::put(std::span<const Vertex> vertices, std::span<const std::uint32_t> indices) {
+  vertices_.add(vertices.data(), vertices.size_bytes());
+  indices_.add(indices.data(), indices.size_bytes());
+  glBindVertexArray(array_.get());
+  glBindBuffer(GL_ARRAY_BUFFER, vertices_.buffer.get());
   attribute(0, 3, GL_FLOAT, GL_FALSE, offsetof(Vertex, position));
   attribute(1, 3, GL_FLOAT, GL_FALSE, offsetof(Vertex, normal));
   attribute(2, 4, GL_FLOAT, GL_FALSE, offsetof(Vertex, tangent));
@@ -67,32 +94,93 @@ Result<GpuScene> GpuScene::upload(std::shared_ptr<const Scene> scene) {
   glEnableVertexAttribArray(5);
   glVertexAttribIPointer(5, 1, GL_UNSIGNED_INT, sizeof(Vertex),
                          reinterpret_cast<const void*>(offsetof(Vertex, object)));
-  gpu.indices_ = make_buffer();
-  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, gpu.indices_.get());
-  glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(s.indices.size() * sizeof(std::uint32_t)),
-               s.indices.data(), GL_STATIC_DRAW);
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.buffer.get());
   glBindVertexArray(0);
+  for (const Material& material : scene_->materials)
+    each_slot(material, [&](int, const TextureSlot& slot, bool srgb) { upload_texture(slot, srgb); });
+  if (const GLenum error = glGetError(); error != GL_NO_ERROR)
+    return fail(RenderErrorCode::kGl, "The driver cannot take the scene (" + std::to_string(vertices.size()) +
+                                          " vertices, " + std::to_string(scene_->pictures.size()) +
+                                          " textures): OpenGL error " + std::to_string(error) + ".");
+  return {};
+}
 
-  gpu.table_ = make_buffer();
-  gpu.table_texture_ = make_texture();
-  gpu.set_states(initial_states(s));
+Result<GpuScene> GpuScene::upload(std::shared_ptr<const Scene> scene) {
+  GpuScene gpu;
+  if (auto room = gpu.check_room(*scene); !room) return tl::unexpected(room.error());
+  gpu.make_names();
+  gpu.scene_ = std::move(scene);
+  gpu.bounds_ = bounding_sphere(*gpu.scene_, {});
+  gpu.set_states(initial_states(*gpu.scene_));
   glBindTexture(GL_TEXTURE_BUFFER, gpu.table_texture_.get());
   glTexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32F, gpu.table_.get());
-
-  constexpr std::uint8_t kWhitePixel[4] = {255, 255, 255, 255};
-  gpu.white_ = make_texture();
-  glBindTexture(GL_TEXTURE_2D, gpu.white_.get());
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, 1, 1, 0, GL_RGBA, GL_UNSIGNED_BYTE, kWhitePixel);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-  for (const Material& material : s.materials)
-    each_slot(material, [&](int, const TextureSlot& slot, bool srgb) { gpu.upload_texture(slot, srgb); });
-
-  if (const GLenum error = glGetError(); error != GL_NO_ERROR)
-    return fail(RenderErrorCode::kGl, "The driver cannot take the scene (" +
-                                          std::to_string(s.vertices.size()) + " vertices, " +
-                                          std::to_string(s.pictures.size()) + " textures): OpenGL error " +
-                                          std::to_string(error) + ".");
+  if (auto done = gpu.put(gpu.scene_->vertices, gpu.scene_->indices); !done)
+    return tl::unexpected(done.error());
   return gpu;
+}
+
+Result<GpuScene> GpuScene::batch() {
+  GpuScene gpu;
+  gpu.own_ = std::make_shared<Scene>();
+  gpu.scene_ = gpu.own_;
+  gpu.make_names();
+  gpu.set_states({});
+  glBindTexture(GL_TEXTURE_BUFFER, gpu.table_texture_.get());
+  glTexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32F, gpu.table_.get());
+  return gpu;
+}
+
+Result<std::uint32_t> GpuScene::append(const Scene& more, const std::optional<SolidPlacement>& solid) {
+  if (auto room = check_room(more); !room) return tl::unexpected(room.error());
+  const auto first_object = static_cast<std::uint32_t>(own_->objects.size()),
+             first_vertex = static_cast<std::uint32_t>(vertices_.used / sizeof(Vertex)),
+             first_index = static_cast<std::uint32_t>(indices_.used / sizeof(std::uint32_t)),
+             first_picture = static_cast<std::uint32_t>(own_->pictures.size());
+  const std::size_t materials_before = own_->materials.size();
+  // Equal pictures are rare between files; the same file again is what happens, and that brings all of them.
+  const auto same = [](const Picture& a, const Picture& b) {
+    return a.width == b.width && a.pixels == b.pixels;
+  };
+  std::vector<std::uint32_t> picture_of;
+  for (const Picture& picture : more.pictures) {
+    std::uint32_t at = 0;
+    while (at < own_->pictures.size() && !same(own_->pictures[at], picture)) ++at;
+    if (at == own_->pictures.size()) own_->pictures.push_back(picture);
+    picture_of.push_back(at);
+  }
+  std::vector<std::uint32_t> material_of;
+  for (Material material : more.materials) {
+    material.name.clear();
+    for (TextureSlot* slot :
+         {&material.base_color_texture, &material.metallic_roughness_texture, &material.normal_texture,
+          &material.occlusion_texture, &material.emissive_texture})
+      if (slot->picture < picture_of.size()) slot->picture = picture_of[slot->picture];
+    const auto known = std::find(own_->materials.begin(), own_->materials.end(), material);
+    material_of.push_back(static_cast<std::uint32_t>(known - own_->materials.begin()));
+    if (known == own_->materials.end()) own_->materials.push_back(std::move(material));
+  }
+  std::vector<Vertex> vertices = more.vertices;
+  for (Vertex& v : vertices) v.object += first_object;
+  std::vector<std::uint32_t> indices = more.indices;
+  for (std::uint32_t& index : indices) index += first_vertex;
+  if (auto done = put(vertices, indices); !done) {
+    own_->materials.resize(materials_before);
+    own_->pictures.resize(first_picture);
+    return tl::unexpected(done.error());
+  }
+  for (Object object : more.objects) {
+    object.solid = solid;
+    own_->objects.push_back(std::move(object));
+  }
+  for (Surface surface : more.surfaces) {
+    surface.object += first_object;
+    surface.material = material_of[surface.material];
+    surface.first_index += first_index;
+    own_->surfaces.push_back(surface);
+  }
+  std::stable_sort(own_->surfaces.begin(), own_->surfaces.end(),
+                   [](const Surface& a, const Surface& b) { return a.material < b.material; });
+  return first_object;
 }
 
 void GpuScene::upload_texture(const TextureSlot& slot, bool srgb) {
@@ -117,7 +205,8 @@ void GpuScene::upload_texture(const TextureSlot& slot, bool srgb) {
   }
 }
 
-void GpuScene::set_states(std::span<const ObjectState> states) {
+void GpuScene::set_states(std::span<const ObjectState> states, const glm::vec3& grain) {
+  const SolidPlacement around_all{.frame = bounds_, .grain = grain};
   rows_.resize(kTexelsPerObject * std::max<std::size_t>(1, scene_->objects.size()));
   for (std::size_t k = 0; k < scene_->objects.size(); ++k) {
     glm::vec4* out = &rows_[kTexelsPerObject * k];
@@ -125,7 +214,14 @@ void GpuScene::set_states(std::span<const ObjectState> states) {
     put_rows(out + 3, scene_->objects[k].transform);
     out[6] = states[k].tint;
     const std::optional<FragmentInfo>& fragment = scene_->objects[k].fragment;
-    out[7] = glm::vec4(fragment ? static_cast<float>(fragment->id % 65521) : 0.f, 0, 0, 0);
+    const std::optional<SolidPlacement>& own = scene_->objects[k].solid;
+    const SolidPlacement& solid = own ? *own : around_all;
+    const bool has_grain = glm::dot(solid.grain, solid.grain) > 0;
+    out[7] = glm::vec4(fragment ? static_cast<float>(fragment->id % 65521) : 0.f,
+                       has_grain ? glm::normalize(solid.grain) : glm::vec3(0, 1, 0));
+    out[8] = glm::vec4(solid.frame.center, std::max(solid.frame.radius, 1e-6f));
+    out[9] = glm::vec4(solid.brick, solid.brick_low);
+    out[10] = glm::vec4(solid.brick_high, 0, 0);
   }
   glBindBuffer(GL_TEXTURE_BUFFER, table_.get());
   glBufferData(GL_TEXTURE_BUFFER, static_cast<GLsizeiptr>(rows_.size() * sizeof(glm::vec4)), rows_.data(),

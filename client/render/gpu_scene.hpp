@@ -1,5 +1,6 @@
 // A Scene in the driver's memory. Uploaded once; what changes from frame to frame is the table of objects
-// alone (128 bytes an object), so that hundreds of fragments that move are a few draw calls.
+// alone (176 bytes an object), so that hundreds of fragments that move are a few draw calls. A batch grows:
+// scenes are added to it, and what wears equal materials is one draw call whatever scene it came from.
 #pragma once
 
 #include <map>
@@ -31,24 +32,41 @@ class GpuScene {
   /// kTooLarge where it has too small textures.
   static Result<GpuScene> upload(std::shared_ptr<const Scene> scene);
 
+  /// An empty batch.
+  static Result<GpuScene> batch();
+  /// Adds a scene to a batch (its own copy; vertices stay in the driver alone) and returns the number of its
+  /// first object there: the others follow. Equal materials become one. kTooLarge, kGl; then nothing was
+  /// added.
+  Result<std::uint32_t> append(const Scene& more, const std::optional<SolidPlacement>& solid);
+
   const Scene& scene() const { return *scene_; }
   const Sphere& bounds() const { return bounds_; }  ///< of the scene as the file places it
 
-  /// Writes the table of objects; `states` has one for each object.
-  void set_states(std::span<const ObjectState> states);
+  /// Writes the table of objects; `states` has one for each object. `grain`: of objects without a placement.
+  void set_states(std::span<const ObjectState> states, const glm::vec3& grain = {0, 1, 0});
   void bind() const;  ///< vertex array and object table
   /// Binds what the material shows to its units; 1 × 1 white where a slot is empty.
   void bind_textures(const Material& material) const;
 
  private:
+  struct Store {  ///< a buffer that grows by doubling and keeps what is in it; bytes
+    Buffer buffer;
+    std::size_t used = 0, capacity = 0;
+    void add(const void* data, std::size_t bytes);
+  };
   GpuScene() = default;
+  void make_names();
+  Result<void> check_room(const Scene& more) const;
+  Result<void> put(std::span<const Vertex> vertices, std::span<const std::uint32_t> indices);
   void upload_texture(const TextureSlot& slot, bool srgb);
   void bind_slot(int unit, const TextureSlot& slot, bool srgb) const;
 
   std::shared_ptr<const Scene> scene_;
+  std::shared_ptr<Scene> own_;  ///< scene_, where this is a batch
   Sphere bounds_;
   VertexArray array_;
-  Buffer vertices_, indices_, table_;
+  Store vertices_, indices_;
+  Buffer table_;
   Texture table_texture_, white_;
   std::map<std::pair<std::uint32_t, bool>, Texture> textures_;  ///< by picture and whether it is sRGB
   std::map<std::tuple<int, int, int, int>, Sampler> samplers_;

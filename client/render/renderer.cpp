@@ -27,8 +27,15 @@ struct Renderer::Frame {
 struct Renderer::Draw {
   std::vector<GLsizei> counts;
   std::vector<const void*> offsets;
+  std::uint32_t end = 0;  ///< of the last range
 
   void add(const Surface& s) {
+    if (!empty() && s.first_index == end) {  // neighbours in memory are one range
+      counts.back() += static_cast<GLsizei>(s.index_count);
+      end += s.index_count;
+      return;
+    }
+    end = s.first_index + s.index_count;
     counts.push_back(static_cast<GLsizei>(s.index_count));
     offsets.push_back(reinterpret_cast<const void*>(sizeof(std::uint32_t) * s.first_index));
   }
@@ -148,7 +155,8 @@ void Renderer::upload_frame(const Frame& frame) const {
 }
 
 /// map: -1 the sun, else a direction of the sky.
-void Renderer::draw_depth(const DrawItem& item, const RenderSettings& settings, int map) const {
+void Renderer::draw_depth(const DrawItem& item, const RenderSettings& settings, int map,
+                          FrameStats& stats) const {
   const GpuScene& gpu = *item.scene;
   const Scene& scene = gpu.scene();
   const std::span<const ObjectState> states = item.states;
@@ -157,10 +165,14 @@ void Renderer::draw_depth(const DrawItem& item, const RenderSettings& settings, 
   depth_.set("map", map);
   Draw draw;
   std::uint32_t current = kNoSlot;
+  const auto flush = [&] {
+    stats.shadow_draw_calls += !draw.empty();
+    draw.flush();
+  };
   for (const Surface& surface : scene.surfaces) {
     if (!states[surface.object].visible) continue;
     if (surface.material != current) {
-      draw.flush();
+      flush();
       current = surface.material;
       const Material m = with_look(scene.materials[current], look);
       const bool masked = m.alpha_mode == AlphaMode::kMask;
@@ -173,10 +185,11 @@ void Renderer::draw_depth(const DrawItem& item, const RenderSettings& settings, 
     }
     draw.add(surface);
   }
-  draw.flush();
+  flush();
 }
 
-void Renderer::depth_passes(std::span<const DrawItem> items, const RenderSettings& settings) const {
+void Renderer::depth_passes(std::span<const DrawItem> items, const RenderSettings& settings,
+                            FrameStats& stats) const {
   depth_.use();
   glEnable(GL_DEPTH_TEST);
   glDepthMask(GL_TRUE);
@@ -187,27 +200,20 @@ void Renderer::depth_passes(std::span<const DrawItem> items, const RenderSetting
   glPolygonOffset(1.5f, 2.f);
   if (settings.lighting.sun_shadow) {
     shadows_->begin_sun();
-    for (const DrawItem& item : items) draw_depth(item, settings, -1);
+    for (const DrawItem& item : items) draw_depth(item, settings, -1, stats);
   }
   const int count = std::clamp(settings.lighting.sky_shadows, 0, shadows_->sky_count());
   for (int k = 0; k < count; ++k) {
     shadows_->begin_sky(k);
-    for (const DrawItem& item : items) draw_depth(item, settings, k);
+    for (const DrawItem& item : items) draw_depth(item, settings, k, stats);
   }
   glDisable(GL_POLYGON_OFFSET_FILL);
 }
 
 void Renderer::begin_surfaces(const DrawItem& item) const {
-  const GpuScene& gpu = *item.scene;
   surface_.use();
   surface_.set("look", static_cast<int>(item.look));
-  const Sphere frame = item.look_frame.value_or(gpu.bounds());
-  const glm::vec4 whole(frame.center, std::max(frame.radius, 1e-6f));
-  glUniform4fv(surface_.location("look_frame"), 1, &whole[0]);
-  const glm::vec3 grain =
-      glm::dot(item.grain, item.grain) > 0 ? glm::normalize(item.grain) : glm::vec3(0, 1, 0);
-  glUniform3fv(surface_.location("grain"), 1, &grain[0]);
-  gpu.bind();
+  item.scene->bind();
 }
 
 void Renderer::draw_surfaces(const DrawItem& item, const Camera& camera, bool blended,
@@ -280,7 +286,7 @@ void Renderer::set_material(const GpuScene& gpu, const Material& m, const Render
 
 FrameStats Renderer::draw(GpuScene& gpu, std::span<const ObjectState> states, const Camera& camera,
                           const RenderSettings& settings, GLuint framebuffer, int width, int height) {
-  const DrawItem item{&gpu, states, settings.look, settings.grain, std::nullopt};
+  const DrawItem item{&gpu, states, settings.look, settings.grain};
   return draw(std::span(&item, 1), camera, settings, framebuffer, width, height);
 }
 
@@ -320,8 +326,9 @@ FrameStats Renderer::draw(std::span<const DrawItem> items, const Camera& camera,
   frame.forward = glm::vec4(-camera.view[0][2], -camera.view[1][2], -camera.view[2][2], 0);
   upload_frame(frame);
 
-  for (const DrawItem& item : items) item.scene->set_states(item.states);
-  depth_passes(items, settings);
+  for (const DrawItem& item : items) item.scene->set_states(item.states, item.grain);
+  FrameStats stats;
+  depth_passes(items, settings, stats);
 
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
   glViewport(0, 0, width, height);
@@ -339,7 +346,6 @@ FrameStats Renderer::draw(std::span<const DrawItem> items, const Camera& camera,
     glDrawArrays(GL_TRIANGLES, 0, 3);
     glEnable(GL_DEPTH_TEST);
   }
-  FrameStats stats;
   glDisable(GL_BLEND);
   if (settings.wireframe) glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
   for (const DrawItem& item : items) draw_surfaces(item, camera, false, settings, stats);

@@ -55,14 +55,14 @@ struct DrawItem {
   GpuScene* scene = nullptr;
   std::span<const ObjectState> states;  ///< one for each object
   SolidLook look = SolidLook::kNone;
-  glm::vec3 grain{0, 1, 0};
-  std::optional<Sphere> look_frame{};  ///< of what the solid texture fills; the scene's own bounds when empty
+  glm::vec3 grain{0, 1, 0};  ///< of objects without a placement of their own
 };
 
 struct FrameStats {
-  std::size_t draw_calls = 0;  ///< of the visible pass, without the depth passes
-  std::size_t surfaces = 0;    ///< drawn in the visible pass
-  std::size_t culled = 0;      ///< outside the view
+  std::size_t draw_calls = 0;         ///< of the visible pass
+  std::size_t shadow_draw_calls = 0;  ///< of the depth passes: a few for each shadow map
+  std::size_t surfaces = 0;           ///< drawn in the visible pass
+  std::size_t culled = 0;             ///< outside the view
 };
 
 class Renderer {
@@ -83,8 +83,8 @@ class Renderer {
   struct Draw;
   Renderer() = default;
   void upload_frame(const Frame& frame) const;
-  void depth_passes(std::span<const DrawItem> items, const RenderSettings& settings) const;
-  void draw_depth(const DrawItem& item, const RenderSettings& settings, int map) const;
+  void depth_passes(std::span<const DrawItem> items, const RenderSettings& settings, FrameStats& stats) const;
+  void draw_depth(const DrawItem& item, const RenderSettings& settings, int map, FrameStats& stats) const;
   void begin_surfaces(const DrawItem& item) const;
   void draw_surfaces(const DrawItem& item, const Camera& camera, bool blended, const RenderSettings& settings,
                      FrameStats& stats) const;

@@ -40,6 +40,7 @@ struct TextureSlot {
   int uv_set = 0;
   int min_filter = 9987, mag_filter = 9729;  ///< LINEAR_MIPMAP_LINEAR, LINEAR
   int wrap_s = 10497, wrap_t = 10497;        ///< REPEAT
+  bool operator==(const TextureSlot&) const = default;
 };
 
 struct Material {
@@ -57,6 +58,7 @@ struct Material {
       emissive_texture;
 
   bool blended() const { return alpha_mode == AlphaMode::kBlend || transmission > 0; }
+  bool operator==(const Material&) const = default;
 };
 
 /// From a node's extras.fracture.
@@ -74,11 +76,21 @@ struct Sphere {
   float radius = 0;
 };
 
+/// Where the solid texture of a look lies (looks.hpp), in the frame of the file.
+struct SolidPlacement {
+  Sphere frame;              ///< it fills this sphere
+  glm::vec3 grain{0, 1, 0};  ///< of wood
+  /// Courses of bricks of this size from `brick_low` to `brick_high` along x and up y, every other one
+  /// shifted by a half. 0: none.
+  glm::vec2 brick{0}, brick_low{0}, brick_high{0};
+};
+
 struct Object {
   std::string name;
   glm::mat4 transform{1};  ///< object to world at load
   Sphere bounds;           ///< of its vertices, in the object's frame
   std::optional<FragmentInfo> fragment;
+  std::optional<SolidPlacement> solid;  ///< else: around the whole scene
 };
 
 struct Surface {

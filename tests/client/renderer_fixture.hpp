@@ -14,6 +14,7 @@
 #include "client/headless/egl_context.hpp"
 #include "client/render/frame_target.hpp"
 #include "client/render/renderer.hpp"
+#include "tests/client/scenes.hpp"
 
 namespace fracture::test {
 
@@ -96,6 +97,25 @@ inline render::Color pixel_at(const render::Picture& picture, const render::Came
       static_cast<int>(std::floor((0.5f - 0.5f * clip.y / clip.w) * static_cast<float>(picture.height)));
   EXPECT_TRUE(x >= 0 && y >= 0 && x < picture.width && y < picture.height) << x << ", " << y;
   return picture.at(x, y);
+}
+
+/// The unit cube around the origin.
+inline render::Scene red_cube() {
+  render::Scene scene;
+  scene.materials.push_back(paint({0.8f, 0.02f, 0.02f}));
+  add_box(scene, {0, 0, 0}, {1, 1, 1});
+  return scene;
+}
+
+/// Looks at the sphere from a direction, in degrees, and shows just it.
+inline render::Camera straight(float yaw, float pitch, bool orthographic = true,
+                               render::Sphere sphere = {{0, 0, 0}, std::sqrt(3.f) / 2}) {
+  render::CameraPlacement placement;
+  placement.yaw = yaw;
+  placement.pitch = pitch;
+  placement.orthographic = orthographic;
+  placement.margin = 1;
+  return render::fit_camera(sphere, placement, 1);
 }
 
 }  // namespace fracture::test

@@ -15,23 +15,6 @@ namespace {
 
 using namespace fracture::render;
 
-Scene red_cube() {
-  Scene scene;
-  scene.materials.push_back(paint({0.8f, 0.02f, 0.02f}));
-  add_box(scene, {0, 0, 0}, {1, 1, 1});
-  return scene;
-}
-
-Camera straight(float yaw, float pitch, bool orthographic = true,
-                Sphere sphere = {{0, 0, 0}, std::sqrt(3.f) / 2}) {
-  CameraPlacement placement;
-  placement.yaw = yaw;
-  placement.pitch = pitch;
-  placement.orthographic = orthographic;
-  placement.margin = 1;
-  return fit_camera(sphere, placement, 1);
-}
-
 // The picture shows the sphere's diameter, √3.
 TEST_F(RendererTest, AUnitCubeCoversItsProjectedArea) {
   const double picture_area = 3;
@@ -246,89 +229,6 @@ TEST_F(RendererTest, WhatIsOutOfSightIsCulled) {
   EXPECT_NEAR(seen, 1.0 / 3, 0.01);
   EXPECT_EQ(stats.surfaces, 6u);
   EXPECT_EQ(stats.culled, 6u);
-}
-
-// -- several scenes, edges, windows
-
-TEST_F(RendererTest, SeveralScenesStandInOnePictureAndHideOneAnother) {
-  Scene red = red_cube(), blue;
-  blue.materials.push_back(paint({0.02f, 0.02f, 0.8f}));
-  add_box(blue, {0, 0, 0}, {1, 1, 1});
-  auto first = GpuScene::upload(std::make_shared<const Scene>(red)),
-       second = GpuScene::upload(std::make_shared<const Scene>(blue));
-  ASSERT_TRUE(first && second);
-  auto of_red = initial_states(red), of_blue = initial_states(blue);
-  // The blue one stands behind the red one and looks out above it by a quarter.
-  of_blue[0].transform[3] = {0, 0.25f, -2, 1};
-  auto target = FrameTarget::create(300, 300);
-  ASSERT_TRUE(target);
-  const Camera camera = straight(0, 0);
-  const std::array<DrawItem, 2> items = {DrawItem{.scene = &*first, .states = of_red},
-                                         DrawItem{.scene = &*second, .states = of_blue}};
-  stats = renderer->draw(items, camera, bare(), target->framebuffer(), 300, 300);
-  const Picture picture = target->read();
-  EXPECT_EQ(stats.draw_calls, 2u);
-  EXPECT_EQ(stats.surfaces, 12u);
-  EXPECT_NEAR(coverage(picture), 1.25 / 3, 0.01);  // a square is a third of the picture
-  const Color front = pixel_at(picture, camera, {0, 0.2f, 0}),
-              above = pixel_at(picture, camera, {0, 0.6f, 0});
-  EXPECT_GT(linear(front[0]), 3 * linear(front[2]));
-  EXPECT_GT(linear(above[2]), 3 * linear(above[0]));
-}
-
-TEST_F(RendererTest, EachOfSeveralScenesHasALookOfItsOwn) {
-  const Scene cube = red_cube();
-  auto gpu = GpuScene::upload(std::make_shared<const Scene>(cube));
-  ASSERT_TRUE(gpu);
-  const auto states = initial_states(cube);
-  auto target = FrameTarget::create(100, 100);
-  ASSERT_TRUE(target);
-  const Camera camera = straight(30, 20);
-  const auto with = [&](SolidLook look) {
-    const DrawItem item{.scene = &*gpu, .states = states, .look = look};
-    renderer->draw(std::span(&item, 1), camera, bare(), target->framebuffer(), 100, 100);
-    return target->read();
-  };
-  RenderSettings of_all = bare();
-  of_all.look = SolidLook::kBrick;
-  EXPECT_EQ(with(SolidLook::kBrick).pixels, draw(cube, camera, of_all, 100, 100).pixels);
-  EXPECT_NE(with(SolidLook::kBrick).pixels, with(SolidLook::kWood).pixels);
-}
-
-TEST_F(RendererTest, WireframeShowsTheEdgesAndLeavesTheFacesOpen) {
-  RenderSettings settings = bare();
-  const double solid = coverage(draw(red_cube(), straight(30, 20), settings));
-  settings.wireframe = true;
-  const double edges = coverage(draw(red_cube(), straight(30, 20), settings));
-  EXPECT_GT(edges, 0.005);
-  EXPECT_LT(edges, 0.2 * solid);
-}
-
-TEST_F(RendererTest, AFrameIsCopiedToAWindowByteForByte) {
-  const Scene cube = red_cube();
-  auto gpu = GpuScene::upload(std::make_shared<const Scene>(cube));
-  auto target = FrameTarget::create(40, 30);
-  ASSERT_TRUE(gpu && target);
-  renderer->draw(*gpu, initial_states(cube), straight(30, 20), {}, target->framebuffer(), 40, 30);
-  // What a window has: one sample, bytes that are sRGB without the driver's knowing.
-  GLuint window = 0, color = 0;
-  glGenFramebuffers(1, &window);
-  glGenRenderbuffers(1, &color);
-  glBindRenderbuffer(GL_RENDERBUFFER, color);
-  glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, 40, 30);
-  glBindFramebuffer(GL_FRAMEBUFFER, window);
-  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, color);
-  target->copy_to(window);
-  std::vector<Color> bytes(40 * 30);
-  glReadPixels(0, 0, 40, 30, GL_RGBA, GL_UNSIGNED_BYTE, bytes.data());
-  EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
-  glBindFramebuffer(GL_FRAMEBUFFER, 0);
-  glDeleteRenderbuffers(1, &color);
-  glDeleteFramebuffers(1, &window);
-  const Picture picture = target->read();
-  for (int y = 0; y < 30; ++y)
-    for (int x = 0; x < 40; ++x)
-      ASSERT_EQ(bytes[static_cast<std::size_t>((29 - y) * 40 + x)], picture.at(x, y)) << x << ", " << y;
 }
 
 TEST_F(RendererTest, APictureTooLargeForTheDriverIsRefused) {

@@ -1,7 +1,7 @@
 // Solid textures by name (looks.hpp). q is the place in the whole object: -1 … 1 in its bounding sphere.
 const int kGlass = 1, kWood = 2, kConcrete = 3, kStone = 4, kBrick = 5, kCeramic = 6, kMetal = 7, kIce = 8, kPlaster = 9;
 uniform int look;
-uniform vec3 grain;
+vec3 grain;  // of the object
 
 struct Looked {
   vec3 color;
@@ -40,7 +40,18 @@ float relief(vec3 q, bool cut) {
   return 0.0;
 }
 
-Looked looked(vec3 q, bool cut, float id, vec3 color, float roughness, float transmission) {
+// In a wall of bricks (x along it, y up; wall: its low and high corner): which brick (0 … 1, by chance), and how far
+// from its edge in metres.
+vec2 brick_at(vec2 p, vec2 size, vec4 wall) {
+  vec2 from_end = min(p - wall.xy, wall.zw - p), at = clamp(p, wall.xy + 1e-3, wall.zw - 1e-3) - wall.xy;
+  float row = floor(at.y / size.y);
+  vec2 brick = vec2(at.x / size.x + 0.5 * mod(row, 2.0), at.y / size.y), inside = fract(brick);
+  vec2 edge = min(inside, 1.0 - inside) * size;
+  edge = mix(edge, vec2(1.0), vec2(lessThan(from_end, vec2(2e-3))));  // no joint shows on the ends and the top
+  return vec2(random3(ivec3(int(floor(brick.x)), int(row), 7)).x, min(edge.x, edge.y));
+}
+
+Looked looked(vec3 q, vec2 p, vec2 brick, vec4 wall, bool cut, float id, vec3 color, float roughness, float transmission) {
   Looked s = Looked(color, roughness, transmission);
   if (look == kWood) {
     vec3 g = along_grain(q);
@@ -66,9 +77,10 @@ Looked looked(vec3 q, bool cut, float id, vec3 color, float roughness, float tra
     s.color = mix(s.color, vec3(0.16, 0.15, 0.15), 0.6 * smoothstep(0.70, 0.85, specks));
     s.color = mix(s.color, vec3(0.62, 0.60, 0.57), 0.5 * smoothstep(0.30, 0.15, specks));
   } else if (look == kBrick) {
-    vec3 r = random3(ivec3(int(id), 5, 11));
-    s.color = color * mix(vec3(0.70, 0.72, 0.75), vec3(1.25, 1.20, 1.10), r.x) * (0.75 + 0.5 * fractal(16.0 * q, 3));
+    vec2 laid = brick.x > 0.0 ? brick_at(p, brick, wall) : vec2(random3(ivec3(int(id), 5, 11)).x, 1.0);
+    s.color = color * mix(vec3(0.70, 0.72, 0.75), vec3(1.25, 1.20, 1.10), laid.x) * (0.75 + 0.5 * fractal(16.0 * q, 3));
     s.color = mix(s.color, vec3(0.20, 0.08, 0.06), 0.5 * smoothstep(0.68, 0.80, noise(38.0 * q)));
+    if (!cut) s.color = mix(vec3(0.46, 0.44, 0.40) * (0.8 + 0.4 * fractal(30.0 * q, 2)), s.color, smoothstep(0.006, 0.009, laid.y));
   } else if (look == kCeramic) {
     if (cut) s.color *= 0.85 + 0.3 * fractal(30.0 * q, 2);
   } else if (look == kMetal) {

@@ -9,7 +9,6 @@ uniform vec4 more;        // normal scale (0: no map), occlusion strength, alpha
 uniform vec3 emissive;
 uniform int uv_set[5];
 uniform int interior, highlight;
-uniform vec4 look_frame;  // centre and radius of the whole object at load
 
 // Two colours for the blender: what comes from the surface, and the share of what lies behind that comes through.
 layout(location = 0, index = 0) out vec4 reflected;
@@ -68,8 +67,11 @@ void main() {
   vec3 n = shading_normal(gl_FrontFacing);
   vec3 flat_normal = normalize(gl_FrontFacing ? world_normal : -world_normal);
   if (look != 0) {
-    vec3 q = (source_position - look_frame.xyz) / look_frame.w;
-    Looked s = looked(q, cut, object_fragment_id(vertex_object), base.rgb, roughness, transmission);
+    vec4 frame = object_look_frame(vertex_object);
+    grain = object_grain(vertex_object);
+    vec3 q = (source_position - frame.xyz) / frame.w;
+    Looked s = looked(q, source_position.xy, object_brick(vertex_object), object_wall(vertex_object), cut,
+                      object_fragment_id(vertex_object), base.rgb, roughness, transmission);
     base.rgb = s.color;
     roughness = s.roughness;
     transmission = s.transmission;
