@@ -10,6 +10,56 @@ namespace {
 
 constexpr double kMargin = 0.002;      ///< metres, for hulls that have room for it
 constexpr double kMarginShare = 0.04;  ///< of the smallest side of the hull's box
+/// Direction k of n that are spread evenly over the sphere (a Fibonacci lattice).
+glm::dvec3 spread_direction(std::size_t k, std::size_t n) {
+  const double golden = 3.14159265358979323846 * (3 - std::sqrt(5.0));
+  const double y = 1 - 2 * (static_cast<double>(k) + 0.5) / static_cast<double>(n);
+  const double r = std::sqrt(1 - y * y), angle = golden * static_cast<double>(k);
+  return {r * std::cos(angle), y, r * std::sin(angle)};
+}
+
+template <class Points>
+std::size_t farthest(const Points& points, const glm::dvec3& direction) {
+  std::size_t best = 0;
+  double far = -HUGE_VAL;
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    const double d = glm::dot(direction, glm::dvec3(points[p]));
+    if (d > far) {
+      far = d;
+      best = p;
+    }
+  }
+  return best;
+}
+
+/// The corners of the hull where its sides moved inwards by the margin have put them. A corner of many sides
+/// becomes a cluster of corners there, of which one is enough (Bullet looks at every point in every iteration
+/// of GJK). A sharp one is shortened by much more than the margin, and would sink into the ground by that: it
+/// stays, but for the margin.
+Hull inner_corners(std::span<const glm::dvec3> points, const btConvexHullComputer& inside, double margin) {
+  constexpr double kMostMargins = 2.5;
+  Hull corners;
+  std::vector<bool> taken(static_cast<std::size_t>(inside.vertices.size()));
+  for (const glm::dvec3& corner : points) {
+    double least = HUGE_VAL;
+    int nearest = 0;
+    for (int k = 0; k < inside.vertices.size(); ++k) {
+      const double d = glm::distance(corner, from_bullet(inside.vertices[k]));
+      if (d < least) {
+        least = d;
+        nearest = k;
+      }
+    }
+    const glm::dvec3 moved = from_bullet(inside.vertices[nearest]);
+    if (least > kMostMargins * margin) {
+      corners.push_back(corner + margin / least * (moved - corner));
+    } else if (!taken[static_cast<std::size_t>(nearest)]) {
+      taken[static_cast<std::size_t>(nearest)] = true;
+      corners.push_back(moved);
+    }
+  }
+  return corners;
+}
 
 }  // namespace
 
@@ -26,11 +76,9 @@ std::unique_ptr<btConvexHullShape> make_hull(std::span<const glm::dvec3> points)
                                            static_cast<int>(points.size()), margin, 0.5);
   auto shape = std::make_unique<btConvexHullShape>();
   // A flat hull cannot be shrunk; it keeps its points.
-  if (shrunk >= 0 && computer.vertices.size() >= 4) {
-    for (int k = 0; k < computer.vertices.size(); ++k) shape->addPoint(computer.vertices[k], false);
-  } else {
-    for (const glm::dvec3& p : points) shape->addPoint(to_bullet(p), false);
-  }
+  const bool usable = shrunk >= 0 && computer.vertices.size() >= 4;
+  const Hull corners = usable ? inner_corners(points, computer, margin) : Hull(points.begin(), points.end());
+  for (const glm::dvec3& p : corners) shape->addPoint(to_bullet(p), false);
   shape->setMargin(std::max(margin, 1e-5));
   shape->recalcLocalAabb();
   return shape;
@@ -60,21 +108,9 @@ const FragmentSet& fragments_of(const PreparedFragments& prepared) { return prep
 Hull reduced_hull(std::span<const glm::vec3> points, std::size_t most) {
   // The farthest points in evenly spread directions (a Fibonacci sphere): some of the hull's own corners.
   Hull hull;
-  const double golden = 3.14159265358979323846 * (3 - std::sqrt(5.0));
   std::vector<std::size_t> chosen;
   for (std::size_t k = 0; k < 8 * most && !points.empty(); ++k) {
-    const double y = 1 - 2 * (static_cast<double>(k) + 0.5) / static_cast<double>(8 * most);
-    const double r = std::sqrt(1 - y * y), angle = golden * static_cast<double>(k);
-    const glm::dvec3 direction(r * std::cos(angle), y, r * std::sin(angle));
-    std::size_t best = 0;
-    double far = -HUGE_VAL;
-    for (std::size_t p = 0; p < points.size(); ++p) {
-      const double d = glm::dot(direction, glm::dvec3(points[p]));
-      if (d > far) {
-        far = d;
-        best = p;
-      }
-    }
+    const std::size_t best = farthest(points, spread_direction(k, 8 * most));
     if (std::find(chosen.begin(), chosen.end(), best) == chosen.end()) chosen.push_back(best);
   }
   // Keep those that stand farthest from one another.

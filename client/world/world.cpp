@@ -52,7 +52,7 @@ World::State::State(WorldSettings s)
   gDeactivationTime = 0.8;  // seconds of stillness before sleep; one value for all of Bullet
   bullet.setGravity(to_bullet(settings.gravity));
   bullet.getDispatchInfo().m_deterministicOverlappingPairs = true;
-  bullet.getSolverInfo().m_numIterations = 20;
+  bullet.getSolverInfo().m_numIterations = 30;
   // Penetration is mended without adding speed: fragments that touch must not fly apart.
   bullet.getSolverInfo().m_splitImpulse = true;
   bullet.getSolverInfo().m_splitImpulsePenetrationThreshold = -1e-5;
