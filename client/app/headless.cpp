@@ -30,21 +30,30 @@ class Camera {
   explicit Camera(const Options& options) : options_(options) {}
 
   Expected<json> take(const game::Game& game, const std::string& name) {
-    if (auto ready = prepare(); !ready) return tl::unexpected(ready.error());
-    const scenes::Stage& stage = game.stage();
-    const float aspect = static_cast<float>(options_.width) / static_cast<float>(options_.height);
-    view::ViewSettings settings;
-    settings.sky_shadows = 32;
-    const auto figures = view_->draw(game, view::look_at(stage.eye, stage.target, aspect), settings,
-                                     target_->framebuffer(), options_.width, options_.height);
-    if (!figures) return fail(ErrorCode::kInternal, figures.error().detail);
+    constexpr int kStillSkyShadows = 32;  // pictures may take their time
+    const Expected<view::ViewFigures> figures = draw(game, kStillSkyShadows);
+    if (!figures) return tl::unexpected(figures.error());
     const std::string path = (std::filesystem::path(options_.out) / name).string();
     if (const auto written = write_png(target_->read(), path); !written)
       return fail(ErrorCode::kInternal, written.error().detail);
     return json{{"file", path},
                 {"draw_calls", figures->draw_calls},
+                {"shadow_draw_calls", figures->shadow_draw_calls},
                 {"submit_ms", figures->submit_ms},
                 {"culled", figures->culled}};
+  }
+
+  Expected<view::ViewFigures> draw(const game::Game& game,
+                                   int sky_shadows = view::ViewSettings{}.sky_shadows) {
+    if (auto ready = prepare(); !ready) return tl::unexpected(ready.error());
+    const scenes::Stage& stage = game.stage();
+    const float aspect = static_cast<float>(options_.width) / static_cast<float>(options_.height);
+    view::ViewSettings settings;
+    settings.sky_shadows = sky_shadows;
+    const auto figures = view_->draw(game, view::look_at(stage.eye, stage.target, aspect), settings,
+                                     target_->framebuffer(), options_.width, options_.height);
+    if (!figures) return fail(ErrorCode::kInternal, figures.error().detail);
+    return *figures;
   }
 
  private:
@@ -190,7 +199,9 @@ Expected<json> run_headless(const Options& options) {
   game::Game game(std::move(*stage), client, settings);
   Camera camera(options);
 
-  std::vector<double> wanted = options.screenshots, frame_times;
+  std::vector<double> wanted = options.screenshots, frame_times, submit_times, swap_frame_times,
+                      waiting_times;
+  std::size_t most_draw_calls = 0;
   std::sort(wanted.begin(), wanted.end());
   json pictures = json::array();
   double fastest = 0, fastest_ball = 0;
@@ -215,6 +226,7 @@ Expected<json> run_headless(const Options& options) {
     }
     if (frame == frames) break;
     double spent = 0;
+    const std::uint64_t swaps_before = game.figures().swaps;
     if (options.fixed_step) {
       for (int k = 0; k < kStepsPerFrame; ++k) {
         while (!game.ready()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -232,7 +244,18 @@ Expected<json> run_headless(const Options& options) {
       std::this_thread::sleep_until(start + std::chrono::duration_cast<Clock::duration>(
                                                 std::chrono::duration<double>(now + frame_length)));
     }
+    if (options.draw) {
+      const auto drawn = camera.draw(game);
+      if (!drawn) return tl::unexpected(drawn.error());
+      submit_times.push_back(drawn->submit_ms);
+      most_draw_calls = std::max(most_draw_calls, drawn->draw_calls);
+      spent += drawn->submit_ms;
+    }
     frame_times.push_back(spent);
+    if (game.figures().swaps > swaps_before)
+      swap_frame_times.push_back(spent);
+    else if (game.open_requests() > 0)
+      waiting_times.push_back(spent);
     fastest = std::max(fastest, game.world().census().fastest);
   }
   for (const scenes::Throw& thrown : game.stage().throws)
@@ -240,6 +263,12 @@ Expected<json> run_headless(const Options& options) {
   json result = summary(game, client, options);
   result["pictures"] = pictures;
   result["frames"] = summary_of_frames(std::move(frame_times));
+  result["waiting_frames"] = summary_of_frames(std::move(waiting_times));
+  result["swap_frames"] = summary_of_frames(std::move(swap_frame_times));
+  if (options.draw) {
+    result["submit"] = summary_of_frames(std::move(submit_times));
+    result["submit"]["most_draw_calls"] = most_draw_calls;
+  }
   result["fastest_fragment"] = fastest;
   result["fastest_ball"] = fastest_ball;
   return result;

@@ -39,6 +39,7 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
           ->delimiter(',')
           ->check(CLI::Range(0.0, 3600.0)));
   add(app.add_flag("--record", o.record, "Every frame (60 a second) as PNG"));
+  add(app.add_flag("--draw", o.draw, "Draws every frame without keeping it: what submitting costs"));
   add(app.add_flag("--json", o.json, "A summary on standard output"));
   add(app.add_flag("--no-throws", no_throws, "Leave out the balls that the scene throws by itself"));
   try {

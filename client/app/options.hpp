@@ -28,6 +28,7 @@ struct Options {
   double seconds = 5;
   std::vector<double> screenshots;  ///< seconds
   bool record = false;              ///< every frame as PNG
+  bool draw = false;                ///< every frame is drawn, and read by nobody: what submitting costs
   std::string out = ".";
   bool json = false;
   bool throws = true;  ///< what the scene throws by itself; headless only

@@ -19,7 +19,7 @@ struct GameMaterial {
 const std::vector<GameMaterial>& game_materials() {
   using render::SolidLook;
   static const std::vector<GameMaterial> all = {
-      {"glass", 2500, 0.7, 4, 0.1, SolidLook::kGlass, {{{"material", "glass"}}, true, false, 70, 0.4, 300}},
+      {"glass", 2500, 0.7, 4, 0.02, SolidLook::kGlass, {{{"material", "glass"}}, true, false, 70, 0.4, 300}},
       {"wood", 500, 2.2, 0.5, 0.4, SolidLook::kWood, {{{"material", "wood"}}, false, false, 40, 0.5, 500}},
       {"concrete",
        2400,
@@ -31,8 +31,8 @@ const std::vector<GameMaterial>& game_materials() {
       {"stone",
        2700,
        1.5,
-       1,
-       0.3,
+       2,
+       0.08,
        SolidLook::kStone,
        {{{"material", "stone"}, {"pattern", "impact"}, {"share", 0.55}, {"exponent", 1.2}},
         true,
@@ -51,7 +51,7 @@ const std::vector<GameMaterial>& game_materials() {
        2400,
        0.9,
        4,
-       0.004,
+       0.002,
        SolidLook::kCeramic,
        {{{"material", "ceramic"}}, true, true, 80, 0.45, 1000}},
       {"metal", 7850, 6, 5, 0.5, SolidLook::kMetal, {{{"material", "metal"}}, false, false, 30, 0.5, 5000}},

@@ -75,12 +75,12 @@ Expected<Stage> monkey() {
     object.mesh = share(std::move(*loaded));
   }
   object.name = object.mesh->name;
-  object.pose = {{0, 3.2 - object.mesh->low.y, 0},
+  object.pose = {{0, 2.6 - object.mesh->low.y, 0},
                  glm::angleAxis(glm::radians(12.0), glm::normalize(glm::dvec3(1, 0.3, 0.4)))};
   stage.objects.push_back(std::move(object));
   set_material(stage, "ceramic");
-  stage.eye = {3.6f, 2.9f, 8.2f};
-  stage.target = {0, 1.7f, 0};
+  stage.eye = {2.4f, 2.2f, 5.2f};
+  stage.target = {0, 1.5f, 0};
   stage.bounds = {{0, 1.8f, 0}, 5.5f};
   stage.throws = {{3.2, {5, 2.2, 6}, {-11.5, 0.5, -13}}};
   return stage;
@@ -114,17 +114,17 @@ Stage panes() {
     stage.objects.push_back(object);
     const double sides = width / 2 + frame / 2, ends = height / 2 + frame / 2;
     for (const double s : {-1.0, 1.0}) {
-      stage.boxes.push_back({at(x + s * sides, y, 0), {frame / 2, ends + frame / 2, 0.05}, SolidLook::kWood});
-      stage.boxes.push_back({at(x, y + s * ends, 0), {width / 2, frame / 2, 0.05}, SolidLook::kWood});
-      stage.boxes.push_back({at(x + s * sides, foot / 2, 0), {0.05, foot / 2, 0.22}, SolidLook::kWood});
+      stage.boxes.push_back({at(x + s * sides, y, 0), {frame / 2, ends + frame / 2, 0.05}, SolidLook::kNone});
+      stage.boxes.push_back({at(x, y + s * ends, 0), {width / 2, frame / 2, 0.05}, SolidLook::kNone});
+      stage.boxes.push_back({at(x + s * sides, foot / 2, 0), {0.05, foot / 2, 0.22}, SolidLook::kNone});
     }
   }
   set_material(stage, "glass");
   for (StageObject& object : stage.objects) object.strength = 6;
   stage.ball_radius = 0.09;
   stage.ball_speed = 14;
-  stage.eye = {4.3f, 2.0f, 5.2f};
-  stage.target = {0.1f, 1.05f, 0};
+  stage.eye = {3.0f, 1.8f, 3.9f};
+  stage.target = {0.45f, 0.95f, 0};
   stage.bounds = {{0, 1, 0}, 5};
   stage.throws = {{0.3, {0.3, 1.6, 6}, {-0.2, 1.2, -15}}, {1.1, {2.2, 1.8, 6}, {-1.2, 0.9, -15}}};
   return stage;
@@ -147,11 +147,12 @@ Stage wall() {
   bricks.at_start = true;
   bricks.breakage.parameters["cell"] = {0.4, 0.2, 0.3};
   bricks.breakage.parameters["bond"] = "half";
+  bricks.bricks = {0.4f, 0.2f};
   stage.ball_radius = 0.22;
   stage.ball_density = 2600;
   stage.ball_speed = 13;
-  stage.eye = {4.4f, 2.1f, 5.6f};
-  stage.target = {-0.1f, 1.0f, -0.3f};
+  stage.eye = {2.5f, 1.7f, 3.8f};
+  stage.target = {0.1f, 1.05f, -0.3f};
   stage.bounds = {{0, 1, -0.5f}, 4.5f};
   stage.throws = {{0.3, {0.8, 1.5, 6}, {-1.0, 1.8, -13}}, {1.4, {-2.0, 1.2, 6}, {0.9, 1.6, -13}}};
   return stage;
@@ -199,8 +200,8 @@ Stage temple() {
   stage.ball_radius = 0.25;
   stage.ball_density = 7800;
   stage.ball_speed = 15;
-  stage.eye = {5.4f, 3.0f, 7.6f};
-  stage.target = {0, 1.7f, 0};
+  stage.eye = {4.4f, 2.6f, 6.0f};
+  stage.target = {0, 1.75f, 0};
   stage.bounds = {{0, 1.8f, 0}, 6};
   stage.throws = {{0.3, {1.2, 2.2, 8}, {0.6, 0.6, -15}}, {1.2, {-5.5, 2.0, 6.5}, {8.8, 1.0, -11}}};
   return stage;
@@ -230,11 +231,12 @@ Stage crates() {
     stage.objects[k].breakage.parameters["grain"] = nlohmann::json::array({grain.x, grain.y, grain.z});
     stage.objects[k].strength = 120;
     stage.objects[k].breakage.sites = 22;
+    stage.objects[k].look_scale = 0.5f;
   }
   stage.ball_radius = 0.16;
   stage.ball_speed = 17;
-  stage.eye = {3.6f, 2.2f, 5.8f};
-  stage.target = {0, 1.2f, 0};
+  stage.eye = {2.7f, 1.9f, 4.5f};
+  stage.target = {0.1f, 1.3f, 0};
   stage.bounds = {{0, 1.3f, 0}, 4.5f};
   stage.throws = {{0.3, {1.0, 1.6, 7}, {-0.9, 0.9, -17}}, {1.3, {-1.5, 1.2, 7}, {1.8, 1.0, -17}}};
   return stage;

@@ -36,6 +36,8 @@ struct StageObject {
   bool at_start = false;  ///< its fragments are asked for when the level is loaded, not when it is hit
   render::SolidLook look = render::SolidLook::kNone;
   glm::vec3 grain{0, 1, 0};
+  float look_scale = 1;  ///< of the look's solid texture
+  glm::vec2 bricks{0};   ///< courses of bricks of this size are drawn from the mesh's lower corner; 0: none
 };
 
 struct StageBox {  ///< does not move

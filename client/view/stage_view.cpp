@@ -80,34 +80,70 @@ Result<StageView> StageView::create() {
   return StageView(std::move(*renderer), std::move(*lines));
 }
 
-Result<StageView::Item*> StageView::item_of(const game::Game& game, std::size_t index) {
-  const game::Thing& thing = game.things()[index];
-  const bool broken = thing.fragments != nullptr;
-  const auto known = items_.find(index);
-  if (known != items_.end() && known->second.broken == broken) return &known->second;
-  auto scene = broken ? thing.fragments->scene : game.stage().objects[thing.stage_object].mesh->scene;
-  Result<render::GpuScene> gpu = render::GpuScene::upload(scene);
-  if (!gpu) return tl::unexpected(gpu.error());
+Result<std::uint32_t> StageView::add(render::SolidLook look, const render::Scene& scene,
+                                     const std::optional<render::SolidPlacement>& solid) {
+  auto batch = batches_.find(look);
+  if (batch == batches_.end()) {
+    Result<render::GpuScene> gpu = render::GpuScene::batch();
+    if (!gpu) return tl::unexpected(gpu.error());
+    batch = batches_.emplace(look, Batch{std::move(*gpu), {}}).first;
+  }
+  Result<std::uint32_t> first(0);
+  if (look == render::SolidLook::kNone) {
+    first = batch->second.gpu.append(scene, solid);
+  } else {  // what the look replaces must not keep materials apart
+    render::Scene plain = scene;
+    for (render::Material& material : plain.materials) material = with_look(material, look);
+    plain.pictures.clear();
+    first = batch->second.gpu.append(plain, solid);
+  }
+  if (!first) return first;
+  const std::vector<ObjectState> states = initial_states(scene);
+  batch->second.states.insert(batch->second.states.end(), states.begin(), states.end());
   ++uploads_;
-  const render::Sphere frame = bounding_sphere(*game.stage().objects[thing.stage_object].mesh->scene, {});
-  const auto placed =
-      items_.insert_or_assign(index, Item{std::move(*gpu), initial_states(*scene), broken, frame});
-  return &placed.first->second;
+  return first;
 }
 
-void StageView::set_states(const game::Game& game, std::size_t index, Item& item, DebugView debug) {
+Result<StageView::Place> StageView::place_of(const game::Game& game, std::size_t index) {
   const game::Thing& thing = game.things()[index];
-  const render::Scene& scene = item.gpu.scene();
-  if (!item.broken) {
+  const bool broken = thing.fragments != nullptr;
+  const auto known = places_.find(index);
+  if (known != places_.end() && known->second.broken == broken) return known->second;
+  const scenes::StageObject& object = game.stage().objects[thing.stage_object];
+  const auto scene = broken ? thing.fragments->scene : object.mesh->scene;
+  // The solid texture is that of the whole object, so that it stays when it breaks.
+  render::SolidPlacement solid;
+  solid.frame = bounding_sphere(*object.mesh->scene, {});
+  solid.frame.radius *= object.look_scale;
+  solid.grain = object.grain;
+  solid.brick = object.bricks;
+  solid.brick_low = glm::vec2(object.mesh->low);
+  solid.brick_high = glm::vec2(object.mesh->high);
+  const Result<std::uint32_t> first = add(object.look, *scene, solid);
+  if (!first) return tl::unexpected(first.error());
+  if (known != places_.end()) {  // the whole is no more
+    std::vector<ObjectState>& states = batches_.at(object.look).states;
+    for (std::uint32_t k = 0; k < known->second.count; ++k) states[known->second.first + k].visible = false;
+  }
+  const Place place{*first, static_cast<std::uint32_t>(scene->objects.size()), broken};
+  places_[index] = place;
+  return place;
+}
+
+void StageView::set_states(const game::Game& game, std::size_t index, const Place& place, DebugView debug) {
+  const game::Thing& thing = game.things()[index];
+  Batch& batch = batches_.at(game.stage().objects[thing.stage_object].look);
+  const std::span<const render::Object> objects(&batch.gpu.scene().objects[place.first], place.count);
+  const std::span<ObjectState> states(&batch.states[place.first], place.count);
+  if (!place.broken) {
     const glm::mat4 world(game.world().object_pose(thing.id).matrix());
-    for (std::size_t k = 0; k < item.states.size(); ++k)
-      item.states[k].transform = world * scene.objects[k].transform;
+    for (std::size_t k = 0; k < states.size(); ++k) states[k].transform = world * objects[k].transform;
     return;
   }
   game.world().fragment_states(thing.id, fragment_states_);
-  for (std::size_t k = 0; k < item.states.size(); ++k) {
+  for (std::size_t k = 0; k < states.size(); ++k) {
     const std::uint32_t fragment = thing.fragments->fragment_of_object[k];
-    ObjectState& state = item.states[k];
+    ObjectState& state = states[k];
     if (fragment == game::Decoded::kNoFragment || !fragment_states_[fragment].present) {
       state.visible = false;
       continue;
@@ -115,7 +151,7 @@ void StageView::set_states(const game::Game& game, std::size_t index, Item& item
     const world::FragmentState& f = fragment_states_[fragment];
     state.visible = true;
     // The node's own transform is a translation to the fragment's origin: it shrinks about that.
-    state.transform = glm::mat4(f.asset_to_world.matrix()) * scene.objects[k].transform;
+    state.transform = glm::mat4(f.asset_to_world.matrix()) * objects[k].transform;
     if (f.size < 1) state.transform = glm::scale(state.transform, glm::vec3(f.size));
     state.tint =
         debug == DebugView::kFragments ? glm::vec4(render::distinct_color(f.group), 0.85f) : glm::vec4(0);
@@ -159,34 +195,44 @@ void StageView::add_lines(const game::Game& game, DebugView debug) {
 
 Result<void> StageView::upload_furniture(const game::Game& game) {
   if (furnished_ == &game) return {};
-  furniture_.clear();
-  std::map<render::SolidLook, std::vector<std::size_t>> by_look;
-  for (std::size_t k = 0; k < game.stage().boxes.size(); ++k)
-    by_look[game.stage().boxes[k].look].push_back(k);
-  for (const auto& [look, boxes] : by_look) {
-    std::vector<scenes::SurfaceMesh> meshes;
-    for (const std::size_t k : boxes) {
-      const glm::vec3 size(2.0 * game.stage().boxes[k].half_sides);
-      meshes.push_back(scenes::box(size, std::min(0.01f, 0.1f * std::min({size.x, size.y, size.z}))));
-    }
-    auto scene = scene_of(meshes, {});
-    Result<render::GpuScene> gpu = render::GpuScene::upload(scene);
-    if (!gpu) return tl::unexpected(gpu.error());
-    Item item{std::move(*gpu), initial_states(*scene), false, {}};
-    for (std::size_t k = 0; k < boxes.size(); ++k)
-      item.states[k].transform = glm::mat4(game.stage().boxes[boxes[k]].pose.matrix());
-    furniture_.emplace_back(look, std::move(item));
+  render::Material paint;
+  paint.base_color = {0.055f, 0.06f, 0.07f, 1};
+  paint.metallic = 0;
+  paint.roughness = 0.55f;
+  for (const scenes::StageBox& box : game.stage().boxes) {
+    const glm::vec3 size(2.0 * box.half_sides);
+    const auto scene =
+        scene_of({scenes::box(size, std::min(0.01f, 0.1f * std::min({size.x, size.y, size.z})))}, paint);
+    render::SolidPlacement solid;
+    solid.frame.radius = 1;  // metres: the texture of all boxes has one scale
+    solid.grain = size.x > size.y ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
+    const Result<std::uint32_t> first = add(box.look, *scene, solid);
+    if (!first) return tl::unexpected(first.error());
+    batches_.at(box.look).states[*first].transform = glm::mat4(box.pose.matrix());
   }
   render::Material iron;
   iron.base_color = {0.23f, 0.24f, 0.26f, 1};
   iron.metallic = 1;
   iron.roughness = 0.38f;
-  auto balls = scene_of(std::vector<scenes::SurfaceMesh>(kBallObjects, unit_ball()), iron);
-  Result<render::GpuScene> gpu = render::GpuScene::upload(balls);
-  if (!gpu) return tl::unexpected(gpu.error());
-  furniture_.emplace_back(render::SolidLook::kNone, Item{std::move(*gpu), initial_states(*balls), false, {}});
+  const auto balls = scene_of(std::vector<scenes::SurfaceMesh>(kBallObjects, unit_ball()), iron);
+  const Result<std::uint32_t> first = add(render::SolidLook::kNone, *balls, std::nullopt);
+  if (!first) return tl::unexpected(first.error());
+  balls_ = *first;
   furnished_ = &game;
   return {};
+}
+
+void StageView::set_balls(const game::Game& game) {
+  const std::span<ObjectState> states(&batches_.at(render::SolidLook::kNone).states[balls_], kBallObjects);
+  for (ObjectState& state : states) state.visible = false;
+  std::size_t next = 0;
+  for (const world::BallState& ball : game.world().balls()) {
+    if (next >= states.size()) break;
+    states[next].visible = true;
+    states[next].transform =
+        glm::scale(glm::mat4(ball.pose.matrix()), glm::vec3(static_cast<float>(ball.radius)));
+    ++next;
+  }
 }
 
 Result<ViewFigures> StageView::draw(const game::Game& game, const render::Camera& camera,
@@ -194,30 +240,17 @@ Result<ViewFigures> StageView::draw(const game::Game& game, const render::Camera
   const auto start = std::chrono::steady_clock::now();
   uploads_ = 0;
   if (const auto furnished = upload_furniture(game); !furnished) return tl::unexpected(furnished.error());
-  std::vector<render::DrawItem> draws;
   std::optional<render::RenderError> trouble;
   for (std::size_t k = 0; k < game.things().size(); ++k) {
-    const Result<Item*> item = item_of(game, k);
-    if (!item) {
-      trouble = item.error();
-      continue;
-    }
-    set_states(game, k, **item, settings.debug);
-    const scenes::StageObject& object = game.stage().objects[game.things()[k].stage_object];
-    draws.push_back({&(*item)->gpu, (*item)->states, object.look, object.grain, (*item)->look_frame});
+    const Result<Place> place = place_of(game, k);
+    if (place)
+      set_states(game, k, *place, settings.debug);
+    else
+      trouble = place.error();
   }
-  std::vector<ObjectState>& balls = furniture_.back().second.states;
-  for (ObjectState& state : balls) state.visible = false;
-  std::size_t next = 0;
-  for (const world::BallState& ball : game.world().balls()) {
-    if (next >= balls.size()) break;
-    balls[next].visible = true;
-    balls[next].transform =
-        glm::scale(glm::mat4(ball.pose.matrix()), glm::vec3(static_cast<float>(ball.radius)));
-    ++next;
-  }
-  for (auto& [look, item] : furniture_)
-    draws.push_back({&item.gpu, item.states, look, {1, 0, 0}, std::nullopt});
+  set_balls(game);
+  std::vector<render::DrawItem> draws;
+  for (auto& [look, batch] : batches_) draws.push_back({&batch.gpu, batch.states, look, {0, 1, 0}});
 
   render::RenderSettings how;
   how.ground = render::Ground::kGrid;
@@ -232,7 +265,7 @@ Result<ViewFigures> StageView::draw(const game::Game& game, const render::Camera
   how.highlight =
       settings.debug == DebugView::kInterior ? render::Highlight::kInterior : render::Highlight::kNone;
   const render::FrameStats stats = renderer_.draw(draws, camera, how, framebuffer, width, height);
-  ViewFigures figures{stats.draw_calls, stats.culled, uploads_, 0};
+  ViewFigures figures{stats.draw_calls, stats.shadow_draw_calls, stats.culled, uploads_, 0};
   if (settings.debug == DebugView::kHulls || settings.debug == DebugView::kBonds) {
     add_lines(game, settings.debug);
     lines_.draw(camera, settings.debug == DebugView::kBonds);

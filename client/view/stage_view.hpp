@@ -1,4 +1,5 @@
-// A game's things as the renderer takes them: uploads what is new, carries transforms over, draws.
+// A game's things as the renderer takes them: uploads what is new, carries transforms over, draws. Everything
+// of one look is one batch, so that what wears equal materials is one draw call, however many things it is.
 #pragma once
 
 #include <map>
@@ -20,7 +21,7 @@ struct ViewSettings {
 };
 
 struct ViewFigures {
-  std::size_t draw_calls = 0, culled = 0, uploads = 0;
+  std::size_t draw_calls = 0, shadow_draw_calls = 0, culled = 0, uploads = 0;
   double submit_ms = 0;  ///< processor time from the first to the last call of a frame
 };
 
@@ -30,7 +31,8 @@ class StageView {
 
   /// Forgets everything that was uploaded: another stage, or the same anew.
   void reset() {
-    items_.clear();
+    batches_.clear();
+    places_.clear();
     furnished_ = nullptr;
   }
   /// Draws the game into the framebuffer. kGl where the driver refuses a mesh; the rest is drawn.
@@ -38,23 +40,30 @@ class StageView {
                                    const ViewSettings& settings, GLuint framebuffer, int width, int height);
 
  private:
-  struct Item {
+  struct Batch {
     render::GpuScene gpu;
     std::vector<render::ObjectState> states;
+  };
+  struct Place {  ///< of a thing's objects in the batch of its look
+    std::uint32_t first = 0, count = 0;
     bool broken = false;
-    render::Sphere look_frame;  ///< of the whole object, so that its solid texture stays when it breaks
   };
   StageView(render::Renderer renderer, DebugLines lines)
       : renderer_(std::move(renderer)), lines_(std::move(lines)) {}
-  render::Result<Item*> item_of(const game::Game& game, std::size_t thing);
-  void set_states(const game::Game& game, std::size_t thing, Item& item, DebugView debug);
+  /// Appends to the batch of a look; the number of the first object.
+  render::Result<std::uint32_t> add(render::SolidLook look, const render::Scene& scene,
+                                    const std::optional<render::SolidPlacement>& solid);
+  render::Result<Place> place_of(const game::Game& game, std::size_t thing);
+  void set_states(const game::Game& game, std::size_t thing, const Place& place, DebugView debug);
+  void set_balls(const game::Game& game);
   void add_lines(const game::Game& game, DebugView debug);
   render::Result<void> upload_furniture(const game::Game& game);
 
   render::Renderer renderer_;
   DebugLines lines_;
-  std::map<std::size_t, Item> items_;                          ///< by thing
-  std::vector<std::pair<render::SolidLook, Item>> furniture_;  ///< boxes by look, then the balls
+  std::map<render::SolidLook, Batch> batches_;
+  std::map<std::size_t, Place> places_;  ///< by thing
+  std::uint32_t balls_ = 0;              ///< first of them in the batch without a look
   const game::Game* furnished_ = nullptr;
   std::vector<world::FragmentState> fragment_states_;
   std::size_t uploads_ = 0;

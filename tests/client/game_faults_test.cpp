@@ -1,5 +1,6 @@
 // The game with a server that is away, busy, slow, or answers nonsense: it says so and goes on.
 #include <gtest/gtest.h>
+#include <malloc.h>
 #include <openssl/evp.h>
 
 #include <cmath>
@@ -218,6 +219,25 @@ TEST(GameFaults, BusyAndDamagedAnswersAreOvercome) {
   EXPECT_EQ(client.status().retried, 3u);
 }
 
+TEST(GameFaults, AStormOfBusyAnswersEndsInFragments) {
+  const std::string bytes = test::two_cubes_glb().bytes();
+  constexpr int kStorm = 40;
+  std::atomic<int> asked = 0;
+  FakeServer server([&](const FakeRequest& request) {
+    if (request.method == "PUT") return FakeReply::answer(201, "{}");
+    return asked++ < kStorm ? FakeReply::answer(503, "{}", "Retry-After: 0\r\n") : glb(bytes);
+  });
+  protocol::Settings settings = settings_for(server);
+  settings.patience = std::chrono::minutes(10);
+  protocol::Client client(settings);
+  Game game(falling_box(), client, {});
+  std::uint64_t frames_before = game.world().steps();
+  frames_until(game, [&] { return game.figures().swaps == 1; });
+  EXPECT_GT(game.world().steps(), frames_before);  // it went on meanwhile
+  EXPECT_EQ(client.status().retried, static_cast<std::uint64_t>(kStorm));
+  EXPECT_EQ(game.figures().failures, 0u);
+}
+
 TEST(GameFaults, AServerThatForgotTheMeshGetsItAgain) {
   const std::string bytes = test::two_cubes_glb().bytes();
   std::atomic<int> puts = 0;
@@ -259,7 +279,12 @@ TEST(GameFaults, TwoHundredGamesLeaveNothingBehind) {
   GameSettings settings;
   settings.fixed_latency = 2;
   std::optional<std::uint64_t> fingerprint;
+  const auto in_use = [] {
+    return static_cast<std::ptrdiff_t>(::mallinfo2().uordblks);
+  };  // bytes, of all threads
+  std::ptrdiff_t early = 0;
   for (int k = 0; k < 200; ++k) {
+    if (k == 40) early = in_use();
     Game game(falling_box(), client, settings);
     while (game.figures().swaps == 0) {
       while (!game.ready()) std::this_thread::yield();
@@ -269,6 +294,13 @@ TEST(GameFaults, TwoHundredGamesLeaveNothingBehind) {
     ASSERT_EQ(game.world().fingerprint(), *fingerprint) << k;
   }
   while (client.status().open != 0) std::this_thread::yield();
+  const std::ptrdiff_t late = in_use();
+  std::ptrdiff_t noted = 0;  // by the fake server, which keeps every request
+  for (const FakeRequest& request : server.requests())
+    noted += static_cast<std::ptrdiff_t>(request.method.capacity() + request.target.capacity() +
+                                         request.head.capacity() + request.body.capacity());
+  // 160 more cycles: one answer (6 KB) that stayed from each would be a megabyte.
+  EXPECT_LT(late - early, noted + 300'000);
 }
 
 }  // namespace
