@@ -174,7 +174,14 @@ Caps build_caps(const Solid& solid, const VoronoiDiagram& diagram, const Surface
     out.triangles.insert(out.triangles.end(), block.triangles.begin(), block.triangles.end());
     out.crossing += block.crossing;
   }
+  begin_at_coinciding_corners(positions, out);
   return out;
+}
+
+void begin_at_coinciding_corners(const VertexPositions& positions, Caps& caps) {
+  const auto at = [&](VertexId v) -> const auto& { return positions.steps[v - positions.first_constructed]; };
+  for (auto& t : caps.triangles)
+    if (at(t[1]) == at(t[2])) t = {t[1], t[2], t[0]};
 }
 
 }  // namespace fracture

@@ -26,7 +26,8 @@ struct Caps {
   std::vector<std::array<VertexId, 3>>
       triangles;               ///< as seen from cell hi: outward for lo; cell hi takes them mirrored
   std::uint64_t crossing = 0;  ///< loops that could not be nested (0 on embedded input)
-  /// Of rough caps (rough/roughen.hpp): per corner of each triangle the unit normal, outward for lo; empty: flat.
+  /// Of rough caps (rough/roughen.hpp): per corner of each triangle the unit normal, outward for lo; empty:
+  /// flat.
   std::vector<Vec3f> normals{};
 };
 
@@ -35,5 +36,11 @@ struct Caps {
 Caps build_caps(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
                 const Winding& winding, const VertexPositions& positions, const Execution& execution,
                 const std::vector<char>* of_interest = nullptr);
+
+/// Lattices of sites make facets without area, and these triangles whose corners share places. Two turns of
+/// such a triangle look alike, so that its mirror image could be taken for its like; begun at one of the
+/// corners that share a place, it and its image differ as they do where all corners do. Done in build_caps();
+/// again after triangles or places were changed.
+void begin_at_coinciding_corners(const VertexPositions& positions, Caps& caps);
 
 }  // namespace fracture

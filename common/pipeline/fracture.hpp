@@ -31,7 +31,7 @@ namespace fracture {
 ///  3  2026-11-21  the distribution of volumes in the report
 ///  4  2026-11-21  tetrahedra in canonical order, so that a hit leaves what it does not touch as it was, to
 ///                 the bit; several hits, whose sites stay within their radius
-///  5  2026-11-21  materials have rough cuts
+///  5  2026-11-21  materials have rough cuts; triangles without area have mirror images in any reading
 inline constexpr int kAlgorithmVersion = 5;
 
 enum class Dual {

@@ -203,6 +203,7 @@ RoughReport roughen(const Solid& solid, const VoronoiDiagram& diagram, const Sur
   mover.move(displacement, outside, execution);
   report.crossing = mover.calm(outside, execution);
   report.calmed = mover.calmed();
+  begin_at_coinciding_corners(positions, caps);
   caps.normals = cap_normals(diagram, owner_of_site, caps, positions, execution);
   return report;
 }

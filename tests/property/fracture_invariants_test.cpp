@@ -4,6 +4,7 @@
 
 #include "common/pipeline/fracture.hpp"
 #include "tests/property/judge.hpp"
+#include "tests/support/closed_inputs.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/fractured.hpp"
 #include "tests/support/mesh_files.hpp"
@@ -46,44 +47,23 @@ void expect_all_invariants(const Mesh& mesh, const std::vector<SiteFamily>& fami
 
 // ---- generated shapes
 
-class ClosedShape : public testing::TestWithParam<std::size_t> {
- public:
-  static const std::vector<NamedMesh>& shapes() {
-    static const std::vector<NamedMesh> all = closed_shapes();
-    return all;
-  }
-};
+class ClosedShape : public OnClosedShape {};
 
 TEST_P(ClosedShape, KeepsAllInvariantsForEverySiteFamily) {
-  const NamedMesh& shape = shapes()[GetParam()];
-  expect_all_invariants(shape.mesh, site_families(shape.mesh, kSeed), true);
+  expect_all_invariants(shape().mesh, site_families(shape().mesh, kSeed), true);
 }
 
-INSTANTIATE_TEST_SUITE_P(Seed20261121, ClosedShape,
-                         testing::Range<std::size_t>(0, ClosedShape::shapes().size()),
-                         [](const auto& i) { return ClosedShape::shapes()[i.param].name; });
+INSTANTIATE_TEST_SUITE_P(Seed20261121, ClosedShape, every_closed_shape(), name_of_shape);
 
 // ---- real meshes
 
-class ClosedMesh : public testing::TestWithParam<std::string> {};
+class ClosedMesh : public OnClosedMesh {};
 
 TEST_P(ClosedMesh, KeepsAllInvariantsForEverySiteFamily) {
-  const auto file = find_test_mesh(GetParam());
-  if (!file) GTEST_SKIP() << "no mesh " << GetParam();
-  const Expected<Mesh> mesh = load_mesh(*file);
-  ASSERT_TRUE(mesh) << mesh.error().detail;
-  // brick.glb and spot_quads.obj cross themselves (licences.md); their caps may cross.
-  const bool embedded =
-      GetParam().find("brick") == std::string::npos && GetParam().find("spot_quads") == std::string::npos;
-  expect_all_invariants(*mesh, small_site_families(*mesh, kSeed), embedded);
+  expect_all_invariants(mesh, small_site_families(mesh, kSeed), embedded());
 }
 
-INSTANTIATE_TEST_SUITE_P(Dev, ClosedMesh, testing::ValuesIn(closed_test_meshes()), [](const auto& i) {
-  std::string name = i.param;
-  for (char& c : name)
-    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(Dev, ClosedMesh, every_closed_mesh(), name_of_mesh);
 
 // ---- far from the origin
 
@@ -93,7 +73,7 @@ TEST(FractureFarFromOrigin, SeamsStayBitIdenticalAtZeroFourHundredAndThousandSiz
       for (const Vec3d& direction : {Vec3d{1, 1, 1}, Vec3d{0, 1, 0}, Vec3d{-1, 0, 0}}) {
         SCOPED_TRACE(std::string(shape) + " at " + std::to_string(distance));
         Mesh mesh;
-        for (const NamedMesh& s : ClosedShape::shapes())
+        for (const NamedMesh& s : all_closed_shapes())
           if (s.name == shape) mesh = s.mesh;
         ASSERT_FALSE(mesh.positions.empty());
         mesh = with_traced_triangles(translated(mesh, distance * box_of(mesh).longest_side() * direction));
@@ -107,7 +87,7 @@ TEST(FractureFarFromOrigin, SeamsStayBitIdenticalAtZeroFourHundredAndThousandSiz
 // ---- it is the Voronoi diagram
 
 TEST(FractureIsTheVoronoiDiagram, PointsLieInTheFragmentOfTheirNearestSite) {
-  for (const NamedMesh& shape : ClosedShape::shapes()) {
+  for (const NamedMesh& shape : all_closed_shapes()) {
     if (shape.name == "thin_plate") continue;  // thinner than what the point test can tell
     SCOPED_TRACE(shape.name);
     for (const SiteFamily& family : small_site_families(shape.mesh, kSeed)) {
@@ -131,7 +111,7 @@ TEST(FractureIsTheVoronoiDiagram, HundredThousandPointsOfATorus) {
 }
 
 TEST(FractureCounts, FragmentsAreCellsPlusIslandsLessUnionsAndDrops) {
-  for (const NamedMesh& shape : ClosedShape::shapes())
+  for (const NamedMesh& shape : all_closed_shapes())
     for (const SiteFamily& family : small_site_families(shape.mesh, kSeed)) {
       SCOPED_TRACE(shape.name + " " + family.name);
       const Certificate c = fracture_mesh(shape.mesh, at_points(family.sites)).set.certificate;
@@ -142,7 +122,7 @@ TEST(FractureCounts, FragmentsAreCellsPlusIslandsLessUnionsAndDrops) {
 // ---- groups
 
 TEST(FractureGroups, OneGroupOfAllCellsReturnsTheInputTrianglesBitForBit) {
-  for (const NamedMesh& shape : ClosedShape::shapes()) {
+  for (const NamedMesh& shape : all_closed_shapes()) {
     SCOPED_TRACE(shape.name);
     const Mesh mesh = with_traced_triangles(shape.mesh);
     PointsPattern pattern{random_sites(box_of(mesh), 60, kSeed)};
@@ -171,7 +151,7 @@ TEST(FractureGroups, OneGroupOfAllCellsReturnsTheInputTrianglesBitForBit) {
 }
 
 TEST(FractureGroups, EveryThirdCellGroupedKeepsAllInvariants) {
-  for (const NamedMesh& shape : ClosedShape::shapes()) {
+  for (const NamedMesh& shape : all_closed_shapes()) {
     SCOPED_TRACE(shape.name);
     const Mesh mesh = with_traced_triangles(shape.mesh);
     for (const std::uint32_t groups : {2u, 5u, 17u}) {
@@ -236,7 +216,7 @@ TEST(FractureScale, TenThousandSites) {
 }
 
 TEST(FractureThreads, SameFragmentsForOneAndTwoThreads) {
-  for (const NamedMesh& shape : ClosedShape::shapes()) {
+  for (const NamedMesh& shape : all_closed_shapes()) {
     SCOPED_TRACE(shape.name);
     const FractureParameters p = at_points(random_sites(box_of(shape.mesh), 300, kSeed));
     const FragmentSet a = fracture_mesh(shape.mesh, p, 1).set, b = fracture_mesh(shape.mesh, p, 2).set;

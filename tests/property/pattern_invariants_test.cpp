@@ -6,6 +6,7 @@
 #include <set>
 
 #include "tests/property/judge.hpp"
+#include "tests/support/closed_inputs.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/mesh_files.hpp"
 #include "tests/support/pattern_requests.hpp"
@@ -16,8 +17,6 @@ namespace fracture::test {
 namespace {
 
 constexpr std::uint64_t kSeed = 20261121;
-
-bool full() { return std::getenv("FRACTURE_TEST_FULL") != nullptr; }
 
 void expect_all_invariants(const Mesh& mesh, std::uint32_t sites, bool embedded) {
   const Mesh traced = with_traced_triangles(mesh);
@@ -49,43 +48,21 @@ void expect_all_invariants(const Mesh& mesh, std::uint32_t sites, bool embedded)
   }
 }
 
-class PatternsOnShapes : public testing::TestWithParam<std::size_t> {
- public:
-  static const std::vector<NamedMesh>& shapes() {
-    static const std::vector<NamedMesh> all = closed_shapes();
-    return all;
-  }
-};
+class PatternsOnShapes : public OnClosedShape {};
 
 TEST_P(PatternsOnShapes, KeepAllInvariants) {
-  expect_all_invariants(shapes()[GetParam()].mesh, full() ? 200 : 40, true);
+  expect_all_invariants(shape().mesh, full_tests() ? 200 : 40, true);
 }
 
-INSTANTIATE_TEST_SUITE_P(Seed20261121, PatternsOnShapes,
-                         testing::Range<std::size_t>(0, PatternsOnShapes::shapes().size()),
-                         [](const auto& i) { return PatternsOnShapes::shapes()[i.param].name; });
+INSTANTIATE_TEST_SUITE_P(Seed20261121, PatternsOnShapes, every_closed_shape(), name_of_shape);
 
-class PatternsOnMeshes : public testing::TestWithParam<std::string> {};
+class PatternsOnMeshes : public OnClosedMeshAtLength {};
 
 TEST_P(PatternsOnMeshes, KeepAllInvariants) {
-  const std::set<std::string> always{"cube.glb", "kk_bottle_A_brown.glb", "nested.glb"};
-  if (!full() && always.count(GetParam()) == 0) GTEST_SKIP() << "only with FRACTURE_TEST_FULL";
-  const auto file = find_test_mesh(GetParam());
-  if (!file) GTEST_SKIP() << "no mesh " << GetParam();
-  const Expected<Mesh> mesh = load_mesh(*file);
-  ASSERT_TRUE(mesh) << mesh.error().detail;
-  // brick.glb and spot_quads.obj cross themselves (licences.md); their caps may cross.
-  const bool embedded =
-      GetParam().find("brick") == std::string::npos && GetParam().find("spot_quads") == std::string::npos;
-  expect_all_invariants(*mesh, full() ? 120 : 40, embedded);
+  expect_all_invariants(mesh, full_tests() ? 120 : 40, embedded());
 }
 
-INSTANTIATE_TEST_SUITE_P(Dev, PatternsOnMeshes, testing::ValuesIn(closed_test_meshes()), [](const auto& i) {
-  std::string name = i.param;
-  for (char& c : name)
-    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(Dev, PatternsOnMeshes, every_closed_mesh(), name_of_mesh);
 
 TEST(PatternsFarFromOrigin, StretchedCellsKeepAllInvariantsAtAThousandSizes) {
   for (const double distance : {4.0, 1000.0}) {

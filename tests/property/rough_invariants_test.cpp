@@ -9,6 +9,7 @@
 #include <set>
 
 #include "tests/property/judge.hpp"
+#include "tests/support/closed_inputs.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/fractured.hpp"
 #include "tests/support/mesh_files.hpp"
@@ -19,8 +20,6 @@ namespace fracture::test {
 namespace {
 
 constexpr std::uint64_t kSeed = 20261121;
-
-bool full() { return std::getenv("FRACTURE_TEST_FULL") != nullptr; }
 
 /// `embedded`: the surface does not cross itself.
 void expect_all_invariants(const Mesh& mesh, const FractureParameters& parameters, bool embedded) {
@@ -41,7 +40,7 @@ void expect_all_invariants(const Mesh& mesh, const FractureParameters& parameter
 }
 
 FractureParameters rough(FractureParameters p) {
-  p.roughness = full() ? Roughness{0.06, 5, 2} : Roughness{0.05, 4, 1};
+  p.roughness = full_tests() ? Roughness{0.06, 5, 2} : Roughness{0.05, 4, 1};
   return p;
 }
 
@@ -49,61 +48,38 @@ FractureParameters rough(FractureParameters p) {
 /// groups, thin cells, an image), the one whose turn it is.
 std::vector<NamedParameters> requests(const Box& box, std::size_t turn) {
   const std::array<std::string, 4> special{"brick", "slice_two", "radial", "wood"};
-  std::vector<NamedParameters> all = pattern_requests(box, full() ? 60 : 20, kSeed);
-  if (!full())
+  std::vector<NamedParameters> all = pattern_requests(box, full_tests() ? 60 : 20, kSeed);
+  if (!full_tests())
     std::erase_if(all, [&](const NamedParameters& r) {
       return r.name != "uniform" && r.name != special[turn % special.size()];
     });
   return all;
 }
 
-class RoughShape : public testing::TestWithParam<std::size_t> {
- public:
-  static const std::vector<NamedMesh>& shapes() {
-    static const std::vector<NamedMesh> all = closed_shapes();
-    return all;
-  }
-};
+class RoughShape : public OnClosedShape {};
 
 TEST_P(RoughShape, KeepsAllInvariants) {
-  const NamedMesh& shape = shapes()[GetParam()];
-  for (const NamedParameters& request : requests(box_of(shape.mesh), GetParam())) {
+  for (const NamedParameters& request : requests(box_of(shape().mesh), GetParam())) {
     SCOPED_TRACE(request.name);
-    expect_all_invariants(shape.mesh, rough(request.parameters), true);
+    expect_all_invariants(shape().mesh, rough(request.parameters), true);
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Seed20261121, RoughShape,
-                         testing::Range<std::size_t>(0, RoughShape::shapes().size()),
-                         [](const auto& i) { return RoughShape::shapes()[i.param].name; });
+INSTANTIATE_TEST_SUITE_P(Seed20261121, RoughShape, every_closed_shape(), name_of_shape);
 
-class RoughMesh : public testing::TestWithParam<std::string> {};
+class RoughMesh : public OnClosedMeshAtLength {};
 
 TEST_P(RoughMesh, KeepsAllInvariants) {
-  const std::set<std::string> always{"cube.glb", "kk_bottle_A_brown.glb", "nested.glb"};
-  if (!full() && always.count(GetParam()) == 0) GTEST_SKIP() << "only with FRACTURE_TEST_FULL";
-  const auto file = find_test_mesh(GetParam());
-  if (!file) GTEST_SKIP() << "no mesh " << GetParam();
-  const Expected<Mesh> mesh = load_mesh(*file);
-  ASSERT_TRUE(mesh) << mesh.error().detail;
-  // brick.glb and spot_quads.obj cross themselves (licences.md).
-  const bool embedded =
-      GetParam().find("brick") == std::string::npos && GetParam().find("spot_quads") == std::string::npos;
   FractureParameters p;
   p.sites = 40;
   p.seed = kSeed;
   p = rough(p);
-  expect_all_invariants(*mesh, p, embedded);
+  expect_all_invariants(mesh, p, embedded());
   p.roughness.amplitude = 0.25;  // more than is allowed
-  expect_all_invariants(*mesh, p, embedded);
+  expect_all_invariants(mesh, p, embedded());
 }
 
-INSTANTIATE_TEST_SUITE_P(Dev, RoughMesh, testing::ValuesIn(closed_test_meshes()), [](const auto& i) {
-  std::string name = i.param;
-  for (char& c : name)
-    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(Dev, RoughMesh, every_closed_mesh(), name_of_mesh);
 
 TEST(RoughGroups, KeepLimitsOfSizeAndLocalHitsKeepAllInvariants) {
   const Mesh mesh = torus(32, 16);

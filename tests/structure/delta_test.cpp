@@ -10,6 +10,7 @@
 #include <map>
 
 #include "common/structure/keep_changed.hpp"
+#include "tests/support/closed_inputs.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/fractured.hpp"
 #include "tests/support/mesh_files.hpp"
@@ -326,24 +327,15 @@ TEST(Delta, OnlyPartOfTheFragmentsIsInTheAnswer) {
   EXPECT_LT(next->set.fragments.size(), 100u);
 }
 
-class DeltaOfMesh : public testing::TestWithParam<std::string> {};
+class DeltaOfMesh : public OnClosedMesh {};
 
 TEST_P(DeltaOfMesh, EqualsTheWholeFracture) {
-  const auto file = find_test_mesh(GetParam());
-  if (!file) GTEST_SKIP() << "no mesh " << GetParam();
-  const Expected<Mesh> mesh = load_mesh(*file);
-  ASSERT_TRUE(mesh) << mesh.error().detail;
-  FractureParameters p = hits_on(*mesh, 60, 0.15);
+  FractureParameters p = hits_on(mesh, 60, 0.15);
   p.hits.resize(2);
-  expect_hits(*mesh, p);
+  expect_hits(mesh, p);
 }
 
-INSTANTIATE_TEST_SUITE_P(Dev, DeltaOfMesh, testing::ValuesIn(closed_test_meshes()), [](const auto& i) {
-  std::string name = i.param;
-  for (char& c : name)
-    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(Dev, DeltaOfMesh, every_closed_mesh(), name_of_mesh);
 
 }  // namespace
 }  // namespace fracture::test

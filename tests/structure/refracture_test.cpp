@@ -6,6 +6,7 @@
 
 #include "common/fragment/fragment_mesh.hpp"
 #include "tests/property/judge.hpp"
+#include "tests/support/closed_inputs.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/fractured.hpp"
 #include "tests/support/mesh_files.hpp"
@@ -97,22 +98,11 @@ TEST(Refracture, OldCutFacesKeepTheirAttributes) {
   EXPECT_GT(corners, 0u);
 }
 
-class RefractureOfMesh : public testing::TestWithParam<std::string> {};
+class RefractureOfMesh : public OnClosedMesh {};
 
-TEST_P(RefractureOfMesh, FragmentsCanBeFracturedAgain) {
-  const auto file = find_test_mesh(GetParam());
-  if (!file) GTEST_SKIP() << "no mesh " << GetParam();
-  const Expected<Mesh> mesh = load_mesh(*file);
-  ASSERT_TRUE(mesh) << mesh.error().detail;
-  expect_partition_of(largest_fragment(*mesh, 10));
-}
+TEST_P(RefractureOfMesh, FragmentsCanBeFracturedAgain) { expect_partition_of(largest_fragment(mesh, 10)); }
 
-INSTANTIATE_TEST_SUITE_P(Dev, RefractureOfMesh, testing::ValuesIn(closed_test_meshes()), [](const auto& i) {
-  std::string name = i.param;
-  for (char& c : name)
-    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(Dev, RefractureOfMesh, every_closed_mesh(), name_of_mesh);
 
 }  // namespace
 }  // namespace fracture::test

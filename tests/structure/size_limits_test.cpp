@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "tests/property/judge.hpp"
+#include "tests/support/closed_inputs.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/fractured.hpp"
 #include "tests/support/mesh_files.hpp"
@@ -172,29 +173,20 @@ TEST(SizeLimits, LargestVolumeIsReachedByFurtherSites) {
     }
 }
 
-class SizeLimitsOfMesh : public testing::TestWithParam<std::string> {};
+class SizeLimitsOfMesh : public OnClosedMesh {};
 
 TEST_P(SizeLimitsOfMesh, KeepsAllInvariantsWhenSmallPiecesAreUnited) {
-  const auto file = find_test_mesh(GetParam());
-  if (!file) GTEST_SKIP() << "no mesh " << GetParam();
-  const Expected<Mesh> loaded = load_mesh(*file);
-  ASSERT_TRUE(loaded) << loaded.error().detail;
-  const Mesh mesh = with_traced_triangles(*loaded);
-  FractureParameters p = at_random(mesh, 100);
+  const Mesh traced = with_traced_triangles(mesh);
+  FractureParameters p = at_random(traced, 100);
   p.size.min_fraction = 0.01;
   p.size.max_fragments = 30;
   p.levels = {4, 12};
-  const FragmentSet set = fracture_mesh(mesh, p).set;
-  expect_invariants(set, mesh);
+  const FragmentSet set = fracture_mesh(traced, p).set;
+  expect_invariants(set, traced);
   EXPECT_EQ(set.hierarchy.cluster_of_fragment.size(), set.fragments.size());
 }
 
-INSTANTIATE_TEST_SUITE_P(Dev, SizeLimitsOfMesh, testing::ValuesIn(closed_test_meshes()), [](const auto& i) {
-  std::string name = i.param;
-  for (char& c : name)
-    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(Dev, SizeLimitsOfMesh, every_closed_mesh(), name_of_mesh);
 
 }  // namespace
 }  // namespace fracture::test
