@@ -130,7 +130,8 @@ Result<GpuScene> GpuScene::batch() {
   return gpu;
 }
 
-Result<std::uint32_t> GpuScene::append(const Scene& more, const std::optional<SolidPlacement>& solid) {
+Result<std::uint32_t> GpuScene::append(const Scene& more, const std::optional<SolidPlacement>& solid,
+                                       SolidLook look) {
   if (auto room = check_room(more); !room) return tl::unexpected(room.error());
   const auto first_object = static_cast<std::uint32_t>(own_->objects.size()),
              first_vertex = static_cast<std::uint32_t>(vertices_.used / sizeof(Vertex)),
@@ -142,14 +143,16 @@ Result<std::uint32_t> GpuScene::append(const Scene& more, const std::optional<So
     return a.width == b.width && a.pixels == b.pixels;
   };
   std::vector<std::uint32_t> picture_of;
-  for (const Picture& picture : more.pictures) {
+  const bool textured = look == SolidLook::kNone;
+  for (const Picture& picture : textured ? std::span(more.pictures) : std::span<const Picture>()) {
     std::uint32_t at = 0;
     while (at < own_->pictures.size() && !same(own_->pictures[at], picture)) ++at;
     if (at == own_->pictures.size()) own_->pictures.push_back(picture);
     picture_of.push_back(at);
   }
   std::vector<std::uint32_t> material_of;
-  for (Material material : more.materials) {
+  for (const Material& source : more.materials) {
+    Material material = with_look(source, look);
     material.name.clear();
     for (TextureSlot* slot :
          {&material.base_color_texture, &material.metallic_roughness_texture, &material.normal_texture,

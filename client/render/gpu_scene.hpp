@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "client/render/gl_objects.hpp"
+#include "client/render/looks.hpp"
 #include "client/render/scene.hpp"
 
 namespace fracture::render {
@@ -37,7 +38,9 @@ class GpuScene {
   /// Adds a scene to a batch (its own copy; vertices stay in the driver alone) and returns the number of its
   /// first object there: the others follow. Equal materials become one. kTooLarge, kGl; then nothing was
   /// added.
-  Result<std::uint32_t> append(const Scene& more, const std::optional<SolidPlacement>& solid);
+  /// With a look, materials are taken as it replaces them, and textures stay out.
+  Result<std::uint32_t> append(const Scene& more, const std::optional<SolidPlacement>& solid,
+                               SolidLook look = SolidLook::kNone);
 
   const Scene& scene() const { return *scene_; }
   const Sphere& bounds() const { return bounds_; }  ///< of the scene as the file places it

@@ -88,15 +88,7 @@ Result<std::uint32_t> StageView::add(render::SolidLook look, const render::Scene
     if (!gpu) return tl::unexpected(gpu.error());
     batch = batches_.emplace(look, Batch{std::move(*gpu), {}}).first;
   }
-  Result<std::uint32_t> first(0);
-  if (look == render::SolidLook::kNone) {
-    first = batch->second.gpu.append(scene, solid);
-  } else {  // what the look replaces must not keep materials apart
-    render::Scene plain = scene;
-    for (render::Material& material : plain.materials) material = with_look(material, look);
-    plain.pictures.clear();
-    first = batch->second.gpu.append(plain, solid);
-  }
+  const Result<std::uint32_t> first = batch->second.gpu.append(scene, solid, look);
   if (!first) return first;
   const std::vector<ObjectState> states = initial_states(scene);
   batch->second.states.insert(batch->second.states.end(), states.begin(), states.end());
