@@ -79,12 +79,17 @@ class Camera {
 
 json summary_of_frames(std::vector<double> times) {
   if (times.empty()) return json::object();
+  const json in_order = times;
   const double worst = *std::max_element(times.begin(), times.end());
   std::sort(times.begin(), times.end());
   const auto at = [&](double share) {
     return times[static_cast<std::size_t>(share * static_cast<double>(times.size() - 1))];
   };
-  return {{"count", times.size()}, {"median_ms", at(0.5)}, {"p99_ms", at(0.99)}, {"worst_ms", worst}};
+  return {{"count", times.size()},
+          {"median_ms", at(0.5)},
+          {"p99_ms", at(0.99)},
+          {"worst_ms", worst},
+          {"each_ms", in_order}};
 }
 
 json fragments_of(const game::Game& game) {

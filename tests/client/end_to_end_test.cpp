@@ -36,6 +36,15 @@ json run(const Options& options) {
   return *summary;
 }
 
+render::Picture read_picture(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  const std::vector<char> bytes{std::istreambuf_iterator<char>(in), {}};
+  auto picture =
+      render::decode_picture(std::span(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()));
+  if (!picture) throw std::runtime_error(path + ": " + picture.error().detail);
+  return *picture;
+}
+
 struct SceneCase {
   const char* name;
   double seconds;
@@ -174,13 +183,8 @@ TEST(EndToEnd, PicturesShowTheSceneBeforeAndAfter) {
   ASSERT_EQ(summary["pictures"].size(), 2u);
   std::vector<render::Picture> pictures;
   for (const json& picture : summary["pictures"]) {
-    std::ifstream in(picture["file"].get<std::string>(), std::ios::binary);
-    const std::vector<char> bytes{std::istreambuf_iterator<char>(in), {}};
-    auto decoded =
-        render::decode_picture(std::span(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()));
-    ASSERT_TRUE(decoded) << decoded.error().detail;
-    EXPECT_EQ(decoded->width, 320);
-    pictures.push_back(std::move(*decoded));
+    pictures.push_back(read_picture(picture["file"]));
+    EXPECT_EQ(pictures.back().width, 320);
     EXPECT_LE(picture["draw_calls"].get<int>(), 20);
   }
   std::size_t changed = 0;
@@ -194,6 +198,45 @@ TEST(EndToEnd, PicturesShowTheSceneBeforeAndAfter) {
   EXPECT_GT(changed, pictures[0].pixels.size() / 50);
   EXPECT_LT(changed, pictures[0].pixels.size() / 2);
 }
+
+struct Shown {
+  const char* scene;
+  double seconds;
+};
+class ReadmePictures : public testing::TestWithParam<Shown> {};
+
+// As scripts/client-pictures draws them. Small pieces may lie elsewhere after a change of the fragments; what
+// the scene looks like may not change unseen.
+TEST_P(ReadmePictures, ShowWhatTheSceneLooksLike) {
+  if (auto context = headless::EglContext::create(); !context) GTEST_SKIP() << context.error().detail;
+  test::ServeProcess server;
+  test::TemporaryFolder folder;
+  Options options = options_for(server, GetParam().scene, GetParam().seconds);
+  options.width = 640;
+  options.height = 360;
+  options.screenshots = {GetParam().seconds};
+  options.out = folder / "";
+  const json summary = run(options);
+  constexpr int kBlock = 8;  // pixels that are averaged
+  const render::Picture now = downsample(read_picture(summary["pictures"][0]["file"]), kBlock),
+                        known = downsample(
+                            read_picture(std::string(FRACTURE_PICTURES "/") + GetParam().scene + ".png"),
+                            kBlock);
+  ASSERT_EQ(now.pixels.size(), known.pixels.size());
+  std::size_t other = 0;
+  for (std::size_t k = 0; k < now.pixels.size(); ++k)
+    for (std::size_t c = 0; c < 3; ++c)
+      if (std::abs(int(now.pixels[k][c]) - int(known.pixels[k][c])) > 24) {
+        ++other;
+        break;
+      }
+  EXPECT_LT(other, now.pixels.size() / 10);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, ReadmePictures,
+                         testing::Values(Shown{"monkey", 1.4}, Shown{"panes", 1.6}, Shown{"wall", 2.2},
+                                         Shown{"temple", 3}, Shown{"crates", 1.2}),
+                         [](const auto& shown) { return shown.param.scene; });
 
 TEST(EndToEnd, TheExampleInPythonBreaksAMesh) {
   test::ServeProcess server;

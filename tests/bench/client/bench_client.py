@@ -7,7 +7,7 @@ No pixel is rasterized (Mesa's GALLIUM_NOOP takes every call and draws nothing),
 Wall-clock: on a machine with other work the least of several runs is nearest to the truth, and that is what is judged.
 
 1. Waiting: a proxy holds each answer back for two seconds. The worst frame while a request is open, divided by the
-   median of those frames: at most 1.5. The frame that adopts about 200 fragments: at most 2 times the median.
+   median of those frames: at most 1.5. The frame that adopts about 200 fragments: at most 2 times the median of all.
 2. Submission: every scene; fragments, draw calls (at most 20), milliseconds to submit a frame (at most 2).
 """
 import argparse
@@ -93,15 +93,18 @@ def main():
         port = int(ports.group(1))
         slow = proxy(port)
         print(f"load of the machine {os.getloadavg()[0]:.1f}; times in ms")
-        waits, swaps = [], []
+        # Until the answer comes every run moves alike, frame by frame: the least of each frame is what it takes.
+        waits, swaps, medians = [], [], []
         for _ in range(options.runs):
             run = play(options.build, slow, "monkey", "--seconds", "4.5", "--no-throws")
-            waiting, swap = run["waiting_frames"], run["swap_frames"]
-            waits.append(waiting["worst_ms"] / waiting["median_ms"])
-            swaps.append(swap["worst_ms"] / run["frames"]["median_ms"])
-            print(f"  waiting: {waiting['count']} frames, median {waiting['median_ms']:.2f}, worst {waiting['worst_ms']:.2f};"
-                  f" swap of {run['bodies']['fragments']}: {swap['worst_ms']:.2f}, median of all {run['frames']['median_ms']:.2f}")
-        print(f"waiting, worst over median: {min(waits):.2f} (bar 1.5); swap over median: {min(swaps):.2f} (bar 2)")
+            waits.append(run["waiting_frames"]["each_ms"])
+            swaps.append(run["swap_frames"]["worst_ms"])
+            medians.append(run["frames"]["median_ms"])
+        waiting = sorted(map(min, zip(*waits)))
+        middle = waiting[len(waiting) // 2]
+        print(f"waiting: {len(waiting)} frames, median {middle:.2f}, worst {waiting[-1]:.2f}: {waiting[-1] / middle:.2f} times (bar 1.5)")
+        print(f"the swap of {run['bodies']['fragments']} fragments: {min(swaps):.2f}, median of all frames {min(medians):.2f}:"
+              f" {min(swaps) / min(medians):.1f} times (bar 2)")
         for scene in ("monkey", "panes", "wall", "temple", "crates"):
             run = play(options.build, port, scene, "--seconds", "4", "--fixed-step")
             submit = run["submit"]
