@@ -31,7 +31,9 @@ class OnADisplay : public testing::Test {
     }
     // The last line is the number; the X server may have said something before it.
     number.pop_back();
-    ::setenv("DISPLAY", (":" + number.substr(number.rfind('\n') + 1)).c_str(), 1);
+    std::string display(1, ':');
+    display.append(number, number.rfind('\n') + 1);
+    ::setenv("DISPLAY", display.c_str(), 1);
   }
 
   int play(std::vector<std::string> arguments) {
