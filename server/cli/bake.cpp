@@ -1,23 +1,25 @@
-// fracture-server bake: the service without HTTP, for artists and farms.
-#include <fcntl.h>
+// fracture-server bake: the service without HTTP, for artists (one file) and farms (folders, manifests,
+// shards).
 #include <signal.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <cinttypes>
 #include <cstdio>
 #include <cstring>
-#include <mutex>
 #include <optional>
-#include <set>
 #include <stop_token>
 #include <string>
-#include <string_view>
+#include <thread>
 
-#include "server/cli/import_workers.hpp"
-#include "server/cli/input_file.hpp"
+#include "server/bake/atomic_file.hpp"
+#include "server/bake/plan.hpp"
+#include "server/bake/progress.hpp"
+#include "server/bake/run.hpp"
+#include "server/bake/import_workers.hpp"
+#include "server/bake/input_file.hpp"
 #include "server/cli/options.hpp"
 #include "server/service/worker_pool.hpp"
 
@@ -27,69 +29,25 @@ namespace {
 std::atomic<bool> interrupted{false};
 void on_interrupt(int) { interrupted = true; }
 
-/// Whole or not at all: a temporary file beside the target, flushed to the disk, then renamed over it.
-bool write_file(const std::string& path, const std::vector<std::uint8_t>& bytes) {
-  const std::string temporary = path + ".tmp." + std::to_string(::getpid());
-  const int fd = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (fd < 0) return false;
-  std::size_t written = 0;
-  bool good = true;
-  while (good && written < bytes.size()) {
-    const ssize_t n = ::write(fd, bytes.data() + written, bytes.size() - written);
-    if (n < 0 && errno == EINTR) continue;
-    good = n > 0;
-    if (good) written += static_cast<std::size_t>(n);
-  }
-  good = good && ::fsync(fd) == 0;
-  good = ::close(fd) == 0 && good;
-  good = good && std::rename(temporary.c_str(), path.c_str()) == 0;
-  if (!good) {
-    const int reason = errno;
-    ::unlink(temporary.c_str());
-    errno = reason;
-  }
-  return good;
-}
-
-/// A bar that redraws itself on a terminal; one line for each stage elsewhere. Called from any thread.
-class Progress {
+/// SIGINT and SIGTERM as a stop. A signal handler may not touch a stop_source: a watcher carries the message.
+class StopOnSignal {
  public:
-  explicit Progress(bool quiet) : quiet_(quiet), terminal_(::isatty(STDERR_FILENO) == 1) {}
-
-  void show(const char* stage, double fraction) {
-    if (quiet_) return;
-    const std::lock_guard lock(mutex_);
-    const int percent = static_cast<int>(100 * std::min(1.0, std::max(0.0, fraction)));
-    const bool new_stage = stage_ != stage;
-    if (!new_stage && percent == percent_) return;
-    stage_ = stage;
-    percent_ = percent;
-    if (terminal_) {
-      constexpr int kWidth = 40;
-      const int full = percent * kWidth / 100;
-      std::fprintf(stderr, "\r%-16s [%s%s] %3d%%", stage,
-                   std::string(static_cast<std::size_t>(full), '#').c_str(),
-                   std::string(static_cast<std::size_t>(kWidth - full), '.').c_str(), percent);
-      std::fflush(stderr);
-      drawn_ = true;
-    } else if (seen_.insert(stage).second) {
-      std::fprintf(stderr, "%s\n", stage);
-    }
+  StopOnSignal() {
+    struct sigaction action {};
+    action.sa_handler = on_interrupt;
+    sigaction(SIGINT, &action, nullptr);
+    sigaction(SIGTERM, &action, nullptr);
   }
-  /// Removes the bar, so that what is printed next begins on an empty line.
-  void finish() {
-    const std::lock_guard lock(mutex_);
-    if (drawn_) std::fprintf(stderr, "\r\033[K");
-    drawn_ = false;
-  }
+  std::stop_token token() { return stop_.get_token(); }
 
  private:
-  const bool quiet_, terminal_;
-  std::mutex mutex_;
-  std::string stage_;
-  std::set<std::string> seen_;
-  int percent_ = -1;
-  bool drawn_ = false;
+  std::stop_source stop_;
+  std::jthread watcher_{[this](const std::stop_token& end) {
+    while (!end.stop_requested()) {
+      if (interrupted) stop_.request_stop();
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+  }};
 };
 
 int refuse(const Error& error) {
@@ -101,41 +59,28 @@ int refuse(const Error& error) {
   return error.code == ErrorCode::kCancelled ? kExitInterrupted : kExitRefused;
 }
 
-}  // namespace
-
-int bake(const BakeOptions& options) {
-  FractureService service(options.service, make_engine(one_import_worker()));
-  Expected<RequestParameters> parameters = service.parse(options.parameters);
+/// One file with all threads, in the words of one.
+int bake_one(const bake::BakeJob& job, const BakeOptions& options) {
+  FractureService service(options.service, make_engine(bake::own_import_workers(1)));
+  Expected<RequestParameters> parameters = service.parse(job.parameters);
   if (!parameters) return refuse(parameters.error());
-  const Expected<MeshFormat> format = format_of_input(options.input, *parameters);
+  const Expected<MeshFormat> format = bake::format_of_input(job.input, *parameters);
   if (!format) return refuse(format.error());
-  const std::optional<InputFile> input = read_input(options.input, *format);
+  const std::optional<bake::InputFile> input = bake::read_input(job.input, *format);
   if (!input) {
-    std::fprintf(stderr, "fracture-server bake: cannot read %s: %s\n", options.input.c_str(),
+    std::fprintf(stderr, "fracture-server bake: cannot read %s: %s\n", job.input.c_str(),
                  std::strerror(errno));
     return kExitSystem;
   }
 
-  Progress progress(options.quiet);
-  std::stop_source stop;
-  struct sigaction action {};
-  action.sa_handler = on_interrupt;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-  // A signal handler may not touch a stop_source: a watcher carries the message.
-  std::jthread watcher([&stop](std::stop_token end) {
-    while (!end.stop_requested()) {
-      if (interrupted) stop.request_stop();
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    }
-  });
+  bake::StageProgress progress(options.quiet);
+  StopOnSignal stop;
   Execution execution;
   execution.threads = options.threads > 0 ? options.threads : available_cores();
-  execution.stop = stop.get_token();
+  execution.stop = stop.token();
   execution.progress = [&progress](const char* stage, double fraction) { progress.show(stage, fraction); };
 
-  const bool gltf =
-      format_from_extension(options.output.substr(options.output.rfind('.') + 1)) == MeshFormat::kGltf;
+  const bool gltf = format_from_extension(job.output.substr(job.output.rfind('.') + 1)) == MeshFormat::kGltf;
   const OutputFormat output = gltf ? OutputFormat::kGltf : OutputFormat::kGlb;
   const auto start = std::chrono::steady_clock::now();
   const Expected<FractureAnswer> answer = service.fracture(
@@ -143,8 +88,8 @@ int bake(const BakeOptions& options) {
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   progress.finish();
   if (!answer) return refuse(answer.error());
-  if (!write_file(options.output, answer->result->file)) {
-    std::fprintf(stderr, "fracture-server bake: cannot write %s: %s\n", options.output.c_str(),
+  if (!bake::write_file(job.output, std::as_bytes(std::span(answer->result->file)))) {
+    std::fprintf(stderr, "fracture-server bake: cannot write %s: %s\n", job.output.c_str(),
                  std::strerror(errno));
     return kExitSystem;
   }
@@ -152,8 +97,8 @@ int bake(const BakeOptions& options) {
     const Certificate& c = answer->certificate;
     std::printf("%s: %u fragments, volume in %.9g m3, out %.9g m3, relative error %.2g, %" PRIu64
                 " open edges, %zu bytes, %.3f s (",
-                options.output.c_str(), c.fragments, c.volume_in, c.volume_out, c.relative_error,
-                c.open_edges, answer->result->file.size(), took.count());
+                job.output.c_str(), c.fragments, c.volume_in, c.volume_out, c.relative_error, c.open_edges,
+                answer->result->file.size(), took.count());
     const char* separator = "";
     for (const auto& [stage, ms] : answer->timings.stages()) {
       std::printf("%s%s %.1f ms", separator, stage.c_str(), ms);
@@ -162,6 +107,62 @@ int bake(const BakeOptions& options) {
     std::printf(")\n");
   }
   return kExitDone;
+}
+
+/// Beside the outputs, or beside the manifest; one for each shard.
+std::string report_path(const BakeOptions& options, const bake::Shard& shard) {
+  if (!options.report.empty()) return options.report;
+  const std::string part = shard.count > 1
+                               ? "." + std::to_string(shard.index) + "-of-" + std::to_string(shard.count)
+                               : std::string();
+  if (!options.source.manifest.empty()) return options.source.manifest + part + ".report";
+  return options.source.output + "/bake" + part + ".ndjson";
+}
+
+int exit_code(const bake::RunFigures& f, const BakeOptions& options) {
+  if (f.cancelled > 0) return kExitInterrupted;
+  if (f.unsound > 0) return kExitInternal;
+  if (f.unreadable > 0 || f.unwritable > 0) return kExitSystem;
+  return f.refused > options.allow_refused ? kExitRefused : kExitDone;
+}
+
+}  // namespace
+
+int bake(const BakeOptions& options) {
+  bake::BakeSource source = options.source;
+  if (!options.shard.empty()) {
+    const Expected<bake::Shard> shard = bake::parse_shard(options.shard);
+    if (!shard) {
+      std::fprintf(stderr, "fracture-server bake: %s\n", shard.error().detail.c_str());
+      return kExitUsage;
+    }
+    source.shard = *shard;
+  }
+  const Expected<bake::BakePlan> plan = bake::plan_bake(source);
+  if (!plan) {
+    std::fprintf(stderr, "fracture-server bake: %s\n", plan.error().detail.c_str());
+    return kExitUsage;
+  }
+  if (plan->single && options.report.empty()) return bake_one(plan->jobs.front(), options);
+
+  const int jobs = options.jobs > 0 ? options.jobs : available_cores();
+  StopOnSignal stop;
+  const std::unique_ptr<bake::Baker> baker = bake::local_baker(options.service, jobs);
+  bake::RunOptions run;
+  run.jobs = jobs;
+  run.report = report_path(options, source.shard);
+  run.force = options.force;
+  run.quiet = options.quiet;
+  const auto start = std::chrono::steady_clock::now();
+  const bake::RunFigures f = bake::run_bake(*plan, *baker, run, stop.token());
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  if (!options.quiet)
+    std::printf(
+        "%zu made, %zu kept, %zu refused, %zu unsound, %zu unreadable, %zu unwritable, %zu not done, of %zu "
+        "jobs in %.1f s; report in %s\n",
+        f.made, f.kept, f.refused, f.unsound, f.unreadable, f.unwritable, f.cancelled, plan->jobs.size(),
+        took.count(), run.report.c_str());
+  return exit_code(f, options);
 }
 
 }  // namespace fracture::cli

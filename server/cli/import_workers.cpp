@@ -54,17 +54,4 @@ void write_import_metrics(const ImportCounters& counters, ops::MetricWriter& wri
   writer.gauge("fracture_import_workers_busy", "Import processes at work.", counters.busy);
 }
 
-std::shared_ptr<ImportPool> one_import_worker() {
-  ImportPoolConfig config;
-  config.worker.program = import_worker_beside_this_program();
-  if (config.worker.program.empty()) return nullptr;
-  config.worker.memory_bytes = 0;
-  config.worker.cpu = std::chrono::seconds(0);
-  try {
-    return std::make_shared<ImportPool>(config);
-  } catch (const std::exception&) {
-    return nullptr;
-  }
-}
-
 }  // namespace fracture::cli

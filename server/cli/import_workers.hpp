@@ -1,4 +1,4 @@
-// The import workers of a command.
+// The import workers of `serve`.
 #pragma once
 
 #include <cstdint>
@@ -16,9 +16,5 @@ std::shared_ptr<ImportPool> start_import_workers(int workers, std::uint64_t memo
                                                  std::chrono::milliseconds deadline);
 
 void write_import_metrics(const ImportCounters& counters, ops::MetricWriter& writer);
-
-/// For commands whose user owns the file: one worker without a limit on its memory, so that a crash of a
-/// reader is an error message; null (imports run in this process) where fracture-import is not installed.
-std::shared_ptr<ImportPool> one_import_worker();
 
 }  // namespace fracture::cli

@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "server/cli/import_workers.hpp"
-#include "server/cli/input_file.hpp"
+#include "server/bake/import_workers.hpp"
+#include "server/bake/input_file.hpp"
 #include "server/cli/options.hpp"
 #include "server/service/mesh_report.hpp"
 #include "server/service/worker_pool.hpp"
@@ -64,12 +64,12 @@ int refuse(const InspectOptions& options, const Error& error) {
 }  // namespace
 
 int inspect(const InspectOptions& options) {
-  FractureService service(options.service, make_engine(one_import_worker()));
+  FractureService service(options.service, make_engine(bake::own_import_workers(1)));
   Expected<RequestParameters> parameters = service.parameters().parse(options.parameters);
   if (!parameters) return refuse(options, parameters.error());
-  Expected<MeshFormat> format = format_of_input(options.input, *parameters);
+  Expected<MeshFormat> format = bake::format_of_input(options.input, *parameters);
   if (!format) return refuse(options, format.error());
-  const std::optional<InputFile> input = read_input(options.input, *format);
+  const std::optional<bake::InputFile> input = bake::read_input(options.input, *format);
   if (!input) {
     std::perror(("fracture-server inspect: cannot read " + options.input).c_str());
     return kFailed;

@@ -59,37 +59,52 @@ void add_serve(CLI::App& app, std::vector<Setting>& settings, GivenSettings& fla
 }
 
 /// Parameters are taken as text and checked by the service's table: one validation for every way to ask.
-template <class Options>
-void add_parameters(CLI::App& app, Options& o) {
-  const ParameterTable table(o.service.max_sites, FormatSet::all());
+void add_parameters(CLI::App& app, std::vector<RawParameter>& parameters, const ServiceConfig& service,
+                    int& threads) {
+  const ParameterTable table(service.max_sites, FormatSet::all());
   for (const ParameterSpec& spec : table.specs()) {
     CLI::Option* option = app.add_option_function<std::string>(
         "--" + spec.name,
-        [&o, name = spec.name](const std::string& value) {
-          o.parameters.push_back({name, value, true});
+        [&parameters, name = spec.name](const std::string& value) {
+          parameters.push_back({name, value, true});
         },
         spec.doc);
     if (!spec.default_value.is_null())
       option->default_str(spec.default_value.is_string() ? spec.default_value.get<std::string>()
                                                          : spec.default_value.dump());
   }
-  app.add_option("--threads", o.threads, "Threads that compute, 0: one for each core")
+  app.add_option("--threads", threads, "Threads that compute, 0: one for each core")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
 }
 
 void add_bake(CLI::App& app, BakeOptions& o) {
-  app.add_option("input", o.input, "Mesh file")->required();
-  app.add_option("-o,--output", o.output, "File to write: .gltf as one JSON text, everything else GLB")
-      ->required();
-  add_parameters(app, o);
+  app.add_option("input", o.source.inputs, "Mesh files, folders (every mesh below them), or globs in quotes");
+  app.add_option(
+      "-o,--output", o.source.output,
+      "File to write for one mesh (.gltf as one JSON text, everything else GLB); a folder for several, where "
+      "sub/barrel.obj becomes sub/barrel.obj.glb");
+  app.add_option("--manifest", o.source.manifest,
+                 "Instead: a file of lines {\"input\": ..., \"output\": ..., \"parameters\": {...}}, paths "
+                 "relative to it");
+  add_parameters(app, o.source.parameters, o.service, o.threads);
+  app.add_option("-j,--jobs", o.jobs, "Meshes at the same time, 0: one for each core")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  app.add_option("--shard", o.shard,
+                 "I/N: every N-th mesh from the I-th (0 to N - 1); auto/N: the index is the orchestrator's");
+  app.add_option("--report", o.report,
+                 "NDJSON, a line for each mesh; the next run keeps what it says is right");
+  app.add_option("--allow-refused", o.allow_refused, "Exit with 0 although so many meshes were refused")
+      ->capture_default_str();
+  app.add_flag("--force", o.force, "Make outputs again that are right already");
   app.add_flag("-q,--quiet", o.quiet, "No progress and no summary");
 }
 
 void add_inspect(CLI::App& app, InspectOptions& o) {
   app.add_option("input", o.input, "Mesh file")->required();
   app.add_flag("--json", o.json, "The report as JSON");
-  add_parameters(app, o);
+  add_parameters(app, o.parameters, o.service, o.threads);
 }
 
 }  // namespace
@@ -112,7 +127,7 @@ int run(int argc, char** argv) {
   BakeOptions bake_options;
   bake_options.service.formats = FormatSet::all();  // the file is the caller's own
   CLI::App& bake_command =
-      *app.add_subcommand("bake", "Fracture one file: the same bytes as the server's answer");
+      *app.add_subcommand("bake", "Fracture files: the same bytes as the server's answers");
   add_bake(bake_command, bake_options);
 
   InspectOptions inspect_options;

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "server/bake/plan.hpp"
 #include "server/http/limits.hpp"
 #include "server/http/server.hpp"
 #include "server/service/dispatcher.hpp"
@@ -50,11 +51,14 @@ struct ServeOptions {
 };
 
 struct BakeOptions {
-  std::string input, output;
+  bake::BakeSource source;  ///< its parameters as given: checked by the same table as the server's query
   ServiceConfig service;
-  /// As given: checked by the same table as the server's query.
-  std::vector<RawParameter> parameters;
-  int threads = 0;
+  std::string shard;              ///< "I/N" or "auto/N"; empty: everything
+  std::string report;             ///< empty: beside the outputs
+  std::size_t allow_refused = 0;  ///< inputs that may be refused before the exit code says so
+  int jobs = 0;                   ///< at the same time, 0: one for each core
+  bool force = false;
+  int threads = 0;  ///< for a single file
   bool quiet = false;
 };
 

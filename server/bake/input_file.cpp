@@ -1,10 +1,10 @@
-#include "server/cli/input_file.hpp"
+#include "server/bake/input_file.hpp"
 
 #include <fstream>
 #include <iterator>
 #include <utility>
 
-namespace fracture::cli {
+namespace fracture::bake {
 
 Expected<MeshFormat> format_of_input(const std::string& path, const RequestParameters& parameters) {
   if (parameters.format) return *parameters.format;
@@ -22,4 +22,4 @@ std::optional<InputFile> read_input(const std::string& path, MeshFormat format) 
   return input;
 }
 
-}  // namespace fracture::cli
+}  // namespace fracture::bake

@@ -10,7 +10,7 @@
 #include "common/import/sibling_files.hpp"
 #include "server/parameters/parameters.hpp"
 
-namespace fracture::cli {
+namespace fracture::bake {
 
 struct InputFile {
   std::string bytes;
@@ -23,4 +23,4 @@ Expected<MeshFormat> format_of_input(const std::string& path, const RequestParam
 /// Nothing when the file cannot be read; errno says why.
 std::optional<InputFile> read_input(const std::string& path, MeshFormat format);
 
-}  // namespace fracture::cli
+}  // namespace fracture::bake

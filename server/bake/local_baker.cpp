@@ -1,0 +1,34 @@
+#include "server/bake/baker.hpp"
+#include "server/bake/import_workers.hpp"
+#include "server/service/service.hpp"
+
+namespace fracture::bake {
+namespace {
+
+class LocalBaker : public Baker {
+ public:
+  LocalBaker(const ServiceConfig& config, int import_workers)
+      : service_(config, make_engine(own_import_workers(import_workers))) {}
+
+  Expected<RequestParameters> parse(const std::vector<RawParameter>& given) override {
+    return service_.parse(given);
+  }
+
+  Expected<Baked> bake(const FractureRequest& request, const Execution& execution) override {
+    const Expected<FractureAnswer> answer = service_.fracture(request, execution);
+    if (!answer) return tl::unexpected(answer.error());
+    const std::shared_ptr<const FractureResult>& result = answer->result;
+    return Baked{{result, &result->file}, result->file_digest, figures_of(*result)};
+  }
+
+ private:
+  FractureService service_;
+};
+
+}  // namespace
+
+std::unique_ptr<Baker> local_baker(const ServiceConfig& config, int import_workers) {
+  return std::make_unique<LocalBaker>(config, import_workers);
+}
+
+}  // namespace fracture::bake

@@ -1,0 +1,49 @@
+// What a bake is to make: from files, folders, globs or a manifest to a list of jobs, in an order that
+// depends on nothing but the names.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/parameters/parameters.hpp"
+
+namespace fracture::bake {
+
+struct BakeJob {
+  std::string input, output;  ///< paths
+  std::vector<RawParameter>
+      parameters;  ///< those of the command line, and over them those of the manifest's line
+};
+
+/// Every count-th job, beginning with the index-th (0 ... count - 1).
+struct Shard {
+  std::size_t index = 0, count = 1;
+};
+
+struct BakeSource {
+  std::vector<std::string> inputs{};  ///< files, folders (all meshes below them) and globs ("assets/*.glb")
+  std::string manifest{};  ///< NDJSON: {"input": ..., "output": ..., "parameters": {...}} on each line
+  std::string output{};    ///< a file for one file, else a folder
+  std::vector<RawParameter> parameters{};  ///< of all jobs
+  Shard shard{};
+};
+
+struct BakePlan {
+  std::vector<BakeJob> jobs;  ///< of the shard
+  std::size_t all = 0;        ///< jobs of all shards
+  bool single = false;        ///< one file to one file: no report, the words of one
+};
+
+/// A folder's mesh sub/barrel.obj becomes <output>/sub/barrel.obj.glb, whatever lies beside it. Paths in a
+/// manifest are relative to its folder. Errors: kBadParameter, which names the line of the manifest or the
+/// two inputs that would be written to one output; kFileSystem-like problems (nothing matches, unreadable)
+/// are kBadParameter too, naming the path.
+Expected<BakePlan> plan_bake(const BakeSource& source);
+
+/// "3/16", or "auto/16": the index that an orchestrator gives in JOB_COMPLETION_INDEX (Kubernetes),
+/// SLURM_ARRAY_TASK_ID less SLURM_ARRAY_TASK_MIN, or FRACTURE_SHARD. Errors: kBadParameter.
+Expected<Shard> parse_shard(const std::string& text);
+
+}  // namespace fracture::bake

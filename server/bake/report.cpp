@@ -1,0 +1,72 @@
+#include "server/bake/report.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <fstream>
+#include <set>
+#include <utility>
+
+#include "server/bake/atomic_file.hpp"
+
+namespace fracture::bake {
+
+BakeReport::BakeReport(std::string path) : path_(std::move(path)) {
+  if (path_.empty()) return;
+  std::ifstream file(path_);
+  bool unfinished = false;  // a run was killed while it wrote a line
+  for (std::string line; std::getline(file, line);) {
+    unfinished = file.eof();
+    nlohmann::json json = nlohmann::json::parse(line, nullptr, false);
+    if (!json.is_object() || !json.contains("output") || !json["output"].is_string()) continue;
+    const std::string output = json["output"];
+    if (json.value("status", "") != "made") {
+      known_.erase(output);  // the last word on it is that it was refused, or is not sound
+      continue;
+    }
+    KnownOutput known{json.value("key", ""), json.value("digest", ""), {}};
+    known.line = std::move(json);
+    known_[output] = std::move(known);
+  }
+  make_folders_of(path_);
+  fd_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+  if (unfinished && fd_ >= 0 && ::write(fd_, "\n", 1) != 1) {
+    ::close(fd_);
+    fd_ = -1;
+  }
+}
+
+BakeReport::~BakeReport() {
+  if (fd_ >= 0) ::close(fd_);
+}
+
+const KnownOutput* BakeReport::find(const std::string& output) const {
+  const auto it = known_.find(output);
+  return it == known_.end() ? nullptr : &it->second;
+}
+
+bool BakeReport::add(std::size_t job, const nlohmann::json& line) {
+  std::string text = line.dump() + "\n";
+  const std::lock_guard lock(mutex_);
+  bool good = true;
+  if (!path_.empty()) {
+    const ssize_t written = fd_ < 0 ? -1 : ::write(fd_, text.data(), text.size());
+    good = written == static_cast<ssize_t>(text.size());
+  }
+  lines_[job] = std::move(text);
+  return good;
+}
+
+bool BakeReport::finish(const std::vector<std::string>& outputs) {
+  if (path_.empty()) return true;
+  const std::lock_guard lock(mutex_);
+  std::string all;
+  for (const auto& [job, line] : lines_) all += line;
+  const std::set<std::string> mine(outputs.begin(), outputs.end());
+  for (const auto& [output, known] : known_)
+    if (!mine.contains(output)) all += known.line.dump() + "\n";
+  return write_file(path_, std::as_bytes(std::span(all)));
+}
+
+}  // namespace fracture::bake

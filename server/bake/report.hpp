@@ -1,0 +1,46 @@
+// The report of a bake, one JSON object a line, and its memory: what it says of an output decides whether the
+// next run has to make it again.
+#pragma once
+
+#include <map>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace fracture::bake {
+
+struct KnownOutput {
+  std::string key;     ///< RequestKeys::result: all that decides the bytes
+  std::string digest;  ///< "sha256:<hex>" of the file
+  nlohmann::json line;
+};
+
+/// Lines are appended while jobs end, each in one write, so that what a killed run has done is known;
+/// finish() puts them in the order of the jobs. Thread-safe.
+class BakeReport {
+ public:
+  /// Reads what earlier runs left; an incomplete last line (a run was killed) is dropped. No path: nothing is
+  /// written.
+  explicit BakeReport(std::string path);
+  ~BakeReport();
+  BakeReport(const BakeReport&) = delete;
+  BakeReport& operator=(const BakeReport&) = delete;
+
+  /// Null where no earlier run made it.
+  const KnownOutput* find(const std::string& output) const;
+  /// False with errno set.
+  bool add(std::size_t job, const nlohmann::json& line);
+  /// One line for each job in their order, atomically, and the lines of outputs that are none of this run's
+  /// behind them (another shard with the same report). False with errno set.
+  bool finish(const std::vector<std::string>& outputs);
+
+ private:
+  std::string path_;
+  int fd_ = -1;
+  std::map<std::string, KnownOutput> known_;
+  std::mutex mutex_;
+  std::map<std::size_t, std::string> lines_;
+};
+
+}  // namespace fracture::bake

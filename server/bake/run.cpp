@@ -1,0 +1,177 @@
+#include "server/bake/run.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <thread>
+
+#include "server/bake/atomic_file.hpp"
+#include "server/bake/input_file.hpp"
+#include "server/bake/progress.hpp"
+#include "server/bake/report.hpp"
+
+namespace fracture::bake {
+namespace {
+
+constexpr double kMaxRelativeError = 1e-9;
+
+bool has_digest(const std::string& path, const std::string& digest) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return false;
+  const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  return !file.bad() && "sha256:" + sha256(bytes).hex() == digest;
+}
+
+nlohmann::json problem_of(const Error& error) {
+  nlohmann::json problem = {{"type", std::string("/problems/") + slug(error.code)},
+                            {"title", title(error.code)},
+                            {"detail", error.detail}};
+  if (!error.pointer.empty()) problem["parameter"] = error.pointer;
+  return problem;
+}
+
+OutputFormat format_of_output(const std::string& path) {
+  return path.size() > 5 && path.ends_with(".gltf") ? OutputFormat::kGltf : OutputFormat::kGlb;
+}
+
+class Run {
+ public:
+  Run(const BakePlan& plan, Baker& baker, const RunOptions& options, const std::stop_token& stop)
+      : plan_(plan),
+        baker_(baker),
+        options_(options),
+        stop_(stop),
+        report_(options.report),
+        progress_(plan.jobs.size(), options.quiet) {}
+
+  RunFigures operator()() {
+    {
+      std::vector<std::jthread> threads;
+      for (int k = 0; k < options_.jobs; ++k)
+        threads.emplace_back([this] {
+          for (std::size_t job = next_++; job < plan_.jobs.size(); job = next_++) {
+            if (stop_.stop_requested()) {
+              count(&RunFigures::cancelled);
+              continue;
+            }
+            work(job);
+          }
+        });
+    }
+    std::vector<std::string> outputs;
+    for (const BakeJob& job : plan_.jobs) outputs.push_back(job.output);
+    // A run that was stopped leaves its lines as they are: the next one goes on from them.
+    if (figures_.cancelled == 0 && !report_.finish(outputs)) unwritable(options_.report);
+    progress_.finish();
+    return figures_;
+  }
+
+ private:
+  void count(std::size_t RunFigures::*figure) {
+    const std::lock_guard lock(mutex_);
+    ++(figures_.*figure);
+  }
+
+  void unwritable(const std::string& path) {
+    progress_.say("fracture-server bake: cannot write " + path + ": " + std::strerror(errno));
+    count(&RunFigures::unwritable);
+  }
+
+  void report(std::size_t job, nlohmann::json line) {
+    line["input"] = plan_.jobs[job].input;
+    line["output"] = plan_.jobs[job].output;
+    if (!report_.add(job, line)) unwritable(options_.report);
+  }
+
+  void refuse(std::size_t job, const Error& error) {
+    if (error.code == ErrorCode::kCancelled) return count(&RunFigures::cancelled);
+    progress_.say(plan_.jobs[job].input + ": " + slug(error.code) + ": " + error.detail);
+    report(job, {{"status", "refused"}, {"problem", problem_of(error)}});
+    count(&RunFigures::refused);
+    progress_.done(false, true);
+  }
+
+  void work(std::size_t number) {
+    const BakeJob& job = plan_.jobs[number];
+    const Expected<RequestParameters> parameters = baker_.parse(job.parameters);
+    if (!parameters) return refuse(number, parameters.error());
+    const Expected<MeshFormat> format = format_of_input(job.input, *parameters);
+    if (!format) return refuse(number, format.error());
+    const std::optional<InputFile> input = read_input(job.input, *format);
+    if (!input) {
+      const std::string reason = std::strerror(errno);
+      progress_.say("fracture-server bake: cannot read " + job.input + ": " + reason);
+      report(number, {{"status", "unreadable"}, {"problem", {{"detail", reason}}}});
+      count(&RunFigures::unreadable);
+      return progress_.done(false, false);
+    }
+    const FractureRequest request{input->view(), *format, *parameters, as_import_files(input->siblings),
+                                  format_of_output(job.output)};
+    const RequestKeys keys = keys_of(request);
+    if (const KnownOutput* known = options_.force ? nullptr : report_.find(job.output);
+        known && known->key == keys.result && has_digest(job.output, known->digest)) {
+      report(number, known->line);
+      count(&RunFigures::kept);
+      return progress_.done(true, false);
+    }
+    make(number, request, keys);
+  }
+
+  void make(std::size_t number, const FractureRequest& request, const RequestKeys& keys) {
+    const BakeJob& job = plan_.jobs[number];
+    Execution execution;
+    execution.threads = 1;
+    execution.stop = stop_;
+    const auto start = std::chrono::steady_clock::now();
+    const Expected<Baked> baked = baker_.bake(request, execution);
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+    if (!baked) return refuse(number, baked.error());
+    if (!make_folders_of(job.output) || !write_file(job.output, std::as_bytes(std::span(*baked->file)))) {
+      unwritable(job.output);
+      return progress_.done(false, false);
+    }
+    const bool sound = is_sound(baked->figures);
+    if (!sound)
+      progress_.say(job.input +
+                    ": the certificate does not hold: " + baked->figures.at("certificate").dump());
+    report(number, {{"status", sound ? "made" : "unsound"},
+                    {"key", keys.result},
+                    {"mesh", "sha256:" + keys.digest},
+                    {"digest", "sha256:" + baked->digest.hex()},
+                    {"bytes", baked->file->size()},
+                    {"seconds", took.count()},
+                    {"certificate", baked->figures.at("certificate")}});
+    count(sound ? &RunFigures::made : &RunFigures::unsound);
+    progress_.done(false, false);
+  }
+
+  const BakePlan& plan_;
+  Baker& baker_;
+  const RunOptions& options_;
+  const std::stop_token stop_;
+  BakeReport report_;
+  JobProgress progress_;
+  std::atomic<std::size_t> next_{0};
+  std::mutex mutex_;
+  RunFigures figures_;
+};
+
+}  // namespace
+
+RunFigures run_bake(const BakePlan& plan, Baker& baker, const RunOptions& options,
+                    const std::stop_token& stop) {
+  return Run(plan, baker, options, stop)();
+}
+
+bool is_sound(const nlohmann::json& figures) {
+  const nlohmann::json& certificate = figures.at("certificate");
+  if (certificate.at("open_edges") != 0) return false;
+  const bool partition = !figures.value("report", nlohmann::json::object()).contains("barycenter");
+  return !partition || certificate.at("relative_error").get<double>() <= kMaxRelativeError;
+}
+
+}  // namespace fracture::bake

@@ -1,0 +1,37 @@
+// Does the jobs of a bake: reads, asks a Baker, writes, reports.
+#pragma once
+
+#include <functional>
+#include <stop_token>
+#include <string>
+
+#include "server/bake/baker.hpp"
+#include "server/bake/plan.hpp"
+
+namespace fracture::bake {
+
+struct RunOptions {
+  int jobs = 1;        ///< at the same time; each computes with one thread
+  std::string report;  ///< path of the NDJSON report; empty: none
+  bool force = false;  ///< make outputs again that are right already
+  bool quiet = false;  ///< no progress and no summary; refusals are said all the same
+};
+
+struct RunFigures {
+  std::size_t made = 0;
+  std::size_t kept = 0;     ///< right already: same key, and the file has the bytes that the report says
+  std::size_t refused = 0;  ///< inputs or parameters
+  std::size_t unsound = 0;  ///< certificates that do not hold
+  std::size_t unreadable = 0, unwritable = 0;
+  std::size_t cancelled = 0;  ///< not done, or not to the end, when the stop came
+};
+
+/// Returns when every job is done or the stop came. Each output is written whole or not at all.
+RunFigures run_bake(const BakePlan& plan, Baker& baker, const RunOptions& options,
+                    const std::stop_token& stop);
+
+/// Does the certificate of an answer hold: nothing open, and (but for dual=barycenter) nothing lost?
+/// `figures` as in Baked.
+bool is_sound(const nlohmann::json& figures);
+
+}  // namespace fracture::bake

@@ -1,0 +1,157 @@
+// What a bake is to make, from folders, globs and manifests; and which of it a shard makes.
+#include "server/bake/plan.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <set>
+
+#include "tests/server/temporary_folder.hpp"
+
+namespace fracture::bake {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct BakePlanTest : testing::Test {
+  test::TemporaryFolder folder;
+
+  void put(const std::string& name) {
+    fs::create_directories(fs::path(folder / name).parent_path());
+    folder.write(name, "");
+  }
+  BakePlan plan(const BakeSource& source) {
+    Expected<BakePlan> made = plan_bake(source);
+    if (!made) throw std::runtime_error(made.error().detail);
+    return std::move(*made);
+  }
+  std::string refused(const BakeSource& source) {
+    const Expected<BakePlan> made = plan_bake(source);
+    return made ? "" : made.error().detail;
+  }
+};
+
+std::vector<std::pair<std::string, std::string>> files(const BakePlan& plan) {
+  std::vector<std::pair<std::string, std::string>> result;
+  for (const BakeJob& job : plan.jobs) result.emplace_back(job.input, job.output);
+  return result;
+}
+using Files = std::vector<std::pair<std::string, std::string>>;
+
+TEST_F(BakePlanTest, AFolderIsAllMeshesBelowItByName) {
+  for (const char* name : {"in/b.obj", "in/sub/a.glb", "in/a.STL", "in/readme.md", "in/sub/b.mtl"}) put(name);
+  EXPECT_EQ(files(plan({.inputs = {folder / "in"}, .output = "out"})),
+            (Files{{folder / "in/a.STL", "out/a.STL.glb"},
+                   {folder / "in/b.obj", "out/b.obj.glb"},
+                   {folder / "in/sub/a.glb", "out/sub/a.glb.glb"}}));
+}
+
+TEST_F(BakePlanTest, GlobsAndFilesLieSideBySide) {
+  for (const char* name : {"in/b.obj", "in/c.obj", "in/c.txt", "d.ply"}) put(name);
+  EXPECT_EQ(files(plan({.inputs = {folder / "in/*", folder / "d.ply"}, .output = "out/"})),
+            (Files{{folder / "d.ply", "out/d.ply.glb"},
+                   {folder / "in/b.obj", "out/b.obj.glb"},
+                   {folder / "in/c.obj", "out/c.obj.glb"}}));
+}
+
+TEST_F(BakePlanTest, OneFileMayHaveAnOutputOfItsOwnName) {
+  put("a.obj");
+  const BakePlan one = plan({.inputs = {folder / "a.obj"}, .output = folder / "broken.gltf"});
+  EXPECT_TRUE(one.single);
+  EXPECT_EQ(files(one), (Files{{folder / "a.obj", folder / "broken.gltf"}}));
+  fs::create_directory(folder / "out");
+  EXPECT_EQ(files(plan({.inputs = {folder / "a.obj"}, .output = folder / "out"})),
+            (Files{{folder / "a.obj", folder / "out/a.obj.glb"}}));
+}
+
+TEST_F(BakePlanTest, AManifestNamesOutputsAndParametersLineByLine) {
+  fs::create_directory(folder / "jobs");
+  const std::string manifest = folder.write("jobs/night.ndjson",
+                                            "{\"input\": \"../a.obj\", \"output\": \"out/a.glb\"}\n\n"
+                                            "{\"input\": \"b.obj\", \"output\": \"out/b.glb\", "
+                                            "\"parameters\": {\"sites\": 7, \"material\": \"wood\"}}\n");
+  const BakePlan made =
+      plan({.manifest = manifest, .parameters = {{"sites", "50", true}, {"seed", "3", true}}});
+  EXPECT_EQ(files(made), (Files{{folder / "a.obj", folder / "jobs/out/a.glb"},
+                                {folder / "jobs/b.obj", folder / "jobs/out/b.glb"}}));
+  const auto named = [&](std::size_t job) {
+    std::map<std::string, nlohmann::json> values;
+    for (const RawParameter& p : made.jobs[job].parameters) values[p.name] = p.value;
+    return values;
+  };
+  EXPECT_EQ(named(0), (std::map<std::string, nlohmann::json>{{"sites", "50"}, {"seed", "3"}}));
+  EXPECT_EQ(named(1),
+            (std::map<std::string, nlohmann::json>{{"sites", 7}, {"seed", "3"}, {"material", "wood"}}))
+      << "the line's own value wins";
+}
+
+TEST_F(BakePlanTest, SaysWhichLineOrPathIsWrong) {
+  put("in/a.obj");
+  put("in/sub/a.obj");
+  fs::create_directory(folder / "empty");
+  int manifests = 0;
+  const auto manifest = [&](const std::string& line) {
+    const std::string first = "{\"input\":\"a\",\"output\":\"b\"}\n";
+    return BakeSource{.manifest = folder.write(std::to_string(manifests++) + ".ndjson", first + line + "\n")};
+  };
+  const std::string line = ".ndjson'";
+  for (const auto& [source, part] : std::vector<std::pair<BakeSource, std::string>>{
+           {{}, "--manifest"},
+           {{.inputs = {"a"}, .manifest = "b"}, "one of the two"},
+           {{.inputs = {folder / "in"}}, "--output"},
+           {{.manifest = "m", .output = "o"}, "leave out --output"},
+           {{.manifest = folder / "absent"}, "absent"},
+           {{.inputs = {folder / "empty"}, .output = "o"}, "no mesh in '" + (folder / "empty") + "'"},
+           {{.inputs = {folder / "in/*.ply"}, .output = "o"}, "*.ply"},
+           {{.inputs = {folder / "in/a.obj", folder / "in/sub/a.obj"}, .output = "o"},
+            "both be written to 'o/a.obj.glb'"},
+           {manifest("nonsense"), "Line 2 of '" + (folder / "0.ndjson'")},
+           {manifest("[1]"), line},
+           {manifest("{\"input\": \"a\"}"), line + ": 'output' is missing"},
+           {manifest("{\"output\": \"a\"}"), line + ": 'input' is missing"},
+           {manifest("{\"input\": 5, \"output\": \"c\"}"), line + ": 'input' must be a path"},
+           {manifest("{\"input\": \"a\", \"output\": \"c\", \"sites\": 5}"), line + ": 'sites' is none of"},
+           {manifest("{\"input\": \"a\", \"output\": \"c\", \"parameters\": 5}"), line + ": 'parameters'"},
+           {manifest("{\"input\": \"c\", \"output\": \"./b\"}"), "both be written"}})
+    EXPECT_NE(refused(source).find(part), std::string::npos) << part << " in: " << refused(source);
+}
+
+TEST_F(BakePlanTest, ShardsAreAPartition) {
+  for (int k = 0; k < 23; ++k) put("in/" + std::to_string(k) + ".obj");
+  std::set<std::string> seen;
+  std::size_t jobs = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const BakePlan shard = plan({.inputs = {folder / "in"}, .output = "o", .shard = {k, 4}});
+    EXPECT_EQ(shard.all, 23u);
+    EXPECT_GE(shard.jobs.size(), 5u);
+    jobs += shard.jobs.size();
+    for (const BakeJob& job : shard.jobs) seen.insert(job.input);
+  }
+  EXPECT_EQ(jobs, 23u);
+  EXPECT_EQ(seen.size(), 23u);
+}
+
+TEST(ParseShard, TakesAnIndexOrThatOfTheOrchestrator) {
+  for (const char* name :
+       {"FRACTURE_SHARD", "JOB_COMPLETION_INDEX", "SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_MIN"})
+    ::unsetenv(name);
+  const auto index = [](const std::string& text) {
+    const Expected<Shard> shard = parse_shard(text);
+    return shard ? static_cast<int>(shard->index) : -1;
+  };
+  EXPECT_EQ(index("3/16"), 3);
+  EXPECT_EQ(parse_shard("3/16")->count, 16u);
+  for (const char* bad : {"", "3", "/", "3/", "/3", "16/16", "-1/4", "a/4", "1/0", "1/4x", "auto/4"})
+    EXPECT_EQ(index(bad), -1) << bad;
+  ::setenv("SLURM_ARRAY_TASK_ID", "7", 1);
+  ::setenv("SLURM_ARRAY_TASK_MIN", "5", 1);
+  EXPECT_EQ(index("auto/4"), 2);
+  EXPECT_EQ(index("auto/2"), -1) << "beyond the count";
+  ::setenv("JOB_COMPLETION_INDEX", "1", 1);
+  EXPECT_EQ(index("auto/4"), 1);
+  for (const char* name : {"JOB_COMPLETION_INDEX", "SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_MIN"})
+    ::unsetenv(name);
+}
+
+}  // namespace
+}  // namespace fracture::bake

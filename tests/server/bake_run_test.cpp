@@ -1,0 +1,185 @@
+// A bake with a baker that does as it is told: what is written, reported, kept, refused; stops and failures.
+#include "server/bake/run.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+
+#include "tests/server/temporary_folder.hpp"
+
+namespace fracture::bake {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+/// Answers with the mesh's own bytes and its seed. Meshes that say so are refused, open, or stop everything.
+struct EchoBaker : Baker {
+  ParameterTable table{100'000, FormatSet::all()};
+  std::atomic<int> asked{0};
+  std::stop_source stop;
+
+  Expected<RequestParameters> parse(const std::vector<RawParameter>& given) override {
+    return table.parse(given);
+  }
+  Expected<Baked> bake(const FractureRequest& request, const Execution&) override {
+    ++asked;
+    const std::string text(reinterpret_cast<const char*>(request.mesh.data()), request.mesh.size());
+    if (text == "refuse") return fail(ErrorCode::kMeshNotClosed, "It is open.");
+    if (text == "stop") {
+      stop.request_stop();
+      return fail(ErrorCode::kCancelled, "Stopped.");
+    }
+    Baked baked;
+    auto file = std::make_shared<std::vector<std::uint8_t>>(text.begin(), text.end());
+    file->push_back(static_cast<std::uint8_t>('0' + request.parameters.fracture.seed));
+    baked.digest = sha256(std::as_bytes(std::span(*file)));
+    baked.file = std::move(file);
+    baked.figures["certificate"] = {{"open_edges", text == "open" ? 3 : 0},
+                                    {"relative_error", text == "loses" ? 1e-3 : 1e-15}};
+    return baked;
+  }
+};
+
+struct BakeRunTest : testing::Test {
+  test::TemporaryFolder folder;
+  EchoBaker baker;
+  std::vector<RawParameter> parameters;
+
+  BakePlan plan_of(const std::map<std::string, std::string>& meshes) {
+    fs::create_directories(folder / "in");
+    for (const auto& [name, text] : meshes) folder.write("in/" + name + ".obj", text);
+    Expected<BakePlan> plan =
+        plan_bake({.inputs = {folder / "in"}, .output = folder / "out", .parameters = parameters});
+    if (!plan) throw std::runtime_error(plan.error().detail);
+    return std::move(*plan);
+  }
+  RunFigures run(const BakePlan& plan, bool force = false, int jobs = 3) {
+    RunOptions options;
+    options.jobs = jobs;
+    options.report = folder / "report";
+    options.force = force;
+    options.quiet = true;
+    return run_bake(plan, baker, options, baker.stop.get_token());
+  }
+  std::string output(const std::string& name) {
+    std::ifstream file(folder / ("out/" + name + ".obj.glb"), std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  std::vector<json> report() {
+    std::ifstream file(folder / "report");
+    std::vector<json> lines;
+    for (std::string line; std::getline(file, line);) lines.push_back(json::parse(line));
+    return lines;
+  }
+};
+
+TEST_F(BakeRunTest, WritesEveryOutputAndALineForEachInTheOrderOfTheJobs) {
+  const RunFigures f = run(plan_of({{"a", "x"}, {"b", "y"}, {"c", "refuse"}, {"d", "z"}}));
+  EXPECT_EQ(f.made, 3u);
+  EXPECT_EQ(f.refused, 1u);
+  EXPECT_EQ(output("a") + output("b") + output("d"), "x1y1z1");
+  EXPECT_FALSE(fs::exists(folder / "out/c.obj.glb"));
+  const std::vector<json> lines = report();
+  ASSERT_EQ(lines.size(), 4u);
+  const std::string names = "abcd";
+  for (std::size_t k = 0; k < 4; ++k) {
+    EXPECT_EQ(lines[k].at("input"), folder / ("in/" + names.substr(k, 1) + ".obj"));
+    EXPECT_EQ(lines[k].at("status"), k == 2 ? "refused" : "made");
+  }
+  EXPECT_EQ(lines[2].at("problem").at("type"), "/problems/mesh-not-closed");
+  EXPECT_EQ(lines[2].at("problem").at("detail"), "It is open.");
+  EXPECT_EQ(lines[0].at("digest"), "sha256:" + sha256(std::string_view("x1")).hex());
+  EXPECT_EQ(lines[0].at("mesh"), "sha256:" + sha256(std::string_view("x")).hex());
+  EXPECT_EQ(lines[0].at("bytes"), 2);
+}
+
+TEST_F(BakeRunTest, MakesAgainOnlyWhatIsNotRight) {
+  const std::map<std::string, std::string> meshes{
+      {"a", "x"}, {"b", "y"}, {"c", "z"}, {"d", "w"}, {"e", "refuse"}};
+  run(plan_of(meshes));
+  EXPECT_EQ(run(plan_of(meshes)).kept, 4u);
+  EXPECT_EQ(baker.asked, 6) << "what was refused is asked again";
+  folder.write("in/a.obj", "other");     // its mesh changed
+  folder.write("out/b.obj.glb", "y?");   // its output changed
+  fs::remove(folder / "out/c.obj.glb");  // its output is gone
+  Expected<BakePlan> again = plan_bake({.inputs = {folder / "in"}, .output = folder / "out"});
+  const RunFigures f = run(*again);
+  EXPECT_EQ(f.kept, 1u);
+  EXPECT_EQ(f.made, 3u);
+  EXPECT_EQ(output("a") + output("b") + output("c") + output("d"), "other1y1z1w1");
+  parameters = {{"seed", "2", true}};
+  EXPECT_EQ(run(plan_of(meshes)).made, 4u) << "other parameters, other outputs";
+  EXPECT_EQ(output("d"), "w2");
+  EXPECT_EQ(run(plan_of(meshes), true).made, 4u) << "forced";
+}
+
+TEST_F(BakeRunTest, AReportThatAKilledRunLeftIsReadAsFarAsItGoes) {
+  const std::map<std::string, std::string> meshes{{"a", "x"}, {"b", "y"}};
+  run(plan_of(meshes));
+  std::ifstream file(folder / "report");
+  std::string first, second;
+  std::getline(file, first);
+  std::getline(file, second);
+  folder.write("report", first + "\n" + second.substr(0, second.size() / 2));
+  const RunFigures f = run(plan_of(meshes));
+  EXPECT_EQ(f.kept, 1u);
+  EXPECT_EQ(f.made, 1u);
+  EXPECT_EQ(report().size(), 2u) << "every line is whole again";
+}
+
+TEST_F(BakeRunTest, AStopLeavesTheRestAndTheNextRunMakesIt) {
+  const RunFigures first = run(plan_of({{"a", "x"}, {"b", "stop"}, {"c", "y"}}), false, 1);
+  EXPECT_EQ(first.made, 1u);
+  EXPECT_EQ(first.cancelled, 2u);
+  EXPECT_FALSE(fs::exists(folder / "out/c.obj.glb"));
+  baker.stop = {};
+  const RunFigures second = run(plan_of({{"b", "z"}}), false, 1);
+  EXPECT_EQ(second.kept, 1u);
+  EXPECT_EQ(second.made, 2u);
+  EXPECT_EQ(output("a") + output("b") + output("c"), "x1z1y1");
+}
+
+TEST_F(BakeRunTest, CertificatesThatDoNotHoldAreCountedAndNotKept) {
+  const std::map<std::string, std::string> meshes{{"a", "open"}, {"b", "loses"}, {"c", "x"}};
+  EXPECT_EQ(run(plan_of(meshes)).unsound, 2u);
+  EXPECT_EQ(report()[0].at("status"), "unsound");
+  EXPECT_EQ(report()[0].at("certificate").at("open_edges"), 3);
+  const RunFigures again = run(plan_of(meshes));
+  EXPECT_EQ(again.unsound, 2u) << "a second run says so too";
+  EXPECT_EQ(again.kept, 1u);
+}
+
+TEST_F(BakeRunTest, WhatCannotBeReadOrWrittenDoesNotStopTheOthers) {
+  BakePlan plan = plan_of({{"a", "x"}, {"b", "y"}});
+  plan.jobs.push_back({folder / "absent.obj", folder / "out/absent.glb", {}});
+  fs::create_directories(folder / "out/b.obj.glb");  // a folder where the file should be
+  plan.jobs.push_back({folder / "in/a.obj", folder / "out/wrong.glb", {{"sites", "none", true}}});
+  const RunFigures f = run(plan);
+  EXPECT_EQ(f.made, 1u);
+  EXPECT_EQ(f.unreadable, 1u);
+  EXPECT_EQ(f.unwritable, 1u);
+  EXPECT_EQ(f.refused, 1u);
+  for (const auto& entry : fs::recursive_directory_iterator(folder / "out"))
+    EXPECT_NE(entry.path().extension(), ".part") << "nothing half-written";
+}
+
+TEST(IsSound, AsksForClosedFragmentsAndForAPartitionWhereOneIsPromised) {
+  const auto figures = [](int open, double error) {
+    return json{{"certificate", {{"open_edges", open}, {"relative_error", error}}},
+                {"report", json::object()}};
+  };
+  EXPECT_TRUE(is_sound(figures(0, 1e-14)));
+  EXPECT_FALSE(is_sound(figures(1, 1e-14)));
+  EXPECT_FALSE(is_sound(figures(0, 1e-3)));
+  json barycenter = figures(0, 0.2);
+  barycenter["report"]["barycenter"] = json::object();
+  EXPECT_TRUE(is_sound(barycenter));
+}
+
+}  // namespace
+}  // namespace fracture::bake
