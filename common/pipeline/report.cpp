@@ -126,6 +126,15 @@ void report_roughness(const FractureParameters& p, const RoughReport& rough, nlo
   report["rough_cuts"] = {{"amplitude", rough.amplitude},    {"amplitude_asked", rough.asked},
                           {"edge_length", rough.length},     {"triangles", rough.triangles},
                           {"calmed_vertices", rough.calmed}, {"crossing_triangles", rough.crossing}};
+  if (rough.given_up) {
+    report["rough_cuts"]["amplitude"] = 0;
+    warnings.push_back(
+        "rough cuts: the cuts are flat, because too many of their triangles lie in each other's way (pieces "
+        "much longer "
+        "than wide, or smaller than the amplitude); fewer sites, a smaller amplitude or a lower frequency "
+        "help");
+    return;
+  }
   if (rough.amplitude < rough.asked)
     warnings.push_back("rough cuts: amplitude lowered from " + text_of(rough.asked) + " m to " +
                        text_of(rough.amplitude) +

@@ -31,13 +31,27 @@ void BoxTree::build(std::uint32_t first, std::uint32_t last) {
   for (int a = 1; a < 3; ++a)
     if (size[a] > size[axis]) axis = a;
   const std::uint32_t half = first + (last - first) / 2;
-  std::nth_element(
-      items_.begin() + first, items_.begin() + half, items_.begin() + last,
-      [&](const Item& x, const Item& y) { return twice_middle(x)[axis] < twice_middle(y)[axis]; });
+  std::nth_element(items_.begin() + first, items_.begin() + half, items_.begin() + last,
+                   [&](const Item& x, const Item& y) {
+                     const double a = twice_middle(x)[axis], b = twice_middle(y)[axis];
+                     return a != b ? a < b : x.index < y.index;
+                   });
   build(first, half);
   nodes_[node].first = static_cast<std::uint32_t>(nodes_.size());
   nodes_[node].count = 0;
   build(half, last);
+}
+
+void BoxTree::refit(const std::vector<Box>& boxes) {
+  for (Item& item : items_) item.box = boxes[item.index];
+  for (std::size_t n = nodes_.size(); n-- > 0;) {  // children stand behind their parents
+    Node& node = nodes_[n];
+    node.box = {};
+    for (std::uint32_t k = node.first; k < node.first + node.count; ++k) node.box.add(items_[k].box);
+    if (node.count > 0) continue;
+    node.box.add(nodes_[n + 1].box);
+    node.box.add(nodes_[node.first].box);
+  }
 }
 
 std::vector<BoxTree::Task> BoxTree::pair_tasks(std::size_t least) const {

@@ -26,6 +26,8 @@ class BoxTree {
  public:
   /// Halved at the median of the middles, along the axis on which these lie farthest apart: n log n.
   explicit BoxTree(const std::vector<Box>& boxes);
+  /// The same tree around other boxes, as many: good while they are about where they were. Linear.
+  void refit(const std::vector<Box>& boxes);
 
   /// visit(i) for every box that overlaps.
   template <class Visit>

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <numeric>
+#include <utility>
 
 namespace fracture {
 namespace {
@@ -40,15 +40,39 @@ bool edges_pierce(const PlaneTriangle& s, const PlaneTriangle& t, double toleran
   return false;
 }
 
-std::vector<Box> reachable_boxes(const CapSurface& caps) {
-  std::vector<Box> boxes(caps.triangles.size());
-  for (std::size_t t = 0; t < boxes.size(); ++t)
-    for (const VertexId v : caps.triangles[t]) {
-      boxes[t].add(caps.flat[v - caps.first]);
-      boxes[t].add(caps.points[v - caps.first]);
-    }
-  return boxes;
+std::vector<std::uint32_t> numbers_of(const std::vector<char>& flags) {
+  std::vector<std::uint32_t> numbers;
+  for (std::uint32_t k = 0; k < flags.size(); ++k)
+    if (flags[k]) numbers.push_back(k);
+  return numbers;
 }
+
+/// Pairs come by the million: they are counted, and interruptions asked for, by the thousand.
+class PairCount {
+ public:
+  PairCount(std::atomic<std::uint64_t>& all, std::uint64_t most, const Execution& execution)
+      : all_(all), most_(most), execution_(execution) {}
+  ~PairCount() { all_.fetch_add(mine_, std::memory_order_relaxed); }
+  PairCount(const PairCount&) = delete;
+  PairCount& operator=(const PairCount&) = delete;
+  /// False when there were too many.
+  bool one_more() {
+    if (++mine_ == kAtOnce) {
+      all_.fetch_add(std::exchange(mine_, 0), std::memory_order_relaxed);
+      execution_.poll();
+      good_ = all_.load(std::memory_order_relaxed) <= most_;
+    }
+    return good_;
+  }
+
+ private:
+  static constexpr std::uint64_t kAtOnce = 4096;
+  std::atomic<std::uint64_t>& all_;
+  const std::uint64_t most_;
+  const Execution& execution_;
+  std::uint64_t mine_ = 0;
+  bool good_ = true;
+};
 
 }  // namespace
 
@@ -64,94 +88,102 @@ bool cross_each_other(const PlaneTriangle& s, const PlaneTriangle& t, double tol
 }
 
 Crossings::Crossings(const CapSurface& caps, const SurfaceTree& outside, double tolerance)
-    : caps_(caps), outside_(outside), tolerance_(tolerance), tree_(reachable_boxes(caps)) {}
+    : caps_(caps), outside_(outside), tolerance_(tolerance), seen_(numbers_of(caps.seen)), tree_([&] {
+        for (std::uint32_t k = 0; k < seen_.size(); ++k) {
+          now_.push_back(as_it_is(k));
+          boxes_.push_back(box_of(now_.back().corners));
+        }
+        return BoxTree(boxes_);
+      }()) {}
 
-Corners Crossings::corners(std::size_t t) const {
-  const auto& v = caps_.triangles[t];
-  return {caps_.points[v[0] - caps_.first], caps_.points[v[1] - caps_.first],
-          caps_.points[v[2] - caps_.first]};
+PlaneTriangle Crossings::as_it_is(std::uint32_t k) const {
+  const auto at = [&](std::size_t corner) { return caps_.points[vertices(k)[corner] - caps_.first]; };
+  return PlaneTriangle({at(0), at(1), at(2)});
 }
 
-bool Crossings::is_moved(std::size_t t) const {
-  const auto& v = caps_.triangles[t];
+bool Crossings::is_moved(std::uint32_t k) const {
+  const auto& v = vertices(k);
   return caps_.moved[v[0] - caps_.first] || caps_.moved[v[1] - caps_.first] ||
          caps_.moved[v[2] - caps_.first];
 }
 
-bool Crossings::pair_crosses(std::uint32_t s, std::uint32_t t) const {
+bool Crossings::pair_crosses(std::uint32_t i, std::uint32_t j) const {
   int shared = 0;
-  for (const VertexId v : caps_.triangles[s])
-    for (const VertexId w : caps_.triangles[t]) shared += v == w;
-  return shared < 2 && cross_each_other(now_[s], now_[t], tolerance_) && (is_moved(s) || is_moved(t));
+  for (const VertexId v : vertices(i))
+    for (const VertexId w : vertices(j)) shared += v == w;
+  return shared < 2 && cross_each_other(now_[i], now_[j], tolerance_) && (is_moved(i) || is_moved(j));
 }
 
-bool Crossings::leaves_surface(std::uint32_t t) const {
-  if (!is_moved(t)) return false;
+bool Crossings::leaves_surface(std::uint32_t k) const {
+  if (!is_moved(k)) return false;
   // Can it have reached the outer surface? Its flat points are within 0.58 of its longest edge of a corner.
-  const Corners& c = now_[t].corners;
+  const Corners& c = now_[k].corners;
   double longest = 0, move = 0, surface = HUGE_VAL;
-  for (std::size_t k = 0; k < 3; ++k) {
-    longest = std::fmax(longest, length(c[(k + 1) % 3] - c[k]));
-    const double distance = caps_.surface[caps_.triangles[t][k] - caps_.first];
+  for (std::size_t corner = 0; corner < 3; ++corner) {
+    longest = std::fmax(longest, length(c[(corner + 1) % 3] - c[corner]));
+    const double distance = caps_.surface[vertices(k)[corner] - caps_.first];
     move = std::fmax(move, distance);
     surface = std::fmin(surface, distance);
   }
   if (!(surface < 0.58 * longest + move)) return false;
   bool leaves = false;
-  outside_.each_near(box_of(c), [&](std::uint32_t other) {
-    leaves = leaves || cross_each_other(now_[t], PlaneTriangle(outside_.corners(other)), tolerance_);
+  outside_.each_near(boxes_[k], [&](std::uint32_t other) {
+    leaves = leaves || cross_each_other(now_[k], PlaneTriangle(outside_.corners(other)), tolerance_);
   });
   return leaves;
 }
 
-std::uint64_t Crossings::find(const std::vector<char>& suspects, std::vector<char>& crossing,
-                              const Execution& execution) {
-  const auto n = static_cast<std::uint32_t>(caps_.triangles.size());
-  const bool first_look = now_.empty();
+std::optional<std::uint64_t> Crossings::find(const std::vector<char>& suspects, std::vector<char>& crossing,
+                                             const Execution& execution) {
+  const auto n = static_cast<std::uint32_t>(seen_.size());
   std::vector<std::uint32_t> changed;
-  if (first_look) {
-    now_.reserve(n);
-    for (std::uint32_t t = 0; t < n; ++t) now_.emplace_back(corners(t));
-    changed.resize(n);
-    std::iota(changed.begin(), changed.end(), 0u);
-  } else {
-    for (std::uint32_t t = 0; t < n; ++t)
-      if (suspects[t]) {
-        now_[t] = PlaneTriangle(corners(t));
-        changed.push_back(t);
-      }
+  for (std::uint32_t k = 0; k < n; ++k) {
+    if (looked_ && !suspects[seen_[k]]) continue;
+    if (looked_) {
+      now_[k] = as_it_is(k);
+      boxes_[k] = box_of(now_[k].corners);
+    }
+    changed.push_back(k);
   }
+  if (looked_) tree_.refit(boxes_);
 
-  std::atomic<std::uint64_t> count{0};
-  crossing.assign(n, 0);
-  const auto mark = [&](std::uint32_t t) {
-    std::atomic_ref(crossing[t]).store(1, std::memory_order_relaxed);
+  std::atomic<std::uint64_t> count{0}, pairs{pairs_};
+  const std::uint64_t most = kMostPairs * n;
+  crossing.assign(caps_.triangles.size(), 0);
+  const auto mark = [&](std::uint32_t k) {
+    std::atomic_ref(crossing[seen_[k]]).store(1, std::memory_order_relaxed);
   };
-  const auto look = [&](std::uint32_t s, std::uint32_t t) {
-    if (!pair_crosses(s, t)) return;
-    mark(s);
-    mark(t);
+  const auto look = [&](std::uint32_t i, std::uint32_t j, PairCount& budget) {
+    if (!budget.one_more() || !pair_crosses(i, j)) return;
+    mark(i);
+    mark(j);
     count.fetch_add(1, std::memory_order_relaxed);
   };
-  if (first_look) {
-    const std::vector<BoxTree::Task> tasks = tree_.pair_tasks(execution.threads > 1 ? 64 : 1);
-    parallel_for(execution, tasks.size(), 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t k = begin; k < end; ++k) tree_.each_pair(tasks[k], look);
+  if (!looked_) {
+    const std::vector<BoxTree::Task> tasks = tree_.pair_tasks(1024);
+    parallel_for(execution, tasks.size(), 16, [&](std::size_t begin, std::size_t end) {
+      PairCount budget(pairs, most, execution);
+      for (std::size_t k = begin; k < end && pairs.load(std::memory_order_relaxed) <= most; ++k)
+        tree_.each_pair(tasks[k], [&](std::uint32_t i, std::uint32_t j) { look(i, j, budget); });
     });
   }
   parallel_for(execution, changed.size(), 256, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) {
-      const std::uint32_t s = changed[k];
-      if (!first_look)
-        tree_.each_overlapping(box_of(now_[s].corners), [&](std::uint32_t t) {
-          if (t != s && (!suspects[t] || s < t)) look(s, t);
+    PairCount budget(pairs, most, execution);
+    for (std::size_t c = begin; c < end && pairs.load(std::memory_order_relaxed) <= most; ++c) {
+      const std::uint32_t k = changed[c];
+      if (looked_)
+        tree_.each_overlapping(boxes_[k], [&](std::uint32_t other) {
+          if (other != k && (!suspects[seen_[other]] || k < other)) look(k, other, budget);
         });
-      if (!leaves_surface(s)) continue;
-      mark(s);
+      if (!leaves_surface(k)) continue;
+      mark(k);
       count.fetch_add(1, std::memory_order_relaxed);
     }
   });
-  return count;
+  looked_ = true;
+  pairs_ = pairs;
+  if (pairs_ > most) return std::nullopt;
+  return count.load();
 }
 
 }  // namespace fracture

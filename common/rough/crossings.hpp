@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "common/base/execution.hpp"
@@ -15,8 +16,8 @@ namespace fracture {
 
 struct CapSurface {
   const std::vector<std::array<VertexId, 3>>& triangles;
+  const std::vector<char>& seen;     ///< per triangle: 0 where it lies inside a fragment and is no cut
   VertexId first;                    ///< the vertex of points[0]
-  const std::vector<Vec3d>& flat;    ///< where the vertices were in the flat caps
   const std::vector<Vec3d>& points;  ///< where they are
   const std::vector<char>& moved;    ///< per point: not where it was
   const std::vector<double>&
@@ -30,8 +31,7 @@ struct PlaneTriangle {
   explicit PlaneTriangle(const std::array<Vec3d, 3>& t);
 };
 
-/// Keeps references: what the caps are made of may change between two looks, each vertex somewhere between
-/// where it was at the start and its place in the flat cap.
+/// Keeps references: what the caps are made of may change between two looks.
 class Crossings {
  public:
   /// Pairs that cross by `tolerance` (m) or less do not count.
@@ -39,22 +39,31 @@ class Crossings {
 
   /// How many pairs cross and could do otherwise: they have a moved vertex. Sets `crossing` (per triangle) of
   /// both. The first time all pairs are looked at, later only those with one of the `suspects` (per
-  /// triangle), which are the triangles whose vertices have been moved since.
-  std::uint64_t find(const std::vector<char>& suspects, std::vector<char>& crossing,
-                     const Execution& execution);
+  /// triangle), which are the triangles whose vertices have been moved since. Nothing when too many lie in
+  /// each other's boxes (slivers as long as the mesh, movements as large as its pieces): kMostPairs for each
+  /// triangle, all looks together.
+  std::optional<std::uint64_t> find(const std::vector<char>& suspects, std::vector<char>& crossing,
+                                    const Execution& execution);
+  static constexpr std::uint64_t kMostPairs = 300;
 
  private:
-  std::array<Vec3d, 3> corners(std::size_t t) const;
-  bool is_moved(std::size_t t) const;
+  // These take indices of `seen_`.
+  const std::array<VertexId, 3>& vertices(std::uint32_t k) const { return caps_.triangles[seen_[k]]; }
+  PlaneTriangle as_it_is(std::uint32_t k) const;
+  bool is_moved(std::uint32_t k) const;
   /// Leaves pairs out that could do nothing about it, or share a side.
-  bool pair_crosses(std::uint32_t s, std::uint32_t t) const;
-  bool leaves_surface(std::uint32_t t) const;
+  bool pair_crosses(std::uint32_t i, std::uint32_t j) const;
+  bool leaves_surface(std::uint32_t k) const;
 
   const CapSurface caps_;
   const SurfaceTree& outside_;
   const double tolerance_;
-  BoxTree tree_;                    // of all the places where a triangle can come to be
-  std::vector<PlaneTriangle> now_;  // as they are; empty before the first look
+  std::vector<std::uint32_t> seen_;  // the triangles that are
+  std::vector<PlaneTriangle> now_;   // per triangle of `seen_`, as it is
+  std::vector<Box> boxes_;           // the same
+  BoxTree tree_;                     // of the boxes
+  bool looked_ = false;
+  std::uint64_t pairs_ = 0;
 };
 
 /// Does an edge of one pierce the inside of the other, by more than `tolerance` on all sides?

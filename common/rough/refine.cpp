@@ -16,6 +16,9 @@ namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
 
+/// Regions narrower than this much of an edge have no width, up to so many corners.
+constexpr double kThin = 1e-3;
+constexpr std::size_t kLongestSliver = 160;
 /// Planar coordinates are rounded to so many steps across a region.
 constexpr double kSteps = 1 << 23;
 
@@ -33,8 +36,17 @@ class RegionRefiner {
     fresh_.clear();
     local_.next_epoch(positions_.points.size());
     gather_loops(old);
+    if (ring_.empty()) {  // all sides are shared: nothing of it is divided
+      for (const auto& t : old) triangles_.push_back({local(t[0]), local(t[1]), local(t[2])});
+      return;
+    }
     flatten(region);
-    if (const double area = planar_area(); area > 0) {
+    const double area = planar_area();
+    if (loop_begin_.size() == 2 && plane_.size() <= kLongestSliver && area < kThin * length_ * perimeter()) {
+      triangulate_shortest();
+      return;
+    }
+    if (area > 0) {
       core_.build(plane_, loop_begin_, length_, area);
       for (const Vec2d& p : core_.points()) fresh_.push_back(origin_ + p.x * across_ + p.y * up_);
       if (triangulate_with_core()) return;
@@ -144,6 +156,49 @@ class RegionRefiner {
     return 0.5 * twice;
   }
 
+  double square_distance(std::size_t i, std::size_t j) const {
+    const double x = plane_[j].x - plane_[i].x, y = plane_[j].y - plane_[i].y;
+    return x * x + y * y;
+  }
+  double perimeter() const {
+    double sum = 0;
+    for (std::size_t k = 0; k < plane_.size(); ++k)
+      sum += std::sqrt(square_distance(k, (k + 1) % plane_.size()));
+    return sum;
+  }
+
+  /// A facet without width (four sites on a circle): its sides lie on each other, and only triangles between
+  /// neighbours stay there when they move. The triangulation of least squared edges, by dynamic programming
+  /// (Gilbert 1979, Klincsek 1980 for lengths).
+  void triangulate_shortest() {
+    const std::size_t n = plane_.size();
+    least_.assign(n * n, 0);
+    middle_.assign(n * n, 0);
+    for (std::size_t gap = 2; gap < n; ++gap)
+      for (std::size_t i = 0; i + gap < n; ++i) {
+        const std::size_t j = i + gap;
+        double best = HUGE_VAL;
+        for (std::size_t k = i + 1; k < j; ++k) {
+          const double sum = least_[i * n + k] + least_[k * n + j];
+          if (sum < best) {
+            best = sum;
+            middle_[i * n + j] = static_cast<std::uint32_t>(k);
+          }
+        }
+        least_[i * n + j] = best + square_distance(i, j);
+      }
+    std::vector<std::pair<std::size_t, std::size_t>> sides{{0, n - 1}};
+    while (!sides.empty()) {
+      const auto [i, j] = sides.back();
+      sides.pop_back();
+      if (j - i < 2) continue;
+      const std::size_t k = middle_[i * n + j];
+      triangles_.push_back({loop_[i], loop_[k], loop_[j]});
+      sides.push_back({i, k});
+      sides.push_back({k, j});
+    }
+  }
+
   LatticePoint rounded(const Vec2d& p) const {
     return {static_cast<std::int64_t>(std::nearbyint((p.x - low_.x) / step_)),
             static_cast<std::int64_t>(std::nearbyint((p.y - low_.y) / step_))};
@@ -213,6 +268,8 @@ class RegionRefiner {
   Vec2d low_;
   double step_ = 1;
   CoreLattice core_;
+  std::vector<double> least_;
+  std::vector<std::uint32_t> middle_;
   std::vector<std::uint32_t> corner_, collar_begin_, ring_local_;
   std::vector<LatticePoint> collar_points_;
   Triangulation collar_;

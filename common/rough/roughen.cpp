@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "common/rough/cap_normals.hpp"
 #include "common/rough/crossings.hpp"
@@ -15,6 +16,8 @@ namespace {
 
 /// Rounds of calming: each of the first halves the movement, each later one takes all of it.
 constexpr int kHalvingRounds = 6, kMostRounds = 40;
+/// Edges are no shorter than so many lattice steps.
+constexpr double kLeastSteps = 32;
 /// Crossings of fewer lattice steps are rounding.
 constexpr double kLeastCrossing = 8;
 
@@ -49,12 +52,34 @@ double area_of(const Caps& caps, const VertexPositions& positions, const Wanted&
   return twice / 2;
 }
 
+/// Of the pieces of Voronoi edges that wanted caps share, each as often as it has caps: at least its length.
+template <class Wanted>
+double length_of_edges(const Winding& winding, const VertexPositions& positions, const Wanted& wanted) {
+  double sum = 0;
+  for (const CapSegment& s : winding.segments)
+    if (wanted(s.lo, s.hi))
+      sum += length(positions.points[s.to - positions.first_constructed] -
+                    positions.points[s.from - positions.first_constructed]);
+  return sum;
+}
+
+/// The least power of two that is no less: what depends on all cells is rounded, so that a further cell
+/// seldom changes it.
+double rounded_up(double length) {
+  int exponent = 0;
+  const double mantissa = std::frexp(length, &exponent);
+  return std::ldexp(1, mantissa == 0.5 ? exponent - 1 : exponent);
+}
+
 /// Moves the vertices, and those less that make triangles cross or turn over.
 class Mover {
  public:
-  Mover(const VoronoiDiagram& diagram, const Caps& caps, VertexPositions& positions, std::size_t fixed)
+  /// `seen`: per triangle; those inside a fragment are no cuts and in nobody's way.
+  Mover(const VoronoiDiagram& diagram, const Caps& caps, const std::vector<char>& seen,
+        VertexPositions& positions, std::size_t fixed)
       : diagram_(diagram),
         caps_(caps),
+        seen_(seen),
         positions_(positions),
         fixed_(fixed),
         flat_(positions.points),
@@ -74,18 +99,26 @@ class Mover {
     });
   }
 
-  /// Returns how many pairs of triangles cross at the end.
-  std::uint64_t calm(const SurfaceTree& outside, const Execution& execution) {
+  /// Returns how many pairs of triangles cross at the end; nothing where too many would have to be looked at:
+  /// then everything is back in its place.
+  std::optional<std::uint64_t> calm(const SurfaceTree& outside, const Execution& execution) {
     find_coinciding();
     const Vec3d step = positions_.lattice.step();
     const double tolerance = kLeastCrossing * std::fmax(step.x, std::fmax(step.y, step.z));
     Crossings crossings(
-        {caps_.triangles, positions_.first_constructed, flat_, positions_.points, moved_, surface_}, outside,
+        {caps_.triangles, seen_, positions_.first_constructed, positions_.points, moved_, surface_}, outside,
         tolerance);
     std::vector<char> suspects, bad;
-    std::uint64_t pairs = 0;
+    std::optional<std::uint64_t> pairs = 0;
     for (int round = 0; round < kMostRounds; ++round) {
       pairs = crossings.find(suspects, bad, execution);
+      if (!pairs) {
+        for (std::size_t v = fixed_; v < flat_.size(); ++v) {
+          share_[v] = 0;
+          place(v);
+        }
+        break;
+      }
       add_turned_over(tolerance, bad);
       std::vector<char> calmed(flat_.size(), 0);
       for (std::size_t t = 0; t < bad.size(); ++t)
@@ -143,6 +176,7 @@ class Mover {
   /// higher than the tolerance have no side.
   void add_turned_over(double tolerance, std::vector<char>& bad) const {
     for (const CapRegion& region : caps_.regions) {
+      if (region.triangle_count == 0 || !seen_[region.first_triangle]) continue;
       const Vec3d u = diagram_.facet_normal(region.lo, region.hi);
       for (std::uint32_t t = region.first_triangle; t < region.first_triangle + region.triangle_count; ++t) {
         const auto facing = [&](const std::vector<Vec3d>& points) {
@@ -164,6 +198,7 @@ class Mover {
 
   const VoronoiDiagram& diagram_;
   const Caps& caps_;
+  const std::vector<char>& seen_;
   VertexPositions& positions_;
   const std::size_t fixed_;  // the vertices before are on the surface
   // Per constructed vertex.
@@ -189,8 +224,14 @@ RoughReport roughen(const Solid& solid, const VoronoiDiagram& diagram, const Sur
   report.amplitude = std::fmin(report.asked, kMostSteepness / roughness.frequency * size);
   if (!(area > 0)) return report;
   const double finest = std::ldexp(roughness.frequency / size, static_cast<int>(roughness.octaves) - 1);
-  // An equilateral triangle of side l has 0.433 l² of area.
-  report.length = std::fmax(1 / (kEdgesPerWave * finest), std::sqrt(area / (0.433 * kMostRoughTriangles)));
+  report.length = 1 / (kEdgesPerWave * finest);
+  // An equilateral triangle of side l has 0.433 l² of area; edges have ends of their own; and what is shorter
+  // than the lattice is rounded away.
+  const Vec3d step = positions.lattice.step();
+  const double least = std::fmax(std::sqrt(area / (0.433 * kMostRoughTriangles)),
+                                 std::fmax(length_of_edges(winding, positions, wanted) / kMostRoughTriangles,
+                                           kLeastSteps * std::fmax(step.x, std::fmax(step.y, step.z))));
+  if (least > report.length) report.length = rounded_up(least);
   positions.flat_steps = positions.steps;
   refine_caps(diagram, winding, report.length, wanted, caps, positions, execution);
   for (const CapRegion& r : caps.regions)
@@ -199,9 +240,15 @@ RoughReport roughen(const Solid& solid, const VoronoiDiagram& diagram, const Sur
   const Displacement displacement(report.amplitude, roughness.frequency / size, roughness.octaves, seed,
                                   diagram.map());
   const SurfaceTree outside(solid);
-  Mover mover(diagram, caps, positions, cuts.edge_cuts.size() + cuts.triangle_cuts.size());
+  std::vector<char> seen(caps.triangles.size(), 0);
+  for (const CapRegion& r : caps.regions)
+    if (wanted(r.lo, r.hi))
+      std::fill_n(seen.begin() + static_cast<std::ptrdiff_t>(r.first_triangle), r.triangle_count, 1);
+  Mover mover(diagram, caps, seen, positions, cuts.edge_cuts.size() + cuts.triangle_cuts.size());
   mover.move(displacement, outside, execution);
-  report.crossing = mover.calm(outside, execution);
+  const std::optional<std::uint64_t> crossing = mover.calm(outside, execution);
+  report.crossing = crossing.value_or(0);
+  report.given_up = !crossing;
   report.calmed = mover.calmed();
   begin_at_coinciding_corners(positions, caps);
   caps.normals = cap_normals(diagram, owner_of_site, caps, positions, execution);

@@ -25,15 +25,18 @@ struct RoughReport {
   double length = 0;            ///< m, of the edges the caps were refined to
   std::uint64_t triangles = 0;  ///< of all rough caps
   std::uint64_t calmed = 0;     ///< vertices that are moved less, because triangles crossed or turned over
-  std::uint64_t crossing =
-      0;  ///< pairs of triangles that cross all the same: 0 unless the surface crosses itself
+  /// Pairs of triangles that cross all the same: 0 unless the surface crosses itself.
+  std::uint64_t crossing = 0;
+  /// The cuts are flat all the same: more pairs of triangles lie in each other's boxes than can be looked at.
+  bool given_up = false;
 };
 
 /// Larger amplitudes are lowered: amplitude times frequency of the coarsest octave.
 inline constexpr double kMostSteepness = 0.5;
 /// Edges of the refined caps per wave of the finest octave.
 inline constexpr double kEdgesPerWave = 2.5;
-/// Edges are made longer until the caps have at most about so many triangles.
+/// Edges are made longer until the caps have at most about so many triangles, and the edges between them so
+/// many ends, beyond those of flat caps.
 inline constexpr double kMostRoughTriangles = 400'000;
 
 /// Replaces the triangles of the caps between different owners (`owner_of_site`: cells of one owner stay

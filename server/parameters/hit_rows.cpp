@@ -90,7 +90,8 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .unit = "m",
        .low = kLeastLength,
        .high = kFar,
-       .doc = "How far each hit reaches, or all of them; with `local_point`."},
+       .doc = "How far each hit reaches, or all of them; with `local_point`. Where cells are stretched: "
+              "across the grain, and along it as many times as far."},
       [](auto& r) -> auto& { return r.local_radius; }));
   rows.push_back(with_member(
       {.name = "local_sites",

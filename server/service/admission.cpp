@@ -16,6 +16,10 @@ constexpr double kPassShare = 0.4;
 
 constexpr double kBytesPerMeshByte = 12, kBytesPerSite = 16u << 10, kBytesPerRequest = 4u << 20;
 
+// Of a hit on a kept answer: cells that are made again for each further site, and what passes over all of it
+// cost.
+constexpr double kChangedPerSite = 2, kShareOfWhole = 0.05;
+
 constexpr double kSecondsPerRoughTriangle = 4e-6, kBytesPerRoughTriangle = 600;
 
 /// Sites of the pattern itself in a box of this size.
@@ -88,6 +92,16 @@ ExpectedWork expected_work(const FractureParameters& parameters, std::uint64_t m
                            const Solid* solid) {
   const double sites = expected_sites(parameters, solid);
   return work(mesh_bytes, sites, parameters.lloyd, expected_rough_triangles(parameters, sites));
+}
+
+ExpectedWork expected_hit_work(const FractureParameters& parameters, const Solid* solid) {
+  const ExpectedWork whole = expected_work(parameters, 0, solid);
+  double further = 0;
+  for (std::size_t k = parameters.hits.size() - parameters.new_hits; k < parameters.hits.size(); ++k)
+    further += parameters.hits[k].sites;
+  const double hit =
+      kSecondsPerRequest + kSecondsPerSite * kChangedPerSite * further + kShareOfWhole * whole.seconds;
+  return {std::fmin(hit, whole.seconds), whole.bytes};
 }
 
 ExpectedWork expected_work(std::uint64_t mesh_bytes) { return work(mesh_bytes, 0, 0, 0); }

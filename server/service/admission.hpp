@@ -27,6 +27,8 @@ double expected_rough_triangles(const FractureParameters& parameters, double sit
 /// `mesh_bytes`: still to be read and prepared, 0 when that is done and `solid` is given.
 ExpectedWork expected_work(const FractureParameters& parameters, std::uint64_t mesh_bytes,
                            const Solid* solid);
+/// Of the new hits alone, where the answer before them is kept and they are local (pipeline/delta.hpp).
+ExpectedWork expected_hit_work(const FractureParameters& parameters, const Solid* solid);
 /// Of reading and preparing alone.
 ExpectedWork expected_work(std::uint64_t mesh_bytes);
 

@@ -6,6 +6,8 @@
 #include <new>
 #include <utility>
 
+#include "common/pipeline/delta.hpp"
+
 namespace fracture {
 namespace {
 
@@ -162,8 +164,16 @@ std::optional<Overload> Dispatcher::fracture(FractureRequest request, const Term
   MemoryBudget::Reservation working;
   if (!results_.find(keys.result)) {  // otherwise it costs nothing more
     const std::shared_ptr<const PreparedMesh> mesh = service_.find_mesh(keys);
-    const ExpectedWork work = expected_work(request.parameters.fracture, mesh ? 0 : bytes_of(request),
-                                            mesh ? &mesh->solid : nullptr);
+    const FractureParameters& fracture = request.parameters.fracture;
+    const Solid* solid = mesh ? &mesh->solid : nullptr;
+    ExpectedWork work = expected_work(fracture, mesh ? 0 : bytes_of(request), solid);
+    if (fracture.new_hits > 0) {
+      const std::shared_ptr<const Diagram> kept = service_.find_diagram(keys);
+      if (!kept || !kept->fractured)
+        work.seconds *= 2;  // the answer before the hits, too
+      else if (kept->fractured->local)
+        work = expected_hit_work(fracture, solid);
+    }
     cost = work.seconds;
     std::optional<Overload> overload = refuses(cost, terms);
     if (!overload) overload = reserve(work.bytes, working);

@@ -33,6 +33,12 @@ Expected<std::vector<RawParameter>> on_earlier_answer(const ParameterTable& tabl
                                                       const nlohmann::json& earlier) {
   const bool hits = !own.local_point.empty();
   const bool hit_before = earlier.contains("local_point");
+  const auto given_delta =
+      std::find_if(given.begin(), given.end(), [](const RawParameter& raw) { return raw.name == "delta"; });
+  const bool compared = given_delta == given.end() || own.delta != DeltaAnswer::kNone;
+  if (!hits && hit_before && given_delta != given.end())
+    return wrong("delta",
+                 "'delta' says what new hits change: give 'local_point' and 'local_radius' beside 'of'.");
   nlohmann::json taken = earlier;
   std::vector<RawParameter> result;
   for (const RawParameter& raw : given) {
@@ -45,6 +51,11 @@ Expected<std::vector<RawParameter>> on_earlier_answer(const ParameterTable& tabl
         return wrong(raw.name, "'local_rest' is '" + rest + "' for hits on this answer: leave it out.");
       continue;
     }
+    // The fragments that the hits do not touch are to be those of the answer that the caller has.
+    if (hits && compared && raw.name != "delta" && raw.name != "gravity" && raw.name != "broken")
+      return wrong(raw.name, "'" + raw.name +
+                                 "' would change fragments that the hits do not touch: leave it out, or ask "
+                                 "with delta=none.");
     const ParameterSpec* spec = table.find(raw.name);
     if (spec && (spec->decides != Decides::kAnswer || raw.name == "material"))
       return wrong(raw.name, "'" + raw.name + "' was decided by the answer that 'of' names: leave it out.");
@@ -66,10 +77,8 @@ Expected<std::vector<RawParameter>> on_earlier_answer(const ParameterTable& tabl
     taken["local_radius"] = continued(earlier, "local_radius", own.local_radius, same);
     taken["local_sites"] = continued(earlier, "local_sites", own.local_sites, same);
     if (!hit_before) taken["local_rest"] = "fractured";
-    const bool asked =
-        std::any_of(given.begin(), given.end(), [](const RawParameter& raw) { return raw.name == "delta"; });
-    if (!asked) taken["delta"] = "stated";
-    if (!asked || own.delta != DeltaAnswer::kNone) taken["local_new"] = own.local_point.size();
+    if (given_delta == given.end()) taken["delta"] = "stated";
+    if (compared) taken["local_new"] = own.local_point.size();
   }
   for (const auto& [name, value] : taken.items()) result.push_back({name, value, false});
   return result;

@@ -70,8 +70,10 @@ Expected<RequestParameters> FractureService::parse(const std::vector<RawParamete
   if (!own || own->of.empty()) return own;
   std::shared_ptr<const nlohmann::json> earlier = answers_.find(own->of);
   if (!earlier)
-    if (const auto result = results_.find(own->of))
+    if (const auto result = results_.find(own->of)) {
       earlier = std::make_shared<const nlohmann::json>(parameters_in(*result));
+      answers_.insert(own->of, earlier, memory_size(*earlier));
+    }
   if (!earlier || !earlier->is_object())
     return fail(ErrorCode::kNoSuchAnswer,
                 "This server does not know (or no longer knows) the answer sha256:" + own->of +

@@ -35,10 +35,10 @@ struct TwoCaps {
   std::vector<char> moved = std::vector<char>(8, 0), crossing;
   std::vector<double> surface = std::vector<double>(8, 0.1);
 
-  const std::vector<Vec3d> flat = points;
+  std::vector<char> seen = std::vector<char>(4, 1);
 
-  CapSurface surfaces() const { return {triangles, 10, flat, points, moved, surface}; }
-  std::uint64_t find() {
+  CapSurface surfaces() const { return {triangles, seen, 10, points, moved, surface}; }
+  std::optional<std::uint64_t> find() {
     Crossings crossings(surfaces(), outside, 1e-9);
     return crossings.find({}, crossing, {});
   }
@@ -66,6 +66,34 @@ TEST(CrossingsOfCaps, LooksAgainAtWhatHasMovedSince) {
   caps.points[1] = {0.2, -0.2, 0.05};
   EXPECT_EQ(crossings.find({1, 0, 0, 0}, caps.crossing, {}), 0u);
   EXPECT_EQ(caps.crossing, (std::vector<char>{0, 0, 0, 0}));
+}
+
+TEST(CrossingsOfCaps, WhatIsNoCutIsInNobodysWay) {
+  TwoCaps caps;
+  caps.points[1] = {0.2, -0.2, 0.2};
+  caps.moved[1] = 1;
+  caps.seen[2] = 0;
+  EXPECT_EQ(caps.find(), 0u);
+}
+
+TEST(CrossingsOfCaps, GivesUpWhereAllLieInEachOthersBoxes) {
+  TwoCaps caps;
+  const std::size_t many = 3 * Crossings::kMostPairs;
+  for (std::size_t k = 0; k < many; ++k) caps.triangles.push_back({10, 11, 12});
+  caps.seen.assign(caps.triangles.size(), 1);
+  EXPECT_EQ(caps.find(), std::nullopt);
+}
+
+TEST(CrossingsOfCaps, IsInterrupted) {
+  TwoCaps caps;
+  for (int k = 0; k < 1000; ++k) caps.triangles.push_back({10, 11, 12});
+  caps.seen.assign(caps.triangles.size(), 1);
+  std::stop_source stop;
+  stop.request_stop();
+  Execution execution;
+  execution.stop = stop.get_token();
+  Crossings crossings(caps.surfaces(), caps.outside, 1e-9);
+  EXPECT_THROW(crossings.find({}, caps.crossing, execution), Interrupted);
 }
 
 TEST(CrossingsOfCaps, SeesTheOuterSurface) {

@@ -148,8 +148,8 @@ TEST(Roughen, CutsWithinAGroupStayAwayAndItsSeamsAreSmooth) {
       for (std::uint32_t k = primitive.first_index; k < primitive.first_index + primitive.index_count; ++k) {
         const std::uint32_t* t = set.fragments[0].indices.data() + k / 3 * 3;
         const auto local = [&](int c) { return to_double(set.fragments[0].positions[t[c]]); };
-        if (length(cross(local(1) - local(0), local(2) - local(0))) < 1e-9)
-          continue;  // of a facet without width: four sites on a circle
+        if (length(cross(local(1) - local(0), local(2) - local(0))) < 1e-7)
+          continue;  // of a facet no wider than the lattice of positions: four sites on a circle
         const Vec3f& n = set.fragments[0].attributes.normals[set.fragments[0].indices[k]];
         at[world(set.fragments[0], set.fragments[0].indices[k])].insert({n.x, n.y, n.z});
       }
@@ -192,6 +192,29 @@ TEST(Roughen, TheSameBytesForAnyNumberOfThreads) {
     EXPECT_EQ(one.fragments[k].indices, three.fragments[k].indices);
     EXPECT_EQ(one.fragments[k].attributes.normals, three.fragments[k].attributes.normals);
   }
+}
+
+TEST(Roughen, CellsThatStayTogetherAreInNobodysWay) {
+  FractureParameters p = rough(300, 0.02, 5, 1);
+  const auto calmed = [&] {
+    return fracture_roughly(cube(), p).report.at("rough_cuts").at("calmed_vertices").get<int>();
+  };
+  const int apart = calmed();
+  p.keep = Region{.center = box_of(cube()).center(), .radius = 0.3};
+  EXPECT_LE(calmed(), apart + 5);
+}
+
+TEST(Roughen, LongThinPiecesEndWithFlatCutsAndAWarning) {
+  FractureParameters p = rough(1, 0.05, 5, 2);
+  PointsPattern fibres;
+  for (int x = 0; x < 3; ++x)
+    for (int z = 0; z < 3; ++z) fibres.points.push_back({0.01 * (x + 0.5) / 3, 2.0, 0.01 * (z + 0.5) / 3});
+  p.pattern = fibres;
+  const FragmentSet set = fracture_roughly(box({0, 0, 0}, {0.01, 4, 0.01}), p);
+  EXPECT_EQ(set.certificate.open_edges, 0u);
+  EXPECT_EQ(set.fragments.size(), 9u);
+  EXPECT_LT(set.certificate.relative_error, 1e-12);
+  EXPECT_LT(set.report.at("rough_cuts").at("triangles").get<double>(), 4 * kMostRoughTriangles);
 }
 
 }  // namespace

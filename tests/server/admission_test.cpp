@@ -89,6 +89,19 @@ TEST(Admission, CountsTheTrianglesOfRoughCutsAboutRight) {
   EXPECT_EQ(expected_rough_triangles(finest, 50), 0) << "hulls of barycentres have no rough cuts";
 }
 
+TEST(Admission, AHitOnAKeptAnswerCostsWhatItChanges) {
+  FractureParameters p = with(UniformPattern{});
+  p.sites = 10'000;
+  p.hits = {{{0, 0, 0}, 0.1, 500}, {{1, 0, 0}, 0.1, 30}};
+  p.new_hits = 1;
+  const double whole = expected_work(p, 0, nullptr).seconds, hit = expected_hit_work(p, nullptr).seconds;
+  EXPECT_LT(hit, whole / 5);
+  p.new_hits = 2;
+  EXPECT_GT(expected_hit_work(p, nullptr).seconds, hit) << "all new hits count";
+  p.sites = 1;
+  EXPECT_LE(expected_hit_work(p, nullptr).seconds, expected_work(p, 0, nullptr).seconds);
+}
+
 TEST(Admission, WorkGrowsWithBytesSitesAndPasses) {
   FractureParameters parameters = with(UniformPattern{});
   const ExpectedWork base = expected_work(parameters, 1000, nullptr);
