@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <optional>
 #include <set>
+#include <sstream>
 #include <thread>
 
 #include "client/render/image.hpp"
@@ -23,17 +24,21 @@ class OnADisplay : public testing::Test {
     display_.emplace(std::vector<std::string>{*program, "-displayfd", "1", "-screen", "0", "800x600x24"},
                      folder_ / "display");
     std::string number;
-    while (number.find('\n') == std::string::npos) {
+    while (number.empty()) {
       ASSERT_TRUE(display_->alive()) << test::read_file(folder_ / "display");
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
-      number = test::read_file(folder_ / "display");
-      number = number.substr(0, number.rfind('\n') + 1);
+      number = display_number(test::read_file(folder_ / "display"));
     }
-    // The last line is the number; the X server may have said something before it.
-    number.pop_back();
-    std::string display(1, ':');
-    display.append(number, number.rfind('\n') + 1);
+    const std::string display = ":" + number;
     ::setenv("DISPLAY", display.c_str(), 1);
+  }
+
+  /// The line of digits alone; the X server may say other things before and after it.
+  static std::string display_number(const std::string& said) {
+    std::istringstream lines(said.substr(0, said.rfind('\n') + 1));
+    for (std::string line; std::getline(lines, line);)
+      if (!line.empty() && line.find_first_not_of("0123456789") == std::string::npos) return line;
+    return {};
   }
 
   int play(std::vector<std::string> arguments) {
