@@ -217,6 +217,7 @@ struct Client::State {
     bool put = job.kind == RequestKind::kStore;  // a 404 after a PUT is the server's own no
     while (true) {
       ++answer.exchanges;
+      const Clock::time_point sent = Clock::now();
       const Exchange exchange = co_await ask(job.request, job.interruption);
       answer.status = exchange.status;
       answer.failure = failure_of(exchange.outcome);
@@ -247,14 +248,17 @@ struct Client::State {
           const bool forgotten = exchange.status == 404 && answer.problem == "not-found";
           if (!forgotten || put || job.kind != RequestKind::kFracture || meshes.count(job.mesh) == 0)
             co_return answer;
-          put = true;
-          Answer stored = co_await store(job);
-          answer.exchanges += stored.exchanges;
-          if (!stored.ok()) {
-            stored.exchanges = answer.exchanges;
-            co_return stored;
-          }
           wait = Milliseconds(0);
+          // Another job may have put it while this 404 was on its way.
+          if (const auto last = put_at.find(job.mesh); last == put_at.end() || last->second < sent) {
+            put = true;
+            Answer stored = co_await store(job);
+            answer.exchanges += stored.exchanges;
+            if (!stored.ok()) {
+              stored.exchanges = answer.exchanges;
+              co_return stored;
+            }
+          }
         }
       } else if (exchange.outcome == Outcome::kTooLarge || exchange.outcome == Outcome::kInterrupted) {
         if (answer.failure == Failure::kCancelled) answer.detail = "Cancelled.";
@@ -297,6 +301,7 @@ struct Client::State {
     Answer answer = co_await run(put);
     job.interruption.wake = nullptr;
     putting.erase(id);
+    if (answer.ok()) put_at[id] = Clock::now();
     co_return answer;
   }
 
@@ -323,6 +328,7 @@ struct Client::State {
   std::map<Ticket, std::shared_ptr<Job>> jobs;
   std::map<std::string, StoredMesh> meshes;
   std::map<std::string, bool> putting;
+  std::map<std::string, Clock::time_point> put_at;  // when the last PUT of a mesh had ended well
   Interruption beat;
   Clock::time_point heard{};
   bool stopping = false;
