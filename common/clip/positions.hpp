@@ -30,7 +30,7 @@ struct VertexPositions {
   VertexId first_constructed = 0;  ///< = number of mesh vertices
   std::vector<Vec3d> points;       ///< of vertex first_constructed + k, unrounded
   std::vector<std::array<std::int32_t, 3>>
-      steps;                          ///< of vertex first_constructed + k, in units of the lattice
+      steps;  ///< of vertex first_constructed + k, in units of the lattice
   /// Of rough cuts (rough/roughen.hpp): the first of `steps` as they were before anything moved; else empty.
   std::vector<std::array<std::int32_t, 3>> flat_steps{};
   std::uint64_t exact_roundings = 0;  ///< how many needed rational arithmetic (debugging aid)

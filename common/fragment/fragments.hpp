@@ -57,8 +57,8 @@ struct Fragment {
   std::vector<std::uint32_t> topology;
   MassProperties mass;  ///< from the unrounded positions
   /// Local points of each member cell's share, for fragments of several cells; empty when the fragment lies
-  /// in one convex cell (then its own positions serve). Of rough fragments always: as they are with flat cuts,
-  /// in their convex cells.
+  /// in one convex cell (then its own positions serve). Of rough fragments always: as they are with flat
+  /// cuts, in their convex cells.
   std::vector<std::vector<Vec3f>> bodies;
   std::vector<CollisionHull> hulls;                    ///< one for each body; empty until asked for
   std::uint32_t flat_hulls = 0, simplified_hulls = 0;  ///< of these (physics/collision_hulls.hpp)
@@ -69,9 +69,9 @@ struct Fragment {
 /// The shared caps of two fragments.
 struct Bond {
   std::uint32_t a, b;  ///< indices into FragmentSet::fragments, a < b
-  double area = 0;     ///< m², > 0; of rough caps across their cuts' planes, which is what strength refers to
-  Vec3d centroid;      ///< m
-  Vec3d normal;        ///< unit, from a to b, area-weighted
+  double area = 0;  ///< m², > 0; of rough caps across their cuts' planes, which is what strength refers to
+  Vec3d centroid;   ///< m
+  Vec3d normal;     ///< unit, from a to b, area-weighted
 };
 
 /// Fragments that a coarser level of the hierarchy keeps together.

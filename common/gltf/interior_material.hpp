@@ -16,7 +16,7 @@ namespace fracture {
 struct InteriorLook {
   std::string material{};             ///< name or index of a material of the source, whose look is reused
   std::optional<std::string> name{};  ///< of the material in the file
-  std::optional<Vec3d> color{};       ///< base colour, linear, 0 … 1; replaces the reused base colour texture
+  std::optional<Vec3d> color{};  ///< base colour, linear, 0 … 1; replaces the reused base colour texture
   std::optional<double> roughness{};  ///< 0 … 1
   std::optional<double> metallic{};   ///< 0 … 1
   friend bool operator==(const InteriorLook&, const InteriorLook&) = default;

@@ -7,7 +7,8 @@ namespace {
 
 // Restitution: solid spheres of these materials bounce with 0.5 to 0.9; shards land on edges and corners and
 // lose most of it. The values are a third of those of spheres, the order of materials is kept.
-// Rough cuts by eye (scripts/gallery). Glass parts smoothly; bricks part at their mortar planes, which are flat.
+// Rough cuts by eye (scripts/gallery). Glass parts smoothly; bricks part at their mortar planes, which are
+// flat.
 std::vector<MaterialPreset> make_presets() {
   std::vector<MaterialPreset> presets;
 

@@ -5,9 +5,9 @@
 // centroid (Euler & Bernoulli; section = a disc of the bond's area, length = the distance of the centres of
 // mass), the anchored fragments do not move, and gravity pulls at the centres of mass. The balance of forces
 // and moments is solved by conjugate gradients (Hestenes & Stiefel 1952) with the 6 x 6 diagonal blocks as
-// preconditioner, in loops of our own: the figures are part of answers whose bits every compiler must give, and
-// the kernels of linear algebra libraries do not. Where the structure leaves one way for a load (a tower, a
-// cantilever, any tree of bonds) forces and moments are those of statics, whatever the stiffness; elsewhere
+// preconditioner, in loops of our own: the figures are part of answers whose bits every compiler must give,
+// and the kernels of linear algebra libraries do not. Where the structure leaves one way for a load (a tower,
+// a cantilever, any tree of bonds) forces and moments are those of statics, whatever the stiffness; elsewhere
 // they are shared by stiffness: an estimate.
 #pragma once
 

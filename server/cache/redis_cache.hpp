@@ -25,7 +25,7 @@ struct RedisConfig {
   std::chrono::milliseconds connect_timeout{100};
   std::chrono::milliseconds operation_timeout{50};  ///< of a whole operation, however it trickles
   std::size_t max_value_bytes = 4u << 20;           ///< of a value as it is sent, compressed
-  std::uint64_t max_entry_bytes = 64ull << 20;     ///< of an entry after decompression
+  std::uint64_t max_entry_bytes = 64ull << 20;      ///< of an entry after decompression
   std::chrono::seconds ttl{7 * 86'400};             ///< given to Redis with each value
 };
 

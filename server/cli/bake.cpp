@@ -15,11 +15,11 @@
 #include <thread>
 
 #include "server/bake/atomic_file.hpp"
+#include "server/bake/import_workers.hpp"
+#include "server/bake/input_file.hpp"
 #include "server/bake/plan.hpp"
 #include "server/bake/progress.hpp"
 #include "server/bake/run.hpp"
-#include "server/bake/import_workers.hpp"
-#include "server/bake/input_file.hpp"
 #include "server/cli/options.hpp"
 #include "server/service/worker_pool.hpp"
 

@@ -10,6 +10,9 @@
 
 namespace fracture::parameter_fields {
 
+inline constexpr double kFar = 1e6;           ///< metres: as far as places may lie
+inline constexpr double kLeastLength = 1e-6;  ///< metres
+
 template <class T>
 void assign(T& to, const ParameterValue& value) {
   if constexpr (std::is_enum_v<T> || std::is_integral_v<T>)

@@ -9,11 +9,11 @@
 namespace fracture {
 namespace {
 
+using parameter_fields::kFar;
+using parameter_fields::kLeastLength;
 using parameter_fields::with_member;
 using Type = ParameterSpec::Type;
 
-constexpr double kFar = 1e6;           // metres: as far as places may lie
-constexpr double kLeastLength = 1e-6;  // metres
 constexpr std::size_t kMostHits = 64;
 constexpr std::uint64_t kMostHitSites = 10'000;  // of all hits of one answer
 constexpr std::size_t kKeyDigits = 64;

@@ -5,12 +5,12 @@
 namespace fracture {
 namespace {
 
+using parameter_fields::kFar;
+using parameter_fields::kLeastLength;
 using parameter_fields::with_member;
 using parameter_fields::with_pattern_member;
 using Type = ParameterSpec::Type;
 
-constexpr double kFar = 1e6;           // metres: as far as places may lie
-constexpr double kLeastLength = 1e-6;  // metres
 // Rows of a matrix or normals of slices that are more nearly dependent than this have no usable inverse.
 constexpr double kLeastConditioning = 1e-3;
 

@@ -7,11 +7,11 @@
 namespace fracture {
 namespace {
 
+using parameter_fields::kFar;
+using parameter_fields::kLeastLength;
 using parameter_fields::with_member;
 using Type = ParameterSpec::Type;
 
-constexpr double kFar = 1e6;           // metres: as far as places may lie
-constexpr double kLeastLength = 1e-6;  // metres
 constexpr std::uint32_t kMostLevels = 8;
 
 nlohmann::json vectors(const std::vector<Vec3d>& list) {

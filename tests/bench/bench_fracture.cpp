@@ -10,7 +10,6 @@
 // triangles, and for each site the vertices of its Voronoi cell within an enlarged box, so that the peer gets
 // its cells for free.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -21,16 +20,12 @@
 
 #include "common/base/digest.hpp"
 #include "common/pipeline/fracture.hpp"
+#include "tests/bench/stopwatch.hpp"
 #include "tests/support/mesh_files.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace fracture::bench {
 namespace {
-
-double now_ms() {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
 
 double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());

@@ -8,22 +8,17 @@
 // GLB. Fails when
 // the two answers differ in a bit of a position, an index or a volume.
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 
 #include "common/gltf/gltf_writer.hpp"
 #include "common/pipeline/delta.hpp"
+#include "tests/bench/stopwatch.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace fracture::bench {
 namespace {
-
-double now_ms() {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
 
 struct Least {
   double ms = 1e9;

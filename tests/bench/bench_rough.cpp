@@ -6,23 +6,18 @@
 // roughness on uniform cells, fastest of N runs (default 15), flat and rough in turn in one process, one
 // thread.
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
 
 #include "common/materials/materials.hpp"
 #include "common/pipeline/fracture.hpp"
+#include "tests/bench/stopwatch.hpp"
 #include "tests/support/mesh_files.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace fracture::bench {
 namespace {
-
-double now_ms() {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
 
 struct Run {
   double ms = 1e9;
@@ -43,7 +38,8 @@ void fracture_once(const Solid& solid, const FractureParameters& p, Run& run) {
 }
 
 int run(int repeat, std::uint32_t sites, const std::string& file) {
-  Expected<Mesh> mesh = file.empty() ? Expected<Mesh>(test::sphere_with(2000)) : test::load_mesh({file, file});
+  Expected<Mesh> mesh =
+      file.empty() ? Expected<Mesh>(test::sphere_with(2000)) : test::load_mesh({file, file});
   if (!mesh) return std::puts(mesh.error().detail.c_str()), 1;
   const Expected<Solid> solid = make_solid(std::make_shared<Mesh>(std::move(*mesh)), {}, {});
   if (!solid) return std::puts(solid.error().detail.c_str()), 1;
