@@ -158,7 +158,9 @@ Expected<Mesh> ImportPool::import(std::span<const std::byte> mesh, MeshFormat fo
 
 ImportCounters ImportPool::counters() const {
   const std::lock_guard lock(mutex_);
-  return counters_;
+  ImportCounters now = counters_;
+  now.starting = starting_ + to_start_;
+  return now;
 }
 
 WorkerHello ImportPool::hello() const {

@@ -34,6 +34,7 @@ struct ImportCounters {
   std::uint64_t started = 0;      ///< worker processes
   std::uint64_t recycled = 0;     ///< of them replaced in good health
   int workers = 0;                ///< alive now
+  int starting = 0;               ///< not alive yet, or waiting for their start
   int busy = 0;                   ///< of them importing
 };
 

@@ -280,9 +280,10 @@ TEST(ImportPool, LeaksNoDescriptorsAndNoProcesses) {
   {
     ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 2));
     EXPECT_TRUE(import_with(pool, kTetrahedron));
+    // A worker that is being started has both ends of its socket here.
     const auto settled = [&] {
       const ImportCounters c = pool.counters();
-      return c.workers == static_cast<int>(children()) && c.busy == 0;
+      return c.workers == static_cast<int>(children()) && c.busy == 0 && c.starting == 0;
     };
     ASSERT_TRUE(eventually(settled));
     const std::size_t per_worker = open_descriptors() - static_cast<std::size_t>(pool.counters().workers);
