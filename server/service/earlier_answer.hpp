@@ -12,7 +12,8 @@ namespace fracture {
 
 /// What to parse instead of `given`, which parses to `own`. `earlier` are the canonical parameters of the
 /// answer. Hits that are given now come after its own; whatever decides its mesh or its sites cannot be given
-/// again. Errors: kBadParameter, naming the parameter.
+/// again, nor beside hits that are compared with it (`delta`) anything else that its fragments depend on.
+/// Errors: kBadParameter, naming the parameter.
 Expected<std::vector<RawParameter>> on_earlier_answer(const ParameterTable& table,
                                                       const std::vector<RawParameter>& given,
                                                       const RequestParameters& own,

@@ -71,7 +71,8 @@ class FractureService {
   FractureService(const ServiceConfig& config, std::unique_ptr<FractureEngine> engine);
 
   /// Parses what is asked; where it names an earlier answer, with the parameters of that. Errors of
-  /// ParameterTable::parse() and on_earlier_answer(); kNoSuchAnswer. Does not block: only memory is asked.
+  /// ParameterTable::parse() and on_earlier_answer(); kNoSuchAnswer. Asks memory alone; once for an answer it
+  /// may have to read that answer's file for its parameters.
   Expected<RequestParameters> parse(const std::vector<RawParameter>& given);
 
   /// Thread-safe and synchronous. All bad input, cancellation (kCancelled) and a passed deadline
