@@ -107,6 +107,17 @@ void add_inspect(CLI::App& app, InspectOptions& o) {
   add_parameters(app, o.parameters, o.service, o.threads);
 }
 
+void add_health(CLI::App& app, HealthOptions& o) {
+  app.add_option("url", o.url,
+                 "http://host[:port][/path]; without it the admin listener that the environment and --config "
+                 "name, on this machine");
+  app.add_option("--config", o.config_file, "The server's file of settings")->type_name("FILE");
+  app.add_flag("--ready", o.ready, "Ask whether it takes requests (/readyz), not whether it lives (/livez)");
+  app.add_option("--timeout", o.timeout, "Seconds to wait")
+      ->check(CLI::Range(1, 3600))
+      ->capture_default_str();
+}
+
 }  // namespace
 
 int run(int argc, char** argv) {
@@ -139,14 +150,21 @@ int run(int argc, char** argv) {
                           "repair, 2: refused, 3: wrong command line or unreadable file");
   add_inspect(inspect_command, inspect_options);
 
+  HealthOptions health_options;
+  CLI::App& health_command = *app.add_subcommand(
+      "health", "Ask a server whether it is alive. Exits with 0: yes, 1: no, or it cannot be asked");
+  add_health(health_command, health_options);
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     constexpr int kInspectUsage = 3;
-    return app.exit(e) == 0 ? kExitDone : inspect_command.parsed() ? kInspectUsage : kExitUsage;
+    if (app.exit(e) == 0) return kExitDone;
+    return inspect_command.parsed() ? kInspectUsage : health_command.parsed() ? kExitSystem : kExitUsage;
   }
   if (inspect_command.parsed()) return inspect(inspect_options);
   if (bake_command.parsed()) return bake(bake_options);
+  if (health_command.parsed()) return health(health_options);
 
   const std::vector<std::string> errors = configure(serve_options, settings, flags, command.config_file);
   for (const std::string& error : errors) std::fprintf(stderr, "fracture-server: %s\n", error.c_str());

@@ -1,9 +1,10 @@
-// The command line: three commands, each with its own settings.
+// The command line: four commands, each with its own settings.
 //
 // Exit codes: 0 done · 1 this machine stood in the way (a file, a port) · 2 the command line is wrong · 3 the
 // mesh or a parameter was refused · 4 a bug of ours · 130 interrupted. inspect has its own, for
 // pipelines: 0 a closed solid as it is · 1 usable after repair · 2 refused · 3 the command line or the file
-// was wrong · 4 a bug of ours.
+// was wrong · 4 a bug of ours. health: 0 healthy · 1 anything else, since a container's HEALTHCHECK knows no
+// other.
 #pragma once
 
 #include <chrono>
@@ -70,9 +71,18 @@ struct InspectOptions {
   bool json = false;
 };
 
+struct HealthOptions {
+  std::string url;          ///< http://host[:port][/path]; empty: the admin listener by environment and file
+  std::string config_file;  ///< as of `serve`; empty: none
+  bool ready = false;       ///< ask /readyz (does it take requests?) instead of /livez
+  int timeout = 2;          ///< seconds in all
+};
+
 int serve(const ServeOptions& options);
 int bake(const BakeOptions& options);
 int inspect(const InspectOptions& options);
+/// kExitDone when the answer is 200; else kExitSystem, and the reason on standard error.
+int health(const HealthOptions& options);
 
 /// Parses the command line and runs the command.
 int run(int argc, char** argv);

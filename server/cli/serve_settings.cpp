@@ -173,14 +173,20 @@ std::vector<std::string> inconsistencies(const ServeOptions& o) {
   return errors;
 }
 
-std::vector<std::string> configure(ServeOptions& options, const std::vector<Setting>& settings,
-                                   const GivenSettings& flags, const std::string& config_file) {
-  std::vector<std::string> errors, unknown;
+void read_settings(ServeOptions& options, const std::vector<Setting>& settings, const GivenSettings& flags,
+                   const std::string& config_file, std::vector<std::string>& errors) {
+  std::vector<std::string> unknown;
   std::vector<GivenSettings> sources = {flags, from_environment(environ, settings, unknown)};
   for (const std::string& name : unknown)
     options.warnings.push_back("the environment variable " + name + " is no setting of this server");
   if (!config_file.empty()) sources.push_back(from_file(config_file, settings, errors));
   apply(settings, sources, errors);
+}
+
+std::vector<std::string> configure(ServeOptions& options, const std::vector<Setting>& settings,
+                                   const GivenSettings& flags, const std::string& config_file) {
+  std::vector<std::string> errors;
+  read_settings(options, settings, flags, config_file, errors);
   for (std::string& error : inconsistencies(options)) errors.push_back(std::move(error));
   if (!errors.empty()) return errors;
 

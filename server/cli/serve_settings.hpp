@@ -12,6 +12,10 @@ namespace fracture::cli {
 /// The table. The settings read and write `options`, which must outlive them.
 std::vector<Setting> serve_settings(ServeOptions& options);
 
+/// Takes the settings from flags, environment and `config_file` (empty: none), each judged alone.
+void read_settings(ServeOptions& options, const std::vector<Setting>& settings, const GivenSettings& flags,
+                   const std::string& config_file, std::vector<std::string>& errors);
+
 /// Takes the settings from flags, environment and `config_file` (empty: none), then judges them as a whole.
 /// Every error there is, in sentences; none: `options` is ready to serve.
 std::vector<std::string> configure(ServeOptions& options, const std::vector<Setting>& settings,
