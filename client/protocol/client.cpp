@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "client/protocol/connection_pool.hpp"
-#include "client/protocol/headers.hpp"
+#include "common/exchange/connection_pool.hpp"
+#include "common/exchange/headers.hpp"
 
 namespace fracture::protocol {
 namespace {
@@ -64,6 +64,11 @@ void read_problem(const Exchange& exchange, Answer& answer) {
   if (answer.detail.empty()) answer.detail = "The server answered " + std::to_string(exchange.status) + ".";
 }
 
+ConnectionSettings connections_of(const Settings& s) {
+  return {s.host,           s.port, s.token,           s.connections, s.connect_timeout,
+          s.answer_timeout, s.idle, s.max_answer_bytes};
+}
+
 bool is_json(const std::string& body) { return nlohmann::json::accept(body); }
 
 }  // namespace
@@ -106,7 +111,7 @@ const char* name(ServerState state) {
 
 struct Client::State {
   explicit State(Settings given)
-      : settings(std::move(given)), pool(io, settings), work(asio::make_work_guard(io)) {
+      : settings(std::move(given)), pool(io, connections_of(settings)), work(asio::make_work_guard(io)) {
     if (settings.heartbeat.count() > 0) asio::co_spawn(io, heartbeat(), asio::detached);
     thread = std::thread([this] { io.run(); });
   }
@@ -313,7 +318,7 @@ struct Client::State {
 
   /// Notices a server that comes and goes while nobody asks for anything.
   asio::awaitable<void> heartbeat() {
-    const HttpRequest version{"GET", "/version", {}, nullptr};
+    const HttpRequest version{.target = "/version"};
     while (!stopping) {
       const bool quiet = jobs.empty() && Clock::now() - heard >= settings.heartbeat;
       if (quiet) co_await ask(version, beat);

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-namespace fracture::protocol {
+#include "common/exchange/headers.hpp"
 
-using Milliseconds = std::chrono::milliseconds;
+namespace fracture::protocol {
 
 /// Where the server is, and how long it is waited for (never by the caller: by the client's own thread).
 struct Settings {
@@ -47,12 +47,6 @@ const char* name(Failure failure);
 inline constexpr std::size_t kMaxParameterBytes = 4096;  ///< of one request: the server's limit
 
 using Ticket = std::uint64_t;  ///< of a request; never 0, never used twice
-
-/// One entry of Server-Timing.
-struct Stage {
-  std::string name;
-  double milliseconds = 0;
-};
 
 struct Answer {
   Ticket ticket = 0;

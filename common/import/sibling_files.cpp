@@ -123,7 +123,7 @@ void read_named(const fs::path& folder, const std::vector<std::string>& names,
       file = inside(folder, as);
     }
     const bool known = std::any_of(out.begin(), out.end(), [&](const auto& f) { return f.name == as; });
-    if (file && !known) out.push_back({as, read_whole(*file)});
+    if (file && !known) out.push_back({as, read_whole(*file), (folder / as).string()});
   }
 }
 
@@ -177,7 +177,7 @@ void read_mentioned(const fs::path& asset, const fs::path& folder, std::string_v
       const std::string name = lower(file.filename().string());
       const bool mentioned = name.size() >= 5 && text.find(name) != std::string::npos;
       if (!mentioned && !(next == 0 && is_companion(stem, name))) return false;
-      out.push_back({fs::relative(file, folder).generic_string(), read_whole(file)});
+      out.push_back({fs::relative(file, folder).generic_string(), read_whole(file), file.string()});
       return true;
     });
     if (next >= out.size()) return;

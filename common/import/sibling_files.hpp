@@ -23,6 +23,7 @@ std::vector<std::string> textures_of_mtl(std::string_view text);
 struct SiblingFile {
   std::string name;  ///< as the asset names it
   std::string bytes;
+  std::string path;  ///< where it lies
 };
 
 /// Reads what the asset at `path` names, and what its material libraries name, from its folder and below: a

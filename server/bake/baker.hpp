@@ -1,6 +1,7 @@
-// Makes one output: in this process, or through servers.
+// Makes one output: in this process, or through servers (remote_baker.hpp).
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -16,12 +17,33 @@ struct Baked {
   nlohmann::json figures;  ///< extras.fracture of the file: report, certificate, bonds
 };
 
-/// Thread-safe. All bad input, cancellation and what a server says of them come back as errors.
+/// Why there is no output.
+struct BakeFailure {
+  enum class Kind {
+    kRefused,      ///< the mesh or a parameter: it will be refused again
+    kBroken,       ///< a bug, here or in the server
+    kCancelled,    ///< the stop came
+    kUnavailable,  ///< the server is absent or busy beyond all patience: the other jobs will fare no better
+  };
+  Kind kind = Kind::kRefused;
+  /// type, title, detail and, where one is concerned, parameter: as a server words it.
+  nlohmann::json problem;
+
+  BakeFailure(Kind given, nlohmann::json document) : kind(given), problem(std::move(document)) {}
+  explicit BakeFailure(const Error& error);
+  /// "mesh-not-closed: It is open."
+  std::string words() const;
+};
+
+/// Thread-safe.
 class Baker {
  public:
   virtual ~Baker() = default;
   virtual Expected<RequestParameters> parse(const std::vector<RawParameter>& given) = 0;
-  virtual Expected<Baked> bake(const FractureRequest& request, const Execution& execution) = 0;
+  virtual tl::expected<Baked, BakeFailure> bake(const FractureRequest& request,
+                                                const Execution& execution) = 0;
+  /// Where to say what goes on while a call takes long. Before the first call.
+  virtual void on_notice(std::function<void(const std::string& line)>) {}
 };
 
 std::unique_ptr<Baker> local_baker(const ServiceConfig& config, int import_workers);

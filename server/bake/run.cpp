@@ -7,9 +7,11 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <new>
 #include <thread>
 
 #include "server/bake/atomic_file.hpp"
+#include "server/bake/depfile.hpp"
 #include "server/bake/input_file.hpp"
 #include "server/bake/progress.hpp"
 #include "server/bake/report.hpp"
@@ -26,14 +28,6 @@ bool has_digest(const std::string& path, const std::string& digest) {
   return !file.bad() && "sha256:" + sha256(bytes).hex() == digest;
 }
 
-nlohmann::json problem_of(const Error& error) {
-  nlohmann::json problem = {{"type", std::string("/problems/") + slug(error.code)},
-                            {"title", title(error.code)},
-                            {"detail", error.detail}};
-  if (!error.pointer.empty()) problem["parameter"] = error.pointer;
-  return problem;
-}
-
 OutputFormat format_of_output(const std::string& path) {
   return path.size() > 5 && path.ends_with(".gltf") ? OutputFormat::kGltf : OutputFormat::kGlb;
 }
@@ -46,7 +40,12 @@ class Run {
         options_(options),
         stop_(stop),
         report_(options.report),
-        progress_(plan.jobs.size(), options.quiet) {}
+        progress_(plan.jobs.size(), options.quiet) {
+    baker_.on_notice([this](const std::string& line) { progress_.say("fracture-server bake: " + line); });
+  }
+  ~Run() {
+    baker_.on_notice([](const std::string&) {});
+  }
 
   RunFigures operator()() {
     {
@@ -54,11 +53,10 @@ class Run {
       for (int k = 0; k < options_.jobs; ++k)
         threads.emplace_back([this] {
           for (std::size_t job = next_++; job < plan_.jobs.size(); job = next_++) {
-            if (stop_.stop_requested()) {
+            if (stop_.stop_requested() || unavailable_)
               count(&RunFigures::cancelled);
-              continue;
-            }
-            work(job);
+            else
+              work(job);
           }
         });
     }
@@ -87,20 +85,38 @@ class Run {
     if (!report_.add(job, line)) unwritable(options_.report);
   }
 
-  void refuse(std::size_t job, const Error& error) {
-    if (error.code == ErrorCode::kCancelled) return count(&RunFigures::cancelled);
-    progress_.say(plan_.jobs[job].input + ": " + slug(error.code) + ": " + error.detail);
-    report(job, {{"status", "refused"}, {"problem", problem_of(error)}});
-    count(&RunFigures::refused);
-    progress_.done(false, true);
+  void fail(std::size_t job, const BakeFailure& failure) {
+    using enum BakeFailure::Kind;
+    if (failure.kind == kUnavailable && !unavailable_.exchange(true)) {
+      progress_.say("fracture-server bake: " + failure.words());
+      count(&RunFigures::unavailable);
+    }
+    if (failure.kind == kCancelled || failure.kind == kUnavailable) return count(&RunFigures::cancelled);
+    const bool refused = failure.kind == kRefused;
+    progress_.say(plan_.jobs[job].input + ": " + failure.words());
+    report(job, {{"status", refused ? "refused" : "failed"}, {"problem", failure.problem}});
+    count(refused ? &RunFigures::refused : &RunFigures::failed);
+    progress_.done(false, refused);
   }
 
+  /// One job that goes wrong in a way that nobody thought of is no reason to lose the others.
   void work(std::size_t number) {
+    try {
+      make_or_keep(number);
+    } catch (const std::bad_alloc&) {
+      fail(number, {BakeFailure::Kind::kBroken,
+                    BakeFailure(Error{ErrorCode::kOutOfMemory, "Memory is exhausted."}).problem});
+    } catch (const std::exception& bug) {
+      fail(number, BakeFailure(Error{ErrorCode::kInternal, bug.what()}));
+    }
+  }
+
+  void make_or_keep(std::size_t number) {
     const BakeJob& job = plan_.jobs[number];
     const Expected<RequestParameters> parameters = baker_.parse(job.parameters);
-    if (!parameters) return refuse(number, parameters.error());
+    if (!parameters) return fail(number, BakeFailure(parameters.error()));
     const Expected<MeshFormat> format = format_of_input(job.input, *parameters);
-    if (!format) return refuse(number, format.error());
+    if (!format) return fail(number, BakeFailure(format.error()));
     const std::optional<InputFile> input = read_input(job.input, *format);
     if (!input) {
       const std::string reason = std::strerror(errno);
@@ -118,22 +134,25 @@ class Run {
       count(&RunFigures::kept);
       return progress_.done(true, false);
     }
-    make(number, request, keys);
+    make(number, request, keys, *input);
   }
 
-  void make(std::size_t number, const FractureRequest& request, const RequestKeys& keys) {
+  void make(std::size_t number, const FractureRequest& request, const RequestKeys& keys,
+            const InputFile& input) {
     const BakeJob& job = plan_.jobs[number];
     Execution execution;
     execution.threads = 1;
     execution.stop = stop_;
     const auto start = std::chrono::steady_clock::now();
-    const Expected<Baked> baked = baker_.bake(request, execution);
+    const tl::expected<Baked, BakeFailure> baked = baker_.bake(request, execution);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-    if (!baked) return refuse(number, baked.error());
+    if (!baked) return fail(number, baked.error());
     if (!make_folders_of(job.output) || !write_file(job.output, std::as_bytes(std::span(*baked->file)))) {
       unwritable(job.output);
       return progress_.done(false, false);
     }
+    if (!options_.depfile.empty() && !write_depfile(options_.depfile, job, input))
+      unwritable(options_.depfile);
     const bool sound = is_sound(baked->figures);
     if (!sound)
       progress_.say(job.input +
@@ -156,6 +175,7 @@ class Run {
   BakeReport report_;
   JobProgress progress_;
   std::atomic<std::size_t> next_{0};
+  std::atomic<bool> unavailable_{false};
   std::mutex mutex_;
   RunFigures figures_;
 };

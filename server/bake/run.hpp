@@ -11,22 +11,26 @@
 namespace fracture::bake {
 
 struct RunOptions {
-  int jobs = 1;        ///< at the same time; each computes with one thread
-  std::string report;  ///< path of the NDJSON report; empty: none
-  bool force = false;  ///< make outputs again that are right already
-  bool quiet = false;  ///< no progress and no summary; refusals are said all the same
+  int jobs = 1;         ///< at the same time; each computes with one thread
+  std::string report;   ///< path of the NDJSON report; empty: none
+  std::string depfile;  ///< for one job: see depfile.hpp; empty: none
+  bool force = false;   ///< make outputs again that are right already
+  bool quiet = false;   ///< no progress and no summary; refusals are said all the same
 };
 
 struct RunFigures {
   std::size_t made = 0;
   std::size_t kept = 0;     ///< right already: same key, and the file has the bytes that the report says
   std::size_t refused = 0;  ///< inputs or parameters
+  std::size_t failed = 0;   ///< bugs, and lack of memory
   std::size_t unsound = 0;  ///< certificates that do not hold
   std::size_t unreadable = 0, unwritable = 0;
-  std::size_t cancelled = 0;  ///< not done, or not to the end, when the stop came
+  std::size_t unavailable = 0;  ///< 1: the baker gave up on its server
+  std::size_t cancelled = 0;    ///< not done, or not to the end, when the stop came or the baker gave up
 };
 
-/// Returns when every job is done or the stop came. Each output is written whole or not at all.
+/// Returns when every job is done, the stop came, or the baker is unavailable. Each output is written whole
+/// or not at all.
 RunFigures run_bake(const BakePlan& plan, Baker& baker, const RunOptions& options,
                     const std::stop_token& stop);
 

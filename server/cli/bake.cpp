@@ -15,16 +15,21 @@
 #include <thread>
 
 #include "server/bake/atomic_file.hpp"
+#include "server/bake/depfile.hpp"
 #include "server/bake/import_workers.hpp"
 #include "server/bake/input_file.hpp"
 #include "server/bake/plan.hpp"
 #include "server/bake/progress.hpp"
+#include "server/bake/remote_baker.hpp"
 #include "server/bake/run.hpp"
 #include "server/cli/options.hpp"
 #include "server/service/worker_pool.hpp"
 
 namespace fracture::cli {
 namespace {
+
+/// At the same time through a server whose cores are not known: enough for eight of them, and little to hold.
+constexpr int kRemoteJobs = 8;
 
 std::atomic<bool> interrupted{false};
 void on_interrupt(int) { interrupted = true; }
@@ -93,6 +98,11 @@ int bake_one(const bake::BakeJob& job, const BakeOptions& options) {
                  std::strerror(errno));
     return kExitSystem;
   }
+  if (!options.depfile.empty() && !bake::write_depfile(options.depfile, job, *input)) {
+    std::fprintf(stderr, "fracture-server bake: cannot write %s: %s\n", options.depfile.c_str(),
+                 std::strerror(errno));
+    return kExitSystem;
+  }
   if (!options.quiet) {
     const Certificate& c = answer->certificate;
     std::printf("%s: %u fragments, volume in %.9g m3, out %.9g m3, relative error %.2g, %" PRIu64
@@ -112,16 +122,63 @@ int bake_one(const bake::BakeJob& job, const BakeOptions& options) {
 /// Beside the outputs, or beside the manifest; one for each shard.
 std::string report_path(const BakeOptions& options, const bake::Shard& shard) {
   if (!options.report.empty()) return options.report;
-  const std::string part = shard.count > 1
-                               ? "." + std::to_string(shard.index) + "-of-" + std::to_string(shard.count)
-                               : std::string();
+  std::string part;
+  if (shard.count > 1)
+    part.append(".").append(std::to_string(shard.index)).append("-of-").append(std::to_string(shard.count));
   if (!options.source.manifest.empty()) return options.source.manifest + part + ".report";
   return options.source.output + "/bake" + part + ".ndjson";
 }
 
+/// "480 made, 19 kept, 1 refused of 500 jobs in 12.3 s; report in out/bake.ndjson": what there was none of is
+/// left out.
+void print_summary(const bake::RunFigures& f, std::size_t jobs, double seconds, const std::string& report) {
+  std::string line;
+  const std::pair<std::size_t, const char*> figures[] = {{f.made, "made"},
+                                                         {f.kept, "kept"},
+                                                         {f.refused, "refused"},
+                                                         {f.failed, "failed"},
+                                                         {f.unsound, "unsound"},
+                                                         {f.unreadable, "unreadable"},
+                                                         {f.unwritable, "not written"},
+                                                         {f.cancelled, "not done"}};
+  for (const auto& [count, what] : figures)
+    if (count > 0) line += (line.empty() ? "" : ", ") + std::to_string(count) + " " + what;
+  if (line.empty()) line = "nothing";
+  std::printf("%s of %zu jobs in %.1f s", line.c_str(), jobs, seconds);
+  if (!report.empty()) std::printf("; report in %s", report.c_str());
+  std::printf("\n");
+}
+
+/// Null where the server cannot be asked, which has been said.
+std::unique_ptr<bake::Baker> connect(const BakeOptions& options, int jobs, const std::stop_token& stop,
+                                     int& exit_code) {
+  Expected<protocol::ConnectionSettings> server = bake::parse_server_url(options.server);
+  if (!server) {
+    std::fprintf(stderr, "fracture-server bake: %s\n", server.error().detail.c_str());
+    exit_code = kExitUsage;
+    return nullptr;
+  }
+  server->token = options.token;
+  server->connections = static_cast<std::size_t>(jobs);
+  server->connect_timeout = std::chrono::seconds(5);
+  server->answer_timeout = std::chrono::seconds(60);
+  server->max_answer_bytes = std::size_t{4} << 30;
+  bake::RemoteConfig config{std::move(*server), {}};
+  config.patience.total = std::chrono::seconds(options.patience_s);
+  auto baker = bake::remote_baker(config, stop, [](const std::string& line) {
+    std::fprintf(stderr, "fracture-server bake: %s\n", line.c_str());
+  });
+  if (baker) return std::move(*baker);
+  const bool stopped = baker.error().kind == bake::BakeFailure::Kind::kCancelled;
+  if (!stopped) std::fprintf(stderr, "fracture-server bake: %s\n", baker.error().words().c_str());
+  exit_code = stopped ? kExitInterrupted : kExitSystem;
+  return nullptr;
+}
+
 int exit_code(const bake::RunFigures& f, const BakeOptions& options) {
+  if (f.unavailable > 0) return kExitSystem;
   if (f.cancelled > 0) return kExitInterrupted;
-  if (f.unsound > 0) return kExitInternal;
+  if (f.unsound > 0 || f.failed > 0) return kExitInternal;
   if (f.unreadable > 0 || f.unwritable > 0) return kExitSystem;
   return f.refused > options.allow_refused ? kExitRefused : kExitDone;
 }
@@ -143,25 +200,29 @@ int bake(const BakeOptions& options) {
     std::fprintf(stderr, "fracture-server bake: %s\n", plan.error().detail.c_str());
     return kExitUsage;
   }
-  if (plan->single && options.report.empty()) return bake_one(plan->jobs.front(), options);
+  if (!options.depfile.empty() && !plan->single) {
+    std::fprintf(stderr, "fracture-server bake: --depfile is for one mesh to one file\n");
+    return kExitUsage;
+  }
+  const bool remote = !options.server.empty();
+  if (plan->single && options.report.empty() && !remote) return bake_one(plan->jobs.front(), options);
 
-  const int jobs = options.jobs > 0 ? options.jobs : available_cores();
+  const int jobs = options.jobs > 0 ? options.jobs : remote ? kRemoteJobs : available_cores();
   StopOnSignal stop;
-  const std::unique_ptr<bake::Baker> baker = bake::local_baker(options.service, jobs);
+  int refused = 0;
+  const std::unique_ptr<bake::Baker> baker =
+      remote ? connect(options, jobs, stop.token(), refused) : bake::local_baker(options.service, jobs);
+  if (!baker) return refused;
   bake::RunOptions run;
   run.jobs = jobs;
-  run.report = report_path(options, source.shard);
+  if (!plan->single || !options.report.empty()) run.report = report_path(options, source.shard);
+  run.depfile = options.depfile;
   run.force = options.force;
   run.quiet = options.quiet;
   const auto start = std::chrono::steady_clock::now();
   const bake::RunFigures f = bake::run_bake(*plan, *baker, run, stop.token());
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-  if (!options.quiet)
-    std::printf(
-        "%zu made, %zu kept, %zu refused, %zu unsound, %zu unreadable, %zu unwritable, %zu not done, of %zu "
-        "jobs in %.1f s; report in %s\n",
-        f.made, f.kept, f.refused, f.unsound, f.unreadable, f.unwritable, f.cancelled, plan->jobs.size(),
-        took.count(), run.report.c_str());
+  if (!options.quiet) print_summary(f, plan->jobs.size(), took.count(), run.report);
   return exit_code(f, options);
 }
 

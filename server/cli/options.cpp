@@ -88,7 +88,7 @@ void add_bake(CLI::App& app, BakeOptions& o) {
                  "Instead: a file of lines {\"input\": ..., \"output\": ..., \"parameters\": {...}}, paths "
                  "relative to it");
   add_parameters(app, o.source.parameters, o.service, o.threads);
-  app.add_option("-j,--jobs", o.jobs, "Meshes at the same time, 0: one for each core")
+  app.add_option("-j,--jobs", o.jobs, "Meshes at the same time, 0: one for each core, or 8 with --server")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   app.add_option("--shard", o.shard,
@@ -98,6 +98,18 @@ void add_bake(CLI::App& app, BakeOptions& o) {
   app.add_option("--allow-refused", o.allow_refused, "Exit with 0 although so many meshes were refused")
       ->capture_default_str();
   app.add_flag("--force", o.force, "Make outputs again that are right already");
+  app.add_option("--depfile", o.depfile, "For one mesh: what it was made of, as a rule for make or Ninja")
+      ->type_name("FILE");
+  app.add_option(
+         "--server", o.server,
+         "Bake through a server, or a farm behind a proxy: http://host:port. The same files and report")
+      ->type_name("URL");
+  app.add_option("--token", o.token, "Token for the server; the variable does not show in lists of processes")
+      ->envname("FRACTURE_TOKEN");
+  app.add_option("--patience", o.patience_s,
+                 "Seconds that a server may be absent or busy before the bake stops")
+      ->check(CLI::Range(0, 86400))
+      ->capture_default_str();
   app.add_flag("-q,--quiet", o.quiet, "No progress and no summary");
 }
 

@@ -1,10 +1,10 @@
 // The command line: four commands, each with its own settings.
 //
-// Exit codes: 0 done · 1 this machine stood in the way (a file, a port) · 2 the command line is wrong · 3 the
-// mesh or a parameter was refused · 4 a bug of ours · 130 interrupted. inspect has its own, for
-// pipelines: 0 a closed solid as it is · 1 usable after repair · 2 refused · 3 the command line or the file
-// was wrong · 4 a bug of ours. health: 0 healthy · 1 anything else, since a container's HEALTHCHECK knows no
-// other.
+// Exit codes: 0 done · 1 this machine stood in the way (a file, a port), or a server did not answer · 2 the
+// command line is wrong · 3 the mesh or a parameter was refused · 4 a bug of ours · 130 interrupted. inspect
+// has its own, for pipelines: 0 a closed solid as it is · 1 usable after repair · 2 refused · 3 the command
+// line or the file was wrong · 4 a bug of ours. health: 0 healthy · 1 anything else, since a container's
+// HEALTHCHECK knows no other.
 #pragma once
 
 #include <chrono>
@@ -57,9 +57,13 @@ struct BakeOptions {
   std::string shard;              ///< "I/N" or "auto/N"; empty: everything
   std::string report;             ///< empty: beside the outputs
   std::size_t allow_refused = 0;  ///< inputs that may be refused before the exit code says so
-  int jobs = 0;                   ///< at the same time, 0: one for each core
+  int jobs = 0;                   ///< at the same time, 0: one for each core, or kRemoteJobs
   bool force = false;
-  int threads = 0;  ///< for a single file
+  std::string depfile;            ///< for a single file; empty: none
+  int threads = 0;                ///< for a single file
+  std::string server;             ///< URL; empty: baked here
+  std::string token;              ///< for the server
+  std::uint32_t patience_s = 60;  ///< with the server
   bool quiet = false;
 };
 

@@ -1,5 +1,5 @@
-// The parts of Boost.Asio and Boost.Beast that are used, included in one place: compiled once in asio.cpp,
-// precompiled for the two files that need the templates.
+// The parts of Boost.Asio and Boost.Beast that are used, included in one place: compiled once in
+// common/exchange/asio.cpp.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>

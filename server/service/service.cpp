@@ -243,12 +243,17 @@ Expected<FragmentSet> FractureService::make_result(const PreparedMesh& mesh, con
 
 nlohmann::json figures_of(const FractureResult& result) {
   // Layout of a GLB (glTF 2.0, section 4.4): 12 bytes of header, then the JSON chunk as length, type, text.
-  const std::vector<std::uint8_t>& glb = result.file;
-  std::uint32_t length = 0;
-  if (glb.size() < 20) throw InternalError("figures_of: the GLB is shorter than its header");
-  std::memcpy(&length, glb.data() + 12, 4);
-  if (length > glb.size() - 20) throw InternalError("figures_of: the JSON chunk is longer than the GLB");
-  const auto* text = reinterpret_cast<const char*>(glb.data()) + 20;
+  const std::vector<std::uint8_t>& file = result.file;
+  const auto* text = reinterpret_cast<const char*>(file.data());
+  std::size_t length = file.size();
+  if (result.format == OutputFormat::kGlb) {
+    std::uint32_t chunk = 0;
+    if (file.size() < 20) throw InternalError("figures_of: the GLB is shorter than its header");
+    std::memcpy(&chunk, file.data() + 12, 4);
+    if (chunk > file.size() - 20) throw InternalError("figures_of: the JSON chunk is longer than the GLB");
+    text += 20;
+    length = chunk;
+  }
   const nlohmann::json document = nlohmann::json::parse(text, text + length);
   for (const nlohmann::json& node : document.value("nodes", nlohmann::json::array()))
     if (node.contains("extras") && node["extras"].contains("fracture") &&

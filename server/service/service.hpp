@@ -137,8 +137,8 @@ Error to_error(const Interrupted& interrupted);
 std::size_t memory_size(const PreparedMesh& mesh);
 std::size_t memory_size(const Diagram& diagram);
 
-/// The `extras.fracture` object of a GLB that this service made (parameters, report, certificate, bonds);
-/// throws InternalError for a result of another format.
+/// The `extras.fracture` object of a file that this service made (parameters, report, certificate, bonds);
+/// throws InternalError for one without.
 nlohmann::json figures_of(const FractureResult& result);
 
 }  // namespace fracture

@@ -6,7 +6,7 @@
 #include <optional>
 #include <set>
 
-#include "client/protocol/headers.hpp"
+#include "common/exchange/headers.hpp"
 #include "tests/client/fake_server.hpp"
 
 namespace fracture::protocol {

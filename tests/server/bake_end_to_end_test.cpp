@@ -1,12 +1,16 @@
-// bake of a folder as a process: the same bytes in shards, one at a time, and after having been killed
-// half-way.
+// bake of a folder as a process: the same bytes in shards, one at a time, through a server, and after bake or
+// server have been killed half-way.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <thread>
 
+#include "tests/server/door.hpp"
 #include "tests/server/server_process.hpp"
 #include "tests/server/temporary_folder.hpp"
 
@@ -15,10 +19,35 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Boxes of different sides, and one mesh that cannot be broken.
+/// A unit cube whose positions and indices lie in "box data/box.bin".
+void write_gltf_box(const TemporaryFolder& folder) {
+  std::string buffer;
+  const auto put = [&](const auto value) {
+    buffer.append(reinterpret_cast<const char*>(&value), sizeof value);
+  };
+  for (int corner = 0; corner < 8; ++corner)
+    for (int axis = 0; axis < 3; ++axis) put(static_cast<float>(corner >> axis & 1));
+  for (const int corner : {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
+                           2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5})
+    put(static_cast<std::uint16_t>(corner));
+  fs::create_directories(folder / "in/gltf/box data");
+  folder.write("in/gltf/box data/box.bin", buffer);
+  folder.write("in/gltf/box.gltf", R"({"asset": {"version": "2.0"},
+    "buffers": [{"uri": "box%20data/box.bin", "byteLength": 168}],
+    "bufferViews": [{"buffer": 0, "byteLength": 96}, {"buffer": 0, "byteOffset": 96, "byteLength": 72}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 8, "type": "VEC3",
+                   "min": [0, 0, 0], "max": [1, 1, 1]},
+                  {"bufferView": 1, "componentType": 5123, "count": 36, "type": "SCALAR"}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+    "nodes": [{"mesh": 0}], "scenes": [{"nodes": [0]}], "scene": 0})");
+}
+
+/// Boxes of different sides, the last one a glTF with a buffer of its own, and one mesh that cannot be
+/// broken.
 void write_meshes(const TemporaryFolder& folder, int count) {
   fs::create_directories(folder / "in/poison");
-  for (int k = 0; k < count; ++k) {
+  write_gltf_box(folder);
+  for (int k = 0; k < count - 1; ++k) {
     const std::string x = std::to_string(1 + k);
     folder.write("in/box" + x + ".obj",
                  "v 0 0 0\nv " + x + " 0 0\nv " + x + " 1 0\nv 0 1 0\nv 0 0 1\nv " + x + " 0 1\nv " + x +
@@ -36,6 +65,20 @@ std::map<std::string, std::string> outputs(const std::string& folder) {
     files[entry.path().lexically_relative(folder).string()] = {std::istreambuf_iterator<char>(file), {}};
   }
   return files;
+}
+
+/// The lines of a report but for what differs between two runs into two folders.
+std::vector<nlohmann::json> without_times(const std::string& path, const std::string& folder) {
+  std::vector<nlohmann::json> lines;
+  std::ifstream file(path);
+  for (std::string line; std::getline(file, line);) {
+    nlohmann::json json = nlohmann::json::parse(line);
+    json.erase("seconds");
+    std::string output = json.at("output");
+    json["output"] = output.erase(output.find("/" + folder + "/"), folder.size() + 1);
+    lines.push_back(std::move(json));
+  }
+  return lines;
 }
 
 std::size_t lines_in(const std::string& path) {
@@ -75,9 +118,75 @@ TEST(BakeOfAFolder, GivesTheSameBytesHoweverItIsDividedOrInterrupted) {
     killed.wait();
   }
   for (const auto& [name, bytes] : outputs(folder / "killed"))
-    if (!name.ends_with(".part")) EXPECT_EQ(bytes, whole.at(name)) << name;
+    if (!name.ends_with(".part")) {
+      EXPECT_EQ(bytes, whole.at(name)) << name;
+    }
   EXPECT_EQ(Process(bake("killed", {"-j", "2", "--allow-refused", "1"})).wait(), 0);
   EXPECT_EQ(outputs(folder / "killed"), whole) << "nothing half-written is left";
+}
+
+/// A server behind a door that stays open while it is killed and another one takes its place.
+class Farm {
+ public:
+  void restart() {
+    server_port_ = 0;
+    server_->signal(SIGKILL);
+    server_->wait();
+    server_.emplace();
+    server_port_ = server_->port;
+  }
+  std::string url() const { return "http://127.0.0.1:" + std::to_string(door_.port()); }
+
+ private:
+  std::optional<ServeProcess> server_{std::in_place};
+  std::atomic<std::uint16_t> server_port_{server_->port};
+  FakeServer door_{[this](const FakeRequest& request) { return pass_on(request, server_port_); }};
+};
+
+TEST(BakeThroughAServer, GivesTheBytesOfALocalBakeAlsoWhereTheServerIsKilledMeanwhile) {
+  const TemporaryFolder folder;
+  constexpr int kMeshes = 16;
+  write_meshes(folder, kMeshes);
+  const auto arguments = [&](const std::string& out, const std::vector<std::string>& more) {
+    std::vector<std::string> all{"bake",    folder / "in",     "-o", folder / out, "--sites", "300",
+                                 "--quiet", "--allow-refused", "1",  "-j",         "2"};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  };
+  ASSERT_EQ(Process(arguments("local", {})).wait(), 0);
+  const auto whole = outputs(folder / "local");
+  ASSERT_EQ(whole.size(), static_cast<std::size_t>(kMeshes));
+
+  Farm farm;
+  const std::vector<std::string> through{"--server", farm.url(), "--patience", "3600"};
+  ASSERT_EQ(Process(arguments("remote", through)).wait(), 0);
+  EXPECT_EQ(outputs(folder / "remote"), whole);
+  EXPECT_EQ(without_times(folder / "remote/bake.ndjson", "remote"),
+            without_times(folder / "local/bake.ndjson", "local"))
+      << "the same report";
+
+  Process bake(arguments("restarted", through));
+  while (lines_in(folder / "restarted/bake.ndjson") < 3)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  farm.restart();
+  EXPECT_EQ(bake.wait(), 0);
+  EXPECT_EQ(outputs(folder / "restarted"), whole);
+}
+
+TEST(BakeThroughAServer, SaysThatThereIsNone) {
+  const TemporaryFolder folder;
+  write_meshes(folder, 2);
+  const DeafPort deaf;
+  const std::string url = "http://127.0.0.1:" + std::to_string(deaf.port);
+  const auto bake = [&](const std::string& server) {
+    return std::vector<std::string>{"bake",     folder / "in", "-o",         folder / "out",
+                                    "--server", server,        "--patience", "0"};
+  };
+  Process absent(bake(url));
+  EXPECT_EQ(absent.wait(), 1);
+  EXPECT_NE(absent.error_line().find(url.substr(7) + " does not answer"), std::string::npos);
+  EXPECT_TRUE(outputs(folder / "out").empty());
+  EXPECT_EQ(Process(bake("https://127.0.0.1")).wait(), 2);
 }
 
 TEST(BakeOfAFolder, StopsOnSigtermAndGoesOnLater) {

@@ -26,13 +26,17 @@ struct EchoBaker : Baker {
   Expected<RequestParameters> parse(const std::vector<RawParameter>& given) override {
     return table.parse(given);
   }
-  Expected<Baked> bake(const FractureRequest& request, const Execution&) override {
+  tl::expected<Baked, BakeFailure> bake(const FractureRequest& request, const Execution&) override {
     ++asked;
     const std::string text(reinterpret_cast<const char*>(request.mesh.data()), request.mesh.size());
-    if (text == "refuse") return fail(ErrorCode::kMeshNotClosed, "It is open.");
+    if (text == "refuse") return tl::unexpected(BakeFailure(Error{ErrorCode::kMeshNotClosed, "It is open."}));
+    if (text == "throw") throw std::runtime_error("A bug.");
+    if (text == "gone")
+      return tl::unexpected(
+          BakeFailure(BakeFailure::Kind::kUnavailable, {{"detail", "The server is gone."}}));
     if (text == "stop") {
       stop.request_stop();
-      return fail(ErrorCode::kCancelled, "Stopped.");
+      return tl::unexpected(BakeFailure(Error{ErrorCode::kCancelled, "Stopped."}));
     }
     Baked baked;
     auto file = std::make_shared<std::vector<std::uint8_t>>(text.begin(), text.end());
@@ -142,6 +146,45 @@ TEST_F(BakeRunTest, AStopLeavesTheRestAndTheNextRunMakesIt) {
   EXPECT_EQ(second.kept, 1u);
   EXPECT_EQ(second.made, 2u);
   EXPECT_EQ(output("a") + output("b") + output("c"), "x1z1y1");
+}
+
+TEST_F(BakeRunTest, ABakerThatGivesUpLeavesTheRestAndTheNextRunMakesIt) {
+  const RunFigures first = run(plan_of({{"a", "x"}, {"b", "gone"}, {"c", "y"}, {"d", "z"}}), false, 1);
+  EXPECT_EQ(first.made, 1u);
+  EXPECT_EQ(first.unavailable, 1u);
+  EXPECT_EQ(first.cancelled, 3u) << "the others are not even tried";
+  EXPECT_EQ(baker.asked, 2);
+  const RunFigures second = run(plan_of({{"b", "w"}}), false, 1);
+  EXPECT_EQ(second.kept, 1u);
+  EXPECT_EQ(second.made, 3u);
+}
+
+TEST_F(BakeRunTest, ABugInOneJobIsReportedAndTheOthersAreMade) {
+  const RunFigures f = run(plan_of({{"a", "x"}, {"b", "throw"}, {"c", "y"}}));
+  EXPECT_EQ(f.made, 2u);
+  EXPECT_EQ(f.failed, 1u);
+  EXPECT_EQ(f.refused, 0u);
+  EXPECT_EQ(report()[1].at("status"), "failed");
+  EXPECT_EQ(report()[1].at("problem").at("type"), "/problems/internal");
+  EXPECT_EQ(report()[1].at("problem").at("detail"), "A bug.");
+}
+
+TEST_F(BakeRunTest, TheDepfileNamesTheMeshAndWhatItNames) {
+  fs::create_directories(folder / "in");
+  folder.write("in/my box.obj", "mtllib box #1.mtl\nmtllib absent.mtl\n");
+  folder.write("in/box #1.mtl", "newmtl a\nmap_Kd textures/5$.png\n");
+  fs::create_directories(folder / "in/textures");
+  folder.write("in/textures/5$.png", "pixels");
+  BakePlan plan;
+  plan.jobs.push_back({folder / "in/my box.obj", folder / "out/box.glb", {}});
+  RunOptions options;
+  options.quiet = true;
+  options.depfile = folder / "deps/box.d";
+  EXPECT_EQ(run_bake(plan, baker, options, {}).made, 1u);
+  std::ifstream file(options.depfile);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_EQ(text, folder.path + "/out/box.glb: " + folder.path + "/in/my\\ box.obj \\\n  " + folder.path +
+                      "/in/box\\ \\#1.mtl \\\n  " + folder.path + "/in/textures/5$$.png\n");
 }
 
 TEST_F(BakeRunTest, CertificatesThatDoNotHoldAreCountedAndNotKept) {

@@ -69,9 +69,9 @@ class FakeEngine final : public FractureEngine {
     set.certificate.fragments = static_cast<std::uint32_t>(diagram.sites.size());
     return set;
   }
-  /// A GLB whose JSON says what was asked; no geometry.
+  /// A GLB or glTF whose JSON says what was asked; no geometry.
   std::vector<std::uint8_t> encode(const FragmentSet& fragments, const GltfOptions& options,
-                                   OutputFormat) const override {
+                                   OutputFormat format) const override {
     std::string text = nlohmann::json{{"asset", {{"version", "2.0"}}},
                                       {"nodes",
                                        {{{"extras",
@@ -82,6 +82,7 @@ class FakeEngine final : public FractureEngine {
                                              {"bonds", nlohmann::json::object()}}}}}}}}}
                            .dump();
     text.resize((text.size() + 3) / 4 * 4 + control_->glb_padding, ' ');
+    if (format == OutputFormat::kGltf) return {text.begin(), text.end()};
     std::vector<std::uint8_t> glb(20 + text.size());
     const std::uint32_t header[5] = {0x46546C67u, 2u, static_cast<std::uint32_t>(glb.size()),
                                      static_cast<std::uint32_t>(text.size()), 0x4E4F534Au};

@@ -1,4 +1,4 @@
-#include "client/protocol/headers.hpp"
+#include "common/exchange/headers.hpp"
 
 #include <array>
 #include <charconv>

@@ -1,12 +1,20 @@
-// The header fields that the client reads, as values. No network.
+// The header fields of an answer, as values. No network.
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
-#include "client/protocol/protocol.hpp"
+#include "common/exchange/exchange.hpp"
 
 namespace fracture::protocol {
+
+/// One entry of Server-Timing.
+struct Stage {
+  std::string name;
+  double milliseconds = 0;
+};
 
 /// Server-Timing (W3C): `queue;dur=0.1, clip;dur=3.25`. What is not understood is left out.
 std::vector<Stage> parse_server_timing(std::string_view value);

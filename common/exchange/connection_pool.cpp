@@ -1,4 +1,4 @@
-#include "client/protocol/connection_pool.hpp"
+#include "common/exchange/connection_pool.hpp"
 
 #include <algorithm>
 
@@ -67,12 +67,22 @@ asio::awaitable<Exchange> ConnectionPool::exchange(const HttpRequest& request, I
   co_return result;
 }
 
+std::string ConnectionPool::authority() const {
+  const bool brackets = settings_.host.find(':') != std::string::npos;  // RFC 3986, 3.2.2: an IPv6 address
+  std::string text;
+  if (brackets) text += '[';
+  text += settings_.host;
+  if (brackets) text += ']';
+  text += ':';
+  return text += std::to_string(settings_.port);
+}
+
 asio::awaitable<bool> ConnectionPool::connect(Connection& connection, Exchange& exchange) {
   error_code error;
-  tcp::endpoint endpoint;
+  std::vector<tcp::endpoint> endpoints;
   const auto address = asio::ip::make_address(settings_.host, error);
   if (!error) {
-    endpoint = {address, settings_.port};
+    endpoints.emplace_back(address, settings_.port);
   } else {
     tcp::resolver resolver(io_);
     const auto found = co_await resolver.async_resolve(settings_.host, std::to_string(settings_.port),
@@ -82,15 +92,14 @@ asio::awaitable<bool> ConnectionPool::connect(Connection& connection, Exchange& 
       exchange.detail = "The name " + settings_.host + " cannot be resolved: " + error.message() + ".";
       co_return false;
     }
-    endpoint = found.begin()->endpoint();
+    for (const auto& entry : found) endpoints.push_back(entry.endpoint());
   }
   connection.stream.expires_after(settings_.connect_timeout);
-  co_await connection.stream.async_connect(endpoint, asio::redirect_error(asio::use_awaitable, error));
+  co_await connection.stream.async_connect(endpoints, asio::redirect_error(asio::use_awaitable, error));
   if (error) {
     exchange.outcome =
         error == beast::error::timeout ? Exchange::Outcome::kTimedOut : Exchange::Outcome::kNoServer;
-    exchange.detail =
-        settings_.host + ":" + std::to_string(settings_.port) + " does not answer: " + error.message() + ".";
+    exchange.detail = authority() + " does not answer: " + error.message() + ".";
     co_return false;
   }
   ++made_;
@@ -119,14 +128,17 @@ asio::awaitable<Exchange> ConnectionPool::attempt(const HttpRequest& request, Co
   message.method_string(request.method);
   message.target(request.target);
   message.version(11);
-  message.set(http::field::host, settings_.host + ":" + std::to_string(settings_.port));
+  message.set(http::field::host, authority());
   message.set(http::field::user_agent, "fracture-client");
   if (!settings_.token.empty()) message.set(http::field::authorization, "Bearer " + settings_.token);
   if (!request.content_type.empty()) message.set(http::field::content_type, request.content_type);
+  for (const auto& [name, value] : request.fields) message.set(name, value);
   if (request.body) message.body() = {request.body->data(), request.body->size()};
   message.prepare_payload();
 
-  connection->stream.expires_after(settings_.answer_timeout);
+  const Milliseconds time =
+      request.answer_timeout.count() > 0 ? request.answer_timeout : settings_.answer_timeout;
+  connection->stream.expires_after(time);
   error_code error;
   co_await http::async_write(connection->stream, message, asio::redirect_error(asio::use_awaitable, error));
   http::response_parser<http::string_body> parser;
@@ -147,7 +159,7 @@ asio::awaitable<Exchange> ConnectionPool::attempt(const HttpRequest& request, Co
             : "The connection broke within " + std::string(request.method) + " " +
                   request.target.substr(0, 40) + ": " + error.message() + ".";
     if (exchange.outcome == Exchange::Outcome::kTimedOut)
-      exchange.detail = "No whole answer within " + std::to_string(settings_.answer_timeout.count()) + " ms.";
+      exchange.detail = "No whole answer within " + std::to_string(time.count()) + " ms.";
     connection.reset();
     co_return exchange;
   }
@@ -158,6 +170,7 @@ asio::awaitable<Exchange> ConnectionPool::attempt(const HttpRequest& request, Co
   exchange.repr_digest = std::string(response["Repr-Digest"]);
   exchange.server_timing = std::string(response["Server-Timing"]);
   exchange.retry_after = text(http::field::retry_after);
+  exchange.content_location = text(http::field::content_location);
   exchange.content_type = text(http::field::content_type);
   if (!response.keep_alive() || connection->buffer.size() > 0) connection.reset();
   exchange.body = std::move(response.body());

@@ -1,0 +1,66 @@
+// What goes over HTTP and how it ended, as plain data: no network here. The one stage of common/ that speaks
+// to anybody; the client of a game and `bake --server` are built on it, the pipeline knows nothing of it.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace fracture::protocol {
+
+using Milliseconds = std::chrono::milliseconds;
+
+/// Where the server is, and how long it is waited for.
+struct ConnectionSettings {
+  std::string host = "127.0.0.1";  ///< name or address; an IPv6 address without brackets
+  std::uint16_t port = 8080;
+  std::string token;            ///< sent as `Authorization: Bearer …` where not empty
+  std::size_t connections = 4;  ///< kept alive, at most; further requests wait for one of them
+  Milliseconds connect_timeout{1000};
+  Milliseconds answer_timeout{10'000};  ///< of one exchange: first byte sent to last byte received
+  Milliseconds idle{10'000};  ///< a connection unused for longer is replaced (the server's limit is 15 s)
+  std::size_t max_answer_bytes = std::size_t{256} << 20;
+};
+
+struct HttpRequest {
+  const char* method = "GET";
+  std::string target;
+  std::string content_type{};
+  std::shared_ptr<const std::string> body{};  ///< may be null
+  std::vector<std::pair<std::string, std::string>> fields{};
+  Milliseconds answer_timeout{0};  ///< 0: that of the settings
+};
+
+/// How an exchange ended.
+struct Exchange {
+  enum class Outcome {
+    kAnswered,     ///< whatever the status
+    kNoServer,     ///< nobody listens, or the name is unknown
+    kBroken,       ///< closed or reset before the answer was whole, or what came is not HTTP
+    kTimedOut,     ///< at connecting or within answer_timeout
+    kTooLarge,     ///< over max_answer_bytes
+    kInterrupted,  ///< by interrupt()
+  };
+  Outcome outcome = Outcome::kInterrupted;
+  std::string detail;
+  bool began = false;  ///< some of the answer arrived
+  int status = 0;
+  std::string body, repr_digest, server_timing, retry_after, content_type, content_location;
+};
+
+/// What a request is waiting for just now, so that it can be told not to.
+struct Interruption {
+  bool requested = false;
+  std::function<void()> wake;  ///< ends the wait; empty where there is none
+  void request() {
+    requested = true;
+    if (wake) wake();
+  }
+};
+
+}  // namespace fracture::protocol

@@ -1,0 +1,32 @@
+#include "server/bake/depfile.hpp"
+
+#include "server/bake/atomic_file.hpp"
+
+namespace fracture::bake {
+namespace {
+
+/// As compilers write names into depfiles: what make would take for something else is escaped.
+std::string escaped(const std::string& path) {
+  std::string text;
+  for (const char c : path) {
+    if (c == ' ' || c == '#') text += '\\';
+    if (c == '$') text += '$';
+    text += c;
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string depfile_text(const BakeJob& job, const InputFile& input) {
+  std::string text = escaped(job.output) + ": " + escaped(job.input);
+  for (const SiblingFile& file : input.siblings) text += " \\\n  " + escaped(file.path);
+  return text + "\n";
+}
+
+bool write_depfile(const std::string& path, const BakeJob& job, const InputFile& input) {
+  const std::string text = depfile_text(job, input);
+  return make_folders_of(path) && write_file(path, std::as_bytes(std::span(text)));
+}
+
+}  // namespace fracture::bake

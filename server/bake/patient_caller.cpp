@@ -1,0 +1,147 @@
+#include "server/bake/patient_caller.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/exchange/headers.hpp"
+
+namespace fracture::bake {
+namespace {
+
+using Milliseconds = std::chrono::milliseconds;
+using protocol::Exchange;
+
+/// A busy server is worth a line only when it has been busy for so long.
+constexpr Milliseconds kBusyUnsaid{5'000};
+
+nlohmann::json document_of(const Exchange& exchange) {
+  if (!exchange.content_type.starts_with("application/problem+json")) return nullptr;
+  return nlohmann::json::parse(exchange.body, nullptr, false);
+}
+
+std::string text_of(const nlohmann::json& document, const char* key) {
+  const auto it = document.is_object() ? document.find(key) : document.end();
+  return it != document.end() && it->is_string() ? it->get<std::string>() : std::string();
+}
+
+bool is_busy(const Exchange& exchange) {
+  switch (exchange.status) {
+    case 408:
+    case 429:
+    case 502:
+    case 503:
+      return true;
+    case 504:
+      return problem_slug(exchange).empty();
+    default:
+      return false;
+  }
+}
+
+std::string seconds_text(Milliseconds time) { return std::to_string((time.count() + 999) / 1000) + " s"; }
+
+}  // namespace
+
+std::string problem_slug(const Exchange& exchange) {
+  const std::string type = text_of(document_of(exchange), "type");
+  return type.substr(type.rfind('/') + 1);
+}
+
+nlohmann::json problem_in(const nlohmann::json& document) {
+  nlohmann::json problem = nlohmann::json::object();
+  for (const char* key : {"type", "title", "detail", "parameter"})
+    if (std::string text = text_of(document, key); !text.empty()) problem[key] = std::move(text);
+  return problem;
+}
+
+nlohmann::json problem_in(const Exchange& exchange) {
+  nlohmann::json problem = problem_in(document_of(exchange));
+  if (!problem.contains("detail"))
+    problem["detail"] = "The server answered " + std::to_string(exchange.status) + ".";
+  return problem;
+}
+
+PatientCaller::PatientCaller(const protocol::ConnectionSettings& settings, const Patience& patience)
+    : server_(settings.host + ":" + std::to_string(settings.port)), patience_(patience), caller_(settings) {}
+
+tl::expected<Exchange, BakeFailure> PatientCaller::ask(const protocol::HttpRequest& request,
+                                                       const std::stop_token& stop) {
+  const Clock::time_point begun = Clock::now();
+  Milliseconds pause_time = patience_.first_pause;
+  for (;;) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (!gave_up_.empty())
+        return tl::unexpected(BakeFailure(BakeFailure::Kind::kUnavailable, {{"detail", gave_up_}}));
+    }
+    Exchange exchange = caller_.exchange(request, stop);
+    if (stop.stop_requested() || exchange.outcome == Exchange::Outcome::kInterrupted)
+      return tl::unexpected(BakeFailure(Error{ErrorCode::kCancelled, "Stopped."}));
+    const bool answered = exchange.outcome == Exchange::Outcome::kAnswered;
+    const bool busy = answered && is_busy(exchange);
+    if (answered && (exchange.status == 401 || exchange.status == 403))
+      return tl::unexpected(give_up(server_ + " refuses the token (" + std::to_string(exchange.status) +
+                                    "): " + problem_in(exchange).at("detail").get<std::string>() +
+                                    " Say --token or set FRACTURE_TOKEN."));
+    if (answered && !busy) {
+      heard();
+      return exchange;
+    }
+    if (exchange.outcome == Exchange::Outcome::kTooLarge)
+      return tl::unexpected(BakeFailure(Error{ErrorCode::kTooLarge, exchange.detail}));
+    // The events of a job that takes long come as long as it takes.
+    if (exchange.outcome == Exchange::Outcome::kTimedOut && exchange.began) {
+      heard();
+      continue;
+    }
+    const std::string trouble = busy ? server_ + " is busy (" + std::to_string(exchange.status) +
+                                           "): " + problem_in(exchange).at("detail").get<std::string>()
+                                     : exchange.detail;
+    const Milliseconds left = hope(begun, busy, trouble);
+    if (left.count() <= 0)
+      return tl::unexpected(give_up(trouble + " Nothing else was heard for " + seconds_text(patience_.total) +
+                                    " (--patience)."));
+    const Milliseconds wait =
+        std::max(pause_time, protocol::parse_retry_after(exchange.retry_after).value_or(pause_time));
+    pause_time = std::min(2 * pause_time, patience_.longest_pause);
+    pause(std::min(wait, left), stop);
+  }
+}
+
+bool PatientCaller::pause(Milliseconds time, const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  return !changed_.wait_for(lock, stop, time, [this] { return !gave_up_.empty(); }) && !stop.stop_requested();
+}
+
+BakeFailure PatientCaller::give_up(const std::string& detail) {
+  const std::lock_guard lock(mutex_);
+  if (gave_up_.empty()) gave_up_ = detail;
+  changed_.notify_all();
+  return {BakeFailure::Kind::kUnavailable, {{"detail", gave_up_}}};
+}
+
+void PatientCaller::heard() {
+  bool again = false;
+  {
+    const std::lock_guard lock(mutex_);
+    heard_ = Clock::now();
+    again = std::exchange(trouble_said_, false);
+  }
+  if (again) say_(server_ + " answers again.");
+}
+
+Milliseconds PatientCaller::hope(Clock::time_point begun, bool busy, const std::string& trouble) {
+  Milliseconds silent, left;
+  bool say = false;
+  {
+    const std::lock_guard lock(mutex_);
+    silent = std::chrono::duration_cast<Milliseconds>(Clock::now() - std::max(begun, heard_));
+    left = patience_.total - silent;
+    say = !trouble_said_ && left.count() > 0 && (!busy || silent >= kBusyUnsaid);
+    if (say) trouble_said_ = true;
+  }
+  if (say) say_(trouble + " Trying again for " + seconds_text(left) + ".");
+  return left;
+}
+
+}  // namespace fracture::bake

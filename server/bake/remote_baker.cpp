@@ -1,0 +1,342 @@
+#include "server/bake/remote_baker.hpp"
+
+#include <condition_variable>
+#include <map>
+#include <mutex>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "common/exchange/headers.hpp"
+#include "server/bake/form.hpp"
+
+namespace fracture::bake {
+namespace {
+
+using protocol::Exchange;
+using protocol::HttpRequest;
+using Clock = std::chrono::steady_clock;
+template <class T>
+using OrFailure = tl::expected<T, BakeFailure>;
+
+/// Of POST /meshes/{id}/fracture: the server's limit.
+constexpr std::size_t kMaxParameterBytes = 4096;
+/// An upload, a download, a fracture that is waited for. The events of a job need less: something comes every
+/// ten seconds.
+constexpr std::chrono::milliseconds kLong{180'000}, kEvents{30'000};
+/// From the top for one output: the mesh was to be put, a server restarted, or a job or result was forgotten.
+constexpr int kMostTries = 30;
+/// A deadline passes because a mesh is too much for it, or because the farm was full: worth few tries.
+constexpr int kMostDeadlines = 3;
+
+tl::unexpected<BakeFailure> broken(std::string detail) {
+  return tl::unexpected(BakeFailure(Error{ErrorCode::kInternal, std::move(detail)}));
+}
+
+tl::unexpected<BakeFailure> refused(const Exchange& exchange) {
+  const auto kind = exchange.status >= 500 && exchange.status != 504 ? BakeFailure::Kind::kBroken
+                                                                     : BakeFailure::Kind::kRefused;
+  return tl::unexpected(BakeFailure(kind, problem_in(exchange)));
+}
+
+/// The data of the last event of a stream (server-sent events as this server writes them); null without one.
+nlohmann::json last_event(std::string_view stream) {
+  constexpr std::string_view kData = "data: ";
+  for (std::size_t at = stream.rfind(kData); at != std::string_view::npos; at = stream.rfind(kData, at - 1)) {
+    if (at == 0 || stream[at - 1] == '\n') {
+      const std::string_view line =
+          stream.substr(at + kData.size(), stream.find('\n', at) - at - kData.size());
+      return nlohmann::json::parse(line, nullptr, false);
+    }
+    if (at == 0) break;
+  }
+  return nullptr;
+}
+
+const char* type_of(OutputFormat format) {
+  return format == OutputFormat::kGltf ? "model/gltf+json" : "model/gltf-binary";
+}
+
+/// Which meshes are being put, or were, so that two jobs on one mesh send it once.
+class Puts {
+ public:
+  /// Of a mesh that was missing when somebody asked at `asked`. True: the caller puts it, and says done().
+  /// False: another one did in the meantime, perhaps while that answer was on its way.
+  bool begin(const std::string& id, Clock::time_point asked, const std::stop_token& stop) {
+    std::unique_lock lock(mutex_);
+    if (const auto last = ended_.find(id); last != ended_.end() && last->second > asked) return false;
+    if (putting_.insert(id).second) return true;
+    changed_.wait(lock, stop, [&] { return !putting_.contains(id); });
+    return false;
+  }
+  void done(const std::string& id, bool stored) {
+    const std::lock_guard lock(mutex_);
+    putting_.erase(id);
+    if (stored) ended_[id] = Clock::now();
+    changed_.notify_all();
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable_any changed_;
+  std::set<std::string> putting_;
+  std::map<std::string, Clock::time_point> ended_;  ///< when the last PUT of a mesh had ended well
+};
+
+/// One output, from the first question to the checked file.
+class Conversation {
+ public:
+  Conversation(PatientCaller& caller, Puts& puts, const FractureRequest& request, const std::stop_token& stop)
+      : caller_(caller),
+        puts_(puts),
+        request_(request),
+        stop_(stop),
+        keys_(keys_of(request)),
+        mesh_("/meshes/sha256:" + keys_.digest),
+        result_("/fractures/sha256:" + keys_.result),
+        parameters_(canonical_parameters(request.parameters)) {}
+
+  OrFailure<Baked> operator()() {
+    bool whole = parameters_.dump().size() > kMaxParameterBytes;
+    for (int tries = 0, deadlines = 0; tries < kMostTries; ++tries) {
+      // The first two times something was missing that now is there; after that somebody is in trouble.
+      if (tries > 2 && !caller_.pause(caller_.patience().first_pause * tries, stop_)) break;
+      OrFailure<Step> step = whole ? ask_with_mesh() : ask_by_job();
+      if (!step) return tl::unexpected(std::move(step.error()));
+      if (step->baked) return std::move(*step->baked);
+      trouble_ = std::move(step->trouble);
+      if (step->next == Next::kWhole) {
+        if (whole) return broken(trouble_);
+        whole = true;
+      }
+      if (step->next == Next::kDeadline && ++deadlines == kMostDeadlines)
+        return tl::unexpected(BakeFailure(BakeFailure::Kind::kRefused, std::move(step->problem)));
+    }
+    if (stop_.stop_requested()) return tl::unexpected(BakeFailure(Error{ErrorCode::kCancelled, "Stopped."}));
+    return tl::unexpected(
+        BakeFailure(BakeFailure::Kind::kUnavailable,
+                    {{"detail", "Tried " + std::to_string(kMostTries) + " times. " + trouble_}}));
+  }
+
+ private:
+  enum class Next { kAgain, kWhole, kDeadline };
+  /// The file, or how to go on.
+  struct Step {
+    std::optional<Baked> baked{};
+    Next next = Next::kAgain;
+    std::string trouble{};
+    nlohmann::json problem{};
+  };
+  static Step again(std::string trouble) { return {.trouble = std::move(trouble)}; }
+  static Step otherwise(const std::string& key) {
+    return {.next = Next::kWhole,
+            .trouble = "The server made " + key +
+                       " of this request, which here is called otherwise: is the mesh "
+                       "stored there in another format, or the server of another version?"};
+  }
+
+  std::vector<std::pair<std::string, std::string>> fields() const {
+    return {{"Accept", type_of(request_.output)}, {"Priority", "u=5"}};  // batch work (RFC 9218)
+  }
+
+  OrFailure<Step> ask_by_job() {
+    HttpRequest ask{.method = "POST",
+                    .target = mesh_ + "/fracture",
+                    .content_type = "application/json",
+                    .body = std::make_shared<const std::string>(parameters_.dump()),
+                    .fields = fields()};
+    ask.fields.emplace_back("Prefer", "respond-async");
+    const Clock::time_point asked = Clock::now();
+    const OrFailure<Exchange> started = caller_.ask(ask, stop_);
+    if (!started) return tl::unexpected(started.error());
+    if (started->status == 404 && problem_slug(*started) == "not-found") return put_mesh(asked);
+    if (started->status == 200) return file_of(*started);  // a server that does not know the preference
+    if (started->status == 504) return late(problem_in(*started));
+    if (started->status != 202) return refused(*started);
+    nlohmann::json job = nlohmann::json::parse(started->body, nullptr, false);
+    const std::string id = job.is_object() ? job.value("id", "") : "";
+    if (id.empty()) return again("The server answered 202 without a job.");
+    if (const std::string state = job.value("state", ""); state == "queued" || state == "running") {
+      const OrFailure<Exchange> events = caller_.ask({.target = "/jobs/" + id + "/events",
+                                                      .fields = {{"Accept", "text/event-stream"}},
+                                                      .answer_timeout = kEvents},
+                                                     stop_);
+      if (!events) {
+        if (events.error().kind == BakeFailure::Kind::kCancelled)
+          caller_.tell(
+              {.method = "DELETE", .target = "/jobs/" + id, .answer_timeout = std::chrono::seconds(1)});
+        return tl::unexpected(events.error());
+      }
+      if (events->status != 200) return again("The server has forgotten job " + id + ".");
+      job = last_event(events->body);
+    }
+    return end_of(job);
+  }
+
+  OrFailure<Step> end_of(const nlohmann::json& job) {
+    const std::string state = job.is_object() ? job.value("state", "") : "";
+    if (state == "done") {
+      if (job.value("result", "") != result_) return otherwise(job.value("result", ""));
+      const OrFailure<Exchange> result =
+          caller_.ask({.target = result_, .fields = fields(), .answer_timeout = kLong}, stop_);
+      if (!result) return tl::unexpected(result.error());
+      if (result->status == 200) return file_of(*result);
+      if (result->status == 404) return again("The server has forgotten the result of a job.");
+      return refused(*result);
+    }
+    if (state != "failed" || !job.contains("error")) return again("A job ended without a word.");
+    const nlohmann::json& error = job.at("error");
+    const int status = error.is_object() ? error.value("status", 500) : 500;
+    nlohmann::json problem = problem_in(error);
+    if (status == 503) return again(problem.value("detail", ""));
+    if (status == 504) return late(std::move(problem));
+    return tl::unexpected(BakeFailure(
+        status >= 500 ? BakeFailure::Kind::kBroken : BakeFailure::Kind::kRefused, std::move(problem)));
+  }
+
+  static Step late(nlohmann::json problem) {
+    return {.next = Next::kDeadline, .trouble = problem.value("detail", ""), .problem = std::move(problem)};
+  }
+
+  OrFailure<Step> file_of(const Exchange& exchange) {
+    if (!protocol::digest_matches(exchange.repr_digest, exchange.body))
+      return again("An answer has another digest than its Repr-Digest says.");
+    if (!exchange.content_location.empty() && exchange.content_location != result_)
+      return otherwise(exchange.content_location);
+    FractureResult result;
+    result.format = request_.output;
+    result.file.assign(exchange.body.begin(), exchange.body.end());
+    result.file_digest = sha256(exchange.body);
+    nlohmann::json figures = figures_of(result);
+    auto file = std::make_shared<const std::vector<std::uint8_t>>(std::move(result.file));
+    return Step{.baked = Baked{std::move(file), result.file_digest, std::move(figures)}};
+  }
+
+  /// The mesh and its further files, with these parameters.
+  Expected<Form> form(nlohmann::json parameters) const {
+    const char* extension = extension_of(request_.format);
+    parameters["format"] = extension;
+    const std::string params = parameters.dump();
+    const auto text = [](std::span<const std::byte> bytes) {
+      return std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    };
+    std::vector<FormPart> parts{
+        {.name = "mesh", .filename = std::string("mesh.") + extension, .body = text(request_.mesh)},
+        {.name = "params", .body = params}};
+    for (const ImportFile& file : request_.files)
+      parts.push_back({.name = "file", .filename = file.name, .body = text(file.bytes)});
+    return write_form(parts);
+  }
+
+  OrFailure<Exchange> send(const char* method, const std::string& target, nlohmann::json parameters) {
+    Expected<Form> body = form(std::move(parameters));
+    if (!body) return tl::unexpected(BakeFailure(body.error()));
+    HttpRequest request{.method = method,
+                        .target = target,
+                        .content_type = std::move(body->content_type),
+                        .body = std::make_shared<const std::string>(std::move(body->body)),
+                        .answer_timeout = kLong};
+    if (request.method == std::string_view("POST")) request.fields = fields();
+    return caller_.ask(request, stop_);
+  }
+
+  OrFailure<Step> put_mesh(Clock::time_point asked) {
+    if (!puts_.begin(mesh_, asked, stop_)) return again("Another job's mesh did not stay with the server.");
+    const OrFailure<Exchange> put = send("PUT", mesh_, canonical_solid_parameters(request_.parameters));
+    puts_.done(mesh_, put && (put->status == 200 || put->status == 201));
+    if (!put) return tl::unexpected(put.error());
+    if (put->status == 504) return late(problem_in(*put));
+    if (put->status != 200 && put->status != 201) return refused(*put);
+    return again("The server does not keep the mesh that was put.");
+  }
+
+  OrFailure<Step> ask_with_mesh() {
+    const OrFailure<Exchange> answer = send("POST", "/fracture", parameters_);
+    if (!answer) return tl::unexpected(answer.error());
+    if (answer->status == 200) return file_of(*answer);
+    if (answer->status == 504) return late(problem_in(*answer));
+    return refused(*answer);
+  }
+
+  PatientCaller& caller_;
+  Puts& puts_;
+  const FractureRequest& request_;
+  const std::stop_token stop_;
+  const RequestKeys keys_;
+  const std::string mesh_, result_;  ///< paths
+  const nlohmann::json parameters_;
+  std::string trouble_;
+};
+
+class RemoteBaker : public Baker {
+ public:
+  explicit RemoteBaker(const RemoteConfig& config) : caller_(config.server, config.patience) {}
+
+  OrFailure<void> greet(const std::string& server, const std::stop_token& stop) {
+    const OrFailure<Exchange> version = caller_.ask({.target = "/version"}, stop);
+    if (!version) return tl::unexpected(version.error());
+    const nlohmann::json document = nlohmann::json::parse(version->body, nullptr, false);
+    const auto fail_with = [&](std::string why) {
+      return tl::unexpected(
+          BakeFailure(BakeFailure::Kind::kUnavailable, {{"detail", server + " " + std::move(why)}}));
+    };
+    if (version->status != 200 || !document.is_object() || document.value("name", "") != "fracture-server")
+      return fail_with("answers, but is no fracture-server: GET /version gave status " +
+                       std::to_string(version->status) + ".");
+    const int algorithm = document.value("algorithm", 0);
+    if (algorithm != kAlgorithmVersion)
+      return fail_with("has version " + std::to_string(algorithm) + " of the algorithm, this program " +
+                       std::to_string(kAlgorithmVersion) + ": the files would have other bytes.");
+    const OrFailure<Exchange> limits = caller_.ask({.target = "/limits"}, stop);
+    if (!limits) return tl::unexpected(limits.error());
+    const nlohmann::json list = nlohmann::json::parse(limits->body, nullptr, false);
+    if (list.is_object() && list.contains("formats") && list.at("formats").is_array())
+      for (const nlohmann::json& name : list.at("formats"))
+        if (name.is_string()) formats_.insert(name.get<std::string>());
+    return {};
+  }
+
+  /// What the server refuses is refused by its own table when it is asked; this one knows the same rows, and
+  /// names the answer as the server will.
+  Expected<RequestParameters> parse(const std::vector<RawParameter>& given) override {
+    Expected<RequestParameters> parsed = table_.parse(given);
+    if (parsed && !parsed->of.empty())
+      return fail(ErrorCode::kNoSuchAnswer,
+                  "A bake makes each file from its own parameters: 'of' names an answer that no baker keeps.",
+                  "of");
+    return parsed;
+  }
+
+  OrFailure<Baked> bake(const FractureRequest& request, const Execution& execution) override {
+    // In better words than those of its refusal of the parameter `format`.
+    if (const std::string format = extension_of(request.format);
+        !formats_.empty() && !formats_.contains(format))
+      return tl::unexpected(BakeFailure(
+          Error{ErrorCode::kUnknownFormat, "The server does not read '" + format +
+                                               "'; one started with --enable-format " + format + " does."}));
+    return Conversation(caller_, puts_, request, execution.stop)();
+  }
+
+  void on_notice(std::function<void(const std::string&)> say) override { caller_.on_notice(std::move(say)); }
+
+ private:
+  PatientCaller caller_;
+  Puts puts_;
+  std::set<std::string> formats_;  ///< that the server reads; empty: it did not say
+  const ParameterTable table_{ServiceConfig{}.max_sites, FormatSet::all()};
+};
+
+}  // namespace
+
+OrFailure<std::unique_ptr<Baker>> remote_baker(const RemoteConfig& config, const std::stop_token& stop,
+                                               const std::function<void(const std::string&)>& say) {
+  auto baker = std::make_unique<RemoteBaker>(config);
+  baker->on_notice(say);
+  if (const OrFailure<void> greeted =
+          baker->greet("http://" + config.server.host + ":" + std::to_string(config.server.port), stop);
+      !greeted)
+    return tl::unexpected(greeted.error());
+  return baker;
+}
+
+}  // namespace fracture::bake

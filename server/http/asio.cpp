@@ -1,4 +1,0 @@
-// The non-template parts of Asio and Beast, once (BOOST_ASIO_SEPARATE_COMPILATION,
-// BOOST_BEAST_SEPARATE_COMPILATION).
-#include <boost/asio/impl/src.hpp>
-#include <boost/beast/src.hpp>

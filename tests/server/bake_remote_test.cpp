@@ -1,0 +1,431 @@
+// A bake through a server: the whole HTTP layer around a fake engine, behind a door that can be rude.
+#include "server/bake/remote_baker.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <mutex>
+#include <thread>
+
+#include "server/bake/form.hpp"
+#include "server/http/multipart.hpp"
+#include "tests/server/door.hpp"
+#include "tests/server/test_server.hpp"
+
+namespace fracture::bake {
+namespace {
+
+using test::FakeReply;
+using test::FakeRequest;
+using test::FakeServer;
+using testing::HasSubstr;
+using Kind = BakeFailure::Kind;
+using nlohmann::json;
+
+/// The real server, and a door before it through which all requests go, one connection each.
+struct Farm {
+  using Rude = std::function<std::optional<FakeReply>(const FakeRequest&)>;
+
+  explicit Farm(const test::TestServerOptions& options = {}) : server(options) {}
+
+  FakeReply answer(const FakeRequest& request) {
+    {
+      const std::lock_guard lock(mutex);
+      if (rude)
+        if (std::optional<FakeReply> reply = rude(request)) return std::move(*reply);
+    }
+    return test::pass_on(request, server.port());
+  }
+  /// How many requests began with these words.
+  int count(const std::string& beginning) const {
+    int n = 0;
+    for (const FakeRequest& request : door.requests()) n += request.head.starts_with(beginning);
+    return n;
+  }
+
+  test::TestServer server;
+  std::mutex mutex;
+  Rude rude;  ///< with the mutex
+  FakeServer door{[this](const FakeRequest& request) { return answer(request); }};
+};
+
+Patience short_pauses() {
+  using std::chrono::milliseconds;
+  // Nothing here waits for the end of the patience but the tests of it, which set their own.
+  return {milliseconds(3'600'000), milliseconds(1), milliseconds(4)};
+}
+
+tl::expected<std::unique_ptr<Baker>, BakeFailure> baker_at(std::uint16_t port,
+                                                           const Patience& patience = short_pauses(),
+                                                           const std::string& token = "") {
+  protocol::ConnectionSettings settings;
+  settings.port = port;
+  settings.token = token;
+  // However slow this machine is just now: what is to fail, fails by itself.
+  settings.connect_timeout = settings.answer_timeout = std::chrono::hours(1);
+  return remote_baker({settings, patience}, {}, [](const std::string&) {});
+}
+
+std::unique_ptr<Baker> baker_for(const Farm& farm, const Patience& patience = short_pauses()) {
+  auto baker = baker_at(farm.door.port(), patience);
+  if (!baker) throw std::runtime_error(baker.error().words());
+  return std::move(*baker);
+}
+
+struct Asked {
+  std::string mesh = "a mesh";
+  json parameters = json::object();
+  MeshFormat format = MeshFormat::kObj;
+  std::vector<std::pair<std::string, std::string>> files{};
+  OutputFormat output = OutputFormat::kGlb;
+};
+
+/// With bytes that are borrowed from `asked`.
+FractureRequest request_of(Baker& baker, const Asked& asked) {
+  std::vector<RawParameter> given;
+  for (const auto& [name, value] : asked.parameters.items()) given.push_back({name, value, false});
+  const Expected<RequestParameters> parameters = baker.parse(given);
+  if (!parameters) throw std::runtime_error(parameters.error().detail);
+  FractureRequest request{std::as_bytes(std::span(asked.mesh)), asked.format, *parameters};
+  for (const auto& [name, bytes] : asked.files)
+    request.files.push_back({name, std::as_bytes(std::span(bytes))});
+  request.output = asked.output;
+  return request;
+}
+
+tl::expected<Baked, BakeFailure> bake(Baker& baker, const Asked& asked, const std::stop_token& stop = {}) {
+  Execution execution;
+  execution.stop = stop;
+  return baker.bake(request_of(baker, asked), execution);
+}
+
+/// What the same request gives without a server.
+std::vector<std::uint8_t> local_file(Baker& baker, const Asked& asked) {
+  FractureService service({}, std::make_unique<test::FakeEngine>(std::make_shared<test::FakeControl>()));
+  return service.fracture(request_of(baker, asked), {})->result->file;
+}
+
+void expect_local_file(Baker& baker, const Asked& asked) {
+  const auto baked = bake(baker, asked);
+  ASSERT_TRUE(baked) << baked.error().words();
+  EXPECT_EQ(*baked->file, local_file(baker, asked));
+  EXPECT_EQ(baked->digest.hex(), sha256(std::as_bytes(std::span(*baked->file))).hex());
+  EXPECT_TRUE(baked->figures.contains("bonds"));
+}
+
+BakeFailure failure(Baker& baker, const Asked& asked) {
+  auto baked = bake(baker, asked);
+  if (baked) throw std::runtime_error("it was baked");
+  return std::move(baked.error());
+}
+
+FakeReply problem(int status, const std::string& slug, const std::string& headers = "") {
+  return FakeReply::answer(status, R"({"type": "/problems/)" + slug + R"(", "detail": "Because."})",
+                           "Content-Type: application/problem+json\r\n" + headers);
+}
+
+// -- all is well
+
+TEST(RemoteBaker, GivesTheBytesOfALocalBakeAndSendsEachMeshOnce) {
+  Farm farm;
+  const auto baker = baker_for(farm);
+  {
+    std::vector<std::jthread> threads;
+    for (int k = 1; k <= 6; ++k)
+      threads.emplace_back([&, k] {
+        expect_local_file(*baker, {.parameters = {{"seed", k}, {"material", "wood"}}});
+      });
+  }
+  expect_local_file(*baker, {.mesh = "another", .parameters = {{"sites", 7}}, .format = MeshFormat::kStl});
+  EXPECT_EQ(farm.count("PUT "), 2);
+  EXPECT_EQ(farm.count("PUT /meshes/sha256:" + sha256("a mesh").hex() + " "), 1);
+  EXPECT_EQ(farm.server.control->cuts, 7);
+}
+
+TEST(RemoteBaker, EveryPathThatConcernsAMeshBeginsWithItsDigest) {
+  Farm farm;
+  expect_local_file(*baker_for(farm), {});
+  const std::string digest = sha256("a mesh").hex(), sixteen = digest.substr(0, 16);
+  for (const FakeRequest& request : farm.door.requests()) {
+    if (request.target == "/version" || request.target == "/limits") continue;
+    EXPECT_TRUE(request.target.starts_with("/meshes/sha256:" + digest) ||
+                request.target.starts_with("/jobs/" + sixteen) ||
+                request.target.starts_with("/fractures/sha256:" + sixteen))
+        << request.target;
+  }
+}
+
+TEST(RemoteBaker, SendsFurtherFilesWithTheMesh) {
+  Farm farm;
+  std::map<std::string, std::string> seen;
+  farm.server.control->files = [&](std::span<const ImportFile> files) {
+    for (const ImportFile& file : files)
+      seen[file.name] = {reinterpret_cast<const char*>(file.bytes.data()), file.bytes.size()};
+  };
+  const Asked asked{.mesh = "{}",
+                    .format = MeshFormat::kGltf,
+                    .files = {{"scene.bin", std::string("\r\n--fracture-bake\r\n\0x", 20)},
+                              {"textures/\"oak\" \xc3\xa4.png", "pixels"}}};
+  expect_local_file(*baker_for(farm), asked);
+  EXPECT_EQ(seen, (std::map<std::string, std::string>(asked.files.begin(), asked.files.end())));
+}
+
+TEST(RemoteBaker, AsksForGltfWhereThatIsWanted) {
+  Farm farm;
+  expect_local_file(*baker_for(farm), {.output = OutputFormat::kGltf});
+  for (const FakeRequest& request : farm.door.requests())
+    if (request.target.find("/fracture") != std::string::npos) {
+      EXPECT_THAT(request.head, HasSubstr("Accept: model/gltf+json\r\n")) << request.target;
+    }
+}
+
+TEST(RemoteBaker, ParametersTooLongForThePathOfAMeshGoWithIt) {
+  Farm farm;
+  json points = json::array();
+  for (int k = 0; k < 400; ++k) points.push_back({k * 0.001, 0.5, -k * 0.002});
+  expect_local_file(*baker_for(farm), {.parameters = {{"pattern", "points"}, {"points", points}}});
+  EXPECT_EQ(farm.count("POST /fracture "), 1);
+  EXPECT_EQ(farm.count("PUT "), 0);
+}
+
+TEST(RemoteBaker, AMeshThatIsStoredInAnotherFormatIsSentAlong) {
+  Farm farm;
+  const std::string path = "/meshes/sha256:" + sha256("a mesh").hex();
+  ASSERT_EQ(
+      farm.server.put(path + "?format=stl", "a mesh", "Content-Type: application/octet-stream\r\n").status,
+      201);
+  expect_local_file(*baker_for(farm), {});
+  EXPECT_EQ(farm.count("POST /fracture "), 1);
+}
+
+// -- all is not well
+
+TEST(RemoteBaker, WaitsUntilABusyOrAbsentServerAnswers) {
+  Farm farm;
+  std::map<std::string, int> asked;
+  farm.rude = [&](const FakeRequest& request) -> std::optional<FakeReply> {
+    const std::string what = request.method + " " + request.target.substr(0, 7);
+    switch (asked[what]++) {
+      case 0:
+        return problem(503, "overloaded", "Retry-After: 0\r\n");
+      case 1:
+        return FakeReply{"", true};  // closed
+      case 2:
+        return FakeReply::answer(502, "<html>Bad gateway</html>");
+      case 3:
+        return problem(429, "too-many-connections", "Retry-After: 0\r\n");
+      case 4:
+        return FakeReply{"HTTP/1.1 200 OK\r\nContent-Length: 100\r\n\r\nhalf", true};
+      case 5:
+        return FakeReply::answer(504, "");
+      default:
+        return std::nullopt;
+    }
+  };
+  expect_local_file(*baker_for(farm), {});
+  for (const char* what : {"GET /versio", "POST /meshes", "PUT /meshes", "GET /jobs/0", "GET /fractu"})
+    EXPECT_TRUE(asked.contains(what) || std::string(what) == "GET /jobs/0") << what;
+  EXPECT_EQ(farm.server.control->cuts, 1) << "asked often, computed once";
+}
+
+TEST(RemoteBaker, BeginsAgainWhereTheServerHasForgotten) {
+  Farm farm;
+  std::map<std::string, int> lost;
+  farm.rude = [&](const FakeRequest& request) -> std::optional<FakeReply> {
+    if (request.target.ends_with("/events") && lost["job"]++ < 2) return problem(404, "not-found");
+    if (request.target.starts_with("/fractures/")) {
+      const int n = lost["result"]++;
+      if (n == 0) return problem(404, "not-found");
+      if (n == 1) {  // damaged on the way
+        FakeReply reply = test::pass_on(request, farm.server.port());
+        reply.bytes.back() = static_cast<char>(reply.bytes.back() ^ 1);
+        return reply;
+      }
+    }
+    if (request.target.ends_with("/fracture") && lost["mesh"]++ == 2) {
+      const std::string mesh = request.target.substr(0, request.target.rfind('/'));
+      EXPECT_EQ(test::ask(farm.server.port(), "DELETE", mesh).status, 204);
+    }
+    return std::nullopt;
+  };
+  // The job is to be seen unfinished, so that its events are asked for.
+  farm.server.control->during_cut = [&](const Execution& execution) {
+    while (farm.count("GET /jobs/") == 0) {
+      execution.poll();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  };
+  expect_local_file(*baker_for(farm), {});
+  EXPECT_GE(lost["result"], 3);
+  EXPECT_EQ(farm.count("PUT "), 2);
+}
+
+TEST(RemoteBaker, RefusalsAreInTheWordsOfALocalBake) {
+  test::TestServerOptions options;
+  options.service.max_sites = 60;
+  Farm farm(options);
+  farm.server.control->import = [](std::string_view bytes) -> Expected<Mesh> {
+    if (bytes == "poison") return fail(ErrorCode::kMalformedMesh, "It is cut off.");
+    return Mesh{};
+  };
+  const auto baker = baker_for(farm);
+  const BakeFailure mesh = failure(*baker, {.mesh = "poison"});
+  EXPECT_EQ(mesh.kind, Kind::kRefused);
+  EXPECT_EQ(mesh.problem, BakeFailure(Error{ErrorCode::kMalformedMesh, "It is cut off."}).problem);
+  const BakeFailure sites = failure(*baker, {.parameters = {{"sites", 61}}});
+  EXPECT_EQ(sites.kind, Kind::kRefused);
+  EXPECT_EQ(sites.problem.at("type"), "/problems/bad-parameter");
+  EXPECT_EQ(sites.problem.at("parameter"), "sites");
+  EXPECT_THAT(failure(*baker, {.format = MeshFormat::kFbx}).words(), HasSubstr("--enable-format fbx"));
+  const auto of = baker->parse({{"of", "/fractures/sha256:" + std::string(64, 'a'), false}});
+  ASSERT_FALSE(of);
+  EXPECT_EQ(of.error().code, ErrorCode::kNoSuchAnswer);
+  expect_local_file(*baker, {});
+}
+
+TEST(RemoteBaker, ADeadlineIsWorthThreeTriesAndABugOne) {
+  Farm farm;
+  int tries = 0;
+  farm.rude = [&](const FakeRequest& request) -> std::optional<FakeReply> {
+    if (!request.target.ends_with("/fracture")) return std::nullopt;
+    const bool late = ++tries <= 3;
+    return FakeReply::answer(202,
+                             json{{"id", "0123456789abcdef-0123456789abcdef"},
+                                  {"state", "failed"},
+                                  {"error",
+                                   {{"type", late ? "/problems/deadline-exceeded" : "/problems/internal"},
+                                    {"status", late ? 504 : 500},
+                                    {"detail", "So it is."}}}}
+                                 .dump());
+  };
+  const auto baker = baker_for(farm);
+  EXPECT_EQ(failure(*baker, {}).kind, Kind::kRefused);
+  EXPECT_EQ(tries, 3);
+  const BakeFailure bug = failure(*baker, {});
+  EXPECT_EQ(bug.kind, Kind::kBroken);
+  EXPECT_EQ(bug.words(), "internal: So it is.");
+  EXPECT_EQ(tries, 4);
+}
+
+TEST(RemoteBaker, GivesUpWithThePatienceAndThenForAll) {
+  Farm farm;
+  std::atomic<bool> busy = false;
+  farm.rude = [&](const FakeRequest&) -> std::optional<FakeReply> {
+    if (!busy) return std::nullopt;
+    return problem(503, "overloaded", "Retry-After: 3600\r\n");
+  };
+  Patience patience = short_pauses();
+  patience.total = std::chrono::milliseconds(20);
+  const auto baker = baker_for(farm, patience);
+  busy = true;
+  const BakeFailure first = failure(*baker, {});
+  EXPECT_EQ(first.kind, Kind::kUnavailable);
+  EXPECT_THAT(first.words(), HasSubstr("is busy (503): Because."));
+  EXPECT_THAT(first.words(), HasSubstr("--patience"));
+  busy = false;
+  const std::size_t before = farm.door.requests().size();
+  EXPECT_EQ(failure(*baker, {}).words(), first.words());
+  EXPECT_EQ(farm.door.requests().size(), before) << "nobody asks any more";
+}
+
+TEST(RemoteBaker, AStopEndsTheWaitingAndTheJob) {
+  Farm farm;
+  std::stop_source stop;
+  farm.server.control->during_cut = [&](const Execution& execution) {
+    while (farm.count("GET /jobs/") == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    stop.request_stop();
+    for (;;) {
+      execution.poll();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  };
+  const auto baker = baker_for(farm);
+  const auto baked = bake(*baker, {}, stop.get_token());
+  ASSERT_FALSE(baked);
+  EXPECT_EQ(baked.error().kind, Kind::kCancelled);
+  while (farm.server.control->cancelled == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
+TEST(RemoteBaker, SaysWhatIsWrongWithTheServerBeforeTheFirstJob) {
+  const auto words = [](const FakeReply& reply, const std::string& token = "") {
+    const FakeServer server([&](const FakeRequest&) { return reply; });
+    const auto baker = baker_at(server.port(), short_pauses(), token);
+    if (!token.empty()) {
+      EXPECT_THAT(server.requests()[0].head, HasSubstr("Authorization: Bearer " + token + "\r\n"));
+    }
+    return baker ? "" : baker.error().words();
+  };
+  EXPECT_THAT(words(FakeReply::answer(200, "<html></html>")), HasSubstr("is no fracture-server"));
+  EXPECT_THAT(words(FakeReply::answer(404, "")), HasSubstr("status 404"));
+  const json other{{"name", "fracture-server"}, {"algorithm", kAlgorithmVersion + 1}};
+  EXPECT_THAT(words(FakeReply::answer(200, other.dump())),
+              HasSubstr("has version " + std::to_string(kAlgorithmVersion + 1)));
+  EXPECT_THAT(words(problem(401, "unauthorized"), "wrong"), HasSubstr("FRACTURE_TOKEN"));
+
+  Patience none = short_pauses();
+  none.total = std::chrono::milliseconds(0);
+  const test::DeafPort deaf;
+  const auto absent = baker_at(deaf.port, none);
+  ASSERT_FALSE(absent);
+  EXPECT_EQ(absent.error().kind, Kind::kUnavailable);
+  EXPECT_THAT(absent.error().words(),
+              HasSubstr("127.0.0.1:" + std::to_string(deaf.port) + " does not answer"));
+}
+
+TEST(RemoteBaker, SaysThatItWaitsAndThatItWentOn) {
+  Farm farm;
+  const auto baker = baker_for(farm);
+  std::vector<std::string> said;
+  baker->on_notice([&](const std::string& line) { said.push_back(line); });
+  int closed = 0;
+  farm.rude = [&](const FakeRequest&) -> std::optional<FakeReply> {
+    if (closed++ < 4) return FakeReply{"", true};
+    return std::nullopt;
+  };
+  expect_local_file(*baker, {});
+  ASSERT_EQ(said.size(), 2u) << "once each, however often it was tried";
+  EXPECT_THAT(said[0], HasSubstr("Trying again for"));
+  EXPECT_THAT(said[1], HasSubstr("answers again"));
+}
+
+// -- the parts
+
+TEST(ServerUrl, IsHostAndPortOverHttp) {
+  const auto read = [](const std::string& url) {
+    const auto settings = parse_server_url(url);
+    return settings ? settings->host + "|" + std::to_string(settings->port) : settings.error().detail;
+  };
+  EXPECT_EQ(read("http://farm"), "farm|80");
+  EXPECT_EQ(read("http://127.0.0.1:8080/"), "127.0.0.1|8080");
+  EXPECT_EQ(read("http://[::1]:65535"), "::1|65535");
+  EXPECT_THAT(read("https://farm"), HasSubstr("TLS"));
+  for (const char* wrong : {"", "farm:8080", "ftp://farm", "http://", "http://:80", "http://farm:",
+                            "http://farm:0", "http://farm:65536", "http://farm:80x", "http://farm/bake",
+                            "http://u@farm", "http://[::1", "http://[::1]80", "http://a b", "http://farm?x"})
+    EXPECT_THAT(read(wrong), HasSubstr("http://host:port")) << wrong;
+}
+
+TEST(WriteForm, IsReadBackWhateverThePartsHold) {
+  const std::string tricky = "--fracture-bake--\r\n--fracture-bake0\r\n";
+  const std::vector<FormPart> parts{{.name = "mesh", .filename = "mesh.obj", .body = tricky},
+                                    {.name = "params", .body = "{}"},
+                                    {.name = "file", .filename = "a \"b\".png", .body = ""}};
+  const Expected<Form> form = write_form(parts);
+  ASSERT_TRUE(form);
+  const auto boundary = http::multipart_boundary(form->content_type);
+  ASSERT_TRUE(boundary);
+  const auto read = http::parse_multipart(form->body, *boundary);
+  ASSERT_TRUE(read) << read.error().detail;
+  ASSERT_EQ(read->size(), parts.size());
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    EXPECT_EQ((*read)[k].name, parts[k].name);
+    EXPECT_EQ((*read)[k].filename.value_or(""), parts[k].filename);
+    EXPECT_EQ((*read)[k].body, parts[k].body);
+  }
+  const FormPart injected{.name = "file", .filename = "a\r\nX: y", .body = ""};
+  EXPECT_FALSE(write_form(std::span(&injected, 1)));
+}
+
+}  // namespace
+}  // namespace fracture::bake
