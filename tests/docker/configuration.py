@@ -1,0 +1,235 @@
+"""configuration.py SUBJECT FRACTURE_SERVER: are the files in docker/ what their programs accept, and do they fit together?
+
+SUBJECT: haproxy, compose, monitoring, kubernetes or systemd. What needs no program is checked first; then the program
+itself is asked. Exits 0 when all is well, 1 with what is not, 77 (skipped) when only the program is missing.
+"""
+import glob
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import urllib.request
+
+import yaml
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+DOCKER = os.path.join(ROOT, "docker")
+SERVER = sys.argv[2]
+os.environ["PATH"] += ":/usr/sbin:/usr/local/sbin"
+
+
+def read(*path):
+    with open(os.path.join(DOCKER, *path), encoding="utf-8") as f:
+        return f.read()
+
+
+def documents(*path):
+    return [d for d in yaml.safe_load_all(read(*path)) if d]
+
+
+def expect(condition, what):
+    if not condition:
+        sys.exit(f"FAILED: {what}")
+
+
+def run(*command, **variables):
+    """Standard output; ends the program when the command fails."""
+    done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, **variables})
+    expect(done.returncode == 0, f"{' '.join(command)}\n{done.stdout}{done.stderr}")
+    return done.stdout
+
+
+def ask_program(name):
+    if not shutil.which(name):
+        print(f"skipped: {name} is not installed; what needs no program was checked")
+        sys.exit(77)
+    return name
+
+
+def settings():
+    """Names of the server's settings, as environment variables."""
+    names = re.findall(r"^(?:# )?([a-z][a-z-]*) = ", run(SERVER, "serve", "--print-config"), re.M)
+    return {"FRACTURE_" + name.upper().replace("-", "_") for name in names}
+
+
+def expect_settings(variables, where):
+    unknown = {v for v in variables if v.startswith("FRACTURE_")} - settings()
+    expect(not unknown, f"{where}: {unknown} are no settings of fracture-server")
+
+
+def expect_time_to_stop(seconds, variables, where):
+    """Drain delay, grace, two seconds for cancelled work and one for the log."""
+    needed = float(variables["FRACTURE_DRAIN_DELAY"]) + float(variables["FRACTURE_GRACE"]) + 3
+    expect(seconds >= needed, f"{where}: {seconds} s to stop are less than the {needed} s that the server may take")
+
+
+def haproxy():
+    text = read("haproxy", "haproxy.cfg")
+    deadline = float(re.search(r"^deadline = ([\d.]+)", run(SERVER, "serve", "--print-config"), re.M)[1])
+    for side in "client", "server":
+        seconds = int(re.search(rf"timeout {side} (\d+)s", text)[1])
+        expect(seconds > deadline, f"timeout {side}: the proxy gives up before the server's deadline of {deadline} s")
+    program = ask_program("haproxy")
+    path = os.path.join(DOCKER, "haproxy", "haproxy.cfg")
+    run(program, "-c", "-f", path)
+    if os.path.exists("/etc/resolv.conf"):  # which it reads then
+        run(program, "-c", "-f", path, FRACTURE_PODS="localhost")
+
+
+def compose():
+    services = yaml.safe_load(read("compose.yaml"))["services"]
+    servers = [name for name in services if re.fullmatch(r"fracture\d", name)]
+    expect(len(servers) == 3, "three servers")
+    for name in servers:
+        service = services[name]
+        expect_settings(service["environment"], name)
+        expect_time_to_stop(int(service["stop_grace_period"].rstrip("s")), service["environment"], name)
+        expect(service["read_only"] and service["cap_drop"] == ["ALL"], f"{name} has more rights than it needs")
+        expect(f"{name}:8080" in read("haproxy", "haproxy.cfg"), f"HAProxy does not know {name}")
+        expect(f"{name}:8081" in read("monitoring", "prometheus.yaml"), f"Prometheus does not know {name}")
+    for name, service in services.items():
+        expect("restart" in service and "mem_limit" in service, f"{name}: no restart policy or no limit of memory")
+        for volume in service.get("volumes", []):
+            if volume.startswith("./"):
+                expect(os.path.isfile(os.path.join(DOCKER, volume.split(":")[0])), f"{name} mounts {volume}")
+        for port in service.get("ports", []):
+            expect(port.startswith("127.0.0.1:"), f"{name}: {port} can be reached from other machines")
+    image = dict(re.findall(r"(FRACTURE_\w+)=(\S+)", read("Dockerfile").split("\nENV ")[1]))
+    expect_settings(image, "Dockerfile")
+    program = ask_program("docker-compose")
+    run(program, "-f", os.path.join(DOCKER, "compose.yaml"), "--profile", "monitoring", "config", "-q")
+
+
+def served_metrics():
+    """Names of the samples that a server with every tier has after a request."""
+    with tempfile.TemporaryDirectory() as folder:
+        command = [SERVER, "serve", "--port", "0", "--admin-port", "0", "--drain-delay", "0", "--log-format", "text",
+                   "--cache-dir", folder, "--redis", "127.0.0.1:1"]
+        with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as server:
+            try:
+                line = next(line for line in server.stderr if "(admin port " in line)
+                port, admin = re.search(r":(\d+) \(admin port (\d+)\)", line).groups()
+                corners = "".join(f"v {i & 1} {i >> 1 & 1} {i >> 2}\n" for i in range(8))
+                faces = "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n"
+                urllib.request.urlopen(urllib.request.Request(f"http://127.0.0.1:{port}/fracture?sites=2", method="POST",
+                    data=(corners + faces).encode(), headers={"Content-Type": "model/obj"})).read()
+                text = ""
+                while "fracture_request_duration_seconds_bucket" not in text:  # counted after the answer
+                    text = urllib.request.urlopen(f"http://127.0.0.1:{admin}/metrics").read().decode()
+            finally:
+                server.terminate()
+                server.stderr.read()
+    return set(re.findall(r"^([a-z_]+)", text, re.M))
+
+
+def monitoring():
+    dashboard = json.loads(read("monitoring", "grafana", "fracture.json"))
+    expressions = [target["expr"] for panel in dashboard["panels"] for target in panel.get("targets", [])]
+    rules = [rule for group in documents("monitoring", "alerts.yaml")[0]["groups"] for rule in group["rules"]]
+    expressions += [rule["expr"] for rule in rules]
+    expressions += [rule["seriesQuery"] for rule in documents("monitoring", "prometheus-adapter.yaml")[0]["rules"]["custom"]]
+    known = served_metrics() | {"up"}
+    for expression in expressions:
+        used = set(re.findall(r"\b(?:fracture|process)_\w+|\bup\b", re.sub(r'"[^"]*"', '""', expression)))
+        expect(used and used <= known, f"{used - known} of '{expression}' are no metrics of the server")
+    guide = read("README.md")
+    for rule in rules:
+        expect(rule["alert"] in guide, f"docker/README.md does not say what to do about {rule['alert']}")
+    program = ask_program("promtool")
+    run(program, "check", "config", os.path.join(DOCKER, "monitoring", "prometheus.yaml"))
+    run(program, "test", "rules", os.path.join(DOCKER, "monitoring", "alerts_test.yaml"))
+
+
+def check_pods(kind, name, pod):
+    for scope in pod, *pod["containers"]:
+        context = scope["securityContext"]
+        if scope is pod:
+            expect(context["runAsNonRoot"] and context["runAsUser"] > 0, f"{kind} {name} may run as root")
+        else:
+            expect(context["readOnlyRootFilesystem"] and not context["allowPrivilegeEscalation"]
+                   and context["capabilities"]["drop"] == ["ALL"], f"{kind} {name} has more rights than it needs")
+            expect("memory" in scope["resources"]["limits"], f"{kind} {name} has no limit of memory")
+
+
+def check_manifests(manifests, where):
+    """One whole overlay: what refers to something finds it."""
+    by_kind = {}
+    for m in manifests:
+        by_kind.setdefault(m["kind"], {})[m["metadata"]["name"]] = m
+    deployments = by_kind.get("Deployment", {})
+    for kind in "Deployment", "Job":
+        for name, workload in by_kind.get(kind, {}).items():
+            pod = workload["spec"]["template"]["spec"]
+            check_pods(kind, name, pod)
+            for volume in pod.get("volumes", []):
+                for source, key, of in ("configMap", "name", "ConfigMap"), ("secret", "secretName", "Secret"):
+                    if source in volume:
+                        expect(volume[source][key] in by_kind.get(of, {}), f"{where}: {name} mounts a {of} that is not there")
+    labels = {name: d["spec"]["template"]["metadata"]["labels"] for name, d in deployments.items()}
+    for name, deployment in deployments.items():
+        expect(deployment["spec"]["selector"]["matchLabels"].items() <= labels[name].items(), f"{where}: {name} does not select its pods")
+    for kind in "Service", "PodDisruptionBudget":
+        for name, m in by_kind.get(kind, {}).items():
+            selector = m["spec"]["selector"]
+            selector = selector.get("matchLabels", selector)
+            selected = [d for d, l in labels.items() if selector.items() <= l.items()]
+            expect(len(selected) == 1, f"{where}: {kind} {name} selects {selected}")
+            if kind == "Service":
+                ports = [p["name"] for c in deployments[selected[0]]["spec"]["template"]["spec"]["containers"] for p in c["ports"]]
+                expect(all(p["targetPort"] in ports for p in m["spec"]["ports"]), f"{where}: {name} leads to no port")
+    for name, scaler in by_kind.get("HorizontalPodAutoscaler", {}).items():
+        expect(scaler["spec"]["scaleTargetRef"]["name"] in deployments, f"{where}: {name} scales nothing")
+
+    if "fracture" not in deployments:
+        return
+    pod = deployments["fracture"]["spec"]["template"]["spec"]
+    container = pod["containers"][0]
+    configuration = by_kind["ConfigMap"][container["envFrom"][0]["configMapRef"]["name"]]["data"]
+    expect_settings(configuration, where)
+    expect_time_to_stop(pod["terminationGracePeriodSeconds"], configuration, where)
+    for probe, path in ("startupProbe", "/livez"), ("readinessProbe", "/readyz"), ("livenessProbe", "/livez"):
+        expect(container[probe]["httpGet"] == {"path": path, "port": "admin"}, f"{where}: {probe}")
+    expect({"/cache", "/tmp"} <= {m["mountPath"] for m in container["volumeMounts"]}, f"{where}: nowhere to write")
+
+
+def kubernetes():
+    for path in glob.glob(os.path.join(DOCKER, "kubernetes", "**", "*.yaml"), recursive=True) + [
+            os.path.join(DOCKER, "haproxy", name) for name in ("kustomization.yaml", "kubernetes.yaml")]:
+        for m in documents(path):
+            expect("apiVersion" in m and "kind" in m, f"{path}: a manifest without apiVersion or kind")
+            if m["kind"] != "Kustomization":
+                continue
+            expect(path.endswith("/kustomization.yaml"), f"{path} is not called kustomization.yaml")
+            generated = [f for g in m.get("configMapGenerator", []) + m.get("secretGenerator", []) for f in g.get("files", [])]
+            for entry in m.get("bases", []) + m.get("resources", []) + m.get("patchesStrategicMerge", []) + generated:
+                expect(os.path.exists(os.path.join(os.path.dirname(path), entry)), f"{path}: there is no {entry}")
+    check_manifests(documents("kubernetes", "bake", "job.yaml"), "bake")
+    program = ask_program("kubectl")
+    scaled_by = {"overlays/small": ["Resource"], "overlays/large": ["Resource", "Pods"], "bake": None}
+    for overlay, metrics in scaled_by.items():
+        rendered = run(program, "kustomize", os.path.join(DOCKER, "kubernetes", overlay))
+        manifests = [m for m in yaml.safe_load_all(rendered) if m]
+        check_manifests(manifests, overlay)
+        for m in manifests:
+            if m["kind"] == "HorizontalPodAutoscaler":
+                expect([metric["type"] for metric in m["spec"]["metrics"]] == metrics, f"{overlay}: scaled by {m['spec']['metrics']}")
+
+
+def systemd():
+    unit = read("systemd", "fracture-server.service")
+    variables = dict(v.split("=", 1) for line in re.findall(r"^Environment=(.*)$", unit, re.M) for v in line.split())
+    expect_settings(variables, "fracture-server.service")
+    expect_time_to_stop(float(re.search(r"^TimeoutStopSec=(\d+)$", unit, re.M)[1]), variables, "fracture-server.service")
+    program = ask_program("systemd-analyze")
+    with tempfile.TemporaryDirectory() as folder:  # the program need not be installed for this
+        path = os.path.join(folder, "fracture-server.service")
+        with open(path, "w", encoding="utf-8") as f:
+            f.write(unit.replace("/usr/bin/fracture-server", SERVER))
+        run(program, "verify", path)
+
+
+globals()[sys.argv[1]]()
+print(f"{sys.argv[1]}: all is well")

@@ -1,0 +1,233 @@
+// docker/compose.yaml with plain processes on the loopback: three servers, a Redis, and HAProxy with the
+// repository's own configuration, in which only addresses and timeouts are replaced.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <fstream>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "tests/server/child_process.hpp"
+#include "tests/server/exposition.hpp"
+#include "tests/server/raw_client.hpp"
+
+namespace fracture::test {
+
+inline constexpr int kServers = 3;
+
+/// Ports of 127.0.0.1 below those that the kernel gives to connections, so that nobody takes one while its
+/// server is down.
+inline std::uint16_t lasting_port() {
+  static unsigned next = static_cast<unsigned>(::getpid()) * 16;
+  int first_given = 32'768;
+  std::ifstream("/proc/sys/net/ipv4/ip_local_port_range") >> first_given;
+  constexpr int kFirst = 10'240;
+  for (int tries = 0; tries < 1000; ++tries) {
+    const int port =
+        kFirst + static_cast<int>(next++ % static_cast<unsigned>(std::max(first_given - kFirst, 1000)));
+    const int fd = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    const bool free = ::bind(fd, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0;
+    ::close(fd);
+    if (free) return static_cast<std::uint16_t>(port);
+  }
+  throw std::runtime_error("no free port");
+}
+
+/// Replaces each of `count` occurrences; throws when there are more or fewer, since the configuration has
+/// changed then.
+inline void replace(std::string& text, const std::string& from, const std::string& to, int count = 1) {
+  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
+    text.replace(at, from.size(), to);
+    --count;
+  }
+  if (count != 0)
+    throw std::runtime_error("haproxy.cfg: '" + from + "' stands there more or less often than was thought");
+}
+
+class Redis {
+ public:
+  Redis() { start(); }
+  void start() {
+    process_ = std::make_unique<ChildProcess>(
+        std::vector<std::string>{*find_program("redis-server"), "--port", std::to_string(port), "--bind",
+                                 "127.0.0.1", "--save", "", "--appendonly", "no", "--dir", folder_.path},
+        folder_ / "output");
+    while (!entries()) {
+      if (!process_->alive()) throw std::runtime_error("redis-server: " + read_file(folder_ / "output"));
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  }
+  void kill() { process_.reset(); }
+  /// How many keys it holds; nothing when it does not answer.
+  std::optional<int> entries() const {
+    try {
+      RawClient client(port);
+      client.send("DBSIZE\r\n");
+      client.half_close();
+      const std::string reply = client.receive_all();
+      if (reply.empty() || reply[0] != ':') return std::nullopt;
+      return std::atoi(reply.c_str() + 1);
+    } catch (const std::runtime_error&) {
+      return std::nullopt;
+    }
+  }
+  const std::uint16_t port = lasting_port();
+
+ private:
+  TemporaryFolder folder_;
+  std::unique_ptr<ChildProcess> process_;
+};
+
+class Farm {
+ public:
+  static std::string missing() {
+    for (const char* program : {"haproxy", "redis-server"})
+      if (!find_program(program)) return std::string(program) + " is not installed";
+    return "";
+  }
+
+  explicit Farm(std::string drain_delay) : drain_delay_(std::move(drain_delay)) {
+    for (int i = 0; i < kServers; ++i) start(i);
+    std::string text = read_file(FRACTURE_HAPROXY_CFG);
+    replace(text, "bind :8080\n", "bind 127.0.0.1:" + std::to_string(port) + "\n");
+    replace(text, "bind :8404\n", "bind 127.0.0.1:" + std::to_string(statistics_port_) + "\n");
+    for (int i = 0; i < kServers; ++i) {
+      const std::string name = "fracture" + std::to_string(i + 1) + ":8080";
+      const std::string address = "127.0.0.1:" + std::to_string(ports_[i].port);
+      replace(text, name + " track", address + " track");
+      replace(text, name + "\n", address + " port " + std::to_string(ports_[i].admin) + "\n");
+    }
+    without_timeouts(text);
+    haproxy_ = std::make_unique<ChildProcess>(
+        std::vector<std::string>{*find_program("haproxy"), "-db", "-f", folder_.write("haproxy.cfg", text)},
+        folder_ / "haproxy.log");
+    for (int i = 0; i < kServers; ++i) wait_until(i, "UP");
+  }
+
+  /// Returns when the server is ready; HAProxy has not seen that yet.
+  void start(int i) {
+    servers_[i] = std::make_unique<ChildProcess>(
+        std::vector<std::string>{FRACTURE_SERVER_PROGRAM, "serve", "--port", std::to_string(ports_[i].port),
+                                 "--admin-port", std::to_string(ports_[i].admin), "--threads", "1",
+                                 "--import-workers", "1", "--redis",
+                                 "127.0.0.1:" + std::to_string(redis.port), "--drain-delay", drain_delay_,
+                                 "--max-connections-per-address", "1024"},
+        folder_ / ("fracture" + std::to_string(i + 1) + ".log"));
+    for (int status = 0; status != 200;) {
+      check_alive(i);
+      try {
+        status = ask(ports_[i].admin, "GET", "/readyz").status;
+      } catch (const std::runtime_error&) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      }
+    }
+  }
+  ChildProcess& server(int i) { return *servers_[i]; }
+  void kill(int i) { servers_[i].reset(); }
+
+  /// Until HAProxy says so ("UP", "DOWN") of a server. Throws when a server that should come up ended
+  /// instead.
+  void wait_until(int i, const std::string& status) const {
+    while (status_of(i) != status) {
+      if (!haproxy_->alive()) throw std::runtime_error("haproxy: " + log());
+      if (status == "UP") check_alive(i);
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+  }
+  /// A figure of the servers that run, all together.
+  double sum(const std::string& family, const std::string& label = "") const {
+    double total = 0;
+    for (int i = 0; i < kServers; ++i)
+      if (servers_[i])
+        total += parse_exposition(ask(ports_[i].admin, "GET", "/metrics").body).sum(family, label);
+    return total;
+  }
+  /// Which server each path is sent to, asked one after the other.
+  std::vector<std::string> servers_of(const std::vector<std::string>& paths) const {
+    std::ifstream log(folder_ / "haproxy.log");
+    log.seekg(0, std::ios::end);
+    for (const std::string& path : paths) ask(port, "HEAD", path);
+    // "… public of_a_mesh/fracture2 …times… 404 …counts… "HEAD /meshes/sha256:… HTTP/1.1"", written some time
+    // after the answer.
+    std::map<std::string, std::string> servers_by_path;
+    for (std::string line, piece; servers_by_path.size() < paths.size();) {
+      if (!std::getline(log, piece) || log.eof()) {  // not written yet, or not to its end
+        line += std::exchange(piece, {});
+        log.clear();
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        continue;
+      }
+      line += piece;
+      const std::size_t method = line.find("\"HEAD "), name = line.find("of_a_mesh/") + 10;
+      if (method != std::string::npos)
+        servers_by_path[line.substr(method + 6, line.find(' ', method + 6) - method - 6)] =
+            line.substr(name, line.find(' ', name) - name);
+      line.clear();
+    }
+    std::vector<std::string> servers;
+    for (const std::string& path : paths) servers.push_back(servers_by_path.at(path));
+    return servers;
+  }
+  std::string log() const { return read_file(folder_ / "haproxy.log"); }
+
+  Redis redis;
+  const std::uint16_t port = lasting_port();
+
+ private:
+  struct Ports {
+    std::uint16_t port = lasting_port(), admin = lasting_port();
+  };
+
+  void check_alive(int i) const {
+    if (!servers_[i]->alive())
+      throw std::runtime_error("the server ended: " +
+                               read_file(folder_ / ("fracture" + std::to_string(i + 1) + ".log")));
+  }
+  /// An hour in every line "timeout …", so that a machine which is too busy looks like nothing else. A killed
+  /// server is noticed all the same: it refuses connections.
+  static void without_timeouts(std::string& text) {
+    int found = 0;
+    for (std::size_t at = 0; (at = text.find("\n    timeout ", at)) != std::string::npos; ++found) {
+      const std::size_t end = text.find('\n', at + 1), value = text.rfind(' ', end);
+      text.replace(value + 1, end - value - 1, "1h");
+      ++at;
+    }
+    if (found < 6) throw std::runtime_error("haproxy.cfg: where are the timeouts?");
+  }
+  /// HAProxy's word for a server; empty while it does not answer.
+  std::string status_of(int i) const {
+    try {
+      RawClient client(statistics_port_);
+      client.send("GET /;csv HTTP/1.0\r\n\r\n");  // which has no chunks
+      std::istringstream lines(client.receive_all());
+      const std::string name = "of_a_mesh,fracture" + std::to_string(i + 1) + ",";
+      for (std::string line; std::getline(lines, line);) {
+        if (line.rfind(name, 0) != 0) continue;
+        std::istringstream fields(line);
+        std::string field;
+        for (int column = 0; column <= 17; ++column)
+          std::getline(fields, field, ',');  // "status" is the 18th
+        return field;
+      }
+    } catch (const std::runtime_error&) {
+    }
+    return "";
+  }
+
+  const std::string drain_delay_;
+  const std::uint16_t statistics_port_ = lasting_port();
+  std::array<Ports, kServers> ports_;
+  TemporaryFolder folder_;
+  std::array<std::unique_ptr<ChildProcess>, kServers> servers_;
+  std::unique_ptr<ChildProcess> haproxy_;
+};
+
+}  // namespace fracture::test

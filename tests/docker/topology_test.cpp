@@ -1,0 +1,176 @@
+// Three servers, a Redis and HAProxy as docker/compose.yaml arranges them: what clients see while parts of it
+// are killed, restarted or replaced. Nothing here waits for a time: every step waits until it has happened.
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "tests/docker/farm.hpp"
+#include "tests/docker/load.hpp"
+
+namespace fracture::test {
+namespace {
+
+const bool kFull = std::getenv("FRACTURE_TEST_FULL") != nullptr;
+constexpr int kClients = 3, kMeshes = 24, kSeeds = 4;
+
+struct Topology : testing::Test {
+  void SetUp() override {
+    if (const std::string missing = Farm::missing(); !missing.empty()) GTEST_SKIP() << missing;
+    // Stopping waits until HAProxy has noticed, however long that takes, and then ends the delay by a second
+    // signal.
+    farm = std::make_unique<Farm>("3600");
+  }
+  std::unique_ptr<Farm> farm;
+};
+
+void expect_no_failure(const Load& load, const char* when) {
+  EXPECT_EQ(load.failed, 0) << when << ": " << load.first_failure();
+}
+
+TEST_F(Topology, AServerThatGoesTakesItsShareOfTheMeshesAndNoOthers) {
+  constexpr int kKeys = 600;
+  std::vector<std::string> paths;
+  for (int k = 0; k < kKeys; ++k) paths.push_back("/meshes/sha256:" + sha256(std::to_string(k)).hex());
+  const std::vector<std::string> before = farm->servers_of(paths);
+  ASSERT_EQ(std::set(before.begin(), before.end()),
+            (std::set<std::string>{"fracture1", "fracture2", "fracture3"}));
+  for (int i = 0; i < kServers; ++i) {
+    farm->kill(i);
+    farm->wait_until(i, "DOWN");
+    const std::vector<std::string> without = farm->servers_of(paths);
+    int moved = 0;
+    for (std::size_t k = 0; k < paths.size(); ++k) {
+      EXPECT_NE(without[k], "fracture" + std::to_string(i + 1));
+      if (without[k] == before[k]) continue;
+      ++moved;
+      EXPECT_EQ(before[k], "fracture" + std::to_string(i + 1)) << "moved, although its server is there";
+    }
+    std::printf("without fracture%d: %d of %d keys move\n", i + 1, moved, kKeys);
+    EXPECT_LE(moved, kKeys * (1.0 / 3 + 0.05));
+    farm->start(i);
+    farm->wait_until(i, "UP");
+  }
+  EXPECT_EQ(farm->servers_of(paths), before) << "all are back";
+}
+
+// However a mesh is named in a path, the first 16 digits decide.
+TEST_F(Topology, MeshResultsAndJobsOfOneMeshGoToOneServer) {
+  for (int k = 0; k < 20; ++k) {
+    const std::string digest = sha256("mesh " + std::to_string(k)).hex(), start = digest.substr(0, 16);
+    std::string upper = digest;
+    for (char& c : upper) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    const std::vector<std::string> servers = farm->servers_of(
+        {"/meshes/sha256:" + digest, "/meshes/sha256%3A" + digest, "/meshes/sha256:" + upper,
+         "/fractures/sha256:" + start + sha256("result").hex().substr(16),
+         "/jobs/" + start + "0123456789abcdef", "/jobs/" + start + "0123456789abcdef/events"});
+    EXPECT_EQ(std::set(servers.begin(), servers.end()).size(), 1u) << digest;
+  }
+}
+
+TEST_F(Topology, AServerKilledUnderLoadFailsNoRequestAndIsWarmAgain) {
+  for (int round = 0; round < (kFull ? 6 : 1); ++round) {
+    const int victim = round % kServers;
+    Load load(farm->port, kClients, kMeshes, kSeeds);
+    load.wait_for(2 * kMeshes * kSeeds);
+    farm->kill(victim);
+    load.wait_for(kMeshes * kSeeds);
+    farm->wait_until(victim, "DOWN");
+    load.wait_for(kMeshes * kSeeds);
+    farm->start(victim);
+    farm->wait_until(victim, "UP");
+    expect_no_failure(load, "kill and restart");
+    // Until everything of a whole round is answered from caches, as before.
+    int hits = 0, rounds = 0;
+    do {
+      const int answered = load.answered, from_caches = load.from_caches;
+      load.wait_for(kMeshes * kSeeds);
+      hits = 100 * (load.from_caches - from_caches) / std::max(load.answered - answered, 1);
+      ++rounds;
+    } while (hits < 99 && load.failed == 0);
+    load.stop();
+    expect_no_failure(load, "warm again");
+    std::printf(
+        "fracture%d killed and restarted: %d answers, %d failed, %d meshes put; after %d rounds %d %% hits\n",
+        victim + 1, load.answered.load(), load.failed.load(), load.puts.load(), rounds, hits);
+  }
+}
+
+// What the killed server had computed is not computed again: its heirs take it from Redis. Each that they do
+// compute is accounted for by a counted failure to reach Redis (it has 50 ms, and this machine may be busy).
+TEST_F(Topology, TheSharedTierSavesRecomputation) {
+  std::vector<StoredMesh> meshes;
+  for (int m = 0; m < kMeshes; ++m) meshes.emplace_back(1000 + m);
+  GameClient client(farm->port);
+  const auto all = [&] {
+    for (const StoredMesh& mesh : meshes)
+      for (int seed = 0; seed < kSeeds; ++seed) EXPECT_EQ(client.fracture(mesh, seed).status, 200);
+  };
+  const auto troubles = [&] {
+    return farm->sum("fracture_cache_failures_total", "redis") +
+           farm->sum("fracture_cache_skipped_total", "redis") + farm->sum("fracture_results_unwritten_total");
+  };
+  constexpr int kResults = kMeshes * kSeeds;
+  all();
+  EXPECT_EQ(farm->sum("fracture_results_computed_total"), kResults);
+  while (farm->redis.entries().value_or(0) + troubles() < kResults)  // written in the background
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  const int unwritten = kResults - *farm->redis.entries();
+
+  farm->kill(0);
+  farm->wait_until(0, "DOWN");
+  const double computed = farm->sum("fracture_results_computed_total"), trouble = troubles(),
+               hits = farm->sum("fracture_cache_lookups_total", R"(cache="redis",outcome="hit")");
+  const int lost = kResults - static_cast<int>(computed);  // were in the memory of the killed server alone
+  EXPECT_GT(lost, 0);
+  all();
+  const double again = farm->sum("fracture_results_computed_total") - computed,
+               shared = farm->sum("fracture_cache_lookups_total", R"(cache="redis",outcome="hit")") - hits;
+  std::printf("of %d results %d were the killed server's: %g from Redis, %g computed again\n", kResults, lost,
+              shared, again);
+  EXPECT_EQ(shared + again, lost);
+  EXPECT_LE(again, unwritten + troubles() - trouble);
+}
+
+TEST_F(Topology, WithoutRedisServiceContinues) {
+  Load load(farm->port, kClients, kMeshes, kSeeds);
+  load.wait_for(kMeshes * kSeeds);
+  farm->redis.kill();
+  Load fresh(farm->port, kClients, kMeshes, 1'000'000);  // hardly anything of this is in a cache
+  load.wait_for(kMeshes * kSeeds);
+  fresh.wait_for(kMeshes * kSeeds);
+  EXPECT_GT(farm->sum("fracture_cache_failures_total", "redis"), 0);
+  farm->redis.start();
+  while (farm->redis.entries().value_or(0) == 0 &&
+         fresh.failed == 0)  // until the servers have found it again
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  load.stop();
+  fresh.stop();
+  expect_no_failure(load, "known results");
+  expect_no_failure(fresh, "new results");
+}
+
+TEST_F(Topology, ARollingRestartUnderLoadFailsNoRequest) {
+  if (kFull) farm = std::make_unique<Farm>("5");  // as docker/compose.yaml has it
+  Load load(farm->port, kClients, kMeshes, kSeeds);
+  for (int round = 0; round < (kFull ? 3 : 1); ++round)
+    for (int i = 0; i < kServers; ++i) {
+      load.wait_for(kMeshes);
+      farm->server(i).signal(SIGTERM);
+      farm->wait_until(i, "DOWN");
+      load.wait_for(kMeshes);
+      if (!kFull) farm->server(i).signal(SIGTERM);
+      EXPECT_EQ(farm->server(i).wait(), 0) << "fracture" << i + 1;
+      load.wait_for(kMeshes);
+      farm->kill(i);
+      farm->start(i);
+      farm->wait_until(i, "UP");
+    }
+  load.wait_for(kMeshes * kSeeds);
+  load.stop();
+  expect_no_failure(load, "rolling restart");
+  std::printf("rolling restart: %d answers, %d failed, %d meshes put\n", load.answered.load(),
+              load.failed.load(), load.puts.load());
+}
+
+}  // namespace
+}  // namespace fracture::test
