@@ -55,9 +55,9 @@ class StopOnSignal {
   }};
 };
 
-int refuse(const Error& error) {
-  std::fprintf(stderr, "fracture-server bake: %s: %s\n  %s\n", slug(error.code), title(error.code),
-               error.detail.c_str());
+int refuse(const std::string& input, const Error& error) {
+  std::fprintf(stderr, "fracture-server bake: %s: %s: %s\n  %s\n", input.c_str(), slug(error.code),
+               title(error.code), error.detail.c_str());
   if (error.extra.contains("errors") && error.extra["errors"].size() > 1)
     for (std::size_t i = 1; i < error.extra["errors"].size(); ++i)
       std::fprintf(stderr, "  %s\n", error.extra["errors"][i].value("detail", "").c_str());
@@ -68,9 +68,9 @@ int refuse(const Error& error) {
 int bake_one(const bake::BakeJob& job, const BakeOptions& options) {
   FractureService service(options.service, make_engine(bake::own_import_workers(1)));
   Expected<RequestParameters> parameters = service.parse(job.parameters);
-  if (!parameters) return refuse(parameters.error());
+  if (!parameters) return refuse(job.input, parameters.error());
   const Expected<MeshFormat> format = bake::format_of_input(job.input, *parameters);
-  if (!format) return refuse(format.error());
+  if (!format) return refuse(job.input, format.error());
   const std::optional<bake::InputFile> input = bake::read_input(job.input, *format);
   if (!input) {
     std::fprintf(stderr, "fracture-server bake: cannot read %s: %s\n", job.input.c_str(),
@@ -92,8 +92,9 @@ int bake_one(const bake::BakeJob& job, const BakeOptions& options) {
       {input->view(), *format, *parameters, as_import_files(input->siblings), output}, execution);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   progress.finish();
-  if (!answer) return refuse(answer.error());
-  if (!bake::write_file(job.output, std::as_bytes(std::span(answer->result->file)))) {
+  if (!answer) return refuse(job.input, answer.error());
+  if (!bake::make_folders_of(job.output) ||
+      !bake::write_file(job.output, std::as_bytes(std::span(answer->result->file)))) {
     std::fprintf(stderr, "fracture-server bake: cannot write %s: %s\n", job.output.c_str(),
                  std::strerror(errno));
     return kExitSystem;
