@@ -1,5 +1,7 @@
 #include "server/bake/input_file.hpp"
 
+#include <unistd.h>
+
 #include <fstream>
 #include <iterator>
 #include <utility>
@@ -11,6 +13,8 @@ Expected<MeshFormat> format_of_input(const std::string& path, const RequestParam
   if (const auto format = format_from_extension(path.substr(path.rfind('.') + 1))) return *format;
   return fail(ErrorCode::kUnknownFormat, "The name '" + path + "' has no known ending; say --format.");
 }
+
+bool is_readable(const std::string& path) { return ::access(path.c_str(), R_OK) == 0; }
 
 std::optional<InputFile> read_input(const std::string& path, MeshFormat format) {
   std::ifstream file(path, std::ios::binary);

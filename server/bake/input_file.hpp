@@ -20,6 +20,8 @@ struct InputFile {
 
 /// As the parameters say, else by the name's ending; kUnknownFormat.
 Expected<MeshFormat> format_of_input(const std::string& path, const RequestParameters& parameters);
+/// False with errno set: asked first, a file that is not there is not one of an unknown format.
+bool is_readable(const std::string& path);
 /// Nothing when the file cannot be read; errno says why.
 std::optional<InputFile> read_input(const std::string& path, MeshFormat format);
 

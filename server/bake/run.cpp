@@ -79,6 +79,15 @@ class Run {
     count(&RunFigures::unwritable);
   }
 
+  /// With the reason in errno.
+  void unreadable(std::size_t job) {
+    const std::string reason = std::strerror(errno);
+    progress_.say("fracture-server bake: cannot read " + plan_.jobs[job].input + ": " + reason);
+    report(job, {{"status", "unreadable"}, {"problem", {{"detail", reason}}}});
+    count(&RunFigures::unreadable);
+    progress_.done(false, false);
+  }
+
   void report(std::size_t job, nlohmann::json line) {
     line["input"] = plan_.jobs[job].input;
     line["output"] = plan_.jobs[job].output;
@@ -115,16 +124,11 @@ class Run {
     const BakeJob& job = plan_.jobs[number];
     const Expected<RequestParameters> parameters = baker_.parse(job.parameters);
     if (!parameters) return fail(number, BakeFailure(parameters.error()));
+    if (!is_readable(job.input)) return unreadable(number);
     const Expected<MeshFormat> format = format_of_input(job.input, *parameters);
     if (!format) return fail(number, BakeFailure(format.error()));
     const std::optional<InputFile> input = read_input(job.input, *format);
-    if (!input) {
-      const std::string reason = std::strerror(errno);
-      progress_.say("fracture-server bake: cannot read " + job.input + ": " + reason);
-      report(number, {{"status", "unreadable"}, {"problem", {{"detail", reason}}}});
-      count(&RunFigures::unreadable);
-      return progress_.done(false, false);
-    }
+    if (!input) return unreadable(number);
     const FractureRequest request{input->view(), *format, *parameters, as_import_files(input->siblings),
                                   format_of_output(job.output)};
     const RequestKeys keys = keys_of(request);

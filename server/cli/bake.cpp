@@ -55,6 +55,11 @@ class StopOnSignal {
   }};
 };
 
+int unreadable(const std::string& input) {
+  std::fprintf(stderr, "fracture-server bake: cannot read %s: %s\n", input.c_str(), std::strerror(errno));
+  return kExitSystem;
+}
+
 int refuse(const std::string& input, const Error& error) {
   std::fprintf(stderr, "fracture-server bake: %s: %s: %s\n  %s\n", input.c_str(), slug(error.code),
                title(error.code), error.detail.c_str());
@@ -69,14 +74,11 @@ int bake_one(const bake::BakeJob& job, const BakeOptions& options) {
   FractureService service(options.service, make_engine(bake::own_import_workers(1)));
   Expected<RequestParameters> parameters = service.parse(job.parameters);
   if (!parameters) return refuse(job.input, parameters.error());
+  if (!bake::is_readable(job.input)) return unreadable(job.input);
   const Expected<MeshFormat> format = bake::format_of_input(job.input, *parameters);
   if (!format) return refuse(job.input, format.error());
   const std::optional<bake::InputFile> input = bake::read_input(job.input, *format);
-  if (!input) {
-    std::fprintf(stderr, "fracture-server bake: cannot read %s: %s\n", job.input.c_str(),
-                 std::strerror(errno));
-    return kExitSystem;
-  }
+  if (!input) return unreadable(job.input);
 
   bake::StageProgress progress(options.quiet);
   StopOnSignal stop;
@@ -214,6 +216,9 @@ int bake(const BakeOptions& options) {
   const std::unique_ptr<bake::Baker> baker =
       remote ? connect(options, jobs, stop.token(), refused) : bake::local_baker(options.service, jobs);
   if (!baker) return refused;
+  if (source.manifest.empty())  // else each line has its own
+    if (const auto parameters = baker->parse(source.parameters); !parameters)
+      return refuse("parameters", parameters.error());
   bake::RunOptions run;
   run.jobs = jobs;
   if (!plan->single || !options.report.empty()) run.report = report_path(options, source.shard);
@@ -223,7 +228,10 @@ int bake(const BakeOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   const bake::RunFigures f = bake::run_bake(*plan, *baker, run, stop.token());
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-  if (!options.quiet) print_summary(f, plan->jobs.size(), took.count(), run.report);
+  if (!options.quiet) {
+    print_summary(f, plan->jobs.size(), took.count(), run.report);
+    if (f.cancelled > 0 && !run.report.empty()) std::printf("The same command goes on from there.\n");
+  }
   return exit_code(f, options);
 }
 

@@ -58,9 +58,10 @@ void add_serve(CLI::App& app, std::vector<Setting>& settings, GivenSettings& fla
       "file of --config; flags come before variables, and variables before the file.");
 }
 
+constexpr const char* kParameterGroup = "Parameters, those of a request to the server";
+
 /// Parameters are taken as text and checked by the service's table: one validation for every way to ask.
-void add_parameters(CLI::App& app, std::vector<RawParameter>& parameters, const ServiceConfig& service,
-                    int& threads) {
+void add_parameters(CLI::App& app, std::vector<RawParameter>& parameters, const ServiceConfig& service) {
   const ParameterTable table(service.max_sites, FormatSet::all());
   for (const ParameterSpec& spec : table.specs()) {
     CLI::Option* option = app.add_option_function<std::string>(
@@ -68,55 +69,85 @@ void add_parameters(CLI::App& app, std::vector<RawParameter>& parameters, const 
         [&parameters, name = spec.name](const std::string& value) {
           parameters.push_back({name, value, true});
         },
-        spec.doc);
+        spec.name == "format" ? "Format of the mesh, where its name does not say it" : spec.doc);
+    option->group(kParameterGroup)->type_name("");
     if (!spec.default_value.is_null())
       option->default_str(spec.default_value.is_string() ? spec.default_value.get<std::string>()
                                                          : spec.default_value.dump());
   }
-  app.add_option("--threads", threads, "Threads that compute, 0: one for each core")
+}
+
+void add_threads(CLI::App& app, int& threads, const char* doc) {
+  app.add_option("--threads", threads, doc)
       ->check(CLI::Range(0, 1024))
+      ->type_name("N")
       ->capture_default_str();
 }
 
 void add_bake(CLI::App& app, BakeOptions& o) {
-  app.add_option("input", o.source.inputs, "Mesh files, folders (every mesh below them), or globs in quotes");
-  app.add_option(
-      "-o,--output", o.source.output,
-      "File to write for one mesh (.gltf as one JSON text, everything else GLB); a folder for several, where "
-      "sub/barrel.obj becomes sub/barrel.obj.glb");
+  app.add_option("input", o.source.inputs, "Mesh files, folders (every mesh below them), or globs in quotes")
+      ->type_name("");
+  app.add_option("-o,--output", o.source.output,
+                 "File to write for one mesh (.gltf as one JSON text, everything else GLB); a folder for "
+                 "several, where "
+                 "sub/barrel.obj becomes sub/barrel.obj.glb")
+      ->type_name("PATH");
   app.add_option("--manifest", o.source.manifest,
-                 "Instead: a file of lines {\"input\": ..., \"output\": ..., \"parameters\": {...}}, paths "
-                 "relative to it");
-  add_parameters(app, o.source.parameters, o.service, o.threads);
+                 "Instead of both: a file of lines {\"input\": ..., \"output\": ..., \"parameters\": {...}}, "
+                 "paths relative to it")
+      ->type_name("FILE");
   app.add_option("-j,--jobs", o.jobs, "Meshes at the same time, 0: one for each core, or 8 with --server")
       ->check(CLI::Range(0, 1024))
+      ->type_name("N")
       ->capture_default_str();
+  add_threads(app, o.threads,
+              "Threads for one mesh to one file, 0: one for each core; of several meshes each has one");
   app.add_option("--shard", o.shard,
-                 "I/N: every N-th mesh from the I-th (0 to N - 1); auto/N: the index is the orchestrator's");
+                 "I/N: every N-th mesh from the I-th (0 to N - 1); auto/N: I from FRACTURE_SHARD, "
+                 "JOB_COMPLETION_INDEX or SLURM_ARRAY_TASK_ID")
+      ->type_name("I/N");
   app.add_option("--report", o.report,
-                 "NDJSON, a line for each mesh; the next run keeps what it says is right");
-  app.add_option("--allow-refused", o.allow_refused, "Exit with 0 although so many meshes were refused")
-      ->capture_default_str();
+                 "A JSON line for each mesh; what it says and what still is so is kept by the next run. Else "
+                 "bake.ndjson in the output folder, or MANIFEST.report")
+      ->type_name("FILE");
   app.add_flag("--force", o.force, "Make outputs again that are right already");
+  app.add_option("--allow-refused", o.allow_refused, "Exit with 0 although so many meshes were refused")
+      ->type_name("N")
+      ->capture_default_str();
   app.add_option("--depfile", o.depfile, "For one mesh: what it was made of, as a rule for make or Ninja")
       ->type_name("FILE");
-  app.add_option(
-         "--server", o.server,
-         "Bake through a server, or a farm behind a proxy: http://host:port. The same files and report")
-      ->type_name("URL");
-  app.add_option("--token", o.token, "Token for the server; the variable does not show in lists of processes")
-      ->envname("FRACTURE_TOKEN");
-  app.add_option("--patience", o.patience_s,
-                 "Seconds that a server may be absent or busy before the bake stops")
-      ->check(CLI::Range(0, 86400))
-      ->capture_default_str();
   app.add_flag("-q,--quiet", o.quiet, "No progress and no summary");
+
+  constexpr const char* kServerGroup =
+      "Through a server, or a farm behind a proxy: the same files and report";
+  app.add_option("--server", o.server, "http://host:port")->type_name("URL")->group(kServerGroup);
+  app.add_option("--token", o.token,
+                 "Token for the server. In the variable it does not show in lists of processes")
+      ->type_name("TOKEN")
+      ->envname("FRACTURE_TOKEN")
+      ->group(kServerGroup);
+  app.add_option("--patience", o.patience_s,
+                 "Seconds that the server may be absent or busy before the bake stops")
+      ->check(CLI::Range(0, 86400))
+      ->type_name("S")
+      ->capture_default_str()
+      ->group(kServerGroup);
+  add_parameters(app, o.source.parameters, o.service);
+  app.footer(
+      "fracture-server bake barrel.obj -o fragments.glb --sites 80 --material wood\n"
+      "fracture-server bake assets/ -o broken/ -j 8\n"
+      "fracture-server bake --manifest night.ndjson --shard 3/16\n\n"
+      "Exits with 0: done, 1: a file could not be read or written, or the server did not answer, 2: wrong "
+      "command line or manifest, 3: more refused than --allow-refused, 4: a bug or a certificate that does "
+      "not "
+      "hold, 130: stopped; what is made stays, and the same command goes on.");
 }
 
 void add_inspect(CLI::App& app, InspectOptions& o) {
   app.add_option("input", o.input, "Mesh file")->required();
   app.add_flag("--json", o.json, "The report as JSON");
-  add_parameters(app, o.parameters, o.service, o.threads);
+  add_threads(app, o.threads, "Threads that compute, 0: one for each core");
+  add_parameters(app, o.parameters, o.service);
 }
 
 void add_health(CLI::App& app, HealthOptions& o) {

@@ -10,6 +10,7 @@
 #include <optional>
 #include <thread>
 
+#include "tests/server/child_process.hpp"
 #include "tests/server/door.hpp"
 #include "tests/server/server_process.hpp"
 #include "tests/server/temporary_folder.hpp"
@@ -173,6 +174,20 @@ TEST(BakeThroughAServer, GivesTheBytesOfALocalBakeAlsoWhereTheServerIsKilledMean
   EXPECT_EQ(outputs(folder / "restarted"), whole);
 }
 
+TEST(BakeThroughAServer, GivesGltfWhereAManifestAsksForIt) {
+  const TemporaryFolder folder;
+  write_meshes(folder, 2);
+  folder.write("night.ndjson",
+               "{\"input\": \"in/box1.obj\", \"output\": \"local.gltf\", \"parameters\": {\"sites\": 9}}\n");
+  folder.write("farm.ndjson",
+               "{\"input\": \"in/box1.obj\", \"output\": \"remote.gltf\", \"parameters\": {\"sites\": 9}}\n");
+  EXPECT_EQ(Process({"bake", "--manifest", folder / "night.ndjson", "-q"}).wait(), 0);
+  const Farm farm;
+  EXPECT_EQ(Process({"bake", "--manifest", folder / "farm.ndjson", "-q", "--server", farm.url()}).wait(), 0);
+  EXPECT_EQ(read_file(folder / "remote.gltf"), read_file(folder / "local.gltf"));
+  EXPECT_TRUE(nlohmann::json::accept(read_file(folder / "local.gltf")));
+}
+
 TEST(BakeThroughAServer, SaysThatThereIsNone) {
   const TemporaryFolder folder;
   write_meshes(folder, 2);
@@ -187,6 +202,38 @@ TEST(BakeThroughAServer, SaysThatThereIsNone) {
   EXPECT_NE(absent.error_line().find(url.substr(7) + " does not answer"), std::string::npos);
   EXPECT_TRUE(outputs(folder / "out").empty());
   EXPECT_EQ(Process(bake("https://127.0.0.1")).wait(), 2);
+}
+
+TEST(BakeOfAFolder, SaysOnceWhatIsWrongWithTheCommandLineAndMakesNothing) {
+  const TemporaryFolder folder;
+  write_meshes(folder, 3);
+  Process parameters({"bake", folder / "in", "-o", folder / "out", "--sites", "0"});
+  EXPECT_EQ(parameters.wait(), 3);
+  EXPECT_NE(parameters.error_line().find("bad-parameter"), std::string::npos);
+  EXPECT_NE(parameters.error_line().find("'sites' must be"), std::string::npos);
+  EXPECT_EQ(parameters.error_line(), "") << "not again for every mesh";
+  for (const std::string absent : {"absent.obj", "absent/"}) {
+    Process bake({"bake", folder / absent, "-o", folder / "out.glb"});
+    EXPECT_EQ(bake.wait(), 1);
+    EXPECT_NE(bake.error_line().find(absent + ": No such file or directory"), std::string::npos);
+  }
+  Process depfile({"bake", folder / "in", "-o", folder / "out", "--depfile", folder / "out.d"});
+  EXPECT_EQ(depfile.wait(), 2);
+  EXPECT_TRUE(outputs(folder / "out").empty());
+}
+
+TEST(BakeOfAFolder, OneFileGoesWhereItIsToGoWithADepfile) {
+  const TemporaryFolder folder;
+  write_meshes(folder, 1);
+  EXPECT_EQ(Process({"bake", folder / "in/gltf/box.gltf", "-o", folder / "new/box.gltf", "--depfile",
+                     folder / "box.d", "--sites", "5"})
+                .wait(),
+            0);
+  const auto figures = nlohmann::json::parse(read_file(folder / "new/box.gltf"));
+  EXPECT_EQ(figures.at("asset").at("version"), "2.0");
+  EXPECT_EQ(read_file(folder / "box.d"), folder.path + "/new/box.gltf: " + folder.path +
+                                             "/in/gltf/box.gltf \\\n  " + folder.path +
+                                             "/in/gltf/box\\ data/box.bin\n");
 }
 
 TEST(BakeOfAFolder, StopsOnSigtermAndGoesOnLater) {
