@@ -21,7 +21,7 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
   app.add_option("--seed", o.seed, "Seed of the fractures");
   app.add_option("--width", o.width, "Pixels")->check(CLI::Range(64, 4096));
   app.add_option("--height", o.height, "Pixels")->check(CLI::Range(64, 4096));
-  bool no_anticipation = false, no_throws = false;
+  bool no_anticipation = false, no_throws = false, no_requests = false;
   app.add_flag("--no-anticipation", no_anticipation, "Ask at the contact, not when a ball is on its way");
   app.add_flag("--gravity", o.gravity, "Window: gravity runs from the start, without holding X");
   app.add_option("--close-after", o.close_after,
@@ -42,6 +42,7 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
   add(app.add_flag("--draw", o.draw, "Draws every frame without keeping it: what submitting costs"));
   add(app.add_flag("--json", o.json, "A summary on standard output"));
   add(app.add_flag("--no-throws", no_throws, "Leave out the balls that the scene throws by itself"));
+  add(app.add_flag("--no-requests", no_requests, "Hits ask for nothing: the same motion, for comparisons"));
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -50,6 +51,7 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
   }
   o.anticipate = !no_anticipation;
   o.throws = !no_throws;
+  o.requests = !no_requests;
   return o;
 }
 

@@ -31,7 +31,8 @@ struct Options {
   bool draw = false;                ///< every frame is drawn, and read by nobody: what submitting costs
   std::string out = ".";
   bool json = false;
-  bool throws = true;  ///< what the scene throws by itself; headless only
+  bool throws = true;    ///< what the scene throws by itself; headless only
+  bool requests = true;  ///< false: hits ask for nothing; headless only
 };
 
 struct Exit {

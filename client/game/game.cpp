@@ -138,7 +138,8 @@ void Game::apply(Pending& pending) {
   ++figures_.swaps;
 }
 
-void Game::apply_due() {
+bool Game::apply_due() {
+  bool any = false;
   for (auto it = pending_.begin(); it != pending_.end();) {
     const bool due = !settings_.fixed_latency || it->second.due <= world_.steps();
     if (!due || !it->second.finished()) {
@@ -148,8 +149,17 @@ void Game::apply_due() {
     const bool swapped = !it->second.failed;
     apply(it->second);
     it = pending_.erase(it);
+    any = any || swapped;
     if (swapped && !settings_.fixed_latency) break;  // one a frame: none is much longer than the others
   }
+  return any;
+}
+
+std::vector<Game::Coming> Game::coming() const {
+  std::vector<Coming> list;
+  for (const auto& [ticket, pending] : pending_)
+    if (pending.decoded) list.push_back({pending.thing, pending.decoded});
+  return list;
 }
 
 bool Game::ready() {
@@ -208,22 +218,24 @@ void Game::step() {
 }
 
 void Game::advance(double seconds, bool running) {
+  const bool swapped = apply_due();
   poll();
-  apply_due();
   take_events();
   if (!running) {
     owed_ = 0;
     return;
   }
-  constexpr int kMostSteps = 6;
+  // All contacts of new pieces are new in their first step, which takes longer: it has its frame to itself, and
+  // simulated time falls behind by the rest of that frame.
+  const int most = swapped ? 1 : 6;
   owed_ += seconds;
   int steps = 0;
-  while (owed_ >= settings_.world.step && steps < kMostSteps) {
+  while (owed_ >= settings_.world.step && steps < most) {
     step();
     owed_ -= settings_.world.step;
     ++steps;
   }
-  if (steps == kMostSteps) owed_ = 0;
+  if (steps == most) owed_ = 0;
 }
 
 world::BallId Game::throw_ball(const glm::dvec3& from, const glm::dvec3& velocity) {

@@ -1,7 +1,8 @@
 // The rules: what is asked of the server when, and what its answers do to the world. No window, no OpenGL.
 //
-// In real time nothing waits: advance() runs the steps that are due, polls, and applies what has been decoded
-// (one answer a frame). With GameSettings::fixed_latency the run is reproducible instead: an answer is
+// In real time nothing waits: advance() runs the steps that are due, polls, and applies what had been decoded
+// by the frame before (one answer a frame): coming() shows it to whoever draws while there is still time to
+// upload it. With GameSettings::fixed_latency the run is reproducible instead: an answer is
 // applied exactly so many steps after its request. Should the server be slower than that, simulated time
 // stands still until it has answered (ready() is false); should it be faster, the answer is kept. What the
 // server says depends only on what it is asked, that only on the motion before it, and the motion only on the
@@ -60,6 +61,12 @@ class Game {
 
   const scenes::Stage& stage() const { return stage_; }
   const std::vector<Thing>& things() const { return things_; }
+  /// Fragments that have arrived and take effect in a coming frame, of a thing (for pieces: of their parent).
+  struct Coming {
+    std::size_t thing;
+    std::shared_ptr<const Decoded> fragments;
+  };
+  std::vector<Coming> coming() const;
   const world::World& world() const { return world_; }
   const GameFigures& figures() const { return figures_; }
   const std::vector<world::Swap>& swaps() const { return swaps_; }  ///< all since the start
@@ -85,7 +92,7 @@ class Game {
   void poll();
   void ask(std::size_t thing, const world::Impact& impact, std::optional<std::uint32_t> fragment);
   void apply(Pending& pending);
-  void apply_due();
+  bool apply_due();  ///< whether bodies were swapped
   void take_events();
   void note_failure(Pending& pending, const std::string& what);
   std::size_t thing_of(world::ObjectId object) const;

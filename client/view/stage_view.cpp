@@ -96,13 +96,10 @@ Result<std::uint32_t> StageView::add(render::SolidLook look, const render::Scene
   return first;
 }
 
-Result<StageView::Place> StageView::place_of(const game::Game& game, std::size_t index) {
-  const game::Thing& thing = game.things()[index];
-  const bool broken = thing.fragments != nullptr;
-  const auto known = places_.find(index);
-  if (known != places_.end() && known->second.broken == broken) return known->second;
-  const scenes::StageObject& object = game.stage().objects[thing.stage_object];
-  const auto scene = broken ? thing.fragments->scene : object.mesh->scene;
+Result<StageView::Place> StageView::upload(const game::Game& game, std::size_t index,
+                                           const game::Decoded* fragments) {
+  const scenes::StageObject& object = game.stage().objects[game.things()[index].stage_object];
+  const render::Scene& scene = fragments != nullptr ? *fragments->scene : *object.mesh->scene;
   // The solid texture is that of the whole object, so that it stays when it breaks.
   render::SolidPlacement solid;
   solid.frame = bounding_sphere(*object.mesh->scene, {});
@@ -111,14 +108,44 @@ Result<StageView::Place> StageView::place_of(const game::Game& game, std::size_t
   solid.brick = object.bricks;
   solid.brick_low = glm::vec2(object.mesh->low);
   solid.brick_high = glm::vec2(object.mesh->high);
-  const Result<std::uint32_t> first = add(object.look, *scene, solid);
+  const Result<std::uint32_t> first = add(object.look, scene, solid);
   if (!first) return tl::unexpected(first.error());
-  if (known != places_.end()) {  // the whole is no more
-    std::vector<ObjectState>& states = batches_.at(object.look).states;
-    for (std::uint32_t k = 0; k < known->second.count; ++k) states[known->second.first + k].visible = false;
+  return Place{*first, static_cast<std::uint32_t>(scene.objects.size()), fragments != nullptr};
+}
+
+void StageView::hide(const game::Game& game, std::size_t index, const Place& place) {
+  const scenes::StageObject& object = game.stage().objects[game.things()[index].stage_object];
+  std::vector<ObjectState>& states = batches_.at(object.look).states;
+  for (std::uint32_t k = 0; k < place.count; ++k) states[place.first + k].visible = false;
+}
+
+Result<void> StageView::upload_coming(const game::Game& game) {
+  const std::vector<game::Game::Coming> coming = game.coming();
+  std::erase_if(waiting_, [&](const auto& entry) {
+    return std::none_of(coming.begin(), coming.end(),
+                        [&](const game::Game::Coming& next) { return next.fragments == entry.first; });
+  });
+  for (const game::Game::Coming& next : coming) {
+    if (waiting_.contains(next.fragments)) continue;
+    const Result<Place> place = upload(game, next.thing, next.fragments.get());
+    if (!place) return tl::unexpected(place.error());
+    hide(game, next.thing, *place);
+    waiting_.emplace(next.fragments, *place);
   }
-  const Place place{*first, static_cast<std::uint32_t>(scene->objects.size()), broken};
-  places_[index] = place;
+  return {};
+}
+
+Result<StageView::Place> StageView::place_of(const game::Game& game, std::size_t index) {
+  const game::Thing& thing = game.things()[index];
+  const bool broken = thing.fragments != nullptr;
+  const auto known = places_.find(index);
+  if (known != places_.end() && known->second.broken == broken) return known->second;
+  const auto ahead = waiting_.find(thing.fragments);
+  const Result<Place> place =
+      ahead != waiting_.end() ? ahead->second : upload(game, index, thing.fragments.get());
+  if (!place) return place;
+  if (known != places_.end()) hide(game, index, known->second);  // the whole is no more
+  places_[index] = *place;
   return place;
 }
 
@@ -240,6 +267,7 @@ Result<ViewFigures> StageView::draw(const game::Game& game, const render::Camera
     else
       trouble = place.error();
   }
+  if (const auto uploaded = upload_coming(game); !uploaded) trouble = uploaded.error();
   set_balls(game);
   std::vector<render::DrawItem> draws;
   for (auto& [look, batch] : batches_) draws.push_back({&batch.gpu, batch.states, look, {0, 1, 0}});

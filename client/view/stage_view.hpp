@@ -33,6 +33,7 @@ class StageView {
   void reset() {
     batches_.clear();
     places_.clear();
+    waiting_.clear();
     furnished_ = nullptr;
   }
   /// Draws the game into the framebuffer. kGl where the driver refuses a mesh; the rest is drawn.
@@ -54,6 +55,11 @@ class StageView {
   render::Result<std::uint32_t> add(render::SolidLook look, const render::Scene& scene,
                                     const std::optional<render::SolidPlacement>& solid);
   render::Result<Place> place_of(const game::Game& game, std::size_t thing);
+  /// Uploads a thing, whole or broken.
+  render::Result<Place> upload(const game::Game& game, std::size_t thing, const game::Decoded* fragments);
+  /// Uploads what is about to break, unseen: the frame in which it breaks has enough to do.
+  render::Result<void> upload_coming(const game::Game& game);
+  void hide(const game::Game& game, std::size_t thing, const Place& place);
   void set_states(const game::Game& game, std::size_t thing, const Place& place, DebugView debug);
   void set_balls(const game::Game& game);
   void add_lines(const game::Game& game, DebugView debug);
@@ -63,6 +69,7 @@ class StageView {
   DebugLines lines_;
   std::map<render::SolidLook, Batch> batches_;
   std::map<std::size_t, Place> places_;  ///< by thing
+  std::map<std::shared_ptr<const game::Decoded>, Place> waiting_;  ///< uploaded ahead
   std::uint32_t balls_ = 0;              ///< first of them in the batch without a look
   const game::Game* furnished_ = nullptr;
   std::vector<world::FragmentState> fragment_states_;

@@ -50,7 +50,7 @@ void World::State::collect_contacts() {
   hits.clear();
   for (const auto& body : bodies) {
     body->forces.clear();
-    body->total_force = 0;
+    body->total_force = body->sunk = 0;
   }
   for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
     const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
@@ -67,6 +67,8 @@ void World::State::collect_contacts() {
       const btManifoldPoint& point = manifold.getContactPoint(k);
       if (!(point.m_appliedImpulse > 0)) continue;
       touched = true;
+      first->sunk = std::max(first->sunk, -point.getDistance());
+      second->sunk = std::max(second->sunk, -point.getDistance());
       const glm::dvec3 where = from_bullet(point.getPositionWorldOnB());
       const glm::dvec3 impulse = impulse_on_first(point);
       const double approach =
@@ -179,7 +181,7 @@ void World::State::limit_speeds() {
 
 /// The solver never quite settles a heap of slivers: each step pushes some by what the last left over. Below
 /// the speed that gravity gives within a step and a half such motion is only that. And one shard that
-/// twitches once in a while must not keep the heap awake: sleep goes by the mean over some twenty steps.
+/// twitches must not keep the heap awake: sleep goes by the mean over some twenty steps, and by that of the heap.
 void World::State::calm() {
   const double slow = 1.5 * settings.step * glm::length(settings.gravity);
   constexpr double kSlowSpin = 1.5, kLeft = 0.8;  // rad/s; of the speed after a step
@@ -192,12 +194,35 @@ void World::State::calm() {
         set_motion(*body, kLeft * velocity, kLeft * spin);
     }
   constexpr double kWeight = 0.05, kStill = 0.08;  // of a step in the mean; m/s
+  constexpr double kSunk = 0.004;                  // metres: what is squeezed so far in, has to come out first
+  // By Bullet's island (bodies that touch, also by way of others), which sleeps as a whole or not at all.
+  struct Island {
+    double mass = 0, motion = 0, fastest = 0, sunk = 0;
+    bool still() const { return motion < 0.5 * kStill * mass && fastest < 5 * kStill && sunk < kSunk; }
+  };
+  std::vector<Island> islands(static_cast<std::size_t>(bullet.getNumCollisionObjects()));
+  const auto island_of = [&](const Body& body) -> Island* {
+    const int tag = body.rigid->getIslandTag();
+    return tag >= 0 && static_cast<std::size_t>(tag) < islands.size() ? &islands[static_cast<std::size_t>(tag)]
+                                                                      : nullptr;
+  };
   for (const auto& body : bodies) {
     if (!body->moves() || !body->rigid->isActive()) continue;
     const double speed =
         body->rigid->getLinearVelocity().length() + body->radius * body->rigid->getAngularVelocity().length();
     body->lively += kWeight * (speed - body->lively);
-    body->still = body->lively < kStill ? body->still + settings.step : 0;
+    if (Island* island = island_of(*body)) {
+      island->mass += body->mass.mass;
+      island->motion += body->mass.mass * body->lively;
+      island->fastest = std::max(island->fastest, body->lively);
+      island->sunk = std::max(island->sunk, body->sunk);
+    }
+  }
+  for (const auto& body : bodies) {
+    if (!body->moves() || !body->rigid->isActive()) continue;
+    const Island* island = island_of(*body);
+    const bool still = body->lively < kStill || (island != nullptr && island->still());
+    body->still = still ? body->still + settings.step : 0;
     body->rigid->setDeactivationTime(body->still);
   }
 }

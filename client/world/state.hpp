@@ -5,6 +5,7 @@
 
 #include "client/world/bond_loads.hpp"
 #include "client/world/bullet.hpp"
+#include "client/world/hull_pairs.hpp"
 
 namespace fracture::world {
 
@@ -39,6 +40,7 @@ struct Body {
   std::uint64_t born = 0;  ///< step
   double lively = 1;       ///< m/s of its fastest point, averaged over the last steps
   double still = 0;        ///< seconds for which it has hardly been lively
+  double sunk = 0;         ///< metres that it is inside of others, deepest contact of this step
 
   glm::dvec3 velocity_before{0}, spin_before{0};
   bool restore = false;
@@ -102,6 +104,7 @@ struct World::State {
 
   WorldSettings settings;
   btDefaultCollisionConfiguration configuration;
+  std::unique_ptr<HullPair::CreateFunc> hull_pairs;
   btCollisionDispatcher dispatcher;
   btDbvtBroadphase broadphase;
   btSequentialImpulseConstraintSolver solver;

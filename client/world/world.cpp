@@ -45,11 +45,26 @@ struct SystemFilter : btOverlapFilterCallback {
   }
 };
 
+/// Bullet's pool takes algorithms up to a size that it has to be told.
+btDefaultCollisionConstructionInfo with_room_for(std::size_t algorithm) {
+  btDefaultCollisionConstructionInfo info;
+  info.m_customCollisionAlgorithmMaxElementSize = static_cast<int>(algorithm);
+  return info;
+}
+
 }  // namespace
 
 World::State::State(WorldSettings s)
-    : settings(s), dispatcher(&configuration), bullet(&dispatcher, &broadphase, &solver, &configuration) {
+    : settings(s),
+      configuration(with_room_for(sizeof(HullPair))),
+      dispatcher(&configuration),
+      bullet(&dispatcher, &broadphase, &solver, &configuration) {
   gDeactivationTime = 0.8;  // seconds of stillness before sleep; one value for all of Bullet
+  const auto* theirs = static_cast<btConvexConvexAlgorithm::CreateFunc*>(
+      configuration.getCollisionAlgorithmCreateFunc(CONVEX_HULL_SHAPE_PROXYTYPE, CONVEX_HULL_SHAPE_PROXYTYPE));
+  hull_pairs = std::make_unique<HullPair::CreateFunc>(theirs->m_pdSolver);
+  dispatcher.registerCollisionCreateFunc(CONVEX_HULL_SHAPE_PROXYTYPE, CONVEX_HULL_SHAPE_PROXYTYPE,
+                                         hull_pairs.get());
   bullet.setGravity(to_bullet(settings.gravity));
   bullet.getDispatchInfo().m_deterministicOverlappingPairs = true;
   bullet.getSolverInfo().m_numIterations = 30;

@@ -1,16 +1,12 @@
 // The game with a server that is away, busy, slow, or answers nonsense: it says so and goes on.
 #include <gtest/gtest.h>
 #include <malloc.h>
-#include <openssl/evp.h>
 
 #include <cmath>
 #include <condition_variable>
 #include <mutex>
 
-#include "client/game/game.hpp"
-#include "common/base/digest.hpp"
-#include "tests/client/fake_server.hpp"
-#include "tests/client/rows.hpp"
+#include "tests/client/falling_box.hpp"
 
 namespace fracture::game {
 namespace {
@@ -18,40 +14,10 @@ namespace {
 using test::FakeReply;
 using test::FakeRequest;
 using test::FakeServer;
-
-std::string digest_field(const std::string& bytes) {
-  const Digest digest = sha256(bytes);
-  unsigned char text[48];
-  EVP_EncodeBlock(text, digest.bytes.data(), static_cast<int>(digest.bytes.size()));
-  return "Repr-Digest: sha-256=:" + std::string(reinterpret_cast<char*>(text)) + ":\r\n";
-}
-FakeReply glb(const std::string& bytes) { return FakeReply::answer(200, bytes, digest_field(bytes)); }
-
-/// Falls and is hit by the ground at once: two cubes of a metre.
-scenes::Stage falling_box() {
-  scenes::Stage stage;
-  stage.name = "box";
-  scenes::StageObject object;
-  scenes::SurfaceMesh mesh = scenes::box({2, 1, 1});
-  for (glm::vec3& p : mesh.positions) p.x += 0.5f;  // as the two cubes lie
-  object.mesh = std::make_shared<const scenes::MeshAsset>(scenes::make_asset(mesh, "box", {1, 1, 1, 1}));
-  object.density = 2000;
-  object.strength = 100;
-  object.pose.position = {0, 1.5, 0};
-  stage.objects.push_back(object);
-  return stage;
-}
-
-protocol::Settings settings_for(const FakeServer& server) {
-  protocol::Settings settings;
-  settings.port = server.port();
-  settings.heartbeat = protocol::Milliseconds(0);
-  settings.first_pause = protocol::Milliseconds(1);
-  settings.longest_pause = protocol::Milliseconds(5);
-  return settings;
-}
-
-constexpr double kFrame = 1.0 / 60;
+using test::falling_box;
+using test::glb;
+using test::kFrame;
+using test::settings_for;
 
 void frames(Game& game, int count) {
   for (int k = 0; k < count; ++k) game.advance(kFrame, true);

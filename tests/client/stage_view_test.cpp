@@ -1,0 +1,124 @@
+// The game as the renderer takes it: what is uploaded when, and that nothing stays.
+#include "client/view/stage_view.hpp"
+
+#include <gtest/gtest.h>
+#include <malloc.h>
+
+#include <cstdlib>
+
+#include "client/headless/egl_context.hpp"
+#include "client/render/frame_target.hpp"
+#include "tests/client/falling_box.hpp"
+
+namespace fracture::view {
+namespace {
+
+using test::FakeReply;
+using test::FakeRequest;
+using test::FakeServer;
+using test::falling_box;
+
+constexpr int kSize = 32;  // pixels: what is drawn does not matter here
+
+class StageViewTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    auto context = headless::EglContext::create();
+    if (!context) GTEST_SKIP() << context.error().detail;
+    context_.emplace(std::move(*context));
+    auto target = render::FrameTarget::create(kSize, kSize);
+    ASSERT_TRUE(target) << target.error().detail;
+    target_.emplace(std::move(*target));
+    auto view = StageView::create();
+    ASSERT_TRUE(view) << view.error().detail;
+    view_.emplace(std::move(*view));
+  }
+  ViewFigures draw(const game::Game& game) {
+    ViewSettings settings;
+    settings.sky_shadows = 1;
+    const auto figures = view_->draw(game, look_at({0, 2, 6}, {0, 1, 0}, 1), settings, target_->framebuffer(),
+                                     kSize, kSize);
+    if (!figures) throw std::runtime_error(figures.error().detail);
+    return *figures;
+  }
+
+  const std::string bytes_ = test::two_cubes_glb().bytes();
+  FakeServer server_{[this](const FakeRequest& request) {
+    return request.method == "PUT" ? FakeReply::answer(201, "{}") : test::glb(bytes_);
+  }};
+  protocol::Client client_{test::settings_for(server_)};
+  std::optional<headless::EglContext> context_;
+  std::optional<render::FrameTarget> target_;
+  std::optional<StageView> view_;
+};
+
+TEST_F(StageViewTest, FragmentsAreUploadedInAFrameBeforeTheyAreSeen) {
+  game::Game game(falling_box(), client_, {});
+  draw(game);
+  while (game.coming().empty()) {
+    game.advance(test::kFrame, true);
+    std::this_thread::sleep_for(std::chrono::microseconds(200));
+    ASSERT_EQ(game.figures().swaps, 0u) << "bodies were swapped before anybody could upload them";
+  }
+  EXPECT_EQ(draw(game).uploads, 1u);
+  EXPECT_EQ(draw(game).uploads, 0u) << "once is enough";
+  const std::uint64_t steps = game.world().steps();
+  game.advance(test::kFrame, true);
+  EXPECT_EQ(game.figures().swaps, 1u);
+  EXPECT_TRUE(game.coming().empty());
+  EXPECT_EQ(game.world().steps(), steps + 1) << "the first step of new pieces has its frame to itself";
+  EXPECT_EQ(draw(game).uploads, 0u);
+  game.advance(test::kFrame, true);
+  EXPECT_EQ(game.world().steps(), steps + 3);
+}
+
+/// Buffers, textures and vertex arrays that there are. Names are not given twice: the next is above them all.
+std::size_t gl_objects() {
+  GLuint buffer = 0, texture = 0, array = 0;
+  glGenBuffers(1, &buffer);
+  glGenTextures(1, &texture);
+  glGenVertexArrays(1, &array);
+  std::size_t count = 0;
+  for (GLuint name = 1; name < buffer; ++name) count += glIsBuffer(name);
+  for (GLuint name = 1; name < texture; ++name) count += glIsTexture(name);
+  for (GLuint name = 1; name < array; ++name) count += glIsVertexArray(name);
+  glDeleteBuffers(1, &buffer);
+  glDeleteTextures(1, &texture);
+  glDeleteVertexArrays(1, &array);
+  return count;
+}
+
+TEST_F(StageViewTest, BreaksAndResetsLeaveNothingBehind) {
+  game::GameSettings settings;
+  settings.fixed_latency = 2;
+  const auto in_use = [] { return static_cast<std::ptrdiff_t>(::mallinfo2().uordblks); };  // bytes, all threads
+  std::ptrdiff_t early = 0;
+  std::size_t early_objects = 0;
+  const int cycles = std::getenv("FRACTURE_TEST_FULL") != nullptr ? 200 : 60;
+  for (int k = 0; k < cycles; ++k) {
+    game::Game game(falling_box(), client_, settings);
+    draw(game);
+    while (game.figures().swaps == 0) {
+      while (!game.ready()) std::this_thread::yield();
+      game.step();
+    }
+    EXPECT_GE(draw(game).uploads, 1u);
+    view_->reset();
+    if (k == 20) {
+      early = in_use();
+      early_objects = gl_objects();
+    }
+  }
+  EXPECT_EQ(gl_objects(), early_objects);
+  EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
+  while (client_.status().open != 0) std::this_thread::yield();
+  std::ptrdiff_t noted = 0;  // by the fake server, which keeps every request
+  for (const FakeRequest& request : server_.requests())
+    noted += static_cast<std::ptrdiff_t>(request.method.capacity() + request.target.capacity() +
+                                         request.head.capacity() + request.body.capacity());
+  // 40 more cycles, or 180: the scene of one has 2 MB in this process, most of it balls.
+  EXPECT_LT(in_use() - early, noted + 4'000'000);
+}
+
+}  // namespace
+}  // namespace fracture::view
