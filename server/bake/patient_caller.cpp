@@ -108,9 +108,9 @@ tl::expected<Exchange, BakeFailure> PatientCaller::ask(const protocol::HttpReque
   }
 }
 
-bool PatientCaller::pause(Milliseconds time, const std::stop_token& stop) {
+void PatientCaller::pause(Milliseconds time, const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
-  return !changed_.wait_for(lock, stop, time, [this] { return !gave_up_.empty(); }) && !stop.stop_requested();
+  changed_.wait_for(lock, stop, time, [this] { return !gave_up_.empty(); });
 }
 
 BakeFailure PatientCaller::give_up(const std::string& detail) {

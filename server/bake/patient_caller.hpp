@@ -39,8 +39,8 @@ class PatientCaller {
                                                     const std::stop_token& stop);
   /// One try, whatever comes of it.
   void tell(const protocol::HttpRequest& request) { caller_.exchange(request, {}); }
-  /// Waits; false when the stop came or everybody gave up.
-  bool pause(std::chrono::milliseconds time, const std::stop_token& stop);
+  /// Waits, not longer than until the stop comes or everybody gives up.
+  void pause(std::chrono::milliseconds time, const std::stop_token& stop);
   void on_notice(std::function<void(const std::string&)> say) { say_ = std::move(say); }
   const Patience& patience() const { return patience_; }
 

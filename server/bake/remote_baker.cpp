@@ -100,7 +100,7 @@ class Conversation {
     bool whole = parameters_.dump().size() > kMaxParameterBytes;
     for (int tries = 0, deadlines = 0; tries < kMostTries; ++tries) {
       // The first two times something was missing that now is there; after that somebody is in trouble.
-      if (tries > 2 && !caller_.pause(caller_.patience().first_pause * tries, stop_)) break;
+      if (tries > 2) caller_.pause(caller_.patience().first_pause * tries, stop_);
       OrFailure<Step> step = whole ? ask_with_mesh() : ask_by_job();
       if (!step) return tl::unexpected(std::move(step.error()));
       if (step->baked) return std::move(*step->baked);
@@ -112,10 +112,8 @@ class Conversation {
       if (step->next == Next::kDeadline && ++deadlines == kMostDeadlines)
         return tl::unexpected(BakeFailure(BakeFailure::Kind::kRefused, std::move(step->problem)));
     }
-    if (stop_.stop_requested()) return tl::unexpected(BakeFailure(Error{ErrorCode::kCancelled, "Stopped."}));
-    return tl::unexpected(
-        BakeFailure(BakeFailure::Kind::kUnavailable,
-                    {{"detail", "Tried " + std::to_string(kMostTries) + " times. " + trouble_}}));
+    // Of this job alone: the server answers.
+    return broken("Tried " + std::to_string(kMostTries) + " times. " + trouble_);
   }
 
  private:

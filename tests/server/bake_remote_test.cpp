@@ -261,6 +261,22 @@ TEST(RemoteBaker, BeginsAgainWhereTheServerHasForgotten) {
   EXPECT_EQ(farm.count("PUT "), 2);
 }
 
+TEST(RemoteBaker, WhatIsForgottenAgainAndAgainFailsAlone) {
+  Farm farm;
+  const Asked lost{.mesh = "lost"}, good{.mesh = "good"};
+  const auto baker = baker_for(farm);
+  const std::string sixteen = sha256(lost.mesh).hex().substr(0, 16);
+  farm.rude = [&](const FakeRequest& request) -> std::optional<FakeReply> {
+    if (request.target.starts_with("/fractures/sha256:" + sixteen)) return problem(404, "not-found");
+    return std::nullopt;
+  };
+  const BakeFailure failed = failure(*baker, lost);
+  EXPECT_EQ(failed.kind, Kind::kBroken);
+  EXPECT_THAT(failed.words(), HasSubstr("The server has forgotten the result"));
+  EXPECT_EQ(farm.count("GET /fractures/"), 29) << "once the mesh was missing";
+  expect_local_file(*baker, good);
+}
+
 TEST(RemoteBaker, RefusalsAreInTheWordsOfALocalBake) {
   test::TestServerOptions options;
   options.service.max_sites = 60;
