@@ -28,22 +28,22 @@ TEST(BakeThroughAFarm, GivesTheBytesOfALocalBakeWhileAServerIsKilledAndComesBack
   Farm farm("0");
   ChildProcess run = bake(
       "farm", {"-j", "4", "--server", "http://127.0.0.1:" + std::to_string(farm.port), "--patience", "3600"});
-  while (run.alive() && lines_in(folder / "farm/bake.ndjson") < 4)
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  // HAProxy writes down what it did some time after it did it.
+  const auto used = [&] {
+    std::set<std::string> servers;
+    std::istringstream log(farm.log());
+    for (std::string line; std::getline(log, line);)
+      if (const std::size_t name = line.find("of_a_mesh/"); line.find("\"PUT /meshes/") != std::string::npos)
+        servers.insert(line.substr(name, line.find(' ', name) - name));
+    return servers.size();
+  };
+  while (run.alive() && used() < kServers) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   farm.kill(1);
   farm.wait_until(1, "DOWN");
   farm.start(1);
   EXPECT_EQ(run.wait(), 0) << read_file(folder / "farm.log");
   EXPECT_EQ(outputs(folder / "farm"), whole);
-  // HAProxy writes down what it did some time after it did it.
-  std::set<std::string> used;
-  while (used.size() < kServers) {
-    std::istringstream log(farm.log());
-    for (std::string line; std::getline(log, line);)
-      if (const std::size_t name = line.find("of_a_mesh/"); line.find("\"PUT /meshes/") != std::string::npos)
-        used.insert(line.substr(name, line.find(' ', name) - name));
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
+  while (used() < kServers) std::this_thread::sleep_for(std::chrono::milliseconds(5));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // docker/compose.yaml with plain processes on the loopback: three servers, a Redis, and HAProxy with the
-// repository's own configuration, in which only addresses and timeouts are replaced.
+// repository's own configuration, in which only addresses, timeouts and the number of connections are
+// replaced.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -105,6 +106,8 @@ class Farm {
       replace(text, name + " track", address + " track");
       replace(text, name + "\n", address + " port " + std::to_string(ports_[i].admin) + "\n");
     }
+    // Of which each takes two descriptors, and a user may have no more than 1024.
+    replace(text, "    maxconn 4000\n", "    maxconn 200\n");
     without_timeouts(text);
     haproxy_ = std::make_unique<ChildProcess>(
         std::vector<std::string>{*find_program("haproxy"), "-db", "-f", folder_.write("haproxy.cfg", text)},
