@@ -225,8 +225,8 @@ void Game::advance(double seconds, bool running) {
     owed_ = 0;
     return;
   }
-  // All contacts of new pieces are new in their first step, which takes longer: it has its frame to itself, and
-  // simulated time falls behind by the rest of that frame.
+  // All contacts of new pieces are new in their first step, which takes longer: it has its frame to itself,
+  // and simulated time falls behind by the rest of that frame.
   const int most = swapped ? 1 : 6;
   owed_ += seconds;
   int steps = 0;

@@ -68,9 +68,9 @@ class StageView {
   render::Renderer renderer_;
   DebugLines lines_;
   std::map<render::SolidLook, Batch> batches_;
-  std::map<std::size_t, Place> places_;  ///< by thing
+  std::map<std::size_t, Place> places_;                            ///< by thing
   std::map<std::shared_ptr<const game::Decoded>, Place> waiting_;  ///< uploaded ahead
-  std::uint32_t balls_ = 0;              ///< first of them in the batch without a look
+  std::uint32_t balls_ = 0;  ///< first of them in the batch without a look
   const game::Game* furnished_ = nullptr;
   std::vector<world::FragmentState> fragment_states_;
   std::size_t uploads_ = 0;

@@ -181,7 +181,8 @@ void World::State::limit_speeds() {
 
 /// The solver never quite settles a heap of slivers: each step pushes some by what the last left over. Below
 /// the speed that gravity gives within a step and a half such motion is only that. And one shard that
-/// twitches must not keep the heap awake: sleep goes by the mean over some twenty steps, and by that of the heap.
+/// twitches must not keep the heap awake: sleep goes by the mean over some twenty steps, and by that of the
+/// heap.
 void World::State::calm() {
   const double slow = 1.5 * settings.step * glm::length(settings.gravity);
   constexpr double kSlowSpin = 1.5, kLeft = 0.8;  // rad/s; of the speed after a step
@@ -194,7 +195,7 @@ void World::State::calm() {
         set_motion(*body, kLeft * velocity, kLeft * spin);
     }
   constexpr double kWeight = 0.05, kStill = 0.08;  // of a step in the mean; m/s
-  constexpr double kSunk = 0.004;                  // metres: what is squeezed so far in, has to come out first
+  constexpr double kSunk = 0.004;  // metres: what is squeezed so far in, has to come out first
   // By Bullet's island (bodies that touch, also by way of others), which sleeps as a whole or not at all.
   struct Island {
     double mass = 0, motion = 0, fastest = 0, sunk = 0;
@@ -203,8 +204,9 @@ void World::State::calm() {
   std::vector<Island> islands(static_cast<std::size_t>(bullet.getNumCollisionObjects()));
   const auto island_of = [&](const Body& body) -> Island* {
     const int tag = body.rigid->getIslandTag();
-    return tag >= 0 && static_cast<std::size_t>(tag) < islands.size() ? &islands[static_cast<std::size_t>(tag)]
-                                                                      : nullptr;
+    return tag >= 0 && static_cast<std::size_t>(tag) < islands.size()
+               ? &islands[static_cast<std::size_t>(tag)]
+               : nullptr;
   };
   for (const auto& body : bodies) {
     if (!body->moves() || !body->rigid->isActive()) continue;

@@ -20,7 +20,8 @@ bool HullPair::separated(const btCollisionObjectWrapper& first, const btCollisio
   for (int k = 0; k < kTries && !direction.fuzzyZero(); ++k) {
     direction.normalize();
     const btVector3 from = a.localGetSupportVertexWithoutMarginNonVirtual(direction),
-                    to = b_in_a * b.localGetSupportVertexWithoutMarginNonVirtual(-(direction * b_in_a.getBasis()));
+                    to = b_in_a *
+                         b.localGetSupportVertexWithoutMarginNonVirtual(-(direction * b_in_a.getBasis()));
     const btVector3 gap = to - from;
     if (gap.dot(direction) > reach) {
       direction_ = direction;

@@ -9,9 +9,9 @@ namespace fracture::world {
 
 /// Takes the place of Bullet's own algorithm for pairs of hulls, with the same contacts.
 ///
-/// Among the fragments of something just broken, five pairs in six whose boxes overlap do not touch, and Bullet
-/// runs GJK from nothing for each in every step. A direction along which the two are farther apart than a
-/// contact may be spares that, and is one in the next step too: Chung and Wang, "Quick elimination of
+/// Among the fragments of something just broken, five pairs in six whose boxes overlap do not touch, and
+/// Bullet runs GJK from nothing for each in every step. A direction along which the two are farther apart
+/// than a contact may be spares that, and is one in the next step too: Chung and Wang, "Quick elimination of
 /// non-interference polytopes in virtual environments" (1996). Where none is found Bullet decides.
 class HullPair final : public btConvexConvexAlgorithm {
  public:

@@ -60,8 +60,9 @@ World::State::State(WorldSettings s)
       dispatcher(&configuration),
       bullet(&dispatcher, &broadphase, &solver, &configuration) {
   gDeactivationTime = 0.8;  // seconds of stillness before sleep; one value for all of Bullet
-  const auto* theirs = static_cast<btConvexConvexAlgorithm::CreateFunc*>(
-      configuration.getCollisionAlgorithmCreateFunc(CONVEX_HULL_SHAPE_PROXYTYPE, CONVEX_HULL_SHAPE_PROXYTYPE));
+  const auto* theirs =
+      static_cast<btConvexConvexAlgorithm::CreateFunc*>(configuration.getCollisionAlgorithmCreateFunc(
+          CONVEX_HULL_SHAPE_PROXYTYPE, CONVEX_HULL_SHAPE_PROXYTYPE));
   hull_pairs = std::make_unique<HullPair::CreateFunc>(theirs->m_pdSolver);
   dispatcher.registerCollisionCreateFunc(CONVEX_HULL_SHAPE_PROXYTYPE, CONVEX_HULL_SHAPE_PROXYTYPE,
                                          hull_pairs.get());

@@ -1,27 +1,16 @@
-// The parts of Boost.Asio and Boost.Beast that are used, included in one place: compiled once in
-// common/exchange/asio.cpp.
+// The parts of Boost.Asio and Boost.Beast that a server needs beside those of a client.
 #pragma once
 
-#include <boost/asio/awaitable.hpp>
 #include <boost/asio/buffer.hpp>
-#include <boost/asio/co_spawn.hpp>
-#include <boost/asio/detached.hpp>
 #include <boost/asio/dispatch.hpp>
-#include <boost/asio/executor_work_guard.hpp>
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/post.hpp>
-#include <boost/asio/redirect_error.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/strand.hpp>
-#include <boost/asio/use_awaitable.hpp>
-#include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/http.hpp>
+
+#include "common/exchange/asio.hpp"
 
 namespace fracture::http {
 
-namespace asio = boost::asio;
-namespace beast = boost::beast;
-using tcp = asio::ip::tcp;
+namespace asio = protocol::asio;
+namespace beast = protocol::beast;
+using protocol::tcp;
 
 }  // namespace fracture::http

@@ -200,7 +200,8 @@ TEST(EndToEnd, PicturesShowTheSceneBeforeAndAfter) {
   EXPECT_LT(changed, pictures[0].pixels.size() / 2);
 }
 
-/// Mean difference of the colours, 0 to 255, of blocks of so many pixels squared, beyond what a palette rounds.
+/// Mean difference of the colours, 0 to 255, of blocks of so many pixels squared, beyond what a palette
+/// rounds.
 double difference(const render::Picture& a, int block_of_a, const render::Picture& b, int block_of_b) {
   const render::Picture first = downsample(a, block_of_a), second = downsample(b, block_of_b);
   EXPECT_EQ(first.width, second.width);
@@ -247,10 +248,8 @@ TEST_P(ScenePictures, LookAsTheyDidWhenSomebodyLooked) {
   for (std::size_t k = 0; k < 3; ++k) {
     const double own = difference(now[k], 2, known[k], 2);
     EXPECT_LT(own, 3) << moments[k];
-    for (std::size_t other = 0; other < 3; ++other)
-      if (const double far = difference(now[k], 2, known[other], 2); other != k) {
-        EXPECT_LT(own, 0.6 * far) << moments[k] << " " << moments[other];
-      }
+    for (const std::size_t other : {(k + 1) % 3, (k + 2) % 3})
+      EXPECT_LT(own, 0.6 * difference(now[k], 2, known[other], 2)) << moments[k] << " " << moments[other];
   }
   const render::Picture shown = read_picture(FRACTURE_PICTURES "/" + scene + ".png");
   EXPECT_LT(difference(now[2], 2, shown, 4), difference(now[0], 2, shown, 4));

@@ -22,7 +22,8 @@ class Pair {
                                                                    CONVEX_HULL_SHAPE_PROXYTYPE))
                     ->m_pdSolver) {
     if (ours)
-      dispatcher_.registerCollisionCreateFunc(CONVEX_HULL_SHAPE_PROXYTYPE, CONVEX_HULL_SHAPE_PROXYTYPE, &create_);
+      dispatcher_.registerCollisionCreateFunc(CONVEX_HULL_SHAPE_PROXYTYPE, CONVEX_HULL_SHAPE_PROXYTYPE,
+                                              &create_);
     first_.setCollisionShape(const_cast<btConvexHullShape*>(&a));
     second_.setCollisionShape(const_cast<btConvexHullShape*>(&b));
     world_.addCollisionObject(&first_);
@@ -77,7 +78,8 @@ TEST(HullPair, HasTheContactsThatBulletHas) {
     b.setMargin(0.002);
     Pair bullet(a, b, false), ours(a, b, true);
     // Past one another, turning: apart, touching, apart.
-    const btVector3 from = 0.25 * vector().normalized(), aside = 0.12 * vector(), axis = vector().normalized();
+    const btVector3 from = 0.25 * vector().normalized(), aside = 0.12 * vector(),
+                    axis = vector().normalized();
     bool touched = false;
     for (int step = 0; step <= 40; ++step) {
       const double t = step / 40.0;

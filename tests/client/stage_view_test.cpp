@@ -36,8 +36,8 @@ class StageViewTest : public testing::Test {
   ViewFigures draw(const game::Game& game) {
     ViewSettings settings;
     settings.sky_shadows = 1;
-    const auto figures = view_->draw(game, look_at({0, 2, 6}, {0, 1, 0}, 1), settings, target_->framebuffer(),
-                                     kSize, kSize);
+    const auto figures =
+        view_->draw(game, look_at({0, 2, 6}, {0, 1, 0}, 1), settings, target_->framebuffer(), kSize, kSize);
     if (!figures) throw std::runtime_error(figures.error().detail);
     return *figures;
   }
@@ -91,7 +91,9 @@ std::size_t gl_objects() {
 TEST_F(StageViewTest, BreaksAndResetsLeaveNothingBehind) {
   game::GameSettings settings;
   settings.fixed_latency = 2;
-  const auto in_use = [] { return static_cast<std::ptrdiff_t>(::mallinfo2().uordblks); };  // bytes, all threads
+  const auto in_use = [] {
+    return static_cast<std::ptrdiff_t>(::mallinfo2().uordblks);
+  };  // bytes, all threads
   std::ptrdiff_t early = 0;
   std::size_t early_objects = 0;
   const int cycles = std::getenv("FRACTURE_TEST_FULL") != nullptr ? 200 : 60;
