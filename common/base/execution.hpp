@@ -7,17 +7,24 @@
 #include <chrono>
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <stop_token>
+#include <utility>
 
 #include "common/base/error.hpp"
+#include "common/base/product.hpp"
 
 namespace fracture {
 
 /// Thrown by poll() inside the geometry loops and turned into an Error by the pipeline. Not an error of the
 /// library.
 struct Interrupted {
-  ErrorCode code;  ///< kCancelled or kDeadlineExceeded
+  explicit Interrupted(ErrorCode why) : code(why) {}
+  explicit Interrupted(Error why) : code(why.code), error(std::make_shared<const Error>(std::move(why))) {}
+
+  ErrorCode code;  ///< kCancelled, kDeadlineExceeded; of an Allowance: kTooComplex, kOutOfMemory
+  std::shared_ptr<const Error> error{};  ///< where the code alone does not say it
 };
 
 struct Execution {
@@ -26,9 +33,20 @@ struct Execution {
   std::optional<std::chrono::steady_clock::time_point> deadline{};
   /// Called with (stage name, fraction done in [0, 1]) from any worker thread; must be thread-safe and cheap.
   std::function<void(const char*, double)> progress{};
+  /// What the computation may hold; borrowed. Null: as much as it likes.
+  Allowance* allowance = nullptr;
+  /// Called at each poll, for tests that measure what lies between two of them.
+  std::function<void()> watch{};
 
-  /// Throws Interrupted when the work is no longer wanted. Cheap enough for once per few hundred items.
+  /// Counts what was made. Throws Interrupted where it is more than the computation may hold.
+  void made(Product product, std::uint64_t count) const {
+    if (allowance) allowance->add(product, count);
+  }
+
+  /// Throws Interrupted when the work is no longer wanted. Cheap enough for once per few hundred items. No
+  /// thread may compute for longer than 10 ms of its processor time without a poll (base/pacer.hpp).
   void poll() const {
+    if (watch) watch();
     if (stop.stop_requested()) throw Interrupted{ErrorCode::kCancelled};
     if (deadline && std::chrono::steady_clock::now() > *deadline)
       throw Interrupted{ErrorCode::kDeadlineExceeded};

@@ -23,6 +23,7 @@ auto stage(StageTimings& timings, const Execution& execution, const char* name, 
     if (execution.progress) execution.progress(name, 1);
     return result;
   } catch (const Interrupted& interrupted) {
+    if (interrupted.error) return tl::unexpected<Error>(*interrupted.error);
     return fail(interrupted.code, interrupted.code == ErrorCode::kCancelled
                                       ? std::string("cancelled while in stage ") + name
                                       : std::string("the deadline passed in stage ") + name);

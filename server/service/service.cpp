@@ -48,6 +48,7 @@ void add(StageTimings& to, const StageTimings& more) {
 }  // namespace
 
 Error to_error(const Interrupted& interrupted) {
+  if (interrupted.error) return *interrupted.error;
   return {interrupted.code,
           interrupted.code == ErrorCode::kDeadlineExceeded
               ? "The work was given up because its deadline passed. Ask for fewer sites or a "

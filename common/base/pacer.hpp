@@ -1,0 +1,45 @@
+// Polls inside of loops whose steps are too cheap for a poll each, and inside of sorts.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "common/base/execution.hpp"
+
+namespace fracture {
+
+/// Counts steps of about a dozen to a thousand instructions and polls once in a few thousand of them.
+class Pacer {
+ public:
+  explicit Pacer(const Execution& execution) : execution_(execution) {}
+  /// `work`: how many steps this one counts for.
+  void step(std::uint64_t work = 1) {
+    done_ += work;
+    if (done_ < kBetweenPolls) return;
+    done_ = 0;
+    execution_.poll();
+  }
+
+ private:
+  static constexpr std::uint64_t kBetweenPolls = 8192;
+  const Execution& execution_;
+  std::uint64_t done_ = 0;
+};
+
+/// std::sort that can be interrupted, for arrays that may have more than some ten thousand elements (a
+/// million take a tenth of a second). The elements are trivially copyable, so that nothing is lost but their
+/// order.
+template <class Iterator, class Less>
+void sort_with_polls(const Execution& execution, Iterator first, Iterator last, const Less& less) {
+  Pacer pacer(execution);
+  std::sort(first, last, [&](const auto& a, const auto& b) {
+    pacer.step();
+    return less(a, b);
+  });
+}
+template <class Iterator>
+void sort_with_polls(const Execution& execution, Iterator first, Iterator last) {
+  sort_with_polls(execution, first, last, [](const auto& a, const auto& b) { return a < b; });
+}
+
+}  // namespace fracture

@@ -1,0 +1,77 @@
+#include "common/base/product.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "common/base/execution.hpp"
+
+namespace fracture {
+
+const char* name_of(Product product) {
+  switch (product) {
+    case Product::kTetrahedra:
+      return "tetrahedra";
+    case Product::kSurfaceTriangles:
+      return "surface_triangles";
+    case Product::kPolygons:
+      return "polygons";
+    case Product::kSegments:
+      return "segments";
+    case Product::kCapTriangles:
+      return "cap_triangles";
+    case Product::kFragmentTriangles:
+      return "fragment_triangles";
+  }
+  return "";
+}
+
+std::uint64_t bytes_of(Product product) {
+  switch (product) {
+    case Product::kTetrahedra:
+      return 160;
+    case Product::kSurfaceTriangles:
+      return 200;
+    case Product::kPolygons:
+      return 280;
+    case Product::kSegments:
+      return 64;
+    case Product::kCapTriangles:
+      return 150;
+    case Product::kFragmentTriangles:
+      return 220;
+  }
+  return 0;
+}
+
+void Allowance::add(Product product, std::uint64_t count) {
+  if (count == 0) return;
+  made_[static_cast<std::size_t>(product)].fetch_add(count, std::memory_order_relaxed);
+  const std::uint64_t more = count * bytes_of(product);
+  const std::uint64_t bytes = bytes_.fetch_add(more, std::memory_order_relaxed) + more;
+  if (bytes > granted_.load(std::memory_order_relaxed)) grow(product, bytes);
+}
+
+void Allowance::grow(Product product, std::uint64_t bytes) {
+  // Half as much again, so that the budget is asked a few times only; what is needed where that is refused.
+  for (const std::uint64_t wanted : {std::min(bytes + bytes / 2, std::max(limit_, bytes)), bytes}) {
+    if (grant_(wanted) != Answer::kGranted) continue;
+    std::uint64_t granted = granted_.load();
+    while (granted < wanted && !granted_.compare_exchange_weak(granted, wanted)) {
+    }
+    return;
+  }
+  const bool never = grant_(bytes) == Answer::kNever;
+  const std::uint64_t made = made_[static_cast<std::size_t>(product)].load();
+  std::string what = name_of(product);
+  std::replace(what.begin(), what.end(), '_', ' ');
+  Error error{never ? ErrorCode::kTooComplex : ErrorCode::kOutOfMemory,
+              "So far this makes " + std::to_string(made) + " " + what + ", and the whole needs more than " +
+                  std::to_string(bytes) + " bytes" +
+                  (never ? "; a computation may hold " + std::to_string(limit_) +
+                               ". Ask for fewer sites or send a mesh of fewer triangles."
+                         : ", of which other computations hold too many now.")};
+  error.extra = {{"grew", name_of(product)}, {"count", made}, {"bytes", bytes}, {"limit", limit_}};
+  throw Interrupted(std::move(error));
+}
+
+}  // namespace fracture

@@ -1,0 +1,57 @@
+// What a computation makes, counted while it is made: the size of an answer is known only from the answer.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+
+#include "common/base/error.hpp"
+
+namespace fracture {
+
+/// Kinds of things whose number depends on mesh and sites together.
+enum class Product {
+  kTetrahedra,         ///< of the sites
+  kSurfaceTriangles,   ///< of the solid, repairs included
+  kPolygons,           ///< triangle ∩ cell
+  kSegments,           ///< of the outlines of caps
+  kCapTriangles,       ///< rough ones too
+  kFragmentTriangles,  ///< what is written
+};
+const char* name_of(Product product);
+/// What one of them costs at the peak, in bytes, with all that hangs on it (vertices, indices, the tables of
+/// the stage that makes it). Measured: tests/bench/README.md.
+std::uint64_t bytes_of(Product product);
+
+/// How many bytes one computation may hold for what it makes. Thread-safe.
+class Allowance {
+ public:
+  enum class Answer {
+    kGranted,
+    kNotNow,  ///< others hold what is missing
+    kNever,   ///< more than a computation that is alone may hold
+  };
+  /// May the computation hold so many bytes in all? Asked rarely: each grant is at least half as large again.
+  using Grant = std::function<Answer(std::uint64_t bytes)>;
+
+  /// `granted`: bytes that it holds already. `limit`: the most that `grant` can ever grant, for words.
+  Allowance(std::uint64_t granted, std::uint64_t limit, Grant grant)
+      : granted_(granted), limit_(limit), grant_(std::move(grant)) {}
+  Allowance(const Allowance&) = delete;
+  Allowance& operator=(const Allowance&) = delete;
+
+  /// Counts further products. Throws Interrupted: kTooComplex, naming what grew, where the computation could
+  /// never hold them; kOutOfMemory where others hold the memory now.
+  void add(Product product, std::uint64_t count);
+  std::uint64_t bytes() const { return bytes_.load(std::memory_order_relaxed); }
+
+ private:
+  void grow(Product product, std::uint64_t bytes);
+
+  std::atomic<std::uint64_t> bytes_{0}, granted_;
+  const std::uint64_t limit_;
+  const Grant grant_;
+  std::atomic<std::uint64_t> made_[6]{};
+};
+
+}  // namespace fracture

@@ -1,0 +1,88 @@
+#include "common/base/product.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+#include <vector>
+
+#include "common/base/pacer.hpp"
+
+namespace fracture {
+namespace {
+
+using Answer = Allowance::Answer;
+
+TEST(Allowance, AsksOnlyWhenWhatIsGrantedIsUsedUp) {
+  std::uint64_t held = 0;
+  int asked = 0;
+  Allowance allowance(0, 1u << 30, [&](std::uint64_t bytes) {
+    ++asked;
+    held = bytes;
+    return Answer::kGranted;
+  });
+  for (int k = 0; k < 100'000; ++k) allowance.add(Product::kPolygons, 1);
+  EXPECT_EQ(allowance.bytes(), 100'000 * bytes_of(Product::kPolygons));
+  EXPECT_GE(held, allowance.bytes());
+  EXPECT_LE(held, allowance.bytes() * 3 / 2);
+  EXPECT_LE(asked, 40);  // each time half as much again
+}
+
+TEST(Allowance, TakesWhatIsNeededWhereHalfAsMuchAgainIsRefused) {
+  Allowance allowance(0, 1000, [](std::uint64_t bytes) {
+    return bytes <= bytes_of(Product::kSegments) ? Answer::kGranted : Answer::kNotNow;
+  });
+  EXPECT_NO_THROW(allowance.add(Product::kSegments, 1));
+  EXPECT_THROW(allowance.add(Product::kSegments, 1), Interrupted);
+}
+
+TEST(Allowance, NamesWhatGrewBeyondWhatCanEverBeHeld) {
+  constexpr std::uint64_t kLimit = 10'000;
+  Allowance allowance(
+      0, kLimit, [](std::uint64_t bytes) { return bytes <= kLimit ? Answer::kGranted : Answer::kNever; });
+  try {
+    for (int k = 0; k < 1000; ++k) allowance.add(Product::kPolygons, 1);
+    FAIL() << "never refused";
+  } catch (const Interrupted& interrupted) {
+    ASSERT_TRUE(interrupted.error);
+    EXPECT_EQ(interrupted.code, ErrorCode::kTooComplex);
+    EXPECT_EQ(interrupted.error->extra["grew"], "polygons");
+    EXPECT_EQ(interrupted.error->extra["limit"], kLimit);
+    EXPECT_NE(interrupted.error->detail.find("fewer sites"), std::string::npos);
+  }
+}
+
+TEST(Allowance, TellsMemoryThatOthersHoldFromWhatIsTooMuch) {
+  Allowance allowance(100, 1u << 20, [](std::uint64_t) { return Answer::kNotNow; });
+  try {
+    allowance.add(Product::kTetrahedra, 1000);
+    FAIL() << "never refused";
+  } catch (const Interrupted& interrupted) {
+    EXPECT_EQ(interrupted.code, ErrorCode::kOutOfMemory);
+  }
+}
+
+TEST(SortWithPolls, SortsAndCanBeInterruptedHalfWay) {
+  std::vector<std::uint32_t> numbers(300'000);
+  for (std::uint32_t k = 0; k < numbers.size(); ++k) numbers[k] = k * 2654435761u;
+  std::vector<std::uint32_t> expected = numbers;
+  std::sort(expected.begin(), expected.end());
+
+  int polls = 0;
+  Execution execution;
+  execution.watch = [&] { ++polls; };
+  std::vector<std::uint32_t> sorted = numbers;
+  sort_with_polls(execution, sorted.begin(), sorted.end());
+  EXPECT_EQ(sorted, expected);
+  EXPECT_GE(polls, 100);
+
+  std::stop_source source;
+  execution.stop = source.get_token();
+  int left = polls / 2;
+  execution.watch = [&] {
+    if (--left == 0) source.request_stop();
+  };
+  EXPECT_THROW(sort_with_polls(execution, numbers.begin(), numbers.end()), Interrupted);
+}
+
+}  // namespace
+}  // namespace fracture
