@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <string>
 
 #include "common/fragment/components.hpp"
 #include "common/fragment/surface_faces.hpp"
@@ -90,8 +91,17 @@ Pieces gather_pieces(const RestrictedDiagram& d, const Ownership& ownership, con
       island = c.part == last_part ? island + 1 : 0;
       last_part = c.part;
       const auto piece = static_cast<std::uint32_t>(out.pieces.size());
-      for (const Face& f : c.faces)
-        if (is_cap(f.source)) out.piece_of_cap[f.source & ~kCapFace] = piece;
+      for (const Face& f : c.faces) {
+        if (!is_cap(f.source)) continue;
+        // Uniting two pieces takes a region away as a whole: a region of several pieces would leave them
+        // open.
+        std::uint32_t& of_cap = out.piece_of_cap[f.source & ~kCapFace];
+        if (of_cap != kNoIndex && of_cap != piece)
+          throw InternalError("region " + std::to_string(cap_region(f.source)) +
+                              " of the caps is part of pieces " + std::to_string(of_cap) + " and " +
+                              std::to_string(piece));
+        of_cap = piece;
+      }
       out.pieces.push_back({{o}, c.part, island, std::move(c.faces), std::move(c.bodies)});
     }
   }

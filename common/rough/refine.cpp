@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <span>
 
+#include "common/base/disjoint_sets.hpp"
 #include "common/base/stamped_map.hpp"
 #include "common/clip/delaunay_flips.hpp"
 #include "common/clip/ear_clipping.hpp"
@@ -29,8 +31,20 @@ class RegionRefiner {
                 double length)
       : diagram_(diagram), positions_(positions), splits_(splits), length_(length) {}
 
-  /// Afterwards: triangles() in indices, of known() first and then of fresh().
+  /// Afterwards: triangles() in indices, of known() first and then of fresh(), and components().
   void refine(const CapRegion& region, std::span<const std::array<VertexId, 3>> old) {
+    triangulate_anew(region, old);
+    find_components();
+  }
+  const std::vector<Triangle>& triangles() const { return triangles_; }
+  const std::vector<VertexId>& known() const { return ids_; }
+  const std::vector<Vec3d>& fresh() const { return fresh_; }
+  /// Per triangle: which of the connected parts of the region it is of, in the order of their first
+  /// triangles. Empty: there is one.
+  const std::vector<std::uint32_t>& components() const { return component_; }
+
+ private:
+  void triangulate_anew(const CapRegion& region, std::span<const std::array<VertexId, 3>> old) {
     ids_.clear();
     triangles_.clear();
     fresh_.clear();
@@ -55,11 +69,28 @@ class RegionRefiner {
     fresh_.clear();
     for (const auto& t : old) split_sides(t);
   }
-  const std::vector<Triangle>& triangles() const { return triangles_; }
-  const std::vector<VertexId>& known() const { return ids_; }
-  const std::vector<Vec3d>& fresh() const { return fresh_; }
 
- private:
+  // Where loops cross, triangles of opposite sense cancel, and what is left of a region may be several: two
+  // loops that only cancelled triangles held together. A region is what one piece and one other piece share
+  // (Pieces::piece_of_cap), so each has to be a region of its own.
+  void find_components() {
+    component_.clear();
+    if (loop_begin_.size() < 3) return;
+    joined_ = DisjointSets(ids_.size() + fresh_.size());
+    for (const Triangle& t : triangles_) {
+      joined_.unite(t[0], t[1]);
+      joined_.unite(t[1], t[2]);
+    }
+    number_.assign(joined_.size(), kNoIndex);
+    std::uint32_t count = 0;
+    for (const Triangle& t : triangles_) {
+      std::uint32_t& number = number_[joined_.find(t[0])];
+      if (number == kNoIndex) number = count++;
+      component_.push_back(number);
+    }
+    if (count < 2) component_.clear();
+  }
+
   std::uint32_t local(VertexId v) {
     std::uint32_t& slot = local_.slot(v - positions_.first_constructed);
     if (slot == kNoIndex) {
@@ -276,6 +307,8 @@ class RegionRefiner {
   std::vector<VertexId> ids_;
   std::vector<Vec3d> fresh_;
   std::vector<Triangle> triangles_;
+  DisjointSets joined_;
+  std::vector<std::uint32_t> number_, component_;
 };
 
 }  // namespace
@@ -288,6 +321,7 @@ void refine_caps(const VoronoiDiagram& diagram, const Winding& winding, double l
     std::vector<Triangle> triangles;
     std::vector<VertexId> known;
     std::vector<Vec3d> fresh;
+    std::vector<std::uint32_t> components;
   };
   std::vector<Refined> refined(caps.regions.size());
   parallel_for(execution, refined.size(), 8, [&](std::size_t begin, std::size_t end) {
@@ -296,31 +330,48 @@ void refine_caps(const VoronoiDiagram& diagram, const Winding& winding, double l
       const CapRegion& region = caps.regions[r];
       if (!wanted(region.lo, region.hi)) continue;
       refiner.refine(region, {caps.triangles.data() + region.first_triangle, region.triangle_count});
-      refined[r] = {refiner.triangles(), refiner.known(), refiner.fresh()};
+      refined[r] = {refiner.triangles(), refiner.known(), refiner.fresh(), refiner.components()};
     }
   });
 
   std::vector<std::array<VertexId, 3>> triangles;
+  std::vector<CapRegion> regions;
   for (std::size_t r = 0; r < refined.size(); ++r) {
     const Refined& now = refined[r];
-    CapRegion& region = caps.regions[r];
-    const auto first_triangle = static_cast<std::uint32_t>(triangles.size());
-    if (!wanted(region.lo, region.hi)) {
-      const auto from = caps.triangles.begin() + region.first_triangle;
-      triangles.insert(triangles.end(), from, from + region.triangle_count);
-    } else {
-      const auto known = static_cast<std::uint32_t>(now.known.size());
-      const VertexId first = positions.first_constructed + static_cast<VertexId>(positions.points.size());
-      for (const Vec3d& p : now.fresh) append_vertex(positions, p);
-      for (const Triangle& t : now.triangles) {
-        std::array<VertexId, 3> ids{};
-        for (std::size_t k = 0; k < 3; ++k) ids[k] = t[k] < known ? now.known[t[k]] : first + (t[k] - known);
-        triangles.push_back(ids);
-      }
-      region.triangle_count = static_cast<std::uint32_t>(now.triangles.size());
+    const CapRegion& before = caps.regions[r];
+    const auto begin_region = [&] {
+      regions.push_back(before);
+      regions.back().first_triangle = static_cast<std::uint32_t>(triangles.size());
+      regions.back().triangle_count = 0;
+    };
+    begin_region();
+    if (!wanted(before.lo, before.hi)) {
+      const auto from = caps.triangles.begin() + before.first_triangle;
+      triangles.insert(triangles.end(), from, from + before.triangle_count);
+      regions.back().triangle_count = before.triangle_count;
+      continue;
     }
-    region.first_triangle = first_triangle;
+    const auto known = static_cast<std::uint32_t>(now.known.size());
+    const VertexId first = positions.first_constructed + static_cast<VertexId>(positions.points.size());
+    for (const Vec3d& p : now.fresh) append_vertex(positions, p);
+    std::vector<std::uint32_t> order(now.triangles.size());
+    std::iota(order.begin(), order.end(), 0u);
+    const auto component = [&](std::uint32_t t) { return now.components.empty() ? 0 : now.components[t]; };
+    if (!now.components.empty())
+      std::stable_sort(order.begin(), order.end(),
+                       [&](std::uint32_t s, std::uint32_t t) { return component(s) < component(t); });
+    for (std::size_t k = 0; k < order.size(); ++k) {
+      if (k > 0 && component(order[k]) != component(order[k - 1])) begin_region();
+      std::array<VertexId, 3> ids{};
+      for (std::size_t corner = 0; corner < 3; ++corner) {
+        const std::uint32_t v = now.triangles[order[k]][corner];
+        ids[corner] = v < known ? now.known[v] : first + (v - known);
+      }
+      triangles.push_back(ids);
+      ++regions.back().triangle_count;
+    }
   }
+  caps.regions = std::move(regions);
   caps.triangles = std::move(triangles);
 }
 
