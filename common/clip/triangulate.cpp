@@ -5,9 +5,11 @@
 #include <numeric>
 #include <tuple>
 
+#include "common/base/disjoint_sets.hpp"
 #include "common/clip/delaunay_flips.hpp"
 #include "common/clip/ear_clipping.hpp"
 #include "common/clip/monotone_partition.hpp"
+#include "common/clip/pinched_ring.hpp"
 
 namespace fracture {
 namespace {
@@ -115,42 +117,34 @@ int orientation(std::span<const LatticePoint> points, std::uint32_t begin, std::
   return sum > 0 ? 1 : sum < 0 ? -1 : 0;
 }
 
-}  // namespace
+/// Twice the area of the triangles that are turned over.
+__int128 turned_over(std::span<const LatticePoint> points, const Triangles& triangles) {
+  __int128 sum = 0;
+  for (const auto& t : triangles)
+    if (const std::int64_t area = orient2d(points[t[0]], points[t[1]], points[t[2]]); area < 0) sum -= area;
+  return sum;
+}
 
-void triangulate(std::span<const LatticePoint> points, std::span<const std::uint32_t> loop_begin,
-                 Triangulation& out) {
+/// What triangulate() does of loops without repeated corners; `ring(points, ring, is_loop, triangles)`
+/// triangulates one ring (one that is a whole loop may be large and not monotone).
+template <class Ring>
+void triangulate_loops(std::span<const LatticePoint> points, std::span<const std::uint32_t> loop_begin,
+                       const Ring& ring, Triangulation& out) {
   out.clear();
   const auto loops = static_cast<std::uint32_t>(loop_begin.size() - 1);
-  // Flips stay within a region: regions share no inner edge.
-  const auto finish = [&] {
-    if (std::any_of(out.triangles.begin(), out.triangles.end(),
-                    [&](const auto& t) { return is_flat(points, t); }))
-      flip_to_delaunay(points, out.triangles);
-  };
-  const auto add_region = [&](std::size_t from) {
-    out.region.resize(from);
-    out.region.resize(out.triangles.size(), out.regions++);
-  };
-  std::vector<std::uint32_t> ring;
-
   bool holes = false;
   for (std::uint32_t l = 0; l < loops && loops > 1; ++l)
     holes |= orientation(points, loop_begin[l], loop_begin[l + 1]) < 0;
   if (!holes) {  // every loop is a region of its own
+    std::vector<std::uint32_t> loop;
     for (std::uint32_t l = 0; l < loops; ++l) {
-      ring.resize(loop_begin[l + 1] - loop_begin[l]);
-      std::iota(ring.begin(), ring.end(), loop_begin[l]);
-      const std::size_t from = out.triangles.size();
-      if (ring.size() <= kSmallRing || is_convex(points, ring))
-        clip_ears(points, ring, out.triangles);
-      else
-        triangulate_loop(points, ring, out.triangles);
-      add_region(from);
+      loop.resize(loop_begin[l + 1] - loop_begin[l]);
+      std::iota(loop.begin(), loop.end(), loop_begin[l]);
+      ring(points, std::span<const std::uint32_t>(loop), true, out.triangles);
+      out.region.resize(out.triangles.size(), out.regions++);
     }
-    finish();
     return;
   }
-
   Partition partition;
   partition_monotone(points, loop_begin, partition);
   out.unnested_loops = static_cast<std::uint32_t>(partition.unnested.size());
@@ -159,13 +153,101 @@ void triangulate(std::span<const LatticePoint> points, std::span<const std::uint
   for (std::size_t r = 0; r + 1 < partition.ring_begin.size(); ++r) {
     std::uint32_t& region = number[partition.ring_loop[r]];
     if (region == 0xffffffffu) region = out.regions++;
-    const std::span<const std::uint32_t> points_of_ring(
-        partition.ring_points.data() + partition.ring_begin[r],
-        partition.ring_begin[r + 1] - partition.ring_begin[r]);
-    triangulate_ring(points, points_of_ring, out.triangles);
+    ring(points,
+         std::span<const std::uint32_t>(partition.ring_points.data() + partition.ring_begin[r],
+                                        partition.ring_begin[r + 1] - partition.ring_begin[r]),
+         false, out.triangles);
     out.region.resize(out.triangles.size(), region);
   }
-  finish();
+}
+
+void triangulate_simple(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring,
+                        bool is_loop, Triangles& triangles) {
+  if (!is_loop)
+    triangulate_ring(points, ring, triangles);
+  else if (ring.size() <= kSmallRing || is_convex(points, ring))
+    clip_ears(points, ring, triangles);
+  else
+    triangulate_loop(points, ring, triangles);
+}
+
+void triangulate_divided(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring,
+                         bool is_loop, Triangles& triangles) {
+  std::vector<std::vector<std::uint32_t>> rings;
+  divide_pinched_ring(points, ring, rings, triangles);
+  for (const auto& r : rings) triangulate_simple(points, r, is_loop, triangles);
+}
+
+/// The same of loops that pass places more than once: without repeated corners, and rings divided where they
+/// come back to a place.
+Triangulation triangulate_pinched(std::span<const LatticePoint> points,
+                                  std::span<const std::uint32_t> loop_begin) {
+  Triangles flat;
+  std::vector<std::uint32_t> kept, begin{0}, loop;
+  for (std::size_t l = 0; l + 1 < loop_begin.size(); ++l) {
+    loop.resize(loop_begin[l + 1] - loop_begin[l]);
+    std::iota(loop.begin(), loop.end(), loop_begin[l]);
+    const std::vector<std::uint32_t> rest = leave_out_repeated(points, loop, flat);
+    kept.insert(kept.end(), rest.begin(), rest.end());
+    begin.push_back(static_cast<std::uint32_t>(kept.size()));
+  }
+  std::vector<LatticePoint> places;
+  for (const std::uint32_t k : kept) places.push_back(points[k]);
+  Triangulation out;
+  triangulate_loops(places, begin, triangulate_divided, out);
+  std::vector<std::uint32_t> region_of(points.size(), 0xffffffffu);
+  for (std::size_t t = 0; t < out.triangles.size(); ++t)
+    for (std::uint32_t& k : out.triangles[t]) region_of[k = kept[k]] = out.region[t];
+  for (const auto& t : flat) {
+    std::uint32_t& region = region_of[t[0]];
+    if (region == 0xffffffffu) region = out.regions++;
+    out.triangles.push_back(t);
+    out.region.push_back(region);
+  }
+  return out;
+}
+
+/// Regions that do not hang together, because a ring between their parts enclosed nothing, become several.
+void divide_regions(std::size_t points, Triangulation& out) {
+  DisjointSets joined(points);
+  for (const auto& t : out.triangles) {
+    joined.unite(t[0], t[1]);
+    joined.unite(t[1], t[2]);
+  }
+  constexpr std::uint32_t kNone = 0xffffffffu;
+  std::vector<std::uint32_t> part_of(out.regions, kNone), number(points, kNone);
+  bool divided = false;
+  for (std::size_t t = 0; t < out.triangles.size(); ++t) {
+    const std::uint32_t part = joined.find(out.triangles[t][0]);
+    std::uint32_t& first = part_of[out.region[t]];
+    if (first == kNone) {
+      first = part;
+      number[part] = out.region[t];
+    } else if (number[part] == kNone) {
+      number[part] = out.regions++;
+      divided = true;
+    }
+  }
+  for (std::size_t t = 0; divided && t < out.triangles.size(); ++t)
+    out.region[t] = number[joined.find(out.triangles[t][0])];
+}
+
+}  // namespace
+
+void triangulate(std::span<const LatticePoint> points, std::span<const std::uint32_t> loop_begin,
+                 Triangulation& out) {
+  triangulate_loops(points, loop_begin, triangulate_simple, out);
+  bool pinched = false;
+  if (const __int128 turned = turned_over(points, out.triangles); turned > 0) {
+    Triangulation other = triangulate_pinched(points, loop_begin);
+    pinched = turned_over(points, other.triangles) < turned;
+    if (pinched) out = std::move(other);
+  }
+  if (pinched || out.regions + 1 < loop_begin.size()) divide_regions(points.size(), out);
+  // Flips stay within a region: regions share no inner edge.
+  if (std::any_of(out.triangles.begin(), out.triangles.end(),
+                  [&](const auto& t) { return is_flat(points, t); }))
+    flip_to_delaunay(points, out.triangles);
 }
 
 }  // namespace fracture

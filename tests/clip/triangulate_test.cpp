@@ -112,6 +112,27 @@ TEST(Triangulate, ASquareIsTwoTriangles) {
   expect_embedded(loops, t);
 }
 
+// Lattices of sites put two corners of a cut at one place. Neither turns by itself; together they may turn
+// right.
+TEST(Triangulate, AReflexCornerThatStandsTwiceIsNotTakenForAConvexOne) {
+  Loops loops;
+  loops.add({{0, 30}, {40, 0}, {60, 0}, {60, 20}, {30, 20}, {30, 20}, {30, 40}});
+  expect_embedded(loops, run(loops));
+}
+
+TEST(Triangulate, LoopsWhoseCornersStandTwiceAreNotTurnedOver) {
+  Random random(20261122);
+  for (int k = 0; k < 200; ++k) {
+    Loops loops;
+    std::vector<LatticePoint> twice;
+    for (const LatticePoint& p : star(random, 5 + k % 40, 0, 0, 1 << 20)) twice.insert(twice.end(), {p, p});
+    std::rotate(twice.begin(), twice.begin() + k % 2, twice.end());
+    loops.add(twice);
+    SCOPED_TRACE(k);
+    expect_embedded(loops, run(loops));
+  }
+}
+
 TEST(Triangulate, AnAnnulusIsOneRegion) {
   Loops loops;
   loops.add(rectangle(0, 0, 30, 30));
