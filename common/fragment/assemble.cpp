@@ -5,7 +5,9 @@
 
 #include "common/base/stamped_map.hpp"
 #include "common/exact/number_types.hpp"
+#include "common/fragment/closedness.hpp"
 #include "common/fragment/mass_properties.hpp"
+#include "common/fragment/mirror_sum.hpp"
 #include "common/fragment/vertex_attributes.hpp"
 
 namespace fracture {
@@ -110,6 +112,7 @@ class Assembler {
             for (const VertexId v : face->v) *index++ = exterior_vertex(v, face->source);
             continue;
           }
+          if (is_cap(face->source)) add_cap(static_cast<std::uint32_t>(index - out_.indices.data()));
           // Regions of one facet share their plane, but not their vertices; the faces of one region follow
           // one another, in the order of its triangles.
           if (face->source != flat) {
@@ -129,6 +132,13 @@ class Assembler {
       }
     }
     out_.topology = s_.topology;
+  }
+
+  /// The triangle whose indices begin there is one of a cap.
+  void add_cap(std::uint32_t first) {
+    if (out_.caps.empty() || out_.caps.back().first + out_.caps.back().count != first)
+      out_.caps.push_back({first, 0});
+    out_.caps.back().count += 3;
   }
 
   bool has_wedges(FaceSource source) const {
@@ -273,11 +283,24 @@ class Assembler {
 
   void measure() {
     MassIntegral all(points_[out_.indices[0]]);
-    for (const FragmentPrimitive& p : out_.primitives) {
-      const std::uint32_t *at = out_.indices.data() + p.first_index, *const end = at + p.index_count;
-      for (; at != end; at += 3) all.add(points_[at[0]], points_[at[1]], points_[at[2]]);
-      if (p.material != kInteriorMaterial) out_.exterior_area = all.area();  // the interior comes last
+    std::uint32_t next = 0;
+    const auto add_until = [&](std::uint32_t end) {
+      for (; next < end; next += 3)
+        all.add(points_[out_.indices[next]], points_[out_.indices[next + 1]],
+                points_[out_.indices[next + 2]]);
+    };
+    const FragmentPrimitive& last = out_.primitives.back();  // the interior comes last
+    add_until(last.material == kInteriorMaterial ? last.first_index : last.first_index + last.index_count);
+    out_.exterior_area = all.area();
+    double caps = 0;
+    for (const IndexRange& range : out_.caps) {
+      add_until(range.first);
+      const double before = all.area();
+      add_until(range.first + range.count);
+      caps += all.area() - before;
     }
+    add_until(static_cast<std::uint32_t>(out_.indices.size()));
+    out_.surface_area = all.area() - caps;
     out_.mass = all.result();
   }
 
@@ -364,6 +387,8 @@ Fragment assemble(const RestrictedDiagram& diagram, const Ownership& ownership, 
   out.part = piece.part;
   out.node = diagram.solid.parts[piece.part].node;
   Assembler(diagram, out).run(piece, pivot);
+  out.cap_sum = mirror_sum(out);
+  out.open_edges = open_edges(out);
   return out;
 }
 

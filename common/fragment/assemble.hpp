@@ -9,7 +9,7 @@ namespace fracture {
 
 /// Exterior vertices carry the source's attributes: unchanged at input vertices, interpolated linearly along
 /// edges and across triangles at cut points. Cap vertices carry the cap's flat normal, planar UVs in metres,
-/// white. Does not set `id`.
+/// white. Sets what proves the answer, but not `id`.
 Fragment assemble(const RestrictedDiagram& diagram, const Ownership& ownership, const Piece& piece,
                   Pivot pivot);
 

@@ -22,6 +22,11 @@ struct FragmentPrimitive {
   std::uint32_t first_index, index_count;
 };
 
+/// A range of Fragment::indices, whole triangles.
+struct IndexRange {
+  std::uint32_t first = 0, count = 0;
+};
+
 /// Mass properties for density 1 kg/m³, about the centre of mass, in the file's frame.
 struct MassProperties {
   double volume = 0;                ///< m³
@@ -62,8 +67,13 @@ struct Fragment {
   std::vector<std::vector<Vec3f>> bodies;
   std::vector<CollisionHull> hulls;                    ///< one for each body; empty until asked for
   std::uint32_t flat_hulls = 0, simplified_hulls = 0;  ///< of these (physics/collision_hulls.hpp)
-  double exterior_area = 0;
-  bool anchored = false;  ///< something outside holds it (structure/anchors.hpp)
+  double exterior_area = 0;  ///< m², of the primitives with a material of the source
+  /// What proves the answer (pipeline/soundness.hpp).
+  std::vector<IndexRange> caps;  ///< of the interior triangles those that another fragment has mirrored
+  double surface_area = 0;       ///< m², of all that is no cap: exterior_area and what repairs filled
+  std::uint64_t cap_sum = 0;     ///< mirror_sum()
+  std::uint64_t open_edges = 0;  ///< open_edges()
+  bool anchored = false;         ///< something outside holds it (structure/anchors.hpp)
 };
 
 /// The shared caps of two fragments.
@@ -99,7 +109,8 @@ struct Delta {
   std::vector<std::uint64_t> neighbors;
 };
 
-/// Proof of the invariants, checked on every answer.
+/// Proof of the invariants, checked on every answer (pipeline/soundness.hpp): one that does not hold is not
+/// given.
 struct Certificate {
   std::uint64_t open_edges = 0;  ///< over all fragments, after welding equal positions: 0
   double volume_in = 0;          ///< m³, of the solid
@@ -110,6 +121,11 @@ struct Certificate {
   /// itself) are not emitted; their signed volume, m³, is part of volume_out, and their area, m², is stated.
   /// 0 for clean solids.
   double pocket_volume = 0, pocket_area = 0;
+  /// Cap triangles without a mirror image in another fragment, bit for bit in world space: 0. (1 stands for
+  /// any number; only where the answer is refused, all are looked for.)
+  std::uint64_t unmirrored_caps = 0;
+  /// m², of the solid's surface, and of what covers it in the fragments: pocket_area, too.
+  double area_in = 0, area_out = 0;
   /// fragments = cells + islands - united - dropped: cells (or groups) that meet the solid, further pieces of
   /// them, pieces united with a neighbour (without volume, or because of a limit of size), pieces without
   /// volume or neighbour.

@@ -8,7 +8,7 @@
 
 #include "common/fragment/assemble.hpp"
 #include "common/fragment/bonds.hpp"
-#include "common/fragment/closedness.hpp"
+#include "common/fragment/mirror_sum.hpp"
 #include "common/fragment/unite.hpp"
 
 namespace fracture {
@@ -100,7 +100,7 @@ FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownershi
         dropped[g] = true;
         ++certificate.dropped;
         certificate.pocket_volume += fragments[g].mass.volume;
-        certificate.pocket_area += fragments[g].exterior_area;
+        certificate.pocket_area += fragments[g].surface_area;
         continue;
       }
       groups.unite(g, neighbor);
@@ -130,15 +130,8 @@ FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownershi
   }
   out.bonds = find_bonds(d, pieces, fragment_of_piece);
 
-  std::vector<std::uint64_t> open(out.fragments.size());
-  parallel_for(execution, open.size(), 8, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) open[k] = open_edges(out.fragments[k]);
-  });
-  for (const std::uint64_t edges : open) certificate.open_edges += edges;
-  certificate.volume_in = d.solid.report.volume;
   certificate.volume_out += certificate.pocket_volume;
-  certificate.relative_error =
-      std::fabs(certificate.volume_out - certificate.volume_in) / certificate.volume_in;
+  sum_up(d.solid, out.fragments, certificate);
   certificate.cells = static_cast<std::uint32_t>(owners_seen.size());
   certificate.islands = static_cast<std::uint32_t>(n) - certificate.cells;
   certificate.fragments = static_cast<std::uint32_t>(out.fragments.size());
@@ -158,7 +151,6 @@ std::optional<WantedFragments> make_wanted_fragments(const RestrictedDiagram& d,
   out.fragments.resize(n);
   out.volumes_file.resize(n);
   std::vector<char> bad(n, 0);
-  std::vector<std::uint64_t> open(n);
   parallel_for(execution, n, 8, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       Fragment& f = out.fragments[k];
@@ -168,11 +160,9 @@ std::optional<WantedFragments> make_wanted_fragments(const RestrictedDiagram& d,
       bad[k] = volume.sign <= 0;
       if (bad[k]) continue;
       f.id = fragment_id(d.diagram, f, pieces.pieces[k].island);
-      open[k] = open_edges(f);
     }
   });
   if (std::find(bad.begin(), bad.end(), 1) != bad.end()) return std::nullopt;
-  for (const std::uint64_t edges : open) out.open_edges += edges;
 
   // Pieces stand in the order of their owners.
   const std::size_t owners = ownership.sites_of_owner.size();
@@ -203,6 +193,22 @@ std::optional<WantedFragments> make_wanted_fragments(const RestrictedDiagram& d,
     }
   out.bonds = find_bonds(d, pieces, fragment_of_piece);
   return out;
+}
+
+void sum_up(const Solid& solid, const std::vector<Fragment>& fragments, Certificate& certificate) {
+  certificate.open_edges = 0;
+  certificate.area_out = certificate.pocket_area;
+  std::uint64_t caps = 0;
+  for (const Fragment& f : fragments) {
+    certificate.open_edges += f.open_edges;
+    certificate.area_out += f.surface_area;
+    caps += f.cap_sum;
+  }
+  certificate.unmirrored_caps = caps != 0;
+  certificate.area_in = solid.report.area;
+  certificate.volume_in = solid.report.volume;
+  certificate.relative_error =
+      std::fabs(certificate.volume_out - certificate.volume_in) / certificate.volume_in;
 }
 
 void state_lattice(const RestrictedDiagram& d, FragmentSet& out) {

@@ -18,6 +18,10 @@ namespace fracture {
 FragmentSet make_fragments(const RestrictedDiagram& diagram, const Ownership& ownership, Pivot pivot,
                            const SizeLimits& limits, const Execution& execution);
 
+/// The figures of the certificate that are sums over all fragments: open edges, caps, areas, and what the
+/// volumes (volume_out and pocket_area are there already) come to.
+void sum_up(const Solid& solid, const std::vector<Fragment>& fragments, Certificate& certificate);
+
 /// The lattice and how coarse it is.
 void state_lattice(const RestrictedDiagram& diagram, FragmentSet& out);
 
@@ -27,7 +31,7 @@ struct WantedFragments {
   std::vector<double> volumes_file;     ///< m³, per fragment here
   std::vector<std::uint32_t> first_of;  ///< per owner + 1: range of all fragments
   std::vector<Bond> bonds;              ///< of the fragments here, by numbers among all
-  std::uint64_t open_edges = 0, crossing_caps = 0;
+  std::uint64_t crossing_caps = 0;
 };
 /// The pieces of the wanted owners alone, one fragment each; nothing where a piece would have to be united or
 /// dropped. `others`: per owner that is not wanted, how many fragments it has; bonds to such an owner lead to

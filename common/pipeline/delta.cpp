@@ -179,6 +179,8 @@ class Splicer {
       all[k].part = known.part;
       all[k].mass = known.mass;
       all[k].exterior_area = known.exterior_area;
+      all[k].surface_area = known.surface_area;
+      all[k].cap_sum = known.cap_sum;
       out.further_triangles += known.indices.size() / 3;
       out.further_hulls.hulls += static_cast<std::uint32_t>(known.hulls.size());
       out.further_hulls.flat += known.flat_hulls;
@@ -224,17 +226,15 @@ class Splicer {
 Certificate certificate_of(const Solid& solid, const std::vector<Fragment>& fragments,
                            const std::vector<double>& volumes_file, const WantedFragments& made) {
   Certificate c;
-  c.open_edges = made.open_edges;
   c.crossing_caps = made.crossing_caps;
   for (std::size_t k = 0; k < fragments.size(); ++k) {
     c.volume_out += fragments[k].mass.volume;
     c.volume_file += volumes_file[k];
     c.cells += k == 0 || fragments[k].sites[0] != fragments[k - 1].sites[0];
   }
-  c.volume_in = solid.report.volume;
-  c.relative_error = std::fabs(c.volume_out - c.volume_in) / c.volume_in;
   c.fragments = static_cast<std::uint32_t>(fragments.size());
   c.islands = c.fragments - c.cells;
+  sum_up(solid, fragments, c);
   return c;
 }
 
@@ -253,7 +253,8 @@ bool ids_collide(const std::vector<Fragment>& fragments) {
   return std::adjacent_find(ids.begin(), ids.end()) != ids.end();
 }
 
-/// Nothing where a piece would have to be united or dropped.
+/// Nothing where a piece would have to be united or dropped, or what was kept does not prove itself with what
+/// is new.
 std::optional<KeptAnswer> splice(const Solid& solid, const Solid& seen, const FracturedBase& base,
                                  Insertion in, const FractureParameters& parameters,
                                  const Execution& execution) {
@@ -288,8 +289,10 @@ std::optional<KeptAnswer> splice(const Solid& solid, const Solid& seen, const Fr
   state_lattice(r, cut.set);
   next->bonds = cut.set.bonds;
 
+  Expected<FragmentSet> completed = complete(solid, in.diagram, parameters, std::move(cut), execution);
+  if (!completed) return std::nullopt;  // the whole, made from nothing, has the last word
   KeptAnswer out;
-  out.set = complete(solid, in.diagram, parameters, std::move(cut), execution);
+  out.set = std::move(*completed);
   const std::vector<std::uint32_t>& from_base = splicer.from_base();
   out.set.delta =
       difference(base, out.set.fragments, [&](std::uint32_t k) { return from_base[k] != kNoIndex; });
@@ -310,7 +313,7 @@ std::optional<KeptAnswer> splice(const Solid& solid, const Solid& seen, const Fr
   }
   next->inner_vertices.insert(next->inner_vertices.end(), r.winding.inner_vertices.begin(),
                               r.winding.inner_vertices.end());
-  next->local = out.set.certificate.crossing_caps == 0 && out.set.certificate.open_edges == 0;
+  next->local = out.set.certificate.crossing_caps == 0;
   next->diagram = std::move(in.diagram);
   if (parameters.only_changed) keep_changed(out.set);
   out.base = std::move(next);
@@ -341,10 +344,12 @@ Expected<KeptAnswer> fracture_and_keep(const Solid& solid, Diagram diagram,
     const Certificate& c = cut->set.certificate;
     base->local = base->local && !cut->grouped && !parameters.keep && !parameters.size.any() &&
                   parameters.max_volume == 0 && !(parameters.roughness.amplitude > 0) && c.united == 0 &&
-                  c.dropped == 0 && c.open_edges == 0 && c.crossing_caps == 0;
+                  c.dropped == 0 && c.crossing_caps == 0;
     base->bonds = cut->set.bonds;
     KeptAnswer out;
-    out.set = complete(solid, diagram, parameters, std::move(*cut), execution);
+    Expected<FragmentSet> completed = complete(solid, diagram, parameters, std::move(*cut), execution);
+    if (!completed) return tl::unexpected(std::move(completed.error()));
+    out.set = std::move(*completed);
     for (const Fragment& f : out.set.fragments)
       base->fragments.push_back({std::make_shared<const Fragment>(f), file_volume(f).volume});
     if (base->local)

@@ -8,14 +8,14 @@
 #include <utility>
 
 #include "common/fragment/fragment_mesh.hpp"
-#include "common/fragment/make_fragments.hpp"
 #include "common/physics/collision_hulls.hpp"
 #include "common/pipeline/barycentric.hpp"
 #include "common/pipeline/fracture_steps.hpp"
 #include "common/pipeline/lloyd.hpp"
 #include "common/pipeline/report.hpp"
 #include "common/pipeline/restrict.hpp"
-#include "common/rough/roughen.hpp"
+#include "common/pipeline/rough_cells.hpp"
+#include "common/pipeline/soundness.hpp"
 #include "common/solid/image.hpp"
 #include "common/structure/hierarchy.hpp"
 
@@ -164,10 +164,9 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
   } else {
     RestrictedDiagram restricted = restrict_to_solid(solid, seen, voronoi, execution);
     if (look) look(restricted);
-    cut.rough =
-        roughen(solid, voronoi, restricted.cuts, restricted.winding, ownership.owner_of_site,
-                parameters.roughness, parameters.seed, restricted.positions, restricted.caps, execution);
-    cut.set = make_fragments(restricted, ownership, parameters.pivot, parameters.size, execution);
+    make_rough_fragments(
+        solid, seen, parameters, ownership, restricted,
+        [&](const FragmentSet& set) { return judge(set, solid, Promise::kPartition); }, execution, cut);
   }
   if (cut.set.fragments.empty())
     return fail(ErrorCode::kNoFragments, cut.barycentric.dropped > 0
@@ -176,9 +175,13 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
   return cut;
 }
 
-FragmentSet complete(const Solid& solid, const Diagram& diagram, const FractureParameters& parameters,
-                     CutCells cut, const Execution& execution) {
+Expected<FragmentSet> complete(const Solid& solid, const Diagram& diagram,
+                               const FractureParameters& parameters, CutCells cut,
+                               const Execution& execution) {
   FragmentSet set = std::move(cut.set);
+  const Promise promise = parameters.dual == Dual::kBarycenter ? Promise::kClosed : Promise::kPartition;
+  if (const Verdict verdict = judge(set, solid, promise); !verdict.sound())
+    return tl::unexpected(unsound(verdict, set.certificate));
   set.hierarchy = make_hierarchy(set, parameters.levels, execution);
   std::uint32_t anchored = 0;
   if (parameters.anchors.any()) anchored = mark_anchored(set, parameters.anchors);

@@ -37,6 +37,9 @@ struct CutCells {
   bool grouped = false;           ///< some fragment has several cells
   BarycentricResult barycentric;  ///< its figures, with Dual::kBarycenter
   RoughReport rough;
+  /// What the net under rough cuts did (rough_cells.hpp): cells with less roughness than asked, or all flat.
+  std::uint32_t restrained_cells = 0;
+  bool all_flat = false;
   /// Of fragments of which the set has only the figures.
   std::uint64_t further_triangles = 0;
   HullReport further_hulls{};
@@ -48,9 +51,10 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
                              const Execution& execution,
                              const std::function<void(const RestrictedDiagram&)>& look = {});
 
-/// Adds the hierarchy, anchors, hulls (to fragments that have none, but have a shape) and the report. Throws
-/// Interrupted.
-FragmentSet complete(const Solid& solid, const Diagram& diagram, const FractureParameters& parameters,
-                     CutCells cut, const Execution& execution);
+/// Judges the fragments and adds the hierarchy, anchors, hulls (to fragments that have none, but have a
+/// shape) and the report. Every answer leaves the pipeline through here. Error: kUnsound. Throws Interrupted.
+Expected<FragmentSet> complete(const Solid& solid, const Diagram& diagram,
+                               const FractureParameters& parameters, CutCells cut,
+                               const Execution& execution);
 
 }  // namespace fracture

@@ -117,7 +117,8 @@ void report_structure(const FractureParameters& p, const Diagram& diagram, std::
 }
 
 /// What was asked of the cuts, and what was made.
-void report_roughness(const FractureParameters& p, const RoughReport& rough, nlohmann::json& report) {
+void report_roughness(const FractureParameters& p, const CutCells& cut, nlohmann::json& report) {
+  const RoughReport& rough = cut.rough;
   nlohmann::json& warnings = report["warnings"];
   if (p.dual == Dual::kBarycenter) {
     warnings.push_back("rough cuts: hulls of barycentres share no cuts; theirs are flat");
@@ -126,6 +127,16 @@ void report_roughness(const FractureParameters& p, const RoughReport& rough, nlo
   report["rough_cuts"] = {{"amplitude", rough.amplitude},    {"amplitude_asked", rough.asked},
                           {"edge_length", rough.length},     {"triangles", rough.triangles},
                           {"calmed_vertices", rough.calmed}, {"crossing_triangles", rough.crossing}};
+  if (cut.all_flat) {
+    report["rough_cuts"]["amplitude_asked"] = p.roughness.amplitude;
+    warnings.push_back("rough cuts: the cuts are flat, because rough ones did not prove themselves");
+    return;
+  }
+  if (cut.restrained_cells > 0) {
+    report["rough_cuts"]["restrained_cells"] = cut.restrained_cells;
+    warnings.push_back("rough cuts: those of " + std::to_string(cut.restrained_cells) +
+                       " cells are less rough, or flat, because rougher ones did not prove themselves");
+  }
   if (rough.given_up) {
     report["rough_cuts"]["amplitude"] = 0;
     warnings.push_back(
@@ -167,7 +178,7 @@ nlohmann::json make_report(const Solid& solid, const Diagram& diagram, const Fra
                            const FragmentSet& set) {
   nlohmann::json report = report_of_sites(solid, diagram, set);
   report_structure(parameters, diagram, cut.kept, cut.further_triangles, anchored, set, report);
-  if (parameters.roughness.amplitude > 0) report_roughness(parameters, cut.rough, report);
+  if (parameters.roughness.amplitude > 0) report_roughness(parameters, cut, report);
   if (parameters.hulls == Hulls::kConvex)
     report["hulls"] = {{"count", hulls.hulls + cut.further_hulls.hulls},
                        {"flat", hulls.flat + cut.further_hulls.flat},

@@ -32,7 +32,8 @@ VertexId append_vertex(VertexPositions& positions, const Vec3d& p) {
 }
 
 EdgeSplits::EdgeSplits(const Winding& winding, double length,
-                       const std::function<bool(SiteId, SiteId)>& wanted, VertexPositions& positions) {
+                       const std::function<bool(SiteId, SiteId)>& wanted,
+                       const std::function<bool(SiteId, SiteId)>& plain, VertexPositions& positions) {
   // Rounded to the seam lattice, equal for coinciding vertices.
   const auto at = [&](VertexId v) {
     return positions.lattice.to_world(positions.steps[v - positions.first_constructed]);
@@ -47,6 +48,12 @@ EdgeSplits::EdgeSplits(const Winding& winding, double length,
   edges_.erase(std::unique(edges_.begin(), edges_.end(),
                            [](const Edge& x, const Edge& y) { return ends_of(x) == ends_of(y); }),
                edges_.end());
+  std::vector<Ends> whole;
+  for (const CapSegment& s : winding.segments)
+    if (plain(s.lo, s.hi)) whole.push_back(ends_of(s));
+  std::sort(whole.begin(), whole.end());
+  std::erase_if(edges_,
+                [&](const Edge& e) { return std::binary_search(whole.begin(), whole.end(), ends_of(e)); });
   for (Edge& e : edges_) {
     const Vec3d a = at(e.from), along = at(e.to) - a;
     const double parts = std::ceil(fracture::length(along) / length - kSlack);

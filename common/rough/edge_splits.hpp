@@ -13,10 +13,10 @@ namespace fracture {
 
 class EdgeSplits {
  public:
-  /// Divides the pieces that bound a facet of which `wanted(lo, hi)` into parts no longer than `length` (m)
-  /// and appends the new vertices to `positions`.
+  /// Divides the pieces that bound a facet of which `wanted(lo, hi)`, and none of which `plain(lo, hi)`, into
+  /// parts no longer than `length` (m) and appends the new vertices to `positions`.
   EdgeSplits(const Winding& winding, double length, const std::function<bool(SiteId, SiteId)>& wanted,
-             VertexPositions& positions);
+             const std::function<bool(SiteId, SiteId)>& plain, VertexPositions& positions);
 
   /// Appends the vertices strictly between a and b, in this order: none where (a, b) is no divided piece.
   void between(VertexId a, VertexId b, std::vector<VertexId>& out) const;

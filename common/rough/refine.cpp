@@ -46,6 +46,7 @@ class RegionRefiner {
  private:
   void triangulate_anew(const CapRegion& region, std::span<const std::array<VertexId, 3>> old) {
     ids_.clear();
+    collar_.clear();
     triangles_.clear();
     fresh_.clear();
     local_.next_epoch(positions_.points.size());
@@ -75,7 +76,7 @@ class RegionRefiner {
   // (Pieces::piece_of_cap), so each has to be a region of its own.
   void find_components() {
     component_.clear();
-    if (loop_begin_.size() < 3) return;
+    if (loop_begin_.size() < 3 && collar_.regions < 2) return;
     joined_ = DisjointSets(ids_.size() + fresh_.size());
     for (const Triangle& t : triangles_) {
       joined_.unite(t[0], t[1]);
@@ -314,9 +315,10 @@ class RegionRefiner {
 }  // namespace
 
 void refine_caps(const VoronoiDiagram& diagram, const Winding& winding, double length,
-                 const std::function<bool(SiteId, SiteId)>& wanted, Caps& caps, VertexPositions& positions,
+                 const RefinedCaps& which, Caps& caps, VertexPositions& positions,
                  const Execution& execution) {
-  const EdgeSplits splits(winding, length, wanted, positions);
+  const auto& wanted = which.wanted;
+  const EdgeSplits splits(winding, length, wanted, which.plain, positions);
   struct Refined {
     std::vector<Triangle> triangles;
     std::vector<VertexId> known;

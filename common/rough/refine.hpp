@@ -16,11 +16,17 @@
 
 namespace fracture {
 
-/// Replaces the triangles of the caps of which `wanted(lo, hi)` and appends the new vertices to `positions`,
+/// Which caps (lo, hi) are refined, and which of the others the file will show: their outlines stay as they
+/// are, so that what refined caps share with them is not divided either.
+struct RefinedCaps {
+  std::function<bool(SiteId, SiteId)> wanted, plain;
+};
+
+/// Replaces the triangles of the wanted caps and appends the new vertices to `positions`,
 /// in the planes of the facets. `length` (> 0, m): of the edges. The regions stay in their order; one whose
 /// loops cross may become several. Which ids the new vertices get does not depend on the number of threads.
 void refine_caps(const VoronoiDiagram& diagram, const Winding& winding, double length,
-                 const std::function<bool(SiteId, SiteId)>& wanted, Caps& caps, VertexPositions& positions,
+                 const RefinedCaps& which, Caps& caps, VertexPositions& positions,
                  const Execution& execution);
 
 }  // namespace fracture

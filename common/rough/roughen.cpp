@@ -86,12 +86,30 @@ class Mover {
         moves_(flat_.size()),
         surface_(flat_.size(), 0),
         share_(flat_.size(), 1),
-        moved_(flat_.size(), 0) {}
+        moved_(flat_.size(), 0) {
+    for (std::size_t v = fixed_; v < flat_.size(); ++v)  // coinciding vertices stay together
+      flat_[v] = positions_.lattice.to_world(positions_.steps[v]);
+  }
+
+  /// Before move(): vertices of restrained caps get their share of the movement.
+  void restrain(const Restraints& restraints) {
+    find_coinciding();
+    for (const CapRegion& r : caps_.regions) {
+      const Restraint restraint = restraint_of(restraints, r.lo, r.hi);
+      if (restraint == Restraint::kNone || r.triangle_count == 0 || !seen_[r.first_triangle]) continue;
+      const double share = restraint == Restraint::kLess ? kLessAmplitude : 0;
+      for (std::uint32_t t = r.first_triangle; t < r.first_triangle + r.triangle_count; ++t)
+        for (const VertexId id : caps_.triangles[t]) {
+          double& of_leader = share_[leader_[id - positions_.first_constructed]];
+          of_leader = std::fmin(of_leader, share);
+        }
+    }
+    for (std::size_t v = fixed_; v < share_.size(); ++v) share_[v] = share_[leader_[v]];
+  }
 
   void move(const Displacement& displacement, const SurfaceTree& outside, const Execution& execution) {
     parallel_for(execution, flat_.size() - fixed_, 256, [&](std::size_t begin, std::size_t end) {
       for (std::size_t v = fixed_ + begin; v < fixed_ + end; ++v) {
-        flat_[v] = positions_.lattice.to_world(positions_.steps[v]);  // coinciding vertices stay together
         surface_[v] = outside.distance(flat_[v], displacement.reach());
         moves_[v] = displacement.at(flat_[v], surface_[v]);
         place(v);
@@ -214,12 +232,16 @@ class Mover {
 
 RoughReport roughen(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
                     const Winding& winding, const std::vector<std::uint32_t>& owner_of_site,
-                    const Roughness& roughness, std::uint64_t seed, VertexPositions& positions, Caps& caps,
-                    const Execution& execution) {
+                    const Roughness& roughness, const Restraints& restraints, std::uint64_t seed,
+                    VertexPositions& positions, Caps& caps, const Execution& execution) {
   RoughReport report;
   if (!(roughness.amplitude > 0)) return report;
-  const auto wanted = [&](SiteId lo, SiteId hi) { return owner_of_site[lo] != owner_of_site[hi]; };
-  const double size = size_of(solid), area = area_of(caps, positions, wanted);
+  const auto parts = [&](SiteId lo, SiteId hi) { return owner_of_site[lo] != owner_of_site[hi]; };
+  const auto wanted = [&](SiteId lo, SiteId hi) {
+    return parts(lo, hi) && restraint_of(restraints, lo, hi) != Restraint::kFlat;
+  };
+  const auto plain = [&](SiteId lo, SiteId hi) { return parts(lo, hi) && !wanted(lo, hi); };
+  const double size = size_of(solid), area = area_of(caps, positions, parts);
   report.asked = roughness.amplitude * size;
   report.amplitude = std::fmin(report.asked, kMostSteepness / roughness.frequency * size);
   if (!(area > 0)) return report;
@@ -229,11 +251,11 @@ RoughReport roughen(const Solid& solid, const VoronoiDiagram& diagram, const Sur
   // than the lattice is rounded away.
   const Vec3d step = positions.lattice.step();
   const double least = std::fmax(std::sqrt(area / (0.433 * kMostRoughTriangles)),
-                                 std::fmax(length_of_edges(winding, positions, wanted) / kMostRoughTriangles,
+                                 std::fmax(length_of_edges(winding, positions, parts) / kMostRoughTriangles,
                                            kLeastSteps * std::fmax(step.x, std::fmax(step.y, step.z))));
   if (least > report.length) report.length = rounded_up(least);
   positions.flat_steps = positions.steps;
-  refine_caps(diagram, winding, report.length, wanted, caps, positions, execution);
+  refine_caps(diagram, winding, report.length, {wanted, plain}, caps, positions, execution);
   for (const CapRegion& r : caps.regions)
     if (wanted(r.lo, r.hi)) report.triangles += r.triangle_count;
 
@@ -242,9 +264,10 @@ RoughReport roughen(const Solid& solid, const VoronoiDiagram& diagram, const Sur
   const SurfaceTree outside(solid);
   std::vector<char> seen(caps.triangles.size(), 0);
   for (const CapRegion& r : caps.regions)
-    if (wanted(r.lo, r.hi))
+    if (parts(r.lo, r.hi))
       std::fill_n(seen.begin() + static_cast<std::ptrdiff_t>(r.first_triangle), r.triangle_count, 1);
   Mover mover(diagram, caps, seen, positions, cuts.edge_cuts.size() + cuts.triangle_cuts.size());
+  if (!restraints.empty()) mover.restrain(restraints);
   mover.move(displacement, outside, execution);
   const std::optional<std::uint64_t> crossing = mover.calm(outside, execution);
   report.crossing = crossing.value_or(0);

@@ -15,6 +15,7 @@
 
 #include "common/base/execution.hpp"
 #include "common/clip/caps.hpp"
+#include "common/rough/restraint.hpp"
 #include "common/rough/roughness.hpp"
 
 namespace fracture {
@@ -42,10 +43,11 @@ inline constexpr double kMostRoughTriangles = 400'000;
 /// Replaces the triangles of the caps between different owners (`owner_of_site`: cells of one owner stay
 /// together) and moves the vertices inside the solid; those on its surface stay. Fills Caps::normals and
 /// VertexPositions::flat_steps. With an amplitude of 0 nothing changes. Where the diagram has a map the waves
-/// are stretched as the cells are.
+/// are stretched as the cells are. Caps of restrained cells are moved less, or stay as they are; the others
+/// stay what they would be without restraints, but for vertices that they share.
 RoughReport roughen(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
                     const Winding& winding, const std::vector<std::uint32_t>& owner_of_site,
-                    const Roughness& roughness, std::uint64_t seed, VertexPositions& positions, Caps& caps,
-                    const Execution& execution);
+                    const Roughness& roughness, const Restraints& restraints, std::uint64_t seed,
+                    VertexPositions& positions, Caps& caps, const Execution& execution);
 
 }  // namespace fracture

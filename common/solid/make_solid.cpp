@@ -349,6 +349,7 @@ Expected<Solid> make_solid(std::shared_ptr<const Mesh> mesh, const SolidOptions&
     }
     new_shell[s] = static_cast<std::uint32_t>(report.shells++);
     report.area += shells.list[s].area;
+    report.absolute_volume += std::fabs(shells.list[s].volume);
   }
   for (Part& part : solid.parts) {
     report.cavities += part.shells.size() - 1;

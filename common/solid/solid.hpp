@@ -60,6 +60,7 @@ struct SolidReport {
   std::uint64_t shells = 0, parts = 0, cavities = 0;
   std::uint64_t shells_dropped = 0;  ///< shells that bound no volume
   double volume = 0;                 ///< m³, of the solid: what the fragments add up to
+  double absolute_volume = 0;        ///< m³, of all shells, those of cavities added
   double area = 0;                   ///< m², of the kept source triangles and the fill
   std::vector<std::string> notes;    ///< sentences for people, each with a count and a sample place
   struct Sample {

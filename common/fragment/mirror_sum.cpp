@@ -1,0 +1,98 @@
+#include "common/fragment/mirror_sum.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+
+namespace fracture {
+namespace {
+
+using Place = std::array<std::uint32_t, 3>;  // the bits of a position in world space
+
+std::uint32_t bits(float v) { return std::bit_cast<std::uint32_t>(v + 0.0f); }  // -0 is 0
+
+/// As a reader of the file computes it: local + translation, in float.
+Place world(const Fragment& f, const Vec3f& pivot, std::uint32_t v) {
+  const Vec3f& p = f.positions[v];
+  return {bits(p.x + pivot.x), bits(p.y + pivot.y), bits(p.z + pivot.z)};
+}
+
+Vec3f translation(const Fragment& f) {
+  return {static_cast<float>(f.pivot.x), static_cast<float>(f.pivot.y), static_cast<float>(f.pivot.z)};
+}
+
+std::uint64_t hash(const Place& p) {
+  std::uint64_t h = (p[0] | static_cast<std::uint64_t>(p[1]) << 32) * 0x9e3779b97f4a7c15ull;
+  h = (h ^ (h >> 32) ^ p[2]) * 0xbf58476d1ce4e5b9ull;
+  return h ^ (h >> 29);
+}
+
+}  // namespace
+
+// The determinant of the three rows (h, h², h³): it changes its sign with the orientation and is no sum over
+// the edges, as a plain Vandermonde determinant would be, which any two closed surfaces cancel.
+std::uint64_t mirror_sum(const Fragment& f) {
+  const Vec3f pivot = translation(f);
+  std::uint64_t sum = 0;
+  for (const IndexRange& range : f.caps) {
+    const std::uint32_t* const first = f.indices.data() + range.first;
+    const std::uint32_t* const last = first + range.count;
+    // The vertices of a run of caps follow one another.
+    const auto [low, high] = std::minmax_element(first, last);
+    thread_local std::vector<std::uint64_t> hashes;
+    hashes.clear();
+    for (std::uint32_t v = *low; v <= *high; ++v) hashes.push_back(hash(world(f, pivot, v)));
+    const std::uint64_t* const of = hashes.data() - *low;
+    for (const std::uint32_t* at = first; at != last; at += 3) {
+      const std::uint64_t a = of[at[0]], b = of[at[1]], c = of[at[2]];
+      sum += (a * b * c) * ((b - a) * (c - a)) * (c - b);
+    }
+  }
+  return sum;
+}
+
+std::vector<std::uint32_t> unmirrored(const std::vector<Fragment>& fragments, std::uint64_t& count) {
+  struct Entry {
+    std::array<Place, 3>
+        corners;  // from the least on, the way round in which the second is less than the third
+    bool turned;
+    std::uint32_t fragment;
+  };
+  std::vector<Entry> entries;
+  for (std::uint32_t n = 0; n < fragments.size(); ++n) {
+    const Fragment& f = fragments[n];
+    const Vec3f pivot = translation(f);
+    for (const IndexRange& range : f.caps)
+      for (std::uint32_t k = range.first; k < range.first + range.count; k += 3) {
+        Entry e{{world(f, pivot, f.indices[k]), world(f, pivot, f.indices[k + 1]),
+                 world(f, pivot, f.indices[k + 2])},
+                false,
+                n};
+        auto& c = e.corners;
+        if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0]) continue;
+        std::rotate(c.begin(), std::min_element(c.begin(), c.end()), c.end());
+        e.turned = c[2] < c[1];
+        if (e.turned) std::swap(c[1], c[2]);
+        entries.push_back(e);
+      }
+  }
+  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+    return a.corners != b.corners ? a.corners < b.corners : a.fragment < b.fragment;
+  });
+  count = 0;
+  std::vector<std::uint32_t> concerned;
+  for (std::size_t k = 0; k < entries.size();) {
+    std::int64_t balance = 0;
+    const std::size_t first = k;
+    for (; k < entries.size() && entries[k].corners == entries[first].corners; ++k)
+      balance += entries[k].turned ? -1 : 1;
+    if (balance == 0) continue;
+    count += static_cast<std::uint64_t>(balance < 0 ? -balance : balance);
+    for (std::size_t m = first; m < k; ++m) concerned.push_back(entries[m].fragment);
+  }
+  std::sort(concerned.begin(), concerned.end());
+  concerned.erase(std::unique(concerned.begin(), concerned.end()), concerned.end());
+  return concerned;
+}
+
+}  // namespace fracture

@@ -1,0 +1,25 @@
+// Fragments with rough cuts, and the net under them: where the answer does not prove itself (soundness.hpp),
+// the cells concerned are cut again with less roughness, then flat. Which cells those are is a function of
+// what is there, so that a hit elsewhere does not change it.
+#pragma once
+
+#include <functional>
+
+#include "common/fragment/pieces.hpp"
+#include "common/pipeline/fracture_steps.hpp"
+#include "common/pipeline/soundness.hpp"
+
+namespace fracture {
+
+/// How often cells are restrained before all cuts are made flat.
+inline constexpr int kMostRestraints = 3;
+
+/// Roughens the caps of `restricted`, which are flat, and makes the fragments; `solid` and `seen` are what it
+/// was made of. Fills `rough` and `set` of `cut`. With an amplitude of 0 the caps stay flat. `judged` says
+/// what holds of the fragments: judge(). Throws Interrupted.
+void make_rough_fragments(const Solid& solid, const Solid& seen, const FractureParameters& parameters,
+                          const Ownership& ownership, RestrictedDiagram& restricted,
+                          const std::function<Verdict(const FragmentSet&)>& judged,
+                          const Execution& execution, CutCells& cut);
+
+}  // namespace fracture
