@@ -11,6 +11,8 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import threading
+import time
 import urllib.request
 
 import yaml
@@ -18,6 +20,7 @@ import yaml
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 DOCKER = os.path.join(ROOT, "docker")
 SERVER = sys.argv[2]
+PATIENCE = 60  # seconds: at least ten times what any program takes here
 os.environ["PATH"] += ":/usr/sbin:/usr/local/sbin"
 
 
@@ -37,7 +40,7 @@ def expect(condition, what):
 
 def run(*command, **variables):
     """Standard output; ends the program when the command fails."""
-    done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, **variables})
+    done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, **variables}, timeout=PATIENCE)
     expect(done.returncode == 0, f"{' '.join(command)}\n{done.stdout}{done.stderr}")
     return done.stdout
 
@@ -109,19 +112,23 @@ def served_metrics():
         command = [SERVER, "serve", "--port", "0", "--admin-port", "0", "--drain-delay", "0", "--log-format", "text",
                    "--cache-dir", folder, "--redis", "127.0.0.1:1"]
         with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as server:
+            too_late = threading.Timer(PATIENCE, server.kill)  # which ends every wait for it
+            too_late.start()
             try:
                 line = next(line for line in server.stderr if "(admin port " in line)
                 port, admin = re.search(r":(\d+) \(admin port (\d+)\)", line).groups()
                 corners = "".join(f"v {i & 1} {i >> 1 & 1} {i >> 2}\n" for i in range(8))
                 faces = "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n"
                 urllib.request.urlopen(urllib.request.Request(f"http://127.0.0.1:{port}/fracture?sites=2", method="POST",
-                    data=(corners + faces).encode(), headers={"Content-Type": "model/obj"})).read()
+                    data=(corners + faces).encode(), headers={"Content-Type": "model/obj"}), timeout=PATIENCE).read()
                 text = ""
                 while "fracture_request_duration_seconds_bucket" not in text:  # counted after the answer
-                    text = urllib.request.urlopen(f"http://127.0.0.1:{admin}/metrics").read().decode()
+                    time.sleep(0.01)
+                    text = urllib.request.urlopen(f"http://127.0.0.1:{admin}/metrics", timeout=PATIENCE).read().decode()
             finally:
                 server.terminate()
                 server.stderr.read()
+                too_late.cancel()
     return set(re.findall(r"^([a-z_]+)", text, re.M))
 
 

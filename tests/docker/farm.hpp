@@ -1,6 +1,6 @@
 // docker/compose.yaml with plain processes on the loopback: three servers, a Redis, and HAProxy with the
 // repository's own configuration, in which only addresses, timeouts and the number of connections are
-// replaced.
+// replaced, and each answer says which server gave it. Every wait has a limit.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -15,6 +15,7 @@
 #include "tests/server/child_process.hpp"
 #include "tests/server/exposition.hpp"
 #include "tests/server/raw_client.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace fracture::test {
 
@@ -42,6 +43,12 @@ inline std::uint16_t lasting_port() {
   throw std::runtime_error("no free port");
 }
 
+/// The exit code (1000 + the signal) of a process that should end by itself. Throws when it does not.
+inline int exit_code(ChildProcess& process, const std::string& name) {
+  require_eventually(kPatience, "the end of " + name, [&] { return !process.alive(); });
+  return process.wait();
+}
+
 /// Replaces each of `count` occurrences; throws when there are more or fewer, since the configuration has
 /// changed then.
 inline void replace(std::string& text, const std::string& from, const std::string& to, int count = 1) {
@@ -61,10 +68,10 @@ class Redis {
         std::vector<std::string>{*find_program("redis-server"), "--port", std::to_string(port), "--bind",
                                  "127.0.0.1", "--save", "", "--appendonly", "no", "--dir", folder_.path},
         folder_ / "output");
-    while (!entries()) {
+    require_eventually(kPatience, "an answer of redis-server", [&] {
       if (!process_->alive()) throw std::runtime_error("redis-server: " + read_file(folder_ / "output"));
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
+      return entries().has_value();
+    });
   }
   void kill() { process_.reset(); }
   /// How many keys it holds; nothing when it does not answer.
@@ -106,6 +113,9 @@ class Farm {
       replace(text, name + " track", address + " track");
       replace(text, name + "\n", address + " port " + std::to_string(ports_[i].admin) + "\n");
     }
+    // HAProxy drops lines of its log when nobody reads them fast enough; its answers come for certain.
+    replace(text, "    default_backend any\n",
+            "    default_backend any\n    http-response set-header " + std::string(kAnsweredBy) + " %s\n");
     // Of which each takes two descriptors, and a user may have no more than 1024.
     replace(text, "    maxconn 4000\n", "    maxconn 200\n");
     without_timeouts(text);
@@ -124,26 +134,34 @@ class Farm {
                                  "127.0.0.1:" + std::to_string(redis.port), "--drain-delay", drain_delay_,
                                  "--max-connections-per-address", "1024"},
         folder_ / ("fracture" + std::to_string(i + 1) + ".log"));
-    for (int status = 0; status != 200;) {
+    require_eventually(kPatience, "a ready fracture" + std::to_string(i + 1), [&] {
       check_alive(i);
       try {
-        status = ask(ports_[i].admin, "GET", "/readyz").status;
+        return ask(ports_[i].admin, "GET", "/readyz").status == 200;
       } catch (const std::runtime_error&) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        return false;
       }
-    }
+    });
   }
   ChildProcess& server(int i) { return *servers_[i]; }
   void kill(int i) { servers_[i].reset(); }
 
-  /// Until HAProxy says so ("UP", "DOWN") of a server. Throws when a server that should come up ended
-  /// instead.
+  /// Until HAProxy says so ("UP", "DOWN") of a server. Throws when it does not, or when a server that should
+  /// come up ended instead.
   void wait_until(int i, const std::string& status) const {
-    while (status_of(i) != status) {
-      if (!haproxy_->alive()) throw std::runtime_error("haproxy: " + log());
-      if (status == "UP") check_alive(i);
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
+    require_eventually(kPatience, "HAProxy to say that fracture" + std::to_string(i + 1) + " is " + status,
+                       [&] {
+                         if (!haproxy_->alive()) throw std::runtime_error("haproxy: " + log());
+                         if (status == "UP") check_alive(i);
+                         return statistic(i, kStatusColumn) == status;
+                       });
+  }
+  /// How many servers HAProxy has sent a request about a mesh to since it was started.
+  int used_servers() const {
+    int used = 0;
+    for (int i = 0; i < kServers; ++i)
+      if (std::atoll(statistic(i, kRequestsColumn).c_str()) > 0) ++used;
+    return used;
   }
   /// A figure of the servers that run, all together.
   double sum(const std::string& family, const std::string& label = "") const {
@@ -153,30 +171,16 @@ class Farm {
         total += parse_exposition(ask(ports_[i].admin, "GET", "/metrics").body).sum(family, label);
     return total;
   }
-  /// Which server each path is sent to, asked one after the other.
+  /// Which server answers each path, asked one after the other. Throws where none did.
   std::vector<std::string> servers_of(const std::vector<std::string>& paths) const {
-    std::ifstream log(folder_ / "haproxy.log");
-    log.seekg(0, std::ios::end);
-    for (const std::string& path : paths) ask(port, "HEAD", path);
-    // "… public of_a_mesh/fracture2 …times… 404 …counts… "HEAD /meshes/sha256:… HTTP/1.1"", written some time
-    // after the answer.
-    std::map<std::string, std::string> servers_by_path;
-    for (std::string line, piece; servers_by_path.size() < paths.size();) {
-      if (!std::getline(log, piece) || log.eof()) {  // not written yet, or not to its end
-        line += std::exchange(piece, {});
-        log.clear();
-        std::this_thread::sleep_for(std::chrono::milliseconds(5));
-        continue;
-      }
-      line += piece;
-      const std::size_t method = line.find("\"HEAD "), name = line.find("of_a_mesh/") + 10;
-      if (method != std::string::npos)
-        servers_by_path[line.substr(method + 6, line.find(' ', method + 6) - method - 6)] =
-            line.substr(name, line.find(' ', name) - name);
-      line.clear();
-    }
     std::vector<std::string> servers;
-    for (const std::string& path : paths) servers.push_back(servers_by_path.at(path));
+    for (const std::string& path : paths) {
+      const Reply reply = ask(port, "HEAD", path);
+      servers.push_back(reply.header(kAnsweredBy));
+      if (servers.back().empty())
+        throw std::runtime_error("HAProxy itself answered HEAD " + path + " with " +
+                                 std::to_string(reply.status));
+    }
     return servers;
   }
   std::string log() const { return read_file(folder_ / "haproxy.log"); }
@@ -205,8 +209,8 @@ class Farm {
     }
     if (found < 6) throw std::runtime_error("haproxy.cfg: where are the timeouts?");
   }
-  /// HAProxy's word for a server; empty while it does not answer.
-  std::string status_of(int i) const {
+  /// A field of HAProxy's statistics about a server; empty while it does not answer.
+  std::string statistic(int i, int column) const {
     try {
       RawClient client(statistics_port_);
       client.send("GET /;csv HTTP/1.0\r\n\r\n");  // which has no chunks
@@ -216,14 +220,18 @@ class Farm {
         if (line.rfind(name, 0) != 0) continue;
         std::istringstream fields(line);
         std::string field;
-        for (int column = 0; column <= 17; ++column)
-          std::getline(fields, field, ',');  // "status" is the 18th
+        for (int c = 0; c <= column; ++c) std::getline(fields, field, ',');
         return field;
       }
     } catch (const std::runtime_error&) {
     }
     return "";
   }
+
+  /// Columns of the statistics as HAProxy's management guide numbers them, section 9.1: stot and status.
+  static constexpr int kRequestsColumn = 7, kStatusColumn = 17;
+  /// Name of the header that the test's configuration adds to every answer that a server gave; in lower case.
+  static constexpr const char* kAnsweredBy = "x-answered-by";
 
   const std::string drain_delay_;
   const std::uint16_t statistics_port_ = lasting_port();

@@ -14,6 +14,7 @@
 
 #include "common/base/digest.hpp"
 #include "tests/server/raw_client.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace fracture::test {
 
@@ -40,17 +41,19 @@ class GameClient {
     if (!connection_) connection_.emplace(port_);
     connection_->send(method + " " + path + " HTTP/1.1\r\nHost: farm\r\nContent-Type: " + type +
                       "\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body);
-    const std::optional<Reply> reply = connection_->receive(false, std::chrono::seconds(120));
+    const std::optional<Reply> reply = connection_->receive(false, kPatience);
     if (!reply || reply->header("connection") == "close") connection_.reset();
     if (!reply) throw std::runtime_error("no whole answer to " + method + " " + path);
     return *reply;
   }
-  /// The fracture of a stored mesh, put (again) as often as it is not there.
+  /// The fracture of a stored mesh, put (again) where it is not there; 404 where it never stays.
   Reply fracture(const StoredMesh& mesh, int seed) {
-    for (;;) {
+    // Each further try means that its server went between two requests.
+    constexpr int kTries = 20;
+    for (int tries = 1;; ++tries) {
       Reply reply = ask("POST", mesh.path + "/fracture", "application/json",
                         R"({"sites": 6, "seed": )" + std::to_string(seed) + "}");
-      if (reply.status != 404) return reply;
+      if (reply.status != 404 || tries == kTries) return reply;
       reply = ask("PUT", mesh.path, "model/obj", mesh.text);
       if (reply.status != 200 && reply.status != 201) return reply;
       ++puts;
@@ -80,10 +83,11 @@ class Load {
     for (std::thread& client : clients_)
       if (client.joinable()) client.join();
   }
-  /// Until so many more were answered; earlier when one failed.
+  /// Until so many more were answered; earlier when one failed. Throws when neither happens.
   void wait_for(int more) const {
-    for (const int end = answered + more; answered < end && failed == 0;)
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    const int end = answered + more;
+    require_eventually(kPatience, std::to_string(more) + " more answers",
+                       [&] { return answered >= end || failed != 0; });
   }
   std::string first_failure() const {
     const std::lock_guard lock(mutex_);

@@ -1,5 +1,6 @@
 // Three servers, a Redis and HAProxy as docker/compose.yaml arranges them: what clients see while parts of it
-// are killed, restarted or replaced. Nothing here waits for a time: every step waits until it has happened.
+// are killed, restarted or replaced. Nothing here waits for a time: every step waits until it has happened,
+// and fails when that takes longer than kPatience.
 #include <gtest/gtest.h>
 
 #include <set>
@@ -81,12 +82,13 @@ TEST_F(Topology, AServerKilledUnderLoadFailsNoRequestAndIsWarmAgain) {
     expect_no_failure(load, "kill and restart");
     // Until everything of a whole round is answered from caches, as before.
     int hits = 0, rounds = 0;
-    do {
+    EXPECT_TRUE(eventually(kPatience, "answers from caches alone", [&] {
       const int answered = load.answered, from_caches = load.from_caches;
       load.wait_for(kMeshes * kSeeds);
       hits = 100 * (load.from_caches - from_caches) / std::max(load.answered - answered, 1);
       ++rounds;
-    } while (hits < 99 && load.failed == 0);
+      return hits >= 99 || load.failed != 0;
+    }));
     load.stop();
     expect_no_failure(load, "warm again");
     std::printf(
@@ -112,8 +114,8 @@ TEST_F(Topology, TheSharedTierSavesRecomputation) {
   constexpr int kResults = kMeshes * kSeeds;
   all();
   EXPECT_EQ(farm->sum("fracture_results_computed_total"), kResults);
-  while (farm->redis.entries().value_or(0) + troubles() < kResults)  // written in the background
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  ASSERT_TRUE(eventually(kPatience, "all results in Redis, which are written in the background",
+                         [&] { return farm->redis.entries().value_or(0) + troubles() >= kResults; }));
   const int unwritten = kResults - *farm->redis.entries();
 
   farm->kill(0);
@@ -140,9 +142,8 @@ TEST_F(Topology, WithoutRedisServiceContinues) {
   fresh.wait_for(kMeshes * kSeeds);
   EXPECT_GT(farm->sum("fracture_cache_failures_total", "redis"), 0);
   farm->redis.start();
-  while (farm->redis.entries().value_or(0) == 0 &&
-         fresh.failed == 0)  // until the servers have found it again
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  EXPECT_TRUE(eventually(kPatience, "the servers to find Redis again",
+                         [&] { return farm->redis.entries().value_or(0) != 0 || fresh.failed != 0; }));
   load.stop();
   fresh.stop();
   expect_no_failure(load, "known results");
@@ -159,7 +160,7 @@ TEST_F(Topology, ARollingRestartUnderLoadFailsNoRequest) {
       farm->wait_until(i, "DOWN");
       load.wait_for(kMeshes);
       if (!kFull) farm->server(i).signal(SIGTERM);
-      EXPECT_EQ(farm->server(i).wait(), 0) << "fracture" << i + 1;
+      EXPECT_EQ(exit_code(farm->server(i), "fracture" + std::to_string(i + 1)), 0);
       load.wait_for(kMeshes);
       farm->kill(i);
       farm->start(i);
