@@ -8,8 +8,18 @@
 
 namespace fracture::exact {
 
-/// The true value lies in [value - error, value + error], up to the relative rounding of `error` itself,
-/// which certified_sign() covers by its slack.
+/// The true value lies within bound() of `value`. `error` alone covers the roundings of the values, but
+/// neither its own roundings nor underflow; bound() covers both.
+///
+/// Underflow (Meyer & Pion 2008, "FPG: A code generator for fast and certified geometric predicates"). With
+/// gradual underflow a sum is exact where it is subnormal; a product loses at most 2^-1075. An operation
+/// makes at most five products (of values and of error terms), so what it loses beside relative roundings is
+/// at most 2^-1072. Later operations multiply that loss by the other factors of the polynomial: in a
+/// polynomial of degree at most 9 by at most seven differences of coordinates, each below 2^45 (sites and
+/// meshes reach 1e12, the corners of the big tetrahedron less than 2e13), in at most 2^10 monomials. A
+/// thousand operations therefore lose less than 2^-1072 * 2^(7 * 45) * 2^10 * 2^10 = 2^-737 < kUnderflow =
+/// 1e-200 in all, absolutely: the floor holds for the value of a whole polynomial in such coordinates, not
+/// for what was divided since.
 struct Approx {
   double value = 0;
   double error = 0;
@@ -32,16 +42,18 @@ struct Approx {
                    kUlp * std::fabs(v)};
   }
 
-  /// Sign of the true value, or 0 when it cannot be told. The factor 1.001 absorbs the rounding of the error
-  /// terms (fewer than 1,000 operations at 2^-52 each); the floor absorbs underflow: coordinates are at most
-  /// 1e12 in magnitude and the polynomials of degree at most 9, so an underflow of 2^-1074 grows to at most
-  /// 1e-215.
+  /// |true value - value| is at most this, for polynomials as described above: the factor 1.001 absorbs the
+  /// rounding of the error terms (fewer than 1,000 operations at 2^-52 each), the floor absorbs underflow.
+  double bound() const { return 1.001 * error + kUnderflow; }
+
+  /// Sign of the true value, or 0 when it cannot be told.
   int certified_sign() const {
-    if (std::fabs(value) > 1.001 * error + 1e-200 && std::fabs(value) < HUGE_VAL) return value > 0 ? 1 : -1;
+    if (std::fabs(value) > bound() && std::fabs(value) < HUGE_VAL) return value > 0 ? 1 : -1;
     return 0;
   }
 
  private:
+  static constexpr double kUnderflow = 1e-200;
   static constexpr double kUlp = 0x1.0p-52;  // twice the unit roundoff: room for the rounding of `error`
 };
 

@@ -17,7 +17,15 @@ namespace {
 // Error of the evaluation in doubles: a difference carries one rounding; a lift 5 (2 + 1 + 2 sums); a 3x3
 // determinant 8; their product 14; three sums 17. Each [P, Q, R] has a permanent of at most sqrt(3) r^3 and
 // each lift is at most r^2 with r = max |difference|, so the error is at most 4 sqrt(3) gamma_17 r^5 = 117.8
-// * 2^-53 r^5, rounded up to 2^-46.
+// * 2^-53 r^5, rounded up to 2^-46 = 128 * 2^-53: the rest, 10 * 2^-53 r^5, covers the second-order terms and
+// the rounding of the bound, whose r^2 is the largest computed lift.
+//
+// Underflow (Meyer & Pion 2008): a product loses at most h = 2^-1075, sums nothing. A minor loses 2 h, a
+// determinant 6 h r + 3 h, a lift 3 h; times lifts of at most r^2, determinants of at most 6 r^3, four of
+// each: all together less than 200 h (1 + r^3). Where r <= 1 that is below 2^-1066, far below kUnderflow;
+// where r > 1 it is below 2^-1066 r^5, far below what is left of kInSphereError. The computed r^2 is too
+// small by 3 h. Where it is at least 2^-1000 that is one more rounding; where it is less, |f| <= 72
+// (2^-999)^2.5 and its computed value are far below kUnderflow, so that the exact path decides.
 constexpr double kInSphereError = 0x1p-46;
 
 /// Differences up to this many steps: 72 m^5 < 2^53, so every operation on doubles is exact (the differences

@@ -84,10 +84,9 @@ int orient3d_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& 
 int orient3d(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
   const Vec3d ba = b - a, ca = c - a, da = d - a;
   const double det = det3(ba, ca, da);
-  const double bound =
-      kOrient3dError * std::sqrt(dot(ba, ba)) * std::sqrt(dot(ca, ca)) * std::sqrt(dot(da, da));
-  if (det > bound + kUnderflow) return 1;
-  if (det < -bound - kUnderflow) return -1;
+  const double bound = orient3d_bound(ba, ca, da);
+  if (det > bound) return 1;
+  if (det < -bound) return -1;
   return orient3d_exact(a, b, c, d, PointScale{});
 }
 

@@ -19,9 +19,9 @@
 // weights; the coefficients stand in side.cpp). Coordinates are never perturbed. Hence no sideN ever returns
 // zero, and together they describe one true power diagram.
 //
-// Sites must be distinct; |coordinates| <= 1e12 (far from overflow and underflow of every polynomial here). A
-// constructed point must exist (its line or plane crosses transversally); the callers guarantee it by having
-// classified the end points first.
+// Sites must be distinct; |coordinates| <= 2e13, subnormal ones included (no polynomial here overflows, and
+// the filter's bound covers underflow: approx.hpp). A constructed point must exist (its line or plane crosses
+// transversally); the callers guarantee it by having classified the end points first.
 #pragma once
 
 #include <cstdint>
