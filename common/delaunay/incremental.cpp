@@ -111,9 +111,7 @@ void IncrementalDelaunay::next_visit() {
 int IncrementalDelaunay::orient_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) const {
   const Vec3d ba = b - a, ca = c - a, da = d - a;
   const double det = exact::det3(ba, ca, da);
-  const double bound =
-      exact::kOrient3dError * std::sqrt(dot(ba, ba)) * std::sqrt(dot(ca, ca)) * std::sqrt(dot(da, da)) +
-      exact::kUnderflow;
+  const double bound = exact::orient3d_bound(ba, ca, da);
   if (det > bound) return 1;
   if (det < -bound) return -1;
   return exact::orient3d_exact(a, b, c, d, scale_, &counters_.orient3d);
