@@ -42,7 +42,8 @@ VoronoiDiagram::VoronoiDiagram(const Tetrahedralization& tetrahedralization, con
     std::sort(neighbors.begin(), neighbors.end());
 
     // Rounding of value(): every difference and product is off by 2^-53 relative; |q - p_i| is at most
-    // `reach` on each axis. Fewer than 16 roundings touch any term.
+    // `reach` on each axis. Fewer than 16 roundings touch any term. With gradual underflow its products lose at
+    // most 2^-1075 each beside, and so do those of this bound; there are fewer than 16, and 2^-1000 is more.
     const Vec3d& p = site(i);
     double reach = 0;
     for (int a = 0; a < 3; ++a)
@@ -51,7 +52,7 @@ VoronoiDiagram::VoronoiDiagram(const Tetrahedralization& tetrahedralization, con
       const Vec3d u = site(j) - p;
       const double half = 0.5 * dot(u, u);
       const double norm1 = std::fabs(u.x) + std::fabs(u.y) + std::fabs(u.z);
-      bisectors_.push_back({u, half, 0x1.0p-49 * (half + norm1 * reach), j});
+      bisectors_.push_back({u, half, 0x1.0p-49 * (half + norm1 * reach) + 0x1p-1000, j});
     }
     bisector_begin_[i + 1] = static_cast<std::uint32_t>(bisectors_.size());
   }

@@ -42,6 +42,22 @@ TEST(VoronoiDiagram, NearestIsTheExactNearestOfAllSites) {
   }
 }
 
+// Sites so close that every product of their difference underflows: 2.45 + 2.45 - 4.6 steps of 2^-1074 are
+// more than zero, but each product is rounded to whole steps, and 2 + 2 - 5 is less.
+TEST(VoronoiDiagram, SideIsExactWhereABisectorsProductsUnderflow) {
+  const double tiny = 0x8p-1074;
+  const Vec3d i{0, 0, 0}, j{tiny, tiny, -tiny}, q{0.30625, 0.30625, 0.575};
+  const Tetrahedralization t = tetrahedra_of({i, j});
+  const VoronoiDiagram diagram(t, unit_box());
+  const auto of = [&](const Vec3d& p) { return static_cast<SiteId>(t.points[0] == p ? 0 : 1); };
+  const auto bisectors = diagram.bisectors(of(i));
+  const auto bisector = std::find_if(bisectors.begin(), bisectors.end(),
+                                     [&](const Bisector& b) { return b.neighbor == of(j); });
+  ASSERT_NE(bisector, bisectors.end());
+  EXPECT_EQ(diagram.side(of(i), *bisector, q), -1);
+  EXPECT_EQ(diagram.nearest(q, of(i)), of(j));
+}
+
 TEST(VoronoiDiagram, NeighborsAreSymmetricAndAscending) {
   const Tetrahedralization t = tetrahedra_of(random_sites(unit_box(), 300, 3));
   const VoronoiDiagram diagram(t, unit_box());
