@@ -288,7 +288,7 @@ class Gallery:
 
     def asset_sheet(self):
         """Textured meshes of others, with the materials that they bring."""
-        folder = os.environ.get("FRACTURE_TEST_MESHES")
+        folder = os.environ.get("FRACTURE_TEST_MESHES", "").split(":")[0]
         if not folder or not self.wants("assets"):
             return
         rows = []

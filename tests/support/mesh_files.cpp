@@ -5,7 +5,9 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <sstream>
+#include <string>
 
 #ifdef FRACTURE_HAS_IMPORT
 #include "common/import/sibling_files.hpp"
@@ -16,9 +18,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path folder() {
+std::vector<fs::path> folders() {
   const char* set = std::getenv("FRACTURE_TEST_MESHES");
-  return set != nullptr ? fs::path(set) : fs::path(FRACTURE_DEFAULT_TEST_MESHES);
+  std::istringstream names(set != nullptr ? set : FRACTURE_DEFAULT_TEST_MESHES);
+  std::vector<fs::path> found;
+  for (std::string name; std::getline(names, name, ':');)
+    if (!name.empty()) found.emplace_back(name);
+  return found;
 }
 
 std::string lower_extension(const fs::path& path) {
@@ -31,24 +37,27 @@ std::string lower_extension(const fs::path& path) {
 }  // namespace
 
 std::vector<MeshFile> test_meshes() {
-  std::vector<MeshFile> files;
-  std::error_code error;
-  for (fs::recursive_directory_iterator it(folder(), error), end; !error && it != end; it.increment(error)) {
-    if (!it->is_regular_file()) continue;
-    const std::string e = lower_extension(it->path());
-    for (const char* known : {"glb", "gltf", "obj", "stl", "ply", "off", "fbx", "dae", "3ds", "blend"})
-      if (e == known)
-        files.push_back({fs::relative(it->path(), folder()).generic_string(), it->path().string()});
+  std::map<std::string, std::string> paths;  // by name
+  for (const fs::path& folder : folders()) {
+    std::error_code error;
+    for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+      if (!it->is_regular_file()) continue;
+      const std::string e = lower_extension(it->path());
+      for (const char* known : {"glb", "gltf", "obj", "stl", "ply", "off", "fbx", "dae", "3ds", "blend"})
+        if (e == known) paths.emplace(fs::relative(it->path(), folder).generic_string(), it->path().string());
+    }
   }
-  std::sort(files.begin(), files.end(), [](const MeshFile& a, const MeshFile& b) { return a.name < b.name; });
+  std::vector<MeshFile> files;
+  for (const auto& [name, path] : paths) files.push_back({name, path});
   return files;
 }
 
 std::optional<MeshFile> find_test_mesh(const std::string& name) {
-  const fs::path path = folder() / name;
-  std::error_code error;
-  if (!fs::is_regular_file(path, error)) return std::nullopt;
-  return MeshFile{name, path.string()};
+  for (const fs::path& folder : folders()) {
+    std::error_code error;
+    if (fs::is_regular_file(folder / name, error)) return MeshFile{name, (folder / name).string()};
+  }
+  return std::nullopt;
 }
 
 const std::vector<std::string>& closed_test_meshes() {

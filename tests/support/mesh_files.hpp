@@ -1,5 +1,6 @@
-// The real meshes: files of FRACTURE_TEST_MESHES (default: ../shared/meshes/dev beside the source directory).
-// Where they are absent, tests skip; they never pass on nothing.
+// The real meshes: files of the folders that FRACTURE_TEST_MESHES names, separated by ':' (default:
+// ../shared/meshes/dev and unsound beside the source directory; the latter are those that fragments were once
+// found open on). Where they are absent, tests skip; they never pass on nothing.
 #pragma once
 
 #include <optional>
@@ -16,11 +17,11 @@ struct MeshFile {
   std::string path;
 };
 
-/// The mesh files (glb gltf obj stl ply off fbx dae 3ds blend), sorted by name; empty where the folder is
-/// absent.
+/// The mesh files (glb gltf obj stl ply off fbx dae 3ds blend) of all folders, sorted by name; where two
+/// folders have the same name, that of the first one alone. Empty where the folders are absent.
 std::vector<MeshFile> test_meshes();
 std::optional<MeshFile> find_test_mesh(const std::string& name);
-/// Single closed files of the folder: edges all paired, consistently oriented, nothing to repair.
+/// Single closed files of the folder dev: edges all paired, consistently oriented, nothing to repair.
 const std::vector<std::string>& closed_test_meshes();
 /// Debian's assimp-testmodels, e.g. assimp_model("BLEND/Suzanne_248.blend"); nothing where the package is
 /// absent.

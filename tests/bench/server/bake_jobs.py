@@ -3,7 +3,7 @@
 
     bake_jobs.py BUILD/server/fracture-server [--jobs 500] [--meshes FOLDER] [--rounds 3]
 
-Meshes: FOLDER, else $FRACTURE_TEST_MESHES, else generated ones, times parameters; three poisoned ones are refused in every run.
+Meshes: FOLDER, else the first folder of $FRACTURE_TEST_MESHES, else generated ones, times parameters; three poisoned ones are refused in every run.
 Prints the wall and processor times of one and of two workers (the least of the rounds, taken in turn, since other work on
 the machine only adds) and fails where bytes, reports or exit codes are not what they should be. With --rounds 0 nothing is
 timed.
@@ -35,7 +35,7 @@ def generated(folder):
 class Bake:
     def __init__(self, options, folder):
         self.program, self.folder, self.count = options.program, folder, options.jobs
-        meshes = options.meshes or os.environ.get("FRACTURE_TEST_MESHES")
+        meshes = options.meshes or os.environ.get("FRACTURE_TEST_MESHES", "").split(":")[0]
         if meshes:
             found = [p for p in sorted(pathlib.Path(meshes).iterdir())
                      if p.suffix in (".obj", ".glb", ".ply", ".stl", ".STL") and p.stat().st_size < 3_000_000]
