@@ -37,7 +37,7 @@ struct Scratch {
   std::vector<VertexId> ids;
   std::vector<VertexSource> sources;
   std::vector<std::uint32_t> topology;
-  std::vector<std::uint32_t> next;  // another vertex at the same edge cut
+  std::vector<std::uint32_t> next;  // another vertex at the same edge cut, or of the same wedge elsewhere
   std::vector<Vec3d> points;
 
   static Scratch& of_this_thread() {
@@ -179,9 +179,17 @@ class Assembler {
     const auto& wedges = d_.solid.wedges[triangle];
     if (v < d_.cuts.first_b()) {
       const std::uint32_t wedge = wedges[corners[0] == v ? 0 : corners[1] == v ? 1 : 2];
-      std::uint32_t& vertex = s_.of_wedge.slot(wedge);
-      if (vertex == kNoIndex) vertex = add(v, {VertexSource::kWedge, wedge, 0});
-      return vertex;
+      // Mostly a wedge stands at one place. Where a file has a sheet from both sides over the same wedges,
+      // the slab that it became has them at its front and at its back.
+      std::uint32_t& first = s_.of_wedge.slot(wedge);
+      for (std::uint32_t k = first; k != kNoIndex; k = k < s_.next.size() ? s_.next[k] : kNoIndex)
+        if (d_.solid.positions[ids_[k]] == d_.solid.positions[v]) return k;
+      const std::uint32_t fresh = add(v, {VertexSource::kWedge, wedge, 0});
+      if (first != kNoIndex) {
+        s_.next.resize(fresh + 1, kNoIndex);
+        s_.next[fresh] = first;
+      }
+      return first = fresh;
     }
     if (v >= d_.cuts.first_c()) {  // inside this triangle and no other
       const std::uint32_t vertex = s_.at_position.slot(v);

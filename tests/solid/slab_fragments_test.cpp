@@ -1,0 +1,69 @@
+// Open sheets that became slabs, fractured: the fragments are closed and add up to the solid.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "common/pipeline/fracture.hpp"
+#include "tests/support/figures.hpp"
+#include "tests/support/mesh_files.hpp"
+#include "tests/support/shapes.hpp"
+
+namespace fracture::test {
+namespace {
+
+/// The smallest mesh of those that were found: a triangle and its other side over the same three wedges, with
+/// normals.
+Mesh two_sided_triangle() {
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  mesh.attributes.normals.assign(3, {0, 0, 1});
+  mesh.triangles = {{0, 1, 2}, {2, 1, 0}};
+  mesh.material.assign(2, kNoIndex);
+  mesh.node.assign(2, 0);
+  mesh.node_names = {"sheet"};
+  return mesh;
+}
+
+void expect_sound_fragments(const Mesh& mesh, double thickness, std::uint32_t sites) {
+  SCOPED_TRACE("thickness " + std::to_string(thickness) + ", sites " + std::to_string(sites));
+  StageTimings timings;
+  const Expected<Solid> solid = make_solid(std::make_shared<const Mesh>(mesh), {.thickness = thickness}, {});
+  if (!solid) return;  // a typed refusal
+  ASSERT_NO_THROW(solid->validate());
+  Mesh surface;
+  surface.positions = solid->positions;
+  surface.triangles = solid->triangles;
+  ASSERT_EQ(open_directed_edges(surface), 0u);
+  EXPECT_NEAR(volume_of(surface), solid->report.volume, 1e-9 * solid->report.volume);
+  FractureParameters parameters;
+  parameters.sites = sites;
+  const Expected<Diagram> diagram = make_diagram(*solid, parameters, {}, timings);
+  ASSERT_TRUE(diagram);
+  const Expected<FragmentSet> set = fracture(*solid, *diagram, parameters, {}, timings);
+  ASSERT_TRUE(set);
+  EXPECT_EQ(set->certificate.open_edges, 0u);
+  EXPECT_LT(set->certificate.relative_error, 1e-9);
+  EXPECT_NEAR(set->certificate.volume_file + set->certificate.pocket_volume, solid->report.volume,
+              1e-4 * solid->report.volume);
+}
+
+TEST(SlabFragments, ASheetWhoseSidesShareTheirWedgesIsSound) {
+  for (const double thickness : {0.01, 0.5})
+    for (const std::uint32_t sites : {1u, 2u, 30u})
+      expect_sound_fragments(two_sided_triangle(), thickness, sites);
+}
+
+TEST(SlabFragments, EveryFileIsSoundWithEveryThickness) {
+  std::size_t seen = 0;
+  for (const MeshFile& file : test_meshes()) {
+    const Expected<Mesh> mesh = load_mesh(file);
+    if (!mesh || mesh->triangles.size() > 20'000) continue;
+    SCOPED_TRACE(file.name);
+    ++seen;
+    for (const double thickness : {0.001, 0.01, 0.1, 0.5}) expect_sound_fragments(*mesh, thickness, 30);
+  }
+  if (seen == 0) GTEST_SKIP() << "no test meshes";
+}
+
+}  // namespace
+}  // namespace fracture::test
