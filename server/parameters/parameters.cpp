@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "server/parameters/nearest_name.hpp"
 #include "server/parameters/rows.hpp"
 #include "server/parameters/values.hpp"
 
@@ -57,36 +58,12 @@ class Offences {
 
 using Given = std::map<std::string, const RawParameter*>;
 
-/// How many letters are to be inserted, left out or changed (Levenshtein 1966).
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t changed = diagonal + (a[i - 1] != b[j - 1]);
-      diagonal = row[j];
-      row[j] = std::min({changed, row[j] + 1, row[j - 1] + 1});
-    }
-  }
-  return row.back();
-}
-
 std::string unknown_parameter(const std::vector<ParameterSpec>& specs, const std::string& name) {
   std::vector<std::string> known;
-  const ParameterSpec* nearest = nullptr;
-  std::size_t least = 1 + name.size() / 3;
-  for (const ParameterSpec& spec : specs) {
-    known.push_back(spec.name);
-    if (name.size() > 2 * spec.name.size()) continue;
-    if (const std::size_t distance = edit_distance(name, spec.name); distance < least) {
-      least = distance;
-      nearest = &spec;
-    }
-  }
+  for (const ParameterSpec& spec : specs) known.push_back(spec.name);
+  const std::optional<std::string> nearest = nearest_name(name, known);
   return "There is no parameter '" + shown(name) + "'. " +
-         (nearest ? "Did you mean '" + nearest->name + "'? " : std::string()) + "The parameters are " +
+         (nearest ? "Did you mean '" + *nearest + "'? " : std::string()) + "The parameters are " +
          join(known) + ".";
 }
 

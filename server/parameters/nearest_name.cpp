@@ -1,0 +1,40 @@
+#include "server/parameters/nearest_name.hpp"
+
+#include <algorithm>
+#include <vector>
+
+namespace fracture {
+namespace {
+
+/// How many letters are to be inserted, left out or changed.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t changed = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = row[j];
+      row[j] = std::min({changed, row[j] + 1, row[j - 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+std::optional<std::string> nearest_name(std::string_view name, std::span<const std::string> known) {
+  std::optional<std::string> nearest;
+  std::size_t least = 1 + name.size() / 3;
+  for (const std::string& candidate : known) {
+    if (name.size() > 2 * candidate.size()) continue;
+    if (const std::size_t distance = edit_distance(name, candidate); distance < least) {
+      least = distance;
+      nearest = candidate;
+    }
+  }
+  return nearest;
+}
+
+}  // namespace fracture
