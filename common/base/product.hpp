@@ -45,6 +45,23 @@ class Allowance {
   void add(Product product, std::uint64_t count);
   std::uint64_t bytes() const { return bytes_.load(std::memory_order_relaxed); }
 
+  /// What is made between its construction and its destruction is gone afterwards. Null: nothing is counted.
+  /// No other thread may count for the same computation at either moment.
+  class Temporary {
+   public:
+    explicit Temporary(Allowance* allowance)
+        : allowance_(allowance), before_(allowance ? allowance->bytes() : 0) {}
+    ~Temporary() {
+      if (allowance_) allowance_->bytes_.store(before_, std::memory_order_relaxed);
+    }
+    Temporary(const Temporary&) = delete;
+    Temporary& operator=(const Temporary&) = delete;
+
+   private:
+    Allowance* const allowance_;
+    const std::uint64_t before_;
+  };
+
  private:
   void grow(Product product, std::uint64_t bytes);
 

@@ -16,6 +16,7 @@ Expected<SplitFigures> split_large(const Solid& solid, const Solid& seen, Diagra
   for (;;) {
     const Tetrahedralization& t = diagram.tetrahedralization;
     const VoronoiDiagram voronoi(t, seen.box, diagram.map);
+    const Allowance::Temporary temporary(execution.allowance);  // what the pass makes goes with it
     const RestrictedDiagram restricted = restrict_to_solid(solid, seen, voronoi, execution);
     const Pieces pieces = gather_pieces(restricted, Ownership::from_groups(t.site_count(), {}), execution);
     std::vector<std::uint32_t> wanted(t.site_count(), 0);

@@ -33,7 +33,8 @@ Problem to_problem(const Overload& overload) {
 
 Response refusal(Error error, std::string_view request_id) {
   if (error.code == ErrorCode::kInternal) spdlog::error("{} broken invariant: {}", request_id, error.detail);
-  if (error.code == ErrorCode::kOutOfMemory) spdlog::error("{} out of memory", request_id);
+  if (error.code == ErrorCode::kUnsound) spdlog::error("{} unsound answer: {}", request_id, error.detail);
+  if (error.code == ErrorCode::kOutOfMemory) spdlog::error("{} out of memory: {}", request_id, error.detail);
   return Response::problem(to_problem(std::move(error)), request_id);
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/pipeline/delta.hpp"
+#include "server/service/computation_allowance.hpp"
 
 namespace fracture {
 namespace {
@@ -93,18 +94,19 @@ struct Dispatcher::Computation {
   FractureRequest request;
   RequestKeys keys;
   double cost = 0;
-  MemoryBudget::Reservation working;
-  std::shared_ptr<ResultFlights::Flight> flight;
+  std::optional<ComputationAllowance> working{};
+  std::shared_ptr<ResultFlights::Flight> flight{};
   Clock::time_point submitted = Clock::now(), begun;
   double busy_seconds = 0;
   FractureAnswer answer;
   std::shared_ptr<const PreparedMesh> mesh;
 
   bool abandoned() const { return flight->stop().stop_requested(); }
-  Execution execution(int threads, std::stop_token stop) const {
+  Execution execution(int threads, std::stop_token stop) {
     Execution e;
     e.threads = threads;
     e.stop = std::move(stop);
+    e.allowance = &working->allowance();
     e.progress = [flight = flight](const char* stage, double fraction) {
       flight->common.tell(stage, fraction);
     };
@@ -159,6 +161,10 @@ std::optional<Overload> Dispatcher::fracture(FractureRequest request, const Term
     reply(std::move(answer));
     return std::nullopt;
   }
+  if (auto failure = service_.find_failure(keys.result)) {
+    reply(tl::unexpected<Error>(std::move(*failure)));
+    return std::nullopt;
+  }
 
   double cost = 0;
   MemoryBudget::Reservation working;
@@ -206,7 +212,7 @@ std::optional<Overload> Dispatcher::fracture(FractureRequest request, const Term
     c->request = std::move(request);
     c->keys = std::move(keys);
     c->cost = cost;
-    c->working = std::move(working);
+    c->working.emplace(working_, std::move(working));
     c->flight = seat.flight;
     flight.common.task = pool_.submit(terms.priority, cost, [this, c](int threads) { begin(c, threads); });
   } else {
@@ -247,21 +253,22 @@ std::optional<Overload> Dispatcher::prepare(FractureRequest request, const Terms
     struct Preparation {
       FractureRequest request;
       RequestKeys keys;
-      MemoryBudget::Reservation working;
       Terms terms;
+      std::optional<ComputationAllowance> working{};
     };
-    const auto p = std::make_shared<Preparation>(
-        Preparation{std::move(request), std::move(keys), std::move(working), terms});
+    const auto p = std::make_shared<Preparation>(std::move(request), std::move(keys), terms);
+    p->working.emplace(working_, std::move(working));
     pool_.submit(terms.priority, cost, [this, p, cost, flight = seat.flight](int threads) {
       if (flight->stop().stop_requested()) return;
       Execution execution;
       execution.threads = threads;
       execution.stop = flight->stop();
+      execution.allowance = &p->working->allowance();
       execution.progress = p->terms.progress;
       const Clock::time_point start = Clock::now();
       const auto made = guarded([&] { return service_.make_mesh(p->request, p->keys, execution); });
       if (made) pool_.measured(cost, std::chrono::duration<double>(Clock::now() - start).count());
-      p->working = {};
+      p->working.reset();
       meshes_.land(flight, made);
     });
   }
@@ -395,7 +402,7 @@ void Dispatcher::with_diagram(const Shared& c, const Outcome<Diagram>& diagram, 
 }
 
 void Dispatcher::end(const Shared& c, Expected<FractureAnswer> outcome) {
-  c->working = {};
+  c->working.reset();
   results_.land(c->flight, outcome);
 }
 

@@ -29,6 +29,7 @@ class MemoryBudget {
       if (budget_) budget_->used_.fetch_sub(bytes_);
     }
 
+    std::uint64_t bytes() const { return bytes_; }
     /// Makes it at least `bytes`; false, and nothing changes, when the budget has not that much left.
     bool grow_to(std::uint64_t bytes) {
       if (bytes <= bytes_) return true;

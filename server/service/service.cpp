@@ -105,6 +105,7 @@ Expected<FractureAnswer> FractureService::fracture(const FractureRequest& reques
     answer.result_cache = CacheOutcome::kHit;
     return answer;
   }
+  if (auto failure = find_failure(keys.result)) return tl::unexpected<Error>(std::move(*failure));
   try {
     execution.poll();
     Step<PreparedMesh> mesh{find_mesh(keys), CacheOutcome::kHit, {}, {}};
@@ -206,7 +207,10 @@ Expected<FragmentSet> FractureService::make_result(const PreparedMesh& mesh, con
     const StageTimings::Scope scope(answer.timings, "clip");
     return engine_->cut(mesh.solid, diagram, with_hulls(request.parameters), execution, answer.inner, kept);
   }();
-  if (!fragments) return fragments;
+  if (!fragments) {
+    if (fragments.error().code == ErrorCode::kUnsound) failures_.add(keys.result, fragments.error());
+    return fragments;
+  }
   execution.poll();
 
   if (execution.progress) execution.progress("encode", 0);

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,7 @@
 #include "server/cache/memory_cache.hpp"
 #include "server/parameters/parameters.hpp"
 #include "server/service/engine.hpp"
+#include "server/service/failure_memo.hpp"
 #include "server/service/request.hpp"
 #include "server/service/result.hpp"
 #include "server/service/result_tiers.hpp"
@@ -89,6 +91,8 @@ class FractureService {
     return diagrams_.find(keys.diagram);
   }
   std::shared_ptr<const FractureResult> find_result(const std::string& key) { return results_.find(key); }
+  /// Why this request had no answer lately (kUnsound); nothing when that is not known.
+  std::optional<Error> find_failure(const std::string& key) const { return failures_.find(key); }
 
   /// Are there tiers below memory? fetch_result() looks into them, which blocks, and takes what it finds into
   /// memory: `answer` gets the result (null: nowhere) and the caches.
@@ -111,9 +115,10 @@ class FractureService {
   struct Figures {
     CacheFigures meshes, diagrams, results;
     TiersFigures tiers;
+    std::uint64_t unsound = 0;  ///< answers that did not prove themselves
   };
   Figures figures() const {
-    return {meshes_.figures(), diagrams_.figures(), results_.figures(), tiers_.figures()};
+    return {meshes_.figures(), diagrams_.figures(), results_.figures(), tiers_.figures(), failures_.count()};
   }
   ResultTiers& tiers() { return tiers_; }
   const ServiceConfig& config() const { return config_; }
@@ -127,6 +132,7 @@ class FractureService {
   MemoryCache<Diagram> diagrams_;
   MemoryCache<FractureResult> results_;
   MemoryCache<nlohmann::json> answers_;  ///< canonical parameters, by RequestKeys::result
+  FailureMemo failures_;
   ResultTiers tiers_;
 };
 

@@ -61,6 +61,17 @@ TEST(Allowance, TellsMemoryThatOthersHoldFromWhatIsTooMuch) {
   }
 }
 
+TEST(Allowance, ForgetsWhatWasTemporary) {
+  Allowance allowance(1'000'000, 1'000'000, [](std::uint64_t) { return Answer::kNever; });
+  allowance.add(Product::kSegments, 10);
+  const std::uint64_t before = allowance.bytes();
+  for (int pass = 0; pass < 1000; ++pass) {
+    const Allowance::Temporary temporary(&allowance);
+    allowance.add(Product::kSegments, 1000);
+  }
+  EXPECT_EQ(allowance.bytes(), before);
+}
+
 TEST(SortWithPolls, SortsAndCanBeInterruptedHalfWay) {
   std::vector<std::uint32_t> numbers(300'000);
   for (std::uint32_t k = 0; k < numbers.size(); ++k) numbers[k] = k * 2654435761u;
