@@ -356,5 +356,95 @@ TEST_F(DispatcherTest, ComingAndGoingAtRandomNobodyIsForgotten) {
   EXPECT_EQ(dispatcher.figures().working_bytes, 0u);
 }
 
+// What a computation makes is known while it is made: its reservation grows with it.
+TEST_F(DispatcherTest, AComputationHoldsWhatItMakesUntilItEnds) {
+  Gate gate;
+  constexpr std::uint64_t kPolygons = 100'000;
+  control->during_cut = [&](const Execution& execution) {
+    execution.made(Product::kPolygons, kPolygons);
+    gate.pass(execution);
+  };
+  ask(request("mesh"));
+  gate.wait_for(1);
+  EXPECT_GE(dispatcher.figures().working_bytes, kPolygons * bytes_of(Product::kPolygons));
+  gate.open = true;
+  dispatcher.wait_idle();
+  EXPECT_EQ(good, 1);
+  EXPECT_EQ(dispatcher.figures().working_bytes, 0u);
+}
+
+TEST_F(DispatcherTest, AComputationThatNeverFitsIsRefusedByNameAndOneThatOthersCrowdOutMayComeBack) {
+  constexpr std::uint64_t kMemory = 64u << 20;
+  Dispatcher small(service, pool, {kMemory});
+  std::mutex of_outcomes;
+  std::map<std::uint64_t, Expected<FractureAnswer>> outcomes_of;
+  const auto run = [&](std::uint64_t seed) {
+    const auto overload =
+        small.fracture(request("mesh", seed), {}, [&, seed](Expected<FractureAnswer> answer) {
+          const std::lock_guard lock(of_outcomes);
+          outcomes_of.emplace(seed, std::move(answer));
+        });
+    EXPECT_FALSE(overload);
+  };
+  control->during_cut = [&](const Execution& execution) {
+    for (int k = 0; k < 10'000; ++k) execution.made(Product::kCapTriangles, 1000);
+  };
+  run(1);
+  small.wait_idle();
+  ASSERT_FALSE(outcomes_of.at(1));
+  EXPECT_EQ(outcomes_of.at(1).error().code, ErrorCode::kTooComplex);
+  EXPECT_EQ(outcomes_of.at(1).error().extra["grew"], "cap_triangles");
+  EXPECT_EQ(outcomes_of.at(1).error().extra["limit"], kMemory);
+
+  // Two that would each fit alone: while one holds its memory, the other is sent away.
+  Gate gate;
+  std::atomic<bool> first{true};
+  control->during_cut = [&](const Execution& execution) {
+    const bool stays = first.exchange(false);
+    if (!stays) gate.wait_for(1);
+    execution.made(Product::kCapTriangles, kMemory * 6 / 10 / bytes_of(Product::kCapTriangles));
+    if (stays) gate.pass(execution);
+  };
+  run(2);
+  run(3);
+  const auto answered = [&](std::uint64_t seed) {
+    const std::lock_guard lock(of_outcomes);
+    return outcomes_of.contains(seed);
+  };
+  while (!answered(2) && !answered(3)) std::this_thread::yield();  // ended by the test's time limit
+  gate.open = true;
+  small.wait_idle();
+  const bool two = outcomes_of.at(2).has_value(), three = outcomes_of.at(3).has_value();
+  ASSERT_NE(two, three);
+  EXPECT_EQ(outcomes_of.at(two ? 3 : 2).error().code, ErrorCode::kOutOfMemory);
+  EXPECT_EQ(small.figures().working_bytes, 0u);
+}
+
+TEST_F(DispatcherTest, AnAnswerThatDoesNotProveItselfIsNotComputedAgainAndAgain) {
+  control->cut_error = [] { return Error{ErrorCode::kUnsound, "3 edges are open", {}, {{"open_edges", 3}}}; };
+  for (int round = 0; round < 5; ++round) {
+    ask(request("mesh"));
+    dispatcher.wait_idle();
+  }
+  EXPECT_EQ(errors[ErrorCode::kUnsound], 5);
+  EXPECT_EQ(control->cuts, 1);
+  EXPECT_EQ(service.figures().unsound, 1u);
+  EXPECT_EQ(service.figures().results.entries, 0u);
+
+  control->cut_error = nullptr;
+  ask(request("mesh", 2));
+  dispatcher.wait_idle();
+  EXPECT_EQ(good, 1) << "another request is another answer";
+}
+
+TEST(FailureMemo, ForgetsTheOldest) {
+  FailureMemo memo;
+  for (std::size_t k = 0; k <= FailureMemo::kMost; ++k)
+    memo.add(std::to_string(k), Error{ErrorCode::kUnsound, std::to_string(k)});
+  EXPECT_FALSE(memo.find("0"));
+  EXPECT_EQ(memo.find("1")->detail, "1");
+  EXPECT_EQ(memo.count(), FailureMemo::kMost + 1);
+}
+
 }  // namespace
 }  // namespace fracture

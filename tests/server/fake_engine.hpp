@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,6 +21,7 @@ struct FakeControl {
   std::atomic<int> imports{0}, prepares{0}, diagrams{0}, cuts{0}, cancelled{0};
   /// Runs inside cut(); may block, throw, or poll the execution.
   std::function<void(const Execution&)> during_cut;
+  std::function<std::optional<Error>()> cut_error;  ///< of cut(), after during_cut
   /// Runs inside import(); an error is returned as it is.
   std::function<Expected<Mesh>(std::string_view bytes)> import;
   /// Sees the further files of import().
@@ -65,6 +67,8 @@ class FakeEngine final : public FractureEngine {
       if (interrupted.code == ErrorCode::kCancelled) ++control_->cancelled;
       throw;
     }
+    if (control_->cut_error)
+      if (std::optional<Error> error = control_->cut_error()) return tl::unexpected<Error>(std::move(*error));
     FragmentSet set;
     set.certificate.fragments = static_cast<std::uint32_t>(diagram.sites.size());
     return set;
