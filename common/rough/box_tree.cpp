@@ -9,19 +9,21 @@ constexpr std::uint32_t kLeaf = 4;  // boxes, at most
 
 }  // namespace
 
-BoxTree::BoxTree(const std::vector<Box>& boxes) {
+BoxTree::BoxTree(const std::vector<Box>& boxes, const Execution& execution) {
+  Pacer pacer(execution);
   items_.reserve(boxes.size());
   for (std::uint32_t k = 0; k < boxes.size(); ++k) items_.push_back({boxes[k], k});
   nodes_.reserve(boxes.size());
-  if (!items_.empty()) build(0, static_cast<std::uint32_t>(items_.size()));
+  if (!items_.empty()) build(0, static_cast<std::uint32_t>(items_.size()), pacer);
 }
 
-void BoxTree::build(std::uint32_t first, std::uint32_t last) {
+void BoxTree::build(std::uint32_t first, std::uint32_t last, Pacer& pacer) {
   const auto twice_middle = [](const Item& item) { return item.box.min + item.box.max; };
   Box all, middles;
   for (std::uint32_t k = first; k < last; ++k) {
     all.add(items_[k].box);
     middles.add(twice_middle(items_[k]));
+    pacer.step();
   }
   const std::size_t node = nodes_.size();
   nodes_.push_back({all, first, last - first});
@@ -33,19 +35,25 @@ void BoxTree::build(std::uint32_t first, std::uint32_t last) {
   const std::uint32_t half = first + (last - first) / 2;
   std::nth_element(items_.begin() + first, items_.begin() + half, items_.begin() + last,
                    [&](const Item& x, const Item& y) {
+                     pacer.step();
                      const double a = twice_middle(x)[axis], b = twice_middle(y)[axis];
                      return a != b ? a < b : x.index < y.index;
                    });
-  build(first, half);
+  build(first, half, pacer);
   nodes_[node].first = static_cast<std::uint32_t>(nodes_.size());
   nodes_[node].count = 0;
-  build(half, last);
+  build(half, last, pacer);
 }
 
-void BoxTree::refit(const std::vector<Box>& boxes) {
-  for (Item& item : items_) item.box = boxes[item.index];
+void BoxTree::refit(const std::vector<Box>& boxes, const Execution& execution) {
+  Pacer pacer(execution);
+  for (Item& item : items_) {
+    item.box = boxes[item.index];
+    pacer.step();
+  }
   for (std::size_t n = nodes_.size(); n-- > 0;) {  // children stand behind their parents
     Node& node = nodes_[n];
+    pacer.step();
     node.box = {};
     for (std::uint32_t k = node.first; k < node.first + node.count; ++k) node.box.add(items_[k].box);
     if (node.count > 0) continue;

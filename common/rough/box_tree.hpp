@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/pacer.hpp"
 #include "common/base/vec.hpp"
 
 namespace fracture {
@@ -25,9 +26,11 @@ inline double square_distance(const Box& box, const Vec3d& p) {
 class BoxTree {
  public:
   /// Halved at the median of the middles, along the axis on which these lie farthest apart: n log n.
-  explicit BoxTree(const std::vector<Box>& boxes);
-  /// The same tree around other boxes, as many: good while they are about where they were. Linear.
-  void refit(const std::vector<Box>& boxes);
+  /// Throws Interrupted.
+  explicit BoxTree(const std::vector<Box>& boxes, const Execution& execution = {});
+  /// The same tree around other boxes, as many: good while they are about where they were. Linear. Throws
+  /// Interrupted.
+  void refit(const std::vector<Box>& boxes, const Execution& execution = {});
 
   /// visit(i) for every box that overlaps.
   template <class Visit>
@@ -63,7 +66,7 @@ class BoxTree {
     Box box;
     std::uint32_t index;
   };
-  void build(std::uint32_t first, std::uint32_t last);
+  void build(std::uint32_t first, std::uint32_t last, Pacer& pacer);
 
   template <class Visit>
   void descend(std::uint32_t n, const Box& box, const Visit& visit) const {

@@ -3,9 +3,14 @@
 #include <algorithm>
 #include <array>
 
+#include "common/base/pacer.hpp"
+
 namespace fracture {
 namespace {
 
+/// Regions of one cut that may meet at one place and smooth each other; where more do (all facets of a
+/// lattice through one point), each has its own normal there: every pair would have to be looked at.
+constexpr std::size_t kMostAtOnePlace = 64;
 /// Cosine of the angle between two facets up to which they are one cut.
 constexpr double kOneCut = 0.94;
 
@@ -29,7 +34,7 @@ std::vector<Vec3f> cap_normals(const VoronoiDiagram& diagram, const std::vector<
     const std::uint32_t a = owner_of_site[caps.regions[r].lo], b = owner_of_site[caps.regions[r].hi];
     if (a != b) cuts.push_back({std::min(a, b), std::max(a, b), r});
   }
-  std::sort(cuts.begin(), cuts.end());
+  sort_with_polls(execution, cuts.begin(), cuts.end());
   std::vector<std::size_t> begin;
   for (std::size_t k = 0; k < cuts.size(); ++k)
     if (k == 0 || cuts[k].low != cuts[k - 1].low || cuts[k].high != cuts[k - 1].high) begin.push_back(k);
@@ -44,16 +49,18 @@ std::vector<Vec3f> cap_normals(const VoronoiDiagram& diagram, const std::vector<
   std::vector<Vec3f> normals(3 * caps.triangles.size());
   parallel_for(execution, count, 16, [&](std::size_t first, std::size_t last) {
     std::vector<Corner> corners;
+    Pacer pacer(execution);
     for (std::size_t c = first; c < last; ++c) {
       corners.clear();
       for (std::size_t k = begin[c]; k < begin[c + 1]; ++k) {
         const CapRegion& region = caps.regions[cuts[k].region];
+        pacer.step(4 * region.triangle_count);
         for (std::uint32_t t = region.first_triangle; t < region.first_triangle + region.triangle_count; ++t)
           for (std::uint32_t i = 0; i < 3; ++i)
             corners.push_back({positions.steps[caps.triangles[t][i] - positions.first_constructed],
                                cuts[k].region, 3 * t + i});
       }
-      std::sort(corners.begin(), corners.end(), [](const Corner& x, const Corner& y) {
+      sort_with_polls(execution, corners.begin(), corners.end(), [](const Corner& x, const Corner& y) {
         if (x.place != y.place) return x.place < y.place;
         return x.region != y.region ? x.region < y.region : x.corner < y.corner;
       });
@@ -77,10 +84,12 @@ std::vector<Vec3f> cap_normals(const VoronoiDiagram& diagram, const std::vector<
               sums.back().normal + sign_of(r) * cross(at(t[1]) - at(t[0]), at(t[2]) - at(t[0]));
           sums.back().last = end + 1;
         }
+        const bool crowded = sums.size() > kMostAtOnePlace;
         for (const Sum& own : sums) {
-          Vec3d n;
-          for (const Sum& other : sums)
-            if (dot(own.facet, other.facet) > kOneCut) n = n + other.normal;
+          Vec3d n = crowded ? own.normal : Vec3d{};
+          pacer.step(crowded ? 1 : sums.size());
+          for (std::size_t s = 0; !crowded && s < sums.size(); ++s)
+            if (dot(own.facet, sums[s].facet) > kOneCut) n = n + sums[s].normal;
           const double l = length(n);
           n = l > 0 ? (sign_of(own.region) / l) * n : sign_of(own.region) * own.facet;
           for (std::size_t m = own.first; m < own.last; ++m)

@@ -11,24 +11,29 @@ namespace {
 constexpr double kMargin = 0.6;
 /// The box of the loops may have so many lattice points for each that their area has room for.
 constexpr double kMostEmpty = 64;
+/// Of removing pinches; the first is enough for nearly all regions.
+constexpr int kMostPasses = 16;
 constexpr double kHalfRoot3 = 0.8660254037844386;
 constexpr std::uint32_t kNone = 0xffffffffu;
 
 }  // namespace
 
 void CoreLattice::build(std::span<const Vec2d> plane, std::span<const std::uint32_t> loop_begin,
-                        double length, double area) {
+                        double length, double area, const Execution& execution) {
+  Pacer pacer(execution);
   points_.clear();
   triangles_.clear();
   rim_.clear();
   rim_begin_.assign(1, 0);
   if (!lay_out(plane, length, area)) return;
-  mark_inside(plane, loop_begin);
+  mark_inside(plane, loop_begin, pacer);
   for (std::size_t l = 0; l + 1 < loop_begin.size(); ++l)
     for (std::uint32_t k = loop_begin[l]; k < loop_begin[l + 1]; ++k)
-      clear_near(plane[k], plane[k + 1 < loop_begin[l + 1] ? k + 1 : loop_begin[l]]);
-  while (remove_pinches()) {
-  }
+      clear_near(plane[k], plane[k + 1 < loop_begin[l + 1] ? k + 1 : loop_begin[l]], pacer);
+  // Each pass looks at the whole core. What has pinches after so many is no core worth having.
+  int passes = 0;
+  while (remove_pinches(execution))
+    if (++passes == kMostPasses) return;
   collect();
 }
 
@@ -52,7 +57,8 @@ bool CoreLattice::lay_out(std::span<const Vec2d> plane, double length, double ar
 }
 
 // The winding number along each row: it rises where a loop passes downwards, seen from the left.
-void CoreLattice::mark_inside(std::span<const Vec2d> plane, std::span<const std::uint32_t> loop_begin) {
+void CoreLattice::mark_inside(std::span<const Vec2d> plane, std::span<const std::uint32_t> loop_begin,
+                              Pacer& pacer) {
   std::vector<std::vector<std::pair<double, int>>> rows(static_cast<std::size_t>(rows_));
   for (std::size_t l = 0; l + 1 < loop_begin.size(); ++l)
     for (std::uint32_t k = loop_begin[l]; k < loop_begin[l + 1]; ++k) {
@@ -61,6 +67,7 @@ void CoreLattice::mark_inside(std::span<const Vec2d> plane, std::span<const std:
       const Vec2d &under = a.y < b.y ? a : b, &over = a.y < b.y ? b : a;
       auto row = static_cast<std::int64_t>(std::floor((under.y - low_.y) / height_)) - 1;
       for (row = std::max<std::int64_t>(row, 0); row < rows_ && y_of(row) <= over.y; ++row) {
+        pacer.step();
         if (y_of(row) <= under.y) continue;
         const double t = (y_of(row) - under.y) / (over.y - under.y);
         rows[static_cast<std::size_t>(row)].emplace_back(under.x + t * (over.x - under.x),
@@ -69,6 +76,7 @@ void CoreLattice::mark_inside(std::span<const Vec2d> plane, std::span<const std:
     }
   for (std::int64_t row = 0; row < rows_; ++row) {
     auto& crossings = rows[static_cast<std::size_t>(row)];
+    pacer.step(static_cast<std::uint64_t>(columns_) + 8 * crossings.size());
     std::sort(crossings.begin(), crossings.end());
     int winding = 0;
     std::size_t next = 0;
@@ -80,7 +88,7 @@ void CoreLattice::mark_inside(std::span<const Vec2d> plane, std::span<const std:
   }
 }
 
-void CoreLattice::clear_near(const Vec2d& a, const Vec2d& b) {
+void CoreLattice::clear_near(const Vec2d& a, const Vec2d& b, Pacer& pacer) {
   const double margin = kMargin * length_;
   const Vec2d e{b.x - a.x, b.y - a.y};
   const double square = e.x * e.x + e.y * e.y;
@@ -100,6 +108,7 @@ void CoreLattice::clear_near(const Vec2d& a, const Vec2d& b) {
     auto column = static_cast<std::int64_t>(std::floor((left - low_.x) / length_)) - 1;
     for (column = std::max<std::int64_t>(column, 0); column < columns_ && x_of(row, column) <= right;
          ++column) {
+      pacer.step();
       const Vec2d d{x_of(row, column) - a.x, y_of(row) - a.y};
       const double t = square > 0 ? std::fmin(std::fmax((d.x * e.x + d.y * e.y) / square, 0), 1) : 0;
       const double x = d.x - t * e.x, y = d.y - t * e.y;
@@ -124,7 +133,7 @@ void CoreLattice::each_triangle(const Visit& visit) const {
 }
 
 /// Takes away points where more than one edge of the rim leaves; the loops of the rim are simple without.
-bool CoreLattice::remove_pinches() {
+bool CoreLattice::remove_pinches(const Execution& execution) {
   edges_.clear();
   each_triangle([&](std::size_t a, std::size_t b, std::size_t c) {
     edges_.push_back({a, b});
@@ -132,7 +141,7 @@ bool CoreLattice::remove_pinches() {
     edges_.push_back({c, a});
   });
   // What is left without those that are used the other way too.
-  std::sort(edges_.begin(), edges_.end());
+  sort_with_polls(execution, edges_.begin(), edges_.end());
   std::vector<std::array<std::uint64_t, 2>> rim;
   for (const auto& e : edges_)
     if (!std::binary_search(edges_.begin(), edges_.end(), std::array<std::uint64_t, 2>{e[1], e[0]}))

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "common/base/pacer.hpp"
 #include "common/base/vec.hpp"
 
 namespace fracture {
@@ -15,9 +16,9 @@ class CoreLattice {
  public:
   /// Outer loops run counter-clockwise, holes clockwise; loop l is plane[loop_begin[l] .. loop_begin[l+1]).
   /// `area`: of what they enclose. Leaves nothing where there is no room, or where the box of the loops is so
-  /// much larger than their area that they enclose a thin rim only.
+  /// much larger than their area that they enclose a thin rim only. Throws Interrupted.
   void build(std::span<const Vec2d> plane, std::span<const std::uint32_t> loop_begin, double length,
-             double area);
+             double area, const Execution& execution = {});
 
   const std::vector<Vec2d>& points() const { return points_; }
   const std::vector<std::array<std::uint32_t, 3>>& triangles() const { return triangles_; }  ///< ccw
@@ -28,9 +29,9 @@ class CoreLattice {
 
  private:
   bool lay_out(std::span<const Vec2d> plane, double length, double area);
-  void mark_inside(std::span<const Vec2d> plane, std::span<const std::uint32_t> loop_begin);
-  void clear_near(const Vec2d& a, const Vec2d& b);
-  bool remove_pinches();
+  void mark_inside(std::span<const Vec2d> plane, std::span<const std::uint32_t> loop_begin, Pacer& pacer);
+  void clear_near(const Vec2d& a, const Vec2d& b, Pacer& pacer);
+  bool remove_pinches(const Execution& execution);
   void collect();
 
   double x_of(std::int64_t row, std::int64_t column) const {

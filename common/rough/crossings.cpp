@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "common/base/pacer.hpp"
+
 namespace fracture {
 namespace {
 
@@ -87,13 +89,16 @@ bool cross_each_other(const PlaneTriangle& s, const PlaneTriangle& t, double tol
   return edges_pierce(s, t, tolerance) || edges_pierce(t, s, tolerance);
 }
 
-Crossings::Crossings(const CapSurface& caps, const SurfaceTree& outside, double tolerance)
+Crossings::Crossings(const CapSurface& caps, const SurfaceTree& outside, double tolerance,
+                     const Execution& execution)
     : caps_(caps), outside_(outside), tolerance_(tolerance), seen_(numbers_of(caps.seen)), tree_([&] {
+        Pacer pacer(execution);
         for (std::uint32_t k = 0; k < seen_.size(); ++k) {
+          pacer.step();
           now_.push_back(as_it_is(k));
           boxes_.push_back(box_of(now_.back().corners));
         }
-        return BoxTree(boxes_);
+        return BoxTree(boxes_, execution);
       }()) {}
 
 PlaneTriangle Crossings::as_it_is(std::uint32_t k) const {
@@ -145,7 +150,7 @@ std::optional<std::uint64_t> Crossings::find(const std::vector<char>& suspects, 
     }
     changed.push_back(k);
   }
-  if (looked_) tree_.refit(boxes_);
+  if (looked_) tree_.refit(boxes_, execution);
 
   std::atomic<std::uint64_t> count{0}, pairs{pairs_};
   const std::uint64_t most = kMostPairs * n;

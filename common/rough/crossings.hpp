@@ -34,8 +34,9 @@ struct PlaneTriangle {
 /// Keeps references: what the caps are made of may change between two looks.
 class Crossings {
  public:
-  /// Pairs that cross by `tolerance` (m) or less do not count.
-  Crossings(const CapSurface& caps, const SurfaceTree& outside, double tolerance);
+  /// Pairs that cross by `tolerance` (m) or less do not count. Throws Interrupted.
+  Crossings(const CapSurface& caps, const SurfaceTree& outside, double tolerance,
+            const Execution& execution = {});
 
   /// How many pairs cross and could do otherwise: they have a moved vertex. Sets `crossing` (per triangle) of
   /// both. The first time all pairs are looked at, later only those with one of the `suspects` (per

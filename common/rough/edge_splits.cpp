@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/pacer.hpp"
+
 namespace fracture {
 namespace {
 
@@ -33,32 +35,39 @@ VertexId append_vertex(VertexPositions& positions, const Vec3d& p) {
 
 EdgeSplits::EdgeSplits(const Winding& winding, double length,
                        const std::function<bool(SiteId, SiteId)>& wanted,
-                       const std::function<bool(SiteId, SiteId)>& plain, VertexPositions& positions) {
+                       const std::function<bool(SiteId, SiteId)>& plain, VertexPositions& positions,
+                       const Execution& execution) {
+  Pacer pacer(execution);
   // Rounded to the seam lattice, equal for coinciding vertices.
   const auto at = [&](VertexId v) {
     return positions.lattice.to_world(positions.steps[v - positions.first_constructed]);
   };
   for (const CapSegment& s : winding.segments) {
+    pacer.step();
     if (s.from == s.to || !wanted(s.lo, s.hi)) continue;
     const bool forwards = !lexicographic_less(at(s.to), at(s.from));
     edges_.push_back({forwards ? s.from : s.to, forwards ? s.to : s.from, 0, 0});
   }
-  std::sort(edges_.begin(), edges_.end(),
-            [](const Edge& x, const Edge& y) { return ends_of(x) < ends_of(y); });
+  sort_with_polls(execution, edges_.begin(), edges_.end(),
+                  [](const Edge& x, const Edge& y) { return ends_of(x) < ends_of(y); });
   edges_.erase(std::unique(edges_.begin(), edges_.end(),
                            [](const Edge& x, const Edge& y) { return ends_of(x) == ends_of(y); }),
                edges_.end());
   std::vector<Ends> whole;
-  for (const CapSegment& s : winding.segments)
+  for (const CapSegment& s : winding.segments) {
+    pacer.step();
     if (plain(s.lo, s.hi)) whole.push_back(ends_of(s));
-  std::sort(whole.begin(), whole.end());
+  }
+  sort_with_polls(execution, whole.begin(), whole.end());
   std::erase_if(edges_,
                 [&](const Edge& e) { return std::binary_search(whole.begin(), whole.end(), ends_of(e)); });
   for (Edge& e : edges_) {
+    pacer.step();
     const Vec3d a = at(e.from), along = at(e.to) - a;
     const double parts = std::ceil(fracture::length(along) / length - kSlack);
     e.count = parts > 1 ? static_cast<std::uint32_t>(parts) - 1 : 0;
     e.first = positions.first_constructed + static_cast<VertexId>(positions.points.size());
+    execution.made(Product::kSegments, e.count);
     for (std::uint32_t k = 1; k <= e.count; ++k)
       append_vertex(positions, a + (static_cast<double>(k) / (e.count + 1)) * along);
   }

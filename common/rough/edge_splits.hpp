@@ -14,9 +14,10 @@ namespace fracture {
 class EdgeSplits {
  public:
   /// Divides the pieces that bound a facet of which `wanted(lo, hi)`, and none of which `plain(lo, hi)`, into
-  /// parts no longer than `length` (m) and appends the new vertices to `positions`.
+  /// parts no longer than `length` (m) and appends the new vertices to `positions`. Throws Interrupted.
   EdgeSplits(const Winding& winding, double length, const std::function<bool(SiteId, SiteId)>& wanted,
-             const std::function<bool(SiteId, SiteId)>& plain, VertexPositions& positions);
+             const std::function<bool(SiteId, SiteId)>& plain, VertexPositions& positions,
+             const Execution& execution);
 
   /// Appends the vertices strictly between a and b, in this order: none where (a, b) is no divided piece.
   void between(VertexId a, VertexId b, std::vector<VertexId>& out) const;

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "common/base/disjoint_sets.hpp"
+#include "common/base/pacer.hpp"
 #include "common/base/stamped_map.hpp"
 #include "common/clip/delaunay_flips.hpp"
 #include "common/clip/ear_clipping.hpp"
@@ -28,8 +29,13 @@ constexpr double kSteps = 1 << 23;
 class RegionRefiner {
  public:
   RegionRefiner(const VoronoiDiagram& diagram, const VertexPositions& positions, const EdgeSplits& splits,
-                double length)
-      : diagram_(diagram), positions_(positions), splits_(splits), length_(length) {}
+                double length, const Execution& execution)
+      : diagram_(diagram),
+        positions_(positions),
+        splits_(splits),
+        length_(length),
+        execution_(execution),
+        pacer_(execution) {}
 
   /// Afterwards: triangles() in indices, of known() first and then of fresh(), and components().
   void refine(const CapRegion& region, std::span<const std::array<VertexId, 3>> old) {
@@ -62,13 +68,16 @@ class RegionRefiner {
       return;
     }
     if (area > 0) {
-      core_.build(plane_, loop_begin_, length_, area);
+      core_.build(plane_, loop_begin_, length_, area, execution_);
       for (const Vec2d& p : core_.points()) fresh_.push_back(origin_ + p.x * across_ + p.y * up_);
       if (triangulate_with_core()) return;
     }
     triangles_.clear();
     fresh_.clear();
-    for (const auto& t : old) split_sides(t);
+    for (const auto& t : old) {
+      pacer_.step(64);
+      split_sides(t);
+    }
   }
 
   // Where loops cross, triangles of opposite sense cancel, and what is left of a region may be several: two
@@ -110,8 +119,9 @@ class RegionRefiner {
         const VertexId a = t[k], b = t[(k + 1) % 3];
         edges_.push_back({std::min(a, b), std::max(a, b), a < b ? 1 : -1});
       }
-    std::sort(edges_.begin(), edges_.end(),
-              [](const Edge& x, const Edge& y) { return x.low != y.low ? x.low < y.low : x.high < y.high; });
+    sort_with_polls(execution_, edges_.begin(), edges_.end(), [](const Edge& x, const Edge& y) {
+      return x.low != y.low ? x.low < y.low : x.high < y.high;
+    });
     boundary_.clear();
     for (std::size_t k = 0; k < edges_.size();) {
       const Edge e = edges_[k];
@@ -121,7 +131,7 @@ class RegionRefiner {
       for (; balance > 0; --balance) boundary_.push_back({e.low, e.high});
       for (; balance < 0; ++balance) boundary_.push_back({e.high, e.low});
     }
-    std::sort(boundary_.begin(), boundary_.end());
+    sort_with_polls(execution_, boundary_.begin(), boundary_.end());
 
     loop_begin_.assign(1, 0);
     used_.assign(boundary_.size(), 0);
@@ -131,6 +141,7 @@ class RegionRefiner {
       const VertexId home = boundary_[start].first;
       for (std::size_t e = start;;) {
         used_[e] = 1;
+        pacer_.step(16);
         const auto [from, to] = boundary_[e];
         ring_.push_back(from);
         splits_.between(from, to, ring_);
@@ -209,6 +220,7 @@ class RegionRefiner {
     for (std::size_t gap = 2; gap < n; ++gap)
       for (std::size_t i = 0; i + gap < n; ++i) {
         const std::size_t j = i + gap;
+        pacer_.step(gap);
         double best = HUGE_VAL;
         for (std::size_t k = i + 1; k < j; ++k) {
           const double sum = least_[i * n + k] + least_[k * n + j];
@@ -288,6 +300,8 @@ class RegionRefiner {
   const VertexPositions& positions_;
   const EdgeSplits& splits_;
   const double length_;
+  const Execution& execution_;
+  Pacer pacer_;
   StampedMap& local_ = worker_map();
   std::vector<Edge> edges_;
   std::vector<std::pair<VertexId, VertexId>> boundary_;
@@ -318,7 +332,7 @@ void refine_caps(const VoronoiDiagram& diagram, const Winding& winding, double l
                  const RefinedCaps& which, Caps& caps, VertexPositions& positions,
                  const Execution& execution) {
   const auto& wanted = which.wanted;
-  const EdgeSplits splits(winding, length, wanted, which.plain, positions);
+  const EdgeSplits splits(winding, length, wanted, which.plain, positions, execution);
   struct Refined {
     std::vector<Triangle> triangles;
     std::vector<VertexId> known;
@@ -327,20 +341,23 @@ void refine_caps(const VoronoiDiagram& diagram, const Winding& winding, double l
   };
   std::vector<Refined> refined(caps.regions.size());
   parallel_for(execution, refined.size(), 8, [&](std::size_t begin, std::size_t end) {
-    RegionRefiner refiner(diagram, positions, splits, length);
+    RegionRefiner refiner(diagram, positions, splits, length, execution);
     for (std::size_t r = begin; r < end; ++r) {
       const CapRegion& region = caps.regions[r];
       if (!wanted(region.lo, region.hi)) continue;
       refiner.refine(region, {caps.triangles.data() + region.first_triangle, region.triangle_count});
+      execution.made(Product::kCapTriangles, refiner.triangles().size());
       refined[r] = {refiner.triangles(), refiner.known(), refiner.fresh(), refiner.components()};
     }
   });
 
   std::vector<std::array<VertexId, 3>> triangles;
   std::vector<CapRegion> regions;
+  Pacer pacer(execution);
   for (std::size_t r = 0; r < refined.size(); ++r) {
     const Refined& now = refined[r];
     const CapRegion& before = caps.regions[r];
+    pacer.step(1 + now.triangles.size() + now.fresh.size());
     const auto begin_region = [&] {
       regions.push_back(before);
       regions.back().first_triangle = static_cast<std::uint32_t>(triangles.size());

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "common/base/pacer.hpp"
 #include "common/rough/cap_normals.hpp"
 #include "common/rough/crossings.hpp"
 #include "common/rough/displacement.hpp"
@@ -92,8 +93,8 @@ class Mover {
   }
 
   /// Before move(): vertices of restrained caps get their share of the movement.
-  void restrain(const Restraints& restraints) {
-    find_coinciding();
+  void restrain(const Restraints& restraints, const Execution& execution) {
+    find_coinciding(execution);
     for (const CapRegion& r : caps_.regions) {
       const Restraint restraint = restraint_of(restraints, r.lo, r.hi);
       if (restraint == Restraint::kNone || r.triangle_count == 0 || !seen_[r.first_triangle]) continue;
@@ -120,12 +121,12 @@ class Mover {
   /// Returns how many pairs of triangles cross at the end; nothing where too many would have to be looked at:
   /// then everything is back in its place.
   std::optional<std::uint64_t> calm(const SurfaceTree& outside, const Execution& execution) {
-    find_coinciding();
+    find_coinciding(execution);
     const Vec3d step = positions_.lattice.step();
     const double tolerance = kLeastCrossing * std::fmax(step.x, std::fmax(step.y, step.z));
     Crossings crossings(
         {caps_.triangles, seen_, positions_.first_constructed, positions_.points, moved_, surface_}, outside,
-        tolerance);
+        tolerance, execution);
     std::vector<char> suspects, bad;
     std::optional<std::uint64_t> pairs = 0;
     for (int round = 0; round < kMostRounds; ++round) {
@@ -137,7 +138,9 @@ class Mover {
         }
         break;
       }
+      execution.poll();
       add_turned_over(tolerance, bad);
+      execution.poll();
       std::vector<char> calmed(flat_.size(), 0);
       for (std::size_t t = 0; t < bad.size(); ++t)
         if (bad[t])
@@ -176,14 +179,14 @@ class Mover {
   }
 
   /// Vertices at the same place under several keys (lattices of sites) stay together.
-  void find_coinciding() {
+  void find_coinciding(const Execution& execution) {
     leader_.resize(flat_.size());
     std::vector<std::uint32_t> order;
     for (std::uint32_t v = 0; v < leader_.size(); ++v) {
       leader_[v] = v;
       if (v >= fixed_) order.push_back(v);
     }
-    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    sort_with_polls(execution, order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
       return flat_[a] == flat_[b] ? a < b : lexicographic_less(flat_[a], flat_[b]);
     });
     for (std::size_t k = 1; k < order.size(); ++k)
@@ -261,13 +264,13 @@ RoughReport roughen(const Solid& solid, const VoronoiDiagram& diagram, const Sur
 
   const Displacement displacement(report.amplitude, roughness.frequency / size, roughness.octaves, seed,
                                   diagram.map());
-  const SurfaceTree outside(solid);
+  const SurfaceTree outside(solid, execution);
   std::vector<char> seen(caps.triangles.size(), 0);
   for (const CapRegion& r : caps.regions)
     if (parts(r.lo, r.hi))
       std::fill_n(seen.begin() + static_cast<std::ptrdiff_t>(r.first_triangle), r.triangle_count, 1);
   Mover mover(diagram, caps, seen, positions, cuts.edge_cuts.size() + cuts.triangle_cuts.size());
-  if (!restraints.empty()) mover.restrain(restraints);
+  if (!restraints.empty()) mover.restrain(restraints, execution);
   mover.move(displacement, outside, execution);
   const std::optional<std::uint64_t> crossing = mover.calm(outside, execution);
   report.crossing = crossing.value_or(0);

@@ -5,19 +5,26 @@
 namespace fracture {
 namespace {
 
-std::vector<std::array<Vec3d, 3>> corners_of(const Solid& solid) {
+std::vector<std::array<Vec3d, 3>> corners_of(const Solid& solid, const Execution& execution) {
+  Pacer pacer(execution);
   std::vector<std::array<Vec3d, 3>> corners;
   corners.reserve(solid.triangles.size());
-  for (const auto& t : solid.triangles)
+  for (const auto& t : solid.triangles) {
+    pacer.step();
     corners.push_back({to_double(solid.positions[t[0]]), to_double(solid.positions[t[1]]),
                        to_double(solid.positions[t[2]])});
+  }
   return corners;
 }
 
-std::vector<Box> boxes_of(const std::vector<std::array<Vec3d, 3>>& triangles) {
+std::vector<Box> boxes_of(const std::vector<std::array<Vec3d, 3>>& triangles, const Execution& execution) {
+  Pacer pacer(execution);
   std::vector<Box> boxes;
   boxes.reserve(triangles.size());
-  for (const auto& t : triangles) boxes.push_back(box_of(t));
+  for (const auto& t : triangles) {
+    pacer.step();
+    boxes.push_back(box_of(t));
+  }
   return boxes;
 }
 
@@ -47,7 +54,8 @@ double distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, cons
   return to(a + (vb / sum) * ab + (vc / sum) * ac);
 }
 
-SurfaceTree::SurfaceTree(const Solid& solid) : corners_(corners_of(solid)), tree_(boxes_of(corners_)) {}
+SurfaceTree::SurfaceTree(const Solid& solid, const Execution& execution)
+    : corners_(corners_of(solid, execution)), tree_(boxes_of(corners_, execution), execution) {}
 
 double SurfaceTree::distance(const Vec3d& p, double most) const {
   double least = most;

@@ -16,7 +16,8 @@ double distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, cons
 
 class SurfaceTree {
  public:
-  explicit SurfaceTree(const Solid& solid);
+  /// Throws Interrupted.
+  explicit SurfaceTree(const Solid& solid, const Execution& execution = {});
 
   /// min(distance from p to the surface, most), m.
   double distance(const Vec3d& p, double most) const;
