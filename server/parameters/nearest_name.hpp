@@ -8,7 +8,7 @@
 
 namespace fracture {
 
-/// The first of the least edit distance (Levenshtein 1966); nothing where more than a third of the letters
+/// The first of the least edit distance (Damerau 1964); nothing where more than a third of the letters
 /// would have to change.
 std::optional<std::string> nearest_name(std::string_view name, std::span<const std::string> known);
 
