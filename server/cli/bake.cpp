@@ -18,6 +18,7 @@
 #include "server/bake/depfile.hpp"
 #include "server/bake/import_workers.hpp"
 #include "server/bake/input_file.hpp"
+#include "server/bake/memory.hpp"
 #include "server/bake/plan.hpp"
 #include "server/bake/progress.hpp"
 #include "server/bake/remote_baker.hpp"
@@ -69,9 +70,17 @@ int refuse(const std::string& input, const Error& error) {
   return error.code == ErrorCode::kCancelled ? kExitInterrupted : kExitRefused;
 }
 
+/// With the share of the memory that each of the jobs may hold.
+ServiceConfig service_for(const BakeOptions& options, int jobs) {
+  ServiceConfig service = options.service;
+  const std::uint64_t memory = options.memory > 0 ? options.memory : bake::available_memory() / 4 * 3;
+  service.max_bytes_per_job = memory / static_cast<std::uint64_t>(jobs);
+  return service;
+}
+
 /// One file with all threads, in the words of one.
 int bake_one(const bake::BakeJob& job, const BakeOptions& options) {
-  FractureService service(options.service, make_engine(bake::own_import_workers(1)));
+  FractureService service(service_for(options, 1), make_engine(bake::own_import_workers(1)));
   Expected<RequestParameters> parameters = service.parse(job.parameters);
   if (!parameters) return refuse(job.input, parameters.error());
   if (!bake::is_readable(job.input)) return unreadable(job.input);
@@ -213,8 +222,8 @@ int bake(const BakeOptions& options) {
   const int jobs = options.jobs > 0 ? options.jobs : remote ? kRemoteJobs : available_cores();
   StopOnSignal stop;
   int refused = 0;
-  const std::unique_ptr<bake::Baker> baker =
-      remote ? connect(options, jobs, stop.token(), refused) : bake::local_baker(options.service, jobs);
+  const std::unique_ptr<bake::Baker> baker = remote ? connect(options, jobs, stop.token(), refused)
+                                                    : bake::local_baker(service_for(options, jobs), jobs);
   if (!baker) return refused;
   if (source.manifest.empty())  // else each line has its own
     if (const auto parameters = baker->parse(source.parameters); !parameters)

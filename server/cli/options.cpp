@@ -84,6 +84,18 @@ void add_threads(CLI::App& app, int& threads, const char* doc) {
       ->capture_default_str();
 }
 
+/// A number of bytes, with KiB, MiB or GiB behind it or not.
+void add_bytes(CLI::App& app, const char* name, std::uint64_t& bytes, const char* doc) {
+  app.add_option_function<std::string>(
+         name,
+         [name, &bytes](const std::string& text) {
+           const std::string wrong = detail::parse_number(text, true, 1u << 20, 1ull << 50, bytes);
+           if (!wrong.empty()) throw CLI::ValidationError(name, wrong + "; it was '" + text + "'");
+         },
+         doc)
+      ->type_name("BYTES");
+}
+
 void add_bake(CLI::App& app, BakeOptions& o) {
   app.add_option("input", o.source.inputs, "Mesh files, folders (every mesh below them), or globs in quotes")
       ->type_name("");
@@ -102,6 +114,10 @@ void add_bake(CLI::App& app, BakeOptions& o) {
       ->capture_default_str();
   add_threads(app, o.threads,
               "Threads for one mesh to one file, 0: one for each core; of several meshes each has one");
+  add_bytes(
+      app, "--memory", o.memory,
+      "Memory for all meshes at work together, shared evenly among -j of them; without it three quarters of "
+      "what this machine or its control group has");
   app.add_option("--shard", o.shard,
                  "I/N: every N-th mesh from the I-th (0 to N - 1); auto/N: I from FRACTURE_SHARD, "
                  "JOB_COMPLETION_INDEX or SLURM_ARRAY_TASK_ID")

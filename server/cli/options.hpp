@@ -61,6 +61,7 @@ struct BakeOptions {
   bool force = false;
   std::string depfile;            ///< for a single file; empty: none
   int threads = 0;                ///< for a single file
+  std::uint64_t memory = 0;       ///< bytes, of all jobs together; 0: three quarters of what there is
   std::string server;             ///< URL; empty: baked here
   std::string token;              ///< for the server
   std::uint32_t patience_s = 60;  ///< with the server

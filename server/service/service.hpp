@@ -38,7 +38,8 @@ struct ServiceConfig {
   std::size_t mesh_cache_bytes = 256u << 20;
   std::size_t diagram_cache_bytes = 64u << 20;
   std::size_t result_cache_bytes = 256u << 20;
-  TiersConfig tiers;  ///< below the result cache
+  std::uint64_t max_bytes_per_job = 0;  ///< of memory that one computation may hold; 0: no limit
+  TiersConfig tiers;                    ///< below the result cache
 };
 
 /// A mesh made ready for any number of fractures.
