@@ -7,6 +7,8 @@
 #include <map>
 
 #include "server/cli/serve_settings.hpp"
+#include "server/cli/spelling.hpp"
+#include "server/parameters/as_text.hpp"
 
 namespace fracture::cli {
 namespace {
@@ -58,22 +60,20 @@ void add_serve(CLI::App& app, std::vector<Setting>& settings, GivenSettings& fla
       "file of --config; flags come before variables, and variables before the file.");
 }
 
-constexpr const char* kParameterGroup = "Parameters, those of a request to the server";
+constexpr const char* kParameterGroup = "Parameters, those of a request to the server (with - or _)";
 
 /// Parameters are taken as text and checked by the service's table: one validation for every way to ask.
 void add_parameters(CLI::App& app, std::vector<RawParameter>& parameters, const ServiceConfig& service) {
   const ParameterTable table(service.max_sites, FormatSet::all());
   for (const ParameterSpec& spec : table.specs()) {
     CLI::Option* option = app.add_option_function<std::string>(
-        "--" + spec.name,
+        both_spellings(spec.name),
         [&parameters, name = spec.name](const std::string& value) {
           parameters.push_back({name, value, true});
         },
         spec.name == "format" ? "Format of the mesh, where its name does not say it" : spec.doc);
     option->group(kParameterGroup)->type_name("");
-    if (!spec.default_value.is_null())
-      option->default_str(spec.default_value.is_string() ? spec.default_value.get<std::string>()
-                                                         : spec.default_value.dump());
+    if (!spec.default_value.is_null()) option->default_str(as_text(spec.default_value).value_or(""));
   }
 }
 
@@ -182,6 +182,7 @@ void add_health(CLI::App& app, HealthOptions& o) {
 int run(int argc, char** argv) {
   CLI::App app("Exact, watertight mesh fracture: as a service (serve) or for one file (bake).",
                "fracture-server");
+  app.formatter(help_formatter());
   app.set_version_flag("--version",
                        "fracture-server " FRACTURE_VERSION " algorithm " + std::to_string(kAlgorithmVersion));
   app.require_subcommand(1);
@@ -218,7 +219,15 @@ int run(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     constexpr int kInspectUsage = 3;
-    if (app.exit(e) == 0) return kExitDone;
+    if (const std::string unknown = e.get_exit_code() == 0 ? "" : unknown_word(app); !unknown.empty()) {
+      const std::vector<CLI::App*> commands = app.get_subcommands();
+      const std::string program =
+          "fracture-server" + (commands.empty() ? "" : " " + commands.front()->get_name());
+      std::fprintf(stderr, "%s: %s\n%s --help lists what there is.\n", program.c_str(), unknown.c_str(),
+                   program.c_str());
+    } else if (app.exit(e) == 0) {
+      return kExitDone;
+    }
     return inspect_command.parsed() ? kInspectUsage : health_command.parsed() ? kExitSystem : kExitUsage;
   }
   if (inspect_command.parsed()) return inspect(inspect_options);
