@@ -8,9 +8,14 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <set>
 #include <system_error>
+#include <utility>
 
 #include "common/import/import.hpp"
+#include "server/bake/output_path.hpp"
+#include "server/bake/report.hpp"
+#include "server/bake/result_file.hpp"
 
 namespace fracture::bake {
 namespace {
@@ -32,43 +37,102 @@ struct Found {
   fs::path name;
 };
 
-Expected<void> add_folder(const std::string& folder, std::vector<Found>& found) {
-  std::error_code error;
-  for (fs::recursive_directory_iterator at(folder, error), end; !error && at != end; at.increment(error))
-    if (at->is_regular_file(error) && is_mesh_name(at->path()))
-      found.push_back({at->path().string(), at->path().lexically_relative(folder)});
-  if (error) return wrong("The folder '" + folder + "' cannot be read: " + error.message() + ".");
-  return {};
-}
-
-Expected<void> add_glob(const std::string& pattern, std::vector<Found>& found) {
-  glob_t matches{};
-  const int result = ::glob(pattern.c_str(), 0, nullptr, &matches);
-  for (std::size_t k = 0; result == 0 && k < matches.gl_pathc; ++k) {
-    const fs::path path = matches.gl_pathv[k];
-    std::error_code error;
-    if (fs::is_regular_file(path, error) && is_mesh_name(path))
-      found.push_back({path.string(), path.filename()});
+/// Looks for meshes, and leaves out what earlier bakes made.
+class Search {
+ public:
+  explicit Search(const BakeSource& source) : source_(source) {
+    if (!source.report.empty()) add_results_of_report(source.report, results_);
   }
-  ::globfree(&matches);
-  return {};
-}
 
-Expected<std::vector<BakeJob>> jobs_of_inputs(const BakeSource& source) {
-  std::vector<Found> found;
-  for (const std::string& input : source.inputs) {
-    const std::size_t before = found.size();
+  Expected<void> look_into(const std::string& input) {
     std::error_code error;
-    Expected<void> added;
+    const std::size_t before = found_.size(), skipped_before = skipped_.size();
+    Expected<void> looked;
     if (fs::is_directory(input, error))
-      added = add_folder(input, found);
+      looked = look_into_folder(input);
     else if (is_glob(input) && !fs::exists(input, error))
-      added = add_glob(input, found);
+      look_into_glob(input);
     else
-      found.push_back({input, fs::path(input).filename()});
-    if (!added) return tl::unexpected(added.error());
-    if (found.size() == before) return wrong("There is no mesh in '" + input + "'.");
+      found_.push_back({input, fs::path(input).filename()});
+    if (looked && found_.size() == before) {
+      const std::size_t results = skipped_.size() - skipped_before;
+      return wrong("There is no mesh in '" + input + "'" +
+                   (results > 0 ? " but " + std::to_string(results) + " that earlier bakes made." : "."));
+    }
+    return looked;
   }
+
+  std::vector<Found> take_found() { return std::move(found_); }
+  std::vector<std::string> take_skipped() { return std::move(skipped_); }
+
+ private:
+  Expected<void> look_into_folder(const std::string& folder) {
+    std::vector<Found> meshes;
+    std::error_code error;
+    for (fs::recursive_directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+      const fs::path& path = at->path();
+      if (at->is_directory(error)) {
+        if (!source_.failures.empty() && identity_of(path.string()) == identity_of(source_.failures))
+          at.disable_recursion_pending();
+      } else if (at->is_regular_file(error)) {
+        if (is_mesh_name(path))
+          meshes.push_back({path.string(), path.lexically_relative(folder)});
+        else if (const std::string name = path.filename().string();
+                 name.starts_with("bake.") && name.ends_with(".ndjson"))
+          add_results_of_report(path.string(), results_);
+      }
+    }
+    if (error) return wrong("The folder '" + folder + "' cannot be read: " + error.message() + ".");
+    for (Found& mesh : meshes) add(std::move(mesh));
+    return {};
+  }
+
+  void look_into_glob(const std::string& pattern) {
+    glob_t matches{};
+    const int result = ::glob(pattern.c_str(), 0, nullptr, &matches);
+    for (std::size_t k = 0; result == 0 && k < matches.gl_pathc; ++k) {
+      const fs::path path = matches.gl_pathv[k];
+      std::error_code error;
+      if (fs::is_regular_file(path, error) && is_mesh_name(path)) add({path.string(), path.filename()});
+    }
+    ::globfree(&matches);
+  }
+
+  void add(Found mesh) {
+    const std::optional<MeshFormat> format =
+        format_from_extension(fs::path(mesh.path).extension().string().substr(1));
+    const bool result =
+        (!results_.empty() && results_.contains(identity_of(mesh.path))) ||
+        ((format == MeshFormat::kGlb || format == MeshFormat::kGltf) && is_result_file(mesh.path));
+    if (result)
+      skipped_.push_back(mesh.path);
+    else
+      found_.push_back(std::move(mesh));
+  }
+
+  const BakeSource& source_;
+  std::set<FileIdentity> results_;  ///< by the reports of earlier bakes
+  std::vector<Found> found_;
+  std::vector<std::string> skipped_;
+};
+
+Expected<std::vector<BakeJob>> jobs_of_inputs(const BakeSource& source, std::vector<std::string>& skipped) {
+  std::error_code error;
+  const bool there = fs::exists(source.output, error),
+             file = there && !fs::is_directory(source.output, error);
+  const std::string ending = fs::path(source.output).extension().string();
+  if (file || (!there && (ending == ".glb" || ending == ".gltf")))
+    return wrong("'" + source.output + "' is " + (file ? "no folder" : "the name of a file") +
+                 ": several meshes, or those of a folder, need a folder (a new one may end in '/').");
+  Search search(source);
+  for (const std::string& input : source.inputs) {
+    if (input == kStandardStream)
+      return wrong(
+          "Standard input ('-') is one mesh, and goes alone to one file: give it a name with --output.");
+    if (const auto looked = search.look_into(input); !looked) return tl::unexpected(looked.error());
+  }
+  skipped = search.take_skipped();
+  std::vector<Found> found = search.take_found();
   std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.path < b.path; });
   std::vector<BakeJob> jobs;
   for (const Found& mesh : found)
@@ -92,8 +156,13 @@ Expected<BakeJob> job_of_line(const std::string& line, const fs::path& folder, c
     if (key == "input" || key == "output") {
       if (!value.is_string() || value.get_ref<const std::string&>().empty())
         return wrong("'" + key + "' must be a path; it was " + value.dump());
-      (key == "input" ? job.input : job.output) =
-          (folder / value.get<std::string>()).lexically_normal().string();
+      if (value == kStandardStream)
+        return wrong("'" + key +
+                     "' is '-': standard input and output are for one mesh without a manifest; a file "
+                     "of this name is './-'");
+      std::string path = (folder / value.get<std::string>()).lexically_normal().string();
+      if (path == kStandardStream) path.insert(0, "./");
+      (key == "input" ? job.input : job.output) = std::move(path);
     } else if (key == "parameters") {
       if (!value.is_object()) return wrong("'parameters' must be an object; it was " + value.dump());
       override_by(value, job.parameters);
@@ -118,23 +187,78 @@ Expected<std::vector<BakeJob>> jobs_of_manifest(const BakeSource& source) {
     if (!job)
       return wrong("Line " + std::to_string(number) + " of '" + source.manifest + "': " + job.error().detail +
                    ".");
+    job->line = number;
     jobs.push_back(std::move(*job));
   }
   if (file.bad()) return wrong("The manifest '" + source.manifest + "' cannot be read to its end.");
   return jobs;
 }
 
-/// The job that has the same output as an earlier one; two writers of one file would leave either.
-const BakeJob* first_collision(const std::vector<BakeJob>& jobs, const BakeJob*& earlier) {
-  std::map<std::string, const BakeJob*> by_output;
-  for (const BakeJob& job : jobs) {
-    const auto [it, fresh] = by_output.emplace(fs::path(job.output).lexically_normal().string(), &job);
-    if (!fresh) {
-      earlier = it->second;
-      return &job;
-    }
+/// Finds whatever a bake would lose by writing.
+class Places {
+ public:
+  /// What is read stays.
+  void read(const std::string& path, const std::string& what) {
+    if (path != kStandardStream) read_.emplace(identity_of(path), what + " '" + path + "'");
   }
-  return nullptr;
+  /// Empty when it may be written; else why not. `whose`: the mesh that becomes this output, or what else
+  /// this is.
+  std::string write(const std::string& path, const std::string& whose) {
+    if (path == kStandardStream) return "";
+    if (const std::string why = why_no_output(path); !why.empty()) return "'" + path + "' " + why + ".";
+    const FileIdentity identity = identity_of(path);
+    if (const auto at = read_.find(identity); at != read_.end())
+      return "'" + path + "' would be written over " + at->second + ".";
+    const auto [at, fresh] = written_.emplace(identity, whose);
+    return fresh ? "" : at->second + " and " + whose + " would both be written to '" + path + "'.";
+  }
+
+ private:
+  std::map<FileIdentity, std::string> read_, written_;  ///< with words for them
+};
+
+Expected<void> lose_nothing(const BakePlan& plan, const BakeSource& source) {
+  Places places;
+  for (const BakeJob& job : plan.jobs) places.read(job.input, "the input");
+  if (!source.manifest.empty()) places.read(source.manifest, "the manifest");
+  for (const BakeJob& job : plan.jobs) {
+    const auto in_line = [&](const std::string& detail) {
+      return wrong(
+          (job.line > 0 ? "Line " + std::to_string(job.line) + " of '" + source.manifest + "': " : "") +
+          detail);
+    };
+    if (job.output != kStandardStream)
+      if (const auto format = format_of_output(job.output); !format) return in_line(format.error().detail);
+    if (const std::string why = places.write(job.output, "'" + job.input + "'"); !why.empty())
+      return in_line(why);
+  }
+  if (!plan.report.empty()) {
+    if (plan.report == kStandardStream)
+      return wrong("--report needs a file: it is read again by the next bake.");
+    if (const std::string why = places.write(plan.report, "the report"); !why.empty()) return wrong(why);
+    if (!BakeReport::may_be(plan.report))
+      return wrong("'" + plan.report +
+                   "' is there and is no report of a bake; as one it would be written anew.");
+  }
+  if (!source.depfile.empty()) {
+    if (source.depfile == kStandardStream || plan.jobs.front().output == kStandardStream ||
+        plan.jobs.front().input == kStandardStream)
+      return wrong("--depfile is a file that names files: it does not go with '-'.");
+    if (const std::string why = places.write(source.depfile, "the depfile"); !why.empty()) return wrong(why);
+  }
+  return {};
+}
+
+/// Beside the outputs, or beside the manifest; one for each shard.
+std::string report_beside(const BakeSource& source) {
+  std::string part;
+  if (source.shard.count > 1)
+    part.append(".")
+        .append(std::to_string(source.shard.index))
+        .append("-of-")
+        .append(std::to_string(source.shard.count));
+  return source.manifest.empty() ? source.output + "/bake" + part + ".ndjson"
+                                 : source.manifest + part + ".report";
 }
 
 std::optional<std::size_t> number_of(std::string_view text) {
@@ -161,35 +285,37 @@ std::optional<std::size_t> index_of_orchestrator() {
 
 }  // namespace
 
-Expected<BakePlan> plan_bake(const BakeSource& source) {
+Expected<BakePlan> plan_bake(const BakeSource& given) {
   BakePlan plan;
+  BakeSource source = given;
   std::error_code error;
   if (source.manifest.empty() == source.inputs.empty())
     return wrong("Give files, folders or globs, or a --manifest; one of the two.");
-  if (!source.manifest.empty()) {
-    if (!source.output.empty()) return wrong("A manifest names its outputs itself; leave out --output.");
-    Expected<std::vector<BakeJob>> jobs = jobs_of_manifest(source);
-    if (!jobs) return tl::unexpected(jobs.error());
-    plan.jobs = std::move(*jobs);
-  } else {
+  if (source.manifest.empty()) {
     if (source.output.empty())
       return wrong("--output is missing: a file for one mesh, a folder for several.");
     const std::string& only = source.inputs.front();
     plan.single = source.inputs.size() == 1 && !fs::is_directory(only, error) &&
                   (!is_glob(only) || fs::exists(only, error)) && source.output.back() != '/' &&
                   !fs::is_directory(source.output, error);
-    if (plan.single) {
-      plan.jobs.push_back({only, source.output, source.parameters});
-    } else {
-      Expected<std::vector<BakeJob>> jobs = jobs_of_inputs(source);
-      if (!jobs) return tl::unexpected(jobs.error());
-      plan.jobs = std::move(*jobs);
-    }
+    if (!plan.single && source.output == kStandardStream)
+      return wrong("Standard output ('-') takes the fragments of one mesh.");
+  } else if (!source.output.empty()) {
+    return wrong("A manifest names its outputs itself; leave out --output.");
   }
-  const BakeJob* earlier = nullptr;
-  if (const BakeJob* job = first_collision(plan.jobs, earlier))
-    return wrong("'" + earlier->input + "' and '" + job->input + "' would both be written to '" +
-                 job->output + "'.");
+  if (!source.depfile.empty() && !plan.single) return wrong("--depfile is for one mesh to one file.");
+  if (source.report.empty() && !plan.single) source.report = report_beside(source);
+  plan.report = source.report;
+
+  if (plan.single) {
+    plan.jobs.push_back({source.inputs.front(), source.output, source.parameters});
+  } else {
+    Expected<std::vector<BakeJob>> jobs =
+        source.manifest.empty() ? jobs_of_inputs(source, plan.skipped) : jobs_of_manifest(source);
+    if (!jobs) return tl::unexpected(jobs.error());
+    plan.jobs = std::move(*jobs);
+  }
+  if (const auto safe = lose_nothing(plan, source); !safe) return tl::unexpected(safe.error());
   plan.all = plan.jobs.size();
   if (source.shard.count > 1) {
     std::vector<BakeJob> mine;

@@ -12,9 +12,10 @@
 namespace fracture::bake {
 
 struct BakeJob {
-  std::string input, output;  ///< paths
+  std::string input, output;  ///< paths, or kStandardStream
   std::vector<RawParameter>
-      parameters;  ///< those of the command line, and over them those of the manifest's line
+      parameters;        ///< those of the command line, and over them those of the manifest's line
+  std::size_t line = 0;  ///< of the manifest, from 1; 0: of none
 };
 
 /// Every count-th job, beginning with the index-th (0 ... count - 1).
@@ -28,18 +29,26 @@ struct BakeSource {
   std::string output{};    ///< a file for one file, else a folder
   std::vector<RawParameter> parameters{};  ///< of all jobs
   Shard shard{};
+  std::string report{};    ///< empty: beside the outputs or the manifest, and none for one file to one file
+  std::string depfile{};   ///< empty: none
+  std::string failures{};  ///< folder of kept failures, in which no meshes are looked for; empty: none
 };
 
 struct BakePlan {
-  std::vector<BakeJob> jobs;  ///< of the shard
-  std::size_t all = 0;        ///< jobs of all shards
-  bool single = false;        ///< one file to one file: no report, the words of one
+  std::vector<BakeJob> jobs;         ///< of the shard
+  std::size_t all = 0;               ///< jobs of all shards
+  bool single = false;               ///< one file to one file: the words of one
+  std::string report;                ///< path; empty: none
+  std::vector<std::string> skipped;  ///< results of earlier bakes that lie below the inputs
 };
 
 /// A folder's mesh sub/barrel.obj becomes <output>/sub/barrel.obj.glb, whatever lies beside it. Paths in a
-/// manifest are relative to its folder. Errors: kBadParameter, which names the line of the manifest or the
-/// two inputs that would be written to one output; kFileSystem-like problems (nothing matches, unreadable)
-/// are kBadParameter too, naming the path.
+/// manifest are relative to its folder. What earlier bakes made (result_file.hpp) is no mesh of a folder or a
+/// glob; it is where it is named.
+///
+/// Nothing is lost: no output, report or depfile of any shard is an input, the manifest, another one of them,
+/// or a place where no file can be. Errors: kBadParameter, which names the line of the manifest and the
+/// paths; nothing matches or is readable: kBadParameter too.
 Expected<BakePlan> plan_bake(const BakeSource& source);
 
 /// "3/16", or "auto/16": the index that an orchestrator gives in JOB_COMPLETION_INDEX (Kubernetes),

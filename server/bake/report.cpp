@@ -41,6 +41,16 @@ BakeReport::~BakeReport() {
   if (fd_ >= 0) ::close(fd_);
 }
 
+bool BakeReport::may_be(const std::string& path) {
+  std::ifstream file(path);
+  std::string line;
+  if (!file || !std::getline(file, line)) return true;
+  const nlohmann::json json = nlohmann::json::parse(line, nullptr, false);
+  if (json.is_discarded())
+    return file.eof() && line.starts_with("{\"");  // a run was killed at its first line
+  return json.is_object() && json.contains("output") && json.contains("status");
+}
+
 const KnownOutput* BakeReport::find(const std::string& output) const {
   const auto it = known_.find(output);
   return it == known_.end() ? nullptr : &it->second;

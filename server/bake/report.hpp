@@ -27,6 +27,8 @@ class BakeReport {
   BakeReport(const BakeReport&) = delete;
   BakeReport& operator=(const BakeReport&) = delete;
 
+  /// Is there nothing yet, or what a bake has left? Anything else would be lost by finish().
+  static bool may_be(const std::string& path);
   /// Null where no earlier run made it.
   const KnownOutput* find(const std::string& output) const;
   /// False with errno set.

@@ -110,8 +110,8 @@ int bake_one(const bake::BakeJob& job, const BakeOptions& options) {
                  std::strerror(errno));
     return kExitSystem;
   }
-  if (!options.depfile.empty() && !bake::write_depfile(options.depfile, job, *input)) {
-    std::fprintf(stderr, "fracture-server bake: cannot write %s: %s\n", options.depfile.c_str(),
+  if (!options.source.depfile.empty() && !bake::write_depfile(options.source.depfile, job, *input)) {
+    std::fprintf(stderr, "fracture-server bake: cannot write %s: %s\n", options.source.depfile.c_str(),
                  std::strerror(errno));
     return kExitSystem;
   }
@@ -129,16 +129,6 @@ int bake_one(const bake::BakeJob& job, const BakeOptions& options) {
     std::printf(")\n");
   }
   return kExitDone;
-}
-
-/// Beside the outputs, or beside the manifest; one for each shard.
-std::string report_path(const BakeOptions& options, const bake::Shard& shard) {
-  if (!options.report.empty()) return options.report;
-  std::string part;
-  if (shard.count > 1)
-    part.append(".").append(std::to_string(shard.index)).append("-of-").append(std::to_string(shard.count));
-  if (!options.source.manifest.empty()) return options.source.manifest + part + ".report";
-  return options.source.output + "/bake" + part + ".ndjson";
 }
 
 /// "480 made, 19 kept, 1 refused of 500 jobs in 12.3 s; report in out/bake.ndjson": what there was none of is
@@ -212,12 +202,12 @@ int bake(const BakeOptions& options) {
     std::fprintf(stderr, "fracture-server bake: %s\n", plan.error().detail.c_str());
     return kExitUsage;
   }
-  if (!options.depfile.empty() && !plan->single) {
-    std::fprintf(stderr, "fracture-server bake: --depfile is for one mesh to one file\n");
-    return kExitUsage;
-  }
+  if (const std::size_t results = plan->skipped.size(); results > 0 && !options.quiet)
+    std::fprintf(stderr, "fracture-server bake: skipped %zu %s %s\n", results,
+                 results > 1 ? "results of earlier bakes, such as" : "result of an earlier bake:",
+                 plan->skipped.front().c_str());
   const bool remote = !options.server.empty();
-  if (plan->single && options.report.empty() && !remote) return bake_one(plan->jobs.front(), options);
+  if (plan->single && plan->report.empty() && !remote) return bake_one(plan->jobs.front(), options);
 
   const int jobs = options.jobs > 0 ? options.jobs : remote ? kRemoteJobs : available_cores();
   StopOnSignal stop;
@@ -230,8 +220,8 @@ int bake(const BakeOptions& options) {
       return refuse("parameters", parameters.error());
   bake::RunOptions run;
   run.jobs = jobs;
-  if (!plan->single || !options.report.empty()) run.report = report_path(options, source.shard);
-  run.depfile = options.depfile;
+  run.report = plan->report;
+  run.depfile = source.depfile;
   run.force = options.force;
   run.quiet = options.quiet;
   const auto start = std::chrono::steady_clock::now();

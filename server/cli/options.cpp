@@ -122,7 +122,7 @@ void add_bake(CLI::App& app, BakeOptions& o) {
                  "I/N: every N-th mesh from the I-th (0 to N - 1); auto/N: I from FRACTURE_SHARD, "
                  "JOB_COMPLETION_INDEX or SLURM_ARRAY_TASK_ID")
       ->type_name("I/N");
-  app.add_option("--report", o.report,
+  app.add_option("--report", o.source.report,
                  "A JSON line for each mesh; what it says and what still is so is kept by the next run. Else "
                  "bake.ndjson in the output folder, or MANIFEST.report")
       ->type_name("FILE");
@@ -130,7 +130,8 @@ void add_bake(CLI::App& app, BakeOptions& o) {
   app.add_option("--allow-refused", o.allow_refused, "Exit with 0 although so many meshes were refused")
       ->type_name("N")
       ->capture_default_str();
-  app.add_option("--depfile", o.depfile, "For one mesh: what it was made of, as a rule for make or Ninja")
+  app.add_option("--depfile", o.source.depfile,
+                 "For one mesh: what it was made of, as a rule for make or Ninja")
       ->type_name("FILE");
   app.add_flag("-q,--quiet", o.quiet, "No progress and no summary");
 

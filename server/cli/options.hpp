@@ -55,11 +55,9 @@ struct BakeOptions {
   bake::BakeSource source;  ///< its parameters as given: checked by the same table as the server's query
   ServiceConfig service;
   std::string shard;              ///< "I/N" or "auto/N"; empty: everything
-  std::string report;             ///< empty: beside the outputs
   std::size_t allow_refused = 0;  ///< inputs that may be refused before the exit code says so
   int jobs = 0;                   ///< at the same time, 0: one for each core, or kRemoteJobs
   bool force = false;
-  std::string depfile;            ///< for a single file; empty: none
   int threads = 0;                ///< for a single file
   std::uint64_t memory = 0;       ///< bytes, of all jobs together; 0: three quarters of what there is
   std::string server;             ///< URL; empty: baked here

@@ -1,0 +1,71 @@
+#include "server/bake/output_path.hpp"
+
+#include <sys/stat.h>
+
+#include <filesystem>
+#include <optional>
+#include <system_error>
+
+#include "common/import/formats.hpp"
+
+namespace fracture::bake {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Does the path, or a link on its way, lead to what a process has open (/dev/stdout, /dev/fd/1,
+/// /proc/self/fd/1)? What is renamed there replaces the link, not what it stands for.
+bool is_open_descriptor(fs::path path) {
+  constexpr int kMostLinks = 40;  // as the kernel follows
+  for (int links = 0; links < kMostLinks; ++links) {
+    std::error_code error;
+    const fs::path folder = fs::canonical(path.has_parent_path() ? path.parent_path() : ".", error);
+    if (error) return false;
+    path = folder / path.filename();
+    if (folder.string().starts_with("/proc/")) return true;
+    const fs::path target = fs::read_symlink(path, error);
+    if (error) return false;
+    path = folder / target;
+  }
+  return false;
+}
+
+}  // namespace
+
+Expected<OutputFormat> format_of_output(const std::string& path) {
+  const std::string ending = fs::path(path).extension().string();
+  const std::optional<MeshFormat> format =
+      ending.empty() ? MeshFormat::kGlb : format_from_extension(ending.substr(1));
+  if (format == MeshFormat::kGlb) return OutputFormat::kGlb;
+  if (format == MeshFormat::kGltf) return OutputFormat::kGltf;
+  return fail(ErrorCode::kBadParameter,
+              "'" + ending + "' is not written: the output '" + path +
+                  "' must end in .glb, in .gltf (one JSON text), or have no ending (GLB).");
+}
+
+std::string why_no_output(const std::string& path) {
+  if (path.ends_with('/')) return "names a folder, not a file";
+  if (is_open_descriptor(path)) return "is an open descriptor of a process; '-' is standard output";
+  struct stat there {};
+  if (::stat(path.c_str(), &there) != 0 || S_ISREG(there.st_mode)) return "";
+  if (S_ISDIR(there.st_mode)) return "is a folder";
+  if (S_ISFIFO(there.st_mode)) return "is a pipe; '-' is standard output";
+  if (S_ISSOCK(there.st_mode)) return "is a socket";
+  return "is a device; '-' is standard output";
+}
+
+FileIdentity identity_of(const std::string& path) {
+  std::error_code error;
+  fs::path there = fs::weakly_canonical(fs::absolute(path, error), error);
+  if (error) return {.below = fs::path(path).lexically_normal().string()};
+  struct stat found {};
+  fs::path below;
+  while (::stat(there.c_str(), &found) != 0) {
+    if (!there.has_relative_path()) return {.below = there.string() + below.string()};
+    below = below.empty() ? there.filename() : there.filename() / below;
+    there = there.parent_path();
+  }
+  return {found.st_dev, found.st_ino, below.string()};
+}
+
+}  // namespace fracture::bake

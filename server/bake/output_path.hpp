@@ -1,0 +1,35 @@
+// Where a bake may write to, and which of two paths are the same file.
+#pragma once
+
+#include <sys/types.h>
+
+#include <compare>
+#include <string>
+
+#include "common/base/error.hpp"
+#include "server/service/engine.hpp"
+
+namespace fracture::bake {
+
+/// As an input: standard input. As an output: standard output.
+inline constexpr const char* kStandardStream = "-";
+
+/// By the ending, in any case: .glb or none is GLB, .gltf one JSON text. kBadParameter for any other.
+Expected<OutputFormat> format_of_output(const std::string& path);
+
+/// Why no file may be written there, as the end of the sentence "'path' …": a folder, a device, a pipe, a
+/// socket or an open descriptor lies there. Empty: a file or nothing does. What cannot be looked at is left
+/// to whoever writes it.
+std::string why_no_output(const std::string& path);
+
+/// What a path leads to, however it is spelt: by device and inode, so that links are what they lead to, hard
+/// links are one file, and upper and lower case are the same where the file system says so.
+struct FileIdentity {
+  dev_t device = 0;
+  ino_t inode = 0;
+  std::string below;  ///< of what is not there yet: its path below the nearest folder that is
+  auto operator<=>(const FileIdentity&) const = default;
+};
+FileIdentity identity_of(const std::string& path);
+
+}  // namespace fracture::bake
