@@ -1,8 +1,11 @@
 #include "server/bake/atomic_file.hpp"
 
 #include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
@@ -10,6 +13,43 @@
 namespace fracture::bake {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+/// A pipe that takes anything takes so much without waiting (POSIX: PIPE_BUF).
+constexpr std::size_t kPipeBlock = 4096;
+/// How soon a stop takes effect while nobody reads.
+constexpr int kPollMilliseconds = 50;
+
+bool write_with_polls(int fd, std::span<const std::byte> bytes, const std::stop_token& stop) {
+  while (!bytes.empty()) {
+    if (stop.stop_requested()) {
+      errno = ECANCELED;
+      return false;
+    }
+    pollfd waits{fd, POLLOUT, 0};
+    if (::poll(&waits, 1, kPollMilliseconds) == 0) continue;
+    const ssize_t n = ::write(fd, bytes.data(), std::min(bytes.size(), kPipeBlock));
+    if (n < 0 && (errno == EINTR || errno == EAGAIN)) continue;
+    if (n <= 0) return false;
+    bytes = bytes.subspan(static_cast<std::size_t>(n));
+  }
+  return true;
+}
+
+}  // namespace
+
+bool write_standard_output(std::span<const std::byte> bytes, const std::stop_token& stop) {
+  struct sigaction ignore {
+  }, before{};
+  ignore.sa_handler = SIG_IGN;
+  ::sigaction(SIGPIPE, &ignore, &before);
+  const bool good = write_with_polls(STDOUT_FILENO, bytes, stop);
+  const int reason = errno;
+  ::sigaction(SIGPIPE, &before, nullptr);
+  errno = reason;
+  return good;
+}
 
 bool write_file(const std::string& path, std::span<const std::byte> bytes) {
   const fs::path target(path);

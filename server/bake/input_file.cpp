@@ -1,28 +1,82 @@
 #include "server/bake/input_file.hpp"
 
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
-#include <fstream>
-#include <iterator>
+#include <array>
+#include <cerrno>
+#include <filesystem>
 #include <utility>
 
-namespace fracture::bake {
+#include "server/bake/output_path.hpp"
 
-Expected<MeshFormat> format_of_input(const std::string& path, const RequestParameters& parameters) {
-  if (parameters.format) return *parameters.format;
-  if (const auto format = format_from_extension(path.substr(path.rfind('.') + 1))) return *format;
-  return fail(ErrorCode::kUnknownFormat, "The name '" + path + "' has no known ending; say --format.");
+namespace fracture::bake {
+namespace {
+
+/// How soon a stop takes effect while a pipe is silent.
+constexpr int kPollMilliseconds = 50;
+
+/// Reads to the end; false with errno set.
+bool read_all(int fd, std::string& bytes, const std::stop_token& stop) {
+  struct stat found {};
+  if (::fstat(fd, &found) == 0 && S_ISREG(found.st_mode))
+    bytes.reserve(static_cast<std::size_t>(found.st_size));
+  std::array<char, 1 << 16> block;
+  for (;;) {
+    if (stop.stop_requested()) {
+      errno = ECANCELED;
+      return false;
+    }
+    pollfd waits{fd, POLLIN, 0};
+    if (::poll(&waits, 1, kPollMilliseconds) == 0) continue;
+    const ssize_t n = ::read(fd, block.data(), block.size());
+    if (n == 0) return true;
+    if (n > 0)
+      bytes.append(block.data(), static_cast<std::size_t>(n));
+    else if (errno != EINTR && errno != EAGAIN)
+      return false;
+  }
 }
 
-bool is_readable(const std::string& path) { return ::access(path.c_str(), R_OK) == 0; }
+Expected<MeshFormat> format_of(const std::string& path, std::span<const std::byte> bytes,
+                               const RequestParameters& parameters) {
+  if (parameters.format) return *parameters.format;
+  if (const std::string ending = std::filesystem::path(path).extension().string(); ending.size() > 1)
+    if (const auto format = format_from_extension(ending.substr(1))) return *format;
+  if (const auto format = format_from_content(bytes)) return *format;
+  const std::string what = path == kStandardStream
+                               ? "What came through standard input has no typical beginning"
+                               : "The name '" + path + "' has no known ending";
+  return fail(ErrorCode::kUnknownFormat, what + "; say --format.", "format");
+}
 
-std::optional<InputFile> read_input(const std::string& path, MeshFormat format) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return std::nullopt;
-  InputFile input;
-  input.bytes.assign(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
-  if (file.bad()) return std::nullopt;
-  input.siblings = read_sibling_files(path, input.view(), format);
+}  // namespace
+
+std::optional<std::string> read_bytes(const std::string& path, const std::stop_token& stop) {
+  const bool standard = path == kStandardStream;
+  const int fd = standard ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0) return std::nullopt;
+  std::string bytes;
+  const bool good = read_all(fd, bytes, stop);
+  const int reason = errno;
+  if (!standard) ::close(fd);
+  errno = reason;
+  if (!good) return std::nullopt;
+  return bytes;
+}
+
+Expected<InputFile> to_input(const std::string& path, std::string bytes,
+                             const RequestParameters& parameters) {
+  if (bytes.empty())
+    return fail(
+        ErrorCode::kEmptyBody,
+        (path == kStandardStream ? std::string("Standard input") : "'" + path + "'") + " has 0 bytes.");
+  const Expected<MeshFormat> format = format_of(path, std::as_bytes(std::span(bytes)), parameters);
+  if (!format) return tl::unexpected(format.error());
+  InputFile input{std::move(bytes), *format};
+  if (path != kStandardStream) input.siblings = read_sibling_files(path, input.view(), *format);
   return input;
 }
 

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -14,15 +15,18 @@ namespace fracture::bake {
 
 struct InputFile {
   std::string bytes;
-  std::vector<SiblingFile> siblings;
+  MeshFormat format = MeshFormat::kGlb;
+  std::vector<SiblingFile> siblings{};
   std::span<const std::byte> view() const { return std::as_bytes(std::span(bytes)); }
 };
 
-/// As the parameters say, else by the name's ending; kUnknownFormat.
-Expected<MeshFormat> format_of_input(const std::string& path, const RequestParameters& parameters);
-/// False with errno set: asked first, a file that is not there is not one of an unknown format.
-bool is_readable(const std::string& path);
-/// Nothing when the file cannot be read; errno says why.
-std::optional<InputFile> read_input(const std::string& path, MeshFormat format);
+/// The whole of a file, a pipe or, for kStandardStream, of standard input. Nothing with errno set where it
+/// cannot be read; ECANCELED where the stop came while nothing did.
+std::optional<std::string> read_bytes(const std::string& path, const std::stop_token& stop = {});
+
+/// The mesh that was read from `path`: its format is as the parameters say, else by the name's ending, else
+/// by its first bytes (kUnknownFormat). Reads what it names; standard input has no folder and so can name
+/// nothing.
+Expected<InputFile> to_input(const std::string& path, std::string bytes, const RequestParameters& parameters);
 
 }  // namespace fracture::bake

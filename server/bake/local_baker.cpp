@@ -7,8 +7,8 @@ namespace {
 
 class LocalBaker : public Baker {
  public:
-  LocalBaker(const ServiceConfig& config, int import_workers)
-      : service_(config, make_engine(own_import_workers(import_workers))) {}
+  LocalBaker(const ServiceConfig& config, std::unique_ptr<FractureEngine> engine)
+      : service_(config, std::move(engine)) {}
 
   Expected<RequestParameters> parse(const std::vector<RawParameter>& given) override {
     return service_.parse(given);
@@ -18,7 +18,7 @@ class LocalBaker : public Baker {
     const Expected<FractureAnswer> answer = service_.fracture(request, execution);
     if (!answer) return tl::unexpected(BakeFailure(answer.error()));
     const std::shared_ptr<const FractureResult>& result = answer->result;
-    return Baked{{result, &result->file}, result->file_digest, figures_of(*result)};
+    return Baked{{result, &result->file}, result->file_digest, figures_of(*result), answer->timings};
   }
 
  private:
@@ -28,7 +28,11 @@ class LocalBaker : public Baker {
 }  // namespace
 
 std::unique_ptr<Baker> local_baker(const ServiceConfig& config, int import_workers) {
-  return std::make_unique<LocalBaker>(config, import_workers);
+  return local_baker(config, make_engine(own_import_workers(import_workers)));
+}
+
+std::unique_ptr<Baker> local_baker(const ServiceConfig& config, std::unique_ptr<FractureEngine> engine) {
+  return std::make_unique<LocalBaker>(config, std::move(engine));
 }
 
 }  // namespace fracture::bake

@@ -31,7 +31,7 @@ std::string time_text(double seconds) {
 
 StageProgress::StageProgress(bool quiet) : quiet_(quiet), terminal_(::isatty(STDERR_FILENO) == 1) {}
 
-void StageProgress::show(const char* stage, double fraction) {
+void StageProgress::stage(const char* stage, double fraction) {
   if (quiet_) return;
   const std::lock_guard lock(mutex_);
   const double part = std::clamp(fraction, 0.0, 1.0);
@@ -49,10 +49,20 @@ void StageProgress::show(const char* stage, double fraction) {
   }
 }
 
-void StageProgress::finish() {
-  const std::lock_guard lock(mutex_);
+void StageProgress::clear() {
   if (drawn_) std::fprintf(stderr, "\r\033[K");
   drawn_ = false;
+}
+
+void StageProgress::say(const std::string& line) {
+  const std::lock_guard lock(mutex_);
+  clear();
+  std::fprintf(stderr, "%s\n", line.c_str());
+}
+
+void StageProgress::finish() {
+  const std::lock_guard lock(mutex_);
+  clear();
 }
 
 JobProgress::JobProgress(std::size_t jobs, bool quiet)

@@ -9,15 +9,30 @@
 
 namespace fracture::bake {
 
-/// For one file: the stages of its computation. Called from any thread.
-class StageProgress {
+/// Words go to standard error. Thread-safe.
+class Progress {
+ public:
+  virtual ~Progress() = default;
+  /// A line that stays.
+  virtual void say(const std::string& line) = 0;
+  /// The stage of a job's computation, and how much of it is done.
+  virtual void stage(const char*, double) {}
+  virtual void done(bool /*kept*/, bool /*refused*/) {}
+  /// Leaves the cursor on an empty line.
+  virtual void finish() = 0;
+};
+
+/// For one file: the stages of its computation.
+class StageProgress : public Progress {
  public:
   explicit StageProgress(bool quiet);
-  void show(const char* stage, double fraction);
-  /// Removes the bar, so that what is printed next begins on an empty line.
-  void finish();
+  void say(const std::string& line) override;
+  void stage(const char* stage, double fraction) override;
+  void finish() override;
 
  private:
+  void clear();
+
   const bool quiet_, terminal_;
   std::mutex mutex_;
   std::string stage_;
@@ -29,13 +44,12 @@ class StageProgress {
 /// For many files: how many are done, and when the rest will be by the pace so far (kept outputs, which take
 /// no time, are no part of it). Elsewhere than on a terminal a line at the first and the last job and at most
 /// every ten seconds.
-class JobProgress {
+class JobProgress : public Progress {
  public:
   JobProgress(std::size_t jobs, bool quiet);
-  /// Above the bar, a line that stays.
-  void say(const std::string& line);
-  void done(bool kept, bool refused);
-  void finish();
+  void say(const std::string& line) override;
+  void done(bool kept, bool refused) override;
+  void finish() override;
 
  private:
   using Clock = std::chrono::steady_clock;

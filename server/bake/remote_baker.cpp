@@ -33,10 +33,14 @@ tl::unexpected<BakeFailure> broken(std::string detail) {
   return tl::unexpected(BakeFailure(Error{ErrorCode::kInternal, std::move(detail)}));
 }
 
+tl::unexpected<BakeFailure> refused(int status, nlohmann::json problem) {
+  using enum BakeFailure::Kind;
+  const bool unsound = problem.value("type", "") == std::string("/problems/") + slug(ErrorCode::kUnsound);
+  const auto kind = unsound ? kUnsound : status >= 500 && status != 504 ? kBroken : kRefused;
+  return tl::unexpected(BakeFailure(kind, std::move(problem)));
+}
 tl::unexpected<BakeFailure> refused(const Exchange& exchange) {
-  const auto kind = exchange.status >= 500 && exchange.status != 504 ? BakeFailure::Kind::kBroken
-                                                                     : BakeFailure::Kind::kRefused;
-  return tl::unexpected(BakeFailure(kind, problem_in(exchange)));
+  return refused(exchange.status, problem_in(exchange));
 }
 
 /// The data of the last event of a stream (server-sent events as this server writes them); null without one.
@@ -188,8 +192,7 @@ class Conversation {
     nlohmann::json problem = problem_in(error);
     if (status == 503) return again(problem.value("detail", ""));
     if (status == 504) return late(std::move(problem));
-    return tl::unexpected(BakeFailure(
-        status >= 500 ? BakeFailure::Kind::kBroken : BakeFailure::Kind::kRefused, std::move(problem)));
+    return refused(status, std::move(problem));
   }
 
   static Step late(nlohmann::json problem) {

@@ -4,20 +4,30 @@
 #include <atomic>
 #include <cerrno>
 #include <chrono>
+#include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
+#include <memory>
 #include <new>
+#include <optional>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "server/bake/atomic_file.hpp"
 #include "server/bake/depfile.hpp"
 #include "server/bake/input_file.hpp"
+#include "server/bake/output_path.hpp"
 #include "server/bake/progress.hpp"
 #include "server/bake/report.hpp"
 
 namespace fracture::bake {
 namespace {
+
+using nlohmann::json;
 
 constexpr double kMaxRelativeError = 1e-9;
 
@@ -28,8 +38,66 @@ bool has_digest(const std::string& path, const std::string& digest) {
   return !file.bad() && "sha256:" + sha256(bytes).hex() == digest;
 }
 
-OutputFormat format_of_output(const std::string& path) {
-  return path.size() > 5 && path.ends_with(".gltf") ? OutputFormat::kGltf : OutputFormat::kGlb;
+std::string name_of_input(const std::string& path) {
+  return path == kStandardStream ? "standard input" : path;
+}
+
+std::string name_of_output(const std::string& path) {
+  return path == kStandardStream ? "standard output" : path;
+}
+
+/// What the answer warns of.
+std::vector<std::string> warnings_of(const json& figures) {
+  std::vector<std::string> warnings;
+  const auto report = figures.find("report");
+  if (report == figures.end() || !report->is_object()) return warnings;
+  for (const char* key : {"warnings", "notes"}) {
+    const auto list = report->find(key);
+    if (list == report->end() || !list->is_array()) continue;
+    for (const json& text : *list)
+      if (text.is_string() && std::find(warnings.begin(), warnings.end(), text) == warnings.end())
+        warnings.push_back(text);
+  }
+  return warnings;
+}
+
+BakeFailure unsound(const json& certificate) {
+  char detail[200];
+  std::snprintf(
+      detail, sizeof detail,
+      "The certificate does not hold: %llu open edges, volume in %.9g m3, out %.9g m3, relative error %.2g. "
+      "Nothing was written.",
+      certificate.value("open_edges", 0ull), certificate.value("volume_in", 0.0),
+      certificate.value("volume_out", 0.0), certificate.value("relative_error", 0.0));
+  BakeFailure failure(Error{ErrorCode::kUnsound, detail});
+  failure.certificate = certificate;
+  return failure;
+}
+
+/// "fragments.glb: 50 fragments, volume in 1 m3, out 1 m3, relative error 2.2e-16, 0 open edges, 51372 bytes,
+/// 0.006 s (import 0.1 ms, ...)"
+std::string sentence_of(const std::string& output, const Baked& baked, double seconds) {
+  const json& c = baked.figures.at("certificate");
+  char text[300];
+  std::snprintf(
+      text, sizeof text,
+      ": %llu fragments, volume in %.9g m3, out %.9g m3, relative error %.2g, %llu open edges, %zu bytes, "
+      "%.3f s",
+      c.value("fragments", 0ull), c.value("volume_in", 0.0), c.value("volume_out", 0.0),
+      c.value("relative_error", 0.0), c.value("open_edges", 0ull), baked.file->size(), seconds);
+  std::string sentence = name_of_output(output) + text;
+  const char* separator = " (";
+  for (const auto& [stage, ms] : baked.timings.stages()) {
+    std::snprintf(text, sizeof text, " %.1f ms", ms);
+    sentence += separator + stage + text;
+    separator = ", ";
+  }
+  return sentence + (baked.timings.stages().empty() ? "" : ")");
+}
+
+std::unique_ptr<Progress> progress_of(const BakePlan& plan, bool quiet) {
+  if (plan.single) return std::make_unique<StageProgress>(quiet);
+  return std::make_unique<JobProgress>(plan.jobs.size(), quiet);
 }
 
 class Run {
@@ -40,8 +108,8 @@ class Run {
         options_(options),
         stop_(stop),
         report_(options.report),
-        progress_(plan.jobs.size(), options.quiet) {
-    baker_.on_notice([this](const std::string& line) { progress_.say("fracture-server bake: " + line); });
+        progress_(progress_of(plan, options.quiet)) {
+    baker_.on_notice([this](const std::string& line) { say(line); });
   }
   ~Run() {
     baker_.on_notice([](const std::string&) {});
@@ -64,7 +132,7 @@ class Run {
     for (const BakeJob& job : plan_.jobs) outputs.push_back(job.output);
     // A run that was stopped leaves its lines as they are: the next one goes on from them.
     if (figures_.cancelled == 0 && !report_.finish(outputs)) unwritable(options_.report);
-    progress_.finish();
+    progress_->finish();
     return figures_;
   }
 
@@ -74,21 +142,40 @@ class Run {
     ++(figures_.*figure);
   }
 
-  void unwritable(const std::string& path) {
-    progress_.say("fracture-server bake: cannot write " + path + ": " + std::strerror(errno));
-    count(&RunFigures::unwritable);
+  void say(const std::string& line) { progress_->say("fracture-server bake: " + line); }
+
+  void conclude(const std::string& sentence) {
+    if (!plan_.single) return;
+    const std::lock_guard lock(mutex_);
+    figures_.sentence = sentence;
   }
 
   /// With the reason in errno.
-  void unreadable(std::size_t job) {
-    const std::string reason = std::strerror(errno);
-    progress_.say("fracture-server bake: cannot read " + plan_.jobs[job].input + ": " + reason);
-    report(job, {{"status", "unreadable"}, {"problem", {{"detail", reason}}}});
-    count(&RunFigures::unreadable);
-    progress_.done(false, false);
+  void unwritable(const std::string& path) {
+    say("cannot write " + name_of_output(path) + ": " + std::strerror(errno));
+    count(&RunFigures::unwritable);
   }
 
-  void report(std::size_t job, nlohmann::json line) {
+  void unwritable(std::size_t job, const std::string& reason) {
+    say("cannot write " + name_of_output(plan_.jobs[job].output) + ": " + reason);
+    report(job, {{"status", "unwritable"}, {"problem", {{"detail", reason}}}});
+    count(&RunFigures::unwritable);
+    progress_->done(false, false);
+  }
+
+  void unreadable(std::size_t job, const std::string& reason) {
+    say("cannot read " + name_of_input(plan_.jobs[job].input) + ": " + reason);
+    report(job, {{"status", "unreadable"}, {"problem", {{"detail", reason}}}});
+    count(&RunFigures::unreadable);
+    progress_->done(false, false);
+  }
+
+  void cancelled() {
+    conclude("stopped");
+    count(&RunFigures::cancelled);
+  }
+
+  void report(std::size_t job, json line) {
     line["input"] = plan_.jobs[job].input;
     line["output"] = plan_.jobs[job].output;
     if (!report_.add(job, line)) unwritable(options_.report);
@@ -97,26 +184,55 @@ class Run {
   void fail(std::size_t job, const BakeFailure& failure) {
     using enum BakeFailure::Kind;
     if (failure.kind == kUnavailable && !unavailable_.exchange(true)) {
-      progress_.say("fracture-server bake: " + failure.words());
+      say(failure.words());
       count(&RunFigures::unavailable);
     }
-    if (failure.kind == kCancelled || failure.kind == kUnavailable) return count(&RunFigures::cancelled);
+    if (failure.kind == kUnavailable) return count(&RunFigures::cancelled);
+    if (failure.kind == kCancelled) return cancelled();
+    say(name_of_input(plan_.jobs[job].input) + ": " + failure.all_words());
     const bool refused = failure.kind == kRefused;
-    progress_.say(plan_.jobs[job].input + ": " + failure.words());
-    report(job, {{"status", refused ? "refused" : "failed"}, {"problem", failure.problem}});
-    count(refused ? &RunFigures::refused : &RunFigures::failed);
-    progress_.done(false, refused);
+    json line = {{"status", refused                    ? "refused"
+                            : failure.kind == kUnsound ? "unsound"
+                                                       : "failed"},
+                 {"problem", failure.problem}};
+    if (!failure.certificate.is_null()) line["certificate"] = failure.certificate;
+    report(job, std::move(line));
+    count(refused                    ? &RunFigures::refused
+          : failure.kind == kUnsound ? &RunFigures::unsound
+                                     : &RunFigures::failed);
+    progress_->done(false, refused);
+  }
+
+  /// So that a bug can be looked into.
+  void keep_failure(std::size_t job, const FractureRequest& request, const BakeFailure& failure) {
+    if (!options_.failures) return;
+    const bool internal =
+        failure.problem.value("type", "") == std::string("/problems/") + slug(ErrorCode::kInternal);
+    if (failure.kind != BakeFailure::Kind::kUnsound && !internal) return;
+    const std::string& input = plan_.jobs[job].input;
+    options_.failures->keep(
+        request, {internal ? ErrorCode::kInternal : ErrorCode::kUnsound, failure.problem.value("detail", "")},
+        failure.certificate,
+        input == kStandardStream ? std::string() : std::filesystem::path(input).filename().string());
   }
 
   /// One job that goes wrong in a way that nobody thought of is no reason to lose the others.
   void work(std::size_t number) {
     try {
       make_or_keep(number);
+    } catch (const std::exception&) {
+      fail(number, failure_of_exception());
+    }
+  }
+
+  /// Of the exception that is being handled.
+  static BakeFailure failure_of_exception() {
+    try {
+      throw;
     } catch (const std::bad_alloc&) {
-      fail(number, {BakeFailure::Kind::kBroken,
-                    BakeFailure(Error{ErrorCode::kOutOfMemory, "Memory is exhausted."}).problem});
+      return BakeFailure(Error{ErrorCode::kOutOfMemory, "Memory is exhausted."});
     } catch (const std::exception& bug) {
-      fail(number, BakeFailure(Error{ErrorCode::kInternal, bug.what()}));
+      return BakeFailure(Error{ErrorCode::kInternal, bug.what()});
     }
   }
 
@@ -124,52 +240,93 @@ class Run {
     const BakeJob& job = plan_.jobs[number];
     const Expected<RequestParameters> parameters = baker_.parse(job.parameters);
     if (!parameters) return fail(number, BakeFailure(parameters.error()));
-    if (!is_readable(job.input)) return unreadable(number);
-    const Expected<MeshFormat> format = format_of_input(job.input, *parameters);
-    if (!format) return fail(number, BakeFailure(format.error()));
-    const std::optional<InputFile> input = read_input(job.input, *format);
-    if (!input) return unreadable(number);
-    const FractureRequest request{input->view(), *format, *parameters, as_import_files(input->siblings),
-                                  format_of_output(job.output)};
+    std::optional<std::string> bytes = read_bytes(job.input, stop_);
+    if (!bytes) return errno == ECANCELED ? cancelled() : unreadable(number, std::strerror(errno));
+    const Expected<InputFile> input = to_input(job.input, std::move(*bytes), *parameters);
+    if (!input) return fail(number, BakeFailure(input.error()));
+    const Expected<OutputFormat> output = format_of_output(job.output);
+    if (!output) return fail(number, BakeFailure(output.error()));
+    const FractureRequest request{input->view(), input->format, *parameters, as_import_files(input->siblings),
+                                  *output};
     const RequestKeys keys = keys_of(request);
     if (const KnownOutput* known = options_.force ? nullptr : report_.find(job.output);
         known && known->key == keys.result && has_digest(job.output, known->digest)) {
       report(number, known->line);
       count(&RunFigures::kept);
-      return progress_.done(true, false);
+      conclude(name_of_output(job.output) + ": is right already, kept");
+      return progress_->done(true, false);
     }
+    protect(*input, job);
+    if (const std::string victim = victim_of(job); !victim.empty()) return unwritable(number, victim);
     make(number, request, keys, *input);
+  }
+
+  /// The files that a mesh names are inputs too.
+  void protect(const InputFile& input, const BakeJob& job) {
+    const std::lock_guard lock(mutex_);
+    for (const SiblingFile& file : input.siblings)
+      named_.emplace(identity_of(file.path), "a file that " + job.input + " names");
+  }
+
+  /// Why the job may not write what it would; empty: it may.
+  std::string victim_of(const BakeJob& job) {
+    const std::lock_guard lock(mutex_);
+    for (const std::string& path : {job.output, options_.depfile})
+      if (!path.empty() && path != kStandardStream)
+        if (const auto at = named_.find(identity_of(path)); at != named_.end())
+          return (path == job.output ? "it is " : "the depfile " + path + " is ") + at->second;
+    return "";
+  }
+
+  tl::expected<Baked, BakeFailure> bake(const FractureRequest& request) {
+    Execution execution;
+    execution.threads = options_.threads;
+    execution.stop = stop_;
+    execution.progress = [this](const char* stage, double fraction) { progress_->stage(stage, fraction); };
+    try {
+      tl::expected<Baked, BakeFailure> baked = baker_.bake(request, execution);
+      if (baked && !is_sound(baked->figures))
+        return tl::unexpected(unsound(baked->figures.at("certificate")));
+      return baked;
+    } catch (const std::exception&) {
+      return tl::unexpected(failure_of_exception());
+    }
+  }
+
+  bool write(const std::string& output, std::span<const std::byte> bytes) {
+    if (output == kStandardStream) return write_standard_output(bytes, stop_);
+    return make_folders_of(output) && write_file(output, bytes);
   }
 
   void make(std::size_t number, const FractureRequest& request, const RequestKeys& keys,
             const InputFile& input) {
     const BakeJob& job = plan_.jobs[number];
-    Execution execution;
-    execution.threads = 1;
-    execution.stop = stop_;
     const auto start = std::chrono::steady_clock::now();
-    const tl::expected<Baked, BakeFailure> baked = baker_.bake(request, execution);
+    const tl::expected<Baked, BakeFailure> baked = bake(request);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-    if (!baked) return fail(number, baked.error());
-    if (!make_folders_of(job.output) || !write_file(job.output, std::as_bytes(std::span(*baked->file)))) {
-      unwritable(job.output);
-      return progress_.done(false, false);
+    if (!baked) {
+      keep_failure(number, request, baked.error());
+      return fail(number, baked.error());
     }
+    if (const std::string victim = victim_of(job); !victim.empty()) return unwritable(number, victim);
+    if (!write(job.output, std::as_bytes(std::span(*baked->file))))
+      return errno == ECANCELED ? cancelled() : unwritable(number, std::strerror(errno));
     if (!options_.depfile.empty() && !write_depfile(options_.depfile, job, input))
       unwritable(options_.depfile);
-    const bool sound = is_sound(baked->figures);
-    if (!sound)
-      progress_.say(job.input +
-                    ": the certificate does not hold: " + baked->figures.at("certificate").dump());
-    report(number, {{"status", sound ? "made" : "unsound"},
-                    {"key", keys.result},
-                    {"mesh", "sha256:" + keys.digest},
-                    {"digest", "sha256:" + baked->digest.hex()},
-                    {"bytes", baked->file->size()},
-                    {"seconds", took.count()},
-                    {"certificate", baked->figures.at("certificate")}});
-    count(sound ? &RunFigures::made : &RunFigures::unsound);
-    progress_.done(false, false);
+    const std::vector<std::string> warnings = warnings_of(baked->figures);
+    for (const std::string& warning : warnings) say(name_of_input(job.input) + ": warning: " + warning);
+    json line = {{"status", "made"},
+                 {"key", keys.result},
+                 {"mesh", "sha256:" + keys.digest},
+                 {"digest", "sha256:" + baked->digest.hex()},
+                 {"bytes", baked->file->size()},
+                 {"seconds", took.count()},
+                 {"certificate", baked->figures.at("certificate")}};
+    if (!warnings.empty()) line["warnings"] = warnings;
+    report(number, std::move(line));
+    conclude(sentence_of(job.output, *baked, took.count()));
+    count(&RunFigures::made);
+    progress_->done(false, false);
   }
 
   const BakePlan& plan_;
@@ -177,11 +334,12 @@ class Run {
   const RunOptions& options_;
   const std::stop_token stop_;
   BakeReport report_;
-  JobProgress progress_;
+  const std::unique_ptr<Progress> progress_;
   std::atomic<std::size_t> next_{0};
   std::atomic<bool> unavailable_{false};
   std::mutex mutex_;
   RunFigures figures_;
+  std::map<FileIdentity, std::string> named_;  ///< by the meshes that were read so far
 };
 
 }  // namespace
@@ -191,10 +349,10 @@ RunFigures run_bake(const BakePlan& plan, Baker& baker, const RunOptions& option
   return Run(plan, baker, options, stop)();
 }
 
-bool is_sound(const nlohmann::json& figures) {
-  const nlohmann::json& certificate = figures.at("certificate");
+bool is_sound(const json& figures) {
+  const json& certificate = figures.at("certificate");
   if (certificate.at("open_edges") != 0) return false;
-  const bool partition = !figures.value("report", nlohmann::json::object()).contains("barycenter");
+  const bool partition = !figures.value("report", json::object()).contains("barycenter");
   return !partition || certificate.at("relative_error").get<double>() <= kMaxRelativeError;
 }
 

@@ -1,29 +1,24 @@
 // fracture-server bake: the service without HTTP, for artists (one file) and farms (folders, manifests,
 // shards).
 #include <signal.h>
+#include <unistd.h>
 
-#include <algorithm>
 #include <atomic>
-#include <cerrno>
 #include <chrono>
-#include <cinttypes>
 #include <cstdio>
-#include <cstring>
-#include <optional>
+#include <memory>
 #include <stop_token>
 #include <string>
 #include <thread>
+#include <utility>
 
-#include "server/bake/atomic_file.hpp"
-#include "server/bake/depfile.hpp"
-#include "server/bake/import_workers.hpp"
-#include "server/bake/input_file.hpp"
 #include "server/bake/memory.hpp"
+#include "server/bake/output_path.hpp"
 #include "server/bake/plan.hpp"
-#include "server/bake/progress.hpp"
 #include "server/bake/remote_baker.hpp"
 #include "server/bake/run.hpp"
 #include "server/cli/options.hpp"
+#include "server/service/failure_keeper.hpp"
 #include "server/service/worker_pool.hpp"
 
 namespace fracture::cli {
@@ -56,84 +51,23 @@ class StopOnSignal {
   }};
 };
 
-int unreadable(const std::string& input) {
-  std::fprintf(stderr, "fracture-server bake: cannot read %s: %s\n", input.c_str(), std::strerror(errno));
-  return kExitSystem;
+void say(const std::string& line) { std::fprintf(stderr, "fracture-server bake: %s\n", line.c_str()); }
+
+int wrong_command_line(const std::string& why) {
+  say(why);
+  return kExitUsage;
 }
 
-int refuse(const std::string& input, const Error& error) {
-  std::fprintf(stderr, "fracture-server bake: %s: %s: %s\n  %s\n", input.c_str(), slug(error.code),
-               title(error.code), error.detail.c_str());
-  if (error.extra.contains("errors") && error.extra["errors"].size() > 1)
-    for (std::size_t i = 1; i < error.extra["errors"].size(); ++i)
-      std::fprintf(stderr, "  %s\n", error.extra["errors"][i].value("detail", "").c_str());
-  return error.code == ErrorCode::kCancelled ? kExitInterrupted : kExitRefused;
-}
-
-/// With the share of the memory that each of the jobs may hold.
-ServiceConfig service_for(const BakeOptions& options, int jobs) {
-  ServiceConfig service = options.service;
-  const std::uint64_t memory = options.memory > 0 ? options.memory : bake::available_memory() / 4 * 3;
-  service.max_bytes_per_job = memory / static_cast<std::uint64_t>(jobs);
-  return service;
-}
-
-/// One file with all threads, in the words of one.
-int bake_one(const bake::BakeJob& job, const BakeOptions& options) {
-  FractureService service(service_for(options, 1), make_engine(bake::own_import_workers(1)));
-  Expected<RequestParameters> parameters = service.parse(job.parameters);
-  if (!parameters) return refuse(job.input, parameters.error());
-  if (!bake::is_readable(job.input)) return unreadable(job.input);
-  const Expected<MeshFormat> format = bake::format_of_input(job.input, *parameters);
-  if (!format) return refuse(job.input, format.error());
-  const std::optional<bake::InputFile> input = bake::read_input(job.input, *format);
-  if (!input) return unreadable(job.input);
-
-  bake::StageProgress progress(options.quiet);
-  StopOnSignal stop;
-  Execution execution;
-  execution.threads = options.threads > 0 ? options.threads : available_cores();
-  execution.stop = stop.token();
-  execution.progress = [&progress](const char* stage, double fraction) { progress.show(stage, fraction); };
-
-  const bool gltf = format_from_extension(job.output.substr(job.output.rfind('.') + 1)) == MeshFormat::kGltf;
-  const OutputFormat output = gltf ? OutputFormat::kGltf : OutputFormat::kGlb;
-  const auto start = std::chrono::steady_clock::now();
-  const Expected<FractureAnswer> answer = service.fracture(
-      {input->view(), *format, *parameters, as_import_files(input->siblings), output}, execution);
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-  progress.finish();
-  if (!answer) return refuse(job.input, answer.error());
-  if (!bake::make_folders_of(job.output) ||
-      !bake::write_file(job.output, std::as_bytes(std::span(answer->result->file)))) {
-    std::fprintf(stderr, "fracture-server bake: cannot write %s: %s\n", job.output.c_str(),
-                 std::strerror(errno));
-    return kExitSystem;
-  }
-  if (!options.source.depfile.empty() && !bake::write_depfile(options.source.depfile, job, *input)) {
-    std::fprintf(stderr, "fracture-server bake: cannot write %s: %s\n", options.source.depfile.c_str(),
-                 std::strerror(errno));
-    return kExitSystem;
-  }
-  if (!options.quiet) {
-    const Certificate& c = answer->certificate;
-    std::printf("%s: %u fragments, volume in %.9g m3, out %.9g m3, relative error %.2g, %" PRIu64
-                " open edges, %zu bytes, %.3f s (",
-                job.output.c_str(), c.fragments, c.volume_in, c.volume_out, c.relative_error, c.open_edges,
-                answer->result->file.size(), took.count());
-    const char* separator = "";
-    for (const auto& [stage, ms] : answer->timings.stages()) {
-      std::printf("%s%s %.1f ms", separator, stage.c_str(), ms);
-      separator = ", ";
-    }
-    std::printf(")\n");
-  }
-  return kExitDone;
+/// Summaries go to standard output, but where that is for the fragments.
+FILE* words_of(const bake::BakePlan& plan) {
+  return plan.single && !plan.jobs.empty() && plan.jobs.front().output == bake::kStandardStream ? stderr
+                                                                                                : stdout;
 }
 
 /// "480 made, 19 kept, 1 refused of 500 jobs in 12.3 s; report in out/bake.ndjson": what there was none of is
 /// left out.
-void print_summary(const bake::RunFigures& f, std::size_t jobs, double seconds, const std::string& report) {
+std::string summary_of(const bake::RunFigures& f, std::size_t jobs, double seconds,
+                       const std::string& report) {
   std::string line;
   const std::pair<std::size_t, const char*> figures[] = {{f.made, "made"},
                                                          {f.kept, "kept"},
@@ -146,9 +80,18 @@ void print_summary(const bake::RunFigures& f, std::size_t jobs, double seconds, 
   for (const auto& [count, what] : figures)
     if (count > 0) line += (line.empty() ? "" : ", ") + std::to_string(count) + " " + what;
   if (line.empty()) line = "nothing";
-  std::printf("%s of %zu jobs in %.1f s", line.c_str(), jobs, seconds);
-  if (!report.empty()) std::printf("; report in %s", report.c_str());
-  std::printf("\n");
+  char rest[64];
+  std::snprintf(rest, sizeof rest, " of %zu jobs in %.1f s", jobs, seconds);
+  return line + rest + (report.empty() ? "" : "; report in " + report);
+}
+
+/// Said also when quiet: whoever asked for failures wants to know that there are some.
+void tell_of(const FailureKeeper& failures) {
+  const KeptFailures f = failures.figures();
+  if (f.kept + f.known > 0)
+    say(std::to_string(f.kept + f.known) + " failures to be seen again in " + failures.folder());
+  if (f.dropped > 0)
+    say(std::to_string(f.dropped) + " further failures found no room in " + failures.folder());
 }
 
 /// Null where the server cannot be asked, which has been said.
@@ -156,8 +99,7 @@ std::unique_ptr<bake::Baker> connect(const BakeOptions& options, int jobs, const
                                      int& exit_code) {
   Expected<protocol::ConnectionSettings> server = bake::parse_server_url(options.server);
   if (!server) {
-    std::fprintf(stderr, "fracture-server bake: %s\n", server.error().detail.c_str());
-    exit_code = kExitUsage;
+    exit_code = wrong_command_line(server.error().detail);
     return nullptr;
   }
   server->token = options.token;
@@ -167,12 +109,10 @@ std::unique_ptr<bake::Baker> connect(const BakeOptions& options, int jobs, const
   server->max_answer_bytes = std::size_t{4} << 30;
   bake::RemoteConfig config{std::move(*server), {}};
   config.patience.total = std::chrono::seconds(options.patience_s);
-  auto baker = bake::remote_baker(config, stop, [](const std::string& line) {
-    std::fprintf(stderr, "fracture-server bake: %s\n", line.c_str());
-  });
+  auto baker = bake::remote_baker(config, stop, say);
   if (baker) return std::move(*baker);
   const bool stopped = baker.error().kind == bake::BakeFailure::Kind::kCancelled;
-  if (!stopped) std::fprintf(stderr, "fracture-server bake: %s\n", baker.error().words().c_str());
+  if (!stopped) say(baker.error().words());
   exit_code = stopped ? kExitInterrupted : kExitSystem;
   return nullptr;
 }
@@ -191,45 +131,54 @@ int bake(const BakeOptions& options) {
   bake::BakeSource source = options.source;
   if (!options.shard.empty()) {
     const Expected<bake::Shard> shard = bake::parse_shard(options.shard);
-    if (!shard) {
-      std::fprintf(stderr, "fracture-server bake: %s\n", shard.error().detail.c_str());
-      return kExitUsage;
-    }
+    if (!shard) return wrong_command_line(shard.error().detail);
     source.shard = *shard;
   }
   const Expected<bake::BakePlan> plan = bake::plan_bake(source);
-  if (!plan) {
-    std::fprintf(stderr, "fracture-server bake: %s\n", plan.error().detail.c_str());
-    return kExitUsage;
-  }
+  if (!plan) return wrong_command_line(plan.error().detail);
+  FILE* const words = words_of(*plan);
+  if (words == stderr && ::isatty(STDOUT_FILENO))
+    return wrong_command_line(
+        "'-' is standard output, which is a terminal: a GLB is nothing to look at there.");
   if (const std::size_t results = plan->skipped.size(); results > 0 && !options.quiet)
-    std::fprintf(stderr, "fracture-server bake: skipped %zu %s %s\n", results,
-                 results > 1 ? "results of earlier bakes, such as" : "result of an earlier bake:",
-                 plan->skipped.front().c_str());
-  const bool remote = !options.server.empty();
-  if (plan->single && plan->report.empty() && !remote) return bake_one(plan->jobs.front(), options);
+    say("skipped " + std::to_string(results) +
+        (results > 1 ? " results of earlier bakes, such as " : " result of an earlier bake: ") +
+        plan->skipped.front());
 
-  const int jobs = options.jobs > 0 ? options.jobs : remote ? kRemoteJobs : available_cores();
+  const bool remote = !options.server.empty();
+  const int cores = available_cores();
+  const int jobs = plan->single ? 1 : options.jobs > 0 ? options.jobs : remote ? kRemoteJobs : cores;
+  ServiceConfig service = options.service;
+  const std::uint64_t memory = options.memory > 0 ? options.memory : bake::available_memory() / 4 * 3;
+  service.max_bytes_per_job = memory / static_cast<std::uint64_t>(jobs);
   StopOnSignal stop;
   int refused = 0;
-  const std::unique_ptr<bake::Baker> baker = remote ? connect(options, jobs, stop.token(), refused)
-                                                    : bake::local_baker(service_for(options, jobs), jobs);
+  const std::unique_ptr<bake::Baker> baker =
+      remote ? connect(options, jobs, stop.token(), refused) : bake::local_baker(service, jobs);
   if (!baker) return refused;
   if (source.manifest.empty())  // else each line has its own
-    if (const auto parameters = baker->parse(source.parameters); !parameters)
-      return refuse("parameters", parameters.error());
+    if (const auto parameters = baker->parse(source.parameters); !parameters) {
+      say("parameters: " + bake::BakeFailure(parameters.error()).all_words());
+      return kExitRefused;
+    }
+  FailureKeeper failures({.folder = source.failures, .program = "fracture-server " FRACTURE_VERSION}, say);
   bake::RunOptions run;
   run.jobs = jobs;
+  if (plan->single) run.threads = options.threads > 0 ? options.threads : cores;
   run.report = plan->report;
   run.depfile = source.depfile;
   run.force = options.force;
   run.quiet = options.quiet;
+  run.failures = &failures;
   const auto start = std::chrono::steady_clock::now();
   const bake::RunFigures f = bake::run_bake(*plan, *baker, run, stop.token());
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  tell_of(failures);
   if (!options.quiet) {
-    print_summary(f, plan->jobs.size(), took.count(), run.report);
-    if (f.cancelled > 0 && !run.report.empty()) std::printf("The same command goes on from there.\n");
+    const std::string summary =
+        plan->single ? f.sentence : summary_of(f, plan->jobs.size(), took.count(), run.report);
+    if (!summary.empty()) std::fprintf(words, "%s\n", summary.c_str());
+    if (f.cancelled > 0 && !run.report.empty()) std::fprintf(words, "The same command goes on from there.\n");
   }
   return exit_code(f, options);
 }

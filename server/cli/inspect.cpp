@@ -1,7 +1,10 @@
 // fracture-server inspect: what the service would make of a mesh, without fracturing it.
+#include <cerrno>
 #include <cinttypes>
 #include <cstdio>
+#include <cstring>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "server/bake/import_workers.hpp"
 #include "server/bake/input_file.hpp"
@@ -67,17 +70,18 @@ int inspect(const InspectOptions& options) {
   FractureService service(options.service, make_engine(bake::own_import_workers(1)));
   Expected<RequestParameters> parameters = service.parameters().parse(options.parameters);
   if (!parameters) return refuse(options, parameters.error());
-  Expected<MeshFormat> format = bake::format_of_input(options.input, *parameters);
-  if (!format) return refuse(options, format.error());
-  const std::optional<bake::InputFile> input = bake::read_input(options.input, *format);
-  if (!input) {
-    std::perror(("fracture-server inspect: cannot read " + options.input).c_str());
+  std::optional<std::string> bytes = bake::read_bytes(options.input);
+  if (!bytes) {
+    std::fprintf(stderr, "fracture-server inspect: cannot read %s: %s\n", options.input.c_str(),
+                 std::strerror(errno));
     return kFailed;
   }
+  const Expected<bake::InputFile> input = bake::to_input(options.input, std::move(*bytes), *parameters);
+  if (!input) return refuse(options, input.error());
   Execution execution;
   execution.threads = options.threads > 0 ? options.threads : available_cores();
-  const auto mesh =
-      service.prepare({input->view(), *format, *parameters, as_import_files(input->siblings)}, execution);
+  const auto mesh = service.prepare(
+      {input->view(), input->format, *parameters, as_import_files(input->siblings)}, execution);
   if (!mesh) return refuse(options, mesh.error());
   const bool mended = repaired((*mesh)->solid.report);
   if (options.json)

@@ -97,12 +97,13 @@ void add_bytes(CLI::App& app, const char* name, std::uint64_t& bytes, const char
 }
 
 void add_bake(CLI::App& app, BakeOptions& o) {
-  app.add_option("input", o.source.inputs, "Mesh files, folders (every mesh below them), or globs in quotes")
+  app.add_option("input", o.source.inputs,
+                 "Mesh files, folders (every mesh below them), or globs in quotes; - is standard input")
       ->type_name("");
-  app.add_option("-o,--output", o.source.output,
-                 "File to write for one mesh (.gltf as one JSON text, everything else GLB); a folder for "
-                 "several, where "
-                 "sub/barrel.obj becomes sub/barrel.obj.glb")
+  app.add_option(
+         "-o,--output", o.source.output,
+         "File to write for one mesh: GLB by the ending .glb or without one, one JSON text by .gltf; - is "
+         "standard output. A folder for several, where sub/barrel.obj becomes sub/barrel.obj.glb")
       ->type_name("PATH");
   app.add_option("--manifest", o.source.manifest,
                  "Instead of both: a file of lines {\"input\": ..., \"output\": ..., \"parameters\": {...}}, "
@@ -133,6 +134,11 @@ void add_bake(CLI::App& app, BakeOptions& o) {
   app.add_option("--depfile", o.source.depfile,
                  "For one mesh: what it was made of, as a rule for make or Ninja")
       ->type_name("FILE");
+  app.add_option("--keep-failures", o.source.failures,
+                 "What fails by a bug of ours, or does not prove itself, goes into this folder with all that "
+                 "is needed "
+                 "to see it again: mesh, parameters, versions and command; at most 100 of them and 1 GiB")
+      ->type_name("FOLDER");
   app.add_flag("-q,--quiet", o.quiet, "No progress and no summary");
 
   constexpr const char* kServerGroup =
@@ -153,15 +159,16 @@ void add_bake(CLI::App& app, BakeOptions& o) {
   app.footer(
       "fracture-server bake barrel.obj -o fragments.glb --sites 80 --material wood\n"
       "fracture-server bake assets/ -o broken/ -j 8\n"
-      "fracture-server bake --manifest night.ndjson --shard 3/16\n\n"
+      "fracture-server bake --manifest night.ndjson --shard 3/16\n"
+      "curl https://example.org/barrel.glb | fracture-server bake - -o - --sites 80 > fragments.glb\n\n"
       "Exits with 0: done, 1: a file could not be read or written, or the server did not answer, 2: wrong "
       "command line or manifest, 3: more refused than --allow-refused, 4: a bug or a certificate that does "
       "not "
-      "hold, 130: stopped; what is made stays, and the same command goes on.");
+      "hold, and that file is not written, 130: stopped; what is made stays, and the same command goes on.");
 }
 
 void add_inspect(CLI::App& app, InspectOptions& o) {
-  app.add_option("input", o.input, "Mesh file")->required();
+  app.add_option("input", o.input, "Mesh file; - is standard input")->required();
   app.add_flag("--json", o.json, "The report as JSON");
   add_threads(app, o.threads, "Threads that compute, 0: one for each core");
   add_parameters(app, o.parameters, o.service);

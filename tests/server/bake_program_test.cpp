@@ -67,6 +67,144 @@ struct BakeProgram : testing::Test {
   }
 };
 
+// -- pipes
+
+TEST_F(BakeProgram, ReadsStandardInputAndWritesStandardOutput) {
+  ASSERT_EQ(shell("$f bake cube.off -o file.glb --sites 20 -q"), 0) << err;
+  const std::string file = bytes("file.glb");
+  ASSERT_THAT(file, StartsWith("glTF"));
+  EXPECT_EQ(shell("$f bake - -o - --sites 20 < cube.off > piped.glb"), 0) << err;
+  EXPECT_EQ(bytes("piped.glb"), file) << "the bytes and no words";
+  EXPECT_THAT(err, HasSubstr("standard output: 20 fragments"));
+  EXPECT_EQ(shell("cat in/box1.obj | $f bake - --format obj -o - --sites 20 | cat > piped.glb"), 0) << err;
+  EXPECT_EQ(shell("$f bake in/box1.obj -o - --sites 20 -q > direct.glb"), 0);
+  EXPECT_EQ(err, "");
+  EXPECT_EQ(bytes("piped.glb"), bytes("direct.glb"));
+  EXPECT_EQ(shell("$f bake - -o out/x.gltf --sites 20 < cube.off"), 0) << err;
+  EXPECT_TRUE(json::accept(bytes("out/x.gltf")));
+  EXPECT_FALSE(fs::exists(folder / "-"));
+}
+
+TEST_F(BakeProgram, APipeThatSaysTooLittleIsRefusedAndOneThatIsClosedIsAnError) {
+  EXPECT_EQ(shell("$f bake - -o x.glb < in/box1.obj"), 3);
+  EXPECT_THAT(err, AllOf(HasSubstr("unknown-format"), HasSubstr("--format")));
+  EXPECT_EQ(shell("$f bake - -o x.glb"), 3);
+  EXPECT_THAT(err, HasSubstr("0 bytes"));
+  EXPECT_EQ(shell("$f bake in/poison/sheet.obj -o - > x.glb"), 3);
+  EXPECT_EQ(bytes("x.glb"), "");
+  EXPECT_EQ(shell("mkfifo pipe; exec 8<>pipe 9>pipe; exec 8<&-; $f bake cube.off -o - -q >&9"), 1) << err;
+  EXPECT_THAT(err, HasSubstr("cannot write standard output"));
+}
+
+TEST_F(BakeProgram, StandardOutputThatIsATerminalIsRefused) {
+  const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+  ASSERT_GE(terminal, 0);
+  ASSERT_EQ(::grantpt(terminal), 0);
+  ASSERT_EQ(::unlockpt(terminal), 0);
+  const std::string name = ::ptsname(terminal);
+  EXPECT_EQ(shell("$f bake cube.off -o - > " + name), 2);
+  EXPECT_THAT(err, HasSubstr("terminal"));
+  ::close(terminal);
+}
+
+TEST_F(BakeProgram, ASignalEndsTheWaitForAPipe) {
+  // The shell holds both ends of the pipe. The fourth digit from the right of SigCgt has bit 14, SIGTERM: it
+  // is caught.
+  const std::string caught =
+      "until grep -Eq 'SigCgt:.*[4567cdef][0-9a-f]{3}$' /proc/$!/status; do sleep 0.01; done; ";
+  const std::string written = "until grep -q encode .err; do sleep 0.01; done; sleep 0.1; ";
+  const std::string stop = "kill -TERM $!; wait $!";
+  EXPECT_EQ(shell("mkfifo in.pipe; exec 8<>in.pipe; \"$f\" bake - -o x.glb <in.pipe & " + caught + stop), 130)
+      << err;
+  EXPECT_EQ(
+      shell("mkfifo out.pipe; exec 8<>out.pipe; \"$f\" bake cube.off -o - >out.pipe & " + written + stop),
+      130)
+      << "nobody reads: " << err;
+  EXPECT_FALSE(fs::exists(folder / "x.glb"));
+}
+
+// -- nothing is lost
+
+TEST_F(BakeProgram, RefusesWhatItWouldLoseBeforeAnythingIsBaked) {
+  ASSERT_EQ(shell("$f bake cube.off -o cube.glb -q"), 0) << err;
+  const std::string mesh = bytes("cube.glb"), source = bytes("cube.off");
+  const std::size_t before = files();
+  fs::create_hard_link(folder / "cube.glb", folder / "hard.glb");
+  fs::create_symlink("cube.glb", folder / "soft.glb");
+  // In place of devices: whoever runs this as root keeps theirs, whatever the program does.
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  fs::create_symlink("/dev/stdout", folder / "descriptor");
+  for (const std::string command :
+       {"$f bake cube.off -o cube.off", "$f bake cube.off -o x.stl", "$f bake cube.glb -o cube.glb",
+        "$f bake cube.glb -o ./in/../cube.glb", "$f bake cube.glb -o hard.glb",
+        "$f bake cube.glb -o soft.glb", "$f bake soft.glb -o cube.glb", "$f bake cube.off -o pipe",
+        "$f bake cube.off -o descriptor", "$f bake cube.off -o x.glb --report cube.off",
+        "$f bake cube.off -o x.glb --depfile cube.off", "$f bake in -o cube.glb", "$f bake in -o new.glb",
+        "echo '{\"input\": \"cube.glb\", \"output\": \"in\"}' > .m; $f bake --manifest .m",
+        "echo '{\"input\": \"cube.glb\", \"output\": \"cube.glb\"}' > .m; $f bake --manifest .m"}) {
+    EXPECT_EQ(shell(command), 2) << command << ": " << err;
+    EXPECT_THAT(err, StartsWith("fracture-server bake: ")) << command;
+  }
+  EXPECT_EQ(bytes("cube.glb"), mesh);
+  EXPECT_EQ(bytes("hard.glb"), mesh);
+  EXPECT_EQ(bytes("cube.off"), source);
+  EXPECT_TRUE(fs::is_symlink(folder / "soft.glb"));
+  EXPECT_TRUE(fs::is_symlink(folder / "descriptor"));
+  EXPECT_TRUE(fs::is_fifo(folder / "pipe"));
+  EXPECT_EQ(files(), before + 2) << "the links, and nothing else was made";
+}
+
+TEST_F(BakeProgram, ResultsInTheFolderOfTheMeshesAreNotBakedAgain) {
+  ASSERT_EQ(shell("$f bake in -o in --sites 5 --allow-refused 1 -q"), 0) << err;
+  const auto first = outputs(folder / "in");
+  ASSERT_EQ(shell("$f bake in -o in --sites 5 --allow-refused 1"), 0) << err;
+  EXPECT_THAT(err, HasSubstr("skipped 3 results of earlier bakes"));
+  EXPECT_THAT(out, AllOf(HasSubstr("3 kept"), HasSubstr("of 4 jobs")));
+  EXPECT_EQ(outputs(folder / "in"), first);
+  fs::remove(folder / "in/bake.ndjson");
+  ASSERT_EQ(shell("$f bake in -o elsewhere --sites 5 --allow-refused 1"), 0) << err;
+  EXPECT_THAT(out, HasSubstr("3 made")) << "known by their content too";
+  EXPECT_EQ(outputs(folder / "elsewhere").size(), 3u);
+}
+
+// -- what it says
+
+TEST_F(BakeProgram, WarnsInTheSameWordsForOneFileAndForMany) {
+  ASSERT_EQ(shell("$f bake tub.off -o one.glb --sites 5 -q"), 0) << err;
+  const std::string words = err;
+  EXPECT_THAT(words, HasSubstr("tub.off: warning: "));
+  fs::create_directory(folder / "many");
+  ASSERT_EQ(shell("$f bake tub.off -o many/ --sites 5 -q"), 0) << err;
+  EXPECT_EQ(err, words);
+  EXPECT_EQ(bytes("many/tub.off.glb"), bytes("one.glb"));
+  EXPECT_EQ(json::parse(bytes("many/bake.ndjson")).at("warnings").size(),
+            static_cast<std::size_t>(std::count(words.begin(), words.end(), '\n')));
+}
+
+TEST_F(BakeProgram, RefusesInTheSameWordsForOneFileAndForMany) {
+  ASSERT_EQ(shell("$f bake in/poison/sheet.obj -o one.glb -q"), 3);
+  const std::string words = err;
+  EXPECT_THAT(words, HasSubstr("in/poison/sheet.obj: mesh-not-closed: "));
+  ASSERT_EQ(shell("$f bake in/poison -o many -q"), 3);
+  EXPECT_EQ(err, words);
+  EXPECT_EQ(shell("$f bake in/poison/sheet.obj -o one.glb -q --allow-refused 1"), 0);
+  EXPECT_FALSE(fs::exists(folder / "one.glb"));
+}
+
+TEST_F(BakeProgram, WritesAFormatByTheEndingForOneFileAndForMany) {
+  std::string manifest;
+  for (const char* name : {"a.glb", "a.GLTF", "a"})
+    manifest += json{{"input", "cube.off"}, {"output", std::string("many/") + name}}.dump() + "\n";
+  folder.write("m", manifest);
+  ASSERT_EQ(shell("$f bake --manifest m -q"), 0) << err;
+  for (const std::string name : {"a.glb", "a.GLTF", "a"}) {
+    ASSERT_EQ(shell("$f bake cube.off -q -o one/" + name), 0) << err;
+    EXPECT_EQ(bytes("many/" + name), bytes("one/" + name)) << name;
+  }
+  EXPECT_TRUE(json::accept(bytes("many/a.GLTF")));
+  EXPECT_EQ(bytes("many/a"), bytes("many/a.glb"));
+}
+
 TEST_F(BakeProgram, ParametersMayBeWrittenWithDashes) {
   ASSERT_EQ(shell("$f bake cube.off -q -o a.glb --max_fragments 5 --interior_name Core"), 0) << err;
   ASSERT_EQ(shell("$f bake cube.off -q -o b.glb --max-fragments=5 --interior-name Core"), 0) << err;
@@ -114,6 +252,125 @@ TEST_F(BakeProgram, TakesMemoryInBytesAndNothingElse) {
     EXPECT_EQ(shell("$f bake cube.off -o x.glb -q --memory=" + std::string(wrong)), 2) << wrong;
     EXPECT_THAT(err, AllOf(HasSubstr("--memory"), HasSubstr(wrong)));
   }
+}
+
+// -- answers that do not prove themselves, from servers that let them out
+
+/// A server whose answers are changed on their way.
+class Tampered {
+ public:
+  explicit Tampered(std::function<std::string(std::string)> change) : change_(std::move(change)) {}
+  std::string url() const { return "http://127.0.0.1:" + std::to_string(door_.port()); }
+
+ private:
+  ServeProcess server_;
+  const std::function<std::string(std::string)> change_;
+  FakeServer door_{[this](const FakeRequest& request) {
+    FakeReply reply = pass_on(request, server_.port);
+    reply.bytes = change_(std::move(reply.bytes));
+    return reply;
+  }};
+};
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+  if (const std::size_t at = text.find(what); at != std::string::npos) text.replace(at, what.size(), by);
+  return text;
+}
+
+/// RFC 4648.
+std::string base64(std::span<const std::uint8_t> bytes) {
+  constexpr const char* kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (std::size_t at = 0; at < bytes.size(); at += 3) {
+    std::uint32_t three = 0;
+    for (std::size_t k = 0; k < 3; ++k) three = three << 8 | (at + k < bytes.size() ? bytes[at + k] : 0u);
+    for (std::size_t k = 0; k < 4; ++k)
+      text += at + k <= bytes.size() ? kDigits[three >> (18 - 6 * k) & 63] : '=';
+  }
+  return text;
+}
+
+/// As of a server that does not look at its certificates.
+std::string opened(std::string reply) {
+  const std::size_t end = reply.find("\r\n\r\n");
+  const std::size_t digest = reply.find("sha-256=:");
+  if (reply.find("model/gltf-binary") > end || digest > end) return reply;
+  std::string body = replaced(reply.substr(end + 4), "{\"open_edges\":0,", "{\"open_edges\":7,");
+  const std::string true_digest = "sha-256=:" + base64(sha256(body).bytes) + ":";
+  reply.replace(digest, true_digest.size(), true_digest);
+  return reply.substr(0, end + 4) + body;
+}
+
+TEST_F(BakeProgram, AnAnswerThatDoesNotProveItselfIsNotWrittenForOneFileAndForMany) {
+  const Tampered older(opened);
+  ASSERT_EQ(shell("$f bake in/box1.obj -o one.glb -q --server " + older.url() + " --keep-failures kept"), 4)
+      << err;
+  EXPECT_THAT(err,
+              AllOf(HasSubstr("in/box1.obj: unsound: "), HasSubstr("7 open edges"), HasSubstr("in kept")));
+  EXPECT_FALSE(fs::exists(folder / "one.glb"));
+  ASSERT_EQ(shell("$f bake in -o many -q --server " + older.url()), 4) << err;
+  EXPECT_THAT(outputs(folder / "many"), IsEmpty());
+  EXPECT_EQ(lines_in(folder / "many/bake.ndjson"), 4u);
+  EXPECT_EQ(
+      json::parse(bytes("many/bake.ndjson").substr(0, bytes("many/bake.ndjson").find('\n'))).at("status"),
+      "unsound");
+
+  // The kept failure is the mesh and the command; here, where nothing tampers, it succeeds.
+  const fs::directory_iterator kept(folder / "kept");
+  const json request = json::parse(read_file(kept->path() / "request.json"));
+  EXPECT_EQ(request.at("certificate").at("open_edges"), 7);
+  const std::string command = request.at("command");
+  ASSERT_THAT(command, StartsWith("fracture-server bake "));
+  ASSERT_EQ(shell("cd '" + kept->path().string() + "' && \"$f\"" + command.substr(15)), 0) << err;
+  ASSERT_EQ(shell("$f bake in/box1.obj -o direct.glb -q"), 0);
+  EXPECT_EQ(read_file(kept->path() / "fragments.glb"), bytes("direct.glb"));
+}
+
+TEST_F(BakeProgram, AServersWordThatAnAnswerIsUnsoundIsExitCode4) {
+  FakeServer server([](const FakeRequest& request) {
+    const std::string kJson = "Content-Type: application/json\r\n";
+    if (request.target == "/version")
+      return FakeReply::answer(
+          200, json{{"name", "fracture-server"}, {"algorithm", kAlgorithmVersion}}.dump(), kJson);
+    if (request.target == "/limits") return FakeReply::answer(200, "{}", kJson);
+    return FakeReply::answer(500,
+                             R"({"type": "/problems/unsound", "title": "It is not.", "detail": "9 edges."})",
+                             "Content-Type: application/problem+json\r\n");
+  });
+  const std::string url = " --server http://127.0.0.1:" + std::to_string(server.port());
+  EXPECT_EQ(shell("$f bake in/box1.obj -o one.glb -q --allow-refused 9" + url), 4) << err;
+  EXPECT_THAT(err, AllOf(HasSubstr("unsound: "), HasSubstr("9 edges.")));
+  EXPECT_FALSE(fs::exists(folder / "one.glb"));
+  EXPECT_EQ(shell("$f bake in -o many -q --allow-refused 9" + url), 4) << err;
+  EXPECT_THAT(outputs(folder / "many"), IsEmpty());
+  EXPECT_THAT(bytes("many/bake.ndjson"), HasSubstr("\"status\":\"unsound\""));
+}
+
+// -- failures that are kept
+
+TEST_F(BakeProgram, TheCommandOfAKeptFailureReproducesTheAnswer) {
+  const json parameters = {{"sites", 20},
+                           {"pattern", "impact"},
+                           {"impacts", {{0.5, 0.5, -0.25}}},
+                           {"interior_name", "a 'core' of $5"},
+                           {"gravity", {0, -3.5, 0}}};
+  std::vector<RawParameter> given;
+  for (const auto& [name, value] : parameters.items()) given.push_back({name, value, false});
+  const Expected<RequestParameters> parsed = ParameterTable(100'000, FormatSet::all()).parse(given);
+  ASSERT_TRUE(parsed) << parsed.error().detail;
+  const std::string mesh = bytes("in/gltf/box.gltf"), buffer = bytes("in/gltf/box data/box.bin");
+  FractureRequest request{std::as_bytes(std::span(mesh)), MeshFormat::kGltf, *parsed};
+  request.files.push_back({"box data/box.bin", std::as_bytes(std::span(buffer))});
+  FailureKeeper keeper({.folder = folder / "kept"});
+  keeper.keep(request, {ErrorCode::kUnsound, "So it is said."}, nullptr, "the box.gltf");
+  ASSERT_EQ(keeper.figures().kept, 1u);
+  const std::string place = fs::directory_iterator(folder / "kept")->path();
+  const std::string command = json::parse(read_file(place + "/request.json")).at("command");
+  ASSERT_EQ(shell("PATH=\"$(dirname \"$f\"):$PATH\"; cd '" + place + "' && " + command), 0) << err;
+  folder.write(
+      "m", json{{"input", "in/gltf/box.gltf"}, {"output", "direct.glb"}, {"parameters", parameters}}.dump());
+  ASSERT_EQ(shell("$f bake --manifest m -q"), 0) << err;
+  EXPECT_EQ(read_file(place + "/fragments.glb"), bytes("direct.glb"));
 }
 
 }  // namespace

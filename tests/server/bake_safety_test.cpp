@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "server/bake/input_file.hpp"
 #include "server/bake/output_path.hpp"
 #include "server/bake/plan.hpp"
 #include "server/bake/result_file.hpp"
@@ -269,6 +270,45 @@ TEST_F(BakeSafety, KeptFailuresAreNoMeshes) {
   EXPECT_EQ(plan({.inputs = {folder / "in"}, .output = folder / "out", .failures = folder / "in/./failures"})
                 .jobs.size(),
             1u);
+}
+
+// -- reading
+
+TEST_F(BakeSafety, AFolderAsAMeshCannotBeRead) {
+  EXPECT_FALSE(read_bytes(folder.path));
+  EXPECT_EQ(errno, EISDIR);
+}
+
+TEST_F(BakeSafety, AStopEndsTheWaitForAPipe) {
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  const int writer =
+      ::open((folder / "pipe").c_str(), O_RDWR | O_CLOEXEC);  // so that opening to read does not wait
+  ASSERT_GE(writer, 0);
+  ASSERT_EQ(::write(writer, "v 0", 3), 3);
+  std::stop_source stop;
+  std::jthread stopper([&] { stop.request_stop(); });
+  EXPECT_FALSE(read_bytes(folder / "pipe", stop.get_token()));
+  EXPECT_EQ(errno, ECANCELED);
+  ::close(writer);
+}
+
+TEST(InputFile, KnowsTheFormatByParameterThenNameThenContent) {
+  const auto format = [](const std::string& path, const std::string& bytes,
+                         std::optional<MeshFormat> given = {}) {
+    RequestParameters parameters;
+    parameters.format = given;
+    const auto input = to_input(path, bytes, parameters);
+    return input ? std::optional(input->format) : std::nullopt;
+  };
+  const std::string off = "OFF\n0 0 0\n";
+  EXPECT_EQ(format("-", off), MeshFormat::kOff);
+  EXPECT_EQ(format("-", off, MeshFormat::kObj), MeshFormat::kObj);
+  EXPECT_EQ(format("mesh", off), MeshFormat::kOff);
+  EXPECT_EQ(format("mesh.v2", off), MeshFormat::kOff);
+  EXPECT_EQ(format("mesh.STL", off), MeshFormat::kStl);
+  EXPECT_EQ(format("-", "v 0 0 0\n"), std::nullopt);
+  EXPECT_EQ(to_input("-", "v 0 0 0\n", {}).error().code, ErrorCode::kUnknownFormat);
+  EXPECT_EQ(to_input("-", "", {}).error().code, ErrorCode::kEmptyBody);
 }
 
 }  // namespace
