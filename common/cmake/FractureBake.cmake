@@ -7,9 +7,9 @@
 #
 # TARGET      depends on the output; made (as one of `all`) where there is no such target. May have any number of assets.
 # INPUT       relative to the source folder.
-# OUTPUT      relative to the binary folder; a name that ends in .gltf is JSON, everything else GLB. Default: the name of
-#             the input and .glb.
-# PARAMETERS  name=value each, as `fracture-server bake --help` lists them; a semicolon in a value as \; .
+# OUTPUT      relative to the binary folder; a name that ends in .gltf is JSON, one in .glb or without an ending GLB. Default:
+#             the name of the input and .glb.
+# PARAMETERS  name=value each, as `fracture-server bake --help` lists them (with - or _); a semicolon in a value as \; .
 # SERVER      http://host:port: through a farm, to the same bytes. FRACTURE_TOKEN of the build's environment is its token.
 # THREADS     of one bake, 1 where it is not given: builds run many at a time. The bytes do not depend on it.
 #
@@ -36,6 +36,11 @@ function(fracture_add_baked_asset)
     set(ARG_OUTPUT ${name}.glb)
   endif()
   cmake_path(ABSOLUTE_PATH ARG_OUTPUT BASE_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR} NORMALIZE OUTPUT_VARIABLE output)
+  cmake_path(GET output EXTENSION LAST_ONLY ending)
+  string(TOLOWER "${ending}" ending)
+  if(ending AND NOT ending MATCHES "^\\.(glb|gltf)$")
+    message(FATAL_ERROR "${where}: OUTPUT ends in '${ending}', which is not written; say .glb or .gltf")
+  endif()
   if(NOT ARG_THREADS)
     set(ARG_THREADS 1)
   endif()
@@ -44,7 +49,7 @@ function(fracture_add_baked_asset)
     list(APPEND flags --server ${ARG_SERVER})
   endif()
   foreach(parameter IN LISTS ARG_PARAMETERS)
-    if(NOT parameter MATCHES "^[a-z_]+=")
+    if(NOT parameter MATCHES "^[a-z_-]+=")
       message(FATAL_ERROR "${where}: '${parameter}' is no parameter such as sites=80")
     endif()
     string(REPLACE "\\;" ";" parameter "${parameter}")

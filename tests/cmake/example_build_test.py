@@ -78,7 +78,7 @@ class ExampleBuild(unittest.TestCase):
         self.expect_made_again(self.pane)
         self.expect_made_again()
         lists = self.source / "CMakeLists.txt"
-        lists.write_text(lists.read_text().replace("sites=40", "sites=41"))
+        lists.write_text(lists.read_text().replace("sites=40", "sites=41 max-fragments=30"))
         self.expect_made_again(self.crate)  # a parameter
 
     def test_a_refused_asset_fails_the_build_with_the_reason(self):
@@ -97,6 +97,8 @@ class ExampleBuild(unittest.TestCase):
         lists = self.source / "CMakeLists.txt"
         good = lists.read_text()
         for wrong, reason in (("INPUT assets/crate.gltf PARAMETERS sites", "'sites' is no parameter"),
+                              ("INPUT assets/crate.gltf OUTPUT crate.obj",
+                               "OUTPUT ends in '.obj', which is not written"),
                               ("PARAMETERS sites=1", "TARGET and INPUT have to be given"),
                               ("nonsense INPUT assets/crate.gltf", "'nonsense' is not understood")):
             lists.write_text(good + f"fracture_add_baked_asset(TARGET game {wrong})\n")
