@@ -4,40 +4,14 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
-#include <map>
-#include <tuple>
 #include <vector>
 
 #include "common/base/random.hpp"
-#include "common/solid/solid.hpp"
+#include "tests/property/violations.hpp"
 
 namespace fracture::test {
 namespace {
-
-using Key = std::tuple<float, float, float>;
-
-Key key(const Vec3f& p) { return {p.x, p.y, p.z}; }  // -0 == 0
-
-Vec3f world(const Fragment& f, std::uint32_t v) {
-  const Vec3f& p = f.positions[v];
-  return {p.x + static_cast<float>(f.pivot.x), p.y + static_cast<float>(f.pivot.y),
-          p.z + static_cast<float>(f.pivot.z)};
-}
-
-template <class Name>
-std::int64_t unbalanced_edges(const Fragment& f, const Name& name) {
-  std::map<std::pair<std::uint32_t, std::uint32_t>, int> balance;
-  for (std::size_t k = 0; k < f.indices.size(); k += 3)
-    for (int e = 0; e < 3; ++e) {
-      const std::uint32_t a = name(f.indices[k + e]), b = name(f.indices[k + (e + 1) % 3]);
-      if (a != b) balance[{std::min(a, b), std::max(a, b)}] += a < b ? 1 : -1;
-    }
-  std::int64_t n = 0;
-  for (const auto& [edge, sum] : balance) n += sum != 0;
-  return n;
-}
 
 /// Signed crossings of the ray from q in direction +x; `doubt` is set when the ray passes an edge, or q a
 /// face, so closely that double arithmetic cannot be trusted.
@@ -74,114 +48,23 @@ Mesh with_traced_triangles(Mesh mesh) {
   return mesh;
 }
 
-void expect_closed(const FragmentSet& set) {
-  for (std::size_t n = 0; n < set.fragments.size(); ++n) {
-    const Fragment& f = set.fragments[n];
-    EXPECT_EQ(unbalanced_edges(f, [&](std::uint32_t v) { return f.topology[v]; }), 0)
-        << "own topology of fragment " << n;
-    std::map<Key, std::uint32_t> first;
-    std::vector<std::uint32_t> weld;
-    for (std::uint32_t v = 0; v < f.positions.size(); ++v)
-      weld.push_back(first.try_emplace(key(f.positions[v]), v).first->second);
-    EXPECT_EQ(unbalanced_edges(f, [&](std::uint32_t v) { return weld[v]; }), 0)
-        << "fragment " << n << " after welding";
-    long double six = 0;
-    for (std::size_t k = 0; k < f.indices.size(); k += 3) {
-      const Vec3d a = to_double(f.positions[f.indices[k]]), b = to_double(f.positions[f.indices[k + 1]]),
-                  c = to_double(f.positions[f.indices[k + 2]]);
-      six += static_cast<long double>(a.x) *
-                 (static_cast<long double>(b.y) * c.z - static_cast<long double>(b.z) * c.y) +
-             static_cast<long double>(a.y) *
-                 (static_cast<long double>(b.z) * c.x - static_cast<long double>(b.x) * c.z) +
-             static_cast<long double>(a.z) *
-                 (static_cast<long double>(b.x) * c.y - static_cast<long double>(b.y) * c.x);
-    }
-    EXPECT_GT(six, 0) << "volume of fragment " << n;
-  }
+namespace {
+
+void expect_none(const Violations& violations) {
+  for (const std::string& violation : violations) ADD_FAILURE() << violation;
 }
 
+}  // namespace
+
+void expect_closed(const FragmentSet& set) { expect_none(closed_violations(set)); }
+
 void expect_partition(const FragmentSet& set, double volume, double area) {
-  double unrounded = 0, file = 0;
-  std::map<std::array<Key, 3>, int> seams;
-  for (const Fragment& f : set.fragments) {
-    unrounded += f.mass.volume;
-    double six = 0;
-    for (std::size_t k = 0; k < f.indices.size(); k += 3)
-      six += dot(to_double(f.positions[f.indices[k]]),
-                 cross(to_double(f.positions[f.indices[k + 1]]), to_double(f.positions[f.indices[k + 2]])));
-    file += six / 6;
-    for (const FragmentPrimitive& p : f.primitives) {
-      if (p.material != kInteriorMaterial) continue;
-      for (std::uint32_t k = p.first_index; k < p.first_index + p.index_count; k += 3) {
-        std::array<Key, 3> t;
-        for (std::uint32_t c = 0; c < 3; ++c) {
-          const std::uint32_t v = f.indices[k + c];
-          const Vec3f w = world(f, v);
-          const Vec3d exact = to_double(f.positions[v]) + f.pivot;
-          EXPECT_EQ(to_double(w), exact) << "local + pivot rounds";
-          t[c] = key(w);
-        }
-        // From the first of the least corners on: once as it is, or against one that goes the other way.
-        std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
-        const auto mirrored = seams.find({t[0], t[2], t[1]});
-        if (mirrored != seams.end() && mirrored->second > 0)
-          --mirrored->second;
-        else
-          ++seams[t];
-      }
-    }
-  }
-  EXPECT_NEAR(unrounded, volume, 1e-9 * volume);
-  const double h = std::max({set.lattice_step.x, set.lattice_step.y, set.lattice_step.z});
-  EXPECT_NEAR(file, volume, 2 * h * area);
-  int unpaired = 0;
-  for (const auto& [corners, count] : seams) unpaired += count;
-  EXPECT_EQ(unpaired, 0) << "interior triangles without mirror image";
+  EXPECT_LE(std::fabs(set.certificate.pocket_volume), 1e-9 * volume);
+  expect_none(partition_violations(set, {.volume = volume, .area = area, .magnitude = volume}));
 }
 
 void expect_outside_untouched(const FragmentSet& set, const Mesh& traced) {
-  const std::size_t n = traced.triangles.size();
-  std::vector<double> covered(n, 0);
-  const Vec3d h = set.lattice_step;
-  const double reach = 2 * (h.x + h.y + h.z);
-  std::map<Key, int> seen;
-  for (const Fragment& f : set.fragments)
-    for (const FragmentPrimitive& p : f.primitives) {
-      if (p.material == kInteriorMaterial) continue;
-      ASSERT_LT(p.material, n);
-      const auto& corners = traced.triangles[p.material];
-      const Vec3d a = to_double(traced.positions[corners[0]]), b = to_double(traced.positions[corners[1]]),
-                  c = to_double(traced.positions[corners[2]]);
-      Vec3d normal = cross(b - a, c - a);
-      const double l = length(normal);
-      if (l > 0) normal = (1 / l) * normal;
-      Box box;
-      for (const Vec3d& q : {a, b, c}) box.add(q);
-      for (std::uint32_t k = p.first_index; k < p.first_index + p.index_count; k += 3) {
-        Vec3d x[3];
-        for (std::uint32_t m = 0; m < 3; ++m) {
-          const Vec3f w = world(f, f.indices[k + m]);
-          x[m] = to_double(w);
-          if (l > reach * reach) {
-            EXPECT_LE(std::fabs(dot(x[m] - a, normal)), reach) << "off the plane of triangle " << p.material;
-          }
-          for (int axis = 0; axis < 3; ++axis) {
-            EXPECT_GE(x[m][axis], box.min[axis] - reach);
-            EXPECT_LE(x[m][axis], box.max[axis] + reach);
-          }
-          ++seen[key(w)];
-        }
-        if (l > 0) covered[p.material] += 0.5 * dot(cross(x[1] - x[0], x[2] - x[0]), normal);
-      }
-    }
-  for (std::size_t t = 0; t < n; ++t) {
-    const auto& v = traced.triangles[t];
-    const Vec3d a = to_double(traced.positions[v[0]]), b = to_double(traced.positions[v[1]]),
-                c = to_double(traced.positions[v[2]]);
-    const double area = 0.5 * length(cross(b - a, c - a)),
-                 perimeter = length(b - a) + length(c - b) + length(a - c);
-    EXPECT_NEAR(covered[t], area, 2 * reach * perimeter + reach * reach) << "triangle " << t;
-  }
+  expect_none(outside_violations(set, traced));
 }
 
 namespace {

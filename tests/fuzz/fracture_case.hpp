@@ -1,0 +1,50 @@
+// Bytes become a mesh and parameters, so that a fuzzer that changes bytes changes the structure of both:
+// families and sizes of shapes, how they lie together, damage, scale and place; and, through the table of
+// parameters itself, any value that a request may hold.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "common/mesh/mesh.hpp"
+#include "server/parameters/parameters.hpp"
+
+namespace fracture::fuzz {
+
+/// A source of choices. After the last byte every choice is the first one, so that short inputs are simple.
+class Bytes {
+ public:
+  Bytes(const std::uint8_t* data, std::size_t size) : at_(data), end_(data + size) {}
+
+  std::uint8_t byte() { return at_ == end_ ? 0 : *at_++; }
+  std::uint64_t word();
+  /// In [0, n), n > 0.
+  std::uint32_t below(std::uint32_t n);
+  /// In [0, 1], a multiple of 1/65535: both ends are reached.
+  double unit();
+  double between(double low, double high) { return low + unit() * (high - low); }
+  bool once_in(std::uint32_t n) { return below(n) == n - 1; }
+
+ private:
+  const std::uint8_t *at_, *end_;
+};
+
+struct FractureCase {
+  Mesh mesh;
+  RequestParameters parameters;
+  /// With `parameters.fracture`: which of the fragments of the answer is fractured again, modulo their
+  /// number.
+  std::uint32_t again = 0;
+  bool has_again = false;
+  std::string shape;       ///< how the mesh was made, for people
+  nlohmann::json request;  ///< the parameters as a request would give them
+};
+
+/// Always makes a case: what the table refuses is left out of the request.
+FractureCase decode_case(const std::uint8_t* data, std::size_t size);
+
+/// Wavefront OBJ, each coordinate with the digits that give its float again.
+std::string to_obj(const Mesh& mesh);
+
+}  // namespace fracture::fuzz

@@ -1,0 +1,267 @@
+// Fuzz target: any mesh, any parameters (fracture_case.hpp) through make_solid, make_diagram and fracture,
+// hits and fragments that are fractured again included. What comes out is sound by the invariants of
+// tests/property, or an error; no exception, and never longer than 50 ms of processor time between two polls,
+// so that an interruption takes effect in that time. Everything else prints how to repeat it, and aborts.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <memory>
+#include <set>
+#include <string>
+
+#include "common/pipeline/delta.hpp"
+#include "tests/fuzz/fracture_case.hpp"
+#include "tests/property/violations.hpp"
+
+namespace fracture::fuzz {
+namespace {
+
+using test::Violations;
+
+/// How many times as long as a release build without sanitizers may this one take?
+#if defined(FRACTURE_SANITIZED)
+constexpr double kSlowness = 12;
+#elif !defined(NDEBUG)
+constexpr double kSlowness = 8;
+#else
+constexpr double kSlowness = 1;
+#endif
+constexpr double kBetweenPolls = 0.05 * kSlowness;  ///< seconds of the thread's processor time
+const std::chrono::milliseconds kDeadline(static_cast<int>(4000 * kSlowness));
+
+double processor_seconds() {
+  timespec t{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+/// Measures what lies between polls of one thread, from here to finish().
+class Watched {
+ public:
+  Watched() {
+    execution.deadline = std::chrono::steady_clock::now() + kDeadline;
+    execution.watch = [this] { step(); };
+    execution.progress = [this](const char* stage, double) { stage_ = stage; };
+    last_ = processor_seconds();
+  }
+  void step() {
+    const double now = processor_seconds();
+    if (now - last_ > longest_) {
+      longest_ = now - last_;
+      where_ = stage_;
+    }
+    last_ = now;
+  }
+  double longest() const { return longest_; }
+  const std::string& where() const { return where_; }
+
+  Execution execution;
+
+ private:
+  double last_ = 0, longest_ = 0;
+  std::string stage_ = "the beginning", where_ = "the beginning";
+};
+
+struct Outcome {
+  std::string word;  ///< "sound", or slug and pointer of the error
+  Violations violations;
+};
+
+void append(Violations& all, const std::string& what, const Violations& some) {
+  for (const std::string& one : some) all.push_back(what + ": " + one);
+}
+
+/// The solid's own triangles as a mesh in which each has its number as material.
+Mesh traced_surface(Solid& solid) {
+  Mesh mesh;
+  mesh.positions = solid.positions;
+  mesh.triangles = solid.triangles;
+  for (std::uint32_t t = 0; t < solid.material.size(); ++t) solid.material[t] = t;
+  mesh.material = solid.material;
+  return mesh;
+}
+
+/// Volume, area and the sum of the shells' absolute volumes, from the triangles alone.
+test::Whole measures(const Solid& solid) {
+  const Vec3d o = solid.box.center();
+  std::vector<long double> six;
+  test::Whole whole;
+  for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
+    const auto at = [&](int k) {
+      return to_double(solid.positions[solid.triangles[t][static_cast<std::size_t>(k)]]) - o;
+    };
+    const Vec3d a = at(0), b = at(1), c = at(2);
+    six.resize(std::max<std::size_t>(six.size(), solid.shell[t] + 1));
+    six[solid.shell[t]] += static_cast<long double>(a.x) *
+                               (static_cast<long double>(b.y) * c.z - static_cast<long double>(b.z) * c.y) +
+                           static_cast<long double>(a.y) *
+                               (static_cast<long double>(b.z) * c.x - static_cast<long double>(b.x) * c.z) +
+                           static_cast<long double>(a.z) *
+                               (static_cast<long double>(b.x) * c.y - static_cast<long double>(b.y) * c.x);
+    whole.area += 0.5 * length(cross(b - a, c - a));
+  }
+  for (const long double v : six) {
+    whole.volume += static_cast<double>(v / 6);
+    whole.magnitude += std::fabs(static_cast<double>(v / 6));
+  }
+  return whole;
+}
+
+/// The bits that an answer would be written with, for comparison.
+bool same_fragments(const FragmentSet& a, const FragmentSet& b) {
+  if (a.fragments.size() != b.fragments.size()) return false;
+  for (std::size_t k = 0; k < a.fragments.size(); ++k) {
+    const Fragment &f = a.fragments[k], &g = b.fragments[k];
+    if (f.id != g.id || f.pivot != g.pivot || f.positions != g.positions || f.indices != g.indices)
+      return false;
+  }
+  return true;
+}
+
+Violations judge(const FragmentSet& set, const FractureParameters& parameters, const test::Whole& whole,
+                 const Mesh& surface) {
+  Violations all;
+  append(all, "closed", test::closed_violations(set));
+  const Certificate& c = set.certificate;
+  if (c.open_edges != 0)
+    all.push_back("the certificate counts " + std::to_string(c.open_edges) + " open edges");
+  if (parameters.dual == Dual::kBarycenter || parameters.only_changed) return all;
+  append(all, "partition", test::partition_violations(set, whole));
+  // What has no volume is not emitted, nor are pockets: then the outside is not covered everywhere.
+  append(all, "outside", test::outside_violations(set, surface, c.pocket_area == 0 && c.dropped == 0));
+  if (c.fragments != c.cells + c.islands - c.united - c.dropped)
+    all.push_back("fragments are not cells + islands - united - dropped");
+  if (std::set<std::uint64_t> ids; true) {
+    for (const Fragment& f : set.fragments) ids.insert(f.id);
+    if (ids.size() != set.fragments.size()) all.push_back("two fragments have one id");
+  }
+  return all;
+}
+
+std::string word_of(const Error& error, Violations& violations) {
+  const std::string name = slug(error.code);
+  // Refused because it would not be sound is a failure here: the fallback is a net, not a path.
+  if (error.code == ErrorCode::kInternal || name == "unsound")
+    violations.push_back(name + ": " + error.detail);
+  return error.pointer.empty() ? name : name + " " + error.pointer;
+}
+
+/// A hit on an answer: the same as everything from nothing.
+Outcome run_hits(const Solid& solid, const FractureParameters& parameters, const test::Whole& whole,
+                 const Mesh& surface, const Execution& execution) {
+  Outcome outcome{"sound", {}};
+  StageTimings timings;
+  const Expected<KeptAnswer> before = fracture_and_keep(solid, before_hits(parameters), execution, timings);
+  if (!before) return outcome.word = word_of(before.error(), outcome.violations), outcome;
+  append(outcome.violations, "before the hits", judge(before->set, before_hits(parameters), whole, surface));
+  const Expected<KeptAnswer> after = fracture_delta(solid, *before->base, parameters, execution, timings);
+  if (!after) return outcome.word = word_of(after.error(), outcome.violations), outcome;
+  append(outcome.violations, "after the hits", judge(after->set, parameters, whole, surface));
+  if (parameters.only_changed) return outcome;
+  FractureParameters from_nothing = parameters;
+  from_nothing.new_hits = 0;
+  const Expected<KeptAnswer> again = fracture_and_keep(solid, from_nothing, execution, timings);
+  if (!again) return outcome.word = word_of(again.error(), outcome.violations), outcome;
+  if (!same_fragments(after->set, again->set))
+    outcome.violations.push_back("hits on a kept answer: not what all sites make from nothing");
+  return outcome;
+}
+
+Outcome run_once(const FractureCase& c, Watched& watched) {
+  Outcome outcome{"sound", {}};
+  const Execution& execution = watched.execution;
+  FractureParameters parameters = c.parameters.fracture;
+  StageTimings timings;
+  Mesh mesh = c.mesh;
+  if (auto frame = to_metres_y_up(mesh, c.parameters.frame); !frame)
+    return outcome.word = word_of(frame.error(), outcome.violations), outcome;
+  if (auto selected = restrict_to(mesh, c.parameters.parts); !selected)
+    return outcome.word = word_of(selected.error(), outcome.violations), outcome;
+  Expected<Solid> solid = make_solid(std::make_shared<Mesh>(std::move(mesh)), c.parameters.solid, execution);
+  if (!solid) return outcome.word = word_of(solid.error(), outcome.violations), outcome;
+  solid->validate();
+  const test::Whole whole = measures(*solid);
+  if (!c.has_again) {
+    const Mesh surface = traced_surface(*solid);
+    watched.step();
+    if (parameters.new_hits > 0) {
+      Outcome hits = run_hits(*solid, parameters, whole, surface, execution);
+      return hits;
+    }
+    const Expected<Diagram> diagram = make_diagram(*solid, parameters, execution, timings);
+    if (!diagram) return outcome.word = word_of(diagram.error(), outcome.violations), outcome;
+    const Expected<FragmentSet> set = fracture::fracture(*solid, *diagram, parameters, execution, timings);
+    watched.step();
+    if (!set) return outcome.word = word_of(set.error(), outcome.violations), outcome;
+    append(outcome.violations, "answer", judge(*set, parameters, whole, surface));
+    return outcome;
+  }
+  // One of the fragments, again.
+  parameters.new_hits = 0;
+  parameters.only_changed = parameters.kept = false;
+  const Expected<Diagram> diagram = make_diagram(*solid, parameters, execution, timings);
+  if (!diagram) return outcome.word = word_of(diagram.error(), outcome.violations), outcome;
+  const Expected<FragmentSet> first = fracture::fracture(*solid, *diagram, parameters, execution, timings);
+  if (!first) return outcome.word = word_of(first.error(), outcome.violations), outcome;
+  if (parameters.dual == Dual::kBarycenter) return outcome;
+  const Fragment& chosen = first->fragments[c.again % first->fragments.size()];
+  parameters.again = Refracture{.fragment = chosen.id, .sites = 1 + c.again % 20, .seed = c.again};
+  const Expected<FragmentSet> parts = fracture::fracture(*solid, *diagram, parameters, execution, timings);
+  if (!parts) return outcome.word = word_of(parts.error(), outcome.violations), outcome;
+  append(outcome.violations, "of a fragment", test::closed_violations(*parts));
+  const Certificate& certificate = parts->certificate;
+  if (certificate.open_edges != 0 || !(certificate.relative_error <= 1e-9))
+    outcome.violations.push_back("of a fragment: open edges or volume");
+  return outcome;
+}
+
+Outcome run(const FractureCase& c) {
+  // A long way between polls counts when it is there again: the machine does other things, too.
+  Outcome outcome;
+  for (int attempt = 0; attempt < 3; ++attempt) {
+    Watched watched;
+    try {
+      outcome = run_once(c, watched);
+    } catch (const std::exception& e) {
+      return {"exception", {std::string("exception: ") + e.what()}};
+    } catch (...) {
+      return {"exception", {"an exception that is none of ours"}};
+    }
+    if (!outcome.violations.empty() || watched.longest() <= kBetweenPolls) return outcome;
+    char text[200];
+    std::snprintf(text, sizeof text, "%.0f ms of processor time without a poll in '%s'",
+                  1e3 * watched.longest(), watched.where().c_str());
+    if (attempt == 2) outcome.violations.push_back(text);
+  }
+  return outcome;
+}
+
+}  // namespace
+
+/// What became of the last input, for programs that count: "sound", or slug and pointer of an error.
+std::string& last_outcome() {
+  static std::string word;
+  return word;
+}
+
+}  // namespace fracture::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace fracture::fuzz;
+  const FractureCase c = decode_case(data, size);
+  const Outcome outcome = run(c);
+  last_outcome() = outcome.word;
+  if (outcome.violations.empty()) return 0;
+  std::fprintf(stderr, "not sound: %s (%zu triangles)\nparameters: %s\n", c.shape.c_str(),
+               c.mesh.triangles.size(), c.request.dump().c_str());
+  if (c.has_again) std::fprintf(stderr, "of which fragment %u is fractured again\n", c.again);
+  for (const std::string& violation : outcome.violations) std::fprintf(stderr, "  %s\n", violation.c_str());
+  std::fprintf(stderr, "repeat: fuzz_fracture_run --input ");
+  for (std::size_t k = 0; k < size; ++k) std::fprintf(stderr, "%02x", data[k]);
+  std::fprintf(stderr, "\n");
+  std::fflush(stderr);
+  std::abort();
+}
