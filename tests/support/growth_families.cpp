@@ -85,14 +85,14 @@ GrowthInput comb(std::uint32_t n, std::uint64_t) {
   return {mesh, cut_once({5, 2, 0.5}, {0, 1, 0}), 0};
 }
 
-// A wall of n bricks that do not touch.
+// A wall of n bricks that do not touch; it faces x, where the boxes of all of them overlap.
 GrowthInput bricks(std::uint32_t n, std::uint64_t) {
   const int columns = root_of(n);
   std::vector<Mesh> all;
   for (std::uint32_t k = 0; k < n; ++k) {
-    const auto x = static_cast<double>(k % static_cast<std::uint32_t>(columns)),
+    const auto z = static_cast<double>(k % static_cast<std::uint32_t>(columns)),
                y = static_cast<double>(k / static_cast<std::uint32_t>(columns));
-    all.push_back(box({x, 0.5 * y, 0}, {x + 0.9, 0.5 * y + 0.4, 0.45}));
+    all.push_back(box({0, 0.5 * y, z}, {0.45, 0.5 * y + 0.4, z + 0.9}));
   }
   return {joined(all), {}, 100};
 }
@@ -134,13 +134,16 @@ GrowthInput hub(std::uint32_t n, std::uint64_t seed) {
   return input;
 }
 
-// A prism over a Lissajous curve of n points, cut across: the loop of the cap crosses itself some sixty
-// times.
+// A prism over a Lissajous curve of n points, cut across: the loop of the cap crosses itself some dozens of
+// times. A circle is added, since the figure alone turns as much inside out as not.
 GrowthInput lissajous(std::uint32_t n, std::uint64_t) {
   std::vector<Vec2d> polygon;
   const auto count = static_cast<std::int64_t>(std::max(n, 8u));
-  for (std::int64_t k = 0; k < count; ++k)
-    polygon.push_back({circle_point(5 * k, count).cos, circle_point(7 * k, count).sin});
+  for (std::int64_t k = 0; k < count; ++k) {
+    const CirclePoint circle = circle_point(k, count);
+    polygon.push_back(
+        {circle_point(5 * k, count).cos + circle.cos, circle_point(7 * k, count).sin + circle.sin});
+  }
   return {prism_over(polygon), cut_once({0, 0, 0.5}, {0, 0, 1}), 0};
 }
 
