@@ -33,6 +33,7 @@ struct ServeOptions {
   http::HttpLimits limits;
   ServiceConfig service;
   DispatcherConfig dispatcher;
+  std::string keep_failures;  ///< folder; empty: none are kept
   StoreConfig store;
   JobsConfig jobs;
   int threads = 0;  ///< of the worker pool; 0: as many as there are cores

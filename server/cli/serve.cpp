@@ -62,11 +62,23 @@ int serve_until_stopped(const ServeOptions& options) {
   }
   FractureService service(options.service, make_engine(imports));
   WorkerPool pool(options.threads > 0 ? options.threads : available_cores(), options.max_queue);
-  Dispatcher dispatcher(service, pool, options.dispatcher);
+  FailureKeeper failures({.folder = options.keep_failures, .program = "fracture-server " FRACTURE_VERSION},
+                         [](const std::string& problem) { spdlog::warn("{}", problem); });
+  DispatcherConfig config = options.dispatcher;
+  if (failures.any()) config.failures = &failures;
+  Dispatcher dispatcher(service, pool, config);
   http::Api api(dispatcher, options.limits, options.store, options.jobs);
   if (const std::string& problem = service.tiers().disk_problem(); !problem.empty())
     spdlog::warn("no disk cache: {}", problem);
   api.metrics().add_source(ops::write_process_metrics);
+  if (failures.any())
+    api.metrics().add_source([&failures](ops::MetricWriter& writer) {
+      const KeptFailures figures = failures.figures();
+      writer.counter("fracture_failures_kept_total", "Failures kept to be seen again.",
+                     static_cast<double>(figures.kept));
+      writer.counter("fracture_failures_not_kept_total", "Failures for which there was no room.",
+                     static_cast<double>(figures.dropped + figures.unwritten));
+    });
   if (imports)
     api.metrics().add_source(
         [&imports](ops::MetricWriter& writer) { write_import_metrics(imports->counters(), writer); });

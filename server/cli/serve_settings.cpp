@@ -72,10 +72,13 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
          list("enable-format", "FORMAT", o.enabled_formats,
               "Also read this format (blend, fbx and others): their parsers are large and off by default"),
          flag("all-formats", o.all_formats, "Read every format there is")});
-  group("Logs", {choice("log-level", o.log_level, {"trace", "debug", "info", "warn", "error", "off"},
-                        "Least important lines that are written"),
-                 choice("log-format", o.log_format, {"auto", "json", "text"},
-                        "Form of the lines; auto: text on a terminal, else JSON")});
+  group("Logs",
+        {choice("log-level", o.log_level, {"trace", "debug", "info", "warn", "error", "off"},
+                "Least important lines that are written"),
+         choice("log-format", o.log_format, {"auto", "json", "text"},
+                "Form of the lines; auto: text on a terminal, else JSON"),
+         text("keep-failures", "FOLDER", o.keep_failures,
+              "Keep here what is needed to see an answer again that did not prove itself, or a bug")});
   group("Limits",
         {number("max-body", "BYTES", l.max_body, 1, kTiB, "Bytes of a request body as it is sent"),
          number("max-bodies", "BYTES", l.max_bodies, 1, kTiB,

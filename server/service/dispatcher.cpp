@@ -366,10 +366,11 @@ void Dispatcher::with_mesh(const Shared& c, const Outcome<PreparedMesh>& mesh, i
   c->answer.mesh_cache = mesh->cache;
   append(c->answer.timings, mesh->timings);
   c->mesh = mesh->value;
-  // The file is not needed any more.
-  c->request.mesh = {};
-  c->request.files.clear();
-  c->request.owner.reset();
+  if (!failures_) {  // the file is not needed any more
+    c->request.mesh = {};
+    c->request.files.clear();
+    c->request.owner.reset();
+  }
   if (auto diagram = service_.find_diagram(c->keys))
     return with_diagram(c, Step<Diagram>{std::move(diagram), CacheOutcome::kHit, {}, {}}, threads);
   obtain<Diagram>(
@@ -404,6 +405,8 @@ void Dispatcher::with_diagram(const Shared& c, const Outcome<Diagram>& diagram, 
 void Dispatcher::end(const Shared& c, Expected<FractureAnswer> outcome) {
   c->working.reset();
   results_.land(c->flight, outcome);
+  if (failures_ && !outcome && FailureKeeper::concerns(outcome.error().code))
+    failures_->keep(c->request, outcome.error(), outcome.error().extra);
 }
 
 std::optional<std::size_t> Dispatcher::queue_position(const std::string& result_key) const {

@@ -28,6 +28,7 @@
 #include <vector>
 
 #include "server/service/admission.hpp"
+#include "server/service/failure_keeper.hpp"
 #include "server/service/memory_budget.hpp"
 #include "server/service/service.hpp"
 #include "server/service/single_flight.hpp"
@@ -39,6 +40,7 @@ namespace fracture {
 struct DispatcherConfig {
   /// Bytes that computations may be working in at the same time, by estimate; one alone may always run.
   std::uint64_t max_working_bytes = 2ull << 30;
+  FailureKeeper* failures = nullptr;  ///< gets what is unsound or a bug; borrowed; null: nobody does
 };
 
 /// What goes with a request besides what is asked.
@@ -62,7 +64,7 @@ class Dispatcher {
   using MeshReply = std::function<void(Expected<std::shared_ptr<const PreparedMesh>>)>;
 
   Dispatcher(FractureService& service, WorkerPool& pool, const DispatcherConfig& config = {})
-      : service_(service), pool_(pool), working_(config.max_working_bytes) {}
+      : service_(service), pool_(pool), failures_(config.failures), working_(config.max_working_bytes) {}
   /// Waits until nothing is computed any more; stop the flights first (stop_all) when that would take long.
   ~Dispatcher() { wait_idle(); }
   Dispatcher(const Dispatcher&) = delete;
@@ -140,6 +142,7 @@ class Dispatcher {
 
   FractureService& service_;
   WorkerPool& pool_;
+  FailureKeeper* const failures_;
   MemoryBudget working_;
   ResultFlights results_;
   MeshFlights meshes_;

@@ -106,6 +106,19 @@ Expected<FractureAnswer> FractureService::fracture(const FractureRequest& reques
     return answer;
   }
   if (auto failure = find_failure(keys.result)) return tl::unexpected<Error>(std::move(*failure));
+  Execution limited = execution;
+  std::optional<Allowance> allowance;
+  if (!execution.allowance && config_.max_bytes_per_job > 0) {
+    const std::uint64_t limit = config_.max_bytes_per_job;
+    limited.allowance = &allowance.emplace(0, limit, [limit](std::uint64_t bytes) {
+      return bytes <= limit ? Allowance::Answer::kGranted : Allowance::Answer::kNever;
+    });
+  }
+  return fracture(request, keys, limited, std::move(answer));
+}
+
+Expected<FractureAnswer> FractureService::fracture(const FractureRequest& request, const RequestKeys& keys,
+                                                   const Execution& execution, FractureAnswer answer) {
   try {
     execution.poll();
     Step<PreparedMesh> mesh{find_mesh(keys), CacheOutcome::kHit, {}, {}};

@@ -126,6 +126,10 @@ class FractureService {
   const ParameterTable& parameters() const { return parameters_; }
 
  private:
+  /// What is in no cache.
+  Expected<FractureAnswer> fracture(const FractureRequest& request, const RequestKeys& keys,
+                                    const Execution& execution, FractureAnswer answer);
+
   const ServiceConfig config_;
   const ParameterTable parameters_;
   const std::unique_ptr<FractureEngine> engine_;
