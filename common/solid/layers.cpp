@@ -2,33 +2,206 @@
 
 #include <algorithm>
 
-namespace fracture::solid_detail {
+#include "common/base/pacer.hpp"
+#include "common/solid/polled.hpp"
 
-std::uint32_t assign_layers(std::vector<Part>& parts) {
+namespace fracture::solid_detail {
+namespace {
+
+/// The boxes that have a layer, in a tree whose shape is fixed by the centres of all boxes (k-d tree, Bentley
+/// 1975), so that it stays balanced in whatever order they are added.
+class BoxTree {
+ public:
+  BoxTree(const std::vector<Part>& parts, const Execution& execution)
+      : parts_(parts), pacer_(execution), slots_(parts.size()), leaf_of_(parts.size()) {
+    std::size_t leaves = 1;
+    while (leaves * kLeafSize < parts.size()) leaves *= 2;
+    first_leaf_ = leaves - 1;
+    nodes_.resize(2 * leaves - 1);
+    for (std::uint32_t i = 0; i < slots_.size(); ++i) slots_[i] = i;
+    split(0, 0, slots_.size());
+  }
+
+  void add(std::uint32_t part) {
+    const Box& box = parts_[part].box;
+    std::size_t at = leaf_of_[part];
+    slots_[nodes_[at].begin + nodes_[at].count++] = part;
+    for (;; at = (at - 1) / 2) {
+      nodes_[at].box.add(box);
+      nodes_[at].layers = std::max(nodes_[at].layers, parts_[part].layer + 1);
+      if (at == 0) return;
+    }
+  }
+
+  /// Calls visit(j) for every part that was added, has a layer >= `lowest` and touches the box.
+  template <class Visit>
+  void for_each_touching(const Box& box, std::uint32_t lowest, Visit&& visit) {
+    std::size_t stack[64] = {0}, size = 1;
+    while (size > 0) {
+      const std::size_t at = stack[--size];
+      const Node& node = nodes_[at];
+      pacer_.step(1 + node.count);
+      if (node.layers <= lowest || !node.box.intersects(box)) continue;
+      if (at < first_leaf_) {
+        stack[size++] = 2 * at + 2;
+        stack[size++] = 2 * at + 1;
+        continue;
+      }
+      for (std::size_t k = node.begin; k < node.begin + node.count; ++k)
+        if (const Part& part = parts_[slots_[k]]; part.layer >= lowest && part.box.intersects(box))
+          visit(slots_[k]);
+    }
+  }
+
+ private:
+  static constexpr std::size_t kLeafSize = 8;
+  struct Node {
+    Box box;                   ///< of the parts that were added
+    std::uint32_t layers = 0;  ///< 1 + the highest layer of these
+    std::uint32_t count = 0;   ///< leaves: how many they are, in slots_ from `begin`
+    std::size_t begin = 0;
+  };
+
+  /// Gives the subtree the parts slots_[begin, end), halved along the axis in which their centres spread
+  /// most.
+  void split(std::size_t at, std::size_t begin, std::size_t end) {
+    if (at >= first_leaf_) {
+      nodes_[at].begin = begin;
+      for (std::size_t k = begin; k < end; ++k) leaf_of_[slots_[k]] = at;
+      return;
+    }
+    Box centers;
+    for (std::size_t k = begin; k < end; ++k) {
+      pacer_.step();
+      centers.add(parts_[slots_[k]].box.center());
+    }
+    int axis = 0;
+    for (int a = 1; a < 3; ++a)
+      if (centers.size()[a] > centers.size()[axis]) axis = a;
+    const std::size_t middle = begin + (end - begin) / 2;
+    const auto slot = [this](std::size_t k) { return slots_.begin() + static_cast<std::ptrdiff_t>(k); };
+    std::nth_element(slot(begin), slot(middle), slot(end), [&](std::uint32_t a, std::uint32_t b) {
+      pacer_.step();
+      return parts_[a].box.min[axis] + parts_[a].box.max[axis] <
+             parts_[b].box.min[axis] + parts_[b].box.max[axis];
+    });
+    split(2 * at + 1, begin, middle);
+    split(2 * at + 2, middle, end);
+  }
+
+  const std::vector<Part>& parts_;
+  Pacer pacer_;
+  std::size_t first_leaf_ = 0;
+  std::vector<Node> nodes_;           ///< a complete binary tree: the children of k are 2 k + 1 and 2 k + 2
+  std::vector<std::uint32_t> slots_;  ///< the parts of each leaf, those that were added first
+  std::vector<std::size_t> leaf_of_;  ///< per part
+};
+
+/// One box of each layer, under a tree over the layers that finds the lowest layer whose box is not touched.
+/// Where boxes pile up (bars side by side, shells within shells) that one box shows that a layer is taken.
+class LayerTree {
+ public:
+  std::uint32_t layers() const { return layers_; }
+
+  /// The lowest layer >= `from` whose box does not touch this one, or layers().
+  std::uint32_t first_untouched(const Box& box, std::uint32_t from) const {
+    std::size_t at = from + width_;
+    if (from >= layers_) return layers_;
+    while (
+        touches_all(nodes_[at], box)) {  // everything below `at` is touched: go on to what lies right of it
+      while (at % 2 == 1) at /= 2;
+      if (at == 0) return layers_;
+      ++at;
+    }
+    while (at < width_) {
+      at *= 2;
+      if (touches_all(nodes_[at], box)) ++at;
+    }
+    return std::min(layers_, static_cast<std::uint32_t>(at - width_));
+  }
+
+  /// A layer got a box: of those that boxes with this one's lower x or a higher one can still touch, the
+  /// layer keeps the widest across x.
+  void offer(std::uint32_t layer, const Box& box) {
+    if (layer == layers_) {
+      ++layers_;
+      if (layers_ > width_) widen();
+    } else {
+      const Box& kept = nodes_[layer + width_].core;
+      if (kept.max.x >= box.min.x && width_across_x(kept) > width_across_x(box)) return;
+    }
+    std::size_t at = layer + width_;
+    nodes_[at] = {box, true};
+    while ((at /= 2) > 0) nodes_[at] = both(nodes_[2 * at], nodes_[2 * at + 1]);
+  }
+
+ private:
+  /// core.min: the largest lower bounds of the boxes below, core.max: their smallest upper bounds. A box
+  /// touches all of them when it reaches up to the one and down to the other on every axis.
+  struct Node {
+    Box core;
+    bool complete = false;  ///< every layer below has a box
+  };
+  static bool touches_all(const Node& node, const Box& box) {
+    if (!node.complete) return false;
+    for (int a = 0; a < 3; ++a)
+      if (box.max[a] < node.core.min[a] || box.min[a] > node.core.max[a]) return false;
+    return true;
+  }
+  static Node both(const Node& x, const Node& y) {
+    Node node{x.core, x.complete && y.complete};
+    for (int a = 0; a < 3; ++a) {
+      node.core.min[a] = std::max(x.core.min[a], y.core.min[a]);
+      node.core.max[a] = std::min(x.core.max[a], y.core.max[a]);
+    }
+    return node;
+  }
+  static double width_across_x(const Box& box) { return box.max.y - box.min.y + (box.max.z - box.min.z); }
+  void widen() {
+    std::vector<Node> wider(4 * width_);
+    std::copy_n(nodes_.begin() + static_cast<std::ptrdiff_t>(width_), width_,
+                wider.begin() + static_cast<std::ptrdiff_t>(2 * width_));
+    width_ *= 2;
+    nodes_ = std::move(wider);
+    for (std::size_t at = width_; --at > 0;) nodes_[at] = both(nodes_[2 * at], nodes_[2 * at + 1]);
+  }
+
+  std::uint32_t layers_ = 0;
+  std::size_t width_ = 1;                    ///< a power of two >= layers_
+  std::vector<Node> nodes_{std::size_t{2}};  ///< root 1; the leaf of layer k is k + width_
+};
+
+}  // namespace
+
+std::uint32_t assign_layers(std::vector<Part>& parts, const Execution& execution) {
+  if (parts.size() == 1) parts[0].layer = 0;
+  if (parts.size() <= 1) return static_cast<std::uint32_t>(parts.size());
   std::vector<std::uint32_t> order(parts.size());
   for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+  sort_with_polls(execution, order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
     return parts[a].box.min.x != parts[b].box.min.x ? parts[a].box.min.x < parts[b].box.min.x : a < b;
   });
-  std::vector<std::uint32_t> open;
+  BoxTree placed(parts, execution);
+  LayerTree layers;
   std::vector<std::uint32_t> taken_by;  // per layer: the last part (plus one) that found it taken
-  std::uint32_t layers = 0;
+  Pacer pacer(execution);
   for (const std::uint32_t i : order) {
-    std::size_t kept = 0;
-    taken_by.resize(layers, 0);
-    for (const std::uint32_t j : open) {
-      if (parts[j].box.max.x < parts[i].box.min.x) continue;
-      open[kept++] = j;
-      if (parts[j].box.intersects(parts[i].box)) taken_by[parts[j].layer] = i + 1;
+    const Box& box = parts[i].box;
+    std::uint32_t layer = layers.first_untouched(box, 0);
+    if (layer < layers.layers()) {
+      placed.for_each_touching(box, layer, [&](std::uint32_t j) { taken_by[parts[j].layer] = i + 1; });
+      while (layer < layers.layers() && taken_by[layer] == i + 1) {
+        pacer.step();
+        layer = layers.first_untouched(box, layer + 1);
+      }
     }
-    open.resize(kept);
-    open.push_back(i);
-    std::uint32_t layer = 0;
-    while (layer < layers && taken_by[layer] == i + 1) ++layer;
     parts[i].layer = layer;
-    layers = std::max(layers, layer + 1);
+    placed.add(i);
+    layers.offer(layer, box);
+    taken_by.resize(layers.layers(), 0);
+    pacer.step(16);
   }
-  return layers;
+  return layers.layers();
 }
 
 }  // namespace fracture::solid_detail

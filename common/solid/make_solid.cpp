@@ -358,7 +358,7 @@ Expected<Solid> make_solid(std::shared_ptr<const Mesh> mesh, const SolidOptions&
     solid.box.add(part.box);
   }
   report.parts = solid.parts.size();
-  solid.layers = assign_layers(solid.parts);
+  solid.layers = assign_layers(solid.parts, execution);
   for (const TriangleId fill : fills) {
     if (shells.list[shells.of_triangle[fill]].flat) continue;
     if (report.holes_filled++ == 0)

@@ -1,0 +1,52 @@
+// Loops and arrays of millions of elements, in steps between which the execution is polled.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include "common/base/execution.hpp"
+
+namespace fracture::solid_detail {
+
+/// Calls body(i) for every i in [0, count). For bodies of up to a few random accesses to memory (some 100 ns
+/// each): a block takes a few milliseconds at most.
+template <class Body>
+void for_each_polled(const Execution& execution, std::size_t count, Body&& body) {
+  constexpr std::size_t kBlock = 16384;
+  for (std::size_t begin = 0; begin < count; begin += kBlock) {
+    execution.poll();
+    const std::size_t end = std::min(count, begin + kBlock);
+    for (std::size_t i = begin; i < end; ++i) body(i);
+  }
+}
+
+/// A vector of `count` copies of `value`. Fresh memory costs about a millisecond for each 2 MB.
+template <class T>
+std::vector<T> filled(const Execution& execution, std::size_t count, const T& value) {
+  constexpr std::size_t kStep = (std::size_t{4} << 20) / sizeof(T);
+  std::vector<T> items;
+  items.reserve(count);
+  for (std::size_t size = 0; size < count;) {
+    execution.poll();
+    size = std::min(count, size + kStep);
+    items.resize(size, value);
+  }
+  return items;
+}
+
+/// A copy of the vector.
+template <class T>
+std::vector<T> copied(const Execution& execution, const std::vector<T>& from) {
+  constexpr std::size_t kStep = (std::size_t{4} << 20) / sizeof(T);
+  std::vector<T> items;
+  items.reserve(from.size());
+  for (std::size_t begin = 0; begin < from.size(); begin = items.size()) {
+    execution.poll();
+    const std::size_t end = std::min(from.size(), begin + kStep);
+    items.insert(items.end(), from.data() + begin, from.data() + end);
+  }
+  return items;
+}
+
+}  // namespace fracture::solid_detail
