@@ -53,6 +53,9 @@ struct Execution {
   }
 };
 
+/// One thread, never stopped: for callers that are not in charge of anything.
+inline const Execution kUninterrupted{};
+
 /// Calls body(begin, end) for consecutive blocks of at most `grain` items that together cover [0, count).
 /// Blocks run on up to execution.threads threads in any order; the *boundaries* do not depend on the number
 /// of threads, so a result kept per block and joined in block order is the same for every thread count. Polls

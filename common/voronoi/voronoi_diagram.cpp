@@ -4,58 +4,115 @@
 #include <string>
 
 #include "common/base/error.hpp"
+#include "common/base/pacer.hpp"
+#include "common/base/stamped_map.hpp"
 #include "common/exact/side.hpp"
 
 namespace fracture {
+namespace {
+
+/// The sites of the facet opposite vertex k of a positive tetrahedron, counter-clockwise from outside.
+constexpr int kOutwardFacet[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+
+}  // namespace
 
 VoronoiDiagram::VoronoiDiagram(const Tetrahedralization& tetrahedralization, const Box& box,
-                               const std::optional<Matrix3>& map)
-    : dual_(&tetrahedralization), map_(map) {
+                               const std::optional<Matrix3>& map, const Execution& execution)
+    : dual_(&tetrahedralization), map_(map), all_sites_(std::make_unique<AllSites>()) {
   const std::uint32_t sites = dual_->site_count();
 
   // Tetrahedra by site (counting sort), corners left out: no point of the box lies in their cells.
+  Pacer pacer(execution);
   tet_begin_.assign(sites + 1, 0);
-  for (const Tetrahedron& t : dual_->tets)
+  for (const Tetrahedron& t : dual_->tets) {
+    pacer.step();
     for (const SiteId s : t.v)
       if (s < sites) ++tet_begin_[s + 1];
-  for (std::uint32_t s = 0; s < sites; ++s) tet_begin_[s + 1] += tet_begin_[s];
+  }
+  // A site's tetrahedra are the triangles of a sphere whose vertices are its neighbours (Euler: F = 2V - 4).
+  bisector_begin_.assign(sites + 1, 0);
+  for (std::uint32_t s = 0; s < sites; ++s) {
+    bisector_begin_[s + 1] = bisector_begin_[s] + tet_begin_[s + 1] / 2 + 2;
+    tet_begin_[s + 1] += tet_begin_[s];
+  }
   tets_.resize(tet_begin_[sites]);
   std::vector<std::uint32_t> next(tet_begin_.begin(), tet_begin_.end() - 1);
-  for (TetId t = 0; t < dual_->tets.size(); ++t)
+  for (TetId t = 0; t < dual_->tets.size(); ++t) {
+    pacer.step();
     for (const SiteId s : dual_->tets[t].v)
       if (s < sites) tets_[next[s]++] = t;
-
-  // Neighbours of each site.
-  bisector_begin_.assign(sites + 1, 0);
-  bisectors_.reserve(tets_.size());
-  std::vector<std::uint32_t> seen(sites + 4, kNoSite);
-  std::vector<SiteId> neighbors;
-  for (SiteId i = 0; i < sites; ++i) {
-    neighbors.clear();
-    seen[i] = i;
-    for (const TetId t : tetrahedra(i))
-      for (const SiteId s : dual_->tets[t].v)
-        if (seen[s] != i) {
-          seen[s] = i;
-          neighbors.push_back(s);
-        }
-    std::sort(neighbors.begin(), neighbors.end());
-
-    // Rounding of value(): every difference and product is off by 2^-53 relative; |q - p_i| is at most
-    // `reach` on each axis. Fewer than 16 roundings touch any term. With gradual underflow its products lose at
-    // most 2^-1075 each beside, and so do those of this bound; there are fewer than 16, and 2^-1000 is more.
-    const Vec3d& p = site(i);
-    double reach = 0;
-    for (int a = 0; a < 3; ++a)
-      reach = std::max({reach, std::fabs(box.max[a] - p[a]), std::fabs(box.min[a] - p[a])});
-    for (const SiteId j : neighbors) {
-      const Vec3d u = site(j) - p;
-      const double half = 0.5 * dot(u, u);
-      const double norm1 = std::fabs(u.x) + std::fabs(u.y) + std::fabs(u.z);
-      bisectors_.push_back({u, half, 0x1.0p-49 * (half + norm1 * reach) + 0x1p-1000, j});
-    }
-    bisector_begin_[i + 1] = static_cast<std::uint32_t>(bisectors_.size());
   }
+
+  bisectors_.resize(bisector_begin_[sites]);
+  constexpr std::size_t kBlock = 256;
+  parallel_for(execution, sites, kBlock, [&](std::size_t begin, std::size_t end) {
+    StampedMap& first_tet = worker_map();
+    std::vector<SiteId> neighbors;
+    Pacer own_pacer(execution);
+    for (auto i = static_cast<SiteId>(begin); i < end; ++i) {
+      first_tet.next_epoch(sites + 4);
+      first_tet.slot(i) = 0;
+      neighbors.clear();
+      for (const TetId t : tetrahedra(i))
+        for (const SiteId s : dual_->tets[t].v)
+          if (first_tet.slot(s) == StampedMap::kEmpty) {
+            first_tet.slot(s) = t;
+            neighbors.push_back(s);
+          }
+      own_pacer.step(neighbors.size());
+      if (neighbors.size() != bisector_begin_[i + 1] - bisector_begin_[i])
+        throw InternalError("the tetrahedra at site " + std::to_string(i) + " are no ball");
+      std::sort(neighbors.begin(), neighbors.end());
+
+      // Rounding of value(): every difference and product is off by 2^-53 relative; |q - p_i| is at most
+      // `reach` on each axis. Fewer than 16 roundings touch any term. With gradual underflow its products
+      // lose at most 2^-1075 each beside, and so do those of this bound; there are fewer than 16, and 2^-1000
+      // is more.
+      const Vec3d& p = site(i);
+      double reach = 0;
+      for (int a = 0; a < 3; ++a)
+        reach = std::max({reach, std::fabs(box.max[a] - p[a]), std::fabs(box.min[a] - p[a])});
+      Bisector* out = bisectors_.data() + bisector_begin_[i];
+      for (const SiteId j : neighbors) {
+        const Vec3d u = site(j) - p;
+        const double half = 0.5 * dot(u, u);
+        const double norm1 = std::fabs(u.x) + std::fabs(u.y) + std::fabs(u.z);
+        *out++ = {u, half, 0x1.0p-49 * (half + norm1 * reach) + 0x1p-1000, j, first_tet.slot(j)};
+      }
+    }
+  });
+
+  for (SiteId i = 0; i < sites; ++i) {
+    if (!has_many_neighbors(i)) continue;
+    execution.poll();
+    add_neighborhood(i);
+  }
+}
+
+void VoronoiDiagram::add_neighborhood(SiteId i) {
+  const auto all = bisectors(i);
+  std::vector<Vec3d> points;
+  for (const Bisector& b : all) points.push_back(site(b.neighbor));
+  Neighborhood n{i, SiteTree(points), {}, {}};
+  // The tetrahedra at the site are the triangles of a sphere; each of its edges is in two of them, once in
+  // either direction.
+  const auto each = [&](const auto& visit) {
+    for (const TetId t : tetrahedra(i)) {
+      const auto& v = dual_->tets[t].v;
+      const int at = static_cast<int>(std::find(v.begin(), v.end(), i) - v.begin());
+      std::uint32_t facet[3];
+      for (int k = 0; k < 3; ++k)
+        facet[k] = static_cast<std::uint32_t>(find_bisector(i, v[kOutwardFacet[at][k]]) - all.data());
+      for (int k = 0; k < 3; ++k) visit(facet[k], facet[(k + 1) % 3]);
+    }
+  };
+  n.begin.assign(all.size() + 1, 0);
+  each([&](std::uint32_t a, std::uint32_t) { ++n.begin[a + 1]; });
+  for (std::size_t k = 0; k < all.size(); ++k) n.begin[k + 1] += n.begin[k];
+  n.adjacent.resize(n.begin.back());
+  std::vector<std::uint32_t> next(n.begin.begin(), n.begin.end() - 1);
+  each([&](std::uint32_t a, std::uint32_t b) { n.adjacent[next[a]++] = b; });
+  neighborhoods_.push_back(std::move(n));
 }
 
 int VoronoiDiagram::side(SiteId i, const Bisector& bisector, const Vec3d& q) const {
@@ -65,51 +122,176 @@ int VoronoiDiagram::side(SiteId i, const Bisector& bisector, const Vec3d& q) con
   return exact::side1(site(i), site(bisector.neighbor), q);
 }
 
-SiteId VoronoiDiagram::nearest(const Vec3d& q, SiteId start) const {
-  // In a (perturbed, hence generic) power diagram a site that beats all its neighbours is the nearest one,
-  // and each step comes strictly closer, so the walk ends.
-  SiteId i = start;
-  for (;;) {
-    // The most violated bisector: by value, the steepest descent in squared distance.
-    double worst = 0;
-    SiteId next = kNoSite;
-    bool doubt = false;
-    for (const Bisector& b : bisectors(i)) {
-      const double v = value(i, b, q);
-      if (v < -b.error) {
-        if (v < worst) {
-          worst = v;
-          next = b.neighbor;
-        }
-      } else if (v <= b.error) {
-        doubt = true;
+const VoronoiDiagram::Neighborhood& VoronoiDiagram::neighborhood(SiteId i) const {
+  return *std::lower_bound(neighborhoods_.begin(), neighborhoods_.end(), i,
+                           [](const Neighborhood& n, SiteId s) { return n.site < s; });
+}
+
+SiteId VoronoiDiagram::closer_neighbor(const Vec3d& q, SiteId i, Walk& walk) const {
+  walk.looked_at += bisectors(i).size();
+  // The most violated bisector: by value, the steepest descent in squared distance.
+  double worst = 0;
+  SiteId next = kNoSite;
+  bool doubt = false;
+  for (const Bisector& b : bisectors(i)) {
+    const double v = value(i, b, q);
+    if (v < -b.error) {
+      if (v < worst) {
+        worst = v;
+        next = b.neighbor;
       }
+    } else if (v <= b.error) {
+      doubt = true;
     }
-    if (next == kNoSite && doubt) {
-      for (const Bisector& b : bisectors(i))
-        if (std::fabs(value(i, b, q)) <= b.error && exact::side1(site(i), site(b.neighbor), q) < 0) {
-          next = b.neighbor;
-          break;
-        }
+  }
+  if (next == kNoSite && doubt)
+    for (const Bisector& b : bisectors(i))
+      if (std::fabs(value(i, b, q)) <= b.error && exact::side1(site(i), site(b.neighbor), q) < 0)
+        return b.neighbor;
+  return next;
+}
+
+// The ray from site i through q leaves the cell, which is convex, through the facet with the least
+// value(q) / half. These are the values of a linear function at the corners of the cell's polar dual, so
+// going on to the least of the facets around one, again and again, finds it (the simplex method). Every
+// comparison is certified by the values' error bounds, else the answer is kUncertain; so it is where the walk
+// is long.
+VoronoiDiagram::RayAnswer VoronoiDiagram::shoot_ray(const Vec3d& q, SiteId i, Walk& walk) const {
+  constexpr int kMostSteps = 64;
+  const Neighborhood& n = neighborhood(i);
+  const Bisector* const all = bisectors_.data() + bisector_begin_[i];
+  std::uint32_t& facet = walk.facet;
+  double least = value(i, all[facet], q);
+  // Sign of value_k / half_k - least / half, or 0.
+  const auto compare = [&](const Bisector& k, double v) {
+    const Bisector& j = all[facet];
+    const double a = j.half * v, b = k.half * least;
+    const double error =
+        1.001 * (j.half * k.error + k.half * j.error) + 0x1.0p-48 * (std::fabs(a) + std::fabs(b)) + 1e-300;
+    return a - b > error ? 1 : a - b < -error ? -1 : 0;
+  };
+  for (int step = 0; step < kMostSteps; ++step) {
+    const std::uint32_t begin = n.begin[facet], end = n.begin[facet + 1];
+    if (end - begin > kManyNeighbors) return RayAnswer::kUncertain;
+    walk.looked_at += end - begin;
+    bool uncertain = false, moved = false;
+    for (std::uint32_t m = begin; m < end; ++m) {
+      const Bisector& k = all[n.adjacent[m]];
+      const double v = value(i, k, q);
+      const int sign = compare(k, v);
+      if (sign < 0) {
+        facet = n.adjacent[m];
+        least = v;
+        moved = true;
+      }
+      uncertain |= sign == 0;
     }
+    if (moved) continue;
+    const double error = all[facet].error;
+    if (uncertain || std::fabs(least) <= error) return RayAnswer::kUncertain;
+    return least > 0 ? RayAnswer::kInside : RayAnswer::kOutside;
+  }
+  return RayAnswer::kUncertain;
+}
+
+SiteId VoronoiDiagram::closer_of_many(const Vec3d& q, SiteId i, Walk& walk) const {
+  if (walk.cell != i) walk = {i, 0, walk.looked_at};
+  switch (shoot_ray(q, i, walk)) {
+    case RayAnswer::kInside:
+      return kNoSite;
+    case RayAnswer::kOutside:
+      return bisectors(i)[walk.facet].neighbor;
+    case RayAnswer::kUncertain:
+      break;
+  }
+  SiteId next = kNoSite;
+  bool doubt = false;
+  double radius2 = reach2(i, q);
+  visit_near(i, q, radius2, [&](const Bisector& b, double distance2) {
+    ++walk.looked_at;
+    const double v = value(i, b, q);
+    if (v < -b.error) {
+      next = b.neighbor;
+      radius2 = distance2;
+    } else {
+      doubt |= v <= b.error;
+    }
+    return radius2;
+  });
+  if (next == kNoSite && doubt)
+    visit_near(i, q, radius2, [&](const Bisector& b, double) {
+      if (next == kNoSite && value(i, b, q) <= b.error && exact::side1(site(i), site(b.neighbor), q) < 0)
+        next = b.neighbor;
+      return next == kNoSite ? radius2 : -1;
+    });
+  return next;
+}
+
+SiteId VoronoiDiagram::roughly_nearest(const Vec3d& q) const {
+  std::call_once(all_sites_->once,
+                 [&] { all_sites_->tree.emplace(std::span(dual_->points).first(dual_->site_count())); });
+  SiteId best = 0;
+  all_sites_->tree->visit_near(q, HUGE_VAL, [&](std::uint32_t s, double distance2) {
+    best = s;
+    return distance2;
+  });
+  return best;
+}
+
+SiteId VoronoiDiagram::nearest(const Vec3d& q, SiteId start, Walk& walk) const {
+  // In a (perturbed, hence generic) power diagram a site that beats all its neighbours is the nearest one,
+  // and each step comes strictly closer, so the walk ends. Sites in a volume take a step for each cell on
+  // the way; this many are seldom.
+  constexpr int kLongWalk = 32;
+  SiteId i = start;
+  for (int steps = 0;; ++steps) {
+    const SiteId next = has_many_neighbors(i) ? closer_of_many(q, i, walk) : closer_neighbor(q, i, walk);
     if (next == kNoSite) return i;
     if (dual_->is_corner(next))
       throw InternalError("nearest: a point of the box lies in the cell of a corner");
-    i = next;
+    i = steps == kLongWalk ? roughly_nearest(q) : next;
   }
 }
 
+const Bisector* VoronoiDiagram::find_bisector(SiteId i, SiteId j) const {
+  const auto all = bisectors(i);
+  const auto at =
+      std::lower_bound(all.begin(), all.end(), j, [](const Bisector& b, SiteId s) { return b.neighbor < s; });
+  return at != all.end() && at->neighbor == j ? &*at : nullptr;
+}
+
 VoronoiDiagram::Facet VoronoiDiagram::find_facet(SiteId i, SiteId j, SiteId k) const {
-  for (const TetId t : tetrahedra(i)) {
-    const auto& v = dual_->tets[t].v;
-    int found = 0, other = -1;
-    for (int m = 0; m < 4; ++m) {
-      if (v[m] == i || v[m] == j || v[m] == k)
-        ++found;
-      else
-        other = m;
+  // Around edge (i, a): each tetrahedron is left through the facet opposite the vertex that the last one did
+  // not have.
+  struct Turn {
+    SiteId i, a, wanted;
+    TetId first, at;
+    SiteId before = kNoSite;  // the vertex of `at` to turn away from
+    bool done = false;
+  };
+  const auto look = [&](Turn& turn) -> std::optional<Facet> {
+    const Tetrahedron& t = dual_->tets[turn.at];
+    int others[2], n = 0, found = -1;
+    for (int m = 0; m < 4; ++m)
+      if (t.v[m] != turn.i && t.v[m] != turn.a) {
+        if (n == 2) throw InternalError("a tetrahedron is not at the edge it turns around");
+        others[n++] = m;
+        if (t.v[m] == turn.wanted) found = m;
+      }
+    if (found >= 0) return Facet{turn.at, others[0] == found ? others[1] : others[0]};
+    const int away = t.v[others[0]] == turn.before || turn.before == kNoSite ? 0 : 1;
+    turn.before = t.v[others[1 - away]];
+    turn.at = t.n[others[away]];
+    turn.done = turn.at == turn.first || turn.at == kNoTet;
+    return std::nullopt;
+  };
+  const Bisector *to_j = find_bisector(i, j), *to_k = find_bisector(i, k);
+  if (to_j && to_k) {
+    Turn about_j{i, j, k, to_j->tet, to_j->tet}, about_k{i, k, j, to_k->tet, to_k->tet};
+    while (!about_j.done && !about_k.done) {
+      if (const auto facet = look(about_j)) return *facet;
+      if (const auto facet = look(about_k)) return *facet;
     }
-    if (found == 3) return {t, other};
   }
   throw InternalError("no Delaunay facet (" + std::to_string(i) + ", " + std::to_string(j) + ", " +
                       std::to_string(k) + ")");

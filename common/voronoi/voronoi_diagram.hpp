@@ -9,13 +9,17 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "common/base/execution.hpp"
 #include "common/base/matrix3.hpp"
 #include "common/base/vec.hpp"
 #include "common/delaunay/tetrahedralization.hpp"
+#include "common/voronoi/site_tree.hpp"
 
 namespace fracture {
 
@@ -26,14 +30,16 @@ struct Bisector {
   double half;  ///< |u|^2 / 2
   double error;
   SiteId neighbor;
+  TetId tet;  ///< one of the tetrahedra at both sites
 };
 
 class VoronoiDiagram {
  public:
   /// `box` must contain every point that is ever asked about (the solid's box). With a map the diagram is
-  /// that of the solid's image: sites, box and every point asked about are images.
+  /// that of the solid's image: sites, box and every point asked about are images. Throws Interrupted.
   VoronoiDiagram(const Tetrahedralization& tetrahedralization, const Box& box,
-                 const std::optional<Matrix3>& map = std::nullopt);
+                 const std::optional<Matrix3>& map = std::nullopt,
+                 const Execution& execution = kUninterrupted);
 
   const std::optional<Matrix3>& map() const { return map_; }
   /// Direction of the normal of facet (i, j), from i to j, in the frame of the solid; not of unit length.
@@ -61,22 +67,83 @@ class VoronoiDiagram {
   }
   /// +1 when q is closer to site i, -1 when closer to the neighbour; exact (exact::side1).
   int side(SiteId i, const Bisector& bisector, const Vec3d& q) const;
-  /// The site whose cell holds q, by a greedy walk from `start`: exact. About one step when `start` is near.
-  SiteId nearest(const Vec3d& q, SiteId start) const;
+  /// What nearest() keeps from point to point.
+  struct Walk {
+    /// Where the last point was seen in a cell of many neighbours; the next one is probably near it.
+    SiteId cell = kNoSite;
+    std::uint32_t facet = 0;      ///< index into bisectors(cell)
+    std::uint64_t looked_at = 0;  ///< bisectors, so far
+  };
+  /// The site whose cell holds q, by a greedy walk from `start`: exact. About one step when `start` is near;
+  /// where it is far, a tree of all sites cuts the walk short. `walk` makes it faster for many points near
+  /// each other.
+  SiteId nearest(const Vec3d& q, SiteId start, Walk& walk) const;
+  SiteId nearest(const Vec3d& q, SiteId start) const {
+    Walk walk;
+    return nearest(q, start, walk);
+  }
+
+  /// Cells of so many neighbours have a tree of them, and what looks at the bisectors of one asks that.
+  static constexpr std::size_t kManyNeighbors = 64;
+  bool has_many_neighbors(SiteId i) const {
+    return bisector_begin_[i + 1] - bisector_begin_[i] > kManyNeighbors;
+  }
+  /// For such a cell i: calls look(bisector, squared distance of its neighbour from q) for the neighbours in
+  /// a ball about q, nearer ones mostly first. `look` returns the squared radius from then on. A point x is
+  /// beyond a bisector only if the neighbour is no farther from it than site i, so the ball about q through
+  /// site i, widened by what q may differ from x (reach2), has all bisectors beyond which x lies.
+  template <class Look>
+  void visit_near(SiteId i, const Vec3d& q, double radius2, const Look& look) const {
+    const Bisector* all = bisectors_.data() + bisector_begin_[i];
+    neighborhood(i).tree.visit_near(
+        q, radius2, [&](std::uint32_t k, double distance2) { return look(all[k], distance2); });
+  }
+  /// The squared radius of the ball about q through site i, for points x with |x - q| <= off.
+  double reach2(SiteId i, const Vec3d& q, double off = 0) const {
+    // Each difference, product and sum here and in the tree is off by 2^-53 relative.
+    const Vec3d d = q - site(i);
+    const double r = std::sqrt(dot(d, d)) + 2 * off;
+    return r * r * (1 + 0x1.0p-45);
+  }
 
   struct Facet {
     TetId tet;
     int face;  ///< opposite vertex `face` of `tet`
   };
-  /// The Delaunay facet (i, j, k). Throws InternalError when there is none.
+  /// The Delaunay facet (i, j, k), one of the two ways to name it. Throws InternalError when there is none.
+  /// Turns around the shorter one of the edges (i, j) and (i, k): as often as the facets of one cell are
+  /// asked for, each once, that is linear in their number (Chiba & Nishizeki 1985: the sum over the edges of
+  /// a planar graph of the lesser degree of their ends).
   Facet find_facet(SiteId i, SiteId j, SiteId k) const;
 
  private:
+  /// Of a cell of many neighbours.
+  struct Neighborhood {
+    SiteId site;
+    SiteTree tree;
+    std::vector<std::uint32_t> begin, adjacent;  // per facet: the facets around it, as indices of bisectors
+  };
+  struct AllSites {
+    std::once_flag once;
+    std::optional<SiteTree> tree;
+  };
+  void add_neighborhood(SiteId i);
+  const Neighborhood& neighborhood(SiteId i) const;
+  /// A neighbour to which q is closer than to i, mostly the closest; kNoSite when there is none.
+  SiteId closer_neighbor(const Vec3d& q, SiteId i, Walk& walk) const;
+  SiteId closer_of_many(const Vec3d& q, SiteId i, Walk& walk) const;
+  enum class RayAnswer { kInside, kOutside, kUncertain };
+  RayAnswer shoot_ray(const Vec3d& q, SiteId i, Walk& walk) const;
+  SiteId roughly_nearest(const Vec3d& q) const;
+  const Bisector* find_bisector(SiteId i, SiteId j) const;
+
   const Tetrahedralization* dual_;
   std::optional<Matrix3> map_;
   std::vector<std::uint32_t> bisector_begin_, tet_begin_;
   std::vector<Bisector> bisectors_;
   std::vector<TetId> tets_;
+  std::vector<Neighborhood> neighborhoods_;  // of cells of many neighbours, ascending by site
+  std::unique_ptr<AllSites> all_sites_;      // made where a walk is long
 };
 
 }  // namespace fracture
