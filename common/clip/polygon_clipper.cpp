@@ -6,23 +6,70 @@
 #include "common/exact/side.hpp"
 
 namespace fracture {
+namespace {
+
+using clip_detail::Corner;
+using clip_detail::Line;
+
+/// As many are searched faster than looked up.
+constexpr std::size_t kFew = 16;
+
+/// Polygons are counted so many at a time.
+constexpr std::size_t kCountedTogether = 1024;
+
+/// A cell met, as a key of TripleTable: unlike a C vertex or a cut of an edge.
+constexpr std::uint32_t kCellKey = kNoSite;
+
+}  // namespace
+
+void PolygonClipper::count_polygons() {
+  execution_.made(Product::kPolygons, out_.polygons.size() - counted_);
+  counted_ = out_.polygons.size();
+}
 
 void PolygonClipper::divide(std::uint32_t t) {
+  pacer_.step(8);
   triangle_ = t;
   if (divide_between_two(t)) return;
 
   for (int k = 0; k < 3; ++k) corner_[k] = to_double(solid_.positions[solid_.triangles[t][k]]);
   first_c_ = out_.triangle_cuts.size();
+  names_.clear();
+  for (unsigned k = 0; k < 3; ++k) {
+    const std::uint32_t e = solid_.edges[t][k], end = cuts_.edge_cut_begin[e + 1];
+    std::uint32_t n = cuts_.edge_cut_begin[e];
+    if (end - n <= kFew) continue;
+    for (; n < end; ++n) {
+      const EdgeCut& c = cuts_.edge_cuts[n];
+      names_.insert(std::min(c.from, c.to), std::max(c.from, c.to), kMeshEdge + k, n);
+      pacer_.step();
+    }
+  }
   cells_.clear();
-  for (const std::uint32_t v : solid_.triangles[t])
-    if (std::find(cells_.begin(), cells_.end(), cuts_.label[v]) == cells_.end())
-      cells_.push_back(cuts_.label[v]);
+  for (const std::uint32_t v : solid_.triangles[t]) meet_cell(cuts_.label[v]);
   // The cells' parts tile the triangle, and the diagram is generic: parts that meet share a whole segment. So
   // every cell is found across some bisector side of another.
   const std::size_t first_polygon = out_.polygons.size();
-  for (std::size_t n = 0; n < cells_.size(); ++n) clip_to_cell(cells_[n]);
-  std::sort(out_.polygons.begin() + static_cast<std::ptrdiff_t>(first_polygon), out_.polygons.end(),
-            [](const CutPolygon& a, const CutPolygon& b) { return a.cell < b.cell; });
+  for (std::size_t n = 0; n < cells_.size(); ++n) {
+    clip_to_cell(cells_[n]);
+    if (out_.polygons.size() - counted_ >= kCountedTogether) count_polygons();
+  }
+  sort_with_polls(execution_, out_.polygons.begin() + static_cast<std::ptrdiff_t>(first_polygon),
+                  out_.polygons.end(),
+                  [](const CutPolygon& a, const CutPolygon& b) { return a.cell < b.cell; });
+}
+
+void PolygonClipper::meet_cell(SiteId cell) {
+  if (cells_.size() <= kFew) {
+    if (std::find(cells_.begin(), cells_.end(), cell) != cells_.end()) return;
+    cells_.push_back(cell);
+    if (cells_.size() > kFew)
+      for (const SiteId c : cells_) names_.insert(c, kCellKey, kCellKey, 0);
+    return;
+  }
+  if (names_.find(cell, kCellKey, kCellKey) != TripleTable::kNone) return;
+  names_.insert(cell, kCellKey, kCellKey, 0);
+  cells_.push_back(cell);
 }
 
 // The common case on fine meshes: two edges of the triangle are cut once, by the same bisector, and the third
@@ -68,24 +115,42 @@ bool PolygonClipper::divide_between_two(std::uint32_t t) {
   return true;
 }
 
-void PolygonClipper::clip_to_cell(SiteId cell) {
-  polygon_.assign({kMeshEdge, kMeshEdge + 1, kMeshEdge + 2});
-  for (const Bisector& bisector : diagram_.bisectors(cell)) {
-    // Most bisectors leave the whole triangle on the cell's side: three dot products tell.
-    bool inside = true;
-    for (const Vec3d& q : corner_)
-      if (!(diagram_.value(cell, bisector, q) > bisector.error)) {
-        inside = false;
-        break;
-      }
-    if (inside) continue;
+void PolygonClipper::start_polygon() {
+  polygon_.clear();
+  for (unsigned k = 0; k < 3; ++k)
+    polygon_.push_back(
+        {kMeshEdge + k, Line::of_edge(k), Corner::of_triangle(k), true, (k + 2) % 3, (k + 1) % 3});
+}
 
-    // Corner m lies between side m-1 and side m.
+void PolygonClipper::clip_to_cell(SiteId cell) {
+  start_polygon();
+  if (diagram_.has_many_neighbors(cell))
+    clip_by_search(cell);
+  else
+    clip_by_all(cell);
+  name_polygon(cell);
+}
+
+Line PolygonClipper::line_of(SiteId cell, const Bisector& bisector) const {
+  return Line::of_values(
+      {diagram_.value(cell, bisector, corner_[0]), diagram_.value(cell, bisector, corner_[1]),
+       diagram_.value(cell, bisector, corner_[2])},
+      bisector.error);
+}
+
+void PolygonClipper::clip_by_all(SiteId cell) {
+  const auto bisectors = diagram_.bisectors(cell);
+  pacer_.step(4 * bisectors.size());
+  for (const Bisector& bisector : bisectors) {
+    // Most bisectors leave the whole triangle on the cell's side: three dot products tell.
+    const Line line = line_of(cell, bisector);
+    if (line.value[0] > line.error && line.value[1] > line.error && line.value[2] > line.error) continue;
+
     const std::size_t n = polygon_.size();
     sign_.resize(n);
     bool any_out = false, any_in = false;
     for (std::size_t m = 0; m < n; ++m) {
-      sign_[m] = side_of_corner(cell, bisector, polygon_[(m + n - 1) % n], polygon_[m]);
+      sign_[m] = side_of_corner(cell, bisector, line, polygon_[m == 0 ? n - 1 : m - 1], polygon_[m]);
       (sign_[m] > 0 ? any_in : any_out) = true;
     }
     if (!any_out) continue;
@@ -93,33 +158,131 @@ void PolygonClipper::clip_to_cell(SiteId cell) {
       throw InternalError("triangle " + std::to_string(triangle_) + " misses cell " + std::to_string(cell));
     clipped_.clear();
     for (std::size_t m = 0; m < n; ++m) {
-      const bool in = sign_[m] > 0, next_in = sign_[(m + 1) % n] > 0;
-      if (in || next_in) clipped_.push_back(polygon_[m]);
-      if (in && !next_in) clipped_.push_back(bisector.neighbor);
+      const bool in = sign_[m] > 0, next_in = sign_[m + 1 < n ? m + 1 : 0] > 0;
+      if (in || next_in) {
+        clipped_.push_back(polygon_[m]);
+        clipped_.back().corner_is_known &= in;
+      }
+      if (in && !next_in) clipped_.push_back({bisector.neighbor, line, {}, false, 0, 0});
     }
     polygon_.swap(clipped_);
   }
-
-  // Whatever cells share the rest of the triangle, and whichever bisector cut first.
-  std::rotate(polygon_.begin(), std::min_element(polygon_.begin(), polygon_.end()), polygon_.end());
-  const auto first = static_cast<std::uint32_t>(out_.vertices.size());
-  const std::size_t n = polygon_.size();
-  for (std::size_t m = 0; m < n; ++m) {
-    out_.vertices.push_back(name_corner(cell, polygon_[(m + n - 1) % n], polygon_[m]));
-    out_.sides.push_back(polygon_[m]);
-    if (!is_mesh_edge(polygon_[m]) && std::find(cells_.begin(), cells_.end(), polygon_[m]) == cells_.end()) {
-      if (diagram_.dual().is_corner(polygon_[m])) throw InternalError("a corner's cell meets the mesh");
-      cells_.push_back(polygon_[m]);
-    }
-  }
-  out_.polygons.push_back({triangle_, cell, first, static_cast<std::uint32_t>(n)});
 }
 
-int PolygonClipper::side_of_corner(SiteId cell, const Bisector& bisector, PolygonSide before,
-                                   PolygonSide after) const {
+// A cell of many neighbours: a corner that lies beyond some bisector is cut off with what hangs on it, until
+// no corner does. The closest neighbour is taken each time, so that few cuts are cut off again.
+void PolygonClipper::clip_by_search(SiteId cell) {
+  unproven_ = {0, 1, 2};
+  while (!unproven_.empty()) {
+    const std::uint32_t m = unproven_.back();
+    // Cut off meanwhile, or proven already.
+    if (polygon_[m].after == kNoIndex) {
+      unproven_.pop_back();
+      continue;
+    }
+    const Bisector* bisector = find_violated(cell, m);
+    if (!bisector) {
+      unproven_.pop_back();
+      continue;
+    }
+    if (!cut_around(cell, *bisector, m))
+      throw InternalError("triangle " + std::to_string(triangle_) + " misses cell " + std::to_string(cell));
+  }
+  // Those that are left, in order.
+  clipped_.clear();
+  std::uint32_t first = 0;
+  while (polygon_[first].after == kNoIndex) ++first;
+  std::uint32_t m = first;
+  do {
+    clipped_.push_back(polygon_[m]);
+    m = polygon_[m].after;
+  } while (m != first);
+  polygon_.swap(clipped_);
+}
+
+/// A bisector beyond which corner m lies, that of the closest neighbour where doubles can tell; null where
+/// there is none.
+const Bisector* PolygonClipper::find_violated(SiteId cell, std::uint32_t m) {
+  Side& at = polygon_[m];
+  const Side& before = polygon_[at.before];
+  if (!at.corner_is_known) {
+    at.corner = Corner::meet(before.line, at.line);
+    at.corner_is_known = true;
+  }
+  const Corner::Place place = at.corner.place(corner_);
+  const Bisector* found = nullptr;
+  doubts_.clear();
+  double radius2 = diagram_.reach2(cell, place.at, place.off);
+  diagram_.visit_near(cell, place.at, radius2, [&](const Bisector& b, double distance2) {
+    pacer_.step();
+    if (b.neighbor == at.side || b.neighbor == before.side) return radius2;
+    const int side = at.corner.side(line_of(cell, b));
+    if (side == 0 && !found) doubts_.push_back(&b);
+    if (side < 0) {
+      found = &b;
+      radius2 = std::min(radius2, distance2);
+    }
+    return radius2;
+  });
+  if (found) return found;
+  for (const Bisector* b : doubts_) {
+    pacer_.step(16);
+    if (side_exactly(cell, *b, before.side, at.side) < 0) return b;
+  }
+  return nullptr;
+}
+
+/// Cuts off the corners beyond the bisector, which corner m is one of and which follow one another: the
+/// polygon is convex. False where that is all of them.
+bool PolygonClipper::cut_around(SiteId cell, const Bisector& bisector, std::uint32_t m) {
+  const Line line = line_of(cell, bisector);
+  const auto is_out = [&](std::uint32_t k) {
+    pacer_.step();
+    return side_of_corner(cell, bisector, line, polygon_[polygon_[k].before], polygon_[k]) < 0;
+  };
+  std::uint32_t first = m, last = m;
+  for (;;) {
+    const std::uint32_t k = polygon_[first].before;
+    if (k == last) return false;
+    if (!is_out(k)) break;
+    first = k;
+  }
+  for (;;) {
+    const std::uint32_t k = polygon_[last].after;
+    if (k == polygon_[first].before || !is_out(k)) break;
+    last = k;
+  }
+  // The side before the first corner and the one after the last remain, cut short.
+  const std::uint32_t from = polygon_[first].before, added = static_cast<std::uint32_t>(polygon_.size());
+  for (std::uint32_t k = first; k != last;) {
+    const std::uint32_t next = polygon_[k].after;
+    polygon_[k].after = kNoIndex;
+    k = next;
+  }
+  polygon_.push_back({bisector.neighbor, line, {}, false, from, last});
+  polygon_[from].after = added;
+  polygon_[last].before = added;
+  polygon_[last].corner_is_known = false;
+  unproven_.push_back(added);
+  if (last != m) unproven_.push_back(last);
+  return true;
+}
+
+int PolygonClipper::side_of_corner(SiteId cell, const Bisector& bisector, const Line& line,
+                                   const Side& before, Side& after) const {
+  if (!after.corner_is_known) {
+    after.corner = Corner::meet(before.line, after.line);
+    after.corner_is_known = true;
+  }
+  if (const int side = after.corner.side(line)) return side;
+  return side_exactly(cell, bisector, before.side, after.side);
+}
+
+int PolygonClipper::side_exactly(SiteId cell, const Bisector& bisector, PolygonSide before,
+                                 PolygonSide after) const {
   const auto site = [&](SiteId s) -> const Vec3d& { return diagram_.site(s); };
   if (is_mesh_edge(before) && is_mesh_edge(after))
-    return diagram_.side(cell, bisector, corner_[after - kMeshEdge]);
+    return exact::side1(site(cell), site(bisector.neighbor), corner_[after - kMeshEdge]);
   if (!is_mesh_edge(before) && !is_mesh_edge(after))
     return exact::side3(site(cell), site(bisector.neighbor), corner_[0], corner_[1], corner_[2], site(before),
                         site(after));
@@ -129,23 +292,63 @@ int PolygonClipper::side_of_corner(SiteId cell, const Bisector& bisector, Polygo
   return exact::side2(site(cell), site(bisector.neighbor), corner_[k], corner_[(k + 1) % 3], site(other));
 }
 
+void PolygonClipper::name_polygon(SiteId cell) {
+  // Whatever cells share the rest of the triangle, and whichever bisector cut first.
+  const std::size_t n = polygon_.size();
+  std::size_t lowest = 0;
+  for (std::size_t m = 1; m < n; ++m)
+    if (polygon_[m].side < polygon_[lowest].side) lowest = m;
+  const auto first = static_cast<std::uint32_t>(out_.vertices.size());
+  PolygonSide before = polygon_[lowest == 0 ? n - 1 : lowest - 1].side;
+  for (std::size_t m = 0; m < n; ++m) {
+    pacer_.step();
+    const PolygonSide side = polygon_[lowest + m < n ? lowest + m : lowest + m - n].side;
+    out_.vertices.push_back(name_corner(cell, before, side));
+    out_.sides.push_back(side);
+    before = side;
+    if (is_mesh_edge(side)) continue;
+    if (diagram_.dual().is_corner(side)) throw InternalError("a corner's cell meets the mesh");
+    meet_cell(side);
+  }
+  out_.polygons.push_back({triangle_, cell, first, static_cast<std::uint32_t>(n)});
+}
+
 VertexId PolygonClipper::name_corner(SiteId cell, PolygonSide before, PolygonSide after) {
   if (is_mesh_edge(before) && is_mesh_edge(after)) return solid_.triangles[triangle_][after - kMeshEdge];
   if (is_mesh_edge(before)) return edge_cut(static_cast<int>(before - kMeshEdge), cell, after);
   if (is_mesh_edge(after)) return edge_cut(static_cast<int>(after - kMeshEdge), cell, before);
   std::array<SiteId, 3> sites{cell, before, after};
   std::sort(sites.begin(), sites.end());
-  for (std::size_t c = first_c_; c < out_.triangle_cuts.size(); ++c)
-    if (out_.triangle_cuts[c].sites == sites) return kBlockLocalC | static_cast<VertexId>(c);
+  const std::size_t count = out_.triangle_cuts.size() - first_c_;
+  if (count <= kFew) {
+    for (std::size_t c = first_c_; c < out_.triangle_cuts.size(); ++c)
+      if (out_.triangle_cuts[c].sites == sites) return kBlockLocalC | static_cast<VertexId>(c);
+    if (count == kFew)
+      for (std::size_t c = first_c_; c < out_.triangle_cuts.size(); ++c) {
+        const auto& s = out_.triangle_cuts[c].sites;
+        names_.insert(s[0], s[1], s[2], static_cast<std::uint32_t>(c));
+      }
+  } else if (const std::uint32_t c = names_.find(sites[0], sites[1], sites[2]); c != TripleTable::kNone) {
+    return kBlockLocalC | c;
+  }
+  const auto fresh = static_cast<std::uint32_t>(out_.triangle_cuts.size());
+  if (count >= kFew) names_.insert(sites[0], sites[1], sites[2], fresh);
   out_.triangle_cuts.push_back({triangle_, sites});
-  return kBlockLocalC | static_cast<VertexId>(out_.triangle_cuts.size() - 1);
+  return kBlockLocalC | fresh;
 }
 
 VertexId PolygonClipper::edge_cut(int k, SiteId i, SiteId j) const {
   const std::uint32_t e = solid_.edges[triangle_][k];
-  for (std::uint32_t n = cuts_.edge_cut_begin[e]; n < cuts_.edge_cut_begin[e + 1]; ++n) {
-    const EdgeCut& c = cuts_.edge_cuts[n];
-    if ((c.from == i && c.to == j) || (c.from == j && c.to == i)) return cuts_.first_b() + n;
+  const std::uint32_t begin = cuts_.edge_cut_begin[e], end = cuts_.edge_cut_begin[e + 1];
+  if (end - begin > kFew) {
+    const std::uint32_t n =
+        names_.find(std::min(i, j), std::max(i, j), kMeshEdge + static_cast<PolygonSide>(k));
+    if (n != TripleTable::kNone) return cuts_.first_b() + n;
+  } else {
+    for (std::uint32_t n = begin; n < end; ++n) {
+      const EdgeCut& c = cuts_.edge_cuts[n];
+      if ((c.from == i && c.to == j) || (c.from == j && c.to == i)) return cuts_.first_b() + n;
+    }
   }
   throw InternalError("edge " + std::to_string(e) + " has no cut between cells " + std::to_string(i) +
                       " and " + std::to_string(j));

@@ -1,12 +1,16 @@
 // One triangle divided among the cells it meets: Sutherland & Hodgman 1974 clipping by bisectors, cell after
-// cell, on polygons whose corners are named by the two lines they lie on and never computed.
+// cell, on polygons whose corners are named by the two lines they lie on and decided exactly. Near-linear in
+// the polygons and their corners, however many of them a triangle has and however many neighbours a cell.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <vector>
 
+#include "common/base/pacer.hpp"
 #include "common/clip/surface_cuts.hpp"
+#include "common/clip/triangle_filter.hpp"
+#include "common/clip/triple_table.hpp"
 
 namespace fracture {
 
@@ -25,32 +29,59 @@ class PolygonClipper {
  public:
   /// `cuts` supplies labels and edge cuts; results are appended to `out`.
   PolygonClipper(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
-                 TriangleDivision& out)
-      : solid_(solid), diagram_(diagram), cuts_(cuts), out_(out) {}
+                 const Execution& execution, TriangleDivision& out)
+      : solid_(solid), diagram_(diagram), cuts_(cuts), execution_(execution), pacer_(execution), out_(out) {}
 
-  /// Divides triangle t, whose labels are not all the same.
+  /// Divides triangle t, whose labels are not all the same. Throws Interrupted.
   void divide(std::uint32_t t);
+  /// Counts the polygons that were made since it was last called; divide() does so for many at a time.
+  void count_polygons();
 
  private:
+  // A corner of the polygon at hand and the side that follows it.
+  struct Side {
+    PolygonSide side;
+    clip_detail::Line line;
+    clip_detail::Corner corner;   // between the side before and this one
+    bool corner_is_known;         // else it is still to be computed
+    std::uint32_t before, after;  // in clip_by_search() alone
+  };
+
   bool divide_between_two(std::uint32_t t);
+  void start_polygon();
   void clip_to_cell(SiteId cell);
-  int side_of_corner(SiteId cell, const Bisector& bisector, PolygonSide before, PolygonSide after) const;
+  void clip_by_all(SiteId cell);
+  void clip_by_search(SiteId cell);
+  const Bisector* find_violated(SiteId cell, std::uint32_t corner);
+  bool cut_around(SiteId cell, const Bisector& bisector, std::uint32_t corner);
+  clip_detail::Line line_of(SiteId cell, const Bisector& bisector) const;
+  int side_of_corner(SiteId cell, const Bisector& bisector, const clip_detail::Line& line, const Side& before,
+                     Side& after) const;
+  int side_exactly(SiteId cell, const Bisector& bisector, PolygonSide before, PolygonSide after) const;
+  void name_polygon(SiteId cell);
   VertexId name_corner(SiteId cell, PolygonSide before, PolygonSide after);
   VertexId edge_cut(int k, SiteId i, SiteId j) const;
+  void meet_cell(SiteId cell);
 
   const Solid& solid_;
   const VoronoiDiagram& diagram_;
   const SurfaceCuts& cuts_;
+  const Execution& execution_;
+  Pacer pacer_;
   TriangleDivision& out_;
+  std::size_t counted_ = 0;  // polygons
 
   // The triangle at hand.
   std::uint32_t triangle_ = 0;
   std::array<Vec3d, 3> corner_;
-  std::size_t first_c_ = 0;           // its C vertices in out_.triangle_cuts
-  std::vector<PolygonSide> polygon_;  // the sides, in order
-  std::vector<PolygonSide> clipped_;
+  std::size_t first_c_ = 0;    // its C vertices in out_.triangle_cuts
+  std::vector<Side> polygon_;  // the sides, in order
+  std::vector<Side> clipped_;
+  std::vector<std::uint32_t> unproven_;  // corners that may lie beyond a bisector
+  std::vector<const Bisector*> doubts_;
   std::vector<int> sign_;
   std::vector<SiteId> cells_;  // met so far: done ones, then ones to do
+  TripleTable names_;          // of C vertices, cuts of an edge and cells met, where they are many
 };
 
 }  // namespace fracture

@@ -3,50 +3,41 @@
 #include <algorithm>
 #include <string>
 
+#include "common/clip/edge_walk.hpp"
 #include "common/clip/polygon_clipper.hpp"
-#include "common/exact/side.hpp"
+#include "common/clip/work_blocks.hpp"
 
 namespace fracture {
 namespace {
 
-constexpr std::size_t kBlock = 2048;  // mesh elements per block of parallel work
+constexpr std::size_t kBlock = 1024;  // vertices or edges per block of parallel work
+
+/// Ids of vertices below this leave kBlockLocalC free.
+constexpr std::size_t kMostCorners = kBlockLocalC;
 
 std::vector<SiteId> label_vertices(const Solid& solid, const VoronoiDiagram& diagram,
                                    const Execution& execution) {
   const std::size_t n = solid.positions.size();
   // Any neighbour with a lower id is a good place to start the walk.
   std::vector<std::uint32_t> hint(n, kNoIndex);
-  for (const auto& [lo, hi] : solid.edge_vertices) hint[hi] = lo;
+  Pacer pacer(execution);
+  for (const auto& [lo, hi] : solid.edge_vertices) {
+    hint[hi] = lo;
+    pacer.step();
+  }
   std::vector<SiteId> label(n);
   parallel_for(execution, n, kBlock, [&](std::size_t begin, std::size_t end) {
+    Pacer own_pacer(execution);
+    VoronoiDiagram::Walk walk;
     SiteId last = 0;
     for (std::size_t v = begin; v < end; ++v) {
       const SiteId start = hint[v] != kNoIndex && hint[v] >= begin ? label[hint[v]] : last;
-      last = label[v] = diagram.nearest(to_double(solid.positions[v]), start);
+      const std::uint64_t before = walk.looked_at;
+      last = label[v] = diagram.nearest(to_double(solid.positions[v]), start, walk);
+      own_pacer.step(1 + walk.looked_at - before);
     }
   });
   return label;
-}
-
-// Walks along edge e from cell to cell and appends its cuts.
-void cut_edge(const Solid& solid, const VoronoiDiagram& diagram, const std::vector<SiteId>& label,
-              std::uint32_t e, std::vector<EdgeCut>& cuts) {
-  const auto [lo, hi] = solid.edge_vertices[e];
-  const Vec3d a = to_double(solid.positions[lo]), b = to_double(solid.positions[hi]);
-  for (SiteId cell = label[lo]; cell != label[hi];) {
-    // Of all bisectors that b lies beyond, the one crossed first: the crossing that is inside all the others.
-    SiteId first = kNoSite;
-    for (const Bisector& bisector : diagram.bisectors(cell)) {
-      if (diagram.side(cell, bisector, b) > 0) continue;
-      if (first == kNoSite ||
-          exact::side2(diagram.site(cell), diagram.site(bisector.neighbor), a, b, diagram.site(first)) < 0)
-        first = bisector.neighbor;
-    }
-    if (first == kNoSite || diagram.dual().is_corner(first))
-      throw InternalError("edge " + std::to_string(e) + " does not leave cell " + std::to_string(cell));
-    cuts.push_back({e, cell, first});
-    cell = first;
-  }
 }
 
 /// What of the mesh is cut: the elements numbered here, or all of them.
@@ -61,46 +52,93 @@ void cut_edges(const Solid& solid, const VoronoiDiagram& diagram, const Elements
   const std::size_t n = edges.count, blocks = (n + kBlock - 1) / kBlock;
   std::vector<std::vector<EdgeCut>> found(blocks);
   parallel_for(execution, n, kBlock, [&](std::size_t begin, std::size_t end) {
-    std::vector<EdgeCut>& cuts = found[begin / kBlock];
-    for (std::size_t k = begin; k < end; ++k) {
-      const std::uint32_t e = edges[k];
-      const auto [lo, hi] = solid.edge_vertices[e];
-      if (out.label[lo] != out.label[hi]) cut_edge(solid, diagram, out.label, e, cuts);
-    }
+    EdgeWalk walk(solid, diagram, out.label, execution);
+    for (std::size_t k = begin; k < end; ++k) walk.cut(edges[k], found[begin / kBlock]);
   });
-  for (const auto& cuts : found) out.edge_cuts.insert(out.edge_cuts.end(), cuts.begin(), cuts.end());
+  Pacer pacer(execution);
+  for (const auto& cuts : found) {
+    out.edge_cuts.insert(out.edge_cuts.end(), cuts.begin(), cuts.end());
+    pacer.step(cuts.size());
+  }
   const std::size_t all = solid.edge_vertices.size();
   out.edge_cut_begin.assign(all + 1, 0);
-  for (const EdgeCut& c : out.edge_cuts) ++out.edge_cut_begin[c.edge + 1];
-  for (std::size_t e = 0; e < all; ++e) out.edge_cut_begin[e + 1] += out.edge_cut_begin[e];
+  for (const EdgeCut& c : out.edge_cuts) {
+    ++out.edge_cut_begin[c.edge + 1];
+    pacer.step();
+  }
+  for (std::size_t e = 0; e < all; ++e) {
+    out.edge_cut_begin[e + 1] += out.edge_cut_begin[e];
+    pacer.step();
+  }
+}
+
+/// Joins the blocks; C ids were counted from each block's start.
+void join(const Execution& execution, const std::vector<TriangleDivision>& found, SurfaceCuts& out) {
+  struct Begin {
+    std::size_t cuts = 0, polygons = 0, vertices = 0;
+  };
+  std::vector<Begin> begin(found.size() + 1);
+  for (std::size_t b = 0; b < found.size(); ++b)
+    begin[b + 1] = {begin[b].cuts + found[b].triangle_cuts.size(),
+                    begin[b].polygons + found[b].polygons.size(),
+                    begin[b].vertices + found[b].vertices.size()};
+  const Begin& all = begin.back();
+  if (all.vertices > kMostCorners || out.first_c() + all.cuts > kMostCorners)
+    throw Interrupted(Error{ErrorCode::kTooComplex,
+                            "The surface is cut into more polygons than 2^31 corners "
+                            "have room for. Ask for fewer sites."});
+  out.triangle_cuts.resize(all.cuts);
+  out.polygons.resize(all.polygons);
+  out.vertices.resize(all.vertices);
+  out.sides.resize(all.vertices);
+  const VertexId first_c = out.first_b() + static_cast<VertexId>(out.edge_cuts.size());
+  parallel_for(execution, found.size(), 1, [&](std::size_t first, std::size_t last) {
+    Pacer pacer(execution);
+    for (std::size_t b = first; b < last; ++b) {
+      const TriangleDivision& block = found[b];
+      const Begin& at = begin[b];
+      const auto c_base = first_c + static_cast<VertexId>(at.cuts);
+      for (std::size_t k = 0; k < block.vertices.size(); ++k) {
+        const VertexId v = block.vertices[k];
+        out.vertices[at.vertices + k] = v & kBlockLocalC ? c_base + (v & ~kBlockLocalC) : v;
+        out.sides[at.vertices + k] = block.sides[k];
+        pacer.step();
+      }
+      for (std::size_t k = 0; k < block.polygons.size(); ++k) {
+        out.polygons[at.polygons + k] = block.polygons[k];
+        out.polygons[at.polygons + k].first += static_cast<std::uint32_t>(at.vertices);
+        pacer.step();
+      }
+      std::copy(block.triangle_cuts.begin(), block.triangle_cuts.end(),
+                out.triangle_cuts.begin() + static_cast<std::ptrdiff_t>(at.cuts));
+      pacer.step(block.triangle_cuts.size());
+    }
+  });
 }
 
 void cut_triangles(const Solid& solid, const VoronoiDiagram& diagram, const Elements& triangles,
                    const Execution& execution, SurfaceCuts& out) {
-  const std::size_t n = triangles.count, blocks = (n + kBlock - 1) / kBlock;
-  std::vector<TriangleDivision> found(blocks);
-  parallel_for(execution, n, kBlock, [&](std::size_t begin, std::size_t end) {
-    PolygonClipper clipper(solid, diagram, out, found[begin / kBlock]);
-    for (std::size_t k = begin; k < end; ++k) {
-      const auto& v = solid.triangles[triangles[k]];
-      if (out.label[v[0]] != out.label[v[1]] || out.label[v[1]] != out.label[v[2]])
-        clipper.divide(triangles[k]);
-    }
-  });
-  // C ids are counted from each block's start until here.
-  const VertexId first_c = out.first_c();
-  for (const TriangleDivision& block : found) {
-    const auto c_base = first_c + static_cast<VertexId>(out.triangle_cuts.size());
-    const auto corner_base = static_cast<std::uint32_t>(out.vertices.size());
-    for (const VertexId v : block.vertices)
-      out.vertices.push_back(v & kBlockLocalC ? c_base + (v & ~kBlockLocalC) : v);
-    for (CutPolygon p : block.polygons) {
-      p.first += corner_base;
-      out.polygons.push_back(p);
-    }
-    out.sides.insert(out.sides.end(), block.sides.begin(), block.sides.end());
-    out.triangle_cuts.insert(out.triangle_cuts.end(), block.triangle_cuts.begin(), block.triangle_cuts.end());
+  std::vector<std::uint32_t> cut;
+  Pacer pacer(execution);
+  for (std::size_t k = 0; k < triangles.count; ++k) {
+    pacer.step();
+    const auto& v = solid.triangles[triangles[k]];
+    if (out.label[v[0]] != out.label[v[1]] || out.label[v[1]] != out.label[v[2]]) cut.push_back(triangles[k]);
   }
+  // A large triangle whose edges have n cuts in all has about n²/24 polygons, and each takes some hundred
+  // nanoseconds.
+  const WorkBlocks blocks(execution, cut.size(), 400'000, [&](std::size_t k) {
+    std::uint64_t n = 0;
+    for (const std::uint32_t e : solid.edges[cut[k]]) n += out.edge_cut_begin[e + 1] - out.edge_cut_begin[e];
+    return 100 + 100 * n + 40 * n * n;
+  });
+  std::vector<TriangleDivision> found(blocks.count());
+  parallel_for_blocks(execution, blocks, [&](std::size_t block, std::size_t begin, std::size_t end) {
+    PolygonClipper clipper(solid, diagram, out, execution, found[block]);
+    for (std::size_t k = begin; k < end; ++k) clipper.divide(cut[k]);
+    clipper.count_polygons();
+  });
+  join(execution, found, out);
 }
 
 }  // namespace
@@ -123,23 +161,35 @@ SurfaceLabels labels_of(const SurfaceCuts& cuts) {
 SurfaceCuts cut_surface_again(const Solid& solid, const VoronoiDiagram& diagram, SurfaceLabels& before,
                               const std::vector<char>& of_interest, const Execution& execution) {
   // Triangles that met such a cell, and all of their edges.
+  Pacer pacer(execution);
   std::vector<char> met(solid.triangles.size(), 0), edge(solid.edge_vertices.size(), 0);
-  for (const CellShare& share : before.shares) met[share.triangle] |= of_interest[share.cell];
+  for (const CellShare& share : before.shares) {
+    met[share.triangle] |= of_interest[share.cell];
+    pacer.step();
+  }
   std::vector<std::uint32_t> triangles, edges;
   for (std::uint32_t t = 0; t < met.size(); ++t) {
+    pacer.step();
     for (const std::uint32_t v : solid.triangles[t]) met[t] |= of_interest[before.label[v]];
     if (!met[t]) continue;
     triangles.push_back(t);
     for (const std::uint32_t e : solid.edges[t]) edge[e] = 1;
   }
-  for (std::uint32_t e = 0; e < edge.size(); ++e)
+  for (std::uint32_t e = 0; e < edge.size(); ++e) {
+    pacer.step();
     if (edge[e]) edges.push_back(e);
+  }
 
   SurfaceCuts out;
   out.label = std::move(before.label);
-  for (std::size_t v = 0; v < out.label.size(); ++v)
-    if (of_interest[out.label[v]])
-      out.label[v] = diagram.nearest(to_double(solid.positions[v]), out.label[v]);
+  VoronoiDiagram::Walk walk;
+  for (std::size_t v = 0; v < out.label.size(); ++v) {
+    pacer.step();
+    if (!of_interest[out.label[v]]) continue;
+    const std::uint64_t looked_at = walk.looked_at;
+    out.label[v] = diagram.nearest(to_double(solid.positions[v]), out.label[v], walk);
+    pacer.step(walk.looked_at - looked_at);
+  }
   cut_edges(solid, diagram, {edges.size(), &edges}, execution, out);
   cut_triangles(solid, diagram, {triangles.size(), &triangles}, execution, out);
 
@@ -148,10 +198,12 @@ SurfaceCuts cut_surface_again(const Solid& solid, const VoronoiDiagram& diagram,
   shares.reserve(before.shares.size() + out.polygons.size());
   std::size_t p = 0;
   const auto take_until = [&](std::uint32_t triangle) {
+    pacer.step();
     for (; p < out.polygons.size() && out.polygons[p].triangle < triangle; ++p)
       shares.push_back({out.polygons[p].triangle, out.polygons[p].cell});
   };
   for (const CellShare& share : before.shares) {
+    pacer.step();
     if (met[share.triangle]) continue;
     take_until(share.triangle);
     shares.push_back(share);

@@ -1,0 +1,108 @@
+#include "common/clip/edge_walk.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "common/exact/side.hpp"
+
+namespace fracture {
+
+void EdgeWalk::cut(std::uint32_t e, std::vector<EdgeCut>& cuts) {
+  pacer_.step();
+  const auto [lo, hi] = solid_.edge_vertices[e];
+  if (label_[lo] == label_[hi]) return;
+  a_ = to_double(solid_.positions[lo]);
+  b_ = to_double(solid_.positions[hi]);
+  for (SiteId cell = label_[lo]; cell != label_[hi];) {
+    const SiteId next = diagram_.has_many_neighbors(cell) ? first_by_search(cell) : first_of_all(cell);
+    if (next == kNoSite || diagram_.dual().is_corner(next))
+      throw InternalError("edge " + std::to_string(e) + " does not leave cell " + std::to_string(cell));
+    cuts.push_back({e, cell, next});
+    cell = next;
+  }
+}
+
+/// On which side of the bisector of `of` lies the crossing `at` (its bisector null: b)? -1 beyond, 0 not
+/// certain. The crossing is (at_a b - at_b a) / (at_a - at_b), so the sign is that of a difference of two
+/// products; each value is off by at most its bisector's error.
+int EdgeWalk::certain_side(const Exit& of, const Exit& at) {
+  const double error = of.bisector->error;
+  if (!at.bisector) return of.at_b > error ? 1 : of.at_b < -error ? -1 : 0;
+  const double p = at.at_a * of.at_b, q = at.at_b * of.at_a;
+  const double at_error = at.bisector->error;
+  const double bound = 1.001 * (at_error * (std::fabs(of.at_a) + std::fabs(of.at_b)) +
+                                error * (std::fabs(at.at_a) + std::fabs(at.at_b)) + 2 * error * at_error) +
+                       0x1.0p-50 * (std::fabs(p) + std::fabs(q)) + 1e-300;
+  const double v = p - q;
+  return v > bound ? 1 : v < -bound ? -1 : 0;
+}
+
+int EdgeWalk::exact_side(SiteId cell, const Exit& of, const Exit& at) const {
+  const Vec3d &i = diagram_.site(cell), &j = diagram_.site(of.bisector->neighbor);
+  return at.bisector ? exact::side2(i, j, a_, b_, diagram_.site(at.bisector->neighbor))
+                     : exact::side1(i, j, b_);
+}
+
+// The edge leaves the cell where it crosses the first of the bisectors that b lies beyond: the crossing that
+// is inside all the others.
+SiteId EdgeWalk::first_of_all(SiteId cell) {
+  const auto bisectors = diagram_.bisectors(cell);
+  pacer_.step(2 * bisectors.size());
+  Exit first;
+  for (const Bisector& bisector : bisectors) {
+    if (diagram_.side(cell, bisector, b_) > 0) continue;
+    const Exit exit = exit_of(cell, bisector);
+    if (first.bisector) {
+      int side = certain_side(exit, first);
+      if (side == 0) side = exact_side(cell, exit, first);
+      if (side > 0) continue;
+    }
+    first = exit;
+  }
+  return first.bisector ? first.bisector->neighbor : kNoSite;
+}
+
+// A cell of many neighbours: from b back to the crossing with the bisector of the closest neighbour, and so
+// on until the crossing is inside all of them.
+SiteId EdgeWalk::first_by_search(SiteId cell) {
+  const Vec3d along = b_ - a_;
+  const auto norm1 = [](const Vec3d& v) { return std::fabs(v.x) + std::fabs(v.y) + std::fabs(v.z); };
+  Exit at;
+  for (;;) {
+    Vec3d place = b_;
+    double off = 0;
+    if (at.bisector) {
+      // The parameter is off by at most 2 error / (difference - 2 error), and by a few roundings.
+      const double difference = at.at_a - at.at_b, error = at.bisector->error;
+      off = HUGE_VAL;
+      if (difference > 4 * error) {
+        place = a_ + (at.at_a / difference) * along;
+        off = norm1(along) * (4 * error / difference + 0x1.0p-50) + 0x1.0p-50 * norm1(a_);
+      }
+    }
+    Exit next;
+    doubts_.clear();
+    double radius2 = diagram_.reach2(cell, place, off);
+    diagram_.visit_near(cell, place, radius2, [&](const Bisector& bisector, double distance2) {
+      pacer_.step();
+      if (at.bisector && bisector.neighbor == at.bisector->neighbor) return radius2;
+      const Exit exit = exit_of(cell, bisector);
+      const int side = certain_side(exit, at);
+      if (side == 0) doubts_.push_back(exit);
+      if (side < 0) {
+        next = exit;
+        radius2 = std::min(radius2, distance2);
+      }
+      return radius2;
+    });
+    for (std::size_t k = 0; k < doubts_.size() && !next.bisector; ++k) {
+      pacer_.step(16);
+      if (exact_side(cell, doubts_[k], at) < 0) next = doubts_[k];
+    }
+    if (!next.bisector) return at.bisector ? at.bisector->neighbor : kNoSite;
+    at = next;
+  }
+}
+
+}  // namespace fracture

@@ -1,0 +1,45 @@
+// Where a mesh edge passes from cell to cell.
+#pragma once
+
+#include <vector>
+
+#include "common/base/pacer.hpp"
+#include "common/clip/surface_cuts.hpp"
+
+namespace fracture {
+
+/// Walks along one edge after the other, from the cell of its lower vertex.
+class EdgeWalk {
+ public:
+  EdgeWalk(const Solid& solid, const VoronoiDiagram& diagram, const std::vector<SiteId>& label,
+           const Execution& execution)
+      : solid_(solid), diagram_(diagram), label_(label), pacer_(execution) {}
+
+  /// Appends the cuts of edge e, in order. Throws Interrupted.
+  void cut(std::uint32_t e, std::vector<EdgeCut>& cuts);
+
+ private:
+  // A bisector that the edge's second end lies beyond, and where the edge crosses it: the values at both
+  // ends, first > 0 > second up to their error.
+  struct Exit {
+    const Bisector* bisector = nullptr;
+    double at_a, at_b;
+  };
+
+  Exit exit_of(SiteId cell, const Bisector& bisector) const {
+    return {&bisector, diagram_.value(cell, bisector, a_), diagram_.value(cell, bisector, b_)};
+  }
+  static int certain_side(const Exit& of, const Exit& at);
+  int exact_side(SiteId cell, const Exit& of, const Exit& at) const;
+  SiteId first_of_all(SiteId cell);
+  SiteId first_by_search(SiteId cell);
+
+  const Solid& solid_;
+  const VoronoiDiagram& diagram_;
+  const std::vector<SiteId>& label_;
+  Pacer pacer_;
+  Vec3d a_, b_;  // ends of the edge at hand
+  std::vector<Exit> doubts_;
+};
+
+}  // namespace fracture

@@ -1,0 +1,94 @@
+// Filters in front of exact::side1..side3 for many bisectors against the corners of one triangle's polygons,
+// in homogeneous barycentric coordinates of the triangle (q_0, q_1, q_2):
+//
+//   bisector of the cell    its values at q_0, q_1, q_2: a linear form L, positive on the cell's side
+//   edge q_k q_(k+1)        the form of the third corner's coordinate, e_(k+2)
+//   corner of a polygon     where two such lines meet: N = +-(L x L'), the sign so that N_0 + N_1 + N_2 > 0
+//
+// On the true values the sign of N·L is the side on which the corner lies. Each number carries a bound of its
+// error; where it does not certify the sign, the caller asks the exact predicate.
+//
+// Bounds, with u = 2^-53: the components of L are off by at most e (Bisector::error). A component of L x L'
+// is off by at most 2 (|L| e' + |L'| e + e e') for that, |.| the largest component, and by 3 roundings of
+// terms of together 2 |L| |L'|. N·L'' is off by |N|_1 e'' + 3 E (|L''| + e''), E the bound of N, and by 5
+// roundings of terms of together |N|_1 |L''|. Factors are rounded up generously; 1e-300 covers underflow (of
+// products of three values, 3 of them at a time, each below 1e-307).
+#pragma once
+
+#include <array>
+#include <cmath>
+
+#include "common/base/vec.hpp"
+
+namespace fracture::clip_detail {
+
+struct Line {
+  std::array<double, 3> value;
+  double error;    ///< of each value
+  double largest;  ///< of their magnitudes
+
+  static Line of_values(const std::array<double, 3>& v, double error) {
+    const double a = std::fabs(v[0]), b = std::fabs(v[1]), c = std::fabs(v[2]), ab = a > b ? a : b;
+    return {v, error, ab > c ? ab : c};
+  }
+  /// The line of the edge from corner k to the next one.
+  static Line of_edge(unsigned k) {
+    Line line{{0, 0, 0}, 0, 1};
+    line.value[(k + 2) % 3] = 1;
+    return line;
+  }
+};
+
+struct Corner {
+  std::array<double, 3> coordinates;
+  double sum = 0;    ///< of the coordinates, > 0; 0: nothing is known of the corner
+  double error = 0;  ///< of each coordinate
+  double norm = 0;   ///< sum of the coordinates' magnitudes
+
+  static Corner of_triangle(unsigned k) {
+    Corner c{{0, 0, 0}, 1, 0, 1};
+    c.coordinates[k] = 1;
+    return c;
+  }
+  static Corner meet(const Line& l, const Line& m) {
+    const auto &a = l.value, &b = m.value;
+    Corner c{{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]}, 0, 0, 0};
+    const double la = l.largest, lb = m.largest;
+    c.error = 1.001 * 2 * (la * m.error + lb * l.error + l.error * m.error) + 0x1.0p-50 * la * lb;
+    const auto& n = c.coordinates;
+    c.sum = n[0] + n[1] + n[2];
+    c.norm = std::fabs(n[0]) + std::fabs(n[1]) + std::fabs(n[2]);
+    if (c.sum < 0) {
+      for (double& x : c.coordinates) x = -x;
+      c.sum = -c.sum;
+    }
+    if (!(c.sum > 4 * c.error + 0x1.0p-50 * c.norm + 1e-300)) c.sum = 0;
+    return c;
+  }
+  /// Side of the line on which the corner lies; 0 where that is not certain.
+  int side(const Line& line) const {
+    if (sum == 0) return 0;
+    const auto &n = coordinates, &l = line.value;
+    const double v = n[0] * l[0] + n[1] * l[1] + n[2] * l[2];
+    const double bound =
+        1.001 * (norm * (line.error + 0x1.0p-50 * line.largest) + 3 * error * (line.largest + line.error)) +
+        1e-300;
+    return v > bound ? 1 : v < -bound ? -1 : 0;
+  }
+  /// Where it is, and how far that may be off: infinitely where nothing is known.
+  struct Place {
+    Vec3d at;
+    double off;
+  };
+  Place place(const std::array<Vec3d, 3>& q) const {
+    if (sum == 0) return {q[0], HUGE_VAL};
+    // Shares are off by (error + share * 3 error) / (sum - 3 error) and a few roundings; sum > 4 error.
+    const double s = coordinates[1] / sum, t = coordinates[2] / sum;
+    const Vec3d e = q[1] - q[0], f = q[2] - q[0];
+    const double share = (1 + norm / sum) * (16 * error / sum + 0x1.0p-49);
+    const auto norm1 = [](const Vec3d& v) { return std::fabs(v.x) + std::fabs(v.y) + std::fabs(v.z); };
+    return {q[0] + (s * e + t * f), share * (norm1(e) + norm1(f)) + 0x1.0p-50 * norm1(q[0])};
+  }
+};
+
+}  // namespace fracture::clip_detail
