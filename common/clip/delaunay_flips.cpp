@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/pacer.hpp"
+
 namespace fracture {
 namespace {
 
@@ -33,12 +35,14 @@ bool in_circle(const LatticePoint& a, const LatticePoint& b, const LatticePoint&
 /// Keeps its memory from one triangulation to the next: they are many and small.
 class Flipper {
  public:
-  void run(std::span<const LatticePoint> points, std::span<std::array<std::uint32_t, 3>> triangles) {
+  void run(std::span<const LatticePoint> points, std::span<std::array<std::uint32_t, 3>> triangles,
+           const Execution& execution) {
+    Pacer pacer(execution);
     points_ = points;
     corner_.resize(4 * triangles.size());
     for (std::size_t t = 0; t < triangles.size(); ++t)
       for (std::size_t k = 0; k < 3; ++k) corner_[4 * t + k] = triangles[t][k];
-    pair_edges();
+    pair_edges(pacer);
     queue_.clear();
     for (std::uint32_t h = 0; h < twin_.size(); ++h)
       if (twin_[h] != kNone && h < twin_[h]) queue_.push_back(h);
@@ -46,6 +50,7 @@ class Flipper {
     while (!queue_.empty() && flips > 0) {
       const std::uint32_t h = queue_.back();
       queue_.pop_back();
+      pacer.step(4);
       if (twin_[h] == kNone || !should_flip(h)) continue;
       const std::uint32_t g = twin_[h];
       flip(h);
@@ -65,17 +70,19 @@ class Flipper {
   const LatticePoint& at(std::uint32_t v) const { return points_[v]; }
 
   // Twins by the lower end: each point has few edges, so its list is sorted by the upper end in place.
-  void pair_edges() {
+  void pair_edges(Pacer& pacer) {
     const auto size = static_cast<std::uint32_t>(corner_.size());
     twin_.assign(size, kNone);
     begin_.assign(points_.size() + 1, 0);
     uses_.resize(size / 4 * 3);
     const auto each = [&](const auto& visit) {
-      for (std::uint32_t t = 0; t < size; t += 4)
+      for (std::uint32_t t = 0; t < size; t += 4) {
+        pacer.step();
         for (std::uint32_t h = t; h < t + 3; ++h) {
           const std::uint32_t u = from(h), v = from(next(h));
           visit(std::min(u, v), std::max(u, v), h);
         }
+      }
     };
     each([&](std::uint32_t low, std::uint32_t, std::uint32_t) { ++begin_[low + 1]; });
     for (std::size_t v = 0; v < points_.size(); ++v) begin_[v + 1] += begin_[v];
@@ -85,6 +92,7 @@ class Flipper {
     });
     for (std::size_t v = 0; v < points_.size(); ++v) {
       const std::uint32_t last = begin_[v + 1];
+      pacer.step(1 + 4 * (last - begin_[v]));
       std::sort(uses_.begin() + begin_[v], uses_.begin() + last);
       for (std::uint32_t k = begin_[v]; k < last;) {
         std::uint32_t other = k + 1;
@@ -152,10 +160,10 @@ class Flipper {
 
 }  // namespace
 
-void flip_to_delaunay(std::span<const LatticePoint> points,
-                      std::span<std::array<std::uint32_t, 3>> triangles) {
+void flip_to_delaunay(std::span<const LatticePoint> points, std::span<std::array<std::uint32_t, 3>> triangles,
+                      const Execution& execution) {
   thread_local Flipper flipper;
-  if (triangles.size() > 1) flipper.run(points, triangles);
+  if (triangles.size() > 1) flipper.run(points, triangles, execution);
 }
 
 }  // namespace fracture

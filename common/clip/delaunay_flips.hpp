@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "common/base/execution.hpp"
 #include "common/clip/triangulate.hpp"
 
 namespace fracture {
@@ -15,9 +16,9 @@ namespace fracture {
 /// Flips inner edges of `triangles` (each inner edge is used once in either direction, boundary edges once)
 /// until each is locally Delaunay, exactly decided, or the flips run out (a bound of kFlipsPerTriangle each
 /// keeps it linear). Only strictly convex quadrilaterals are flipped, so no triangle is turned over that was
-/// not before; the set of boundary edges and the number of triangles stay.
+/// not before; the set of boundary edges and the number of triangles stay. Throws Interrupted.
 inline constexpr std::size_t kFlipsPerTriangle = 8;
-void flip_to_delaunay(std::span<const LatticePoint> points,
-                      std::span<std::array<std::uint32_t, 3>> triangles);
+void flip_to_delaunay(std::span<const LatticePoint> points, std::span<std::array<std::uint32_t, 3>> triangles,
+                      const Execution& execution = kUninterrupted);
 
 }  // namespace fracture

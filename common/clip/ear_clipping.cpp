@@ -1,36 +1,215 @@
 #include "common/clip/ear_clipping.hpp"
 
+#include <algorithm>
 #include <cstdlib>
+
+#include "common/base/pacer.hpp"
 
 namespace fracture {
 namespace {
 
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 
+/// Rings of more points look for what blocks an ear in a grid.
+constexpr std::size_t kLargeRing = 128;
+
 // Halves the ring again and again: triangles of even size rather than a fan of slivers.
-void split_convex(std::span<const std::uint32_t> ring, std::size_t first, std::size_t last,
-                  Triangles& triangles) {
+template <class Emit>
+void split_evenly(std::size_t first, std::size_t last, const Emit& emit) {
   if (last - first < 2) return;
   const std::size_t middle = first + (last - first) / 2;
-  triangles.push_back({ring[first], ring[middle], ring[last]});
-  split_convex(ring, first, middle, triangles);
-  split_convex(ring, middle, last, triangles);
-}
-
-void link_ring(std::size_t n, std::vector<std::uint32_t>& next, std::vector<std::uint32_t>& prev) {
-  next.resize(n);
-  prev.resize(n);
-  for (std::uint32_t k = 0; k < n; ++k) {
-    next[k] = k + 1;
-    prev[k] = k - 1;
-  }
-  next[n - 1] = 0;
-  prev[0] = static_cast<std::uint32_t>(n - 1);
+  emit(first, middle, last);
+  split_evenly(first, middle, emit);
+  split_evenly(middle, last, emit);
 }
 
 bool in_triangle(const LatticePoint& p, const LatticePoint& a, const LatticePoint& b, const LatticePoint& c) {
   return orient2d(a, b, p) >= 0 && orient2d(b, c, p) >= 0 && orient2d(c, a, p) >= 0;
 }
+
+/// One ring; keeps its memory from one to the next: they are many and small.
+class EarClipper {
+ public:
+  bool run(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring, Triangles& triangles,
+           const Execution& execution, std::size_t most_steps) {
+    Pacer pacer(execution);
+    points_ = points;
+    ring_ = ring;
+    triangles_ = &triangles;
+    link();
+    std::uint32_t k = 0;
+    std::size_t since_cut = 0;
+    std::size_t steps = 0;
+    while (left_ > 3) {
+      if (steps > most_steps) {
+        split_rest(k, pacer);
+        return false;
+      }
+      const std::size_t before = steps++;
+      const bool ear = area(k) > 0 && is_ear(k, steps);
+      pacer.step(steps - before);
+      if (ear) {
+        cut(k);
+        since_cut = 0;
+        k = next_[next_[k]];  // skipping one spreads the ears around the ring
+        continue;
+      }
+      k = next_[k];
+      if (++since_cut < left_) continue;
+      // No proper ear: a flat one, or at worst the smallest.
+      std::uint32_t best = k;
+      steps += left_;
+      pacer.step(left_);
+      for (std::size_t m = 0; m < left_; ++m, k = next_[k])
+        if (std::llabs(area(k)) < std::llabs(area(best))) best = k;
+      cut(best);
+      since_cut = 0;
+      k = next_[best];
+    }
+    emit(k);
+    return true;
+  }
+
+ private:
+  void link() {
+    const std::size_t n = ring_.size();
+    left_ = n;
+    next_.resize(n);
+    prev_.resize(n);
+    for (std::uint32_t k = 0; k < n; ++k) {
+      next_[k] = k + 1;
+      prev_[k] = k - 1;
+    }
+    next_[n - 1] = 0;
+    prev_[0] = static_cast<std::uint32_t>(n - 1);
+    in_grid_ = 0;
+    if (n > kLargeRing) fill_grid(0);
+  }
+
+  const LatticePoint& at(std::uint32_t k) const { return points_[ring_[k]]; }
+  std::int64_t area(std::uint32_t k) const { return orient2d(at(prev_[k]), at(k), at(next_[k])); }
+
+  /// Does vertex m block the ear (a, b, c)?
+  bool blocks(std::uint32_t m, const LatticePoint& a, const LatticePoint& b, const LatticePoint& c) const {
+    const LatticePoint& p = at(m);
+    if (p == a || p == b || p == c) return false;  // a pinch touches, it does not block
+    return area(m) <= 0 && in_triangle(p, a, b, c);
+  }
+  bool is_ear(std::uint32_t k, std::size_t& steps) const {
+    const LatticePoint &a = at(prev_[k]), &b = at(k), &c = at(next_[k]);
+    if (in_grid_ > 0) return is_ear_by_grid(k, steps);
+    for (std::uint32_t m = next_[next_[k]]; m != prev_[k]; m = next_[m]) {
+      ++steps;
+      if (blocks(m, a, b, c)) return false;
+    }
+    return true;
+  }
+
+  // A ring that crosses itself may pass a point twice; an ear between its two visits uses one edge in both
+  // directions, which cancels: nothing to emit.
+  void emit(std::uint32_t k) { emit({ring_[prev_[k]], ring_[k], ring_[next_[k]]}); }
+  void emit(const std::array<std::uint32_t, 3>& t) {
+    if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) triangles_->push_back(t);
+  }
+  void cut(std::uint32_t k) {
+    emit(k);
+    next_[prev_[k]] = next_[k];
+    prev_[next_[k]] = prev_[k];
+    prev_[k] = kNoIndex;  // cut off
+    --left_;
+    if (in_grid_ > 0 && 2 * left_ < in_grid_) fill_grid(next_[k]);
+  }
+
+  void split_rest(std::uint32_t start, Pacer& pacer) {
+    rest_.clear();
+    std::uint32_t k = start;
+    do {
+      rest_.push_back(ring_[k]);
+      k = next_[k];
+    } while (k != start);
+    split_evenly(0, rest_.size() - 1, [&](std::size_t first, std::size_t middle, std::size_t last) {
+      pacer.step();
+      emit({rest_[first], rest_[middle], rest_[last]});
+    });
+  }
+
+  // -- the vertices that are left, and some that were since cut off, by place: about one to a square
+
+  struct Squares {
+    std::int64_t x, y;  // of the first one's corner
+    int shift = 0;      // side 2^shift
+    std::int64_t columns = 0, rows = 0;
+    std::int64_t column(std::int64_t v) const { return (v - x) >> shift; }
+    std::int64_t row(std::int64_t v) const { return (v - y) >> shift; }
+  };
+
+  void fill_grid(std::uint32_t start) {
+    in_grid_ = left_ > kLargeRing / 2 ? left_ : 0;
+    if (in_grid_ == 0) return;
+    LatticePoint low = at(start), high = low;
+    std::uint32_t k = start;
+    do {
+      const LatticePoint& p = at(k);
+      low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+      k = next_[k];
+    } while (k != start);
+    Squares& g = squares_;
+    g = {low.x, low.y, 0, 0, 0};
+    for (;; ++g.shift) {
+      g.columns = g.column(high.x) + 1;
+      g.rows = g.row(high.y) + 1;
+      if (g.columns * g.rows <= static_cast<std::int64_t>(2 * left_)) break;
+    }
+    begin_.assign(static_cast<std::size_t>(g.columns * g.rows) + 1, 0);
+    const auto square = [&](std::uint32_t m) {
+      return static_cast<std::size_t>(g.row(at(m).y) * g.columns + g.column(at(m).x));
+    };
+    const auto each = [&](const auto& visit) {
+      std::uint32_t m = start;
+      do {
+        visit(m);
+        m = next_[m];
+      } while (m != start);
+    };
+    each([&](std::uint32_t m) { ++begin_[square(m) + 1]; });
+    for (std::size_t s = 0; s + 1 < begin_.size(); ++s) begin_[s + 1] += begin_[s];
+    end_.assign(begin_.begin(), begin_.end() - 1);
+    content_.resize(left_);
+    each([&](std::uint32_t m) { content_[end_[square(m)]++] = m; });
+  }
+
+  bool is_ear_by_grid(std::uint32_t k, std::size_t& steps) const {
+    const LatticePoint &a = at(prev_[k]), &b = at(k), &c = at(next_[k]);
+    const Squares& g = squares_;
+    const auto [x0, x1] = std::minmax({a.x, b.x, c.x});
+    const auto [y0, y1] = std::minmax({a.y, b.y, c.y});
+    for (std::int64_t row = g.row(y0); row <= g.row(y1); ++row) {
+      // Squares of a row follow one another.
+      const auto first = static_cast<std::size_t>(row * g.columns + g.column(x0)),
+                 last = static_cast<std::size_t>(row * g.columns + g.column(x1));
+      ++steps;
+      for (std::uint32_t n = begin_[first]; n < begin_[last + 1]; ++n) {
+        const std::uint32_t m = content_[n];
+        ++steps;
+        if (prev_[m] != kNoIndex && m != k && m != prev_[k] && m != next_[k] && blocks(m, a, b, c))
+          return false;
+      }
+    }
+    return true;
+  }
+
+  static constexpr std::uint32_t kNoIndex = 0xffffffffu;
+  std::span<const LatticePoint> points_;
+  std::span<const std::uint32_t> ring_;
+  Triangles* triangles_ = nullptr;
+  std::vector<std::uint32_t> next_, prev_;
+  std::size_t left_ = 0;
+  Squares squares_;
+  std::size_t in_grid_ = 0;  // how many the grid had when it was filled; 0: there is none
+  std::vector<std::uint32_t> begin_, end_, content_;
+  std::vector<std::uint32_t> rest_;
+};
 
 }  // namespace
 
@@ -63,66 +242,24 @@ bool is_convex(std::span<const LatticePoint> points, std::span<const std::uint32
   return strict && turns <= 2;
 }
 
-void clip_ears(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring,
-               Triangles& triangles) {
+bool clip_ears(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring,
+               Triangles& triangles, const Execution& execution, std::size_t most_steps) {
   const std::size_t n = ring.size();
-  if (n < 3) return;
+  if (n < 3) return true;
   if (n == 3) {
     triangles.push_back({ring[0], ring[1], ring[2]});
-    return;
+    return true;
   }
   if (is_convex(points, ring)) {
-    split_convex(ring, 0, n - 1, triangles);
-    return;
-  }
-
-  thread_local std::vector<std::uint32_t> next, prev;  // kept: rings are many and small
-  link_ring(n, next, prev);
-  const auto at = [&](std::uint32_t k) -> const LatticePoint& { return points[ring[k]]; };
-  const auto area = [&](std::uint32_t k) { return orient2d(at(prev[k]), at(k), at(next[k])); };
-  const auto is_ear = [&](std::uint32_t k) {
-    const LatticePoint &a = at(prev[k]), &b = at(k), &c = at(next[k]);
-    for (std::uint32_t m = next[next[k]]; m != prev[k]; m = next[m]) {
-      const LatticePoint& p = at(m);
-      if (p == a || p == b || p == c) continue;  // a pinch touches, it does not block
-      if (area(m) <= 0 && in_triangle(p, a, b, c)) return false;
-    }
+    Pacer pacer(execution);
+    split_evenly(0, n - 1, [&](std::size_t first, std::size_t middle, std::size_t last) {
+      pacer.step();
+      triangles.push_back({ring[first], ring[middle], ring[last]});
+    });
     return true;
-  };
-  // A ring that crosses itself may pass a point twice; an ear between its two visits uses one edge in both
-  // directions, which cancels: nothing to emit.
-  const auto emit = [&](std::uint32_t k) {
-    const std::array<std::uint32_t, 3> t{ring[prev[k]], ring[k], ring[next[k]]};
-    if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) triangles.push_back(t);
-  };
-  const auto cut = [&](std::uint32_t k) {
-    emit(k);
-    next[prev[k]] = next[k];
-    prev[next[k]] = prev[k];
-  };
-
-  std::uint32_t k = 0;
-  std::size_t left = n, since_cut = 0;
-  while (left > 3) {
-    if (area(k) > 0 && is_ear(k)) {
-      cut(k);
-      --left;
-      since_cut = 0;
-      k = next[next[k]];  // skipping one spreads the ears around the ring
-      continue;
-    }
-    k = next[k];
-    if (++since_cut < left) continue;
-    // No proper ear: a flat one, or at worst the smallest.
-    std::uint32_t best = k;
-    for (std::size_t m = 0; m < left; ++m, k = next[k])
-      if (std::llabs(area(k)) < std::llabs(area(best))) best = k;
-    cut(best);
-    --left;
-    since_cut = 0;
-    k = next[best];
   }
-  emit(k);
+  thread_local EarClipper clipper;
+  return clipper.run(points, ring, triangles, execution, most_steps);
 }
 
 }  // namespace fracture

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "common/base/execution.hpp"
 #include "common/clip/triangulate.hpp"
 
 namespace fracture {
@@ -13,11 +14,23 @@ namespace fracture {
 /// True when the ring turns left (or not) at every point, at least once, and winds once.
 bool is_convex(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring);
 
+/// Steps of the search for ears that a ring of so many points may take. Simple rings take a few for each
+/// point, or where the grid does not help half as many as the ring has points.
+inline std::size_t ear_patience(std::size_t points) { return (std::size_t{1} << 19) + 64 * points; }
+
 /// Appends ring.size() - 2 triangles that use every edge of the ring exactly once (fewer where the ring
 /// passes a point twice and an ear would use one edge both ways). `ring` holds indices into `points`. Where
-/// no proper ear exists (the ring crosses itself after rounding) the ear of least |area| is cut: still
-/// closed. O(n) for convex rings, O(n^2) otherwise: meant for rings of at most a few hundred points.
-void clip_ears(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring,
-               std::vector<std::array<std::uint32_t, 3>>& triangles);
+/// no proper ear exists (the ring touches or crosses itself after rounding) the ear of least |area| is cut:
+/// still closed. O(n) for convex rings. Others look at all points of the ring for what blocks an ear, large
+/// ones in a grid; after `most_steps` of that what is left is halved again and again instead, so that rings
+/// that cross themselves everywhere cost no more than others; the answer is false then. Throws Interrupted.
+bool clip_ears(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring,
+               std::vector<std::array<std::uint32_t, 3>>& triangles, const Execution& execution,
+               std::size_t most_steps);
+inline bool clip_ears(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring,
+                      std::vector<std::array<std::uint32_t, 3>>& triangles,
+                      const Execution& execution = kUninterrupted) {
+  return clip_ears(points, ring, triangles, execution, ear_patience(ring.size()));
+}
 
 }  // namespace fracture

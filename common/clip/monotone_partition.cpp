@@ -6,6 +6,8 @@
 #include <set>
 #include <tuple>
 
+#include "common/base/pacer.hpp"
+
 namespace fracture {
 namespace {
 
@@ -13,8 +15,9 @@ constexpr std::uint32_t kNone = 0xffffffffu;
 
 class Sweep {
  public:
-  Sweep(std::span<const LatticePoint> points, std::span<const std::uint32_t> loop_begin)
-      : points_(points), loop_begin_(loop_begin), status_(LeftOf{this}) {
+  Sweep(std::span<const LatticePoint> points, std::span<const std::uint32_t> loop_begin,
+        const Execution& execution)
+      : points_(points), loop_begin_(loop_begin), pacer_(execution), status_(LeftOf{this}) {
     const std::size_t n = points.size();
     point_.resize(n);
     std::iota(point_.begin(), point_.end(), 0u);
@@ -33,7 +36,7 @@ class Sweep {
     rank_.resize(n);
     std::vector<std::uint32_t>& order = order_;
     order = point_;
-    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    sort_with_polls(execution, order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
       return std::tie(points[a].y, points[a].x, a) < std::tie(points[b].y, points[b].x, b);
     });
     for (std::uint32_t k = 0; k < n; ++k) rank_[order[k]] = k;
@@ -45,11 +48,15 @@ class Sweep {
   }
 
   void run() {
-    for (const std::uint32_t v : order_) visit(v);
+    for (const std::uint32_t v : order_) {
+      visit(v);
+      pacer_.step(8);
+    }
   }
 
   void collect(Partition& out) {
     out = {};
+    out.crossings = crossings_;
     out.ring_begin.push_back(0);
     std::vector<bool> done(point_.size(), false);
     for (std::uint32_t c = 0; c < point_.size(); ++c) {
@@ -57,6 +64,7 @@ class Sweep {
       for (std::uint32_t k = c; !done[k]; k = ring_next_[k]) {
         done[k] = true;
         out.ring_points.push_back(point_[k]);
+        pacer_.step();
       }
       out.ring_begin.push_back(static_cast<std::uint32_t>(out.ring_points.size()));
       out.ring_loop.push_back(find(loop_[point_[c]]));
@@ -109,11 +117,26 @@ class Sweep {
     const auto [where, fresh] = status_.insert(edge);
     if (fresh) position_[edge] = where;
     helper_[edge] = helper;
+    if (!counts_crossings_) return;
+    if (where != status_.begin()) count_crossing(*std::prev(where), edge);
+    if (std::next(where) != status_.end()) count_crossing(edge, *std::next(where));
   }
   void erase(std::uint32_t edge) {
     if (position_[edge] == status_.end()) return;
-    status_.erase(position_[edge]);
+    const auto after = status_.erase(position_[edge]);
     position_[edge] = status_.end();
+    if (counts_crossings_ && after != status_.begin() && after != status_.end())
+      count_crossing(*std::prev(after), *after);
+  }
+  /// Each end lies farther from the other edge than the vertices of both, which move by half a step, explain.
+  void count_crossing(std::uint32_t e, std::uint32_t f) {
+    const auto divides = [&](std::uint32_t by, std::uint32_t other) {
+      const LatticePoint &p = at(by), &q = at(next_[by]);
+      const std::int64_t least = 4 * (std::abs(q.x - p.x) + std::abs(q.y - p.y));
+      const std::int64_t a = orient2d(p, q, at(other)), b = orient2d(p, q, at(next_[other]));
+      return (a > least && b < -least) || (a < -least && b > least);
+    };
+    crossings_ += divides(e, f) && divides(f, e);
   }
   std::uint32_t edge_left_of_point(std::uint32_t v) const {
     auto it = status_.upper_bound(LeftOf::Query{v});
@@ -230,6 +253,9 @@ class Sweep {
 
   std::span<const LatticePoint> points_;
   std::span<const std::uint32_t> loop_begin_;
+  Pacer pacer_;
+  const bool counts_crossings_ = points_.size() >= Partition::kManyPoints;
+  std::uint32_t crossings_ = 0;
   std::vector<std::uint32_t> next_, prev_;  // the input loops
   std::vector<std::uint32_t> loop_;
   std::vector<std::uint32_t> order_, rank_;  // sweep order
@@ -246,8 +272,8 @@ class Sweep {
 }  // namespace
 
 void partition_monotone(std::span<const LatticePoint> points, std::span<const std::uint32_t> loop_begin,
-                        Partition& out) {
-  Sweep sweep(points, loop_begin);
+                        Partition& out, const Execution& execution) {
+  Sweep sweep(points, loop_begin, execution);
   sweep.run();
   sweep.collect(out);
 }

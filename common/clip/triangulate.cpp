@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "common/base/disjoint_sets.hpp"
+#include "common/base/pacer.hpp"
 #include "common/clip/delaunay_flips.hpp"
 #include "common/clip/ear_clipping.hpp"
 #include "common/clip/monotone_partition.hpp"
@@ -23,7 +24,7 @@ constexpr std::size_t kSmallRing = 64;
 /// edge twice: a triangle is only cut where its three corners are consecutive. Returns false, with nothing
 /// emitted, when the ring is not monotone after all.
 bool triangulate_monotone(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring,
-                          Triangles& triangles) {
+                          Triangles& triangles, const Execution& execution) {
   const std::size_t n = ring.size(), before = triangles.size();
   std::vector<std::uint32_t> next(n), prev(n), order(n);
   for (std::size_t k = 0; k < n; ++k) {
@@ -32,7 +33,7 @@ bool triangulate_monotone(std::span<const LatticePoint> points, std::span<const 
   }
   std::iota(order.begin(), order.end(), 0u);
   const auto at = [&](std::uint32_t k) -> const LatticePoint& { return points[ring[k]]; };
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+  sort_with_polls(execution, order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
     return std::tie(at(a).y, at(a).x, ring[a], a) < std::tie(at(b).y, at(b).x, ring[b], b);
   });
   const auto cut = [&](std::uint32_t k) {
@@ -45,8 +46,10 @@ bool triangulate_monotone(std::span<const LatticePoint> points, std::span<const 
     return false;
   };
 
+  Pacer pacer(execution);
   std::vector<std::uint32_t> stack{order[0], order[1]};
   for (std::size_t m = 2; m < n; ++m) {
+    pacer.step(2);
     const std::uint32_t v = order[m], top = stack.back();
     if (next[top] == v || prev[top] == v) {
       // Same chain (or the last vertex, adjacent to both): cut while the corner at the top is convex.
@@ -76,29 +79,60 @@ bool triangulate_monotone(std::span<const LatticePoint> points, std::span<const 
   return triangles.size() == before + n - 2 || fail();
 }
 
-void triangulate_ring(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring,
-                      Triangles& triangles) {
-  if (ring.size() > kSmallRing && triangulate_monotone(points, ring, triangles)) return;
-  clip_ears(points, ring, triangles);
-}
+/// One ring after the other into triangles.
+class RingTriangulator {
+ public:
+  explicit RingTriangulator(const Execution& execution) : execution_(execution) {}
 
-/// A large single loop without holes.
-void triangulate_loop(std::span<const LatticePoint> points, std::span<const std::uint32_t> loop,
-                      Triangles& triangles) {
-  std::vector<LatticePoint> own(loop.size());
-  for (std::size_t k = 0; k < loop.size(); ++k) own[k] = points[loop[k]];
-  const std::array<std::uint32_t, 2> begin{0, static_cast<std::uint32_t>(loop.size())};
-  Partition partition;
-  partition_monotone(own, begin, partition);
-  const std::size_t from = triangles.size();
-  for (std::size_t r = 0; r + 1 < partition.ring_begin.size(); ++r)
-    triangulate_ring(own,
-                     std::span<const std::uint32_t>(partition.ring_points.data() + partition.ring_begin[r],
-                                                    partition.ring_begin[r + 1] - partition.ring_begin[r]),
-                     triangles);
-  for (std::size_t t = from; t < triangles.size(); ++t)
-    for (std::uint32_t& k : triangles[t]) k = loop[k];
-}
+  /// A whole loop, or, with its partition, a ring of one.
+  void add(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring,
+           const Partition* partition, Triangles& triangles) {
+    if (partition)
+      add_ring(points, ring, *partition, triangles);
+    else if (ring.size() <= kSmallRing || is_convex(points, ring))
+      clip_ears(points, ring, triangles, execution_);
+    else
+      add_loop(points, ring, triangles);
+  }
+  /// The same, divided where it comes back to a place.
+  void add_divided(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring,
+                   const Partition* partition, Triangles& triangles) {
+    std::vector<std::vector<std::uint32_t>> rings;
+    divide_pinched_ring(points, ring, rings, triangles);
+    for (const auto& r : rings) add(points, r, partition, triangles);
+  }
+  /// Some ring got triangles without regard to their shape.
+  bool given_up() const { return given_up_; }
+
+ private:
+  static constexpr std::uint32_t kManyCrossings = 8;
+
+  void add_ring(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring,
+                const Partition& partition, Triangles& triangles) {
+    if (ring.size() > kSmallRing && triangulate_monotone(points, ring, triangles, execution_)) return;
+    // Not monotone after all: the loops touch or cross. Among many crossings there is no good triangulation
+    // to look for.
+    const bool hopeless = ring.size() > kSmallRing && partition.crossings > kManyCrossings;
+    given_up_ |= !clip_ears(points, ring, triangles, execution_,
+                            hopeless ? 4 * ring.size() : ear_patience(ring.size()));
+  }
+  void add_loop(std::span<const LatticePoint> points, std::span<const std::uint32_t> loop,
+                Triangles& triangles) {
+    std::vector<LatticePoint> own(loop.size());
+    for (std::size_t k = 0; k < loop.size(); ++k) own[k] = points[loop[k]];
+    const std::array<std::uint32_t, 2> begin{0, static_cast<std::uint32_t>(loop.size())};
+    Partition partition;
+    partition_monotone(own, begin, partition, execution_);
+    const std::size_t from = triangles.size();
+    for (std::size_t r = 0; r < partition.count(); ++r)
+      add_ring(own, partition.ring(r), partition, triangles);
+    for (std::size_t t = from; t < triangles.size(); ++t)
+      for (std::uint32_t& k : triangles[t]) k = loop[k];
+  }
+
+  const Execution& execution_;
+  bool given_up_ = false;
+};
 
 /// Lower than two lattice steps over its longest edge: the mark of loop points on a line that do not see the
 /// inside.
@@ -125,67 +159,54 @@ __int128 turned_over(std::span<const LatticePoint> points, const Triangles& tria
   return sum;
 }
 
-/// What triangulate() does of loops without repeated corners; `ring(points, ring, is_loop, triangles)`
-/// triangulates one ring (one that is a whole loop may be large and not monotone).
+/// What triangulate() does of loops without repeated corners; `ring(points, ring, partition, triangles)`
+/// triangulates one ring (without a partition: a whole loop, which may be large and not monotone).
 template <class Ring>
 void triangulate_loops(std::span<const LatticePoint> points, std::span<const std::uint32_t> loop_begin,
-                       const Ring& ring, Triangulation& out) {
+                       const Execution& execution, const Ring& ring, Triangulation& out) {
   out.clear();
+  Pacer pacer(execution);
   const auto loops = static_cast<std::uint32_t>(loop_begin.size() - 1);
   bool holes = false;
-  for (std::uint32_t l = 0; l < loops && loops > 1; ++l)
+  for (std::uint32_t l = 0; l < loops && loops > 1; ++l) {
+    pacer.step(loop_begin[l + 1] - loop_begin[l]);
     holes |= orientation(points, loop_begin[l], loop_begin[l + 1]) < 0;
+  }
   if (!holes) {  // every loop is a region of its own
     std::vector<std::uint32_t> loop;
     for (std::uint32_t l = 0; l < loops; ++l) {
       loop.resize(loop_begin[l + 1] - loop_begin[l]);
+      pacer.step(loop.size());
       std::iota(loop.begin(), loop.end(), loop_begin[l]);
-      ring(points, std::span<const std::uint32_t>(loop), true, out.triangles);
+      ring(points, std::span<const std::uint32_t>(loop), nullptr, out.triangles);
       out.region.resize(out.triangles.size(), out.regions++);
     }
     return;
   }
   Partition partition;
-  partition_monotone(points, loop_begin, partition);
+  partition_monotone(points, loop_begin, partition, execution);
   out.unnested_loops = static_cast<std::uint32_t>(partition.unnested.size());
   // Rings of one region become consecutive; regions are numbered by their first ring.
   std::vector<std::uint32_t> number(loops, 0xffffffffu);
-  for (std::size_t r = 0; r + 1 < partition.ring_begin.size(); ++r) {
+  for (std::size_t r = 0; r < partition.count(); ++r) {
+    pacer.step();
     std::uint32_t& region = number[partition.ring_loop[r]];
     if (region == 0xffffffffu) region = out.regions++;
-    ring(points,
-         std::span<const std::uint32_t>(partition.ring_points.data() + partition.ring_begin[r],
-                                        partition.ring_begin[r + 1] - partition.ring_begin[r]),
-         false, out.triangles);
+    ring(points, partition.ring(r), &partition, out.triangles);
     out.region.resize(out.triangles.size(), region);
   }
-}
-
-void triangulate_simple(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring,
-                        bool is_loop, Triangles& triangles) {
-  if (!is_loop)
-    triangulate_ring(points, ring, triangles);
-  else if (ring.size() <= kSmallRing || is_convex(points, ring))
-    clip_ears(points, ring, triangles);
-  else
-    triangulate_loop(points, ring, triangles);
-}
-
-void triangulate_divided(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring,
-                         bool is_loop, Triangles& triangles) {
-  std::vector<std::vector<std::uint32_t>> rings;
-  divide_pinched_ring(points, ring, rings, triangles);
-  for (const auto& r : rings) triangulate_simple(points, r, is_loop, triangles);
 }
 
 /// The same of loops that pass places more than once: without repeated corners, and rings divided where they
 /// come back to a place.
 Triangulation triangulate_pinched(std::span<const LatticePoint> points,
-                                  std::span<const std::uint32_t> loop_begin) {
+                                  std::span<const std::uint32_t> loop_begin, const Execution& execution) {
+  Pacer pacer(execution);
   Triangles flat;
   std::vector<std::uint32_t> kept, begin{0}, loop;
   for (std::size_t l = 0; l + 1 < loop_begin.size(); ++l) {
     loop.resize(loop_begin[l + 1] - loop_begin[l]);
+    pacer.step(loop.size());
     std::iota(loop.begin(), loop.end(), loop_begin[l]);
     const std::vector<std::uint32_t> rest = leave_out_repeated(points, loop, flat);
     kept.insert(kept.end(), rest.begin(), rest.end());
@@ -194,7 +215,13 @@ Triangulation triangulate_pinched(std::span<const LatticePoint> points,
   std::vector<LatticePoint> places;
   for (const std::uint32_t k : kept) places.push_back(points[k]);
   Triangulation out;
-  triangulate_loops(places, begin, triangulate_divided, out);
+  RingTriangulator rings(execution);
+  triangulate_loops(
+      places, begin, execution,
+      [&](const auto& p, const auto& ring, const Partition* partition, Triangles& triangles) {
+        rings.add_divided(p, ring, partition, triangles);
+      },
+      out);
   std::vector<std::uint32_t> region_of(points.size(), 0xffffffffu);
   for (std::size_t t = 0; t < out.triangles.size(); ++t)
     for (std::uint32_t& k : out.triangles[t]) region_of[k = kept[k]] = out.region[t];
@@ -235,19 +262,26 @@ void divide_regions(std::size_t points, Triangulation& out) {
 }  // namespace
 
 void triangulate(std::span<const LatticePoint> points, std::span<const std::uint32_t> loop_begin,
-                 Triangulation& out) {
-  triangulate_loops(points, loop_begin, triangulate_simple, out);
+                 Triangulation& out, const Execution& execution) {
+  RingTriangulator rings(execution);
+  triangulate_loops(
+      points, loop_begin, execution,
+      [&](const auto& p, const auto& ring, const Partition* partition, Triangles& triangles) {
+        rings.add(p, ring, partition, triangles);
+      },
+      out);
   bool pinched = false;
-  if (const __int128 turned = turned_over(points, out.triangles); turned > 0) {
-    Triangulation other = triangulate_pinched(points, loop_begin);
+  // Where loops cross everywhere, nothing makes a difference.
+  if (const __int128 turned = turned_over(points, out.triangles); turned > 0 && !rings.given_up()) {
+    Triangulation other = triangulate_pinched(points, loop_begin, execution);
     pinched = turned_over(points, other.triangles) < turned;
     if (pinched) out = std::move(other);
   }
   if (pinched || out.regions + 1 < loop_begin.size()) divide_regions(points.size(), out);
   // Flips stay within a region: regions share no inner edge.
-  if (std::any_of(out.triangles.begin(), out.triangles.end(),
-                  [&](const auto& t) { return is_flat(points, t); }))
-    flip_to_delaunay(points, out.triangles);
+  if (!rings.given_up() && std::any_of(out.triangles.begin(), out.triangles.end(),
+                                       [&](const auto& t) { return is_flat(points, t); }))
+    flip_to_delaunay(points, out.triangles, execution);
 }
 
 }  // namespace fracture

@@ -14,6 +14,8 @@
 #include <span>
 #include <vector>
 
+#include "common/base/execution.hpp"
+
 namespace fracture {
 
 struct LatticePoint {
@@ -45,8 +47,10 @@ struct Triangulation {
 
 /// `loop_begin` has one entry per loop and a last one = points.size(). Outer loops run counter-clockwise,
 /// holes clockwise; a loop has at least 3 points (2-point loops, which enclose nothing, are allowed and give
-/// no triangle). Replaces the contents of `out`.
+/// no triangle). Replaces the contents of `out`. n log n, also for loops that cross themselves and each other
+/// everywhere: what is no monotone ring then is given triangles without regard to their shape. Throws
+/// Interrupted.
 void triangulate(std::span<const LatticePoint> points, std::span<const std::uint32_t> loop_begin,
-                 Triangulation& out);
+                 Triangulation& out, const Execution& execution = kUninterrupted);
 
 }  // namespace fracture
