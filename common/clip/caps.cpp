@@ -4,8 +4,10 @@
 #include <cmath>
 #include <string>
 
+#include "common/base/pacer.hpp"
 #include "common/base/stamped_map.hpp"
 #include "common/clip/triangulate.hpp"
+#include "common/clip/work_blocks.hpp"
 
 namespace fracture {
 namespace {
@@ -13,15 +15,17 @@ namespace {
 /// The boundary pieces of all facets, by facet: a facet is (lo, hi, part).
 std::vector<CapSegment> gather_segments(const Solid& solid, const VoronoiDiagram& diagram,
                                         const SurfaceCuts& cuts, const Winding& winding,
-                                        const std::vector<char>* of_interest) {
+                                        const Execution& execution, const std::vector<char>* of_interest) {
   // Counting sort by lo, then a stable sort of each cell's few facets: the order inside a facet is that of
   // gathering.
   const std::uint32_t sites = diagram.dual().site_count();
   std::vector<std::uint32_t> begin(sites + 1, 0);
+  Pacer pacer(execution);
   const auto each = [&](const auto& visit) {
     // Surface: the polygon of cell lo runs along the bisector one way, so the cap of cell lo runs the other
     // way.
-    for (const CutPolygon& p : cuts.polygons)
+    for (const CutPolygon& p : cuts.polygons) {
+      pacer.step(p.count);
       for (std::uint32_t k = 0; k < p.count; ++k) {
         const PolygonSide side = cuts.sides[p.first + k];
         if (is_mesh_edge(side) || side < p.cell) continue;
@@ -29,52 +33,96 @@ std::vector<CapSegment> gather_segments(const Solid& solid, const VoronoiDiagram
         const VertexId from = cuts.vertices[p.first + k], to = cuts.vertices[p.first + (k + 1) % p.count];
         visit(CapSegment{p.cell, side, to, from, 1, solid.part[p.triangle]});
       }
-    for (const CapSegment& s : winding.segments) visit(s);
+    }
+    for (const CapSegment& s : winding.segments) {
+      pacer.step();
+      visit(s);
+    }
   };
-  each([&](const CapSegment& s) { ++begin[s.lo + 1]; });
+  std::uint64_t count = 0;
+  each([&](const CapSegment& s) {
+    ++begin[s.lo + 1];
+    ++count;
+  });
+  execution.made(Product::kSegments, count - winding.segments.size());
+  if (count >= 0xffffffffu)
+    throw Interrupted(Error{ErrorCode::kTooComplex,
+                            "The caps have more than 2^32 boundary segments. Ask for fewer sites."});
   for (std::uint32_t s = 0; s < sites; ++s) begin[s + 1] += begin[s];
-  std::vector<CapSegment> sorted(begin[sites]);
+  std::vector<CapSegment> sorted(count);
   std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
   each([&](const CapSegment& s) { sorted[next[s.lo]++] = s; });
-  for (std::uint32_t s = 0; s < sites; ++s)
-    std::stable_sort(sorted.begin() + begin[s], sorted.begin() + begin[s + 1],
-                     [](const CapSegment& a, const CapSegment& b) {
-                       return a.hi != b.hi ? a.hi < b.hi : a.part < b.part;
-                     });
+  const WorkBlocks blocks(execution, sites, 400'000,
+                          [&](std::size_t s) { return 10 + 50 * (begin[s + 1] - begin[s]); });
+  parallel_for_blocks(execution, blocks, [&](std::size_t, std::size_t first, std::size_t last) {
+    Pacer own_pacer(execution);
+    for (std::size_t s = first; s < last; ++s)
+      std::stable_sort(sorted.begin() + begin[s], sorted.begin() + begin[s + 1],
+                       [&](const CapSegment& a, const CapSegment& b) {
+                         own_pacer.step();
+                         return a.hi != b.hi ? a.hi < b.hi : a.part < b.part;
+                       });
+  });
   return sorted;
 }
 
 /// Builds the caps of one facet after the other; keeps its buffers between them.
 class FacetBuilder {
  public:
-  FacetBuilder(const VoronoiDiagram& diagram, const VertexPositions& positions, Caps& out)
-      : diagram_(diagram), positions_(positions), out_(out) {}
+  FacetBuilder(const VoronoiDiagram& diagram, const VertexPositions& positions, const Execution& execution,
+               Caps& out)
+      : diagram_(diagram), positions_(positions), execution_(execution), pacer_(execution), out_(out) {}
 
   /// segments: all of one facet, in gathering order.
   void build(const CapSegment* first, const CapSegment* last) {
     chain(first, last);
+    count_triangles();
     project(first->lo, first->hi);
-    triangulate(points_, loop_begin_, triangulation_);
+    triangulate(points_, loop_begin_, triangulation_, execution_);
     out_.crossing += triangulation_.unnested_loops;
-
-    // Triangles by region (they come in runs, but a region may have several).
-    const auto& t = triangulation_;
-    for (std::uint32_t region = 0; region < t.regions; ++region) {
-      const auto first_triangle = static_cast<std::uint32_t>(out_.triangles.size());
-      for (std::size_t k = 0; k < t.triangles.size(); ++k)
-        if (t.region[k] == region)
-          out_.triangles.push_back(
-              {loop_[t.triangles[k][0]], loop_[t.triangles[k][1]], loop_[t.triangles[k][2]]});
-      const auto count = static_cast<std::uint32_t>(out_.triangles.size()) - first_triangle;
-      if (count > 0) out_.regions.push_back({first->lo, first->hi, first->part, first_triangle, count});
-    }
+    add_regions(*first);
+  }
+  /// Counts the triangles since it was last called; build() does so for many at a time.
+  void count_all_triangles() {
+    execution_.made(Product::kCapTriangles, uncounted_);
+    uncounted_ = 0;
   }
 
  private:
+  // The facet's triangles by region, in their order (counting sort).
+  void add_regions(const CapSegment& facet) {
+    const auto& t = triangulation_;
+    const auto base = static_cast<std::uint32_t>(out_.triangles.size());
+    region_begin_.assign(t.regions + 1, 0);
+    for (const std::uint32_t r : t.region) ++region_begin_[r + 1];
+    for (std::uint32_t r = 0; r < t.regions; ++r) {
+      region_begin_[r + 1] += region_begin_[r];
+      const std::uint32_t count = region_begin_[r + 1] - region_begin_[r];
+      if (count > 0) out_.regions.push_back({facet.lo, facet.hi, facet.part, base + region_begin_[r], count});
+    }
+    out_.triangles.resize(base + t.triangles.size());
+    pacer_.step(t.regions + t.triangles.size());
+    for (std::size_t k = 0; k < t.triangles.size(); ++k)
+      out_.triangles[base + region_begin_[t.region[k]]++] = {
+          loop_[t.triangles[k][0]], loop_[t.triangles[k][1]], loop_[t.triangles[k][2]]};
+  }
+
+  // About as many as the loops have points; before they are made.
+  void count_triangles() {
+    uncounted_ += loop_.size();
+    if (uncounted_ >= kCountedTogether) count_all_triangles();
+  }
+
   // Directed pieces into loops. A vertex has as many pieces leaving as arriving; more than one of each only
   // where the winding number is above one: then the k-th copy goes on with the k-th.
   void chain(const CapSegment* first, const CapSegment* last) {
     edges_.clear();
+    std::uint64_t copies = 0;
+    for (const CapSegment* s = first; s != last; ++s)
+      copies += static_cast<std::uint64_t>(std::abs(static_cast<std::int64_t>(s->multiplicity)));
+    const auto segments = static_cast<std::uint64_t>(last - first);
+    if (copies > segments) execution_.made(Product::kSegments, copies - segments);
+    pacer_.step(4 * copies);
     for (const CapSegment* s = first; s != last; ++s)
       for (std::int32_t copy = 0; copy < std::abs(s->multiplicity); ++copy)
         edges_.push_back(s->multiplicity > 0 ? Edge{s->from, s->to} : Edge{s->to, s->from});
@@ -102,9 +150,10 @@ class FacetBuilder {
   }
 
   std::uint32_t next_from(VertexId v, const CapSegment* facet) {
-    for (std::uint32_t e = leaving_.slot(v - positions_.first_constructed); e != kNoIndex;
-         e = edges_[e].other)
-      if (!edges_[e].used) return e;
+    // What is used stays so: the list of the vertex is cut down to what is not.
+    std::uint32_t& first = leaving_.slot(v - positions_.first_constructed);
+    while (first != kNoIndex && edges_[first].used) first = edges_[first].other;
+    if (first != kNoIndex) return first;
     throw InternalError("cap of cells " + std::to_string(facet->lo) + " and " + std::to_string(facet->hi) +
                         " is open at vertex " + std::to_string(v));
   }
@@ -131,14 +180,22 @@ class FacetBuilder {
   };
   const VoronoiDiagram& diagram_;
   const VertexPositions& positions_;
+  const Execution& execution_;
+  Pacer pacer_;
   Caps& out_;
+  static constexpr std::uint64_t kCountedTogether = 4096;
+  std::uint64_t uncounted_ = 0;  // triangles
   std::vector<Edge> edges_;
   StampedMap& leaving_ = worker_map();  // vertex -> its first edge
   std::vector<VertexId> loop_;
   std::vector<std::uint32_t> loop_begin_;
   std::vector<LatticePoint> points_;
   Triangulation triangulation_;
+  std::vector<std::uint32_t> region_begin_;
 };
+
+/// The two sides of a region have 31 bits of a face's source.
+constexpr std::size_t kMostRegions = std::size_t{1} << 30;
 
 bool same_facet(const CapSegment& a, const CapSegment& b) {
   return a.lo == b.lo && a.hi == b.hi && a.part == b.part;
@@ -149,23 +206,41 @@ bool same_facet(const CapSegment& a, const CapSegment& b) {
 Caps build_caps(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
                 const Winding& winding, const VertexPositions& positions, const Execution& execution,
                 const std::vector<char>* of_interest) {
-  const std::vector<CapSegment> segments = gather_segments(solid, diagram, cuts, winding, of_interest);
+  const std::vector<CapSegment> segments =
+      gather_segments(solid, diagram, cuts, winding, execution, of_interest);
+  Pacer pacer(execution);
   std::vector<std::uint32_t> facet_begin;
-  for (std::uint32_t s = 0; s < segments.size(); ++s)
+  for (std::uint32_t s = 0; s < segments.size(); ++s) {
+    pacer.step();
     if (s == 0 || !same_facet(segments[s - 1], segments[s])) facet_begin.push_back(s);
+  }
   const std::size_t facets = facet_begin.size();
   facet_begin.push_back(static_cast<std::uint32_t>(segments.size()));
 
-  constexpr std::size_t kBlock = 64;
-  std::vector<Caps> found((facets + kBlock - 1) / kBlock);
-  parallel_for(execution, facets, kBlock, [&](std::size_t begin, std::size_t end) {
-    FacetBuilder builder(diagram, positions, found[begin / kBlock]);
+  const WorkBlocks blocks(execution, facets, 200'000, [&](std::size_t f) {
+    return 200 + 100 * static_cast<std::uint64_t>(facet_begin[f + 1] - facet_begin[f]);
+  });
+  std::vector<Caps> found(blocks.count());
+  parallel_for_blocks(execution, blocks, [&](std::size_t block, std::size_t begin, std::size_t end) {
+    FacetBuilder builder(diagram, positions, execution, found[block]);
     for (std::size_t f = begin; f < end; ++f)
       builder.build(segments.data() + facet_begin[f], segments.data() + facet_begin[f + 1]);
+    builder.count_all_triangles();
   });
 
   Caps out;
+  std::size_t regions = 0, triangles = 0;
   for (const Caps& block : found) {
+    regions += block.regions.size();
+    triangles += block.triangles.size();
+  }
+  if (regions >= kMostRegions || triangles >= 0xffffffffu)
+    throw Interrupted(
+        Error{ErrorCode::kTooComplex, "The cuts have more than 2^30 pieces. Ask for fewer sites."});
+  out.regions.reserve(regions);
+  out.triangles.reserve(triangles);
+  for (const Caps& block : found) {
+    pacer.step(block.regions.size() + block.triangles.size());
     const auto base = static_cast<std::uint32_t>(out.triangles.size());
     for (CapRegion r : block.regions) {
       r.first_triangle += base;
