@@ -1,152 +1,99 @@
 #include "common/clip/winding.hpp"
 
 #include <algorithm>
-#include <array>
-#include <numeric>
 #include <string>
 
-#include "common/exact/side.hpp"
+#include "common/base/pacer.hpp"
+#include "common/clip/crossing_table.hpp"
+#include "common/clip/work_blocks.hpp"
 
 namespace fracture {
 namespace {
 
-/// Where the surface crosses a Voronoi edge: C vertices in order along the direction (j - i) x (k - i), i < j
-/// < k.
-struct Crossing {
-  std::uint32_t cut;  ///< index into SurfaceCuts::triangle_cuts
-  int step;           ///< change of w in that direction: +1 enters, -1 leaves
+using clip_detail::CrossedEdge;
+using clip_detail::Crossing;
+using clip_detail::CrossingTable;
+using clip_detail::LayerCrossings;
+using clip_detail::outward_facet;
+
+constexpr std::uint32_t kNone = 0xffffffffu;
+
+/// A layer whose winding number at a place is not 0.
+struct Inside {
+  std::uint32_t layer;
+  std::int32_t winding;
+  std::uint32_t part;
 };
 
-/// The crossings of one Voronoi edge by one layer.
-struct CrossedEdge {
-  std::uint32_t first, count;  ///< range of the sorted crossings
-  TetId tet;                   ///< one of its two ends ...
-  int face;                    ///< ... and the facet of it that is dual to the edge
-  bool forward;                ///< the crossings' direction leads out of `tet` through `face`
-  int jump;                    ///< sum of steps
-};
-
-exact::Triangle corners(const Solid& solid, std::uint32_t t) {
-  const auto& v = solid.triangles[t];
-  return {to_double(solid.positions[v[0]]), to_double(solid.positions[v[1]]),
-          to_double(solid.positions[v[2]])};
-}
-
-/// Sites of the facet opposite vertex `face`, counter-clockwise seen from outside a positive tetrahedron.
-std::array<SiteId, 3> outward_facet(const Tetrahedron& t, int face) {
-  constexpr int kFacet[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
-  return {t.v[kFacet[face][0]], t.v[kFacet[face][1]], t.v[kFacet[face][2]]};
-}
-
-/// True when (a, b, c) is a rotation of its ascending order.
-bool is_even(const std::array<SiteId, 3>& s) { return (s[0] < s[1]) == ((s[1] < s[2]) == (s[0] < s[2])); }
-
-/// All crossings, by Voronoi edge and layer, in order along each edge.
-class CrossingTable {
+/// w of all layers at all Voronoi vertices, sparsely: a vertex has a *state*, the layers inside of which it
+/// lies, ascending. Neighbours without a crossing between them share it. So a traversal costs what there is
+/// inside, not layers x tetrahedra.
+class States {
  public:
-  /// `of_interest` (per site; null: all): Voronoi edges of other cells alone are left out.
-  CrossingTable(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
-                const std::vector<char>* of_interest) {
-    const auto& table = cuts.triangle_cuts;
-    std::vector<std::uint32_t> order(table.size());
-    std::iota(order.begin(), order.end(), 0u);
-    if (of_interest)
-      std::erase_if(order, [&](std::uint32_t c) {
-        const auto& s = table[c].sites;
-        return !(*of_interest)[s[0]] && !(*of_interest)[s[1]] && !(*of_interest)[s[2]];
-      });
-    const auto layer_of = [&](std::uint32_t c) { return solid.parts[solid.part[table[c].triangle]].layer; };
-    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-      if (const auto la = layer_of(a), lb = layer_of(b); la != lb) return la < lb;
-      if (table[a].sites != table[b].sites) return table[a].sites < table[b].sites;
-      return a < b;
-    });
-    layer_begin_.assign(solid.layers + 1, 0);
-    for (std::size_t n = 0; n < order.size();) {
-      const auto& sites = table[order[n]].sites;
-      const std::uint32_t layer = layer_of(order[n]);
-      std::size_t end = n + 1;
-      while (end < order.size() && table[order[end]].sites == sites && layer_of(order[end]) == layer) ++end;
-      add_edge(solid, diagram, cuts, sites, layer, order.begin() + static_cast<std::ptrdiff_t>(n),
-               order.begin() + static_cast<std::ptrdiff_t>(end));
-      n = end;
-    }
-    for (std::uint32_t l = 0; l < solid.layers; ++l) layer_begin_[l + 1] += layer_begin_[l];
-  }
+  static constexpr std::uint32_t kOutside = 0;
+  static constexpr std::uint32_t kUnknown = kNone;
 
-  std::uint32_t begin(std::uint32_t layer) const { return layer_begin_[layer]; }
-  std::uint32_t end(std::uint32_t layer) const { return layer_begin_[layer + 1]; }
-  const CrossedEdge& edge(std::uint32_t e) const { return edges_[e]; }
-  const Crossing& crossing(std::uint32_t c) const { return crossings_[c]; }
+  explicit States(std::size_t tets) : of_tet_(tets, kUnknown) {}
+
+  bool is_known(TetId t) const { return of_tet_[t] != kUnknown; }
+  std::uint32_t of(TetId t) const { return of_tet_[t]; }
+  void set(TetId t, std::uint32_t state) { of_tet_[t] = state; }
+  std::span<const Inside> layers(std::uint32_t state) const {
+    return {pool_.data() + begin_[state], begin_[state + 1] - begin_[state]};
+  }
+  std::span<const Inside> at(TetId t) const { return layers(of_tet_[t]); }
+  std::uint32_t add(std::span<const Inside> layers) {
+    if (layers.empty()) return kOutside;
+    pool_.insert(pool_.end(), layers.begin(), layers.end());
+    begin_.push_back(pool_.size());
+    return static_cast<std::uint32_t>(begin_.size() - 2);
+  }
 
  private:
-  template <class Iterator>
-  void add_edge(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
-                const std::array<SiteId, 3>& sites, std::uint32_t layer, Iterator begin, Iterator end) {
-    const Vec3d &i = diagram.site(sites[0]), &j = diagram.site(sites[1]), &k = diagram.site(sites[2]);
-    std::sort(begin, end, [&](std::uint32_t a, std::uint32_t b) {
-      const std::uint32_t ta = cuts.triangle_cuts[a].triangle, tb = cuts.triangle_cuts[b].triangle;
-      if (const int s = exact::order_on_edge(i, j, k, corners(solid, ta), corners(solid, tb))) return s < 0;
-      return ta < tb;
-    });
-    const VoronoiDiagram::Facet facet = diagram.find_facet(sites[0], sites[1], sites[2]);
-    CrossedEdge edge{static_cast<std::uint32_t>(crossings_.size()),
-                     static_cast<std::uint32_t>(end - begin),
-                     facet.tet,
-                     facet.face,
-                     is_even(outward_facet(diagram.dual().tets[facet.tet], facet.face)),
-                     0};
-    for (Iterator c = begin; c != end; ++c) {
-      const exact::Triangle t = corners(solid, cuts.triangle_cuts[*c].triangle);
-      const int sign = exact::crossing_sign(t.a, t.b, t.c, i, j, k);
-      crossings_.push_back({*c, -sign});
-      edge.jump -= sign;
-    }
-    edges_.push_back(edge);
-    ++layer_begin_[layer + 1];
-  }
-
-  std::vector<Crossing> crossings_;
-  std::vector<CrossedEdge> edges_;
-  std::vector<std::uint32_t> layer_begin_;
+  std::vector<std::uint32_t> of_tet_;
+  std::vector<Inside> pool_;
+  std::vector<std::size_t> begin_{0, 0};  // per state: its range of the pool; the first is the empty one
 };
 
-/// One layer: w at every Voronoi vertex, then the intervals with w != 0.
-class LayerTraversal {
+class WindingTraversal {
  public:
-  LayerTraversal(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
-                 const CrossingTable& table, std::uint32_t layer, const WindingBefore* before, Winding& out)
+  WindingTraversal(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
+                   const WindingBefore* before, const Execution& execution)
       : solid_(solid),
         tets_(diagram.dual().tets),
         dual_(diagram.dual()),
         cuts_(cuts),
-        table_(table),
-        layer_(layer),
         before_(before),
-        out_(out) {
+        execution_(execution),
+        pacer_(execution),
+        table_(clip_detail::find_crossings(solid, diagram, cuts, before ? &before->of_interest : nullptr,
+                                           execution)),
+        states_(tets_.size()) {
     crossed_.assign(4 * tets_.size(), kNone);
-    for (std::uint32_t e = table.begin(layer); e < table.end(layer); ++e) {
-      const CrossedEdge& edge = table.edge(e);
-      crossed_[4 * edge.tet + static_cast<std::uint32_t>(edge.face)] = e;
+    for (std::uint32_t e = 0; e < table_.edges.size(); ++e) {
+      pacer_.step(2);
+      const CrossedEdge& edge = table_.edges[e];
+      crossed_[4 * static_cast<std::size_t>(edge.tet) + static_cast<std::size_t>(edge.face)] = e;
       const TetId other = tets_[edge.tet].n[edge.face];
-      crossed_[4 * other + static_cast<std::uint32_t>(back_face(other, edge.tet))] = e;
+      crossed_[4 * static_cast<std::size_t>(other) + back_face(other, edge.tet)] = e;
     }
   }
 
-  void run() {
+  Winding run() {
     wind();
     name_inner_vertices();
     emit_intervals();
+    return std::move(out_);
   }
 
  private:
-  static constexpr std::uint32_t kNone = 0xffffffffu;
-  static constexpr std::int32_t kUnknown = INT32_MIN;
-
-  int back_face(TetId t, TetId neighbor) const {
-    for (int f = 0; f < 4; ++f)
+  std::size_t back_face(TetId t, TetId neighbor) const {
+    for (std::size_t f = 0; f < 4; ++f)
       if (tets_[t].n[f] == neighbor) return f;
     throw InternalError("adjacency of tetrahedra is not symmetric");
+  }
+  std::uint32_t crossed(TetId t, int f) const {
+    return crossed_[4 * static_cast<std::size_t>(t) + static_cast<std::size_t>(f)];
   }
   bool leads_out_of(const CrossedEdge& edge, TetId t) const { return (edge.tet == t) == edge.forward; }
 
@@ -161,96 +108,230 @@ class LayerTraversal {
     const std::array<SiteId, 3> s = outward_facet(tets_[t], f);
     return matters(s[0]) || matters(s[1]) || matters(s[2]);
   }
+  std::uint32_t part_at(std::uint32_t crossing) const {
+    return solid_.part[cuts_.triangle_cuts[table_.crossings[crossing].cut].triangle];
+  }
+
+  // -- w at every Voronoi vertex
 
   void wind() {
-    w_.assign(tets_.size(), kUnknown);
-    part_.assign(tets_.size(), kNone);
     std::vector<TetId> queue;
-    const auto known = [&](TetId t, std::int32_t w, std::uint32_t part) {
-      w_[t] = w;
-      part_[t] = part;
-      queue.push_back(t);
-    };
-    if (before_) {
-      for (const TetId t : before_->tet_now)
-        if (t != kNoTet && tet_matters(t)) w_[t] = 0;
-      for (const InnerVertex& v : before_->inner_vertices) {
-        const TetId t = before_->tet_now[v.tet];
-        if (t == kNoTet || w_[t] == kUnknown || solid_.parts[v.part].layer != layer_) continue;
-        w_[t] = v.winding;
-        part_[t] = v.part;
+    if (before_) start_from_before(queue);
+    for (TetId t = 0; t < tets_.size(); ++t) {
+      pacer_.step();
+      if (!states_.is_known(t) && tet_matters(t) &&
+          std::any_of(tets_[t].v.begin(), tets_[t].v.end(), [&](SiteId s) { return dual_.is_corner(s); })) {
+        states_.set(t, States::kOutside);
+        queue.push_back(t);
       }
-      for (TetId t = 0; t < tets_.size(); ++t)
-        if (w_[t] != kUnknown) queue.push_back(t);
     }
-    for (TetId t = 0; t < tets_.size(); ++t)
-      if (w_[t] == kUnknown && tet_matters(t) &&
-          std::any_of(tets_[t].v.begin(), tets_[t].v.end(), [&](SiteId s) { return dual_.is_corner(s); }))
-        known(t, 0, kNone);
     for (std::size_t n = 0; n < queue.size(); ++n) {
       const TetId t = queue[n];
+      pacer_.step(4);
       for (int f = 0; f < 4; ++f) {
         const TetId u = tets_[t].n[f];
         if (u == kNoTet || !edge_matters(t, f)) continue;
-        const std::uint32_t e = crossed_[4 * t + static_cast<std::uint32_t>(f)];
-        std::int32_t w = w_[t];
-        std::uint32_t part = part_[t];
-        if (e != kNone) {
-          const CrossedEdge& edge = table_.edge(e);
-          const bool out = leads_out_of(edge, t);
-          w += out ? edge.jump : -edge.jump;
-          part = part_at(out ? edge.first + edge.count - 1 : edge.first);
+        const std::uint32_t e = crossed(t, f);
+        if (e == kNone) {
+          if (!states_.is_known(u)) {
+            states_.set(u, states_.of(t));
+            queue.push_back(u);
+          } else if (states_.of(u) != states_.of(t)) {
+            expect_equal(states_.at(t), u);
+          }
+          continue;
         }
-        if (w_[u] == kUnknown) {
-          w_[u] = w;
-          part_[u] = w != 0 ? part : kNone;
+        cross(states_.at(t), table_.edges[e], leads_out_of(table_.edges[e], t));
+        if (!states_.is_known(u)) {
+          states_.set(u, states_.add(beyond_));
           queue.push_back(u);
-        } else if (w_[u] != w) {
-          throw InternalError("winding number differs between two ways to Voronoi vertex " +
-                              std::to_string(u) + ": " + std::to_string(w_[u]) + " and " + std::to_string(w));
+        } else {
+          expect_equal(beyond_, u);
         }
       }
     }
   }
 
-  std::uint32_t part_at(std::uint32_t crossing) const {
-    return solid_.part[cuts_.triangle_cuts[table_.crossing(crossing).cut].triangle];
+  void start_from_before(std::vector<TetId>& queue) {
+    for (const TetId t : before_->tet_now) {
+      pacer_.step();
+      if (t == kNoTet || !tet_matters(t)) continue;
+      states_.set(t, States::kOutside);
+      queue.push_back(t);
+    }
+    struct Known {
+      TetId tet;
+      Inside inside;
+    };
+    std::vector<Known> known;
+    for (const InnerVertex& v : before_->inner_vertices) {
+      pacer_.step();
+      const TetId t = before_->tet_now[v.tet];
+      if (t != kNoTet && states_.is_known(t))
+        known.push_back({t, {solid_.parts[v.part].layer, v.winding, v.part}});
+    }
+    sort_with_polls(execution_, known.begin(), known.end(), [](const Known& x, const Known& y) {
+      return x.tet != y.tet ? x.tet < y.tet : x.inside.layer < y.inside.layer;
+    });
+    for (std::size_t k = 0; k < known.size();) {
+      const TetId t = known[k].tet;
+      beyond_.clear();
+      for (; k < known.size() && known[k].tet == t; ++k) beyond_.push_back(known[k].inside);
+      states_.set(t, states_.add(beyond_));
+    }
   }
+
+  /// The state behind the edge's crossings, into beyond_.
+  void cross(std::span<const Inside> from, const CrossedEdge& edge, bool out) {
+    beyond_.clear();
+    const std::span<const LayerCrossings> crossings = table_.layers_of(edge);
+    pacer_.step(from.size() + crossings.size());
+    std::size_t k = 0;
+    for (const LayerCrossings& c : crossings) {
+      for (; k < from.size() && from[k].layer < c.layer; ++k) beyond_.push_back(from[k]);
+      std::int32_t w = out ? c.jump : -c.jump;
+      if (k < from.size() && from[k].layer == c.layer) w += from[k++].winding;
+      if (w != 0) beyond_.push_back({c.layer, w, part_at(out ? c.first + c.count - 1 : c.first)});
+    }
+    beyond_.insert(beyond_.end(), from.begin() + static_cast<std::ptrdiff_t>(k), from.end());
+  }
+
+  void expect_equal(std::span<const Inside> expected, TetId u) {
+    const std::span<const Inside> found = states_.at(u);
+    pacer_.step(found.size());
+    const auto same = [](const Inside& x, const Inside& y) {
+      return x.layer == y.layer && x.winding == y.winding;
+    };
+    if (std::equal(expected.begin(), expected.end(), found.begin(), found.end(), same)) return;
+    const auto text = [](std::span<const Inside> state) {
+      std::string words;
+      for (const Inside& i : state)
+        words +=
+            (words.empty() ? "" : ", ") + std::to_string(i.winding) + " of layer " + std::to_string(i.layer);
+      return words.empty() ? std::string("0") : words;
+    };
+    throw InternalError("winding number differs between two ways to Voronoi vertex " + std::to_string(u) +
+                        ": " + text(found) + " and " + text(expected));
+  }
+
+  // -- D vertices, by layer, then tetrahedron
 
   void name_inner_vertices() {
-    name_.assign(tets_.size(), kNone);
-    for (TetId t = 0; t < tets_.size(); ++t)
-      if (w_[t] != 0 && w_[t] != kUnknown) {
-        name_[t] = cuts_.first_d() + static_cast<VertexId>(out_.inner_vertices.size());
-        out_.inner_vertices.push_back({t, part_[t], w_[t]});
+    std::vector<std::size_t> next(solid_.layers + 1, 0);
+    name_begin_.assign(tets_.size() + 1, 0);
+    for (TetId t = 0; t < tets_.size(); ++t) {
+      pacer_.step();
+      name_begin_[t + 1] = name_begin_[t];
+      if (!states_.is_known(t)) continue;
+      for (const Inside& i : states_.at(t)) {
+        ++next[i.layer + 1];
+        ++name_begin_[t + 1];
       }
+    }
+    const std::size_t count = name_begin_.back();
+    if (cuts_.first_d() + count >= 0x80000000u)
+      throw Interrupted(
+          Error{ErrorCode::kTooComplex, "The cuts have more than 2^31 vertices. Ask for fewer sites."});
+    for (std::uint32_t l = 0; l < solid_.layers; ++l) next[l + 1] += next[l];
+    names_.resize(count);
+    out_.inner_vertices.resize(count);
+    for (TetId t = 0; t < tets_.size(); ++t) {
+      pacer_.step();
+      if (!states_.is_known(t)) continue;
+      VertexId* name = names_.data() + name_begin_[t];
+      for (const Inside& i : states_.at(t)) {
+        const std::size_t n = next[i.layer]++;
+        out_.inner_vertices[n] = {t, i.part, i.winding};
+        *name++ = cuts_.first_d() + static_cast<VertexId>(n);
+      }
+    }
   }
 
+  // -- the intervals with w != 0
+
   void emit_intervals() {
-    for (TetId t = 0; t < tets_.size(); ++t)
-      for (int f = 0; f < 4; ++f) {
-        const TetId u = tets_[t].n[f];
-        if (u == kNoTet || u < t || !edge_matters(t, f)) continue;
-        const std::uint32_t e = crossed_[4 * t + static_cast<std::uint32_t>(f)];
-        if (e == kNone) {
-          if (w_[t] != 0) emit(t, f, name_[t], name_[u], w_[t], part_[t]);
-          continue;
-        }
-        // From t's Voronoi vertex to u's, crossing by crossing.
-        const CrossedEdge& edge = table_.edge(e);
-        const bool out = leads_out_of(edge, t);
-        VertexId from = name_[t];
-        std::int32_t w = w_[t];
-        for (std::uint32_t n = 0; n < edge.count; ++n) {
-          const std::uint32_t c = out ? edge.first + n : edge.first + edge.count - 1 - n;
-          const Crossing& crossing = table_.crossing(c);
-          const VertexId to = cuts_.first_c() + crossing.cut;
-          if (w != 0) emit(t, f, from, to, w, part_at(c));
-          w += out ? crossing.step : -crossing.step;
-          from = to;
-        }
-        if (w != 0) emit(t, f, from, name_[u], w, part_[u]);
+    const WorkBlocks blocks(execution_, tets_.size(), 400'000, [&](std::size_t t) {
+      return 20 +
+             (states_.is_known(static_cast<TetId>(t)) ? 100 * states_.at(static_cast<TetId>(t)).size() : 0);
+    });
+    std::vector<std::vector<CapSegment>> found(blocks.count());
+    parallel_for_blocks(execution_, blocks, [&](std::size_t block, std::size_t begin, std::size_t end) {
+      Pacer pacer(execution_);
+      std::size_t counted = 0;
+      std::vector<CapSegment>& segments = found[block];
+      for (auto t = static_cast<TetId>(begin); t < end; ++t) {
+        if (!states_.is_known(t)) continue;
+        const std::size_t before = segments.size();
+        for (int f = 0; f < 4; ++f) emit_edge(t, f, segments);
+        pacer.step(2 + segments.size() - before);
+        if (segments.size() - counted < kCountedTogether) continue;
+        execution_.made(Product::kSegments, segments.size() - counted);
+        counted = segments.size();
       }
+      execution_.made(Product::kSegments, segments.size() - counted);
+    });
+    join(found);
+  }
+
+  // In order of the layers, whose parts are disjoint; within a layer in the order of the tetrahedra.
+  void join(const std::vector<std::vector<CapSegment>>& found) {
+    const auto layer_of = [&](const CapSegment& s) { return solid_.parts[s.part].layer; };
+    std::vector<std::size_t> next(solid_.layers + 1, 0);
+    for (const auto& segments : found) {
+      pacer_.step(segments.size());
+      for (const CapSegment& s : segments) ++next[layer_of(s) + 1];
+    }
+    for (std::uint32_t l = 0; l < solid_.layers; ++l) next[l + 1] += next[l];
+    out_.segments.resize(next.back());
+    for (const auto& segments : found) {
+      pacer_.step(segments.size());
+      for (const CapSegment& s : segments) out_.segments[next[layer_of(s)]++] = s;
+    }
+  }
+
+  /// All layers' intervals of the Voronoi edge through facet f of t, seen from its lower end.
+  void emit_edge(TetId t, int f, std::vector<CapSegment>& out) const {
+    const TetId u = tets_[t].n[f];
+    if (u == kNoTet || u < t || !edge_matters(t, f)) return;
+    if (!states_.is_known(u)) throw InternalError("Voronoi vertex " + std::to_string(u) + " was not reached");
+    const std::span<const Inside> here = states_.at(t), there = states_.at(u);
+    const VertexId *name_here = names_.data() + name_begin_[t], *name_there = names_.data() + name_begin_[u];
+    const std::uint32_t e = crossed(t, f);
+    if (e == kNone) {
+      for (std::size_t k = 0; k < here.size(); ++k)
+        emit(t, f, name_here[k], name_there[k], here[k].winding, here[k].part, out);
+      return;
+    }
+    const CrossedEdge& edge = table_.edges[e];
+    const bool forward = leads_out_of(edge, t);
+    std::size_t k = 0, m = 0;
+    const auto pass_until = [&](std::uint32_t layer) {
+      for (; k < here.size() && here[k].layer < layer; ++k, ++m)
+        emit(t, f, name_here[k], name_there[m], here[k].winding, here[k].part, out);
+    };
+    for (const LayerCrossings& layer : table_.layers_of(edge)) {
+      pass_until(layer.layer);
+      // From t's Voronoi vertex to u's, crossing by crossing.
+      VertexId from = kNone;
+      std::int32_t w = 0;
+      if (k < here.size() && here[k].layer == layer.layer) {
+        from = name_here[k];
+        w = here[k++].winding;
+      }
+      for (std::uint32_t n = 0; n < layer.count; ++n) {
+        const std::uint32_t c = forward ? layer.first + n : layer.first + layer.count - 1 - n;
+        const Crossing& crossing = table_.crossings[c];
+        const VertexId to = cuts_.first_c() + crossing.cut;
+        if (w != 0) emit(t, f, from, to, w, part_at(c), out);
+        w += forward ? crossing.step : -crossing.step;
+        from = to;
+      }
+      if (w != 0) {
+        emit(t, f, from, name_there[m], w, there[m].part, out);
+        ++m;
+      }
+    }
+    pass_until(kNone);
   }
 
   // An interval directed out of tetrahedron t through facet f = (a, b, c), counter-clockwise about that
@@ -262,53 +343,48 @@ class LayerTraversal {
   //           \ /                   the interior lies on the left of the edge seen from the tip of n
   //        b --+-- c
   //          (b,c)
-  void emit(TetId t, int f, VertexId from, VertexId to, std::int32_t w, std::uint32_t part) {
+  void emit(TetId t, int f, VertexId from, VertexId to, std::int32_t w, std::uint32_t part,
+            std::vector<CapSegment>& out) const {
     const std::array<SiteId, 3> s = outward_facet(tets_[t], f);
     for (int k = 0; k < 3; ++k) {
       const SiteId a = s[k], b = s[(k + 1) % 3];
       if (!matters(a) && !matters(b)) continue;
       if (a < b)
-        out_.segments.push_back({a, b, from, to, w, part});
+        out.push_back({a, b, from, to, w, part});
       else
-        out_.segments.push_back({b, a, to, from, w, part});
+        out.push_back({b, a, to, from, w, part});
     }
   }
+
+  static constexpr std::size_t kCountedTogether = 4096;
 
   const Solid& solid_;
   const std::vector<Tetrahedron>& tets_;
   const Tetrahedralization& dual_;
   const SurfaceCuts& cuts_;
-  const CrossingTable& table_;
-  const std::uint32_t layer_;
   const WindingBefore* const before_;
-  Winding& out_;
+  const Execution& execution_;
+  Pacer pacer_;
+  const CrossingTable table_;
   std::vector<std::uint32_t> crossed_;  // per facet of each tetrahedron: index of its CrossedEdge
-  std::vector<std::int32_t> w_;
-  std::vector<std::uint32_t> part_;
-  std::vector<VertexId> name_;
+  States states_;
+  std::vector<Inside> beyond_;
+  std::vector<std::size_t>
+      name_begin_;  // per tetrahedron: its range of names_, one for each layer of its state
+  std::vector<VertexId> names_;
+  Winding out_;
 };
-
-Winding wind(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
-             const WindingBefore* before, const Execution& execution) {
-  Winding out;
-  const CrossingTable table(solid, diagram, cuts, before ? &before->of_interest : nullptr);
-  for (std::uint32_t layer = 0; layer < solid.layers; ++layer) {
-    execution.poll();
-    LayerTraversal(solid, diagram, cuts, table, layer, before, out).run();
-  }
-  return out;
-}
 
 }  // namespace
 
 Winding wind_voronoi_edges(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
                            const Execution& execution) {
-  return wind(solid, diagram, cuts, nullptr, execution);
+  return WindingTraversal(solid, diagram, cuts, nullptr, execution).run();
 }
 
 Winding wind_voronoi_edges_again(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
                                  const WindingBefore& before, const Execution& execution) {
-  return wind(solid, diagram, cuts, &before, execution);
+  return WindingTraversal(solid, diagram, cuts, &before, execution).run();
 }
 
 }  // namespace fracture

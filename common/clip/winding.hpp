@@ -5,8 +5,9 @@
 // back to the same w: if not, the surface was not closed, and that is an internal error with ids (invariant
 // I1's exact test).
 //
-// Layers (solid.hpp) are treated one by one: a Voronoi vertex that lies inside two overlapping parts is two D
-// vertices.
+// Each layer (solid.hpp) has a winding number of its own: a Voronoi vertex that lies inside two overlapping
+// parts is two D vertices. One traversal finds all of them, at the cost of the tetrahedra, the crossings and
+// what is inside, however many layers there are.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +35,8 @@ struct InnerVertex {
 };
 
 struct Winding {
-  std::vector<InnerVertex> inner_vertices;  ///< the D vertices: ids from SurfaceCuts::first_d() on
+  /// The D vertices: ids from SurfaceCuts::first_d() on. By layer, then tetrahedron.
+  std::vector<InnerVertex> inner_vertices;
   std::vector<CapSegment> segments;  ///< pieces of Voronoi edges inside the solid, each for its three facets
 };
 

@@ -1,0 +1,53 @@
+// Where the surface crosses the Voronoi edges: C vertices in order along each. Private to winding.cpp.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/clip/surface_cuts.hpp"
+
+namespace fracture::clip_detail {
+
+/// A C vertex on a Voronoi edge directed by (j - i) x (k - i), i < j < k.
+struct Crossing {
+  std::uint32_t cut;  ///< index into SurfaceCuts::triangle_cuts
+  int step;           ///< change of w in that direction: +1 enters, -1 leaves
+};
+
+/// The crossings of one Voronoi edge by one layer, in order.
+struct LayerCrossings {
+  std::uint32_t layer;
+  std::uint32_t first, count;  ///< range of the crossings
+  std::int32_t jump;           ///< sum of steps
+};
+
+struct CrossedEdge {
+  std::uint32_t first, count;  ///< its layers, ascending
+  TetId tet;                   ///< one of its two ends ...
+  int face;                    ///< ... and the facet of it that is dual to the edge
+  bool forward;                ///< the crossings' direction leads out of `tet` through `face`
+};
+
+struct CrossingTable {
+  std::vector<CrossedEdge> edges;
+  std::vector<LayerCrossings> layers;
+  std::vector<Crossing> crossings;
+
+  std::span<const LayerCrossings> layers_of(const CrossedEdge& e) const {
+    return {layers.data() + e.first, e.count};
+  }
+};
+
+/// Sites of the facet opposite vertex `face`, counter-clockwise seen from outside a positive tetrahedron.
+inline std::array<SiteId, 3> outward_facet(const Tetrahedron& t, int face) {
+  constexpr int kFacet[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+  return {t.v[kFacet[face][0]], t.v[kFacet[face][1]], t.v[kFacet[face][2]]};
+}
+
+/// `of_interest` (per site; null: all): Voronoi edges of other cells alone are left out. Throws Interrupted.
+CrossingTable find_crossings(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
+                             const std::vector<char>* of_interest, const Execution& execution);
+
+}  // namespace fracture::clip_detail
