@@ -4,10 +4,14 @@
 #include <cmath>
 #include <string>
 
+#include "common/base/pacer.hpp"
+
 namespace fracture {
 
 void Outline::triangulate_into(std::uint32_t t, std::vector<Face>& out) {
-  std::sort(sides_.begin(), sides_.end(), [](const Side& a, const Side& b) { return a.from < b.from; });
+  sort_with_polls(execution_, sides_.begin(), sides_.end(),
+                  [](const Side& a, const Side& b) { return a.from < b.from; });
+  Pacer pacer(execution_);
   loop_.clear();
   loop_begin_.assign(1, 0);
   for (std::size_t start = 0; start < sides_.size(); ++start) {
@@ -16,6 +20,7 @@ void Outline::triangulate_into(std::uint32_t t, std::vector<Face>& out) {
     for (std::size_t s = start; !sides_[s].used; s = leaving(sides_[s].to, t)) {
       sides_[s].used = true;
       ring_.push_back(sides_[s].from);
+      pacer.step();
     }
     const std::size_t n = ring_.size(), loop_start = loop_.size();
     for (std::size_t k = 0; k < n; ++k)
@@ -31,7 +36,7 @@ void Outline::triangulate_into(std::uint32_t t, std::vector<Face>& out) {
     return;
   }
   project(t);
-  triangulate(points_, loop_begin_, triangulation_);
+  triangulate(points_, loop_begin_, triangulation_, execution_);
   for (const auto& k : triangulation_.triangles) out.push_back({{loop_[k[0]], loop_[k[1]], loop_[k[2]]}, t});
 }
 

@@ -13,7 +13,9 @@ namespace fracture {
 /// Fuses within one triangle after the other; keeps its buffers between them.
 class Outline {
  public:
-  explicit Outline(const RestrictedDiagram& diagram) : d_(diagram) {}
+  /// Both are borrowed.
+  explicit Outline(const RestrictedDiagram& diagram, const Execution& execution = kUninterrupted)
+      : d_(diagram), execution_(execution) {}
 
   void clear() { sides_.clear(); }
   /// A directed side of the outline. In a generic diagram a vertex is left by one side.
@@ -21,7 +23,8 @@ class Outline {
   /// Appends the triangles of what the sides enclose in triangle t. A vertex between two sides along the same
   /// edge of t is left out: the edge is not cut there any more. Both triangles at the edge agree about that,
   /// because what lies on the two sides of such a vertex hangs together by volume around it. The whole
-  /// triangle comes back as it was. Throws InternalError when the sides do not chain into loops.
+  /// triangle comes back as it was. Throws Interrupted, and InternalError when the sides do not chain into
+  /// loops.
   void triangulate_into(std::uint32_t t, std::vector<Face>& out);
 
  private:
@@ -35,6 +38,7 @@ class Outline {
   void project(std::uint32_t t);
 
   const RestrictedDiagram& d_;
+  const Execution& execution_;
   std::vector<Side> sides_;
   std::vector<VertexId> ring_, loop_;
   std::vector<std::uint32_t> loop_begin_;

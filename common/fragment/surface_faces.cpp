@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "common/base/pacer.hpp"
+#include "common/clip/work_blocks.hpp"
 #include "common/fragment/outline.hpp"
 
 namespace fracture {
@@ -16,25 +18,120 @@ void halve(const VertexId* ring, std::uint32_t first, std::uint32_t last, std::u
   halve(ring, middle, last, triangle, out);
 }
 
-/// Fuses the polygons of one owner within triangle t: the sides that remain are those that do not face a cell
-/// of the same owner.
-void fuse(const RestrictedDiagram& d, const Ownership& ownership, std::uint32_t t, std::uint32_t owner,
-          const CutPolygon* first, const CutPolygon* last, Outline& outline, std::vector<Face>& out) {
-  outline.clear();
-  for (const CutPolygon* p = first; p != last; ++p) {
-    if (ownership.owner_of_site[p->cell] != owner) continue;
-    for (std::uint32_t k = 0; k < p->count; ++k) {
-      const PolygonSide side = d.cuts.sides[p->first + k];
-      if (!is_mesh_edge(side) && ownership.owner_of_site[side] == owner) continue;
-      outline.add(d.cuts.vertices[p->first + k], d.cuts.vertices[p->first + (k + 1) % p->count]);
-    }
+/// The polygons of one input triangle.
+struct CutTriangle {
+  std::size_t element;  // which of the triangles looked at
+  std::size_t first, last;
+};
+
+/// The faces of a block of cut triangles that several owners share, by input triangle.
+struct SharedFaces {
+  std::vector<Face> faces;
+  std::vector<std::uint32_t> owner;  // per face
+};
+
+class SurfaceDivider {
+ public:
+  SurfaceDivider(const RestrictedDiagram& diagram, const Ownership& ownership, const Execution& execution,
+                 SharedFaces& out)
+      : d_(diagram),
+        ownership_(ownership),
+        execution_(execution),
+        pacer_(execution),
+        outline_(diagram, execution),
+        out_(out) {}
+
+  /// The owner of the whole triangle; kNoIndex where several share it, and then each one's faces are
+  /// appended, or where it is not wanted.
+  std::uint32_t divide(const CutTriangle& cut) {
+    const std::uint32_t owner = ownership_.grouped ? divide_among_groups(cut) : divide_among_cells(cut);
+    if (out_.faces.size() - counted_ >= kCountedTogether) count_faces();
+    return owner;
   }
-  outline.triangulate_into(t, out);
-}
+  void count_faces() {
+    execution_.made(Product::kFragmentTriangles, out_.faces.size() - counted_);
+    counted_ = out_.faces.size();
+  }
+
+ private:
+  static constexpr std::size_t kCountedTogether = 4096;
+
+  std::uint32_t owner_of(SiteId s) const { return ownership_.owner_of_site[s]; }
+  bool wanted(std::uint32_t o) const { return ownership_.wanted.empty() || ownership_.wanted[o]; }
+  std::uint32_t only_owner(std::uint32_t o) const { return wanted(o) ? o : kNoIndex; }
+
+  std::uint32_t divide_among_cells(const CutTriangle& cut) {
+    const auto& polygons = d_.cuts.polygons;
+    if (cut.last - cut.first == 1) return only_owner(owner_of(polygons[cut.first].cell));
+    for (std::size_t k = cut.first; k < cut.last; ++k) add_polygon(polygons[k]);
+    return kNoIndex;
+  }
+
+  std::uint32_t divide_among_groups(const CutTriangle& cut) {
+    const auto& polygons = d_.cuts.polygons;
+    const auto owner = [&](std::size_t k) { return owner_of(polygons[k].cell); };
+    by_owner_.clear();
+    bool same = true;
+    for (std::size_t k = cut.first; k < cut.last; ++k) {
+      by_owner_.push_back(k);
+      same = same && owner(k) == owner(cut.first);
+      pacer_.step();
+    }
+    if (same) return only_owner(owner(cut.first));
+    sort_with_polls(execution_, by_owner_.begin(), by_owner_.end(), [&](std::size_t a, std::size_t b) {
+      return owner(a) != owner(b) ? owner(a) < owner(b) : a < b;
+    });
+    for (std::size_t begin = 0, end = 0; begin < by_owner_.size(); begin = end) {
+      const std::uint32_t o = owner(by_owner_[begin]);
+      while (end < by_owner_.size() && owner(by_owner_[end]) == o) ++end;
+      if (ownership_.sites_of_owner[o].size() == 1)
+        add_polygon(polygons[by_owner_[begin]]);
+      else if (wanted(o))
+        fuse(o, begin, end);
+    }
+    return kNoIndex;
+  }
+
+  void add_polygon(const CutPolygon& p) {
+    const std::uint32_t o = owner_of(p.cell);
+    if (!wanted(o)) return;
+    pacer_.step(p.count);
+    halve(d_.cuts.vertices.data() + p.first, 0, p.count - 1, p.triangle, out_.faces);
+    out_.owner.resize(out_.faces.size(), o);
+  }
+
+  /// The polygons of one owner as one: the sides that remain are those that do not face a cell of the same
+  /// owner.
+  void fuse(std::uint32_t owner, std::size_t begin, std::size_t end) {
+    const auto& cuts = d_.cuts;
+    outline_.clear();
+    for (std::size_t n = begin; n < end; ++n) {
+      const CutPolygon& p = cuts.polygons[by_owner_[n]];
+      pacer_.step(p.count);
+      for (std::uint32_t k = 0; k < p.count; ++k) {
+        const PolygonSide side = cuts.sides[p.first + k];
+        if (!is_mesh_edge(side) && owner_of(side) == owner) continue;
+        outline_.add(cuts.vertices[p.first + k], cuts.vertices[p.first + (k + 1) % p.count]);
+      }
+    }
+    outline_.triangulate_into(cuts.polygons[by_owner_[begin]].triangle, out_.faces);
+    out_.owner.resize(out_.faces.size(), owner);
+  }
+
+  const RestrictedDiagram& d_;
+  const Ownership& ownership_;
+  const Execution& execution_;
+  Pacer pacer_;
+  Outline outline_;
+  SharedFaces& out_;
+  std::size_t counted_ = 0;            // faces
+  std::vector<std::size_t> by_owner_;  // polygons
+};
 
 }  // namespace
 
-OwnedFaces divide_surface(const RestrictedDiagram& d, const Ownership& ownership) {
+OwnedFaces divide_surface(const RestrictedDiagram& d, const Ownership& ownership,
+                          const Execution& execution) {
   const auto& polygons = d.cuts.polygons;
   const std::uint32_t* selection = d.cuts.selection ? d.cuts.selection->data() : nullptr;
   const std::size_t count = selection ? d.cuts.selection->size() : d.solid.triangles.size();
@@ -42,69 +139,73 @@ OwnedFaces divide_surface(const RestrictedDiagram& d, const Ownership& ownership
     return selection ? selection[n] : static_cast<std::uint32_t>(n);
   };
   const auto owners = static_cast<std::uint32_t>(ownership.sites_of_owner.size());
-  const auto owner_of = [&](SiteId s) { return ownership.owner_of_site[s]; };
-  const auto wanted = [&](std::uint32_t o) { return ownership.wanted.empty() || ownership.wanted[o]; };
 
   // The faces of triangles that several owners share, by input triangle; all other triangles stay whole.
-  std::vector<Face> shared;
-  std::vector<std::uint32_t> owner;         // per face of `shared`
+  Pacer pacer(execution);
   std::vector<std::uint32_t> whole(count);  // per triangle looked at: its only owner, or kNoIndex
-  OwnedFaces out;
-  out.begin.assign(owners + 1, 0);
-  Outline outline(d);
-  std::vector<std::uint32_t> here;
+  std::vector<CutTriangle> cut;
   std::size_t p = 0;
   for (std::size_t n = 0; n < count; ++n) {
+    pacer.step();
     const std::uint32_t t = triangle(n);
     if (p == polygons.size() || polygons[p].triangle != t) {  // not cut
-      whole[n] = owner_of(d.cuts.label[d.solid.triangles[t][0]]);
-      if (wanted(whole[n]))
-        ++out.begin[whole[n] + 1];
-      else
-        whole[n] = kNoIndex;
+      const std::uint32_t o = ownership.owner_of_site[d.cuts.label[d.solid.triangles[t][0]]];
+      whole[n] = ownership.wanted.empty() || ownership.wanted[o] ? o : kNoIndex;
       continue;
     }
     const std::size_t first = p;
     while (p < polygons.size() && polygons[p].triangle == t) ++p;
-    here.clear();  // the owners in this triangle, each once
-    for (std::size_t k = first; k < p; ++k) {
-      const std::uint32_t o = owner_of(polygons[k].cell);
-      if (std::find(here.begin(), here.end(), o) == here.end()) here.push_back(o);
-    }
-    if (here.size() == 1 && wanted(here[0])) {
-      whole[n] = here[0];
-      ++out.begin[whole[n] + 1];
-      continue;
-    }
-    whole[n] = kNoIndex;
-    for (const std::uint32_t o : here) {
-      if (!wanted(o)) continue;
-      const CutPolygon* only = nullptr;
-      std::size_t parts = 0;
-      for (std::size_t k = first; k < p; ++k)
-        if (owner_of(polygons[k].cell) == o) {
-          only = &polygons[k];
-          ++parts;
-        }
-      const std::size_t before = shared.size();
-      if (parts == 1 && ownership.sites_of_owner[o].size() == 1)
-        halve(d.cuts.vertices.data() + only->first, 0, only->count - 1, t, shared);
-      else
-        fuse(d, ownership, t, o, polygons.data() + first, polygons.data() + p, outline, shared);
-      owner.resize(shared.size(), o);
-      out.begin[o + 1] += static_cast<std::uint32_t>(shared.size() - before);
-    }
+    pacer.step(p - first);
+    cut.push_back({n, first, p});
   }
+  const WorkBlocks blocks(execution, cut.size(), 400'000,
+                          [&](std::size_t k) { return 100 * (cut[k].last - cut[k].first); });
+  std::vector<SharedFaces> shared(blocks.count());
+  parallel_for_blocks(execution, blocks, [&](std::size_t block, std::size_t begin, std::size_t end) {
+    SurfaceDivider divider(d, ownership, execution, shared[block]);
+    for (std::size_t k = begin; k < end; ++k) whole[cut[k].element] = divider.divide(cut[k]);
+    divider.count_faces();
+  });
 
   // Counting sort by owner, in order of the input triangles.
+  OwnedFaces out;
+  out.begin.assign(owners + 1, 0);
+  std::size_t faces = 0;
+  for (const std::uint32_t o : whole) {
+    pacer.step();
+    if (o == kNoIndex) continue;
+    ++out.begin[o + 1];
+    ++faces;
+  }
+  execution.made(Product::kFragmentTriangles, faces);
+  for (const SharedFaces& block : shared) {
+    for (const std::uint32_t o : block.owner) ++out.begin[o + 1];
+    faces += block.faces.size();
+    pacer.step(block.faces.size());
+  }
+  if (faces >= kCapFace)
+    throw Interrupted(Error{ErrorCode::kTooComplex,
+                            "The surface is divided into more than 2^31 triangles. Ask for fewer sites."});
   for (std::uint32_t o = 0; o < owners; ++o) out.begin[o + 1] += out.begin[o];
   out.faces.resize(out.begin[owners]);
   std::vector<std::uint32_t> next(out.begin.begin(), out.begin.end() - 1);
-  std::size_t s = 0;
+  std::size_t block = 0, s = 0;
   for (std::size_t n = 0; n < count; ++n) {
+    pacer.step();
     const std::uint32_t t = triangle(n);
-    if (whole[n] != kNoIndex) out.faces[next[whole[n]]++] = {d.solid.triangles[t], t};
-    for (; s < shared.size() && shared[s].source == t; ++s) out.faces[next[owner[s]]++] = shared[s];
+    if (whole[n] != kNoIndex) {
+      out.faces[next[whole[n]]++] = {d.solid.triangles[t], t};
+      continue;
+    }
+    for (;; ++s) {
+      while (block < shared.size() && s == shared[block].faces.size()) {
+        ++block;
+        s = 0;
+      }
+      if (block == shared.size() || shared[block].faces[s].source != t) break;
+      out.faces[next[shared[block].owner[s]]++] = shared[block].faces[s];
+      pacer.step();
+    }
   }
   return out;
 }

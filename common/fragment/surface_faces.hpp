@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "common/base/execution.hpp"
 #include "common/fragment/pieces.hpp"
 
 namespace fracture {
@@ -15,7 +16,8 @@ struct OwnedFaces {
 /// A triangle within one owner is copied whole, bit for bit. A cell's convex polygon is halved into
 /// triangles. The polygons of one group within a triangle are fused (what lies between them disappears:
 /// segments on bisectors inside the group, B vertices between two and C vertices between three of its cells),
-/// possibly into a polygon with holes.
-OwnedFaces divide_surface(const RestrictedDiagram& diagram, const Ownership& ownership);
+/// possibly into a polygon with holes. Near-linear, also in the polygons of one triangle. Throws Interrupted.
+OwnedFaces divide_surface(const RestrictedDiagram& diagram, const Ownership& ownership,
+                          const Execution& execution = kUninterrupted);
 
 }  // namespace fracture
