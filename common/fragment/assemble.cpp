@@ -401,16 +401,18 @@ Fragment assemble(const RestrictedDiagram& diagram, const Ownership& ownership, 
 }
 
 FileVolume file_volume(const Fragment& f) {
-  double six = 0, reach = 0;
+  double six = 0;
+  Vec3d reach;
   for (const Vec3f& p : f.positions)
-    for (const float c : {p.x, p.y, p.z}) reach = std::max(reach, std::fabs(static_cast<double>(c)));
+    for (int a = 0; a < 3; ++a) reach[a] = std::max(reach[a], std::fabs(to_double(p)[a]));
   for (std::size_t k = 0; k < f.indices.size(); k += 3)
     six += dot(to_double(f.positions[f.indices[k]]),
                cross(to_double(f.positions[f.indices[k + 1]]), to_double(f.positions[f.indices[k + 2]])));
-  // Floats are exact in double. A term is at most 6 reach³ and off by fewer than 8 roundings; the k-th
-  // partial sum is at most k times that and rounded once: together less than n (n + 16) 2^-53 6 reach³.
+  // Floats are exact in double. A term is at most 6 reach.x reach.y reach.z and off by fewer than 8
+  // roundings; the k-th partial sum is at most k times that and rounded once: together less than
+  // n (n + 16) 2^-53 times that. Fragments that are long but thin need no exact sum.
   const auto n = static_cast<double>(f.indices.size() / 3);
-  const double error = n * (n + 16) * 0x1.0p-52 * 6 * reach * reach * reach;
+  const double error = n * (n + 16) * 0x1.0p-52 * 6 * (reach.x * reach.y * reach.z) + 1e-300;
   if (std::fabs(six) > error) return {six / 6, six > 0 ? 1 : -1};
 
   exact::BinaryScale scale;
