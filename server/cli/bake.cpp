@@ -88,10 +88,10 @@ std::string summary_of(const bake::RunFigures& f, std::size_t jobs, double secon
 /// Said also when quiet: whoever asked for failures wants to know that there are some.
 void tell_of(const FailureKeeper& failures) {
   const KeptFailures f = failures.figures();
-  if (f.kept + f.known > 0)
-    say(std::to_string(f.kept + f.known) + " failures to be seen again in " + failures.folder());
-  if (f.dropped > 0)
-    say(std::to_string(f.dropped) + " further failures found no room in " + failures.folder());
+  if (const std::size_t kept = f.kept + f.known; kept > 0)
+    say("kept " + std::to_string(kept) + (kept > 1 ? " failures" : " failure") + " in " + failures.folder() +
+        "; \"command\" in request.json shows it again");
+  if (f.dropped > 0) say("no room for " + std::to_string(f.dropped) + " more in " + failures.folder());
 }
 
 /// Null where the server cannot be asked, which has been said.
