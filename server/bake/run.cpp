@@ -54,9 +54,12 @@ std::vector<std::string> warnings_of(const json& figures) {
   for (const char* key : {"warnings", "notes"}) {
     const auto list = report->find(key);
     if (list == report->end() || !list->is_array()) continue;
-    for (const json& text : *list)
-      if (text.is_string() && std::find(warnings.begin(), warnings.end(), text) == warnings.end())
-        warnings.push_back(text);
+    for (const json& text : *list) {
+      if (!text.is_string()) continue;
+      std::string warning = text;
+      if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end())
+        warnings.push_back(std::move(warning));
+    }
   }
   return warnings;
 }
