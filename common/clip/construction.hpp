@@ -95,15 +95,17 @@ Placed place(const Formula& formula, const SeamLattice& lattice, const Vec3d& st
     p[k] = {Approx(q.x), Approx(q.y), Approx(q.z)};
   }
   const Fraction<Approx> f = formula(p);
-  const double den = f.denominator.value, den_error = 1.001 * f.denominator.error;
+  // A formula is a quotient, so what underflow takes from either polynomial matters: bound(), not `error`.
+  const double den = f.denominator.value, den_error = f.denominator.bound();
   Placed placed;
   bool certain = std::fabs(den) > 2 * den_error;
   const std::array<Approx, 3> offset{f.numerator.x, f.numerator.y, f.numerator.z};
   for (int a = 0; a < 3 && certain; ++a) {
     const double q = offset[a].value / den;
     const double x = Formula::kFromFirst ? formula.input[0][a] + q : q;
-    const double error = 1.001 * (offset[a].error + std::fabs(q) * den_error) / (std::fabs(den) - den_error) +
-                         0x1.0p-52 * (std::fabs(q) + std::fabs(x));
+    const double error =
+        1.001 * (offset[a].bound() + std::fabs(q) * den_error) / (std::fabs(den) - den_error) +
+        0x1.0p-52 * (std::fabs(q) + std::fabs(x));
     // A double that is good to a thousandth of a step serves for figures; a rounding that the error cannot
     // change is the exact one.
     const double y = x / step[a], k = std::nearbyint(y);

@@ -64,10 +64,12 @@ bool place_edge_cut(const EdgeCutFormula& formula, const Vec3d& step, Placed& pl
     return std::fabs(x.x * y.x) + std::fabs(x.y * y.y) + std::fabs(x.z * y.z);
   };
   // t = (u·u - 2 u·w) / (2 u·e): differences and products are off by 2^-53 relative, fewer than 8 roundings a
-  // term.
+  // term. Underflow takes at most 2^-1075 from each of fewer than 16 products, those of the bounds included:
+  // kTiny is more.
+  constexpr double kTiny = 0x1p-1000;
   const double numerator = dot(u, u) - 2 * dot(u, w), denominator = 2 * dot(u, e);
-  const double numerator_error = 0x1.0p-49 * (dot(u, u) + 2 * absolute(u, w));
-  const double denominator_error = 0x1.0p-49 * 2 * absolute(u, e);
+  const double numerator_error = 0x1.0p-49 * (dot(u, u) + 2 * absolute(u, w)) + kTiny;
+  const double denominator_error = 0x1.0p-49 * 2 * absolute(u, e) + kTiny;
   if (!(std::fabs(denominator) > 2 * denominator_error)) return false;
   const double t = numerator / denominator;
   const double t_error = 1.001 * (numerator_error + std::fabs(t) * denominator_error) /
