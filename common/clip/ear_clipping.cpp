@@ -213,21 +213,15 @@ class EarClipper {
 
 }  // namespace
 
+// A turn that two corners at one place make together is not seen; triangulate() looks for what comes of it.
 bool is_convex(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring) {
-  // A convex ring changes its direction in x twice; a ring that winds twice does so four times.
-  int turns = 0;
+  const std::size_t n = ring.size();
+  int turns =
+      0;  // a convex ring changes its direction in x twice; a ring that winds twice does so four times
   bool strict = false;
   std::int64_t last = 0;
-  // Corners at one place are one corner: each of them alone would hide the turn that they make together.
-  const auto at = [&](std::size_t k) -> const LatticePoint& { return points[ring[k]]; };
-  const std::size_t n = ring.size();
-  std::size_t j = n - 1;
-  while (j > 0 && at(j) == at(0)) --j;
-  std::size_t i = j;
-  while (i > 0 && at(i) == at(j)) --i;
-  for (std::size_t k = 0; k < n; ++k) {
-    if (at(k) == at(j)) continue;
-    const LatticePoint &a = at(i), &b = at(j), &c = at(k);
+  for (std::size_t i = n - 2, j = n - 1, k = 0; k < n; i = j, j = k++) {
+    const LatticePoint &a = points[ring[i]], &b = points[ring[j]], &c = points[ring[k]];
     const std::int64_t o = orient2d(a, b, c);
     if (o < 0) return false;
     strict |= o > 0;
@@ -236,8 +230,6 @@ bool is_convex(std::span<const LatticePoint> points, std::span<const std::uint32
       if (last != 0 && (dx > 0) != (last > 0)) ++turns;
       last = dx;
     }
-    i = j;
-    j = k;
   }
   return strict && turns <= 2;
 }

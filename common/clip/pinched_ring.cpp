@@ -47,7 +47,7 @@ void divide_pinched_ring(std::span<const LatticePoint> points, std::span<const s
     const __int128 sum =
         open.empty() ? 0 : swept.back() + orient2d(points[ring[0]], points[open.back()], points[v]);
     const auto [at, fresh] = visited.try_emplace(place(v), open.size());
-    if (!fresh && open.size() - at->second > 1 && sum > swept[at->second]) {
+    if (!fresh && open.size() - at->second > 1 && sum >= swept[at->second]) {
       const std::size_t from = at->second;
       std::vector<std::uint32_t> off(open.begin() + static_cast<std::ptrdiff_t>(from), open.end());
       off.push_back(v);

@@ -134,14 +134,16 @@ class RingTriangulator {
   bool given_up_ = false;
 };
 
+/// In the 1-norm.
+std::int64_t span_of(const LatticePoint& p, const LatticePoint& q) {
+  return std::llabs(p.x - q.x) + std::llabs(p.y - q.y);
+}
+
 /// Lower than two lattice steps over its longest edge: the mark of loop points on a line that do not see the
 /// inside.
 bool is_flat(std::span<const LatticePoint> points, const std::array<std::uint32_t, 3>& t) {
   const LatticePoint &a = points[t[0]], &b = points[t[1]], &c = points[t[2]];
-  const auto span = [](const LatticePoint& p, const LatticePoint& q) {
-    return std::llabs(p.x - q.x) + std::llabs(p.y - q.y);
-  };
-  return orient2d(a, b, c) <= 2 * std::max({span(a, b), span(b, c), span(c, a)});
+  return orient2d(a, b, c) <= 2 * std::max({span_of(a, b), span_of(b, c), span_of(c, a)});
 }
 
 int orientation(std::span<const LatticePoint> points, std::uint32_t begin, std::uint32_t end) {
@@ -151,11 +153,15 @@ int orientation(std::span<const LatticePoint> points, std::uint32_t begin, std::
   return sum > 0 ? 1 : sum < 0 ? -1 : 0;
 }
 
-/// Twice the area of the triangles that are turned over.
+/// Twice the area of the triangles that are turned over by more than rounding explains: higher than two
+/// lattice steps over their longest edge.
 __int128 turned_over(std::span<const LatticePoint> points, const Triangles& triangles) {
   __int128 sum = 0;
-  for (const auto& t : triangles)
-    if (const std::int64_t area = orient2d(points[t[0]], points[t[1]], points[t[2]]); area < 0) sum -= area;
+  for (const auto& t : triangles) {
+    const LatticePoint &a = points[t[0]], &b = points[t[1]], &c = points[t[2]];
+    const std::int64_t area = orient2d(a, b, c);
+    if (area < 0 && area < -2 * std::max({span_of(a, b), span_of(b, c), span_of(c, a)})) sum -= area;
+  }
   return sum;
 }
 
