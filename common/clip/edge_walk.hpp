@@ -29,10 +29,12 @@ class EdgeWalk {
   Exit exit_of(SiteId cell, const Bisector& bisector) const {
     return {&bisector, diagram_.value(cell, bisector, a_), diagram_.value(cell, bisector, b_)};
   }
+  static Certified value(const Exit& of, const Exit& at);
   static int certain_side(const Exit& of, const Exit& at);
   int exact_side(SiteId cell, const Exit& of, const Exit& at) const;
   SiteId first_of_all(SiteId cell);
   SiteId first_by_search(SiteId cell);
+  Exit earlier_by_tree(SiteId cell, const Exit& at);
 
   const Solid& solid_;
   const VoronoiDiagram& diagram_;
@@ -40,6 +42,8 @@ class EdgeWalk {
   Pacer pacer_;
   Vec3d a_, b_;  // ends of the edge at hand
   std::vector<Exit> doubts_;
+  SiteId ray_cell_ = kNoSite;  // where the last ray left a cell of many neighbours: probably near the next
+  std::uint32_t ray_ = 0;
 };
 
 }  // namespace fracture

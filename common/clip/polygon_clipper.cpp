@@ -119,7 +119,7 @@ void PolygonClipper::start_polygon() {
   polygon_.clear();
   for (unsigned k = 0; k < 3; ++k)
     polygon_.push_back(
-        {kMeshEdge + k, Line::of_edge(k), Corner::of_triangle(k), true, (k + 2) % 3, (k + 1) % 3});
+        {kMeshEdge + k, Line::of_edge(k), Corner::of_triangle(k), true, (k + 2) % 3, (k + 1) % 3, kNoIndex});
 }
 
 void PolygonClipper::clip_to_cell(SiteId cell) {
@@ -163,29 +163,25 @@ void PolygonClipper::clip_by_all(SiteId cell) {
         clipped_.push_back(polygon_[m]);
         clipped_.back().corner_is_known &= in;
       }
-      if (in && !next_in) clipped_.push_back({bisector.neighbor, line, {}, false, 0, 0});
+      if (in && !next_in) clipped_.push_back({bisector.neighbor, line, {}, false, 0, 0, 0});
     }
     polygon_.swap(clipped_);
   }
 }
 
 // A cell of many neighbours: a corner that lies beyond some bisector is cut off with what hangs on it, until
-// no corner does. The closest neighbour is taken each time, so that few cuts are cut off again.
+// no corner does. The one through which the ray from the site leaves the cell is taken each time, so that few
+// cuts are cut off again.
 void PolygonClipper::clip_by_search(SiteId cell) {
+  if (ray_cell_ != cell) ray_ = 0;
+  ray_cell_ = cell;
   unproven_ = {0, 1, 2};
   while (!unproven_.empty()) {
     const std::uint32_t m = unproven_.back();
-    // Cut off meanwhile, or proven already.
-    if (polygon_[m].after == kNoIndex) {
+    const Bisector* bisector = polygon_[m].after == kNoIndex ? nullptr : find_violated(cell, m);
+    if (!bisector)  // proven, or cut off meanwhile
       unproven_.pop_back();
-      continue;
-    }
-    const Bisector* bisector = find_violated(cell, m);
-    if (!bisector) {
-      unproven_.pop_back();
-      continue;
-    }
-    if (!cut_around(cell, *bisector, m))
+    else if (!cut_around(cell, *bisector, m))
       throw InternalError("triangle " + std::to_string(triangle_) + " misses cell " + std::to_string(cell));
   }
   // Those that are left, in order.
@@ -200,8 +196,7 @@ void PolygonClipper::clip_by_search(SiteId cell) {
   polygon_.swap(clipped_);
 }
 
-/// A bisector beyond which corner m lies, that of the closest neighbour where doubles can tell; null where
-/// there is none.
+/// A bisector beyond which corner m lies; null where there is none.
 const Bisector* PolygonClipper::find_violated(SiteId cell, std::uint32_t m) {
   Side& at = polygon_[m];
   const Side& before = polygon_[at.before];
@@ -209,6 +204,27 @@ const Bisector* PolygonClipper::find_violated(SiteId cell, std::uint32_t m) {
     at.corner = Corner::meet(before.line, at.line);
     at.corner_is_known = true;
   }
+  if (is_mesh_edge(before.side) && is_mesh_edge(at.side) &&
+      cuts_.label[solid_.triangles[triangle_][at.side - kMeshEdge]] == cell)
+    return nullptr;
+  if (at.corner.sum > 0) {
+    std::uint32_t on[2];
+    std::size_t n = 0;
+    if (!is_mesh_edge(before.side)) on[n++] = before.facet;
+    if (!is_mesh_edge(at.side)) on[n++] = at.facet;
+    std::uint64_t looked_at = 0;
+    const auto bisectors = diagram_.bisectors(cell);
+    const auto answer = diagram_.neighborhood(cell).shoot_ray(
+        bisectors, [&](const Bisector& b) { return at.corner.value(line_of(cell, b)); },
+        std::span<const std::uint32_t>(on, n), ray_, looked_at);
+    pacer_.step(looked_at);
+    if (answer == Neighborhood::RayAnswer::kInside) return nullptr;
+    if (answer == Neighborhood::RayAnswer::kOutside) return &bisectors[ray_];
+  }
+  return find_violated_by_tree(cell, before, at);
+}
+
+const Bisector* PolygonClipper::find_violated_by_tree(SiteId cell, const Side& before, const Side& at) {
   const Corner::Place place = at.corner.place(corner_);
   const Bisector* found = nullptr;
   doubts_.clear();
@@ -217,7 +233,7 @@ const Bisector* PolygonClipper::find_violated(SiteId cell, std::uint32_t m) {
     pacer_.step();
     if (b.neighbor == at.side || b.neighbor == before.side) return radius2;
     const int side = at.corner.side(line_of(cell, b));
-    if (side == 0 && !found) doubts_.push_back(&b);
+    if (side == 0) doubts_.push_back(&b);
     if (side < 0) {
       found = &b;
       radius2 = std::min(radius2, distance2);
@@ -259,7 +275,8 @@ bool PolygonClipper::cut_around(SiteId cell, const Bisector& bisector, std::uint
     polygon_[k].after = kNoIndex;
     k = next;
   }
-  polygon_.push_back({bisector.neighbor, line, {}, false, from, last});
+  const auto facet = static_cast<std::uint32_t>(&bisector - diagram_.bisectors(cell).data());
+  polygon_.push_back({bisector.neighbor, line, {}, false, from, last, facet});
   polygon_[from].after = added;
   polygon_[last].before = added;
   polygon_[last].corner_is_known = false;

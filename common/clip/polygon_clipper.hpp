@@ -42,9 +42,10 @@ class PolygonClipper {
   struct Side {
     PolygonSide side;
     clip_detail::Line line;
-    clip_detail::Corner corner;   // between the side before and this one
-    bool corner_is_known;         // else it is still to be computed
-    std::uint32_t before, after;  // in clip_by_search() alone
+    clip_detail::Corner corner;  // between the side before and this one
+    bool corner_is_known;        // else it is still to be computed
+    // In clip_by_search() alone: the sides around it, and the index of its bisector.
+    std::uint32_t before, after, facet;
   };
 
   bool divide_between_two(std::uint32_t t);
@@ -53,6 +54,7 @@ class PolygonClipper {
   void clip_by_all(SiteId cell);
   void clip_by_search(SiteId cell);
   const Bisector* find_violated(SiteId cell, std::uint32_t corner);
+  const Bisector* find_violated_by_tree(SiteId cell, const Side& before, const Side& at);
   bool cut_around(SiteId cell, const Bisector& bisector, std::uint32_t corner);
   clip_detail::Line line_of(SiteId cell, const Bisector& bisector) const;
   int side_of_corner(SiteId cell, const Bisector& bisector, const clip_detail::Line& line, const Side& before,
@@ -81,7 +83,9 @@ class PolygonClipper {
   std::vector<const Bisector*> doubts_;
   std::vector<int> sign_;
   std::vector<SiteId> cells_;  // met so far: done ones, then ones to do
-  TripleTable names_;          // of C vertices, cuts of an edge and cells met, where they are many
+  SiteId ray_cell_ = kNoSite;  // where the last ray left a cell of many neighbours: probably near the next
+  std::uint32_t ray_ = 0;
+  TripleTable names_;  // of C vertices, cuts of an edge and cells met, where they are many
 };
 
 }  // namespace fracture

@@ -19,6 +19,7 @@
 #include <cmath>
 
 #include "common/base/vec.hpp"
+#include "common/voronoi/neighborhood.hpp"
 
 namespace fracture::clip_detail {
 
@@ -65,15 +66,18 @@ struct Corner {
     if (!(c.sum > 4 * c.error + 0x1.0p-50 * c.norm + 1e-300)) c.sum = 0;
     return c;
   }
+  /// The line's value at the corner, times the sum; of a corner of which something is known.
+  Certified value(const Line& line) const {
+    const auto &n = coordinates, &l = line.value;
+    return {n[0] * l[0] + n[1] * l[1] + n[2] * l[2], 1.001 * (norm * (line.error + 0x1.0p-50 * line.largest) +
+                                                              3 * error * (line.largest + line.error)) +
+                                                         1e-300};
+  }
   /// Side of the line on which the corner lies; 0 where that is not certain.
   int side(const Line& line) const {
     if (sum == 0) return 0;
-    const auto &n = coordinates, &l = line.value;
-    const double v = n[0] * l[0] + n[1] * l[1] + n[2] * l[2];
-    const double bound =
-        1.001 * (norm * (line.error + 0x1.0p-50 * line.largest) + 3 * error * (line.largest + line.error)) +
-        1e-300;
-    return v > bound ? 1 : v < -bound ? -1 : 0;
+    const Certified v = value(line);
+    return v.value > v.error ? 1 : v.value < -v.error ? -1 : 0;
   }
   /// Where it is, and how far that may be off: infinitely where nothing is known.
   struct Place {

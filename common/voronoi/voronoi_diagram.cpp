@@ -122,7 +122,7 @@ int VoronoiDiagram::side(SiteId i, const Bisector& bisector, const Vec3d& q) con
   return exact::side1(site(i), site(bisector.neighbor), q);
 }
 
-const VoronoiDiagram::Neighborhood& VoronoiDiagram::neighborhood(SiteId i) const {
+const Neighborhood& VoronoiDiagram::neighborhood(SiteId i) const {
   return *std::lower_bound(neighborhoods_.begin(), neighborhoods_.end(), i,
                            [](const Neighborhood& n, SiteId s) { return n.site < s; });
 }
@@ -151,57 +151,15 @@ SiteId VoronoiDiagram::closer_neighbor(const Vec3d& q, SiteId i, Walk& walk) con
   return next;
 }
 
-// The ray from site i through q leaves the cell, which is convex, through the facet with the least
-// value(q) / half. These are the values of a linear function at the corners of the cell's polar dual, so
-// going on to the least of the facets around one, again and again, finds it (the simplex method). Every
-// comparison is certified by the values' error bounds, else the answer is kUncertain; so it is where the walk
-// is long.
-VoronoiDiagram::RayAnswer VoronoiDiagram::shoot_ray(const Vec3d& q, SiteId i, Walk& walk) const {
-  constexpr int kMostSteps = 64;
-  const Neighborhood& n = neighborhood(i);
-  const Bisector* const all = bisectors_.data() + bisector_begin_[i];
-  std::uint32_t& facet = walk.facet;
-  double least = value(i, all[facet], q);
-  // Sign of value_k / half_k - least / half, or 0.
-  const auto compare = [&](const Bisector& k, double v) {
-    const Bisector& j = all[facet];
-    const double a = j.half * v, b = k.half * least;
-    const double error =
-        1.001 * (j.half * k.error + k.half * j.error) + 0x1.0p-48 * (std::fabs(a) + std::fabs(b)) + 1e-300;
-    return a - b > error ? 1 : a - b < -error ? -1 : 0;
-  };
-  for (int step = 0; step < kMostSteps; ++step) {
-    const std::uint32_t begin = n.begin[facet], end = n.begin[facet + 1];
-    if (end - begin > kManyNeighbors) return RayAnswer::kUncertain;
-    walk.looked_at += end - begin;
-    bool uncertain = false, moved = false;
-    for (std::uint32_t m = begin; m < end; ++m) {
-      const Bisector& k = all[n.adjacent[m]];
-      const double v = value(i, k, q);
-      const int sign = compare(k, v);
-      if (sign < 0) {
-        facet = n.adjacent[m];
-        least = v;
-        moved = true;
-      }
-      uncertain |= sign == 0;
-    }
-    if (moved) continue;
-    const double error = all[facet].error;
-    if (uncertain || std::fabs(least) <= error) return RayAnswer::kUncertain;
-    return least > 0 ? RayAnswer::kInside : RayAnswer::kOutside;
-  }
-  return RayAnswer::kUncertain;
-}
-
 SiteId VoronoiDiagram::closer_of_many(const Vec3d& q, SiteId i, Walk& walk) const {
   if (walk.cell != i) walk = {i, 0, walk.looked_at};
-  switch (shoot_ray(q, i, walk)) {
-    case RayAnswer::kInside:
+  const auto value_at_q = [&](const Bisector& b) { return Certified{value(i, b, q), b.error}; };
+  switch (neighborhood(i).shoot_ray(bisectors(i), value_at_q, {}, walk.facet, walk.looked_at)) {
+    case Neighborhood::RayAnswer::kInside:
       return kNoSite;
-    case RayAnswer::kOutside:
+    case Neighborhood::RayAnswer::kOutside:
       return bisectors(i)[walk.facet].neighbor;
-    case RayAnswer::kUncertain:
+    case Neighborhood::RayAnswer::kUncertain:
       break;
   }
   SiteId next = kNoSite;

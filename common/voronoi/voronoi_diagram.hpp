@@ -19,19 +19,9 @@
 #include "common/base/matrix3.hpp"
 #include "common/base/vec.hpp"
 #include "common/delaunay/tetrahedralization.hpp"
-#include "common/voronoi/site_tree.hpp"
+#include "common/voronoi/neighborhood.hpp"
 
 namespace fracture {
-
-/// Bisector of site i and `neighbor` j, seen from i: value(q) = half - u·(q - p_i) is positive on i's side;
-/// |value - computed| <= error for every q in the box the diagram was made for.
-struct Bisector {
-  Vec3d u;      ///< p_j - p_i
-  double half;  ///< |u|^2 / 2
-  double error;
-  SiteId neighbor;
-  TetId tet;  ///< one of the tetrahedra at both sites
-};
 
 class VoronoiDiagram {
  public:
@@ -83,11 +73,12 @@ class VoronoiDiagram {
     return nearest(q, start, walk);
   }
 
-  /// Cells of so many neighbours have a tree of them, and what looks at the bisectors of one asks that.
+  /// Cells of more neighbours have a Neighborhood, and what looks at the bisectors of one asks that.
   static constexpr std::size_t kManyNeighbors = 64;
   bool has_many_neighbors(SiteId i) const {
     return bisector_begin_[i + 1] - bisector_begin_[i] > kManyNeighbors;
   }
+  const Neighborhood& neighborhood(SiteId i) const;
   /// For such a cell i: calls look(bisector, squared distance of its neighbour from q) for the neighbours in
   /// a ball about q, nearer ones mostly first. `look` returns the squared radius from then on. A point x is
   /// beyond a bisector only if the neighbour is no farther from it than site i, so the ball about q through
@@ -117,23 +108,14 @@ class VoronoiDiagram {
   Facet find_facet(SiteId i, SiteId j, SiteId k) const;
 
  private:
-  /// Of a cell of many neighbours.
-  struct Neighborhood {
-    SiteId site;
-    SiteTree tree;
-    std::vector<std::uint32_t> begin, adjacent;  // per facet: the facets around it, as indices of bisectors
-  };
   struct AllSites {
     std::once_flag once;
     std::optional<SiteTree> tree;
   };
   void add_neighborhood(SiteId i);
-  const Neighborhood& neighborhood(SiteId i) const;
   /// A neighbour to which q is closer than to i, mostly the closest; kNoSite when there is none.
   SiteId closer_neighbor(const Vec3d& q, SiteId i, Walk& walk) const;
   SiteId closer_of_many(const Vec3d& q, SiteId i, Walk& walk) const;
-  enum class RayAnswer { kInside, kOutside, kUncertain };
-  RayAnswer shoot_ray(const Vec3d& q, SiteId i, Walk& walk) const;
   SiteId roughly_nearest(const Vec3d& q) const;
   const Bisector* find_bisector(SiteId i, SiteId j) const;
 
