@@ -28,7 +28,7 @@ BakeFailure::BakeFailure(const Error& error)
   if (!error.pointer.empty()) problem["parameter"] = error.pointer;
   if (const auto errors = error.extra.find("errors"); errors != error.extra.end() && errors->size() > 1)
     problem["errors"] = *errors;
-  if (kind == Kind::kUnsound && error.extra.contains("certificate")) certificate = error.extra["certificate"];
+  if (kind == Kind::kUnsound && !error.extra.empty()) certificate = error.extra;
 }
 
 std::string BakeFailure::words() const {

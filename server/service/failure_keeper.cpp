@@ -216,7 +216,7 @@ void FailureKeeper::write(const FractureRequest& request, const Error& error, co
         {"detail", error.detail},
         {"parameter", error.pointer},
         {"figures", error.extra}}},
-      {"certificate", certificate},
+      {"certificate", certificate.is_null() && error.code == ErrorCode::kUnsound ? error.extra : certificate},
       {"mesh", {{"file", mesh}, {"format", extension}, {"digest", "sha256:" + keys.digest}}},
       {"files", std::move(files)},
       {"parameters", parameters},

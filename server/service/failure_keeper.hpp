@@ -46,7 +46,8 @@ class FailureKeeper {
   /// Should it be kept: is it a bug of ours (kUnsound, kInternal)?
   static bool concerns(ErrorCode code) { return code == ErrorCode::kUnsound || code == ErrorCode::kInternal; }
   /// Writes the reproduction whole or not at all. Never throws. `certificate` as in extras.fracture; null:
-  /// there is none. `mesh_name`: what the mesh's file was called; empty: nothing is known.
+  /// what the error says of it, or there is none. `mesh_name`: what the mesh's file was called; empty:
+  /// nothing is known.
   void keep(const FractureRequest& request, const Error& error, const nlohmann::json& certificate = nullptr,
             std::string_view mesh_name = {}) noexcept;
 

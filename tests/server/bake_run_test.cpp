@@ -219,6 +219,14 @@ TEST(IsSound, AsksForClosedFragmentsAndForAPartitionWhereOneIsPromised) {
   EXPECT_TRUE(is_sound(figures(0, 1e-14)));
   EXPECT_FALSE(is_sound(figures(1, 1e-14)));
   EXPECT_FALSE(is_sound(figures(0, 1e-3)));
+  // Of answers that were judged where they were made, by the bounds that belong to the mesh.
+  json judged = figures(0, 1e-8);
+  judged["certificate"]["unmirrored_caps"] = 0;
+  EXPECT_TRUE(is_sound(judged));
+  judged["certificate"]["unmirrored_caps"] = 2;
+  EXPECT_FALSE(is_sound(judged));
+  judged["certificate"] = {{"open_edges", 1}, {"unmirrored_caps", 0}, {"relative_error", 0}};
+  EXPECT_FALSE(is_sound(judged));
   json barycenter = figures(0, 0.2);
   barycenter["report"]["barycenter"] = json::object();
   EXPECT_TRUE(is_sound(barycenter));
