@@ -62,7 +62,8 @@ struct BakeProgram : testing::Test {
   std::size_t files(const std::string& below = "") const {
     std::size_t count = 0;
     for (const auto& entry : fs::recursive_directory_iterator(folder / below))
-      count += entry.is_regular_file() && !entry.path().filename().string().starts_with(".");
+      count +=
+          fs::is_regular_file(entry.symlink_status()) && !entry.path().filename().string().starts_with(".");
     return count;
   }
 };
@@ -151,7 +152,7 @@ TEST_F(BakeProgram, RefusesWhatItWouldLoseBeforeAnythingIsBaked) {
   EXPECT_TRUE(fs::is_symlink(folder / "soft.glb"));
   EXPECT_TRUE(fs::is_symlink(folder / "descriptor"));
   EXPECT_TRUE(fs::is_fifo(folder / "pipe"));
-  EXPECT_EQ(files(), before + 2) << "the links, and nothing else was made";
+  EXPECT_EQ(files(), before + 1) << "the hard link, and nothing else was made";
 }
 
 TEST_F(BakeProgram, ResultsInTheFolderOfTheMeshesAreNotBakedAgain) {
