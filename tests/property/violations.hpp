@@ -23,6 +23,8 @@ struct Whole {
   /// m³: volumes before rounding are right to 1e-9 of this. For one clean shell its volume; where shells
   /// cancel each other (cavities, parts that overlap inside out) the sum of their absolute volumes.
   double magnitude = 0;
+  /// Filled holes are interior triangles without a mirror image: pairs are not asked for.
+  bool filled = false;
 };
 
 /// I2: volumes add up (before rounding; the stated bound after it), pockets of the certificate included;
