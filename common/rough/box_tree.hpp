@@ -1,5 +1,6 @@
 // Boxes in a binary tree of boxes (bounding volume hierarchy: Kay & Kajiya 1986, "Ray tracing complex
-// scenes"): which of them overlap a box or each other, and which is nearest to a point.
+// scenes"): which of them overlap a box or each other or are wanted for another reason, and which is nearest
+// to a point.
 #pragma once
 
 #include <array>
@@ -36,6 +37,13 @@ class BoxTree {
   template <class Visit>
   void each_overlapping(const Box& box, const Visit& visit) const {
     if (!nodes_.empty()) descend(0, box, visit);
+  }
+
+  /// visit(i) for every box that enter() lets in, with all the boxes around it in the tree: enter(box) says
+  /// whether anything in a box is wanted. Where it does, leave() follows when all of that has been seen.
+  template <class Enter, class Leave, class Visit>
+  void each_entered(const Enter& enter, const Leave& leave, const Visit& visit) const {
+    if (!nodes_.empty()) explore(0, enter, leave, visit);
   }
 
   /// A part of the search for all pairs: tasks are independent of each other.
@@ -77,6 +85,22 @@ class BoxTree {
     if (node.count > 0) return;
     descend(n + 1, box, visit);
     descend(node.first, box, visit);
+  }
+
+  template <class Enter, class Leave, class Visit>
+  void explore(std::uint32_t n, const Enter& enter, const Leave& leave, const Visit& visit) const {
+    const Node& node = nodes_[n];
+    if (!enter(node.box)) return;
+    for (std::uint32_t k = node.first; k < node.first + node.count; ++k)
+      if (enter(items_[k].box)) {
+        visit(items_[k].index);
+        leave();
+      }
+    if (node.count == 0) {
+      explore(n + 1, enter, leave, visit);
+      explore(node.first, enter, leave, visit);
+    }
+    leave();
   }
 
   template <class Visit>

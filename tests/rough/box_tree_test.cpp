@@ -41,6 +41,27 @@ TEST(BoxTree, FindsWhatOverlapsABox) {
   }
 }
 
+TEST(BoxTree, GoesIntoTheBoxesThatAreWantedAndLeavesThem) {
+  const std::vector<Box> boxes = random_boxes(300, 1);
+  const BoxTree tree(boxes);
+  for (const double limit : {-1.0, 0.3, 2.0}) {
+    std::multiset<std::uint32_t> found, expected;
+    int depth = 0, deepest = 0;
+    tree.each_entered(
+        [&](const Box& box) {
+          if (box.min.x > limit) return false;
+          deepest = std::max(deepest, ++depth);
+          return true;
+        },
+        [&] { --depth; }, [&](std::uint32_t k) { found.insert(k); });
+    for (std::uint32_t k = 0; k < boxes.size(); ++k)
+      if (boxes[k].min.x <= limit) expected.insert(k);
+    EXPECT_EQ(found, expected);
+    EXPECT_EQ(depth, 0);
+    EXPECT_LT(deepest, 12);  // 300 boxes, halved until they are few
+  }
+}
+
 TEST(BoxTree, FindsEveryPairOnceHoweverTheWorkIsDivided) {
   for (const std::size_t count : {0u, 1u, 4u, 5u, 400u}) {
     const std::vector<Box> boxes = random_boxes(count, 3);
