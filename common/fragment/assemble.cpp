@@ -392,7 +392,7 @@ Fragment assemble(const RestrictedDiagram& diagram, const Ownership& ownership, 
   for (const std::uint32_t o : piece.owners)
     out.sites.insert(out.sites.end(), ownership.sites_of_owner[o].begin(), ownership.sites_of_owner[o].end());
   std::sort(out.sites.begin(), out.sites.end());
-  out.part = piece.part;
+  out.part = diagram.part_in_whole ? (*diagram.part_in_whole)[piece.part] : piece.part;
   out.node = diagram.solid.parts[piece.part].node;
   Assembler(diagram, out).run(piece, pivot);
   out.cap_sum = mirror_sum(out);

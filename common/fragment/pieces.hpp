@@ -23,6 +23,8 @@ struct RestrictedDiagram {
   Winding winding;
   VertexPositions positions;
   Caps caps;
+  /// Where `solid` is a patch of a larger one: per part its number there; null: the number it has here.
+  const std::vector<std::uint32_t>* part_in_whole = nullptr;
 
   /// Unrounded position of any vertex.
   Vec3d point(VertexId v) const {

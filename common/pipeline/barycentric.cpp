@@ -4,25 +4,41 @@
 #include <cmath>
 #include <optional>
 
+#include "common/base/pacer.hpp"
 #include "common/clip/caps.hpp"
 #include "common/fragment/make_fragments.hpp"
-#include "common/pipeline/restrict.hpp"
+#include "common/pipeline/cell_patch.hpp"
 #include "common/voronoi/barycentric_cell.hpp"
 
 namespace fracture {
 namespace {
 
 /// solid ∩ the Voronoi cell of sites[0]; nothing when they do not meet.
-std::optional<FragmentSet> cut_one_cell(const Solid& solid, const std::vector<Vec3d>& sites, Pivot pivot,
-                                        const Execution& execution) {
-  const Expected<Tetrahedralization> t = tetrahedralize(sites, solid.box, execution);
+std::optional<FragmentSet> cut_one_cell(const Solid& solid, const PatchFinder& finder,
+                                        const std::vector<Vec3d>& sites, Pivot pivot,
+                                        const Execution& execution, std::uint64_t& looked_at) {
+  // Only the fragments stay: what the steps before them make is gone with the cell.
+  Execution uncounted = execution;
+  uncounted.allowance = nullptr;
+  const Expected<Tetrahedralization> t = tetrahedralize(sites, solid.box, uncounted);
   if (!t || t->site_of_input[0] == kNoSite) return std::nullopt;
-  const VoronoiDiagram cell(*t, solid.box);
-  const RestrictedDiagram restricted = restrict_to_solid(solid, solid, cell, execution);
+  const SiteId cell = t->site_of_input[0];
+  const VoronoiDiagram diagram(*t, solid.box);
+  CellPatch patch = finder.around(diagram, cell, uncounted);
+  looked_at = patch.looked_at;
+  if (patch.empty()) return std::nullopt;
+
+  std::vector<char> of_interest(t->site_count(), 0);
+  of_interest[cell] = 1;
+  RestrictedDiagram r{patch.solid,         diagram, cut_surface(patch.solid, diagram, uncounted), {}, {}, {},
+                      &patch.part_in_whole};
+  r.winding = wind_voronoi_edges_again(patch.solid, diagram, r.cuts,
+                                       {of_interest, patch.seed, patch.seed_winding}, uncounted);
+  r.positions = place_vertices(patch.solid, patch.solid, diagram, r.cuts, r.winding, uncounted);
+  r.caps = build_caps(patch.solid, diagram, r.cuts, r.winding, r.positions, uncounted, &of_interest);
   Ownership ownership = Ownership::from_groups(t->site_count(), {});
-  ownership.wanted.assign(t->site_count(), false);
-  ownership.wanted[t->site_of_input[0]] = true;
-  return make_fragments(restricted, ownership, pivot, {}, execution);
+  ownership.wanted.assign(of_interest.begin(), of_interest.end());
+  return make_fragments(r, ownership, pivot, {}, execution);
 }
 
 }  // namespace
@@ -32,6 +48,8 @@ BarycentricResult fracture_barycentric(const Solid& solid, const VoronoiDiagram&
   const std::uint32_t sites = diagram.dual().site_count();
   std::vector<std::optional<FragmentSet>> cells(sites);
   std::vector<char> skipped(sites, 0);
+  std::vector<std::uint64_t> looked_at(sites, 0);
+  const PatchFinder finder(solid, execution);
   Execution single = execution;
   single.threads = 1;
   single.progress = nullptr;
@@ -39,7 +57,7 @@ BarycentricResult fracture_barycentric(const Solid& solid, const VoronoiDiagram&
     for (std::size_t i = begin; i < end; ++i) {
       const auto mirrored = barycentric_cell(diagram, static_cast<SiteId>(i));
       if (mirrored)
-        cells[i] = cut_one_cell(solid, *mirrored, pivot, single);
+        cells[i] = cut_one_cell(solid, finder, *mirrored, pivot, single, looked_at[i]);
       else
         skipped[i] = 1;
     }
@@ -48,7 +66,10 @@ BarycentricResult fracture_barycentric(const Solid& solid, const VoronoiDiagram&
   BarycentricResult out;
   out.set.source = solid.source;
   Certificate& total = out.set.certificate;
+  Pacer pacer(execution);
   for (SiteId i = 0; i < sites; ++i) {
+    pacer.step();
+    out.looked_at += looked_at[i];
     out.skipped_hulls += static_cast<std::uint32_t>(skipped[i]);
     if (!cells[i]) continue;
     if (const double volume = cells[i]->certificate.volume_out; drop_above > 0 && volume > drop_above) {

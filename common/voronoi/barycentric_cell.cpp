@@ -51,6 +51,11 @@ std::optional<std::vector<Vec3d>> barycentric_cell(const VoronoiDiagram& diagram
   }
   std::sort(barycenters.begin(), barycenters.end(), lexicographic_less);
   if (barycenters.size() < 4) return std::nullopt;
+  if (const std::size_t all = barycenters.size(); all > kMostBarycenters) {
+    for (std::size_t k = 0; k < kMostBarycenters; ++k)
+      barycenters[k] = barycenters[k * (all - 1) / (kMostBarycenters - 1)];
+    barycenters.resize(kMostBarycenters);
+  }
   // The mirror must lie inside; the site itself sometimes does not. The mean of the hull's points always
   // does.
   Vec3d p;

@@ -1,0 +1,146 @@
+// The patch of the solid that a barycentric cell is cut from stands for the whole.
+#include "common/pipeline/barycentric.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "common/fragment/make_fragments.hpp"
+#include "common/pipeline/cell_patch.hpp"
+#include "common/pipeline/restrict.hpp"
+#include "common/sites/sites.hpp"
+#include "common/voronoi/barycentric_cell.hpp"
+#include "tests/support/poll_gaps.hpp"
+#include "tests/support/shapes.hpp"
+
+namespace fracture::test {
+namespace {
+
+Solid solid_of(const Mesh& mesh) {
+  Expected<Solid> solid = make_solid(std::make_shared<Mesh>(mesh), {}, {});
+  if (!solid) throw std::runtime_error(solid.error().detail);
+  return std::move(*solid);
+}
+
+Tetrahedralization tetrahedra_of(const std::vector<Vec3d>& sites, const Box& box) {
+  Expected<Tetrahedralization> t = tetrahedralize(sites, box, {});
+  if (!t) throw std::runtime_error(t.error().detail);
+  return std::move(*t);
+}
+
+/// Every cell from the whole solid, as fracture_barycentric() says.
+std::vector<Fragment> cut_from_the_whole(const Solid& solid, const VoronoiDiagram& diagram) {
+  std::vector<Fragment> all;
+  for (SiteId i = 0; i < diagram.dual().site_count(); ++i) {
+    const auto mirrored = barycentric_cell(diagram, i);
+    if (!mirrored) continue;
+    const Tetrahedralization t = tetrahedra_of(*mirrored, solid.box);
+    if (t.site_of_input[0] == kNoSite) continue;
+    const VoronoiDiagram cell(t, solid.box);
+    const RestrictedDiagram restricted = restrict_to_solid(solid, solid, cell, {});
+    Ownership ownership = Ownership::from_groups(t.site_count(), {});
+    ownership.wanted.assign(t.site_count(), false);
+    ownership.wanted[t.site_of_input[0]] = true;
+    for (Fragment& f : make_fragments(restricted, ownership, Pivot::kCenterOfMass, {}, {}).fragments) {
+      f.sites = {i};
+      all.push_back(std::move(f));
+    }
+  }
+  return all;
+}
+
+void expect_same(const std::vector<Fragment>& found, const std::vector<Fragment>& expected,
+                 const std::string& what) {
+  ASSERT_EQ(found.size(), expected.size()) << what;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    const Fragment &a = found[k], &b = expected[k];
+    EXPECT_EQ(a.id, b.id) << what << " " << k;
+    EXPECT_EQ(a.sites, b.sites);
+    EXPECT_EQ(a.part, b.part);
+    EXPECT_EQ(a.pivot, b.pivot);
+    EXPECT_EQ(a.positions, b.positions) << what << " " << k;
+    EXPECT_EQ(a.indices, b.indices);
+    EXPECT_EQ(a.topology, b.topology);
+    EXPECT_EQ(a.attributes.normals, b.attributes.normals);
+    EXPECT_EQ(a.attributes.uvs, b.attributes.uvs);
+    EXPECT_EQ(a.mass.volume, b.mass.volume);
+    EXPECT_EQ(a.mass.inertia, b.mass.inertia);
+  }
+}
+
+TEST(Barycentric, APatchOfTheSolidGivesTheFragmentsOfTheWhole) {
+  std::vector<NamedMesh> shapes = closed_shapes();
+  shapes.push_back({"nested spheres", nested_spheres(5, 400)});
+  shapes.push_back({"cube field", cube_field(3)});
+  shapes.push_back({"self-crossing tube", self_crossing_tube()});
+  shapes.push_back({"seams", cube_with_seams()});
+  // Parts in each other's layers: what winds around a place comes from several surfaces.
+  shapes.push_back({"overlapping",
+                    joined({cube(), translated(cube(2), {0.25, 0.1, 0.3}), scaled(cube(3), {0.5, 2, 0.5})})});
+  for (const NamedMesh& shape : shapes) {
+    const Solid solid = solid_of(shape.mesh);
+    for (const std::uint32_t count : {1u, 9u, 40u}) {
+      const Tetrahedralization t = tetrahedra_of(*uniform_sites(solid, count, 7, {}), solid.box);
+      const VoronoiDiagram diagram(t, solid.box);
+      expect_same(fracture_barycentric(solid, diagram, Pivot::kCenterOfMass, 0, {}).set.fragments,
+                  cut_from_the_whole(solid, diagram), shape.name + " " + std::to_string(count));
+    }
+  }
+}
+
+// Sites on the lattice of the mesh's own vertices: planes of hulls through faces, edges and vertices of it,
+// and Voronoi vertices on its surface. Which side they are on is a matter of the tie rule alone.
+TEST(Barycentric, APatchGivesTheFragmentsOfTheWholeWhereEverythingTouches) {
+  for (const Mesh& mesh : {cube(4), cube_field(2), menger_sponge(1), nested_spheres(3, 200, 0.25)}) {
+    const Solid solid = solid_of(mesh);
+    std::vector<Vec3d> sites;
+    const Vec3d size = solid.box.size();
+    for (int x = 0; x < 4; ++x)
+      for (int y = 0; y < 4; ++y)
+        for (int z = 0; z < 4; ++z)
+          sites.push_back(solid.box.min + Vec3d{size.x * x / 4, size.y * y / 4, size.z * z / 4} +
+                          0.125 * size);
+    const Tetrahedralization t = tetrahedra_of(sites, solid.box);
+    const VoronoiDiagram diagram(t, solid.box);
+    expect_same(fracture_barycentric(solid, diagram, Pivot::kCenterOfMass, 0, {}).set.fragments,
+                cut_from_the_whole(solid, diagram), std::to_string(mesh.triangles.size()));
+  }
+}
+
+// The cost was sites x triangles: with both four times as large, sixteen times as much.
+TEST(Barycentric, LooksAtEachTriangleAFewTimesHoweverManyCellsThereAre) {
+  std::vector<double> a_triangle_or_cell;
+  for (const std::uint32_t size : {1u, 4u, 16u}) {
+    const Solid solid = solid_of(sphere_with(static_cast<int>(1000 * size)));
+    const std::uint32_t count = 50 * size;
+    const Tetrahedralization t = tetrahedra_of(*uniform_sites(solid, count, 3, {}), solid.box);
+    const VoronoiDiagram diagram(t, solid.box);
+    const BarycentricResult result = fracture_barycentric(solid, diagram, Pivot::kCenterOfMass, 0, {});
+    std::uint64_t made = 0;
+    for (const Fragment& f : result.set.fragments) made += f.indices.size() / 3;
+    a_triangle_or_cell.push_back(static_cast<double>(result.looked_at) /
+                                 static_cast<double>(solid.triangles.size() + made));
+  }
+  EXPECT_LT(a_triangle_or_cell[0], 4);
+  for (std::size_t k = 1; k < a_triangle_or_cell.size(); ++k)
+    EXPECT_LT(a_triangle_or_cell[k], 1.3 * a_triangle_or_cell[k - 1]) << k;
+}
+
+TEST(Barycentric, CanBeInterruptedAnywhere) {
+  const Solid solid = solid_of(sphere_with(100'000));
+  // A cell of thousands of neighbours among others: its hull is the largest.
+  std::vector<Vec3d> sites = *uniform_sites(solid, 100, 5, {});
+  for (const Vec3f& p : sphere_with(3000, 0.5).positions) sites.push_back(to_double(p));
+  sites.push_back({0, 0, 0});
+  const Tetrahedralization t = tetrahedra_of(sites, solid.box);
+  const VoronoiDiagram diagram(t, solid.box);
+  PollGaps gaps;
+  const BarycentricResult result =
+      fracture_barycentric(solid, diagram, Pivot::kCenterOfMass, 0, gaps.execution());
+  EXPECT_GT(result.set.fragments.size(), 100u);
+  EXPECT_LT(gaps.longest_ms(), kMostPollGapMs);
+}
+
+}  // namespace
+}  // namespace fracture::test
