@@ -2,12 +2,15 @@
 // error bound and, where that does not decide the rounding, with integers. Private to clip/.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <tuple>
 
+#include "common/clip/double_double.hpp"
 #include "common/clip/positions.hpp"
 #include "common/exact/approx.hpp"
 #include "common/exact/number_types.hpp"
@@ -26,9 +29,10 @@ struct Fraction {
   T denominator;
 };
 
-// A formula is a struct with its input points (`input`), operator() over any number type, and two constants:
+// A formula is a struct with its input points (`input`), operator() over any number type, and constants:
 //   kFromFirst  the value is an offset from the first input
 //   kDegree     all inputs being scaled by one power of two s, the value is s^kDegree times too large
+//   kBetweenFrom, kBetweenTo  range of inputs whose affine hull holds the value; empty: none is known
 
 struct Placed {
   Vec3d point;
@@ -36,54 +40,111 @@ struct Placed {
 };
 
 /// numerator / denominator, rounded to nearest, ties to even; denominator > 0.
-inline BigInt round_quotient(const BigInt& numerator, const BigInt& denominator) {
-  BigInt quotient, remainder;
+template <class Int>
+Int round_quotient(const Int& numerator, const Int& denominator) {
+  Int quotient, remainder;
   boost::multiprecision::divide_qr(numerator, denominator, quotient, remainder);
   if (remainder.sign() < 0) {  // floor
     remainder += denominator;
     --quotient;
   }
-  const BigInt twice = remainder << 1;
-  if (twice > denominator ||
-      (twice == denominator && boost::multiprecision::bit_test(BigInt(abs(quotient)), 0)))
+  const Int twice = remainder << 1;
+  if (twice > denominator || (twice == denominator && boost::multiprecision::bit_test(Int(abs(quotient)), 0)))
     ++quotient;
   return quotient;
 }
 
 /// numerator / denominator * 2^exponent as a double (64 quotient bits before the one rounding that shows).
-inline double quotient_to_double(const BigInt& numerator, const BigInt& denominator, int exponent) {
+template <class Int>
+double quotient_to_double(const Int& numerator, const Int& denominator, int exponent) {
   if (numerator.is_zero()) return 0;
-  const auto bits = [](const BigInt& v) {
-    return static_cast<int>(boost::multiprecision::msb(BigInt(abs(v))));
-  };
+  const auto bits = [](const Int& v) { return static_cast<int>(boost::multiprecision::msb(Int(abs(v)))); };
   const int shift = 64 - (bits(numerator) - bits(denominator));
-  const BigInt scaled = shift >= 0 ? BigInt(numerator << shift) : numerator;
-  const BigInt below = shift >= 0 ? denominator : BigInt(denominator << -shift);
-  return std::ldexp(static_cast<double>(BigInt(scaled / below)), exponent - shift);
+  const Int scaled = shift >= 0 ? Int(numerator << shift) : numerator;
+  const Int below = shift >= 0 ? denominator : Int(denominator << -shift);
+  return std::ldexp(static_cast<double>(Int(scaled / below)), exponent - shift);
+}
+
+template <class Int, class Formula>
+Placed place_with(const Formula& formula, const BinaryScale& scale, const SeamLattice& lattice) {
+  std::array<Point<Int>, std::tuple_size_v<decltype(formula.input)>> p;
+  for (std::size_t k = 0; k < p.size(); ++k) p[k] = scale.scaled<Int>(formula.input[k]);
+  Fraction<Int> f = formula(p);
+  if (f.denominator.sign() < 0) f = {{-f.numerator.x, -f.numerator.y, -f.numerator.z}, -f.denominator};
+  const std::array<Int, 3> offset{f.numerator.x, f.numerator.y, f.numerator.z};
+  const std::array<Int, 3> origin{p[0].x, p[0].y, p[0].z};
+  const int exponent = Formula::kDegree * scale.lowest_bit;
+  Placed placed;
+  for (int a = 0; a < 3; ++a) {
+    const Int numerator = Formula::kFromFirst ? Int(origin[a] * f.denominator + offset[a]) : offset[a];
+    placed.point[a] = quotient_to_double(numerator, f.denominator, exponent);
+    // In units of the lattice: times 2^(exponent - that of the lattice).
+    const int shift = exponent - lattice.exponent[a];
+    const Int rounded = shift >= 0 ? round_quotient(Int(numerator << shift), f.denominator)
+                                   : round_quotient(numerator, Int(f.denominator << -shift));
+    placed.steps[a] = static_cast<std::int32_t>(rounded);
+  }
+  return placed;
 }
 
 template <class Formula>
 Placed place_exactly(const Formula& formula, const SeamLattice& lattice) {
   BinaryScale scale;
   for (const Vec3d& p : formula.input) scale.include(p);
-  std::array<Point<BigInt>, std::tuple_size_v<decltype(formula.input)>> p;
-  for (std::size_t k = 0; k < p.size(); ++k) p[k] = scale.scaled<BigInt>(formula.input[k]);
-  Fraction<BigInt> f = formula(p);
-  if (f.denominator.sign() < 0) f = {{-f.numerator.x, -f.numerator.y, -f.numerator.z}, -f.denominator};
-  const std::array<BigInt, 3> offset{f.numerator.x, f.numerator.y, f.numerator.z};
-  const std::array<BigInt, 3> origin{p[0].x, p[0].y, p[0].z};
-  const int exponent = Formula::kDegree * scale.lowest_bit;
-  Placed placed;
-  for (int a = 0; a < 3; ++a) {
-    const BigInt numerator = Formula::kFromFirst ? BigInt(origin[a] * f.denominator + offset[a]) : offset[a];
-    placed.point[a] = quotient_to_double(numerator, f.denominator, exponent);
-    // In units of the lattice: times 2^(exponent - that of the lattice).
-    const int shift = exponent - lattice.exponent[a];
-    const BigInt rounded = shift >= 0 ? round_quotient(numerator << shift, f.denominator)
-                                      : round_quotient(numerator, f.denominator << -shift);
-    placed.steps[a] = static_cast<std::int32_t>(rounded);
+  // The polynomials have degree 6 and fewer than 2^8 terms, the origin adds one to it; a quotient takes 64
+  // bits more, or the shift to the lattice. Without allocation that is four times as fast.
+  int shift = 64;
+  for (const int e : lattice.exponent)
+    shift = std::max(shift, std::abs(Formula::kDegree * scale.lowest_bit - e));
+  constexpr int kBits = 1024;
+  return 7 * scale.width() + 16 + shift < kBits ? place_with<exact::FixedInt>(formula, scale, lattice)
+                                                : place_with<BigInt>(formula, scale, lattice);
+}
+
+/// What place_exactly() gives, by DoubleDoubles where these suffice; `approximate` is the formula's value by
+/// doubles. Whole faces of models that are built along the axes lie half-way between two steps of the
+/// lattice: on an axis on which all points that the result lies between agree, it is where they are. False
+/// where integers are needed.
+template <class Formula>
+bool place_precisely(const Formula& formula, const Fraction<Approx>& approximate, const Vec3d& step,
+                     Placed& placed) {
+  std::array<Point<DoubleDouble>, std::tuple_size_v<decltype(formula.input)>> p;
+  for (std::size_t k = 0; k < p.size(); ++k) {
+    const Vec3d& q = formula.input[k];
+    p[k] = {DoubleDouble(q.x), DoubleDouble(q.y), DoubleDouble(q.z)};
   }
-  return placed;
+  const Fraction<DoubleDouble> f = formula(p);
+  // Operation by operation the errors are 2^-48 of those of Approx at most (2^-100 of a result instead of
+  // 2^-52), and what underflow takes, 2^-1074 each time, grows to 1e-230 in polynomials of degree 7.
+  const auto error_of = [](const Approx& a) { return 0x1.0p-47 * a.error + 1e-230; };
+  const double den = std::fabs(f.denominator.hi), den_error = error_of(approximate.denominator);
+  if (!(den > 2 * den_error)) return false;
+  const std::array<DoubleDouble, 3> offset{f.numerator.x, f.numerator.y, f.numerator.z};
+  const std::array<Approx, 3> about{approximate.numerator.x, approximate.numerator.y,
+                                    approximate.numerator.z};
+  for (int a = 0; a < 3; ++a) {
+    constexpr int kFirst = Formula::kBetweenFrom, kEnd = Formula::kBetweenTo;
+    bool level = kEnd > kFirst;
+    for (int k = kFirst + 1; k < kEnd; ++k) level = level && formula.input[k][a] == formula.input[kFirst][a];
+    if (level) {
+      placed.point[a] = formula.input[kFirst][a] + 0.0;  // no negative zero
+      placed.steps[a] = static_cast<std::int32_t>(std::nearbyint(placed.point[a] / step[a]));
+      continue;
+    }
+    const DoubleDouble q = offset[a] / f.denominator;
+    const DoubleDouble x = Formula::kFromFirst ? DoubleDouble(formula.input[0][a]) + q : q;
+    const double error = 1.001 * (error_of(about[a]) + std::fabs(q.hi) * den_error) / (den - den_error) +
+                         0x1.0p-98 * (std::fabs(q.hi) + std::fabs(x.hi));
+    // quotient_to_double() cuts off after 64 bits, then rounds to nearest: x.hi, if nothing within these
+    // errors rounds to another double.
+    const double off = error + 0x1.0p-62 * std::fabs(x.hi);
+    if (x.hi + (x.lo + off) != x.hi || x.hi + (x.lo - off) != x.hi) return false;
+    placed.point[a] = x.hi;
+    const double y = x.hi / step[a], k = std::nearbyint(y);
+    if (!(std::fabs((y - k) + x.lo / step[a]) + error / step[a] < 0.4999999)) return false;
+    placed.steps[a] = static_cast<std::int32_t>(k);
+  }
+  return true;
 }
 
 template <class Formula>
@@ -113,7 +174,7 @@ Placed place(const Formula& formula, const SeamLattice& lattice, const Vec3d& st
     placed.point[a] = x;
     if (certain) placed.steps[a] = static_cast<std::int32_t>(k);
   }
-  if (certain) return placed;
+  if (certain || place_precisely(formula, f, step, placed)) return placed;
   exact.fetch_add(1, std::memory_order_relaxed);
   return place_exactly(formula, lattice);
 }

@@ -11,6 +11,7 @@ namespace fracture::clip_detail {
 struct ImageEdgeCutFormula {
   static constexpr bool kFromFirst = true;
   static constexpr int kDegree = 1;
+  static constexpr int kBetweenFrom = 0, kBetweenTo = 2;
   std::array<Vec3d, 6> input;  // a, b, a', b', i, k
   template <class T>
   Fraction<T> operator()(const std::array<Point<T>, 6>& p) const {
@@ -26,6 +27,7 @@ struct ImageEdgeCutFormula {
 struct ImageTriangleCutFormula {
   static constexpr bool kFromFirst = true;
   static constexpr int kDegree = 1;
+  static constexpr int kBetweenFrom = 0, kBetweenTo = 3;
   std::array<Vec3d, 9> input;  // a, b, c, a', b', c', i, k, l
   template <class T>
   Fraction<T> operator()(const std::array<Point<T>, 9>& p) const {
@@ -44,6 +46,7 @@ struct ImageTriangleCutFormula {
 struct ImageCircumcenterFormula {
   static constexpr bool kFromFirst = false;
   static constexpr int kDegree = 0;
+  static constexpr int kBetweenFrom = 0, kBetweenTo = 0;
   std::array<Vec3d, 7> input;  // i, j, k, l, the rows of A
   template <class T>
   Fraction<T> operator()(const std::array<Point<T>, 7>& p) const {

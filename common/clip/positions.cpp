@@ -18,6 +18,7 @@ using exact::Point;
 struct EdgeCutFormula {  // mesh edge (a, b) x bisector(i, k): a + e (c_k - 2 u·(a - i)) / (2 u·e)
   static constexpr bool kFromFirst = true;
   static constexpr int kDegree = 1;
+  static constexpr int kBetweenFrom = 0, kBetweenTo = 2;
   std::array<Vec3d, 4> input;  // a, b, i, k
   template <class T>
   Fraction<T> operator()(const std::array<Point<T>, 4>& p) const {
@@ -30,6 +31,7 @@ struct EdgeCutFormula {  // mesh edge (a, b) x bisector(i, k): a + e (c_k - 2 u�
 struct TriangleCutFormula {  // mesh triangle (a, b, c) x Voronoi edge (i, k, l), from origin i
   static constexpr bool kFromFirst = true;
   static constexpr int kDegree = 1;
+  static constexpr int kBetweenFrom = 3, kBetweenTo = 6;
   std::array<Vec3d, 6> input;  // i, k, l, a, b, c
   template <class T>
   Fraction<T> operator()(const std::array<Point<T>, 6>& p) const {
@@ -44,6 +46,7 @@ struct TriangleCutFormula {  // mesh triangle (a, b, c) x Voronoi edge (i, k, l)
 struct CircumcenterFormula {  // Voronoi vertex (i, j, k, l), from origin i
   static constexpr bool kFromFirst = true;
   static constexpr int kDegree = 1;
+  static constexpr int kBetweenFrom = 0, kBetweenTo = 0;
   std::array<Vec3d, 4> input;
   template <class T>
   Fraction<T> operator()(const std::array<Point<T>, 4>& p) const {
@@ -156,7 +159,7 @@ VertexPositions place_vertices(const Solid& solid, const Solid& image, const Vor
     return placed_by(CircumcenterFormula{{site(v[0]), site(v[1]), site(v[2]), site(v[3])}});
   };
 
-  parallel_for(execution, out.points.size(), 1024, [&](std::size_t begin, std::size_t end) {
+  parallel_for(execution, out.points.size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) {
       const Placed placed = n < b       ? place_edge(cuts.edge_cuts[n])
                             : n < b + c ? place_triangle(cuts.triangle_cuts[n - b])

@@ -2,27 +2,34 @@
 
 #include <algorithm>
 
+#include "common/base/pacer.hpp"
+
 namespace fracture {
 
 std::vector<Bond> find_bonds(const RestrictedDiagram& d, const Pieces& pieces,
-                             const std::vector<std::uint32_t>& group_of_piece) {
+                             const std::vector<std::uint32_t>& group_of_piece, const Execution& execution) {
+  Pacer pacer(execution);
   struct Contact {
     std::uint32_t a, b, region;
     bool reversed;  // the cap's normal leads from b to a
   };
   std::vector<Contact> contacts;
   for (std::uint32_t r = 0; r < d.caps.regions.size(); ++r) {
+    pacer.step();
     const std::uint32_t p = pieces.piece_of_cap[2 * r], q = pieces.piece_of_cap[2 * r + 1];
     if (p == kNoIndex || q == kNoIndex) continue;
     const std::uint32_t a = group_of_piece[p], b = group_of_piece[q];
     if (a == b || a == kNoIndex || b == kNoIndex) continue;
     contacts.push_back({std::min(a, b), std::max(a, b), r, a > b});
   }
-  std::sort(contacts.begin(), contacts.end(), [](const Contact& x, const Contact& y) {
+  // Mostly they are: regions stand in order of their cells, fragments too.
+  const auto before = [](const Contact& x, const Contact& y) {
     if (x.a != y.a) return x.a < y.a;
     if (x.b != y.b) return x.b < y.b;
     return x.region < y.region;
-  });
+  };
+  if (!std::is_sorted(contacts.begin(), contacts.end(), before))
+    sort_with_polls(execution, contacts.begin(), contacts.end(), before);
 
   std::vector<Bond> bonds;
   for (std::size_t k = 0; k < contacts.size();) {
@@ -31,6 +38,7 @@ std::vector<Bond> find_bonds(const RestrictedDiagram& d, const Pieces& pieces,
     const bool rough = !d.caps.normals.empty();
     for (; k < contacts.size() && contacts[k].a == bond.a && contacts[k].b == bond.b; ++k) {
       const CapRegion& r = d.caps.regions[contacts[k].region];
+      pacer.step(2 * r.triangle_count);
       const Vec3d across = rough ? d.diagram.facet_normal(r.lo, r.hi) : Vec3d{};
       for (std::uint32_t t = r.first_triangle; t < r.first_triangle + r.triangle_count; ++t) {
         const auto& v = d.caps.triangles[t];

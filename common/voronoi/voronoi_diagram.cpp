@@ -199,15 +199,22 @@ SiteId VoronoiDiagram::roughly_nearest(const Vec3d& q) const {
 SiteId VoronoiDiagram::nearest(const Vec3d& q, SiteId start, Walk& walk) const {
   // In a (perturbed, hence generic) power diagram a site that beats all its neighbours is the nearest one,
   // and each step comes strictly closer, so the walk ends. Sites in a volume take a step for each cell on
-  // the way; this many are seldom.
+  // the way: this many are seldom, unless each point is far from the one before.
   constexpr int kLongWalk = 32;
+  const auto is_lost = [&](int steps) {
+    return steps > 0 && steps % kLongWalk == 0 &&
+           all_sites_->steps.fetch_add(kLongWalk, std::memory_order_relaxed) > dual_->site_count();
+  };
   SiteId i = start;
+  bool jumped = false;
   for (int steps = 0;; ++steps) {
     const SiteId next = has_many_neighbors(i) ? closer_of_many(q, i, walk) : closer_neighbor(q, i, walk);
     if (next == kNoSite) return i;
     if (dual_->is_corner(next))
       throw InternalError("nearest: a point of the box lies in the cell of a corner");
-    i = steps == kLongWalk ? roughly_nearest(q) : next;
+    const bool jump = !jumped && is_lost(steps);
+    i = jump ? roughly_nearest(q) : next;
+    jumped |= jump;
   }
 }
 

@@ -8,6 +8,7 @@
 // doubles with an error bound and serve only as filter in front of the exact side predicates.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -108,7 +109,9 @@ class VoronoiDiagram {
   Facet find_facet(SiteId i, SiteId j, SiteId k) const;
 
  private:
+  /// A tree of all sites, made when long walks have taken about as much time as it takes.
   struct AllSites {
+    std::atomic<std::uint64_t> steps{0};  ///< of long walks, so far
     std::once_flag once;
     std::optional<SiteTree> tree;
   };
@@ -125,7 +128,7 @@ class VoronoiDiagram {
   std::vector<Bisector> bisectors_;
   std::vector<TetId> tets_;
   std::vector<Neighborhood> neighborhoods_;  // of cells of many neighbours, ascending by site
-  std::unique_ptr<AllSites> all_sites_;      // made where a walk is long
+  std::unique_ptr<AllSites> all_sites_;
 };
 
 }  // namespace fracture
