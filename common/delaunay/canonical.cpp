@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/base/pacer.hpp"
 #include "common/delaunay/tetrahedralization.hpp"
 
 namespace fracture {
@@ -28,25 +29,48 @@ std::array<std::uint8_t, 4> canonical_order(const std::array<SiteId, 4>& v) {
 
 }  // namespace
 
-void canonicalize(Tetrahedralization& t) {
+void canonicalize(Tetrahedralization& t, const Execution& execution) {
+  // Two tetrahedra may share three vertices but never four, so comparing the tuples is a total order. By the
+  // lowest site (counting sort), then the few of each site by the rest of the tuple.
+  struct Entry {
+    std::array<SiteId, 3> rest;
+    TetId tet;
+  };
+  const auto count = static_cast<TetId>(t.tets.size());
+  Pacer pacer(execution);
+  std::vector<std::uint32_t> begin(t.points.size() + 1, 0);
   for (Tetrahedron& tet : t.tets) {
+    pacer.step();
     const std::array<std::uint8_t, 4> order = canonical_order(tet.v);
     const Tetrahedron old = tet;
     for (int k = 0; k < 4; ++k) {
       tet.v[k] = old.v[order[k]];
       tet.n[k] = old.n[order[k]];
     }
+    ++begin[tet.v[0] + 1];
   }
-  // Two tetrahedra may share three vertices but never four, so comparing the tuples is a total order.
-  std::vector<TetId> order(t.tets.size());
-  for (TetId i = 0; i < order.size(); ++i) order[i] = i;
-  std::sort(order.begin(), order.end(), [&](TetId a, TetId b) { return t.tets[a].v < t.tets[b].v; });
-  std::vector<TetId> new_id(order.size());
-  for (TetId i = 0; i < order.size(); ++i) new_id[order[i]] = i;
-  std::vector<Tetrahedron> tets(t.tets.size());
+  for (std::size_t s = 0; s < t.points.size(); ++s) begin[s + 1] += begin[s];
+  std::vector<Entry> entries(count);
+  std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
+  for (TetId i = 0; i < count; ++i) {
+    pacer.step();
+    const auto& v = t.tets[i].v;
+    entries[next[v[0]]++] = {{v[1], v[2], v[3]}, i};
+  }
+  std::vector<TetId> new_id(count);
+  for (std::size_t s = 0; s < t.points.size(); ++s) {
+    std::sort(entries.begin() + begin[s], entries.begin() + begin[s + 1],
+              [&](const Entry& a, const Entry& b) {
+                pacer.step();
+                return a.rest < b.rest;
+              });
+    for (std::uint32_t k = begin[s]; k < begin[s + 1]; ++k) new_id[entries[k].tet] = k;
+  }
+  std::vector<Tetrahedron> tets(count);
   std::fill(t.tet_of_site.begin(), t.tet_of_site.end(), kNoTet);
-  for (TetId i = 0; i < order.size(); ++i) {
-    tets[i] = t.tets[order[i]];
+  for (TetId i = 0; i < count; ++i) {
+    pacer.step(2);
+    tets[i] = t.tets[entries[i].tet];
     for (TetId& n : tets[i].n)
       if (n != kNoTet) n = new_id[n];
     for (const SiteId s : tets[i].v)

@@ -57,6 +57,7 @@ void IncrementalDelaunay::grow_cavity(const Vec3d& p, TetId start) {
   cavity_[cavity++] = 4 * start;
   look(tets_[start], 0);
   for (std::size_t i = 0; i < cavity; ++i) {
+    poll_in_large_cavity(i);
     if (cavity + 4 > cavity_.size()) cavity_.resize(2 * cavity_.size());
     if (boundary + 4 > boundary_.size()) boundary_.resize(2 * boundary_.size());
     const Tet& t = tets_[cavity_[i] >> 2];
@@ -97,6 +98,7 @@ void IncrementalDelaunay::fill_cavity(VertexId v) {
   // Each new tetrahedron is (p, a, b, c) over the boundary facet abc. Its facet opposite a holds the edge bc;
   // the new neighbour there is the one whose facet has the edge in the other direction.
   for (std::size_t i = 0; i < count; ++i) {
+    poll_in_large_cavity(i);
     const Facet& f = boundary_[i];
     const TetId id = cavity_[i];
     Vertex &va = vertices_[f.v[0]], &vb = vertices_[f.v[1]], &vc = vertices_[f.v[2]];
@@ -146,12 +148,14 @@ void IncrementalDelaunay::fill_cavity(VertexId v) {
       return std::array{fresh_[base + (k + 1) % 3], fresh_[base + (k + 2) % 3]};
     };
     for (std::uint32_t entry = 0; entry < 3 * count; ++entry) {
+      poll_in_large_cavity(entry);
       const auto [from, to] = edge(entry);
       std::size_t s = slot_of(from, to);
       while (table[s] != kEmpty) s = (s + 1) & (size - 1);
       table[s] = entry;
     }
     for (std::uint32_t entry = 0; entry < 3 * count; ++entry) {
+      poll_in_large_cavity(entry);
       const auto [from, to] = edge(entry);
       std::size_t s = slot_of(to, from);
       while (edge(table[s]) != std::array{to, from}) s = (s + 1) & (size - 1);

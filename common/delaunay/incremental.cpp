@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/base/pacer.hpp"
 #include "common/delaunay/incremental_detail.hpp"
 #include "common/exact/in_sphere.hpp"
 #include "common/exact/orient3d.hpp"
@@ -33,7 +34,9 @@ IncrementalDelaunay::IncrementalDelaunay(const BigTetrahedron& big, Options opti
   for (SiteId s = 0; s < sites; ++s) new_vertex(finished.points[s]);
   const auto vertex = [sites](SiteId s) { return s < sites ? s + 4 : s - sites; };
   tets_.resize(finished.tets.size());
+  Pacer pacer(*options_.execution);
   for (TetId t = 0; t < tets_.size(); ++t) {
+    pacer.step(4);
     const Tetrahedron& from = finished.tets[t];
     Tet& tet = tets_[t];
     tet = Tet{{vertex(from.v[0]), vertex(from.v[1]), vertex(from.v[2]), vertex(from.v[3])},

@@ -26,6 +26,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/execution.hpp"
 #include "common/delaunay/big_tetrahedron.hpp"
 #include "common/delaunay/tetrahedralization.hpp"
 #include "common/exact/wide_int.hpp"
@@ -45,6 +46,8 @@ class IncrementalDelaunay {
     Method method = Method::kCavity;
     /// Insertion refuses (kFull) once the structure has more tetrahedra than this.
     std::uint32_t max_tets = 0x3fffffff;
+    /// Borrowed; polled in every long loop. What throws Interrupted leaves the structure unusable.
+    const Execution* execution = &kUninterrupted;
   };
   enum class Status : std::uint8_t {
     kInserted,
@@ -152,6 +155,11 @@ class IncrementalDelaunay {
   TetId new_tet();
   void free_tet(TetId t);
   void next_visit();
+  /// Within loops over one cavity, of which few have thousands of facets.
+  void poll_in_large_cavity(std::size_t step) const {
+    if ((step & 0xfff) == 0xfff) [[unlikely]]
+      options_.execution->poll();
+  }
   // cavity.cpp
   void insert_by_cavity(VertexId v, TetId start);
   void grow_cavity(const Vec3d& p, TetId start);

@@ -22,13 +22,13 @@ std::optional<Tetrahedralization> insert_sites(const Tetrahedralization& before,
 
   const auto limit = static_cast<std::uint32_t>(
       std::min<std::uint64_t>(kTetsAlways + kTetsPerSite * static_cast<std::uint64_t>(given), 0x3ffffff0u));
-  IncrementalDelaunay delaunay(big, {IncrementalDelaunay::Method::kCavity, limit}, before);
+  IncrementalDelaunay delaunay(big, {IncrementalDelaunay::Method::kCavity, limit, &execution}, before);
   // For each further point the vertex it became; for each vertex the lowest further point that it stands for.
   std::vector<VertexId> vertex_of(further.size());
   std::vector<std::size_t> first_of(4 + sites + further.size(), further.size());
-  const std::vector<std::uint32_t> order = spatial_order(further);
+  const std::vector<std::uint32_t> order = spatial_order(further, execution);
   for (std::size_t k = 0; k < order.size(); ++k) {
-    if (k % 256 == 0) execution.poll();
+    if (k % 64 == 0) execution.poll();
     const auto [status, vertex] = delaunay.insert(further[order[k]]);
     if (status == IncrementalDelaunay::Status::kFull) return std::nullopt;
     if (status == IncrementalDelaunay::Status::kOutsideDomain)
@@ -36,6 +36,8 @@ std::optional<Tetrahedralization> insert_sites(const Tetrahedralization& before,
     vertex_of[order[k]] = vertex;
     first_of[vertex] = std::min<std::size_t>(first_of[vertex], order[k]);
   }
+
+  execution.made(Product::kTetrahedra, delaunay.tet_count());  // a copy
 
   std::vector<SiteId> site_of_vertex(delaunay.vertex_end(), kNoSite);
   for (SiteId s = 0; s < sites; ++s) site_of_vertex[4 + s] = s;
@@ -47,7 +49,7 @@ std::optional<Tetrahedralization> insert_sites(const Tetrahedralization& before,
   for (const VertexId v : vertex_of) result.site_of_input.push_back(site_of_vertex[v]);
   result.duplicates_merged =
       before.duplicates_merged + static_cast<std::uint32_t>(further.size()) - (next - sites);
-  canonicalize(result);
+  canonicalize(result, execution);
   return result;
 }
 

@@ -1,4 +1,5 @@
 // From the mutable structure to the compact Tetrahedralization.
+#include "common/base/pacer.hpp"
 #include "common/delaunay/incremental.hpp"
 
 namespace fracture {
@@ -13,6 +14,7 @@ Tetrahedralization IncrementalDelaunay::snapshot() const {
 
 Tetrahedralization IncrementalDelaunay::snapshot(std::span<const SiteId> site_of_vertex) const {
   const std::uint32_t sites = site_count();
+  Pacer pacer(*options_.execution);
   Tetrahedralization result;
   result.points.resize(sites + 4);
   result.tet_of_site.resize(sites + 4);
@@ -35,6 +37,7 @@ Tetrahedralization IncrementalDelaunay::snapshot(std::span<const SiteId> site_of
   }
   result.tets.reserve(tet_count());
   for (const Tet& t : tets_) {
+    pacer.step();
     if (t.v[0] == kNoVertex) continue;
     const auto neighbour = [&](int k) { return t.n[k] == kNoLink ? kNoTet : new_id(t.n[k] >> 2); };
     result.tets.push_back({{name[t.v[0]], name[t.v[1]], name[t.v[2]], name[t.v[3]]},

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 
+#include "common/base/pacer.hpp"
 #include "common/base/random.hpp"
 
 namespace fracture {
@@ -51,14 +52,17 @@ struct Keyed {
 };
 
 // Stable radix sort by bits [low, high) of the key.
-void radix_sort(std::vector<Keyed>& items, int low, int high) {
+void radix_sort(std::vector<Keyed>& items, int low, int high, Pacer& pacer) {
   std::vector<Keyed> other(items.size());
   for (int shift = low; shift < high; shift += 11) {
     std::array<std::uint32_t, 2048> start{};
     for (const Keyed& k : items) ++start[k.key >> shift & 2047];
     std::uint32_t sum = 0;
     for (std::uint32_t& s : start) sum += std::exchange(s, sum);
-    for (const Keyed& k : items) other[start[k.key >> shift & 2047]++] = k;
+    for (const Keyed& k : items) {
+      other[start[k.key >> shift & 2047]++] = k;
+      pacer.step();
+    }
     items.swap(other);
   }
 }
@@ -80,7 +84,8 @@ std::uint64_t hilbert_index(std::uint32_t x, std::uint32_t y, std::uint32_t z, i
   return index;
 }
 
-std::vector<std::uint32_t> spatial_order(std::span<const Vec3d> points) {
+std::vector<std::uint32_t> spatial_order(std::span<const Vec3d> points, const Execution& execution) {
+  Pacer pacer(execution);
   Box box;
   for (const Vec3d& p : points) box.add(p);
   const double side = box.longest_side();
@@ -97,6 +102,7 @@ std::vector<std::uint32_t> spatial_order(std::span<const Vec3d> points) {
   std::vector<std::vector<Keyed>> items(rounds);
   items[0].reserve(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
+    pacer.step(2);
     const Vec3d& p = points[i];
     const std::uint64_t key =
         hilbert_index(cell(p.x, box.min.x), cell(p.y, box.min.y), cell(p.z, box.min.z), kBits);
@@ -109,12 +115,13 @@ std::vector<std::uint32_t> spatial_order(std::span<const Vec3d> points) {
   for (int r = rounds; r-- > 0;) {
     std::vector<Keyed>& round = items[r];
     constexpr int kCoarse = 3 * kBits - kCoarseBits;
-    radix_sort(round, kCoarse, 3 * kBits);
+    radix_sort(round, kCoarse, 3 * kBits, pacer);
     for (std::size_t i = 0; i < round.size();) {
       std::size_t end = i + 1;
       while (end < round.size() && round[end].key >> kCoarse == round[i].key >> kCoarse) ++end;
       if (end - i > 1)
-        std::sort(round.begin() + i, round.begin() + end, [](const Keyed& a, const Keyed& b) {
+        std::sort(round.begin() + i, round.begin() + end, [&](const Keyed& a, const Keyed& b) {
+          pacer.step();
           return a.key != b.key ? a.key < b.key : a.point < b.point;
         });
       i = end;

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "common/base/execution.hpp"
 #include "common/base/vec.hpp"
 
 namespace fracture {
@@ -16,7 +17,9 @@ namespace fracture {
 /// Position on the Hilbert curve of a 2^bits lattice, coordinates below 2^bits, bits <= 21.
 std::uint64_t hilbert_index(std::uint32_t x, std::uint32_t y, std::uint32_t z, int bits);
 
-/// A permutation of 0..points.size()-1; a deterministic function of the points in their order.
-std::vector<std::uint32_t> spatial_order(std::span<const Vec3d> points);
+/// A permutation of 0..points.size()-1; a deterministic function of the points in their order. Throws
+/// Interrupted.
+std::vector<std::uint32_t> spatial_order(std::span<const Vec3d> points,
+                                         const Execution& execution = kUninterrupted);
 
 }  // namespace fracture

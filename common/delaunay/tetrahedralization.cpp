@@ -71,16 +71,24 @@ Expected<Tetrahedralization> tetrahedralize(std::span<const Vec3d> sites, const 
 
   const auto limit = static_cast<std::uint32_t>(std::min<std::uint64_t>(
       kTetsAlways + kTetsPerSite * static_cast<std::uint64_t>(points.size()), 0x3ffffff0u));
-  IncrementalDelaunay delaunay(big_tetrahedron(domain), {IncrementalDelaunay::Method::kCavity, limit});
+  IncrementalDelaunay delaunay(big_tetrahedron(domain),
+                               {IncrementalDelaunay::Method::kCavity, limit, &execution});
   delaunay.reserve(points.size());
 
-  const std::vector<std::uint32_t> order = spatial_order(points);
+  const std::vector<std::uint32_t> order = spatial_order(points, execution);
   // For each kept point the vertex it became; for each vertex the lowest kept point that it stands for.
   std::vector<VertexId> vertex_of(points.size());
   std::vector<std::uint32_t> first_of(points.size() + 4, 0xffffffffu);
+  std::uint32_t counted = 0;
+  const auto count_new = [&] {
+    if (delaunay.tet_count() <= counted) return;
+    execution.made(Product::kTetrahedra, delaunay.tet_count() - counted);
+    counted = delaunay.tet_count();
+  };
   for (std::size_t i = 0; i < order.size(); ++i) {
-    if (i % 256 == 0) {
+    if (i % 64 == 0) {
       execution.poll();
+      count_new();
       if (execution.progress && i % 4096 == 0)
         execution.progress("delaunay", static_cast<double>(i) / static_cast<double>(order.size()));
     }
@@ -96,6 +104,8 @@ Expected<Tetrahedralization> tetrahedralize(std::span<const Vec3d> sites, const 
     vertex_of[order[i]] = vertex;
     first_of[vertex] = std::min(first_of[vertex], order[i]);
   }
+
+  count_new();
 
   // Sites are numbered by the first point that stands for them.
   std::vector<SiteId> site_of_vertex(delaunay.vertex_end(), kNoSite);

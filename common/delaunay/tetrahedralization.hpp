@@ -64,8 +64,9 @@ Expected<Tetrahedralization> tetrahedralize(std::span<const Vec3d> sites, const 
 
 /// Renumbers: each tetrahedron's vertices ascending (up to a swap of the last two that keeps it positive),
 /// tetrahedra by vertex tuple, tet_of_site the first one. Equal sets of tetrahedra with equal site ids become
-/// equal. n log n in the tetrahedra; not part of tetrahedralize() because of its cost (DECISION.md).
-void canonicalize(Tetrahedralization& t);
+/// equal. n log n in the tetrahedra of one site, else linear; not part of tetrahedralize() because of its
+/// cost (DECISION.md). Throws Interrupted.
+void canonicalize(Tetrahedralization& t, const Execution& execution = kUninterrupted);
 
 /// What tetrahedralize() and canonicalize() make of the caller's earlier list followed by `further`, where
 /// `before` is what they made of the earlier list: the further sites are inserted into it, and it alone is
