@@ -30,7 +30,7 @@ constexpr double kSlowness = 8;
 constexpr double kSlowness = 1;
 #endif
 constexpr double kBetweenPolls = 0.05 * kSlowness;  ///< seconds of the thread's processor time
-const std::chrono::milliseconds kDeadline(static_cast<int>(4000 * kSlowness));
+constexpr std::chrono::seconds kDeadline(kSlowness > 1 ? 12 : 4);
 
 double processor_seconds() {
   timespec t{};
