@@ -31,6 +31,7 @@ class Pacer {
 /// order.
 template <class Iterator, class Less>
 void sort_with_polls(const Execution& execution, Iterator first, Iterator last, const Less& less) {
+  if (last - first < 4096) return std::sort(first, last, less);  // less than a millisecond
   Pacer pacer(execution);
   std::sort(first, last, [&](const auto& a, const auto& b) {
     pacer.step();

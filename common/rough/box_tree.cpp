@@ -6,6 +6,8 @@ namespace fracture {
 namespace {
 
 constexpr std::uint32_t kLeaf = 4;  // boxes, at most
+/// Their median takes less than a few milliseconds: no comparison has to count.
+constexpr std::uint32_t kSoonSelected = 1 << 16;
 
 }  // namespace
 
@@ -23,8 +25,8 @@ void BoxTree::build(std::uint32_t first, std::uint32_t last, Pacer& pacer) {
   for (std::uint32_t k = first; k < last; ++k) {
     all.add(items_[k].box);
     middles.add(twice_middle(items_[k]));
-    pacer.step();
   }
+  pacer.step(last - first);
   const std::size_t node = nodes_.size();
   nodes_.push_back({all, first, last - first});
   if (last - first <= kLeaf) return;
@@ -33,12 +35,18 @@ void BoxTree::build(std::uint32_t first, std::uint32_t last, Pacer& pacer) {
   for (int a = 1; a < 3; ++a)
     if (size[a] > size[axis]) axis = a;
   const std::uint32_t half = first + (last - first) / 2;
-  std::nth_element(items_.begin() + first, items_.begin() + half, items_.begin() + last,
-                   [&](const Item& x, const Item& y) {
-                     pacer.step();
-                     const double a = twice_middle(x)[axis], b = twice_middle(y)[axis];
-                     return a != b ? a < b : x.index < y.index;
-                   });
+  const auto less = [&](const Item& x, const Item& y) {
+    const double a = twice_middle(x)[axis], b = twice_middle(y)[axis];
+    return a != b ? a < b : x.index < y.index;
+  };
+  const auto begin = items_.begin();
+  if (last - first < kSoonSelected)
+    std::nth_element(begin + first, begin + half, begin + last, less);
+  else
+    std::nth_element(begin + first, begin + half, begin + last, [&](const Item& x, const Item& y) {
+      pacer.step();
+      return less(x, y);
+    });
   build(first, half, pacer);
   nodes_[node].first = static_cast<std::uint32_t>(nodes_.size());
   nodes_[node].count = 0;
