@@ -3,31 +3,25 @@
 #include <algorithm>
 
 #include "common/base/disjoint_sets.hpp"
+#include "common/base/pacer.hpp"
 #include "common/base/stamped_map.hpp"
-#include "common/fragment/ray_crossing.hpp"
+#include "common/fragment/cavity_parents.hpp"
 
 namespace fracture {
 namespace {
 
-/// Only which piece takes an uncut cavity hangs on it (the stated exception of invariant I5), never
-/// closedness.
-int winding_of(const RestrictedDiagram& d, const std::vector<Face>& faces, const Vec3d& q) {
-  int winding = 0;
-  for (const Face& f : faces)
-    winding += ray_crossing(d.point(f.v[0]) - q, d.point(f.v[1]) - q, d.point(f.v[2]) - q);
-  return winding;
-}
-
 class ComponentFinder {
  public:
-  ComponentFinder(const RestrictedDiagram& diagram, const Ownership& ownership)
-      : d_(diagram), ownership_(ownership) {}
+  ComponentFinder(const RestrictedDiagram& diagram, const Ownership& ownership, const Execution& execution)
+      : d_(diagram), ownership_(ownership), execution_(execution), pacer_(execution) {}
 
   std::vector<Component> find(const OwnerShare& share) {
     local_.next_epoch(d_.vertex_count());
     sets_.clear();
     std::size_t count = share.surface.size();
     for (const FaceSource source : share.caps) count += d_.caps.regions[cap_region(source)].triangle_count;
+    // The surface's were counted when it was divided.
+    execution_.made(Product::kFragmentTriangles, count - share.surface.size());
     faces_.clear();
     faces_.reserve(count);
     sets_.reserve(count / 2 + 8);  // a closed surface has about half as many vertices as faces
@@ -57,6 +51,7 @@ class ComponentFinder {
 
  private:
   void join(const std::array<VertexId, 3>& v) {
+    pacer_.step();
     std::uint32_t id[3];
     for (int k = 0; k < 3; ++k) {
       std::uint32_t& slot = local_.slot(v[k]);
@@ -80,6 +75,7 @@ class ComponentFinder {
     }
     component_of_root_.clear();
     for (const Face& f : faces_) {
+      pacer_.step();
       const std::uint32_t root = sets_.find(local_.slot(f.v[0]));
       if (component_of_root_.size() <= root) component_of_root_.resize(root + 1, kNoIndex);
       std::uint32_t& c = component_of_root_[root];
@@ -91,9 +87,11 @@ class ComponentFinder {
       components[c].faces.push_back(f);
       components[c].has_caps |= is_cap(f.source);
     }
-    for (Component& c : components)
+    for (Component& c : components) {
+      pacer_.step(c.faces.size());
       c.volume = signed_volume(d_, c.faces.data(), c.faces.size(), d_.point(c.faces[0].v[0]));
-    give_cavities_to_parents(components);
+    }
+    give_cavities_to_parents(d_, components, pacer_);
     std::stable_sort(components.begin(), components.end(), [](const Component& a, const Component& b) {
       return a.part != b.part ? a.part < b.part : a.volume > b.volume;
     });
@@ -114,6 +112,7 @@ class ComponentFinder {
       for (const Face& f : components[c].faces) component_of[sets_.find(local_.slot(f.v[0]))] = c;
     std::vector<Share> shares;
     const auto add = [&](SiteId cell, VertexId v) {
+      pacer_.step();
       const std::uint32_t c = component_of[sets_.find(local_.slot(v))];
       if (c != kNoIndex) shares.push_back({c, cell, v});
     };
@@ -135,7 +134,7 @@ class ComponentFinder {
       for (std::uint32_t k = 0; k < polygon.count; ++k)
         add(polygon.cell, d_.cuts.vertices[polygon.first + k]);
     }
-    std::sort(shares.begin(), shares.end());
+    sort_with_polls(execution_, shares.begin(), shares.end());
     shares.erase(std::unique(shares.begin(), shares.end()), shares.end());
     for (std::size_t k = 0; k < shares.size(); ++k) {
       if (k == 0 || shares[k].component != shares[k - 1].component || shares[k].cell != shares[k - 1].cell)
@@ -148,35 +147,10 @@ class ComponentFinder {
     return is_cap(f.source) ? d_.caps.regions[cap_region(f.source)].part : d_.solid.part[f.source];
   }
 
-  // A component without caps is a whole shell; one of negative volume bounds a cavity of the piece around it.
-  void give_cavities_to_parents(std::vector<Component>& components) const {
-    for (std::size_t c = 0; c < components.size(); ++c) {
-      if (components[c].has_caps || components[c].volume > 0) continue;
-      std::size_t parent = components.size(), candidates = 0, last = 0;
-      for (std::size_t p = 0; p < components.size(); ++p)
-        if (p != c && components[p].part == components[c].part && components[p].volume > 0) {
-          ++candidates;
-          last = p;
-        }
-      if (candidates == 1) parent = last;
-      for (std::size_t p = 0; candidates > 1 && p < components.size(); ++p) {
-        if (p == c || components[p].part != components[c].part || components[p].volume <= 0) continue;
-        if (winding_of(d_, components[p].faces, d_.point(components[c].faces[0].v[0])) == 0) continue;
-        if (parent == components.size() || components[p].volume < components[parent].volume) parent = p;
-      }
-      if (parent == components.size()) continue;
-      Component& to = components[parent];
-      to.faces.insert(to.faces.end(), components[c].faces.begin(), components[c].faces.end());
-      to.volume += components[c].volume;
-      components[c].faces.clear();
-      components[c].volume = 0;
-      components[c].has_caps = true;  // nobody's cavity any more
-    }
-    std::erase_if(components, [](const Component& c) { return c.faces.empty(); });
-  }
-
   const RestrictedDiagram& d_;
   const Ownership& ownership_;
+  const Execution& execution_;
+  Pacer pacer_;
   StampedMap& local_ = worker_map();
   DisjointSets sets_;
   std::vector<Face> faces_;
@@ -186,8 +160,8 @@ class ComponentFinder {
 }  // namespace
 
 std::vector<Component> find_components(const RestrictedDiagram& diagram, const Ownership& ownership,
-                                       const OwnerShare& share) {
-  return ComponentFinder(diagram, ownership).find(share);
+                                       const OwnerShare& share, const Execution& execution) {
+  return ComponentFinder(diagram, ownership, execution).find(share);
 }
 
 }  // namespace fracture
