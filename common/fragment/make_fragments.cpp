@@ -128,7 +128,7 @@ FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownershi
     certificate.volume_file += volumes[g].volume;
     out.fragments.push_back(std::move(f));
   }
-  out.bonds = find_bonds(d, pieces, fragment_of_piece);
+  out.bonds = find_bonds(d, pieces, fragment_of_piece, execution);
 
   certificate.volume_out += certificate.pocket_volume;
   sum_up(d.solid, out.fragments, certificate);
@@ -191,7 +191,7 @@ std::optional<WantedFragments> make_wanted_fragments(const RestrictedDiagram& d,
       }
       pieces.piece_of_cap[2 * r + static_cast<std::uint32_t>(side)] = piece_of_owner[o];
     }
-  out.bonds = find_bonds(d, pieces, fragment_of_piece);
+  out.bonds = find_bonds(d, pieces, fragment_of_piece, execution);
   return out;
 }
 

@@ -4,6 +4,7 @@
 #include <numeric>
 #include <string>
 
+#include "common/base/pacer.hpp"
 #include "common/fragment/components.hpp"
 #include "common/fragment/surface_faces.hpp"
 
@@ -51,12 +52,14 @@ double signed_volume(const RestrictedDiagram& d, const Face* faces, std::size_t 
 }
 
 Pieces gather_pieces(const RestrictedDiagram& d, const Ownership& ownership, const Execution& execution) {
-  const OwnedFaces surface = divide_surface(d, ownership);
+  const OwnedFaces surface = divide_surface(d, ownership, execution);
   const std::size_t owners = ownership.sites_of_owner.size();
 
   // Cap sides by owner; inside a group a region is listed once, to hold its sides together.
   std::vector<std::vector<FaceSource>> caps(owners);
+  Pacer pacer(execution);
   for (std::uint32_t r = 0; r < d.caps.regions.size(); ++r) {
+    pacer.step(8);
     const std::uint32_t lo = ownership.owner_of_site[d.caps.regions[r].lo],
                         hi = ownership.owner_of_site[d.caps.regions[r].hi];
     caps[lo].push_back(cap_source(r, 0));
@@ -65,6 +68,7 @@ Pieces gather_pieces(const RestrictedDiagram& d, const Ownership& ownership, con
   std::vector<std::vector<std::uint32_t>> polygons(owners);
   if (ownership.grouped)
     for (std::uint32_t p = 0; p < d.cuts.polygons.size(); ++p) {
+      pacer.step(4);
       const std::uint32_t o = ownership.owner_of_site[d.cuts.polygons[p].cell];
       if (ownership.sites_of_owner[o].size() > 1) polygons[o].push_back(p);
     }
@@ -79,7 +83,8 @@ Pieces gather_pieces(const RestrictedDiagram& d, const Ownership& ownership, con
           {static_cast<std::uint32_t>(o),
            {surface.faces.data() + surface.begin[o], surface.faces.data() + surface.begin[o + 1]},
            caps[o],
-           polygons[o]});
+           polygons[o]},
+          execution);
     }
   });
 
@@ -88,6 +93,7 @@ Pieces gather_pieces(const RestrictedDiagram& d, const Ownership& ownership, con
   for (std::uint32_t o = 0; o < owners; ++o) {
     std::uint32_t island = 0, last_part = kNoIndex;
     for (Component& c : found[o]) {
+      pacer.step(8 + c.faces.size());
       island = c.part == last_part ? island + 1 : 0;
       last_part = c.part;
       const auto piece = static_cast<std::uint32_t>(out.pieces.size());

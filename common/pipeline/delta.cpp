@@ -259,7 +259,7 @@ std::optional<KeptAnswer> splice(const Solid& solid, const Solid& seen, const Fr
                                  Insertion in, const FractureParameters& parameters,
                                  const Execution& execution) {
   const Tetrahedralization& t = in.diagram.tetrahedralization;
-  const VoronoiDiagram voronoi(t, seen.box, in.diagram.map);
+  const VoronoiDiagram voronoi(t, seen.box, in.diagram.map, execution);
   auto next = std::make_shared<FracturedBase>();
   next->surface = base.surface;
   RestrictedDiagram r{

@@ -87,7 +87,7 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
       diagram.split = *split;
     }
     // Where the sites of a hit change nothing, nothing has another order than without them.
-    canonicalize(diagram.tetrahedralization);
+    canonicalize(diagram.tetrahedralization, execution);
     return diagram;
   });
 }
@@ -143,7 +143,7 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
   std::optional<Solid> image;
   if (diagram.map) image = image_of(solid, *diagram.map);
   const Solid& seen = image ? *image : solid;
-  const VoronoiDiagram voronoi(t, seen.box, diagram.map);
+  const VoronoiDiagram voronoi(t, seen.box, diagram.map, execution);
   std::vector<SiteId> kept;
   if (parameters.keep) kept = cells_meeting(*parameters.keep, voronoi, seen.box);
   const Ownership ownership =

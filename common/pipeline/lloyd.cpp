@@ -73,7 +73,7 @@ Expected<void> relax(const Solid& solid, const Solid& seen, SitePlan& plan, std:
     execution.poll();
     const Expected<Tetrahedralization> t = tetrahedralize(plan.points, seen.box, execution);
     if (!t) return tl::unexpected(t.error());
-    const VoronoiDiagram diagram(*t, seen.box, plan.map);
+    const VoronoiDiagram diagram(*t, seen.box, plan.map, execution);
     const Allowance::Temporary temporary(execution.allowance);  // what the pass makes goes with it
     const Shares shares = measure(restrict_to_solid(solid, seen, diagram, execution));
     for (std::size_t k = 0; k < plan.points.size(); ++k) {

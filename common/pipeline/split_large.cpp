@@ -15,7 +15,7 @@ Expected<SplitFigures> split_large(const Solid& solid, const Solid& seen, Diagra
   SplitFigures figures;
   for (;;) {
     const Tetrahedralization& t = diagram.tetrahedralization;
-    const VoronoiDiagram voronoi(t, seen.box, diagram.map);
+    const VoronoiDiagram voronoi(t, seen.box, diagram.map, execution);
     const Allowance::Temporary temporary(execution.allowance);  // what the pass makes goes with it
     const RestrictedDiagram restricted = restrict_to_solid(solid, seen, voronoi, execution);
     const Pieces pieces = gather_pieces(restricted, Ownership::from_groups(t.site_count(), {}), execution);
