@@ -20,9 +20,9 @@ std::array<double, kDirections> along_directions(const Vec3d& p) {
 }
 
 /// The components of one part that have a volume.
-class Pieces {
+class Surroundings {
  public:
-  Pieces(const RestrictedDiagram& diagram, const std::vector<Component>& components,
+  Surroundings(const RestrictedDiagram& diagram, const std::vector<Component>& components,
          std::vector<std::uint32_t> members, Pacer& pacer)
       : d_(diagram), components_(components), members_(std::move(members)), pacer_(pacer) {}
 
@@ -142,7 +142,7 @@ void give_cavities_to_parents(const RestrictedDiagram& d, std::vector<Component>
       else if (c.volume > 0)
         members.push_back(order[end]);
     }
-    Pieces pieces(d, components, std::move(members), pacer);
+    Surroundings pieces(d, components, std::move(members), pacer);
     for (const std::uint32_t c : cavities) {
       Component& cavity = components[c];
       const std::uint32_t parent = pieces.parent_of(d.point(cavity.faces[0].v[0]));
