@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 
 #include "common/base/pacer.hpp"
 #include "common/base/random.hpp"
@@ -89,7 +90,8 @@ std::vector<std::uint32_t> spatial_order(std::span<const Vec3d> points, const Ex
   Box box;
   for (const Vec3d& p : points) box.add(p);
   const double side = box.longest_side();
-  const double scale = side > 0 ? ((1 << kBits) - 1) / side : 0;
+  // Points nearer to each other than a double can divide by keep their order: any will do.
+  const double per_side = ((1 << kBits) - 1) / side, scale = std::isfinite(per_side) ? per_side : 0;
   const auto cell = [&](double v, double low) {
     const double c = (v - low) * scale;
     return static_cast<std::uint32_t>(std::min<double>(std::max(c, 0.0), (1 << kBits) - 1));

@@ -40,5 +40,14 @@ TEST(SpatialOrder, IsAPermutationForEveryFamily) {
     }
 }
 
+TEST(SpatialOrder, TakesPointsThatAreHardlyApart) {
+  for (const double apart : {0.0, 0x1.0p-1074, 0x1.0p-1060, 0x1.0p-1000}) {
+    const std::vector<Vec3d> points{{0, 0, 0}, {apart, 0, 0}, {0, apart, 0}, {apart, apart, apart}};
+    std::vector<std::uint32_t> order = spatial_order(points);
+    std::sort(order.begin(), order.end());
+    EXPECT_EQ(order, (std::vector<std::uint32_t>{0, 1, 2, 3})) << apart;
+  }
+}
+
 }  // namespace
 }  // namespace fracture
