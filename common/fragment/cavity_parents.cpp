@@ -23,7 +23,7 @@ std::array<double, kDirections> along_directions(const Vec3d& p) {
 class Surroundings {
  public:
   Surroundings(const RestrictedDiagram& diagram, const std::vector<Component>& components,
-         std::vector<std::uint32_t> members, Pacer& pacer)
+               std::vector<std::uint32_t> members, Pacer& pacer)
       : d_(diagram), components_(components), members_(std::move(members)), pacer_(pacer) {}
 
   /// The one that takes a cavity in which q lies; kNoIndex where none does.

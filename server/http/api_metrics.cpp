@@ -50,7 +50,8 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
                    static_cast<double>(figures.evictions), labels);
   };
   const FractureService::Figures caches = service_.figures();
-  count("fracture_unsound_total", "Answers that did not prove themselves and were not given.", caches.unsound);
+  count("fracture_unsound_total", "Answers that did not prove themselves and were not given.",
+        caches.unsound);
   const ServiceConfig& config = service_.config();
   cache("mesh", caches.meshes, config.mesh_cache_bytes);
   cache("diagram", caches.diagrams, config.diagram_cache_bytes);
