@@ -32,9 +32,8 @@ namespace fracture {
 ///  4  2026-11-21  tetrahedra in canonical order, so that a hit leaves what it does not touch as it was, to
 ///                 the bit; several hits, whose sites stay within their radius
 ///  5  2026-11-21  materials have rough cuts; triangles without area have mirror images in any reading
-///  6  2026-11-22  answers that do not prove themselves are refused; crossing caps, united pieces and
-///  thickened
-///                 sheets are closed where they were open; areas in the certificate
+///  6  2026-11-22  answers that do not prove themselves are refused; crossing caps, united pieces and slabs
+///                 are closed where they were open; areas in the certificate
 inline constexpr int kAlgorithmVersion = 6;
 
 enum class Dual {
