@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/base/execution.hpp"
+#include "common/base/pacer.hpp"
 #include "common/solid/surface.hpp"
 
 namespace fracture::solid_detail {
@@ -27,14 +28,18 @@ class EdgeTable {
 
   /// Calls visit(a, b, uses) for every edge {a, b}, a < b, in ascending order; uses ascend by half-edge.
   template <class Visit>
-  void for_each(Visit&& visit) const {
-    for (VertexId a = 0; a + 1 < start_.size(); ++a)
+  void for_each(const Execution& execution, Visit&& visit) const {
+    Pacer pacer(execution);
+    for (VertexId a = 0; a + 1 < start_.size(); ++a) {
+      pacer.step();
       for (std::uint32_t i = start_[a]; i < start_[a + 1];) {
         std::uint32_t j = i + 1;
         while (j < start_[a + 1] && uses_[j].high_vertex() == uses_[i].high_vertex()) ++j;
+        pacer.step(j - i);
         visit(a, uses_[i].high_vertex(), std::span<const EdgeUse>(uses_.data() + i, j - i));
         i = j;
       }
+    }
   }
 
  private:
@@ -49,6 +54,6 @@ bool pair_closed_manifold(Surface& surface, const Execution& execution);
 
 /// Glues every edge that is used exactly twice in opposite directions and leaves the others open. Returns
 /// true when that was all of them: the surface is a closed, oriented 2-manifold but for touching vertices.
-bool pair_clean_edges(Surface& surface, const EdgeTable& edges);
+bool pair_clean_edges(Surface& surface, const EdgeTable& edges, const Execution& execution);
 
 }  // namespace fracture::solid_detail

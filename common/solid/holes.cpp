@@ -3,20 +3,26 @@
 #include <algorithm>
 
 #include "common/base/error.hpp"
+#include "common/base/pacer.hpp"
 #include "common/solid/loop_triangulation.hpp"
+#include "common/solid/polled.hpp"
 
 namespace fracture::solid_detail {
 namespace {
 
 /// The open half-edge that comes after h when walking along the hole, i.e. against the direction of h.
-HalfEdge next_along_hole(const Surface& surface, HalfEdge h) {
+HalfEdge next_along_hole(const Surface& surface, HalfEdge h, Pacer& pacer) {
   HalfEdge p = previous(h);
-  while (surface.twin[p] != kNoIndex) p = previous(surface.twin[p]);
+  while (surface.twin[p] != kNoIndex) {
+    pacer.step();
+    p = previous(surface.twin[p]);
+  }
   return p;
 }
 
 /// Appends the triangles (indices into the loop) and glues them to the loop's half-edges and to one another.
-void glue_in(Surface& surface, const std::vector<HalfEdge>& loop, const std::vector<Triangle>& fill) {
+void glue_in(Surface& surface, const std::vector<HalfEdge>& loop, const std::vector<Triangle>& fill,
+             const Execution& execution) {
   // Corner i of the loop is the vertex the hole's walk leaves along loop[i]: the end of that half-edge.
   const auto count = static_cast<std::uint32_t>(loop.size());
   struct Side {
@@ -24,7 +30,9 @@ void glue_in(Surface& surface, const std::vector<HalfEdge>& loop, const std::vec
     HalfEdge half_edge;
   };
   std::vector<Side> diagonals;
+  Pacer pacer(execution);
   for (const Triangle& t : fill) {
+    pacer.step();
     const auto first = static_cast<HalfEdge>(3 * surface.triangles.size());
     surface.triangles.push_back({surface.to(loop[t[0]]), surface.to(loop[t[1]]), surface.to(loop[t[2]])});
     surface.source.push_back(kNoIndex);
@@ -32,7 +40,7 @@ void glue_in(Surface& surface, const std::vector<HalfEdge>& loop, const std::vec
     for (std::uint32_t k = 0; k < 3; ++k) {
       const std::uint32_t i = t[k], j = t[(k + 1) % 3];
       surface.twin.push_back(kNoIndex);
-      if (j == (i + 1) % count) {
+      if (j == (i + 1 == count ? 0 : i + 1)) {
         surface.twin[first + k] = loop[i];
         surface.twin[loop[i]] = first + k;
       } else {
@@ -41,10 +49,11 @@ void glue_in(Surface& surface, const std::vector<HalfEdge>& loop, const std::vec
       }
     }
   }
-  std::sort(diagonals.begin(), diagonals.end(), [](const Side& a, const Side& b) {
+  sort_with_polls(execution, diagonals.begin(), diagonals.end(), [](const Side& a, const Side& b) {
     return a.key != b.key ? a.key < b.key : a.half_edge < b.half_edge;
   });
   for (std::size_t i = 0; i + 1 < diagonals.size(); i += 2) {
+    pacer.step();
     if (diagonals[i].key != diagonals[i + 1].key)
       throw InternalError("hole filling: a diagonal has one side");
     surface.twin[diagonals[i].half_edge] = diagonals[i + 1].half_edge;
@@ -52,14 +61,31 @@ void glue_in(Surface& surface, const std::vector<HalfEdge>& loop, const std::vec
   }
 }
 
+/// A hole gets fewer triangles than it has sides.
+void grow_for_fills(Surface& surface, const Execution& execution) {
+  std::size_t open = 0;
+  for_each_polled(execution, surface.twin.size(),
+                  [&](std::size_t h) { open += surface.twin[h] == kNoIndex; });
+  const std::size_t count = surface.triangles.size() + open;
+  surface.triangles.reserve(count);
+  execution.poll();
+  surface.source.reserve(count);
+  if (!surface.flipped.empty()) surface.flipped.reserve(count);
+  execution.poll();
+  surface.twin.reserve(3 * count);
+}
+
 }  // namespace
 
 std::vector<TriangleId> fill_holes(Surface& surface, const Execution& execution) {
   std::vector<TriangleId> fills;
   const auto half_edges = static_cast<HalfEdge>(surface.twin.size());
-  std::vector<HalfEdge> walk, loop;
+  std::vector<HalfEdge> whole, walk, loop;
   std::vector<Vec3f> corners;
-  std::vector<std::uint32_t> place(surface.positions.size(), kNoIndex);  // of each vertex in the walk
+  grow_for_fills(surface, execution);
+  // Of each vertex in the walk.
+  std::vector<std::uint32_t> place = filled(execution, surface.positions.size(), kNoIndex);
+  Pacer pacer(execution);
 
   const auto fill = [&](std::size_t begin) {  // the simple loop walk[begin…]
     loop.assign(walk.begin() + static_cast<std::ptrdiff_t>(begin), walk.end());
@@ -68,24 +94,31 @@ std::vector<TriangleId> fill_holes(Surface& surface, const Execution& execution)
       surface.twin[loop[1]] = loop[0];
       return;
     }
+    execution.made(Product::kSurfaceTriangles, loop.size() - 2);
     corners.clear();
-    for (const HalfEdge side : loop) corners.push_back(surface.positions[surface.to(side)]);
+    for (const HalfEdge side : loop) {
+      pacer.step();
+      corners.push_back(surface.positions[surface.to(side)]);
+    }
     fills.push_back(static_cast<TriangleId>(surface.triangles.size()));
-    glue_in(surface, loop, triangulate_loop(corners));
+    pacer.step(loop.size() <= kSmallLoop ? loop.size() * loop.size() : 1);
+    glue_in(surface, loop, triangulate_loop(corners, execution), execution);
   };
 
-  std::vector<std::uint8_t> walked(half_edges, 0);
+  std::vector<std::uint8_t> walked = filled<std::uint8_t>(execution, half_edges, 0);
   for (HalfEdge start = 0; start < half_edges; ++start) {
+    pacer.step();
     if (surface.twin[start] != kNoIndex || walked[start]) continue;
-    execution.poll();
     // The whole loop first: gluing changes what next_along_hole() sees.
-    std::vector<HalfEdge> whole;
-    for (HalfEdge h = start; !walked[h]; h = next_along_hole(surface, h)) {
+    whole.clear();
+    for (HalfEdge h = start; !walked[h]; h = next_along_hole(surface, h, pacer)) {
+      pacer.step();
       walked[h] = 1;
       whole.push_back(h);
     }
     walk.clear();
     for (const HalfEdge h : whole) {
+      pacer.step(2);
       const VertexId v = surface.to(h);
       if (place[v] != kNoIndex) {  // back at a vertex: what lies between is a loop of its own
         const std::size_t begin = place[v];

@@ -5,16 +5,19 @@
 #include <queue>
 
 #include "common/base/error.hpp"
+#include "common/base/pacer.hpp"
 
 namespace fracture::solid_detail {
 namespace {
 
 /// Twice the vector area of the loop (Newell).
-Vec3d vector_area(const std::vector<Vec3f>& corners) {
+Vec3d vector_area(const std::vector<Vec3f>& corners, Pacer& pacer) {
   const Vec3d origin = to_double(corners[0]);
   Vec3d sum;
-  for (std::size_t i = 1; i + 1 < corners.size(); ++i)
+  for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
+    pacer.step();
     sum = sum + cross(to_double(corners[i]) - origin, to_double(corners[i + 1]) - origin);
+  }
   return sum;
 }
 
@@ -59,8 +62,9 @@ std::vector<Triangle> least_area(const std::vector<Vec3f>& corners) {
 /// Ear cutting of a projected loop.
 class EarCutter {
  public:
-  explicit EarCutter(const std::vector<Vec3f>& corners) : count_(static_cast<std::uint32_t>(corners.size())) {
-    const Vec3d normal = vector_area(corners);
+  EarCutter(const std::vector<Vec3f>& corners, const Execution& execution)
+      : pacer_(execution), count_(static_cast<std::uint32_t>(corners.size())) {
+    const Vec3d normal = vector_area(corners, pacer_);
     int axis = 0;
     for (int a = 1; a < 3; ++a)
       if (std::fabs(normal[a]) > std::fabs(normal[axis])) axis = a;
@@ -69,20 +73,22 @@ class EarCutter {
     points_.reserve(count_);
     space_.reserve(count_);
     for (const Vec3f& corner : corners) {
+      pacer_.step();
       const Vec3d p = to_double(corner);
       space_.push_back(p);
       points_.push_back(mirrored ? Vec2d{p[v], p[u]} : Vec2d{p[u], p[v]});
     }
     next_.resize(count_);
     previous_.resize(count_);
-    for (std::uint32_t i = 0; i < count_; ++i) {
-      next_[i] = (i + 1) % count_;
-      previous_[i] = (i + count_ - 1) % count_;
-    }
     version_.assign(count_, 0);
     waiting_first_.assign(count_, kNoIndex);
     reflex_.resize(count_);
-    for (std::uint32_t i = 0; i < count_; ++i) reflex_[i] = turn(i) <= 0;
+    for (std::uint32_t i = 0; i < count_; ++i) {
+      pacer_.step();
+      next_[i] = i + 1 == count_ ? 0 : i + 1;
+      previous_[i] = i == 0 ? count_ - 1 : i - 1;
+      reflex_[i] = turn(i) <= 0;
+    }
     build_grid();
     looks_left_ = kLooksPerCorner * count_;
   }
@@ -90,11 +96,15 @@ class EarCutter {
   std::vector<Triangle> run() {
     std::vector<Triangle> triangles;
     triangles.reserve(count_ - 2);
-    for (std::uint32_t i = 0; i < count_; ++i) push(i);
+    for (std::uint32_t i = 0; i < count_; ++i) {
+      pacer_.step(4);
+      push(i);
+    }
     std::uint32_t left = count_;
     while (left > 3) {
       std::uint32_t ear = kNoIndex;
       while (ear == kNoIndex && !queue_.empty()) {
+        pacer_.step(8);  // each level of the queue is a step
         const Candidate candidate = queue_.top();
         queue_.pop();
         if (candidate.version != version_[candidate.corner]) continue;
@@ -151,15 +161,19 @@ class EarCutter {
   void force() {
     if (forced_) throw InternalError("ear cutting: no candidate left");
     forced_ = true;
-    for (std::uint32_t i = 0; i < count_; ++i)
+    for (std::uint32_t i = 0; i < count_; ++i) {
+      pacer_.step(4);
       if (version_[i] != kCut) push(i);
+    }
   }
 
   void release(std::uint32_t blocker) {
     std::uint32_t i = waiting_first_[blocker];
     waiting_first_[blocker] = kNoIndex;
-    for (; i != kNoIndex; i = waiting_[i].next)
+    for (; i != kNoIndex; i = waiting_[i].next) {
+      pacer_.step();
       if (waiting_[i].version == version_[waiting_[i].corner]) push(waiting_[i].corner);
+    }
   }
 
   void cut(std::uint32_t ear) {
@@ -186,15 +200,18 @@ class EarCutter {
     const auto [x0, y0] = cell(std::fmin(a.x, std::fmin(b.x, c.x)), std::fmin(a.y, std::fmin(b.y, c.y)));
     const auto [x1, y1] = cell(std::fmax(a.x, std::fmax(b.x, c.x)), std::fmax(a.y, std::fmax(b.y, c.y)));
     for (std::uint32_t y = y0; y <= y1 && looks_left_ >= 0; ++y)
-      for (std::uint32_t x = x0; x <= x1; ++x, --looks_left_)
+      for (std::uint32_t x = x0; x <= x1; ++x, --looks_left_) {
+        pacer_.step();
         for (std::uint32_t k = cell_start_[y * side_ + x]; k < cell_start_[y * side_ + x + 1]; ++k) {
           const std::uint32_t i = cell_items_[k];
           --looks_left_;
+          pacer_.step();
           if (version_[i] == kCut || !reflex_[i] || i == ip || i == ear || i == in) continue;
           const Vec2d& p = points_[i];
           if (p == a || p == b || p == c) continue;
           if (cross2(a, b, p) >= 0 && cross2(b, c, p) >= 0 && cross2(c, a, p) >= 0) return i;
         }
+      }
     return kNoIndex;
   }
 
@@ -209,6 +226,7 @@ class EarCutter {
     low_ = {HUGE_VAL, HUGE_VAL};
     std::size_t items = 0;
     for (std::uint32_t i = 0; i < count_; ++i) {
+      pacer_.step();
       low_ = {std::fmin(low_.x, points_[i].x), std::fmin(low_.y, points_[i].y)};
       high = {std::fmax(high.x, points_[i].x), std::fmax(high.y, points_[i].y)};
       items += reflex_[i];
@@ -222,13 +240,18 @@ class EarCutter {
       const auto [x, y] = cell(points_[i].x, points_[i].y);
       return y * side_ + x;
     };
-    for (std::uint32_t i = 0; i < count_; ++i)
+    for (std::uint32_t i = 0; i < count_; ++i) {
+      pacer_.step();
       if (reflex_[i]) ++cell_start_[index(i) + 2];
+    }
     for (std::size_t k = 2; k < cell_start_.size(); ++k) cell_start_[k] += cell_start_[k - 1];
-    for (std::uint32_t i = 0; i < count_; ++i)
+    for (std::uint32_t i = 0; i < count_; ++i) {
+      pacer_.step();
       if (reflex_[i]) cell_items_[cell_start_[index(i) + 1]++] = i;
+    }
   }
 
+  Pacer pacer_;
   std::uint32_t count_;
   std::vector<Vec3d> space_;
   std::vector<Vec2d> points_;
@@ -248,9 +271,9 @@ class EarCutter {
 
 }  // namespace
 
-std::vector<Triangle> triangulate_loop(const std::vector<Vec3f>& corners) {
+std::vector<Triangle> triangulate_loop(const std::vector<Vec3f>& corners, const Execution& execution) {
   if (corners.size() <= kSmallLoop) return least_area(corners);
-  return EarCutter(corners).run();
+  return EarCutter(corners, execution).run();
 }
 
 }  // namespace fracture::solid_detail

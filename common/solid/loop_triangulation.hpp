@@ -10,6 +10,7 @@
 
 #include <vector>
 
+#include "common/base/execution.hpp"
 #include "common/solid/surface.hpp"
 
 namespace fracture::solid_detail {
@@ -19,6 +20,6 @@ inline constexpr std::size_t kSmallLoop = 28;  ///< the cubic method costs about
 /// n - 2 triangles of corner indices for n >= 3 corners, in the loop's direction: each side (i, i + 1) is
 /// used once in that direction and each diagonal once in each. Corners may coincide; then triangles without
 /// area may appear.
-std::vector<Triangle> triangulate_loop(const std::vector<Vec3f>& corners);
+std::vector<Triangle> triangulate_loop(const std::vector<Vec3f>& corners, const Execution& execution);
 
 }  // namespace fracture::solid_detail

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 
+#include "common/base/pacer.hpp"
 #include "common/solid/float_predicates.hpp"
+#include "common/solid/polled.hpp"
 
 namespace fracture::solid_detail {
 namespace {
@@ -10,10 +12,11 @@ namespace {
 /// Sorts the uses of one edge by angle around it (see pair_nonmanifold_edges).
 class AngleOrder {
  public:
-  AngleOrder(const Surface& surface, VertexId a, VertexId b, std::span<const EdgeUse> uses)
+  AngleOrder(const Surface& surface, VertexId a, VertexId b, std::span<const EdgeUse> uses, Pacer& pacer)
       : surface_(surface), a_(surface.positions[a]), b_(surface.positions[b]) {
     // The reference direction is the first apex that does not lie on the edge's line.
     for (const EdgeUse& use : uses) {
+      pacer.step(16);
       reference_ = surface.positions[surface.apex(use.half_edge())];
       for (axis_ = 0; axis_ < 3; ++axis_)
         if ((side_ = flat_side(reference_)) != 0) return;
@@ -51,22 +54,26 @@ class AngleOrder {
 };
 
 /// Per triangle: whether its patch (triangles connected across clean edges) has an open edge.
-std::vector<std::uint8_t> find_sheets(const Surface& surface, const EdgeTable& edges) {
-  DisjointSets patches(surface.triangles.size());
-  std::vector<std::uint8_t> open(surface.triangles.size(), 0);
-  edges.for_each([&](VertexId, VertexId, std::span<const EdgeUse> uses) {
+std::vector<std::uint8_t> find_sheets(const Surface& surface, const EdgeTable& edges,
+                                      const Execution& execution) {
+  const std::size_t count = surface.triangles.size();
+  DisjointSets patches = singletons(execution, count);
+  std::vector<std::uint8_t> open = filled<std::uint8_t>(execution, count, 0);
+  edges.for_each(execution, [&](VertexId, VertexId, std::span<const EdgeUse> uses) {
     if (uses.size() == 2) patches.unite(uses[0].half_edge() / 3, uses[1].half_edge() / 3);
   });
-  edges.for_each([&](VertexId, VertexId, std::span<const EdgeUse> uses) {
+  edges.for_each(execution, [&](VertexId, VertexId, std::span<const EdgeUse> uses) {
     if (uses.size() == 1) open[patches.find(uses[0].half_edge() / 3)] = 1;
   });
-  for (TriangleId t = 0; t < open.size(); ++t) open[t] = open[patches.find(t)];
+  for_each_polled(execution, count,
+                  [&](std::size_t t) { open[t] = open[patches.find(static_cast<TriangleId>(t))]; });
   return open;
 }
 
 }  // namespace
 
-bool drop_duplicates(Surface& surface, const EdgeTable& edges, SolidReport& report) {
+bool drop_duplicates(Surface& surface, const EdgeTable& edges, SolidReport& report,
+                     const Execution& execution) {
   // Only a triangle with an edge that is not clean can have a copy that matters: a pair of opposite copies
   // with three clean edges is a closed shell without volume and goes with those.
   struct Entry {
@@ -75,30 +82,35 @@ bool drop_duplicates(Surface& surface, const EdgeTable& edges, SolidReport& repo
     TriangleId triangle;
     auto operator<=>(const Entry&) const = default;
   };
-  std::vector<std::uint8_t> candidate(surface.triangles.size(), 0);
-  edges.for_each([&](VertexId, VertexId, std::span<const EdgeUse> uses) {
+  const std::size_t count = surface.triangles.size();
+  std::vector<std::uint8_t> candidate = filled<std::uint8_t>(execution, count, 0);
+  edges.for_each(execution, [&](VertexId, VertexId, std::span<const EdgeUse> uses) {
     if (uses.size() == 1 || (uses.size() == 2 && uses[0].backward() != uses[1].backward())) return;
     for (const EdgeUse& use : uses) candidate[use.half_edge() / 3] = 1;
   });
   std::vector<Entry> entries;
-  for (TriangleId t = 0; t < surface.triangles.size(); ++t) {
-    if (!candidate[t]) continue;
+  for_each_polled(execution, count, [&](std::size_t t) {
+    if (!candidate[t]) return;
     Triangle key = surface.triangles[t];
     const bool even = (key[0] < key[1] && key[1] < key[2]) || (key[1] < key[2] && key[2] < key[0]) ||
                       (key[2] < key[0] && key[0] < key[1]);
     std::sort(key.begin(), key.end());
-    entries.push_back({key, even ? 0u : 1u, t});
-  }
-  std::sort(entries.begin(), entries.end());
+    entries.push_back({key, even ? 0u : 1u, static_cast<TriangleId>(t)});
+  });
+  if (entries.empty()) return false;
+  sort_with_polls(execution, entries.begin(), entries.end());
 
-  std::vector<std::uint8_t> doomed(surface.triangles.size(), 0);
+  Pacer pacer(execution);
+  std::vector<std::uint8_t> doomed = filled<std::uint8_t>(execution, count, 0);
   std::size_t dropped = 0;
-  std::vector<std::uint32_t> group_of(surface.triangles.size(), kNoIndex);
+  std::vector<std::uint32_t> group_of = filled(execution, count, kNoIndex);
   std::vector<std::array<TriangleId, 2>> groups;  // doubled triangles, the lower id first
+  std::vector<TriangleId> copies;
   for (std::size_t i = 0; i < entries.size();) {
     std::size_t j = i + 1;
     while (j < entries.size() && entries[j].key == entries[i].key) ++j;
-    std::vector<TriangleId> copies;
+    pacer.step(4 * (j - i));
+    copies.clear();
     for (std::size_t k = i; k < j; ++k) copies.push_back(entries[k].triangle);
     const bool both_ways = entries[i].odd != entries[j - 1].odd;
     std::array<TriangleId, 2> kept{copies.front(),
@@ -114,31 +126,32 @@ bool drop_duplicates(Surface& surface, const EdgeTable& edges, SolidReport& repo
     i = j;
   }
   if (!groups.empty()) {
-    DisjointSets patches(groups.size());
+    DisjointSets patches = singletons(execution, groups.size());
     std::vector<std::uint32_t> here;
     const auto groups_at = [&](std::span<const EdgeUse> uses) {
       here.clear();
       for (const EdgeUse& use : uses)
         if (const std::uint32_t g = group_of[use.half_edge() / 3]; g != kNoIndex) here.push_back(g);
-      std::sort(here.begin(), here.end());
+      sort_with_polls(execution, here.begin(), here.end());
       here.erase(std::unique(here.begin(), here.end()), here.end());
     };
-    edges.for_each([&](VertexId, VertexId, std::span<const EdgeUse> uses) {
+    edges.for_each(execution, [&](VertexId, VertexId, std::span<const EdgeUse> uses) {
       if (uses.size() < 2) return;
       groups_at(uses);
       for (std::size_t k = 1; k < here.size(); ++k) patches.unite(here[0], here[k]);
     });
     std::vector<std::int64_t> odd_with_one(groups.size(), 0), odd_with_both(groups.size(), 0);
-    edges.for_each([&](VertexId, VertexId, std::span<const EdgeUse> uses) {
+    edges.for_each(execution, [&](VertexId, VertexId, std::span<const EdgeUse> uses) {
       if (uses.size() < 2) return;
       groups_at(uses);
       if (here.empty()) return;
-      std::size_t count = 0;
-      for (const EdgeUse& use : uses) count += !doomed[use.half_edge() / 3];
-      odd_with_both[patches.find(here[0])] += count % 2;
-      odd_with_one[patches.find(here[0])] += (count - here.size()) % 2;
+      std::size_t kept = 0;
+      for (const EdgeUse& use : uses) kept += !doomed[use.half_edge() / 3];
+      odd_with_both[patches.find(here[0])] += kept % 2;
+      odd_with_one[patches.find(here[0])] += (kept - here.size()) % 2;
     });
     for (std::uint32_t g = 0; g < groups.size(); ++g) {
+      pacer.step();
       const std::uint32_t patch = patches.find(g);
       if (odd_with_one[patch] > odd_with_both[patch]) continue;
       doomed[groups[g][1]] = 1;
@@ -149,19 +162,21 @@ bool drop_duplicates(Surface& surface, const EdgeTable& edges, SolidReport& repo
   const auto first = static_cast<TriangleId>(std::find(doomed.begin(), doomed.end(), 1) - doomed.begin());
   report.add_sample("duplicates_dropped", surface.positions[surface.triangles[first][0]]);
   report.duplicates_dropped += dropped;
-  surface.remove(doomed);
+  surface.remove(doomed, execution);
   return true;
 }
 
-std::size_t pair_nonmanifold_edges(Surface& surface, const EdgeTable& edges) {
+std::size_t pair_nonmanifold_edges(Surface& surface, const EdgeTable& edges, const Execution& execution) {
   std::size_t nonmanifold = 0;
   std::vector<std::uint8_t> on_sheet;  // per triangle; found when the first unbalanced edge asks for it
   std::vector<AngleOrder::Item> ring;
   std::vector<EdgeUse> entered;
+  Pacer pacer(execution);
   const auto glue = [&](bool with_sheets) {
     entered.clear();
     for (int lap = 0; lap < 2; ++lap)
       for (const AngleOrder::Item& item : ring) {
+        pacer.step();
         const HalfEdge h = item.use.half_edge();
         if (surface.twin[h] != kNoIndex || (!with_sheets && on_sheet[h / 3])) continue;
         if (item.use.backward()) {
@@ -173,19 +188,20 @@ std::size_t pair_nonmanifold_edges(Surface& surface, const EdgeTable& edges) {
         }
       }
   };
-  edges.for_each([&](VertexId a, VertexId b, std::span<const EdgeUse> uses) {
+  edges.for_each(execution, [&](VertexId a, VertexId b, std::span<const EdgeUse> uses) {
     if (uses.size() <= 2) return;
     ++nonmanifold;
-    const AngleOrder order(surface, a, b, uses);
+    const AngleOrder order(surface, a, b, uses, pacer);
     ring.clear();
     std::size_t backward = 0;
     for (const EdgeUse& use : uses) {
+      pacer.step(16);  // exact predicates
       ring.push_back(order.item(use));
       backward += use.backward();
     }
-    std::sort(ring.begin(), ring.end(), order);
+    sort_with_polls(execution, ring.begin(), ring.end(), order);
     if (2 * backward != uses.size()) {
-      if (on_sheet.empty()) on_sheet = find_sheets(surface, edges);
+      if (on_sheet.empty()) on_sheet = find_sheets(surface, edges, execution);
       glue(false);
     }
     glue(true);
@@ -194,10 +210,12 @@ std::size_t pair_nonmanifold_edges(Surface& surface, const EdgeTable& edges) {
 }
 
 std::size_t split_umbrellas(Surface& surface, const Execution& execution) {
-  execution.poll();
   const std::size_t original = surface.positions.size();
-  std::vector<std::uint8_t> corner_done(3 * surface.triangles.size(), 0), vertex_seen(original, 0);
+  std::vector<std::uint8_t> corner_done = filled<std::uint8_t>(execution, 3 * surface.triangles.size(), 0),
+                            vertex_seen = filled<std::uint8_t>(execution, original, 0);
+  Pacer pacer(execution);
   for (HalfEdge start = 0; start < corner_done.size(); ++start) {
+    pacer.step();
     if (corner_done[start]) continue;
     const VertexId old = surface.from(start);
     VertexId id = old;
@@ -208,6 +226,7 @@ std::size_t split_umbrellas(Surface& surface, const Execution& execution) {
     }
     vertex_seen[old] = 1;
     const auto visit = [&](HalfEdge h) {
+      pacer.step();
       corner_done[h] = 1;
       if (id != old) surface.triangles[h / 3][h % 3] = id;
     };

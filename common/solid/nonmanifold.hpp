@@ -15,7 +15,8 @@ namespace fracture::solid_detail {
 /// would leave more edges with an odd number of uses than keeping both: a copied face or a double-sided body
 /// loses its copy; the common wall of two touching boxes and the two sides of a free sheet stay. The
 /// report counts them; the edge table is stale when true is returned.
-bool drop_duplicates(Surface& surface, const EdgeTable& edges, SolidReport& report);
+bool drop_duplicates(Surface& surface, const EdgeTable& edges, SolidReport& report,
+                     const Execution& execution);
 
 /// Glues the uses of every edge that is not clean. Around the edge, from its lower to its higher vertex,
 /// triangles are sorted by exact angle; turning counter-clockwise one enters the solid at backward uses and
@@ -24,7 +25,7 @@ bool drop_duplicates(Surface& surface, const EdgeTable& edges, SolidReport& repo
 /// first. Where entries and exits differ in number, patches without open edges are glued first, so that a fin
 /// is cut off the body it stands on. What finds no partner stays open. Returns the number of edges with more
 /// than two uses.
-std::size_t pair_nonmanifold_edges(Surface& surface, const EdgeTable& edges);
+std::size_t pair_nonmanifold_edges(Surface& surface, const EdgeTable& edges, const Execution& execution);
 
 /// Gives every fan of triangles around a vertex (connected through glued edges) its own vertex: the first fan
 /// keeps the id, the others get new ids at the same position. Returns the number of vertices added.

@@ -1,14 +1,18 @@
 #include "common/solid/orientation.hpp"
 
+#include "common/base/pacer.hpp"
+#include "common/solid/polled.hpp"
+
 namespace fracture::solid_detail {
 
-bool orient_patches(Surface& surface, const EdgeTable& edges, SolidReport& report) {
+bool orient_patches(Surface& surface, const EdgeTable& edges, SolidReport& report,
+                    const Execution& execution) {
   const std::size_t count = surface.triangles.size();
   constexpr std::uint32_t kSameWay = 1;
-  std::vector<std::uint64_t> across(3 * count,
-                                    ~0ull);  // neighbour half-edge << 1 | kSameWay when both run the same way
+  // Per half-edge: the neighbour's half-edge << 1 | kSameWay when both run the same way.
+  std::vector<std::uint64_t> across = filled<std::uint64_t>(execution, 3 * count, ~0ull);
   bool inconsistent = false;
-  edges.for_each([&](VertexId, VertexId, std::span<const EdgeUse> uses) {
+  edges.for_each(execution, [&](VertexId, VertexId, std::span<const EdgeUse> uses) {
     if (uses.size() != 2) return;
     const std::uint64_t same = uses[0].backward() == uses[1].backward() ? kSameWay : 0;
     inconsistent |= same != 0;
@@ -17,16 +21,19 @@ bool orient_patches(Surface& surface, const EdgeTable& edges, SolidReport& repor
   });
   if (!inconsistent) return false;
 
-  std::vector<std::uint8_t> state(
-      count, 2);  // 0: as it is, 1: reversed against the patch's lowest triangle, 2: unseen
+  // 0: as it is, 1: reversed against the patch's lowest triangle, 2: unseen
+  std::vector<std::uint8_t> state = filled<std::uint8_t>(execution, count, 2);
+  Pacer pacer(execution);
   std::vector<TriangleId> patch;
   std::size_t flipped = 0;
   for (TriangleId seed = 0; seed < count; ++seed) {
+    pacer.step();
     if (state[seed] != 2) continue;
     patch.assign(1, seed);
     state[seed] = 0;
     std::size_t reversed = 0;
-    for (std::size_t i = 0; i < patch.size(); ++i)
+    for (std::size_t i = 0; i < patch.size(); ++i) {
+      pacer.step();
       for (HalfEdge h = 3 * patch[i]; h < 3 * patch[i] + 3; ++h) {
         if (across[h] == ~0ull) continue;
         const auto neighbour = static_cast<TriangleId>((across[h] >> 1) / 3);
@@ -35,13 +42,14 @@ bool orient_patches(Surface& surface, const EdgeTable& edges, SolidReport& repor
         reversed += state[neighbour];
         patch.push_back(neighbour);
       }
+    }
     const std::uint8_t minority = 2 * reversed > patch.size() ? 0 : 1;
-    for (const TriangleId t : patch)
-      if (state[t] == minority) {
-        report.add_sample("flipped", surface.positions[surface.triangles[t][0]]);
-        surface.flip(t);
-        ++flipped;
-      }
+    for (const TriangleId t : patch) {
+      pacer.step();
+      if (state[t] != minority) continue;
+      if (flipped++ == 0) report.add_sample("flipped", surface.positions[surface.triangles[t][0]]);
+      surface.flip(t);
+    }
   }
   report.flipped += flipped;
   return flipped > 0;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "common/base/disjoint_sets.hpp"
 #include "common/base/execution.hpp"
 
 namespace fracture::solid_detail {
@@ -47,6 +48,14 @@ std::vector<T> copied(const Execution& execution, const std::vector<T>& from) {
     items.insert(items.end(), from.data() + begin, from.data() + end);
   }
   return items;
+}
+
+/// `count` sets of one member each.
+inline DisjointSets singletons(const Execution& execution, std::size_t count) {
+  DisjointSets sets;
+  sets.reserve(count);
+  for_each_polled(execution, count, [&](std::size_t) { sets.add(); });
+  return sets;
 }
 
 }  // namespace fracture::solid_detail

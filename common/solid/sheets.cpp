@@ -5,6 +5,8 @@
 #include <tuple>
 
 #include "common/base/error.hpp"
+#include "common/base/pacer.hpp"
+#include "common/solid/polled.hpp"
 
 namespace fracture::solid_detail {
 namespace {
@@ -12,14 +14,17 @@ namespace {
 bool before(const Vec3f& a, const Vec3f& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
 
 /// For each of the triangles: the one with the same three positions the other way round, or kNoIndex.
-std::vector<TriangleId> find_mirrors(const Surface& surface, const std::vector<TriangleId>& triangles) {
+std::vector<TriangleId> find_mirrors(const Surface& surface, const std::vector<TriangleId>& triangles,
+                                     const Execution& execution) {
   struct Entry {
     std::array<Vec3f, 3> key;
     bool odd;
     TriangleId triangle;
   };
   std::vector<Entry> entries;
-  for (const TriangleId t : triangles) {
+  entries.reserve(triangles.size());
+  for_each_polled(execution, triangles.size(), [&](std::size_t i) {
+    const TriangleId t = triangles[i];
     Entry e{{}, false, t};
     for (int k = 0; k < 3; ++k) e.key[k] = surface.positions[surface.triangles[t][k]];
     for (const auto& [i, j] : {std::pair{0, 1}, std::pair{1, 2}, std::pair{0, 1}})
@@ -28,7 +33,7 @@ std::vector<TriangleId> find_mirrors(const Surface& surface, const std::vector<T
         e.odd = !e.odd;
       }
     entries.push_back(e);
-  }
+  });
   const auto less = [](const Entry& a, const Entry& b) {
     for (int k = 0; k < 3; ++k) {
       if (before(a.key[k], b.key[k])) return true;
@@ -36,33 +41,48 @@ std::vector<TriangleId> find_mirrors(const Surface& surface, const std::vector<T
     }
     return a.triangle < b.triangle;
   };
-  std::sort(entries.begin(), entries.end(), less);
-  std::vector<TriangleId> mirror(surface.triangles.size(), kNoIndex);
-  for (std::size_t i = 0; i + 1 < entries.size(); ++i)
-    if (entries[i].key == entries[i + 1].key && entries[i].odd != entries[i + 1].odd &&
-        mirror[entries[i].triangle] == kNoIndex) {
+  sort_with_polls(execution, entries.begin(), entries.end(), less);
+  std::vector<TriangleId> mirror = filled(execution, surface.triangles.size(), kNoIndex);
+  for_each_polled(execution, entries.size(), [&](std::size_t i) {
+    if (i + 1 < entries.size() && entries[i].key == entries[i + 1].key &&
+        entries[i].odd != entries[i + 1].odd && mirror[entries[i].triangle] == kNoIndex) {
       mirror[entries[i].triangle] = entries[i + 1].triangle;
       mirror[entries[i + 1].triangle] = entries[i].triangle;
     }
+  });
   return mirror;
 }
 
 class Thickener {
  public:
-  Thickener(Surface& surface, double thickness, const std::vector<TriangleId>& mirror)
+  Thickener(Surface& surface, const Shells& shells, double thickness, const std::vector<TriangleId>& mirror,
+            const Execution& execution)
       : surface_(surface),
+        shells_(shells),
         thickness_(thickness),
         mirror_(mirror),
-        front_of_(surface.triangles.size(), kNoIndex),
-        back_vertex_(surface.positions.size(), kNoIndex),
-        doomed_(surface.triangles.size(), 0) {}
+        execution_(execution),
+        pacer_(execution),
+        front_of_(filled(execution, surface.triangles.size(), kNoIndex)),
+        back_vertex_(filled(execution, surface.positions.size(), kNoIndex)),
+        doomed_(filled<std::uint8_t>(execution, surface.triangles.size(), 0)),
+        failed_(filled<std::uint8_t>(execution, surface.triangles.size(), 0)),
+        lost_(shells.list.size(), 0) {}
 
-  /// The front that grows from the seed; nothing when the seed belongs to one already or is another's back.
+  /// The front that grows from the seed; nothing when the seed belongs to one already or is another's back,
+  /// or could not be moved.
   bool make_slab(TriangleId seed) {
+    pacer_.step();
     if (front_of_[seed] != kNoIndex || doomed_[seed] || surface_.source[seed] == kNoIndex) return false;
+    const std::uint32_t shell = shells_.of_triangle[seed];
+    if (failed_[seed] || lost_[shell] > kWorkLost * (shells_.list[shell].triangles + std::uint64_t{64}))
+      return false;
     std::vector<TriangleId> front{seed};
     front_of_[seed] = seed;
-    for (std::size_t i = 0; i < front.size(); ++i)
+    bool mirrored = false;
+    for (std::size_t i = 0; i < front.size(); ++i) {
+      pacer_.step(4);
+      mirrored |= mirror_[front[i]] != kNoIndex;
       for (HalfEdge h = 3 * front[i]; h < 3 * front[i] + 3; ++h) {
         const TriangleId n = surface_.twin[h] / 3;
         if (n >= doomed_.size() || front_of_[n] != kNoIndex || doomed_[n] || surface_.source[n] == kNoIndex)
@@ -71,13 +91,21 @@ class Thickener {
         front_of_[n] = seed;
         front.push_back(n);
       }
-    std::sort(front.begin(), front.end());
+    }
+    sort_with_polls(execution_, front.begin(), front.end());
     if (!place_back_vertices(front)) {
-      for (const TriangleId t : front) front_of_[t] = kNoIndex;
+      // Without other sides every seed in it has this front; else the sides may be chosen otherwise.
+      lost_[shell] += front.size();
+      for (const TriangleId t : front) {
+        pacer_.step();
+        front_of_[t] = kNoIndex;
+        failed_[t] = !mirrored;
+      }
       return false;
     }
     build(front, seed);
     for (const TriangleId t : front) {
+      pacer_.step();
       for (const VertexId v : surface_.triangles[t]) back_vertex_[v] = kNoIndex;
       if (mirror_[t] != kNoIndex) doomed_[mirror_[t]] = 1;
     }
@@ -86,17 +114,24 @@ class Thickener {
   bool in_front(TriangleId t) const { return t < front_of_.size() && front_of_[t] != kNoIndex; }
 
  private:
+  /// Fronts of a shell that could not be moved may have so many times its triangles in all, before no further
+  /// ones are tried.
+  static constexpr std::uint64_t kWorkLost = 64;
+
   bool place_back_vertices(const std::vector<TriangleId>& front) {
     std::vector<VertexId> vertices;
-    for (const TriangleId t : front)
+    for (const TriangleId t : front) {
+      pacer_.step();
       vertices.insert(vertices.end(), surface_.triangles[t].begin(), surface_.triangles[t].end());
-    std::sort(vertices.begin(), vertices.end());
+    }
+    sort_with_polls(execution_, vertices.begin(), vertices.end());
     vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
     std::vector<Vec3d> normals(vertices.size());
     const auto index = [&](VertexId v) {
       return std::lower_bound(vertices.begin(), vertices.end(), v) - vertices.begin();
     };
     for (const TriangleId t : front) {
+      pacer_.step(4);
       const Triangle& c = surface_.triangles[t];
       const Vec3d a = to_double(surface_.positions[c[0]]);
       const Vec3d n = cross(to_double(surface_.positions[c[1]]) - a, to_double(surface_.positions[c[2]]) - a);
@@ -104,6 +139,7 @@ class Thickener {
     }
     std::vector<Vec3f> back(vertices.size());
     for (std::size_t i = 0; i < vertices.size(); ++i) {
+      pacer_.step();
       const double l = length(normals[i]);
       const Vec3f& p = surface_.positions[vertices[i]];
       if (!(l > 0)) return false;
@@ -112,17 +148,34 @@ class Thickener {
                  static_cast<float>(q.z) + 0.0f};
       if (back[i] == p) return false;
     }
-    for (const TriangleId t : front)  // rounding must not merge corners of a back triangle
+    for (const TriangleId t : front) {  // rounding must not merge corners of a back triangle
+      pacer_.step(4);
       for (int k = 0; k < 3; ++k)
         if (back[index(surface_.triangles[t][k])] == back[index(surface_.triangles[t][(k + 1) % 3])])
           return false;
+    }
     for (std::size_t i = 0; i < vertices.size(); ++i) {
+      pacer_.step();
       back_vertex_[vertices[i]] = static_cast<VertexId>(surface_.positions.size());
       surface_.positions.push_back(back[i]);
     }
     return true;
   }
 
+  /// Room for so many more triangles; array by array, since each copies what is there.
+  void make_room(std::size_t more) {
+    execution_.made(Product::kSurfaceTriangles, more);
+    const std::size_t needed = surface_.triangles.size() + more;
+    if (surface_.triangles.capacity() >= needed) return;
+    const std::size_t wanted = std::max(needed, surface_.triangles.size() / 2 * 3);
+    surface_.triangles.reserve(wanted);
+    execution_.poll();
+    surface_.source.reserve(wanted);
+    if (!surface_.flipped.empty()) surface_.flipped.reserve(wanted);
+    execution_.poll();
+    surface_.twin.reserve(3 * wanted);
+    execution_.poll();
+  }
   TriangleId append(const Triangle& triangle, TriangleId source, bool flipped) {
     surface_.triangles.push_back(triangle);
     surface_.source.push_back(source);
@@ -140,19 +193,28 @@ class Thickener {
       return static_cast<std::size_t>(std::lower_bound(front.begin(), front.end(), t) - front.begin());
     };
     const auto inside = [&](HalfEdge h) { return h / 3 < front_of_.size() && front_of_[h / 3] == seed; };
+    std::size_t rim = 0;
     const std::vector<HalfEdge> old_twin = [&] {
       std::vector<HalfEdge> twins;
-      for (const TriangleId t : front)
-        for (HalfEdge h = 3 * t; h < 3 * t + 3; ++h) twins.push_back(surface_.twin[h]);
+      twins.reserve(3 * front.size());
+      for (const TriangleId t : front) {
+        pacer_.step();
+        for (HalfEdge h = 3 * t; h < 3 * t + 3; ++h) {
+          twins.push_back(surface_.twin[h]);
+          rim += !inside(surface_.twin[h]);
+        }
+      }
       return twins;
     }();
     const auto twin_of = [&](HalfEdge h) {
       const HalfEdge twin = old_twin[3 * position_in(h / 3) + h % 3];
       return inside(twin) ? twin : kNoIndex;
     };
+    make_room(front.size() + 2 * rim);
 
     std::vector<TriangleId> back(front.size());
     for (std::size_t i = 0; i < front.size(); ++i) {
+      pacer_.step(2);
       const Triangle c = surface_.triangles[front[i]];
       const TriangleId m = mirror_[front[i]];
       Triangle b{back_vertex_[c[0]], back_vertex_[c[2]], back_vertex_[c[1]]};
@@ -175,7 +237,8 @@ class Thickener {
     };
 
     std::vector<std::pair<HalfEdge, TriangleId>> walls;  // rim half-edge, its first wall triangle; ascending
-    for (const TriangleId t : front)
+    for (const TriangleId t : front) {
+      pacer_.step(8);
       for (HalfEdge h = 3 * t; h < 3 * t + 3; ++h) {
         if (const HalfEdge twin = twin_of(h); twin != kNoIndex) {
           glue(back_of(h), back_of(twin));
@@ -189,20 +252,30 @@ class Thickener {
         glue(3 * second + 1, back_of(h));
         walls.emplace_back(h, first);
       }
+    }
     for (const auto& [h, wall] : walls) {
       HalfEdge p = previous(h);  // the rim half-edge that ends where h begins, around the same fan
-      for (HalfEdge twin = twin_of(p); twin != kNoIndex; twin = twin_of(p)) p = previous(twin);
+      for (HalfEdge twin = twin_of(p); twin != kNoIndex; twin = twin_of(p)) {
+        pacer_.step(2);
+        p = previous(twin);
+      }
+      pacer_.step(2);
       const auto neighbour = std::lower_bound(walls.begin(), walls.end(), std::pair{p, TriangleId{0}});
       glue(3 * wall + 1, 3 * (neighbour->second + 1) + 2);
     }
   }
 
   Surface& surface_;
+  const Shells& shells_;
   double thickness_;
   const std::vector<TriangleId>& mirror_;
+  const Execution& execution_;
+  Pacer pacer_;
   std::vector<TriangleId> front_of_;  ///< per triangle: the seed of its front
   std::vector<VertexId> back_vertex_;
   std::vector<std::uint8_t> doomed_;
+  std::vector<std::uint8_t> failed_;  ///< per triangle: its front cannot be moved, whatever the seed
+  std::vector<std::uint64_t> lost_;   ///< per shell: how many triangles these fronts had, together
 };
 
 }  // namespace
@@ -210,54 +283,58 @@ class Thickener {
 std::size_t thicken_sheets(Surface& surface, const Shells& shells, double thickness,
                            std::vector<TriangleId>& fills, const Execution& execution) {
   std::vector<double> source_area(shells.list.size(), 0);
-  std::vector<std::uint8_t> filled(shells.list.size(), 0);
-  for (TriangleId t = 0; t < surface.triangles.size(); ++t) {
+  std::vector<std::uint8_t> has_fill(shells.list.size(), 0);
+  for_each_polled(execution, surface.triangles.size(), [&](std::size_t t) {
     const std::uint32_t s = shells.of_triangle[t];
     if (surface.source[t] == kNoIndex) {
-      filled[s] = 1;
-      continue;
+      has_fill[s] = 1;
+      return;
     }
     const Triangle& c = surface.triangles[t];
     const Vec3d a = to_double(surface.positions[c[0]]);
     source_area[s] +=
         0.5 * length(cross(to_double(surface.positions[c[1]]) - a, to_double(surface.positions[c[2]]) - a));
-  }
+  });
   const auto is_sheet = [&](std::uint32_t s) {
     return shells.list[s].flat ||
-           (filled[s] && std::fabs(shells.list[s].volume) < thickness * source_area[s]);
+           (has_fill[s] && std::fabs(shells.list[s].volume) < thickness * source_area[s]);
   };
   std::vector<TriangleId> candidates;
-  for (TriangleId t = 0; t < surface.triangles.size(); ++t)
-    if (surface.source[t] != kNoIndex && is_sheet(shells.of_triangle[t])) candidates.push_back(t);
+  for_each_polled(execution, surface.triangles.size(), [&](std::size_t t) {
+    if (surface.source[t] != kNoIndex && is_sheet(shells.of_triangle[t]))
+      candidates.push_back(static_cast<TriangleId>(t));
+  });
   if (candidates.empty()) return 0;
 
-  const std::vector<TriangleId> mirror = find_mirrors(surface, candidates);
-  Thickener thickener(surface, thickness, mirror);
+  const std::vector<TriangleId> mirror = find_mirrors(surface, candidates, execution);
+  Thickener thickener(surface, shells, thickness, mirror, execution);
   const std::size_t old_count = surface.triangles.size();
   std::size_t slabs = 0;
   std::vector<std::uint8_t> shell_done(shells.list.size(), 0);
   for (const TriangleId t : candidates) {
-    execution.poll();
     if (!thickener.make_slab(t)) continue;
     ++slabs;
     shell_done[shells.of_triangle[t]] = 1;
   }
   // What remains of a replaced shell goes: its fill, the other sides, and parts too small to be moved.
-  std::vector<TriangleId> place_of(surface.triangles.size(), kNoIndex);
+  std::vector<TriangleId> place_of = filled(execution, surface.triangles.size(), kNoIndex);
   TriangleId kept = 0;
-  for (TriangleId t = 0; t < place_of.size(); ++t)
-    if (t >= old_count || !shell_done[shells.of_triangle[t]] || thickener.in_front(t)) place_of[t] = kept++;
-  for (TriangleId t = 0; t < place_of.size(); ++t) {
+  for_each_polled(execution, place_of.size(), [&](std::size_t t) {
+    if (t >= old_count || !shell_done[shells.of_triangle[t]] ||
+        thickener.in_front(static_cast<TriangleId>(t)))
+      place_of[t] = kept++;
+  });
+  for_each_polled(execution, place_of.size(), [&](std::size_t t) {
     const TriangleId to = place_of[t];
-    if (to == kNoIndex) continue;
+    if (to == kNoIndex) return;
     surface.triangles[to] = surface.triangles[t];
     surface.source[to] = surface.source[t];
     if (!surface.flipped.empty()) surface.flipped[to] = surface.flipped[t];
     for (HalfEdge k = 0; k < 3; ++k) {
       const HalfEdge twin = surface.twin[3 * t + k];
-      surface.twin[3 * to + k] = 3 * place_of[twin / 3] + twin % 3;
+      surface.twin[3 * std::size_t{to} + k] = 3 * place_of[twin / 3] + twin % 3;
     }
-  }
+  });
   surface.triangles.resize(kept);
   surface.source.resize(kept);
   if (!surface.flipped.empty()) surface.flipped.resize(kept);

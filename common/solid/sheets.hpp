@@ -19,7 +19,8 @@ namespace fracture::solid_detail {
 /// Where the file has the sheet from both sides, the other side's triangles become the back; otherwise back
 /// and walls have source kNoIndex. Vertex normals are area-weighted, so that a fold gets thinner by its
 /// angle, and slabs of sheets bent tighter than the thickness cross themselves. A sheet whose back would
-/// round onto its front stays as it is. Needs a surface without open half-edges, with umbrellas split; leaves
+/// round onto its front stays as it is (where the file has it from both sides, other choices of the front are
+/// tried, up to a bound on the work). Needs a surface without open half-edges, with umbrellas split; leaves
 /// vertices to be split again. `fills` (first triangle of each filled hole) follows the renumbering. Returns
 /// the number of slabs.
 std::size_t thicken_sheets(Surface& surface, const Shells& shells, double thickness,

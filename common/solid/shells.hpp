@@ -15,10 +15,11 @@ struct Shell {
   bool flat = false;  ///< bounds no volume (see kFlatRatio)
 };
 
-/// A shell is flat when its exact volume is zero or |volume| <= kFlatRatio · area^1.5, or when its mean
-/// thickness |volume| / area is below 2^-24 of its largest coordinate: such a body has no inside on the
-/// float32 lattice of its file.
-inline constexpr double kFlatRatio = 1e-10;
+/// A shell is flat when |volume| <= kFlatRatio · area^1.5, or when its mean thickness |volume| / area is at
+/// most kThinnestRatio (half a unit in the last place) of its largest coordinate: such a body has no inside
+/// on the float32 lattice of its file. A shell whose exact volume is zero is flat by the latter: no term of
+/// the sum is larger than 2 √3 · largest · its share of the area, so that rounding stays far below.
+inline constexpr double kFlatRatio = 1e-10, kThinnestRatio = 0x1.0p-24;
 
 struct Shells {
   std::vector<std::uint32_t> of_triangle;

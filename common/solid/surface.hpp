@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/base/disjoint_sets.hpp"
+#include "common/base/execution.hpp"
 #include "common/base/vec.hpp"
 #include "common/mesh/mesh.hpp"
 
@@ -39,22 +39,7 @@ struct Surface {
     flipped[t] ^= 1;
   }
   /// Removes the triangles whose entry is not zero, keeping the order of the others; twins become invalid.
-  void remove(const std::vector<std::uint8_t>& doomed);
+  void remove(const std::vector<std::uint8_t>& doomed, const Execution& execution);
 };
-
-inline void Surface::remove(const std::vector<std::uint8_t>& doomed) {
-  std::size_t kept = 0;
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    if (doomed[t]) continue;
-    triangles[kept] = triangles[t];
-    source[kept] = source[t];
-    if (!flipped.empty()) flipped[kept] = flipped[t];
-    ++kept;
-  }
-  triangles.resize(kept);
-  source.resize(kept);
-  if (!flipped.empty()) flipped.resize(kept);
-  twin.clear();
-}
 
 }  // namespace fracture::solid_detail

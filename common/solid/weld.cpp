@@ -3,61 +3,55 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <random>
+
+#include "common/base/pacer.hpp"
+#include "common/solid/near_points.hpp"
+#include "common/solid/polled.hpp"
 
 namespace fracture::solid_detail {
 namespace {
 
-std::uint64_t hash_position(const Vec3f& p) {
-  const std::uint64_t x = std::bit_cast<std::uint32_t>(p.x), y = std::bit_cast<std::uint32_t>(p.y),
-                      z = std::bit_cast<std::uint32_t>(p.z);
-  std::uint64_t h = (x | y << 32) * 0x9e3779b97f4a7c15ull;
-  h = (h ^ (h >> 29) ^ z) * 0xbf58476d1ce4e5b9ull;
-  return h ^ (h >> 32);
-}
+/// Where positions stand in a hash table: the folded product of two keyed halves. The keys are drawn once for
+/// each process, so that nobody can prepare positions that collide. They show in no answer, since vertices
+/// are numbered as the triangles use them.
+class PositionHash {
+ public:
+  PositionHash() {
+    static const std::array<std::uint64_t, 2> drawn = [] {
+      std::random_device device;
+      std::array<std::uint64_t, 2> keys;
+      for (std::uint64_t& key : keys) {
+        const std::uint64_t high = device();
+        key = high << 32 | device();
+      }
+      return keys;
+    }();
+    keys_ = drawn;
+  }
+  std::uint64_t operator()(const Vec3f& p) const {
+    const std::uint64_t x = std::bit_cast<std::uint32_t>(p.x), y = std::bit_cast<std::uint32_t>(p.y),
+                        z = std::bit_cast<std::uint32_t>(p.z);
+    using u128 = unsigned __int128;
+    const u128 product = static_cast<u128>((x | y << 32) ^ keys_[0]) * (z ^ keys_[1]);
+    return static_cast<std::uint64_t>(product) ^ static_cast<std::uint64_t>(product >> 64);
+  }
+
+ private:
+  std::array<std::uint64_t, 2> keys_;
+};
 
 bool finite(const Vec3f& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
-std::size_t drop_degenerate(Surface& surface) {
-  std::vector<std::uint8_t> doomed(surface.triangles.size(), 0);
+std::size_t drop_degenerate(Surface& surface, const Execution& execution) {
+  std::vector<std::uint8_t> doomed = filled<std::uint8_t>(execution, surface.triangles.size(), 0);
   std::size_t count = 0;
-  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+  for_each_polled(execution, surface.triangles.size(), [&](std::size_t t) {
     const auto& [a, b, c] = surface.triangles[t];
     if (a == b || b == c || c == a) doomed[t] = 1, ++count;
-  }
-  if (count > 0) surface.remove(doomed);
+  });
+  if (count > 0) surface.remove(doomed, execution);
   return count;
-}
-
-/// Unites all pairs of `members` nearer than the tolerance, by a hash-free grid: cells sorted by coordinate.
-void unite_near(const std::vector<Vec3f>& positions, const std::vector<VertexId>& members, double tolerance,
-                DisjointSets& sets) {
-  struct Entry {
-    std::array<std::int64_t, 3> cell;
-    VertexId vertex;
-    auto operator<=>(const Entry&) const = default;
-  };
-  const double inverse = 1 / tolerance;
-  const auto cell_of = [inverse](float c) { return static_cast<std::int64_t>(std::floor(c * inverse)); };
-  std::vector<Entry> entries;
-  entries.reserve(members.size());
-  for (const VertexId v : members) {
-    const Vec3f& p = positions[v];
-    entries.push_back({{cell_of(p.x), cell_of(p.y), cell_of(p.z)}, v});
-  }
-  std::sort(entries.begin(), entries.end());
-  for (const Entry& e : entries)
-    for (int dx = -1; dx <= 1; ++dx)
-      for (int dy = -1; dy <= 1; ++dy) {
-        const Entry low{{e.cell[0] + dx, e.cell[1] + dy, e.cell[2] - 1}, 0};
-        for (auto i = std::lower_bound(entries.begin(), entries.end(), low);
-             i != entries.end() && i->cell[0] == low.cell[0] && i->cell[1] == low.cell[1] &&
-             i->cell[2] <= e.cell[2] + 1;
-             ++i) {
-          if (i->vertex >= e.vertex) continue;
-          if (length(to_double(positions[i->vertex]) - to_double(positions[e.vertex])) <= tolerance)
-            sets.unite(i->vertex, e.vertex);
-        }
-      }
 }
 
 }  // namespace
@@ -69,17 +63,19 @@ Expected<Surface> weld_exact(const Mesh& mesh, SolidReport& report, const Execut
 
   Surface surface;
   const std::size_t wedge_bound = std::min(mesh.positions.size(), 3 * mesh.triangles.size());
-  surface.triangles.resize(mesh.triangles.size());
-  surface.source.resize(mesh.triangles.size());
+  surface.triangles = filled(execution, mesh.triangles.size(), Triangle{});
+  surface.source = filled<TriangleId>(execution, mesh.triangles.size(), 0);
   surface.positions.reserve(wedge_bound);
-  std::vector<VertexId> vertex_of_wedge(mesh.positions.size(), kNoIndex);
+  std::vector<VertexId> vertex_of_wedge = filled(execution, mesh.positions.size(), kNoIndex);
   const std::size_t table_size = std::bit_ceil(2 * wedge_bound + 1);
-  std::vector<VertexId> table(table_size, kNoIndex);
+  std::vector<VertexId> table = filled(execution, table_size, kNoIndex);
+  const PositionHash hash_position;
+  Pacer pacer(execution);
   std::uint64_t used_wedges = 0;
   std::size_t kept = 0;
 
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (t % 65536 == 0) execution.poll();
+    pacer.step();
     Triangle triangle;
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t wedge = mesh.triangles[t][k];
@@ -97,8 +93,10 @@ Expected<Surface> weld_exact(const Mesh& mesh, SolidReport& report, const Execut
                       {{"vertex", wedge}});
         ++used_wedges;
         std::size_t slot = hash_position(p) & (table_size - 1);
-        while (table[slot] != kNoIndex && !(surface.positions[table[slot]] == p))
+        while (table[slot] != kNoIndex && !(surface.positions[table[slot]] == p)) {
+          pacer.step();
           slot = (slot + 1) & (table_size - 1);
+        }
         if (table[slot] == kNoIndex) {
           table[slot] = static_cast<VertexId>(surface.positions.size());
           surface.positions.push_back(p);
@@ -124,23 +122,24 @@ Expected<Surface> weld_exact(const Mesh& mesh, SolidReport& report, const Execut
   return surface;
 }
 
-bool weld_tolerant(Surface& surface, const EdgeTable& edges, double tolerance, SolidReport& report) {
+bool weld_tolerant(Surface& surface, const EdgeTable& edges, double tolerance, SolidReport& report,
+                   const Execution& execution) {
   if (!(tolerance > 0)) return false;
   struct OpenEdge {
     VertexId a, b;
   };
   std::vector<OpenEdge> open;
   std::vector<VertexId> members;
-  edges.for_each([&](VertexId a, VertexId b, std::span<const EdgeUse> uses) {
+  edges.for_each(execution, [&](VertexId a, VertexId b, std::span<const EdgeUse> uses) {
     if (uses.size() != 1) return;
     open.push_back({a, b});
     members.push_back(a);
     members.push_back(b);
   });
-  std::sort(members.begin(), members.end());
+  sort_with_polls(execution, members.begin(), members.end());
   members.erase(std::unique(members.begin(), members.end()), members.end());
-  DisjointSets near(surface.positions.size());
-  unite_near(surface.positions, members, tolerance, near);
+  DisjointSets near = singletons(execution, surface.positions.size());
+  unite_near(surface.positions, members, tolerance, near, execution);
 
   // A cluster is useful when it makes two different open edges meet.
   struct Met {
@@ -148,28 +147,30 @@ bool weld_tolerant(Surface& surface, const EdgeTable& edges, double tolerance, S
     auto operator<=>(const Met&) const = default;
   };
   std::vector<Met> met;
-  for (const OpenEdge& e : open) {
-    const VertexId a = near.find(e.a), b = near.find(e.b);
+  for_each_polled(execution, open.size(), [&](std::size_t i) {
+    const VertexId a = near.find(open[i].a), b = near.find(open[i].b);
     if (a != b) met.push_back({std::min(a, b), std::max(a, b)});
-  }
-  std::sort(met.begin(), met.end());
-  std::vector<std::uint8_t> useful(surface.positions.size(), 0);
-  for (std::size_t i = 1; i < met.size(); ++i)
-    if (met[i] == met[i - 1]) useful[met[i].a] = useful[met[i].b] = 1;
+  });
+  sort_with_polls(execution, met.begin(), met.end());
+  std::vector<std::uint8_t> useful = filled<std::uint8_t>(execution, surface.positions.size(), 0);
+  for_each_polled(execution, met.size(), [&](std::size_t i) {
+    if (i > 0 && met[i] == met[i - 1]) useful[met[i].a] = useful[met[i].b] = 1;
+  });
   std::uint64_t merged = 0;
-  std::vector<VertexId> target(surface.positions.size());
-  for (VertexId v = 0; v < target.size(); ++v) target[v] = v;
-  for (const VertexId v : members) {
-    const VertexId root = near.find(v);
-    if (root == v || !useful[root]) continue;
+  std::vector<VertexId> target = filled(execution, surface.positions.size(), kNoIndex);
+  for_each_polled(execution, members.size(), [&](std::size_t i) {
+    const VertexId v = members[i], root = near.find(v);
+    if (root == v || !useful[root]) return;
     target[v] = root;
     if (merged++ == 0) report.add_sample("welded_tolerant", surface.positions[v]);
-  }
+  });
   if (merged == 0) return false;
-  for (Triangle& triangle : surface.triangles)
-    for (VertexId& v : triangle) v = target[v];
+  for_each_polled(execution, surface.triangles.size(), [&](std::size_t t) {
+    for (VertexId& v : surface.triangles[t])
+      if (target[v] != kNoIndex) v = target[v];
+  });
   report.welded_tolerant += merged;
-  report.degenerate_dropped += drop_degenerate(surface);
+  report.degenerate_dropped += drop_degenerate(surface, execution);
   return true;
 }
 

@@ -21,6 +21,7 @@ Expected<Surface> weld_exact(const Mesh& mesh, SolidReport& report, const Execut
 /// Merges vertices of open edges that are nearer than `tolerance` (metres; chains of such pairs merge as one)
 /// to the vertex with the lowest id, but only clusters that make two open edges meet. Returns true when
 /// something was merged; the triangles that became degenerate are dropped, the edge table is stale.
-bool weld_tolerant(Surface& surface, const EdgeTable& edges, double tolerance, SolidReport& report);
+bool weld_tolerant(Surface& surface, const EdgeTable& edges, double tolerance, SolidReport& report,
+                   const Execution& execution);
 
 }  // namespace fracture::solid_detail

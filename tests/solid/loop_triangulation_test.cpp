@@ -71,7 +71,7 @@ TEST(TriangulateLoop, CoversPlanarPolygonsOnceForBothMethodsAndAllAxes) {
         SCOPED_TRACE(std::to_string(n) + " corners, axis " + std::to_string(axis));
         std::vector<Vec3f> corners = star(n, 100u + static_cast<unsigned>(n), axis);
         if (backward) std::reverse(corners.begin(), corners.end());
-        const std::vector<Triangle> triangles = triangulate_loop(corners);
+        const std::vector<Triangle> triangles = triangulate_loop(corners, {});
         expect_disc(triangles, corners.size());
         // A triangulation without overlap has exactly the polygon's area. (The plane is at 2; the shoelace of
         // the other two components does not see it.)
@@ -92,7 +92,7 @@ TEST(TriangulateLoop, FollowsTheCornersOfASubdividedSquare) {
                         : side == 2 ? Vec3f{1 - t, 1, 0}
                                     : Vec3f{0, 1 - t, 0});
     }
-  const std::vector<Triangle> triangles = triangulate_loop(corners);
+  const std::vector<Triangle> triangles = triangulate_loop(corners, {});
   expect_disc(triangles, corners.size());
   EXPECT_NEAR(area_of(corners, triangles), 1, 1e-6);
 }
@@ -106,11 +106,11 @@ TEST(TriangulateLoop, AnyLoopInSpaceBecomesADisc) {
       p.y = static_cast<float>(random.uniform());
       p.z = static_cast<float>(random.uniform());
     }
-    expect_disc(triangulate_loop(corners), n);
+    expect_disc(triangulate_loop(corners, {}), n);
     for (Vec3f& p : corners) p = {0, 0, 0};
-    expect_disc(triangulate_loop(corners), n);
+    expect_disc(triangulate_loop(corners, {}), n);
     for (std::size_t i = 0; i < n; ++i) corners[i] = {static_cast<float>(i), 0, 0};
-    expect_disc(triangulate_loop(corners), n);
+    expect_disc(triangulate_loop(corners, {}), n);
   }
 }
 

@@ -1,0 +1,34 @@
+// What was found and done, in words: notes for people, and the refusals of make_solid().
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "common/base/error.hpp"
+#include "common/solid/edges.hpp"
+#include "common/solid/solid.hpp"
+#include "common/solid/surface.hpp"
+
+namespace fracture::solid_detail {
+
+/// "1 triangle", "3 triangles".
+std::string counted(std::uint64_t count, const char* one, const char* many);
+
+/// What is wrong with the edges, and where first.
+struct EdgeFaults {
+  std::uint64_t open = 0;         ///< edges with one use
+  std::uint64_t nonmanifold = 0;  ///< edges with more than two
+  std::uint64_t one_way = 0;      ///< edges with two uses in the same direction
+  std::optional<std::array<Vec3f, 2>> first_open, first_nonmanifold;
+};
+EdgeFaults find_faults(const Surface& surface, const EdgeTable& edges, const Execution& execution);
+
+/// kMeshNotClosed, with the counts and the first offending edge.
+tl::unexpected<Error> refuse(std::string detail, const EdgeFaults& faults, const SolidReport& report);
+
+/// `flat_triangles`: how many the dropped shells had.
+void write_notes(const EdgeFaults& faults, const SolidReport& report, std::size_t layers,
+                 std::uint64_t flat_triangles, std::vector<std::string>& notes);
+
+}  // namespace fracture::solid_detail

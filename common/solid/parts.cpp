@@ -1,0 +1,179 @@
+#include "common/solid/parts.hpp"
+
+#include <algorithm>
+
+#include "common/base/pacer.hpp"
+#include "common/solid/polled.hpp"
+
+namespace fracture::solid_detail {
+
+std::vector<std::uint32_t> make_parts(const Shells& shells, Nesting& nesting, const Mesh& mesh,
+                                      const Surface& surface, std::vector<Part>& parts,
+                                      const Execution& execution) {
+  const auto volume_of = [&](std::uint32_t s) {
+    return (nesting.reversed[s] ? -1 : 1) * shells.list[s].volume;
+  };
+  const auto count = static_cast<std::uint32_t>(shells.list.size());
+  std::vector<double> hollow = filled<double>(execution, count, 0);
+  Pacer pacer(execution);
+  for (std::uint32_t s = 0; s < count; ++s) {
+    pacer.step();
+    if (nesting.cavity_of[s] != kNoIndex) hollow[nesting.cavity_of[s]] += volume_of(s);
+  }
+  for (std::uint32_t s = 0; s < count; ++s) {
+    pacer.step();
+    if (const std::uint32_t parent = nesting.cavity_of[s];
+        parent != kNoIndex && volume_of(parent) + hollow[parent] <= 0) {
+      nesting.cavity_of[s] = kNoIndex;
+      nesting.reversed[s] ^= 1;
+    }
+  }
+  std::vector<std::uint32_t> part_of_shell = filled(execution, count, kNoIndex);
+  for (std::uint32_t s = 0; s < count; ++s) {
+    pacer.step(4);  // allocations
+    if (shells.list[s].flat || nesting.cavity_of[s] != kNoIndex) continue;
+    part_of_shell[s] = static_cast<std::uint32_t>(parts.size());
+    Part& part = parts.emplace_back();
+    part.shells.push_back(s);
+    part.volume = volume_of(s);
+    part.box = shells.list[s].box;
+    const TriangleId source = surface.source[shells.list[s].first];
+    part.node = source < mesh.node.size() ? mesh.node[source] : 0;
+  }
+  for (std::uint32_t s = 0; s < count; ++s) {
+    pacer.step(4);
+    if (nesting.cavity_of[s] == kNoIndex) continue;
+    Part& part = parts[part_of_shell[s] = part_of_shell[nesting.cavity_of[s]]];
+    part.shells.push_back(s);
+    part.volume += volume_of(s);
+    part.box.add(shells.list[s].box);
+  }
+  return part_of_shell;
+}
+
+void turn_shells(Surface& surface, const Shells& shells, const std::vector<std::uint8_t>& reversed,
+                 const Execution& execution) {
+  const auto is_reversed = [&](std::size_t t) { return reversed[shells.of_triangle[t]] != 0; };
+  for_each_polled(execution, surface.triangles.size(), [&](std::size_t t) {
+    if (!is_reversed(t)) return;
+    surface.flip(static_cast<TriangleId>(t));
+    // The half-edges ab, bc, ca became ac, cb, ba: the first and the last change places.
+    std::swap(surface.twin[3 * t], surface.twin[3 * t + 2]);
+  });
+  for_each_polled(execution, surface.twin.size(), [&](std::size_t h) {
+    HalfEdge& twin = surface.twin[h];
+    if (is_reversed(twin / 3) && twin % 3 != 1) twin = twin - twin % 3 + (2 - twin % 3);
+  });
+}
+
+namespace {
+
+/// Where each triangle goes: kNoIndex for those of dropped shells. Nothing where all stay.
+struct Order {
+  std::vector<TriangleId> place_of;
+  TriangleId kept = 0;
+};
+
+Order final_order(const Shells& shells, const std::vector<std::uint32_t>& part_of_shell, std::size_t parts,
+                  const Execution& execution) {
+  const std::size_t count = shells.of_triangle.size();
+  if (parts == 1 && std::find(part_of_shell.begin(), part_of_shell.end(), kNoIndex) == part_of_shell.end())
+    return {};
+  std::vector<TriangleId> start = filled<TriangleId>(execution, parts + 1, 0);
+  for_each_polled(execution, count, [&](std::size_t t) {
+    if (const std::uint32_t part = part_of_shell[shells.of_triangle[t]]; part != kNoIndex) ++start[part + 1];
+  });
+  for (std::size_t p = 1; p < start.size(); ++p) start[p] += start[p - 1];
+  Order order{filled(execution, count, kNoIndex), start.back()};
+  for_each_polled(execution, count, [&](std::size_t t) {
+    if (const std::uint32_t part = part_of_shell[shells.of_triangle[t]]; part != kNoIndex)
+      order.place_of[t] = start[part]++;
+  });
+  return order;
+}
+
+}  // namespace
+
+void group_by_part(Surface& surface, Shells& shells, const std::vector<std::uint32_t>& part_of_shell,
+                   std::size_t parts, const Execution& execution) {
+  const Order order = final_order(shells, part_of_shell, parts, execution);
+  if (order.place_of.empty()) return;
+  Surface moved;
+  moved.triangles = filled(execution, order.kept, Triangle{});
+  moved.source = filled<TriangleId>(execution, order.kept, 0);
+  moved.twin = filled<HalfEdge>(execution, std::size_t{3} * order.kept, 0);
+  if (!surface.flipped.empty()) moved.flipped = filled<std::uint8_t>(execution, order.kept, 0);
+  std::vector<std::uint32_t> shell = filled<std::uint32_t>(execution, order.kept, 0);
+  for_each_polled(execution, order.place_of.size(), [&](std::size_t t) {
+    const TriangleId to = order.place_of[t];
+    if (to == kNoIndex) return;
+    moved.triangles[to] = surface.triangles[t];
+    moved.source[to] = surface.source[t];
+    shell[to] = shells.of_triangle[t];
+    if (!surface.flipped.empty()) moved.flipped[to] = surface.flipped[t];
+    for (HalfEdge k = 0; k < 3; ++k) {  // glued triangles are of one shell, so the twin was kept as well
+      const HalfEdge twin = surface.twin[3 * t + k];
+      moved.twin[3 * to + k] = 3 * order.place_of[twin / 3] + twin % 3;
+    }
+  });
+  surface.triangles = std::move(moved.triangles);
+  execution.poll();
+  surface.source = std::move(moved.source);
+  surface.twin = std::move(moved.twin);
+  execution.poll();
+  surface.flipped = std::move(moved.flipped);
+  shells.of_triangle = std::move(shell);
+}
+
+void drop_unused_vertices(Surface& surface, const Execution& execution) {
+  std::vector<VertexId> new_vertex = filled(execution, surface.positions.size(), kNoIndex);
+  for_each_polled(execution, surface.triangles.size(), [&](std::size_t t) {
+    for (const VertexId v : surface.triangles[t]) new_vertex[v] = 0;
+  });
+  VertexId kept = 0;
+  for_each_polled(execution, new_vertex.size(), [&](std::size_t v) {
+    if (new_vertex[v] == kNoIndex) return;
+    new_vertex[v] = kept;
+    surface.positions[kept++] = surface.positions[v];
+  });
+  surface.positions.resize(kept);
+  for_each_polled(execution, surface.triangles.size(), [&](std::size_t t) {
+    for (VertexId& v : surface.triangles[t]) v = new_vertex[v];
+  });
+}
+
+void write_out(const Mesh& mesh, Surface& surface, Shells& shells,
+               const std::vector<std::uint32_t>& part_of_shell, const std::vector<std::uint32_t>& new_shell,
+               Solid& solid, const Execution& execution) {
+  const std::size_t count = surface.triangles.size();
+  solid.wedges = filled(execution, count, Triangle{kNoIndex, kNoIndex, kNoIndex});
+  solid.material = filled(execution, count, kInteriorMaterial);
+  solid.edges = filled(execution, count, Triangle{});
+  solid.part = filled<std::uint32_t>(execution, count, 0);
+  solid.edge_vertices.reserve(3 * count / 2);
+  for_each_polled(execution, count, [&](std::size_t t) {
+    solid.part[t] = part_of_shell[shells.of_triangle[t]];
+    shells.of_triangle[t] = new_shell[shells.of_triangle[t]];
+    const TriangleId source = surface.source[t];
+    if (source != kNoIndex) {
+      solid.wedges[t] = mesh.triangles[source];
+      if (!surface.flipped.empty() && surface.flipped[t]) std::swap(solid.wedges[t][1], solid.wedges[t][2]);
+      solid.material[t] = source < mesh.material.size() ? mesh.material[source] : kNoIndex;
+    }
+    for (auto h = static_cast<HalfEdge>(3 * t); h < 3 * t + 3; ++h) {
+      const HalfEdge twin = surface.twin[h];
+      if (twin < h) {
+        solid.edges[t][h - 3 * t] = solid.edges[twin / 3][twin % 3];
+        continue;
+      }
+      const VertexId a = surface.from(h), b = surface.to(h);
+      solid.edges[t][h - 3 * t] = static_cast<std::uint32_t>(solid.edge_vertices.size());
+      solid.edge_vertices.push_back({std::min(a, b), std::max(a, b)});
+    }
+  });
+  solid.positions = std::move(surface.positions);
+  solid.triangles = std::move(surface.triangles);
+  solid.shell = std::move(shells.of_triangle);
+}
+
+}  // namespace fracture::solid_detail
