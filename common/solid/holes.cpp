@@ -66,13 +66,10 @@ void grow_for_fills(Surface& surface, const Execution& execution) {
   std::size_t open = 0;
   for_each_polled(execution, surface.twin.size(),
                   [&](std::size_t h) { open += surface.twin[h] == kNoIndex; });
-  const std::size_t count = surface.triangles.size() + open;
-  surface.triangles.reserve(count);
-  execution.poll();
-  surface.source.reserve(count);
-  if (!surface.flipped.empty()) surface.flipped.reserve(count);
-  execution.poll();
-  surface.twin.reserve(3 * count);
+  make_room(execution, surface.triangles, open);
+  make_room(execution, surface.source, open);
+  if (!surface.flipped.empty()) make_room(execution, surface.flipped, open);
+  make_room(execution, surface.twin, 3 * open);
 }
 
 }  // namespace

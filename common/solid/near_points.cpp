@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "common/base/pacer.hpp"
 #include "common/solid/polled.hpp"
@@ -27,15 +28,15 @@ class NearPoints {
 
   void unite(const std::vector<VertexId>& members, DisjointSets& sets) {
     sort_into_cells(members);
-    for (const Cell& cell : cells_)
-      for (std::size_t k = cell.begin + 1; k < cell.end; ++k) {
+    for (std::uint32_t at = 0; at < cell_count(); ++at)
+      for (std::size_t k = begin_[at] + 1; k < begin_[at + 1]; ++k) {
         pacer_.step();
-        sets.unite(vertices_[cell.begin], vertices_[k]);
+        sets.unite(entries_[begin_[at]].vertex, entries_[k].vertex);
       }
-    for (std::uint32_t at = 0; at < cells_.size(); ++at)
+    for (std::uint32_t at = 0; at < cell_count(); ++at)
       for_each_later_neighbour(at, [&](std::uint32_t other) {
-        const VertexId a = vertices_[cells_[at].begin], b = vertices_[cells_[other].begin];
-        if (sets.find(a) != sets.find(b) && have_near_pair(cells_[at], cells_[other])) sets.unite(a, b);
+        const VertexId a = entries_[begin_[at]].vertex, b = entries_[begin_[other]].vertex;
+        if (sets.find(a) != sets.find(b) && have_near_pair(at, other)) sets.unite(a, b);
       });
   }
 
@@ -47,51 +48,53 @@ class NearPoints {
   struct Node {
     Vec3f low, high;
   };
-  struct Cell {
-    CellPlace place;
-    std::size_t begin, end;      ///< its points in vertices_
-    std::size_t tree = kNoTree;  ///< the root in nodes_, once somebody asked
-    std::size_t leaves = 0;      ///< a power of two
+  /// A tree over the points of a crowded cell.
+  struct Tree {
+    std::size_t begin, end;  ///< its points in entries_
+    std::size_t root;        ///< its nodes are nodes_[root + 1…]
+    std::size_t leaves;      ///< a power of two
   };
-  static constexpr std::size_t kNoTree = ~std::size_t{0};
+
+  std::size_t cell_count() const { return begin_.size() - 1; }
+  const CellPlace& place(std::size_t cell) const { return entries_[begin_[cell]].cell; }
 
   void sort_into_cells(const std::vector<VertexId>& members) {
     const double inverse = 1 / (kSide * tolerance_);
-    const auto place = [inverse](float c) { return std::floor(static_cast<double>(c) * inverse); };
-    std::vector<Entry> entries;
-    entries.reserve(members.size());
+    const auto along = [inverse](float c) { return std::floor(static_cast<double>(c) * inverse); };
+    entries_.reserve(members.size());
     for_each_polled(execution_, members.size(), [&](std::size_t i) {
       const Vec3f& p = positions_[members[i]];
-      entries.push_back({{place(p.x), place(p.y), place(p.z)}, members[i]});
+      entries_.push_back({{along(p.x), along(p.y), along(p.z)}, members[i]});
     });
-    sort_with_polls(execution_, entries.begin(), entries.end());
-    vertices_.reserve(entries.size());
-    for_each_polled(execution_, entries.size(), [&](std::size_t i) {
-      if (i == 0 || entries[i].cell != entries[i - 1].cell) cells_.push_back({entries[i].cell, i, i});
-      cells_.back().end = i + 1;
-      vertices_.push_back(entries[i].vertex);
+    sort_with_polls(execution_, entries_.begin(), entries_.end());
+    for_each_polled(execution_, entries_.size(), [&](std::size_t i) {
+      if (i > 0 && entries_[i].cell == entries_[i - 1].cell) return;
+      make_room(execution_, begin_);
+      begin_.push_back(static_cast<std::uint32_t>(i));
     });
+    begin_.push_back(static_cast<std::uint32_t>(entries_.size()));
   }
 
   /// Calls visit for the cells that come later in the order and may have points within the tolerance: two
   /// cells away at most on each axis.
   template <class Visit>
   void for_each_later_neighbour(std::uint32_t at, Visit&& visit) {
-    const CellPlace place = cells_[at].place;
+    const CellPlace here = place(at);
     for (int dx = 0; dx <= 2; ++dx)
       for (int dy = dx == 0 ? 0 : -2; dy <= 2; ++dy) {
-        const CellPlace low{place[0] + dx, place[1] + dy, place[2] - 2};
-        auto i = std::lower_bound(cells_.begin() + at + 1, cells_.end(), low,
-                                  [](const Cell& cell, const CellPlace& p) { return cell.place < p; });
+        const CellPlace low{here[0] + dx, here[1] + dy, here[2] - 2};
         pacer_.step(4);
-        for (; i != cells_.end() && i->place[0] == low[0] && i->place[1] == low[1] &&
-               i->place[2] <= place[2] + 2;
+        const auto first =
+            std::partition_point(begin_.begin() + at + 1, begin_.end() - 1,
+                                 [&](std::uint32_t begin) { return entries_[begin].cell < low; });
+        for (auto i = static_cast<std::uint32_t>(first - begin_.begin());
+             i < cell_count() && place(i)[0] == low[0] && place(i)[1] == low[1] && place(i)[2] <= here[2] + 2;
              ++i)
-          visit(static_cast<std::uint32_t>(i - cells_.begin()));
+          visit(i);
       }
   }
 
-  const Vec3f& point(std::size_t k) const { return positions_[vertices_[k]]; }
+  const Vec3f& point(std::size_t k) const { return positions_[entries_[k].vertex]; }
   bool near(std::size_t a, std::size_t b) const {
     return length(to_double(point(a)) - to_double(point(b))) <= tolerance_;
   }
@@ -103,10 +106,12 @@ class NearPoints {
     return false;
   }
 
-  bool have_near_pair(Cell& a, Cell& b) {
-    if ((a.end - a.begin) * (b.end - b.begin) <= 256) return any_near(a.begin, a.end, b.begin, b.end);
-    plant(a);
-    plant(b);
+  bool have_near_pair(std::uint32_t cell_a, std::uint32_t cell_b) {
+    const std::size_t size_a = begin_[cell_a + 1] - begin_[cell_a],
+                      size_b = begin_[cell_b + 1] - begin_[cell_b];
+    if (size_a * size_b <= 256)
+      return any_near(begin_[cell_a], begin_[cell_a + 1], begin_[cell_b], begin_[cell_b + 1]);
+    const Tree a = tree_of(cell_a), b = tree_of(cell_b);
     struct Pair {
       std::size_t a, b;  // nodes, numbered from 1 in each tree
     };
@@ -115,7 +120,7 @@ class NearPoints {
       const auto [i, j] = stack.back();
       stack.pop_back();
       pacer_.step();
-      const Node &x = nodes_[a.tree + i], &y = nodes_[b.tree + j];
+      const Node &x = nodes_[a.root + i], &y = nodes_[b.root + j];
       const auto [least, most] = distances(x, y);
       if (least > tolerance_ * (1 + 1e-12)) continue;
       if (most < tolerance_ * (1 - 1e-12)) return true;
@@ -151,26 +156,29 @@ class NearPoints {
     return std::fmax(size.x, std::fmax(size.y, size.z));
   }
 
-  /// Leaf k (from `leaves` on) of the cell's tree begins here: the points are halved and halved again.
-  static std::size_t leaf_begin(const Cell& cell, std::size_t k) {
-    std::size_t begin = cell.begin, end = cell.end;
-    if (k == 2 * cell.leaves) return end;
-    for (std::size_t bit = cell.leaves / 2; bit > 0; bit /= 2) {
+  /// Leaf k (from `leaves` on) of the tree begins here: the points are halved and halved again.
+  static std::size_t leaf_begin(const Tree& tree, std::size_t k) {
+    std::size_t begin = tree.begin, end = tree.end;
+    if (k == 2 * tree.leaves) return end;
+    for (std::size_t bit = tree.leaves / 2; bit > 0; bit /= 2) {
       const std::size_t middle = begin + (end - begin) / 2;
       (k & bit ? begin : end) = middle;
     }
     return begin;
   }
 
-  void plant(Cell& cell) {
-    if (cell.tree != kNoTree) return;
-    cell.leaves = 1;
-    while (cell.leaves * kLeafSize < cell.end - cell.begin) cell.leaves *= 2;
-    cell.tree = nodes_.size();
-    nodes_.resize(nodes_.size() + 2 * cell.leaves);
-    split(cell, 1, cell.begin, cell.end);
+  const Tree& tree_of(std::uint32_t cell) {
+    const auto [at, fresh] = trees_.try_emplace(cell);
+    Tree& tree = at->second;
+    if (!fresh) return tree;
+    tree = {begin_[cell], begin_[cell + 1], nodes_.size(), 1};
+    while (tree.leaves * kLeafSize < tree.end - tree.begin) tree.leaves *= 2;
+    make_room(execution_, nodes_, 2 * tree.leaves);
+    nodes_.resize(nodes_.size() + 2 * tree.leaves);
+    split(tree, 1, tree.begin, tree.end);
+    return tree;
   }
-  void split(const Cell& cell, std::size_t at, std::size_t begin, std::size_t end) {
+  void split(const Tree& tree, std::size_t at, std::size_t begin, std::size_t end) {
     Node node{point(begin), point(begin)};
     for (std::size_t k = begin; k < end; ++k) {
       pacer_.step();
@@ -178,27 +186,28 @@ class NearPoints {
       node.low = {std::min(node.low.x, p.x), std::min(node.low.y, p.y), std::min(node.low.z, p.z)};
       node.high = {std::max(node.high.x, p.x), std::max(node.high.y, p.y), std::max(node.high.z, p.z)};
     }
-    nodes_[cell.tree + at] = node;
-    if (at >= cell.leaves) return;
+    nodes_[tree.root + at] = node;
+    if (at >= tree.leaves) return;
     const Vec3d size = to_double(node.high) - to_double(node.low);
     const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
     const std::size_t middle = begin + (end - begin) / 2;
-    const auto vertex = [this](std::size_t k) { return vertices_.begin() + static_cast<std::ptrdiff_t>(k); };
-    std::nth_element(vertex(begin), vertex(middle), vertex(end), [&](VertexId v, VertexId w) {
+    const auto entry = [this](std::size_t k) { return entries_.begin() + static_cast<std::ptrdiff_t>(k); };
+    std::nth_element(entry(begin), entry(middle), entry(end), [&](const Entry& v, const Entry& w) {
       pacer_.step();
-      return to_double(positions_[v])[axis] < to_double(positions_[w])[axis];
+      return to_double(positions_[v.vertex])[axis] < to_double(positions_[w.vertex])[axis];
     });
-    split(cell, 2 * at, begin, middle);
-    split(cell, 2 * at + 1, middle, end);
+    split(tree, 2 * at, begin, middle);
+    split(tree, 2 * at + 1, middle, end);
   }
 
   const std::vector<Vec3f>& positions_;
   const double tolerance_;
   const Execution& execution_;
   Pacer pacer_;
-  std::vector<Cell> cells_;         ///< ascending by place
-  std::vector<VertexId> vertices_;  ///< cell by cell
-  std::vector<Node> nodes_;         ///< of each tree: root 1, the children of k are 2 k and 2 k + 1
+  std::vector<Entry> entries_;           ///< ascending by cell
+  std::vector<std::uint32_t> begin_;     ///< per cell: its first entry; one more at the end
+  std::map<std::uint32_t, Tree> trees_;  ///< of cells that were asked for one
+  std::vector<Node> nodes_;              ///< of each tree: root 1, the children of k are 2 k and 2 k + 1
 };
 
 }  // namespace

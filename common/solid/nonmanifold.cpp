@@ -95,6 +95,7 @@ bool drop_duplicates(Surface& surface, const EdgeTable& edges, SolidReport& repo
     const bool even = (key[0] < key[1] && key[1] < key[2]) || (key[1] < key[2] && key[2] < key[0]) ||
                       (key[2] < key[0] && key[0] < key[1]);
     std::sort(key.begin(), key.end());
+    make_room(execution, entries);
     entries.push_back({key, even ? 0u : 1u, static_cast<TriangleId>(t)});
   });
   if (entries.empty()) return false;
@@ -222,6 +223,7 @@ std::size_t split_umbrellas(Surface& surface, const Execution& execution) {
     if (vertex_seen[old]) {
       id = static_cast<VertexId>(surface.positions.size());
       const Vec3f position = surface.positions[old];
+      make_room(execution, surface.positions);
       surface.positions.push_back(position);
     }
     vertex_seen[old] = 1;

@@ -29,6 +29,10 @@ std::vector<std::uint32_t> make_parts(const Shells& shells, Nesting& nesting, co
     }
   }
   std::vector<std::uint32_t> part_of_shell = filled(execution, count, kNoIndex);
+  std::size_t outward = 0;
+  for (std::uint32_t s = 0; s < count; ++s)
+    outward += !shells.list[s].flat && nesting.cavity_of[s] == kNoIndex;
+  parts.reserve(outward);
   for (std::uint32_t s = 0; s < count; ++s) {
     pacer.step(4);  // allocations
     if (shells.list[s].flat || nesting.cavity_of[s] != kNoIndex) continue;

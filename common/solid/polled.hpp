@@ -36,18 +36,26 @@ std::vector<T> filled(const Execution& execution, std::size_t count, const T& va
   return items;
 }
 
-/// A copy of the vector.
+/// A copy of the vector, with room for so many more.
 template <class T>
-std::vector<T> copied(const Execution& execution, const std::vector<T>& from) {
+std::vector<T> copied(const Execution& execution, const std::vector<T>& from, std::size_t more = 0) {
   constexpr std::size_t kStep = (std::size_t{4} << 20) / sizeof(T);
   std::vector<T> items;
-  items.reserve(from.size());
+  items.reserve(from.size() + more);
   for (std::size_t begin = 0; begin < from.size(); begin = items.size()) {
     execution.poll();
     const std::size_t end = std::min(from.size(), begin + kStep);
     items.insert(items.end(), from.data() + begin, from.data() + end);
   }
   return items;
+}
+
+/// Before elements are added one by one to what may be many: where the vector would copy all of them to a
+/// larger place, they are copied with polls.
+template <class T>
+void make_room(const Execution& execution, std::vector<T>& items, std::size_t more = 1) {
+  if (items.capacity() - items.size() >= more) return;
+  items = copied(execution, items, std::max(more, items.size()));
 }
 
 /// `count` sets of one member each.

@@ -154,6 +154,7 @@ class Thickener {
         if (back[index(surface_.triangles[t][k])] == back[index(surface_.triangles[t][(k + 1) % 3])])
           return false;
     }
+    make_room(execution_, surface_.positions, vertices.size());
     for (std::size_t i = 0; i < vertices.size(); ++i) {
       pacer_.step();
       back_vertex_[vertices[i]] = static_cast<VertexId>(surface_.positions.size());
@@ -162,20 +163,6 @@ class Thickener {
     return true;
   }
 
-  /// Room for so many more triangles; array by array, since each copies what is there.
-  void make_room(std::size_t more) {
-    execution_.made(Product::kSurfaceTriangles, more);
-    const std::size_t needed = surface_.triangles.size() + more;
-    if (surface_.triangles.capacity() >= needed) return;
-    const std::size_t wanted = std::max(needed, surface_.triangles.size() / 2 * 3);
-    surface_.triangles.reserve(wanted);
-    execution_.poll();
-    surface_.source.reserve(wanted);
-    if (!surface_.flipped.empty()) surface_.flipped.reserve(wanted);
-    execution_.poll();
-    surface_.twin.reserve(3 * wanted);
-    execution_.poll();
-  }
   TriangleId append(const Triangle& triangle, TriangleId source, bool flipped) {
     surface_.triangles.push_back(triangle);
     surface_.source.push_back(source);
@@ -210,7 +197,12 @@ class Thickener {
       const HalfEdge twin = old_twin[3 * position_in(h / 3) + h % 3];
       return inside(twin) ? twin : kNoIndex;
     };
-    make_room(front.size() + 2 * rim);
+    const std::size_t more = front.size() + 2 * rim;
+    execution_.made(Product::kSurfaceTriangles, more);
+    make_room(execution_, surface_.triangles, more);
+    make_room(execution_, surface_.source, more);
+    if (!surface_.flipped.empty()) make_room(execution_, surface_.flipped, more);
+    make_room(execution_, surface_.twin, 3 * more);
 
     std::vector<TriangleId> back(front.size());
     for (std::size_t i = 0; i < front.size(); ++i) {

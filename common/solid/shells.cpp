@@ -11,20 +11,18 @@ Shells find_shells(const Surface& surface, const Execution& execution) {
   Shells shells;
   shells.of_triangle = filled(execution, surface.triangles.size(), kNoIndex);
   Pacer pacer(execution);
-  std::vector<TriangleId> stack;
+  std::vector<TriangleId> stack, first;
   for (TriangleId seed = 0; seed < surface.triangles.size(); ++seed) {
     pacer.step();
     if (shells.of_triangle[seed] != kNoIndex) continue;
-    const auto id = static_cast<std::uint32_t>(shells.list.size());
-    Shell& shell = shells.list.emplace_back();
-    shell.first = seed;
+    const auto id = static_cast<std::uint32_t>(first.size());
+    first.push_back(seed);
     stack.assign(1, seed);
     shells.of_triangle[seed] = id;
     while (!stack.empty()) {
       const TriangleId t = stack.back();
       stack.pop_back();
       pacer.step();
-      ++shell.triangles;
       for (HalfEdge h = 3 * t; h < 3 * t + 3; ++h) {
         const TriangleId neighbour = surface.twin[h] / 3;
         if (shells.of_triangle[neighbour] != kNoIndex) continue;
@@ -33,11 +31,14 @@ Shells find_shells(const Surface& surface, const Execution& execution) {
       }
     }
   }
+  shells.list = filled(execution, first.size(), Shell{});
+  for_each_polled(execution, first.size(), [&](std::size_t s) { shells.list[s].first = first[s]; });
   for (TriangleId t = 0; t < surface.triangles.size();) {
     const std::uint32_t id = shells.of_triangle[t];
     Shell& shell = shells.list[id];
     const Vec3d origin = to_double(surface.positions[surface.triangles[shell.first][0]]);
     // Triangles of one shell come in long runs: its sums stay in registers.
+    const TriangleId begin = t;
     Box box;
     double volume = 0, area = 0;
     for (; t < surface.triangles.size() && shells.of_triangle[t] == id; ++t) {
@@ -52,6 +53,7 @@ Shells find_shells(const Surface& surface, const Execution& execution) {
       volume += dot(a - origin, normal);  // six times the tetrahedron (origin, a, b, c)
       area += length(normal);
     }
+    shell.triangles += t - begin;
     shell.box.add(box);
     shell.volume += volume;
     shell.area += area;

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
 #include "common/solid/solid.hpp"
 
@@ -93,6 +95,53 @@ void check_umbrellas(const Solid& s) {
       broken(name("edge", s.edges[h / 3][h % 3]) + " joins two shells");
 }
 
+/// Two parts whose boxes touch, among these. Halves the boxes at planes that few of them straddle
+/// until few are left to be compared all with all.
+std::optional<std::array<std::uint32_t, 2>> find_touching(const std::vector<Part>& parts,
+                                                          const std::vector<std::uint32_t>& among) {
+  std::vector<std::uint32_t> below, above, fewest_below, fewest_above;
+  std::size_t fewest = among.size() + among.size() / 2;
+  for (int axis = 0; axis < 3 && among.size() > 16; ++axis) {
+    std::vector<double> centers;
+    for (const std::uint32_t p : among) centers.push_back(parts[p].box.center()[axis]);
+    std::nth_element(centers.begin(), centers.begin() + static_cast<std::ptrdiff_t>(centers.size() / 2),
+                     centers.end());
+    const double plane = centers[centers.size() / 2];
+    below.clear();
+    above.clear();
+    for (const std::uint32_t p : among) {
+      if (parts[p].box.min[axis] <= plane) below.push_back(p);
+      if (parts[p].box.max[axis] >= plane) above.push_back(p);
+    }
+    if (below.size() + above.size() >= fewest) continue;
+    if (below.size() == among.size() || above.size() == among.size()) continue;
+    fewest = below.size() + above.size();
+    fewest_below = below;
+    fewest_above = above;
+  }
+  if (!fewest_below.empty()) {
+    if (const auto found = find_touching(parts, fewest_below)) return found;
+    return find_touching(parts, fewest_above);
+  }
+  for (std::size_t i = 0; i < among.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k) {
+      const Part &p = parts[among[i]], &q = parts[among[k]];
+      if (p.box.intersects(q.box)) return std::array{among[i], among[k]};
+    }
+  return std::nullopt;
+}
+
+void check_layers(const Solid& s) {
+  std::vector<std::vector<std::uint32_t>> of_layer(s.layers);
+  for (std::uint32_t p = 0; p < s.parts.size(); ++p) {
+    if (s.parts[p].layer >= s.layers) broken(name("part", p) + " has a layer that does not exist");
+    of_layer[s.parts[p].layer].push_back(p);
+  }
+  for (const std::vector<std::uint32_t>& parts : of_layer)
+    if (const auto found = find_touching(s.parts, parts))
+      broken(name("part", (*found)[0]) + " and " + name("part", (*found)[1]) + " touch in one layer");
+}
+
 void check_parts(const Solid& s) {
   if (s.parts.empty()) broken("no parts");
   std::vector<std::uint32_t> part_of_shell;
@@ -100,7 +149,6 @@ void check_parts(const Solid& s) {
     const Part& part = s.parts[p];
     if (part.shells.empty()) broken(name("part", p) + " has no shell");
     if (!(part.volume > 0)) broken(name("part", p) + " has no positive volume");
-    if (part.layer >= s.layers) broken(name("part", p) + " has a layer that does not exist");
     for (const std::uint32_t shell : part.shells) {
       if (part_of_shell.size() <= shell) part_of_shell.resize(shell + 1, kNoIndex);
       if (part_of_shell[shell] != kNoIndex) broken(name("shell", shell) + " stands in two parts");
@@ -136,9 +184,6 @@ void check_parts(const Solid& s) {
     if (!(box[p].min == part.box.min && box[p].max == part.box.max))
       broken(name("part", p) + " states a wrong box");
     total += part.volume;
-    for (std::uint32_t q = 0; q < p; ++q)
-      if (s.parts[q].layer == part.layer && s.parts[q].box.intersects(part.box))
-        broken(name("part", p) + " and " + name("part", q) + " touch in one layer");
   }
   if (total != s.report.volume) broken("the report states another volume than the parts");
 }
@@ -151,6 +196,7 @@ void Solid::validate() const {
   check_edges(*this);
   check_umbrellas(*this);
   check_parts(*this);
+  check_layers(*this);
 }
 
 }  // namespace fracture

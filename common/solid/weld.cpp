@@ -132,6 +132,8 @@ bool weld_tolerant(Surface& surface, const EdgeTable& edges, double tolerance, S
   std::vector<VertexId> members;
   edges.for_each(execution, [&](VertexId a, VertexId b, std::span<const EdgeUse> uses) {
     if (uses.size() != 1) return;
+    make_room(execution, open);
+    make_room(execution, members, 2);
     open.push_back({a, b});
     members.push_back(a);
     members.push_back(b);
@@ -147,6 +149,7 @@ bool weld_tolerant(Surface& surface, const EdgeTable& edges, double tolerance, S
     auto operator<=>(const Met&) const = default;
   };
   std::vector<Met> met;
+  met.reserve(open.size());
   for_each_polled(execution, open.size(), [&](std::size_t i) {
     const VertexId a = near.find(open[i].a), b = near.find(open[i].b);
     if (a != b) met.push_back({std::min(a, b), std::max(a, b)});
