@@ -16,8 +16,9 @@ struct Nesting {
 /// smallest outward shell that winds around it. An inward shell around which nothing winds is inside out. If
 /// all outermost shells are inward, the whole file is inside out and every shell is reversed first. An
 /// outward shell inside another is a part of its own (the parts overlap). Winding numbers come from one ray
-/// for each inward shell, and for outward ones until one is found that nothing encloses (winding.hpp).
-/// Nothing is computed when no shell is inward.
+/// for each inward shell, and for outward ones until one is found that nothing encloses (winding.hpp); where
+/// very many are nested in one another, from the forest that they are (nesting_forest.hpp). Nothing is
+/// computed when no shell is inward.
 Nesting nest_shells(const Surface& surface, const Shells& shells, const Execution& execution);
 
 }  // namespace fracture::solid_detail

@@ -46,6 +46,24 @@ struct EdgeSpread {
 
 }  // namespace
 
+int ray_crossing(const Vec3f& p, const std::array<Vec3f, 3>& triangle, bool& clear) {
+  const auto& [a, b, c] = triangle;
+  if (std::max({a.y, b.y, c.y}) < p.y || std::min({a.y, b.y, c.y}) > p.y || std::max({a.z, b.z, c.z}) < p.z ||
+      std::min({a.z, b.z, c.z}) > p.z || std::max({a.x, b.x, c.x}) < p.x)
+    return 0;
+  const int ab = side(a, b, p), bc = side(b, c, p), ca = side(c, a, p);
+  if (ab != bc || bc != ca) return 0;  // the ray passes by; an edge-on triangle has mixed signs
+  if (ab == 0) {                       // a piece of the ray's line, which the ray does not meet; p may
+    clear &= std::min({a.x, b.x, c.x}) > p.x;
+    return 0;
+  }
+  // Projected along +x a triangle with its normal towards +x is counter-clockwise: ab > 0, the ray leaves
+  // through it.
+  const int height = sign_orient3d(a, b, c, p);
+  if (height == 0) clear = false;
+  return height * ab >= 0 ? 0 : ab;  // else it lies at or before p
+}
+
 WindingNumbers::WindingNumbers(const Surface& surface, const Shells& shells, const Execution& execution)
     : surface_(surface), shells_(shells), pacer_(execution) {
   const std::size_t count = shells.list.size(), triangles = surface.triangles.size();
@@ -135,6 +153,7 @@ WindingNumbers::Contacts WindingNumbers::cast(const Vec3f& p, std::uint32_t self
   const Vec3d q = to_double(p);
   const double across[2] = {dot(across_[0], q), dot(across_[1], q)};
   tree_->for_each_near({q.x, q.y, q.z, across[0], across[1]}, [&](std::uint32_t shell) {
+    ++work_;
     const Slabs<5> slabs = shell_slabs(shell);
     for (int a = 0; a < 3; ++a)
       if (q[a] < slabs[a][0] || q[a] > slabs[a][1]) return;
@@ -155,39 +174,28 @@ int WindingNumbers::crossings(const Vec3f& p, std::uint32_t shell, bool& clear) 
     if (!members.tree && ++members.asked > 4) plant(shell, members);
     if (members.tree) {
       const Vec2d& across = members.across;
-      members.tree->for_each_near({p.y, p.z, across.x * p.y + across.y * p.z, p.x}, [&](TriangleId t) {
-        pacer_.step();
-        number += crossing(p, t, clear);
-      });
+      members.tree->for_each_near({p.y, p.z, across.x * p.y + across.y * p.z, p.x},
+                                  [&](TriangleId t) { number += crossing(p, t, clear); });
       return number;
     }
   }
   for (std::uint32_t k = start_[shell]; k < start_[shell + 1]; ++k) {
-    pacer_.step();
     number += crossing(p, triangles_[k], clear);
   }
   return number;
 }
 
-/// +1 where the ray leaves through the triangle, -1 where it enters, 0 where it passes by.
-int WindingNumbers::crossing(const Vec3f& p, TriangleId t, bool& clear) const {
-  const Triangle& corners = surface_.triangles[t];
-  const Vec3f &a = surface_.positions[corners[0]], &b = surface_.positions[corners[1]],
-              &c = surface_.positions[corners[2]];
-  if (std::max({a.y, b.y, c.y}) < p.y || std::min({a.y, b.y, c.y}) > p.y || std::max({a.z, b.z, c.z}) < p.z ||
-      std::min({a.z, b.z, c.z}) > p.z || std::max({a.x, b.x, c.x}) < p.x)
-    return 0;
-  const int ab = side(a, b, p), bc = side(b, c, p), ca = side(c, a, p);
-  if (ab != bc || bc != ca) return 0;  // the ray passes by; an edge-on triangle has mixed signs
-  if (ab == 0) {                       // a piece of the ray's line, which the ray does not meet; p may
-    clear &= std::min({a.x, b.x, c.x}) > p.x;
-    return 0;
-  }
-  // Projected along +x a triangle with its normal towards +x is counter-clockwise: ab > 0, the ray leaves
-  // through it.
-  const int height = sign_orient3d(a, b, c, p);
-  if (height == 0) clear = false;
-  return height * ab >= 0 ? 0 : ab;  // else it lies at or before p
+int WindingNumbers::crossing(const Vec3f& p, TriangleId t, bool& clear) {
+  pacer_.step();
+  ++work_;
+  const Triangle& v = surface_.triangles[t];
+  return ray_crossing(p, {surface_.positions[v[0]], surface_.positions[v[1]], surface_.positions[v[2]]},
+                      clear);
+}
+
+int WindingNumbers::number(std::uint32_t shell, const Vec3f& p) {
+  bool clear = true;
+  return crossings(p, shell, clear);
 }
 
 void WindingNumbers::plant(std::uint32_t shell, Members& members) {

@@ -14,6 +14,11 @@
 
 namespace fracture::solid_detail {
 
+/// The ray along +x from p (see WindingNumbers) and a triangle: +1 where it leaves through it, -1 where it
+/// enters, 0 where it passes by. `clear` becomes false where p lies on the triangle and the ray's line meets
+/// it.
+int ray_crossing(const Vec3f& p, const std::array<Vec3f, 3>& triangle, bool& clear);
+
 /// Rays along +x from vertices of shells, against the shells whose boxes contain the vertex: no other can
 /// wind around it.
 ///
@@ -38,6 +43,11 @@ class WindingNumbers {
   /// of its triangles that lies on no other shell (of 64 triangles; else around the last corner tried).
   /// Ascending. Valid until the next call.
   const std::vector<Wind>& around(std::uint32_t i);
+
+  /// How often the shell winds around p, which does not lie on it.
+  int number(std::uint32_t shell, const Vec3f& p);
+  /// Shells and triangles that were looked at so far.
+  std::uint64_t work() const { return work_; }
 
  private:
   static constexpr std::uint32_t kProbes = 64;
@@ -64,7 +74,7 @@ class WindingNumbers {
 
   Contacts cast(const Vec3f& p, std::uint32_t self);
   int crossings(const Vec3f& p, std::uint32_t shell, bool& clear);
-  int crossing(const Vec3f& p, TriangleId t, bool& clear) const;
+  int crossing(const Vec3f& p, TriangleId t, bool& clear);
   void plant(std::uint32_t shell, Members& members);
   Slabs<5> shell_slabs(std::uint32_t shell) const;
 
@@ -80,6 +90,7 @@ class WindingNumbers {
   std::vector<Members> large_;                 ///< shells with more than kSmallShell triangles
   std::vector<std::uint32_t> large_of_shell_;  ///< kNoIndex for small ones
   std::vector<Wind> winds_;
+  std::uint64_t work_ = 0;
   /// What was found at corners that lie on several shells: corners that many shells share are tried once.
   std::map<std::array<float, 3>, Contacts> shared_;
 };

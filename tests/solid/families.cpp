@@ -215,6 +215,14 @@ Mesh hollow_boxes(int count) {
   }
   return joined(meshes);
 }
+Mesh nested_cubes(int count) {
+  std::vector<Mesh> meshes;
+  for (int i = 0; i < count; ++i) {
+    const Mesh shell = scaled(cube(), {1. + i, 1. + i, 1. + i});
+    meshes.push_back(i % 2 == 0 ? shell : reversed(shell));
+  }
+  return joined(meshes);
+}
 Mesh diagonal_bars(int count) {
   std::vector<Mesh> meshes;
   for (int i = 0; i < count; ++i) {
@@ -267,6 +275,7 @@ std::vector<GrowingFamily> growing_families() {
       {"sheet with a folded corner", [](int n) { return sheet_with_a_folded_corner(side_of(n)); }, 200'000,
        thick},
       {"hollow boxes", [](int n) { return hollow_boxes(n / 24); }, 200'000, none},
+      {"nested cubes", [](int n) { return nested_cubes(n / 12); }, 200'000, none},
       {"diagonal bars", [](int n) { return diagonal_bars(n / 12); }, 120'000, none},
   };
 }

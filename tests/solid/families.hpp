@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@ struct GrowingFamily {
   std::function<Mesh(int size)> mesh;  ///< with about a constant times `size` triangles
   int size;                            ///< at which it has about 200,000 triangles or vertices
   SolidOptions options{};
+  friend void PrintTo(const GrowingFamily& family, std::ostream* out) { *out << family.name; }
 };
 
 std::vector<GrowingFamily> growing_families();

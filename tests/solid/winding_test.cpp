@@ -9,6 +9,7 @@
 #include "common/solid/edges.hpp"
 #include "common/solid/float_predicates.hpp"
 #include "common/solid/nesting.hpp"
+#include "common/solid/nesting_forest.hpp"
 #include "common/solid/solid.hpp"
 #include "tests/solid/polls.hpp"
 #include "tests/support/shapes.hpp"
@@ -125,6 +126,80 @@ TEST(WindingNumbers, AreTheSameHoweverOftenALargeShellIsAsked) {
   }
 }
 
+// -- the forest of shells that do not touch
+
+/// Boxes and spheres within boxes, at random: `depth` generations, each box with up to three in it. Every
+/// shell faces either way.
+void add_nest(std::vector<Mesh>& shells, const Vec3d& low, double side, int depth, Random& random) {
+  Mesh shell = random.below(3) == 0
+                   ? test::translated(test::sphere_with(100, 0.499 * side),
+                                      low + Vec3d{0.5 * side, 0.5 * side, 0.5 * side})
+                   : test::box(low, low + Vec3d{side, side, side}, static_cast<int>(1 + random.below(3)));
+  shells.push_back(random.below(2) == 0 ? shell : test::reversed(shell));
+  if (depth == 0) return;
+  // A cube of this side, in the middle, is in the ball as well; its octants keep apart.
+  const double inner = 0.2 * side;
+  for (std::uint64_t k = random.below(4); k > 0; --k) {
+    const std::uint64_t octant = 2 * k + random.below(2);
+    const Vec3d corner = low + side * Vec3d{0.28 + 0.24 * static_cast<double>(octant & 1),
+                                            0.28 + 0.24 * static_cast<double>(octant >> 1 & 1),
+                                            0.28 + 0.24 * static_cast<double>(octant >> 2)};
+    add_nest(shells, corner, inner, depth - 1, random);
+  }
+}
+
+std::optional<NestingForest> forest_of(const Surface& surface, const Shells& shells) {
+  const Execution execution;
+  WindingNumbers windings(surface, shells, execution);
+  return find_nesting_forest(surface, shells, windings, execution);
+}
+
+TEST(NestingForest, ItsAncestorsAreTheShellsThatWindAround) {
+  std::size_t deepest = 0;
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(seed);
+    std::vector<Mesh> meshes;
+    for (int i = 0; i < 3; ++i) add_nest(meshes, {20. * i, 1. * i, 0}, 16, 5, random);
+    const Surface surface = surface_of(test::joined(meshes));
+    const Shells shells = find_shells(surface, {});
+    const std::optional<NestingForest> forest = forest_of(surface, shells);
+    ASSERT_TRUE(forest);
+    for (std::uint32_t i = 0; i < shells.list.size(); ++i) {
+      std::map<std::uint32_t, int> ancestors;
+      for (std::uint32_t s = i; forest->up[s] != kNoIndex; s = forest->up[s])
+        ancestors[forest->up[s]] = forest->number[s];
+      ASSERT_EQ(ancestors, winds_by_definition(surface, shells, i)) << "shell " << i;
+      deepest = std::max(deepest, ancestors.size());
+    }
+  }
+  EXPECT_GE(deepest, 4u);
+}
+
+TEST(NestingForest, ThereIsNoneWhereShellsTouchOrCross) {
+  const Mesh large = test::box({0, 0, 0}, {4, 4, 4});
+  for (const Mesh& other : {test::box({0, 1, 1}, {1, 2, 2}), test::box({3, 3, 3}, {5, 5, 5}),
+                            test::translated(test::tetrahedron(), {4, 4, 4}), large}) {
+    const Surface surface = surface_of(test::joined({large, other}));
+    EXPECT_FALSE(forest_of(surface, find_shells(surface, {})));
+  }
+}
+
+TEST(NestingForest, DeepNestsBecomePartsWithOneCavityEach) {
+  std::vector<Mesh> meshes;
+  constexpr int kDepth = 2000;
+  for (int i = 0; i < kDepth; ++i) {
+    const Mesh cube = test::scaled(test::cube(), {1. + i, 1. + i, 1. + i});
+    meshes.push_back(i % 2 == 1 ? cube : test::reversed(cube));
+  }
+  const Surface surface = surface_of(test::joined(meshes));
+  const Nesting nesting = nest_shells(surface, find_shells(surface, {}), {});
+  for (std::uint32_t i = 0; i < kDepth; ++i) {
+    ASSERT_FALSE(nesting.reversed[i]) << i;
+    ASSERT_EQ(nesting.cavity_of[i], i % 2 == 1 ? kNoIndex : i + 1);
+  }
+}
+
 // -- work: polls, each of which stands for some thousand steps
 
 /// A box over three edge vectors.
@@ -197,6 +272,20 @@ TEST(NestingWork, CavitiesInOneShellAreNearLinear) {
   const std::uint64_t few = polls_of_nesting(sponge(10)), many = polls_of_nesting(sponge(20));
   EXPECT_GT(many, 20u) << "work is polled";
   EXPECT_LT(many, 12 * few + 20);
+}
+
+TEST(NestingWork, ShellsWithinShellsAreNearLinear) {
+  const auto cubes = [](int depth) {
+    std::vector<Mesh> meshes;
+    for (int i = 0; i < depth; ++i) {
+      const Mesh cube = test::scaled(test::cube(), {1. + i, 1. + i, 1. + i});
+      meshes.push_back(i % 2 == 0 ? cube : test::reversed(cube));
+    }
+    return test::joined(meshes);
+  };
+  const auto spheres = [](int depth) { return test::nested_spheres(depth, 200, 0.9 / depth); };
+  EXPECT_LT(polls_of_nesting(cubes(8000)), 8 * polls_of_nesting(cubes(2000)));
+  EXPECT_LT(polls_of_nesting(spheres(1000)), 8 * polls_of_nesting(spheres(250)));
 }
 
 TEST(NestingWork, ShellsThatShareACornerAreNearLinear) {
