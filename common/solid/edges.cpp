@@ -27,6 +27,7 @@ EdgeTable::EdgeTable(const Surface& surface, const Execution& execution)
   });
   start_.pop_back();
   for_each_polled(execution, start_.size() - 1, [&](std::size_t v) {
+    if (start_[v + 1] - start_[v] < 2) return;
     EdgeUse* const first = uses_.data() + start_[v];
     EdgeUse* const last = uses_.data() + start_[v + 1];
     if (last - first > 24) {

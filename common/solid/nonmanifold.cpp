@@ -216,7 +216,7 @@ std::size_t split_umbrellas(Surface& surface, const Execution& execution) {
                             vertex_seen = filled<std::uint8_t>(execution, original, 0);
   Pacer pacer(execution);
   for (HalfEdge start = 0; start < corner_done.size(); ++start) {
-    pacer.step();
+    if (start % 65536 == 0) execution.poll();
     if (corner_done[start]) continue;
     const VertexId old = surface.from(start);
     VertexId id = old;

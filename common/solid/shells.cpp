@@ -13,7 +13,7 @@ Shells find_shells(const Surface& surface, const Execution& execution) {
   Pacer pacer(execution);
   std::vector<TriangleId> stack, first;
   for (TriangleId seed = 0; seed < surface.triangles.size(); ++seed) {
-    pacer.step();
+    if (seed % 65536 == 0) execution.poll();
     if (shells.of_triangle[seed] != kNoIndex) continue;
     const auto id = static_cast<std::uint32_t>(first.size());
     first.push_back(seed);

@@ -182,5 +182,22 @@ TEST(SolidValidate, NamesABrokenStatement) {
   EXPECT_THROW(solid.validate(), InternalError);
 }
 
+TEST(Validate, NamesPartsThatTouchInOneLayer) {
+  // Two cubes that overlap among a thousand that do not.
+  Mesh mesh = joined({cube_field(10), box({3.25, 3.25, 3.25}, {3.75, 3.75, 3.75})});
+  Expected<Solid> solid = solid_of(mesh);
+  ASSERT_TRUE(solid);
+  ASSERT_EQ(solid->layers, 2u);
+  ASSERT_NO_THROW(solid->validate());
+  for (Part& part : solid->parts) part.layer = 0;
+  try {
+    solid->validate();
+    FAIL() << "not found";
+  } catch (const InternalError& error) {
+    EXPECT_NE(std::string(error.what()).find("part 1000"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("touch in one layer"), std::string::npos) << error.what();
+  }
+}
+
 }  // namespace
 }  // namespace fracture::test
