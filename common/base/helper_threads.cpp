@@ -9,6 +9,8 @@
 #include <system_error>
 #include <thread>
 
+#include "common/base/scratch.hpp"
+
 namespace fracture::base_detail {
 namespace {
 
@@ -19,6 +21,9 @@ struct Loop {
   std::size_t active = 0;  ///< helpers in it
   std::condition_variable done{};
 };
+
+/// Some helper keeps more than it may after a computation.
+std::atomic<bool> some_scratch_is_large{false};
 
 class HelperThreads {
  public:
@@ -45,6 +50,13 @@ class HelperThreads {
     loop.done.wait(lock, [&] { return loop.active == 0; });
   }
 
+  /// The idle ones trim their scratch at once, the others when they will be idle.
+  void trim() {
+    const std::lock_guard lock(mutex_);
+    ++trims_;
+    work_is_there_.notify_all();
+  }
+
  private:
   /// As many as are wanted now and not idle; a system that gives no more threads makes loops slower, no more.
   void start_missing() {
@@ -60,8 +72,16 @@ class HelperThreads {
   }
 
   [[noreturn]] void help() {
+    std::uint64_t trims = 0;  // of which this thread knows
     std::unique_lock lock(mutex_);
     for (;;) {
+      if (loops_.empty() && trims != trims_) {
+        trims = trims_;
+        lock.unlock();
+        trim_own_scratch();
+        lock.lock();
+        continue;
+      }
       if (loops_.empty()) {
         lock.unlock();
         const auto end = std::chrono::steady_clock::now() + kPatience;
@@ -69,7 +89,8 @@ class HelperThreads {
           std::this_thread::yield();
         lock.lock();
       }
-      work_is_there_.wait(lock, [this] { return !loops_.empty(); });
+      work_is_there_.wait(lock, [&] { return !loops_.empty() || trims != trims_; });
+      if (loops_.empty()) continue;
       Loop& loop = *loops_.front();
       --wanted_;
       if (--loop.wanted == 0) loops_.pop_front();
@@ -78,6 +99,7 @@ class HelperThreads {
       --idle_;
       lock.unlock();
       loop.work();
+      if (scratch_of_this_thread() > kScratchPerThread) some_scratch_is_large = true;
       lock.lock();
       ++idle_;
       if (--loop.active == 0) loop.done.notify_one();
@@ -94,16 +116,25 @@ class HelperThreads {
   std::deque<Loop*> loops_;  ///< that want more helpers, oldest first
   std::size_t wanted_ = 0;   ///< by all of them
   std::size_t idle_ = 0, threads_ = 0;
+  std::uint64_t trims_ = 0;       ///< asked for so far
   std::atomic<bool> any_{false};  ///< loops_ is not empty: read without the lock by helpers that stay awake
 };
+
+HelperThreads& helper_threads() {
+  // Never destroyed: its threads wait in it until the process ends.
+  static HelperThreads& threads = *new HelperThreads;
+  return threads;
+}
 
 }  // namespace
 
 void run_with_helpers(std::size_t helpers, const std::function<void()>& work) {
   if (helpers == 0) return work();
-  // Never destroyed: its threads wait in it until the process ends.
-  static HelperThreads& threads = *new HelperThreads;
-  threads.run(helpers, work);
+  helper_threads().run(helpers, work);
+}
+
+void trim_helpers() {
+  if (some_scratch_is_large.exchange(false)) helper_threads().trim();
 }
 
 }  // namespace fracture::base_detail

@@ -13,4 +13,9 @@ namespace fracture::base_detail {
 /// started as they are first needed.
 void run_with_helpers(std::size_t helpers, const std::function<void()>& work);
 
+/// Makes the helpers trim their scratch (scratch.hpp) when they are idle; nothing where none has much.
+void trim_helpers();
+/// Of the calling thread.
+void trim_own_scratch();
+
 }  // namespace fracture::base_detail

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <vector>
 
 #include "common/base/execution.hpp"
 
@@ -41,6 +42,18 @@ void sort_with_polls(const Execution& execution, Iterator first, Iterator last, 
 template <class Iterator>
 void sort_with_polls(const Execution& execution, Iterator first, Iterator last) {
   sort_with_polls(execution, first, last, [](const auto& a, const auto& b) { return a < b; });
+}
+
+/// vector.resize(size) that can be interrupted: a gigabyte of fresh memory takes a fifth of a second.
+template <class T>
+void resize_with_polls(const Execution& execution, std::vector<T>& vector, std::size_t size) {
+  constexpr std::size_t kAtOnce = (std::size_t{4} << 20) / sizeof(T);
+  vector.reserve(size);
+  while (vector.size() + kAtOnce < size) {
+    vector.resize(vector.size() + kAtOnce);
+    execution.poll();
+  }
+  vector.resize(size);
 }
 
 }  // namespace fracture

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/base/scratch.hpp"
+
 namespace fracture {
 
 class StampedMap {
@@ -19,6 +21,8 @@ class StampedMap {
       epoch_ = 1;
     }
   }
+  std::size_t bytes() const { return bytes_of_vectors(entries_); }
+  void release() { release_vectors(entries_); }
   /// The entry of id, kEmpty when nothing was stored since next_epoch().
   std::uint32_t& slot(std::size_t id) {
     Entry& e = entries_[id];
@@ -34,11 +38,8 @@ class StampedMap {
   std::uint32_t epoch_ = 0;
 };
 
-/// The calling thread's own map, kept from call to call (fresh memory costs more than the work done in it).
+/// The calling thread's own map, kept from call to call (scratch.hpp).
 /// One user at a time: next_epoch() takes it over.
-inline StampedMap& worker_map() {
-  thread_local StampedMap map;
-  return map;
-}
+inline StampedMap& worker_map() { return thread_scratch<StampedMap>(); }
 
 }  // namespace fracture

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/base/pacer.hpp"
+#include "common/base/scratch.hpp"
 
 namespace fracture {
 namespace {
@@ -62,6 +63,9 @@ class Flipper {
     for (std::size_t t = 0; t < triangles.size(); ++t)
       for (std::size_t k = 0; k < 3; ++k) triangles[t][k] = corner_[4 * t + k];
   }
+
+  std::size_t bytes() const { return bytes_of_vectors(corner_, twin_, queue_, begin_, end_, uses_); }
+  void release() { release_vectors(corner_, twin_, queue_, begin_, end_, uses_); }
 
  private:
   // Half-edge h = 4 t + k, k = 0, 1, 2, runs from corner k to corner k+1 of triangle t.
@@ -162,8 +166,7 @@ class Flipper {
 
 void flip_to_delaunay(std::span<const LatticePoint> points, std::span<std::array<std::uint32_t, 3>> triangles,
                       const Execution& execution) {
-  thread_local Flipper flipper;
-  if (triangles.size() > 1) flipper.run(points, triangles, execution);
+  if (triangles.size() > 1) thread_scratch<Flipper>().run(points, triangles, execution);
 }
 
 }  // namespace fracture

@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "common/base/pacer.hpp"
+#include "common/base/scratch.hpp"
 
 namespace fracture {
 namespace {
@@ -69,6 +70,9 @@ class EarClipper {
     emit(k);
     return true;
   }
+
+  std::size_t bytes() const { return bytes_of_vectors(next_, prev_, begin_, end_, content_, rest_); }
+  void release() { release_vectors(next_, prev_, begin_, end_, content_, rest_); }
 
  private:
   void link() {
@@ -250,8 +254,7 @@ bool clip_ears(std::span<const LatticePoint> points, std::span<const std::uint32
     });
     return true;
   }
-  thread_local EarClipper clipper;
-  return clipper.run(points, ring, triangles, execution, most_steps);
+  return thread_scratch<EarClipper>().run(points, ring, triangles, execution, most_steps);
 }
 
 }  // namespace fracture

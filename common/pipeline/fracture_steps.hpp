@@ -4,6 +4,7 @@
 #include <functional>
 #include <string>
 
+#include "common/base/scratch.hpp"
 #include "common/fragment/pieces.hpp"
 #include "common/physics/collision_hulls.hpp"
 #include "common/pipeline/barycentric.hpp"
@@ -17,6 +18,7 @@ template <class Body>
 auto stage(StageTimings& timings, const Execution& execution, const char* name, const Body& body)
     -> decltype(body()) {
   const StageTimings::Scope scope(timings, name);
+  const ScratchTrimmer trimmer;
   if (execution.progress) execution.progress(name, 0);
   try {
     auto result = body();
