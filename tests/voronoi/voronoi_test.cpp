@@ -7,6 +7,7 @@
 #include "common/exact/side.hpp"
 #include "common/voronoi/barycentric_cell.hpp"
 #include "common/voronoi/voronoi_diagram.hpp"
+#include "tests/support/shapes.hpp"
 #include "tests/support/site_families.hpp"
 
 namespace fracture::test {
@@ -89,6 +90,106 @@ TEST(VoronoiDiagram, FindFacetFindsEveryFacetOfEveryTetrahedron) {
         if (k != facet.face) found.insert(t.tets[facet.tet].v[k]);
       EXPECT_EQ(found, std::set<SiteId>(s.begin(), s.end()));
     }
+}
+
+/// One site among n others on a sphere; on a lattice sphere where ties are everywhere, or anywhere.
+std::vector<Vec3d> hub_sites(int n, bool lattice) {
+  std::vector<Vec3d> sites{{0.5, 0.5, 0.5}};
+  Random random(7);
+  if (lattice) {
+    // Integer points with x² + y² + z² = 369: 288 of them.
+    for (int x = -20; x <= 20; ++x)
+      for (int y = -20; y <= 20; ++y)
+        for (int z = -20; z <= 20; ++z)
+          if (x * x + y * y + z * z == 369) sites.push_back({0.5 + x / 64.0, 0.5 + y / 64.0, 0.5 + z / 64.0});
+    return sites;
+  }
+  while (sites.size() < static_cast<std::size_t>(n) + 1) {
+    const double x = random.uniform(), y = random.uniform(), z = random.uniform();
+    const Vec3d d = Vec3d{x, y, z} - Vec3d{0.5, 0.5, 0.5};
+    if (length(d) < 0.5 && length(d) > 0.1) sites.push_back(Vec3d{0.5, 0.5, 0.5} + (0.45 / length(d)) * d);
+  }
+  return sites;
+}
+
+TEST(VoronoiDiagram, CellsOfManyNeighborsHaveTheSameNearestSites) {
+  for (const bool lattice : {false, true}) {
+    const Tetrahedralization t = tetrahedra_of(hub_sites(300, lattice));
+    const VoronoiDiagram diagram(t, unit_box());
+    ASSERT_TRUE(diagram.has_many_neighbors(0));
+    Random random(8);
+    VoronoiDiagram::Walk walk;
+    SiteId start = 0;
+    for (int k = 0; k < 3000; ++k) {
+      // Some in the middle between the hub and a neighbour, or between two neighbours and it.
+      const Vec3d& p = t.points[random.below(t.site_count())];
+      const Vec3d& r = t.points[random.below(t.site_count())];
+      Vec3d q;
+      for (int a = 0; a < 3; ++a)
+        q[a] = k % 3 == 0 ? random.uniform() : k % 3 == 1 ? (p[a] + 0.5) / 2 : (p[a] + r[a] + 0.5) / 3;
+      SiteId best = 0;
+      for (SiteId s = 1; s < t.site_count(); ++s)
+        if (exact::side1(t.points[best], t.points[s], q) < 0) best = s;
+      start = diagram.nearest(q, k % 2 ? 0 : start, walk);
+      EXPECT_EQ(start, best);
+    }
+  }
+}
+
+TEST(VoronoiDiagram, APointInACellOfManyNeighborsIsFoundByLookingAtFew) {
+  for (const int n : {500, 2000, 8000}) {
+    const Tetrahedralization t = tetrahedra_of(hub_sites(n, false));
+    const VoronoiDiagram diagram(t, unit_box());
+    // Along a spiral that stays near the facets.
+    VoronoiDiagram::Walk walk;
+    constexpr int kPoints = 4000;
+    for (int k = 0; k < kPoints; ++k) {
+      const CirclePoint a = circle_point(k * 37 % 1000, 1000), b = circle_point(k, 2 * kPoints);
+      const Vec3d q = Vec3d{0.5, 0.5, 0.5} + 0.22 * Vec3d{a.cos * b.sin, a.sin * b.sin, b.cos};
+      EXPECT_EQ(diagram.nearest(q, 0, walk), 0u);
+    }
+    EXPECT_LT(walk.looked_at, 300u * kPoints) << n << " neighbours";
+  }
+}
+
+TEST(VoronoiDiagram, ALongWalkIsCutShort) {
+  // Sites in a row: from one end to the other a walk meets all of them.
+  std::vector<Vec3d> sites;
+  constexpr int kSites = 4000;
+  for (int k = 0; k < kSites; ++k) sites.push_back({(k + 0.5) / kSites, 0.5, 0.5});
+  const Tetrahedralization t = tetrahedra_of(sites);
+  const VoronoiDiagram diagram(t, unit_box());
+  VoronoiDiagram::Walk walk;
+  Random random(9);
+  for (int k = 0; k < 1000; ++k) {
+    const double x = random.uniform();
+    const SiteId found = diagram.nearest({x, 0.25, 0.75}, static_cast<SiteId>(random.below(kSites)), walk);
+    EXPECT_EQ(found, std::min<SiteId>(static_cast<SiteId>(x * kSites), kSites - 1));
+  }
+  EXPECT_LT(walk.looked_at, 1000u * 1000u) << "a third of 4000 sites each, with several neighbours, was more";
+}
+
+TEST(VoronoiDiagram, FindFacetFindsEveryFacetAtCellsOfManyNeighbors) {
+  const Tetrahedralization t = tetrahedra_of(hub_sites(0, true));
+  const VoronoiDiagram diagram(t, unit_box());
+  for (const Tetrahedron& tet : t.tets)
+    for (int f = 0; f < 4; ++f) {
+      std::vector<SiteId> s;
+      for (int k = 0; k < 4; ++k)
+        if (k != f) s.push_back(tet.v[k]);
+      if (std::any_of(s.begin(), s.end(), [&](SiteId v) { return t.is_corner(v); })) continue;
+      const auto facet = diagram.find_facet(s[0], s[1], s[2]);
+      std::set<SiteId> found;
+      for (int k = 0; k < 4; ++k)
+        if (k != facet.face) found.insert(t.tets[facet.tet].v[k]);
+      EXPECT_EQ(found, std::set<SiteId>(s.begin(), s.end()));
+    }
+}
+
+TEST(VoronoiDiagram, NoFacetOfSitesThatHaveNone) {
+  const Tetrahedralization t = tetrahedra_of(lattice_sites(unit_box(), 4));
+  const VoronoiDiagram diagram(t, unit_box());
+  EXPECT_THROW(diagram.find_facet(0, t.site_count() / 2, t.site_count() - 1), InternalError);
 }
 
 TEST(BarycentricCell, IsTheHullOfTheBarycentres) {

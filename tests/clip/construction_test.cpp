@@ -1,0 +1,139 @@
+// Exactly half-way between two steps of the lattice, and within a hair of it: the quick ways to place a
+// vertex against rational arithmetic.
+#include "common/clip/construction.hpp"
+
+#include <gtest/gtest.h>
+
+#include "common/base/random.hpp"
+
+namespace fracture::clip_detail {
+namespace {
+
+/// A triangle's plane and three sites, as in positions.cpp.
+struct Meet {
+  static constexpr bool kFromFirst = true;
+  static constexpr int kDegree = 1;
+  static constexpr int kBetweenFrom = 3, kBetweenTo = 6;
+  std::array<Vec3d, 6> input;  // i, k, l, a, b, c
+  template <class T>
+  Fraction<T> operator()(const std::array<Point<T>, 6>& p) const {
+    const Point<T> uk = p[1] - p[0], ul = p[2] - p[0], n = cross(p[4] - p[3], p[5] - p[3]);
+    const Point<T> d = cross(uk, ul), f = cross(ul, n), g = cross(n, uk);
+    const T na = dot(n, p[3] - p[0]), ck = dot(uk, uk), cl = dot(ul, ul), na2 = na + na, delta = dot(n, d);
+    return {
+        {na2 * d.x + ck * f.x + cl * g.x, na2 * d.y + ck * f.y + cl * g.y, na2 * d.z + ck * f.z + cl * g.z},
+        delta + delta};
+  }
+};
+
+float to_float(double v) { return static_cast<float>(v); }
+Vec3d random_vertex(Random& random) {
+  const float x = to_float(random.uniform()), y = to_float(random.uniform()), z = to_float(random.uniform());
+  return {x, y, z};
+}
+Vec3d random_site(Random& random) {
+  Vec3d p;
+  for (int a = 0; a < 3; ++a) p[a] = static_cast<double>(random.below(1u << 21)) * 0x1p-21;
+  return p;
+}
+
+SeamLattice lattice_of_step(int exponent) {
+  SeamLattice lattice;
+  lattice.exponent = {exponent, exponent, exponent};
+  return lattice;
+}
+
+Fraction<Approx> approximate(const Meet& meet) {
+  std::array<Point<Approx>, 6> p;
+  for (std::size_t k = 0; k < p.size(); ++k)
+    p[k] = {Approx(meet.input[k].x), Approx(meet.input[k].y), Approx(meet.input[k].z)};
+  return meet(p);
+}
+
+TEST(PlacePrecisely, GivesWhatIntegersGiveOrNothing) {
+  Random random(1);
+  int answered = 0, level = 0;
+  constexpr int kCases = 20000;
+  for (int n = 0; n < kCases; ++n) {
+    Meet meet;
+    for (int k = 0; k < 3; ++k) meet.input[k] = random_site(random);
+    for (int k = 3; k < 6; ++k) meet.input[k] = random_vertex(random);
+    if (n % 2 == 0) {  // a face along an axis, half-way between two steps
+      const double height = (static_cast<double>(random.below(1000)) + 0.5) * 0x1p-20;
+      for (int k = 3; k < 6; ++k) meet.input[k][n / 2 % 3] = n % 8 == 0 ? -height : height;
+      ++level;
+    }
+    if (n % 5 == 0) meet.input[2] = meet.input[1] + 0x1p-21 * Vec3d{1, 0, 2};  // nearly parallel planes
+    if (meet.input[0] == meet.input[1] || meet.input[0] == meet.input[2]) continue;
+    const SeamLattice lattice = lattice_of_step(-20);
+    const Fraction<Approx> f = approximate(meet);
+    if (!(std::fabs(f.denominator.value) > 1e-12)) continue;  // far away
+    const Placed exact = place_exactly(meet, lattice);
+    if (length(exact.point) > 100) continue;  // steps are 32 bits
+    Placed placed;
+    if (!place_precisely(meet, f, lattice.step(), placed)) continue;
+    ++answered;
+    EXPECT_EQ(placed.point, exact.point) << "case " << n;
+    EXPECT_EQ(placed.steps, exact.steps) << "case " << n;
+  }
+  EXPECT_GT(answered, kCases * 9 / 10);
+  EXPECT_GT(level, kCases / 3);
+}
+
+TEST(PlacePrecisely, LeavesToIntegersWhatLiesHalfWayByChance) {
+  // The plane x = 1/2 between the sites meets the triangle's plane where y = x, so y lies half-way between
+  // two steps of 1; no two corners agree on y.
+  const Meet meet{{Vec3d{0.25, 0, 0.5}, Vec3d{0.75, 0, 0.5}, Vec3d{0.25, 0, 1.5}, Vec3d{0, 0, 0},
+                   Vec3d{1, 1, 0}, Vec3d{3, 3, 3}}};
+  const SeamLattice lattice = lattice_of_step(0);
+  Placed placed;
+  EXPECT_FALSE(place_precisely(meet, approximate(meet), lattice.step(), placed));
+  const Placed exact = place_exactly(meet, lattice);
+  EXPECT_EQ(exact.point, (Vec3d{0.5, 0.5, 1}));
+  EXPECT_EQ(exact.steps, (std::array<std::int32_t, 3>{0, 0, 1})) << "ties to even";
+}
+
+TEST(PlaceExactly, IntegersOfFixedAndOfAnySizeAgree) {
+  Random random(2);
+  for (int n = 0; n < 2000; ++n) {
+    Meet meet;
+    for (int k = 0; k < 3; ++k) meet.input[k] = random_site(random);
+    for (int k = 3; k < 6; ++k) meet.input[k] = random_vertex(random);
+    if (meet.input[0] == meet.input[1] || meet.input[0] == meet.input[2]) continue;
+    BinaryScale scale;
+    for (const Vec3d& p : meet.input) scale.include(p);
+    const SeamLattice lattice = lattice_of_step(-23);
+    if (!(std::fabs(approximate(meet).denominator.value) > 1e-12)) continue;
+    const Placed fixed = place_with<exact::FixedInt>(meet, scale, lattice),
+                 any = place_with<BigInt>(meet, scale, lattice);
+    EXPECT_EQ(fixed.point, any.point);
+    EXPECT_EQ(fixed.steps, any.steps);
+  }
+}
+
+TEST(DoubleDouble, OperationsAreGoodTo100Bits) {
+  using Q = boost::multiprecision::cpp_rational;
+  const auto q = [](const DoubleDouble& v) { return Q(v.hi) + Q(v.lo); };
+  const auto expect_close = [&](const DoubleDouble& found, const Q& exact) {
+    Q off = q(found) - exact;
+    if (off < 0) off = -off;
+    Q size = exact < 0 ? Q(-exact) : exact;
+    EXPECT_LE(off, size * Q(1, boost::multiprecision::cpp_int(1) << 100));
+  };
+  Random random(3);
+  const auto number = [&] {
+    const double hi = (random.uniform() - 0.5) * std::ldexp(1.0, static_cast<int>(random.below(40)));
+    const double lo = (random.uniform() - 0.5) * std::fabs(hi) * 0x1p-53;
+    return DoubleDouble::quick_sum(hi, lo);
+  };
+  for (int n = 0; n < 5000; ++n) {
+    const DoubleDouble a = number(), b = n % 3 == 0 ? DoubleDouble(-a.hi, -a.lo * 0.75) : number();
+    expect_close(a + b, q(a) + q(b));
+    expect_close(a - b, q(a) - q(b));
+    expect_close(a * b, q(a) * q(b));
+    if (b.hi != 0) expect_close(a / b, q(a) / q(b));
+  }
+}
+
+}  // namespace
+}  // namespace fracture::clip_detail

@@ -1,0 +1,235 @@
+// How the work of each stage grows, counted in polls: a loop polls once in so many steps (base/pacer.hpp), so
+// their number measures the work on any machine. And how long a thread computes between two of them.
+#include <gtest/gtest.h>
+
+#include <ctime>
+#include <map>
+#include <mutex>
+#include <string>
+
+#include "common/base/random.hpp"
+#include "common/clip/caps.hpp"
+#include "common/clip/triangulate.hpp"
+#include "common/fragment/bonds.hpp"
+#include "common/pipeline/restrict.hpp"
+#include "tests/support/growth_families.hpp"
+#include "tests/support/shapes.hpp"
+#include "tests/support/site_families.hpp"
+
+namespace fracture::test {
+namespace {
+
+double thread_ms() {
+  timespec t{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
+}
+
+/// Counts polls by stage, and the longest time between two. For one thread.
+class Watch {
+ public:
+  Watch() {
+    execution_.watch = [this] { seen(); };
+  }
+  const Execution& execution() const { return execution_; }
+  void begin(const std::string& stage) {
+    seen();
+    stage_ = stage;
+    last_ = thread_ms();
+    ++polls_[stage];  // so that it is there
+  }
+  std::map<std::string, double> polls_, gaps_;
+
+ private:
+  void seen() {
+    const double now = thread_ms();
+    if (!stage_.empty()) {
+      gaps_[stage_] = std::max(gaps_[stage_], now - last_);
+      ++polls_[stage_];
+    }
+    last_ = now;
+  }
+  Execution execution_;
+  std::string stage_;
+  double last_ = 0;
+};
+
+/// From sites to fragments.
+void run(const GrowthInput& input, Watch& watch) {
+  const Execution& execution = watch.execution();
+  const Solid solid = *make_solid(std::make_shared<Mesh>(input.mesh), {}, {});
+  const std::vector<Vec3d> sites =
+      input.sites.empty() ? random_sites(solid.box, input.uniform, 1) : input.sites;
+  watch.begin("delaunay");
+  Expected<Tetrahedralization> t = tetrahedralize(sites, solid.box, execution);
+  ASSERT_TRUE(t);
+  canonicalize(*t, execution);
+  watch.begin("voronoi");
+  const VoronoiDiagram diagram(*t, solid.box, std::nullopt, execution);
+  watch.begin("cuts");
+  RestrictedDiagram r{solid, diagram, cut_surface(solid, diagram, execution), {}, {}, {}};
+  watch.begin("winding");
+  r.winding = wind_voronoi_edges(solid, diagram, r.cuts, execution);
+  watch.begin("positions");
+  r.positions = place_vertices(solid, solid, diagram, r.cuts, r.winding, execution);
+  watch.begin("caps");
+  r.caps = build_caps(solid, diagram, r.cuts, r.winding, r.positions, execution);
+  watch.begin("pieces");
+  const Ownership ownership = Ownership::from_groups(t->site_count(), {});
+  const Pieces pieces = gather_pieces(r, ownership, execution);
+  watch.begin("bonds");
+  std::vector<std::uint32_t> own(pieces.pieces.size());
+  for (std::uint32_t k = 0; k < own.size(); ++k) own[k] = k;
+  find_bonds(r, pieces, own, execution);
+  watch.begin("end");
+}
+
+class Growth : public testing::TestWithParam<const char*> {};
+
+TEST_P(Growth, WorkIsNearLinearAndPolledInEveryStage) {
+  const GrowthFamily* family = find_growth_family(GetParam());
+  ASSERT_NE(family, nullptr);
+  // Four times the size: four times the work, and room for logarithms and for what is there once.
+  const std::uint32_t small = family->sizes[0], large = 4 * small;
+  Watch of_small, of_large;
+  run(family->make(small, 1), of_small);
+  run(family->make(large, 1), of_large);
+  for (const auto& [stage, polls] : of_large.polls_)
+    EXPECT_LE(polls, 6 * of_small.polls_[stage] + 50) << stage << " of " << large << " against " << small;
+#ifdef NDEBUG
+  constexpr double kMostBetweenPolls = 50;  // ms
+#else
+  constexpr double kMostBetweenPolls = 500;
+#endif
+  for (const auto& [stage, gap] : of_large.gaps_) EXPECT_LE(gap, kMostBetweenPolls) << stage;
+}
+
+INSTANTIATE_TEST_SUITE_P(Families, Growth,
+                         testing::Values("pane", "comb", "bars", "hub", "lissajous", "scribble", "matryoshka",
+                                         "cavities", "needles", "overlaps", "bricks"),
+                         [](const auto& family) { return std::string(family.param); });
+
+/// n teeth that a plane cuts off a bar, each with a cavity that the plane does not meet: as many islands as
+/// cavities in one cell.
+TEST(GrowthOfIslands, ThousandsOfCavitiesFindTheirIslands) {
+  const auto make = [](std::uint32_t n) {
+    GrowthInput input = find_growth_family("comb")->make(n, 1);
+    std::vector<Mesh> all{input.mesh};
+    const double pitch = 10.0 / (2 * n);
+    for (std::uint32_t k = 0; k < n; ++k) {
+      const double x = 2 * k * pitch;
+      all.push_back(reversed(box({x + 0.3 * pitch, 2.4, 0.4}, {x + 0.7 * pitch, 2.6, 0.6})));
+    }
+    input.mesh = joined(all);
+    return input;
+  };
+  Watch of_small, of_large;
+  run(make(500), of_small);
+  run(make(2000), of_large);
+  EXPECT_LE(of_large.polls_["pieces"], 6 * of_small.polls_["pieces"] + 50);
+
+  // And each has its own: no tooth is whole, no cavity is left over.
+  const GrowthInput input = make(50);
+  const Solid solid = *make_solid(std::make_shared<Mesh>(input.mesh), {}, {});
+  const Tetrahedralization t = *tetrahedralize(input.sites, solid.box, {});
+  const VoronoiDiagram diagram(t, solid.box);
+  const RestrictedDiagram r = restrict_to_solid(solid, solid, diagram, {});
+  const Pieces pieces = gather_pieces(r, Ownership::from_groups(t.site_count(), {}), {});
+  ASSERT_EQ(pieces.pieces.size(), 51u);
+  const double pitch = 10.0 / 100, tooth = pitch * 1 * 1, cavity = 0.4 * pitch * 0.2 * 0.2;
+  int teeth = 0;
+  for (const Piece& p : pieces.pieces) {
+    const double volume = signed_volume(r, p.faces.data(), p.faces.size(), r.point(p.faces[0].v[0]));
+    if (volume > 2 * tooth) continue;  // the bar
+    ++teeth;
+    EXPECT_NEAR(volume, tooth - cavity, 1e-5 * tooth) << "up to the mesh's rounding to float";
+  }
+  EXPECT_EQ(teeth, 50);
+}
+
+TEST(GrowthOfCrossings, LoopsThatCrossEverywhereAreTriangulatedInNearLinearWork) {
+  const auto polls = [](std::uint32_t n, int family) {
+    Random random(5);
+    std::vector<LatticePoint> points;
+    std::int64_t x = 0, y = 0;
+    for (std::uint32_t k = 0; k < n; ++k) {
+      const auto r = [&](std::uint64_t below) { return static_cast<std::int64_t>(random.below(below)); };
+      const CirclePoint p = circle_point(7 * k, n), q = circle_point(5 * k + n / 9, n);
+      if (family == 0) x = std::llround(8e6 * p.cos), y = std::llround(8e6 * q.sin);
+      if (family == 1) x = r(1 << 24), y = r(1 << 24);
+      if (family == 2) x += r(2001) - 1000, y += r(2001) - 1000;
+      if (family == 3) x = r(16), y = r(16);
+      if (family == 4) {  // winds twice
+        const CirclePoint c = circle_point(2 * k, n), radius = circle_point(9 * k, n);
+        x = std::llround(8e6 * c.cos * (1 + 0.2 * radius.cos));
+        y = std::llround(8e6 * c.sin * (1 + 0.2 * radius.cos));
+      }
+      points.push_back({x, y});
+    }
+    Watch watch;
+    watch.begin("loop");
+    Triangulation t;
+    triangulate(points, std::array<std::uint32_t, 2>{0, n}, t, watch.execution());
+    return watch.polls_["loop"];
+  };
+  for (int family = 0; family < 5; ++family) {
+    SCOPED_TRACE("family " + std::to_string(family));
+    // No more than some hundred steps for each point, at any size: the search for ears has an end.
+    for (const std::uint32_t n : {4000u, 32'000u, 128'000u})
+      EXPECT_LE(polls(n, family), 100 + n / 8192 * 400) << n;
+  }
+}
+
+TEST(Products, AreCountedWhileTheyAreMade) {
+  const GrowthInput input = find_growth_family("pane")->make(2000, 1);
+  const Solid solid = *make_solid(std::make_shared<Mesh>(input.mesh), {}, {});
+  const Tetrahedralization t = *tetrahedralize(random_sites(solid.box, 2000, 1), solid.box, {});
+  // With room for a quarter of what the polygons alone need: refused by name before more is made.
+  const VoronoiDiagram diagram(t, solid.box);
+  const std::size_t polygons = cut_surface(solid, diagram, {}).polygons.size();
+  const std::uint64_t limit = polygons * bytes_of(Product::kPolygons) / 4;
+  Allowance allowance(0, limit, [&](std::uint64_t bytes) {
+    return bytes <= limit ? Allowance::Answer::kGranted : Allowance::Answer::kNever;
+  });
+  Execution execution;
+  execution.allowance = &allowance;
+  try {
+    cut_surface(solid, diagram, execution);
+    FAIL() << "made more than it may hold";
+  } catch (const Interrupted& interrupted) {
+    EXPECT_EQ(interrupted.code, ErrorCode::kTooComplex);
+    ASSERT_TRUE(interrupted.error);
+    EXPECT_EQ(interrupted.error->extra["grew"], "polygons");
+    EXPECT_LE(interrupted.error->extra["count"].get<std::uint64_t>(), polygons / 4 + 2048);
+  }
+
+  // The whole, as often as it is there.
+  std::atomic<std::uint64_t> granted{0};
+  Allowance all(0, 1ull << 40, [&](std::uint64_t bytes) {
+    granted = bytes;
+    return Allowance::Answer::kGranted;
+  });
+  execution.allowance = &all;
+  const std::uint64_t before_tetrahedra = all.bytes();
+  const Tetrahedralization again = *tetrahedralize(random_sites(solid.box, 2000, 1), solid.box, execution);
+  EXPECT_GE(all.bytes() - before_tetrahedra, again.tets.size() * bytes_of(Product::kTetrahedra));
+  const std::uint64_t before = all.bytes();
+  const RestrictedDiagram r = restrict_to_solid(solid, solid, diagram, execution);
+  const Pieces pieces = gather_pieces(r, Ownership::from_groups(t.site_count(), {}), execution);
+  std::uint64_t faces = 0, surface_segments = 0;
+  for (const Piece& p : pieces.pieces) faces += p.faces.size();
+  for (const CutPolygon& p : r.cuts.polygons)
+    for (std::uint32_t k = 0; k < p.count; ++k) {
+      const PolygonSide side = r.cuts.sides[p.first + k];
+      surface_segments += !is_mesh_edge(side) && side > p.cell;
+    }
+  const std::uint64_t known = r.cuts.polygons.size() * bytes_of(Product::kPolygons) +
+                              (r.winding.segments.size() + surface_segments) * bytes_of(Product::kSegments) +
+                              faces * bytes_of(Product::kFragmentTriangles) +
+                              r.caps.triangles.size() * bytes_of(Product::kCapTriangles);
+  EXPECT_GE(all.bytes() - before, known);
+  EXPECT_LE(all.bytes() - before, known + known / 4) << "caps are counted by their loops' points";
+}
+
+}  // namespace
+}  // namespace fracture::test
