@@ -49,19 +49,29 @@ std::vector<CapSegment> gather_segments(const Solid& solid, const VoronoiDiagram
     throw Interrupted(Error{ErrorCode::kTooComplex,
                             "The caps have more than 2^32 boundary segments. Ask for fewer sites."});
   for (std::uint32_t s = 0; s < sites; ++s) begin[s + 1] += begin[s];
-  std::vector<CapSegment> sorted(count);
+  std::vector<CapSegment> sorted;
+  resize_with_polls(execution, sorted, count);
   std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
   each([&](const CapSegment& s) { sorted[next[s.lo]++] = s; });
   const WorkBlocks blocks(execution, sites, 400'000,
                           [&](std::size_t s) { return 10 + 50 * (begin[s + 1] - begin[s]); });
   parallel_for_blocks(execution, blocks, [&](std::size_t, std::size_t first, std::size_t last) {
     Pacer own_pacer(execution);
-    for (std::size_t s = first; s < last; ++s)
-      std::stable_sort(sorted.begin() + begin[s], sorted.begin() + begin[s + 1],
-                       [&](const CapSegment& a, const CapSegment& b) {
-                         own_pacer.step();
-                         return a.hi != b.hi ? a.hi < b.hi : a.part < b.part;
-                       });
+    const auto before = [](const CapSegment& a, const CapSegment& b) {
+      return a.hi != b.hi ? a.hi < b.hi : a.part < b.part;
+    };
+    const auto before_with_poll = [&](const CapSegment& a, const CapSegment& b) {
+      own_pacer.step();
+      return before(a, b);
+    };
+    for (std::size_t s = first; s < last; ++s) {
+      const auto from = sorted.begin() + begin[s], to = sorted.begin() + begin[s + 1];
+      own_pacer.step(8 * (begin[s + 1] - begin[s]));
+      if (to - from < 4096)
+        std::stable_sort(from, to, before);
+      else
+        std::stable_sort(from, to, before_with_poll);
+    }
   });
   return sorted;
 }
@@ -101,10 +111,11 @@ class FacetBuilder {
       if (count > 0) out_.regions.push_back({facet.lo, facet.hi, facet.part, base + region_begin_[r], count});
     }
     out_.triangles.resize(base + t.triangles.size());
-    pacer_.step(t.regions + t.triangles.size());
-    for (std::size_t k = 0; k < t.triangles.size(); ++k)
+    for (std::size_t k = 0; k < t.triangles.size(); ++k) {
       out_.triangles[base + region_begin_[t.region[k]]++] = {
           loop_[t.triangles[k][0]], loop_[t.triangles[k][1]], loop_[t.triangles[k][2]]};
+      pacer_.step();
+    }
   }
 
   // About as many as the loops have points; before they are made.
@@ -122,13 +133,13 @@ class FacetBuilder {
       copies += static_cast<std::uint64_t>(std::abs(static_cast<std::int64_t>(s->multiplicity)));
     const auto segments = static_cast<std::uint64_t>(last - first);
     if (copies > segments) execution_.made(Product::kSegments, copies - segments);
-    pacer_.step(4 * copies);
-    for (const CapSegment* s = first; s != last; ++s)
+    for (const CapSegment* s = first; s != last; pacer_.step(), ++s)
       for (std::int32_t copy = 0; copy < std::abs(s->multiplicity); ++copy)
         edges_.push_back(s->multiplicity > 0 ? Edge{s->from, s->to} : Edge{s->to, s->from});
     // From the last to the first, so that the list of a vertex is ascending.
     leaving_.next_epoch(positions_.steps.size());
     for (auto e = static_cast<std::uint32_t>(edges_.size()); e-- > 0;) {
+      pacer_.step();
       std::uint32_t& first_leaving = leaving_.slot(edges_[e].from - positions_.first_constructed);
       edges_[e].other = first_leaving;
       first_leaving = e;
@@ -141,6 +152,7 @@ class FacetBuilder {
       for (std::uint32_t e = start;;) {
         edges_[e].used = true;
         loop_.push_back(edges_[e].from);
+        pacer_.step();
         const VertexId at = edges_[e].to;
         if (at == home) break;
         e = next_from(at, first);
@@ -168,6 +180,7 @@ class FacetBuilder {
     if (u[axis] < 0) std::swap(x, y);
     points_.resize(loop_.size());
     for (std::size_t k = 0; k < loop_.size(); ++k) {
+      pacer_.step();
       const auto& s = positions_.steps[loop_[k] - positions_.first_constructed];
       points_[k] = {s[static_cast<std::size_t>(x)], s[static_cast<std::size_t>(y)]};
     }

@@ -23,13 +23,18 @@ class EdgeCollector {
  public:
   EdgeCollector(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
                 const Execution& execution, CrossingTable& out)
-      : solid_(solid), diagram_(diagram), table_(cuts.triangle_cuts), pacer_(execution), out_(out) {}
+      : solid_(solid),
+        diagram_(diagram),
+        table_(cuts.triangle_cuts),
+        execution_(execution),
+        pacer_(execution),
+        out_(out) {}
 
   using Iterator = std::vector<std::uint32_t>::iterator;
   /// All C vertices whose lowest site is the same.
   void add_cell(Iterator begin, Iterator end) {
-    std::sort(begin, end, [&](std::uint32_t a, std::uint32_t b) {
-      pacer_.step();
+    pacer_.step(8 * static_cast<std::uint64_t>(end - begin));
+    sort_with_polls(execution_, begin, end, [&](std::uint32_t a, std::uint32_t b) {
       if (table_[a].sites != table_[b].sites) return table_[a].sites < table_[b].sites;
       if (const auto la = layer_of(a), lb = layer_of(b); la != lb) return la < lb;
       return a < b;
@@ -85,6 +90,7 @@ class EdgeCollector {
   const Solid& solid_;
   const VoronoiDiagram& diagram_;
   const std::vector<TriangleCut>& table_;
+  const Execution& execution_;
   Pacer pacer_;
   CrossingTable& out_;
 };

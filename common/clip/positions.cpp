@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "common/base/pacer.hpp"
 #include "common/clip/construction.hpp"
 #include "common/clip/image_constructions.hpp"
 
@@ -122,8 +123,8 @@ VertexPositions place_vertices(const Solid& solid, const Solid& image, const Vor
   out.first_constructed = cuts.first_b();
   const std::size_t b = cuts.edge_cuts.size(), c = cuts.triangle_cuts.size(),
                     d = winding.inner_vertices.size();
-  out.points.resize(b + c + d);
-  out.steps.resize(b + c + d);
+  resize_with_polls(execution, out.points, b + c + d);
+  resize_with_polls(execution, out.steps, b + c + d);
   const Vec3d step = out.lattice.step();
   std::atomic<std::uint64_t> exact{0};
   const auto at = [&](std::uint32_t v) { return to_double(solid.positions[v]); };

@@ -87,10 +87,10 @@ void join(const Execution& execution, const std::vector<TriangleDivision>& found
     throw Interrupted(Error{ErrorCode::kTooComplex,
                             "The surface is cut into more polygons than 2^31 corners "
                             "have room for. Ask for fewer sites."});
-  out.triangle_cuts.resize(all.cuts);
-  out.polygons.resize(all.polygons);
-  out.vertices.resize(all.vertices);
-  out.sides.resize(all.vertices);
+  resize_with_polls(execution, out.triangle_cuts, all.cuts);
+  resize_with_polls(execution, out.polygons, all.polygons);
+  resize_with_polls(execution, out.vertices, all.vertices);
+  resize_with_polls(execution, out.sides, all.vertices);
   const VertexId first_c = out.first_b() + static_cast<VertexId>(out.edge_cuts.size());
   parallel_for(execution, found.size(), 1, [&](std::size_t first, std::size_t last) {
     Pacer pacer(execution);

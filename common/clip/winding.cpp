@@ -233,8 +233,8 @@ class WindingTraversal {
       throw Interrupted(
           Error{ErrorCode::kTooComplex, "The cuts have more than 2^31 vertices. Ask for fewer sites."});
     for (std::uint32_t l = 0; l < solid_.layers; ++l) next[l + 1] += next[l];
-    names_.resize(count);
-    out_.inner_vertices.resize(count);
+    resize_with_polls(execution_, names_, count);
+    resize_with_polls(execution_, out_.inner_vertices, count);
     for (TetId t = 0; t < tets_.size(); ++t) {
       pacer_.step();
       if (!states_.is_known(t)) continue;
@@ -282,7 +282,7 @@ class WindingTraversal {
       for (const CapSegment& s : segments) ++next[layer_of(s) + 1];
     }
     for (std::uint32_t l = 0; l < solid_.layers; ++l) next[l + 1] += next[l];
-    out_.segments.resize(next.back());
+    resize_with_polls(execution_, out_.segments, next.back());
     for (const auto& segments : found) {
       pacer_.step(segments.size());
       for (const CapSegment& s : segments) out_.segments[next[layer_of(s)]++] = s;

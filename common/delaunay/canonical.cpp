@@ -50,7 +50,8 @@ void canonicalize(Tetrahedralization& t, const Execution& execution) {
     ++begin[tet.v[0] + 1];
   }
   for (std::size_t s = 0; s < t.points.size(); ++s) begin[s + 1] += begin[s];
-  std::vector<Entry> entries(count);
+  std::vector<Entry> entries;
+  resize_with_polls(execution, entries, count);
   std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
   for (TetId i = 0; i < count; ++i) {
     pacer.step();
@@ -59,14 +60,13 @@ void canonicalize(Tetrahedralization& t, const Execution& execution) {
   }
   std::vector<TetId> new_id(count);
   for (std::size_t s = 0; s < t.points.size(); ++s) {
-    std::sort(entries.begin() + begin[s], entries.begin() + begin[s + 1],
-              [&](const Entry& a, const Entry& b) {
-                pacer.step();
-                return a.rest < b.rest;
-              });
+    pacer.step(8 * (begin[s + 1] - begin[s]));
+    sort_with_polls(execution, entries.begin() + begin[s], entries.begin() + begin[s + 1],
+                    [](const Entry& a, const Entry& b) { return a.rest < b.rest; });
     for (std::uint32_t k = begin[s]; k < begin[s + 1]; ++k) new_id[entries[k].tet] = k;
   }
-  std::vector<Tetrahedron> tets(count);
+  std::vector<Tetrahedron> tets;
+  resize_with_polls(execution, tets, count);
   std::fill(t.tet_of_site.begin(), t.tet_of_site.end(), kNoTet);
   for (TetId i = 0; i < count; ++i) {
     pacer.step(2);

@@ -122,10 +122,11 @@ std::vector<std::uint32_t> spatial_order(std::span<const Vec3d> points, const Ex
       std::size_t end = i + 1;
       while (end < round.size() && round[end].key >> kCoarse == round[i].key >> kCoarse) ++end;
       if (end - i > 1)
-        std::sort(round.begin() + i, round.begin() + end, [&](const Keyed& a, const Keyed& b) {
-          pacer.step();
-          return a.key != b.key ? a.key < b.key : a.point < b.point;
-        });
+        sort_with_polls(execution, round.begin() + i, round.begin() + end,
+                        [](const Keyed& a, const Keyed& b) {
+                          return a.key != b.key ? a.key < b.key : a.point < b.point;
+                        });
+      pacer.step(end - i);
       i = end;
     }
     for (const Keyed& k : round) order.push_back(k.point);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/pacer.hpp"
 #include "common/base/stamped_map.hpp"
 #include "common/exact/number_types.hpp"
 #include "common/fragment/closedness.hpp"
@@ -40,16 +41,22 @@ struct Scratch {
   std::vector<std::uint32_t> next;  // another vertex at the same edge cut, or of the same wedge elsewhere
   std::vector<Vec3d> points;
 
-  static Scratch& of_this_thread() {
-    thread_local Scratch scratch;
-    return scratch;
+  std::size_t bytes() const {
+    return at_position.bytes() + of_wedge.bytes() + on_face.bytes() +
+           bytes_of_vectors(ids, sources, topology, next, points);
+  }
+  void release() {
+    at_position.release();
+    of_wedge.release();
+    on_face.release();
+    release_vectors(ids, sources, topology, next, points);
   }
 };
 
 class Assembler {
  public:
-  Assembler(const RestrictedDiagram& diagram, Fragment& out)
-      : d_(diagram), mesh_(*diagram.solid.source), out_(out) {
+  Assembler(const RestrictedDiagram& diagram, const Execution& execution, Fragment& out)
+      : d_(diagram), mesh_(*diagram.solid.source), execution_(execution), pacer_(execution), out_(out) {
     const Attributes& a = mesh_.attributes;
     plain_ = a.normals.empty() && a.tangents.empty() && a.uvs.empty() && a.colors.empty();
   }
@@ -58,7 +65,10 @@ class Assembler {
     collect_vertices(piece);
     points_.clear();
     points_.reserve(ids_.size());
-    for (const VertexId v : ids_) points_.push_back(d_.point(v));
+    for (const VertexId v : ids_) {
+      points_.push_back(d_.point(v));
+      pacer_.step();
+    }
     write_attributes();
     measure();
     place(piece, pivot);
@@ -73,9 +83,10 @@ class Assembler {
   };
 
   // Faces by material, in their order within each; interior last, "no material" just before it.
-  std::vector<Run> runs_by_material(const std::vector<Face>& faces) const {
+  std::vector<Run> runs_by_material(const std::vector<Face>& faces) {
     std::vector<Run> runs;
     for (std::uint32_t f = 0; f < faces.size(); ++f) {
+      pacer_.step();
       const FaceSource source = faces[f].source;
       const std::uint32_t material = is_cap(source) ? kInteriorMaterial : d_.solid.material[source];
       if (runs.empty() || runs.back().material != material) runs.push_back({material, f, f});
@@ -107,6 +118,7 @@ class Assembler {
         FaceSource flat = kNoIndex;
         std::uint32_t nth = 0;  // triangle of the region
         for (; face != end; ++face, ++nth) {
+          pacer_.step();
           // Cut faces of an earlier fracture come with the source, attributes and all; they precede the caps.
           if (has_wedges(face->source)) {
             for (const VertexId v : face->v) *index++ = exterior_vertex(v, face->source);
@@ -124,10 +136,10 @@ class Assembler {
             *index++ = interior_vertex(face->v[k], flat, rough_ ? corner_of(flat, nth, k) : 0);
         }
       } else if (plain_) {
-        for (; face != end; ++face)
+        for (; face != end; pacer_.step(), ++face)
           for (const VertexId v : face->v) *index++ = plain_vertex(v);
       } else {
-        for (; face != end; ++face)
+        for (; face != end; pacer_.step(), ++face)
           for (const VertexId v : face->v) *index++ = exterior_vertex(v, face->source);
       }
     }
@@ -222,6 +234,7 @@ class Assembler {
     FlatFrame frame({0, 0, 1});
     FaceSource frame_of = kNoIndex;  // the vertices of a flat face follow one another
     for (std::size_t k = 0; k < ids_.size(); ++k) {
+      pacer_.step();
       const VertexSource& s = sources_[k];
       switch (s.kind) {
         case VertexSource::kPlain:
@@ -293,7 +306,7 @@ class Assembler {
     MassIntegral all(points_[out_.indices[0]]);
     std::uint32_t next = 0;
     const auto add_until = [&](std::uint32_t end) {
-      for (; next < end; next += 3)
+      for (; next < end; pacer_.step(), next += 3)
         all.add(points_[out_.indices[next]], points_[out_.indices[next + 1]],
                 points_[out_.indices[next + 2]]);
     };
@@ -340,10 +353,14 @@ class Assembler {
               static_cast<float>((s[2] - pivot[2]) * step.z)};
     };
     out_.positions.reserve(ids_.size());
-    for (const VertexId v : ids_) out_.positions.push_back(local(v));
+    for (const VertexId v : ids_) {
+      out_.positions.push_back(local(v));
+      pacer_.step();
+    }
     if (rough_) return place_flat_bodies(piece, pivot);
     for (const std::vector<VertexId>& body : piece.bodies) {
       out_.bodies.emplace_back();
+      pacer_.step(body.size());
       for (const VertexId v : body) out_.bodies.back().push_back(local(v));
     }
   }
@@ -354,6 +371,7 @@ class Assembler {
     const auto& flat = d_.positions.flat_steps;
     const auto add_body = [&](const std::vector<VertexId>& body) {
       std::vector<Vec3f>& points = out_.bodies.emplace_back();
+      pacer_.step(body.size());
       for (const VertexId v : body) {
         if (v < d_.positions.first_constructed) {
           const Vec3d p = d_.point(v) - out_.pivot;
@@ -368,17 +386,19 @@ class Assembler {
     for (const std::vector<VertexId>& body : piece.bodies) add_body(body);
     if (!piece.bodies.empty()) return;
     std::vector<VertexId> all = ids_;
-    std::sort(all.begin(), all.end());
+    sort_with_polls(execution_, all.begin(), all.end());
     all.erase(std::unique(all.begin(), all.end()), all.end());
     add_body(all);
   }
 
   const RestrictedDiagram& d_;
   const Mesh& mesh_;
+  const Execution& execution_;
+  Pacer pacer_;
   Fragment& out_;
   const bool rough_ = !d_.caps.normals.empty();
   bool plain_;
-  Scratch& s_ = Scratch::of_this_thread();
+  Scratch& s_ = thread_scratch<Scratch>();
   std::vector<VertexId>& ids_ = s_.ids;
   std::vector<VertexSource>& sources_ = s_.sources;
   std::vector<Vec3d>& points_ = s_.points;
@@ -387,44 +407,62 @@ class Assembler {
 }  // namespace
 
 Fragment assemble(const RestrictedDiagram& diagram, const Ownership& ownership, const Piece& piece,
-                  Pivot pivot) {
+                  Pivot pivot, const Execution& execution) {
   Fragment out;
   for (const std::uint32_t o : piece.owners)
     out.sites.insert(out.sites.end(), ownership.sites_of_owner[o].begin(), ownership.sites_of_owner[o].end());
   std::sort(out.sites.begin(), out.sites.end());
   out.part = diagram.part_in_whole ? (*diagram.part_in_whole)[piece.part] : piece.part;
   out.node = diagram.solid.parts[piece.part].node;
-  Assembler(diagram, out).run(piece, pivot);
-  out.cap_sum = mirror_sum(out);
-  out.open_edges = open_edges(out);
+  Assembler(diagram, execution, out).run(piece, pivot);
+  out.cap_sum = mirror_sum(out, execution);
+  out.open_edges = open_edges(out, execution);
   return out;
 }
 
-FileVolume file_volume(const Fragment& f) {
+FileVolume file_volume(const Fragment& f, const Execution& execution) {
+  Pacer pacer(execution);
   double six = 0;
   Vec3d reach;
   for (const Vec3f& p : f.positions)
     for (int a = 0; a < 3; ++a) reach[a] = std::max(reach[a], std::fabs(to_double(p)[a]));
-  for (std::size_t k = 0; k < f.indices.size(); k += 3)
-    six += dot(to_double(f.positions[f.indices[k]]),
+  const auto term = [&](std::size_t k) {
+    return dot(to_double(f.positions[f.indices[k]]),
                cross(to_double(f.positions[f.indices[k + 1]]), to_double(f.positions[f.indices[k + 2]])));
-  // Floats are exact in double. A term is at most 6 reach.x reach.y reach.z and off by fewer than 8
+  };
+  for (std::size_t k = 0; k < f.indices.size(); k += 3) {
+    six += term(k);
+    pacer.step();
+  }
+  // Floats are exact in double. A term is at most 6 r, r = reach.x reach.y reach.z, and off by fewer than 8
   // roundings; the k-th partial sum is at most k times that and rounded once: together less than
-  // n (n + 16) 2^-53 times that. Fragments that are long but thin need no exact sum.
+  // n (n + 16) 2^-53 times that. Fragments that are long but thin need no better sum.
   const auto n = static_cast<double>(f.indices.size() / 3);
-  const double error = n * (n + 16) * 0x1.0p-52 * 6 * (reach.x * reach.y * reach.z) + 1e-300;
-  if (std::fabs(six) > error) return {six / 6, six > 0 ? 1 : -1};
+  const double r = reach.x * reach.y * reach.z;
+  if (std::fabs(six) > n * (n + 16) * 0x1.0p-52 * 6 * r + 1e-300) return {six / 6, six > 0 ? 1 : -1};
+
+  // What the partial sums lost, added up beside (Neumaier 1974): the terms' errors remain, n 48 2^-53 r, and
+  // of second order less than as much again.
+  double sum = 0, lost = 0;
+  for (std::size_t k = 0; k < f.indices.size(); k += 3) {
+    const double t = term(k), next = sum + t;
+    lost += std::fabs(sum) >= std::fabs(t) ? (sum - next) + t : (t - next) + sum;
+    sum = next;
+    pacer.step();
+  }
+  if (std::fabs(sum + lost) > n * 0x1.0p-46 * r + 1e-300) return {six / 6, sum + lost > 0 ? 1 : -1};
 
   exact::BinaryScale scale;
   for (const Vec3f& p : f.positions) scale.include(to_double(p));
-  exact::BigInt sum = 0;
+  exact::BigInt exactly = 0;
   for (std::size_t k = 0; k < f.indices.size(); k += 3) {
     const auto at = [&](std::size_t m) {
       return scale.scaled<exact::BigInt>(to_double(f.positions[f.indices[m]]));
     };
-    sum += dot(at(k), cross(at(k + 1), at(k + 2)));
+    exactly += dot(at(k), cross(at(k + 1), at(k + 2)));
+    pacer.step(64);
   }
-  return {six / 6, exact::sign_of(sum)};
+  return {six / 6, exact::sign_of(exactly)};
 }
 
 }  // namespace fracture

@@ -2,6 +2,7 @@
 // positions.
 #pragma once
 
+#include "common/base/execution.hpp"
 #include "common/fragment/fragments.hpp"
 #include "common/fragment/pieces.hpp"
 
@@ -9,9 +10,9 @@ namespace fracture {
 
 /// Exterior vertices carry the source's attributes: unchanged at input vertices, interpolated linearly along
 /// edges and across triangles at cut points. Cap vertices carry the cap's flat normal, planar UVs in metres,
-/// white. Sets what proves the answer, but not `id`.
+/// white. Sets what proves the answer, but not `id`. Throws Interrupted.
 Fragment assemble(const RestrictedDiagram& diagram, const Ownership& ownership, const Piece& piece,
-                  Pivot pivot);
+                  Pivot pivot, const Execution& execution = kUninterrupted);
 
 /// Volume enclosed by the final rounded positions (float32, local): the value as computed, m³, and its exact
 /// sign.
@@ -19,6 +20,7 @@ struct FileVolume {
   double volume = 0;
   int sign = 0;
 };
-FileVolume file_volume(const Fragment& fragment);
+/// Throws Interrupted.
+FileVolume file_volume(const Fragment& fragment, const Execution& execution = kUninterrupted);
 
 }  // namespace fracture

@@ -4,6 +4,8 @@
 #include <bit>
 #include <vector>
 
+#include "common/base/pacer.hpp"
+
 namespace fracture {
 namespace {
 
@@ -16,7 +18,7 @@ std::uint64_t mix(std::uint64_t z) {
 std::uint32_t bits(float v) { return std::bit_cast<std::uint32_t>(v == 0 ? 0.0f : v); }  // -0 is 0
 
 /// Open addressing over positions: per vertex the first one at the same place.
-std::vector<std::uint32_t> weld(const std::vector<Vec3f>& positions) {
+std::vector<std::uint32_t> weld(const std::vector<Vec3f>& positions, Pacer& pacer) {
   const std::size_t size = std::bit_ceil(2 * positions.size() + 1);
   std::vector<std::uint32_t> table(size, kNoIndex), first(positions.size());
   for (std::uint32_t v = 0; v < positions.size(); ++v) {
@@ -25,6 +27,7 @@ std::vector<std::uint32_t> weld(const std::vector<Vec3f>& positions) {
         mix(mix(bits(p.x) | static_cast<std::uint64_t>(bits(p.y)) << 32) + bits(p.z)) & (size - 1);
     while (table[slot] != kNoIndex && !(positions[table[slot]] == p)) slot = (slot + 1) & (size - 1);
     if (table[slot] == kNoIndex) table[slot] = v;
+    pacer.step();
     first[v] = table[slot];
   }
   return first;
@@ -32,8 +35,9 @@ std::vector<std::uint32_t> weld(const std::vector<Vec3f>& positions) {
 
 }  // namespace
 
-Closedness closedness(const Fragment& f) {
-  const std::vector<std::uint32_t> at = weld(f.positions);
+Closedness closedness(const Fragment& f, const Execution& execution) {
+  Pacer pacer(execution);
+  const std::vector<std::uint32_t> at = weld(f.positions, pacer);
   // Undirected edge -> uses, and uses forwards minus backwards.
   struct Entry {
     std::uint64_t key = ~0ull;
@@ -42,6 +46,7 @@ Closedness closedness(const Fragment& f) {
   const std::size_t size = std::bit_ceil(2 * f.indices.size() + 1);
   std::vector<Entry> table(size);
   for (std::size_t k = 0; k < f.indices.size(); k += 3) {
+    pacer.step(3);
     const std::uint32_t v[3] = {at[f.indices[k]], at[f.indices[k + 1]], at[f.indices[k + 2]]};
     if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0]) continue;  // its edges cancel one another
     for (int e = 0; e < 3; ++e) {
@@ -55,13 +60,15 @@ Closedness closedness(const Fragment& f) {
   }
   Closedness c;
   for (const Entry& e : table) {
+    pacer.step();
     c.open_edges += static_cast<std::uint64_t>(std::abs(e.balance));
     if (e.uses > 2) ++c.pinched_edges;
   }
   return c;
 }
 
-std::uint64_t open_edges(const Fragment& f) {
+std::uint64_t open_edges(const Fragment& f, const Execution& execution) {
+  Pacer pacer(execution);
   // Two hashes of each position: equal positions weld by themselves. A directed edge a -> b counts
   // u_a w_b - u_b w_a, so that it cancels its opposite; around a triangle the three terms are one cross
   // product.
@@ -70,16 +77,18 @@ std::uint64_t open_edges(const Fragment& f) {
   };
   std::vector<Hash> at(f.positions.size());
   for (std::size_t v = 0; v < at.size(); ++v) {
+    pacer.step();
     const Vec3f& p = f.positions[v];
     const std::uint64_t h = mix(mix(bits(p.x) | static_cast<std::uint64_t>(bits(p.y)) << 32) + bits(p.z) + 1);
     at[v] = {h ^ (h >> 29), h | 1};
   }
   std::uint64_t sum = 0;
   for (std::size_t k = 0; k < f.indices.size(); k += 3) {
+    pacer.step();
     const Hash &a = at[f.indices[k]], &b = at[f.indices[k + 1]], &c = at[f.indices[k + 2]];
     sum += (b.u - a.u) * (c.w - a.w) - (c.u - a.u) * (b.w - a.w);
   }
-  return sum == 0 ? 0 : closedness(f).open_edges;
+  return sum == 0 ? 0 : closedness(f, execution).open_edges;
 }
 
 }  // namespace fracture

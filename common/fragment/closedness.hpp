@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "common/base/execution.hpp"
 #include "common/fragment/fragments.hpp"
 
 namespace fracture {
@@ -12,12 +13,12 @@ struct Closedness {
   std::uint64_t pinched_edges = 0;  ///< undirected edges used more than twice
 };
 
-/// Counts, by a table of all edges.
-Closedness closedness(const Fragment& fragment);
+/// Counts, by a table of all edges. Throws Interrupted.
+Closedness closedness(const Fragment& fragment, const Execution& execution = kUninterrupted);
 
 /// The number of open edges alone, fast enough for every answer: the directed edges' hashes, forwards minus
 /// backwards, sum to zero when all are paired (and by chance with probability 2^-64); only when they do not,
-/// edges are counted.
-std::uint64_t open_edges(const Fragment& fragment);
+/// edges are counted. Throws Interrupted.
+std::uint64_t open_edges(const Fragment& fragment, const Execution& execution = kUninterrupted);
 
 }  // namespace fracture

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <unordered_set>
 
+#include "common/base/pacer.hpp"
 #include "common/fragment/assemble.hpp"
 #include "common/fragment/bonds.hpp"
 #include "common/fragment/mirror_sum.hpp"
@@ -68,7 +69,8 @@ FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownershi
   PieceGroups groups(n);
   out.size = unite_by_size(d, pieces, limits, groups, execution);
   certificate.united = out.size.united;
-  std::vector<Fragment> fragments(n);
+  std::vector<Fragment> fragments;
+  resize_with_polls(execution, fragments, n);
   std::vector<FileVolume> volumes(n);
   std::vector<bool> dropped(n, false);
   std::vector<std::uint32_t> todo(n);
@@ -80,10 +82,11 @@ FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownershi
         const std::uint32_t g = todo[k];
         const auto& members = groups.members(g);
         if (members.size() == 1)
-          fragments[g] = assemble(d, ownership, pieces.pieces[g], pivot);
+          fragments[g] = assemble(d, ownership, pieces.pieces[g], pivot, execution);
         else
-          fragments[g] = assemble(d, ownership, join_pieces(d, pieces, members, groups.of_piece()), pivot);
-        volumes[g] = file_volume(fragments[g]);
+          fragments[g] =
+              assemble(d, ownership, join_pieces(d, pieces, members, groups.of_piece()), pivot, execution);
+        volumes[g] = file_volume(fragments[g], execution);
       }
     });
     std::vector<std::uint32_t> bad;
@@ -116,7 +119,10 @@ FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownershi
   std::vector<std::uint32_t> fragment_of_piece(n, kNoIndex);
   std::unordered_set<std::uint64_t> ids;  // only asked for membership
   std::unordered_set<std::uint32_t> owners_seen;
+  Pacer pacer(execution);
+  out.fragments.reserve(n);
   for (std::uint32_t g = 0; g < n; ++g) {
+    pacer.step(64);
     owners_seen.insert(pieces.pieces[g].owners[0]);
     if (groups.of_piece()[g] != g || dropped[g]) continue;
     for (const std::uint32_t p : groups.members(g))
@@ -154,8 +160,8 @@ std::optional<WantedFragments> make_wanted_fragments(const RestrictedDiagram& d,
   parallel_for(execution, n, 8, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       Fragment& f = out.fragments[k];
-      f = assemble(d, ownership, pieces.pieces[k], pivot);
-      const FileVolume volume = file_volume(f);
+      f = assemble(d, ownership, pieces.pieces[k], pivot, execution);
+      const FileVolume volume = file_volume(f, execution);
       out.volumes_file[k] = volume.volume;
       bad[k] = volume.sign <= 0;
       if (bad[k]) continue;

@@ -4,6 +4,9 @@
 #include <array>
 #include <bit>
 
+#include "common/base/pacer.hpp"
+#include "common/base/scratch.hpp"
+
 namespace fracture {
 namespace {
 
@@ -27,11 +30,18 @@ std::uint64_t hash(const Place& p) {
   return h ^ (h >> 29);
 }
 
+struct Hashes {
+  std::vector<std::uint64_t> of_vertices;
+  std::size_t bytes() const { return bytes_of_vectors(of_vertices); }
+  void release() { release_vectors(of_vertices); }
+};
+
 }  // namespace
 
 // The determinant of the three rows (h, h², h³): it changes its sign with the orientation and is no sum over
 // the edges, as a plain Vandermonde determinant would be, which any two closed surfaces cancel.
-std::uint64_t mirror_sum(const Fragment& f) {
+std::uint64_t mirror_sum(const Fragment& f, const Execution& execution) {
+  Pacer pacer(execution);
   const Vec3f pivot = translation(f);
   std::uint64_t sum = 0;
   for (const IndexRange& range : f.caps) {
@@ -39,8 +49,9 @@ std::uint64_t mirror_sum(const Fragment& f) {
     const std::uint32_t* const last = first + range.count;
     // The vertices of a run of caps follow one another.
     const auto [low, high] = std::minmax_element(first, last);
-    thread_local std::vector<std::uint64_t> hashes;
+    std::vector<std::uint64_t>& hashes = thread_scratch<Hashes>().of_vertices;
     hashes.clear();
+    pacer.step(*high - *low + range.count);
     for (std::uint32_t v = *low; v <= *high; ++v) hashes.push_back(hash(world(f, pivot, v)));
     const std::uint64_t* const of = hashes.data() - *low;
     for (const std::uint32_t* at = first; at != last; at += 3) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/base/execution.hpp"
 #include "common/fragment/fragments.hpp"
 
 namespace fracture {
@@ -12,8 +13,8 @@ namespace fracture {
 /// Sum over the cap triangles of the fragment, from the positions that the file holds: a triangle and its
 /// mirror image cancel, whichever corner each begins with, so that the sums of all fragments add up to 0. By
 /// chance they do so with a probability of about 2^-58. Triangles with two corners at one place count
-/// nothing: they are their own mirror images.
-std::uint64_t mirror_sum(const Fragment& fragment);
+/// nothing: they are their own mirror images. Throws Interrupted.
+std::uint64_t mirror_sum(const Fragment& fragment, const Execution& execution = kUninterrupted);
 
 /// Which fragments have a cap triangle without mirror image, ascending: sorts all triangles, for answers
 /// whose sums do not cancel. `count`: how many such triangles there are.

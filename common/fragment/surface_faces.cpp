@@ -187,7 +187,7 @@ OwnedFaces divide_surface(const RestrictedDiagram& d, const Ownership& ownership
     throw Interrupted(Error{ErrorCode::kTooComplex,
                             "The surface is divided into more than 2^31 triangles. Ask for fewer sites."});
   for (std::uint32_t o = 0; o < owners; ++o) out.begin[o + 1] += out.begin[o];
-  out.faces.resize(out.begin[owners]);
+  resize_with_polls(execution, out.faces, out.begin[owners]);
   std::vector<std::uint32_t> next(out.begin.begin(), out.begin.end() - 1);
   std::size_t block = 0, s = 0;
   for (std::size_t n = 0; n < count; ++n) {

@@ -17,8 +17,9 @@ constexpr int kOutwardFacet[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}
 }  // namespace
 
 VoronoiDiagram::VoronoiDiagram(const Tetrahedralization& tetrahedralization, const Box& box,
-                               const std::optional<Matrix3>& map, const Execution& execution)
-    : dual_(&tetrahedralization), map_(map), all_sites_(std::make_unique<AllSites>()) {
+                               const std::optional<Matrix3>& map, const Execution& execution,
+                               std::size_t many)
+    : dual_(&tetrahedralization), map_(map), many_(many), all_sites_(std::make_unique<AllSites>()) {
   const std::uint32_t sites = dual_->site_count();
 
   // Tetrahedra by site (counting sort), corners left out: no point of the box lies in their cells.
@@ -35,7 +36,7 @@ VoronoiDiagram::VoronoiDiagram(const Tetrahedralization& tetrahedralization, con
     bisector_begin_[s + 1] = bisector_begin_[s] + tet_begin_[s + 1] / 2 + 2;
     tet_begin_[s + 1] += tet_begin_[s];
   }
-  tets_.resize(tet_begin_[sites]);
+  resize_with_polls(execution, tets_, tet_begin_[sites]);
   std::vector<std::uint32_t> next(tet_begin_.begin(), tet_begin_.end() - 1);
   for (TetId t = 0; t < dual_->tets.size(); ++t) {
     pacer.step();
@@ -43,7 +44,7 @@ VoronoiDiagram::VoronoiDiagram(const Tetrahedralization& tetrahedralization, con
       if (s < sites) tets_[next[s]++] = t;
   }
 
-  bisectors_.resize(bisector_begin_[sites]);
+  resize_with_polls(execution, bisectors_, bisector_begin_[sites]);
   constexpr std::size_t kBlock = 256;
   parallel_for(execution, sites, kBlock, [&](std::size_t begin, std::size_t end) {
     StampedMap& first_tet = worker_map();

@@ -28,9 +28,11 @@ class VoronoiDiagram {
  public:
   /// `box` must contain every point that is ever asked about (the solid's box). With a map the diagram is
   /// that of the solid's image: sites, box and every point asked about are images. Throws Interrupted.
+  /// Cells of more than `many` neighbours have a Neighborhood, and what looks at the bisectors of one asks
+  /// that. It decides the cost alone.
   VoronoiDiagram(const Tetrahedralization& tetrahedralization, const Box& box,
                  const std::optional<Matrix3>& map = std::nullopt,
-                 const Execution& execution = kUninterrupted);
+                 const Execution& execution = kUninterrupted, std::size_t many = kManyNeighbors);
 
   const std::optional<Matrix3>& map() const { return map_; }
   /// Direction of the normal of facet (i, j), from i to j, in the frame of the solid; not of unit length.
@@ -74,11 +76,9 @@ class VoronoiDiagram {
     return nearest(q, start, walk);
   }
 
-  /// Cells of more neighbours have a Neighborhood, and what looks at the bisectors of one asks that.
+  /// To look at all of so many takes about as long as to walk from facet to facet.
   static constexpr std::size_t kManyNeighbors = 64;
-  bool has_many_neighbors(SiteId i) const {
-    return bisector_begin_[i + 1] - bisector_begin_[i] > kManyNeighbors;
-  }
+  bool has_many_neighbors(SiteId i) const { return bisector_begin_[i + 1] - bisector_begin_[i] > many_; }
   const Neighborhood& neighborhood(SiteId i) const;
   /// For such a cell i: calls look(bisector, squared distance of its neighbour from q) for the neighbours in
   /// a ball about q, nearer ones mostly first. `look` returns the squared radius from then on. A point x is
@@ -124,6 +124,7 @@ class VoronoiDiagram {
 
   const Tetrahedralization* dual_;
   std::optional<Matrix3> map_;
+  std::size_t many_;
   std::vector<std::uint32_t> bisector_begin_, tet_begin_;
   std::vector<Bisector> bisectors_;
   std::vector<TetId> tets_;
