@@ -103,6 +103,17 @@ class FacetBuilder {
   void add_regions(const CapSegment& facet) {
     const auto& t = triangulation_;
     const auto base = static_cast<std::uint32_t>(out_.triangles.size());
+    const auto corners = [&](std::size_t k) {
+      const auto& v = t.triangles[k];
+      return std::array<VertexId, 3>{loop_[v[0]], loop_[v[1]], loop_[v[2]]};
+    };
+    if (t.regions == 1) {  // mostly
+      pacer_.each(0, t.triangles.size(), [&](std::size_t k) { out_.triangles.push_back(corners(k)); });
+      if (!t.triangles.empty())
+        out_.regions.push_back(
+            {facet.lo, facet.hi, facet.part, base, static_cast<std::uint32_t>(t.triangles.size())});
+      return;
+    }
     region_begin_.assign(t.regions + 1, 0);
     for (const std::uint32_t r : t.region) ++region_begin_[r + 1];
     for (std::uint32_t r = 0; r < t.regions; ++r) {
@@ -111,11 +122,8 @@ class FacetBuilder {
       if (count > 0) out_.regions.push_back({facet.lo, facet.hi, facet.part, base + region_begin_[r], count});
     }
     out_.triangles.resize(base + t.triangles.size());
-    for (std::size_t k = 0; k < t.triangles.size(); ++k) {
-      out_.triangles[base + region_begin_[t.region[k]]++] = {
-          loop_[t.triangles[k][0]], loop_[t.triangles[k][1]], loop_[t.triangles[k][2]]};
-      pacer_.step();
-    }
+    pacer_.each(0, t.triangles.size(),
+                [&](std::size_t k) { out_.triangles[base + region_begin_[t.region[k]]++] = corners(k); });
   }
 
   // About as many as the loops have points; before they are made.
@@ -133,17 +141,19 @@ class FacetBuilder {
       copies += static_cast<std::uint64_t>(std::abs(static_cast<std::int64_t>(s->multiplicity)));
     const auto segments = static_cast<std::uint64_t>(last - first);
     if (copies > segments) execution_.made(Product::kSegments, copies - segments);
-    for (const CapSegment* s = first; s != last; pacer_.step(), ++s)
-      for (std::int32_t copy = 0; copy < std::abs(s->multiplicity); ++copy)
-        edges_.push_back(s->multiplicity > 0 ? Edge{s->from, s->to} : Edge{s->to, s->from});
+    pacer_.each(0, segments, [&](std::size_t n) {
+      const CapSegment& s = first[n];
+      for (std::int32_t copy = 0; copy < std::abs(s.multiplicity); ++copy)
+        edges_.push_back(s.multiplicity > 0 ? Edge{s.from, s.to} : Edge{s.to, s.from});
+    });
     // From the last to the first, so that the list of a vertex is ascending.
     leaving_.next_epoch(positions_.steps.size());
-    for (auto e = static_cast<std::uint32_t>(edges_.size()); e-- > 0;) {
-      pacer_.step();
+    pacer_.each(0, edges_.size(), [&](std::size_t n) {
+      const auto e = static_cast<std::uint32_t>(edges_.size() - 1 - n);
       std::uint32_t& first_leaving = leaving_.slot(edges_[e].from - positions_.first_constructed);
       edges_[e].other = first_leaving;
       first_leaving = e;
-    }
+    });
     loop_.clear();
     loop_begin_.assign(1, 0);
     for (std::uint32_t start = 0; start < edges_.size(); ++start) {
@@ -152,11 +162,11 @@ class FacetBuilder {
       for (std::uint32_t e = start;;) {
         edges_[e].used = true;
         loop_.push_back(edges_[e].from);
-        pacer_.step();
         const VertexId at = edges_[e].to;
         if (at == home) break;
         e = next_from(at, first);
       }
+      pacer_.step(loop_.size() - loop_begin_.back());
       loop_begin_.push_back(static_cast<std::uint32_t>(loop_.size()));
     }
   }
@@ -179,11 +189,10 @@ class FacetBuilder {
     int x = (axis + 1) % 3, y = (axis + 2) % 3;
     if (u[axis] < 0) std::swap(x, y);
     points_.resize(loop_.size());
-    for (std::size_t k = 0; k < loop_.size(); ++k) {
-      pacer_.step();
+    pacer_.each(0, loop_.size(), [&](std::size_t k) {
       const auto& s = positions_.steps[loop_[k] - positions_.first_constructed];
       points_[k] = {s[static_cast<std::size_t>(x)], s[static_cast<std::size_t>(y)]};
-    }
+    });
   }
 
   struct Edge {

@@ -32,7 +32,7 @@ bool in_triangle(const LatticePoint& p, const LatticePoint& a, const LatticePoin
 class EarClipper {
  public:
   bool run(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring, Triangles& triangles,
-           const Execution& execution, std::size_t most_steps) {
+           const Execution& execution, std::size_t& patience) {
     Pacer pacer(execution);
     points_ = points;
     ring_ = ring;
@@ -41,14 +41,16 @@ class EarClipper {
     std::uint32_t k = 0;
     std::size_t since_cut = 0;
     std::size_t steps = 0;
+    const bool large = ring.size() > kLargeRing;
     while (left_ > 3) {
-      if (steps > most_steps) {
+      if (steps > patience) {
+        patience = 0;
         split_rest(k, pacer);
         return false;
       }
       const std::size_t before = steps++;
       const bool ear = area(k) > 0 && is_ear(k, steps);
-      pacer.step(steps - before);
+      if (large) pacer.step(steps - before);
       if (ear) {
         cut(k);
         since_cut = 0;
@@ -68,6 +70,8 @@ class EarClipper {
       k = next_[best];
     }
     emit(k);
+    if (!large) pacer.step(steps);
+    patience -= std::min(steps, patience);
     return true;
   }
 
@@ -239,7 +243,7 @@ bool is_convex(std::span<const LatticePoint> points, std::span<const std::uint32
 }
 
 bool clip_ears(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring,
-               Triangles& triangles, const Execution& execution, std::size_t most_steps) {
+               Triangles& triangles, const Execution& execution, std::size_t& patience) {
   const std::size_t n = ring.size();
   if (n < 3) return true;
   if (n == 3) {
@@ -254,7 +258,7 @@ bool clip_ears(std::span<const LatticePoint> points, std::span<const std::uint32
     });
     return true;
   }
-  return thread_scratch<EarClipper>().run(points, ring, triangles, execution, most_steps);
+  return thread_scratch<EarClipper>().run(points, ring, triangles, execution, patience);
 }
 
 }  // namespace fracture

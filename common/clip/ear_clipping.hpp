@@ -22,15 +22,17 @@ inline std::size_t ear_patience(std::size_t points) { return (std::size_t{1} << 
 /// passes a point twice and an ear would use one edge both ways). `ring` holds indices into `points`. Where
 /// no proper ear exists (the ring touches or crosses itself after rounding) the ear of least |area| is cut:
 /// still closed. O(n) for convex rings. Others look at all points of the ring for what blocks an ear, large
-/// ones in a grid; after `most_steps` of that what is left is halved again and again instead, so that rings
-/// that cross themselves everywhere cost no more than others; the answer is false then. Throws Interrupted.
+/// ones in a grid; the steps of that are taken from `patience`, and when it is used up what is left is halved
+/// again and again instead, so that rings that cross themselves everywhere cost no more than others; the
+/// answer is false then. Throws Interrupted.
 bool clip_ears(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring,
                std::vector<std::array<std::uint32_t, 3>>& triangles, const Execution& execution,
-               std::size_t most_steps);
+               std::size_t& patience);
 inline bool clip_ears(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring,
                       std::vector<std::array<std::uint32_t, 3>>& triangles,
                       const Execution& execution = kUninterrupted) {
-  return clip_ears(points, ring, triangles, execution, ear_patience(ring.size()));
+  std::size_t patience = ear_patience(ring.size());
+  return clip_ears(points, ring, triangles, execution, patience);
 }
 
 }  // namespace fracture

@@ -82,7 +82,9 @@ bool triangulate_monotone(std::span<const LatticePoint> points, std::span<const 
 /// One ring after the other into triangles.
 class RingTriangulator {
  public:
-  explicit RingTriangulator(const Execution& execution) : execution_(execution) {}
+  /// `points`: of all of them.
+  RingTriangulator(std::size_t points, const Execution& execution)
+      : execution_(execution), patience_((std::size_t{1} << 19) + kStepsPerPoint * points) {}
 
   /// A whole loop, or, with its partition, a ring of one.
   void add(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring,
@@ -90,7 +92,7 @@ class RingTriangulator {
     if (partition)
       add_ring(points, ring, *partition, triangles);
     else if (ring.size() <= kSmallRing || is_convex(points, ring))
-      clip_ears(points, ring, triangles, execution_);
+      clip(points, ring, ear_patience(ring.size()), triangles);
     else
       add_loop(points, ring, triangles);
   }
@@ -106,6 +108,8 @@ class RingTriangulator {
 
  private:
   static constexpr std::uint32_t kManyCrossings = 8;
+  /// Many rings that cross themselves may not take what each of them alone may.
+  static constexpr std::size_t kStepsPerPoint = 512;
 
   void add_ring(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring,
                 const Partition& partition, Triangles& triangles) {
@@ -113,8 +117,14 @@ class RingTriangulator {
     // Not monotone after all: the loops touch or cross. Among many crossings there is no good triangulation
     // to look for.
     const bool hopeless = ring.size() > kSmallRing && partition.crossings > kManyCrossings;
-    given_up_ |= !clip_ears(points, ring, triangles, execution_,
-                            hopeless ? 4 * ring.size() : ear_patience(ring.size()));
+    clip(points, ring, hopeless ? 4 * ring.size() : ear_patience(ring.size()), triangles);
+  }
+  void clip(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring, std::size_t patience,
+            Triangles& triangles) {
+    std::size_t left = std::min(patience, patience_);
+    const std::size_t given = left;
+    given_up_ |= !clip_ears(points, ring, triangles, execution_, left);
+    patience_ -= given - left;
   }
   void add_loop(std::span<const LatticePoint> points, std::span<const std::uint32_t> loop,
                 Triangles& triangles) {
@@ -131,6 +141,7 @@ class RingTriangulator {
   }
 
   const Execution& execution_;
+  std::size_t patience_;  // steps of the search for ears that are left
   bool given_up_ = false;
 };
 
@@ -221,7 +232,7 @@ Triangulation triangulate_pinched(std::span<const LatticePoint> points,
   std::vector<LatticePoint> places;
   for (const std::uint32_t k : kept) places.push_back(points[k]);
   Triangulation out;
-  RingTriangulator rings(execution);
+  RingTriangulator rings(points.size(), execution);
   triangulate_loops(
       places, begin, execution,
       [&](const auto& p, const auto& ring, const Partition* partition, Triangles& triangles) {
@@ -269,7 +280,7 @@ void divide_regions(std::size_t points, Triangulation& out) {
 
 void triangulate(std::span<const LatticePoint> points, std::span<const std::uint32_t> loop_begin,
                  Triangulation& out, const Execution& execution) {
-  RingTriangulator rings(execution);
+  RingTriangulator rings(points.size(), execution);
   triangulate_loops(
       points, loop_begin, execution,
       [&](const auto& p, const auto& ring, const Partition* partition, Triangles& triangles) {

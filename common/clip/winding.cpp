@@ -5,7 +5,6 @@
 
 #include "common/base/pacer.hpp"
 #include "common/clip/crossing_table.hpp"
-#include "common/clip/work_blocks.hpp"
 
 namespace fracture {
 namespace {
@@ -250,15 +249,12 @@ class WindingTraversal {
   // -- the intervals with w != 0
 
   void emit_intervals() {
-    const WorkBlocks blocks(execution_, tets_.size(), 400'000, [&](std::size_t t) {
-      return 20 +
-             (states_.is_known(static_cast<TetId>(t)) ? 100 * states_.at(static_cast<TetId>(t)).size() : 0);
-    });
-    std::vector<std::vector<CapSegment>> found(blocks.count());
-    parallel_for_blocks(execution_, blocks, [&](std::size_t block, std::size_t begin, std::size_t end) {
+    constexpr std::size_t kBlock = 2048;
+    std::vector<std::vector<CapSegment>> found((tets_.size() + kBlock - 1) / kBlock);
+    parallel_for(execution_, tets_.size(), kBlock, [&](std::size_t begin, std::size_t end) {
       Pacer pacer(execution_);
       std::size_t counted = 0;
-      std::vector<CapSegment>& segments = found[block];
+      std::vector<CapSegment>& segments = found[begin / kBlock];
       for (auto t = static_cast<TetId>(begin); t < end; ++t) {
         if (!states_.is_known(t)) continue;
         const std::size_t before = segments.size();

@@ -65,10 +65,7 @@ class Assembler {
     collect_vertices(piece);
     points_.clear();
     points_.reserve(ids_.size());
-    for (const VertexId v : ids_) {
-      points_.push_back(d_.point(v));
-      pacer_.step();
-    }
+    pacer_.each(0, ids_.size(), [&](std::size_t k) { points_.push_back(d_.point(ids_[k])); });
     write_attributes();
     measure();
     place(piece, pivot);
@@ -85,13 +82,13 @@ class Assembler {
   // Faces by material, in their order within each; interior last, "no material" just before it.
   std::vector<Run> runs_by_material(const std::vector<Face>& faces) {
     std::vector<Run> runs;
-    for (std::uint32_t f = 0; f < faces.size(); ++f) {
-      pacer_.step();
+    pacer_.each(0, faces.size(), [&](std::size_t n) {
+      const auto f = static_cast<std::uint32_t>(n);
       const FaceSource source = faces[f].source;
       const std::uint32_t material = is_cap(source) ? kInteriorMaterial : d_.solid.material[source];
       if (runs.empty() || runs.back().material != material) runs.push_back({material, f, f});
       ++runs.back().end;
-    }
+    });
     const auto rank = [](std::uint32_t m) {
       return m == kInteriorMaterial ? 0xffffffffu : m == kNoIndex ? 0xfffffffeu : m;
     };
@@ -136,11 +133,14 @@ class Assembler {
             *index++ = interior_vertex(face->v[k], flat, rough_ ? corner_of(flat, nth, k) : 0);
         }
       } else if (plain_) {
-        for (; face != end; pacer_.step(), ++face)
-          for (const VertexId v : face->v) *index++ = plain_vertex(v);
+        pacer_.each(run.begin, run.end, [&](std::size_t f) {
+          for (const VertexId v : piece.faces[f].v) *index++ = plain_vertex(v);
+        });
       } else {
-        for (; face != end; pacer_.step(), ++face)
-          for (const VertexId v : face->v) *index++ = exterior_vertex(v, face->source);
+        pacer_.each(run.begin, run.end, [&](std::size_t f) {
+          const Face& at = piece.faces[f];
+          for (const VertexId v : at.v) *index++ = exterior_vertex(v, at.source);
+        });
       }
     }
     out_.topology = s_.topology;
@@ -306,9 +306,11 @@ class Assembler {
     MassIntegral all(points_[out_.indices[0]]);
     std::uint32_t next = 0;
     const auto add_until = [&](std::uint32_t end) {
-      for (; next < end; pacer_.step(), next += 3)
-        all.add(points_[out_.indices[next]], points_[out_.indices[next + 1]],
-                points_[out_.indices[next + 2]]);
+      const std::uint32_t* const index = out_.indices.data();
+      pacer_.each(next / 3, end / 3, [&](std::size_t t) {
+        all.add(points_[index[3 * t]], points_[index[3 * t + 1]], points_[index[3 * t + 2]]);
+      });
+      next = std::max(next, end);
     };
     const FragmentPrimitive& last = out_.primitives.back();  // the interior comes last
     add_until(last.material == kInteriorMaterial ? last.first_index : last.first_index + last.index_count);
@@ -353,10 +355,7 @@ class Assembler {
               static_cast<float>((s[2] - pivot[2]) * step.z)};
     };
     out_.positions.reserve(ids_.size());
-    for (const VertexId v : ids_) {
-      out_.positions.push_back(local(v));
-      pacer_.step();
-    }
+    pacer_.each(0, ids_.size(), [&](std::size_t k) { out_.positions.push_back(local(ids_[k])); });
     if (rough_) return place_flat_bodies(piece, pivot);
     for (const std::vector<VertexId>& body : piece.bodies) {
       out_.bodies.emplace_back();
@@ -430,10 +429,7 @@ FileVolume file_volume(const Fragment& f, const Execution& execution) {
     return dot(to_double(f.positions[f.indices[k]]),
                cross(to_double(f.positions[f.indices[k + 1]]), to_double(f.positions[f.indices[k + 2]])));
   };
-  for (std::size_t k = 0; k < f.indices.size(); k += 3) {
-    six += term(k);
-    pacer.step();
-  }
+  pacer.each(0, f.indices.size() / 3, [&](std::size_t t) { six += term(3 * t); });
   // Floats are exact in double. A term is at most 6 r, r = reach.x reach.y reach.z, and off by fewer than 8
   // roundings; the k-th partial sum is at most k times that and rounded once: together less than
   // n (n + 16) 2^-53 times that. Fragments that are long but thin need no better sum.

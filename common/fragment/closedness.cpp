@@ -76,18 +76,17 @@ std::uint64_t open_edges(const Fragment& f, const Execution& execution) {
     std::uint64_t u, w;
   };
   std::vector<Hash> at(f.positions.size());
-  for (std::size_t v = 0; v < at.size(); ++v) {
-    pacer.step();
+  pacer.each(0, at.size(), [&](std::size_t v) {
     const Vec3f& p = f.positions[v];
     const std::uint64_t h = mix(mix(bits(p.x) | static_cast<std::uint64_t>(bits(p.y)) << 32) + bits(p.z) + 1);
     at[v] = {h ^ (h >> 29), h | 1};
-  }
+  });
   std::uint64_t sum = 0;
-  for (std::size_t k = 0; k < f.indices.size(); k += 3) {
-    pacer.step();
-    const Hash &a = at[f.indices[k]], &b = at[f.indices[k + 1]], &c = at[f.indices[k + 2]];
+  pacer.each(0, f.indices.size() / 3, [&](std::size_t t) {
+    const std::uint32_t* const k = f.indices.data() + 3 * t;
+    const Hash &a = at[k[0]], &b = at[k[1]], &c = at[k[2]];
     sum += (b.u - a.u) * (c.w - a.w) - (c.u - a.u) * (b.w - a.w);
-  }
+  });
   return sum == 0 ? 0 : closedness(f, execution).open_edges;
 }
 

@@ -26,20 +26,21 @@ class ComponentFinder {
     faces_.reserve(count);
     sets_.reserve(count / 2 + 8);  // a closed surface has about half as many vertices as faces
     faces_.assign(share.surface.begin(), share.surface.end());
-    for (const Face& f : faces_) join(f.v);
+    pacer_.each(0, faces_.size(), [&](std::size_t k) { join(faces_[k].v); });
     for (const FaceSource source : share.caps) {
       const CapRegion& r = d_.caps.regions[cap_region(source)];
       const bool inner = ownership_.owner_of_site[r.lo] == ownership_.owner_of_site[r.hi];
-      for (std::uint32_t k = 0; k < r.triangle_count; ++k) {
-        const auto& v = d_.caps.triangles[r.first_triangle + k];
+      pacer_.each(r.first_triangle, r.first_triangle + r.triangle_count, [&](std::size_t k) {
+        const auto& v = d_.caps.triangles[k];
         join(v);
-        if (inner) continue;
-        faces_.push_back(cap_side(source) == 0 ? Face{v, source} : Face{{v[0], v[2], v[1]}, source});
-      }
+        if (!inner)
+          faces_.push_back(cap_side(source) == 0 ? Face{v, source} : Face{{v[0], v[2], v[1]}, source});
+      });
     }
     // Within a group the fused faces skip vertices; the cells' own polygons say what hangs together.
     for (const std::uint32_t p : share.polygons) {
       const CutPolygon& polygon = d_.cuts.polygons[p];
+      pacer_.step(polygon.count);
       for (std::uint32_t k = 2; k < polygon.count; ++k)
         join({d_.cuts.vertices[polygon.first], d_.cuts.vertices[polygon.first + k - 1],
               d_.cuts.vertices[polygon.first + k]});
@@ -51,7 +52,6 @@ class ComponentFinder {
 
  private:
   void join(const std::array<VertexId, 3>& v) {
-    pacer_.step();
     std::uint32_t id[3];
     for (int k = 0; k < 3; ++k) {
       std::uint32_t& slot = local_.slot(v[k]);

@@ -174,9 +174,9 @@ TEST(GrowthOfCrossings, LoopsThatCrossEverywhereAreTriangulatedInNearLinearWork)
   };
   for (int family = 0; family < 5; ++family) {
     SCOPED_TRACE("family " + std::to_string(family));
-    // No more than some hundred steps for each point, at any size: the search for ears has an end.
+    // No more than a thousand steps for each point, at any size: the search for ears has an end.
     for (const std::uint32_t n : {4000u, 32'000u, 128'000u})
-      EXPECT_LE(polls(n, family), 100 + n / 8192 * 400) << n;
+      EXPECT_LE(polls(n, family), 200 + n * 1000.0 / 8192) << n;
   }
 }
 
