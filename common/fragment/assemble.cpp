@@ -215,10 +215,11 @@ class Assembler {
     }
     // The triangles of the edge may disagree about its wedges.
     std::uint32_t last = kNoIndex;
-    for (std::uint32_t k = s_.at_position.slot(v); k != kNoIndex; last = k, k = s_.next[k])
+    for (std::uint32_t k = s_.at_position.slot(v); k != kNoIndex;
+         last = k, k = k < s_.next.size() ? s_.next[k] : kNoIndex)
       if (sources_[k] == source) return k;
     const std::uint32_t fresh = add(v, source);
-    s_.next.resize(fresh + 1, kNoIndex);
+    s_.next.resize(fresh + 1, kNoIndex);  // longer than `last`, too: that was there before
     if (last != kNoIndex) s_.next[last] = fresh;
     return fresh;
   }
@@ -410,7 +411,7 @@ Fragment assemble(const RestrictedDiagram& diagram, const Ownership& ownership, 
   Fragment out;
   for (const std::uint32_t o : piece.owners)
     out.sites.insert(out.sites.end(), ownership.sites_of_owner[o].begin(), ownership.sites_of_owner[o].end());
-  std::sort(out.sites.begin(), out.sites.end());
+  sort_with_polls(execution, out.sites.begin(), out.sites.end());
   out.part = diagram.part_in_whole ? (*diagram.part_in_whole)[piece.part] : piece.part;
   out.node = diagram.solid.parts[piece.part].node;
   Assembler(diagram, execution, out).run(piece, pivot);
@@ -423,8 +424,10 @@ FileVolume file_volume(const Fragment& f, const Execution& execution) {
   Pacer pacer(execution);
   double six = 0;
   Vec3d reach;
-  for (const Vec3f& p : f.positions)
+  for (const Vec3f& p : f.positions) {
+    pacer.step();
     for (int a = 0; a < 3; ++a) reach[a] = std::max(reach[a], std::fabs(to_double(p)[a]));
+  }
   const auto term = [&](std::size_t k) {
     return dot(to_double(f.positions[f.indices[k]]),
                cross(to_double(f.positions[f.indices[k + 1]]), to_double(f.positions[f.indices[k + 2]])));
@@ -452,6 +455,7 @@ FileVolume file_volume(const Fragment& f, const Execution& execution) {
   for (const Vec3f& p : f.positions) scale.include(to_double(p));
   exact::BigInt exactly = 0;
   for (std::size_t k = 0; k < f.indices.size(); k += 3) {
+    pacer.step(64);
     const auto at = [&](std::size_t m) {
       return scale.scaled<exact::BigInt>(to_double(f.positions[f.indices[m]]));
     };

@@ -3,38 +3,18 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numeric>
 #include <unordered_set>
 
 #include "common/base/pacer.hpp"
 #include "common/fragment/assemble.hpp"
 #include "common/fragment/bonds.hpp"
+#include "common/fragment/group_contacts.hpp"
 #include "common/fragment/mirror_sum.hpp"
 #include "common/fragment/unite.hpp"
+#include "common/fragment/volume_sign.hpp"
 
 namespace fracture {
 namespace {
-
-/// Whom a group shares its largest cap with, at the start of a round of uniting.
-class Contacts {
- public:
-  Contacts(const RestrictedDiagram& d, const Pieces& pieces, const std::vector<std::uint32_t>& group_of_piece)
-      : begin_(group_of_piece.size() + 1, 0), contacts_(find_contacts(d, pieces, group_of_piece)) {
-    for (const Contact& c : contacts_) ++begin_[c.of + 1];
-    for (std::size_t g = 0; g + 1 < begin_.size(); ++g) begin_[g + 1] += begin_[g];
-  }
-
-  /// The group that shares the largest cap with g, ties to the lowest; kNoIndex when g touches nobody.
-  std::uint32_t best_neighbor(std::uint32_t g, const PieceGroups& groups) const {
-    for (std::uint32_t k = begin_[g]; k < begin_[g + 1]; ++k)
-      if (groups.of_piece()[contacts_[k].with] != g) return groups.of_piece()[contacts_[k].with];
-    return kNoIndex;
-  }
-
- private:
-  std::vector<std::uint32_t> begin_;
-  std::vector<Contact> contacts_;
-};
 
 std::uint64_t mix(std::uint64_t h, std::uint64_t v) {
   h ^= v;
@@ -45,14 +25,120 @@ std::uint64_t mix(std::uint64_t h, std::uint64_t v) {
 
 /// A function of the coordinates of the fragment's sites, the part and which island of them it is: local
 /// refracture keeps the ids of what it does not touch. At most 2^53 - 1: exact in JSON.
-std::uint64_t fragment_id(const VoronoiDiagram& diagram, const Fragment& f, std::uint32_t island) {
+std::uint64_t fragment_id(const VoronoiDiagram& diagram, const Fragment& f, std::uint32_t island,
+                          const Execution& execution) {
   std::vector<Vec3d> sites;
   for (const SiteId s : f.sites) sites.push_back(diagram.site(s));
-  std::sort(sites.begin(), sites.end(), lexicographic_less);
+  sort_with_polls(execution, sites.begin(), sites.end(), lexicographic_less);
   std::uint64_t h = 0x6672616374757265ull;
   for (const Vec3d& s : sites)
     for (int a = 0; a < 3; ++a) h = mix(h, std::bit_cast<std::uint64_t>(s[a] == 0 ? 0.0 : s[a]));
   return mix(mix(h, f.part), island) >> 11;
+}
+
+/// The fragments of groups of pieces, by name.
+struct Assembly {
+  Assembly(const RestrictedDiagram& diagram, const Ownership& ownership, const Pieces& pieces,
+           PieceGroups& groups, Pivot pivot, const Execution& execution)
+      : d(diagram),
+        ownership(ownership),
+        pieces(pieces),
+        groups(groups),
+        pivot(pivot),
+        execution(execution),
+        volumes(pieces.pieces.size()) {
+    resize_with_polls(execution, fragments, pieces.pieces.size());
+  }
+
+  void make(const std::vector<std::uint32_t>& names) {
+    parallel_for(execution, names.size(), 8, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) {
+        const std::uint32_t g = names[k];
+        fragments[g] =
+            groups.size(g) == 1
+                ? assemble(d, ownership, pieces.pieces[g], pivot, execution)
+                : assemble(d, ownership, join_pieces(d, pieces, groups, g, execution), pivot, execution);
+        volumes[g] = file_volume(fragments[g], execution);
+      }
+    });
+  }
+
+  const RestrictedDiagram& d;
+  const Ownership& ownership;
+  const Pieces& pieces;
+  PieceGroups& groups;
+  Pivot pivot;
+  const Execution& execution;
+  std::vector<Fragment> fragments;
+  std::vector<FileVolume> volumes;
+};
+
+/// Groups whose volume is not positive unite with the neighbour of largest shared cap area, all of them round
+/// by round, until none is left; those without neighbours are dropped. Where a surface crosses itself a group
+/// may have to grow by thousands of pieces, one a round: so it is only joined and assembled where its sign
+/// hangs on rounding, and when it is done.
+void unite_without_volume(Assembly& assembly, const std::vector<std::uint32_t>& all,
+                          std::vector<bool>& dropped, Certificate& certificate) {
+  PieceGroups& groups = assembly.groups;
+  std::vector<std::uint32_t> bad;
+  for (const std::uint32_t g : all)
+    if (assembly.volumes[g].sign <= 0) bad.push_back(g);
+  if (bad.empty()) return;
+
+  GroupContacts contacts(assembly.d, assembly.pieces, groups, assembly.execution);
+  VolumeSigns signs(assembly.d, assembly.pieces, assembly.execution);
+  std::vector<char> stale(groups.pieces(), 0);  // per name: its fragment is that of an earlier group
+  std::vector<std::uint32_t> grown;             // names that were stale once
+  while (!bad.empty()) {
+    // Each chooses by whom it touches now, before any of them unites.
+    std::vector<std::vector<Neighbor>> neighbors;
+    for (const std::uint32_t g : bad) neighbors.push_back(contacts.neighbors(g));
+    std::vector<std::uint32_t> changed;
+    for (std::size_t k = 0; k < bad.size(); ++k) {
+      const std::uint32_t g = bad[k];
+      if (!groups.is_group(g)) continue;  // swallowed meanwhile
+      const auto best = std::find_if(neighbors[k].begin(), neighbors[k].end(),
+                                     [&](const Neighbor& n) { return groups.of(n.group) != g; });
+      if (best == neighbors[k].end()) {
+        if (stale[g]) assembly.make({g});
+        stale[g] = 0;
+        dropped[g] = true;
+        ++certificate.dropped;
+        certificate.pocket_volume += assembly.fragments[g].mass.volume;
+        certificate.pocket_area += assembly.fragments[g].surface_area;
+        continue;
+      }
+      const std::uint32_t neighbor = groups.of(best->group), name = std::min(g, neighbor);
+      signs.unite(groups, g, neighbor, name);
+      contacts.unite(g, neighbor);
+      ++certificate.united;
+      changed.push_back(name);
+    }
+    sort_with_polls(assembly.execution, changed.begin(), changed.end());
+    changed.erase(std::unique(changed.begin(), changed.end()), changed.end());
+    std::erase_if(changed, [&](std::uint32_t g) { return !groups.is_group(g); });
+
+    bad.clear();
+    std::vector<std::uint32_t> unknown;
+    for (const std::uint32_t g : changed) {
+      stale[g] = 1;
+      grown.push_back(g);
+      if (const int sign = signs.of(g); sign < 0)
+        bad.push_back(g);
+      else if (sign == 0)
+        unknown.push_back(g);
+    }
+    assembly.make(unknown);
+    for (const std::uint32_t g : unknown) {
+      stale[g] = 0;
+      if (assembly.volumes[g].sign <= 0) bad.push_back(g);
+    }
+    sort_with_polls(assembly.execution, bad.begin(), bad.end());
+  }
+  sort_with_polls(assembly.execution, grown.begin(), grown.end());
+  grown.erase(std::unique(grown.begin(), grown.end()), grown.end());
+  std::erase_if(grown, [&](std::uint32_t g) { return !groups.is_group(g) || !stale[g]; });
+  assembly.make(grown);
 }
 
 }  // namespace
@@ -69,69 +155,35 @@ FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownershi
   PieceGroups groups(n);
   out.size = unite_by_size(d, pieces, limits, groups, execution);
   certificate.united = out.size.united;
-  std::vector<Fragment> fragments;
-  resize_with_polls(execution, fragments, n);
-  std::vector<FileVolume> volumes(n);
+  Assembly assembly(d, ownership, pieces, groups, pivot, execution);
+  std::vector<std::uint32_t> all;
+  for (std::uint32_t g = 0; g < n; ++g)
+    if (groups.is_group(g)) all.push_back(g);
+  assembly.make(all);
   std::vector<bool> dropped(n, false);
-  std::vector<std::uint32_t> todo(n);
-  std::iota(todo.begin(), todo.end(), 0u);
-  std::erase_if(todo, [&](std::uint32_t g) { return !groups.is_group(g); });
-  while (!todo.empty()) {
-    parallel_for(execution, todo.size(), 8, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t k = begin; k < end; ++k) {
-        const std::uint32_t g = todo[k];
-        const auto& members = groups.members(g);
-        if (members.size() == 1)
-          fragments[g] = assemble(d, ownership, pieces.pieces[g], pivot, execution);
-        else
-          fragments[g] =
-              assemble(d, ownership, join_pieces(d, pieces, members, groups.of_piece()), pivot, execution);
-        volumes[g] = file_volume(fragments[g], execution);
-      }
-    });
-    std::vector<std::uint32_t> bad;
-    for (const std::uint32_t g : todo)
-      if (volumes[g].sign <= 0 && !dropped[g]) bad.push_back(g);
-    todo.clear();
-    if (bad.empty()) break;
-
-    const Contacts contacts(d, pieces, groups.of_piece());
-    for (const std::uint32_t g : bad) {
-      if (groups.of_piece()[g] != g) continue;  // swallowed meanwhile
-      const std::uint32_t neighbor = contacts.best_neighbor(g, groups);
-      if (neighbor == kNoIndex) {
-        dropped[g] = true;
-        ++certificate.dropped;
-        certificate.pocket_volume += fragments[g].mass.volume;
-        certificate.pocket_area += fragments[g].surface_area;
-        continue;
-      }
-      groups.unite(g, neighbor);
-      ++certificate.united;
-      todo.push_back(std::min(g, neighbor));
-    }
-    std::sort(todo.begin(), todo.end());
-    todo.erase(std::unique(todo.begin(), todo.end()), todo.end());
-    std::erase_if(todo, [&](std::uint32_t g) { return groups.of_piece()[g] != g; });
-  }
+  unite_without_volume(assembly, all, dropped, certificate);
 
   // What is left, in order of the pieces.
+  out.fragments.reserve(n);
   std::vector<std::uint32_t> fragment_of_piece(n, kNoIndex);
   std::unordered_set<std::uint64_t> ids;  // only asked for membership
   std::unordered_set<std::uint32_t> owners_seen;
   Pacer pacer(execution);
-  out.fragments.reserve(n);
   for (std::uint32_t g = 0; g < n; ++g) {
-    pacer.step(64);
+    pacer.step(16);
     owners_seen.insert(pieces.pieces[g].owners[0]);
-    if (groups.of_piece()[g] != g || dropped[g]) continue;
-    for (const std::uint32_t p : groups.members(g))
-      fragment_of_piece[p] = static_cast<std::uint32_t>(out.fragments.size());
-    Fragment& f = fragments[g];
-    f.id = fragment_id(d.diagram, f, pieces.pieces[g].island);
+    const std::uint32_t name = groups.of(g);
+    if (dropped[name]) continue;
+    if (name != g) {  // its group has stood before it
+      fragment_of_piece[g] = fragment_of_piece[name];
+      continue;
+    }
+    fragment_of_piece[g] = static_cast<std::uint32_t>(out.fragments.size());
+    Fragment& f = assembly.fragments[g];
+    f.id = fragment_id(d.diagram, f, pieces.pieces[g].island, execution);
     while (!ids.insert(f.id).second) f.id = (f.id + 1) & ((1ull << 53) - 1);
     certificate.volume_out += f.mass.volume;
-    certificate.volume_file += volumes[g].volume;
+    certificate.volume_file += assembly.volumes[g].volume;
     out.fragments.push_back(std::move(f));
   }
   out.bonds = find_bonds(d, pieces, fragment_of_piece, execution);
@@ -165,7 +217,7 @@ std::optional<WantedFragments> make_wanted_fragments(const RestrictedDiagram& d,
       out.volumes_file[k] = volume.volume;
       bad[k] = volume.sign <= 0;
       if (bad[k]) continue;
-      f.id = fragment_id(d.diagram, f, pieces.pieces[k].island);
+      f.id = fragment_id(d.diagram, f, pieces.pieces[k].island, execution);
     }
   });
   if (std::find(bad.begin(), bad.end(), 1) != bad.end()) return std::nullopt;

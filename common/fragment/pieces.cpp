@@ -10,25 +10,31 @@
 
 namespace fracture {
 
-Ownership Ownership::from_groups(std::uint32_t site_count, const std::vector<std::uint32_t>& groups) {
+Ownership Ownership::from_groups(std::uint32_t site_count, const std::vector<std::uint32_t>& groups,
+                                 const Execution& execution) {
+  Pacer pacer(execution);
   Ownership o;
   o.owner_of_site.resize(site_count);
   if (groups.empty()) {
     std::iota(o.owner_of_site.begin(), o.owner_of_site.end(), 0u);
     o.sites_of_owner.resize(site_count);
-    for (SiteId s = 0; s < site_count; ++s) o.sites_of_owner[s] = {s};
+    for (SiteId s = 0; s < site_count; ++s) {
+      pacer.step();
+      o.sites_of_owner[s] = {s};
+    }
     return o;
   }
   std::vector<std::pair<std::uint32_t, SiteId>>
       by_group;  // (group, site), so that the first of a group is its smallest
   for (SiteId s = 0; s < site_count; ++s) by_group.emplace_back(groups[s], s);
-  std::sort(by_group.begin(), by_group.end());
+  sort_with_polls(execution, by_group.begin(), by_group.end());
   std::vector<SiteId> first_of(site_count);
   for (std::size_t k = 0; k < by_group.size(); ++k)
     first_of[by_group[k].second] = k > 0 && by_group[k - 1].first == by_group[k].first
                                        ? first_of[by_group[k - 1].second]
                                        : by_group[k].second;
   for (SiteId s = 0; s < site_count; ++s) {
+    pacer.step();
     if (first_of[s] == s) {
       o.owner_of_site[s] = static_cast<std::uint32_t>(o.sites_of_owner.size());
       o.sites_of_owner.emplace_back();
@@ -41,9 +47,12 @@ Ownership Ownership::from_groups(std::uint32_t site_count, const std::vector<std
   return o;
 }
 
-double signed_volume(const RestrictedDiagram& d, const Face* faces, std::size_t count, const Vec3d& origin) {
+double signed_volume(const RestrictedDiagram& d, const Face* faces, std::size_t count, const Vec3d& origin,
+                     const Execution& execution) {
   double six = 0;
+  Pacer pacer(execution);
   for (std::size_t k = 0; k < count; ++k) {
+    pacer.step();
     const Vec3d a = d.point(faces[k].v[0]) - origin, b = d.point(faces[k].v[1]) - origin,
                 c = d.point(faces[k].v[2]) - origin;
     six += dot(a, cross(b, c));
@@ -56,8 +65,8 @@ Pieces gather_pieces(const RestrictedDiagram& d, const Ownership& ownership, con
   const std::size_t owners = ownership.sites_of_owner.size();
 
   // Cap sides by owner; inside a group a region is listed once, to hold its sides together.
-  std::vector<std::vector<FaceSource>> caps(owners);
   Pacer pacer(execution);
+  std::vector<std::vector<FaceSource>> caps(owners);
   for (std::uint32_t r = 0; r < d.caps.regions.size(); ++r) {
     pacer.step(8);
     const std::uint32_t lo = ownership.owner_of_site[d.caps.regions[r].lo],
@@ -91,6 +100,7 @@ Pieces gather_pieces(const RestrictedDiagram& d, const Ownership& ownership, con
   Pieces out;
   out.piece_of_cap.assign(2 * d.caps.regions.size(), kNoIndex);
   for (std::uint32_t o = 0; o < owners; ++o) {
+    pacer.step();
     std::uint32_t island = 0, last_part = kNoIndex;
     for (Component& c : found[o]) {
       pacer.step(8 + c.faces.size());

@@ -42,8 +42,10 @@ struct Ownership {
   std::vector<std::vector<SiteId>> sites_of_owner;  ///< ascending
   bool grouped = false;                             ///< some owner has several cells
   std::vector<bool> wanted;  ///< per owner; empty: all. Pieces of the others are not made.
-  /// Equal entries stay together; an empty vector means every cell for itself. One entry per site.
-  static Ownership from_groups(std::uint32_t site_count, const std::vector<std::uint32_t>& groups);
+  /// Equal entries stay together; an empty vector means every cell for itself. One entry per site. Throws
+  /// Interrupted.
+  static Ownership from_groups(std::uint32_t site_count, const std::vector<std::uint32_t>& groups,
+                               const Execution& execution = {});
 };
 
 /// Where a face comes from: an input triangle (its index), or side 0 (cell lo) or 1 (cell hi) of a cap
@@ -77,11 +79,13 @@ struct Pieces {
   std::vector<std::uint32_t> piece_of_cap;  ///< per 2 * region + side; kNoIndex inside a group
 };
 
+/// Throws Interrupted.
 Pieces gather_pieces(const RestrictedDiagram& diagram, const Ownership& ownership,
                      const Execution& execution);
 
 /// Signed volume of the closed surface `faces` (divergence theorem), from the unrounded positions, m³.
+/// Throws Interrupted.
 double signed_volume(const RestrictedDiagram& diagram, const Face* faces, std::size_t count,
-                     const Vec3d& origin);
+                     const Vec3d& origin, const Execution& execution = {});
 
 }  // namespace fracture

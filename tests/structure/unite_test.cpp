@@ -1,0 +1,206 @@
+// Pieces that become one fragment, in number: what the tables behind it say, and what they cost.
+#include "common/fragment/unite.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "common/base/random.hpp"
+#include "common/fragment/assemble.hpp"
+#include "common/fragment/group_contacts.hpp"
+#include "common/fragment/make_fragments.hpp"
+#include "common/fragment/volume_sign.hpp"
+#include "common/pipeline/restrict.hpp"
+#include "common/sites/sites.hpp"
+#include "tests/support/growth_families.hpp"
+#include "tests/support/poll_gaps.hpp"
+#include "tests/support/shapes.hpp"
+
+namespace fracture::test {
+namespace {
+
+const Execution kAlone{};  // outlives what borrows it
+
+/// A solid cut by sites, with all that refers to each other kept alive.
+struct Cut {
+  Cut(const Mesh& mesh, const std::vector<Vec3d>& given, std::uint32_t uniform)
+      : solid(made(make_solid(std::make_shared<Mesh>(mesh), {}, {}))),
+        sites(given.empty() ? made(uniform_sites(solid, uniform, 5, {})) : given),
+        t(made(tetrahedralize(sites, solid.box, {}))),
+        diagram(t, solid.box),
+        restricted(restrict_to_solid(solid, solid, diagram, {})),
+        ownership(Ownership::from_groups(t.site_count(), {})),
+        pieces(gather_pieces(restricted, ownership, {})) {}
+
+  template <class T>
+  static T made(Expected<T> expected) {
+    if (!expected) throw std::runtime_error(expected.error().detail);
+    return std::move(*expected);
+  }
+
+  Solid solid;
+  std::vector<Vec3d> sites;
+  Tetrahedralization t;
+  VoronoiDiagram diagram;
+  RestrictedDiagram restricted;
+  Ownership ownership;
+  Pieces pieces;
+};
+
+/// A prism whose outline crosses itself: the winding number is 1 in the large loop and -1 in the small one,
+/// so that pieces within the small one have negative volumes.
+Mesh bow_tie(double small) { return prism_over({{-1, -1}, {small, small}, {small, -small}, {-1, 1}}); }
+
+TEST(PieceGroups, AreTheSetsThatWereUnitedNamedByTheirSmallestPiece) {
+  Random random(3);
+  constexpr std::uint32_t kPieces = 60;
+  PieceGroups groups(kPieces);
+  std::vector<std::uint32_t> expected(kPieces);  // the name of each piece's group
+  for (std::uint32_t p = 0; p < kPieces; ++p) expected[p] = p;
+  for (int step = 0; step < 80; ++step) {
+    const auto a = static_cast<std::uint32_t>(random.uniform() * kPieces),
+               b = static_cast<std::uint32_t>(random.uniform() * kPieces);
+    const bool one = expected[a] == expected[b];
+    const PieceGroups::Union united = groups.unite(a, b);
+    EXPECT_EQ(united.kept == united.gone, one);
+    const std::uint32_t low = std::min(expected[a], expected[b]), high = std::max(expected[a], expected[b]);
+    std::replace(expected.begin(), expected.end(), high, low);
+    EXPECT_EQ(groups.names(), expected);
+    EXPECT_EQ(groups.name_of_set(united.kept), low);
+    for (std::uint32_t p = 0; p < kPieces; ++p) {
+      EXPECT_EQ(groups.is_group(p), expected[p] == p);
+      if (expected[p] != p) continue;
+      std::vector<std::uint32_t> members;
+      for (std::uint32_t m = 0; m < kPieces; ++m)
+        if (expected[m] == p) members.push_back(m);
+      EXPECT_EQ(groups.members(p), members);
+      EXPECT_EQ(groups.size(p), members.size());
+      for (const std::uint32_t m : members) EXPECT_EQ(groups.set_of(m), groups.set_of(p));
+    }
+  }
+}
+
+TEST(GroupContacts, AreThoseOfAllCapsAfterAnyUnions) {
+  const Cut cut(torus(24, 12), {}, 60);
+  const auto n = static_cast<std::uint32_t>(cut.pieces.pieces.size());
+  PieceGroups groups(n);
+  GroupContacts contacts(cut.restricted, cut.pieces, groups, kAlone);
+  Random random(7);
+  for (int step = 0; step < 50; ++step) {
+    std::map<std::uint32_t, std::vector<Neighbor>> expected;
+    std::vector<Contact> all = find_contacts(cut.restricted, cut.pieces, groups.names(), {});
+    for (const Contact& c : all) {
+      auto& of = expected[c.of];
+      const auto same = [&](const Neighbor& x) { return x.group == c.with; };
+      if (std::none_of(of.begin(), of.end(), same)) of.push_back({c.with, c.area});
+    }
+    // Groups that were never asked about, that were, and that were united with either.
+    for (std::uint32_t g = 0; g < n; g += 1 + static_cast<std::uint32_t>(step) % 3) {
+      if (!groups.is_group(g)) continue;
+      const std::vector<Neighbor> found = contacts.neighbors(g);
+      ASSERT_EQ(found.size(), expected[g].size()) << g;
+      for (std::size_t k = 0; k < found.size(); ++k) {
+        EXPECT_EQ(found[k].group, expected[g][k].group);
+        EXPECT_EQ(found[k].area, expected[g][k].area);  // to the bit: it decides
+      }
+    }
+    const Contact& pick = all[static_cast<std::size_t>(random.uniform() * static_cast<double>(all.size()))];
+    contacts.unite(pick.of, pick.with);
+  }
+}
+
+TEST(VolumeSigns, AreThoseOfTheJoinedPiecesInTheFileWhereTheyAreKnown) {
+  const Cut cut(bow_tie(0.6), {}, 200);
+  const auto n = static_cast<std::uint32_t>(cut.pieces.pieces.size());
+  const std::vector<Contact> all = find_contacts(cut.restricted, cut.pieces, PieceGroups(n).names(), {});
+  Random random(11);
+  int negative = 0, positive = 0, unknown = 0;
+  for (int run = 0; run < 60; ++run) {
+    PieceGroups groups(n);
+    VolumeSigns signs(cut.restricted, cut.pieces, kAlone);
+    for (int step = 0; step < 12; ++step) {
+      const Contact& pick = all[static_cast<std::size_t>(random.uniform() * static_cast<double>(all.size()))];
+      const std::uint32_t a = groups.of(pick.of), b = groups.of(pick.with), name = std::min(a, b);
+      if (a == b) continue;
+      signs.unite(groups, a, b, name);
+      groups.unite(a, b);
+      const Piece joined = join_pieces(cut.restricted, cut.pieces, groups, name, {});
+      const int in_file =
+          file_volume(assemble(cut.restricted, cut.ownership, joined, Pivot::kCenterOfMass, {})).sign;
+      const int known = signs.of(name);
+      if (known != 0) EXPECT_EQ(known, in_file);
+      ++(known < 0 ? negative : known > 0 ? positive : unknown);
+    }
+  }
+  EXPECT_GT(negative, 10);
+  EXPECT_GT(positive, 10);
+  EXPECT_LT(unknown, 5);
+}
+
+/// How much is done, in steps of a Pacer: a poll stands for thousands of them.
+std::uint64_t polls_of_make_fragments(const Cut& cut, const SizeLimits& limits, FragmentSet& set) {
+  PollGaps gaps;
+  set = make_fragments(cut.restricted, cut.ownership, Pivot::kCenterOfMass, limits, gaps.execution());
+  EXPECT_LT(gaps.longest_ms(), kMostPollGapMs);
+  return gaps.polls();
+}
+
+// All pieces within the small loop become one group of negative volume, which grows by one piece a round. Its
+// faces were joined and assembled in each round, and the caps of everything were searched for neighbours.
+TEST(Unite, AGroupThatGrowsForThousandsOfRoundsIsJoinedOnce) {
+  std::vector<double> polls, pieces;
+  for (const std::uint32_t sites : {2000u, 8000u}) {
+    const Cut cut(bow_tie(0.6), {}, sites);
+    FragmentSet set;
+    polls.push_back(static_cast<double>(polls_of_make_fragments(cut, {}, set)));
+    pieces.push_back(static_cast<double>(cut.pieces.pieces.size()));
+    EXPECT_GT(set.certificate.united, sites / 10);
+    EXPECT_EQ(set.certificate.open_edges, 0u);
+    EXPECT_LT(set.certificate.relative_error, 1e-9);
+  }
+  EXPECT_LT(std::log(polls[1] / polls[0]), 1.15 * std::log(pieces[1] / pieces[0]));
+}
+
+// A cell with all others around it, and a name behind theirs: whoever united with it gave its own, lower name
+// to all of the large cell's contacts.
+TEST(Unite, AGroupWithManyNeighborsKeepsItsContactsWhenASmallOneJoins) {
+  std::vector<double> polls, pieces;
+  for (const int around : {1000, 4000}) {
+    std::vector<Vec3d> sites;
+    for (const Vec3f& p : sphere_with(2 * around, 0.9).positions) sites.push_back(to_double(p));
+    sites.push_back({0, 0, 0});
+    const Cut cut(cube(), sites, 0);
+    FragmentSet set;
+    SizeLimits limits;
+    limits.max_fragments = 1;
+    polls.push_back(static_cast<double>(polls_of_make_fragments(cut, limits, set)));
+    pieces.push_back(static_cast<double>(cut.pieces.pieces.size()));
+    EXPECT_EQ(set.fragments.size(), 1u);
+  }
+  EXPECT_LT(std::log(polls[1] / polls[0]), 1.2 * std::log(pieces[1] / pieces[0]));
+}
+
+TEST(Unite, CanBeInterruptedAnywhere) {
+  const Cut cut(sphere_with(40'000), {}, 5'000);
+  for (const SizeLimits& limits :
+       {SizeLimits{}, SizeLimits{.max_fragments = 1}, SizeLimits{.max_triangles = 60'000}}) {
+    FragmentSet set;
+    EXPECT_GT(polls_of_make_fragments(cut, limits, set), 100u);
+  }
+}
+
+TEST(Unite, CountsTheTrianglesThatItMakes) {
+  const Cut cut(sphere_with(2000), {}, 50);
+  Allowance allowance(0, 1ull << 40, [](std::uint64_t) { return Allowance::Answer::kGranted; });
+  Execution execution;
+  execution.allowance = &allowance;
+  const FragmentSet set = make_fragments(cut.restricted, cut.ownership, Pivot::kCenterOfMass, {}, execution);
+  std::uint64_t triangles = 0;
+  for (const Fragment& f : set.fragments) triangles += f.indices.size() / 3;
+  EXPECT_EQ(allowance.bytes(), triangles * bytes_of(Product::kFragmentTriangles));
+}
+
+}  // namespace
+}  // namespace fracture::test
