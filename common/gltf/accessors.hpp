@@ -2,8 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "common/gltf/json_text.hpp"
@@ -27,22 +27,19 @@ class Accessors {
     int target;  ///< 0 for images
   };
 
-  /// With room for this many vertices and indices in all: no view is moved while it grows.
-  Accessors(std::size_t vertices, std::size_t indices) : vertices_(vertices), indices_(indices) {
+  /// Borrowed.
+  explicit Accessors(const Execution& execution) : execution_(execution), json_(execution) {
     json_.begin_array();
   }
 
-  std::size_t view(std::string_view name, int stride, int target) {
-    for (std::size_t k = 0; k < names_.size(); ++k)
-      if (names_[k] == name) return k;
-    names_.emplace_back(name);
-    views_.push_back({{}, stride, target});
-    if (stride > 0) views_.back().bytes.reserve(static_cast<std::size_t>(stride) * vertices_);
-    if (target == kElementArrayBuffer) views_.back().bytes.reserve(2 * indices_);
-    return views_.size() - 1;
+  const Execution& execution() const { return execution_; }
+  std::size_t view(const std::string& name, int stride, int target) {
+    const auto [at, fresh] = number_.try_emplace(name, views_.size());
+    if (fresh) views_.push_back({ViewBytes(execution_), stride, target});
+    return at->second;
   }
   ViewBytes& bytes(std::size_t view) { return views_[view].bytes; }
-  const std::vector<View>& views() const { return views_; }
+  std::vector<View>& views() { return views_; }
 
   /// Begins an accessor over what is appended to the view from byte `offset` on; returns its index.
   std::size_t add(std::size_t view, std::size_t offset, int component, std::size_t count, const char* type,
@@ -66,14 +63,14 @@ class Accessors {
   std::size_t count() const { return count_; }
 
  private:
-  std::vector<std::string> names_;
+  const Execution& execution_;
+  std::map<std::string, std::size_t> number_;  // of views
   std::vector<View> views_;
   JsonText json_;
   std::size_t count_ = 0;
-  std::size_t vertices_, indices_;
 };
 
-/// Appends indices of either width, 4-byte aligned; returns the byte offset of the first.
+/// Appends indices of either width, 4-byte aligned; returns the byte offset of the first. Throws Interrupted.
 std::size_t append_indices(ViewBytes& view, const std::uint32_t* indices, std::size_t count, bool wide);
 
 }  // namespace fracture

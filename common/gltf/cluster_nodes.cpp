@@ -1,41 +1,55 @@
 #include "common/gltf/cluster_nodes.hpp"
 
-#include <algorithm>
+#include <set>
+#include <string_view>
 
+#include "common/base/pacer.hpp"
 #include "common/gltf/fracture_extras.hpp"
 #include "common/gltf/names.hpp"
 
 namespace fracture {
 namespace {
 
-/// A beginning that no name made from the source's has.
-std::string free_prefix(const Mesh& source) {
-  for (std::size_t number = 1;; ++number) {
-    const std::string prefix = number == 1 ? "Cluster_" : "Cluster" + std::to_string(number) + "_";
-    if (std::none_of(source.node_names.begin(), source.node_names.end(),
-                     [&](const std::string& name) { return ascii_name(name).starts_with(prefix); }))
-      return prefix;
+/// A beginning that no name made from the source's has: Cluster_, or Cluster with the lowest number from 2 on
+/// that is free.
+std::string free_prefix(const Mesh& source, Pacer& pacer) {
+  constexpr std::string_view kWord = "Cluster";
+  std::set<std::string> taken;  // what stands between that word and the first _ after it
+  for (const std::string& name : source.node_names) {
+    pacer.step(4);
+    const std::string ascii = ascii_name(name);
+    if (!ascii.starts_with(kWord)) continue;
+    if (const std::size_t end = ascii.find('_', kWord.size()); end != std::string::npos)
+      taken.insert(ascii.substr(kWord.size(), end - kWord.size()));
   }
+  std::string number;
+  for (std::size_t next = 2; taken.contains(number); ++next) number = std::to_string(next);
+  return std::string(kWord) + number + "_";
 }
 
 }  // namespace
 
-ClusterNodes::ClusterNodes(const FragmentSet& set, std::size_t first_node)
-    : set_(set), prefix_(free_prefix(*set.source)) {
+ClusterNodes::ClusterNodes(const FragmentSet& set, std::size_t first_node, const Execution& execution)
+    : set_(set) {
+  Pacer pacer(execution);
+  prefix_ = free_prefix(*set.source, pacer);
   const Hierarchy& hierarchy = set.hierarchy;
   std::vector<std::size_t> begin;  // per level: its first node, counted from first_node
   for (std::size_t level = 0; level < hierarchy.levels.size(); ++level) {
     begin.push_back(nodes_.size());
     for (std::size_t c = 0; c < hierarchy.levels[level].clusters.size(); ++c) {
+      pacer.step(4);
       const std::size_t node = first_node + nodes_.size();
       const std::uint32_t parent = hierarchy.levels[level].clusters[c].parent;
       (level == 0 ? roots_ : nodes_[begin[level - 1] + parent].children).push_back(node);
       nodes_.push_back({level, c, {}});
     }
   }
-  for (std::size_t f = 0; f < set.fragments.size(); ++f)
+  for (std::size_t f = 0; f < set.fragments.size(); ++f) {
+    pacer.step();
     (nodes_.empty() ? roots_ : nodes_[begin.back() + hierarchy.cluster_of_fragment[f]].children)
         .push_back(1 + f);
+  }
 }
 
 void ClusterNodes::write(JsonText& json, const GltfOptions& options) const {

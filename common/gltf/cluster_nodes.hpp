@@ -15,8 +15,8 @@ namespace fracture {
 
 class ClusterNodes {
  public:
-  /// `first_node`: the index of the first cluster's node.
-  ClusterNodes(const FragmentSet& set, std::size_t first_node);
+  /// `first_node`: the index of the first cluster's node. Throws Interrupted.
+  ClusterNodes(const FragmentSet& set, std::size_t first_node, const Execution& execution);
 
   /// What the root's children are: the coarsest clusters, or the fragments (nodes 1, 2, …) where there are no
   /// levels.

@@ -1,30 +1,26 @@
 #include "common/gltf/collision_systems.hpp"
 
-#include <algorithm>
-#include <numeric>
 #include <utility>
+
+#include "common/base/disjoint_sets.hpp"
+#include "common/base/pacer.hpp"
 
 namespace fracture {
 
-CollisionSystems collision_systems(const FragmentSet& set) {
+CollisionSystems collision_systems(const FragmentSet& set, const Execution& execution) {
+  Pacer pacer(execution);
   const std::size_t fragments = set.fragments.size();
   std::vector<std::pair<std::uint32_t, std::uint32_t>> owners;  // of sites
   for (std::uint32_t k = 0; k < fragments; ++k)
     for (const std::uint32_t site : set.fragments[k].sites) owners.emplace_back(site, k);
-  std::sort(owners.begin(), owners.end());
+  sort_with_polls(execution, owners.begin(), owners.end());
 
-  // Union-find whose roots are the lowest fragments.
-  std::vector<std::uint32_t> parent(fragments);
-  std::iota(parent.begin(), parent.end(), 0u);
-  const auto root = [&](std::uint32_t k) {
-    while (parent[k] != k) k = parent[k] = parent[parent[k]];
-    return k;
-  };
+  DisjointSets sets(fragments);  // roots are the lowest fragments
   std::vector<bool> shares(fragments, false);
   for (std::size_t k = 1; k < owners.size(); ++k) {
+    pacer.step();
     if (owners[k].first != owners[k - 1].first || owners[k].second == owners[k - 1].second) continue;
-    const std::uint32_t a = root(owners[k - 1].second), b = root(owners[k].second);
-    parent[std::max(a, b)] = std::min(a, b);
+    sets.unite(owners[k - 1].second, owners[k].second);
     shares[owners[k].second] = shares[owners[k - 1].second] = true;
   }
 
@@ -32,7 +28,7 @@ CollisionSystems collision_systems(const FragmentSet& set) {
   systems.of_fragment.assign(fragments, kNoIndex);
   for (std::uint32_t k = 0; k < fragments; ++k) {
     if (!shares[k]) continue;
-    const std::uint32_t first = root(k);
+    const std::uint32_t first = sets.find(k);
     systems.of_fragment[k] =
         first == k ? static_cast<std::uint32_t>(systems.count++) : systems.of_fragment[first];
   }

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/base/execution.hpp"
 #include "common/fragment/fragments.hpp"
 
 namespace fracture {
@@ -18,6 +19,7 @@ struct CollisionSystems {
   std::vector<std::uint32_t> of_fragment;
 };
 
-CollisionSystems collision_systems(const FragmentSet& set);
+/// Throws Interrupted.
+CollisionSystems collision_systems(const FragmentSet& set, const Execution& execution = {});
 
 }  // namespace fracture

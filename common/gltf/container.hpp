@@ -14,11 +14,11 @@ namespace fracture {
 std::size_t write_views(JsonText& json, const std::vector<Accessors::View>& views);
 
 /// Completes the document that `json` holds (its object is still open) with the member buffers and wraps both
-/// up. Throws InternalError beyond 4 GiB.
-std::vector<std::uint8_t> pack_glb(JsonText json, const std::vector<Accessors::View>& views,
-                                   std::size_t buffer);
+/// up. The views are emptied. Throws InternalError beyond 4 GiB, Interrupted.
+std::vector<std::uint8_t> pack_glb(JsonText json, std::vector<Accessors::View>& views, std::size_t buffer,
+                                   const Execution& execution);
 /// As pack_glb: the JSON text, the buffer as base64 (RFC 4648) inside it.
-std::vector<std::uint8_t> pack_gltf(JsonText json, const std::vector<Accessors::View>& views,
-                                    std::size_t buffer);
+std::vector<std::uint8_t> pack_gltf(JsonText json, std::vector<Accessors::View>& views, std::size_t buffer,
+                                    const Execution& execution);
 
 }  // namespace fracture

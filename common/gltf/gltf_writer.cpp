@@ -1,7 +1,9 @@
 #include "common/gltf/gltf_writer.hpp"
 
+#include <algorithm>
 #include <string>
 
+#include "common/base/pacer.hpp"
 #include "common/gltf/accessors.hpp"
 #include "common/gltf/cluster_nodes.hpp"
 #include "common/gltf/container.hpp"
@@ -18,13 +20,20 @@
 namespace fracture {
 namespace {
 
-void check(const Fragment& f) {
+void check(const Fragment& f, Pacer& pacer) {
   const std::size_t count = f.positions.size();
   const auto sized = [count](const auto& values) { return values.empty() || values.size() == count; };
   bool good = count > 0 && !f.indices.empty() && sized(f.attributes.normals) && sized(f.attributes.tangents);
   for (const auto& set : f.attributes.uvs) good = good && set.size() == count;
   for (const auto& set : f.attributes.colors) good = good && set.size() == count;
-  for (const std::uint32_t index : f.indices) good = good && index < count;
+  constexpr std::size_t kBlock = 65536;
+  for (std::size_t begin = 0; begin < f.indices.size(); begin += kBlock) {
+    const std::size_t end = std::min(f.indices.size(), begin + kBlock);
+    std::uint32_t highest = 0;
+    for (std::size_t k = begin; k < end; ++k) highest = std::max(highest, f.indices[k]);
+    good = good && highest < count;
+    pacer.step((end - begin) / 16);
+  }
   std::size_t covered = 0;
   for (const FragmentPrimitive& p : f.primitives) {
     good = good && p.first_index == covered && p.index_count > 0 && p.index_count % 3 == 0;
@@ -134,11 +143,11 @@ void write_collider_nodes(JsonText& json, std::size_t fragment, const GltfOption
 }
 
 void write_nodes(JsonText& json, const FragmentSet& set, const GltfOptions& options,
-                 const SceneLayout& layout, const std::vector<WholeNode>& whole) {
+                 const SceneLayout& layout, const std::vector<WholeNode>& whole, const Execution& execution) {
   json.member("scene", 0).key("scenes").begin_array().begin_object();
   json.key("nodes").begin_array().value(0).end_array().end_object().end_array();
   json.key("nodes").begin_array();
-  const ClusterNodes clusters(set, layout.node_count() + whole.size());
+  const ClusterNodes clusters(set, layout.node_count() + whole.size(), execution);
   write_root(json, set, options, layout, clusters, whole.size());
   for (std::size_t k = 0; k < set.fragments.size(); ++k) write_fragment(json, set, k, options, layout);
   for (std::size_t k = 0; k < set.fragments.size(); ++k) {
@@ -187,49 +196,59 @@ void write_meshes(JsonText& json, const FragmentSet& set, const GltfOptions& opt
   json.end_array();
 }
 
-using Pack = std::vector<std::uint8_t>(JsonText, const std::vector<Accessors::View>&, std::size_t);
+/// About as long as the text becomes, rather longer: a text that grows is moved.
+std::size_t expected_length(const FragmentSet& set, const SceneLayout& layout) {
+  std::size_t hulls = 0, sites = 0, bonds = set.bonds.size(), clusters = 0;
+  for (std::size_t k = 0; k < set.fragments.size(); ++k) {
+    hulls += layout.hulls(k);
+    sites += set.fragments[k].sites.size();
+  }
+  for (const ClusterLevel& level : set.hierarchy.levels) {
+    clusters += level.clusters.size();
+    bonds += level.bonds.size();
+  }
+  return 4096 + 2400 * set.fragments.size() + 600 * hulls + 8 * sites + 200 * bonds + 800 * clusters;
+}
 
-std::vector<std::uint8_t> write(const FragmentSet& set, const GltfOptions& options, Pack& pack) {
+using Pack = std::vector<std::uint8_t>(JsonText, std::vector<Accessors::View>&, std::size_t,
+                                       const Execution&);
+
+std::vector<std::uint8_t> write(const FragmentSet& set, const GltfOptions& options,
+                                const Execution& execution, Pack& pack) {
   const MaterialLibrary& library = *set.source->library;
-  for (const Fragment& f : set.fragments) check(f);
-  const SceneLayout layout(set, options);
-  const std::vector<WholeNode> whole = whole_nodes(set, layout);
-  for (const WholeNode& node : whole) check(node.mesh);
+  Pacer pacer(execution);
+  for (const Fragment& f : set.fragments) check(f, pacer);
+  const SceneLayout layout(set, options, execution);
+  const std::vector<WholeNode> whole = whole_nodes(set, layout, execution);
+  for (const WholeNode& node : whole) check(node.mesh, pacer);
 
-  JsonText json;
-  json.reserve(4096 + 2400 * set.fragments.size() + 200 * set.bonds.size());
+  JsonText json(execution);
+  json.reserve(expected_length(set, layout));
   json.begin_object();
   write_asset(json, set, options);
   write_extensions_used(json, set, options, layout);
   write_string_array(json, "extensionsRequired", library.extensions_required);
   write_document_extensions(json, set, options, layout);
-  write_nodes(json, set, options, layout, whole);
+  write_nodes(json, set, options, layout, whole, execution);
   write_materials(json, library, options);
-  std::size_t vertices = 0, indices = 0;
-  for (std::size_t k = 0; k < set.fragments.size(); ++k) {
-    vertices += set.fragments[k].positions.size();
-    indices += set.fragments[k].indices.size() + 2;  // aligned
-    for (std::size_t hull = 0; hull < layout.hulls(k); ++hull) {
-      vertices += set.fragments[k].hulls[hull].points.size();
-      indices += 3 * set.fragments[k].hulls[hull].triangles.size() + 2;
-    }
-  }
-  Accessors accessors(vertices, indices);
+  Accessors accessors(execution);
   write_meshes(json, set, options, layout, whole, accessors);
   write_images(json, library, accessors);
   if (accessors.count() > 0) json.key("accessors").value_text(accessors.finish());
   const std::size_t buffer = write_views(json, accessors.views());
-  return pack(std::move(json), accessors.views(), buffer);
+  return pack(std::move(json), accessors.views(), buffer, execution);
 }
 
 }  // namespace
 
-std::vector<std::uint8_t> write_glb(const FragmentSet& set, const GltfOptions& options) {
-  return write(set, options, pack_glb);
+std::vector<std::uint8_t> write_glb(const FragmentSet& set, const GltfOptions& options,
+                                    const Execution& execution) {
+  return write(set, options, execution, pack_glb);
 }
 
-std::vector<std::uint8_t> write_gltf(const FragmentSet& set, const GltfOptions& options) {
-  return write(set, options, pack_gltf);
+std::vector<std::uint8_t> write_gltf(const FragmentSet& set, const GltfOptions& options,
+                                     const Execution& execution) {
+  return write(set, options, execution, pack_gltf);
 }
 
 }  // namespace fracture

@@ -1,7 +1,6 @@
 #include "common/gltf/image_bytes.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <span>
 #include <string_view>
 
@@ -30,10 +29,6 @@ bool to_be_ignored(std::string_view type, Bytes data) {
   return false;
 }
 
-void append(ViewBytes& view, Bytes bytes) {
-  if (!bytes.empty()) std::memcpy(view.extend(bytes.size()), bytes.data(), bytes.size());
-}
-
 }  // namespace
 
 void append_image(ViewBytes& view, const Image& image) {
@@ -41,18 +36,19 @@ void append_image(ViewBytes& view, const Image& image) {
   std::size_t at = 8, kept = 0;  // [kept, at) is still to be copied
   if (bytes.size() >= at && std::equal(kSignature, kSignature + 8, bytes.begin()))
     while (bytes.size() - at >= 12) {  // length, type, data, checksum
+      view.pacer().step();
       const std::size_t length = big_endian(bytes.subspan(at));
       if (length > bytes.size() - at - 12) break;
       const std::string_view type(reinterpret_cast<const char*>(&bytes[at + 4]), 4);
       if (type == "IDAT") break;  // all of these stand before the pixels
       const std::size_t next = at + 12 + length;
       if (to_be_ignored(type, bytes.subspan(at + 8, length))) {
-        append(view, bytes.subspan(kept, at - kept));
+        view.append(&bytes[kept], at - kept);
         kept = next;
       }
       at = next;
     }
-  append(view, bytes.subspan(kept));
+  view.append(bytes.data() + kept, bytes.size() - kept);
 }
 
 }  // namespace fracture

@@ -1,24 +1,58 @@
 #include "common/gltf/json_text.hpp"
 
+#include <algorithm>
+
 namespace fracture {
+namespace {
+
+constexpr std::size_t kBlock = 1 << 18;  // bytes between two polls
+
+}  // namespace
+
+const Execution& JsonText::never_stopped() {
+  static const Execution execution;
+  return execution;
+}
+
+// As std::string grows, but with polls.
+void JsonText::grow(std::size_t by) {
+  std::string longer;
+  longer.reserve(std::max(text_.size() + by, 2 * text_.capacity()));
+  longer.swap(text_);
+  append(longer);
+}
+
+void JsonText::append(std::string_view raw) {
+  if (text_.capacity() - text_.size() < raw.size()) grow(raw.size());
+  for (std::size_t at = 0; at < raw.size(); at += kBlock) {
+    pacer_.step(kBlock / 64);
+    text_ += raw.substr(at, kBlock);
+  }
+}
 
 JsonText& JsonText::value(std::string_view text) {
   static constexpr char kHex[] = "0123456789abcdef";
+  make_room(text.size() + 3);
   separate();
   text_ += '"';
-  for (const char c : text) {
+  std::size_t plain = 0;  // [plain, k) needs no escaping
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    const char c = text[k];
+    if (k % 4096 == 4095) pacer_.step(256);
+    if (c != '"' && c != '\\' && static_cast<unsigned char>(c) >= 0x20) continue;
+    append(text.substr(plain, k - plain));
+    plain = k + 1;
     if (c == '"' || c == '\\') {
-      text_ += '\\';
-      text_ += c;
-    } else if (static_cast<unsigned char>(c) < 0x20) {
-      text_ += "\\u00";
-      text_ += kHex[c >> 4];
-      text_ += kHex[c & 15];
+      append("\\");
+      append({&c, 1});
     } else {
-      text_ += c;
+      append("\\u00");
+      append({&kHex[c >> 4], 1});
+      append({&kHex[c & 15], 1});
     }
   }
-  text_ += '"';
+  append(text.substr(plain));
+  append("\"");
   comma_ = true;
   return *this;
 }
@@ -29,6 +63,7 @@ JsonText& JsonText::value(const nlohmann::json& document) {
       begin_object();
       for (const auto& [name, child] : document.items()) {
         value(std::string_view(name));  // keys of foreign documents need escaping
+        make_room(1);
         text_ += ':';
         comma_ = false;
         value(child);

@@ -1,5 +1,6 @@
 // JSON written straight into a string: no document in between (the writer is on the path to a frame), numbers
-// by std::to_chars, the shortest text that reads back as the same double (invariant I4).
+// by std::to_chars, the shortest text that reads back as the same double (invariant I4). Texts of hundreds of
+// megabytes are written, and grow, in steps between which the execution is polled.
 #pragma once
 
 #include <charconv>
@@ -11,13 +12,19 @@
 #include <string_view>
 
 #include "common/base/error.hpp"
+#include "common/base/pacer.hpp"
 #include "common/base/vec.hpp"
 
 namespace fracture {
 
-/// Commas are its own business; nesting and keys are the caller's. Keys are trusted text (no escaping).
+/// Commas are its own business; nesting and keys are the caller's. Keys are trusted text (no escaping). What
+/// writes may throw Interrupted.
 class JsonText {
  public:
+  JsonText() : JsonText(never_stopped()) {}
+  /// Borrowed.
+  explicit JsonText(const Execution& execution) : pacer_(execution) {}
+
   const std::string& text() const { return text_; }
   std::string take() { return std::move(text_); }
   void reserve(std::size_t bytes) { text_.reserve(bytes); }
@@ -27,10 +34,10 @@ class JsonText {
   JsonText& begin_array() { return open('['); }
   JsonText& end_array() { return close(']'); }
   JsonText& key(std::string_view name) {
-    separate();
-    text_ += '"';
+    make_room(name.size() + 4);
+    text_.append(",\"" + (comma_ ? 0 : 1), comma_ ? 2 : 1);
     text_ += name;
-    text_ += "\":";
+    text_.append("\":", 2);
     comma_ = false;
     return *this;
   }
@@ -53,7 +60,13 @@ class JsonText {
   JsonText& value(const nlohmann::json& document);
 
   /// JSON that was written elsewhere, as it is.
-  JsonText& value_text(std::string_view json) { return put(json); }
+  JsonText& value_text(std::string_view json) {
+    make_room(1);
+    separate();
+    append(json);
+    comma_ = true;
+    return *this;
+  }
 
   template <class T>
   JsonText& member(std::string_view name, const T& v) {
@@ -61,26 +74,38 @@ class JsonText {
   }
 
  private:
+  void make_room(std::size_t bytes) {
+    pacer_.step();
+    if (text_.capacity() - text_.size() < bytes) grow(bytes);
+  }
+  void grow(std::size_t by);
+  /// Text of any length.
+  void append(std::string_view raw);
   void separate() {
     if (comma_) text_ += ',';
   }
   JsonText& open(char bracket) {
+    make_room(2);
     separate();
     text_ += bracket;
     comma_ = false;
     return *this;
   }
   JsonText& close(char bracket) {
+    make_room(1);
     text_ += bracket;
     comma_ = true;
     return *this;
   }
   JsonText& put(std::string_view raw) {
+    make_room(raw.size() + 1);
     separate();
     text_ += raw;
     comma_ = true;
     return *this;
   }
+  static const Execution& never_stopped();
+
   template <class Number>
   JsonText& put_number(Number number) {
     char digits[32];
@@ -90,6 +115,7 @@ class JsonText {
 
   std::string text_;
   bool comma_ = false;
+  Pacer pacer_;
 };
 
 }  // namespace fracture

@@ -9,6 +9,7 @@ void write_mesh_manifold(JsonText& json, const Fragment& f, const WrittenMesh& m
     throw InternalError("fragment " + std::to_string(f.id) + ": topology and vertices differ in number");
   std::vector<std::uint32_t> corners, vertices;
   for (std::size_t k = 0; k < f.indices.size(); ++k) {
+    if (k % 65536 == 65535) accessors.execution().poll();
     const std::uint32_t to = f.topology[f.indices[k]];
     if (to == f.indices[k]) continue;
     if (to >= f.positions.size())

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/base/pacer.hpp"
 #include "common/gltf/mesh_manifold.hpp"
 #include "common/solid/solid.hpp"
 
@@ -9,11 +10,13 @@ namespace fracture {
 namespace {
 
 /// Does the material (or one of its extensions) have a normal map? Only those need tangents.
-bool has_normal_texture(const nlohmann::json& value) {
+bool has_normal_texture(const nlohmann::json& value, Pacer& pacer) {
   if (!value.is_object()) return false;
+  pacer.step(8);
   for (const auto& [key, child] : value.items()) {
     if (key == "extras") continue;
-    if (key == "normalTexture" || key == "clearcoatNormalTexture" || has_normal_texture(child)) return true;
+    if (key == "normalTexture" || key == "clearcoatNormalTexture" || has_normal_texture(child, pacer))
+      return true;
   }
   return false;
 }
@@ -23,8 +26,10 @@ bool has_normal_texture(const nlohmann::json& value) {
 MeshWriter::MeshWriter(const MaterialLibrary& library, const nlohmann::json& interior_material,
                        bool mesh_manifold, Accessors& accessors)
     : accessors_(accessors), mesh_manifold_(mesh_manifold), interior_(library.materials.size()) {
-  for (const auto& material : library.materials) normal_mapped_.push_back(has_normal_texture(material));
-  normal_mapped_.push_back(has_normal_texture(interior_material));
+  Pacer pacer(accessors.execution());
+  for (const auto& material : library.materials)
+    normal_mapped_.push_back(has_normal_texture(material, pacer));
+  normal_mapped_.push_back(has_normal_texture(interior_material, pacer));
 }
 
 bool MeshWriter::needs_tangents(const FragmentPrimitive& p) const {

@@ -1,29 +1,35 @@
 #include "common/gltf/passed_through.hpp"
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <string_view>
 
+#include "common/base/pacer.hpp"
 #include "common/gltf/names.hpp"
 
 namespace fracture {
 namespace {
 
 template <class T>
-std::vector<T> gathered(const std::vector<T>& values, const std::vector<std::uint32_t>& of) {
+std::vector<T> gathered(const std::vector<T>& values, const std::vector<std::uint32_t>& of, Pacer& pacer) {
   std::vector<T> result;
   if (values.empty()) return result;
   result.reserve(of.size());
-  for (const std::uint32_t k : of) result.push_back(values[k]);
+  for (const std::uint32_t k : of) {
+    pacer.step();
+    result.push_back(values[k]);
+  }
   return result;
 }
 
 /// The given triangles, which are sorted by material, with the wedges they use in order of first use.
 Fragment mesh_of(const Mesh& mesh, const std::uint32_t* first, const std::uint32_t* last,
-                 std::vector<std::uint32_t>& new_wedge) {
+                 std::vector<std::uint32_t>& new_wedge, Pacer& pacer) {
   Fragment result;
   std::vector<std::uint32_t> wedges;
   for (const std::uint32_t* t = first; t != last; ++t) {
+    pacer.step(2);
     const std::uint32_t material = mesh.material[*t];
     const auto index = static_cast<std::uint32_t>(result.indices.size());
     if (result.primitives.empty() || result.primitives.back().material != material)
@@ -38,46 +44,72 @@ Fragment mesh_of(const Mesh& mesh, const std::uint32_t* first, const std::uint32
     }
   }
   for (const std::uint32_t w : wedges) new_wedge[w] = kNoIndex;
-  result.positions = gathered(mesh.positions, wedges);
-  result.attributes.normals = gathered(mesh.attributes.normals, wedges);
-  result.attributes.tangents = gathered(mesh.attributes.tangents, wedges);
-  for (const auto& set : mesh.attributes.uvs) result.attributes.uvs.push_back(gathered(set, wedges));
-  for (const auto& set : mesh.attributes.colors) result.attributes.colors.push_back(gathered(set, wedges));
+  result.positions = gathered(mesh.positions, wedges, pacer);
+  result.attributes.normals = gathered(mesh.attributes.normals, wedges, pacer);
+  result.attributes.tangents = gathered(mesh.attributes.tangents, wedges, pacer);
+  for (const auto& set : mesh.attributes.uvs) result.attributes.uvs.push_back(gathered(set, wedges, pacer));
+  for (const auto& set : mesh.attributes.colors)
+    result.attributes.colors.push_back(gathered(set, wedges, pacer));
   return result;
 }
 
+/// Names of which no two are equal.
+class UniqueNames {
+ public:
+  void take(std::string name) { taken_.insert(std::move(name)); }
+
+  /// The name as ASCII, with the lowest number from 2 on that makes it new where it is taken. Names only
+  /// become taken, so that the search goes on behind the last number that the same name was given.
+  std::string add(std::string_view source) {
+    const std::string ascii = ascii_name(source);
+    if (taken_.insert(ascii).second) return ascii;
+    for (std::size_t& number = last_number_.try_emplace(ascii, 1).first->second;;) {
+      std::string suffix(1, '_');
+      suffix += std::to_string(++number);
+      std::string name = ascii_name(source, kMaxName - suffix.size()) + suffix;
+      if (taken_.insert(name).second) return name;
+    }
+  }
+
+ private:
+  std::set<std::string> taken_;
+  std::map<std::string, std::size_t> last_number_;
+};
+
 }  // namespace
 
-std::vector<WholeNode> whole_nodes(const FragmentSet& set, const SceneLayout& layout) {
+std::vector<WholeNode> whole_nodes(const FragmentSet& set, const SceneLayout& layout,
+                                   const Execution& execution) {
   std::vector<WholeNode> nodes;
   if (!set.source->passed_through) return nodes;
+  Pacer pacer(execution);
   const Mesh& mesh = *set.source->passed_through;
-  std::set<std::string> taken{"Fracture"};
+  UniqueNames names;
+  names.take("Fracture");
   for (std::size_t k = 0; k < set.fragments.size(); ++k) {
-    taken.insert(layout.name(k));
+    pacer.step(16);
+    names.take(layout.name(k));
     for (std::size_t hull = 0; hull < layout.hulls(k); ++hull) {
-      taken.insert(layout.hull_name(k, hull));
-      taken.insert(layout.collider_name(k, hull));
+      pacer.step(32);
+      names.take(layout.hull_name(k, hull));
+      names.take(layout.collider_name(k, hull));
     }
   }
 
   std::vector<std::uint32_t> order(mesh.triangles.size()), new_wedge(mesh.positions.size(), kNoIndex);
   for (std::uint32_t t = 0; t < order.size(); ++t) order[t] = t;
-  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return mesh.node[a] != mesh.node[b] ? mesh.node[a] < mesh.node[b] : mesh.material[a] < mesh.material[b];
+  sort_with_polls(execution, order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    if (mesh.node[a] != mesh.node[b]) return mesh.node[a] < mesh.node[b];
+    return mesh.material[a] != mesh.material[b] ? mesh.material[a] < mesh.material[b] : a < b;
   });
   for (std::size_t first = 0, last = 0; first < order.size(); first = last) {
     const std::uint32_t node = mesh.node[order[first]];
     while (last < order.size() && mesh.node[order[last]] == node) ++last;
-    const std::string_view source =
-        node < mesh.node_names.size() ? std::string_view(mesh.node_names[node]) : std::string_view("mesh");
-    std::string name = ascii_name(source);
-    for (std::size_t number = 2; !taken.insert(name).second; ++number) {
-      std::string suffix(1, '_');
-      suffix += std::to_string(number);
-      name = ascii_name(source, kMaxName - suffix.size()) + suffix;
-    }
-    nodes.push_back({std::move(name), mesh_of(mesh, order.data() + first, order.data() + last, new_wedge)});
+    pacer.step(16);
+    std::string name = names.add(node < mesh.node_names.size() ? std::string_view(mesh.node_names[node])
+                                                               : std::string_view("mesh"));
+    nodes.push_back(
+        {std::move(name), mesh_of(mesh, order.data() + first, order.data() + last, new_wedge, pacer)});
   }
   return nodes;
 }

@@ -17,7 +17,8 @@ struct WholeNode {
   Fragment mesh;
 };
 
-/// One for each node of the source that keeps triangles, in source order.
-std::vector<WholeNode> whole_nodes(const FragmentSet& set, const SceneLayout& layout);
+/// One for each node of the source that keeps triangles, in source order. Throws Interrupted.
+std::vector<WholeNode> whole_nodes(const FragmentSet& set, const SceneLayout& layout,
+                                   const Execution& execution);
 
 }  // namespace fracture

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 
+#include "common/base/pacer.hpp"
 #include "common/gltf/names.hpp"
 
 namespace fracture {
 
-SceneLayout::SceneLayout(const FragmentSet& set, const GltfOptions& options)
+SceneLayout::SceneLayout(const FragmentSet& set, const GltfOptions& options, const Execution& execution)
     : physics_(options.physics != Physics::kNone), ucx_(options.ue_collision == UeCollision::kUcx) {
+  Pacer pacer(execution);
   const std::size_t count = set.fragments.size();
   std::size_t mesh = count, most = 0;
   first_hull_.reserve(count + 1);
@@ -25,6 +27,7 @@ SceneLayout::SceneLayout(const FragmentSet& set, const GltfOptions& options)
   names_.reserve(count);
   const auto& sources = set.source->node_names;
   for (std::size_t k = 0; k < count; ++k) {
+    pacer.step(4);
     const std::uint32_t node = set.fragments[k].node;
     const std::string_view source = node < sources.size() ? std::string_view(sources[node]) : "mesh";
     // A fragment that is called UCX_ would itself be taken for collision geometry.
@@ -33,7 +36,7 @@ SceneLayout::SceneLayout(const FragmentSet& set, const GltfOptions& options)
     names_.push_back(fragment_name(base, k, count, room));
   }
 
-  if (options.physics == Physics::kKhr && has_hulls()) systems_ = collision_systems(set);
+  if (options.physics == Physics::kKhr && has_hulls()) systems_ = collision_systems(set, execution);
 
   std::size_t node = 1 + count;
   first_child_.reserve(count);

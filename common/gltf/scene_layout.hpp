@@ -14,7 +14,8 @@ namespace fracture {
 
 class SceneLayout {
  public:
-  SceneLayout(const FragmentSet& set, const GltfOptions& options);
+  /// Throws Interrupted.
+  SceneLayout(const FragmentSet& set, const GltfOptions& options, const Execution& execution);
 
   const std::string& name(std::size_t fragment) const { return names_[fragment]; }
   /// Of mesh and node: "UCX_<fragment>_00" for Unreal, else "<fragment>_00_hull".

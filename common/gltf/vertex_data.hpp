@@ -6,30 +6,51 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/base/pacer.hpp"
 #include "common/fragment/fragments.hpp"
 
 namespace fracture {
 
-/// A growing bufferView's worth of bytes.
+/// A growing bufferView's worth of bytes, in chunks: nothing is moved while it grows, however large it gets,
+/// and no step takes longer than a chunk.
 class ViewBytes {
  public:
-  std::size_t size() const { return bytes_.size(); }
-  const std::uint8_t* data() const { return bytes_.data(); }
-  /// Room for `count` bytes at the end.
+  /// Borrowed.
+  explicit ViewBytes(const Execution& execution) : pacer_(execution) {}
+
+  std::size_t size() const { return size_; }
+  /// Room for `count` bytes in one piece at the end. Throws Interrupted.
   std::uint8_t* extend(std::size_t count) {
-    bytes_.resize(bytes_.size() + count);
-    return bytes_.data() + bytes_.size() - count;
+    pacer_.step(count / 64);
+    if (chunks_.empty() || chunks_.back().capacity() - chunks_.back().size() < count) add_chunk(count);
+    std::vector<std::uint8_t>& chunk = chunks_.back();
+    chunk.resize(chunk.size() + count);
+    size_ += count;
+    return chunk.data() + chunk.size() - count;
   }
-  void reserve(std::size_t count) { bytes_.reserve(count); }
-  void align(std::size_t to) { bytes_.resize((bytes_.size() + to - 1) / to * to); }
+  /// Throws Interrupted.
+  void append(const void* bytes, std::size_t count);
+  void align(std::size_t to) {
+    if (size_ % to != 0) extend(to - size_ % to);  // zeros
+  }
+
+  /// Of whoever fills it, for what it does besides.
+  Pacer& pacer() { return pacer_; }
+  /// One after the other they are the view. A chunk that is not needed any more may be emptied.
+  std::vector<std::vector<std::uint8_t>>& chunks() { return chunks_; }
 
  private:
-  std::vector<std::uint8_t> bytes_;
+  void add_chunk(std::size_t least);
+
+  Pacer pacer_;
+  std::vector<std::vector<std::uint8_t>> chunks_;
+  std::size_t size_ = 0;
 };
 
+/// All of them throw Interrupted.
 void append_positions(ViewBytes& view, const std::vector<Vec3f>& positions, Vec3f& min, Vec3f& max);
-/// Normals that are unit keep their bits, others are normalised; one without direction takes that of a
-/// triangle at it.
+/// Normals that are unit keep their bits, others are normalised; one without direction takes that of the
+/// first triangle at it that has one.
 void append_normals(ViewBytes& view, const Fragment& fragment);
 /// As normals; one without direction takes any that is perpendicular to the vertex normal.
 void append_tangents(ViewBytes& view, const Fragment& fragment);

@@ -1,0 +1,209 @@
+// Files of hundreds of megabytes: the same rules, and nothing that grows faster than what is written.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "common/gltf/gltf_writer.hpp"
+#include "tests/gltf/glb_file.hpp"
+#include "tests/gltf/two_halves.hpp"
+#include "tests/support/poll_gaps.hpp"
+
+namespace fracture::test {
+namespace {
+
+/// A band of 2 n triangles between two rims of n vertices, with normals and UVs.
+Fragment band(std::uint32_t n) {
+  Fragment f;
+  f.attributes.uvs.resize(1);
+  for (std::uint32_t k = 0; k < 2 * n; ++k) {
+    const float angle = static_cast<float>(k / 2) / static_cast<float>(n);
+    f.positions.push_back({angle, angle * angle, k % 2 == 0 ? 0.f : 1.f});
+    f.attributes.normals.push_back({1, 0, 0});
+    f.attributes.uvs[0].push_back({angle, 0.5f});
+    f.topology.push_back(k);
+  }
+  for (std::uint32_t k = 0; k < 2 * n; ++k) {
+    const std::uint32_t a = k, b = (k + 1) % (2 * n), c = (k + 2) % (2 * n);
+    for (const std::uint32_t v : {a, k % 2 == 0 ? b : c, k % 2 == 0 ? c : b}) f.indices.push_back(v);
+  }
+  f.primitives.push_back({kNoIndex, 0, static_cast<std::uint32_t>(f.indices.size())});
+  f.mass.volume = 1;
+  f.mass.inertia = {1, 1, 1, 0, 0, 0};
+  return f;
+}
+
+/// The second half over and over, each time with an id of its own.
+FragmentSet many_halves(std::size_t count) {
+  FragmentSet set = two_halves_with_hulls();
+  const Fragment one = set.fragments[1];
+  const Bond bond = set.bonds[0];
+  set.fragments.assign(count, one);
+  for (std::size_t k = 0; k < count; ++k) {
+    set.fragments[k].id = k;
+    set.fragments[k].sites = {static_cast<std::uint32_t>(k)};
+  }
+  set.bonds.assign(3 * count, bond);
+  return set;
+}
+
+TEST(LargeFiles, HaveWhatWasGivenOverAllTheBlocksTheyAreWrittenIn) {
+  FragmentSet set = two_halves();
+  set.fragments[0] = band(150'000);
+  const std::vector<std::uint8_t> file = write_glb(set, {});
+  const Glb glb(file);
+  const auto& primitive = glb.document["meshes"][0]["primitives"][0];
+  EXPECT_EQ(glb.read<Vec3f>(primitive["attributes"]["POSITION"]), set.fragments[0].positions);
+  EXPECT_EQ(glb.read<Vec3f>(primitive["attributes"]["NORMAL"]), set.fragments[0].attributes.normals);
+  EXPECT_EQ(glb.read<Vec2f>(primitive["attributes"]["TEXCOORD_0"]), set.fragments[0].attributes.uvs[0]);
+  EXPECT_EQ(glb.read<std::uint32_t>(primitive["indices"]), set.fragments[0].indices);
+  const auto& second = glb.document["meshes"][1]["primitives"][0];
+  EXPECT_EQ(glb.read<Vec3f>(second["attributes"]["POSITION"]), set.fragments[1].positions);
+
+  // The same bytes in the other container, decoded by hand.
+  const std::vector<std::uint8_t> text = write_gltf(set, {});
+  const auto document = nlohmann::json::parse(text);
+  const std::string uri = document["buffers"][0]["uri"];
+  const std::string data = uri.substr(uri.find(',') + 1);
+  std::vector<std::uint8_t> decoded;
+  const auto digit = [](char c) {
+    return c == '/'   ? 63u
+           : c == '+' ? 62u
+           : c <= '9' ? static_cast<unsigned>(c - '0') + 52
+           : c <= 'Z' ? static_cast<unsigned>(c - 'A')
+                      : static_cast<unsigned>(c - 'a') + 26;
+  };
+  for (std::size_t k = 0; k + 3 < data.size(); k += 4) {
+    unsigned bits = 0;
+    for (std::size_t d = 0; d < 4; ++d) bits = bits << 6 | (data[k + d] == '=' ? 0 : digit(data[k + d]));
+    for (const int shift : {16, 8, 0}) decoded.push_back(static_cast<std::uint8_t>(bits >> shift));
+  }
+  decoded.resize(document["buffers"][0]["byteLength"].get<std::size_t>());
+  EXPECT_EQ(decoded, glb.binary);
+}
+
+TEST(LargeFiles, CanBeInterruptedAnywhere) {
+  FragmentSet few = two_halves();
+  few.fragments[0] = band(600'000);
+  FragmentSet many = many_halves(15'000);
+  for (const FragmentSet& set : {few, many})
+    for (const auto write : {write_glb, write_gltf}) {
+      PollGaps gaps;
+      const std::vector<std::uint8_t> file = write(set, {}, gaps.execution());
+      EXPECT_LT(gaps.longest_ms(), kMostPollGapMs) << set.fragments.size() << " fragments";
+      EXPECT_GT(file.size(), 40'000'000u);
+      EXPECT_GT(gaps.polls(), 100u);
+    }
+}
+
+TEST(LargeFiles, AnInterruptionStopsTheWriting) {
+  const FragmentSet set = many_halves(300);
+  PollGaps counted;
+  write_glb(set, {}, counted.execution());
+  ASSERT_GT(counted.polls(), 3u);
+  // At each poll in turn, up to the last.
+  for (std::uint64_t stop = 1; stop <= counted.polls(); stop += 1 + counted.polls() / 20) {
+    std::stop_source source;
+    std::uint64_t polls = 0;
+    Execution execution;
+    execution.stop = source.get_token();
+    execution.watch = [&] {
+      if (++polls == stop) source.request_stop();
+    };
+    EXPECT_THROW(write_glb(set, {}, execution), Interrupted);
+    EXPECT_EQ(polls, stop);
+  }
+}
+
+// Each of them looked for a triangle of its own, from the first on.
+TEST(LargeFiles, NormalsWithoutDirectionAreThoseOfTheFirstTriangleThatHasOne) {
+  Fragment f = band(40'000);
+  for (Vec3f& n : f.attributes.normals) n = {0, 0, 0};
+  // At the first vertices all triangles but one are flat.
+  for (std::uint32_t k = 0; k < 6; ++k) f.positions[k] = {0, 0, k % 2 == 0 ? 0.f : 1.f};
+  FragmentSet set = two_halves();
+  set.fragments[0] = f;
+  const Glb glb(write_glb(set, {}));
+  const auto normals = glb.read<Vec3f>(glb.document["meshes"][0]["primitives"][0]["attributes"]["NORMAL"]);
+  ASSERT_EQ(normals.size(), f.positions.size());
+  for (const std::size_t v : {0u, 1u, 2u, 3u, 5u, 1000u, 79'999u}) {
+    Vec3d expected{0, 0, 1};
+    for (std::size_t k = 0; k < f.indices.size(); k += 3) {
+      const std::uint32_t* i = &f.indices[k];
+      if (i[0] != v && i[1] != v && i[2] != v) continue;
+      const Vec3d a = to_double(f.positions[i[0]]);
+      const Vec3d n = cross(to_double(f.positions[i[1]]) - a, to_double(f.positions[i[2]]) - a);
+      if (!(length(n) > 1e-30)) continue;
+      expected = (1 / length(n)) * n;
+      break;
+    }
+    EXPECT_NEAR(dot(to_double(normals[v]), expected), 1, 1e-6) << v;
+  }
+}
+
+// Nodes of one name: the n-th looked at all numbers that the ones before it had been given.
+TEST(LargeFiles, WholeNodesOfOneNameAreNumberedInTheirOrder) {
+  FragmentSet set = two_halves();
+  auto mesh = std::make_shared<Mesh>(*set.source);
+  auto rest = std::make_shared<Mesh>();
+  rest->positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  constexpr std::uint32_t kNodes = 20'000;
+  for (std::uint32_t node = 0; node < kNodes; ++node) {
+    rest->triangles.push_back({0, 1, 2});
+    rest->material.push_back(kNoIndex);
+    rest->node.push_back(node);
+    rest->node_names.emplace_back(node == 7 ? "crate_5" : "crate");
+  }
+  mesh->passed_through = rest;
+  set.source = mesh;
+  const Glb glb(write_glb(set, {}));
+  const auto& nodes = glb.document["nodes"];
+  ASSERT_EQ(nodes.size(), 3 + kNodes);
+  EXPECT_EQ(nodes[3]["name"], "crate");
+  EXPECT_EQ(nodes[4]["name"], "crate_2");
+  EXPECT_EQ(nodes[7]["name"], "crate_5");
+  EXPECT_EQ(nodes[10]["name"], "crate_5_2");  // that is what it is called, and the name was given away
+  EXPECT_EQ(nodes[11]["name"], "crate_8");
+  EXPECT_EQ(nodes[2 + kNodes]["name"], "crate_" + std::to_string(kNodes - 1));
+}
+
+TEST(LargeFiles, ClustersGetTheLowestNumberThatNoNodeBeginsWith) {
+  FragmentSet set = two_halves();
+  auto mesh = std::make_shared<Mesh>(*set.source);
+  constexpr int kTaken = 20'000;
+  mesh->node_names.emplace_back("Cluster_of_rocks");
+  for (int k = kTaken; k > 1; --k)
+    if (k != 9000) mesh->node_names.push_back("Cluster" + std::to_string(k) + "_");
+  set.source = mesh;
+  set.hierarchy.levels.resize(1);
+  set.hierarchy.levels[0].clusters.resize(1);
+  set.hierarchy.levels[0].clusters[0].parent = kNoIndex;
+  set.hierarchy.cluster_of_fragment = {0, 0};
+  const Glb glb(write_glb(set, {}));
+  EXPECT_EQ(glb.document["nodes"].back()["name"], "Cluster9000_0_0");
+}
+
+// One view for each: it was found by comparing its name with those of all views before it.
+TEST(LargeFiles, ManyImagesHaveAViewEach) {
+  FragmentSet set = two_halves();
+  auto mesh = std::make_shared<Mesh>(*set.source);
+  auto library = std::make_shared<MaterialLibrary>(*mesh->library);
+  constexpr std::size_t kImages = 30'000;
+  library->images.resize(kImages, library->images.at(0));
+  for (std::size_t k = 0; k < kImages; ++k)
+    library->images[k].bytes = {static_cast<std::uint8_t>(k), static_cast<std::uint8_t>(k >> 8), 7};
+  mesh->library = library;
+  set.source = mesh;
+  const Glb glb(write_glb(set, {}));
+  const auto& images = glb.document["images"];
+  ASSERT_EQ(images.size(), kImages);
+  for (const std::size_t k : {std::size_t{0}, std::size_t{1}, kImages - 1}) {
+    const auto& view = glb.document["bufferViews"].at(images[k]["bufferView"].get<std::size_t>());
+    EXPECT_EQ(view["byteLength"], 3);
+    const std::size_t at = view["byteOffset"];
+    EXPECT_EQ(glb.binary[at] | glb.binary[at + 1] << 8, static_cast<int>(k));
+  }
+}
+
+}  // namespace
+}  // namespace fracture::test
