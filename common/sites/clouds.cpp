@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/pacer.hpp"
 #include "common/sites/arithmetic.hpp"
 #include "common/sites/generators.hpp"
 
@@ -44,6 +45,7 @@ std::vector<Vec3d> points_in_clouds(const Task& task, ColumnSampler& sampler, st
   // Each site has its draws in rounds, each with a generator of its own; the first draw inside counts. How
   // many rounds are looked at together changes nothing but the time: the fewer sites are open, the more.
   constexpr int kDrawsPerRound = 4, kRounds = kDraws / kDrawsPerRound, kDrawsAtOnce = 512;
+  Pacer pacer(task.execution);
   std::vector<Vec3d> draws;
   for (int round = 0, rounds; round < kRounds && !open.empty(); round += rounds) {
     rounds = std::clamp(kDrawsAtOnce / (kDrawsPerRound * static_cast<int>(open.size())), 1, kRounds - round);
@@ -55,6 +57,7 @@ std::vector<Vec3d> points_in_clouds(const Task& task, ColumnSampler& sampler, st
       for (int r = round; r < round + rounds; ++r) {
         Random random(seed + static_cast<std::uint64_t>(r) * 0x9e6c63d0876a9a47ull);
         for (int d = 0; d < kDrawsPerRound; ++d) {
+          pacer.step(32);
           const double distance = cloud.radius * power(random.uniform(), inverse);
           draws.push_back(cloud.center + distance * random_direction(random));
         }
@@ -65,6 +68,7 @@ std::vector<Vec3d> points_in_clouds(const Task& task, ColumnSampler& sampler, st
     std::vector<std::uint32_t> still_open;
     auto first = inside.begin();
     for (const std::uint32_t k : open) {
+      pacer.step(4);
       const auto hit = std::find(first, first + each, true);
       done[k] = hit != first + each;
       if (done[k])
@@ -121,7 +125,9 @@ Expected<SitePlan> clustered_sites(const Task& task, const ClusteredPattern& pat
     weight.push_back(sum);
   }
   std::vector<std::uint32_t> cloud_of(part_of(pattern.share, task.count));
+  Pacer pacer(task.execution);
   for (std::uint32_t& cloud : cloud_of) {
+    pacer.step(4);
     const double pick = random.uniform() * sum;
     cloud = static_cast<std::uint32_t>(
         std::min<std::ptrdiff_t>(std::upper_bound(weight.begin(), weight.end(), pick) - weight.begin(),

@@ -1,7 +1,10 @@
 #include "common/sites/column_sampler.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+
+#include "common/base/pacer.hpp"
 
 namespace fracture::sites_detail {
 namespace {
@@ -23,6 +26,30 @@ double side(const Frame& f, const Vec3d& a, const Vec3d& b, bool a_first, double
 /// A column on an edge counts as left of it, seen from the lower vertex.
 bool left(double side, bool a_first) { return a_first ? side >= 0 : side > 0; }
 
+/// Of the first coordinate; empty where low > high.
+struct Range {
+  double low = HUGE_VAL, high = -HUGE_VAL;
+  void add(double u) {
+    low = std::fmin(low, u);
+    high = std::fmax(high, u);
+  }
+};
+/// Where the triangle lies within the strip from v0 to v1.
+Range within(const std::array<Vec3d, 3>& p, const Frame& f, double v0, double v1) {
+  Range range;
+  for (int k = 0; k < 3; ++k) {
+    const Vec3d &a = p[k], &b = p[(k + 1) % 3];
+    if (a[f.v] >= v0 && a[f.v] <= v1) range.add(a[f.u]);
+    for (const double v : {v0, v1})
+      if ((a[f.v] < v) != (b[f.v] < v))
+        range.add(a[f.u] + (v - a[f.v]) / (b[f.v] - a[f.v]) * (b[f.u] - a[f.u]));
+  }
+  return range;
+}
+
+/// Held at a time. A batch of columns has about kCrossingsPerBatch where its depth was estimated well.
+constexpr std::size_t kMostCrossings = 2 * ColumnSampler::kCrossingsPerBatch;
+
 constexpr std::uint64_t kSiteStream = 0x5173'0000'0000'0001ull, kProbeStream = 0x5173'0000'0000'0002ull;
 
 }  // namespace
@@ -33,8 +60,10 @@ ColumnSampler::ColumnSampler(const Solid& solid, std::uint64_t seed, const Execu
 void ColumnSampler::choose_axis() {
   const Solid& solid = solid_;
   // The axis along which most candidates are kept: least (projected area × width).
+  Pacer pacer(execution_);
   std::array<double, 3> area{};
   for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
+    pacer.step();
     const auto& c = solid.triangles[t];
     const Vec3d a = to_double(solid.positions[c[0]]);
     const Vec3d n = cross(to_double(solid.positions[c[1]]) - a, to_double(solid.positions[c[2]]) - a);
@@ -47,6 +76,7 @@ void ColumnSampler::choose_axis() {
   const Frame f = frame_of(axis_);
   double sum = 0;
   for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
+    pacer.step();
     const auto& c = solid.triangles[t];
     const Vec3d a = to_double(solid.positions[c[0]]), b = to_double(solid.positions[c[1]]) - a,
                 d = to_double(solid.positions[c[2]]) - a;
@@ -85,9 +115,10 @@ ColumnSampler::Column ColumnSampler::column(std::uint64_t stream, std::uint64_t 
   return {triangle, q[f.u], q[f.v], keep, share};
 }
 
-void ColumnSampler::cross_all(int axis, std::span<const Column> columns,
-                              std::vector<Crossing>& crossings) const {
-  if (columns.empty()) return;
+bool ColumnSampler::cross_all(int axis, std::span<const Column> columns, std::vector<Crossing>& crossings) {
+  crossings.clear();
+  if (columns.empty()) return true;
+  Pacer pacer(execution_);
   const Frame f = frame_of(axis);
   // A grid over where columns stand, about sixteen cells for each of them, and a rim of cells for all that
   // lies outside: most triangles meet empty cells only.
@@ -95,6 +126,7 @@ void ColumnSampler::cross_all(int axis, std::span<const Column> columns,
                                   4096, 4 * std::ceil(std::sqrt(static_cast<double>(columns.size())))));
   double low_u = columns[0].u, high_u = low_u, low_v = columns[0].v, high_v = low_v;
   for (const Column& c : columns) {
+    pacer.step();
     low_u = std::fmin(low_u, c.u);
     high_u = std::fmax(high_u, c.u);
     low_v = std::fmin(low_v, c.v);
@@ -114,9 +146,18 @@ void ColumnSampler::cross_all(int axis, std::span<const Column> columns,
   std::vector<std::uint32_t> start(static_cast<std::size_t>(side_count) * side_count + 2, 0),
       items(columns.size());
   const auto cell_of = [&](const Column& c) { return cell_v(c.v) * side_count + cell_u(c.u); };
-  for (const Column& c : columns) ++start[cell_of(c) + 2];
-  for (std::size_t i = 2; i < start.size(); ++i) start[i] += start[i - 1];
-  for (std::uint32_t i = 0; i < columns.size(); ++i) items[start[cell_of(columns[i]) + 1]++] = i;
+  for (const Column& c : columns) {
+    pacer.step();
+    ++start[cell_of(c) + 2];
+  }
+  for (std::size_t i = 2; i < start.size(); ++i) {
+    pacer.step();
+    start[i] += start[i - 1];
+  }
+  for (std::uint32_t i = 0; i < columns.size(); ++i) {
+    pacer.step();
+    items[start[cell_of(columns[i]) + 1]++] = i;
+  }
 
   struct CellOfVertex {
     std::uint16_t u, v;
@@ -124,6 +165,7 @@ void ColumnSampler::cross_all(int axis, std::span<const Column> columns,
   };
   std::vector<CellOfVertex> cells(solid_.positions.size());
   for (std::size_t v = 0; v < cells.size(); ++v) {
+    pacer.step();
     const Vec3d p = to_double(solid_.positions[v]);
     cells[v] = {static_cast<std::uint16_t>(cell_u(p[f.u])), static_cast<std::uint16_t>(cell_v(p[f.v]))};
   }
@@ -142,55 +184,89 @@ void ColumnSampler::cross_all(int axis, std::span<const Column> columns,
     // Left of all three edges: counter-clockwise across the axis, so the normal points along it: a way out.
     crossings.push_back({item, (sa * a[axis] + sb * b[axis] + sc * c[axis]) / sum, lc ? -1 : 1, t});
   };
+  // Rows and cells of the grid are far wider than the rounding of coordinates: what lies a whole row or cell
+  // off is off for sure.
+  const auto reach = [](double low, double high) { return std::fmax(std::fabs(low), std::fabs(high)); };
+  const bool wide = scale_u > 0 && scale_v > 0 && 1 / scale_u > 1e-12 * reach(low_u, high_u) &&
+                    1 / scale_v > 1e-12 * reach(low_v, high_v);
+  constexpr std::uint32_t kManyCells = 64;
   for (std::uint32_t t = 0; t < solid_.triangles.size(); ++t) {
-    if (t % 65536 == 0) execution_.poll();
+    pacer.step();
+    if (crossings.size() > kMostCrossings && columns.size() > 16) return false;
     const auto& id = solid_.triangles[t];
     const CellOfVertex a = cells[id[0]], b = cells[id[1]], c = cells[id[2]];
+    const auto compare = [&](std::uint32_t first, std::uint32_t end) {
+      comparisons_ += end - first;
+      pacer.step(end - first);
+      for (std::uint32_t k = first; k < end; ++k) cross(t, items[k]);
+    };
     if (a == b && b == c) {  // most triangles are smaller than a cell
       const std::uint32_t at = a.v * side_count + a.u;
-      for (std::uint32_t k = start[at]; k < start[at + 1]; ++k) cross(t, items[k]);
+      compare(start[at], start[at + 1]);
       continue;
     }
     const std::uint32_t u0 = std::min(std::min(a.u, b.u), c.u), u1 = std::max(std::max(a.u, b.u), c.u);
     const std::uint32_t v0 = std::min(std::min(a.v, b.v), c.v), v1 = std::max(std::max(a.v, b.v), c.v);
+    const bool by_rows = wide && (u1 - u0) * (v1 - v0) > kManyCells;
+    const std::array<Vec3d, 3> corners{to_double(solid_.positions[id[0]]), to_double(solid_.positions[id[1]]),
+                                       to_double(solid_.positions[id[2]])};
     for (std::uint32_t v = v0; v <= v1; ++v) {
-      const std::uint32_t end = start[v * side_count + u1 + 1];
-      for (std::uint32_t k = start[v * side_count + u0]; k < end; ++k) cross(t, items[k]);
+      std::uint32_t first = u0, last = u1;
+      if (by_rows) {  // a triangle that is long and thin meets few of the cells of its box
+        pacer.step();
+        const double row = low_v + (static_cast<double>(v) - 1) / scale_v;
+        const Range range = within(corners, f, row - 1 / scale_v, row + 2 / scale_v);
+        if (range.low > range.high) continue;
+        first = std::max(first, cell_u(range.low - 1 / scale_u));
+        last = std::min(last, cell_u(range.high + 1 / scale_u));
+        if (first > last) continue;
+      }
+      compare(start[v * side_count + first], start[v * side_count + last + 1]);
     }
   }
-  std::sort(crossings.begin(), crossings.end(), [](const Crossing& x, const Crossing& y) {
+  sort_with_polls(execution_, crossings.begin(), crossings.end(), [](const Crossing& x, const Crossing& y) {
     if (x.column != y.column) return x.column < y.column;
     if (x.at != y.at) return x.at < y.at;
     if (x.enters != y.enters) return x.enters > y.enters;
     return x.triangle < y.triangle;
   });
+  return true;
 }
 
 std::vector<ColumnSampler::Chord> ColumnSampler::chords(std::span<const Column> columns) {
+  Pacer pacer(execution_);
   std::vector<Crossing> crossings;
-  cross_all(axis_, columns, crossings);
-  depth_ = 1 + crossings.size() / (columns.size() + 1);
   std::vector<Chord> chords(columns.size());
-  for (std::size_t i = 0; i < crossings.size();) {
-    const std::uint32_t column = crossings[i].column;
-    const std::size_t first = i;
-    Chord chord;
-    int winding = 0;
-    bool open = false;
-    for (; i < crossings.size() && crossings[i].column == column; ++i) {
-      const int before = winding;
-      winding += crossings[i].enters;
-      if (before <= 0 && winding >= 1 && crossings[i].triangle == columns[column].triangle) {
-        chord.begin = crossings[i].at;
-        open = true;
-      } else if (open && winding <= 0) {
-        chord.length = crossings[i].at - chord.begin;
-        open = false;
-      }
+  for (std::size_t done = 0; done < columns.size();) {
+    const std::span<const Column> some = columns.subspan(done, std::min(batch(), columns.size() - done));
+    if (!cross_all(axis_, some, crossings)) {
+      depth_ *= 4;
+      continue;
     }
-    // Rounding next to a vertex can lose a crossing; such a column is not used.
-    if (winding == 0) chords[column] = chord;
-    chords[column].crossings = static_cast<std::uint32_t>(i - first);
+    depth_ = 1 + crossings.size() / (some.size() + 1);
+    for (std::size_t i = 0; i < crossings.size();) {
+      const std::uint32_t column = crossings[i].column;
+      const std::size_t first = i;
+      Chord chord;
+      int winding = 0;
+      bool open = false;
+      for (; i < crossings.size() && crossings[i].column == column; ++i) {
+        pacer.step();
+        const int before = winding;
+        winding += crossings[i].enters;
+        if (before <= 0 && winding >= 1 && crossings[i].triangle == some[column].triangle) {
+          chord.begin = crossings[i].at;
+          open = true;
+        } else if (open && winding <= 0) {
+          chord.length = crossings[i].at - chord.begin;
+          open = false;
+        }
+      }
+      // Rounding next to a vertex can lose a crossing; such a column is not used.
+      if (winding == 0) chords[done + column] = chord;
+      chords[done + column].crossings = static_cast<std::uint32_t>(i - first);
+    }
+    done += some.size();
   }
   return chords;
 }
@@ -202,9 +278,11 @@ std::vector<bool> ColumnSampler::inside(std::span<const Vec3d> points) {
   for (int a = 1; a < 3; ++a)
     if (size[a] < size[axis]) axis = a;
   const Frame f = frame_of(axis);
+  Pacer pacer(execution_);
   std::vector<bool> result(points.size(), false);
   std::vector<std::uint32_t> candidates;
   for (std::uint32_t i = 0; i < points.size(); ++i) {
+    pacer.step();
     bool in_box = true;
     for (int a = 0; a < 3; ++a)
       in_box = in_box && points[i][a] >= solid_.box.min[a] && points[i][a] <= solid_.box.max[a];
@@ -213,27 +291,29 @@ std::vector<bool> ColumnSampler::inside(std::span<const Vec3d> points) {
   std::vector<Column> columns;
   std::vector<Crossing> crossings;
   for (std::size_t first = 0; first < candidates.size();) {
-    execution_.poll();
-    const std::size_t batch =
-        std::min(candidates.size() - first, std::max<std::size_t>(16, kCrossingsPerBatch / depth_));
+    const std::size_t count = std::min(candidates.size() - first, batch());
     columns.clear();
-    crossings.clear();
-    for (std::size_t k = 0; k < batch; ++k) {
+    for (std::size_t k = 0; k < count; ++k) {
       const Vec3d& p = points[candidates[first + k]];
+      pacer.step();
       columns.push_back({kNoIndex, p[f.u], p[f.v], 0, 0});
     }
-    cross_all(axis, columns, crossings);
-    depth_ = 1 + crossings.size() / (batch + 1);
+    if (!cross_all(axis, columns, crossings)) {
+      depth_ *= 4;
+      continue;
+    }
+    depth_ = 1 + crossings.size() / (count + 1);
     for (std::size_t i = 0; i < crossings.size();) {
       const std::uint32_t column = crossings[i].column, point = candidates[first + column];
       int below = 0, total = 0;
       for (; i < crossings.size() && crossings[i].column == column; ++i) {
+        pacer.step();
         total += crossings[i].enters;
         if (crossings[i].at < points[point][axis]) below += crossings[i].enters;
       }
       result[point] = total == 0 && below >= 1;  // a lost crossing (see chords()): not used
     }
-    first += batch;
+    first += count;
   }
   return result;
 }
@@ -263,16 +343,19 @@ std::vector<Vec3d> ColumnSampler::sample(std::uint32_t count) {
   std::uint64_t looked_at = 0;
   double rate = 0.5;  // kept candidates per candidate, so far: only the size of the next batch depends on it
   std::vector<Column> columns;
+  Pacer pacer(execution_);
   while (points.size() < count) {
-    execution_.poll();
     const double wanted = static_cast<double>(count - points.size()) / std::fmax(rate, 1e-3);
     // Columns that meet very many triangles (tangled surfaces) come in small batches, to bound the memory.
-    const auto most = static_cast<double>(std::max<std::size_t>(16, kCrossingsPerBatch / depth_));
-    const auto batch = static_cast<std::uint64_t>(std::fmin(1.1 * wanted + 32, most));
+    const auto tried = static_cast<std::uint64_t>(std::fmin(1.1 * wanted + 32, static_cast<double>(batch())));
     columns.clear();
-    for (std::uint64_t k = 0; k < batch; ++k) columns.push_back(column(kSiteStream, candidate + k));
+    for (std::uint64_t k = 0; k < tried; ++k) {
+      pacer.step(8);
+      columns.push_back(column(kSiteStream, candidate + k));
+    }
     const std::vector<Chord> found = chords(columns);
     for (std::size_t k = 0; k < columns.size() && points.size() < count; ++k) {
+      pacer.step(2);
       const Chord& chord = found[k];
       const bool kept = chord.length > 0 && columns[k].keep * cap_ < chord.length;
       looked_at += chord.crossings;
@@ -284,7 +367,7 @@ std::vector<Vec3d> ColumnSampler::sample(std::uint32_t count) {
       refused = 0;
       looked_at = 0;
     }
-    candidate += batch;
+    candidate += tried;
     rate = (static_cast<double>(points.size()) + 1) / (static_cast<double>(candidate) + 1);
   }
   return points;

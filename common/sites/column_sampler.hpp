@@ -12,9 +12,11 @@
 // that long.
 //
 // Crossings of a batch of columns with all triangles are found by streaming the triangles once over a grid of
-// the columns: near-linear in triangles + crossings, and nothing is built for the mesh.
+// the columns, row by row of the grid: near-linear in triangles + crossings, and nothing is built for the
+// mesh.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -27,6 +29,7 @@ namespace fracture::sites_detail {
 
 class ColumnSampler {
  public:
+  /// Both are borrowed. Everything here throws Interrupted.
   ColumnSampler(const Solid& solid, std::uint64_t seed, const Execution& execution);
 
   /// `count` points: candidates in the order of their numbers, the kept ones. Each candidate draws from a
@@ -39,10 +42,13 @@ class ColumnSampler {
   std::vector<bool> inside(std::span<const Vec3d> points);
 
   static constexpr std::uint32_t kPatience = 4096;
-  static constexpr std::size_t kCrossingsPerBatch = 1 << 22;
+  static constexpr std::size_t kCrossingsPerBatch = 1 << 20;
   /// Crossings looked at between two kept candidates, for columns through tangles: the next one is kept as
   /// well.
   static constexpr std::uint64_t kCrossingsPerPoint = 1 << 18;
+
+  /// How often a triangle was compared with a column, so far: what the work grows with, beside the triangles.
+  std::uint64_t comparisons() const { return comparisons_; }
 
  private:
   struct Column {
@@ -65,8 +71,11 @@ class ColumnSampler {
   Column column(std::uint64_t stream, std::uint64_t number) const;
   /// The chord that begins at each column's entry.
   std::vector<Chord> chords(std::span<const Column> columns);
-  /// Of columns along `axis`: by column, then along it.
-  void cross_all(int axis, std::span<const Column> columns, std::vector<Crossing>& crossings) const;
+  /// Of columns along `axis`: by column, then along it. False where more than a few columns have more
+  /// crossings than may be held at a time: then fewer columns should be asked about.
+  bool cross_all(int axis, std::span<const Column> columns, std::vector<Crossing>& crossings);
+  /// How many columns to ask about at a time.
+  std::size_t batch() const { return std::max<std::size_t>(16, kCrossingsPerBatch / depth_); }
   Vec3d place(const Column& column, double along) const;
   double height_on_triangle(const Column& column) const;
 
@@ -75,7 +84,8 @@ class ColumnSampler {
   std::uint64_t seed_;
   int axis_ = 0;
   double cap_ = 0;
-  std::size_t depth_ = 8;           ///< crossings per column, in the last batch
+  std::size_t depth_ = 8;  ///< crossings per column, in the last batch
+  std::uint64_t comparisons_ = 0;
   std::vector<double> entry_area_;  ///< running sums over the triangles; empty until choose_axis()
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/pacer.hpp"
 #include "common/sites/generators.hpp"
 
 namespace fracture::sites_detail {
@@ -83,10 +84,14 @@ Expected<SitePlan> grid_sites(const Task& task, const GridPattern& pattern) {
   Random random(task.seed ^ kGridStream);
   std::array<std::vector<double>, 3> at;
   for (int a = 0; a < 3; ++a) at[a] = coordinates(d[a], pattern.jitter, random);
+  Pacer pacer(task.execution);
   SitePlan plan;
   for (const double z : at[2])
     for (const double y : at[1])
-      for (const double x : at[0]) plan.points.push_back({x, y, z});
+      for (const double x : at[0]) {
+        pacer.step();
+        plan.points.push_back({x, y, z});
+      }
   return plan;
 }
 
@@ -122,10 +127,12 @@ Expected<SitePlan> brick_sites(const Task& task, const BrickPattern& pattern) {
   Random random(task.seed ^ kGridStream);
   std::array<std::vector<double>, 3> at;
   for (const int a : {along, up, deep}) at[a] = coordinates(d[a], pattern.jitter, random);
+  Pacer pacer(task.execution);
   SitePlan plan;
   for (std::uint32_t w = 0; w < d[deep].count; ++w)
     for (std::uint32_t row = 0; row < d[up].count; ++row)
       for (std::uint32_t k = 0; k < d[along].count; ++k) {
+        pacer.step();
         Vec3d p;
         p[along] = at[along][k];
         p[up] = at[up][row];

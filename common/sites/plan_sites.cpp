@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/pacer.hpp"
 #include "common/sites/arithmetic.hpp"
 #include "common/sites/generators.hpp"
 #include "common/sites/sites.hpp"
@@ -139,7 +140,7 @@ Expected<SitePlan> plan_sites(const Solid& solid, const SiteParameters& p, const
   if (oblique) map = map_of(*slices);
   if (map && *map == Matrix3{}) map.reset();
   std::optional<Solid> image;
-  if (map) image = image_of(solid, *map);
+  if (map) image = image_of(solid, *map, execution);
   const Solid& seen = image ? *image : solid;
 
   const Task task{seen, std::max(1u, p.sites), p.seed, execution, p.most_sites};
@@ -148,7 +149,11 @@ Expected<SitePlan> plan_sites(const Solid& solid, const SiteParameters& p, const
   plan->map = map;
   if (!std::holds_alternative<PointsPattern>(p.pattern)) {
     const SiteLattice lattice = site_lattice(seen.box);
-    for (Vec3d& site : plan->points) site = lattice.snap(site);
+    Pacer pacer(execution);
+    for (Vec3d& site : plan->points) {
+      pacer.step();
+      site = lattice.snap(site);
+    }
   }
   return plan;
 }

@@ -12,6 +12,7 @@
 #include <cmath>
 
 #include "common/base/disjoint_sets.hpp"
+#include "common/base/pacer.hpp"
 #include "common/sites/arithmetic.hpp"
 #include "common/sites/generators.hpp"
 
@@ -82,16 +83,21 @@ Expected<SitePlan> radial_sites(const Task& task, const RadialPattern& pattern) 
     direction.push_back(d.x * frame.u + d.y * frame.v);
   }
 
+  Pacer pacer(task.execution);
   SitePlan plan;
   plan.points.push_back(center);
-  for (std::uint32_t b = 0; b < spokes; ++b)
+  for (std::uint32_t b = 0; b < spokes; ++b) {
+    pacer.step(rings);
     for (std::uint32_t k = 1; k < rings; ++k) plan.points.push_back(center + radius[k] * direction[b]);
+  }
 
   const auto at = [&](std::uint32_t b, std::uint32_t k) { return 1 + (b % spokes) * (rings - 1) + (k - 1); };
   DisjointSets together(plan.points.size());
-  for (std::uint32_t b = 0; b < spokes; ++b)
+  for (std::uint32_t b = 0; b < spokes; ++b) {
+    pacer.step(4 * rings);
     for (std::uint32_t k = 2; k < rings; ++k)
       if (random.uniform() < pattern.merge) together.unite(at(b, k - 1), at(b, k));
+  }
   for (std::uint32_t b = 0; b + 1 < spokes; b += 2) {
     const double length = pattern.merge * random.uniform() * rings / 2;
     for (std::uint32_t k = 1; k < rings && k < length; ++k) together.unite(at(b, k), at(b + 1, k));

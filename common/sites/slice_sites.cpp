@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/pacer.hpp"
 #include "common/sites/arithmetic.hpp"
 #include "common/sites/generators.hpp"
 
@@ -17,7 +18,9 @@ Expected<SitePlan> slice_sites(const Task& task, const SlicePattern& pattern) {
   const Vec3d normal = normalized(pattern.normals.at(0));
   const Vec3d center = task.solid.box.center();
   double low = HUGE_VAL, high = -HUGE_VAL;
+  Pacer pacer(task.execution);
   for (const Vec3f& p : task.solid.positions) {
+    pacer.step();
     const double along = dot(to_double(p) - center, normal);
     low = std::fmin(low, along);
     high = std::fmax(high, along);
@@ -39,6 +42,7 @@ Expected<SitePlan> slice_sites(const Task& task, const SlicePattern& pattern) {
   Random random(task.seed ^ kSliceStream);
   SitePlan plan;
   for (std::uint32_t k = 0; k < static_cast<std::uint32_t>(count); ++k) {
+    pacer.step(16);
     const double along = low + (k + 0.5 + pattern.jitter * (random.uniform() - 0.5)) * spacing;
     const Vec2d across_it = unit_at(random.uniform());
     const double out = off * std::sqrt(random.uniform());
