@@ -69,8 +69,9 @@ void inset(CollisionHull& hull) {
   }
 }
 
-void add_hull(std::span<const Vec3f> points, ConvexHullBuilder& builder, Fragment& f) {
-  const Triangles& triangles = builder.build(points, kMaxHullPoints);
+void add_hull(std::span<const Vec3f> points, ConvexHullBuilder& builder, Fragment& f,
+              const Execution& execution) {
+  const Triangles& triangles = builder.build(points, kMaxHullPoints, execution);
   f.simplified_hulls += builder.stopped_early();
   if (triangles.empty()) {
     ++f.flat_hulls;
@@ -78,6 +79,7 @@ void add_hull(std::span<const Vec3f> points, ConvexHullBuilder& builder, Fragmen
     return;
   }
   f.hulls.push_back(compact(points, triangles));
+  execution.poll();
   inset(f.hulls.back());
 }
 
@@ -89,8 +91,8 @@ HullReport add_collision_hulls(FragmentSet& set, const Execution& execution) {
     for (std::size_t k = begin; k < end; ++k) {
       Fragment& f = set.fragments[k];
       if (!f.hulls.empty() || f.positions.empty()) continue;
-      if (f.bodies.empty()) add_hull(f.positions, builder, f);
-      for (const std::vector<Vec3f>& body : f.bodies) add_hull(body, builder, f);
+      if (f.bodies.empty()) add_hull(f.positions, builder, f, execution);
+      for (const std::vector<Vec3f>& body : f.bodies) add_hull(body, builder, f, execution);
     }
   });
   HullReport report;

@@ -29,7 +29,7 @@ struct HullReport {
 };
 
 /// Fills Fragment::hulls of every fragment that has none: one hull for each body (member cell), in the
-/// fragment's local frame. The report is about those of all fragments.
+/// fragment's local frame. The report is about those of all fragments. Throws Interrupted.
 HullReport add_collision_hulls(FragmentSet& set, const Execution& execution);
 
 }  // namespace fracture

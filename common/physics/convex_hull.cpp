@@ -15,7 +15,7 @@ constexpr double kFlat = 4;
 
 }  // namespace
 
-void ConvexHullBuilder::round_to_grid(std::span<const Vec3f> points) {
+void ConvexHullBuilder::round_to_grid(std::span<const Vec3f> points, Pacer& pacer) {
   Box box;
   for (const Vec3f& p : points) box.add(to_double(p));
   // Each axis has a scale of its own: affine maps keep hulls.
@@ -23,6 +23,7 @@ void ConvexHullBuilder::round_to_grid(std::span<const Vec3f> points) {
   for (int a = 0; a < 3; ++a) scale[a] = box.max[a] > box.min[a] ? kLastStep / (box.max[a] - box.min[a]) : 0;
   grid_.clear();
   for (const Vec3f& p : points) {
+    pacer.step();
     const Vec3d q = to_double(p) - box.min;
     grid_.push_back({static_cast<std::int64_t>(q.x * scale.x + 0.5),
                      static_cast<std::int64_t>(q.y * scale.y + 0.5),
@@ -53,20 +54,22 @@ std::uint32_t ConvexHullBuilder::add_face(std::uint32_t a, std::uint32_t b, std:
 }
 
 /// Puts p on the list of the first of the faces that it lies above; points above none are inside.
-void ConvexHullBuilder::put_outside(std::uint32_t p, std::uint32_t first_face, std::uint32_t end_face) {
-  for (std::uint32_t f = first_face; f < end_face; ++f)
-    if (above(faces_[f], p) > 0) {
-      next_[p] = faces_[f].first_outside;
-      faces_[f].first_outside = p;
-      return;
-    }
+void ConvexHullBuilder::put_outside(std::uint32_t p, std::uint32_t first_face, std::uint32_t end_face,
+                                    Pacer& pacer) {
+  std::uint32_t f = first_face;
+  while (f < end_face && above(faces_[f], p) <= 0) ++f;
+  pacer.step(1 + f - first_face);
+  if (f == end_face) return;
+  next_[p] = faces_[f].first_outside;
+  faces_[f].first_outside = p;
 }
 
 /// Four extreme points that span a volume; false when there are none.
-bool ConvexHullBuilder::first_tetrahedron() {
+bool ConvexHullBuilder::first_tetrahedron(Pacer& pacer) {
   const auto count = static_cast<std::uint32_t>(grid_.size());
   std::uint32_t a = 0, b = 0;
   for (std::uint32_t p = 1; p < count; ++p) {
+    pacer.step();
     if (lexicographic_less(p, a)) a = p;
     if (lexicographic_less(b, p)) b = p;
   }
@@ -81,6 +84,7 @@ bool ConvexHullBuilder::first_tetrahedron() {
   };
   const Vec3d ab = to_a(b);
   for (std::uint32_t p = 0; p < count; ++p) {
+    pacer.step();
     const Vec3d n = cross(ab, to_a(p));  // components are exact: below 2^39
     const double d = dot(n, n);
     if (d > farthest || (d > 0 && d == farthest && lexicographic_less(c, p))) {
@@ -94,6 +98,7 @@ bool ConvexHullBuilder::first_tetrahedron() {
   std::uint32_t d = kNoIndex;
   std::int64_t highest = 0;
   for (std::uint32_t p = 0; p < count; ++p) {
+    pacer.step();
     const std::int64_t h = std::abs(above(base, p));
     if (h > highest || (h > 0 && h == highest && lexicographic_less(d, p))) {
       highest = h;
@@ -113,7 +118,7 @@ bool ConvexHullBuilder::first_tetrahedron() {
   faces_[1].neighbour = {3, 2, 0};
   faces_[2].neighbour = {1, 3, 0};
   faces_[3].neighbour = {2, 1, 0};
-  for (std::uint32_t p = 0; p < count; ++p) put_outside(p, 0, 4);
+  for (std::uint32_t p = 0; p < count; ++p) put_outside(p, 0, 4, pacer);
   return true;
 }
 
@@ -124,11 +129,12 @@ bool ConvexHullBuilder::first_tetrahedron() {
 //       the
 //        \ face /           plane of the seen face at that edge, and then that face would not see p.
 //           p
-void ConvexHullBuilder::insert_farthest(std::uint32_t face) {
+void ConvexHullBuilder::insert_farthest(std::uint32_t face, Pacer& pacer) {
   std::uint32_t p = kNoIndex;
   std::int64_t highest = 0;
   // Ties go to the lexicographically last: an extreme point even within a facet of coplanar points.
   for (std::uint32_t q = faces_[face].first_outside; q != kNoIndex; q = next_[q]) {
+    pacer.step();
     const std::int64_t h = above(faces_[face], q);
     if (h > highest || (h == highest && lexicographic_less(p, q))) {
       highest = h;
@@ -175,7 +181,7 @@ void ConvexHullBuilder::insert_farthest(std::uint32_t face) {
     faces_[f].alive = false;
     for (std::uint32_t q = faces_[f].first_outside; q != kNoIndex;) {
       const std::uint32_t after = next_[q];
-      if (q != p) put_outside(q, first, end);
+      if (q != p) put_outside(q, first, end, pacer);
       q = after;
     }
     faces_[f].first_outside = kNoIndex;
@@ -185,15 +191,17 @@ void ConvexHullBuilder::insert_farthest(std::uint32_t face) {
 }
 
 const ConvexHullBuilder::Triangles& ConvexHullBuilder::build(std::span<const Vec3f> points,
-                                                             std::uint32_t max_points) {
+                                                             std::uint32_t max_points,
+                                                             const Execution& execution) {
+  Pacer pacer(execution);
   triangles_.clear();
   stopped_early_ = false;
   if (points.size() < 4) return triangles_;
-  round_to_grid(points);
+  round_to_grid(points, pacer);
   next_.resize(points.size());
   new_face_from_.resize(points.size());
   stamp_ = 0;
-  if (!first_tetrahedron()) return triangles_;
+  if (!first_tetrahedron(pacer)) return triangles_;
   // First come, first served: the hull grows on all sides alike, so that stopping early leaves no side out.
   std::uint32_t inserted = 4;
   pending_ = {0, 1, 2, 3};
@@ -202,7 +210,7 @@ const ConvexHullBuilder::Triangles& ConvexHullBuilder::build(std::span<const Vec
     if (!f.alive || f.first_outside == kNoIndex) continue;
     stopped_early_ = inserted == max_points;
     if (stopped_early_) break;
-    insert_farthest(pending_[k]);
+    insert_farthest(pending_[k], pacer);
     ++inserted;
   }
   for (const Face& f : faces_)

@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "common/base/pacer.hpp"
 #include "common/base/vec.hpp"
 
 namespace fracture {
@@ -23,8 +24,9 @@ class ConvexHullBuilder {
   /// point of the rounded points, those within a facet are left out. With more than max_points (at least 4)
   /// extreme points, the hull of a well-spread choice of them, which lies within the whole one. Empty when
   /// the points are flat (within four steps of the grid, 1e-5 of the box) or fewer than four. Valid until the
-  /// next call.
-  const Triangles& build(std::span<const Vec3f> points, std::uint32_t max_points);
+  /// next call. Throws Interrupted.
+  const Triangles& build(std::span<const Vec3f> points, std::uint32_t max_points,
+                         const Execution& execution = {});
 
   /// Whether the last hull had more than max_points.
   bool stopped_early() const { return stopped_early_; }
@@ -45,8 +47,8 @@ class ConvexHullBuilder {
     bool alive;
   };
 
-  void round_to_grid(std::span<const Vec3f> points);
-  bool first_tetrahedron();
+  void round_to_grid(std::span<const Vec3f> points, Pacer& pacer);
+  bool first_tetrahedron(Pacer& pacer);
   std::uint32_t add_face(std::uint32_t a, std::uint32_t b, std::uint32_t c);
   /// Twice the area times the distance above the face's plane; exact.
   std::int64_t above(const Face& f, std::uint32_t p) const {
@@ -54,8 +56,8 @@ class ConvexHullBuilder {
     return f.normal.x * q.x + f.normal.y * q.y + f.normal.z * q.z - f.offset;
   }
   bool lexicographic_less(std::uint32_t a, std::uint32_t b) const;
-  void put_outside(std::uint32_t p, std::uint32_t first_face, std::uint32_t end_face);
-  void insert_farthest(std::uint32_t face);
+  void put_outside(std::uint32_t p, std::uint32_t first_face, std::uint32_t end_face, Pacer& pacer);
+  void insert_farthest(std::uint32_t face, Pacer& pacer);
 
   std::vector<GridPoint> grid_;
   std::vector<Face> faces_;

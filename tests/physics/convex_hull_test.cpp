@@ -9,6 +9,7 @@
 #include <string>
 
 #include "tests/support/figures.hpp"
+#include "tests/support/poll_gaps.hpp"
 
 namespace fracture::test {
 namespace {
@@ -124,6 +125,53 @@ TEST(ConvexHull, StopsAtTheGivenNumberOfPointsWithoutLeavingASideOut) {
     }
     EXPECT_GT(volume_of(mesh_of(f.points, builder.build(f.points, 255))),
               0.95 * volume_of(mesh_of(f.points, all)));
+  }
+}
+
+/// On a sphere, on two circles, on a spiral, in a few small clumps at its ends: all of them extreme, or all
+/// near each other.
+std::vector<Family> large_families(std::size_t n) {
+  std::vector<Family> out(4);
+  std::mt19937 random(3);
+  const auto unit = [&random] { return static_cast<double>(random() % 1000003) / 1000003; };
+  const auto add = [](Family& family, double x, double y, double z) {
+    family.points.push_back({static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)});
+  };
+  out[0].name = "sphere";
+  out[1].name = "two circles";
+  out[2].name = "spiral";
+  out[3].name = "clumps";
+  for (std::size_t k = 0; k < n; ++k) {
+    const double t = static_cast<double>(k) / static_cast<double>(n), z = 2 * unit() - 1,
+                 turn = 6.28 * unit();
+    const double r = std::sqrt(1 - z * z);
+    add(out[0], r * std::cos(turn), r * std::sin(turn), z);
+    add(out[1], std::cos(12.56 * t), std::sin(12.56 * t), k % 2 == 0 ? 0 : 1);
+    add(out[2], (1 - t * t) * std::cos(200 * t), (1 - t * t) * std::sin(200 * t), t);
+    const double end = k % 5 == 0 ? 1 : -1;
+    add(out[3], end + 1e-3 * unit() * r, 1e-3 * z + end * end * 0.1 * static_cast<double>(k % 3),
+        1e-3 * unit() + 0.2 * static_cast<double>(k % 2));
+  }
+  return out;
+}
+
+TEST(ConvexHull, OfManyPointsGrowsWithTheirNumberAndCanBeInterruptedAnywhere) {
+  std::vector<std::vector<double>> polls(4);
+  for (const std::size_t n : {25'000u, 100'000u}) {
+    const std::vector<Family> families = large_families(n);
+    for (std::size_t f = 0; f < families.size(); ++f) {
+      PollGaps gaps;
+      ConvexHullBuilder builder;
+      const auto triangles = builder.build(families[f].points, 255, gaps.execution());
+      EXPECT_LT(gaps.longest_ms(), kMostPollGapMs) << families[f].name;
+      EXPECT_FALSE(triangles.empty());
+      EXPECT_EQ(open_directed_edges(mesh_of(families[f].points, triangles)), 0u) << families[f].name;
+      polls[f].push_back(static_cast<double>(gaps.polls()));
+    }
+  }
+  for (std::size_t f = 0; f < polls.size(); ++f) {
+    EXPECT_LT(std::log(polls[f][1] / polls[f][0]) / std::log(4), 1.15) << f;
+    EXPECT_LT(polls[f][1] * 8192 / 100'000, 200) << "steps a point, family " << f;
   }
 }
 
