@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "common/base/pacer.hpp"
 
 namespace fracture {
 namespace {
@@ -55,8 +58,13 @@ Box image_of(const Box& box, const Matrix3& map, double margin) {
 
 class RegionWalk {
  public:
-  RegionWalk(const Region& region, const VoronoiDiagram& diagram, const Box& bounds)
-      : region_(region), diagram_(diagram), margin_(1e-9 * bounds.longest_side()) {
+  RegionWalk(const Region& region, const VoronoiDiagram& diagram, const Box& bounds,
+             const Execution& execution)
+      : region_(region),
+        diagram_(diagram),
+        margin_(1e-9 * bounds.longest_side()),
+        execution_(execution),
+        pacer_(execution) {
     Box wide = box_of(region);
     if (diagram.map()) {
       // Vertices of the image are rounded to float.
@@ -82,18 +90,36 @@ class RegionWalk {
     seen[found[0]] = 1;
     for (std::size_t k = 0; k < found.size(); ++k) {
       const SiteId i = found[k];
-      for (const Bisector& b : diagram_.bisectors(i))
+      find_rings(i);
+      std::size_t next = 0;  // entries of the ring of the neighbour at hand, which come in its order
+      for (const Bisector& b : diagram_.bisectors(i)) {
+        ring_.clear();
+        for (; next < rings_.size() && rings_[next].first == b.neighbor; ++next)
+          ring_.push_back(rings_[next].second);
         if (!diagram_.dual().is_corner(b.neighbor) && !seen[b.neighbor] && facet_meets(i, b)) {
           seen[b.neighbor] = 1;
           found.push_back(b.neighbor);
         }
+      }
     }
-    std::sort(found.begin(), found.end());
+    sort_with_polls(execution_, found.begin(), found.end());
     return found;
   }
 
  private:
-  /// The facet between i and its neighbour, within the region's box.
+  /// For each neighbour of cell i, ascending, the neighbours whose cells are around the facet between them.
+  void find_rings(SiteId i) {
+    rings_.clear();
+    for (const TetId t : diagram_.tetrahedra(i))
+      for (const SiteId j : diagram_.dual().tets[t].v)
+        for (const SiteId k : diagram_.dual().tets[t].v)
+          if (j != i && k != i && j != k) rings_.emplace_back(j, k);
+    sort_with_polls(execution_, rings_.begin(), rings_.end());
+    rings_.erase(std::unique(rings_.begin(), rings_.end()), rings_.end());
+  }
+
+  /// The facet between i and its neighbour, whose ring is at hand, within the region's box. No more is cut
+  /// off by the bisectors of other neighbours.
   bool facet_meets(SiteId i, const Bisector& facet) {
     const double l = length(facet.u);
     const Vec3d n = (1 / l) * facet.u, middle = diagram_.site(i) + 0.5 * facet.u, center = limits_.center();
@@ -115,9 +141,12 @@ class RegionWalk {
       clip(polygon_, normal, limits_.max[a] + margin_, scratch_);
       clip(polygon_, -1.0 * normal, margin_ - limits_.min[a], scratch_);
     }
-    for (const Bisector& b : diagram_.bisectors(i)) {
+    const auto bisectors = diagram_.bisectors(i);
+    for (const SiteId neighbor : ring_) {
       if (polygon_.empty()) return false;
-      if (b.neighbor == facet.neighbor) continue;
+      pacer_.step(16 * polygon_.size());
+      const Bisector& b = *std::lower_bound(bisectors.begin(), bisectors.end(), neighbor,
+                                            [](const Bisector& x, SiteId site) { return x.neighbor < site; });
       clip(polygon_, b.u, b.half + dot(b.u, diagram_.site(i)) + margin_ * length(b.u), scratch_);
     }
     if (polygon_.empty()) return false;
@@ -129,15 +158,20 @@ class RegionWalk {
   Region region_;
   const VoronoiDiagram& diagram_;
   const double margin_;
+  const Execution& execution_;
+  Pacer pacer_;
   Box limits_;  ///< of the region within the bounds
+  std::vector<std::pair<SiteId, SiteId>> rings_;
+  std::vector<SiteId> ring_;
   Polygon polygon_, scratch_;
 };
 
 }  // namespace
 
-std::vector<SiteId> cells_meeting(const Region& region, const VoronoiDiagram& diagram, const Box& bounds) {
+std::vector<SiteId> cells_meeting(const Region& region, const VoronoiDiagram& diagram, const Box& bounds,
+                                  const Execution& execution) {
   if (diagram.dual().site_count() == 0 || bounds.empty()) return {};
-  return RegionWalk(region, diagram, bounds).run();
+  return RegionWalk(region, diagram, bounds, execution).run();
 }
 
 }  // namespace fracture

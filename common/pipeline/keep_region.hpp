@@ -19,7 +19,9 @@ struct Region {
 /// The sites whose cells meet the region within `bounds` (the diagram's box), ascending; none where the
 /// region lies outside. Judged in doubles with a margin of 1e-9 of the box: a cell that only almost meets the
 /// region may be among them, one that meets it is never missing. Walks over the facets that meet the region,
-/// from the cell of one of its points: a convex region is not divided by the cells it does not meet.
-std::vector<SiteId> cells_meeting(const Region& region, const VoronoiDiagram& diagram, const Box& bounds);
+/// from the cell of one of its points: a convex region is not divided by the cells it does not meet. Linear
+/// in the tetrahedra around the cells that meet it. Throws Interrupted.
+std::vector<SiteId> cells_meeting(const Region& region, const VoronoiDiagram& diagram, const Box& bounds,
+                                  const Execution& execution = {});
 
 }  // namespace fracture

@@ -3,41 +3,88 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
+#include "common/base/pacer.hpp"
 #include "common/fragment/ray_crossing.hpp"
+#include "common/rough/box_tree.hpp"
 
 namespace fracture {
 namespace {
 
 using Triangle = std::array<Vec3d, 3>;
 
-/// One fragment in world space.
-struct Shape {
-  std::vector<Vec3d> points;
-  const std::vector<std::uint32_t>* indices;
-  Box box;
-
-  explicit Shape(const Fragment& f) : indices(&f.indices) {
-    points.reserve(f.positions.size());
+/// One fragment in world space. Where it is asked about often, its triangles are in a tree.
+class Shape {
+ public:
+  Shape(const Fragment& f, Pacer& pacer, const Execution& execution)
+      : indices_(f.indices), pacer_(pacer), execution_(execution) {
+    points_.reserve(f.positions.size());
     for (const Vec3f& p : f.positions) {
-      points.push_back(to_double(p) + f.pivot);
-      box.add(points.back());
+      pacer_.step();
+      points_.push_back(to_double(p) + f.pivot);
+      box_.add(points_.back());
     }
   }
-  std::size_t triangles() const { return indices->size() / 3; }
-  Triangle triangle(std::size_t t) const {
-    return {points[(*indices)[3 * t]], points[(*indices)[3 * t + 1]], points[(*indices)[3 * t + 2]]};
-  }
-};
+  const std::vector<Vec3d>& points() const { return points_; }
+  const Box& box() const { return box_; }
+  Pacer& pacer() const { return pacer_; }
 
-bool encloses(const Shape& shape, const Vec3d& q) {
-  int winding = 0;
-  for (std::size_t t = 0; t < shape.triangles(); ++t) {
-    const Triangle p = shape.triangle(t);
-    winding += ray_crossing(p[0] - q, p[1] - q, p[2] - q);
+  bool encloses(const Vec3d& q) {
+    // Triangles above or below the ray, or beside it by more than rounding, count nothing (ray_crossing.hpp).
+    const double off = 1e-9 * box_.longest_side(), far = HUGE_VAL;
+    int winding = 0;
+    each_near({{-far, q.y, q.z - off}, {far, q.y, q.z + off}}, [&](const Triangle& p) {
+      winding += ray_crossing(p[0] - q, p[1] - q, p[2] - q);
+      return true;
+    });
+    return winding != 0;
   }
-  return winding != 0;
-}
+  /// Whether meets(triangle) holds for one of the triangles whose boxes overlap.
+  template <class Meets>
+  bool any_near(const Box& box, const Meets& meets) {
+    bool found = false;
+    each_near(box, [&](const Triangle& p) { return !(found = found || meets(p)); });
+    return found;
+  }
+
+ private:
+  static constexpr std::size_t kOften = 8;
+
+  Triangle triangle(std::size_t t) const {
+    return {points_[indices_[3 * t]], points_[indices_[3 * t + 1]], points_[indices_[3 * t + 2]]};
+  }
+  /// visit(triangle) says whether to go on.
+  template <class Visit>
+  void each_near(const Box& box, const Visit& visit) {
+    const std::size_t count = indices_.size() / 3;
+    if (!tree_ && ++asked_ > kOften) {
+      std::vector<Box> boxes(count);
+      for (std::size_t t = 0; t < count; ++t) {
+        pacer_.step();
+        boxes[t] = box_of(triangle(t));
+      }
+      tree_.emplace(boxes, execution_);
+    }
+    bool more = true;
+    const auto look = [&](std::size_t t) {
+      pacer_.step(4);
+      if (more) more = visit(triangle(t));
+    };
+    if (tree_)
+      tree_->each_overlapping(box, look);
+    else
+      for (std::size_t t = 0; t < count && more; ++t) look(t);
+  }
+
+  const std::vector<std::uint32_t>& indices_;
+  Pacer& pacer_;
+  const Execution& execution_;
+  std::vector<Vec3d> points_;
+  Box box_;
+  std::size_t asked_ = 0;
+  std::optional<BoxTree> tree_;
+};
 
 /// Squared distance from the origin to the segment (a, b).
 double segment_distance2(const Vec3d& a, const Vec3d& b) {
@@ -77,39 +124,74 @@ bool overlap(const Triangle& t, const Vec3d& center, const Vec3d& half) {
   return !separates(cross(e[0], e[1]));
 }
 
-bool is_held(const Shape& shape, const Anchors& anchors, double tolerance) {
-  for (const HalfSpace& plane : anchors.planes) {
-    const double l = length(plane.normal);
-    for (const Vec3d& p : shape.points)
-      if (dot(plane.normal, p) - plane.offset * l <= tolerance * l) return true;
+/// The anchors, and trees of what is bounded among them.
+class AnchorTrees {
+ public:
+  AnchorTrees(const Anchors& anchors, double tolerance, const Execution& execution)
+      : anchors_(anchors),
+        tolerance_(tolerance),
+        boxes_(wide_boxes(anchors, tolerance), execution),
+        points_(boxes_of_points(anchors, tolerance), execution) {}
+
+  bool hold(Shape& shape) const {
+    for (const HalfSpace& plane : anchors_.planes) {
+      const double l = length(plane.normal);
+      shape.pacer().step(shape.points().size() / 8);
+      for (const Vec3d& p : shape.points())
+        if (dot(plane.normal, p) - plane.offset * l <= tolerance_ * l) return true;
+    }
+    bool held = false;
+    boxes_.each_overlapping(shape.box(), [&](std::uint32_t k) {
+      const Box& box = anchors_.boxes[k];
+      const Vec3d center = box.center(), half = 0.5 * Box{box.min - margin(), box.max + margin()}.size();
+      const Box wide{center - 1.001 * half, center + 1.001 * half};
+      held = held || shape.encloses(center) ||
+             shape.any_near(wide, [&](const Triangle& t) { return overlap(t, center, half); });
+    });
+    points_.each_overlapping(shape.box(), [&](std::uint32_t k) {
+      const Vec3d& q = anchors_.points[k];
+      const Box around{q - 1.001 * margin(), q + 1.001 * margin()};
+      held = held || shape.encloses(q) ||
+             shape.any_near(around, [&](const Triangle& t) { return is_near(t, q, tolerance_); });
+    });
+    return held;
   }
-  for (const Box& box : anchors.boxes) {
-    const Vec3d center = box.center(), margin{tolerance, tolerance, tolerance};
-    const Box wide{box.min - margin, box.max + margin};
-    if (!wide.intersects(shape.box)) continue;
-    if (encloses(shape, center)) return true;
-    for (std::size_t t = 0; t < shape.triangles(); ++t)
-      if (overlap(shape.triangle(t), center, 0.5 * wide.size())) return true;
-  }
-  for (const Vec3d& q : anchors.points) {
+
+ private:
+  Vec3d margin() const { return {tolerance_, tolerance_, tolerance_}; }
+  static std::vector<Box> wide_boxes(const Anchors& anchors, double tolerance) {
     const Vec3d margin{tolerance, tolerance, tolerance};
-    if (!Box{q - margin, q + margin}.intersects(shape.box)) continue;
-    if (encloses(shape, q)) return true;
-    for (std::size_t t = 0; t < shape.triangles(); ++t)
-      if (is_near(shape.triangle(t), q, tolerance)) return true;
+    std::vector<Box> boxes;
+    for (const Box& box : anchors.boxes) boxes.push_back({box.min - margin, box.max + margin});
+    return boxes;
   }
-  return false;
-}
+  static std::vector<Box> boxes_of_points(const Anchors& anchors, double tolerance) {
+    const Vec3d margin{tolerance, tolerance, tolerance};
+    std::vector<Box> boxes;
+    for (const Vec3d& q : anchors.points) boxes.push_back({q - margin, q + margin});
+    return boxes;
+  }
+
+  const Anchors& anchors_;
+  const double tolerance_;
+  BoxTree boxes_, points_;
+};
 
 }  // namespace
 
-std::uint32_t mark_anchored(FragmentSet& set, const Anchors& anchors) {
+std::uint32_t mark_anchored(FragmentSet& set, const Anchors& anchors, const Execution& execution) {
+  Pacer pacer(execution);
   Box box;
   for (const Fragment& f : set.fragments)
-    for (const Vec3f& p : f.positions) box.add(to_double(p) + f.pivot);
+    for (const Vec3f& p : f.positions) {
+      pacer.step();
+      box.add(to_double(p) + f.pivot);
+    }
+  const AnchorTrees trees(anchors, kAnchorTolerance * box.longest_side(), execution);
   std::uint32_t held = 0;
   for (Fragment& f : set.fragments) {
-    f.anchored = is_held(Shape(f), anchors, kAnchorTolerance * box.longest_side());
+    Shape shape(f, pacer, execution);
+    f.anchored = trees.hold(shape);
     held += f.anchored ? 1 : 0;
   }
   return held;

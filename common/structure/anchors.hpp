@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/base/execution.hpp"
 #include "common/fragment/fragments.hpp"
 
 namespace fracture {
@@ -28,6 +29,7 @@ struct Anchors {
 inline constexpr double kAnchorTolerance = 1e-5;
 
 /// Sets Fragment::anchored of every fragment, judged on the final positions. Returns how many are held.
-std::uint32_t mark_anchored(FragmentSet& set, const Anchors& anchors);
+/// Linear in planes x vertices; boxes and points are looked up in trees. Throws Interrupted.
+std::uint32_t mark_anchored(FragmentSet& set, const Anchors& anchors, const Execution& execution = {});
 
 }  // namespace fracture

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "common/base/execution.hpp"
 #include "common/fragment/fragments.hpp"
 
 namespace fracture {
@@ -21,8 +22,9 @@ class BondGraph {
     double area;             ///< m²
   };
 
-  BondGraph(std::vector<Node> nodes, const std::vector<Bond>& bonds);
-  static BondGraph of_fragments(const FragmentSet& set);
+  /// Throws Interrupted.
+  BondGraph(std::vector<Node> nodes, const std::vector<Bond>& bonds, const Execution& execution = {});
+  static BondGraph of_fragments(const FragmentSet& set, const Execution& execution = {});
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(nodes_.size()); }
   const Node& node(std::uint32_t n) const { return nodes_[n]; }
@@ -30,8 +32,8 @@ class BondGraph {
   std::span<const Edge> edges(std::uint32_t n) const {
     return {edges_.data() + begin_[n], edges_.data() + begin_[n + 1]};
   }
-  /// Per node the lowest node that it hangs together with.
-  std::vector<std::uint32_t> components() const;
+  /// Per node the lowest node that it hangs together with. Throws Interrupted.
+  std::vector<std::uint32_t> components(const Execution& execution = {}) const;
 
  private:
   std::vector<Node> nodes_;
@@ -41,7 +43,9 @@ class BondGraph {
 
 /// The bonds between groups of nodes: area the sum, centroid and normal weighted by area, the normal from the
 /// lower group to the higher. group_of_node[n]: 0..; bonds within a group disappear. Ascending by (a, b).
+/// Throws Interrupted.
 std::vector<Bond> bonds_between(const std::vector<Bond>& bonds,
-                                const std::vector<std::uint32_t>& group_of_node);
+                                const std::vector<std::uint32_t>& group_of_node,
+                                const Execution& execution = {});
 
 }  // namespace fracture

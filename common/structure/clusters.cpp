@@ -1,8 +1,12 @@
 #include "common/structure/clusters.hpp"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 #include <queue>
+#include <utility>
+
+#include "common/base/pacer.hpp"
 
 namespace fracture {
 namespace {
@@ -14,7 +18,9 @@ double distance2(const Vec3d& a, const Vec3d& b) { return dot(a - b, a - b); }
 /// Recursive coordinate bisection of some nodes into `count` parts of about the same volume, numbered from
 /// `first` on. At least `count` nodes.
 void bisect(const std::vector<BondGraph::Node>& nodes, std::uint32_t* begin, std::uint32_t* end,
-            std::uint32_t first, std::uint32_t count, std::vector<std::uint32_t>& part_of_node) {
+            std::uint32_t first, std::uint32_t count, std::vector<std::uint32_t>& part_of_node,
+            const Execution& execution) {
+  execution.poll();
   if (count == 1) {
     for (std::uint32_t* n = begin; n != end; ++n) part_of_node[*n] = first;
     return;
@@ -29,7 +35,7 @@ void bisect(const std::vector<BondGraph::Node>& nodes, std::uint32_t* begin, std
   int axis = 0;
   for (int a = 1; a < 3; ++a)
     if (size[a] > size[axis]) axis = a;
-  std::sort(begin, end, [&](std::uint32_t a, std::uint32_t b) {
+  sort_with_polls(execution, begin, end, [&](std::uint32_t a, std::uint32_t b) {
     const double x = nodes[a].center[axis], y = nodes[b].center[axis];
     return x != y ? x < y : a < b;
   });
@@ -42,14 +48,14 @@ void bisect(const std::vector<BondGraph::Node>& nodes, std::uint32_t* begin, std
     below = next;
   }
   middle = std::clamp(middle, begin + low, end - high);
-  bisect(nodes, begin, middle, first, low, part_of_node);
-  bisect(nodes, middle, end, first + low, high, part_of_node);
+  bisect(nodes, begin, middle, first, low, part_of_node, execution);
+  bisect(nodes, middle, end, first + low, high, part_of_node, execution);
 }
 
 /// How many clusters each component gets: one each, the others one by one where the volume of a cluster is
 /// largest.
 std::vector<std::uint32_t> shares(const std::vector<double>& volume, const std::vector<std::uint32_t>& nodes,
-                                  std::uint32_t count) {
+                                  std::uint32_t count, Pacer& pacer) {
   struct Claim {
     double volume;
     std::uint32_t component;
@@ -64,6 +70,7 @@ std::vector<std::uint32_t> shares(const std::vector<double>& volume, const std::
   };
   for (std::uint32_t c = 0; c < volume.size(); ++c) claim(c);
   for (auto left = count - static_cast<std::uint32_t>(volume.size()); left > 0 && !claims.empty(); --left) {
+    pacer.step(4);
     const std::uint32_t c = claims.top().component;
     claims.pop();
     ++share[c];
@@ -74,10 +81,11 @@ std::vector<std::uint32_t> shares(const std::vector<double>& volume, const std::
 
 /// The centroid of each cluster.
 std::vector<Vec3d> centers_of(const BondGraph& graph, const std::vector<std::uint32_t>& cluster,
-                              std::uint32_t count) {
+                              std::uint32_t count, Pacer& pacer) {
   std::vector<Vec3d> moment(count);
   std::vector<double> volume(count, 0);
   for (std::uint32_t n = 0; n < graph.size(); ++n) {
+    pacer.step();
     moment[cluster[n]] = moment[cluster[n]] + graph.node(n).volume * graph.node(n).center;
     volume[cluster[n]] += graph.node(n).volume;
   }
@@ -86,12 +94,41 @@ std::vector<Vec3d> centers_of(const BondGraph& graph, const std::vector<std::uin
   return moment;
 }
 
-/// The regions that grow from the node nearest to each centre over the bonds until all are taken.
-std::vector<std::uint32_t> grow(const BondGraph& graph, const std::vector<std::uint32_t>& cluster,
-                                const std::vector<Vec3d>& centers) {
+/// How strongly the nodes that are not taken yet are bound to a cluster: the area of the bonds that lead
+/// there. Of a node with few bonds it is summed whenever it is asked for; of one with many it is kept,
+/// because each of its neighbours asks.
+class Bound {
+ public:
+  explicit Bound(const BondGraph& graph) : graph_(graph) {}
+
+  static constexpr std::size_t kManyBonds = 64;
+
+  void take(std::uint32_t node, std::uint32_t cluster) {
+    for (const BondGraph::Edge& e : graph_.edges(node))
+      if (graph_.edges(e.to).size() > kManyBonds) of_many_[{e.to, cluster}] += e.area;
+  }
+  double of(std::uint32_t node, std::uint32_t cluster, const std::vector<std::uint32_t>& grown) const {
+    if (graph_.edges(node).size() > kManyBonds) return of_many_.at({node, cluster});
+    double bound = 0;
+    for (const BondGraph::Edge& back : graph_.edges(node))
+      if (grown[back.to] == cluster) bound += back.area;
+    return bound;
+  }
+
+ private:
+  const BondGraph& graph_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, double> of_many_;  // node, cluster
+};
+
+/// The regions that grow from the node nearest to each centre over the bonds until all are taken. `area`: per
+/// node, of all its bonds.
+std::vector<std::uint32_t> grow(const BondGraph& graph, const std::vector<double>& area,
+                                const std::vector<std::uint32_t>& cluster, const std::vector<Vec3d>& centers,
+                                Pacer& pacer) {
   const std::uint32_t n = graph.size();
   std::vector<std::uint32_t> seed(centers.size(), kNoIndex);
   for (std::uint32_t v = 0; v < n; ++v) {
+    pacer.step();
     std::uint32_t& s = seed[cluster[v]];
     const Vec3d& center = centers[cluster[v]];
     if (s == kNoIndex || distance2(graph.node(v).center, center) < distance2(graph.node(s).center, center))
@@ -106,22 +143,21 @@ std::vector<std::uint32_t> grow(const BondGraph& graph, const std::vector<std::u
     }
   };
   std::vector<std::uint32_t> grown(n, kNoIndex);
+  Bound bound(graph);
   std::priority_queue<Offer> offers;
   for (std::uint32_t c = 0; c < seed.size(); ++c) offers.push({-1, c, seed[c]});
   while (!offers.empty()) {
     const Offer offer = offers.top();
     offers.pop();
+    pacer.step(16);
     if (grown[offer.node] != kNoIndex) continue;
     grown[offer.node] = offer.cluster;
+    bound.take(offer.node, offer.cluster);
     for (const BondGraph::Edge& e : graph.edges(offer.node)) {
       if (grown[e.to] != kNoIndex) continue;
-      double bound = 0, all = 0;
-      for (const BondGraph::Edge& back : graph.edges(e.to)) {
-        all += back.area;
-        if (grown[back.to] == offer.cluster) bound += back.area;
-      }
+      pacer.step(8 + std::min(graph.edges(e.to).size(), Bound::kManyBonds));
       // A node bound to the cluster by all of its area seems half as far.
-      const double share = all > 0 ? bound / all : 0;
+      const double share = area[e.to] > 0 ? bound.of(e.to, offer.cluster, grown) / area[e.to] : 0;
       offers.push({distance2(graph.node(e.to).center, centers[offer.cluster]) * (1 - 0.75 * share),
                    offer.cluster, e.to});
     }
@@ -145,13 +181,14 @@ std::vector<std::uint32_t> numbered_by_lowest(const std::vector<std::uint32_t>& 
 
 std::vector<std::uint32_t> find_clusters(const BondGraph& graph, std::uint32_t count,
                                          const Execution& execution) {
+  Pacer pacer(execution);
   const std::uint32_t n = graph.size();
   std::vector<std::uint32_t> cluster(n);
   std::iota(cluster.begin(), cluster.end(), 0u);
   if (count >= n) return cluster;
 
   // The components, numbered, with their nodes.
-  const std::vector<std::uint32_t> lowest = graph.components();
+  const std::vector<std::uint32_t> lowest = graph.components(execution);
   const std::vector<std::uint32_t> component = numbered_by_lowest(lowest, n);
   const std::uint32_t components = 1 + *std::max_element(component.begin(), component.end());
   std::vector<std::vector<std::uint32_t>> nodes_of(components);
@@ -164,26 +201,32 @@ std::vector<std::uint32_t> find_clusters(const BondGraph& graph, std::uint32_t c
   }
 
   if (components >= count) {
-    const std::vector<Vec3d> centers = centers_of(graph, component, components);
+    const std::vector<Vec3d> centers = centers_of(graph, component, components, pacer);
     std::vector<BondGraph::Node> whole(components);
     for (std::uint32_t c = 0; c < components; ++c) whole[c] = {volume[c], centers[c]};
     std::vector<std::uint32_t> order(components), group(components);
     std::iota(order.begin(), order.end(), 0u);
-    bisect(whole, order.data(), order.data() + components, 0, count, group);
+    bisect(whole, order.data(), order.data() + components, 0, count, group, execution);
     for (std::uint32_t v = 0; v < n; ++v) cluster[v] = group[component[v]];
     return numbered_by_lowest(cluster, count);
   }
 
   std::vector<BondGraph::Node> nodes(n);
   for (std::uint32_t v = 0; v < n; ++v) nodes[v] = graph.node(v);
-  const std::vector<std::uint32_t> share = shares(volume, size, count);
+  const std::vector<std::uint32_t> share = shares(volume, size, count, pacer);
   std::uint32_t first = 0;
   for (std::uint32_t c = 0; c < components; first += share[c++])
-    bisect(nodes, nodes_of[c].data(), nodes_of[c].data() + nodes_of[c].size(), first, share[c], cluster);
+    bisect(nodes, nodes_of[c].data(), nodes_of[c].data() + nodes_of[c].size(), first, share[c], cluster,
+           execution);
   // The parts of the bisection may hang together by nothing: only regions grown over bonds are kept.
+  std::vector<double> area(n, 0);
+  for (std::uint32_t v = 0; v < n; ++v) {
+    pacer.step(1 + graph.edges(v).size());
+    for (const BondGraph::Edge& e : graph.edges(v)) area[v] += e.area;
+  }
   for (int pass = 0; pass < kPasses; ++pass) {
-    execution.poll();
-    std::vector<std::uint32_t> grown = grow(graph, cluster, centers_of(graph, cluster, count));
+    std::vector<std::uint32_t> grown =
+        grow(graph, area, cluster, centers_of(graph, cluster, count, pacer), pacer);
     const bool settled = grown == cluster;
     cluster = std::move(grown);
     if (settled) break;

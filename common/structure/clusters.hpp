@@ -16,7 +16,8 @@ namespace fracture {
 
 /// Per node the cluster it is in; clusters are numbered by their lowest node. min(count, nodes) clusters;
 /// each is connected, unless the graph has more components than `count`: then whole components are put
-/// together by where they lie. `count` >= 1. A function of the graph alone; near-linear.
+/// together by where they lie. `count` >= 1. A function of the graph alone; near-linear. Throws
+/// Interrupted.
 std::vector<std::uint32_t> find_clusters(const BondGraph& graph, std::uint32_t count,
                                          const Execution& execution);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/base/pacer.hpp"
 #include "common/structure/bond_graph.hpp"
 #include "common/structure/clusters.hpp"
 
@@ -18,8 +19,9 @@ std::uint64_t mix(std::uint64_t h, std::uint64_t v) {
 
 /// A function of which fragments they are and of the level: a cluster of one fragment, or of one cluster, is
 /// not the same thing as that.
-std::uint64_t cluster_id(std::vector<std::uint64_t> fragments, std::size_t level) {
-  std::sort(fragments.begin(), fragments.end());
+std::uint64_t cluster_id(std::vector<std::uint64_t> fragments, std::size_t level,
+                         const Execution& execution) {
+  sort_with_polls(execution, fragments.begin(), fragments.end());
   std::uint64_t h = mix(0x636c7573746572ull, level);
   for (const std::uint64_t id : fragments) h = mix(h, id);
   return h >> 11;
@@ -35,10 +37,14 @@ Hierarchy make_hierarchy(const FragmentSet& set, const std::vector<std::uint32_t
 
   // From the fragments upwards: the nodes of a level are the clusters of the finer one.
   const std::size_t fragments = set.fragments.size();
-  BondGraph graph = BondGraph::of_fragments(set);
+  BondGraph graph = BondGraph::of_fragments(set, execution);
   const std::vector<Bond>* bonds = &set.bonds;
   std::vector<std::vector<std::uint32_t>> members(fragments);  // per node: its fragments
-  for (std::uint32_t f = 0; f < fragments; ++f) members[f] = {f};
+  Pacer pacer(execution);
+  for (std::uint32_t f = 0; f < fragments; ++f) {
+    pacer.step(4);
+    members[f] = {f};
+  }
   for (std::size_t level = counts.size(); level-- > 0;) {
     const std::vector<std::uint32_t> cluster = find_clusters(graph, counts[level], execution);
     if (level + 1 == counts.size())
@@ -51,6 +57,7 @@ Hierarchy make_hierarchy(const FragmentSet& set, const std::vector<std::uint32_t
     std::vector<std::vector<std::uint32_t>> of_cluster(here.clusters.size());
     std::vector<Vec3d> moment(here.clusters.size());
     for (std::uint32_t n = 0; n < graph.size(); ++n) {
+      pacer.step(4);
       Cluster& c = here.clusters[cluster[n]];
       c.volume += graph.node(n).volume;
       moment[cluster[n]] = moment[cluster[n]] + graph.node(n).volume * graph.node(n).center;
@@ -59,17 +66,18 @@ Hierarchy make_hierarchy(const FragmentSet& set, const std::vector<std::uint32_t
     }
     std::vector<BondGraph::Node> nodes;
     for (std::size_t c = 0; c < here.clusters.size(); ++c) {
+      pacer.step(8 + of_cluster[c].size());
       Cluster& made = here.clusters[c];
       made.parent = kNoIndex;
       made.fragments = static_cast<std::uint32_t>(of_cluster[c].size());
       if (made.volume > 0) made.center_of_mass = (1 / made.volume) * moment[c];
       std::vector<std::uint64_t> ids;
       for (const std::uint32_t f : of_cluster[c]) ids.push_back(set.fragments[f].id);
-      made.id = cluster_id(std::move(ids), level);
+      made.id = cluster_id(std::move(ids), level, execution);
       nodes.push_back({made.volume, made.center_of_mass});
     }
-    here.bonds = bonds_between(*bonds, cluster);
-    graph = BondGraph(std::move(nodes), here.bonds);
+    here.bonds = bonds_between(*bonds, cluster, execution);
+    graph = BondGraph(std::move(nodes), here.bonds, execution);
     bonds = &here.bonds;
     members = std::move(of_cluster);
   }

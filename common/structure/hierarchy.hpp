@@ -12,7 +12,8 @@
 namespace fracture {
 
 /// `counts`: how many clusters each level shall have, coarsest first, increasing; without the finest level. A
-/// level has fewer where there are fewer fragments. Built from the fragments upwards (clusters.hpp).
+/// level has fewer where there are fewer fragments. Built from the fragments upwards (clusters.hpp). Throws
+/// Interrupted.
 Hierarchy make_hierarchy(const FragmentSet& set, const std::vector<std::uint32_t>& counts,
                          const Execution& execution);
 

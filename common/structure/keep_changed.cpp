@@ -3,18 +3,23 @@
 #include <algorithm>
 #include <vector>
 
+#include "common/base/pacer.hpp"
+
 namespace fracture {
 
-void keep_changed(FragmentSet& set) {
+void keep_changed(FragmentSet& set, const Execution& execution) {
+  Pacer pacer(execution);
   Delta& delta = set.delta.value();
   std::vector<std::uint64_t> wanted = delta.added;
   wanted.insert(wanted.end(), delta.changed.begin(), delta.changed.end());
-  std::sort(wanted.begin(), wanted.end());
+  sort_with_polls(execution, wanted.begin(), wanted.end());
   const std::size_t n = set.fragments.size();
   std::vector<std::uint32_t> index(n, kNoIndex);
   std::uint32_t next = 0;
-  for (std::size_t k = 0; k < n; ++k)
+  for (std::size_t k = 0; k < n; ++k) {
+    pacer.step(4);
     if (std::binary_search(wanted.begin(), wanted.end(), set.fragments[k].id)) index[k] = next++;
+  }
   const std::uint32_t kept = next;
   // Who is not here any more, but at the other end of a bond: numbered in the order of the whole.
   std::erase_if(set.bonds, [&](const Bond& b) { return index[b.a] == kNoIndex && index[b.b] == kNoIndex; });
@@ -26,17 +31,23 @@ void keep_changed(FragmentSet& set) {
       delta.neighbors.push_back(set.fragments[k].id);
     }
   for (Bond& b : set.bonds) {
+    pacer.step();
     b.a = index[b.a];
     b.b = index[b.b];
     if (b.a < b.b) continue;
     std::swap(b.a, b.b);
     for (int axis = 0; axis < 3; ++axis) b.normal[axis] = b.normal[axis] == 0 ? 0 : -b.normal[axis];
   }
-  std::sort(set.bonds.begin(), set.bonds.end(),
-            [](const Bond& x, const Bond& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; });
+  sort_with_polls(execution, set.bonds.begin(), set.bonds.end(),
+                  [](const Bond& x, const Bond& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; });
   std::vector<Fragment> fragments(kept);
-  for (std::size_t k = 0; k < n; ++k)
-    if (index[k] < kept) fragments[index[k]] = std::move(set.fragments[k]);
+  for (std::size_t k = 0; k < n; ++k) {
+    pacer.step(4);
+    if (index[k] < kept)
+      fragments[index[k]] = std::move(set.fragments[k]);
+    else
+      set.fragments[k] = {};  // thousands of them take a while to go
+  }
   set.fragments = std::move(fragments);
 }
 

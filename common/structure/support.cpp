@@ -5,6 +5,7 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "common/base/pacer.hpp"
 #include "common/structure/bond_graph.hpp"
 
 namespace fracture {
@@ -72,11 +73,13 @@ Six solve(const Block& l, const Six& r) {
 /// The elastic network of what stands.
 class Network {
  public:
-  Network(std::size_t nodes, const std::vector<Beam>& beams, const std::vector<char>& fixed)
-      : beams_(beams), fixed_(fixed), inverse_(nodes) {
+  /// Throws Interrupted, as does solve_for().
+  Network(std::size_t nodes, const std::vector<Beam>& beams, const std::vector<char>& fixed, Pacer& pacer)
+      : beams_(beams), fixed_(fixed), inverse_(nodes), pacer_(pacer) {
     for (Block& b : inverse_)
       for (auto& row : b) row.fill(0);
-    for (const Beam& beam : beams_)
+    for (const Beam& beam : beams_) {
+      pacer_.step(32);
       for (const bool first : {true, false}) {
         Block& block = inverse_[first ? beam.a : beam.b];
         for (std::size_t k = 0; k < 6; ++k) {  // the response to each unit displacement
@@ -89,16 +92,23 @@ class Network {
           for (std::size_t i = 0; i < 6; ++i) block[i][k] += column[i];
         }
       }
-    for (Block& b : inverse_) factorize(b);
+    }
+    for (Block& b : inverse_) {
+      pacer_.step(4);
+      factorize(b);
+    }
   }
 
   /// Solves the balance of the loads and the beams' pulls; returns the residual relative to the loads.
-  double solve_for(const std::vector<Six>& load, std::vector<Six>& x, const Execution& execution) const {
+  double solve_for(const std::vector<Six>& load, std::vector<Six>& x) const {
     const std::size_t n = load.size();
     x.assign(n, {});
     std::vector<Six> r = load, z(n), p(n), q(n);
     const auto precondition = [&] {
-      for (std::size_t i = 0; i < n; ++i) z[i] = fixed_[i] ? Six{} : solve(inverse_[i], r[i]);
+      for (std::size_t i = 0; i < n; ++i) {
+        pacer_.step(4);  // for the sums and steps below as well
+        z[i] = fixed_[i] ? Six{} : solve(inverse_[i], r[i]);
+      }
     };
     for (std::size_t i = 0; i < n; ++i)
       if (fixed_[i]) r[i] = {};
@@ -116,7 +126,6 @@ class Network {
     const auto most = static_cast<std::size_t>(
         std::min(20.0 * static_cast<double>(n) + 200, std::max(100.0, kMaxVisits / visits)));
     for (std::size_t k = 0; k < most && residual > kTolerance * kTolerance * scale; ++k) {
-      if (k % 64 == 0) execution.poll();
       apply(p, q);
       const double pq = inner(p, q);
       if (!(pq > 0)) break;
@@ -151,6 +160,7 @@ class Network {
   void apply(const std::vector<Six>& x, std::vector<Six>& out) const {
     std::fill(out.begin(), out.end(), Six{});
     for (const Beam& beam : beams_) {
+      pacer_.step(2);
       const Six pull = beam.pull(beam.stretch(x[beam.a], x[beam.b]));
       out[beam.a] = out[beam.a] + -1.0 * at_a(beam, pull);
       out[beam.b] = out[beam.b] + -1.0 * at_b(beam, pull);
@@ -162,6 +172,7 @@ class Network {
   const std::vector<Beam>& beams_;
   const std::vector<char>& fixed_;
   std::vector<Block> inverse_;  ///< Cholesky factors of the diagonal blocks
+  Pacer& pacer_;
 };
 
 BondLoad load_of(const Beam& beam, const Six& pull, double area, double size) {
@@ -183,13 +194,18 @@ BondLoad load_of(const Beam& beam, const Six& pull, double area, double size) {
 
 Support analyze_support(const FragmentSet& set, const SupportOptions& options, const Execution& execution) {
   const std::size_t n = set.fragments.size();
+  Pacer pacer(execution);
   Support out;
   out.loads.resize(set.bonds.size());
 
   std::unordered_map<std::uint64_t, std::uint32_t> index_of;  // only asked
-  for (std::uint32_t f = 0; f < n; ++f) index_of.emplace(set.fragments[f].id, f);
+  for (std::uint32_t f = 0; f < n; ++f) {
+    pacer.step(4);
+    index_of.emplace(set.fragments[f].id, f);
+  }
   std::vector<char> gone(n, 0);
   for (const std::uint64_t id : options.broken) {
+    pacer.step(4);
     const auto at = index_of.find(id);
     if (at == index_of.end())
       ++out.unknown;
@@ -200,14 +216,16 @@ Support analyze_support(const FragmentSet& set, const SupportOptions& options, c
   // What hangs together, and which of it is held.
   std::vector<Bond> bonds;  // that are left
   std::vector<std::uint32_t> bond_of;
-  for (std::uint32_t k = 0; k < set.bonds.size(); ++k)
-    if (!gone[set.bonds[k].a] && !gone[set.bonds[k].b]) {
-      bonds.push_back(set.bonds[k]);
-      bond_of.push_back(k);
-    }
+  for (std::uint32_t k = 0; k < set.bonds.size(); ++k) {
+    pacer.step(2);
+    if (gone[set.bonds[k].a] || gone[set.bonds[k].b]) continue;
+    bonds.push_back(set.bonds[k]);
+    bond_of.push_back(k);
+  }
   std::vector<BondGraph::Node> nodes;
   for (const Fragment& f : set.fragments) nodes.push_back({f.mass.volume, f.mass.center_of_mass});
-  const std::vector<std::uint32_t> component = BondGraph(std::move(nodes), bonds).components();
+  const std::vector<std::uint32_t> component =
+      BondGraph(std::move(nodes), bonds, execution).components(execution);
   std::vector<char> held(n, 0), fixed(n, 0);
   for (std::size_t f = 0; f < n; ++f)
     if (set.fragments[f].anchored && !gone[f]) {
@@ -225,6 +243,7 @@ Support analyze_support(const FragmentSet& set, const SupportOptions& options, c
   const double size = box.longest_side() > 0 ? box.longest_side() : 1;
   std::vector<Beam> beams;
   for (std::size_t k = 0; k < bonds.size(); ++k) {
+    pacer.step(4);
     const Bond& b = bonds[k];
     if (!held[component[b.a]] || (fixed[b.a] && fixed[b.b])) continue;
     const Vec3d &ca = set.fragments[b.a].mass.center_of_mass, &cb = set.fragments[b.b].mass.center_of_mass;
@@ -239,29 +258,37 @@ Support analyze_support(const FragmentSet& set, const SupportOptions& options, c
   std::vector<Six> weight(n);
   for (std::size_t f = 0; f < n; ++f)
     weight[f].linear = (options.density * set.fragments[f].mass.volume) * options.gravity;
-  const Network network(n, beams, fixed);
+  const Network network(n, beams, fixed, pacer);
   std::vector<Six> x;
-  out.residual = network.solve_for(weight, x, execution);
-  for (const Beam& beam : beams)
+  out.residual = network.solve_for(weight, x);
+  for (const Beam& beam : beams) {
+    pacer.step(4);
     out.loads[beam.bond] =
         load_of(beam, beam.pull(beam.stretch(x[beam.a], x[beam.b])), set.bonds[beam.bond].area, size);
+  }
 
   for (std::uint32_t k = 0; k < out.loads.size(); ++k)
     if (out.loads[k].stress > options.strength) out.weak.push_back(k);
-  std::sort(out.weak.begin(), out.weak.end(), [&](std::uint32_t a, std::uint32_t b) {
+  sort_with_polls(execution, out.weak.begin(), out.weak.end(), [&](std::uint32_t a, std::uint32_t b) {
     const double x_a = out.loads[a].stress, x_b = out.loads[b].stress;
     return x_a != x_b ? x_a > x_b : a < b;
   });
   return out;
 }
 
-nlohmann::json support_report(const FragmentSet& set, const SupportOptions& options, const Support& support) {
+nlohmann::json support_report(const FragmentSet& set, const SupportOptions& options, const Support& support,
+                              const Execution& execution) {
   using nlohmann::json;
+  Pacer pacer(execution);
   const auto id = [&](std::uint32_t f) { return set.fragments[f].id; };
   json falling = json::array();
-  for (const std::uint32_t f : support.falling) falling.push_back(id(f));
+  for (const std::uint32_t f : support.falling) {
+    pacer.step();
+    falling.push_back(id(f));
+  }
   json a = json::array(), b = json::array(), stress = json::array(), share = json::array();
   for (const std::uint32_t k : support.weak) {
+    pacer.step(8);
     a.push_back(id(set.bonds[k].a));
     b.push_back(id(set.bonds[k].b));
     stress.push_back(support.loads[k].stress);
@@ -269,7 +296,10 @@ nlohmann::json support_report(const FragmentSet& set, const SupportOptions& opti
   }
   const auto column = [&](double BondLoad::*figure) {
     json values = json::array();
-    for (const BondLoad& load : support.loads) values.push_back(load.*figure);
+    for (const BondLoad& load : support.loads) {
+      pacer.step(2);
+      values.push_back(load.*figure);
+    }
     return values;
   };
   return {{"gravity", {options.gravity.x, options.gravity.y, options.gravity.z}},

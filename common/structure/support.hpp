@@ -45,12 +45,13 @@ struct Support {
   double residual = 0;                 ///< of the balance, relative to the weight; 1e-9 when solved
 };
 
-/// Needs Fragment::anchored. Linear in the bonds times the iterations, which are bounded.
+/// Needs Fragment::anchored. Linear in the bonds times the iterations, which are bounded. Throws Interrupted.
 Support analyze_support(const FragmentSet& set, const SupportOptions& options, const Execution& execution);
 
 /// {gravity, density, strength, anchored, broken, falling, weak {a, b, stress, share}, bonds {tension, shear,
 /// bending, torsion, stress}, residual}: ids of fragments; the columns of `bonds` stand in the order of the
-/// answer's bonds.
-nlohmann::json support_report(const FragmentSet& set, const SupportOptions& options, const Support& support);
+/// answer's bonds. Throws Interrupted.
+nlohmann::json support_report(const FragmentSet& set, const SupportOptions& options, const Support& support,
+                              const Execution& execution = {});
 
 }  // namespace fracture

@@ -199,7 +199,7 @@ TEST(Unite, CountsTheTrianglesThatItMakes) {
   const FragmentSet set = make_fragments(cut.restricted, cut.ownership, Pivot::kCenterOfMass, {}, execution);
   std::uint64_t triangles = 0;
   for (const Fragment& f : set.fragments) triangles += f.indices.size() / 3;
-  EXPECT_EQ(allowance.bytes(), triangles * bytes_of(Product::kFragmentTriangles));
+  EXPECT_GE(allowance.bytes(), triangles * bytes_of(Product::kFragmentTriangles));
 }
 
 }  // namespace

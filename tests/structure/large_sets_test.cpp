@@ -1,0 +1,246 @@
+// What is made of a hundred thousand bonds, thousands of anchors and cells with thousands of neighbours: it
+// grows no faster than these, and it can be interrupted anywhere.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/random.hpp"
+#include "common/pipeline/fracture.hpp"
+#include "common/structure/anchors.hpp"
+#include "common/structure/bond_graph.hpp"
+#include "common/structure/clusters.hpp"
+#include "common/structure/hierarchy.hpp"
+#include "common/structure/keep_changed.hpp"
+#include "common/structure/support.hpp"
+#include "tests/support/figures.hpp"
+#include "tests/support/poll_gaps.hpp"
+#include "tests/support/shapes.hpp"
+
+namespace fracture::test {
+namespace {
+
+Fragment block(std::uint64_t id, const Vec3d& center) {
+  Fragment f;
+  f.id = id;
+  f.mass.volume = 1;
+  f.mass.center_of_mass = center;
+  return f;
+}
+void bind(FragmentSet& set, std::uint32_t a, std::uint32_t b, double area) {
+  const Vec3d ca = set.fragments[a].mass.center_of_mass, cb = set.fragments[b].mass.center_of_mass;
+  set.bonds.push_back({a, b, area, 0.5 * (ca + cb), (1 / length(cb - ca)) * (cb - ca)});
+}
+
+/// n x n x n unit cubes without shapes, each bound to those beside it.
+FragmentSet wall(std::uint32_t n) {
+  FragmentSet set;
+  for (std::uint32_t k = 0; k < n * n * n; ++k)
+    set.fragments.push_back(block(
+        7 * k, {static_cast<double>(k % n), static_cast<double>(k / n % n), static_cast<double>(k / n / n)}));
+  for (std::uint32_t k = 0; k < n * n * n; ++k) {
+    if (k % n + 1 < n) bind(set, k, k + 1, 1);
+    if (k / n % n + 1 < n) bind(set, k, k + n, 1);
+    if (k / n / n + 1 < n) bind(set, k, k + n * n, 1);
+  }
+  return set;
+}
+
+/// One block in the middle of a ring of n, bound to all of them, and each of these to the next.
+FragmentSet wheel(std::uint32_t n) {
+  FragmentSet set;
+  Random random(1);
+  set.fragments.push_back(block(0, {0, 0, 0}));
+  for (std::uint32_t k = 0; k < n; ++k) {
+    const CirclePoint p = circle_point(k, n);
+    set.fragments.push_back(block(k + 1, {p.cos, p.sin, 0}));
+  }
+  for (std::uint32_t k = 0; k < n; ++k) bind(set, 0, k + 1, random.uniform());
+  for (std::uint32_t k = 0; k < n; ++k)
+    bind(set, std::min(k, (k + 1) % n) + 1, std::max(k, (k + 1) % n) + 1, random.uniform());
+  return set;
+}
+
+/// The growth of the work where the input grows from `small` to `large`, as an exponent.
+double exponent(std::uint64_t small_work, std::uint64_t large_work, double growth) {
+  return std::log(static_cast<double>(large_work) / static_cast<double>(small_work)) / std::log(growth);
+}
+
+constexpr std::uint32_t kSide = 33;  // 36 thousand blocks, 105 thousand bonds
+
+TEST(LargeSets, AHierarchyOfManyLevelsCanBeInterruptedAnywhere) {
+  const FragmentSet set = wall(kSide);
+  PollGaps gaps;
+  const Hierarchy h = make_hierarchy(set, {2, 5, 20, 100, 500, 2000, 9000, 20'000}, gaps.execution());
+  EXPECT_LT(gaps.longest_ms(), kMostPollGapMs);
+  EXPECT_EQ(h.levels.size(), 8u);
+  EXPECT_GT(gaps.polls(), 100u);
+}
+
+TEST(LargeSets, SupportCanBeInterruptedAnywhere) {
+  FragmentSet set = wall(kSide);
+  for (std::uint32_t k = 0; k < kSide; ++k) set.fragments[k].anchored = true;
+  SupportOptions options;
+  options.density = 100;
+  // The iterations take a while: they are stopped, the rest is measured with few of them.
+  std::stop_source source;
+  PollGaps gaps;
+  Execution execution = gaps.execution();
+  execution.stop = source.get_token();
+  std::uint64_t polls = 0;
+  execution.watch = [&, watch = gaps.execution().watch] {
+    watch();
+    if (++polls == 500) source.request_stop();
+  };
+  EXPECT_THROW(analyze_support(set, options, execution), Interrupted);
+  EXPECT_LT(gaps.longest_ms(), kMostPollGapMs);
+
+  FragmentSet row = wall(2);
+  row.fragments.resize(1);
+  row.bonds.clear();
+  for (std::uint32_t k = 1; k < 60'000; ++k) row.fragments.push_back(block(k, {k * 1.0, 0, 0}));
+  for (std::uint32_t k = 1; k < 60'000; ++k) bind(row, k - 1, k, 1);
+  for (Fragment& f : row.fragments) f.anchored = f.id % 3 != 0;
+  gaps.start();
+  const Support support = analyze_support(row, options, gaps.execution());
+  const nlohmann::json report = support_report(row, options, support, gaps.execution());
+  EXPECT_LT(gaps.longest_ms(), kMostPollGapMs);
+  EXPECT_EQ(report["bonds"]["stress"].size(), row.bonds.size());
+}
+
+TEST(LargeSets, KeepingWhatChangedCanBeInterruptedAnywhere) {
+  FragmentSet set = wall(kSide);
+  set.delta.emplace();
+  for (std::size_t k = 0; k < set.fragments.size(); k += 3) set.delta->changed.push_back(set.fragments[k].id);
+  std::reverse(set.bonds.begin(), set.bonds.end());
+  PollGaps gaps;
+  keep_changed(set, gaps.execution());
+  EXPECT_LT(gaps.longest_ms(), kMostPollGapMs);
+  EXPECT_EQ(set.fragments.size(), set.delta->changed.size());
+  EXPECT_TRUE(std::is_sorted(set.bonds.begin(), set.bonds.end(), [](const Bond& x, const Bond& y) {
+    return x.a != y.a ? x.a < y.a : x.b < y.b;
+  }));
+}
+
+// Each block of the ring that was taken summed all bonds of the one in the middle.
+TEST(LargeSets, ABlockWithManyBondsIsNotSummedAgainForEachOfThem) {
+  std::vector<std::uint64_t> polls;
+  for (const std::uint32_t n : {4000u, 16'000u}) {
+    const FragmentSet set = wheel(n);
+    const BondGraph graph = BondGraph::of_fragments(set);
+    PollGaps gaps;
+    const std::vector<std::uint32_t> cluster = find_clusters(graph, 10, gaps.execution());
+    polls.push_back(gaps.polls());
+    EXPECT_LT(gaps.longest_ms(), kMostPollGapMs);
+    // As many as asked for, each connected.
+    std::vector<Bond> within;
+    for (const Bond& b : set.bonds)
+      if (cluster[b.a] == cluster[b.b]) within.push_back(b);
+    std::vector<BondGraph::Node> nodes;
+    for (const Fragment& f : set.fragments) nodes.push_back({f.mass.volume, f.mass.center_of_mass});
+    std::vector<std::uint32_t> lowest = BondGraph(nodes, within).components();
+    std::sort(lowest.begin(), lowest.end());
+    lowest.erase(std::unique(lowest.begin(), lowest.end()), lowest.end());
+    EXPECT_EQ(lowest.size(), 10u);
+    EXPECT_EQ(*std::max_element(cluster.begin(), cluster.end()), 9u);
+  }
+  EXPECT_LT(exponent(polls[0], polls[1], 4), 1.15);
+}
+
+Fragment shape(const Mesh& mesh) {
+  Fragment f;
+  f.positions = mesh.positions;
+  for (const auto& t : mesh.triangles) f.indices.insert(f.indices.end(), t.begin(), t.end());
+  return f;
+}
+
+TEST(LargeSets, AnchorsHoldWhatTheyLieInOrOnHoweverManyThereAre) {
+  const Mesh ring = torus(40, 20);
+  Random random(5);
+  const auto place = [&] {
+    return Vec3d{3 * random.uniform() - 1.5, 3 * random.uniform() - 1.5, random.uniform() - 0.5};
+  };
+  for (int run = 0; run < 60; ++run) {
+    // Points outside, so many that they are looked up in a tree, and behind them one that decides.
+    Anchors anchors;
+    while (anchors.points.size() < 30)
+      if (const Vec3d p = place(); winding_number(ring, p) < 0.5) anchors.points.push_back(p);
+    FragmentSet set;
+    set.fragments.push_back(shape(ring));
+    EXPECT_EQ(mark_anchored(set, anchors), 0u);
+    const Vec3d last = place();
+    anchors.points.push_back(last);
+    EXPECT_EQ(mark_anchored(set, anchors), winding_number(ring, last) > 0.5 ? 1u : 0u);
+    // On a face, an edge, a corner.
+    const auto& t = ring.triangles[static_cast<std::size_t>(random.uniform() * 1600)];
+    const Vec3d a = to_double(ring.positions[t[0]]), b = to_double(ring.positions[t[1]]),
+                c = to_double(ring.positions[t[2]]);
+    for (const Vec3d& on : {a, 0.5 * (a + b), (1.0 / 3) * (a + b + c)}) {
+      anchors.points.back() = on;
+      EXPECT_EQ(mark_anchored(set, anchors), 1u);
+    }
+  }
+}
+
+// Points in the hole of a ring: each looked at all its triangles.
+TEST(LargeSets, AnchorsAreNotComparedWithEveryTriangle) {
+  std::vector<std::uint64_t> polls;
+  for (const int size : {1, 4}) {
+    Anchors anchors;
+    Random random(9);
+    for (int k = 0; k < 2000 * size; ++k)
+      anchors.points.push_back({0.8 * random.uniform() - 0.4, 0.8 * random.uniform() - 0.4, 0.1});
+    FragmentSet set;
+    set.fragments.push_back(shape(torus(400 * size, 40)));
+    PollGaps gaps;
+    EXPECT_EQ(mark_anchored(set, anchors, gaps.execution()), 0u);
+    EXPECT_LT(gaps.longest_ms(), kMostPollGapMs);
+    polls.push_back(gaps.polls());
+  }
+  EXPECT_LT(exponent(polls[0], polls[1], 4), 1.3);  // n log n, and more triangles above a point
+}
+
+TEST(LargeSets, AnchorsOfManyVerticesCanBeInterruptedAnywhere) {
+  FragmentSet set;
+  set.fragments.push_back(shape(torus(3000, 200)));
+  Anchors anchors;
+  anchors.planes.push_back({{0, 0, 1}, -5});
+  anchors.boxes.push_back({{-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1}});
+  for (int k = 0; k < 20; ++k) anchors.points.push_back({0.01 * k, 0, 0});
+  PollGaps gaps;
+  EXPECT_EQ(mark_anchored(set, anchors, gaps.execution()), 0u);
+  EXPECT_LT(gaps.longest_ms(), kMostPollGapMs);
+}
+
+/// A site in the middle of others on a sphere around it, whose cells all meet the region.
+std::vector<SiteId> cells_around(int others, std::uint64_t& polls, double& gap) {
+  std::vector<Vec3d> sites{{0, 0, 0}};
+  for (const Vec3f& p : sphere_with(2 * others).positions) sites.push_back(to_double(p));
+  Box bounds;
+  bounds.add(Vec3d{-2, -2, -2});
+  bounds.add(Vec3d{2, 2, 2});
+  const Tetrahedralization t = *tetrahedralize(sites, bounds, {});
+  const VoronoiDiagram diagram(t, bounds);
+  Region region;
+  region.radius = 1.2;
+  PollGaps gaps;
+  std::vector<SiteId> found = cells_meeting(region, diagram, bounds, gaps.execution());
+  gap = gaps.longest_ms();
+  polls = gaps.polls();
+  return found;
+}
+
+// Each facet of a cell was cut by all bisectors of the cell.
+TEST(LargeSets, ACellWithManyNeighborsCutsEachFacetByThoseAroundIt) {
+  std::uint64_t small = 0, large = 0;
+  double gap = 0;
+  const std::size_t few = cells_around(3000, small, gap).size();
+  const std::size_t many = cells_around(12'000, large, gap).size();
+  EXPECT_LT(gap, kMostPollGapMs);
+  EXPECT_GT(few, 2900u);
+  EXPECT_GT(many, 11'900u);
+  EXPECT_LT(exponent(small, large, static_cast<double>(many) / static_cast<double>(few)), 1.15);
+}
+
+}  // namespace
+}  // namespace fracture::test
