@@ -1,5 +1,6 @@
 #include "common/pipeline/lloyd.hpp"
 
+#include "common/base/pacer.hpp"
 #include "common/delaunay/tetrahedralization.hpp"
 #include "common/pipeline/restrict.hpp"
 #include "common/sites/sites.hpp"
@@ -35,29 +36,34 @@ class Shares {
   Vec3d origin_;
 };
 
-Shares measure(const RestrictedDiagram& d) {
+Shares measure(const RestrictedDiagram& d, const Execution& execution) {
+  Pacer pacer(execution);
   Shares shares(d.diagram.dual().site_count(), d.solid.box.center());
   const auto& polygons = d.cuts.polygons;
   std::size_t p = 0;
   for (std::uint32_t t = 0; t < d.solid.triangles.size(); ++t) {
+    pacer.step(2);
     const auto& v = d.solid.triangles[t];
     if (p == polygons.size() || polygons[p].triangle != t) {
       shares.add(d.cuts.label[v[0]], 1, d.point(v[0]), d.point(v[1]), d.point(v[2]));
       continue;
     }
     for (; p < polygons.size() && polygons[p].triangle == t; ++p) {
+      pacer.step(2 * polygons[p].count);
       const VertexId* ring = d.cuts.vertices.data() + polygons[p].first;
       for (std::uint32_t k = 2; k < polygons[p].count; ++k)
         shares.add(polygons[p].cell, 1, d.point(ring[0]), d.point(ring[k - 1]), d.point(ring[k]));
     }
   }
-  for (const CapRegion& region : d.caps.regions)
+  for (const CapRegion& region : d.caps.regions) {
+    pacer.step(4 * region.triangle_count);
     for (std::uint32_t k = 0; k < region.triangle_count; ++k) {
       const auto& v = d.caps.triangles[region.first_triangle + k];
       const Vec3d a = d.point(v[0]), b = d.point(v[1]), c = d.point(v[2]);
       shares.add(region.lo, 1, a, b, c);
       shares.add(region.hi, -1, a, b, c);
     }
+  }
   return shares;
 }
 
@@ -69,14 +75,15 @@ Expected<void> relax(const Solid& solid, const Solid& seen, SitePlan& plan, std:
   // A sliver's centre of mass is mostly rounding error.
   const double least_volume =
       1e-9 * solid.report.volume / static_cast<double>(std::max<std::size_t>(1, plan.points.size()));
+  Pacer pacer(execution);
   for (std::uint32_t pass = 0; pass < passes; ++pass) {
-    execution.poll();
     const Expected<Tetrahedralization> t = tetrahedralize(plan.points, seen.box, execution);
     if (!t) return tl::unexpected(t.error());
     const VoronoiDiagram diagram(*t, seen.box, plan.map, execution);
     const Allowance::Temporary temporary(execution.allowance);  // what the pass makes goes with it
-    const Shares shares = measure(restrict_to_solid(solid, seen, diagram, execution));
+    const Shares shares = measure(restrict_to_solid(solid, seen, diagram, execution), execution);
     for (std::size_t k = 0; k < plan.points.size(); ++k) {
+      pacer.step(4);
       const SiteId site = t->site_of_input[k];
       if (site == kNoSite) continue;
       const std::optional<Vec3d> center = shares.center(site, least_volume);

@@ -4,6 +4,8 @@
 #include <numeric>
 #include <string>
 
+#include "common/base/pacer.hpp"
+
 namespace fracture {
 namespace {
 
@@ -46,7 +48,7 @@ Expected<void> append_hits(const Solid& solid, const SiteParameters& parameters,
 }
 
 void group_hits(const std::vector<LocalImpact>& hits, LocalRest rest, std::size_t first_of_hits,
-                SitePlan& plan) {
+                SitePlan& plan, const Execution& execution) {
   const bool whole = rest == LocalRest::kWhole;
   if (plan.groups.empty() && !whole) return;
   if (plan.groups.empty()) {
@@ -57,7 +59,9 @@ void group_hits(const std::vector<LocalImpact>& hits, LocalRest rest, std::size_
   for (const std::uint32_t g : plan.groups) next = std::max(next, g + 1);
   if (whole) {
     const Matrix3 back = plan.map ? plan.map->inverse() : Matrix3();
+    Pacer pacer(execution);
     for (std::size_t k = 0; k < first_of_hits; ++k) {
+      pacer.step(1 + hits.size());
       const Vec3d site = back * plan.points[k];
       if (std::all_of(hits.begin(), hits.end(),
                       [&](const LocalImpact& hit) { return length(site - hit.point) > hit.radius; }))

@@ -30,8 +30,8 @@ Expected<void> append_hits(const Solid& solid, const SiteParameters& parameters,
                            const std::vector<LocalImpact>& hits, std::size_t first, SitePlan& plan,
                            const Execution& execution);
 
-/// The groups of a plan whose points from `first_of_hits` on are those of the hits.
+/// The groups of a plan whose points from `first_of_hits` on are those of the hits. Throws Interrupted.
 void group_hits(const std::vector<LocalImpact>& hits, LocalRest rest, std::size_t first_of_hits,
-                SitePlan& plan);
+                SitePlan& plan, const Execution& execution = {});
 
 }  // namespace fracture

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/pacer.hpp"
 #include "common/fragment/pieces.hpp"
 #include "common/pipeline/fracture.hpp"
 #include "common/pipeline/restrict.hpp"
@@ -18,12 +19,13 @@ Expected<SplitFigures> split_large(const Solid& solid, const Solid& seen, Diagra
     const VoronoiDiagram voronoi(t, seen.box, diagram.map, execution);
     const Allowance::Temporary temporary(execution.allowance);  // what the pass makes goes with it
     const RestrictedDiagram restricted = restrict_to_solid(solid, seen, voronoi, execution);
-    const Pieces pieces = gather_pieces(restricted, Ownership::from_groups(t.site_count(), {}), execution);
+    const Pieces pieces =
+        gather_pieces(restricted, Ownership::from_groups(t.site_count(), {}, execution), execution);
     std::vector<std::uint32_t> wanted(t.site_count(), 0);
     figures.too_large = 0;
     for (const Piece& p : pieces.pieces) {
-      const double volume =
-          signed_volume(restricted, p.faces.data(), p.faces.size(), restricted.point(p.faces[0].v[0]));
+      const double volume = signed_volume(restricted, p.faces.data(), p.faces.size(),
+                                          restricted.point(p.faces[0].v[0]), execution);
       if (!(volume > max_volume)) continue;
       ++figures.too_large;
       // Every cell stands for itself here, so its number is the site's. A random point in three more than the
@@ -41,8 +43,10 @@ Expected<SplitFigures> split_large(const Solid& solid, const Solid& seen, Diagra
     Expected<std::vector<Vec3d>> points =
         uniform_sites(seen, count, seed ^ (0x9e3779b97f4a7c15ull * figures.passes), execution);
     if (!points) return tl::unexpected(points.error());
+    Pacer pacer(execution);
     SiteId cell = 0;
     for (const Vec3d& p : *points) {
+      pacer.step(256);  // a walk
       if (diagram.sites.size() >= kMaxSplitSites) break;
       cell = voronoi.nearest(p, cell);
       if (wanted[cell] == 0) continue;
