@@ -138,6 +138,22 @@ Line PolygonClipper::line_of(SiteId cell, const Bisector& bisector) const {
       bisector.error);
 }
 
+/// Do all corners lie on the cell's side for certain? What most bisectors come to that cut the triangle, once
+/// the nearest ones have cut.
+bool PolygonClipper::leaves_all(const Line& line) {
+  const Line::Bounds bounds = line.bounds();
+  const Side* before = &polygon_.back();
+  for (Side& at : polygon_) {
+    if (!at.corner_is_known) {
+      at.corner = Corner::meet(before->line, at.line);
+      at.corner_is_known = true;
+    }
+    if (!at.corner.is_inside(line, bounds)) return false;
+    before = &at;
+  }
+  return true;
+}
+
 void PolygonClipper::clip_by_all(SiteId cell) {
   const auto bisectors = diagram_.bisectors(cell);
   pacer_.step(4 * bisectors.size());
@@ -147,6 +163,7 @@ void PolygonClipper::clip_by_all(SiteId cell) {
     if (line.value[0] > line.error && line.value[1] > line.error && line.value[2] > line.error) continue;
 
     const std::size_t n = polygon_.size();
+    if (leaves_all(line)) continue;
     sign_.resize(n);
     bool any_out = false, any_in = false;
     for (std::size_t m = 0; m < n; ++m) {

@@ -52,6 +52,7 @@ class PolygonClipper {
   void start_polygon();
   void clip_to_cell(SiteId cell);
   void clip_by_all(SiteId cell);
+  bool leaves_all(const clip_detail::Line& line);
   void clip_by_search(SiteId cell);
   const Bisector* find_violated(SiteId cell, std::uint32_t corner);
   const Bisector* find_violated_by_tree(SiteId cell, const Side& before, const Side& at);

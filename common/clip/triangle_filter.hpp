@@ -32,6 +32,11 @@ struct Line {
     const double a = std::fabs(v[0]), b = std::fabs(v[1]), c = std::fabs(v[2]), ab = a > b ? a : b;
     return {v, error, ab > c ? ab : c};
   }
+  /// A corner's value is off by at most its norm times `by_norm` and its error times `by_error`.
+  struct Bounds {
+    double by_norm, by_error;
+  };
+  Bounds bounds() const { return {1.001 * (error + 0x1.0p-50 * largest), 1.001 * 3 * (largest + error)}; }
   /// The line of the edge from corner k to the next one.
   static Line of_edge(unsigned k) {
     Line line{{0, 0, 0}, 0, 1};
@@ -67,11 +72,16 @@ struct Corner {
     return c;
   }
   /// The line's value at the corner, times the sum; of a corner of which something is known.
-  Certified value(const Line& line) const {
+  Certified value(const Line& line, const Line::Bounds& bounds) const {
     const auto &n = coordinates, &l = line.value;
-    return {n[0] * l[0] + n[1] * l[1] + n[2] * l[2], 1.001 * (norm * (line.error + 0x1.0p-50 * line.largest) +
-                                                              3 * error * (line.largest + line.error)) +
-                                                         1e-300};
+    return {n[0] * l[0] + n[1] * l[1] + n[2] * l[2],
+            norm * bounds.by_norm + error * bounds.by_error + 1e-300};
+  }
+  Certified value(const Line& line) const { return value(line, line.bounds()); }
+  /// On the positive side of the line for certain.
+  bool is_inside(const Line& line, const Line::Bounds& bounds) const {
+    const Certified v = value(line, bounds);
+    return v.value > v.error && sum > 0;
   }
   /// Side of the line on which the corner lies; 0 where that is not certain.
   int side(const Line& line) const {
