@@ -38,18 +38,6 @@ std::uint64_t fragment_id(const VoronoiDiagram& diagram, const Fragment& f, std:
 
 /// The fragments of groups of pieces, by name.
 struct Assembly {
-  Assembly(const RestrictedDiagram& diagram, const Ownership& ownership, const Pieces& pieces,
-           PieceGroups& groups, Pivot pivot, const Execution& execution)
-      : d(diagram),
-        ownership(ownership),
-        pieces(pieces),
-        groups(groups),
-        pivot(pivot),
-        execution(execution),
-        volumes(pieces.pieces.size()) {
-    resize_with_polls(execution, fragments, pieces.pieces.size());
-  }
-
   void make(const std::vector<std::uint32_t>& names) {
     parallel_for(execution, names.size(), 8, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) {
@@ -69,8 +57,8 @@ struct Assembly {
   PieceGroups& groups;
   Pivot pivot;
   const Execution& execution;
-  std::vector<Fragment> fragments;
-  std::vector<FileVolume> volumes;
+  std::vector<Fragment> fragments = {};  ///< [number of pieces]
+  std::vector<FileVolume> volumes = {};  ///< [number of pieces]
 };
 
 /// Groups whose volume is not positive unite with the neighbour of largest shared cap area, all of them round
@@ -155,7 +143,9 @@ FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownershi
   PieceGroups groups(n);
   out.size = unite_by_size(d, pieces, limits, groups, execution);
   certificate.united = out.size.united;
-  Assembly assembly(d, ownership, pieces, groups, pivot, execution);
+  Assembly assembly{d, ownership, pieces, groups, pivot, execution};
+  resize_with_polls(execution, assembly.fragments, n);
+  resize_with_polls(execution, assembly.volumes, n);
   std::vector<std::uint32_t> all;
   for (std::uint32_t g = 0; g < n; ++g)
     if (groups.is_group(g)) all.push_back(g);

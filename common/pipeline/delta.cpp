@@ -269,7 +269,7 @@ std::optional<KeptAnswer> splice(const Solid& solid, const Solid& seen, const Fr
   r.positions = place_vertices(solid, seen, voronoi, r.cuts, r.winding, execution);
   r.caps = build_caps(solid, voronoi, r.cuts, r.winding, r.positions, execution, &in.of_interest);
 
-  Ownership ownership = Ownership::from_groups(t.site_count(), {});
+  Ownership ownership = Ownership::from_groups(t.site_count(), {}, execution);
   ownership.wanted.assign(in.of_interest.begin(), in.of_interest.end());
   std::vector<std::uint32_t> others(t.site_count(), 0);
   for (SiteId s = 0; s < in.first_new; ++s)
@@ -315,7 +315,7 @@ std::optional<KeptAnswer> splice(const Solid& solid, const Solid& seen, const Fr
                               r.winding.inner_vertices.end());
   next->local = out.set.certificate.crossing_caps == 0;
   next->diagram = std::move(in.diagram);
-  if (parameters.only_changed) keep_changed(out.set);
+  if (parameters.only_changed) keep_changed(out.set, execution);
   out.base = std::move(next);
   return out;
 }
@@ -351,7 +351,7 @@ Expected<KeptAnswer> fracture_and_keep(const Solid& solid, Diagram diagram,
     if (!completed) return tl::unexpected(std::move(completed.error()));
     out.set = std::move(*completed);
     for (const Fragment& f : out.set.fragments)
-      base->fragments.push_back({std::make_shared<const Fragment>(f), file_volume(f).volume});
+      base->fragments.push_back({std::make_shared<const Fragment>(f), file_volume(f, execution).volume});
     if (base->local)
       base->first_of = ranges_by_site(out.set.fragments, diagram.tetrahedralization.site_count());
     base->diagram = std::move(diagram);
@@ -375,7 +375,7 @@ Expected<KeptAnswer> fracture_delta(const Solid& solid, const FracturedBase& bas
   std::optional<KeptAnswer> answer;
   if (local) {
     std::optional<Solid> image;
-    if (base.diagram.map) image = image_of(solid, *base.diagram.map);
+    if (base.diagram.map) image = image_of(solid, *base.diagram.map, execution);
     const Solid& seen = image ? *image : solid;
     auto in = stage(timings, execution, "tetrahedralize", [&]() -> Expected<std::optional<Insertion>> {
       return insert_hits(solid, seen.box, base, parameters, execution);
@@ -392,9 +392,11 @@ Expected<KeptAnswer> fracture_delta(const Solid& solid, const FracturedBase& bas
   if (answer) return std::move(*answer);
   Expected<KeptAnswer> whole = fracture_and_keep(solid, parameters, execution, timings);
   if (!whole) return whole;
-  whole->set.delta = difference(base, whole->set.fragments, [](std::uint32_t) { return false; });
-  if (parameters.only_changed) keep_changed(whole->set);
-  return whole;
+  return stage(timings, execution, "clip", [&]() -> Expected<KeptAnswer> {
+    whole->set.delta = difference(base, whole->set.fragments, [](std::uint32_t) { return false; });
+    if (parameters.only_changed) keep_changed(whole->set, execution);
+    return std::move(*whole);
+  });
 }
 
 }  // namespace fracture

@@ -51,7 +51,7 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
     Expected<SitePlan> plan = plan_sites(solid, parameters, execution);
     if (!plan) return tl::unexpected(plan.error());
     std::optional<Solid> image;
-    if (plan->map) image = image_of(solid, *plan->map);
+    if (plan->map) image = image_of(solid, *plan->map, execution);
     const Solid& seen = image ? *image : solid;
     if (parameters.lloyd > 0) {
       if (!plan->groups.empty())
@@ -66,7 +66,7 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
       const std::size_t of_pattern = plan->points.size();
       if (auto added = append_hits(solid, parameters, parameters.hits, 0, *plan, execution); !added)
         return tl::unexpected(added.error());
-      group_hits(parameters.hits, parameters.rest, of_pattern, *plan);
+      group_hits(parameters.hits, parameters.rest, of_pattern, *plan, execution);
     }
     Expected<Tetrahedralization> t = tetrahedralize(plan->points, seen.box, execution);
     if (!t) return tl::unexpected(t.error());
@@ -114,8 +114,8 @@ Expected<FragmentSet> fracture_again(const Solid& solid, const Diagram& diagram,
                     " fragments; none has the id " + std::to_string(parameters.again->fragment) +
                     ". Ids are a function of the sites: give the parameters of the answer that has it.",
                 "fragment");
-  auto mesh =
-      std::make_shared<Mesh>(fragment_mesh(*whole, static_cast<std::size_t>(at - whole->fragments.begin())));
+  auto mesh = std::make_shared<Mesh>(
+      fragment_mesh(*whole, static_cast<std::size_t>(at - whole->fragments.begin()), execution));
   Expected<Solid> fragment = make_solid(std::move(mesh), {}, execution);
   if (!fragment) return tl::unexpected(fragment.error());
 
@@ -141,13 +141,13 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
                              const std::function<void(const RestrictedDiagram&)>& look) {
   const Tetrahedralization& t = diagram.tetrahedralization;
   std::optional<Solid> image;
-  if (diagram.map) image = image_of(solid, *diagram.map);
+  if (diagram.map) image = image_of(solid, *diagram.map, execution);
   const Solid& seen = image ? *image : solid;
   const VoronoiDiagram voronoi(t, seen.box, diagram.map, execution);
   std::vector<SiteId> kept;
-  if (parameters.keep) kept = cells_meeting(*parameters.keep, voronoi, seen.box);
+  if (parameters.keep) kept = cells_meeting(*parameters.keep, voronoi, seen.box, execution);
   const Ownership ownership =
-      Ownership::from_groups(t.site_count(), groups_of_sites(t, diagram.groups, kept));
+      Ownership::from_groups(t.site_count(), groups_of_sites(t, diagram.groups, kept), execution);
 
   CutCells cut;
   cut.kept = kept.size();
@@ -184,7 +184,7 @@ Expected<FragmentSet> complete(const Solid& solid, const Diagram& diagram,
     return tl::unexpected(unsound(verdict, set.certificate));
   set.hierarchy = make_hierarchy(set, parameters.levels, execution);
   std::uint32_t anchored = 0;
-  if (parameters.anchors.any()) anchored = mark_anchored(set, parameters.anchors);
+  if (parameters.anchors.any()) anchored = mark_anchored(set, parameters.anchors, execution);
   HullReport hulls;
   if (parameters.hulls == Hulls::kConvex) hulls = add_collision_hulls(set, execution);
   set.certificate.sites_asked = static_cast<std::uint32_t>(diagram.sites.size());

@@ -27,9 +27,9 @@ std::vector<TriangleId> find_mirrors(const Surface& surface, const std::vector<T
     const TriangleId t = triangles[i];
     Entry e{{}, false, t};
     for (int k = 0; k < 3; ++k) e.key[k] = surface.positions[surface.triangles[t][k]];
-    for (const auto& [i, j] : {std::pair{0, 1}, std::pair{1, 2}, std::pair{0, 1}})
-      if (before(e.key[j], e.key[i])) {
-        std::swap(e.key[i], e.key[j]);
+    for (const auto& [a, b] : {std::pair{0, 1}, std::pair{1, 2}, std::pair{0, 1}})
+      if (before(e.key[b], e.key[a])) {
+        std::swap(e.key[a], e.key[b]);
         e.odd = !e.odd;
       }
     entries.push_back(e);

@@ -49,8 +49,9 @@ class LibraryEngine final : public FractureEngine {
     return std::move(after->set);
   }
   std::vector<std::uint8_t> encode(const FragmentSet& fragments, const GltfOptions& options,
-                                   OutputFormat format) const override {
-    return format == OutputFormat::kGltf ? write_gltf(fragments, options) : write_glb(fragments, options);
+                                   OutputFormat format, const Execution& execution) const override {
+    return format == OutputFormat::kGltf ? write_gltf(fragments, options, execution)
+                                         : write_glb(fragments, options, execution);
   }
 
  private:

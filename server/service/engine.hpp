@@ -44,7 +44,7 @@ class FractureEngine {
                                     const FractureParameters& parameters, const Execution& execution,
                                     StageTimings& timings, std::shared_ptr<const Diagram>& kept) const = 0;
   virtual std::vector<std::uint8_t> encode(const FragmentSet& fragments, const GltfOptions& options,
-                                           OutputFormat format) const = 0;
+                                           OutputFormat format, const Execution& execution) const = 0;
 };
 
 /// The real one: calls the libraries of common/. Imports go through the pool where there is one, which adds

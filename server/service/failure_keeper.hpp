@@ -26,7 +26,7 @@ struct FailureKeeperConfig {
   std::string folder;  ///< made when the first failure is kept; empty: nothing is kept
   std::size_t max_failures = 100;
   std::uint64_t max_bytes = 1ull << 30;  ///< of all failures together; each file counts as 4 KiB at least
-  std::string program;                   ///< name and version, for request.json
+  std::string program = {};              ///< name and version, for request.json
 };
 
 struct KeptFailures {

@@ -242,11 +242,11 @@ Expected<FragmentSet> FractureService::make_result(const PreparedMesh& mesh, con
       const SupportOptions support{request.parameters.gravity, options.density, options.bond_strength,
                                    request.parameters.broken};
       fragments->report["support"] =
-          support_report(*fragments, support, analyze_support(*fragments, support, execution));
+          support_report(*fragments, support, analyze_support(*fragments, support, execution), execution);
     }
     options.interior_material = std::move(*interior);
     options.mesh_digest = result->mesh_digest;
-    result->file = engine_->encode(*fragments, options, request.output);
+    result->file = engine_->encode(*fragments, options, request.output, execution);
     result->file_digest = sha256(std::as_bytes(std::span(result->file)));
   }
   if (kept) diagrams_.insert(keys.kept, kept, memory_size(*kept));

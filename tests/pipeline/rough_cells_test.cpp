@@ -115,7 +115,7 @@ TEST_F(Net, ThenLeavesTheCutsOfTheseCellsFlat) {
 
 TEST_F(Net, AtLastMakesAllCutsFlat) {
   int asked = 0;
-  const CutCells flat = cut([&](const FragmentSet& set) {
+  const CutCells flat = cut([&](const FragmentSet&) {
     ++asked;
     EXPECT_LE(asked, kMostRestraints + 1) << "flat cuts are judged by nobody here";
     return unsound_fragments({2, 11});

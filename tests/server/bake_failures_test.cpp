@@ -54,8 +54,8 @@ class UnsoundEngine final : public FractureEngine {
     return set;
   }
   std::vector<std::uint8_t> encode(const FragmentSet& fragments, const GltfOptions& options,
-                                   OutputFormat format) const override {
-    return real_->encode(fragments, options, format);
+                                   OutputFormat format, const Execution& execution) const override {
+    return real_->encode(fragments, options, format, execution);
   }
 
  private:

@@ -75,7 +75,7 @@ class FakeEngine final : public FractureEngine {
   }
   /// A GLB or glTF whose JSON says what was asked; no geometry.
   std::vector<std::uint8_t> encode(const FragmentSet& fragments, const GltfOptions& options,
-                                   OutputFormat format) const override {
+                                   OutputFormat format, const Execution&) const override {
     std::string text = nlohmann::json{{"asset", {{"version", "2.0"}}},
                                       {"nodes",
                                        {{{"extras",

@@ -98,7 +98,8 @@ TEST(UniteNear, IsThatOfAllPairs) {
     for (std::uint64_t i = 0; i < count; ++i) {
       Vec3d p;
       for (int a = 0; a < 3; ++a)  // a lattice has many pairs at exactly the tolerance
-        p[a] = kind == 0 ? static_cast<double>(random.below(8)) : random.uniform() * (kind == a ? 0.01 : 4);
+        p[a] = kind == 0 ? static_cast<double>(random.below(8))
+                         : random.uniform() * (kind == static_cast<unsigned>(a) ? 0.01 : 4);
       p = scale * (p + Vec3d{far, 0, far});
       const Vec3f q{static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
       if (std::find(points.begin(), points.end(), q) == points.end()) points.push_back(q);

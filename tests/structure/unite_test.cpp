@@ -130,7 +130,9 @@ TEST(VolumeSigns, AreThoseOfTheJoinedPiecesInTheFileWhereTheyAreKnown) {
       const int in_file =
           file_volume(assemble(cut.restricted, cut.ownership, joined, Pivot::kCenterOfMass, {})).sign;
       const int known = signs.of(name);
-      if (known != 0) EXPECT_EQ(known, in_file);
+      if (known != 0) {
+        EXPECT_EQ(known, in_file);
+      }
       ++(known < 0 ? negative : known > 0 ? positive : unknown);
     }
   }
