@@ -191,11 +191,11 @@ class Assembler {
     const auto& wedges = d_.solid.wedges[triangle];
     if (v < d_.cuts.first_b()) {
       const std::uint32_t wedge = wedges[corners[0] == v ? 0 : corners[1] == v ? 1 : 2];
-      // Mostly a wedge stands at one place. Where a file has a sheet from both sides over the same wedges,
-      // the slab that it became has them at its front and at its back.
+      // Mostly a wedge is that of one vertex. Where fans of triangles share it, each has a vertex of its own;
+      // where a file has a sheet from both sides over the same wedges, its slab has them at front and back.
       std::uint32_t& first = s_.of_wedge.slot(wedge);
       for (std::uint32_t k = first; k != kNoIndex; k = k < s_.next.size() ? s_.next[k] : kNoIndex)
-        if (d_.solid.positions[ids_[k]] == d_.solid.positions[v]) return k;
+        if (ids_[k] == v) return k;
       const std::uint32_t fresh = add(v, {VertexSource::kWedge, wedge, 0});
       if (first != kNoIndex) {
         s_.next.resize(fresh + 1, kNoIndex);

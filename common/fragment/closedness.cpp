@@ -33,11 +33,8 @@ std::vector<std::uint32_t> weld(const std::vector<Vec3f>& positions, Pacer& pace
   return first;
 }
 
-}  // namespace
-
-Closedness closedness(const Fragment& f, const Execution& execution) {
-  Pacer pacer(execution);
-  const std::vector<std::uint32_t> at = weld(f.positions, pacer);
+/// Counts edges between `at`, the vertex that stands for each vertex.
+Closedness count_edges(const Fragment& f, const std::vector<std::uint32_t>& at, Pacer& pacer) {
   // Undirected edge -> uses, and uses forwards minus backwards.
   struct Entry {
     std::uint64_t key = ~0ull;
@@ -67,18 +64,26 @@ Closedness closedness(const Fragment& f, const Execution& execution) {
   return c;
 }
 
+}  // namespace
+
+Closedness closedness(const Fragment& f, const Execution& execution) {
+  Pacer pacer(execution);
+  return count_edges(f, weld(f.positions, pacer), pacer);
+}
+
 std::uint64_t open_edges(const Fragment& f, const Execution& execution) {
   Pacer pacer(execution);
-  // Two hashes of each position: equal positions weld by themselves. A directed edge a -> b counts
-  // u_a w_b - u_b w_a, so that it cancels its opposite; around a triangle the three terms are one cross
-  // product.
+  // Two hashes of each vertex's topological vertex. A directed edge a -> b counts u_a w_b - u_b w_a, so that
+  // it cancels its opposite; around a triangle the three terms are one cross product.
   struct Hash {
     std::uint64_t u, w;
   };
   std::vector<Hash> at(f.positions.size());
+  std::uint64_t misplaced = 0;
   pacer.each(0, at.size(), [&](std::size_t v) {
-    const Vec3f& p = f.positions[v];
-    const std::uint64_t h = mix(mix(bits(p.x) | static_cast<std::uint64_t>(bits(p.y)) << 32) + bits(p.z) + 1);
+    const std::uint32_t t = f.topology[v];
+    misplaced += !(f.positions[v] == f.positions[t]);
+    const std::uint64_t h = mix(t + 0x9e3779b97f4a7c15ull);
     at[v] = {h ^ (h >> 29), h | 1};
   });
   std::uint64_t sum = 0;
@@ -87,7 +92,9 @@ std::uint64_t open_edges(const Fragment& f, const Execution& execution) {
     const Hash &a = at[k[0]], &b = at[k[1]], &c = at[k[2]];
     sum += (b.u - a.u) * (c.w - a.w) - (c.u - a.u) * (b.w - a.w);
   });
-  return sum == 0 ? 0 : closedness(f, execution).open_edges;
+  if (sum == 0 && misplaced == 0) return 0;
+  return std::max(
+      {misplaced, count_edges(f, f.topology, pacer).open_edges, closedness(f, execution).open_edges});
 }
 
 }  // namespace fracture

@@ -1,7 +1,7 @@
 // Does an answer prove itself? Judged on every answer, from the float arrays that the file will hold; one
 // that does not hold is an error (kUnsound), never an answer.
 //
-//   I1  every fragment is closed, equal positions welded            open_edges() of each fragment
+//   I1  every fragment is closed, in its topology and welded        open_edges() of each fragment
 //   I2  every cap triangle has one mirror image in world bits       mirror_sum() of all fragments cancels
 //       volumes before rounding add up                              to 1e-9 of the shells' absolute volumes
 //       volumes in the file add up                                  to (h + 2^-24 size) x exterior area

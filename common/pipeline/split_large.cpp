@@ -23,7 +23,9 @@ Expected<SplitFigures> split_large(const Solid& solid, const Solid& seen, Diagra
         gather_pieces(restricted, Ownership::from_groups(t.site_count(), {}, execution), execution);
     std::vector<std::uint32_t> wanted(t.site_count(), 0);
     figures.too_large = 0;
+    Pacer pacer(execution);
     for (const Piece& p : pieces.pieces) {
+      pacer.step(4 + p.faces.size());
       const double volume = signed_volume(restricted, p.faces.data(), p.faces.size(),
                                           restricted.point(p.faces[0].v[0]), execution);
       if (!(volume > max_volume)) continue;
@@ -43,7 +45,6 @@ Expected<SplitFigures> split_large(const Solid& solid, const Solid& seen, Diagra
     Expected<std::vector<Vec3d>> points =
         uniform_sites(seen, count, seed ^ (0x9e3779b97f4a7c15ull * figures.passes), execution);
     if (!points) return tl::unexpected(points.error());
-    Pacer pacer(execution);
     SiteId cell = 0;
     for (const Vec3d& p : *points) {
       pacer.step(256);  // a walk

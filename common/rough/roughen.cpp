@@ -40,10 +40,13 @@ double size_of(const Solid& solid) {
 }
 
 template <class Wanted>
-double area_of(const Caps& caps, const VertexPositions& positions, const Wanted& wanted) {
+double area_of(const Caps& caps, const VertexPositions& positions, const Wanted& wanted,
+               const Execution& execution) {
+  Pacer pacer(execution);
   const auto at = [&](VertexId v) { return positions.points[v - positions.first_constructed]; };
   double twice = 0;
   for (const CapRegion& r : caps.regions) {
+    pacer.step(1 + r.triangle_count);
     if (!wanted(r.lo, r.hi)) continue;
     for (std::uint32_t k = r.first_triangle; k < r.first_triangle + r.triangle_count; ++k) {
       const auto& t = caps.triangles[k];
@@ -55,12 +58,16 @@ double area_of(const Caps& caps, const VertexPositions& positions, const Wanted&
 
 /// Of the pieces of Voronoi edges that wanted caps share, each as often as it has caps: at least its length.
 template <class Wanted>
-double length_of_edges(const Winding& winding, const VertexPositions& positions, const Wanted& wanted) {
+double length_of_edges(const Winding& winding, const VertexPositions& positions, const Wanted& wanted,
+                       const Execution& execution) {
+  Pacer pacer(execution);
   double sum = 0;
-  for (const CapSegment& s : winding.segments)
+  for (const CapSegment& s : winding.segments) {
+    pacer.step();
     if (wanted(s.lo, s.hi))
       sum += length(positions.points[s.to - positions.first_constructed] -
                     positions.points[s.from - positions.first_constructed]);
+  }
   return sum;
 }
 
@@ -77,8 +84,10 @@ class Mover {
  public:
   /// `seen`: per triangle; those inside a fragment are no cuts and in nobody's way.
   Mover(const VoronoiDiagram& diagram, const Caps& caps, const std::vector<char>& seen,
-        VertexPositions& positions, std::size_t fixed)
-      : diagram_(diagram),
+        VertexPositions& positions, std::size_t fixed, const Execution& execution)
+      : execution_(execution),
+        pacer_(execution),
+        diagram_(diagram),
         caps_(caps),
         seen_(seen),
         positions_(positions),
@@ -88,14 +97,16 @@ class Mover {
         surface_(flat_.size(), 0),
         share_(flat_.size(), 1),
         moved_(flat_.size(), 0) {
-    for (std::size_t v = fixed_; v < flat_.size(); ++v)  // coinciding vertices stay together
+    pacer_.each(fixed_, flat_.size(), [&](std::size_t v) {  // coinciding vertices stay together
       flat_[v] = positions_.lattice.to_world(positions_.steps[v]);
+    });
   }
 
   /// Before move(): vertices of restrained caps get their share of the movement.
-  void restrain(const Restraints& restraints, const Execution& execution) {
-    find_coinciding(execution);
+  void restrain(const Restraints& restraints) {
+    find_coinciding();
     for (const CapRegion& r : caps_.regions) {
+      pacer_.step(8 + r.triangle_count);
       const Restraint restraint = restraint_of(restraints, r.lo, r.hi);
       if (restraint == Restraint::kNone || r.triangle_count == 0 || !seen_[r.first_triangle]) continue;
       const double share = restraint == Restraint::kLess ? kLessAmplitude : 0;
@@ -105,13 +116,15 @@ class Mover {
           of_leader = std::fmin(of_leader, share);
         }
     }
-    for (std::size_t v = fixed_; v < share_.size(); ++v) share_[v] = share_[leader_[v]];
+    pacer_.each(fixed_, share_.size(), [&](std::size_t v) { share_[v] = share_[leader_[v]]; });
   }
 
-  void move(const Displacement& displacement, const SurfaceTree& outside, const Execution& execution) {
-    parallel_for(execution, flat_.size() - fixed_, 256, [&](std::size_t begin, std::size_t end) {
+  void move(const Displacement& displacement, const SurfaceTree& outside) {
+    parallel_for(execution_, flat_.size() - fixed_, 256, [&](std::size_t begin, std::size_t end) {
+      Pacer pacer(execution_);
       for (std::size_t v = fixed_ + begin; v < fixed_ + end; ++v) {
-        surface_[v] = outside.distance(flat_[v], displacement.reach());
+        pacer.step(4);
+        surface_[v] = outside.distance(flat_[v], displacement.reach(), pacer);
         moves_[v] = displacement.at(flat_[v], surface_[v]);
         place(v);
       }
@@ -120,44 +133,44 @@ class Mover {
 
   /// Returns how many pairs of triangles cross at the end; nothing where too many would have to be looked at:
   /// then everything is back in its place.
-  std::optional<std::uint64_t> calm(const SurfaceTree& outside, const Execution& execution) {
-    find_coinciding(execution);
+  std::optional<std::uint64_t> calm(const SurfaceTree& outside) {
+    find_coinciding();
     const Vec3d step = positions_.lattice.step();
     const double tolerance = kLeastCrossing * std::fmax(step.x, std::fmax(step.y, step.z));
     Crossings crossings(
         {caps_.triangles, seen_, positions_.first_constructed, positions_.points, moved_, surface_}, outside,
-        tolerance, execution);
+        tolerance, execution_);
     std::vector<char> suspects, bad;
     std::optional<std::uint64_t> pairs = 0;
     for (int round = 0; round < kMostRounds; ++round) {
-      pairs = crossings.find(suspects, bad, execution);
+      pairs = crossings.find(suspects, bad, execution_);
       if (!pairs) {
-        for (std::size_t v = fixed_; v < flat_.size(); ++v) {
+        pacer_.each(fixed_, flat_.size(), [&](std::size_t v) {
           share_[v] = 0;
           place(v);
-        }
+        });
         break;
       }
-      execution.poll();
       add_turned_over(tolerance, bad);
-      execution.poll();
       std::vector<char> calmed(flat_.size(), 0);
-      for (std::size_t t = 0; t < bad.size(); ++t)
+      pacer_.each(0, bad.size(), [&](std::size_t t) {
         if (bad[t])
           for (const VertexId id : caps_.triangles[t])
             if (const std::size_t v = id - positions_.first_constructed; moved_[v]) calmed[leader_[v]] = 1;
+      });
       bool any = false;
-      for (std::size_t v = fixed_; v < flat_.size(); ++v) {
-        if (!calmed[leader_[v]]) continue;
+      pacer_.each(fixed_, flat_.size(), [&](std::size_t v) {
+        if (!calmed[leader_[v]]) return;
         calmed[v] = 1;
         any = true;
         share_[v] = round < kHalvingRounds ? 0.5 * share_[v] : 0;
         place(v);
-      }
+      });
       if (!any) break;
       suspects.assign(caps_.triangles.size(), 0);
-      for (std::size_t t = 0; t < suspects.size(); ++t)
+      pacer_.each(0, suspects.size(), [&](std::size_t t) {
         for (const VertexId id : caps_.triangles[t]) suspects[t] |= calmed[id - positions_.first_constructed];
+      });
     }
     return pairs;
   }
@@ -179,24 +192,28 @@ class Mover {
   }
 
   /// Vertices at the same place under several keys (lattices of sites) stay together.
-  void find_coinciding(const Execution& execution) {
+  void find_coinciding() {
     leader_.resize(flat_.size());
     std::vector<std::uint32_t> order;
-    for (std::uint32_t v = 0; v < leader_.size(); ++v) {
+    order.reserve(flat_.size() - fixed_);
+    pacer_.each(0, leader_.size(), [&](std::size_t n) {
+      const auto v = static_cast<std::uint32_t>(n);
       leader_[v] = v;
       if (v >= fixed_) order.push_back(v);
-    }
-    sort_with_polls(execution, order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    });
+    sort_with_polls(execution_, order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
       return flat_[a] == flat_[b] ? a < b : lexicographic_less(flat_[a], flat_[b]);
     });
-    for (std::size_t k = 1; k < order.size(); ++k)
+    pacer_.each(1, order.size(), [&](std::size_t k) {
       if (flat_[order[k]] == flat_[order[k - 1]]) leader_[order[k]] = leader_[order[k - 1]];
+    });
   }
 
   /// Triangles that face away from their facet's normal, but did not when they were flat. Those that are no
   /// higher than the tolerance have no side.
-  void add_turned_over(double tolerance, std::vector<char>& bad) const {
+  void add_turned_over(double tolerance, std::vector<char>& bad) {
     for (const CapRegion& region : caps_.regions) {
+      pacer_.step(8 + region.triangle_count);
       if (region.triangle_count == 0 || !seen_[region.first_triangle]) continue;
       const Vec3d u = diagram_.facet_normal(region.lo, region.hi);
       for (std::uint32_t t = region.first_triangle; t < region.first_triangle + region.triangle_count; ++t) {
@@ -217,6 +234,8 @@ class Mover {
     }
   }
 
+  const Execution& execution_;
+  Pacer pacer_;
   const VoronoiDiagram& diagram_;
   const Caps& caps_;
   const std::vector<char>& seen_;
@@ -244,7 +263,7 @@ RoughReport roughen(const Solid& solid, const VoronoiDiagram& diagram, const Sur
     return parts(lo, hi) && restraint_of(restraints, lo, hi) != Restraint::kFlat;
   };
   const auto plain = [&](SiteId lo, SiteId hi) { return parts(lo, hi) && !wanted(lo, hi); };
-  const double size = size_of(solid), area = area_of(caps, positions, parts);
+  const double size = size_of(solid), area = area_of(caps, positions, parts, execution);
   report.asked = roughness.amplitude * size;
   report.amplitude = std::fmin(report.asked, kMostSteepness / roughness.frequency * size);
   if (!(area > 0)) return report;
@@ -253,9 +272,10 @@ RoughReport roughen(const Solid& solid, const VoronoiDiagram& diagram, const Sur
   // An equilateral triangle of side l has 0.433 l² of area; edges have ends of their own; and what is shorter
   // than the lattice is rounded away.
   const Vec3d step = positions.lattice.step();
-  const double least = std::fmax(std::sqrt(area / (0.433 * kMostRoughTriangles)),
-                                 std::fmax(length_of_edges(winding, positions, parts) / kMostRoughTriangles,
-                                           kLeastSteps * std::fmax(step.x, std::fmax(step.y, step.z))));
+  const double least =
+      std::fmax(std::sqrt(area / (0.433 * kMostRoughTriangles)),
+                std::fmax(length_of_edges(winding, positions, parts, execution) / kMostRoughTriangles,
+                          kLeastSteps * std::fmax(step.x, std::fmax(step.y, step.z))));
   if (least > report.length) report.length = rounded_up(least);
   positions.flat_steps = positions.steps;
   refine_caps(diagram, winding, report.length, {wanted, plain}, caps, positions, execution);
@@ -269,10 +289,10 @@ RoughReport roughen(const Solid& solid, const VoronoiDiagram& diagram, const Sur
   for (const CapRegion& r : caps.regions)
     if (parts(r.lo, r.hi))
       std::fill_n(seen.begin() + static_cast<std::ptrdiff_t>(r.first_triangle), r.triangle_count, 1);
-  Mover mover(diagram, caps, seen, positions, cuts.edge_cuts.size() + cuts.triangle_cuts.size());
-  if (!restraints.empty()) mover.restrain(restraints, execution);
-  mover.move(displacement, outside, execution);
-  const std::optional<std::uint64_t> crossing = mover.calm(outside, execution);
+  Mover mover(diagram, caps, seen, positions, cuts.edge_cuts.size() + cuts.triangle_cuts.size(), execution);
+  if (!restraints.empty()) mover.restrain(restraints);
+  mover.move(displacement, outside);
+  const std::optional<std::uint64_t> crossing = mover.calm(outside);
   report.crossing = crossing.value_or(0);
   report.given_up = !crossing;
   report.calmed = mover.calmed();

@@ -57,9 +57,10 @@ double distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, cons
 SurfaceTree::SurfaceTree(const Solid& solid, const Execution& execution)
     : corners_(corners_of(solid, execution)), tree_(boxes_of(corners_, execution), execution) {}
 
-double SurfaceTree::distance(const Vec3d& p, double most) const {
+double SurfaceTree::distance(const Vec3d& p, double most, Pacer& pacer) const {
   double least = most;
   return tree_.nearest(p, most, [&](std::uint32_t triangle) {
+    pacer.step();
     const auto& [a, b, c] = corners_[triangle];
     // Cheaper than the distance: that to the plane, where it is too far already.
     const Vec3d n = cross(b - a, c - a);

@@ -19,8 +19,8 @@ class SurfaceTree {
   /// Throws Interrupted.
   explicit SurfaceTree(const Solid& solid, const Execution& execution = {});
 
-  /// min(distance from p to the surface, most), m.
-  double distance(const Vec3d& p, double most) const;
+  /// min(distance from p to the surface, most), m. Throws Interrupted.
+  double distance(const Vec3d& p, double most, Pacer& pacer) const;
   /// visit(triangle) for every one whose box overlaps.
   template <class Visit>
   void each_near(const Box& box, const Visit& visit) const {

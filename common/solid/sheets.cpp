@@ -118,6 +118,10 @@ class Thickener {
   /// ones are tried.
   static constexpr std::uint64_t kWorkLost = 64;
 
+  bool is_in_front(TriangleId t, TriangleId seed) const {
+    return t < front_of_.size() && front_of_[t] == seed;
+  }
+
   bool place_back_vertices(const std::vector<TriangleId>& front) {
     std::vector<VertexId> vertices;
     for (const TriangleId t : front) {
@@ -148,11 +152,16 @@ class Thickener {
                  static_cast<float>(q.z) + 0.0f};
       if (back[i] == p) return false;
     }
-    for (const TriangleId t : front) {  // rounding must not merge corners of a back triangle
+    // Rounding must not merge corners of a back triangle, nor the ends of both diagonals of a wall.
+    for (const TriangleId t : front) {
       pacer_.step(4);
-      for (int k = 0; k < 3; ++k)
-        if (back[index(surface_.triangles[t][k])] == back[index(surface_.triangles[t][(k + 1) % 3])])
+      for (int k = 0; k < 3; ++k) {
+        const VertexId from = surface_.triangles[t][k], to = surface_.triangles[t][(k + 1) % 3];
+        const bool is_rim = !is_in_front(surface_.twin[3 * t + k] / 3, front_of_[t]);
+        if (back[index(from)] == back[index(to)] || (is_rim && back[index(from)] == surface_.positions[to] &&
+                                                     back[index(to)] == surface_.positions[from]))
           return false;
+      }
     }
     make_room(execution_, surface_.positions, vertices.size());
     for (std::size_t i = 0; i < vertices.size(); ++i) {
@@ -179,7 +188,7 @@ class Thickener {
     const auto position_in = [&](TriangleId t) {
       return static_cast<std::size_t>(std::lower_bound(front.begin(), front.end(), t) - front.begin());
     };
-    const auto inside = [&](HalfEdge h) { return h / 3 < front_of_.size() && front_of_[h / 3] == seed; };
+    const auto inside = [&](HalfEdge h) { return is_in_front(h / 3, seed); };
     std::size_t rim = 0;
     const std::vector<HalfEdge> old_twin = [&] {
       std::vector<HalfEdge> twins;
@@ -228,7 +237,12 @@ class Thickener {
       throw InternalError("sheets: a back triangle does not face its front");
     };
 
-    std::vector<std::pair<HalfEdge, TriangleId>> walls;  // rim half-edge, its first wall triangle; ascending
+    // A wall of two triangles stands on each rim half-edge u -> v.
+    struct Wall {
+      HalfEdge rim;
+      HalfEdge at_begin, at_end;  ///< u -> its back, back of v -> v: what the neighbours' walls are glued to
+    };
+    std::vector<Wall> walls;  // by rim, ascending
     for (const TriangleId t : front) {
       pacer_.step(8);
       for (HalfEdge h = 3 * t; h < 3 * t + 3; ++h) {
@@ -237,23 +251,34 @@ class Thickener {
           continue;
         }
         const VertexId u = surface_.from(h), v = surface_.to(h);
-        const TriangleId first = append({v, u, back_vertex_[u]}, kNoIndex, false);
-        const TriangleId second = append({v, back_vertex_[u], back_vertex_[v]}, kNoIndex, false);
-        glue(3 * first, h);
-        glue(3 * first + 2, 3 * second);
-        glue(3 * second + 1, back_of(h));
-        walls.emplace_back(h, first);
+        const VertexId bu = back_vertex_[u], bv = back_vertex_[v];
+        if (surface_.positions[bu] != surface_.positions[v]) {
+          const TriangleId first = append({v, u, bu}, kNoIndex, false);
+          const TriangleId second = append({v, bu, bv}, kNoIndex, false);
+          glue(3 * first, h);
+          glue(3 * first + 2, 3 * second);
+          glue(3 * second + 1, back_of(h));
+          walls.push_back({h, 3 * first + 1, 3 * second + 2});
+        } else {  // the ends of that diagonal are one place
+          const TriangleId first = append({v, u, bv}, kNoIndex, false);
+          const TriangleId second = append({u, bu, bv}, kNoIndex, false);
+          glue(3 * first, h);
+          glue(3 * first + 1, 3 * second + 2);
+          glue(3 * second + 1, back_of(h));
+          walls.push_back({h, 3 * second, 3 * first + 2});
+        }
       }
     }
-    for (const auto& [h, wall] : walls) {
-      HalfEdge p = previous(h);  // the rim half-edge that ends where h begins, around the same fan
+    for (const Wall& wall : walls) {
+      HalfEdge p = previous(wall.rim);  // becomes the rim half-edge that ends where this one begins
       for (HalfEdge twin = twin_of(p); twin != kNoIndex; twin = twin_of(p)) {
         pacer_.step(2);
         p = previous(twin);
       }
       pacer_.step(2);
-      const auto neighbour = std::lower_bound(walls.begin(), walls.end(), std::pair{p, TriangleId{0}});
-      glue(3 * wall + 1, 3 * (neighbour->second + 1) + 2);
+      const auto neighbour = std::lower_bound(walls.begin(), walls.end(), p,
+                                              [](const Wall& w, HalfEdge h) { return w.rim < h; });
+      glue(wall.at_begin, neighbour->at_end);
     }
   }
 

@@ -2,7 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
+#include <set>
 
 #include "common/fragment/closedness.hpp"
 #include "common/fragment/mass_properties.hpp"
@@ -25,7 +28,7 @@ FragmentSet fracture_at(const Mesh& mesh, std::vector<Vec3d> points) {
   p.pattern = PointsPattern{std::move(points)};
   StageTimings timings;
   const Expected<Solid> solid = make_solid(std::make_shared<Mesh>(mesh), {}, {});
-  return *fracture(*solid, *make_diagram(*solid, p, {}, timings), p, {}, timings);
+  return fracture(*solid, *make_diagram(*solid, p, {}, timings), p, {}, timings).value();
 }
 
 TEST(MassIntegral, BoxHasItsTextbookInertia) {
@@ -83,6 +86,71 @@ TEST(Closedness, CountsOpenAndPinchedEdges) {
   f.indices = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3, 0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
   EXPECT_EQ(closedness(f).open_edges, 0u);
   EXPECT_EQ(closedness(f).pinched_edges, 6u);
+}
+
+TEST(Closedness, OfAnAnswerIsThatOfTopologyAndPositions) {
+  Fragment f;
+  f.positions = {
+      {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}};  // vertex 4 stands on vertex 0: a seam
+  f.indices = {4, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
+  f.topology = {0, 1, 2, 3, 0};
+  EXPECT_EQ(open_edges(f), 0u);
+  f.topology = {0, 1, 2, 3, 4};
+  EXPECT_EQ(open_edges(f), 4u) << "1-4, 4-2 and what is opposite";
+  f.topology = {0, 1, 2, 3, 0};
+  f.positions[4] = {0, 0, -1};
+  EXPECT_GT(open_edges(f), 0u) << "closed in its topology, but vertex 4 is not where vertex 0 is";
+}
+
+/// The surface of unit cells, two triangles for each face between inside and outside; equal positions are one
+/// vertex.
+Mesh surface_of_cells(const std::vector<std::array<int, 3>>& cells) {
+  Mesh mesh;
+  std::map<std::array<int, 3>, std::uint32_t> vertex_at;
+  const std::set<std::array<int, 3>> inside(cells.begin(), cells.end());
+  for (const auto& cell : cells)
+    for (int axis = 0; axis < 3; ++axis)
+      for (const int side : {0, 1}) {
+        auto neighbor = cell;
+        neighbor[axis] += side == 0 ? -1 : 1;
+        if (inside.contains(neighbor)) continue;
+        std::array<std::uint32_t, 4> corner;
+        for (int k = 0; k < 4; ++k) {  // around the face, seen against the axis
+          auto at = cell;
+          at[axis] += side;
+          at[(axis + 1) % 3] += k == 1 || k == 2;
+          at[(axis + 2) % 3] += k >= 2;
+          const auto [it, fresh] =
+              vertex_at.try_emplace(at, static_cast<std::uint32_t>(mesh.positions.size()));
+          if (fresh)
+            mesh.positions.push_back(
+                {static_cast<float>(at[0]), static_cast<float>(at[1]), static_cast<float>(at[2])});
+          corner[side == 1 ? k : 3 - k] = it->second;
+        }
+        mesh.triangles.push_back({corner[0], corner[1], corner[2]});
+        mesh.triangles.push_back({corner[0], corner[2], corner[3]});
+      }
+  return mesh;
+}
+
+// The ends of a chain of cells touch in the point (1, 1, 1): two fans of triangles around one vertex of the
+// file, of which one has a second vertex there. The solid has a vertex for each fan; so must the fragment.
+TEST(Fragments, FansThatShareAVertexOfTheFileStayApart) {
+  Mesh mesh = surface_of_cells(
+      {{0, 0, 0}, {-1, 0, 0}, {-1, 0, 1}, {-1, 0, 2}, {0, 0, 2}, {1, 0, 2}, {1, 1, 2}, {1, 1, 1}});
+  const Vec3f pinch{1, 1, 1};
+  const auto is_pinch = [&](std::uint32_t v) { return mesh.positions[v] == pinch; };
+  const auto second = static_cast<std::uint32_t>(mesh.positions.size());
+  const auto of_last_cell = std::find_if(mesh.triangles.rbegin(), mesh.triangles.rend(), [&](const auto& t) {
+    return std::any_of(t.begin(), t.end(), is_pinch);
+  });
+  ASSERT_NE(of_last_cell, mesh.triangles.rend());
+  std::replace_if(of_last_cell->begin(), of_last_cell->end(), is_pinch, second);
+  mesh.positions.push_back(pinch);
+  mesh.attributes.uvs.assign(1, std::vector<Vec2f>(mesh.positions.size(), Vec2f{0, 0}));
+  const FragmentSet set = fracture_at(mesh, {{0, 0, 0}});
+  ASSERT_EQ(set.fragments.size(), 1u);
+  EXPECT_EQ(set.fragments[0].open_edges, 0u);
 }
 
 TEST(Fragments, TwoHalvesOfACubeShareOneSquareBond) {

@@ -31,6 +31,7 @@ TEST(DistanceToTriangle, KnowsCornersEdgesAndTheFace) {
 }
 
 TEST(SurfaceTree, DistanceIsThatOfTheNearestTriangleUpToTheMost) {
+  Pacer pacer(kUninterrupted);
   for (const Mesh& mesh : {torus(24, 12), box({0, 0, 0}, {3, 0.1, 2}, 2), tetrahedron()}) {
     const Solid solid = *make_solid(std::make_shared<Mesh>(mesh), {}, {});
     const SurfaceTree surface(solid);
@@ -43,7 +44,7 @@ TEST(SurfaceTree, DistanceIsThatOfTheNearestTriangleUpToTheMost) {
           const auto [a, b, c] = surface.corners(t);
           least = std::min(least, distance_to_triangle(p, a, b, c));
         }
-        EXPECT_NEAR(surface.distance(p, reach), least, 1e-12);
+        EXPECT_NEAR(surface.distance(p, reach, pacer), least, 1e-12);
       }
     }
   }

@@ -119,6 +119,20 @@ TEST(Thickness, ABentSheetFollowsItsNormals) {
   EXPECT_NEAR(solid->report.volume, exact, 0.01 * exact);
 }
 
+// Float32 has 1/256 here: the back of a large triangle's corner u falls on the corner v of a narrow
+// neighbour, one thickness behind u, and the wall on their edge u -> v needs its other diagonal.
+TEST(Thickness, AWallWhoseDiagonalRoundsToAPointTakesTheOther) {
+  constexpr float kFar = 32768;
+  Mesh mesh;
+  mesh.positions = {
+      {kFar, kFar, kFar}, {kFar, kFar + 1000, kFar}, {kFar, kFar, kFar + 1000}, {kFar - 1, kFar, kFar}};
+  mesh.triangles = {{0, 1, 2}, {1, 0, 3}};
+  const Expected<Solid> solid = solid_of(mesh, 1);
+  ASSERT_TRUE(solid) << solid.error().detail;
+  EXPECT_EQ(solid->report.sheets_thickened, 1u);
+  EXPECT_NO_THROW(solid->validate());
+}
+
 TEST(Thickness, TooThinForFloat32IsRefused) {
   EXPECT_FALSE(solid_of(translated(open_quad(), {1000, 1000, 1000}), 1e-6));
 }
