@@ -133,7 +133,7 @@ void unite_without_volume(Assembly& assembly, const std::vector<std::uint32_t>& 
 
 FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownership, Pivot pivot,
                            const SizeLimits& limits, const Execution& execution) {
-  const Pieces pieces = gather_pieces(d, ownership, execution);
+  Pieces pieces = gather_pieces(d, ownership, execution);
   const std::size_t n = pieces.pieces.size();
   FragmentSet out;
   out.source = d.solid.source;
@@ -186,6 +186,7 @@ FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownershi
   certificate.crossing_caps = d.caps.crossing;
 
   state_lattice(d, out);
+  clear_with_polls(execution, pieces.pieces);
   return out;
 }
 

@@ -121,6 +121,9 @@ Pieces gather_pieces(const RestrictedDiagram& d, const Ownership& ownership, con
       out.pieces.push_back({{o}, c.part, island, std::move(c.faces), std::move(c.bodies)});
     }
   }
+  clear_with_polls(execution, found);
+  clear_with_polls(execution, polygons);
+  clear_with_polls(execution, caps);
   return out;
 }
 

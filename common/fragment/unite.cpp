@@ -152,6 +152,12 @@ class SmallestFirst {
     return {g, with};
   }
 
+  /// Gives the memory back, which takes a while for a hundred thousand groups. Nothing may follow.
+  void release(const Execution& execution) {
+    clear_with_polls(execution, touches_);
+    for (; !order_.empty(); order_.erase(order_.begin())) pacer_.step();
+  }
+
  private:
   void move_contacts(std::uint32_t kept, std::uint32_t gone, std::uint32_t name) {
     if (touches_[kept].size() < touches_[gone].size()) std::swap(kept, gone);
@@ -281,6 +287,7 @@ SizeFigures unite_by_size(const RestrictedDiagram& d, const Pieces& pieces, cons
     unions.emplace_back(group, with);
     if (small || many) needed = unions.size();
   }
+  order.release(execution);
 
   if (limits.max_triangles > 0) {
     TriangleCount triangles(d, pieces, groups, unions, execution);

@@ -19,7 +19,7 @@ Expected<SplitFigures> split_large(const Solid& solid, const Solid& seen, Diagra
     const VoronoiDiagram voronoi(t, seen.box, diagram.map, execution);
     const Allowance::Temporary temporary(execution.allowance);  // what the pass makes goes with it
     const RestrictedDiagram restricted = restrict_to_solid(solid, seen, voronoi, execution);
-    const Pieces pieces =
+    Pieces pieces =
         gather_pieces(restricted, Ownership::from_groups(t.site_count(), {}, execution), execution);
     std::vector<std::uint32_t> wanted(t.site_count(), 0);
     figures.too_large = 0;
@@ -35,6 +35,7 @@ Expected<SplitFigures> split_large(const Solid& solid, const Solid& seen, Diagra
       const double parts = std::ceil(std::min(1e6, 1.3 * volume / max_volume));
       wanted[p.owners[0]] += static_cast<std::uint32_t>(std::max(1.0, parts - 1));
     }
+    clear_with_polls(execution, pieces.pieces);
     if (figures.too_large == 0 || figures.passes == kMaxSplitPasses || diagram.sites.size() >= kMaxSplitSites)
       return figures;
 

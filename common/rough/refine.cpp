@@ -392,6 +392,7 @@ void refine_caps(const VoronoiDiagram& diagram, const Winding& winding, double l
   }
   caps.regions = std::move(regions);
   caps.triangles = std::move(triangles);
+  clear_with_polls(execution, refined);
 }
 
 }  // namespace fracture
