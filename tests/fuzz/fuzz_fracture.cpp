@@ -55,6 +55,8 @@ class Watched {
     }
     last_ = now;
   }
+  /// What was done since the last poll is not the library's.
+  void skip() { last_ = processor_seconds(); }
   double longest() const { return longest_; }
   const std::string& where() const { return where_; }
 
@@ -160,15 +162,20 @@ std::string word_of(const Error& error, Violations& violations) {
 
 /// A hit on an answer: the same as everything from nothing.
 Outcome run_hits(const Solid& solid, const FractureParameters& parameters, const test::Whole& whole,
-                 const Mesh& surface, const Execution& execution) {
+                 const Mesh& surface, Watched& watched) {
   Outcome outcome{"sound", {}};
+  const Execution& execution = watched.execution;
   StageTimings timings;
   const Expected<KeptAnswer> before = fracture_and_keep(solid, before_hits(parameters), execution, timings);
   if (!before) return outcome.word = word_of(before.error(), outcome.violations), outcome;
+  watched.step();
   append(outcome.violations, "before the hits", judge(before->set, before_hits(parameters), whole, surface));
+  watched.skip();
   const Expected<KeptAnswer> after = fracture_delta(solid, *before->base, parameters, execution, timings);
   if (!after) return outcome.word = word_of(after.error(), outcome.violations), outcome;
+  watched.step();
   append(outcome.violations, "after the hits", judge(after->set, parameters, whole, surface));
+  watched.skip();
   if (parameters.only_changed) return outcome;
   FractureParameters from_nothing = parameters;
   from_nothing.new_hits = 0;
@@ -191,13 +198,15 @@ Outcome run_once(const FractureCase& c, Watched& watched) {
     return outcome.word = word_of(selected.error(), outcome.violations), outcome;
   Expected<Solid> solid = make_solid(std::make_shared<Mesh>(std::move(mesh)), c.parameters.solid, execution);
   if (!solid) return outcome.word = word_of(solid.error(), outcome.violations), outcome;
+  watched.step();
   solid->validate();
   test::Whole whole = measures(*solid);
+  watched.skip();
   if (!c.has_again) {
     const Mesh surface = traced_surface(*solid, whole);
-    watched.step();
+    watched.skip();
     if (parameters.new_hits > 0) {
-      Outcome hits = run_hits(*solid, parameters, whole, surface, execution);
+      Outcome hits = run_hits(*solid, parameters, whole, surface, watched);
       return hits;
     }
     const Expected<Diagram> diagram = make_diagram(*solid, parameters, execution, timings);
