@@ -93,6 +93,8 @@ Crossings::Crossings(const CapSurface& caps, const SurfaceTree& outside, double 
                      const Execution& execution)
     : caps_(caps), outside_(outside), tolerance_(tolerance), seen_(numbers_of(caps.seen)), tree_([&] {
         Pacer pacer(execution);
+        now_.reserve(seen_.size());
+        boxes_.reserve(seen_.size());
         for (std::uint32_t k = 0; k < seen_.size(); ++k) {
           pacer.step();
           now_.push_back(as_it_is(k));
