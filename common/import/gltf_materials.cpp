@@ -5,6 +5,7 @@
 #include <optional>
 #include <set>
 
+#include "common/base/json_reader.hpp"
 #include "common/import/gltf_document.hpp"
 #include "common/import/refused.hpp"
 #include "common/import/uri.hpp"
@@ -49,6 +50,30 @@ void drop_foreign_extensions(json& value) {
   } else if (value.is_array()) {
     for (json& child : value) drop_foreign_extensions(child);
   }
+}
+
+void drop_extras(json& value) {
+  if (value.is_object()) {
+    value.erase("extras");
+    for (auto& [key, child] : value.items()) drop_extras(child);
+  } else if (value.is_array()) {
+    for (json& child : value) drop_extras(child);
+  }
+}
+
+/// Whoever keeps the mesh keeps its materials as parsed JSON, which takes up to thirty times its text.
+void bound(MaterialLibrary& library, std::vector<std::string>& warnings) {
+  json* const lists[] = {&library.materials, &library.textures, &library.samplers};
+  const auto held = [&] { return json_bytes(*lists[0]) + json_bytes(*lists[1]) + json_bytes(*lists[2]); };
+  if (held() <= kMaxLibraryBytes) return;
+  for (json* list : lists) drop_extras(*list);
+  if (const std::size_t bytes = held(); bytes > kMaxLibraryBytes)
+    refuse(ErrorCode::kTooLarge,
+           "The materials take " + std::to_string(bytes) + " bytes when they are read; the limit is " +
+               std::to_string(kMaxLibraryBytes) + ".",
+           "/materials", {{"bytes", bytes}, {"limit", kMaxLibraryBytes}});
+  warnings.push_back("The extras of the materials were dropped: they hold more than " +
+                     std::to_string(kMaxLibraryBytes) + " bytes.");
 }
 
 using Remap = std::vector<std::uint32_t>;  ///< old index -> new index, or kNoIndex where dropped
@@ -204,6 +229,8 @@ MaterialLibrary read_materials(const json& document, const ViewBytes& view_bytes
   }
   library.textures = std::move(textures);
   remap_textures(library.materials, texture_map);
+
+  bound(library, warnings);
 
   std::set<std::string> used;
   for (const json* array : {&library.materials, &library.textures, &library.samplers})

@@ -32,6 +32,10 @@ struct Image {
   std::vector<std::uint8_t> bytes;
 };
 
+/// Most that the three lists of a MaterialLibrary may hold together when they are parsed (json_bytes). A
+/// scene of 10,000 materials takes a quarter of it.
+inline constexpr std::size_t kMaxLibraryBytes = 32u << 20;
+
 /// Materials in glTF's own terms: `materials[k]`, `textures[k]`, `samplers[k]` are glTF 2.0 JSON objects
 /// whose indices refer to the arrays here (a texture's "source" is an index into `images`). Importers of
 /// other formats translate into these terms, so that the exporter writes every material back with what it

@@ -12,6 +12,7 @@
 #include <system_error>
 #include <utility>
 
+#include "common/base/json_reader.hpp"
 #include "common/import/import.hpp"
 #include "server/bake/output_path.hpp"
 #include "server/bake/report.hpp"
@@ -149,8 +150,10 @@ void override_by(const nlohmann::json& object, std::vector<RawParameter>& parame
 }
 
 Expected<BakeJob> job_of_line(const std::string& line, const fs::path& folder, const BakeSource& source) {
-  const nlohmann::json json = nlohmann::json::parse(line, nullptr, false);
-  if (!json.is_object()) return wrong("it is no JSON object");
+  const auto read = read_json(line, {});
+  if (!read && read.error().kind != JsonFault::Kind::kSyntax) return wrong("it " + to_text(read.error()));
+  if (!read || !read->value.is_object()) return wrong("it is no JSON object");
+  const nlohmann::json& json = read->value;
   BakeJob job{.input = {}, .output = {}, .parameters = source.parameters};
   for (const auto& [key, value] : json.items()) {
     if (key == "input" || key == "output") {

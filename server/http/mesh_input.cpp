@@ -1,7 +1,9 @@
 #include "server/http/mesh_input.hpp"
 
 #include <algorithm>
+#include <utility>
 
+#include "common/base/json_reader.hpp"
 #include "server/http/api.hpp"
 #include "server/http/multipart.hpp"
 
@@ -9,6 +11,8 @@ namespace fracture::http {
 namespace {
 
 constexpr std::size_t kMaxParams = 1u << 20;  // bytes of the `params` part: about 30,000 points
+/// What they may hold when they are parsed: 30,000 points take a quarter of it.
+constexpr std::size_t kMaxParamsHeld = 16u << 20;
 constexpr std::size_t kMaxField = 16u << 10;  // bytes of a parameter as a field of its own
 
 /// A filename as an asset would write it: forward slashes, no leading "./".
@@ -44,22 +48,20 @@ Expected<std::vector<RawParameter>> read_params(std::string_view text, std::stri
   if (text.size() > kMaxParams)
     return fail(ErrorCode::kBadJson,
                 "The " + std::string(what) + " is over " + std::to_string(kMaxParams) + " bytes.", "params");
-  std::vector<std::string> names;
-  bool too_deep = false;
-  const auto watch = [&](int depth, nlohmann::json::parse_event_t event, nlohmann::json& parsed) {
-    if (event == nlohmann::json::parse_event_t::key && depth == 1) names.push_back(parsed.get<std::string>());
-    if (depth > 8) too_deep = true;
-    return depth <= 8;
-  };
-  const nlohmann::json document =
-      nlohmann::json::parse(text.begin(), text.end(), watch, /*allow_exceptions=*/false);
-  if (document.is_discarded() || too_deep || !document.is_object())
+  auto read = read_json(text, {.depth = 8, .bytes = kMaxParamsHeld});
+  if (!read && read.error().kind == JsonFault::Kind::kRepeated)
+    return fail(ErrorCode::kBadParameter, "The " + std::string(what) + " " + to_text(read.error()) + ".",
+                read.error().name);
+  if (!read && read.error().kind == JsonFault::Kind::kTooLarge)
+    return fail(ErrorCode::kBadJson, "The " + std::string(what) + " " + to_text(read.error()) + ".",
+                "params");
+  if (!read || !read->value.is_object())
     return fail(ErrorCode::kBadJson,
                 "The " + std::string(what) + " is not one JSON object such as {\"sites\": 50, \"seed\": 1}.",
                 "params");
   std::vector<RawParameter> given;
-  for (const std::string& name : names)
-    given.push_back({name, document.value(name, nlohmann::json()), false});
+  given.reserve(read->members.size());
+  for (const std::string& name : read->members) given.push_back({name, std::move(read->value[name]), false});
   return given;
 }
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "common/import/preflight.hpp"
+#include "common/base/json_reader.hpp"
 #include "common/import/text_encoding.hpp"
 #include "server/import_worker/byte_stream.hpp"
 
@@ -20,6 +20,9 @@ enum Kind : std::uint32_t { kMesh = 1, kError = 2 };
 /// Longest error text and most sets of UVs or colours that an import can have: glTF's readers stop long
 /// before.
 constexpr std::size_t kMaxDetail = 16 * 1024, kMaxSets = 64;
+
+/// What a parsed list may hold while it is read: a list that grows takes up to twice its final size.
+constexpr std::size_t kMaxListBytes = 2 * kMaxLibraryBytes;
 
 std::string dump(const json& value) { return value.dump(-1, ' ', false, json::error_handler_t::replace); }
 
@@ -97,12 +100,11 @@ std::vector<std::vector<T>> read_sets(ByteReader& in) {
 
 json read_json(ByteReader& in, const ImportLimits& limits) {
   const std::string text = in.text();
-  // The parser of nlohmann::json keeps a stack of its own, but everything that walks its values recurses. One
-  // level more than the file may have: the list around its objects.
-  require(preflight::check_json_depth(text, limits.max_json_depth + 8).has_value(), "a JSON is too deep");
-  json value = json::parse(text, nullptr, /*allow_exceptions=*/false);
-  require(!value.is_discarded(), "a JSON cannot be parsed");
-  return value;
+  // Everything that walks the values recurses. One level more than the file may have: the list around its
+  // objects.
+  auto read = fracture::read_json(text, {limits.max_json_depth + 8, kMaxListBytes});
+  if (!read) throw BadReply("a JSON " + to_text(read.error()));
+  return std::move(read->value);
 }
 
 json read_objects(ByteReader& in, const ImportLimits& limits) {

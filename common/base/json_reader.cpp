@@ -1,0 +1,165 @@
+#include "common/base/json_reader.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace fracture {
+namespace {
+
+using nlohmann::json;
+
+/// What malloc takes for so many bytes: a word of its own, in steps of 16, 32 at least (glibc, malloc.c).
+constexpr std::size_t allocated(std::size_t bytes) {
+  return bytes == 0 ? 0 : std::max<std::size_t>(32, (bytes + 8 + 15) / 16 * 16);
+}
+
+// A node of std::map: three pointers and a colour before the pair.
+constexpr std::size_t kMember = allocated(4 * sizeof(void*) + sizeof(json::object_t::value_type));
+constexpr std::size_t kObject = allocated(sizeof(json::object_t)), kArray = allocated(sizeof(json::array_t)),
+                      kString = allocated(sizeof(json::string_t));
+
+std::size_t text_bytes(const std::string& text) {
+  static const std::size_t kInPlace = std::string().capacity();
+  return text.capacity() > kInPlace ? allocated(text.capacity() + 1) : 0;
+}
+
+/// Builds the value as the parser finds its parts; every function returns whether to go on.
+class Builder final : public nlohmann::json_sax<json> {
+ public:
+  explicit Builder(const JsonLimits& limits) : limits_(limits) {}
+
+  bool null() override { return add(nullptr, 0); }
+  bool boolean(bool value) override { return add(value, 0); }
+  bool number_integer(number_integer_t value) override { return add(value, 0); }
+  bool number_unsigned(number_unsigned_t value) override { return add(value, 0); }
+  bool number_float(number_float_t value, const string_t&) override { return add(value, 0); }
+  bool string(string_t& value) override {
+    const std::size_t bytes = kString + allocated(value.size() + 1);
+    return add(value, bytes);
+  }
+  bool binary(binary_t&) override { return stop(JsonFault::Kind::kSyntax); }
+  bool start_object(std::size_t) override { return open(json::value_t::object, kObject); }
+  bool start_array(std::size_t) override { return open(json::value_t::array, kArray); }
+  bool end_object() override { return close(); }
+  bool end_array() override {
+    auto& values = open_.back()->get_ref<json::array_t&>();
+    bytes_ -= allocated(values.capacity() * sizeof(json));
+    values.shrink_to_fit();
+    bytes_ += allocated(values.capacity() * sizeof(json));
+    return close();
+  }
+  bool key(string_t& name) override {
+    auto& members = open_.back()->get_ref<json::object_t&>();
+    const auto [at, fresh] = members.try_emplace(name);
+    if (!fresh) {
+      fault_.name = name.substr(0, 100);
+      return stop(JsonFault::Kind::kRepeated);
+    }
+    if (open_.size() == 1) names_.push_back(name);
+    member_ = &at->second;
+    return count(kMember + text_bytes(at->first));
+  }
+  bool parse_error(std::size_t position, const std::string&, const nlohmann::detail::exception&) override {
+    fault_.byte = position;
+    return stop(JsonFault::Kind::kSyntax);
+  }
+
+  tl::expected<JsonText, JsonFault> take(bool whole) && {
+    if (!whole) return tl::unexpected<JsonFault>(std::move(fault_));
+    return JsonText{std::move(root_), std::move(names_)};
+  }
+
+ private:
+  bool stop(JsonFault::Kind kind) {
+    fault_.kind = kind;
+    return false;
+  }
+  bool count(std::size_t bytes) {
+    bytes_ += bytes;
+    return bytes_ <= limits_.bytes || stop(JsonFault::Kind::kTooLarge);
+  }
+  /// Where the next value stands: after a key, at the end of the innermost array, or alone.
+  json& place() {
+    if (open_.empty()) return root_;
+    if (!open_.back()->is_array()) return *member_;
+    auto& values = open_.back()->get_ref<json::array_t&>();
+    const std::size_t before = values.capacity();
+    json& value = values.emplace_back();
+    if (values.capacity() != before)
+      bytes_ += allocated(values.capacity() * sizeof(json)) - allocated(before * sizeof(json));
+    return value;
+  }
+  template <class Value>
+  bool add(Value&& value, std::size_t bytes) {
+    if (!count(bytes)) return false;
+    place() = std::forward<Value>(value);
+    return count(0);
+  }
+  bool open(json::value_t type, std::size_t bytes) {
+    if (open_.size() >= limits_.depth) return stop(JsonFault::Kind::kTooDeep);
+    json& value = place();
+    value = json(type);
+    open_.push_back(&value);  // stays where it is: nothing is put beside it before it is closed
+    return count(bytes);
+  }
+  bool close() {
+    open_.pop_back();
+    return true;
+  }
+
+  const JsonLimits limits_;
+  json root_;
+  std::vector<std::string> names_;
+  std::vector<json*> open_;
+  json* member_ = nullptr;
+  std::size_t bytes_ = 0;
+  JsonFault fault_;
+};
+
+}  // namespace
+
+tl::expected<JsonText, JsonFault> read_json(std::string_view text, const JsonLimits& limits) {
+  Builder builder(limits);
+  const bool whole = json::sax_parse(text.begin(), text.end(), &builder);
+  return std::move(builder).take(whole);
+}
+
+std::string to_text(const JsonFault& fault) {
+  switch (fault.kind) {
+    case JsonFault::Kind::kSyntax:
+      return "is no JSON (byte " + std::to_string(fault.byte) + ")";
+    case JsonFault::Kind::kTooDeep:
+      return "is nested too deeply";
+    case JsonFault::Kind::kTooLarge:
+      return "holds too many values";
+    case JsonFault::Kind::kRepeated:
+      return "names '" + fault.name + "' more than once";
+  }
+  return "";
+}
+
+std::size_t json_bytes(const json& value) {
+  // Values may be nested as deeply as whoever parsed them let them be; here within a list.
+  std::size_t bytes = 0;
+  std::vector<const json*> left = {&value};
+  while (!left.empty()) {
+    const json& v = *left.back();
+    left.pop_back();
+    if (const auto* text = v.get_ptr<const json::string_t*>()) {
+      bytes += kString + text_bytes(*text);
+    } else if (const auto* values = v.get_ptr<const json::array_t*>()) {
+      bytes += kArray + allocated(values->capacity() * sizeof(json));
+      for (const json& child : *values)
+        if (child.is_structured() || child.is_string()) left.push_back(&child);
+    } else if (const auto* members = v.get_ptr<const json::object_t*>()) {
+      bytes += kObject;
+      for (const auto& [name, child] : *members) {
+        bytes += kMember + text_bytes(name);
+        if (child.is_structured() || child.is_string()) left.push_back(&child);
+      }
+    }
+  }
+  return bytes;
+}
+
+}  // namespace fracture
