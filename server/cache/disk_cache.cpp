@@ -41,17 +41,15 @@ class Descriptor {
   int fd_;
 };
 
-/// The whole file; nothing when it is not there or cannot be read (errno says which).
-std::optional<std::vector<std::uint8_t>> read_file(const std::string& path) {
-  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  struct stat status {};
-  if (!file || ::fstat(file.get(), &status) != 0) return std::nullopt;
-  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(status.st_size));
+/// The first `size` bytes of the file; fewer where it has become shorter. Nothing when it cannot be read
+/// (errno says why).
+std::optional<std::vector<std::uint8_t>> read_bytes(int file, std::uint64_t size) {
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
   for (std::size_t at = 0; at < bytes.size();) {
-    const ssize_t n = ::read(file.get(), bytes.data() + at, bytes.size() - at);
+    const ssize_t n = ::read(file, bytes.data() + at, bytes.size() - at);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) return std::nullopt;
-    if (n == 0) bytes.resize(at);  // it has become shorter: the checksum will tell
+    if (n == 0) bytes.resize(at);
     at += static_cast<std::size_t>(n);
   }
   return bytes;
@@ -108,7 +106,10 @@ void DiskCache::learn_what_is_there() {
       const std::string key = file.path().filename();
       std::error_code gone;
       const std::uint64_t size = file.file_size(gone);
-      if (!gone && is_key(key) && key.substr(0, 2) == prefix)
+      if (gone || !is_key(key) || key.substr(0, 2) != prefix) continue;
+      if (size > budget_)  // of another budget, or damaged: it could only be refused again and again
+        quarantine(key);
+      else
         found.push_back({file.last_write_time(gone), {key, size}});
     }
   }
@@ -118,10 +119,18 @@ void DiskCache::learn_what_is_there() {
     files_.push_back(std::move(file));
     index_.emplace(files_.back().key, std::prev(files_.end()));
   }
+  make_room(0);  // the budget may be smaller than it was
+}
+
+std::optional<std::uint64_t> DiskCache::size_of(const std::string& key) const {
+  const std::lock_guard lock(mutex_);
+  const auto at = index_.find(key);
+  return at == index_.end() ? std::nullopt : std::optional(at->second->size);
 }
 
 std::optional<StoredEntry> DiskCache::find(const std::string& key) {
   if (!unusable_.empty() || !is_key(key)) return std::nullopt;
+  std::uint64_t size = 0;
   {
     const std::lock_guard lock(mutex_);
     const auto at = index_.find(key);
@@ -130,10 +139,22 @@ std::optional<StoredEntry> DiskCache::find(const std::string& key) {
       return std::nullopt;
     }
     files_.splice(files_.begin(), files_, at->second);
+    size = at->second->size;
   }
   errno = 0;
-  std::optional<std::vector<std::uint8_t>> bytes = read_file(path_of(key));
-  const bool gone = errno == ENOENT;
+  const Descriptor file(::open(path_of(key).c_str(), O_RDONLY | O_CLOEXEC));
+  const bool gone = !file && errno == ENOENT;
+  struct stat status {};
+  std::optional<std::vector<std::uint8_t>> bytes;
+  // Nothing is allocated before the file, the index and the entry itself agree on the size: a file that has
+  // become longer (a sparse one may have terabytes) is damage.
+  if (file && ::fstat(file.get(), &status) == 0) {
+    bytes = read_bytes(file.get(), std::min<std::uint64_t>(kEntryHeader, size));
+    if (bytes && (static_cast<std::uint64_t>(status.st_size) != size || size_of_entry(*bytes) != size))
+      bytes->clear();
+    else if (bytes)
+      bytes = ::lseek(file.get(), 0, SEEK_SET) == 0 ? read_bytes(file.get(), size) : std::nullopt;
+  }
   std::optional<StoredEntry> stored;
   if (bytes) {
     if (const auto entry = decode_entry(*bytes, key)) stored = StoredEntry{std::move(*bytes), *entry};
@@ -152,6 +173,15 @@ std::optional<StoredEntry> DiskCache::find(const std::string& key) {
   return std::nullopt;
 }
 
+void DiskCache::make_room(std::uint64_t size) {
+  while (figures_.bytes + size > budget_ && !files_.empty()) {
+    const std::string oldest = files_.back().key;
+    ::unlink(path_of(oldest).c_str());
+    forget(oldest);
+    ++figures_.evictions;
+  }
+}
+
 bool DiskCache::insert(const CacheEntry& entry) {
   const std::string key(entry.key);
   if (!unusable_.empty() || !is_key(key)) return false;
@@ -162,12 +192,7 @@ bool DiskCache::insert(const CacheEntry& entry) {
   {
     const std::lock_guard lock(mutex_);
     if (index_.count(key) > 0) return true;  // the key says what the bytes are
-    while (figures_.bytes + size > budget_ && !files_.empty()) {
-      const std::string oldest = files_.back().key;
-      ::unlink(path_of(oldest).c_str());
-      forget(oldest);
-      ++figures_.evictions;
-    }
+    make_room(size);
     temporary = folder_ + "/tmp/" + std::to_string(next_temporary_++);
   }
   const bool written = write(temporary, head, entry.payload);

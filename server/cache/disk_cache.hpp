@@ -50,7 +50,10 @@ class DiskCache {
   /// Empty when the folder can be used; else why it cannot (then every find misses and insert does nothing).
   const std::string& unusable() const { return unusable_; }
 
-  /// Keys are lower-case hex digits, at least four; nothing is found under others.
+  /// Bytes of the entry as it was written; nothing when there is none.
+  std::optional<std::uint64_t> size_of(const std::string& key) const;
+  /// Keys are lower-case hex digits, at least four; nothing is found under others. Allocates
+  /// size_of() bytes at most, whatever the file has become.
   std::optional<StoredEntry> find(const std::string& key);
   /// False when it could not be written.
   bool insert(const CacheEntry& entry);
@@ -66,6 +69,8 @@ class DiskCache {
   std::string path_of(const std::string& key) const { return folder_ + "/" + key.substr(0, 2) + "/" + key; }
   void take_over();
   void learn_what_is_there();
+  /// Evicts until `size` bytes more are within the budget.
+  void make_room(std::uint64_t size);
   void quarantine(const std::string& key);
   void forget(const std::string& key);
   bool write(const std::string& path, std::string_view head, std::span<const std::uint8_t> payload);

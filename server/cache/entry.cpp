@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cstring>
+#include <limits>
 #include <memory>
 
 namespace fracture {
@@ -63,14 +64,21 @@ std::string encode_entry_head(const CacheEntry& entry) {
   return head;
 }
 
-std::optional<CacheEntry> decode_entry(std::span<const std::uint8_t> bytes, std::string_view key) {
-  if (bytes.size() < kEntryHeader || std::memcmp(bytes.data(), kMagic, sizeof kMagic) != 0 ||
-      get<std::uint32_t>(bytes, 4) != kVersion)
+std::optional<std::uint64_t> size_of_entry(std::span<const std::uint8_t> header) {
+  if (header.size() < kEntryHeader || std::memcmp(header.data(), kMagic, sizeof kMagic) != 0 ||
+      get<std::uint32_t>(header, 4) != kVersion)
     return std::nullopt;
+  const std::uint64_t before = kEntryHeader + std::uint64_t{get<std::uint32_t>(header, 8)} +
+                               get<std::uint32_t>(header, 12),
+                      payload = get<std::uint64_t>(header, 16);
+  if (payload > std::numeric_limits<std::uint64_t>::max() - before) return std::nullopt;
+  return before + payload;
+}
+
+std::optional<CacheEntry> decode_entry(std::span<const std::uint8_t> bytes, std::string_view key) {
+  if (size_of_entry(bytes) != bytes.size()) return std::nullopt;
   const std::uint64_t key_size = get<std::uint32_t>(bytes, 8), metadata_size = get<std::uint32_t>(bytes, 12),
-                      payload_size = get<std::uint64_t>(bytes, 16), rest = bytes.size() - kEntryHeader;
-  // The sum of the first two cannot overflow; the third is compared before it is added.
-  if (payload_size > rest || key_size + metadata_size != rest - payload_size) return std::nullopt;
+                      payload_size = get<std::uint64_t>(bytes, 16);
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   CacheEntry entry{text.substr(kEntryHeader, key_size), text.substr(kEntryHeader + key_size, metadata_size),
                    bytes.last(payload_size)};

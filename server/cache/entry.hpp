@@ -15,6 +15,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -31,8 +32,14 @@ struct CacheEntry {
 
 inline constexpr std::size_t kEntryHeader = 40;
 
+/// Whether so many bytes may be held while an entry is read.
+using Room = std::function<bool(std::uint64_t bytes)>;
+
 /// Header, key and metadata; the payload has to be written behind it.
 std::string encode_entry_head(const CacheEntry& entry);
+
+/// How large the whole entry is by its first kEntryHeader bytes; nothing when they are no such header.
+std::optional<std::uint64_t> size_of_entry(std::span<const std::uint8_t> header);
 
 /// Nothing when the bytes are not exactly one intact entry of this key. Reads nothing beyond `bytes`,
 /// whatever they say.

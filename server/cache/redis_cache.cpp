@@ -119,16 +119,17 @@ RedisCache::Reply RedisCache::ask(const std::vector<std::string_view>& command) 
   return none;
 }
 
-std::optional<StoredEntry> RedisCache::find(const std::string& key) {
+std::optional<StoredEntry> RedisCache::find(const std::string& key, const Room& room) {
   const std::string name = "fracture:" + key;
   const Reply reply = ask({"GET", name});
   if (!reply) return std::nullopt;
   std::optional<StoredEntry> stored;
   const bool there = reply->type == REDIS_REPLY_STRING;
+  bool no_room = false;
   if (there && reply->len <= config_.max_value_bytes) {
     const unsigned long long size = ZSTD_getFrameContentSize(reply->str, reply->len);
     if (size != ZSTD_CONTENTSIZE_UNKNOWN && size != ZSTD_CONTENTSIZE_ERROR &&
-        size <= config_.max_entry_bytes) {
+        size <= config_.max_entry_bytes && !(no_room = room && !room(size))) {
       std::vector<std::uint8_t> bytes(size);
       if (ZSTD_decompress(bytes.data(), bytes.size(), reply->str, reply->len) == size)
         if (const auto entry = decode_entry(bytes, key)) stored = StoredEntry{std::move(bytes), *entry};
@@ -136,7 +137,7 @@ std::optional<StoredEntry> RedisCache::find(const std::string& key) {
   }
   const std::lock_guard lock(mutex_);
   ++(stored ? figures_.hits : figures_.misses);
-  if (reply->type != REDIS_REPLY_NIL && !stored) ++figures_.damaged;
+  if (reply->type != REDIS_REPLY_NIL && !stored && !no_room) ++figures_.damaged;
   return stored;
 }
 

@@ -46,7 +46,7 @@ class RedisCache {
   RedisCache(const RedisCache&) = delete;
   RedisCache& operator=(const RedisCache&) = delete;
 
-  std::optional<StoredEntry> find(const std::string& key);
+  std::optional<StoredEntry> find(const std::string& key, const Room& room = {});
   /// False when it was not stored.
   bool insert(const CacheEntry& entry);
 

@@ -6,6 +6,9 @@
 namespace fracture {
 namespace {
 
+/// An entry as it was read, and the result that is made of it.
+constexpr std::uint64_t kCopies = 2;
+
 /// The metadata of an entry: format, mesh digest, file digest as lines.
 std::string metadata_of(const FractureResult& result) {
   return std::string(result.format == OutputFormat::kGltf ? "gltf" : "glb") + "\n" + result.mesh_digest +
@@ -54,9 +57,19 @@ ResultTiers::~ResultTiers() {
   writer_.join();
 }
 
-ResultTiers::Found ResultTiers::find(const std::string& key) {
+std::optional<std::uint64_t> ResultTiers::expected_bytes(const std::string& key) const {
+  constexpr std::uint64_t kUsual = 1u
+                                   << 20;  // a game's answer; Redis says how large an entry is with the entry
+  if (const auto size = disk_ ? disk_->size_of(key) : std::nullopt) return size;
+  return redis_ ? std::optional(kUsual) : std::nullopt;
+}
+
+ResultTiers::Found ResultTiers::find(const std::string& key, const Room& room) {
   Found found;
   if (disk_) {
+    const std::optional<std::uint64_t> size = disk_->size_of(key);
+    found.no_room = size && room && !room(kCopies * *size);
+    if (found.no_room) return found;
     found.disk = CacheOutcome::kMissNotStored;
     if (const auto stored = disk_->find(key)) found.result = to_result(*stored);
     if (found.result) {
@@ -66,7 +79,11 @@ ResultTiers::Found ResultTiers::find(const std::string& key) {
   }
   if (redis_) {
     found.redis = CacheOutcome::kMissNotStored;
-    if (const auto stored = redis_->find(key)) found.result = to_result(*stored);
+    const Room room_for_it = [&](std::uint64_t bytes) {
+      found.no_room = room && !room(kCopies * bytes);
+      return !found.no_room;
+    };
+    if (const auto stored = redis_->find(key, room_for_it)) found.result = to_result(*stored);
     if (found.result) {
       found.redis = CacheOutcome::kHit;
       if (disk_) enqueue({found.result, false});

@@ -46,12 +46,17 @@ class ResultTiers {
   /// Empty, or why the disk tier cannot be used.
   const std::string& disk_problem() const { return disk_problem_; }
 
+  /// What reading the entry of this key should take, in bytes; nothing where it is known that there is none.
+  std::optional<std::uint64_t> expected_bytes(const std::string& key) const;
+
   struct Found {
     std::shared_ptr<const FractureResult> result;  ///< null: nowhere
     CacheOutcome disk = CacheOutcome::kNotConsulted, redis = CacheOutcome::kNotConsulted;
+    bool no_room = false;  ///< it is there, and was not read for lack of memory
   };
-  /// Blocks. What Redis had is written to the disk too.
-  Found find(const std::string& key);
+  /// Blocks. What Redis had is written to the disk too. `room` is asked before an entry is read whether so
+  /// many bytes may be held meanwhile; empty: always.
+  Found find(const std::string& key, const Room& room = {});
   /// Returns at once.
   void store(std::shared_ptr<const FractureResult> result);
   /// Returns when nothing is pending.
