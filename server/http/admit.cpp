@@ -139,7 +139,8 @@ std::optional<Problem> Api::refuse_overload(const RequestHead& head, const Admis
   return std::nullopt;
 }
 
-OrProblem<Terms> Api::terms_of(const RequestHead& head, const Route& route) const {
+OrProblem<Terms> Api::terms_of(const RequestHead& head, const Route& route,
+                               std::chrono::steady_clock::time_point received) const {
   Terms terms;
   terms.priority = route.priority;
   if (const std::optional<int> urgency = urgency_of(head.field("priority")))
@@ -155,7 +156,7 @@ OrProblem<Terms> Api::terms_of(const RequestHead& head, const Route& route) cons
            "Request-Timeout"}));
     time = std::min(time, std::chrono::milliseconds(static_cast<std::int64_t>(std::ceil(seconds * 1000))));
   }
-  terms.deadline = std::chrono::steady_clock::now() + time;
+  terms.deadline = received + time;
   return terms;
 }
 

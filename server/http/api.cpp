@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <exception>
 #include <new>
 
@@ -71,38 +72,61 @@ void Api::sweep_later() {
   });
 }
 
-std::optional<Problem> Api::decode(Request& request, ContentCoding coding,
-                                   const std::stop_token& gone) const {
+namespace {
+
+/// What is admitted for a body that says nothing of its size, and how much more when that was too little.
+constexpr std::uint64_t kUsualRatio = 8, kMore = 4;
+
+}  // namespace
+
+Answered Api::decode(const std::shared_ptr<Request>& request, ContentCoding coding, std::uint64_t expected,
+                     const std::stop_token& gone, const Reply& reply) {
+  OrProblem<Terms> terms = terms_of(request->head, *request->admission.route, request->received);
+  if (!terms) return tl::unexpected<Problem>(std::move(terms.error()));
+  terms->gone = gone;
+  const auto overload = dispatcher_.run(
+      expected_decoding(expected), *terms, [this, request, coding, expected, terms = *terms, reply] {
+        answering(*request, reply, [&] { return decoded(request, coding, expected, terms, reply); });
+      });
+  if (overload) return tl::unexpected<Problem>(to_problem(*overload));
+  return std::nullopt;
+}
+
+Answered Api::decoded(const std::shared_ptr<Request>& request, ContentCoding coding, std::uint64_t expected,
+                      const Terms& terms, const Reply& reply) {
   // Where less than a mesh is expected, the limit holds before and after decoding.
   const std::uint64_t limit =
-      request.admission.max_body < limits_.max_body ? request.admission.max_body : limits_.max_decoded_body;
+      request->admission.max_body < limits_.max_body ? request->admission.max_body : limits_.max_decoded_body;
   Execution execution;
-  execution.stop = gone;
-  execution.deadline = std::chrono::steady_clock::now() + limits_.deadline;
+  execution.stop = terms.gone;
+  execution.deadline = terms.deadline;
+  const auto refused = [&](Problem problem) {
+    std::string().swap(request->body);
+    request->reservation = {};
+    return tl::unexpected<Problem>(std::move(problem));
+  };
   try {
-    Decoding decoding = decode_body(request.body, coding, limit, request.reservation, execution);
-    if (decoding.no_room) return no_memory();
-    return std::move(decoding.problem);
+    execution.poll();  // it may have waited for long
+    Decoding decoding = decode_body(request->body, coding, limit, request->reservation, execution, expected);
+    if (decoding.larger) return decode(request, coding, kMore * expected, terms.gone, reply);
+    if (decoding.no_room) return refused(no_memory());
+    if (decoding.problem) return refused(std::move(*decoding.problem));
   } catch (const Interrupted& interrupted) {
-    return to_problem(to_error(interrupted));
+    return refused(to_problem(to_error(interrupted)));
   }
+  return dispatch(request, terms.gone, reply);
 }
 
 void Api::start(std::shared_ptr<Request> request, std::stop_token gone, Reply reply) {
-  const OrProblem<ContentCoding> coding = content_coding(request->head.field("content-encoding"));
-  if (!coding || *coding == ContentCoding::kIdentity || request->body.empty()) {
-    answering(*request, reply, [&] { return dispatch(request, gone, reply); });
-    return;
-  }
-  dispatcher_.run(Priority::kRealtime, [this, request, gone, reply, coding = *coding] {
-    answering(*request, reply, [&]() -> Answered {
-      if (std::optional<Problem> problem = decode(*request, coding, gone)) {
-        std::string().swap(request->body);
-        request->reservation = {};
-        return tl::unexpected<Problem>(std::move(*problem));
-      }
+  request->received = std::chrono::steady_clock::now();
+  answering(*request, reply, [&]() -> Answered {
+    const OrProblem<ContentCoding> coding = content_coding(request->head.field("content-encoding"));
+    if (!coding || *coding == ContentCoding::kIdentity || request->body.empty())
       return dispatch(request, gone, reply);
-    });
+    const std::uint64_t announced = announced_size(request->body, *coding);
+    const std::uint64_t expected = std::max<std::uint64_t>(
+        announced > 0 ? announced : kUsualRatio * request->body.size(), request->body.size());
+    return decode(request, *coding, std::min(expected, limits_.max_decoded_body), gone, reply);
   });
 }
 

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -65,8 +66,12 @@ class Api {
   /// Runs a handler and replies with what it returns, if anything; exceptions become problems.
   void answering(const Request& request, const Reply& reply,
                  const std::function<Answered()>& handle) noexcept;
-  /// Undoes the Content-Encoding of the body.
-  std::optional<Problem> decode(Request& request, ContentCoding coding, const std::stop_token& gone) const;
+  /// Undoes the Content-Encoding of the body on the pool, within so many bytes as were admitted, and goes on
+  /// with the request; or is admitted again for more.
+  Answered decode(const std::shared_ptr<Request>& request, ContentCoding coding, std::uint64_t expected,
+                  const std::stop_token& gone, const Reply& reply);
+  Answered decoded(const std::shared_ptr<Request>& request, ContentCoding coding, std::uint64_t expected,
+                   const Terms& terms, const Reply& reply);
   void write_metrics(ops::MetricWriter& writer) const;
   Answered dispatch(const std::shared_ptr<Request>& request, const std::stop_token& gone, const Reply& reply);
 
@@ -85,6 +90,8 @@ class Api {
                         std::string_view cache_status);
 
   Answered put_mesh(const std::shared_ptr<Request>& request, const std::stop_token& gone, const Reply& reply);
+  /// Keeps a mesh that was prepared, out of its body.
+  Answered store(const FractureRequest& asked, const PreparedMesh& prepared, Body& body);
   Answered get_mesh(const Request& request);
   Answered delete_mesh(const Request& request);
   OrProblem<std::shared_ptr<const StoredMesh>> stored_mesh(std::string_view id);
@@ -104,8 +111,10 @@ class Api {
   OrProblem<Response> get_readyz() const;
   std::optional<Problem> refuse_media_type(const RequestHead& head, const Admission& admission) const;
 
-  /// Deadline and class of a request, from its header.
-  OrProblem<Terms> terms_of(const RequestHead& head, const Route& route) const;
+  /// Deadline and class of a request, from its header. `received`: when the deadline begins.
+  OrProblem<Terms> terms_of(
+      const RequestHead& head, const Route& route,
+      std::chrono::steady_clock::time_point received = std::chrono::steady_clock::now()) const;
   std::optional<Problem> refuse_overload(const RequestHead& head, const Admission& admission) const;
   std::optional<Problem> refuse_body(const RequestHead& head, const Admission& admission) const;
   void sweep_later();

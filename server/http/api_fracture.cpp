@@ -15,7 +15,7 @@ constexpr std::size_t kReadInline = 256u << 10;
 
 Answered Api::with_mesh_input(const std::shared_ptr<Request>& request, const std::stop_token& gone,
                               const Reply& reply, WithMesh go_on) {
-  OrProblem<Terms> terms = terms_of(request->head, *request->admission.route);
+  OrProblem<Terms> terms = terms_of(request->head, *request->admission.route, request->received);
   if (!terms) return tl::unexpected<Problem>(std::move(terms.error()));
   terms->gone = gone;
   const auto body = std::make_shared<Body>(Body{std::move(request->body), std::move(request->reservation)});
@@ -25,7 +25,9 @@ Answered Api::with_mesh_input(const std::shared_ptr<Request>& request, const std
     return go_on(std::move(*input), body, terms);
   };
   if (body->bytes.size() <= kReadInline) return read();
-  dispatcher_.run(terms->priority, [this, request, read, reply] { answering(*request, reply, read); });
+  const auto overload = dispatcher_.run(expected_reading(body->bytes.size()), *terms,
+                                        [this, request, read, reply] { answering(*request, reply, read); });
+  if (overload) return tl::unexpected<Problem>(to_problem(*overload));
   return std::nullopt;
 }
 

@@ -57,32 +57,45 @@ Answered Api::put_mesh(const std::shared_ptr<Request>& request, const std::stop_
           return refuse(HttpProblem::kDigestMismatch,
                         "The digest of this mesh is sha256:" + input.digest + ", not sha256:" + wanted +
                             ". (With further files it covers their names and digests: see openapi.json.)");
-        const auto stored = std::make_shared<StoredMesh>();
-        stored->digest = input.digest;
-        stored->format = input.format;
-        stored->owner = body;
-        stored->mesh = input.mesh;
-        stored->files = input.files;
-        if (stored->bytes() > meshes_.config().quota_bytes)
-          return refuse(HttpProblem::kBodyTooLarge, "The mesh has " + std::to_string(stored->bytes()) +
+        std::uint64_t bytes = input.mesh.size();
+        for (const ImportFile& file : input.files) bytes += file.name.size() + file.bytes.size();
+        if (bytes > meshes_.config().quota_bytes)
+          return refuse(HttpProblem::kBodyTooLarge, "The mesh has " + std::to_string(bytes) +
                                                         " bytes; all stored meshes together may have " +
                                                         std::to_string(meshes_.config().quota_bytes) + ".");
+        const auto asked = std::make_shared<FractureRequest>(input);
         const auto overload = dispatcher_.prepare(
             std::move(input), terms,
-            [this, request, reply, stored, body](Expected<std::shared_ptr<const PreparedMesh>> prepared) {
+            [this, request, reply, asked, body](Expected<std::shared_ptr<const PreparedMesh>> prepared) {
               answering(*request, reply, [&]() -> Answered {
                 if (!prepared) return refusal(std::move(prepared.error()), request->id);
-                stored->report = mesh_report(**prepared);
-                body->reservation = {};  // from here on the quota of the store counts it
-                const bool created = meshes_.put(stored) == MeshStore::Put::kCreated;
-                Response response = Response::json(describe(*stored, meshes_.config()), created ? 201 : 200);
-                response.headers.emplace_back("Location", "/meshes/" + std::string(kScheme) + stored->digest);
-                return response;
+                return store(*asked, **prepared, *body);
               });
             });
         if (overload) return tl::unexpected<Problem>(to_problem(*overload));
         return std::nullopt;
       });
+}
+
+Answered Api::store(const FractureRequest& asked, const PreparedMesh& prepared, Body& body) {
+  const std::uint64_t capacity = body.bytes.capacity();
+  if (is_kept_as_copy(asked, capacity) && !body.reservation.grow_to(2 * capacity))
+    return tl::unexpected<Problem>(no_memory());
+  const std::shared_ptr<StoredMesh> stored = stored_mesh_of(asked, capacity);
+  stored->report = mesh_report(prepared);
+  stored->triangles = prepared.solid.triangles.size();
+  const MeshStore::Put put = meshes_.put(stored);
+  if (put == MeshStore::Put::kOverQuota)
+    return refuse(HttpProblem::kBodyTooLarge, "The mesh takes " + std::to_string(stored->held()) +
+                                                  " bytes; all stored meshes together may take " +
+                                                  std::to_string(meshes_.config().quota_bytes) + ".");
+  // From here on the quota of the store counts the body that it keeps. One that it does not keep goes with
+  // its reservation.
+  if (stored->owner == asked.owner) body.reservation = {};
+  Response response =
+      Response::json(describe(*stored, meshes_.config()), put == MeshStore::Put::kCreated ? 201 : 200);
+  response.headers.emplace_back("Location", "/meshes/" + std::string(kScheme) + stored->digest);
+  return response;
 }
 
 OrProblem<std::shared_ptr<const StoredMesh>> Api::stored_mesh(std::string_view id) {
@@ -132,7 +145,7 @@ Answered Api::fracture_stored(const std::shared_ptr<Request>& request, std::stri
         {ErrorCode::kBadParameter, "The format of a stored mesh is known: leave 'format' out.", "format"}));
   Expected<RequestParameters> parameters = service_.parse(given);
   if (!parameters) return tl::unexpected<Problem>(to_problem(std::move(parameters.error())));
-  OrProblem<Terms> terms = terms_of(request->head, *request->admission.route);
+  OrProblem<Terms> terms = terms_of(request->head, *request->admission.route, request->received);
   if (!terms) return tl::unexpected<Problem>(std::move(terms.error()));
   terms->gone = gone;
   auto mesh = stored_mesh(named);
@@ -140,6 +153,7 @@ Answered Api::fracture_stored(const std::shared_ptr<Request>& request, std::stri
 
   FractureRequest asked{(*mesh)->mesh, (*mesh)->format, std::move(*parameters), (*mesh)->files};
   asked.digest = (*mesh)->digest;
+  asked.triangles = (*mesh)->triangles;
   asked.owner = std::move(*mesh);
   return fracture(request, std::move(asked), *terms, reply);
 }

@@ -11,6 +11,8 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
   writer.gauge("fracture_queue_depth", "Jobs that wait for a computing thread.",
                static_cast<double>(pool.queued()));
   writer.gauge("fracture_jobs_running", "Jobs that are being computed.", static_cast<double>(pool.running()));
+  writer.counter("fracture_jobs_escaped_total", "Jobs that ended with an exception: a bug.",
+                 static_cast<double>(pool.escaped()));
   writer.gauge("fracture_compute_threads", "Threads that compute.", pool.threads());
   writer.gauge("fracture_predicted_wait_seconds", "How long a new job would be queued, by class.",
                pool.predicted_wait(Priority::kRealtime).count(), {{"class", "realtime"}});

@@ -145,15 +145,23 @@ Answered Api::get_fracture(const std::shared_ptr<Request>& request, const Reply&
     const std::string key = id.substr(kScheme.size());
     if (const auto result = service_.find_result(key)) return found_result(*request, result, "result; hit");
     if (const auto result = jobs_.find_result(key)) return found_result(*request, result, "job; hit");
-    if (service_.has_tiers()) {  // which blocks: not on this thread
-      dispatcher_.run(Priority::kRealtime, [this, request, key, reply] {
+    if (const auto bytes = service_.tiers().expected_bytes(key)) {  // reading blocks: not on this thread
+      OrProblem<Terms> terms = terms_of(request->head, *request->admission.route, request->received);
+      if (!terms) return tl::unexpected<Problem>(std::move(terms.error()));
+      const auto overload = dispatcher_.run(expected_reading(*bytes), *terms, [this, request, key, reply] {
         answering(*request, reply, [&]() -> Answered {
           FractureAnswer answer;
-          service_.fetch_result(key, answer);
+          MemoryBudget::Reservation reading(dispatcher_.working());
+          if (!service_.fetch_result(key, answer,
+                                     [&](std::uint64_t needed) { return reading.grow_to(needed); }))
+            return tl::unexpected<Problem>(
+                Problem(HttpProblem::kOverloaded, "There is no memory to read this result now.")
+                    .with("Retry-After", "2"));
           if (!answer.result) return tl::unexpected<Problem>(no_result());
           return found_result(*request, answer.result, cache_status(answer));
         });
       });
+      if (overload) return tl::unexpected<Problem>(to_problem(*overload));
       return std::nullopt;
     }
   }

@@ -87,16 +87,29 @@ OrProblem<ContentCoding> content_coding(std::string_view field) {
           .with("Accept-Encoding", "gzip, zstd"));
 }
 
+std::uint64_t announced_size(std::string_view body, ContentCoding coding) {
+  if (coding == ContentCoding::kZstd) {
+    const unsigned long long size = ZSTD_getFrameContentSize(body.data(), body.size());
+    return size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR ? 0 : size;
+  }
+  std::uint64_t size = 0;  // ISIZE (RFC 1952, section 2.3.1), of the last member
+  if (coding == ContentCoding::kGzip && body.size() >= 18)
+    for (std::size_t k = 1; k <= 4; ++k) size = size << 8 | static_cast<unsigned char>(body[body.size() - k]);
+  return size;
+}
+
 Decoding decode_body(std::string& body, ContentCoding coding, std::uint64_t limit,
-                     MemoryBudget::Reservation& reservation, const Execution& execution) {
+                     MemoryBudget::Reservation& reservation, const Execution& execution,
+                     std::uint64_t expected) {
   if (coding == ContentCoding::kIdentity) return {};
   const char* const name = coding == ContentCoding::kGzip ? "gzip" : "zstd";
   std::uint64_t size = 0;
   const Outcome outcome = each_block(body, coding, [&](std::string_view block) {
     execution.poll();
     size += block.size();
-    return size <= limit;
+    return size <= limit && size <= expected;
   });
+  if (outcome == Outcome::kStopped && size <= limit) return {.larger = true};
   if (outcome == Outcome::kStopped)
     return {Problem(HttpProblem::kBodyTooLarge, std::string("The ") + name +
                                                     " body decodes to more than the limit of " +

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -18,15 +19,21 @@ enum class ContentCoding { kIdentity, kGzip, kZstd };
 /// other and every list of codings with 415, whose Accept-Encoding says what would do.
 OrProblem<ContentCoding> content_coding(std::string_view field);
 
+/// How long the body says that it is when it is decoded: in the last bytes of gzip, in the first frame of
+/// zstd. A hint: bodies may lie, or say nothing (0).
+std::uint64_t announced_size(std::string_view body, ContentCoding coding);
+
 /// Decodes `body` in place. Decodes twice: the first time it only counts, so that a body that unfolds beyond
-/// `limit` (413), is damaged (400) or finds no room in the budget (nothing) has cost no memory. Members of a
-/// gzip file and frames of zstd may follow one another; whatever else follows is damage. The window of zstd
-/// is at most 8 MiB (RFC 9659). Throws Interrupted.
+/// `limit` (413) or beyond what was `expected`, is damaged (400) or finds no room in the budget (nothing) has
+/// cost no memory. Members of a gzip file and frames of zstd may follow one another; whatever else follows is
+/// damage. The window of zstd is at most 8 MiB (RFC 9659). Throws Interrupted.
 struct Decoding {
   std::optional<Problem> problem{};
   bool no_room = false;  ///< the budget is exhausted
+  bool larger = false;   ///< than expected: nothing was done
 };
 Decoding decode_body(std::string& body, ContentCoding coding, std::uint64_t limit,
-                     MemoryBudget::Reservation& reservation, const Execution& execution);
+                     MemoryBudget::Reservation& reservation, const Execution& execution,
+                     std::uint64_t expected = std::numeric_limits<std::uint64_t>::max());
 
 }  // namespace fracture::http

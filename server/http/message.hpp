@@ -1,6 +1,7 @@
 // What a session and the Api hand each other: a request whose header was approved, and its answer.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -33,8 +34,9 @@ struct Request {
   RequestHead head;
   Admission admission;
   std::string body;
-  MemoryBudget::Reservation reservation;  ///< for the body
-  std::string id;                         ///< X-Request-Id
+  MemoryBudget::Reservation reservation;                                              ///< for the body
+  std::string id;                                                                     ///< X-Request-Id
+  std::chrono::steady_clock::time_point received = std::chrono::steady_clock::now();  ///< all of it
 };
 
 /// A body that is not all there when the answer begins: it is written in chunks as it comes.

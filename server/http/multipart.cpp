@@ -45,6 +45,11 @@ tl::unexpected<Problem> malformed(std::string detail) {
   return refuse(HttpProblem::kMalformedMultipart, std::move(detail));
 }
 
+tl::unexpected<Problem> around(std::size_t bytes, const char* where) {
+  return malformed("The form has " + std::to_string(bytes) + " bytes " + where + " boundary; the limit is " +
+                   std::to_string(kMaxAround) + ".");
+}
+
 OrProblem<FormPart> parse_part(std::string_view text) {
   FormPart part;
   const bool no_header = text.substr(0, 2) == "\r\n";
@@ -100,11 +105,16 @@ OrProblem<std::vector<FormPart>> parse_multipart(std::string_view body, std::str
     at = body.find(delimiter);
     if (at == std::string_view::npos)
       return malformed("The boundary named in Content-Type never occurs in the body.");
+    if (at > kMaxAround) return around(at, "before its first");
     at += delimiter.size();
   }
   std::vector<FormPart> parts;
   for (;;) {
-    if (body.substr(at, 2) == "--") return parts;
+    if (body.substr(at, 2) == "--") {
+      const std::size_t epilogue = body.size() - at - 2;
+      if (epilogue > kMaxAround) return around(epilogue, "behind its last");
+      return parts;
+    }
     while (at < body.size() && (body[at] == ' ' || body[at] == '\t')) ++at;  // transport padding
     if (body.substr(at, 2) != "\r\n") return malformed("A boundary line has something after the boundary.");
     at += 2;

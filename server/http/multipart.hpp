@@ -21,7 +21,10 @@ struct FormPart {
 /// value or when the boundary is missing or malformed (RFC 2046: 1 to 70 characters).
 std::optional<std::string> multipart_boundary(std::string_view content_type);
 
-/// At most kMaxParts parts with at most kMaxPartHeader bytes of header each. Refusals: kMalformedMultipart.
+/// At most kMaxParts parts with at most kMaxPartHeader bytes of header each, and at most kMaxAround bytes
+/// before the first and behind the last boundary, which nobody reads (RFC 2046, section 5.1.1). Refusals:
+/// kMalformedMultipart.
+inline constexpr std::size_t kMaxAround = 4096;
 inline constexpr std::size_t kMaxParts = 256;
 inline constexpr std::size_t kMaxPartHeader = 4096;
 OrProblem<std::vector<FormPart>> parse_multipart(std::string_view body, std::string_view boundary);

@@ -24,6 +24,11 @@ double expected_sites(const FractureParameters& parameters, const Solid* solid);
 /// Triangles of the rough cuts between so many cells, each counted once; 0 where cuts are flat.
 double expected_rough_triangles(const FractureParameters& parameters, double sites);
 
+/// Undoing a Content-Encoding; taking a body apart; reading an entry of a tier. Of the bytes that they make
+/// or read. Their memory is reserved by whoever holds it.
+ExpectedWork expected_decoding(std::uint64_t decoded_bytes);
+ExpectedWork expected_reading(std::uint64_t bytes);
+
 /// `mesh_bytes`: still to be read and prepared, 0 when that is done and `solid` is given.
 ExpectedWork expected_work(const FractureParameters& parameters, std::uint64_t mesh_bytes,
                            const Solid* solid);

@@ -214,7 +214,8 @@ std::optional<Overload> Dispatcher::fracture(FractureRequest request, const Term
     c->cost = cost;
     c->working.emplace(working_, std::move(working));
     c->flight = seat.flight;
-    flight.common.task = pool_.submit(terms.priority, cost, [this, c](int threads) { begin(c, threads); });
+    flight.common.task = pool_.submit(terms.priority, cost,
+                                      [this, c](int threads) { at_station(c, [&] { begin(c, threads); }); });
   } else {
     ++collapsed_;
     if (terms.priority == Priority::kRealtime) pool_.promote(flight.common.task);
@@ -276,8 +277,21 @@ std::optional<Overload> Dispatcher::prepare(FractureRequest request, const Terms
   return std::nullopt;
 }
 
-void Dispatcher::run(Priority priority, std::function<void()> work) {
-  pool_.submit(priority, expected_work(0).seconds, [work = std::move(work)](int) { work(); });
+std::optional<Overload> Dispatcher::run(const ExpectedWork& work, const Terms& terms,
+                                        std::function<void()> job) {
+  const auto held = std::make_shared<MemoryBudget::Reservation>();
+  std::optional<Overload> overload = refuses(work.seconds, terms);
+  if (!overload) overload = reserve(work.bytes, *held);
+  if (overload) {
+    ++refused_;
+    return overload;
+  }
+  pool_.submit(terms.priority, work.seconds, [this, cost = work.seconds, job = std::move(job), held](int) {
+    const Clock::time_point start = Clock::now();
+    job();
+    pool_.measured(cost, std::chrono::duration<double>(Clock::now() - start).count());
+  });
+  return std::nullopt;
 }
 
 // -- the stations of a computation
@@ -315,13 +329,15 @@ void Dispatcher::obtain(SingleFlight<Step<Value>>& flights, const std::string& k
   };
   const auto place = std::make_shared<Place>();
   const std::stop_token abandoned = c->flight->stop();
-  const auto seat = flights.join(key, [this, c, next, place](const Outcome<Value>& outcome,
-                                                             typename Flights::Role role) {
-    if (role == Flights::Role::kLeader) return;  // goes on by itself, below
-    Outcome<Value> waited = outcome;
-    if (waited) waited->cache = CacheOutcome::kCollapsed;
-    pool_.resume([this, c, next, waited = std::move(waited)](int free) { (this->*next)(c, waited, free); });
-  });
+  const auto seat =
+      flights.join(key, [this, c, next, place](const Outcome<Value>& outcome, typename Flights::Role role) {
+        if (role == Flights::Role::kLeader) return;  // goes on by itself, below
+        Outcome<Value> waited = outcome;
+        if (waited) waited->cache = CacheOutcome::kCollapsed;
+        pool_.resume([this, c, next, waited = std::move(waited)](int free) {
+          at_station(c, [&] { (this->*next)(c, waited, free); });
+        });
+      });
   place->seat = seat;
   place->gives_up.emplace(abandoned, [&flights, weak = std::weak_ptr(place)] {
     if (const auto mine = weak.lock()) flights.leave(mine->seat);
@@ -334,6 +350,15 @@ void Dispatcher::obtain(SingleFlight<Step<Value>>& flights, const std::string& k
   }
   flights.land(seat.flight, made);
   (this->*next)(c, made, threads);
+}
+
+template <class Station>
+void Dispatcher::at_station(const Shared& c, Station station) {
+  const auto passed = guarded([&]() -> Expected<bool> {
+    station();
+    return true;
+  });
+  if (!passed) end(c, tl::unexpected<Error>(passed.error()));
 }
 
 void Dispatcher::begin(const Shared& c, int threads) {
@@ -349,7 +374,10 @@ void Dispatcher::begin(const Shared& c, int threads) {
   c->begun = now;
   c->answer.queue_milliseconds = std::chrono::duration<double, std::milli>(now - c->submitted).count();
   if (service_.has_tiers()) {
-    service_.fetch_result(c->keys.result, c->answer);
+    MemoryBudget::Reservation reading(working_);
+    // Where there is no room to read it, it is computed within what was admitted.
+    service_.fetch_result(c->keys.result, c->answer,
+                          [&reading](std::uint64_t bytes) { return reading.grow_to(bytes); });
     if (c->answer.result) return end(c, std::move(c->answer));
   }
   if (auto mesh = service_.find_mesh(c->keys))

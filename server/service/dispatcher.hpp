@@ -76,8 +76,11 @@ class Dispatcher {
   std::optional<Overload> fracture(FractureRequest request, const Terms& terms, FractureReply reply);
   /// The first two steps alone, in the same way.
   std::optional<Overload> prepare(FractureRequest request, const Terms& terms, MeshReply reply);
-  /// Other work for the pool's threads (the digest of a large body), with no flight.
-  void run(Priority priority, std::function<void()> work);
+  /// Other work for the pool's threads (a body to decode, an entry of a tier to read), with no flight, in the
+  /// class of the request: its job runs later. Otherwise it is dropped. It must not throw.
+  std::optional<Overload> run(const ExpectedWork& work, const Terms& terms, std::function<void()> job);
+  /// What all that is computed or read holds.
+  MemoryBudget& working() { return working_; }
 
   /// Would a request of so much work be refused? Asked before a body is read, so nothing is reserved.
   std::optional<Overload> refuses(const ExpectedWork& work, const Terms& terms) const;
@@ -132,6 +135,9 @@ class Dispatcher {
   void begin(const Shared& c, int threads);
   void with_mesh(const Shared& c, const Outcome<PreparedMesh>& mesh, int threads);
   void with_diagram(const Shared& c, const Outcome<Diagram>& diagram, int threads);
+  /// Runs a station; whatever it throws ends the computation with a typed error.
+  template <class Station>
+  void at_station(const Shared& c, Station station);
   void end(const Shared& c, Expected<FractureAnswer> outcome);
   template <class Value, class Make>
   void obtain(SingleFlight<Step<Value>>& flights, const std::string& key, const Shared& c, int threads,

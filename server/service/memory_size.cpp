@@ -1,4 +1,5 @@
 // Bytes of heap behind what the caches keep.
+#include "common/base/json_reader.hpp"
 #include "common/pipeline/delta.hpp"
 #include "server/service/service.hpp"
 
@@ -17,21 +18,34 @@ std::size_t nested_heap(const std::vector<std::vector<T>>& v) {
   return bytes;
 }
 
-std::size_t memory_size(const Mesh& mesh) {
-  std::size_t bytes = sizeof mesh + heap(mesh.positions) + heap(mesh.attributes.normals) +
-                      heap(mesh.attributes.tangents) + nested_heap(mesh.attributes.uvs) +
-                      nested_heap(mesh.attributes.colors) + heap(mesh.triangles) + heap(mesh.material) +
-                      heap(mesh.node);
-  for (const std::string& name : mesh.node_names) bytes += sizeof name + name.capacity();
-  for (const Image& image : mesh.library->images) bytes += sizeof image + heap(image.bytes);
-  // A parsed JSON value takes several times its text; materials are small, so an upper guess does no harm.
-  bytes += 512 * (mesh.library->materials.size() + mesh.library->textures.size());
-  // The library is shared: counted twice, which does no harm either.
-  if (mesh.passed_through) bytes += memory_size(*mesh.passed_through);
+std::size_t heap(const std::vector<std::string>& texts) {
+  std::size_t bytes = texts.capacity() * sizeof(std::string);
+  for (const std::string& text : texts) bytes += text.capacity();
+  return bytes;
+}
+
+std::size_t memory_size(const MaterialLibrary& library) {
+  std::size_t bytes = sizeof library + heap(library.images) + heap(library.extensions_used) +
+                      heap(library.extensions_required);
+  for (const nlohmann::json* list : {&library.materials, &library.textures, &library.samplers})
+    bytes += json_bytes(*list);
+  for (const Image& image : library.images)
+    bytes += heap(image.bytes) + image.name.capacity() + image.mime_type.capacity();
   return bytes;
 }
 
 }  // namespace
+
+std::size_t memory_size(const Mesh& mesh) {
+  std::size_t bytes = sizeof mesh + heap(mesh.positions) + heap(mesh.attributes.normals) +
+                      heap(mesh.attributes.tangents) + nested_heap(mesh.attributes.uvs) +
+                      nested_heap(mesh.attributes.colors) + heap(mesh.triangles) + heap(mesh.material) +
+                      heap(mesh.node) + heap(mesh.node_names) + heap(mesh.warnings) +
+                      mesh.copyright.capacity() + memory_size(*mesh.library);
+  // The library is shared: counted twice, which does no harm either.
+  if (mesh.passed_through) bytes += memory_size(*mesh.passed_through);
+  return bytes;
+}
 
 std::size_t memory_size(const PreparedMesh& mesh) {
   const Solid& solid = mesh.solid;
@@ -40,6 +54,7 @@ std::size_t memory_size(const PreparedMesh& mesh) {
                       heap(solid.shell) + heap(solid.part) + heap(solid.parts);
   for (const Part& part : solid.parts) bytes += heap(part.shells);
   if (solid.source) bytes += memory_size(*solid.source);
+  bytes += json_bytes(mesh.frame);
   return bytes;
 }
 

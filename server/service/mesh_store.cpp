@@ -1,12 +1,62 @@
 #include "server/service/mesh_store.hpp"
 
+#include <algorithm>
 #include <iterator>
 #include <utility>
 
+#include "common/base/json_reader.hpp"
+
 namespace fracture {
+namespace {
+
+/// A mesh is kept with what came around it where that is at most this, and a sixteenth of it.
+constexpr std::uint64_t kSlack = 4096;
+
+std::uint64_t size_of(const FractureRequest& request) {
+  std::uint64_t size = request.mesh.size();
+  for (const ImportFile& file : request.files) size += file.bytes.size();
+  return size;
+}
+
+}  // namespace
+
+std::uint64_t StoredMesh::held() const {
+  // Digest, index and list are not counted: some 300 bytes.
+  return std::max(bytes(), capacity) + files.capacity() * sizeof(ImportFile) + json_bytes(report);
+}
+
+bool is_kept_as_copy(const FractureRequest& request, std::uint64_t capacity) {
+  const std::uint64_t size = size_of(request);
+  return !request.owner || capacity > size + size / 16 + kSlack;
+}
+
+std::shared_ptr<StoredMesh> stored_mesh_of(const FractureRequest& request, std::uint64_t capacity) {
+  auto stored = std::make_shared<StoredMesh>();
+  stored->digest = request.digest;
+  stored->format = request.format;
+  stored->files = request.files;
+  stored->mesh = request.mesh;
+  if (!is_kept_as_copy(request, capacity)) {
+    stored->owner = request.owner;
+    stored->capacity = capacity;
+    return stored;
+  }
+  const auto copy = std::make_shared<std::vector<std::byte>>();
+  copy->reserve(size_of(request));
+  const auto keep = [&](std::span<const std::byte>& bytes) {
+    const std::size_t at = copy->size();
+    copy->insert(copy->end(), bytes.begin(), bytes.end());
+    bytes = std::span(*copy).subspan(at, bytes.size());
+  };
+  keep(stored->mesh);
+  for (ImportFile& file : stored->files) keep(file.bytes);
+  stored->owner = copy;
+  stored->capacity = copy->capacity();
+  return stored;
+}
 
 MeshStore::Put MeshStore::put(std::shared_ptr<const StoredMesh> mesh, Clock::time_point now) {
-  const std::uint64_t bytes = mesh->bytes();
+  const std::uint64_t bytes = mesh->held();
   if (bytes > config_.quota_bytes) return Put::kOverQuota;
   const std::lock_guard lock(mutex_);
   expire(now);
@@ -62,7 +112,7 @@ void MeshStore::expire(Clock::time_point now) {
 }
 
 void MeshStore::remove(Iterator at) {
-  figures_.bytes -= at->mesh->bytes();
+  figures_.bytes -= at->mesh->held();
   index_.erase(at->mesh->digest);
   entries_.erase(at);
 }

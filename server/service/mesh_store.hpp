@@ -24,32 +24,43 @@ struct StoreConfig {
   std::chrono::milliseconds ttl{3'600'000};  ///< after its last use a mesh is forgotten
 };
 
-/// Immutable; `owner` keeps the bytes of the mesh and its further files.
+/// Immutable; `owner` keeps the bytes of the mesh and its further files, and not much else.
 struct StoredMesh {
   std::string digest;  ///< digest_of() in hex
   MeshFormat format = MeshFormat::kGlb;
   std::shared_ptr<const void> owner;
   std::span<const std::byte> mesh;
   std::vector<ImportFile> files;
-  nlohmann::json report;  ///< mesh_report()
+  nlohmann::json report;        ///< mesh_report()
+  std::uint64_t triangles = 0;  ///< of the solid: what a fracture of it costs
+  std::uint64_t capacity = 0;   ///< bytes that `owner` keeps, where that is more than bytes()
 
+  /// Of the mesh and its files, names included.
   std::uint64_t bytes() const {
     std::uint64_t sum = mesh.size();
     for (const ImportFile& file : files) sum += file.name.size() + file.bytes.size();
     return sum;
   }
+  /// What it takes of the quota: everything that is kept for it.
+  std::uint64_t held() const;
 };
+
+/// Whether a mesh whose owner has `capacity` bytes is kept as a copy, because too much came around it.
+bool is_kept_as_copy(const FractureRequest& request, std::uint64_t capacity);
+/// A stored mesh of the request's digest, format, mesh and files: with its owner, or with a copy of mesh and
+/// files.
+std::shared_ptr<StoredMesh> stored_mesh_of(const FractureRequest& request, std::uint64_t capacity);
 
 struct StoreFigures {
   std::uint64_t stored = 0;   ///< meshes that were put in
   std::uint64_t expired = 0;  ///< forgotten because nobody used them
   std::uint64_t evicted = 0;  ///< forgotten because others needed their room
-  std::uint64_t bytes = 0;
+  std::uint64_t bytes = 0;    ///< held
   std::size_t meshes = 0;
 };
 
-/// Invariant: the bytes of what is stored are at most the quota. Who holds an evicted mesh keeps it alive.
-/// Thread-safe.
+/// Invariant: what is held for the meshes that are stored is at most the quota. Who holds an evicted mesh
+/// keeps it alive. Thread-safe.
 class MeshStore {
  public:
   using Clock = std::chrono::steady_clock;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -23,7 +24,8 @@ struct FractureRequest {
   std::vector<ImportFile> files{};  ///< what the mesh may name; their order does not matter
   OutputFormat output = OutputFormat::kGlb;
   std::shared_ptr<const void> owner{};
-  std::string digest{};  ///< digest_of() in hex, when it is known already
+  std::string digest{};         ///< digest_of() in hex, when it is known already
+  std::uint64_t triangles = 0;  ///< of the solid, when they were counted before
 };
 
 /// The digest of an input: of the mesh's bytes when it is alone; with further files, of a text that lists the

@@ -3,6 +3,7 @@
 #include <cstring>
 #include <utility>
 
+#include "common/base/json_reader.hpp"
 #include "common/structure/support.hpp"
 #include "server/service/earlier_answer.hpp"
 
@@ -13,8 +14,9 @@ namespace {
 constexpr std::size_t kAnswerBytes = 4u << 20;
 
 std::size_t memory_size(const FractureResult& result) { return sizeof result + result.file.capacity(); }
-/// A parsed value takes several times its text.
-std::size_t memory_size(const nlohmann::json& parameters) { return 4 * parameters.dump().size(); }
+std::size_t memory_size(const nlohmann::json& parameters) {
+  return sizeof parameters + json_bytes(parameters);
+}
 
 CacheOutcome stored(bool kept) { return kept ? CacheOutcome::kMissStored : CacheOutcome::kMissNotStored; }
 
@@ -87,13 +89,14 @@ Expected<RequestParameters> FractureService::parse(const std::vector<RawParamete
   return result;
 }
 
-void FractureService::fetch_result(const std::string& key, FractureAnswer& answer) {
-  ResultTiers::Found found = tiers_.find(key);
+bool FractureService::fetch_result(const std::string& key, FractureAnswer& answer, const Room& room) {
+  ResultTiers::Found found = tiers_.find(key, room);
   answer.disk_cache = found.disk;
   answer.redis_cache = found.redis;
-  if (!found.result) return;
+  if (!found.result) return !found.no_room;
   answer.result_cache = stored(results_.insert(key, found.result, memory_size(*found.result)));
   answer.result = std::move(found.result);
+  return true;
 }
 
 Expected<FractureAnswer> FractureService::fracture(const FractureRequest& request,

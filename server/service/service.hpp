@@ -96,9 +96,10 @@ class FractureService {
   std::optional<Error> find_failure(const std::string& key) const { return failures_.find(key); }
 
   /// Are there tiers below memory? fetch_result() looks into them, which blocks, and takes what it finds into
-  /// memory: `answer` gets the result (null: nowhere) and the caches.
+  /// memory: `answer` gets the result (null: nowhere) and the caches. False: it is there, and there is no
+  /// `room` to read it.
   bool has_tiers() const { return tiers_.any(); }
-  void fetch_result(const std::string& key, FractureAnswer& answer);
+  bool fetch_result(const std::string& key, FractureAnswer& answer, const Room& room = {});
 
   /// Each step by itself: computes without looking into the cache, and stores. Errors as fracture(), but an
   /// interruption is thrown (Interrupted).

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <map>
 #include <memory>
@@ -91,7 +92,8 @@ class SingleFlight {
     return true;
   }
 
-  /// Hands the outcome to everybody who still waits. Nothing happens when all have left.
+  /// Hands the outcome to everybody who still waits. Nothing happens when all have left. Throws what the
+  /// first of them throws, when all have been called.
   void land(const std::shared_ptr<Flight>& flight, const Outcome& outcome) {
     std::map<std::uint64_t, Waiter> waiters;
     {
@@ -101,8 +103,13 @@ class SingleFlight {
       flights_.erase(flight->key_);
       waiters.swap(flight->waiters_);
     }
-    for (const auto& [number, waiter] : waiters)
-      waiter(outcome, number == 0 ? Role::kLeader : Role::kFollower);
+    std::exception_ptr first;
+    for (const auto& [number, waiter] : waiters) try {
+        waiter(outcome, number == 0 ? Role::kLeader : Role::kFollower);
+      } catch (...) {
+        if (!first) first = std::current_exception();
+      }
+    if (first) std::rethrow_exception(first);
   }
 
   /// Null when there is none.

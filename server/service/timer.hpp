@@ -80,7 +80,12 @@ class Timer {
         std::function<void()> call = std::move(calls_.begin()->second);
         calls_.erase(calls_.begin());
         lock.unlock();
-        call();
+        try {
+          call();
+        } catch (...) {
+          // Whoever it was for has been told (Api::answering), or there was not even the memory to do so. The
+          // others' deadlines go on.
+        }
         call = nullptr;
         lock.lock();
       }

@@ -167,7 +167,11 @@ void WorkerPool::work() {
     const std::size_t sharing = std::min(thread_count_, running_.size() + queued_locked());
     lock.unlock();
 
-    task.job(static_cast<int>(thread_count_ / sharing));
+    try {
+      task.job(static_cast<int>(thread_count_ / sharing));
+    } catch (...) {  // a bug, or no memory even to say that there is none: the others go on
+      ++escaped_;
+    }
     task.job = nullptr;  // what it holds (a request body) is released here, not when the next job arrives
 
     lock.lock();

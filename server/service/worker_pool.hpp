@@ -4,6 +4,7 @@
 // one would wait, so that a client is refused at once instead of waiting for an answer that comes too late.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstddef>
@@ -67,6 +68,8 @@ class WorkerPool {
   int threads() const { return static_cast<int>(threads_.size()); }
   std::size_t queued() const;
   std::size_t running() const;
+  /// Jobs that threw, though they must not.
+  std::uint64_t escaped() const { return escaped_; }
 
   /// A batch job is served before realtime jobs that came this much later.
   static constexpr std::chrono::milliseconds kAging{1000};
@@ -97,6 +100,7 @@ class WorkerPool {
   std::size_t thread_count_ = 0;
   /// Decaying sums over what was measured: seconds it took, seconds it was said to take.
   double took_ = 0.1, cost_ = 0.1;
+  std::atomic<std::uint64_t> escaped_{0};
   bool stopping_ = false;
   std::vector<std::thread> threads_;
 };
