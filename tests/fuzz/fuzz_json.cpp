@@ -1,0 +1,20 @@
+// Fuzz target: the reader for JSON from strangers beside the library's own. What it reads is the same value,
+// within its limits; what it calls no JSON is none.
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+#include "common/base/json_reader.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace fracture;
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  const JsonLimits limits{.depth = 6, .bytes = 16u << 10};
+  const auto read = read_json(text, limits);
+  const nlohmann::json whole = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (read && (read->value != whole || json_bytes(read->value) > limits.bytes)) std::abort();
+  if (!read && read.error().kind == JsonFault::Kind::kSyntax && !whole.is_discarded()) std::abort();
+  if (!read && to_text(read.error()).empty()) std::abort();
+  return 0;
+}
