@@ -21,6 +21,10 @@ const char* name_of(Product product) {
       return "cap_triangles";
     case Product::kFragmentTriangles:
       return "fragment_triangles";
+    case Product::kImportBytes:
+      return "import_bytes";
+    case Product::kMeshBytes:
+      return "mesh_bytes";
   }
   return "";
 }
@@ -39,6 +43,9 @@ std::uint64_t bytes_of(Product product) {
       return 150;
     case Product::kFragmentTriangles:
       return 220;
+    case Product::kImportBytes:
+    case Product::kMeshBytes:
+      return 1;
   }
   return 0;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 
@@ -17,7 +18,10 @@ enum class Product {
   kSegments,           ///< of the outlines of caps
   kCapTriangles,       ///< rough ones too
   kFragmentTriangles,  ///< what is written
+  kImportBytes,        ///< of a process that reads a file, and of what it delivers
+  kMeshBytes,          ///< of the mesh as it was imported
 };
+inline constexpr std::size_t kProducts = 8;
 const char* name_of(Product product);
 /// What one of them costs at the peak, in bytes, with all that hangs on it (vertices, indices, the tables of
 /// the stage that makes it). Measured: tests/bench/README.md.
@@ -43,6 +47,12 @@ class Allowance {
   /// Counts further products. Throws Interrupted: kTooComplex, naming what grew, where the computation could
   /// never hold them; kOutOfMemory where others hold the memory now.
   void add(Product product, std::uint64_t count);
+  /// How many were counted, those of a Temporary included.
+  std::uint64_t made(Product product) const {
+    return made_[static_cast<std::size_t>(product)].load(std::memory_order_relaxed);
+  }
+  /// The most that the computation could ever hold.
+  std::uint64_t limit() const { return limit_; }
   std::uint64_t bytes() const { return bytes_.load(std::memory_order_relaxed); }
 
   /// What is made between its construction and its destruction is gone afterwards. Null: nothing is counted.
@@ -68,7 +78,7 @@ class Allowance {
   std::atomic<std::uint64_t> bytes_{0}, granted_;
   const std::uint64_t limit_;
   const Grant grant_;
-  std::atomic<std::uint64_t> made_[6]{};
+  std::atomic<std::uint64_t> made_[kProducts]{};
 };
 
 }  // namespace fracture

@@ -8,6 +8,13 @@
 
 namespace fracture::cli {
 
+namespace {
+
+/// A worker that keeps more than this after an import is replaced: it counts as 16 MiB (memory_plan.cpp).
+constexpr std::uint64_t kMaxAtRest = 32u << 20;
+
+}  // namespace
+
 std::shared_ptr<ImportPool> start_import_workers(int workers, std::uint64_t memory_bytes,
                                                  std::chrono::milliseconds deadline) {
   if (workers == 0) {
@@ -22,6 +29,7 @@ std::shared_ptr<ImportPool> start_import_workers(int workers, std::uint64_t memo
         "fracture-import is not beside fracture-server: install both, or read files in this process with "
         "--import-workers 0");
   config.worker.memory_bytes = memory_bytes;
+  config.max_resident_bytes = kMaxAtRest;
   // The deadline, by the clock, is first to end an import; this is the second line.
   config.worker.cpu = std::chrono::ceil<std::chrono::seconds>(deadline) + std::chrono::seconds(1);
   auto pool = std::make_shared<ImportPool>(config);

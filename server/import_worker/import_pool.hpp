@@ -47,8 +47,11 @@ class ImportPool {
   ImportPool(const ImportPool&) = delete;
   ImportPool& operator=(const ImportPool&) = delete;
 
-  /// As import_mesh(); waits for a free worker. Further errors: kImporterCrashed, kImporterLimit. Throws
-  /// Interrupted; std::runtime_error where no worker can be started any more. Thread-safe.
+  /// As import_mesh(); waits for a free worker. What the worker may take is set aside in the execution's
+  /// allowance before: little at first, by the size of the file, and more where that was too little (an
+  /// instanced or compressed file), up to the worker's own limit. Further errors: kImporterCrashed,
+  /// kImporterLimit. Throws Interrupted; std::runtime_error where no worker can be started any more.
+  /// Thread-safe.
   Expected<Mesh> import(std::span<const std::byte> mesh, MeshFormat format, std::span<const ImportFile> files,
                         const ImportLimits& limits, const Execution& execution);
 
@@ -59,6 +62,10 @@ class ImportPool {
 
  private:
   void supervise();
+  /// `last`: it is not tried again with more.
+  Expected<Mesh> import_within(std::uint64_t memory_bytes, bool last, std::span<const std::byte> mesh,
+                               MeshFormat format, std::span<const ImportFile> files,
+                               const ImportLimits& limits, const Execution& execution);
   std::unique_ptr<WorkerProcess> take(const Execution& execution);
   void give_back(std::unique_ptr<WorkerProcess> worker, bool healthy);
 

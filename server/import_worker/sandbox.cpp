@@ -1,13 +1,16 @@
 #include "server/import_worker/sandbox.hpp"
 
+#include <fcntl.h>
 #include <seccomp.h>
 #include <signal.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <cstring>
 #include <memory>
 #include <system_error>
 
@@ -57,9 +60,20 @@ int load_filter() {
   return seccomp_load(filter.get());
 }
 
+/// Where memory runs out, a reader of one file goes before the server of all. Raising it is always allowed;
+/// where there is no /proc, nothing is lost.
+void prefer_as_victim() {
+  constexpr const char* kScore = "500";
+  const int file = ::open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
+  if (file < 0) return;
+  (void)!::write(file, kScore, std::strlen(kScore));
+  ::close(file);
+}
+
 }  // namespace
 
 SandboxReport enter_sandbox(const SandboxLimits& limits) {
+  prefer_as_victim();
   set(PR_SET_PDEATHSIG, SIGKILL);
   set(PR_SET_DUMPABLE, 0);
   set(PR_SET_NO_NEW_PRIVS, 1);

@@ -1,6 +1,7 @@
 #include "server/import_worker/worker.hpp"
 
 #include <fcntl.h>
+#include <malloc.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -39,9 +40,20 @@ class Input {
   void* at_ = nullptr;
 };
 
+/// Whether memory ran out since it was last set to false. Readers catch what they throw, and call a file
+/// damaged for which there was no memory.
+bool lacked_memory = false;
+
+void no_memory() {
+  lacked_memory = true;
+  throw std::bad_alloc();
+}
+
 std::vector<std::byte> reply_to(const ImportFunction& import, const ImportJob& job) {
+  lacked_memory = false;
   try {
-    return encode_reply(import(job));
+    const Expected<Mesh> imported = import(job);
+    if (imported || !lacked_memory) return encode_reply(imported);
   } catch (const std::bad_alloc&) {
   } catch (const std::length_error&) {  // a vector asked to grow beyond the address space
   }
@@ -84,6 +96,7 @@ Expected<Mesh> import_job(const ImportJob& job) {
 }
 
 int run_import_worker(int socket, const SandboxLimits& limits, const ImportFunction& import) {
+  std::set_new_handler(no_memory);
   warm_up(import);
   const SandboxReport report = enter_sandbox(limits);
   WorkerHello hello;
@@ -96,6 +109,7 @@ int run_import_worker(int socket, const SandboxLimits& limits, const ImportFunct
     if (!received.whole) return kDone;
     const Descriptor input(received.descriptors[0]), output(received.descriptors[1]);
     if (!answer(socket, request, input.get(), output.get(), import)) return kBadRequest;
+    ::malloc_trim(0);  // what one file took is no other's
   }
 }
 

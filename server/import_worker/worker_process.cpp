@@ -140,6 +140,20 @@ void WorkerProcess::allow_cpu() const {
   ::prlimit(pid_, RLIMIT_CPU, &limit, nullptr);
 }
 
+/// RLIMIT_AS counts what the process has, an import what it takes.
+void WorkerProcess::allow_memory([[maybe_unused]] std::uint64_t bytes) const {
+#ifndef FRACTURE_SANITIZED  // the sanitizers reserve terabytes
+  rlimit limit{};
+  std::uint64_t pages = 0;
+  if (std::ifstream statm("/proc/" + std::to_string(pid_) + "/statm");
+      !(statm >> pages) || ::prlimit(pid_, RLIMIT_AS, nullptr, &limit) != 0)
+    return;
+  const std::uint64_t has = pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+  limit.rlim_cur = bytes == 0 ? limit.rlim_max : std::min<rlim_t>(has + bytes, limit.rlim_max);
+  ::prlimit(pid_, RLIMIT_AS, &limit, nullptr);
+#endif
+}
+
 bool WorkerProcess::wait_readable(const Execution& execution) const {
   for (;;) {
     pollfd fd{socket_.get(), POLLIN, 0};
@@ -187,7 +201,7 @@ Expected<Mesh> WorkerProcess::died(WorkerDeath how_at_least) {
 
 Expected<Mesh> WorkerProcess::import(std::span<const std::byte> mesh, MeshFormat format,
                                      std::span<const ImportFile> files, const ImportLimits& limits,
-                                     const Execution& execution) {
+                                     const Execution& execution, std::uint64_t memory_bytes) {
   ++imports_;
   const Descriptor input = make_shared_memory("fracture-input"),
                    output = make_shared_memory("fracture-output");
@@ -210,6 +224,7 @@ Expected<Mesh> WorkerProcess::import(std::span<const std::byte> mesh, MeshFormat
   for (const ImportFile& file : files) add_part(file.bytes);
   if (!written) throw std::bad_alloc();  // shared memory is full
   allow_cpu();
+  allow_memory(memory_bytes);
   const int descriptors[] = {input.get(), output.get()};
   if (!send_message(socket_.get(), &request, sizeof request, descriptors)) return died(WorkerDeath::kCrash);
   ImportDone done;

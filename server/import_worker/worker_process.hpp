@@ -38,10 +38,12 @@ class WorkerProcess {
   WorkerProcess(const WorkerProcess&) = delete;
   WorkerProcess& operator=(const WorkerProcess&) = delete;
 
-  /// The worker's answer. Throws Interrupted when the execution ends first; then, and where death() says so
+  /// The worker's answer; `memory_bytes`: what it may take for it beyond what it has, 0: as much as the
+  /// process may have. Throws Interrupted when the execution ends first; then, and where death() says so
   /// afterwards, the worker is of no more use.
   Expected<Mesh> import(std::span<const std::byte> mesh, MeshFormat format, std::span<const ImportFile> files,
-                        const ImportLimits& limits, const Execution& execution);
+                        const ImportLimits& limits, const Execution& execution,
+                        std::uint64_t memory_bytes = 0);
 
   WorkerDeath death() const { return death_; }
   const std::string& last_words() const { return last_words_; }  ///< "signal 11 (Segmentation fault)"
@@ -54,6 +56,7 @@ class WorkerProcess {
  private:
   void start(const WorkerProcessConfig& config);
   void allow_cpu() const;
+  void allow_memory(std::uint64_t bytes) const;
   /// Waits for a message of the worker; false when it has died instead.
   bool wait_readable(const Execution& execution) const;
   Expected<Mesh> died(WorkerDeath how_at_least);

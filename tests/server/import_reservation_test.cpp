@@ -1,0 +1,92 @@
+// What an import sets aside before its worker takes it: little for small files, more where they unfold.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/import_worker/import_pool.hpp"
+#include "tests/import/make_files.hpp"
+
+namespace fracture::test {
+namespace {
+
+/// A tetrahedron and how often: no byte of the file for each.
+std::string instances(std::uint32_t count) {
+  Tetrahedron tet;
+  tet.json["accessors"].push_back({{"componentType", 5126}, {"count", count}, {"type", "VEC3"}});
+  tet.node()["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"] =
+      tet.json["accessors"].size() - 1;
+  return tet.glb();
+}
+
+struct ImportReservation : testing::Test {
+  std::vector<std::uint64_t> asked;
+  std::unique_ptr<Allowance> allowance;
+  Execution execution;
+  ImportPool pool{[] {
+    ImportPoolConfig config;
+    config.worker.program = FRACTURE_IMPORT_PROGRAM;
+    return config;
+  }()};
+
+  void allow(std::uint64_t limit) {
+    allowance = std::make_unique<Allowance>(0, limit, [this, limit](std::uint64_t bytes) {
+      if (bytes > limit) return Allowance::Answer::kNever;
+      asked.push_back(bytes);
+      return Allowance::Answer::kGranted;
+    });
+    execution.allowance = allowance.get();
+  }
+  Expected<Mesh> import(const std::string& glb) {
+    return pool.import(bytes_of(glb), MeshFormat::kGlb, {}, {}, execution);
+  }
+};
+
+#ifndef FRACTURE_SANITIZED  // there a worker has no limit of memory
+
+TEST_F(ImportReservation, ASmallFileTakesLittle) {
+  allow(2ull << 30);
+  ASSERT_TRUE(import(instances(10)));
+  ASSERT_FALSE(asked.empty());
+  EXPECT_LE(asked.back(), 32u << 20);
+  EXPECT_EQ(allowance->bytes(), 0u) << "given back";
+}
+
+TEST_F(ImportReservation, AFileThatUnfoldsIsGivenMoreAfterItIsSetAside) {
+  allow(2ull << 30);
+  const std::string glb = instances(300'000);
+  EXPECT_LT(glb.size(), 2'000u);
+  const Expected<Mesh> mesh = import(glb);
+  ASSERT_TRUE(mesh) << mesh.error().detail;
+  EXPECT_EQ(mesh->triangles.size(), 1'200'000u);
+  EXPECT_GE(asked.back(), mesh->triangles.size() * (sizeof(Vec3f) + 5 * sizeof(std::uint32_t)));
+  EXPECT_EQ(pool.counters().imported, 1u);
+  EXPECT_EQ(pool.counters().limited, 0u);
+  EXPECT_EQ(pool.counters().started, 1u) << "the worker that lacked memory goes on";
+}
+
+TEST_F(ImportReservation, AFileThatUnfoldsBeyondWhatThereIsEndsWithItsLimit) {
+  allow(64u << 20);
+  const Expected<Mesh> mesh = import(instances(300'000));
+  ASSERT_FALSE(mesh);
+  EXPECT_EQ(mesh.error().code, ErrorCode::kImporterLimit);
+  EXPECT_EQ(mesh.error().extra.value("limit", ""), "memory");
+  EXPECT_EQ(pool.counters().limited, 1u) << "once, however often it was tried";
+  EXPECT_TRUE(import(instances(10))) << "the next one is not concerned";
+}
+
+#endif
+
+TEST_F(ImportReservation, AWorkerGoesBeforeTheServerWhereMemoryRunsOut) {
+  for (const pid_t worker : pool.pids()) {
+    std::ifstream file("/proc/" + std::to_string(worker) + "/oom_score_adj");
+    int score = 0;
+    file >> score;
+    EXPECT_GE(score, 500);
+  }
+}
+
+}  // namespace
+}  // namespace fracture::test
