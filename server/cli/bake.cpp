@@ -12,12 +12,12 @@
 #include <thread>
 #include <utility>
 
-#include "server/bake/memory.hpp"
 #include "server/bake/output_path.hpp"
 #include "server/bake/plan.hpp"
 #include "server/bake/remote_baker.hpp"
 #include "server/bake/run.hpp"
 #include "server/cli/options.hpp"
+#include "server/service/control_group.hpp"
 #include "server/service/failure_keeper.hpp"
 #include "server/service/worker_pool.hpp"
 
@@ -149,7 +149,7 @@ int bake(const BakeOptions& options) {
   const int cores = available_cores();
   const int jobs = plan->single ? 1 : options.jobs > 0 ? options.jobs : remote ? kRemoteJobs : cores;
   ServiceConfig service = options.service;
-  const std::uint64_t memory = options.memory > 0 ? options.memory : bake::available_memory() / 4 * 3;
+  const std::uint64_t memory = options.memory > 0 ? options.memory : available_memory() / 4 * 3;
   service.max_bytes_per_job = memory / static_cast<std::uint64_t>(jobs);
   StopOnSignal stop;
   int refused = 0;

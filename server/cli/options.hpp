@@ -36,6 +36,8 @@ struct ServeOptions {
   std::string keep_failures;  ///< folder; empty: none are kept
   StoreConfig store;
   JobsConfig jobs;
+  std::uint64_t memory =
+      0;            ///< resident bytes of server and import workers; 0: what there is (memory_plan.hpp)
   int threads = 0;  ///< of the worker pool; 0: as many as there are cores
   std::size_t max_queue = 256;
   int import_workers = available_cores();    ///< 0: imports run in the server's own process

@@ -5,11 +5,13 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <system_error>
 
 #include "server/cli/import_workers.hpp"
+#include "server/cli/memory_metrics.hpp"
 #include "server/cli/options.hpp"
 #include "server/ops/log.hpp"
 #include "server/ops/metrics.hpp"
@@ -38,14 +40,26 @@ sigset_t stopping_signals() {
   return signals;
 }
 
-/// What large meshes leave behind in the allocator's arenas goes back to the system while nothing is
-/// computed. Called about once a second.
-void trim_memory_when_idle(const WorkerPool& pool) {
-  constexpr std::size_t kWorthIt = 8u << 20;
-  static std::size_t trimmed_at = 0;
-  if (pool.running() + pool.queued() > 0) return;
-  const std::size_t free = ::mallinfo2().fordblks;
-  if (free < kWorthIt || free == trimmed_at) return;
+/// Blocks of this size are mapped, each by itself, and go back to the system when they are freed. By default
+/// glibc raises the size to that of the largest block freed so far, up to 32 MiB, and what was once needed
+/// stays.
+constexpr int kMappedBlock = 4 << 20;
+
+/// Arenas beyond the threads that compute only scatter what is free.
+void set_up_allocator(int threads) {
+  ::mallopt(M_ARENA_MAX, threads + 2);
+  ::mallopt(M_MMAP_THRESHOLD, kMappedBlock);
+  ::mallopt(M_TRIM_THRESHOLD, kMappedBlock);
+}
+
+/// What large meshes leave behind in the allocator's arenas goes back to the system: soon where it is much,
+/// else while nothing is computed. Called a few times a second.
+void trim_memory(const WorkerPool& pool, std::uint64_t memory) {
+  constexpr std::uint64_t kLittle = 8u << 20, kMuch = 32u << 20;
+  static std::uint64_t trimmed_at = 0;
+  const bool idle = pool.running() + pool.queued() == 0;
+  const std::uint64_t free = ::mallinfo2().fordblks;
+  if (free < (idle ? kLittle : std::max(kMuch, memory / 32)) || free == trimmed_at) return;
   ::malloc_trim(0);
   trimmed_at = ::mallinfo2().fordblks;
 }
@@ -53,6 +67,8 @@ void trim_memory_when_idle(const WorkerPool& pool) {
 /// Serves until a signal and drains. An exit code.
 int serve_until_stopped(const ServeOptions& options) {
   const sigset_t signals = stopping_signals();
+  const int threads = options.threads > 0 ? options.threads : available_cores();
+  set_up_allocator(threads);
   std::shared_ptr<ImportPool> imports;
   try {
     imports = start_import_workers(options.import_workers, options.import_memory, options.limits.deadline);
@@ -61,7 +77,7 @@ int serve_until_stopped(const ServeOptions& options) {
     return kExitSystem;
   }
   FractureService service(options.service, make_engine(imports));
-  WorkerPool pool(options.threads > 0 ? options.threads : available_cores(), options.max_queue);
+  WorkerPool pool(threads, options.max_queue);
   FailureKeeper failures({.folder = options.keep_failures, .program = "fracture-server " FRACTURE_VERSION},
                          [](const std::string& problem) { spdlog::warn("{}", problem); });
   DispatcherConfig config = options.dispatcher;
@@ -82,13 +98,16 @@ int serve_until_stopped(const ServeOptions& options) {
   if (imports)
     api.metrics().add_source(
         [&imports](ops::MetricWriter& writer) { write_import_metrics(imports->counters(), writer); });
+  api.metrics().add_source([&](ops::MetricWriter& writer) {
+    write_memory_metrics(options, api, dispatcher, imports.get(), writer);
+  });
   try {
     http::HttpServer server(options.server, api);
     spdlog::info("serving on http://{}:{} (admin port {}), {} computing threads", options.server.address,
                  server.port(), server.admin_port(), pool.threads());
 
-    while (!wait_for_signal(signals, steady_clock::now() + std::chrono::seconds(1)))
-      trim_memory_when_idle(pool);
+    while (!wait_for_signal(signals, steady_clock::now() + std::chrono::milliseconds(200)))
+      trim_memory(pool, options.memory);
     spdlog::info("draining: not ready; {} requests in progress", server.requests_in_progress());
     api.set_draining();
     wait_for_signal(signals, steady_clock::now() + options.drain_delay);  // a second signal skips the delay

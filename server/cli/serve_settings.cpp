@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "server/cli/memory_plan.hpp"
 #include "server/http/auth.hpp"
 
 namespace fracture::cli {
@@ -61,17 +62,22 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
        flag("insecure-bind", o.insecure_bind, "Listen beyond this machine without tokens"),
        list("cors-origin", "ORIGIN", o.server.cors_origins,
             "Web pages of this origin may ask (https://example.org), or '*': of any")});
-  group("Work",
-        {number("io-threads", "N", o.server.io_threads, 1, 2, "Threads that read and write"),
-         number("threads", "N", o.threads, 0, 1024, "Threads that compute, 0: one for each core"),
-         number("max-queue", "N", o.max_queue, 0, 1'000'000, "Requests that may wait for a computing thread"),
-         number("import-workers", "N", o.import_workers, 0, 1024,
-                "Sandboxed processes that read files; 0: files are read in the server's own process"),
-         number("import-memory", "BYTES", o.import_memory, 0, kTiB,
-                "Address space of an import process, 0: no limit"),
-         list("enable-format", "FORMAT", o.enabled_formats,
-              "Also read this format (blend, fbx and others): their parsers are large and off by default"),
-         flag("all-formats", o.all_formats, "Read every format there is")});
+  group(
+      "Work",
+      {number("io-threads", "N", o.server.io_threads, 1, 2, "Threads that read and write"),
+       number("threads", "N", o.threads, 0, 1024, "Threads that compute, 0: one for each core"),
+       number(
+           "memory", "BYTES", o.memory, 0, kTiB,
+           "What server and import processes may have resident, 0: the limit of their control group, or the "
+           "machine's memory; budgets below that nobody gives are lowered until all fits"),
+       number("max-queue", "N", o.max_queue, 0, 1'000'000, "Requests that may wait for a computing thread"),
+       number("import-workers", "N", o.import_workers, 0, 1024,
+              "Sandboxed processes that read files; 0: files are read in the server's own process"),
+       number("import-memory", "BYTES", o.import_memory, 0, kTiB,
+              "Address space of an import process, 0: no limit"),
+       list("enable-format", "FORMAT", o.enabled_formats,
+            "Also read this format (blend, fbx and others): their parsers are large and off by default"),
+       flag("all-formats", o.all_formats, "Read every format there is")});
   group("Logs",
         {choice("log-level", o.log_level, {"trace", "debug", "info", "warn", "error", "off"},
                 "Least important lines that are written"),
@@ -177,20 +183,27 @@ std::vector<std::string> inconsistencies(const ServeOptions& o) {
 }
 
 void read_settings(ServeOptions& options, const std::vector<Setting>& settings, const GivenSettings& flags,
-                   const std::string& config_file, std::vector<std::string>& errors) {
+                   const std::string& config_file, std::vector<std::string>& errors,
+                   std::set<std::string>* given) {
   std::vector<std::string> unknown;
   std::vector<GivenSettings> sources = {flags, from_environment(environ, settings, unknown)};
   for (const std::string& name : unknown)
     options.warnings.push_back("the environment variable " + name + " is no setting of this server");
   if (!config_file.empty()) sources.push_back(from_file(config_file, settings, errors));
   apply(settings, sources, errors);
+  if (!given) return;
+  for (const GivenSettings& source : sources)
+    for (const auto& [name, value] : source) given->insert(name);
 }
 
 std::vector<std::string> configure(ServeOptions& options, const std::vector<Setting>& settings,
                                    const GivenSettings& flags, const std::string& config_file) {
   std::vector<std::string> errors;
-  read_settings(options, settings, flags, config_file, errors);
+  std::set<std::string> given;
+  read_settings(options, settings, flags, config_file, errors, &given);
   for (std::string& error : inconsistencies(options)) errors.push_back(std::move(error));
+  if (!errors.empty()) return errors;
+  errors = plan_memory(options, given, options.memory > 0 ? options.memory : available_memory());
   if (!errors.empty()) return errors;
 
   if (options.all_formats) options.service.formats = FormatSet::all();

@@ -1,6 +1,7 @@
 // The settings of `serve`.
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -12,12 +13,15 @@ namespace fracture::cli {
 /// The table. The settings read and write `options`, which must outlive them.
 std::vector<Setting> serve_settings(ServeOptions& options);
 
-/// Takes the settings from flags, environment and `config_file` (empty: none), each judged alone.
+/// Takes the settings from flags, environment and `config_file` (empty: none), each judged alone. `given`
+/// gets the names of those that were given.
 void read_settings(ServeOptions& options, const std::vector<Setting>& settings, const GivenSettings& flags,
-                   const std::string& config_file, std::vector<std::string>& errors);
+                   const std::string& config_file, std::vector<std::string>& errors,
+                   std::set<std::string>* given = nullptr);
 
 /// Takes the settings from flags, environment and `config_file` (empty: none), then judges them as a whole.
-/// Every error there is, in sentences; none: `options` is ready to serve.
+/// Every error there is, in sentences; none: `options` is ready to serve, within the memory that there is
+/// (memory_plan.hpp).
 std::vector<std::string> configure(ServeOptions& options, const std::vector<Setting>& settings,
                                    const GivenSettings& flags, const std::string& config_file);
 

@@ -146,7 +146,10 @@ void Api::answering(const Request& request, const Reply& reply,
     error.detail = e.what();
   } catch (...) {
   }
-  reply(refusal(std::move(error), request.id));
+  try {
+    reply(refusal(std::move(error), request.id));
+  } catch (...) {  // not even that: the client is left without an answer, the others are not
+  }
 }
 
 Answered Api::dispatch(const std::shared_ptr<Request>& request, const std::stop_token& gone,

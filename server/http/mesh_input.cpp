@@ -11,8 +11,8 @@ namespace fracture::http {
 namespace {
 
 constexpr std::size_t kMaxParams = 1u << 20;  // bytes of the `params` part: about 30,000 points
-/// What they may hold when they are parsed: 30,000 points take a quarter of it.
-constexpr std::size_t kMaxParamsHeld = 16u << 20;
+/// What they may hold when they are parsed: 30,000 points take half of it.
+constexpr std::size_t kMaxParamsHeld = 8u << 20;
 constexpr std::size_t kMaxField = 16u << 10;  // bytes of a parameter as a field of its own
 
 /// A filename as an asset would write it: forward slashes, no leading "./".

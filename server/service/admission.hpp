@@ -29,9 +29,10 @@ double expected_rough_triangles(const FractureParameters& parameters, double sit
 ExpectedWork expected_decoding(std::uint64_t decoded_bytes);
 ExpectedWork expected_reading(std::uint64_t bytes);
 
-/// `mesh_bytes`: still to be read and prepared, 0 when that is done and `solid` is given.
-ExpectedWork expected_work(const FractureParameters& parameters, std::uint64_t mesh_bytes,
-                           const Solid* solid);
+/// `mesh_bytes`: still to be read and prepared, 0 when that is done and `solid` is given. `triangles`: of the
+/// solid, where they were counted before.
+ExpectedWork expected_work(const FractureParameters& parameters, std::uint64_t mesh_bytes, const Solid* solid,
+                           std::uint64_t triangles = 0);
 /// Of the new hits alone, where the answer before them is kept and they are local (pipeline/delta.hpp).
 ExpectedWork expected_hit_work(const FractureParameters& parameters, const Solid* solid);
 /// Of reading and preparing alone.

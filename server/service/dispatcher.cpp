@@ -172,7 +172,7 @@ std::optional<Overload> Dispatcher::fracture(FractureRequest request, const Term
     const std::shared_ptr<const PreparedMesh> mesh = service_.find_mesh(keys);
     const FractureParameters& fracture = request.parameters.fracture;
     const Solid* solid = mesh ? &mesh->solid : nullptr;
-    ExpectedWork work = expected_work(fracture, mesh ? 0 : bytes_of(request), solid);
+    ExpectedWork work = expected_work(fracture, mesh ? 0 : bytes_of(request), solid, request.triangles);
     if (fracture.new_hits > 0) {
       const std::shared_ptr<const Diagram> kept = service_.find_diagram(keys);
       if (!kept || !kept->fractured)
@@ -394,6 +394,12 @@ void Dispatcher::with_mesh(const Shared& c, const Outcome<PreparedMesh>& mesh, i
   c->answer.mesh_cache = mesh->cache;
   append(c->answer.timings, mesh->timings);
   c->mesh = mesh->value;
+  if (mesh->cache != CacheOutcome::kHit) {  // what was expected of the file's bytes is put right
+    const ExpectedWork work =
+        expected_work(c->request.parameters.fracture, bytes_of(c->request), &c->mesh->solid);
+    c->cost = std::max(c->cost, work.seconds);
+    pool_.revise(c->flight->common.task, c->cost);
+  }
   if (!failures_) {  // the file is not needed any more
     c->request.mesh = {};
     c->request.files.clear();

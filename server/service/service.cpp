@@ -176,6 +176,12 @@ Expected<Step<PreparedMesh>> FractureService::make_mesh(const FractureRequest& r
         engine_->import(request.mesh, request.format, request.files, config_.import_limits, execution);
     if (!imported) return tl::unexpected<Error>(std::move(imported.error()));
     *mesh = std::move(*imported);
+    // What the bytes of the file did not say is known now. A small mesh is within what every request is
+    // admitted for.
+    constexpr std::size_t kSmall = 64u << 10;
+    if (const std::size_t bytes = memory_size(*mesh); bytes > kSmall)
+      execution.made(Product::kMeshBytes, bytes);
+    execution.made(Product::kSurfaceTriangles, mesh->triangles.size());
     Expected<nlohmann::json> frame = to_metres_y_up(*mesh, request.parameters.frame);
     if (!frame) return tl::unexpected<Error>(std::move(frame.error()));
     result->frame = std::move(*frame);

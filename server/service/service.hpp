@@ -146,6 +146,7 @@ class FractureService {
 Error to_error(const Interrupted& interrupted);
 
 /// Bytes of heap behind a value, close enough to budget a cache with.
+std::size_t memory_size(const Mesh& mesh);
 std::size_t memory_size(const PreparedMesh& mesh);
 std::size_t memory_size(const Diagram& diagram);
 

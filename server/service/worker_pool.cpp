@@ -1,42 +1,9 @@
 #include "server/service/worker_pool.hpp"
 
-#include <sched.h>
-
 #include <algorithm>
-#include <cmath>
-#include <fstream>
-#include <string>
 #include <utility>
 
 namespace fracture {
-namespace {
-
-/// Quota over period of the control group, 0 when there is none.
-double cgroup_cores() {
-  if (std::ifstream v2("/sys/fs/cgroup/cpu.max"); v2) {
-    std::string quota;
-    double period = 0;
-    if (v2 >> quota >> period && quota != "max" && period > 0)
-      return std::strtod(quota.c_str(), nullptr) / period;
-    return 0;
-  }
-  std::ifstream quota_file("/sys/fs/cgroup/cpu/cpu.cfs_quota_us"),
-      period_file("/sys/fs/cgroup/cpu/cpu.cfs_period_us");
-  double quota = 0, period = 0;
-  if (quota_file >> quota && period_file >> period && quota > 0 && period > 0) return quota / period;
-  return 0;
-}
-
-}  // namespace
-
-int available_cores() {
-  int cores = static_cast<int>(std::thread::hardware_concurrency());
-  cpu_set_t mask;
-  if (sched_getaffinity(0, sizeof mask, &mask) == 0) cores = CPU_COUNT(&mask);
-  if (const double quota = cgroup_cores(); quota > 0)
-    cores = std::min(cores, static_cast<int>(std::ceil(quota)));
-  return std::max(1, cores);
-}
 
 WorkerPool::WorkerPool(int threads, std::size_t max_queue)
     : max_queue_(max_queue), thread_count_(static_cast<std::size_t>(std::max(1, threads))) {
@@ -94,6 +61,11 @@ std::optional<std::size_t> WorkerPool::position(TaskId task) const {
       ++before;
     }
   return std::nullopt;
+}
+
+void WorkerPool::revise(TaskId task, double cost) {
+  const std::lock_guard lock(mutex_);
+  if (const auto at = running_.find(task); at != running_.end()) at->second.cost = cost;
 }
 
 bool WorkerPool::full() const {

@@ -17,11 +17,9 @@
 #include <thread>
 #include <vector>
 
-namespace fracture {
+#include "server/service/control_group.hpp"
 
-/// The cores this process may use: the affinity mask, lowered to the CPU quota of the control group (v2 or
-/// v1).
-int available_cores();
+namespace fracture {
 
 enum class Priority { kRealtime, kBatch };
 
@@ -46,6 +44,10 @@ class WorkerPool {
   void resume(Job job);
   /// A batch task that is still queued becomes a realtime one. Nothing happens when it is not.
   void promote(TaskId task);
+
+  /// What a job that runs turned out to cost, for predictions of the wait. Nothing happens when it does not
+  /// run.
+  void revise(TaskId task, double cost);
 
   /// How many tasks go before this one, as things are; nothing when it is not queued.
   std::optional<std::size_t> position(TaskId task) const;

@@ -1,5 +1,5 @@
-// The memory that a bake takes for its own when nobody says it.
-#include "server/bake/memory.hpp"
+// What a control group allows, by the files that the kernel writes.
+#include "server/service/control_group.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "tests/server/temporary_folder.hpp"
 
-namespace fracture::bake {
+namespace fracture {
 namespace {
 
 constexpr std::uint64_t kNoLimit = ~std::uint64_t{0};
@@ -34,10 +34,30 @@ TEST(MemoryLimitOfGroup, IsTheLeastOfTheGroupAndThoseAboveIt) {
   EXPECT_EQ(limit("5:cpu:/c\nnonsense\n"), kNoLimit);
 }
 
-TEST(AvailableMemory, IsSomeOfThisMachine) {
+TEST(CoresOfGroup, AreTheLeastQuotaOfTheGroupAndThoseAboveIt) {
+  const test::TemporaryFolder root;
+  std::filesystem::create_directories(root / "a/b");
+  std::filesystem::create_directories(root / "cpu/c");
+  const auto cores = [&](const std::string& membership) { return cores_of_group(membership, root.path); };
+  EXPECT_EQ(cores("0::/a/b\n"), 0) << "no files: no quota";
+  root.write("a/b/cpu.max", "max 100000\n");
+  EXPECT_EQ(cores("0::/a/b\n"), 0);
+  root.write("a/cpu.max", "150000 100000\n");
+  EXPECT_EQ(cores("0::/a/b\n"), 1.5) << "of the group above: a service within a slice";
+  root.write("a/b/cpu.max", "50000 100000\n");
+  EXPECT_EQ(cores("0::/a/b\n"), 0.5);
+  root.write("cpu/c/cpu.cfs_quota_us", "-1\n");
+  root.write("cpu/c/cpu.cfs_period_us", "100000\n");
+  EXPECT_EQ(cores("4:cpu,cpuacct:/c\n"), 0);
+  root.write("cpu/c/cpu.cfs_quota_us", "300000\n");
+  EXPECT_EQ(cores("4:cpu,cpuacct:/c\n"), 3);
+}
+
+TEST(Available, IsSomeOfThisMachine) {
   EXPECT_GT(available_memory(), 1u << 20);
   EXPECT_LT(available_memory(), 1ull << 60);
+  EXPECT_GE(available_cores(), 1);
 }
 
 }  // namespace
-}  // namespace fracture::bake
+}  // namespace fracture

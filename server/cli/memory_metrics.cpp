@@ -1,0 +1,51 @@
+#include "server/cli/memory_metrics.hpp"
+
+#include <unistd.h>
+
+#include <fstream>
+#include <map>
+#include <string>
+
+#include "server/cli/memory_plan.hpp"
+
+namespace fracture::cli {
+
+std::uint64_t resident_bytes(pid_t process) {
+  std::ifstream statm("/proc/" + std::to_string(process) + "/statm");
+  std::uint64_t total = 0, resident = 0;
+  statm >> total >> resident;
+  return resident * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+}
+
+void write_memory_metrics(const ServeOptions& options, http::Api& api, Dispatcher& dispatcher,
+                          const ImportPool* imports, ops::MetricWriter& writer) {
+  const FractureService::Figures caches = dispatcher.service().figures();
+  const std::map<std::string, std::uint64_t> reserved = {{"bodies", api.bodies().used()},
+                                                         {"working", dispatcher.working().used()},
+                                                         {"mesh_cache", caches.meshes.bytes},
+                                                         {"diagram_cache", caches.diagrams.bytes},
+                                                         {"result_cache", caches.results.bytes},
+                                                         {"mesh_store", api.meshes().figures().bytes},
+                                                         {"job_results", api.jobs().figures().result_bytes}};
+  writer.gauge("fracture_memory_limit_bytes",
+               "What this server may have resident: --memory, or the limit of its control group or machine.",
+               static_cast<double>(options.memory));
+  writer.gauge("fracture_memory_base_bytes", "What of it is set aside for a server that holds nothing.",
+               static_cast<double>(base_memory(options)));
+  for (const MemoryShare& share : memory_shares(options)) {
+    const ops::MetricWriter::Labels labels = {{"part", share.part}};
+    writer.gauge("fracture_memory_budget_bytes", "What each part may hold.", static_cast<double>(share.bytes),
+                 labels);
+    writer.gauge("fracture_memory_reserved_bytes", "What each part holds, by its own count.",
+                 static_cast<double>(reserved.at(share.part)), labels);
+  }
+  std::uint64_t workers = 0;
+  if (imports)
+    for (const pid_t worker : imports->pids()) workers += resident_bytes(worker);
+  writer.gauge("fracture_memory_resident_bytes", "What the system says is resident, by process.",
+               static_cast<double>(resident_bytes(::getpid())), {{"process", "server"}});
+  writer.gauge("fracture_memory_resident_bytes", "What the system says is resident, by process.",
+               static_cast<double>(workers), {{"process", "import"}});
+}
+
+}  // namespace fracture::cli

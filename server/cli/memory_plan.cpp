@@ -1,0 +1,111 @@
+#include "server/cli/memory_plan.hpp"
+
+#include <algorithm>
+#include <functional>
+
+namespace fracture::cli {
+namespace {
+
+constexpr std::uint64_t kMiB = 1u << 20;
+
+/// A budget that can be set. `least`: what a server of any use needs.
+struct Budget {
+  const char* setting;
+  const char* part;
+  std::uint64_t least;
+  std::function<std::uint64_t()> get;
+  std::function<void(std::uint64_t)> set;
+};
+
+template <class Number>
+Budget budget(const char* setting, const char* part, std::uint64_t least, Number& target) {
+  return {setting, part, least, [&target] { return std::uint64_t{target}; },
+          [&target](std::uint64_t bytes) { target = static_cast<Number>(bytes); }};
+}
+
+std::vector<Budget> budgets(ServeOptions& o, const std::set<std::string>& given = {}) {
+  const std::uint64_t body = given.contains("max-body") ? o.limits.max_body : 0,
+                      import = given.contains("import-memory") ? o.import_memory : 0;
+  return {budget("max-bodies", "bodies", std::max(4 * kMiB, body), o.limits.max_bodies),
+          budget("max-working", "working", std::max(64 * kMiB, import), o.dispatcher.max_working_bytes),
+          budget("mesh-cache", "mesh_cache", 0, o.service.mesh_cache_bytes),
+          budget("diagram-cache", "diagram_cache", 0, o.service.diagram_cache_bytes),
+          budget("result-cache", "result_cache", 0, o.service.result_cache_bytes),
+          budget("mesh-store", "mesh_store", 0, o.store.quota_bytes),
+          budget("job-results", "job_results", 0, o.jobs.max_result_bytes)};
+}
+
+std::uint64_t threads_of(const ServeOptions& o) {
+  return static_cast<std::uint64_t>((o.threads > 0 ? o.threads : available_cores()) + o.server.io_threads);
+}
+
+std::string in_mib(double bytes) { return std::to_string(static_cast<std::uint64_t>(bytes / kMiB)) + " MiB"; }
+
+}  // namespace
+
+std::vector<MemoryShare> memory_shares(const ServeOptions& options) {
+  std::vector<MemoryShare> shares;
+  for (const Budget& b : budgets(const_cast<ServeOptions&>(options)))
+    shares.push_back({b.setting, b.part, b.get()});
+  return shares;
+}
+
+std::uint64_t base_memory(const ServeOptions& o) {
+  const TiersConfig& tiers = o.service.tiers;
+  const bool any_tier = !tiers.folder.empty() || !tiers.redis.address.empty();
+  // 16 MiB after the start; buffers of connections and what a thread's arena keeps; a worker at rest 11 MiB.
+  return 32 * kMiB + 8 * kMiB * threads_of(o) + 16 * kMiB * static_cast<std::uint64_t>(o.import_workers) +
+         (any_tier ? tiers.max_pending_bytes : 0);
+}
+
+std::vector<std::string> plan_memory(ServeOptions& o, const std::set<std::string>& given,
+                                     std::uint64_t available) {
+  const std::vector<Budget> all = budgets(o, given);
+  const std::size_t pending = o.service.tiers.max_pending_bytes;  // of answers on their way to a tier
+  o.service.tiers.max_pending_bytes = std::min<std::size_t>(pending, available / 32);
+  const double base = static_cast<double>(base_memory(o));
+  const double room = (static_cast<double>(available) - base) / kResidentPerByte;
+  double fixed = 0, elastic = 0, least = 0;
+  for (const Budget& b : all) {
+    const auto bytes = static_cast<double>(b.get());
+    if (given.contains(b.setting)) {
+      fixed += bytes;
+    } else {
+      elastic += bytes;
+      least += static_cast<double>(std::min(b.least, b.get()));
+    }
+  }
+  if (fixed + least > room) {
+    o.service.tiers.max_pending_bytes = pending;
+    std::string sum;
+    for (const Budget& b : all) {
+      const bool is_given = given.contains(b.setting);
+      if (!is_given && b.least == 0) continue;
+      sum += (sum.empty() ? "" : " + ") + std::string(b.setting) + " " +
+             (is_given ? in_mib(static_cast<double>(b.get()))
+                       : "at least " + in_mib(static_cast<double>(std::min(b.least, b.get()))));
+    }
+    return {"memory: " + in_mib(base) + " at rest + " + std::to_string(kResidentPerByte).substr(0, 3) +
+            " x (" + sum + ") = " + in_mib(base + kResidentPerByte * (fixed + least)) +
+            ", which is over the " + in_mib(static_cast<double>(available)) +
+            " that this server may have (--memory, the limit of its control group, or the machine's)"};
+  }
+  if (fixed + elastic > room) {
+    const double share = (room - fixed - least) / std::max(1.0, elastic - least);
+    for (const Budget& b : all) {
+      if (given.contains(b.setting)) continue;
+      const auto bytes = static_cast<double>(b.get()), low = static_cast<double>(std::min(b.least, b.get()));
+      b.set(static_cast<std::uint64_t>(low + share * (bytes - low)));
+    }
+  }
+  const auto at_most = [&](const char* setting, auto& value, std::uint64_t limit) {
+    if (!given.contains(setting) && value > limit) value = limit;
+  };
+  at_most("max-body", o.limits.max_body, o.limits.max_bodies);
+  at_most("max-decoded", o.service.import_limits.max_decoded_bytes, o.limits.max_bodies);
+  at_most("import-memory", o.import_memory, o.dispatcher.max_working_bytes / 2);
+  o.memory = available;
+  return {};
+}
+
+}  // namespace fracture::cli

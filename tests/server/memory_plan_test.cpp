@@ -1,0 +1,97 @@
+// How the memory of a server is divided: what is given is kept, the rest fits, and what cannot fit is
+// refused.
+#include "server/cli/memory_plan.hpp"
+
+#include <gmock/gmock.h>
+
+#include "server/cli/serve_settings.hpp"
+
+namespace fracture::cli {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr std::uint64_t kMiB = 1u << 20, kGiB = 1u << 30;
+
+double resident(const ServeOptions& options) {
+  double sum = 0;
+  for (const MemoryShare& share : memory_shares(options)) sum += static_cast<double>(share.bytes);
+  return static_cast<double>(base_memory(options)) + kResidentPerByte * sum;
+}
+
+ServeOptions small_server() {
+  ServeOptions options;
+  options.threads = 2;
+  options.import_workers = 2;
+  return options;
+}
+
+TEST(MemoryPlan, ALargeMachineKeepsTheDefaults) {
+  ServeOptions options = small_server();
+  const ServeOptions defaults = options;
+  EXPECT_THAT(plan_memory(options, {}, 64 * kGiB), IsEmpty());
+  EXPECT_EQ(options.memory, 64 * kGiB);
+  EXPECT_EQ(options.dispatcher.max_working_bytes, defaults.dispatcher.max_working_bytes);
+  EXPECT_EQ(options.store.quota_bytes, defaults.store.quota_bytes);
+  EXPECT_EQ(options.limits.max_body, defaults.limits.max_body);
+}
+
+TEST(MemoryPlan, EverythingFitsIntoWhateverThereIs) {
+  for (const std::uint64_t memory : {224 * kMiB, 256 * kMiB, 512 * kMiB, 1 * kGiB, 2 * kGiB, 4 * kGiB}) {
+    ServeOptions options = small_server();
+    EXPECT_THAT(plan_memory(options, {}, memory), IsEmpty()) << memory / kMiB;
+    EXPECT_LE(resident(options), static_cast<double>(memory)) << memory / kMiB;
+    EXPECT_GT(resident(options), 0.99 * static_cast<double>(memory)) << "nothing is left over";
+    EXPECT_LE(options.limits.max_body, options.limits.max_bodies);
+    EXPECT_LE(options.service.import_limits.max_decoded_bytes, options.limits.max_bodies);
+    EXPECT_LE(2 * options.import_memory, options.dispatcher.max_working_bytes)
+        << "import workers are within it";
+    EXPECT_GE(options.dispatcher.max_working_bytes, 64 * kMiB);
+    EXPECT_THAT(inconsistencies(options), IsEmpty());
+  }
+}
+
+TEST(MemoryPlan, WhatIsGivenIsKeptAndTheOthersMakeRoom) {
+  ServeOptions options = small_server();
+  options.store.quota_bytes = 200 * kMiB;
+  options.limits.max_body = 32 * kMiB;
+  EXPECT_THAT(plan_memory(options, {"mesh-store", "max-body"}, 768 * kMiB), IsEmpty());
+  EXPECT_EQ(options.store.quota_bytes, 200 * kMiB);
+  EXPECT_EQ(options.limits.max_body, 32 * kMiB);
+  EXPECT_GE(options.limits.max_bodies, 32 * kMiB);
+  EXPECT_LE(resident(options), 768.0 * kMiB);
+}
+
+TEST(MemoryPlan, WhatCannotFitIsRefusedWithTheSum) {
+  ServeOptions options = small_server();
+  options.store.quota_bytes = 1 * kGiB;
+  const std::uint64_t before = options.dispatcher.max_working_bytes;
+  EXPECT_THAT(plan_memory(options, {"mesh-store"}, 512 * kMiB),
+              ElementsAre(AllOf(HasSubstr("88 MiB at rest"), HasSubstr("mesh-store 1024 MiB"),
+                                HasSubstr("max-working at least 64 MiB"), HasSubstr("512 MiB"),
+                                HasSubstr("--memory"))));
+  EXPECT_EQ(options.dispatcher.max_working_bytes, before) << "nothing is changed";
+  EXPECT_THAT(plan_memory(options, {}, 100 * kMiB), testing::SizeIs(1)) << "no server at all";
+}
+
+TEST(MemoryPlan, ASettingIsGivenByFlagOrFile) {
+  ServeOptions options;
+  const std::vector<Setting> table = serve_settings(options);
+  EXPECT_THAT(configure(options, table,
+                        {{"memory", {"1GiB", "--memory"}},
+                         {"threads", {"1", ""}},
+                         {"import-workers", {"1", ""}},
+                         {"mesh-cache", {"100MiB", "--mesh-cache"}}},
+                        ""),
+              IsEmpty());
+  EXPECT_EQ(options.memory, 1 * kGiB);
+  EXPECT_EQ(options.service.mesh_cache_bytes, 100 * kMiB);
+  EXPECT_LT(options.store.quota_bytes, 1 * kGiB);
+  EXPECT_LE(resident(options), 1.0 * kGiB);
+}
+
+}  // namespace
+}  // namespace fracture::cli

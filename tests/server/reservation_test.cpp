@@ -1,0 +1,83 @@
+// What a computation sets aside of the memory that all share: by what is known of its mesh, put right when
+// more is.
+#include <gtest/gtest.h>
+
+#include <atomic>
+
+#include "server/service/dispatcher.hpp"
+#include "tests/server/fake_engine.hpp"
+#include "tests/support/eventually.hpp"
+
+namespace fracture::test {
+namespace {
+
+Mesh mesh_of(std::size_t triangles) {
+  Mesh mesh;
+  mesh.positions.resize(3 * triangles);
+  mesh.triangles.resize(triangles);
+  return mesh;
+}
+
+struct ReservationTest : testing::Test {
+  std::shared_ptr<FakeControl> control = std::make_shared<FakeControl>();
+  FractureService service{ServiceConfig{.mesh_cache_bytes = 0}, std::make_unique<FakeEngine>(control)};
+  WorkerPool pool{1, 256};
+  Dispatcher dispatcher{service, pool, {.max_working_bytes = 1u << 30}};
+
+  FractureRequest request(std::uint64_t triangles = 0) {
+    FractureRequest request;
+    const auto text = std::make_shared<const std::string>("mesh");
+    request.mesh = std::as_bytes(std::span(*text));
+    request.owner = text;
+    request.triangles = triangles;
+    return request;
+  }
+  std::optional<Error> ask(FractureRequest asked) {
+    std::optional<Error> error;
+    EXPECT_FALSE(dispatcher.fracture(std::move(asked), {}, [&](Expected<FractureAnswer> answer) {
+      if (!answer) error = answer.error();
+    }));
+    dispatcher.wait_idle();
+    return error;
+  }
+};
+
+TEST_F(ReservationTest, AStoredMeshIsReservedForByItsTriangles) {
+  std::atomic<std::uint64_t> held{0};
+  control->during_cut = [&](const Execution&) { held = dispatcher.figures().working_bytes; };
+  EXPECT_FALSE(ask(request(1'000'000)));
+  EXPECT_GE(held, 220'000'000u);
+  EXPECT_EQ(dispatcher.figures().working_bytes, 0u);
+}
+
+TEST_F(ReservationTest, WhatTheFileDidNotSayIsReservedWhenItWasRead) {
+  control->import = [](std::string_view) { return Expected<Mesh>(mesh_of(1'000'000)); };
+  std::atomic<std::uint64_t> held{0};
+  control->during_cut = [&](const Execution&) { held = dispatcher.figures().working_bytes; };
+  EXPECT_FALSE(ask(request()));
+  EXPECT_GE(held, 48'000'000u + 200'000'000u) << "its arrays, and what it takes to prepare them";
+}
+
+TEST_F(ReservationTest, AMeshThatCouldNeverBeHeldIsRefusedBeforeItIsPrepared) {
+  control->import = [](std::string_view) { return Expected<Mesh>(mesh_of(6'000'000)); };
+  const std::optional<Error> error = ask(request());
+  ASSERT_TRUE(error);
+  EXPECT_EQ(error->code, ErrorCode::kTooComplex) << error->detail;
+  EXPECT_EQ(control->prepares, 0);
+}
+
+TEST_F(ReservationTest, PredictionsAreRevisedWhenTheMeshIsKnown) {
+  std::atomic<bool> reached{false}, go{false};
+  const WorkerPool::TaskId task = pool.submit(Priority::kBatch, 0.001, [&](int) {
+    reached = true;
+    while (!go) std::this_thread::yield();
+  });
+  ASSERT_TRUE(eventually(kPatience, "the job", [&] { return reached.load(); }));
+  pool.revise(task, 1'000'000);
+  EXPECT_GT(pool.predicted_wait(Priority::kBatch).count(), 1'000);
+  go = true;
+  pool.wait_idle();
+}
+
+}  // namespace
+}  // namespace fracture::test
