@@ -20,6 +20,9 @@ namespace fracture {
 inline constexpr std::uint32_t kProtocolVersion = 1;
 inline constexpr int kWorkerSocket = 3;  ///< the worker's end, by number; beside it only 0, 1 and 2
 
+/// Exit code of a worker that lacked memory where it could not say so: a destructor that allocates, say.
+inline constexpr int kLackedMemory = 5;
+
 struct WorkerHello {
   std::uint32_t version = kProtocolVersion;
   std::uint32_t seccomp = 0;  ///< 1: the filter is loaded; else seccomp_errno says why not

@@ -8,7 +8,9 @@
 
 #include <charconv>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
+#include <exception>
 #include <new>
 #include <stdexcept>
 #include <string_view>
@@ -47,6 +49,13 @@ bool lacked_memory = false;
 void no_memory() {
   lacked_memory = true;
   throw std::bad_alloc();
+}
+
+/// A parsed JSON allocates to destroy itself (nlohmann::json flattens what is nested), and where that fails
+/// the program ends. That is no defect of a reader.
+[[noreturn]] void ended() {
+  if (lacked_memory) ::_exit(kLackedMemory);
+  std::abort();
 }
 
 std::vector<std::byte> reply_to(const ImportFunction& import, const ImportJob& job) {
@@ -97,6 +106,7 @@ Expected<Mesh> import_job(const ImportJob& job) {
 
 int run_import_worker(int socket, const SandboxLimits& limits, const ImportFunction& import) {
   std::set_new_handler(no_memory);
+  std::set_terminate(ended);
   warm_up(import);
   const SandboxReport report = enter_sandbox(limits);
   WorkerHello hello;

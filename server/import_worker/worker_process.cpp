@@ -177,6 +177,7 @@ Expected<Mesh> WorkerProcess::died(WorkerDeath how_at_least) {
     const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
     if (signal == SIGXCPU) death_ = WorkerDeath::kCpuLimit;
     if (signal == SIGXFSZ) death_ = WorkerDeath::kSizeLimit;
+    if (signal == 0 && WEXITSTATUS(status) == kLackedMemory) death_ = WorkerDeath::kMemoryLimit;
     last_words_ = signal != 0 ? "signal " + std::to_string(signal) + " (" + ::strsignal(signal) + ")"
                               : "exit code " + std::to_string(WEXITSTATUS(status));
   } else {
@@ -189,6 +190,12 @@ Expected<Mesh> WorkerProcess::died(WorkerDeath how_at_least) {
                   "The importer needed more than the " + std::to_string(cpu_.count()) +
                       " seconds of processor time that one import may have.",
                   {}, {{"limit", "cpu"}, {"seconds", cpu_.count()}});
+    case WorkerDeath::kMemoryLimit:
+      return fail(
+          ErrorCode::kImporterLimit,
+          "The importer needed more memory for this file than one import may have. Send a smaller mesh, or "
+          "raise the server's --import-memory.",
+          {}, {{"limit", "memory"}});
     case WorkerDeath::kSizeLimit:
       return fail(ErrorCode::kImporterLimit, "The file unfolds to more than a mesh may have.", {},
                   {{"limit", "size"}});

@@ -23,9 +23,10 @@ struct WorkerProcessConfig {
 /// How an import ended where it did not end with an answer.
 enum class WorkerDeath {
   kNone,
-  kCrash,      ///< by a signal, an exit, or an answer that breaks a promise
-  kCpuLimit,   ///< SIGXCPU
-  kSizeLimit,  ///< SIGXFSZ: more output than a mesh may have
+  kCrash,        ///< by a signal, an exit, or an answer that breaks a promise
+  kCpuLimit,     ///< SIGXCPU
+  kMemoryLimit,  ///< kLackedMemory
+  kSizeLimit,    ///< SIGXFSZ: more output than a mesh may have
 };
 
 class WorkerProcess {

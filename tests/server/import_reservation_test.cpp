@@ -67,6 +67,17 @@ TEST_F(ImportReservation, AFileThatUnfoldsIsGivenMoreAfterItIsSetAside) {
   EXPECT_EQ(pool.counters().started, 1u) << "the worker that lacked memory goes on";
 }
 
+TEST_F(ImportReservation, ALongJsonIsReadThoughItsReaderEndsForWantOfMemoryAtFirst) {
+  allow(2ull << 30);
+  Tetrahedron tet;
+  tet.json["materials"] = {{{"name", "m"}, {"extras", nlohmann::json::array()}}};
+  for (int k = 0; k < 4'000'000; ++k) tet.json["materials"][0]["extras"].push_back(0);
+  const Expected<Mesh> mesh = import(tet.glb());
+  ASSERT_TRUE(mesh) << mesh.error().detail;
+  EXPECT_EQ(mesh->library->materials[0]["name"], "m");
+  EXPECT_EQ(pool.counters().crashed, 0u);
+}
+
 TEST_F(ImportReservation, AFileThatUnfoldsBeyondWhatThereIsEndsWithItsLimit) {
   allow(64u << 20);
   const Expected<Mesh> mesh = import(instances(300'000));
