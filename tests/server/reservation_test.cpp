@@ -18,9 +18,15 @@ Mesh mesh_of(std::size_t triangles) {
   return mesh;
 }
 
+ServiceConfig without_mesh_cache() {
+  ServiceConfig config;
+  config.mesh_cache_bytes = 0;
+  return config;
+}
+
 struct ReservationTest : testing::Test {
   std::shared_ptr<FakeControl> control = std::make_shared<FakeControl>();
-  FractureService service{ServiceConfig{.mesh_cache_bytes = 0}, std::make_unique<FakeEngine>(control)};
+  FractureService service{without_mesh_cache(), std::make_unique<FakeEngine>(control)};
   WorkerPool pool{1, 256};
   Dispatcher dispatcher{service, pool, {.max_working_bytes = 1u << 30}};
 
