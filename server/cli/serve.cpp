@@ -21,23 +21,36 @@ namespace {
 
 using std::chrono::steady_clock;
 
-/// Waits for one of the signals, at most until `end`. False when the time is over.
-bool wait_for_signal(const sigset_t& signals, steady_clock::time_point end) {
+/// Waits for one of the signals, at most until `end`. Its number; 0 when the time is over.
+int wait_for_signal(const sigset_t& signals, steady_clock::time_point end) {
   for (;;) {
     const auto left = std::chrono::duration_cast<std::chrono::nanoseconds>(end - steady_clock::now());
-    if (left.count() <= 0) return false;
+    if (left.count() <= 0) return 0;
     const timespec timeout{static_cast<time_t>(left.count() / 1'000'000'000), left.count() % 1'000'000'000};
-    if (sigtimedwait(&signals, nullptr, &timeout) > 0) return true;
-    if (errno == EAGAIN) return false;
+    if (const int number = sigtimedwait(&signals, nullptr, &timeout); number > 0) return number;
+    if (errno == EAGAIN) return 0;
   }
 }
 
-sigset_t stopping_signals() {
+sigset_t handled_signals() {
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGTERM);
   sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGHUP);
   return signals;
+}
+
+/// SIGHUP: the token file is read again. A file that is wrong changes nothing.
+void reload_tokens(const std::string& path, http::HttpServer& server) {
+  if (path.empty()) return spdlog::info("SIGHUP: there is no token file to read again");
+  auto tokens = http::TokenSet::load(path);
+  if (!tokens) {
+    spdlog::error("token-file {}: refused, the old one stays in force", tokens.error());
+    return;
+  }
+  spdlog::info("token-file {} was read again: {} names", path, tokens->size());
+  server.replace_tokens(std::move(*tokens));
 }
 
 /// Blocks of this size are mapped, each by itself, and go back to the system when they are freed. By default
@@ -66,7 +79,11 @@ void trim_memory(const WorkerPool& pool, std::uint64_t memory) {
 
 /// Serves until a signal and drains. An exit code.
 int serve_until_stopped(const ServeOptions& options) {
-  const sigset_t signals = stopping_signals();
+  const sigset_t signals = handled_signals();
+  // Started from a terminal, SIGHUP says what it says by default: that the terminal is gone.
+  const bool terminal = ::isatty(STDERR_FILENO) != 0 && options.token_file.empty();
+  sigset_t stopping = signals;  // one that asks for a reload cuts no waiting short
+  if (!terminal) sigdelset(&stopping, SIGHUP);
   const int threads = options.threads > 0 ? options.threads : available_cores();
   set_up_allocator(threads);
   std::shared_ptr<ImportPool> imports;
@@ -106,21 +123,27 @@ int serve_until_stopped(const ServeOptions& options) {
     spdlog::info("serving on http://{}:{} (admin port {}), {} computing threads", options.server.address,
                  server.port(), server.admin_port(), pool.threads());
 
-    while (!wait_for_signal(signals, steady_clock::now() + std::chrono::milliseconds(200)))
+    for (bool serving = true; serving;) {
+      const int number = wait_for_signal(signals, steady_clock::now() + std::chrono::milliseconds(200));
+      if (number == SIGHUP && !terminal)
+        reload_tokens(options.token_file, server);
+      else
+        serving = number == 0;
       trim_memory(pool, options.memory);
+    }
     spdlog::info("draining: not ready; {} requests in progress", server.requests_in_progress());
     api.set_draining();
-    wait_for_signal(signals, steady_clock::now() + options.drain_delay);  // a second signal skips the delay
+    wait_for_signal(stopping, steady_clock::now() + options.drain_delay);  // a second signal skips the delay
     server.stop_accepting();
     const steady_clock::time_point end = steady_clock::now() + options.grace;
     while (server.connections() > 0 && steady_clock::now() < end)
-      if (wait_for_signal(signals, steady_clock::now() + std::chrono::milliseconds(10))) break;
+      if (wait_for_signal(stopping, steady_clock::now() + std::chrono::milliseconds(10))) break;
     if (server.connections() > 0) {
       spdlog::warn("{} connections are still open: cancelling their work", server.connections());
       server.cancel_jobs();
       const steady_clock::time_point last = steady_clock::now() + std::chrono::seconds(2);
       while (server.requests_in_progress() > 0 && steady_clock::now() < last)
-        if (wait_for_signal(signals, steady_clock::now() + std::chrono::milliseconds(10))) break;
+        if (wait_for_signal(stopping, steady_clock::now() + std::chrono::milliseconds(10))) break;
     }
   } catch (const std::system_error& e) {
     spdlog::critical("{}", e.what());
@@ -134,7 +157,7 @@ int serve_until_stopped(const ServeOptions& options) {
 
 int serve(const ServeOptions& options) {
   // Blocked before any thread starts, so that every thread inherits it and only this one receives them.
-  const sigset_t signals = stopping_signals();
+  const sigset_t signals = handled_signals();
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   signal(SIGPIPE, SIG_IGN);
   signal(SIGXFSZ, SIG_IGN);  // a full quota is an error of write(), not the end

@@ -48,20 +48,18 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
   ServiceConfig& s = o.service;
   constexpr std::uint64_t kPort = 65535;
 
-  group(
-      "Listening",
-      {text("address", "ADDRESS", o.server.address, "Numeric address of the public listener"),
-       number("port", "PORT", o.server.port, 0, kPort, "Port of the public listener, 0: any free one"),
-       text("admin-address", "ADDRESS", o.server.admin_address,
-            "Numeric address of the admin listener, which asks for no token"),
-       number("admin-port", "PORT", o.server.admin_port, 0, kPort,
-              "Port of /livez, /readyz and /metrics, 0: any free one"),
-       text(
-           "token-file", "FILE", o.token_file,
-           "Bearer tokens, one a line as 'name token' or 'name token read-only'; without it nobody is asked"),
-       flag("insecure-bind", o.insecure_bind, "Listen beyond this machine without tokens"),
-       list("cors-origin", "ORIGIN", o.server.cors_origins,
-            "Web pages of this origin may ask (https://example.org), or '*': of any")});
+  group("Listening",
+        {text("address", "ADDRESS", o.server.address, "Numeric address of the public listener"),
+         number("port", "PORT", o.server.port, 0, kPort, "Port of the public listener, 0: any free one"),
+         text("admin-address", "ADDRESS", o.server.admin_address,
+              "Numeric address of the admin listener, which asks for no token"),
+         number("admin-port", "PORT", o.server.admin_port, 0, kPort,
+                "Port of /livez, /readyz and /metrics, 0: any free one"),
+         text("token-file", "FILE", o.token_file,
+              "Who may ask, and how much: a JSON file of names, or lines 'name token'; read again on SIGHUP"),
+         flag("insecure-bind", o.insecure_bind, "Listen beyond this machine without tokens"),
+         list("cors-origin", "ORIGIN", o.server.cors_origins,
+              "Web pages of this origin may ask (https://example.org), or '*': of any")});
   group(
       "Work",
       {number("io-threads", "N", o.server.io_threads, 1, 2, "Threads that read and write"),
@@ -210,7 +208,13 @@ std::vector<std::string> configure(ServeOptions& options, const std::vector<Sett
   for (const std::string& name : options.enabled_formats)
     options.service.formats.enable(*format_from_extension(name));
   options.limits.max_decoded_body = options.service.import_limits.max_decoded_bytes;
-  if (!options.token_file.empty()) options.server.tokens = *http::TokenSet::load(options.token_file);
+  if (!options.token_file.empty()) {
+    auto tokens = http::TokenSet::load(options.token_file);
+    if (tokens)
+      options.server.tokens = std::move(*tokens);
+    else  // it has changed since it was judged
+      errors.push_back("token-file " + tokens.error());
+  }
   return errors;
 }
 

@@ -1,41 +1,28 @@
-// Bearer tokens (RFC 6750), optional: who may ask, and what. Only digests of the tokens are kept, and they
-// are compared in constant time.
+// Bearer tokens (RFC 6750), optional: who asks, and whether that name may. What each may is in the token file
+// (server/tenants/token_file.hpp).
 #pragma once
 
-#include <array>
-#include <cstdint>
+#include <memory>
 #include <string>
-#include <string_view>
-#include <tl/expected.hpp>
+#include <utility>
 #include <vector>
 
 #include "server/http/request_head.hpp"
+#include "server/tenants/accounts.hpp"
 
 namespace fracture::http {
 
-class TokenSet {
- public:
-  enum class Right { kAll, kReadOnly };  ///< read-only: GET and HEAD
-  struct Holder {
-    std::string name;
-    Right right = Right::kAll;
-    std::array<std::uint8_t, 32> digest{};  ///< SHA-256 of the token
-  };
+using TokenSet = tenants::TokenFile;
+using AccountPointer = std::shared_ptr<tenants::Account>;
 
-  /// Lines `name token` or `name token read-only`; empty lines and those that begin with '#' are skipped. A
-  /// token has at least 16 characters of RFC 6750's alphabet. The error names file and line, never a token.
-  static tl::expected<TokenSet, std::string> load(const std::string& path);
-  static tl::expected<TokenSet, std::string> parse(std::string_view text);
+/// Null when nobody is asked for a token. 401 for who shows none, a wrong one or one that has expired.
+OrProblem<AccountPointer> authenticate(const tenants::Accounts& accounts, const RequestHead& head);
 
-  bool empty() const { return holders_.empty(); }
-  std::size_t size() const { return holders_.size(); }
+/// Counts the request. 403 where the name's scopes do not hold what is asked (a path that is not there needs
+/// none), 429 over its requests a second.
+std::optional<Problem> refuse_caller(tenants::Account& account, const RequestHead& head);
 
-  /// The holder's name, empty when there are no tokens. Refuses with 401 who shows none or a wrong one, and
-  /// with 403 who may only read and asks for more.
-  OrProblem<std::string> authorize(const RequestHead& head) const;
-
- private:
-  std::vector<Holder> holders_;
-};
+/// 429 with Retry-After.
+Problem to_problem(const tenants::OverShare& over);
 
 }  // namespace fracture::http

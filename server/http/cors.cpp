@@ -11,7 +11,7 @@ constexpr const char* kRequestFields =
     "Traceparent, X-Request-Id";
 constexpr const char* kExposedFields =
     "Accept-Ranges, Cache-Status, Content-Location, Content-Range, ETag, Fracture-Algorithm, Location, "
-    "Preference-Applied, Repr-Digest, Retry-After, Server-Timing, X-Request-Id";
+    "Preference-Applied, RateLimit, RateLimit-Policy, Repr-Digest, Retry-After, Server-Timing, X-Request-Id";
 /// Two hours: no browser keeps the answer to a preflight longer.
 constexpr const char* kMaxAge = "7200";
 

@@ -13,6 +13,7 @@
 #include "server/http/asio.hpp"
 #include "server/http/connections.hpp"
 #include "server/http/session.hpp"
+#include "server/http/tenant_metrics.hpp"
 
 namespace fracture::http {
 namespace {
@@ -116,7 +117,7 @@ class HttpServer::Impl {
  public:
   Impl(const ServerConfig& config, Api& api)
       : api_(api),
-        policy_{config.tokens, CorsPolicy(config.cors_origins)},
+        policy_{tenants::Accounts(config.tokens), CorsPolicy(config.cors_origins)},
         max_connections_(connection_limit(api.limits().max_connections)),
         connections_(max_connections_, api.limits().max_connections_per_address),
         admin_connections_(kReservedDescriptors / 2, kReservedDescriptors / 2),
@@ -141,6 +142,7 @@ class HttpServer::Impl {
       writer.gauge("fracture_requests_in_progress",
                    "From the first byte of a request to the last of its answer.",
                    static_cast<double>(connections_.in_progress.load()));
+      write_tenant_metrics(policy_.accounts, writer);
     });
     for (int t = 0; t < std::max(1, config.io_threads); ++t)
       threads_.emplace_back([this] { run_forever(context_); });
@@ -173,7 +175,7 @@ class HttpServer::Impl {
   }
 
   Api& api_;
-  const Policy policy_;
+  Policy policy_;
   std::size_t max_connections_;
   // Sessions live in handlers of the contexts and use the connections: destroyed after the contexts.
   Connections connections_, admin_connections_;
@@ -193,6 +195,7 @@ std::uint16_t HttpServer::port() const { return impl_->port_; }
 std::uint16_t HttpServer::admin_port() const { return impl_->admin_port_; }
 void HttpServer::stop_accepting() { impl_->stop_accepting(); }
 void HttpServer::cancel_jobs() { impl_->cancel_jobs(); }
+void HttpServer::replace_tokens(TokenSet tokens) { impl_->policy_.accounts.replace(std::move(tokens)); }
 std::size_t HttpServer::connections() const { return impl_->connections_.count(); }
 std::size_t HttpServer::requests_in_progress() const { return impl_->connections_.in_progress.load(); }
 

@@ -46,6 +46,8 @@ class HttpServer {
   void stop_accepting();
   /// Stops the computation of every request that is still waiting for one: each is answered with 503.
   void cancel_jobs();
+  /// From the next request on, these decide who may ask; what names have used so far stays counted.
+  void replace_tokens(TokenSet tokens);
   /// Open connections of the public listener.
   std::size_t connections() const;
   /// Public connections that have a request in progress.

@@ -145,15 +145,18 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
 
     std::optional<Response> preflight;
     if (context_.listener == Listener::kPublic) {
-      cors_fields_ = context_.policy.cors.fields(head);
+      policy_fields_ = context_.policy.cors.fields(head);
       preflight = context_.policy.cors.preflight(head);
       if (!preflight) {
-        OrProblem<std::string> client = context_.policy.tokens.authorize(head);
-        if (!client) {
-          co_await refuse_and_close(client.error());
+        OrProblem<AccountPointer> account = authenticate(context_.policy.accounts, head);
+        if (!account) {
+          co_await refuse_and_close(account.error());
           co_return false;
         }
-        record_.client = std::move(*client);
+        if (const auto refusal = enter(std::move(*account), head)) {
+          co_await refuse_and_close(*refusal);
+          co_return false;
+        }
       }
     }
     if (preflight) {
@@ -193,10 +196,20 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     co_return written&& keep;
   }
 
+  /// The request is this name's from here on. Nothing, or why it is refused.
+  std::optional<Problem> enter(AccountPointer account, const RequestHead& head) {
+    if (!account) return std::nullopt;
+    record_.client = account->name();
+    exchange_->request.account = account;
+    std::optional<Problem> refusal = refuse_caller(*account, head);
+    for (auto& field : account->rate_fields()) policy_fields_.push_back(std::move(field));
+    return refusal;
+  }
+
   void begin_record(std::string id) {
     start_ = steady_clock::now();
     id_ = id;
-    cors_fields_.clear();
+    policy_fields_.clear();
     record_ = {};
     record_.admin = context_.listener == Listener::kAdmin;
     record_.id = std::move(id);
@@ -220,6 +233,10 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     record_.mesh = mesh_of(response);
     api_.metrics().count_request(record_);
     ops::log_request(record_);
+    if (const auto& account = exchange_->request.account) {
+      account->count_answer(record_.bytes_in, record_.bytes_out);
+      if (record_.method != "GET" && record_.method != "HEAD") ops::log_audit(record_);
+    }
   }
 
   /// Reads until a whole header is there. Nothing: the client closed or stayed idle without having sent a
@@ -308,7 +325,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     message.set("X-Request-Id", id_);
     message.set("X-Content-Type-Options", "nosniff");
     for (const auto& [name, value] : response.headers) message.insert(name, value);
-    for (const auto& [name, value] : cors_fields_) message.insert(name, value);
+    for (const auto& [name, value] : policy_fields_) message.insert(name, value);
     message.keep_alive(keep_alive);
     return message;
   }
@@ -418,10 +435,10 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
   Connections& connections_;
   const Connections::Verdict verdict_;
   const std::string address_;
-  std::shared_ptr<Exchange> exchange_;
+  std::shared_ptr<Exchange> exchange_ = std::make_shared<Exchange>();
   std::stop_source stop_;
-  std::string id_;  // of the request in progress
-  std::vector<std::pair<std::string, std::string>> cors_fields_;
+  std::string id_;                                                  // of the request in progress
+  std::vector<std::pair<std::string, std::string>> policy_fields_;  // CORS and the shares of the name
   ops::RequestRecord record_;
   steady_clock::time_point start_{};
   std::size_t head_size_ = 0;

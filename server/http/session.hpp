@@ -11,7 +11,7 @@ namespace fracture::http {
 
 /// Who may ask on the public listener.
 struct Policy {
-  TokenSet tokens;
+  tenants::Accounts accounts;
   CorsPolicy cors;
 };
 

@@ -84,6 +84,14 @@ void log(spdlog::level::level_enum level, std::string_view event, const ordered_
 
 double hundredths(double value) { return std::round(value * 100) / 100; }
 
+/// Whatever is not plain is masked, so that no client writes lines into the log.
+std::string masked(const std::string& path) {
+  std::string plain = path.substr(0, 200);
+  for (char& c : plain)
+    if (static_cast<unsigned char>(c) <= 0x20 || static_cast<unsigned char>(c) >= 0x7f) c = '?';
+  return plain;
+}
+
 }  // namespace
 
 void start_logging(LogFormat wanted, const std::string& level) {
@@ -122,10 +130,7 @@ void log_event(std::string_view event, const ordered_json& fields) {
 void log_request(const RequestRecord& record) {
   const auto level = record.admin ? spdlog::level::debug : spdlog::level::info;
   if (!spdlog::should_log(level)) return;
-  // Whatever is not plain is masked, so that no client writes lines into the log.
-  std::string path = record.path.substr(0, 200);
-  for (char& c : path)
-    if (static_cast<unsigned char>(c) <= 0x20 || static_cast<unsigned char>(c) >= 0x7f) c = '?';
+  const std::string path = masked(record.path);
   ordered_json fields = {{"id", record.id},
                          {"method", record.method},
                          {"path", path},
@@ -142,6 +147,14 @@ void log_request(const RequestRecord& record) {
   for (const auto& [name, value] : optional)
     if (!value->empty()) fields[name] = *value;
   log(level, "request", fields);
+}
+
+void log_audit(const RequestRecord& record) {
+  ordered_json fields = {{"client", record.client},  {"method", record.method}, {"path", masked(record.path)},
+                         {"status", record.status},  {"in", record.bytes_in},   {"id", record.id},
+                         {"address", record.address}};
+  if (!record.mesh.empty()) fields["mesh"] = record.mesh;
+  log(spdlog::level::info, "audit", fields);
 }
 
 }  // namespace fracture::ops

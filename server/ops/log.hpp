@@ -32,5 +32,8 @@ void log_event(std::string_view event, const nlohmann::ordered_json& fields);
 
 /// The access line; of the admin listener only at level debug.
 void log_request(const RequestRecord& record);
+/// Who changed or made what, under tokens: an `audit` line for each request that is no GET or HEAD, refused
+/// ones included.
+void log_audit(const RequestRecord& record);
 
 }  // namespace fracture::ops

@@ -1,0 +1,54 @@
+#include "server/http/tenant_metrics.hpp"
+
+#include <string>
+
+namespace fracture::http {
+namespace {
+
+void write(ops::MetricWriter& writer, const std::string& name, const tenants::Account::Figures& figures) {
+  const auto count = [&](const char* metric, const char* help, double value,
+                         const ops::MetricWriter::Labels& more = {}) {
+    ops::MetricWriter::Labels labels = {{"tenant", name}};
+    labels.insert(labels.end(), more.begin(), more.end());
+    writer.counter(metric, help, value, labels);
+  };
+  count("fracture_tenant_requests_total", "Requests of each name, refused ones included.",
+        static_cast<double>(figures.requests));
+  count("fracture_tenant_over_share_total", "Requests of each name that were refused as over its share.",
+        static_cast<double>(figures.over_share));
+  count("fracture_tenant_processor_seconds_total", "Processor seconds that each name is charged for.",
+        figures.processor_seconds);
+  constexpr const char* kBytes = "Bytes of bodies from and to each name.";
+  count("fracture_tenant_body_bytes_total", kBytes, static_cast<double>(figures.bytes_in),
+        {{"direction", "in"}});
+  count("fracture_tenant_body_bytes_total", kBytes, static_cast<double>(figures.bytes_out),
+        {{"direction", "out"}});
+  writer.gauge("fracture_tenant_computations", "Computations of each name that are queued or run.",
+               static_cast<double>(figures.computations), {{"tenant", name}});
+}
+
+}  // namespace
+
+void write_tenant_metrics(const tenants::Accounts& accounts, ops::MetricWriter& writer) {
+  tenants::Account::Figures others;
+  std::size_t written = 0;
+  bool any_other = false;
+  for (const auto& account : accounts.all()) {
+    const tenants::Account::Figures figures = account->figures();
+    if (written < kNamesInMetrics) {
+      ++written;
+      write(writer, account->name(), figures);
+      continue;
+    }
+    any_other = true;
+    others.requests += figures.requests;
+    others.over_share += figures.over_share;
+    others.processor_seconds += figures.processor_seconds;
+    others.bytes_in += figures.bytes_in;
+    others.bytes_out += figures.bytes_out;
+    others.computations += figures.computations;
+  }
+  if (any_other) write(writer, "other", others);
+}
+
+}  // namespace fracture::http

@@ -1,0 +1,73 @@
+// SIGHUP: the token file is read again, a wrong one changes nothing; audit lines.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/server/raw_client.hpp"
+#include "tests/server/server_process.hpp"
+#include "tests/server/temporary_folder.hpp"
+#include "tests/server/tenant_file.hpp"
+
+namespace fracture::test {
+namespace {
+
+void write(const std::string& path, const std::string& text) { std::ofstream(path) << text; }
+
+TEST(Reload, ANewTokenFileDecidesAndAWrongOneIsRefused) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "tokens";
+  write(path, tenant_file({tenant("ana"), tenant("bob")}));
+  ServeProcess server({"--token-file", path, "--log-format", "json"});
+  EXPECT_EQ(ask(server.port, "GET", "/version", by("ana")).status, 200);
+  EXPECT_EQ(ask(server.port, "GET", "/version", by("cyd")).status, 401);
+
+  write(path, tenant_file({tenant("ana"), tenant("cyd")}));
+  server.signal(SIGHUP);
+  EXPECT_NE(server.error_line_with("was read again"), "");
+  EXPECT_EQ(ask(server.port, "GET", "/version", by("bob")).status, 401);
+  EXPECT_EQ(ask(server.port, "GET", "/version", by("cyd")).status, 200);
+
+  write(path, "{\"tenants\": [{\"name\": \"ana\"}]}");
+  server.signal(SIGHUP);
+  const std::string line = server.error_line_with("refused");
+  EXPECT_NE(line.find("tenants[0].tokens"), std::string::npos) << line;
+  EXPECT_NE(line.find("\"level\":\"error\""), std::string::npos) << line;
+  EXPECT_EQ(ask(server.port, "GET", "/version", by("ana")).status, 200);
+  EXPECT_EQ(ask(server.port, "GET", "/version", by("cyd")).status, 200);
+  ASSERT_TRUE(server.alive());
+  server.signal(SIGTERM);
+  EXPECT_EQ(server.wait(), 0);
+}
+
+TEST(Reload, WithoutATokenFileTheSignalChangesNothing) {
+  ServeProcess server;
+  server.signal(SIGHUP);
+  EXPECT_NE(server.error_line_with("no token file"), "");
+  EXPECT_EQ(ask(server.port, "GET", "/version").status, 200);
+  server.signal(SIGTERM);
+  EXPECT_EQ(server.wait(), 0);
+}
+
+TEST(Audit, EveryWriteUnderATokenHasALineAndReadsHaveNone) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "tokens";
+  write(path, tenant_file({tenant("ana")}));
+  ServeProcess server({"--token-file", path, "--log-format", "json"});
+  const std::string id = "sha256:" + std::string(64, 'a');
+  ask(server.port, "GET", "/version", by("ana"));
+  ask(server.port, "DELETE", "/meshes/" + id, by("ana"));
+  const auto line =
+      nlohmann::json::parse(server.error_line_with("\"audit\""), nullptr, /*allow_exceptions=*/false);
+  ASSERT_TRUE(line.is_object());
+  EXPECT_EQ(line.at("client"), "ana");
+  EXPECT_EQ(line.at("method"), "DELETE");
+  EXPECT_EQ(line.at("path"), "/meshes/" + id);
+  EXPECT_EQ(line.at("status"), 404);
+  EXPECT_EQ(line.at("address"), "127.0.0.1");
+  server.signal(SIGTERM);
+  EXPECT_EQ(server.wait(), 0);
+}
+
+}  // namespace
+}  // namespace fracture::test

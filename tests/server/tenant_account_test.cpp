@@ -1,0 +1,132 @@
+// Shares of a name, by a clock that the test moves.
+#include "server/tenants/account.hpp"
+
+#include <gmock/gmock.h>
+
+#include <list>
+
+#include "common/base/digest.hpp"
+#include "server/tenants/accounts.hpp"
+
+namespace fracture::tenants {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+const Account::Clock::time_point kStart{seconds(1000)};
+
+std::shared_ptr<Account> account(const Shares& shares, Scopes scopes = {}, bool isolated = true) {
+  return std::make_shared<Account>(Tenant{"studio", {}, scopes, shares}, isolated);
+}
+
+TEST(Account, RequestsOverTheRateAreRefusedAndSaidWhenToComeBack) {
+  Shares shares;
+  shares.requests_per_second = 4;
+  const auto studio = account(shares);
+  for (int k = 0; k < 4; ++k) EXPECT_FALSE(studio->request(kStart)) << k;
+  const auto over = studio->request(kStart);
+  ASSERT_TRUE(over);
+  EXPECT_EQ(over->retry_after, seconds(1)) << "a quarter of a second, in whole ones";
+  EXPECT_THAT(over->detail, testing::HasSubstr("4 requests a second"));
+  EXPECT_FALSE(studio->request(kStart + milliseconds(250)));
+  EXPECT_TRUE(studio->request(kStart + milliseconds(251)));
+  for (int k = 0; k < 4; ++k) EXPECT_FALSE(studio->request(kStart + seconds(60))) << "never more at once";
+  EXPECT_TRUE(studio->request(kStart + seconds(60)));
+  EXPECT_EQ(studio->figures().requests, 12u);
+  EXPECT_EQ(studio->figures().over_share, 3u);
+}
+
+TEST(Account, ARateBelowOneASecondWaitsAsLongAsItSays) {
+  Shares shares;
+  shares.requests_per_second = 0.1;
+  const auto studio = account(shares);
+  EXPECT_FALSE(studio->request(kStart));
+  EXPECT_EQ(studio->request(kStart)->retry_after, seconds(10));
+  EXPECT_FALSE(studio->request(kStart + seconds(10)));
+}
+
+TEST(Account, TheFieldsSayWhatIsLeft) {
+  EXPECT_TRUE(account({})->rate_fields(kStart).empty());
+  Shares shares;
+  shares.requests_per_second = 4;
+  const auto studio = account(shares);
+  studio->request(kStart);
+  EXPECT_THAT(studio->rate_fields(kStart),
+              testing::ElementsAre(testing::Pair("RateLimit-Policy", "\"requests\";q=4;w=1"),
+                                   testing::Pair("RateLimit", "\"requests\";r=3;t=1")));
+  shares.cores = 0.5;
+  studio->configure({"studio", {}, {}, shares}, true);
+  studio->charge(2, kStart);
+  EXPECT_EQ(studio->rate_fields(kStart)[0].second, "\"requests\";q=4;w=1, \"processor-ms\";q=5000;w=10");
+  EXPECT_EQ(studio->rate_fields(kStart)[1].second, "\"requests\";r=3;t=1, \"processor-ms\";r=3000;t=4");
+}
+
+TEST(Account, ComputationsAtTheSameTimeAreCountedUntilTheyEnd) {
+  Shares shares;
+  shares.computations = 2;
+  const auto studio = account(shares);
+  std::list<Account::Seat> seats;
+  for (int k = 0; k < 2; ++k) {
+    auto seat = studio->begin_computation(kStart);
+    ASSERT_TRUE(seat);
+    seats.push_back(std::move(*seat));
+  }
+  EXPECT_EQ(studio->figures().computations, 2u);
+  const auto over = studio->begin_computation(kStart);
+  ASSERT_FALSE(over);
+  EXPECT_THAT(over.error().detail, testing::HasSubstr("2 computations"));
+  seats.pop_front();
+  EXPECT_TRUE(studio->begin_computation(kStart));
+}
+
+TEST(Account, MeasuredProcessorSecondsArePaidBack) {
+  Shares shares;
+  shares.cores = 0.5;  // five seconds at once
+  const auto studio = account(shares);
+  EXPECT_TRUE(studio->begin_computation(kStart));
+  studio->charge(8, kStart);  // was not known before
+  const auto over = studio->begin_computation(kStart);
+  ASSERT_FALSE(over);
+  EXPECT_EQ(over.error().retry_after, seconds(7)) << "three seconds at half a core, and a little";
+  EXPECT_FALSE(studio->begin_computation(kStart + seconds(6)));
+  EXPECT_TRUE(studio->begin_computation(kStart + seconds(7)));
+  EXPECT_DOUBLE_EQ(studio->figures().processor_seconds, 8);
+}
+
+TEST(Account, SeesItsOwnAnAdministratorAllAndWhoSharesEverything) {
+  EXPECT_TRUE(account({})->sees("studio"));
+  EXPECT_FALSE(account({})->sees("other"));
+  EXPECT_FALSE(account({})->sees("")) << "what was there before names were";
+  EXPECT_TRUE(account({}, {Scope::kAdmin})->sees("other"));
+  EXPECT_TRUE(account({}, {}, false)->sees("other"));
+  EXPECT_EQ(account({})->owner(), "studio");
+  EXPECT_EQ(account({}, {}, false)->owner(), "");
+}
+
+TEST(Accounts, ANewFileKeepsWhatANameHasUsedAndForgetsWhoIsGone) {
+  const auto file = [](const std::string& names, int rate) {
+    std::string text;
+    for (const char name : names)
+      text += std::string(text.empty() ? "" : ",") + "{\"name\":\"" + name + "\",\"tokens\":[{\"sha256\":\"" +
+              sha256(std::string_view(&name, 1)).hex() +
+              "\"}],\"scopes\":[\"read\"],\"requests_per_second\":" + std::to_string(rate) + "}";
+    return *TokenFile::parse("{\"tenants\":[" + text + "]}");
+  };
+  Accounts accounts(file("ab", 1));
+  EXPECT_FALSE(accounts.open());
+  const auto a = accounts.find("a").account;
+  ASSERT_TRUE(a);
+  EXPECT_FALSE(a->request(kStart));
+  EXPECT_TRUE(a->request(kStart));
+  accounts.replace(file("ac", 2));
+  EXPECT_EQ(accounts.find("a").account, a);
+  EXPECT_TRUE(a->request(kStart)) << "a reload is no pardon";
+  EXPECT_FALSE(a->request(kStart + milliseconds(500))) << "the new rate";
+  EXPECT_FALSE(accounts.find("b").account);
+  EXPECT_TRUE(accounts.find("c").account);
+  EXPECT_EQ(accounts.all().size(), 2u);
+}
+
+}  // namespace
+}  // namespace fracture::tenants
