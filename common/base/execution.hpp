@@ -14,6 +14,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/product.hpp"
+#include "common/base/turn.hpp"
 
 namespace fracture {
 
@@ -35,6 +36,8 @@ struct Execution {
   std::function<void(const char*, double)> progress{};
   /// What the computation may hold; borrowed. Null: as much as it likes.
   Allowance* allowance = nullptr;
+  /// Where it stands back for others; borrowed. Null: nowhere.
+  Turn* turn = nullptr;
   /// Called at each poll, for tests that measure what lies between two of them.
   std::function<void()> watch{};
 
@@ -47,6 +50,7 @@ struct Execution {
   /// thread may compute for longer than 10 ms of its processor time without a poll (base/pacer.hpp).
   void poll() const {
     if (watch) watch();
+    if (turn) turn->give_way();
     if (stop.stop_requested()) throw Interrupted{ErrorCode::kCancelled};
     if (deadline && std::chrono::steady_clock::now() > *deadline)
       throw Interrupted{ErrorCode::kDeadlineExceeded};

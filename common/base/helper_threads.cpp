@@ -1,5 +1,7 @@
 #include "common/base/helper_threads.hpp"
 
+#include <time.h>
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -9,6 +11,7 @@
 #include <system_error>
 #include <thread>
 
+#include "common/base/processor_time.hpp"
 #include "common/base/scratch.hpp"
 
 namespace fracture::base_detail {
@@ -19,8 +22,12 @@ struct Loop {
   const std::function<void()>& work;
   std::size_t wanted;      ///< helpers that may still come
   std::size_t active = 0;  ///< helpers in it
+  double seconds = 0;      ///< of processor time that helpers have spent in it
   std::condition_variable done{};
 };
+
+/// What helpers have spent in the loops of this thread.
+thread_local double helped_seconds = 0;
 
 /// Some helper keeps more than it may after a computation.
 std::atomic<bool> some_scratch_is_large{false};
@@ -48,6 +55,7 @@ class HelperThreads {
       any_ = !loops_.empty();
     }
     loop.done.wait(lock, [&] { return loop.active == 0; });
+    helped_seconds += loop.seconds;
   }
 
   /// The idle ones trim their scratch at once, the others when they will be idle.
@@ -98,10 +106,13 @@ class HelperThreads {
       ++loop.active;
       --idle_;
       lock.unlock();
+      const double before = processor_seconds_of_this_thread();
       loop.work();
+      const double spent = processor_seconds_of_this_thread() - before;
       if (scratch_of_this_thread() > kScratchPerThread) some_scratch_is_large = true;
       lock.lock();
       ++idle_;
+      loop.seconds += spent;
       if (--loop.active == 0) loop.done.notify_one();
     }
   }
@@ -138,3 +149,14 @@ void trim_helpers() {
 }
 
 }  // namespace fracture::base_detail
+
+namespace fracture {
+
+double processor_seconds_of_this_thread() {
+  timespec time{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec) +
+         base_detail::helped_seconds;
+}
+
+}  // namespace fracture

@@ -47,8 +47,9 @@ struct ServeOptions {
   std::string log_format = "auto";
   std::vector<std::string> enabled_formats;  ///< added to service.formats
   bool all_formats = false;
-  std::string token_file;      ///< empty: no authentication
-  bool insecure_bind = false;  ///< listen beyond this machine without tokens
+  std::string token_file;                    ///< empty: no authentication
+  std::vector<std::string> trusted_proxies;  ///< networks
+  bool insecure_bind = false;                ///< listen beyond this machine without tokens
   /// Every setting as it is in force, for the log.
   nlohmann::ordered_json configuration;
   std::vector<std::string> warnings;

@@ -48,18 +48,21 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
   ServiceConfig& s = o.service;
   constexpr std::uint64_t kPort = 65535;
 
-  group("Listening",
-        {text("address", "ADDRESS", o.server.address, "Numeric address of the public listener"),
-         number("port", "PORT", o.server.port, 0, kPort, "Port of the public listener, 0: any free one"),
-         text("admin-address", "ADDRESS", o.server.admin_address,
-              "Numeric address of the admin listener, which asks for no token"),
-         number("admin-port", "PORT", o.server.admin_port, 0, kPort,
-                "Port of /livez, /readyz and /metrics, 0: any free one"),
-         text("token-file", "FILE", o.token_file,
-              "Who may ask, and how much: a JSON file of names, or lines 'name token'; read again on SIGHUP"),
-         flag("insecure-bind", o.insecure_bind, "Listen beyond this machine without tokens"),
-         list("cors-origin", "ORIGIN", o.server.cors_origins,
-              "Web pages of this origin may ask (https://example.org), or '*': of any")});
+  group(
+      "Listening",
+      {text("address", "ADDRESS", o.server.address, "Numeric address of the public listener"),
+       number("port", "PORT", o.server.port, 0, kPort, "Port of the public listener, 0: any free one"),
+       text("admin-address", "ADDRESS", o.server.admin_address,
+            "Numeric address of the admin listener, which asks for no token"),
+       number("admin-port", "PORT", o.server.admin_port, 0, kPort,
+              "Port of /livez, /readyz and /metrics, 0: any free one"),
+       text("token-file", "FILE", o.token_file,
+            "Who may ask, and how much: a JSON file of names, or lines 'name token'; read again on SIGHUP"),
+       list("trusted-proxy", "CIDR", o.trusted_proxies,
+            "Believe proxies of this network in what Forwarded and the PROXY protocol say of their clients"),
+       flag("insecure-bind", o.insecure_bind, "Listen beyond this machine without tokens"),
+       list("cors-origin", "ORIGIN", o.server.cors_origins,
+            "Web pages of this origin may ask (https://example.org), or '*': of any")});
   group(
       "Work",
       {number("io-threads", "N", o.server.io_threads, 1, 2, "Threads that read and write"),
@@ -174,6 +177,9 @@ std::vector<std::string> inconsistencies(const ServeOptions& o) {
   for (const std::string& origin : o.server.cors_origins)
     if (origin != "*" && !is_origin(origin))
       refuse("cors-origin must be '*' or scheme://host[:port] without a path; it was '" + origin + "'");
+  for (const std::string& cidr : o.trusted_proxies)
+    if (!http::TrustedProxies().add(cidr))
+      refuse("trusted-proxy must be a network such as 192.0.2.0/24 or 2001:db8::/32; it was '" + cidr + "'");
   if (!o.token_file.empty())
     if (const auto tokens = http::TokenSet::load(o.token_file); !tokens)
       refuse("token-file " + tokens.error());
@@ -207,6 +213,7 @@ std::vector<std::string> configure(ServeOptions& options, const std::vector<Sett
   if (options.all_formats) options.service.formats = FormatSet::all();
   for (const std::string& name : options.enabled_formats)
     options.service.formats.enable(*format_from_extension(name));
+  for (const std::string& cidr : options.trusted_proxies) options.server.proxies.add(cidr);
   options.limits.max_decoded_body = options.service.import_limits.max_decoded_bytes;
   if (!options.token_file.empty()) {
     auto tokens = http::TokenSet::load(options.token_file);

@@ -40,7 +40,7 @@ Problem Api::no_memory() const {
       .with("Retry-After", "2");
 }
 
-OrProblem<Admission> Api::admit(Listener listener, const RequestHead& head) const {
+OrProblem<Admission> Api::admit(Listener listener, const RequestHead& head, const Payer& payer) const {
   Admission admission;
   std::string allow;
   const bool is_head = head.method == "HEAD";
@@ -98,11 +98,12 @@ OrProblem<Admission> Api::admit(Listener listener, const RequestHead& head) cons
     return refuse(HttpProblem::kBodyTooLarge, "The body has " + std::to_string(*head.content_length) +
                                                   " bytes; the limit here is " +
                                                   std::to_string(admission.max_body) + ".");
-  if (auto problem = refuse_body(head, admission)) return tl::unexpected<Problem>(std::move(*problem));
+  if (auto problem = refuse_body(head, admission, payer)) return tl::unexpected<Problem>(std::move(*problem));
   return admission;
 }
 
-std::optional<Problem> Api::refuse_body(const RequestHead& head, const Admission& admission) const {
+std::optional<Problem> Api::refuse_body(const RequestHead& head, const Admission& admission,
+                                        const Payer& payer) const {
   const Carries carries = admission.route->carries;
   if (carries == Carries::kNothing) return std::nullopt;
   if (!head.has_body()) {
@@ -121,15 +122,16 @@ std::optional<Problem> Api::refuse_body(const RequestHead& head, const Admission
   }
   if (carries == Carries::kMeshOrName && is_json(type)) return std::nullopt;
   if (auto problem = refuse_media_type(head, admission)) return problem;
-  return refuse_overload(head, admission);
+  return refuse_overload(head, admission, payer);
 }
 
 /// A large body is not read when it could not be worked on in time. A small one is: its answer may be there
 /// already.
-std::optional<Problem> Api::refuse_overload(const RequestHead& head, const Admission& admission) const {
+std::optional<Problem> Api::refuse_overload(const RequestHead& head, const Admission& admission,
+                                            const Payer& payer) const {
   constexpr std::uint64_t kSmall = 64u << 10;
   const std::uint64_t bytes = head.content_length.value_or(kSmall);
-  OrProblem<Terms> terms = terms_of(head, *admission.route);
+  OrProblem<Terms> terms = terms_of(head, *admission.route, payer);
   if (!terms) return std::move(terms.error());
   if (bytes <= kSmall) return std::nullopt;
   const auto parsed = service_.parameters().parse(raw_parameters(admission.query));
@@ -139,12 +141,14 @@ std::optional<Problem> Api::refuse_overload(const RequestHead& head, const Admis
   return std::nullopt;
 }
 
-OrProblem<Terms> Api::terms_of(const RequestHead& head, const Route& route,
+OrProblem<Terms> Api::terms_of(const RequestHead& head, const Route& route, const Payer& payer,
                                std::chrono::steady_clock::time_point received) const {
   Terms terms;
   terms.priority = route.priority;
   if (const std::optional<int> urgency = urgency_of(head.field("priority")))
     terms.priority = *urgency <= kRealtimeUrgency ? Priority::kRealtime : Priority::kBatch;
+  if (payer.account && !payer.account->shares().realtime) terms.priority = Priority::kBatch;
+  terms.payer = payer;
   std::chrono::milliseconds time =
       terms.priority == Priority::kRealtime ? limits_.realtime_deadline : limits_.deadline;
   if (const std::string given = head.field("request-timeout"); !given.empty()) {

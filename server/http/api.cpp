@@ -6,6 +6,7 @@
 #include <exception>
 #include <new>
 
+#include "server/http/auth.hpp"
 #include "server/http/content_coding.hpp"
 
 namespace fracture::http {
@@ -28,6 +29,8 @@ Problem to_problem(Error error) {
 }
 
 Problem to_problem(const Overload& overload) {
+  if (overload.cause == Overload::Cause::kOverShare)
+    return to_problem(tenants::OverShare{overload.detail, overload.retry_after});
   return Problem(HttpProblem::kOverloaded, overload.detail + " Try again after Retry-After.")
       .with("Retry-After", std::to_string(overload.retry_after.count()));
 }
@@ -81,7 +84,7 @@ constexpr std::uint64_t kUsualRatio = 8, kMore = 4;
 
 Answered Api::decode(const std::shared_ptr<Request>& request, ContentCoding coding, std::uint64_t expected,
                      const std::stop_token& gone, const Reply& reply) {
-  OrProblem<Terms> terms = terms_of(request->head, *request->admission.route, request->received);
+  OrProblem<Terms> terms = terms_of(*request);
   if (!terms) return tl::unexpected<Problem>(std::move(terms.error()));
   terms->gone = gone;
   const auto overload = dispatcher_.run(

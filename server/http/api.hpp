@@ -42,7 +42,7 @@ class Api {
 
   /// Decides from the header alone, before any of the body is read: 404, 405, 406, 413, 415, bad parameters
   /// in the query, no room in the queue.
-  OrProblem<Admission> admit(Listener listener, const RequestHead& head) const;
+  OrProblem<Admission> admit(Listener listener, const RequestHead& head, const Payer& payer = {}) const;
 
   /// Answers through `reply`, which is called exactly once: before this returns or later, from any thread. A
   /// stop of `gone` says that nobody waits for the answer any more. A broken invariant becomes a 500 problem
@@ -111,12 +111,18 @@ class Api {
   OrProblem<Response> get_readyz() const;
   std::optional<Problem> refuse_media_type(const RequestHead& head, const Admission& admission) const;
 
-  /// Deadline and class of a request, from its header. `received`: when the deadline begins.
+  /// Deadline and class of a request, from its header; no higher a class than its name may have. `received`:
+  /// when the deadline begins.
   OrProblem<Terms> terms_of(
-      const RequestHead& head, const Route& route,
+      const RequestHead& head, const Route& route, const Payer& payer,
       std::chrono::steady_clock::time_point received = std::chrono::steady_clock::now()) const;
-  std::optional<Problem> refuse_overload(const RequestHead& head, const Admission& admission) const;
-  std::optional<Problem> refuse_body(const RequestHead& head, const Admission& admission) const;
+  OrProblem<Terms> terms_of(const Request& request) const {
+    return terms_of(request.head, *request.admission.route, request.payer, request.received);
+  }
+  std::optional<Problem> refuse_overload(const RequestHead& head, const Admission& admission,
+                                         const Payer& payer) const;
+  std::optional<Problem> refuse_body(const RequestHead& head, const Admission& admission,
+                                     const Payer& payer) const;
   void sweep_later();
 
   Dispatcher& dispatcher_;

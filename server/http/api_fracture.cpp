@@ -15,7 +15,7 @@ constexpr std::size_t kReadInline = 256u << 10;
 
 Answered Api::with_mesh_input(const std::shared_ptr<Request>& request, const std::stop_token& gone,
                               const Reply& reply, WithMesh go_on) {
-  OrProblem<Terms> terms = terms_of(request->head, *request->admission.route, request->received);
+  OrProblem<Terms> terms = terms_of(*request);
   if (!terms) return tl::unexpected<Problem>(std::move(terms.error()));
   terms->gone = gone;
   const auto body = std::make_shared<Body>(Body{std::move(request->body), std::move(request->reservation)});

@@ -145,7 +145,7 @@ Answered Api::fracture_stored(const std::shared_ptr<Request>& request, std::stri
         {ErrorCode::kBadParameter, "The format of a stored mesh is known: leave 'format' out.", "format"}));
   Expected<RequestParameters> parameters = service_.parse(given);
   if (!parameters) return tl::unexpected<Problem>(to_problem(std::move(parameters.error())));
-  OrProblem<Terms> terms = terms_of(request->head, *request->admission.route, request->received);
+  OrProblem<Terms> terms = terms_of(*request);
   if (!terms) return tl::unexpected<Problem>(std::move(terms.error()));
   terms->gone = gone;
   auto mesh = stored_mesh(named);

@@ -146,7 +146,7 @@ Answered Api::get_fracture(const std::shared_ptr<Request>& request, const Reply&
     if (const auto result = service_.find_result(key)) return found_result(*request, result, "result; hit");
     if (const auto result = jobs_.find_result(key)) return found_result(*request, result, "job; hit");
     if (const auto bytes = service_.tiers().expected_bytes(key)) {  // reading blocks: not on this thread
-      OrProblem<Terms> terms = terms_of(request->head, *request->admission.route, request->received);
+      OrProblem<Terms> terms = terms_of(*request);
       if (!terms) return tl::unexpected<Problem>(std::move(terms.error()));
       const auto overload = dispatcher_.run(expected_reading(*bytes), *terms, [this, request, key, reply] {
         answering(*request, reply, [&]() -> Answered {

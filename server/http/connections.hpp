@@ -27,12 +27,13 @@ class Connections {
 
   Connections(std::size_t max, std::size_t max_per_address) : max_(max), max_per_address_(max_per_address) {}
 
-  Verdict add(const std::string& address) {
+  enum class PerAddress { kLimited, kUnlimited };
+  Verdict add(const std::string& address, PerAddress limit = PerAddress::kLimited) {
     const std::lock_guard lock(mutex_);
     std::size_t& of_address = by_address_[address];
     ++of_address;
     ++count_;
-    if (of_address > max_per_address_) return Verdict::kTooManyOfAddress;
+    if (limit == PerAddress::kLimited && of_address > max_per_address_) return Verdict::kTooManyOfAddress;
     return count_ > max_ ? Verdict::kFull : Verdict::kWelcome;
   }
   void remove(const std::string& address) {

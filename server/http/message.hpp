@@ -17,7 +17,7 @@
 #include "server/http/request_head.hpp"
 #include "server/http/routes.hpp"
 #include "server/service/memory_budget.hpp"
-#include "server/tenants/account.hpp"
+#include "server/service/payer.hpp"
 
 namespace fracture::http {
 
@@ -38,7 +38,7 @@ struct Request {
   MemoryBudget::Reservation reservation;                                              ///< for the body
   std::string id;                                                                     ///< X-Request-Id
   std::chrono::steady_clock::time_point received = std::chrono::steady_clock::now();  ///< all of it
-  std::shared_ptr<tenants::Account> account;  ///< of the token; null: nobody is asked for one
+  Payer payer;  ///< whose it is: of the token, else of the client's address
 };
 
 /// A body that is not all there when the answer begins: it is written in chunks as it comes.

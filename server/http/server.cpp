@@ -105,7 +105,10 @@ asio::awaitable<void> accept_loop(tcp::acceptor& acceptor, asio::io_context& con
     const tcp::endpoint peer = socket.remote_endpoint(ec);
     if (ec) continue;
     const std::string address = peer.address().to_string();
-    const Connections::Verdict verdict = shared.connections.add(address);
+    // A proxy's connections are those of many clients.
+    const auto limit = shared.policy.proxies.contains(address) ? Connections::PerAddress::kUnlimited
+                                                               : Connections::PerAddress::kLimited;
+    const Connections::Verdict verdict = shared.connections.add(address, limit);
     if (shared.listener == Listener::kPublic) count(shared.api.metrics(), verdict);
     start_session(std::move(socket), shared, verdict, address);
   }
@@ -117,7 +120,7 @@ class HttpServer::Impl {
  public:
   Impl(const ServerConfig& config, Api& api)
       : api_(api),
-        policy_{tenants::Accounts(config.tokens), CorsPolicy(config.cors_origins)},
+        policy_{tenants::Accounts(config.tokens), config.proxies, CorsPolicy(config.cors_origins)},
         max_connections_(connection_limit(api.limits().max_connections)),
         connections_(max_connections_, api.limits().max_connections_per_address),
         admin_connections_(kReservedDescriptors / 2, kReservedDescriptors / 2),

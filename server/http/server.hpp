@@ -15,6 +15,7 @@
 
 #include "server/http/api.hpp"
 #include "server/http/auth.hpp"
+#include "server/http/client_address.hpp"
 
 namespace fracture::http {
 
@@ -25,6 +26,7 @@ struct ServerConfig {
   std::uint16_t admin_port = 8081;          ///< 0: any free one
   int io_threads = 1;
   TokenSet tokens{};                        ///< empty: nobody is asked for one
+  TrustedProxies proxies{};                 ///< believed in what they say of their clients
   std::vector<std::string> cors_origins{};  ///< empty: no page of another origin may ask
 };
 

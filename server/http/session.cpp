@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "server/http/proxied.hpp"
 #include "server/http/request_body.hpp"
 #include "server/http/request_id.hpp"
 #include "server/http/timed_socket.hpp"
@@ -65,7 +66,9 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
         api_(context.api),
         connections_(context.connections),
         verdict_(verdict),
-        address_(std::move(address)) {}
+        address_(std::move(address)),
+        client_(address_),
+        proxied_(context.listener == Listener::kPublic && context.policy.proxies.contains(address_)) {}
 
   ~Session() override {
     if (busy_) connections_.in_progress.fetch_sub(1);
@@ -119,6 +122,17 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
       co_await refuse_and_close(turned_away());
       co_return;
     }
+    if (proxied_) {
+      begin_record(new_request_id());
+      std::optional<OrProblem<std::string>> client =
+          co_await read_proxy_header(*connection_, buffer_, api_.limits());
+      if (!client) co_return;
+      if (!*client) {
+        co_await refuse_and_close(client->error());
+        co_return;
+      }
+      if (!(*client)->empty()) client_ = std::move(**client);
+    }
     for (;;) {
       set_busy(false);
       exchange_ = std::make_shared<Exchange>();  // an idle connection keeps no result alive
@@ -153,6 +167,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
           co_await refuse_and_close(account.error());
           co_return false;
         }
+        exchange_->request.payer.flow.name = "address " + client_of(record_.address);
         if (const auto refusal = enter(std::move(*account), head)) {
           co_await refuse_and_close(*refusal);
           co_return false;
@@ -164,7 +179,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
       buffer_.consume(head_size_);
       exchange_->response = std::move(*preflight);
     } else {
-      OrProblem<Admission> admission = api_.admit(context_.listener, head);
+      OrProblem<Admission> admission = api_.admit(context_.listener, head, request.payer);
       if (!admission) {
         co_await refuse_and_close(admission.error());
         co_return false;
@@ -200,7 +215,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
   std::optional<Problem> enter(AccountPointer account, const RequestHead& head) {
     if (!account) return std::nullopt;
     record_.client = account->name();
-    exchange_->request.account = account;
+    exchange_->request.payer = {account, {"name " + account->name(), account->shares().weight}};
     std::optional<Problem> refusal = refuse_caller(*account, head);
     for (auto& field : account->rate_fields()) policy_fields_.push_back(std::move(field));
     return refusal;
@@ -213,7 +228,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     record_ = {};
     record_.admin = context_.listener == Listener::kAdmin;
     record_.id = std::move(id);
-    record_.address = address_;
+    record_.address = client_;
   }
 
   void describe(const RequestHead& head) {
@@ -222,6 +237,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     record_.parent_id = trace.parent_id;
     record_.method = head.method;
     record_.path = head.path;
+    record_.address = forwarded_client(client_, head.field("forwarded"), context_.policy.proxies);
   }
 
   void finish_record(const Response& response, bool written) {
@@ -233,7 +249,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     record_.mesh = mesh_of(response);
     api_.metrics().count_request(record_);
     ops::log_request(record_);
-    if (const auto& account = exchange_->request.account) {
+    if (const auto& account = exchange_->request.payer.account) {
       account->count_answer(record_.bytes_in, record_.bytes_out);
       if (record_.method != "GET" && record_.method != "HEAD") ops::log_audit(record_);
     }
@@ -434,7 +450,9 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
   Api& api_;
   Connections& connections_;
   const Connections::Verdict verdict_;
-  const std::string address_;
+  const std::string address_;  // of the peer
+  std::string client_;         // whom the peer speaks for, by the PROXY protocol
+  const bool proxied_;         // the peer may speak for others
   std::shared_ptr<Exchange> exchange_ = std::make_shared<Exchange>();
   std::stop_source stop_;
   std::string id_;                                                  // of the request in progress

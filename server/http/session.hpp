@@ -4,6 +4,7 @@
 #include "server/http/api.hpp"
 #include "server/http/asio.hpp"
 #include "server/http/auth.hpp"
+#include "server/http/client_address.hpp"
 #include "server/http/connections.hpp"
 #include "server/http/cors.hpp"
 
@@ -12,6 +13,7 @@ namespace fracture::http {
 /// Who may ask on the public listener.
 struct Policy {
   tenants::Accounts accounts;
+  TrustedProxies proxies;
   CorsPolicy cors;
 };
 

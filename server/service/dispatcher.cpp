@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
-#include <new>
 #include <utility>
 
 #include "common/pipeline/delta.hpp"
-#include "server/service/computation_allowance.hpp"
+#include "server/service/computation.hpp"
 
 namespace fracture {
 namespace {
@@ -22,22 +20,6 @@ std::uint64_t bytes_of(const FractureRequest& request) {
   return bytes;
 }
 
-/// Everything that a step may throw, as the error that it is for the client.
-template <class Work>
-auto guarded(Work work) -> decltype(work()) {
-  try {
-    return work();
-  } catch (const Interrupted& interrupted) {
-    return tl::unexpected<Error>(to_error(interrupted));
-  } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::kOutOfMemory, "There is not enough memory for this request now.");
-  } catch (const std::exception& e) {
-    return fail(ErrorCode::kInternal, e.what());
-  } catch (...) {
-    return fail(ErrorCode::kInternal, "an exception of unknown type");
-  }
-}
-
 std::chrono::seconds whole_seconds(double seconds) {
   return std::chrono::seconds(static_cast<int>(std::clamp(std::ceil(seconds), 1.0, 60.0)));
 }
@@ -48,78 +30,18 @@ void append(StageTimings& to, const StageTimings& more) {
 
 }  // namespace
 
-/// One who waits in a flight: its reply, and the two ways to leave early. Lives in the flight's waiter; the
-/// timer and the stop callback only point to it.
-template <class Flights, class Value>
-struct Dispatcher::Waiting : std::enable_shared_from_this<Waiting<Flights, Value>> {
-  Waiting(Dispatcher& d, Flights& f, std::function<void(Expected<Value>)> r)
-      : dispatcher(d), flights(f), reply(std::move(r)) {}
-  ~Waiting() {
-    if (alarm) dispatcher.timer_.cancel(*alarm);
-  }
-
-  /// After join(). May leave, and so reply, before it returns.
-  void arm(typename Flights::Seat taken, const Terms& terms) {
-    seat = std::move(taken);
-    const auto leave_with = [weak = this->weak_from_this()](ErrorCode code) {
-      if (const auto self = weak.lock()) self->leave(code);
-    };
-    if (terms.deadline != Clock::time_point::max())
-      alarm =
-          dispatcher.timer_.at(terms.deadline, [leave_with] { leave_with(ErrorCode::kDeadlineExceeded); });
-    gone.emplace(terms.gone, [leave_with] { leave_with(ErrorCode::kCancelled); });
-  }
-
-  void leave(ErrorCode code) {
-    if (!flights.leave(seat)) return;
-    ++dispatcher.abandoned_;
-    reply(tl::unexpected<Error>(to_error(Interrupted{code})));
-  }
-
-  Dispatcher& dispatcher;
-  Flights& flights;
-  const std::function<void(Expected<Value>)> reply;
-  typename Flights::Seat seat;
-  std::optional<Timer::Id> alarm;
-  std::optional<std::stop_callback<std::function<void()>>> gone;
-};
-
 void Dispatcher::Common::tell(const char* stage, double fraction) {
   const std::lock_guard lock(mutex);
   for (const auto& observer : observers) observer(stage, fraction);
 }
 
-/// One result being computed, by the leader of its flight.
-struct Dispatcher::Computation {
-  FractureRequest request;
-  RequestKeys keys;
-  double cost = 0;
-  std::optional<ComputationAllowance> working{};
-  std::shared_ptr<ResultFlights::Flight> flight{};
-  Clock::time_point submitted = Clock::now(), begun;
-  double busy_seconds = 0;
-  FractureAnswer answer;
-  std::shared_ptr<const PreparedMesh> mesh;
-
-  bool abandoned() const { return flight->stop().stop_requested(); }
-  Execution execution(int threads, std::stop_token stop) {
-    Execution e;
-    e.threads = threads;
-    e.stop = std::move(stop);
-    e.allowance = &working->allowance();
-    e.progress = [flight = flight](const char* stage, double fraction) {
-      flight->common.tell(stage, fraction);
-    };
-    return e;
-  }
-};
-
 // -- admission
 
 std::optional<Overload> Dispatcher::refuses(double cost, const Terms& terms) const {
-  const double wait = pool_.predicted_wait(terms.priority).count();
+  const Flow& flow = terms.payer.flow;
+  const double wait = pool_.predicted_wait(terms.priority, flow).count();
   const double total = kCaution * wait + pool_.predicted_run(cost).count();
-  if (pool_.full())
+  if (pool_.full(flow))
     return Overload{"The queue is full: " + std::to_string(pool_.queued()) + " jobs wait and " +
                         std::to_string(pool_.running()) + " run.",
                     whole_seconds(wait)};
@@ -135,6 +57,24 @@ std::optional<Overload> Dispatcher::refuses(double cost, const Terms& terms) con
 
 std::optional<Overload> Dispatcher::refuses(const ExpectedWork& work, const Terms& terms) const {
   return refuses(work.seconds, terms);
+}
+
+std::optional<Overload> Dispatcher::seat(const Terms& terms, tenants::Account::Seat& share) {
+  if (!terms.payer.account) return std::nullopt;
+  auto seat = terms.payer.account->begin_computation();
+  if (!seat)
+    return Overload{std::move(seat.error().detail), seat.error().retry_after, Overload::Cause::kOverShare};
+  share = std::move(*seat);
+  return std::nullopt;
+}
+
+void Dispatcher::charge(const Payers& payers, const Flow& leader, Priority priority, double seconds,
+                        double cost) {
+  for (const Payer& payer : payers.all()) {
+    if (payer.account) payer.account->charge(seconds);
+    // The cost of the task was charged when its turn came.
+    pool_.charge(priority, payer.flow, payer.flow.name == leader.name ? seconds - cost : seconds);
+  }
 }
 
 std::optional<Overload> Dispatcher::reserve(std::uint64_t bytes, MemoryBudget::Reservation& reservation) {
@@ -166,6 +106,11 @@ std::optional<Overload> Dispatcher::fracture(FractureRequest request, const Term
     return std::nullopt;
   }
 
+  tenants::Account::Seat share;
+  if (auto over = seat(terms, share)) {
+    ++refused_;
+    return over;
+  }
   double cost = 0;
   MemoryBudget::Reservation working;
   if (!results_.find(keys.result)) {  // otherwise it costs nothing more
@@ -191,6 +136,7 @@ std::optional<Overload> Dispatcher::fracture(FractureRequest request, const Term
 
   using Waiter = Waiting<ResultFlights, FractureAnswer>;
   const auto waiting = std::make_shared<Waiter>(*this, results_, std::move(reply));
+  waiting->share = std::move(share);
   auto seat = results_.join(keys.result,
                             [waiting](const Expected<FractureAnswer>& outcome, ResultFlights::Role role) {
                               Expected<FractureAnswer> mine = outcome;
@@ -199,6 +145,8 @@ std::optional<Overload> Dispatcher::fracture(FractureRequest request, const Term
                               waiting->reply(std::move(mine));
                             });
   ResultFlights::Flight& flight = *seat.flight;
+  flight.common.payers.add(terms.payer);
+  if (terms.priority == Priority::kRealtime) flight.common.realtime = true;
   if (terms.progress) {
     const std::lock_guard lock(flight.common.mutex);
     flight.common.observers.push_back(terms.progress);
@@ -208,14 +156,15 @@ std::optional<Overload> Dispatcher::fracture(FractureRequest request, const Term
        latest < deadline && !flight.common.latest_deadline.compare_exchange_weak(latest, deadline);) {
   }
   if (seat.role == ResultFlights::Role::kLeader) {
-    const auto c = std::make_shared<Computation>();
+    const auto c = std::make_shared<Computation>(*this);
     c->request = std::move(request);
     c->keys = std::move(keys);
-    c->cost = cost;
+    c->cost = c->turn_cost = cost;
+    c->flow = terms.payer.flow;
     c->working.emplace(working_, std::move(working));
     c->flight = seat.flight;
-    flight.common.task = pool_.submit(terms.priority, cost,
-                                      [this, c](int threads) { at_station(c, [&] { begin(c, threads); }); });
+    flight.common.task = pool_.submit(
+        terms.priority, cost, [this, c](int threads) { at_station(c, [&] { begin(c, threads); }); }, c->flow);
   } else {
     ++collapsed_;
     if (terms.priority == Priority::kRealtime) pool_.promote(flight.common.task);
@@ -232,7 +181,12 @@ std::optional<Overload> Dispatcher::prepare(FractureRequest request, const Terms
   }
   const ExpectedWork work = expected_work(bytes_of(request));
   const double cost = work.seconds;
+  tenants::Account::Seat share;
   MemoryBudget::Reservation working;
+  if (auto over = seat(terms, share)) {
+    ++refused_;
+    return over;
+  }
   if (!meshes_.find(keys.mesh)) {
     std::optional<Overload> overload = refuses(cost, terms);
     if (!overload) overload = reserve(work.bytes, working);
@@ -244,7 +198,14 @@ std::optional<Overload> Dispatcher::prepare(FractureRequest request, const Terms
 
   using Waiter = Waiting<MeshFlights, std::shared_ptr<const PreparedMesh>>;
   const auto waiting = std::make_shared<Waiter>(*this, meshes_, std::move(reply));
-  auto seat = meshes_.join(keys.mesh, [waiting](const Outcome<PreparedMesh>& outcome, MeshFlights::Role) {
+  waiting->share = std::move(share);
+  auto seat = meshes_.join(keys.mesh, [this, waiting, payer = terms.payer, priority = terms.priority](
+                                          const Outcome<PreparedMesh>& outcome, MeshFlights::Role role) {
+    if (outcome && role == MeshFlights::Role::kFollower) {
+      Payers one;
+      one.add(payer);
+      charge(one, {}, priority, outcome->processor_seconds, 0);
+    }
     if (outcome)
       waiting->reply(outcome->value);
     else
@@ -259,19 +220,31 @@ std::optional<Overload> Dispatcher::prepare(FractureRequest request, const Terms
     };
     const auto p = std::make_shared<Preparation>(std::move(request), std::move(keys), terms);
     p->working.emplace(working_, std::move(working));
-    pool_.submit(terms.priority, cost, [this, p, cost, flight = seat.flight](int threads) {
+    const auto prepare = [this, p, cost, flight = seat.flight](int threads) {
       if (flight->stop().stop_requested()) return;
       Execution execution;
       execution.threads = threads;
       execution.stop = flight->stop();
       execution.allowance = &p->working->allowance();
+      execution.turn = WorkerPool::turn();
       execution.progress = p->terms.progress;
-      const Clock::time_point start = Clock::now();
-      const auto made = guarded([&] { return service_.make_mesh(p->request, p->keys, execution); });
-      if (made) pool_.measured(cost, std::chrono::duration<double>(Clock::now() - start).count());
+      Spent spent;
+      Outcome<PreparedMesh> made;
+      {
+        const Meter meter(spent);
+        made = guarded([&] { return service_.make_mesh(p->request, p->keys, execution); });
+      }
+      Payers payers;
+      payers.add(p->terms.payer);
+      charge(payers, p->terms.payer.flow, p->terms.priority, spent.processor_seconds, cost);
+      if (made) {
+        made->processor_seconds = spent.processor_seconds;
+        pool_.measured(cost, spent.busy_seconds);
+      }
       p->working.reset();
       meshes_.land(flight, made);
-    });
+    };
+    pool_.submit(terms.priority, cost, prepare, terms.payer.flow);
   }
   waiting->arm(std::move(seat), terms);
   return std::nullopt;
@@ -286,34 +259,23 @@ std::optional<Overload> Dispatcher::run(const ExpectedWork& work, const Terms& t
     ++refused_;
     return overload;
   }
-  pool_.submit(terms.priority, work.seconds, [this, cost = work.seconds, job = std::move(job), held](int) {
-    const Clock::time_point start = Clock::now();
-    job();
-    pool_.measured(cost, std::chrono::duration<double>(Clock::now() - start).count());
-  });
+  const auto metered = [this, cost = work.seconds, job = std::move(job), held, payer = terms.payer,
+                        priority = terms.priority](int) {
+    Spent spent;
+    {
+      const Meter meter(spent);
+      job();
+    }
+    pool_.measured(cost, spent.busy_seconds);
+    Payers payers;
+    payers.add(payer);
+    charge(payers, payer.flow, priority, spent.processor_seconds, cost);
+  };
+  pool_.submit(terms.priority, work.seconds, metered, terms.payer.flow);
   return std::nullopt;
 }
 
 // -- the stations of a computation
-
-namespace {
-
-/// Adds the time from its construction to its destruction.
-class Stopwatch {
- public:
-  explicit Stopwatch(double& seconds) : seconds_(seconds) {}
-  ~Stopwatch() {
-    seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-  Stopwatch(const Stopwatch&) = delete;
-  Stopwatch& operator=(const Stopwatch&) = delete;
-
- private:
-  double& seconds_;
-  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
-}  // namespace
 
 /// The value of this key: computed here, or waited for (then this thread is free, and `next` runs on another
 /// one when the value is there).
@@ -334,9 +296,11 @@ void Dispatcher::obtain(SingleFlight<Step<Value>>& flights, const std::string& k
         if (role == Flights::Role::kLeader) return;  // goes on by itself, below
         Outcome<Value> waited = outcome;
         if (waited) waited->cache = CacheOutcome::kCollapsed;
-        pool_.resume([this, c, next, waited = std::move(waited)](int free) {
-          at_station(c, [&] { (this->*next)(c, waited, free); });
-        });
+        if (waited) c->spent.processor_seconds += waited->processor_seconds;  // computed for all who waited
+        c->flight->common.task =
+            pool_.resume([this, c, next, waited = std::move(waited)](
+                             int free) { at_station(c, [&] { (this->*next)(c, waited, free); }); },
+                         c->flight->common.priority());
       });
   place->seat = seat;
   place->gives_up.emplace(abandoned, [&flights, weak = std::weak_ptr(place)] {
@@ -344,10 +308,14 @@ void Dispatcher::obtain(SingleFlight<Step<Value>>& flights, const std::string& k
   });
   if (seat.role != Flights::Role::kLeader) return;
   Outcome<Value> made;
+  Spent spent;
   {
-    const Stopwatch busy(c->busy_seconds);
+    const Meter meter(spent);
     made = guarded([&] { return make(c->execution(threads, seat.flight->stop())); });
   }
+  c->spent.busy_seconds += spent.busy_seconds;
+  c->spent.processor_seconds += spent.processor_seconds;
+  if (made) made->processor_seconds = spent.processor_seconds;
   flights.land(seat.flight, made);
   (this->*next)(c, made, threads);
 }
@@ -423,7 +391,7 @@ void Dispatcher::with_diagram(const Shared& c, const Outcome<Diagram>& diagram, 
   append(c->answer.inner, diagram->inner);
   Expected<FragmentSet> made;  // freed when the answer is on its way
   {
-    const Stopwatch busy(c->busy_seconds);
+    const Meter meter(c->spent);
     made = guarded([&] {
       return service_.make_result(*c->mesh, *diagram->value, c->request, c->keys,
                                   c->execution(threads, c->flight->stop()), c->answer);
@@ -432,12 +400,13 @@ void Dispatcher::with_diagram(const Shared& c, const Outcome<Diagram>& diagram, 
   if (!made) return end(c, tl::unexpected<Error>(std::move(made.error())));
   ++computed_;
   c->answer.work_milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - c->begun).count();
-  pool_.measured(c->cost, c->busy_seconds);
+  pool_.measured(c->cost, c->spent.busy_seconds);
   end(c, std::move(c->answer));
 }
 
 void Dispatcher::end(const Shared& c, Expected<FractureAnswer> outcome) {
   c->working.reset();
+  c->settle();
   results_.land(c->flight, outcome);
   if (failures_ && !outcome && FailureKeeper::concerns(outcome.error().code))
     failures_->keep(c->request, outcome.error(), outcome.error().extra);

@@ -30,6 +30,7 @@
 #include "server/service/admission.hpp"
 #include "server/service/failure_keeper.hpp"
 #include "server/service/memory_budget.hpp"
+#include "server/service/payer.hpp"
 #include "server/service/service.hpp"
 #include "server/service/single_flight.hpp"
 #include "server/service/timer.hpp"
@@ -50,12 +51,15 @@ struct Terms {
   std::stop_token gone{};  ///< requested when nobody wants the answer any more
   /// Told (stage, fraction of it) by whatever thread computes; must be thread-safe and cheap.
   std::function<void(const char*, double)> progress{};
+  Payer payer{};
 };
 
 /// Refused at once: there is no room.
 struct Overload {
+  enum class Cause { kServer, kOverShare };  ///< everybody's, or this client's alone
   std::string detail;
   std::chrono::seconds retry_after;  ///< computed: when there should be room
+  Cause cause = Cause::kServer;
 };
 
 class Dispatcher {
@@ -120,6 +124,9 @@ class Dispatcher {
   struct Common {
     std::atomic<WorkerPool::TaskId> task{0};
     std::atomic<Clock::rep> latest_deadline{0};
+    std::atomic<bool> realtime{false};  ///< somebody who waits is in a hurry
+    Priority priority() const { return realtime ? Priority::kRealtime : Priority::kBatch; }
+    Payers payers;
     std::mutex mutex;
     std::vector<std::function<void(const char*, double)>> observers;
     void tell(const char* stage, double fraction);
@@ -129,6 +136,10 @@ class Dispatcher {
   using DiagramFlights = SingleFlight<Step<Diagram>>;
 
   std::optional<Overload> refuses(double cost, const Terms& terms) const;
+  /// A place among the computations of a name.
+  static std::optional<Overload> seat(const Terms& terms, tenants::Account::Seat& share);
+  /// All who waited are charged for all of it. `cost` is what the leader's turn has already cost it.
+  void charge(const Payers& payers, const Flow& leader, Priority priority, double seconds, double cost);
   std::optional<Overload> reserve(std::uint64_t bytes, MemoryBudget::Reservation& reservation);
 
   // The stations of a computation, each on a thread of the pool.

@@ -1,7 +1,7 @@
-// Start-time fair queueing (Goyal, Vin and Cheng, SIGCOMM 1996), in the form that the same authors gave it for
-// processors, where what a task takes is known only when it has run (Goyal, Guo and Vin, "A hierarchical CPU
-// scheduler for multimedia operating systems", OSDI 1996). Each flow (a name, an address) has a queue of its
-// own, first come first served, and its first task a start tag
+// Start-time fair queueing (Goyal, Vin and Cheng, SIGCOMM 1996), in the form that the same authors gave it
+// for processors, where what a task takes is known only when it has run (Goyal, Guo and Vin, "A hierarchical
+// CPU scheduler for multimedia operating systems", OSDI 1996). Each flow (a name, an address) has a queue of
+// its own, first come first served, and its first task a start tag
 //
 //     S = max(v, F)      v: the start tag of what was taken last (virtual time)
 //                        F: the finish tag of the flow's task before, S + what that took / the flow's weight
@@ -107,21 +107,21 @@ class FairQueue {
 
   /// Ids in the order in which they would be served if nothing came and costs were right.
   std::vector<std::uint64_t> order() const {
-    struct Turn {
+    struct Place {
       double start;
       std::uint64_t id;
       const State* state;
       std::size_t k;
-      bool operator>(const Turn& other) const {
+      bool operator>(const Place& other) const {
         return std::pair(start, id) > std::pair(other.start, other.id);
       }
     };
-    std::priority_queue<Turn, std::vector<Turn>, std::greater<>> turns;
+    std::priority_queue<Place, std::vector<Place>, std::greater<>> turns;
     for (const auto& [name, state] : flows_)
       if (!state.queue.empty()) turns.push({state.start, state.queue.front().id, &state, 0});
     std::vector<std::uint64_t> served;
     while (!turns.empty()) {
-      Turn turn = turns.top();
+      Place turn = turns.top();
       turns.pop();
       served.push_back(turn.id);
       turn.start += turn.state->queue[turn.k].cost / turn.state->weight;

@@ -172,8 +172,13 @@ Expected<Step<PreparedMesh>> FractureService::make_mesh(const FractureRequest& r
   {
     if (execution.progress) execution.progress("import", 0);
     const StageTimings::Scope scope(step.timings, "import");
+    // Read in another process, where the file may wait for its turn: no place to stand still at.
+    Execution elsewhere = execution;
+    elsewhere.turn = nullptr;
+    std::optional<Away> away(execution.turn);
     Expected<Mesh> imported =
-        engine_->import(request.mesh, request.format, request.files, config_.import_limits, execution);
+        engine_->import(request.mesh, request.format, request.files, config_.import_limits, elsewhere);
+    away.reset();
     if (!imported) return tl::unexpected<Error>(std::move(imported.error()));
     *mesh = std::move(*imported);
     // What the bytes of the file did not say is known now. A small mesh is within what every request is

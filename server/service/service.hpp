@@ -53,8 +53,9 @@ template <class Value>
 struct Step {
   std::shared_ptr<const Value> value;
   CacheOutcome cache = CacheOutcome::kNotConsulted;
-  StageTimings timings;  ///< import, prepare, tetrahedralize, clip, encode: those that ran
-  StageTimings inner;    ///< the pipeline's own finer stages
+  StageTimings timings;          ///< import, prepare, tetrahedralize, clip, encode: those that ran
+  StageTimings inner;            ///< the pipeline's own finer stages
+  double processor_seconds = 0;  ///< what it took of all threads, where that was measured
 };
 
 struct FractureAnswer {

@@ -1,7 +1,17 @@
-// The threads that compute, and the queue before them. Two classes: realtime work goes first, but batch work
+// The threads that compute, and the queues before them. Two classes: realtime work goes first, but batch work
 // ages: a job that has waited kAging longer than a realtime one goes before it, so that neither starves.
-// Every job says what it should cost; costs queued over the throughput that was measured is how long a new
-// one would wait, so that a client is refused at once instead of waiting for an answer that comes too late.
+// Within a class the flows (names, addresses) take turns by what they have used (fair_queue.hpp). Every job
+// says what it should cost; costs queued over the throughput that was measured is how long a new one would
+// wait, so that a client is refused at once instead of waiting for an answer that comes too late.
+//
+// Realtime work does not wait for a batch job to end. A batch computation that polls (base/execution.hpp)
+// while realtime work waits for a processor stands still there and leaves it its processor; the realtime job
+// runs on a thread of its own, since a computation's scratch memory belongs to its thread. It stands still
+// for kLongestPause at most and then computes for a quarter of that at least: nothing it holds (a place among
+// the import workers, a value that others wait for) can be held for ever, and batch work gets a fifth of the
+// time even where realtime work never ends. Where there are two threads or more, realtime work need not even
+// wait for the poll: beside jobs on all of them one realtime job more is begun at once, and the batch job
+// that polls first makes room.
 #pragma once
 
 #include <atomic>
@@ -17,7 +27,9 @@
 #include <thread>
 #include <vector>
 
+#include "common/base/turn.hpp"
 #include "server/service/control_group.hpp"
+#include "server/service/fair_queue.hpp"
 
 namespace fracture {
 
@@ -30,6 +42,7 @@ class WorkerPool {
   using Job = std::function<void(int threads)>;
   using TaskId = std::uint64_t;
 
+  /// `threads`: jobs that compute at the same time.
   WorkerPool(int threads, std::size_t max_queue);
   /// Finishes what is queued (cancel it through its own stop tokens first when that would take too long).
   ~WorkerPool();
@@ -39,11 +52,20 @@ class WorkerPool {
   /// The id of the task; never refused (look at full() and predicted_wait() first). `cost`: what the job
   /// should take, in seconds of one thread of a machine of nominal speed; measured() says how far off such
   /// estimates are. Jobs must not throw.
-  TaskId submit(Priority priority, double cost, Job job);
-  /// Work that was admitted before and goes on: never refused, served before everything else.
-  void resume(Job job);
-  /// A batch task that is still queued becomes a realtime one. Nothing happens when it is not.
+  TaskId submit(Priority priority, double cost, Job job, const Flow& flow = {});
+  /// Work that was admitted before and goes on: never refused, before all other work of its class.
+  TaskId resume(Job job, Priority priority = Priority::kRealtime);
+  /// A batch task becomes a realtime one, queued or running. Nothing happens when it is neither.
   void promote(TaskId task);
+  /// A flow has used so many seconds more (or less) than the costs of its tasks said.
+  void charge(Priority priority, const Flow& flow, double seconds);
+
+  /// Of the job that the calling thread runs, for its Execution; null on other threads.
+  static Turn* turn();
+  /// Seconds for which the job that the calling thread runs was made to stand still, by now.
+  static double paused_seconds();
+  /// Seconds for which it was away (Turn::leave), but what the calling thread computed itself meanwhile.
+  static double away_seconds();
 
   /// What a job that runs turned out to cost, for predictions of the wait. Nothing happens when it does not
   /// run.
@@ -52,12 +74,12 @@ class WorkerPool {
   /// How many tasks go before this one, as things are; nothing when it is not queued.
   std::optional<std::size_t> position(TaskId task) const;
 
-  /// As many tasks wait as may.
-  bool full() const;
+  /// As many tasks wait as may, and of this flow as many as its part of them.
+  bool full(const Flow& flow = {}) const;
 
-  /// How long a new job of this class would be queued: what goes before it, over the throughput measured so
-  /// far.
-  std::chrono::duration<double> predicted_wait(Priority priority) const;
+  /// How long a new job of this class and flow would be queued: what goes before it, over the throughput
+  /// measured so far.
+  std::chrono::duration<double> predicted_wait(Priority priority, const Flow& flow = {}) const;
   /// What a job of this cost should take, by the same measure.
   std::chrono::duration<double> predicted_run(double cost) const;
 
@@ -67,39 +89,60 @@ class WorkerPool {
   /// Returns when nothing is queued and nothing runs.
   void wait_idle();
 
-  int threads() const { return static_cast<int>(threads_.size()); }
+  int threads() const { return static_cast<int>(thread_count_); }
   std::size_t queued() const;
   std::size_t running() const;
+  /// Batch jobs that stand still for realtime ones, now.
+  std::size_t paused() const;
   /// Jobs that threw, though they must not.
   std::uint64_t escaped() const { return escaped_; }
 
   /// A batch job is served before realtime jobs that came this much later.
   static constexpr std::chrono::milliseconds kAging{1000};
+  /// A batch job stands still for at most this long at once ...
+  static constexpr std::chrono::milliseconds kLongestPause{250};
+  /// ... and then not again for a quarter of the time that it stood still, or this.
+  static constexpr std::chrono::milliseconds kLeastWork{10};
 
  private:
   using Clock = std::chrono::steady_clock;
   struct Task {
     TaskId id;
     double cost;
+    Flow flow;
     Clock::time_point arrival;
     Job job;
   };
-  struct Running {
-    double cost;
-    Clock::time_point start;
+  class Running;
+  struct Class {
+    std::deque<Task> resumed;
+    FairQueue<Task> queue;
+  };
+  struct Next {
+    Priority priority;
+    bool resumed;
   };
 
   void work();
-  std::size_t queued_locked() const { return resumed_.size() + realtime_.size() + batch_.size(); }
-  Task take();
+  // All of these with the lock.
+  std::size_t queued_locked() const;
+  std::size_t running_of(Priority priority) const;
+  std::size_t computing() const;
+  bool realtime_waits() const { return !realtime_.resumed.empty() || !realtime_.queue.empty(); }
+  bool may_begin_realtime() const;
+  std::optional<Next> next() const;
+  Task take(Next next);
+  void changed();
 
   const std::size_t max_queue_;
   mutable std::mutex mutex_;
-  std::condition_variable wake_, idle_;
-  std::deque<Task> resumed_, realtime_, batch_;
-  std::map<TaskId, Running> running_;
+  std::condition_variable wake_, idle_, go_on_;
+  Class realtime_, batch_;
+  std::map<TaskId, Running*> running_;
   TaskId next_ = 1;
   std::size_t thread_count_ = 0;
+  /// Somebody who computes should stand back: read at every poll, without the lock.
+  std::atomic<bool> urgent_{false};
   /// Decaying sums over what was measured: seconds it took, seconds it was said to take.
   double took_ = 0.1, cost_ = 0.1;
   std::atomic<std::uint64_t> escaped_{0};

@@ -102,12 +102,14 @@ TEST_F(Settings, LimitsThatContradictEachOtherAreRefusedTogether) {
   options.server.admin_port = options.server.port;
   options.enabled_formats = {"docx"};
   options.server.cors_origins = {"https://example.org", "example.org", "https://example.org/path"};
+  options.trusted_proxies = {"192.0.2.0/24", "192.0.2.1/24", "2001:db8::/129", "::1"};
   EXPECT_THAT(configured({}),
               testing::UnorderedElementsAre(HasSubstr("max-uri (20000) is over max-header (16384)"),
                                             HasSubstr("max-body"), HasSubstr("max-connections-per-address"),
                                             HasSubstr("deadline"), HasSubstr("port and admin-port"),
                                             HasSubstr("'docx'"), HasSubstr("'example.org'"),
-                                            HasSubstr("'https://example.org/path'")));
+                                            HasSubstr("'https://example.org/path'"),
+                                            HasSubstr("'192.0.2.1/24'"), HasSubstr("'2001:db8::/129'")));
 }
 
 TEST_F(Settings, ListeningBeyondThisMachineNeedsTokensOrAnExplicitWord) {

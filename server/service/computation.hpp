@@ -1,0 +1,139 @@
+// Private to dispatcher.cpp: one who waits, what is computed, and what that takes.
+#pragma once
+
+#include <chrono>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <new>
+#include <optional>
+#include <stop_token>
+#include <utility>
+
+#include "common/base/processor_time.hpp"
+#include "server/service/computation_allowance.hpp"
+#include "server/service/dispatcher.hpp"
+
+namespace fracture {
+
+/// Everything that a step may throw, as the error that it is for the client.
+template <class Work>
+auto guarded(Work work) -> decltype(work()) {
+  try {
+    return work();
+  } catch (const Interrupted& interrupted) {
+    return tl::unexpected<Error>(to_error(interrupted));
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::kOutOfMemory, "There is not enough memory for this request now.");
+  } catch (const std::exception& e) {
+    return fail(ErrorCode::kInternal, e.what());
+  } catch (...) {
+    return fail(ErrorCode::kInternal, "an exception of unknown type");
+  }
+}
+
+/// What computing has taken so far.
+struct Spent {
+  double busy_seconds = 0;       ///< from begin to end, but what it stood still for others
+  double processor_seconds = 0;  ///< of all threads, and of the processes that worked for it
+};
+
+/// Adds what is spent from its construction to its destruction, on one thread of the pool.
+class Meter {
+ public:
+  explicit Meter(Spent& spent) : spent_(spent) {}
+  ~Meter() {
+    const auto since = [](double now, double before) { return now - before; };
+    const std::chrono::duration<double> all = std::chrono::steady_clock::now() - start_;
+    spent_.busy_seconds += all.count() - since(WorkerPool::paused_seconds(), paused_);
+    spent_.processor_seconds +=
+        since(processor_seconds_of_this_thread(), processor_) + since(WorkerPool::away_seconds(), away_);
+  }
+  Meter(const Meter&) = delete;
+  Meter& operator=(const Meter&) = delete;
+
+ private:
+  Spent& spent_;
+  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  const double processor_ = processor_seconds_of_this_thread(), paused_ = WorkerPool::paused_seconds(),
+               away_ = WorkerPool::away_seconds();
+};
+
+/// One who waits in a flight: its reply, and the two ways to leave early. Lives in the flight's waiter; the
+/// timer and the stop callback only point to it.
+template <class Flights, class Value>
+struct Dispatcher::Waiting : std::enable_shared_from_this<Waiting<Flights, Value>> {
+  Waiting(Dispatcher& d, Flights& f, std::function<void(Expected<Value>)> r)
+      : dispatcher(d), flights(f), reply(std::move(r)) {}
+  ~Waiting() {
+    if (alarm) dispatcher.timer_.cancel(*alarm);
+  }
+
+  /// After join(). May leave, and so reply, before it returns.
+  void arm(typename Flights::Seat taken, const Terms& terms) {
+    seat = std::move(taken);
+    const auto leave_with = [weak = this->weak_from_this()](ErrorCode code) {
+      if (const auto self = weak.lock()) self->leave(code);
+    };
+    if (terms.deadline != Clock::time_point::max())
+      alarm =
+          dispatcher.timer_.at(terms.deadline, [leave_with] { leave_with(ErrorCode::kDeadlineExceeded); });
+    gone.emplace(terms.gone, [leave_with] { leave_with(ErrorCode::kCancelled); });
+  }
+
+  void leave(ErrorCode code) {
+    if (!flights.leave(seat)) return;
+    ++dispatcher.abandoned_;
+    reply(tl::unexpected<Error>(to_error(Interrupted{code})));
+  }
+
+  Dispatcher& dispatcher;
+  Flights& flights;
+  const std::function<void(Expected<Value>)> reply;
+  typename Flights::Seat seat;
+  std::optional<Timer::Id> alarm;
+  std::optional<std::stop_callback<std::function<void()>>> gone;
+  tenants::Account::Seat share;  ///< of the computations that its name may have at the same time
+};
+
+/// One result being computed, by the leader of its flight.
+struct Dispatcher::Computation {
+  explicit Computation(Dispatcher& its_dispatcher) : dispatcher(its_dispatcher) {}
+  /// However it ended, it is paid for.
+  ~Computation() { settle(); }
+
+  Dispatcher& dispatcher;
+  FractureRequest request{};
+  RequestKeys keys{};
+  double cost = 0;       ///< revised when the mesh is known
+  double turn_cost = 0;  ///< what its turn has cost its flow
+  Flow flow{};           ///< whose turn it takes
+  std::optional<ComputationAllowance> working{};
+  std::shared_ptr<ResultFlights::Flight> flight{};
+  Clock::time_point submitted = Clock::now(), begun{};
+  Spent spent{};
+  double settled = 0;  ///< processor seconds of `spent` that were charged
+  FractureAnswer answer{};
+  std::shared_ptr<const PreparedMesh> mesh{};
+
+  bool abandoned() const { return flight->stop().stop_requested(); }
+  Execution execution(int threads, std::stop_token stop) {
+    Execution e;
+    e.threads = threads;
+    e.stop = std::move(stop);
+    e.allowance = &working->allowance();
+    e.turn = WorkerPool::turn();
+    e.progress = [flight = flight](const char* stage, double fraction) {
+      flight->common.tell(stage, fraction);
+    };
+    return e;
+  }
+  void settle() {
+    if (!flight || spent.processor_seconds <= settled) return;
+    dispatcher.charge(flight->common.payers, flow, flight->common.priority(),
+                      spent.processor_seconds - settled, settled > 0 ? 0 : turn_cost);
+    settled = spent.processor_seconds;
+  }
+};
+
+}  // namespace fracture

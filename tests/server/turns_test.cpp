@@ -1,0 +1,224 @@
+// Realtime work does not wait for batch work: who stands back, when, and that nobody does so for ever.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <latch>
+#include <thread>
+
+#include "server/service/worker_pool.hpp"
+#include "tests/support/eventually.hpp"
+
+namespace fracture {
+namespace {
+
+using test::eventually;
+using test::kPatience;
+
+constexpr Priority kRealtime = Priority::kRealtime, kBatch = Priority::kBatch;
+
+/// A batch computation that polls until it is told to end.
+struct Polling {
+  explicit Polling(WorkerPool& pool, int threads = 1) {
+    id = pool.submit(kBatch, 0, [this, threads](int) {
+      Turn* const turn = WorkerPool::turn();
+      std::vector<std::thread> helpers;
+      const auto work = [this, turn] {
+        while (!end) {
+          turn->give_way();
+          ++polls;
+          std::this_thread::yield();
+        }
+      };
+      for (int k = 1; k < threads; ++k) helpers.emplace_back(work);
+      work();
+      for (std::thread& helper : helpers) helper.join();
+      paused_seconds = WorkerPool::paused_seconds();
+      done = true;
+    });
+    EXPECT_TRUE(eventually(kPatience, "the batch job to begin", [&] { return polls > 0; }));
+  }
+  WorkerPool::TaskId id = 0;
+  std::atomic<bool> end{false}, done{false};
+  std::atomic<long> polls{0};
+  double paused_seconds = 0;
+};
+
+TEST(Turns, ARealtimeJobRunsWhileTheOnlyThreadsBatchJobStandsStill) {
+  WorkerPool pool(1, 100);
+  Polling batch(pool, 3);
+  std::latch gate(1);
+  std::atomic<bool> began{false};
+  pool.submit(kRealtime, 0, [&](int) {
+    began = true;
+    gate.wait();
+  });
+  EXPECT_TRUE(eventually(kPatience, "the realtime job to begin", [&] { return began.load(); }));
+  EXPECT_FALSE(batch.done);
+  EXPECT_EQ(pool.paused(), 1u);
+  gate.count_down();
+  EXPECT_TRUE(eventually(kPatience, "the batch job to go on", [&] { return pool.paused() == 0; }));
+  batch.end = true;
+  pool.wait_idle();
+  EXPECT_GT(batch.paused_seconds, 0);
+}
+
+TEST(Turns, WithTwoThreadsARealtimeJobBeginsBesideBatchJobsThatNeverPoll) {
+  std::latch gate(1);  // outlives the pool, whose threads wait at it
+  WorkerPool pool(2, 100);
+  std::atomic<int> batch{0};
+  for (int k = 0; k < 3; ++k)
+    pool.submit(kBatch, 0, [&](int) {
+      ++batch;
+      gate.wait();
+    });
+  EXPECT_TRUE(eventually(kPatience, "both threads to be busy", [&] { return batch == 2; }));
+  std::atomic<int> done{0};
+  for (int k = 0; k < 10; ++k) pool.submit(kRealtime, 0, [&](int) { ++done; });
+  EXPECT_TRUE(eventually(kPatience, "all the realtime jobs", [&] { return done == 10; }));
+  EXPECT_EQ(batch, 2) << "the third waits for one of the two";
+  gate.count_down();
+}
+
+TEST(Turns, TheKeptThreadTakesOneAtATimeAndNoBatchJob) {
+  std::latch gate(1);
+  WorkerPool pool(2, 100);
+  std::atomic<int> begun{0};
+  const auto stay = [&](int) {
+    ++begun;
+    gate.wait();
+  };
+  for (int k = 0; k < 2; ++k) pool.submit(kBatch, 0, stay);
+  for (int k = 0; k < 2; ++k) pool.submit(kRealtime, 0, stay);
+  EXPECT_TRUE(eventually(kPatience, "two and one to begin", [&] { return begun == 3; }));
+  EXPECT_EQ(pool.queued(), 1u);
+  gate.count_down();
+  pool.wait_idle();
+  EXPECT_EQ(begun, 4);
+}
+
+TEST(Turns, ABatchJobDoesNotStandStillForEver) {
+  std::latch gate(1);
+  WorkerPool pool(1, 100);
+  Polling batch(pool);
+  std::atomic<bool> began{false};
+  pool.submit(kRealtime, 0, [&](int) {
+    began = true;
+    gate.wait();  // as if it waited for what the batch job holds
+  });
+  EXPECT_TRUE(eventually(kPatience, "the realtime job to begin", [&] { return began.load(); }));
+  const long before = batch.polls;
+  EXPECT_TRUE(eventually(kPatience, "the batch job to go on all the same",
+                         [&] { return batch.polls > before + 10; }));
+  gate.count_down();
+  batch.end = true;
+}
+
+TEST(Turns, AStandingJobThatBecomesRealtimeGoesOn) {
+  std::latch gate(1);
+  WorkerPool pool(1, 100);
+  Polling batch(pool);
+  std::atomic<bool> began{false};
+  pool.submit(kRealtime, 0, [&](int) {
+    began = true;
+    gate.wait();
+  });
+  EXPECT_TRUE(eventually(kPatience, "the realtime job to begin", [&] { return began.load(); }));
+  pool.promote(batch.id);
+  const long before = batch.polls;
+  EXPECT_TRUE(eventually(kPatience, "it to go on", [&] { return batch.polls > before + 1000; }));
+  EXPECT_EQ(pool.paused(), 0u);
+  batch.end = true;
+  gate.count_down();
+}
+
+TEST(Turns, WhoIsAwayLeavesItsProcessorToRealtimeWorkAndToNoOther) {
+  std::latch gate(1);
+  WorkerPool pool(1, 100);
+  std::atomic<bool> away{false}, back{false}, other{false};
+  double away_for = 0;
+  pool.submit(kBatch, 0, [&](int) {
+    {
+      const Away elsewhere(WorkerPool::turn());
+      away = true;
+      gate.wait();
+    }
+    away_for = WorkerPool::away_seconds();
+    back = true;
+  });
+  EXPECT_TRUE(eventually(kPatience, "it to be away", [&] { return away.load(); }));
+  pool.submit(kBatch, 0, [&](int) { other = true; });
+  std::atomic<bool> realtime{false};
+  pool.submit(kRealtime, 0, [&](int) { realtime = true; });
+  EXPECT_TRUE(eventually(kPatience, "the realtime job", [&] { return realtime.load(); }));
+  EXPECT_FALSE(other || back);
+  gate.count_down();
+  pool.wait_idle();
+  EXPECT_TRUE(other && back);
+  EXPECT_GT(away_for, 0);
+}
+
+TEST(Turns, NobodyIsLostWhenAllComeAtOnce) {
+  WorkerPool pool(2, 1000);
+  std::atomic<int> done{0};
+  std::vector<std::thread> clients;
+  for (int t = 0; t < 4; ++t)
+    clients.emplace_back([&, t] {
+      for (int k = 0; k < 200; ++k) {
+        const Priority priority = (k + t) % 2 ? kRealtime : kBatch;
+        const auto id = pool.submit(priority, 0.001,
+                                    [&](int) {
+                                      for (int poll = 0; poll < 20; ++poll) WorkerPool::turn()->give_way();
+                                      ++done;
+                                    },
+                                    {std::to_string(t), 1});
+        if (k % 7 == 0) pool.promote(id);
+      }
+    });
+  for (std::thread& client : clients) client.join();
+  pool.wait_idle();
+  EXPECT_EQ(done, 800);
+  EXPECT_EQ(pool.running(), 0u);
+}
+
+TEST(Turns, TwoNamesOneAtTenTimesItsShareAreServedInTurn) {
+  std::latch gate(1);
+  WorkerPool pool(1, 1000);
+  pool.submit(kBatch, 0, [&](int) { gate.wait(); });
+  while (pool.running() == 0) std::this_thread::yield();
+  std::string order;
+  const auto add = [&](const char* name) {
+    return pool.submit(kBatch, 1, [&order, name](int) { order += name; }, {name, 1});
+  };
+  for (int k = 0; k < 100; ++k) add("a");
+  std::vector<WorkerPool::TaskId> quiet;
+  for (int k = 0; k < 10; ++k) quiet.push_back(add("b"));
+  for (std::size_t k = 0; k < quiet.size(); ++k) EXPECT_EQ(pool.position(quiet[k]), 2 * k + 1);
+  EXPECT_DOUBLE_EQ(pool.predicted_wait(kBatch, {"c", 1}).count(), 2) << "one of each, not all 110";
+  gate.count_down();
+  pool.wait_idle();
+  EXPECT_EQ(order.substr(0, 20), "abababababababababab");
+}
+
+TEST(Turns, WhoFillsTheQueueLeavesTheOthersTheirPart) {
+  std::latch gate(1);
+  WorkerPool pool(1, 10);
+  pool.submit(kBatch, 0, [&](int) { gate.wait(); });
+  while (pool.running() == 0) std::this_thread::yield();
+  const Flow a{"a", 1}, b{"b", 1};
+  for (int k = 0; k < 10; ++k) {
+    EXPECT_FALSE(pool.full(a)) << k;
+    pool.submit(
+        kBatch, 1, [](int) {}, a);
+  }
+  EXPECT_TRUE(pool.full(a));
+  for (int k = 0; k < 5; ++k) {
+    EXPECT_FALSE(pool.full(b)) << k;
+    pool.submit(
+        kBatch, 1, [](int) {}, b);
+  }
+  EXPECT_TRUE(pool.full(b));
+  gate.count_down();
+}
+
+}  // namespace
+}  // namespace fracture
