@@ -26,6 +26,7 @@
 #include "server/service/memory_budget.hpp"
 #include "server/service/mesh_store.hpp"
 #include "server/service/service.hpp"
+#include "server/tenants/ledger.hpp"
 
 namespace fracture::http {
 
@@ -59,6 +60,7 @@ class Api {
   MemoryBudget& bodies() { return bodies_; }
   const MeshStore& meshes() const { return meshes_; }
   const Jobs& jobs() const { return jobs_; }
+  const tenants::AnswerLedger& ledger() const { return ledger_; }
   ops::Metrics& metrics() { return metrics_; }
   const HttpLimits& limits() const { return limits_; }
 
@@ -83,7 +85,7 @@ class Api {
   Answered post_fracture(const std::shared_ptr<Request>& request, const std::stop_token& gone,
                          const Reply& reply);
   /// What every way to ask for a fracture ends in.
-  Answered fracture(const std::shared_ptr<Request>& request, FractureRequest asked, const Terms& terms,
+  Answered fracture(const std::shared_ptr<Request>& request, FractureRequest asked, Terms terms,
                     const Reply& reply);
   Answered get_fracture(const std::shared_ptr<Request>& request, const Reply& reply);
   Answered found_result(const Request& request, const std::shared_ptr<const FractureResult>& result,
@@ -91,15 +93,25 @@ class Api {
 
   Answered put_mesh(const std::shared_ptr<Request>& request, const std::stop_token& gone, const Reply& reply);
   /// Keeps a mesh that was prepared, out of its body.
-  Answered store(const FractureRequest& asked, const PreparedMesh& prepared, Body& body);
+  Answered store(const Request& request, const FractureRequest& asked, const PreparedMesh& prepared,
+                 Body& body);
   Answered get_mesh(const Request& request);
   Answered delete_mesh(const Request& request);
-  OrProblem<std::shared_ptr<const StoredMesh>> stored_mesh(std::string_view id);
+  OrProblem<std::shared_ptr<const StoredMesh>> stored_mesh(const Request& request, std::string_view id);
   /// `text` holds parameters as JSON; an empty `id` stands there as "mesh".
   Answered fracture_stored(const std::shared_ptr<Request>& request, std::string_view text,
                            std::string_view id, const std::stop_token& gone, const Reply& reply);
 
+  /// Whose what this request makes is; "" where nobody is asked who it is, or names share everything.
+  static std::string owner_of(const Request& request);
+  static MeshStore::Whose whose(const Request& request);
+  /// May it see the answer of this key?
+  bool may_see(const Request& request, const std::string& key);
+  /// So that it may see what it asked for, once that is there.
+  void enter_in_ledger(const Request& request, Terms& terms);
+
   Answered start_job(const Request& request, FractureRequest asked, const Terms& terms);
+  std::optional<JobView> find_job(const Request& request);
   Answered get_job(const Request& request);
   Answered delete_job(const Request& request);
   Answered get_job_events(const Request& request);
@@ -130,6 +142,7 @@ class Api {
   const HttpLimits limits_;
   MemoryBudget bodies_;
   MeshStore meshes_;
+  tenants::AnswerLedger ledger_;
   Jobs jobs_;
   std::atomic<bool> draining_{false}, closing_{false};
   ops::Metrics metrics_;

@@ -20,7 +20,8 @@ Answered Api::with_mesh_input(const std::shared_ptr<Request>& request, const std
   terms->gone = gone;
   const auto body = std::make_shared<Body>(Body{std::move(request->body), std::move(request->reservation)});
   const auto read = [this, request, body, terms = *terms, go_on = std::move(go_on)]() -> Answered {
-    OrProblem<FractureRequest> input = read_mesh_input(*request, body, service_);
+    OrProblem<FractureRequest> input = read_mesh_input(
+        *request, body, service_, [&](const std::string& key) { return may_see(*request, key); });
     if (!input) return tl::unexpected<Problem>(std::move(input.error()));
     return go_on(std::move(*input), body, terms);
   };
@@ -42,8 +43,9 @@ Answered Api::post_fracture(const std::shared_ptr<Request>& request, const std::
       });
 }
 
-Answered Api::fracture(const std::shared_ptr<Request>& request, FractureRequest asked, const Terms& terms,
+Answered Api::fracture(const std::shared_ptr<Request>& request, FractureRequest asked, Terms terms,
                        const Reply& reply) {
+  enter_in_ledger(*request, terms);
   const std::size_t representation = request->admission.representation;
   asked.output = representation == kAsGltf ? OutputFormat::kGltf : OutputFormat::kGlb;
   if (prefers_async(request->head)) return start_job(*request, std::move(asked), terms);
@@ -54,6 +56,7 @@ Answered Api::fracture(const std::shared_ptr<Request>& request, FractureRequest 
           Response response = result_response(answer->result, representation);
           response.headers.emplace_back("Cache-Status", cache_status(*answer));
           response.headers.emplace_back("Server-Timing", server_timing(*answer));
+          if (request->payer.account) response.headers.emplace_back("Cache-Control", "private");
           response.queue_milliseconds = answer->queue_milliseconds;
           return response;
         });

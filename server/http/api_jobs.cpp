@@ -87,7 +87,7 @@ bool prefers_async(const RequestHead& head) {
 }
 
 Answered Api::start_job(const Request& request, FractureRequest asked, const Terms& terms) {
-  const auto job = jobs_.start(std::move(asked), terms);
+  const auto job = jobs_.start(std::move(asked), terms, owner_of(request));
   if (!job) return tl::unexpected<Problem>(to_problem(job.error()));
   Response response = Response::json(describe(*job, request.id), 202);
   response.headers.emplace_back("Location", "/jobs/" + job->id);
@@ -96,7 +96,7 @@ Answered Api::start_job(const Request& request, FractureRequest asked, const Ter
 }
 
 Answered Api::get_job(const Request& request) {
-  const auto job = jobs_.find(request.admission.segment);
+  const auto job = find_job(request);
   if (!job) return tl::unexpected<Problem>(no_job());
   Response response = Response::json(describe(*job, request.id));
   response.headers.emplace_back("Cache-Control", "no-store");
@@ -104,14 +104,15 @@ Answered Api::get_job(const Request& request) {
 }
 
 Answered Api::delete_job(const Request& request) {
-  if (!jobs_.cancel(request.admission.segment)) return tl::unexpected<Problem>(no_job());
+  if (!find_job(request) || !jobs_.cancel(request.admission.segment))
+    return tl::unexpected<Problem>(no_job());
   Response response;
   response.status = 204;
   return response;
 }
 
 Answered Api::get_job_events(const Request& request) {
-  if (!jobs_.find(request.admission.segment)) return tl::unexpected<Problem>(no_job());
+  if (!find_job(request)) return tl::unexpected<Problem>(no_job());
   Response response;
   response.content_type = "text/event-stream";
   response.headers.emplace_back("Cache-Control", "no-store");

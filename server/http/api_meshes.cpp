@@ -69,7 +69,7 @@ Answered Api::put_mesh(const std::shared_ptr<Request>& request, const std::stop_
             [this, request, reply, asked, body](Expected<std::shared_ptr<const PreparedMesh>> prepared) {
               answering(*request, reply, [&]() -> Answered {
                 if (!prepared) return refusal(std::move(prepared.error()), request->id);
-                return store(*asked, **prepared, *body);
+                return store(*request, *asked, **prepared, *body);
               });
             });
         if (overload) return tl::unexpected<Problem>(to_problem(*overload));
@@ -77,14 +77,21 @@ Answered Api::put_mesh(const std::shared_ptr<Request>& request, const std::stop_
       });
 }
 
-Answered Api::store(const FractureRequest& asked, const PreparedMesh& prepared, Body& body) {
+Answered Api::store(const Request& request, const FractureRequest& asked, const PreparedMesh& prepared,
+                    Body& body) {
   const std::uint64_t capacity = body.bytes.capacity();
   if (is_kept_as_copy(asked, capacity) && !body.reservation.grow_to(2 * capacity))
     return tl::unexpected<Problem>(no_memory());
   const std::shared_ptr<StoredMesh> stored = stored_mesh_of(asked, capacity);
   stored->report = mesh_report(prepared);
   stored->triangles = prepared.solid.triangles.size();
-  const MeshStore::Put put = meshes_.put(stored);
+  MeshStore::Owner owner{owner_of(request)};
+  if (!owner.name.empty()) owner.share = request.payer.account->shares().stored_bytes;
+  const MeshStore::Put put = meshes_.put(stored, owner);
+  if (put == MeshStore::Put::kOverShare)
+    return refuse(HttpProblem::kBodyTooLarge, "The mesh takes " + std::to_string(stored->held()) +
+                                                  " bytes; all stored meshes of '" + owner.name +
+                                                  "' together may take " + std::to_string(owner.share) + ".");
   if (put == MeshStore::Put::kOverQuota)
     return refuse(HttpProblem::kBodyTooLarge, "The mesh takes " + std::to_string(stored->held()) +
                                                   " bytes; all stored meshes together may take " +
@@ -98,22 +105,25 @@ Answered Api::store(const FractureRequest& asked, const PreparedMesh& prepared, 
   return response;
 }
 
-OrProblem<std::shared_ptr<const StoredMesh>> Api::stored_mesh(std::string_view id) {
+OrProblem<std::shared_ptr<const StoredMesh>> Api::stored_mesh(const Request& request, std::string_view id) {
   const auto digest = digest_in(id);
-  auto mesh = digest ? meshes_.find(*digest) : nullptr;
+  auto mesh = digest ? meshes_.find(*digest, owner_of(request), whose(request)) : nullptr;
   if (!mesh) return tl::unexpected<Problem>(no_mesh());
   return mesh;
 }
 
 Answered Api::get_mesh(const Request& request) {
-  auto mesh = stored_mesh(request.admission.segment);
+  auto mesh = stored_mesh(request, request.admission.segment);
   if (!mesh) return tl::unexpected<Problem>(std::move(mesh.error()));
   return Response::json(describe(**mesh, meshes_.config()));
 }
 
 Answered Api::delete_mesh(const Request& request) {
   const auto digest = digest_in(request.admission.segment);
-  if (!digest || !meshes_.erase(*digest)) return tl::unexpected<Problem>(no_mesh());
+  const std::string owner = owner_of(request);
+  // Its own first; what is left then only an administrator can see.
+  if (!digest || (!meshes_.erase(*digest, owner) && !meshes_.erase(*digest, owner, whose(request))))
+    return tl::unexpected<Problem>(no_mesh());
   Response response;
   response.status = 204;
   return response;
@@ -143,12 +153,13 @@ Answered Api::fracture_stored(const std::shared_ptr<Request>& request, std::stri
   if (std::any_of(given.begin(), given.end(), [](const RawParameter& p) { return p.name == "format"; }))
     return tl::unexpected<Problem>(to_problem(
         {ErrorCode::kBadParameter, "The format of a stored mesh is known: leave 'format' out.", "format"}));
-  Expected<RequestParameters> parameters = service_.parse(given);
+  Expected<RequestParameters> parameters =
+      service_.parse(given, [&](const std::string& key) { return may_see(*request, key); });
   if (!parameters) return tl::unexpected<Problem>(to_problem(std::move(parameters.error())));
   OrProblem<Terms> terms = terms_of(*request);
   if (!terms) return tl::unexpected<Problem>(std::move(terms.error()));
   terms->gone = gone;
-  auto mesh = stored_mesh(named);
+  auto mesh = stored_mesh(*request, named);
   if (!mesh) return tl::unexpected<Problem>(std::move(mesh.error()));
 
   FractureRequest asked{(*mesh)->mesh, (*mesh)->format, std::move(*parameters), (*mesh)->files};

@@ -143,6 +143,7 @@ Answered Api::get_fracture(const std::shared_ptr<Request>& request, const Reply&
   const std::string& id = request->admission.segment;
   if (id.substr(0, kScheme.size()) == kScheme) {
     const std::string key = id.substr(kScheme.size());
+    if (!may_see(*request, key)) return tl::unexpected<Problem>(no_result());
     if (const auto result = service_.find_result(key)) return found_result(*request, result, "result; hit");
     if (const auto result = jobs_.find_result(key)) return found_result(*request, result, "job; hit");
     if (const auto bytes = service_.tiers().expected_bytes(key)) {  // reading blocks: not on this thread
@@ -180,7 +181,8 @@ Answered Api::found_result(const Request& request, const std::shared_ptr<const F
   Response response = result_response(result, *chosen == 1 ? kAsFigures : kAsGlb);
   const std::string etag = response.headers.front().second;
   response.headers.emplace_back("Cache-Status", cache_status);
-  response.headers.emplace_back("Cache-Control", "public, max-age=31536000, immutable");
+  response.headers.emplace_back("Cache-Control", std::string(request.payer.account ? "private" : "public") +
+                                                     ", max-age=31536000, immutable");
   response.headers.emplace_back("Accept-Ranges", "bytes");
   const std::string none_match = request.head.field("if-none-match");
   if (!none_match.empty() && none_match_fails(none_match, etag)) {

@@ -66,7 +66,7 @@ Expected<std::vector<RawParameter>> read_params(std::string_view text, std::stri
 }
 
 OrProblem<FractureRequest> read_mesh_input(const Request& request, std::shared_ptr<const Body> body,
-                                           FractureService& service) {
+                                           FractureService& service, const FractureService::MaySee& may_see) {
   std::vector<RawParameter> given = raw_parameters(request.admission.query);
   const std::string content_type = request.head.field("content-type");
   std::string_view mesh = body->bytes;
@@ -111,7 +111,7 @@ OrProblem<FractureRequest> read_mesh_input(const Request& request, std::shared_p
   }
 
   const ParameterTable& table = service.parameters();
-  Expected<RequestParameters> parameters = service.parse(given);
+  Expected<RequestParameters> parameters = service.parse(given, may_see);
   if (!parameters) return tl::unexpected<Problem>(to_problem(std::move(parameters.error())));
   std::optional<MeshFormat> format = parameters->format;
   if (!format) format = format_from_media_type(declared_type);

@@ -9,10 +9,7 @@
 #include "server/http/message.hpp"
 #include "server/parameters/parameters.hpp"
 #include "server/service/request.hpp"
-
-namespace fracture {
-class FractureService;
-}
+#include "server/service/service.hpp"
 
 namespace fracture::http {
 
@@ -23,9 +20,10 @@ struct Body {
 };
 
 /// What is asked, with the bytes borrowed from (and owned by) the body. Parameters of the query, of the part
-/// `params` and of form fields are taken together.
+/// `params` and of form fields are taken together; `of` names only what the caller may see.
 OrProblem<FractureRequest> read_mesh_input(const Request& request, std::shared_ptr<const Body> body,
-                                           FractureService& service);
+                                           FractureService& service,
+                                           const FractureService::MaySee& may_see = {});
 
 /// Names and values of a JSON object. Refuses what is not one object, deep nesting, and a member given twice
 /// (of which a JSON parser would silently keep one). `what` names the text in errors: "part 'params'".

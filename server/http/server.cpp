@@ -145,7 +145,10 @@ class HttpServer::Impl {
       writer.gauge("fracture_requests_in_progress",
                    "From the first byte of a request to the last of its answer.",
                    static_cast<double>(connections_.in_progress.load()));
-      write_tenant_metrics(policy_.accounts, writer);
+      const auto holdings = [this](const std::string& name) {
+        return Holdings{api_.meshes().bytes_of(name), api_.ledger().bytes_of(name)};
+      };
+      write_tenant_metrics(policy_.accounts, holdings, writer);
     });
     for (int t = 0; t < std::max(1, config.io_threads); ++t)
       threads_.emplace_back([this] { run_forever(context_); });

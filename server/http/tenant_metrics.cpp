@@ -5,7 +5,8 @@
 namespace fracture::http {
 namespace {
 
-void write(ops::MetricWriter& writer, const std::string& name, const tenants::Account::Figures& figures) {
+void write(ops::MetricWriter& writer, const std::string& name, const tenants::Account::Figures& figures,
+           const Holdings& holds) {
   const auto count = [&](const char* metric, const char* help, double value,
                          const ops::MetricWriter::Labels& more = {}) {
     ops::MetricWriter::Labels labels = {{"tenant", name}};
@@ -25,11 +26,19 @@ void write(ops::MetricWriter& writer, const std::string& name, const tenants::Ac
         {{"direction", "out"}});
   writer.gauge("fracture_tenant_computations", "Computations of each name that are queued or run.",
                static_cast<double>(figures.computations), {{"tenant", name}});
+  writer.gauge("fracture_tenant_stored_mesh_bytes",
+               "Bytes of stored meshes of each name, equal ones counted.", static_cast<double>(holds.stored),
+               {{"tenant", name}});
+  writer.gauge("fracture_tenant_answer_bytes", "Bytes of answers that each name can fetch again.",
+               static_cast<double>(holds.cached), {{"tenant", name}});
 }
 
 }  // namespace
 
-void write_tenant_metrics(const tenants::Accounts& accounts, ops::MetricWriter& writer) {
+void write_tenant_metrics(const tenants::Accounts& accounts,
+                          const std::function<Holdings(const std::string& name)>& holdings,
+                          ops::MetricWriter& writer) {
+  Holdings of_others;
   tenants::Account::Figures others;
   std::size_t written = 0;
   bool any_other = false;
@@ -37,10 +46,13 @@ void write_tenant_metrics(const tenants::Accounts& accounts, ops::MetricWriter& 
     const tenants::Account::Figures figures = account->figures();
     if (written < kNamesInMetrics) {
       ++written;
-      write(writer, account->name(), figures);
+      write(writer, account->name(), figures, holdings(account->name()));
       continue;
     }
     any_other = true;
+    const Holdings theirs = holdings(account->name());
+    of_others.stored += theirs.stored;
+    of_others.cached += theirs.cached;
     others.requests += figures.requests;
     others.over_share += figures.over_share;
     others.processor_seconds += figures.processor_seconds;
@@ -48,7 +60,7 @@ void write_tenant_metrics(const tenants::Accounts& accounts, ops::MetricWriter& 
     others.bytes_out += figures.bytes_out;
     others.computations += figures.computations;
   }
-  if (any_other) write(writer, "other", others);
+  if (any_other) write(writer, "other", others, of_others);
 }
 
 }  // namespace fracture::http

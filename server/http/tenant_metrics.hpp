@@ -1,6 +1,10 @@
 // Usage by name, for /metrics.
 #pragma once
 
+#include <cstdint>
+#include <functional>
+#include <string>
+
 #include "server/ops/metrics.hpp"
 #include "server/tenants/accounts.hpp"
 
@@ -9,7 +13,14 @@ namespace fracture::http {
 /// So many names have figures of their own; what the others used is summed under the name "other".
 inline constexpr std::size_t kNamesInMetrics = 100;
 
+/// Bytes that a name holds: of stored meshes, of answers that it can fetch again.
+struct Holdings {
+  std::uint64_t stored = 0, cached = 0;
+};
+
 /// Nothing without tokens.
-void write_tenant_metrics(const tenants::Accounts& accounts, ops::MetricWriter& writer);
+void write_tenant_metrics(const tenants::Accounts& accounts,
+                          const std::function<Holdings(const std::string& name)>& holdings,
+                          ops::MetricWriter& writer);
 
 }  // namespace fracture::http

@@ -112,7 +112,7 @@ struct Dispatcher::Computation {
   std::shared_ptr<ResultFlights::Flight> flight{};
   Clock::time_point submitted = Clock::now(), begun{};
   Spent spent{};
-  double settled = 0;  ///< processor seconds of `spent` that were charged
+  std::optional<double> settled{};  ///< processor seconds of `spent` that were charged
   FractureAnswer answer{};
   std::shared_ptr<const PreparedMesh> mesh{};
 
@@ -129,9 +129,9 @@ struct Dispatcher::Computation {
     return e;
   }
   void settle() {
-    if (!flight || spent.processor_seconds <= settled) return;
+    if (!flight || (settled && spent.processor_seconds <= *settled)) return;
     dispatcher.charge(flight->common.payers, flow, flight->common.priority(),
-                      spent.processor_seconds - settled, settled > 0 ? 0 : turn_cost);
+                      spent.processor_seconds - settled.value_or(0), settled ? 0 : turn_cost);
     settled = spent.processor_seconds;
   }
 };

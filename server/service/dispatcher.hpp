@@ -52,6 +52,8 @@ struct Terms {
   /// Told (stage, fraction of it) by whatever thread computes; must be thread-safe and cheap.
   std::function<void(const char*, double)> progress{};
   Payer payer{};
+  /// Told of a good answer before it is replied, by whatever thread brings it.
+  std::function<void(const FractureResult&)> answered{};
 };
 
 /// Refused at once: there is no room.

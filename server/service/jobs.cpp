@@ -53,11 +53,12 @@ const char* name_of(JobState state) {
   return "failed";
 }
 
-tl::expected<JobView, Overload> Jobs::start(FractureRequest request, Terms terms) {
+tl::expected<JobView, Overload> Jobs::start(FractureRequest request, Terms terms, const std::string& owner) {
   const RequestKeys keys = keys_of(request);
   request.digest = keys.digest;
   const auto job = std::make_shared<Job>();
   job->view.id = keys.digest.substr(0, 16) + "-" + random_digits();
+  job->view.owner = owner;
   job->result_key = keys.result;
   {
     const std::lock_guard lock(mutex_);

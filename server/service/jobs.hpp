@@ -33,6 +33,7 @@ const char* name_of(JobState state);
 /// A job at one moment.
 struct JobView {
   std::string id;
+  std::string owner;          ///< whose it is; may be empty
   std::uint64_t version = 0;  ///< grows with every change
   JobState state = JobState::kQueued;
   std::string stage;  ///< import, prepare, tetrahedralize, clip, encode; empty before the first
@@ -58,7 +59,7 @@ class Jobs {
   /// The new job as it is by now (it may even be done and forgotten). Its id: the first 16 hex digits of the
   /// mesh digest (for routing by proxies), a hyphen, 16 random ones. `terms.gone` and `terms.progress` are
   /// the job's own.
-  tl::expected<JobView, Overload> start(FractureRequest request, Terms terms);
+  tl::expected<JobView, Overload> start(FractureRequest request, Terms terms, const std::string& owner = "");
 
   /// Nothing when it is not known (any more).
   std::optional<JobView> find(const std::string& id);

@@ -55,41 +55,104 @@ std::shared_ptr<StoredMesh> stored_mesh_of(const FractureRequest& request, std::
   return stored;
 }
 
-MeshStore::Put MeshStore::put(std::shared_ptr<const StoredMesh> mesh, Clock::time_point now) {
+std::shared_ptr<const StoredMesh> MeshStore::equal_of(const StoredMesh& mesh) {
+  std::shared_ptr<const StoredMesh> other;
+  {
+    const std::lock_guard lock(mutex_);
+    if (const Iterator found = at(mesh.digest, "", Whose::kAnybodys); found != entries_.end())
+      other = found->mesh;
+  }
+  // Byte by byte: whose digest is equal is not yet to be handed another's mesh.
+  const auto same = [](std::span<const std::byte> a, std::span<const std::byte> b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end());
+  };
+  if (!other || !same(mesh.mesh, other->mesh) || mesh.files.size() != other->files.size()) return nullptr;
+  for (std::size_t k = 0; k < mesh.files.size(); ++k)
+    if (mesh.files[k].name != other->files[k].name || !same(mesh.files[k].bytes, other->files[k].bytes))
+      return nullptr;
+  return other;
+}
+
+MeshStore::Put MeshStore::put(std::shared_ptr<const StoredMesh> mesh, const Owner& owner,
+                              Clock::time_point now) {
   const std::uint64_t bytes = mesh->held();
   if (bytes > config_.quota_bytes) return Put::kOverQuota;
+  if (bytes > owner.share) return Put::kOverShare;
+  if (const auto equal = equal_of(*mesh)) {
+    auto with_its_bytes = std::make_shared<StoredMesh>(*mesh);
+    with_its_bytes->owner = equal->owner;
+    with_its_bytes->mesh = equal->mesh;
+    with_its_bytes->files = equal->files;
+    with_its_bytes->capacity = equal->capacity;
+    mesh = std::move(with_its_bytes);
+  }
   const std::lock_guard lock(mutex_);
   expire(now);
-  const auto at = index_.find(mesh->digest);
-  const bool known = at != index_.end();
-  if (known) remove(at->second);
-  while (figures_.bytes + bytes > config_.quota_bytes) {
-    remove(std::prev(entries_.end()));
+  const auto known = index_.find({mesh->digest, owner.name});
+  const bool replaces = known != index_.end();
+  if (replaces) remove(known->second);
+  while (bytes_of_locked(owner.name) + bytes > owner.share) {
+    remove_least_recent_of(owner.name);
     ++figures_.evicted;
   }
-  entries_.push_front({std::move(mesh), now});
-  index_.emplace(entries_.front().mesh->digest, entries_.begin());
-  figures_.bytes += bytes;
+  while (!bytes_.contains(mesh->owner.get()) && figures_.bytes + bytes > config_.quota_bytes) {
+    remove_least_recent_of(owner_of_most());
+    ++figures_.evicted;
+  }
+  Bytes& kept = bytes_[mesh->owner.get()];
+  if (++kept.entries == 1) figures_.bytes += kept.held = bytes;
+  owned_[owner.name] += bytes;
+  entries_.push_front({std::move(mesh), owner.name, bytes, now});
+  index_.emplace(std::pair(entries_.front().mesh->digest, owner.name), entries_.begin());
   ++figures_.stored;
-  return known ? Put::kReplaced : Put::kCreated;
+  return replaces ? Put::kReplaced : Put::kCreated;
 }
 
-std::shared_ptr<const StoredMesh> MeshStore::find(const std::string& digest, Clock::time_point now) {
+MeshStore::Iterator MeshStore::at(const std::string& digest, const std::string& owner, Whose whose) {
+  if (const auto own = index_.find({digest, owner}); own != index_.end()) return own->second;
+  if (whose == Whose::kOwn) return entries_.end();
+  const auto any = index_.lower_bound({digest, ""});
+  return any != index_.end() && any->first.first == digest ? any->second : entries_.end();
+}
+
+std::shared_ptr<const StoredMesh> MeshStore::find(const std::string& digest, const std::string& owner,
+                                                  Whose whose, Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   expire(now);
-  const auto at = index_.find(digest);
-  if (at == index_.end()) return nullptr;
-  at->second->used = now;
-  entries_.splice(entries_.begin(), entries_, at->second);
-  return at->second->mesh;
+  const Iterator found = at(digest, owner, whose);
+  if (found == entries_.end()) return nullptr;
+  found->used = now;
+  entries_.splice(entries_.begin(), entries_, found);
+  return found->mesh;
 }
 
-bool MeshStore::erase(const std::string& digest) {
+bool MeshStore::erase(const std::string& digest, const std::string& owner, Whose whose) {
   const std::lock_guard lock(mutex_);
-  const auto at = index_.find(digest);
-  if (at == index_.end()) return false;
-  remove(at->second);
-  return true;
+  bool any = false;
+  for (Iterator found; (found = at(digest, owner, whose)) != entries_.end(); any = true) remove(found);
+  return any;
+}
+
+std::uint64_t MeshStore::bytes_of(const std::string& owner) const {
+  const std::lock_guard lock(mutex_);
+  return bytes_of_locked(owner);
+}
+
+std::uint64_t MeshStore::bytes_of_locked(const std::string& owner) const {
+  const auto owned = owned_.find(owner);
+  return owned == owned_.end() ? 0 : owned->second;
+}
+
+std::string MeshStore::owner_of_most() const {
+  return std::max_element(owned_.begin(), owned_.end(),
+                          [](const auto& a, const auto& b) { return a.second < b.second; })
+      ->first;
+}
+
+void MeshStore::remove_least_recent_of(const std::string& owner) {
+  const auto last = std::find_if(entries_.rbegin(), entries_.rend(),
+                                 [&](const Entry& entry) { return entry.owner == owner; });
+  remove(std::prev(last.base()));
 }
 
 void MeshStore::sweep(Clock::time_point now) {
@@ -100,7 +163,7 @@ void MeshStore::sweep(Clock::time_point now) {
 StoreFigures MeshStore::figures() const {
   const std::lock_guard lock(mutex_);
   StoreFigures figures = figures_;
-  figures.meshes = index_.size();
+  figures.meshes = bytes_.size();
   return figures;
 }
 
@@ -112,9 +175,17 @@ void MeshStore::expire(Clock::time_point now) {
 }
 
 void MeshStore::remove(Iterator at) {
-  figures_.bytes -= at->mesh->held();
-  index_.erase(at->mesh->digest);
+  const auto kept = bytes_.find(at->mesh->owner.get());
+  if (--kept->second.entries == 0) {
+    figures_.bytes -= kept->second.held;
+    bytes_.erase(kept);
+  }
+  const auto owned = owned_.find(at->owner);
+  owned->second -= at->bytes;
+  const std::string owner = at->owner;
+  index_.erase({at->mesh->digest, owner});
   entries_.erase(at);
+  if (owned->second == 0) owned_.erase(owned);
 }
 
 }  // namespace fracture

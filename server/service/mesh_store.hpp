@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <list>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -59,20 +60,41 @@ struct StoreFigures {
   std::size_t meshes = 0;
 };
 
-/// Invariant: what is held for the meshes that are stored is at most the quota. Who holds an evicted mesh
-/// keeps it alive. Thread-safe.
+/// Each owner has meshes of its own: what another stored is not there for it. Equal bytes are kept once,
+/// whoever stored them, and leave with the last owner; format and report are each owner's. Where nobody is
+/// asked who it is, all are one owner, "".
+///
+/// Invariant: what is held for the meshes that are stored is at most the quota, where equal ones count once;
+/// what an owner has, counted for itself, is at most its share. Who holds an evicted mesh keeps it alive.
+/// Thread-safe.
 class MeshStore {
  public:
   using Clock = std::chrono::steady_clock;
+  struct Owner {
+    std::string name{};
+    std::uint64_t share = UINT64_MAX;  ///< bytes
+  };
+  enum class Whose { kOwn, kAnybodys };
 
   explicit MeshStore(const StoreConfig& config) : config_(config) {}
 
-  enum class Put { kCreated, kReplaced, kOverQuota };
-  /// The least recently used ones leave for it.
-  Put put(std::shared_ptr<const StoredMesh> mesh, Clock::time_point now = Clock::now());
-  /// Null when it is not there; a use.
-  std::shared_ptr<const StoredMesh> find(const std::string& digest, Clock::time_point now = Clock::now());
-  bool erase(const std::string& digest);
+  enum class Put { kCreated, kReplaced, kOverQuota, kOverShare };
+  /// The owner's least recently used ones leave for it where its share needs them to; where the quota does,
+  /// those of whoever has most.
+  Put put(std::shared_ptr<const StoredMesh> mesh, const Owner& owner, Clock::time_point now = Clock::now());
+  Put put(std::shared_ptr<const StoredMesh> mesh, Clock::time_point now = Clock::now()) {
+    return put(std::move(mesh), {}, now);
+  }
+  /// Null when it is not there; a use. The owner's own before anybody's.
+  std::shared_ptr<const StoredMesh> find(const std::string& digest, const std::string& owner, Whose whose,
+                                         Clock::time_point now = Clock::now());
+  std::shared_ptr<const StoredMesh> find(const std::string& digest, Clock::time_point now = Clock::now()) {
+    return find(digest, "", Whose::kOwn, now);
+  }
+  /// Takes it away from this owner, or from everybody. False when there was none.
+  bool erase(const std::string& digest, const std::string& owner = "", Whose whose = Whose::kOwn);
+  /// What this owner has.
+  std::uint64_t bytes_of(const std::string& owner) const;
   /// Forgets what has expired; put() and find() do it too.
   void sweep(Clock::time_point now = Clock::now());
 
@@ -82,16 +104,30 @@ class MeshStore {
  private:
   struct Entry {
     std::shared_ptr<const StoredMesh> mesh;
+    std::string owner;
+    std::uint64_t bytes;
     Clock::time_point used;
   };
   using Iterator = std::list<Entry>::iterator;
+  struct Bytes {
+    std::size_t entries = 0;
+    std::uint64_t held = 0;
+  };
+  /// The entry of this owner, else, with kAnybodys, of any.
+  Iterator at(const std::string& digest, const std::string& owner, Whose whose);
   void remove(Iterator at);
+  void remove_least_recent_of(const std::string& owner);
+  std::string owner_of_most() const;
+  std::shared_ptr<const StoredMesh> equal_of(const StoredMesh& mesh);
+  std::uint64_t bytes_of_locked(const std::string& owner) const;
   void expire(Clock::time_point now);
 
   const StoreConfig config_;
   mutable std::mutex mutex_;
-  std::list<Entry> entries_;  // most recently used first
-  std::unordered_map<std::string, Iterator> index_;
+  std::list<Entry> entries_;                                       // most recently used first
+  std::map<std::pair<std::string, std::string>, Iterator> index_;  // by digest and owner
+  std::unordered_map<const void*, Bytes> bytes_;                   // by StoredMesh::owner
+  std::map<std::string, std::uint64_t> owned_;                     // bytes by owner
   StoreFigures figures_;
 };
 

@@ -68,11 +68,13 @@ FractureService::FractureService(const ServiceConfig& config, std::unique_ptr<Fr
       answers_(kAnswerBytes),
       tiers_(config.tiers) {}
 
-Expected<RequestParameters> FractureService::parse(const std::vector<RawParameter>& given) {
+Expected<RequestParameters> FractureService::parse(const std::vector<RawParameter>& given,
+                                                   const MaySee& may_see) {
   Expected<RequestParameters> own = parameters_.parse(given);
   if (!own || own->of.empty()) return own;
-  std::shared_ptr<const nlohmann::json> earlier = answers_.find(own->of);
-  if (!earlier)
+  const bool visible = !may_see || may_see(own->of);
+  std::shared_ptr<const nlohmann::json> earlier = visible ? answers_.find(own->of) : nullptr;
+  if (!earlier && visible)
     if (const auto result = results_.find(own->of)) {
       earlier = std::make_shared<const nlohmann::json>(parameters_in(*result));
       answers_.insert(own->of, earlier, memory_size(*earlier));

@@ -11,6 +11,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -72,12 +73,16 @@ struct FractureAnswer {
 
 class FractureService {
  public:
+  /// May the caller use the answer of this key? Empty: any.
+  using MaySee = std::function<bool(const std::string& key)>;
+
   FractureService(const ServiceConfig& config, std::unique_ptr<FractureEngine> engine);
 
   /// Parses what is asked; where it names an earlier answer, with the parameters of that. Errors of
-  /// ParameterTable::parse() and on_earlier_answer(); kNoSuchAnswer. Asks memory alone; once for an answer it
-  /// may have to read that answer's file for its parameters.
-  Expected<RequestParameters> parse(const std::vector<RawParameter>& given);
+  /// ParameterTable::parse() and on_earlier_answer(); kNoSuchAnswer, also for an answer that the caller may
+  /// not see. Asks memory alone; once for an answer it may have to read that answer's file for its
+  /// parameters.
+  Expected<RequestParameters> parse(const std::vector<RawParameter>& given, const MaySee& may_see = {});
 
   /// Thread-safe and synchronous. All bad input, cancellation (kCancelled) and a passed deadline
   /// (kDeadlineExceeded) come back as errors; a broken invariant or lack of memory throws.
@@ -93,6 +98,11 @@ class FractureService {
     return diagrams_.find(keys.diagram);
   }
   std::shared_ptr<const FractureResult> find_result(const std::string& key) { return results_.find(key); }
+  /// Nobody may have it any more.
+  void forget_result(const std::string& key) {
+    results_.erase(key);
+    answers_.erase(key);
+  }
   /// Why this request had no answer lately (kUnsound); nothing when that is not known.
   std::optional<Error> find_failure(const std::string& key) const { return failures_.find(key); }
 

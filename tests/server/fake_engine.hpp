@@ -76,15 +76,16 @@ class FakeEngine final : public FractureEngine {
   /// A GLB or glTF whose JSON says what was asked; no geometry.
   std::vector<std::uint8_t> encode(const FragmentSet& fragments, const GltfOptions& options,
                                    OutputFormat format, const Execution&) const override {
-    std::string text = nlohmann::json{{"asset", {{"version", "2.0"}}},
-                                      {"nodes",
-                                       {{{"extras",
-                                          {{"fracture",
-                                            {{"parameters", options.parameters},
-                                             {"mesh", options.mesh_digest},
-                                             {"fragments", fragments.certificate.fragments},
-                                             {"bonds", nlohmann::json::object()}}}}}}}}}
-                           .dump();
+    std::string text =
+        nlohmann::json{{"asset", {{"version", "2.0"}, {"extras", {{"parameters", options.parameters}}}}},
+                       {"nodes",
+                        {{{"extras",
+                           {{"fracture",
+                             {{"parameters", options.parameters},
+                              {"mesh", options.mesh_digest},
+                              {"fragments", fragments.certificate.fragments},
+                              {"bonds", nlohmann::json::object()}}}}}}}}}
+            .dump();
     text.resize((text.size() + 3) / 4 * 4 + control_->glb_padding, ' ');
     if (format == OutputFormat::kGltf) return {text.begin(), text.end()};
     std::vector<std::uint8_t> glb(20 + text.size());

@@ -54,7 +54,7 @@ TEST(Turns, ARealtimeJobRunsWhileTheOnlyThreadsBatchJobStandsStill) {
   });
   EXPECT_TRUE(eventually(kPatience, "the realtime job to begin", [&] { return began.load(); }));
   EXPECT_FALSE(batch.done);
-  EXPECT_EQ(pool.paused(), 1u);
+  EXPECT_TRUE(eventually(kPatience, "the batch job to stand still", [&] { return pool.paused() == 1; }));
   gate.count_down();
   EXPECT_TRUE(eventually(kPatience, "the batch job to go on", [&] { return pool.paused() == 0; }));
   batch.end = true;
@@ -88,6 +88,7 @@ TEST(Turns, TheKeptThreadTakesOneAtATimeAndNoBatchJob) {
     gate.wait();
   };
   for (int k = 0; k < 2; ++k) pool.submit(kBatch, 0, stay);
+  EXPECT_TRUE(eventually(kPatience, "both threads to be busy", [&] { return begun == 2; }));
   for (int k = 0; k < 2; ++k) pool.submit(kRealtime, 0, stay);
   EXPECT_TRUE(eventually(kPatience, "two and one to begin", [&] { return begun == 3; }));
   EXPECT_EQ(pool.queued(), 1u);
