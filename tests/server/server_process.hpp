@@ -47,7 +47,7 @@ class Process {
     std::fclose(errors_);
   }
   std::string error_line() {
-    char line[1000];
+    char line[16384];
     return std::fgets(line, sizeof line, errors_) ? line : "";
   }
   /// The first line from here on that contains `text`, warnings before it skipped; empty when there is none.
