@@ -185,6 +185,7 @@ struct OneThread : testing::Test {
     options.limits.realtime_deadline = kPatience;
     server = std::make_unique<TestServer>(options);
     ASSERT_EQ(server->put(path, "mesh").status, 201);
+    ASSERT_TRUE(eventually(kPatience, "an idle thread", [&] { return server->pool.running() == 0; }));
     server->control->during_cut = [this](const Execution&) {
       const int cut = ++cuts;
       if (cut == 1) gate.pass();
