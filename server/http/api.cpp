@@ -8,6 +8,7 @@
 
 #include "server/http/auth.hpp"
 #include "server/http/content_coding.hpp"
+#include "server/http/content_digest.hpp"
 
 namespace fracture::http {
 namespace {
@@ -49,6 +50,8 @@ Api::Api(Dispatcher& dispatcher, const HttpLimits& limits, const StoreConfig& st
       bodies_(limits.max_bodies),
       meshes_(store),
       jobs_(dispatcher, jobs) {
+  limits_text_ = describe_limits().dump(2) + "\n";
+  patterns_text_ = service_.parameters().patterns_to_json().dump(2) + "\n";
   metrics_.add_source([this](ops::MetricWriter& writer) { write_metrics(writer); });
   sweep_later();
 }
@@ -168,6 +171,8 @@ Answered Api::dispatch(const std::shared_ptr<Request>& request, const std::stop_
       return get_patterns();
     case Operation::kGetOpenapi:
       return get_openapi();
+    case Operation::kGetProblem:
+      return get_problem(*request);
     case Operation::kPostFracture:
       return post_fracture(request, gone, reply);
     case Operation::kGetFracture:

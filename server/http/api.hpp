@@ -120,6 +120,8 @@ class Api {
   Response get_limits() const;
   Response get_patterns() const;
   Response get_openapi() const;
+  OrProblem<Response> get_problem(const Request& request) const;
+  nlohmann::ordered_json describe_limits() const;
   OrProblem<Response> get_readyz() const;
   std::optional<Problem> refuse_media_type(const RequestHead& head, const Admission& admission) const;
 

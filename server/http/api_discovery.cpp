@@ -2,6 +2,27 @@
 #include "server/http/api.hpp"
 
 namespace fracture::http {
+namespace {
+
+std::string escaped(std::string_view text) {
+  std::string html;
+  for (const char c : text)
+    if (c == '<' || c == '>' || c == '&')
+      html += c == '<' ? "&lt;" : c == '>' ? "&gt;" : "&amp;";
+    else
+      html += c;
+  return html;
+}
+
+/// Of text that lives as long as the server.
+Response lasting(std::string_view json) {
+  Response response;
+  response.content_type = "application/json";
+  response.body = {reinterpret_cast<const std::uint8_t*>(json.data()), json.size()};
+  return response;
+}
+
+}  // namespace
 
 Response Api::get_index() const {
   return Response::json(
@@ -21,7 +42,9 @@ Response Api::get_version() const {
       {{"name", "fracture-server"}, {"version", FRACTURE_VERSION}, {"algorithm", kAlgorithmVersion}});
 }
 
-Response Api::get_limits() const {
+Response Api::get_limits() const { return lasting(limits_text_); }
+
+nlohmann::ordered_json Api::describe_limits() const {
   const ServiceConfig& config = service_.config();
   return Response::json({{"max_body_bytes", limits_.max_body},
                          {"max_bodies_bytes", limits_.max_bodies},
@@ -49,9 +72,17 @@ Response Api::get_limits() const {
                          {"parameters", service_.parameters().to_json()}});
 }
 
-Response Api::get_patterns() const { return Response::json(service_.parameters().patterns_to_json()); }
+Response Api::get_patterns() const { return lasting(patterns_text_); }
 
-Response Api::get_openapi() const {
+Response Api::get_openapi() const { return lasting(openapi_json()); }
+
+OrProblem<Response> Api::get_problem(const Request& request) const {
+  const std::span<const ProblemType> types = problem_types();
+  const auto type = std::find_if(types.begin(), types.end(),
+                                 [&](const ProblemType& t) { return t.slug == request.admission.segment; });
+  if (type == types.end())
+    return refuse(HttpProblem::kNotFound, "There is no problem of this name. GET /openapi.json lists them.");
+  const std::string title(type->title), advice(type->advice), status = std::to_string(type->status);
   Response response;
   response.content_type = "application/json";
   const std::string_view text = openapi_json();

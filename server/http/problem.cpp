@@ -7,16 +7,17 @@ namespace {
 
 // Filled in the order of problems.def: the codes of the libraries first, then the HTTP ones.
 const std::array kTable = {
-#define FRACTURE_STATUS(code, status) ProblemType{slug(ErrorCode::code), title(ErrorCode::code), status},
-#define FRACTURE_HTTP_PROBLEM(name, slug, title, status) ProblemType{slug, title, status},
+#define FRACTURE_STATUS(code, status, advice) \
+  ProblemType{slug(ErrorCode::code), title(ErrorCode::code), status, advice},
+#define FRACTURE_HTTP_PROBLEM(name, slug, title, status, advice) ProblemType{slug, title, status, advice},
 #include "server/http/problems.def"
 #undef FRACTURE_STATUS
 #undef FRACTURE_HTTP_PROBLEM
 };
 
 enum class Row {
-#define FRACTURE_STATUS(code, status) code,
-#define FRACTURE_HTTP_PROBLEM(name, slug, title, status) name,
+#define FRACTURE_STATUS(code, status, advice) code,
+#define FRACTURE_HTTP_PROBLEM(name, slug, title, status, advice) name,
 #include "server/http/problems.def"
 #undef FRACTURE_STATUS
 #undef FRACTURE_HTTP_PROBLEM
@@ -29,10 +30,10 @@ const ProblemType& at(Row row) { return kTable[static_cast<std::size_t>(row)]; }
 const ProblemType& problem_type(ErrorCode code) {
   // No default: a code that is added to error_codes.def without a status is a compiler warning here.
   switch (code) {
-#define FRACTURE_STATUS(name, status) \
-  case ErrorCode::name:               \
+#define FRACTURE_STATUS(name, status, advice) \
+  case ErrorCode::name:                       \
     return at(Row::name);
-#define FRACTURE_HTTP_PROBLEM(name, slug, title, status)
+#define FRACTURE_HTTP_PROBLEM(name, slug, title, status, advice)
 #include "server/http/problems.def"
 #undef FRACTURE_STATUS
 #undef FRACTURE_HTTP_PROBLEM
@@ -42,9 +43,9 @@ const ProblemType& problem_type(ErrorCode code) {
 
 const ProblemType& problem_type(HttpProblem problem) {
   switch (problem) {
-#define FRACTURE_STATUS(name, status)
-#define FRACTURE_HTTP_PROBLEM(name, slug, title, status) \
-  case HttpProblem::name:                                \
+#define FRACTURE_STATUS(name, status, advice)
+#define FRACTURE_HTTP_PROBLEM(name, slug, title, status, advice) \
+  case HttpProblem::name:                                        \
     return at(Row::name);
 #include "server/http/problems.def"
 #undef FRACTURE_STATUS

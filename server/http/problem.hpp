@@ -16,8 +16,8 @@
 namespace fracture::http {
 
 enum class HttpProblem {
-#define FRACTURE_STATUS(code, status)
-#define FRACTURE_HTTP_PROBLEM(name, slug, title, status) name,
+#define FRACTURE_STATUS(code, status, advice)
+#define FRACTURE_HTTP_PROBLEM(name, slug, title, status, advice) name,
 #include "server/http/problems.def"
 #undef FRACTURE_STATUS
 #undef FRACTURE_HTTP_PROBLEM
@@ -27,6 +27,7 @@ struct ProblemType {
   std::string_view slug;
   std::string_view title;
   int status;
+  std::string_view advice;  ///< what it means and what to do, for people
 };
 
 const ProblemType& problem_type(ErrorCode code);

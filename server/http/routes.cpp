@@ -7,6 +7,7 @@ constexpr std::string_view kResultTypes[] = {"model/gltf-binary", "application/j
 constexpr std::string_view kJsonTypes[] = {"application/json"};
 constexpr std::string_view kEventTypes[] = {"text/event-stream"};
 constexpr std::string_view kTextTypes[] = {"text/plain"};
+constexpr std::string_view kPageTypes[] = {"text/plain", "text/html"};
 
 using enum Operation;
 using enum Listener;
@@ -20,6 +21,8 @@ constexpr Route kRoutes[] = {
      "Patterns, materials and their parameters"},
     {kGetOpenapi, kPublic, "GET", "/openapi.json", Carries::kNothing, kJsonTypes,
      "This interface as OpenAPI 3.1"},
+    {kGetProblem, kPublic, "GET", "/problems/{name}", Carries::kNothing, kPageTypes,
+     "What a problem type means and what to do"},
     {kPostFracture, kPublic, "POST", "/fracture", Carries::kMeshOrName, kResultTypes, "Fracture a mesh"},
     {kGetFracture, kPublic, "GET", "/fractures/{id}", Carries::kNothing, kResultTypes,
      "A result that is still in the cache"},

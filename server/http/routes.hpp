@@ -19,6 +19,7 @@ enum class Operation {
   kGetLimits,
   kGetPatterns,
   kGetOpenapi,
+  kGetProblem,
   kPostFracture,
   kGetFracture,
   kPostMesh,
@@ -62,5 +63,7 @@ std::optional<std::string> match(const Route& route, std::string_view path);
 
 /// Of the offers of the routes that answer with a result.
 inline constexpr std::size_t kAsGlb = 0, kAsFigures = 1, kAsGltf = 2;
+/// Of those of the pages about problems.
+inline constexpr std::size_t kAsText = 0, kAsHtml = 1;
 
 }  // namespace fracture::http
