@@ -62,7 +62,10 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
             "Believe proxies of this network in what Forwarded and the PROXY protocol say of their clients"),
        flag("insecure-bind", o.insecure_bind, "Listen beyond this machine without tokens"),
        list("cors-origin", "ORIGIN", o.server.cors_origins,
-            "Web pages of this origin may ask (https://example.org), or '*': of any")});
+            "Web pages of this origin may ask (https://example.org), or '*': of any"),
+       list("allow-host", "NAME", o.server.allowed_hosts,
+            "Where no token is asked for, clients may call this server by this name, or '*': by any; by "
+            "address or as localhost they always may")});
   group(
       "Work",
       {number("io-threads", "N", o.server.io_threads, 1, 2, "Threads that read and write"),
@@ -180,6 +183,9 @@ std::vector<std::string> inconsistencies(const ServeOptions& o) {
   for (const std::string& cidr : o.trusted_proxies)
     if (!http::TrustedProxies().add(cidr))
       refuse("trusted-proxy must be a network such as 192.0.2.0/24 or 2001:db8::/32; it was '" + cidr + "'");
+  for (const std::string& name : o.server.allowed_hosts)
+    if (name.empty() || (name != "*" && name.find_first_of(":/ \t,*@") != std::string::npos))
+      refuse("allow-host must be '*' or a name without port; it was '" + name + "'");
   if (!o.token_file.empty())
     if (const auto tokens = http::TokenSet::load(o.token_file); !tokens)
       refuse("token-file " + tokens.error());

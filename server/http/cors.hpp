@@ -23,8 +23,10 @@ class CorsPolicy {
   /// The fields that let the page of this request's Origin read the answer, whatever its status.
   std::vector<std::pair<std::string, std::string>> fields(const RequestHead& head) const;
 
- private:
+  /// Is this page's origin one of those that may ask?
   bool allows(const std::string& origin) const;
+
+ private:
   bool any() const;
   std::vector<std::string> origins_;
 };

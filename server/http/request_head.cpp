@@ -41,6 +41,13 @@ int hex_value(char c) {
   return -1;
 }
 
+/// Decoded it would divide the path into other segments than whoever routed the request saw.
+bool has_escaped_slash(std::string_view path) {
+  for (std::size_t at = path.find("%2"); at != std::string_view::npos; at = path.find("%2", at + 1))
+    if (at + 2 < path.size() && lower(path[at + 2]) == 'f') return true;
+  return false;
+}
+
 OrProblem<bool> parse_request_line(std::string_view line, RequestHead& head, const HttpLimits& limits) {
   const std::size_t first = line.find(' '), last = line.rfind(' ');
   if (first == std::string_view::npos || first == last)
@@ -65,6 +72,9 @@ OrProblem<bool> parse_request_line(std::string_view line, RequestHead& head, con
     if (static_cast<unsigned char>(c) <= 0x20 || static_cast<unsigned char>(c) >= 0x7f || c == '#')
       return malformed("The request target has a character that must be percent-encoded.");
   const std::size_t mark = target.find('?');
+  if (has_escaped_slash(target.substr(0, mark)))
+    return malformed(
+        "The path has a '/' written as %2F: proxies and servers disagree about what that names.");
   const std::optional<std::string> path = percent_decode(target.substr(0, mark), Plus::kIsPlus);
   if (!path || path->find('\0') != std::string::npos)
     return malformed("The path has a malformed percent escape.");

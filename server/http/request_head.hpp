@@ -2,7 +2,7 @@
 // that disagree about where a request ends is how requests are smuggled (RFC 9112, section 11.2), so
 // everything ambiguous is refused here: no obs-fold, no bare CR or LF, no white space before a colon, exactly
 // one Host, Content-Length or Transfer-Encoding but never both, one Content-Length of digits only, `chunked`
-// as the only transfer coding and only in HTTP/1.1, origin-form targets only.
+// as the only transfer coding and only in HTTP/1.1, origin-form targets only, no escaped '/' in a path.
 //
 // No network and no Boost here: bytes in, a value out, so that it can be tested and fuzzed alone.
 #pragma once

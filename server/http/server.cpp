@@ -120,7 +120,8 @@ class HttpServer::Impl {
  public:
   Impl(const ServerConfig& config, Api& api)
       : api_(api),
-        policy_{tenants::Accounts(config.tokens), config.proxies, CorsPolicy(config.cors_origins)},
+        policy_{tenants::Accounts(config.tokens), config.proxies, CorsPolicy(config.cors_origins),
+                SitePolicy(config.allowed_hosts, CorsPolicy(config.cors_origins))},
         max_connections_(connection_limit(api.limits().max_connections)),
         connections_(max_connections_, api.limits().max_connections_per_address),
         admin_connections_(kReservedDescriptors / 2, kReservedDescriptors / 2),

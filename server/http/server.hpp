@@ -28,6 +28,9 @@ struct ServerConfig {
   TokenSet tokens{};                        ///< empty: nobody is asked for one
   TrustedProxies proxies{};                 ///< believed in what they say of their clients
   std::vector<std::string> cors_origins{};  ///< empty: no page of another origin may ask
+  /// Names by which this server is called where no token is required ("*": any), beside addresses and
+  /// localhost.
+  std::vector<std::string> allowed_hosts{};
 };
 
 class HttpServer {

@@ -174,6 +174,11 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
         }
       }
     }
+    if (!preflight && (context_.listener == Listener::kAdmin || context_.policy.accounts.open()))
+      if (const std::optional<Problem> foreign = context_.policy.sites.refuse(head)) {
+        co_await refuse_and_close(*foreign);
+        co_return false;
+      }
     if (preflight) {
       connection_->clear_deadline();
       buffer_.consume(head_size_);

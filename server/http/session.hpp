@@ -7,6 +7,7 @@
 #include "server/http/client_address.hpp"
 #include "server/http/connections.hpp"
 #include "server/http/cors.hpp"
+#include "server/http/site_policy.hpp"
 
 namespace fracture::http {
 
@@ -15,6 +16,7 @@ struct Policy {
   tenants::Accounts accounts;
   TrustedProxies proxies;
   CorsPolicy cors;
+  SitePolicy sites;  ///< asked where no token is required
 };
 
 /// What the sessions of a listener share; the references outlive them.

@@ -1,6 +1,7 @@
 #include "server/parameters/nearest_name.hpp"
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 namespace fracture {
@@ -37,6 +38,19 @@ std::optional<std::string> nearest_name(std::string_view name, std::span<const s
     }
   }
   return nearest;
+}
+
+std::vector<std::string> nearest_names(std::string_view name, std::span<const std::string> known,
+                                       std::size_t most) {
+  constexpr std::size_t kLongest = 40;  // beyond this a name is none that was misspelt
+  name = name.substr(0, kLongest);
+  std::vector<std::pair<std::size_t, std::size_t>> order;  // distance, index
+  for (std::size_t k = 0; k < known.size(); ++k) order.emplace_back(edit_distance(name, known[k]), k);
+  most = std::min(most, order.size());
+  std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(most), order.end());
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < most; ++k) names.push_back(known[order[k].second]);
+  return names;
 }
 
 }  // namespace fracture

@@ -30,10 +30,14 @@ nlohmann::json canonical(const RequestParameters& parameters, const Wanted& want
   return json;
 }
 
+/// What is told of a request at most: one may be wrong in thousands of places.
+constexpr std::size_t kMostOffences = 16, kMostNames = 20;
+
 /// Collects what is wrong with a request.
 class Offences {
  public:
   void add(ErrorCode code, const RawParameter& raw, std::string detail, const std::string& inside = {}) {
+    if (!another()) return;
     const std::string name = shown(raw.name);
     nlohmann::json entry = {{"detail", detail}};
     entry[raw.is_text ? "parameter" : "pointer"] = raw.is_text ? name : "/" + name + inside;
@@ -42,29 +46,44 @@ class Offences {
   }
   /// Of a parameter that is missing.
   void add_missing(const std::string& name, std::string detail) {
+    if (!another()) return;
     entries_.push_back({{"detail", detail}, {"parameter", name}});
     if (!first_) first_ = Error{ErrorCode::kBadParameter, std::move(detail), name};
   }
   bool any() const { return first_.has_value(); }
+  /// What is found from now on is counted, not told.
+  bool full() const { return entries_.size() >= kMostOffences; }
+  void count() { ++more_; }
   Error error() && {
     first_->extra = {{"errors", std::move(entries_)}};
+    if (more_ > 0) first_->extra["more_errors"] = more_;
     return std::move(*first_);
   }
 
  private:
+  bool another() {
+    if (!full()) return true;
+    count();
+    return false;
+  }
+
+  std::size_t more_ = 0;
   std::optional<Error> first_;
   nlohmann::json entries_ = nlohmann::json::array();
 };
 
 using Given = std::map<std::string, const RawParameter*>;
 
-std::string unknown_parameter(const std::vector<ParameterSpec>& specs, const std::string& name) {
+/// The first one names what there is instead.
+std::string unknown_parameter(const std::vector<ParameterSpec>& specs, const std::string& name, bool first) {
   std::vector<std::string> known;
   for (const ParameterSpec& spec : specs) known.push_back(spec.name);
   const std::optional<std::string> nearest = nearest_name(name, known);
   return "There is no parameter '" + shown(name) + "'. " +
-         (nearest ? "Did you mean '" + *nearest + "'? " : std::string()) + "The parameters are " +
-         join(known) + ".";
+         (nearest ? "Did you mean '" + *nearest + "'? " : std::string()) +
+         (first ? "The nearest of the " + std::to_string(known.size()) + " parameters are " +
+                      join(nearest_names(name, known, kMostNames)) + "; GET /limits lists all."
+                : std::string());
 }
 
 /// Two ways to say one thing.
@@ -121,7 +140,10 @@ Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter
   for (const RawParameter& raw : given) {
     const ParameterSpec* spec = find(raw.name);
     if (!spec) {
-      offences.add(ErrorCode::kUnknownParameter, raw, unknown_parameter(specs_, raw.name));
+      if (offences.full())
+        offences.count();
+      else
+        offences.add(ErrorCode::kUnknownParameter, raw, unknown_parameter(specs_, raw.name, !offences.any()));
       continue;
     }
     if (!seen.emplace(raw.name, &raw).second) {

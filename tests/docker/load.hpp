@@ -39,7 +39,7 @@ class GameClient {
   Reply ask(const std::string& method, const std::string& path, const std::string& type,
             const std::string& body) {
     if (!connection_) connection_.emplace(port_);
-    connection_->send(method + " " + path + " HTTP/1.1\r\nHost: farm\r\nContent-Type: " + type +
+    connection_->send(method + " " + path + " HTTP/1.1\r\nHost: localhost\r\nContent-Type: " + type +
                       "\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body);
     const std::optional<Reply> reply = connection_->receive(false, kPatience);
     if (!reply || reply->header("connection") == "close") connection_.reset();

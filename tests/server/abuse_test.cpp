@@ -127,10 +127,11 @@ TEST(FewDescriptors, OpenConnectionsAreServedAndNewOnesWhenThereIsRoom) {
   if (!prlimit) GTEST_SKIP() << "prlimit (util-linux) is not installed";
   const TemporaryFolder folder;
   const std::uint16_t port = free_port(), admin_port = free_port();
-  ChildProcess server({*prlimit, "--nofile=256:256", FRACTURE_SERVER_PROGRAM, "serve", "--port",
-                       std::to_string(port), "--admin-port", std::to_string(admin_port), "--drain-delay", "0",
-                       "--max-connections", "1000", "--max-connections-per-address", "1000"},
-                      folder / "log");
+  ChildProcess server(
+      {*prlimit, "--nofile=256:256", FRACTURE_SERVER_PROGRAM, "serve", "--port", std::to_string(port),
+       "--admin-port", std::to_string(admin_port), "--drain-delay", "0", "--max-connections", "1000",
+       "--max-connections-per-address", "1000", "--allow-host", "*"},
+      folder / "log");
   const auto ready = [&] {
     try {
       return ask(admin_port, "GET", "/readyz").status == 200;

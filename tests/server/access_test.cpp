@@ -69,7 +69,7 @@ TEST(Cors, IsOffByDefault) {
   EXPECT_EQ(server.get("/version", origin).header("access-control-allow-origin"), "");
   EXPECT_EQ(
       ask(server.port(), "OPTIONS", "/fracture", origin + "Access-Control-Request-Method: POST\r\n").status,
-      405);
+      403);
 }
 
 TEST(Cors, AnAllowedOriginMayAskAndReadEveryAnswer) {
@@ -92,7 +92,7 @@ TEST(Cors, AnAllowedOriginMayAskAndReadEveryAnswer) {
     EXPECT_NE(reply.header("access-control-expose-headers").find("ETag"), std::string::npos) << reply.status;
   }
   const Reply other = server.get("/version", "Origin: https://evil.example\r\n");
-  EXPECT_EQ(other.status, 200);
+  EXPECT_EQ(other.status, 403) << "no token is asked for";
   EXPECT_EQ(other.header("access-control-allow-origin"), "");
   EXPECT_EQ(other.header("vary"), "Origin") << "or a shared cache hands the answer to the wrong page";
   const Reply refused = ask(server.port(), "OPTIONS", "/fracture",
@@ -119,6 +119,66 @@ TEST(Cors, APreflightNeedsNoTokenAndKeepsTheConnection) {
   ASSERT_TRUE(refused);
   EXPECT_EQ(refused->status, 401);
   EXPECT_EQ(refused->header("access-control-allow-origin"), "*") << "the page can read why";
+}
+
+int status_for(TestServer& server, const std::string& fields, std::uint16_t port = 0,
+               const std::string& target = "/version") {
+  RawClient client(port != 0 ? port : server.port());
+  client.send("GET " + target + " HTTP/1.1\r\n" + fields + "\r\n");
+  return client.receive().value().status;
+}
+
+TEST(Sites, ANameThatIsNotOursIsRefusedWhereNoTokenIsAskedFor) {
+  TestServerOptions options;
+  options.server.allowed_hosts = {"farm.example"};
+  TestServer server(options);
+  for (const char* host :
+       {"127.0.0.1", "127.0.0.1:8080", "[::1]:8080", "localhost", "LocalHost:8080", "a.localhost",
+        "192.168.3.4:8080", "farm.example", "FARM.example:80", "farm.example.", ""})
+    EXPECT_EQ(status_for(server, std::string("Host: ") + host + "\r\n"), 200) << host;
+  for (const char* host : {"evil.example", "evil.example:8080", "localhost.evil.example", "notlocalhost",
+                           "127.0.0.1.evil.example", "1.2.3", "[::1"})
+    for (const std::uint16_t port : {server.port(), server.server.admin_port()}) {
+      const std::string target = port == server.port() ? "/version" : "/metrics";
+      EXPECT_EQ(status_for(server, std::string("Host: ") + host + "\r\n", port, target), 403) << host;
+    }
+  RawClient client(server.port());
+  client.send("GET /version HTTP/1.1\r\nHost: evil.example\r\n\r\n");
+  const auto reply = client.receive();
+  EXPECT_EQ(reply->problem(), "foreign-host");
+  EXPECT_NE(reply->body.find("--allow-host"), std::string::npos);
+}
+
+TEST(Sites, APageOfAnotherSiteCannotPost) {
+  TestServerOptions options;
+  options.server.allowed_hosts = {"farm.example"};
+  options.server.cors_origins = {"https://game.example"};
+  TestServer server(options);
+  const std::string host = "Host: 127.0.0.1\r\n";
+  for (const char* origin : {"https://evil.example", "null", "http://127.0.0.1.evil.example",
+                             "http://6.6.6.6", "https://game.example.evil.example", "localhost"})
+    EXPECT_EQ(status_for(server, host + "Origin: " + origin + "\r\n"), 403) << origin;
+  for (const char* origin : {"http://127.0.0.1:8080", "http://localhost:5173", "http://[::1]",
+                             "https://game.example", "https://farm.example"})
+    EXPECT_EQ(status_for(server, host + "Origin: " + origin + "\r\n"), 200) << origin;
+  EXPECT_EQ(status_for(server, "Host: 10.0.0.7:80\r\nOrigin: http://10.0.0.7\r\n"), 200) << "its own page";
+
+  const std::string form =
+      "--B\r\nContent-Disposition: form-data; name=mesh; filename=a.obj\r\n\r\nv\r\n--B--\r\n";
+  const Reply posted = server.post(
+      "/fracture", form, "Content-Type: multipart/form-data; boundary=B\r\nOrigin: https://evil.example\r\n");
+  EXPECT_EQ(posted.status, 403);
+  EXPECT_EQ(server.control->imports, 0);
+}
+
+TEST(Sites, WhoHasATokenIsNotAskedWhereItComesFrom) {
+  TestServerOptions options = with_tokens();
+  options.server.allowed_hosts.clear();
+  TestServer server(options);
+  const std::string token = "Authorization: Bearer 0123456789abcdef\r\n";
+  EXPECT_EQ(status_for(server, "Host: any.example\r\nOrigin: https://any.example\r\n" + token), 200);
+  EXPECT_EQ(status_for(server, "Host: any.example\r\n", server.server.admin_port(), "/metrics"), 403)
+      << "the admin listener asks for no token";
 }
 
 }  // namespace

@@ -1,0 +1,71 @@
+#include "server/http/site_policy.hpp"
+
+#include <arpa/inet.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace fracture::http {
+namespace {
+
+/// The name in "name[:port]" or "[address][:port]", the latter with its brackets, without a final dot.
+std::string_view name_in(std::string_view authority) {
+  if (!authority.empty() && authority.front() == '[') {
+    const std::size_t end = authority.find(']');
+    return end == std::string_view::npos ? authority : authority.substr(0, end + 1);
+  }
+  authority = authority.substr(0, authority.find(':'));
+  if (authority.size() > 1 && authority.back() == '.') authority.remove_suffix(1);
+  return authority;
+}
+
+/// No name leads from one address to another: what is asked for by address is not rebound.
+bool is_address(std::string_view name) {
+  in6_addr parsed{};
+  if (name.size() > 2 && name.front() == '[' && name.back() == ']')
+    return ::inet_pton(AF_INET6, std::string(name.substr(1, name.size() - 2)).c_str(), &parsed) == 1;
+  return ::inet_pton(AF_INET, std::string(name).c_str(), &parsed) == 1;
+}
+
+bool is_loopback_address(std::string_view name) {
+  return name == "[::1]" || (is_address(name) && name.substr(0, 4) == "127.");
+}
+
+/// RFC 6761, section 6.3: such names lead to this machine.
+bool is_localhost(std::string_view name) {
+  constexpr std::string_view kName = "localhost", kBelow = ".localhost";
+  return equals_ignoring_case(name, kName) ||
+         (name.size() > kBelow.size() &&
+          equals_ignoring_case(name.substr(name.size() - kBelow.size()), kBelow));
+}
+
+}  // namespace
+
+bool SitePolicy::any_host() const { return std::find(hosts_.begin(), hosts_.end(), "*") != hosts_.end(); }
+
+bool SitePolicy::is_ours(std::string_view name) const {
+  return is_localhost(name) || std::any_of(hosts_.begin(), hosts_.end(), [name](const std::string& host) {
+           return equals_ignoring_case(host, name);
+         });
+}
+
+std::optional<Problem> SitePolicy::refuse(const RequestHead& head) const {
+  const std::string host = head.field("host"), origin = head.field("origin");
+  const std::string_view name = name_in(host);
+  if (!name.empty() && !any_host() && !is_address(name) && !is_ours(name))
+    return Problem(HttpProblem::kForeignHost,
+                   std::string(name.substr(0, 100)) +
+                       " is no name of this server that it knows, and it asks for no token: it answers to "
+                       "addresses, to localhost and to the names given as --allow-host.");
+  if (origin.empty() || cors_.allows(origin)) return std::nullopt;
+  const std::size_t scheme = origin.find("://");
+  const std::string_view site =
+      scheme == std::string::npos ? std::string_view() : name_in(std::string_view(origin).substr(scheme + 3));
+  if (!site.empty() && (is_ours(site) || is_loopback_address(site) || equals_ignoring_case(site, name)))
+    return std::nullopt;
+  return Problem(HttpProblem::kForeignOrigin,
+                 "A page of '" + origin.substr(0, 100) +
+                     "' sent this; pages of other sites may ask where --cors-origin names their origin.");
+}
+
+}  // namespace fracture::http
