@@ -20,7 +20,10 @@ std::uint64_t resident_bytes(pid_t process) {
 void write_memory_metrics(const ServeOptions& options, http::Api& api, Dispatcher& dispatcher,
                           const ImportPool* imports, ops::MetricWriter& writer) {
   const FractureService::Figures caches = dispatcher.service().figures();
-  const std::map<std::string, std::uint64_t> reserved = {{"bodies", api.bodies().used()},
+  const MemoryBudget& bodies = api.bodies().whole();
+  const std::map<std::string, std::uint64_t> reserved = {{"bodies", bodies.used() - bodies.small_used()},
+                                                         {"small_bodies", bodies.small_used()},
+                                                         {"answers", api.answers().used()},
                                                          {"working", dispatcher.working().used()},
                                                          {"mesh_cache", caches.meshes.bytes},
                                                          {"diagram_cache", caches.diagrams.bytes},

@@ -27,6 +27,8 @@ std::vector<Budget> budgets(ServeOptions& o, const std::set<std::string>& given 
   const std::uint64_t body = given.contains("max-body") ? o.limits.max_body : 0,
                       import = given.contains("import-memory") ? o.import_memory : 0;
   return {budget("max-bodies", "bodies", std::max(4 * kMiB, body), o.limits.max_bodies),
+          budget("max-small-bodies", "small_bodies", kMiB, o.limits.max_small_bodies),
+          budget("max-answers", "answers", kMiB, o.limits.max_answers),
           budget("max-working", "working", std::max(64 * kMiB, import), o.dispatcher.max_working_bytes),
           budget("mesh-cache", "mesh_cache", 0, o.service.mesh_cache_bytes),
           budget("diagram-cache", "diagram_cache", 0, o.service.diagram_cache_bytes),

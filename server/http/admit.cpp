@@ -34,8 +34,14 @@ std::optional<int> urgency_of(std::string_view field) {
 
 }  // namespace
 
-Problem Api::no_memory() const {
-  return Problem(HttpProblem::kOverloaded, "The requests in progress hold " + std::to_string(bodies_.used()) +
+Problem Api::no_memory(const MemoryBudget::Reservation& reservation) const {
+  if (reservation.over_share())
+    return Problem(HttpProblem::kOverShare,
+                   "Other requests of this client hold its share of the memory for "
+                   "bodies; there is no room for this one beside them.")
+        .with("Retry-After", "2");
+  return Problem(HttpProblem::kOverloaded, "The requests in progress hold " +
+                                               std::to_string(bodies_.whole().used()) +
                                                " bytes; there is no room for this body now.")
       .with("Retry-After", "2");
 }

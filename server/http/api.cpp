@@ -16,6 +16,13 @@ namespace {
 constexpr std::string_view kAcceptPost =
     "model/gltf-binary, model/gltf+json, model/obj, model/stl, application/octet-stream, multipart/form-data";
 
+/// The fraction of the small bodies that is the same as of the large ones.
+std::uint64_t small_share(const HttpLimits& limits) {
+  const double fraction = static_cast<double>(limits.body_share()) /
+                          static_cast<double>(std::max<std::uint64_t>(1, limits.max_bodies));
+  return static_cast<std::uint64_t>(fraction * static_cast<double>(limits.max_small_bodies));
+}
+
 }  // namespace
 
 Problem to_problem(Error error) {
@@ -47,7 +54,9 @@ Api::Api(Dispatcher& dispatcher, const HttpLimits& limits, const StoreConfig& st
     : dispatcher_(dispatcher),
       service_(dispatcher.service()),
       limits_(limits),
-      bodies_(limits.max_bodies),
+      bodies_(limits.max_bodies, limits.body_share(), {limits.max_small_bodies, kSmallBody},
+              small_share(limits)),
+      answers_(limits.max_answers, limits.answer_share()),
       meshes_(store),
       jobs_(dispatcher, jobs) {
   limits_text_ = describe_limits().dump(2) + "\n";
@@ -115,7 +124,7 @@ Answered Api::decoded(const std::shared_ptr<Request>& request, ContentCoding cod
     execution.poll();  // it may have waited for long
     Decoding decoding = decode_body(request->body, coding, limit, request->reservation, execution, expected);
     if (decoding.larger) return decode(request, coding, kMore * expected, terms.gone, reply);
-    if (decoding.no_room) return refused(no_memory());
+    if (decoding.no_room) return refused(no_memory(request->reservation));
     if (decoding.problem) return refused(std::move(*decoding.problem));
   } catch (const Interrupted& interrupted) {
     return refused(to_problem(to_error(interrupted)));

@@ -15,6 +15,8 @@
 #include <utility>
 #include <vector>
 
+#include "server/http/answer_memory.hpp"
+#include "server/http/client_shares.hpp"
 #include "server/http/content_coding.hpp"
 #include "server/http/limits.hpp"
 #include "server/http/mesh_input.hpp"
@@ -56,8 +58,10 @@ class Api {
 
   void set_draining() { draining_ = true; }
   bool draining() const { return draining_; }
-  Problem no_memory() const;
-  MemoryBudget& bodies() { return bodies_; }
+  /// Why this reservation could not grow.
+  Problem no_memory(const MemoryBudget::Reservation& reservation) const;
+  ClientShares& bodies() { return bodies_; }
+  AnswerMemory& answers() { return answers_; }
   const MeshStore& meshes() const { return meshes_; }
   const Jobs& jobs() const { return jobs_; }
   const tenants::AnswerLedger& ledger() const { return ledger_; }
@@ -142,7 +146,8 @@ class Api {
   Dispatcher& dispatcher_;
   FractureService& service_;
   const HttpLimits limits_;
-  MemoryBudget bodies_;
+  ClientShares bodies_;
+  AnswerMemory answers_;
   MeshStore meshes_;
   tenants::AnswerLedger ledger_;
   Jobs jobs_;

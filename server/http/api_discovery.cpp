@@ -1,4 +1,6 @@
 // What may be asked, and how; and the probes.
+#include <algorithm>
+
 #include "server/http/api.hpp"
 
 namespace fracture::http {

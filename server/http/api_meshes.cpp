@@ -81,7 +81,7 @@ Answered Api::store(const Request& request, const FractureRequest& asked, const 
                     Body& body) {
   const std::uint64_t capacity = body.bytes.capacity();
   if (is_kept_as_copy(asked, capacity) && !body.reservation.grow_to(2 * capacity))
-    return tl::unexpected<Problem>(no_memory());
+    return tl::unexpected<Problem>(no_memory(body.reservation));
   const std::shared_ptr<StoredMesh> stored = stored_mesh_of(asked, capacity);
   stored->report = mesh_report(prepared);
   stored->triangles = prepared.solid.triangles.size();

@@ -18,10 +18,18 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
                pool.predicted_wait(Priority::kRealtime).count(), {{"class", "realtime"}});
   writer.gauge("fracture_predicted_wait_seconds", "How long a new job would be queued, by class.",
                pool.predicted_wait(Priority::kBatch).count(), {{"class", "batch"}});
-  writer.gauge("fracture_body_memory_bytes", "Bytes of request bodies held.",
-               static_cast<double>(bodies_.used()));
-  writer.gauge("fracture_body_memory_limit_bytes", "Bytes of request bodies that may be held.",
-               static_cast<double>(limits_.max_bodies));
+  const auto bytes = [&writer](const char* name, const char* help, std::uint64_t value) {
+    writer.gauge(name, help, static_cast<double>(value));
+  };
+  bytes("fracture_body_memory_bytes", "Bytes of request bodies held.", bodies_.whole().used());
+  bytes("fracture_body_memory_limit_bytes", "Bytes of request bodies that may be held.", limits_.max_bodies);
+  bytes("fracture_small_body_memory_bytes", "Bytes of small request bodies held.",
+        bodies_.whole().small_used());
+  bytes("fracture_small_body_memory_limit_bytes", "Bytes of small request bodies that may be held.",
+        limits_.max_small_bodies);
+  bytes("fracture_answer_memory_bytes", "Bytes of answers that are on their way.", answers_.used());
+  bytes("fracture_answer_memory_limit_bytes", "Bytes of answers that may be on their way.",
+        limits_.max_answers);
 
   const Dispatcher::Figures work = dispatcher_.figures();
   const auto count = [&writer](const char* name, const char* help, std::uint64_t value) {

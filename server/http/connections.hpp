@@ -2,22 +2,40 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
 namespace fracture::http {
 
-/// What the drain does to a session, from any thread.
+/// What the drain and a full listener do to a session, from any thread.
 class Drainable {
  public:
+  using Clock = std::chrono::steady_clock;
   virtual ~Drainable() = default;
   virtual void close_when_idle() = 0;
   virtual void cancel_job() = 0;
+  /// Closes, unless it is answering a request by now.
+  virtual void give_way() = 0;
+
+  /// Since when it has only waited for its client: for a request, for the rest of a header, for the end of
+  /// the connection. Nothing while it answers.
+  std::optional<Clock::time_point> waiting_since() const {
+    const Clock::rep since = waiting_since_;
+    return since == 0 ? std::nullopt : std::optional(Clock::time_point(Clock::duration(since)));
+  }
+
+ protected:
+  void set_waiting(bool waiting) { waiting_since_ = waiting ? Clock::now().time_since_epoch().count() : 0; }
+
+ private:
+  std::atomic<Clock::rep> waiting_since_{Clock::now().time_since_epoch().count()};
 };
 
 /// Thread-safe. A session is registered from its accept to its destruction.
@@ -61,6 +79,20 @@ class Connections {
     for (const auto& session : sessions_)
       if (auto pointer = session.lock()) alive.push_back(std::move(pointer));
     return alive;
+  }
+
+  /// The one that has waited longest gives its place to a new one. False when all are being answered.
+  bool close_longest_waiting() const {
+    std::shared_ptr<Drainable> longest;
+    std::optional<Drainable::Clock::time_point> earliest;
+    for (const auto& session : sessions()) {
+      const auto since = session->waiting_since();
+      if (!since || (earliest && *earliest <= *since)) continue;
+      earliest = since;
+      longest = session;
+    }
+    if (longest) longest->give_way();
+    return longest != nullptr;
   }
 
   std::atomic<bool> stopping{false};  ///< the drain has begun: no connection is kept after its answer

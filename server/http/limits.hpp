@@ -11,13 +11,22 @@ namespace fracture::http {
 struct HttpLimits {
   std::uint64_t max_body = 64ull << 20;           ///< bytes of a request body
   std::uint64_t max_decoded_body = 256ull << 20;  ///< bytes of a request body after its Content-Encoding
-  std::uint64_t max_bodies = 512ull << 20;  ///< bytes of all request bodies that are held at the same time
-  std::size_t max_header = 16u << 10;       ///< bytes of request line and fields together
-  std::size_t max_uri = 4u << 10;           ///< bytes of the request target
+  std::uint64_t max_bodies =
+      512ull << 20;  ///< bytes of all request bodies over kSmallBody that are held at the same time
+  std::uint64_t max_small_bodies = 64ull << 20;  ///< of all others: they never wait for large uploads
+  /// Of max_bodies, for one client address; of max_small_bodies it has the same fraction. 0: a quarter.
+  std::uint64_t max_bodies_per_address = 0;
+  std::uint64_t max_answers = 512ull << 20;   ///< bytes of all answers that are on their way
+  std::uint64_t max_answers_per_address = 0;  ///< of that, for one client address; 0: a quarter
+  std::size_t max_header = 16u << 10;         ///< bytes of request line and fields together
+  std::size_t max_uri = 4u << 10;             ///< bytes of the request target
   std::chrono::milliseconds header_timeout{
       5'000};                                   ///< from the first byte of a request to the end of its header
   std::chrono::milliseconds body_grace{5'000};  ///< a body may be slower than the rate for this long
   std::uint64_t body_rate = 16u << 10;  ///< bytes a second that a body must keep up on average after that
+  std::chrono::milliseconds body_timeout{600'000};  ///< for a whole body, however fast it is
+  /// Bytes a second at which a client must take its answer on average, after write_stall.
+  std::uint64_t answer_rate = 16u << 10;
   std::chrono::milliseconds write_stall{
       15'000};                             ///< longest time without the client taking a byte of the answer
   std::chrono::milliseconds idle{15'000};  ///< between requests on a kept connection
@@ -25,6 +34,13 @@ struct HttpLimits {
   std::chrono::milliseconds realtime_deadline{2'000};  ///< the same for realtime work
   std::size_t max_connections = 1024;
   std::size_t max_connections_per_address = 64;
+
+  std::uint64_t body_share() const {
+    return max_bodies_per_address ? max_bodies_per_address : max_bodies / 4;
+  }
+  std::uint64_t answer_share() const {
+    return max_answers_per_address ? max_answers_per_address : max_answers / 4;
+  }
 };
 
 /// Bytes of a body that is a JSON object of parameters.

@@ -40,7 +40,8 @@ std::optional<Problem> explain(error_code ec, const Admission& admission) {
 }  // namespace
 
 asio::awaitable<BodyOutcome> read_body(TimedSocket& connection, beast::flat_buffer& buffer,
-                                       std::size_t head_size, Api& api, Request& request) {
+                                       std::size_t head_size, Api& api, Request& request,
+                                       const std::string& address) {
   const HttpLimits& limits = api.limits();
   const Admission& admission = request.admission;
   BodyOutcome outcome;
@@ -61,9 +62,7 @@ asio::awaitable<BodyOutcome> read_body(TimedSocket& connection, beast::flat_buff
   buffer.consume(head_size);
   if (parser.is_done()) co_return outcome;
 
-  request.reservation = MemoryBudget::Reservation(api.bodies());
-  if (!request.reservation.grow_to(request.head.content_length.value_or(0)))
-    co_return refused(api.no_memory());
+  request.reservation = api.bodies().begin(address);
 
   if (request.head.expects_continue && buffer.size() == 0) {
     static constexpr std::string_view kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
@@ -77,20 +76,26 @@ asio::awaitable<BodyOutcome> read_body(TimedSocket& connection, beast::flat_buff
   }
 
   const Clock::time_point start = Clock::now();
+  const Clock::time_point end = start + limits.body_timeout;
   const std::uint64_t max_wire = kMaxWireFactor * admission.max_body + kWireAllowance;
   while (!parser.is_done()) {
     const std::uint64_t received = parser.get().body().size();
     const auto earned =
         std::chrono::milliseconds(1000 * received / std::max<std::uint64_t>(1, limits.body_rate));
     // What a fast start has earned is not to be spent on one long silence.
-    connection.set_deadline(std::min(start + limits.body_grace + earned, Clock::now() + limits.write_stall));
+    const Clock::time_point late =
+        std::min(start + limits.body_grace + earned, Clock::now() + limits.write_stall);
+    connection.set_deadline(std::min(late, end));
     outcome.wire_bytes += co_await bhttp::async_read_some(connection.socket(), buffer, parser,
                                                           asio::redirect_error(asio::use_awaitable, ec));
-    if (!request.reservation.grow_to(parser.get().body().size())) co_return refused(api.no_memory());
+    if (!request.reservation.grow_to(parser.get().body().size()))
+      co_return refused(api.no_memory(request.reservation));
     if (connection.timed_out())
-      co_return refused(
-          Problem(HttpProblem::kRequestTimeout,
-                  "The body arrived slower than " + std::to_string(limits.body_rate) + " bytes a second."));
+      co_return refused(Problem(
+          HttpProblem::kRequestTimeout,
+          late < end
+              ? "The body arrived slower than " + std::to_string(limits.body_rate) + " bytes a second."
+              : "The body was not complete within " + std::to_string(limits.body_timeout.count()) + " ms."));
     if (ec) {
       outcome.problem = explain(ec, admission);
       outcome.closed = !outcome.problem;

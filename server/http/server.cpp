@@ -23,8 +23,12 @@ using error_code = boost::system::error_code;
 /// File descriptors that are not connections: logs, listeners, event queues, what the libraries open for a
 /// moment.
 constexpr std::size_t kReservedDescriptors = 64;
+/// Of them, connections of the admin listener.
+constexpr std::size_t kAdminConnections = 16;
 /// Connections beyond the limit that may be open at once only to be told so.
 constexpr std::size_t kTurnedAway = 32;
+/// Connections beyond its limit that the admin listener has open until those that gave way are closed.
+constexpr std::size_t kGivingWay = 16;
 /// Pause after a failed accept. Without it, a process at its descriptor limit spins: the listening socket
 /// stays readable.
 constexpr std::chrono::milliseconds kAcceptBackOff{75};
@@ -82,8 +86,13 @@ void count(ops::Metrics& metrics, Connections::Verdict verdict) {
     metrics.count_refused_connection(ops::Metrics::Refusal::kTooManyOfAddress);
 }
 
+enum class WhenFull {
+  kTurnAway,        ///< connections beyond the limit are told so
+  kOldestGivesWay,  ///< whoever has kept its connection idle longest makes room
+};
+
 asio::awaitable<void> accept_loop(tcp::acceptor& acceptor, asio::io_context& context, SessionContext shared,
-                                  std::size_t max_open) {
+                                  std::size_t max_open, WhenFull when_full) {
   asio::steady_timer pause(acceptor.get_executor());
   while (acceptor.is_open()) {
     error_code ec;
@@ -105,6 +114,8 @@ asio::awaitable<void> accept_loop(tcp::acceptor& acceptor, asio::io_context& con
     const tcp::endpoint peer = socket.remote_endpoint(ec);
     if (ec) continue;
     const std::string address = peer.address().to_string();
+    if (when_full == WhenFull::kOldestGivesWay && shared.connections.count() + kGivingWay >= max_open)
+      shared.connections.close_longest_waiting();
     // A proxy's connections are those of many clients.
     const auto limit = shared.policy.proxies.contains(address) ? Connections::PerAddress::kUnlimited
                                                                : Connections::PerAddress::kLimited;
@@ -124,19 +135,19 @@ class HttpServer::Impl {
                 SitePolicy(config.allowed_hosts, CorsPolicy(config.cors_origins))},
         max_connections_(connection_limit(api.limits().max_connections)),
         connections_(max_connections_, api.limits().max_connections_per_address),
-        admin_connections_(kReservedDescriptors / 2, kReservedDescriptors / 2),
+        admin_connections_(kAdminConnections + kGivingWay, kAdminConnections + kGivingWay),
         public_acceptor_(open_acceptor(context_, config.address, config.port)),
         admin_acceptor_(open_acceptor(admin_context_, config.admin_address, config.admin_port)),
         port_(public_acceptor_.local_endpoint().port()),
         admin_port_(admin_acceptor_.local_endpoint().port()) {
     asio::co_spawn(public_acceptor_.get_executor(),
                    accept_loop(public_acceptor_, context_, {Listener::kPublic, api, connections_, policy_},
-                               max_connections_ + kTurnedAway),
+                               max_connections_ + kTurnedAway, WhenFull::kTurnAway),
                    asio::detached);
     asio::co_spawn(
         admin_acceptor_.get_executor(),
         accept_loop(admin_acceptor_, admin_context_, {Listener::kAdmin, api, admin_connections_, policy_},
-                    kReservedDescriptors / 2),
+                    kAdminConnections + kGivingWay, WhenFull::kOldestGivesWay),
         asio::detached);
     metrics_source_ = api.metrics().add_source([this](ops::MetricWriter& writer) {
       writer.gauge("fracture_connections", "Open connections of the public listener.",

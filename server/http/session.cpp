@@ -2,15 +2,18 @@
 
 #include <spdlog/spdlog.h>
 
-#include <ctime>
+#include <algorithm>
 #include <optional>
 #include <stop_token>
 #include <string>
 #include <utility>
 
+#include "server/http/answer_writer.hpp"
+#include "server/http/head_reader.hpp"
 #include "server/http/proxied.hpp"
 #include "server/http/request_body.hpp"
 #include "server/http/request_id.hpp"
+#include "server/http/request_notes.hpp"
 #include "server/http/timed_socket.hpp"
 #include "server/ops/log.hpp"
 
@@ -21,31 +24,8 @@ using std::chrono::steady_clock;
 using error_code = boost::system::error_code;
 namespace bhttp = beast::http;
 
-/// IMF-fixdate (RFC 9110, section 5.6.7).
-std::string http_date() {
-  const std::time_t now = std::time(nullptr);
-  std::tm utc{};
-  gmtime_r(&now, &utc);
-  char text[40];
-  return std::string(text, std::strftime(text, sizeof text, "%a, %d %b %Y %H:%M:%S GMT", &utc));
-}
-
 double milliseconds_since(steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(steady_clock::now() - start).count();
-}
-
-/// The value of the first field of this name; empty when there is none.
-std::string field_of(const Response& response, std::string_view name) {
-  for (const auto& [key, value] : response.headers)
-    if (equals_ignoring_case(key, name)) return value;
-  return "";
-}
-
-/// The mesh digest's first digits, with which the name of every result begins.
-std::string mesh_of(const Response& response) {
-  constexpr std::string_view kResults = "/fractures/sha256:";
-  const std::string location = field_of(response, "content-location");
-  return location.starts_with(kResults) ? location.substr(kResults.size(), 16) : "";
 }
 
 /// Where the pool hands a finished answer back to the session. Shared, since either side may outlive the
@@ -99,6 +79,15 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     });
   }
 
+  void give_way() override {
+    set_waiting(false);  // chosen once is enough
+    asio::post(executor(), [self = shared_from_this()] {
+      if (self->answering_) return;
+      self->giving_way_ = true;
+      self->connection_->abort();
+    });
+  }
+
   void cancel_job() override {
     asio::post(executor(), [self = shared_from_this()] { self->stop_.request_stop(); });
   }
@@ -114,6 +103,17 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
       connections_.in_progress.fetch_add(1);
     else
       connections_.in_progress.fetch_sub(1);
+  }
+
+  void set_answering(bool answering) {
+    answering_ = answering;
+    set_waiting(!answering);
+  }
+
+  /// An answer that ends the connection has been written.
+  asio::awaitable<void> linger() {
+    set_answering(false);
+    co_await connection_->linger();
   }
 
   asio::awaitable<void> run() {
@@ -144,7 +144,9 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
         co_return;
       }
       if (!*head) co_return;  // closed or idle between requests
+      set_answering(true);
       if (!co_await answer(std::move(**head))) co_return;
+      set_answering(false);
     }
   }
 
@@ -155,7 +157,8 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     const RequestHead& head = request.head;
     request.id = request_id(head);
     begin_record(request.id);
-    describe(head);
+    note_request(record_, head);
+    record_.address = forwarded_client(client_, head.field("forwarded"), context_.policy.proxies);
 
     std::optional<Response> preflight;
     if (context_.listener == Listener::kPublic) {
@@ -192,7 +195,8 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
       request.admission = std::move(*admission);
       record_.route = request.admission.route->path;
 
-      BodyOutcome body = co_await read_body(*connection_, buffer_, head_size_, api_, request);
+      BodyOutcome body =
+          co_await read_body(*connection_, buffer_, head_size_, api_, request, record_.address);
       record_.bytes_in = request.body.size();
       if (body.problem) {
         request.reservation = {};
@@ -212,7 +216,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     const bool keep = head.keep_alive && !closing();
     const bool written = co_await write(exchange_->response, keep, request.admission.head_only);
     finish_record(exchange_->response, written);
-    if (written && !keep) co_await connection_->linger();
+    if (written && !keep) co_await linger();
     co_return written&& keep;
   }
 
@@ -236,22 +240,10 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     record_.address = client_;
   }
 
-  void describe(const RequestHead& head) {
-    const TraceContext trace = trace_context(head);
-    record_.trace_id = trace.trace_id;
-    record_.parent_id = trace.parent_id;
-    record_.method = head.method;
-    record_.path = head.path;
-    record_.address = forwarded_client(client_, head.field("forwarded"), context_.policy.proxies);
-  }
-
   void finish_record(const Response& response, bool written) {
-    record_.status = response.status;
+    note_answer(record_, response);
     record_.delivered = written;
-    record_.bytes_out = response.body.size();
     record_.milliseconds = milliseconds_since(start_);
-    record_.cache = field_of(response, "cache-status");
-    record_.mesh = mesh_of(response);
     api_.metrics().count_request(record_);
     ops::log_request(record_);
     if (const auto& account = exchange_->request.payer.account) {
@@ -260,45 +252,10 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     }
   }
 
-  /// Reads until a whole header is there. Nothing: the client closed or stayed idle without having sent a
-  /// byte.
   asio::awaitable<OrProblem<std::optional<RequestHead>>> read_head() {
-    using Result = OrProblem<std::optional<RequestHead>>;
-    std::size_t searched = 0;
-    bool started = buffer_.size() > 0;
-    connection_->set_deadline(steady_clock::now() +
-                              (started ? api_.limits().header_timeout : api_.limits().idle));
-    if (started) set_busy(true);
-    for (;;) {
-      const std::string_view received(static_cast<const char*>(buffer_.cdata().data()), buffer_.size());
-      OrProblem<std::optional<std::size_t>> end = find_head_end(received, searched, api_.limits());
-      if (!end) co_return tl::unexpected<Problem>(std::move(end.error()));
-      if (*end) {
-        connection_->clear_deadline();
-        OrProblem<RequestHead> head = parse_head(received.substr(0, **end), api_.limits());
-        if (!head) co_return tl::unexpected<Problem>(std::move(head.error()));
-        head_size_ = **end;
-        co_return Result(std::optional<RequestHead>(std::move(*head)));
-      }
-      if (closing() && !started) co_return Result(std::nullopt);
-      error_code ec;
-      const std::size_t room = std::min<std::size_t>(16u << 10, kReadBuffer - buffer_.size());
-      const std::size_t n = co_await connection_->socket().async_read_some(
-          buffer_.prepare(room), asio::redirect_error(asio::use_awaitable, ec));
-      buffer_.commit(n);
-      if (ec) {
-        if (connection_->timed_out() && started)
-          co_return refuse(HttpProblem::kRequestTimeout,
-                           "The header was not complete within " +
-                               std::to_string(api_.limits().header_timeout.count()) + " ms.");
-        co_return Result(std::nullopt);
-      }
-      if (!started) {
-        started = true;
-        set_busy(true);
-        connection_->set_deadline(steady_clock::now() + api_.limits().header_timeout);
-      }
-    }
+    return http::read_head(
+        *connection_, buffer_, api_.limits(), context_.listener, head_size_,
+        [this](bool started) { return giving_way_ || (closing() && !started); }, [this] { set_busy(true); });
   }
 
   /// Fills exchange_->response.
@@ -334,51 +291,36 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     });
   }
 
-  /// Status line and the fields that every answer has.
-  template <class Body>
-  bhttp::response<Body> begin_message(const Response& response, bool keep_alive) const {
-    bhttp::response<Body> message;
-    message.version(11);
-    message.result(static_cast<unsigned>(response.status));
-    message.set(bhttp::field::server, "fracture-server/" FRACTURE_VERSION);
-    if (!response.content_type.empty()) message.set(bhttp::field::content_type, response.content_type);
-    message.set(bhttp::field::date, http_date());
-    message.set("X-Request-Id", id_);
-    message.set("X-Content-Type-Options", "nosniff");
-    for (const auto& [name, value] : response.headers) message.insert(name, value);
-    for (const auto& [name, value] : policy_fields_) message.insert(name, value);
-    message.keep_alive(keep_alive);
-    return message;
+  /// Counts the answer as on its way, from `hold` on; where there is no room for it, a refusal takes its
+  /// place.
+  void count_answer(Response& response, bool head_only, AnswerMemory::Hold& hold) {
+    if (!response.owner || head_only || response.body.size() <= kSmallAnswer) return;
+    const auto refusal =
+        api_.answers().take(record_.address, response.owner.get(), response.body.size(), hold);
+    if (!refusal) return;
+    const bool share = *refusal == AnswerMemory::Refusal::kOverShare;
+    response = Response::problem(
+        Problem(share ? HttpProblem::kOverShare : HttpProblem::kOverloaded,
+                share ? "Other answers that this client has not read hold its share; read those first."
+                      : "Answers that their clients have not read hold all the room there is for them.")
+            .with("Retry-After", "2"),
+        id_);
   }
 
-  /// False when the client is gone or took nothing for too long.
-  asio::awaitable<bool> write(const Response& response, bool keep_alive, bool head_only) {
+  /// False when the client is gone or takes the answer too slowly.
+  asio::awaitable<bool> write(Response& response, bool keep_alive, bool head_only) {
     if (response.stream) co_return co_await write_stream(response, keep_alive, head_only);
-    auto message = begin_message<bhttp::span_body<const std::uint8_t>>(response, keep_alive);
-    message.body() = beast::span<const std::uint8_t>(response.body.data(), response.body.size());
-    if (response.status != 304 && response.status != 204) message.content_length(response.body.size());
-
-    bhttp::response_serializer<bhttp::span_body<const std::uint8_t>> serializer(message);
-    serializer.split(head_only);
-    while (head_only ? !serializer.is_header_done() : !serializer.is_done()) {
-      connection_->set_deadline(steady_clock::now() + api_.limits().write_stall);
-      error_code ec;
-      co_await bhttp::async_write_some(connection_->socket(), serializer,
-                                       asio::redirect_error(asio::use_awaitable, ec));
-      if (ec) {
-        connection_->clear_deadline();
-        co_return false;
-      }
-    }
-    connection_->clear_deadline();
-    co_return true;
+    AnswerMemory::Hold hold;
+    count_answer(response, head_only, hold);
+    co_return co_await write_answer(*connection_, api_.limits(), response, id_, policy_fields_, keep_alive,
+                                    head_only);
   }
 
   /// Chunks as the stream delivers them, until it ends or the server drains. An HTTP/1.0 client knows no
   /// chunks: its answer ends with the connection.
   asio::awaitable<bool> write_stream(const Response& response, bool keep_alive, bool head_only) {
     const bool chunked = exchange_->request.head.minor_version >= 1;
-    auto message = begin_message<bhttp::empty_body>(response, keep_alive && chunked);
+    auto message = begin_message<bhttp::empty_body>(response, id_, policy_fields_, keep_alive && chunked);
     message.chunked(chunked);
     bhttp::response_serializer<bhttp::empty_body> serializer(message);
     error_code ec;
@@ -432,10 +374,10 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
   }
 
   asio::awaitable<void> refuse_and_close(const Problem& problem) {
-    const Response response = Response::problem(problem, id_);
+    Response response = Response::problem(problem, id_);
     const bool written = co_await write(response, false, record_.method == "HEAD");
     finish_record(response, written);
-    if (written) co_await connection_->linger();
+    if (written) co_await linger();
   }
 
   Problem turned_away() const {
@@ -460,12 +402,14 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
   const bool proxied_;         // the peer may speak for others
   std::shared_ptr<Exchange> exchange_ = std::make_shared<Exchange>();
   std::stop_source stop_;
-  std::string id_;                                                  // of the request in progress
-  std::vector<std::pair<std::string, std::string>> policy_fields_;  // CORS and the shares of the name
+  std::string id_;        // of the request in progress
+  Fields policy_fields_;  // CORS and the shares of the name
   ops::RequestRecord record_;
   steady_clock::time_point start_{};
   std::size_t head_size_ = 0;
-  bool busy_ = false;     // a request is in progress
+  bool busy_ = false;       // a request is in progress
+  bool answering_ = false;  // its header is there, the last byte of its answer not
+  bool giving_way_ = false;
   bool closing_ = false;  // drain: answer what is in progress, then close
 };
 

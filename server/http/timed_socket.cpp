@@ -1,7 +1,9 @@
 #include "server/http/timed_socket.hpp"
 
+#include <linux/sockios.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 
 #include <algorithm>
@@ -48,6 +50,13 @@ void TimedSocket::clear_deadline() {
 void TimedSocket::abort() {
   error_code ignored;
   socket_.cancel(ignored);
+}
+
+std::uint64_t TimedSocket::unsent() {
+  int bytes = 0;
+  return ::ioctl(socket_.native_handle(), SIOCOUTQ, &bytes) == 0 && bytes > 0
+             ? static_cast<std::uint64_t>(bytes)
+             : 0;
 }
 
 bool TimedSocket::is_reset() {

@@ -26,6 +26,8 @@ class TimedSocket : public std::enable_shared_from_this<TimedSocket> {
 
   /// Ends every operation in progress.
   void abort();
+  /// Bytes that the kernel holds because the client has not taken them.
+  std::uint64_t unsent();
   /// The connection was reset; urgent data, which wakes the same wait, is none.
   bool is_reset();
   /// After an answer that ends the connection, what the client still sends is read and thrown away for a

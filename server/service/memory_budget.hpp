@@ -4,55 +4,113 @@
 
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <utility>
 
 namespace fracture {
 
-/// Thread-safe. The sum of all reservations is at most the capacity.
+/// Thread-safe. The sum of all reservations is at most the capacity. Small reservations may have a pool of
+/// their own, so that they never wait for large ones.
 class MemoryBudget {
  public:
-  explicit MemoryBudget(std::uint64_t capacity) : capacity_(capacity) {}
+  struct SmallPool {
+    std::uint64_t capacity;
+    std::uint64_t largest;  ///< bytes of a reservation that is still small
+  };
+  enum class Alone {
+    kWithin,     ///< a reservation over the capacity is refused
+    kMayExceed,  ///< it is granted where nobody else holds anything: a share is to divide, not to forbid
+  };
+
+  explicit MemoryBudget(std::uint64_t capacity) : MemoryBudget(capacity, {0, 0}) {}
+  MemoryBudget(std::uint64_t capacity, SmallPool small, Alone alone = Alone::kWithin)
+      : large_{capacity}, small_{small.capacity}, largest_small_(small.largest), alone_(alone) {}
 
   /// A share of the budget, given back by its destructor.
   class Reservation {
    public:
     Reservation() = default;
     explicit Reservation(MemoryBudget& budget) : budget_(&budget) {}
+    /// Counted in both; `budget` outlives the reservation.
+    Reservation(MemoryBudget& budget, std::shared_ptr<MemoryBudget> share)
+        : budget_(&budget), share_(std::move(share)) {}
     Reservation(Reservation&& other) noexcept
-        : budget_(std::exchange(other.budget_, nullptr)), bytes_(std::exchange(other.bytes_, 0)) {}
+        : budget_(std::exchange(other.budget_, nullptr)),
+          share_(std::move(other.share_)),
+          bytes_(std::exchange(other.bytes_, 0)),
+          over_share_(other.over_share_) {}
     Reservation& operator=(Reservation&& other) noexcept {
       std::swap(budget_, other.budget_);
+      std::swap(share_, other.share_);
       std::swap(bytes_, other.bytes_);
+      std::swap(over_share_, other.over_share_);
       return *this;
     }
     ~Reservation() {
-      if (budget_) budget_->used_.fetch_sub(bytes_);
+      if (budget_) budget_->give_back(bytes_);
+      if (share_) share_->give_back(bytes_);
     }
 
     std::uint64_t bytes() const { return bytes_; }
     /// Makes it at least `bytes`; false, and nothing changes, when the budget has not that much left.
     bool grow_to(std::uint64_t bytes) {
       if (bytes <= bytes_) return true;
-      const std::uint64_t more = bytes - bytes_;
-      std::uint64_t used = budget_->used_.load();
-      do {
-        if (more > budget_->capacity_ - used) return false;
-      } while (!budget_->used_.compare_exchange_weak(used, used + more));
-      bytes_ = bytes;
-      return true;
+      over_share_ = share_ && !share_->change(bytes_, bytes);
+      if (over_share_) return false;
+      if (budget_->change(bytes_, bytes)) {
+        bytes_ = bytes;
+        return true;
+      }
+      if (share_) share_->undo(bytes_, bytes);
+      return false;
     }
+    /// The last grow_to() failed because of the share and not because of the whole.
+    bool over_share() const { return over_share_; }
 
    private:
     MemoryBudget* budget_ = nullptr;
+    std::shared_ptr<MemoryBudget> share_;
     std::uint64_t bytes_ = 0;
+    bool over_share_ = false;
   };
 
-  std::uint64_t used() const { return used_; }
-  std::uint64_t capacity() const { return capacity_; }
+  std::uint64_t used() const { return large_.used + small_.used; }
+  std::uint64_t capacity() const { return large_.capacity; }
+  std::uint64_t small_used() const { return small_.used; }
 
  private:
-  const std::uint64_t capacity_;
-  std::atomic<std::uint64_t> used_{0};
+  struct Pool {
+    const std::uint64_t capacity;
+    std::atomic<std::uint64_t> used{0};
+
+    bool take(std::uint64_t more, std::uint64_t own, Alone alone) {
+      std::uint64_t before = used.load();
+      do {
+        const bool room = before <= capacity && more <= capacity - before;
+        if (!room && !(alone == Alone::kMayExceed && before == own)) return false;
+      } while (!used.compare_exchange_weak(before, before + more));
+      return true;
+    }
+  };
+
+  Pool& pool(std::uint64_t bytes) { return bytes <= largest_small_ ? small_ : large_; }
+  /// A reservation grows; one that is no longer small moves as a whole.
+  bool change(std::uint64_t from, std::uint64_t to) {
+    Pool &before = pool(from), &after = pool(to);
+    if (&before == &after) return after.take(to - from, from, alone_);
+    if (!after.take(to, 0, alone_)) return false;
+    before.used.fetch_sub(from);
+    return true;
+  }
+  void undo(std::uint64_t from, std::uint64_t to) {
+    pool(to).used.fetch_sub(to);
+    pool(from).used.fetch_add(from);
+  }
+  void give_back(std::uint64_t bytes) { pool(bytes).used.fetch_sub(bytes); }
+
+  Pool large_, small_;
+  const std::uint64_t largest_small_;
+  const Alone alone_;
 };
 
 }  // namespace fracture

@@ -156,29 +156,6 @@ TEST(Hostile, ABodyOfExactlyTheLimitPasses) {
   EXPECT_EQ(server.post("/fracture", std::string(1001, 'x')).status, 413);
 }
 
-TEST(Hostile, BodiesTogetherAreBoundedAndTheirRoomComesBack) {
-  TestServerOptions options;
-  options.limits.max_bodies = 1000;
-  TestServer server(options);
-  {
-    RawClient holder(server.port()), second(server.port()), chunked(server.port());
-    holder.send(kPost + "Content-Length: 900\r\nExpect: 100-continue\r\n\r\n");
-    ASSERT_EQ(holder.receive()->status, 100);
-    second.send(kPost + "Content-Length: 101\r\n\r\n");
-    const auto refused = second.receive();
-    ASSERT_TRUE(refused);
-    EXPECT_EQ(refused->problem(), "overloaded");
-    EXPECT_NE(refused->header("retry-after"), "");
-    chunked.send(kPost + "Transfer-Encoding: chunked\r\n\r\n65\r\n" + std::string(101, 'x') +
-                 "\r\n0\r\n\r\n");
-    EXPECT_EQ(chunked.receive()->problem(), "overloaded");
-    holder.send(std::string(900, 'x'));
-    EXPECT_EQ(holder.receive()->status, 200);
-  }
-  EXPECT_EQ(server.post("/fracture", std::string(1000, 'x')).status, 200);
-  EXPECT_EQ(server.api.bodies().used(), 0u);
-}
-
 TEST(Hostile, SlowHeadersAndBodiesAre408AndIdleConnectionsJustClose) {
   TestServerOptions options;
   options.limits.header_timeout = options.limits.body_grace = options.limits.idle = milliseconds(200);

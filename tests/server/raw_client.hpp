@@ -107,6 +107,14 @@ class RawClient {
     }
     return std::exchange(received_, {});
   }
+  /// Reads at most `most` bytes, thrown away, and adds their number; false at the end.
+  bool receive_some(std::size_t most, std::size_t& sum) {
+    std::string bytes(most, '\0');
+    const ssize_t n = ::recv(fd_, bytes.data(), bytes.size(), 0);
+    if (n <= 0) return n < 0 && errno == EINTR;
+    sum += static_cast<std::size_t>(n);
+    return true;
+  }
   bool timed_out() const { return timed_out_; }
 
  private:

@@ -1,0 +1,58 @@
+// Memory that the requests of all clients hold together, of which no client address may hold more than its
+// share.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <unordered_map>
+
+#include "server/service/memory_budget.hpp"
+
+namespace fracture::http {
+
+/// Thread-safe. Outlives its reservations.
+class ClientShares {
+ public:
+  /// `share` is what one address may hold (of no meaning where it is the whole), `small_share` of the small
+  /// ones; a lone reservation of an address may exceed it.
+  ClientShares(std::uint64_t capacity, std::uint64_t share, MemoryBudget::SmallPool small,
+               std::uint64_t small_share)
+      : whole_(capacity, small), share_(share), small_share_{small_share, small.largest} {}
+
+  /// Of nothing yet.
+  MemoryBudget::Reservation begin(const std::string& address) {
+    if (share_ >= whole_.capacity()) return MemoryBudget::Reservation(whole_);
+    return {whole_, of(address)};
+  }
+
+  const MemoryBudget& whole() const { return whole_; }
+  std::uint64_t share() const { return share_; }
+
+ private:
+  std::shared_ptr<MemoryBudget> of(const std::string& address) {
+    const std::lock_guard lock(mutex_);
+    std::weak_ptr<MemoryBudget>& known = by_address_[address];
+    if (auto alive = known.lock()) return alive;
+    // Forgotten with its last reservation.
+    std::shared_ptr<MemoryBudget> fresh(
+        new MemoryBudget(share_, small_share_, MemoryBudget::Alone::kMayExceed),
+        [this, address](MemoryBudget* gone) {
+          delete gone;
+          const std::lock_guard forgetting(mutex_);
+          const auto at = by_address_.find(address);
+          if (at != by_address_.end() && at->second.expired()) by_address_.erase(at);
+        });
+    known = fresh;
+    return fresh;
+  }
+
+  MemoryBudget whole_;
+  const std::uint64_t share_;
+  const MemoryBudget::SmallPool small_share_;
+  std::mutex mutex_;
+  std::unordered_map<std::string, std::weak_ptr<MemoryBudget>> by_address_;
+};
+
+}  // namespace fracture::http

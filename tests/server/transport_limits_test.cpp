@@ -1,0 +1,240 @@
+// What one client may take of the connections, the memory and the time of all.
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "tests/server/exposition.hpp"
+#include "tests/server/test_server.hpp"
+#include "tests/support/eventually.hpp"
+
+namespace fracture::test {
+namespace {
+
+using std::chrono::milliseconds;
+
+const std::string kPost = "POST /fracture HTTP/1.1\r\nHost: a\r\nContent-Type: model/obj\r\n";
+constexpr std::size_t kKiB = 1024, kMiB = 1024 * kKiB;
+
+std::string announce(std::size_t bytes) {
+  return kPost + "Content-Length: " + std::to_string(bytes) + "\r\n\r\n";
+}
+
+/// A client that has announced a body and sent a part of it, which the server holds.
+std::unique_ptr<RawClient> uploading(TestServer& server, std::size_t announced, std::size_t sent) {
+  const std::uint64_t before = server.api.bodies().whole().used();
+  auto client = std::make_unique<RawClient>(server.port());
+  client->send(announce(announced) + std::string(sent, 'x'));
+  if (sent > http::kSmallBody)
+    require_eventually(kPatience, "the body to arrive",
+                       [&] { return server.api.bodies().whole().used() >= before + sent; });
+  return client;
+}
+
+struct BodyMemory : testing::Test {
+  TestServerOptions options;
+  BodyMemory() {
+    options.limits.max_bodies = 16 * kMiB;
+    options.limits.max_bodies_per_address = 16 * kMiB;
+  }
+};
+
+TEST_F(BodyMemory, WhatIsAnnouncedHoldsNothing) {
+  TestServer server(options);
+  std::vector<std::unique_ptr<RawClient>> slow;
+  for (int i = 0; i < 8; ++i) slow.push_back(uploading(server, 8 * kMiB, 100 * kKiB));
+  EXPECT_LT(server.api.bodies().whole().used(), 4 * kMiB);
+  for (int i = 0; i < 20; ++i)
+    EXPECT_EQ(server.post("/fracture?seed=" + std::to_string(i)).status, 200) << "a collision";
+  EXPECT_EQ(server.post("/fracture", std::string(4 * kMiB, 'x')).status, 200) << "and another upload";
+}
+
+TEST_F(BodyMemory, SmallBodiesAreTakenWhenLargeOnesHoldAllThereIs) {
+  options.limits.max_bodies = options.limits.max_bodies_per_address = 1 * kMiB;
+  TestServer server(options);
+  const auto holder = uploading(server, 1 * kMiB, 1 * kMiB - 1);
+  const Reply large = server.post("/fracture", std::string(100 * kKiB, 'x'));
+  EXPECT_EQ(large.status, 503);
+  EXPECT_EQ(large.problem(), "overloaded");
+  EXPECT_NE(large.header("retry-after"), "");
+  EXPECT_EQ(server.post("/fracture", std::string(http::kSmallBody, 'x')).status, 200);
+  holder->send("x");
+  EXPECT_EQ(holder->receive()->status, 200);
+  EXPECT_TRUE(eventually(kPatience, "the room to come back", [&] {
+    return server.post("/fracture", std::string(100 * kKiB, 'x')).status == 200;
+  }));
+}
+
+TEST_F(BodyMemory, AChunkedBodyIsSmallUntilItIsNot) {
+  options.limits.max_bodies = options.limits.max_bodies_per_address = 1 * kMiB;
+  TestServer server(options);
+  const auto holder = uploading(server, 1 * kMiB, 1 * kMiB - 1);
+  const auto chunked = [&](std::size_t size) {
+    RawClient client(server.port());
+    char length[32];
+    std::snprintf(length, sizeof length, "%zx\r\n", size);
+    client.send(kPost + "Transfer-Encoding: chunked\r\n\r\n" + length + std::string(size, 'x') +
+                "\r\n0\r\n\r\n");
+    return client.receive().value().status;
+  };
+  EXPECT_EQ(chunked(60 * kKiB), 200);
+  EXPECT_EQ(chunked(100 * kKiB), 503);
+}
+
+TEST_F(BodyMemory, AnAddressHasAShareWhichItsOnlyBodyMayExceed) {
+  options.limits.max_bodies_per_address = 0;  // a quarter: 4 MiB
+  TestServer server(options);
+  EXPECT_EQ(server.get("/limits").json().at("max_bodies_per_address_bytes"), 4 * kMiB);
+  EXPECT_EQ(server.post("/fracture", std::string(6 * kMiB, 'x')).status, 200) << "alone";
+  const auto first = uploading(server, 4 * kMiB, 3 * kMiB);
+  const Reply second = server.post("/fracture", std::string(2 * kMiB, 'x'));
+  EXPECT_EQ(second.status, 429);
+  EXPECT_EQ(second.problem(), "over-share");
+  EXPECT_NE(second.header("retry-after"), "");
+  EXPECT_EQ(server.post("/fracture?seed=2").status, 200) << "small ones have a share of their own";
+}
+
+TEST_F(BodyMemory, AllOfItComesBack) {
+  TestServer server(options);
+  { const auto gone = uploading(server, 4 * kMiB, 1 * kMiB); }
+  server.post("/fracture", std::string(2 * kMiB, 'x'));
+  server.post("/fracture", "small");
+  EXPECT_TRUE(eventually(kPatience, "an empty budget", [&] {
+    return server.api.bodies().whole().used() == 0 && server.api.bodies().whole().small_used() == 0;
+  }));
+}
+
+TEST(BodyTime, ABodyHasATotalTimeHoweverSteadyItIs) {
+  TestServerOptions options;
+  options.limits.body_timeout = milliseconds(300);
+  options.limits.body_rate = 1;
+  TestServer server(options);
+  EXPECT_EQ(server.get("/limits").json().at("body_timeout_ms"), 300);
+  RawClient client(server.port());
+  client.send(announce(1 * kMiB));
+  std::thread steady([&] {
+    for (int i = 0; i < 2000 && client.send(std::string(100, 'x')); ++i)
+      std::this_thread::sleep_for(milliseconds(10));
+  });
+  const auto reply = client.receive();
+  client.half_close();
+  steady.join();
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(reply->problem(), "request-timeout");
+  EXPECT_NE(reply->body.find("within 300 ms"), std::string::npos) << reply->body;
+}
+
+struct Answers : testing::Test {
+  TestServerOptions options;
+  static constexpr std::size_t kSize = 32 * kMiB;
+  Answers() { options.limits.max_answers = options.limits.max_answers_per_address = 48 * kMiB; }
+  /// A client that does not read its answer, which waits to be read.
+  static std::unique_ptr<RawClient> not_reading(TestServer& server, int seed) {
+    const std::uint64_t before = server.api.answers().used();
+    auto client = std::make_unique<RawClient>(server.port());
+    client->send("POST /fracture?seed=" + std::to_string(seed) +
+                 " HTTP/1.1\r\nHost: a\r\nContent-Type: model/obj\r\nContent-Length: 4\r\n\r\nmesh");
+    require_eventually(kPatience, "the answer to be on its way",
+                       [&] { return server.api.answers().used() > before; });
+    return client;
+  }
+};
+
+TEST_F(Answers, AClientThatReadsTooSlowlyIsCut) {
+  options.limits.write_stall = milliseconds(300);
+  options.limits.answer_rate = 1024 * kMiB;
+  TestServer server(options);
+  server.control->glb_padding = kSize;
+  RawClient client(server.port());
+  client.send(announce(4) + "mesh");
+  std::size_t read = 0;
+  for (int i = 0; i < 4000 && client.receive_some(8 * kKiB, read); ++i)
+    std::this_thread::sleep_for(milliseconds(10));  // steadily: no stall ever
+  EXPECT_LT(read, kSize);
+  EXPECT_TRUE(
+      eventually(kPatience, "the end of the connection", [&] { return server.server.connections() == 0; }));
+}
+
+TEST_F(Answers, WhatIsNotReadIsBoundedAndSaysSo) {
+  TestServer server(options);
+  server.control->glb_padding = kSize;
+  auto first = not_reading(server, 1);
+  const Reply refused = server.post("/fracture?seed=2");
+  EXPECT_EQ(refused.status, 503);
+  EXPECT_EQ(refused.problem(), "overloaded");
+  EXPECT_NE(refused.header("retry-after"), "");
+  EXPECT_EQ(server.get("/version").status, 200) << "small answers are not counted";
+  EXPECT_EQ(server.post("/fracture?seed=1", "mesh", "Content-Type: model/obj\r\n").status, 200)
+      << "the same bytes are held once";
+  first->reset();
+  EXPECT_TRUE(eventually(kPatience, "the room to come back",
+                         [&] { return server.post("/fracture?seed=2").status == 200; }));
+  EXPECT_TRUE(eventually(kPatience, "nothing held", [&] { return server.api.answers().used() == 0; }));
+}
+
+TEST_F(Answers, AnAddressHasAShare) {
+  options.limits.max_answers = 200 * kMiB;
+  options.limits.max_answers_per_address = 0;  // a quarter: 50 MiB
+  TestServer server(options);
+  server.control->glb_padding = kSize;
+  const auto first = not_reading(server, 1);
+  const Reply refused = server.post("/fracture?seed=2");
+  EXPECT_EQ(refused.status, 429);
+  EXPECT_EQ(refused.problem(), "over-share");
+}
+
+TEST(AdminListener, IdleConnectionsGiveWay) {
+  TestServer server;
+  std::vector<std::unique_ptr<RawClient>> idle;
+  for (int i = 0; i < 100; ++i) {
+    idle.push_back(std::make_unique<RawClient>(server.server.admin_port()));
+    if (i % 2 == 1) idle.back()->send("GET /livez HT");  // half a header is no request either
+  }
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(ask(server.server.admin_port(), "GET", "/livez").status, 200);
+}
+
+TEST(Paths, AnEscapedSlashIsRefused) {
+  TestServer server;
+  for (const char* path : {"/meshes%2Fsha256:00", "/jobs/a%2fevents", "/%2Fversion", "/version%2F"}) {
+    const Reply reply = server.get(path);
+    EXPECT_EQ(reply.status, 400) << path;
+    EXPECT_EQ(reply.problem(), "malformed-request") << path;
+  }
+  EXPECT_EQ(server.get("/%76ersion").status, 200) << "other escapes are as good as what they stand for";
+  EXPECT_EQ(server.get("/version?a=%2F").problem(), "unknown-parameter") << "in a query it is a value";
+}
+
+TEST(Refusals, AreSmallHoweverMuchIsWrong) {
+  constexpr std::size_t kSmall = 12 * kKiB;
+  TestServer server;
+  std::string query = "/fracture?a";
+  while (query.size() < 4000) query += "&b";
+  const Reply by_query = server.post(query);
+  EXPECT_EQ(by_query.problem(), "unknown-parameter");
+  EXPECT_LT(by_query.body.size(), kSmall);
+  EXPECT_EQ(by_query.json().at("errors").size(), 16u);
+  EXPECT_GT(by_query.json().at("more_errors"), 1900);
+
+  std::string params = "{\"site\": 1";
+  for (int i = 0; i < 50'000; ++i) params += ", \"x" + std::to_string(i) + "\": 1";
+  const std::string form =
+      "--B\r\nContent-Disposition: form-data; name=mesh; filename=a.obj\r\n\r\nv\r\n"
+      "--B\r\nContent-Disposition: form-data; name=params\r\n\r\n" +
+      params + "}\r\n--B--\r\n";
+  const Reply by_form = server.post("/fracture", form, "Content-Type: multipart/form-data; boundary=B\r\n");
+  EXPECT_EQ(by_form.problem(), "unknown-parameter");
+  EXPECT_LT(by_form.body.size(), kSmall);
+}
+
+TEST(Refusals, AnUnknownNameIsToldItsNearestTwenty) {
+  TestServer server;
+  const std::string detail = server.post("/fracture?site=1").json().at("detail");
+  EXPECT_NE(detail.find("Did you mean 'sites'?"), std::string::npos) << detail;
+  EXPECT_NE(detail.find("'sites'"), std::string::npos) << detail;
+  EXPECT_EQ(std::count(detail.begin(), detail.end(), ','), 18) << detail;
+  EXPECT_EQ(detail.find("interior_metallic"), std::string::npos) << detail;
+}
+
+}  // namespace
+}  // namespace fracture::test
