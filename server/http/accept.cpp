@@ -13,17 +13,6 @@ std::string_view trim(std::string_view s) {
   return s;
 }
 
-/// A qvalue in thousandths: "0.5" is 500; -1 when malformed.
-int thousandths(std::string_view q) {
-  if (q.empty() || q.size() > 5 || (q[0] != '0' && q[0] != '1') || (q.size() > 1 && q[1] != '.')) return -1;
-  int value = (q[0] - '0') * 1000, scale = 100;
-  for (std::size_t i = 2; i < q.size(); ++i, scale /= 10) {
-    if (q[i] < '0' || q[i] > '9') return -1;
-    value += (q[i] - '0') * scale;
-  }
-  return value > 1000 ? -1 : value;
-}
-
 /// 2 for the type itself, 1 for type/*, 0 for */*, -1 for no match.
 int specificity(std::string_view range, std::string_view offer) {
   if (equals_ignoring_case(range, offer)) return 2;
@@ -36,6 +25,16 @@ int specificity(std::string_view range, std::string_view offer) {
 }
 
 }  // namespace
+
+int thousandths(std::string_view q) {
+  if (q.empty() || q.size() > 5 || (q[0] != '0' && q[0] != '1') || (q.size() > 1 && q[1] != '.')) return -1;
+  int value = (q[0] - '0') * 1000, scale = 100;
+  for (std::size_t i = 2; i < q.size(); ++i, scale /= 10) {
+    if (q[i] < '0' || q[i] > '9') return -1;
+    value += (q[i] - '0') * scale;
+  }
+  return value > 1000 ? -1 : value;
+}
 
 std::optional<std::size_t> negotiate(std::string_view accept, std::span<const std::string_view> offers) {
   if (trim(accept).empty()) return 0;

@@ -12,4 +12,7 @@ namespace fracture::http {
 /// items are skipped.
 std::optional<std::size_t> negotiate(std::string_view accept, std::span<const std::string_view> offers);
 
+/// A qvalue (RFC 9110, section 12.4.2) in thousandths: "0.5" is 500; -1 when malformed.
+int thousandths(std::string_view q);
+
 }  // namespace fracture::http

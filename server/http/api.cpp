@@ -135,13 +135,33 @@ Answered Api::decoded(const std::shared_ptr<Request>& request, ContentCoding cod
 void Api::start(std::shared_ptr<Request> request, std::stop_token gone, Reply reply) {
   request->received = std::chrono::steady_clock::now();
   answering(*request, reply, [&]() -> Answered {
-    const OrProblem<ContentCoding> coding = content_coding(request->head.field("content-encoding"));
-    if (!coding || *coding == ContentCoding::kIdentity || request->body.empty())
-      return dispatch(request, gone, reply);
-    const std::uint64_t announced = announced_size(request->body, *coding);
-    const std::uint64_t expected = std::max<std::uint64_t>(
-        announced > 0 ? announced : kUsualRatio * request->body.size(), request->body.size());
-    return decode(request, *coding, std::min(expected, limits_.max_decoded_body), gone, reply);
+    const auto go_on = [this, request, gone, reply]() -> Answered {
+      const OrProblem<ContentCoding> coding = content_coding(request->head.field("content-encoding"));
+      if (!coding || *coding == ContentCoding::kIdentity || request->body.empty())
+        return dispatch(request, gone, reply);
+      const std::uint64_t announced = announced_size(request->body, *coding);
+      const std::uint64_t expected = std::max<std::uint64_t>(
+          announced > 0 ? announced : kUsualRatio * request->body.size(), request->body.size());
+      return decode(request, *coding, std::min(expected, limits_.max_decoded_body), gone, reply);
+    };
+    const std::string digest = request->head.field("content-digest");  // of the bytes as they were sent
+    if (digest.empty()) return go_on();
+    const auto check = [request, digest, go_on]() -> Answered {
+      std::optional<Problem> problem = check_content_digest(digest, request->body);
+      if (!problem) return go_on();
+      std::string().swap(request->body);
+      request->reservation = {};
+      return tl::unexpected<Problem>(std::move(*problem));
+    };
+    if (request->body.size() <= kReadInline) return check();
+    OrProblem<Terms> terms = terms_of(*request);
+    if (!terms) return tl::unexpected<Problem>(std::move(terms.error()));
+    terms->gone = gone;
+    const auto overload =
+        dispatcher_.run(expected_reading(request->body.size()), *terms,
+                        [this, request, reply, check] { answering(*request, reply, check); });
+    if (overload) return tl::unexpected<Problem>(to_problem(*overload));
+    return std::nullopt;
   });
 }
 

@@ -21,6 +21,7 @@
 #include "server/http/limits.hpp"
 #include "server/http/mesh_input.hpp"
 #include "server/http/message.hpp"
+#include "server/http/result_response.hpp"
 #include "server/http/routes.hpp"
 #include "server/ops/metrics.hpp"
 #include "server/service/dispatcher.hpp"
@@ -28,6 +29,7 @@
 #include "server/service/memory_budget.hpp"
 #include "server/service/mesh_store.hpp"
 #include "server/service/service.hpp"
+#include "server/service/single_flight.hpp"
 #include "server/tenants/ledger.hpp"
 
 namespace fracture::http {
@@ -69,6 +71,9 @@ class Api {
   const HttpLimits& limits() const { return limits_; }
 
  private:
+  /// Of compressed answers: of several who want the same one, one makes it.
+  using VariantFlights = SingleFlight<std::shared_ptr<const FractureResult>>;
+
   /// Runs a handler and replies with what it returns, if anything; exceptions become problems.
   void answering(const Request& request, const Reply& reply,
                  const std::function<Answered()>& handle) noexcept;
@@ -92,8 +97,15 @@ class Api {
   Answered fracture(const std::shared_ptr<Request>& request, FractureRequest asked, Terms terms,
                     const Reply& reply);
   Answered get_fracture(const std::shared_ptr<Request>& request, const Reply& reply);
-  Answered found_result(const Request& request, const std::shared_ptr<const FractureResult>& result,
-                        std::string_view cache_status);
+  Answered found_result(const std::shared_ptr<Request>& request,
+                        const std::shared_ptr<const FractureResult>& result, std::string_view cache_status,
+                        const Reply& reply);
+  /// Makes an answer of a result in the coding that the client accepts best, compressed on the pool where
+  /// that has not been done yet, and replies with what `finish` makes of it.
+  using Finish = std::function<Answered(Response)>;
+  Answered send_result(const std::shared_ptr<Request>& request, std::shared_ptr<const FractureResult> result,
+                       const Representation& representation, Priority priority, const Reply& reply,
+                       Finish finish);
 
   Answered put_mesh(const std::shared_ptr<Request>& request, const std::stop_token& gone, const Reply& reply);
   /// Keeps a mesh that was prepared, out of its body.
@@ -151,6 +163,8 @@ class Api {
   MeshStore meshes_;
   tenants::AnswerLedger ledger_;
   Jobs jobs_;
+  std::string limits_text_, patterns_text_;  ///< made once: they are long and never change
+  VariantFlights variants_;
   std::atomic<bool> draining_{false}, closing_{false};
   ops::Metrics metrics_;
 };

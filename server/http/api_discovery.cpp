@@ -48,30 +48,36 @@ Response Api::get_limits() const { return lasting(limits_text_); }
 
 nlohmann::ordered_json Api::describe_limits() const {
   const ServiceConfig& config = service_.config();
-  return Response::json({{"max_body_bytes", limits_.max_body},
-                         {"max_bodies_bytes", limits_.max_bodies},
-                         {"max_header_bytes", limits_.max_header},
-                         {"max_uri_bytes", limits_.max_uri},
-                         {"header_timeout_ms", limits_.header_timeout.count()},
-                         {"body_grace_ms", limits_.body_grace.count()},
-                         {"body_bytes_per_second", limits_.body_rate},
-                         {"write_stall_ms", limits_.write_stall.count()},
-                         {"idle_ms", limits_.idle.count()},
-                         {"max_connections", limits_.max_connections},
-                         {"max_connections_per_address", limits_.max_connections_per_address},
-                         {"max_triangles", config.import_limits.max_triangles},
-                         {"max_decoded_bytes", config.import_limits.max_decoded_bytes},
-                         {"max_json_depth", config.import_limits.max_json_depth},
-                         {"deadline_ms", limits_.deadline.count()},
-                         {"realtime_deadline_ms", limits_.realtime_deadline.count()},
-                         {"max_stored_mesh_bytes", meshes_.config().quota_bytes},
-                         {"mesh_ttl_ms", meshes_.config().ttl.count()},
-                         {"max_jobs", jobs_.config().max_jobs},
-                         {"max_job_result_bytes", jobs_.config().max_result_bytes},
-                         {"job_ttl_ms", jobs_.config().ttl.count()},
-                         {"max_parameters_bytes", kMaxSmallBody},
-                         {"formats", service_.parameters().formats().names()},
-                         {"parameters", service_.parameters().to_json()}});
+  return {{"max_body_bytes", limits_.max_body},
+          {"max_bodies_bytes", limits_.max_bodies},
+          {"max_small_bodies_bytes", limits_.max_small_bodies},
+          {"max_bodies_per_address_bytes", limits_.body_share()},
+          {"max_answers_bytes", limits_.max_answers},
+          {"max_answers_per_address_bytes", limits_.answer_share()},
+          {"max_header_bytes", limits_.max_header},
+          {"max_uri_bytes", limits_.max_uri},
+          {"header_timeout_ms", limits_.header_timeout.count()},
+          {"body_grace_ms", limits_.body_grace.count()},
+          {"body_bytes_per_second", limits_.body_rate},
+          {"body_timeout_ms", limits_.body_timeout.count()},
+          {"answer_bytes_per_second", limits_.answer_rate},
+          {"write_stall_ms", limits_.write_stall.count()},
+          {"idle_ms", limits_.idle.count()},
+          {"max_connections", limits_.max_connections},
+          {"max_connections_per_address", limits_.max_connections_per_address},
+          {"max_triangles", config.import_limits.max_triangles},
+          {"max_decoded_bytes", config.import_limits.max_decoded_bytes},
+          {"max_json_depth", config.import_limits.max_json_depth},
+          {"deadline_ms", limits_.deadline.count()},
+          {"realtime_deadline_ms", limits_.realtime_deadline.count()},
+          {"max_stored_mesh_bytes", meshes_.config().quota_bytes},
+          {"mesh_ttl_ms", meshes_.config().ttl.count()},
+          {"max_jobs", jobs_.config().max_jobs},
+          {"max_job_result_bytes", jobs_.config().max_result_bytes},
+          {"job_ttl_ms", jobs_.config().ttl.count()},
+          {"max_parameters_bytes", kMaxSmallBody},
+          {"formats", service_.parameters().formats().names()},
+          {"parameters", service_.parameters().to_json()}};
 }
 
 Response Api::get_patterns() const { return lasting(patterns_text_); }
@@ -86,9 +92,19 @@ OrProblem<Response> Api::get_problem(const Request& request) const {
     return refuse(HttpProblem::kNotFound, "There is no problem of this name. GET /openapi.json lists them.");
   const std::string title(type->title), advice(type->advice), status = std::to_string(type->status);
   Response response;
-  response.content_type = "application/json";
-  const std::string_view text = openapi_json();
-  response.body = {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+  if (request.admission.representation == kAsHtml) {
+    response = Response::text(
+        200, "text/html; charset=utf-8",
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>" + escaped(title) +
+            "</title>\n<h1>" + escaped(title) + "</h1>\n<p>HTTP status " + status + ", type <code>" +
+            std::string(type->slug) + "</code></p>\n<p>" + escaped(advice) + "</p>\n</html>\n");
+    response.headers.emplace_back("Content-Security-Policy", "default-src 'none'");
+  } else {
+    response = Response::text(
+        200, "text/plain; charset=utf-8",
+        title + "\n(HTTP status " + status + ", type " + std::string(type->slug) + ")\n\n" + advice + "\n");
+  }
+  response.headers.emplace_back("Vary", "Accept");
   return response;
 }
 

@@ -1,11 +1,13 @@
-// Content-Encoding of request bodies (RFC 9110, section 8.4; RFC 8878 for zstd).
+// Content-Encoding of request bodies and of answers (RFC 9110, section 8.4; RFC 8878 for zstd).
 #pragma once
 
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/base/execution.hpp"
 #include "server/http/problem.hpp"
@@ -35,5 +37,23 @@ struct Decoding {
 Decoding decode_body(std::string& body, ContentCoding coding, std::uint64_t limit,
                      MemoryBudget::Reservation& reservation, const Execution& execution,
                      std::uint64_t expected = std::numeric_limits<std::uint64_t>::max());
+
+/// "identity", "gzip", "zstd".
+std::string_view name_of(ContentCoding coding);
+
+/// What an Accept-Encoding field (RFC 9110, section 12.5.3) says of each coding.
+struct CodingWishes {
+  int identity = 1000, gzip = 0, zstd = 0;  ///< qualities in thousandths; 0: not acceptable
+  bool identity_named = false;              ///< otherwise it is what is sent when no other will do
+
+  bool accepts(ContentCoding coding) const;
+  /// The best liked one; of equals zstd, then gzip. Nothing when all are excluded.
+  std::optional<ContentCoding> best() const;
+};
+CodingWishes coding_wishes(std::string_view accept_encoding);
+
+/// Compressed rather quickly than well (gzip 1, zstd 3). The same bytes at each time, by one version of the
+/// libraries.
+std::vector<std::uint8_t> encode_body(std::span<const std::uint8_t> body, ContentCoding coding);
 
 }  // namespace fracture::http

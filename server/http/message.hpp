@@ -57,6 +57,7 @@ struct Response {
   std::vector<std::pair<std::string, std::string>> headers;
   std::shared_ptr<const void> owner;  ///< keeps `body` alive; shared with the cache, never copied
   std::span<const std::uint8_t> body;
+  bool length_unknown = false;         ///< the answer to a HEAD says no Content-Length
   std::shared_ptr<BodyStream> stream;  ///< when there is one, it is the body
   double queue_milliseconds = -1;      ///< for the log: waiting for a computing thread; -1: never was
 

@@ -1,17 +1,46 @@
 // A result as an HTTP answer.
 #pragma once
 
-#include <cstddef>
 #include <memory>
 #include <string>
+#include <string_view>
 
+#include "server/http/content_coding.hpp"
 #include "server/http/message.hpp"
 #include "server/service/service.hpp"
 
 namespace fracture::http {
 
-/// The answer for a result in the negotiated representation, with the headers that depend on the result only.
-Response result_response(const std::shared_ptr<const FractureResult>& result, std::size_t representation);
+/// What of a result is sent, and how: decided from the request's header and the result, before anything is
+/// made.
+struct Representation {
+  bool figures = false;  ///< the extras.fracture object alone
+  ContentCoding coding = ContentCoding::kIdentity;
+  std::string etag;  ///< with its quotes; each representation has its own
+};
+
+/// By Accept-Encoding; a Range is one of the identity, where that is acceptable. Refuses (406) when the field
+/// excludes all there is.
+OrProblem<Representation> represent(const RequestHead& head, const FractureResult& result, bool figures);
+
+/// The bytes that the coding is applied to.
+std::span<const std::uint8_t> plain_bytes(const FractureResult& result, bool figures);
+
+/// The name in the result cache of what `represent` asks for, where that is compressed.
+std::string variant_key(const FractureResult& result, const Representation& representation);
+
+/// Compresses; to be kept under variant_key().
+std::shared_ptr<const FractureResult> make_variant(const FractureResult& result,
+                                                   const Representation& representation);
+
+/// The answer with the headers that depend on the result only. `variant` holds the bytes where they are
+/// compressed; null: the answer to a HEAD of what nobody has compressed yet.
+Response result_response(const std::shared_ptr<const FractureResult>& result,
+                         const Representation& representation,
+                         const std::shared_ptr<const FractureResult>& variant);
+
+/// If-None-Match (RFC 9110, section 13.1.2): weak comparison against a list, or '*'.
+bool none_match_fails(std::string_view field, std::string_view etag);
 
 /// RFC 9211: the caches in the order the request meets them, nearest to the computation first.
 std::string cache_status(const FractureAnswer& answer);

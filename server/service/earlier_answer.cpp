@@ -85,22 +85,10 @@ Expected<std::vector<RawParameter>> on_earlier_answer(const ParameterTable& tabl
 }
 
 nlohmann::json parameters_in(const FractureResult& result) {
-  const auto* text = reinterpret_cast<const char*>(result.file.data());
-  std::size_t size = result.file.size();
-  if (result.format == OutputFormat::kGlb) {
-    // 12 bytes of header, then the JSON chunk as length, type, text (glTF 2.0, section 4.4).
-    if (size < 20) return nullptr;
-    std::size_t length = 0;
-    for (int k = 3; k >= 0; --k) length = length << 8 | result.file[12 + static_cast<std::size_t>(k)];
-    if (length > size - 20) return nullptr;
-    text += 20;
-    size = length;
-  }
-  const nlohmann::json document =
-      nlohmann::json::parse(text, text + size, nullptr, /*allow_exceptions=*/false);
-  if (!document.is_object()) return nullptr;
-  const nlohmann::json::json_pointer place("/asset/extras/parameters");
-  return document.contains(place) ? document.at(place) : nlohmann::json();
+  const char* const text = reinterpret_cast<const char*>(result.file.data()) + result.parameters.at;
+  nlohmann::json parameters =
+      nlohmann::json::parse(text, text + result.parameters.size, nullptr, /*allow_exceptions=*/false);
+  return parameters.is_object() ? parameters : nlohmann::json();
 }
 
 }  // namespace fracture

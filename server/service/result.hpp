@@ -3,11 +3,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "common/base/digest.hpp"
 #include "server/service/engine.hpp"
+#include "server/service/figures.hpp"
 
 namespace fracture {
 
@@ -18,6 +20,13 @@ struct FractureResult {
   OutputFormat format = OutputFormat::kGlb;
   std::vector<std::uint8_t> file;
   Digest file_digest;  ///< SHA-256 of `file`
+  /// In `file`: the extras.fracture object of the root node, and the canonical parameters in it.
+  TextRange figures, parameters;
+  Digest figures_digest;  ///< SHA-256 of that object's text
+
+  std::span<const std::uint8_t> bytes_of(TextRange range) const {
+    return std::span(file).subspan(range.at, range.size);
+  }
 };
 
 enum class CacheOutcome {

@@ -1,5 +1,6 @@
 #include "server/service/result_tiers.hpp"
 
+#include <charconv>
 #include <cstring>
 #include <utility>
 
@@ -9,27 +10,63 @@ namespace {
 /// An entry as it was read, and the result that is made of it.
 constexpr std::uint64_t kCopies = 2;
 
-/// The metadata of an entry: format, mesh digest, file digest as lines.
+constexpr std::size_t kDigest = sizeof(Digest::bytes);
+
+std::string_view text_of(const Digest& digest) {
+  return {reinterpret_cast<const char*>(digest.bytes.data()), digest.bytes.size()};
+}
+
+/// The metadata of an entry: format, mesh digest, and where figures and parameters stand in the file (begin
+/// and size of each) as lines, then the digests of file and figures.
 std::string metadata_of(const FractureResult& result) {
-  return std::string(result.format == OutputFormat::kGltf ? "gltf" : "glb") + "\n" + result.mesh_digest +
-         "\n" +
-         std::string(reinterpret_cast<const char*>(result.file_digest.bytes.data()),
-                     result.file_digest.bytes.size());
+  std::string text = result.format == OutputFormat::kGltf ? "gltf" : "glb";
+  text += "\n" + result.mesh_digest + "\n";
+  for (const TextRange& range : {result.figures, result.parameters})
+    text += std::to_string(range.at) + " " + std::to_string(range.size) + " ";
+  text.back() = '\n';
+  return text.append(text_of(result.file_digest)).append(text_of(result.figures_digest));
+}
+
+/// The two ranges of a line; false for anything else, and where they are no objects of the file.
+bool read_ranges(std::string_view line, FractureResult& result) {
+  std::uint64_t numbers[4];
+  for (std::uint64_t& number : numbers) {
+    const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), number);
+    if (error != std::errc{}) return false;
+    line.remove_prefix(static_cast<std::size_t>(end - line.data()));
+    if (!line.empty() && line.front() == ' ') line.remove_prefix(1);
+  }
+  result.figures = {numbers[0], numbers[1]};
+  result.parameters = {numbers[2], numbers[3]};
+  const auto is_object = [&](TextRange range) {
+    if (range.size == 0) return range.at <= result.file.size();
+    return range.at <= result.file.size() && range.size <= result.file.size() - range.at &&
+           result.file[range.at] == '{' && result.file[range.at + range.size - 1] == '}';
+  };
+  return line.empty() && is_object(result.figures) && is_object(result.parameters);
 }
 
 std::shared_ptr<const FractureResult> to_result(const StoredEntry& stored) {
   const std::string_view metadata = stored.entry.metadata;
   const std::size_t first = metadata.find('\n'), second = metadata.find('\n', first + 1);
   auto result = std::make_shared<FractureResult>();
-  if (first == std::string_view::npos || second == std::string_view::npos ||
-      metadata.size() - second - 1 != result->file_digest.bytes.size())
-    return nullptr;
+  if (first == std::string_view::npos || second == std::string_view::npos) return nullptr;
   result->key = stored.entry.key;
   result->format = metadata.substr(0, first) == "gltf" ? OutputFormat::kGltf : OutputFormat::kGlb;
   result->mesh_digest = metadata.substr(first + 1, second - first - 1);
-  std::memcpy(result->file_digest.bytes.data(), metadata.data() + second + 1,
-              result->file_digest.bytes.size());
   result->file.assign(stored.entry.payload.begin(), stored.entry.payload.end());
+  const std::string_view rest = metadata.substr(second + 1);
+  if (rest.size() == kDigest) {  // as earlier versions wrote it: without places
+    std::memcpy(result->file_digest.bytes.data(), rest.data(), kDigest);
+    locate_figures(*result);
+    return result;
+  }
+  const std::size_t third = rest.find('\n');
+  if (third == std::string_view::npos || rest.size() - third - 1 != 2 * kDigest ||
+      !read_ranges(rest.substr(0, third), *result))
+    return nullptr;
+  std::memcpy(result->file_digest.bytes.data(), rest.data() + third + 1, kDigest);
+  std::memcpy(result->figures_digest.bytes.data(), rest.data() + third + 1 + kDigest, kDigest);
   return result;
 }
 

@@ -1,6 +1,5 @@
 #include "server/service/service.hpp"
 
-#include <cstring>
 #include <utility>
 
 #include "common/base/json_reader.hpp"
@@ -99,6 +98,12 @@ bool FractureService::fetch_result(const std::string& key, FractureAnswer& answe
   answer.result_cache = stored(results_.insert(key, found.result, memory_size(*found.result)));
   answer.result = std::move(found.result);
   return true;
+}
+
+void FractureService::keep_variant(std::shared_ptr<const FractureResult> variant) {
+  const std::size_t bytes = memory_size(*variant);
+  const std::string key = variant->key;
+  results_.insert(key, std::move(variant), bytes);
 }
 
 Expected<FractureAnswer> FractureService::fracture(const FractureRequest& request,
@@ -264,6 +269,7 @@ Expected<FragmentSet> FractureService::make_result(const PreparedMesh& mesh, con
     options.mesh_digest = result->mesh_digest;
     result->file = engine_->encode(*fragments, options, request.output, execution);
     result->file_digest = sha256(std::as_bytes(std::span(result->file)));
+    locate_figures(*result);
   }
   if (kept) diagrams_.insert(keys.kept, kept, memory_size(*kept));
   auto canonical = std::make_shared<const nlohmann::json>(canonical_parameters(request.parameters));
@@ -276,24 +282,11 @@ Expected<FragmentSet> FractureService::make_result(const PreparedMesh& mesh, con
 }
 
 nlohmann::json figures_of(const FractureResult& result) {
-  // Layout of a GLB (glTF 2.0, section 4.4): 12 bytes of header, then the JSON chunk as length, type, text.
-  const std::vector<std::uint8_t>& file = result.file;
-  const auto* text = reinterpret_cast<const char*>(file.data());
-  std::size_t length = file.size();
-  if (result.format == OutputFormat::kGlb) {
-    std::uint32_t chunk = 0;
-    if (file.size() < 20) throw InternalError("figures_of: the GLB is shorter than its header");
-    std::memcpy(&chunk, file.data() + 12, 4);
-    if (chunk > file.size() - 20) throw InternalError("figures_of: the JSON chunk is longer than the GLB");
-    text += 20;
-    length = chunk;
-  }
-  const nlohmann::json document = nlohmann::json::parse(text, text + length);
-  for (const nlohmann::json& node : document.value("nodes", nlohmann::json::array()))
-    if (node.contains("extras") && node["extras"].contains("fracture") &&
-        node["extras"]["fracture"].contains("bonds"))
-      return node["extras"]["fracture"];
-  throw InternalError("figures_of: no node carries extras.fracture");
+  const TextRange range =
+      result.figures.size > 0 ? result.figures : figures_in(result.file, result.format).value_or(TextRange());
+  if (range.size == 0) throw InternalError("figures_of: no node carries extras.fracture");
+  const char* const text = reinterpret_cast<const char*>(result.file.data()) + range.at;
+  return nlohmann::json::parse(text, text + range.size);
 }
 
 }  // namespace fracture

@@ -103,6 +103,8 @@ class FractureService {
     results_.erase(key);
     answers_.erase(key);
   }
+  /// What was made of a result (compressed), found again by its own key while there is room for it.
+  void keep_variant(std::shared_ptr<const FractureResult> variant);
   /// Why this request had no answer lately (kUnsound); nothing when that is not known.
   std::optional<Error> find_failure(const std::string& key) const { return failures_.find(key); }
 

@@ -1,0 +1,114 @@
+// Content-Encoding of answers: which one, and how it is made.
+#include <zlib.h>
+#include <zstd.h>
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <new>
+
+#include "server/http/accept.hpp"
+#include "server/http/content_coding.hpp"
+#include "server/http/request_head.hpp"
+
+namespace fracture::http {
+namespace {
+
+std::string_view trim(std::string_view s) {
+  while (!s.empty() && (s.front() == ' ' || s.front() == '\t')) s.remove_prefix(1);
+  while (!s.empty() && (s.back() == ' ' || s.back() == '\t')) s.remove_suffix(1);
+  return s;
+}
+
+std::vector<std::uint8_t> gzipped(std::span<const std::uint8_t> body) {
+  z_stream stream{};
+  constexpr int kGzip = 16 + MAX_WBITS, kMemory = 8;
+  if (deflateInit2(&stream, Z_BEST_SPEED, Z_DEFLATED, kGzip, kMemory, Z_DEFAULT_STRATEGY) != Z_OK)
+    throw std::bad_alloc();
+  const auto end = [](z_stream* s) { deflateEnd(s); };
+  const std::unique_ptr<z_stream, decltype(end)> owner(&stream, end);
+  if (body.size() > std::numeric_limits<uInt>::max())
+    throw InternalError("gzip in one piece is for less than 4 GiB");
+  std::vector<std::uint8_t> out(deflateBound(&stream, static_cast<uLong>(body.size())));
+  stream.next_in = const_cast<Bytef*>(body.data());  // zlib only reads
+  stream.avail_in = static_cast<uInt>(body.size());
+  stream.next_out = out.data();
+  stream.avail_out = static_cast<uInt>(out.size());
+  if (::deflate(&stream, Z_FINISH) != Z_STREAM_END) throw InternalError("gzip does not end");
+  out.resize(stream.total_out);
+  out.shrink_to_fit();
+  return out;
+}
+
+std::vector<std::uint8_t> zstandard(std::span<const std::uint8_t> body) {
+  constexpr int kLevel = 3;
+  std::vector<std::uint8_t> out(ZSTD_compressBound(body.size()));
+  const std::size_t size = ZSTD_compress(out.data(), out.size(), body.data(), body.size(), kLevel);
+  if (ZSTD_isError(size)) throw std::bad_alloc();
+  out.resize(size);
+  out.shrink_to_fit();
+  return out;
+}
+
+}  // namespace
+
+std::string_view name_of(ContentCoding coding) {
+  return coding == ContentCoding::kGzip ? "gzip" : coding == ContentCoding::kZstd ? "zstd" : "identity";
+}
+
+bool CodingWishes::accepts(ContentCoding coding) const {
+  return (coding == ContentCoding::kGzip ? gzip : coding == ContentCoding::kZstd ? zstd : identity) > 0;
+}
+
+std::optional<ContentCoding> CodingWishes::best() const {
+  const int plain = identity_named ? identity : std::min(identity, 1);
+  if (zstd > 0 && zstd >= gzip && zstd >= plain) return ContentCoding::kZstd;
+  if (gzip > 0 && gzip >= plain) return ContentCoding::kGzip;
+  if (identity > 0) return ContentCoding::kIdentity;
+  return std::nullopt;
+}
+
+CodingWishes coding_wishes(std::string_view accept_encoding) {
+  CodingWishes wishes;
+  bool gzip = false, zstd = false;
+  int others = -1;  // what '*' says
+  while (!accept_encoding.empty()) {
+    const std::string_view item = accept_encoding.substr(0, accept_encoding.find(','));
+    accept_encoding.remove_prefix(std::min(accept_encoding.size(), item.size() + 1));
+    const std::size_t semicolon = item.find(';');
+    const std::string_view name = trim(item.substr(0, semicolon));
+    int q = 1000;
+    if (semicolon != std::string_view::npos) {
+      const std::string_view weight = trim(item.substr(semicolon + 1));
+      if (weight.size() < 2 || (weight[0] != 'q' && weight[0] != 'Q') || weight[1] != '=') continue;
+      q = thousandths(weight.substr(2));
+      if (q < 0) continue;
+    }
+    if (equals_ignoring_case(name, "gzip") || equals_ignoring_case(name, "x-gzip")) {
+      wishes.gzip = q;
+      gzip = true;
+    } else if (equals_ignoring_case(name, "zstd")) {
+      wishes.zstd = q;
+      zstd = true;
+    } else if (equals_ignoring_case(name, "identity")) {
+      wishes.identity = q;
+      wishes.identity_named = true;
+    } else if (name == "*") {
+      others = q;
+    }
+  }
+  if (others >= 0) {
+    if (!gzip) wishes.gzip = others;
+    if (!zstd) wishes.zstd = others;
+    if (!wishes.identity_named && others == 0) wishes.identity = 0;
+  }
+  return wishes;
+}
+
+std::vector<std::uint8_t> encode_body(std::span<const std::uint8_t> body, ContentCoding coding) {
+  if (coding == ContentCoding::kGzip) return gzipped(body);
+  if (coding == ContentCoding::kZstd) return zstandard(body);
+  return {body.begin(), body.end()};
+}
+
+}  // namespace fracture::http

@@ -1,0 +1,140 @@
+#include "server/http/result_response.hpp"
+
+#include <openssl/evp.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+namespace fracture::http {
+namespace {
+
+/// Smaller ones are not worth it, larger ones would hold a thread for long.
+constexpr std::size_t kLeastCompressed = 1u << 10, kMostCompressed = 64u << 20;
+
+std::string milliseconds(double ms) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f", ms);
+  return text;
+}
+
+std::string base64(std::span<const std::uint8_t> bytes) {
+  std::string text(4 * ((bytes.size() + 2) / 3) + 1, '\0');  // and a zero at the end, which EVP writes
+  const int n = EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()), bytes.data(),
+                                static_cast<int>(bytes.size()));
+  text.resize(static_cast<std::size_t>(n));
+  return text;
+}
+
+}  // namespace
+
+bool none_match_fails(std::string_view field, std::string_view etag) {
+  while (!field.empty()) {
+    std::string_view item = field.substr(0, field.find(','));
+    field.remove_prefix(std::min(field.size(), item.size() + 1));
+    while (!item.empty() && item.front() == ' ') item.remove_prefix(1);
+    while (!item.empty() && item.back() == ' ') item.remove_suffix(1);
+    if (item.substr(0, 2) == "W/") item.remove_prefix(2);
+    if (item == "*" || item == etag) return true;
+  }
+  return false;
+}
+
+OrProblem<Representation> represent(const RequestHead& head, const FractureResult& result, bool figures) {
+  const CodingWishes wishes = coding_wishes(head.field("accept-encoding"));
+  const std::size_t size = plain_bytes(result, figures).size();
+  const bool plain = !head.field("range").empty() || size < kLeastCompressed || size > kMostCompressed;
+  Representation chosen;
+  chosen.figures = figures;
+  if (!(plain && wishes.accepts(ContentCoding::kIdentity))) {
+    const auto best = wishes.best();
+    if (!best)
+      return refuse(HttpProblem::kNotAcceptable,
+                    "Accept-Encoding excludes all codings there are: zstd, gzip, identity.");
+    chosen.coding = *best;
+  }
+  chosen.etag = result.key;
+  if (figures) chosen.etag += ".figures";
+  if (chosen.coding != ContentCoding::kIdentity) chosen.etag += "." + std::string(name_of(chosen.coding));
+  chosen.etag.insert(0, 1, '"') += '"';
+  return chosen;
+}
+
+std::span<const std::uint8_t> plain_bytes(const FractureResult& result, bool figures) {
+  return figures ? result.bytes_of(result.figures) : std::span(result.file);
+}
+
+std::string variant_key(const FractureResult& result, const Representation& representation) {
+  return result.key + (representation.figures ? ".figures." : ".") +
+         std::string(name_of(representation.coding));
+}
+
+std::shared_ptr<const FractureResult> make_variant(const FractureResult& result,
+                                                   const Representation& representation) {
+  auto variant = std::make_shared<FractureResult>();
+  variant->key = variant_key(result, representation);
+  variant->mesh_digest = result.mesh_digest;
+  variant->format = result.format;
+  variant->file = encode_body(plain_bytes(result, representation.figures), representation.coding);
+  variant->file_digest = sha256(std::as_bytes(std::span(variant->file)));
+  return variant;
+}
+
+Response result_response(const std::shared_ptr<const FractureResult>& result,
+                         const Representation& representation,
+                         const std::shared_ptr<const FractureResult>& variant) {
+  const bool figures = representation.figures, plain = representation.coding == ContentCoding::kIdentity;
+  if (figures && result->figures.size == 0) throw InternalError("a result without figures");
+  Response response;
+  response.content_type = figures                                 ? "application/json"
+                          : result->format == OutputFormat::kGltf ? "model/gltf+json"
+                                                                  : "model/gltf-binary";
+  response.headers.emplace_back("ETag", representation.etag);
+  response.headers.emplace_back("Content-Location", "/fractures/sha256:" + result->key);
+  response.headers.emplace_back("Vary", "Accept, Accept-Encoding");
+  response.headers.emplace_back("Fracture-Algorithm", std::to_string(kAlgorithmVersion));
+  if (!plain) response.headers.emplace_back("Content-Encoding", name_of(representation.coding));
+  // RFC 9530: of the representation with its coding, whatever range of it is sent.
+  const Digest* digest = nullptr;
+  if (plain) {
+    response.body = plain_bytes(*result, figures);
+    response.owner = result;
+    digest = figures ? &result->figures_digest : &result->file_digest;
+  } else if (variant) {
+    response.body = variant->file;
+    response.owner = variant;
+    digest = &variant->file_digest;
+  } else {
+    response.length_unknown = true;
+  }
+  if (digest) response.headers.emplace_back("Repr-Digest", "sha-256=:" + base64(digest->bytes) + ":");
+  return response;
+}
+
+std::string cache_status(const FractureAnswer& answer) {
+  std::string value;
+  const auto add = [&](const char* name, CacheOutcome outcome) {
+    if (outcome == CacheOutcome::kNotConsulted) return;
+    if (!value.empty()) value += ", ";
+    value += name;
+    if (outcome == CacheOutcome::kHit) value += "; hit";
+    if (outcome == CacheOutcome::kMissStored) value += "; fwd=miss; stored";
+    if (outcome == CacheOutcome::kMissNotStored) value += "; fwd=miss";
+    if (outcome == CacheOutcome::kCollapsed) value += "; fwd=miss; collapsed";
+  };
+  add("redis", answer.redis_cache);
+  add("disk", answer.disk_cache);
+  add("mesh", answer.mesh_cache);
+  add("diagram", answer.diagram_cache);
+  add("result", answer.result_cache);
+  return value;
+}
+
+std::string server_timing(const FractureAnswer& answer) {
+  std::string value = "queue;dur=" + milliseconds(std::max(0.0, answer.queue_milliseconds));
+  for (const char* stage : {"import", "prepare", "tetrahedralize", "clip", "encode"})
+    value += std::string(", ") + stage + ";dur=" + milliseconds(answer.timings.milliseconds(stage));
+  return value + ", work;dur=" + milliseconds(answer.work_milliseconds);
+}
+
+}  // namespace fracture::http

@@ -1,0 +1,129 @@
+#include "server/service/figures.hpp"
+
+#include <algorithm>
+#include <cstddef>
+
+#include "server/service/result.hpp"
+
+namespace fracture {
+namespace {
+
+/// A position in JSON text (RFC 8259) that can step over values without looking into them. Text that is no
+/// JSON ends it early, nothing more.
+class Skim {
+ public:
+  Skim(std::string_view text, std::size_t at) : text_(text), at_(at) { space(); }
+
+  std::size_t at() const { return at_; }
+  bool take(char c) {
+    if (at_ >= text_.size() || text_[at_] != c) return false;
+    ++at_;
+    space();
+    return true;
+  }
+  /// The characters between the quotes as they stand there.
+  std::optional<std::string_view> string() {
+    const std::size_t begin = at_;
+    if (at_ >= text_.size() || text_[at_] != '"' || !pass_string(at_)) return std::nullopt;
+    const std::string_view inside = text_.substr(begin + 1, at_ - begin - 2);
+    space();
+    return inside;
+  }
+  /// Over one value, of whatever kind; its range.
+  std::optional<TextRange> value() {
+    constexpr std::string_view kDelimiters = ",}] \t\r\n";
+    const std::size_t begin = at_;
+    std::size_t p = begin, depth = 0;
+    do {
+      if (p >= text_.size()) return std::nullopt;
+      const char c = text_[p];
+      if (c == '"') {
+        if (!pass_string(p)) return std::nullopt;
+        continue;
+      }
+      const bool opens = c == '{' || c == '[', closes = c == '}' || c == ']';
+      if (closes && depth == 0) return std::nullopt;
+      depth = opens ? depth + 1 : closes ? depth - 1 : depth;
+      if (opens || closes || depth > 0)
+        ++p;
+      else
+        p = std::min(text_.find_first_of(kDelimiters, p), text_.size());
+    } while (depth > 0);
+    if (p == begin) return std::nullopt;
+    at_ = p;
+    space();
+    return TextRange{begin, p - begin};
+  }
+
+ private:
+  /// From the opening quote to behind the closing one.
+  bool pass_string(std::size_t& p) const {
+    for (++p; p < text_.size() && text_[p] != '"'; ++p)
+      if (text_[p] == '\\') ++p;
+    return p++ < text_.size();
+  }
+  void space() { at_ = std::min(text_.find_first_not_of(" \t\r\n", at_), text_.size()); }
+
+  std::string_view text_;
+  std::size_t at_;
+};
+
+/// Where the value of a member of the object at `at` begins. Only what stands before it is looked at.
+std::optional<std::size_t> member(std::string_view text, std::size_t at, std::string_view name) {
+  Skim skim(text, at);
+  if (!skim.take('{')) return std::nullopt;
+  while (const auto key = skim.string()) {
+    if (!skim.take(':')) return std::nullopt;
+    if (*key == name) return skim.at();
+    if (!skim.value() || !skim.take(',')) return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+std::string_view text_of(std::span<const std::uint8_t> file) {
+  return {reinterpret_cast<const char*>(file.data()), file.size()};
+}
+
+}  // namespace
+
+std::optional<TextRange> member_of(std::span<const std::uint8_t> file, TextRange object,
+                                   std::string_view name) {
+  const std::string_view text = text_of(file).substr(0, object.at + object.size);
+  const auto at = member(text, object.at, name);
+  return at ? Skim(text, *at).value() : std::nullopt;
+}
+
+std::optional<TextRange> figures_in(std::span<const std::uint8_t> file, OutputFormat format) {
+  std::string_view text = text_of(file);
+  std::size_t begin = 0;
+  if (format == OutputFormat::kGlb) {
+    // 12 bytes of header, then the JSON chunk as length, type, text (glTF 2.0, section 4.4).
+    begin = 20;
+    if (text.size() < begin) return std::nullopt;
+    std::size_t length = 0;
+    for (std::size_t k = 4; k-- > 0;) length = length << 8 | file[12 + k];
+    if (length > text.size() - begin) return std::nullopt;
+    text = text.substr(0, begin + length);
+  }
+  const auto nodes = member(text, begin, "nodes");
+  if (!nodes) return std::nullopt;
+  Skim skim(text, *nodes);
+  if (!skim.take('[')) return std::nullopt;
+  do {
+    const auto extras = member(text, skim.at(), "extras");
+    const auto figures = extras ? member(text, *extras, "fracture") : std::nullopt;
+    // Those of a fragment or a cluster have no bonds.
+    if (figures && member(text, *figures, "bonds")) return Skim(text, *figures).value();
+  } while (skim.value() && skim.take(','));
+  return std::nullopt;
+}
+
+void locate_figures(FractureResult& result) {
+  const auto figures = figures_in(result.file, result.format);
+  result.figures = figures.value_or(TextRange());
+  result.parameters =
+      figures ? member_of(result.file, *figures, "parameters").value_or(TextRange()) : TextRange();
+  result.figures_digest = sha256(std::as_bytes(result.bytes_of(result.figures)));
+}
+
+}  // namespace fracture

@@ -1,0 +1,206 @@
+// In what forms a result is sent: figures, codings, parts; and what is decided before any of it is made.
+#include <gtest/gtest.h>
+#include <openssl/evp.h>
+
+#include <set>
+#include <thread>
+#include <vector>
+
+#include "common/base/digest.hpp"
+#include "common/base/execution.hpp"
+#include "tests/server/temporary_folder.hpp"
+#include "tests/server/test_server.hpp"
+
+namespace fracture::test {
+namespace {
+
+std::string repr_digest(const std::string& body) {
+  const Digest digest = sha256(body);
+  std::string base64(64, '\0');
+  base64.resize(static_cast<std::size_t>(
+      EVP_EncodeBlock(reinterpret_cast<unsigned char*>(base64.data()), digest.bytes.data(), 32)));
+  return "sha-256=:" + base64 + ":";
+}
+
+std::string decoded(const Reply& reply) {
+  std::string body = reply.body;
+  MemoryBudget budget(1u << 30);
+  MemoryBudget::Reservation reservation(budget);
+  const auto coding = http::content_coding(reply.header("content-encoding"));
+  EXPECT_FALSE(http::decode_body(body, coding.value(), 1u << 30, reservation, {}).problem);
+  return body;
+}
+
+struct Representations : testing::Test {
+  TestServer server;
+  Reply made;
+  std::string location;
+  Representations() {
+    server.control->glb_padding = 100'000;
+    made = server.post("/fracture?sites=9");
+    location = made.header("content-location");
+  }
+  Reply get(const std::string& fields) { return server.get(location, fields); }
+};
+
+TEST_F(Representations, FiguresAreTheTextThatStandsInTheFile) {
+  const Reply figures = get("Accept: application/json\r\n");
+  ASSERT_EQ(figures.status, 200);
+  EXPECT_NE(made.body.find(figures.body), std::string::npos) << "nothing was parsed and written again";
+  EXPECT_EQ(figures.json().at("fragments"), 9);
+  EXPECT_EQ(figures.json().at("parameters").at("sites"), 9);
+  EXPECT_EQ(figures.header("repr-digest"), repr_digest(figures.body));
+  EXPECT_NE(figures.header("etag"), made.header("etag"));
+  EXPECT_EQ(get("Accept: application/json\r\nIf-None-Match: " + figures.header("etag") + "\r\n").status, 304);
+  const Reply head = ask(server.port(), "HEAD", location, "Accept: application/json\r\n");
+  EXPECT_EQ(head.header("content-length"), std::to_string(figures.body.size()));
+  EXPECT_EQ(head.header("etag"), figures.header("etag"));
+}
+
+TEST_F(Representations, FiguresComeFromTheDiskToo) {
+  const TemporaryFolder folder;
+  TestServerOptions options;
+  options.service.tiers.folder = folder.path + "/cache";
+  Reply before;
+  {
+    TestServer first(options);
+    before =
+        first.post("/fracture?sites=9", "mesh", "Content-Type: model/obj\r\nAccept: application/json\r\n");
+    first.service.tiers().flush();
+  }
+  TestServer second(options);
+  const Reply after = second.get(before.header("content-location"), "Accept: application/json\r\n");
+  EXPECT_EQ(after.body, before.body);
+  EXPECT_EQ(after.header("repr-digest"), before.header("repr-digest"));
+  EXPECT_EQ(after.header("cache-status"), "disk; hit, result; fwd=miss; stored");
+}
+
+TEST_F(Representations, EachCodingIsARepresentationOfItsOwn) {
+  std::set<std::string> etags = {made.header("etag")};
+  for (const std::string coding : {"gzip", "zstd"})
+    for (const std::string accept : {"", "Accept: application/json\r\n"}) {
+      const Reply plain = get(accept), reply = get(accept + "Accept-Encoding: " + coding + "\r\n");
+      if (plain.body.size() < 1024) continue;  // not worth it
+      ASSERT_EQ(reply.status, 200) << coding;
+      EXPECT_EQ(reply.header("content-encoding"), coding);
+      EXPECT_LT(reply.body.size(), plain.body.size() / 2) << coding;
+      EXPECT_EQ(decoded(reply), plain.body);
+      EXPECT_EQ(reply.header("content-type"), plain.header("content-type"));
+      EXPECT_EQ(reply.header("repr-digest"), repr_digest(reply.body)) << "RFC 9530: with its coding";
+      EXPECT_NE(reply.header("vary").find("Accept-Encoding"), std::string::npos);
+      EXPECT_NE(plain.header("vary").find("Accept-Encoding"), std::string::npos);
+      EXPECT_TRUE(etags.insert(reply.header("etag")).second) << reply.header("etag");
+      EXPECT_EQ(
+          get(accept + "Accept-Encoding: " + coding + "\r\nIf-None-Match: " + reply.header("etag") + "\r\n")
+              .status,
+          304);
+      EXPECT_EQ(get(accept + "Accept-Encoding: " + coding + "\r\n").body, reply.body);
+    }
+  EXPECT_EQ(etags.size(), 3u);
+}
+
+TEST_F(Representations, APostIsAnsweredCompressedWhereThatIsAskedFor) {
+  for (const char* query : {"/fracture?sites=9", "/fracture?sites=10"}) {  // cached, then computed
+    const Reply reply =
+        server.post(query, "a mesh", "Content-Type: model/gltf-binary\r\nAccept-Encoding: zstd\r\n");
+    EXPECT_EQ(reply.status, 200);
+    EXPECT_EQ(reply.header("content-encoding"), "zstd");
+    EXPECT_EQ(decoded(reply).substr(0, 4), "glTF");
+    EXPECT_NE(reply.header("server-timing"), "");
+  }
+}
+
+TEST_F(Representations, QualitiesDecide) {
+  const auto chosen = [&](const std::string& field) {
+    const Reply reply = get("Accept-Encoding: " + field + "\r\n");
+    return reply.status == 200 ? reply.header("content-encoding") : std::to_string(reply.status);
+  };
+  EXPECT_EQ(chosen("gzip, zstd"), "zstd");
+  EXPECT_EQ(chosen("gzip, deflate, br"), "gzip");
+  EXPECT_EQ(chosen("zstd;q=0.5, gzip;q=0.8"), "gzip");
+  EXPECT_EQ(chosen("ZSTD;Q=1"), "zstd");
+  EXPECT_EQ(chosen("x-gzip"), "gzip");
+  EXPECT_EQ(chosen("gzip;q=0, *"), "zstd");
+  EXPECT_EQ(chosen("br"), "");
+  EXPECT_EQ(chosen("*;q=0"), "406");
+  EXPECT_EQ(chosen("identity;q=0, br"), "406");
+  EXPECT_EQ(chosen("identity;q=0, gzip"), "gzip");
+  EXPECT_EQ(chosen("identity, gzip;q=0.5"), "");
+  EXPECT_EQ(chosen("identity;q=0.5, gzip;q=0.1"), "");
+  EXPECT_EQ(chosen("gzip;q=0.001"), "gzip") << "what is named goes before what is not";
+  EXPECT_EQ(chosen("gzip;q=2"), "") << "malformed items are skipped";
+}
+
+TEST_F(Representations, APartIsOneOfThePlainBytes) {
+  const Reply part = get("Accept-Encoding: gzip, zstd\r\nRange: bytes=0-3\r\n");
+  EXPECT_EQ(part.status, 206);
+  EXPECT_EQ(part.body, "glTF");
+  EXPECT_EQ(part.header("content-encoding"), "");
+  EXPECT_EQ(part.header("etag"), made.header("etag"));
+  const Reply whole = get("Accept-Encoding: gzip\r\n");
+  EXPECT_EQ(
+      get("Accept-Encoding: gzip\r\nRange: bytes=0-3\r\nIf-Range: " + whole.header("etag") + "\r\n").status,
+      200)
+      << "a part of the compressed bytes cannot be had";
+}
+
+TEST_F(Representations, AHeadOrACheckOfWhatNobodyCompressedMakesNothing) {
+  const std::string gzip = "Accept-Encoding: gzip\r\n";
+  const std::size_t entries = server.service.figures().results.entries;
+  const Reply head = ask(server.port(), "HEAD", location, gzip);
+  EXPECT_EQ(head.status, 200);
+  EXPECT_EQ(head.header("content-encoding"), "gzip");
+  EXPECT_EQ(head.header("content-length"), "");
+  EXPECT_EQ(get(gzip + "If-None-Match: " + head.header("etag") + "\r\n").status, 304);
+  EXPECT_EQ(server.service.figures().results.entries, entries);
+  const Reply whole = get(gzip);
+  EXPECT_EQ(whole.header("etag"), head.header("etag"));
+  EXPECT_EQ(server.service.figures().results.entries, entries + 1) << "kept beside the result";
+  EXPECT_EQ(ask(server.port(), "HEAD", location, gzip).header("content-length"),
+            std::to_string(whole.body.size()));
+}
+
+TEST_F(Representations, ManyWhoWantTheSameCodingGetTheSameBytes) {
+  std::vector<std::string> bodies(8);
+  std::vector<std::thread> clients;
+  for (std::string& body : bodies)
+    clients.emplace_back([&] { body = get("Accept-Encoding: zstd\r\n").body; });
+  for (std::thread& client : clients) client.join();
+  for (const std::string& body : bodies) EXPECT_EQ(body, bodies.front());
+  EXPECT_EQ(server.service.figures().results.entries, 2u);
+}
+
+TEST_F(Representations, WhatIsKeptBesideAResultIsNoResult) {
+  get("Accept-Encoding: zstd\r\n");
+  EXPECT_EQ(server.get(location + ".zstd").status, 404);
+  EXPECT_EQ(server.post("/fracture?of=" + location + ".zstd").status, 400);
+}
+
+TEST(Figures, AreFoundWithoutParsingWhateverTheTextIs) {
+  const auto find = [](const std::string& text) {
+    const std::vector<std::uint8_t> file(text.begin(), text.end());
+    const auto range = figures_in(file, OutputFormat::kGltf);
+    return range ? text.substr(range->at, range->size) : "nothing";
+  };
+  const std::string root = R"({"bonds":{"a":[1,2]},"x":"}\"]"})";
+  EXPECT_EQ(find(R"({"nodes":[{"extras":{"fracture":)" + root + "}}]}"), root);
+  EXPECT_EQ(
+      find(
+          R"( { "asset" : {"nodes":[1]}, "n":-1.5e3 , "t":true, "nodes" : [ {"extras":{"fracture":{"id":1}}} , {"extras" : { "fracture" : )" +
+          root + " } } ] }"),
+      root);
+  for (const char* text :
+       {"", "{", "[]", "nodes", "{\"nodes\":[", "{\"nodes\":[]}", "{\"nodes\":[{}]}", "{\"nodes\":{}}",
+        "{\"nodes\":[{\"extras\":", "{\"a\\", "{\"a\":\"\\", "{\"nodes\":[}}}}]}", "{\"nodes\":,}",
+        "{\"nodes\":[{\"extras\":{\"fracture\":{\"bonds\":"})
+    EXPECT_EQ(find(text), "nothing") << text;
+  EXPECT_EQ(find("{\"a\":" + std::string(1'000'000, '[')), "nothing") << "depth costs no stack";
+}
+
+TEST(Figures, AGlbWhoseLengthsLieHasNone) {
+  for (std::size_t size = 0; size < 24; ++size)
+    EXPECT_FALSE(figures_in(std::vector<std::uint8_t>(size, 0xff), OutputFormat::kGlb)) << size;
+}
+
+}  // namespace
+}  // namespace fracture::test
