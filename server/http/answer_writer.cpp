@@ -31,7 +31,7 @@ asio::awaitable<bool> write_answer(TimedSocket& connection, const HttpLimits& li
   const TimedSocket::Clock::time_point start = TimedSocket::Clock::now();
   std::uint64_t written = 0;
   while (head_only ? !serializer.is_header_done() : !serializer.is_done()) {
-    const std::uint64_t waiting = connection.unsent();
+    const std::uint64_t waiting = written == 0 ? 0 : connection.unsent();
     const std::uint64_t taken = written - std::min(written, waiting);
     const auto earned =
         std::chrono::milliseconds(1000 * taken / std::max<std::uint64_t>(1, limits.answer_rate));

@@ -55,7 +55,7 @@ OrProblem<Representation> represent(const RequestHead& head, const FractureResul
   }
   chosen.etag = result.key;
   if (figures) chosen.etag += ".figures";
-  if (chosen.coding != ContentCoding::kIdentity) chosen.etag += "." + std::string(name_of(chosen.coding));
+  if (chosen.coding != ContentCoding::kIdentity) chosen.etag.append(1, '.').append(name_of(chosen.coding));
   chosen.etag.insert(0, 1, '"') += '"';
   return chosen;
 }
