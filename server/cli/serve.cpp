@@ -49,8 +49,9 @@ void reload_tokens(const std::string& path, http::HttpServer& server) {
     spdlog::error("token-file {}: refused, the old one stays in force", tokens.error());
     return;
   }
-  spdlog::info("token-file {} was read again: {} names", path, tokens->size());
+  const std::size_t names = tokens->size();
   server.replace_tokens(std::move(*tokens));
+  spdlog::info("token-file {} was read again: {} names", path, names);  // when it is in force
 }
 
 /// Blocks of this size are mapped, each by itself, and go back to the system when they are freed. By default
