@@ -229,13 +229,13 @@ const Bisector* VoronoiDiagram::find_bisector(SiteId i, SiteId j) const {
 VoronoiDiagram::Facet VoronoiDiagram::find_facet(SiteId i, SiteId j, SiteId k) const {
   // Around edge (i, a): each tetrahedron is left through the facet opposite the vertex that the last one did
   // not have.
-  struct Turn {
+  struct Sweep {
     SiteId i, a, wanted;
     TetId first, at;
     SiteId before = kNoSite;  // the vertex of `at` to turn away from
     bool done = false;
   };
-  const auto look = [&](Turn& turn) -> std::optional<Facet> {
+  const auto look = [&](Sweep& turn) -> std::optional<Facet> {
     const Tetrahedron& t = dual_->tets[turn.at];
     int others[2], n = 0, found = -1;
     for (int m = 0; m < 4; ++m)
@@ -253,7 +253,7 @@ VoronoiDiagram::Facet VoronoiDiagram::find_facet(SiteId i, SiteId j, SiteId k) c
   };
   const Bisector *to_j = find_bisector(i, j), *to_k = find_bisector(i, k);
   if (to_j && to_k) {
-    Turn about_j{i, j, k, to_j->tet, to_j->tet}, about_k{i, k, j, to_k->tet, to_k->tet};
+    Sweep about_j{i, j, k, to_j->tet, to_j->tet}, about_k{i, k, j, to_k->tet, to_k->tet};
     while (!about_j.done && !about_k.done) {
       if (const auto facet = look(about_j)) return *facet;
       if (const auto facet = look(about_k)) return *facet;
