@@ -56,7 +56,7 @@ std::string names_of(Scopes scopes) {
                                                       {Scope::kAdmin, "admin"}};
   std::string names;
   for (const auto& [scope, name] : kNames)
-    if (scopes.has(scope)) names += (names.empty() ? "" : " ") + std::string(name);
+    if (scopes.has(scope)) names.append(names.empty() ? "" : " ").append(name);
   return names;
 }
 

@@ -99,7 +99,7 @@ TEST(TenantAccess, UsageStandsByNameInTheMetrics) {
 
 TEST(TenantAccess, TheMetricsOfManyNamesAreBounded) {
   std::vector<nlohmann::json> tenants;
-  for (int k = 0; k < 150; ++k) tenants.push_back(tenant("n" + std::to_string(1000 + k)));
+  for (int k = 0; k < 150; ++k) tenants.push_back(tenant(std::string("n").append(std::to_string(1000 + k))));
   TestServer server(with(tenants));
   server.get("/version", by("n1000"));
   server.get("/version", by("n1149"));
