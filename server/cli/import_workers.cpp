@@ -8,30 +8,23 @@
 
 namespace fracture::cli {
 
-namespace {
-
-/// A worker that keeps more than this after an import is replaced: it counts as 16 MiB (memory_plan.cpp).
-constexpr std::uint64_t kMaxAtRest = 32u << 20;
-
-}  // namespace
-
-std::shared_ptr<ImportPool> start_import_workers(int workers, std::uint64_t memory_bytes,
-                                                 std::chrono::milliseconds deadline) {
-  if (workers == 0) {
+std::shared_ptr<ImportPool> start_import_workers(const ServeOptions& options) {
+  if (options.import_workers == 0) {
     spdlog::warn("--import-workers 0: files are read in this process, where a hostile one can end it");
     return nullptr;
   }
   ImportPoolConfig config;
-  config.workers = workers;
+  config.workers = options.import_workers;
   config.worker.program = import_worker_beside_this_program();
   if (config.worker.program.empty())
     throw std::runtime_error(
         "fracture-import is not beside fracture-server: install both, or read files in this process with "
         "--import-workers 0");
-  config.worker.memory_bytes = memory_bytes;
-  config.max_resident_bytes = kMaxAtRest;
+  config.worker.memory_bytes = options.import_memory;
+  config.worker.require_sandbox = options.sandbox_required;
   // The deadline, by the clock, is first to end an import; this is the second line.
-  config.worker.cpu = std::chrono::ceil<std::chrono::seconds>(deadline) + std::chrono::seconds(1);
+  config.worker.cpu =
+      std::chrono::ceil<std::chrono::seconds>(options.limits.deadline) + std::chrono::seconds(1);
   auto pool = std::make_shared<ImportPool>(config);
   if (const WorkerHello hello = pool->hello(); hello.seccomp == 0)
     spdlog::warn(
@@ -42,22 +35,33 @@ std::shared_ptr<ImportPool> start_import_workers(int workers, std::uint64_t memo
   return pool;
 }
 
-void write_import_metrics(const ImportCounters& counters, ops::MetricWriter& writer) {
-  const std::pair<const char*, std::uint64_t> outcomes[] = {{"imported", counters.imported},
-                                                            {"refused", counters.refused},
-                                                            {"crashed", counters.crashed},
-                                                            {"limited", counters.limited},
-                                                            {"interrupted", counters.interrupted}};
+void write_import_metrics(const ImportPool* imports, ops::MetricWriter& writer) {
+  const std::pair<const char*, bool> layers[] = {
+      {"seccomp", imports && imports->hello().seccomp != 0},
+      {"landlock", imports && imports->zygote_hello().landlock != 0}};
+  for (const auto& [layer, in_force] : layers)
+    writer.gauge(
+        "fracture_import_sandbox",
+        "1 where files are read in processes behind this layer of the sandbox. Without seccomp there "
+        "is none to speak of; Landlock is a second one, for files.",
+        in_force, {{"layer", layer}});
+  if (!imports) return;
+  const ImportCounters counters = imports->counters();
+  const std::pair<const char*, std::uint64_t> outcomes[] = {
+      {"imported", counters.imported},     {"refused", counters.refused},
+      {"crashed", counters.crashed},       {"limited", counters.limited},
+      {"remembered", counters.remembered}, {"interrupted", counters.interrupted}};
   for (const auto& [outcome, count] : outcomes)
     writer.counter(
         "fracture_imports_total",
         "Imports by their end: a mesh, an error of the file, the death of the worker, a limit of its "
-        "sandbox, or given up.",
+        "sandbox, given up, or refused for one of these as the file is remembered.",
         static_cast<double>(count), {{"outcome", outcome}});
-  writer.counter("fracture_import_workers_started_total", "Import processes started.",
+  writer.counter("fracture_import_workers_started_total", "Import processes forked, one for each file.",
                  static_cast<double>(counters.started));
-  writer.counter("fracture_import_workers_recycled_total", "Import processes replaced in good health.",
-                 static_cast<double>(counters.recycled));
+  writer.counter("fracture_import_zygotes_started_total",
+                 "Processes started to fork the import processes from.",
+                 static_cast<double>(counters.zygotes));
   writer.gauge("fracture_import_workers", "Import processes alive.", counters.workers);
   writer.gauge("fracture_import_workers_busy", "Import processes at work.", counters.busy);
 }

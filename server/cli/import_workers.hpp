@@ -1,20 +1,20 @@
 // The import workers of `serve`.
 #pragma once
 
-#include <cstdint>
 #include <memory>
 
-#include "common/base/error.hpp"
+#include "server/cli/options.hpp"
 #include "server/import_worker/import_pool.hpp"
 #include "server/ops/metrics.hpp"
 
 namespace fracture::cli {
 
 /// For `serve`. Says in the log what of the sandbox this machine does not allow; null, with a warning, for 0
-/// workers. Throws std::runtime_error where the workers cannot be started.
-std::shared_ptr<ImportPool> start_import_workers(int workers, std::uint64_t memory_bytes,
-                                                 std::chrono::milliseconds deadline);
+/// workers. Throws std::runtime_error where the workers cannot be started, or not in the sandbox that is
+/// required.
+std::shared_ptr<ImportPool> start_import_workers(const ServeOptions& options);
 
-void write_import_metrics(const ImportCounters& counters, ops::MetricWriter& writer);
+/// `imports` may be null: files are read in the server's own process.
+void write_import_metrics(const ImportPool* imports, ops::MetricWriter& writer);
 
 }  // namespace fracture::cli

@@ -42,6 +42,8 @@ struct ServeOptions {
   std::size_t max_queue = 256;
   int import_workers = available_cores();    ///< 0: imports run in the server's own process
   std::uint64_t import_memory = 2ull << 30;  ///< bytes of address space of an import worker; 0: no limit
+  std::string require_sandbox = "auto";      ///< auto, yes, no
+  bool sandbox_required = false;             ///< what that comes to
   std::chrono::milliseconds drain_delay{0}, grace{30'000};
   std::string log_level = "info";
   std::string log_format = "auto";

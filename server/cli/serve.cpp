@@ -89,7 +89,7 @@ int serve_until_stopped(const ServeOptions& options) {
   set_up_allocator(threads);
   std::shared_ptr<ImportPool> imports;
   try {
-    imports = start_import_workers(options.import_workers, options.import_memory, options.limits.deadline);
+    imports = start_import_workers(options);
   } catch (const std::exception& e) {
     spdlog::critical("{}", e.what());
     return kExitSystem;
@@ -113,9 +113,8 @@ int serve_until_stopped(const ServeOptions& options) {
       writer.counter("fracture_failures_not_kept_total", "Failures for which there was no room.",
                      static_cast<double>(figures.dropped + figures.unwritten));
     });
-  if (imports)
-    api.metrics().add_source(
-        [&imports](ops::MetricWriter& writer) { write_import_metrics(imports->counters(), writer); });
+  api.metrics().add_source(
+      [&imports](ops::MetricWriter& writer) { write_import_metrics(imports.get(), writer); });
   api.metrics().add_source([&](ops::MetricWriter& writer) {
     write_memory_metrics(options, api, dispatcher, imports.get(), writer);
   });

@@ -27,6 +27,11 @@ std::optional<Reach> reach_of(const std::string& address) {
   return std::nullopt;
 }
 
+bool sandbox_required(const ServeOptions& o) {
+  return o.require_sandbox == "yes" ||
+         (o.require_sandbox == "auto" && reach_of(o.server.address) == Reach::kNetwork);
+}
+
 /// scheme://host[:port], as browsers send it.
 bool is_origin(const std::string& origin) {
   const std::size_t scheme = origin.find("://");
@@ -79,6 +84,8 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
               "Sandboxed processes that read files; 0: files are read in the server's own process"),
        number("import-memory", "BYTES", o.import_memory, 0, kTiB,
               "Address space of an import process, 0: no limit"),
+       choice("require-sandbox", o.require_sandbox, {"auto", "yes", "no"},
+              "Refuse to start where import processes cannot be sandboxed; auto: beyond this machine"),
        list("enable-format", "FORMAT", o.enabled_formats,
             "Also read this format (blend, fbx and others): their parsers are large and off by default"),
        flag("all-formats", o.all_formats, "Read every format there is")});
@@ -161,6 +168,13 @@ std::vector<std::string> inconsistencies(const ServeOptions& o) {
         " can be reached from other machines, and anybody there could use this server: give a --token-file, "
         "or --insecure-bind if something in front of it (a proxy, a firewall) decides who may");
 
+  if (sandbox_required(o) && o.import_workers == 0)
+    refuse("import-workers 0 reads files in the server's own process, without a sandbox, which " +
+           (o.require_sandbox == "yes" ? std::string("--require-sandbox forbids")
+                                       : "a server at " + o.server.address +
+                                             " should not do with other people's files: give it workers, or "
+                                             "--require-sandbox no"));
+
   const http::HttpLimits& l = o.limits;
   const auto at_most = [&](const char* small, std::uint64_t a, const char* large, std::uint64_t b) {
     if (a > b)
@@ -228,6 +242,7 @@ std::vector<std::string> configure(ServeOptions& options, const std::vector<Sett
   errors = plan_memory(options, given, options.memory > 0 ? options.memory : available_memory());
   if (!errors.empty()) return errors;
 
+  options.sandbox_required = sandbox_required(options);
   if (options.all_formats) options.service.formats = FormatSet::all();
   for (const std::string& name : options.enabled_formats)
     options.service.formats.enable(*format_from_extension(name));

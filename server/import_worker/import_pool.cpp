@@ -9,9 +9,49 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/base/digest.hpp"
+
 namespace fracture {
 
 using std::chrono::milliseconds;
+
+namespace {
+
+/// What a reader takes for a file of these bytes, arrays in double and the answer included (measured over the
+/// test meshes: 3 to 9 times), and how much more it is given where that was too little.
+constexpr std::uint64_t kLeastMemory = 8u << 20, kMemoryPerByte = 10, kMore = 4;
+/// The answer is in shared memory when the worker has freed its own; then the server takes it apart.
+constexpr std::uint64_t kReserved = 2;
+/// A shorter try is repeated at no greater cost.
+constexpr milliseconds kWorthRemembering{50};
+
+/// For callers that have no name for it: covers every byte.
+std::string digest_of(std::span<const std::byte> mesh, std::span<const ImportFile> files) {
+  if (files.empty()) return sha256(mesh).hex();
+  std::string list = sha256(mesh).hex();
+  for (const ImportFile& file : files) list += sha256(file.name).hex() + sha256(file.bytes).hex();
+  return sha256(list).hex();
+}
+
+bool lacked_memory(const Expected<Mesh>& result) {
+  return !result && result.error().code == ErrorCode::kImporterLimit &&
+         result.error().extra.value("limit", "") == "memory";
+}
+
+/// 0 is no limit.
+std::uint64_t most_of(std::uint64_t memory_bytes) {
+  return memory_bytes > 0 ? memory_bytes : ImportMemo::kAnyMemory;
+}
+
+/// Is it of no use to try? What was not done in a time is not done in an eighth more: tries of one length are
+/// never quite of one length.
+bool refuses(const ImportMemo::Known& known, std::uint64_t memory_bytes, const Execution& execution) {
+  if (known.error && most_of(memory_bytes) <= known.with_bytes) return true;
+  if (known.needs_more_than.count() == 0 || !execution.deadline) return false;
+  return *execution.deadline - ImportMemo::Clock::now() < known.needs_more_than / 8 * 9;
+}
+
+}  // namespace
 
 ImportPool::ImportPool(ImportPoolConfig config)
     : config_(std::move(config)), thread_([this] { supervise(); }) {
@@ -45,7 +85,9 @@ void ImportPool::supervise() {
       std::move(idle_.begin(), idle_.end(), std::back_inserter(dead));
       idle_.clear();
       counters_.workers = 0;
+      zygote_pid_ = -1;
       lock.unlock();
+      zygote_.reset();
       return;  // `dead` is buried here
     }
     const bool start = to_start_ > 0;
@@ -56,7 +98,7 @@ void ImportPool::supervise() {
     std::string error;
     if (start) {
       try {
-        born = std::make_unique<WorkerProcess>(config_.worker);
+        born = fork_worker();
       } catch (const std::exception& e) {
         error = e.what();
       }
@@ -74,6 +116,38 @@ void ImportPool::supervise() {
     }
     if (start) free_.notify_all();
   }
+}
+
+/// A zygote that has ended (the system was short of memory) is found out by its fork: then from a new one.
+std::unique_ptr<WorkerProcess> ImportPool::fork_worker() {
+  bool renew = false;
+  {
+    const std::lock_guard lock(mutex_);
+    renew = std::exchange(renew_zygote_, false);
+  }
+  if (zygote_ && (renew || zygote_->forks() >= config_.max_forks)) zygote_.reset();
+  if (zygote_) {
+    try {
+      return std::make_unique<WorkerProcess>(*zygote_, config_.worker);
+    } catch (const std::exception&) {
+      zygote_.reset();
+    }
+  }
+  zygote_ = std::make_unique<ZygoteProcess>(config_.worker);
+  {
+    const std::lock_guard lock(mutex_);
+    ++counters_.zygotes;
+    zygote_pid_ = zygote_->pid();
+    zygote_hello_ = zygote_->hello();
+  }
+  return std::make_unique<WorkerProcess>(*zygote_, config_.worker);
+}
+
+/// So that the next import does not wait for a fork. Called with the lock.
+void ImportPool::want_a_spare() {
+  if (!idle_.empty() || starting_ + to_start_ > 0 || counters_.workers >= config_.workers) return;
+  ++to_start_;
+  supervisor_.notify_one();
 }
 
 std::unique_ptr<WorkerProcess> ImportPool::take(const Execution& execution) {
@@ -98,53 +172,42 @@ std::unique_ptr<WorkerProcess> ImportPool::take(const Execution& execution) {
     execution.poll();
     lock.lock();
   }
-  std::unique_ptr<WorkerProcess> worker = std::move(idle_.back());  // the one whose pages are warm
+  std::unique_ptr<WorkerProcess> worker = std::move(idle_.back());
   idle_.pop_back();
   ++counters_.busy;
   busy_.push_back(worker->pid());
+  want_a_spare();
   return worker;
 }
 
-void ImportPool::give_back(std::unique_ptr<WorkerProcess> worker, bool healthy) {
-  const bool worn = healthy && (worker->imports() >= config_.max_imports ||
-                                worker->resident_bytes() > config_.max_resident_bytes);
+/// It has read its file. Ended by the supervisor, and replaced at once.
+void ImportPool::bury(std::unique_ptr<WorkerProcess> worker) {
   const std::lock_guard lock(mutex_);
   --counters_.busy;
-  if (healthy && !worn) {
-    idle_.push_back(std::move(worker));
-  } else {
-    --counters_.workers;
-    counters_.recycled += worn;
-    retired_.push_back(std::move(worker));
-    // Replaced at once, so that the next import does not pay for its start.
-    ++to_start_;
-    supervisor_.notify_one();
-  }
+  --counters_.workers;
+  renew_zygote_ = renew_zygote_ || worker->death() == WorkerDeath::kCrash;
+  retired_.push_back(std::move(worker));
+  want_a_spare();
+  supervisor_.notify_one();
   free_.notify_one();
 }
 
-namespace {
-
-/// What a reader takes for a file of these bytes, arrays in double and the answer included (measured over the
-/// test meshes: 3 to 9 times), and how much more it is given where that was too little.
-constexpr std::uint64_t kLeastMemory = 8u << 20, kMemoryPerByte = 10, kMore = 4;
-/// The answer is in shared memory when the worker has freed its own; then the server takes it apart.
-constexpr std::uint64_t kReserved = 2;
-
-bool lacked_memory(const Expected<Mesh>& result) {
-  return !result && result.error().code == ErrorCode::kImporterLimit &&
-         result.error().extra.value("limit", "") == "memory";
-}
-
-}  // namespace
-
 Expected<Mesh> ImportPool::import(std::span<const std::byte> mesh, MeshFormat format,
                                   std::span<const ImportFile> files, const ImportLimits& limits,
-                                  const Execution& execution) {
+                                  const Execution& execution, std::string_view digest) {
+  execution.poll();
   std::uint64_t most = config_.worker.memory_bytes;
   if (execution.allowance) {
     const std::uint64_t share = execution.allowance->limit() / kReserved;
     most = most > 0 ? std::min(most, share) : share;
+  }
+  Input input{mesh, format, files, digest.empty() ? digest_of(mesh, files) : std::string(digest), {}};
+  input.name = input.digest + "." + extension_of(format);
+  if (const auto known = memo_.find(input.name); known && refuses(*known, most, execution)) {
+    const std::lock_guard lock(mutex_);
+    ++counters_.remembered;
+    if (known->error && most_of(most) <= known->with_bytes) return tl::unexpected<Error>(*known->error);
+    throw Interrupted{ErrorCode::kDeadlineExceeded};
   }
   std::uint64_t size = mesh.size();
   for (const ImportFile& file : files) size += file.bytes.size();
@@ -153,43 +216,53 @@ Expected<Mesh> ImportPool::import(std::span<const std::byte> mesh, MeshFormat fo
     const Allowance::Temporary held(execution.allowance);
     execution.made(Product::kImportBytes, kReserved * memory);
     const bool last = memory >= most;
-    Expected<Mesh> result = import_within(memory, last, mesh, format, files, limits, execution);
+    Expected<Mesh> result = import_within(memory, last, input, limits, execution);
     if (last || !lacked_memory(result)) return result;
   }
 }
 
-Expected<Mesh> ImportPool::import_within(std::uint64_t memory_bytes, bool last,
-                                         std::span<const std::byte> mesh, MeshFormat format,
-                                         std::span<const ImportFile> files, const ImportLimits& limits,
-                                         const Execution& execution) {
+Expected<Mesh> ImportPool::import_within(std::uint64_t memory_bytes, bool last, const Input& input,
+                                         const ImportLimits& limits, const Execution& execution) {
   execution.poll();
   std::unique_ptr<WorkerProcess> worker = take(execution);
   const pid_t pid = worker->pid();
-  const auto finish = [&](std::uint64_t ImportCounters::*ended, bool healthy) {
+  const auto start = ImportMemo::Clock::now();
+  const auto finish = [&](std::uint64_t ImportCounters::*ended) {
     {
       const std::lock_guard lock(mutex_);
       if (ended) ++(counters_.*ended);
       busy_.erase(std::find(busy_.begin(), busy_.end(), pid));
     }
-    give_back(std::move(worker), healthy);
+    bury(std::move(worker));
   };
   try {
-    Expected<Mesh> result = worker->import(mesh, format, files, limits, execution, memory_bytes);
-    const bool healthy = worker->death() == WorkerDeath::kNone;
+    Expected<Mesh> result =
+        worker->import(input.mesh, input.format, input.files, input.digest, limits, execution, memory_bytes);
+    const WorkerDeath death = worker->death();
+    const bool over_limit = !result && result.error().code == ErrorCode::kImporterLimit;
+    if (lacked_memory(result)) {
+      if (last) memo_.add(input.name, result.error(), most_of(memory_bytes));
+    } else if (over_limit || death == WorkerDeath::kCrash) {
+      memo_.add(input.name, result.error());
+    }
     if (lacked_memory(result) && !last)
-      finish(nullptr, healthy);  // it goes on
+      finish(nullptr);  // it is tried again
     else if (result)
-      finish(&ImportCounters::imported, healthy);
-    else if (result.error().code == ErrorCode::kImporterLimit)
-      finish(&ImportCounters::limited, healthy);
+      finish(&ImportCounters::imported);
+    else if (over_limit)
+      finish(&ImportCounters::limited);
     else
-      finish(healthy ? &ImportCounters::refused : &ImportCounters::crashed, healthy);
+      finish(death == WorkerDeath::kNone ? &ImportCounters::refused : &ImportCounters::crashed);
     return result;
-  } catch (const Interrupted&) {
-    finish(&ImportCounters::interrupted, false);
+  } catch (const Interrupted& interrupted) {
+    // What counts is the processor's time: where others had it, more of the same time might have done.
+    const auto given = ImportMemo::Clock::now() - start, used = worker->processor_time();
+    if (interrupted.code == ErrorCode::kDeadlineExceeded && used >= kWorthRemembering)
+      memo_.add(input.name, used >= given / 4 * 3 ? given : used);
+    finish(&ImportCounters::interrupted);
     throw;
   } catch (...) {  // the server lacks memory or descriptors: what the worker is at is not known
-    finish(&ImportCounters::limited, false);
+    finish(&ImportCounters::limited);
     throw;
   }
 }
@@ -199,6 +272,16 @@ ImportCounters ImportPool::counters() const {
   ImportCounters now = counters_;
   now.starting = starting_ + to_start_;
   return now;
+}
+
+pid_t ImportPool::zygote_pid() const {
+  const std::lock_guard lock(mutex_);
+  return zygote_pid_;
+}
+
+ZygoteHello ImportPool::zygote_hello() const {
+  const std::lock_guard lock(mutex_);
+  return zygote_hello_;
 }
 
 WorkerHello ImportPool::hello() const {

@@ -1,27 +1,30 @@
 // Imports in other processes: a pool of sandboxed fracture-import children (worker_process.hpp), because the
-// readers of foreign formats crash, leak and run away on hostile files. A worker that dies costs one request
-// a typed error and is replaced.
+// readers of foreign formats crash, leak, run away and may be taken over by hostile files. Each worker reads
+// one file and ends; the next one has been forked meanwhile. A worker that dies costs one request a typed
+// error, and the same file the same error at once from then on.
 #pragma once
 
 #include <condition_variable>
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
+#include "server/import_worker/import_memo.hpp"
 #include "server/import_worker/worker_process.hpp"
 
 namespace fracture {
 
 struct ImportPoolConfig {
   WorkerProcessConfig worker;
-  int workers = 1;
-  /// A worker is replaced after so many imports, or when it holds so much memory: what its readers leak or
-  /// fragment goes with it.
-  std::uint32_t max_imports = 500;
-  std::uint64_t max_resident_bytes = 128ull << 20;
+  int workers = 1;  ///< at the same time
+  /// The zygote is started anew after so many forks, and after every crash: its forks share the places of
+  /// everything in memory, and nobody is to find them out by trying.
+  std::uint32_t max_forks = 500;
 };
 
 /// Since the start; each import is counted once under how it ended.
@@ -31,8 +34,9 @@ struct ImportCounters {
   std::uint64_t crashed = 0;      ///< the worker died of the file
   std::uint64_t limited = 0;      ///< over the limit of memory, processor time or output
   std::uint64_t interrupted = 0;  ///< given up in mid-import: deadline or cancel, the worker was killed
-  std::uint64_t started = 0;      ///< worker processes
-  std::uint64_t recycled = 0;     ///< of them replaced in good health
+  std::uint64_t remembered = 0;   ///< refused by what is known of the file, without a worker
+  std::uint64_t started = 0;      ///< worker processes, one for each file that is read
+  std::uint64_t zygotes = 0;      ///< processes started to fork them
   int workers = 0;                ///< alive now
   int starting = 0;               ///< not alive yet, or waiting for their start
   int busy = 0;                   ///< of them importing
@@ -51,25 +55,40 @@ class ImportPool {
   /// allowance before: little at first, by the size of the file, and more where that was too little (an
   /// instanced or compressed file), up to the worker's own limit. Further errors: kImporterCrashed,
   /// kImporterLimit. Throws Interrupted; std::runtime_error where no worker can be started any more.
-  /// Thread-safe.
+  /// `digest`: what the caller knows the input by, 64 hex digits; empty: it is computed. An input that once
+  /// killed its reader, or needed more than an import may have, gets the same error at once; one that was
+  /// computed on for longer than there is time until the deadline, its Interrupted. Thread-safe.
   Expected<Mesh> import(std::span<const std::byte> mesh, MeshFormat format, std::span<const ImportFile> files,
-                        const ImportLimits& limits, const Execution& execution);
+                        const ImportLimits& limits, const Execution& execution, std::string_view digest = {});
 
   ImportCounters counters() const;
-  /// Of the first worker: what of the sandbox this machine allows.
+  /// Of the first worker and its zygote: what of the sandbox this machine allows.
   WorkerHello hello() const;
+  ZygoteHello zygote_hello() const;
+  /// Of the workers, those that are reading first.
   std::vector<pid_t> pids() const;
+  /// -1 while there is none.
+  pid_t zygote_pid() const;
 
  private:
   void supervise();
+  /// What is asked for, and what the memo calls it.
+  struct Input {
+    std::span<const std::byte> mesh;
+    MeshFormat format;
+    std::span<const ImportFile> files;
+    std::string digest, name;
+  };
   /// `last`: it is not tried again with more.
-  Expected<Mesh> import_within(std::uint64_t memory_bytes, bool last, std::span<const std::byte> mesh,
-                               MeshFormat format, std::span<const ImportFile> files,
+  Expected<Mesh> import_within(std::uint64_t memory_bytes, bool last, const Input& input,
                                const ImportLimits& limits, const Execution& execution);
+  std::unique_ptr<WorkerProcess> fork_worker();
+  void want_a_spare();
   std::unique_ptr<WorkerProcess> take(const Execution& execution);
-  void give_back(std::unique_ptr<WorkerProcess> worker, bool healthy);
+  void bury(std::unique_ptr<WorkerProcess> worker);
 
   const ImportPoolConfig config_;
+  ImportMemo memo_;
   mutable std::mutex mutex_;
   std::condition_variable supervisor_, free_;
   std::vector<std::unique_ptr<WorkerProcess>> idle_, retired_;
@@ -80,9 +99,13 @@ class ImportPool {
   std::uint64_t failed_starts_ = 0;
   std::string start_error_;
   WorkerHello hello_;
+  ZygoteHello zygote_hello_;
+  pid_t zygote_pid_ = -1;
+  bool renew_zygote_ = false;
   ImportCounters counters_;
   bool stopping_ = false;
-  std::thread thread_;  ///< starts and buries workers: they die with the thread that started them
+  std::unique_ptr<ZygoteProcess> zygote_;  ///< the supervisor's own
+  std::thread thread_;  ///< starts and buries processes: they die with the thread that started them
 };
 
 /// fracture-import beside the running program; nothing where it is not there.

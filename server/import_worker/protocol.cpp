@@ -1,5 +1,6 @@
 #include "server/import_worker/protocol.hpp"
 
+#include <poll.h>
 #include <sys/socket.h>
 #include <sys/uio.h>
 
@@ -13,6 +14,8 @@ namespace fracture {
 namespace {
 
 constexpr std::size_t kMaxDescriptors = 2;
+/// How often a waiting import looks whether it is still wanted.
+constexpr int kPollMilliseconds = 10;
 /// Room for one control message; aligned as the kernel wants it.
 struct alignas(cmsghdr) Control {
   char bytes[CMSG_SPACE(kMaxDescriptors * sizeof(int))];
@@ -98,6 +101,16 @@ Received receive_message(int socket, void* message, std::size_t size) {
       std::memcpy(received.descriptors, CMSG_DATA(c),
                   std::min(c->cmsg_len - CMSG_LEN(0), sizeof received.descriptors));
   return received;
+}
+
+bool wait_for_message(int socket, const Execution& execution) {
+  for (;;) {
+    pollfd fd{socket, POLLIN, 0};
+    const int ready = ::poll(&fd, 1, kPollMilliseconds);
+    if (ready > 0) return (fd.revents & POLLIN) != 0;
+    if (ready < 0 && errno != EINTR) return false;
+    execution.poll();
+  }
 }
 
 }  // namespace fracture

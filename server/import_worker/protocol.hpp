@@ -1,11 +1,17 @@
-// What server and import worker say to each other over their socket pair (SOCK_SEQPACKET: whole messages).
-// The bytes travel in shared memory whose descriptors go along.
+// What server, zygote and import workers say to each other over socket pairs (SOCK_SEQPACKET: whole
+// messages). The zygote is the started program, ready to read files; a worker is a fork of it that reads one.
+// The bytes of files travel between server and worker alone, in shared memory whose descriptors go along.
+//
+//   zygote ──ZygoteHello──> server                                   once, ready to fork
+//   server ──ForkRequest + the worker's socket──> zygote
+//   zygote ──ForkDone──> server                                      the worker is the server's own child
 //
 //   worker ──WorkerHello──> server                                   once, with the sandbox in force
-//   server ──ImportRequest + input, output──> worker                 input: see write_input()
-//   worker ──ImportDone──> server                                    output: see mesh_codec.hpp
+//   server ──ImportRequest + input, output──> worker                 input: see input_head()
+//   worker ──ImportDone──> server                                    output: see mesh_codec.hpp; then it ends
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -13,12 +19,29 @@
 #include <string>
 #include <vector>
 
+#include "common/base/execution.hpp"
 #include "common/import/import.hpp"
 
 namespace fracture {
 
-inline constexpr std::uint32_t kProtocolVersion = 1;
-inline constexpr int kWorkerSocket = 3;  ///< the worker's end, by number; beside it only 0, 1 and 2
+inline constexpr std::uint32_t kProtocolVersion = 2;
+inline constexpr int kWorkerSocket = 3;  ///< the child's end, by number; beside it only 0, 1 and 2
+
+struct ZygoteHello {
+  std::uint32_t version = kProtocolVersion;
+  /// Version of Landlock whose rules deny files and TCP in it and in its forks; 0: this kernel has none.
+  std::uint32_t landlock = 0;
+};
+
+struct ForkRequest {
+  std::uint32_t version = kProtocolVersion;
+};
+
+struct ForkDone {
+  std::uint32_t version = kProtocolVersion;
+  std::int32_t pid = -1;
+  std::int32_t error = 0;  ///< errno where pid is -1
+};
 
 /// Exit code of a worker that lacked memory where it could not say so: a destructor that allocates, say.
 inline constexpr int kLackedMemory = 5;
@@ -29,9 +52,13 @@ struct WorkerHello {
   std::int32_t seccomp_errno = 0;
 };
 
+/// The digest of an input in 64 hex digits, as the server's caches call it.
+using InputDigest = std::array<char, 64>;
+
 struct ImportRequest {
   std::uint32_t version = kProtocolVersion;
   std::uint32_t format = 0;
+  InputDigest digest{};
   std::uint64_t input_bytes = 0;  ///< of the shared memory
   std::uint64_t max_triangles = 0, max_decoded_bytes = 0;
   std::uint32_t max_json_depth = 0;
@@ -41,6 +68,7 @@ struct ImportRequest {
 struct ImportDone {
   std::uint32_t version = kProtocolVersion;
   std::uint32_t reserved = 0;
+  InputDigest digest{};  ///< of the request that this answers
   std::uint64_t output_bytes = 0;
 };
 
@@ -75,5 +103,8 @@ struct Received {
 };
 /// Waits for a message. Descriptors are the caller's to close, also where the message is not whole.
 Received receive_message(int socket, void* message, std::size_t size);
+
+/// Waits for a message; false when the other side has gone instead. Throws Interrupted.
+bool wait_for_message(int socket, const Execution& execution);
 
 }  // namespace fracture

@@ -1,6 +1,8 @@
 #include "server/import_worker/sandbox.hpp"
 
 #include <fcntl.h>
+#include <linux/filter.h>
+#include <linux/seccomp.h>
 #include <seccomp.h>
 #include <signal.h>
 #include <sys/mman.h>
@@ -14,27 +16,30 @@
 #include <memory>
 #include <system_error>
 
+#include "server/import_worker/landlock.hpp"
+#include "server/import_worker/shared_memory.hpp"
+
 namespace fracture {
 namespace {
 
-void limit(__rlimit_resource resource, rlim_t value) {
+void limit(__rlimit_resource resource, rlim_t soft, rlim_t hard) {
   rlimit both{};
   bool good = ::getrlimit(resource, &both) == 0;
-  both.rlim_cur = both.rlim_max = std::min(value, both.rlim_max);
+  both.rlim_max = std::min(hard, both.rlim_max);
+  both.rlim_cur = std::min(soft, both.rlim_max);
   good = good && ::setrlimit(resource, &both) == 0;
   if (!good) throw std::system_error(errno, std::generic_category(), "setrlimit in an import worker");
 }
+
+void limit(__rlimit_resource resource, rlim_t value) { limit(resource, value, value); }
 
 void set(int option, unsigned long value) {
   if (::prctl(option, value, 0, 0, 0) != 0)
     throw std::system_error(errno, std::generic_category(), "prctl in an import worker");
 }
 
-/// Negative errno of the first step that failed, 0 when the filter is loaded.
-int load_filter() {
-  const auto release = [](scmp_filter_ctx c) { seccomp_release(c); };
-  const std::unique_ptr<void, decltype(release)> filter(seccomp_init(SCMP_ACT_ERRNO(EPERM)), release);
-  if (!filter) return -ENOMEM;
+/// Negative errno of the first rule that was refused, or 0.
+int add_rules(scmp_filter_ctx filter) {
   // Enough for every reader, measured over the models of Assimp; no call that names a file, a socket address
   // or a process.
   for (const int call : {SCMP_SYS(read),          SCMP_SYS(write),           SCMP_SYS(readv),
@@ -44,20 +49,19 @@ int load_filter() {
                          SCMP_SYS(clock_gettime), SCMP_SYS(gettimeofday),    SCMP_SYS(getrandom),
                          SCMP_SYS(sched_yield),   SCMP_SYS(restart_syscall), SCMP_SYS(rt_sigreturn),
                          SCMP_SYS(exit),          SCMP_SYS(exit_group)})
-    if (const int error = seccomp_rule_add(filter.get(), SCMP_ACT_ALLOW, call, 0); error != 0) return error;
+    if (const int error = seccomp_rule_add(filter, SCMP_ACT_ALLOW, call, 0); error != 0) return error;
 #ifdef FRACTURE_SANITIZED  // which asks a pipe whether memory can be read
   for (const int call : {SCMP_SYS(pipe), SCMP_SYS(pipe2)})
-    if (const int error = seccomp_rule_add(filter.get(), SCMP_ACT_ALLOW, call, 0); error != 0) return error;
+    if (const int error = seccomp_rule_add(filter, SCMP_ACT_ALLOW, call, 0); error != 0) return error;
 #endif
   for (const int call : {SCMP_SYS(mmap), SCMP_SYS(mprotect)})  // memory, but no code
-    if (const int error = seccomp_rule_add(filter.get(), SCMP_ACT_ALLOW, call, 1,
-                                           SCMP_A2(SCMP_CMP_MASKED_EQ, PROT_EXEC, 0));
+    if (const int error =
+            seccomp_rule_add(filter, SCMP_ACT_ALLOW, call, 1, SCMP_A2(SCMP_CMP_MASKED_EQ, PROT_EXEC, 0));
         error != 0)
       return error;
   for (const int call : {SCMP_SYS(open), SCMP_SYS(openat), SCMP_SYS(openat2), SCMP_SYS(creat)})
-    if (const int error = seccomp_rule_add(filter.get(), SCMP_ACT_ERRNO(EACCES), call, 0); error != 0)
-      return error;
-  return seccomp_load(filter.get());
+    if (const int error = seccomp_rule_add(filter, SCMP_ACT_ERRNO(EACCES), call, 0); error != 0) return error;
+  return 0;
 }
 
 /// Where memory runs out, a reader of one file goes before the server of all. Raising it is always allowed;
@@ -72,20 +76,49 @@ void prefer_as_victim() {
 
 }  // namespace
 
-SandboxReport enter_sandbox(const SandboxLimits& limits) {
-  prefer_as_victim();
+SyscallFilter::SyscallFilter() {
+  const auto release = [](scmp_filter_ctx c) { seccomp_release(c); };
+  const std::unique_ptr<void, decltype(release)> filter(seccomp_init(SCMP_ACT_ERRNO(EPERM)), release);
+  error_ = filter ? -add_rules(filter.get()) : ENOMEM;
+  if (error_ != 0) return;
+  const Descriptor file = make_shared_memory("fracture-filter");  // libseccomp writes to a descriptor alone
+  error_ = -seccomp_export_bpf(filter.get(), file.get());
+  const off_t size = error_ == 0 ? ::lseek(file.get(), 0, SEEK_END) : 0;
+  program_.resize(static_cast<std::size_t>(std::max<off_t>(size, 0)) / sizeof(sock_filter));
+  const std::size_t bytes = program_.size() * sizeof(sock_filter);
+  if (error_ == 0 && ::pread(file.get(), program_.data(), bytes, 0) != static_cast<ssize_t>(bytes))
+    error_ = EIO;
+}
+
+SyscallFilter::~SyscallFilter() = default;
+
+int SyscallFilter::load() const {
+  if (error_ != 0) return error_;
+  sock_fprog program{static_cast<unsigned short>(program_.size()), const_cast<sock_filter*>(program_.data())};
+  return ::prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program, 0, 0) == 0 ? 0 : errno;
+}
+
+int enter_zygote_sandbox() {
+  prefer_as_victim();  // its forks too
   set(PR_SET_PDEATHSIG, SIGKILL);
   set(PR_SET_DUMPABLE, 0);
   set(PR_SET_NO_NEW_PRIVS, 1);
+  limit(RLIMIT_CORE, 0);
+  return deny_files_by_landlock();
+}
+
+SandboxReport enter_worker_sandbox(const SandboxLimits& limits, const SyscallFilter& filter) {
+  set(PR_SET_PDEATHSIG, SIGKILL);
 #ifndef FRACTURE_SANITIZED  // the sanitizers reserve terabytes
   if (limits.memory_bytes > 0) limit(RLIMIT_AS, limits.memory_bytes);
 #endif
+  // SIGXCPU ends it and says why; SIGKILL follows a second later where a taken-over process ignores that.
+  if (limits.cpu_seconds > 0) limit(RLIMIT_CPU, limits.cpu_seconds, limits.cpu_seconds + 1);
   limit(RLIMIT_FSIZE, limits.output_bytes);
   limit(RLIMIT_NOFILE, 16);
-  limit(RLIMIT_CORE, 0);
   limit(RLIMIT_NPROC, 0);
-  const int error = load_filter();
-  return {error == 0, -error};
+  const int error = filter.load();
+  return {error == 0, error};
 }
 
 }  // namespace fracture

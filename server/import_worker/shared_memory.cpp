@@ -43,9 +43,11 @@ bool write_all(int fd, std::span<const std::byte> bytes) {
   return true;
 }
 
+bool seal(int fd) { return ::fcntl(fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE) == 0; }
+
 SealedBytes SealedBytes::take(int fd, std::uint64_t size) {
   SealedBytes bytes;
-  const bool sealed = ::fcntl(fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE) == 0;
+  const bool sealed = seal(fd);
   struct stat status {};
   if (::fstat(fd, &status) != 0 || size > static_cast<std::uint64_t>(status.st_size)) return bytes;
   if (sealed && size > 0) {

@@ -29,6 +29,10 @@ Descriptor make_shared_memory(const char* name);
 /// Appends everything. False on an error (no space).
 bool write_all(int fd, std::span<const std::byte> bytes);
 
+/// Nobody can change or resize it any more. False where somebody may still write through a mapping, or where
+/// the kernel has no seals.
+bool seal(int fd);
+
 /// The first `size` bytes, read-only: mapped where nobody can change them any more (the memory is sealed,
 /// which fails while somebody else may still write through a mapping), else copied, so that what was checked
 /// is what is used. Nothing where the memory is shorter.

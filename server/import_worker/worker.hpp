@@ -1,4 +1,10 @@
-// The inside of an import worker: takes requests from its socket until that is closed.
+// The inside of an import process. The program that the server starts is the zygote: it warms the readers up
+// and then only forks; each fork reads one file in its sandbox and ends. What a file may do to its process it
+// does to nobody else's: no other file was there before, none comes after, and the zygote never saw a byte.
+//
+// The zygote has one thread, so that a fork has all there is, in a consistent state; and it forks siblings
+// (CLONE_PARENT), so that the server itself waits for them, learns the signal that ended them and can kill
+// them without a race for their number.
 #pragma once
 
 #include <functional>
@@ -13,11 +19,11 @@ using ImportFunction = std::function<Expected<Mesh>(const ImportJob&)>;
 /// Calls import_mesh.
 Expected<Mesh> import_job(const ImportJob& job);
 
-/// Warms the readers up (so that nothing has to be loaded later), enters the sandbox, says hello and answers
-/// requests. Returns the exit code: 0 when the server closed the connection.
-int run_import_worker(int socket, const SandboxLimits& limits, const ImportFunction& import);
+/// The zygote: warms the readers up (so that nothing has to be loaded later), gives up what no fork needs,
+/// says hello and forks until the server closes the connection. An exit code.
+int run_zygote(int control, const SandboxLimits& limits, const ImportFunction& import);
 
-/// The program: `fracture-import MEMORY_BYTES` with its socket as descriptor 3.
+/// The program: `fracture-import MEMORY_BYTES CPU_SECONDS` with its socket as descriptor 3.
 int import_worker_main(int argc, char** argv, const ImportFunction& import);
 
 }  // namespace fracture

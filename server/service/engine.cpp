@@ -13,9 +13,9 @@ class LibraryEngine final : public FractureEngine {
   explicit LibraryEngine(std::shared_ptr<ImportPool> imports) : imports_(std::move(imports)) {}
 
   Expected<Mesh> import(std::span<const std::byte> bytes, MeshFormat format,
-                        std::span<const ImportFile> files, const ImportLimits& limits,
-                        const Execution& execution) const override {
-    if (imports_) return imports_->import(bytes, format, files, limits, execution);
+                        std::span<const ImportFile> files, std::string_view digest,
+                        const ImportLimits& limits, const Execution& execution) const override {
+    if (imports_) return imports_->import(bytes, format, files, limits, execution, digest);
     execution.poll();
     return import_mesh(bytes, format, limits, files);
   }

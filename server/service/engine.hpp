@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "common/base/error.hpp"
@@ -31,9 +32,10 @@ enum class OutputFormat { kGlb, kGltf };
 class FractureEngine {
  public:
   virtual ~FractureEngine() = default;
+  /// `digest`: what the service knows the input by, 64 hex digits.
   virtual Expected<Mesh> import(std::span<const std::byte> bytes, MeshFormat format,
-                                std::span<const ImportFile> files, const ImportLimits& limits,
-                                const Execution& execution) const = 0;
+                                std::span<const ImportFile> files, std::string_view digest,
+                                const ImportLimits& limits, const Execution& execution) const = 0;
   virtual Expected<Solid> prepare(std::shared_ptr<const Mesh> mesh, const SolidOptions& options,
                                   const Execution& execution) const = 0;
   /// Where hits are new: with Diagram::fractured, the answer without them.

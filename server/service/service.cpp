@@ -183,8 +183,8 @@ Expected<Step<PreparedMesh>> FractureService::make_mesh(const FractureRequest& r
     Execution elsewhere = execution;
     elsewhere.turn = nullptr;
     std::optional<Away> away(execution.turn);
-    Expected<Mesh> imported =
-        engine_->import(request.mesh, request.format, request.files, config_.import_limits, elsewhere);
+    Expected<Mesh> imported = engine_->import(request.mesh, request.format, request.files, keys.digest,
+                                              config_.import_limits, elsewhere);
     away.reset();
     if (!imported) return tl::unexpected<Error>(std::move(imported.error()));
     *mesh = std::move(*imported);

@@ -29,9 +29,9 @@ class UnsoundEngine final : public FractureEngine {
   static constexpr std::uint32_t kNoMemory = 9;    ///< throws that too
 
   Expected<Mesh> import(std::span<const std::byte> bytes, MeshFormat format,
-                        std::span<const ImportFile> files, const ImportLimits& limits,
-                        const Execution& execution) const override {
-    return real_->import(bytes, format, files, limits, execution);
+                        std::span<const ImportFile> files, std::string_view digest,
+                        const ImportLimits& limits, const Execution& execution) const override {
+    return real_->import(bytes, format, files, digest, limits, execution);
   }
   Expected<Solid> prepare(std::shared_ptr<const Mesh> mesh, const SolidOptions& options,
                           const Execution& execution) const override {

@@ -34,7 +34,7 @@ class FakeEngine final : public FractureEngine {
   explicit FakeEngine(std::shared_ptr<FakeControl> control) : control_(std::move(control)) {}
 
   Expected<Mesh> import(std::span<const std::byte> bytes, MeshFormat, std::span<const ImportFile> files,
-                        const ImportLimits&, const Execution& execution) const override {
+                        std::string_view, const ImportLimits&, const Execution& execution) const override {
     ++control_->imports;
     execution.poll();
     if (control_->files) control_->files(files);

@@ -11,6 +11,7 @@
 #include <fstream>
 #include <future>
 #include <iterator>
+#include <sstream>
 #include <thread>
 
 #include "tests/server/raw_client.hpp"
@@ -38,13 +39,25 @@ class Server : public ServeProcess {
     signal(SIGKILL);
     reader_.join();
   }
-  std::vector<pid_t> workers() const {
+  std::vector<pid_t> children() const {
     std::vector<pid_t> pids;
     for (const auto& task : std::filesystem::directory_iterator("/proc/" + std::to_string(pid()) + "/task")) {
       std::ifstream list(task.path() / "children");
       std::copy(std::istream_iterator<pid_t>(list), {}, std::back_inserter(pids));
     }
     return pids;
+  }
+  /// Those that read files: all in the session of the zygote, which leads it.
+  std::vector<pid_t> workers() const {
+    std::vector<pid_t> pids = children();
+    std::erase_if(pids, [](pid_t pid) { return ::getsid(pid) == pid; });
+    return pids;
+  }
+  /// A line of /metrics that begins with this; empty where there is none.
+  std::string metric(const std::string& name) const {
+    const std::string text = ask(admin_port, "GET", "/metrics").body;
+    const std::size_t at = text.find("\n" + name);
+    return at == std::string::npos ? "" : text.substr(at + 1, text.find('\n', at + 1) - at - 1);
   }
   /// Resident memory of the server itself, MiB.
   double memory() const {
@@ -158,12 +171,25 @@ std::string large_obj(int n) {
   return obj;
 }
 
-/// Is the process computing now?
-bool runs(pid_t pid) {
-  std::ifstream stat("/proc/" + std::to_string(pid) + "/stat");
-  std::string text{std::istreambuf_iterator<char>(stat), {}};
-  const std::size_t name_end = text.rfind(')');
-  return name_end != std::string::npos && text.substr(name_end + 2, 1) == "R";
+/// The worker that has been reading for a while, at most 2 s from now; 0: there is none. Those that were
+/// forked meanwhile, and wait, have used no processor time to speak of.
+pid_t busy_worker(const Server& server) {
+  const auto ticks = [](pid_t pid) {
+    std::ifstream stat("/proc/" + std::to_string(pid) + "/stat");
+    std::string text{std::istreambuf_iterator<char>(stat), {}}, field;
+    const std::size_t name_end = text.rfind(')');
+    std::istringstream fields(name_end == std::string::npos ? "" : text.substr(name_end + 2));
+    for (int k = 3; k < 14; ++k) fields >> field;  // proc(5): utime is the 14th, stime the 15th
+    long user = 0, system = 0;
+    fields >> user >> system;
+    return user + system;
+  };
+  for (int k = 0; k < 2000; ++k) {
+    for (const pid_t pid : server.workers())
+      if (ticks(pid) >= 3) return pid;
+    std::this_thread::sleep_for(1ms);
+  }
+  return 0;
 }
 
 TEST(ImportAttack, AWorkerKilledInMidImportIs422ForItsRequestAndNothingForOthers) {
@@ -172,12 +198,7 @@ TEST(ImportAttack, AWorkerKilledInMidImportIs422ForItsRequestAndNothingForOthers
   for (const int signal : {SIGKILL, SIGSEGV}) {
     EXPECT_EQ(post(server, "off", kTetrahedron).status, 200);
     auto doomed = std::async(std::launch::async, [&] { return post(server, "obj", large); });
-    pid_t victim = 0;
-    for (int k = 0; k < 2000 && victim == 0; ++k) {
-      for (const pid_t pid : server.workers())
-        if (runs(pid)) victim = pid;
-      std::this_thread::sleep_for(1ms);
-    }
+    const pid_t victim = busy_worker(server);
     ASSERT_NE(victim, 0);
     ::kill(victim, signal);
     const Reply reply = doomed.get();
@@ -190,6 +211,35 @@ TEST(ImportAttack, AWorkerKilledInMidImportIs422ForItsRequestAndNothingForOthers
     EXPECT_EQ(std::count(now.begin(), now.end(), victim), 0) << "reaped";
   }
   EXPECT_TRUE(server.alive());
+}
+
+TEST(ImportAttack, AMeshThatKilledItsReaderIsRefusedAtOnceAndOnlyIt) {
+  Server server({"--import-workers", "1"});
+  const std::string large = large_obj(500);
+  auto doomed = std::async(std::launch::async, [&] { return post(server, "obj", large); });
+  const pid_t victim = busy_worker(server);
+  ASSERT_NE(victim, 0);
+  ::kill(victim, SIGSEGV);
+  const Reply first = doomed.get();
+  ASSERT_EQ(first.status, 422) << first.body.substr(0, 300);
+  const std::string remembered = "fracture_imports_total{outcome=\"remembered\"} ";
+  EXPECT_EQ(server.metric(remembered), remembered + "0");
+  const Reply again = post(server, "obj", large);
+  EXPECT_EQ(again.status, 422);
+  EXPECT_EQ(again.problem(), "importer-crashed");
+  EXPECT_EQ(again.json().value("detail", ""), first.json().value("detail", "?"));
+  EXPECT_EQ(server.metric(remembered), remembered + "1");
+  EXPECT_EQ(post(server, "obj", large + "#").status, 422) << "another file: read, and open as it is";
+  EXPECT_EQ(server.metric(remembered), remembered + "1");
+}
+
+TEST(ImportAttack, TheSandboxIsShownAndCanBeRequired) {
+  Server server({"--require-sandbox", "yes"});
+  EXPECT_EQ(post(server, "off", kTetrahedron).status, 200);
+  EXPECT_EQ(server.metric("fracture_import_sandbox{layer=\"seccomp\"}"),
+            "fracture_import_sandbox{layer=\"seccomp\"} 1");
+  EXPECT_THAT(server.metric("fracture_import_sandbox{layer=\"landlock\"}"),
+              ::testing::MatchesRegex(".* [01]"));
 }
 
 TEST(ImportAttack, AFileOverTheMemoryOfAWorkerIs422) {
@@ -210,7 +260,9 @@ TEST(ImportAttack, WithoutWorkersTheServerSaysSoAndAnswersTheSame) {
   Server with({"--import-workers", "1"});
   Server without({"--import-workers", "0"});
   EXPECT_EQ(with.workers().size(), 1u);
-  EXPECT_EQ(without.workers().size(), 0u);
+  EXPECT_EQ(without.children().size(), 0u);
+  EXPECT_EQ(without.metric("fracture_import_sandbox{layer=\"seccomp\"}"),
+            "fracture_import_sandbox{layer=\"seccomp\"} 0");
   const Reply a = post(with, "off", kTetrahedron), b = post(without, "off", kTetrahedron);
   EXPECT_EQ(a.status, 200);
   EXPECT_EQ(a.body, b.body);
@@ -221,8 +273,8 @@ TEST(ImportAttack, TheWorkersEndWithTheServer) {
   {
     Server server;
     EXPECT_EQ(post(server, "off", kTetrahedron).status, 200);
-    workers = server.workers();
-    ASSERT_FALSE(workers.empty());
+    workers = server.children();
+    ASSERT_GE(workers.size(), 2u) << "the zygote too";
   }  // killed with SIGKILL
   for (const pid_t pid : workers) {
     bool gone = false;

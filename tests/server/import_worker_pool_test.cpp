@@ -15,54 +15,17 @@
 #include <thread>
 
 #include "common/import/sibling_files.hpp"
-#include "server/import_worker/import_pool.hpp"
 #include "server/import_worker/mesh_codec.hpp"
-#include "tests/import/make_files.hpp"
+#include "tests/server/import_pool_fixture.hpp"
 #include "tests/support/mesh_files.hpp"
 
 namespace fracture::test {
 namespace {
 
-namespace fs = std::filesystem;
-using namespace std::chrono_literals;
 using ::testing::HasSubstr;
-
-ImportPoolConfig config_of(const char* program, int workers = 2) {
-  ImportPoolConfig config;
-  config.worker.program = program;
-  config.workers = workers;
-  return config;
-}
-
-const std::string kTetrahedron =
-    "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
-
-Expected<Mesh> import_with(ImportPool& pool, std::string_view bytes, const Execution& execution = {}) {
-  return pool.import(bytes_of(bytes), MeshFormat::kOff, {}, {}, execution);
-}
-
-/// Waits (at most 10 s) until the condition holds.
-template <class Condition>
-bool eventually(Condition&& condition) {
-  for (int k = 0; k < 1000; ++k) {
-    if (condition()) return true;
-    std::this_thread::sleep_for(10ms);
-  }
-  return false;
-}
 
 std::size_t open_descriptors() {
   return static_cast<std::size_t>(std::distance(fs::directory_iterator("/proc/self/fd"), {}));
-}
-
-/// Children of this process, zombies too.
-std::size_t children() {
-  std::size_t count = 0;
-  for (const auto& task : fs::directory_iterator("/proc/self/task")) {
-    std::ifstream list(task.path() / "children");
-    count += static_cast<std::size_t>(std::distance(std::istream_iterator<int>(list), {}));
-  }
-  return count;
 }
 
 TEST(ImportPool, GivesTheSameMeshAsThisProcessBitForBit) {
@@ -131,11 +94,10 @@ TEST(ImportPool, AWorkerKilledInMidImportCostsItsRequestOnly) {
 #endif
       EXPECT_THAT(result.error().detail, HasSubstr("signal " + std::to_string(signal)));
     EXPECT_EQ(pool.counters().crashed, ++crashes);
-    EXPECT_TRUE(eventually([&] { return pool.counters().workers == 2; })) << "it is replaced";
     for (const pid_t pid : pool.pids()) EXPECT_NE(pid, victim);
     EXPECT_TRUE(import_with(pool, kTetrahedron));
   }
-  EXPECT_EQ(children(), 2u);
+  EXPECT_TRUE(settles(pool));
 }
 
 TEST(ImportPool, EveryWayToDieHasItsError) {
@@ -165,7 +127,7 @@ TEST(ImportPool, EveryWayToDieHasItsError) {
   const ImportCounters counters = pool.counters();
   EXPECT_EQ(counters.limited, 2u);
   EXPECT_GE(counters.crashed, 4u);
-  EXPECT_EQ(children(), 1u);
+  EXPECT_TRUE(settles(pool));
 }
 
 TEST(ImportPool, MemoryIsLimitedAndTheWorkerLivesOn) {
@@ -205,7 +167,7 @@ TEST(ImportPool, DeadlineAndCancelKillTheWorkerAndFreeItsPlace) {
   canceller.join();
   EXPECT_EQ(pool.counters().interrupted, 2u);
   EXPECT_TRUE(import_with(pool, kTetrahedron));
-  EXPECT_TRUE(eventually([] { return children() == 1; })) << "the killed ones are reaped";
+  EXPECT_TRUE(settles(pool)) << "the killed ones are reaped";
 }
 
 TEST(ImportPool, AWaitingImportIsCancelledToo) {
@@ -258,41 +220,25 @@ TEST(ImportPool, WorkersHaveNoEnvironmentAndNoDescriptorsOfTheServer) {
   ::close(ours);
 }
 
-TEST(ImportPool, WornWorkersAreReplacedAndTheirMemoryGoes) {
-  ImportPoolConfig config = config_of(FRACTURE_MISBEHAVING_PROGRAM, 1);
-  config.max_imports = 5;
-  ImportPool by_count(config);
-  for (int k = 0; k < 12; ++k) EXPECT_TRUE(import_with(by_count, kTetrahedron));
-  EXPECT_EQ(by_count.counters().recycled, 2u);
-  EXPECT_EQ(by_count.counters().imported, 12u);
-
-#ifndef FRACTURE_SANITIZED  // whose shadow memory is over any bound
-  config.max_imports = 1000;
-  config.max_resident_bytes = 64u << 20;
-  ImportPool by_memory(config);
-  for (int k = 0; k < 12; ++k) EXPECT_TRUE(import_with(by_memory, "! keep"));
-  EXPECT_GE(by_memory.counters().recycled, 2u);
-  EXPECT_LE(by_memory.counters().recycled, 6u);
-#endif
-}
-
 TEST(ImportPool, LeaksNoDescriptorsAndNoProcesses) {
   {
     ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 2));
     EXPECT_TRUE(import_with(pool, kTetrahedron));
     // A worker that is being started has both ends of its socket here.
-    const auto settled = [&] {
-      const ImportCounters c = pool.counters();
-      return c.workers == static_cast<int>(children()) && c.busy == 0 && c.starting == 0;
-    };
-    ASSERT_TRUE(eventually(settled));
+    ASSERT_TRUE(settles(pool));
     const std::size_t per_worker = open_descriptors() - static_cast<std::size_t>(pool.counters().workers);
-    for (int k = 0; k < 20; ++k) {
+    for (int k = 0; k < 20; ++k) {  // each a file of its own, which is not remembered
+      const ImportFile part{std::to_string(k), {}};
+      const auto died = [&](const char* command) {
+        const Expected<Mesh> mesh =
+            pool.import(bytes_of(command), MeshFormat::kOff, std::span(&part, 1), {}, {});
+        return !mesh && mesh.error().code == ErrorCode::kImporterCrashed;
+      };
       EXPECT_TRUE(import_with(pool, kTetrahedron));
-      EXPECT_FALSE(import_with(pool, "! exit"));
-      EXPECT_FALSE(import_with(pool, "! lie"));
+      EXPECT_TRUE(died("! exit"));
+      EXPECT_TRUE(died("! lie"));
     }
-    ASSERT_TRUE(eventually(settled));
+    ASSERT_TRUE(settles(pool));
     EXPECT_EQ(open_descriptors() - static_cast<std::size_t>(pool.counters().workers), per_worker);
   }
   EXPECT_EQ(children(), 0u);
@@ -306,7 +252,9 @@ TEST(ImportPool, ManyThreadsShareFewWorkers) {
     threads.emplace_back([&, t] {
       for (int k = 0; k < 25; ++k) {
         const bool bad = (t + k) % 8 == 0;
-        const Expected<Mesh> result = import_with(pool, bad ? "! exit" : kTetrahedron.c_str());
+        const ImportFile part{std::to_string(t * 25 + k), {}};  // so that the bad one is not remembered
+        const Expected<Mesh> result = pool.import(bytes_of(bad ? "! exit" : kTetrahedron.c_str()),
+                                                  MeshFormat::kOff, std::span(&part, 1), {}, {});
         good += result.has_value();
         crashed += !result && result.error().code == ErrorCode::kImporterCrashed;
       }

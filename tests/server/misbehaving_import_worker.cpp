@@ -75,10 +75,18 @@ Expected<Mesh> obey(const ImportJob& job) {
     std::vector<std::vector<char>> blocks;
     for (;;) touch(blocks.emplace_back(16u << 20));
   }
-  if (text == "keep") {  // 16 MiB more with every import
-    static std::vector<std::vector<char>> kept;
-    touch(kept.emplace_back(16u << 20));
+  static bool somebody_was_here = false;
+  if (text == "stay") {  // what a file that took its reader over would do
+    somebody_was_here = true;
     return triangle(2);
+  }
+  if (text.rfind("look", 0) == 0)
+    return fail(ErrorCode::kMalformedMesh, somebody_was_here ? "somebody was here" : "nobody was here");
+  if (text == "answer for another") {
+    ImportDone done;
+    done.digest.fill('0');
+    (void)send_message(kWorkerSocket, &done, sizeof done);
+    for (;;) ::sched_yield();
   }
   if (text == "unfold") {
     Mesh mesh = triangle(2);

@@ -1,0 +1,153 @@
+#include "server/import_worker/zygote_process.hpp"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+namespace fracture {
+namespace {
+
+constexpr std::chrono::seconds kStartTimeout{20};
+#ifndef FRACTURE_SANITIZED
+/// Every worker touches its memory for the first time, and the kernel hands it out page by page. Assimp's
+/// reader of OBJ alone fills 16 MiB before it reads: 4,096 faults and 5 ms, with huge pages 8 and 1 ms (where
+/// the system gives them: "madvise" or "always" in /sys/kernel/mm/transparent_hugepage/enabled).
+constexpr const char* kTunables = "GLIBC_TUNABLES=glibc.malloc.hugetlb=1";
+#endif
+
+[[noreturn]] void fail_to_start(int error, const std::string& what) {
+  throw std::system_error(error, std::generic_category(), what);
+}
+
+/// The child's attributes: a session of its own (Ctrl-C on the server's terminal is the server's to handle),
+/// no blocked and no ignored signals.
+class SpawnAttributes {
+ public:
+  SpawnAttributes() {
+    posix_spawnattr_init(&value);
+    sigset_t none, all;
+    sigemptyset(&none);
+    sigfillset(&all);
+    posix_spawnattr_setsigmask(&value, &none);
+    posix_spawnattr_setsigdefault(&value, &all);
+    posix_spawnattr_setflags(&value, POSIX_SPAWN_SETSID | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+  }
+  ~SpawnAttributes() { posix_spawnattr_destroy(&value); }
+  posix_spawnattr_t value;
+};
+
+/// Its descriptors: the socket, and nothing else of the server's.
+class Descriptors {
+ public:
+  explicit Descriptors(int socket) {
+    posix_spawn_file_actions_init(&value);
+    posix_spawn_file_actions_adddup2(&value, socket, kWorkerSocket);
+    posix_spawn_file_actions_addopen(&value, 0, "/dev/null", O_RDONLY, 0);
+    posix_spawn_file_actions_addopen(&value, 1, "/dev/null", O_WRONLY, 0);
+#ifndef FRACTURE_SANITIZED  // whose reports must be seen
+    posix_spawn_file_actions_addopen(&value, 2, "/dev/null", O_WRONLY, 0);
+#endif
+    posix_spawn_file_actions_addclosefrom_np(&value, kWorkerSocket + 1);
+  }
+  ~Descriptors() { posix_spawn_file_actions_destroy(&value); }
+  posix_spawn_file_actions_t value;
+};
+
+/// Ours, theirs.
+std::pair<Descriptor, Descriptor> socket_pair() {
+  int ends[2];
+  if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0)
+    fail_to_start(errno, "a socket pair for an import worker");
+  return {Descriptor(ends[0]), Descriptor(ends[1])};
+}
+
+}  // namespace
+
+bool receive_in_time(int socket, void* message, std::size_t size) {
+  Execution patience;
+  patience.deadline = std::chrono::steady_clock::now() + kStartTimeout;
+  try {
+    if (!wait_for_message(socket, patience)) return false;
+  } catch (const Interrupted&) {
+    return false;
+  }
+  const Received received = receive_message(socket, message, size);
+  const Descriptor unasked[] = {Descriptor(received.descriptors[0]), Descriptor(received.descriptors[1])};
+  return received.whole;
+}
+
+ZygoteProcess::ZygoteProcess(const WorkerProcessConfig& config) {
+  try {
+    start(config);
+  } catch (...) {
+    kill_and_reap();
+    throw;
+  }
+}
+
+void ZygoteProcess::start(const WorkerProcessConfig& config) {
+  auto [ours, theirs] = socket_pair();
+  socket_ = std::move(ours);
+  // dup2 of a descriptor onto itself would keep its close-on-exec flag.
+  if (theirs.get() == kWorkerSocket)
+    theirs = Descriptor(::fcntl(theirs.get(), F_DUPFD_CLOEXEC, kWorkerSocket + 1));
+  const SpawnAttributes attributes;
+  const Descriptors descriptors(theirs.get());
+  std::string program = config.program, memory = std::to_string(config.memory_bytes),
+              cpu = std::to_string(config.cpu.count());
+  char* const argv[] = {program.data(), memory.data(), cpu.data(), nullptr};
+  std::vector<char*> environment;
+#ifdef FRACTURE_SANITIZED
+  std::string options =
+      std::string("ASAN_OPTIONS=") + (std::getenv("ASAN_OPTIONS") ?: "") + ":detect_leaks=0";
+  environment.push_back(options.data());
+#else
+  std::string tunables = kTunables;
+  environment.push_back(tunables.data());
+#endif
+  environment.push_back(nullptr);
+  if (const int error = ::posix_spawn(&pid_, program.c_str(), &descriptors.value, &attributes.value, argv,
+                                      environment.data());
+      error != 0) {
+    pid_ = -1;
+    fail_to_start(error, "cannot start the import worker " + program);
+  }
+  theirs.reset();  // so that its death is the end of the connection
+  if (!receive_in_time(socket_.get(), &hello_, sizeof hello_) || hello_.version != kProtocolVersion)
+    throw std::runtime_error("the import worker " + program +
+                             " does not start: it is damaged, or of another version than the server");
+}
+
+ZygoteProcess::~ZygoteProcess() { kill_and_reap(); }
+
+void ZygoteProcess::kill_and_reap() {
+  if (pid_ <= 0) return;
+  ::kill(pid_, SIGKILL);
+  while (::waitpid(pid_, nullptr, 0) < 0 && errno == EINTR) {
+  }
+  pid_ = -1;
+}
+
+ZygoteProcess::Forked ZygoteProcess::fork() {
+  auto [ours, theirs] = socket_pair();
+  const ForkRequest request;
+  const int descriptors[] = {theirs.get()};
+  ForkDone done;
+  if (!send_message(socket_.get(), &request, sizeof request, descriptors) ||
+      !receive_in_time(socket_.get(), &done, sizeof done) || done.version != kProtocolVersion)
+    throw std::runtime_error("the process that forks the import workers has ended");
+  if (done.pid <= 0) fail_to_start(done.error, "an import worker cannot be forked");
+  ++forks_;
+  return {done.pid, std::move(ours)};
+}
+
+}  // namespace fracture

@@ -1,0 +1,64 @@
+// Pools of import workers as the tests use them.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <string_view>
+#include <thread>
+
+#include "server/import_worker/import_pool.hpp"
+#include "tests/import/make_files.hpp"
+
+namespace fracture::test {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+inline ImportPoolConfig config_of(const char* program, int workers = 2) {
+  ImportPoolConfig config;
+  config.worker.program = program;
+  config.workers = workers;
+  return config;
+}
+
+inline const std::string kTetrahedron =
+    "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+
+inline Expected<Mesh> import_with(ImportPool& pool, std::string_view bytes, const Execution& execution = {}) {
+  return pool.import(bytes_of(bytes), MeshFormat::kOff, {}, {}, execution);
+}
+
+/// Waits (at most 10 s) until the condition holds.
+template <class Condition>
+bool eventually(Condition&& condition) {
+  for (int k = 0; k < 1000; ++k) {
+    if (condition()) return true;
+    std::this_thread::sleep_for(10ms);
+  }
+  return false;
+}
+
+/// Children of this process, zombies too.
+inline std::size_t children() {
+  std::size_t count = 0;
+  for (const auto& task : fs::directory_iterator("/proc/self/task")) {
+    std::ifstream list(task.path() / "children");
+    count += static_cast<std::size_t>(std::distance(std::istream_iterator<int>(list), {}));
+  }
+  return count;
+}
+
+/// Waits until nothing is being read, begun or buried: the zygote, and the workers that wait for a file.
+inline bool settles(const ImportPool& pool) {
+  return eventually([&] {
+    const ImportCounters c = pool.counters();
+    return c.busy == 0 && c.starting == 0 && c.workers >= 1 &&
+           static_cast<std::size_t>(c.workers) + 1 == children();
+  });
+}
+
+}  // namespace fracture::test

@@ -1,0 +1,190 @@
+// What keeps files apart: a process for each, what is known of those that killed theirs, and the sandbox.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <seccomp.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <future>
+
+#include "tests/server/import_pool_fixture.hpp"
+
+namespace fracture::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// For this process and its children: no further filter can be loaded.
+void deny_seccomp() {
+  const auto filter = seccomp_init(SCMP_ACT_ALLOW);
+  const auto refused = SCMP_ACT_ERRNO(EPERM);
+  const bool done =
+      seccomp_rule_add(filter, refused, SCMP_SYS(seccomp), 0) == 0 &&
+      seccomp_rule_add(filter, refused, SCMP_SYS(prctl), 1, SCMP_A0(SCMP_CMP_EQ, PR_SET_SECCOMP)) == 0 &&
+      seccomp_load(filter) == 0;
+  seccomp_release(filter);
+  if (!done) std::fputs("no filter can be loaded here at all", stderr);
+}
+
+TEST(ImportIsolation, NoFileFindsWhatAnotherLeftInItsReader) {
+  ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 1));
+  for (int k = 0; k < 3; ++k) {
+    const pid_t reader = pool.pids().at(0);
+    EXPECT_TRUE(import_with(pool, "! stay"));
+    const Expected<Mesh> next = import_with(pool, "! look " + std::to_string(k));
+    ASSERT_FALSE(next);
+    EXPECT_EQ(next.error().detail, "nobody was here");
+    ASSERT_TRUE(settles(pool));
+    EXPECT_NE(pool.pids().at(0), reader);
+  }
+  EXPECT_EQ(pool.counters().zygotes, 1u) << "forks, not starts";
+  EXPECT_GE(pool.counters().started, 6u);
+}
+
+TEST(ImportIsolation, TheZygoteHasOneThreadAndReadsNoFile) {
+  ImportPool pool(config_of(FRACTURE_IMPORT_PROGRAM, 1));
+  const std::string proc = "/proc/" + std::to_string(pool.zygote_pid());
+  EXPECT_EQ(std::distance(fs::directory_iterator(proc + "/task"), {}), 1);
+  EXPECT_TRUE(import_with(pool, kTetrahedron));
+  // Its one connection carries no more than requests to fork: the file went to the worker.
+  ASSERT_TRUE(settles(pool));
+  EXPECT_NE(pool.pids().at(0), pool.zygote_pid());
+  EXPECT_EQ(pool.counters().zygotes, 1u);
+}
+
+TEST(ImportIsolation, AZygoteThatIsKilledIsReplaced) {
+  ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 1));
+  const pid_t first = pool.zygote_pid();
+  ASSERT_EQ(::kill(first, SIGKILL), 0);
+  for (int k = 0; k < 3; ++k) EXPECT_TRUE(import_with(pool, kTetrahedron));
+  ASSERT_TRUE(settles(pool));
+  EXPECT_NE(pool.zygote_pid(), first);
+  EXPECT_EQ(pool.counters().zygotes, 2u);
+}
+
+TEST(ImportIsolation, TheLayoutOfMemoryIsANewOneAfterACrashAndAfterManyForks) {
+  ImportPoolConfig config = config_of(FRACTURE_MISBEHAVING_PROGRAM, 1);
+  config.max_forks = 5;
+  ImportPool pool(config);
+  for (int k = 0; k < 12; ++k) EXPECT_TRUE(import_with(pool, kTetrahedron));
+  ASSERT_TRUE(settles(pool));
+  EXPECT_EQ(pool.counters().started, 13u);
+  EXPECT_EQ(pool.counters().zygotes, 3u);
+  EXPECT_FALSE(import_with(pool, "! exit"));
+  ASSERT_TRUE(settles(pool));
+  EXPECT_EQ(pool.counters().zygotes, 4u);
+}
+
+TEST(ImportIsolation, AFileThatKilledItsReaderIsRefusedAtOnceWithTheSameError) {
+  ImportPoolConfig config = config_of(FRACTURE_MISBEHAVING_PROGRAM, 1);
+  config.worker.cpu = 1s;
+  ImportPool pool(config);
+  for (const char* command : {"! null", "! exit", "! lie", "! spin", "! unfold"}) {
+    const Expected<Mesh> first = import_with(pool, command);
+    ASSERT_TRUE(settles(pool));
+    const ImportCounters before = pool.counters();
+    const Expected<Mesh> again = import_with(pool, command);
+    ASSERT_FALSE(first) << command;
+    ASSERT_FALSE(again) << command;
+    EXPECT_EQ(again.error().code, first.error().code) << command;
+    EXPECT_EQ(again.error().detail, first.error().detail) << command;
+    EXPECT_EQ(again.error().extra, first.error().extra) << command;
+    EXPECT_EQ(pool.counters().remembered, before.remembered + 1) << command;
+    EXPECT_EQ(pool.counters().started, before.started) << command << ": without a process";
+  }
+  // The same bytes as another format are another input, and what a reader refuses is not remembered.
+  EXPECT_FALSE(pool.import(bytes_of("! exit"), MeshFormat::kObj, {}, {}, {}));
+  const std::uint64_t remembered = pool.counters().remembered;
+  for (int k = 0; k < 2; ++k) EXPECT_FALSE(import_with(pool, "! try open"));
+  EXPECT_EQ(pool.counters().remembered, remembered);
+  EXPECT_TRUE(import_with(pool, kTetrahedron));
+}
+
+TEST(ImportIsolation, AWorkerThatSomebodyElseKilledSaysNothingAboutItsFile) {
+  ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 1));
+  for (int k = 0; k < 2; ++k) {
+    auto doomed = std::async(std::launch::async, [&] { return import_with(pool, "! hang"); });
+    ASSERT_TRUE(eventually([&] { return pool.counters().busy == 1; }));
+    ASSERT_EQ(::kill(pool.pids().front(), SIGKILL), 0);
+    EXPECT_FALSE(doomed.get());
+  }
+  EXPECT_EQ(pool.counters().crashed, 2u) << "tried both times";
+  EXPECT_EQ(pool.counters().remembered, 0u);
+}
+
+TEST(ImportIsolation, AFileThatRanOutOfTimeIsNotTriedWithAsLittleAgain) {
+  ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 1));
+  const auto within = [&](std::chrono::milliseconds time) {
+    Execution execution;
+    execution.deadline = std::chrono::steady_clock::now() + time;
+    try {
+      (void)import_with(pool, "! spin", execution);
+      ADD_FAILURE() << "it should have been interrupted";
+    } catch (const Interrupted& interrupted) {
+      EXPECT_EQ(interrupted.code, ErrorCode::kDeadlineExceeded);
+    }
+    return pool.counters();
+  };
+  const ImportCounters first = within(1500ms);  // of which it had at least a tenth
+  EXPECT_EQ(first.interrupted, 1u);
+  ASSERT_TRUE(settles(pool));
+  const ImportCounters settled = pool.counters(), less = within(100ms);
+  EXPECT_EQ(less.remembered, 1u) << "less time: refused at once";
+  EXPECT_EQ(less.started, settled.started);
+  EXPECT_EQ(within(3s).interrupted, 2u) << "more time: tried";
+}
+
+TEST(ImportMemo, IsBoundedAndForgets) {
+  ImportMemo memo;
+  const ImportMemo::Clock::time_point now{};
+  const Error error{ErrorCode::kImporterCrashed, "it died", {}, {}};
+  for (std::size_t k = 0; k < ImportMemo::kMost + 10; ++k)
+    memo.add(std::to_string(k), error, ImportMemo::kAnyMemory, now);
+  EXPECT_FALSE(memo.find("9", now));
+  ASSERT_TRUE(memo.find("10", now));
+  EXPECT_EQ(memo.find("10", now)->error->detail, "it died");
+  EXPECT_FALSE(memo.find("10", now + ImportMemo::kTimeToLive)) << "a moment's trouble passes";
+  memo.add("10", 5s, now + ImportMemo::kTimeToLive);
+  memo.add("10", 3s, now + ImportMemo::kTimeToLive);
+  const auto known = memo.find("10", now + ImportMemo::kTimeToLive);
+  ASSERT_TRUE(known);
+  EXPECT_FALSE(known->error) << "begun anew";
+  EXPECT_EQ(known->needs_more_than, 5s);
+}
+
+TEST(ImportIsolation, AnAnswerToAnotherFileIsNone) {
+  ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 1));
+  const Expected<Mesh> answered = import_with(pool, "! answer for another");
+  ASSERT_FALSE(answered);
+  EXPECT_EQ(answered.error().code, ErrorCode::kImporterCrashed);
+  EXPECT_THAT(answered.error().detail, HasSubstr("an answer to another file"));
+  EXPECT_TRUE(import_with(pool, kTetrahedron));
+}
+
+TEST(ImportIsolation, WhereTheSandboxIsRequiredAndCannotBeHadNothingStarts) {
+  ImportPoolConfig config = config_of(FRACTURE_IMPORT_PROGRAM, 1);
+  config.worker.require_sandbox = true;
+  { ImportPool pool(config); }
+  // As in a container whose own filter allows no further ones; for the whole of a process.
+  EXPECT_EXIT(
+      {
+        deny_seccomp();
+        try {
+          ImportPool pool(config);
+          std::fputs("it started", stderr);
+        } catch (const std::exception& e) {
+          std::fputs(e.what(), stderr);
+        }
+        config.worker.require_sandbox = false;
+        ImportPool pool(config);
+        std::fprintf(stderr, "; else: seccomp %u", pool.hello().seccomp);
+        ::_exit(import_with(pool, kTetrahedron) ? 0 : 1);
+      },
+      testing::ExitedWithCode(0), "sandbox of the import workers is required.*; else: seccomp 0");
+}
+
+}  // namespace
+}  // namespace fracture::test
