@@ -67,7 +67,8 @@ bool write_all(int file, std::span<const std::uint8_t> bytes) {
 
 }  // namespace
 
-DiskCache::DiskCache(std::string folder, std::uint64_t budget) : folder_(std::move(folder)), budget_(budget) {
+DiskCache::DiskCache(std::string folder, std::uint64_t budget, FarmKeys keys, int algorithm)
+    : folder_(std::move(folder)), budget_(budget), keys_(std::move(keys)), algorithm_(algorithm) {
   try {
     take_over();
     if (unusable_.empty()) learn_what_is_there();
@@ -149,15 +150,17 @@ std::optional<StoredEntry> DiskCache::find(const std::string& key) {
   // Nothing is allocated before the file, the index and the entry itself agree on the size: a file that has
   // become longer (a sparse one may have terabytes) is damage.
   if (file && ::fstat(file.get(), &status) == 0) {
-    bytes = read_bytes(file.get(), std::min<std::uint64_t>(kEntryHeader, size));
-    if (bytes && (static_cast<std::uint64_t>(status.st_size) != size || size_of_entry(*bytes) != size))
+    const std::size_t signature = keys_.empty() ? 0 : FarmKeys::kHead;
+    bytes = read_bytes(file.get(), std::min<std::uint64_t>(signature + kEntryHeader, size));
+    if (bytes && (static_cast<std::uint64_t>(status.st_size) != size || bytes->size() < signature ||
+                  size_of_entry(std::span(*bytes).subspan(signature)) != size - signature))
       bytes->clear();
     else if (bytes)
       bytes = ::lseek(file.get(), 0, SEEK_SET) == 0 ? read_bytes(file.get(), size) : std::nullopt;
   }
   std::optional<StoredEntry> stored;
   if (bytes) {
-    if (const auto entry = decode_entry(*bytes, key)) stored = StoredEntry{std::move(*bytes), *entry};
+    if (const auto entry = decoded(*bytes, key)) stored = StoredEntry{std::move(*bytes), *entry};
   }
   const std::lock_guard lock(mutex_);
   if (stored) {
@@ -182,10 +185,21 @@ void DiskCache::make_room(std::uint64_t size) {
   }
 }
 
+std::optional<CacheEntry> DiskCache::decoded(std::span<const std::uint8_t> file,
+                                             const std::string& key) const {
+  if (keys_.empty()) return decode_entry(file, key);
+  const auto opened = keys_.open(signed_as(key), file);
+  return opened ? decode_entry(*opened, key) : std::nullopt;
+}
+
 bool DiskCache::insert(const CacheEntry& entry) {
   const std::string key(entry.key);
   if (!unusable_.empty() || !is_key(key)) return false;
-  const std::string head = encode_entry_head(entry);
+  std::string head = encode_entry_head(entry);
+  if (!keys_.empty()) {
+    const FarmKeys::Bytes before(reinterpret_cast<const std::uint8_t*>(head.data()), head.size());
+    head.insert(0, keys_.head(signed_as(entry.key), {before, entry.payload}));
+  }
   const std::uint64_t size = head.size() + entry.payload.size();
   if (size > budget_) return false;
   std::string temporary;

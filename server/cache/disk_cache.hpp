@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "server/cache/entry.hpp"
+#include "server/cache/farm_keys.hpp"
 
 namespace fracture {
 
@@ -41,8 +42,9 @@ struct DiskFigures {
 class DiskCache {
  public:
   /// Takes the folder over: makes it, removes what an earlier process left half-written, learns what is
-  /// there. The least recently used entries leave when `budget` bytes are used.
-  DiskCache(std::string folder, std::uint64_t budget);
+  /// there. The least recently used entries leave when `budget` bytes are used. With keys every entry is
+  /// signed (farm_keys.hpp) for the algorithm version, and one that is not counts as damaged.
+  DiskCache(std::string folder, std::uint64_t budget, FarmKeys keys = {}, int algorithm = 0);
   ~DiskCache();
   DiskCache(const DiskCache&) = delete;
   DiskCache& operator=(const DiskCache&) = delete;
@@ -67,6 +69,9 @@ class DiskCache {
   };
 
   std::string path_of(const std::string& key) const { return folder_ + "/" + key.substr(0, 2) + "/" + key; }
+  SignedAs signed_as(std::string_view key) const { return {"disk", key, algorithm_}; }
+  /// The entry in the bytes of a file; nothing where it is damaged or not signed.
+  std::optional<CacheEntry> decoded(std::span<const std::uint8_t> file, const std::string& key) const;
   void take_over();
   void learn_what_is_there();
   /// Evicts until `size` bytes more are within the budget.
@@ -77,6 +82,8 @@ class DiskCache {
 
   const std::string folder_;
   const std::uint64_t budget_;
+  const FarmKeys keys_;
+  const int algorithm_;
   std::string unusable_;
   int lock_ = -1;
   mutable std::mutex mutex_;

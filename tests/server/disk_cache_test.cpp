@@ -201,6 +201,38 @@ int in_child(Work work) {
   return status;
 }
 
+TEST_F(Disk, WithKeysOnlyWhatTheFarmSignedIsFound) {
+  const FarmKeys ours = *FarmKeys::parse(std::string(64, 'a')),
+                 theirs = *FarmKeys::parse(std::string(64, 'b'));
+  {
+    DiskCache cache(path, 1 << 20, ours, 6);
+    insert(cache, 1);
+    EXPECT_TRUE(finds(cache, 1));
+  }
+  {
+    DiskCache cache(path, 1 << 20, ours, 6);
+    EXPECT_TRUE(finds(cache, 1)) << "after a restart";
+    EXPECT_EQ(cache.figures().quarantined, 0u);
+  }
+  const auto refuses = [&](const FarmKeys& keys, int algorithm) {
+    DiskCache cache(path, 1 << 20, keys, algorithm);
+    const bool found = finds(cache, 1);
+    EXPECT_EQ(cache.figures().quarantined, found ? 0u : 1u);
+    return !found;
+  };
+  EXPECT_TRUE(refuses(ours, 7)) << "of another algorithm version";
+  {
+    DiskCache cache(path, 1 << 20, theirs, 6);
+    insert(cache, 1);
+  }
+  EXPECT_TRUE(refuses(ours, 6)) << "of another farm";
+  {
+    DiskCache cache(path, 1 << 20);
+    insert(cache, 1);
+  }
+  EXPECT_TRUE(refuses(ours, 6)) << "not signed";
+}
+
 TEST_F(Disk, WhenTheDiskIsFullWritesFailAndReadsGoOn) {
   {
     DiskCache cache(path, 1 << 20);

@@ -1,0 +1,95 @@
+#include "server/cache/farm_keys.hpp"
+
+#include <openssl/core_names.h>
+#include <openssl/crypto.h>
+#include <openssl/evp.h>
+#include <openssl/params.h>
+
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <stdexcept>
+
+namespace fracture {
+namespace {
+
+constexpr std::string_view kMagic = "FRS1";
+using Signature = std::array<std::uint8_t, 32>;
+static_assert(FarmKeys::kHead == kMagic.size() + sizeof(Signature));
+
+Signature sign(const std::string& key, const SignedAs& as, std::initializer_list<FarmKeys::Bytes> bytes) {
+  // Fetched once: a fetch locks a table of the library.
+  static const std::unique_ptr<EVP_MAC, decltype(&EVP_MAC_free)> hmac(EVP_MAC_fetch(nullptr, "HMAC", nullptr),
+                                                                      &EVP_MAC_free);
+  const std::unique_ptr<EVP_MAC_CTX, decltype(&EVP_MAC_CTX_free)> context(EVP_MAC_CTX_new(hmac.get()),
+                                                                          &EVP_MAC_CTX_free);
+  char name[] = "SHA256";
+  const OSSL_PARAM parameters[] = {OSSL_PARAM_construct_utf8_string(OSSL_MAC_PARAM_DIGEST, name, 0),
+                                   OSSL_PARAM_construct_end()};
+  std::string about = "fracture cache entry\n";  // no part of it has a line break of its own
+  about.append(as.tier).append("\n").append(as.key).append("\n").append(std::to_string(as.algorithm)) += '\n';
+  Signature signature;
+  std::size_t size = 0;
+  const auto* raw_key = reinterpret_cast<const unsigned char*>(key.data());
+  const auto* raw_about = reinterpret_cast<const unsigned char*>(about.data());
+  bool good = context && EVP_MAC_init(context.get(), raw_key, key.size(), parameters) == 1 &&
+              EVP_MAC_update(context.get(), raw_about, about.size()) == 1;
+  for (const FarmKeys::Bytes part : bytes)
+    good = good && EVP_MAC_update(context.get(), part.data(), part.size()) == 1;
+  if (!good || EVP_MAC_final(context.get(), signature.data(), &size, signature.size()) != 1 ||
+      size != signature.size())
+    throw std::runtime_error("HMAC-SHA256 cannot be computed");
+  return signature;
+}
+
+}  // namespace
+
+tl::expected<FarmKeys, std::string> FarmKeys::load(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return tl::unexpected(path + " cannot be read");
+  auto keys = parse(std::string{std::istreambuf_iterator<char>(file), {}});
+  if (!keys) return tl::unexpected(path + ": " + keys.error());
+  return keys;
+}
+
+tl::expected<FarmKeys, std::string> FarmKeys::parse(std::string_view text) {
+  FarmKeys keys;
+  for (int number = 1; !text.empty(); ++number) {
+    const std::size_t end = text.find('\n');
+    std::string_view line = text.substr(0, end);
+    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+    while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.remove_suffix(1);
+    if (line.empty() || line.front() == '#') continue;
+    const std::string where = "line " + std::to_string(number);
+    if (line.size() < kMinCharacters)
+      return tl::unexpected(where + " has fewer than " + std::to_string(kMinCharacters) +
+                            " characters (openssl rand -hex 32 makes a key)");
+    if (keys.keys_.size() == kMaxKeys)
+      return tl::unexpected(where + " is a third key: one that signs, and one that is still taken");
+    keys.keys_.emplace_back(line);
+  }
+  if (keys.empty()) return tl::unexpected(std::string("it holds no key"));
+  return keys;
+}
+
+std::string FarmKeys::head(const SignedAs& as, std::initializer_list<Bytes> bytes) const {
+  const Signature signature = sign(keys_.at(0), as, bytes);
+  std::string head(kMagic);
+  head.append(reinterpret_cast<const char*>(signature.data()), signature.size());
+  return head;
+}
+
+std::optional<FarmKeys::Bytes> FarmKeys::open(const SignedAs& as, Bytes stored) const {
+  if (stored.size() < kHead || std::memcmp(stored.data(), kMagic.data(), kMagic.size()) != 0)
+    return std::nullopt;
+  const Bytes bytes = stored.subspan(kHead);
+  for (const std::string& key : keys_) {
+    const Signature right = sign(key, as, {bytes});
+    // In constant time: how much of a guess was right must not show.
+    if (CRYPTO_memcmp(right.data(), stored.data() + kMagic.size(), right.size()) == 0) return bytes;
+  }
+  return std::nullopt;
+}
+
+}  // namespace fracture
