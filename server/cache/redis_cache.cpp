@@ -1,11 +1,10 @@
 #include "server/cache/redis_cache.hpp"
 
-#include <fcntl.h>
 #include <hiredis/hiredis.h>
-#include <poll.h>
+#include <sys/un.h>
 #include <zstd.h>
 
-#include <charconv>
+#include <cstddef>
 #include <string_view>
 #include <utility>
 
@@ -14,104 +13,89 @@ namespace {
 
 constexpr std::size_t kMaxIdle = 8;
 constexpr int kCompression = 1;  // 500 MB/s; GLB files shrink by half, and no more with higher levels
+/// A handshake is two journeys and a signature.
+constexpr int kTlsPatience = 3;
 
-timeval to_timeval(std::chrono::milliseconds time) {
-  return {static_cast<time_t>(time.count() / 1000), static_cast<suseconds_t>(time.count() % 1000 * 1000)};
-}
-
-/// Waits for the socket; false when the time is over.
-bool wait_for(int fd, short events, std::chrono::steady_clock::time_point deadline) {
-  const auto left =
-      std::chrono::duration_cast<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
-  if (left.count() <= 0) return false;
-  pollfd p{fd, events, 0};
-  return ::poll(&p, 1, static_cast<int>(left.count())) > 0;
+std::span<const std::uint8_t> bytes_of(std::string_view text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
 }  // namespace
 
-RedisCache::RedisCache(RedisConfig config) : config_(std::move(config)) {}
+RedisCache::RedisCache(RedisConfig config) : config_(std::move(config)) {
+  if (config_.tls.on) {
+    if (auto tls = RedisTls::load(config_.tls))
+      tls_ = std::move(*tls);
+    else
+      unusable_ = true;
+  }
+  if (config_.address.front() == '/') return;
+  const std::size_t colon = config_.address.rfind(':');
+  host_ = config_.address.substr(0, colon);
+  if (host_.size() > 2 && host_.front() == '[') host_ = host_.substr(1, host_.size() - 2);
+  resolver_ = std::make_unique<Resolver>(
+      host_, colon == std::string::npos ? "6379" : config_.address.substr(colon + 1));
+}
+
 RedisCache::~RedisCache() = default;
 
-RedisCache::Context RedisCache::connect() const {
-  const timeval time = to_timeval(config_.connect_timeout);
-  redisContext* context = nullptr;
-  if (config_.address.front() == '/') {
-    context = redisConnectUnixWithTimeout(config_.address.c_str(), time);
-  } else {
-    const std::size_t colon = config_.address.rfind(':');
-    std::string host = config_.address.substr(0, colon);
-    if (host.size() > 2 && host.front() == '[') host = host.substr(1, host.size() - 2);
-    int port = 6379;
-    if (colon != std::string::npos)
-      std::from_chars(config_.address.data() + colon + 1, config_.address.data() + config_.address.size(),
-                      port);
-    context = redisConnectWithTimeout(host.c_str(), port, time);
+RedisCache::Connection RedisCache::open(Clock::time_point deadline) {
+  const std::size_t most = config_.max_value_bytes + FarmKeys::kHead;
+  if (!resolver_) {
+    NetworkAddress socket;
+    auto& path = reinterpret_cast<sockaddr_un&>(socket.storage);
+    path.sun_family = AF_UNIX;
+    socket.size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + config_.address.size() + 1);
+    if (config_.address.size() >= sizeof path.sun_path) return nullptr;
+    config_.address.copy(path.sun_path, sizeof path.sun_path - 1);
+    return RedisConnection::open(socket, host_, tls_.get(), most, deadline);
   }
-  Context owned(context, &redisFree);
-  if (!owned || owned->err) return Context(nullptr, &redisFree);
-  ::fcntl(owned->fd, F_SETFL, ::fcntl(owned->fd, F_GETFL) | O_NONBLOCK);  // exchange() waits by itself
-  return owned;
+  for (const NetworkAddress& address : resolver_->known().addresses)
+    if (auto connection = RedisConnection::open(address, host_, tls_.get(), most, deadline))
+      return connection;
+  return nullptr;
 }
 
-/// hiredis' own timeout is one for each system call, which an answer of single bytes never reaches: the loop
-/// is written out with one deadline for all of it.
-RedisCache::Reply RedisCache::exchange(redisContext& context, const std::vector<std::string_view>& command,
-                                       Clock::time_point deadline) {
-  Reply none(nullptr, &freeReplyObject);
-  std::vector<const char*> arguments;
-  std::vector<std::size_t> sizes;
-  for (const std::string_view part : command) {
-    arguments.push_back(part.data());
-    sizes.push_back(part.size());
-  }
-  if (redisAppendCommandArgv(&context, static_cast<int>(command.size()), arguments.data(), sizes.data()) !=
-      REDIS_OK)
-    return none;
-  context.flags &= ~REDIS_BLOCK;  // EAGAIN is no error then
-  for (int done = 0; !done;) {
-    if (!wait_for(context.fd, POLLOUT, deadline) || redisBufferWrite(&context, &done) != REDIS_OK)
-      return none;
-  }
-  for (void* reply = nullptr;;) {
-    // Neither GET nor SET answers with an array; hiredis would allocate as many elements as one declares.
-    const redisReader& reader = *context.reader;
-    if (reader.len > reader.pos && reader.buf[reader.pos] == '*') return none;
-    if (redisGetReplyFromReader(&context, &reply) != REDIS_OK) return none;
-    if (reply) return Reply(static_cast<redisReply*>(reply), &freeReplyObject);
-    if (!wait_for(context.fd, POLLIN, deadline) || redisBufferRead(&context) != REDIS_OK) return none;
-  }
+RedisCache::Connection RedisCache::connect() {
+  if (unusable_) return nullptr;
+  const auto deadline = Clock::now() + config_.connect_timeout * (tls_ ? kTlsPatience : 1);
+  Connection connection = open(deadline);
+  if (!connection || config_.password.empty()) return connection;
+  std::vector<std::string_view> command = {"AUTH"};
+  if (!config_.user.empty()) command.push_back(config_.user);
+  command.push_back(config_.password);
+  const RedisReply reply = connection->ask(command, deadline);
+  return reply && reply->type == REDIS_REPLY_STATUS ? std::move(connection) : nullptr;
 }
 
-RedisCache::Reply RedisCache::ask(const std::vector<std::string_view>& command) {
-  Reply none(nullptr, &freeReplyObject);
-  if (!breaker_.allows()) {
+RedisReply RedisCache::ask(const std::vector<std::string_view>& command) {
+  RedisReply none(nullptr, &freeReplyObject);
+  if ((resolver_ && !resolver_->known().asked) || !breaker_.allows()) {
     const std::lock_guard lock(mutex_);
     ++figures_.skipped;
     return none;
   }
-  Context context(nullptr, &redisFree);
+  Connection connection;
   {
     const std::lock_guard lock(mutex_);
     if (!idle_.empty()) {
-      context = std::move(idle_.back());
+      connection = std::move(idle_.back());
       idle_.pop_back();
     }
   }
   // A kept connection may have been closed meanwhile, which its first use finds out: then a new one.
   for (const bool kept : {true, false}) {
-    if (kept && !context) continue;
-    if (!kept) context = connect();
-    if (!context) break;
-    Reply reply = exchange(*context, command, Clock::now() + config_.operation_timeout);
+    if (kept && !connection) continue;
+    if (!kept) connection = connect();
+    if (!connection) break;
+    RedisReply reply = connection->ask(command, Clock::now() + config_.operation_timeout);
     if (reply && reply->type != REDIS_REPLY_ERROR) {
       breaker_.success();
       const std::lock_guard lock(mutex_);
-      if (idle_.size() < kMaxIdle) idle_.push_back(std::move(context));
+      if (idle_.size() < kMaxIdle) idle_.push_back(std::move(connection));
       return reply;
     }
-    const bool closed = context->err == REDIS_ERR_EOF || context->err == REDIS_ERR_IO;
-    if (!kept || !closed) break;
+    if (!kept || !connection->was_closed()) break;
   }
   breaker_.failure();
   const std::lock_guard lock(mutex_);
@@ -119,22 +103,33 @@ RedisCache::Reply RedisCache::ask(const std::vector<std::string_view>& command) 
   return none;
 }
 
+std::optional<StoredEntry> RedisCache::decoded(std::span<const std::uint8_t> value, const std::string& key,
+                                               const Room& room, bool& no_room) const {
+  if (!config_.keys.empty()) {
+    const auto opened = config_.keys.open(signed_as(key), value);
+    if (!opened) return std::nullopt;
+    value = *opened;
+  }
+  if (value.size() > config_.max_value_bytes) return std::nullopt;
+  const unsigned long long size = ZSTD_getFrameContentSize(value.data(), value.size());
+  if (size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR || size > config_.max_entry_bytes)
+    return std::nullopt;
+  no_room = room && !room(size);
+  if (no_room) return std::nullopt;
+  std::vector<std::uint8_t> bytes(size);
+  if (ZSTD_decompress(bytes.data(), bytes.size(), value.data(), value.size()) != size) return std::nullopt;
+  const auto entry = decode_entry(bytes, key);
+  return entry ? std::optional(StoredEntry{std::move(bytes), *entry}) : std::nullopt;
+}
+
 std::optional<StoredEntry> RedisCache::find(const std::string& key, const Room& room) {
   const std::string name = "fracture:" + key;
-  const Reply reply = ask({"GET", name});
+  const RedisReply reply = ask({"GET", name});
   if (!reply) return std::nullopt;
   std::optional<StoredEntry> stored;
-  const bool there = reply->type == REDIS_REPLY_STRING;
   bool no_room = false;
-  if (there && reply->len <= config_.max_value_bytes) {
-    const unsigned long long size = ZSTD_getFrameContentSize(reply->str, reply->len);
-    if (size != ZSTD_CONTENTSIZE_UNKNOWN && size != ZSTD_CONTENTSIZE_ERROR &&
-        size <= config_.max_entry_bytes && !(no_room = room && !room(size))) {
-      std::vector<std::uint8_t> bytes(size);
-      if (ZSTD_decompress(bytes.data(), bytes.size(), reply->str, reply->len) == size)
-        if (const auto entry = decode_entry(bytes, key)) stored = StoredEntry{std::move(bytes), *entry};
-    }
-  }
+  if (reply->type == REDIS_REPLY_STRING)
+    stored = decoded(bytes_of({reply->str, reply->len}), key, room, no_room);
   const std::lock_guard lock(mutex_);
   ++(stored ? figures_.hits : figures_.misses);
   if (reply->type != REDIS_REPLY_NIL && !stored && !no_room) ++figures_.damaged;
@@ -155,6 +150,7 @@ bool RedisCache::insert(const CacheEntry& entry) {
       ZSTD_compress(value.data(), value.size(), whole.data(), whole.size(), kCompression);
   if (ZSTD_isError(size) || size > config_.max_value_bytes) return false;
   value.resize(size);
+  if (!config_.keys.empty()) value.insert(0, config_.keys.head(signed_as(entry.key), {bytes_of(value)}));
   const std::string name = "fracture:" + std::string(entry.key), ttl = std::to_string(config_.ttl.count());
   if (!ask({"SET", name, value, "EX", ttl})) return false;
   const std::lock_guard lock(mutex_);

@@ -49,6 +49,8 @@ struct ServeOptions {
   std::string log_format = "auto";
   std::vector<std::string> enabled_formats;  ///< added to service.formats
   bool all_formats = false;
+  std::string redis_password_file;           ///< its first line; empty: service.tiers.redis.password as it is
+  std::string farm_key_file;                 ///< empty: what lies in shared tiers is not signed
   std::string token_file;                    ///< empty: no authentication
   std::vector<std::string> trusted_proxies;  ///< networks
   bool insecure_bind = false;                ///< listen beyond this machine without tokens

@@ -3,6 +3,8 @@
 #include <arpa/inet.h>
 #include <unistd.h>
 
+#include <fstream>
+#include <functional>
 #include <optional>
 #include <utility>
 
@@ -15,6 +17,13 @@ namespace {
 constexpr std::uint64_t kMiB = 1u << 20, kTiB = 1ull << 40;
 
 enum class Reach { kThisMachine, kNetwork };
+
+/// Text that is never printed.
+Setting secret(std::string name, std::string type, std::string& target, std::string doc) {
+  Setting setting = text(std::move(name), std::move(type), target, std::move(doc));
+  setting.secret = true;
+  return setting;
+}
 
 /// Nothing when it is no numeric address.
 std::optional<Reach> reach_of(const std::string& address) {
@@ -30,6 +39,39 @@ std::optional<Reach> reach_of(const std::string& address) {
 bool sandbox_required(const ServeOptions& o) {
   return o.require_sandbox == "yes" ||
          (o.require_sandbox == "auto" && reach_of(o.server.address) == Reach::kNetwork);
+}
+
+/// The first line of a file; nothing where it cannot be read or is empty.
+std::optional<std::string> first_line(const std::string& path) {
+  std::ifstream file(path);
+  std::string line;
+  if (!std::getline(file, line)) return std::nullopt;
+  if (!line.empty() && line.back() == '\r') line.pop_back();
+  return line.empty() ? std::nullopt : std::optional(line);
+}
+
+/// What is said about Redis and about signatures.
+void judge_tiers(const ServeOptions& o, const std::function<void(std::string)>& refuse) {
+  const TiersConfig& tiers = o.service.tiers;
+  const RedisConfig& redis = tiers.redis;
+  const bool password = !redis.password.empty() || !o.redis_password_file.empty();
+  if (redis.address.empty() && (password || !redis.user.empty() || redis.tls.on))
+    refuse("redis-user, redis-password and redis-tls say how to speak with a Redis: give --redis too");
+  if (!redis.user.empty() && !password) refuse("redis-user needs a redis-password or redis-password-file");
+  if (!redis.password.empty() && !o.redis_password_file.empty())
+    refuse("redis-password and redis-password-file are both given; one of them is enough");
+  if (!o.redis_password_file.empty() && !first_line(o.redis_password_file))
+    refuse("redis-password-file " + o.redis_password_file + " cannot be read, or its first line is empty");
+  if (redis.tls.cert_file.empty() != redis.tls.key_file.empty())
+    refuse("redis-cert-file and redis-key-file belong together");
+  if (!redis.tls.on && !(redis.tls.ca_file.empty() && redis.tls.cert_file.empty()))
+    refuse("redis-ca-file and redis-cert-file are of use with --redis-tls only");
+  if (redis.tls.on && redis.address.starts_with('/')) refuse("redis-tls needs a redis at host:port");
+  if (redis.tls.on)
+    if (const auto tls = RedisTls::load(redis.tls); !tls) refuse("redis-tls: " + tls.error());
+  if (!o.farm_key_file.empty())
+    if (const auto keys = FarmKeys::load(o.farm_key_file); !keys) refuse("farm-key-file " + keys.error());
+  if (tiers.sign_disk && o.farm_key_file.empty()) refuse("sign-disk-cache needs a farm-key-file");
 }
 
 /// scheme://host[:port], as browsers send it.
@@ -129,15 +171,33 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
                 "Bytes a second at which a client must take its answer, after write-stall"),
          seconds("write-stall", l.write_stall, "Longest time without the client taking a byte"),
          seconds("idle", l.idle, "Longest time between requests of a connection")});
-  group("Caches",
-        {number("mesh-cache", "BYTES", s.mesh_cache_bytes, 0, kTiB, "Bytes of prepared meshes"),
-         number("diagram-cache", "BYTES", s.diagram_cache_bytes, 0, kTiB,
-                "Bytes of tetrahedralizations, and of answers kept for hits on them"),
-         number("result-cache", "BYTES", s.result_cache_bytes, 0, kTiB, "Bytes of finished answers"),
-         text("cache-dir", "FOLDER", s.tiers.folder, "Keep finished answers in this folder too"),
-         number("disk-cache", "BYTES", s.tiers.disk_bytes, 0, kTiB, "Bytes of that folder"),
-         text("redis", "HOST:PORT", s.tiers.redis.address,
-              "Share finished answers through this Redis; or the path of its socket")});
+  group(
+      "Caches",
+      {number("mesh-cache", "BYTES", s.mesh_cache_bytes, 0, kTiB, "Bytes of prepared meshes"),
+       number("diagram-cache", "BYTES", s.diagram_cache_bytes, 0, kTiB,
+              "Bytes of tetrahedralizations, and of answers kept for hits on them"),
+       number("result-cache", "BYTES", s.result_cache_bytes, 0, kTiB, "Bytes of finished answers"),
+       text("cache-dir", "FOLDER", s.tiers.folder, "Keep finished answers in this folder too"),
+       number("disk-cache", "BYTES", s.tiers.disk_bytes, 0, kTiB, "Bytes of that folder"),
+       text("redis", "HOST:PORT", s.tiers.redis.address,
+            "Share finished answers through this Redis; or the path of its socket"),
+       text("redis-user", "NAME", s.tiers.redis.user,
+            "Its user (Redis 6 ACL); without one: the default user"),
+       secret("redis-password", "TEXT", s.tiers.redis.password,
+              "Its password, better given in the environment or a file than as a flag, which others can see"),
+       text("redis-password-file", "FILE", o.redis_password_file,
+            "Its password: the first line of this file"),
+       flag("redis-tls", s.tiers.redis.tls.on, "Speak TLS with it, and check its certificate"),
+       text("redis-ca-file", "FILE", s.tiers.redis.tls.ca_file,
+            "Who may have signed that certificate (PEM); without it: whom this machine trusts"),
+       text("redis-cert-file", "FILE", s.tiers.redis.tls.cert_file,
+            "Our own certificate, where it asks for one"),
+       text("redis-key-file", "FILE", s.tiers.redis.tls.key_file, "The key of our own certificate"),
+       text("farm-key-file", "FILE", o.farm_key_file,
+            "Sign what goes to Redis and believe only what is signed: a key a line, the first signs, the "
+            "second "
+            "is still taken"),
+       flag("sign-disk-cache", s.tiers.sign_disk, "The same for the folder of --cache-dir")});
   group("Stores",
         {number("mesh-store", "BYTES", o.store.quota_bytes, 0, kTiB, "Bytes of all stored meshes"),
          seconds("mesh-ttl", o.store.ttl, "A stored mesh is forgotten when nobody used it for so long"),
@@ -201,6 +261,7 @@ std::vector<std::string> inconsistencies(const ServeOptions& o) {
         redis.find_first_not_of("0123456789", colon + 1) != std::string::npos)
       refuse("redis must be host:port or the path of a socket; it was '" + redis + "'");
   }
+  judge_tiers(o, refuse);
   for (const std::string& name : o.enabled_formats)
     if (!format_from_extension(name)) refuse("enable-format: there is no format '" + name + "'");
   for (const std::string& origin : o.server.cors_origins)
@@ -248,6 +309,19 @@ std::vector<std::string> configure(ServeOptions& options, const std::vector<Sett
     options.service.formats.enable(*format_from_extension(name));
   for (const std::string& cidr : options.trusted_proxies) options.server.proxies.add(cidr);
   options.limits.max_decoded_body = options.service.import_limits.max_decoded_bytes;
+  TiersConfig& tiers = options.service.tiers;
+  if (!options.redis_password_file.empty())
+    tiers.redis.password = first_line(options.redis_password_file).value_or("");
+  if (!options.farm_key_file.empty()) {
+    if (auto keys = FarmKeys::load(options.farm_key_file))
+      tiers.keys = std::move(*keys);
+    else  // it has changed since it was judged
+      errors.push_back("farm-key-file " + keys.error());
+  }
+  if (!tiers.redis.address.empty() && tiers.keys.empty())
+    options.warnings.push_back(
+        "Redis without --farm-key-file: who can write to it can put false answers in, which all servers "
+        "believe");
   if (!options.token_file.empty()) {
     auto tokens = http::TokenSet::load(options.token_file);
     if (tokens)

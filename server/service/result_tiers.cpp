@@ -4,6 +4,8 @@
 #include <cstring>
 #include <utility>
 
+#include "common/pipeline/fracture.hpp"
+
 namespace fracture {
 namespace {
 
@@ -54,31 +56,44 @@ std::shared_ptr<const FractureResult> to_result(const StoredEntry& stored) {
   result->key = stored.entry.key;
   result->format = metadata.substr(0, first) == "gltf" ? OutputFormat::kGltf : OutputFormat::kGlb;
   result->mesh_digest = metadata.substr(first + 1, second - first - 1);
+  // Result keys begin with the digest of their mesh.
+  constexpr std::string_view kScheme = "sha256:";
+  if (!std::string_view(result->mesh_digest).starts_with(kScheme) ||
+      result->mesh_digest.compare(kScheme.size(), 16, result->key, 0, 16) != 0)
+    return nullptr;
   result->file.assign(stored.entry.payload.begin(), stored.entry.payload.end());
+  // Digests are not taken on trust: clients are told them (Repr-Digest), and believe the file for them.
+  result->file_digest = sha256(std::as_bytes(std::span(result->file)));
   const std::string_view rest = metadata.substr(second + 1);
-  if (rest.size() == kDigest) {  // as earlier versions wrote it: without places
-    std::memcpy(result->file_digest.bytes.data(), rest.data(), kDigest);
+  if (rest == text_of(result->file_digest)) {  // as earlier versions wrote it: without places
     locate_figures(*result);
     return result;
   }
   const std::size_t third = rest.find('\n');
   if (third == std::string_view::npos || rest.size() - third - 1 != 2 * kDigest ||
+      rest.substr(third + 1, kDigest) != text_of(result->file_digest) ||
       !read_ranges(rest.substr(0, third), *result))
     return nullptr;
-  std::memcpy(result->file_digest.bytes.data(), rest.data() + third + 1, kDigest);
-  std::memcpy(result->figures_digest.bytes.data(), rest.data() + third + 1 + kDigest, kDigest);
-  return result;
+  result->figures_digest =
+      sha256(std::as_bytes(std::span(result->file).subspan(result->figures.at, result->figures.size)));
+  return rest.substr(third + 1 + kDigest) == text_of(result->figures_digest) ? result : nullptr;
 }
 
 }  // namespace
 
 ResultTiers::ResultTiers(const TiersConfig& config) : max_pending_bytes_(config.max_pending_bytes) {
   if (!config.folder.empty()) {
-    disk_ = std::make_unique<DiskCache>(config.folder, config.disk_bytes);
+    disk_ = std::make_unique<DiskCache>(config.folder, config.disk_bytes,
+                                        config.sign_disk ? config.keys : FarmKeys(), kAlgorithmVersion);
     disk_problem_ = disk_->unusable();
     if (!disk_problem_.empty()) disk_.reset();
   }
-  if (!config.redis.address.empty()) redis_ = std::make_unique<RedisCache>(config.redis);
+  if (!config.redis.address.empty()) {
+    RedisConfig redis = config.redis;
+    redis.keys = config.keys;
+    redis.algorithm = kAlgorithmVersion;
+    redis_ = std::make_unique<RedisCache>(std::move(redis));
+  }
   if (any()) writer_ = std::thread([this] { write_pending(); });
 }
 
@@ -176,6 +191,7 @@ TiersFigures ResultTiers::figures() const {
   TiersFigures figures;
   if (disk_) figures.disk = disk_->figures();
   if (redis_) figures.redis = redis_->figures();
+  figures.disk_unusable = !disk_problem_.empty();
   const std::lock_guard lock(mutex_);
   figures.dropped = dropped_;
   return figures;

@@ -22,14 +22,17 @@ namespace fracture {
 struct TiersConfig {
   std::string folder;  ///< of the disk tier; empty: none
   std::uint64_t disk_bytes = 4ull << 30;
-  RedisConfig redis;                          ///< without an address: none
+  RedisConfig redis;       ///< without an address: none; its keys and algorithm are set here
+  FarmKeys keys;           ///< sign what goes to Redis, and are asked for of what comes from there
+  bool sign_disk = false;  ///< with the keys: the same of the disk
   std::size_t max_pending_bytes = 64u << 20;  ///< of results that wait to be written
 };
 
 struct TiersFigures {
   std::optional<DiskFigures> disk;  ///< nothing: there is no such tier
   std::optional<RedisFigures> redis;
-  std::uint64_t dropped = 0;  ///< results that were not written because too many waited
+  bool disk_unusable = false;  ///< a folder is configured, and cannot be used
+  std::uint64_t dropped = 0;   ///< results that were not written because too many waited
 };
 
 /// Thread-safe.

@@ -1,27 +1,24 @@
 #include "server/cache/redis_cache.hpp"
 
-#include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <spawn.h>
 #include <sys/socket.h>
-#include <sys/un.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-#include <atomic>
-#include <functional>
 #include <string>
 #include <thread>
 
 #include "common/base/digest.hpp"
+#include "tests/server/redis_process.hpp"
 #include "tests/server/temporary_folder.hpp"
-
-extern char** environ;
 
 namespace fracture {
 namespace {
 
+using test::config_of;
+using test::Impostor;
+using test::RedisProcess;
+using test::say;
 using test::TemporaryFolder;
 using Bytes = std::vector<std::uint8_t>;
 
@@ -29,61 +26,16 @@ using Bytes = std::vector<std::uint8_t>;
 
 const std::string kKey = sha256("key").hex();
 
-/// A redis-server on a socket in a folder of its own.
-class RedisProcess {
- public:
-  explicit RedisProcess(const std::string& folder) : socket(folder + "/redis.sock") { start(folder); }
-  ~RedisProcess() { stop(); }
-  void start(const std::string& folder) {
-    std::vector<std::string> arguments = {
-        "redis-server",       "--port", "0",     "--unixsocket", socket,       "--save",  "",
-        "--appendonly",       "no",     "--dir", folder,         "--loglevel", "warning", "--logfile",
-        folder + "/redis.log"};
-    std::vector<char*> argv;
-    for (std::string& a : arguments) argv.push_back(a.data());
-    argv.push_back(nullptr);
-    if (::posix_spawnp(&pid_, argv[0], nullptr, nullptr, argv.data(), environ) != 0) {
-      pid_ = 0;
-      return;
-    }
-    for (int i = 0; i < 2000 && !accepts(); ++i) ::usleep(10'000);
-  }
-  void stop() {
-    if (pid_ == 0) return;
-    ::kill(pid_, SIGKILL);
-    ::waitpid(pid_, nullptr, 0);
-    pid_ = 0;
-    ::unlink(socket.c_str());
-  }
-  void pause() { ::kill(pid_, SIGSTOP); }
-  bool running() const { return pid_ != 0 && accepts(); }
-  const std::string socket;
-
- private:
-  /// The file is there before anybody listens on it.
-  bool accepts() const {
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    socket.copy(address.sun_path, sizeof address.sun_path - 1);
-    const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    const bool connected = ::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
-    ::close(fd);
-    return connected;
-  }
-
-  pid_t pid_ = 0;
-};
-
 struct Redis : testing::Test {
   TemporaryFolder folder;
-  RedisProcess process{folder.path};
+  RedisProcess process{folder};
   RedisConfig config;
   Bytes payload = Bytes(100'000, 7);
   CacheEntry entry{kKey, "m", payload};
 
   void SetUp() override {
     if (!process.running()) GTEST_SKIP() << "there is no redis-server here";
-    config.address = process.socket;
+    config.address = process.address();
     config.operation_timeout =
         std::chrono::milliseconds(2'000);  // of a busy machine; shorter where it matters
     config.connect_timeout = std::chrono::milliseconds(2'000);
@@ -130,7 +82,7 @@ TEST_F(Redis, WhenItIsBackItIsFoundAgain) {
   process.stop();
   for (int i = 0; i < 5; ++i) cache.find(kKey);
   EXPECT_TRUE(cache.figures().open);
-  process.start(folder.path);
+  process.start();
   std::this_thread::sleep_for(CircuitBreaker::kShortest + std::chrono::milliseconds(100));
   EXPECT_FALSE(cache.find(kKey)) << "it lives in memory only";
   EXPECT_FALSE(cache.figures().open);
@@ -146,49 +98,6 @@ TEST_F(Redis, WhenItHangsCallsEndAndTheBreakerOpens) {
   EXPECT_EQ(cache.figures().failures, 3u);
   EXPECT_EQ(cache.figures().skipped, 7u);
 }
-
-/// Answers every connection with what it is told to, whatever was asked.
-class Impostor {
- public:
-  explicit Impostor(std::function<void(int)> answer) : answer_(std::move(answer)) {
-    listener_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    ::bind(listener_, reinterpret_cast<sockaddr*>(&address), sizeof address);
-    ::listen(listener_, 16);
-    socklen_t size = sizeof address;
-    ::getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size);
-    port = ntohs(address.sin_port);
-    thread_ = std::thread([this] {
-      for (int fd; (fd = ::accept(listener_, nullptr, nullptr)) >= 0; ::close(fd)) {
-        char question[4096];
-        if (::recv(fd, question, sizeof question, 0) > 0) answer_(fd);
-      }
-    });
-  }
-  ~Impostor() {
-    stopping = true;
-    ::shutdown(listener_, SHUT_RDWR);
-    thread_.join();
-    ::close(listener_);
-  }
-  std::atomic<bool> stopping{false};
-  int port = 0;
-
- private:
-  std::function<void(int)> answer_;
-  int listener_ = -1;
-  std::thread thread_;
-};
-
-RedisConfig config_of(const Impostor& impostor) {
-  RedisConfig config;
-  config.address = "127.0.0.1:" + std::to_string(impostor.port);
-  return config;
-}
-
-void say(int fd, const std::string& text) { (void)!::send(fd, text.data(), text.size(), MSG_NOSIGNAL); }
 
 TEST(RedisImpostor, NonsenseIsAMiss) {
   for (const std::string& text :
@@ -222,6 +131,26 @@ TEST(RedisImpostor, AnAnswerThatTricklesIsGivenUpAtTheDeadlineOfTheWhole) {
   EXPECT_FALSE(cache.find(kKey));
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5));
   EXPECT_EQ(cache.figures().failures, 1u);
+}
+
+TEST(RedisImpostor, AnAnswerWithoutEndIsGivenUpAtTheLargestValue) {
+  std::size_t taken = 0;
+  {
+    Impostor impostor([&](int fd) {
+      say(fd, "$1000000000\r\n");
+      const std::string block(64u << 10, 'x');
+      ssize_t sent = 0;
+      while ((sent = ::send(fd, block.data(), block.size(), MSG_NOSIGNAL)) > 0)
+        taken += static_cast<std::size_t>(sent);
+    });
+    RedisConfig config = config_of(impostor);
+    config.operation_timeout = std::chrono::seconds(20);  // so that it is not the clock that ends it
+    config.max_value_bytes = 1u << 20;
+    RedisCache cache(config);
+    EXPECT_FALSE(cache.find(kKey));
+    EXPECT_EQ(cache.figures().failures, 1u);
+  }
+  EXPECT_LT(taken, 32u << 20) << "the value, and what two sockets hold";
 }
 
 TEST(CircuitBreakerTest, OneTriesAfterAWhileAndEachFailureDoublesIt) {

@@ -176,6 +176,40 @@ TEST_F(Settings, TokenFilesAreReadStrictly) {
   EXPECT_THAT(configured({{"token-file", {"/absent/tokens", ""}}}), ElementsAre(HasSubstr("cannot be read")));
 }
 
+TEST_F(Settings, RedisAndItsSignaturesAreJudgedTogether) {
+  EXPECT_THAT(configured({{"redis-user", {"farm", ""}}, {"redis-tls", {"true", ""}}}),
+              testing::UnorderedElementsAre(HasSubstr("give --redis too"), HasSubstr("redis-user needs")));
+  options.service.tiers.redis.address = "/run/redis.sock";
+  EXPECT_THAT(configured({}), testing::UnorderedElementsAre(HasSubstr("redis-user needs"),
+                                                            HasSubstr("redis-tls needs a redis at host")));
+  options.service.tiers.redis.address = "redis:6379";
+  EXPECT_THAT(configured({{"redis-password", {"hunter2", ""}},
+                          {"redis-password-file", {"/absent/password", ""}},
+                          {"redis-cert-file", {"/absent/cert", ""}},
+                          {"sign-disk-cache", {"true", ""}},
+                          {"farm-key-file", {write("short", "hunter2\n"), ""}}}),
+              testing::UnorderedElementsAre(
+                  HasSubstr("both given"), HasSubstr("/absent/password cannot be read"),
+                  HasSubstr("belong together"), HasSubstr("redis-tls: "), HasSubstr("farm-key-file")));
+  const std::string printed = to_config_file(table) + to_json(table).dump();
+  EXPECT_THAT(printed, testing::Not(HasSubstr("hunter2")));
+}
+
+TEST_F(Settings, ThePasswordOfRedisAndTheKeysOfTheFarmComeFromFiles) {
+  options.service.tiers.redis.address = "redis:6379";
+  EXPECT_THAT(configured({}), IsEmpty());
+  EXPECT_THAT(options.warnings, ElementsAre(HasSubstr("--farm-key-file")));
+  options.warnings.clear();
+  EXPECT_THAT(configured({{"redis-password-file", {write("password", "correct horse\r\nmore\n"), ""}},
+                          {"redis-user", {"farm", ""}},
+                          {"farm-key-file", {write("keys", std::string(64, 'a') + "\n"), ""}},
+                          {"sign-disk-cache", {"true", ""}}}),
+              IsEmpty());
+  EXPECT_EQ(options.service.tiers.redis.password, "correct horse");
+  EXPECT_FALSE(options.service.tiers.keys.empty());
+  EXPECT_THAT(options.warnings, IsEmpty());
+}
+
 TEST_F(Settings, SecretsAreNotPrinted) {
   std::string password = "hunter2";
   Setting secret = text("password", "TEXT", password, "A secret.");

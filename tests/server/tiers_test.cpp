@@ -65,6 +65,33 @@ TEST_F(Tiers, ADamagedEntryIsComputedAgain) {
   EXPECT_EQ(server.service.figures().tiers.disk->entries, 1u) << "and written again";
 }
 
+TEST_F(Tiers, AnAnswerIsNotBelievedForTheDigestBesideIt) {
+  Reply made;
+  {
+    TestServer server(options);
+    made = server.post("/fracture?sites=5");
+    server.service.tiers().flush();
+  }
+  const std::string key = made.header("content-location").substr(std::string("/fractures/sha256:").size());
+  // Who may write to a tier changes the answer, and everything that is no more than a checksum.
+  {
+    DiskCache cache(options.service.tiers.folder, 1 << 30);
+    const auto stored = cache.find(key);
+    ASSERT_TRUE(stored);
+    std::vector<std::uint8_t> payload(stored->entry.payload.begin(), stored->entry.payload.end());
+    payload.back() ^= 1;
+    const std::string metadata(stored->entry.metadata);
+    std::filesystem::remove(entries_in(options.service.tiers.folder).at(0));
+    DiskCache(folder.path + "/forged", 1 << 30).insert({key, metadata, payload});
+    std::filesystem::rename(entries_in(folder.path + "/forged").at(0),
+                            options.service.tiers.folder + "/" + key.substr(0, 2) + "/" + key);
+  }
+  TestServer server(options);
+  EXPECT_EQ(server.get(made.header("content-location")).status, 404);
+  EXPECT_EQ(server.post("/fracture?sites=5").body, made.body);
+  EXPECT_EQ(server.control->cuts, 1) << "computed again";
+}
+
 TEST_F(Tiers, WithoutAUsableFolderOrARedisRequestsAreAnsweredAllTheSame) {
   std::ofstream(folder.path + "/file") << "x";
   options.service.tiers.folder = folder.path + "/file";

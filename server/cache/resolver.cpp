@@ -1,0 +1,84 @@
+#include "server/cache/resolver.hpp"
+
+#include <netdb.h>
+
+#include <cstring>
+#include <mutex>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+namespace fracture {
+
+using Clock = std::chrono::steady_clock;
+
+namespace {
+
+/// In the order in which they should be tried; empty where `error` says why.
+std::vector<NetworkAddress> look_up(const std::string& host, const std::string& port, int flags, int& error) {
+  addrinfo hints{};
+  hints.ai_socktype = SOCK_STREAM;
+  hints.ai_flags = flags;
+  addrinfo* found = nullptr;
+  error = ::getaddrinfo(host.c_str(), port.c_str(), &hints, &found);
+  std::vector<NetworkAddress> addresses;
+  for (const addrinfo* at = error == 0 ? found : nullptr; at != nullptr; at = at->ai_next) {
+    NetworkAddress address;
+    address.size = at->ai_addrlen;
+    std::memcpy(&address.storage, at->ai_addr, at->ai_addrlen);
+    addresses.push_back(address);
+  }
+  if (found != nullptr) ::freeaddrinfo(found);
+  return addresses;
+}
+
+}  // namespace
+
+struct Resolver::State {
+  std::string host, port;
+  std::mutex mutex;
+  Known known;
+  bool asking = false, numeric = false;
+  Clock::time_point answered{};
+};
+
+Resolver::Resolver(std::string host, std::string port) : state_(std::make_shared<State>()) {
+  state_->host = std::move(host);
+  state_->port = std::move(port);
+  int error = 0;
+  state_->known.addresses =
+      look_up(state_->host, state_->port, AI_NUMERICHOST | AI_NUMERICSERV, error);  // asks nobody
+  state_->numeric = state_->known.asked = error == 0;
+  if (state_->numeric) return;
+  state_->asking = true;
+  ask(state_);
+}
+
+Resolver::Known Resolver::known() {
+  const std::lock_guard lock(state_->mutex);
+  if (!state_->numeric && !state_->asking && Clock::now() - state_->answered >= kFresh) {
+    state_->asking = true;
+    ask(state_);
+  }
+  return state_->known;
+}
+
+/// The thread is left to itself: it cannot be stopped, and holds nothing but the state.
+void Resolver::ask(const std::shared_ptr<State>& state) {
+  try {
+    std::thread([state] {
+      int error = 0;
+      std::vector<NetworkAddress> addresses = look_up(state->host, state->port, 0, error);
+      const std::lock_guard lock(state->mutex);
+      // A name server that is away for a while takes no addresses away.
+      if (!addresses.empty() || error == EAI_NONAME) state->known.addresses = std::move(addresses);
+      state->known.asked = true;
+      state->answered = Clock::now();
+      state->asking = false;
+    }).detach();
+  } catch (const std::system_error&) {  // no thread to be had: at the next call
+    state->asking = false;
+  }
+}
+
+}  // namespace fracture

@@ -1,0 +1,43 @@
+// Certificates made on the spot, by the openssl program.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tests/server/child_process.hpp"
+#include "tests/server/temporary_folder.hpp"
+#include "tests/support/eventually.hpp"
+
+namespace fracture::test {
+
+/// An authority of its own; needs find_program("openssl").
+class Authority {
+ public:
+  explicit Authority(const TemporaryFolder& folder, const std::string& name)
+      : folder_(folder), name_(name), openssl_(find_program("openssl").value_or("")) {
+    run({"req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-days", "2",
+         "-subj", "/CN=" + name, "-keyout", key(name), "-out", certificate(name)});
+  }
+  std::string certificate(const std::string& of) const { return folder_ / (of + ".crt"); }
+  std::string key(const std::string& of) const { return folder_ / (of + ".key"); }
+  /// Signs a certificate for what `names` says (an extension subjectAltName).
+  void sign(const std::string& of, const std::string& names) const {
+    folder_.write(of + ".ext", "subjectAltName=" + names + "\n");
+    run({"req", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-subj", "/CN=" + of,
+         "-keyout", key(of), "-out", folder_ / (of + ".csr")});
+    run({"x509", "-req", "-in", folder_ / (of + ".csr"), "-CA", certificate(name_), "-CAkey", key(name_),
+         "-CAcreateserial", "-days", "2", "-extfile", folder_ / (of + ".ext"), "-out", certificate(of)});
+  }
+
+ private:
+  void run(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), openssl_);
+    ChildProcess process(arguments, folder_ / "openssl.log");
+    require_eventually(kPatience, "openssl", [&] { return !process.alive(); });
+    if (process.wait() != 0) throw std::runtime_error(read_file(folder_ / "openssl.log"));
+  }
+  const TemporaryFolder& folder_;
+  const std::string name_, openssl_;
+};
+
+}  // namespace fracture::test
