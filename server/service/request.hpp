@@ -28,8 +28,9 @@ struct FractureRequest {
   std::uint64_t triangles = 0;  ///< of the solid, when they were counted before
 };
 
-/// The digest of an input: of the mesh's bytes when it is alone; with further files, of a text that lists the
-/// digest of the mesh and then name and digest of each file, ordered by name.
+/// The digest of an input: of the mesh's bytes when it is alone; with further files, of a fixed line and the
+/// digest of a text that lists the digest of the mesh and then name and digest of each file, ordered by name.
+/// No mesh alone has the digest of one with files.
 Digest digest_of(const FractureRequest& request);
 
 /// What the values of a request are called in the caches. Keys hash everything that determines the value and

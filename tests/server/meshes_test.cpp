@@ -113,7 +113,10 @@ TEST(Meshes, AMeshOfSeveralFilesHasTheDigestOfAll) {
       "--B\r\nContent-Disposition: form-data; name=file; filename=a.bin\r\n\r\nbytes\r\n--B--\r\n";
   // As openapi.yaml describes it, written out.
   const std::string digest =
-      "sha256:" + sha256("files\n" + sha256("{}").hex() + "\n5 a.bin " + sha256("bytes").hex() + "\n").hex();
+      "sha256:" +
+      sha256("fracture files 2\n" +
+             sha256("files\n" + sha256("{}").hex() + "\n5 a.bin " + sha256("bytes").hex() + "\n").hex())
+          .hex();
   const Reply created =
       server.put("/meshes/" + digest, form, "Content-Type: multipart/form-data; boundary=B\r\n");
   ASSERT_EQ(created.status, 201) << created.body;

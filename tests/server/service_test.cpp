@@ -95,6 +95,22 @@ TEST_F(ServiceTest, FurtherFilesAreInTheDigestByNameAndBytesWhateverTheirOrder) 
   EXPECT_NE(service.fracture(with, {})->result->key, service.fracture(request("mesh"), {})->result->key);
 }
 
+TEST(ServiceKeys, NoMeshAloneHasTheDigestOfOneWithFiles) {
+  // The list of names and digests, with a tetrahedron in a name, is an OBJ: readers skip lines they do not
+  // know.
+  const std::string name = "\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n",
+                    mesh = "{}", bytes = "b";
+  FractureRequest several;
+  several.mesh = std::as_bytes(std::span(mesh));
+  several.files = {{name, std::as_bytes(std::span(bytes))}};
+  const std::string list = "files\n" + sha256(mesh).hex() + "\n" + std::to_string(name.size()) + " " + name +
+                           " " + sha256(bytes).hex() + "\n";
+  FractureRequest alone;
+  alone.mesh = std::as_bytes(std::span(list));
+  EXPECT_TRUE(import_mesh(alone.mesh, MeshFormat::kObj, {}, {})) << "it is a mesh";
+  EXPECT_NE(digest_of(alone), digest_of(several));
+}
+
 TEST_F(ServiceTest, TheFiguresAreThoseOfTheFile) {
   const auto answer = service.fracture(request("mesh", 7), {});
   EXPECT_EQ(figures_of(*answer->result).at("fragments"), 7);
