@@ -89,6 +89,14 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
         jobs.evicted);
 
   const TiersFigures tiers = service_.tiers().figures();
+  const auto up = [&](const char* tier, bool is_up) {
+    writer.gauge(
+        "fracture_cache_tier_up",
+        "1 where a configured tier can be used; 0: a folder that cannot, or a Redis that did not answer.",
+        is_up, {{"cache", "result"}, {"tier", tier}});
+  };
+  if (tiers.disk || tiers.disk_unusable) up("disk", !tiers.disk_unusable);
+  if (tiers.redis) up("redis", !tiers.redis->open);
   if (tiers.disk) {
     const ops::MetricWriter::Labels labels = {{"cache", "result"}, {"tier", "disk"}};
     writer.gauge("fracture_cache_bytes", "Bytes held by each cache.", static_cast<double>(tiers.disk->bytes),

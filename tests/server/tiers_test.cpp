@@ -92,6 +92,28 @@ TEST_F(Tiers, AnAnswerIsNotBelievedForTheDigestBesideIt) {
   EXPECT_EQ(server.control->cuts, 1) << "computed again";
 }
 
+TEST_F(Tiers, ATierThatCannotBeUsedIsSeenInTheMetrics) {
+  const auto metric = [](TestServer& server, const std::string& tier) {
+    const std::string text = ask(server.server.admin_port(), "GET", "/metrics").body;
+    const std::string name = "fracture_cache_tier_up{cache=\"result\",tier=\"" + tier + "\"} ";
+    const std::size_t at = text.find(name);
+    return at == std::string::npos ? std::string("none") : text.substr(at + name.size(), 1);
+  };
+  {
+    TestServer server(options);
+    EXPECT_EQ(metric(server, "disk"), "1");
+    EXPECT_EQ(metric(server, "redis"), "none");
+  }
+  std::ofstream(folder.path + "/file") << "x";
+  options.service.tiers.folder = folder.path + "/file";
+  options.service.tiers.redis.address = "127.0.0.1:1";  // nobody listens there
+  TestServer server(options);
+  EXPECT_EQ(metric(server, "disk"), "0");
+  EXPECT_EQ(metric(server, "redis"), "1") << "not asked yet";
+  for (int seed = 0; seed < 5; ++seed) server.post("/fracture?seed=" + std::to_string(seed));
+  EXPECT_EQ(metric(server, "redis"), "0");
+}
+
 TEST_F(Tiers, WithoutAUsableFolderOrARedisRequestsAreAnsweredAllTheSame) {
   std::ofstream(folder.path + "/file") << "x";
   options.service.tiers.folder = folder.path + "/file";
