@@ -1,6 +1,13 @@
 #include "common/exchange/connection_pool.hpp"
 
+#include <openssl/ssl.h>
+#include <openssl/x509.h>
+
 #include <algorithm>
+#include <boost/asio/ssl/host_name_verification.hpp>
+#include <boost/asio/ssl/stream.hpp>
+
+#include "common/exchange/tls.hpp"
 
 namespace fracture::protocol {
 namespace {
@@ -18,7 +25,35 @@ Exchange::Outcome outcome_of(const error_code& error, const Interruption& interr
   return Exchange::Outcome::kBroken;
 }
 
+/// Sends the request, then reads the answer. A server that refuses a large upload answers and closes before
+/// it has read it: the answer counts.
+template <class Stream, class Request, class Parser>
+asio::awaitable<error_code> ask(Stream& stream, const Request& request, beast::flat_buffer& buffer,
+                                Parser& parser) {
+  error_code error;
+  co_await http::async_write(stream, request, asio::redirect_error(asio::use_awaitable, error));
+  if (error && error != asio::error::broken_pipe && error != asio::error::connection_reset) co_return error;
+  error = {};
+  co_await http::async_read(stream, buffer, parser, asio::redirect_error(asio::use_awaitable, error));
+  co_return error;
+}
+
 }  // namespace
+
+struct ConnectionPool::Connection {
+  explicit Connection(asio::io_context& io) : stream(io) {}
+  beast::tcp_stream stream;
+  std::unique_ptr<asio::ssl::stream<beast::tcp_stream&>> tls;  ///< over the stream, where it is HTTPS
+  beast::flat_buffer buffer;
+  std::chrono::steady_clock::time_point used;
+};
+
+ConnectionPool::ConnectionPool(asio::io_context& io, ConnectionSettings settings)
+    : io_(io), settings_(std::move(settings)) {}
+
+ConnectionPool::~ConnectionPool() = default;
+
+void ConnectionPool::close_idle() { idle_.clear(); }
 
 asio::awaitable<void> ConnectionPool::pause(Milliseconds time, Interruption& interruption) {
   if (interruption.requested) co_return;
@@ -104,7 +139,34 @@ asio::awaitable<bool> ConnectionPool::connect(Connection& connection, Exchange& 
   }
   ++made_;
   connection.stream.socket().set_option(tcp::no_delay(true), error);
+  if (settings_.tls) co_return co_await shake_hands(connection, exchange);
   co_return true;
+}
+
+asio::awaitable<bool> ConnectionPool::shake_hands(Connection& connection, Exchange& exchange) {
+  auto tls =
+      std::make_unique<asio::ssl::stream<beast::tcp_stream&>>(connection.stream, settings_.tls->context);
+  error_code error;
+  asio::ip::make_address(settings_.host, error);
+  const bool name = error.failed();
+  // RFC 6066, section 3: names alone, so that one address may have several servers.
+  if (name) SSL_set_tlsext_host_name(tls->native_handle(), settings_.host.c_str());
+  tls->set_verify_callback(asio::ssl::host_name_verification(settings_.host), error);
+  connection.stream.expires_after(settings_.connect_timeout);
+  co_await tls->async_handshake(asio::ssl::stream_base::client,
+                                asio::redirect_error(asio::use_awaitable, error));
+  if (!error) {
+    connection.tls = std::move(tls);
+    co_return true;
+  }
+  const long verified = SSL_get_verify_result(tls->native_handle());
+  exchange.outcome =
+      error == beast::error::timeout ? Exchange::Outcome::kTimedOut : Exchange::Outcome::kNoServer;
+  exchange.detail = verified != X509_V_OK
+                        ? "The certificate of " + authority() +
+                              " is not accepted: " + X509_verify_cert_error_string(verified) + "."
+                        : authority() + " does not speak TLS as it should: " + error.message() + ".";
+  co_return false;
 }
 
 asio::awaitable<Exchange> ConnectionPool::attempt(const HttpRequest& request, ConnectionPtr& connection,
@@ -139,16 +201,13 @@ asio::awaitable<Exchange> ConnectionPool::attempt(const HttpRequest& request, Co
   const Milliseconds time =
       request.answer_timeout.count() > 0 ? request.answer_timeout : settings_.answer_timeout;
   connection->stream.expires_after(time);
-  error_code error;
-  co_await http::async_write(connection->stream, message, asio::redirect_error(asio::use_awaitable, error));
   http::response_parser<http::string_body> parser;
   parser.body_limit(settings_.max_answer_bytes);
-  // A server that refuses a large upload answers and closes before it has read it: the answer counts.
-  if (!error || error == asio::error::broken_pipe || error == asio::error::connection_reset) {
-    error = {};
-    co_await http::async_read(connection->stream, connection->buffer, parser,
-                              asio::redirect_error(asio::use_awaitable, error));
-  }
+  error_code error;
+  if (connection->tls)
+    error = co_await ask(*connection->tls, message, connection->buffer, parser);
+  else
+    error = co_await ask(connection->stream, message, connection->buffer, parser);
   interruption.wake = nullptr;
   exchange.began = parser.got_some() || connection->buffer.size() > 0;
   if (error) {

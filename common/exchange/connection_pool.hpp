@@ -15,8 +15,10 @@ namespace fracture::protocol {
 
 class ConnectionPool {
  public:
-  ConnectionPool(asio::io_context& io, ConnectionSettings settings)
-      : io_(io), settings_(std::move(settings)) {}
+  ConnectionPool(asio::io_context& io, ConnectionSettings settings);
+  ~ConnectionPool();
+  ConnectionPool(const ConnectionPool&) = delete;
+  ConnectionPool& operator=(const ConnectionPool&) = delete;
 
   /// Sends the request and reads the whole answer. A kept connection that the server had closed in the
   /// meantime is replaced once, unseen.
@@ -25,22 +27,18 @@ class ConnectionPool {
   /// Waits, unless interrupted.
   asio::awaitable<void> pause(Milliseconds time, Interruption& interruption);
 
-  void close_idle() { idle_.clear(); }
+  void close_idle();
   std::uint64_t connections_made() const { return made_; }
 
  private:
-  struct Connection {
-    explicit Connection(asio::io_context& io) : stream(io) {}
-    beast::tcp_stream stream;
-    beast::flat_buffer buffer;
-    std::chrono::steady_clock::time_point used;
-  };
+  struct Connection;
   using ConnectionPtr = std::unique_ptr<Connection>;
 
   asio::awaitable<Exchange> attempt(const HttpRequest& request, ConnectionPtr& connection,
                                     Interruption& interruption);
   /// False with the reason in `exchange`.
   asio::awaitable<bool> connect(Connection& connection, Exchange& exchange);
+  asio::awaitable<bool> shake_hands(Connection& connection, Exchange& exchange);
   ConnectionPtr take_idle();
   std::string authority() const;
 

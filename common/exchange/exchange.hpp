@@ -15,10 +15,13 @@ namespace fracture::protocol {
 
 using Milliseconds = std::chrono::milliseconds;
 
+struct TlsTrust;
+
 /// Where the server is, and how long it is waited for.
 struct ConnectionSettings {
   std::string host = "127.0.0.1";  ///< name or address; an IPv6 address without brackets
   std::uint16_t port = 8080;
+  std::shared_ptr<TlsTrust> tls;  ///< HTTPS (tls.hpp); null: HTTP
   std::string token;            ///< sent as `Authorization: Bearer …` where not empty
   std::size_t connections = 4;  ///< kept alive, at most; further requests wait for one of them
   Milliseconds connect_timeout{1000};

@@ -6,27 +6,28 @@
 #include <thread>
 
 #include "common/exchange/connection_pool.hpp"
+#include "common/exchange/tls.hpp"
 
 namespace fracture::bake {
 
 namespace asio = protocol::asio;
 
-Expected<protocol::ConnectionSettings> parse_server_url(const std::string& url) {
+Expected<protocol::ConnectionSettings> parse_server_url(const std::string& url, const std::string& ca_file) {
   const auto wrong = [&](const char* why) {
-    return fail(ErrorCode::kBadParameter,
-                "--server must be http://host:port; '" + url.substr(0, 200) + "' " + why + ".");
+    return fail(ErrorCode::kBadParameter, "--server must be http://host:port or https://host:port; '" +
+                                              url.substr(0, 200) + "' " + why + ".");
   };
-  constexpr std::string_view kScheme = "http://";
+  constexpr std::string_view kPlain = "http://", kTls = "https://";
   std::string_view rest = url;
-  if (rest.starts_with("https://"))
-    return wrong("asks for TLS, which is not spoken here: let a proxy on this machine speak it");
-  if (!rest.starts_with(kScheme)) return wrong("does not begin with http://");
-  rest.remove_prefix(kScheme.size());
+  const bool tls = rest.starts_with(kTls);
+  if (!tls && !rest.starts_with(kPlain)) return wrong("begins with neither");
+  if (!tls && !ca_file.empty()) return wrong("is no https, and --ca-file says whom to believe there");
+  rest.remove_prefix(tls ? kTls.size() : kPlain.size());
   if (rest.ends_with('/')) rest.remove_suffix(1);
   if (rest.find_first_of("/?#") != std::string_view::npos) return wrong("has a path");
   if (rest.find('@') != std::string_view::npos) return wrong("has a user; a token goes into FRACTURE_TOKEN");
   protocol::ConnectionSettings settings;
-  settings.port = 80;
+  settings.port = tls ? 443 : 80;
   std::string_view port;
   if (rest.starts_with('[')) {
     const std::size_t close = rest.find(']');
@@ -47,6 +48,11 @@ Expected<protocol::ConnectionSettings> parse_server_url(const std::string& url) 
     const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), settings.port);
     if (error != std::errc() || end != port.data() + port.size() || settings.port == 0)
       return wrong("has no port from 1 to 65535 behind its colon");
+  }
+  if (tls) {
+    Expected<std::shared_ptr<protocol::TlsTrust>> trust = protocol::trust_in(ca_file);
+    if (!trust) return tl::unexpected<Error>(std::move(trust.error()));
+    settings.tls = std::move(*trust);
   }
   return settings;
 }

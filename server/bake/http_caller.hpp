@@ -10,9 +10,11 @@
 
 namespace fracture::bake {
 
-/// Host and port of "http://host", "http://host:8080/", "http://[::1]:8080". kBadParameter for everything
-/// else: https is not spoken here, and a path, a query or a user would be lost.
-Expected<protocol::ConnectionSettings> parse_server_url(const std::string& url);
+/// Host and port of "http://host", "https://host:8443/", "http://[::1]:8080"; for https with those whom the
+/// PEM file names, or where it is empty the system. kBadParameter for everything else: a path, a query or a
+/// user would be lost.
+Expected<protocol::ConnectionSettings> parse_server_url(const std::string& url,
+                                                        const std::string& ca_file = {});
 
 class HttpCaller {
  public:

@@ -97,7 +97,7 @@ void tell_of(const FailureKeeper& failures) {
 /// Null where the server cannot be asked, which has been said.
 std::unique_ptr<bake::Baker> connect(const BakeOptions& options, int jobs, const std::stop_token& stop,
                                      int& exit_code) {
-  Expected<protocol::ConnectionSettings> server = bake::parse_server_url(options.server);
+  Expected<protocol::ConnectionSettings> server = bake::parse_server_url(options.server, options.ca_file);
   if (!server) {
     exit_code = wrong_command_line(server.error().detail);
     return nullptr;

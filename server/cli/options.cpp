@@ -143,7 +143,14 @@ void add_bake(CLI::App& app, BakeOptions& o) {
 
   constexpr const char* kServerGroup =
       "Through a server, or a farm behind a proxy: the same files and report";
-  app.add_option("--server", o.server, "http://host:port")->type_name("URL")->group(kServerGroup);
+  app.add_option("--server", o.server, "http://host:port or https://host:port")
+      ->type_name("URL")
+      ->group(kServerGroup);
+  app.add_option("--ca-file", o.ca_file,
+                 "Who may have signed the certificate of an https server (PEM); without it: whom this system "
+                 "trusts")
+      ->type_name("FILE")
+      ->group(kServerGroup);
   app.add_option("--token", o.token,
                  "Token for the server. In the variable it does not show in lists of processes")
       ->type_name("TOKEN")

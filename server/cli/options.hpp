@@ -69,6 +69,7 @@ struct BakeOptions {
   int threads = 0;                ///< for a single file
   std::uint64_t memory = 0;       ///< bytes, of all jobs together; 0: three quarters of what there is
   std::string server;             ///< URL; empty: baked here
+  std::string ca_file;            ///< PEM, for https; empty: whom this system trusts
   std::string token;              ///< for the server
   std::uint32_t patience_s = 60;  ///< with the server
   bool quiet = false;

@@ -142,7 +142,12 @@ TEST(BakeThroughAServer, SaysThatThereIsNone) {
   EXPECT_EQ(absent.wait(), 1);
   EXPECT_NE(absent.error_line().find(url.substr(7) + " does not answer"), std::string::npos);
   EXPECT_TRUE(outputs(folder / "out").empty());
-  EXPECT_EQ(Process(bake("https://127.0.0.1")).wait(), 2);
+  Process encrypted(bake("https" + url.substr(4)));
+  EXPECT_EQ(encrypted.wait(), 1);
+  EXPECT_NE(encrypted.error_line().find(url.substr(7) + " does not answer"), std::string::npos);
+  auto unbelieving = bake("https" + url.substr(4));
+  unbelieving.insert(unbelieving.end(), {"--ca-file", folder / "absent"});
+  EXPECT_EQ(Process(unbelieving).wait(), 2);
 }
 
 TEST(BakeOfAFolder, SaysOnceWhatIsWrongWithTheCommandLineAndMakesNothing) {
