@@ -161,6 +161,29 @@ def check_pods(kind, name, pod):
             expect("memory" in scope["resources"]["limits"], f"{kind} {name} has no limit of memory")
 
 
+def check_network(policies, deployments, labels, where):
+    """Every pod is closed in both directions, and what is open to everybody is the one port that asks for tokens."""
+    ports = {p["name"] for d in deployments.values() for c in d["spec"]["template"]["spec"]["containers"] for p in c["ports"]}
+    for name, own in labels.items():
+        closed = set()
+        for policy in policies.values():
+            if policy["spec"]["podSelector"]["matchLabels"].items() <= own.items():
+                closed |= set(policy["spec"]["policyTypes"])
+        expect(closed == {"Ingress", "Egress"}, f"{where}: {name} is open in the network")
+    for name, policy in policies.items():
+        spec = policy["spec"]
+        rules = [(r, r.get("from")) for r in spec.get("ingress", [])] + [(r, r.get("to")) for r in spec.get("egress", [])]
+        for rule, peers in rules:
+            named = [p["port"] for p in rule["ports"]]
+            expect(all(p in ports or p == 53 for p in named), f"{where}: {name} opens {named}, which nobody listens on")
+            expect(peers or named == ["http"], f"{where}: {name} opens {named} to everybody")
+            for peer in peers or []:
+                pods = peer.get("podSelector", {}).get("matchLabels", {})
+                known = [n for n, own in labels.items() if pods.items() <= own.items()]
+                # The proxies of the base's policy come with the large overlay.
+                expect(known or pods.get("app.kubernetes.io/name") == "fracture-proxy", f"{where}: {name} is for {pods}, which is nobody")
+
+
 def check_manifests(manifests, where):
     """One whole overlay: what refers to something finds it."""
     by_kind = {}
@@ -187,6 +210,7 @@ def check_manifests(manifests, where):
             if kind == "Service":
                 ports = [p["name"] for c in deployments[selected[0]]["spec"]["template"]["spec"]["containers"] for p in c["ports"]]
                 expect(all(p["targetPort"] in ports for p in m["spec"]["ports"]), f"{where}: {name} leads to no port")
+    check_network(by_kind.get("NetworkPolicy", {}), deployments, labels, where)
     for name, scaler in by_kind.get("HorizontalPodAutoscaler", {}).items():
         expect(scaler["spec"]["scaleTargetRef"]["name"] in deployments, f"{where}: {name} scales nothing")
 
