@@ -47,8 +47,10 @@ class Process {
     std::fclose(errors_);
   }
   std::string error_line() {
-    char line[16384];
-    return std::fgets(line, sizeof line, errors_) ? line : "";
+    std::string line;
+    for (char part[1000]; std::fgets(part, sizeof part, errors_);)
+      if ((line += part).back() == '\n') break;
+    return line;
   }
   /// The first line from here on that contains `text`, warnings before it skipped; empty when there is none.
   std::string error_line_with(const std::string& text) {
