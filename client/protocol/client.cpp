@@ -65,8 +65,15 @@ void read_problem(const Exchange& exchange, Answer& answer) {
 }
 
 ConnectionSettings connections_of(const Settings& s) {
-  return {s.host,           s.port, s.token,           s.connections, s.connect_timeout,
-          s.answer_timeout, s.idle, s.max_answer_bytes};
+  return {.host = s.host,
+          .port = s.port,
+          .tls = nullptr,
+          .token = s.token,
+          .connections = s.connections,
+          .connect_timeout = s.connect_timeout,
+          .answer_timeout = s.answer_timeout,
+          .idle = s.idle,
+          .max_answer_bytes = s.max_answer_bytes};
 }
 
 bool is_json(const std::string& body) { return nlohmann::json::accept(body); }

@@ -104,7 +104,7 @@ class Api {
   /// that has not been done yet, and replies with what `finish` makes of it.
   using Finish = std::function<Answered(Response)>;
   Answered send_result(const std::shared_ptr<Request>& request, std::shared_ptr<const FractureResult> result,
-                       const Representation& representation, Priority priority, const Reply& reply,
+                       const Representation& representation, const Terms& terms, const Reply& reply,
                        Finish finish);
 
   Answered put_mesh(const std::shared_ptr<Request>& request, const std::stop_token& gone, const Reply& reply);

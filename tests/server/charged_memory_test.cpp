@@ -119,7 +119,7 @@ TEST(ChargedMemory, AStoredMeshKeepsNothingOfItsFormButMeshAndFiles) {
   EXPECT_LT(mesh->capacity, 100u) << "of the form of " << form.size() << " bytes";
   EXPECT_LT(server.api.meshes().figures().bytes, 50'000u);
   EXPECT_GT(server.api.meshes().figures().bytes, 200 * sizeof(ImportFile)) << "the list of files counts";
-  EXPECT_TRUE(eventually(kPatience, "the form to go", [&] { return server.api.bodies().used() == 0; }));
+  EXPECT_TRUE(eventually(kPatience, "the form to go", [&] { return server.api.bodies().whole().used() == 0; }));
 }
 
 TEST(ChargedMemory, AStoredMeshIsChargedWithItsReport) {
@@ -210,7 +210,7 @@ TEST_F(OneThread, ABatchBodyIsDecodedAfterRealtimeWork) {
   start();
   const std::string body = gzip(std::string(2u << 20, 'x'));
   std::uint64_t held = 0;
-  during_second_cut = [&] { held = server->api.bodies().used(); };
+  during_second_cut = [&] { held = server->api.bodies().whole().used(); };
   in_background([&] { return server->post("/fracture", body, gzipped); });
   ASSERT_TRUE(eventually(kPatience, "the body in the queue", [&] { return server->pool.queued() == 1; }));
   in_background([&] { return server->post_json(path + "/fracture", R"({"seed": 2})"); });
