@@ -22,8 +22,8 @@ struct ConnectionSettings {
   std::string host = "127.0.0.1";  ///< name or address; an IPv6 address without brackets
   std::uint16_t port = 8080;
   std::shared_ptr<TlsTrust> tls;  ///< HTTPS (tls.hpp); null: HTTP
-  std::string token;            ///< sent as `Authorization: Bearer …` where not empty
-  std::size_t connections = 4;  ///< kept alive, at most; further requests wait for one of them
+  std::string token;              ///< sent as `Authorization: Bearer …` where not empty
+  std::size_t connections = 4;    ///< kept alive, at most; further requests wait for one of them
   Milliseconds connect_timeout{1000};
   Milliseconds answer_timeout{10'000};  ///< of one exchange: first byte sent to last byte received
   Milliseconds idle{10'000};  ///< a connection unused for longer is replaced (the server's limit is 15 s)

@@ -119,7 +119,8 @@ TEST(ChargedMemory, AStoredMeshKeepsNothingOfItsFormButMeshAndFiles) {
   EXPECT_LT(mesh->capacity, 100u) << "of the form of " << form.size() << " bytes";
   EXPECT_LT(server.api.meshes().figures().bytes, 50'000u);
   EXPECT_GT(server.api.meshes().figures().bytes, 200 * sizeof(ImportFile)) << "the list of files counts";
-  EXPECT_TRUE(eventually(kPatience, "the form to go", [&] { return server.api.bodies().whole().used() == 0; }));
+  EXPECT_TRUE(
+      eventually(kPatience, "the form to go", [&] { return server.api.bodies().whole().used() == 0; }));
 }
 
 TEST(ChargedMemory, AStoredMeshIsChargedWithItsReport) {

@@ -168,7 +168,8 @@ class RawClient {
 inline Reply ask(std::uint16_t port, const std::string& method, const std::string& target,
                  const std::string& fields = "", const std::string& body = "") {
   RawClient client(port);
-  std::string request = method + " " + target + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n" + fields;
+  std::string request =
+      method + " " + target + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n" + fields;
   if (!body.empty() || method == "POST") request += "Content-Length: " + std::to_string(body.size()) + "\r\n";
   client.send(request + "\r\n" + body);
   auto reply = client.receive(method == "HEAD");
