@@ -112,7 +112,7 @@ class SmallestFirst {
       volume_[groups.of(p)] +=
           signed_volume(d, faces.data(), faces.size(), d.point(faces[0].v[0]), execution);
       name_[p] = seat_[p] = p;
-      pacer_.step();
+      pacer_.step(4 + faces.size());
     }
     for (const Contact& c : find_contacts(d, pieces, groups.names(), execution)) {
       touches_[c.of][c.with] += c.area;
@@ -192,8 +192,11 @@ class TriangleCount {
 
   std::uint64_t after(std::size_t count) {
     PieceGroups groups = before_;
-    for (std::size_t k = 0; k < count; ++k) groups.unite(unions_[k].first, unions_[k].second);
     Pacer pacer(execution_);
+    for (std::size_t k = 0; k < count; ++k) {
+      pacer.step(8);
+      groups.unite(unions_[k].first, unions_[k].second);
+    }
     std::uint64_t sum = 0;
     std::vector<std::uint32_t> unknown;
     for (std::uint32_t g = 0; g < groups.pieces(); ++g) {
@@ -305,7 +308,11 @@ SizeFigures unite_by_size(const RestrictedDiagram& d, const Pieces& pieces, cons
       needed = std::max(needed, enough);
     }
   }
-  for (std::size_t k = 0; k < needed; ++k) groups.unite(unions[k].first, unions[k].second);
+  Pacer pacer(execution);
+  for (std::size_t k = 0; k < needed; ++k) {
+    pacer.step(8);
+    groups.unite(unions[k].first, unions[k].second);
+  }
   figures.united = static_cast<std::uint32_t>(needed);
   return figures;
 }
