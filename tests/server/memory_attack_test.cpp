@@ -151,7 +151,7 @@ TEST_P(MemoryAttack, WhatIsResidentStaysWithinTheBudgetAndOthersAreServed) {
         }
         ++done;
       });
-    for (int seed = 0; done < 4 || seed < 5; ++seed) {
+    for (int seed = 0; done < 4 || (served < 5 && seed < 500); ++seed) {  // 503s in between are allowed
       const Reply reply = ask(server.port, "POST", "/fracture?sites=4&seed=" + std::to_string(seed),
                               "Content-Type: model/obj\r\n", kCube);
       EXPECT_TRUE(reply.status == 200 || reply.status == 503) << reply.body;
