@@ -9,6 +9,7 @@
 #include "common/base/pacer.hpp"
 #include "common/clip/delaunay_flips.hpp"
 #include "common/clip/ear_clipping.hpp"
+#include "common/clip/least_area.hpp"
 #include "common/clip/monotone_partition.hpp"
 #include "common/clip/pinched_ring.hpp"
 
@@ -84,7 +85,9 @@ class RingTriangulator {
  public:
   /// `points`: of all of them.
   RingTriangulator(std::size_t points, const Execution& execution)
-      : execution_(execution), patience_((std::size_t{1} << 19) + kStepsPerPoint * points) {}
+      : execution_(execution),
+        pacer_(execution),
+        patience_((std::size_t{1} << 19) + kStepsPerPoint * points) {}
 
   /// A whole loop, or, with its partition, a ring of one.
   void add(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring,
@@ -96,12 +99,22 @@ class RingTriangulator {
     else
       add_loop(points, ring, triangles);
   }
-  /// The same, divided where it comes back to a place.
+  enum class Small {
+    kEars,
+    kLeastArea  ///< where corners lie on diagonals, a good ear may leave a ring that is turned over
+  };
+  /// The same, divided where it comes back to a place; `small`: how rings of some dozens are triangulated.
   void add_divided(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring,
-                   const Partition* partition, Triangles& triangles) {
+                   const Partition* partition, Small small, Triangles& triangles) {
     std::vector<std::vector<std::uint32_t>> rings;
     divide_pinched_ring(points, ring, rings, triangles);
-    for (const auto& r : rings) add(points, r, partition, triangles);
+    for (const auto& r : rings) {
+      if (small == Small::kLeastArea && r.size() <= kSmallRing) {
+        pacer_.step(1 + r.size() * r.size() * r.size() / 64);
+        if (triangulate_least_area(points, r, triangles)) continue;
+      }
+      add(points, r, partition, triangles);
+    }
   }
   /// Some ring got triangles without regard to their shape.
   bool given_up() const { return given_up_; }
@@ -141,6 +154,7 @@ class RingTriangulator {
   }
 
   const Execution& execution_;
+  Pacer pacer_;
   std::size_t patience_;  // steps of the search for ears that are left
   bool given_up_ = false;
 };
@@ -217,7 +231,8 @@ void triangulate_loops(std::span<const LatticePoint> points, std::span<const std
 /// The same of loops that pass places more than once: without repeated corners, and rings divided where they
 /// come back to a place.
 Triangulation triangulate_pinched(std::span<const LatticePoint> points,
-                                  std::span<const std::uint32_t> loop_begin, const Execution& execution) {
+                                  std::span<const std::uint32_t> loop_begin, RingTriangulator::Small small,
+                                  const Execution& execution) {
   Pacer pacer(execution);
   Triangles flat;
   std::vector<std::uint32_t> kept, begin{0}, loop;
@@ -236,7 +251,7 @@ Triangulation triangulate_pinched(std::span<const LatticePoint> points,
   triangulate_loops(
       places, begin, execution,
       [&](const auto& p, const auto& ring, const Partition* partition, Triangles& triangles) {
-        rings.add_divided(p, ring, partition, triangles);
+        rings.add_divided(p, ring, partition, small, triangles);
       },
       out);
   std::vector<std::uint32_t> region_of(points.size(), 0xffffffffu);
@@ -289,10 +304,17 @@ void triangulate(std::span<const LatticePoint> points, std::span<const std::uint
       out);
   bool pinched = false;
   // Where loops cross everywhere, nothing makes a difference.
-  if (const __int128 turned = turned_over(points, out.triangles); turned > 0 && !rings.given_up()) {
-    Triangulation other = triangulate_pinched(points, loop_begin, execution);
-    pinched = turned_over(points, other.triangles) < turned;
-    if (pinched) out = std::move(other);
+  if (__int128 turned = turned_over(points, out.triangles); turned > 0 && !rings.given_up()) {
+    const auto try_again = [&](RingTriangulator::Small small, __int128 most) {
+      Triangulation other = triangulate_pinched(points, loop_begin, small, execution);
+      const __int128 now = turned_over(points, other.triangles);
+      if (now > most) return;
+      pinched = true;
+      turned = now;
+      out = std::move(other);
+    };
+    try_again(RingTriangulator::Small::kEars, turned - 1);
+    if (turned > 0) try_again(RingTriangulator::Small::kLeastArea, 0);  // loops that cross stay as they are
   }
   if (pinched || out.regions + 1 < loop_begin.size()) divide_regions(points.size(), out);
   // Flips stay within a region: regions share no inner edge.

@@ -6,7 +6,9 @@
 //
 // Small or convex rings: ears (Meisters 1975). Everything else: monotone partition by a plane sweep (Lee &
 // Preparata 1977; de Berg et al., Computational Geometry, ch. 3), which also joins holes to their outer ring,
-// then a stack for each monotone piece (Garey et al. 1978): O(n log n).
+// then a stack for each monotone piece (Garey et al. 1978): O(n log n). Where that turns triangles over, once
+// more: rings that come back to a place divided (pinched_ring.hpp), small ones with the least area
+// (least_area.hpp).
 #pragma once
 
 #include <array>
