@@ -5,26 +5,10 @@
 #include <gtest/gtest.h>
 
 #include "common/base/random.hpp"
+#include "common/clip/cut_formulas.hpp"
 
 namespace fracture::clip_detail {
 namespace {
-
-/// A triangle's plane and three sites, as in positions.cpp.
-struct Meet {
-  static constexpr bool kFromFirst = true;
-  static constexpr int kDegree = 1;
-  static constexpr int kBetweenFrom = 3, kBetweenTo = 6;
-  std::array<Vec3d, 6> input;  // i, k, l, a, b, c
-  template <class T>
-  Fraction<T> operator()(const std::array<Point<T>, 6>& p) const {
-    const Point<T> uk = p[1] - p[0], ul = p[2] - p[0], n = cross(p[4] - p[3], p[5] - p[3]);
-    const Point<T> d = cross(uk, ul), f = cross(ul, n), g = cross(n, uk);
-    const T na = dot(n, p[3] - p[0]), ck = dot(uk, uk), cl = dot(ul, ul), na2 = na + na, delta = dot(n, d);
-    return {
-        {na2 * d.x + ck * f.x + cl * g.x, na2 * d.y + ck * f.y + cl * g.y, na2 * d.z + ck * f.z + cl * g.z},
-        delta + delta};
-  }
-};
 
 float to_float(double v) { return static_cast<float>(v); }
 Vec3d random_vertex(Random& random) {
@@ -43,7 +27,7 @@ SeamLattice lattice_of_step(int exponent) {
   return lattice;
 }
 
-Fraction<Approx> approximate(const Meet& meet) {
+Fraction<Approx> approximate(const TriangleCutFormula& meet) {
   std::array<Point<Approx>, 6> p;
   for (std::size_t k = 0; k < p.size(); ++k)
     p[k] = {Approx(meet.input[k].x), Approx(meet.input[k].y), Approx(meet.input[k].z)};
@@ -55,7 +39,7 @@ TEST(PlacePrecisely, GivesWhatIntegersGiveOrNothing) {
   int answered = 0, level = 0;
   constexpr int kCases = 20000;
   for (int n = 0; n < kCases; ++n) {
-    Meet meet;
+    TriangleCutFormula meet;
     for (int k = 0; k < 3; ++k) meet.input[k] = random_site(random);
     for (int k = 3; k < 6; ++k) meet.input[k] = random_vertex(random);
     if (n % 2 == 0) {  // a face along an axis, half-way between two steps
@@ -83,8 +67,8 @@ TEST(PlacePrecisely, GivesWhatIntegersGiveOrNothing) {
 TEST(PlacePrecisely, LeavesToIntegersWhatLiesHalfWayByChance) {
   // The plane x = 1/2 between the sites meets the triangle's plane where y = x, so y lies half-way between
   // two steps of 1; no two corners agree on y.
-  const Meet meet{{Vec3d{0.25, 0, 0.5}, Vec3d{0.75, 0, 0.5}, Vec3d{0.25, 0, 1.5}, Vec3d{0, 0, 0},
-                   Vec3d{1, 1, 0}, Vec3d{3, 3, 3}}};
+  const TriangleCutFormula meet{{Vec3d{0.25, 0, 0.5}, Vec3d{0.75, 0, 0.5}, Vec3d{0.25, 0, 1.5},
+                                 Vec3d{0, 0, 0}, Vec3d{1, 1, 0}, Vec3d{3, 3, 3}}};
   const SeamLattice lattice = lattice_of_step(0);
   Placed placed;
   EXPECT_FALSE(place_precisely(meet, approximate(meet), lattice.step(), placed));
@@ -96,7 +80,7 @@ TEST(PlacePrecisely, LeavesToIntegersWhatLiesHalfWayByChance) {
 TEST(PlaceExactly, IntegersOfFixedAndOfAnySizeAgree) {
   Random random(2);
   for (int n = 0; n < 2000; ++n) {
-    Meet meet;
+    TriangleCutFormula meet;
     for (int k = 0; k < 3; ++k) meet.input[k] = random_site(random);
     for (int k = 3; k < 6; ++k) meet.input[k] = random_vertex(random);
     if (meet.input[0] == meet.input[1] || meet.input[0] == meet.input[2]) continue;
