@@ -6,15 +6,10 @@
 #include <cstdint>
 
 #include "common/base/digest.hpp"
+#include "common/base/text.hpp"
 
 namespace fracture::protocol {
 namespace {
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-  return text;
-}
 
 /// The part before the separator; `rest` keeps what follows it.
 std::string_view cut(std::string_view& rest, char separator) {

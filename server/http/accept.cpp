@@ -2,16 +2,11 @@
 
 #include <algorithm>
 
+#include "common/base/text.hpp"
 #include "server/http/request_head.hpp"
 
 namespace fracture::http {
 namespace {
-
-std::string_view trim(std::string_view s) {
-  while (!s.empty() && (s.front() == ' ' || s.front() == '\t')) s.remove_prefix(1);
-  while (!s.empty() && (s.back() == ' ' || s.back() == '\t')) s.remove_suffix(1);
-  return s;
-}
 
 /// 2 for the type itself, 1 for type/*, 0 for */*, -1 for no match.
 int specificity(std::string_view range, std::string_view offer) {
@@ -37,7 +32,7 @@ int thousandths(std::string_view q) {
 }
 
 std::optional<std::size_t> negotiate(std::string_view accept, std::span<const std::string_view> offers) {
-  if (trim(accept).empty()) return 0;
+  if (trimmed(accept).empty()) return 0;
   std::optional<std::size_t> best;
   int best_quality = 0;
   for (std::size_t k = 0; k < offers.size(); ++k) {
@@ -48,12 +43,12 @@ std::optional<std::size_t> negotiate(std::string_view accept, std::span<const st
       int q = 1000;
       for (std::size_t semicolon = item.find(';'); semicolon != std::string_view::npos;) {
         const std::size_t next = item.find(';', semicolon + 1);
-        const std::string_view parameter = trim(item.substr(semicolon + 1, next - semicolon - 1));
+        const std::string_view parameter = trimmed(item.substr(semicolon + 1, next - semicolon - 1));
         if (parameter.size() > 2 && (parameter[0] == 'q' || parameter[0] == 'Q') && parameter[1] == '=')
           q = thousandths(parameter.substr(2));
         semicolon = next;
       }
-      const int s = specificity(trim(item.substr(0, item.find(';'))), offers[k]);
+      const int s = specificity(trimmed(item.substr(0, item.find(';'))), offers[k]);
       if (q < 0 || s <= matched) continue;
       matched = s;
       quality = q;

@@ -1,4 +1,5 @@
 #include "server/http/client_address.hpp"
+#include "common/base/text.hpp"
 
 #include <arpa/inet.h>
 #include <strings.h>
@@ -21,12 +22,6 @@ bool same_prefix(const Address& a, const Address& b, int bits) {
   return true;
 }
 
-std::string_view trim(std::string_view s) {
-  while (!s.empty() && (s.front() == ' ' || s.front() == '\t')) s.remove_prefix(1);
-  while (!s.empty() && (s.back() == ' ' || s.back() == '\t')) s.remove_suffix(1);
-  return s;
-}
-
 /// The pieces of a list, quoted strings kept whole.
 std::vector<std::string_view> split(std::string_view list, char separator) {
   std::vector<std::string_view> pieces;
@@ -34,7 +29,7 @@ std::vector<std::string_view> split(std::string_view list, char separator) {
   std::size_t begin = 0;
   for (std::size_t k = 0; k <= list.size(); ++k) {
     if (k == list.size() || (list[k] == separator && !quoted)) {
-      pieces.push_back(trim(list.substr(begin, k - begin)));
+      pieces.push_back(trimmed(list.substr(begin, k - begin)));
       begin = k + 1;
     } else if (list[k] == '"') {
       quoted = !quoted;
@@ -49,7 +44,7 @@ std::vector<std::string_view> split(std::string_view list, char separator) {
 std::optional<Address> node_of(std::string_view element) {
   for (const std::string_view pair : split(element, ';')) {
     if (pair.size() < 4 || ::strncasecmp(pair.data(), "for=", 4) != 0) continue;
-    std::string_view node = trim(pair.substr(4));
+    std::string_view node = trimmed(pair.substr(4));
     if (node.size() >= 2 && node.front() == '"' && node.back() == '"') node = node.substr(1, node.size() - 2);
     if (!node.empty() && node.front() == '[') {
       const std::size_t close = node.find(']');

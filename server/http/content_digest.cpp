@@ -1,4 +1,5 @@
 #include "server/http/content_digest.hpp"
+#include "common/base/text.hpp"
 
 #include <openssl/evp.h>
 
@@ -7,12 +8,6 @@
 
 namespace fracture::http {
 namespace {
-
-std::string_view trim(std::string_view s) {
-  while (!s.empty() && (s.front() == ' ' || s.front() == '\t')) s.remove_prefix(1);
-  while (!s.empty() && (s.back() == ' ' || s.back() == '\t')) s.remove_suffix(1);
-  return s;
-}
 
 /// As a byte sequence of RFC 8941: ":<base64>:".
 std::string digest_of(std::string_view body, const EVP_MD* algorithm) {
@@ -33,7 +28,7 @@ std::optional<Problem> check_content_digest(std::string_view field, std::string_
   while (!field.empty()) {
     std::string_view item = field.substr(0, field.find(','));
     field.remove_prefix(std::min(field.size(), item.size() + 1));
-    item = trim(item.substr(0, item.find(';')));
+    item = trimmed(item.substr(0, item.find(';')));
     const std::size_t equals = item.find('=');
     const std::string_view value = equals == std::string_view::npos ? item : item.substr(equals + 1);
     if (equals == 0 || equals == std::string_view::npos || value.size() < 2 || value.front() != ':' ||

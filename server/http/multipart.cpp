@@ -2,16 +2,11 @@
 
 #include <algorithm>
 
+#include "common/base/text.hpp"
 #include "server/http/request_head.hpp"
 
 namespace fracture::http {
 namespace {
-
-std::string_view trim(std::string_view s) {
-  while (!s.empty() && (s.front() == ' ' || s.front() == '\t')) s.remove_prefix(1);
-  while (!s.empty() && (s.back() == ' ' || s.back() == '\t')) s.remove_suffix(1);
-  return s;
-}
 
 /// The parameter `name` of a field value such as `form-data; name="mesh"; filename="a.glb"`; quoted or not.
 std::optional<std::string> parameter_of(std::string_view value, std::string_view name) {
@@ -21,7 +16,7 @@ std::optional<std::string> parameter_of(std::string_view value, std::string_view
     while (at < value.size() && (value[at] == ' ' || value[at] == '\t')) ++at;
     const std::size_t equals = value.find('=', at);
     if (equals == std::string_view::npos) return std::nullopt;
-    const std::string_view key = trim(value.substr(at, equals - at));
+    const std::string_view key = trimmed(value.substr(at, equals - at));
     std::string text;
     at = equals + 1;
     if (at < value.size() && value[at] == '"') {
@@ -33,7 +28,7 @@ std::optional<std::string> parameter_of(std::string_view value, std::string_view
       at = value.find(';', at);
     } else {
       const std::size_t end = std::min(value.find(';', at), value.size());
-      text = trim(value.substr(at, end - at));
+      text = trimmed(value.substr(at, end - at));
       at = end;
     }
     if (equals_ignoring_case(key, name)) return text;
@@ -62,7 +57,7 @@ OrProblem<FormPart> parse_part(std::string_view text) {
     block.remove_prefix(std::min(block.size(), line.size() + 2));
     const std::size_t colon = line.find(':');
     if (colon == std::string_view::npos) return malformed("A part's header line has no colon.");
-    const std::string_view value = trim(line.substr(colon + 1));
+    const std::string_view value = trimmed(line.substr(colon + 1));
     if (equals_ignoring_case(line.substr(0, colon), "content-disposition")) {
       if (media_type_of(value) != "form-data")
         return malformed("A part's Content-Disposition is not form-data.");
@@ -82,7 +77,7 @@ OrProblem<FormPart> parse_part(std::string_view text) {
 }  // namespace
 
 std::string media_type_of(std::string_view content_type) {
-  std::string type(trim(content_type.substr(0, content_type.find(';'))));
+  std::string type(trimmed(content_type.substr(0, content_type.find(';'))));
   for (char& c : type)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + 32);
   return type;

@@ -1,4 +1,5 @@
 #include "server/http/request_head.hpp"
+#include "common/base/text.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -20,12 +21,6 @@ bool is_field_value(std::string_view s) {
     const auto u = static_cast<unsigned char>(c);
     return u == '\t' || (u >= 0x20 && u != 0x7f);
   });
-}
-
-std::string_view trim(std::string_view s) {
-  while (!s.empty() && (s.front() == ' ' || s.front() == '\t')) s.remove_prefix(1);
-  while (!s.empty() && (s.back() == ' ' || s.back() == '\t')) s.remove_suffix(1);
-  return s;
 }
 
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; }
@@ -96,7 +91,7 @@ OrProblem<bool> parse_fields(std::string_view block, RequestHead& head) {
     if (colon == std::string_view::npos || !is_token(line.substr(0, colon)))
       return malformed(
           "A header line is not 'name: value' with a token as name and no space before the colon.");
-    const std::string_view value = trim(line.substr(colon + 1));
+    const std::string_view value = trimmed(line.substr(colon + 1));
     if (!is_field_value(value)) return malformed("A header field has a control character in its value.");
     head.fields.emplace_back(line.substr(0, colon), value);
   }
@@ -136,7 +131,7 @@ OrProblem<bool> decide_framing(RequestHead& head) {
   bool close = head.minor_version == 0;  // HTTP/1.0 persistence is not worth its ambiguities
   for (std::size_t at = 0; at <= connection.size();) {
     const std::size_t comma = std::min(connection.find(',', at), connection.size());
-    if (equals_ignoring_case(trim(std::string_view(connection).substr(at, comma - at)), "close"))
+    if (equals_ignoring_case(trimmed(std::string_view(connection).substr(at, comma - at)), "close"))
       close = true;
     at = comma + 1;
   }
