@@ -1,13 +1,13 @@
 // What strangers send is charged at what it holds, or refused: bodies that unfold, parameters that repeat
 // themselves, forms with much around the mesh.
 #include <gtest/gtest.h>
-#include <zlib.h>
 
 #include <condition_variable>
 #include <fstream>
 #include <thread>
 
 #include "common/base/digest.hpp"
+#include "tests/server/gzip.hpp"
 #include "tests/server/peak_memory.hpp"
 #include "tests/server/temporary_folder.hpp"
 #include "tests/server/test_server.hpp"
@@ -17,20 +17,6 @@ namespace fracture::test {
 namespace {
 
 const std::string kForm = "Content-Type: multipart/form-data; boundary=B\r\n";
-
-std::string gzip(const std::string& text) {
-  z_stream stream{};
-  deflateInit2(&stream, 9, Z_DEFLATED, 16 + MAX_WBITS, 9, Z_DEFAULT_STRATEGY);
-  std::string out(deflateBound(&stream, text.size()) + 64, '\0');
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
-  stream.avail_in = static_cast<uInt>(text.size());
-  stream.next_out = reinterpret_cast<Bytef*>(out.data());
-  stream.avail_out = static_cast<uInt>(out.size());
-  EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
-  out.resize(out.size() - stream.avail_out);
-  deflateEnd(&stream);
-  return out;
-}
 
 std::string part(const std::string& disposition, const std::string& body) {
   return "--B\r\nContent-Disposition: form-data; " + disposition + "\r\n\r\n" + body + "\r\n";

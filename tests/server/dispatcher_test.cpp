@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tests/server/fake_engine.hpp"
+#include "tests/server/fracture_request.hpp"
 
 namespace fracture {
 namespace {
@@ -17,16 +18,7 @@ namespace {
 using std::chrono::steady_clock;
 using test::FakeControl;
 using test::FakeEngine;
-
-/// A request that owns its bytes.
-FractureRequest request(const std::string& mesh, std::uint64_t seed = 1) {
-  FractureRequest r;
-  const auto text = std::make_shared<const std::string>(mesh);
-  r.mesh = std::as_bytes(std::span(text->data(), text->size()));
-  r.owner = text;
-  r.parameters.fracture.seed = seed;
-  return r;
-}
+using test::fracture_request;
 
 /// Blocks whoever passes until it is opened; an interruption of the execution gets through.
 struct Gate {
@@ -70,7 +62,7 @@ struct DispatcherTest : testing::Test {
 TEST_F(DispatcherTest, SixtyFourIdenticalColdRequestsAreOneComputation) {
   Gate gate;
   control->during_cut = [&](const Execution& execution) { gate.pass(execution); };
-  for (int i = 0; i < 64; ++i) ask(request("mesh"));
+  for (int i = 0; i < 64; ++i) ask(fracture_request("mesh"));
   gate.open = true;
   dispatcher.wait_idle();
   EXPECT_EQ(good, 64);
@@ -80,7 +72,7 @@ TEST_F(DispatcherTest, SixtyFourIdenticalColdRequestsAreOneComputation) {
   EXPECT_EQ(outcomes[CacheOutcome::kMissStored], 1);
   EXPECT_EQ(outcomes[CacheOutcome::kCollapsed], 63);
   EXPECT_EQ(dispatcher.figures().collapsed, 63u);
-  ask(request("mesh"));
+  ask(fracture_request("mesh"));
   EXPECT_EQ(outcomes[CacheOutcome::kHit], 1) << "answered at once, on this thread";
 }
 
@@ -90,8 +82,8 @@ TEST_F(DispatcherTest, TheLeaderIsCancelledHalfWayAndTheOthersSucceed) {
   std::stop_source leader;
   Terms terms;
   terms.gone = leader.get_token();
-  ask(request("mesh"), terms);
-  for (int i = 0; i < 63; ++i) ask(request("mesh"));
+  ask(fracture_request("mesh"), terms);
+  for (int i = 0; i < 63; ++i) ask(fracture_request("mesh"));
   gate.wait_for(1);
   leader.request_stop();
   EXPECT_EQ(errors[ErrorCode::kCancelled], 1) << "told at once";
@@ -108,7 +100,7 @@ TEST_F(DispatcherTest, TheComputationDiesWithTheLastWhoWaits) {
   std::stop_source everybody;
   Terms terms;
   terms.gone = everybody.get_token();
-  for (int i = 0; i < 5; ++i) ask(request("mesh"), terms);
+  for (int i = 0; i < 5; ++i) ask(fracture_request("mesh"), terms);
   gate.wait_for(1);
   everybody.request_stop();
   dispatcher.wait_idle();  // would hang if it went on: the gate is closed
@@ -123,7 +115,7 @@ TEST_F(DispatcherTest, ManySeedsOfOneColdMeshPrepareItOnce) {
     gate.pass({});
     return Mesh{};
   };
-  for (int seed = 0; seed < 20; ++seed) ask(request("mesh", static_cast<std::uint64_t>(seed)));
+  for (int seed = 0; seed < 20; ++seed) ask(fracture_request("mesh", static_cast<std::uint64_t>(seed)));
   gate.wait_for(1);
   gate.open = true;
   dispatcher.wait_idle();
@@ -139,10 +131,10 @@ TEST_F(DispatcherTest, WaitingForAMeshHoldsNoThread) {
     if (mesh == "slow") gate.pass({});
     return Mesh{};
   };
-  for (int seed = 0; seed < 20; ++seed) ask(request("slow", static_cast<std::uint64_t>(seed)));
+  for (int seed = 0; seed < 20; ++seed) ask(fracture_request("slow", static_cast<std::uint64_t>(seed)));
   gate.wait_for(1);
   std::promise<void> done;  // one thread imports, nineteen requests wait for it: the other thread is free
-  EXPECT_FALSE(dispatcher.fracture(request("quick"), {}, [&](Expected<FractureAnswer> answer) {
+  EXPECT_FALSE(dispatcher.fracture(fracture_request("quick"), {}, [&](Expected<FractureAnswer> answer) {
     EXPECT_TRUE(answer);
     done.set_value();
   }));
@@ -164,7 +156,7 @@ TEST_F(DispatcherTest, WhoLeavesWhileWaitingForAMeshDoesNotStopItForTheOthers) {
     Terms terms;
     if (seed == 0) terms.gone = first.get_token();
     if (seed == 2) terms.gone = third.get_token();
-    ask(request("mesh", static_cast<std::uint64_t>(seed)), terms);
+    ask(fracture_request("mesh", static_cast<std::uint64_t>(seed)), terms);
     if (seed == 0) gate.wait_for(1);  // it is the one that imports
   }
   while (pool.queued() > 0) std::this_thread::yield();
@@ -180,7 +172,7 @@ TEST_F(DispatcherTest, WhoLeavesWhileWaitingForAMeshDoesNotStopItForTheOthers) {
 
 TEST_F(DispatcherTest, AnotherDualWaitsForTheSameTetrahedralization) {
   for (const Dual dual : {Dual::kCircumcenter, Dual::kBarycenter}) {
-    FractureRequest r = request("mesh");
+    FractureRequest r = fracture_request("mesh");
     r.parameters.fracture.dual = dual;
     ask(std::move(r));
   }
@@ -195,8 +187,8 @@ TEST_F(DispatcherTest, EachWaiterHasItsOwnDeadline) {
   control->during_cut = [&](const Execution& execution) { gate.pass(execution); };
   Terms hasty;
   hasty.deadline = steady_clock::now() + std::chrono::milliseconds(50);
-  ask(request("mesh"), hasty);
-  ask(request("mesh"));
+  ask(fracture_request("mesh"), hasty);
+  ask(fracture_request("mesh"));
   while (bad == 0) std::this_thread::yield();
   EXPECT_EQ(errors[ErrorCode::kDeadlineExceeded], 1);
   EXPECT_EQ(good, 0);
@@ -209,12 +201,12 @@ TEST_F(DispatcherTest, EachWaiterHasItsOwnDeadline) {
 TEST_F(DispatcherTest, WorkWhoseDeadlinePassedInTheQueueIsNotDone) {
   Gate gate;
   control->during_cut = [&](const Execution& execution) { gate.pass(execution); };
-  ask(request("a"));
-  ask(request("b"));
+  ask(fracture_request("a"));
+  ask(fracture_request("b"));
   gate.wait_for(2);  // both threads are busy
   Terms terms;
   terms.deadline = steady_clock::now() + std::chrono::milliseconds(500);
-  ask(request("late"), terms);
+  ask(fracture_request("late"), terms);
   while (bad == 0) std::this_thread::yield();
   gate.open = true;
   dispatcher.wait_idle();
@@ -227,17 +219,18 @@ TEST_F(DispatcherTest, WhatCannotBeInTimeIsRefusedAtOnceWithTheTimeToComeBack) {
   Gate gate;
   control->during_cut = [&](const Execution& execution) { gate.pass(execution); };
   for (int i = 0; i < 200; ++i) pool.measured(1, 1000);  // a machine a thousand times slower than nominal
-  ask(request("a"));
-  ask(request("b"));
+  ask(fracture_request("a"));
+  ask(fracture_request("b"));
   gate.wait_for(2);
   Terms terms;
   terms.deadline = steady_clock::now() + std::chrono::seconds(1);
-  const auto overload = dispatcher.fracture(request("c"), terms, [](Expected<FractureAnswer>) { FAIL(); });
+  const auto overload =
+      dispatcher.fracture(fracture_request("c"), terms, [](Expected<FractureAnswer>) { FAIL(); });
   ASSERT_TRUE(overload);
   EXPECT_GE(overload->retry_after.count(), 1);
   EXPECT_LE(overload->retry_after.count(), 60);
   EXPECT_EQ(dispatcher.figures().refused, 1u);
-  ask(request("a"), terms);  // who only has to wait for what is in flight costs nothing
+  ask(fracture_request("a"), terms);  // who only has to wait for what is in flight costs nothing
   gate.open = true;
   dispatcher.wait_idle();
   EXPECT_EQ(good, 3);
@@ -249,11 +242,11 @@ TEST_F(DispatcherTest, MemoryIsHandedOutByEstimateAndOneAloneAlwaysRuns) {
   control->during_cut = [&](const Execution& execution) { gate.pass(execution); };
   std::atomic<int> answers{0};
   const auto reply = [&](Expected<FractureAnswer> answer) { answers += answer.has_value(); };
-  EXPECT_FALSE(narrow.fracture(request("a"), {}, reply));
-  EXPECT_TRUE(narrow.fracture(request("b"), {}, reply));
+  EXPECT_FALSE(narrow.fracture(fracture_request("a"), {}, reply));
+  EXPECT_TRUE(narrow.fracture(fracture_request("b"), {}, reply));
   gate.open = true;
   narrow.wait_idle();
-  EXPECT_FALSE(narrow.fracture(request("b"), {}, reply)) << "what was held is given back";
+  EXPECT_FALSE(narrow.fracture(fracture_request("b"), {}, reply)) << "what was held is given back";
   narrow.wait_idle();
   EXPECT_EQ(answers, 2);
   EXPECT_EQ(narrow.figures().working_bytes, 0u);
@@ -265,27 +258,27 @@ TEST_F(DispatcherTest, AnErrorIsEverybodysAndNobodyKeepsIt) {
     gate.pass({});
     return fail(ErrorCode::kMalformedMesh, "broken");
   };
-  for (int i = 0; i < 3; ++i) ask(request("mesh", static_cast<std::uint64_t>(i)));
+  for (int i = 0; i < 3; ++i) ask(fracture_request("mesh", static_cast<std::uint64_t>(i)));
   gate.open = true;
   dispatcher.wait_idle();
   EXPECT_EQ(errors[ErrorCode::kMalformedMesh], 3);
   control->import = nullptr;
-  ask(request("mesh"));
+  ask(fracture_request("mesh"));
   dispatcher.wait_idle();
   EXPECT_EQ(good, 1);
 }
 
 TEST_F(DispatcherTest, ABrokenInvariantIsAnInternalErrorForAllAndTheNextOneWorks) {
   control->during_cut = [](const Execution&) { throw InternalError("an invariant"); };
-  ask(request("mesh"));
+  ask(fracture_request("mesh"));
   dispatcher.wait_idle();
   control->during_cut = [](const Execution&) { throw std::bad_alloc(); };
-  ask(request("mesh"));
+  ask(fracture_request("mesh"));
   dispatcher.wait_idle();
   EXPECT_EQ(errors[ErrorCode::kInternal], 1);
   EXPECT_EQ(errors[ErrorCode::kOutOfMemory], 1);
   control->during_cut = nullptr;
-  ask(request("mesh"));
+  ask(fracture_request("mesh"));
   dispatcher.wait_idle();
   EXPECT_EQ(good, 1);
 }
@@ -297,10 +290,12 @@ TEST_F(DispatcherTest, PreparingIsSharedWithTheFractureThatNeedsIt) {
     return Mesh{};
   };
   std::atomic<int> prepared{0};
-  EXPECT_FALSE(dispatcher.prepare(request("mesh"), {}, [&](auto mesh) { prepared += mesh.has_value(); }));
+  EXPECT_FALSE(
+      dispatcher.prepare(fracture_request("mesh"), {}, [&](auto mesh) { prepared += mesh.has_value(); }));
   gate.wait_for(1);
-  ask(request("mesh"));
-  EXPECT_FALSE(dispatcher.prepare(request("mesh"), {}, [&](auto mesh) { prepared += mesh.has_value(); }));
+  ask(fracture_request("mesh"));
+  EXPECT_FALSE(
+      dispatcher.prepare(fracture_request("mesh"), {}, [&](auto mesh) { prepared += mesh.has_value(); }));
   gate.open = true;
   dispatcher.wait_idle();
   EXPECT_EQ(prepared, 2);
@@ -322,7 +317,7 @@ TEST_F(DispatcherTest, EveryoneIsToldOfTheProgress) {
       const std::lock_guard lock(guard);
       stages[who].emplace_back(stage);
     };
-    ask(request("mesh"), terms);
+    ask(fracture_request("mesh"), terms);
     gate.wait_for(1);
   }
   gate.open = true;
@@ -343,8 +338,8 @@ TEST_F(DispatcherTest, ComingAndGoingAtRandomNobodyIsForgotten) {
         terms.gone = gone.get_token();
         terms.priority = i % 2 ? Priority::kRealtime : Priority::kBatch;
         if (i % 5 == 0) terms.deadline = steady_clock::now() + std::chrono::microseconds(50 * (i % 7));
-        const auto overload = dispatcher.fracture(request("mesh" + std::to_string(i / 40), i % 13), terms,
-                                                  [&](const Expected<FractureAnswer>&) { ++replies; });
+        const auto overload = dispatcher.fracture(fracture_request("mesh" + std::to_string(i / 40), i % 13),
+                                                  terms, [&](const Expected<FractureAnswer>&) { ++replies; });
         if (overload) ++replies;
         if ((i + t) % 3 == 0) gone.request_stop();
       }
@@ -364,7 +359,7 @@ TEST_F(DispatcherTest, AComputationHoldsWhatItMakesUntilItEnds) {
     execution.made(Product::kPolygons, kPolygons);
     gate.pass(execution);
   };
-  ask(request("mesh"));
+  ask(fracture_request("mesh"));
   gate.wait_for(1);
   EXPECT_GE(dispatcher.figures().working_bytes, kPolygons * bytes_of(Product::kPolygons));
   gate.open = true;
@@ -380,7 +375,7 @@ TEST_F(DispatcherTest, AComputationThatNeverFitsIsRefusedByNameAndOneThatOthersC
   std::map<std::uint64_t, Expected<FractureAnswer>> outcomes_of;
   const auto run = [&](std::uint64_t seed) {
     const auto overload =
-        small.fracture(request("mesh", seed), {}, [&, seed](Expected<FractureAnswer> answer) {
+        small.fracture(fracture_request("mesh", seed), {}, [&, seed](Expected<FractureAnswer> answer) {
           const std::lock_guard lock(of_outcomes);
           outcomes_of.emplace(seed, std::move(answer));
         });
@@ -423,7 +418,7 @@ TEST_F(DispatcherTest, AComputationThatNeverFitsIsRefusedByNameAndOneThatOthersC
 TEST_F(DispatcherTest, AnAnswerThatDoesNotProveItselfIsNotComputedAgainAndAgain) {
   control->cut_error = [] { return Error{ErrorCode::kUnsound, "3 edges are open", {}, {{"open_edges", 3}}}; };
   for (int round = 0; round < 5; ++round) {
-    ask(request("mesh"));
+    ask(fracture_request("mesh"));
     dispatcher.wait_idle();
   }
   EXPECT_EQ(errors[ErrorCode::kUnsound], 5);
@@ -432,7 +427,7 @@ TEST_F(DispatcherTest, AnAnswerThatDoesNotProveItselfIsNotComputedAgainAndAgain)
   EXPECT_EQ(service.figures().results.entries, 0u);
 
   control->cut_error = nullptr;
-  ask(request("mesh", 2));
+  ask(fracture_request("mesh", 2));
   dispatcher.wait_idle();
   EXPECT_EQ(good, 1) << "another request is another answer";
 }

@@ -1,7 +1,6 @@
 // The real program in little memory, under small requests that unfold: what is resident stays within what it
 // may have, and others are served.
 #include <gtest/gtest.h>
-#include <zlib.h>
 
 #include <atomic>
 #include <fstream>
@@ -10,6 +9,7 @@
 #include <thread>
 
 #include "tests/server/exposition.hpp"
+#include "tests/server/gzip.hpp"
 #include "tests/server/raw_client.hpp"
 #include "tests/server/server_process.hpp"
 #include "tests/support/eventually.hpp"
@@ -22,20 +22,6 @@ const std::string kCube =
     "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
 const std::string kForm = "Content-Type: multipart/form-data; boundary=B\r\nContent-Encoding: gzip\r\n";
 const std::string kGltf = "Content-Type: model/gltf+json\r\n";
-
-std::string gzip(const std::string& text) {
-  z_stream stream{};
-  deflateInit2(&stream, 9, Z_DEFLATED, 16 + MAX_WBITS, 9, Z_DEFAULT_STRATEGY);
-  std::string out(deflateBound(&stream, text.size()) + 64, '\0');
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
-  stream.avail_in = static_cast<uInt>(text.size());
-  stream.next_out = reinterpret_cast<Bytef*>(out.data());
-  stream.avail_out = static_cast<uInt>(out.size());
-  deflate(&stream, Z_FINISH);
-  out.resize(out.size() - stream.avail_out);
-  deflateEnd(&stream);
-  return out;
-}
 
 std::string many(const std::string& item, std::size_t count) {
   std::string text;

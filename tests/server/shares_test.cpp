@@ -8,22 +8,15 @@
 #include "common/base/processor_time.hpp"
 #include "server/service/dispatcher.hpp"
 #include "tests/server/fake_engine.hpp"
+#include "tests/server/fracture_request.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture {
 namespace {
 
 using test::eventually;
+using test::fracture_request;
 using test::kPatience;
-
-FractureRequest request(const std::string& mesh, std::uint64_t seed = 1) {
-  FractureRequest r;
-  const auto text = std::make_shared<const std::string>(mesh);
-  r.mesh = std::as_bytes(std::span(text->data(), text->size()));
-  r.owner = text;
-  r.parameters.fracture.seed = seed;
-  return r;
-}
 
 /// Computes until this thread has spent so much.
 void spend(double seconds) {
@@ -59,13 +52,13 @@ TEST_F(Shares, EverybodyWhoWaitedIsChargedForAllOfItOnce) {
     spend(0.05);
   };
   const Terms a = of("a"), b = of("b"), c = of("c");
-  for (const Terms* terms : {&a, &b, &b, &b}) EXPECT_FALSE(ask(request("mesh"), *terms));
+  for (const Terms* terms : {&a, &b, &b, &b}) EXPECT_FALSE(ask(fracture_request("mesh"), *terms));
   open = true;
   dispatcher.wait_idle();
   EXPECT_EQ(control->cuts, 1);
   EXPECT_GE(charged(a), 0.05);
   EXPECT_DOUBLE_EQ(charged(a), charged(b)) << "three requests of one name are one payer";
-  EXPECT_FALSE(ask(request("mesh"), c));
+  EXPECT_FALSE(ask(fracture_request("mesh"), c));
   EXPECT_EQ(charged(c), 0) << "from the cache";
   EXPECT_EQ(answered, 5);
 }
@@ -80,7 +73,7 @@ TEST_F(Shares, WhoLeavesHalfWayPaysForTheHalf) {
   };
   Terms a = of("a");
   a.gone = gone.get_token();
-  EXPECT_FALSE(ask(request("mesh"), a));
+  EXPECT_FALSE(ask(fracture_request("mesh"), a));
   EXPECT_TRUE(eventually(kPatience, "half of it", [&] { return spent.load(); }));
   gone.request_stop();
   dispatcher.wait_idle();
@@ -95,9 +88,9 @@ TEST_F(Shares, AMeshThatSeveralWaitForIsChargedToAllOfThem) {
     return Mesh{};
   };
   const Terms a = of("a"), b = of("b");
-  EXPECT_FALSE(ask(request("mesh", 1), a));
+  EXPECT_FALSE(ask(fracture_request("mesh", 1), a));
   EXPECT_TRUE(eventually(kPatience, "the import", [&] { return control->imports == 1; }));
-  EXPECT_FALSE(ask(request("mesh", 2), b));
+  EXPECT_FALSE(ask(fracture_request("mesh", 2), b));
   EXPECT_TRUE(eventually(kPatience, "the second to wait for the mesh",
                          [&] { return pool.queued() == 0 && pool.running() == 1; }));
   gate.count_down();
@@ -115,16 +108,16 @@ TEST_F(Shares, ANameHasSoManyComputationsAtTheSameTime) {
   tenants::Shares two;
   two.computations = 2;
   const Terms a = of("a", two), b = of("b", two);
-  EXPECT_FALSE(ask(request("mesh", 1), a));
-  EXPECT_FALSE(ask(request("mesh", 2), a));
-  const auto over = ask(request("mesh", 3), a);
+  EXPECT_FALSE(ask(fracture_request("mesh", 1), a));
+  EXPECT_FALSE(ask(fracture_request("mesh", 2), a));
+  const auto over = ask(fracture_request("mesh", 3), a);
   ASSERT_TRUE(over);
   EXPECT_EQ(over->cause, Overload::Cause::kOverShare);
   EXPECT_GE(over->retry_after.count(), 1);
-  EXPECT_FALSE(ask(request("mesh", 3), b)) << "the others are not concerned";
+  EXPECT_FALSE(ask(fracture_request("mesh", 3), b)) << "the others are not concerned";
   open = true;
   dispatcher.wait_idle();
-  EXPECT_FALSE(ask(request("mesh", 4), a)) << "the places are free again";
+  EXPECT_FALSE(ask(fracture_request("mesh", 4), a)) << "the places are free again";
   dispatcher.wait_idle();
   EXPECT_EQ(a.payer.account->figures().computations, 0u);
 }
@@ -146,7 +139,7 @@ TEST_F(Shares, WhatWasMeasuredDecidesWhoseTurnItIs) {
   const Terms a = of("a"), b = of("b");
   std::atomic<int> done{0};
   const auto add = [&](const char* name, int k, const Terms& terms) {
-    EXPECT_FALSE(single.fracture(request(name + std::to_string(k)), terms,
+    EXPECT_FALSE(single.fracture(fracture_request(name + std::to_string(k)), terms,
                                  [&](Expected<FractureAnswer> answer) { done += answer.has_value(); }));
   };
   for (int k = 0; k < 12; ++k) add("a", k, a);
@@ -171,11 +164,11 @@ TEST_F(Shares, ABatchComputationStandsStillAtItsPollsAndARealtimeOneIsAnswered) 
   Terms batch = of("a"), realtime = of("b");
   realtime.priority = Priority::kRealtime;
   std::atomic<bool> batch_done{false}, realtime_done{false};
-  EXPECT_FALSE(
-      single.fracture(request("long"), batch, [&](auto answer) { batch_done = answer.has_value(); }));
+  EXPECT_FALSE(single.fracture(fracture_request("long"), batch,
+                               [&](auto answer) { batch_done = answer.has_value(); }));
   EXPECT_TRUE(eventually(kPatience, "the batch computation to begin", [&] { return begun == 1; }));
-  EXPECT_FALSE(
-      single.fracture(request("short"), realtime, [&](auto answer) { realtime_done = answer.has_value(); }));
+  EXPECT_FALSE(single.fracture(fracture_request("short"), realtime,
+                               [&](auto answer) { realtime_done = answer.has_value(); }));
   EXPECT_TRUE(eventually(kPatience, "the realtime answer", [&] { return realtime_done.load(); }));
   EXPECT_FALSE(batch_done);
   open = true;

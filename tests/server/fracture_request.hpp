@@ -1,0 +1,23 @@
+// A request as the dispatcher takes it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "server/service/request.hpp"
+
+namespace fracture::test {
+
+/// Owns its bytes.
+inline FractureRequest fracture_request(const std::string& mesh, std::uint64_t seed = 1) {
+  FractureRequest r;
+  const auto text = std::make_shared<const std::string>(mesh);
+  r.mesh = std::as_bytes(std::span(text->data(), text->size()));
+  r.owner = text;
+  r.parameters.fracture.seed = seed;
+  return r;
+}
+
+}  // namespace fracture::test
