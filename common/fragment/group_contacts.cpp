@@ -67,7 +67,7 @@ void GroupContacts::unite(std::uint32_t a, std::uint32_t b) {
   if (groups_.of(a) == groups_.of(b)) return;
   known(groups_.set_of(a));
   known(groups_.set_of(b));
-  const auto [kept, gone] = groups_.unite(a, b);
+  const auto [kept, gone] = groups_.unite(a, b, pacer_);
   auto moved = known_.extract(gone);
   Neighbors& to = known_.at(kept);
   to.erase(gone);

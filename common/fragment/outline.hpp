@@ -14,7 +14,7 @@ namespace fracture {
 class Outline {
  public:
   /// Both are borrowed.
-  explicit Outline(const RestrictedDiagram& diagram, const Execution& execution = kUninterrupted)
+  explicit Outline(const RestrictedDiagram& diagram, const Execution& execution)
       : d_(diagram), execution_(execution) {}
 
   void clear() { sides_.clear(); }

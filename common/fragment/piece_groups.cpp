@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <numeric>
 
-#include "common/base/pacer.hpp"
-
 namespace fracture {
+namespace {
+
+constexpr std::uint64_t kMissedCache = 8;  // steps: members of a group lie anywhere
+
+}  // namespace
 
 PieceGroups::PieceGroups(std::size_t pieces) : set_(pieces), size_(pieces, 1) {
   std::iota(set_.begin(), set_.end(), 0u);
@@ -13,9 +16,13 @@ PieceGroups::PieceGroups(std::size_t pieces) : set_(pieces), size_(pieces, 1) {
 }
 
 std::vector<std::uint32_t> PieceGroups::members(std::uint32_t group, const Execution& execution) const {
+  Pacer pacer(execution);
   std::vector<std::uint32_t> all{group};
   all.reserve(size(group));
-  for (std::uint32_t p = next_[group]; p != group; p = next_[p]) all.push_back(p);
+  for (std::uint32_t p = next_[group]; p != group; p = next_[p]) {
+    pacer.step(kMissedCache);
+    all.push_back(p);
+  }
   sort_with_polls(execution, all.begin(), all.end());
   return all;
 }
@@ -26,7 +33,7 @@ std::vector<std::uint32_t> PieceGroups::names() const {
   return all;
 }
 
-PieceGroups::Union PieceGroups::unite(std::uint32_t a, std::uint32_t b) {
+PieceGroups::Union PieceGroups::unite(std::uint32_t a, std::uint32_t b, Pacer& pacer) {
   std::uint32_t kept = set_[a], gone = set_[b];
   if (kept == gone) return {kept, gone};
   if (size_[kept] < size_[gone]) {
@@ -35,6 +42,7 @@ PieceGroups::Union PieceGroups::unite(std::uint32_t a, std::uint32_t b) {
   }
   std::uint32_t p = b;
   do {
+    pacer.step(kMissedCache);
     set_[p] = kept;
     p = next_[p];
   } while (p != b);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/base/execution.hpp"
+#include "common/base/pacer.hpp"
 
 namespace fracture {
 
@@ -34,8 +35,9 @@ class PieceGroups {
   struct Union {
     std::uint32_t kept, gone;  ///< numbers of sets; equal where both were one already
   };
-  /// Unites the groups that have these pieces.
-  Union unite(std::uint32_t a, std::uint32_t b);
+  /// Unites the groups that have these pieces; n log n for all unions together, one may move half of all.
+  /// Throws Interrupted, which leaves the groups in disorder.
+  Union unite(std::uint32_t a, std::uint32_t b, Pacer& pacer);
 
  private:
   std::vector<std::uint32_t> set_, next_;   // per piece: its set; another member, in a circle

@@ -62,7 +62,7 @@ void join_surfaces(const RestrictedDiagram& d, const Pieces& pieces,
     bool forward;  // from lo to hi
   };
   std::vector<Edge> edges;
-  Outline outline(d);
+  Outline outline(d, execution);
   for (std::size_t begin = 0, end = 0; begin < faces.size(); begin = end) {
     const std::uint32_t t = faces[begin].face.source;
     bool shared = false;
@@ -194,8 +194,7 @@ class TriangleCount {
     PieceGroups groups = before_;
     Pacer pacer(execution_);
     for (std::size_t k = 0; k < count; ++k) {
-      pacer.step(8);
-      groups.unite(unions_[k].first, unions_[k].second);
+      groups.unite(unions_[k].first, unions_[k].second, pacer);
     }
     std::uint64_t sum = 0;
     std::vector<std::uint32_t> unknown;
@@ -310,8 +309,7 @@ SizeFigures unite_by_size(const RestrictedDiagram& d, const Pieces& pieces, cons
   }
   Pacer pacer(execution);
   for (std::size_t k = 0; k < needed; ++k) {
-    pacer.step(8);
-    groups.unite(unions[k].first, unions[k].second);
+    groups.unite(unions[k].first, unions[k].second, pacer);
   }
   figures.united = static_cast<std::uint32_t>(needed);
   return figures;

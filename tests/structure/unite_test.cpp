@@ -53,17 +53,35 @@ struct Cut {
 /// so that pieces within the small one have negative volumes.
 Mesh bow_tie(double small) { return prism_over({{-1, -1}, {small, small}, {small, -small}, {-1, 1}}); }
 
+TEST(PieceGroups, PollsWhileAUnionMovesManyPieces) {
+  int polls = 0;
+  Execution execution;
+  execution.watch = [&] { ++polls; };
+  Pacer pacer(execution);
+  constexpr std::uint32_t kHalf = 1u << 18;
+  PieceGroups groups(2 * kHalf);
+  for (const std::uint32_t first : {0u, kHalf})
+    for (std::uint32_t p = 1; p < kHalf; ++p) groups.unite(first, first + p, pacer);
+  polls = 0;
+  groups.unite(0, kHalf, pacer);
+  EXPECT_GE(polls, 100) << "one union of 262,144 pieces with as many others";
+  polls = 0;
+  EXPECT_EQ(groups.members(0, execution).size(), 2 * kHalf);
+  EXPECT_GE(polls, 200);
+}
+
 TEST(PieceGroups, AreTheSetsThatWereUnitedNamedByTheirSmallestPiece) {
   Random random(3);
   constexpr std::uint32_t kPieces = 60;
   PieceGroups groups(kPieces);
+  Pacer pacer(kUninterrupted);
   std::vector<std::uint32_t> expected(kPieces);  // the name of each piece's group
   for (std::uint32_t p = 0; p < kPieces; ++p) expected[p] = p;
   for (int step = 0; step < 80; ++step) {
     const auto a = static_cast<std::uint32_t>(random.uniform() * kPieces),
                b = static_cast<std::uint32_t>(random.uniform() * kPieces);
     const bool one = expected[a] == expected[b];
-    const PieceGroups::Union united = groups.unite(a, b);
+    const PieceGroups::Union united = groups.unite(a, b, pacer);
     EXPECT_EQ(united.kept == united.gone, one);
     const std::uint32_t low = std::min(expected[a], expected[b]), high = std::max(expected[a], expected[b]);
     std::replace(expected.begin(), expected.end(), high, low);
@@ -119,13 +137,14 @@ TEST(VolumeSigns, AreThoseOfTheJoinedPiecesInTheFileWhereTheyAreKnown) {
   int negative = 0, positive = 0, unknown = 0;
   for (int run = 0; run < 60; ++run) {
     PieceGroups groups(n);
+    Pacer pacer(kUninterrupted);
     VolumeSigns signs(cut.restricted, cut.pieces, kAlone);
     for (int step = 0; step < 12; ++step) {
       const Contact& pick = all[static_cast<std::size_t>(random.uniform() * static_cast<double>(all.size()))];
       const std::uint32_t a = groups.of(pick.of), b = groups.of(pick.with), name = std::min(a, b);
       if (a == b) continue;
       signs.unite(groups, a, b, name);
-      groups.unite(a, b);
+      groups.unite(a, b, pacer);
       const Piece joined = join_pieces(cut.restricted, cut.pieces, groups, name, {});
       const int in_file =
           file_volume(assemble(cut.restricted, cut.ownership, joined, Pivot::kCenterOfMass, {})).sign;
