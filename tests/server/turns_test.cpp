@@ -63,7 +63,7 @@ TEST(Turns, ARealtimeJobRunsWhileTheOnlyThreadsBatchJobStandsStill) {
 }
 
 TEST(Turns, WithTwoThreadsARealtimeJobBeginsBesideBatchJobsThatNeverPoll) {
-  std::latch gate(1);  // outlives the pool, whose threads wait at it
+  std::latch gate(1);
   WorkerPool pool(2, 100);
   std::atomic<int> batch{0};
   for (int k = 0; k < 3; ++k)
@@ -77,6 +77,7 @@ TEST(Turns, WithTwoThreadsARealtimeJobBeginsBesideBatchJobsThatNeverPoll) {
   EXPECT_TRUE(eventually(kPatience, "all the realtime jobs", [&] { return done == 10; }));
   EXPECT_EQ(batch, 2) << "the third waits for one of the two";
   gate.count_down();
+  pool.wait_idle();
 }
 
 TEST(Turns, TheKeptThreadTakesOneAtATimeAndNoBatchJob) {
@@ -112,6 +113,7 @@ TEST(Turns, ABatchJobDoesNotStandStillForEver) {
                          [&] { return batch.polls > before + 10; }));
   gate.count_down();
   batch.end = true;
+  pool.wait_idle();
 }
 
 TEST(Turns, AStandingJobThatBecomesRealtimeGoesOn) {
@@ -130,6 +132,7 @@ TEST(Turns, AStandingJobThatBecomesRealtimeGoesOn) {
   EXPECT_EQ(pool.paused(), 0u);
   batch.end = true;
   gate.count_down();
+  pool.wait_idle();
 }
 
 TEST(Turns, WhoIsAwayLeavesItsProcessorToRealtimeWorkAndToNoOther) {
@@ -219,6 +222,7 @@ TEST(Turns, WhoFillsTheQueueLeavesTheOthersTheirPart) {
   }
   EXPECT_TRUE(pool.full(b));
   gate.count_down();
+  pool.wait_idle();
 }
 
 }  // namespace
