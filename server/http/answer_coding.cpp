@@ -7,18 +7,13 @@
 #include <memory>
 #include <new>
 
+#include "common/base/text.hpp"
 #include "server/http/accept.hpp"
 #include "server/http/content_coding.hpp"
 #include "server/http/request_head.hpp"
 
 namespace fracture::http {
 namespace {
-
-std::string_view trim(std::string_view s) {
-  while (!s.empty() && (s.front() == ' ' || s.front() == '\t')) s.remove_prefix(1);
-  while (!s.empty() && (s.back() == ' ' || s.back() == '\t')) s.remove_suffix(1);
-  return s;
-}
 
 std::vector<std::uint8_t> gzipped(std::span<const std::uint8_t> body) {
   z_stream stream{};
@@ -76,10 +71,10 @@ CodingWishes coding_wishes(std::string_view accept_encoding) {
     const std::string_view item = accept_encoding.substr(0, accept_encoding.find(','));
     accept_encoding.remove_prefix(std::min(accept_encoding.size(), item.size() + 1));
     const std::size_t semicolon = item.find(';');
-    const std::string_view name = trim(item.substr(0, semicolon));
+    const std::string_view name = trimmed(item.substr(0, semicolon));
     int q = 1000;
     if (semicolon != std::string_view::npos) {
-      const std::string_view weight = trim(item.substr(semicolon + 1));
+      const std::string_view weight = trimmed(item.substr(semicolon + 1));
       if (weight.size() < 2 || (weight[0] != 'q' && weight[0] != 'Q') || weight[1] != '=') continue;
       q = thousandths(weight.substr(2));
       if (q < 0) continue;

@@ -1,4 +1,5 @@
 // Results as resources: GET and HEAD /fractures/{id}; and how every result is sent.
+#include <spdlog/spdlog.h>
 #include <algorithm>
 #include <charconv>
 #include <new>
@@ -130,28 +131,36 @@ Answered Api::send_result(const std::shared_ptr<Request>& request,
   const auto seat = variants_.join(key, [this, request, result, representation, reply, finish](
                                             const Expected<Made>& made, VariantFlights::Role) {
     answering(*request, reply, [&]() -> Answered {
-      if (!made) return refusal(made.error(), request->id);
-      return finish(result_response(result, representation, *made));
+      if (made) return finish(result_response(result, representation, *made));
+      // The answer is there all the same.
+      if (const auto plain = as_it_is(request->head, *result, representation.figures))
+        return finish(result_response(result, *plain, nullptr));
+      return tl::unexpected<Problem>(
+          Problem(HttpProblem::kOverloaded, made.error().detail).with("Retry-After", "2"));
     });
   });
   if (seat.role != VariantFlights::Role::kLeader) return std::nullopt;
-  const auto no_room = [](std::string why) -> Expected<Made> {
+  const auto not_made = [](std::string why) -> Expected<Made> {
     return tl::unexpected<Error>(Error{ErrorCode::kOutOfMemory, std::move(why)});
   };
-  const auto overload =
-      dispatcher_.run(expected_reading(result->file.size()), terms,
-                      [this, flight = seat.flight, result, representation, no_room] {
-                        Expected<Made> made = no_room("There is no memory to compress this answer now.");
-                        try {
-                          made = make_variant(*result, representation);
-                          service_.keep_variant(*made);
-                        } catch (const std::bad_alloc&) {
-                        } catch (const std::exception& e) {
-                          made = tl::unexpected<Error>(Error{ErrorCode::kInternal, e.what()});
-                        }
-                        variants_.land(flight, made);
-                      });
-  if (overload) variants_.land(seat.flight, no_room(overload->detail));
+  std::optional<Overload> overload;
+  try {
+    overload = dispatcher_.run(expected_coding(plain_bytes(*result, representation.figures).size()), terms,
+                               [this, flight = seat.flight, result, representation, not_made] {
+                                 Expected<Made> made =
+                                     not_made("There is no memory to compress this answer now.");
+                                 try {
+                                   made = make_variant(*result, representation);
+                                   service_.keep_variant(*made);
+                                 } catch (const std::exception& e) {
+                                   if (!made) spdlog::warn("compressing an answer failed: {}", e.what());
+                                 }
+                                 variants_.land(flight, made);
+                               });
+  } catch (const std::exception&) {  // whatever happens, nobody waits for ever
+    overload = Overload{"There is no memory to compress this answer now.", std::chrono::seconds(2)};
+  }
+  if (overload) variants_.land(seat.flight, not_made(overload->detail));
   return std::nullopt;
 }
 
@@ -185,8 +194,9 @@ Answered Api::found_result(const std::shared_ptr<Request>& request,
   const OrProblem<Terms> terms = terms_of(*request);
   if (!terms) return tl::unexpected<Problem>(terms.error());
   return send_result(request, result, *representation, *terms, reply,
-                     [request, describe, etag = representation->etag](Response response) -> Answered {
+                     [request, describe](Response response) -> Answered {
                        describe(response);
+                       const std::string etag = response.headers.front().second;
                        return ranged(request->head, request->admission.head_only, etag, std::move(response));
                      });
 }

@@ -26,6 +26,7 @@ Scopes needed(Operation operation, const RequestHead& head) {
     case Operation::kGetLimits:
     case Operation::kGetPatterns:
     case Operation::kGetOpenapi:
+    case Operation::kGetProblem:
     case Operation::kGetLivez:
     case Operation::kGetReadyz:
     case Operation::kGetMetrics:
@@ -60,10 +61,21 @@ std::string names_of(Scopes scopes) {
   return names;
 }
 
+/// Null where the public listener has none.
+const Route* route_of(const RequestHead& head) {
+  for (const Route& route : routes())
+    if (route.listener == Listener::kPublic && match(route, head.path) &&
+        (route.method == head.method || (head.method == "HEAD" && route.method == "GET")))
+      return &route;
+  return nullptr;
+}
+
 }  // namespace
 
 OrProblem<AccountPointer> authenticate(const tenants::Accounts& accounts, const RequestHead& head) {
   if (accounts.open()) return AccountPointer();
+  const Route* const route = route_of(head);
+  if (route && route->operation == Operation::kGetProblem) return AccountPointer();  // that of 401 among them
   const std::string given = head.field("authorization");
   constexpr std::string_view kScheme = "Bearer ";
   if (given.size() <= kScheme.size() ||
@@ -81,19 +93,15 @@ OrProblem<AccountPointer> authenticate(const tenants::Accounts& accounts, const 
 
 std::optional<Problem> refuse_caller(tenants::Account& account, const RequestHead& head) {
   if (const auto over = account.request()) return to_problem(*over);
-  for (const Route& route : routes()) {
-    if (route.listener != Listener::kPublic || !match(route, head.path) ||
-        (route.method != head.method && !(head.method == "HEAD" && route.method == "GET")))
-      continue;
-    const Scopes wanted = needed(route.operation, head);
-    const std::string names = names_of(wanted);
-    if (names.empty() || account.scopes().has_any(wanted)) return std::nullopt;
-    return Problem(HttpProblem::kForbidden,
-                   "The scopes of this token do not allow this; it needs one of: " + names + ".")
-        .with("WWW-Authenticate",
-              "Bearer realm=\"fracture\", error=\"insufficient_scope\", scope=\"" + names + "\"");
-  }
-  return std::nullopt;
+  const Route* const route = route_of(head);
+  if (!route) return std::nullopt;  // refused as what it is
+  const Scopes wanted = needed(route->operation, head);
+  const std::string names = names_of(wanted);
+  if (names.empty() || account.scopes().has_any(wanted)) return std::nullopt;
+  return Problem(HttpProblem::kForbidden,
+                 "The scopes of this token do not allow this; it needs one of: " + names + ".")
+      .with("WWW-Authenticate",
+            "Bearer realm=\"fracture\", error=\"insufficient_scope\", scope=\"" + names + "\"");
 }
 
 Problem to_problem(const tenants::OverShare& over) {

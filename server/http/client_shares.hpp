@@ -32,10 +32,16 @@ class ClientShares {
 
  private:
   std::shared_ptr<MemoryBudget> of(const std::string& address) {
-    const std::lock_guard lock(mutex_);
-    std::weak_ptr<MemoryBudget>& known = by_address_[address];
-    if (auto alive = known.lock()) return alive;
-    // Forgotten with its last reservation.
+    const auto alive = [&] {
+      const auto at = by_address_.find(address);
+      return at == by_address_.end() ? nullptr : at->second.lock();
+    };
+    {
+      const std::lock_guard lock(mutex_);
+      if (auto known = alive()) return known;
+    }
+    // Forgotten with its last reservation, for which the lock must be free: also where there is no memory to
+    // make it.
     std::shared_ptr<MemoryBudget> fresh(
         new MemoryBudget(share_, small_share_, MemoryBudget::Alone::kMayExceed),
         [this, address](MemoryBudget* gone) {
@@ -44,7 +50,9 @@ class ClientShares {
           const auto at = by_address_.find(address);
           if (at != by_address_.end() && at->second.expired()) by_address_.erase(at);
         });
-    known = fresh;
+    const std::lock_guard lock(mutex_);
+    if (auto known = alive()) return known;
+    by_address_[address] = fresh;
     return fresh;
   }
 

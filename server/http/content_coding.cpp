@@ -38,7 +38,7 @@ Outcome each_gzip_block(std::string_view body, Sink sink) {
     const int result = ::inflate(&stream, Z_NO_FLUSH);
     read += piece - stream.avail_in;
     const std::size_t made = kBlock - stream.avail_out;
-    if (made > 0 && !sink(std::string_view(block.data(), made))) return Outcome::kStopped;
+    if (!sink(std::string_view(block.data(), made))) return Outcome::kStopped;
     if (result == Z_STREAM_END) {
       if (read == body.size()) return Outcome::kWhole;
       if (inflateReset(&stream) != Z_OK) return Outcome::kDamaged;
@@ -63,12 +63,13 @@ Outcome each_zstd_block(std::string_view body, Sink sink) {
     ZSTD_outBuffer out{block.data(), block.size(), 0};
     pending = ZSTD_decompressStream(context.get(), &out, &in);
     if (ZSTD_isError(pending)) return Outcome::kDamaged;
-    if (out.pos > 0 && !sink(std::string_view(block.data(), out.pos))) return Outcome::kStopped;
+    if (!sink(std::string_view(block.data(), out.pos))) return Outcome::kStopped;
     if (out.pos == 0 && in.pos == before) return Outcome::kDamaged;
   }
   return Outcome::kWhole;
 }
 
+/// `sink(piece)`, of nothing too where a step of the decoder made nothing; false: no further ones.
 template <class Sink>
 Outcome each_block(std::string_view body, ContentCoding coding, Sink sink) {
   return coding == ContentCoding::kGzip ? each_gzip_block(body, sink) : each_zstd_block(body, sink);

@@ -56,6 +56,7 @@ struct Response {
   std::string content_type;
   std::vector<std::pair<std::string, std::string>> headers;
   std::shared_ptr<const void> owner;  ///< keeps `body` alive; shared with the cache, never copied
+  std::uint64_t owner_bytes = 0;      ///< what that holds, which may be more than `body`
   std::span<const std::uint8_t> body;
   bool length_unknown = false;         ///< the answer to a HEAD says no Content-Length
   std::shared_ptr<BodyStream> stream;  ///< when there is one, it is the body

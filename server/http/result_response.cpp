@@ -26,6 +26,15 @@ std::string base64(std::span<const std::uint8_t> bytes) {
   return text;
 }
 
+std::string etag_of(const FractureResult& result, const Representation& representation) {
+  std::string etag(1, '"');
+  etag += result.key;
+  if (representation.figures) etag += ".figures";
+  if (representation.coding != ContentCoding::kIdentity)
+    etag.append(1, '.').append(name_of(representation.coding));
+  return etag += '"';
+}
+
 }  // namespace
 
 bool none_match_fails(std::string_view field, std::string_view etag) {
@@ -43,21 +52,30 @@ bool none_match_fails(std::string_view field, std::string_view etag) {
 OrProblem<Representation> represent(const RequestHead& head, const FractureResult& result, bool figures) {
   const CodingWishes wishes = coding_wishes(head.field("accept-encoding"));
   const std::size_t size = plain_bytes(result, figures).size();
-  const bool plain = !head.field("range").empty() || size < kLeastCompressed || size > kMostCompressed;
+  const bool large = size > kMostCompressed,
+             plain = !head.field("range").empty() || size < kLeastCompressed || large;
   Representation chosen;
   chosen.figures = figures;
   if (!(plain && wishes.accepts(ContentCoding::kIdentity))) {
     const auto best = wishes.best();
-    if (!best)
+    if (!best || large)
       return refuse(HttpProblem::kNotAcceptable,
-                    "Accept-Encoding excludes all codings there are: zstd, gzip, identity.");
+                    large
+                        ? "An answer of " + std::to_string(size) + " bytes is not compressed; the limit is " +
+                              std::to_string(kMostCompressed) + ", and Accept-Encoding excludes identity."
+                        : "Accept-Encoding excludes all codings there are: zstd, gzip, identity.");
     chosen.coding = *best;
   }
-  chosen.etag = result.key;
-  if (figures) chosen.etag += ".figures";
-  if (chosen.coding != ContentCoding::kIdentity) chosen.etag.append(1, '.').append(name_of(chosen.coding));
-  chosen.etag.insert(0, 1, '"') += '"';
+  chosen.etag = etag_of(result, chosen);
   return chosen;
+}
+
+std::optional<Representation> as_it_is(const RequestHead& head, const FractureResult& result, bool figures) {
+  if (!coding_wishes(head.field("accept-encoding")).accepts(ContentCoding::kIdentity)) return std::nullopt;
+  Representation plain;
+  plain.figures = figures;
+  plain.etag = etag_of(result, plain);
+  return plain;
 }
 
 std::span<const std::uint8_t> plain_bytes(const FractureResult& result, bool figures) {
@@ -99,10 +117,12 @@ Response result_response(const std::shared_ptr<const FractureResult>& result,
   if (plain) {
     response.body = plain_bytes(*result, figures);
     response.owner = result;
+    response.owner_bytes = result->file.size();
     digest = figures ? &result->figures_digest : &result->file_digest;
   } else if (variant) {
     response.body = variant->file;
     response.owner = variant;
+    response.owner_bytes = variant->file.size();
     digest = &variant->file_digest;
   } else {
     response.length_unknown = true;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -22,6 +23,9 @@ struct Representation {
 /// By Accept-Encoding; a Range is one of the identity, where that is acceptable. Refuses (406) when the field
 /// excludes all there is.
 OrProblem<Representation> represent(const RequestHead& head, const FractureResult& result, bool figures);
+
+/// Without coding, where the client takes that: what every answer can be sent as.
+std::optional<Representation> as_it_is(const RequestHead& head, const FractureResult& result, bool figures);
 
 /// The bytes that the coding is applied to.
 std::span<const std::uint8_t> plain_bytes(const FractureResult& result, bool figures);

@@ -1,4 +1,5 @@
 #include "server/http/server.hpp"
+#include "server/http/client_address.hpp"
 
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
@@ -119,7 +120,7 @@ asio::awaitable<void> accept_loop(tcp::acceptor& acceptor, asio::io_context& con
     // A proxy's connections are those of many clients.
     const auto limit = shared.policy.proxies.contains(address) ? Connections::PerAddress::kUnlimited
                                                                : Connections::PerAddress::kLimited;
-    const Connections::Verdict verdict = shared.connections.add(address, limit);
+    const Connections::Verdict verdict = shared.connections.add(client_of(address), limit);
     if (shared.listener == Listener::kPublic) count(shared.api.metrics(), verdict);
     start_session(std::move(socket), shared, verdict, address);
   }

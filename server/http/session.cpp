@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "server/http/answer_writer.hpp"
+#include "server/http/client_address.hpp"
 #include "server/http/head_reader.hpp"
 #include "server/http/proxied.hpp"
 #include "server/http/request_body.hpp"
@@ -52,7 +53,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
 
   ~Session() override {
     if (busy_) connections_.in_progress.fetch_sub(1);
-    connections_.remove(address_);
+    connections_.remove(client_of(address_));
     connections_.forget(weak_from_this());
   }
 
@@ -159,6 +160,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     begin_record(request.id);
     note_request(record_, head);
     record_.address = forwarded_client(client_, head.field("forwarded"), context_.policy.proxies);
+    client_key_ = client_of(record_.address);
 
     std::optional<Response> preflight;
     if (context_.listener == Listener::kPublic) {
@@ -170,7 +172,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
           co_await refuse_and_close(account.error());
           co_return false;
         }
-        exchange_->request.payer.flow.name = "address " + client_of(record_.address);
+        exchange_->request.payer.flow.name = "address " + client_key_;
         if (const auto refusal = enter(std::move(*account), head)) {
           co_await refuse_and_close(*refusal);
           co_return false;
@@ -195,8 +197,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
       request.admission = std::move(*admission);
       record_.route = request.admission.route->path;
 
-      BodyOutcome body =
-          co_await read_body(*connection_, buffer_, head_size_, api_, request, record_.address);
+      BodyOutcome body = co_await read_body(*connection_, buffer_, head_size_, api_, request, client_key_);
       record_.bytes_in = request.body.size();
       if (body.problem) {
         request.reservation = {};
@@ -238,6 +239,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     record_.admin = context_.listener == Listener::kAdmin;
     record_.id = std::move(id);
     record_.address = client_;
+    client_key_ = client_of(client_);
   }
 
   void finish_record(const Response& response, bool written) {
@@ -294,9 +296,9 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
   /// Counts the answer as on its way, from `hold` on; where there is no room for it, a refusal takes its
   /// place.
   void count_answer(Response& response, bool head_only, AnswerMemory::Hold& hold) {
-    if (!response.owner || head_only || response.body.size() <= kSmallAnswer) return;
-    const auto refusal =
-        api_.answers().take(record_.address, response.owner.get(), response.body.size(), hold);
+    const std::uint64_t held = std::max<std::uint64_t>(response.body.size(), response.owner_bytes);
+    if (!response.owner || head_only || held <= kSmallAnswer) return;
+    const auto refusal = api_.answers().take(client_key_, response.owner.get(), held, hold);
     if (!refusal) return;
     const bool share = *refusal == AnswerMemory::Refusal::kOverShare;
     response = Response::problem(
@@ -400,6 +402,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
   const std::string address_;  // of the peer
   std::string client_;         // whom the peer speaks for, by the PROXY protocol
   const bool proxied_;         // the peer may speak for others
+  std::string client_key_;     // who shares with whom: client_of() of who asks
   std::shared_ptr<Exchange> exchange_ = std::make_shared<Exchange>();
   std::stop_source stop_;
   std::string id_;        // of the request in progress

@@ -1,4 +1,5 @@
 #include "server/ops/metrics.hpp"
+#include "common/base/text.hpp"
 
 #include <prometheus/counter.h>
 #include <prometheus/histogram.h>
@@ -51,12 +52,6 @@ class FamilyWriter final : public MetricWriter {
   }
   std::map<std::string, prometheus::MetricFamily> by_name_;
 };
-
-std::string_view trim(std::string_view s) {
-  while (!s.empty() && s.front() == ' ') s.remove_prefix(1);
-  while (!s.empty() && s.back() == ' ') s.remove_suffix(1);
-  return s;
-}
 
 }  // namespace
 
@@ -123,7 +118,7 @@ void Metrics::count_request(const RequestRecord& record) {
   for (std::string_view rest = record.cache; !rest.empty();) {
     const std::string_view member = rest.substr(0, rest.find(','));
     rest.remove_prefix(std::min(rest.size(), member.size() + 1));
-    const std::string name(trim(member.substr(0, member.find(';'))));
+    const std::string name(trimmed(member.substr(0, member.find(';'))));
     const char* outcome = member.find("; hit") != std::string_view::npos ? "hit" : "miss";
     if (!name.empty()) impl_->caches.Add({{"cache", name}, {"outcome", outcome}}).Increment();
   }

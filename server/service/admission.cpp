@@ -26,7 +26,8 @@ constexpr double kChangedPerSite = 2, kShareOfWhole = 0.05;
 constexpr double kSecondsPerRoughTriangle = 4e-6, kBytesPerRoughTriangle = 600;
 
 // Inflated twice at 300 MB/s (content_coding.hpp); hashed or checked, and copied.
-constexpr double kSecondsPerDecodedByte = 7e-9, kSecondsPerByteRead = 2e-9;
+constexpr double kSecondsPerDecodedByte = 7e-9, kSecondsPerByteRead = 2e-9,
+                 kSecondsPerCodedByte = 1.5e-8;  // gzip; zstd takes half of it
 
 /// Sites of the pattern itself in a box of this size.
 double pattern_sites(const SiteParameters& parameters, const Vec3d& side) {
@@ -118,6 +119,10 @@ ExpectedWork expected_decoding(std::uint64_t decoded_bytes) {
 
 ExpectedWork expected_reading(std::uint64_t bytes) {
   return {kSecondsPerByteRead * static_cast<double>(bytes), 0};
+}
+
+ExpectedWork expected_coding(std::uint64_t plain_bytes) {
+  return {kSecondsPerCodedByte * static_cast<double>(plain_bytes), 2 * plain_bytes};
 }
 
 ExpectedWork expected_work(std::uint64_t mesh_bytes) { return work(mesh_bytes, 0, 0, 0, 0); }

@@ -28,6 +28,8 @@ double expected_rough_triangles(const FractureParameters& parameters, double sit
 /// or read. Their memory is reserved by whoever holds it.
 ExpectedWork expected_decoding(std::uint64_t decoded_bytes);
 ExpectedWork expected_reading(std::uint64_t bytes);
+/// Of compressing an answer: the bound of what comes out, and the copy of what did.
+ExpectedWork expected_coding(std::uint64_t plain_bytes);
 
 /// `mesh_bytes`: still to be read and prepared, 0 when that is done and `solid` is given. `triangles`: of the
 /// solid, where they were counted before.

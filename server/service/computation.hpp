@@ -84,7 +84,13 @@ struct Dispatcher::Waiting : std::enable_shared_from_this<Waiting<Flights, Value
   void leave(ErrorCode code) {
     if (!flights.leave(seat)) return;
     ++dispatcher.abandoned_;
-    reply(tl::unexpected<Error>(to_error(Interrupted{code})));
+    answer(tl::unexpected<Error>(to_error(Interrupted{code})));
+  }
+
+  /// Its place among the computations of its name is free before the client can ask again.
+  void answer(Expected<Value> value) {
+    share = {};
+    reply(std::move(value));
   }
 
   Dispatcher& dispatcher;

@@ -1,7 +1,6 @@
 #include "server/service/dispatcher.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "common/pipeline/delta.hpp"
@@ -58,9 +57,11 @@ std::optional<Overload> Dispatcher::fracture(FractureRequest request, const Term
     ++refused_;
     return over;
   }
+  // Who joins a flight costs nothing more and is let in. That flight may have landed by then: such a request
+  // leads one of its own, with a reservation that begins with nothing and grows.
   double cost = 0;
-  MemoryBudget::Reservation working;
-  if (!results_.find(keys.result)) {  // otherwise it costs nothing more
+  MemoryBudget::Reservation working(working_);
+  {
     const std::shared_ptr<const PreparedMesh> mesh = service_.find_mesh(keys);
     const FractureParameters& fracture = request.parameters.fracture;
     const Solid* solid = mesh ? &mesh->solid : nullptr;
@@ -73,8 +74,11 @@ std::optional<Overload> Dispatcher::fracture(FractureRequest request, const Term
         work = expected_hit_work(fracture, solid);
     }
     cost = work.seconds;
-    std::optional<Overload> overload = refuses(cost, terms);
-    if (!overload) overload = reserve(work.bytes, working);
+    std::optional<Overload> overload;
+    if (!results_.find(keys.result)) {
+      overload = refuses(cost, terms);
+      if (!overload) overload = reserve(work.bytes, working);
+    }
     if (overload) {
       ++refused_;
       return overload;
@@ -89,7 +93,7 @@ std::optional<Overload> Dispatcher::fracture(FractureRequest request, const Term
                               Expected<FractureAnswer> mine = outcome;
                               if (mine && role == ResultFlights::Role::kFollower)
                                 mine->result_cache = CacheOutcome::kCollapsed;
-                              waiting->reply(std::move(mine));
+                              waiting->answer(std::move(mine));
                             });
   ResultFlights::Flight& flight = *seat.flight;
   flight.common.payers.add(terms.payer);
@@ -129,7 +133,7 @@ std::optional<Overload> Dispatcher::prepare(FractureRequest request, const Terms
   const ExpectedWork work = expected_work(bytes_of(request));
   const double cost = work.seconds;
   tenants::Account::Seat share;
-  MemoryBudget::Reservation working;
+  MemoryBudget::Reservation working(working_);
   if (auto over = seat(terms, share)) {
     ++refused_;
     return over;
@@ -154,9 +158,9 @@ std::optional<Overload> Dispatcher::prepare(FractureRequest request, const Terms
       charge(one, {}, priority, outcome->processor_seconds, 0);
     }
     if (outcome)
-      waiting->reply(outcome->value);
+      waiting->answer(outcome->value);
     else
-      waiting->reply(tl::unexpected<Error>(outcome.error()));
+      waiting->answer(tl::unexpected<Error>(outcome.error()));
   });
   if (seat.role == MeshFlights::Role::kLeader) {
     struct Preparation {

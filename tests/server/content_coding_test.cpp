@@ -8,24 +8,11 @@
 
 #include <thread>
 
+#include "tests/server/gzip.hpp"
 #include "tests/server/test_server.hpp"
 
 namespace fracture::test {
 namespace {
-
-std::string gzip(const std::string& text) {
-  z_stream stream{};
-  deflateInit2(&stream, 9, Z_DEFLATED, 16 + MAX_WBITS, 9, Z_DEFAULT_STRATEGY);
-  std::string out(deflateBound(&stream, text.size()) + 64, '\0');
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
-  stream.avail_in = static_cast<uInt>(text.size());
-  stream.next_out = reinterpret_cast<Bytef*>(out.data());
-  stream.avail_out = static_cast<uInt>(out.size());
-  EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
-  out.resize(out.size() - stream.avail_out);
-  deflateEnd(&stream);
-  return out;
-}
 
 std::string zstd(const std::string& text, int window_log = 0) {
   ZSTD_CCtx* context = ZSTD_createCCtx();
@@ -181,6 +168,11 @@ TEST(ContentCoding, ACancelledRequestStopsDecoding) {
   std::string body = gzip(std::string(1u << 20, 'x'));
   EXPECT_THROW(http::decode_body(body, http::ContentCoding::kGzip, 100u << 20, reservation, execution),
                Interrupted);
+  body.clear();
+  for (int k = 0; k < 1000; ++k) body += gzip("");
+  EXPECT_THROW(http::decode_body(body, http::ContentCoding::kGzip, 100u << 20, reservation, execution),
+               Interrupted)
+      << "members that hold nothing";
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <openssl/evp.h>
 
+#include <atomic>
 #include <set>
 #include <thread>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "common/base/execution.hpp"
 #include "tests/server/temporary_folder.hpp"
 #include "tests/server/test_server.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace fracture::test {
 namespace {
@@ -200,6 +202,34 @@ TEST(Figures, AreFoundWithoutParsingWhateverTheTextIs) {
 TEST(Figures, AGlbWhoseLengthsLieHasNone) {
   for (std::size_t size = 0; size < 24; ++size)
     EXPECT_FALSE(figures_in(std::vector<std::uint8_t>(size, 0xff), OutputFormat::kGlb)) << size;
+}
+
+// The answer is there: that it cannot be compressed now is no reason to keep it.
+TEST(RepresentationsOfABusyServer, AnAnswerIsSentAsItIsWhereNoThreadCanCompressIt) {
+  TestServerOptions options;
+  options.threads = 1;
+  options.max_queue = 0;
+  TestServer server(options);
+  server.control->glb_padding = 100'000;
+  const std::string location = server.post("/fracture?sites=9").header("content-location");
+  std::atomic<bool> began{false}, go_on{false};
+  server.control->during_cut = [&](const Execution&) {
+    began = true;
+    eventually(kPatience, "the answers beside it", [&] { return go_on.load(); });
+  };
+  ASSERT_TRUE(eventually(kPatience, "an idle thread", [&] { return server.pool.running() == 0; }));
+  std::thread busy([&] { EXPECT_EQ(server.post("/fracture?sites=10").status, 200); });
+  EXPECT_TRUE(eventually(kPatience, "a busy thread", [&] { return began.load(); }));
+  const Reply plain = server.get(location, "Accept-Encoding: gzip\r\n");
+  EXPECT_EQ(plain.status, 200) << plain.body;
+  EXPECT_EQ(plain.header("content-encoding"), "");
+  EXPECT_EQ(plain.header("repr-digest"), repr_digest(plain.body));
+  EXPECT_EQ(plain.header("etag").find("gzip"), std::string::npos) << plain.header("etag");
+  EXPECT_EQ(server.get(location, "Accept-Encoding: gzip, identity;q=0\r\n").status, 503);
+  go_on = true;
+  busy.join();
+  EXPECT_TRUE(eventually(kPatience, "an idle thread", [&] { return server.pool.running() == 0; }));
+  EXPECT_EQ(server.get(location, "Accept-Encoding: gzip\r\n").header("content-encoding"), "gzip");
 }
 
 }  // namespace

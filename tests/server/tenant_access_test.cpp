@@ -30,6 +30,7 @@ TEST(TenantAccess, AScopeOpensItsRoutesAndNoOther) {
   const Case cases[] = {
       {"GET", "/version", "", "", all},
       {"HEAD", "/limits", "", "", all},
+      {"GET", "/problems/forbidden", "", "", all},
       {"POST", "/fracture", kObj, "a mesh", {"breaker"}},
       {"POST", "/fracture", kObj + async, "a mesh", {"baker"}},
       {"PUT", "/meshes/", kObj, "a mesh", {"breaker", "baker"}},
@@ -53,6 +54,7 @@ TEST(TenantAccess, AScopeOpensItsRoutesAndNoOther) {
       }
     }
   EXPECT_EQ(server.get("/nothing", by("reader")).status, 404);
+  EXPECT_EQ(server.get("/problems/unauthorized").status, 200) << "for those who have no token";
 }
 
 TEST(TenantAccess, ATokenThatHasExpiredIsRefusedAndItsSuccessorIsNot) {
