@@ -85,6 +85,12 @@ void GroupContacts::unite(std::uint32_t a, std::uint32_t b) {
     mutual->second.erase(gone);
     mutual->second[kept] = sum;
   }
+  clear_nodes(pacer_, moved.mapped());
+}
+
+void GroupContacts::release() {
+  for (auto& [set, neighbors] : known_) clear_nodes(pacer_, neighbors);
+  clear_nodes(pacer_, known_);
 }
 
 }  // namespace fracture

@@ -29,6 +29,8 @@ class GroupContacts {
   std::vector<Neighbor> neighbors(std::uint32_t group);
   /// Unites the groups of these pieces, here and in `groups`. Throws Interrupted.
   void unite(std::uint32_t a, std::uint32_t b);
+  /// Gives the memory back. Nothing may follow. Throws Interrupted.
+  void release();
 
  private:
   struct Shared {

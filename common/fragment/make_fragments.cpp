@@ -123,6 +123,7 @@ void unite_without_volume(Assembly& assembly, const std::vector<std::uint32_t>& 
     }
     sort_with_polls(assembly.execution, bad.begin(), bad.end());
   }
+  contacts.release();
   sort_with_polls(assembly.execution, grown.begin(), grown.end());
   grown.erase(std::unique(grown.begin(), grown.end()), grown.end());
   std::erase_if(grown, [&](std::uint32_t g) { return !groups.is_group(g) || !stale[g]; });
@@ -158,6 +159,8 @@ FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownershi
   std::vector<std::uint32_t> fragment_of_piece(n, kNoIndex);
   std::unordered_set<std::uint64_t> ids;  // only asked for membership
   std::unordered_set<std::uint32_t> owners_seen;
+  ids.reserve(n);  // to move a million of them into a larger table takes a while
+  owners_seen.reserve(n);
   Pacer pacer(execution);
   for (std::uint32_t g = 0; g < n; ++g) {
     pacer.step(16);
@@ -186,6 +189,8 @@ FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownershi
   certificate.crossing_caps = d.caps.crossing;
 
   state_lattice(d, out);
+  clear_nodes(pacer, ids);
+  clear_nodes(pacer, owners_seen);
   clear_with_polls(execution, pieces.pieces);
   return out;
 }

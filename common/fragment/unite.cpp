@@ -1,12 +1,10 @@
 #include "common/fragment/unite.hpp"
 
 #include <algorithm>
-#include <map>
-#include <set>
-#include <unordered_map>
 
 #include "common/base/pacer.hpp"
 #include "common/fragment/bonds.hpp"
+#include "common/fragment/contact_table.hpp"
 #include "common/fragment/outline.hpp"
 
 namespace fracture {
@@ -102,11 +100,60 @@ class SmallestFirst {
  public:
   SmallestFirst(const RestrictedDiagram& d, const Pieces& pieces, const PieceGroups& groups,
                 const Execution& execution)
+      : SmallestFirst(d, pieces, groups, find_contacts(d, pieces, groups.names(), execution), execution) {}
+
+  std::uint32_t groups() const { return count_; }  ///< how many there are
+  /// Is there none left in the order? Else the volume of the smallest may be asked for.
+  bool done() {
+    while (!order_.empty() && order_.front().change != changes_[order_.front().group]) pop();
+    return order_.empty();
+  }
+  double smallest_volume() const { return order_.front().volume; }
+  /// Unites the smallest group with its neighbour and says which those were; takes it out of the order when
+  /// it has none (then both are the same).
+  std::pair<std::uint32_t, std::uint32_t> unite_smallest() {
+    const std::uint32_t g = order_.front().group;
+    pop();
+    std::uint32_t with = kNoIndex;
+    double area = -1;
+    touches_.visit(seat_[g], [&](std::uint32_t other, double shared) {  // ties to the lowest
+      if (shared > area || (shared == area && name_[other] < with)) {
+        with = name_[other];
+        area = shared;
+      }
+    });
+    if (with == kNoIndex) return {g, g};
+    const std::uint32_t name = std::min(g, with);
+    volume_[name] += volume_[std::max(g, with)];
+    std::uint32_t kept = seat_[g], gone = seat_[with];
+    if (touches_.degree(kept) < touches_.degree(gone)) std::swap(kept, gone);
+    touches_.merge(kept, gone);
+    name_[kept] = name;
+    seat_[name] = kept;
+    ++changes_[g];
+    ++changes_[with];
+    push(name);
+    --count_;
+    return {g, with};
+  }
+
+ private:
+  struct Entry {
+    double volume;
+    std::uint32_t group, change;  ///< out of date when the group has changed since
+  };
+  static bool later(const Entry& a, const Entry& b) {
+    return a.volume != b.volume ? a.volume > b.volume : a.group > b.group;
+  }
+
+  SmallestFirst(const RestrictedDiagram& d, const Pieces& pieces, const PieceGroups& groups,
+                const std::vector<Contact>& contacts, const Execution& execution)
       : pacer_(execution),
         volume_(pieces.pieces.size(), 0),
-        touches_(pieces.pieces.size()),
         name_(pieces.pieces.size()),
-        seat_(pieces.pieces.size()) {
+        seat_(pieces.pieces.size()),
+        changes_(pieces.pieces.size(), 0),
+        touches_(static_cast<std::uint32_t>(pieces.pieces.size()), contacts.size() / 2, pacer_) {
     for (std::uint32_t p = 0; p < pieces.pieces.size(); ++p) {
       const std::vector<Face>& faces = pieces.pieces[p].faces;
       volume_[groups.of(p)] +=
@@ -114,124 +161,94 @@ class SmallestFirst {
       name_[p] = seat_[p] = p;
       pacer_.step(4 + faces.size());
     }
-    for (const Contact& c : find_contacts(d, pieces, groups.names(), execution)) {
-      touches_[c.of][c.with] += c.area;
-      pacer_.step(4);
-    }
+    for (const Contact& c : contacts)  // each stands there for both
+      if (c.of < c.with) touches_.add(c.of, c.with, c.area);
     for (std::uint32_t p = 0; p < pieces.pieces.size(); ++p) {
-      if (groups.is_group(p)) order_.insert({volume_[p], p});
-      pacer_.step(4);
-    }
-    count_ = static_cast<std::uint32_t>(order_.size());
-  }
-
-  std::uint32_t groups() const { return count_; }  ///< how many there are
-  bool done() const { return order_.empty(); }
-  double smallest_volume() const { return order_.begin()->first; }
-  /// Unites the smallest group with its neighbour and says which those were; takes it out of the order when
-  /// it has none (then both are the same).
-  std::pair<std::uint32_t, std::uint32_t> unite_smallest() {
-    const std::uint32_t g = order_.begin()->second;
-    order_.erase(order_.begin());
-    std::uint32_t with = kNoIndex;
-    double area = -1;
-    for (const auto& [other, shared] : touches_[seat_[g]]) {  // ties to the lowest
-      if (shared > area || (shared == area && name_[other] < with)) {
-        with = name_[other];
-        area = shared;
-      }
       pacer_.step();
+      if (!groups.is_group(p)) continue;
+      push(p);
+      ++count_;
     }
-    if (with == kNoIndex) return {g, g};
-    order_.erase({volume_[with], with});
-    const std::uint32_t name = std::min(g, with);
-    volume_[name] += volume_[std::max(g, with)];
-    move_contacts(seat_[g], seat_[with], name);
-    order_.insert({volume_[name], name});
-    --count_;
-    return {g, with};
   }
 
-  /// Gives the memory back, which takes a while for a hundred thousand groups. Nothing may follow.
-  void release(const Execution& execution) {
-    clear_with_polls(execution, touches_);
-    for (; !order_.empty(); order_.erase(order_.begin())) pacer_.step();
+  void push(std::uint32_t group) {
+    pacer_.step(8);
+    order_.push_back({volume_[group], group, changes_[group]});
+    std::push_heap(order_.begin(), order_.end(), later);
   }
-
- private:
-  void move_contacts(std::uint32_t kept, std::uint32_t gone, std::uint32_t name) {
-    if (touches_[kept].size() < touches_[gone].size()) std::swap(kept, gone);
-    for (const auto& [other, shared] : touches_[gone]) {
-      pacer_.step(16);
-      touches_[other].erase(gone);
-      if (other == kept) continue;
-      touches_[kept][other] += shared;
-      touches_[other][kept] += shared;
-    }
-    touches_[gone].clear();
-    name_[kept] = name;
-    seat_[name] = kept;
+  void pop() {
+    pacer_.step(16);
+    std::pop_heap(order_.begin(), order_.end(), later);
+    order_.pop_back();
   }
 
   Pacer pacer_;
-  std::vector<double> volume_;                            // per group
-  std::vector<std::map<std::uint32_t, double>> touches_;  // per seat: seats, and the area shared with them
-  std::vector<std::uint32_t> name_, seat_;                // per seat: its group; per group: its seat
-  std::set<std::pair<double, std::uint32_t>> order_;
+  std::vector<double> volume_;              // per group
+  std::vector<std::uint32_t> name_, seat_;  // per seat: its group; per group: its seat
+  std::vector<std::uint32_t> changes_;      // per group
+  ContactTable touches_;                    // of seats
+  std::vector<Entry> order_;                // a heap
   std::uint32_t count_ = 0;
 };
 
-/// Triangles of all groups after some of the unions. A group of a given name and size is always the same
-/// pieces, whichever number of unions is asked about, and its faces are joined once.
+/// Triangles of all groups after some of the unions. The group that a union makes is always the same pieces,
+/// whichever number of unions is asked about, and its faces are joined once.
 class TriangleCount {
  public:
   TriangleCount(const RestrictedDiagram& d, const Pieces& pieces, const PieceGroups& groups,
                 const std::vector<std::pair<std::uint32_t, std::uint32_t>>& unions,
                 const Execution& execution)
-      : d_(d), pieces_(pieces), before_(groups), unions_(unions), execution_(execution) {}
+      : d_(d),
+        pieces_(pieces),
+        before_(groups),
+        unions_(unions),
+        execution_(execution),
+        of_union_(unions.size(), kUnknown),
+        of_group_before_(pieces.pieces.size(), kUnknown) {}
 
   std::uint64_t after(std::size_t count) {
     PieceGroups groups = before_;
     Pacer pacer(execution_);
-    for (std::size_t k = 0; k < count; ++k) {
-      groups.unite(unions_[k].first, unions_[k].second, pacer);
+    std::vector<std::uint32_t> made_by(groups.pieces(), kNoIndex);  // per group: its last union
+    for (std::uint32_t k = 0; k < count; ++k) {
+      const auto [a, b] = unions_[k];
+      groups.unite(a, b, pacer);
+      pacer.step(8);
+      made_by[groups.of(a)] = k;
     }
-    std::uint64_t sum = 0;
+    const auto triangles = [&](std::uint32_t g) -> std::uint64_t& {
+      return made_by[g] != kNoIndex ? of_union_[made_by[g]] : of_group_before_[g];
+    };
     std::vector<std::uint32_t> unknown;
     for (std::uint32_t g = 0; g < groups.pieces(); ++g) {
-      pacer.step();
-      if (!groups.is_group(g)) continue;
-      const auto known = triangles_.find(key(g, groups));
+      pacer.step(4);
+      if (!groups.is_group(g) || triangles(g) != kUnknown) continue;
       if (groups.size(g) == 1)
-        sum += pieces_.pieces[g].faces.size();
-      else if (known != triangles_.end())
-        sum += known->second;
+        triangles(g) = pieces_.pieces[g].faces.size();
       else
         unknown.push_back(g);
     }
-    std::vector<std::uint64_t> joined(unknown.size());
     parallel_for(execution_, unknown.size(), 4, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k)
-        joined[k] = join_pieces(d_, pieces_, groups, unknown[k], execution_).faces.size();
+        triangles(unknown[k]) = join_pieces(d_, pieces_, groups, unknown[k], execution_).faces.size();
     });
-    for (std::size_t k = 0; k < unknown.size(); ++k) {
-      triangles_.emplace(key(unknown[k], groups), joined[k]);
-      sum += joined[k];
+    std::uint64_t sum = 0;
+    for (std::uint32_t g = 0; g < groups.pieces(); ++g) {
+      pacer.step(4);
+      if (groups.is_group(g)) sum += triangles(g);
     }
     return sum;
   }
 
  private:
-  static std::uint64_t key(std::uint32_t group, const PieceGroups& groups) {
-    return std::uint64_t{group} << 32 | groups.size(group);
-  }
+  static constexpr std::uint64_t kUnknown = ~std::uint64_t{0};
 
   const RestrictedDiagram& d_;
   const Pieces& pieces_;
   const PieceGroups& before_;
   const std::vector<std::pair<std::uint32_t, std::uint32_t>>& unions_;
   const Execution& execution_;
-  std::unordered_map<std::uint64_t, std::uint64_t> triangles_;  // only looked up
+  std::vector<std::uint64_t> of_union_, of_group_before_;  // triangles of what that made, when counted
 };
 
 }  // namespace
@@ -289,7 +306,6 @@ SizeFigures unite_by_size(const RestrictedDiagram& d, const Pieces& pieces, cons
     unions.emplace_back(group, with);
     if (small || many) needed = unions.size();
   }
-  order.release(execution);
 
   if (limits.max_triangles > 0) {
     TriangleCount triangles(d, pieces, groups, unions, execution);

@@ -1,4 +1,5 @@
 #include "common/pipeline/delta.hpp"
+#include "common/base/pacer.hpp"
 
 #include <algorithm>
 #include <array>
@@ -34,13 +35,19 @@ bool same_shape(const Fragment& a, const Fragment& b) {
 
 /// `kept(k)`: is fragment k of `after` one of `before` as it was?
 template <class Kept>
-Delta difference(const FracturedBase& before, const std::vector<Fragment>& after, const Kept& kept) {
+Delta difference(const FracturedBase& before, const std::vector<Fragment>& after, const Kept& kept,
+                 const Execution& execution) {
+  Pacer pacer(execution);
   std::unordered_map<std::uint64_t, std::uint32_t> place;  // only looked up
-  for (std::uint32_t k = 0; k < before.fragments.size(); ++k)
+  place.reserve(before.fragments.size());
+  for (std::uint32_t k = 0; k < before.fragments.size(); ++k) {
+    pacer.step(16);
     place.emplace(before.fragments[k].fragment->id, k);
+  }
   std::vector<char> still(before.fragments.size(), 0);
   Delta delta;
   for (std::uint32_t k = 0; k < after.size(); ++k) {
+    pacer.step(16);
     const auto at = place.find(after[k].id);
     if (at == place.end()) {
       delta.added.push_back(after[k].id);
@@ -52,6 +59,7 @@ Delta difference(const FracturedBase& before, const std::vector<Fragment>& after
   }
   for (std::uint32_t k = 0; k < still.size(); ++k)
     if (!still[k]) delta.gone.push_back(before.fragments[k].fragment->id);
+  clear_nodes(pacer, place);
   return delta;
 }
 
@@ -294,8 +302,8 @@ std::optional<KeptAnswer> splice(const Solid& solid, const Solid& seen, const Fr
   KeptAnswer out;
   out.set = std::move(*completed);
   const std::vector<std::uint32_t>& from_base = splicer.from_base();
-  out.set.delta =
-      difference(base, out.set.fragments, [&](std::uint32_t k) { return from_base[k] != kNoIndex; });
+  out.set.delta = difference(
+      base, out.set.fragments, [&](std::uint32_t k) { return from_base[k] != kNoIndex; }, execution);
 
   for (std::uint32_t k = 0; k < from_base.size(); ++k)
     next->fragments.push_back({from_base[k] != kNoIndex
@@ -393,7 +401,8 @@ Expected<KeptAnswer> fracture_delta(const Solid& solid, const FracturedBase& bas
   Expected<KeptAnswer> whole = fracture_and_keep(solid, parameters, execution, timings);
   if (!whole) return whole;
   return stage(timings, execution, "clip", [&]() -> Expected<KeptAnswer> {
-    whole->set.delta = difference(base, whole->set.fragments, [](std::uint32_t) { return false; });
+    whole->set.delta = difference(
+        base, whole->set.fragments, [](std::uint32_t) { return false; }, execution);
     if (parameters.only_changed) keep_changed(whole->set, execution);
     return std::move(*whole);
   });

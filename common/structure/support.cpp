@@ -199,6 +199,7 @@ Support analyze_support(const FragmentSet& set, const SupportOptions& options, c
   out.loads.resize(set.bonds.size());
 
   std::unordered_map<std::uint64_t, std::uint32_t> index_of;  // only asked
+  index_of.reserve(n);
   for (std::uint32_t f = 0; f < n; ++f) {
     pacer.step(4);
     index_of.emplace(set.fragments[f].id, f);
@@ -212,6 +213,7 @@ Support analyze_support(const FragmentSet& set, const SupportOptions& options, c
     else
       gone[at->second] = 1;
   }
+  clear_nodes(pacer, index_of);
 
   // What hangs together, and which of it is held.
   std::vector<Bond> bonds;  // that are left
