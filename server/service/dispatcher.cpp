@@ -281,7 +281,12 @@ void Dispatcher::begin(const Shared& c, int threads) {
     return with_mesh(c, Step<PreparedMesh>{std::move(mesh), CacheOutcome::kHit, {}, {}}, threads);
   obtain<PreparedMesh>(
       meshes_, c->keys.mesh, c, threads,
-      [this, c](const Execution& execution) { return service_.make_mesh(c->request, c->keys, execution); },
+      [this, c](const Execution& execution) -> Outcome<PreparedMesh> {
+        // Another flight may have landed since it was looked for.
+        if (auto mesh = service_.peek_mesh(c->keys))
+          return Step<PreparedMesh>{std::move(mesh), CacheOutcome::kHit, {}, {}};
+        return service_.make_mesh(c->request, c->keys, execution);
+      },
       &Dispatcher::with_mesh);
 }
 
@@ -306,7 +311,9 @@ void Dispatcher::with_mesh(const Shared& c, const Outcome<PreparedMesh>& mesh, i
     return with_diagram(c, Step<Diagram>{std::move(diagram), CacheOutcome::kHit, {}, {}}, threads);
   obtain<Diagram>(
       diagrams_, c->keys.diagram, c, threads,
-      [this, c](const Execution& execution) {
+      [this, c](const Execution& execution) -> Outcome<Diagram> {
+        if (auto diagram = service_.peek_diagram(c->keys))
+          return Step<Diagram>{std::move(diagram), CacheOutcome::kHit, {}, {}};
         return service_.make_diagram(*c->mesh, c->request, c->keys, execution);
       },
       &Dispatcher::with_diagram);

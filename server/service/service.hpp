@@ -97,6 +97,13 @@ class FractureService {
   std::shared_ptr<const Diagram> find_diagram(const RequestKeys& keys) {
     return diagrams_.find(keys.diagram);
   }
+  /// The same for a second look, which the caches do not count.
+  std::shared_ptr<const PreparedMesh> peek_mesh(const RequestKeys& keys) const {
+    return meshes_.peek(keys.mesh);
+  }
+  std::shared_ptr<const Diagram> peek_diagram(const RequestKeys& keys) const {
+    return diagrams_.peek(keys.diagram);
+  }
   std::shared_ptr<const FractureResult> find_result(const std::string& key) { return results_.find(key); }
   /// Nobody may have it any more.
   void forget_result(const std::string& key) {
