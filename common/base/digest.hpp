@@ -19,4 +19,7 @@ struct Digest {
 Digest sha256(std::span<const std::byte> data);
 Digest sha256(std::string_view data);
 
+/// RFC 4648, section 4: how HTTP writes digests down (RFC 9530).
+std::string base64(std::span<const std::uint8_t> bytes);
+
 }  // namespace fracture

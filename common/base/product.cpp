@@ -58,6 +58,13 @@ void Allowance::add(Product product, std::uint64_t count) {
   if (bytes > granted_.load(std::memory_order_relaxed)) grow(product, bytes);
 }
 
+void Allowance::shrink() {
+  const std::uint64_t bytes = std::max(admitted_, this->bytes());
+  if (!release_ || bytes >= granted_) return;
+  release_(bytes);
+  granted_ = bytes;
+}
+
 void Allowance::grow(Product product, std::uint64_t bytes) {
   // Half as much again, so that the budget is asked a few times only; what is needed where that is refused.
   for (const std::uint64_t wanted : {std::min(bytes + bytes / 2, std::max(limit_, bytes)), bytes}) {

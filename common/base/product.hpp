@@ -37,10 +37,16 @@ class Allowance {
   };
   /// May the computation hold so many bytes in all? Asked rarely: each grant is at least half as large again.
   using Grant = std::function<Answer(std::uint64_t bytes)>;
+  /// It holds no more than so many bytes from now on.
+  using Release = std::function<void(std::uint64_t bytes)>;
 
   /// `granted`: bytes that it holds already. `limit`: the most that `grant` can ever grant, for words.
-  Allowance(std::uint64_t granted, std::uint64_t limit, Grant grant)
-      : granted_(granted), limit_(limit), grant_(std::move(grant)) {}
+  Allowance(std::uint64_t granted, std::uint64_t limit, Grant grant, Release release = {})
+      : granted_(granted),
+        admitted_(granted),
+        limit_(limit),
+        grant_(std::move(grant)),
+        release_(std::move(release)) {}
   Allowance(const Allowance&) = delete;
   Allowance& operator=(const Allowance&) = delete;
 
@@ -54,6 +60,10 @@ class Allowance {
   /// The most that the computation could ever hold.
   std::uint64_t limit() const { return limit_; }
   std::uint64_t bytes() const { return bytes_.load(std::memory_order_relaxed); }
+
+  /// Others may have what a step was granted that has ended (a Temporary), but for what it began with. No
+  /// other thread may count for the same computation meanwhile.
+  void shrink();
 
   /// What is made between its construction and its destruction is gone afterwards. Null: nothing is counted.
   /// No other thread may count for the same computation at either moment.
@@ -76,8 +86,9 @@ class Allowance {
   void grow(Product product, std::uint64_t bytes);
 
   std::atomic<std::uint64_t> bytes_{0}, granted_;
-  const std::uint64_t limit_;
+  const std::uint64_t admitted_, limit_;
   const Grant grant_;
+  const Release release_;
   std::atomic<std::uint64_t> made_[kProducts]{};
 };
 

@@ -1,6 +1,5 @@
 #include "common/exchange/headers.hpp"
 
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
@@ -17,22 +16,6 @@ std::string_view cut(std::string_view& rest, char separator) {
   const std::string_view head = rest.substr(0, at);
   rest = at == std::string_view::npos ? std::string_view() : rest.substr(at + 1);
   return trimmed(head);
-}
-
-std::string base64(const std::array<std::uint8_t, 32>& bytes) {
-  constexpr char kAlphabet[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (std::size_t k = 0; k < bytes.size(); k += 3) {
-    const std::size_t left = bytes.size() - k;
-    const std::uint32_t three = static_cast<std::uint32_t>(bytes[k] << 16) |
-                                (left > 1 ? static_cast<std::uint32_t>(bytes[k + 1] << 8) : 0u) |
-                                (left > 2 ? static_cast<std::uint32_t>(bytes[k + 2]) : 0u);
-    text += kAlphabet[three >> 18];
-    text += kAlphabet[(three >> 12) & 63];
-    text += left > 1 ? kAlphabet[(three >> 6) & 63] : '=';
-    text += left > 2 ? kAlphabet[three & 63] : '=';
-  }
-  return text;
 }
 
 }  // namespace
@@ -68,7 +51,8 @@ std::optional<Milliseconds> parse_retry_after(std::string_view value) {
 bool digest_matches(std::string_view repr_digest, std::string_view bytes) {
   while (!repr_digest.empty()) {
     const std::string_view entry = cut(repr_digest, ',');
-    if (entry.starts_with("sha-256=")) return entry.substr(8) == ":" + base64(sha256(bytes).bytes) + ":";
+    if (entry.starts_with("sha-256="))
+      return entry.substr(8) == std::string(":").append(base64(sha256(bytes).bytes)) + ":";
   }
   return false;
 }

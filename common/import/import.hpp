@@ -35,6 +35,12 @@ struct ImportFile {
   std::string name;
   std::span<const std::byte> bytes;
 };
+/// Of a mesh and its further files together.
+inline std::uint64_t input_bytes(std::span<const std::byte> mesh, std::span<const ImportFile> files) {
+  std::uint64_t sum = mesh.size();
+  for (const ImportFile& file : files) sum += file.bytes.size();
+  return sum;
+}
 
 /// Coordinates are those of the file after its own node transforms, and Mesh::frame says what they mean as
 /// far as the file or its format does (FormatInfo::frame; FBX by its global settings). Wedges with identical

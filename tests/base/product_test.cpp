@@ -72,6 +72,26 @@ TEST(Allowance, ForgetsWhatWasTemporary) {
   EXPECT_EQ(allowance.bytes(), before);
 }
 
+TEST(Allowance, GivesBackWhatATemporaryTookButNotWhatItBeganWith) {
+  std::vector<std::uint64_t> released;
+  Allowance allowance(
+      100'000, 10'000'000, [](std::uint64_t) { return Answer::kGranted; },
+      [&](std::uint64_t bytes) { released.push_back(bytes); });
+  allowance.add(Product::kImportBytes, 150'000);
+  {
+    const Allowance::Temporary temporary(&allowance);
+    allowance.add(Product::kImportBytes, 5'000'000);
+  }
+  allowance.shrink();
+  allowance.shrink();
+  EXPECT_EQ(released, (std::vector<std::uint64_t>{150'000})) << "once";
+  Allowance unused(
+      100'000, 10'000'000, [](std::uint64_t) { return Answer::kGranted; },
+      [&](std::uint64_t bytes) { released.push_back(bytes); });
+  unused.shrink();
+  EXPECT_EQ(released.size(), 1u);
+}
+
 TEST(SortWithPolls, SortsAndCanBeInterruptedHalfWay) {
   std::vector<std::uint32_t> numbers(300'000);
   for (std::uint32_t k = 0; k < numbers.size(); ++k) numbers[k] = k * 2654435761u;
