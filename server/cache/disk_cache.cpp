@@ -13,6 +13,8 @@
 #include <system_error>
 #include <utility>
 
+#include "common/base/descriptor.hpp"
+
 namespace fracture {
 namespace {
 
@@ -26,21 +28,6 @@ bool is_key(std::string_view key) {
          });
 }
 
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int get() const { return fd_; }
-  explicit operator bool() const { return fd_ >= 0; }
-
- private:
-  int fd_;
-};
-
 /// The first `size` bytes of the file; fewer where it has become shorter. Nothing when it cannot be read
 /// (errno says why).
 std::optional<std::vector<std::uint8_t>> read_bytes(int file, std::uint64_t size) {
@@ -53,16 +40,6 @@ std::optional<std::vector<std::uint8_t>> read_bytes(int file, std::uint64_t size
     at += static_cast<std::size_t>(n);
   }
   return bytes;
-}
-
-bool write_all(int file, std::span<const std::uint8_t> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t n = ::write(file, bytes.data(), bytes.size());
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return false;
-    bytes = bytes.subspan(static_cast<std::size_t>(n));
-  }
-  return true;
 }
 
 }  // namespace
@@ -231,8 +208,8 @@ bool DiskCache::write(const std::string& path, std::string_view head, std::span<
   const Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644));
   // Without fsync the rename may reach the disk before the bytes do, and a power cut leaves a file of zeros:
   // the checksum would tell, but the entry would be lost.
-  return file && write_all(file.get(), {reinterpret_cast<const std::uint8_t*>(head.data()), head.size()}) &&
-         write_all(file.get(), payload) && ::fsync(file.get()) == 0;
+  return file && write_all(file.get(), std::as_bytes(std::span(head))) &&
+         write_all(file.get(), std::as_bytes(payload)) && ::fsync(file.get()) == 0;
 }
 
 void DiskCache::quarantine(const std::string& key) {

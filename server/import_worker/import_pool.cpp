@@ -9,8 +9,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "common/base/digest.hpp"
-
 namespace fracture {
 
 using std::chrono::milliseconds;
@@ -24,14 +22,6 @@ constexpr std::uint64_t kLeastMemory = 8u << 20, kMemoryPerByte = 10, kMore = 4;
 constexpr std::uint64_t kReserved = 2;
 /// A shorter try is repeated at no greater cost.
 constexpr milliseconds kWorthRemembering{50};
-
-/// For callers that have no name for it: covers every byte.
-std::string digest_of(std::span<const std::byte> mesh, std::span<const ImportFile> files) {
-  if (files.empty()) return sha256(mesh).hex();
-  std::string list = sha256(mesh).hex();
-  for (const ImportFile& file : files) list += sha256(file.name).hex() + sha256(file.bytes).hex();
-  return sha256(list).hex();
-}
 
 bool lacked_memory(const Expected<Mesh>& result) {
   return !result && result.error().code == ErrorCode::kImporterLimit &&
@@ -201,7 +191,7 @@ Expected<Mesh> ImportPool::import(std::span<const std::byte> mesh, MeshFormat fo
     const std::uint64_t share = execution.allowance->limit() / kReserved;
     most = most > 0 ? std::min(most, share) : share;
   }
-  Input input{mesh, format, files, digest.empty() ? digest_of(mesh, files) : std::string(digest), {}};
+  Input input{mesh, format, files, std::string(digest), {}};
   input.name = input.digest + "." + extension_of(format);
   if (const auto known = memo_.find(input.name); known && refuses(*known, most, execution)) {
     const std::lock_guard lock(mutex_);
@@ -209,8 +199,7 @@ Expected<Mesh> ImportPool::import(std::span<const std::byte> mesh, MeshFormat fo
     if (known->error && most_of(most) <= known->with_bytes) return tl::unexpected<Error>(*known->error);
     throw Interrupted{ErrorCode::kDeadlineExceeded};
   }
-  std::uint64_t size = mesh.size();
-  for (const ImportFile& file : files) size += file.bytes.size();
+  const std::uint64_t size = input_bytes(mesh, files);
   for (std::uint64_t memory = std::min(most, kLeastMemory + kMemoryPerByte * size);;
        memory = std::min(most, kMore * memory)) {
     const Allowance::Temporary held(execution.allowance);

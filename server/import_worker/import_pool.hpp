@@ -55,11 +55,11 @@ class ImportPool {
   /// allowance before: little at first, by the size of the file, and more where that was too little (an
   /// instanced or compressed file), up to the worker's own limit. Further errors: kImporterCrashed,
   /// kImporterLimit. Throws Interrupted; std::runtime_error where no worker can be started any more.
-  /// `digest`: what the caller knows the input by, 64 hex digits; empty: it is computed. An input that once
-  /// killed its reader, or needed more than an import may have, gets the same error at once; one that was
-  /// computed on for longer than there is time until the deadline, its Interrupted. Thread-safe.
+  /// `digest`: what the caller knows the input by, 64 hex digits, another one for each input. An input that
+  /// once killed its reader, or needed more than an import may have, gets the same error at once; one that
+  /// was computed on for longer than there is time until the deadline, its Interrupted. Thread-safe.
   Expected<Mesh> import(std::span<const std::byte> mesh, MeshFormat format, std::span<const ImportFile> files,
-                        const ImportLimits& limits, const Execution& execution, std::string_view digest = {});
+                        const ImportLimits& limits, const Execution& execution, std::string_view digest);
 
   ImportCounters counters() const;
   /// Of the first worker and its zygote: what of the sandbox this machine allows.

@@ -12,18 +12,6 @@
 
 namespace fracture {
 
-Descriptor::Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-
-Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
-  reset();
-  fd_ = std::exchange(other.fd_, -1);
-  return *this;
-}
-
-void Descriptor::reset() {
-  if (fd_ >= 0) ::close(std::exchange(fd_, -1));
-}
-
 Descriptor make_shared_memory(const char* name) {
   int fd = ::memfd_create(name, MFD_CLOEXEC | MFD_ALLOW_SEALING);
   if (fd < 0 && (errno == ENOSYS || errno == EPERM || errno == EACCES))  // a container that forbids it
@@ -31,16 +19,6 @@ Descriptor make_shared_memory(const char* name) {
       if ((fd = ::open(folder, O_TMPFILE | O_RDWR | O_CLOEXEC, 0600)) >= 0) break;
   if (fd < 0) throw std::system_error(errno, std::generic_category(), "shared memory for an import worker");
   return Descriptor(fd);
-}
-
-bool write_all(int fd, std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t n = ::write(fd, bytes.data(), bytes.size());
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return false;
-    bytes = bytes.subspan(static_cast<std::size_t>(n));
-  }
-  return true;
 }
 
 bool seal(int fd) { return ::fcntl(fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE) == 0; }

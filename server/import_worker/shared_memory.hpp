@@ -6,28 +6,12 @@
 #include <span>
 #include <vector>
 
+#include "common/base/descriptor.hpp"
+
 namespace fracture {
-
-/// A descriptor that closes itself.
-class Descriptor {
- public:
-  Descriptor() = default;
-  explicit Descriptor(int fd) : fd_(fd) {}
-  Descriptor(Descriptor&& other) noexcept;
-  Descriptor& operator=(Descriptor&& other) noexcept;
-  ~Descriptor() { reset(); }
-  int get() const { return fd_; }
-  void reset();
-
- private:
-  int fd_ = -1;
-};
 
 /// Empty shared memory. Throws std::system_error.
 Descriptor make_shared_memory(const char* name);
-
-/// Appends everything. False on an error (no space).
-bool write_all(int fd, std::span<const std::byte> bytes);
 
 /// Nobody can change or resize it any more. False where somebody may still write through a mapping, or where
 /// the kernel has no seals.

@@ -51,6 +51,7 @@ WorkerProcess::WorkerProcess(ZygoteProcess& zygote, const WorkerProcessConfig& c
   ZygoteProcess::Forked forked = zygote.fork();
   pid_ = forked.pid;
   socket_ = std::move(forked.socket);
+  group_ = std::move(forked.group);
   std::string problem;
   if (!receive_in_time(socket_.get(), &hello_, sizeof hello_) || hello_.version != kProtocolVersion)
     problem = "a forked import worker ended before it was ready";

@@ -58,6 +58,7 @@ class WorkerProcess {
 
   std::chrono::seconds cpu_;
   pid_t pid_ = -1;
+  std::shared_ptr<ProcessGroup> group_;
   Descriptor socket_;
   WorkerHello hello_;
   WorkerDeath death_ = WorkerDeath::kNone;

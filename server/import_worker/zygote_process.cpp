@@ -85,6 +85,18 @@ bool receive_in_time(int socket, void* message, std::size_t size) {
   return received.whole;
 }
 
+ProcessGroup::~ProcessGroup() {
+  for (;;) {
+    const pid_t pid = ::waitpid(-leader_, nullptr, WNOHANG);
+    if (pid > 0 || (pid < 0 && errno == EINTR)) continue;
+    if (pid < 0) return;
+    // A child of ours is in it: the number is not another group's by now.
+    ::kill(-leader_, SIGKILL);
+    while (::waitpid(-leader_, nullptr, 0) < 0 && errno == EINTR) {
+    }
+  }
+}
+
 ZygoteProcess::ZygoteProcess(const WorkerProcessConfig& config) {
   try {
     start(config);
@@ -121,6 +133,7 @@ void ZygoteProcess::start(const WorkerProcessConfig& config) {
     pid_ = -1;
     fail_to_start(error, "cannot start the import worker " + program);
   }
+  group_ = std::make_shared<ProcessGroup>(pid_);
   theirs.reset();  // so that its death is the end of the connection
   if (!receive_in_time(socket_.get(), &hello_, sizeof hello_) || hello_.version != kProtocolVersion)
     throw std::runtime_error("the import worker " + program +
@@ -147,7 +160,7 @@ ZygoteProcess::Forked ZygoteProcess::fork() {
     throw std::runtime_error("the process that forks the import workers has ended");
   if (done.pid <= 0) fail_to_start(done.error, "an import worker cannot be forked");
   ++forks_;
-  return {done.pid, std::move(ours)};
+  return {done.pid, std::move(ours), group_};
 }
 
 }  // namespace fracture

@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <memory>
 #include <string>
 
 #include "server/import_worker/protocol.hpp"
@@ -18,6 +19,20 @@ struct WorkerProcessConfig {
   std::uint64_t memory_bytes = 2ull << 30;  ///< address space of a worker; 0: no limit
   std::chrono::seconds cpu{60};             ///< processor time of one import; 0: no limit
   bool require_sandbox = false;             ///< a worker without a seccomp filter is an error
+};
+
+/// A zygote and its forks are one group of processes. When the last of them that the server knows is gone, so
+/// is every other one: a fork that the zygote ended too early to tell of is a child of the server, too, and
+/// nobody else would ever reap it.
+class ProcessGroup {
+ public:
+  explicit ProcessGroup(pid_t leader) : leader_(leader) {}
+  ~ProcessGroup();
+  ProcessGroup(const ProcessGroup&) = delete;
+  ProcessGroup& operator=(const ProcessGroup&) = delete;
+
+ private:
+  const pid_t leader_;
 };
 
 /// To be used from one thread, which outlives it and everything forked: they die with that thread.
@@ -34,6 +49,7 @@ class ZygoteProcess {
   struct Forked {
     pid_t pid = -1;  ///< a child of this process, to be reaped here
     Descriptor socket;
+    std::shared_ptr<ProcessGroup> group;  ///< to be let go when it has been
   };
   /// Throws std::system_error or std::runtime_error; then the zygote is of no more use.
   Forked fork();
@@ -47,6 +63,7 @@ class ZygoteProcess {
   void kill_and_reap();
 
   pid_t pid_ = -1;
+  std::shared_ptr<ProcessGroup> group_;
   Descriptor socket_;
   ZygoteHello hello_;
   std::uint32_t forks_ = 0;

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <thread>
 
+#include "common/base/digest.hpp"
 #include "server/import_worker/import_pool.hpp"
 #include "tests/import/make_files.hpp"
 
@@ -28,8 +29,15 @@ inline ImportPoolConfig config_of(const char* program, int workers = 2) {
 inline const std::string kTetrahedron =
     "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
 
+/// For the pool to know an input by.
+inline std::string digest_of(std::string_view bytes, std::span<const ImportFile> files = {}) {
+  std::string list = sha256(bytes).hex();
+  for (const ImportFile& file : files) list += sha256(file.name).hex() + sha256(file.bytes).hex();
+  return sha256(list).hex();
+}
+
 inline Expected<Mesh> import_with(ImportPool& pool, std::string_view bytes, const Execution& execution = {}) {
-  return pool.import(bytes_of(bytes), MeshFormat::kOff, {}, {}, execution);
+  return pool.import(bytes_of(bytes), MeshFormat::kOff, {}, {}, execution, digest_of(bytes));
 }
 
 /// Waits (at most 10 s) until the condition holds.

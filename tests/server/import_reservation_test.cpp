@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/digest.hpp"
 #include "server/import_worker/import_pool.hpp"
 #include "tests/import/make_files.hpp"
 
@@ -40,7 +41,7 @@ struct ImportReservation : testing::Test {
     execution.allowance = allowance.get();
   }
   Expected<Mesh> import(const std::string& glb) {
-    return pool.import(bytes_of(glb), MeshFormat::kGlb, {}, {}, execution);
+    return pool.import(bytes_of(glb), MeshFormat::kGlb, {}, {}, execution, sha256(glb).hex());
   }
 };
 
@@ -58,7 +59,9 @@ TEST_F(ImportReservation, ASmallObjIsReadAtOnceThoughItsReaderFills16MiB) {
   allow(2ull << 30);
   const char* const obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
   for (int k = 0; k < 3; ++k)
-    ASSERT_TRUE(pool.import(bytes_of(obj), MeshFormat::kObj, {}, {}, execution)) << k;
+    ASSERT_TRUE(
+        pool.import(bytes_of(obj), MeshFormat::kObj, {}, {}, execution, sha256(std::string_view(obj)).hex()))
+        << k;
   EXPECT_EQ(asked.size(), 1u) << "what is granted stays; no worker lacked memory and was given more";
 }
 

@@ -65,6 +65,18 @@ TEST(ImportIsolation, AZygoteThatIsKilledIsReplaced) {
   EXPECT_EQ(pool.counters().zygotes, 2u);
 }
 
+TEST(ImportIsolation, AForkOfWhichNobodyWasToldIsNoProcessForEver) {
+  WorkerProcessConfig config;
+  config.program = FRACTURE_FORGETFUL_PROGRAM;
+  const std::size_t before = children();
+  {
+    ZygoteProcess zygote(config);
+    EXPECT_THROW(zygote.fork(), std::runtime_error);
+    EXPECT_GT(children(), before) << "the fork of a zygote is a child of the server";
+  }
+  EXPECT_EQ(children(), before);
+}
+
 TEST(ImportIsolation, TheLayoutOfMemoryIsANewOneAfterACrashAndAfterManyForks) {
   ImportPoolConfig config = config_of(FRACTURE_MISBEHAVING_PROGRAM, 1);
   config.max_forks = 5;
@@ -96,7 +108,7 @@ TEST(ImportIsolation, AFileThatKilledItsReaderIsRefusedAtOnceWithTheSameError) {
     EXPECT_EQ(pool.counters().started, before.started) << command << ": without a process";
   }
   // The same bytes as another format are another input, and what a reader refuses is not remembered.
-  EXPECT_FALSE(pool.import(bytes_of("! exit"), MeshFormat::kObj, {}, {}, {}));
+  EXPECT_FALSE(pool.import(bytes_of("! exit"), MeshFormat::kObj, {}, {}, {}, digest_of("! exit")));
   const std::uint64_t remembered = pool.counters().remembered;
   for (int k = 0; k < 2; ++k) EXPECT_FALSE(import_with(pool, "! try open"));
   EXPECT_EQ(pool.counters().remembered, remembered);

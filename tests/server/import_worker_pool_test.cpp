@@ -66,7 +66,8 @@ TEST(ImportPool, GivesTheSameMeshAsThisProcessBitForBit) {
     const std::vector<SiblingFile> siblings = read_sibling_files(file.path, bytes_of(bytes), *format);
     const std::vector<ImportFile> parts = as_import_files(siblings);
     const auto here = encode_reply(import_mesh(bytes_of(bytes), *format, {}, parts));
-    const auto there = encode_reply(pool.import(bytes_of(bytes), *format, parts, {}, {}));
+    const auto there =
+        encode_reply(pool.import(bytes_of(bytes), *format, parts, {}, {}, digest_of(bytes, parts)));
     EXPECT_EQ(here == there, true) << file.name;
     ++compared;
   }
@@ -230,8 +231,8 @@ TEST(ImportPool, LeaksNoDescriptorsAndNoProcesses) {
     for (int k = 0; k < 20; ++k) {  // each a file of its own, which is not remembered
       const ImportFile part{std::to_string(k), {}};
       const auto died = [&](const char* command) {
-        const Expected<Mesh> mesh =
-            pool.import(bytes_of(command), MeshFormat::kOff, std::span(&part, 1), {}, {});
+        const Expected<Mesh> mesh = pool.import(bytes_of(command), MeshFormat::kOff, std::span(&part, 1), {},
+                                                {}, digest_of(command, std::span(&part, 1)));
         return !mesh && mesh.error().code == ErrorCode::kImporterCrashed;
       };
       EXPECT_TRUE(import_with(pool, kTetrahedron));
@@ -253,8 +254,9 @@ TEST(ImportPool, ManyThreadsShareFewWorkers) {
       for (int k = 0; k < 25; ++k) {
         const bool bad = (t + k) % 8 == 0;
         const ImportFile part{std::to_string(t * 25 + k), {}};  // so that the bad one is not remembered
-        const Expected<Mesh> result = pool.import(bytes_of(bad ? "! exit" : kTetrahedron.c_str()),
-                                                  MeshFormat::kOff, std::span(&part, 1), {}, {});
+        const std::string bytes = bad ? "! exit" : kTetrahedron;
+        const Expected<Mesh> result = pool.import(bytes_of(bytes), MeshFormat::kOff, std::span(&part, 1), {},
+                                                  {}, digest_of(bytes, std::span(&part, 1)));
         good += result.has_value();
         crashed += !result && result.error().code == ErrorCode::kImporterCrashed;
       }

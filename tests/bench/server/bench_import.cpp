@@ -17,6 +17,7 @@
 #include <thread>
 #include <vector>
 
+#include "common/base/digest.hpp"
 #include "server/import_worker/import_pool.hpp"
 #include "server/import_worker/mesh_codec.hpp"
 #include "tests/bench/stopwatch.hpp"
@@ -80,7 +81,8 @@ int run(int repeat, int workers, std::vector<Input> inputs) {
   for (const Input& input : inputs) {
     const auto bytes = test::bytes_of(input.bytes);
     const auto here = [&] { return import_mesh(bytes, input.format, {}, {}); };
-    const auto there = [&] { return pool.import(bytes, input.format, {}, {}, {}); };
+    const std::string digest = sha256(bytes).hex();
+    const auto there = [&] { return pool.import(bytes, input.format, {}, {}, {}, digest); };
     const Expected<Mesh> mesh = here();
     if (!mesh) return std::puts(mesh.error().detail.c_str()), 1;
     const std::vector<std::byte> right = encode_reply(mesh);
