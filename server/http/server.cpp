@@ -92,8 +92,9 @@ enum class WhenFull {
   kOldestGivesWay,  ///< whoever has kept its connection idle longest makes room
 };
 
-asio::awaitable<void> accept_loop(tcp::acceptor& acceptor, asio::io_context& context, SessionContext shared,
-                                  std::size_t max_open, WhenFull when_full) {
+/// Until the acceptor is closed.
+asio::awaitable<void> accept_connections(tcp::acceptor& acceptor, asio::io_context& context,
+                                         SessionContext shared, std::size_t max_open, WhenFull when_full) {
   asio::steady_timer pause(acceptor.get_executor());
   while (acceptor.is_open()) {
     error_code ec;
@@ -123,6 +124,23 @@ asio::awaitable<void> accept_loop(tcp::acceptor& acceptor, asio::io_context& con
     const Connections::Verdict verdict = shared.connections.add(client_of(address), limit);
     if (shared.listener == Listener::kPublic) count(shared.api.metrics(), verdict);
     start_session(std::move(socket), shared, verdict, address);
+  }
+}
+
+/// Whatever one connection fails for (no memory for its session), the next one is accepted.
+asio::awaitable<void> accept_loop(tcp::acceptor& acceptor, asio::io_context& context, SessionContext shared,
+                                  std::size_t max_open, WhenFull when_full) {
+  asio::steady_timer pause(acceptor.get_executor());
+  while (acceptor.is_open()) {
+    try {
+      co_await accept_connections(acceptor, context, shared, max_open, when_full);
+      co_return;
+    } catch (const std::exception& e) {
+      spdlog::error("a connection could not be taken: {}", e.what());
+    }
+    pause.expires_after(kAcceptBackOff);
+    error_code ignored;
+    co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
   }
 }
 
@@ -214,7 +232,9 @@ std::uint16_t HttpServer::port() const { return impl_->port_; }
 std::uint16_t HttpServer::admin_port() const { return impl_->admin_port_; }
 void HttpServer::stop_accepting() { impl_->stop_accepting(); }
 void HttpServer::cancel_jobs() { impl_->cancel_jobs(); }
-void HttpServer::replace_tokens(TokenSet tokens) { impl_->policy_.accounts.replace(std::move(tokens)); }
+void HttpServer::replace_tokens(tenants::TokenFile tokens) {
+  impl_->policy_.accounts.replace(std::move(tokens));
+}
 std::size_t HttpServer::connections() const { return impl_->connections_.count(); }
 std::size_t HttpServer::requests_in_progress() const { return impl_->connections_.in_progress.load(); }
 

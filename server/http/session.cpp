@@ -420,7 +420,13 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
 
 void start_session(tcp::socket socket, const SessionContext& context, Connections::Verdict verdict,
                    const std::string& address) {
-  const auto session = std::make_shared<Session>(std::move(socket), context, verdict, address);
+  std::shared_ptr<Session> session;
+  try {
+    session = std::make_shared<Session>(std::move(socket), context, verdict, address);
+  } catch (...) {  // it would have been the one to say that it is gone
+    context.connections.remove(client_of(address));
+    throw;
+  }
   context.connections.enroll(session);
   session->start();
 }
