@@ -44,7 +44,7 @@ sigset_t handled_signals() {
 /// SIGHUP: the token file is read again. A file that is wrong changes nothing.
 void reload_tokens(const std::string& path, http::HttpServer& server) {
   if (path.empty()) return spdlog::info("SIGHUP: there is no token file to read again");
-  auto tokens = http::TokenSet::load(path);
+  auto tokens = tenants::TokenFile::load(path);
   if (!tokens) {
     spdlog::error("token-file {}: refused, the old one stays in force", tokens.error());
     return;

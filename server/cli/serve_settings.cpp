@@ -274,7 +274,7 @@ std::vector<std::string> inconsistencies(const ServeOptions& o) {
     if (name.empty() || (name != "*" && name.find_first_of(":/ \t,*@") != std::string::npos))
       refuse("allow-host must be '*' or a name without port; it was '" + name + "'");
   if (!o.token_file.empty())
-    if (const auto tokens = http::TokenSet::load(o.token_file); !tokens)
+    if (const auto tokens = tenants::TokenFile::load(o.token_file); !tokens)
       refuse("token-file " + tokens.error());
   return errors;
 }
@@ -323,7 +323,7 @@ std::vector<std::string> configure(ServeOptions& options, const std::vector<Sett
         "Redis without --farm-key-file: who can write to it can put false answers in, which all servers "
         "believe");
   if (!options.token_file.empty()) {
-    auto tokens = http::TokenSet::load(options.token_file);
+    auto tokens = tenants::TokenFile::load(options.token_file);
     if (tokens)
       options.server.tokens = std::move(*tokens);
     else  // it has changed since it was judged

@@ -12,7 +12,6 @@
 
 namespace fracture::http {
 
-using TokenSet = tenants::TokenFile;
 using AccountPointer = std::shared_ptr<tenants::Account>;
 
 /// Null when nobody is asked for a token. 401 for who shows none, a wrong one or one that has expired.

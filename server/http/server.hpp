@@ -25,7 +25,7 @@ struct ServerConfig {
   std::string admin_address = "127.0.0.1";  ///< of the admin listener
   std::uint16_t admin_port = 8081;          ///< 0: any free one
   int io_threads = 1;
-  TokenSet tokens{};                        ///< empty: nobody is asked for one
+  tenants::TokenFile tokens{};              ///< empty: nobody is asked for one
   TrustedProxies proxies{};                 ///< believed in what they say of their clients
   std::vector<std::string> cors_origins{};  ///< empty: no page of another origin may ask
   /// Names by which this server is called where no token is required ("*": any), beside addresses and
@@ -52,7 +52,7 @@ class HttpServer {
   /// Stops the computation of every request that is still waiting for one: each is answered with 503.
   void cancel_jobs();
   /// From the next request on, these decide who may ask; what names have used so far stays counted.
-  void replace_tokens(TokenSet tokens);
+  void replace_tokens(tenants::TokenFile tokens);
   /// Open connections of the public listener.
   std::size_t connections() const;
   /// Public connections that have a request in progress.

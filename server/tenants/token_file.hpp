@@ -3,12 +3,17 @@
 // A JSON object names tenants, each with a room of its own (tenant.hpp):
 //
 //   {"tenants": [{
-//      "name": "studio",                                   letters, digits, '.', '_', '-'; at most 64
-//      "tokens": [{"sha256": "9f86…", "expires": "2027-01-31T00:00:00Z"}],    1 to 8, `expires` may be left
-//      out "scopes": ["read", "fracture", "bake", "admin"],    at least one "requests_per_second": 50,
-//      "cores": 1.5, "computations": 8,            these may be left out: no limit "stored_bytes": 268435456,
-//      "cached_bytes": 67108864, "priority": "realtime", "weight": 2}]}              or "batch"; 1 where it
-//      is left out
+//      "name": "studio",
+//      "tokens": [{"sha256": "9f86…", "expires": "2027-01-31T00:00:00Z"}],
+//      "scopes": ["read", "fracture", "bake", "admin"],
+//      "requests_per_second": 50, "cores": 1.5, "computations": 8,
+//      "stored_bytes": 268435456, "cached_bytes": 67108864,
+//      "priority": "realtime", "weight": 2}]}
+//
+// - `name`: at most 64 letters, digits and characters of ._-
+// - `tokens`: 1 to 8, so that one can be exchanged; `expires` may be left out.
+// - `scopes`: at least one.
+// - The numbers may be left out: no limit, and a weight of 1. `priority` is "realtime" or "batch".
 //
 // Lines `name token` or `name token read-only` are the older, simpler form: the names share everything.
 #pragma once

@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "common/base/json_reader.hpp"
 #include "server/tenants/token_file.hpp"
 
 namespace fracture::tenants {
@@ -18,28 +19,13 @@ struct Wrong {
   std::string place, what;
 };
 
-/// Depth of a well-formed file: object, tenants, tenant, tokens, token.
-constexpr int kMaxDepth = 5;
-
-/// Parses, and refuses members given twice, of which a parser would keep one without a word.
 json parse_once(std::string_view text) {
-  std::vector<std::set<std::string>> open;
-  std::string twice;
-  bool deep = false;
-  const auto watch = [&](int depth, json::parse_event_t event, json& parsed) {
-    if (depth > kMaxDepth) deep = true;
-    if (event == json::parse_event_t::object_start) open.emplace_back();
-    if (event == json::parse_event_t::object_end && !open.empty()) open.pop_back();
-    if (event == json::parse_event_t::key && !open.empty())
-      if (const auto& key = parsed.get_ref<const std::string&>(); !open.back().insert(key).second)
-        twice = key;
-    return !deep;
-  };
-  json document = json::parse(text.begin(), text.end(), watch, /*allow_exceptions=*/false);
-  if (document.is_discarded() || deep || !document.is_object())
-    throw Wrong{"", "is not one JSON object {\"tenants\": [...]}"};
-  if (!twice.empty()) throw Wrong{"", "has the member '" + twice + "' twice in one object"};
-  return document;
+  constexpr JsonLimits kLimits{.depth = 5, .bytes = 16u << 20};  // object, tenants, tenant, tokens, token
+  auto read = read_json(text, kLimits);
+  if (!read && read.error().kind == JsonFault::Kind::kRepeated)
+    throw Wrong{"", "has the member '" + read.error().name + "' twice in one object"};
+  if (!read || !read->value.is_object()) throw Wrong{"", "is not one JSON object {\"tenants\": [...]}"};
+  return std::move(read->value);
 }
 
 void only(const json& object, const std::string& place, std::initializer_list<std::string_view> known) {

@@ -10,7 +10,8 @@ const std::string kObj = "Content-Type: model/obj\r\n";
 
 TestServerOptions with_tokens() {
   TestServerOptions options;
-  options.server.tokens = *http::TokenSet::parse("ana 0123456789abcdef\nbob readonly-token-1234 read-only\n");
+  options.server.tokens =
+      *tenants::TokenFile::parse("ana 0123456789abcdef\nbob readonly-token-1234 read-only\n");
   return options;
 }
 

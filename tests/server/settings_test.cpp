@@ -165,14 +165,14 @@ TEST_F(Settings, TokenFilesAreReadStrictly) {
       {"ana 0123456789abcdef\nbob 0123456789abcdef\n", "line 2"},
   };
   for (const auto& [text, message] : wrong) {
-    const auto tokens = http::TokenSet::parse(text);
+    const auto tokens = tenants::TokenFile::parse(text);
     ASSERT_FALSE(tokens) << text;
     EXPECT_THAT(tokens.error(), HasSubstr(message)) << text;
     EXPECT_THAT(tokens.error(), testing::Not(HasSubstr("0123456789"))) << "a token in an error message";
   }
-  EXPECT_EQ(
-      http::TokenSet::parse("# studio\nana 0123456789abcdef\n\nbob 0123456789abcdeg read-only\r\n")->size(),
-      2u);
+  EXPECT_EQ(tenants::TokenFile::parse("# studio\nana 0123456789abcdef\n\nbob 0123456789abcdeg read-only\r\n")
+                ->size(),
+            2u);
   EXPECT_THAT(configured({{"token-file", {"/absent/tokens", ""}}}), ElementsAre(HasSubstr("cannot be read")));
 }
 

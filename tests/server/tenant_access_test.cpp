@@ -12,7 +12,7 @@ const std::string kObj = "Content-Type: model/obj\r\n";
 
 TestServerOptions with(const std::vector<nlohmann::json>& tenants) {
   TestServerOptions options;
-  options.server.tokens = *http::TokenSet::parse(tenant_file(tenants));
+  options.server.tokens = *tenants::TokenFile::parse(tenant_file(tenants));
   return options;
 }
 
