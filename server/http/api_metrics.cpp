@@ -1,4 +1,5 @@
-// What the Api and everything below it knows about itself, for /metrics.
+// What the Api and everything below it knows about itself, for /metrics. What each part of the memory holds
+// and may hold is said by the program (server/cli/memory_metrics.cpp).
 #include "server/http/api.hpp"
 
 namespace fracture::http {
@@ -18,18 +19,6 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
                pool.predicted_wait(Priority::kRealtime).count(), {{"class", "realtime"}});
   writer.gauge("fracture_predicted_wait_seconds", "How long a new job would be queued, by class.",
                pool.predicted_wait(Priority::kBatch).count(), {{"class", "batch"}});
-  const auto bytes = [&writer](const char* name, const char* help, std::uint64_t value) {
-    writer.gauge(name, help, static_cast<double>(value));
-  };
-  bytes("fracture_body_memory_bytes", "Bytes of request bodies held.", bodies_.whole().used());
-  bytes("fracture_body_memory_limit_bytes", "Bytes of request bodies that may be held.", limits_.max_bodies);
-  bytes("fracture_small_body_memory_bytes", "Bytes of small request bodies held.",
-        bodies_.whole().small_used());
-  bytes("fracture_small_body_memory_limit_bytes", "Bytes of small request bodies that may be held.",
-        limits_.max_small_bodies);
-  bytes("fracture_answer_memory_bytes", "Bytes of answers that are on their way.", answers_.used());
-  bytes("fracture_answer_memory_limit_bytes", "Bytes of answers that may be on their way.",
-        limits_.max_answers);
 
   const Dispatcher::Figures work = dispatcher_.figures();
   const auto count = [&writer](const char* name, const char* help, std::uint64_t value) {
@@ -45,8 +34,6 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
         work.refused);
   writer.gauge("fracture_flights", "Results that are being computed or wait for it.",
                static_cast<double>(work.flights));
-  writer.gauge("fracture_working_memory_bytes", "Bytes that computations work in, by estimate.",
-               static_cast<double>(work.working_bytes));
 
   const auto cache = [&writer](const char* name, const CacheFigures& figures, std::size_t budget) {
     const ops::MetricWriter::Labels labels = {{"cache", name}, {"tier", "memory"}};
@@ -69,9 +56,6 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
 
   const StoreFigures store = meshes_.figures();
   writer.gauge("fracture_stored_meshes", "Meshes in the store.", static_cast<double>(store.meshes));
-  writer.gauge("fracture_stored_mesh_bytes", "Bytes of stored meshes.", static_cast<double>(store.bytes));
-  writer.gauge("fracture_stored_mesh_limit_bytes", "Bytes of stored meshes that there may be.",
-               static_cast<double>(meshes_.config().quota_bytes));
   count("fracture_meshes_stored_total", "Meshes that were put into the store.", store.stored);
   count("fracture_meshes_expired_total", "Stored meshes forgotten because nobody used them.", store.expired);
   count("fracture_meshes_evicted_total", "Stored meshes forgotten because others needed their room.",
@@ -81,8 +65,6 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
   writer.gauge("fracture_jobs", "Jobs that are known, finished ones included.",
                static_cast<double>(jobs.jobs));
   writer.gauge("fracture_jobs_unfinished", "Jobs that wait or run.", static_cast<double>(jobs.unfinished));
-  writer.gauge("fracture_job_result_bytes", "Bytes that finished jobs hold.",
-               static_cast<double>(jobs.result_bytes));
   count("fracture_jobs_started_total", "Jobs begun by Prefer: respond-async.", jobs.started);
   count("fracture_jobs_forgotten_total", "Finished jobs that nobody asked for in time.", jobs.expired);
   count("fracture_jobs_evicted_total", "Finished jobs forgotten because others needed their room.",

@@ -60,7 +60,7 @@ void write_tenant_metrics(const tenants::Accounts& accounts,
     others.bytes_out += figures.bytes_out;
     others.computations += figures.computations;
   }
-  if (any_other) write(writer, "other", others, of_others);
+  if (any_other) write(writer, kOtherNames, others, of_others);
 }
 
 }  // namespace fracture::http

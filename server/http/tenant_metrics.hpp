@@ -10,8 +10,10 @@
 
 namespace fracture::http {
 
-/// So many names have figures of their own; what the others used is summed under the name "other".
+/// So many names have figures of their own; what the others used is summed under this, which no name can be:
+/// names have no spaces.
 inline constexpr std::size_t kNamesInMetrics = 100;
+inline constexpr const char* kOtherNames = "all others";
 
 /// Bytes that a name holds: of stored meshes, of answers that it can fetch again.
 struct Holdings {

@@ -4,6 +4,7 @@
 #include <latch>
 #include <thread>
 
+#include "server/http/tenant_metrics.hpp"
 #include "tests/server/exposition.hpp"
 #include "tests/server/test_server.hpp"
 
@@ -96,9 +97,24 @@ TEST(Metrics, QueueAndMemoryAreShownWhileTheyAreInUse) {
   EXPECT_EQ(m["fracture_compute_threads"], 1);
   EXPECT_EQ(m["fracture_connections"], 3);
   EXPECT_EQ(m["fracture_requests_in_progress"], 3);
-  EXPECT_EQ(m["fracture_body_memory_bytes"], 2 * 7) << "the mesh of the one that runs has been imported";
+  EXPECT_EQ(server.api.bodies().whole().used(), 2 * 7u) << "the mesh of the one that runs has been imported";
   release.count_down();
   for (std::thread& client : clients) client.join();
+}
+
+TEST(Metrics, NoNameIsTakenForTheSumOfOthers) {
+  TestServerOptions options;
+  std::string file = "other 0123456789abcdef-0\nall 0123456789abcdef-1\n";
+  for (std::size_t k = 0; k < http::kNamesInMetrics; ++k)
+    file += "name" + std::to_string(k) + " 0123456789abcdef-name" + std::to_string(k) + "\n";
+  options.server.tokens = *tenants::TokenFile::parse(file);
+  TestServer server(options);
+  const Exposition m = metrics(server);  // throws where a name stands twice
+  std::size_t names = 0;
+  for (const auto& [sample, value] : m.samples)
+    names += sample.starts_with("fracture_tenant_requests_total{");
+  EXPECT_EQ(names, http::kNamesInMetrics + 1);
+  EXPECT_EQ(m.samples.count("fracture_tenant_requests_total{tenant=\"all others\"}"), 1u);
 }
 
 TEST(Metrics, RefusedConnectionsAndAbandonedWorkAreCounted) {

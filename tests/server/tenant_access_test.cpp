@@ -111,7 +111,7 @@ TEST(TenantAccess, TheMetricsOfManyNamesAreBounded) {
   for (std::size_t at = 0; (at = text.find("fracture_tenant_requests_total{", at)) != std::string::npos; ++at)
     ++series;
   EXPECT_EQ(series, 101u);
-  EXPECT_NE(text.find("fracture_tenant_requests_total{tenant=\"other\"} 2"), std::string::npos);
+  EXPECT_NE(text.find("fracture_tenant_requests_total{tenant=\"all others\"} 2"), std::string::npos);
 }
 
 }  // namespace
