@@ -29,7 +29,8 @@ void write_memory_metrics(const ServeOptions& options, http::Api& api, Dispatche
                                                          {"diagram_cache", caches.diagrams.bytes},
                                                          {"result_cache", caches.results.bytes},
                                                          {"mesh_store", api.meshes().figures().bytes},
-                                                         {"job_results", api.jobs().figures().result_bytes}};
+                                                         {"job_results", api.jobs().figures().result_bytes},
+                                                         {"answer_ledger", api.ledger().held_bytes()}};
   writer.gauge("fracture_memory_limit_bytes",
                "What this server may have resident: --memory, or the limit of its control group or machine.",
                static_cast<double>(options.memory));

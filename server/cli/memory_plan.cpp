@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <type_traits>
 
 namespace fracture::cli {
 namespace {
@@ -13,28 +14,48 @@ struct Budget {
   const char* setting;
   const char* part;
   std::uint64_t least;
-  std::function<std::uint64_t()> get;
-  std::function<void(std::uint64_t)> set;
+  std::function<std::uint64_t(const ServeOptions&)> get;
+  std::function<void(ServeOptions&, std::uint64_t)> set;
 };
 
-template <class Number>
-Budget budget(const char* setting, const char* part, std::uint64_t least, Number& target) {
-  return {setting, part, least, [&target] { return std::uint64_t{target}; },
-          [&target](std::uint64_t bytes) { target = static_cast<Number>(bytes); }};
+/// `where(options)` is the number, to be read and written.
+template <class Where>
+Budget budget(const char* setting, const char* part, std::uint64_t least, Where where) {
+  return {setting, part, least, [where](const ServeOptions& o) { return std::uint64_t{where(o)}; },
+          [where](ServeOptions& o, std::uint64_t bytes) {
+            auto& number = where(o);
+            number = static_cast<std::remove_reference_t<decltype(number)>>(bytes);
+          }};
 }
 
-std::vector<Budget> budgets(ServeOptions& o, const std::set<std::string>& given = {}) {
-  const std::uint64_t body = given.contains("max-body") ? o.limits.max_body : 0,
-                      import = given.contains("import-memory") ? o.import_memory : 0;
-  return {budget("max-bodies", "bodies", std::max(4 * kMiB, body), o.limits.max_bodies),
-          budget("max-small-bodies", "small_bodies", kMiB, o.limits.max_small_bodies),
-          budget("max-answers", "answers", kMiB, o.limits.max_answers),
-          budget("max-working", "working", std::max(64 * kMiB, import), o.dispatcher.max_working_bytes),
-          budget("mesh-cache", "mesh_cache", 0, o.service.mesh_cache_bytes),
-          budget("diagram-cache", "diagram_cache", 0, o.service.diagram_cache_bytes),
-          budget("result-cache", "result_cache", 0, o.service.result_cache_bytes),
-          budget("mesh-store", "mesh_store", 0, o.store.quota_bytes),
-          budget("job-results", "job_results", 0, o.jobs.max_result_bytes)};
+std::vector<Budget> budgets(const ServeOptions& given_options, const std::set<std::string>& given = {}) {
+  const std::uint64_t body = given.contains("max-body") ? given_options.limits.max_body : 0,
+                      import = given.contains("import-memory") ? given_options.import_memory : 0;
+  return {
+      budget(
+          "max-bodies", "bodies", std::max(4 * kMiB, body),
+          [](auto& o) -> auto& { return o.limits.max_bodies; }),
+      budget(
+          "max-small-bodies", "small_bodies", kMiB,
+          [](auto& o) -> auto& { return o.limits.max_small_bodies; }),
+      budget(
+          "max-answers", "answers", kMiB, [](auto& o) -> auto& { return o.limits.max_answers; }),
+      budget(
+          "max-working", "working", std::max(64 * kMiB, import),
+          [](auto& o) -> auto& { return o.dispatcher.max_working_bytes; }),
+      budget(
+          "mesh-cache", "mesh_cache", 0, [](auto& o) -> auto& { return o.service.mesh_cache_bytes; }),
+      budget(
+          "diagram-cache", "diagram_cache", 0,
+          [](auto& o) -> auto& { return o.service.diagram_cache_bytes; }),
+      budget(
+          "result-cache", "result_cache", 0, [](auto& o) -> auto& { return o.service.result_cache_bytes; }),
+      budget(
+          "mesh-store", "mesh_store", 0, [](auto& o) -> auto& { return o.store.quota_bytes; }),
+      budget(
+          "job-results", "job_results", 0, [](auto& o) -> auto& { return o.jobs.max_result_bytes; }),
+      budget(
+          "answer-ledger", "answer_ledger", 0, [](auto& o) -> auto& { return o.limits.answer_ledger; })};
 }
 
 std::uint64_t threads_of(const ServeOptions& o) {
@@ -47,16 +68,17 @@ std::string in_mib(double bytes) { return std::to_string(static_cast<std::uint64
 
 std::vector<MemoryShare> memory_shares(const ServeOptions& options) {
   std::vector<MemoryShare> shares;
-  for (const Budget& b : budgets(const_cast<ServeOptions&>(options)))
-    shares.push_back({b.setting, b.part, b.get()});
+  for (const Budget& b : budgets(options)) shares.push_back({b.setting, b.part, b.get(options)});
   return shares;
 }
 
 std::uint64_t base_memory(const ServeOptions& o) {
   const TiersConfig& tiers = o.service.tiers;
   const bool any_tier = !tiers.folder.empty() || !tiers.redis.address.empty();
-  // 16 MiB after the start; buffers of connections and what a thread's arena keeps; a worker at rest 11 MiB.
-  return 32 * kMiB + 8 * kMiB * threads_of(o) + 16 * kMiB * static_cast<std::uint64_t>(o.import_workers) +
+  // 16 MiB after the start; buffers of connections and what a thread's arena keeps; a worker at rest 11 MiB,
+  // and the zygote that forks them.
+  const std::uint64_t importers = o.import_workers > 0 ? 1 + static_cast<std::uint64_t>(o.import_workers) : 0;
+  return 32 * kMiB + 8 * kMiB * threads_of(o) + 16 * kMiB * importers +
          (any_tier ? tiers.max_pending_bytes : 0);
 }
 
@@ -69,12 +91,12 @@ std::vector<std::string> plan_memory(ServeOptions& o, const std::set<std::string
   const double room = (static_cast<double>(available) - base) / kResidentPerByte;
   double fixed = 0, elastic = 0, least = 0;
   for (const Budget& b : all) {
-    const auto bytes = static_cast<double>(b.get());
+    const auto bytes = static_cast<double>(b.get(o));
     if (given.contains(b.setting)) {
       fixed += bytes;
     } else {
       elastic += bytes;
-      least += static_cast<double>(std::min(b.least, b.get()));
+      least += static_cast<double>(std::min(b.least, b.get(o)));
     }
   }
   if (fixed + least > room) {
@@ -84,8 +106,8 @@ std::vector<std::string> plan_memory(ServeOptions& o, const std::set<std::string
       const bool is_given = given.contains(b.setting);
       if (!is_given && b.least == 0) continue;
       sum += (sum.empty() ? "" : " + ") + std::string(b.setting) + " " +
-             (is_given ? in_mib(static_cast<double>(b.get()))
-                       : "at least " + in_mib(static_cast<double>(std::min(b.least, b.get()))));
+             (is_given ? in_mib(static_cast<double>(b.get(o)))
+                       : "at least " + in_mib(static_cast<double>(std::min(b.least, b.get(o)))));
     }
     return {"memory: " + in_mib(base) + " at rest + " + std::to_string(kResidentPerByte).substr(0, 3) +
             " x (" + sum + ") = " + in_mib(base + kResidentPerByte * (fixed + least)) +
@@ -96,8 +118,9 @@ std::vector<std::string> plan_memory(ServeOptions& o, const std::set<std::string
     const double share = (room - fixed - least) / std::max(1.0, elastic - least);
     for (const Budget& b : all) {
       if (given.contains(b.setting)) continue;
-      const auto bytes = static_cast<double>(b.get()), low = static_cast<double>(std::min(b.least, b.get()));
-      b.set(static_cast<std::uint64_t>(low + share * (bytes - low)));
+      const auto bytes = static_cast<double>(b.get(o)),
+                 low = static_cast<double>(std::min(b.least, b.get(o)));
+      b.set(o, static_cast<std::uint64_t>(low + share * (bytes - low)));
     }
   }
   const auto at_most = [&](const char* setting, auto& value, std::uint64_t limit) {

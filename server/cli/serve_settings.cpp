@@ -150,6 +150,8 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
                 "Bytes of all answers that are being written at the same time"),
          number("max-answers-per-address", "BYTES", l.max_answers_per_address, 0, kTiB,
                 "Share of them for one client address, 0: a quarter; a single answer may exceed it"),
+         number("answer-ledger", "BYTES", l.answer_ledger, 0, kTiB,
+                "Bytes of the ledger of which name of the token file may see which answer, 512 for each"),
          number("max-header", "BYTES", l.max_header, 256, http::kReadBuffer / 2, "Bytes of a request header"),
          number("max-uri", "BYTES", l.max_uri, 64, http::kReadBuffer / 2, "Bytes of a request target"),
          number("max-sites", "N", s.max_sites, 1, 10'000'000, "Sites of one request"),

@@ -58,6 +58,7 @@ Api::Api(Dispatcher& dispatcher, const HttpLimits& limits, const StoreConfig& st
               small_share(limits)),
       answers_(limits.max_answers, limits.answer_share()),
       meshes_(store),
+      ledger_(limits.answer_ledger),
       jobs_(dispatcher, jobs) {
   limits_text_ = describe_limits().dump(2) + "\n";
   patterns_text_ = service_.parameters().patterns_to_json().dump(2) + "\n";

@@ -1,6 +1,7 @@
 // Whose what is: a digest is no access token. What a name has not made or uploaded itself is not there for
 // it, whatever address it gives.
 #include "server/http/api.hpp"
+#include "server/http/result_response.hpp"
 
 namespace fracture::http {
 
@@ -23,7 +24,7 @@ void Api::enter_in_ledger(const Request& request, Terms& terms) {
   terms.answered = [this, owner, account = request.payer.account](const FractureResult& result) {
     const std::uint64_t limit = account->shares().cached_bytes;
     for (const std::string& nobodys : ledger_.add(owner, result.key, result.file.size(), limit))
-      service_.forget_result(nobodys);
+      for (const std::string& name : kept_names_of(nobodys)) service_.forget_result(name);
   };
 }
 

@@ -18,6 +18,7 @@ struct HttpLimits {
   std::uint64_t max_bodies_per_address = 0;
   std::uint64_t max_answers = 512ull << 20;   ///< bytes of all answers that are on their way
   std::uint64_t max_answers_per_address = 0;  ///< of that, for one client address; 0: a quarter
+  std::uint64_t answer_ledger = 64ull << 20;  ///< bytes of the ledger of which name has made which answer
   std::size_t max_header = 16u << 10;         ///< bytes of request line and fields together
   std::size_t max_uri = 4u << 10;             ///< bytes of the request target
   std::chrono::milliseconds header_timeout{

@@ -1,7 +1,5 @@
 #include "server/http/result_response.hpp"
 
-#include <openssl/evp.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <utility>
@@ -18,14 +16,6 @@ std::string milliseconds(double ms) {
   return text;
 }
 
-std::string base64(std::span<const std::uint8_t> bytes) {
-  std::string text(4 * ((bytes.size() + 2) / 3) + 1, '\0');  // and a zero at the end, which EVP writes
-  const int n = EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()), bytes.data(),
-                                static_cast<int>(bytes.size()));
-  text.resize(static_cast<std::size_t>(n));
-  return text;
-}
-
 std::string etag_of(const FractureResult& result, const Representation& representation) {
   std::string etag(1, '"');
   etag += result.key;
@@ -33,6 +23,10 @@ std::string etag_of(const FractureResult& result, const Representation& represen
   if (representation.coding != ContentCoding::kIdentity)
     etag.append(1, '.').append(name_of(representation.coding));
   return etag += '"';
+}
+
+std::string variant_name(const std::string& key, bool figures, ContentCoding coding) {
+  return key + (figures ? ".figures." : ".") + std::string(name_of(coding));
 }
 
 }  // namespace
@@ -83,8 +77,15 @@ std::span<const std::uint8_t> plain_bytes(const FractureResult& result, bool fig
 }
 
 std::string variant_key(const FractureResult& result, const Representation& representation) {
-  return result.key + (representation.figures ? ".figures." : ".") +
-         std::string(name_of(representation.coding));
+  return variant_name(result.key, representation.figures, representation.coding);
+}
+
+std::vector<std::string> kept_names_of(const std::string& key) {
+  std::vector<std::string> names = {key};
+  for (const bool figures : {false, true})
+    for (const ContentCoding coding : {ContentCoding::kGzip, ContentCoding::kZstd})
+      names.push_back(variant_name(key, figures, coding));
+  return names;
 }
 
 std::shared_ptr<const FractureResult> make_variant(const FractureResult& result,

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "server/http/content_coding.hpp"
 #include "server/http/message.hpp"
@@ -32,6 +33,9 @@ std::span<const std::uint8_t> plain_bytes(const FractureResult& result, bool fig
 
 /// The name in the result cache of what `represent` asks for, where that is compressed.
 std::string variant_key(const FractureResult& result, const Representation& representation);
+
+/// All names in the result cache under which the answer of this key may be: its own, and those of variants.
+std::vector<std::string> kept_names_of(const std::string& key);
 
 /// Compresses; to be kept under variant_key().
 std::shared_ptr<const FractureResult> make_variant(const FractureResult& result,

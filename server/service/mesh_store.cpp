@@ -12,17 +12,14 @@ namespace {
 /// A mesh is kept with what came around it where that is at most this, and a sixteenth of it.
 constexpr std::uint64_t kSlack = 4096;
 
-std::uint64_t size_of(const FractureRequest& request) {
-  std::uint64_t size = request.mesh.size();
-  for (const ImportFile& file : request.files) size += file.bytes.size();
-  return size;
-}
+std::uint64_t size_of(const FractureRequest& request) { return input_bytes(request.mesh, request.files); }
 
 }  // namespace
 
-std::uint64_t StoredMesh::held() const {
-  // Digest, index and list are not counted: some 300 bytes.
-  return std::max(bytes(), capacity) + files.capacity() * sizeof(ImportFile) + json_bytes(report);
+std::uint64_t StoredMesh::own_bytes() const {
+  // The object, and its nodes in three tables with digest and owner (measured: mesh_store_test.cpp).
+  constexpr std::uint64_t kTables = 1024;
+  return kTables + files.capacity() * sizeof(ImportFile) + json_bytes(report);
 }
 
 bool is_kept_as_copy(const FractureRequest& request, std::uint64_t capacity) {
@@ -75,7 +72,7 @@ std::shared_ptr<const StoredMesh> MeshStore::equal_of(const StoredMesh& mesh) {
 
 MeshStore::Put MeshStore::put(std::shared_ptr<const StoredMesh> mesh, const Owner& owner,
                               Clock::time_point now) {
-  const std::uint64_t bytes = mesh->held();
+  const std::uint64_t bytes = mesh->held(), shared = mesh->shared_bytes(), own = mesh->own_bytes();
   if (bytes > config_.quota_bytes) return Put::kOverQuota;
   if (bytes > owner.share) return Put::kOverShare;
   if (const auto equal = equal_of(*mesh)) {
@@ -95,12 +92,14 @@ MeshStore::Put MeshStore::put(std::shared_ptr<const StoredMesh> mesh, const Owne
     remove_least_recent_of(owner.name);
     ++figures_.evicted;
   }
-  while (!bytes_.contains(mesh->owner.get()) && figures_.bytes + bytes > config_.quota_bytes) {
+  const auto needed = [&] { return own + (bytes_.contains(mesh->owner.get()) ? 0 : shared); };
+  while (figures_.bytes + needed() > config_.quota_bytes) {
     remove_least_recent_of(owner_of_most());
     ++figures_.evicted;
   }
   Bytes& kept = bytes_[mesh->owner.get()];
-  if (++kept.entries == 1) figures_.bytes += kept.held = bytes;
+  if (++kept.entries == 1) figures_.bytes += kept.held = shared;
+  figures_.bytes += own;
   owned_[owner.name] += bytes;
   entries_.push_front({std::move(mesh), owner.name, bytes, now});
   index_.emplace(std::pair(entries_.front().mesh->digest, owner.name), entries_.begin());
@@ -180,6 +179,7 @@ void MeshStore::remove(Iterator at) {
     figures_.bytes -= kept->second.held;
     bytes_.erase(kept);
   }
+  figures_.bytes -= at->mesh->own_bytes();
   const auto owned = owned_.find(at->owner);
   owned->second -= at->bytes;
   const std::string owner = at->owner;

@@ -3,6 +3,7 @@
 // has left it.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -38,12 +39,15 @@ struct StoredMesh {
 
   /// Of the mesh and its files, names included.
   std::uint64_t bytes() const {
-    std::uint64_t sum = mesh.size();
-    for (const ImportFile& file : files) sum += file.name.size() + file.bytes.size();
+    std::uint64_t sum = input_bytes(mesh, files);
+    for (const ImportFile& file : files) sum += file.name.size();
     return sum;
   }
-  /// What it takes of the quota: everything that is kept for it.
-  std::uint64_t held() const;
+  /// What it takes of the quota: everything that is kept for it. Of that, what equal meshes share, and what
+  /// each has for itself (its report, its places in the tables of the store).
+  std::uint64_t held() const { return shared_bytes() + own_bytes(); }
+  std::uint64_t shared_bytes() const { return std::max(bytes(), capacity); }
+  std::uint64_t own_bytes() const;
 };
 
 /// Whether a mesh whose owner has `capacity` bytes is kept as a copy, because too much came around it.

@@ -1,5 +1,6 @@
 #include "server/tenants/ledger.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace fracture::tenants {
@@ -7,19 +8,28 @@ namespace fracture::tenants {
 std::vector<std::string> AnswerLedger::add(const std::string& owner, const std::string& key,
                                            std::uint64_t bytes, std::uint64_t limit) {
   const std::lock_guard lock(mutex_);
-  Owned& owned = owned_[owner];
+  const auto mine = owned_.try_emplace(owner).first;
+  Owned& owned = mine->second;
   if (const auto at = owned.index.find(key); at != owned.index.end()) {
     owned.bytes -= at->second->bytes;
     at->second->bytes = bytes;
     owned.entries.splice(owned.entries.begin(), owned.entries, at->second);
   } else {
     owned.entries.push_front({key, bytes});
-    owned.index.emplace(key, owned.entries.begin());
+    owned.index.emplace(owned.entries.front().key, owned.entries.begin());
     ++owners_[key];
+    ++entries_;
   }
   owned.bytes += bytes;
   std::vector<std::string> nobodys;
-  while (owned.bytes > limit || owned.entries.size() > kMostAnswers) drop_last(owned, nobodys);
+  while (owned.bytes > limit && owned.entries.size() > 1) drop_last(mine, nobodys);
+  if (owned.bytes > limit) drop_last(mine, nobodys);
+  while (entries_ * kBytesPerEntry > capacity_)
+    drop_last(std::max_element(owned_.begin(), owned_.end(),
+                               [](const auto& a, const auto& b) {
+                                 return a.second.entries.size() < b.second.entries.size();
+                               }),
+              nobodys);
   return nobodys;
 }
 
@@ -40,7 +50,14 @@ std::uint64_t AnswerLedger::bytes_of(const std::string& owner) const {
   return at == owned_.end() ? 0 : at->second.bytes;
 }
 
-void AnswerLedger::drop_last(Owned& owned, std::vector<std::string>& nobodys) {
+std::uint64_t AnswerLedger::held_bytes() const {
+  const std::lock_guard lock(mutex_);
+  return entries_ * kBytesPerEntry;
+}
+
+/// And the name with its last one.
+void AnswerLedger::drop_last(Owners::iterator owner, std::vector<std::string>& nobodys) {
+  Owned& owned = owner->second;
   Entry& last = owned.entries.back();
   owned.bytes -= last.bytes;
   owned.index.erase(last.key);
@@ -50,6 +67,8 @@ void AnswerLedger::drop_last(Owned& owned, std::vector<std::string>& nobodys) {
     nobodys.push_back(std::move(last.key));
   }
   owned.entries.pop_back();
+  --entries_;
+  if (owned.entries.empty()) owned_.erase(owner);
 }
 
 }  // namespace fracture::tenants

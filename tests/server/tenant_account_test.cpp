@@ -2,11 +2,13 @@
 #include "server/tenants/account.hpp"
 
 #include <gmock/gmock.h>
+#include <malloc.h>
 
 #include <list>
 
 #include "common/base/digest.hpp"
 #include "server/tenants/accounts.hpp"
+#include "server/tenants/ledger.hpp"
 
 namespace fracture::tenants {
 namespace {
@@ -102,6 +104,36 @@ TEST(Account, SeesItsOwnAnAdministratorAllAndWhoSharesEverything) {
   EXPECT_TRUE(account({}, {}, false)->sees("other"));
   EXPECT_EQ(account({})->owner(), "studio");
   EXPECT_EQ(account({}, {}, false)->owner(), "");
+}
+
+#ifndef FRACTURE_SANITIZED  // whose allocator counts otherwise
+TEST(AnswerLedger, AnEntryTakesNoMoreThanItSays) {
+  constexpr std::uint64_t kEntries = 20'000;
+  AnswerLedger ledger(kEntries * AnswerLedger::kBytesPerEntry);
+  const std::size_t before = ::mallinfo2().uordblks;
+  for (std::uint64_t k = 0; k < kEntries; ++k)
+    EXPECT_TRUE(ledger.add("ana", sha256(std::to_string(k)).hex(), 1, UINT64_MAX).empty());
+  const std::size_t held = ::mallinfo2().uordblks - before;
+  EXPECT_LE(held, ledger.held_bytes());
+  EXPECT_GT(held, ledger.held_bytes() / 2) << "not much less either";
+  EXPECT_EQ(ledger.add("bob", sha256("another").hex(), 1, UINT64_MAX).size(), 1u);
+  EXPECT_EQ(ledger.held_bytes(), kEntries * AnswerLedger::kBytesPerEntry);
+}
+#endif
+
+TEST(AnswerLedger, ANameWithoutAnswersIsForgotten) {
+  AnswerLedger none(0);
+  EXPECT_EQ(none.add("ana", "a", 1, 10), std::vector<std::string>{"a"});
+  EXPECT_FALSE(none.has("ana", "a"));
+  AnswerLedger ledger(1 << 20);
+  EXPECT_TRUE(ledger.add("ana", "a", 1, 10).empty());
+  EXPECT_TRUE(ledger.add("bob", "a", 1, 10).empty());
+  EXPECT_TRUE(ledger.add("ana", "b", 10, 10).empty()) << "bob has the other one still";
+  EXPECT_FALSE(ledger.has("ana", "a"));
+  EXPECT_TRUE(ledger.has("bob", "a"));
+  EXPECT_EQ(ledger.add("ana", "c", 11, 10), (std::vector<std::string>{"b", "c"}));
+  EXPECT_EQ(ledger.bytes_of("ana"), 0u);
+  EXPECT_EQ(ledger.held_bytes(), AnswerLedger::kBytesPerEntry);
 }
 
 TEST(Accounts, ANewFileKeepsWhatANameHasUsedAndForgetsWhoIsGone) {
