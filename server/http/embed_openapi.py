@@ -1,13 +1,29 @@
 #!/usr/bin/env python3
-"""embed_openapi.py OPENAPI.yaml OUT.cpp: the document as a C++ function that returns its JSON."""
+"""embed_openapi.py OPENAPI.yaml OUT.cpp: the document as a C++ function that returns its JSON, in which every public
+response has the headers of components/headers."""
 import json
 import sys
 
 import yaml
 
+
+def add_common_headers(document):
+    """components/headers are those of every answer of the public listener: into each response, also those that are shared."""
+    common = {name: {"$ref": f"#/components/headers/{name}"} for name in document["components"]["headers"]}
+    for item in document["paths"].values():
+        if "servers" in item:  # the admin listener's
+            continue
+        for operation in item.values():
+            for response in operation.get("responses", {}).values() if isinstance(operation, dict) else ():
+                if "$ref" in response:
+                    response = document["components"]["responses"][response["$ref"].rsplit("/", 1)[1]]
+                response["headers"] = {**response.get("headers", {}), **common}
+    return document
+
+
 source, out = sys.argv[1:]
 with open(source, encoding="utf-8") as f:
-    text = json.dumps(yaml.safe_load(f), indent=1, ensure_ascii=True)
+    text = json.dumps(add_common_headers(yaml.safe_load(f)), indent=1, ensure_ascii=True)
 
 # String literals have a length limit in some compilers: pieces of 8,000 characters are joined by the compiler.
 pieces = "\n".join(f'R"openapi({text[i:i + 8000]})openapi"' for i in range(0, len(text), 8000))

@@ -38,6 +38,22 @@ TEST(Contract, EveryPathAndMethodOfTheDocumentIsRoutedAndTheReverse) {
   EXPECT_EQ(documented, routed);
 }
 
+TEST(Contract, EveryPublicAnswerMaySayWhatIsLeftOfAShare) {
+  for (const auto& [path, item] : document().at("paths").items())
+    for (const auto& [method, operation] : item.items()) {
+      if (!operation.is_object() || !operation.contains("responses")) continue;
+      for (const auto& [status, response] : operation.at("responses").items())
+        for (const char* name : {"RateLimit", "RateLimit-Policy"}) {
+          const json described = resolve(response).value("headers", json::object());
+          if (item.contains("servers") && !response.contains("$ref"))
+            EXPECT_FALSE(described.contains(name))
+                << path << " " << status << ": the admin listener knows no names";
+          else if (!item.contains("servers"))
+            EXPECT_EQ(resolve(described.at(name)).at("schema").at("type"), "string") << path << " " << status;
+        }
+    }
+}
+
 TEST(Contract, SummariesAndListenersAgree) {
   for (const Route& route : routes()) {
     const json& item = document().at("paths").at(std::string(route.path));
