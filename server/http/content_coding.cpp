@@ -128,6 +128,7 @@ Decoding decode_body(std::string& body, ContentCoding coding, std::uint64_t limi
     return true;
   });
   body = std::move(decoded);
+  reservation.shrink_to(body.capacity());
   return {};
 }
 

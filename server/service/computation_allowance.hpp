@@ -14,8 +14,9 @@ class ComputationAllowance {
   ComputationAllowance(MemoryBudget& budget, MemoryBudget::Reservation reservation)
       : budget_(budget),
         reservation_(std::move(reservation)),
-        allowance_(reservation_.bytes(), budget.capacity(),
-                   [this](std::uint64_t bytes) { return grow(bytes); }) {}
+        allowance_(
+            reservation_.bytes(), budget.capacity(), [this](std::uint64_t bytes) { return grow(bytes); },
+            [this](std::uint64_t bytes) { shrink(bytes); }) {}
   Allowance& allowance() { return allowance_; }
 
  private:
@@ -23,6 +24,10 @@ class ComputationAllowance {
     if (bytes > budget_.capacity()) return Allowance::Answer::kNever;
     const std::lock_guard lock(mutex_);
     return reservation_.grow_to(bytes) ? Allowance::Answer::kGranted : Allowance::Answer::kNotNow;
+  }
+  void shrink(std::uint64_t bytes) {
+    const std::lock_guard lock(mutex_);
+    reservation_.shrink_to(bytes);
   }
 
   MemoryBudget& budget_;

@@ -2,6 +2,7 @@
 // connections is what a few clients can make the process allocate.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <memory>
@@ -64,6 +65,15 @@ class MemoryBudget {
       if (share_) share_->undo(bytes_, bytes);
       return false;
     }
+    /// Makes it at most `bytes`. One that is no longer small stays as large as the first that is not: what it
+    /// leaves is not to be missing where it would go.
+    void shrink_to(std::uint64_t bytes) {
+      if (budget_) bytes = budget_->shrunk(bytes_, bytes);
+      if (!budget_ || bytes >= bytes_) return;
+      budget_->pool(bytes_).used.fetch_sub(bytes_ - bytes);
+      if (share_) share_->pool(bytes_).used.fetch_sub(bytes_ - bytes);
+      bytes_ = bytes;
+    }
     /// The last grow_to() failed because of the share and not because of the whole.
     bool over_share() const { return over_share_; }
 
@@ -101,6 +111,9 @@ class MemoryBudget {
     if (!after.take(to, 0, alone_)) return false;
     before.used.fetch_sub(from);
     return true;
+  }
+  std::uint64_t shrunk(std::uint64_t from, std::uint64_t to) const {
+    return from > largest_small_ ? std::max(to, largest_small_ + 1) : to;
   }
   void undo(std::uint64_t from, std::uint64_t to) {
     pool(to).used.fetch_sub(to);

@@ -194,6 +194,8 @@ Expected<Step<PreparedMesh>> FractureService::make_mesh(const FractureRequest& r
     if (const std::size_t bytes = memory_size(*mesh); bytes > kSmall)
       execution.made(Product::kMeshBytes, bytes);
     execution.made(Product::kSurfaceTriangles, mesh->triangles.size());
+    // What the reader took beside that is free for others: it has ended.
+    if (execution.allowance) execution.allowance->shrink();
     Expected<nlohmann::json> frame = to_metres_y_up(*mesh, request.parameters.frame);
     if (!frame) return tl::unexpected<Error>(std::move(frame.error()));
     result->frame = std::move(*frame);

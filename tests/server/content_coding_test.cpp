@@ -44,6 +44,18 @@ bool all_given_back(TestServer& server) {
   return server.api.bodies().whole().used() == 0;
 }
 
+TEST(ContentCoding, ADecodedBodyIsChargedWithItselfAndNoLongerWithWhatCame) {
+  MemoryBudget budget(100u << 20);
+  MemoryBudget::Reservation reservation(budget);
+  std::string mesh(1u << 20, '\0');
+  for (std::size_t k = 0; k < mesh.size(); ++k) mesh[k] = static_cast<char>(k * k * 2654435761u >> 13);
+  std::string body = gzip(mesh);
+  ASSERT_TRUE(reservation.grow_to(body.size()));
+  EXPECT_FALSE(http::decode_body(body, http::ContentCoding::kGzip, 100u << 20, reservation, {}).problem);
+  EXPECT_EQ(body, mesh);
+  EXPECT_EQ(budget.used(), body.capacity());
+}
+
 TEST(ContentCoding, ACompressedBodyIsTheSameRequest) {
   TestServer server;
   const std::string mesh(100'000, 'm');

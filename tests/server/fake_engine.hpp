@@ -24,6 +24,7 @@ struct FakeControl {
   std::function<std::optional<Error>()> cut_error;  ///< of cut(), after during_cut
   /// Runs inside import(); an error is returned as it is.
   std::function<Expected<Mesh>(std::string_view bytes)> import;
+  std::function<void(const Execution&)> during_import;
   /// Sees the further files of import().
   std::function<void(std::span<const ImportFile>)> files;
   std::size_t glb_padding = 0;  ///< extra bytes of the answer
@@ -38,6 +39,7 @@ class FakeEngine final : public FractureEngine {
     ++control_->imports;
     execution.poll();
     if (control_->files) control_->files(files);
+    if (control_->during_import) control_->during_import(execution);
     if (control_->import)
       return control_->import({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     return Mesh{};

@@ -64,6 +64,44 @@ TEST_F(ReservationTest, WhatTheFileDidNotSayIsReservedWhenItWasRead) {
   EXPECT_GE(held, 48'000'000u + 200'000'000u) << "its arrays, and what it takes to prepare them";
 }
 
+TEST_F(ReservationTest, WhatAReaderTookIsFreeWhenItHasEnded) {
+  std::atomic<std::uint64_t> held{0}, at_import{0};
+  control->during_import = [&](const Execution& execution) {
+    const Allowance::Temporary reader(execution.allowance);
+    execution.made(Product::kImportBytes, 500u << 20);
+    at_import = dispatcher.figures().working_bytes;
+  };
+  control->during_cut = [&](const Execution&) { held = dispatcher.figures().working_bytes; };
+  EXPECT_FALSE(ask(request()));
+  EXPECT_GE(at_import, 500u << 20);
+  EXPECT_LT(held, 16u << 20);
+  EXPECT_EQ(dispatcher.figures().working_bytes, 0u);
+}
+
+TEST_F(ReservationTest, OnesThatShrinkAreCountedInThePoolThatTheyAreIn) {
+  MemoryBudget whole(1000, {100, 10});
+  const auto share = std::make_shared<MemoryBudget>(500, MemoryBudget::SmallPool{50, 10});
+  {
+    MemoryBudget::Reservation large(whole, share), small(whole, share);
+    ASSERT_TRUE(large.grow_to(400));
+    ASSERT_TRUE(small.grow_to(8));
+    large.shrink_to(200);
+    small.shrink_to(5);
+    large.shrink_to(300);  // is less already
+    EXPECT_EQ(large.bytes(), 200u);
+    EXPECT_EQ(whole.used(), 205u);
+    EXPECT_EQ(whole.small_used(), 5u);
+    EXPECT_EQ(share->used(), 205u);
+    large.shrink_to(0);
+    EXPECT_EQ(large.bytes(), 11u) << "a large one still";
+    EXPECT_EQ(whole.small_used(), 5u);
+    ASSERT_TRUE(large.grow_to(20));
+  }
+  EXPECT_EQ(whole.used(), 0u);
+  EXPECT_EQ(share->used(), 0u);
+  EXPECT_EQ(whole.small_used(), 0u);
+}
+
 TEST_F(ReservationTest, AMeshThatCouldNeverBeHeldIsRefusedBeforeItIsPrepared) {
   control->import = [](std::string_view) { return Expected<Mesh>(mesh_of(6'000'000)); };
   const std::optional<Error> error = ask(request());
