@@ -121,7 +121,9 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
            "memory", "BYTES", o.memory, 0, kTiB,
            "What server and import processes may have resident, 0: the limit of their control group, or the "
            "machine's memory; budgets below that nobody gives are lowered until all fits"),
-       number("max-queue", "N", o.max_queue, 0, 1'000'000, "Requests that may wait for a computing thread"),
+       number("max-queue", "N", o.max_queue, 0, 1'000'000,
+              "Requests that may wait for a computing thread; up to twice as many, so that each client has "
+              "its part"),
        number("import-workers", "N", o.import_workers, 0, 1024,
               "Sandboxed processes that read files; 0: files are read in the server's own process"),
        number("import-memory", "BYTES", o.import_memory, 0, kTiB,

@@ -135,11 +135,10 @@ std::optional<Problem> Api::refuse_body(const RequestHead& head, const Admission
 /// already.
 std::optional<Problem> Api::refuse_overload(const RequestHead& head, const Admission& admission,
                                             const Payer& payer) const {
-  constexpr std::uint64_t kSmall = 64u << 10;
-  const std::uint64_t bytes = head.content_length.value_or(kSmall);
+  const std::uint64_t bytes = head.content_length.value_or(kSmallBody);
   OrProblem<Terms> terms = terms_of(head, *admission.route, payer);
   if (!terms) return std::move(terms.error());
-  if (bytes <= kSmall) return std::nullopt;
+  if (bytes <= kSmallBody) return std::nullopt;
   const auto parsed = service_.parameters().parse(raw_parameters(admission.query));
   const ExpectedWork work = parsed ? expected_work(parsed->fracture, bytes, nullptr) : expected_work(bytes);
   const auto overload = dispatcher_.refuses(work, *terms);
@@ -167,6 +166,15 @@ OrProblem<Terms> Api::terms_of(const RequestHead& head, const Route& route, cons
     time = std::min(time, std::chrono::milliseconds(static_cast<std::int64_t>(std::ceil(seconds * 1000))));
   }
   terms.deadline = received + time;
+  return terms;
+}
+
+OrProblem<Terms> Api::terms_of(const Request& request, const std::stop_token& gone) const {
+  OrProblem<Terms> terms = terms_of(request.head, *request.admission.route, request.payer, request.received);
+  if (terms) {
+    terms->gone = gone;
+    terms->seat = request.seat;
+  }
   return terms;
 }
 

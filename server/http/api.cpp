@@ -7,8 +7,6 @@
 #include <new>
 
 #include "server/http/auth.hpp"
-#include "server/http/content_coding.hpp"
-#include "server/http/content_digest.hpp"
 
 namespace fracture::http {
 namespace {
@@ -88,84 +86,6 @@ void Api::sweep_later() {
   });
 }
 
-namespace {
-
-/// What is admitted for a body that says nothing of its size, and how much more when that was too little.
-constexpr std::uint64_t kUsualRatio = 8, kMore = 4;
-
-}  // namespace
-
-Answered Api::decode(const std::shared_ptr<Request>& request, ContentCoding coding, std::uint64_t expected,
-                     const std::stop_token& gone, const Reply& reply) {
-  OrProblem<Terms> terms = terms_of(*request);
-  if (!terms) return tl::unexpected<Problem>(std::move(terms.error()));
-  terms->gone = gone;
-  const auto overload = dispatcher_.run(
-      expected_decoding(expected), *terms, [this, request, coding, expected, terms = *terms, reply] {
-        answering(*request, reply, [&] { return decoded(request, coding, expected, terms, reply); });
-      });
-  if (overload) return tl::unexpected<Problem>(to_problem(*overload));
-  return std::nullopt;
-}
-
-Answered Api::decoded(const std::shared_ptr<Request>& request, ContentCoding coding, std::uint64_t expected,
-                      const Terms& terms, const Reply& reply) {
-  // Where less than a mesh is expected, the limit holds before and after decoding.
-  const std::uint64_t limit =
-      request->admission.max_body < limits_.max_body ? request->admission.max_body : limits_.max_decoded_body;
-  Execution execution;
-  execution.stop = terms.gone;
-  execution.deadline = terms.deadline;
-  const auto refused = [&](Problem problem) {
-    std::string().swap(request->body);
-    request->reservation = {};
-    return tl::unexpected<Problem>(std::move(problem));
-  };
-  try {
-    execution.poll();  // it may have waited for long
-    Decoding decoding = decode_body(request->body, coding, limit, request->reservation, execution, expected);
-    if (decoding.larger) return decode(request, coding, kMore * expected, terms.gone, reply);
-    if (decoding.no_room) return refused(no_memory(request->reservation));
-    if (decoding.problem) return refused(std::move(*decoding.problem));
-  } catch (const Interrupted& interrupted) {
-    return refused(to_problem(to_error(interrupted)));
-  }
-  return dispatch(request, terms.gone, reply);
-}
-
-void Api::start(std::shared_ptr<Request> request, std::stop_token gone, Reply reply) {
-  request->received = std::chrono::steady_clock::now();
-  answering(*request, reply, [&]() -> Answered {
-    const auto go_on = [this, request, gone, reply]() -> Answered {
-      const OrProblem<ContentCoding> coding = content_coding(request->head.field("content-encoding"));
-      if (!coding || *coding == ContentCoding::kIdentity || request->body.empty())
-        return dispatch(request, gone, reply);
-      const std::uint64_t announced = announced_size(request->body, *coding);
-      const std::uint64_t expected = std::max<std::uint64_t>(
-          announced > 0 ? announced : kUsualRatio * request->body.size(), request->body.size());
-      return decode(request, *coding, std::min(expected, limits_.max_decoded_body), gone, reply);
-    };
-    const std::string digest = request->head.field("content-digest");  // of the bytes as they were sent
-    if (digest.empty()) return go_on();
-    const auto check = [request, digest, go_on]() -> Answered {
-      std::optional<Problem> problem = check_content_digest(digest, request->body);
-      if (!problem) return go_on();
-      std::string().swap(request->body);
-      request->reservation = {};
-      return tl::unexpected<Problem>(std::move(*problem));
-    };
-    if (request->body.size() <= kReadInline) return check();
-    OrProblem<Terms> terms = terms_of(*request);
-    if (!terms) return tl::unexpected<Problem>(std::move(terms.error()));
-    terms->gone = gone;
-    const auto overload =
-        dispatcher_.run(expected_reading(request->body.size()), *terms,
-                        [this, request, reply, check] { answering(*request, reply, check); });
-    if (overload) return tl::unexpected<Problem>(to_problem(*overload));
-    return std::nullopt;
-  });
-}
-
 void Api::answering(const Request& request, const Reply& reply,
                     const std::function<Answered()>& handle) noexcept {
   Error error{ErrorCode::kInternal, "an exception of unknown type"};
@@ -206,7 +126,7 @@ Answered Api::dispatch(const std::shared_ptr<Request>& request, const std::stop_
     case Operation::kPostFracture:
       return post_fracture(request, gone, reply);
     case Operation::kGetFracture:
-      return get_fracture(request, reply);
+      return get_fracture(request, gone, reply);
     case Operation::kPutMesh:
     case Operation::kPostMesh:
       return put_mesh(request, gone, reply);

@@ -1,7 +1,8 @@
 // What the server answers. Knows HTTP's meaning but no sockets: a session hands it the header (admit), then
-// the whole request (start), and writes what comes back. The handlers stand in one file for each subject:
-// api_fracture.cpp, api_meshes.cpp, api_results.cpp, api_jobs.cpp, api_discovery.cpp; admit.cpp decides from
-// the header alone.
+// the whole request (start), and writes what comes back. admit.cpp decides from the header alone,
+// prepare_body.cpp makes a body ready for its handler. The handlers stand in one file for each subject:
+// api_discovery.cpp, api_fracture.cpp, api_jobs.cpp, api_meshes.cpp, api_metrics.cpp, api_results.cpp; who
+// may see what in api_tenants.cpp.
 #pragma once
 
 #include <atomic>
@@ -77,18 +78,29 @@ class Api {
   /// Runs a handler and replies with what it returns, if anything; exceptions become problems.
   void answering(const Request& request, const Reply& reply,
                  const std::function<Answered()>& handle) noexcept;
-  /// Undoes the Content-Encoding of the body on the pool, within so many bytes as were admitted, and goes on
-  /// with the request; or is admitted again for more.
-  Answered decode(const std::shared_ptr<Request>& request, ContentCoding coding, std::uint64_t expected,
-                  const std::stop_token& gone, const Reply& reply);
-  Answered decoded(const std::shared_ptr<Request>& request, ContentCoding coding, std::uint64_t expected,
-                   const Terms& terms, const Reply& reply);
+  /// A step of a request on a thread of the pool, when its turn comes; answered there, or where its deadline
+  /// or its client's leaving comes first.
+  using Step = std::function<Answered(const Execution&)>;
+  Answered on_pool(const ExpectedWork& work, const std::shared_ptr<Request>& request, const Terms& terms,
+                   const Reply& reply, Step step);
+  /// What a body takes to be made ready: hashed, decoded, taken apart.
+  struct Preparation {
+    std::string digest{};  ///< Content-Digest, of the bytes as they were sent; empty: nothing to check
+    ContentCoding coding = ContentCoding::kIdentity;
+    std::uint64_t expected = 0;  ///< bytes of the decoded body that are admitted
+  };
+  /// All of that in one step on the pool; then the request goes on. A body that decodes to more than was
+  /// expected is admitted again for that.
+  Answered prepare_body(const std::shared_ptr<Request>& request, const Preparation& preparation,
+                        const std::stop_token& gone, const Reply& reply);
+  Answered prepared_body(const std::shared_ptr<Request>& request, const Preparation& preparation,
+                         const Execution& execution, const Reply& reply);
   void write_metrics(ops::MetricWriter& writer) const;
   Answered dispatch(const std::shared_ptr<Request>& request, const std::stop_token& gone, const Reply& reply);
 
   /// Takes a mesh out of the body, here or on the pool when it is large, and goes on with it.
   using WithMesh =
-      std::function<Answered(FractureRequest input, const std::shared_ptr<Body>& body, const Terms& terms)>;
+      std::function<Answered(FractureRequest input, std::shared_ptr<Body> body, const Terms& terms)>;
   Answered with_mesh_input(const std::shared_ptr<Request>& request, const std::stop_token& gone,
                            const Reply& reply, WithMesh go_on);
   Answered post_fracture(const std::shared_ptr<Request>& request, const std::stop_token& gone,
@@ -96,7 +108,8 @@ class Api {
   /// What every way to ask for a fracture ends in.
   Answered fracture(const std::shared_ptr<Request>& request, FractureRequest asked, Terms terms,
                     const Reply& reply);
-  Answered get_fracture(const std::shared_ptr<Request>& request, const Reply& reply);
+  Answered get_fracture(const std::shared_ptr<Request>& request, const std::stop_token& gone,
+                        const Reply& reply);
   Answered found_result(const std::shared_ptr<Request>& request,
                         const std::shared_ptr<const FractureResult>& result, std::string_view cache_status,
                         const Reply& reply);
@@ -146,9 +159,7 @@ class Api {
   OrProblem<Terms> terms_of(
       const RequestHead& head, const Route& route, const Payer& payer,
       std::chrono::steady_clock::time_point received = std::chrono::steady_clock::now()) const;
-  OrProblem<Terms> terms_of(const Request& request) const {
-    return terms_of(request.head, *request.admission.route, request.payer, request.received);
-  }
+  OrProblem<Terms> terms_of(const Request& request, const std::stop_token& gone = {}) const;
   std::optional<Problem> refuse_overload(const RequestHead& head, const Admission& admission,
                                          const Payer& payer) const;
   std::optional<Problem> refuse_body(const RequestHead& head, const Admission& admission,

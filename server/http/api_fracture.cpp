@@ -7,22 +7,23 @@
 namespace fracture::http {
 Answered Api::with_mesh_input(const std::shared_ptr<Request>& request, const std::stop_token& gone,
                               const Reply& reply, WithMesh go_on) {
-  OrProblem<Terms> terms = terms_of(*request);
+  OrProblem<Terms> terms = terms_of(*request, gone);
   if (!terms) return tl::unexpected<Problem>(std::move(terms.error()));
-  terms->gone = gone;
-  const auto body = std::make_shared<Body>(Body{std::move(request->body), std::move(request->reservation)});
-  const auto read = [this, request, body, terms = *terms, go_on = std::move(go_on)]() -> Answered {
+  auto body = std::make_shared<Body>(Body{std::move(request->body), std::move(request->reservation)});
+  const std::size_t size = body->bytes.size();
+  // Called once: when the request has gone on, nothing here holds its body, whoever answers it.
+  auto read = [this, request, body = std::move(body), terms = *terms,
+               go_on = std::move(go_on)]() mutable -> Answered {
+    std::shared_ptr<Body> own = std::move(body);
     OrProblem<FractureRequest> input = read_mesh_input(
-        *request, body, service_, [&](const std::string& key) { return may_see(*request, key); });
+        *request, own, service_, [&](const std::string& key) { return may_see(*request, key); });
     if (!input) return tl::unexpected<Problem>(std::move(input.error()));
-    return go_on(std::move(*input), body, terms);
+    return go_on(std::move(*input), std::move(own), terms);
   };
   const bool form = media_type_of(request->head.field("content-type")) == "multipart/form-data";
-  if (body->bytes.size() <= (form ? kReadFormInline : kReadInline)) return read();
-  const auto overload = dispatcher_.run(expected_reading(body->bytes.size()), *terms,
-                                        [this, request, read, reply] { answering(*request, reply, read); });
-  if (overload) return tl::unexpected<Problem>(to_problem(*overload));
-  return std::nullopt;
+  if (request->on_pool || size <= (form ? kReadFormInline : kReadInline)) return read();
+  return on_pool(expected_reading(size), request, *terms, reply,
+                 [read = std::move(read)](const Execution&) mutable { return read(); });
 }
 
 Answered Api::post_fracture(const std::shared_ptr<Request>& request, const std::stop_token& gone,
@@ -31,7 +32,8 @@ Answered Api::post_fracture(const std::shared_ptr<Request>& request, const std::
     return fracture_stored(request, request->body, "", gone, reply);
   return with_mesh_input(
       request, gone, reply,
-      [this, request, reply](FractureRequest input, const std::shared_ptr<Body>&, const Terms& terms) {
+      [this, request, reply](FractureRequest input, std::shared_ptr<Body> body, const Terms& terms) {
+        body.reset();
         return fracture(request, std::move(input), terms, reply);
       });
 }

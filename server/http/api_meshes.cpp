@@ -9,17 +9,6 @@
 namespace fracture::http {
 namespace {
 
-constexpr std::string_view kScheme = "sha256:";
-
-/// The digest of "sha256:<64 hex digits>"; nothing for anything else.
-std::optional<std::string> digest_in(std::string_view id) {
-  if (id.size() != kScheme.size() + 64 || id.substr(0, kScheme.size()) != kScheme) return std::nullopt;
-  id.remove_prefix(kScheme.size());
-  const auto is_digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
-  if (!std::all_of(id.begin(), id.end(), is_digit)) return std::nullopt;
-  return std::string(id);
-}
-
 Problem no_mesh() {
   return Problem(
       HttpProblem::kNotFound,
@@ -28,7 +17,7 @@ Problem no_mesh() {
 }
 
 nlohmann::ordered_json describe(const StoredMesh& mesh, const StoreConfig& config) {
-  return {{"id", std::string(kScheme) + mesh.digest},
+  return {{"id", std::string(kDigestScheme) + mesh.digest},
           {"format", extension_of(mesh.format)},
           {"bytes", mesh.bytes()},
           {"files", mesh.files.size()},
@@ -57,8 +46,7 @@ Answered Api::put_mesh(const std::shared_ptr<Request>& request, const std::stop_
           return refuse(HttpProblem::kDigestMismatch,
                         "The digest of this mesh is sha256:" + input.digest + ", not sha256:" + wanted +
                             ". (With further files it covers their names and digests: see openapi.json.)");
-        std::uint64_t bytes = input.mesh.size();
-        for (const ImportFile& file : input.files) bytes += file.name.size() + file.bytes.size();
+        const std::uint64_t bytes = input_bytes(input.mesh, input.files);
         if (bytes > meshes_.config().quota_bytes)
           return refuse(HttpProblem::kBodyTooLarge, "The mesh has " + std::to_string(bytes) +
                                                         " bytes; all stored meshes together may have " +
@@ -101,7 +89,7 @@ Answered Api::store(const Request& request, const FractureRequest& asked, const 
   if (stored->owner == asked.owner) body.reservation = {};
   Response response =
       Response::json(describe(*stored, meshes_.config()), put == MeshStore::Put::kCreated ? 201 : 200);
-  response.headers.emplace_back("Location", "/meshes/" + std::string(kScheme) + stored->digest);
+  response.headers.emplace_back("Location", "/meshes/" + std::string(kDigestScheme) + stored->digest);
   return response;
 }
 
@@ -156,9 +144,8 @@ Answered Api::fracture_stored(const std::shared_ptr<Request>& request, std::stri
   Expected<RequestParameters> parameters =
       service_.parse(given, [&](const std::string& key) { return may_see(*request, key); });
   if (!parameters) return tl::unexpected<Problem>(to_problem(std::move(parameters.error())));
-  OrProblem<Terms> terms = terms_of(*request);
+  OrProblem<Terms> terms = terms_of(*request, gone);
   if (!terms) return tl::unexpected<Problem>(std::move(terms.error()));
-  terms->gone = gone;
   auto mesh = stored_mesh(*request, named);
   if (!mesh) return tl::unexpected<Problem>(std::move(mesh.error()));
 

@@ -84,38 +84,31 @@ Answered ranged(const RequestHead& head, bool head_only, const std::string& etag
 
 }  // namespace
 
-Answered Api::get_fracture(const std::shared_ptr<Request>& request, const Reply& reply) {
-  constexpr std::string_view kScheme = "sha256:";
-  const std::string& id = request->admission.segment;
+Answered Api::get_fracture(const std::shared_ptr<Request>& request, const std::stop_token& gone,
+                           const Reply& reply) {
   // Nothing else is a result's name: the cache also holds what was made of results, by other names.
-  const auto is_digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
-  if (id.size() != kScheme.size() + 64 || id.substr(0, kScheme.size()) != kScheme ||
-      !std::all_of(id.begin() + kScheme.size(), id.end(), is_digit))
-    return tl::unexpected<Problem>(no_result());
-  const std::string key = id.substr(kScheme.size());
-  if (!may_see(*request, key)) return tl::unexpected<Problem>(no_result());
+  const std::optional<std::string> named = digest_in(request->admission.segment);
+  if (!named || !may_see(*request, *named)) return tl::unexpected<Problem>(no_result());
+  const std::string& key = *named;
   if (const auto result = service_.find_result(key))
     return found_result(request, result, "result; hit", reply);
   if (const auto result = jobs_.find_result(key)) return found_result(request, result, "job; hit", reply);
   const auto bytes = service_.tiers().expected_bytes(key);
   if (!bytes) return tl::unexpected<Problem>(no_result());
   // Reading blocks: not on this thread.
-  OrProblem<Terms> terms = terms_of(*request);
+  OrProblem<Terms> terms = terms_of(*request, gone);
   if (!terms) return tl::unexpected<Problem>(std::move(terms.error()));
-  const auto overload = dispatcher_.run(expected_reading(*bytes), *terms, [this, request, key, reply] {
-    answering(*request, reply, [&]() -> Answered {
-      FractureAnswer answer;
-      MemoryBudget::Reservation reading(dispatcher_.working());
-      if (!service_.fetch_result(key, answer, [&](std::uint64_t needed) { return reading.grow_to(needed); }))
-        return tl::unexpected<Problem>(
-            Problem(HttpProblem::kOverloaded, "There is no memory to read this result now.")
-                .with("Retry-After", "2"));
-      if (!answer.result) return tl::unexpected<Problem>(no_result());
-      return found_result(request, answer.result, cache_status(answer), reply);
-    });
-  });
-  if (overload) return tl::unexpected<Problem>(to_problem(*overload));
-  return std::nullopt;
+  const auto read = [this, request, key, reply](const Execution&) -> Answered {
+    FractureAnswer answer;
+    MemoryBudget::Reservation reading(dispatcher_.working());
+    if (!service_.fetch_result(key, answer, [&](std::uint64_t needed) { return reading.grow_to(needed); }))
+      return tl::unexpected<Problem>(
+          Problem(HttpProblem::kOverloaded, "There is no memory to read this result now.")
+              .with("Retry-After", "2"));
+    if (!answer.result) return tl::unexpected<Problem>(no_result());
+    return found_result(request, answer.result, cache_status(answer), reply);
+  };
+  return on_pool(expected_reading(*bytes), request, *terms, reply, read);
 }
 
 Answered Api::send_result(const std::shared_ptr<Request>& request,
@@ -143,20 +136,27 @@ Answered Api::send_result(const std::shared_ptr<Request>& request,
   const auto not_made = [](std::string why) -> Expected<Made> {
     return tl::unexpected<Error>(Error{ErrorCode::kOutOfMemory, std::move(why)});
   };
+  // For all who wait, whoever leaves; and of an answer that is there.
+  Terms compressing = terms;
+  compressing.gone = {};
+  compressing.needs_seat = false;
+  const auto compress = [this, flight = seat.flight, result, representation, not_made](const Execution&) {
+    Expected<Made> made = not_made("There is no memory to compress this answer now.");
+    try {
+      made = make_variant(*result, representation);
+      service_.keep_variant(*made);
+    } catch (const std::exception& e) {
+      if (!made) spdlog::warn("compressing an answer failed: {}", e.what());
+    }
+    variants_.land(flight, made);
+  };
+  const auto too_late = [this, flight = seat.flight, not_made](Error error) {
+    variants_.land(flight, not_made(std::move(error.detail)));
+  };
   std::optional<Overload> overload;
   try {
-    overload = dispatcher_.run(expected_coding(plain_bytes(*result, representation.figures).size()), terms,
-                               [this, flight = seat.flight, result, representation, not_made] {
-                                 Expected<Made> made =
-                                     not_made("There is no memory to compress this answer now.");
-                                 try {
-                                   made = make_variant(*result, representation);
-                                   service_.keep_variant(*made);
-                                 } catch (const std::exception& e) {
-                                   if (!made) spdlog::warn("compressing an answer failed: {}", e.what());
-                                 }
-                                 variants_.land(flight, made);
-                               });
+    overload = dispatcher_.run(expected_coding(plain_bytes(*result, representation.figures).size()),
+                               compressing, compress, too_late);
   } catch (const std::exception&) {  // whatever happens, nobody waits for ever
     overload = Overload{"There is no memory to compress this answer now.", std::chrono::seconds(2)};
   }

@@ -1,25 +1,24 @@
 #include "server/http/content_digest.hpp"
-#include "common/base/text.hpp"
 
 #include <openssl/evp.h>
 
 #include <algorithm>
+#include <span>
 #include <string>
+
+#include "common/base/digest.hpp"
+#include "common/base/text.hpp"
 
 namespace fracture::http {
 namespace {
 
 /// As a byte sequence of RFC 8941: ":<base64>:".
-std::string digest_of(std::string_view body, const EVP_MD* algorithm) {
+std::string byte_sequence_of(std::string_view body, const EVP_MD* algorithm) {
   unsigned char digest[EVP_MAX_MD_SIZE];
   unsigned int size = 0;
   if (EVP_Digest(body.data(), body.size(), digest, &size, algorithm, nullptr) != 1)
     throw InternalError("a digest cannot be computed");
-  std::string text(4 * ((size + 2) / 3) + 1, '\0');  // and a zero at the end, which EVP writes
-  const int n =
-      EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()), digest, static_cast<int>(size));
-  text.resize(static_cast<std::size_t>(n));
-  return text.insert(0, 1, ':') += ':';
+  return std::string(":").append(base64(std::span(digest, size))) += ':';
 }
 
 }  // namespace
@@ -40,7 +39,7 @@ std::optional<Problem> check_content_digest(std::string_view field, std::string_
                                     : name == "sha-512" ? EVP_sha512()
                                                         : nullptr;
     if (!algorithm) continue;
-    if (const std::string found = digest_of(body, algorithm); found != value)
+    if (const std::string found = byte_sequence_of(body, algorithm); found != value)
       return Problem(HttpProblem::kContentDigestMismatch,
                      "The " + std::to_string(body.size()) + " bytes of the body have the digest " +
                          std::string(name) + "=" + found + ", and another one was announced.");

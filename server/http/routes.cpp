@@ -1,5 +1,7 @@
 #include "server/http/routes.hpp"
 
+#include <algorithm>
+
 namespace fracture::http {
 namespace {
 
@@ -56,6 +58,14 @@ std::optional<std::string> match(const Route& route, std::string_view path) {
     return std::nullopt;
   const std::string_view segment = path.substr(open, path.size() - before.size() - after.size());
   if (segment.find('/') != std::string_view::npos) return std::nullopt;
+  return std::string(segment);
+}
+
+std::optional<std::string> digest_in(std::string_view segment) {
+  if (segment.size() != kDigestScheme.size() + 64 || !segment.starts_with(kDigestScheme)) return std::nullopt;
+  segment.remove_prefix(kDigestScheme.size());
+  const auto is_digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
+  if (!std::all_of(segment.begin(), segment.end(), is_digit)) return std::nullopt;
   return std::string(segment);
 }
 

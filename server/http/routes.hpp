@@ -61,6 +61,11 @@ std::span<const Route> routes();
 /// What the segment in braces stands for (empty when the route has none); nothing when the path is another.
 std::optional<std::string> match(const Route& route, std::string_view path);
 
+/// Meshes and results are named "sha256:" and 64 lower-case hex digits. Those digits; nothing for anything
+/// else.
+inline constexpr std::string_view kDigestScheme = "sha256:";
+std::optional<std::string> digest_in(std::string_view segment);
+
 /// Of the offers of the routes that answer with a result.
 inline constexpr std::size_t kAsGlb = 0, kAsFigures = 1, kAsGltf = 2;
 /// Of those of the pages about problems.

@@ -1,4 +1,4 @@
-// Private to dispatcher.cpp: one who waits, what is computed, and what that takes.
+// Private to dispatcher*.cpp: one who waits, what is computed, and what that takes.
 #pragma once
 
 #include <chrono>
@@ -111,9 +111,7 @@ struct Dispatcher::Computation {
   Dispatcher& dispatcher;
   FractureRequest request{};
   RequestKeys keys{};
-  double cost = 0;       ///< revised when the mesh is known
-  double turn_cost = 0;  ///< what its turn has cost its flow
-  Flow flow{};           ///< whose turn it takes
+  double cost = 0;  ///< revised when the mesh is known
   std::optional<ComputationAllowance> working{};
   std::shared_ptr<ResultFlights::Flight> flight{};
   Clock::time_point submitted = Clock::now(), begun{};
@@ -136,8 +134,13 @@ struct Dispatcher::Computation {
   }
   void settle() {
     if (!flight || (settled && spent.processor_seconds <= *settled)) return;
-    dispatcher.charge(flight->common.payers, flow, flight->common.priority(),
-                      spent.processor_seconds - settled.value_or(0), settled ? 0 : turn_cost);
+    const double more = spent.processor_seconds - settled.value_or(0);
+    TurnTaken turn;
+    if (!settled) {
+      const std::lock_guard lock(flight->common.mutex);
+      turn = flight->common.turn;
+    }
+    dispatcher.charge(flight->common.payers.charge(more), turn, more);
     settled = spent.processor_seconds;
   }
 };

@@ -9,11 +9,7 @@
 namespace fracture {
 namespace {
 
-std::uint64_t bytes_of(const FractureRequest& request) {
-  std::uint64_t bytes = request.mesh.size();
-  for (const ImportFile& file : request.files) bytes += file.bytes.size();
-  return bytes;
-}
+std::uint64_t bytes_of(const FractureRequest& request) { return input_bytes(request.mesh, request.files); }
 
 void append(StageTimings& to, const StageTimings& more) {
   for (const auto& [stage, ms] : more.stages()) to.add(stage, ms);
@@ -96,8 +92,9 @@ std::optional<Overload> Dispatcher::fracture(FractureRequest request, const Term
                               waiting->answer(std::move(mine));
                             });
   ResultFlights::Flight& flight = *seat.flight;
-  flight.common.payers.add(terms.payer);
-  if (terms.priority == Priority::kRealtime) flight.common.realtime = true;
+  // What it takes may have been charged by now, to those who came before.
+  if (const double owed = flight.common.payers.add(terms.payer, terms.priority); owed > 0)
+    charge({{terms.payer, terms.priority}}, {}, owed);
   if (terms.progress) {
     const std::lock_guard lock(flight.common.mutex);
     flight.common.observers.push_back(terms.progress);
@@ -110,15 +107,25 @@ std::optional<Overload> Dispatcher::fracture(FractureRequest request, const Term
     const auto c = std::make_shared<Computation>(*this);
     c->request = std::move(request);
     c->keys = std::move(keys);
-    c->cost = c->turn_cost = cost;
-    c->flow = terms.payer.flow;
+    c->cost = cost;
     c->working.emplace(working_, std::move(working));
     c->flight = seat.flight;
+    const std::lock_guard lock(flight.common.mutex);
+    flight.common.turn = {terms.payer.flow, terms.priority, cost};
     flight.common.task = pool_.submit(
-        terms.priority, cost, [this, c](int threads) { at_station(c, [&] { begin(c, threads); }); }, c->flow);
+        terms.priority, cost, [this, c](int threads) { at_station(c, [&] { begin(c, threads); }); },
+        terms.payer.flow);
+    if (terms.priority == Priority::kRealtime)
+      flight.common.realtime = true;
+    else if (flight.common.hurry)  // who joined before the task was there
+      promote(flight.common);
   } else {
     ++collapsed_;
-    if (terms.priority == Priority::kRealtime) pool_.promote(flight.common.task);
+    if (terms.priority == Priority::kRealtime) {
+      const std::lock_guard lock(flight.common.mutex);
+      if (!flight.common.hurry) flight.common.hurry = terms.payer.flow;
+      promote(flight.common);
+    }
   }
   waiting->arm(std::move(seat), terms);
   return std::nullopt;
@@ -152,11 +159,8 @@ std::optional<Overload> Dispatcher::prepare(FractureRequest request, const Terms
   waiting->share = std::move(share);
   auto seat = meshes_.join(keys.mesh, [this, waiting, payer = terms.payer, priority = terms.priority](
                                           const Outcome<PreparedMesh>& outcome, MeshFlights::Role role) {
-    if (outcome && role == MeshFlights::Role::kFollower) {
-      Payers one;
-      one.add(payer);
-      charge(one, {}, priority, outcome->processor_seconds, 0);
-    }
+    if (outcome && role == MeshFlights::Role::kFollower)
+      charge({{payer, priority}}, {}, outcome->processor_seconds);
     if (outcome)
       waiting->answer(outcome->value);
     else
@@ -172,10 +176,9 @@ std::optional<Overload> Dispatcher::prepare(FractureRequest request, const Terms
     const auto p = std::make_shared<Preparation>(std::move(request), std::move(keys), terms);
     p->working.emplace(working_, std::move(working));
     const auto prepare = [this, p, cost, flight = seat.flight](int threads) {
-      Payers payers;
-      payers.add(p->terms.payer);
+      const Terms& mine = p->terms;
       const auto paid = [&](double seconds) {
-        charge(payers, p->terms.payer.flow, p->terms.priority, seconds, cost);
+        charge({{mine.payer, mine.priority}}, {mine.payer.flow, mine.priority, cost}, seconds);
       };
       if (flight->stop().stop_requested()) return paid(0);
       Execution execution;
@@ -226,6 +229,7 @@ void Dispatcher::obtain(SingleFlight<Step<Value>>& flights, const std::string& k
         Outcome<Value> waited = outcome;
         if (waited) waited->cache = CacheOutcome::kCollapsed;
         if (waited) c->spent.processor_seconds += waited->processor_seconds;  // computed for all who waited
+        const std::lock_guard lock(c->flight->common.mutex);
         c->flight->common.task =
             pool_.resume([this, c, next, waited = std::move(waited)](
                              int free) { at_station(c, [&] { (this->*next)(c, waited, free); }); },

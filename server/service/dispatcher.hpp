@@ -54,6 +54,10 @@ struct Terms {
   Payer payer{};
   /// Told of a good answer before it is replied, by whatever thread brings it.
   std::function<void(const FractureResult&)> answered{};
+  /// Where the steps of one request hand on its place among the computations of its name: the first step
+  /// takes it, the next one finds it here. Null: each step takes one.
+  std::shared_ptr<tenants::Account::Seat> seat{};
+  bool needs_seat = true;  ///< false: finishes what had its place
 };
 
 /// Refused at once: there is no room.
@@ -83,8 +87,13 @@ class Dispatcher {
   /// The first two steps alone, in the same way.
   std::optional<Overload> prepare(FractureRequest request, const Terms& terms, MeshReply reply);
   /// Other work for the pool's threads (a body to decode, an entry of a tier to read), with no flight, in the
-  /// class of the request: its job runs later. Otherwise it is dropped. It must not throw.
-  std::optional<Overload> run(const ExpectedWork& work, const Terms& terms, std::function<void()> job);
+  /// class of the request. Nothing: exactly one of two is called, before this returns or later. `job` on a
+  /// thread of the pool when its turn comes, with the deadline and the stop of the terms for it to poll;
+  /// `given_up` where the deadline (kDeadlineExceeded) or the client's leaving (kCancelled) comes first: then
+  /// it is queued no longer. Otherwise both are dropped. They must not throw.
+  using Job = std::function<void(const Execution&)>;
+  using GivenUp = std::function<void(Error)>;
+  std::optional<Overload> run(const ExpectedWork& work, const Terms& terms, Job job, GivenUp given_up);
   /// What all that is computed or read holds.
   MemoryBudget& working() { return working_; }
 
@@ -105,7 +114,7 @@ class Dispatcher {
     std::uint64_t computed = 0;   ///< results computed to the end
     std::uint64_t collapsed = 0;  ///< requests that waited for the computation of another one
     std::uint64_t abandoned = 0;  ///< waiters who left: reset, cancelled or past their deadline
-    std::uint64_t expired = 0;    ///< computations whose deadline had passed when their turn came
+    std::uint64_t expired = 0;    ///< work whose deadline passed before its turn came
     std::uint64_t refused = 0;    ///< by admission
     std::size_t flights = 0;      ///< of results, now
     std::uint64_t working_bytes = 0;
@@ -129,8 +138,10 @@ class Dispatcher {
     std::atomic<bool> realtime{false};  ///< somebody who waits is in a hurry
     Priority priority() const { return realtime ? Priority::kRealtime : Priority::kBatch; }
     Payers payers;
-    std::mutex mutex;
+    std::mutex mutex;  // of what follows, and of bringing it together with `task`
     std::vector<std::function<void(const char*, double)>> observers;
+    TurnTaken turn;
+    std::optional<Flow> hurry;  ///< of the first who is in one
     void tell(const char* stage, double fraction);
   };
   using ResultFlights = SingleFlight<FractureAnswer, Common>;
@@ -138,10 +149,14 @@ class Dispatcher {
   using DiagramFlights = SingleFlight<Step<Diagram>>;
 
   std::optional<Overload> refuses(double cost, const Terms& terms) const;
-  /// A place among the computations of a name.
+  /// A place among the computations of a name: that of the step before, else a new one.
   static std::optional<Overload> seat(const Terms& terms, tenants::Account::Seat& share);
-  /// All who waited are charged for all of it. `cost` is what the leader's turn has already cost it.
-  void charge(const Payers& payers, const Flow& leader, Priority priority, double seconds, double cost);
+  /// All who waited are charged for all of it, each in the class of its own request; whose turn it was is
+  /// given back what that has cost.
+  void charge(const std::vector<Waits>& payers, const TurnTaken& turn, double seconds);
+  /// Somebody in a hurry waits for a computation; its flow gives the turn, where that has not come yet. With
+  /// the mutex of `common`.
+  void promote(Common& common);
   std::optional<Overload> reserve(std::uint64_t bytes, MemoryBudget::Reservation& reservation);
 
   // The stations of a computation, each on a thread of the pool.
@@ -158,6 +173,7 @@ class Dispatcher {
 
   template <class Flights, class Value>
   struct Waiting;
+  struct Errand;
 
   FractureService& service_;
   WorkerPool& pool_;

@@ -41,7 +41,11 @@ std::optional<Overload> Dispatcher::refuses(const ExpectedWork& work, const Term
 }
 
 std::optional<Overload> Dispatcher::seat(const Terms& terms, tenants::Account::Seat& share) {
-  if (!terms.payer.account) return std::nullopt;
+  if (!terms.payer.account || !terms.needs_seat) return std::nullopt;
+  if (terms.seat && *terms.seat) {
+    share = std::move(*terms.seat);
+    return std::nullopt;
+  }
   auto seat = terms.payer.account->begin_computation();
   if (!seat)
     return Overload{std::move(seat.error().detail), seat.error().retry_after, Overload::Cause::kOverShare};
@@ -49,12 +53,20 @@ std::optional<Overload> Dispatcher::seat(const Terms& terms, tenants::Account::S
   return std::nullopt;
 }
 
-void Dispatcher::charge(const Payers& payers, const Flow& leader, Priority priority, double seconds,
-                        double cost) {
-  for (const Payer& payer : payers.all()) {
+void Dispatcher::charge(const std::vector<Waits>& payers, const TurnTaken& turn, double seconds) {
+  for (const auto& [payer, priority] : payers) {
     if (payer.account) payer.account->charge(seconds);
-    // The cost of the task was charged when its turn came.
-    pool_.charge(priority, payer.flow, payer.flow.name == leader.name ? seconds - cost : seconds);
+    pool_.charge(priority, payer.flow, seconds);
+  }
+  if (turn.cost > 0) pool_.charge(turn.priority, turn.flow, -turn.cost);
+}
+
+void Dispatcher::promote(Common& common) {
+  common.realtime = true;
+  // Else its turn has come, at the cost of whoever led.
+  if (pool_.promote(common.task, *common.hurry)) {
+    common.turn.flow = *common.hurry;
+    common.turn.priority = Priority::kRealtime;
   }
 }
 
@@ -64,31 +76,6 @@ std::optional<Overload> Dispatcher::reserve(std::uint64_t bytes, MemoryBudget::R
   return Overload{"The computations in progress hold " + std::to_string(working_.used()) +
                       " bytes by estimate, and this one needs " + std::to_string(bytes) + ".",
                   whole_seconds(pool_.predicted_wait(Priority::kBatch).count())};
-}
-
-std::optional<Overload> Dispatcher::run(const ExpectedWork& work, const Terms& terms,
-                                        std::function<void()> job) {
-  const auto held = std::make_shared<MemoryBudget::Reservation>();
-  std::optional<Overload> overload = refuses(work.seconds, terms);
-  if (!overload) overload = reserve(work.bytes, *held);
-  if (overload) {
-    ++refused_;
-    return overload;
-  }
-  const auto metered = [this, cost = work.seconds, job = std::move(job), held, payer = terms.payer,
-                        priority = terms.priority](int) {
-    Spent spent;
-    {
-      const Meter meter(spent);
-      job();
-    }
-    pool_.measured(cost, spent.busy_seconds);
-    Payers payers;
-    payers.add(payer);
-    charge(payers, payer.flow, priority, spent.processor_seconds, cost);
-  };
-  pool_.submit(terms.priority, work.seconds, metered, terms.payer.flow);
-  return std::nullopt;
 }
 
 }  // namespace fracture

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/service/fair_queue.hpp"
+#include "server/service/worker_pool.hpp"
 #include "server/tenants/account.hpp"
 
 namespace fracture {
@@ -17,24 +17,44 @@ struct Payer {
   Flow flow{};                                  ///< of the name, else of the client's address
 };
 
+/// A payer, and the class of its request: its later requests of that class wait for what it is charged.
+struct Waits {
+  Payer payer;
+  Priority priority = Priority::kBatch;
+};
+
+/// The turn that a computation has taken, and what that cost its flow before anything was measured.
+struct TurnTaken {
+  Flow flow{};
+  Priority priority = Priority::kBatch;
+  double cost = 0;
+};
+
 /// All who have waited for one computation, each once. Who left while it ran stays: it ran for them, too.
 /// Thread-safe.
 class Payers {
  public:
-  void add(Payer payer) {
+  /// Returns the seconds that all others were charged by now: this one owes them as well, and nobody else
+  /// will charge it.
+  double add(Payer payer, Priority priority) {
     const std::lock_guard lock(mutex_);
-    const bool known =
-        std::any_of(all_.begin(), all_.end(), [&](const Payer& p) { return p.flow.name == payer.flow.name; });
-    if (!known) all_.push_back(std::move(payer));
+    const bool known = std::any_of(all_.begin(), all_.end(),
+                                   [&](const Waits& p) { return p.payer.flow.name == payer.flow.name; });
+    if (known) return 0;
+    all_.push_back({std::move(payer), priority});
+    return charged_;
   }
-  std::vector<Payer> all() const {
+  /// Who is to be charged so many seconds more, each all of them.
+  std::vector<Waits> charge(double seconds) {
     const std::lock_guard lock(mutex_);
+    charged_ += seconds;
     return all_;
   }
 
  private:
-  mutable std::mutex mutex_;
-  std::vector<Payer> all_;
+  std::mutex mutex_;
+  std::vector<Waits> all_;
+  double charged_ = 0;
 };
 
 }  // namespace fracture

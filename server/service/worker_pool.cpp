@@ -128,16 +128,39 @@ WorkerPool::TaskId WorkerPool::resume(Job job, Priority priority) {
   return id;
 }
 
-void WorkerPool::promote(TaskId task) {
+bool WorkerPool::promote(TaskId task, const Flow& flow) {
   const std::lock_guard lock(mutex_);
+  bool is_queued = false;
+  const auto resumed = std::find_if(batch_.resumed.begin(), batch_.resumed.end(),
+                                    [&](const Task& waits) { return waits.id == task; });
   if (const auto at = running_.find(task); at != running_.end()) {
     at->second->priority = Priority::kRealtime;
     at->second->away = false;
     go_on_.notify_all();
+  } else if (resumed != batch_.resumed.end()) {
+    realtime_.resumed.push_back(std::move(*resumed));
+    batch_.resumed.erase(resumed);
   } else if (std::optional<Task> queued = batch_.queue.remove(task)) {
+    queued->flow = flow;
     realtime_.queue.push(std::move(*queued));
+    is_queued = true;
   }
   changed();
+  return is_queued;
+}
+
+bool WorkerPool::withdraw(TaskId task) {
+  std::unique_lock lock(mutex_);
+  std::optional<Task> withdrawn = realtime_.queue.remove(task);
+  if (!withdrawn) withdrawn = batch_.queue.remove(task);
+  if (!withdrawn) return false;
+  ++withdrawing_;
+  lock.unlock();
+  withdrawn.reset();  // what it holds is released before anybody is told that nothing is left
+  lock.lock();
+  --withdrawing_;
+  rest();
+  return true;
 }
 
 void WorkerPool::charge(Priority priority, const Flow& flow, double seconds) {
@@ -165,7 +188,10 @@ bool WorkerPool::full(const Flow& flow) const {
   const std::lock_guard lock(mutex_);
   // An idle worker takes the job at once: such a job does not count as queued.
   const std::size_t idle = thread_count_ - std::min(thread_count_, running_.size());
-  if (realtime_.queue.size() + batch_.queue.size() < max_queue_ + idle) return false;
+  const std::size_t waiting = realtime_.queue.size() + batch_.queue.size();
+  if (waiting < max_queue_ + idle) return false;
+  // Each further flow has a place for its first task, and addresses are many.
+  if (waiting >= 2 * max_queue_ + idle) return true;
   const std::size_t own = realtime_.queue.size_of(flow.name) + batch_.queue.size_of(flow.name);
   const std::size_t others = realtime_.queue.busy_flows() + batch_.queue.busy_flows() - (own > 0 ? 1 : 0);
   // Who fills the queue leaves the others their part of it.
@@ -174,7 +200,7 @@ bool WorkerPool::full(const Flow& flow) const {
 
 void WorkerPool::wait_idle() {
   std::unique_lock lock(mutex_);
-  idle_.wait(lock, [this] { return running_.empty() && queued_locked() == 0; });
+  idle_.wait(lock, [this] { return is_idle(); });
 }
 
 std::chrono::duration<double> WorkerPool::predicted_wait(Priority priority, const Flow& flow) const {
@@ -297,17 +323,22 @@ void WorkerPool::work() {
 
     lock.lock();
     running_.erase(task.id);
-    if (running_.empty() && queued_locked() == 0) {
-      realtime_.queue.idle();
-      batch_.queue.idle();
-      idle_.notify_all();
-      if (stopping_) wake_.notify_all();
-    } else if (realtime_.queue.flows() + batch_.queue.flows() > 2 * max_queue_ + thread_count_) {
-      realtime_.queue.sweep();
-      batch_.queue.sweep();
-    }
-    changed();
+    rest();
   }
+}
+
+/// A task has ended, one way or another.
+void WorkerPool::rest() {
+  if (is_idle()) {
+    realtime_.queue.idle();
+    batch_.queue.idle();
+    idle_.notify_all();
+    if (stopping_) wake_.notify_all();
+  } else if (realtime_.queue.flows() + batch_.queue.flows() > 2 * max_queue_ + thread_count_) {
+    realtime_.queue.sweep();
+    batch_.queue.sweep();
+  }
+  changed();
 }
 
 }  // namespace fracture

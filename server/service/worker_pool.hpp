@@ -55,8 +55,11 @@ class WorkerPool {
   TaskId submit(Priority priority, double cost, Job job, const Flow& flow = {});
   /// Work that was admitted before and goes on: never refused, before all other work of its class.
   TaskId resume(Job job, Priority priority = Priority::kRealtime);
-  /// A batch task becomes a realtime one, queued or running. Nothing happens when it is neither.
-  void promote(TaskId task);
+  /// A batch task becomes a realtime one, queued or running. Nothing happens when it is neither. True: it is
+  /// queued, and takes the turn of this flow, which is in a hurry, instead of that of its own.
+  bool promote(TaskId task, const Flow& flow = {});
+  /// A task that is queued does not run. False where it is not: it has begun, or was resumed.
+  bool withdraw(TaskId task);
   /// A flow has used so many seconds more (or less) than the costs of its tasks said.
   void charge(Priority priority, const Flow& flow, double seconds);
 
@@ -74,7 +77,8 @@ class WorkerPool {
   /// How many tasks go before this one, as things are; nothing when it is not queued.
   std::optional<std::size_t> position(TaskId task) const;
 
-  /// As many tasks wait as may, and of this flow as many as its part of them.
+  /// As many tasks wait as may (max_queue), and of this flow as many as its part of them; or twice as many,
+  /// whoever comes: who fills the queue leaves the others their part, up to here.
   bool full(const Flow& flow = {}) const;
 
   /// How long a new job of this class and flow would be queued: what goes before it, over the throughput
@@ -126,6 +130,7 @@ class WorkerPool {
   void work();
   // All of these with the lock.
   std::size_t queued_locked() const;
+  bool is_idle() const { return running_.empty() && withdrawing_ == 0 && queued_locked() == 0; }
   std::size_t running_of(Priority priority) const;
   std::size_t computing() const;
   bool realtime_waits() const { return !realtime_.resumed.empty() || !realtime_.queue.empty(); }
@@ -133,6 +138,7 @@ class WorkerPool {
   std::optional<Next> next() const;
   Task take(Next next);
   void changed();
+  void rest();
 
   const std::size_t max_queue_;
   mutable std::mutex mutex_;
@@ -140,6 +146,7 @@ class WorkerPool {
   Class realtime_, batch_;
   std::map<TaskId, Running*> running_;
   TaskId next_ = 1;
+  std::size_t withdrawing_ = 0;  ///< tasks that were taken out of the queue and are being released
   std::size_t thread_count_ = 0;
   /// Somebody who computes should stand back: read at every poll, without the lock.
   std::atomic<bool> urgent_{false};

@@ -61,6 +61,7 @@ class Account : public std::enable_shared_from_this<Account> {
     ~Seat() {
       if (account_) --account_->computations_;
     }
+    explicit operator bool() const { return account_ != nullptr; }
 
    private:
     std::shared_ptr<Account> account_;

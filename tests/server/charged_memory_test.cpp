@@ -37,7 +37,7 @@ std::string many(const std::string& item, std::size_t bytes) {
 TEST(ChargedMemory, ParametersThatRepeatThemselvesAreRefusedByNameAndCostNoMemory) {
   TestServer server;
   const std::string list = "[0" + many(",0", 500'000) + "]";
-  const std::string params = "{" + many("\"a\":0,", 400'000) + "\"a\":" + list + "}";
+  const std::string params = std::string("{") + many("\"a\":0,", 400'000) + "\"a\":" + list + "}";
   const PeakMemory peak;
   const Reply reply = server.post("/fracture", gzip(form_of(params)), kForm + "Content-Encoding: gzip\r\n");
   EXPECT_EQ(reply.status, 400);

@@ -1,7 +1,11 @@
 // Content-Digest of requests, and the pages behind the types of problems.
 #include <gtest/gtest.h>
 
+#include <random>
+
+#include "common/base/digest.hpp"
 #include "server/http/content_digest.hpp"
+#include "tests/server/gzip.hpp"
 #include "tests/server/test_server.hpp"
 
 namespace fracture::test {
@@ -48,6 +52,28 @@ TEST(ContentDigest, IsCheckedBeforeTheBodyIsUsed) {
     EXPECT_EQ(refused.problem(), "content-digest-mismatch");
   }
   EXPECT_EQ(server.control->imports, 1);
+}
+
+TEST(ContentDigest, OfALargeCompressedBodyIsCheckedInTheStepThatDecodesIt) {
+  TestServer server;
+  std::string mesh(1u << 20, '\0');
+  std::mt19937 random(1);
+  for (char& c : mesh) c = static_cast<char>(random());
+  const std::string body = gzip(mesh);
+  ASSERT_GT(body.size(), http::kReadInline) << "too much for an io thread";
+  const std::string fields = "Content-Type: model/obj\r\nContent-Encoding: gzip\r\nContent-Digest: ";
+  const auto tasks = [&] { return server.pool.submit(Priority::kBatch, 0, [](int) {}); };
+  WorkerPool::TaskId before = tasks();
+  const Reply made =
+      server.post("/fracture", body, fields + "sha-256=:" + base64(sha256(body).bytes) + ":\r\n");
+  ASSERT_EQ(made.status, 200) << made.body;
+  EXPECT_EQ(tasks() - before - 1, 2u) << "the body, and the computation";
+  EXPECT_EQ(server.control->imports, 1);
+  before = tasks();
+  EXPECT_EQ(server.post("/fracture?seed=2", body, fields + kSha256 + "\r\n").problem(),
+            "content-digest-mismatch");
+  EXPECT_EQ(tasks() - before - 1, 1u);
+  EXPECT_EQ(server.api.bodies().whole().used(), 0u);
 }
 
 TEST(Problems, EveryTypeLeadsToAPageForPeople) {

@@ -63,6 +63,55 @@ TEST_F(Shares, EverybodyWhoWaitedIsChargedForAllOfItOnce) {
   EXPECT_EQ(answered, 5);
 }
 
+TEST(Payers, WhoComesAfterTheChargeOwesAllOfIt) {
+  Payers payers;
+  EXPECT_EQ(payers.add({nullptr, {"a", 1}}, Priority::kBatch), 0);
+  EXPECT_EQ(payers.charge(0.5).size(), 1u);
+  EXPECT_EQ(payers.charge(0.25).size(), 1u);
+  EXPECT_EQ(payers.add({nullptr, {"b", 1}}, Priority::kRealtime), 0.75);
+  EXPECT_EQ(payers.add({nullptr, {"a", 1}}, Priority::kBatch), 0) << "has paid";
+  EXPECT_EQ(payers.add({nullptr, {"b", 1}}, Priority::kBatch), 0) << "is told once";
+  const std::vector<Waits> all = payers.charge(1);
+  ASSERT_EQ(all.size(), 2u);
+  EXPECT_EQ(all[1].priority, Priority::kRealtime);
+}
+
+TEST_F(Shares, EachPaysInTheClassOfItsOwnRequest) {
+  WorkerPool one(1, 256);
+  Dispatcher single(service, one);
+  std::latch gate(1);
+  std::atomic<bool> first{true};
+  std::mutex mutex;
+  std::string order;
+  control->during_cut = [&](const Execution&) {
+    if (first.exchange(false)) gate.wait();
+  };
+  control->import = [&](std::string_view mesh) -> Expected<Mesh> {
+    if (mesh.front() == 'p') spend(0.05);
+    const std::lock_guard lock(mutex);
+    order += mesh.front();
+    return Mesh{};
+  };
+  Terms batch = of("a"), hurried = of("b"), own = batch;
+  hurried.priority = own.priority = Priority::kRealtime;
+  const auto ask_single = [&](const std::string& mesh, const Terms& terms) {
+    EXPECT_FALSE(single.fracture(fracture_request(mesh), terms, [](const auto&) {}));
+  };
+  ask_single("gate", of("c"));
+  EXPECT_TRUE(eventually(kPatience, "the thread to be taken", [&] { return !first; }));
+  ask_single("p", batch);
+  ask_single("p", hurried);  // which makes it realtime, at its own cost
+  for (int k = 0; k < 3; ++k) {
+    ask_single(std::string("b") += std::to_string(k), hurried);
+    ask_single(std::string("a") += std::to_string(k), own);
+  }
+  gate.count_down();
+  single.wait_idle();
+  EXPECT_EQ(order, "gpaaabbb") << "what a asked for as batch delays nothing that it asks for as realtime";
+  EXPECT_GE(charged(batch), 0.05);
+  EXPECT_GE(charged(hurried), 0.05);
+}
+
 TEST_F(Shares, WhoLeavesHalfWayPaysForTheHalf) {
   std::stop_source gone;
   std::atomic<bool> spent{false};

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <thread>
 
+#include "tests/server/gzip.hpp"
 #include "tests/server/tenant_file.hpp"
 #include "tests/server/test_server.hpp"
 #include "tests/support/eventually.hpp"
@@ -16,7 +17,7 @@ const std::string kObj = "Content-Type: model/obj\r\n", kAsync = "Prefer: respon
 
 TestServerOptions with(const std::vector<nlohmann::json>& tenants) {
   TestServerOptions options;
-  options.server.tokens = *http::TokenSet::parse(tenant_file(tenants));
+  options.server.tokens = *tenants::TokenFile::parse(tenant_file(tenants));
   return options;
 }
 
@@ -157,6 +158,38 @@ TEST(Tenants, AnswersOverTheShareAreForgottenTheLeastRecentlyUsedFirst) {
   EXPECT_EQ(server.service.figures().results.entries, 2u) << "nobody could have it, so it is not kept";
 }
 
+TEST(Tenants, WhatWasMadeOfAForgottenAnswerIsForgottenWithIt) {
+  TestServer server(with({tenant("ana", {"read", "fracture"}, {{"cached_bytes", 15'000}}), tenant("bob")}));
+  server.control->glb_padding = 10'000;
+  const std::string first =
+      server.post("/fracture?seed=1", "a mesh", kObj + by("ana")).header("content-location");
+  for (const char* coding : {"gzip", "zstd"})
+    for (const char* form : {"model/gltf-binary", "application/json"})
+      server.get(first,
+                 by("ana") + "Accept-Encoding: " + coding + ", identity;q=0\r\nAccept: " + form + "\r\n");
+  EXPECT_EQ(server.service.figures().results.entries, 5u) << "and four variants";
+  server.post("/fracture?seed=2", "a mesh", kObj + by("ana"));
+  EXPECT_EQ(server.service.figures().results.entries, 1u);
+}
+
+TEST(Tenants, TheLedgerIsBoundedAndWhoHasMostForgetsFirst) {
+  TestServerOptions options = with({tenant("ana"), tenant("bob")});
+  options.limits.answer_ledger = 5 * tenants::AnswerLedger::kBytesPerEntry;
+  TestServer server(options);
+  const auto made = [&](const std::string& name, int seed) {
+    return server.post("/fracture?seed=" + std::to_string(seed), "a mesh", kObj + by(name))
+        .header("content-location");
+  };
+  const std::string of_bob = made("bob", 100);
+  std::vector<std::string> of_ana;
+  for (int seed = 0; seed < 20; ++seed) of_ana.push_back(made("ana", seed));
+  EXPECT_EQ(server.get(of_bob, by("bob")).status, 200);
+  EXPECT_EQ(server.get(of_ana.back(), by("ana")).status, 200);
+  EXPECT_EQ(server.get(of_ana[15], by("ana")).status, 404);
+  EXPECT_EQ(server.api.ledger().held_bytes(), options.limits.answer_ledger);
+  EXPECT_EQ(server.service.figures().results.entries, 5u) << "what nobody may see is not kept";
+}
+
 TEST(Tenants, AMeshOverTheShareIsRefused) {
   TestServer server(with({tenant("ana", {"read", "fracture"}, {{"stored_bytes", 20'000}}), tenant("bob")}));
   const std::string large(50'000, 'm');
@@ -186,6 +219,14 @@ TEST(Tenants, ComputationsOverTheShareAre429AndTheOthersAreServed) {
   open = true;
   EXPECT_EQ(first.receive()->status, 200);
   EXPECT_EQ(other.receive()->status, 200);
+}
+
+TEST(Tenants, ARequestOfSeveralStepsHasOnePlaceAmongTheComputationsOfItsName) {
+  TestServer server(with({tenant("ana", {"fracture"}, {{"computations", 1}})}));
+  const std::string body = gzip(std::string(2u << 20, 'x'));
+  const std::string fields = kObj + by("ana") + "Content-Encoding: gzip\r\nAccept-Encoding: zstd\r\n";
+  for (int seed = 0; seed < 10; ++seed)  // decoded, computed, compressed; and again at once
+    EXPECT_EQ(server.post("/fracture?seed=" + std::to_string(seed), body, fields).status, 200) << seed;
 }
 
 TEST(Tenants, ANameWithoutRealtimeIsServedAsBatch) {
@@ -222,7 +263,7 @@ TEST(Tenants, ANameWithoutRealtimeIsServedAsBatch) {
 TEST(Tenants, NamesOfLinesAndNobodyAtAllShareEverything) {
   TestServerOptions lines;
   lines.server.tokens =
-      *http::TokenSet::parse("ana " + token_of("ana") + "\nbob " + token_of("bob") + " read-only\n");
+      *tenants::TokenFile::parse("ana " + token_of("ana") + "\nbob " + token_of("bob") + " read-only\n");
   TestServer server(lines), open;
   const Reply made = server.post("/fracture", "a mesh", kObj + by("ana"));
   EXPECT_EQ(server.get(made.header("content-location"), by("bob")).status, 200);

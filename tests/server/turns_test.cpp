@@ -225,5 +225,58 @@ TEST(Turns, WhoFillsTheQueueLeavesTheOthersTheirPart) {
   pool.wait_idle();
 }
 
+TEST(Turns, HoweverManyComeNoMoreWaitThanTwiceWhatMay) {
+  std::latch gate(1);
+  WorkerPool pool(1, 10);
+  pool.submit(kBatch, 0, [&](int) { gate.wait(); });
+  while (pool.running() == 0) std::this_thread::yield();
+  for (int k = 0; k < 1000; ++k) {
+    const Flow flow{"address " + std::to_string(k), 1};
+    if (pool.full(flow)) continue;
+    pool.submit(
+        k % 2 == 0 ? kBatch : Priority::kRealtime, 1, [](int) {}, flow);
+  }
+  EXPECT_EQ(pool.queued(), 20u);
+  EXPECT_TRUE(pool.full({"address of somebody else", 1}));
+  gate.count_down();
+  pool.wait_idle();
+}
+
+TEST(Turns, WhoIsInAHurryGivesTheTurnOfWhatItPromotes) {
+  std::latch gate(1);
+  WorkerPool pool(1, 100);
+  pool.submit(kBatch, 0, [&](int) { gate.wait(); });
+  while (pool.running() == 0) std::this_thread::yield();
+  const Flow a{"a", 1}, b{"b", 1};
+  std::string order;
+  const auto add = [&](Priority priority, double cost, const Flow& flow, char name) {
+    return pool.submit(
+        priority, cost, [&order, name](int) { order += name; }, flow);
+  };
+  const WorkerPool::TaskId promoted = add(kBatch, 10, a, 'p');
+  add(Priority::kRealtime, 1, a, '1');
+  EXPECT_TRUE(pool.promote(promoted, b));
+  EXPECT_FALSE(pool.promote(promoted, b)) << "it is one already";
+  add(Priority::kRealtime, 1, a, '2');
+  add(Priority::kRealtime, 1, b, '3');
+  gate.count_down();
+  pool.wait_idle();
+  EXPECT_EQ(order, "p123") << "b has had ten seconds by then, and a none";
+}
+
+TEST(Turns, AResumedTaskIsPromotedToo) {
+  std::latch gate(1);
+  WorkerPool pool(1, 100);
+  pool.submit(kBatch, 0, [&](int) { gate.wait(); });
+  while (pool.running() == 0) std::this_thread::yield();
+  std::string order;
+  pool.resume([&](int) { order += 'b'; }, kBatch);
+  const WorkerPool::TaskId hurried = pool.resume([&](int) { order += 'h'; }, kBatch);
+  EXPECT_FALSE(pool.promote(hurried)) << "its turn has come before";
+  gate.count_down();
+  pool.wait_idle();
+  EXPECT_EQ(order, "hb");
+}
+
 }  // namespace
 }  // namespace fracture

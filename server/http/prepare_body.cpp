@@ -1,0 +1,120 @@
+// From the complete request to its handler: what its body needs (a digest, a Content-Encoding) is done in one
+// step on the pool where it is more than an io thread may do, in the class and under the deadline of the
+// request.
+#include <algorithm>
+
+#include "server/http/api.hpp"
+#include "server/http/content_coding.hpp"
+#include "server/http/content_digest.hpp"
+
+namespace fracture::http {
+namespace {
+
+/// What is admitted for a body that says nothing of its size, and how much more when that was too little.
+constexpr std::uint64_t kUsualRatio = 8, kMore = 4;
+
+void release_body(Request& request) {
+  std::string().swap(request.body);
+  request.reservation = {};
+}
+
+}  // namespace
+
+Answered Api::on_pool(const ExpectedWork& work, const std::shared_ptr<Request>& request, const Terms& terms,
+                      const Reply& reply, Step step) {
+  const auto overload = dispatcher_.run(
+      work, terms,
+      [this, request, reply, step = std::move(step)](const Execution& execution) mutable {
+        answering(*request, reply, [&] { return step(execution); });
+      },
+      [this, request, reply](Error error) {
+        answering(*request, reply, [&]() -> Answered {
+          release_body(*request);
+          return refusal(std::move(error), request->id);
+        });
+      });
+  if (overload) return tl::unexpected<Problem>(to_problem(*overload));
+  return std::nullopt;
+}
+
+void Api::start(std::shared_ptr<Request> request, std::stop_token gone, Reply reply) {
+  request->received = std::chrono::steady_clock::now();
+  if (request->payer.account) {
+    request->seat = std::make_shared<tenants::Account::Seat>();
+    // Free before the client can ask again.
+    reply = [seat = request->seat, reply = std::move(reply)](Response response) {
+      *seat = {};
+      reply(std::move(response));
+    };
+  }
+  answering(*request, reply, [&]() -> Answered {
+    Preparation preparation;
+    preparation.digest = request->head.field("content-digest");
+    const OrProblem<ContentCoding> coding = content_coding(request->head.field("content-encoding"));
+    const std::uint64_t size = request->body.size();
+    if (coding && size > 0) preparation.coding = *coding;
+    if (preparation.coding == ContentCoding::kIdentity) {
+      if (size <= kReadInline || preparation.digest.empty()) {
+        if (!preparation.digest.empty())
+          if (auto wrong = check_content_digest(preparation.digest, request->body)) {
+            release_body(*request);
+            return tl::unexpected<Problem>(std::move(*wrong));
+          }
+        return dispatch(request, gone, reply);
+      }
+      preparation.expected = size;
+    } else {
+      const std::uint64_t announced = announced_size(request->body, preparation.coding);
+      preparation.expected =
+          std::min(std::max(announced > 0 ? announced : kUsualRatio * size, size), limits_.max_decoded_body);
+    }
+    return prepare_body(request, preparation, gone, reply);
+  });
+}
+
+Answered Api::prepare_body(const std::shared_ptr<Request>& request, const Preparation& preparation,
+                           const std::stop_token& gone, const Reply& reply) {
+  OrProblem<Terms> terms = terms_of(*request, gone);
+  if (!terms) return tl::unexpected<Problem>(std::move(terms.error()));
+  ExpectedWork work = expected_reading(preparation.expected);
+  if (!preparation.digest.empty()) work.seconds += expected_reading(request->body.size()).seconds;
+  if (preparation.coding != ContentCoding::kIdentity)
+    work.seconds += expected_decoding(preparation.expected).seconds;
+  return on_pool(work, request, *terms, reply,
+                 [this, request, preparation, reply](const Execution& execution) {
+                   return prepared_body(request, preparation, execution, reply);
+                 });
+}
+
+Answered Api::prepared_body(const std::shared_ptr<Request>& request, const Preparation& preparation,
+                            const Execution& execution, const Reply& reply) {
+  // Where less than a mesh is expected, the limit holds before and after decoding.
+  const std::uint64_t limit =
+      request->admission.max_body < limits_.max_body ? request->admission.max_body : limits_.max_decoded_body;
+  const auto refused = [&](Problem problem) {
+    release_body(*request);
+    return tl::unexpected<Problem>(std::move(problem));
+  };
+  try {
+    execution.poll();  // it may have waited for long
+    if (!preparation.digest.empty())
+      if (auto wrong = check_content_digest(preparation.digest, request->body))
+        return refused(std::move(*wrong));
+    Decoding decoding = decode_body(request->body, preparation.coding, limit, request->reservation, execution,
+                                    preparation.expected);
+    if (decoding.larger) {
+      Preparation more = preparation;
+      more.digest.clear();
+      more.expected *= kMore;
+      return prepare_body(request, more, execution.stop, reply);
+    }
+    if (decoding.no_room) return refused(no_memory(request->reservation));
+    if (decoding.problem) return refused(std::move(*decoding.problem));
+  } catch (const Interrupted& interrupted) {
+    return refused(to_problem(to_error(interrupted)));
+  }
+  request->on_pool = true;
+  return dispatch(request, execution.stop, reply);
+}
+
+}  // namespace fracture::http

@@ -1,0 +1,86 @@
+// Work without a flight: one step of one request, on a thread of the pool.
+#include <utility>
+
+#include "server/service/computation.hpp"
+
+namespace fracture {
+
+/// Waits in the queue, until its turn comes or nobody waits for it any more: what is first decides. Lives in
+/// the task; the timer and the stop callback only point to it.
+struct Dispatcher::Errand : std::enable_shared_from_this<Errand> {
+  Errand(Dispatcher& d, const Terms& t, Job j, GivenUp g)
+      : dispatcher(d), terms(t), job(std::move(j)), given_up(std::move(g)), working(d.working_) {}
+  ~Errand() {
+    if (alarm) dispatcher.timer_.cancel(*alarm);
+  }
+
+  /// After it was queued. May give up before it returns.
+  void arm(WorkerPool::TaskId its_task) {
+    task = its_task;
+    const auto leave_with = [weak = weak_from_this()](ErrorCode code) {
+      if (const auto self = weak.lock()) self->leave(code);
+    };
+    if (terms.deadline != Clock::time_point::max())
+      alarm =
+          dispatcher.timer_.at(terms.deadline, [leave_with] { leave_with(ErrorCode::kDeadlineExceeded); });
+    gone.emplace(terms.gone, [leave_with] { leave_with(ErrorCode::kCancelled); });
+  }
+
+  void leave(ErrorCode code) {
+    if (decided.exchange(true)) return;
+    ++dispatcher.abandoned_;
+    if (code == ErrorCode::kDeadlineExceeded) ++dispatcher.expired_;
+    dispatcher.pool_.withdraw(task);  // where its turn has just come, it finds that nobody waits
+    share = {};
+    job = nullptr;
+    working = {};
+    given_up(to_error(Interrupted{code}));
+  }
+
+  /// On its thread. False: it was given up.
+  bool begin(Spent& spent, int threads) {
+    if (decided.exchange(true)) return false;
+    if (terms.seat) *terms.seat = std::move(share);
+    Execution execution;
+    execution.threads = threads;
+    execution.stop = terms.gone;
+    if (terms.deadline != Clock::time_point::max()) execution.deadline = terms.deadline;
+    execution.turn = WorkerPool::turn();
+    const Meter meter(spent);
+    job(execution);
+    return true;
+  }
+
+  Dispatcher& dispatcher;
+  const Terms terms;
+  Job job;
+  const GivenUp given_up;
+  MemoryBudget::Reservation working;
+  tenants::Account::Seat share;
+  std::atomic<bool> decided{false};
+  WorkerPool::TaskId task = 0;
+  std::optional<Timer::Id> alarm;
+  std::optional<std::stop_callback<std::function<void()>>> gone;
+};
+
+std::optional<Overload> Dispatcher::run(const ExpectedWork& work, const Terms& terms, Job job,
+                                        GivenUp given_up) {
+  const auto errand = std::make_shared<Errand>(*this, terms, std::move(job), std::move(given_up));
+  std::optional<Overload> overload = seat(terms, errand->share);
+  if (!overload) overload = refuses(work.seconds, terms);
+  if (!overload) overload = reserve(work.bytes, errand->working);
+  if (overload) {
+    ++refused_;
+    return overload;
+  }
+  const auto at_its_turn = [this, errand, cost = work.seconds](int threads) {
+    Spent spent;
+    if (errand->begin(spent, threads)) pool_.measured(cost, spent.busy_seconds);
+    const Terms& mine = errand->terms;
+    charge({{mine.payer, mine.priority}}, {mine.payer.flow, mine.priority, cost}, spent.processor_seconds);
+  };
+  errand->arm(pool_.submit(terms.priority, work.seconds, at_its_turn, terms.payer.flow));
+  return std::nullopt;
+}
+
+}  // namespace fracture

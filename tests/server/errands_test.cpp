@@ -1,0 +1,146 @@
+// Work without a flight (a body to decode, an entry to read): its deadline, its client's leaving, its place.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <latch>
+
+#include "server/service/dispatcher.hpp"
+#include "tests/server/fake_engine.hpp"
+#include "tests/server/fracture_request.hpp"
+#include "tests/support/eventually.hpp"
+
+namespace fracture::test {
+namespace {
+
+constexpr ExpectedWork kWork{0.001, 1000};
+
+struct Errands : testing::Test {
+  std::shared_ptr<FakeControl> control = std::make_shared<FakeControl>();
+  FractureService service{ServiceConfig{}, std::make_unique<FakeEngine>(control)};
+  WorkerPool pool{1, 256};
+  Dispatcher dispatcher{service, pool};
+  std::latch gate{1};
+  std::atomic<int> ran{0}, given_up{0};
+  std::atomic<ErrorCode> why{ErrorCode::kInternal};
+
+  void occupy() {
+    pool.submit(Priority::kBatch, 0, [this](int) { gate.wait(); });
+    ASSERT_TRUE(eventually(kPatience, "the thread to be taken", [&] { return pool.running() == 1; }));
+  }
+  std::optional<Overload> run(const Terms& terms) {
+    return dispatcher.run(
+        kWork, terms, [this](const Execution&) { ++ran; },
+        [this](const Error& error) {
+          why = error.code;
+          ++given_up;
+        });
+  }
+  static Terms of(const std::string& name, std::uint64_t computations) {
+    tenants::Shares shares;
+    shares.computations = computations;
+    Terms terms;
+    terms.payer.account =
+        std::make_shared<tenants::Account>(tenants::Tenant{name, {}, {}, shares}, /*isolated=*/true);
+    terms.payer.flow = {name, 1};
+    return terms;
+  }
+};
+
+TEST_F(Errands, OneWhoseDeadlinePassesInTheQueueIsGivenUpThereAndHoldsNothing) {
+  occupy();
+  Terms terms;
+  // Nothing is predicted to wait where the job that runs costs nothing.
+  terms.deadline = std::chrono::steady_clock::now() + std::chrono::milliseconds(20);
+  ASSERT_FALSE(run(terms));
+  EXPECT_TRUE(eventually(kPatience, "the end of its wait", [&] { return given_up == 1; }));
+  EXPECT_EQ(why.load(), ErrorCode::kDeadlineExceeded);
+  EXPECT_EQ(pool.queued(), 0u);
+  EXPECT_EQ(dispatcher.working().used(), 0u);
+  EXPECT_EQ(dispatcher.figures().expired, 1u);
+  gate.count_down();
+  dispatcher.wait_idle();
+  EXPECT_EQ(ran, 0);
+}
+
+TEST_F(Errands, OneWhoseClientLeavesIsTakenOutOfTheQueue) {
+  occupy();
+  std::stop_source gone;
+  Terms terms;
+  terms.gone = gone.get_token();
+  ASSERT_FALSE(run(terms));
+  ASSERT_FALSE(run({}));
+  EXPECT_EQ(pool.queued(), 2u);
+  gone.request_stop();
+  EXPECT_EQ(given_up, 1);
+  EXPECT_EQ(why.load(), ErrorCode::kCancelled);
+  EXPECT_EQ(pool.queued(), 1u);
+  EXPECT_EQ(dispatcher.working().used(), kWork.bytes);
+  ASSERT_FALSE(run(terms)) << "who has left before it came";
+  EXPECT_EQ(given_up, 2);
+  gate.count_down();
+  dispatcher.wait_idle();
+  EXPECT_EQ(ran, 1) << "the other one's";
+}
+
+TEST_F(Errands, WhatRunsIsToldOfDeadlineAndLeaving) {
+  std::stop_source gone;
+  Terms terms;
+  terms.gone = gone.get_token();
+  terms.deadline = std::chrono::steady_clock::now() + std::chrono::hours(1);
+  std::atomic<bool> interrupted{false}, begun{false};
+  ASSERT_FALSE(dispatcher.run(
+      kWork, terms,
+      [&](const Execution& execution) {
+        EXPECT_EQ(execution.deadline, terms.deadline);
+        EXPECT_NE(execution.turn, nullptr) << "batch work stands back at its polls";
+        begun = true;
+        try {
+          for (;;) execution.poll();
+        } catch (const Interrupted&) {
+          interrupted = true;
+        }
+      },
+      [](const Error&) { FAIL(); }));
+  ASSERT_TRUE(eventually(kPatience, "it to begin", [&] { return begun.load(); }));
+  gone.request_stop();
+  dispatcher.wait_idle();
+  EXPECT_TRUE(interrupted);
+}
+
+TEST_F(Errands, TakesAPlaceAmongTheComputationsOfItsName) {
+  occupy();
+  const Terms terms = of("ana", 1);
+  ASSERT_FALSE(run(terms));
+  const auto over = run(terms);
+  ASSERT_TRUE(over);
+  EXPECT_EQ(over->cause, Overload::Cause::kOverShare);
+  EXPECT_FALSE(run(of("bob", 1))) << "the others are not concerned";
+  Terms finishing = terms;
+  finishing.needs_seat = false;
+  EXPECT_FALSE(run(finishing));
+  gate.count_down();
+  dispatcher.wait_idle();
+  EXPECT_EQ(terms.payer.account->figures().computations, 0u);
+  EXPECT_FALSE(run(terms)) << "its place is free again";
+  dispatcher.wait_idle();
+}
+
+TEST_F(Errands, HandsItsPlaceOnToTheNextStepOfTheRequest) {
+  Terms terms = of("ana", 1);
+  terms.seat = std::make_shared<tenants::Account::Seat>();
+  std::atomic<int> answered{0};
+  const auto fracture = [&](const Execution&) {
+    EXPECT_EQ(terms.payer.account->figures().computations, 1u);
+    const auto over = dispatcher.fracture(fracture_request("mesh"), terms,
+                                          [&](const auto& answer) { answered += answer.has_value(); });
+    EXPECT_FALSE(over) << over->detail;
+    EXPECT_EQ(terms.payer.account->figures().computations, 1u) << "the same place";
+  };
+  ASSERT_FALSE(dispatcher.run(kWork, terms, fracture, [](const Error&) { FAIL(); }));
+  dispatcher.wait_idle();
+  EXPECT_EQ(answered, 1);
+  EXPECT_EQ(terms.payer.account->figures().computations, 0u);
+}
+
+}  // namespace
+}  // namespace fracture::test
