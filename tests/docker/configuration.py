@@ -7,50 +7,14 @@ import glob
 import json
 import os
 import re
-import shutil
-import subprocess
 import sys
 import tempfile
-import threading
 import time
-import urllib.request
 
 import yaml
 
-ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-DOCKER = os.path.join(ROOT, "docker")
-SERVER = sys.argv[2]
-PATIENCE = 60  # seconds: at least ten times what any program takes here
-os.environ["PATH"] += ":/usr/sbin:/usr/local/sbin"
-
-
-def read(*path):
-    with open(os.path.join(DOCKER, *path), encoding="utf-8") as f:
-        return f.read()
-
-
-def documents(*path):
-    return [d for d in yaml.safe_load_all(read(*path)) if d]
-
-
-def expect(condition, what):
-    if not condition:
-        sys.exit(f"FAILED: {what}")
-
-
-def run(*command, **variables):
-    """Standard output; ends the program when the command fails."""
-    done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, **variables}, timeout=PATIENCE)
-    expect(done.returncode == 0, f"{' '.join(command)}\n{done.stdout}{done.stderr}")
-    return done.stdout
-
-
-def ask_program(name):
-    if not shutil.which(name):
-        print(f"skipped: {name} is not installed; what needs no program was checked")
-        sys.exit(77)
-    return name
-
+from farm_files import DOCKER, SERVER, ask_program, documents, expect, fracture_a_cube, get, read, run, serving
+from memory_plan import expect_memory_plan, in_bytes
 
 def settings():
     """Names of the server's settings, as environment variables."""
@@ -69,6 +33,21 @@ def expect_time_to_stop(seconds, variables, where):
     expect(seconds >= needed, f"{where}: {seconds} s to stop are less than the {needed} s that the server may take")
 
 
+def expect_secrets(variables, files, where):
+    """A server with Redis speaks to it as a user of its own and signs what it leaves there; `files` are those it is handed."""
+    if "FRACTURE_REDIS" not in variables:
+        return
+    expect(variables.get("FRACTURE_REDIS_USER") == "fracture", f"{where}: Redis knows it by no name")
+    for setting in "FRACTURE_REDIS_PASSWORD_FILE", "FRACTURE_FARM_KEY_FILE":
+        expect(variables.get(setting) in files, f"{where}: {setting} names no secret")
+    expect(not any(f.endswith("redis-users") for f in files), f"{where} is handed the users of Redis")
+
+
+def expect_users_of_redis(command, files, where):
+    users = command[command.index("--aclfile") + 1] if "--aclfile" in command else None
+    expect(files == {users}, f"{where}: Redis takes everybody's word, or holds more secrets than it needs")
+
+
 def haproxy():
     text = read("haproxy", "haproxy.cfg")
     deadline = float(re.search(r"^deadline = ([\d.]+)", run(SERVER, "serve", "--print-config"), re.M)[1])
@@ -83,7 +62,8 @@ def haproxy():
 
 
 def compose():
-    services = yaml.safe_load(read("compose.yaml"))["services"]
+    document = yaml.safe_load(read("compose.yaml"))
+    services = document["services"]
     servers = [name for name in services if re.fullmatch(r"fracture\d", name)]
     expect(len(servers) == 3, "three servers")
     for name in servers:
@@ -93,7 +73,17 @@ def compose():
         expect(service["read_only"] and service["cap_drop"] == ["ALL"], f"{name} has more rights than it needs")
         expect(f"{name}:8080" in read("haproxy", "haproxy.cfg"), f"HAProxy does not know {name}")
         expect(f"{name}:8081" in read("monitoring", "prometheus.yaml"), f"Prometheus does not know {name}")
+        expect("no-new-privileges:true" in service["security_opt"], f"{name} may gain privileges")
+        expect("seccomp:./seccomp.json" in service["security_opt"], f"{name} may call whatever it likes")
+        expect_secrets(service["environment"], {f"/run/secrets/{s}" for s in service["secrets"]}, name)
+        expect("FRACTURE_TRUSTED_PROXY" in service["environment"], f"{name} takes all clients for one")
+    expect_memory_plan(in_bytes(services[servers[0]]["mem_limit"]), None, services[servers[0]]["cpus"],
+                       services[servers[0]]["environment"], "compose.yaml")
+    expect_users_of_redis(services["redis"]["command"], {f"/run/secrets/{s}" for s in services["redis"]["secrets"]}, "compose.yaml")
+    for name, source in document["secrets"].items():
+        expect(source == {"file": f"./secrets/{name}"}, f"the secret {name} is not one of docker/make-secrets")
     for name, service in services.items():
+        expect(set(service.get("secrets", [])) <= set(document["secrets"]), f"{name} has a secret that is not there")
         expect("restart" in service and "mem_limit" in service, f"{name}: no restart policy or no limit of memory")
         for volume in service.get("volumes", []):
             if volume.startswith("./"):
@@ -103,32 +93,18 @@ def compose():
     image = dict(re.findall(r"(FRACTURE_\w+)=(\S+)", read("Dockerfile").split("\nENV ")[1]))
     expect_settings(image, "Dockerfile")
     program = ask_program("docker-compose")
-    run(program, "-f", os.path.join(DOCKER, "compose.yaml"), "--profile", "monitoring", "config", "-q")
+    os.chdir(DOCKER)  # version 1 looks for the seccomp profile from here
+    run(program, "-f", "compose.yaml", "--profile", "monitoring", "config", "-q")
 
 
 def served_metrics():
     """Names of the samples that a server with every tier has after a request."""
-    with tempfile.TemporaryDirectory() as folder:
-        command = [SERVER, "serve", "--port", "0", "--admin-port", "0", "--drain-delay", "0", "--log-format", "text",
-                   "--cache-dir", folder, "--redis", "127.0.0.1:1"]
-        with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as server:
-            too_late = threading.Timer(PATIENCE, server.kill)  # which ends every wait for it
-            too_late.start()
-            try:
-                line = next(line for line in server.stderr if "(admin port " in line)
-                port, admin = re.search(r":(\d+) \(admin port (\d+)\)", line).groups()
-                corners = "".join(f"v {i & 1} {i >> 1 & 1} {i >> 2}\n" for i in range(8))
-                faces = "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n"
-                urllib.request.urlopen(urllib.request.Request(f"http://127.0.0.1:{port}/fracture?sites=2", method="POST",
-                    data=(corners + faces).encode(), headers={"Content-Type": "model/obj"}), timeout=PATIENCE).read()
-                text = ""
-                while "fracture_request_duration_seconds_bucket" not in text:  # counted after the answer
-                    time.sleep(0.01)
-                    text = urllib.request.urlopen(f"http://127.0.0.1:{admin}/metrics", timeout=PATIENCE).read().decode()
-            finally:
-                server.terminate()
-                server.stderr.read()
-                too_late.cancel()
+    with serving("--redis", "127.0.0.1:1") as (port, admin):
+        fracture_a_cube(port, 2)
+        text = ""
+        while "fracture_request_duration_seconds_bucket" not in text:  # counted after the answer
+            time.sleep(0.01)
+            text = get(admin, "/metrics")
     return set(re.findall(r"^([a-z_]+)", text, re.M))
 
 
@@ -155,6 +131,7 @@ def check_pods(kind, name, pod):
         context = scope["securityContext"]
         if scope is pod:
             expect(context["runAsNonRoot"] and context["runAsUser"] > 0, f"{kind} {name} may run as root")
+            expect(context["seccompProfile"]["type"] in ("RuntimeDefault", "Localhost"), f"{kind} {name} may call whatever it likes")
         else:
             expect(context["readOnlyRootFilesystem"] and not context["allowPrivilegeEscalation"]
                    and context["capabilities"]["drop"] == ["ALL"], f"{kind} {name} has more rights than it needs")
@@ -184,6 +161,27 @@ def check_network(policies, deployments, labels, where):
                 expect(known or pods.get("app.kubernetes.io/name") == "fracture-proxy", f"{where}: {name} is for {pods}, which is nobody")
 
 
+def handed_to(pod, container):
+    """Paths of the secrets in a container, those of the tokens excepted."""
+    mounts = {m["name"]: m["mountPath"] for m in container["volumeMounts"]}
+    return {f"{mounts[v['name']]}/{item['path']}" for v in pod["volumes"] if "secret" in v and v["name"] in mounts
+            for item in v["secret"].get("items", [])}
+
+
+def check_disruptions(by_kind, where):
+    """A node can be drained, and something is left where there is more than one."""
+    scalers = {m["spec"]["scaleTargetRef"]["name"]: m["spec"]["minReplicas"]
+               for m in by_kind.get("HorizontalPodAutoscaler", {}).values()}
+    for name, deployment in by_kind.get("Deployment", {}).items():
+        least = scalers.get(name, deployment["spec"].get("replicas", 1))
+        labels = deployment["spec"]["template"]["metadata"]["labels"]
+        budgets = [m["spec"] for m in by_kind.get("PodDisruptionBudget", {}).values()
+                   if m["spec"]["selector"]["matchLabels"].items() <= labels.items()]
+        expect(len(budgets) == 1 or (least == 1 and not budgets), f"{where}: {name} has {len(budgets)} disruption budgets")
+        for budget in budgets:
+            expect(1 <= budget["maxUnavailable"] <= max(1, least - 1), f"{where}: {name} is blocked, or all of it may go at once")
+
+
 def check_manifests(manifests, where):
     """One whole overlay: what refers to something finds it."""
     by_kind = {}
@@ -210,6 +208,7 @@ def check_manifests(manifests, where):
             if kind == "Service":
                 ports = [p["name"] for c in deployments[selected[0]]["spec"]["template"]["spec"]["containers"] for p in c["ports"]]
                 expect(all(p["targetPort"] in ports for p in m["spec"]["ports"]), f"{where}: {name} leads to no port")
+    check_disruptions(by_kind, where)
     check_network(by_kind.get("NetworkPolicy", {}), deployments, labels, where)
     for name, scaler in by_kind.get("HorizontalPodAutoscaler", {}).items():
         expect(scaler["spec"]["scaleTargetRef"]["name"] in deployments, f"{where}: {name} scales nothing")
@@ -223,6 +222,14 @@ def check_manifests(manifests, where):
     expect_time_to_stop(pod["terminationGracePeriodSeconds"], configuration, where)
     for probe, path in ("startupProbe", "/livez"), ("readinessProbe", "/readyz"), ("livenessProbe", "/livez"):
         expect(container[probe]["httpGet"] == {"path": path, "port": "admin"}, f"{where}: {probe}")
+    resources = container["resources"]
+    cores = resources["requests"]["cpu"]
+    cores = max(1, int(cores[:-1]) // 1000) if cores.endswith("m") else int(cores)
+    expect_memory_plan(in_bytes(resources["limits"]["memory"]), in_bytes(resources["requests"]["memory"]), cores, configuration, where)
+    expect_secrets(configuration, handed_to(pod, container), where)
+    if "fracture-redis" in deployments:
+        redis = deployments["fracture-redis"]["spec"]["template"]["spec"]
+        expect_users_of_redis(redis["containers"][0]["args"], handed_to(redis, redis["containers"][0]), where)
     expect({"/cache", "/tmp"} <= {m["mountPath"] for m in container["volumeMounts"]}, f"{where}: nowhere to write")
 
 
