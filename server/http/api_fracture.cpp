@@ -43,7 +43,11 @@ Answered Api::fracture(const std::shared_ptr<Request>& request, FractureRequest 
   enter_in_ledger(*request, terms);
   const std::size_t offered = request->admission.representation;
   asked.output = offered == kAsGltf ? OutputFormat::kGltf : OutputFormat::kGlb;
-  if (prefers_async(request->head)) return start_job(*request, std::move(asked), terms);
+  if (prefers_async(request->head)) {
+    // The job keeps the place that its request has taken, which ends with the answer.
+    if (terms.seat) terms.seat = std::make_shared<tenants::Account::Seat>(std::move(*terms.seat));
+    return start_job(*request, std::move(asked), terms);
+  }
   const std::optional<Overload> overload = dispatcher_.fracture(
       std::move(asked), terms, [this, request, offered, terms, reply](Expected<FractureAnswer> answer) {
         answering(*request, reply, [&]() -> Answered {

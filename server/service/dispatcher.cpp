@@ -112,12 +112,11 @@ std::optional<Overload> Dispatcher::fracture(FractureRequest request, const Term
     c->flight = seat.flight;
     const std::lock_guard lock(flight.common.mutex);
     flight.common.turn = {terms.payer.flow, terms.priority, cost};
+    if (terms.priority == Priority::kRealtime) flight.common.realtime = true;
     flight.common.task = pool_.submit(
         terms.priority, cost, [this, c](int threads) { at_station(c, [&] { begin(c, threads); }); },
         terms.payer.flow);
-    if (terms.priority == Priority::kRealtime)
-      flight.common.realtime = true;
-    else if (flight.common.hurry)  // who joined before the task was there
+    if (terms.priority != Priority::kRealtime && flight.common.hurry)  // who joined before the task was there
       promote(flight.common);
   } else {
     ++collapsed_;

@@ -229,6 +229,21 @@ TEST(Tenants, ARequestOfSeveralStepsHasOnePlaceAmongTheComputationsOfItsName) {
     EXPECT_EQ(server.post("/fracture?seed=" + std::to_string(seed), body, fields).status, 200) << seed;
 }
 
+TEST(Tenants, AJobKeepsThePlaceThatItsBodyHadTaken) {
+  TestServer server(with({tenant("ana", {"fracture", "bake"}, {{"computations", 1}})}));
+  std::atomic<bool> open{false};
+  server.control->during_cut = [&](const Execution& execution) {
+    while (!open) execution.poll();
+  };
+  const std::string fields = kObj + by("ana") + "Content-Encoding: gzip\r\n";
+  const std::string body = gzip(std::string(1u << 20, 'x'));
+  EXPECT_EQ(server.post("/fracture", body, fields + "Prefer: respond-async\r\n").status, 202);
+  EXPECT_EQ(server.post("/fracture?seed=2", body, fields).status, 429);
+  open = true;
+  EXPECT_TRUE(eventually(kPatience, "the end of the job",
+                         [&] { return server.post("/fracture?seed=2", body, fields).status == 200; }));
+}
+
 TEST(Tenants, ANameWithoutRealtimeIsServedAsBatch) {
   TestServerOptions options = with({tenant("low", {"fracture"}, {{"priority", "batch"}}), tenant("high")});
   options.threads = 1;
