@@ -15,6 +15,7 @@ void parallel_for(const Execution& execution, std::size_t count, std::size_t gra
   const std::size_t blocks = (count + grain - 1) / grain;
   const std::size_t workers = std::min<std::size_t>(std::max(1, execution.threads), blocks);
 
+  StageProgress::Loop progress(execution.within, blocks);
   std::atomic<std::size_t> next{0};
   std::atomic<bool> failed{false};
   std::mutex mutex;
@@ -23,6 +24,7 @@ void parallel_for(const Execution& execution, std::size_t count, std::size_t gra
     try {
       for (std::size_t b; !failed.load(std::memory_order_relaxed) && (b = next.fetch_add(1)) < blocks;) {
         execution.poll();
+        progress.at(b);
         body(b * grain, std::min(count, (b + 1) * grain));
       }
     } catch (...) {

@@ -14,6 +14,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/product.hpp"
+#include "common/base/stage_progress.hpp"
 #include "common/base/turn.hpp"
 
 namespace fracture {
@@ -34,6 +35,8 @@ struct Execution {
   std::optional<std::chrono::steady_clock::time_point> deadline{};
   /// Called with (stage name, fraction done in [0, 1]) from any worker thread; must be thread-safe and cheap.
   std::function<void(const char*, double)> progress{};
+  /// Where the loops of a stage tell how far it is; borrowed. Null: nowhere.
+  StageProgress* within = nullptr;
   /// What the computation may hold; borrowed. Null: as much as it likes.
   Allowance* allowance = nullptr;
   /// Where it stands back for others; borrowed. Null: nowhere.
@@ -44,6 +47,11 @@ struct Execution {
   /// Counts what was made. Throws Interrupted where it is more than the computation may hold.
   void made(Product product, std::uint64_t count) const {
     if (allowance) allowance->add(product, count);
+  }
+
+  /// What follows takes the stage to here (StageProgress::reaches).
+  void reaches(double end) const {
+    if (within) within->reaches(end);
   }
 
   /// Throws Interrupted when the work is no longer wanted. Cheap enough for once per few hundred items. No

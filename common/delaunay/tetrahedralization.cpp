@@ -85,12 +85,12 @@ Expected<Tetrahedralization> tetrahedralize(std::span<const Vec3d> sites, const 
     execution.made(Product::kTetrahedra, delaunay.tet_count() - counted);
     counted = delaunay.tet_count();
   };
+  StageProgress::Loop progress(execution.within, (order.size() + 63) / 64);
   for (std::size_t i = 0; i < order.size(); ++i) {
     if (i % 64 == 0) {
       execution.poll();
+      progress.at(i / 64);
       count_new();
-      if (execution.progress && i % 4096 == 0)
-        execution.progress("delaunay", static_cast<double>(i) / static_cast<double>(order.size()));
     }
     if (i + kPrefetch < order.size()) __builtin_prefetch(&points[order[i + kPrefetch]]);
     const auto [status, vertex] = delaunay.insert(points[order[i]]);

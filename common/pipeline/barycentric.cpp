@@ -53,6 +53,7 @@ BarycentricResult fracture_barycentric(const Solid& solid, const VoronoiDiagram&
   Execution single = execution;
   single.threads = 1;
   single.progress = nullptr;
+  single.within = nullptr;
   parallel_for(execution, sites, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto mirrored = barycentric_cell(diagram, static_cast<SiteId>(i));

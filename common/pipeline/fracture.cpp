@@ -59,6 +59,7 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
             ErrorCode::kBadParameter,
             "'lloyd' moves sites to the middle of their piece, but a piece of this pattern has several.",
             "lloyd");
+      const StageProgress::Part part(execution.within, 0.9);
       if (auto relaxed = relax(solid, seen, *plan, parameters.lloyd, execution); !relaxed)
         return tl::unexpected(relaxed.error());
     }
@@ -104,7 +105,10 @@ Expected<FragmentSet> fracture_again(const Solid& solid, const Diagram& diagram,
   before.pivot = Pivot::kSource;
   before.levels.clear();
   before.anchors = {};
-  Expected<FragmentSet> whole = fracture(solid, diagram, before, execution, timings);
+  Expected<FragmentSet> whole = [&] {
+    const StageProgress::Part part(execution.within, 0.7);
+    return fracture(solid, diagram, before, execution, timings);
+  }();
   if (!whole) return whole;
   const auto at = std::find_if(whole->fragments.begin(), whole->fragments.end(),
                                [&](const Fragment& f) { return f.id == parameters.again->fragment; });
@@ -178,6 +182,7 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
 Expected<FragmentSet> complete(const Solid& solid, const Diagram& diagram,
                                const FractureParameters& parameters, CutCells cut,
                                const Execution& execution) {
+  execution.reaches(1);
   FragmentSet set = std::move(cut.set);
   const Promise promise = parameters.dual == Dual::kBarycenter ? Promise::kClosed : Promise::kPartition;
   if (const Verdict verdict = judge(set, solid, promise); !verdict.sound())

@@ -19,10 +19,11 @@ auto stage(StageTimings& timings, const Execution& execution, const char* name, 
     -> decltype(body()) {
   const StageTimings::Scope scope(timings, name);
   const ScratchTrimmer trimmer;
-  if (execution.progress) execution.progress(name, 0);
+  const bool tells = execution.progress && !execution.within;  // else the caller knows better what all is
+  if (tells) execution.progress(name, 0);
   try {
     auto result = body();
-    if (execution.progress) execution.progress(name, 1);
+    if (tells) execution.progress(name, 1);
     return result;
   } catch (const Interrupted& interrupted) {
     if (interrupted.error) return tl::unexpected<Error>(*interrupted.error);

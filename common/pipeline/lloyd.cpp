@@ -77,6 +77,7 @@ Expected<void> relax(const Solid& solid, const Solid& seen, SitePlan& plan, std:
       1e-9 * solid.report.volume / static_cast<double>(std::max<std::size_t>(1, plan.points.size()));
   Pacer pacer(execution);
   for (std::uint32_t pass = 0; pass < passes; ++pass) {
+    const StageProgress::Part part(execution.within, (pass + 1.0) / passes);
     const Expected<Tetrahedralization> t = tetrahedralize(plan.points, seen.box, execution);
     if (!t) return tl::unexpected(t.error());
     const VoronoiDiagram diagram(*t, seen.box, plan.map, execution);

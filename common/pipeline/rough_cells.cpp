@@ -28,9 +28,11 @@ void make_rough_fragments(const Solid& solid, const Solid& seen, const FractureP
   Roughness roughness = parameters.roughness;
   Restraints restraints;
   for (int restrained = 0;; ++restrained) {
+    execution.reaches(0.7);
     cut.rough =
         roughen(solid, diagram, restricted.cuts, restricted.winding, ownership.owner_of_site, roughness,
                 restraints, parameters.seed, restricted.positions, restricted.caps, execution);
+    execution.reaches(0.9);
     cut.set = make_fragments(restricted, ownership, parameters.pivot, parameters.size, execution);
     if (!(roughness.amplitude > 0)) break;
     const Verdict verdict = judged(cut.set);

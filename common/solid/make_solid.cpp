@@ -129,10 +129,12 @@ Expected<Solid> make_solid(std::shared_ptr<const Mesh> mesh, const SolidOptions&
                                           std::to_string(kMostTriangles) + ".");
   Solid solid;
   SolidReport& report = solid.report;
+  execution.reaches(0.4);
   Expected<Surface> welded = weld_exact(*mesh, report, execution);
   if (!welded) return tl::unexpected(std::move(welded.error()));
   Surface& surface = *welded;
 
+  execution.reaches(0.7);
   const EdgeFaults faults = pair_edges(surface, options, report, execution);
   report.open_edges = faults.open;
   if (faults.first_open) report.add_sample("open_edges", (*faults.first_open)[0]);
@@ -162,6 +164,7 @@ Expected<Solid> make_solid(std::shared_ptr<const Mesh> mesh, const SolidOptions&
       shells = find_shells(surface, execution);
     }
   }
+  execution.reaches(1);
   Nesting nesting = nest_shells(surface, shells, execution);
   const std::vector<std::uint32_t> part_of_shell =
       make_parts(shells, nesting, *mesh, surface, solid.parts, execution);

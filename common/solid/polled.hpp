@@ -15,8 +15,10 @@ namespace fracture::solid_detail {
 template <class Body>
 void for_each_polled(const Execution& execution, std::size_t count, Body&& body) {
   constexpr std::size_t kBlock = 16384;
+  StageProgress::Loop progress(execution.within, (count + kBlock - 1) / kBlock);
   for (std::size_t begin = 0; begin < count; begin += kBlock) {
     execution.poll();
+    progress.at(begin / kBlock);
     const std::size_t end = std::min(count, begin + kBlock);
     for (std::size_t i = begin; i < end; ++i) body(i);
   }

@@ -18,6 +18,7 @@ void append(StageTimings& to, const StageTimings& more) {
 }  // namespace
 
 void Dispatcher::Common::tell(const char* stage, double fraction) {
+  if (!observed.load(std::memory_order_relaxed)) return;
   const std::lock_guard lock(mutex);
   for (const auto& observer : observers) observer(stage, fraction);
 }
@@ -98,6 +99,7 @@ std::optional<Overload> Dispatcher::fracture(FractureRequest request, const Term
   if (terms.progress) {
     const std::lock_guard lock(flight.common.mutex);
     flight.common.observers.push_back(terms.progress);
+    flight.common.observed = true;
   }
   const Clock::rep deadline = terms.deadline.time_since_epoch().count();
   for (Clock::rep latest = flight.common.latest_deadline;

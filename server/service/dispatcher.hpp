@@ -142,6 +142,7 @@ class Dispatcher {
     std::vector<std::function<void(const char*, double)>> observers;
     TurnTaken turn;
     std::optional<Flow> hurry;  ///< of the first who is in one
+    std::atomic<bool> observed{false};  ///< there are any: loops tell often, and mostly nobody listens
     void tell(const char* stage, double fraction);
   };
   using ResultFlights = SingleFlight<FractureAnswer, Common>;

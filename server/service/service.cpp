@@ -205,7 +205,10 @@ Expected<Step<PreparedMesh>> FractureService::make_mesh(const FractureRequest& r
   if (execution.progress) execution.progress("prepare", 0);
   {
     const StageTimings::Scope scope(step.timings, "prepare");
-    Expected<Solid> made = engine_->prepare(std::move(mesh), request.parameters.solid, execution);
+    StageProgress progress("prepare", execution.progress);
+    Execution telling = execution;
+    telling.within = &progress;
+    Expected<Solid> made = engine_->prepare(std::move(mesh), request.parameters.solid, telling);
     if (!made) return tl::unexpected<Error>(std::move(made.error()));
     result->solid = std::move(*made);
   }
@@ -222,8 +225,11 @@ Expected<Step<Diagram>> FractureService::make_diagram(const PreparedMesh& mesh,
   std::shared_ptr<const Diagram> diagram;
   {
     const StageTimings::Scope scope(step.timings, "tetrahedralize");
+    StageProgress progress("tetrahedralize", execution.progress);
+    Execution telling = execution;
+    telling.within = &progress;
     Expected<Diagram> made =
-        engine_->diagram(mesh.solid, with_hulls(request.parameters), execution, step.inner);
+        engine_->diagram(mesh.solid, with_hulls(request.parameters), telling, step.inner);
     if (!made) return tl::unexpected<Error>(std::move(made.error()));
     diagram = std::make_shared<const Diagram>(std::move(*made));
   }
@@ -241,7 +247,10 @@ Expected<FragmentSet> FractureService::make_result(const PreparedMesh& mesh, con
   std::shared_ptr<const Diagram> kept;
   Expected<FragmentSet> fragments = [&] {
     const StageTimings::Scope scope(answer.timings, "clip");
-    return engine_->cut(mesh.solid, diagram, with_hulls(request.parameters), execution, answer.inner, kept);
+    StageProgress progress("clip", execution.progress);
+    Execution telling = execution;
+    telling.within = &progress;
+    return engine_->cut(mesh.solid, diagram, with_hulls(request.parameters), telling, answer.inner, kept);
   }();
   if (!fragments) {
     if (fragments.error().code == ErrorCode::kUnsound) failures_.add(keys.result, fragments.error());

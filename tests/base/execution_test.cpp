@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <mutex>
 #include <set>
 #include <thread>
@@ -119,6 +120,74 @@ TEST(Execution, PollThrowsPastTheDeadline) {
   } catch (const Interrupted& interrupted) {
     EXPECT_EQ(interrupted.code, ErrorCode::kDeadlineExceeded);
   }
+}
+
+/// What a stage told, in order.
+struct Told {
+  std::mutex mutex;
+  std::vector<double> fractions;
+  StageProgress::Tell tell = [this](const char*, double fraction) {
+    const std::lock_guard lock(mutex);
+    fractions.push_back(fraction);
+  };
+};
+
+TEST(StageProgress, GrowsWithEveryLoopAndStaysWithinItsPart) {
+  Told told;
+  StageProgress stage("clip", told.tell);
+  Execution execution;
+  execution.within = &stage;
+  execution.reaches(0.5);
+  for (int loop = 0; loop < 50; ++loop) parallel_for(execution, 1000, 1, [](std::size_t, std::size_t) {});
+  ASSERT_GE(told.fractions.size(), 50u * 32);
+  EXPECT_LE(told.fractions.size(), 50u * 64 + 1) << "some tens of times for each loop, whatever its blocks";
+  EXPECT_TRUE(std::is_sorted(told.fractions.begin(), told.fractions.end()));
+  EXPECT_GT(told.fractions[40], 0.1) << "a long loop takes a good part of what is left";
+  EXPECT_LE(told.fractions.back(), 0.5);
+  execution.reaches(0.8);
+  EXPECT_EQ(told.fractions.back(), 0.5) << "the next part begins where this one was to end";
+  for (int again = 0; again < 20; ++again) {
+    execution.reaches(0.3);
+    parallel_for(execution, 1000, 1, [](std::size_t, std::size_t) {});
+  }
+  EXPECT_TRUE(std::is_sorted(told.fractions.begin(), told.fractions.end())) << "never back";
+  EXPECT_LT(told.fractions.back(), 1);
+}
+
+TEST(StageProgress, APartIsDividedInItselfAndTheNextBeginsAtItsEnd) {
+  Told told;
+  StageProgress stage("tetrahedralize", told.tell);
+  Execution execution;
+  execution.within = &stage;
+  for (int pass = 0; pass < 4; ++pass) {
+    const std::size_t before = told.fractions.size();
+    const StageProgress::Part part(execution.within, (pass + 1) / 4.0);
+    for (const double end : {0.3, 0.6, 1.0}) {
+      execution.reaches(end);
+      parallel_for(execution, 1000, 1, [](std::size_t, std::size_t) {});
+    }
+    EXPECT_EQ(told.fractions[before], pass / 4.0);
+    EXPECT_LT(told.fractions.back(), (pass + 1) / 4.0);
+    EXPECT_GT(told.fractions.back(), (pass + 0.6) / 4.0);
+  }
+  EXPECT_TRUE(std::is_sorted(told.fractions.begin(), told.fractions.end()));
+}
+
+TEST(StageProgress, OnlyTheOuterOfTwoLoopsTellsAndWhoIsNotAskedTellsNothing) {
+  Told told;
+  StageProgress stage("clip", told.tell);
+  Execution execution;
+  execution.threads = 3;
+  execution.within = &stage;
+  parallel_for(execution, 8, 1, [&](std::size_t, std::size_t) {
+    parallel_for(execution, 1000, 1, [](std::size_t, std::size_t) {});
+  });
+  EXPECT_EQ(told.fractions.size(), 8u);
+  const StageProgress::Tell nobody;
+  StageProgress unheard("clip", nobody);
+  execution.within = &unheard;
+  parallel_for(execution, 8, 1, [](std::size_t, std::size_t) {});
+  execution.reaches(1);
 }
 
 }  // namespace
