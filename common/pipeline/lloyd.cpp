@@ -78,10 +78,10 @@ Expected<void> relax(const Solid& solid, const Solid& seen, SitePlan& plan, std:
   Pacer pacer(execution);
   for (std::uint32_t pass = 0; pass < passes; ++pass) {
     const StageProgress::Part part(execution.within, (pass + 1.0) / passes);
+    const Allowance::Temporary temporary(execution.allowance);  // what the pass makes goes with it
     const Expected<Tetrahedralization> t = tetrahedralize(plan.points, seen.box, execution);
     if (!t) return tl::unexpected(t.error());
     const VoronoiDiagram diagram(*t, seen.box, plan.map, execution);
-    const Allowance::Temporary temporary(execution.allowance);  // what the pass makes goes with it
     const Shares shares = measure(restrict_to_solid(solid, seen, diagram, execution), execution);
     for (std::size_t k = 0; k < plan.points.size(); ++k) {
       pacer.step(4);

@@ -42,6 +42,23 @@ TEST(Pipeline, APassedDeadlineIsATypedError) {
   EXPECT_EQ(set.error().code, ErrorCode::kDeadlineExceeded);
 }
 
+TEST(Pipeline, ManyPassesOfRelaxationHoldNoMoreThanOne) {
+  const Solid solid = solid_of(sphere_with(2000));
+  std::uint64_t held[2] = {};
+  for (const std::uint32_t passes : {1u, 20u}) {
+    FractureParameters p;
+    p.lloyd = passes;
+    Allowance allowance(0, UINT64_MAX, [](std::uint64_t) { return Allowance::Answer::kGranted; });
+    Execution execution;
+    execution.allowance = &allowance;
+    StageTimings timings;
+    ASSERT_TRUE(make_diagram(solid, p, execution, timings));
+    held[passes > 1] = allowance.bytes();
+  }
+  EXPECT_GT(held[0], 0u);
+  EXPECT_LT(held[1], held[0] + held[0] / 2) << "what a pass makes is gone after it";
+}
+
 TEST(Pipeline, DuplicateSitesAreMergedAndReported) {
   const Solid solid = solid_of(cube());
   FractureParameters p;
