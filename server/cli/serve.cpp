@@ -104,6 +104,11 @@ int serve_until_stopped(const ServeOptions& options) {
   http::Api api(dispatcher, options.limits, options.store, options.jobs);
   if (const std::string& problem = service.tiers().disk_problem(); !problem.empty())
     spdlog::warn("no disk cache: {}", problem);
+  if (const std::string& problem = api.jobs().problem(); !problem.empty())
+    spdlog::warn("jobs do not survive a restart: {}", problem);
+  if (const JobFigures jobs = api.jobs().figures(); jobs.jobs > 0)
+    spdlog::info("{} jobs of an earlier process were found, {} of them unfinished", jobs.jobs,
+                 jobs.unfinished);
   api.metrics().add_source(ops::write_process_metrics);
   if (failures.any())
     api.metrics().add_source([&failures](ops::MetricWriter& writer) {
@@ -136,15 +141,27 @@ int serve_until_stopped(const ServeOptions& options) {
     wait_for_signal(stopping, steady_clock::now() + options.drain_delay);  // a second signal skips the delay
     server.stop_accepting();
     const steady_clock::time_point end = steady_clock::now() + options.grace;
-    while (server.connections() > 0 && steady_clock::now() < end)
+    const auto jobs = [&api] {
+      const JobFigures figures = api.jobs().figures();
+      return figures.unfinished - figures.waiting;
+    };
+    while (server.connections() + jobs() > 0 && steady_clock::now() < end)
       if (wait_for_signal(stopping, steady_clock::now() + std::chrono::milliseconds(10))) break;
-    if (server.connections() > 0) {
-      spdlog::warn("{} connections are still open: cancelling their work", server.connections());
+    if (server.connections() + jobs() > 0) {
+      const JobFigures figures = api.jobs().figures();
+      spdlog::warn(
+          "{} connections are still open and {} jobs unfinished: stopping their work; {} jobs are on the "
+          "disk and go "
+          "on after a restart",
+          server.connections(), figures.unfinished, figures.durable);
       server.cancel_jobs();
       const steady_clock::time_point last = steady_clock::now() + std::chrono::seconds(2);
       while (server.requests_in_progress() > 0 && steady_clock::now() < last)
         if (wait_for_signal(stopping, steady_clock::now() + std::chrono::milliseconds(10))) break;
     }
+    // What was computed for jobs and for others is in the tiers before the process ends.
+    api.flush_jobs();
+    service.tiers().flush(std::max(end, steady_clock::now() + std::chrono::seconds(1)));
   } catch (const std::system_error& e) {
     spdlog::critical("{}", e.what());
     return kExitSystem;

@@ -207,7 +207,12 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
          seconds("mesh-ttl", o.store.ttl, "A stored mesh is forgotten when nobody used it for so long"),
          number("max-jobs", "N", o.jobs.max_jobs, 0, 1'000'000, "Jobs known at the same time"),
          number("job-results", "BYTES", o.jobs.max_result_bytes, 0, kTiB, "Bytes of results kept for jobs"),
-         seconds("job-ttl", o.jobs.ttl, "A finished job is forgotten after this")});
+         seconds("job-ttl", o.jobs.ttl, "A finished job is forgotten after this"),
+         seconds("job-deadline", o.jobs.deadline,
+                 "Longest time of a job, from when it is asked for, or goes on after a restart, to its end"),
+         number("job-store", "BYTES", o.jobs.max_disk_bytes, 0, kTiB,
+                "Bytes of meshes and requests of jobs in the folder of --cache-dir, where they survive a "
+                "restart, 0: they do not")});
   group(
       "Stopping",
       {seconds("drain-delay", o.drain_delay,
@@ -251,6 +256,7 @@ std::vector<std::string> inconsistencies(const ServeOptions& o) {
   const std::pair<const char*, std::chrono::milliseconds> positive[] = {
       {"deadline", l.deadline},
       {"realtime-deadline", l.realtime_deadline},
+      {"job-deadline", o.jobs.deadline},
       {"header-timeout", l.header_timeout},
       {"body-timeout", l.body_timeout},
       {"write-stall", l.write_stall},
@@ -322,6 +328,8 @@ std::vector<std::string> configure(ServeOptions& options, const std::vector<Sett
     else  // it has changed since it was judged
       errors.push_back("farm-key-file " + keys.error());
   }
+  if (!tiers.folder.empty() && options.jobs.max_disk_bytes > 0) options.jobs.folder = tiers.folder + "/jobs";
+  if (tiers.sign_disk) options.jobs.keys = tiers.keys;
   if (!tiers.redis.address.empty() && tiers.keys.empty())
     options.warnings.push_back(
         "Redis without --farm-key-file: who can write to it can put false answers in, which all servers "

@@ -8,6 +8,7 @@
 #include "server/http/content_coding.hpp"
 #include "server/http/mesh_input.hpp"
 #include "server/http/multipart.hpp"
+#include "server/http/prefer.hpp"
 
 namespace fracture::http {
 namespace {
@@ -77,12 +78,16 @@ OrProblem<Admission> Api::admit(Listener listener, const RequestHead& head, cons
   const Carries carries = admission.route->carries;
   const bool small = carries == Carries::kParameters ||
                      (carries == Carries::kMeshOrName && is_json(head.field("content-type")));
-  admission.max_body = carries == Carries::kNothing ? 0 : small ? kMaxSmallBody : limits_.max_body;
+  admission.max_body = carries == Carries::kNothing || carries == Carries::kQuery ? 0
+                       : small                                                    ? kMaxSmallBody
+                                                                                  : limits_.max_body;
 
   auto query = parse_query(head.query);
   if (!query) return refuse(HttpProblem::kMalformedRequest, "The query has a malformed percent escape.");
   admission.query = std::move(*query);
-  if (carries != Carries::kNothing) {
+  if (carries == Carries::kQuery) {
+    // Its handler says what may stand there.
+  } else if (carries != Carries::kNothing) {
     // Parameters first: their errors are the most useful ones.
     if (auto parsed = service_.parameters().parse(raw_parameters(admission.query)); !parsed)
       return tl::unexpected<Problem>(to_problem(std::move(parsed.error())));
@@ -111,7 +116,7 @@ OrProblem<Admission> Api::admit(Listener listener, const RequestHead& head, cons
 std::optional<Problem> Api::refuse_body(const RequestHead& head, const Admission& admission,
                                         const Payer& payer) const {
   const Carries carries = admission.route->carries;
-  if (carries == Carries::kNothing) return std::nullopt;
+  if (carries == Carries::kNothing || carries == Carries::kQuery) return std::nullopt;
   if (!head.has_body()) {
     if (carries == Carries::kParameters) return std::nullopt;  // all of them have defaults
     return to_problem({ErrorCode::kEmptyBody,
@@ -153,9 +158,15 @@ OrProblem<Terms> Api::terms_of(const RequestHead& head, const Route& route, cons
   if (const std::optional<int> urgency = urgency_of(head.field("priority")))
     terms.priority = *urgency <= kRealtimeUrgency ? Priority::kRealtime : Priority::kBatch;
   if (payer.account && !payer.account->shares().realtime) terms.priority = Priority::kBatch;
+  // Nobody waits for a job as one waits for a collision: it has a class and a deadline of its own.
+  const bool job =
+      (route.operation == Operation::kPostFracture || route.operation == Operation::kPostMeshFracture) &&
+      preferences_of(head).respond_async;
+  if (job) terms.priority = Priority::kBatch;
   terms.payer = payer;
-  std::chrono::milliseconds time =
-      terms.priority == Priority::kRealtime ? limits_.realtime_deadline : limits_.deadline;
+  std::chrono::milliseconds time = job                                     ? jobs_.config().deadline
+                                   : terms.priority == Priority::kRealtime ? limits_.realtime_deadline
+                                                                           : limits_.deadline;
   if (const std::string given = head.field("request-timeout"); !given.empty()) {
     double seconds = 0;
     const auto [end, error] = std::from_chars(given.data(), given.data() + given.size(), seconds);

@@ -67,8 +67,10 @@ Api::Api(Dispatcher& dispatcher, const HttpLimits& limits, const StoreConfig& st
 Api::~Api() { wait_idle(); }
 
 void Api::wait_idle() {
-  jobs_.cancel_all();
+  jobs_.stop();
+  jobs_.flush();  // nothing is resumed any more
   dispatcher_.wait_idle();
+  jobs_.flush();  // what that came to
   // What is left are watchers of jobs that have finished, and keep-alives.
   jobs_.drop_watchers();
   closing_ = true;  // a sweep that is at work puts no further one on the timer
@@ -137,7 +139,9 @@ Answered Api::dispatch(const std::shared_ptr<Request>& request, const std::stop_
     case Operation::kPostMeshFracture:
       return fracture_stored(request, request->body, request->admission.segment, gone, reply);
     case Operation::kGetJob:
-      return get_job(*request);
+      return get_job(request, gone, reply);
+    case Operation::kGetJobs:
+      return get_jobs(*request);
     case Operation::kDeleteJob:
       return delete_job(*request);
     case Operation::kGetJobEvents:

@@ -24,9 +24,9 @@
 #include "server/http/message.hpp"
 #include "server/http/result_response.hpp"
 #include "server/http/routes.hpp"
+#include "server/jobs/jobs.hpp"
 #include "server/ops/metrics.hpp"
 #include "server/service/dispatcher.hpp"
-#include "server/service/jobs.hpp"
 #include "server/service/memory_budget.hpp"
 #include "server/service/mesh_store.hpp"
 #include "server/service/service.hpp"
@@ -56,10 +56,21 @@ class Api {
   void start(std::shared_ptr<Request> request, std::stop_token gone, Reply reply);
   /// The end: stops the jobs, then returns when nothing is computed any more and no reply is outstanding.
   void wait_idle();
-  /// Stops what was started with Prefer: respond-async.
-  void cancel_jobs() { jobs_.cancel_all(); }
+  /// Goes on with the jobs that an earlier process left on the disk. `account_of` finds a name's account; it
+  /// is called from any thread until stop_jobs().
+  void resume_jobs(
+      const std::function<std::shared_ptr<tenants::Account>(const std::string& name)>& account_of);
+  /// Stops what was started with Prefer: respond-async: those on the disk go on after a restart, the others
+  /// are cancelled.
+  void stop_jobs() { jobs_.stop(); }
+  /// Returns when what has become of the jobs is on the disk.
+  void flush_jobs() { jobs_.flush(); }
 
-  void set_draining() { draining_ = true; }
+  /// Not ready any more. Jobs of an earlier process that have not begun yet stay for the next one.
+  void set_draining() {
+    draining_ = true;
+    jobs_.stop_resuming();
+  }
   bool draining() const { return draining_; }
   /// Why this reservation could not grow.
   Problem no_memory(const MemoryBudget::Reservation& reservation) const;
@@ -108,6 +119,9 @@ class Api {
   /// What every way to ask for a fracture ends in.
   Answered fracture(const std::shared_ptr<Request>& request, FractureRequest asked, Terms terms,
                     const Reply& reply);
+  /// What was computed, in the representation that the client asks for. `applied`: Preference-Applied.
+  Answered answer_fracture(const std::shared_ptr<Request>& request, const FractureAnswer& answer,
+                           const Terms& terms, const Reply& reply, const std::string& applied = "");
   Answered get_fracture(const std::shared_ptr<Request>& request, const std::stop_token& gone,
                         const Reply& reply);
   Answered found_result(const std::shared_ptr<Request>& request,
@@ -138,10 +152,16 @@ class Api {
   bool may_see(const Request& request, const std::string& key);
   /// So that it may see what it asked for, once that is there.
   void enter_in_ledger(const Request& request, Terms& terms);
+  /// This name may see the answer of this key from now on.
+  void enter_in_ledger(const tenants::Account& account, const std::string& owner, const std::string& key,
+                       std::uint64_t bytes);
 
-  Answered start_job(const Request& request, FractureRequest asked, const Terms& terms);
+  /// 202 when the job is accepted; with `wait` the answer itself where it is there in time.
+  Answered start_job(const std::shared_ptr<Request>& request, FractureRequest asked, const Terms& terms,
+                     const Reply& reply);
   std::optional<JobView> find_job(const Request& request);
-  Answered get_job(const Request& request);
+  Answered get_jobs(const Request& request);
+  Answered get_job(const std::shared_ptr<Request>& request, const std::stop_token& gone, const Reply& reply);
   Answered delete_job(const Request& request);
   Answered get_job_events(const Request& request);
   Response get_index() const;
@@ -179,9 +199,6 @@ class Api {
   std::atomic<bool> draining_{false}, closing_{false};
   ops::Metrics metrics_;
 };
-
-/// Prefer: respond-async (RFC 7240).
-bool prefers_async(const RequestHead& head);
 
 /// Refusals as problems, with the header fields that belong to them.
 Problem to_problem(Error error);

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "server/http/api.hpp"
+#include "server/http/prefer.hpp"
 
 namespace fracture::http {
 namespace {
@@ -75,6 +76,8 @@ nlohmann::ordered_json Api::describe_limits() const {
           {"max_jobs", jobs_.config().max_jobs},
           {"max_job_result_bytes", jobs_.config().max_result_bytes},
           {"job_ttl_ms", jobs_.config().ttl.count()},
+          {"job_deadline_ms", jobs_.config().deadline.count()},
+          {"max_wait_s", kLongestWait.count()},
           {"max_parameters_bytes", kMaxSmallBody},
           {"formats", service_.parameters().formats().names()},
           {"parameters", service_.parameters().to_json()}};

@@ -2,6 +2,7 @@
 #include "server/http/api.hpp"
 #include "server/http/mesh_input.hpp"
 #include "server/http/multipart.hpp"
+#include "server/http/prefer.hpp"
 #include "server/http/result_response.hpp"
 
 namespace fracture::http {
@@ -43,32 +44,38 @@ Answered Api::fracture(const std::shared_ptr<Request>& request, FractureRequest 
   enter_in_ledger(*request, terms);
   const std::size_t offered = request->admission.representation;
   asked.output = offered == kAsGltf ? OutputFormat::kGltf : OutputFormat::kGlb;
-  if (prefers_async(request->head)) {
+  if (preferences_of(request->head).respond_async) {
     // The job keeps the place that its request has taken, which ends with the answer.
     if (terms.seat) terms.seat = std::make_shared<tenants::Account::Seat>(std::move(*terms.seat));
-    return start_job(*request, std::move(asked), terms);
+    return start_job(request, std::move(asked), terms, reply);
   }
   const std::optional<Overload> overload = dispatcher_.fracture(
-      std::move(asked), terms, [this, request, offered, terms, reply](Expected<FractureAnswer> answer) {
+      std::move(asked), terms, [this, request, terms, reply](Expected<FractureAnswer> answer) {
         answering(*request, reply, [&]() -> Answered {
           if (!answer) return refusal(std::move(answer.error()), request->id);
-          std::shared_ptr<const FractureResult> result = answer->result;
-          const auto representation = represent(request->head, *result, offered == kAsFigures);
-          if (!representation) return tl::unexpected<Problem>(representation.error());
-          return send_result(request, std::move(result), *representation, terms, reply,
-                             [status = cache_status(*answer), timing = server_timing(*answer),
-                              queued = answer->queue_milliseconds,
-                              is_private = request->payer.account != nullptr](Response response) -> Answered {
-                               response.headers.emplace_back("Cache-Status", status);
-                               response.headers.emplace_back("Server-Timing", timing);
-                               if (is_private) response.headers.emplace_back("Cache-Control", "private");
-                               response.queue_milliseconds = queued;
-                               return response;
-                             });
+          return answer_fracture(request, *answer, terms, reply);
         });
       });
   if (overload) return tl::unexpected<Problem>(to_problem(*overload));
   return std::nullopt;
+}
+
+Answered Api::answer_fracture(const std::shared_ptr<Request>& request, const FractureAnswer& answer,
+                              const Terms& terms, const Reply& reply, const std::string& applied) {
+  const bool figures = request->admission.representation == kAsFigures;
+  const auto representation = represent(request->head, *answer.result, figures);
+  if (!representation) return tl::unexpected<Problem>(representation.error());
+  return send_result(request, answer.result, *representation, terms, reply,
+                     [status = cache_status(answer), timing = server_timing(answer), applied,
+                      queued = answer.queue_milliseconds,
+                      is_private = request->payer.account != nullptr](Response response) -> Answered {
+                       response.headers.emplace_back("Cache-Status", status);
+                       response.headers.emplace_back("Server-Timing", timing);
+                       if (is_private) response.headers.emplace_back("Cache-Control", "private");
+                       if (!applied.empty()) response.headers.emplace_back("Preference-Applied", applied);
+                       response.queue_milliseconds = queued;
+                       return response;
+                     });
 }
 
 }  // namespace fracture::http

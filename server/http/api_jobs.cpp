@@ -1,7 +1,10 @@
-// Jobs: fractures that nobody waits for on a connection (Prefer: respond-async, RFC 7240).
+// Jobs: fractures that nobody waits for on a connection (Prefer: respond-async, RFC 7240), or not for long.
 #include <atomic>
 
 #include "server/http/api.hpp"
+#include "server/http/job_document.hpp"
+#include "server/http/job_wait.hpp"
+#include "server/http/prefer.hpp"
 
 namespace fracture::http {
 namespace {
@@ -9,16 +12,6 @@ namespace {
 /// How long an event stream may be silent: proxies close connections that are idle for long, and a client
 /// that is gone is only noticed by writing to it.
 constexpr std::chrono::seconds kKeepAlive{10};
-
-nlohmann::ordered_json describe(const JobView& job, std::string_view request_id) {
-  nlohmann::ordered_json document = {
-      {"id", job.id}, {"state", name_of(job.state)}, {"stage", job.stage}, {"percent", job.percent}};
-  if (job.queue_position) document["queue_position"] = *job.queue_position;
-  if (job.result) document["result"] = "/fractures/sha256:" + job.result->key;
-  if (job.error) document["error"] = nlohmann::ordered_json::parse(to_problem(*job.error).body(request_id));
-  document["links"] = {{"self", "/jobs/" + job.id}, {"events", "/jobs/" + job.id + "/events"}};
-  return document;
-}
 
 /// Server-sent events (WHATWG HTML, section 9.2): one for each change of the job, the last when it has
 /// finished.
@@ -28,9 +21,11 @@ class JobEvents final : public BodyStream {
       : jobs_(jobs), timer_(timer), id_(std::move(id)) {
     state_->request_id = std::move(request_id);
   }
+  ~JobEvents() override { jobs_.unwatch(id_, watch_); }
 
   void next(std::function<void(std::optional<std::string>)> ready) override {
     if (state_->ended) return ready(std::nullopt);
+    jobs_.unwatch(id_, watch_);  // of the last time, where a keep-alive came before a change
     // Whichever comes first, the change or the time, answers; the other one finds the seal broken.
     struct Once {
       std::function<void(std::optional<std::string>)> ready;
@@ -41,7 +36,7 @@ class JobEvents final : public BodyStream {
     const Timer::Id alarm = timer_.at(Timer::Clock::now() + kKeepAlive, [once] {
       if (!once->used.exchange(true)) once->ready(": nothing new\n\n");
     });
-    const bool known =
+    const auto watch =
         jobs_.watch(id_, state_->seen, [state = state_, once, alarm, &timer = timer_](const JobView& job) {
           if (once->used.exchange(true)) return;
           timer.cancel(alarm);
@@ -52,13 +47,18 @@ class JobEvents final : public BodyStream {
                       "\nevent: " + (state->ended ? name_of(job.state) : "progress") +
                       "\ndata: " + describe(job, state->request_id).dump() + "\n\n");
         });
-    if (!known && !once->used.exchange(true)) once->ready(std::nullopt);
+    if (watch)
+      watch_ = *watch;
+    else if (!once->used.exchange(true))
+      once->ready(std::nullopt);
   }
 
  private:
   Jobs& jobs_;
   Timer& timer_;
   const std::string id_;
+  // Of the last call of next(). Its answer may have come already, and the next call with it.
+  std::atomic<Jobs::WatchId> watch_{0};
   // Shared with the watcher, which may be called when the stream is gone with its session.
   struct State {
     std::string request_id;
@@ -70,37 +70,76 @@ class JobEvents final : public BodyStream {
 
 Problem no_job() { return Problem(HttpProblem::kNotFound, "This job is not (or no longer) known here."); }
 
-}  // namespace
-
-bool prefers_async(const RequestHead& head) {
-  std::string_view field_rest;
-  const std::string field = head.field("prefer");
-  for (field_rest = field; !field_rest.empty();) {
-    std::string_view item = field_rest.substr(0, field_rest.find(','));
-    field_rest.remove_prefix(std::min(field_rest.size(), item.size() + 1));
-    item = item.substr(0, item.find(';'));
-    while (!item.empty() && (item.front() == ' ' || item.front() == '\t')) item.remove_prefix(1);
-    while (!item.empty() && (item.back() == ' ' || item.back() == '\t')) item.remove_suffix(1);
-    if (equals_ignoring_case(item, "respond-async")) return true;
-  }
-  return false;
-}
-
-Answered Api::start_job(const Request& request, FractureRequest asked, const Terms& terms) {
-  const auto job = jobs_.start(std::move(asked), terms, owner_of(request));
-  if (!job) return tl::unexpected<Problem>(to_problem(job.error()));
-  Response response = Response::json(describe(*job, request.id), 202);
-  response.headers.emplace_back("Location", "/jobs/" + job->id);
-  response.headers.emplace_back("Preference-Applied", "respond-async");
-  return response;
-}
-
-Answered Api::get_job(const Request& request) {
-  const auto job = find_job(request);
-  if (!job) return tl::unexpected<Problem>(no_job());
-  Response response = Response::json(describe(*job, request.id));
+Response job_response(const JobView& job, const std::string& request_id, int status) {
+  Response response = Response::json(describe(job, request_id), status);
   response.headers.emplace_back("Cache-Control", "no-store");
   return response;
+}
+
+}  // namespace
+
+Answered Api::start_job(const std::shared_ptr<Request>& request, FractureRequest asked, const Terms& terms,
+                        const Reply& reply) {
+  const Preferences preferences = preferences_of(request->head);
+  const auto accepted = [request, reply, preferences](const JobView& job) {
+    Response response = job_response(job, request->id, 202);
+    response.headers.emplace_back("Location", "/jobs/" + job.id);
+    response.headers.emplace_back("Preference-Applied", applied(preferences));
+    if (!job.finished()) response.headers.emplace_back("Retry-After", "1");
+    reply(std::move(response));
+  };
+  const auto waited = [this, request, terms, reply, preferences, accepted](std::optional<JobView> job) {
+    answering(*request, reply, [&]() -> Answered {
+      if (!job) return tl::unexpected<Problem>(no_job());
+      if (!job->finished()) {
+        accepted(*job);
+        return std::nullopt;
+      }
+      // The client has, or will have, all that there is: it is no job of its list.
+      jobs_.cancel(job->id);
+      if (job->error) return refusal(*job->error, request->id);
+      return answer_fracture(request, *job->answer, terms, reply,
+                             "wait=" + std::to_string(preferences.wait->count()));
+    });
+  };
+  Jobs::Owner owner{owner_of(*request)};
+  if (!owner.name.empty()) owner.share = request->payer.account->shares().stored_bytes;
+  const auto overload =
+      jobs_.start(std::move(asked), terms, owner,
+                  [this, request, terms, reply, preferences, accepted, waited](const JobView& job) {
+                    answering(*request, reply, [&]() -> Answered {
+                      if (!preferences.wait || preferences.wait->count() == 0)
+                        accepted(job);
+                      else if (job.finished())
+                        waited(job);
+                      else
+                        wait_for_job(jobs_, dispatcher_.timer(), job.id,
+                                     request->received + *preferences.wait, terms.gone, waited);
+                      return std::nullopt;
+                    });
+                  });
+  if (overload) return tl::unexpected<Problem>(to_problem(*overload));
+  return std::nullopt;
+}
+
+Answered Api::get_job(const std::shared_ptr<Request>& request, const std::stop_token& gone,
+                      const Reply& reply) {
+  const auto job = find_job(*request);
+  if (!job) return tl::unexpected<Problem>(no_job());
+  Preferences preferences = preferences_of(request->head);
+  preferences.respond_async = false;  // there is nothing to start
+  if (!preferences.wait || job->finished() || request->admission.head_only)
+    return job_response(*job, request->id, 200);
+  wait_for_job(jobs_, dispatcher_.timer(), job->id, request->received + *preferences.wait, gone,
+               [this, request, reply, preferences](std::optional<JobView> later) {
+                 answering(*request, reply, [&]() -> Answered {
+                   if (!later) return tl::unexpected<Problem>(no_job());
+                   Response response = job_response(*later, request->id, 200);
+                   response.headers.emplace_back("Preference-Applied", applied(preferences));
+                   return response;
+                 });
+               });
+  return std::nullopt;
 }
 
 Answered Api::delete_job(const Request& request) {

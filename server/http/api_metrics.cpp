@@ -67,6 +67,16 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
   writer.gauge("fracture_jobs_unfinished", "Jobs that wait or run.", static_cast<double>(jobs.unfinished));
   count("fracture_jobs_started_total", "Jobs begun by Prefer: respond-async.", jobs.started);
   count("fracture_jobs_forgotten_total", "Finished jobs that nobody asked for in time.", jobs.expired);
+  count("fracture_jobs_resumed_total", "Jobs that went on after a restart.", jobs.resumed);
+  if (const auto disk = jobs_.disk_figures()) {
+    writer.gauge("fracture_jobs_durable", "Jobs on the disk, finished ones included.",
+                 static_cast<double>(disk->jobs));
+    writer.gauge("fracture_job_store_bytes", "Bytes of jobs on the disk.", static_cast<double>(disk->bytes));
+    count("fracture_job_store_failures_total", "Files of jobs that the system did not read or write.",
+          disk->failures);
+    count("fracture_job_store_damaged_total", "Files of jobs that were found damaged and put aside.",
+          disk->quarantined);
+  }
   count("fracture_jobs_evicted_total", "Finished jobs forgotten because others needed their room.",
         jobs.evicted);
 

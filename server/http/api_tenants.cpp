@@ -22,10 +22,34 @@ void Api::enter_in_ledger(const Request& request, Terms& terms) {
   const std::string owner = owner_of(request);
   if (owner.empty()) return;
   terms.answered = [this, owner, account = request.payer.account](const FractureResult& result) {
-    const std::uint64_t limit = account->shares().cached_bytes;
-    for (const std::string& nobodys : ledger_.add(owner, result.key, result.file.size(), limit))
-      for (const std::string& name : kept_names_of(nobodys)) service_.forget_result(name);
+    enter_in_ledger(*account, owner, result.key, result.file.size());
   };
+}
+
+void Api::enter_in_ledger(const tenants::Account& account, const std::string& owner, const std::string& key,
+                          std::uint64_t bytes) {
+  for (const std::string& nobodys : ledger_.add(owner, key, bytes, account.shares().cached_bytes))
+    for (const std::string& name : kept_names_of(nobodys)) service_.forget_result(name);
+}
+
+void Api::resume_jobs(
+    const std::function<std::shared_ptr<tenants::Account>(const std::string& name)>& account_of) {
+  const auto terms_of = [this, account_of](const std::string& owner) {
+    Terms terms;
+    terms.payer.flow.name = "jobs of an earlier process";
+    const auto account = owner.empty() ? nullptr : account_of(owner);
+    if (!account) return terms;  // the token file has this name no more: only an administrator sees the job
+    terms.payer = {account, {"name " + account->name(), account->shares().weight}};
+    terms.answered = [this, owner, account](const FractureResult& result) {
+      enter_in_ledger(*account, owner, result.key, result.file.size());
+    };
+    return terms;
+  };
+  jobs_.resume(terms_of, [&](const JobView& job) {
+    const auto account = job.owner.empty() ? nullptr : account_of(job.owner);
+    const auto bytes = service_.tiers().expected_bytes(job.result_key);
+    if (account && bytes) enter_in_ledger(*account, job.owner, job.result_key, *bytes);
+  });
 }
 
 std::optional<JobView> Api::find_job(const Request& request) {

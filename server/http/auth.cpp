@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "server/http/api.hpp"
+#include "server/http/prefer.hpp"
 #include "server/http/routes.hpp"
 
 namespace fracture::http {
@@ -34,11 +35,12 @@ Scopes needed(Operation operation, const RequestHead& head) {
     case Operation::kGetFracture:
     case Operation::kGetMesh:
     case Operation::kGetJob:
+    case Operation::kGetJobs:
     case Operation::kGetJobEvents:
       return {Scope::kRead};
     case Operation::kPostFracture:
     case Operation::kPostMeshFracture:
-      return {prefers_async(head) ? Scope::kBake : Scope::kFracture};
+      return {preferences_of(head).respond_async ? Scope::kBake : Scope::kFracture};
     case Operation::kPostMesh:
     case Operation::kPutMesh:
       return {Scope::kFracture, Scope::kBake};

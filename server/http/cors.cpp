@@ -10,8 +10,9 @@ constexpr const char* kRequestFields =
     "Accept, Authorization, Content-Digest, Content-Encoding, Content-Type, If-None-Match, If-Range, Prefer, "
     "Priority, Range, Request-Timeout, Traceparent, X-Request-Id";
 constexpr const char* kExposedFields =
-    "Accept-Ranges, Cache-Status, Content-Location, Content-Range, ETag, Fracture-Algorithm, Location, "
-    "Preference-Applied, RateLimit, RateLimit-Policy, Repr-Digest, Retry-After, Server-Timing, X-Request-Id";
+    "Accept-Ranges, Cache-Status, Content-Location, Content-Range, ETag, Fracture-Algorithm, Link, "
+    "Location, Preference-Applied, RateLimit, RateLimit-Policy, Repr-Digest, Retry-After, Server-Timing, "
+    "X-Request-Id";
 /// Two hours: no browser keeps the answer to a preflight longer.
 constexpr const char* kMaxAge = "7200";
 

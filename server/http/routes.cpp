@@ -34,6 +34,7 @@ constexpr Route kRoutes[] = {
     {kDeleteMesh, kPublic, "DELETE", "/meshes/{id}", Carries::kNothing, kJsonTypes, "Forget a stored mesh"},
     {kPostMeshFracture, kPublic, "POST", "/meshes/{id}/fracture", Carries::kParameters, kResultTypes,
      "Fracture a stored mesh", Priority::kRealtime},
+    {kGetJobs, kPublic, "GET", "/jobs", Carries::kQuery, kJsonTypes, "The client's jobs, the newest first"},
     {kGetJob, kPublic, "GET", "/jobs/{id}", Carries::kNothing, kJsonTypes, "How far a job is"},
     {kDeleteJob, kPublic, "DELETE", "/jobs/{id}", Carries::kNothing, kJsonTypes, "Cancel or forget a job"},
     {kGetJobEvents, kPublic, "GET", "/jobs/{id}/events", Carries::kNothing, kEventTypes,

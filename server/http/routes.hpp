@@ -27,6 +27,7 @@ enum class Operation {
   kGetMesh,
   kDeleteMesh,
   kPostMeshFracture,
+  kGetJobs,
   kGetJob,
   kDeleteJob,
   kGetJobEvents,
@@ -38,6 +39,7 @@ enum class Operation {
 /// What the body of a request is, and with it what its query may hold.
 enum class Carries {
   kNothing,     ///< no body and no query
+  kQuery,       ///< no body; a query that its handler reads
   kMesh,        ///< a mesh, parameters in the query
   kMeshOrName,  ///< the same, or a small JSON object that names a stored mesh beside parameters
   kParameters,  ///< a small JSON object of parameters; more of them in the query

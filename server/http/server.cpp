@@ -177,9 +177,15 @@ class HttpServer::Impl {
                    "From the first byte of a request to the last of its answer.",
                    static_cast<double>(connections_.in_progress.load()));
       const auto holdings = [this](const std::string& name) {
-        return Holdings{api_.meshes().bytes_of(name), api_.ledger().bytes_of(name)};
+        return Holdings{api_.meshes().bytes_of(name) + api_.jobs().disk_bytes_of(name),
+                        api_.ledger().bytes_of(name)};
       };
       write_tenant_metrics(policy_.accounts, holdings, writer);
+    });
+    api.resume_jobs([this](const std::string& name) -> AccountPointer {
+      for (AccountPointer& account : policy_.accounts.all())
+        if (account->name() == name) return std::move(account);
+      return nullptr;
     });
     for (int t = 0; t < std::max(1, config.io_threads); ++t)
       threads_.emplace_back([this] { run_forever(context_); });
@@ -208,7 +214,7 @@ class HttpServer::Impl {
   }
   void cancel_jobs() {
     for (const auto& session : connections_.sessions()) session->cancel_job();
-    api_.cancel_jobs();
+    api_.stop_jobs();
   }
 
   Api& api_;

@@ -49,7 +49,8 @@ class HttpServer {
 
   /// No new connections on the public listener; idle connections close, busy ones answer and close.
   void stop_accepting();
-  /// Stops the computation of every request that is still waiting for one: each is answered with 503.
+  /// Stops the computation of every request that is still waiting for one: each is answered with 503. Jobs
+  /// stop, too: those on the disk go on after a restart, the others are cancelled.
   void cancel_jobs();
   /// From the next request on, these decide who may ask; what names have used so far stays counted.
   void replace_tokens(tenants::TokenFile tokens);

@@ -1,5 +1,6 @@
 #include "server/service/result_tiers.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cstring>
 #include <utility>
@@ -101,10 +102,11 @@ ResultTiers::~ResultTiers() {
   if (!writer_.joinable()) return;
   {
     std::unique_lock lock(mutex_);
-    written_.wait_for(lock, std::chrono::seconds(1), [this] { return pending_.empty() && !writing_; });
+    written_.wait_for(lock, std::chrono::seconds(1), [this] { return pending_.empty() && writing_.empty(); });
     pending_.clear();
     stopping_ = true;
   }
+  written_.notify_all();
   wake_.notify_one();
   writer_.join();
 }
@@ -162,9 +164,29 @@ void ResultTiers::enqueue(Pending pending) {
   wake_.notify_one();
 }
 
-void ResultTiers::flush() {
+void ResultTiers::flush(std::chrono::steady_clock::time_point until) {
+  const auto done = [this] { return pending_.empty() && writing_.empty(); };
   std::unique_lock lock(mutex_);
-  written_.wait(lock, [this] { return pending_.empty() && !writing_; });
+  if (until == std::chrono::steady_clock::time_point::max())
+    written_.wait(lock, done);  // the clock's last moment overflows in some implementations of wait_until
+  else
+    written_.wait_until(lock, until, done);
+}
+
+bool ResultTiers::keep_on_disk(const std::shared_ptr<const FractureResult>& result) {
+  if (!disk_) return false;
+  {
+    // The thread that writes behind answers may be about to.
+    std::unique_lock lock(mutex_);
+    written_.wait(lock, [&] {
+      return stopping_ || (writing_ != result->key &&
+                           std::none_of(pending_.begin(), pending_.end(),
+                                        [&](const Pending& p) { return p.result->key == result->key; }));
+    });
+  }
+  if (on_disk(result->key)) return true;
+  const std::string metadata = metadata_of(*result);
+  return disk_->insert({result->key, metadata, result->file}) && on_disk(result->key);
 }
 
 void ResultTiers::write_pending() {
@@ -174,16 +196,16 @@ void ResultTiers::write_pending() {
     if (stopping_) return;
     const Pending pending = std::move(pending_.front());
     pending_.pop_front();
-    writing_ = true;
+    writing_ = pending.result->key;
     lock.unlock();
     const std::string metadata = metadata_of(*pending.result);
     const CacheEntry entry{pending.result->key, metadata, pending.result->file};
     if (disk_) disk_->insert(entry);
     if (redis_ && pending.to_redis) redis_->insert(entry);
     lock.lock();
-    writing_ = false;
+    writing_.clear();
     pending_bytes_ -= pending.result->file.size();
-    if (pending_.empty()) written_.notify_all();
+    written_.notify_all();
   }
 }
 

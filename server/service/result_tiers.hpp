@@ -3,6 +3,7 @@
 // given up when it cannot keep up: a cache may always miss.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
@@ -62,8 +63,13 @@ class ResultTiers {
   Found find(const std::string& key, const Room& room = {});
   /// Returns at once.
   void store(std::shared_ptr<const FractureResult> result);
-  /// Returns when nothing is pending.
-  void flush();
+  /// Returns when nothing is pending, or at that time.
+  void flush(std::chrono::steady_clock::time_point until = std::chrono::steady_clock::time_point::max());
+  /// Is there an entry on the disk?
+  bool on_disk(const std::string& key) const { return disk_ && disk_->size_of(key).has_value(); }
+  /// Returns when the result is on the disk, written by whoever. False when it cannot be: no such tier, no
+  /// room, or the system refuses. Blocks.
+  bool keep_on_disk(const std::shared_ptr<const FractureResult>& result);
 
   TiersFigures figures() const;
 
@@ -84,7 +90,8 @@ class ResultTiers {
   std::deque<Pending> pending_;
   std::size_t pending_bytes_ = 0;
   std::uint64_t dropped_ = 0;
-  bool writing_ = false, stopping_ = false;
+  bool stopping_ = false;
+  std::string writing_;  ///< the key of what is being written; empty: nothing
   std::thread writer_;
 };
 

@@ -231,6 +231,9 @@ def check_manifests(manifests, where):
         redis = deployments["fracture-redis"]["spec"]["template"]["spec"]
         expect_users_of_redis(redis["containers"][0]["args"], handed_to(redis, redis["containers"][0]), where)
     expect({"/cache", "/tmp"} <= {m["mountPath"] for m in container["volumeMounts"]}, f"{where}: nowhere to write")
+    cache = next(v for v in pod["volumes"] if v["name"] == "cache")["emptyDir"]["sizeLimit"]
+    stored = sum(int(configuration[v]) for v in ("FRACTURE_DISK_CACHE", "FRACTURE_JOB_STORE"))
+    expect(int(cache.removesuffix("Gi")) << 30 > stored, f"{where}: /cache is smaller than the {stored} bytes that go there")
 
 
 def kubernetes():

@@ -1,40 +1,10 @@
 // Prefer: respond-async, and what becomes of it.
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <thread>
-
-#include "tests/server/test_server.hpp"
+#include "tests/server/job_server.hpp"
 
 namespace fracture::test {
 namespace {
-
-const std::string kAsync = "Content-Type: model/gltf-binary\r\nPrefer: wait=5, respond-async\r\n";
-
-struct Gate {
-  std::atomic<bool> open{false};
-  std::atomic<int> arrived{0};
-  std::function<void(const Execution&)> hook() {
-    return [this](const Execution& execution) {
-      ++arrived;
-      while (!open) {
-        execution.poll();
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-      }
-    };
-  }
-};
-
-nlohmann::json wait_for_state(TestServer& server, const std::string& job, const std::string& state) {
-  nlohmann::json document;
-  for (int i = 0; i < 3000; ++i) {
-    document = server.get(job).json();
-    if (document.value("state", "") == state) return document;
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  ADD_FAILURE() << "the job never was " << state << ": " << document.dump();
-  return document;
-}
 
 TEST(Jobs, AJobIsStartedFollowedAndItsResultFetched) {
   TestServer server;
@@ -195,6 +165,102 @@ TEST(Jobs, FinishedJobsAreForgottenAfterTheirTimeAndForTheirBytes) {
   EXPECT_EQ(other.get(first).status, 404);
   EXPECT_EQ(other.api.jobs().figures().evicted, 1u);
   EXPECT_EQ(other.api.jobs().figures().result_bytes, 0u);
+}
+
+/// The deadlines of requests are over before the computation may go on.
+TEST(Jobs, AJobHasADeadlineOfItsOwnWhateverTheRouteAndThePriority) {
+  TestServerOptions options;
+  options.limits.deadline = options.limits.realtime_deadline = std::chrono::milliseconds(20);
+  TestServer server(options);
+  Gate gate;
+  server.control->during_cut = gate.hook();
+  const std::string mesh = "/meshes/sha256:" + sha256("mesh").hex();
+  // The mesh is prepared within the 20 ms, or on another try.
+  ASSERT_TRUE(
+      eventually(kPatience, "the stored mesh", [&] { return server.put(mesh, "mesh").status / 100 == 2; }));
+  const Reply stored = server.post_json(mesh + "/fracture", "{}", "Prefer: respond-async\r\n");
+  const Reply urgent =
+      server.post_json(mesh + "/fracture", R"({"seed": 2})", "Prefer: respond-async\r\nPriority: u=0\r\n");
+  ASSERT_EQ(stored.status, 202) << stored.body;
+  ASSERT_EQ(urgent.status, 202) << urgent.body;
+  for (const Reply* reply : {&stored, &urgent}) wait_for_state(server, reply->header("location"), "running");
+  std::this_thread::sleep_for(5 * options.limits.deadline);
+  gate.open = true;
+  for (const Reply* reply : {&stored, &urgent}) wait_for_state(server, reply->header("location"), "done");
+}
+
+TEST(Jobs, AJobIsBatchWorkWhateverTheRouteAndThePriority) {
+  TestServerOptions options;
+  options.threads = 1;
+  TestServer server(options);
+  const std::string mesh = "/meshes/sha256:" + sha256("mesh").hex();
+  ASSERT_EQ(server.put(mesh, "mesh").status, 201);
+  Gate gate;
+  server.control->during_cut = gate.hook();
+  const std::string first =
+      server.post_json(mesh + "/fracture", "{}", "Prefer: respond-async\r\n").header("location");
+  wait_for_state(server, first, "running");
+  const std::string job =
+      server.post_json(mesh + "/fracture", R"({"seed": 2})", "Prefer: respond-async\r\nPriority: u=0\r\n")
+          .header("location");
+  RawClient urgent(server.port());
+  urgent.send("POST " + mesh +
+              "/fracture HTTP/1.1\r\nHost: a\r\nContent-Type: application/json\r\nContent-Length: "
+              "11\r\n\r\n{\"seed\": 3}");
+  EXPECT_TRUE(eventually(kPatience, "the realtime request to go before the job",
+                         [&] { return server.get(job).json().value("queue_position", -1) == 1; }));
+  gate.open = true;
+  ASSERT_TRUE(urgent.receive());
+  wait_for_state(server, job, "done");
+}
+
+TEST(Jobs, ADeadlineThatPassesFailsTheJobInItsOwnWords) {
+  TestServerOptions options;
+  options.jobs.deadline = std::chrono::milliseconds(50);
+  TestServer server(options);
+  Gate gate;  // never opened
+  server.control->during_cut = gate.hook();
+  const std::string job = server.post("/fracture", "mesh", kAsync).header("location");
+  const auto failed = wait_for_state(server, job, "failed");
+  EXPECT_EQ(failed.at("error").at("type"), "/problems/deadline-exceeded");
+  EXPECT_NE(failed.at("error").at("detail").get<std::string>().find("--job-deadline"), std::string::npos);
+
+  TestServer patient;
+  patient.control->during_cut = gate.hook();
+  const std::string shorter =
+      patient.post("/fracture", "mesh", kAsync + "Request-Timeout: 0.05\r\n").header("location");
+  EXPECT_EQ(wait_for_state(patient, shorter, "failed").at("error").at("type"), "/problems/deadline-exceeded");
+}
+
+TEST(Jobs, ProgressMovesWithinTheLoopsOfOneStage) {
+  TestServer server;
+  std::atomic<int> allowed{0};
+  server.control->during_cut = [&](const Execution& execution) {
+    parallel_for(execution, 64, 1, [&](std::size_t begin, std::size_t) {
+      while (static_cast<int>(begin) >= allowed) {
+        execution.poll();
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      }
+    });
+  };
+  const std::string job = server.post("/fracture", "mesh", kAsync).header("location");
+  int percent = wait_for_state(server, job, "running").at("percent");
+  int moves = 0;
+  for (int k = 8; k <= 64; k += 8) {
+    allowed = k;
+    if (k == 64) break;
+    const int before = percent;
+    EXPECT_TRUE(eventually(kPatience, "the percent to move",
+                           [&] {
+                             percent = server.get(job).json().at("percent");
+                             return percent > before;
+                           }))
+        << "stands at " << before;
+    moves += percent > before;
+  }
+  EXPECT_GE(moves, 5);
+  EXPECT_LT(percent, 90) << "the stage is not over";
+  wait_for_state(server, job, "done");
 }
 
 TEST(Jobs, UnknownOnesAreNotFound) {

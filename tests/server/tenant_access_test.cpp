@@ -36,6 +36,7 @@ TEST(TenantAccess, AScopeOpensItsRoutesAndNoOther) {
       {"PUT", "/meshes/", kObj, "a mesh", {"breaker", "baker"}},
       {"POST", "/meshes", kObj, "a mesh", {"breaker", "baker"}},
       {"GET", "/meshes/", "", "", {"reader"}},
+      {"GET", "/jobs", "", "", {"reader"}},
       {"GET", "/jobs/0", "", "", {"reader"}},
       {"GET", "/jobs/0/events", "", "", {"reader"}},
       {"GET", "/fractures/sha256:0", "", "", {"reader"}},

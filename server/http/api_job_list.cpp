@@ -1,0 +1,79 @@
+// GET /jobs: what the client has asked for and not taken away, the newest first, in pages.
+#include <algorithm>
+#include <charconv>
+
+#include "server/http/api.hpp"
+#include "server/http/job_document.hpp"
+
+namespace fracture::http {
+namespace {
+
+constexpr std::size_t kUsualPage = 20, kLongestPage = 100;
+
+struct Page {
+  Jobs::Filter filter;
+  std::size_t limit = kUsualPage;
+};
+
+tl::unexpected<Problem> wrong(const std::string& name, std::string detail) {
+  return tl::unexpected<Problem>(to_problem({ErrorCode::kBadParameter, std::move(detail), name}));
+}
+
+OrProblem<Page> page_of(const std::vector<std::pair<std::string, std::string>>& query) {
+  Page page;
+  for (std::size_t k = 0; k < query.size(); ++k) {
+    const auto& [name, value] = query[k];
+    const auto same = [&n = name](const auto& other) { return other.first == n; };
+    if (std::any_of(query.begin(), query.begin() + static_cast<std::ptrdiff_t>(k), same))
+      return wrong(name, "'" + name + "' is given twice.");
+    if (name == "state") {
+      page.filter.state = job_state_named(value);
+      if (!page.filter.state)
+        return wrong(name, "'state' must be queued, running, done, failed or cancelled.");
+    } else if (name == "limit") {
+      const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), page.limit);
+      if (error != std::errc{} || end != value.data() + value.size() || page.limit < 1 ||
+          page.limit > kLongestPage)
+        return wrong(name, "'limit' must be a whole number from 1 to " + std::to_string(kLongestPage) + ".");
+    } else if (name == "before") {
+      const auto time = time_in(value);
+      if (!time) return wrong(name, "'before' must be the 'created' of a job, as it stands in this list.");
+      page.filter.before = *time;
+    } else {
+      return tl::unexpected<Problem>(to_problem(
+          {ErrorCode::kUnknownParameter,
+           "There is no parameter '" + name.substr(0, 100) + "' here; there are state, limit and before.",
+           name.substr(0, 100)}));
+    }
+  }
+  return page;
+}
+
+}  // namespace
+
+Answered Api::get_jobs(const Request& request) {
+  OrProblem<Page> page = page_of(request.admission.query);
+  if (!page) return tl::unexpected<Problem>(std::move(page.error()));
+  if (const auto& account = request.payer.account)
+    page->filter.sees = [&account](const std::string& owner) { return account->sees(owner); };
+  std::vector<JobView> jobs = jobs_.list(page->filter, page->limit + 1);
+  const bool more = jobs.size() > page->limit;
+  if (more) jobs.pop_back();
+
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const JobView& job : jobs) list.push_back(describe(job, request.id));
+  nlohmann::ordered_json document = {{"jobs", std::move(list)}};
+  std::string next;
+  if (more) {
+    next = "/jobs?";
+    if (page->filter.state) next += std::string("state=") + name_of(*page->filter.state) + "&";
+    next += "limit=" + std::to_string(page->limit) + "&before=" + time_text(jobs.back().created);
+    document["next"] = next;
+  }
+  Response response = Response::json(document);
+  response.headers.emplace_back("Cache-Control", "no-store");
+  if (more) response.headers.emplace_back("Link", "<" + next + ">; rel=\"next\"");
+  return response;
+}
+
+}  // namespace fracture::http

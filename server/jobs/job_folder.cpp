@@ -1,0 +1,294 @@
+#include "server/jobs/job_folder.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <set>
+#include <system_error>
+#include <utility>
+
+#include "server/jobs/durable_file.hpp"
+
+namespace fracture {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kRecords = "records";
+constexpr const char* kMeshes = "meshes";
+constexpr const char* kBegun = "begun";
+/// Of a record: some thousand points and what is said of them.
+constexpr std::uint64_t kMostOfRecord = 4u << 20;
+/// What a small file takes on a disk.
+constexpr std::uint64_t kLeastBytes = 4096;
+constexpr std::size_t kMaxQuarantined = 16;
+
+std::vector<std::string> names_in(const std::string& folder) {
+  std::vector<std::string> names;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+    names.push_back(entry.path().filename().string());
+  return names;
+}
+
+std::uint64_t size_of(const std::string& path) {
+  std::error_code gone;
+  const std::uint64_t size = fs::file_size(path, gone);
+  return gone ? 0 : size;
+}
+
+std::uint64_t charged(std::uint64_t bytes) { return std::max(bytes, kLeastBytes); }
+
+}  // namespace
+
+JobFolder::JobFolder(JobFolderConfig config) : config_(std::move(config)) {
+  try {
+    fs::create_directories(config_.folder);
+    const std::string lock = config_.folder + "/lock";
+    lock_ = ::open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+    if (lock_ < 0) {
+      unusable_ = lock + ": " + std::strerror(errno);
+    } else if (::flock(lock_, LOCK_EX | LOCK_NB) != 0) {
+      unusable_ = config_.folder + " is in use by another server";
+    } else {
+      fs::remove_all(config_.folder + "/tmp");
+      for (const char* kind : {"tmp", "quarantine", kRecords, kMeshes, kBegun})
+        fs::create_directories(config_.folder + "/" + kind);
+    }
+  } catch (const fs::filesystem_error& e) {
+    unusable_ = e.what();
+  }
+}
+
+JobFolder::~JobFolder() {
+  if (lock_ >= 0) ::close(lock_);
+}
+
+std::vector<JobFolder::Found> JobFolder::restore() {
+  std::vector<Found> found;
+  if (!unusable_.empty()) return found;
+  try {
+    std::set<std::string> known, needed;
+    for (const std::string& id : names_in(config_.folder + "/" + kRecords)) {
+      std::optional<JobRecord> record = get_record(id);
+      if (!record) continue;
+      known.insert(id);
+      const bool open = record->state == JobState::kQueued;
+      if (open) needed.insert(record->digest);
+      {
+        const std::lock_guard lock(mutex_);
+        take_place(*record, size_of(path(kRecords, id)));
+        if (open) meshes_[record->digest].written = fs::exists(path(kMeshes, record->digest));
+      }
+      found.push_back({std::move(*record), size_of(path(kBegun, id))});
+    }
+    for (const std::string& digest : names_in(config_.folder + "/" + kMeshes))
+      if (!needed.contains(digest)) ::unlink(path(kMeshes, digest).c_str());
+    for (const std::string& id : names_in(config_.folder + "/" + kBegun))
+      if (!known.contains(id)) ::unlink(path(kBegun, id).c_str());
+  } catch (const fs::filesystem_error&) {
+    const std::lock_guard lock(mutex_);
+    ++figures_.failures;
+  }
+  std::sort(found.begin(), found.end(),
+            [](const Found& a, const Found& b) { return a.record.created < b.record.created; });
+  return found;
+}
+
+// -- places
+
+JobFolder::Room JobFolder::reserve(const JobRecord& record, std::uint64_t share) {
+  std::uint64_t own = 0;
+  try {
+    own = encode_record(record).size();
+  } catch (const nlohmann::json::exception&) {
+    return Room::kUnfit;
+  }
+  if (own > kMostOfRecord) return Room::kUnfit;
+  own = charged(own);
+  const std::uint64_t all = own + charged(record.mesh_bytes);
+  if (all > config_.max_bytes || all > share) return Room::kTooLarge;
+  const std::lock_guard lock(mutex_);
+  const auto mesh = meshes_.find(record.digest);
+  const bool there = mesh != meshes_.end(), theirs = there && mesh->second.needed.contains(record.owner);
+  if (bytes_of_locked(record.owner) + (theirs ? own : all) > share) return Room::kOverShare;
+  if (figures_.bytes + (there ? own : all) > config_.max_bytes) return Room::kFull;
+  take_place(record, own);
+  return Room::kThere;
+}
+
+void JobFolder::take_place(const JobRecord& record, std::uint64_t record_bytes) {
+  Place& place = places_[record.id];
+  place = {record.owner, {}, charged(record_bytes)};
+  figures_.bytes += place.bytes;
+  if (record.state != JobState::kQueued) return;
+  place.digest = record.digest;
+  Mesh& mesh = meshes_[record.digest];
+  if (mesh.needed.empty()) figures_.bytes += mesh.bytes = charged(record.mesh_bytes);
+  ++mesh.needed[record.owner];
+}
+
+void JobFolder::let_mesh_go(Place& place) {
+  const auto mesh = meshes_.find(std::exchange(place.digest, {}));
+  if (mesh == meshes_.end()) return;
+  const auto needed = mesh->second.needed.find(place.owner);
+  if (needed != mesh->second.needed.end() && --needed->second == 0) mesh->second.needed.erase(needed);
+  if (!mesh->second.needed.empty()) return;
+  // With the lock: whoever needs it from now on writes it again.
+  if (mesh->second.written) ::unlink(path(kMeshes, mesh->first).c_str());
+  figures_.bytes -= mesh->second.bytes;
+  meshes_.erase(mesh);
+}
+
+std::uint64_t JobFolder::bytes_of_locked(const std::string& owner) const {
+  std::uint64_t bytes = 0;
+  for (const auto& [id, place] : places_)
+    if (place.owner == owner) bytes += place.bytes;
+  for (const auto& [digest, mesh] : meshes_)
+    if (mesh.needed.contains(owner)) bytes += mesh.bytes;
+  return bytes;
+}
+
+std::uint64_t JobFolder::bytes_of(const std::string& owner) const {
+  const std::lock_guard lock(mutex_);
+  return bytes_of_locked(owner);
+}
+
+JobFolderFigures JobFolder::figures() const {
+  const std::lock_guard lock(mutex_);
+  JobFolderFigures figures = figures_;
+  figures.jobs = places_.size();
+  return figures;
+}
+
+// -- files
+
+bool JobFolder::put(const char* kind, const std::string& name, std::string_view head,
+                    std::span<const std::span<const std::byte>> parts) {
+  std::string temporary;
+  {
+    const std::lock_guard lock(mutex_);
+    temporary = config_.folder + "/tmp/" + std::to_string(next_temporary_++);
+  }
+  const bool written = write_durably(temporary, path(kind, name), head, parts);
+  const std::lock_guard lock(mutex_);
+  ++(written ? figures_.writes : figures_.failures);
+  return written;
+}
+
+bool JobFolder::put_record(const JobRecord& record) {
+  std::string bytes;
+  try {
+    bytes = encode_record(record);
+  } catch (const nlohmann::json::exception&) {  // what it came to is no UTF-8
+    return false;
+  }
+  if (!config_.keys.empty())
+    bytes.insert(0, config_.keys.head(signed_as(record.id),
+                                      {{reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}}));
+  return put(kRecords, record.id, bytes, {});
+}
+
+std::optional<JobRecord> JobFolder::get_record(const std::string& id) {
+  std::optional<std::vector<std::uint8_t>> bytes;
+  if (is_job_id(id)) bytes = read_whole(path(kRecords, id), kMostOfRecord + FarmKeys::kHead);
+  std::optional<JobRecord> record;
+  if (bytes) {
+    std::optional<FarmKeys::Bytes> text = *bytes;
+    if (!config_.keys.empty()) text = config_.keys.open(signed_as(id), *bytes);
+    if (text) record = decode_record({reinterpret_cast<const char*>(text->data()), text->size()});
+  }
+  if (record && record->id == id) return record;
+  put_aside(kRecords, id);
+  return std::nullopt;
+}
+
+bool JobFolder::write(const JobRecord& record, const FractureRequest& request) {
+  bool mesh_there = false;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto mesh = meshes_.find(record.digest);
+    mesh_there = mesh != meshes_.end() && mesh->second.written;
+  }
+  if (!mesh_there) {
+    std::vector<std::span<const std::byte>> parts{request.mesh};
+    for (const ImportFile& file : request.files) parts.push_back(file.bytes);
+    if (!put(kMeshes, record.digest, encode_mesh_head(request), parts)) return false;
+    const std::lock_guard lock(mutex_);
+    if (const auto mesh = meshes_.find(record.digest); mesh != meshes_.end()) mesh->second.written = true;
+  }
+  return put_record(record);  // last: a record whose mesh is not there would be a promise that is not kept
+}
+
+bool JobFolder::write_end(const JobRecord& record) {
+  if (!put_record(record)) return false;
+  ::unlink(path(kBegun, record.id).c_str());
+  const std::lock_guard lock(mutex_);
+  if (const auto place = places_.find(record.id); place != places_.end()) let_mesh_go(place->second);
+  return true;
+}
+
+void JobFolder::remove(const std::string& id) {
+  // The record first: a mark without a record means nothing.
+  ::unlink(path(kRecords, id).c_str());
+  ::unlink(path(kBegun, id).c_str());
+  const std::lock_guard lock(mutex_);
+  const auto place = places_.find(id);
+  if (place == places_.end()) return;
+  let_mesh_go(place->second);
+  figures_.bytes -= place->second.bytes;
+  places_.erase(place);
+}
+
+std::optional<KeptMesh> JobFolder::read_mesh(const std::string& digest) {
+  std::uint64_t size = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto mesh = meshes_.find(digest);
+    if (mesh == meshes_.end()) return std::nullopt;
+    size = mesh->second.bytes;
+  }
+  // Its head comes on top of what was charged.
+  if (auto bytes = read_whole(path(kMeshes, digest), size + kMostOfRecord)) {
+    auto mesh = decode_mesh(std::make_shared<const std::vector<std::uint8_t>>(std::move(*bytes)), 0, digest);
+    if (mesh) return mesh;
+  }
+  put_aside(kMeshes, digest);
+  const std::lock_guard lock(mutex_);
+  if (const auto mesh = meshes_.find(digest); mesh != meshes_.end()) mesh->second.written = false;
+  return std::nullopt;
+}
+
+void JobFolder::put_aside(const char* kind, const std::string& name) {
+  const std::string from = path(kind, name);
+  std::string to;
+  {
+    const std::lock_guard lock(mutex_);
+    ++figures_.quarantined;
+    to = path("quarantine", std::to_string(figures_.quarantined % kMaxQuarantined));
+  }
+  std::error_code ignored;
+  fs::remove_all(to, ignored);
+  if (::rename(from.c_str(), to.c_str()) != 0) fs::remove_all(from, ignored);
+}
+
+void JobFolder::begun(const std::string& id) noexcept {
+  const int file = ::open(path(kBegun, id).c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+  if (file < 0) return;
+  if (::write(file, "x", 1) != 1) errno = 0;  // then this attempt does not count
+  ::close(file);
+}
+
+void JobFolder::not_begun(const std::string& id) noexcept {
+  const std::string mark = path(kBegun, id);
+  if (const std::uint64_t size = size_of(mark); size > 1)
+    (void)!::truncate(mark.c_str(), static_cast<off_t>(size - 1));
+  else
+    ::unlink(mark.c_str());
+}
+
+}  // namespace fracture

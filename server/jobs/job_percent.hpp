@@ -1,0 +1,17 @@
+// How far a job is as one number, from the stage that it is in and how far that is.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace fracture {
+
+/// The percent at which clip begins in a job with so many passes of relaxation (`lloyd`): each
+/// tetrahedralizes and clips once more, with less behind it.
+int clip_begins(std::uint32_t passes);
+
+/// `fraction` of that stage done, in [0, 1]. Nothing for what is no stage.
+std::optional<int> percent_of(std::string_view stage, double fraction, int clip_begins);
+
+}  // namespace fracture

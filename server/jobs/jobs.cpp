@@ -1,0 +1,363 @@
+// The life of a job in this process. What comes from an earlier one: jobs_resume.cpp; who looks on:
+// jobs_watch.cpp.
+#include "server/jobs/jobs.hpp"
+
+#include <algorithm>
+#include <random>
+#include <utility>
+
+#include "server/jobs/job_percent.hpp"
+
+namespace fracture {
+namespace {
+
+std::string random_digits() {
+  constexpr char kDigits[] = "0123456789abcdef";
+  std::random_device device;
+  std::string digits;
+  while (digits.size() < 16) {
+    std::uint32_t word = device();
+    for (int i = 0; i < 8; ++i, word >>= 4) digits += kDigits[word & 15];
+  }
+  return digits;
+}
+
+std::uint64_t bytes_of(const JobView& view) { return view.answer ? view.answer->result->file.size() : 0; }
+
+std::uint64_t bytes_of(const FractureRequest& request) {
+  std::uint64_t bytes = request.mesh.size();
+  for (const ImportFile& file : request.files) bytes += file.name.size() + file.bytes.size();
+  return bytes;
+}
+
+std::chrono::sys_time<std::chrono::microseconds> now() {
+  return std::chrono::floor<std::chrono::microseconds>(std::chrono::system_clock::now());
+}
+
+}  // namespace
+
+Jobs::Jobs(Dispatcher& dispatcher, const JobsConfig& config) : dispatcher_(dispatcher), config_(config) {
+  if (config_.folder.empty()) return;
+  folder_ =
+      std::make_unique<JobFolder>(JobFolderConfig{config_.folder, config_.max_disk_bytes, config_.keys});
+  if ((problem_ = folder_->unusable()).empty())
+    restore();
+  else
+    folder_.reset();
+}
+
+Jobs::~Jobs() { stop(); }
+
+std::optional<Overload> Jobs::start(FractureRequest request, Terms terms, const Owner& owner,
+                                    std::function<void(const JobView&)> accepted) {
+  const RequestKeys keys = keys_of(request);
+  request.digest = keys.digest;
+  const auto job = std::make_shared<Job>();
+  job->view.id = job->record.id = keys.digest.substr(0, 16) + "-" + random_digits();
+  job->view.owner = job->record.owner = owner.name;
+  job->view.result_key = job->record.result_key = keys.result;
+  {
+    const std::lock_guard lock(mutex_);
+    make_room();
+    if (stopping_) return Overload{"The server is stopping.", std::chrono::seconds(5)};
+    if (jobs_.size() >= config_.max_jobs)
+      return Overload{
+          "There are " + std::to_string(jobs_.size()) + " unfinished jobs, as many as there may be.",
+          std::chrono::seconds(10)};
+    job->view.created = job->record.created = last_created_ =
+        std::max(now(), last_created_ + std::chrono::microseconds(1));
+    insert(job);
+    ++figures_.started;
+  }
+  const auto refused = [&](Overload overload) {
+    const std::lock_guard lock(mutex_);
+    if (const auto at = index_.find(job->view.id); at != index_.end()) forget(at->second);
+    --figures_.started;
+    return overload;
+  };
+  std::shared_ptr<const FractureRequest> written;  // keeps the bytes until they are on the disk
+  if (folder_) {
+    JobRecord& record = job->record;
+    record.patience = std::max(std::chrono::milliseconds(1),
+                               std::chrono::ceil<std::chrono::milliseconds>(terms.deadline - Clock::now()));
+    record.digest = request.digest;
+    record.mesh_bytes = bytes_of(request);
+    record.format = request.format;
+    record.output = request.output;
+    record.triangles = request.triangles;
+    record.parameters = canonical_parameters(request.parameters);
+    if (auto overload = room_for(job, owner.share)) return refused(std::move(*overload));
+    if (job->kept) written = std::make_shared<const FractureRequest>(request);
+  }
+  if (auto overload = submit(job, std::move(request), std::move(terms))) return refused(std::move(*overload));
+  if (!written) {
+    accepted(look_at(*job));
+    return std::nullopt;
+  }
+  disk_.run([this, job, written = std::move(written), accepted = std::move(accepted)] {
+    persist(job, *written);
+    accepted(look_at(*job));
+  });
+  return std::nullopt;
+}
+
+std::optional<Overload> Jobs::room_for(const Shared& job, std::uint64_t share) {
+  switch (folder_->reserve(job->record, share)) {
+    case JobFolder::Room::kThere: {
+      const std::lock_guard lock(mutex_);
+      job->kept = true;
+      break;
+    }
+    case JobFolder::Room::kFull:
+      return Overload{"The jobs on the disk take all of the " + std::to_string(config_.max_disk_bytes) +
+                          " bytes that they may.",
+                      std::chrono::seconds(10)};
+    case JobFolder::Room::kOverShare:
+      return Overload{"The unfinished jobs of '" + job->view.owner + "' take " +
+                          std::to_string(folder_->bytes_of(job->view.owner)) +
+                          " bytes on the disk; with this one it would be over its share of " +
+                          std::to_string(share) + ".",
+                      std::chrono::seconds(10), Overload::Cause::kOverShare};
+    case JobFolder::Room::kTooLarge:
+    case JobFolder::Room::kUnfit:
+      break;  // computed all the same; that it would not survive stands in the answer
+  }
+  return std::nullopt;
+}
+
+std::optional<Overload> Jobs::submit(const Shared& job, FractureRequest request, Terms terms) {
+  job->clip_begins = clip_begins(request.parameters.fracture.lloyd);
+  terms.gone = job->stop.get_token();
+  terms.progress = [this, weak = std::weak_ptr(job)](const char* stage, double fraction) {
+    if (const Shared alive = weak.lock()) progress(alive, stage, fraction);
+  };
+  return dispatcher_.fracture(std::move(request), terms, [this, job](Expected<FractureAnswer> answer) {
+    finish(job, std::move(answer));
+  });
+}
+
+void Jobs::progress(const Shared& job, const char* stage, double fraction) {
+  Calls calls;
+  bool begins = false;
+  {
+    const std::lock_guard lock(mutex_);
+    JobView& view = job->view;
+    if (view.finished()) return;
+    const std::optional<int> reached = percent_of(stage, fraction, job->clip_begins);
+    const int percent = std::max(view.percent, reached.value_or(0));
+    const bool new_stage = reached && view.stage != stage;
+    begins = view.state != JobState::kRunning;
+    if (!begins && percent == view.percent && !new_stage) return;
+    begins = begins && job->kept;
+    view.state = JobState::kRunning;
+    view.percent = percent;
+    if (new_stage) view.stage = stage;
+    calls = change(job);
+  }
+  // Here, and not on the disk's thread: the mark is there before anything is computed that could be the end
+  // of the process.
+  if (begins) folder_->begun(job->view.id);
+  for (const auto& call : calls) call();
+}
+
+void Jobs::finish(const Shared& job, Expected<FractureAnswer> answer) {
+  Calls calls;
+  {
+    const std::lock_guard lock(mutex_);
+    JobView& view = job->view;
+    const bool resumed = std::exchange(job->computing, false);
+    if (!answer && job->suspended && answer.error().code == ErrorCode::kCancelled) {
+      view.state = JobState::kQueued;
+      disk_.run([this, id = view.id] { folder_->not_begun(id); });
+    } else {
+      if (answer) {
+        view.state = JobState::kDone;
+        view.percent = 100;
+        view.answer = std::make_shared<const FractureAnswer>(std::move(*answer));
+        if (index_.count(view.id) > 0) figures_.result_bytes += bytes_of(view);
+      } else {
+        Error error = std::move(answer.error());
+        if (error.code == ErrorCode::kDeadlineExceeded)
+          error.detail =
+              "The job was given up because its deadline passed: that of the server (--job-deadline) or the "
+              "Request-Timeout of the request. Ask for fewer sites or a smaller mesh, or raise it.";
+        view.state = error.code == ErrorCode::kCancelled ? JobState::kCancelled : JobState::kFailed;
+        view.error = std::move(error);
+      }
+      ended(job);
+    }
+    calls = change(job);
+    make_room();
+    if (resumed) pump_later();
+  }
+  for (const auto& call : calls) call();
+}
+
+void Jobs::ended(const Shared& job) {
+  job->finished = Clock::now();
+  job->view.finished_at = now();
+  if (!job->kept) return;
+  JobRecord& record = job->record;
+  record.state = job->view.state;
+  record.finished_at = job->view.finished_at;
+  record.error = job->view.error;
+  disk_.run([this, job, answer = job->view.answer] { persist_end(job, answer); });
+}
+
+// -- on the disk's thread
+
+void Jobs::persist(const Shared& job, const FractureRequest& request) {
+  JobRecord record;
+  std::shared_ptr<const FractureAnswer> answer;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!job->kept) return;  // cancelled and forgotten by now
+    if (job->view.finished() && !job->view.answer) return;
+    record = job->record;
+    answer = job->view.answer;
+  }
+  // Done already: what it came to is all that has to be there, unless that cannot be.
+  bool there = answer && write_end(job, record, answer);
+  if (!there) {
+    record.state = JobState::kQueued;
+    record.finished_at.reset();
+    there = folder_->write(record, request);
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    job->kept = job->kept && there;
+    job->view.durable = job->kept;
+  }
+  if (!there) folder_->remove(record.id);
+}
+
+void Jobs::persist_end(const Shared& job, const std::shared_ptr<const FractureAnswer>& answer) {
+  JobRecord record;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!job->kept) return;
+    record = job->record;
+  }
+  // Where the disk tier has no room for the answer, the job stays as what is to be computed: after a restart
+  // it is computed again.
+  if (!write_end(job, record, answer)) return folder_->not_begun(record.id);
+  const std::lock_guard lock(mutex_);
+  job->view.durable = job->kept;
+}
+
+bool Jobs::write_end(const Shared& job, const JobRecord& record,
+                     const std::shared_ptr<const FractureAnswer>& answer) {
+  if (!job->written_end)
+    job->written_end =
+        (!answer || dispatcher_.service().tiers().keep_on_disk(answer->result)) && folder_->write_end(record);
+  return job->written_end;
+}
+
+// -- the end of jobs
+
+bool Jobs::cancel(const std::string& id) {
+  Shared job;
+  Calls calls;
+  {
+    const std::lock_guard lock(mutex_);
+    job = get(id);
+    if (!job) return false;
+    if (job->view.finished()) {
+      forget(index_.at(id));
+      return true;
+    }
+    if (std::exchange(job->waiting, false)) {
+      fail_locked(job, {ErrorCode::kCancelled, "The work was cancelled before it was done."});
+      calls = change(job);
+    }
+  }
+  for (const auto& call : calls) call();
+  job->stop.request_stop();  // finishes it, here or where it is being finished just now
+  return true;
+}
+
+void Jobs::fail_locked(const Shared& job, Error error) {
+  job->view.state = error.code == ErrorCode::kCancelled ? JobState::kCancelled : JobState::kFailed;
+  job->view.error = std::move(error);
+  ended(job);
+}
+
+void Jobs::stop() {
+  std::vector<Shared> unfinished;
+  {
+    const std::lock_guard lock(mutex_);
+    if (stopping_) return;
+    stopping_ = true;
+    terms_of_ = nullptr;
+    for (const Shared& job : jobs_)
+      if (!job->view.finished()) {
+        job->suspended = job->kept;
+        unfinished.push_back(job);
+      }
+  }
+  for (const Shared& job : unfinished) job->stop.request_stop();
+}
+
+void Jobs::sweep() {
+  const std::lock_guard lock(mutex_);
+  make_room();
+  pump_later();
+}
+
+void Jobs::flush() {
+  if (folder_) disk_.flush();
+}
+
+void Jobs::insert(const Shared& job) {
+  jobs_.push_back(job);
+  index_.emplace(job->view.id, std::prev(jobs_.end()));
+}
+
+void Jobs::forget(std::list<Shared>::iterator at) {
+  const Shared job = *at;
+  figures_.result_bytes -= bytes_of(job->view);
+  if (std::exchange(job->kept, false)) disk_.run([this, id = job->view.id] { folder_->remove(id); });
+  index_.erase(job->view.id);
+  jobs_.erase(at);
+}
+
+/// Expired ones leave, then the oldest finished ones until the results fit and there is a place for a new
+/// job.
+void Jobs::make_room() {
+  const Clock::time_point time = Clock::now();
+  for (auto at = jobs_.begin(); at != jobs_.end();) {
+    const auto next = std::next(at);
+    const bool finished = (*at)->view.finished();
+    if (finished && time - (*at)->finished >= config_.ttl) {
+      forget(at);
+      ++figures_.expired;
+    } else if (finished &&
+               (figures_.result_bytes > config_.max_result_bytes || jobs_.size() >= config_.max_jobs)) {
+      forget(at);
+      ++figures_.evicted;
+    }
+    at = next;
+  }
+}
+
+JobFigures Jobs::figures() const {
+  const std::lock_guard lock(mutex_);
+  JobFigures figures = figures_;
+  figures.jobs = jobs_.size();
+  for (const Shared& job : jobs_) {
+    figures.unfinished += !job->view.finished();
+    figures.waiting += job->waiting;
+    figures.durable += job->kept && !job->view.finished();
+  }
+  return figures;
+}
+
+std::optional<JobFolderFigures> Jobs::disk_figures() const {
+  return folder_ ? std::optional(folder_->figures()) : std::nullopt;
+}
+
+std::uint64_t Jobs::disk_bytes_of(const std::string& owner) const {
+  return folder_ ? folder_->bytes_of(owner) : 0;
+}
+
+}  // namespace fracture

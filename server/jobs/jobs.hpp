@@ -1,0 +1,191 @@
+// Fractures that nobody waits for on a connection: started, watched, cancelled, fetched later. A job is one
+// more waiter of the dispatcher, so that it shares its computation with whoever asks for the same.
+//
+//   start ──> queued ──> running ──> done | failed | cancelled ──ttl──> forgotten
+//     │                     │
+//     └─ on the disk ───────┴─ the server ends ──> queued again, by the next server on the same folder
+//
+// Where there is a folder (job_folder.hpp), mesh and request are on the disk before the job is accepted.
+// Everything that touches the disk happens on a thread of its own (disk_thread.hpp), in order for each job,
+// but for the mark that a job has begun (JobFolder::begun), which its computing thread leaves.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "server/jobs/disk_thread.hpp"
+#include "server/jobs/job.hpp"
+#include "server/jobs/job_folder.hpp"
+#include "server/service/dispatcher.hpp"
+
+namespace fracture {
+
+struct JobsConfig {
+  std::size_t max_jobs = 1000;                    ///< known at the same time, finished ones included
+  std::uint64_t max_result_bytes = 512ull << 20;  ///< of results that are kept for their jobs
+  std::chrono::milliseconds ttl{600'000};         ///< a finished job is forgotten after this
+  /// From the moment a job is asked for, or goes on after a restart, to its end.
+  std::chrono::milliseconds deadline{1'800'000};
+  std::string folder;                         ///< of what survives the process; empty: nothing does
+  std::uint64_t max_disk_bytes = 1ull << 30;  ///< of that folder
+  FarmKeys keys{};                            ///< sign what is in that folder
+};
+
+struct JobFigures {
+  std::uint64_t started = 0, expired = 0, evicted = 0, resumed = 0;
+  std::size_t jobs = 0, unfinished = 0;
+  std::size_t waiting = 0;  ///< of the unfinished: not begun since they were found on the disk
+  std::size_t durable = 0;  ///< of the unfinished: those on the disk
+  std::uint64_t result_bytes = 0;
+};
+
+/// Thread-safe.
+class Jobs {
+ public:
+  /// Learns what the folder has. Nothing of that is computed before resume().
+  Jobs(Dispatcher& dispatcher, const JobsConfig& config);
+  ~Jobs();
+  Jobs(const Jobs&) = delete;
+  Jobs& operator=(const Jobs&) = delete;
+
+  /// Whose it is, and how much of the folder its owner may have.
+  struct Owner {
+    std::string name{};
+    std::uint64_t share = UINT64_MAX;  ///< bytes
+  };
+  /// `accepted` is called once with the job as it is by then (it may even be done and forgotten), when it is
+  /// on the disk where it can be: now, or later from any thread. Its id: the first 16 hex digits of the mesh
+  /// digest (for routing by proxies), a hyphen, 16 random ones. `terms.gone` and `terms.progress` are the
+  /// job's own. Refused: `accepted` is dropped uncalled.
+  std::optional<Overload> start(FractureRequest request, Terms terms, const Owner& owner,
+                                std::function<void(const JobView&)> accepted);
+
+  /// What belongs to the jobs of an owner: whom they are charged to, who is told of their answers.
+  using TermsOf = std::function<Terms(const std::string& owner)>;
+  /// From now on what the folder had is computed, little by little. `terms_of` is called from any thread, and
+  /// not any more after stop(). `known` is told of each that was done before: its owner may see the result.
+  void resume(TermsOf terms_of, const std::function<void(const JobView&)>& known);
+
+  /// What of that has not begun stays as it is.
+  void stop_resuming();
+
+  /// Nothing when it is not known (any more).
+  std::optional<JobView> find(const std::string& id);
+  struct Filter {
+    std::function<bool(const std::string& owner)> sees;  ///< empty: every owner's
+    std::optional<JobState> state{};
+    /// Only jobs that were created before this.
+    std::chrono::sys_time<std::chrono::microseconds> before =
+        std::chrono::sys_time<std::chrono::microseconds>::max();
+  };
+  /// The newest first, `limit` at most.
+  std::vector<JobView> list(const Filter& filter, std::size_t limit);
+
+  using WatchId = std::uint64_t;
+  /// Calls `changed` once, with the first state whose version is over `seen`: now (then the id is 0), or
+  /// later from any thread. Nothing when the job is not known.
+  std::optional<WatchId> watch(const std::string& id, std::uint64_t seen,
+                               std::function<void(const JobView&)> changed);
+  /// Drops it uncalled, unless it has been or is being called.
+  void unwatch(const std::string& id, WatchId watch);
+  /// Stops an unfinished job and forgets a finished one. False when it is not known.
+  bool cancel(const std::string& id);
+  /// A result that is kept for a job, by its key; null when there is none.
+  std::shared_ptr<const FractureResult> find_result(const std::string& key);
+
+  /// Forgets what has expired, and tries again what could not be resumed.
+  void sweep();
+  /// The end: no further job is taken; unfinished ones stop. Those on the disk stay there, as if they had
+  /// never begun; the others are cancelled. Returns at once.
+  void stop();
+  /// Drops everybody who watches, uncalled.
+  void drop_watchers();
+  /// Returns when everything that has happened so far is on the disk.
+  void flush();
+
+  JobFigures figures() const;
+  /// Nothing: there is no folder, or it cannot be used (problem() says why).
+  std::optional<JobFolderFigures> disk_figures() const;
+  std::uint64_t disk_bytes_of(const std::string& owner) const;
+  const std::string& problem() const { return problem_; }
+  const JobsConfig& config() const { return config_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Watcher {
+    WatchId id;
+    std::function<void(const JobView&)> changed;
+  };
+  struct Job {
+    JobView view;
+    JobRecord record;  ///< what of it is or would be on the disk
+    std::stop_source stop;
+    int clip_begins = 0;  ///< of its percent
+    std::vector<Watcher> watchers;
+    Clock::time_point finished = Clock::time_point::max();
+    std::uint64_t begun = 0;          ///< processes that ended while they computed it
+    std::uint64_t resumed_bytes = 0;  ///< of its mesh, read from the disk
+    bool kept = false;                ///< the folder has a place for it
+    bool written_end = false;         ///< what it came to is on the disk; known to the disk's thread alone
+    bool waiting = false;             ///< from an earlier process, not computed yet
+    bool computing = false;           ///< from an earlier process, and being computed
+    bool suspended = false;           ///< stopped by stop(), to go on later
+  };
+  using Shared = std::shared_ptr<Job>;
+  using Calls = std::vector<std::function<void()>>;
+
+  Shared get(const std::string& id);
+  /// Takes the lock.
+  JobView look_at(const Job& job);
+  std::optional<Overload> submit(const Shared& job, FractureRequest request, Terms terms);
+  void progress(const Shared& job, const char* stage, double fraction);
+  void finish(const Shared& job, Expected<FractureAnswer> answer);
+  /// Writes the job's mesh and request. On the disk's thread.
+  void persist(const Shared& job, const FractureRequest& request);
+  /// Writes what the job came to. On the disk's thread.
+  void persist_end(const Shared& job, const std::shared_ptr<const FractureAnswer>& answer);
+  bool write_end(const Shared& job, const JobRecord& record,
+                 const std::shared_ptr<const FractureAnswer>& answer);
+  /// Submits what can be of what an earlier process left. On the disk's thread.
+  void pump();
+  void pump_later();
+  /// False when there is no room now.
+  bool resume_one(const Shared& job);
+  void restore();
+  std::optional<Overload> room_for(const Shared& job, std::uint64_t share);
+  // All of these with the lock.
+  Calls change(const Shared& job);
+  void ended(const Shared& job);
+  void fail_locked(const Shared& job, Error error);
+  void forget(std::list<Shared>::iterator at);
+  void make_room();
+  void insert(const Shared& job);
+
+  Dispatcher& dispatcher_;
+  const JobsConfig config_;
+  std::string problem_;
+  std::unique_ptr<JobFolder> folder_;
+  mutable std::mutex mutex_;
+  std::list<Shared> jobs_;  // oldest first
+  std::unordered_map<std::string, std::list<Shared>::iterator> index_;
+  JobFigures figures_;
+  WatchId next_watch_ = 1;
+  std::chrono::sys_time<std::chrono::microseconds> last_created_{};
+  TermsOf terms_of_;
+  bool stopping_ = false;
+  DiskThread disk_;  // last: its work uses everything above
+};
+
+}  // namespace fracture

@@ -1,0 +1,156 @@
+// What an earlier process left on the disk goes on: a few at a time, so that a server that starts does not
+// read all their meshes at once. A job that was being computed when that process ended is a suspect: it may
+// have been the end of it. Suspects come last and one by one, so that whoever ends the server again is alone
+// when it happens; the second time it has failed.
+#include <algorithm>
+#include <utility>
+
+#include "server/jobs/jobs.hpp"
+
+namespace fracture {
+namespace {
+
+/// Processes that may end while they compute a job.
+constexpr std::uint64_t kMostEnds = 2;
+/// No further mesh is read from the disk while those of resumed jobs hold more than this.
+constexpr std::uint64_t kMostBytes = 64u << 20;
+
+}  // namespace
+
+void Jobs::restore() {
+  const auto now = std::chrono::floor<std::chrono::microseconds>(std::chrono::system_clock::now());
+  for (JobFolder::Found& found : folder_->restore()) {
+    const auto job = std::make_shared<Job>();
+    job->record = std::move(found.record);
+    const JobRecord& record = job->record;
+    JobView& view = job->view;
+    view.id = record.id;
+    view.owner = record.owner;
+    view.version = 1;
+    view.state = record.state;
+    view.percent = record.state == JobState::kDone ? 100 : 0;
+    view.created = record.created;
+    view.finished_at = record.finished_at;
+    view.result_key = record.result_key;
+    view.error = record.error;
+    view.durable = job->kept = true;
+    job->begun = found.begun;
+    last_created_ = std::max(last_created_, record.created);
+    if (record.state == JobState::kDone && !dispatcher_.service().tiers().on_disk(record.result_key)) {
+      folder_->remove(record.id);  // evicted meanwhile: nothing is left that could be fetched
+      continue;
+    }
+    insert(job);
+    if (view.finished()) {
+      const auto ago = record.finished_at ? now - *record.finished_at : std::chrono::microseconds(0);
+      job->finished = Clock::now() -
+                      std::clamp<std::chrono::microseconds>(ago, std::chrono::microseconds(0), config_.ttl);
+    } else if (found.begun >= kMostEnds) {
+      fail_locked(job,
+                  {ErrorCode::kJobLost, "The server ended " + std::to_string(found.begun) +
+                                            " times while it computed this job, which is not tried again."});
+    } else {
+      job->waiting = true;
+    }
+  }
+}
+
+void Jobs::resume(TermsOf terms_of, const std::function<void(const JobView&)>& known) {
+  std::vector<JobView> done;
+  {
+    const std::lock_guard lock(mutex_);
+    if (stopping_) return;
+    terms_of_ = std::move(terms_of);
+    for (const Shared& job : jobs_)
+      if (job->view.state == JobState::kDone) done.push_back(job->view);
+    pump_later();
+  }
+  for (const JobView& view : done) known(view);
+}
+
+void Jobs::stop_resuming() {
+  const std::lock_guard lock(mutex_);
+  terms_of_ = nullptr;
+}
+
+void Jobs::pump_later() {
+  const bool any =
+      terms_of_ && std::any_of(jobs_.begin(), jobs_.end(), [](const Shared& j) { return j->waiting; });
+  if (any) disk_.run([this] { pump(); });
+}
+
+void Jobs::pump() {
+  for (;;) {
+    Shared next, suspect;
+    {
+      const std::lock_guard lock(mutex_);
+      if (!terms_of_) return;
+      std::size_t computing = 0;
+      std::uint64_t bytes = 0;
+      for (const Shared& job : jobs_) {
+        if (job->computing) {
+          ++computing;
+          bytes += job->resumed_bytes;
+          if (job->begun > 0) return;  // a suspect is alone
+        }
+        if (job->waiting && job->begun == 0 && !next) next = job;
+        if (job->waiting && job->begun > 0 && !suspect) suspect = job;
+      }
+      if (!next && computing == 0) next = suspect;
+      if (!next || bytes > kMostBytes ||
+          computing >= 2 * static_cast<std::size_t>(dispatcher_.pool().threads()))
+        return;
+      next->waiting = false;
+      next->computing = true;
+    }
+    if (resume_one(next)) continue;
+    const std::lock_guard lock(mutex_);
+    next->computing = false;
+    next->waiting = !next->view.finished();
+    return;  // sweep() tries again, and so does the next one that is finished
+  }
+}
+
+bool Jobs::resume_one(const Shared& job) {
+  JobRecord record;
+  TermsOf terms_of;
+  {
+    const std::lock_guard lock(mutex_);
+    record = job->record;
+    terms_of = terms_of_;
+  }
+  if (!terms_of) return false;
+  const auto lost = [&](Error error) {
+    finish(job, tl::unexpected<Error>(std::move(error)));
+    return true;
+  };
+  std::optional<KeptMesh> mesh = folder_->read_mesh(record.digest);
+  if (!mesh)
+    return lost(
+        {ErrorCode::kJobLost, "What was kept of the mesh of this job is damaged or gone. Send it again."});
+  std::vector<RawParameter> given;
+  for (const auto& [name, value] : record.parameters.items()) given.push_back({name, value, false});
+  Expected<RequestParameters> parameters = dispatcher_.service().parameters().parse(given);
+  if (!parameters) return lost(std::move(parameters.error()));  // of another version of the server
+
+  FractureRequest request{mesh->mesh, record.format, std::move(*parameters), std::move(mesh->files)};
+  request.output = record.output;
+  request.owner = mesh->owner;
+  request.digest = record.digest;
+  request.triangles = record.triangles;
+  const std::string key = keys_of(request).result;
+  Terms terms = terms_of(record.owner);
+  terms.priority = Priority::kBatch;
+  terms.deadline = Clock::now() + record.patience;
+  {
+    const std::lock_guard lock(mutex_);
+    job->view.result_key = job->record.result_key = key;  // another one where the algorithm has changed
+    job->resumed_bytes = mesh->owner->size();
+  }
+  if (submit(job, std::move(request), std::move(terms))) return false;
+  const std::lock_guard lock(mutex_);
+  ++figures_.resumed;
+  return true;
+}
+
+}  // namespace fracture

@@ -1,0 +1,106 @@
+// Who looks on: one job, all of them, and what they come to.
+#include <algorithm>
+#include <utility>
+
+#include "server/jobs/jobs.hpp"
+
+namespace fracture {
+
+Jobs::Calls Jobs::change(const Shared& job) {
+  ++job->view.version;
+  Calls calls;
+  for (Watcher& watcher : job->watchers)
+    calls.push_back([call = std::move(watcher.changed), view = job->view] { call(view); });
+  job->watchers.clear();
+  return calls;
+}
+
+Jobs::Shared Jobs::get(const std::string& id) {
+  const auto at = index_.find(id);
+  return at == index_.end() ? nullptr : *at->second;
+}
+
+std::optional<JobView> Jobs::find(const std::string& id) {
+  Shared job;
+  {
+    const std::lock_guard lock(mutex_);
+    make_room();
+    job = get(id);
+  }
+  if (!job) return std::nullopt;
+  return look_at(*job);
+}
+
+JobView Jobs::look_at(const Job& job) {
+  JobView view;
+  {
+    const std::lock_guard lock(mutex_);
+    view = job.view;
+  }
+  if (view.state == JobState::kQueued) view.queue_position = dispatcher_.queue_position(view.result_key);
+  return view;
+}
+
+std::vector<JobView> Jobs::list(const Filter& filter, std::size_t limit) {
+  std::vector<JobView> views;
+  {
+    const std::lock_guard lock(mutex_);
+    make_room();
+    for (auto at = jobs_.rbegin(); at != jobs_.rend() && views.size() < limit; ++at) {
+      const JobView& view = (*at)->view;
+      if (view.created < filter.before && (!filter.state || view.state == *filter.state) &&
+          (!filter.sees || filter.sees(view.owner)))
+        views.push_back(view);
+    }
+  }
+  for (JobView& view : views)
+    if (view.state == JobState::kQueued) view.queue_position = dispatcher_.queue_position(view.result_key);
+  return views;
+}
+
+std::optional<Jobs::WatchId> Jobs::watch(const std::string& id, std::uint64_t seen,
+                                         std::function<void(const JobView&)> changed) {
+  JobView view;
+  {
+    const std::lock_guard lock(mutex_);
+    const Shared job = get(id);
+    if (!job) return std::nullopt;
+    if (job->view.version <= seen) {
+      job->watchers.push_back({next_watch_, std::move(changed)});
+      return next_watch_++;
+    }
+    view = job->view;
+  }
+  changed(view);
+  return 0;
+}
+
+void Jobs::unwatch(const std::string& id, WatchId watch) {
+  Watcher dropped;  // what it holds is let go without the lock
+  const std::lock_guard lock(mutex_);
+  const Shared job = get(id);
+  if (!job) return;
+  const auto at = std::find_if(job->watchers.begin(), job->watchers.end(),
+                               [&](const Watcher& watcher) { return watcher.id == watch; });
+  if (at == job->watchers.end()) return;
+  dropped = std::move(*at);
+  job->watchers.erase(at);
+}
+
+void Jobs::drop_watchers() {
+  std::vector<Watcher> dropped;
+  const std::lock_guard lock(mutex_);
+  for (const Shared& job : jobs_) {
+    std::move(job->watchers.begin(), job->watchers.end(), std::back_inserter(dropped));
+    job->watchers.clear();
+  }
+}
+
+std::shared_ptr<const FractureResult> Jobs::find_result(const std::string& key) {
+  const std::lock_guard lock(mutex_);
+  for (const Shared& job : jobs_)
+    if (job->view.answer && job->view.result_key == key) return job->view.answer->result;
+  return nullptr;
+}
+
+}  // namespace fracture

@@ -1,0 +1,231 @@
+// Jobs as files: what is written is found again, within bounds, and what is damaged is put aside.
+#include "server/jobs/job_folder.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/server/temporary_folder.hpp"
+
+namespace fracture::test {
+namespace {
+
+namespace fs = std::filesystem;
+using Room = JobFolder::Room;
+
+constexpr std::uint64_t kNoShare = UINT64_MAX;
+
+std::span<const std::byte> bytes_of(const std::string& text) { return std::as_bytes(std::span(text)); }
+
+struct Folder : testing::Test {
+  TemporaryFolder folder;
+  const std::string mesh = std::string(10'000, 'm'), texture = std::string(5'000, 't');
+  FractureRequest request{
+      bytes_of(mesh), MeshFormat::kObj, {}, {{"a name\nof two lines", bytes_of(texture)}}};
+
+  JobRecord record(int number, const std::string& owner = "ana", std::uint64_t mesh_bytes = 15'000) {
+    JobRecord r;
+    char id[34];
+    std::snprintf(id, sizeof id, "0123456789abcdef-%016x", number);
+    r.id = id;
+    r.owner = owner;
+    r.created += std::chrono::microseconds(1'700'000'000'000'000 + number);
+    r.patience = std::chrono::milliseconds(5000);
+    r.digest = digest_of(request).hex();
+    r.mesh_bytes = mesh_bytes;
+    r.format = MeshFormat::kObj;
+    r.parameters = {{"sites", 7}};
+    r.result_key = std::string(64, 'a');
+    return r;
+  }
+  JobFolderConfig config(std::uint64_t bytes = 1u << 20) { return {folder.path, bytes, {}}; }
+  bool put(JobFolder& f, const JobRecord& r) {
+    return f.reserve(r, kNoShare) == Room::kThere && f.write(r, request);
+  }
+  std::size_t files(const char* kind) {
+    std::size_t n = 0;
+    for (const auto& file : fs::directory_iterator(folder / kind)) n += file.is_regular_file();
+    return n;
+  }
+};
+
+TEST_F(Folder, WhatWasWrittenIsFoundAgainTheOldestFirst) {
+  {
+    JobFolder f(config());
+    ASSERT_EQ(f.unusable(), "");
+    for (const int number : {2, 1, 3}) ASSERT_TRUE(put(f, record(number)));
+    EXPECT_EQ(files("meshes"), 1u) << "equal meshes are kept once";
+    f.begun(record(1).id);
+    JobRecord failed = record(3);
+    failed.state = JobState::kFailed;
+    failed.finished_at = failed.created + std::chrono::seconds(1);
+    failed.error = Error{ErrorCode::kTooComplex, "too much", "sites", {{"limit", 5}}};
+    EXPECT_TRUE(f.write_end(failed));
+  }
+  JobFolder again(config());
+  const auto found = again.restore();
+  ASSERT_EQ(found.size(), 3u);
+  for (int k = 0; k < 3; ++k) EXPECT_EQ(found[k].record.id, record(k + 1).id);
+  EXPECT_EQ(found[0].begun, 1u);
+  EXPECT_EQ(found[1].begun, 0u);
+  const JobRecord& open = found[1].record;
+  EXPECT_EQ(open.owner, "ana");
+  EXPECT_EQ(open.created, record(2).created);
+  EXPECT_EQ(open.patience, record(2).patience);
+  EXPECT_EQ(open.format, MeshFormat::kObj);
+  EXPECT_EQ(open.parameters, record(2).parameters);
+  EXPECT_EQ(open.result_key, record(2).result_key);
+  const JobRecord& failed = found[2].record;
+  EXPECT_EQ(failed.state, JobState::kFailed);
+  ASSERT_TRUE(failed.error);
+  EXPECT_EQ(failed.error->code, ErrorCode::kTooComplex);
+  EXPECT_EQ(failed.error->extra.at("limit"), 5);
+  const auto kept = again.read_mesh(open.digest);
+  ASSERT_TRUE(kept);
+  EXPECT_TRUE(std::equal(kept->mesh.begin(), kept->mesh.end(), request.mesh.begin(), request.mesh.end()));
+  ASSERT_EQ(kept->files.size(), 1u);
+  EXPECT_EQ(kept->files[0].name, "a name\nof two lines");
+}
+
+TEST_F(Folder, AMeshLeavesWithTheLastJobThatNeedsIt) {
+  JobFolder f(config());
+  for (const int number : {1, 2}) ASSERT_TRUE(put(f, record(number)));
+  JobRecord done = record(1);
+  done.state = JobState::kDone;
+  EXPECT_TRUE(f.write_end(done));
+  EXPECT_EQ(files("meshes"), 1u);
+  f.remove(record(2).id);
+  EXPECT_EQ(files("meshes"), 0u);
+  EXPECT_EQ(files("records"), 1u);
+  f.remove(record(1).id);
+  EXPECT_EQ(files("records"), 0u);
+  EXPECT_EQ(f.figures().bytes, 0u);
+  EXPECT_EQ(f.figures().jobs, 0u);
+  EXPECT_EQ(files("tmp"), 0u);
+}
+
+TEST_F(Folder, BytesAreBoundedAndChargedToTheirOwner) {
+  JobFolder f(config(15'000 + 2 * 4096 + 100));
+  EXPECT_EQ(f.reserve(record(1, "ana", 1u << 20), kNoShare), Room::kTooLarge);
+  EXPECT_EQ(f.reserve(record(1), 10'000), Room::kTooLarge);
+  ASSERT_EQ(f.reserve(record(1, "ana"), kNoShare), Room::kThere);
+  EXPECT_EQ(f.bytes_of("ana"), 15'000u + 4096);
+  ASSERT_EQ(f.reserve(record(2, "bob"), 20'000), Room::kThere) << "the same mesh is there once";
+  EXPECT_EQ(f.bytes_of("bob"), 15'000u + 4096) << "and counts for each";
+  EXPECT_EQ(f.reserve(record(3, "bob"), 20'000), Room::kOverShare);
+  EXPECT_EQ(f.reserve(record(3, "ana"), kNoShare), Room::kFull);
+  f.remove(record(2).id);
+  EXPECT_EQ(f.bytes_of("bob"), 0u);
+  EXPECT_EQ(f.reserve(record(3, "ana"), kNoShare), Room::kThere);
+  JobRecord unfit = record(4);
+  unfit.parameters = {{"interior", "\xff"}};
+  EXPECT_EQ(f.reserve(unfit, kNoShare), Room::kUnfit);
+}
+
+TEST_F(Folder, EveryDamageOfARecordIsPutAside) {
+  std::string whole;
+  {
+    JobFolder f(config());
+    ASSERT_TRUE(put(f, record(1)));
+  }
+  const std::string path = folder / "records/" + record(1).id;
+  {
+    std::ifstream file(path, std::ios::binary);
+    whole.assign(std::istreambuf_iterator<char>(file), {});
+  }
+  std::vector<std::string> damages = {"", "fracture job 2\n" + whole.substr(15), whole + "x",
+                                      whole.substr(0, whole.size() / 2)};
+  for (std::size_t at = 0; at < whole.size(); at += 37) {
+    damages.push_back(whole);
+    damages.back()[at] ^= 1;
+  }
+  for (const std::string& damage : damages) {
+    std::ofstream(path, std::ios::binary) << damage;
+    JobFolder f(config());
+    EXPECT_TRUE(f.restore().empty()) << damage;
+    EXPECT_FALSE(fs::exists(path));
+    EXPECT_EQ(f.figures().quarantined, 1u);
+    EXPECT_EQ(files("meshes"), 0u) << "nobody needs it any more";
+    std::ofstream(path, std::ios::binary) << whole;  // for the next round
+  }
+  // Another job's record under this name, a folder, a name that is no id, a file of terabytes.
+  fs::rename(path, folder / "records/" + record(9).id);
+  fs::create_directory(path);
+  std::ofstream(folder / "records/..x") << "x";
+  std::ofstream(folder / "records/" + record(8).id) << "x";
+  fs::resize_file(folder / "records/" + record(8).id, 4ull << 40);
+  JobFolder f(config());
+  EXPECT_TRUE(f.restore().empty());
+  EXPECT_EQ(f.figures().quarantined, 4u);
+}
+
+TEST_F(Folder, ADamagedMeshIsPutAside) {
+  {
+    JobFolder f(config());
+    ASSERT_TRUE(put(f, record(1)));
+  }
+  const std::string path = folder / "meshes/" + record(1).digest;
+  for (const std::uint64_t size :
+       {std::uint64_t{0}, std::uint64_t{20}, std::uint64_t{9'000}, std::uint64_t{4} << 40}) {
+    if (!fs::exists(path)) {
+      JobFolder f(config());
+      f.restore();
+      ASSERT_TRUE(f.write(record(1), request));
+    }
+    fs::resize_file(path, size);
+    JobFolder f(config());
+    ASSERT_EQ(f.restore().size(), 1u) << "the record is whole";
+    EXPECT_FALSE(f.read_mesh(record(1).digest)) << size;
+    EXPECT_FALSE(fs::exists(path));
+  }
+}
+
+TEST_F(Folder, WithKeysOnlyWhatTheySignedIsBelieved) {
+  const std::string line(64, 'k'), other(64, 'o');
+  JobFolderConfig signing = config();
+  signing.keys = *FarmKeys::parse(line);
+  {
+    JobFolder f(signing);
+    ASSERT_TRUE(put(f, record(1)));
+  }
+  {
+    JobFolder f(signing);
+    EXPECT_EQ(f.restore().size(), 1u);
+  }
+  signing.keys = *FarmKeys::parse(other);
+  JobFolder f(signing);
+  EXPECT_TRUE(f.restore().empty());
+  EXPECT_EQ(f.figures().quarantined, 1u);
+}
+
+TEST_F(Folder, MarksCountTheProcessesThatDidNotComeBack) {
+  for (std::uint64_t ended = 0; ended < 3; ++ended) {
+    JobFolder f(config());
+    const auto found = f.restore();
+    if (ended == 0) {
+      ASSERT_TRUE(put(f, record(1)));
+    } else {
+      ASSERT_EQ(found.size(), 1u);
+      EXPECT_EQ(found[0].begun, ended);
+    }
+    f.begun(record(1).id);
+    f.not_begun(record(1).id);  // a process that was told to stop takes it back
+    f.begun(record(1).id);
+  }
+}
+
+TEST_F(Folder, ItBelongsToOneServerAndADiskThatRefusesIsNoEnd) {
+  JobFolder first(config());
+  JobFolder second(config());
+  EXPECT_NE(second.unusable().find("in use"), std::string::npos);
+  EXPECT_TRUE(second.restore().empty());
+  EXPECT_NE(JobFolder({"/proc/no/such/folder", 1000, {}}).unusable(), "");
+  ASSERT_EQ(first.reserve(record(1), kNoShare), Room::kThere);
+  fs::remove_all(folder / "tmp");
+  EXPECT_FALSE(first.write(record(1), request));
+  EXPECT_EQ(first.figures().failures, 1u);
+  first.begun(record(1).id);
+  first.remove(record(1).id);
+  EXPECT_EQ(first.figures().bytes, 0u);
+}
+
+}  // namespace
+}  // namespace fracture::test

@@ -1,0 +1,52 @@
+// What tests of jobs share: a computation that waits for the test, a server that keeps its jobs in a folder.
+#pragma once
+
+#include <atomic>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "tests/server/temporary_folder.hpp"
+#include "tests/server/test_server.hpp"
+#include "tests/support/eventually.hpp"
+
+namespace fracture::test {
+
+inline const std::string kAsync = "Content-Type: model/gltf-binary\r\nPrefer: respond-async\r\n";
+
+/// Holds every computation that it is hooked into until it is opened.
+struct Gate {
+  std::atomic<bool> open{false};
+  std::atomic<int> arrived{0};
+  std::function<void(const Execution&)> hook() {
+    return [this](const Execution& execution) {
+      ++arrived;
+      while (!open) {
+        execution.poll();
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      }
+    };
+  }
+};
+
+/// The job's document when it has that state.
+inline nlohmann::json wait_for_state(TestServer& server, const std::string& job, const std::string& state,
+                                     const std::string& fields = "") {
+  nlohmann::json document;
+  EXPECT_TRUE(eventually(kPatience, job + " to be " + state, [&] {
+    document = server.get(job, fields).json();
+    return document.is_object() && document.value("state", "") == state;
+  })) << document.dump();
+  return document;
+}
+
+/// With disk tier and jobs in the folder.
+inline TestServerOptions durable(const TemporaryFolder& folder) {
+  TestServerOptions options;
+  options.threads = 4;
+  options.service.tiers.folder = folder.path;
+  options.jobs.folder = folder / "jobs";
+  return options;
+}
+
+}  // namespace fracture::test
