@@ -27,10 +27,16 @@ void leave_mark(const TemporaryFolder& folder, const std::string& job) {
 struct Durable : testing::Test {
   TemporaryFolder folder;
   Gate gate;
+  /// Of a server whose computations wait for the gate, those that it goes on with included.
+  TestServerOptions gated() {
+    TestServerOptions options = durable(folder);
+    options.control = std::make_shared<FakeControl>();
+    options.control->during_cut = gate.hook();
+    return options;
+  }
   /// A job that is running when its server stops.
   std::string interrupted(const std::string& query = "?sites=5", const std::string& mesh = "mesh") {
-    TestServer server(durable(folder));
-    server.control->during_cut = gate.hook();
+    TestServer server(gated());
     const Reply accepted = server.post("/fracture" + query, mesh, kAsync);
     EXPECT_EQ(accepted.status, 202) << accepted.body;
     EXPECT_EQ(accepted.json().at("durable"), true);
@@ -87,8 +93,7 @@ TEST_F(Durable, AJobThatTheServerEndedInTwiceHasFailed) {
   const std::string job = interrupted();
   leave_mark(folder, job);
   {
-    TestServer server(durable(folder));
-    server.control->during_cut = gate.hook();
+    TestServer server(gated());
     wait_for_state(server, job, "running");  // once is no verdict
   }
   leave_mark(folder, job);
@@ -108,8 +113,7 @@ TEST_F(Durable, SuspectsAreTriedAfterTheOthersAndOneByOne) {
   leave_mark(folder, first);
   leave_mark(folder, second);
   gate.arrived = 0;
-  std::optional<TestServer> server(std::in_place, durable(folder));
-  server->control->during_cut = gate.hook();
+  std::optional<TestServer> server(std::in_place, gated());
   // Three that were interrupted in turn: each server before resumed those before it.
   wait_for_state(*server, innocent, "running");
   EXPECT_EQ(server->get(first).json().at("state"), "queued");
@@ -140,8 +144,7 @@ TEST_F(Durable, AJobThatWaitsToGoOnCanBeCancelled) {
   const std::string job = interrupted();
   leave_mark(folder, job);  // a suspect, behind the one that runs
   const std::string other = interrupted("?sites=6");
-  TestServer server(durable(folder));
-  server.control->during_cut = gate.hook();
+  TestServer server(gated());
   wait_for_state(server, other, "running");
   EXPECT_EQ(ask(server.port(), "DELETE", job).status, 204);
   EXPECT_EQ(server.get(job).json().at("state"), "cancelled");

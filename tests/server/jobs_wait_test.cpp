@@ -116,9 +116,13 @@ TEST(JobsWait, AServerThatStopsAnswersWhoWaits) {
       "model/obj\r\nContent-Length: 4\r\n\r\nmesh");
   ASSERT_TRUE(eventually(kPatience, "the computation", [&] { return gate.arrived == 1; }));
   const std::string job = server.get("/jobs").json().at("jobs").at(0).at("links").at("self");
+  const auto in_progress = [&](std::size_t requests) {
+    return eventually(kPatience, "requests in progress",
+                      [&] { return server.server.requests_in_progress() == requests; });
+  };
+  ASSERT_TRUE(in_progress(1));
   polls.send("GET " + job + " HTTP/1.1\r\nHost: a\r\nPrefer: wait=60\r\n\r\n");
-  ASSERT_TRUE(
-      eventually(kPatience, "both requests", [&] { return server.server.requests_in_progress() == 2; }));
+  ASSERT_TRUE(in_progress(2));
   server.server.stop_accepting();
   server.server.cancel_jobs();
   for (RawClient* client : {&starts, &polls}) {

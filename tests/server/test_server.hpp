@@ -20,6 +20,7 @@ struct TestServerOptions {
   DispatcherConfig dispatcher;
   StoreConfig store;
   JobsConfig jobs;
+  std::shared_ptr<FakeControl> control;  ///< of the engine, for what a server does by itself; null: a new one
   int threads = 2;
   std::size_t max_queue = 64;
 
@@ -33,7 +34,8 @@ struct TestServerOptions {
 class TestServer {
  public:
   explicit TestServer(const TestServerOptions& options = {})
-      : service(options.service, std::make_unique<FakeEngine>(control)),
+      : control(options.control ? options.control : std::make_shared<FakeControl>()),
+        service(options.service, std::make_unique<FakeEngine>(control)),
         pool(options.threads, options.max_queue),
         dispatcher(service, pool, options.dispatcher),
         api(dispatcher, options.limits, options.store, options.jobs),
@@ -59,7 +61,7 @@ class TestServer {
     return ask(port(), "POST", target, "Content-Type: application/json\r\n" + fields, body);
   }
 
-  std::shared_ptr<FakeControl> control = std::make_shared<FakeControl>();
+  std::shared_ptr<FakeControl> control;
   FractureService service;
   WorkerPool pool;
   Dispatcher dispatcher;
