@@ -9,32 +9,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/clip/caps.hpp"
-#include "common/clip/positions.hpp"
-#include "common/clip/surface_cuts.hpp"
+#include "common/clip/restricted_diagram.hpp"
 
 namespace fracture {
-
-/// Everything the clipper found, as one argument.
-struct RestrictedDiagram {
-  const Solid& solid;
-  const VoronoiDiagram& diagram;
-  SurfaceCuts cuts;
-  Winding winding;
-  VertexPositions positions;
-  Caps caps;
-  /// Where `solid` is a patch of a larger one: per part its number there; null: the number it has here.
-  const std::vector<std::uint32_t>* part_in_whole = nullptr;
-
-  /// Unrounded position of any vertex.
-  Vec3d point(VertexId v) const {
-    return v < positions.first_constructed ? to_double(solid.positions[v])
-                                           : positions.points[v - positions.first_constructed];
-  }
-  VertexId vertex_count() const {
-    return positions.first_constructed + static_cast<VertexId>(positions.points.size());
-  }
-};
 
 /// Which cells stay together.
 struct Ownership {

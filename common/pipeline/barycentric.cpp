@@ -30,12 +30,11 @@ std::optional<FragmentSet> cut_one_cell(const Solid& solid, const PatchFinder& f
 
   std::vector<char> of_interest(t->site_count(), 0);
   of_interest[cell] = 1;
-  RestrictedDiagram r{patch.solid,         diagram, cut_surface(patch.solid, diagram, uncounted), {}, {}, {},
-                      &patch.part_in_whole};
+  RestrictedDiagram r{patch.solid, patch.solid, diagram, cut_surface(patch.solid, diagram, uncounted)};
+  r.part_in_whole = &patch.part_in_whole;
   r.winding = wind_voronoi_edges_again(patch.solid, diagram, r.cuts,
                                        {of_interest, patch.seed, patch.seed_winding}, uncounted);
-  r.positions = place_vertices(patch.solid, patch.solid, diagram, r.cuts, r.winding, uncounted);
-  r.caps = build_caps(patch.solid, diagram, r.cuts, r.winding, r.positions, uncounted, &of_interest);
+  r.place_and_cap(uncounted, &of_interest);
   Ownership ownership = Ownership::from_groups(t->site_count(), {});
   ownership.wanted.assign(of_interest.begin(), of_interest.end());
   return make_fragments(r, ownership, pivot, {}, execution);

@@ -11,7 +11,6 @@
 #include "common/fragment/assemble.hpp"
 #include "common/fragment/make_fragments.hpp"
 #include "common/pipeline/fracture_steps.hpp"
-#include "common/pipeline/restrict.hpp"
 #include "common/solid/image.hpp"
 #include "common/structure/keep_changed.hpp"
 
@@ -263,19 +262,18 @@ bool ids_collide(const std::vector<Fragment>& fragments) {
 
 /// Nothing where a piece would have to be united or dropped, or what was kept does not prove itself with what
 /// is new.
-std::optional<KeptAnswer> splice(const Solid& solid, const Solid& seen, const FracturedBase& base,
-                                 Insertion in, const FractureParameters& parameters,
-                                 const Execution& execution) {
+std::optional<KeptAnswer> splice(const SeenSolid& whole, const FracturedBase& base, Insertion in,
+                                 const FractureParameters& parameters, const Execution& execution) {
   const Tetrahedralization& t = in.diagram.tetrahedralization;
+  const Solid &solid = whole.original(), &seen = whole.seen();
   const VoronoiDiagram voronoi(t, seen.box, in.diagram.map, execution);
   auto next = std::make_shared<FracturedBase>();
   next->surface = base.surface;
-  RestrictedDiagram r{
-      solid, voronoi, cut_surface_again(seen, voronoi, next->surface, in.of_interest, execution), {}, {}, {}};
+  RestrictedDiagram r{solid, seen, voronoi,
+                      cut_surface_again(seen, voronoi, next->surface, in.of_interest, execution)};
   r.winding = wind_voronoi_edges_again(seen, voronoi, r.cuts,
                                        {in.of_interest, in.tet_now, base.inner_vertices}, execution);
-  r.positions = place_vertices(solid, seen, voronoi, r.cuts, r.winding, execution);
-  r.caps = build_caps(solid, voronoi, r.cuts, r.winding, r.positions, execution, &in.of_interest);
+  r.place_and_cap(execution, &in.of_interest);
 
   Ownership ownership = Ownership::from_groups(t.site_count(), {}, execution);
   ownership.wanted.assign(in.of_interest.begin(), in.of_interest.end());
@@ -382,16 +380,14 @@ Expected<KeptAnswer> fracture_delta(const Solid& solid, const FracturedBase& bas
   const bool local = base.local && parameters.rest == LocalRest::kFractured;
   std::optional<KeptAnswer> answer;
   if (local) {
-    std::optional<Solid> image;
-    if (base.diagram.map) image = image_of(solid, *base.diagram.map, execution);
-    const Solid& seen = image ? *image : solid;
+    const SeenSolid seen(solid, base.diagram.map, execution);
     auto in = stage(timings, execution, "tetrahedralize", [&]() -> Expected<std::optional<Insertion>> {
-      return insert_hits(solid, seen.box, base, parameters, execution);
+      return insert_hits(solid, seen.seen().box, base, parameters, execution);
     });
     if (!in) return tl::unexpected(in.error());
     if (*in) {
       auto spliced = stage(timings, execution, "clip", [&]() -> Expected<std::optional<KeptAnswer>> {
-        return splice(solid, seen, base, std::move(**in), parameters, execution);
+        return splice(seen, base, std::move(**in), parameters, execution);
       });
       if (!spliced) return tl::unexpected(spliced.error());
       answer = std::move(*spliced);

@@ -13,7 +13,6 @@
 #include "common/pipeline/fracture_steps.hpp"
 #include "common/pipeline/lloyd.hpp"
 #include "common/pipeline/report.hpp"
-#include "common/pipeline/restrict.hpp"
 #include "common/pipeline/rough_cells.hpp"
 #include "common/pipeline/soundness.hpp"
 #include "common/solid/image.hpp"
@@ -48,11 +47,11 @@ std::vector<std::uint32_t> groups_of_sites(const Tetrahedralization& t,
 Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& parameters,
                                const Execution& execution, StageTimings& timings) {
   return stage(timings, execution, "tetrahedralize", [&]() -> Expected<Diagram> {
-    Expected<SitePlan> plan = plan_sites(solid, parameters, execution);
+    const Expected<std::optional<Matrix3>> map = map_of_cells(solid.box, parameters);
+    if (!map) return tl::unexpected(map.error());
+    const SeenSolid seen(solid, *map, execution);
+    Expected<SitePlan> plan = plan_sites(seen, parameters, execution);
     if (!plan) return tl::unexpected(plan.error());
-    std::optional<Solid> image;
-    if (plan->map) image = image_of(solid, *plan->map, execution);
-    const Solid& seen = image ? *image : solid;
     if (parameters.lloyd > 0) {
       if (!plan->groups.empty())
         return fail(
@@ -60,7 +59,7 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
             "'lloyd' moves sites to the middle of their piece, but a piece of this pattern has several.",
             "lloyd");
       const StageProgress::Part part(execution.within, 0.9);
-      if (auto relaxed = relax(solid, seen, *plan, parameters.lloyd, execution); !relaxed)
+      if (auto relaxed = relax(seen, *plan, parameters.lloyd, execution); !relaxed)
         return tl::unexpected(relaxed.error());
     }
     if (!parameters.hits.empty()) {
@@ -69,7 +68,7 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
         return tl::unexpected(added.error());
       group_hits(parameters.hits, parameters.rest, of_pattern, *plan, execution);
     }
-    Expected<Tetrahedralization> t = tetrahedralize(plan->points, seen.box, execution);
+    Expected<Tetrahedralization> t = tetrahedralize(plan->points, seen.seen().box, execution);
     if (!t) return tl::unexpected(t.error());
     Diagram diagram;
     diagram.sites = std::move(plan->points);
@@ -83,7 +82,7 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
                     "'max_volume' divides cells, but a piece of this pattern is several cells.",
                     "max_volume");
       Expected<SplitFigures> split =
-          split_large(solid, seen, diagram, parameters.max_volume, parameters.seed, execution);
+          split_large(seen, diagram, parameters.max_volume, parameters.seed, execution);
       if (!split) return tl::unexpected(split.error());
       diagram.split = *split;
     }
@@ -144,12 +143,10 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
                              const Execution& execution,
                              const std::function<void(const RestrictedDiagram&)>& look) {
   const Tetrahedralization& t = diagram.tetrahedralization;
-  std::optional<Solid> image;
-  if (diagram.map) image = image_of(solid, *diagram.map, execution);
-  const Solid& seen = image ? *image : solid;
-  const VoronoiDiagram voronoi(t, seen.box, diagram.map, execution);
+  const SeenSolid seen(solid, diagram.map, execution);
+  const VoronoiDiagram voronoi(t, seen.seen().box, diagram.map, execution);
   std::vector<SiteId> kept;
-  if (parameters.keep) kept = cells_meeting(*parameters.keep, voronoi, seen.box, execution);
+  if (parameters.keep) kept = cells_meeting(*parameters.keep, voronoi, seen.seen().box, execution);
   const Ownership ownership =
       Ownership::from_groups(t.site_count(), groups_of_sites(t, diagram.groups, kept), execution);
 
@@ -157,7 +154,7 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
   cut.kept = kept.size();
   cut.grouped = ownership.grouped;
   if (parameters.dual == Dual::kBarycenter) {
-    if (image)
+    if (diagram.map)
       return fail(
           ErrorCode::kBadParameter,
           "dual=barycenter knows no stretched cells: leave out 'stretch', or slices of several families.",
@@ -166,10 +163,10 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
         fracture_barycentric(solid, voronoi, parameters.pivot, parameters.drop_above, execution);
     cut.set = std::move(cut.barycentric.set);
   } else {
-    RestrictedDiagram restricted = restrict_to_solid(solid, seen, voronoi, execution);
+    RestrictedDiagram restricted = restrict_to_solid(seen, voronoi, execution);
     if (look) look(restricted);
     make_rough_fragments(
-        solid, seen, parameters, ownership, restricted,
+        restricted, parameters, ownership,
         [&](const FragmentSet& set) { return judge(set, solid, Promise::kPartition); }, execution, cut);
   }
   if (cut.set.fragments.empty())

@@ -1,8 +1,8 @@
 #include "common/pipeline/lloyd.hpp"
 
 #include "common/base/pacer.hpp"
+#include "common/clip/restricted_diagram.hpp"
 #include "common/delaunay/tetrahedralization.hpp"
-#include "common/pipeline/restrict.hpp"
 #include "common/sites/sites.hpp"
 
 namespace fracture {
@@ -69,20 +69,20 @@ Shares measure(const RestrictedDiagram& d, const Execution& execution) {
 
 }  // namespace
 
-Expected<void> relax(const Solid& solid, const Solid& seen, SitePlan& plan, std::uint32_t passes,
+Expected<void> relax(const SeenSolid& solid, SitePlan& plan, std::uint32_t passes,
                      const Execution& execution) {
-  const SiteLattice lattice = site_lattice(seen.box);
+  const SiteLattice lattice = site_lattice(solid.seen().box);
   // A sliver's centre of mass is mostly rounding error.
-  const double least_volume =
-      1e-9 * solid.report.volume / static_cast<double>(std::max<std::size_t>(1, plan.points.size()));
+  const double least_volume = 1e-9 * solid.original().report.volume /
+                              static_cast<double>(std::max<std::size_t>(1, plan.points.size()));
   Pacer pacer(execution);
   for (std::uint32_t pass = 0; pass < passes; ++pass) {
     const StageProgress::Part part(execution.within, (pass + 1.0) / passes);
     const Allowance::Temporary temporary(execution.allowance);  // what the pass makes goes with it
-    const Expected<Tetrahedralization> t = tetrahedralize(plan.points, seen.box, execution);
+    const Expected<Tetrahedralization> t = tetrahedralize(plan.points, solid.seen().box, execution);
     if (!t) return tl::unexpected(t.error());
-    const VoronoiDiagram diagram(*t, seen.box, plan.map, execution);
-    const Shares shares = measure(restrict_to_solid(solid, seen, diagram, execution), execution);
+    const VoronoiDiagram diagram(*t, solid.seen().box, plan.map, execution);
+    const Shares shares = measure(restrict_to_solid(solid, diagram, execution), execution);
     for (std::size_t k = 0; k < plan.points.size(); ++k) {
       pacer.step(4);
       const SiteId site = t->site_of_input[k];

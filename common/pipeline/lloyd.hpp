@@ -8,9 +8,9 @@
 namespace fracture {
 
 /// `passes` times; the sites stay on the site lattice. Sites whose cell misses the solid stay where they are.
-/// `seen` is the solid, or its image under plan.map. The plan must have no groups. Errors of
+/// `solid` is seen through plan.map. The plan must have no groups. Errors of
 /// tetrahedralize(); throws Interrupted.
-Expected<void> relax(const Solid& solid, const Solid& seen, SitePlan& plan, std::uint32_t passes,
+Expected<void> relax(const SeenSolid& solid, SitePlan& plan, std::uint32_t passes,
                      const Execution& execution);
 
 }  // namespace fracture

@@ -20,18 +20,16 @@ void restrain(const FragmentSet& set, const std::vector<std::uint32_t>& fragment
 
 }  // namespace
 
-void make_rough_fragments(const Solid& solid, const Solid& seen, const FractureParameters& parameters,
-                          const Ownership& ownership, RestrictedDiagram& restricted,
+void make_rough_fragments(RestrictedDiagram& restricted, const FractureParameters& parameters,
+                          const Ownership& ownership,
                           const std::function<Verdict(const FragmentSet&)>& judged,
                           const Execution& execution, CutCells& cut) {
-  const VoronoiDiagram& diagram = restricted.diagram;
   Roughness roughness = parameters.roughness;
   Restraints restraints;
   for (int restrained = 0;; ++restrained) {
     execution.reaches(0.7);
     cut.rough =
-        roughen(solid, diagram, restricted.cuts, restricted.winding, ownership.owner_of_site, roughness,
-                restraints, parameters.seed, restricted.positions, restricted.caps, execution);
+        roughen(restricted, ownership.owner_of_site, roughness, restraints, parameters.seed, execution);
     execution.reaches(0.9);
     cut.set = make_fragments(restricted, ownership, parameters.pivot, parameters.size, execution);
     if (!(roughness.amplitude > 0)) break;
@@ -39,13 +37,10 @@ void make_rough_fragments(const Solid& solid, const Solid& seen, const FractureP
     if (verdict.sound()) break;
 
     if (restrained < kMostRestraints && !verdict.fragments.empty())
-      restrain(cut.set, verdict.fragments, diagram.dual().site_count(), restraints);
+      restrain(cut.set, verdict.fragments, restricted.diagram.dual().site_count(), restraints);
     else
       roughness.amplitude = 0;
-    restricted.positions =
-        place_vertices(solid, seen, diagram, restricted.cuts, restricted.winding, execution);
-    restricted.caps =
-        build_caps(solid, diagram, restricted.cuts, restricted.winding, restricted.positions, execution);
+    restricted.place_and_cap(execution);
   }
   cut.restrained_cells = static_cast<std::uint32_t>(
       std::count_if(restraints.begin(), restraints.end(), [](Restraint r) { return r != Restraint::kNone; }));

@@ -14,11 +14,11 @@ namespace fracture {
 /// How often cells are restrained before all cuts are made flat.
 inline constexpr int kMostRestraints = 3;
 
-/// Roughens the caps of `restricted`, which are flat, and makes the fragments; `solid` and `seen` are what it
-/// was made of. Fills `rough` and `set` of `cut`. With an amplitude of 0 the caps stay flat. `judged` says
-/// what holds of the fragments: judge(). Throws Interrupted.
-void make_rough_fragments(const Solid& solid, const Solid& seen, const FractureParameters& parameters,
-                          const Ownership& ownership, RestrictedDiagram& restricted,
+/// Roughens the caps of `restricted`, which are flat, and makes the fragments. Fills `rough` and `set` of
+/// `cut`. With an amplitude of 0 the caps stay flat. `judged` says what holds of the fragments: judge().
+/// Throws Interrupted.
+void make_rough_fragments(RestrictedDiagram& restricted, const FractureParameters& parameters,
+                          const Ownership& ownership,
                           const std::function<Verdict(const FragmentSet&)>& judged,
                           const Execution& execution, CutCells& cut);
 

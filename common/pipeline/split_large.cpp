@@ -4,21 +4,21 @@
 #include <cmath>
 
 #include "common/base/pacer.hpp"
+#include "common/clip/restricted_diagram.hpp"
 #include "common/fragment/pieces.hpp"
 #include "common/pipeline/fracture.hpp"
-#include "common/pipeline/restrict.hpp"
 #include "common/sites/sites.hpp"
 
 namespace fracture {
 
-Expected<SplitFigures> split_large(const Solid& solid, const Solid& seen, Diagram& diagram, double max_volume,
+Expected<SplitFigures> split_large(const SeenSolid& solid, Diagram& diagram, double max_volume,
                                    std::uint64_t seed, const Execution& execution) {
   SplitFigures figures;
   for (;;) {
     const Tetrahedralization& t = diagram.tetrahedralization;
-    const VoronoiDiagram voronoi(t, seen.box, diagram.map, execution);
+    const VoronoiDiagram voronoi(t, solid.seen().box, diagram.map, execution);
     const Allowance::Temporary temporary(execution.allowance);  // what the pass makes goes with it
-    const RestrictedDiagram restricted = restrict_to_solid(solid, seen, voronoi, execution);
+    const RestrictedDiagram restricted = restrict_to_solid(solid, voronoi, execution);
     Pieces pieces =
         gather_pieces(restricted, Ownership::from_groups(t.site_count(), {}, execution), execution);
     std::vector<std::uint32_t> wanted(t.site_count(), 0);
@@ -41,10 +41,10 @@ Expected<SplitFigures> split_large(const Solid& solid, const Solid& seen, Diagra
 
     // Of uniform points a cell gets its share of the volume: enough of them for every part, and twice that.
     ++figures.passes;
-    const double share = 4 * solid.report.volume / max_volume;
+    const double share = 4 * solid.original().report.volume / max_volume;
     const auto count = static_cast<std::uint32_t>(std::clamp(share, 64.0, 2.0 * kMaxSplitSites));
     Expected<std::vector<Vec3d>> points =
-        uniform_sites(seen, count, seed ^ (0x9e3779b97f4a7c15ull * figures.passes), execution);
+        uniform_sites(solid.seen(), count, seed ^ (0x9e3779b97f4a7c15ull * figures.passes), execution);
     if (!points) return tl::unexpected(points.error());
     SiteId cell = 0;
     for (const Vec3d& p : *points) {
@@ -56,7 +56,7 @@ Expected<SplitFigures> split_large(const Solid& solid, const Solid& seen, Diagra
       diagram.sites.push_back(p);
       ++figures.sites_added;
     }
-    Expected<Tetrahedralization> finer = tetrahedralize(diagram.sites, seen.box, execution);
+    Expected<Tetrahedralization> finer = tetrahedralize(diagram.sites, solid.seen().box, execution);
     if (!finer) return tl::unexpected(finer.error());
     diagram.tetrahedralization = std::move(*finer);
   }

@@ -5,6 +5,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/execution.hpp"
+#include "common/solid/image.hpp"
 #include "common/solid/solid.hpp"
 
 namespace fracture {
@@ -24,8 +25,8 @@ inline constexpr std::uint32_t kMaxSplitSites = 100'000;
 /// Adds sites to the diagram until no cell's piece of the solid is larger than `max_volume` (m³, > 0): in
 /// each pass every cell with a larger piece gets as many further sites as it holds that volume, from a
 /// sequence of uniform points of the solid. Deterministic in the seed. One clipping of the surface a pass.
-/// `seen` is the solid, or its image under the diagram's map; the diagram must have no groups.
-Expected<SplitFigures> split_large(const Solid& solid, const Solid& seen, Diagram& diagram, double max_volume,
+/// `solid` is seen through the diagram's map; the diagram must have no groups.
+Expected<SplitFigures> split_large(const SeenSolid& solid, Diagram& diagram, double max_volume,
                                    std::uint64_t seed, const Execution& execution);
 
 }  // namespace fracture

@@ -252,10 +252,14 @@ class Mover {
 
 }  // namespace
 
-RoughReport roughen(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
-                    const Winding& winding, const std::vector<std::uint32_t>& owner_of_site,
+RoughReport roughen(RestrictedDiagram& restricted, const std::vector<std::uint32_t>& owner_of_site,
                     const Roughness& roughness, const Restraints& restraints, std::uint64_t seed,
-                    VertexPositions& positions, Caps& caps, const Execution& execution) {
+                    const Execution& execution) {
+  const Solid& solid = restricted.solid;
+  const VoronoiDiagram& diagram = restricted.diagram;
+  const Winding& winding = restricted.winding;
+  VertexPositions& positions = restricted.positions;
+  Caps& caps = restricted.caps;
   RoughReport report;
   if (!(roughness.amplitude > 0)) return report;
   const auto parts = [&](SiteId lo, SiteId hi) { return owner_of_site[lo] != owner_of_site[hi]; };
@@ -289,7 +293,8 @@ RoughReport roughen(const Solid& solid, const VoronoiDiagram& diagram, const Sur
   for (const CapRegion& r : caps.regions)
     if (parts(r.lo, r.hi))
       std::fill_n(seen.begin() + static_cast<std::ptrdiff_t>(r.first_triangle), r.triangle_count, 1);
-  Mover mover(diagram, caps, seen, positions, cuts.edge_cuts.size() + cuts.triangle_cuts.size(), execution);
+  Mover mover(diagram, caps, seen, positions,
+              restricted.cuts.edge_cuts.size() + restricted.cuts.triangle_cuts.size(), execution);
   if (!restraints.empty()) mover.restrain(restraints);
   mover.move(displacement, outside);
   const std::optional<std::uint64_t> crossing = mover.calm(outside);

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "common/base/execution.hpp"
-#include "common/clip/caps.hpp"
+#include "common/clip/restricted_diagram.hpp"
 #include "common/rough/restraint.hpp"
 #include "common/rough/roughness.hpp"
 
@@ -45,9 +45,8 @@ inline constexpr double kMostRoughTriangles = 400'000;
 /// VertexPositions::flat_steps. With an amplitude of 0 nothing changes. Where the diagram has a map the waves
 /// are stretched as the cells are. Caps of restrained cells are moved less, or stay as they are; the others
 /// stay what they would be without restraints, but for vertices that they share.
-RoughReport roughen(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
-                    const Winding& winding, const std::vector<std::uint32_t>& owner_of_site,
+RoughReport roughen(RestrictedDiagram& diagram, const std::vector<std::uint32_t>& owner_of_site,
                     const Roughness& roughness, const Restraints& restraints, std::uint64_t seed,
-                    VertexPositions& positions, Caps& caps, const Execution& execution);
+                    const Execution& execution);
 
 }  // namespace fracture

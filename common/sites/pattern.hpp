@@ -17,7 +17,7 @@
 #include "common/base/execution.hpp"
 #include "common/base/matrix3.hpp"
 #include "common/base/vec.hpp"
-#include "common/solid/solid.hpp"
+#include "common/solid/image.hpp"
 
 namespace fracture {
 
@@ -131,8 +131,15 @@ struct SitePlan {
   std::vector<std::string> notes;     ///< what could not be done as asked, for people
 };
 
-/// Errors: kBadParameter with the parameter's name (a combination that has no meaning), kTooComplex (more
-/// than most_sites). Near-linear in triangles + sites.
+/// The map under which the cells of these parameters are isotropic; none: the identity. `box`: of the solid.
+/// Error: kBadParameter with the parameter's name (a combination that has no meaning).
+Expected<std::optional<Matrix3>> map_of_cells(const Box& box, const SiteParameters& parameters);
+
+/// `solid` is seen through map_of_cells(). Errors: kBadParameter, kTooComplex (more than most_sites).
+/// Near-linear in triangles + sites.
+Expected<SitePlan> plan_sites(const SeenSolid& solid, const SiteParameters& parameters,
+                              const Execution& execution);
+/// The same, with an image of its own. Errors of both.
 Expected<SitePlan> plan_sites(const Solid& solid, const SiteParameters& parameters,
                               const Execution& execution);
 

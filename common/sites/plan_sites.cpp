@@ -129,26 +129,26 @@ tl::unexpected<Error> sites_detail::too_many_sites(const Task& task, double site
               "pattern");
 }
 
-Expected<SitePlan> plan_sites(const Solid& solid, const SiteParameters& p, const Execution& execution) {
+Expected<std::optional<Matrix3>> map_of_cells(const Box& box, const SiteParameters& p) {
   const auto* slices = std::get_if<SlicePattern>(&p.pattern);
   const bool oblique = slices && slices->normals.size() > 1;
-  std::optional<Matrix3> map = map_of(p.anisotropy, solid.box);
+  std::optional<Matrix3> map = map_of(p.anisotropy, box);
   if (oblique && map)
     return fail(ErrorCode::kBadParameter,
                 "Slices of several families cannot be stretched: give the normals they should have.",
                 "stretch");
   if (oblique) map = map_of(*slices);
   if (map && *map == Matrix3{}) map.reset();
-  std::optional<Solid> image;
-  if (map) image = image_of(solid, *map, execution);
-  const Solid& seen = image ? *image : solid;
+  return map;
+}
 
-  const Task task{seen, std::max(1u, p.sites), p.seed, execution, p.most_sites};
-  Expected<SitePlan> plan = generate(task, p.pattern, map);
+Expected<SitePlan> plan_sites(const SeenSolid& solid, const SiteParameters& p, const Execution& execution) {
+  const Task task{solid.seen(), std::max(1u, p.sites), p.seed, execution, p.most_sites};
+  Expected<SitePlan> plan = generate(task, p.pattern, solid.map());
   if (!plan) return plan;
-  plan->map = map;
+  plan->map = solid.map();
   if (!std::holds_alternative<PointsPattern>(p.pattern)) {
-    const SiteLattice lattice = site_lattice(seen.box);
+    const SiteLattice lattice = site_lattice(solid.seen().box);
     Pacer pacer(execution);
     for (Vec3d& site : plan->points) {
       pacer.step();
@@ -156,6 +156,12 @@ Expected<SitePlan> plan_sites(const Solid& solid, const SiteParameters& p, const
     }
   }
   return plan;
+}
+
+Expected<SitePlan> plan_sites(const Solid& solid, const SiteParameters& p, const Execution& execution) {
+  const Expected<std::optional<Matrix3>> map = map_of_cells(solid.box, p);
+  if (!map) return tl::unexpected(map.error());
+  return plan_sites(SeenSolid(solid, *map, execution), p, execution);
 }
 
 }  // namespace fracture

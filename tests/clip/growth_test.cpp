@@ -9,9 +9,9 @@
 
 #include "common/base/random.hpp"
 #include "common/clip/caps.hpp"
+#include "common/clip/restricted_diagram.hpp"
 #include "common/clip/triangulate.hpp"
 #include "common/fragment/bonds.hpp"
-#include "common/pipeline/restrict.hpp"
 #include "tests/support/growth_families.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/site_families.hpp"
@@ -67,7 +67,7 @@ void run(const GrowthInput& input, Watch& watch) {
   watch.begin("voronoi");
   const VoronoiDiagram diagram(*t, solid.box, std::nullopt, execution);
   watch.begin("cuts");
-  RestrictedDiagram r{solid, diagram, cut_surface(solid, diagram, execution), {}, {}, {}};
+  RestrictedDiagram r{solid, solid, diagram, cut_surface(solid, diagram, execution)};
   watch.begin("winding");
   r.winding = wind_voronoi_edges(solid, diagram, r.cuts, execution);
   watch.begin("positions");
@@ -133,7 +133,7 @@ TEST(GrowthOfIslands, ThousandsOfCavitiesFindTheirIslands) {
   const Solid solid = *make_solid(std::make_shared<Mesh>(input.mesh), {}, {});
   const Tetrahedralization t = *tetrahedralize(input.sites, solid.box, {});
   const VoronoiDiagram diagram(t, solid.box);
-  const RestrictedDiagram r = restrict_to_solid(solid, solid, diagram, {});
+  const RestrictedDiagram r = restrict_to_solid(SeenSolid(solid), diagram, {});
   const Pieces pieces = gather_pieces(r, Ownership::from_groups(t.site_count(), {}), {});
   ASSERT_EQ(pieces.pieces.size(), 51u);
   const double pitch = 10.0 / 100, tooth = pitch * 1 * 1, cavity = 0.4 * pitch * 0.2 * 0.2;
@@ -214,7 +214,7 @@ TEST(Products, AreCountedWhileTheyAreMade) {
   const Tetrahedralization again = *tetrahedralize(random_sites(solid.box, 2000, 1), solid.box, execution);
   EXPECT_GE(all.bytes() - before_tetrahedra, again.tets.size() * bytes_of(Product::kTetrahedra));
   const std::uint64_t before = all.bytes();
-  const RestrictedDiagram r = restrict_to_solid(solid, solid, diagram, execution);
+  const RestrictedDiagram r = restrict_to_solid(SeenSolid(solid), diagram, execution);
   const Pieces pieces = gather_pieces(r, Ownership::from_groups(t.site_count(), {}), execution);
   std::uint64_t faces = 0, surface_segments = 0;
   for (const Piece& p : pieces.pieces) faces += p.faces.size();

@@ -5,7 +5,7 @@
 
 #include <boost/multiprecision/cpp_int.hpp>
 
-#include "common/pipeline/restrict.hpp"
+#include "common/clip/restricted_diagram.hpp"
 #include "common/sites/sites.hpp"
 #include "common/solid/image.hpp"
 #include "tests/support/figures.hpp"
@@ -81,7 +81,7 @@ TEST(SeamLattice, EveryConstructedVertexIsTheExactPositionRoundedOnce) {
       const Expected<Tetrahedralization> t = tetrahedralize(family.sites, solid->box, {});
       ASSERT_TRUE(t);
       const VoronoiDiagram diagram(*t, solid->box);
-      const RestrictedDiagram r = restrict_to_solid(*solid, *solid, diagram, {});
+      const RestrictedDiagram r = restrict_to_solid(SeenSolid(*solid), diagram, {});
       const auto vertex = [&](std::uint32_t v) { return to_double(solid->positions[v]); };
       std::size_t n = 0;
       for (const EdgeCut& c : r.cuts.edge_cuts) {
@@ -119,7 +119,8 @@ TEST(SeamLattice, CutsDecidedInAnImageAreCarriedBackExactly) {
     for (const Matrix3& map : {halved, skew}) {
       const Expected<Solid> solid = make_solid(std::make_shared<Mesh>(shape.mesh), {}, {});
       ASSERT_TRUE(solid);
-      const Solid image = image_of(*solid, map);
+      const SeenSolid whole(*solid, map, {});
+      const Solid& image = whole.seen();
       Mesh seen = shape.mesh;
       seen.positions = image.positions;
       for (const SiteFamily& family : small_site_families(seen, 3)) {
@@ -127,7 +128,7 @@ TEST(SeamLattice, CutsDecidedInAnImageAreCarriedBackExactly) {
         const Expected<Tetrahedralization> t = tetrahedralize(family.sites, image.box, {});
         ASSERT_TRUE(t);
         const VoronoiDiagram diagram(*t, image.box, map);
-        const RestrictedDiagram r = restrict_to_solid(*solid, image, diagram, {});
+        const RestrictedDiagram r = restrict_to_solid(whole, diagram, {});
         const auto at = [&](std::uint32_t v) { return q(to_double(solid->positions[v])); };
         const auto image_at = [&](std::uint32_t v) { return q(to_double(image.positions[v])); };
         const auto plane = [&](SiteId i, SiteId j) { return bisector(diagram.site(i), diagram.site(j)); };

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numeric>
 
+#include "common/clip/restricted_diagram.hpp"
 #include "common/fragment/make_fragments.hpp"
 #include "common/pipeline/cell_patch.hpp"
-#include "common/pipeline/restrict.hpp"
 #include "common/sites/sites.hpp"
 #include "common/voronoi/barycentric_cell.hpp"
 #include "tests/support/poll_gaps.hpp"
@@ -38,7 +38,7 @@ std::vector<Fragment> cut_from_the_whole(const Solid& solid, const VoronoiDiagra
     const Tetrahedralization t = tetrahedra_of(*mirrored, solid.box);
     if (t.site_of_input[0] == kNoSite) continue;
     const VoronoiDiagram cell(t, solid.box);
-    const RestrictedDiagram restricted = restrict_to_solid(solid, solid, cell, {});
+    const RestrictedDiagram restricted = restrict_to_solid(SeenSolid(solid), cell, {});
     Ownership ownership = Ownership::from_groups(t.site_count(), {});
     ownership.wanted.assign(t.site_count(), false);
     ownership.wanted[t.site_of_input[0]] = true;

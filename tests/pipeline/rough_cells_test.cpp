@@ -8,7 +8,7 @@
 #include <set>
 
 #include "common/clip/caps.hpp"
-#include "common/pipeline/restrict.hpp"
+#include "common/clip/restricted_diagram.hpp"
 #include "tests/property/judge.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/fractured.hpp"
@@ -31,9 +31,9 @@ struct Net : testing::Test {
     const Execution execution;
     const VoronoiDiagram voronoi(diagram.tetrahedralization, solid.box, diagram.map);
     const Ownership ownership = Ownership::from_groups(diagram.tetrahedralization.site_count(), {});
-    RestrictedDiagram restricted = restrict_to_solid(solid, solid, voronoi, execution);
+    RestrictedDiagram restricted = restrict_to_solid(SeenSolid(solid), voronoi, execution);
     CutCells out;
-    make_rough_fragments(solid, solid, p, ownership, restricted, judged, execution, out);
+    make_rough_fragments(restricted, p, ownership, judged, execution, out);
     return out;
   }
   Verdict real(const FragmentSet& set) const { return judge(set, solid, Promise::kPartition); }

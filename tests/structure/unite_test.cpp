@@ -8,11 +8,11 @@
 #include <map>
 
 #include "common/base/random.hpp"
+#include "common/clip/restricted_diagram.hpp"
 #include "common/fragment/assemble.hpp"
 #include "common/fragment/group_contacts.hpp"
 #include "common/fragment/make_fragments.hpp"
 #include "common/fragment/volume_sign.hpp"
-#include "common/pipeline/restrict.hpp"
 #include "common/sites/sites.hpp"
 #include "tests/support/growth_families.hpp"
 #include "tests/support/poll_gaps.hpp"
@@ -30,7 +30,7 @@ struct Cut {
         sites(given.empty() ? made(uniform_sites(solid, uniform, 5, {})) : given),
         t(made(tetrahedralize(sites, solid.box, {}))),
         diagram(t, solid.box),
-        restricted(restrict_to_solid(solid, solid, diagram, {})),
+        restricted(restrict_to_solid(SeenSolid(solid), diagram, {})),
         ownership(Ownership::from_groups(t.site_count(), {})),
         pieces(gather_pieces(restricted, ownership, {})) {}
 

@@ -1,0 +1,45 @@
+// A Voronoi diagram restricted to a solid: everything that the clipper finds, in the order in which its
+// stages find it: surface cuts -> winding numbers -> positions -> caps.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/clip/caps.hpp"
+#include "common/clip/positions.hpp"
+#include "common/clip/surface_cuts.hpp"
+#include "common/clip/winding.hpp"
+#include "common/solid/image.hpp"
+
+namespace fracture {
+
+/// Borrows the solid and the diagram.
+struct RestrictedDiagram {
+  const Solid& solid;  ///< has the positions
+  const Solid& seen;   ///< decides: the solid's image under the diagram's map, or the solid itself
+  const VoronoiDiagram& diagram;
+  SurfaceCuts cuts;
+  Winding winding{};
+  VertexPositions positions{};
+  Caps caps{};
+  /// Where `solid` is a patch of a larger one: per part its number there; null: the number it has here.
+  const std::vector<std::uint32_t>* part_in_whole = nullptr;
+
+  /// Unrounded position of any vertex.
+  Vec3d point(VertexId v) const {
+    return v < positions.first_constructed ? to_double(solid.positions[v])
+                                           : positions.points[v - positions.first_constructed];
+  }
+  VertexId vertex_count() const {
+    return positions.first_constructed + static_cast<VertexId>(positions.points.size());
+  }
+  /// Makes positions and caps from the cuts and winding numbers, flat and whole, whatever they were.
+  /// `cells_of_interest`: per site; only the facets of these have caps; null: of all. Throws Interrupted.
+  void place_and_cap(const Execution& execution, const std::vector<char>* cells_of_interest = nullptr);
+};
+
+/// All stages. `solid` must be seen through diagram.map(). Throws Interrupted.
+RestrictedDiagram restrict_to_solid(const SeenSolid& solid, const VoronoiDiagram& diagram,
+                                    const Execution& execution);
+
+}  // namespace fracture
