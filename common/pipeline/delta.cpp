@@ -110,10 +110,10 @@ std::vector<TetId> numbers_now(const Tetrahedralization& before, const Tetrahedr
 
 /// Nothing where the hits change more than the cells around them. Errors of plan_sites().
 Expected<std::optional<Insertion>> insert_hits(const Solid& solid, const Box& box, const FracturedBase& base,
-                                               const FractureParameters& parameters,
+                                               const FractureParameters& parameters, std::uint32_t new_hits,
                                                const Execution& execution) {
   SitePlan plan{{}, {}, base.diagram.map, base.diagram.notes};
-  const std::size_t first = parameters.hits.size() - parameters.new_hits;
+  const std::size_t first = parameters.hits.size() - new_hits;
   if (auto added = append_hits(solid, parameters, parameters.hits, first, plan, execution); !added)
     return tl::unexpected(added.error());
   std::optional<Tetrahedralization> now =
@@ -263,14 +263,15 @@ bool ids_collide(const std::vector<Fragment>& fragments) {
 /// Nothing where a piece would have to be united or dropped, or what was kept does not prove itself with what
 /// is new.
 std::optional<KeptAnswer> splice(const SeenSolid& whole, const FracturedBase& base, Insertion in,
-                                 const FractureParameters& parameters, const Execution& execution) {
+                                 const FractureParameters& parameters, bool only_changed,
+                                 const Execution& execution) {
   const Tetrahedralization& t = in.diagram.tetrahedralization;
   const Solid &solid = whole.original(), &seen = whole.seen();
   const VoronoiDiagram voronoi(t, seen.box, in.diagram.map, execution);
-  auto next = std::make_shared<FracturedBase>();
-  next->surface = base.surface;
+  FracturedBase next;
+  next.surface = base.surface;
   RestrictedDiagram r{solid, seen, voronoi,
-                      cut_surface_again(seen, voronoi, next->surface, in.of_interest, execution)};
+                      cut_surface_again(seen, voronoi, next.surface, in.of_interest, execution)};
   r.winding = wind_voronoi_edges_again(seen, voronoi, r.cuts,
                                        {in.of_interest, in.tet_now, base.inner_vertices}, execution);
   r.place_and_cap(execution, &in.of_interest);
@@ -288,12 +289,12 @@ std::optional<KeptAnswer> splice(const SeenSolid& whole, const FracturedBase& ba
   CutCells cut;
   cut.set.source = solid.source;
   cut.set.bonds = splicer.bonds();
-  splicer.fill(std::move(made->fragments), parameters.only_changed, cut);
+  splicer.fill(std::move(made->fragments), only_changed, cut);
   if (ids_collide(cut.set.fragments)) return std::nullopt;
   const std::vector<double> volumes_file = splicer.volumes_file();
   cut.set.certificate = certificate_of(solid, cut.set.fragments, volumes_file, *made);
   state_lattice(r, cut.set);
-  next->bonds = cut.set.bonds;
+  next.bonds = cut.set.bonds;
 
   Expected<FragmentSet> completed = complete(solid, in.diagram, parameters, std::move(cut), execution);
   if (!completed) return std::nullopt;  // the whole, made from nothing, has the last word
@@ -304,24 +305,24 @@ std::optional<KeptAnswer> splice(const SeenSolid& whole, const FracturedBase& ba
       base, out.set.fragments, [&](std::uint32_t k) { return from_base[k] != kNoIndex; }, execution);
 
   for (std::uint32_t k = 0; k < from_base.size(); ++k)
-    next->fragments.push_back({from_base[k] != kNoIndex
-                                   ? base.fragments[from_base[k]].fragment
-                                   : std::make_shared<const Fragment>(out.set.fragments[k]),
-                               volumes_file[k]});
-  next->first_of = std::move(made->first_of);
+    next.fragments.push_back({from_base[k] != kNoIndex
+                                  ? base.fragments[from_base[k]].fragment
+                                  : std::make_shared<const Fragment>(out.set.fragments[k]),
+                              volumes_file[k]});
+  next.first_of = std::move(made->first_of);
   for (InnerVertex v : base.inner_vertices) {
     v.tet = in.tet_now[v.tet];
     if (v.tet == kNoTet) continue;
     const auto& sites = t.tets[v.tet].v;
     if (std::none_of(sites.begin(), sites.end(),
                      [&](SiteId s) { return !t.is_corner(s) && in.of_interest[s]; }))
-      next->inner_vertices.push_back(v);
+      next.inner_vertices.push_back(v);
   }
-  next->inner_vertices.insert(next->inner_vertices.end(), r.winding.inner_vertices.begin(),
-                              r.winding.inner_vertices.end());
-  next->local = out.set.certificate.crossing_caps == 0;
-  next->diagram = std::move(in.diagram);
-  if (parameters.only_changed) keep_changed(out.set, execution);
+  next.inner_vertices.insert(next.inner_vertices.end(), r.winding.inner_vertices.begin(),
+                             r.winding.inner_vertices.end());
+  next.local = out.set.certificate.crossing_caps == 0;
+  next.diagram = std::move(in.diagram);
+  if (only_changed) keep_changed(out.set, execution);
   out.base = std::move(next);
   return out;
 }
@@ -339,55 +340,52 @@ Expected<KeptAnswer> fracture_and_keep(const Solid& solid, Diagram diagram,
                                        const FractureParameters& parameters, const Execution& execution,
                                        StageTimings& timings) {
   return stage(timings, execution, "clip", [&]() -> Expected<KeptAnswer> {
-    auto base = std::make_shared<FracturedBase>();
+    FracturedBase base;
     Expected<CutCells> cut =
         cut_cells(solid, diagram, parameters, execution, [&](const RestrictedDiagram& restricted) {
-          base->surface = labels_of(restricted.cuts);
-          base->inner_vertices = restricted.winding.inner_vertices;
-          base->local = true;
+          base.surface = labels_of(restricted.cuts);
+          base.inner_vertices = restricted.winding.inner_vertices;
+          base.local = true;
         });
     if (!cut) return tl::unexpected(cut.error());
     const Certificate& c = cut->set.certificate;
-    base->local = base->local && !cut->grouped && !parameters.keep && !parameters.size.any() &&
-                  parameters.max_volume == 0 && !(parameters.roughness.amplitude > 0) && c.united == 0 &&
-                  c.dropped == 0 && c.crossing_caps == 0;
-    base->bonds = cut->set.bonds;
+    base.local = base.local && !cut->grouped && !parameters.keep && !parameters.size.any() &&
+                 parameters.max_volume == 0 && !(parameters.roughness.amplitude > 0) && c.united == 0 &&
+                 c.dropped == 0 && c.crossing_caps == 0;
+    base.bonds = cut->set.bonds;
     KeptAnswer out;
     Expected<FragmentSet> completed = complete(solid, diagram, parameters, std::move(*cut), execution);
     if (!completed) return tl::unexpected(std::move(completed.error()));
     out.set = std::move(*completed);
     for (const Fragment& f : out.set.fragments)
-      base->fragments.push_back({std::make_shared<const Fragment>(f), file_volume(f, execution).volume});
-    if (base->local)
-      base->first_of = ranges_by_site(out.set.fragments, diagram.tetrahedralization.site_count());
-    base->diagram = std::move(diagram);
+      base.fragments.push_back({std::make_shared<const Fragment>(f), file_volume(f, execution).volume});
+    if (base.local)
+      base.first_of = ranges_by_site(out.set.fragments, diagram.tetrahedralization.site_count());
+    base.diagram = std::move(diagram);
     out.base = std::move(base);
     return out;
   });
 }
 
-FractureParameters before_hits(FractureParameters parameters) {
-  parameters.hits.resize(parameters.hits.size() - parameters.new_hits);
-  parameters.new_hits = 0;
-  parameters.only_changed = false;
-  parameters.kept = true;
+FractureParameters before_hits(FractureParameters parameters, std::uint32_t new_hits) {
+  parameters.hits.resize(parameters.hits.size() - new_hits);
   return parameters;
 }
 
 Expected<KeptAnswer> fracture_delta(const Solid& solid, const FracturedBase& base,
-                                    const FractureParameters& parameters, const Execution& execution,
-                                    StageTimings& timings) {
+                                    const FractureParameters& parameters, const NewHits& new_hits,
+                                    const Execution& execution, StageTimings& timings) {
   const bool local = base.local && parameters.rest == LocalRest::kFractured;
   std::optional<KeptAnswer> answer;
   if (local) {
     const SeenSolid seen(solid, base.diagram.map, execution);
     auto in = stage(timings, execution, "tetrahedralize", [&]() -> Expected<std::optional<Insertion>> {
-      return insert_hits(solid, seen.seen().box, base, parameters, execution);
+      return insert_hits(solid, seen.seen().box, base, parameters, new_hits.count, execution);
     });
     if (!in) return tl::unexpected(in.error());
     if (*in) {
       auto spliced = stage(timings, execution, "clip", [&]() -> Expected<std::optional<KeptAnswer>> {
-        return splice(seen, base, std::move(**in), parameters, execution);
+        return splice(seen, base, std::move(**in), parameters, new_hits.only_changed, execution);
       });
       if (!spliced) return tl::unexpected(spliced.error());
       answer = std::move(*spliced);
@@ -399,7 +397,7 @@ Expected<KeptAnswer> fracture_delta(const Solid& solid, const FracturedBase& bas
   return stage(timings, execution, "clip", [&]() -> Expected<KeptAnswer> {
     whole->set.delta = difference(
         base, whole->set.fragments, [](std::uint32_t) { return false; }, execution);
-    if (parameters.only_changed) keep_changed(whole->set, execution);
+    if (new_hits.only_changed) keep_changed(whole->set, execution);
     return std::move(*whole);
   });
 }

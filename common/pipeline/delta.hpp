@@ -41,10 +41,17 @@ struct FracturedBase {
 
 struct KeptAnswer {
   FragmentSet set;
-  std::shared_ptr<const FracturedBase> base;  ///< for hits on this answer
+  FracturedBase base;  ///< for hits on this answer
 };
 
-/// fracture(), keeping what further hits need; no `again`. Errors of fracture().
+/// Which of the hits of some parameters are new, and how much of the answer is wanted.
+struct NewHits {
+  std::uint32_t count =
+      1;  ///< the last so many, which the answer before has not; at most as many as there are
+  bool only_changed = false;  ///< what they left as it was is not in the answer; without levels and anchors
+};
+
+/// fracture(), keeping what further hits need. Errors of fracture().
 Expected<KeptAnswer> fracture_and_keep(const Solid& solid, Diagram diagram,
                                        const FractureParameters& parameters, const Execution& execution,
                                        StageTimings& timings);
@@ -52,13 +59,13 @@ Expected<KeptAnswer> fracture_and_keep(const Solid& solid, Diagram diagram,
 Expected<KeptAnswer> fracture_and_keep(const Solid& solid, const FractureParameters& parameters,
                                        const Execution& execution, StageTimings& timings);
 
-/// The parameters without their new hits.
-FractureParameters before_hits(FractureParameters parameters);
+/// The parameters without their last hits.
+FractureParameters before_hits(FractureParameters parameters, std::uint32_t new_hits);
 
 /// The answer to `parameters`, where `base` is the answer to before_hits() of them; with FragmentSet::delta.
 /// Errors of make_diagram() and fracture().
 Expected<KeptAnswer> fracture_delta(const Solid& solid, const FracturedBase& base,
-                                    const FractureParameters& parameters, const Execution& execution,
-                                    StageTimings& timings);
+                                    const FractureParameters& parameters, const NewHits& new_hits,
+                                    const Execution& execution, StageTimings& timings);
 
 }  // namespace fracture

@@ -7,7 +7,6 @@
 #include <string>
 #include <utility>
 
-#include "common/fragment/fragment_mesh.hpp"
 #include "common/physics/collision_hulls.hpp"
 #include "common/pipeline/barycentric.hpp"
 #include "common/pipeline/fracture_steps.hpp"
@@ -92,53 +91,6 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
   });
 }
 
-namespace {
-
-/// Fractures one fragment of the answer to these parameters again.
-Expected<FragmentSet> fracture_again(const Solid& solid, const Diagram& diagram,
-                                     const FractureParameters& parameters, const Execution& execution,
-                                     StageTimings& timings) {
-  FractureParameters before = parameters;
-  before.again.reset();
-  before.hulls = Hulls::kNone;
-  before.pivot = Pivot::kSource;
-  before.levels.clear();
-  before.anchors = {};
-  Expected<FragmentSet> whole = [&] {
-    const StageProgress::Part part(execution.within, 0.7);
-    return fracture(solid, diagram, before, execution, timings);
-  }();
-  if (!whole) return whole;
-  const auto at = std::find_if(whole->fragments.begin(), whole->fragments.end(),
-                               [&](const Fragment& f) { return f.id == parameters.again->fragment; });
-  if (at == whole->fragments.end())
-    return fail(ErrorCode::kNoSuchFragment,
-                "The answer to these parameters has " + std::to_string(whole->fragments.size()) +
-                    " fragments; none has the id " + std::to_string(parameters.again->fragment) +
-                    ". Ids are a function of the sites: give the parameters of the answer that has it.",
-                "fragment");
-  auto mesh = std::make_shared<Mesh>(
-      fragment_mesh(*whole, static_cast<std::size_t>(at - whole->fragments.begin()), execution));
-  Expected<Solid> fragment = make_solid(std::move(mesh), {}, execution);
-  if (!fragment) return tl::unexpected(fragment.error());
-
-  FractureParameters parts;
-  parts.sites = parameters.again->sites;
-  parts.seed = parameters.again->seed;
-  parts.hulls = parameters.hulls;
-  parts.pivot = parameters.pivot;
-  parts.roughness = parameters.roughness;
-  parts.levels = parameters.levels;
-  parts.anchors = parameters.anchors;
-  const Expected<Diagram> finer = make_diagram(*fragment, parts, execution, timings);
-  if (!finer) return tl::unexpected(finer.error());
-  Expected<FragmentSet> set = fracture(*fragment, *finer, parts, execution, timings);
-  if (set) set->report["fragment"] = {{"id", parameters.again->fragment}, {"volume", at->mass.volume}};
-  return set;
-}
-
-}  // namespace
-
 Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const FractureParameters& parameters,
                              const Execution& execution,
                              const std::function<void(const RestrictedDiagram&)>& look) {
@@ -197,7 +149,6 @@ Expected<FragmentSet> complete(const Solid& solid, const Diagram& diagram,
 Expected<FragmentSet> fracture(const Solid& solid, const Diagram& diagram,
                                const FractureParameters& parameters, const Execution& execution,
                                StageTimings& timings) {
-  if (parameters.again) return fracture_again(solid, diagram, parameters, execution, timings);
   return stage(timings, execution, "clip", [&]() -> Expected<FragmentSet> {
     Expected<CutCells> cut = cut_cells(solid, diagram, parameters, execution);
     if (!cut) return tl::unexpected(cut.error());

@@ -43,13 +43,7 @@ enum class Dual {
 
 enum class Hulls { kNone, kConvex };
 
-/// A fragment of the answer to these parameters, which is fractured again in its place.
-struct Refracture {
-  std::uint64_t fragment = 0;  ///< its id
-  std::uint32_t sites = 10;    ///< uniform in it
-  std::uint64_t seed = 1;
-};
-
+/// What is cut, and what comes of it: geometry alone.
 struct FractureParameters : SiteParameters {
   Dual dual = Dual::kCircumcenter;
   double drop_above = 0;       ///< m³; with kBarycenter alone: larger fragments are left out. 0: none
@@ -65,17 +59,7 @@ struct FractureParameters : SiteParameters {
   Anchors anchors;                  ///< fragments that touch these are marked
   std::vector<LocalImpact> hits{};  ///< one after the other, each on what the ones before it left
   LocalRest rest = LocalRest::kWhole;
-  /// Of these the last, which the answer that it is compared with has not (pipeline/delta.hpp). 0: it is
-  /// compared with none.
-  std::uint32_t new_hits = 0;
-  bool kept = false;          ///< the answer is kept for hits (pipeline/delta.hpp)
-  bool only_changed = false;  ///< what they left as it was is not in the answer; without levels and anchors
-  /// The answer is then the parts of this fragment, alone: a partition of it as it stands in the file with
-  /// Pivot::kSource. Limits of size apply to the earlier answer, levels and anchors to the parts.
-  std::optional<Refracture> again{};
 };
-
-struct FracturedBase;
 
 /// The reusable result for (mesh, site parameters): sites and their tetrahedralization.
 struct Diagram {
@@ -86,16 +70,14 @@ struct Diagram {
   std::vector<std::string> notes{};       ///< about the sites, for people
   Tetrahedralization tetrahedralization;  ///< canonical
   SplitFigures split{};                   ///< what FractureParameters::max_volume did
-  /// Instead of all of the above: an answer that further hits start from (pipeline/delta.hpp).
-  std::shared_ptr<const FracturedBase> fractured{};
 };
 
 /// Errors: those of plan_sites() and tetrahedralize(), an interruption.
 Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& parameters,
                                const Execution& execution, StageTimings& timings);
 
-/// Cuts the solid by the diagram. Errors: kNoFragments, kNoSuchFragment, kBadParameter (`dual`: barycentric
-/// cells know no map), an interruption.
+/// Cuts the solid by the diagram. Errors: kNoFragments, kUnsound, kBadParameter (`dual`: barycentric cells
+/// know no map), an interruption.
 Expected<FragmentSet> fracture(const Solid& solid, const Diagram& diagram,
                                const FractureParameters& parameters, const Execution& execution,
                                StageTimings& timings);

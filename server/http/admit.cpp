@@ -145,7 +145,8 @@ std::optional<Problem> Api::refuse_overload(const RequestHead& head, const Admis
   if (!terms) return std::move(terms.error());
   if (bytes <= kSmallBody) return std::nullopt;
   const auto parsed = service_.parameters().parse(raw_parameters(admission.query));
-  const ExpectedWork work = parsed ? expected_work(parsed->fracture, bytes, nullptr) : expected_work(bytes);
+  const ExpectedWork work =
+      parsed ? expected_work(parsed->fracture, bytes, nullptr, 0, parsed->selection) : expected_work(bytes);
   const auto overload = dispatcher_.refuses(work, *terms);
   if (overload) return to_problem(*overload);
   return std::nullopt;

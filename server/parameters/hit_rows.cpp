@@ -155,8 +155,8 @@ std::optional<Contradiction> complete_hits(RequestParameters& r) {
   f.hits.clear();
   for (std::size_t k = 0; k < points; ++k)
     f.hits.push_back({r.local_point[k], r.local_radius[k], static_cast<std::uint32_t>(r.local_sites[k])});
-  f.new_hits = 0;
-  f.only_changed = f.kept = false;
+  r.selection.kept = false;
+  r.selection.new_hits.reset();
   if (!r.of.empty() || r.delta == DeltaAnswer::kNone) return std::nullopt;
 
   if (points == 0 && r.delta == DeltaAnswer::kOnly)
@@ -170,9 +170,8 @@ std::optional<Contradiction> complete_hits(RequestParameters& r) {
     return Contradiction{
         "delta",
         "delta=only leaves fragments out that 'levels' and anchors are about: ask for delta=stated."};
-  f.kept = true;
-  f.new_hits = points > 0 ? r.local_new : 0;
-  f.only_changed = r.delta == DeltaAnswer::kOnly;
+  r.selection.kept = true;
+  if (points > 0) r.selection.new_hits = NewHits{r.local_new, r.delta == DeltaAnswer::kOnly};
   return std::nullopt;
 }
 

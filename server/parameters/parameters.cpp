@@ -210,7 +210,8 @@ nlohmann::json canonical_base_parameters(const RequestParameters& parameters, bo
   RequestParameters base = parameters;
   base.delta = DeltaAnswer::kNone;
   if (!hit) {
-    const std::size_t before = base.fracture.hits.size() - base.fracture.new_hits;
+    const std::size_t before =
+        base.fracture.hits.size() - (base.selection.new_hits ? base.selection.new_hits->count : 0);
     base.local_point.resize(before);
     base.local_radius.resize(before);
     base.local_sites.resize(before);

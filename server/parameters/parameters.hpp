@@ -16,8 +16,8 @@
 #include "common/materials/materials.hpp"
 #include "common/mesh/frame.hpp"
 #include "common/mesh/selection.hpp"
-#include "common/pipeline/fracture.hpp"
 #include "common/solid/solid.hpp"
+#include "server/parameters/selection.hpp"
 #include "server/parameters/spec.hpp"
 
 namespace fracture {
@@ -37,6 +37,7 @@ struct RequestParameters {
   PartSelection parts;  ///< sorted, each entry once
   SolidOptions solid;
   FractureParameters fracture;
+  Selection selection;
   Physics physics = Physics::kKhr;
   UeCollision ue_collision = UeCollision::kNone;
   std::optional<Vec3d> keep_center{};  ///< with keep_radius: fracture.keep
@@ -47,10 +48,11 @@ struct RequestParameters {
   std::vector<Vec3d> local_point{};            ///< with the next two: fracture.hits
   std::vector<double> local_radius{};          ///< one for each point, or one for all
   std::vector<std::uint64_t> local_sites{30};  ///< the same
-  std::uint32_t local_new = 1;                 ///< with delta: fracture.new_hits
+  std::uint32_t local_new = 1;                 ///< with delta: selection.new_hits
   DeltaAnswer delta = DeltaAnswer::kNone;
-  std::optional<std::uint64_t> fragment{};  ///< with these: fracture.again
-  Refracture again;
+  std::optional<std::uint64_t> fragment{};  ///< with the next two: selection.again
+  std::uint32_t fragment_sites = Refracture{}.sites;
+  std::uint64_t fragment_seed = Refracture{}.seed;
   Vec3d gravity{0, -9.81, 0};           ///< m/s², for the support analysis
   std::vector<std::uint64_t> broken{};  ///< ids of fragments that are gone, for the support analysis
   std::string material;  ///< name of the preset that the other members started from; empty: none

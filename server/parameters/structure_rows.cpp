@@ -223,14 +223,14 @@ void add_again_rows(std::vector<ParameterSpec>& rows) {
        .min = 1,
        .max = 10'000,
        .doc = "How many sites `fragment` is broken by."},
-      [](auto& r) -> auto& { return r.again.sites; }));
+      [](auto& r) -> auto& { return r.fragment_sites; }));
   rows.push_back(with_member(
       {.name = "fragment_seed",
        .type = Type::kInteger,
        .min = 0,
        .max = kMaxSeed,
        .doc = "Seed of these sites."},
-      [](auto& r) -> auto& { return r.again.seed; }));
+      [](auto& r) -> auto& { return r.fragment_seed; }));
   only_where(rows, first, [](const RequestParameters& r) { return r.fragment.has_value(); });
 }
 
@@ -256,10 +256,8 @@ std::optional<Contradiction> complete_structure(RequestParameters& r) {
   if (r.keep_center && f.keep)
     return Contradiction{"keep_box", "'keep_box' and 'keep_center' were both given; one region can be kept."};
   if (r.keep_center) f.keep = Region{.center = *r.keep_center, .radius = *r.keep_radius};
-  if (r.fragment) {
-    f.again = r.again;
-    f.again->fragment = *r.fragment;
-  }
+  r.selection.again.reset();
+  if (r.fragment) r.selection.again = Refracture{*r.fragment, r.fragment_sites, r.fragment_seed};
   if (!r.broken.empty() && !f.anchors.any())
     return Contradiction{"broken", "'broken' needs anchors: without any, everything falls."};
   if (f.drop_above > 0 && f.dual != Dual::kBarycenter)

@@ -76,13 +76,13 @@ ExpectedWork work(std::uint64_t mesh_bytes, std::uint64_t triangles, double site
 
 }  // namespace
 
-double expected_sites(const FractureParameters& parameters, const Solid* solid) {
+double expected_sites(const FractureParameters& parameters, const Solid* solid, const Selection& selection) {
   double sites = solid ? pattern_sites(parameters, solid->box.size()) : parameters.sites;
   // A cell that is too large gets further sites until its pieces are below the limit: on average half of it.
   if (solid && parameters.max_volume > 0)
     sites = std::fmax(sites, 2 * solid->report.volume / parameters.max_volume);
   for (const LocalImpact& hit : parameters.hits) sites += hit.sites;
-  if (parameters.again) sites += parameters.again->sites;
+  if (selection.again) sites += selection.again->sites;
   return std::fmin(sites, parameters.most_sites);
 }
 
@@ -97,16 +97,18 @@ double expected_rough_triangles(const FractureParameters& parameters, double sit
 }
 
 ExpectedWork expected_work(const FractureParameters& parameters, std::uint64_t mesh_bytes, const Solid* solid,
-                           std::uint64_t triangles) {
-  const double sites = expected_sites(parameters, solid);
+                           std::uint64_t triangles, const Selection& selection) {
+  const double sites = expected_sites(parameters, solid, selection);
   if (solid) triangles = solid->triangles.size();
   return work(mesh_bytes, triangles, sites, parameters.lloyd, expected_rough_triangles(parameters, sites));
 }
 
-ExpectedWork expected_hit_work(const FractureParameters& parameters, const Solid* solid) {
-  const ExpectedWork whole = expected_work(parameters, 0, solid);
+ExpectedWork expected_hit_work(const FractureParameters& parameters, const Selection& selection,
+                               const Solid* solid) {
+  const ExpectedWork whole = expected_work(parameters, 0, solid, 0, selection);
   double further = 0;
-  for (std::size_t k = parameters.hits.size() - parameters.new_hits; k < parameters.hits.size(); ++k)
+  const std::size_t fresh = selection.new_hits ? selection.new_hits->count : 0;
+  for (std::size_t k = parameters.hits.size() - fresh; k < parameters.hits.size(); ++k)
     further += parameters.hits[k].sites;
   const double hit =
       kSecondsPerRequest + kSecondsPerSite * kChangedPerSite * further + kShareOfWhole * whole.seconds;

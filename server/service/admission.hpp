@@ -19,7 +19,8 @@ struct ExpectedWork {
 /// fractured again) included; at most FractureParameters::most_sites. Patterns whose cells have a given size,
 /// and max_volume, are counted in the box and the volume of the `solid`; without one (nothing is known of the
 /// mesh yet) they count as `sites`.
-double expected_sites(const FractureParameters& parameters, const Solid* solid);
+double expected_sites(const FractureParameters& parameters, const Solid* solid,
+                      const Selection& selection = {});
 
 /// Triangles of the rough cuts between so many cells, each counted once; 0 where cuts are flat.
 double expected_rough_triangles(const FractureParameters& parameters, double sites);
@@ -34,9 +35,10 @@ ExpectedWork expected_coding(std::uint64_t plain_bytes);
 /// `mesh_bytes`: still to be read and prepared, 0 when that is done and `solid` is given. `triangles`: of the
 /// solid, where they were counted before.
 ExpectedWork expected_work(const FractureParameters& parameters, std::uint64_t mesh_bytes, const Solid* solid,
-                           std::uint64_t triangles = 0);
+                           std::uint64_t triangles = 0, const Selection& selection = {});
 /// Of the new hits alone, where the answer before them is kept and they are local (pipeline/delta.hpp).
-ExpectedWork expected_hit_work(const FractureParameters& parameters, const Solid* solid);
+ExpectedWork expected_hit_work(const FractureParameters& parameters, const Selection& selection,
+                               const Solid* solid);
 /// Of reading and preparing alone.
 ExpectedWork expected_work(std::uint64_t mesh_bytes);
 

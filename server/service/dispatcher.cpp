@@ -61,14 +61,17 @@ std::optional<Overload> Dispatcher::fracture(FractureRequest request, const Term
   {
     const std::shared_ptr<const PreparedMesh> mesh = service_.find_mesh(keys);
     const FractureParameters& fracture = request.parameters.fracture;
+    const Selection& selection = request.parameters.selection;
     const Solid* solid = mesh ? &mesh->solid : nullptr;
-    ExpectedWork work = expected_work(fracture, mesh ? 0 : bytes_of(request), solid, request.triangles);
-    if (fracture.new_hits > 0) {
-      const std::shared_ptr<const Diagram> kept = service_.find_diagram(keys);
-      if (!kept || !kept->fractured)
+    ExpectedWork work =
+        expected_work(fracture, mesh ? 0 : bytes_of(request), solid, request.triangles, selection);
+    if (selection.new_hits) {
+      const std::shared_ptr<const CutBase> kept = service_.find_diagram(keys);
+      const auto* const before = kept ? std::get_if<FracturedBase>(kept.get()) : nullptr;
+      if (!before)
         work.seconds *= 2;  // the answer before the hits, too
-      else if (kept->fractured->local)
-        work = expected_hit_work(fracture, solid);
+      else if (before->local)
+        work = expected_hit_work(fracture, selection, solid);
     }
     cost = work.seconds;
     std::optional<Overload> overload;
@@ -302,8 +305,8 @@ void Dispatcher::with_mesh(const Shared& c, const Outcome<PreparedMesh>& mesh, i
   append(c->answer.timings, mesh->timings);
   c->mesh = mesh->value;
   if (mesh->cache != CacheOutcome::kHit) {  // what was expected of the file's bytes is put right
-    const ExpectedWork work =
-        expected_work(c->request.parameters.fracture, bytes_of(c->request), &c->mesh->solid);
+    const ExpectedWork work = expected_work(c->request.parameters.fracture, bytes_of(c->request),
+                                            &c->mesh->solid, 0, c->request.parameters.selection);
     c->cost = std::max(c->cost, work.seconds);
     pool_.revise(c->flight->common.task, c->cost);
   }
@@ -313,8 +316,8 @@ void Dispatcher::with_mesh(const Shared& c, const Outcome<PreparedMesh>& mesh, i
     c->request.owner.reset();
   }
   if (auto diagram = service_.find_diagram(c->keys))
-    return with_diagram(c, Step<Diagram>{std::move(diagram), CacheOutcome::kHit, {}, {}}, threads);
-  obtain<Diagram>(
+    return with_diagram(c, Step<CutBase>{std::move(diagram), CacheOutcome::kHit, {}, {}}, threads);
+  obtain<CutBase>(
       diagrams_, c->keys.diagram, c, threads,
       [this, c](const Execution& execution) -> Outcome<Diagram> {
         if (auto diagram = service_.peek_diagram(c->keys))
@@ -324,7 +327,7 @@ void Dispatcher::with_mesh(const Shared& c, const Outcome<PreparedMesh>& mesh, i
       &Dispatcher::with_diagram);
 }
 
-void Dispatcher::with_diagram(const Shared& c, const Outcome<Diagram>& diagram, int threads) {
+void Dispatcher::with_diagram(const Shared& c, const Outcome<CutBase>& diagram, int threads) {
   if (c->abandoned()) return;
   if (!diagram) return end(c, tl::unexpected<Error>(diagram.error()));
   c->answer.diagram_cache = diagram->cache;

@@ -147,7 +147,7 @@ class Dispatcher {
   };
   using ResultFlights = SingleFlight<FractureAnswer, Common>;
   using MeshFlights = SingleFlight<Step<PreparedMesh>>;
-  using DiagramFlights = SingleFlight<Step<Diagram>>;
+  using DiagramFlights = SingleFlight<Step<CutBase>>;
 
   std::optional<Overload> refuses(double cost, const Terms& terms) const;
   /// A place among the computations of a name: that of the step before, else a new one.
@@ -163,7 +163,7 @@ class Dispatcher {
   // The stations of a computation, each on a thread of the pool.
   void begin(const Shared& c, int threads);
   void with_mesh(const Shared& c, const Outcome<PreparedMesh>& mesh, int threads);
-  void with_diagram(const Shared& c, const Outcome<Diagram>& diagram, int threads);
+  void with_diagram(const Shared& c, const Outcome<CutBase>& diagram, int threads);
   /// Runs a station; whatever it throws ends the computation with a typed error.
   template <class Station>
   void at_station(const Shared& c, Station station);

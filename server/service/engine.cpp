@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "common/pipeline/delta.hpp"
 #include "server/import_worker/import_pool.hpp"
 
 namespace fracture {
@@ -23,30 +22,24 @@ class LibraryEngine final : public FractureEngine {
                           const Execution& execution) const override {
     return make_solid(std::move(mesh), options, execution);
   }
-  Expected<Diagram> diagram(const Solid& solid, const FractureParameters& parameters,
-                            const Execution& execution, StageTimings& timings) const override {
-    if (parameters.new_hits == 0) return make_diagram(solid, parameters, execution, timings);
-    Expected<KeptAnswer> before = fracture_and_keep(solid, before_hits(parameters), execution, timings);
+  Expected<CutBase> base(const Solid& solid, const FractureParameters& parameters, const Selection& selection,
+                         const Execution& execution, StageTimings& timings) const override {
+    if (!selection.new_hits) return make_diagram(solid, parameters, execution, timings);
+    Expected<KeptAnswer> before =
+        fracture_and_keep(solid, before_hits(parameters, selection.new_hits->count), execution, timings);
     if (!before) return tl::unexpected<Error>(std::move(before.error()));
-    Diagram diagram;
-    diagram.fractured = std::move(before->base);
-    return diagram;
+    return std::move(before->base);
   }
-  Expected<FragmentSet> cut(const Solid& solid, const Diagram& diagram, const FractureParameters& parameters,
-                            const Execution& execution, StageTimings& timings,
-                            std::shared_ptr<const Diagram>& kept) const override {
-    if (!parameters.kept) return fracture(solid, diagram, parameters, execution, timings);
-    if (parameters.new_hits > 0 && !diagram.fractured)
-      throw InternalError("new hits on a diagram that is not fractured");
-    Expected<KeptAnswer> after =
-        parameters.new_hits > 0 ? fracture_delta(solid, *diagram.fractured, parameters, execution, timings)
-                                : fracture_and_keep(solid, diagram, parameters, execution, timings);
-    if (!after) return tl::unexpected<Error>(std::move(after.error()));
-    auto next = std::make_shared<Diagram>();
-    next->fractured = std::move(after->base);
-    kept = std::move(next);
-    if (!after->set.delta) after->set.delta.emplace();  // nothing is new
-    return std::move(after->set);
+  Expected<Cut> cut(const Solid& solid, const CutBase& base, const FractureParameters& parameters,
+                    const Selection& selection, const Execution& execution,
+                    StageTimings& timings) const override {
+    if (selection.kept) return kept(cut_and_keep(solid, base, parameters, selection, execution, timings));
+    const Diagram& diagram = std::get<Diagram>(base);
+    Expected<FragmentSet> set =
+        selection.again ? fracture_again(solid, diagram, parameters, *selection.again, execution, timings)
+                        : fracture(solid, diagram, parameters, execution, timings);
+    if (!set) return tl::unexpected<Error>(std::move(set.error()));
+    return Cut{std::move(*set)};
   }
   std::vector<std::uint8_t> encode(const FragmentSet& fragments, const GltfOptions& options,
                                    OutputFormat format, const Execution& execution) const override {
@@ -55,6 +48,20 @@ class LibraryEngine final : public FractureEngine {
   }
 
  private:
+  static Expected<KeptAnswer> cut_and_keep(const Solid& solid, const CutBase& base,
+                                           const FractureParameters& parameters, const Selection& selection,
+                                           const Execution& execution, StageTimings& timings) {
+    if (selection.new_hits)
+      return fracture_delta(solid, std::get<FracturedBase>(base), parameters, *selection.new_hits, execution,
+                            timings);
+    return fracture_and_keep(solid, std::get<Diagram>(base), parameters, execution, timings);
+  }
+  static Expected<Cut> kept(Expected<KeptAnswer> answer) {
+    if (!answer) return tl::unexpected<Error>(std::move(answer.error()));
+    if (!answer->set.delta) answer->set.delta.emplace();  // nothing is new
+    return Cut{std::move(answer->set), std::make_shared<const CutBase>(std::move(answer->base))};
+  }
+
   const std::shared_ptr<ImportPool> imports_;
 };
 

@@ -16,8 +16,9 @@
 #include "common/gltf/gltf_writer.hpp"
 #include "common/import/import.hpp"
 #include "common/mesh/mesh.hpp"
-#include "common/pipeline/fracture.hpp"
 #include "common/solid/solid.hpp"
+#include "server/parameters/selection.hpp"
+#include "server/service/cut_base.hpp"
 
 namespace fracture {
 
@@ -25,6 +26,12 @@ class ImportPool;
 
 /// How the fragments are written down.
 enum class OutputFormat { kGlb, kGltf };
+
+struct Cut {
+  FragmentSet set;
+  std::shared_ptr<const CutBase>
+      kept{};  ///< what further hits on this answer start from; null: not asked for
+};
 
 /// Thread-safe: every method may be called from several threads at once. Errors are those of the function
 /// each method stands for (import_mesh, make_solid, make_diagram, fracture); Interrupted may be thrown from
@@ -38,13 +45,13 @@ class FractureEngine {
                                 const ImportLimits& limits, const Execution& execution) const = 0;
   virtual Expected<Solid> prepare(std::shared_ptr<const Mesh> mesh, const SolidOptions& options,
                                   const Execution& execution) const = 0;
-  /// Where hits are new: with Diagram::fractured, the answer without them.
-  virtual Expected<Diagram> diagram(const Solid& solid, const FractureParameters& parameters,
-                                    const Execution& execution, StageTimings& timings) const = 0;
-  /// `kept`: where it is asked for (FractureParameters::kept), what further hits on this answer start from.
-  virtual Expected<FragmentSet> cut(const Solid& solid, const Diagram& diagram,
-                                    const FractureParameters& parameters, const Execution& execution,
-                                    StageTimings& timings, std::shared_ptr<const Diagram>& kept) const = 0;
+  /// Where hits are new: the answer without them; else the diagram.
+  virtual Expected<CutBase> base(const Solid& solid, const FractureParameters& parameters,
+                                 const Selection& selection, const Execution& execution,
+                                 StageTimings& timings) const = 0;
+  virtual Expected<Cut> cut(const Solid& solid, const CutBase& base, const FractureParameters& parameters,
+                            const Selection& selection, const Execution& execution,
+                            StageTimings& timings) const = 0;
   virtual std::vector<std::uint8_t> encode(const FragmentSet& fragments, const GltfOptions& options,
                                            OutputFormat format, const Execution& execution) const = 0;
 };

@@ -69,6 +69,12 @@ std::size_t memory_size(const Fragment& f) {
   return bytes;
 }
 
+std::size_t memory_size(const Diagram& diagram) {
+  const Tetrahedralization& t = diagram.tetrahedralization;
+  return sizeof diagram + heap(diagram.sites) + heap(diagram.groups) + heap(t.points) + heap(t.tets) +
+         heap(t.tet_of_site) + heap(t.site_of_input);
+}
+
 /// Fragments that several answers share are counted by each: the budget holds whichever of them goes first.
 std::size_t memory_size(const FracturedBase& base) {
   std::size_t bytes = sizeof base + memory_size(base.diagram) + heap(base.surface.label) +
@@ -80,11 +86,8 @@ std::size_t memory_size(const FracturedBase& base) {
 
 }  // namespace
 
-std::size_t memory_size(const Diagram& diagram) {
-  const Tetrahedralization& t = diagram.tetrahedralization;
-  return sizeof diagram + heap(diagram.sites) + heap(diagram.groups) + heap(t.points) + heap(t.tets) +
-         heap(t.tet_of_site) + heap(t.site_of_input) +
-         (diagram.fractured ? memory_size(*diagram.fractured) : 0);
+std::size_t memory_size(const CutBase& base) {
+  return std::visit([](const auto& kind) { return memory_size(kind); }, base);
 }
 
 }  // namespace fracture

@@ -36,13 +36,13 @@ RequestKeys keys_of(const FractureRequest& request) {
     return hex_of("fractured\n" + keys.mesh + "\n" + canonical_base_parameters(parameters, hit).dump() +
                   "\n" + version);
   };
-  if (parameters.fracture.new_hits > 0) {
+  if (parameters.selection.new_hits) {
     keys.diagram = fractured(false);
   } else {
     keys.diagram = hex_of("diagram\n" + keys.mesh + "\n" + canonical_site_parameters(parameters).dump() +
                           "\n" + version);
   }
-  if (parameters.fracture.kept) keys.kept = fractured(true);
+  if (parameters.selection.kept) keys.kept = fractured(true);
   keys.result = keys.digest.substr(0, 16) +
                 hex_of("result\n" + keys.mesh + "\n" + canonical_parameters(parameters).dump() + "\n" +
                        version + (request.output == OutputFormat::kGltf ? "\ngltf" : "\nglb"))

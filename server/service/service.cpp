@@ -137,7 +137,7 @@ Expected<FractureAnswer> FractureService::fracture(const FractureRequest& reques
       if (!made) return tl::unexpected<Error>(std::move(made.error()));
       mesh = std::move(*made);
     }
-    Step<Diagram> diagram{find_diagram(keys), CacheOutcome::kHit, {}, {}};
+    Step<CutBase> diagram{find_diagram(keys), CacheOutcome::kHit, {}, {}};
     if (!diagram.value) {
       auto made = make_diagram(*mesh.value, request, keys, execution);
       if (!made) return tl::unexpected<Error>(std::move(made.error()));
@@ -217,45 +217,46 @@ Expected<Step<PreparedMesh>> FractureService::make_mesh(const FractureRequest& r
   return step;
 }
 
-Expected<Step<Diagram>> FractureService::make_diagram(const PreparedMesh& mesh,
+Expected<Step<CutBase>> FractureService::make_diagram(const PreparedMesh& mesh,
                                                       const FractureRequest& request, const RequestKeys& keys,
                                                       const Execution& execution) {
   if (execution.progress) execution.progress("tetrahedralize", 0);
-  Step<Diagram> step;
-  std::shared_ptr<const Diagram> diagram;
+  Step<CutBase> step;
+  std::shared_ptr<const CutBase> base;
   {
     const StageTimings::Scope scope(step.timings, "tetrahedralize");
     StageProgress progress("tetrahedralize", execution.progress);
     Execution telling = execution;
     telling.within = &progress;
-    Expected<Diagram> made =
-        engine_->diagram(mesh.solid, with_hulls(request.parameters), telling, step.inner);
+    Expected<CutBase> made = engine_->base(mesh.solid, with_hulls(request.parameters),
+                                           request.parameters.selection, telling, step.inner);
     if (!made) return tl::unexpected<Error>(std::move(made.error()));
-    diagram = std::make_shared<const Diagram>(std::move(*made));
+    base = std::make_shared<const CutBase>(std::move(*made));
   }
-  step.value = diagram;
-  step.cache = stored(diagrams_.insert(keys.diagram, diagram, memory_size(*diagram)));
+  step.value = base;
+  step.cache = stored(diagrams_.insert(keys.diagram, base, memory_size(*base)));
   return step;
 }
 
-Expected<FragmentSet> FractureService::make_result(const PreparedMesh& mesh, const Diagram& diagram,
+Expected<FragmentSet> FractureService::make_result(const PreparedMesh& mesh, const CutBase& diagram,
                                                    const FractureRequest& request, const RequestKeys& keys,
                                                    const Execution& execution, FractureAnswer& answer) {
   if (execution.progress) execution.progress("clip", 0);
   auto interior = interior_material(request.parameters.interior, *mesh.solid.source->library);
   if (!interior) return tl::unexpected<Error>(std::move(interior.error()));
-  std::shared_ptr<const Diagram> kept;
-  Expected<FragmentSet> fragments = [&] {
+  Expected<Cut> cut = [&] {
     const StageTimings::Scope scope(answer.timings, "clip");
     StageProgress progress("clip", execution.progress);
     Execution telling = execution;
     telling.within = &progress;
-    return engine_->cut(mesh.solid, diagram, with_hulls(request.parameters), telling, answer.inner, kept);
+    return engine_->cut(mesh.solid, base, with_hulls(request.parameters), request.parameters.selection,
+                        telling, answer.inner);
   }();
-  if (!fragments) {
-    if (fragments.error().code == ErrorCode::kUnsound) failures_.add(keys.result, fragments.error());
-    return fragments;
+  if (!cut) {
+    if (cut.error().code == ErrorCode::kUnsound) failures_.add(keys.result, cut.error());
+    return tl::unexpected<Error>(std::move(cut.error()));
   }
+  FragmentSet& fragments = cut->set;
   execution.poll();
 
   if (execution.progress) execution.progress("encode", 0);
@@ -265,31 +266,31 @@ Expected<FragmentSet> FractureService::make_result(const PreparedMesh& mesh, con
   result->format = request.output;
   {
     const StageTimings::Scope scope(answer.timings, "encode");
-    fragments->report["frame"] = mesh.frame;
+    fragments.report["frame"] = mesh.frame;
     if (mesh.solid.source->passed_through)
-      fragments->report["passed_through"] = {
+      fragments.report["passed_through"] = {
           {"triangles", mesh.solid.source->passed_through->triangles.size()}};
-    GltfOptions options = output_options(request.parameters, *fragments);
+    GltfOptions options = output_options(request.parameters, fragments);
     if (request.parameters.fracture.anchors.any()) {
       const SupportOptions support{request.parameters.gravity, options.density, options.bond_strength,
                                    request.parameters.broken};
-      fragments->report["support"] =
-          support_report(*fragments, support, analyze_support(*fragments, support, execution), execution);
+      fragments.report["support"] =
+          support_report(fragments, support, analyze_support(fragments, support, execution), execution);
     }
     options.interior_material = std::move(*interior);
     options.mesh_digest = result->mesh_digest;
-    result->file = engine_->encode(*fragments, options, request.output, execution);
+    result->file = engine_->encode(fragments, options, request.output, execution);
     result->file_digest = sha256(std::as_bytes(std::span(result->file)));
     locate_figures(*result);
   }
-  if (kept) diagrams_.insert(keys.kept, kept, memory_size(*kept));
+  if (cut->kept) diagrams_.insert(keys.kept, cut->kept, memory_size(*cut->kept));
   auto canonical = std::make_shared<const nlohmann::json>(canonical_parameters(request.parameters));
   answers_.insert(keys.result, canonical, memory_size(*canonical));
-  answer.certificate = fragments->certificate;
+  answer.certificate = fragments.certificate;
   answer.result = result;
   answer.result_cache = stored(results_.insert(keys.result, result, memory_size(*result)));
   tiers_.store(std::move(result));
-  return fragments;
+  return std::move(fragments);
 }
 
 nlohmann::json figures_of(const FractureResult& result) {

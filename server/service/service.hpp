@@ -94,7 +94,7 @@ class FractureService {
 
   /// What is still in memory; null when it is not.
   std::shared_ptr<const PreparedMesh> find_mesh(const RequestKeys& keys) { return meshes_.find(keys.mesh); }
-  std::shared_ptr<const Diagram> find_diagram(const RequestKeys& keys) {
+  std::shared_ptr<const CutBase> find_diagram(const RequestKeys& keys) {
     return diagrams_.find(keys.diagram);
   }
   /// The same for a second look, which the caches do not count.
@@ -125,12 +125,12 @@ class FractureService {
   /// interruption is thrown (Interrupted).
   Expected<Step<PreparedMesh>> make_mesh(const FractureRequest& request, const RequestKeys& keys,
                                          const Execution& execution);
-  Expected<Step<Diagram>> make_diagram(const PreparedMesh& mesh, const FractureRequest& request,
+  Expected<Step<CutBase>> make_diagram(const PreparedMesh& mesh, const FractureRequest& request,
                                        const RequestKeys& keys, const Execution& execution);
   /// `answer` gets the result, its cache, timings and certificate. Returns what the result was made of, only
   /// so that the caller may reply before it lets go: freeing some ten thousand arrays takes a third of a
   /// millisecond.
-  Expected<FragmentSet> make_result(const PreparedMesh& mesh, const Diagram& diagram,
+  Expected<FragmentSet> make_result(const PreparedMesh& mesh, const CutBase& diagram,
                                     const FractureRequest& request, const RequestKeys& keys,
                                     const Execution& execution, FractureAnswer& answer);
 
@@ -155,7 +155,7 @@ class FractureService {
   const ParameterTable parameters_;
   const std::unique_ptr<FractureEngine> engine_;
   MemoryCache<PreparedMesh> meshes_;
-  MemoryCache<Diagram> diagrams_;
+  MemoryCache<CutBase> diagrams_;
   MemoryCache<FractureResult> results_;
   MemoryCache<nlohmann::json> answers_;  ///< canonical parameters, by RequestKeys::result
   FailureMemo failures_;
@@ -168,7 +168,7 @@ Error to_error(const Interrupted& interrupted);
 /// Bytes of heap behind a value, close enough to budget a cache with.
 std::size_t memory_size(const Mesh& mesh);
 std::size_t memory_size(const PreparedMesh& mesh);
-std::size_t memory_size(const Diagram& diagram);
+std::size_t memory_size(const CutBase& diagram);
 
 /// The `extras.fracture` object of a file that this service made (parameters, report, certificate, bonds);
 /// throws InternalError for one without.

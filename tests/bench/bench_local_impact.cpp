@@ -53,11 +53,8 @@ int run(const Options& options, Hulls hulls) {
   p.hulls = hulls;
   p.rest = LocalRest::kFractured;
   p.hits = {{{1, 0, 0}, 0.3, static_cast<std::uint32_t>(options.further)}};
-  p.new_hits = 1;
-  const Expected<KeptAnswer> base = fracture_and_keep(*solid, before_hits(p), execution, timings);
-  if (!base || !base->base->local) return 1;
-  FractureParameters only = p;
-  only.only_changed = true;
+  const Expected<KeptAnswer> base = fracture_and_keep(*solid, before_hits(p, 1), execution, timings);
+  if (!base || !base->base.local) return 1;
   Least prepare, whole, local, changed_only, whole_file, local_file;
   std::size_t fragments = 0, added = 0, changed = 0, gone = 0, whole_bytes = 0, local_bytes = 0;
   StageTimings stages;
@@ -69,13 +66,14 @@ int run(const Options& options, Hulls hulls) {
     });
     StageTimings now;
     Expected<KeptAnswer> hit =
-        local.time([&] { return fracture_delta(*solid, *base->base, p, execution, now); });
+        local.time([&] { return fracture_delta(*solid, base->base, p, {1}, execution, now); });
     if (!all || !hit || !same(*all, hit->set)) {
       std::printf("the answers differ\n");
       return 1;
     }
-    const Expected<KeptAnswer> part =
-        changed_only.time([&] { return fracture_delta(*solid, *base->base, only, execution, timings); });
+    const Expected<KeptAnswer> part = changed_only.time([&] {
+      return fracture_delta(*solid, base->base, p, {1, true}, execution, timings);
+    });
     if (!part) return 1;
     if (k == 0 || now.milliseconds("clip") < stages.milliseconds("clip")) stages = now;
     fragments = all->fragments.size();

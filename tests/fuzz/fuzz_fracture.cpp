@@ -132,13 +132,13 @@ bool same_fragments(const FragmentSet& a, const FragmentSet& b) {
 }
 
 Violations judge(const FragmentSet& set, const FractureParameters& parameters, const test::Whole& whole,
-                 const Mesh& surface) {
+                 const Mesh& surface, bool only_changed = false) {
   Violations all;
   append(all, "closed", test::closed_violations(set));
   const Certificate& c = set.certificate;
   if (c.open_edges != 0)
     all.push_back("the certificate counts " + std::to_string(c.open_edges) + " open edges");
-  if (parameters.dual == Dual::kBarycenter || parameters.only_changed) return all;
+  if (parameters.dual == Dual::kBarycenter || only_changed) return all;
   append(all, "partition", test::partition_violations(set, whole));
   // What has no volume is not emitted, nor are pockets: then the outside is not covered everywhere.
   if (!whole.filled)
@@ -161,25 +161,26 @@ std::string word_of(const Error& error, Violations& violations) {
 }
 
 /// A hit on an answer: the same as everything from nothing.
-Outcome run_hits(const Solid& solid, const FractureParameters& parameters, const test::Whole& whole,
-                 const Mesh& surface, Watched& watched) {
+Outcome run_hits(const Solid& solid, const FractureParameters& parameters, const NewHits& new_hits,
+                 const test::Whole& whole, const Mesh& surface, Watched& watched) {
   Outcome outcome{"sound", {}};
   const Execution& execution = watched.execution;
   StageTimings timings;
-  const Expected<KeptAnswer> before = fracture_and_keep(solid, before_hits(parameters), execution, timings);
+  const FractureParameters without = before_hits(parameters, new_hits.count);
+  const Expected<KeptAnswer> before = fracture_and_keep(solid, without, execution, timings);
   if (!before) return outcome.word = word_of(before.error(), outcome.violations), outcome;
   watched.step();
-  append(outcome.violations, "before the hits", judge(before->set, before_hits(parameters), whole, surface));
+  append(outcome.violations, "before the hits", judge(before->set, without, whole, surface));
   watched.skip();
-  const Expected<KeptAnswer> after = fracture_delta(solid, *before->base, parameters, execution, timings);
+  const Expected<KeptAnswer> after =
+      fracture_delta(solid, before->base, parameters, new_hits, execution, timings);
   if (!after) return outcome.word = word_of(after.error(), outcome.violations), outcome;
   watched.step();
-  append(outcome.violations, "after the hits", judge(after->set, parameters, whole, surface));
+  append(outcome.violations, "after the hits",
+         judge(after->set, parameters, whole, surface, new_hits.only_changed));
   watched.skip();
-  if (parameters.only_changed) return outcome;
-  FractureParameters from_nothing = parameters;
-  from_nothing.new_hits = 0;
-  const Expected<KeptAnswer> again = fracture_and_keep(solid, from_nothing, execution, timings);
+  if (new_hits.only_changed) return outcome;
+  const Expected<KeptAnswer> again = fracture_and_keep(solid, parameters, execution, timings);
   if (!again) return outcome.word = word_of(again.error(), outcome.violations), outcome;
   if (!same_fragments(after->set, again->set))
     outcome.violations.push_back("hits on a kept answer: not what all sites make from nothing");
@@ -205,10 +206,8 @@ Outcome run_once(const FractureCase& c, Watched& watched) {
   if (!c.has_again) {
     const Mesh surface = traced_surface(*solid, whole);
     watched.skip();
-    if (parameters.new_hits > 0) {
-      Outcome hits = run_hits(*solid, parameters, whole, surface, watched);
-      return hits;
-    }
+    if (const std::optional<NewHits>& hits = c.parameters.selection.new_hits)
+      return run_hits(*solid, parameters, *hits, whole, surface, watched);
     const Expected<Diagram> diagram = make_diagram(*solid, parameters, execution, timings);
     if (!diagram) return outcome.word = word_of(diagram.error(), outcome.violations), outcome;
     const Expected<FragmentSet> set = fracture::fracture(*solid, *diagram, parameters, execution, timings);
@@ -218,16 +217,14 @@ Outcome run_once(const FractureCase& c, Watched& watched) {
     return outcome;
   }
   // One of the fragments, again.
-  parameters.new_hits = 0;
-  parameters.only_changed = parameters.kept = false;
   const Expected<Diagram> diagram = make_diagram(*solid, parameters, execution, timings);
   if (!diagram) return outcome.word = word_of(diagram.error(), outcome.violations), outcome;
   const Expected<FragmentSet> first = fracture::fracture(*solid, *diagram, parameters, execution, timings);
   if (!first) return outcome.word = word_of(first.error(), outcome.violations), outcome;
   if (parameters.dual == Dual::kBarycenter) return outcome;
   const Fragment& chosen = first->fragments[c.again % first->fragments.size()];
-  parameters.again = Refracture{.fragment = chosen.id, .sites = 1 + c.again % 20, .seed = c.again};
-  const Expected<FragmentSet> parts = fracture::fracture(*solid, *diagram, parameters, execution, timings);
+  const Refracture again{.fragment = chosen.id, .sites = 1 + c.again % 20, .seed = c.again};
+  const Expected<FragmentSet> parts = fracture_again(*solid, *diagram, parameters, again, execution, timings);
   if (!parts) return outcome.word = word_of(parts.error(), outcome.violations), outcome;
   append(outcome.violations, "of a fragment", test::closed_violations(*parts));
   const Certificate& certificate = parts->certificate;

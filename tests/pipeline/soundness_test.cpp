@@ -144,30 +144,28 @@ TEST(Soundness, ADeltaAloneIsJudgedAsTheWhole) {
   ASSERT_TRUE(solid);
   FractureParameters p;
   p.sites = 60;
-  p.kept = true;
   p.rest = LocalRest::kFractured;
   Expected<KeptAnswer> whole = fracture_and_keep(*solid, p, execution, timings);
   ASSERT_TRUE(whole);
   p.hits = {{whole->set.fragments[5].mass.center_of_mass, 0.2, 6}};
-  p.new_hits = 1;
-  p.only_changed = true;
-  const Expected<KeptAnswer> hit = fracture_delta(*solid, *whole->base, p, execution, timings);
+  const NewHits only{1, /*only_changed=*/true};
+  const Expected<KeptAnswer> hit = fracture_delta(*solid, whole->base, p, only, execution, timings);
   ASSERT_TRUE(hit) << hit.error().detail;
   EXPECT_LT(hit->set.fragments.size(), 40u);
   EXPECT_EQ(hit->set.certificate.unmirrored_caps, 0u);
   EXPECT_NEAR(hit->set.certificate.area_out, solid->report.area, 1e-9 * solid->report.area);
 
   // A kept fragment that is not what it was: the answer is made from nothing instead, which is sound.
-  auto damaged = std::make_shared<FracturedBase>(*whole->base);
-  for (FracturedBase::Known& known : damaged->fragments) {
+  FracturedBase damaged = whole->base;
+  for (FracturedBase::Known& known : damaged.fragments) {
     auto other = std::make_shared<Fragment>(*known.fragment);
     other->cap_sum += 1;
     known.fragment = std::move(other);
   }
-  const Expected<KeptAnswer> again = fracture_delta(*solid, *damaged, p, execution, timings);
+  const Expected<KeptAnswer> again = fracture_delta(*solid, damaged, p, only, execution, timings);
   ASSERT_TRUE(again) << again.error().detail;
   EXPECT_EQ(again->set.certificate.unmirrored_caps, 0u);
-  EXPECT_FALSE(again->base->fragments.empty());
+  EXPECT_FALSE(again->base.fragments.empty());
 }
 
 }  // namespace

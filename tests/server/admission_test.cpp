@@ -52,11 +52,12 @@ TEST(Admission, CountsLaterSitesAndNeverMoreThanThereMayBe) {
   EXPECT_EQ(expected_sites(parameters, &solid), 10);
   parameters.hits = {{.point = {}, .radius = 0.2, .sites = 20}, {.point = {}, .radius = 0.2, .sites = 10}};
   EXPECT_EQ(expected_sites(parameters, &solid), 40);
-  parameters.again = Refracture{.sites = 7};
-  EXPECT_EQ(expected_sites(parameters, &solid), 47);
+  const Selection selection{.again = Refracture{.sites = 7}};
+  EXPECT_EQ(expected_sites(parameters, &solid, selection), 47);
   parameters.max_volume = solid.report.volume / 1000;
   EXPECT_GE(expected_sites(parameters, &solid), 1000);
-  EXPECT_EQ(expected_sites(parameters, nullptr), 47);  // of a mesh that was not read yet nothing is known
+  EXPECT_EQ(expected_sites(parameters, nullptr, selection),
+            47);  // of a mesh that was not read yet nothing is known
   parameters.max_volume = 1e-300;
   EXPECT_EQ(expected_sites(parameters, &solid), parameters.most_sites);
 }
@@ -93,13 +94,14 @@ TEST(Admission, AHitOnAKeptAnswerCostsWhatItChanges) {
   FractureParameters p = with(UniformPattern{});
   p.sites = 10'000;
   p.hits = {{{0, 0, 0}, 0.1, 500}, {{1, 0, 0}, 0.1, 30}};
-  p.new_hits = 1;
-  const double whole = expected_work(p, 0, nullptr).seconds, hit = expected_hit_work(p, nullptr).seconds;
+  const auto work_of = [&](std::uint32_t new_hits) {
+    return expected_hit_work(p, {.kept = true, .new_hits = NewHits{new_hits}}, nullptr).seconds;
+  };
+  const double whole = expected_work(p, 0, nullptr).seconds, hit = work_of(1);
   EXPECT_LT(hit, whole / 5);
-  p.new_hits = 2;
-  EXPECT_GT(expected_hit_work(p, nullptr).seconds, hit) << "all new hits count";
+  EXPECT_GT(work_of(2), hit) << "all new hits count";
   p.sites = 1;
-  EXPECT_LE(expected_hit_work(p, nullptr).seconds, expected_work(p, 0, nullptr).seconds);
+  EXPECT_LE(work_of(2), expected_work(p, 0, nullptr).seconds);
 }
 
 TEST(Admission, WorkGrowsWithBytesSitesAndPasses) {

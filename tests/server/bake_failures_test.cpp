@@ -37,21 +37,21 @@ class UnsoundEngine final : public FractureEngine {
                           const Execution& execution) const override {
     return real_->prepare(std::move(mesh), options, execution);
   }
-  Expected<Diagram> diagram(const Solid& solid, const FractureParameters& parameters,
-                            const Execution& execution, StageTimings& timings) const override {
-    return real_->diagram(solid, parameters, execution, timings);
+  Expected<CutBase> base(const Solid& solid, const FractureParameters& parameters, const Selection& selection,
+                         const Execution& execution, StageTimings& timings) const override {
+    return real_->base(solid, parameters, selection, execution, timings);
   }
-  Expected<FragmentSet> cut(const Solid& solid, const Diagram& diagram, const FractureParameters& parameters,
-                            const Execution& execution, StageTimings& timings,
-                            std::shared_ptr<const Diagram>& kept) const override {
+  Expected<Cut> cut(const Solid& solid, const CutBase& base, const FractureParameters& parameters,
+                    const Selection& selection, const Execution& execution,
+                    StageTimings& timings) const override {
     if (parameters.sites == kRefused)
       return fracture::fail(ErrorCode::kUnsound, "13 edges are open.", "", {{"open_edges", 13}});
     if (parameters.sites == kBroken) throw InternalError("cell 3 has no face");
     if (parameters.sites == kNoMemory) throw std::bad_alloc();
-    Expected<FragmentSet> set = real_->cut(solid, diagram, parameters, execution, timings, kept);
-    if (set && parameters.sites == kOpen) set->certificate.open_edges = 13;
-    if (set && parameters.sites == kUnmirrored) set->certificate.unmirrored_caps = 3;
-    return set;
+    Expected<Cut> made = real_->cut(solid, base, parameters, selection, execution, timings);
+    if (made && parameters.sites == kOpen) made->set.certificate.open_edges = 13;
+    if (made && parameters.sites == kUnmirrored) made->set.certificate.unmirrored_caps = 3;
+    return made;
   }
   std::vector<std::uint8_t> encode(const FragmentSet& fragments, const GltfOptions& options,
                                    OutputFormat format, const Execution& execution) const override {

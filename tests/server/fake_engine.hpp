@@ -52,16 +52,15 @@ class FakeEngine final : public FractureEngine {
     solid.source = std::move(mesh);
     return solid;
   }
-  Expected<Diagram> diagram(const Solid&, const FractureParameters& parameters, const Execution&,
-                            StageTimings&) const override {
+  Expected<CutBase> base(const Solid&, const FractureParameters& parameters, const Selection&,
+                         const Execution&, StageTimings&) const override {
     ++control_->diagrams;
     Diagram diagram;
     diagram.sites.resize(parameters.sites);
     return diagram;
   }
-  Expected<FragmentSet> cut(const Solid&, const Diagram& diagram, const FractureParameters&,
-                            const Execution& execution, StageTimings&,
-                            std::shared_ptr<const Diagram>&) const override {
+  Expected<Cut> cut(const Solid&, const CutBase& base, const FractureParameters&, const Selection&,
+                    const Execution& execution, StageTimings&) const override {
     ++control_->cuts;
     try {
       if (control_->during_cut) control_->during_cut(execution);
@@ -71,9 +70,9 @@ class FakeEngine final : public FractureEngine {
     }
     if (control_->cut_error)
       if (std::optional<Error> error = control_->cut_error()) return tl::unexpected<Error>(std::move(*error));
-    FragmentSet set;
-    set.certificate.fragments = static_cast<std::uint32_t>(diagram.sites.size());
-    return set;
+    Cut cut;
+    cut.set.certificate.fragments = static_cast<std::uint32_t>(std::get<Diagram>(base).sites.size());
+    return cut;
   }
   /// A GLB or glTF whose JSON says what was asked; no geometry.
   std::vector<std::uint8_t> encode(const FragmentSet& fragments, const GltfOptions& options,

@@ -151,9 +151,8 @@ int expect_hits(const Mesh& mesh, const FractureParameters& all, int threads = 1
   for (std::size_t k = 0; k < all.hits.size(); ++k) {
     SCOPED_TRACE("hit " + std::to_string(k + 1));
     p.hits.push_back(all.hits[k]);
-    p.new_hits = 1;
-    local += last->base->local;
-    Expected<KeptAnswer> next = fracture_delta(*solid, *last->base, p, execution, timings);
+    local += last->base.local;
+    Expected<KeptAnswer> next = fracture_delta(*solid, last->base, p, {1}, execution, timings);
     if (!next) throw std::runtime_error(next.error().detail);
     const FragmentSet after = fracture_mesh(mesh, p).set;
     expect_same(next->set, after);
@@ -162,9 +161,8 @@ int expect_hits(const Mesh& mesh, const FractureParameters& all, int threads = 1
     expect_difference(before, after, *next->set.delta);
     expect_selection(after, next->set);
     if (p.levels.empty() && !p.anchors.any()) {
-      FractureParameters only = p;
-      only.only_changed = true;
-      const Expected<KeptAnswer> part = fracture_delta(*solid, *last->base, only, execution, timings);
+      const Expected<KeptAnswer> part =
+          fracture_delta(*solid, last->base, p, {1, /*only_changed=*/true}, execution, timings);
       if (!part) throw std::runtime_error(part.error().detail);
       FragmentSet expected = next->set;
       keep_changed(expected);
@@ -251,10 +249,9 @@ TEST(Delta, BesideTheSolidNothingChanges) {
   StageTimings timings;
   const Expected<Solid> solid = make_solid(std::make_shared<Mesh>(mesh), {}, execution);
   ASSERT_TRUE(solid);
-  p.new_hits = 3;
-  const auto base = fracture_and_keep(*solid, before_hits(p), execution, timings);
+  const auto base = fracture_and_keep(*solid, before_hits(p, 3), execution, timings);
   ASSERT_TRUE(base);
-  auto next = fracture_delta(*solid, *base->base, p, execution, timings);
+  auto next = fracture_delta(*solid, base->base, p, {3}, execution, timings);
   ASSERT_TRUE(next);
   EXPECT_TRUE(next->set.delta->added.empty() && next->set.delta->changed.empty() &&
               next->set.delta->gone.empty());
@@ -265,19 +262,18 @@ TEST(Delta, BesideTheSolidNothingChanges) {
 TEST(Delta, OfSeveralNewHitsAtOnce) {
   const Mesh mesh = torus(32, 16);
   FractureParameters p = hits_on(mesh, 60, 0.15);
-  p.new_hits = 2;
   Execution execution;
   StageTimings timings;
   const Expected<Solid> solid = make_solid(std::make_shared<Mesh>(mesh), {}, execution);
   ASSERT_TRUE(solid);
-  const auto base = fracture_and_keep(*solid, before_hits(p), execution, timings);
+  const auto base = fracture_and_keep(*solid, before_hits(p, 2), execution, timings);
   ASSERT_TRUE(base);
-  EXPECT_TRUE(base->base->local);
-  const auto next = fracture_delta(*solid, *base->base, p, execution, timings);
+  EXPECT_TRUE(base->base.local);
+  const auto next = fracture_delta(*solid, base->base, p, {2}, execution, timings);
   ASSERT_TRUE(next);
   const FragmentSet after = fracture_mesh(mesh, p).set;
   expect_same(next->set, after);
-  expect_difference(fracture_mesh(mesh, before_hits(p)).set, after, *next->set.delta);
+  expect_difference(fracture_mesh(mesh, before_hits(p, 2)).set, after, *next->set.delta);
 }
 
 // What is not a piece of one cell each is fractured again as a whole, with the same answer.
@@ -312,14 +308,13 @@ TEST(Delta, OnlyPartOfTheFragmentsIsInTheAnswer) {
   const Mesh mesh = sphere_with(20000);
   FractureParameters p = hits_on(mesh, 300, 0.1);
   p.hits.resize(1);
-  p.new_hits = 1;
   Execution execution;
   StageTimings timings;
   const Expected<Solid> solid = make_solid(std::make_shared<Mesh>(mesh), {}, execution);
   ASSERT_TRUE(solid);
-  const auto base = fracture_and_keep(*solid, before_hits(p), execution, timings);
+  const auto base = fracture_and_keep(*solid, before_hits(p, 1), execution, timings);
   ASSERT_TRUE(base);
-  auto next = fracture_delta(*solid, *base->base, p, execution, timings);
+  auto next = fracture_delta(*solid, base->base, p, {1}, execution, timings);
   ASSERT_TRUE(next);
   EXPECT_GT(next->set.fragments.size(), 300u);
   EXPECT_GE(next->set.delta->added.size(), 8u);

@@ -93,8 +93,7 @@ TEST(FractureAgain, PartsOfTheFragmentWithThisIdAreTheAnswer) {
   p.sites = 12;
   const FragmentSet whole = fracture_mesh(mesh, p).set;
   const Fragment& one = whole.fragments.at(3);
-  p.again = Refracture{one.id, 6, 5};
-  const FragmentSet parts = fracture_mesh(mesh, p).set;
+  const FragmentSet parts = fracture_mesh_again(mesh, p, {one.id, 6, 5});
   EXPECT_GT(parts.fragments.size(), 1u);
   expect_closed(parts);
   double volume = 0;
@@ -110,10 +109,9 @@ TEST(FractureAgain, UnknownIdIsAnError) {
   const Expected<Solid> solid = make_solid(std::make_shared<Mesh>(mesh), {}, execution);
   ASSERT_TRUE(solid);
   FractureParameters p;
-  p.again = Refracture{12345, 6, 5};
   const Expected<Diagram> diagram = make_diagram(*solid, p, execution, timings);
   ASSERT_TRUE(diagram);
-  const Expected<FragmentSet> set = fracture(*solid, *diagram, p, execution, timings);
+  const Expected<FragmentSet> set = fracture_again(*solid, *diagram, p, {12345, 6, 5}, execution, timings);
   ASSERT_FALSE(set);
   EXPECT_EQ(set.error().code, ErrorCode::kNoSuchFragment);
   EXPECT_EQ(set.error().pointer, "fragment");

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "common/pipeline/fracture.hpp"
+#include "common/pipeline/refracture.hpp"
 
 namespace fracture::test {
 
@@ -27,6 +27,16 @@ inline Fractured fracture_mesh(const Mesh& mesh, const FractureParameters& param
   Expected<FragmentSet> set = fracture(*solid, *diagram, parameters, execution, timings);
   if (!set) throw std::runtime_error(set.error().detail);
   return {std::move(*solid), std::move(*diagram), std::move(*set)};
+}
+
+/// The parts of one fragment of the answer. Throws as fracture_mesh().
+inline FragmentSet fracture_mesh_again(const Mesh& mesh, const FractureParameters& parameters,
+                                       const Refracture& again) {
+  const Fractured whole = fracture_mesh(mesh, parameters);
+  StageTimings timings;
+  Expected<FragmentSet> set = fracture_again(whole.solid, whole.diagram, parameters, again, {}, timings);
+  if (!set) throw std::runtime_error(set.error().detail);
+  return std::move(*set);
 }
 
 /// The sites of a row of n cells of the same length along x within the box.
