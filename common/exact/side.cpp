@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <utility>
 
 #include "common/exact/approx.hpp"
@@ -10,9 +9,6 @@
 
 namespace fracture::exact {
 namespace {
-
-std::atomic<std::uint64_t> exact_count{0};
-std::atomic<std::uint64_t> tie_count{0};
 
 // With site i as origin, u_j = j - i and w the weights, "x is closer to i than to j" reads
 //     0 < c_j - 2 u_j·x,    c_j = u_j·u_j + w_i - w_j.
@@ -27,7 +23,6 @@ struct WeightTerm {
 
 template <class T, std::size_t N>
 int tie_sign(std::array<WeightTerm<T>, N> terms) {
-  tie_count.fetch_add(1, std::memory_order_relaxed);
   std::sort(terms.begin(), terms.end(), [](const WeightTerm<T>& a, const WeightTerm<T>& b) {
     return lexicographic_less(*a.site, *b.site);
   });
@@ -42,7 +37,6 @@ Point<Approx> difference(const Vec3d& a, const Vec3d& b) {
 
 template <class Body>
 int with_integers(const BinaryScale& scale, int degree, const Body& body) {
-  exact_count.fetch_add(1, std::memory_order_relaxed);
   // +2 bits for each difference, +8 for the sums of products.
   if (degree * (scale.width() + 2) + 8 < 1000) return body.template operator()<FixedInt>();
   return body.template operator()<BigInt>();
@@ -104,10 +98,6 @@ struct OrderOnEdge {
 
 }  // namespace
 
-SideCounters side_counters() {
-  return {exact_count.load(std::memory_order_relaxed), tie_count.load(std::memory_order_relaxed)};
-}
-
 int side1(const Vec3d& i, const Vec3d& j, const Vec3d& q) {
   {
     const Point<Approx> u = difference(j, i), x = difference(q, i);
@@ -120,8 +110,7 @@ int side1(const Vec3d& i, const Vec3d& j, const Vec3d& q) {
     const Point<Int> o = scale.scaled<Int>(i), u = scale.scaled<Int>(j) - o, x = scale.scaled<Int>(q) - o;
     const Int ux = dot(u, x);
     if (const int s = sign_of(Int(dot(u, u) - (ux + ux)))) return s;
-    tie_count.fetch_add(1, std::memory_order_relaxed);
-    return lexicographic_less(i, j) ? 1 : -1;
+      return lexicographic_less(i, j) ? 1 : -1;
   });
 }
 

@@ -24,8 +24,6 @@
 // transversally); the callers guarantee it by having classified the end points first.
 #pragma once
 
-#include <cstdint>
-
 #include "common/base/vec.hpp"
 
 namespace fracture::exact {
@@ -55,13 +53,5 @@ struct Triangle {
 /// Along the Voronoi line of (i, j, k) directed by (j - i) x (k - i): -1 when it meets the plane of t1 before
 /// that of t2, +1 after. 0 only when both planes are the same one; the caller then orders by triangle id.
 int order_on_edge(const Vec3d& i, const Vec3d& j, const Vec3d& k, const Triangle& t1, const Triangle& t2);
-
-/// How decisions were made since the start of the process (debugging aid; relaxed atomics, counted only when
-/// the exact path is entered, so the filter's cost is untouched).
-struct SideCounters {
-  std::uint64_t exact = 0;  ///< filter could not certify
-  std::uint64_t ties = 0;   ///< exact zero, decided by the weights
-};
-SideCounters side_counters();
 
 }  // namespace fracture::exact
