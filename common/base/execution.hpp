@@ -33,8 +33,9 @@ struct Execution {
   int threads = 1;  ///< how many threads parallel_for may use, the caller's included
   std::stop_token stop{};
   std::optional<std::chrono::steady_clock::time_point> deadline{};
-  /// Called with (stage name, fraction done in [0, 1]) from any worker thread; must be thread-safe and cheap.
-  std::function<void(const char*, double)> progress{};
+  /// Called with (stage, fraction of it done in [0, 1]) from any worker thread; must be thread-safe and
+  /// cheap.
+  std::function<void(Stage, double)> progress{};
   /// Where the loops of a stage tell how far it is; borrowed. Null: nowhere.
   StageProgress* within = nullptr;
   /// What the computation may hold; borrowed. Null: as much as it likes.

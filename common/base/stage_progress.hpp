@@ -13,14 +13,16 @@
 #include <tuple>
 #include <utility>
 
+#include "common/base/stage.hpp"
+
 namespace fracture {
 
 /// One stage of one computation. Parts, reaches() and loops on one thread at a time; blocks of a loop on any.
 class StageProgress {
  public:
-  using Tell = std::function<void(const char*, double)>;
+  using Tell = std::function<void(Stage, double)>;
   /// Borrows both; an empty `tell` makes all of this nothing.
-  StageProgress(const char* stage, const Tell& tell) : stage_(stage), tell_(tell) {}
+  StageProgress(Stage stage, const Tell& tell) : stage_(stage), tell_(tell) {}
   StageProgress(const StageProgress&) = delete;
   StageProgress& operator=(const StageProgress&) = delete;
 
@@ -95,7 +97,7 @@ class StageProgress {
   };
 
  private:
-  const char* const stage_;
+  const Stage stage_;
   const Tell& tell_;
   double position_ = 0, end_ = 1;
   bool divided_ = false;         // reaches() has named an end: end_ is where the next begins

@@ -1,36 +1,34 @@
-// Wall-clock time by stage, in the order the stages first ran: the source of Server-Timing and of bake
-// reports. Timings never reach the GLB (its bytes depend on input and parameters only).
+// Wall-clock time by stage: the source of Server-Timing and of bake reports. Timings never reach the GLB (its
+// bytes depend on input and parameters only).
 #pragma once
 
+#include <array>
 #include <chrono>
-#include <string>
-#include <utility>
-#include <vector>
+#include <optional>
+
+#include "common/base/stage.hpp"
 
 namespace fracture {
 
 class StageTimings {
  public:
-  /// Adds milliseconds to the stage.
-  void add(const std::string& stage, double milliseconds) {
-    for (auto& [name, ms] : stages_)
-      if (name == stage) {
-        ms += milliseconds;
-        return;
-      }
-    stages_.emplace_back(stage, milliseconds);
+  void add(Stage stage, double milliseconds) {
+    std::optional<double>& sum = milliseconds_[index_of(stage)];
+    sum = sum.value_or(0) + milliseconds;
   }
-  const std::vector<std::pair<std::string, double>>& stages() const { return stages_; }
-  double milliseconds(const std::string& stage) const {
-    for (const auto& [name, ms] : stages_)
-      if (name == stage) return ms;
-    return 0;
+  void add(const StageTimings& more) {
+    for (const StageRow& row : kStages)
+      if (more.ran(row.stage)) add(row.stage, more.milliseconds(row.stage));
   }
+  bool ran(Stage stage) const { return milliseconds_[index_of(stage)].has_value(); }
+  bool empty() const { return milliseconds_ == decltype(milliseconds_){}; }
+  /// 0 for a stage that did not run.
+  double milliseconds(Stage stage) const { return milliseconds_[index_of(stage)].value_or(0); }
 
   /// Adds the time from its construction to its destruction.
   class Scope {
    public:
-    Scope(StageTimings& timings, std::string stage) : timings_(timings), stage_(std::move(stage)) {}
+    Scope(StageTimings& timings, Stage stage) : timings_(timings), stage_(stage) {}
     Scope(const Scope&) = delete;
     Scope& operator=(const Scope&) = delete;
     ~Scope() {
@@ -40,12 +38,12 @@ class StageTimings {
 
    private:
     StageTimings& timings_;
-    std::string stage_;
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    const Stage stage_;
+    const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   };
 
  private:
-  std::vector<std::pair<std::string, double>> stages_;
+  std::array<std::optional<double>, kStages.size()> milliseconds_{};
 };
 
 }  // namespace fracture

@@ -339,7 +339,7 @@ Expected<KeptAnswer> fracture_and_keep(const Solid& solid, const FractureParamet
 Expected<KeptAnswer> fracture_and_keep(const Solid& solid, Diagram diagram,
                                        const FractureParameters& parameters, const Execution& execution,
                                        StageTimings& timings) {
-  return stage(timings, execution, "clip", [&]() -> Expected<KeptAnswer> {
+  return stage(timings, execution, Stage::kClip, [&]() -> Expected<KeptAnswer> {
     FracturedBase base;
     Expected<CutCells> cut =
         cut_cells(solid, diagram, parameters, execution, [&](const RestrictedDiagram& restricted) {
@@ -379,12 +379,12 @@ Expected<KeptAnswer> fracture_delta(const Solid& solid, const FracturedBase& bas
   std::optional<KeptAnswer> answer;
   if (local) {
     const SeenSolid seen(solid, base.diagram.map, execution);
-    auto in = stage(timings, execution, "tetrahedralize", [&]() -> Expected<std::optional<Insertion>> {
+    auto in = stage(timings, execution, Stage::kTetrahedralize, [&]() -> Expected<std::optional<Insertion>> {
       return insert_hits(solid, seen.seen().box, base, parameters, new_hits.count, execution);
     });
     if (!in) return tl::unexpected(in.error());
     if (*in) {
-      auto spliced = stage(timings, execution, "clip", [&]() -> Expected<std::optional<KeptAnswer>> {
+      auto spliced = stage(timings, execution, Stage::kClip, [&]() -> Expected<std::optional<KeptAnswer>> {
         return splice(seen, base, std::move(**in), parameters, new_hits.only_changed, execution);
       });
       if (!spliced) return tl::unexpected(spliced.error());
@@ -394,7 +394,7 @@ Expected<KeptAnswer> fracture_delta(const Solid& solid, const FracturedBase& bas
   if (answer) return std::move(*answer);
   Expected<KeptAnswer> whole = fracture_and_keep(solid, parameters, execution, timings);
   if (!whole) return whole;
-  return stage(timings, execution, "clip", [&]() -> Expected<KeptAnswer> {
+  return stage(timings, execution, Stage::kClip, [&]() -> Expected<KeptAnswer> {
     whole->set.delta = difference(
         base, whole->set.fragments, [](std::uint32_t) { return false; }, execution);
     if (new_hits.only_changed) keep_changed(whole->set, execution);

@@ -45,7 +45,7 @@ std::vector<std::uint32_t> groups_of_sites(const Tetrahedralization& t,
 
 Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& parameters,
                                const Execution& execution, StageTimings& timings) {
-  return stage(timings, execution, "tetrahedralize", [&]() -> Expected<Diagram> {
+  return stage(timings, execution, Stage::kTetrahedralize, [&]() -> Expected<Diagram> {
     const Expected<std::optional<Matrix3>> map = map_of_cells(solid.box, parameters);
     if (!map) return tl::unexpected(map.error());
     const SeenSolid seen(solid, *map, execution);
@@ -149,7 +149,7 @@ Expected<FragmentSet> complete(const Solid& solid, const Diagram& diagram,
 Expected<FragmentSet> fracture(const Solid& solid, const Diagram& diagram,
                                const FractureParameters& parameters, const Execution& execution,
                                StageTimings& timings) {
-  return stage(timings, execution, "clip", [&]() -> Expected<FragmentSet> {
+  return stage(timings, execution, Stage::kClip, [&]() -> Expected<FragmentSet> {
     Expected<CutCells> cut = cut_cells(solid, diagram, parameters, execution);
     if (!cut) return tl::unexpected(cut.error());
     return complete(solid, diagram, parameters, std::move(*cut), execution);

@@ -15,21 +15,21 @@ namespace fracture {
 
 /// Runs a stage: its time is kept, and an interruption becomes the error it stands for.
 template <class Body>
-auto stage(StageTimings& timings, const Execution& execution, const char* name, const Body& body)
+auto stage(StageTimings& timings, const Execution& execution, Stage which, const Body& body)
     -> decltype(body()) {
-  const StageTimings::Scope scope(timings, name);
+  const StageTimings::Scope scope(timings, which);
   const ScratchTrimmer trimmer;
   const bool tells = execution.progress && !execution.within;  // else the caller knows better what all is
-  if (tells) execution.progress(name, 0);
+  if (tells) execution.progress(which, 0);
   try {
     auto result = body();
-    if (tells) execution.progress(name, 1);
+    if (tells) execution.progress(which, 1);
     return result;
   } catch (const Interrupted& interrupted) {
     if (interrupted.error) return tl::unexpected<Error>(*interrupted.error);
     return fail(interrupted.code, interrupted.code == ErrorCode::kCancelled
-                                      ? std::string("cancelled while in stage ") + name
-                                      : std::string("the deadline passed in stage ") + name);
+                                      ? std::string("cancelled while in stage ") + name_of(which)
+                                      : std::string("the deadline passed in stage ") + name_of(which));
   }
 }
 

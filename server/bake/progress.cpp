@@ -31,7 +31,7 @@ std::string time_text(double seconds) {
 
 StageProgress::StageProgress(bool quiet) : quiet_(quiet), terminal_(::isatty(STDERR_FILENO) == 1) {}
 
-void StageProgress::stage(const char* stage, double fraction) {
+void StageProgress::stage(Stage stage, double fraction) {
   if (quiet_) return;
   const std::lock_guard lock(mutex_);
   const double part = std::clamp(fraction, 0.0, 1.0);
@@ -41,11 +41,11 @@ void StageProgress::stage(const char* stage, double fraction) {
   stage_ = stage;
   percent_ = percent;
   if (terminal_) {
-    std::fprintf(stderr, "\r%-16s %s %3d%%", stage, bar(part).c_str(), percent);
+    std::fprintf(stderr, "\r%-16s %s %3d%%", name_of(stage), bar(part).c_str(), percent);
     std::fflush(stderr);
     drawn_ = true;
   } else if (seen_.insert(stage).second) {
-    std::fprintf(stderr, "%s\n", stage);
+    std::fprintf(stderr, "%s\n", name_of(stage));
   }
 }
 

@@ -4,8 +4,11 @@
 #include <chrono>
 #include <cstddef>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
+
+#include "common/base/stage.hpp"
 
 namespace fracture::bake {
 
@@ -16,7 +19,7 @@ class Progress {
   /// A line that stays.
   virtual void say(const std::string& line) = 0;
   /// The stage of a job's computation, and how much of it is done.
-  virtual void stage(const char*, double) {}
+  virtual void stage(Stage, double) {}
   virtual void done(bool /*kept*/, bool /*refused*/) {}
   /// Leaves the cursor on an empty line.
   virtual void finish() = 0;
@@ -27,7 +30,7 @@ class StageProgress : public Progress {
  public:
   explicit StageProgress(bool quiet);
   void say(const std::string& line) override;
-  void stage(const char* stage, double fraction) override;
+  void stage(Stage stage, double fraction) override;
   void finish() override;
 
  private:
@@ -35,8 +38,8 @@ class StageProgress : public Progress {
 
   const bool quiet_, terminal_;
   std::mutex mutex_;
-  std::string stage_;
-  std::set<std::string> seen_;
+  std::optional<Stage> stage_;
+  std::set<Stage> seen_;
   int percent_ = -1;
   bool drawn_ = false;
 };

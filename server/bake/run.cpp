@@ -91,12 +91,14 @@ std::string sentence_of(const std::string& output, const Baked& baked, double se
       c.value("relative_error", 0.0), c.value("open_edges", 0ull), baked.file->size(), seconds);
   std::string sentence = name_of_output(output) + text;
   const char* separator = " (";
-  for (const auto& [stage, ms] : baked.timings.stages()) {
-    std::snprintf(text, sizeof text, " %.1f ms", ms);
-    sentence += separator + stage + text;
+  for (const StageRow& row : kStages) {
+    if (!baked.timings.ran(row.stage)) continue;
+    std::snprintf(text, sizeof text, "%s%s %.1f ms", separator, row.name,
+                  baked.timings.milliseconds(row.stage));
+    sentence += text;
     separator = ", ";
   }
-  return sentence + (baked.timings.stages().empty() ? "" : ")");
+  return sentence + (baked.timings.empty() ? "" : ")");
 }
 
 std::unique_ptr<Progress> progress_of(const BakePlan& plan, bool quiet) {
@@ -286,7 +288,7 @@ class Run {
     Execution execution;
     execution.threads = options_.threads;
     execution.stop = stop_;
-    execution.progress = [this](const char* stage, double fraction) { progress_->stage(stage, fraction); };
+    execution.progress = [this](Stage stage, double fraction) { progress_->stage(stage, fraction); };
     try {
       tl::expected<Baked, BakeFailure> baked = baker_.bake(request, execution);
       if (baked && !is_sound(baked->figures))

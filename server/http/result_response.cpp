@@ -153,8 +153,8 @@ std::string cache_status(const FractureAnswer& answer) {
 
 std::string server_timing(const FractureAnswer& answer) {
   std::string value = "queue;dur=" + milliseconds(std::max(0.0, answer.queue_milliseconds));
-  for (const char* stage : {"import", "prepare", "tetrahedralize", "clip", "encode"})
-    value += std::string(", ") + stage + ";dur=" + milliseconds(answer.timings.milliseconds(stage));
+  for (const StageRow& row : kStages)
+    value += std::string(", ") + row.name + ";dur=" + milliseconds(answer.timings.milliseconds(row.stage));
   return value + ", work;dur=" + milliseconds(answer.work_milliseconds);
 }
 

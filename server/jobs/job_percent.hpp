@@ -2,8 +2,8 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
-#include <string_view>
+
+#include "common/base/stage.hpp"
 
 namespace fracture {
 
@@ -11,7 +11,7 @@ namespace fracture {
 /// tetrahedralizes and clips once more, with less behind it.
 int clip_begins(std::uint32_t passes);
 
-/// `fraction` of that stage done, in [0, 1]. Nothing for what is no stage.
-std::optional<int> percent_of(std::string_view stage, double fraction, int clip_begins);
+/// `fraction` of that stage done, in [0, 1].
+int percent_of(Stage stage, double fraction, int clip_begins);
 
 }  // namespace fracture

@@ -128,7 +128,7 @@ std::optional<Overload> Jobs::room_for(const Shared& job, std::uint64_t share) {
 std::optional<Overload> Jobs::submit(const Shared& job, FractureRequest request, Terms terms) {
   job->clip_begins = clip_begins(request.parameters.fracture.lloyd);
   terms.gone = job->stop.get_token();
-  terms.progress = [this, weak = std::weak_ptr(job)](const char* stage, double fraction) {
+  terms.progress = [this, weak = std::weak_ptr(job)](Stage stage, double fraction) {
     if (const Shared alive = weak.lock()) progress(alive, stage, fraction);
   };
   return dispatcher_.fracture(std::move(request), terms, [this, job](Expected<FractureAnswer> answer) {
@@ -136,22 +136,21 @@ std::optional<Overload> Jobs::submit(const Shared& job, FractureRequest request,
   });
 }
 
-void Jobs::progress(const Shared& job, const char* stage, double fraction) {
+void Jobs::progress(const Shared& job, Stage stage, double fraction) {
   Calls calls;
   bool begins = false;
   {
     const std::lock_guard lock(mutex_);
     JobView& view = job->view;
     if (view.finished()) return;
-    const std::optional<int> reached = percent_of(stage, fraction, job->clip_begins);
-    const int percent = std::max(view.percent, reached.value_or(0));
-    const bool new_stage = reached && view.stage != stage;
+    const int percent = std::max(view.percent, percent_of(stage, fraction, job->clip_begins));
+    const bool new_stage = view.stage != name_of(stage);
     begins = view.state != JobState::kRunning;
     if (!begins && percent == view.percent && !new_stage) return;
     begins = begins && job->kept;
     view.state = JobState::kRunning;
     view.percent = percent;
-    if (new_stage) view.stage = stage;
+    if (new_stage) view.stage = name_of(stage);
     calls = change(job);
   }
   // Here, and not on the disk's thread: the mark is there before anything is computed that could be the end

@@ -150,7 +150,7 @@ class Jobs {
   /// Takes the lock.
   JobView look_at(const Job& job);
   std::optional<Overload> submit(const Shared& job, FractureRequest request, Terms terms);
-  void progress(const Shared& job, const char* stage, double fraction);
+  void progress(const Shared& job, Stage stage, double fraction);
   void finish(const Shared& job, Expected<FractureAnswer> answer);
   /// Writes the job's mesh and request. On the disk's thread.
   void persist(const Shared& job, const FractureRequest& request);

@@ -127,9 +127,7 @@ struct Dispatcher::Computation {
     e.stop = std::move(stop);
     e.allowance = &working->allowance();
     e.turn = WorkerPool::turn();
-    e.progress = [flight = flight](const char* stage, double fraction) {
-      flight->common.tell(stage, fraction);
-    };
+    e.progress = [flight = flight](Stage stage, double fraction) { flight->common.tell(stage, fraction); };
     return e;
   }
   void settle() {

@@ -11,13 +11,9 @@ namespace {
 
 std::uint64_t bytes_of(const FractureRequest& request) { return input_bytes(request.mesh, request.files); }
 
-void append(StageTimings& to, const StageTimings& more) {
-  for (const auto& [stage, ms] : more.stages()) to.add(stage, ms);
-}
-
 }  // namespace
 
-void Dispatcher::Common::tell(const char* stage, double fraction) {
+void Dispatcher::Common::tell(Stage stage, double fraction) {
   if (!observed.load(std::memory_order_relaxed)) return;
   const std::lock_guard lock(mutex);
   for (const auto& observer : observers) observer(stage, fraction);
@@ -286,7 +282,7 @@ void Dispatcher::begin(const Shared& c, int threads) {
     if (c->answer.result) return end(c, std::move(c->answer));
   }
   if (auto mesh = service_.find_mesh(c->keys))
-    return with_mesh(c, Step<PreparedMesh>{std::move(mesh), CacheOutcome::kHit, {}, {}}, threads);
+    return with_mesh(c, Step<PreparedMesh>{std::move(mesh), CacheOutcome::kHit, {}}, threads);
   obtain<PreparedMesh>(
       meshes_, c->keys.mesh, c, threads,
       [this, c](const Execution& execution) -> Outcome<PreparedMesh> {
@@ -302,7 +298,7 @@ void Dispatcher::with_mesh(const Shared& c, const Outcome<PreparedMesh>& mesh, i
   if (c->abandoned()) return;
   if (!mesh) return end(c, tl::unexpected<Error>(mesh.error()));
   c->answer.mesh_cache = mesh->cache;
-  append(c->answer.timings, mesh->timings);
+  c->answer.timings.add(mesh->timings);
   c->mesh = mesh->value;
   if (mesh->cache != CacheOutcome::kHit) {  // what was expected of the file's bytes is put right
     const ExpectedWork work = expected_work(c->request.parameters.fracture, bytes_of(c->request),
@@ -316,7 +312,7 @@ void Dispatcher::with_mesh(const Shared& c, const Outcome<PreparedMesh>& mesh, i
     c->request.owner.reset();
   }
   if (auto diagram = service_.find_diagram(c->keys))
-    return with_diagram(c, Step<CutBase>{std::move(diagram), CacheOutcome::kHit, {}, {}}, threads);
+    return with_diagram(c, Step<CutBase>{std::move(diagram), CacheOutcome::kHit, {}}, threads);
   obtain<CutBase>(
       diagrams_, c->keys.diagram, c, threads,
       [this, c](const Execution& execution) -> Outcome<Diagram> {
@@ -331,8 +327,7 @@ void Dispatcher::with_diagram(const Shared& c, const Outcome<CutBase>& diagram, 
   if (c->abandoned()) return;
   if (!diagram) return end(c, tl::unexpected<Error>(diagram.error()));
   c->answer.diagram_cache = diagram->cache;
-  append(c->answer.timings, diagram->timings);
-  append(c->answer.inner, diagram->inner);
+  c->answer.timings.add(diagram->timings);
   Expected<FragmentSet> made;  // freed when the answer is on its way
   {
     const Meter meter(c->spent);

@@ -50,7 +50,7 @@ struct Terms {
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
   std::stop_token gone{};  ///< requested when nobody wants the answer any more
   /// Told (stage, fraction of it) by whatever thread computes; must be thread-safe and cheap.
-  std::function<void(const char*, double)> progress{};
+  std::function<void(Stage, double)> progress{};
   Payer payer{};
   /// Told of a good answer before it is replied, by whatever thread brings it.
   std::function<void(const FractureResult&)> answered{};
@@ -139,11 +139,11 @@ class Dispatcher {
     Priority priority() const { return realtime ? Priority::kRealtime : Priority::kBatch; }
     Payers payers;
     std::mutex mutex;  // of what follows, and of bringing it together with `task`
-    std::vector<std::function<void(const char*, double)>> observers;
+    std::vector<std::function<void(Stage, double)>> observers;
     TurnTaken turn;
-    std::optional<Flow> hurry;  ///< of the first who is in one
+    std::optional<Flow> hurry;          ///< of the first who is in one
     std::atomic<bool> observed{false};  ///< there are any: loops tell often, and mostly nobody listens
-    void tell(const char* stage, double fraction);
+    void tell(Stage stage, double fraction);
   };
   using ResultFlights = SingleFlight<FractureAnswer, Common>;
   using MeshFlights = SingleFlight<Step<PreparedMesh>>;

@@ -23,7 +23,8 @@ class LibraryEngine final : public FractureEngine {
     return make_solid(std::move(mesh), options, execution);
   }
   Expected<CutBase> base(const Solid& solid, const FractureParameters& parameters, const Selection& selection,
-                         const Execution& execution, StageTimings& timings) const override {
+                         const Execution& execution) const override {
+    StageTimings timings;  // the service has its own
     if (!selection.new_hits) return make_diagram(solid, parameters, execution, timings);
     Expected<KeptAnswer> before =
         fracture_and_keep(solid, before_hits(parameters, selection.new_hits->count), execution, timings);
@@ -31,9 +32,9 @@ class LibraryEngine final : public FractureEngine {
     return std::move(before->base);
   }
   Expected<Cut> cut(const Solid& solid, const CutBase& base, const FractureParameters& parameters,
-                    const Selection& selection, const Execution& execution,
-                    StageTimings& timings) const override {
-    if (selection.kept) return kept(cut_and_keep(solid, base, parameters, selection, execution, timings));
+                    const Selection& selection, const Execution& execution) const override {
+    if (selection.kept) return kept(cut_and_keep(solid, base, parameters, selection, execution));
+    StageTimings timings;
     const Diagram& diagram = std::get<Diagram>(base);
     Expected<FragmentSet> set =
         selection.again ? fracture_again(solid, diagram, parameters, *selection.again, execution, timings)
@@ -50,7 +51,8 @@ class LibraryEngine final : public FractureEngine {
  private:
   static Expected<KeptAnswer> cut_and_keep(const Solid& solid, const CutBase& base,
                                            const FractureParameters& parameters, const Selection& selection,
-                                           const Execution& execution, StageTimings& timings) {
+                                           const Execution& execution) {
+    StageTimings timings;
     if (selection.new_hits)
       return fracture_delta(solid, std::get<FracturedBase>(base), parameters, *selection.new_hits, execution,
                             timings);

@@ -47,11 +47,9 @@ class FractureEngine {
                                   const Execution& execution) const = 0;
   /// Where hits are new: the answer without them; else the diagram.
   virtual Expected<CutBase> base(const Solid& solid, const FractureParameters& parameters,
-                                 const Selection& selection, const Execution& execution,
-                                 StageTimings& timings) const = 0;
+                                 const Selection& selection, const Execution& execution) const = 0;
   virtual Expected<Cut> cut(const Solid& solid, const CutBase& base, const FractureParameters& parameters,
-                            const Selection& selection, const Execution& execution,
-                            StageTimings& timings) const = 0;
+                            const Selection& selection, const Execution& execution) const = 0;
   virtual std::vector<std::uint8_t> encode(const FragmentSet& fragments, const GltfOptions& options,
                                            OutputFormat format, const Execution& execution) const = 0;
 };

@@ -42,10 +42,6 @@ FractureParameters with_hulls(const RequestParameters& asked) {
   return parameters;
 }
 
-void add(StageTimings& to, const StageTimings& more) {
-  for (const auto& [stage, ms] : more.stages()) to.add(stage, ms);
-}
-
 }  // namespace
 
 Error to_error(const Interrupted& interrupted) {
@@ -131,13 +127,13 @@ Expected<FractureAnswer> FractureService::fracture(const FractureRequest& reques
                                                    const Execution& execution, FractureAnswer answer) {
   try {
     execution.poll();
-    Step<PreparedMesh> mesh{find_mesh(keys), CacheOutcome::kHit, {}, {}};
+    Step<PreparedMesh> mesh{find_mesh(keys), CacheOutcome::kHit, {}};
     if (!mesh.value) {
       auto made = make_mesh(request, keys, execution);
       if (!made) return tl::unexpected<Error>(std::move(made.error()));
       mesh = std::move(*made);
     }
-    Step<CutBase> diagram{find_diagram(keys), CacheOutcome::kHit, {}, {}};
+    Step<CutBase> diagram{find_diagram(keys), CacheOutcome::kHit, {}};
     if (!diagram.value) {
       auto made = make_diagram(*mesh.value, request, keys, execution);
       if (!made) return tl::unexpected<Error>(std::move(made.error()));
@@ -145,8 +141,7 @@ Expected<FractureAnswer> FractureService::fracture(const FractureRequest& reques
     }
     answer.mesh_cache = mesh.cache;
     answer.diagram_cache = diagram.cache;
-    for (const StageTimings* timings : {&mesh.timings, &diagram.timings}) add(answer.timings, *timings);
-    add(answer.inner, diagram.inner);
+    for (const StageTimings* timings : {&mesh.timings, &diagram.timings}) answer.timings.add(*timings);
     auto made = make_result(*mesh.value, *diagram.value, request, keys, execution, answer);
     if (!made) return tl::unexpected<Error>(std::move(made.error()));
     return answer;
@@ -177,8 +172,8 @@ Expected<Step<PreparedMesh>> FractureService::make_mesh(const FractureRequest& r
   auto result = std::make_shared<PreparedMesh>();
   auto mesh = std::make_shared<Mesh>();
   {
-    if (execution.progress) execution.progress("import", 0);
-    const StageTimings::Scope scope(step.timings, "import");
+    if (execution.progress) execution.progress(Stage::kImport, 0);
+    const StageTimings::Scope scope(step.timings, Stage::kImport);
     // Read in another process, where the file may wait for its turn: no place to stand still at.
     Execution elsewhere = execution;
     elsewhere.turn = nullptr;
@@ -202,10 +197,10 @@ Expected<Step<PreparedMesh>> FractureService::make_mesh(const FractureRequest& r
     if (auto restricted = restrict_to(*mesh, request.parameters.parts); !restricted)
       return tl::unexpected<Error>(std::move(restricted.error()));
   }
-  if (execution.progress) execution.progress("prepare", 0);
+  if (execution.progress) execution.progress(Stage::kPrepare, 0);
   {
-    const StageTimings::Scope scope(step.timings, "prepare");
-    StageProgress progress("prepare", execution.progress);
+    const StageTimings::Scope scope(step.timings, Stage::kPrepare);
+    StageProgress progress(Stage::kPrepare, execution.progress);
     Execution telling = execution;
     telling.within = &progress;
     Expected<Solid> made = engine_->prepare(std::move(mesh), request.parameters.solid, telling);
@@ -220,16 +215,16 @@ Expected<Step<PreparedMesh>> FractureService::make_mesh(const FractureRequest& r
 Expected<Step<CutBase>> FractureService::make_diagram(const PreparedMesh& mesh,
                                                       const FractureRequest& request, const RequestKeys& keys,
                                                       const Execution& execution) {
-  if (execution.progress) execution.progress("tetrahedralize", 0);
+  if (execution.progress) execution.progress(Stage::kTetrahedralize, 0);
   Step<CutBase> step;
   std::shared_ptr<const CutBase> base;
   {
-    const StageTimings::Scope scope(step.timings, "tetrahedralize");
-    StageProgress progress("tetrahedralize", execution.progress);
+    const StageTimings::Scope scope(step.timings, Stage::kTetrahedralize);
+    StageProgress progress(Stage::kTetrahedralize, execution.progress);
     Execution telling = execution;
     telling.within = &progress;
-    Expected<CutBase> made = engine_->base(mesh.solid, with_hulls(request.parameters),
-                                           request.parameters.selection, telling, step.inner);
+    Expected<CutBase> made =
+        engine_->base(mesh.solid, with_hulls(request.parameters), request.parameters.selection, telling);
     if (!made) return tl::unexpected<Error>(std::move(made.error()));
     base = std::make_shared<const CutBase>(std::move(*made));
   }
@@ -238,19 +233,19 @@ Expected<Step<CutBase>> FractureService::make_diagram(const PreparedMesh& mesh,
   return step;
 }
 
-Expected<FragmentSet> FractureService::make_result(const PreparedMesh& mesh, const CutBase& diagram,
+Expected<FragmentSet> FractureService::make_result(const PreparedMesh& mesh, const CutBase& base,
                                                    const FractureRequest& request, const RequestKeys& keys,
                                                    const Execution& execution, FractureAnswer& answer) {
-  if (execution.progress) execution.progress("clip", 0);
+  if (execution.progress) execution.progress(Stage::kClip, 0);
   auto interior = interior_material(request.parameters.interior, *mesh.solid.source->library);
   if (!interior) return tl::unexpected<Error>(std::move(interior.error()));
   Expected<Cut> cut = [&] {
-    const StageTimings::Scope scope(answer.timings, "clip");
-    StageProgress progress("clip", execution.progress);
+    const StageTimings::Scope scope(answer.timings, Stage::kClip);
+    StageProgress progress(Stage::kClip, execution.progress);
     Execution telling = execution;
     telling.within = &progress;
     return engine_->cut(mesh.solid, base, with_hulls(request.parameters), request.parameters.selection,
-                        telling, answer.inner);
+                        telling);
   }();
   if (!cut) {
     if (cut.error().code == ErrorCode::kUnsound) failures_.add(keys.result, cut.error());
@@ -259,13 +254,13 @@ Expected<FragmentSet> FractureService::make_result(const PreparedMesh& mesh, con
   FragmentSet& fragments = cut->set;
   execution.poll();
 
-  if (execution.progress) execution.progress("encode", 0);
+  if (execution.progress) execution.progress(Stage::kEncode, 0);
   auto result = std::make_shared<FractureResult>();
   result->key = keys.result;
   result->mesh_digest = "sha256:" + keys.digest;
   result->format = request.output;
   {
-    const StageTimings::Scope scope(answer.timings, "encode");
+    const StageTimings::Scope scope(answer.timings, Stage::kEncode);
     fragments.report["frame"] = mesh.frame;
     if (mesh.solid.source->passed_through)
       fragments.report["passed_through"] = {

@@ -55,7 +55,6 @@ struct Step {
   std::shared_ptr<const Value> value;
   CacheOutcome cache = CacheOutcome::kNotConsulted;
   StageTimings timings;          ///< import, prepare, tetrahedralize, clip, encode: those that ran
-  StageTimings inner;            ///< the pipeline's own finer stages
   double processor_seconds = 0;  ///< what it took of all threads, where that was measured
 };
 
@@ -67,7 +66,7 @@ struct FractureAnswer {
   CacheOutcome mesh_cache = CacheOutcome::kNotConsulted;
   double queue_milliseconds = -1;  ///< waiting for a computing thread; -1: never did
   double work_milliseconds = 0;  ///< from then on until the result was there: the stages and what is between
-  StageTimings timings, inner;   ///< as in Step, of all steps
+  StageTimings timings;          ///< as in Step, of all steps
   Certificate certificate;       ///< when it was computed now; a cached result has it in its file
 };
 

@@ -126,7 +126,7 @@ TEST(Execution, PollThrowsPastTheDeadline) {
 struct Told {
   std::mutex mutex;
   std::vector<double> fractions;
-  StageProgress::Tell tell = [this](const char*, double fraction) {
+  StageProgress::Tell tell = [this](Stage, double fraction) {
     const std::lock_guard lock(mutex);
     fractions.push_back(fraction);
   };
@@ -134,7 +134,7 @@ struct Told {
 
 TEST(StageProgress, GrowsWithEveryLoopAndStaysWithinItsPart) {
   Told told;
-  StageProgress stage("clip", told.tell);
+  StageProgress stage(Stage::kClip, told.tell);
   Execution execution;
   execution.within = &stage;
   execution.reaches(0.5);
@@ -156,7 +156,7 @@ TEST(StageProgress, GrowsWithEveryLoopAndStaysWithinItsPart) {
 
 TEST(StageProgress, APartIsDividedInItselfAndTheNextBeginsAtItsEnd) {
   Told told;
-  StageProgress stage("tetrahedralize", told.tell);
+  StageProgress stage(Stage::kTetrahedralize, told.tell);
   Execution execution;
   execution.within = &stage;
   for (int pass = 0; pass < 4; ++pass) {
@@ -175,7 +175,7 @@ TEST(StageProgress, APartIsDividedInItselfAndTheNextBeginsAtItsEnd) {
 
 TEST(StageProgress, OnlyTheOuterOfTwoLoopsTellsAndWhoIsNotAskedTellsNothing) {
   Told told;
-  StageProgress stage("clip", told.tell);
+  StageProgress stage(Stage::kClip, told.tell);
   Execution execution;
   execution.threads = 3;
   execution.within = &stage;
@@ -184,7 +184,7 @@ TEST(StageProgress, OnlyTheOuterOfTwoLoopsTellsAndWhoIsNotAskedTellsNothing) {
   });
   EXPECT_EQ(told.fractions.size(), 8u);
   const StageProgress::Tell nobody;
-  StageProgress unheard("clip", nobody);
+  StageProgress unheard(Stage::kClip, nobody);
   execution.within = &unheard;
   parallel_for(execution, 8, 1, [](std::size_t, std::size_t) {});
   execution.reaches(1);

@@ -75,7 +75,7 @@ int run(const Options& options, Hulls hulls) {
       return fracture_delta(*solid, base->base, p, {1, true}, execution, timings);
     });
     if (!part) return 1;
-    if (k == 0 || now.milliseconds("clip") < stages.milliseconds("clip")) stages = now;
+    if (k == 0 || now.milliseconds(Stage::kClip) < stages.milliseconds(Stage::kClip)) stages = now;
     fragments = all->fragments.size();
     added = hit->set.delta->added.size();
     changed = hit->set.delta->changed.size();
@@ -90,8 +90,8 @@ int run(const Options& options, Hulls hulls) {
   std::printf("%s hulls: %zu fragments, %zu new, %zu changed, %zu gone; preparation %.2f ms, whole %.2f ms\n",
               hulls == Hulls::kNone ? "without" : "with", fragments, added, changed, gone, prepare.ms,
               whole.ms);
-  std::printf("  a hit %.2f ms (insertion %.2f, cells %.2f)", local.ms, stages.milliseconds("tetrahedralize"),
-              stages.milliseconds("clip"));
+  std::printf("  a hit %.2f ms (insertion %.2f, cells %.2f)", local.ms,
+              stages.milliseconds(Stage::kTetrahedralize), stages.milliseconds(Stage::kClip));
   times(whole.ms, local.ms);
   std::printf("  without the untouched %.2f ms", changed_only.ms);
   times(whole.ms, changed_only.ms);

@@ -44,7 +44,7 @@ class Watched {
   Watched() {
     execution.deadline = std::chrono::steady_clock::now() + kDeadline;
     execution.watch = [this] { step(); };
-    execution.progress = [this](const char* stage, double) { stage_ = stage; };
+    execution.progress = [this](Stage stage, double) { stage_ = name_of(stage); };
     last_ = processor_seconds();
   }
   void step() {

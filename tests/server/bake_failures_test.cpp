@@ -38,17 +38,16 @@ class UnsoundEngine final : public FractureEngine {
     return real_->prepare(std::move(mesh), options, execution);
   }
   Expected<CutBase> base(const Solid& solid, const FractureParameters& parameters, const Selection& selection,
-                         const Execution& execution, StageTimings& timings) const override {
-    return real_->base(solid, parameters, selection, execution, timings);
+                         const Execution& execution) const override {
+    return real_->base(solid, parameters, selection, execution);
   }
   Expected<Cut> cut(const Solid& solid, const CutBase& base, const FractureParameters& parameters,
-                    const Selection& selection, const Execution& execution,
-                    StageTimings& timings) const override {
+                    const Selection& selection, const Execution& execution) const override {
     if (parameters.sites == kRefused)
       return fracture::fail(ErrorCode::kUnsound, "13 edges are open.", "", {{"open_edges", 13}});
     if (parameters.sites == kBroken) throw InternalError("cell 3 has no face");
     if (parameters.sites == kNoMemory) throw std::bad_alloc();
-    Expected<Cut> made = real_->cut(solid, base, parameters, selection, execution, timings);
+    Expected<Cut> made = real_->cut(solid, base, parameters, selection, execution);
     if (made && parameters.sites == kOpen) made->set.certificate.open_edges = 13;
     if (made && parameters.sites == kUnmirrored) made->set.certificate.unmirrored_caps = 3;
     return made;

@@ -313,9 +313,9 @@ TEST_F(DispatcherTest, EveryoneIsToldOfTheProgress) {
   };
   for (int who = 0; who < 2; ++who) {
     Terms terms;
-    terms.progress = [&, who](const char* stage, double) {
+    terms.progress = [&, who](Stage stage, double) {
       const std::lock_guard lock(guard);
-      stages[who].emplace_back(stage);
+      stages[who].emplace_back(name_of(stage));
     };
     ask(fracture_request("mesh"), terms);
     gate.wait_for(1);

@@ -53,14 +53,14 @@ class FakeEngine final : public FractureEngine {
     return solid;
   }
   Expected<CutBase> base(const Solid&, const FractureParameters& parameters, const Selection&,
-                         const Execution&, StageTimings&) const override {
+                         const Execution&) const override {
     ++control_->diagrams;
     Diagram diagram;
     diagram.sites.resize(parameters.sites);
     return diagram;
   }
   Expected<Cut> cut(const Solid&, const CutBase& base, const FractureParameters&, const Selection&,
-                    const Execution& execution, StageTimings&) const override {
+                    const Execution& execution) const override {
     ++control_->cuts;
     try {
       if (control_->during_cut) control_->during_cut(execution);
