@@ -37,8 +37,7 @@ class GpuScene {
   static Result<GpuScene> batch();
   /// Adds a scene to a batch (its own copy; vertices stay in the driver alone) and returns the number of its
   /// first object there: the others follow. Equal materials become one. kTooLarge, kGl; then nothing was
-  /// added.
-  /// With a look, materials are taken as it replaces them, and textures stay out.
+  /// added. With a look, materials are taken as it replaces them, and textures stay out.
   Result<std::uint32_t> append(const Scene& more, const std::optional<SolidPlacement>& solid,
                                SolidLook look = SolidLook::kNone);
 

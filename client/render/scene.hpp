@@ -3,9 +3,8 @@
 // OpenGL.
 //
 //   Scene ── objects[k]   where it stands, what fragment it is, its surfaces
-//         ── surfaces[s]  object, material, range of indices; sorted by material, so that a material is one
-//         draw call ── vertices     each knows its object: transforms come from a table, not from a uniform
-//         per draw call
+//         ── surfaces[s]  object, material, range of indices; sorted by material: one draw call for each
+//         ── vertices     each knows its object: transforms come from a table, not from a uniform per call
 #pragma once
 
 #include <cstddef>

@@ -41,7 +41,7 @@ inline Vec3d cross(const Vec3d& a, const Vec3d& b) {
 inline double length(const Vec3d& a) { return std::sqrt(dot(a, a)); }  // sqrt is exactly rounded (IEEE 754)
 inline Vec3d to_double(const Vec3f& a) { return {a.x, a.y, a.z}; }
 
-/// Lexicographic order by x, then y, then z: the order of the sites' infinitesimal weights (exact/ties.md).
+/// Lexicographic order by x, then y, then z: the order of the sites' infinitesimal weights (exact/in_sphere.hpp).
 inline bool lexicographic_less(const Vec3d& a, const Vec3d& b) {
   if (a.x != b.x) return a.x < b.x;
   if (a.y != b.y) return a.y < b.y;

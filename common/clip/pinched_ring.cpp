@@ -7,9 +7,8 @@ namespace fracture {
 
 // Each run of successive corners at one place becomes its first corner:
 //
-//      p1 = p2 = p3 ---> q     the triangles (p1, p2, p3) and (p1, p3, q) have no area and use the edges p1
-//      p2,
-//                              p2 p3 and p3 q; what remains of the ring goes from p1 to q
+//      p1 = p2 = p3 ---> q     The triangles (p1, p2, p3) and (p1, p3, q) have no area and use the edges
+//                              p1 p2, p2 p3 and p3 q; what remains of the ring goes from p1 to q.
 std::vector<std::uint32_t> leave_out_repeated(std::span<const LatticePoint> points,
                                               std::span<const std::uint32_t> ring,
                                               std::vector<std::array<std::uint32_t, 3>>& triangles) {

@@ -12,8 +12,7 @@
 //  1. Every tetrahedron (a, b, c, d) is positive: orient3d(a, b, c, d) > 0. No flat one exists at any time.
 //  2. Adjacency is symmetric: neighbour k of t is opposite vertex k, and its link leads back.
 //  3. Every facet is locally Delaunay by exact in_sphere with the tie rule. With 1 and 2 it follows that no
-//  sphere
-//     contains a site (Delaunay's lemma, valid for generic weights).
+//     sphere contains a site (Delaunay's lemma, valid for generic weights).
 //
 // Vertices 0..3 are the corners of the big tetrahedron; sites follow in the order of insertion and keep their
 // id for life; ids of removed sites are used again. Not thread-safe.
@@ -100,7 +99,7 @@ class IncrementalDelaunay {
       if (t.v[0] != kNoVertex) visit(std::array<VertexId, 4>{t.v[0], t.v[1], t.v[2], t.v[3]});
   }
 
-  /// How the decisions were made (geometry.md section 7). Free: the filter's calls are counted by insertion,
+  /// How the decisions were made. Free: the filter's calls are counted by insertion,
   /// the rest on the slow path.
   struct Counters {
     std::uint64_t sphere_tests = 0;  ///< in_sphere decisions of insertions

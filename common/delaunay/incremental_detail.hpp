@@ -33,8 +33,8 @@ inline bool IncrementalDelaunay::in_conflict(const Tet& t, const Vec3d& p) const
 ///   axis = n / delta,  n = |b|^2 (c x d) + |c|^2 (d x b) + |d|^2 (b x c),  delta = b · (c x d)
 /// With r the longest of b, c, d and u = 2^-53: each component of n has error at most E_n = gamma_12 * 3 r^4
 /// <= 40u r^4, delta at most E_d = 16u r^3 (orient3d.hpp). If |delta| > 2 E_d then
-///   |n~/delta~ - n/delta| <= (E_n + |axis| E_d) / (|delta~| - E_d) <= 2 (40u r^4 + 16u r^3 |axis|) /
-///   |delta~|
+///   |n~/delta~ - n/delta| <= (E_n + |axis| E_d) / (|delta~| - E_d)
+///                         <= 2 (40u r^4 + 16u r^3 |axis|) / |delta~|
 /// and the division and the dot product of the filter add 2u + 6u times |axis|; all constants are rounded up,
 /// and so is the float.
 inline void IncrementalDelaunay::set_sphere(Tet& t, const Vec3d& b, const Vec3d& c, const Vec3d& d,

@@ -1,4 +1,5 @@
-// Delaunay tetrahedralization of the sites inside a big tetrahedron: incremental, flip-based, exact.
+// Delaunay tetrahedralization of the sites inside a big tetrahedron: incremental and exact. A cavity (Bowyer,
+// Watson 1981) or the paper's flips insert each site (incremental.hpp); both give the same tetrahedra.
 //
 // Conventions. Site ids are 0..site_count()-1 in the caller's order of *distinct* points; the four corners of
 // the big tetrahedron are the ids site_count()..site_count()+3. A tetrahedron (a, b, c, d) is positive:

@@ -74,8 +74,7 @@ struct Side3 {
   }
 };
 
-// ---- order_on_edge. With x_1 the point of the line on plane 1 (as in side3, with u_j, u_k) and d = u_j x
-// u_k,
+// ---- order_on_edge. With x_1 the point of the line on plane 1 (as in side3, with u_j, u_k), d = u_j x u_k,
 //     n_2·x_1 - n_2·a_2 = (n_2·d)(s_1 - s_2), s the parameters along d. Multiplying by 2Δ_1, Δ_m = n_m·d:
 //     P = 2 (n_1·a_1) Δ_2 + c_j n_2·(u_k x n_1) + c_k n_2·(n_1 x u_j) - 2 (n_2·a_2) Δ_1,
 //     sign(s_1 - s_2) = sign(P) sign(Δ_1) sign(Δ_2).
@@ -152,8 +151,7 @@ int side3(const Vec3d& i, const Vec3d& j, const Vec3d& a, const Vec3d& b, const 
 }
 
 int side4(const Vec3d& i, const Vec3d& j, const Vec3d& k, const Vec3d& l, const Vec3d& m) {
-  // x solves 2 u_k·x = c_k, 2 u_l·x = c_l, 2 u_m·x = c_m: side3 with a third bisector in the place of the
-  // plane,
+  // x solves 2 u_k·x = c_k, 2 u_l·x = c_l, 2 u_m·x = c_m: side3 with a third bisector instead of the plane,
   //     P = c_j Δ - c_k u_j·(u_l x u_m) - c_l u_j·(u_m x u_k) - c_m u_j·(u_k x u_l),  Δ = u_k·(u_l x u_m).
   const auto polynomial = [](const auto& uj, const auto& uk, const auto& ul, const auto& um) {
     const auto delta = dot(uk, cross(ul, um));

@@ -2,9 +2,10 @@
 // certificate in extras. The same fragments and options give the same bytes.
 //
 //   scene ── root (identity; extras.fracture: report, certificate, bonds)
-//             ├─ fragment 0 (translation = pivot; extras.fracture: id, volume, …; mesh 0: exterior
-//             primitives, │   │          interior; rigid body) │   └─ colliders of a compound, UCX_ hulls:
-//             identity, no extras └─ fragment 1 …
+//             ├─ fragment 0  translation = pivot; extras.fracture: id, volume, …; rigid body;
+//             │   │          mesh 0: exterior primitives, interior
+//             │   └─ colliders of a compound, UCX_ hulls: identity, no extras
+//             └─ fragment 1 …
 //
 // All fragments share one bufferView for each attribute and one for the indices; the primitives of a mesh
 // share their attribute accessors. World positions are float32(local) + float32(translation), exact by

@@ -2,8 +2,8 @@
 // no file is ever opened by name: the bytes, and the further parts of a multipart upload, are all a loader
 // can see.
 //
-//   bytes ──> preflight (own code: magic, lengths, depth, ranges) ──> loader ──> Mesh ──> finish (finite,
-//   limits)
+//   bytes ──> preflight (own code: magic, lengths, depth, ranges) ──> loader ──> Mesh ──> finish
+//                                                                                          (finite, limits)
 //
 // The preflight exists because the loaders trust what a file says about itself: tinygltf takes an accessor of
 // 2^31 elements, RapidJSON inside Assimp overflows the stack on 400 KB of '[', a 186-byte PLY that declares

@@ -123,12 +123,10 @@ bool ConvexHullBuilder::first_tetrahedron(Pacer& pacer) {
 }
 
 //       \ unseen /
-//    a --horizon--> b       The faces that see p are taken away; each edge of the horizon, which is one
-//    cycle,
-//       \  new   /          becomes a triangle (a, b, p). None is degenerate: p on the line a b would lie in
-//       the
-//        \ face /           plane of the seen face at that edge, and then that face would not see p.
-//           p
+//    a --horizon--> b       The faces that see p are taken away. The horizon is one cycle; each of its
+//       \  new   /          edges becomes a triangle (a, b, p). None is degenerate: p on the line a b
+//        \ face /           would lie in the plane of the seen face at that edge, and then that face
+//           p               would not see p.
 void ConvexHullBuilder::insert_farthest(std::uint32_t face, Pacer& pacer) {
   std::uint32_t p = kNoIndex;
   std::int64_t highest = 0;

@@ -79,8 +79,7 @@ void report_structure(const FractureParameters& p, const Diagram& diagram, std::
     if (set.fragments.size() > p.size.max_fragments)
       warnings.push_back("max_fragments: " + std::to_string(p.size.max_fragments) + " asked, " +
                          std::to_string(set.fragments.size()) +
-                         " made; what is left touches nothing it could "
-                         "be united with");
+                         " made; what is left touches nothing it could be united with");
   }
   if (p.size.max_triangles > 0) {
     size["max_triangles"] = p.size.max_triangles;
@@ -141,9 +140,8 @@ void report_roughness(const FractureParameters& p, const CutCells& cut, nlohmann
     report["rough_cuts"]["amplitude"] = 0;
     warnings.push_back(
         "rough cuts: the cuts are flat, because too many of their triangles lie in each other's way (pieces "
-        "much longer "
-        "than wide, or smaller than the amplitude); fewer sites, a smaller amplitude or a lower frequency "
-        "help");
+        "much longer than wide, or smaller than the amplitude); fewer sites, a smaller amplitude or a lower "
+        "frequency help");
     return;
   }
   if (rough.amplitude < rough.asked)
@@ -164,8 +162,7 @@ void report_barycenter(const FractureParameters& p, const CutCells& cut, nlohman
   }
   report["warnings"].push_back(
       "dual=barycenter: the hulls of barycentres overlap and leave gaps; volumes do not add up to the "
-      "solid's, and "
-      "there are no bonds");
+      "solid's, and there are no bonds");
   if (cut.grouped)
     report["warnings"].push_back(
         "dual=barycenter: each cell is a fragment, those that the pattern keeps together too");

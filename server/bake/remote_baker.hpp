@@ -1,5 +1,5 @@
-// Bakes through a running server, or a farm of them behind a proxy that hashes on the mesh digest in the
-// path.
+// Bakes through a running server, or a farm of them behind a proxy that hashes on the mesh digest in
+// the path.
 //
 //   POST /meshes/sha256:<digest>/fracture   Prefer: respond-async
 //     ├─ 404 ──> PUT /meshes/sha256:<digest>, once for all jobs on that mesh ──> again

@@ -29,8 +29,7 @@ std::shared_ptr<ImportPool> start_import_workers(const ServeOptions& options) {
   if (const WorkerHello hello = pool->hello(); hello.seccomp == 0)
     spdlog::warn(
         "import workers run without a seccomp filter, which this machine does not allow ({}); their limits "
-        "and "
-        "the other parts of the sandbox are in force",
+        "and the other parts of the sandbox are in force",
         std::generic_category().message(hello.seccomp_errno));
   return pool;
 }

@@ -56,8 +56,7 @@ void add_serve(CLI::App& app, std::vector<Setting>& settings, GivenSettings& fla
   }
   app.footer(
       "Every setting may also be given as an environment variable (FRACTURE_MAX_BODY for --max-body) or in "
-      "the "
-      "file of --config; flags come before variables, and variables before the file.");
+      "the file of --config; flags come before variables, and variables before the file.");
 }
 
 constexpr const char* kParameterGroup = "Parameters, those of a request to the server (with - or _)";
@@ -136,8 +135,8 @@ void add_bake(CLI::App& app, BakeOptions& o) {
       ->type_name("FILE");
   app.add_option("--keep-failures", o.source.failures,
                  "What fails by a bug of ours, or does not prove itself, goes into this folder with all that "
-                 "is needed "
-                 "to see it again: mesh, parameters, versions and command; at most 100 of them and 1 GiB")
+                 "is needed to see it again: mesh, parameters, versions and command; at most 100 of them and "
+                 "1 GiB")
       ->type_name("FOLDER");
   app.add_flag("-q,--quiet", o.quiet, "No progress and no summary");
 
@@ -170,8 +169,8 @@ void add_bake(CLI::App& app, BakeOptions& o) {
       "curl https://example.org/barrel.glb | fracture-server bake - -o - --sites 80 > fragments.glb\n\n"
       "Exits with 0: done, 1: a file could not be read or written, or the server did not answer, 2: wrong "
       "command line or manifest, 3: more refused than --allow-refused, 4: a bug or a certificate that does "
-      "not "
-      "hold, and that file is not written, 130: stopped; what is made stays, and the same command goes on.");
+      "not hold, and that file is not written, 130: stopped; what is made stays, and the same command goes "
+      "on.");
 }
 
 void add_inspect(CLI::App& app, InspectOptions& o) {

@@ -199,8 +199,7 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
        text("redis-key-file", "FILE", s.tiers.redis.tls.key_file, "The key of our own certificate"),
        text("farm-key-file", "FILE", o.farm_key_file,
             "Sign what goes to Redis and believe only what is signed: a key a line, the first signs, the "
-            "second "
-            "is still taken"),
+            "second is still taken"),
        flag("sign-disk-cache", s.tiers.sign_disk, "The same for the folder of --cache-dir")});
   group("Stores",
         {number("mesh-store", "BYTES", o.store.quota_bytes, 0, kTiB, "Bytes of all stored meshes"),

@@ -118,9 +118,8 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .type = Type::kChoice,
        .choices = {"none", "stated", "only"},
        .doc = "stated: the answer names the fragments that the new hits made, changed and took away, and is "
-              "kept "
-              "for further hits; so it is with `of` and hits. only: it has none but the new and the changed "
-              "ones."},
+              "kept for further hits; so it is with `of` and hits. only: it has none but the new and the "
+              "changed ones."},
       [](auto& r) -> auto& { return r.delta; }));
   rows.push_back(with_member(
       {.name = "local_new",

@@ -93,8 +93,7 @@ void add_output_rows(std::vector<ParameterSpec>& rows) {
       {.name = "ue_collision",
        .type = Type::kChoice,
        .choices = {"none", "ucx"},
-       .doc = "ucx: the collision hulls also as nodes UCX_..., which Unreal takes for "
-              "collision geometry."},
+       .doc = "ucx: the collision hulls also as nodes UCX_..., which Unreal takes for collision geometry."},
       [](auto& r) -> auto& { return r.ue_collision; }));
   rows.push_back(with_member(
       {.name = "pivot",

@@ -140,8 +140,7 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
     return m.conditioning() >= kLeastConditioning && std::fabs(m.determinant()) >= 1e-6
                ? ""
                : "have a determinant of at least 1e-6, and of at least 0.001 of the product of its rows' "
-                 "lengths: "
-                 "this matrix is singular or nearly so";
+                 "lengths: this matrix is singular or nearly so";
   };
   matrix.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     r.fracture.anisotropy = {.matrix = std::get<Matrix3>(value)};  // in the place of a material's stretch
@@ -168,8 +167,7 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .low = -kFar,
        .high = kFar,
        .doc = "Where it was hit, in the frame of the answer (y up). radial: the first is the centre. Without "
-              "it: "
-              "the middle of the box."}));
+              "it: the middle of the box."}));
   rows.push_back(with_pattern_member<&ImpactPattern::radius, &ClusteredPattern::radius>(
       {.name = "radius",
        .type = Type::kNumber,
@@ -177,8 +175,7 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .low = kLeastLength,
        .high = kFar,
        .doc = "How far from an impact, or about how far from the middle of a cluster, its sites lie. Without "
-              "it: a "
-              "third of the box's longest side for an impact, 0.12 of the mean side for a cluster."}));
+              "it: a third of the box's longest side for an impact, 0.12 of the mean side for a cluster."}));
   rows.push_back(with_pattern_member<&ImpactPattern::exponent, &ClusteredPattern::exponent>(
       {.name = "exponent",
        .type = Type::kNumber,
@@ -237,8 +234,7 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .low = 0,
        .high = 1,
        .doc = "How uneven it is. grid, brick, slice: whole planes move by up to this share of half their "
-              "spacing. "
-              "Without it: 0.5 for radial, 0.2 for slice, else 0."}));
+              "spacing. Without it: 0.5 for radial, 0.2 for slice, else 0."}));
   ParameterSpec cell = with_pattern_member<&GridPattern::cell, &BrickPattern::cell>(
       {.name = "cell",
        .type = Type::kVector,

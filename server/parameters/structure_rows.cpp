@@ -58,8 +58,7 @@ void add_size_rows(std::vector<ParameterSpec>& rows) {
        .type = Type::kInteger,
        .min = 0,
        .max = 1'000'000'000,
-       .doc = "Of all fragments: the smallest are united until the answer has no "
-              "more. 0: no limit."},
+       .doc = "Of all fragments: the smallest are united until the answer has no more. 0: no limit."},
       [](auto& r) -> auto& { return r.fracture.size.max_triangles; }));
   rows.back().matters = [](const RequestParameters& r) { return r.fracture.size.max_triangles > 0; };
 }

@@ -5,8 +5,7 @@
 //     request.json     parameters, versions, what went wrong, the certificate, "command"
 //     mesh/barrel.obj  the bytes of the request
 //     mesh/...         its further files under the names that the mesh has for them
-//     job.ndjson       only where the command line cannot say the parameters: the manifest that "command"
-//     names
+//     job.ndjson       the manifest that "command" names, only where a command line cannot say the parameters
 #pragma once
 
 #include <cstddef>

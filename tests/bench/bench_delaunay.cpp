@@ -52,8 +52,7 @@ int main(int argc, char** argv) {
         const auto& c = delaunay.counters();
         std::printf(
             "  %s: insertion %.1f ms, %s; in_sphere %llu, exact %llu, ties %llu; created %llu; walk steps "
-            "%llu, exact "
-            "orient3d %llu\n",
+            "%llu, exact orient3d %llu\n",
             method == Method::kCavity ? "cavity" : "flips ", inserted,
             error  ? error->c_str()
             : good ? "valid"

@@ -41,10 +41,7 @@ TEST(FairQueue, AFloodDelaysAnotherByOneTaskOnly) {
   EXPECT_EQ(queue.serve(10), std::string(10, 'a'));
   queue.add("b");
   queue.add("b");
-  EXPECT_EQ(queue.serve(4),
-            "bab"
-            "a")
-      << "its start tag is that of the task in service";
+  EXPECT_EQ(queue.serve(4), "baba") << "its start tag is that of the task in service";
 }
 
 TEST(FairQueue, WhoWasIdleHasNoCreditForIt) {

@@ -284,8 +284,7 @@ void hanging_redis(const std::string& mesh) {
   ::close(listener);
   std::printf(
       "a Redis that hangs: 200 requests, all answered, none more than %.1f ms slower than its computation   "
-      "(bar: "
-      "60 ms)\n",
+      "(bar: 60 ms)\n",
       worst);
 }
 
