@@ -22,6 +22,12 @@ target_compile_options(fracture_strict_fp INTERFACE -ffp-contract=off -fno-math-
 add_library(fracture_warnings INTERFACE)
 target_compile_options(fracture_warnings INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wunused
                        -Werror=return-type)
+if(FRACTURE_WERROR)
+  target_compile_options(fracture_warnings INTERFACE -Werror)
+  # g++ 12 sees overlapping copies in "literal" + std::string (GCC bug 105651, gone in 13).
+  target_compile_options(fracture_warnings INTERFACE
+    $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict>)
+endif()
 
 add_library(fracture_sanitizers INTERFACE)
 if(FRACTURE_SANITIZE)

@@ -35,7 +35,7 @@ class JsonText {
   JsonText& end_array() { return close(']'); }
   JsonText& key(std::string_view name) {
     make_room(name.size() + 4);
-    text_.append(",\"" + (comma_ ? 0 : 1), comma_ ? 2 : 1);
+    text_.append(&",\""[comma_ ? 0 : 1], comma_ ? 2 : 1);
     text_ += name;
     text_.append("\":", 2);
     comma_ = false;

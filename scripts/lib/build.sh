@@ -5,14 +5,16 @@
 export CCACHE_BASEDIR=${CCACHE_BASEDIR:-${root:?}} CCACHE_NOHASHDIR=${CCACHE_NOHASHDIR:-1}
 
 # build_preset PRESET [TARGET...]: configures and builds; the compiler's output is shown only when it fails.
+# FRACTURE_CONFIGURE: further arguments of cmake, with spaces between them.
 build_preset() {
-  local preset=$1 log targets=()
+  local preset=$1 log targets=() configure=()
   shift
+  read -ra configure <<<"${FRACTURE_CONFIGURE:-}"
   [[ $# -eq 0 ]] || targets=(--target "$@")
   log=${root:?}/build/$preset.log
   mkdir -p "$root/build"
   echo "== building preset $preset${*:+ ($*)}"
-  if ! (cd "$root" && cmake --preset "$preset" && cmake --build --preset "$preset" --parallel "$(nproc)" "${targets[@]}") \
+  if ! (cd "$root" && cmake --preset "$preset" "${configure[@]}" && cmake --build --preset "$preset" --parallel "$(nproc)" "${targets[@]}") \
     >"$log" 2>&1; then
     tail -60 "$log" >&2
     echo "the build of preset $preset failed; the whole log is build/$preset.log" >&2

@@ -1,5 +1,5 @@
-// Real files against a table that other programs made: triangle counts of licences.md, and nine files that
-// say the same barrel in nine ways.
+// Real files against a table that other programs made, which lies beside them (triangle counts), and nine files
+// that say the same barrel in nine ways.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -39,7 +39,7 @@ Expected<Mesh> import_with_siblings(const MeshFile& file) {
   return import_mesh(bytes_of(whole), *format, {}, files);
 }
 
-/// "| file | triangles | …" of licences.md; rows without a count are left out.
+/// "| file | triangles | …" of that table; rows without a count are left out.
 std::map<std::string, std::size_t> listed_triangles() {
   std::map<std::string, std::size_t> counts;
   const std::optional<MeshFile> in_the_table = find_test_mesh("cube.glb");

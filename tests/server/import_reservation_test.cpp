@@ -14,7 +14,7 @@ namespace fracture::test {
 namespace {
 
 /// A tetrahedron and how often: no byte of the file for each.
-std::string instances(std::uint32_t count) {
+[[maybe_unused]] std::string instances(std::uint32_t count) {
   Tetrahedron tet;
   tet.json["accessors"].push_back({{"componentType", 5126}, {"count", count}, {"type", "VEC3"}});
   tet.node()["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"] =

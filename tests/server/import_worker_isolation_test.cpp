@@ -23,7 +23,7 @@ void deny_seccomp() {
   const auto refused = SCMP_ACT_ERRNO(EPERM);
   const bool done =
       seccomp_rule_add(filter, refused, SCMP_SYS(seccomp), 0) == 0 &&
-      seccomp_rule_add(filter, refused, SCMP_SYS(prctl), 1, SCMP_A0(SCMP_CMP_EQ, PR_SET_SECCOMP)) == 0 &&
+      seccomp_rule_add(filter, refused, SCMP_SYS(prctl), 1, SCMP_A0(SCMP_CMP_EQ, PR_SET_SECCOMP, 0)) == 0 &&
       seccomp_load(filter) == 0;
   seccomp_release(filter);
   if (!done) std::fputs("no filter can be loaded here at all", stderr);

@@ -250,7 +250,6 @@ TEST(Tenants, ANameWithoutRealtimeIsServedAsBatch) {
   options.limits.realtime_deadline = std::chrono::hours(1);
   TestServer server(options);
   std::atomic<bool> open{false};
-  std::atomic<int> cuts{0};
   std::mutex mutex;
   std::vector<std::uint32_t> order;
   server.control->import = [&](std::string_view mesh) -> Expected<Mesh> {

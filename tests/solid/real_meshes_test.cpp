@@ -69,7 +69,7 @@ TEST(RealMeshes, EveryFileThatLoadsBecomesAValidSolidExceptTheSoup) {
   if (seen == 0) GTEST_SKIP() << "no test meshes";
 }
 
-TEST(RealMeshes, SuzanneAsObjHasFortyTwoOpenEdgesAndOneNonManifoldEdge) {
+TEST(RealMeshes, SuzanneAsObjHasFortyTwoOpenEdgesAndOneNonmanifoldEdge) {
   const auto file = find_test_mesh("suzanne.obj");
   if (!file) GTEST_SKIP() << "suzanne.obj is absent";
   const Expected<Solid> solid = solid_of(*load_mesh(*file));

@@ -208,7 +208,7 @@ TEST(Duplicates, TheCommonWallOfTwoTouchingCubesStaysAndTheyAreTwoParts) {
   EXPECT_EQ(solid->parts[1].volume, 1);
 }
 
-TEST(NonManifold, CubesThatShareAnEdgeOrAVertexComeApart) {
+TEST(Nonmanifold, CubesThatShareAnEdgeOrAVertexComeApart) {
   for (const Mesh& mesh : {two_cubes_sharing_an_edge(), two_cubes_sharing_a_vertex()}) {
     const Expected<Solid> solid = solid_of(mesh, kStrict);
     ASSERT_TRUE(solid);
@@ -220,7 +220,7 @@ TEST(NonManifold, CubesThatShareAnEdgeOrAVertexComeApart) {
   }
 }
 
-TEST(NonManifold, WedgesOfMaterialAroundAnEdgeArePairedWithoutCrossing) {
+TEST(Nonmanifold, WedgesOfMaterialAroundAnEdgeArePairedWithoutCrossing) {
   // A pinwheel of n tetrahedra around one edge: 2 n triangles meet there; each wedge is a part of its own.
   for (int n = 2; n <= 9; ++n) {
     std::vector<Mesh> wedges;

@@ -46,7 +46,7 @@ class OnClosedMesh : public testing::TestWithParam<std::string> {
     ASSERT_TRUE(loaded) << loaded.error().detail;
     mesh = std::move(*loaded);
   }
-  /// Of those that cross themselves (licences.md) caps may cross.
+  /// Of those that cross themselves caps may cross.
   static bool embedded() {
     return GetParam().find("brick") == std::string::npos &&
            GetParam().find("spot_quads") == std::string::npos;

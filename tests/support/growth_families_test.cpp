@@ -66,7 +66,7 @@ TEST_P(EveryGrowthFamily, IsAFunctionOfSizeAndSeed) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Growth, EveryGrowthFamily, testing::Range<std::size_t>(0, growth_families().size()),
-                         [](const auto& info) { return growth_families()[info.param].name; });
+                         [](const auto& family) { return growth_families()[family.param].name; });
 
 }  // namespace
 }  // namespace fracture::test

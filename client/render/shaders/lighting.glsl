@@ -83,8 +83,8 @@ float ggx(float n_dot_h, float n_dot_l, float n_dot_v, float alpha) {
   return d * v;
 }
 
-// Khronos PBR Neutral tone mapper, as specified in KhronosGroup/ToneMapping, PBR_Neutral/README.md: base colours come
-// out as they went in, highlights are compressed and lose their colour.
+// Khronos PBR Neutral tone mapper, as KhronosGroup/ToneMapping specifies it: base colours come out as they went in,
+// highlights are compressed and lose their colour.
 vec3 tone_map(vec3 c) {
   const float kF90 = 0.04, kStart = 0.8 - kF90, kDesaturation = 0.15;
   c = max(c, vec3(0.0));

@@ -1,0 +1,63 @@
+"""The files of a checkout: what git knows or would add, read once."""
+import functools
+import pathlib
+import shutil
+import subprocess
+
+
+class MissingTool(Exception):
+    """A program that a check needs and that is not installed; the text is its name."""
+
+
+class Checkout:
+    def __init__(self, root: pathlib.Path):
+        self.root = root
+
+    @functools.cached_property
+    def files(self):
+        """Paths relative to the root, sorted. What git ignores is not among them, nor what was deleted."""
+        listed = self.git("ls-files", "--cached", "--others", "--exclude-standard").splitlines()
+        return sorted(name for name in set(listed) if (self.root / name).is_file())
+
+    def named(self, *endings):
+        return [name for name in self.files if name.endswith(endings)]
+
+    @functools.cached_property
+    def texts(self):
+        """Files that people write: no pictures, corpora or lock files."""
+        return [name for name in self.files
+                if not name.startswith(("tests/fuzz/corpus/", "common/cmake/example/assets/"))
+                and not name.endswith(("package-lock.json", ".png", ".glb", ".blend", ".zip", ".svg", "LICENSE"))]
+
+    @functools.lru_cache(maxsize=None)
+    def read(self, name):
+        return (self.root / name).read_text(encoding="utf-8", errors="replace")
+
+    @functools.lru_cache(maxsize=None)
+    def lines(self, name):
+        return self.read(name).splitlines()
+
+    def scripts(self, *interpreters):
+        """Files without an ending whose first line names one of the interpreters."""
+        found = []
+        for name in self.files:
+            if "." in name.rsplit("/", 1)[-1]:
+                continue
+            with open(self.root / name, "rb") as file:
+                first = file.readline(100)
+            if first.startswith(b"#!") and any(word.encode() in first for word in interpreters):
+                found.append(name)
+        return found
+
+    def git(self, *arguments, check=True):
+        done = subprocess.run(["git", "-C", str(self.root), *arguments], capture_output=True, text=True)
+        if check and done.returncode != 0:
+            raise RuntimeError(f"git {' '.join(arguments)}: {done.stderr.strip()}")
+        return done.stdout
+
+    def run(self, *command):
+        """The exit code and all output of a program, in the root."""
+        if not shutil.which(command[0]):
+            raise MissingTool(command[0])
+        done = subprocess.run(command, cwd=self.root, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        return done.returncode, done.stdout

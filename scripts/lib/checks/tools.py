@@ -1,0 +1,108 @@
+"""The checks that are programs of others: clang-format, clang-tidy, shellcheck, flake8, codespell."""
+import concurrent.futures
+import os
+import pathlib
+import re
+
+CPP = (".cpp", ".hpp")
+SPELLING = pathlib.Path(__file__).with_name("spelling.txt")
+
+
+def check_format(checkout, _all):
+    files = checkout.named(*CPP)
+    if not files:
+        return []
+    _, output = checkout.run("clang-format", "--dry-run", *files)
+    wrong = dict.fromkeys(line.split(":")[0] for line in output.splitlines() if "[-Wclang-format-violations]" in line)
+    return [f"{name}:1: is not as .clang-format lays it out" for name in wrong]
+
+
+def fix_format(checkout):
+    files = checkout.named(*CPP)
+    if files:
+        checkout.run("clang-format", "-i", *files)
+
+
+def check_shell(checkout, _all):
+    files = checkout.named(".sh") + checkout.scripts("bash", "/sh")
+    if not files:
+        return []
+    _, output = checkout.run("shellcheck", "--severity=warning", "--format=gcc", *files)
+    return output.splitlines()
+
+
+def check_python(checkout, _all):
+    files = checkout.named(".py") + checkout.scripts("python")
+    if not files:
+        return []
+    _, output = checkout.run("flake8", *files)
+    return [line.removeprefix("./") for line in output.splitlines()]
+
+
+def codespell(checkout, *options):
+    # Identifiers are no English words: names in camel case and k-constants are left out.
+    return checkout.run("codespell", "--ignore-words", str(SPELLING), "--ignore-regex", r"\bk[A-Z]\w*", *options,
+                        *(name for name in checkout.texts if not name.startswith("tests/checks/")))[1].splitlines()
+
+
+def check_spelling(checkout, _all):
+    return codespell(checkout)
+
+
+def fix_spelling(checkout):
+    codespell(checkout, "--write-changes")
+
+
+def changed_files(checkout):
+    """What differs from where the branch left main; on main itself, what its last commit changed."""
+    base = os.environ.get("FRACTURE_CHECK_BASE", "")
+    if not base:
+        head = checkout.git("rev-parse", "HEAD", check=False).strip()
+        for main in ("origin/main", "main"):
+            base = checkout.git("merge-base", "HEAD", main, check=False).strip()
+            if base:
+                break
+        if not base or base == head:
+            base = checkout.git("rev-parse", "--verify", "--quiet", "HEAD~1", check=False).strip() or head
+    changed = set(checkout.git("diff", "--name-only", base).splitlines())
+    return changed | set(checkout.git("ls-files", "--others", "--exclude-standard").splitlines())
+
+
+def tidied_files(checkout, every):
+    """Source files to look at: a header is seen through its own source file, or through the first that includes it."""
+    sources = [name for name in checkout.named(".cpp") if name.startswith(("common/", "server/", "client/", "tests/"))]
+    if every:
+        return sources
+    changed = changed_files(checkout)
+    wanted = changed & set(sources)
+    for header in changed & set(checkout.named(".hpp")):
+        own = header.removesuffix(".hpp") + ".cpp"
+        if own in sources:
+            wanted.add(own)
+        else:
+            include = f'#include "{header}"'
+            wanted.update([name for name in sources if include in checkout.read(name)][:1])
+    return sorted(wanted)
+
+
+def check_tidy(checkout, every):
+    files = tidied_files(checkout, every)
+    if not files:
+        return []
+    database = checkout.root / "build/release/compile_commands.json"
+    if not database.exists():
+        code, output = checkout.run("cmake", "--preset", "release")
+        if code != 0:
+            return [f"build/release:1: cannot be configured: {output[-300:]}"]
+    known = database.read_text(encoding="utf-8")
+    files = [name for name in files if f"/{name}\"" in known]
+
+    def tidy(name):
+        _, output = checkout.run("clang-tidy", "--quiet", "-p", "build/release",
+                                 "--extra-arg=-Wno-unknown-warning-option", name)
+        return [line.removeprefix(f"{checkout.root}/") for line in output.splitlines()
+                if re.search(r":\d+:\d+: (error|warning): ", line)]
+
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        found = [line for lines in pool.map(tidy, files) for line in lines]
+    return list(dict.fromkeys(found))

@@ -1,0 +1,176 @@
+#!/usr/bin/env python3
+"""Each check of scripts/check finds an offence that is planted for it, and nothing in the same checkout without it."""
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+CLEAN = {
+    ".clang-format": (ROOT / ".clang-format").read_text(),
+    ".clang-tidy": (ROOT / ".clang-tidy").read_text(),
+    ".flake8": (ROOT / ".flake8").read_text(),
+    "README.md": "# Title\n\nSee [base](common/base/vec.hpp) and [below](#the-end).\n\n## The end\n",
+    "common/base/CMakeLists.txt": "fracture_library(base SOURCES vec.cpp)\n",
+    "common/base/vec.hpp": "#pragma once\nint twice(int x);\n",
+    "common/base/vec.cpp": '#include "common/base/vec.hpp"\n\nint twice(int x) { return x + x; }\n',
+    "common/solid/CMakeLists.txt": "fracture_library(solid SOURCES solid.cpp DEPS fracture::base)\n",
+    "common/solid/solid.hpp": "#pragma once\nint four();\n",
+    "common/solid/solid.cpp": '#include "common/base/vec.hpp"\n\nint four() { return twice(2); }\n',
+    "server/CMakeLists.txt": "fracture_library(service SOURCES service.cpp DEPS fracture::solid)\n",
+    "server/service.cpp": '#include "common/solid/solid.hpp"\n\nint eight() { return 2 * four(); }\n',
+    "scripts/run": "#!/usr/bin/env bash\necho \"$1\"\n",
+    "scripts/count.py": "import sys\n\nprint(len(sys.argv))\n",
+    "tests/wait_test.cpp": "bool ready() { return eventually(kPatience, \"it\", done); }\n",
+}
+
+
+class Checks(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="fracture-test-")
+        self.addCleanup(folder.cleanup)
+        self.root = pathlib.Path(folder.name)
+        for name, text in CLEAN.items():
+            self.plant(name, text)
+        self.git("init", "--quiet", "--initial-branch=main")
+        self.git("add", "--all")
+        self.git("-c", "user.name=a", "-c", "user.email=a@b", "-c", "core.hooksPath=/dev/null", "commit", "--quiet", "-m", "clean")
+
+    def git(self, *arguments):
+        subprocess.run(["git", "-C", str(self.root), *arguments], check=True, capture_output=True)
+
+    def plant(self, name, text):
+        path = self.root / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+
+    def check(self, *arguments):
+        done = subprocess.run([sys.executable, str(ROOT / "scripts/check"), "--root", str(self.root), *arguments],
+                              text=True, capture_output=True)
+        return done.returncode, done.stdout + done.stderr
+
+    def expect_clean(self, check):
+        status, said = self.check(check)
+        self.assertEqual(status, 0, said)
+
+    def expect_found(self, check, *words):
+        status, said = self.check(check)
+        self.assertEqual(status, 1, said)
+        for word in words:
+            self.assertIn(word, said)
+        self.assertIn("repair: ", said)
+
+    def needs(self, tool):
+        if not shutil.which(tool):
+            self.skipTest(f"{tool} is not installed")
+
+    def test_format(self):
+        self.needs("clang-format")
+        self.expect_clean("format")
+        self.plant("common/base/vec.cpp", '#include "common/base/vec.hpp"\nint   twice( int x ){return x+x;}\n')
+        self.expect_found("format", "common/base/vec.cpp:1:", "repair: scripts/check --fix format")
+        self.assertEqual(self.check("--fix", "format")[0], 0)
+        self.assertIn("int twice(int x) { return x + x; }", (self.root / "common/base/vec.cpp").read_text())
+
+    def test_format_leaves_drawings_and_literals_alone(self):
+        self.needs("clang-format")
+        drawing = "//   a ---- b" + " " * 60 + "a drawing that is wider than the column limit of the formatter\n//   |\n"
+        literal = 'const char* text = "' + "a word " * 16 + '";\n'
+        self.plant("common/base/drawn.cpp", drawing + literal)
+        self.check("--fix", "format")
+        laid_out = (self.root / "common/base/drawn.cpp").read_text()
+        self.assertIn(drawing, laid_out)
+        self.assertIn("a word " * 16, laid_out)
+
+    def test_shell(self):
+        self.needs("shellcheck")
+        self.expect_clean("shell")
+        self.plant("scripts/run", "#!/usr/bin/env bash\nwork= other=1\necho \"$work$other\"\n")
+        self.expect_found("shell", "scripts/run:2:", "SC1007")
+
+    def test_python(self):
+        self.needs("flake8")
+        self.expect_clean("python")
+        self.plant("scripts/count.py", "import os\nimport sys\n\nprint(len(sys.argv))\n")
+        self.expect_found("python", "scripts/count.py:1:", "'os' imported but unused")
+
+    def test_spelling(self):
+        self.needs("codespell")
+        self.expect_clean("spelling")
+        self.plant("common/base/vec.hpp", "// What is recieved.\n#pragma once\nint twice(int x);\n")
+        self.expect_found("spelling", "common/base/vec.hpp:1:", "received", "repair: scripts/check --fix spelling")
+        self.assertEqual(self.check("--fix", "spelling")[0], 0)
+        self.assertIn("received", (self.root / "common/base/vec.hpp").read_text())
+
+    def test_words(self):
+        self.expect_clean("words")
+        self.plant("common/base/vec.hpp", "#pragma once\n// The tetrahedrons.\nint twice(int x);\n")
+        self.expect_found("words", "common/base/vec.hpp:2: 'tetrahedrons' -> tetrahedra")
+
+    def test_links(self):
+        self.expect_clean("links")
+        for text, said in (("[a](common/gone.hpp)\n", "links to common/gone.hpp, which does not exist"),
+                           ("[a](#nowhere)\n", "links to #nowhere, and README.md has no such heading"),
+                           ("The file common/base/gone.hpp says more.\n", "names common/base/gone.hpp, which does not exist"),
+                           ("See geometry.md.\n", "names geometry.md, which does not exist")):
+            self.plant("README.md", "# Title\n\n" + text)
+            self.expect_found("links", "README.md:3: " + said)
+        self.plant("README.md", CLEAN["README.md"])
+        self.plant("common/base/vec.hpp", "// The rule stands in exact/ties.md.\n#pragma once\nint twice(int x);\n")
+        self.expect_found("links", "common/base/vec.hpp:1: names exact/ties.md")
+
+    def test_includes(self):
+        self.expect_clean("includes")
+        # Linked, but only because of something else that is linked.
+        self.plant("server/service.cpp", '#include "common/base/vec.hpp"\n#include "common/solid/solid.hpp"\n')
+        self.expect_found("includes", "server/service.cpp:1: includes common/base/vec.hpp", "does not declare fracture_base")
+        self.plant("server/CMakeLists.txt", "fracture_library(service SOURCES service.cpp DEPS fracture::solid fracture::base)\n")
+        self.expect_clean("includes")
+        # An edge against the order of the rooms.
+        self.plant("common/base/vec.cpp", '#include "common/solid/solid.hpp"\n')
+        self.expect_found("includes", "common/base/vec.cpp:1: includes common/solid/solid.hpp", "does not declare fracture_solid")
+        # A library from elsewhere.
+        self.plant("common/base/vec.cpp", "#include <zstd.h>\n")
+        self.expect_found("includes", "common/base/vec.cpp:1: includes zstd.h")
+
+    def test_includes_finds_sources_that_nobody_compiles(self):
+        self.plant("common/lost/lost.cpp", "int lost;\n")
+        self.expect_found("includes", "common/lost/lost.cpp:1: no CMakeLists.txt compiles it")
+
+    def test_waits(self):
+        self.expect_clean("waits")
+        for name, text in (("tests/a_test.cpp", "void f() { std::this_thread::sleep_for(1ms); }\n"),
+                           ("tests/b_test.cpp", "void f() { while (!done) std::this_thread::yield(); }\n"),
+                           ("tests/c_test.py", "import time\ntime.sleep(1)\n"),
+                           ("tests/d", "#!/usr/bin/env bash\nuntil ready; do sleep 0.1; done\n")):
+            self.plant(name, text)
+            self.expect_found("waits", name)
+            (self.root / name).unlink()
+        self.plant("tests/a_test.cpp", "// pause: a client that sends a byte a second\nstd::this_thread::sleep_for(1s);\n")
+        self.expect_clean("waits")
+
+    def test_tidy(self):
+        self.needs("clang-tidy")
+        self.plant("build/release/compile_commands.json",
+                   f'[{{"directory": "{self.root}", "command": "c++ -std=c++20 -I. -c common/base/vec.cpp", '
+                   f'"file": "{self.root}/common/base/vec.cpp"}}]')
+        self.plant(".gitignore", "/build/\n")
+        self.expect_clean("tidy")
+        self.plant("common/base/vec.cpp", '#include "common/base/vec.hpp"\n\nint twice(int x) { return x == x ? x + x : 0; }\n')
+        self.expect_found("tidy", "common/base/vec.cpp:3:", "misc-redundant-expression")
+
+    def test_a_missing_tool_is_said_and_is_no_success(self):
+        self.plant("bin/git", "")
+        (self.root / "bin/git").unlink()
+        (self.root / "bin/git").symlink_to(shutil.which("git"))
+        done = subprocess.run([sys.executable, str(ROOT / "scripts/check"), "--root", str(self.root), "python"], text=True,
+                              capture_output=True, env={"PATH": str(self.root / "bin")})
+        self.assertEqual(done.returncode, 2, done.stdout)
+        self.assertIn("flake8 is not installed", done.stderr)
+        self.assertIn("scripts/install-deps check", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
