@@ -24,6 +24,10 @@ MONKEY = "/usr/share/assimp/models/BLEND/Suzanne_248.blend"  # Debian: assimp-te
 SITES = {"pane": 60, "wall": 70, "monkey": 60, "column": 60, "vase": 50}
 ASSETS = 6  # files of FRACTURE_TEST_MESHES on the sheet
 ASSET_BYTES = 400_000
+# What proto/parameters.md shows of each material and pattern: the mesh that suits it.
+SHOWN = {"glass": "pane", "wood": "wall", "concrete": "column", "stone": "monkey", "brick": "wall", "ceramic": "vase",
+         "metal": "monkey", "ice": "monkey"}
+SHOWN_PATTERNS = {"radial": "pane", "grid": "wall", "brick": "wall", "slice": "column"}  # the others: monkey
 COLUMNS = [("intact", {}), ("exploded", {"view": "exploded", "explode": 0.5}), ("after an impact", {"view": "impact"})]
 
 
@@ -118,6 +122,7 @@ def sites_for(mesh, pattern, patterns):
 
 class Gallery:
     def __init__(self, root, arguments):
+        self.root = root
         self.folder = root / "build/gallery"
         self.models = self.folder / "glb"
         self.models.mkdir(parents=True, exist_ok=True)
@@ -257,6 +262,30 @@ class Gallery:
         self.sheet("overview", "", [(f"material={material}", {}) for _, material in pairs],
                    [("exploded", {"view": "exploded", "explode": 0.4}, cells), ("hit", {"view": "impact"}, cells)])
 
+    def page_pictures(self, meshes):
+        """One small picture of each material and pattern, straight into proto/pictures (only where asked for by name)."""
+        if self.only is None or "page" not in self.only:
+            return
+        by_name = {mesh.name: mesh for mesh in meshes}
+        folder = self.root / "proto/pictures"
+        folder.mkdir(exist_ok=True)
+        wanted = [(f"material_{name}", {"material": name}, sets.get("pattern", "uniform"), SHOWN[name],
+                   ["--look", name] if name in self.looks else []) for name, sets in self.materials.items()]
+        wanted += [(f"pattern_{name}", {"pattern": name}, name, SHOWN_PATTERNS.get(name, "monkey"), ["--colors", "fragment"])
+                   for name in self.patterns if name != "points"]
+        for label, request, pattern, name, options in wanted:
+            mesh = by_name[name]
+            file = self.model(mesh, label, {**request, **sites_for(mesh, pattern, self.patterns)})
+            if file is None:
+                continue
+            grain = ",".join(map(str, mesh.options["grain"]))
+            subprocess.run([self.render, self.folder / file, "-o", folder / f"{label}.png", "-q", "--size", "240x180",
+                            "--supersample", "2", "--view", "exploded", "--explode", "0.35", "--grain", grain,
+                            "--margin", str(mesh.options["margin"]), *options], check=True)
+            subprocess.run(["pngquant", "--force", "--strip", "--quality", "50-90", "--ext", ".png", folder / f"{label}.png"],
+                           check=True)
+        print(f"   {len(wanted)} pictures in proto/pictures")
+
     def level_sheet(self, meshes):
         """One hierarchy: its levels apart, a colour for each cluster, then the fragments."""
         if not self.wants("levels"):
@@ -313,6 +342,7 @@ class Gallery:
             self.paper_sheet(meshes)
             self.pattern_sheet(meshes)
             self.overview_sheet(meshes)
+            self.page_pictures(meshes)
             self.level_sheet(meshes)
             self.local_sheet(meshes)
             self.rough_sheet()
@@ -329,8 +359,8 @@ class Gallery:
 def main():
     parser = argparse.ArgumentParser(prog="scripts/gallery")
     parser.add_argument("root", type=pathlib.Path)
-    parser.add_argument("--only", help="overview, materials, patterns, levels, local, rough, paper, assets, or the name of a "
-                        "material; several with commas")
+    parser.add_argument("--only", help="overview, page, materials, patterns, levels, local, rough, paper, assets, or the name of "
+                        "a material; several with commas")
     parser.add_argument("--size", default="400x300", help="of one picture")
     parser.add_argument("--keep", action="store_true", help="use the GLB files of the last run again")
     arguments = parser.parse_args()

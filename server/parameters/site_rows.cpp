@@ -102,7 +102,7 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            .min = 0,
            .max = 50,
            .doc = "Passes of relaxation: each moves every site to the middle of its piece, for pieces of "
-                  "more even size. A pass costs about as much as the fracture."},
+                  "more even size. A pass costs what cutting costs: mostly less than a tenth of the answer."},
           [](auto& r) -> auto& { return r.fracture.lloyd; })));
   ParameterSpec stretch = for_patterns(
       {},
