@@ -85,9 +85,12 @@ std::vector<Vec3d> points_in_clouds(const Task& task, ColumnSampler& sampler, st
   return points;
 }
 
-Expected<SitePlan> impact_sites(const Task& task, const ImpactPattern& pattern) {
+double expected_sites(const ImpactPattern&, double count, const Vec3d&) { return count; }
+double expected_sites(const ClusteredPattern&, double count, const Vec3d&) { return count; }
+
+Expected<SitePlan> generate(const Task& task, const ImpactPattern& pattern, const ImageMap& map) {
   ColumnSampler sampler(task.solid, task.seed, task.execution);
-  std::vector<Vec3d> impacts = pattern.impacts;
+  std::vector<Vec3d> impacts = mapped(pattern.impacts, map);
   if (impacts.empty()) impacts.push_back(task.solid.box.center());
   const double radius = pattern.radius.value_or(task.solid.box.longest_side() / 3);
   std::vector<Cloud> clouds;
@@ -106,7 +109,7 @@ Expected<SitePlan> impact_sites(const Task& task, const ImpactPattern& pattern) 
   return plan;
 }
 
-Expected<SitePlan> clustered_sites(const Task& task, const ClusteredPattern& pattern) {
+Expected<SitePlan> generate(const Task& task, const ClusteredPattern& pattern, const ImageMap&) {
   // Few clusters of many sites: the outer cells of a cluster share what lies half-way to the sites around it.
   const std::uint32_t count = pattern.clusters.value_or(std::max(1u, task.count / 40));
   ColumnSampler sampler(task.solid, task.seed, task.execution);

@@ -1,7 +1,11 @@
-// The patterns, one function each, and what they share. All work in the image of the solid (pattern.hpp);
-// places given by the caller have been mapped already. Points come back unsnapped.
+// The patterns, two functions each, and what they share. A pattern without one of them does not compile.
 #pragma once
 
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/base/matrix3.hpp"
 #include "common/sites/column_sampler.hpp"
 #include "common/sites/pattern.hpp"
 
@@ -16,13 +20,35 @@ struct Task {
   std::uint32_t most_sites;
 };
 
-Expected<SitePlan> impact_sites(const Task& task, const ImpactPattern& pattern);
-Expected<SitePlan> radial_sites(const Task& task, const RadialPattern& pattern);
-Expected<SitePlan> grid_sites(const Task& task, const GridPattern& pattern);
-Expected<SitePlan> brick_sites(const Task& task, const BrickPattern& pattern);
-/// One family of planes. Several families: grid_sites of their image.
-Expected<SitePlan> slice_sites(const Task& task, const SlicePattern& pattern);
-Expected<SitePlan> clustered_sites(const Task& task, const ClusteredPattern& pattern);
+/// From the frame of the answer to the image; none: they are the same.
+using ImageMap = std::optional<Matrix3>;
+
+/// The pattern's sites in the image of the solid under `map` (Task::solid is that image), unsnapped. Places
+/// and directions of the pattern are in the frame of the answer.
+Expected<SitePlan> generate(const Task& task, const UniformPattern& pattern, const ImageMap& map);
+Expected<SitePlan> generate(const Task& task, const PointsPattern& pattern, const ImageMap& map);
+Expected<SitePlan> generate(const Task& task, const ImpactPattern& pattern, const ImageMap& map);
+Expected<SitePlan> generate(const Task& task, const RadialPattern& pattern, const ImageMap& map);
+Expected<SitePlan> generate(const Task& task, const GridPattern& pattern, const ImageMap& map);
+Expected<SitePlan> generate(const Task& task, const BrickPattern& pattern, const ImageMap& map);
+Expected<SitePlan> generate(const Task& task, const SlicePattern& pattern, const ImageMap& map);
+Expected<SitePlan> generate(const Task& task, const ClusteredPattern& pattern, const ImageMap& map);
+
+/// About how many sites that makes, within a factor of two, of a solid with a box of these sides (metres),
+/// where SiteParameters::sites is `count`. Costs nothing: no solid is looked at.
+double expected_sites(const UniformPattern& pattern, double count, const Vec3d& sides);
+double expected_sites(const PointsPattern& pattern, double count, const Vec3d& sides);
+double expected_sites(const ImpactPattern& pattern, double count, const Vec3d& sides);
+double expected_sites(const RadialPattern& pattern, double count, const Vec3d& sides);
+double expected_sites(const GridPattern& pattern, double count, const Vec3d& sides);
+double expected_sites(const BrickPattern& pattern, double count, const Vec3d& sides);
+double expected_sites(const SlicePattern& pattern, double count, const Vec3d& sides);
+double expected_sites(const ClusteredPattern& pattern, double count, const Vec3d& sides);
+
+/// Places of the frame of the answer in the image.
+std::vector<Vec3d> mapped(std::vector<Vec3d> points, const ImageMap& map);
+/// How many boxes with the sides `cell` cover a box with the sides `sides`.
+double boxes_in(const Vec3d& sides, const Vec3d& cell);
 
 /// A point around which sites lie with a density that falls as distance^-exponent out to the radius.
 struct Cloud {

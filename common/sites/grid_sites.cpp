@@ -71,9 +71,22 @@ double product(const std::array<Division, 3>& d) {
   return static_cast<double>(d[0].count) * d[1].count * d[2].count;
 }
 
+/// A brick is as many cells as the shift of a course divides it into.
+std::uint32_t cells_of_brick(BrickPattern::Bond bond) {
+  return bond == BrickPattern::Bond::kStack ? 1 : bond == BrickPattern::Bond::kHalf ? 2 : 3;
+}
+
 }  // namespace
 
-Expected<SitePlan> grid_sites(const Task& task, const GridPattern& pattern) {
+double expected_sites(const GridPattern& pattern, double count, const Vec3d& sides) {
+  return pattern.cell ? boxes_in(sides, *pattern.cell) : count;
+}
+
+double expected_sites(const BrickPattern& pattern, double count, const Vec3d& sides) {
+  return cells_of_brick(pattern.bond) * (pattern.cell ? boxes_in(sides, *pattern.cell) : count);
+}
+
+Expected<SitePlan> generate(const Task& task, const GridPattern& pattern, const ImageMap&) {
   const Box& box = task.solid.box;
   std::array<Division, 3> d;
   const double scale = pattern.cell ? 0 : scale_for(box.size(), {1, 1, 1}, wanted_in_box(task));
@@ -95,7 +108,7 @@ Expected<SitePlan> grid_sites(const Task& task, const GridPattern& pattern) {
   return plan;
 }
 
-Expected<SitePlan> brick_sites(const Task& task, const BrickPattern& pattern) {
+Expected<SitePlan> generate(const Task& task, const BrickPattern& pattern, const ImageMap&) {
   const Box& box = task.solid.box;
   const Vec3d size = box.size();
   const int along = size.x >= size.z ? 0 : 2, deep = 2 - along;  // the wall runs along its longer side
@@ -116,10 +129,7 @@ Expected<SitePlan> brick_sites(const Task& task, const BrickPattern& pattern) {
     const double scale = scale_for(size, shape, wanted_in_box(task));
     for (int a = 0; a < 3; ++a) d[a] = fitted(box.min[a], box.max[a], scale * shape[a]);
   }
-  // A brick is as many cells as the shift of a course divides it into.
-  const std::uint32_t split = pattern.bond == BrickPattern::Bond::kStack  ? 1
-                              : pattern.bond == BrickPattern::Bond::kHalf ? 2
-                                                                          : 3;
+  const std::uint32_t split = cells_of_brick(pattern.bond);
   const std::uint32_t bricks = d[along].count + 1;  // in a course, the cut one at its end included
   d[along].count *= split;
   d[along].step /= split;

@@ -95,10 +95,25 @@ struct ClusteredPattern {
 
 using SitePattern = std::variant<UniformPattern, PointsPattern, ImpactPattern, RadialPattern, GridPattern,
                                  BrickPattern, SlicePattern, ClusteredPattern>;
-/// Names of the alternatives, in their order.
-inline constexpr const char* kPatternNames[] = {"uniform", "points", "impact", "radial",
-                                                "grid",    "brick",  "slice",  "clustered"};
-static_assert(std::size(kPatternNames) == std::variant_size_v<SitePattern>);
+
+/// What requests may say of a pattern and with it. One line for each alternative, in their order.
+struct PatternTraits {
+  const char* name;
+  const char* description;
+  bool counted;  ///< SiteParameters::sites means something, and there may be levels
+  bool relaxed;  ///< its sites may be moved one by one: SiteParameters::lloyd
+};
+inline constexpr PatternTraits kPatternTraits[] = {
+    {"uniform", "Sites uniform in the volume of the solid.", true, true},
+    {"points", "The sites are given by the caller.", false, true},
+    {"impact", "Most sites near the impacts, their density falling with distance.", true, true},
+    {"radial", "Rings and spokes around an axis: a pane that was hit.", true, false},
+    {"grid", "Boxes in rows.", true, false},
+    {"brick", "Masonry: courses of bricks, each shifted against the one below.", true, false},
+    {"slice", "One to three families of parallel planes.", true, false},
+    {"clustered", "Groups of small pieces between large ones.", true, true},
+};
+static_assert(std::size(kPatternTraits) == std::variant_size_v<SitePattern>);
 
 /// Cells that are longer in one direction: the pattern is made in the image of the solid under the inverse
 /// stretch, where it is isotropic. Not for slices of several families, which are such images themselves.
@@ -142,5 +157,9 @@ Expected<SitePlan> plan_sites(const SeenSolid& solid, const SiteParameters& para
 /// The same, with an image of its own. Errors of both.
 Expected<SitePlan> plan_sites(const Solid& solid, const SiteParameters& parameters,
                               const Execution& execution);
+
+/// About how many sites that makes, within a factor of two, of a solid in this box. For those who have to
+/// know what a request costs before it is computed.
+double expected_sites(const SiteParameters& parameters, const Box& box);
 
 }  // namespace fracture

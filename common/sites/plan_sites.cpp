@@ -49,84 +49,56 @@ Matrix3 map_of(const SlicePattern& slices) {
   return positive(map);
 }
 
-/// The grid that slices are in their image: cells of the spacing, the third direction of two families whole.
-GridPattern grid_of(const SlicePattern& slices, const Task& task) {
-  const Vec3d size = task.solid.box.size();
-  GridPattern grid;
-  grid.jitter = slices.jitter;
-  const auto families = slices.normals.size();
-  if (slices.spacing) {
-    grid.cell = Vec3d{*slices.spacing, *slices.spacing, *slices.spacing};
-  } else if (families == 3) {
-    return grid;  // as many cubes as asked for
-  } else {
-    // As many squares as asked for fill the rectangle of the first two coordinates.
-    const double side = std::sqrt(size.x * size.y / task.count);
-    grid.cell = Vec3d{side, side, side};
-  }
-  if (families == 2) grid.cell->z = size.z > 0 ? 2 * size.z : 1;
-  return grid;
+}  // namespace
+
+namespace sites_detail {
+
+Expected<SitePlan> generate(const Task& task, const UniformPattern&, const ImageMap&) {
+  Expected<std::vector<Vec3d>> points = uniform_sites(task.solid, task.count, task.seed, task.execution);
+  if (!points) return tl::unexpected(points.error());
+  SitePlan plan;
+  plan.points = std::move(*points);
+  return plan;
 }
 
-std::vector<Vec3d> mapped(std::vector<Vec3d> points, const std::optional<Matrix3>& map) {
+Expected<SitePlan> generate(const Task&, const PointsPattern& pattern, const ImageMap& map) {
+  SitePlan plan;
+  plan.points = mapped(pattern.points, map);
+  plan.groups = pattern.groups;
+  return plan;
+}
+
+double expected_sites(const UniformPattern&, double count, const Vec3d&) { return count; }
+double expected_sites(const PointsPattern&, double count, const Vec3d&) { return count; }
+
+std::vector<Vec3d> mapped(std::vector<Vec3d> points, const ImageMap& map) {
   if (map)
     for (Vec3d& p : points) p = *map * p;
   return points;
 }
 
-Expected<SitePlan> generate(const Task& task, const SitePattern& pattern, const std::optional<Matrix3>& map) {
-  struct Generator {
-    const Task& task;
-    const std::optional<Matrix3>& map;
-    Expected<SitePlan> operator()(const UniformPattern&) const {
-      Expected<std::vector<Vec3d>> points = uniform_sites(task.solid, task.count, task.seed, task.execution);
-      if (!points) return tl::unexpected(points.error());
-      SitePlan plan;
-      plan.points = std::move(*points);
-      return plan;
-    }
-    Expected<SitePlan> operator()(const PointsPattern& pattern) const {
-      SitePlan plan;
-      plan.points = mapped(pattern.points, map);
-      plan.groups = pattern.groups;
-      return plan;
-    }
-    Expected<SitePlan> operator()(ImpactPattern pattern) const {
-      pattern.impacts = mapped(std::move(pattern.impacts), map);
-      return sites_detail::impact_sites(task, pattern);
-    }
-    Expected<SitePlan> operator()(RadialPattern pattern) const {
-      pattern.impacts = mapped(std::move(pattern.impacts), map);
-      if (map && pattern.axis) pattern.axis = *map * *pattern.axis;
-      return sites_detail::radial_sites(task, pattern);
-    }
-    Expected<SitePlan> operator()(const GridPattern& pattern) const {
-      return sites_detail::grid_sites(task, pattern);
-    }
-    Expected<SitePlan> operator()(const BrickPattern& pattern) const {
-      return sites_detail::brick_sites(task, pattern);
-    }
-    Expected<SitePlan> operator()(SlicePattern pattern) const {
-      if (pattern.normals.size() > 1) return sites_detail::grid_sites(task, grid_of(pattern, task));
-      // The plane n·q = c is A^-T n · A q = c.
-      if (map) pattern.normals[0] = map->inverse().transposed_times(pattern.normals[0]);
-      return sites_detail::slice_sites(task, pattern);
-    }
-    Expected<SitePlan> operator()(const ClusteredPattern& pattern) const {
-      return sites_detail::clustered_sites(task, pattern);
-    }
-  };
-  return std::visit(Generator{task, map}, pattern);
+double boxes_in(const Vec3d& sides, const Vec3d& cell) {
+  double n = 1;
+  for (int axis = 0; axis < 3; ++axis) n *= std::fmax(1, std::ceil(sides[axis] / cell[axis]));
+  return n;
 }
 
-}  // namespace
-
-tl::unexpected<Error> sites_detail::too_many_sites(const Task& task, double sites) {
+tl::unexpected<Error> too_many_sites(const Task& task, double sites) {
   return fail(ErrorCode::kTooComplex,
               "The pattern needs " + std::to_string(static_cast<std::uint64_t>(std::fmin(sites, 1e15))) +
                   " sites for this mesh; a pattern may make at most " + std::to_string(task.most_sites) +
                   ". Ask for larger cells or fewer rings and spokes.",
               "pattern");
+}
+
+}  // namespace sites_detail
+
+double expected_sites(const SiteParameters& parameters, const Box& box) {
+  return std::visit(
+      [&](const auto& pattern) {
+        return sites_detail::expected_sites(pattern, parameters.sites, box.size());
+      },
+      parameters.pattern);
 }
 
 Expected<std::optional<Matrix3>> map_of_cells(const Box& box, const SiteParameters& p) {
@@ -144,7 +116,8 @@ Expected<std::optional<Matrix3>> map_of_cells(const Box& box, const SiteParamete
 
 Expected<SitePlan> plan_sites(const SeenSolid& solid, const SiteParameters& p, const Execution& execution) {
   const Task task{solid.seen(), std::max(1u, p.sites), p.seed, execution, p.most_sites};
-  Expected<SitePlan> plan = generate(task, p.pattern, solid.map());
+  Expected<SitePlan> plan = std::visit(
+      [&](const auto& pattern) { return sites_detail::generate(task, pattern, solid.map()); }, p.pattern);
   if (!plan) return plan;
   plan->map = solid.map();
   if (!std::holds_alternative<PointsPattern>(p.pattern)) {

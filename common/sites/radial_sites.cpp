@@ -47,10 +47,18 @@ double reach_across(const Box& box, const Vec3d& center, const Across& frame) {
 
 }  // namespace
 
-Expected<SitePlan> radial_sites(const Task& task, const RadialPattern& pattern) {
+double expected_sites(const RadialPattern& pattern, double count, const Vec3d&) {
+  // A ring crack that stays away leaves one piece of several cells.
+  if (pattern.spokes && pattern.rings) return static_cast<double>(*pattern.spokes) * *pattern.rings;
+  return 2 * count;
+}
+
+Expected<SitePlan> generate(const Task& task, const RadialPattern& pattern, const ImageMap& map) {
   const Box& box = task.solid.box;
-  const Vec3d center = pattern.impacts.empty() ? box.center() : pattern.impacts[0];
-  const Across frame = across(pattern.axis.value_or(shortest_side(box)));
+  const std::vector<Vec3d> impacts = mapped(pattern.impacts, map);
+  const Vec3d center = impacts.empty() ? box.center() : impacts[0];
+  const std::optional<Vec3d> axis = map && pattern.axis ? *map * *pattern.axis : pattern.axis;
+  const Across frame = across(axis.value_or(shortest_side(box)));
   const double reach = reach_across(box, center, frame);
 
   // About 0.7 of the cells of a disc around a square meet the square, and `merge` of those go.

@@ -12,10 +12,46 @@ namespace {
 
 constexpr std::uint64_t kSliceStream = 0x511c'0000'0000'0001ull;
 
+/// The grid that slices are in their image: cells of the spacing, the third direction of two families whole.
+GridPattern grid_of(const SlicePattern& slices, const Task& task) {
+  const Vec3d size = task.solid.box.size();
+  GridPattern grid;
+  grid.jitter = slices.jitter;
+  const auto families = slices.normals.size();
+  if (slices.spacing) {
+    grid.cell = Vec3d{*slices.spacing, *slices.spacing, *slices.spacing};
+  } else if (families == 3) {
+    return grid;  // as many cubes as asked for
+  } else {
+    // As many squares as asked for fill the rectangle of the first two coordinates.
+    const double side = std::sqrt(size.x * size.y / task.count);
+    grid.cell = Vec3d{side, side, side};
+  }
+  if (families == 2) grid.cell->z = size.z > 0 ? 2 * size.z : 1;
+  return grid;
+}
+
 }  // namespace
 
-Expected<SitePlan> slice_sites(const Task& task, const SlicePattern& pattern) {
-  const Vec3d normal = normalized(pattern.normals.at(0));
+double expected_sites(const SlicePattern& pattern, double count, const Vec3d& sides) {
+  if (!pattern.spacing) return count;
+  double n = 1;
+  for (const Vec3d& normal : pattern.normals) {
+    const double length = std::sqrt(dot(normal, normal));
+    const double width =
+        (std::fabs(normal.x) * sides.x + std::fabs(normal.y) * sides.y + std::fabs(normal.z) * sides.z) /
+        length;
+    n *= std::fmax(1, std::ceil(width / *pattern.spacing));
+  }
+  return n;
+}
+
+/// Several families are the product grid of their coordinates, in which the map has put the solid.
+Expected<SitePlan> generate(const Task& task, const SlicePattern& pattern, const ImageMap& map) {
+  if (pattern.normals.size() > 1) return generate(task, grid_of(pattern, task), map);
+  // The plane n·q = c is A^-T n · A q = c.
+  const Vec3d given = pattern.normals.at(0);
+  const Vec3d normal = normalized(map ? map->inverse().transposed_times(given) : given);
   const Vec3d center = task.solid.box.center();
   double low = HUGE_VAL, high = -HUGE_VAL;
   Pacer pacer(task.execution);

@@ -94,7 +94,7 @@ nlohmann::json ParameterTable::to_json() const {
 nlohmann::json ParameterTable::patterns_to_json() const {
   nlohmann::json patterns = nlohmann::json::array(), materials = nlohmann::json::array(),
                  general = nlohmann::json::array();
-  for (std::size_t k = 0; k < std::size(kPatternNames); ++k) {
+  for (std::size_t k = 0; k < std::size(kPatternTraits); ++k) {
     RequestParameters request;
     request.fracture.pattern = default_pattern(k);
     nlohmann::json own = nlohmann::json::array();
@@ -105,8 +105,9 @@ nlohmann::json ParameterTable::patterns_to_json() const {
         entry["default"] = std::move(value);
       own.push_back(std::move(entry));
     }
-    patterns.push_back(
-        {{"name", kPatternNames[k]}, {"description", pattern_docs()[k]}, {"parameters", std::move(own)}});
+    patterns.push_back({{"name", kPatternTraits[k].name},
+                        {"description", kPatternTraits[k].description},
+                        {"parameters", std::move(own)}});
   }
   for (const ParameterSpec& spec : specs_)
     if (spec.patterns.empty() && spec.decides != Decides::kSolid) general.push_back(describe(spec));

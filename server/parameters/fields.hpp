@@ -68,7 +68,7 @@ using PatternOf = decltype(pattern_of_member(member));
 
 template <class Pattern>
 std::string pattern_name() {
-  return kPatternNames[SitePattern(Pattern{}).index()];
+  return kPatternTraits[SitePattern(Pattern{}).index()].name;
 }
 
 /// A parameter of those patterns whose members are given; `get` is asked only when the pattern is one of

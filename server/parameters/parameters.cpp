@@ -167,8 +167,8 @@ Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter
     if (!belongs(spec, result.fracture.pattern)) {
       offences.add(ErrorCode::kBadParameter, *seen.at(spec.name),
                    "'" + spec.name + "' belongs to the pattern " + join(spec.patterns) +
-                       "; the pattern of this request is " + kPatternNames[result.fracture.pattern.index()] +
-                       ".");
+                       "; the pattern of this request is " +
+                       kPatternTraits[result.fracture.pattern.index()].name + ".");
       continue;
     }
     spec.set(result, spec, value->second);

@@ -208,7 +208,7 @@ ParameterSpec format_row(const FormatSet& formats) {
 
 bool belongs(const ParameterSpec& spec, const SitePattern& pattern) {
   return spec.patterns.empty() || std::find(spec.patterns.begin(), spec.patterns.end(),
-                                            kPatternNames[pattern.index()]) != spec.patterns.end();
+                                            kPatternTraits[pattern.index()].name) != spec.patterns.end();
 }
 
 std::vector<ParameterSpec> parameter_rows(std::uint32_t max_sites, const FormatSet& formats) {
@@ -223,14 +223,14 @@ std::vector<ParameterSpec> parameter_rows(std::uint32_t max_sites, const FormatS
   for (ParameterSpec& row : rows) {
     std::vector<nlohmann::json> defaults;  // one for each pattern
     RequestParameters request;
-    for (std::size_t k = 0; k < std::size(kPatternNames); ++k) {
+    for (std::size_t k = 0; k < std::size(kPatternTraits); ++k) {
       request.fracture.pattern = default_pattern(k);
       if (belongs(row, request.fracture.pattern)) defaults.push_back(row.get(request, row));
     }
     const bool one =
         std::all_of(defaults.begin(), defaults.end(), [&](const auto& d) { return d == defaults[0]; });
     if (row.name == "pattern")
-      row.default_value = kPatternNames[RequestParameters().fracture.pattern.index()];
+      row.default_value = kPatternTraits[RequestParameters().fracture.pattern.index()].name;
     else if (one)
       row.default_value = defaults[0];
   }

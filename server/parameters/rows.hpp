@@ -32,8 +32,8 @@ std::optional<Contradiction> complete_structure(RequestParameters& parameters);
 /// The part of it for hits.
 std::optional<Contradiction> complete_hits(RequestParameters& parameters);
 
-/// One sentence on each pattern, in the order of kPatternNames.
-const std::vector<std::string>& pattern_docs();
+/// Names of the patterns for which this is true.
+std::vector<std::string> patterns_that(bool PatternTraits::*may);
 
 /// The pattern of this number, all its parameters at their defaults.
 SitePattern default_pattern(std::size_t index);

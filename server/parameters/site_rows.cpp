@@ -51,9 +51,9 @@ SitePattern pattern_at(std::size_t index, std::index_sequence<k...>) {
 ParameterSpec pattern_row() {
   ParameterSpec spec{.name = "pattern",
                      .type = Type::kChoice,
-                     .choices = {std::begin(kPatternNames), std::end(kPatternNames)},
                      .doc = "Where the Voronoi sites go; see GET /patterns.",
                      .decides = Decides::kSites};
+  for (const PatternTraits& pattern : kPatternTraits) spec.choices.emplace_back(pattern.name);
   spec.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     const auto index = static_cast<std::size_t>(std::get<std::uint64_t>(value));
     if (r.fracture.pattern.index() == index) return;  // keeps what a material has set
@@ -65,7 +65,7 @@ ParameterSpec pattern_row() {
     if (std::holds_alternative<SlicePattern>(r.fracture.pattern)) r.fracture.anisotropy = {};
   };
   spec.get = [](const RequestParameters& r, const ParameterSpec&) {
-    return kPatternNames[r.fracture.pattern.index()];
+    return kPatternTraits[r.fracture.pattern.index()].name;
   };
   return spec;
 }
@@ -78,7 +78,7 @@ ParameterSpec for_patterns(std::vector<std::string> patterns, ParameterSpec spec
 
 void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
   rows.push_back(for_patterns(
-      {"uniform", "impact", "radial", "grid", "brick", "slice", "clustered"},
+      patterns_that(&PatternTraits::counted),
       with_member(
           {.name = "sites",
            .type = Type::kInteger,
@@ -95,7 +95,7 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
                             .doc = "Seed of everything random: the same seed gives the same bytes."},
                            [](auto& r) -> auto& { return r.fracture.seed; })));
   rows.push_back(for_patterns(
-      {"uniform", "points", "impact", "clustered"},
+      patterns_that(&PatternTraits::relaxed),
       with_member(
           {.name = "lloyd",
            .type = Type::kInteger,
@@ -241,9 +241,9 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .unit = "m",
        .low = kLeastLength,
        .high = kFar,
-       .doc = "grid: the sides of a box along x, y and z. brick: length, height and depth of a brick with "
-              "its joint, the "
-              "length along the longer horizontal side of the box. Without it: as `sites` needs."});
+       .doc =
+           "grid: the sides of a box along x, y and z. brick: length, height and depth of a brick with "
+           "its joint, the length along the longer horizontal side of the box. Without it: as `sites` needs."});
   rows.push_back(std::move(cell));
   rows.push_back(with_pattern_member<&BrickPattern::bond>(
       {.name = "bond",
@@ -299,17 +299,11 @@ std::vector<ParameterSpec> site_parameter_rows(std::uint32_t max_sites) {
   return rows;
 }
 
-const std::vector<std::string>& pattern_docs() {
-  static const std::vector<std::string> docs{
-      "Sites uniform in the volume of the solid.",
-      "The sites are given by the caller.",
-      "Most sites near the impacts, their density falling with distance.",
-      "Rings and spokes around an axis: a pane that was hit.",
-      "Boxes in rows.",
-      "Masonry: courses of bricks, each shifted against the one below.",
-      "One to three families of parallel planes.",
-      "Groups of small pieces between large ones."};
-  return docs;
+std::vector<std::string> patterns_that(bool PatternTraits::*may) {
+  std::vector<std::string> names;
+  for (const PatternTraits& pattern : kPatternTraits)
+    if (pattern.*may) names.emplace_back(pattern.name);
+  return names;
 }
 
 }  // namespace fracture

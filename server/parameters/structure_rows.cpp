@@ -72,7 +72,7 @@ ParameterSpec levels_row() {
       .doc =
           "Instead of `sites`: how many pieces each level of the hierarchy has, coarsest first. The last is "
           "the number of sites, the others are clusters of fragments."};
-  spec.patterns = {"uniform", "impact", "radial", "grid", "brick", "slice", "clustered"};
+  spec.patterns = patterns_that(&PatternTraits::counted);
   spec.check = [](const ParameterValue& value) -> std::string {
     const auto& levels = std::get<std::vector<std::uint64_t>>(value);
     const bool increasing =

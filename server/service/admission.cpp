@@ -29,41 +29,6 @@ constexpr double kSecondsPerRoughTriangle = 4e-6, kBytesPerRoughTriangle = 600;
 constexpr double kSecondsPerDecodedByte = 7e-9, kSecondsPerByteRead = 2e-9,
                  kSecondsPerCodedByte = 1.5e-8;  // gzip; zstd takes half of it
 
-/// Sites of the pattern itself in a box of this size.
-double pattern_sites(const SiteParameters& parameters, const Vec3d& side) {
-  const auto boxes = [&](const Vec3d& cell) {
-    double n = 1;
-    for (int axis = 0; axis < 3; ++axis) n *= std::fmax(1, std::ceil(side[axis] / cell[axis]));
-    return n;
-  };
-  if (const auto* grid = std::get_if<GridPattern>(&parameters.pattern); grid && grid->cell)
-    return boxes(*grid->cell);
-  if (const auto* brick = std::get_if<BrickPattern>(&parameters.pattern)) {
-    // A brick is as many cells as the shift of a course divides it into.
-    const double split = brick->bond == BrickPattern::Bond::kStack  ? 1
-                         : brick->bond == BrickPattern::Bond::kHalf ? 2
-                                                                    : 3;
-    return split * (brick->cell ? boxes(*brick->cell) : parameters.sites);
-  }
-  if (const auto* radial = std::get_if<RadialPattern>(&parameters.pattern)) {
-    // A ring crack that stays away leaves one piece of several cells.
-    if (radial->spokes && radial->rings) return static_cast<double>(*radial->spokes) * *radial->rings;
-    return 2.0 * parameters.sites;
-  }
-  if (const auto* slice = std::get_if<SlicePattern>(&parameters.pattern); slice && slice->spacing) {
-    double n = 1;
-    for (const Vec3d& normal : slice->normals) {
-      const double length = std::sqrt(dot(normal, normal));
-      const double across =
-          (std::fabs(normal.x) * side.x + std::fabs(normal.y) * side.y + std::fabs(normal.z) * side.z) /
-          length;
-      n *= std::fmax(1, std::ceil(across / *slice->spacing));
-    }
-    return n;
-  }
-  return parameters.sites;
-}
-
 ExpectedWork work(std::uint64_t mesh_bytes, std::uint64_t triangles, double sites, double passes,
                   double rough_triangles) {
   const auto read = static_cast<double>(mesh_bytes), clipped = static_cast<double>(triangles);
@@ -77,7 +42,7 @@ ExpectedWork work(std::uint64_t mesh_bytes, std::uint64_t triangles, double site
 }  // namespace
 
 double expected_sites(const FractureParameters& parameters, const Solid* solid, const Selection& selection) {
-  double sites = solid ? pattern_sites(parameters, solid->box.size()) : parameters.sites;
+  double sites = solid ? expected_sites(parameters, solid->box) : parameters.sites;
   // A cell that is too large gets further sites until its pieces are below the limit: on average half of it.
   if (solid && parameters.max_volume > 0)
     sites = std::fmax(sites, 2 * solid->report.volume / parameters.max_volume);

@@ -40,7 +40,7 @@ TEST(Admission, CountsTheSitesOfPatternsWhoseCellsHaveASize) {
         with(BrickPattern{}, 200), with(RadialPattern{}, 300), with(rings)}) {
     const SitePlan plan = plan_sites(solid, parameters, {}).value();
     const auto made = static_cast<double>(plan.points.size());
-    SCOPED_TRACE(kPatternNames[parameters.pattern.index()]);
+    SCOPED_TRACE(kPatternTraits[parameters.pattern.index()].name);
     EXPECT_GE(expected_sites(parameters, &solid), made / 2);
     EXPECT_LE(expected_sites(parameters, &solid), made * 2);
   }

@@ -39,8 +39,8 @@ TEST(LargeInputs, EveryPatternCanBeInterruptedAnywhere) {
     parameters.sites = pattern.index() == 5 ? 10'000 : 40'000;
     PollGaps gaps;
     const auto plan = plan_sites(sphere, parameters, gaps.execution());
-    EXPECT_LT(gaps.longest_ms(), kMostPollGapMs) << kPatternNames[pattern.index()];
-    ASSERT_TRUE(plan) << kPatternNames[pattern.index()] << ": " << plan.error().detail;
+    EXPECT_LT(gaps.longest_ms(), kMostPollGapMs) << kPatternTraits[pattern.index()].name;
+    ASSERT_TRUE(plan) << kPatternTraits[pattern.index()].name << ": " << plan.error().detail;
     EXPECT_GT(plan->points.size(), 1000u);
   }
 }

@@ -77,7 +77,7 @@ TEST(Patterns, AreFunctionsOfTheSeed) {
   for (const SitePattern& pattern : std::vector<SitePattern>{
            UniformPattern{}, ImpactPattern{}, RadialPattern{}, GridPattern{.jitter = 0.5},
            BrickPattern{.jitter = 0.5}, SlicePattern{}, ClusteredPattern{}}) {
-    SCOPED_TRACE(kPatternNames[pattern.index()]);
+    SCOPED_TRACE(kPatternTraits[pattern.index()].name);
     EXPECT_EQ(plan_of(solid, pattern, 50, 3).points, plan_of(solid, pattern, 50, 3).points);
     EXPECT_NE(plan_of(solid, pattern, 50, 3).points, plan_of(solid, pattern, 50, 4).points);
   }

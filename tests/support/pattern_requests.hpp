@@ -1,7 +1,11 @@
 // One request for every pattern and every material, for a given box: what the invariants must hold for.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "common/materials/materials.hpp"
@@ -66,6 +70,19 @@ inline std::vector<NamedParameters> pattern_requests(const Box& box, std::uint32
   add("slice_three",
       SlicePattern{.normals = {{1, 0.3, 0}, {0, 1, 0.2}, {0.4, -0.2, 1}}, .spacing = 0.21 * side});
   add("clustered", ClusteredPattern{});
+  // A pattern that nothing is said of here: as it comes. (Points are the caller's own.)
+  const auto add_if_missing = [&](const auto& pattern, const PatternTraits& traits) {
+    const SitePattern missing = pattern;
+    if (!std::holds_alternative<PointsPattern>(missing) &&
+        std::none_of(all.begin(), all.end(), [&](const NamedParameters& request) {
+          return request.parameters.pattern.index() == missing.index();
+        }))
+      add(traits.name, missing);
+  };
+  [&]<std::size_t... k>(std::index_sequence<k...>) {
+    (add_if_missing(std::variant_alternative_t<k, SitePattern>{}, kPatternTraits[k]), ...);
+  }
+  (std::make_index_sequence<std::variant_size_v<SitePattern>>{});
   for (const MaterialPreset& preset : material_presets())
     all.push_back({preset.name, of_material(preset, sites, seed)});
   return all;
