@@ -8,10 +8,11 @@ namespace {
 
 using enum FormatEncoding;
 using enum FormatFrame;
+using enum FormatReader;
 
 constexpr FormatInfo kFormats[] = {
-#define FRACTURE_MESH_FORMAT(enumerator, name, extensions, media, magic, encoding, frame, on, none) \
-  {MeshFormat::enumerator, name, extensions, media, magic, encoding, frame, on, none},
+#define FRACTURE_MESH_FORMAT(enumerator, name, extensions, media, magic, encoding, frame, reader, on, none) \
+  {MeshFormat::enumerator, name, extensions, media, magic, encoding, frame, reader, on, none},
 #include "common/import/formats.def"
 #undef FRACTURE_MESH_FORMAT
 };

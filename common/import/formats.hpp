@@ -10,7 +10,7 @@
 namespace fracture {
 
 enum class MeshFormat {
-#define FRACTURE_MESH_FORMAT(enumerator, name, extensions, media, magic, encoding, frame, on, none) \
+#define FRACTURE_MESH_FORMAT(enumerator, name, extensions, media, magic, encoding, frame, reader, on, none) \
   enumerator,
 #include "common/import/formats.def"
 #undef FRACTURE_MESH_FORMAT
@@ -21,6 +21,9 @@ enum class FormatEncoding { kBinary, kText, kXml };
 /// What a format says about axes and units where its files do not.
 enum class FormatFrame { kUnknown, kYUp, kZUp, kMetresYUp };
 
+/// Which library reads a format. import.cpp calls each.
+enum class FormatReader { kTinygltf, kAssimp };
+
 struct FormatInfo {
   MeshFormat format;
   const char* name;              ///< its value as a parameter, and its first extension
@@ -29,6 +32,7 @@ struct FormatInfo {
   std::string_view magic;        ///< first bytes of most of its files; empty: nothing is typical
   FormatEncoding encoding;
   FormatFrame frame;
+  FormatReader reader;
   /// glTF, GLB, OBJ, STL, PLY and OFF; the others run larger or older parsers and are off by default.
   bool enabled_by_default;
   const char* without_surface;  ///< what its files hold where that is no surface; empty for meshes

@@ -15,8 +15,6 @@
 namespace fracture {
 namespace {
 
-bool is_gltf(MeshFormat format) { return format == MeshFormat::kGlb || format == MeshFormat::kGltf; }
-
 /// The file as its parser wants it: text in UTF-8, whole-file compression undone, `format` the one it turns
 /// out to be.
 struct PlainFile {
@@ -38,7 +36,8 @@ Expected<PlainFile> make_plain(std::span<const std::byte> bytes, MeshFormat form
     file.bytes = file.inflated;
     if (zgl) file.format = MeshFormat::kXgl;
   }
-  if (format_info(file.format).encoding != FormatEncoding::kBinary && !is_gltf(format)) {
+  if (format_info(file.format).encoding != FormatEncoding::kBinary &&
+      format_info(file.format).reader != FormatReader::kTinygltf) {
     if (std::optional<std::string> text = utf16_to_utf8(file.bytes)) {
       file.text = std::move(*text);
       file.bytes = std::as_bytes(std::span(file.text));
@@ -77,6 +76,16 @@ Expected<void> preflight_of(std::span<const std::byte> bytes, MeshFormat format,
   }
 }
 
+Expected<Mesh> read(const PlainFile& file, const ImportLimits& limits, std::span<const ImportFile> files) {
+  switch (format_info(file.format).reader) {
+    case FormatReader::kTinygltf:
+      return import_gltf(file.bytes, file.format, limits, files);
+    case FormatReader::kAssimp:
+      return import_with_assimp(file.bytes, file.format, limits, files);
+  }
+  throw InternalError("a mesh format without a reader");
+}
+
 /// What the format says where the file cannot (FBX says it itself, its reader fills the frame in).
 void state_frame(Mesh& mesh, FormatFrame frame) {
   if (frame == FormatFrame::kUnknown) return;
@@ -97,8 +106,7 @@ Expected<Mesh> import_mesh(std::span<const std::byte> bytes, MeshFormat format, 
   if (!plain) return tl::unexpected<Error>(plain.error());
   if (auto checked = preflight_of(plain->bytes, plain->format, limits); !checked)
     return tl::unexpected<Error>(checked.error());
-  Expected<Mesh> mesh = is_gltf(format) ? import_gltf(plain->bytes, format, limits, files)
-                                        : import_with_assimp(plain->bytes, plain->format, limits, files);
+  Expected<Mesh> mesh = read(*plain, limits, files);
   if (!mesh) return mesh;
   state_frame(*mesh, format_info(plain->format).frame);
   for (std::string& warning : mesh->warnings)  // they quote the file, cut to a length that may end within a
