@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "common/base/execution.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace fracture {
 namespace {
@@ -18,6 +19,7 @@ void spend(double seconds) {
 
 TEST(ProcessorTime, CountsWorkAndNotSleep) {
   const double begin = processor_seconds_of_this_thread();
+  // pause: what is slept must not count
   std::this_thread::sleep_for(std::chrono::milliseconds(100));
   EXPECT_LT(processor_seconds_of_this_thread() - begin, 0.05);
   spend(0.02);
@@ -31,7 +33,7 @@ TEST(ProcessorTime, WhatHelpersDoInALoopIsCountedForWhoseLoopItIs) {
   const double begin = processor_seconds_of_this_thread();
   parallel_for(execution, 4, 1, [&](std::size_t, std::size_t) {
     ++at_work;
-    while (at_work < 4) std::this_thread::yield();  // four threads, a block each
+    test::require_eventually(test::kPatience, "four threads, a block each", [&] { return at_work == 4; });
     spend(0.02);
   });
   EXPECT_GE(processor_seconds_of_this_thread() - begin, 0.08);

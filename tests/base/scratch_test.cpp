@@ -10,6 +10,7 @@
 
 #include "common/base/execution.hpp"
 #include "common/base/stamped_map.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace fracture {
 namespace {
@@ -87,9 +88,7 @@ TEST(Scratch, HelperThreadsGiveBackWhatIsLargeWhenTheyAreIdle) {
   ASSERT_GE(threads.size(), 2u);
   EXPECT_GE(Counted::large.load(), 2u);
   trim_scratch();
-  for (int k = 0; k < 1000 && Counted::large > 0; ++k)
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  EXPECT_EQ(Counted::large.load(), 0u);
+  EXPECT_TRUE(test::eventually(test::kPatience, "the threads to let go", [] { return Counted::large == 0; }));
 }
 
 }  // namespace

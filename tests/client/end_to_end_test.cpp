@@ -125,6 +125,7 @@ TEST(EndToEnd, AServerThatIsKilledAndStartedAgainIsUsedAgain) {
   game::Game game(std::move(*stage), client, {});
   const auto frame = [&] {
     game.advance(1.0 / 60, true);
+    // pause: a game draws here; how many frames an answer takes is not judged
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   };
   while (game.meshes_stored() == 0) frame();

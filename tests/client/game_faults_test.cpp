@@ -7,6 +7,7 @@
 #include <mutex>
 
 #include "tests/client/falling_box.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace fracture::game {
 namespace {
@@ -24,10 +25,11 @@ void frames(Game& game, int count) {
 }
 /// Frames until the game has seen an answer's end, good or bad.
 void frames_until(Game& game, const std::function<bool()>& done) {
-  while (!done()) {
+  test::require_eventually(test::kPatience, "the answer in a frame", [&] {
+    if (done()) return true;
     game.advance(kFrame, true);
-    std::this_thread::sleep_for(std::chrono::microseconds(200));
-  }
+    return false;
+  });
 }
 
 TEST(GameFaults, TheFrameDoesNotWaitForASlowServer) {
@@ -63,7 +65,8 @@ TEST(GameFaults, AReproducibleRunStandsStillInstead) {
   const std::string bytes = test::two_cubes_glb().bytes();
   FakeServer server([&](const FakeRequest& request) {
     if (request.method == "PUT") return FakeReply::answer(201, "{}");
-    while (!answer) std::this_thread::yield();
+    test::require_eventually(test::kPatience, "the test to let the server answer",
+                             [&] { return answer.load(); });
     return glb(bytes);
   });
   protocol::Client client(settings_for(server));
@@ -76,7 +79,7 @@ TEST(GameFaults, AReproducibleRunStandsStillInstead) {
   EXPECT_EQ(game.world().steps(), asked + 6);
   for (int k = 0; k < 100; ++k) EXPECT_FALSE(game.ready());
   answer = true;
-  while (!game.ready()) std::this_thread::yield();
+  test::require_eventually(test::kPatience, "the answer of the step", [&] { return game.ready(); });
   game.step();
   EXPECT_EQ(game.figures().swaps, 1u);
   ASSERT_EQ(game.swaps().size(), 1u);
@@ -253,13 +256,13 @@ TEST(GameFaults, TwoHundredGamesLeaveNothingBehind) {
     if (k == 40) early = in_use();
     Game game(falling_box(), client, settings);
     while (game.figures().swaps == 0) {
-      while (!game.ready()) std::this_thread::yield();
+      test::require_eventually(test::kPatience, "the answer of the step", [&] { return game.ready(); });
       game.step();
     }
     if (!fingerprint) fingerprint = game.world().fingerprint();
     ASSERT_EQ(game.world().fingerprint(), *fingerprint) << k;
   }
-  while (client.status().open != 0) std::this_thread::yield();
+  test::require_eventually(test::kPatience, "the requests to end", [&] { return client.status().open == 0; });
   const std::ptrdiff_t late = in_use();
   std::ptrdiff_t noted = 0;  // by the fake server, which keeps every request
   for (const FakeRequest& request : server.requests())

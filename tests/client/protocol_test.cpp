@@ -8,6 +8,7 @@
 
 #include "common/exchange/headers.hpp"
 #include "tests/client/fake_server.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace fracture::protocol {
 namespace {
@@ -39,13 +40,13 @@ Settings settings(std::uint16_t port) {
   return s;
 }
 
-/// The next `count` answers, however long they take (ctest ends a hang).
+/// The next `count` answers.
 std::vector<Answer> wait_for(Client& client, std::size_t count) {
   std::vector<Answer> all;
-  while (all.size() < count) {
+  test::require_eventually(test::kPatience, std::to_string(count) + " answers", [&] {
     for (Answer& answer : client.poll()) all.push_back(std::move(answer));
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
+    return all.size() >= count;
+  });
   return all;
 }
 Answer wait_for_one(Client& client) { return wait_for(client, 1).front(); }
@@ -172,7 +173,7 @@ TEST(ProtocolClient, ManyRequestsForAForgottenMeshPutItOnce) {
   FakeServer server([&](const FakeRequest& request) {
     if (request.method == "PUT") {
       // The first is the start's; the second comes when all four have been refused.
-      while (!known && refused < 4) std::this_thread::yield();
+      test::require_eventually(test::kPatience, "four refusals", [&] { return known || refused == 4; });
       known = true;
       return stored();
     }
@@ -394,7 +395,7 @@ TEST(ProtocolClient, TheClientEndsWhileRequestsAreOpen) {
   s.connections = 2;
   Client client(s);
   for (int k = 0; k < 10; ++k) client.fracture("sha256:0", {});
-  while (server.requests().size() < 2) std::this_thread::yield();
+  test::require_eventually(test::kPatience, "two requests", [&] { return server.requests().size() >= 2; });
 }
 
 /// A port on which nobody listens: it was given to a server that is gone.
@@ -419,7 +420,7 @@ TEST(ProtocolClient, ARequestWaitsForTheServerToComeBack) {
   const std::uint16_t port = deserted_port();
   Client client(settings(port));
   client.fracture("sha256:0", {});
-  while (client.status().retried < 3) std::this_thread::yield();
+  test::require_eventually(test::kPatience, "three tries", [&] { return client.status().retried >= 3; });
   EXPECT_TRUE(client.poll().empty());
   FakeServer server([](const FakeRequest&) { return fragments(); }, port);
   EXPECT_TRUE(wait_for_one(client).ok());
@@ -436,7 +437,7 @@ TEST(ProtocolClient, AServerThatDiesInMidFlightAndComesBackAnswers) {
   const std::uint16_t port = server->port();
   Client client(settings(port));
   client.fracture("sha256:0", {});
-  while (!asked) std::this_thread::yield();
+  test::require_eventually(test::kPatience, "the first request", [&] { return asked.load(); });
   server.reset();
   server.emplace([](const FakeRequest&) { return fragments(); }, port);
   const Answer answer = wait_for_one(client);
@@ -465,9 +466,11 @@ TEST(ProtocolClient, TheHeartbeatNoticesAServerThatComes) {
   Settings s = settings(port);
   s.heartbeat = Milliseconds(5);
   Client client(s);
-  while (client.status().state != ServerState::kAbsent) std::this_thread::yield();
+  test::require_eventually(test::kPatience, "the client to see that nobody is there",
+                           [&] { return client.status().state == ServerState::kAbsent; });
   FakeServer server([](const FakeRequest&) { return FakeReply::answer(200, "{}"); }, port);
-  while (client.status().state != ServerState::kReachable) std::this_thread::yield();
+  test::require_eventually(test::kPatience, "the client to see the server",
+                           [&] { return client.status().state == ServerState::kReachable; });
   EXPECT_EQ(server.requests().front().target, "/version");
 }
 

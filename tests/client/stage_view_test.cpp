@@ -9,6 +9,7 @@
 #include "client/headless/egl_context.hpp"
 #include "client/render/frame_target.hpp"
 #include "tests/client/falling_box.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace fracture::view {
 namespace {
@@ -55,11 +56,12 @@ class StageViewTest : public testing::Test {
 TEST_F(StageViewTest, FragmentsAreUploadedInAFrameBeforeTheyAreSeen) {
   game::Game game(falling_box(), client_, {});
   draw(game);
-  while (game.coming().empty()) {
+  ASSERT_TRUE(test::eventually(test::kPatience, "fragments to upload", [&] {
+    if (!game.coming().empty()) return true;
     game.advance(test::kFrame, true);
-    std::this_thread::sleep_for(std::chrono::microseconds(200));
-    ASSERT_EQ(game.figures().swaps, 0u) << "bodies were swapped before anybody could upload them";
-  }
+    EXPECT_EQ(game.figures().swaps, 0u) << "bodies were swapped before anybody could upload them";
+    return false;
+  }));
   EXPECT_EQ(draw(game).uploads, 1u);
   EXPECT_EQ(draw(game).uploads, 0u) << "once is enough";
   const std::uint64_t steps = game.world().steps();
@@ -101,7 +103,7 @@ TEST_F(StageViewTest, BreaksAndResetsLeaveNothingBehind) {
     game::Game game(falling_box(), client_, settings);
     draw(game);
     while (game.figures().swaps == 0) {
-      while (!game.ready()) std::this_thread::yield();
+      test::require_eventually(test::kPatience, "the answer of the step", [&] { return game.ready(); });
       game.step();
     }
     EXPECT_GE(draw(game).uploads, 1u);
@@ -113,7 +115,8 @@ TEST_F(StageViewTest, BreaksAndResetsLeaveNothingBehind) {
   }
   EXPECT_EQ(gl_objects(), early_objects);
   EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
-  while (client_.status().open != 0) std::this_thread::yield();
+  test::require_eventually(test::kPatience, "the requests to end",
+                           [&] { return client_.status().open == 0; });
   std::ptrdiff_t noted = 0;  // by the fake server, which keeps every request
   for (const FakeRequest& request : server_.requests())
     noted += static_cast<std::ptrdiff_t>(request.method.capacity() + request.target.capacity() +

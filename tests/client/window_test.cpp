@@ -10,6 +10,7 @@
 #include "client/render/image.hpp"
 #include "tests/server/child_process.hpp"
 #include "tests/server/server_process.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace fracture::app {
 namespace {
@@ -24,11 +25,11 @@ class OnADisplay : public testing::Test {
     display_.emplace(std::vector<std::string>{*program, "-displayfd", "1", "-screen", "0", "800x600x24"},
                      folder_ / "display");
     std::string number;
-    while (number.empty()) {
-      ASSERT_TRUE(display_->alive()) << test::read_file(folder_ / "display");
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    ASSERT_TRUE(test::eventually(test::kPatience, "the display's number", [&] {
       number = display_number(test::read_file(folder_ / "display"));
-    }
+      return !number.empty() || !display_->alive();
+    }));
+    ASSERT_FALSE(number.empty()) << test::read_file(folder_ / "display");
     const std::string display = ":" + number;
     ::setenv("DISPLAY", display.c_str(), 1);
   }

@@ -9,6 +9,7 @@
 #include "tests/server/exposition.hpp"
 #include "tests/server/raw_client.hpp"
 #include "tests/server/server_process.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace fracture::test {
 namespace {
@@ -22,13 +23,10 @@ Exposition metrics(ServeProcess& server) {
   return parse_exposition(ask(server.admin_port, "GET", "/metrics").body);
 }
 
-/// Waits, far longer than it should take, until the public listener has no connection left.
-bool all_closed(ServeProcess& server) {
-  for (int i = 0; i < 600; ++i) {
-    if (metrics(server)["fracture_connections"] == 0) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  }
-  return false;
+/// The public listener has no connection left, soon.
+testing::AssertionResult all_closed(ServeProcess& server) {
+  return eventually(kPatience, "all connections to close",
+                    [&] { return metrics(server)["fracture_connections"] == 0; });
 }
 
 /// Clients that ask one request after another until told to stop, each on a connection of its own.
@@ -45,6 +43,7 @@ class Foreground {
           } catch (const std::runtime_error&) {
             ++failed;
           }
+          // pause: this client is polite, and leaves the others their turns
           std::this_thread::sleep_for(std::chrono::milliseconds(5));
         }
       });
@@ -139,10 +138,8 @@ TEST(FewDescriptors, OpenConnectionsAreServedAndNewOnesWhenThereIsRoom) {
       return false;
     }
   };
-  for (int i = 0; i < 1000 && !ready(); ++i) {
-    ASSERT_TRUE(server.alive()) << read_file(folder / "log");
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
+  ASSERT_TRUE(eventually(kPatience, "the server to be ready", [&] { return ready() || !server.alive(); }));
+  ASSERT_TRUE(server.alive()) << read_file(folder / "log");
   RawClient early(port);
   early.send("GET /version HTTP/1.1\r\nHost: a\r\n\r\n");
   ASSERT_TRUE(early.receive());

@@ -14,6 +14,7 @@
 #include "common/import/sibling_files.hpp"
 #include "tests/server/raw_client.hpp"
 #include "tests/server/server_process.hpp"
+#include "tests/support/eventually.hpp"
 #include "tests/support/mesh_files.hpp"
 
 namespace fracture::test {
@@ -154,9 +155,8 @@ TEST(Assets, EveryModelOfAssimpGetsAnAnswerFromTheSameProcess) {
     const Reply reply = post(*server, file.string(), "sites=10");
     const std::string name = fs::relative(file, folder).generic_string();
     if (reply.status == 0) {
-      for (int k = 0; k < 50 && server->alive(); ++k)
-        std::this_thread::sleep_for(std::chrono::milliseconds(20));
-      const bool dead = !server->alive();
+      // A server that lives keeps its connections: one without an answer is given time to be seen dead.
+      const bool dead{eventually(std::chrono::seconds(1), "its end", [&] { return !server->alive(); })};
       ++died;
       ++tally[dead ? "died" : "no answer"];
       list << name << (dead ? " DIED" : " NO ANSWER") << std::endl;
@@ -179,8 +179,8 @@ TEST(Assets, EveryModelOfAssimpGetsAnAnswerFromTheSameProcess) {
   EXPECT_TRUE(server->alive());
   // Freed memory goes back to the system once the server is idle.
   constexpr double kGrowth = 64;
-  for (int k = 0; k < 50 && server->memory() > before + kGrowth / 2; ++k)
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  EXPECT_TRUE(
+      eventually(kPatience, "freed memory to go back", [&] { return server->memory() < before + kGrowth; }));
   const double after = server->memory();
   list << "total memory before " << before << " MiB, after " << after << " MiB\n";
   EXPECT_LT(after - before, kGrowth) << "MiB";

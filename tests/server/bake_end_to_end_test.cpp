@@ -12,6 +12,7 @@
 #include "tests/server/child_process.hpp"
 #include "tests/server/door.hpp"
 #include "tests/server/server_process.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace fracture::test {
 namespace {
@@ -54,8 +55,8 @@ TEST(BakeOfAFolder, GivesTheSameBytesHoweverItIsDividedOrInterrupted) {
 
   {
     Process killed(bake("killed", {"-j", "2"}));
-    while (lines_in(folder / "killed/bake.ndjson") < 3)
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    require_eventually(kPatience, "three lines of the report",
+                       [&] { return lines_in(folder / "killed/bake.ndjson") >= 3; });
     killed.signal(SIGKILL);
     killed.wait();
   }
@@ -108,8 +109,8 @@ TEST(BakeThroughAServer, GivesTheBytesOfALocalBakeAlsoWhereTheServerIsKilledMean
       << "the same report";
 
   Process bake(arguments("restarted", through));
-  while (lines_in(folder / "restarted/bake.ndjson") < 3)
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  require_eventually(kPatience, "three lines of the report",
+                     [&] { return lines_in(folder / "restarted/bake.ndjson") >= 3; });
   farm.restart();
   EXPECT_EQ(bake.wait(), 0);
   EXPECT_EQ(outputs(folder / "restarted"), whole);
@@ -189,7 +190,8 @@ TEST(BakeOfAFolder, StopsOnSigtermAndGoesOnLater) {
       "bake",    folder / "in", "-o", folder / "out",    "--sites", "300",
       "--quiet", "-j",          "1",  "--allow-refused", "1"};
   Process stopped(arguments);
-  while (lines_in(folder / "out/bake.ndjson") < 2) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  require_eventually(kPatience, "two lines of the report",
+                     [&] { return lines_in(folder / "out/bake.ndjson") >= 2; });
   stopped.signal(SIGTERM);
   const int code = stopped.wait();
   EXPECT_TRUE(code == 130 || code == 0) << code << ": or it was done already";

@@ -112,8 +112,11 @@ TEST_F(BakeProgram, ASignalEndsTheWaitForAPipe) {
   // The shell holds both ends of the pipe. The fourth digit from the right of SigCgt has bit 14, SIGTERM: it
   // is caught.
   const std::string caught =
-      "until grep -Eq 'SigCgt:.*[4567cdef][0-9a-f]{3}$' /proc/$!/status; do sleep 0.01; done; ";
-  const std::string written = "until grep -q encode .err; do sleep 0.01; done; sleep 0.1; ";
+      "for k in $(seq 6000); do grep -Eq 'SigCgt:.*[4567cdef][0-9a-f]{3}$' /proc/$!/status && break; "
+      "sleep 0.01; done; ";
+  // The tenth of a second more is for the write that blocks.
+  const std::string written =
+      "for k in $(seq 6000); do grep -q encode .err && break; sleep 0.01; done; sleep 0.1; ";
   const std::string stop = "kill -TERM $!; wait $!";
   EXPECT_EQ(shell("mkfifo in.pipe; exec 8<>in.pipe; \"$f\" bake - -o x.glb <in.pipe & " + caught + stop), 130)
       << err;

@@ -12,6 +12,7 @@
 #include "server/http/multipart.hpp"
 #include "tests/server/door.hpp"
 #include "tests/server/test_server.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace fracture::bake {
 namespace {
@@ -251,10 +252,10 @@ TEST(RemoteBaker, BeginsAgainWhereTheServerHasForgotten) {
   };
   // The job is to be seen unfinished, so that its events are asked for.
   farm.server.control->during_cut = [&](const Execution& execution) {
-    while (farm.count("GET /jobs/") == 0) {
+    test::require_eventually(test::kPatience, "somebody to ask for the job", [&] {
       execution.poll();
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
+      return farm.count("GET /jobs/") > 0;
+    });
   };
   expect_local_file(*baker_for(farm), {});
   EXPECT_GE(lost["result"], 3);
@@ -349,18 +350,20 @@ TEST(RemoteBaker, AStopEndsTheWaitingAndTheJob) {
   Farm farm;
   std::stop_source stop;
   farm.server.control->during_cut = [&](const Execution& execution) {
-    while (farm.count("GET /jobs/") == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    test::require_eventually(test::kPatience, "somebody to ask for the job",
+                             [&] { return farm.count("GET /jobs/") > 0; });
     stop.request_stop();
-    for (;;) {
+    test::require_eventually(test::kPatience, "the cancellation", [&] {
       execution.poll();
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
+      return false;
+    });
   };
   const auto baker = baker_for(farm);
   const auto baked = bake(*baker, {}, stop.get_token());
   ASSERT_FALSE(baked);
   EXPECT_EQ(baked.error().kind, Kind::kCancelled);
-  while (farm.server.control->cancelled == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  test::require_eventually(test::kPatience, "the work to be cancelled",
+                           [&] { return farm.server.control->cancelled > 0; });
 }
 
 TEST(RemoteBaker, SaysWhatIsWrongWithTheServerBeforeTheFirstJob) {

@@ -10,6 +10,7 @@
 
 #include "tests/server/gzip.hpp"
 #include "tests/server/test_server.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace fracture::test {
 namespace {
@@ -38,10 +39,9 @@ long peak_mib() {
 }
 
 /// What a request holds is given back after its answer has been handed over.
-bool all_given_back(TestServer& server) {
-  for (int i = 0; i < 1000 && server.api.bodies().whole().used() > 0; ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  return server.api.bodies().whole().used() == 0;
+testing::AssertionResult all_given_back(TestServer& server) {
+  return eventually(kPatience, "all bodies to be given back",
+                    [&] { return server.api.bodies().whole().used() == 0; });
 }
 
 TEST(ContentCoding, ADecodedBodyIsChargedWithItselfAndNoLongerWithWhatCame) {

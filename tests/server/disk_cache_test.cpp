@@ -276,7 +276,7 @@ TEST_F(Disk, KilledAtAnyMomentItNeverServesAWrongByte) {
       ASSERT_EQ(::read(written[0], &byte, 1), 1);
     }
     state = state * 1664525u + 1013904223u;
-    ::usleep(state >> 16 & 0x7fff);  // up to 33 ms
+    ::usleep(state >> 16 & 0x7fff);  // pause: up to 33 ms, so that it is killed at any moment
     ::kill(child, SIGKILL);
     ::waitpid(child, nullptr, 0);
     ::close(written[0]);

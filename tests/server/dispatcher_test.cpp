@@ -11,6 +11,7 @@
 
 #include "tests/server/fake_engine.hpp"
 #include "tests/server/fracture_request.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace fracture {
 namespace {
@@ -24,13 +25,14 @@ using test::fracture_request;
 struct Gate {
   void pass(const Execution& execution) {
     ++arrived;
-    while (!open) {
+    test::require_eventually(test::kPatience, "the gate to open", [&] {
       execution.poll();
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
+      return open.load();
+    });
   }
   void wait_for(int n) const {
-    while (arrived < n) std::this_thread::yield();
+    test::require_eventually(test::kPatience, "computations to come to the gate",
+                             [&] { return arrived >= n; });
   }
   std::atomic<int> arrived{0};
   std::atomic<bool> open{false};
@@ -159,7 +161,7 @@ TEST_F(DispatcherTest, WhoLeavesWhileWaitingForAMeshDoesNotStopItForTheOthers) {
     ask(fracture_request("mesh", static_cast<std::uint64_t>(seed)), terms);
     if (seed == 0) gate.wait_for(1);  // it is the one that imports
   }
-  while (pool.queued() > 0) std::this_thread::yield();
+  test::require_eventually(test::kPatience, "the queue to be empty", [&] { return pool.queued() == 0; });
   first.request_stop();
   third.request_stop();
   gate.open = true;
@@ -189,7 +191,7 @@ TEST_F(DispatcherTest, EachWaiterHasItsOwnDeadline) {
   hasty.deadline = steady_clock::now() + std::chrono::milliseconds(50);
   ask(fracture_request("mesh"), hasty);
   ask(fracture_request("mesh"));
-  while (bad == 0) std::this_thread::yield();
+  test::require_eventually(test::kPatience, "the first refusal", [&] { return bad > 0; });
   EXPECT_EQ(errors[ErrorCode::kDeadlineExceeded], 1);
   EXPECT_EQ(good, 0);
   gate.open = true;
@@ -207,7 +209,7 @@ TEST_F(DispatcherTest, WorkWhoseDeadlinePassedInTheQueueIsNotDone) {
   Terms terms;
   terms.deadline = steady_clock::now() + std::chrono::milliseconds(500);
   ask(fracture_request("late"), terms);
-  while (bad == 0) std::this_thread::yield();
+  test::require_eventually(test::kPatience, "the first refusal", [&] { return bad > 0; });
   gate.open = true;
   dispatcher.wait_idle();
   EXPECT_EQ(good, 2);
@@ -406,7 +408,8 @@ TEST_F(DispatcherTest, AComputationThatNeverFitsIsRefusedByNameAndOneThatOthersC
     const std::lock_guard lock(of_outcomes);
     return outcomes_of.contains(seed);
   };
-  while (!answered(2) && !answered(3)) std::this_thread::yield();  // ended by the test's time limit
+  test::require_eventually(test::kPatience, "one of the two answers",
+                           [&] { return answered(2) || answered(3); });
   gate.open = true;
   small.wait_idle();
   const bool two = outcomes_of.at(2).has_value(), three = outcomes_of.at(3).has_value();

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tests/server/test_server.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace fracture::test {
 namespace {
@@ -18,13 +19,13 @@ TEST(Drain, NotReadyAtOnceThenBusyRequestsFinishAndIdleConnectionsClose) {
   TestServer server;
   std::atomic<bool> release{false};
   server.control->during_cut = [&](const Execution&) {
-    while (!release) std::this_thread::sleep_for(milliseconds(1));
+    require_eventually(kPatience, "the test to release the work", [&] { return release.load(); });
   };
   RawClient idle(server.port()), busy(server.port());
   idle.send("GET /version HTTP/1.1\r\nHost: a\r\n\r\n");
   ASSERT_TRUE(idle.receive());
   busy.send(kPost + "Content-Length: 4\r\n\r\nmesh");
-  while (server.control->cuts == 0) std::this_thread::yield();
+  require_eventually(kPatience, "a cut to begin", [&] { return server.control->cuts > 0; });
 
   server.api.set_draining();
   const Reply ready = ask(server.server.admin_port(), "GET", "/readyz");
@@ -47,14 +48,14 @@ TEST(Drain, NotReadyAtOnceThenBusyRequestsFinishAndIdleConnectionsClose) {
 TEST(Drain, AfterTheGraceWorkIsCancelledWithA503) {
   TestServer server;
   server.control->during_cut = [](const Execution& execution) {
-    for (;;) {
+    require_eventually(kPatience, "the cancellation", [&] {
       execution.poll();
-      std::this_thread::sleep_for(milliseconds(1));
-    }
+      return false;
+    });
   };
   RawClient client(server.port());
   client.send(kPost + "Content-Length: 4\r\n\r\nmesh");
-  while (server.control->cuts == 0) std::this_thread::yield();
+  require_eventually(kPatience, "a cut to begin", [&] { return server.control->cuts > 0; });
   server.server.stop_accepting();
   server.server.cancel_jobs();
   const auto reply = client.receive();
@@ -68,14 +69,17 @@ TEST(Drain, DestroyingABusyServerIsSafe) {
   std::vector<std::unique_ptr<RawClient>> clients;
   {
     TestServer server;
-    server.control->during_cut = [](const Execution&) { std::this_thread::sleep_for(milliseconds(30)); };
+    server.control->during_cut = [](const Execution&) {
+      // pause: work that takes a while and cannot be cancelled
+      std::this_thread::sleep_for(milliseconds(30));
+    };
     for (int i = 0; i < 20; ++i) {
       clients.push_back(std::make_unique<RawClient>(server.port()));
       clients.back()->send(
           "POST /fracture?seed=" + std::to_string(i) +
           " HTTP/1.1\r\nHost: a\r\nContent-Type: model/obj\r\nContent-Length: 4\r\n\r\nmesh");
     }
-    while (server.control->cuts < 3) std::this_thread::yield();
+    require_eventually(kPatience, "three cuts to begin", [&] { return server.control->cuts >= 3; });
   }
   for (const auto& client : clients) client->receive_all();
 }

@@ -11,6 +11,7 @@
 
 #include "tests/server/raw_client.hpp"
 #include "tests/server/server_process.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace fracture::test {
 namespace {
@@ -223,9 +224,9 @@ TEST_F(EndToEnd, SigtermDrainsAndExitsWithZero) {
   kept.send("GET /version HTTP/1.1\r\nHost: a\r\n\r\n");
   ASSERT_TRUE(kept.receive());
   server.signal(SIGTERM);
-  // The signal is taken by a thread that has to be scheduled first; the test's own time limit ends a hang.
-  while (ask(server.admin_port, "GET", "/readyz").status == 200)
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  // The signal is taken by a thread that has to be scheduled first.
+  require_eventually(kPatience, "the server to take the signal",
+                     [&] { return ask(server.admin_port, "GET", "/readyz").status != 200; });
   EXPECT_EQ(ask(server.admin_port, "GET", "/readyz").status, 503);
   EXPECT_EQ(ask(server.port, "POST", "/fracture?sites=4", kObj, kCube).status, 200)
       << "within the drain delay";
@@ -239,6 +240,7 @@ TEST_F(EndToEnd, AWorkingRequestIsFinishedAfterSigint) {
   RawClient client(server.port);
   client.send("POST /fracture?sites=3000 HTTP/1.1\r\nHost: a\r\n" + kObj +
               "Content-Length: " + std::to_string(kCube.size()) + "\r\n\r\n" + kCube);
+  // pause: the signal is to come when the header may have been read, or not yet
   std::this_thread::sleep_for(std::chrono::milliseconds(5));
   server.signal(SIGINT);
   // The header may or may not have been read when the signal came; a request that was read is answered.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tests/server/test_server.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace fracture::test {
 namespace {
@@ -24,10 +25,10 @@ struct FlightsOverHttp : testing::Test {
   void SetUp() override {
     server.control->during_cut = [this](const Execution& execution) {
       ++gate.arrived;
-      while (!gate.open) {
+      require_eventually(kPatience, "the gate to open", [&] {
         execution.poll();
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-      }
+        return gate.open.load();
+      });
     };
   }
   void TearDown() override { gate.open = true; }
@@ -38,7 +39,8 @@ struct FlightsOverHttp : testing::Test {
     return *clients.back();
   }
   void wait_for_waiters(std::uint64_t collapsed) {
-    while (server.dispatcher.figures().collapsed < collapsed) std::this_thread::yield();
+    require_eventually(kPatience, "equal requests to be one",
+                       [&] { return server.dispatcher.figures().collapsed >= collapsed; });
   }
 };
 
@@ -62,11 +64,12 @@ TEST_F(FlightsOverHttp, SixtyFourIdenticalColdRequestsAreOneComputation) {
 
 TEST_F(FlightsOverHttp, TheLeaderIsResetHalfWayAndTheOthersGetTheirAnswer) {
   RawClient& leader = send("/fracture");
-  while (gate.arrived == 0) std::this_thread::yield();
+  require_eventually(kPatience, "a computation to come to the gate", [&] { return gate.arrived > 0; });
   for (int i = 0; i < 63; ++i) send("/fracture");
   wait_for_waiters(63);
   leader.reset();
-  while (server.dispatcher.figures().abandoned == 0) std::this_thread::yield();
+  require_eventually(kPatience, "the reset to be seen",
+                     [&] { return server.dispatcher.figures().abandoned > 0; });
   gate.open = true;
   for (std::size_t i = 1; i < clients.size(); ++i) {
     const auto reply = clients[i]->receive();
@@ -80,7 +83,7 @@ TEST_F(FlightsOverHttp, TheLeaderIsResetHalfWayAndTheOthersGetTheirAnswer) {
 TEST_F(FlightsOverHttp, WhenEveryClientIsResetTheComputationStops) {
   for (int i = 0; i < 10; ++i) send("/fracture");
   wait_for_waiters(9);
-  while (gate.arrived == 0) std::this_thread::yield();
+  require_eventually(kPatience, "a computation to come to the gate", [&] { return gate.arrived > 0; });
   for (const auto& client : clients) client->reset();
   server.dispatcher.wait_idle();  // the gate stays closed
   EXPECT_EQ(server.control->cancelled, 1);
@@ -128,7 +131,7 @@ TEST_F(FlightsOverHttp, WhatCannotBeInTimeIsRefusedAtOnceWithAComputedRetryAfter
   for (int i = 0; i < 200; ++i) server.pool.measured(1, 1e5);  // very slow
   send("/fracture?seed=1");
   send("/fracture?seed=2");
-  while (gate.arrived < 2) std::this_thread::yield();
+  require_eventually(kPatience, "two computations to come to the gate", [&] { return gate.arrived >= 2; });
   const Reply refused = server.post("/fracture?seed=3");
   EXPECT_EQ(refused.status, 503);
   EXPECT_EQ(refused.problem(), "overloaded");

@@ -6,6 +6,7 @@
 #include "tests/server/child_process.hpp"
 #include "tests/server/raw_client.hpp"
 #include "tests/server/server_process.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace fracture::test {
 namespace {
@@ -33,7 +34,8 @@ TEST(Health, AServerIsAliveAndReadyUntilItDrains) {
   EXPECT_NE(error.find("/nothing: status 404"), std::string::npos) << error;
 
   server.signal(SIGTERM);
-  while (ask(server.admin_port, "GET", "/readyz").status == 200) std::this_thread::yield();
+  require_eventually(kPatience, "the server to take the signal",
+                     [&] { return ask(server.admin_port, "GET", "/readyz").status != 200; });
   EXPECT_EQ(health({url(server.admin_port), "--ready"}).first, 1);
   EXPECT_EQ(health({url(server.admin_port)}).first, 0) << "a draining server is alive";
   server.signal(SIGTERM);

@@ -11,6 +11,7 @@
 #include "tests/server/exposition.hpp"
 #include "tests/server/hostile_corpus.hpp"
 #include "tests/server/test_server.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace fracture::test {
 namespace {
@@ -171,7 +172,10 @@ TEST(Hostile, SlowHeadersAndBodiesAre408AndIdleConnectionsJustClose) {
     RawClient client(server.port());  // one byte now and then does not extend the time
     client.send("GET / HTTP/1.1\r\nX: ");
     std::thread drip([&] {
-      for (int i = 0; i < 100 && client.send("x"); ++i) std::this_thread::sleep_for(milliseconds(50));
+      // pause: a client that sends a byte now and then
+      for (int i = 0; i < 100 && client.send("x"); ++i) {
+        std::this_thread::sleep_for(milliseconds(50));  // pause: see above
+      }
     });
     const auto reply = client.receive();
     EXPECT_TRUE(reply && reply->status == 408);
@@ -199,18 +203,16 @@ TEST(Hostile, AClientThatNeverReadsIsDroppedWhenItsWindowIsFull) {
   server.control->glb_padding = 64u << 20;
   RawClient client(server.port());
   client.send(kPost + "Content-Length: 4\r\n\r\nmesh");
-  while (server.control->cuts == 0) std::this_thread::yield();
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
-  while (server.server.connections() > 0 && std::chrono::steady_clock::now() < end)
-    std::this_thread::sleep_for(milliseconds(5));
-  EXPECT_EQ(server.server.connections(), 0u);
+  require_eventually(kPatience, "a cut to begin", [&] { return server.control->cuts > 0; });
+  EXPECT_TRUE(
+      eventually(kPatience, "the end of the connection", [&] { return server.server.connections() == 0; }));
 }
 
 TEST(Hostile, AHalfClosingClientGetsItsAnswer) {
   TestServer server;
   server.control->during_cut = [](const Execution& execution) {
     for (int i = 0; i < 100; ++i) {
-      std::this_thread::sleep_for(milliseconds(1));
+      std::this_thread::sleep_for(milliseconds(1));  // pause: work that takes a tenth of a second
       execution.poll();
     }
   };
@@ -236,14 +238,14 @@ TEST(Hostile, AHalfCloseInsideTheBodyIsAnswered) {
 TEST(Hostile, AResetCancelsTheWork) {
   TestServer server;
   server.control->during_cut = [](const Execution& execution) {
-    for (int i = 0; i < 20'000; ++i) {  // far longer than a cancellation takes
+    require_eventually(kPatience, "the cancellation", [&] {
       execution.poll();
-      std::this_thread::sleep_for(milliseconds(1));
-    }
+      return false;
+    });
   };
   RawClient client(server.port());
   client.send(kPost + "Content-Length: 4\r\n\r\nmesh");
-  while (server.control->cuts == 0) std::this_thread::yield();
+  require_eventually(kPatience, "a cut to begin", [&] { return server.control->cuts > 0; });
   client.reset();
   server.pool.wait_idle();
   EXPECT_EQ(server.control->cancelled, 1);
@@ -257,10 +259,10 @@ TEST(Hostile, AHundredResetsAfterTheUploadLeaveNoWorkBehind) {
   options.max_queue = 2 * kClients;
   TestServer server(options);
   server.control->during_cut = [](const Execution& execution) {
-    for (;;) {
+    require_eventually(kPatience, "the cancellation", [&] {
       execution.poll();
-      std::this_thread::sleep_for(milliseconds(1));
-    }
+      return false;
+    });
   };
   std::vector<std::unique_ptr<RawClient>> clients;
   for (int i = 0; i < kClients; ++i) {
@@ -271,9 +273,11 @@ TEST(Hostile, AHundredResetsAfterTheUploadLeaveNoWorkBehind) {
   const auto metrics = [&server] {
     return parse_exposition(ask(server.server.admin_port(), "GET", "/metrics").body);
   };
-  while (metrics()["fracture_flights"] < kClients) std::this_thread::sleep_for(milliseconds(5));
+  require_eventually(kPatience, "all computations to begin",
+                     [&] { return metrics()["fracture_flights"] >= kClients; });
   for (const auto& client : clients) client->reset();
-  while (metrics()["fracture_work_abandoned_total"] < kClients) std::this_thread::sleep_for(milliseconds(5));
+  require_eventually(kPatience, "all resets to be seen",
+                     [&] { return metrics()["fracture_work_abandoned_total"] >= kClients; });
   server.dispatcher.wait_idle();  // without the cancellation this would take for ever
   const Exposition after = metrics();
   EXPECT_EQ(after["fracture_work_abandoned_total"], kClients);
@@ -300,10 +304,10 @@ TEST(Hostile, OneAddressCannotTakeAllConnections) {
   EXPECT_EQ(reply->problem(), "too-many-connections");
   EXPECT_EQ(reply->header("retry-after"), "2");
   open.clear();
-  while (server.server.connections() > 0) {
+  EXPECT_TRUE(eventually(kPatience, "all connections to close", [&] {
     fourth.half_close();
-    std::this_thread::sleep_for(milliseconds(5));
-  }
+    return server.server.connections() == 0;
+  }));
   EXPECT_ALIVE(server);
 }
 
@@ -342,7 +346,7 @@ TEST(Hostile, AtTheLimitOfOpenFilesTheServerNeitherSpinsNorDies) {
   }
   rusage before{}, after{};
   getrusage(RUSAGE_SELF, &before);
-  std::this_thread::sleep_for(milliseconds(1000));
+  std::this_thread::sleep_for(milliseconds(1000));  // pause: a second in which nothing should be spent
   getrusage(RUSAGE_SELF, &after);
   const double cpu = static_cast<double>(after.ru_utime.tv_sec - before.ru_utime.tv_sec +
                                          after.ru_stime.tv_sec - before.ru_stime.tv_sec) +

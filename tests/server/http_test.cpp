@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "tests/server/test_server.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace fracture::test {
 namespace {
@@ -228,7 +229,7 @@ TEST(Http, TheAdminListenerAnswersWhileEveryWorkerIsBusyAndTheQueueIsFull) {
   std::latch release(1);
   server.control->during_cut = [&](const Execution&) { release.wait(); };
   std::thread busy([&] { EXPECT_EQ(server.post("/fracture").status, 200); });
-  while (server.control->cuts == 0) std::this_thread::yield();
+  require_eventually(kPatience, "a cut to begin", [&] { return server.control->cuts > 0; });
 
   EXPECT_EQ(ask(server.server.admin_port(), "GET", "/livez").status, 200);
   EXPECT_EQ(ask(server.server.admin_port(), "GET", "/readyz").status, 200);
@@ -246,10 +247,10 @@ TEST(Http, TheDeadlineEndsTheWork) {
   options.limits.deadline = std::chrono::milliseconds(50);
   TestServer server(options);
   server.control->during_cut = [](const Execution& execution) {
-    for (;;) {
+    require_eventually(kPatience, "the cancellation", [&] {
       execution.poll();
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
+      return false;
+    });
   };
   const Reply reply = server.post("/fracture");
   EXPECT_EQ(reply.status, 504);

@@ -13,6 +13,7 @@
 #include "common/base/digest.hpp"
 #include "server/import_worker/import_pool.hpp"
 #include "tests/import/make_files.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace fracture::test {
 
@@ -40,16 +41,6 @@ inline Expected<Mesh> import_with(ImportPool& pool, std::string_view bytes, cons
   return pool.import(bytes_of(bytes), MeshFormat::kOff, {}, {}, execution, digest_of(bytes));
 }
 
-/// Waits (at most 10 s) until the condition holds.
-template <class Condition>
-bool eventually(Condition&& condition) {
-  for (int k = 0; k < 1000; ++k) {
-    if (condition()) return true;
-    std::this_thread::sleep_for(10ms);
-  }
-  return false;
-}
-
 /// Children of this process, zombies too.
 inline std::size_t children() {
   std::size_t count = 0;
@@ -62,7 +53,7 @@ inline std::size_t children() {
 
 /// Waits until nothing is being read, begun or buried: the zygote, and the workers that wait for a file.
 inline bool settles(const ImportPool& pool) {
-  return eventually([&] {
+  return eventually(kPatience, "the children to be gone", [&] {
     const ImportCounters c = pool.counters();
     return c.busy == 0 && c.starting == 0 && c.workers >= 1 &&
            static_cast<std::size_t>(c.workers) + 1 == children();

@@ -16,6 +16,7 @@
 
 #include "tests/server/raw_client.hpp"
 #include "tests/server/server_process.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace fracture::test {
 namespace {
@@ -184,12 +185,13 @@ pid_t busy_worker(const Server& server) {
     fields >> user >> system;
     return user + system;
   };
-  for (int k = 0; k < 2000; ++k) {
+  pid_t at_work = 0;
+  EXPECT_TRUE(eventually(kPatience, "a worker to be at work", [&] {
     for (const pid_t pid : server.workers())
-      if (ticks(pid) >= 3) return pid;
-    std::this_thread::sleep_for(1ms);
-  }
-  return 0;
+      if (ticks(pid) >= 3) at_work = pid;
+    return at_work != 0;
+  }));
+  return at_work;
 }
 
 TEST(ImportAttack, AWorkerKilledInMidImportIs422ForItsRequestAndNothingForOthers) {
@@ -277,15 +279,12 @@ TEST(ImportAttack, TheWorkersEndWithTheServer) {
     ASSERT_GE(workers.size(), 2u) << "the zygote too";
   }  // killed with SIGKILL
   for (const pid_t pid : workers) {
-    bool gone = false;
-    for (int k = 0; k < 500 && !gone; ++k) {
-      gone = ::kill(pid, 0) != 0;
+    EXPECT_TRUE(eventually(kPatience, "the end of process " + std::to_string(pid), [&] {
+      if (::kill(pid, 0) != 0) return true;
       std::ifstream stat("/proc/" + std::to_string(pid) + "/stat");
       const std::string text{std::istreambuf_iterator<char>(stat), {}};
-      gone = gone || text.find(") Z ") != std::string::npos;  // whoever inherited it has not reaped it yet
-      if (!gone) std::this_thread::sleep_for(10ms);
-    }
-    EXPECT_TRUE(gone) << pid;
+      return text.find(") Z ") != std::string::npos;  // whoever inherited it has not reaped it yet
+    }));
   }
 }
 

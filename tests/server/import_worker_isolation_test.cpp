@@ -119,7 +119,7 @@ TEST(ImportIsolation, AWorkerThatSomebodyElseKilledSaysNothingAboutItsFile) {
   ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 1));
   for (int k = 0; k < 2; ++k) {
     auto doomed = std::async(std::launch::async, [&] { return import_with(pool, "! hang"); });
-    ASSERT_TRUE(eventually([&] { return pool.counters().busy == 1; }));
+    ASSERT_TRUE(eventually(kPatience, "a worker to be busy", [&] { return pool.counters().busy == 1; }));
     ASSERT_EQ(::kill(pool.pids().front(), SIGKILL), 0);
     EXPECT_FALSE(doomed.get());
   }

@@ -82,7 +82,7 @@ TEST(ImportPool, AWorkerKilledInMidImportCostsItsRequestOnly) {
   for (const int signal : {SIGKILL, SIGSEGV}) {
     const std::vector<pid_t> before = pool.pids();
     auto doomed = std::async(std::launch::async, [&] { return import_with(pool, "! hang"); });
-    ASSERT_TRUE(eventually([&] { return pool.counters().busy == 1; }));
+    ASSERT_TRUE(eventually(kPatience, "a worker to be busy", [&] { return pool.counters().busy == 1; }));
     const pid_t victim = pool.pids().front();  // the busy come first
     // Others go on meanwhile.
     for (int k = 0; k < 10; ++k) EXPECT_TRUE(import_with(pool, kTetrahedron));
@@ -161,7 +161,7 @@ TEST(ImportPool, DeadlineAndCancelKillTheWorkerAndFreeItsPlace) {
   Execution cancelled;
   cancelled.stop = stop.get_token();
   std::thread canceller([&] {
-    EXPECT_TRUE(eventually([&] { return pool.counters().busy == 1; }));
+    EXPECT_TRUE(eventually(kPatience, "a worker to be busy", [&] { return pool.counters().busy == 1; }));
     stop.request_stop();
   });
   EXPECT_THROW((void)import_with(pool, "! hang", cancelled), Interrupted);
@@ -178,7 +178,7 @@ TEST(ImportPool, AWaitingImportIsCancelledToo) {
   cancelled.stop = stop.get_token();
   auto hanging = std::async(std::launch::async,
                             [&] { EXPECT_THROW((void)import_with(pool, "! hang", cancelled), Interrupted); });
-  ASSERT_TRUE(eventually([&] { return pool.counters().busy == 1; }));
+  ASSERT_TRUE(eventually(kPatience, "a worker to be busy", [&] { return pool.counters().busy == 1; }));
   Execution impatient;
   impatient.deadline = std::chrono::steady_clock::now() + 30ms;
   EXPECT_THROW((void)import_with(pool, kTetrahedron, impatient), Interrupted);

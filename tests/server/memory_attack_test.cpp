@@ -68,7 +68,7 @@ class Watch {
               for (std::string child; children >> child;) sum += resident_of(child);
             }
             peak_ = std::max<std::uint64_t>(peak_, sum);
-            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));  // pause: a sampler
           }
         }) {}
   ~Watch() {
@@ -142,7 +142,7 @@ TEST_P(MemoryAttack, WhatIsResidentStaysWithinTheBudgetAndOthersAreServed) {
                               "Content-Type: model/obj\r\n", kCube);
       EXPECT_TRUE(reply.status == 200 || reply.status == 503) << reply.body;
       served += reply.status == 200;
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));  // pause: a client beside the attack
     }
     for (std::thread& attacker : attackers) attacker.join();
     peak = watch.peak();

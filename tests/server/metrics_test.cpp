@@ -7,6 +7,7 @@
 #include "server/http/tenant_metrics.hpp"
 #include "tests/server/exposition.hpp"
 #include "tests/server/test_server.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace fracture::test {
 namespace {
@@ -21,11 +22,11 @@ Exposition metrics(TestServer& server) {
 /// A request is counted after its answer has been written: waits until `family` has reached `value`.
 Exposition metrics_when(TestServer& server, const std::string& family, const std::string& label,
                         double value) {
-  Exposition m = metrics(server);
-  for (int i = 0; i < 1000 && m.sum(family, label) < value; ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  Exposition m;
+  EXPECT_TRUE(eventually(kPatience, family, [&] {
     m = metrics(server);
-  }
+    return m.sum(family, label) >= value;
+  }));
   return m;
 }
 
@@ -90,7 +91,7 @@ TEST(Metrics, QueueAndMemoryAreShownWhileTheyAreInUse) {
   for (int i = 0; i < 3; ++i)
     clients.emplace_back(
         [&, i] { EXPECT_EQ(server.post("/fracture?seed=" + std::to_string(i), "seven b").status, 200); });
-  while (server.control->cuts == 0) std::this_thread::yield();  // one has left the queue
+  require_eventually(kPatience, "one to leave the queue", [&] { return server.control->cuts > 0; });
   const Exposition m = metrics_when(server, "fracture_queue_depth", "", 2);
   EXPECT_EQ(m["fracture_queue_depth"], 2);
   EXPECT_EQ(m["fracture_jobs_running"], 1);
@@ -122,14 +123,14 @@ TEST(Metrics, RefusedConnectionsAndAbandonedWorkAreCounted) {
   options.limits.max_connections_per_address = 1;
   TestServer server(options);
   server.control->during_cut = [](const Execution& execution) {
-    for (;;) {
+    require_eventually(kPatience, "the cancellation", [&] {
       execution.poll();
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
+      return false;
+    });
   };
   RawClient busy(server.port());
   busy.send("POST /fracture HTTP/1.1\r\nHost: a\r\nContent-Type: model/obj\r\nContent-Length: 4\r\n\r\nmesh");
-  while (server.control->cuts == 0) std::this_thread::yield();
+  require_eventually(kPatience, "a cut to begin", [&] { return server.control->cuts > 0; });
   RawClient second(server.port());
   EXPECT_EQ(second.receive()->status, 429);
   busy.reset();

@@ -32,7 +32,7 @@ std::size_t place_of_the_second_client(bool trusted, bool proxy_protocol) {
   std::mutex mutex;
   std::vector<std::string> order;
   server.control->import = [&](std::string_view mesh) -> Expected<Mesh> {
-    while (!open) std::this_thread::yield();
+    require_eventually(kPatience, "the test to let the import go on", [&] { return open.load(); });
     const std::lock_guard lock(mutex);
     order.emplace_back(mesh);
     return Mesh{};

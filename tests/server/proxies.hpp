@@ -8,6 +8,7 @@
 
 #include "tests/server/child_process.hpp"
 #include "tests/server/raw_client.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace fracture::test {
 
@@ -84,17 +85,16 @@ class Proxy {
                             "proxy_set_header Connection \"\";\nproxy_next_upstream off;\n}\n}\n}\n")};
     }
     process_ = std::make_unique<ChildProcess>(arguments, folder_ / "output");
-    for (int i = 0; i < 500; ++i) {
+    require_eventually(kPatience, std::string(name(kind)) + " to listen", [&] {
       if (!process_->alive())
         throw std::runtime_error(std::string(name(kind)) + ": " + read_file(folder_ / "output"));
       try {
         RawClient probe(port);
-        return;
+        return true;
       } catch (const std::runtime_error&) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        return false;
       }
-    }
-    throw std::runtime_error(std::string(name(kind)) + " does not listen");
+    });
   }
 
   struct Counts {

@@ -9,6 +9,7 @@
 #include "tests/server/proxies.hpp"
 #include "tests/server/server_process.hpp"
 #include "tests/server/test_server.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace fracture::test {
 namespace {
@@ -52,10 +53,10 @@ TEST_P(BehindProxy, EveryHopCountsTheSameRequests) {
 
     // Logs and counters are written after the answers.
     Proxy::Counts now = proxy.counts();
-    for (int i = 0; i < 2000 && (now.seen - before.seen < std::max(got, 1) || now.sent_on != served()); ++i) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    EXPECT_TRUE(eventually(kPatience, "the counts of " + request.name, [&] {
       now = proxy.counts();
-    }
+      return now.seen - before.seen >= std::max(got, 1) && now.sent_on == served();
+    }));
     ASSERT_EQ(now.sent_on, served()) << request.name
                                      << ": the hops disagree about how many requests there were\n"
                                      << all.substr(0, 1000) << "\n"
@@ -102,8 +103,8 @@ TEST(RollingRestart, SigtermUnderLoadBehindHaproxyFailsNoRequest) {
       }
     });
   const auto answers = [&](int more) {
-    for (const int end = answered + more; answered < end && failed == 0;)
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    const int end = answered + more;
+    require_eventually(kPatience, "answers", [&] { return answered >= end || failed > 0; });
   };
   answers(50);
   first.signal(SIGTERM);

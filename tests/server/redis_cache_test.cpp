@@ -11,6 +11,7 @@
 #include "common/base/digest.hpp"
 #include "tests/server/redis_process.hpp"
 #include "tests/server/temporary_folder.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace fracture {
 namespace {
@@ -83,9 +84,10 @@ TEST_F(Redis, WhenItIsBackItIsFoundAgain) {
   for (int i = 0; i < 5; ++i) cache.find(kKey);
   EXPECT_TRUE(cache.figures().open);
   process.start();
-  std::this_thread::sleep_for(CircuitBreaker::kShortest + std::chrono::milliseconds(100));
-  EXPECT_FALSE(cache.find(kKey)) << "it lives in memory only";
-  EXPECT_FALSE(cache.figures().open);
+  EXPECT_TRUE(test::eventually(test::kPatience, "the breaker to try again", [&] {
+    EXPECT_FALSE(cache.find(kKey)) << "it lives in memory only";
+    return !cache.figures().open;
+  }));
   EXPECT_TRUE(cache.insert(entry));
   EXPECT_TRUE(cache.find(kKey));
 }
@@ -122,7 +124,7 @@ TEST(RedisImpostor, AnAnswerThatTricklesIsGivenUpAtTheDeadlineOfTheWhole) {
     // A byte every 20 ms is within any timeout of a single read, for half an hour.
     for (int i = 0; i < 100'000 && !self->stopping; ++i) {
       if (::send(fd, "x", 1, MSG_NOSIGNAL) <= 0) break;
-      ::usleep(20'000);
+      ::usleep(20'000);  // pause: an impostor that is slow on purpose
     }
   });
   self = &impostor;

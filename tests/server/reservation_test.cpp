@@ -114,7 +114,7 @@ TEST_F(ReservationTest, PredictionsAreRevisedWhenTheMeshIsKnown) {
   std::atomic<bool> reached{false}, go{false};
   const WorkerPool::TaskId task = pool.submit(Priority::kBatch, 0.001, [&](int) {
     reached = true;
-    while (!go) std::this_thread::yield();
+    require_eventually(kPatience, "the test to let the job go on", [&] { return go.load(); });
   });
   ASSERT_TRUE(eventually(kPatience, "the job", [&] { return reached.load(); }));
   pool.revise(task, 1'000'000);

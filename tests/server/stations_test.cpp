@@ -30,7 +30,7 @@ struct Stations : testing::Test {
 TEST_F(Stations, AReplyThatThrowsCostsNobodyElseTheirAnswer) {
   std::atomic<bool> go{false};
   control->during_cut = [&](const Execution&) {
-    while (!go) std::this_thread::yield();
+    require_eventually(kPatience, "the test to let the cut go on", [&] { return go.load(); });
   };
   std::atomic<int> answered{0};
   ask(1, [](Expected<FractureAnswer>) { throw std::runtime_error("a client that cannot be told"); });

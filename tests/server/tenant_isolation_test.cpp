@@ -253,7 +253,7 @@ TEST(Tenants, ANameWithoutRealtimeIsServedAsBatch) {
   std::mutex mutex;
   std::vector<std::uint32_t> order;
   server.control->import = [&](std::string_view mesh) -> Expected<Mesh> {
-    while (!open) std::this_thread::yield();
+    require_eventually(kPatience, "the test to let the import go on", [&] { return open.load(); });
     const std::lock_guard lock(mutex);
     order.push_back(static_cast<std::uint32_t>(mesh.size()));
     return Mesh{};

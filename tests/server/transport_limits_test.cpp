@@ -118,7 +118,7 @@ TEST(BodyTime, ABodyHasATotalTimeHoweverSteadyItIs) {
   client.send(announce(1 * kMiB));
   std::thread steady([&] {
     for (int i = 0; i < 2000 && client.send(std::string(100, 'x')); ++i)
-      std::this_thread::sleep_for(milliseconds(10));
+      std::this_thread::sleep_for(milliseconds(10));  // pause: a client that sends steadily, and slowly
   });
   const auto reply = client.receive();
   client.half_close();
@@ -153,7 +153,7 @@ TEST_F(Answers, AClientThatReadsTooSlowlyIsCut) {
   client.send(announce(4) + "mesh");
   std::size_t read = 0;
   for (int i = 0; i < 4000 && client.receive_some(8 * kKiB, read); ++i)
-    std::this_thread::sleep_for(milliseconds(10));  // steadily: no stall ever
+    std::this_thread::sleep_for(milliseconds(10));  // pause: steadily, so that there is never a stall
   EXPECT_LT(read, kSize);
   EXPECT_TRUE(
       eventually(kPatience, "the end of the connection", [&] { return server.server.connections() == 0; }));

@@ -35,7 +35,7 @@ struct Polling {
       paused_seconds = WorkerPool::paused_seconds();
       done = true;
     });
-    EXPECT_TRUE(eventually(kPatience, "the batch job to begin", [&] { return polls > 0; }));
+    EXPECT_TRUE(test::eventually(test::kPatience, "the batch job to begin", [&] { return polls > 0; }));
   }
   WorkerPool::TaskId id = 0;
   std::atomic<bool> end{false}, done{false};
@@ -52,11 +52,13 @@ TEST(Turns, ARealtimeJobRunsWhileTheOnlyThreadsBatchJobStandsStill) {
     began = true;
     gate.wait();
   });
-  EXPECT_TRUE(eventually(kPatience, "the realtime job to begin", [&] { return began.load(); }));
+  EXPECT_TRUE(test::eventually(test::kPatience, "the realtime job to begin", [&] { return began.load(); }));
   EXPECT_FALSE(batch.done);
-  EXPECT_TRUE(eventually(kPatience, "the batch job to stand still", [&] { return pool.paused() == 1; }));
+  EXPECT_TRUE(
+      test::eventually(test::kPatience, "the batch job to stand still", [&] { return pool.paused() == 1; }));
   gate.count_down();
-  EXPECT_TRUE(eventually(kPatience, "the batch job to go on", [&] { return pool.paused() == 0; }));
+  EXPECT_TRUE(
+      test::eventually(test::kPatience, "the batch job to go on", [&] { return pool.paused() == 0; }));
   batch.end = true;
   pool.wait_idle();
   EXPECT_GT(batch.paused_seconds, 0);
@@ -71,10 +73,10 @@ TEST(Turns, WithTwoThreadsARealtimeJobBeginsBesideBatchJobsThatNeverPoll) {
       ++batch;
       gate.wait();
     });
-  EXPECT_TRUE(eventually(kPatience, "both threads to be busy", [&] { return batch == 2; }));
+  EXPECT_TRUE(test::eventually(test::kPatience, "both threads to be busy", [&] { return batch == 2; }));
   std::atomic<int> done{0};
   for (int k = 0; k < 10; ++k) pool.submit(kRealtime, 0, [&](int) { ++done; });
-  EXPECT_TRUE(eventually(kPatience, "all the realtime jobs", [&] { return done == 10; }));
+  EXPECT_TRUE(test::eventually(test::kPatience, "all the realtime jobs", [&] { return done == 10; }));
   EXPECT_EQ(batch, 2) << "the third waits for one of the two";
   gate.count_down();
   pool.wait_idle();
@@ -89,9 +91,9 @@ TEST(Turns, TheKeptThreadTakesOneAtATimeAndNoBatchJob) {
     gate.wait();
   };
   for (int k = 0; k < 2; ++k) pool.submit(kBatch, 0, stay);
-  EXPECT_TRUE(eventually(kPatience, "both threads to be busy", [&] { return begun == 2; }));
+  EXPECT_TRUE(test::eventually(test::kPatience, "both threads to be busy", [&] { return begun == 2; }));
   for (int k = 0; k < 2; ++k) pool.submit(kRealtime, 0, stay);
-  EXPECT_TRUE(eventually(kPatience, "two and one to begin", [&] { return begun == 3; }));
+  EXPECT_TRUE(test::eventually(test::kPatience, "two and one to begin", [&] { return begun == 3; }));
   EXPECT_EQ(pool.queued(), 1u);
   gate.count_down();
   pool.wait_idle();
@@ -107,10 +109,10 @@ TEST(Turns, ABatchJobDoesNotStandStillForEver) {
     began = true;
     gate.wait();  // as if it waited for what the batch job holds
   });
-  EXPECT_TRUE(eventually(kPatience, "the realtime job to begin", [&] { return began.load(); }));
+  EXPECT_TRUE(test::eventually(test::kPatience, "the realtime job to begin", [&] { return began.load(); }));
   const long before = batch.polls;
-  EXPECT_TRUE(eventually(kPatience, "the batch job to go on all the same",
-                         [&] { return batch.polls > before + 10; }));
+  EXPECT_TRUE(test::eventually(test::kPatience, "the batch job to go on all the same",
+                               [&] { return batch.polls > before + 10; }));
   gate.count_down();
   batch.end = true;
   pool.wait_idle();
@@ -125,10 +127,10 @@ TEST(Turns, AStandingJobThatBecomesRealtimeGoesOn) {
     began = true;
     gate.wait();
   });
-  EXPECT_TRUE(eventually(kPatience, "the realtime job to begin", [&] { return began.load(); }));
+  EXPECT_TRUE(test::eventually(test::kPatience, "the realtime job to begin", [&] { return began.load(); }));
   pool.promote(batch.id);
   const long before = batch.polls;
-  EXPECT_TRUE(eventually(kPatience, "it to go on", [&] { return batch.polls > before + 1000; }));
+  EXPECT_TRUE(test::eventually(test::kPatience, "it to go on", [&] { return batch.polls > before + 1000; }));
   EXPECT_EQ(pool.paused(), 0u);
   batch.end = true;
   gate.count_down();
@@ -149,11 +151,11 @@ TEST(Turns, WhoIsAwayLeavesItsProcessorToRealtimeWorkAndToNoOther) {
     away_for = WorkerPool::away_seconds();
     back = true;
   });
-  EXPECT_TRUE(eventually(kPatience, "it to be away", [&] { return away.load(); }));
+  EXPECT_TRUE(test::eventually(test::kPatience, "it to be away", [&] { return away.load(); }));
   pool.submit(kBatch, 0, [&](int) { other = true; });
   std::atomic<bool> realtime{false};
   pool.submit(kRealtime, 0, [&](int) { realtime = true; });
-  EXPECT_TRUE(eventually(kPatience, "the realtime job", [&] { return realtime.load(); }));
+  EXPECT_TRUE(test::eventually(test::kPatience, "the realtime job", [&] { return realtime.load(); }));
   EXPECT_FALSE(other || back);
   gate.count_down();
   pool.wait_idle();
@@ -188,7 +190,7 @@ TEST(Turns, TwoNamesOneAtTenTimesItsShareAreServedInTurn) {
   std::latch gate(1);
   WorkerPool pool(1, 1000);
   pool.submit(kBatch, 0, [&](int) { gate.wait(); });
-  while (pool.running() == 0) std::this_thread::yield();
+  test::require_eventually(test::kPatience, "a job to run", [&] { return pool.running() > 0; });
   std::string order;
   const auto add = [&](const char* name) {
     return pool.submit(kBatch, 1, [&order, name](int) { order += name; }, {name, 1});
@@ -207,7 +209,7 @@ TEST(Turns, WhoFillsTheQueueLeavesTheOthersTheirPart) {
   std::latch gate(1);
   WorkerPool pool(1, 10);
   pool.submit(kBatch, 0, [&](int) { gate.wait(); });
-  while (pool.running() == 0) std::this_thread::yield();
+  test::require_eventually(test::kPatience, "a job to run", [&] { return pool.running() > 0; });
   const Flow a{"a", 1}, b{"b", 1};
   for (int k = 0; k < 10; ++k) {
     EXPECT_FALSE(pool.full(a)) << k;

@@ -1,4 +1,5 @@
 #include "server/service/worker_pool.hpp"
+#include "tests/support/eventually.hpp"
 
 #include <gtest/gtest.h>
 
@@ -16,7 +17,7 @@ constexpr Priority kRealtime = Priority::kRealtime, kBatch = Priority::kBatch;
 struct BusyPool {
   explicit BusyPool(std::size_t max_queue = 100, double cost = 0) : pool(1, max_queue) {
     pool.submit(kBatch, cost, [this](int) { gate.wait(); });
-    while (pool.running() == 0) std::this_thread::yield();
+    test::require_eventually(test::kPatience, "a job to run", [&] { return pool.running() > 0; });
   }
   ~BusyPool() {
     if (!released) release();
@@ -45,7 +46,7 @@ TEST(WorkerPool, ALoneJobMayUseEveryThreadAndALoadedPoolGivesOneEach) {
   std::latch all_running(5);
   std::atomic<int> last{0};
   for (int i = 0; i < 3; ++i) pool.submit(kBatch, 0, [&](int) { all_running.arrive_and_wait(); });
-  while (pool.running() < 3) std::this_thread::yield();
+  test::require_eventually(test::kPatience, "three jobs to run", [&] { return pool.running() == 3; });
   pool.submit(kBatch, 0, [&](int threads) {
     last = threads;
     all_running.arrive_and_wait();
@@ -70,7 +71,7 @@ TEST(WorkerPool, AQueueOfNoneStillFeedsIdleThreads) {
   WorkerPool pool(1, 0);
   EXPECT_FALSE(pool.full());
   pool.submit(kBatch, 0, [&](int) { release.wait(); });
-  while (pool.running() == 0) std::this_thread::yield();
+  test::require_eventually(test::kPatience, "a job to run", [&] { return pool.running() > 0; });
   EXPECT_TRUE(pool.full());
   release.count_down();
 }
@@ -89,6 +90,7 @@ TEST(WorkerPool, RealtimeGoesBeforeBatchAndResumedWorkBeforeBoth) {
 TEST(WorkerPool, BatchWorkAges) {
   BusyPool busy;
   busy.add(kBatch, 'b');
+  // pause: the pool reads the clock of the machine, and the job has to become old by it
   std::this_thread::sleep_for(WorkerPool::kAging + std::chrono::milliseconds(100));
   busy.add(kRealtime, 'r');
   busy.add(kBatch, 'c');
@@ -123,7 +125,7 @@ TEST(WorkerPool, NothingIsPredictedToWaitWhileAThreadIsIdle) {
   std::latch gate(1);  // outlives the pool, whose threads wait at it
   WorkerPool pool(2, 100);
   pool.submit(kBatch, 1000, [&](int) { gate.wait(); });
-  while (pool.running() == 0) std::this_thread::yield();
+  test::require_eventually(test::kPatience, "a job to run", [&] { return pool.running() > 0; });
   EXPECT_EQ(pool.predicted_wait(kBatch).count(), 0);
   pool.submit(kBatch, 1000, [&](int) { gate.wait(); });
   EXPECT_GT(pool.predicted_wait(kBatch).count(), 100) << "both are busy, for long";

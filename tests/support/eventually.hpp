@@ -15,7 +15,8 @@ namespace fracture::test {
 /// The limit where a test needs no other: at least ten times what a busy machine takes for any step of ours.
 inline constexpr std::chrono::seconds kPatience{120};
 
-/// Calls predicate() every few milliseconds until it is true. It is called at least once, and once more after
+/// Calls predicate() until it is true: at first without a pause, so that a test which waits for something
+/// quick goes on at once, then every few milliseconds. It is called at least once, and once more after
 /// the limit, so that a test whose process was stopped for long does not fail for that alone. A failure says
 /// what was waited for and for how long: `what` completes "waited ... for".
 ///
@@ -30,7 +31,10 @@ testing::AssertionResult eventually(std::chrono::milliseconds limit, const std::
     if (waited >= limit)
       return testing::AssertionFailure()
              << "waited " << std::chrono::duration<double>(waited).count() << " s for " << what;
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    if (waited < std::chrono::milliseconds(1))
+      std::this_thread::yield();
+    else
+      std::this_thread::sleep_for(std::chrono::milliseconds(waited < std::chrono::milliseconds(100) ? 1 : 5));
   }
 }
 
