@@ -143,6 +143,7 @@ class Checks(unittest.TestCase):
         self.expect_clean("waits")
         for name, text in (("tests/a_test.cpp", "void f() { std::this_thread::sleep_for(1ms); }\n"),
                            ("tests/b_test.cpp", "void f() { while (!done) std::this_thread::yield(); }\n"),
+                           ("tests/e_test.cpp", "void f() { changed.wait(lock, [] { return open; }); }\n"),
                            ("tests/c_test.py", "import time\ntime.sleep(1)\n"),
                            ("tests/d", "#!/usr/bin/env bash\nuntil ready; do sleep 0.1; done\n")):
             self.plant(name, text)

@@ -40,7 +40,7 @@ TEST(GameFaults, TheFrameDoesNotWaitForASlowServer) {
   FakeServer server([&](const FakeRequest& request) {
     if (request.method == "PUT") return FakeReply::answer(201, "{}");
     std::unique_lock lock(mutex);
-    wake.wait(lock, [&] { return answer; });
+    EXPECT_TRUE(wake.wait_for(lock, test::kPatience, [&] { return answer; }));
     return glb(bytes);
   });
   protocol::Client client(settings_for(server));

@@ -307,8 +307,9 @@ TEST(InputFile, KnowsTheFormatByParameterThenNameThenContent) {
   EXPECT_EQ(format("mesh.v2", off), MeshFormat::kOff);
   EXPECT_EQ(format("mesh.STL", off), MeshFormat::kStl);
   EXPECT_EQ(format("-", "v 0 0 0\n"), std::nullopt);
-  EXPECT_EQ(to_input("-", "v 0 0 0\n", {}).error().code, ErrorCode::kUnknownFormat);
-  EXPECT_EQ(to_input("-", "", {}).error().code, ErrorCode::kEmptyBody);
+  const RequestParameters nothing;
+  EXPECT_EQ(to_input("-", "v 0 0 0\n", nothing).error().code, ErrorCode::kUnknownFormat);
+  EXPECT_EQ(to_input("-", "", nothing).error().code, ErrorCode::kEmptyBody);
 }
 
 }  // namespace

@@ -146,7 +146,7 @@ struct Gate {
     std::unique_lock lock(mutex);
     reached = true;
     changed.notify_all();
-    changed.wait(lock, [this] { return open; });
+    EXPECT_TRUE(changed.wait_for(lock, kPatience, [this] { return open; }));
   }
   void wait_until_reached() {
     std::unique_lock lock(mutex);

@@ -9,6 +9,7 @@ import re
 PAUSE = re.compile(r"(//|#) pause: \w+")
 CPP = [(re.compile(r"\b(sleep_for|sleep_until|usleep|nanosleep|sleep)\s*\("), "sleeps"),
        (re.compile(r"\b(while|for) \([^;]*\)\s*(std::this_thread::yield|sched_yield|::sched_yield)"), "polls without a limit"),
+       (re.compile(r"\.wait\(\w*lock\b"), "waits without a limit (wait_for)"),
        (re.compile(r"\bdo sleep [\d.]+; done"), "polls without a limit")]
 SCRIPT = [(re.compile(r"\btime\.sleep\("), "sleeps"),
           (re.compile(r"^\s*sleep [\d.$]"), "sleeps"),
