@@ -48,7 +48,7 @@ def main():
                              made[0]) as (port, admin):
                     fracture_a_cube(port, 3)
                     while 'tier="redis"' not in get(admin, "/metrics"):
-                        time.sleep(0.01)
+                        time.sleep(0.01)  # pause: serving() ends the server after a while, and so these looks
                     up = samples(admin)['fracture_cache_tier_up{cache="result",tier="redis"}']
                 expect(up == 1, "the servers' user is not let in")
                 client = [ask_program("redis-cli"), "-s", socket]

@@ -231,7 +231,7 @@ TEST(Turns, HoweverManyComeNoMoreWaitThanTwiceWhatMay) {
   std::latch gate(1);
   WorkerPool pool(1, 10);
   pool.submit(kBatch, 0, [&](int) { gate.wait(); });
-  while (pool.running() == 0) std::this_thread::yield();
+  test::require_eventually(test::kPatience, "a job to run", [&] { return pool.running() > 0; });
   for (int k = 0; k < 1000; ++k) {
     const Flow flow{"address " + std::to_string(k), 1};
     if (pool.full(flow)) continue;
@@ -248,7 +248,7 @@ TEST(Turns, WhoIsInAHurryGivesTheTurnOfWhatItPromotes) {
   std::latch gate(1);
   WorkerPool pool(1, 100);
   pool.submit(kBatch, 0, [&](int) { gate.wait(); });
-  while (pool.running() == 0) std::this_thread::yield();
+  test::require_eventually(test::kPatience, "a job to run", [&] { return pool.running() > 0; });
   const Flow a{"a", 1}, b{"b", 1};
   std::string order;
   const auto add = [&](Priority priority, double cost, const Flow& flow, char name) {
@@ -270,7 +270,7 @@ TEST(Turns, AResumedTaskIsPromotedToo) {
   std::latch gate(1);
   WorkerPool pool(1, 100);
   pool.submit(kBatch, 0, [&](int) { gate.wait(); });
-  while (pool.running() == 0) std::this_thread::yield();
+  test::require_eventually(test::kPatience, "a job to run", [&] { return pool.running() > 0; });
   std::string order;
   pool.resume([&](int) { order += 'b'; }, kBatch);
   const WorkerPool::TaskId hurried = pool.resume([&](int) { order += 'h'; }, kBatch);
