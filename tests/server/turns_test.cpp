@@ -11,9 +11,6 @@
 namespace fracture {
 namespace {
 
-using test::eventually;
-using test::kPatience;
-
 constexpr Priority kRealtime = Priority::kRealtime, kBatch = Priority::kBatch;
 
 /// A batch computation that polls until it is told to end.
