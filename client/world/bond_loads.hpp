@@ -1,4 +1,4 @@
-// What a group of bonded fragments bears when forces pull at it, and which of its bonds that is too much for.
+// How forces spread through a group of bonded fragments, and which of its bonds they break.
 //
 // The model: every bond is a spring with the stiffness area / distance in all three directions (so that equal
 // material gives equal stress); fragments shift, they do not turn. For the forces f on the fragments, the
@@ -8,14 +8,14 @@
 // normal is tension or compression, the rest shear. (Shear and pull are carried from fragment to fragment;
 // bending, which needs fragments that turn, is not.)
 //
-// A hit is over before the far end knows of it. While it lasts (τ) the mass of what is near bears it: one
-// implicit step of  M ü + K u = f  over τ adds m_i / τ² to the diagonal. With K = ρ c² area / distance (c:
-// speed of sound) and divided by ρ c² that is volume_i / reach², reach = c τ: the force dies away over this
-// length instead of being led to the anchors whole, which would shear off every wall at its foot.
+// A hit is over before the far end feels it. While it lasts (τ), the mass near the hit resists it: one implicit
+// step of  M ü + K u = f  over τ adds m_i / τ² to the diagonal. We set K = ρ c² area / distance (c: speed of
+// sound) and divide by ρ c²; the term becomes volume_i / reach², reach = c τ. The force dies away over this
+// length. Without the term all of it would reach the anchors and shear off every wall at its foot.
 //
-// A bond breaks where sqrt(pull² + shear²) · kStressConcentration > strength, pull counting compression by an
-// eighth: brittle solids bear about eight times as much pressed as pulled (Griffith, "The Theory of Rupture",
-// 1924).
+// A bond breaks where sqrt(pull² + shear²) · kStressConcentration > strength. Compression counts as an eighth
+// of a pull: brittle solids bear about eight times as much when they are pressed (Griffith, "The Theory of
+// Rupture", 1924).
 #pragma once
 
 #include <cstdint>
@@ -27,9 +27,9 @@
 
 namespace fracture::world {
 
-/// The strength in the file is that of sound material under even stress. Cracks start at notches and at the
-/// point of contact, where the stress is some ten times the mean that this network sees. Larger: everything
-/// breaks at a touch; 1: a thrown ball breaks no stone.
+/// The file states the strength of sound material under even stress. Cracks start at notches and at the point
+/// of contact, where the stress is some ten times the mean that this network computes. With a larger factor
+/// everything breaks at a touch; with 1 a thrown ball breaks no stone.
 inline constexpr double kStressConcentration = 25;
 inline constexpr double kCompressionShare = 1.0 / 8;
 /// Forces on the members, in the asset's frame; empty: none.

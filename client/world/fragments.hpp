@@ -1,5 +1,5 @@
-// What physics needs of an answer of the service: bodies, hulls and bonds, read from the GLB's own
-// KHR_physics_rigid_bodies and extras.fracture, and checked. Nothing is computed anew.
+// Reads bodies, hulls and bonds from the service's answer (KHR_physics_rigid_bodies and extras.fracture of the
+// GLB) and checks them. Computes none of them itself.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Bullet's collision of two convex hulls, asked only where they may touch. Private to this folder.
+// Asks Bullet to collide two convex hulls only where they may touch. Private to this folder.
 #pragma once
 
 #include <BulletCollision/CollisionDispatch/btConvexConvexAlgorithm.h>
@@ -7,12 +7,13 @@
 
 namespace fracture::world {
 
-/// Takes the place of Bullet's own algorithm for pairs of hulls, with the same contacts.
+/// Replaces Bullet's own algorithm for pairs of hulls and makes the same contacts.
 ///
-/// Among the fragments of something just broken, five pairs in six whose boxes overlap do not touch, and
-/// Bullet runs GJK from nothing for each in every step. A direction along which the two are farther apart
-/// than a contact may be spares that, and is one in the next step too: Chung and Wang, "Quick elimination of
-/// non-interference polytopes in virtual environments" (1996). Where none is found Bullet decides.
+/// Right after something broke, the boxes of many fragments overlap, but five in six of these pairs do not
+/// touch, and Bullet runs GJK from scratch for each of them in every step. We keep a direction along which the
+/// two hulls are farther apart than a contact may be: it saves that work, and mostly still separates them in the
+/// next step (Chung and Wang, "Quick elimination of non-interference polytopes in virtual environments", 1996).
+/// Where we find no such direction, Bullet decides.
 class HullPair final : public btConvexConvexAlgorithm {
  public:
   using btConvexConvexAlgorithm::btConvexConvexAlgorithm;

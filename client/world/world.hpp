@@ -1,24 +1,24 @@
 // The game's rigid bodies (Bullet) and what breaks them. Fixed steps, one thread; the same calls give the
 // same motion.
 //
-// An object is whole until somebody hands over its fragments; then it is groups of bonded fragments, each
-// group one compound body, and groups split for themselves where an impact overloads their bonds: no server
-// is asked for that.
+// An object is whole until fracture() hands over its fragments. From then on it consists of groups of bonded
+// fragments; each group is one compound body. A group splits by itself where an impact overloads its bonds: no
+// server is needed for that.
 //
 //   step ── contacts ──> whole objects hit harder than their strength ──> Event::kBreak (asks for fragments)
 //                   ──> loads on the bonds of groups ──> broken bonds ──> split
 //                   ──> single large fragments hit hard ──> Event::kBreakFragment
 //   fracture(object, fragments): the whole body is replaced where and as it moves *now*
 //
-// An impulse that broke bonds was computed against a body that was too heavy: its group had not come apart
-// yet. So the bodies that touched get back the velocities from before the step, and the next step solves the
-// impact among the pieces: a ball goes on through a wall, slowed by the masses that it really moves. Momentum
-// is that from before the step.
+// When an impulse breaks bonds, Bullet has computed it against a body that was too heavy, because the group had
+// not come apart yet. So we give the bodies that touched their velocities from before the step, and the next
+// step solves the impact among the pieces: a ball flies on through a wall and loses only the momentum that the
+// masses in its way take. The total momentum stays what it was before the step.
 //
-// Bullet in double precision: hulls of neighbouring fragments lie a fraction of a millimetre apart. Ten
-// metres from the origin floats are a micrometre apart, and GJK and EPA lose three or four digits on slivers:
-// touching pieces would jitter and groups creep while they should rest. Double costs memory; Bullet's float
-// code has no SIMD on Linux that it would forgo.
+// Bullet runs in double precision. The hulls of neighbouring fragments lie a fraction of a millimetre apart; ten
+// metres from the origin floats are a micrometre apart, and GJK and EPA lose three or four digits on slivers.
+// In float, touching pieces would jitter, and groups would creep while they should rest. Double costs memory but
+// no speed: Bullet's float code has no SIMD on Linux.
 #pragma once
 
 #include <cstddef>
@@ -46,11 +46,11 @@ struct WorldSettings {
   glm::dvec3 gravity{0, -9.81, 0};
   double step = 1.0 / 120;  ///< seconds
   double ground_friction = 0.8;
-  /// Seconds within which a hit passes on its impulse; with it impulses become forces on bonds. A millisecond
-  /// is what hard bodies of some kilograms take (Hertz).
+  /// Seconds in which a hit passes on its impulse; divides impulses into forces on bonds. Hard bodies of some
+  /// kilograms take a millisecond (Hertz).
   double contact_time = 1e-3;
-  /// Share of the impact's energy that drives the pieces of a loose object apart at the swap: what its cracks
-  /// set free. Adds no momentum.
+  /// Share of the impact's energy that drives the pieces of a loose object apart at the swap, as cracks that
+  /// open do. Adds no momentum.
   double burst = 0.05;
   std::size_t max_bodies = 800;   ///< that move; beyond it the smallest loose fragments fade at once
   std::size_t max_balls = 24;     ///< beyond it the oldest goes
@@ -70,12 +70,12 @@ struct ObjectSpec {
   Pose pose;                ///< of the asset's frame in the world
   bool held = false;        ///< does not move while it is whole
   double strength = 100;    ///< N·s: a contact with more in one step breaks it
-  /// Metres that a hit is felt within its duration of about a millisecond: sound goes 0.5 km/s through
-  /// masonry and timber with their joints, 4 km/s through glass and ceramics. See bond_loads.hpp.
+  /// How far (metres) a hit is felt while it lasts, about a millisecond. Sound travels 0.5 km/s through masonry
+  /// and timber with their joints, 4 km/s through glass and ceramics. See bond_loads.hpp.
   double reach = 0.5;
-  /// Of the largest load: in one round only bonds beyond it break, and what has come off carries no load
-  /// farther. Near 1 cracks stay at the hit (masonry, where breaking all that is overloaded would fell every
-  /// wall as a whole); near 0 all that is overloaded breaks at once (ceramics shatter).
+  /// A fraction of the largest load. In one round only bonds with more than this fraction break; pieces that
+  /// have come off carry no load in the next round. Near 1, cracks stay at the hit (masonry: if all overloaded
+  /// bonds broke at once, every wall would fall as a whole); near 0, they do break at once (ceramics shatter).
   double crack_front = 0.4;
   double friction = 0.6, restitution = 0.1;
 };
@@ -146,8 +146,8 @@ class World {
   void add_static_box(const Pose& pose, const glm::dvec3& half_sides);
   BallId throw_ball(const glm::dvec3& from, const glm::dvec3& velocity, double radius, double density);
 
-  /// Replaces a whole object by its fragments; nothing happens where it is broken already. Impacts since it
-  /// asked for them are made up for: bonds that they would have overloaded are broken.
+  /// Replaces a whole object by its fragments; does nothing where it is broken already. Breaks the bonds that
+  /// impacts since the request would have overloaded.
   void fracture(ObjectId object, std::shared_ptr<const PreparedFragments> fragments);
   /// Replaces a loose fragment by pieces of it, which become an object of their own (in the same frame).
   /// Nothing where the fragment is gone.
