@@ -109,7 +109,7 @@ int side1(const Vec3d& i, const Vec3d& j, const Vec3d& q) {
     const Point<Int> o = scale.scaled<Int>(i), u = scale.scaled<Int>(j) - o, x = scale.scaled<Int>(q) - o;
     const Int ux = dot(u, x);
     if (const int s = sign_of(Int(dot(u, u) - (ux + ux)))) return s;
-      return lexicographic_less(i, j) ? 1 : -1;
+    return lexicographic_less(i, j) ? 1 : -1;
   });
 }
 

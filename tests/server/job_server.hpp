@@ -21,10 +21,10 @@ struct Gate {
   std::function<void(const Execution&)> hook() {
     return [this](const Execution& execution) {
       ++arrived;
-      while (!open) {
+      require_eventually(kPatience, "the gate to open", [&] {
         execution.poll();
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-      }
+        return open.load();
+      });
     };
   }
 };

@@ -93,7 +93,7 @@ TEST(Jobs, TheEventsTellEveryChangeOnceAndEndWithTheJob) {
   ASSERT_TRUE(head);
   EXPECT_EQ(head->header("content-type"), "text/event-stream");
   ASSERT_TRUE(client.receive_until("\n\n"));  // a first event has come before the job may end
-  while (gate.arrived == 0) std::this_thread::yield();
+  require_eventually(kPatience, "a computation to come to the gate", [&] { return gate.arrived > 0; });
   gate.open = true;
   const std::string stream = client.receive_all();
   EXPECT_FALSE(client.timed_out());
@@ -138,7 +138,7 @@ TEST(Jobs, AServerThatStopsEndsItsStreamsAndItsJobs) {
     RawClient client(server.port());
     client.send("GET " + job + "/events HTTP/1.1\r\nHost: test\r\n\r\n");
     ASSERT_TRUE(client.receive()) << "the header of the stream";
-    while (gate.arrived == 0) std::this_thread::yield();
+    require_eventually(kPatience, "a computation to come to the gate", [&] { return gate.arrived > 0; });
     server.server.stop_accepting();
     stream = client.receive_all();
     EXPECT_FALSE(client.timed_out());
@@ -152,9 +152,8 @@ TEST(Jobs, FinishedJobsAreForgottenAfterTheirTimeAndForTheirBytes) {
   options.jobs.ttl = std::chrono::milliseconds(100);
   TestServer server(options);
   const std::string job = server.post("/fracture", "mesh", kAsync).header("location");
-  for (int i = 0; i < 3000 && server.get(job).status != 404; ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  EXPECT_EQ(server.get(job).status, 404);
+  EXPECT_TRUE(
+      eventually(kPatience, "the job to be forgotten", [&] { return server.get(job).status == 404; }));
   EXPECT_EQ(server.api.jobs().figures().expired, 1u);
 
   TestServerOptions narrow;
@@ -184,6 +183,7 @@ TEST(Jobs, AJobHasADeadlineOfItsOwnWhateverTheRouteAndThePriority) {
   ASSERT_EQ(stored.status, 202) << stored.body;
   ASSERT_EQ(urgent.status, 202) << urgent.body;
   for (const Reply* reply : {&stored, &urgent}) wait_for_state(server, reply->header("location"), "running");
+  // pause: the deadline of requests that somebody waits for passes, and the jobs go on
   std::this_thread::sleep_for(5 * options.limits.deadline);
   gate.open = true;
   for (const Reply* reply : {&stored, &urgent}) wait_for_state(server, reply->header("location"), "done");
@@ -237,10 +237,10 @@ TEST(Jobs, ProgressMovesWithinTheLoopsOfOneStage) {
   std::atomic<int> allowed{0};
   server.control->during_cut = [&](const Execution& execution) {
     parallel_for(execution, 64, 1, [&](std::size_t begin, std::size_t) {
-      while (static_cast<int>(begin) >= allowed) {
+      require_eventually(kPatience, "the test to allow this block", [&] {
         execution.poll();
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-      }
+        return static_cast<int>(begin) < allowed;
+      });
     });
   };
   const std::string job = server.post("/fracture", "mesh", kAsync).header("location");
