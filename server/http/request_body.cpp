@@ -13,10 +13,14 @@ using Clock = TimedSocket::Clock;
 namespace bhttp = beast::http;
 using Parser = bhttp::request_parser<bhttp::string_body>;
 
-/// A request body may be wrapped in this many bytes of chunk headers for each byte, on top of a fixed
-/// allowance: one byte chunks ("1\r\nx\r\n", 6 bytes) pass, an endless chunk extension does not.
-constexpr std::uint64_t kMaxWireFactor = 8;
+/// A chunked body may take so many bytes on the wire for each of its own that have come, on top of a fixed
+/// allowance: chunks of three bytes ("3\r\nabc\r\n", 8 bytes) pass whatever they add up to, smaller ones and
+/// extensions for a while.
+constexpr std::uint64_t kMaxWireFactor = 3;
 constexpr std::uint64_t kWireAllowance = 1u << 20;
+
+/// Of one read, where the buffer has no more room already.
+constexpr std::size_t kPiece = 16u << 10;
 
 Problem over_limit(const Admission& admission) {
   return Problem(HttpProblem::kBodyTooLarge,
@@ -77,19 +81,41 @@ asio::awaitable<BodyOutcome> read_body(TimedSocket& connection, beast::flat_buff
 
   const Clock::time_point start = Clock::now();
   const Clock::time_point end = start + limits.body_timeout;
-  const std::uint64_t max_wire = kMaxWireFactor * admission.max_body + kWireAllowance;
-  while (!parser.is_done()) {
+  for (;;) {
+    // All that is there is taken apart at once: a chunk of few bytes costs no turn of the event loop.
+    while (!parser.is_done() && buffer.size() > 0) {
+      ec.clear();
+      const std::size_t taken = parser.put(buffer.cdata(), ec);
+      buffer.consume(taken);
+      outcome.wire_bytes += taken;
+      if (ec) break;
+    }
     const std::uint64_t received = parser.get().body().size();
+    if (!request.reservation.grow_to(received)) co_return refused(api.no_memory(request.reservation));
+    if (ec && ec != bhttp::error::need_more) {
+      outcome.problem = explain(ec, admission);
+      outcome.closed = !outcome.problem;
+      co_return outcome;
+    }
+    if (outcome.wire_bytes > kMaxWireFactor * received + kWireAllowance)
+      co_return refused(Problem(HttpProblem::kHeaderTooLarge,
+                                "The body is in chunks too small, or with extensions too long: " +
+                                    std::to_string(outcome.wire_bytes) + " bytes for " +
+                                    std::to_string(received) + " of its own."));
+    if (parser.is_done()) break;
+    const std::size_t room =
+        std::min(std::max(kPiece, buffer.capacity() - buffer.size()), buffer.max_size() - buffer.size());
+    if (room == 0)
+      co_return refused(*explain(bhttp::make_error_code(bhttp::error::buffer_overflow), admission));
+
     const auto earned =
         std::chrono::milliseconds(1000 * received / std::max<std::uint64_t>(1, limits.body_rate));
     // What a fast start has earned is not to be spent on one long silence.
     const Clock::time_point late =
         std::min(start + limits.body_grace + earned, Clock::now() + limits.write_stall);
     connection.set_deadline(std::min(late, end));
-    outcome.wire_bytes += co_await bhttp::async_read_some(connection.socket(), buffer, parser,
-                                                          asio::redirect_error(asio::use_awaitable, ec));
-    if (!request.reservation.grow_to(parser.get().body().size()))
-      co_return refused(api.no_memory(request.reservation));
+    buffer.commit(co_await connection.socket().async_read_some(
+        buffer.prepare(room), asio::redirect_error(asio::use_awaitable, ec)));
     if (connection.timed_out())
       co_return refused(Problem(
           HttpProblem::kRequestTimeout,
@@ -101,8 +127,6 @@ asio::awaitable<BodyOutcome> read_body(TimedSocket& connection, beast::flat_buff
       outcome.closed = !outcome.problem;
       co_return outcome;
     }
-    if (outcome.wire_bytes > max_wire)
-      co_return refused(*explain(bhttp::make_error_code(bhttp::error::buffer_overflow), admission));
   }
   connection.clear_deadline();
   request.body = std::move(parser.get().body());

@@ -1,6 +1,7 @@
 // What one client may take of the connections, the memory and the time of all.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <memory>
 #include <thread>
 #include <vector>
@@ -80,6 +81,38 @@ TEST_F(BodyMemory, AChunkedBodyIsSmallUntilItIsNot) {
   };
   EXPECT_EQ(chunked(60 * kKiB), 200);
   EXPECT_EQ(chunked(100 * kKiB), 503);
+}
+
+// What a chunk has beside its bytes is bounded by these, not by what a body may have.
+TEST_F(BodyMemory, AChunkedBodyIsForTheMostPartBody) {
+  TestServer server(options);
+  constexpr std::size_t kEnough = 64 * kMiB;  // far more than the kernel holds between the two
+  const auto sent_until_answered = [&](const std::string& chunk, int& status) {
+    std::string many;
+    while (many.size() < 100 * kKiB) many += chunk;
+    RawClient client(server.port());
+    client.send(kPost + "Transfer-Encoding: chunked\r\n\r\n");
+    std::size_t sent = 0;
+    std::atomic<bool> answered{false};
+    std::thread reader([&] {
+      const auto reply = client.receive(false, kPatience);
+      status = reply ? reply->status : 0;
+      answered = true;
+    });
+    while (!answered && sent < kEnough && client.send(many)) sent += many.size();
+    if (!answered) client.half_close();
+    reader.join();
+    return sent;
+  };
+  const std::string extension = "1;" + std::string(200, 'e') + "\r\nx\r\n";
+  for (const std::string& chunk : {extension, std::string("1\r\nx\r\n")}) {
+    int status = 0;
+    EXPECT_LT(sent_until_answered(chunk, status), kEnough) << chunk;
+    EXPECT_EQ(status, 431) << chunk;
+  }
+  int status = 0;
+  sent_until_answered("3\r\nxxx\r\n", status);
+  EXPECT_EQ(status, 413) << "of three bytes each they are taken until the body is too large";
 }
 
 TEST_F(BodyMemory, AnAddressHasAShareWhichItsOnlyBodyMayExceed) {
