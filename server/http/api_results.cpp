@@ -182,8 +182,12 @@ Answered Api::found_result(const std::shared_ptr<Request>& request,
     response.headers.emplace_back("Cache-Control", std::string(whose) + ", max-age=31536000, immutable");
     response.headers.emplace_back("Accept-Ranges", "bytes");
   };
+  const std::string match = request->head.field("if-match");
+  if (!match.empty() && !names_etag(match, representation->etag, Comparison::kStrong))
+    return refuse(HttpProblem::kPreconditionFailed,
+                  "The ETag here is " + representation->etag + ", which If-Match does not name.");
   const std::string none_match = request->head.field("if-none-match");
-  if (!none_match.empty() && none_match_fails(none_match, representation->etag)) {
+  if (!none_match.empty() && names_etag(none_match, representation->etag, Comparison::kWeak)) {
     Response response = result_response(result, *representation, nullptr);
     describe(response);
     response.status = 304;

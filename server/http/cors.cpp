@@ -7,8 +7,8 @@ namespace {
 
 constexpr const char* kMethods = "GET, HEAD, POST, PUT, DELETE";
 constexpr const char* kRequestFields =
-    "Accept, Authorization, Content-Digest, Content-Encoding, Content-Type, If-None-Match, If-Range, Prefer, "
-    "Priority, Range, Request-Timeout, Traceparent, X-Request-Id";
+    "Accept, Authorization, Content-Digest, Content-Encoding, Content-Type, If-Match, If-None-Match, "
+    "If-Range, Prefer, Priority, Range, Request-Timeout, Traceparent, X-Request-Id";
 constexpr const char* kExposedFields =
     "Accept-Ranges, Cache-Status, Content-Location, Content-Range, ETag, Fracture-Algorithm, Link, "
     "Location, Preference-Applied, RateLimit, RateLimit-Policy, Repr-Digest, Retry-After, Server-Timing, "

@@ -31,13 +31,13 @@ std::string variant_name(const std::string& key, bool figures, ContentCoding cod
 
 }  // namespace
 
-bool none_match_fails(std::string_view field, std::string_view etag) {
+bool names_etag(std::string_view field, std::string_view etag, Comparison comparison) {
   while (!field.empty()) {
     std::string_view item = field.substr(0, field.find(','));
     field.remove_prefix(std::min(field.size(), item.size() + 1));
     while (!item.empty() && item.front() == ' ') item.remove_prefix(1);
     while (!item.empty() && item.back() == ' ') item.remove_suffix(1);
-    if (item.substr(0, 2) == "W/") item.remove_prefix(2);
+    if (comparison == Comparison::kWeak && item.substr(0, 2) == "W/") item.remove_prefix(2);
     if (item == "*" || item == etag) return true;
   }
   return false;

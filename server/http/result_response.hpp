@@ -47,8 +47,10 @@ Response result_response(const std::shared_ptr<const FractureResult>& result,
                          const Representation& representation,
                          const std::shared_ptr<const FractureResult>& variant);
 
-/// If-None-Match (RFC 9110, section 13.1.2): weak comparison against a list, or '*'.
-bool none_match_fails(std::string_view field, std::string_view etag);
+/// If-Match compares strongly, If-None-Match weakly (RFC 9110, sections 8.8.3.2, 13.1.1 and 13.1.2).
+enum class Comparison { kStrong, kWeak };
+/// Whether the list of such a field names this entity tag, or is '*'.
+bool names_etag(std::string_view field, std::string_view etag, Comparison comparison);
 
 /// RFC 9211: the caches in the order the request meets them, nearest to the computation first.
 std::string cache_status(const FractureAnswer& answer);

@@ -73,6 +73,21 @@ TEST_F(Results, IfRangeHoldsTheRangeToTheSameBytes) {
   EXPECT_EQ(server.get(location, "Range: bytes=0-3\r\nIf-None-Match: " + etag + "\r\n").status, 304);
 }
 
+TEST_F(Results, IfMatchHoldsTheAnswerToTheSameBytes) {
+  for (const std::string& good : {etag, std::string("*"), "\"other\", " + etag})
+    EXPECT_EQ(server.get(location, "If-Match: " + good + "\r\n").status, 200) << good;
+  for (const std::string& bad : {std::string("\"other\""), "W/" + etag}) {
+    for (const char* method : {"GET", "HEAD"})
+      EXPECT_EQ(ask(server.port(), method, location, "If-Match: " + bad + "\r\n").status, 412)
+          << method << bad;
+    const Reply reply = server.get(location, "If-Match: " + bad + "\r\nIf-None-Match: " + etag + "\r\n");
+    EXPECT_EQ(reply.problem(), "precondition-failed") << "before If-None-Match";
+    EXPECT_NE(reply.body.find(etag.substr(1, 20)), std::string::npos) << reply.body;
+  }
+  EXPECT_EQ(server.get(location, "Accept: application/json\r\nIf-Match: " + etag + "\r\n").status, 412)
+      << "the figures have an ETag of their own";
+}
+
 TEST_F(Results, TheFiguresOfAGlbCanBeHadToo) {
   const Reply figures = server.get(location, "Accept: application/json\r\n");
   EXPECT_EQ(figures.status, 200);
