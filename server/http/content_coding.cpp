@@ -2,6 +2,7 @@
 
 #include <zlib.h>
 #include <zstd.h>
+#include <zstd_errors.h>
 
 #include <algorithm>
 #include <limits>
@@ -15,9 +16,10 @@ namespace {
 
 /// Decoded bytes between two looks at the deadline.
 constexpr std::size_t kBlock = 256u << 10;
+/// 8 MiB: what RFC 9659 bounds a window of this coding to.
 constexpr int kMaxWindowLog = 23;
 
-enum class Outcome { kWhole, kDamaged, kStopped };
+enum class Outcome { kWhole, kDamaged, kStopped, kWindow };
 
 /// Calls sink(bytes) -> bool for every decoded block, until it returns false.
 template <class Sink>
@@ -62,7 +64,9 @@ Outcome each_zstd_block(std::string_view body, Sink sink) {
     const std::size_t before = in.pos;
     ZSTD_outBuffer out{block.data(), block.size(), 0};
     pending = ZSTD_decompressStream(context.get(), &out, &in);
-    if (ZSTD_isError(pending)) return Outcome::kDamaged;
+    if (ZSTD_isError(pending))
+      return ZSTD_getErrorCode(pending) == ZSTD_error_frameParameter_windowTooLarge ? Outcome::kWindow
+                                                                                    : Outcome::kDamaged;
     if (!sink(std::string_view(block.data(), out.pos))) return Outcome::kStopped;
     if (out.pos == 0 && in.pos == before) return Outcome::kDamaged;
   }
@@ -115,6 +119,11 @@ Decoding decode_body(std::string& body, ContentCoding coding, std::uint64_t limi
     return {Problem(HttpProblem::kBodyTooLarge, std::string("The ") + name +
                                                     " body decodes to more than the limit of " +
                                                     std::to_string(limit) + " bytes.")};
+  if (outcome == Outcome::kWindow)
+    return {Problem(
+        HttpProblem::kMalformedCoding,
+        "The zstd body needs a window of more than 8 MiB, which is the most that a Content-Encoding may "
+        "have (RFC 9659): compress it without --long or --ultra.")};
   if (outcome == Outcome::kDamaged)
     return {Problem(HttpProblem::kMalformedCoding, std::string("The body is no whole ") + name +
                                                        " stream: it is damaged or ends early after " +

@@ -157,7 +157,10 @@ TEST(ContentCoding, AWindowOver8MiBIsRefused) {
   std::string small = zstd(text, 23), large = zstd(text, 24);
   EXPECT_FALSE(http::decode_body(small, http::ContentCoding::kZstd, 100u << 20, reservation, {}).problem);
   EXPECT_EQ(small, text);
-  EXPECT_TRUE(http::decode_body(large, http::ContentCoding::kZstd, 100u << 20, reservation, {}).problem);
+  const auto refused =
+      http::decode_body(large, http::ContentCoding::kZstd, 100u << 20, reservation, {}).problem;
+  ASSERT_TRUE(refused);
+  EXPECT_NE(refused->body("").find("window of more than 8 MiB"), std::string::npos) << refused->body("");
 }
 
 TEST(ContentCoding, DecodedBytesCountAgainstTheMemoryOfAllBodies) {
