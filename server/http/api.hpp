@@ -17,7 +17,6 @@
 #include <vector>
 
 #include "server/http/answer_memory.hpp"
-#include "server/http/client_shares.hpp"
 #include "server/http/content_coding.hpp"
 #include "server/http/limits.hpp"
 #include "server/http/mesh_input.hpp"
@@ -26,6 +25,7 @@
 #include "server/http/routes.hpp"
 #include "server/jobs/jobs.hpp"
 #include "server/ops/metrics.hpp"
+#include "server/service/client_shares.hpp"
 #include "server/service/dispatcher.hpp"
 #include "server/service/memory_budget.hpp"
 #include "server/service/mesh_store.hpp"

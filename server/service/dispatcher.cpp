@@ -53,7 +53,7 @@ std::optional<Overload> Dispatcher::fracture(FractureRequest request, const Term
   // Who joins a flight costs nothing more and is let in. That flight may have landed by then: such a request
   // leads one of its own, with a reservation that begins with nothing and grows.
   double cost = 0;
-  MemoryBudget::Reservation working(working_);
+  MemoryBudget::Reservation working = working_.begin(terms.payer.flow.name);
   {
     const std::shared_ptr<const PreparedMesh> mesh = service_.find_mesh(keys);
     const FractureParameters& fracture = request.parameters.fracture;
@@ -73,7 +73,7 @@ std::optional<Overload> Dispatcher::fracture(FractureRequest request, const Term
     std::optional<Overload> overload;
     if (!results_.find(keys.result)) {
       overload = refuses(cost, terms);
-      if (!overload) overload = reserve(work.bytes, working);
+      if (!overload) overload = reserve(work.bytes, terms, working);
     }
     if (overload) {
       ++refused_;
@@ -109,7 +109,7 @@ std::optional<Overload> Dispatcher::fracture(FractureRequest request, const Term
     c->request = std::move(request);
     c->keys = std::move(keys);
     c->cost = cost;
-    c->working.emplace(working_, std::move(working));
+    c->working.emplace(working_.whole(), std::move(working));
     c->flight = seat.flight;
     const std::lock_guard lock(flight.common.mutex);
     flight.common.turn = {terms.payer.flow, terms.priority, cost};
@@ -140,14 +140,14 @@ std::optional<Overload> Dispatcher::prepare(FractureRequest request, const Terms
   const ExpectedWork work = expected_work(bytes_of(request));
   const double cost = work.seconds;
   tenants::Account::Seat share;
-  MemoryBudget::Reservation working(working_);
+  MemoryBudget::Reservation working = working_.begin(terms.payer.flow.name);
   if (auto over = seat(terms, share)) {
     ++refused_;
     return over;
   }
   if (!meshes_.find(keys.mesh)) {
     std::optional<Overload> overload = refuses(cost, terms);
-    if (!overload) overload = reserve(work.bytes, working);
+    if (!overload) overload = reserve(work.bytes, terms, working);
     if (overload) {
       ++refused_;
       return overload;
@@ -174,7 +174,7 @@ std::optional<Overload> Dispatcher::prepare(FractureRequest request, const Terms
       std::optional<ComputationAllowance> working{};
     };
     const auto p = std::make_shared<Preparation>(std::move(request), std::move(keys), terms);
-    p->working.emplace(working_, std::move(working));
+    p->working.emplace(working_.whole(), std::move(working));
     const auto prepare = [this, p, cost, flight = seat.flight](int threads) {
       const Terms& mine = p->terms;
       const auto paid = [&](double seconds) {
@@ -275,7 +275,7 @@ void Dispatcher::begin(const Shared& c, int threads) {
   c->begun = now;
   c->answer.queue_milliseconds = std::chrono::duration<double, std::milli>(now - c->submitted).count();
   if (service_.has_tiers()) {
-    MemoryBudget::Reservation reading(working_);
+    MemoryBudget::Reservation reading(working_.whole());
     // Where there is no room to read it, it is computed within what was admitted.
     service_.fetch_result(c->keys.result, c->answer,
                           [&reading](std::uint64_t bytes) { return reading.grow_to(bytes); });
@@ -357,7 +357,7 @@ std::optional<std::size_t> Dispatcher::queue_position(const std::string& result_
 }
 
 Dispatcher::Figures Dispatcher::figures() const {
-  return {computed_, collapsed_, abandoned_, expired_, refused_, results_.count(), working_.used()};
+  return {computed_, collapsed_, abandoned_, expired_, refused_, results_.count(), working_.whole().used()};
 }
 
 }  // namespace fracture

@@ -28,6 +28,7 @@
 #include <vector>
 
 #include "server/service/admission.hpp"
+#include "server/service/client_shares.hpp"
 #include "server/service/failure_keeper.hpp"
 #include "server/service/memory_budget.hpp"
 #include "server/service/payer.hpp"
@@ -39,7 +40,9 @@
 namespace fracture {
 
 struct DispatcherConfig {
-  /// Bytes that computations may be working in at the same time, by estimate; one alone may always run.
+  /// Bytes that computations may be working in at the same time, by estimate; one alone may always run. An
+  /// eighth is for small ones alone, and no client holds more than three quarters (but for one computation of
+  /// its own), so that who asks for much leaves room for a collision.
   std::uint64_t max_working_bytes = 2ull << 30;
   FailureKeeper* failures = nullptr;  ///< gets what is unsound or a bug; borrowed; null: nobody does
 };
@@ -74,7 +77,10 @@ class Dispatcher {
   using MeshReply = std::function<void(Expected<std::shared_ptr<const PreparedMesh>>)>;
 
   Dispatcher(FractureService& service, WorkerPool& pool, const DispatcherConfig& config = {})
-      : service_(service), pool_(pool), failures_(config.failures), working_(config.max_working_bytes) {}
+      : service_(service),
+        pool_(pool),
+        failures_(config.failures),
+        working_(divided(config.max_working_bytes), share_of(config.max_working_bytes)) {}
   /// Waits until nothing is computed any more; stop the flights first (stop_all) when that would take long.
   ~Dispatcher() { wait_idle(); }
   Dispatcher(const Dispatcher&) = delete;
@@ -95,7 +101,7 @@ class Dispatcher {
   using GivenUp = std::function<void(Error)>;
   std::optional<Overload> run(const ExpectedWork& work, const Terms& terms, Job job, GivenUp given_up);
   /// What all that is computed or read holds.
-  MemoryBudget& working() { return working_; }
+  MemoryBudget& working() { return working_.whole(); }
 
   /// Would a request of so much work be refused? Asked before a body is read, so nothing is reserved.
   std::optional<Overload> refuses(const ExpectedWork& work, const Terms& terms) const;
@@ -158,7 +164,10 @@ class Dispatcher {
   /// Somebody in a hurry waits for a computation; its flow gives the turn, where that has not come yet. With
   /// the mutex of `common`.
   void promote(Common& common);
-  std::optional<Overload> reserve(std::uint64_t bytes, MemoryBudget::Reservation& reservation);
+  std::optional<Overload> reserve(std::uint64_t bytes, const Terms& terms,
+                                  MemoryBudget::Reservation& reservation);
+  static MemoryBudget::Divided divided(std::uint64_t working_bytes);
+  static std::uint64_t share_of(std::uint64_t working_bytes);
 
   // The stations of a computation, each on a thread of the pool.
   void begin(const Shared& c, int threads);
@@ -179,7 +188,7 @@ class Dispatcher {
   FractureService& service_;
   WorkerPool& pool_;
   FailureKeeper* const failures_;
-  MemoryBudget working_;
+  ClientShares working_;
   ResultFlights results_;
   MeshFlights meshes_;
   DiagramFlights diagrams_;

@@ -12,6 +12,10 @@ namespace {
 // turned away. (bench_overload: at four times the capacity.)
 constexpr double kCaution = 1.2;
 
+// Bytes of a computation that counts as small: some hundred fragments of a stored mesh of ten thousand
+// triangles.
+constexpr std::uint64_t kLargestSmall = 16u << 20;
+
 std::chrono::seconds whole_seconds(double seconds) {
   return std::chrono::seconds(static_cast<int>(std::clamp(std::ceil(seconds), 1.0, 60.0)));
 }
@@ -70,12 +74,27 @@ void Dispatcher::promote(Common& common) {
   }
 }
 
-std::optional<Overload> Dispatcher::reserve(std::uint64_t bytes, MemoryBudget::Reservation& reservation) {
-  reservation = MemoryBudget::Reservation(working_);
-  if (reservation.grow_to(std::min(bytes, working_.capacity()))) return std::nullopt;
-  return Overload{"The computations in progress hold " + std::to_string(working_.used()) +
+MemoryBudget::Divided Dispatcher::divided(std::uint64_t working_bytes) {
+  const std::uint64_t headroom = working_bytes / 8;
+  return {working_bytes, headroom, std::min<std::uint64_t>(headroom, kLargestSmall)};
+}
+
+std::uint64_t Dispatcher::share_of(std::uint64_t working_bytes) { return working_bytes - working_bytes / 4; }
+
+std::optional<Overload> Dispatcher::reserve(std::uint64_t bytes, const Terms& terms,
+                                            MemoryBudget::Reservation& reservation) {
+  MemoryBudget& working = working_.whole();
+  reservation = working_.begin(terms.payer.flow.name);
+  if (reservation.grow_to(std::min(bytes, working.capacity()))) return std::nullopt;
+  const std::chrono::seconds later = whole_seconds(pool_.predicted_wait(Priority::kBatch).count());
+  if (reservation.over_share())
+    return Overload{"This client's requests hold all of the " + std::to_string(working_.share()) +
+                        " bytes that one client may work in, by estimate; this one needs " +
+                        std::to_string(bytes) + ".",
+                    later, Overload::Cause::kOverShare};
+  return Overload{"The computations in progress hold " + std::to_string(working.used()) +
                       " bytes by estimate, and this one needs " + std::to_string(bytes) + ".",
-                  whole_seconds(pool_.predicted_wait(Priority::kBatch).count())};
+                  later};
 }
 
 }  // namespace fracture

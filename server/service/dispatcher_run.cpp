@@ -9,7 +9,7 @@ namespace fracture {
 /// the task; the timer and the stop callback only point to it.
 struct Dispatcher::Errand : std::enable_shared_from_this<Errand> {
   Errand(Dispatcher& d, const Terms& t, Job j, GivenUp g)
-      : dispatcher(d), terms(t), job(std::move(j)), given_up(std::move(g)), working(d.working_) {}
+      : dispatcher(d), terms(t), job(std::move(j)), given_up(std::move(g)) {}
   ~Errand() {
     if (alarm) dispatcher.timer_.cancel(*alarm);
   }
@@ -68,7 +68,7 @@ std::optional<Overload> Dispatcher::run(const ExpectedWork& work, const Terms& t
   const auto errand = std::make_shared<Errand>(*this, terms, std::move(job), std::move(given_up));
   std::optional<Overload> overload = seat(terms, errand->share);
   if (!overload) overload = refuses(work.seconds, terms);
-  if (!overload) overload = reserve(work.bytes, errand->working);
+  if (!overload) overload = reserve(work.bytes, terms, errand->working);
   if (overload) {
     ++refused_;
     return overload;

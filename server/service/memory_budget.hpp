@@ -23,7 +23,21 @@ class MemoryBudget {
     kMayExceed,  ///< it is granted where nobody else holds anything: a share is to divide, not to forbid
   };
 
+  /// One pool, of which only small reservations may take all: large ones leave them their headroom.
+  struct Divided {
+    std::uint64_t capacity;
+    std::uint64_t headroom;
+    std::uint64_t largest_small;  ///< bytes of a reservation that is still small
+  };
+
   explicit MemoryBudget(std::uint64_t capacity) : MemoryBudget(capacity, {0, 0}) {}
+  explicit MemoryBudget(const Divided& divided)
+      : large_{divided.capacity},
+        small_{0},
+        largest_small_(0),
+        headroom_(divided.headroom),
+        largest_with_headroom_(divided.largest_small),
+        alone_(Alone::kWithin) {}
   MemoryBudget(std::uint64_t capacity, SmallPool small, Alone alone = Alone::kWithin)
       : large_{capacity}, small_{small.capacity}, largest_small_(small.largest), alone_(alone) {}
 
@@ -85,7 +99,8 @@ class MemoryBudget {
   };
 
   std::uint64_t used() const { return large_.used + small_.used; }
-  std::uint64_t capacity() const { return large_.capacity; }
+  /// What a single reservation may have.
+  std::uint64_t capacity() const { return large_.capacity - headroom_; }
   std::uint64_t small_used() const { return small_.used; }
 
  private:
@@ -93,10 +108,12 @@ class MemoryBudget {
     const std::uint64_t capacity;
     std::atomic<std::uint64_t> used{0};
 
-    bool take(std::uint64_t more, std::uint64_t own, Alone alone) {
+    /// `kept`: bytes that are for others.
+    bool take(std::uint64_t more, std::uint64_t own, Alone alone, std::uint64_t kept) {
+      const std::uint64_t most = capacity - kept;
       std::uint64_t before = used.load();
       do {
-        const bool room = before <= capacity && more <= capacity - before;
+        const bool room = before <= most && more <= most - before;
         if (!room && !(alone == Alone::kMayExceed && before == own)) return false;
       } while (!used.compare_exchange_weak(before, before + more));
       return true;
@@ -107,8 +124,9 @@ class MemoryBudget {
   /// A reservation grows; one that is no longer small moves as a whole.
   bool change(std::uint64_t from, std::uint64_t to) {
     Pool &before = pool(from), &after = pool(to);
-    if (&before == &after) return after.take(to - from, from, alone_);
-    if (!after.take(to, 0, alone_)) return false;
+    const std::uint64_t kept = to > largest_with_headroom_ ? headroom_ : 0;
+    if (&before == &after) return after.take(to - from, from, alone_, kept);
+    if (!after.take(to, 0, alone_, kept)) return false;
     before.used.fetch_sub(from);
     return true;
   }
@@ -122,7 +140,7 @@ class MemoryBudget {
   void give_back(std::uint64_t bytes) { pool(bytes).used.fetch_sub(bytes); }
 
   Pool large_, small_;
-  const std::uint64_t largest_small_;
+  const std::uint64_t largest_small_, headroom_ = 0, largest_with_headroom_ = 0;
   const Alone alone_;
 };
 

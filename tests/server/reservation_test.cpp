@@ -102,6 +102,70 @@ TEST_F(ReservationTest, OnesThatShrinkAreCountedInThePoolThatTheyAreIn) {
   EXPECT_EQ(whole.small_used(), 0u);
 }
 
+TEST_F(ReservationTest, LargeOnesLeaveSmallOnesTheirHeadroom) {
+  MemoryBudget whole(MemoryBudget::Divided{.capacity = 1000, .headroom = 100, .largest_small = 10});
+  EXPECT_EQ(whole.capacity(), 900u);
+  MemoryBudget::Reservation large(whole), small(whole), another(whole);
+  EXPECT_FALSE(large.grow_to(901));
+  ASSERT_TRUE(large.grow_to(900));
+  ASSERT_TRUE(small.grow_to(10));
+  EXPECT_FALSE(small.grow_to(11)) << "it is no longer small";
+  EXPECT_FALSE(another.grow_to(20));
+  ASSERT_TRUE(another.grow_to(10));
+  large.shrink_to(500);
+  EXPECT_TRUE(small.grow_to(200));
+  EXPECT_EQ(whole.used(), 710u);
+}
+
+// A request is a few bytes; what is set aside for it is not.
+TEST_F(ReservationTest, WhoAsksForMuchLeavesRoomForTheOthers) {
+  std::atomic<bool> open{false};
+  control->during_cut = [&](const Execution& execution) {
+    while (!open) execution.poll();
+  };
+  const auto add = [&](const std::string& client, int sites, int seed) {
+    FractureRequest asked = request();
+    asked.parameters.fracture.sites = sites;
+    asked.parameters.fracture.seed = static_cast<std::uint64_t>(seed);
+    Terms terms;
+    terms.payer.flow = {client, 1};
+    return dispatcher.fracture(std::move(asked), terms, [](auto) {});
+  };
+  EXPECT_FALSE(add("greedy", 100'000, 1)) << "one alone may always run";
+  EXPECT_FALSE(add("other", 10, 2));
+  const auto second = add("greedy", 10, 3);
+  ASSERT_TRUE(second);
+  EXPECT_EQ(second->cause, Overload::Cause::kOverShare) << second->detail;
+  const auto large = add("other", 10'000, 4);
+  ASSERT_TRUE(large);
+  EXPECT_EQ(large->cause, Overload::Cause::kServer) << large->detail;
+  open = true;
+  dispatcher.wait_idle();
+  EXPECT_EQ(dispatcher.figures().working_bytes, 0u);
+}
+
+TEST_F(ReservationTest, ManySmallOnesOfOneClientLeaveAQuarter) {
+  std::atomic<bool> open{false};
+  control->during_cut = [&](const Execution& execution) {
+    while (!open) execution.poll();
+  };
+  int taken = 0;
+  const auto add = [&](const std::string& client, int seed) {
+    FractureRequest asked = request();
+    asked.parameters.fracture.sites = 500;
+    asked.parameters.fracture.seed = static_cast<std::uint64_t>(seed);
+    Terms terms;
+    terms.payer.flow = {client, 1};
+    return dispatcher.fracture(std::move(asked), terms, [](auto) {});
+  };
+  while (taken < 200 && !add("greedy", taken)) ++taken;
+  EXPECT_GT(taken, 40);
+  EXPECT_LE(dispatcher.figures().working_bytes, (1u << 30) / 4 * 3);
+  for (int k = 0; k < 15; ++k) EXPECT_FALSE(add("other", 1'000 + k)) << k;
+  open = true;
+  dispatcher.wait_idle();
+}
+
 TEST_F(ReservationTest, AMeshThatCouldNeverBeHeldIsRefusedBeforeItIsPrepared) {
   control->import = [](std::string_view) { return Expected<Mesh>(mesh_of(6'000'000)); };
   const std::optional<Error> error = ask(request());

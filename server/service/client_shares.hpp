@@ -1,5 +1,5 @@
-// Memory that the requests of all clients hold together, of which no client address may hold more than its
-// share.
+// Memory that the requests of all clients hold together, of which no client (an address, or a name) may hold
+// more than its share.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 #include "server/service/memory_budget.hpp"
 
-namespace fracture::http {
+namespace fracture {
 
 /// Thread-safe. Outlives its reservations.
 class ClientShares {
@@ -20,13 +20,16 @@ class ClientShares {
   ClientShares(std::uint64_t capacity, std::uint64_t share, MemoryBudget::SmallPool small,
                std::uint64_t small_share)
       : whole_(capacity, small), share_(share), small_share_{small_share, small.largest} {}
+  ClientShares(const MemoryBudget::Divided& whole, std::uint64_t share)
+      : whole_(whole), share_(share), small_share_{0, 0} {}
 
-  /// Of nothing yet.
+  /// Of nothing yet. Nobody in particular ("") has no share.
   MemoryBudget::Reservation begin(const std::string& address) {
-    if (share_ >= whole_.capacity()) return MemoryBudget::Reservation(whole_);
+    if (share_ >= whole_.capacity() || address.empty()) return MemoryBudget::Reservation(whole_);
     return {whole_, of(address)};
   }
 
+  MemoryBudget& whole() { return whole_; }
   const MemoryBudget& whole() const { return whole_; }
   std::uint64_t share() const { return share_; }
 
@@ -63,4 +66,4 @@ class ClientShares {
   std::unordered_map<std::string, std::weak_ptr<MemoryBudget>> by_address_;
 };
 
-}  // namespace fracture::http
+}  // namespace fracture
