@@ -15,6 +15,7 @@
 #include "tests/server/child_process.hpp"
 #include "tests/server/exposition.hpp"
 #include "tests/server/raw_client.hpp"
+#include "tests/server/server_program.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::test {
@@ -128,12 +129,13 @@ class Farm {
   /// Returns when the server is ready; HAProxy has not seen that yet.
   void start(int i) {
     servers_[i] = std::make_unique<ChildProcess>(
-        std::vector<std::string>{FRACTURE_SERVER_PROGRAM, "serve", "--port", std::to_string(ports_[i].port),
+        std::vector<std::string>{server_program(), "serve", "--port", std::to_string(ports_[i].port),
                                  "--admin-port", std::to_string(ports_[i].admin), "--threads", "1",
                                  "--import-workers", "1", "--redis",
                                  "127.0.0.1:" + std::to_string(redis.port), "--drain-delay", drain_delay_,
                                  "--max-connections-per-address", "1024"},
         folder_ / ("fracture" + std::to_string(i + 1) + ".log"));
+    protect_the_machine_from(servers_[i]->pid());
     require_eventually(kPatience, "a ready fracture" + std::to_string(i + 1), [&] {
       check_alive(i);
       try {

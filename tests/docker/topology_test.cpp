@@ -7,11 +7,12 @@
 
 #include "tests/docker/farm.hpp"
 #include "tests/docker/load.hpp"
+#include "tests/support/full_tests.hpp"
 
 namespace fracture::test {
 namespace {
 
-const bool kFull = std::getenv("FRACTURE_TEST_FULL") != nullptr;
+const bool kFull = full_tests();
 constexpr int kClients = 3, kMeshes = 24, kSeeds = 4;
 
 struct Topology : testing::Test {

@@ -83,6 +83,7 @@ class ChildProcess {
   ChildProcess& operator=(const ChildProcess&) = delete;
 
   void signal(int number) { ::kill(pid_, number); }
+  pid_t pid() const { return pid_; }
   bool alive() {
     if (!ended_ && ::waitpid(pid_, &status_, WNOHANG) == pid_) ended_ = true;
     return !ended_;

@@ -45,10 +45,17 @@ struct Reply {
 
 class RawClient {
  public:
-  explicit RawClient(std::uint16_t port) : fd_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+  /// `from`: the client's own address, any of 127.0.0.0/8; 127.0.0.1 where none is given.
+  explicit RawClient(std::uint16_t port, const std::string& from = "")
+      : fd_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
     if (fd_ < 0) throw std::runtime_error("socket: " + std::string(std::strerror(errno)));
     sockaddr_in address{};
     address.sin_family = AF_INET;
+    if (!from.empty() && (::inet_pton(AF_INET, from.c_str(), &address.sin_addr) != 1 ||
+                          ::bind(fd_, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0)) {
+      ::close(fd_);
+      throw std::runtime_error("bind: " + from);
+    }
     address.sin_port = htons(port);
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     if (::connect(fd_, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0) {
@@ -166,8 +173,8 @@ class RawClient {
 
 /// One request on a connection of its own.
 inline Reply ask(std::uint16_t port, const std::string& method, const std::string& target,
-                 const std::string& fields = "", const std::string& body = "") {
-  RawClient client(port);
+                 const std::string& fields = "", const std::string& body = "", const std::string& from = "") {
+  RawClient client(port, from);
   std::string request =
       method + " " + target + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n" + fields;
   if (!body.empty() || method == "POST") request += "Content-Length: " + std::to_string(body.size()) + "\r\n";

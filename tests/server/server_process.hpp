@@ -15,6 +15,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/server/server_program.hpp"
+
 extern char** environ;
 
 namespace fracture::test {
@@ -23,7 +25,7 @@ class Process {
  public:
   /// Standard output goes to the file `output`.
   explicit Process(std::vector<std::string> arguments, const std::string& output = "/dev/null") {
-    arguments.insert(arguments.begin(), FRACTURE_SERVER_PROGRAM);
+    arguments.insert(arguments.begin(), server_program());
     std::vector<char*> argv;
     for (std::string& a : arguments) argv.push_back(a.data());
     argv.push_back(nullptr);
@@ -80,6 +82,7 @@ class Process {
 class ServeProcess : public Process {
  public:
   explicit ServeProcess(std::vector<std::string> flags = {}) : Process(with_ports(std::move(flags))) {
+    protect_the_machine_from(pid());
     const std::string line = error_line_with(" (admin port ");
     const std::size_t colon = line.rfind(':', line.find(" (admin port ")), admin = line.find("admin port ");
     if (colon == std::string::npos || admin == std::string::npos)
@@ -91,11 +94,15 @@ class ServeProcess : public Process {
 
  private:
   static std::vector<std::string> with_ports(std::vector<std::string> flags) {
-    std::vector<std::string> all = {"serve", "--port", "0", "--admin-port", "0", "--threads", "2"};
-    if (std::find(flags.begin(), flags.end(), "--drain-delay") == flags.end())
-      flags.insert(flags.end(), {"--drain-delay", "0"});
-    if (std::find(flags.begin(), flags.end(), "--allow-host") == flags.end())
-      flags.insert(flags.end(), {"--allow-host", "*"});  // these clients call it as they like
+    std::vector<std::string> all = {"serve", "--port", "0", "--admin-port", "0"};
+    const auto unless_given = [&flags](const char* name, const char* value) {
+      if (std::find(flags.begin(), flags.end(), name) == flags.end())
+        flags.insert(flags.end(), {name, value});
+    };
+    unless_given("--threads", "2");
+    unless_given("--drain-delay", "0");
+    unless_given("--allow-host", "*");  // these clients call it as they like
+    if (other_server_program()) flags = known_settings(flags);
     all.insert(all.end(), flags.begin(), flags.end());
     return all;
   }

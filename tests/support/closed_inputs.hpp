@@ -9,18 +9,15 @@
 #include <gtest/gtest.h>
 
 #include <cctype>
-#include <cstdlib>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "tests/support/full_tests.hpp"
 #include "tests/support/mesh_files.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace fracture::test {
-
-/// Are the long tests wanted?
-inline bool full_tests() { return std::getenv("FRACTURE_TEST_FULL") != nullptr; }
 
 inline const std::vector<NamedMesh>& all_closed_shapes() {
   static const std::vector<NamedMesh> all = closed_shapes();

@@ -1,0 +1,69 @@
+// What the kernel says of another process: memory of it and its children, processor time.
+#pragma once
+
+#include <time.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <thread>
+
+namespace fracture::test {
+
+/// Bytes; 0 when it has ended. What two processes share counts in both.
+inline std::uint64_t resident_bytes(const std::string& pid) {
+  std::ifstream statm("/proc/" + pid + "/statm");
+  std::uint64_t total = 0, resident = 0;
+  statm >> total >> resident;
+  return resident * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+}
+
+/// The same with its children and theirs.
+inline std::uint64_t resident_bytes_with_children(const std::string& pid) {
+  std::uint64_t sum = resident_bytes(pid);
+  std::error_code gone;
+  for (std::filesystem::directory_iterator task("/proc/" + pid + "/task", gone), end; !gone && task != end;
+       task.increment(gone)) {
+    std::ifstream children(task->path() / "children");
+    for (std::string child; children >> child;) sum += resident_bytes_with_children(child);
+  }
+  return sum;
+}
+
+/// Processor seconds of all its threads, which no other process on the machine adds to; 0 when it has ended.
+inline double processor_seconds(pid_t pid) {
+  clockid_t clock{};
+  timespec time{};
+  if (::clock_getcpuclockid(pid, &clock) != 0 || ::clock_gettime(clock, &time) != 0) return 0;
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+/// The resident memory of a process and its children at its peak, looked at every few milliseconds.
+class ResidentPeak {
+ public:
+  explicit ResidentPeak(pid_t pid)
+      : thread_([this, root = std::to_string(pid)] {
+          while (!stop_) {
+            const std::uint64_t now = resident_bytes_with_children(root);
+            if (now > peak_) peak_ = now;
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+          }
+        }) {}
+  ~ResidentPeak() {
+    stop_ = true;
+    thread_.join();
+  }
+  ResidentPeak(const ResidentPeak&) = delete;
+  ResidentPeak& operator=(const ResidentPeak&) = delete;
+  std::uint64_t bytes() const { return peak_; }
+
+ private:
+  std::atomic<bool> stop_{false};
+  std::atomic<std::uint64_t> peak_{0};
+  std::thread thread_;
+};
+
+}  // namespace fracture::test
