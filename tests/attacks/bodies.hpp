@@ -1,0 +1,53 @@
+// What attackers send: small on the wire, large when it is read.
+#pragma once
+
+#include <string>
+
+namespace fracture::test {
+
+inline const std::string kCube =
+    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+    "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+inline const std::string kObj = "Content-Type: model/obj\r\n", kJson = "Content-Type: application/json\r\n",
+                         kGltf = "Content-Type: model/gltf+json\r\n", kGzip = "Content-Encoding: gzip\r\n",
+                         kForm = "Content-Type: multipart/form-data; boundary=B\r\n",
+                         kAsync = "Prefer: respond-async\r\n";
+
+inline std::string many(const std::string& item, std::size_t count) {
+  std::string text;
+  text.reserve(item.size() * count);
+  for (std::size_t k = 0; k < count; ++k) text += item;
+  return text;
+}
+
+/// A cube with these parameters.
+inline std::string form_of(const std::string& params) {
+  return "--B\r\nContent-Disposition: form-data; name=mesh; filename=a.obj\r\n\r\n" + kCube +
+         "\r\n--B\r\nContent-Disposition: form-data; name=params\r\n\r\n" + params + "\r\n--B--\r\n";
+}
+
+/// One name so many times, at last with a list so long.
+inline std::string repeated_parameters(std::size_t times, std::size_t length) {
+  return form_of("{" + many("\"a\":0,", times) + "\"a\":[0" + many(",0", length) + "]}");
+}
+
+/// A tetrahedron whose node has `more` members; equal but for `unique`.
+inline std::string gltf_with(const std::string& more, const std::string& material = "{}", int unique = 0) {
+  return R"({"asset":{"version":"2.0","copyright":")" + std::to_string(unique) +
+         R"("},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0)" + more +
+         R"(}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,"material":0}]}],"materials":[)" +
+         material +
+         R"(],"accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"},)"
+         R"({"bufferView":1,"componentType":5121,"count":12,"type":"SCALAR"},)"
+         R"({"componentType":5126,"count":900000,"type":"VEC3"}],)"
+         R"("bufferViews":[{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":12}],)"
+         R"("buffers":[{"byteLength":60,"uri":"data:application/octet-stream;base64,)"
+         R"(AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAIBAAEDAAMCAQID"}]})";
+}
+/// Of four triangles each: 900,000 of them.
+inline std::string gltf_of_many_instances(int unique) {
+  return gltf_with(R"(,"extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":2}}})", "{}",
+                   unique);
+}
+
+}  // namespace fracture::test
