@@ -3,6 +3,7 @@
 #include <openssl/crypto.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <sstream>
@@ -25,6 +26,9 @@ bool is_token(std::string_view s) {
 }  // namespace
 
 tl::expected<TokenFile, std::string> TokenFile::load(const std::string& path) {
+  // A pipe would keep whoever reads it on SIGHUP, who also waits for SIGTERM.
+  if (std::error_code gone; !std::filesystem::is_regular_file(path, gone))
+    return tl::unexpected<std::string>(path + (gone ? " cannot be read" : " is no regular file"));
   std::ifstream file(path, std::ios::binary);
   std::string text(kMaxBytes + 1, '\0');
   file.read(text.data(), static_cast<std::streamsize>(text.size()));

@@ -1,13 +1,18 @@
 // SIGHUP: the token file is read again, a wrong one changes nothing; audit lines.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
+#include <atomic>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "tests/server/raw_client.hpp"
 #include "tests/server/server_process.hpp"
 #include "tests/server/temporary_folder.hpp"
 #include "tests/server/tenant_file.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace fracture::test {
 namespace {
@@ -36,6 +41,28 @@ TEST(Reload, ANewTokenFileDecidesAndAWrongOneIsRefused) {
   EXPECT_EQ(ask(server.port, "GET", "/version", by("ana")).status, 200);
   EXPECT_EQ(ask(server.port, "GET", "/version", by("cyd")).status, 200);
   ASSERT_TRUE(server.alive());
+  server.signal(SIGTERM);
+  EXPECT_EQ(server.wait(), 0);
+}
+
+TEST(Reload, WhatIsNoFileIsRefusedAndNobodyWaitsForIt) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "tokens";
+  write(path, tenant_file({tenant("ana")}));
+  ServeProcess server({"--token-file", path, "--log-format", "json"});
+  std::filesystem::remove(path);
+  ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);
+  server.signal(SIGHUP);
+  // Would somebody wait for a writer, this ended it.
+  std::atomic<bool> done{false};
+  std::thread watch([&] {
+    if (!eventually(std::chrono::seconds(60), "the refusal", [&] { return done.load(); }))
+      server.signal(SIGKILL);
+  });
+  EXPECT_NE(server.error_line_with("no regular file"), "");
+  done = true;
+  watch.join();
+  EXPECT_EQ(ask(server.port, "GET", "/version", by("ana")).status, 200);
   server.signal(SIGTERM);
   EXPECT_EQ(server.wait(), 0);
 }
