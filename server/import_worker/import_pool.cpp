@@ -123,6 +123,16 @@ std::unique_ptr<WorkerProcess> ImportPool::fork_worker() {
       zygote_.reset();
     }
   }
+  try {
+    return first_worker_of_a_new_zygote();
+  } catch (const std::exception&) {
+    // These are the first that the system ends when it is short of memory: also while they start.
+    return first_worker_of_a_new_zygote();
+  }
+}
+
+std::unique_ptr<WorkerProcess> ImportPool::first_worker_of_a_new_zygote() {
+  zygote_.reset();
   zygote_ = std::make_unique<ZygoteProcess>(config_.worker);
   {
     const std::lock_guard lock(mutex_);

@@ -83,6 +83,7 @@ class ImportPool {
   Expected<Mesh> import_within(std::uint64_t memory_bytes, bool last, const Input& input,
                                const ImportLimits& limits, const Execution& execution);
   std::unique_ptr<WorkerProcess> fork_worker();
+  std::unique_ptr<WorkerProcess> first_worker_of_a_new_zygote();
   void want_a_spare();
   std::unique_ptr<WorkerProcess> take(const Execution& execution);
   void bury(std::unique_ptr<WorkerProcess> worker);

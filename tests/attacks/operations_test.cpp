@@ -1,4 +1,7 @@
 // Faults and commands of every day, under load: a damaged cache file, signals, long jobs.
+#include <signal.h>
+
+#include <map>
 #include <optional>
 
 #include "tests/attacks/attack.hpp"
@@ -57,6 +60,31 @@ TEST(OperationsAttack, Hangup) {
   }
   siege.judge("Hangup", "ends the process without a drain", Siege::Refusals::kNone,
               std::to_string(kTimes) + " signals");
+}
+
+// The importers are the first that a system short of memory ends: whoever posts meanwhile may be told so,
+// nobody of a bug.
+TEST(OperationsAttack, KilledImporters) {
+  Siege siege;
+  std::map<int, int> statuses;
+  const int times = full_tests() ? 200 : 40;
+  for (int k = 0; k < times; ++k) {
+    for (const std::string& child : children_of(std::to_string(siege.server.pid())))
+      ::kill(std::stoi(child), SIGKILL);
+    const std::string mesh = kCube + "# " + std::to_string(k) + "\n";
+    try {
+      ++statuses[ask(siege.server.port, "POST", "/fracture?sites=4", kObj, mesh).status];
+    } catch (const std::runtime_error&) {
+      ++statuses[0];
+    }
+  }
+  EXPECT_EQ(statuses[500], 0);
+  EXPECT_EQ(statuses[0], 0);
+  EXPECT_EQ(ask(siege.server.port, "POST", "/fracture?sites=4", kObj, kCube + "#\n").status, 200);
+  siege.judge(
+      "KilledImporters", "of 40 requests beside killed importers 9 were answered 500", Siege::Refusals::kNone,
+      "posts beside them: " + std::to_string(statuses[200]) + " served, " + std::to_string(statuses[422]) +
+          " times 422, " + std::to_string(statuses[500]) + " times 500");
 }
 
 std::string state_of(const ServeProcess& server, const std::string& job) {

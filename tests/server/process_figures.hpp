@@ -10,6 +10,7 @@
 #include <fstream>
 #include <string>
 #include <thread>
+#include <vector>
 
 namespace fracture::test {
 
@@ -21,15 +22,21 @@ inline std::uint64_t resident_bytes(const std::string& pid) {
   return resident * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
 }
 
-/// The same with its children and theirs.
-inline std::uint64_t resident_bytes_with_children(const std::string& pid) {
-  std::uint64_t sum = resident_bytes(pid);
+inline std::vector<std::string> children_of(const std::string& pid) {
+  std::vector<std::string> all;
   std::error_code gone;
   for (std::filesystem::directory_iterator task("/proc/" + pid + "/task", gone), end; !gone && task != end;
        task.increment(gone)) {
     std::ifstream children(task->path() / "children");
-    for (std::string child; children >> child;) sum += resident_bytes_with_children(child);
+    for (std::string child; children >> child;) all.push_back(child);
   }
+  return all;
+}
+
+/// Of it, its children and theirs.
+inline std::uint64_t resident_bytes_with_children(const std::string& pid) {
+  std::uint64_t sum = resident_bytes(pid);
+  for (const std::string& child : children_of(pid)) sum += resident_bytes_with_children(child);
   return sum;
 }
 
