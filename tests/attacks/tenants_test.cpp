@@ -29,7 +29,7 @@ struct TenantAttack : testing::Test {
   }
   void write(const std::vector<json>& tenants) {
     std::string text = tenant_file(tenants);
-    if (other_server_program()) {  // which may know names without shares only
+    if (!knows_shares()) {  // which may know names without shares only
       text.clear();
       for (const json& each : tenants)
         text += each.at("name").get<std::string>() + " " + token_of(each.at("name")) + "\n";

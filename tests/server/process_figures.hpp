@@ -48,6 +48,15 @@ inline double processor_seconds(pid_t pid) {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
+/// Processor seconds of all processes of this machine since it was started, waiting not counted.
+inline double processor_seconds_of_the_machine() {
+  std::ifstream stat("/proc/stat");
+  std::string cpu;
+  double user = 0, nice = 0, system = 0, idle = 0, waiting = 0, irq = 0, softirq = 0, stolen = 0;
+  stat >> cpu >> user >> nice >> system >> idle >> waiting >> irq >> softirq >> stolen;
+  return (user + nice + system + irq + softirq + stolen) / static_cast<double>(::sysconf(_SC_CLK_TCK));
+}
+
 /// The resident memory of a process and its children at its peak, looked at every few milliseconds.
 class ResidentPeak {
  public:

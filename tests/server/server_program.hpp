@@ -42,6 +42,9 @@ inline std::vector<std::string> known_settings(const std::vector<std::string>& s
   return known;
 }
 
+/// Whether its names of tokens may have shares; else they are lines.
+inline bool knows_shares() { return !known_settings({"--trusted-proxy", "192.0.2.1"}).empty(); }
+
 /// A build without limits may take all the memory of the machine, and others are killed for it.
 inline void protect_the_machine_from(pid_t pid) {
   const rlimit most{std::uint64_t{4} << 30, std::uint64_t{4} << 30};
