@@ -100,7 +100,7 @@ class FractureService {
   std::shared_ptr<const PreparedMesh> peek_mesh(const RequestKeys& keys) const {
     return meshes_.peek(keys.mesh);
   }
-  std::shared_ptr<const Diagram> peek_diagram(const RequestKeys& keys) const {
+  std::shared_ptr<const CutBase> peek_diagram(const RequestKeys& keys) const {
     return diagrams_.peek(keys.diagram);
   }
   std::shared_ptr<const FractureResult> find_result(const std::string& key) { return results_.find(key); }
