@@ -88,6 +88,7 @@ void Neighbours::play(std::uint16_t port) {
     } catch (const std::runtime_error& e) {
       fail(std::string("a collision: ") + e.what());
     }
+    // pause: neighbours ask at the pace of a game, not as fast as they can
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
 }
@@ -106,6 +107,7 @@ void Neighbours::probe(std::uint16_t port, std::uint16_t admin_port) {
     } catch (const std::runtime_error& e) {
       fail(path + std::string(": ") + e.what());
     }
+    // pause: neighbours ask at the pace of a game, not as fast as they can
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
 }
@@ -156,6 +158,7 @@ void Siege::attack(int attackers, int least, const std::function<int(const std::
           status = once(from, k * attackers + attacker);
         } catch (const std::runtime_error&) {
           // Cut off, or the server is gone: the neighbours tell which.
+          // pause: who was cut off comes back, but not at once
           std::this_thread::sleep_for(std::chrono::milliseconds(20));
         }
         const std::lock_guard lock(mutex);

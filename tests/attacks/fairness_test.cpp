@@ -41,6 +41,7 @@ class Crowd {
           try {
             once(client, n);
           } catch (const std::runtime_error&) {
+            // pause: who was cut off comes back, but not at once
             std::this_thread::sleep_for(std::chrono::milliseconds(10));
           }
         }
@@ -208,7 +209,7 @@ struct TwoNames : testing::Test {
     std::optional<RawClient> client;
     auto next = Clock::now();
     for (int k = 0; k < questions; ++k) {
-      std::this_thread::sleep_until(next);
+      std::this_thread::sleep_until(next);  // pause: forty questions a second are the load
       next = std::max(next + std::chrono::milliseconds(25), Clock::now());
       if (!client) client.emplace(server->port);
       const std::string text = request("quiet", 50, true);
@@ -228,6 +229,7 @@ struct TwoNames : testing::Test {
     auto connections = std::make_shared<std::vector<std::unique_ptr<RawClient>>>(clients);
     return std::make_unique<Crowd>(clients, [this, connections, clients, rate](int client, int n) {
       auto& connection = (*connections)[static_cast<std::size_t>(client)];
+      // pause: the rate is the load
       if (rate > 0) std::this_thread::sleep_for(std::chrono::duration<double>(clients / rate));
       if (!connection) connection = std::make_unique<RawClient>(server->port, "127.0.1.1");
       const bool realtime = n % 2 == 0;

@@ -33,17 +33,19 @@ TEST(TransportAttack, AnnouncedBodies) {
           ++sending;
           while (open && !stop) {
             open = client.send(std::string(1741, '#'));
+            // pause: 17 KiB/s are the attack
             std::this_thread::sleep_for(milliseconds(100));
           }
           --sending;
           client.reset();
         } catch (const std::runtime_error&) {
+          // pause: who was cut off comes back, but not at once
           std::this_thread::sleep_for(milliseconds(10));
         }
       }
     });
   EXPECT_TRUE(eventually(kPatience, "all of them to send", [&] { return sending == 8; }));
-  std::this_thread::sleep_for(milliseconds(300));  // what they have sent by then is there
+  std::this_thread::sleep_for(milliseconds(300));  // pause: what they have sent by then is there
   int posted = 0;
   for (int seed = 0; seed < 20; ++seed)
     posted += ask(siege.server.port, "POST", "/fracture?sites=4&seed=" + std::to_string(seed),

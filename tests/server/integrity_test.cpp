@@ -102,7 +102,8 @@ TEST(Cors, APageMaySendWhatTheInterfaceKnows) {
   const std::string fields = ask(server.port(), "OPTIONS", "/fracture",
                                  "Origin: https://example.org\r\nAccess-Control-Request-Method: POST\r\n")
                                  .header("access-control-allow-headers");
-  for (const char* name : {"Priority", "If-Match", "If-None-Match", "If-Range", "Range", "Content-Digest", "Prefer"})
+  for (const char* name :
+       {"Priority", "If-Match", "If-None-Match", "If-Range", "Range", "Content-Digest", "Prefer"})
     EXPECT_NE(fields.find(name), std::string::npos) << name;
 }
 

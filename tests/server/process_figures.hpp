@@ -65,6 +65,7 @@ class ResidentPeak {
           while (!stop_) {
             const std::uint64_t now = resident_bytes_with_children(root);
             if (now > peak_) peak_ = now;
+            // pause: how often it is looked at
             std::this_thread::sleep_for(std::chrono::milliseconds(5));
           }
         }) {}
