@@ -1,8 +1,11 @@
 // One thread that does what blocks on a disk, in the order in which it was asked to.
 #pragma once
 
+#include <spdlog/spdlog.h>
+
 #include <condition_variable>
 #include <deque>
+#include <exception>
 #include <functional>
 #include <future>
 #include <mutex>
@@ -11,7 +14,7 @@
 
 namespace fracture {
 
-/// Thread-safe. What it runs must not throw. Starts its thread with the first call.
+/// Thread-safe. Starts its thread with the first call. What throws is logged, and the next call is made.
 class DiskThread {
  public:
   DiskThread() = default;
@@ -51,7 +54,11 @@ class DiskThread {
       std::function<void()> call = std::move(calls_.front());
       calls_.pop_front();
       lock.unlock();
-      call();
+      try {
+        call();
+      } catch (const std::exception& e) {
+        spdlog::error("work for the disk was given up: {}", e.what());
+      }
       call = nullptr;  // what it held is freed without the lock
       lock.lock();
     }

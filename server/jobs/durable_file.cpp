@@ -7,37 +7,18 @@
 #include <cerrno>
 #include <cstdio>
 
+#include "common/base/descriptor.hpp"
+
 namespace fracture {
 namespace {
 
-class Descriptor {
- public:
-  Descriptor(const std::string& path, int flags) : fd_(::open(path.c_str(), flags | O_CLOEXEC, 0644)) {}
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int get() const { return fd_; }
-  explicit operator bool() const { return fd_ >= 0; }
-
- private:
-  int fd_;
-};
-
-bool write_all(int file, std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t n = ::write(file, bytes.data(), bytes.size());
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return false;
-    bytes = bytes.subspan(static_cast<std::size_t>(n));
-  }
-  return true;
+Descriptor opened(const std::string& path, int flags) {
+  return Descriptor(::open(path.c_str(), flags | O_CLOEXEC, 0644));
 }
 
 bool write_flushed(const std::string& path, std::string_view head,
                    std::span<const std::span<const std::byte>> parts) {
-  const Descriptor file(path, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW);
+  const Descriptor file = opened(path, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW);
   if (!file || !write_all(file.get(), std::as_bytes(std::span(head)))) return false;
   for (const std::span<const std::byte> part : parts)
     if (!write_all(file.get(), part)) return false;
@@ -46,7 +27,7 @@ bool write_flushed(const std::string& path, std::string_view head,
 
 /// A file that was renamed is only under its new name for good when the folder is on the disk, too.
 bool flush_folder_of(const std::string& path) {
-  const Descriptor folder(path.substr(0, path.rfind('/')), O_RDONLY | O_DIRECTORY);
+  const Descriptor folder = opened(path.substr(0, path.rfind('/')), O_RDONLY | O_DIRECTORY);
   return folder && ::fsync(folder.get()) == 0;
 }
 
@@ -65,7 +46,7 @@ bool write_durably(const std::string& temporary, const std::string& path, std::s
 }
 
 std::optional<std::vector<std::uint8_t>> read_whole(const std::string& path, std::uint64_t most) {
-  const Descriptor file(path, O_RDONLY | O_NOFOLLOW);
+  const Descriptor file = opened(path, O_RDONLY | O_NOFOLLOW);
   struct stat status {};
   if (!file || ::fstat(file.get(), &status) != 0) return std::nullopt;
   if (!S_ISREG(status.st_mode) || static_cast<std::uint64_t>(status.st_size) > most) {

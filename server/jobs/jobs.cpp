@@ -95,7 +95,11 @@ std::optional<Overload> Jobs::start(FractureRequest request, Terms terms, const 
     return std::nullopt;
   }
   disk_.run([this, job, written = std::move(written), accepted = std::move(accepted)] {
-    persist(job, *written);
+    try {
+      persist(job, *written);
+    } catch (const std::exception&) {  // no memory for its record: computed all the same
+      not_durable(job);
+    }
     accepted(look_at(*job));
   });
   return std::nullopt;
@@ -222,12 +226,17 @@ void Jobs::persist(const Shared& job, const FractureRequest& request) {
     record.finished_at.reset();
     there = folder_->write(record, request);
   }
+  if (!there) return not_durable(job);
+  const std::lock_guard lock(mutex_);
+  job->view.durable = job->kept;
+}
+
+void Jobs::not_durable(const Shared& job) {
   {
     const std::lock_guard lock(mutex_);
-    job->kept = job->kept && there;
-    job->view.durable = job->kept;
+    job->kept = job->view.durable = false;
   }
-  if (!there) folder_->remove(record.id);
+  folder_->remove(job->view.id);
 }
 
 void Jobs::persist_end(const Shared& job, const std::shared_ptr<const FractureAnswer>& answer) {

@@ -154,6 +154,8 @@ class Jobs {
   void finish(const Shared& job, Expected<FractureAnswer> answer);
   /// Writes the job's mesh and request. On the disk's thread.
   void persist(const Shared& job, const FractureRequest& request);
+  /// What it wrote, or could not write, is gone; the job is computed all the same. On the disk's thread.
+  void not_durable(const Shared& job);
   /// Writes what the job came to. On the disk's thread.
   void persist_end(const Shared& job, const std::shared_ptr<const FractureAnswer>& answer);
   bool write_end(const Shared& job, const JobRecord& record,
