@@ -3,8 +3,8 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <functional>
 #include <optional>
-#include <stop_token>
 #include <string>
 #include <utility>
 
@@ -15,15 +15,15 @@
 #include "server/http/request_body.hpp"
 #include "server/http/request_id.hpp"
 #include "server/http/request_notes.hpp"
+#include "server/http/stream_writer.hpp"
 #include "server/http/timed_socket.hpp"
+#include "server/http/work_wait.hpp"
 #include "server/ops/log.hpp"
 
 namespace fracture::http {
 namespace {
 
 using std::chrono::steady_clock;
-using error_code = boost::system::error_code;
-namespace bhttp = beast::http;
 
 double milliseconds_since(steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(steady_clock::now() - start).count();
@@ -42,7 +42,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
   Session(tcp::socket socket, const SessionContext& context, Connections::Verdict verdict,
           std::string address)
       : connection_(std::make_shared<TimedSocket>(std::move(socket))),
-        job_done_(connection_->socket().get_executor()),
+        work_(std::make_shared<WorkWait>(connection_)),
         context_(context),
         api_(context.api),
         connections_(context.connections),
@@ -76,7 +76,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     asio::post(executor(), [self = shared_from_this()] {
       self->closing_ = true;
       if (!self->busy_) self->connection_->abort();
-      self->job_done_.cancel();  // a stream of events ends
+      self->work_->wake();  // a stream of events ends
     });
   }
 
@@ -90,7 +90,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
   }
 
   void cancel_job() override {
-    asio::post(executor(), [self = shared_from_this()] { self->stop_.request_stop(); });
+    asio::post(executor(), [self = shared_from_this()] { self->work_->stop(); });
   }
 
  private:
@@ -263,34 +263,17 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
   /// Fills exchange_->response.
   asio::awaitable<void> compute() {
     const std::shared_ptr<Exchange> exchange = exchange_;
-    stop_ = std::stop_source();
-    job_done_.expires_at(steady_clock::time_point::max());
-    api_.start(std::shared_ptr<Request>(exchange, &exchange->request), stop_.get_token(),
+    api_.start(std::shared_ptr<Request>(exchange, &exchange->request), work_->begin(),
                [self = shared_from_this(), exchange](Response response) {
                  asio::dispatch(self->executor(), [self, exchange, response = std::move(response)]() mutable {
                    exchange->response = std::move(response);
                    exchange->done = true;
-                   self->job_done_.cancel();
+                   self->work_->wake();
                  });
                });
-    if (exchange->done) co_return;
-    watch_for_reset();
-    while (!exchange->done) {
-      error_code ignored;
-      co_await job_done_.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
-    }
-    connection_->abort();  // ends the wait for a reset
-  }
-
-  /// A reset (not a half-close: that client still reads) means nobody wants the answer any more.
-  void watch_for_reset() {
-    connection_->socket().async_wait(tcp::socket::wait_error, [weak = weak_from_this()](error_code ec) {
-      const auto self = weak.lock();
-      if (ec || !self || !self->connection_->is_reset()) return;
-      if (!self->exchange_->done) self->api_.metrics().count_abandoned_work();
-      self->stop_.request_stop();
-      self->job_done_.cancel();
-    });
+    const std::function<bool()> done = [exchange] { return exchange->done; };
+    co_await work_->until(done);
+    if (work_->was_reset()) api_.metrics().count_abandoned_work();  // nobody wants the answer any more
   }
 
   /// Counts the answer as on its way, from `hold` on; where there is no room for it, a refusal takes its
@@ -311,68 +294,15 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
 
   /// False when the client is gone or takes the answer too slowly.
   asio::awaitable<bool> write(Response& response, bool keep_alive, bool head_only) {
-    if (response.stream) co_return co_await write_stream(response, keep_alive, head_only);
+    if (response.stream) {
+      const StreamTarget target{*connection_, work_, api_.limits(), [this] { return closing(); }};
+      const bool chunked = exchange_->request.head.minor_version >= 1;
+      co_return co_await write_stream(target, response, id_, policy_fields_, chunked, keep_alive, head_only);
+    }
     AnswerMemory::Hold hold;
     count_answer(response, head_only, hold);
     co_return co_await write_answer(*connection_, api_.limits(), response, id_, policy_fields_, keep_alive,
                                     head_only);
-  }
-
-  /// Chunks as the stream delivers them, until it ends or the server drains. An HTTP/1.0 client knows no
-  /// chunks: its answer ends with the connection.
-  asio::awaitable<bool> write_stream(const Response& response, bool keep_alive, bool head_only) {
-    const bool chunked = exchange_->request.head.minor_version >= 1;
-    auto message = begin_message<bhttp::empty_body>(response, id_, policy_fields_, keep_alive && chunked);
-    message.chunked(chunked);
-    bhttp::response_serializer<bhttp::empty_body> serializer(message);
-    error_code ec;
-    connection_->set_deadline(steady_clock::now() + api_.limits().write_stall);
-    co_await bhttp::async_write_header(connection_->socket(), serializer,
-                                       asio::redirect_error(asio::use_awaitable, ec));
-    while (!ec && !head_only) {
-      connection_->clear_deadline();
-      struct Next {
-        bool there = false;
-        std::optional<std::string> bytes;
-      };
-      const auto next = std::make_shared<Next>();
-      stop_ = std::stop_source();
-      job_done_.expires_at(steady_clock::time_point::max());
-      response.stream->next([weak = weak_from_this(), next](std::optional<std::string> bytes) {
-        const auto self = weak.lock();
-        if (!self) return;
-        asio::dispatch(self->executor(), [weak, next, bytes = std::move(bytes)]() mutable {
-          next->there = true;
-          next->bytes = std::move(bytes);
-          if (const auto session = weak.lock()) session->job_done_.cancel();
-        });
-      });
-      if (!next->there) {
-        watch_for_reset();
-        while (!next->there && !closing() && !stop_.stop_requested())
-          co_await job_done_.async_wait(asio::redirect_error(asio::use_awaitable, ec));
-        connection_->abort();  // ends the wait for a reset
-        ec = {};
-      }
-      if (stop_.stop_requested()) co_return false;
-      const bool last = !next->there || !next->bytes;
-      if (last && !chunked) break;
-      connection_->set_deadline(steady_clock::now() + api_.limits().write_stall);
-      if (last) {
-        co_await asio::async_write(connection_->socket(), bhttp::make_chunk_last(),
-                                   asio::redirect_error(asio::use_awaitable, ec));
-        break;
-      }
-      const asio::const_buffer bytes(next->bytes->data(), next->bytes->size());
-      if (chunked)
-        co_await asio::async_write(connection_->socket(), bhttp::make_chunk(bytes),
-                                   asio::redirect_error(asio::use_awaitable, ec));
-      else
-        co_await asio::async_write(connection_->socket(), bytes,
-                                   asio::redirect_error(asio::use_awaitable, ec));
-    }
-    connection_->clear_deadline();
-    co_return !ec && chunked;
   }
 
   asio::awaitable<void> refuse_and_close(const Problem& problem) {
@@ -393,7 +323,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
   }
 
   const std::shared_ptr<TimedSocket> connection_;
-  asio::steady_timer job_done_;  // never expires: cancelled when the job is done
+  const std::shared_ptr<WorkWait> work_;
   beast::flat_buffer buffer_{kReadBuffer};
   const SessionContext context_;
   Api& api_;
@@ -404,7 +334,6 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
   const bool proxied_;         // the peer may speak for others
   std::string client_key_;     // who shares with whom: client_of() of who asks
   std::shared_ptr<Exchange> exchange_ = std::make_shared<Exchange>();
-  std::stop_source stop_;
   std::string id_;        // of the request in progress
   Fields policy_fields_;  // CORS and the shares of the name
   ops::RequestRecord record_;

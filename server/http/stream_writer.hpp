@@ -1,0 +1,28 @@
+// Writes an answer whose bytes come while it is written.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "server/http/answer_head.hpp"
+#include "server/http/limits.hpp"
+#include "server/http/work_wait.hpp"
+
+namespace fracture::http {
+
+/// What one streamed answer needs of its connection. It and what it refers to outlive the writing.
+struct StreamTarget {
+  TimedSocket& connection;
+  std::shared_ptr<WorkWait> wait;
+  const HttpLimits& limits;
+  std::function<bool()> draining;  ///< the server stops: the stream ends here
+};
+
+/// Chunks as the stream delivers them, until it ends or the server drains. A client of HTTP/1.0 knows no
+/// chunks (`chunked` false): its answer ends with the connection. False when the connection is over.
+asio::awaitable<bool> write_stream(const StreamTarget& target, const Response& response,
+                                   const std::string& id, const Fields& more, bool chunked, bool keep_alive,
+                                   bool head_only);
+
+}  // namespace fracture::http

@@ -1,0 +1,39 @@
+#include "server/http/work_wait.hpp"
+
+#include <utility>
+
+namespace fracture::http {
+
+using error_code = boost::system::error_code;
+
+WorkWait::WorkWait(std::shared_ptr<TimedSocket> connection)
+    : connection_(std::move(connection)), woken_(connection_->socket().get_executor()) {}
+
+std::stop_token WorkWait::begin() {
+  stop_ = std::stop_source();
+  reset_ = false;
+  woken_.expires_at(asio::steady_timer::time_point::max());
+  return stop_.get_token();
+}
+
+asio::awaitable<void> WorkWait::until(const std::function<bool()>& done) {
+  if (done()) co_return;
+  watch_for_reset();
+  do {
+    error_code ignored;
+    co_await woken_.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
+  } while (!done());
+  connection_->abort();  // ends the watch
+}
+
+void WorkWait::watch_for_reset() {
+  connection_->socket().async_wait(tcp::socket::wait_error, [weak = weak_from_this()](error_code ec) {
+    const auto self = weak.lock();
+    if (ec || !self || !self->connection_->is_reset()) return;
+    self->reset_ = true;
+    self->stop();
+    self->wake();
+  });
+}
+
+}  // namespace fracture::http
