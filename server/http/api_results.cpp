@@ -56,8 +56,9 @@ RangeVerdict range_of(std::string_view field, std::size_t size, Range& range) {
 }
 
 /// The part that is asked for.
-Answered ranged(const RequestHead& head, bool head_only, const std::string& etag, Response response) {
+Answered ranged(const RequestHead& head, bool head_only, Response response) {
   const std::string if_range = head.field("if-range");
+  const std::string_view etag = response.header("ETag");
   const auto is_coded = [](const auto& field) { return field.first == "Content-Encoding"; };
   if (head_only || (!if_range.empty() && if_range != etag) ||
       std::any_of(response.headers.begin(), response.headers.end(), is_coded))
@@ -200,8 +201,7 @@ Answered Api::found_result(const std::shared_ptr<Request>& request,
   return send_result(request, result, *representation, *terms, reply,
                      [request, describe](Response response) -> Answered {
                        describe(response);
-                       const std::string etag = response.headers.front().second;
-                       return ranged(request->head, request->admission.head_only, etag, std::move(response));
+                       return ranged(request->head, request->admission.head_only, std::move(response));
                      });
 }
 

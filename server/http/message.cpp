@@ -2,6 +2,12 @@
 
 namespace fracture::http {
 
+std::string_view Response::header(std::string_view name) const {
+  for (const auto& field : headers)
+    if (field.first == name) return field.second;
+  return {};
+}
+
 Response Response::text(int status, std::string content_type, std::string body) {
   Response response;
   response.status = status;

@@ -65,6 +65,9 @@ struct Response {
   std::shared_ptr<BodyStream> stream;  ///< when there is one, it is the body
   double queue_milliseconds = -1;      ///< for the log: waiting for a computing thread; -1: never was
 
+  /// The value of the first header of exactly this name; empty when there is none.
+  std::string_view header(std::string_view name) const;
+
   static Response text(int status, std::string content_type, std::string body);
   static Response json(const nlohmann::ordered_json& document, int status = 200);
   static Response problem(const Problem& problem, std::string_view request_id);
