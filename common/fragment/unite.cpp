@@ -101,6 +101,8 @@ class SmallestFirst {
   SmallestFirst(const RestrictedDiagram& d, const Pieces& pieces, const PieceGroups& groups,
                 const Execution& execution)
       : SmallestFirst(d, pieces, groups, find_contacts(d, pieces, groups.names(), execution), execution) {}
+  SmallestFirst(const SmallestFirst&) = delete;  // its table of contacts refers to its pacer
+  SmallestFirst& operator=(const SmallestFirst&) = delete;
 
   std::uint32_t groups() const { return count_; }  ///< how many there are
   /// Is there none left in the order? Else the volume of the smallest may be asked for.
