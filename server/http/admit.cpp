@@ -163,7 +163,7 @@ OrProblem<Terms> Api::terms_of(const RequestHead& head, const Route& route, cons
   const bool job =
       (route.operation == Operation::kPostFracture || route.operation == Operation::kPostMeshFracture) &&
       preferences_of(head).respond_async;
-  if (job) terms.priority = Priority::kBatch;
+  if (job) terms.priority = Priority::kBackground;
   terms.payer = payer;
   std::chrono::milliseconds time = job                                     ? jobs_.config().deadline
                                    : terms.priority == Priority::kRealtime ? limits_.realtime_deadline

@@ -15,10 +15,11 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
   writer.counter("fracture_jobs_escaped_total", "Jobs that ended with an exception: a bug.",
                  static_cast<double>(pool.escaped()));
   writer.gauge("fracture_compute_threads", "Threads that compute.", pool.threads());
-  writer.gauge("fracture_predicted_wait_seconds", "How long a new job would be queued, by class.",
-               pool.predicted_wait(Priority::kRealtime).count(), {{"class", "realtime"}});
-  writer.gauge("fracture_predicted_wait_seconds", "How long a new job would be queued, by class.",
-               pool.predicted_wait(Priority::kBatch).count(), {{"class", "batch"}});
+  constexpr std::pair<Priority, const char*> kClasses[] = {
+      {Priority::kRealtime, "realtime"}, {Priority::kBatch, "batch"}, {Priority::kBackground, "background"}};
+  for (const auto& [priority, name] : kClasses)
+    writer.gauge("fracture_predicted_wait_seconds", "How long a new job would be queued, by class.",
+                 pool.predicted_wait(priority).count(), {{"class", name}});
 
   const Dispatcher::Figures work = dispatcher_.figures();
   const auto count = [&writer](const char* name, const char* help, std::uint64_t value) {

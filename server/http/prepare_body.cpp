@@ -22,8 +22,10 @@ void release_body(Request& request) {
 
 Answered Api::on_pool(const ExpectedWork& work, const std::shared_ptr<Request>& request, const Terms& terms,
                       const Reply& reply, Step step) {
+  Terms mine = terms;  // of a job, too, the client waits for what says that it was accepted
+  mine.priority = std::min(mine.priority, Priority::kBatch);
   const auto overload = dispatcher_.run(
-      work, terms,
+      work, mine,
       [this, request, reply, step = std::move(step)](const Execution& execution) mutable {
         answering(*request, reply, [&] { return step(execution); });
       },

@@ -140,7 +140,7 @@ bool Jobs::resume_one(const Shared& job) {
   request.triangles = record.triangles;
   const std::string key = keys_of(request).result;
   Terms terms = terms_of(record.owner);
-  terms.priority = Priority::kBatch;
+  terms.priority = Priority::kBackground;
   terms.deadline = Clock::now() + record.patience;
   {
     const std::lock_guard lock(mutex_);

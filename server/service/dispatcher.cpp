@@ -113,17 +113,18 @@ std::optional<Overload> Dispatcher::fracture(FractureRequest request, const Term
     c->flight = seat.flight;
     const std::lock_guard lock(flight.common.mutex);
     flight.common.turn = {terms.payer.flow, terms.priority, cost};
-    if (terms.priority == Priority::kRealtime) flight.common.realtime = true;
+    const bool hurried = flight.common.hurry && flight.common.priority < terms.priority;
+    if (!hurried) flight.common.priority = terms.priority;
     flight.common.task = pool_.submit(
         terms.priority, cost, [this, c](int threads) { at_station(c, [&] { begin(c, threads); }); },
         terms.payer.flow);
-    if (terms.priority != Priority::kRealtime && flight.common.hurry)  // who joined before the task was there
-      promote(flight.common);
+    if (hurried) promote(flight.common);  // by who joined before the task was there
   } else {
     ++collapsed_;
-    if (terms.priority == Priority::kRealtime) {
-      const std::lock_guard lock(flight.common.mutex);
-      if (!flight.common.hurry) flight.common.hurry = terms.payer.flow;
+    const std::lock_guard lock(flight.common.mutex);
+    if (terms.priority < flight.common.priority) {
+      flight.common.priority = terms.priority;
+      flight.common.hurry = terms.payer.flow;
       promote(flight.common);
     }
   }
@@ -233,7 +234,7 @@ void Dispatcher::obtain(SingleFlight<Step<Value>>& flights, const std::string& k
         c->flight->common.task =
             pool_.resume([this, c, next, waited = std::move(waited)](
                              int free) { at_station(c, [&] { (this->*next)(c, waited, free); }); },
-                         c->flight->common.priority());
+                         c->flight->common.priority);
       });
   place->seat = seat;
   place->gives_up.emplace(abandoned, [&flights, weak = std::weak_ptr(place)] {
@@ -315,9 +316,9 @@ void Dispatcher::with_mesh(const Shared& c, const Outcome<PreparedMesh>& mesh, i
     return with_diagram(c, Step<CutBase>{std::move(diagram), CacheOutcome::kHit, {}}, threads);
   obtain<CutBase>(
       diagrams_, c->keys.diagram, c, threads,
-      [this, c](const Execution& execution) -> Outcome<Diagram> {
+      [this, c](const Execution& execution) -> Outcome<CutBase> {
         if (auto diagram = service_.peek_diagram(c->keys))
-          return Step<Diagram>{std::move(diagram), CacheOutcome::kHit, {}, {}};
+          return Step<CutBase>{std::move(diagram), CacheOutcome::kHit, {}, {}};
         return service_.make_diagram(*c->mesh, c->request, c->keys, execution);
       },
       &Dispatcher::with_diagram);

@@ -141,13 +141,12 @@ class Dispatcher {
   struct Common {
     std::atomic<WorkerPool::TaskId> task{0};
     std::atomic<Clock::rep> latest_deadline{0};
-    std::atomic<bool> realtime{false};  ///< somebody who waits is in a hurry
-    Priority priority() const { return realtime ? Priority::kRealtime : Priority::kBatch; }
+    std::atomic<Priority> priority{Priority::kBackground};  ///< of the most urgent who waits
     Payers payers;
     std::mutex mutex;  // of what follows, and of bringing it together with `task`
     std::vector<std::function<void(Stage, double)>> observers;
     TurnTaken turn;
-    std::optional<Flow> hurry;          ///< of the first who is in one
+    std::optional<Flow> hurry;          ///< of the first who is as urgent as that, where the leader is not
     std::atomic<bool> observed{false};  ///< there are any: loops tell often, and mostly nobody listens
     void tell(Stage stage, double fraction);
   };
@@ -161,8 +160,8 @@ class Dispatcher {
   /// All who waited are charged for all of it, each in the class of its own request; whose turn it was is
   /// given back what that has cost.
   void charge(const std::vector<Waits>& payers, const TurnTaken& turn, double seconds);
-  /// Somebody in a hurry waits for a computation; its flow gives the turn, where that has not come yet. With
-  /// the mutex of `common`.
+  /// Somebody more urgent than the leader waits for a computation; its flow gives the turn, where that has not
+  /// come yet. With the mutex of `common`.
   void promote(Common& common);
   std::optional<Overload> reserve(std::uint64_t bytes, const Terms& terms,
                                   MemoryBudget::Reservation& reservation);

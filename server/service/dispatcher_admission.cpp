@@ -26,7 +26,7 @@ std::optional<Overload> Dispatcher::refuses(double cost, const Terms& terms) con
   const Flow& flow = terms.payer.flow;
   const double wait = pool_.predicted_wait(terms.priority, flow).count();
   const double total = kCaution * wait + pool_.predicted_run(cost).count();
-  if (pool_.full(flow))
+  if (pool_.full(terms.priority, flow))
     return Overload{"The queue is full: " + std::to_string(pool_.queued()) + " jobs wait and " +
                         std::to_string(pool_.running()) + " run.",
                     whole_seconds(wait)};
@@ -66,11 +66,10 @@ void Dispatcher::charge(const std::vector<Waits>& payers, const TurnTaken& turn,
 }
 
 void Dispatcher::promote(Common& common) {
-  common.realtime = true;
   // Else its turn has come, at the cost of whoever led.
-  if (pool_.promote(common.task, *common.hurry)) {
+  if (pool_.promote(common.task, common.priority, *common.hurry)) {
     common.turn.flow = *common.hurry;
-    common.turn.priority = Priority::kRealtime;
+    common.turn.priority = common.priority;
   }
 }
 

@@ -10,6 +10,8 @@ namespace {
 
 using Seconds = std::chrono::duration<double>;
 
+constexpr std::array kAll = {Priority::kRealtime, Priority::kBatch, Priority::kBackground};
+
 }  // namespace
 
 /// A job on its thread. Everything that is not said to be otherwise is guarded by the pool's mutex.
@@ -22,19 +24,15 @@ class WorkerPool::Running final : public Turn {
     if (!pool.urgent_.load(std::memory_order_relaxed)) return;
     std::unique_lock lock(pool.mutex_);
     if (priority == Priority::kRealtime) return;
-    const auto must = [this] {
-      return pool.realtime_waits() ? !pool.may_begin_realtime() : pool.computing() > pool.thread_count_;
-    };
     if (!paused) {
-      if (Clock::now() < works_until || !must()) return;
+      if (Clock::now() < works_until || !pool.must_stand_back(priority)) return;
       paused = true;
       paused_since = Clock::now();
       pool.changed();
     }
     // Every thread of the job waits here; the first that may go on lets all of them.
     pool.go_on_.wait_until(lock, paused_since + kLongestPause, [this] {
-      return !paused || priority == Priority::kRealtime || pool.stopping_ ||
-             (!pool.realtime_waits() && pool.computing() < pool.thread_count_);
+      return !paused || priority == Priority::kRealtime || pool.stopping_ || pool.may_go_on(priority);
     });
     if (!paused) return;
     paused = false;
@@ -49,7 +47,7 @@ class WorkerPool::Running final : public Turn {
     left_at = Clock::now();
     computed_before = processor_seconds_of_this_thread();
     const std::lock_guard lock(pool.mutex_);
-    away = priority == Priority::kBatch;
+    away = priority != Priority::kRealtime;
     pool.changed();
   }
 
@@ -95,9 +93,10 @@ double WorkerPool::away_seconds() {
 
 WorkerPool::WorkerPool(int threads, std::size_t max_queue)
     : max_queue_(max_queue), thread_count_(static_cast<std::size_t>(std::max(1, threads))) {
-  // Half of them wait for batch jobs to stand back: as many jobs compute at the same time as was asked for.
-  threads_.reserve(2 * thread_count_);
-  for (std::size_t t = 0; t < 2 * thread_count_; ++t) threads_.emplace_back([this] { work(); });
+  // As many for each class, whose jobs stand still for those of the others: as many jobs compute at the same
+  // time as was asked for.
+  threads_.reserve(most_running());
+  for (std::size_t t = 0; t < most_running(); ++t) threads_.emplace_back([this] { work(); });
 }
 
 WorkerPool::~WorkerPool() {
@@ -113,8 +112,7 @@ WorkerPool::~WorkerPool() {
 WorkerPool::TaskId WorkerPool::submit(Priority priority, double cost, Job job, const Flow& flow) {
   const std::lock_guard lock(mutex_);
   const TaskId id = next_++;
-  (priority == Priority::kRealtime ? realtime_ : batch_)
-      .queue.push({id, cost, flow, Clock::now(), std::move(job)});
+  of(priority).queue.push({id, cost, flow, Clock::now(), std::move(job)});
   changed();
   return id;
 }
@@ -122,28 +120,33 @@ WorkerPool::TaskId WorkerPool::submit(Priority priority, double cost, Job job, c
 WorkerPool::TaskId WorkerPool::resume(Job job, Priority priority) {
   const std::lock_guard lock(mutex_);
   const TaskId id = next_++;
-  (priority == Priority::kRealtime ? realtime_ : batch_)
-      .resumed.push_back({id, 0, {}, Clock::now(), std::move(job)});
+  of(priority).resumed.push_back({id, 0, {}, Clock::now(), std::move(job)});
   changed();
   return id;
 }
 
-bool WorkerPool::promote(TaskId task, const Flow& flow) {
+bool WorkerPool::promote(TaskId task, Priority priority, const Flow& flow) {
   const std::lock_guard lock(mutex_);
   bool is_queued = false;
-  const auto resumed = std::find_if(batch_.resumed.begin(), batch_.resumed.end(),
-                                    [&](const Task& waits) { return waits.id == task; });
   if (const auto at = running_.find(task); at != running_.end()) {
-    at->second->priority = Priority::kRealtime;
-    at->second->away = false;
+    Running& job = *at->second;
+    job.priority = std::min(job.priority, priority);
+    job.away = job.away && job.priority != Priority::kRealtime;
     go_on_.notify_all();
-  } else if (resumed != batch_.resumed.end()) {
-    realtime_.resumed.push_back(std::move(*resumed));
-    batch_.resumed.erase(resumed);
-  } else if (std::optional<Task> queued = batch_.queue.remove(task)) {
-    queued->flow = flow;
-    realtime_.queue.push(std::move(*queued));
-    is_queued = true;
+  }
+  for (const Priority less : kAll) {
+    if (less <= priority) continue;
+    std::deque<Task>& resumed = of(less).resumed;
+    const auto waiting =
+        std::find_if(resumed.begin(), resumed.end(), [&](const Task& waits) { return waits.id == task; });
+    if (waiting != resumed.end()) {
+      of(priority).resumed.push_back(std::move(*waiting));
+      resumed.erase(waiting);
+    } else if (std::optional<Task> queued = of(less).queue.remove(task)) {
+      queued->flow = flow;
+      of(priority).queue.push(std::move(*queued));
+      is_queued = true;
+    }
   }
   changed();
   return is_queued;
@@ -151,8 +154,9 @@ bool WorkerPool::promote(TaskId task, const Flow& flow) {
 
 bool WorkerPool::withdraw(TaskId task) {
   std::unique_lock lock(mutex_);
-  std::optional<Task> withdrawn = realtime_.queue.remove(task);
-  if (!withdrawn) withdrawn = batch_.queue.remove(task);
+  std::optional<Task> withdrawn;
+  for (const Priority priority : kAll)
+    if (!withdrawn) withdrawn = of(priority).queue.remove(task);
   if (!withdrawn) return false;
   ++withdrawing_;
   lock.unlock();
@@ -165,14 +169,15 @@ bool WorkerPool::withdraw(TaskId task) {
 
 void WorkerPool::charge(Priority priority, const Flow& flow, double seconds) {
   const std::lock_guard lock(mutex_);
-  (priority == Priority::kRealtime ? realtime_ : batch_).queue.charge(flow, seconds);
+  of(priority).queue.charge(flow, seconds);
 }
 
 std::optional<std::size_t> WorkerPool::position(TaskId task) const {
   const std::lock_guard lock(mutex_);
-  std::size_t before = realtime_.resumed.size() + batch_.resumed.size();
-  for (const Class* queued : {&realtime_, &batch_})
-    for (const TaskId id : queued->queue.order()) {
+  std::size_t before = 0;
+  for (const Class& queued : classes_) before += queued.resumed.size();
+  for (const Class& queued : classes_)
+    for (const TaskId id : queued.queue.order()) {
       if (id == task) return before;
       ++before;
     }
@@ -184,16 +189,22 @@ void WorkerPool::revise(TaskId task, double cost) {
   if (const auto at = running_.find(task); at != running_.end()) at->second->cost = cost;
 }
 
-bool WorkerPool::full(const Flow& flow) const {
+bool WorkerPool::full(Priority priority, const Flow& flow) const {
   const std::lock_guard lock(mutex_);
   // An idle worker takes the job at once: such a job does not count as queued.
   const std::size_t idle = thread_count_ - std::min(thread_count_, running_.size());
-  const std::size_t waiting = realtime_.queue.size() + batch_.queue.size();
+  std::size_t waiting = 0, own = 0, busy = 0;
+  for (const Priority counted : kAll) {
+    if ((counted == Priority::kBackground) != (priority == Priority::kBackground)) continue;
+    const FairQueue<Task>& queue = of(counted).queue;
+    waiting += queue.size();
+    own += queue.size_of(flow.name);
+    busy += queue.busy_flows();
+  }
   if (waiting < max_queue_ + idle) return false;
   // Each further flow has a place for its first task, and addresses are many.
   if (waiting >= 2 * max_queue_ + idle) return true;
-  const std::size_t own = realtime_.queue.size_of(flow.name) + batch_.queue.size_of(flow.name);
-  const std::size_t others = realtime_.queue.busy_flows() + batch_.queue.busy_flows() - (own > 0 ? 1 : 0);
+  const std::size_t others = busy - (own > 0 ? 1 : 0);
   // Who fills the queue leaves the others their part of it.
   return max_queue_ == 0 || own >= std::max<std::size_t>(1, max_queue_ / (others + 1));
 }
@@ -205,13 +216,19 @@ void WorkerPool::wait_idle() {
 
 std::chrono::duration<double> WorkerPool::predicted_wait(Priority priority, const Flow& flow) const {
   const std::lock_guard lock(mutex_);
-  if (running_.size() + queued_locked() < thread_count_) return {};
-  double ahead = priority == Priority::kRealtime ? realtime_.queue.ahead_of(flow)
-                                                 : realtime_.queue.cost() + batch_.queue.ahead_of(flow);
+  std::size_t tasks = 0;
+  double ahead = 0;
+  for (const Priority before : kAll) {
+    if (before > priority) continue;  // those stand back
+    const Class& queued = of(before);
+    tasks += queued.resumed.size() + queued.queue.size() + running_of(before);
+    ahead += before < priority ? queued.queue.cost() : queued.queue.ahead_of(flow);
+  }
+  if (tasks < thread_count_) return {};
   ahead *= took_ / cost_;
   const Clock::time_point now = Clock::now();
   for (const auto& [id, job] : running_)
-    if (priority == Priority::kBatch || job->priority == Priority::kRealtime)  // the others stand back
+    if (job->priority <= priority)
       ahead += std::max(0.0, job->cost * took_ / cost_ - Seconds(now - job->start).count());
   return Seconds(ahead / static_cast<double>(thread_count_));
 }
@@ -245,7 +262,9 @@ std::size_t WorkerPool::paused() const {
 }
 
 std::size_t WorkerPool::queued_locked() const {
-  return realtime_.resumed.size() + realtime_.queue.size() + batch_.resumed.size() + batch_.queue.size();
+  std::size_t queued = 0;
+  for (const Class& waits : classes_) queued += waits.resumed.size() + waits.queue.size();
+  return queued;
 }
 
 std::size_t WorkerPool::running_of(Priority priority) const {
@@ -253,38 +272,60 @@ std::size_t WorkerPool::running_of(Priority priority) const {
       running_.begin(), running_.end(), [&](const auto& job) { return job.second->priority == priority; }));
 }
 
-std::size_t WorkerPool::computing() const {
-  return static_cast<std::size_t>(std::count_if(running_.begin(), running_.end(),
-                                                [](const auto& job) { return job.second->computes(); }));
+std::size_t WorkerPool::computing(Priority least) const {
+  return static_cast<std::size_t>(std::count_if(running_.begin(), running_.end(), [&](const auto& job) {
+    return job.second->computes() && job.second->priority <= least;
+  }));
 }
 
-bool WorkerPool::may_begin_realtime() const {
-  if (running_.size() == 2 * thread_count_) return false;
+bool WorkerPool::any_paused(Priority least) const {
+  return std::any_of(running_.begin(), running_.end(),
+                     [&](const auto& job) { return job.second->paused && job.second->priority <= least; });
+}
+
+bool WorkerPool::may_begin(Priority priority) const {
   const std::size_t now = computing();
-  return now < thread_count_ ||
-         (now == thread_count_ && thread_count_ > 1 && running_of(Priority::kRealtime) == 0);
+  if (priority == Priority::kRealtime)
+    return running_.size() < most_running() &&
+           (now < thread_count_ || (now == thread_count_ && thread_count_ > 1 && running_of(priority) == 0));
+  // Who stands still goes on before others begin; who is away comes back to its place.
+  return now < thread_count_ && running_of(priority) < thread_count_ && !any_paused(priority);
+}
+
+bool WorkerPool::must_stand_back(Priority priority) const {
+  if (computing(priority) > thread_count_) return true;
+  if (computing() < thread_count_) return false;
+  for (const Priority urgent : kAll) {
+    if (urgent >= priority) break;
+    const bool has_places = urgent == Priority::kRealtime || running_of(urgent) < thread_count_;
+    if (any_paused(urgent) || (of(urgent).waits() && has_places && !may_begin(urgent))) return true;
+  }
+  return false;
+}
+
+bool WorkerPool::may_go_on(Priority priority) const {
+  if (computing() >= thread_count_) return false;
+  for (const Priority urgent : kAll) {
+    if (urgent >= priority) break;
+    if (any_paused(urgent) || (of(urgent).waits() && may_begin(urgent))) return false;
+  }
+  return true;
 }
 
 std::optional<WorkerPool::Next> WorkerPool::next() const {
-  const bool realtime = realtime_waits() && may_begin_realtime();
-  // Who stands still goes on before others begin; who is away comes back to its place.
-  const bool batch =
-      (!batch_.resumed.empty() || !batch_.queue.empty()) && computing() < thread_count_ &&
-      running_of(Priority::kBatch) < thread_count_ &&
-      std::none_of(running_.begin(), running_.end(), [](const auto& job) { return job.second->paused; });
-  if (realtime && !realtime_.resumed.empty()) return Next{Priority::kRealtime, true};
-  if (batch && realtime) {
-    const Task& first = batch_.resumed.empty() ? *batch_.queue.front() : batch_.resumed.front();
-    if (first.arrival + kAging < realtime_.queue.front()->arrival)
-      return Next{Priority::kBatch, !batch_.resumed.empty()};
+  std::optional<Next> chosen;
+  for (const Priority priority : kAll) {
+    const Class& waiting = of(priority);
+    if (!waiting.waits() || !may_begin(priority)) continue;
+    const bool aged = chosen && waiting.front().arrival + kAging < of(chosen->priority).front().arrival;
+    if (!chosen || aged) chosen = Next{priority, !waiting.resumed.empty()};
+    if (chosen->resumed) break;
   }
-  if (realtime) return Next{Priority::kRealtime, false};
-  if (batch) return Next{Priority::kBatch, !batch_.resumed.empty()};
-  return std::nullopt;
+  return chosen;
 }
 
 WorkerPool::Task WorkerPool::take(Next next) {
-  Class& from = next.priority == Priority::kRealtime ? realtime_ : batch_;
+  Class& from = of(next.priority);
   if (!next.resumed) return from.queue.pop();
   Task task = std::move(from.resumed.front());
   from.resumed.pop_front();
@@ -293,10 +334,12 @@ WorkerPool::Task WorkerPool::take(Next next) {
 
 /// Tells whom a change concerns.
 void WorkerPool::changed() {
-  const bool waits = realtime_waits();
-  urgent_ = waits || computing() > thread_count_;
+  const auto some_must = [this](Priority priority) {
+    return running_of(priority) > 0 && must_stand_back(priority);
+  };
+  urgent_ = some_must(Priority::kBatch) || some_must(Priority::kBackground);
   if (next()) wake_.notify_one();
-  if (!waits && computing() < thread_count_) go_on_.notify_all();
+  if (computing() < thread_count_) go_on_.notify_all();
 }
 
 void WorkerPool::work() {
@@ -329,14 +372,14 @@ void WorkerPool::work() {
 
 /// A task has ended, one way or another.
 void WorkerPool::rest() {
+  std::size_t flows = 0;
+  for (const Class& queued : classes_) flows += queued.queue.flows();
   if (is_idle()) {
-    realtime_.queue.idle();
-    batch_.queue.idle();
+    for (Class& queued : classes_) queued.queue.idle();
     idle_.notify_all();
     if (stopping_) wake_.notify_all();
-  } else if (realtime_.queue.flows() + batch_.queue.flows() > 2 * max_queue_ + thread_count_) {
-    realtime_.queue.sweep();
-    batch_.queue.sweep();
+  } else if (flows > 2 * max_queue_ + thread_count_) {
+    for (Class& queued : classes_) queued.queue.sweep();
   }
   changed();
 }

@@ -1,19 +1,21 @@
-// The threads that compute, and the queues before them. Two classes: realtime work goes first, but batch work
-// ages: a job that has waited kAging longer than a realtime one goes before it, so that neither starves.
-// Within a class the flows (names, addresses) take turns by what they have used (fair_queue.hpp). Every job
-// says what it should cost; costs queued over the throughput that was measured is how long a new one would
-// wait, so that a client is refused at once instead of waiting for an answer that comes too late.
+// The threads that compute, and the queues before them. Three classes: realtime work (a collision) goes before
+// batch work (a client waits for the answer), and that before background work (jobs that nobody waits for). But
+// work ages: a task that has waited kAging longer than one of a more urgent class goes before it, so that none
+// starves. Within a class the flows (names, addresses) take turns by what they have used (fair_queue.hpp).
+// Every task says what it should cost; costs queued over the throughput that was measured is how long a new
+// one would wait, so that a client is refused at once instead of waiting for an answer that comes too late.
 //
-// Realtime work does not wait for a batch job to end. A batch computation that polls (base/execution.hpp)
-// while realtime work waits for a processor stands still there and leaves it its processor; the realtime job
-// runs on a thread of its own, since a computation's scratch memory belongs to its thread. It stands still
-// for kLongestPause at most and then computes for a quarter of that at least: nothing it holds (a place among
-// the import workers, a value that others wait for) can be held for ever, and batch work gets a fifth of the
-// time even where realtime work never ends. Where there are two threads or more, realtime work need not even
-// wait for the poll: beside jobs on all of them one realtime job more is begun at once, and the batch job
-// that polls first makes room.
+// No work waits for that of a less urgent class to end. A batch or background computation that polls
+// (base/execution.hpp) while more urgent work waits for a processor stands still there and leaves it its
+// processor; the urgent task runs on a thread of its own, since a computation's scratch memory belongs to its
+// thread. It stands still for kLongestPause at most and then computes for a quarter of that at least: nothing
+// it holds (a place among the import workers, a value that others wait for) can be held for ever, and it gets a
+// fifth of the time even where urgent work never ends. Where there are two threads or more, realtime work need
+// not even wait for the poll: beside jobs on all of them one realtime job more is begun at once, and whoever
+// polls first makes room.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -33,7 +35,8 @@
 
 namespace fracture {
 
-enum class Priority { kRealtime, kBatch };
+/// The most urgent first.
+enum class Priority { kRealtime, kBatch, kBackground };
 
 class WorkerPool {
  public:
@@ -55,9 +58,10 @@ class WorkerPool {
   TaskId submit(Priority priority, double cost, Job job, const Flow& flow = {});
   /// Work that was admitted before and goes on: never refused, before all other work of its class.
   TaskId resume(Job job, Priority priority = Priority::kRealtime);
-  /// A batch task becomes a realtime one, queued or running. Nothing happens when it is neither. True: it is
-  /// queued, and takes the turn of this flow, which is in a hurry, instead of that of its own.
-  bool promote(TaskId task, const Flow& flow = {});
+  /// A task becomes one of a more urgent class, queued or running. Nothing happens when it is neither, or as
+  /// urgent already. True: it is queued, and takes the turn of this flow, which is in a hurry, instead of that
+  /// of its own.
+  bool promote(TaskId task, Priority priority, const Flow& flow = {});
   /// A task that is queued does not run. False where it is not: it has begun, or was resumed.
   bool withdraw(TaskId task);
   /// A flow has used so many seconds more (or less) than the costs of its tasks said.
@@ -78,8 +82,9 @@ class WorkerPool {
   std::optional<std::size_t> position(TaskId task) const;
 
   /// As many tasks wait as may (max_queue), and of this flow as many as its part of them; or twice as many,
-  /// whoever comes: who fills the queue leaves the others their part, up to here.
-  bool full(const Flow& flow = {}) const;
+  /// whoever comes: who fills the queue leaves the others their part, up to here. Background tasks are counted
+  /// for themselves: they may wait for long, and nobody else is turned away for them.
+  bool full(Priority priority, const Flow& flow = {}) const;
 
   /// How long a new job of this class and flow would be queued: what goes before it, over the throughput
   /// measured so far.
@@ -96,14 +101,14 @@ class WorkerPool {
   int threads() const { return static_cast<int>(thread_count_); }
   std::size_t queued() const;
   std::size_t running() const;
-  /// Batch jobs that stand still for realtime ones, now.
+  /// Jobs that stand still for more urgent ones, now.
   std::size_t paused() const;
   /// Jobs that threw, though they must not.
   std::uint64_t escaped() const { return escaped_; }
 
-  /// A batch job is served before realtime jobs that came this much later.
+  /// A task is served before more urgent ones that came this much later.
   static constexpr std::chrono::milliseconds kAging{1000};
-  /// A batch job stands still for at most this long at once ...
+  /// A job stands still for at most this long at once ...
   static constexpr std::chrono::milliseconds kLongestPause{250};
   /// ... and then not again for a quarter of the time that it stood still, or this.
   static constexpr std::chrono::milliseconds kLeastWork{10};
@@ -119,6 +124,9 @@ class WorkerPool {
   };
   class Running;
   struct Class {
+    bool waits() const { return !resumed.empty() || !queue.empty(); }
+    const Task& front() const { return resumed.empty() ? *queue.front() : resumed.front(); }
+
     std::deque<Task> resumed;
     FairQueue<Task> queue;
   };
@@ -128,13 +136,21 @@ class WorkerPool {
   };
 
   void work();
+  std::size_t most_running() const { return classes_.size() * thread_count_; }
   // All of these with the lock.
   std::size_t queued_locked() const;
   bool is_idle() const { return running_.empty() && withdrawing_ == 0 && queued_locked() == 0; }
   std::size_t running_of(Priority priority) const;
-  std::size_t computing() const;
-  bool realtime_waits() const { return !realtime_.resumed.empty() || !realtime_.queue.empty(); }
-  bool may_begin_realtime() const;
+  /// Jobs that compute, of this class and more urgent ones.
+  std::size_t computing(Priority least = Priority::kBackground) const;
+  bool any_paused(Priority least) const;
+  Class& of(Priority priority) { return classes_[static_cast<std::size_t>(priority)]; }
+  const Class& of(Priority priority) const { return classes_[static_cast<std::size_t>(priority)]; }
+  bool may_begin(Priority priority) const;
+  /// Somebody more urgent than this class lacks the processor of one of its jobs.
+  bool must_stand_back(Priority priority) const;
+  /// Nobody more urgent than this class has a use for the processor that is free.
+  bool may_go_on(Priority priority) const;
   std::optional<Next> next() const;
   Task take(Next next);
   void changed();
@@ -143,7 +159,7 @@ class WorkerPool {
   const std::size_t max_queue_;
   mutable std::mutex mutex_;
   std::condition_variable wake_, idle_, go_on_;
-  Class realtime_, batch_;
+  std::array<Class, 3> classes_;
   std::map<TaskId, Running*> running_;
   TaskId next_ = 1;
   std::size_t withdrawing_ = 0;  ///< tasks that were taken out of the queue and are being released

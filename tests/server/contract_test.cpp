@@ -45,11 +45,12 @@ TEST(Contract, EveryPublicAnswerMaySayWhatIsLeftOfAShare) {
       for (const auto& [status, response] : operation.at("responses").items())
         for (const char* name : {"RateLimit", "RateLimit-Policy"}) {
           const json described = resolve(response).value("headers", json::object());
-          if (item.contains("servers") && !response.contains("$ref"))
+          if (item.contains("servers") && !response.contains("$ref")) {
             EXPECT_FALSE(described.contains(name))
                 << path << " " << status << ": the admin listener knows no names";
-          else if (!item.contains("servers"))
+          } else if (!item.contains("servers")) {
             EXPECT_EQ(resolve(described.at(name)).at("schema").at("type"), "string") << path << " " << status;
+          }
         }
     }
 }

@@ -189,7 +189,7 @@ TEST(Jobs, AJobHasADeadlineOfItsOwnWhateverTheRouteAndThePriority) {
   for (const Reply* reply : {&stored, &urgent}) wait_for_state(server, reply->header("location"), "done");
 }
 
-TEST(Jobs, AJobIsBatchWorkWhateverTheRouteAndThePriority) {
+TEST(Jobs, AJobIsBackgroundWorkWhateverTheRouteAndThePriority) {
   TestServerOptions options;
   options.threads = 1;
   TestServer server(options);

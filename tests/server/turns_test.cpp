@@ -1,8 +1,9 @@
-// Realtime work does not wait for batch work: who stands back, when, and that nobody does so for ever.
+// No work waits for less urgent work: who stands back, when, and that nobody does so for ever.
 #include <gtest/gtest.h>
 
 #include <atomic>
 #include <latch>
+#include <string>
 #include <thread>
 
 #include "server/service/worker_pool.hpp"
@@ -11,12 +12,13 @@
 namespace fracture {
 namespace {
 
-constexpr Priority kRealtime = Priority::kRealtime, kBatch = Priority::kBatch;
+constexpr Priority kRealtime = Priority::kRealtime, kBatch = Priority::kBatch,
+                   kBackground = Priority::kBackground;
 
-/// A batch computation that polls until it is told to end.
+/// A computation that polls until it is told to end.
 struct Polling {
-  explicit Polling(WorkerPool& pool, int threads = 1) {
-    id = pool.submit(kBatch, 0, [this, threads](int) {
+  explicit Polling(WorkerPool& pool, int threads = 1, Priority priority = kBatch) {
+    id = pool.submit(priority, 0, [this, threads](int) {
       Turn* const turn = WorkerPool::turn();
       std::vector<std::thread> helpers;
       const auto work = [this, turn] {
@@ -32,7 +34,7 @@ struct Polling {
       paused_seconds = WorkerPool::paused_seconds();
       done = true;
     });
-    EXPECT_TRUE(test::eventually(test::kPatience, "the batch job to begin", [&] { return polls > 0; }));
+    EXPECT_TRUE(test::eventually(test::kPatience, "the job to begin", [&] { return polls > 0; }));
   }
   WorkerPool::TaskId id = 0;
   std::atomic<bool> end{false}, done{false};
@@ -115,6 +117,69 @@ TEST(Turns, ABatchJobDoesNotStandStillForEver) {
   pool.wait_idle();
 }
 
+TEST(Turns, BackgroundWorkStandsStillForBatchWork) {
+  WorkerPool pool(1, 100);
+  Polling background(pool, 2, kBackground);
+  std::latch gate(1);
+  std::atomic<bool> began{false};
+  pool.submit(kBatch, 0, [&](int) {
+    began = true;
+    gate.wait();
+  });
+  EXPECT_TRUE(test::eventually(test::kPatience, "the batch job to begin", [&] { return began.load(); }));
+  EXPECT_TRUE(
+      test::eventually(test::kPatience, "the other to stand still", [&] { return pool.paused() == 1; }));
+  const long before = background.polls;
+  EXPECT_TRUE(test::eventually(test::kPatience, "it to go on all the same, for its fifth of the time",
+                               [&] { return background.polls > before + 10; }));
+  gate.count_down();
+  background.end = true;
+  pool.wait_idle();
+}
+
+TEST(Turns, EachClassStandsStillForThoseBeforeItAndNoneForLessUrgentOnes) {
+  WorkerPool pool(1, 100);
+  Polling background(pool, 1, kBackground);
+  Polling batch(pool);
+  std::latch gate(1);
+  std::atomic<bool> began{false};
+  pool.submit(kRealtime, 0, [&](int) {
+    began = true;
+    gate.wait();
+  });
+  EXPECT_TRUE(test::eventually(test::kPatience, "the realtime job to begin", [&] { return began.load(); }));
+  EXPECT_TRUE(test::eventually(test::kPatience, "both to stand still", [&] { return pool.paused() == 2; }));
+  gate.count_down();
+  batch.end = true;
+  EXPECT_TRUE(test::eventually(test::kPatience, "the batch job to end", [&] { return batch.done.load(); }));
+  EXPECT_FALSE(background.done);
+  background.end = true;
+  pool.wait_idle();
+}
+
+TEST(Turns, BackgroundWorkIsQueuedForItself) {
+  std::latch gate(1);
+  WorkerPool pool(1, 2);
+  pool.submit(kRealtime, 0, [&](int) { gate.wait(); });
+  EXPECT_TRUE(
+      test::eventually(test::kPatience, "the thread to be busy", [&] { return pool.running() == 1; }));
+  std::string order;
+  WorkerPool::TaskId last = 0;
+  for (const char name : {'1', '2', '3'})
+    last = pool.submit(kBackground, 1000, [&order, name](int) { order += name; });
+  EXPECT_TRUE(pool.full(kBackground));
+  EXPECT_FALSE(pool.full(kBatch) || pool.full(kRealtime));
+  EXPECT_LT(pool.predicted_wait(kBatch).count(), 1) << "what stands back is not waited for";
+  EXPECT_GT(pool.predicted_wait(kBackground).count(), 1000);
+  pool.submit(kBatch, 1, [&](int) { order += 'b'; });
+  EXPECT_EQ(pool.position(last), 3u);
+  EXPECT_TRUE(pool.promote(last, kBatch));
+  EXPECT_FALSE(pool.promote(last, kBatch)) << "it is one already";
+  gate.count_down();
+  pool.wait_idle();
+  EXPECT_EQ(order, "3b12") << "among the batch jobs by its arrival";
+}
+
 TEST(Turns, AStandingJobThatBecomesRealtimeGoesOn) {
   std::latch gate(1);
   WorkerPool pool(1, 100);
@@ -125,7 +190,7 @@ TEST(Turns, AStandingJobThatBecomesRealtimeGoesOn) {
     gate.wait();
   });
   EXPECT_TRUE(test::eventually(test::kPatience, "the realtime job to begin", [&] { return began.load(); }));
-  pool.promote(batch.id);
+  pool.promote(batch.id, kRealtime);
   const long before = batch.polls;
   EXPECT_TRUE(test::eventually(test::kPatience, "it to go on", [&] { return batch.polls > before + 1000; }));
   EXPECT_EQ(pool.paused(), 0u);
@@ -167,14 +232,14 @@ TEST(Turns, NobodyIsLostWhenAllComeAtOnce) {
   for (int t = 0; t < 4; ++t)
     clients.emplace_back([&, t] {
       for (int k = 0; k < 200; ++k) {
-        const Priority priority = (k + t) % 2 ? kRealtime : kBatch;
+        const Priority priority = static_cast<Priority>((k + t) % 3);
         const auto id = pool.submit(priority, 0.001,
                                     [&](int) {
                                       for (int poll = 0; poll < 20; ++poll) WorkerPool::turn()->give_way();
                                       ++done;
                                     },
                                     {std::to_string(t), 1});
-        if (k % 7 == 0) pool.promote(id);
+        if (k % 7 == 0) pool.promote(id, static_cast<Priority>(t % 2));
       }
     });
   for (std::thread& client : clients) client.join();
@@ -209,17 +274,17 @@ TEST(Turns, WhoFillsTheQueueLeavesTheOthersTheirPart) {
   test::require_eventually(test::kPatience, "a job to run", [&] { return pool.running() > 0; });
   const Flow a{"a", 1}, b{"b", 1};
   for (int k = 0; k < 10; ++k) {
-    EXPECT_FALSE(pool.full(a)) << k;
+    EXPECT_FALSE(pool.full(kBatch, a)) << k;
     pool.submit(
         kBatch, 1, [](int) {}, a);
   }
-  EXPECT_TRUE(pool.full(a));
+  EXPECT_TRUE(pool.full(kBatch, a));
   for (int k = 0; k < 5; ++k) {
-    EXPECT_FALSE(pool.full(b)) << k;
+    EXPECT_FALSE(pool.full(kBatch, b)) << k;
     pool.submit(
         kBatch, 1, [](int) {}, b);
   }
-  EXPECT_TRUE(pool.full(b));
+  EXPECT_TRUE(pool.full(kBatch, b));
   gate.count_down();
   pool.wait_idle();
 }
@@ -231,12 +296,12 @@ TEST(Turns, HoweverManyComeNoMoreWaitThanTwiceWhatMay) {
   test::require_eventually(test::kPatience, "a job to run", [&] { return pool.running() > 0; });
   for (int k = 0; k < 1000; ++k) {
     const Flow flow{"address " + std::to_string(k), 1};
-    if (pool.full(flow)) continue;
+    if (pool.full(kBatch, flow)) continue;
     pool.submit(
         k % 2 == 0 ? kBatch : Priority::kRealtime, 1, [](int) {}, flow);
   }
   EXPECT_EQ(pool.queued(), 20u);
-  EXPECT_TRUE(pool.full({"address of somebody else", 1}));
+  EXPECT_TRUE(pool.full(kBatch, {"address of somebody else", 1}));
   gate.count_down();
   pool.wait_idle();
 }
@@ -254,8 +319,8 @@ TEST(Turns, WhoIsInAHurryGivesTheTurnOfWhatItPromotes) {
   };
   const WorkerPool::TaskId promoted = add(kBatch, 10, a, 'p');
   add(Priority::kRealtime, 1, a, '1');
-  EXPECT_TRUE(pool.promote(promoted, b));
-  EXPECT_FALSE(pool.promote(promoted, b)) << "it is one already";
+  EXPECT_TRUE(pool.promote(promoted, kRealtime, b));
+  EXPECT_FALSE(pool.promote(promoted, kRealtime, b)) << "it is one already";
   add(Priority::kRealtime, 1, a, '2');
   add(Priority::kRealtime, 1, b, '3');
   gate.count_down();
@@ -271,7 +336,7 @@ TEST(Turns, AResumedTaskIsPromotedToo) {
   std::string order;
   pool.resume([&](int) { order += 'b'; }, kBatch);
   const WorkerPool::TaskId hurried = pool.resume([&](int) { order += 'h'; }, kBatch);
-  EXPECT_FALSE(pool.promote(hurried)) << "its turn has come before";
+  EXPECT_FALSE(pool.promote(hurried, kRealtime)) << "its turn has come before";
   gate.count_down();
   pool.wait_idle();
   EXPECT_EQ(order, "hb");

@@ -59,20 +59,20 @@ TEST(WorkerPool, ALoneJobMayUseEveryThreadAndALoadedPoolGivesOneEach) {
 TEST(WorkerPool, ItIsFullWhenAsManyWaitAsMay) {
   BusyPool busy(2);
   busy.add(kBatch, 'a');
-  EXPECT_FALSE(busy.pool.full());
+  EXPECT_FALSE(busy.pool.full(kBatch));
   busy.add(kRealtime, 'b');
-  EXPECT_TRUE(busy.pool.full());
+  EXPECT_TRUE(busy.pool.full(kBatch));
   busy.release();
-  EXPECT_FALSE(busy.pool.full());
+  EXPECT_FALSE(busy.pool.full(kBatch));
 }
 
 TEST(WorkerPool, AQueueOfNoneStillFeedsIdleThreads) {
   std::latch release(1);
   WorkerPool pool(1, 0);
-  EXPECT_FALSE(pool.full());
+  EXPECT_FALSE(pool.full(kBatch));
   pool.submit(kBatch, 0, [&](int) { release.wait(); });
   test::require_eventually(test::kPatience, "a job to run", [&] { return pool.running() > 0; });
-  EXPECT_TRUE(pool.full());
+  EXPECT_TRUE(pool.full(kBatch));
   release.count_down();
 }
 
@@ -103,11 +103,11 @@ TEST(WorkerPool, APromotedTaskGoesWithTheRealtimeOnesByItsArrival) {
   busy.add(kBatch, 'b');
   const auto promoted = busy.add(kBatch, 'p');
   busy.add(kRealtime, 'r');
-  busy.pool.promote(promoted);
-  busy.pool.promote(promoted);
+  busy.pool.promote(promoted, kRealtime);
+  busy.pool.promote(promoted, kRealtime);
   busy.release();
   EXPECT_EQ(busy.order, "prb");
-  busy.pool.promote(promoted);  // long gone
+  busy.pool.promote(promoted, kRealtime);  // long gone
 }
 
 TEST(WorkerPool, ThePredictedWaitIsWhatGoesBeforeOverTheMeasuredThroughput) {
