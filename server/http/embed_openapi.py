@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""embed_openapi.py OPENAPI.yaml OUT.cpp: the document as a C++ function that returns its JSON, in which every public
-response has the headers of components/headers."""
+"""embed_openapi.py OPENAPI.yaml OUT.json OUT.cpp: the document as JSON, in which every public response has the headers of
+components/headers, and as a C++ function that returns that."""
 import json
 import sys
 
@@ -21,9 +21,11 @@ def add_common_headers(document):
     return document
 
 
-source, out = sys.argv[1:]
+source, as_json, out = sys.argv[1:]
 with open(source, encoding="utf-8") as f:
     text = json.dumps(add_common_headers(yaml.safe_load(f)), indent=1, ensure_ascii=True)
+with open(as_json, "w", encoding="ascii") as f:
+    f.write(text)
 
 # String literals have a length limit in some compilers: pieces of 8,000 characters are joined by the compiler.
 pieces = "\n".join(f'R"openapi({text[i:i + 8000]})openapi"' for i in range(0, len(text), 8000))

@@ -1,10 +1,8 @@
-// Lints proto/openapi.yaml with Redocly's recommended rules. Exit codes: 0 clean, 1 problems, 77 node_modules is missing.
-// Usage: node lint.mjs [openapi.yaml]
+// Lints the OpenAPI document with Redocly's recommended rules. Exit codes: 0 clean, 1 problems, 77 node_modules is missing.
+// Usage: node lint.mjs DOCUMENT
 import path from 'node:path';
-import {fileURLToPath} from 'node:url';
 
-const here = path.dirname(fileURLToPath(import.meta.url));
-const file = process.argv[2] ?? path.join(here, '../../proto/openapi.yaml');
+const file = path.resolve(process.argv[2]);
 
 let redocly;
 try {
