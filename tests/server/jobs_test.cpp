@@ -207,8 +207,10 @@ TEST(Jobs, AJobIsBackgroundWorkWhateverTheRouteAndThePriority) {
   urgent.send("POST " + mesh +
               "/fracture HTTP/1.1\r\nHost: a\r\nContent-Type: application/json\r\nContent-Length: "
               "11\r\n\r\n{\"seed\": 3}");
-  EXPECT_TRUE(eventually(kPatience, "the realtime request to go before the job",
-                         [&] { return server.get(job).json().value("queue_position", -1) == 1; }));
+  EXPECT_TRUE(eventually(kPatience, "the realtime request to begin while the first job stands still",
+                         [&] { return gate.arrived == 2; }));
+  EXPECT_EQ(server.get(job).json().at("state"), "queued");
+  EXPECT_EQ(server.get(first).json().at("state"), "running");
   gate.open = true;
   ASSERT_TRUE(urgent.receive());
   wait_for_state(server, job, "done");
