@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -19,9 +20,16 @@ class ClientShares {
   /// ones; a lone reservation of an address may exceed it.
   ClientShares(std::uint64_t capacity, std::uint64_t share, MemoryBudget::SmallPool small,
                std::uint64_t small_share)
-      : whole_(capacity, small), share_(share), small_share_{small_share, small.largest} {}
-  ClientShares(const MemoryBudget::Divided& whole, std::uint64_t share)
-      : whole_(whole), share_(share), small_share_{0, 0} {}
+      : whole_(capacity, small), share_(share), make_share_([share, small_share, small] {
+          return new MemoryBudget(share, {small_share, small.largest}, MemoryBudget::Alone::kMayExceed);
+        }) {}
+  /// The same of one pool with headroom for small reservations: of an address these may have `small_share` beside
+  /// what its large ones hold.
+  ClientShares(const MemoryBudget::Divided& whole, std::uint64_t share, std::uint64_t small_share)
+      : whole_(whole), share_(share), make_share_([whole, share, small_share] {
+          return new MemoryBudget({share + small_share, small_share, whole.largest_small},
+                                  MemoryBudget::Alone::kMayExceed);
+        }) {}
 
   /// Of nothing yet. Nobody in particular ("") has no share.
   MemoryBudget::Reservation begin(const std::string& address) {
@@ -45,14 +53,12 @@ class ClientShares {
     }
     // Forgotten with its last reservation, for which the lock must be free: also where there is no memory to
     // make it.
-    std::shared_ptr<MemoryBudget> fresh(
-        new MemoryBudget(share_, small_share_, MemoryBudget::Alone::kMayExceed),
-        [this, address](MemoryBudget* gone) {
-          delete gone;
-          const std::lock_guard forgetting(mutex_);
-          const auto at = by_address_.find(address);
-          if (at != by_address_.end() && at->second.expired()) by_address_.erase(at);
-        });
+    std::shared_ptr<MemoryBudget> fresh(make_share_(), [this, address](MemoryBudget* gone) {
+      delete gone;
+      const std::lock_guard forgetting(mutex_);
+      const auto at = by_address_.find(address);
+      if (at != by_address_.end() && at->second.expired()) by_address_.erase(at);
+    });
     const std::lock_guard lock(mutex_);
     if (auto known = alive()) return known;
     by_address_[address] = fresh;
@@ -61,7 +67,7 @@ class ClientShares {
 
   MemoryBudget whole_;
   const std::uint64_t share_;
-  const MemoryBudget::SmallPool small_share_;
+  const std::function<MemoryBudget*()> make_share_;
   std::mutex mutex_;
   std::unordered_map<std::string, std::weak_ptr<MemoryBudget>> by_address_;
 };

@@ -41,8 +41,8 @@ namespace fracture {
 
 struct DispatcherConfig {
   /// Bytes that computations may be working in at the same time, by estimate; one alone may always run. An
-  /// eighth is for small ones alone, and no client holds more than three quarters (but for one computation of
-  /// its own), so that who asks for much leaves room for a collision.
+  /// eighth is for small ones alone, and no client holds more than three quarters, or of that eighth beside it,
+  /// but for one computation of its own: who asks for much leaves room for a collision, of others and its own.
   std::uint64_t max_working_bytes = 2ull << 30;
   FailureKeeper* failures = nullptr;  ///< gets what is unsound or a bug; borrowed; null: nobody does
 };
@@ -80,7 +80,8 @@ class Dispatcher {
       : service_(service),
         pool_(pool),
         failures_(config.failures),
-        working_(divided(config.max_working_bytes), share_of(config.max_working_bytes)) {}
+        working_(divided(config.max_working_bytes), share_of(config.max_working_bytes),
+                 share_of(divided(config.max_working_bytes).headroom)) {}
   /// Waits until nothing is computed any more; stop the flights first (stop_all) when that would take long.
   ~Dispatcher() { wait_idle(); }
   Dispatcher(const Dispatcher&) = delete;
@@ -166,7 +167,7 @@ class Dispatcher {
   std::optional<Overload> reserve(std::uint64_t bytes, const Terms& terms,
                                   MemoryBudget::Reservation& reservation);
   static MemoryBudget::Divided divided(std::uint64_t working_bytes);
-  static std::uint64_t share_of(std::uint64_t working_bytes);
+  static std::uint64_t share_of(std::uint64_t bytes);
 
   // The stations of a computation, each on a thread of the pool.
   void begin(const Shared& c, int threads);

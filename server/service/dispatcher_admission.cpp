@@ -78,7 +78,7 @@ MemoryBudget::Divided Dispatcher::divided(std::uint64_t working_bytes) {
   return {working_bytes, headroom, std::min<std::uint64_t>(headroom, kLargestSmall)};
 }
 
-std::uint64_t Dispatcher::share_of(std::uint64_t working_bytes) { return working_bytes - working_bytes / 4; }
+std::uint64_t Dispatcher::share_of(std::uint64_t bytes) { return bytes - bytes / 4; }
 
 std::optional<Overload> Dispatcher::reserve(std::uint64_t bytes, const Terms& terms,
                                             MemoryBudget::Reservation& reservation) {

@@ -20,7 +20,7 @@ class MemoryBudget {
   };
   enum class Alone {
     kWithin,     ///< a reservation over the capacity is refused
-    kMayExceed,  ///< it is granted where nobody else holds anything: a share is to divide, not to forbid
+    kMayExceed,  ///< it counts as the capacity: a share is to divide, not to forbid
   };
 
   /// One pool, of which only small reservations may take all: large ones leave them their headroom.
@@ -31,13 +31,13 @@ class MemoryBudget {
   };
 
   explicit MemoryBudget(std::uint64_t capacity) : MemoryBudget(capacity, {0, 0}) {}
-  explicit MemoryBudget(const Divided& divided)
+  explicit MemoryBudget(const Divided& divided, Alone alone = Alone::kWithin)
       : large_{divided.capacity},
         small_{0},
         largest_small_(0),
         headroom_(divided.headroom),
         largest_with_headroom_(divided.largest_small),
-        alone_(Alone::kWithin) {}
+        alone_(alone) {}
   MemoryBudget(std::uint64_t capacity, SmallPool small, Alone alone = Alone::kWithin)
       : large_{capacity}, small_{small.capacity}, largest_small_(small.largest), alone_(alone) {}
 
@@ -84,8 +84,8 @@ class MemoryBudget {
     void shrink_to(std::uint64_t bytes) {
       if (budget_) bytes = budget_->shrunk(bytes_, bytes);
       if (!budget_ || bytes >= bytes_) return;
-      budget_->pool(bytes_).used.fetch_sub(bytes_ - bytes);
-      if (share_) share_->pool(bytes_).used.fetch_sub(bytes_ - bytes);
+      budget_->shrink(bytes_, bytes);
+      if (share_) share_->shrink(bytes_, bytes);
       bytes_ = bytes;
     }
     /// The last grow_to() failed because of the share and not because of the whole.
@@ -108,13 +108,11 @@ class MemoryBudget {
     const std::uint64_t capacity;
     std::atomic<std::uint64_t> used{0};
 
-    /// `kept`: bytes that are for others.
-    bool take(std::uint64_t more, std::uint64_t own, Alone alone, std::uint64_t kept) {
-      const std::uint64_t most = capacity - kept;
+    /// Within `most` of it.
+    bool take(std::uint64_t more, std::uint64_t most) {
       std::uint64_t before = used.load();
       do {
-        const bool room = before <= most && more <= most - before;
-        if (!room && !(alone == Alone::kMayExceed && before == own)) return false;
+        if (before > most || more > most - before) return false;
       } while (!used.compare_exchange_weak(before, before + more));
       return true;
     }
@@ -124,20 +122,33 @@ class MemoryBudget {
   /// A reservation grows; one that is no longer small moves as a whole.
   bool change(std::uint64_t from, std::uint64_t to) {
     Pool &before = pool(from), &after = pool(to);
-    const std::uint64_t kept = to > largest_with_headroom_ ? headroom_ : 0;
-    if (&before == &after) return after.take(to - from, from, alone_, kept);
-    if (!after.take(to, 0, alone_, kept)) return false;
-    before.used.fetch_sub(from);
+    if (&before == &after) {
+      if (counted(to) > counted(from)) return after.take(counted(to) - counted(from), most(to));
+      shrink(to, from);  // its last bytes were the headroom's
+      return true;
+    }
+    if (!after.take(counted(to), most(to))) return false;
+    before.used.fetch_sub(counted(from));
     return true;
   }
+  /// What reservations of this size may hold together.
+  std::uint64_t most(std::uint64_t bytes) {
+    return pool(bytes).capacity - (bytes > largest_with_headroom_ ? headroom_ : 0);
+  }
+  std::uint64_t counted(std::uint64_t bytes) {
+    return alone_ == Alone::kMayExceed ? std::min(bytes, most(bytes)) : bytes;
+  }
+  /// Both sizes are of one pool.
+  void shrink(std::uint64_t from, std::uint64_t to) { pool(to).used.fetch_sub(counted(from) - counted(to)); }
+
   std::uint64_t shrunk(std::uint64_t from, std::uint64_t to) const {
     return from > largest_small_ ? std::max(to, largest_small_ + 1) : to;
   }
   void undo(std::uint64_t from, std::uint64_t to) {
-    pool(to).used.fetch_sub(to);
-    pool(from).used.fetch_add(from);
+    pool(to).used.fetch_sub(counted(to));
+    pool(from).used.fetch_add(counted(from));
   }
-  void give_back(std::uint64_t bytes) { pool(bytes).used.fetch_sub(bytes); }
+  void give_back(std::uint64_t bytes) { pool(bytes).used.fetch_sub(counted(bytes)); }
 
   Pool large_, small_;
   const std::uint64_t largest_small_, headroom_ = 0, largest_with_headroom_ = 0;
