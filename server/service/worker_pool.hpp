@@ -62,6 +62,8 @@ class WorkerPool {
   /// urgent already. True: it is queued, and takes the turn of this flow, which is in a hurry, instead of that
   /// of its own.
   bool promote(TaskId task, Priority priority, const Flow& flow = {});
+  /// A task that runs is of this class from now on. Nothing happens when it does not run.
+  void reclassify(TaskId task, Priority priority);
   /// A task that is queued does not run. False where it is not: it has begun, or was resumed.
   bool withdraw(TaskId task);
   /// A flow has used so many seconds more (or less) than the costs of its tasks said.
@@ -146,6 +148,9 @@ class WorkerPool {
   bool any_paused(Priority least) const;
   Class& of(Priority priority) { return classes_[static_cast<std::size_t>(priority)]; }
   const Class& of(Priority priority) const { return classes_[static_cast<std::size_t>(priority)]; }
+  /// There is a thread for one more of this class. Each class has as many as may compute, the last of them are
+  /// for realtime jobs alone; who is away or stands still keeps its own.
+  bool has_thread(Priority priority) const;
   bool may_begin(Priority priority) const;
   /// Somebody more urgent than this class lacks the processor of one of its jobs.
   bool must_stand_back(Priority priority) const;

@@ -63,6 +63,46 @@ TEST(Turns, ARealtimeJobRunsWhileTheOnlyThreadsBatchJobStandsStill) {
   EXPECT_GT(batch.paused_seconds, 0);
 }
 
+TEST(Turns, AllThreadsOfAJobStandStill) {
+  WorkerPool pool(2, 100);
+  std::atomic<bool> end{false};
+  std::atomic<long> polls[2] = {0, 0};
+  pool.submit(kBatch, 0, [&](int) {
+    Turn* const turn = WorkerPool::turn();
+    const auto work = [&, turn](std::atomic<long>& mine) {
+      while (!end) {
+        turn->give_way();
+        ++mine;
+        std::this_thread::yield();
+      }
+    };
+    std::thread helper([&] { work(polls[1]); });
+    work(polls[0]);
+    helper.join();
+  });
+  EXPECT_TRUE(
+      test::eventually(test::kPatience, "both to compute", [&] { return polls[0] > 0 && polls[1] > 0; }));
+  std::latch gate(1);
+  std::atomic<int> realtime{0};
+  for (int k = 0; k < 2; ++k)
+    pool.submit(kRealtime, 0, [&](int) {
+      ++realtime;
+      gate.wait();
+    });
+  EXPECT_TRUE(test::eventually(test::kPatience, "both realtime jobs", [&] { return realtime == 2; }));
+  // Each pause ends by time; in some of them neither of the two polls again.
+  EXPECT_TRUE(test::eventually(test::kPatience, "a pause in which nobody computes", [&] {
+    if (pool.paused() == 0) return false;
+    const long before = polls[0] + polls[1];
+    // pause: what computes would poll thousands of times
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    return polls[0] + polls[1] <= before + 2 && pool.paused() == 1;
+  }));
+  gate.count_down();
+  end = true;
+  pool.wait_idle();
+}
+
 TEST(Turns, WithTwoThreadsARealtimeJobBeginsBesideBatchJobsThatNeverPoll) {
   std::latch gate(1);
   WorkerPool pool(2, 100);
@@ -178,6 +218,42 @@ TEST(Turns, BackgroundWorkIsQueuedForItself) {
   gate.count_down();
   pool.wait_idle();
   EXPECT_EQ(order, "3b12") << "among the batch jobs by its arrival";
+}
+
+TEST(Turns, BackgroundJobsThatRunFillNoQueue) {
+  std::latch gate(1);
+  WorkerPool pool(2, 0);
+  for (int k = 0; k < 2; ++k) pool.submit(kBackground, 0, [&](int) { gate.wait(); });
+  EXPECT_TRUE(test::eventually(test::kPatience, "both to run", [&] { return pool.running() == 2; }));
+  EXPECT_FALSE(pool.full(kRealtime) || pool.full(kBatch));
+  EXPECT_TRUE(pool.full(kBackground));
+  gate.count_down();
+  pool.wait_idle();
+}
+
+TEST(Turns, JobsThatAreAwayLeaveThreadsToRealtimeOnes) {
+  std::latch gate(1);
+  WorkerPool pool(1, 100);
+  // Each goes away and is promoted out of its class, so that another one of that class could begin.
+  for (int k = 0; k < 4; ++k) {
+    std::atomic<bool> away{false};
+    const auto id = pool.submit(kBackground, 0, [&](int) {
+      const Away elsewhere(WorkerPool::turn());
+      away = true;
+      gate.wait();
+    });
+    if (k < 2)
+      EXPECT_TRUE(test::eventually(test::kPatience, "it to be away", [&] { return away.load(); }));
+    else
+      EXPECT_FALSE(away) << "its thread is for realtime jobs";
+    pool.promote(id, kBatch);
+    if (k == 2) break;
+  }
+  std::atomic<bool> realtime{false};
+  pool.submit(kRealtime, 0, [&](int) { realtime = true; });
+  EXPECT_TRUE(test::eventually(test::kPatience, "the realtime job", [&] { return realtime.load(); }));
+  gate.count_down();
+  pool.wait_idle();
 }
 
 TEST(Turns, AStandingJobThatBecomesRealtimeGoesOn) {

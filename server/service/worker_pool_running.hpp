@@ -1,0 +1,81 @@
+// A job of the worker pool on its thread: for the files of the pool.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+
+#include "common/base/processor_time.hpp"
+#include "server/service/worker_pool.hpp"
+
+namespace fracture {
+
+using Seconds = std::chrono::duration<double>;
+
+inline constexpr std::array kPriorities = {Priority::kRealtime, Priority::kBatch, Priority::kBackground};
+
+/// A job on its thread. Everything that is not said to be otherwise is guarded by the pool's mutex.
+class WorkerPool::Running final : public Turn {
+ public:
+  Running(WorkerPool& its_pool, Priority its_priority, double its_cost)
+      : pool(its_pool), priority(its_priority), cost(its_cost) {}
+
+  void give_way() override {
+    // All threads of a job stand still, also those that poll when the first of them has made room already.
+    if (!pool.urgent_.load(std::memory_order_relaxed) && !paused.load(std::memory_order_relaxed)) return;
+    std::unique_lock lock(pool.mutex_);
+    if (priority == Priority::kRealtime) return;
+    if (!paused) {
+      if (Clock::now() < works_until || !pool.must_stand_back(priority)) return;
+      paused = true;
+      paused_since = Clock::now();
+      pool.changed();
+    }
+    // Every thread of the job waits here; the first that may go on lets all of them.
+    pool.go_on_.wait_until(lock, paused_since + kLongestPause, [this] {
+      return !paused || priority == Priority::kRealtime || pool.stopping_ || pool.may_go_on(priority);
+    });
+    if (!paused) return;
+    paused = false;
+    const Clock::duration stood = Clock::now() - paused_since;
+    paused_for += stood;
+    works_until = Clock::now() + std::max<Clock::duration>(kLeastWork, stood / 4);
+    pool.go_on_.notify_all();
+    pool.changed();
+  }
+
+  void leave() override {
+    left_at = Clock::now();
+    computed_before = processor_seconds_of_this_thread();
+    const std::lock_guard lock(pool.mutex_);
+    away = priority != Priority::kRealtime;
+    pool.changed();
+  }
+
+  void come_back() override {
+    const double computed = processor_seconds_of_this_thread() - computed_before;
+    away_for += std::max(0.0, Seconds(Clock::now() - left_at).count() - computed);
+    const std::lock_guard lock(pool.mutex_);
+    away = false;
+    pool.changed();
+  }
+
+  bool computes() const { return !paused && !away; }
+
+  WorkerPool& pool;
+  Priority priority;
+  double cost;
+  const Clock::time_point start = Clock::now();
+  std::atomic<bool> paused{false};  // read at every poll, without the lock
+  bool away = false;
+  Clock::time_point paused_since{}, works_until{};
+  Clock::duration paused_for{};
+  // Of the job's own thread alone.
+  Clock::time_point left_at{};
+  double computed_before = 0, away_for = 0;
+
+  static thread_local Running* of_this_thread;
+};
+
+}  // namespace fracture
