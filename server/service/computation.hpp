@@ -133,11 +133,7 @@ struct Dispatcher::Computation {
   void settle() {
     if (!flight || (settled && spent.processor_seconds <= *settled)) return;
     const double more = spent.processor_seconds - settled.value_or(0);
-    TurnTaken turn;
-    if (!settled) {
-      const std::lock_guard lock(flight->common.mutex);
-      turn = flight->common.turn;
-    }
+    const TurnTaken turn = settled ? TurnTaken{} : flight->common.urgency.turn();
     dispatcher.charge(flight->common.payers.charge(more), turn, more);
     settled = spent.processor_seconds;
   }

@@ -111,22 +111,14 @@ std::optional<Overload> Dispatcher::fracture(FractureRequest request, const Term
     c->cost = cost;
     c->working.emplace(working_.whole(), std::move(working));
     c->flight = seat.flight;
-    const std::lock_guard lock(flight.common.mutex);
-    flight.common.turn = {terms.payer.flow, terms.priority, cost};
-    const bool hurried = flight.common.hurry && flight.common.priority < terms.priority;
-    if (!hurried) flight.common.priority = terms.priority;
-    flight.common.task = pool_.submit(
-        terms.priority, cost, [this, c](int threads) { at_station(c, [&] { begin(c, threads); }); },
-        terms.payer.flow);
-    if (hurried) promote(flight.common);  // by who joined before the task was there
+    flight.common.urgency.lead(pool_, {terms.payer.flow, terms.priority, cost}, [&] {
+      return pool_.submit(
+          terms.priority, cost, [this, c](int threads) { at_station(c, [&] { begin(c, threads); }); },
+          terms.payer.flow);
+    });
   } else {
     ++collapsed_;
-    const std::lock_guard lock(flight.common.mutex);
-    if (terms.priority < flight.common.priority) {
-      flight.common.priority = terms.priority;
-      flight.common.hurry = terms.payer.flow;
-      promote(flight.common);
-    }
+    flight.common.urgency.join(pool_, terms.priority, terms.payer.flow);
   }
   waiting->arm(std::move(seat), terms);
   return std::nullopt;
@@ -179,7 +171,7 @@ std::optional<Overload> Dispatcher::prepare(FractureRequest request, const Terms
     const auto prepare = [this, p, cost, flight = seat.flight](int threads) {
       const Terms& mine = p->terms;
       const auto paid = [&](double seconds) {
-        charge({{mine.payer, mine.priority}}, {mine.payer.flow, mine.priority, cost}, seconds);
+        charge({{mine.payer, mine.priority}}, flight->common.turn(), seconds);
       };
       if (flight->stop().stop_requested()) return paid(0);
       Execution execution;
@@ -202,7 +194,10 @@ std::optional<Overload> Dispatcher::prepare(FractureRequest request, const Terms
       p->working.reset();
       meshes_.land(flight, made);
     };
-    pool_.submit(terms.priority, cost, prepare, terms.payer.flow);
+    seat.flight->common.lead(pool_, {terms.payer.flow, terms.priority, cost},
+                             [&] { return pool_.submit(terms.priority, cost, prepare, terms.payer.flow); });
+  } else {
+    seat.flight->common.join(pool_, terms.priority, terms.payer.flow);
   }
   waiting->arm(std::move(seat), terms);
   return std::nullopt;
@@ -213,10 +208,10 @@ std::optional<Overload> Dispatcher::prepare(FractureRequest request, const Terms
 /// The value of this key: computed here, or waited for (then this thread is free, and `next` runs on another
 /// one when the value is there).
 template <class Value, class Make>
-void Dispatcher::obtain(SingleFlight<Step<Value>>& flights, const std::string& key, const Shared& c,
+void Dispatcher::obtain(SingleFlight<Step<Value>, Urgency>& flights, const std::string& key, const Shared& c,
                         int threads, Make make,
                         void (Dispatcher::*next)(const Shared&, const Outcome<Value>&, int)) {
-  using Flights = SingleFlight<Step<Value>>;
+  using Flights = SingleFlight<Step<Value>, Urgency>;
   // Lives in the flight's waiter, like Waiting: this thread has no part in `c` any more once it has joined.
   struct Place {
     typename Flights::Seat seat;
@@ -230,17 +225,22 @@ void Dispatcher::obtain(SingleFlight<Step<Value>>& flights, const std::string& k
         Outcome<Value> waited = outcome;
         if (waited) waited->cache = CacheOutcome::kCollapsed;
         if (waited) c->spent.processor_seconds += waited->processor_seconds;  // computed for all who waited
-        const std::lock_guard lock(c->flight->common.mutex);
-        c->flight->common.task =
-            pool_.resume([this, c, next, waited = std::move(waited)](
-                             int free) { at_station(c, [&] { (this->*next)(c, waited, free); }); },
-                         c->flight->common.priority);
+        c->flight->common.urgency.goes_on([&](Priority priority) {
+          return pool_.resume([this, c, next, waited = std::move(waited)](
+                                  int free) { at_station(c, [&] { (this->*next)(c, waited, free); }); },
+                              priority);
+        });
       });
   place->seat = seat;
   place->gives_up.emplace(abandoned, [&flights, weak = std::weak_ptr(place)] {
     if (const auto mine = weak.lock()) flights.leave(mine->seat);
   });
-  if (seat.role != Flights::Role::kLeader) return;
+  Urgency& mine = c->flight->common.urgency;
+  if (seat.role != Flights::Role::kLeader)
+    return mine.waits_for([this, flight = seat.flight](Priority priority, const Flow& flow) {
+      flight->common.join(pool_, priority, flow);
+    });
+  seat.flight->common.lead_part(pool_, mine.task(), mine.priority());
   Outcome<Value> made;
   Spent spent;
   {
@@ -250,6 +250,8 @@ void Dispatcher::obtain(SingleFlight<Step<Value>>& flights, const std::string& k
   c->spent.busy_seconds += spent.busy_seconds;
   c->spent.processor_seconds += spent.processor_seconds;
   if (made) made->processor_seconds = spent.processor_seconds;
+  seat.flight->common.end_part();
+  mine.restore(pool_);
   flights.land(seat.flight, made);
   (this->*next)(c, made, threads);
 }
@@ -305,7 +307,7 @@ void Dispatcher::with_mesh(const Shared& c, const Outcome<PreparedMesh>& mesh, i
     const ExpectedWork work = expected_work(c->request.parameters.fracture, bytes_of(c->request),
                                             &c->mesh->solid, 0, c->request.parameters.selection);
     c->cost = std::max(c->cost, work.seconds);
-    pool_.revise(c->flight->common.task, c->cost);
+    pool_.revise(c->flight->common.urgency.task(), c->cost);
   }
   if (!failures_) {  // the file is not needed any more
     c->request.mesh = {};
@@ -354,7 +356,7 @@ void Dispatcher::end(const Shared& c, Expected<FractureAnswer> outcome) {
 
 std::optional<std::size_t> Dispatcher::queue_position(const std::string& result_key) const {
   const auto flight = results_.find(result_key);
-  return flight ? pool_.position(flight->common.task) : std::nullopt;
+  return flight ? pool_.position(flight->common.urgency.task()) : std::nullopt;
 }
 
 Dispatcher::Figures Dispatcher::figures() const {

@@ -35,6 +35,7 @@
 #include "server/service/service.hpp"
 #include "server/service/single_flight.hpp"
 #include "server/service/timer.hpp"
+#include "server/service/urgency.hpp"
 #include "server/service/worker_pool.hpp"
 
 namespace fracture {
@@ -140,20 +141,17 @@ class Dispatcher {
 
   /// What all who wait for a result share.
   struct Common {
-    std::atomic<WorkerPool::TaskId> task{0};
+    Urgency urgency;
     std::atomic<Clock::rep> latest_deadline{0};
-    std::atomic<Priority> priority{Priority::kBackground};  ///< of the most urgent who waits
     Payers payers;
-    std::mutex mutex;  // of what follows, and of bringing it together with `task`
+    std::mutex mutex;  // of the observers
     std::vector<std::function<void(Stage, double)>> observers;
-    TurnTaken turn;
-    std::optional<Flow> hurry;          ///< of the first who is as urgent as that, where the leader is not
     std::atomic<bool> observed{false};  ///< there are any: loops tell often, and mostly nobody listens
     void tell(Stage stage, double fraction);
   };
   using ResultFlights = SingleFlight<FractureAnswer, Common>;
-  using MeshFlights = SingleFlight<Step<PreparedMesh>>;
-  using DiagramFlights = SingleFlight<Step<CutBase>>;
+  using MeshFlights = SingleFlight<Step<PreparedMesh>, Urgency>;
+  using DiagramFlights = SingleFlight<Step<CutBase>, Urgency>;
 
   std::optional<Overload> refuses(double cost, const Terms& terms) const;
   /// A place among the computations of a name: that of the step before, else a new one.
@@ -161,9 +159,6 @@ class Dispatcher {
   /// All who waited are charged for all of it, each in the class of its own request; whose turn it was is
   /// given back what that has cost.
   void charge(const std::vector<Waits>& payers, const TurnTaken& turn, double seconds);
-  /// Somebody more urgent than the leader waits for a computation; its flow gives the turn, where that has not
-  /// come yet. With the mutex of `common`.
-  void promote(Common& common);
   std::optional<Overload> reserve(std::uint64_t bytes, const Terms& terms,
                                   MemoryBudget::Reservation& reservation);
   static MemoryBudget::Divided divided(std::uint64_t working_bytes);
@@ -178,8 +173,8 @@ class Dispatcher {
   void at_station(const Shared& c, Station station);
   void end(const Shared& c, Expected<FractureAnswer> outcome);
   template <class Value, class Make>
-  void obtain(SingleFlight<Step<Value>>& flights, const std::string& key, const Shared& c, int threads,
-              Make make, void (Dispatcher::*next)(const Shared&, const Outcome<Value>&, int));
+  void obtain(SingleFlight<Step<Value>, Urgency>& flights, const std::string& key, const Shared& c,
+              int threads, Make make, void (Dispatcher::*next)(const Shared&, const Outcome<Value>&, int));
 
   template <class Flights, class Value>
   struct Waiting;

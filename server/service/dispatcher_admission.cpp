@@ -65,14 +65,6 @@ void Dispatcher::charge(const std::vector<Waits>& payers, const TurnTaken& turn,
   if (turn.cost > 0) pool_.charge(turn.priority, turn.flow, -turn.cost);
 }
 
-void Dispatcher::promote(Common& common) {
-  // Else its turn has come, at the cost of whoever led.
-  if (pool_.promote(common.task, common.priority, *common.hurry)) {
-    common.turn.flow = *common.hurry;
-    common.turn.priority = common.priority;
-  }
-}
-
 MemoryBudget::Divided Dispatcher::divided(std::uint64_t working_bytes) {
   const std::uint64_t headroom = working_bytes / 8;
   return {working_bytes, headroom, std::min<std::uint64_t>(headroom, kLargestSmall)};
