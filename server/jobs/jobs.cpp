@@ -152,6 +152,7 @@ void Jobs::progress(const Shared& job, Stage stage, double fraction) {
     begins = view.state != JobState::kRunning;
     if (!begins && percent == view.percent && !new_stage) return;
     begins = begins && job->kept;
+    job->marked = job->marked || begins;
     view.state = JobState::kRunning;
     view.percent = percent;
     if (new_stage) view.stage = name_of(stage);
@@ -171,7 +172,8 @@ void Jobs::finish(const Shared& job, Expected<FractureAnswer> answer) {
     const bool resumed = std::exchange(job->computing, false);
     if (!answer && job->suspended && answer.error().code == ErrorCode::kCancelled) {
       view.state = JobState::kQueued;
-      disk_.run([this, id = view.id] { folder_->not_begun(id); });
+      if (std::exchange(job->marked, false))  // the marks of processes that died stay
+        disk_.run([this, id = view.id] { folder_->not_begun(id); });
     } else {
       if (answer) {
         view.state = JobState::kDone;
@@ -241,14 +243,19 @@ void Jobs::not_durable(const Shared& job) {
 
 void Jobs::persist_end(const Shared& job, const std::shared_ptr<const FractureAnswer>& answer) {
   JobRecord record;
+  bool marked = false;
   {
     const std::lock_guard lock(mutex_);
     if (!job->kept) return;
     record = job->record;
+    marked = std::exchange(job->marked, false);
   }
   // Where the disk tier has no room for the answer, the job stays as what is to be computed: after a restart
   // it is computed again.
-  if (!write_end(job, record, answer)) return folder_->not_begun(record.id);
+  if (!write_end(job, record, answer)) {
+    if (marked) folder_->not_begun(record.id);
+    return;
+  }
   const std::lock_guard lock(mutex_);
   job->view.durable = job->kept;
 }

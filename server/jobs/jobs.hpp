@@ -139,6 +139,7 @@ class Jobs {
     std::uint64_t resumed_bytes = 0;  ///< of its mesh, read from the disk
     bool kept = false;                ///< the folder has a place for it
     bool written_end = false;         ///< what it came to is on the disk; known to the disk's thread alone
+    bool marked = false;              ///< the folder has this process's mark that it was begun
     bool waiting = false;             ///< from an earlier process, not computed yet
     bool computing = false;           ///< from an earlier process, and being computed
     bool suspended = false;           ///< stopped by stop(), to go on later

@@ -123,6 +123,18 @@ TEST_F(Durable, SuspectsAreTriedAfterTheOthersAndOneByOne) {
   for (const std::string& job : {innocent, first, second}) wait_for_state(*server, job, "done");
 }
 
+/// The mark of a process that died is no other process's to take back.
+TEST_F(Durable, ASuspectThatWaitsThroughADrainStaysOne) {
+  const std::string suspect = interrupted("?sites=5"), innocent = interrupted("?sites=7");
+  leave_mark(folder, suspect);
+  leave_mark(folder, innocent);
+  {
+    TestServer server(gated());  // one of the two begins; then all are told to stop
+    EXPECT_TRUE(eventually(kPatience, "one to run", [&] { return gate.arrived > 0; }));
+  }
+  EXPECT_EQ(files_in(folder / "jobs/begun"), 2u);
+}
+
 TEST_F(Durable, ACancelledJobStaysCancelled) {
   std::string job;
   {
