@@ -90,7 +90,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
   }
 
   void cancel_job() override {
-    asio::post(executor(), [self = shared_from_this()] { self->work_->stop(); });
+    asio::post(executor(), [self = shared_from_this()] { self->work_->cancel(); });
   }
 
  private:
@@ -214,7 +214,9 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
       record_.queue_milliseconds = exchange_->response.queue_milliseconds;
     }
 
-    const bool keep = head.keep_alive && !closing();
+    // A client of HTTP/1.0 knows no chunks: a stream ends with its connection.
+    const bool endless = exchange_->response.stream && head.minor_version < 1;
+    const bool keep = head.keep_alive && !closing() && !endless;
     const bool written = co_await write(exchange_->response, keep, request.admission.head_only);
     finish_record(exchange_->response, written);
     if (written && !keep) co_await linger();

@@ -41,7 +41,7 @@ asio::awaitable<bool> write_stream(const StreamTarget& target, const Response& r
                                    const std::string& id, const Fields& more, bool chunked, bool keep_alive,
                                    bool head_only) {
   tcp::socket& socket = target.connection.socket();
-  auto message = begin_message<bhttp::empty_body>(response, id, more, keep_alive && chunked);
+  auto message = begin_message<bhttp::empty_body>(response, id, more, keep_alive);
   message.chunked(chunked);
   bhttp::response_serializer<bhttp::empty_body> serializer(message);
   error_code ec;
@@ -66,7 +66,7 @@ asio::awaitable<bool> write_stream(const StreamTarget& target, const Response& r
       co_await asio::async_write(socket, bytes, into_ec());
   }
   target.connection.clear_deadline();
-  co_return !ec && chunked;
+  co_return !ec;
 }
 
 }  // namespace fracture::http

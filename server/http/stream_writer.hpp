@@ -19,8 +19,8 @@ struct StreamTarget {
   std::function<bool()> draining;  ///< the server stops: the stream ends here
 };
 
-/// Chunks as the stream delivers them, until it ends or the server drains. A client of HTTP/1.0 knows no
-/// chunks (`chunked` false): its answer ends with the connection. False when the connection is over.
+/// What the stream delivers, until it ends or the server drains; in chunks, or (a client of HTTP/1.0 knows none)
+/// as it is: then the answer ends with the connection. False when the client is gone or takes it too slowly.
 asio::awaitable<bool> write_stream(const StreamTarget& target, const Response& response,
                                    const std::string& id, const Fields& more, bool chunked, bool keep_alive,
                                    bool head_only);

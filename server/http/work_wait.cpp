@@ -11,6 +11,7 @@ WorkWait::WorkWait(std::shared_ptr<TimedSocket> connection)
 
 std::stop_token WorkWait::begin() {
   stop_ = std::stop_source();
+  if (cancelled_) stop_.request_stop();
   reset_ = false;
   woken_.expires_at(asio::steady_timer::time_point::max());
   return stop_.get_token();
@@ -31,7 +32,7 @@ void WorkWait::watch_for_reset() {
     const auto self = weak.lock();
     if (ec || !self || !self->connection_->is_reset()) return;
     self->reset_ = true;
-    self->stop();
+    self->stop_.request_stop();
     self->wake();
   });
 }

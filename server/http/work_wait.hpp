@@ -14,11 +14,16 @@ class WorkWait : public std::enable_shared_from_this<WorkWait> {
  public:
   explicit WorkWait(std::shared_ptr<TimedSocket> connection);
 
-  /// Before the work starts. The token is asked to stop when the client resets the connection, or by stop().
+  /// Before the work starts. The token is asked to stop when the client resets the connection, or by
+  /// cancel().
   std::stop_token begin();
   /// Looks again whether what is waited for is there.
   void wake() { woken_.cancel(); }
-  void stop() { stop_.request_stop(); }
+  /// Also of all that begins later.
+  void cancel() {
+    cancelled_ = true;
+    stop_.request_stop();
+  }
 
   /// Waits until `done`, which is asked again after each wake(). A reset wakes, too. `done` outlives the wait and
   /// has a name: g++ 12 destroys a temporary twice that is an argument of what is awaited.
@@ -34,7 +39,7 @@ class WorkWait : public std::enable_shared_from_this<WorkWait> {
   const std::shared_ptr<TimedSocket> connection_;
   asio::steady_timer woken_;  // never expires: cancelled to wake
   std::stop_source stop_;
-  bool reset_ = false;
+  bool reset_ = false, cancelled_ = false;
 };
 
 }  // namespace fracture::http
