@@ -102,6 +102,36 @@ TEST_F(ReservationTest, OnesThatShrinkAreCountedInThePoolThatTheyAreIn) {
   EXPECT_EQ(whole.small_used(), 0u);
 }
 
+TEST_F(ReservationTest, WhatExceedsAShareAloneCountsAsAllOfIt) {
+  MemoryBudget whole(MemoryBudget::Divided{.capacity = 1000, .headroom = 100, .largest_small = 10});
+  const auto share = std::make_shared<MemoryBudget>(
+      MemoryBudget::Divided{.capacity = 575, .headroom = 75, .largest_small = 10},
+      MemoryBudget::Alone::kMayExceed);
+  {
+    MemoryBudget::Reservation large(whole, share), small(whole, share), second(whole, share);
+    ASSERT_TRUE(large.grow_to(300));
+    ASSERT_TRUE(large.grow_to(800));
+    EXPECT_EQ(share->used(), 500u);
+    EXPECT_FALSE(second.grow_to(20));
+    EXPECT_TRUE(second.over_share());
+    ASSERT_TRUE(small.grow_to(10)) << "of what is for small ones";
+    ASSERT_TRUE(large.grow_to(850)) << "it has all of the share already";
+    EXPECT_FALSE(large.grow_to(901));
+    EXPECT_FALSE(large.over_share());
+    EXPECT_EQ(share->used(), 510u);
+    large.shrink_to(400);
+    EXPECT_EQ(share->used(), 410u);
+    EXPECT_EQ(whole.used(), 410u);
+    ASSERT_TRUE(second.grow_to(80));
+    EXPECT_FALSE(second.grow_to(120));
+    EXPECT_TRUE(second.over_share());
+    large.shrink_to(0);
+    EXPECT_TRUE(second.grow_to(480));
+  }
+  EXPECT_EQ(whole.used(), 0u);
+  EXPECT_EQ(share->used(), 0u);
+}
+
 TEST_F(ReservationTest, LargeOnesLeaveSmallOnesTheirHeadroom) {
   MemoryBudget whole(MemoryBudget::Divided{.capacity = 1000, .headroom = 100, .largest_small = 10});
   EXPECT_EQ(whole.capacity(), 900u);
@@ -133,7 +163,8 @@ TEST_F(ReservationTest, WhoAsksForMuchLeavesRoomForTheOthers) {
   };
   EXPECT_FALSE(add("greedy", 100'000, 1)) << "one alone may always run";
   EXPECT_FALSE(add("other", 10, 2));
-  const auto second = add("greedy", 10, 3);
+  EXPECT_FALSE(add("greedy", 10, 3)) << "a collision of its own";
+  const auto second = add("greedy", 10'000, 5);
   ASSERT_TRUE(second);
   EXPECT_EQ(second->cause, Overload::Cause::kOverShare) << second->detail;
   const auto large = add("other", 10'000, 4);
@@ -144,7 +175,7 @@ TEST_F(ReservationTest, WhoAsksForMuchLeavesRoomForTheOthers) {
   EXPECT_EQ(dispatcher.figures().working_bytes, 0u);
 }
 
-TEST_F(ReservationTest, ManySmallOnesOfOneClientLeaveAQuarter) {
+TEST_F(ReservationTest, ManySmallOnesOfOneClientLeaveRoomForOthers) {
   std::atomic<bool> open{false};
   control->during_cut = [&](const Execution& execution) {
     while (!open) execution.poll();
@@ -160,8 +191,8 @@ TEST_F(ReservationTest, ManySmallOnesOfOneClientLeaveAQuarter) {
   };
   while (taken < 200 && !add("greedy", taken)) ++taken;
   EXPECT_GT(taken, 40);
-  EXPECT_LE(dispatcher.figures().working_bytes, (1u << 30) / 4 * 3);
-  for (int k = 0; k < 15; ++k) EXPECT_FALSE(add("other", 1'000 + k)) << k;
+  EXPECT_LE(dispatcher.figures().working_bytes, (1u << 30) / 32 * 27) << "3/4 of all, and of an eighth";
+  for (int k = 0; k < 12; ++k) EXPECT_FALSE(add("other", 1'000 + k)) << k;
   open = true;
   dispatcher.wait_idle();
 }
