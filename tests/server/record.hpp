@@ -11,7 +11,7 @@
 
 namespace fracture::test {
 
-/// Thread-safe. Bodies that are no JSON are left out (null).
+/// Thread-safe. Bodies that are no JSON, or JSON that is compressed, are left out (null).
 inline void record_exchange(const std::string& method, const std::string& target, int status,
                             const std::map<std::string, std::string>& headers, const std::string& body) {
   static const char* const path = std::getenv("FRACTURE_TEST_RECORD");
@@ -19,7 +19,9 @@ inline void record_exchange(const std::string& method, const std::string& target
   static std::mutex mutex;
   static std::ofstream file(path, std::ios::trunc);
   const auto type = headers.find("content-type");
-  const bool json = body.empty() || (type != headers.end() && type->second.find("json") != std::string::npos);
+  const bool json =
+      body.empty() || (type != headers.end() && type->second.find("json") != std::string::npos &&
+                       headers.count("content-encoding") == 0);
   nlohmann::ordered_json line = {
       {"method", method}, {"target", target}, {"status", status}, {"headers", headers}};
   line["body"] = json ? nlohmann::ordered_json(body) : nlohmann::ordered_json();
