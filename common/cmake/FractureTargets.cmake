@@ -24,10 +24,10 @@ target_compile_options(fracture_warnings INTERFACE -Wall -Wextra -Wshadow -Wnon-
                        -Werror=return-type)
 if(FRACTURE_WERROR)
   target_compile_options(fracture_warnings INTERFACE -Werror)
-  # g++ 12 sees overlapping copies in "literal" + std::string (GCC bug 105651, gone in 13).
-  target_compile_options(fracture_warnings INTERFACE
-    $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict>)
 endif()
+# g++ 12 sees overlapping copies in "literal" + std::string (GCC bug 105651, gone in 13).
+target_compile_options(fracture_warnings INTERFACE
+  $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict>)
 
 add_library(fracture_sanitizers INTERFACE)
 if(FRACTURE_SANITIZE)
