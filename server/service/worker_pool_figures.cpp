@@ -85,8 +85,8 @@ std::size_t WorkerPool::running() const {
 
 std::size_t WorkerPool::paused() const {
   const std::lock_guard lock(mutex_);
-  return static_cast<std::size_t>(
-      std::count_if(running_.begin(), running_.end(), [](const auto& job) { return job.second->paused.load(); }));
+  return static_cast<std::size_t>(std::count_if(running_.begin(), running_.end(),
+                                                [](const auto& job) { return job.second->paused.load(); }));
 }
 
 }  // namespace fracture
