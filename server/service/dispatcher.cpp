@@ -166,7 +166,10 @@ std::optional<Overload> Dispatcher::prepare(FractureRequest request, const Terms
       Terms terms;
       std::optional<ComputationAllowance> working{};
     };
-    const auto p = std::make_shared<Preparation>(std::move(request), std::move(keys), terms);
+    const auto p = std::make_shared<Preparation>();
+    p->request = std::move(request);
+    p->keys = std::move(keys);
+    p->terms = terms;
     p->working.emplace(working_.whole(), std::move(working));
     const auto prepare = [this, p, cost, flight = seat.flight](int threads) {
       const Terms& mine = p->terms;
