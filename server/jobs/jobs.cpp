@@ -89,6 +89,9 @@ std::optional<Overload> Jobs::start(FractureRequest request, Terms terms, const 
     if (auto overload = room_for(job, owner.share)) return refused(std::move(*overload));
     if (job->kept) written = std::make_shared<const FractureRequest>(request);
   }
+  job->terms = terms;
+  job->terms.seat.reset();
+  if (!job->kept) job->request = request;
   if (auto overload = submit(job, std::move(request), std::move(terms))) return refused(std::move(*overload));
   if (!written) {
     accepted(look_at(*job));
@@ -169,8 +172,12 @@ void Jobs::finish(const Shared& job, Expected<FractureAnswer> answer) {
   {
     const std::lock_guard lock(mutex_);
     JobView& view = job->view;
-    const bool resumed = std::exchange(job->computing, false);
-    if (!answer && job->suspended && answer.error().code == ErrorCode::kCancelled) {
+    job->computing = false;
+    if (!answer && crowded_out(job, answer.error())) {
+      view.state = JobState::kQueued;
+      view.percent = 0;
+      view.stage.clear();
+    } else if (!answer && job->suspended && answer.error().code == ErrorCode::kCancelled) {
       view.state = JobState::kQueued;
       if (std::exchange(job->marked, false))  // the marks of processes that died stay
         disk_.run([this, id = view.id] { folder_->not_begun(id); });
@@ -193,12 +200,13 @@ void Jobs::finish(const Shared& job, Expected<FractureAnswer> answer) {
     }
     calls = change(job);
     make_room();
-    if (resumed) pump_later();
+    pump_later();
   }
   for (const auto& call : calls) call();
 }
 
 void Jobs::ended(const Shared& job) {
+  job->request.reset();
   job->finished = Clock::now();
   job->view.finished_at = now();
   if (!job->kept) return;
@@ -304,11 +312,14 @@ void Jobs::stop() {
     if (stopping_) return;
     stopping_ = true;
     terms_of_ = nullptr;
-    for (const Shared& job : jobs_)
-      if (!job->view.finished()) {
-        job->suspended = job->kept;
-        unfinished.push_back(job);
-      }
+    for (const Shared& job : jobs_) {
+      if (job->waiting && !job->kept)
+        fail_locked(job,
+                    {ErrorCode::kCancelled, "The server was stopped before there was room for the job."});
+      if (job->view.finished()) continue;
+      job->suspended = job->kept;
+      unfinished.push_back(job);
+    }
   }
   for (const Shared& job : unfinished) job->stop.request_stop();
 }

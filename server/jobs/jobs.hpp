@@ -140,9 +140,13 @@ class Jobs {
     bool kept = false;                ///< the folder has a place for it
     bool written_end = false;         ///< what it came to is on the disk; known to the disk's thread alone
     bool marked = false;              ///< the folder has this process's mark that it was begun
-    bool waiting = false;             ///< from an earlier process, not computed yet
-    bool computing = false;           ///< from an earlier process, and being computed
-    bool suspended = false;           ///< stopped by stop(), to go on later
+    bool waiting = false;    ///< for pump(): from an earlier process, or crowded out of memory in this one
+    bool computing = false;  ///< submitted by pump()
+    /// What it is computed from, where that is not on the disk; with it the memory that it has taken already.
+    std::optional<FractureRequest> request;
+    Terms terms;
+    std::uint64_t least_bytes = 0;  ///< of working memory: set when it was crowded out
+    bool suspended = false;         ///< stopped by stop(), to go on later
   };
   using Shared = std::shared_ptr<Job>;
   using Calls = std::vector<std::function<void()>>;
@@ -161,7 +165,7 @@ class Jobs {
   void persist_end(const Shared& job, const std::shared_ptr<const FractureAnswer>& answer);
   bool write_end(const Shared& job, const JobRecord& record,
                  const std::shared_ptr<const FractureAnswer>& answer);
-  /// Submits what can be of what an earlier process left. On the disk's thread.
+  /// Submits what can be of those that wait. On the disk's thread.
   void pump();
   void pump_later();
   /// False when there is no room now.
@@ -171,6 +175,9 @@ class Jobs {
   // All of these with the lock.
   Calls change(const Shared& job);
   void ended(const Shared& job);
+  /// Others held the memory that it turned out to need: it waits until as much is free, and begins again.
+  bool crowded_out(const Shared& job, const Error& error);
+  bool can_be_submitted(const Job& job) const { return job.waiting && (job.request || terms_of_); }
   void fail_locked(const Shared& job, Error error);
   void forget(std::list<Shared>::iterator at);
   void make_room();

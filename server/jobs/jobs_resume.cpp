@@ -1,5 +1,5 @@
-// What an earlier process left on the disk goes on: a few at a time, so that a server that starts does not
-// read all their meshes at once. A job that was being computed when that process ended is a suspect: it may
+// What others' memory crowded out begins again, and what an earlier process left on the disk goes on: a few
+// at a time, so that a server that starts does not read all their meshes at once. A job that was being computed when that process ended is a suspect: it may
 // have been the end of it. Suspects come last and one by one, so that whoever ends the server again is alone
 // when it happens; the second time it has failed.
 #include <algorithm>
@@ -73,10 +73,21 @@ void Jobs::stop_resuming() {
   terms_of_ = nullptr;
 }
 
+bool Jobs::crowded_out(const Shared& job, const Error& error) {
+  const auto needed = error.extra.find("bytes");
+  if (error.code != ErrorCode::kOutOfMemory || needed == error.extra.end() || stopping_ ||
+      job->stop.stop_requested() || !(job->request || (job->kept && terms_of_)))
+    return false;
+  // That much was not enough; half as much more is little, so that it needs few attempts.
+  job->least_bytes = needed->get<std::uint64_t>() / 2 * 3;
+  job->waiting = true;
+  if (std::exchange(job->marked, false)) disk_.run([this, id = job->view.id] { folder_->not_begun(id); });
+  return true;
+}
+
 void Jobs::pump_later() {
-  const bool any =
-      terms_of_ && std::any_of(jobs_.begin(), jobs_.end(), [](const Shared& j) { return j->waiting; });
-  if (any) disk_.run([this] { pump(); });
+  if (std::any_of(jobs_.begin(), jobs_.end(), [this](const Shared& job) { return can_be_submitted(*job); }))
+    disk_.run([this] { pump(); });
 }
 
 void Jobs::pump() {
@@ -84,7 +95,6 @@ void Jobs::pump() {
     Shared next, suspect;
     {
       const std::lock_guard lock(mutex_);
-      if (!terms_of_) return;
       std::size_t computing = 0;
       std::uint64_t bytes = 0;
       for (const Shared& job : jobs_) {
@@ -93,8 +103,9 @@ void Jobs::pump() {
           bytes += job->resumed_bytes;
           if (job->begun > 0) return;  // a suspect is alone
         }
-        if (job->waiting && job->begun == 0 && !next) next = job;
-        if (job->waiting && job->begun > 0 && !suspect) suspect = job;
+        if (!can_be_submitted(*job)) continue;
+        if (job->begun == 0 && !next) next = job;
+        if (job->begun > 0 && !suspect) suspect = job;
       }
       if (!next && computing == 0) next = suspect;
       if (!next || bytes > kMostBytes ||
@@ -114,16 +125,23 @@ void Jobs::pump() {
 bool Jobs::resume_one(const Shared& job) {
   JobRecord record;
   TermsOf terms_of;
+  std::optional<FractureRequest> request;
+  Terms before;  // of its last attempt in this process; without a deadline: there was none
   {
     const std::lock_guard lock(mutex_);
     record = job->record;
     terms_of = terms_of_;
+    request = job->request;
+    before = job->terms;
+    before.least_bytes = job->least_bytes;
   }
-  if (!terms_of) return false;
   const auto lost = [&](Error error) {
     finish(job, tl::unexpected<Error>(std::move(error)));
     return true;
   };
+  if (Clock::now() > before.deadline) return lost(to_error(Interrupted{ErrorCode::kDeadlineExceeded}));
+  if (request) return !submit(job, std::move(*request), std::move(before));
+  if (!terms_of) return false;
   std::optional<KeptMesh> mesh = folder_->read_mesh(record.digest);
   if (!mesh)
     return lost(
@@ -133,21 +151,22 @@ bool Jobs::resume_one(const Shared& job) {
   Expected<RequestParameters> parameters = dispatcher_.service().parameters().parse(given);
   if (!parameters) return lost(std::move(parameters.error()));  // of another version of the server
 
-  FractureRequest request{mesh->mesh, record.format, std::move(*parameters), std::move(mesh->files)};
-  request.output = record.output;
-  request.owner = mesh->owner;
-  request.digest = record.digest;
-  request.triangles = record.triangles;
-  const std::string key = keys_of(request).result;
+  request = FractureRequest{mesh->mesh, record.format, std::move(*parameters), std::move(mesh->files)};
+  request->output = record.output;
+  request->owner = mesh->owner;
+  request->digest = record.digest;
+  request->triangles = record.triangles;
+  const std::string key = keys_of(*request).result;
   Terms terms = terms_of(record.owner);
+  terms.least_bytes = before.least_bytes;
   terms.priority = Priority::kBackground;
-  terms.deadline = Clock::now() + record.patience;
+  terms.deadline = std::min(before.deadline, Clock::now() + record.patience);
   {
     const std::lock_guard lock(mutex_);
     job->view.result_key = job->record.result_key = key;  // another one where the algorithm has changed
     job->resumed_bytes = mesh->owner->size();
   }
-  if (submit(job, std::move(request), std::move(terms))) return false;
+  if (submit(job, std::move(*request), std::move(terms))) return false;
   const std::lock_guard lock(mutex_);
   ++figures_.resumed;
   return true;

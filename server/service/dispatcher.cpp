@@ -70,6 +70,7 @@ std::optional<Overload> Dispatcher::fracture(FractureRequest request, const Term
         work = expected_hit_work(fracture, selection, solid);
     }
     cost = work.seconds;
+    work.bytes = std::max(work.bytes, terms.least_bytes);
     std::optional<Overload> overload;
     if (!results_.find(keys.result)) {
       overload = refuses(cost, terms);

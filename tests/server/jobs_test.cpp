@@ -216,6 +216,45 @@ TEST(Jobs, AJobIsBackgroundWorkWhateverTheRouteAndThePriority) {
   wait_for_state(server, job, "done");
 }
 
+/// What others' memory crowds out, once or twice, is no failure of a job: it begins again when there is room.
+TEST(Jobs, AJobThatIsCrowdedOutOfMemoryBeginsAgain) {
+  TestServer server;
+  std::atomic<int> attempts{0};
+  server.control->cut_error = [&]() -> std::optional<Error> {
+    if (++attempts > 2) return std::nullopt;
+    return Error{ErrorCode::kOutOfMemory, "Others hold too much.", {}, {{"bytes", 1000}}};
+  };
+  const std::string job = server.post("/fracture", "mesh", kAsync).header("location");
+  wait_for_state(server, job, "done");
+  EXPECT_EQ(attempts, 3);
+
+  // Where memory is truly exhausted, trying again would not help.
+  server.control->cut_error = [] { return Error{ErrorCode::kOutOfMemory, "Memory is exhausted."}; };
+  const std::string failed = server.post("/fracture?seed=2", "mesh", kAsync).header("location");
+  EXPECT_EQ(wait_for_state(server, failed, "failed").at("error").at("status"), 503);
+}
+
+TEST(Jobs, AJobThatIsCrowdedOutWaitsForTheMemoryAndCanBeCancelled) {
+  TestServerOptions options;
+  options.jobs.deadline = std::chrono::minutes(1);
+  TestServer server(options);
+  std::atomic<int> attempts{0};
+  server.control->cut_error = [&]() -> std::optional<Error> {
+    ++attempts;
+    return Error{ErrorCode::kOutOfMemory, "Others hold too much.", {}, {{"bytes", std::uint64_t{1} << 40}}};
+  };
+  Gate gate;
+  server.control->during_cut = gate.hook();
+  const std::string other = server.post("/fracture?seed=1", "mesh", kAsync).header("location");
+  const std::string job = server.post("/fracture?seed=2", "mesh", kAsync).header("location");
+  EXPECT_TRUE(eventually(kPatience, "both to run", [&] { return gate.arrived == 2; }));
+  EXPECT_EQ(ask(server.port(), "DELETE", other).status, 204);
+  EXPECT_EQ(ask(server.port(), "DELETE", job).status, 204);
+  gate.open = true;
+  wait_for_state(server, job, "cancelled");
+  EXPECT_EQ(attempts, 0);
+}
+
 TEST(Jobs, ADeadlineThatPassesFailsTheJobInItsOwnWords) {
   TestServerOptions options;
   options.jobs.deadline = std::chrono::milliseconds(50);
