@@ -233,27 +233,26 @@ TEST(Turns, BackgroundJobsThatRunFillNoQueue) {
 
 TEST(Turns, JobsThatAreAwayLeaveThreadsToRealtimeOnes) {
   std::latch gate(1);
+  std::atomic<bool> away[3] = {false, false, false}, realtime{false};
   WorkerPool pool(1, 100);
   // Each goes away and is promoted out of its class, so that another one of that class could begin.
-  for (int k = 0; k < 4; ++k) {
-    std::atomic<bool> away{false};
-    const auto id = pool.submit(kBackground, 0, [&](int) {
+  for (int k = 0; k < 3; ++k) {
+    const auto id = pool.submit(kBackground, 0, [&gate, &mine = away[k]](int) {
       const Away elsewhere(WorkerPool::turn());
-      away = true;
+      mine = true;
       gate.wait();
     });
-    if (k < 2)
-      EXPECT_TRUE(test::eventually(test::kPatience, "it to be away", [&] { return away.load(); }));
-    else
-      EXPECT_FALSE(away) << "its thread is for realtime jobs";
-    pool.promote(id, kBatch);
-    if (k == 2) break;
+    if (k < 2) {
+      EXPECT_TRUE(test::eventually(test::kPatience, "it to be away", [&] { return away[k].load(); }));
+      pool.promote(id, kBatch);
+    }
   }
-  std::atomic<bool> realtime{false};
   pool.submit(kRealtime, 0, [&](int) { realtime = true; });
   EXPECT_TRUE(test::eventually(test::kPatience, "the realtime job", [&] { return realtime.load(); }));
+  EXPECT_FALSE(away[2]) << "the last thread is for realtime jobs";
   gate.count_down();
   pool.wait_idle();
+  EXPECT_TRUE(away[2]);
 }
 
 TEST(Turns, AStandingJobThatBecomesRealtimeGoesOn) {
