@@ -61,7 +61,7 @@ struct Terms {
   /// Where the steps of one request hand on its place among the computations of its name: the first step
   /// takes it, the next one finds it here. Null: each step takes one.
   std::shared_ptr<tenants::Account::Seat> seat{};
-  bool needs_seat = true;  ///< false: finishes what had its place
+  bool needs_seat = true;         ///< false: finishes what had its place
   std::uint64_t least_bytes = 0;  ///< set aside at least: it needed more than was expected before
 };
 
