@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "common/import/sibling_files.hpp"
-#include "server/parameters/parameters.hpp"
+#include "common/parameters/parameters.hpp"
 
 namespace fracture::bake {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "server/parameters/parameters.hpp"
+#include "common/parameters/parameters.hpp"
 
 namespace fracture::bake {
 

@@ -8,7 +8,7 @@
 
 #include "server/cli/serve_settings.hpp"
 #include "server/cli/spelling.hpp"
-#include "server/parameters/as_text.hpp"
+#include "common/parameters/as_text.hpp"
 
 namespace fracture::cli {
 namespace {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "server/parameters/nearest_name.hpp"
+#include "common/parameters/nearest_name.hpp"
 
 namespace fracture::cli {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "server/http/message.hpp"
-#include "server/parameters/parameters.hpp"
+#include "common/parameters/parameters.hpp"
 #include "server/service/request.hpp"
 #include "server/service/service.hpp"
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "common/solid/solid.hpp"
-#include "server/parameters/parameters.hpp"
+#include "common/parameters/parameters.hpp"
 
 namespace fracture {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "common/base/error.hpp"
-#include "server/parameters/parameters.hpp"
+#include "common/parameters/parameters.hpp"
 #include "server/service/result.hpp"
 
 namespace fracture {

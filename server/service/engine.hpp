@@ -17,7 +17,7 @@
 #include "common/import/import.hpp"
 #include "common/mesh/mesh.hpp"
 #include "common/solid/solid.hpp"
-#include "server/parameters/selection.hpp"
+#include "common/parameters/selection.hpp"
 #include "server/service/cut_base.hpp"
 
 namespace fracture {

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "common/pipeline/fracture.hpp"
-#include "server/parameters/as_text.hpp"
+#include "common/parameters/as_text.hpp"
 
 namespace fracture {
 namespace {

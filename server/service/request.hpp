@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "common/base/digest.hpp"
-#include "server/parameters/parameters.hpp"
+#include "common/parameters/parameters.hpp"
 #include "server/service/engine.hpp"
 
 namespace fracture {

@@ -23,7 +23,7 @@
 #include "common/base/timings.hpp"
 #include "common/fragment/fragments.hpp"
 #include "server/cache/memory_cache.hpp"
-#include "server/parameters/parameters.hpp"
+#include "common/parameters/parameters.hpp"
 #include "server/service/engine.hpp"
 #include "server/service/failure_memo.hpp"
 #include "server/service/request.hpp"

@@ -18,7 +18,7 @@ namespace fracture::tenants {
 /// answers, whoever has most of them first.
 class AnswerLedger {
  public:
-  /// What an entry takes (measured: tests/server/tenant_account_test.cpp).
+  /// What an entry takes (measured: tests/server/tenants/tenant_account_test.cpp).
   static constexpr std::uint64_t kBytesPerEntry = 512;
 
   explicit AnswerLedger(std::uint64_t capacity) : capacity_(capacity) {}

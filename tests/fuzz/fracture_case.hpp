@@ -8,7 +8,7 @@
 #include <string>
 
 #include "common/mesh/mesh.hpp"
-#include "server/parameters/parameters.hpp"
+#include "common/parameters/parameters.hpp"
 
 namespace fracture::fuzz {
 

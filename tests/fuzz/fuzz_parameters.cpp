@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "server/http/request_head.hpp"
-#include "server/parameters/parameters.hpp"
+#include "common/parameters/parameters.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace fracture;

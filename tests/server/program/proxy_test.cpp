@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "tests/server/exposition.hpp"
-#include "tests/server/hostile_corpus.hpp"
+#include "tests/server/http/hostile_corpus.hpp"
 #include "tests/server/proxies.hpp"
 #include "tests/server/server_process.hpp"
 #include "tests/server/test_server.hpp"

@@ -1,4 +1,4 @@
-#include "server/parameters/parameters.hpp"
+#include "common/parameters/parameters.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,13 @@
-#include "server/parameters/parameters.hpp"
+#include "common/parameters/parameters.hpp"
 
 #include <algorithm>
 #include <map>
 #include <set>
 #include <utility>
 
-#include "server/parameters/nearest_name.hpp"
-#include "server/parameters/rows.hpp"
-#include "server/parameters/values.hpp"
+#include "common/parameters/nearest_name.hpp"
+#include "common/parameters/rows.hpp"
+#include "common/parameters/values.hpp"
 
 namespace fracture {
 namespace {

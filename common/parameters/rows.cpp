@@ -1,8 +1,8 @@
-#include "server/parameters/rows.hpp"
+#include "common/parameters/rows.hpp"
 
 #include <algorithm>
 
-#include "server/parameters/fields.hpp"
+#include "common/parameters/fields.hpp"
 
 namespace fracture {
 namespace {

@@ -6,7 +6,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "server/parameters/parameters.hpp"
+#include "common/parameters/parameters.hpp"
 
 namespace fracture::parameter_fields {
 

@@ -1,4 +1,4 @@
-#include "server/parameters/as_text.hpp"
+#include "common/parameters/as_text.hpp"
 
 namespace fracture {
 namespace {

@@ -1,4 +1,4 @@
-#include "server/parameters/nearest_name.hpp"
+#include "common/parameters/nearest_name.hpp"
 
 #include <algorithm>
 #include <utility>

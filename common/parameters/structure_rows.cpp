@@ -1,8 +1,8 @@
 // Sizes, levels, what stays whole, what is held, what breaks further.
 #include <algorithm>
 
-#include "server/parameters/fields.hpp"
-#include "server/parameters/rows.hpp"
+#include "common/parameters/fields.hpp"
+#include "common/parameters/rows.hpp"
 
 namespace fracture {
 namespace {

@@ -3,8 +3,8 @@
 #include <numeric>
 #include <string_view>
 
-#include "server/parameters/fields.hpp"
-#include "server/parameters/rows.hpp"
+#include "common/parameters/fields.hpp"
+#include "common/parameters/rows.hpp"
 
 namespace fracture {
 namespace {

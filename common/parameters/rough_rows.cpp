@@ -1,7 +1,7 @@
 // How far cuts are from flat (common/rough).
 #include "common/materials/materials.hpp"
-#include "server/parameters/fields.hpp"
-#include "server/parameters/rows.hpp"
+#include "common/parameters/fields.hpp"
+#include "common/parameters/rows.hpp"
 
 namespace fracture {
 

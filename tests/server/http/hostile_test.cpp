@@ -9,7 +9,7 @@
 
 #include "common/base/random.hpp"
 #include "tests/server/exposition.hpp"
-#include "tests/server/hostile_corpus.hpp"
+#include "tests/server/http/hostile_corpus.hpp"
 #include "tests/server/test_server.hpp"
 #include "tests/support/eventually.hpp"
 

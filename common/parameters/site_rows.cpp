@@ -1,6 +1,6 @@
 // Which material, which pattern, and the parameters of each.
-#include "server/parameters/fields.hpp"
-#include "server/parameters/rows.hpp"
+#include "common/parameters/fields.hpp"
+#include "common/parameters/rows.hpp"
 
 namespace fracture {
 namespace {

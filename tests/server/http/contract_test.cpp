@@ -7,7 +7,7 @@
 
 #include "server/http/api.hpp"
 #include "server/http/problem.hpp"
-#include "server/parameters/parameters.hpp"
+#include "common/parameters/parameters.hpp"
 
 namespace fracture::http {
 namespace {

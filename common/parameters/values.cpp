@@ -1,4 +1,4 @@
-#include "server/parameters/values.hpp"
+#include "common/parameters/values.hpp"
 
 #include <algorithm>
 #include <charconv>

@@ -1,4 +1,4 @@
-#include "tests/server/hostile_corpus.hpp"
+#include "tests/server/http/hostile_corpus.hpp"
 
 #include <algorithm>
 #include <optional>

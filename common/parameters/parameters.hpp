@@ -17,8 +17,8 @@
 #include "common/mesh/frame.hpp"
 #include "common/mesh/selection.hpp"
 #include "common/solid/solid.hpp"
-#include "server/parameters/selection.hpp"
-#include "server/parameters/spec.hpp"
+#include "common/parameters/selection.hpp"
+#include "common/parameters/spec.hpp"
 
 namespace fracture {
 

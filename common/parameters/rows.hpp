@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "server/parameters/parameters.hpp"
+#include "common/parameters/parameters.hpp"
 
 namespace fracture {
 

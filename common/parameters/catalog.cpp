@@ -1,7 +1,7 @@
 // The table of parameters as JSON, for people and programs: GET /limits and GET /patterns.
 #include <algorithm>
 
-#include "server/parameters/rows.hpp"
+#include "common/parameters/rows.hpp"
 
 namespace fracture {
 namespace {

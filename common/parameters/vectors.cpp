@@ -4,7 +4,7 @@
 #include <string_view>
 #include <utility>
 
-#include "server/parameters/values.hpp"
+#include "common/parameters/values.hpp"
 
 namespace fracture {
 namespace {

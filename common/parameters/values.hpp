@@ -7,7 +7,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
-#include "server/parameters/spec.hpp"
+#include "common/parameters/spec.hpp"
 
 namespace fracture {
 
