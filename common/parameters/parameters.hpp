@@ -16,9 +16,9 @@
 #include "common/materials/materials.hpp"
 #include "common/mesh/frame.hpp"
 #include "common/mesh/selection.hpp"
-#include "common/solid/solid.hpp"
 #include "common/parameters/selection.hpp"
 #include "common/parameters/spec.hpp"
+#include "common/solid/solid.hpp"
 
 namespace fracture {
 

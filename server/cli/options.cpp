@@ -6,9 +6,9 @@
 #include <cstdio>
 #include <map>
 
+#include "common/parameters/as_text.hpp"
 #include "server/cli/serve_settings.hpp"
 #include "server/cli/spelling.hpp"
-#include "common/parameters/as_text.hpp"
 
 namespace fracture::cli {
 namespace {

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "server/http/message.hpp"
 #include "common/parameters/parameters.hpp"
+#include "server/http/message.hpp"
 #include "server/service/request.hpp"
 #include "server/service/service.hpp"
 

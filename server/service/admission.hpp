@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "common/solid/solid.hpp"
 #include "common/parameters/parameters.hpp"
+#include "common/solid/solid.hpp"
 
 namespace fracture {
 

@@ -16,8 +16,8 @@
 #include "common/gltf/gltf_writer.hpp"
 #include "common/import/import.hpp"
 #include "common/mesh/mesh.hpp"
-#include "common/solid/solid.hpp"
 #include "common/parameters/selection.hpp"
+#include "common/solid/solid.hpp"
 #include "server/service/cut_base.hpp"
 
 namespace fracture {

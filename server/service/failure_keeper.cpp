@@ -10,8 +10,8 @@
 #include <system_error>
 #include <utility>
 
-#include "common/pipeline/fracture.hpp"
 #include "common/parameters/as_text.hpp"
+#include "common/pipeline/fracture.hpp"
 
 namespace fracture {
 namespace {

@@ -5,9 +5,9 @@
 #include <set>
 #include <string>
 
+#include "common/parameters/parameters.hpp"
 #include "server/http/api.hpp"
 #include "server/http/problem.hpp"
-#include "common/parameters/parameters.hpp"
 
 namespace fracture::http {
 namespace {
