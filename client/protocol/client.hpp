@@ -19,6 +19,7 @@
 #pragma once
 
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <nlohmann/json_fwd.hpp>
 
 #include "client/protocol/protocol.hpp"

@@ -1,5 +1,7 @@
 #include "common/base/error.hpp"
 
+#include <nlohmann/json.hpp>
+
 namespace fracture {
 
 const char* slug(ErrorCode code) {
@@ -22,6 +24,10 @@ const char* title(ErrorCode code) {
 #undef FRACTURE_ERROR
   }
   return "An internal invariant was broken";
+}
+
+tl::unexpected<Error> fail(ErrorCode code, std::string detail, std::string pointer, nlohmann::json extra) {
+  return tl::unexpected<Error>(Error{code, std::move(detail), std::move(pointer), Figures(std::move(extra))});
 }
 
 }  // namespace fracture

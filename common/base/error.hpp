@@ -3,11 +3,12 @@
 // is error_codes.def; the HTTP status of each stands in server/ and the same names in proto/openapi.yaml.
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 #include <tl/expected.hpp>
 #include <utility>
+
+#include "common/base/figures.hpp"
 
 namespace fracture {
 
@@ -29,16 +30,17 @@ struct Error {
   ErrorCode code;
   std::string detail;
   std::string pointer = {};
-  nlohmann::json extra = nlohmann::json::object();
+  Figures extra = {};
 };
 
 template <class T>
 using Expected = tl::expected<T, Error>;
 
-inline tl::unexpected<Error> fail(ErrorCode code, std::string detail, std::string pointer = {},
-                                  nlohmann::json extra = nlohmann::json::object()) {
-  return tl::unexpected<Error>(Error{code, std::move(detail), std::move(pointer), std::move(extra)});
+inline tl::unexpected<Error> fail(ErrorCode code, std::string detail, std::string pointer = {}) {
+  return tl::unexpected<Error>(Error{code, std::move(detail), std::move(pointer)});
 }
+/// `extra` is an object.
+tl::unexpected<Error> fail(ErrorCode code, std::string detail, std::string pointer, nlohmann::json extra);
 
 /// A broken invariant of our own: a bug, never the user's fault. Names the invariant and the ids involved.
 class InternalError : public std::logic_error {

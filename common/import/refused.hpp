@@ -2,6 +2,7 @@
 // public function, which turns it into the Error it carries. It never leaves the library.
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,7 +17,7 @@ struct Refused {
 
 [[noreturn]] inline void refuse(ErrorCode code, std::string detail, std::string pointer = {},
                                 nlohmann::json extra = nlohmann::json::object()) {
-  throw Refused{Error{code, std::move(detail), std::move(pointer), std::move(extra)}};
+  throw Refused{Error{code, std::move(detail), std::move(pointer), Figures(std::move(extra))}};
 }
 
 /// items[index], refused where a file names an item that it has not.

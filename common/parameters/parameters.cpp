@@ -55,8 +55,9 @@ class Offences {
   bool full() const { return entries_.size() >= kMostOffences; }
   void count() { ++more_; }
   Error error() && {
-    first_->extra = {{"errors", std::move(entries_)}};
-    if (more_ > 0) first_->extra["more_errors"] = more_;
+    nlohmann::json figures = {{"errors", std::move(entries_)}};
+    if (more_ > 0) figures["more_errors"] = more_;
+    first_->extra = Figures(std::move(figures));
     return std::move(*first_);
   }
 

@@ -26,9 +26,9 @@ BakeFailure::BakeFailure(const Error& error)
               {"title", title(error.code)},
               {"detail", error.detail}} {
   if (!error.pointer.empty()) problem["parameter"] = error.pointer;
-  if (const auto errors = error.extra.find("errors"); errors != error.extra.end() && errors->size() > 1)
+  if (const auto errors = error.extra->find("errors"); errors != error.extra->end() && errors->size() > 1)
     problem["errors"] = *errors;
-  if (kind == Kind::kUnsound && !error.extra.empty()) certificate = error.extra;
+  if (kind == Kind::kUnsound && !error.extra->empty()) certificate = *error.extra;
 }
 
 std::string BakeFailure::words() const {

@@ -51,7 +51,7 @@ int refuse(const InspectOptions& options, const Error& error) {
                                    {"error", slug(error.code)},
                                    {"detail", error.detail},
                                    {"pointer", error.pointer},
-                                   {"figures", error.extra}};
+                                   {"figures", *error.extra}};
     std::printf("%s\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
   } else {
     std::printf("%s: refused: %s: %s\n  %s\n", options.input.c_str(), slug(error.code), title(error.code),

@@ -50,7 +50,7 @@ struct Problem {
       : type(&problem_type(error.code)),
         detail(std::move(error.detail)),
         pointer(std::move(error.pointer)),
-        extra(std::move(error.extra)) {}
+        extra(*error.extra) {}
 
   Problem&& with(std::string name, std::string value) && {
     headers.emplace_back(std::move(name), std::move(value));

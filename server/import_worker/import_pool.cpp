@@ -25,7 +25,7 @@ constexpr milliseconds kWorthRemembering{50};
 
 bool lacked_memory(const Expected<Mesh>& result) {
   return !result && result.error().code == ErrorCode::kImporterLimit &&
-         result.error().extra.value("limit", "") == "memory";
+         result.error().extra->value("limit", "") == "memory";
 }
 
 /// 0 is no limit.

@@ -208,8 +208,8 @@ Error read_error(ByteReader& in, const ImportLimits& limits) {
           "the text of the error is empty or too long");
   error.detail = name_as_utf8(error.detail);
   error.pointer = name_as_utf8(error.pointer);
-  error.extra = read_json(in, limits);
-  require(error.extra.is_object() && in.at_end(), "the figures of the error are no object");
+  error.extra = Figures(read_json(in, limits));
+  require(error.extra->is_object() && in.at_end(), "the figures of the error are no object");
   return error;
 }
 
@@ -226,7 +226,7 @@ std::vector<std::byte> encode_reply(const Expected<Mesh>& imported) {
     out.value(static_cast<std::uint32_t>(error.code));
     out.text(error.detail.substr(0, kMaxDetail / 2));
     out.text(error.pointer.substr(0, kMaxDetail / 2));
-    out.text(dump(error.extra));
+    out.text(dump(*error.extra));
   }
   return out.take();
 }

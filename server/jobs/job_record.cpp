@@ -55,7 +55,7 @@ JobRecord record_of(const json& j) {
   if (j.contains("error")) {
     const json& e = j.at("error");
     r.error = Error{code_of(e.at("code").get<std::string>()).value(), e.at("detail").get<std::string>(),
-                    e.at("pointer").get<std::string>(), e.at("extra")};
+                    e.at("pointer").get<std::string>(), Figures(e.at("extra"))};
   }
   return r;
 }
@@ -117,7 +117,7 @@ std::string encode_record(const JobRecord& r) {
     j["error"] = {{"code", slug(r.error->code)},
                   {"detail", r.error->detail},
                   {"pointer", r.error->pointer},
-                  {"extra", r.error->extra}};
+                  {"extra", *r.error->extra}};
   const std::string text = j.dump() + "\n";
   return std::string(kRecord) + sha256(text).hex() + "\n" + text;
 }

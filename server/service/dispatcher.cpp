@@ -355,7 +355,7 @@ void Dispatcher::end(const Shared& c, Expected<FractureAnswer> outcome) {
   c->settle();
   results_.land(c->flight, outcome);
   if (failures_ && !outcome && FailureKeeper::concerns(outcome.error().code))
-    failures_->keep(c->request, outcome.error(), outcome.error().extra);
+    failures_->keep(c->request, outcome.error(), *outcome.error().extra);
 }
 
 std::optional<std::size_t> Dispatcher::queue_position(const std::string& result_key) const {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include <set>
 #include <string>
 
@@ -29,7 +30,7 @@ TEST(Expected, CarriesTheErrorWithItsFigures) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kTooLarge);
   EXPECT_EQ(refused.error().pointer, "sites");
-  EXPECT_EQ(refused.error().extra["limit"], 3);
+  EXPECT_EQ(refused.error().extra->at("limit"), 3);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include <numeric>
 #include <vector>
 
@@ -45,8 +46,8 @@ TEST(Allowance, NamesWhatGrewBeyondWhatCanEverBeHeld) {
   } catch (const Interrupted& interrupted) {
     ASSERT_TRUE(interrupted.error);
     EXPECT_EQ(interrupted.code, ErrorCode::kTooComplex);
-    EXPECT_EQ(interrupted.error->extra["grew"], "polygons");
-    EXPECT_EQ(interrupted.error->extra["limit"], kLimit);
+    EXPECT_EQ(interrupted.error->extra->at("grew"), "polygons");
+    EXPECT_EQ(interrupted.error->extra->at("limit"), kLimit);
     EXPECT_NE(interrupted.error->detail.find("fewer sites"), std::string::npos);
   }
 }

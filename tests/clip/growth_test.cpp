@@ -199,8 +199,8 @@ TEST(Products, AreCountedWhileTheyAreMade) {
   } catch (const Interrupted& interrupted) {
     EXPECT_EQ(interrupted.code, ErrorCode::kTooComplex);
     ASSERT_TRUE(interrupted.error);
-    EXPECT_EQ(interrupted.error->extra["grew"], "polygons");
-    EXPECT_LE(interrupted.error->extra["count"].get<std::uint64_t>(), polygons / 4 + 2048);
+    EXPECT_EQ(interrupted.error->extra->at("grew"), "polygons");
+    EXPECT_LE(interrupted.error->extra->at("count").get<std::uint64_t>(), polygons / 4 + 2048);
   }
 
   // The whole, as often as it is there.

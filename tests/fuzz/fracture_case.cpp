@@ -350,7 +350,7 @@ RequestParameters parse(const ParameterTable& table, nlohmann::json& request) {
     const Expected<RequestParameters> parsed = table.parse(given);
     if (parsed) return *parsed;
     const std::size_t before = request.size();
-    for (const auto& one : parsed.error().extra.value("errors", nlohmann::json::array()))
+    for (const auto& one : parsed.error().extra->value("errors", nlohmann::json::array()))
       request.erase(one.value("parameter", ""));
     request.erase(parsed.error().pointer);
     if (request.size() == before) request = nlohmann::json::object();

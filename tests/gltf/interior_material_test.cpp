@@ -53,7 +53,7 @@ TEST(InteriorMaterial, AnUnknownMaterialIsRefusedWithTheNamesThereAre) {
     ASSERT_FALSE(material) << name;
     EXPECT_EQ(material.error().code, ErrorCode::kBadParameter);
     EXPECT_EQ(material.error().pointer, "interior_material");
-    EXPECT_EQ(material.error().extra.at("known"), nlohmann::json({"Rock", "1"}));
+    EXPECT_EQ(material.error().extra->at("known"), nlohmann::json({"Rock", "1"}));
   }
 }
 

@@ -344,7 +344,7 @@ TEST(GltfImport, NaNCoordinateIsRefusedNamingTheVertex) {
     const Error error = import_refused(tet);
     EXPECT_EQ(error.code, ErrorCode::kNotFinite);
     EXPECT_THAT(error.detail, HasSubstr("Vertex 2"));
-    EXPECT_EQ(error.extra["vertex"], 2);
+    EXPECT_EQ(error.extra->at("vertex"), 2);
   }
 }
 

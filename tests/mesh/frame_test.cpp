@@ -76,7 +76,7 @@ TEST(Frame, CoordinatesBeyondFloatAreRefusedWithTheVertex) {
   const auto report = to_metres_y_up(mesh, {});
   ASSERT_FALSE(report);
   EXPECT_EQ(report.error().code, ErrorCode::kNotFinite);
-  EXPECT_EQ(report.error().extra.at("vertex"), 3);
+  EXPECT_EQ(report.error().extra->at("vertex"), 3);
 }
 
 }  // namespace

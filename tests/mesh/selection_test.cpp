@@ -87,7 +87,7 @@ TEST(Selection, WhatIsNotThereIsRefusedWithTheNamesThatAre) {
     ASSERT_FALSE(restricted) << absent;
     EXPECT_EQ(restricted.error().code, ErrorCode::kBadParameter);
     EXPECT_EQ(restricted.error().pointer, "nodes");
-    EXPECT_EQ(restricted.error().extra.at("known").size(), 3u);
+    EXPECT_EQ(restricted.error().extra->at("known").size(), 3u);
   }
   EXPECT_EQ(restrict_to(mesh, {.materials = {"glass"}}).error().pointer, "materials");
   EXPECT_FALSE(restrict_to(mesh, {.nodes = {"wall"}, .materials = {"wood"}})) << "empty";

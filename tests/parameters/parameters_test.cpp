@@ -133,7 +133,7 @@ TEST(Parameters, LevelsMustIncreaseAndAreInsteadOfSites) {
   EXPECT_EQ(both.error().code, ErrorCode::kBadParameter);
   const auto falling = table().parse({{"levels", {40, 8}, false}});
   ASSERT_FALSE(falling);
-  EXPECT_EQ(falling.error().extra.at("errors").at(0).at("pointer"), "/levels");
+  EXPECT_EQ(falling.error().extra->at("errors").at(0).at("pointer"), "/levels");
 }
 
 TEST(Parameters, ValuesThatBelongTogetherAreAskedForTogether) {
@@ -186,7 +186,7 @@ TEST(Parameters, AMisspeltNameIsToldTheNearestOne) {
 TEST(Parameters, EveryOffenderIsListed) {
   const auto parsed = table().parse({{"sites", "0"}, {"colour", "red"}, {"dual", 5, false}});
   ASSERT_FALSE(parsed);
-  const auto& errors = parsed.error().extra.at("errors");
+  const auto& errors = parsed.error().extra->at("errors");
   ASSERT_EQ(errors.size(), 3u);
   EXPECT_EQ(errors[0].at("parameter"), "sites");
   EXPECT_EQ(errors[1].at("parameter"), "colour");
@@ -258,7 +258,7 @@ TEST(Parameters, VectorsAreTextOrArrays) {
 TEST(Parameters, AnOffenderInsideAListIsPointedAt) {
   const auto pointer = [](const char* name, const char* json, const char* pattern) {
     const auto parsed = table().parse({{"pattern", pattern}, {name, nlohmann::json::parse(json), false}});
-    return parsed ? std::string("accepted") : parsed.error().extra.at("errors")[0].value("pointer", "none");
+    return parsed ? std::string("accepted") : parsed.error().extra->at("errors")[0].value("pointer", "none");
   };
   EXPECT_EQ(pointer("points", "[[0, 0, 0], [1, null, 0]]", "points"), "/points/1/1");
   EXPECT_EQ(pointer("points", "[[0, 0, 0], [1, 2]]", "points"), "/points/1");
@@ -385,7 +385,7 @@ TEST(Parameters, RoughnessIsCheckedAndShownWhereItMatters) {
     const auto refused = table().parse({{name, bad, false}});
     ASSERT_FALSE(refused) << name << " " << bad;
     EXPECT_EQ(refused.error().code, ErrorCode::kBadParameter);
-    EXPECT_EQ(refused.error().extra.at("errors").at(0).at("pointer"), "/" + name);
+    EXPECT_EQ(refused.error().extra->at("errors").at(0).at("pointer"), "/" + name);
   }
 }
 

@@ -122,7 +122,7 @@ TEST(MakeSolid, RefusesNaNAndInfinityNamingTheVertex) {
     const Expected<Solid> solid = solid_of(mesh);
     ASSERT_FALSE(solid);
     EXPECT_EQ(solid.error().code, ErrorCode::kNotFinite);
-    EXPECT_EQ(solid.error().extra["vertex"], 5);
+    EXPECT_EQ(solid.error().extra->at("vertex"), 5);
   }
 }
 
@@ -136,8 +136,8 @@ TEST(MakeSolid, RefusesASingleQuadWithCountsAndThePlace) {
   const Expected<Solid> solid = solid_of(open_quad());
   ASSERT_FALSE(solid);
   EXPECT_EQ(solid.error().code, ErrorCode::kMeshNotClosed);
-  EXPECT_EQ(solid.error().extra["open_edges"], 4);
-  EXPECT_EQ(solid.error().extra["edge"].size(), 2u);
+  EXPECT_EQ(solid.error().extra->at("open_edges"), 4);
+  EXPECT_EQ(solid.error().extra->at("edge").size(), 2u);
 }
 
 TEST(MakeSolid, IsInterruptedByCancellation) {

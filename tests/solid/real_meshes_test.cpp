@@ -59,7 +59,7 @@ TEST(RealMeshes, EveryFileThatLoadsBecomesAValidSolidExceptTheSoup) {
     if (file.name == "soup.stl") {
       ASSERT_FALSE(solid);
       EXPECT_EQ(solid.error().code, ErrorCode::kMeshNotClosed);
-      EXPECT_EQ(solid.error().extra["open_edges"], 300);
+      EXPECT_EQ(solid.error().extra->at("open_edges"), 300);
       continue;
     }
     ASSERT_TRUE(solid) << solid.error().detail;

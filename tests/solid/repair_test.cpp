@@ -43,8 +43,8 @@ TEST(Holes, StrictRefusesWithCountsAndASampleEdge) {
   const Expected<Solid> solid = solid_of(cube_without({1}), kStrict);
   ASSERT_FALSE(solid);
   EXPECT_EQ(solid.error().code, ErrorCode::kMeshNotClosed);
-  EXPECT_EQ(solid.error().extra["open_edges"], 4);
-  EXPECT_EQ(solid.error().extra["sample"][0], 0.5);
+  EXPECT_EQ(solid.error().extra->at("open_edges"), 4);
+  EXPECT_EQ(solid.error().extra->at("sample")[0], 0.5);
 }
 
 TEST(Holes, ALargePlanarHoleIsFilledWithItsExactArea) {

@@ -91,7 +91,7 @@ TEST(MeshCodec, AnErrorComesBackWithItsFiguresButNotWithEveryCode) {
   EXPECT_EQ(back.error().code, ErrorCode::kNotFinite);
   EXPECT_EQ(back.error().detail, "Vertex 7 \xc3\xbf is not finite.");
   EXPECT_EQ(back.error().pointer, "/meshes/0");
-  EXPECT_EQ(back.error().extra, (nlohmann::json{{"vertex", 7}}));
+  EXPECT_EQ(*back.error().extra, (nlohmann::json{{"vertex", 7}}));
   for (const ErrorCode code : {ErrorCode::kInternal, ErrorCode::kCancelled, static_cast<ErrorCode>(-1)})
     EXPECT_THROW((void)decode_reply(encode_reply(fail(code, "no")), {}), BadReply);
   EXPECT_THROW((void)decode_reply(encode_reply(fail(ErrorCode::kTooLarge, "")), {}), BadReply);

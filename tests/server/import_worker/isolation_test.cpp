@@ -103,7 +103,7 @@ TEST(ImportIsolation, AFileThatKilledItsReaderIsRefusedAtOnceWithTheSameError) {
     ASSERT_FALSE(again) << command;
     EXPECT_EQ(again.error().code, first.error().code) << command;
     EXPECT_EQ(again.error().detail, first.error().detail) << command;
-    EXPECT_EQ(again.error().extra, first.error().extra) << command;
+    EXPECT_EQ(*again.error().extra, *first.error().extra) << command;
     EXPECT_EQ(pool.counters().remembered, before.remembered + 1) << command;
     EXPECT_EQ(pool.counters().started, before.started) << command << ": without a process";
   }

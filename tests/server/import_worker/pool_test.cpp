@@ -124,7 +124,7 @@ TEST(ImportPool, EveryWayToDieHasItsError) {
   EXPECT_EQ(error_of("! unfold").code, ErrorCode::kImporterLimit);
   const Error spun = error_of("! spin");
   EXPECT_EQ(spun.code, ErrorCode::kImporterLimit) << spun.detail;
-  EXPECT_EQ(spun.extra.value("limit", ""), "cpu");
+  EXPECT_EQ(spun.extra->value("limit", ""), "cpu");
   const ImportCounters counters = pool.counters();
   EXPECT_EQ(counters.limited, 2u);
   EXPECT_GE(counters.crashed, 4u);
@@ -141,7 +141,7 @@ TEST(ImportPool, MemoryIsLimitedAndTheWorkerLivesOn) {
   const Expected<Mesh> greedy = import_with(pool, "! memory");
   ASSERT_FALSE(greedy);
   EXPECT_EQ(greedy.error().code, ErrorCode::kImporterLimit);
-  EXPECT_EQ(greedy.error().extra.value("limit", ""), "memory");
+  EXPECT_EQ(greedy.error().extra->value("limit", ""), "memory");
   EXPECT_TRUE(import_with(pool, kTetrahedron));
   EXPECT_EQ(pool.counters().crashed, 0u);
 #endif

@@ -94,7 +94,7 @@ TEST_F(ImportReservation, AFileThatUnfoldsBeyondWhatThereIsEndsWithItsLimit) {
   const Expected<Mesh> mesh = import(instances(300'000));
   ASSERT_FALSE(mesh);
   EXPECT_EQ(mesh.error().code, ErrorCode::kImporterLimit);
-  EXPECT_EQ(mesh.error().extra.value("limit", ""), "memory");
+  EXPECT_EQ(mesh.error().extra->value("limit", ""), "memory");
   EXPECT_EQ(pool.counters().limited, 1u) << "once, however often it was tried";
   EXPECT_TRUE(import(instances(10))) << "the next one is not concerned";
 }

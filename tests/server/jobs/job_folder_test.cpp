@@ -57,7 +57,7 @@ TEST_F(Folder, WhatWasWrittenIsFoundAgainTheOldestFirst) {
     JobRecord failed = record(3);
     failed.state = JobState::kFailed;
     failed.finished_at = failed.created + std::chrono::seconds(1);
-    failed.error = Error{ErrorCode::kTooComplex, "too much", "sites", {{"limit", 5}}};
+    failed.error = Error{ErrorCode::kTooComplex, "too much", "sites", Figures({{"limit", 5}})};
     EXPECT_TRUE(f.write_end(failed));
   }
   JobFolder again(config());
@@ -77,7 +77,7 @@ TEST_F(Folder, WhatWasWrittenIsFoundAgainTheOldestFirst) {
   EXPECT_EQ(failed.state, JobState::kFailed);
   ASSERT_TRUE(failed.error);
   EXPECT_EQ(failed.error->code, ErrorCode::kTooComplex);
-  EXPECT_EQ(failed.error->extra.at("limit"), 5);
+  EXPECT_EQ(failed.error->extra->at("limit"), 5);
   const auto kept = again.read_mesh(open.digest);
   ASSERT_TRUE(kept);
   EXPECT_TRUE(std::equal(kept->mesh.begin(), kept->mesh.end(), request.mesh.begin(), request.mesh.end()));

@@ -390,8 +390,9 @@ TEST_F(DispatcherTest, AComputationThatNeverFitsIsRefusedByNameAndOneThatOthersC
   small.wait_idle();
   ASSERT_FALSE(outcomes_of.at(1));
   EXPECT_EQ(outcomes_of.at(1).error().code, ErrorCode::kTooComplex);
-  EXPECT_EQ(outcomes_of.at(1).error().extra["grew"], "cap_triangles");
-  EXPECT_EQ(outcomes_of.at(1).error().extra["limit"], kMemory - kMemory / 8) << "the rest is for small ones";
+  EXPECT_EQ(outcomes_of.at(1).error().extra->at("grew"), "cap_triangles");
+  EXPECT_EQ(outcomes_of.at(1).error().extra->at("limit"), kMemory - kMemory / 8)
+      << "the rest is for small ones";
 
   // Two that would each fit alone: while one holds its memory, the other is sent away.
   Gate gate;
@@ -419,7 +420,9 @@ TEST_F(DispatcherTest, AComputationThatNeverFitsIsRefusedByNameAndOneThatOthersC
 }
 
 TEST_F(DispatcherTest, AnAnswerThatDoesNotProveItselfIsNotComputedAgainAndAgain) {
-  control->cut_error = [] { return Error{ErrorCode::kUnsound, "3 edges are open", {}, {{"open_edges", 3}}}; };
+  control->cut_error = [] {
+    return Error{ErrorCode::kUnsound, "3 edges are open", {}, Figures({{"open_edges", 3}})};
+  };
   for (int round = 0; round < 5; ++round) {
     ask(fracture_request("mesh"));
     dispatcher.wait_idle();
