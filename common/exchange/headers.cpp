@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "common/base/digest.hpp"
+#include "common/digest/digest.hpp"
 #include "common/base/text.hpp"
 
 namespace fracture::protocol {

@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "common/base/digest.hpp"
+#include "common/digest/digest.hpp"
 #include "common/base/text.hpp"
 
 namespace fracture::http {

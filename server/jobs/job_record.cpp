@@ -4,7 +4,7 @@
 #include <charconv>
 #include <utility>
 
-#include "common/base/digest.hpp"
+#include "common/digest/digest.hpp"
 
 namespace fracture {
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "common/base/digest.hpp"
+#include "common/digest/digest.hpp"
 #include "common/parameters/parameters.hpp"
 #include "server/service/engine.hpp"
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "common/base/digest.hpp"
+#include "common/digest/digest.hpp"
 #include "server/service/engine.hpp"
 #include "server/service/figures.hpp"
 

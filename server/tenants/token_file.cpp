@@ -9,7 +9,7 @@
 #include <sstream>
 #include <utility>
 
-#include "common/base/digest.hpp"
+#include "common/digest/digest.hpp"
 
 namespace fracture::tenants {
 namespace {

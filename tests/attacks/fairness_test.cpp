@@ -5,7 +5,7 @@
 #include <cmath>
 #include <tuple>
 
-#include "common/base/digest.hpp"
+#include "common/digest/digest.hpp"
 #include "tests/attacks/attack.hpp"
 #include "tests/attacks/bodies.hpp"
 #include "tests/docker/load.hpp"

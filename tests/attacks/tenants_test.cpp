@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <map>
 
-#include "common/base/digest.hpp"
+#include "common/digest/digest.hpp"
 #include "tests/attacks/attack.hpp"
 #include "tests/attacks/bodies.hpp"
 #include "tests/server/exposition.hpp"

@@ -1,5 +1,5 @@
 // Clients that are slow, many or never content: what they hold and wait for is theirs alone.
-#include "common/base/digest.hpp"
+#include "common/digest/digest.hpp"
 #include "tests/attacks/attack.hpp"
 #include "tests/attacks/bodies.hpp"
 #include "tests/server/exposition.hpp"

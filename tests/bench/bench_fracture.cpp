@@ -18,7 +18,7 @@
 #include <fstream>
 #include <string>
 
-#include "common/base/digest.hpp"
+#include "common/digest/digest.hpp"
 #include "common/pipeline/fracture.hpp"
 #include "tests/bench/stopwatch.hpp"
 #include "tests/support/mesh_files.hpp"

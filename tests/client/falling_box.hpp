@@ -6,7 +6,7 @@
 #include <string>
 
 #include "client/game/game.hpp"
-#include "common/base/digest.hpp"
+#include "common/digest/digest.hpp"
 #include "tests/client/fake_server.hpp"
 #include "tests/client/rows.hpp"
 

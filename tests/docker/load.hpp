@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-#include "common/base/digest.hpp"
+#include "common/digest/digest.hpp"
 #include "tests/server/raw_client.hpp"
 #include "tests/support/eventually.hpp"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/base/digest.hpp"
+#include "common/digest/digest.hpp"
 #include "common/gltf/gltf_writer.hpp"
 #include "common/pipeline/fracture.hpp"
 #include "tests/support/mesh_files.hpp"

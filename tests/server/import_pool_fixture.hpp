@@ -10,7 +10,7 @@
 #include <string_view>
 #include <thread>
 
-#include "common/base/digest.hpp"
+#include "common/digest/digest.hpp"
 #include "server/import_worker/import_pool.hpp"
 #include "tests/import/make_files.hpp"
 #include "tests/support/eventually.hpp"

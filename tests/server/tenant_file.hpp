@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "common/base/digest.hpp"
+#include "common/digest/digest.hpp"
 
 namespace fracture::test {
 

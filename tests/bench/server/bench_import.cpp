@@ -17,7 +17,7 @@
 #include <thread>
 #include <vector>
 
-#include "common/base/digest.hpp"
+#include "common/digest/digest.hpp"
 #include "server/import_worker/import_pool.hpp"
 #include "server/import_worker/mesh_codec.hpp"
 #include "tests/bench/stopwatch.hpp"

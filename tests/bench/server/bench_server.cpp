@@ -19,7 +19,7 @@
 #include <thread>
 #include <vector>
 
-#include "common/base/digest.hpp"
+#include "common/digest/digest.hpp"
 #include "tests/bench/server/game_client.hpp"
 #include "tests/server/raw_client.hpp"
 #include "tests/server/server_process.hpp"

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/base/digest.hpp"
+#include "common/digest/digest.hpp"
 #include "server/bake/http_caller.hpp"
 #include "tests/server/authority.hpp"
 #include "tests/server/test_server.hpp"

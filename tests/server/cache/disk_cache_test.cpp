@@ -11,7 +11,7 @@
 #include <iterator>
 #include <string>
 
-#include "common/base/digest.hpp"
+#include "common/digest/digest.hpp"
 #include "tests/server/temporary_folder.hpp"
 
 namespace fracture {

@@ -8,7 +8,7 @@
 #include <string>
 #include <thread>
 
-#include "common/base/digest.hpp"
+#include "common/digest/digest.hpp"
 #include "tests/server/redis_process.hpp"
 #include "tests/server/temporary_folder.hpp"
 #include "tests/support/eventually.hpp"

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <thread>
 
-#include "common/base/digest.hpp"
+#include "common/digest/digest.hpp"
 #include "tests/server/gzip.hpp"
 #include "tests/server/peak_memory.hpp"
 #include "tests/server/temporary_folder.hpp"

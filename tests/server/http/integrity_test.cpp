@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "common/base/digest.hpp"
+#include "common/digest/digest.hpp"
 #include "server/http/content_digest.hpp"
 #include "tests/server/gzip.hpp"
 #include "tests/server/test_server.hpp"

@@ -1,7 +1,7 @@
 // Stored meshes over HTTP, and the path of a collision.
 #include <gtest/gtest.h>
 
-#include "common/base/digest.hpp"
+#include "common/digest/digest.hpp"
 #include "tests/server/test_server.hpp"
 #include "tests/support/eventually.hpp"
 

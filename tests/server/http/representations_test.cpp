@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "common/base/digest.hpp"
+#include "common/digest/digest.hpp"
 #include "common/base/execution.hpp"
 #include "tests/server/temporary_folder.hpp"
 #include "tests/server/test_server.hpp"

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 #include <openssl/evp.h>
 
-#include "common/base/digest.hpp"
+#include "common/digest/digest.hpp"
 #include "tests/server/test_server.hpp"
 
 namespace fracture::test {

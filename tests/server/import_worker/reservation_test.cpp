@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/base/digest.hpp"
+#include "common/digest/digest.hpp"
 #include "server/import_worker/import_pool.hpp"
 #include "tests/import/make_files.hpp"
 

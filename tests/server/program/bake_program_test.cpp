@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
-#include "common/base/digest.hpp"
+#include "common/digest/digest.hpp"
 #include "server/bake/plan.hpp"
 #include "server/service/failure_keeper.hpp"
 #include "tests/server/bake_folder.hpp"

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "common/base/digest.hpp"
+#include "common/digest/digest.hpp"
 
 namespace fracture {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <list>
 
-#include "common/base/digest.hpp"
+#include "common/digest/digest.hpp"
 #include "server/tenants/accounts.hpp"
 #include "server/tenants/ledger.hpp"
 

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "common/base/digest.hpp"
+#include "common/digest/digest.hpp"
 
 namespace fracture::tenants {
 namespace {

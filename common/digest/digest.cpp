@@ -1,4 +1,4 @@
-#include "common/base/digest.hpp"
+#include "common/digest/digest.hpp"
 
 #include <openssl/evp.h>
 #include <openssl/sha.h>

@@ -1,4 +1,4 @@
-#include "common/base/digest.hpp"
+#include "common/digest/digest.hpp"
 
 #include <gtest/gtest.h>
 
