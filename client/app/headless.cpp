@@ -8,7 +8,7 @@
 
 #include "client/headless/egl_context.hpp"
 #include "client/render/frame_target.hpp"
-#include "client/view/stage_view.hpp"
+#include "client/view/scene_view.hpp"
 
 namespace fracture::app {
 namespace {
@@ -46,11 +46,11 @@ class Camera {
   Expected<view::ViewFigures> draw(const game::Game& game,
                                    int sky_shadows = view::ViewSettings{}.sky_shadows) {
     if (auto ready = prepare(); !ready) return tl::unexpected(ready.error());
-    const scenes::Stage& stage = game.stage();
+    const scenes::Scene& scene = game.scene();
     const float aspect = static_cast<float>(options_.width) / static_cast<float>(options_.height);
     view::ViewSettings settings;
     settings.sky_shadows = sky_shadows;
-    const auto figures = view_->draw(game, view::look_at(stage.eye, stage.target, aspect), settings,
+    const auto figures = view_->draw(game, view::look_at(scene.eye, scene.target, aspect), settings,
                                      target_->framebuffer(), options_.width, options_.height);
     if (!figures) return fail(ErrorCode::kInternal, figures.error().detail);
     return *figures;
@@ -65,16 +65,16 @@ class Camera {
     auto target = render::FrameTarget::create(options_.width, options_.height);
     if (!target) return fail(ErrorCode::kInternal, target.error().detail);
     target_ = std::make_unique<render::FrameTarget>(std::move(*target));
-    auto view = view::StageView::create();
+    auto view = view::SceneView::create();
     if (!view) return fail(ErrorCode::kInternal, view.error().detail);
-    view_ = std::make_unique<view::StageView>(std::move(*view));
+    view_ = std::make_unique<view::SceneView>(std::move(*view));
     return {};
   }
 
   const Options& options_;
   std::unique_ptr<headless::EglContext> context_;
   std::unique_ptr<render::FrameTarget> target_;
-  std::unique_ptr<view::StageView> view_;
+  std::unique_ptr<view::SceneView> view_;
 };
 
 json summary_of_frames(std::vector<double> times) {
@@ -123,7 +123,7 @@ json summary(const game::Game& game, const protocol::Client& client, const Optio
   const world::Census census = game.world().census();
   const game::GameFigures& figures = game.figures();
   json stages = json::object();
-  for (const protocol::Stage& stage : status.last_stages) stages[stage.name] = stage.milliseconds;
+  for (const protocol::StageTime& stage : status.last_stages) stages[stage.name] = stage.milliseconds;
   json swaps = json::array();
   for (const world::Swap& swap : game.swaps())
     swaps.push_back({{"step", swap.step},
@@ -140,11 +140,11 @@ json summary(const game::Game& game, const protocol::Client& client, const Optio
   char fingerprint[20];
   std::snprintf(fingerprint, sizeof fingerprint, "%016llx",
                 static_cast<unsigned long long>(game.world().fingerprint()));
-  return {{"scene", game.stage().name},
+  return {{"scene", game.scene().name},
           {"seed", options.seed},
           {"steps", game.world().steps()},
           {"fingerprint", fingerprint},
-          {"warnings", game.stage().warnings},
+          {"warnings", game.scene().warnings},
           {"server",
            {{"state", name(status.state)},
             {"trouble", status.last_trouble},
@@ -183,17 +183,17 @@ json summary(const game::Game& game, const protocol::Client& client, const Optio
 
 }  // namespace
 
-Expected<scenes::Stage> stage_of(const Options& options) {
-  Expected<scenes::Stage> stage =
-      options.files.empty() ? scenes::make_stage(options.scene) : scenes::stage_of_files(options.files);
-  if (stage && !options.material.empty()) set_material(*stage, options.material);
-  return stage;
+Expected<scenes::Scene> scene_of(const Options& options) {
+  Expected<scenes::Scene> scene =
+      options.files.empty() ? scenes::make_scene(options.scene) : scenes::scene_of_files(options.files);
+  if (scene && !options.material.empty()) set_material(*scene, options.material);
+  return scene;
 }
 
 Expected<json> run_headless(const Options& options) {
-  Expected<scenes::Stage> stage = stage_of(options);
-  if (!stage) return tl::unexpected(stage.error());
-  if (!options.throws) stage->throws.clear();
+  Expected<scenes::Scene> scene = scene_of(options);
+  if (!scene) return tl::unexpected(scene.error());
+  if (!options.throws) scene->throws.clear();
   std::error_code ignored;
   std::filesystem::create_directories(options.out, ignored);
   protocol::Client client(options.server);
@@ -202,7 +202,7 @@ Expected<json> run_headless(const Options& options) {
   settings.anticipate = options.anticipate;
   if (options.fixed_step) settings.fixed_latency = options.answer_steps;
   if (!options.requests) settings.max_requests = 0;
-  game::Game game(std::move(*stage), client, settings);
+  game::Game game(std::move(*scene), client, settings);
   Camera camera(options);
 
   std::vector<double> wanted = options.screenshots, frame_times, submit_times, swap_frame_times,
@@ -221,7 +221,7 @@ Expected<json> run_headless(const Options& options) {
     const double now = static_cast<double>(frame) * frame_length;
     for (; next_picture < wanted.size() && wanted[next_picture] <= now + 1e-9; ++next_picture) {
       char file[64];
-      std::snprintf(file, sizeof file, "%s-%.2f.png", game.stage().name.c_str(), wanted[next_picture]);
+      std::snprintf(file, sizeof file, "%s-%.2f.png", game.scene().name.c_str(), wanted[next_picture]);
       Expected<json> picture = camera.take(game, file);
       if (!picture) return tl::unexpected(picture.error());
       (*picture)["seconds"] = wanted[next_picture];
@@ -243,9 +243,9 @@ Expected<json> run_headless(const Options& options) {
         spent += milliseconds_since(begin);
       }
     } else {
-      for (; next_throw < game.stage().throws.size() && game.stage().throws[next_throw].time <= now + 1e-9;
+      for (; next_throw < game.scene().throws.size() && game.scene().throws[next_throw].time <= now + 1e-9;
            ++next_throw)
-        game.throw_ball(game.stage().throws[next_throw].from, game.stage().throws[next_throw].velocity);
+        game.throw_ball(game.scene().throws[next_throw].from, game.scene().throws[next_throw].velocity);
       const Clock::time_point begin = Clock::now();
       game.advance(frame_length, true);
       spent = milliseconds_since(begin);
@@ -269,7 +269,7 @@ Expected<json> run_headless(const Options& options) {
     }
     fastest = std::max(fastest, game.world().census().fastest);
   }
-  for (const scenes::Throw& thrown : game.stage().throws)
+  for (const scenes::Throw& thrown : game.scene().throws)
     fastest_ball = std::max(fastest_ball, glm::length(thrown.velocity));
   json result = summary(game, client, options);
   result["pictures"] = pictures;

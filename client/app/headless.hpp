@@ -4,13 +4,13 @@
 #include <nlohmann/json.hpp>
 
 #include "client/app/options.hpp"
-#include "client/scenes/stage.hpp"
+#include "client/scenes/scene.hpp"
 #include "common/base/error.hpp"
 
 namespace fracture::app {
 
 /// The scene that the options ask for.
-Expected<scenes::Stage> stage_of(const Options& options);
+Expected<scenes::Scene> scene_of(const Options& options);
 
 /// Runs it and returns the summary (client/README.md lists its members). With --fixed-step the simulated
 /// clock waits for answers, else it is that of the wall and nothing waits. kInternal where a picture is asked

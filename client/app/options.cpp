@@ -2,7 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "client/scenes/stage.hpp"
+#include "client/scenes/scene.hpp"
 
 namespace fracture::app {
 
@@ -12,7 +12,7 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
   app.option_defaults()->always_capture_default();
   app.add_option("files", o.files, "Meshes, or folders of meshes, to drop and break instead of a scene")
       ->capture_default_str();
-  app.add_option("--scene", o.scene, "Scene")->check(CLI::IsMember(scenes::stage_names()));
+  app.add_option("--scene", o.scene, "Scene")->check(CLI::IsMember(scenes::scene_names()));
   app.add_option("--material", o.material, "Material of everything in it")
       ->check(CLI::IsMember(scenes::material_names()));
   app.add_option("--host", o.server.host, "Server: name or address");

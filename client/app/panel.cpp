@@ -23,8 +23,8 @@ void server_section(const protocol::Client& client) {
   else
     ImGui::TextDisabled("no latency yet");
   double all = 0;
-  for (const protocol::Stage& stage : s.last_stages) all = std::max(all, stage.milliseconds);
-  for (const protocol::Stage& stage : s.last_stages) {
+  for (const protocol::StageTime& stage : s.last_stages) all = std::max(all, stage.milliseconds);
+  for (const protocol::StageTime& stage : s.last_stages) {
     char text[48];
     std::snprintf(text, sizeof text, "%s %.2f ms", stage.name.c_str(), stage.milliseconds);
     ImGui::ProgressBar(all > 0 ? static_cast<float>(stage.milliseconds / all) : 0, ImVec2(-1, 0), text);
@@ -65,8 +65,8 @@ void draw_panel(PanelState& state, game::Game& game, const protocol::Client& cli
   ImGui::SetNextWindowPos(ImVec2(12, 12), ImGuiCond_FirstUseEver);
   ImGui::SetNextWindowSize(ImVec2(340, 620), ImGuiCond_FirstUseEver);
   ImGui::Begin("fracture", &state.panel);
-  ImGui::TextWrapped("%s", game.stage().title.c_str());
-  for (const std::string& scene : scenes::stage_names()) {
+  ImGui::TextWrapped("%s", game.scene().title.c_str());
+  for (const std::string& scene : scenes::scene_names()) {
     if (ImGui::SmallButton(scene.c_str())) actions.load_scene(scene);
     ImGui::SameLine();
   }

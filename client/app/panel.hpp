@@ -7,7 +7,7 @@
 
 #include "client/app/parameter_controls.hpp"
 #include "client/game/game.hpp"
-#include "client/view/stage_view.hpp"
+#include "client/view/scene_view.hpp"
 
 namespace fracture::app {
 

@@ -79,10 +79,10 @@ class Window {
   bool overlay_ = false;
 };
 
-/// A stage and the camera in it, and everything that happens in a frame.
+/// A scene and the camera in it, and everything that happens in a frame.
 class Session {
  public:
-  Session(const Options& options, GLFWwindow* window, view::StageView view)
+  Session(const Options& options, GLFWwindow* window, view::SceneView view)
       : options_(options), window_(window), client_(options.server), view_(std::move(view)) {
     glfwSetWindowUserPointer(window, this);
     glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
@@ -97,7 +97,7 @@ class Session {
         static_cast<Session*>(glfwGetWindowUserPointer(w))->throw_ball();
     });
     state_.gravity_always = options.gravity;
-    load([options] { return stage_of(options); });
+    load([options] { return scene_of(options); });
     client_.patterns();
   }
 
@@ -121,9 +121,9 @@ class Session {
   }
 
  private:
-  using Loaded = Expected<scenes::Stage>;
+  using Loaded = Expected<scenes::Scene>;
 
-  // -- stages: read on another thread, for some take longer than a frame
+  // -- scenes: read on another thread, for some take longer than a frame
 
   void load(std::function<Loaded()> make) {
     // One that is overtaken is forgotten: its end is awaited in the background.
@@ -143,28 +143,28 @@ class Session {
   void load_scene(const std::string& name) {
     options_.scene = name;
     options_.files.clear();
-    load([options = options_] { return stage_of(options); });
+    load([options = options_] { return scene_of(options); });
   }
   void load_files(std::vector<std::string> paths) {
     options_.files = std::move(paths);
-    load([options = options_] { return stage_of(options); });
+    load([options = options_] { return scene_of(options); });
   }
   void set_material(const std::string& name) {
     options_.material = name;
     state_.note = "material: " + name;
-    load([options = options_] { return stage_of(options); });
+    load([options = options_] { return scene_of(options); });
   }
 
   void take_loaded() {
     if (!loading_.valid() || loading_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
-    Loaded stage = loading_.get();
+    Loaded scene = loading_.get();
     state_.loading = false;
-    if (!stage) {
-      state_.note = stage.error().detail;
+    if (!scene) {
+      state_.note = scene.error().detail;
       return;
     }
-    for (const std::string& warning : stage->warnings) state_.note = warning;
-    if (!game_ || game_->stage().name != stage->name || stage->name == "files") aim(*stage);
+    for (const std::string& warning : scene->warnings) state_.note = warning;
+    if (!game_ || game_->scene().name != scene->name || scene->name == "files") aim(*scene);
     game::GameSettings settings;
     settings.seed = options_.seed;
     settings.anticipate = options_.anticipate;
@@ -172,14 +172,14 @@ class Session {
     view_.reset();
     // The old one ends on another thread: its decoder may be at work.
     if (game_) background([old = std::shared_ptr<game::Game>(std::move(game_))]() mutable { old.reset(); });
-    game_ = std::make_unique<game::Game>(std::move(*stage), client_, settings);
+    game_ = std::make_unique<game::Game>(std::move(*scene), client_, settings);
   }
 
   // -- camera
 
-  void aim(const scenes::Stage& stage) {
-    eye_ = stage.eye;
-    const glm::vec3 d = glm::normalize(stage.target - stage.eye);
+  void aim(const scenes::Scene& scene) {
+    eye_ = scene.eye;
+    const glm::vec3 d = glm::normalize(scene.target - scene.eye);
     yaw_ = std::atan2(d.x, -d.z);
     pitch_ = std::asin(std::clamp(d.y, -1.f, 1.f));
   }
@@ -228,7 +228,7 @@ class Session {
         state_.panel = !state_.panel;
         break;
       case GLFW_KEY_R:
-        load([options = options_] { return stage_of(options); });
+        load([options = options_] { return scene_of(options); });
         break;
       case GLFW_KEY_P:
         screenshot("fracture-" + std::to_string(++pictures_) + ".png");
@@ -238,7 +238,7 @@ class Session {
                                                          static_cast<int>(view::kDebugViewNames.size()));
         break;
       case GLFW_KEY_N: {
-        const auto names = scenes::stage_names();
+        const auto names = scenes::scene_names();
         const auto at = std::find(names.begin(), names.end(), options_.scene);
         options_.material.clear();
         load_scene(at == names.end() || at + 1 == names.end() ? names.front() : *(at + 1));
@@ -256,8 +256,8 @@ class Session {
   void throw_ball() {
     if (!game_) return;
     const glm::dvec3 direction(forward());
-    const double radius = game_->stage().ball_radius;
-    game_->throw_ball(glm::dvec3(eye_) + (radius + 0.3) * direction, game_->stage().ball_speed * direction);
+    const double radius = game_->scene().ball_radius;
+    game_->throw_ball(glm::dvec3(eye_) + (radius + 0.3) * direction, game_->scene().ball_speed * direction);
     if (!state_.gravity_always && !state_.gravity_held) state_.note = "Paused: hold X and the ball flies.";
   }
 
@@ -328,7 +328,7 @@ class Session {
              load_scene(scene);
            },
            [this](const std::string& material) { set_material(material); },
-           [this] { load([options = options_] { return stage_of(options); }); }, [this] { save_glb(); }});
+           [this] { load([options = options_] { return scene_of(options); }); }, [this] { save_glb(); }});
     }
     draw_help(state_);
     ImGui::Render();
@@ -344,7 +344,7 @@ class Session {
   Options options_;
   GLFWwindow* window_;
   protocol::Client client_;
-  view::StageView view_;
+  view::SceneView view_;
   std::unique_ptr<game::Game> game_;
   std::unique_ptr<render::FrameTarget> target_;
   PanelState state_;
@@ -367,7 +367,7 @@ int run_window(const Options& options) {
     std::fprintf(stderr, "fracture-client: no window: %s. --headless needs none.\n", window.error().c_str());
     return 1;
   }
-  auto view = view::StageView::create();
+  auto view = view::SceneView::create();
   if (!view) {
     std::fprintf(stderr, "fracture-client: %s\n", view.error().detail.c_str());
     return 1;

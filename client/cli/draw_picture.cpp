@@ -10,22 +10,22 @@ Result<PictureMaker> PictureMaker::create() {
   return PictureMaker(std::move(*renderer));
 }
 
-Result<render::GpuScene*> PictureMaker::scene(const std::string& file) {
+Result<render::GpuModel*> PictureMaker::model(const std::string& file) {
   constexpr std::size_t kKept = 4;  // the pictures of a row show two files or three
   const auto known = scenes_.find(file);
   if (known != scenes_.end()) return &known->second;
   if (scenes_.size() >= kKept) scenes_.clear();
-  Result<render::Scene> scene = render::load_scene(file);
-  if (!scene) return tl::unexpected(scene.error());
-  for (const std::string& warning : scene->warnings) warnings_.push_back(file + ": " + warning);
-  Result<render::GpuScene> gpu =
-      render::GpuScene::upload(std::make_shared<const render::Scene>(std::move(*scene)));
+  Result<render::Model> model = render::load_scene(file);
+  if (!model) return tl::unexpected(model.error());
+  for (const std::string& warning : model->warnings) warnings_.push_back(file + ": " + warning);
+  Result<render::GpuModel> gpu =
+      render::GpuModel::upload(std::make_shared<const render::Model>(std::move(*model)));
   if (!gpu) return tl::unexpected(gpu.error());
   return &scenes_.emplace(file, std::move(*gpu)).first->second;
 }
 
 Result<render::Picture> PictureMaker::draw(const PictureOptions& options) {
-  const Result<render::GpuScene*> gpu = scene(options.file);
+  const Result<render::GpuModel*> gpu = model(options.file);
   if (!gpu) return tl::unexpected(gpu.error());
   const int width = options.supersample * options.width, height = options.supersample * options.height;
   if (!target_ || target_->width() != width || target_->height() != height) {
@@ -33,10 +33,10 @@ Result<render::Picture> PictureMaker::draw(const PictureOptions& options) {
     if (!target) return tl::unexpected(target.error());
     target_ = std::move(*target);
   }
-  const render::Scene& scene = (*gpu)->scene();
-  const std::vector<render::ObjectState> states = view_states(scene, options.view, options.camera);
+  const render::Model& model = (*gpu)->model();
+  const std::vector<render::ObjectState> states = view_states(model, options.view, options.camera);
   const render::Sphere sphere =
-      options.frame == "assembled" ? (*gpu)->bounds() : bounding_sphere(scene, states);
+      options.frame == "assembled" ? (*gpu)->bounds() : bounding_sphere(model, states);
   const float aspect = static_cast<float>(options.width) / static_cast<float>(options.height);
   stats_ = renderer_.draw(**gpu, states, fit_camera(sphere, options.camera, aspect), options.settings,
                           target_->framebuffer(), width, height);

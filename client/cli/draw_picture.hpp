@@ -11,7 +11,7 @@
 
 namespace fracture::cli {
 
-/// Keeps what the next picture may need as well: the renderer, the last target and the last few scenes.
+/// Keeps what the next picture may need as well: the renderer, the last target and the last few models.
 class PictureMaker {
  public:
   /// A context has to be current.
@@ -26,11 +26,11 @@ class PictureMaker {
 
  private:
   explicit PictureMaker(render::Renderer renderer) : renderer_(std::move(renderer)) {}
-  render::Result<render::GpuScene*> scene(const std::string& file);
+  render::Result<render::GpuModel*> model(const std::string& file);
 
   render::Renderer renderer_;
   std::optional<render::FrameTarget> target_;
-  std::map<std::string, render::GpuScene> scenes_;
+  std::map<std::string, render::GpuModel> scenes_;
   render::FrameStats stats_;
   std::vector<std::string> warnings_;
 };

@@ -14,18 +14,18 @@ Decoded decode(std::uint64_t ticket, std::string glb) {
     decoded.error = std::string(slug(set.error().code)) + ": " + set.error().detail;
     return decoded;
   }
-  render::Result<render::Scene> scene = render::read_scene(bytes);
-  if (!scene) {
-    decoded.error = scene.error().detail;
+  render::Result<render::Model> model = render::read_model(bytes);
+  if (!model) {
+    decoded.error = model.error().detail;
     return decoded;
   }
   std::map<std::uint64_t, std::uint32_t> index;
   for (std::uint32_t k = 0; k < set->fragments.size(); ++k) index[set->fragments[k].id] = k;
-  for (const render::Object& object : scene->objects) {
+  for (const render::Object& object : model->objects) {
     const auto at = object.fragment ? index.find(object.fragment->id) : index.end();
     decoded.fragment_of_object.push_back(at == index.end() ? Decoded::kNoFragment : at->second);
   }
-  decoded.scene = std::make_shared<const render::Scene>(std::move(*scene));
+  decoded.model = std::make_shared<const render::Model>(std::move(*model));
   decoded.fragments = world::prepare(std::move(*set));
   decoded.glb = std::make_shared<const std::string>(std::move(glb));
   return decoded;

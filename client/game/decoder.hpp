@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "client/render/scene.hpp"
+#include "client/render/model.hpp"
 #include "client/world/world.hpp"
 
 namespace fracture::game {
@@ -19,8 +19,8 @@ struct Decoded {
   std::string error;  ///< empty where all is well: slug and detail of what is wrong with the file
   std::shared_ptr<const std::string> glb;
   std::shared_ptr<const world::PreparedFragments> fragments;
-  std::shared_ptr<const render::Scene> scene;
-  std::vector<std::uint32_t> fragment_of_object;  ///< per object of the scene; kNoFragment for others
+  std::shared_ptr<const render::Model> model;
+  std::vector<std::uint32_t> fragment_of_object;  ///< per object of the model; kNoFragment for others
   static constexpr std::uint32_t kNoFragment = 0xffffffffu;
 };
 

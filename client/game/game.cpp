@@ -9,11 +9,11 @@ namespace fracture::game {
 using protocol::Answer;
 using protocol::RequestKind;
 
-Game::Game(scenes::Stage stage, protocol::Client& client, GameSettings settings)
-    : stage_(std::move(stage)), client_(client), settings_(std::move(settings)), world_(settings_.world) {
+Game::Game(scenes::Scene scene, protocol::Client& client, GameSettings settings)
+    : scene_(std::move(scene)), client_(client), settings_(std::move(settings)), world_(settings_.world) {
   std::map<const scenes::MeshAsset*, std::string> stored;
-  for (std::size_t k = 0; k < stage_.objects.size(); ++k) {
-    const scenes::StageObject& object = stage_.objects[k];
+  for (std::size_t k = 0; k < scene_.objects.size(); ++k) {
+    const scenes::SceneObject& object = scene_.objects[k];
     world::ObjectSpec spec;
     spec.hulls = object.mesh->hulls;
     spec.mass = object.mesh->unit_mass;
@@ -28,15 +28,15 @@ Game::Game(scenes::Stage stage, protocol::Client& client, GameSettings settings)
     spec.restitution = object.restitution;
     Thing thing;
     thing.id = world_.add_object(spec);
-    thing.stage_object = k;
+    thing.scene_object = k;
     auto [id, is_new] = stored.try_emplace(object.mesh.get());
     if (is_new) id->second = client_.add_mesh(object.mesh->bytes, object.mesh->content_type);
     thing.mesh = id->second;
     things_.push_back(std::move(thing));
   }
-  for (const scenes::StageBox& box : stage_.boxes) world_.add_static_box(box.pose, box.half_sides);
+  for (const scenes::SceneBox& box : scene_.boxes) world_.add_static_box(box.pose, box.half_sides);
   for (std::size_t k = 0; k < things_.size(); ++k)
-    if (stage_.objects[k].at_start) ask(k, world::Impact{}, std::nullopt);
+    if (scene_.objects[k].at_start) ask(k, world::Impact{}, std::nullopt);
 }
 
 Game::~Game() {
@@ -51,7 +51,7 @@ std::size_t Game::thing_of(world::ObjectId object) const {
 
 void Game::ask(std::size_t index, const world::Impact& impact, std::optional<std::uint32_t> fragment) {
   const Thing& thing = things_[index];
-  const scenes::StageObject& object = stage_.objects[thing.stage_object];
+  const scenes::SceneObject& object = scene_.objects[thing.scene_object];
   Pending pending;
   pending.thing = index;
   pending.fragment = fragment;
@@ -128,7 +128,7 @@ void Game::apply(Pending& pending) {
                  world_.fracture_fragment(things_[index].id, *pending.fragment, pending.decoded->fragments)) {
     Thing pieces;
     pieces.id = *id;
-    pieces.stage_object = things_[index].stage_object;
+    pieces.scene_object = things_[index].scene_object;
     pieces.mesh = things_[index].mesh;
     pieces.fragments = pending.decoded;
     pieces.secondary = true;
@@ -209,8 +209,8 @@ void Game::step() {
   if (settings_.fixed_latency) apply_due();
   const double now = static_cast<double>(world_.steps()) * settings_.world.step;
   if (settings_.fixed_latency)
-    while (next_throw_ < stage_.throws.size() && stage_.throws[next_throw_].time <= now + 1e-9) {
-      throw_ball(stage_.throws[next_throw_].from, stage_.throws[next_throw_].velocity);
+    while (next_throw_ < scene_.throws.size() && scene_.throws[next_throw_].time <= now + 1e-9) {
+      throw_ball(scene_.throws[next_throw_].from, scene_.throws[next_throw_].velocity);
       ++next_throw_;
     }
   world_.step();
@@ -239,7 +239,7 @@ void Game::advance(double seconds, bool running) {
 }
 
 world::BallId Game::throw_ball(const glm::dvec3& from, const glm::dvec3& velocity) {
-  return world_.throw_ball(from, velocity, stage_.ball_radius, stage_.ball_density);
+  return world_.throw_ball(from, velocity, scene_.ball_radius, scene_.ball_density);
 }
 
 }  // namespace fracture::game

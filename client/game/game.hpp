@@ -14,7 +14,7 @@
 
 #include "client/game/decoder.hpp"
 #include "client/protocol/client.hpp"
-#include "client/scenes/stage.hpp"
+#include "client/scenes/scene.hpp"
 #include "client/world/world.hpp"
 
 namespace fracture::game {
@@ -31,7 +31,7 @@ struct GameSettings {
 /// What stands where, for whoever draws.
 struct Thing {
   world::ObjectId id = 0;
-  std::size_t stage_object = 0;  ///< index into Stage::objects; secondary pieces have their parent's
+  std::size_t scene_object = 0;  ///< index into Scene::objects; secondary pieces have their parent's
   std::string mesh;              ///< id of the stored mesh
   std::shared_ptr<const Decoded> fragments;  ///< null while whole
   nlohmann::json parameters;                 ///< of the request that made the fragments
@@ -47,7 +47,7 @@ struct GameFigures {
 class Game {
  public:
   /// Stores the meshes and asks for what the level needs at its start. `client` outlives the game.
-  Game(scenes::Stage stage, protocol::Client& client, GameSettings settings);
+  Game(scenes::Scene scene, protocol::Client& client, GameSettings settings);
   ~Game();
 
   /// Reproducible runs: is everything there that the next step needs? Polls; never waits.
@@ -59,7 +59,7 @@ class Game {
 
   world::BallId throw_ball(const glm::dvec3& from, const glm::dvec3& velocity);
 
-  const scenes::Stage& stage() const { return stage_; }
+  const scenes::Scene& scene() const { return scene_; }
   const std::vector<Thing>& things() const { return things_; }
   /// Fragments that have arrived and take effect in a coming frame, of a thing (for pieces: of their parent).
   struct Coming {
@@ -97,7 +97,7 @@ class Game {
   void note_failure(Pending& pending, const std::string& what);
   std::size_t thing_of(world::ObjectId object) const;
 
-  scenes::Stage stage_;
+  scenes::Scene scene_;
   protocol::Client& client_;
   GameSettings settings_;
   world::World world_;

@@ -56,7 +56,7 @@ struct Answer {
   std::string problem;  ///< last segment of a problem's type: "bad-parameter"
   std::string detail;   ///< for people; empty where all is well
   std::string body;     ///< GLB or JSON; its digest has been checked
-  std::vector<Stage> server_timing;
+  std::vector<StageTime> server_timing;
   double milliseconds = 0;  ///< from the call to the last byte, everything that was tried again included
   int exchanges = 0;        ///< HTTP requests that it took
   bool ok() const { return failure == Failure::kNone; }
@@ -71,9 +71,9 @@ struct Status {
   std::string last_trouble;  ///< the last thing that went wrong; empty where nothing has
   std::size_t open = 0;      ///< requests without an answer yet
   std::uint64_t answered = 0, failed = 0, retried = 0, meshes_stored = 0, connections_made = 0;
-  std::size_t fractures_timed = 0;  ///< how many latencies p50 and p99 are of (the last 512)
-  double p50_ms = 0, p99_ms = 0;    ///< of fracture requests that were answered well
-  std::vector<Stage> last_stages;   ///< Server-Timing of the last of them
+  std::size_t fractures_timed = 0;     ///< how many latencies p50 and p99 are of (the last 512)
+  double p50_ms = 0, p99_ms = 0;       ///< of fracture requests that were answered well
+  std::vector<StageTime> last_stages;  ///< Server-Timing of the last of them
 };
 
 }  // namespace fracture::protocol

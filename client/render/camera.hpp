@@ -4,7 +4,7 @@
 #include <array>
 #include <glm/glm.hpp>
 
-#include "client/render/scene.hpp"
+#include "client/render/model.hpp"
 
 namespace fracture::render {
 

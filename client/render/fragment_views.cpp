@@ -28,14 +28,14 @@ glm::vec3 centroid_of(const Object& object) {
                          : glm::vec3(object.transform * glm::vec4(object.bounds.center, 1));
 }
 
-std::uint64_t id_of(const Scene& scene, std::size_t object) {
-  const auto& fragment = scene.objects[object].fragment;
+std::uint64_t id_of(const Model& model, std::size_t object) {
+  const auto& fragment = model.objects[object].fragment;
   return fragment ? fragment->id : object;
 }
 
 /// The group of an object at a level: a node of the hierarchy, or the object itself where there is none.
-std::uint32_t group_of(const Scene& scene, std::size_t object, int level) {
-  const auto& fragment = scene.objects[object].fragment;
+std::uint32_t group_of(const Model& model, std::size_t object, int level) {
+  const auto& fragment = model.objects[object].fragment;
   if (!fragment) return kNoSlot - static_cast<std::uint32_t>(object);
   const auto& ancestors = fragment->ancestors;
   return ancestors[std::min(static_cast<std::size_t>(std::max(level, 0)), ancestors.size() - 1)];
@@ -47,32 +47,32 @@ struct Groups {
   std::vector<glm::vec3> centers;
 };
 
-Groups groups(const Scene& scene, int level) {
+Groups groups(const Model& model, int level) {
   Groups result;
   std::map<std::uint32_t, std::uint32_t> numbers;
   std::vector<float> weights;
-  for (std::size_t k = 0; k < scene.objects.size(); ++k) {
+  for (std::size_t k = 0; k < model.objects.size(); ++k) {
     const auto number =
-        numbers.try_emplace(group_of(scene, k, level), static_cast<std::uint32_t>(numbers.size()))
+        numbers.try_emplace(group_of(model, k, level), static_cast<std::uint32_t>(numbers.size()))
             .first->second;
     result.of_object.push_back(number);
     result.centers.resize(numbers.size(), glm::vec3(0));
     weights.resize(numbers.size(), 0);
-    const auto& fragment = scene.objects[k].fragment;
+    const auto& fragment = model.objects[k].fragment;
     const float weight = fragment && fragment->volume > 0 ? static_cast<float>(fragment->volume) : 1e-30f;
-    result.centers[number] += weight * centroid_of(scene.objects[k]);
+    result.centers[number] += weight * centroid_of(model.objects[k]);
     weights[number] += weight;
   }
   for (std::size_t g = 0; g < weights.size(); ++g) result.centers[g] /= weights[g];
   return result;
 }
 
-void explode(const Scene& scene, const ViewOptions& options, const Sphere& sphere,
+void explode(const Model& model, const ViewOptions& options, const Sphere& sphere,
              std::vector<ObjectState>& states) {
-  const Groups of_level = options.by_group ? groups(scene, options.level) : Groups{};
+  const Groups of_level = options.by_group ? groups(model, options.level) : Groups{};
   for (std::size_t k = 0; k < states.size(); ++k) {
     const glm::vec3 from =
-        options.by_group ? of_level.centers[of_level.of_object[k]] : centroid_of(scene.objects[k]);
+        options.by_group ? of_level.centers[of_level.of_object[k]] : centroid_of(model.objects[k]);
     const glm::vec3 shift = options.explode * (from - sphere.center);
     states[k].transform = glm::translate(glm::mat4(1), shift) * states[k].transform;
   }
@@ -80,11 +80,11 @@ void explode(const Scene& scene, const ViewOptions& options, const Sphere& spher
 
 /// A snapshot of a throw: straight flight with gravity, stopped by the ground. Lengths are shares of the
 /// object's radius, so that a cup and a house look alike.
-void throw_fragments(const Scene& scene, const ViewOptions& options, const CameraPlacement& placement,
+void throw_fragments(const Model& model, const ViewOptions& options, const CameraPlacement& placement,
                      const Sphere& sphere, std::vector<ObjectState>& states) {
   const glm::vec3 to_camera = direction_to_camera(placement);
   const glm::vec3 point = options.impact_point.value_or(
-      first_hit(scene, sphere.center + 3 * sphere.radius * to_camera, -to_camera)
+      first_hit(model, sphere.center + 3 * sphere.radius * to_camera, -to_camera)
           .value_or(sphere.center + 0.5f * sphere.radius * to_camera));
   const glm::vec3 given = options.impact_direction;
   const glm::vec3 direction = glm::dot(given, given) > 0 ? glm::normalize(given) : -to_camera;
@@ -92,15 +92,15 @@ void throw_fragments(const Scene& scene, const ViewOptions& options, const Camer
   const glm::vec3 inside =
       point + 0.6f * reach * direction;  // pieces burst from there: sideways, and back at what hit
   float ground = HUGE_VALF;
-  for (const Vertex& v : scene.vertices)
-    ground = std::min(ground, (scene.objects[v.object].transform * glm::vec4(v.position, 1)).y);
+  for (const Vertex& v : model.vertices)
+    ground = std::min(ground, (model.objects[v.object].transform * glm::vec4(v.position, 1)).y);
 
   for (std::size_t k = 0; k < states.size(); ++k) {
-    const Object& object = scene.objects[k];
+    const Object& object = model.objects[k];
     const glm::vec3 centroid = centroid_of(object);
     const float distance = glm::distance(centroid, point);
-    if (distance >= reach || scene.objects.size() == 1) continue;
-    const std::uint64_t id = id_of(scene, k);
+    if (distance >= reach || model.objects.size() == 1) continue;
+    const std::uint64_t id = id_of(model, k);
     const float force =
         options.impact_strength * std::pow(1 - distance / reach, 0.7f) * (0.6f + 0.8f * random01(id, 0));
     const glm::vec3 from_inside = centroid - inside;
@@ -132,13 +132,13 @@ glm::vec3 distinct_color(std::uint32_t number) {
   return rgb * rgb;  // from roughly what is seen to linear light
 }
 
-std::optional<glm::vec3> first_hit(const Scene& scene, const glm::vec3& origin, const glm::vec3& direction) {
+std::optional<glm::vec3> first_hit(const Model& model, const glm::vec3& origin, const glm::vec3& direction) {
   float nearest = HUGE_VALF;
   std::vector<glm::vec3> p(3);
-  for (std::size_t i = 0; i + 2 < scene.indices.size(); i += 3) {
+  for (std::size_t i = 0; i + 2 < model.indices.size(); i += 3) {
     for (std::size_t k = 0; k < 3; ++k) {
-      const Vertex& v = scene.vertices[scene.indices[i + k]];
-      p[k] = glm::vec3(scene.objects[v.object].transform * glm::vec4(v.position, 1));
+      const Vertex& v = model.vertices[model.indices[i + k]];
+      p[k] = glm::vec3(model.objects[v.object].transform * glm::vec4(v.position, 1));
     }
     // Möller & Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997; both sides count.
     const glm::vec3 a = p[1] - p[0], b = p[2] - p[0], q = glm::cross(direction, b);
@@ -152,17 +152,17 @@ std::optional<glm::vec3> first_hit(const Scene& scene, const glm::vec3& origin, 
   return origin + nearest * direction;
 }
 
-std::vector<ObjectState> view_states(const Scene& scene, const ViewOptions& options,
+std::vector<ObjectState> view_states(const Model& model, const ViewOptions& options,
                                      const CameraPlacement& placement) {
-  std::vector<ObjectState> states = initial_states(scene);
-  const Sphere sphere = bounding_sphere(scene, {});
-  if (options.view == View::kExploded) explode(scene, options, sphere, states);
-  if (options.view == View::kImpact) throw_fragments(scene, options, placement, sphere, states);
+  std::vector<ObjectState> states = initial_states(model);
+  const Sphere sphere = bounding_sphere(model, {});
+  if (options.view == View::kExploded) explode(model, options, sphere, states);
+  if (options.view == View::kImpact) throw_fragments(model, options, placement, sphere, states);
   if (options.colors == Colors::kFragment)
     for (std::size_t k = 0; k < states.size(); ++k)
       states[k].tint = glm::vec4(distinct_color(static_cast<std::uint32_t>(k)), 1);
   if (options.colors == Colors::kLevel) {
-    const Groups of_level = groups(scene, options.level);
+    const Groups of_level = groups(model, options.level);
     for (std::size_t k = 0; k < states.size(); ++k)
       states[k].tint = glm::vec4(distinct_color(of_level.of_object[k]), 1);
   }

@@ -1,12 +1,12 @@
 // Where the fragments stand in a picture, and in which colour: the views of the gallery. Pure functions of
-// the scene; no OpenGL and no physics (the game client has its own).
+// the model; no OpenGL and no physics (the game client has its own).
 #pragma once
 
 #include <optional>
 #include <vector>
 
 #include "client/render/camera.hpp"
-#include "client/render/scene.hpp"
+#include "client/render/model.hpp"
 
 namespace fracture::render {
 
@@ -35,11 +35,11 @@ struct ViewOptions {
 };
 
 /// States of all objects for the view. `placement` is the camera the defaults refer to.
-std::vector<ObjectState> view_states(const Scene& scene, const ViewOptions& options,
+std::vector<ObjectState> view_states(const Model& model, const ViewOptions& options,
                                      const CameraPlacement& placement);
 
-/// The first point of the scene (as the file places it) on a ray; nothing where it passes by.
-std::optional<glm::vec3> first_hit(const Scene& scene, const glm::vec3& origin, const glm::vec3& direction);
+/// The first point of the model (as the file places it) on a ray; nothing where it passes by.
+std::optional<glm::vec3> first_hit(const Model& model, const glm::vec3& origin, const glm::vec3& direction);
 
 /// A colour that tells neighbours in number apart: hues a golden ratio apart, linear rgb.
 glm::vec3 distinct_color(std::uint32_t number);

@@ -7,8 +7,8 @@
 #include <array>
 #include <string_view>
 
+#include "client/render/model.hpp"
 #include "client/render/render_error.hpp"
-#include "client/render/scene.hpp"
 
 namespace fracture::render {
 

@@ -28,7 +28,7 @@ glm::vec<N, float> vector(const json& object, const char* key, glm::vec<N, float
   return fallback;
 }
 
-TextureSlot slot(const json& material, const char* key, const MaterialLibrary& library, Scene& scene) {
+TextureSlot slot(const json& material, const char* key, const MaterialLibrary& library, Model& model) {
   TextureSlot result;
   const json& info = child(material, key);
   const auto index = info.value("index", std::uint64_t{kNoSlot});
@@ -36,13 +36,13 @@ TextureSlot slot(const json& material, const char* key, const MaterialLibrary& l
   const json& texture = library.textures[index];
   const auto source = texture.value("source", std::uint64_t{kNoSlot});
   if (source >= library.images.size()) {
-    scene.warnings.push_back(std::string("A ") + key + " has no PNG or JPEG image; it is left out.");
+    model.warnings.push_back(std::string("A ") + key + " has no PNG or JPEG image; it is left out.");
     return result;
   }
   result.picture = static_cast<std::uint32_t>(source);
   result.uv_set = info.value("texCoord", 0);
   if (result.uv_set < 0 || result.uv_set > 1) {
-    scene.warnings.push_back(std::string("A ") + key + " uses TEXCOORD_" + std::to_string(result.uv_set) +
+    model.warnings.push_back(std::string("A ") + key + " uses TEXCOORD_" + std::to_string(result.uv_set) +
                              "; TEXCOORD_0 is shown.");
     result.uv_set = 0;
   }
@@ -61,7 +61,7 @@ TextureSlot slot(const json& material, const char* key, const MaterialLibrary& l
   return result;
 }
 
-Material read_material(const json& source, const MaterialLibrary& library, Scene& scene) {
+Material read_material(const json& source, const MaterialLibrary& library, Model& model) {
   Material m;
   m.name = source.value("name", "");
   const json& pbr = child(source, "pbrMetallicRoughness");
@@ -73,13 +73,13 @@ Material read_material(const json& source, const MaterialLibrary& library, Scene
   m.double_sided = source.value("doubleSided", false);
   const std::string mode = source.value("alphaMode", "OPAQUE");
   m.alpha_mode = mode == "MASK" ? AlphaMode::kMask : mode == "BLEND" ? AlphaMode::kBlend : AlphaMode::kOpaque;
-  m.base_color_texture = slot(pbr, "baseColorTexture", library, scene);
-  m.metallic_roughness_texture = slot(pbr, "metallicRoughnessTexture", library, scene);
-  m.normal_texture = slot(source, "normalTexture", library, scene);
+  m.base_color_texture = slot(pbr, "baseColorTexture", library, model);
+  m.metallic_roughness_texture = slot(pbr, "metallicRoughnessTexture", library, model);
+  m.normal_texture = slot(source, "normalTexture", library, model);
   m.normal_scale = number(child(source, "normalTexture"), "scale", 1, -8, 8);
-  m.occlusion_texture = slot(source, "occlusionTexture", library, scene);
+  m.occlusion_texture = slot(source, "occlusionTexture", library, model);
   m.occlusion_strength = number(child(source, "occlusionTexture"), "strength", 1, 0, 1);
-  m.emissive_texture = slot(source, "emissiveTexture", library, scene);
+  m.emissive_texture = slot(source, "emissiveTexture", library, model);
   const json& extensions = child(source, "extensions");
   m.transmission = number(child(extensions, "KHR_materials_transmission"), "transmissionFactor", 0, 0, 1);
   m.ior = number(child(extensions, "KHR_materials_ior"), "ior", 1.5f, 1, 4);
@@ -89,21 +89,21 @@ Material read_material(const json& source, const MaterialLibrary& library, Scene
 
 }  // namespace
 
-void read_materials(const MaterialLibrary& library, Scene& scene) {
+void read_materials(const MaterialLibrary& library, Model& model) {
   for (const json& material : library.materials)
-    scene.materials.push_back(read_material(material, library, scene));
-  scene.materials.push_back({});  // glTF 2.0, 3.9: the material of a primitive that names none
+    model.materials.push_back(read_material(material, library, model));
+  model.materials.push_back({});  // glTF 2.0, 3.9: the material of a primitive that names none
   for (const Image& image : library.images) {
     Result<Picture> picture = decode_picture(image.bytes);
     if (!picture)
-      scene.warnings.push_back("Image \"" + image.name.substr(0, 60) + "\" (" + image.mime_type +
+      model.warnings.push_back("Image \"" + image.name.substr(0, 60) + "\" (" + image.mime_type +
                                ") is shown as grey. " + picture.error().detail);
-    scene.pictures.push_back(picture ? std::move(*picture) : Picture(1, 1, {128, 128, 128, 255}));
+    model.pictures.push_back(picture ? std::move(*picture) : Picture(1, 1, {128, 128, 128, 255}));
   }
   const std::set<std::string> known = {"KHR_materials_transmission", "KHR_materials_ior",
                                        "KHR_materials_emissive_strength"};
   for (const std::string& name : library.extensions_used)
-    if (known.count(name) == 0) scene.warnings.push_back("The extension " + name + " is not shown.");
+    if (known.count(name) == 0) model.warnings.push_back("The extension " + name + " is not shown.");
 }
 
 }  // namespace fracture::render

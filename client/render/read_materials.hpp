@@ -1,13 +1,13 @@
 // glTF 2.0 materials as the shader takes them. Internal to load_scene.cpp.
 #pragma once
 
-#include "client/render/scene.hpp"
+#include "client/render/model.hpp"
 #include "common/mesh/mesh.hpp"
 
 namespace fracture::render {
 
 /// Fills materials (plus glTF's default one at the end), pictures and warnings. Values of a wrong type throw
 /// nlohmann::json::exception.
-void read_materials(const MaterialLibrary& library, Scene& scene);
+void read_materials(const MaterialLibrary& library, Model& model);
 
 }  // namespace fracture::render

@@ -77,7 +77,7 @@ Sphere around_objects(std::span<const DrawItem> items) {
     for (const DrawItem& item : items)
       for (std::size_t k = 0; k < item.states.size(); ++k)
         if (item.states[k].visible)
-          use(in_world(item.scene->scene().objects[k].bounds, item.states[k].transform));
+          use(in_world(item.model->model().objects[k].bounds, item.states[k].transform));
   };
   each([&](const Sphere& s) {
     low = glm::min(low, s.center - s.radius);
@@ -95,7 +95,7 @@ Sphere around_objects(std::span<const DrawItem> items) {
 float lowest_point(std::span<const DrawItem> items) {
   float lowest = HUGE_VALF;
   for (const DrawItem& item : items)
-    for (const Vertex& v : item.scene->scene().vertices)
+    for (const Vertex& v : item.model->model().vertices)
       if (item.states[v.object].visible) {
         const glm::mat4& m = item.states[v.object].transform;
         lowest =
@@ -158,8 +158,8 @@ void Renderer::upload_frame(const Frame& frame) const {
 /// map: -1 the sun, else a direction of the sky.
 void Renderer::draw_depth(const DrawItem& item, const RenderSettings& settings, int map,
                           FrameStats& stats) const {
-  const GpuScene& gpu = *item.scene;
-  const Scene& scene = gpu.scene();
+  const GpuModel& gpu = *item.model;
+  const Model& model = gpu.model();
   const std::span<const ObjectState> states = item.states;
   const SolidLook look = settings.highlight == Highlight::kNone ? item.look : SolidLook::kPlaster;
   gpu.bind();
@@ -170,12 +170,12 @@ void Renderer::draw_depth(const DrawItem& item, const RenderSettings& settings, 
     stats.shadow_draw_calls += !draw.empty();
     draw.flush();
   };
-  for (const Surface& surface : scene.surfaces) {
+  for (const Surface& surface : model.surfaces) {
     if (!states[surface.object].visible) continue;
     if (surface.material != current) {
       flush();
       current = surface.material;
-      const Material m = with_look(scene.materials[current], look);
+      const Material m = with_look(model.materials[current], look);
       const bool masked = m.alpha_mode == AlphaMode::kMask;
       depth_.set("cutoff", masked ? m.alpha_cutoff : -1.f);
       depth_.set("alpha_factor", m.base_color.a);
@@ -214,14 +214,14 @@ void Renderer::depth_passes(std::span<const DrawItem> items, const RenderSetting
 void Renderer::begin_surfaces(const DrawItem& item) const {
   surface_.use();
   surface_.set("look", static_cast<int>(item.look));
-  item.scene->bind();
+  item.model->bind();
 }
 
 void Renderer::draw_surfaces(const DrawItem& item, const Camera& camera, bool blended,
                              const RenderSettings& settings, FrameStats& stats) const {
   begin_surfaces(item);
-  const GpuScene& gpu = *item.scene;
-  const Scene& scene = gpu.scene();
+  const GpuModel& gpu = *item.model;
+  const Model& model = gpu.model();
   const std::span<const ObjectState> states = item.states;
   const auto planes = frustum_planes(camera.view_projection());
   Draw draw;
@@ -242,19 +242,19 @@ void Renderer::draw_surfaces(const DrawItem& item, const Camera& camera, bool bl
     draw.flush();
     stats.draw_calls += 2;
   };
-  for (const Surface& surface : scene.surfaces) {
+  for (const Surface& surface : model.surfaces) {
     const ObjectState& state = states[surface.object];
     if (!state.visible) continue;
     if (surface.material != current) {
       flush();
       current = surface.material;
-      material = with_look(scene.materials[current], item.look);
+      material = with_look(model.materials[current], item.look);
       if (settings.highlight == Highlight::kInterior)
         material.transmission = 0, material.alpha_mode = AlphaMode::kOpaque;
       if (material.blended() == blended) set_material(gpu, material, settings);
     }
     if (material.blended() != blended) continue;
-    if (!touches(planes, in_world(scene.objects[surface.object].bounds, state.transform))) {
+    if (!touches(planes, in_world(model.objects[surface.object].bounds, state.transform))) {
       ++stats.culled;
       continue;
     }
@@ -264,7 +264,7 @@ void Renderer::draw_surfaces(const DrawItem& item, const Camera& camera, bool bl
   flush();
 }
 
-void Renderer::set_material(const GpuScene& gpu, const Material& m, const RenderSettings& settings) const {
+void Renderer::set_material(const GpuModel& gpu, const Material& m, const RenderSettings& settings) const {
   const glm::vec4 pbr(m.metallic, m.roughness, m.transmission, m.ior);
   const glm::vec4 more(m.normal_texture.picture != kNoSlot ? m.normal_scale : 0.f, m.occlusion_strength,
                        m.alpha_mode == AlphaMode::kMask ? m.alpha_cutoff : -1.f,
@@ -285,7 +285,7 @@ void Renderer::set_material(const GpuScene& gpu, const Material& m, const Render
     glEnable(GL_CULL_FACE);
 }
 
-FrameStats Renderer::draw(GpuScene& gpu, std::span<const ObjectState> states, const Camera& camera,
+FrameStats Renderer::draw(GpuModel& gpu, std::span<const ObjectState> states, const Camera& camera,
                           const RenderSettings& settings, GLuint framebuffer, int width, int height) {
   const DrawItem item{&gpu, states, settings.look, settings.grain};
   return draw(std::span(&item, 1), camera, settings, framebuffer, width, height);
@@ -294,7 +294,7 @@ FrameStats Renderer::draw(GpuScene& gpu, std::span<const ObjectState> states, co
 FrameStats Renderer::draw(std::span<const DrawItem> items, const Camera& camera,
                           const RenderSettings& settings, GLuint framebuffer, int width, int height) {
   const Lighting& light = settings.lighting;
-  const Sphere sphere = settings.stage ? *settings.stage : around_objects(items);
+  const Sphere sphere = settings.lit ? *settings.lit : around_objects(items);
   Frame frame{};
   frame.view_projection = camera.view_projection();
   frame.inverse_view_projection = glm::inverse(frame.view_projection);
@@ -327,7 +327,7 @@ FrameStats Renderer::draw(std::span<const DrawItem> items, const Camera& camera,
   frame.forward = glm::vec4(-camera.view[0][2], -camera.view[1][2], -camera.view[2][2], 0);
   upload_frame(frame);
 
-  for (const DrawItem& item : items) item.scene->set_states(item.states, item.grain);
+  for (const DrawItem& item : items) item.model->set_states(item.states, item.grain);
   FrameStats stats;
   depth_passes(items, settings, stats);
 

@@ -1,4 +1,4 @@
-// Draws scenes into the bound framebuffer: sun with a soft shadow map, sky with shadows of its own, a ground,
+// Draws models into the bound framebuffer: sun with a soft shadow map, sky with shadows of its own, a ground,
 // and glTF 2.0's metallic-roughness materials. It makes no context and no window: one with OpenGL 3.3 core
 // has to be current, made by EGL (client/headless) or by a window, from construction to destruction.
 //
@@ -13,7 +13,7 @@
 #include <span>
 
 #include "client/render/camera.hpp"
-#include "client/render/gpu_scene.hpp"
+#include "client/render/gpu_model.hpp"
 #include "client/render/looks.hpp"
 #include "client/render/shadow_maps.hpp"
 
@@ -37,7 +37,7 @@ struct Lighting {
 struct RenderSettings {
   Lighting lighting;
   Ground ground = Ground::kPlane;
-  std::optional<float> ground_height;            ///< y, metres; the lowest point of the scene when empty
+  std::optional<float> ground_height;            ///< y, metres; the lowest point of the model when empty
   glm::vec3 ground_color{0.34f, 0.345f, 0.36f};  ///< linear
   bool background = true;                        ///< false: transparent black
   glm::vec3 background_top{0.17f, 0.20f, 0.25f},
@@ -46,13 +46,13 @@ struct RenderSettings {
   SolidLook look = SolidLook::kNone;  ///< a material for everything, by a solid texture (looks.hpp)
   glm::vec3 grain{0, 1, 0};           ///< of a look that has one
   /// What light and shadow maps cover, and the middle of the ground; around all visible objects when empty.
-  std::optional<Sphere> stage;
+  std::optional<Sphere> lit;
   bool wireframe = false;  ///< edges of the surfaces alone
 };
 
-/// One of several scenes that stand in the same picture, with a look of its own.
+/// One of several models that stand in the same picture, with a look of its own.
 struct DrawItem {
-  GpuScene* scene = nullptr;
+  GpuModel* model = nullptr;
   std::span<const ObjectState> states;  ///< one for each object
   SolidLook look = SolidLook::kNone;
   glm::vec3 grain{0, 1, 0};  ///< of objects without a placement of their own
@@ -72,9 +72,9 @@ class Renderer {
 
   /// Draws into `framebuffer`, of width × height pixels, and clears it first. `states` has one for each
   /// object.
-  FrameStats draw(GpuScene& scene, std::span<const ObjectState> states, const Camera& camera,
+  FrameStats draw(GpuModel& model, std::span<const ObjectState> states, const Camera& camera,
                   const RenderSettings& settings, GLuint framebuffer, int width, int height);
-  /// Several scenes in one picture; the looks of the items replace that of the settings.
+  /// Several models in one picture; the looks of the items replace that of the settings.
   FrameStats draw(std::span<const DrawItem> items, const Camera& camera, const RenderSettings& settings,
                   GLuint framebuffer, int width, int height);
 
@@ -88,7 +88,7 @@ class Renderer {
   void begin_surfaces(const DrawItem& item) const;
   void draw_surfaces(const DrawItem& item, const Camera& camera, bool blended, const RenderSettings& settings,
                      FrameStats& stats) const;
-  void set_material(const GpuScene& scene, const Material& material, const RenderSettings& settings) const;
+  void set_material(const GpuModel& model, const Material& material, const RenderSettings& settings) const;
   void draw_ground(const RenderSettings& settings) const;
 
   Program surface_, depth_, ground_, background_;

@@ -5,7 +5,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <string>
 
-#include "client/render/gpu_scene.hpp"
+#include "client/render/gpu_model.hpp"
 
 namespace fracture::render {
 namespace {

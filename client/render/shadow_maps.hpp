@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "client/render/gl_objects.hpp"
-#include "client/render/scene.hpp"
+#include "client/render/model.hpp"
 
 namespace fracture::render {
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "client/scenes/stage.hpp"
+#include "client/scenes/scene.hpp"
 
 namespace fracture::scenes {
 namespace {
@@ -71,12 +71,12 @@ const std::vector<std::string>& material_names() {
   return names;
 }
 
-void set_material(Stage& stage, const std::string& name) {
+void set_material(Scene& scene, const std::string& name) {
   const auto& all = game_materials();
   const auto material =
       std::find_if(all.begin(), all.end(), [&](const GameMaterial& m) { return m.name == name; });
   if (material == all.end()) return;
-  for (StageObject& object : stage.objects) {
+  for (SceneObject& object : scene.objects) {
     // What the place of the object demands stays.
     nlohmann::json kept = nlohmann::json::object();
     for (const char* key : {"anchor_plane", "anchor_box", "anchor_points"})
@@ -94,7 +94,7 @@ void set_material(Stage& stage, const std::string& name) {
   }
 }
 
-nlohmann::json fracture_parameters(const StageObject& object, const world::Impact& impact, std::uint64_t seed,
+nlohmann::json fracture_parameters(const SceneObject& object, const world::Impact& impact, std::uint64_t seed,
                                    const nlohmann::json& overrides) {
   const Breakage& b = object.breakage;
   const double growth = std::clamp(std::cbrt(std::max(impact.energy, 0.0) / b.energy), 0.6, 2.0);

@@ -15,15 +15,15 @@ namespace {
 namespace fs = std::filesystem;
 
 Expected<MeshAsset> complete(MeshAsset asset, const std::vector<float>& cuts = {}) {
-  auto scene = render::read_scene(std::as_bytes(std::span(asset.bytes.data(), asset.bytes.size())));
-  if (!scene) return fail(ErrorCode::kMalformedMesh, scene.error().detail);
+  auto model = render::read_model(std::as_bytes(std::span(asset.bytes.data(), asset.bytes.size())));
+  if (!model) return fail(ErrorCode::kMalformedMesh, model.error().detail);
   std::vector<glm::vec3> positions;
-  positions.reserve(scene->vertices.size());
-  for (const render::Vertex& v : scene->vertices)
-    positions.emplace_back(scene->objects[v.object].transform * glm::vec4(v.position, 1));
+  positions.reserve(model->vertices.size());
+  for (const render::Vertex& v : model->vertices)
+    positions.emplace_back(model->objects[v.object].transform * glm::vec4(v.position, 1));
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  for (std::size_t k = 0; k + 2 < scene->indices.size(); k += 3)
-    triangles.push_back({scene->indices[k], scene->indices[k + 1], scene->indices[k + 2]});
+  for (std::size_t k = 0; k + 2 < model->indices.size(); k += 3)
+    triangles.push_back({model->indices[k], model->indices[k + 1], model->indices[k + 2]});
   asset.unit_mass = world::solid_mass(positions, triangles, 1);
   for (std::size_t k = 0; k <= cuts.size(); ++k) {
     const float from = k == 0 ? -HUGE_VALF : cuts[k - 1], to = k == cuts.size() ? HUGE_VALF : cuts[k];
@@ -40,8 +40,8 @@ Expected<MeshAsset> complete(MeshAsset asset, const std::vector<float>& cuts = {
     asset.low = glm::min(asset.low, glm::dvec3(p));
     asset.high = glm::max(asset.high, glm::dvec3(p));
   }
-  asset.warnings.insert(asset.warnings.end(), scene->warnings.begin(), scene->warnings.end());
-  asset.scene = std::make_shared<const render::Scene>(std::move(*scene));
+  asset.warnings.insert(asset.warnings.end(), model->warnings.begin(), model->warnings.end());
+  asset.model = std::make_shared<const render::Model>(std::move(*model));
   return asset;
 }
 

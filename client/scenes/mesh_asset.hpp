@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "client/render/scene.hpp"
 #include "client/scenes/solid_shapes.hpp"
+#include "client/render/model.hpp"
 #include "client/world/world.hpp"
 #include "common/base/error.hpp"
 
@@ -17,7 +17,7 @@ struct MeshAsset {
   std::string name;
   std::string bytes;  ///< GLB or glTF
   std::string content_type = "model/gltf-binary";
-  std::shared_ptr<const render::Scene> scene;
+  std::shared_ptr<const render::Model> model;
   std::vector<world::Hull> hulls;     ///< of all of it, or of its slices; at most 64 points each
   world::MassProperties unit_mass;    ///< at 1 kg/m³
   glm::dvec3 low{0}, high{0};         ///< box

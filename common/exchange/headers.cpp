@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdint>
 
-#include "common/digest/digest.hpp"
 #include "common/base/text.hpp"
+#include "common/digest/digest.hpp"
 
 namespace fracture::protocol {
 namespace {
@@ -20,11 +20,11 @@ std::string_view cut(std::string_view& rest, char separator) {
 
 }  // namespace
 
-std::vector<Stage> parse_server_timing(std::string_view value) {
-  std::vector<Stage> stages;
+std::vector<StageTime> parse_server_timing(std::string_view value) {
+  std::vector<StageTime> stages;
   while (!value.empty()) {
     std::string_view entry = cut(value, ',');
-    Stage stage{std::string(cut(entry, ';')), -1};
+    StageTime stage{std::string(cut(entry, ';')), -1};
     while (!entry.empty()) {
       const std::string_view parameter = cut(entry, ';');
       if (!parameter.starts_with("dur=")) continue;

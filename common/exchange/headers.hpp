@@ -11,13 +11,13 @@
 namespace fracture::protocol {
 
 /// One entry of Server-Timing.
-struct Stage {
+struct StageTime {
   std::string name;
   double milliseconds = 0;
 };
 
 /// Server-Timing (W3C): `queue;dur=0.1, clip;dur=3.25`. What is not understood is left out.
-std::vector<Stage> parse_server_timing(std::string_view value);
+std::vector<StageTime> parse_server_timing(std::string_view value);
 
 /// Retry-After in whole seconds (RFC 9110, 10.2.3); nothing for a date or nonsense, or beyond a day.
 std::optional<Milliseconds> parse_retry_after(std::string_view value);

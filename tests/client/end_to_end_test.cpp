@@ -119,10 +119,10 @@ TEST(EndToEnd, AServerThatIsKilledAndStartedAgainIsUsedAgain) {
   settings.patience = protocol::Milliseconds(200);
   settings.longest_pause = protocol::Milliseconds(50);
   protocol::Client client(settings);
-  Expected<scenes::Stage> stage = scenes::make_stage("panes");
-  ASSERT_TRUE(stage);
-  const glm::dvec3 first_pane = stage->objects[0].pose.position, last_pane = stage->objects[4].pose.position;
-  game::Game game(std::move(*stage), client, {});
+  Expected<scenes::Scene> scene = scenes::make_scene("panes");
+  ASSERT_TRUE(scene);
+  const glm::dvec3 first_pane = scene->objects[0].pose.position, last_pane = scene->objects[4].pose.position;
+  game::Game game(std::move(*scene), client, {});
   const auto frame = [&] {
     game.advance(1.0 / 60, true);
     // pause: a game draws here; how many frames an answer takes is not judged

@@ -21,18 +21,18 @@ inline std::string digest_field(const std::string& bytes) {
 inline FakeReply glb(const std::string& bytes) { return FakeReply::answer(200, bytes, digest_field(bytes)); }
 
 /// Falls and is hit by the ground at once: two cubes of a metre.
-inline scenes::Stage falling_box() {
-  scenes::Stage stage;
-  stage.name = "box";
-  scenes::StageObject object;
+inline scenes::Scene falling_box() {
+  scenes::Scene scene;
+  scene.name = "box";
+  scenes::SceneObject object;
   scenes::SurfaceMesh mesh = scenes::box({2, 1, 1});
   for (glm::vec3& p : mesh.positions) p.x += 0.5f;  // as the two cubes lie
   object.mesh = std::make_shared<const scenes::MeshAsset>(scenes::make_asset(mesh, "box", {1, 1, 1, 1}));
   object.density = 2000;
   object.strength = 100;
   object.pose.position = {0, 1.5, 0};
-  stage.objects.push_back(object);
-  return stage;
+  scene.objects.push_back(object);
+  return scene;
 }
 
 inline protocol::Settings settings_for(const FakeServer& server) {

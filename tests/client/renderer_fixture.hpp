@@ -14,7 +14,7 @@
 #include "client/headless/egl_context.hpp"
 #include "client/render/frame_target.hpp"
 #include "client/render/renderer.hpp"
-#include "tests/client/scenes.hpp"
+#include "tests/client/models.hpp"
 
 namespace fracture::test {
 
@@ -41,14 +41,14 @@ class RendererTest : public testing::Test {
   }
 
   /// Draws once; the statistics are in `stats`.
-  render::Picture draw(const render::Scene& scene, const render::Camera& camera,
+  render::Picture draw(const render::Model& model, const render::Camera& camera,
                        const render::RenderSettings& settings, int width = 300, int height = 300,
                        std::span<const render::ObjectState> states = {}) {
-    auto gpu = render::GpuScene::upload(std::make_shared<const render::Scene>(scene));
+    auto gpu = render::GpuModel::upload(std::make_shared<const render::Model>(model));
     if (!gpu) throw std::runtime_error(gpu.error().detail);
     auto target = render::FrameTarget::create(width, height);
     if (!target) throw std::runtime_error(target.error().detail);
-    const auto initial = initial_states(scene);
+    const auto initial = initial_states(model);
     stats = renderer->draw(*gpu, states.empty() ? std::span<const render::ObjectState>(initial) : states,
                            camera, settings, target->framebuffer(), width, height);
     EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
@@ -100,11 +100,11 @@ inline render::Color pixel_at(const render::Picture& picture, const render::Came
 }
 
 /// The unit cube around the origin.
-inline render::Scene red_cube() {
-  render::Scene scene;
-  scene.materials.push_back(paint({0.8f, 0.02f, 0.02f}));
-  add_box(scene, {0, 0, 0}, {1, 1, 1});
-  return scene;
+inline render::Model red_cube() {
+  render::Model model;
+  model.materials.push_back(paint({0.8f, 0.02f, 0.02f}));
+  add_box(model, {0, 0, 0}, {1, 1, 1});
+  return model;
 }
 
 /// Looks at the sphere from a direction, in degrees, and shows just it.

@@ -6,8 +6,8 @@
 #include <iterator>
 
 #include "client/render/fragment_views.hpp"
+#include "tests/client/models.hpp"
 #include "tests/client/renderer_fixture.hpp"
-#include "tests/client/scenes.hpp"
 #include "tests/server/temporary_folder.hpp"
 
 namespace fracture::test {
@@ -46,41 +46,41 @@ TEST_F(RendererTest, ARedCubeIsRed) {
 }
 
 TEST_F(RendererTest, TheSamePictureTwice) {
-  const Scene scene = cube_of_fragments(3);
+  const Model model = cube_of_fragments(3);
   const Camera camera = straight(30, 20);
-  EXPECT_EQ(draw(scene, camera, {}).pixels, draw(scene, camera, {}).pixels);
+  EXPECT_EQ(draw(model, camera, {}).pixels, draw(model, camera, {}).pixels);
 }
 
 TEST_F(RendererTest, ExplodedFragmentsCoverMoreThanAssembledOnes) {
-  const Scene scene = cube_of_fragments(2);
+  const Model model = cube_of_fragments(2);
   ViewOptions options;
   options.view = View::kExploded;
   options.explode = 0.6f;
-  const auto exploded = view_states(scene, options, {});
-  const Camera camera = straight(35, 25, true, bounding_sphere(scene, exploded));
-  const double together = coverage(draw(scene, camera, bare()));
-  const double apart = coverage(draw(scene, camera, bare(), 300, 300, exploded));
+  const auto exploded = view_states(model, options, {});
+  const Camera camera = straight(35, 25, true, bounding_sphere(model, exploded));
+  const double together = coverage(draw(model, camera, bare()));
+  const double apart = coverage(draw(model, camera, bare(), 300, 300, exploded));
   EXPECT_GT(apart, 1.2 * together);
   // Assembled, the eight are the cube.
   EXPECT_NEAR(together, coverage(draw(red_cube(), camera, bare())), 0.002);
 }
 
 TEST_F(RendererTest, StraightOnExplodedFragmentsShowTheirOwnFaces) {
-  const Scene scene = cube_of_fragments(2);
+  const Model model = cube_of_fragments(2);
   ViewOptions options;
   options.view = View::kExploded;
   options.explode = 1;
-  const auto states = view_states(scene, options, {});
+  const auto states = view_states(model, options, {});
   // Four faces of side 1/2 in front, the other four exactly behind them; in a picture of side 2 · 2.
-  const double seen = coverage(draw(scene, straight(0, 0, true, {{0, 0, 0}, 2}), bare(), 400, 400, states));
+  const double seen = coverage(draw(model, straight(0, 0, true, {{0, 0, 0}, 2}), bare(), 400, 400, states));
   EXPECT_NEAR(seen, 1.0 / 16, 0.01 / 16);
 }
 
 TEST_F(RendererTest, HiddenObjectsAreNotDrawn) {
-  const Scene scene = cube_of_fragments(2);
-  auto states = initial_states(scene);
+  const Model model = cube_of_fragments(2);
+  auto states = initial_states(model);
   for (std::size_t k = 0; k < states.size(); ++k) states[k].visible = k % 2 == 0;  // the slab at small x
-  const double seen = coverage(draw(scene, straight(0, 0), bare(), 300, 300, states));
+  const double seen = coverage(draw(model, straight(0, 0), bare(), 300, 300, states));
   EXPECT_NEAR(seen, 0.5 / 3, 0.01);
   EXPECT_EQ(stats.surfaces, 24u);
 }
@@ -110,10 +110,10 @@ std::string square_with_picture(const Picture& picture, const nlohmann::json& ma
        {"images", {{{"uri", "data:image/png;base64," + base64(bytes)}, {"mimeType", "image/png"}}}}});
 }
 
-Scene read(const std::string& text) {
-  auto scene = read_scene(std::as_bytes(std::span(text)));
-  if (!scene) throw std::runtime_error(scene.error().detail);
-  return std::move(*scene);
+Model read(const std::string& text) {
+  auto model = read_model(std::as_bytes(std::span(text)));
+  if (!model) throw std::runtime_error(model.error().detail);
+  return std::move(*model);
 }
 
 const Picture& four_colors() {
@@ -143,21 +143,21 @@ std::string corners(const Picture& picture, const Camera& camera) {
 }
 
 TEST_F(RendererTest, ATextureLandsTheRightWayRound) {
-  const Scene scene = read(square_with_picture(four_colors(), nlohmann::json::object()));
-  EXPECT_EQ(corners(draw(scene, straight(0, 0), bare()), straight(0, 0)), "rgbw");
+  const Model model = read(square_with_picture(four_colors(), nlohmann::json::object()));
+  EXPECT_EQ(corners(draw(model, straight(0, 0), bare()), straight(0, 0)), "rgbw");
 }
 
 TEST_F(RendererTest, AMirroredNodeIsMirroredAndNotInsideOut) {
-  const Scene scene =
+  const Model model =
       read(square_with_picture(four_colors(), nlohmann::json::object(), {{"scale", {-1, 1, 1}}}));
-  EXPECT_EQ(corners(draw(scene, straight(0, 0), bare()), straight(0, 0)),
+  EXPECT_EQ(corners(draw(model, straight(0, 0), bare()), straight(0, 0)),
             "grwb");                                              // seen from the front, sides swapped
-  EXPECT_EQ(coverage(draw(scene, straight(180, 0), bare())), 0);  // and not from behind
+  EXPECT_EQ(coverage(draw(model, straight(180, 0), bare())), 0);  // and not from behind
 }
 
 TEST_F(RendererTest, OneSidedSurfacesAreSeenFromTheirFrontDoubleSidedOnesFromBoth) {
-  const Scene one = read(square_with_picture(four_colors(), nlohmann::json::object()));
-  const Scene both = read(square_with_picture(four_colors(), {{"doubleSided", true}}));
+  const Model one = read(square_with_picture(four_colors(), nlohmann::json::object()));
+  const Model both = read(square_with_picture(four_colors(), {{"doubleSided", true}}));
   EXPECT_NEAR(coverage(draw(one, straight(0, 0), bare())), 1.0 / 3, 0.01);
   EXPECT_EQ(coverage(draw(one, straight(180, 0), bare())), 0);
   EXPECT_NEAR(coverage(draw(both, straight(180, 0), bare())), 1.0 / 3, 0.01);
@@ -171,9 +171,9 @@ TEST_F(RendererTest, AMaskCutsWhereAlphaIsBelowItsCutoff) {
   picture.at(1, 1)[3] = 140;  // above
   // write_png drops alpha, so the mask comes from the factor and vertex colours would; a texture's alpha is
   // opaque.
-  const Scene opaque = read(square_with_picture(picture, {{"alphaMode", "MASK"}}));
+  const Model opaque = read(square_with_picture(picture, {{"alphaMode", "MASK"}}));
   EXPECT_NEAR(coverage(draw(opaque, straight(0, 0), bare())), 1.0 / 3, 0.01);
-  Scene masked = opaque;
+  Model masked = opaque;
   for (Picture& p : masked.pictures) {
     p.at(0, 0)[3] = 100;
     p.at(1, 1)[3] = 140;
@@ -186,14 +186,14 @@ TEST_F(RendererTest, AMaskCutsWhereAlphaIsBelowItsCutoff) {
 TEST_F(RendererTest, ANormalMapBendsTheLightTheRightWay) {
   // Texture (1, 0.5, 0.5)-ish leans to +x (tangent, u to the right); green leans up: glTF 2.0, 3.9.3.
   const auto brightness = [&](Color normal, glm::vec3 towards_sun) {
-    Scene scene = read(square_with_picture(Picture(2, 2, {200, 200, 200, 255}), nlohmann::json::object()));
-    scene.pictures.push_back(Picture(2, 2, normal));
-    scene.materials[0].normal_texture.picture = 1;
+    Model model = read(square_with_picture(Picture(2, 2, {200, 200, 200, 255}), nlohmann::json::object()));
+    model.pictures.push_back(Picture(2, 2, normal));
+    model.materials[0].normal_texture.picture = 1;
     RenderSettings settings = bare();
     settings.lighting.sky = settings.lighting.ground = glm::vec3(0);
     settings.lighting.towards_sun = towards_sun;
     settings.lighting.sun_shadow = false;
-    return luminance(pixel_at(draw(scene, straight(0, 0), settings), straight(0, 0), {0.1f, 0.1f, 0}));
+    return luminance(pixel_at(draw(model, straight(0, 0), settings), straight(0, 0), {0.1f, 0.1f, 0}));
   };
   const Color right = {218, 128, 218, 255}, left = {38, 128, 218, 255}, up = {128, 218, 218, 255},
               down = {128, 38, 218, 255};
@@ -206,14 +206,14 @@ TEST_F(RendererTest, ANormalMapBendsTheLightTheRightWay) {
 // -- how much is submitted
 
 TEST_F(RendererTest, FiveHundredFragmentsOfTwoMaterialsAreTwoDrawCalls) {
-  Scene scene;
-  scene.materials = {paint({0.5f, 0.5f, 0.5f}), paint({0.6f, 0.3f, 0.2f})};
+  Model model;
+  model.materials = {paint({0.5f, 0.5f, 0.5f}), paint({0.6f, 0.3f, 0.2f})};
   for (int k = 0; k < 500; ++k)
-    add_box(scene, {static_cast<float>(k % 10), static_cast<float>(k / 10 % 10), static_cast<float>(k / 100)},
+    add_box(model, {static_cast<float>(k % 10), static_cast<float>(k / 10 % 10), static_cast<float>(k / 100)},
             glm::vec3(0.8f), {0, 0, 0, 0, 1, 1});
-  sort_by_material(scene);
-  const Sphere sphere = bounding_sphere(scene, {});
-  const Picture picture = draw(scene, straight(30, 20, true, sphere), bare());
+  sort_by_material(model);
+  const Sphere sphere = bounding_sphere(model, {});
+  const Picture picture = draw(model, straight(30, 20, true, sphere), bare());
   EXPECT_EQ(stats.draw_calls, 2u);
   EXPECT_EQ(stats.surfaces, 3000u);
   EXPECT_EQ(stats.culled, 0u);
@@ -221,11 +221,11 @@ TEST_F(RendererTest, FiveHundredFragmentsOfTwoMaterialsAreTwoDrawCalls) {
 }
 
 TEST_F(RendererTest, WhatIsOutOfSightIsCulled) {
-  Scene scene;
-  scene.materials = {paint({0.5f, 0.5f, 0.5f})};
-  add_box(scene, {0, 0, 0}, glm::vec3(1));
-  add_box(scene, {50, 0, 0}, glm::vec3(1));
-  const double seen = coverage(draw(scene, straight(0, 0), bare()));
+  Model model;
+  model.materials = {paint({0.5f, 0.5f, 0.5f})};
+  add_box(model, {0, 0, 0}, glm::vec3(1));
+  add_box(model, {50, 0, 0}, glm::vec3(1));
+  const double seen = coverage(draw(model, straight(0, 0), bare()));
   EXPECT_NEAR(seen, 1.0 / 3, 0.01);
   EXPECT_EQ(stats.surfaces, 6u);
   EXPECT_EQ(stats.culled, 6u);

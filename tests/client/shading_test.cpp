@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "client/render/fragment_views.hpp"
+#include "tests/client/models.hpp"
 #include "tests/client/renderer_fixture.hpp"
-#include "tests/client/scenes.hpp"
 
 namespace fracture::test {
 namespace {
@@ -14,13 +14,13 @@ using namespace fracture::render;
 
 /// A pillar on the ground at the origin, and a camera high enough to see around it.
 struct Pillar {
-  Scene scene;
+  Model model;
   Camera camera;
   RenderSettings settings;
 
   Pillar() {
-    scene.materials = {paint({0.5f, 0.5f, 0.5f})};
-    add_box(scene, {0, 0.5f, 0}, {0.5f, 1, 0.5f});
+    model.materials = {paint({0.5f, 0.5f, 0.5f})};
+    add_box(model, {0, 0.5f, 0}, {0.5f, 1, 0.5f});
     CameraPlacement placement;
     placement.yaw = 0;
     placement.pitch = 60;
@@ -33,7 +33,7 @@ struct Pillar {
 
 TEST_F(RendererTest, AShadowFallsOnTheSideAwayFromTheLight) {
   Pillar p;
-  const Picture picture = draw(p.scene, p.camera, p.settings);
+  const Picture picture = draw(p.model, p.camera, p.settings);
   // The sun stands at 45° over +x: the shadow of the top reaches from x = -0.25 to x = -1.25.
   const double lit = luminance(pixel_at(picture, p.camera, {0.8f, 0, 0}));
   const double dark = luminance(pixel_at(picture, p.camera, {-0.8f, 0, 0}));
@@ -43,12 +43,12 @@ TEST_F(RendererTest, AShadowFallsOnTheSideAwayFromTheLight) {
   EXPECT_NEAR(luminance(pixel_at(picture, p.camera, {-0.8f, 0, 0.6f})), lit, 0.05 * lit);  // beside it
 
   p.settings.lighting.towards_sun = {-1, 1, 0};
-  const Picture other = draw(p.scene, p.camera, p.settings);
+  const Picture other = draw(p.model, p.camera, p.settings);
   EXPECT_LT(luminance(pixel_at(other, p.camera, {0.8f, 0, 0})),
             0.7 * luminance(pixel_at(other, p.camera, {-0.8f, 0, 0})));
 
   p.settings.lighting.sun_shadow = false;
-  const Picture without = draw(p.scene, p.camera, p.settings);
+  const Picture without = draw(p.model, p.camera, p.settings);
   EXPECT_NEAR(luminance(pixel_at(without, p.camera, {0.8f, 0, 0})),
               luminance(pixel_at(without, p.camera, {-0.8f, 0, 0})), 0.01);
 }
@@ -56,7 +56,7 @@ TEST_F(RendererTest, AShadowFallsOnTheSideAwayFromTheLight) {
 TEST_F(RendererTest, TheShadowEndsWhereGeometrySays) {
   Pillar p;
   p.settings.lighting.sun_softness = 1;
-  const Picture picture = draw(p.scene, p.camera, p.settings, 600, 600);
+  const Picture picture = draw(p.model, p.camera, p.settings, 600, 600);
   const double lit = luminance(pixel_at(picture, p.camera, {1.2f, 0, 0})),
                dark = luminance(pixel_at(picture, p.camera, {-0.8f, 0, 0}));
   float edge = 0;
@@ -76,23 +76,23 @@ TEST_F(RendererTest, ThePlainSideTowardsTheSunIsBrighter) {
   placement.pitch = 0;
   const Camera camera = fit_camera({{0, 0.5f, 0}, 0.7f}, placement, 1);
   p.settings.lighting.towards_sun = {1, 0.2f, 0};
-  const Picture picture = draw(p.scene, camera, p.settings);
+  const Picture picture = draw(p.model, camera, p.settings);
   EXPECT_GT(luminance(pixel_at(picture, camera, {0.25f, 0.5f, 0.05f})),
             1.5 * luminance(pixel_at(picture, camera, {0.05f, 0.5f, 0.25f})));
 }
 
 TEST_F(RendererTest, ClosedSurfacesDoNotShadowThemselvesWhereTheSunShines) {
   // Acne would darken some pixels of an evenly lit face.
-  Scene scene;
-  scene.materials = {paint({0.5f, 0.5f, 0.5f})};
-  add_box(scene, {0, 0, 0}, glm::vec3(1));
+  Model model;
+  model.materials = {paint({0.5f, 0.5f, 0.5f})};
+  add_box(model, {0, 0, 0}, glm::vec3(1));
   RenderSettings settings = bare();
   settings.lighting.towards_sun = {0.3f, 1, 0.2f};
   CameraPlacement placement;
   placement.pitch = 80;
   placement.yaw = 0;
   const Camera camera = fit_camera({{0, 0, 0}, 0.9f}, placement, 1);
-  const Picture picture = draw(scene, camera, settings);
+  const Picture picture = draw(model, camera, settings);
   double lowest = 1, highest = 0;
   for (float x = -0.45f; x <= 0.45f; x += 0.02f)
     for (float z = -0.45f; z <= 0.45f; z += 0.02f) {
@@ -107,25 +107,25 @@ TEST_F(RendererTest, TheSkyReachesCornersLessThanOpenGround) {
   Pillar p;
   p.settings.lighting.sun = glm::vec3(0);
   p.settings.lighting.sky_shadows = 32;
-  const Picture picture = draw(p.scene, p.camera, p.settings);
+  const Picture picture = draw(p.model, p.camera, p.settings);
   const double close = luminance(pixel_at(picture, p.camera, {0, 0, 0.30f})),
                open = luminance(pixel_at(picture, p.camera, {0, 0, 1.4f}));
   EXPECT_LT(close, 0.85 * open);
   p.settings.lighting.sky_shadows = 0;
-  const Picture without = draw(p.scene, p.camera, p.settings);
+  const Picture without = draw(p.model, p.camera, p.settings);
   EXPECT_NEAR(luminance(pixel_at(without, p.camera, {0, 0, 0.30f})),
               luminance(pixel_at(without, p.camera, {0, 0, 1.4f})), 0.02);
 }
 
 /// Two squares facing +z: one at z = 0 that glows, one before it.
-Scene glow_behind(const Material& front) {
-  Scene scene;
+Model glow_behind(const Material& front) {
+  Model model;
   Material glow = paint({0, 0, 0});
   glow.emissive = {0.5f, 0.5f, 0.5f};
-  scene.materials = {glow, front};
-  add_box(scene, {0, 0, -0.5f}, {2, 2, 0.1f}, 0);
-  add_box(scene, {0, 0, 0.5f}, {1, 1, 0.1f}, 1);
-  return scene;
+  model.materials = {glow, front};
+  add_box(model, {0, 0, -0.5f}, {2, 2, 0.1f}, 0);
+  add_box(model, {0, 0, 0.5f}, {1, 1, 0.1f}, 1);
+  return model;
 }
 
 TEST_F(RendererTest, AlphaBlendsInLinearLight) {
@@ -167,11 +167,11 @@ TEST_F(RendererTest, ClearGlassLetsLightThroughAndTintsIt) {
 }
 
 TEST_F(RendererTest, CutFacesAreOrangeWhenHighlighted) {
-  Scene scene;
-  scene.materials = {paint({0.1f, 0.1f, 0.8f}), paint({0.1f, 0.8f, 0.1f})};
-  scene.materials[1].interior = true;
-  add_box(scene, {0, 0, 0}, glm::vec3(1), {1, 0, 0, 0, 0, 0});  // the face at +x is a cut
-  sort_by_material(scene);
+  Model model;
+  model.materials = {paint({0.1f, 0.1f, 0.8f}), paint({0.1f, 0.8f, 0.1f})};
+  model.materials[1].interior = true;
+  add_box(model, {0, 0, 0}, glm::vec3(1), {1, 0, 0, 0, 0, 0});  // the face at +x is a cut
+  sort_by_material(model);
   RenderSettings settings = bare();
   settings.highlight = Highlight::kInterior;
   settings.lighting.towards_sun = {1, 1, 1};
@@ -181,7 +181,7 @@ TEST_F(RendererTest, CutFacesAreOrangeWhenHighlighted) {
   placement.orthographic = true;
   placement.margin = 1;
   const Camera camera = fit_camera({{0, 0, 0}, std::sqrt(3.f) / 2}, placement, 1);
-  const Picture picture = draw(scene, camera, settings);
+  const Picture picture = draw(model, camera, settings);
   double orange = 0, grey = 0;
   for (const Color& c : picture.pixels) {
     if (c[3] < 255) continue;
@@ -193,18 +193,18 @@ TEST_F(RendererTest, CutFacesAreOrangeWhenHighlighted) {
 }
 
 TEST_F(RendererTest, FragmentColorsReplaceTheMaterial) {
-  const Scene scene = cube_of_fragments(2);
+  const Model model = cube_of_fragments(2);
   ViewOptions options;
   options.colors = Colors::kFragment;
-  const auto states = view_states(scene, options, {});
+  const auto states = view_states(model, options, {});
   CameraPlacement placement;
   placement.yaw = placement.pitch = 0;
   placement.orthographic = true;
   const Camera camera = fit_camera({{0, 0, 0}, 0.8f}, placement, 1);
   RenderSettings settings = bare();
-  const Picture picture = draw(scene, camera, settings, 300, 300, states);
+  const Picture picture = draw(model, camera, settings, 300, 300, states);
   for (std::size_t k = 4; k < 8; ++k) {  // the four in front
-    const glm::vec3 c = scene.objects[k].fragment->centroid,
+    const glm::vec3 c = model.objects[k].fragment->centroid,
                     expected = distinct_color(static_cast<std::uint32_t>(k));
     const Color seen = pixel_at(picture, camera, {c.x, c.y, 0.5f});
     const glm::vec3 light(linear(seen[0]), linear(seen[1]), linear(seen[2]));
@@ -218,14 +218,14 @@ TEST_F(RendererTest, FragmentColorsReplaceTheMaterial) {
 }
 
 TEST_F(RendererTest, EveryLookDrawsAndNoTwoAreAlike) {
-  Scene scene = cube_of_fragments(2);
+  Model model = cube_of_fragments(2);
   CameraPlacement placement;
   const Camera camera = fit_camera({{0, 0, 0}, 0.9f}, placement, 1);
   std::vector<Picture> pictures;
   for (std::size_t look = 1; look < kLookNames.size(); ++look) {
     RenderSettings settings;
     settings.look = *look_by_name(kLookNames[look]);
-    pictures.push_back(draw(scene, camera, settings, 128, 128));
+    pictures.push_back(draw(model, camera, settings, 128, 128));
     for (std::size_t other = 0; other + 1 < pictures.size(); ++other) {
       double difference = 0;
       for (std::size_t p = 0; p < pictures.back().pixels.size(); ++p)

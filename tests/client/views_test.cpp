@@ -6,15 +6,15 @@
 #include <set>
 
 #include "client/render/fragment_views.hpp"
-#include "tests/client/scenes.hpp"
+#include "tests/client/models.hpp"
 
 namespace fracture::test {
 namespace {
 
 using namespace fracture::render;
 
-glm::vec3 place(const Scene& scene, const ObjectState& state, std::size_t object) {
-  return glm::vec3(state.transform * glm::vec4(scene.objects[object].bounds.center, 1));
+glm::vec3 place(const Model& model, const ObjectState& state, std::size_t object) {
+  return glm::vec3(state.transform * glm::vec4(model.objects[object].bounds.center, 1));
 }
 
 TEST(FitCamera, SeesTheWholeSphereAndNotMuchMore) {
@@ -51,79 +51,79 @@ TEST(FrustumPlanes, TellInsideFromOutside) {
 }
 
 TEST(ExplodedView, MovesEveryFragmentAwayFromTheCentreByTheFactor) {
-  const Scene scene = cube_of_fragments(3);
+  const Model model = cube_of_fragments(3);
   ViewOptions options;
   options.view = View::kExploded;
   options.explode = 0.5f;
-  const auto states = view_states(scene, options, {});
+  const auto states = view_states(model, options, {});
   for (std::size_t k = 0; k < states.size(); ++k)
-    EXPECT_LT(glm::distance(place(scene, states[k], k), 1.5f * scene.objects[k].fragment->centroid), 1e-6f);
+    EXPECT_LT(glm::distance(place(model, states[k], k), 1.5f * model.objects[k].fragment->centroid), 1e-6f);
   // The corner of a corner fragment: its centre moved from (1/3, 1/3, 1/3), its own half side stays 1/6.
-  EXPECT_NEAR(bounding_sphere(scene, states).radius, std::sqrt(3.0) * (1.5 / 3 + 1.0 / 6), 1e-6);
+  EXPECT_NEAR(bounding_sphere(model, states).radius, std::sqrt(3.0) * (1.5 / 3 + 1.0 / 6), 1e-6);
 }
 
 TEST(ExplodedView, ByGroupKeepsAGroupTogether) {
-  const Scene scene = cube_of_fragments(2);
+  const Model model = cube_of_fragments(2);
   ViewOptions options;
   options.view = View::kExploded;
   options.by_group = true;
   options.level = 0;  // slabs across x
   options.explode = 1;
-  const auto states = view_states(scene, options, {});
+  const auto states = view_states(model, options, {});
   for (std::size_t k = 0; k < states.size(); ++k) {
-    const glm::vec3 before = scene.objects[k].fragment->centroid, shift = place(scene, states[k], k) - before;
+    const glm::vec3 before = model.objects[k].fragment->centroid, shift = place(model, states[k], k) - before;
     EXPECT_LT(glm::distance(shift, glm::vec3(before.x, 0, 0)), 1e-6f);
   }
 }
 
 TEST(ImpactView, ThrowsWhatIsNearAndLeavesTheRest) {
-  const Scene scene = cube_of_fragments(4);
+  const Model model = cube_of_fragments(4);
   ViewOptions options;
   options.view = View::kImpact;
   options.impact_point = glm::vec3(0, 0, 0.5f);
   options.impact_radius = 0.5f;
-  const auto states = view_states(scene, options, {});
+  const auto states = view_states(model, options, {});
   std::size_t thrown = 0;
   for (std::size_t k = 0; k < states.size(); ++k) {
-    const bool near = glm::distance(scene.objects[k].fragment->centroid, *options.impact_point) < 0.5f;
-    const bool moved = states[k].transform != scene.objects[k].transform;
+    const bool near = glm::distance(model.objects[k].fragment->centroid, *options.impact_point) < 0.5f;
+    const bool moved = states[k].transform != model.objects[k].transform;
     EXPECT_EQ(moved, near) << "fragment " << k;
     thrown += moved;
     EXPECT_NEAR(glm::determinant(states[k].transform), 1, 1e-5) << "a rigid move";
-    EXPECT_GT(place(scene, states[k], k).y, -0.5f) << "not below the ground";
+    EXPECT_GT(place(model, states[k], k).y, -0.5f) << "not below the ground";
   }
   EXPECT_GT(thrown, 4u);
   EXPECT_LT(thrown, states.size());
-  const auto again = view_states(scene, options, {});
+  const auto again = view_states(model, options, {});
   for (std::size_t k = 0; k < states.size(); ++k) EXPECT_EQ(states[k].transform, again[k].transform);
 }
 
 TEST(FirstHit, IsTheNearestOfTheFacesOnTheRay) {
-  const Scene scene = cube_of_fragments(2);
-  const auto hit = first_hit(scene, {0.1f, 0.2f, 5}, {0, 0, -1});
+  const Model model = cube_of_fragments(2);
+  const auto hit = first_hit(model, {0.1f, 0.2f, 5}, {0, 0, -1});
   ASSERT_TRUE(hit);
   EXPECT_LT(glm::distance(*hit, glm::vec3(0.1f, 0.2f, 0.5f)), 1e-5f);
-  EXPECT_FALSE(first_hit(scene, {0.1f, 0.2f, 5}, {0, 0, 1}));
-  EXPECT_FALSE(first_hit(scene, {2, 0, 5}, {0, 0, -1}));
+  EXPECT_FALSE(first_hit(model, {0.1f, 0.2f, 5}, {0, 0, 1}));
+  EXPECT_FALSE(first_hit(model, {2, 0, 5}, {0, 0, -1}));
 }
 
 TEST(Colors, OfFragmentsAreDistinctAndThoseOfALevelFollowItsGroups) {
-  const Scene scene = cube_of_fragments(3);
+  const Model model = cube_of_fragments(3);
   ViewOptions options;
   options.colors = Colors::kFragment;
   std::set<std::array<float, 3>> colors;
-  for (const ObjectState& s : view_states(scene, options, {})) {
+  for (const ObjectState& s : view_states(model, options, {})) {
     EXPECT_EQ(s.tint.a, 1);
     colors.insert({s.tint.r, s.tint.g, s.tint.b});
   }
   EXPECT_EQ(colors.size(), 27u);
   options.colors = Colors::kLevel;
   options.level = 0;
-  const auto states = view_states(scene, options, {});
+  const auto states = view_states(model, options, {});
   for (std::size_t k = 0; k < states.size(); ++k)
     for (std::size_t j = 0; j < k; ++j)
       EXPECT_EQ(states[k].tint == states[j].tint,
-                scene.objects[k].fragment->ancestors[0] == scene.objects[j].fragment->ancestors[0]);
+                model.objects[k].fragment->ancestors[0] == model.objects[j].fragment->ancestors[0]);
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ struct Breakage {
   double energy = 500;  ///< J
 };
 
-struct StageObject {
+struct SceneObject {
   std::string name;
   std::shared_ptr<const MeshAsset> mesh;
   world::Pose pose;
@@ -40,7 +40,7 @@ struct StageObject {
   glm::vec2 bricks{0};   ///< courses of bricks of this size are drawn from the mesh's lower corner; 0: none
 };
 
-struct StageBox {  ///< does not move
+struct SceneBox {  ///< does not move
   world::Pose pose;
   glm::dvec3 half_sides{0.5};
   render::SolidLook look = render::SolidLook::kConcrete;
@@ -51,10 +51,10 @@ struct Throw {
   glm::dvec3 from{0}, velocity{0};
 };
 
-struct Stage {
+struct Scene {
   std::string name, title;
-  std::vector<StageObject> objects;
-  std::vector<StageBox> boxes;
+  std::vector<SceneObject> objects;
+  std::vector<SceneBox> boxes;
   std::vector<Throw> throws;
   double ball_radius = 0.12, ball_density = 7800, ball_speed = 16;
   glm::vec3 eye{0, 2, 8}, target{0, 1, 0};
@@ -63,24 +63,24 @@ struct Stage {
 };
 
 /// monkey, panes, wall, temple, crates.
-std::vector<std::string> stage_names();
+std::vector<std::string> scene_names();
 
 /// A built-in scene; kBadParameter with the names there are. Meshes are generated; the monkey is read from
 /// assimp-testmodels, and is a vase where that is not installed.
-Expected<Stage> make_stage(const std::string& name);
+Expected<Scene> make_scene(const std::string& name);
 
 /// The meshes of files, and of folders all that can be read (at most 40), side by side above the ground.
 /// A file that cannot be read is a warning; kNoFragments where none can.
-Expected<Stage> stage_of_files(const std::vector<std::string>& paths);
+Expected<Scene> scene_of_files(const std::vector<std::string>& paths);
 
 /// Materials for the number keys 1 … 8, in the server's order.
 const std::vector<std::string>& material_names();
 
 /// Gives every object another material: parameters, density, look, and a strength in proportion.
-void set_material(Stage& stage, const std::string& material);
+void set_material(Scene& scene, const std::string& material);
 
 /// The body of POST /meshes/…/fracture for a hit. `overrides` (from the panel) replace whatever they name.
-nlohmann::json fracture_parameters(const StageObject& object, const world::Impact& impact, std::uint64_t seed,
+nlohmann::json fracture_parameters(const SceneObject& object, const world::Impact& impact, std::uint64_t seed,
                                    const nlohmann::json& overrides);
 
 }  // namespace fracture::scenes

@@ -1,6 +1,6 @@
-// A Scene in the driver's memory. Uploaded once; what changes from frame to frame is the table of objects
+// A Model in the driver's memory. Uploaded once; what changes from frame to frame is the table of objects
 // alone (176 bytes an object), so that hundreds of fragments that move are a few draw calls. A batch grows:
-// scenes are added to it, and what wears equal materials is one draw call whatever scene it came from.
+// models are added to it, and what wears equal materials is one draw call whatever model it came from.
 #pragma once
 
 #include <map>
@@ -11,7 +11,7 @@
 
 #include "client/render/gl_objects.hpp"
 #include "client/render/looks.hpp"
-#include "client/render/scene.hpp"
+#include "client/render/model.hpp"
 
 namespace fracture::render {
 
@@ -27,22 +27,22 @@ enum TextureUnit : int {
   kSkyShadows,
 };
 
-class GpuScene {
+class GpuModel {
  public:
   /// Copies vertices, indices and textures to the current context. kGl where the driver has no room,
   /// kTooLarge where it has too small textures.
-  static Result<GpuScene> upload(std::shared_ptr<const Scene> scene);
+  static Result<GpuModel> upload(std::shared_ptr<const Model> model);
 
   /// An empty batch.
-  static Result<GpuScene> batch();
-  /// Adds a scene to a batch (its own copy; vertices stay in the driver alone) and returns the number of its
+  static Result<GpuModel> batch();
+  /// Adds a model to a batch (its own copy; vertices stay in the driver alone) and returns the number of its
   /// first object there: the others follow. Equal materials become one. kTooLarge, kGl; then nothing was
   /// added. With a look, materials are taken as it replaces them, and textures stay out.
-  Result<std::uint32_t> append(const Scene& more, const std::optional<SolidPlacement>& solid,
+  Result<std::uint32_t> append(const Model& more, const std::optional<SolidPlacement>& solid,
                                SolidLook look = SolidLook::kNone);
 
-  const Scene& scene() const { return *scene_; }
-  const Sphere& bounds() const { return bounds_; }  ///< of the scene as the file places it
+  const Model& model() const { return *model_; }
+  const Sphere& bounds() const { return bounds_; }  ///< of the model as the file places it
 
   /// Writes the table of objects; `states` has one for each object. `grain`: of objects without a placement.
   void set_states(std::span<const ObjectState> states, const glm::vec3& grain = {0, 1, 0});
@@ -56,15 +56,15 @@ class GpuScene {
     std::size_t used = 0, capacity = 0;
     void add(const void* data, std::size_t bytes);
   };
-  GpuScene() = default;
+  GpuModel() = default;
   void make_names();
-  Result<void> check_room(const Scene& more) const;
+  Result<void> check_room(const Model& more) const;
   Result<void> put(std::span<const Vertex> vertices, std::span<const std::uint32_t> indices);
   void upload_texture(const TextureSlot& slot, bool srgb);
   void bind_slot(int unit, const TextureSlot& slot, bool srgb) const;
 
-  std::shared_ptr<const Scene> scene_;
-  std::shared_ptr<Scene> own_;  ///< scene_, where this is a batch
+  std::shared_ptr<const Model> model_;
+  std::shared_ptr<Model> own_;  ///< model_, where this is a batch
   Sphere bounds_;
   VertexArray array_;
   Store vertices_, indices_;

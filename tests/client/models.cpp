@@ -1,4 +1,4 @@
-#include "tests/client/scenes.hpp"
+#include "tests/client/models.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -6,35 +6,35 @@
 namespace fracture::test {
 
 using render::Material;
+using render::Model;
 using render::Object;
-using render::Scene;
 using render::Surface;
 using render::Vertex;
 
-void add_box(Scene& scene, glm::vec3 center, glm::vec3 size, const std::array<std::uint32_t, 6>& materials) {
-  const auto number = static_cast<std::uint32_t>(scene.objects.size());
+void add_box(Model& model, glm::vec3 center, glm::vec3 size, const std::array<std::uint32_t, 6>& materials) {
+  const auto number = static_cast<std::uint32_t>(model.objects.size());
   for (std::size_t face = 0; face < 6; ++face) {
     const int axis = static_cast<int>(face / 2);
     glm::vec3 n(0), u(0), v(0);
     n[axis] = face % 2 == 0 ? 1.f : -1.f;
     u[(axis + 1) % 3] = 1;
     v = glm::cross(n, u);
-    Surface surface{number, materials[face], static_cast<std::uint32_t>(scene.indices.size()), 6};
-    const auto base = static_cast<std::uint32_t>(scene.vertices.size());
+    Surface surface{number, materials[face], static_cast<std::uint32_t>(model.indices.size()), 6};
+    const auto base = static_cast<std::uint32_t>(model.vertices.size());
     for (const auto& [a, b] : {std::pair{-1.f, -1.f}, {1.f, -1.f}, {1.f, 1.f}, {-1.f, 1.f}}) {
       Vertex vertex;
       vertex.position = 0.5f * size * (n + a * u + b * v);
       vertex.normal = n;
       vertex.object = number;
-      scene.vertices.push_back(vertex);
+      model.vertices.push_back(vertex);
     }
-    for (const std::uint32_t k : {0u, 1u, 2u, 0u, 2u, 3u}) scene.indices.push_back(base + k);
-    scene.surfaces.push_back(surface);
+    for (const std::uint32_t k : {0u, 1u, 2u, 0u, 2u, 3u}) model.indices.push_back(base + k);
+    model.surfaces.push_back(surface);
   }
   Object object;
   object.transform[3] = glm::vec4(center, 1);
   object.bounds = {glm::vec3(0), 0.5f * glm::length(size)};
-  scene.objects.push_back(object);
+  model.objects.push_back(object);
 }
 
 Material paint(glm::vec3 color) {
@@ -45,29 +45,29 @@ Material paint(glm::vec3 color) {
   return m;
 }
 
-void sort_by_material(Scene& scene) {
-  std::stable_sort(scene.surfaces.begin(), scene.surfaces.end(),
+void sort_by_material(Model& model) {
+  std::stable_sort(model.surfaces.begin(), model.surfaces.end(),
                    [](const Surface& a, const Surface& b) { return a.material < b.material; });
 }
 
-Scene cube_of_fragments(int per_side, glm::vec3 color) {
-  Scene scene;
-  scene.materials.push_back(paint(color));
+Model cube_of_fragments(int per_side, glm::vec3 color) {
+  Model model;
+  model.materials.push_back(paint(color));
   const float side = 1.f / static_cast<float>(per_side);
   for (int z = 0; z < per_side; ++z)
     for (int y = 0; y < per_side; ++y)
       for (int x = 0; x < per_side; ++x) {
         const glm::vec3 center = side * (glm::vec3(x, y, z) + 0.5f) - 0.5f;
-        add_box(scene, center, glm::vec3(side));
+        add_box(model, center, glm::vec3(side));
         render::FragmentInfo info;
-        info.id = static_cast<std::uint32_t>(scene.objects.size() - 1);
+        info.id = static_cast<std::uint32_t>(model.objects.size() - 1);
         info.volume = side * side * side;
         info.centroid = center;
         info.ancestors = {1000u + static_cast<std::uint32_t>(x),
                           static_cast<std::uint32_t>(info.id)};  // groups: slabs across x
-        scene.objects.back().fragment = info;
+        model.objects.back().fragment = info;
       }
-  return scene;
+  return model;
 }
 
 std::string base64(const std::vector<unsigned char>& bytes) {

@@ -1,4 +1,4 @@
-#include "client/view/stage_view.hpp"
+#include "client/view/scene_view.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -15,33 +15,33 @@ using render::Result;
 
 constexpr std::size_t kBallObjects = 64;
 
-/// Several boxes, or a ball several times, as one scene with an object for each.
-std::shared_ptr<const render::Scene> scene_of(const std::vector<scenes::SurfaceMesh>& meshes,
+/// Several boxes, or a ball several times, as one model with an object for each.
+std::shared_ptr<const render::Model> scene_of(const std::vector<scenes::SurfaceMesh>& meshes,
                                               render::Material material) {
-  auto scene = std::make_shared<render::Scene>();
-  scene->materials.push_back(std::move(material));
+  auto model = std::make_shared<render::Model>();
+  model->materials.push_back(std::move(material));
   for (const scenes::SurfaceMesh& mesh : meshes) {
-    const auto number = static_cast<std::uint32_t>(scene->objects.size());
-    const auto base = static_cast<std::uint32_t>(scene->vertices.size());
+    const auto number = static_cast<std::uint32_t>(model->objects.size());
+    const auto base = static_cast<std::uint32_t>(model->vertices.size());
     render::Object object;
     for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
       render::Vertex vertex;
       vertex.position = mesh.positions[v];
       vertex.normal = mesh.normals[v];
       vertex.object = number;
-      scene->vertices.push_back(vertex);
+      model->vertices.push_back(vertex);
       object.bounds.radius = std::max(object.bounds.radius, glm::length(mesh.positions[v]));
     }
     render::Surface surface;
     surface.object = number;
-    surface.first_index = static_cast<std::uint32_t>(scene->indices.size());
+    surface.first_index = static_cast<std::uint32_t>(model->indices.size());
     surface.index_count = static_cast<std::uint32_t>(3 * mesh.triangles.size());
     for (const auto& t : mesh.triangles)
-      for (const std::uint32_t v : t) scene->indices.push_back(base + v);
-    scene->objects.push_back(std::move(object));
-    scene->surfaces.push_back(surface);
+      for (const std::uint32_t v : t) model->indices.push_back(base + v);
+    model->objects.push_back(std::move(object));
+    model->surfaces.push_back(surface);
   }
-  return scene;
+  return model;
 }
 
 scenes::SurfaceMesh unit_ball() {
@@ -72,54 +72,54 @@ render::Camera look_at(const glm::vec3& eye, const glm::vec3& target, float aspe
   return camera;
 }
 
-Result<StageView> StageView::create() {
+Result<SceneView> SceneView::create() {
   Result<render::Renderer> renderer = render::Renderer::create();
   if (!renderer) return tl::unexpected(renderer.error());
   Result<DebugLines> lines = DebugLines::create();
   if (!lines) return tl::unexpected(lines.error());
-  return StageView(std::move(*renderer), std::move(*lines));
+  return SceneView(std::move(*renderer), std::move(*lines));
 }
 
-Result<std::uint32_t> StageView::add(render::SolidLook look, const render::Scene& scene,
+Result<std::uint32_t> SceneView::add(render::SolidLook look, const render::Model& model,
                                      const std::optional<render::SolidPlacement>& solid) {
   auto batch = batches_.find(look);
   if (batch == batches_.end()) {
-    Result<render::GpuScene> gpu = render::GpuScene::batch();
+    Result<render::GpuModel> gpu = render::GpuModel::batch();
     if (!gpu) return tl::unexpected(gpu.error());
     batch = batches_.emplace(look, Batch{std::move(*gpu), {}}).first;
   }
-  const Result<std::uint32_t> first = batch->second.gpu.append(scene, solid, look);
+  const Result<std::uint32_t> first = batch->second.gpu.append(model, solid, look);
   if (!first) return first;
-  const std::vector<ObjectState> states = initial_states(scene);
+  const std::vector<ObjectState> states = initial_states(model);
   batch->second.states.insert(batch->second.states.end(), states.begin(), states.end());
   ++uploads_;
   return first;
 }
 
-Result<StageView::Place> StageView::upload(const game::Game& game, std::size_t index,
+Result<SceneView::Place> SceneView::upload(const game::Game& game, std::size_t index,
                                            const game::Decoded* fragments) {
-  const scenes::StageObject& object = game.stage().objects[game.things()[index].stage_object];
-  const render::Scene& scene = fragments != nullptr ? *fragments->scene : *object.mesh->scene;
+  const scenes::SceneObject& object = game.scene().objects[game.things()[index].scene_object];
+  const render::Model& model = fragments != nullptr ? *fragments->model : *object.mesh->model;
   // The solid texture is that of the whole object, so that it stays when it breaks.
   render::SolidPlacement solid;
-  solid.frame = bounding_sphere(*object.mesh->scene, {});
+  solid.frame = bounding_sphere(*object.mesh->model, {});
   solid.frame.radius *= object.look_scale;
   solid.grain = object.grain;
   solid.brick = object.bricks;
   solid.brick_low = glm::vec2(object.mesh->low);
   solid.brick_high = glm::vec2(object.mesh->high);
-  const Result<std::uint32_t> first = add(object.look, scene, solid);
+  const Result<std::uint32_t> first = add(object.look, model, solid);
   if (!first) return tl::unexpected(first.error());
-  return Place{*first, static_cast<std::uint32_t>(scene.objects.size()), fragments != nullptr};
+  return Place{*first, static_cast<std::uint32_t>(model.objects.size()), fragments != nullptr};
 }
 
-void StageView::hide(const game::Game& game, std::size_t index, const Place& place) {
-  const scenes::StageObject& object = game.stage().objects[game.things()[index].stage_object];
+void SceneView::hide(const game::Game& game, std::size_t index, const Place& place) {
+  const scenes::SceneObject& object = game.scene().objects[game.things()[index].scene_object];
   std::vector<ObjectState>& states = batches_.at(object.look).states;
   for (std::uint32_t k = 0; k < place.count; ++k) states[place.first + k].visible = false;
 }
 
-Result<void> StageView::upload_coming(const game::Game& game) {
+Result<void> SceneView::upload_coming(const game::Game& game) {
   const std::vector<game::Game::Coming> coming = game.coming();
   std::erase_if(waiting_, [&](const auto& entry) {
     return std::none_of(coming.begin(), coming.end(),
@@ -135,7 +135,7 @@ Result<void> StageView::upload_coming(const game::Game& game) {
   return {};
 }
 
-Result<StageView::Place> StageView::place_of(const game::Game& game, std::size_t index) {
+Result<SceneView::Place> SceneView::place_of(const game::Game& game, std::size_t index) {
   const game::Thing& thing = game.things()[index];
   const bool broken = thing.fragments != nullptr;
   const auto known = places_.find(index);
@@ -149,10 +149,10 @@ Result<StageView::Place> StageView::place_of(const game::Game& game, std::size_t
   return place;
 }
 
-void StageView::set_states(const game::Game& game, std::size_t index, const Place& place, DebugView debug) {
+void SceneView::set_states(const game::Game& game, std::size_t index, const Place& place, DebugView debug) {
   const game::Thing& thing = game.things()[index];
-  Batch& batch = batches_.at(game.stage().objects[thing.stage_object].look);
-  const std::span<const render::Object> objects(&batch.gpu.scene().objects[place.first], place.count);
+  Batch& batch = batches_.at(game.scene().objects[thing.scene_object].look);
+  const std::span<const render::Object> objects(&batch.gpu.model().objects[place.first], place.count);
   const std::span<ObjectState> states(&batch.states[place.first], place.count);
   if (!place.broken) {
     const glm::mat4 world(game.world().object_pose(thing.id).matrix());
@@ -177,7 +177,7 @@ void StageView::set_states(const game::Game& game, std::size_t index, const Plac
   }
 }
 
-void StageView::add_lines(const game::Game& game, DebugView debug) {
+void SceneView::add_lines(const game::Game& game, DebugView debug) {
   for (const game::Thing& thing : game.things()) {
     if (!thing.fragments) continue;
     const world::FragmentSet& set = world::fragments_of(*thing.fragments->fragments);
@@ -212,20 +212,20 @@ void StageView::add_lines(const game::Game& game, DebugView debug) {
   }
 }
 
-Result<void> StageView::upload_furniture(const game::Game& game) {
+Result<void> SceneView::upload_furniture(const game::Game& game) {
   if (furnished_ == &game) return {};
   render::Material paint;
   paint.base_color = {0.055f, 0.06f, 0.07f, 1};
   paint.metallic = 0;
   paint.roughness = 0.55f;
-  for (const scenes::StageBox& box : game.stage().boxes) {
+  for (const scenes::SceneBox& box : game.scene().boxes) {
     const glm::vec3 size(2.0 * box.half_sides);
-    const auto scene =
+    const auto model =
         scene_of({scenes::box(size, std::min(0.01f, 0.1f * std::min({size.x, size.y, size.z})))}, paint);
     render::SolidPlacement solid;
     solid.frame.radius = 1;  // metres: the texture of all boxes has one scale
     solid.grain = size.x > size.y ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
-    const Result<std::uint32_t> first = add(box.look, *scene, solid);
+    const Result<std::uint32_t> first = add(box.look, *model, solid);
     if (!first) return tl::unexpected(first.error());
     batches_.at(box.look).states[*first].transform = glm::mat4(box.pose.matrix());
   }
@@ -241,7 +241,7 @@ Result<void> StageView::upload_furniture(const game::Game& game) {
   return {};
 }
 
-void StageView::set_balls(const game::Game& game) {
+void SceneView::set_balls(const game::Game& game) {
   const std::span<ObjectState> states(&batches_.at(render::SolidLook::kNone).states[balls_], kBallObjects);
   for (ObjectState& state : states) state.visible = false;
   std::size_t next = 0;
@@ -254,7 +254,7 @@ void StageView::set_balls(const game::Game& game) {
   }
 }
 
-Result<ViewFigures> StageView::draw(const game::Game& game, const render::Camera& camera,
+Result<ViewFigures> SceneView::draw(const game::Game& game, const render::Camera& camera,
                                     const ViewSettings& settings, GLuint framebuffer, int width, int height) {
   const auto start = std::chrono::steady_clock::now();
   uploads_ = 0;
@@ -278,7 +278,7 @@ Result<ViewFigures> StageView::draw(const game::Game& game, const render::Camera
   how.ground_color = {0.30f, 0.31f, 0.32f};
   how.background_top = {0.20f, 0.33f, 0.52f};
   how.background_bottom = {0.66f, 0.72f, 0.78f};
-  how.stage = game.stage().bounds;
+  how.lit = game.scene().bounds;
   how.lighting.sky_shadows = settings.sky_shadows;
   how.lighting.sun_shadow = settings.sun_shadow;
   how.wireframe = settings.debug == DebugView::kWireframe;

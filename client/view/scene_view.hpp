@@ -25,11 +25,11 @@ struct ViewFigures {
   double submit_ms = 0;  ///< processor time from the first to the last call of a frame
 };
 
-class StageView {
+class SceneView {
  public:
-  static render::Result<StageView> create();
+  static render::Result<SceneView> create();
 
-  /// Forgets everything that was uploaded: another stage, or the same anew.
+  /// Forgets everything that was uploaded: another scene, or the same anew.
   void reset() {
     batches_.clear();
     places_.clear();
@@ -42,17 +42,17 @@ class StageView {
 
  private:
   struct Batch {
-    render::GpuScene gpu;
+    render::GpuModel gpu;
     std::vector<render::ObjectState> states;
   };
   struct Place {  ///< of a thing's objects in the batch of its look
     std::uint32_t first = 0, count = 0;
     bool broken = false;
   };
-  StageView(render::Renderer renderer, DebugLines lines)
+  SceneView(render::Renderer renderer, DebugLines lines)
       : renderer_(std::move(renderer)), lines_(std::move(lines)) {}
   /// Appends to the batch of a look; the number of the first object.
-  render::Result<std::uint32_t> add(render::SolidLook look, const render::Scene& scene,
+  render::Result<std::uint32_t> add(render::SolidLook look, const render::Model& model,
                                     const std::optional<render::SolidPlacement>& solid);
   render::Result<Place> place_of(const game::Game& game, std::size_t thing);
   /// Uploads a thing, whole or broken.

@@ -1,5 +1,5 @@
 // The game as the renderer takes it: what is uploaded when, and that nothing stays.
-#include "client/view/stage_view.hpp"
+#include "client/view/scene_view.hpp"
 
 #include <gtest/gtest.h>
 #include <malloc.h>
@@ -21,7 +21,7 @@ using test::falling_box;
 
 constexpr int kSize = 32;  // pixels: what is drawn does not matter here
 
-class StageViewTest : public testing::Test {
+class SceneViewTest : public testing::Test {
  protected:
   void SetUp() override {
     auto context = headless::EglContext::create();
@@ -30,7 +30,7 @@ class StageViewTest : public testing::Test {
     auto target = render::FrameTarget::create(kSize, kSize);
     ASSERT_TRUE(target) << target.error().detail;
     target_.emplace(std::move(*target));
-    auto view = StageView::create();
+    auto view = SceneView::create();
     ASSERT_TRUE(view) << view.error().detail;
     view_.emplace(std::move(*view));
   }
@@ -50,10 +50,10 @@ class StageViewTest : public testing::Test {
   protocol::Client client_{test::settings_for(server_)};
   std::optional<headless::EglContext> context_;
   std::optional<render::FrameTarget> target_;
-  std::optional<StageView> view_;
+  std::optional<SceneView> view_;
 };
 
-TEST_F(StageViewTest, FragmentsAreUploadedInAFrameBeforeTheyAreSeen) {
+TEST_F(SceneViewTest, FragmentsAreUploadedInAFrameBeforeTheyAreSeen) {
   game::Game game(falling_box(), client_, {});
   draw(game);
   ASSERT_TRUE(test::eventually(test::kPatience, "fragments to upload", [&] {
@@ -90,7 +90,7 @@ std::size_t gl_objects() {
   return count;
 }
 
-TEST_F(StageViewTest, BreaksAndResetsLeaveNothingBehind) {
+TEST_F(SceneViewTest, BreaksAndResetsLeaveNothingBehind) {
   game::GameSettings settings;
   settings.fixed_latency = 2;
   const auto in_use = [] {

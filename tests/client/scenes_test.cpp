@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "client/scenes/stage.hpp"
+#include "client/scenes/scene.hpp"
 
 namespace fracture::scenes {
 namespace {
@@ -58,21 +58,21 @@ TEST(SolidShapes, WhatIsTurnedIsClosed) {
   EXPECT_LT(volume(turned(cylinder)), 6);
 }
 
-class Stages : public testing::TestWithParam<std::string> {};
+class Scenes : public testing::TestWithParam<std::string> {};
 
-TEST_P(Stages, StandOnTheGroundWithinTheirBounds) {
-  const Expected<Stage> stage = make_stage(GetParam());
-  ASSERT_TRUE(stage) << stage.error().detail;
-  EXPECT_EQ(stage->name, GetParam());
-  ASSERT_FALSE(stage->objects.empty());
-  for (const StageObject& object : stage->objects) {
+TEST_P(Scenes, StandOnTheGroundWithinTheirBounds) {
+  const Expected<Scene> scene = make_scene(GetParam());
+  ASSERT_TRUE(scene) << scene.error().detail;
+  EXPECT_EQ(scene->name, GetParam());
+  ASSERT_FALSE(scene->objects.empty());
+  for (const SceneObject& object : scene->objects) {
     EXPECT_GT(object.density * object.mesh->unit_mass.mass, 0.1) << object.name;
     EXPECT_GT(object.strength, 0);
     for (const world::Hull& hull : object.mesh->hulls)
       for (const glm::dvec3& p : hull) {
         const glm::dvec3 at = object.pose.point(p);
         EXPECT_GT(at.y, -1e-3) << object.name;
-        EXPECT_LT(glm::distance(at, glm::dvec3(stage->bounds.center)), stage->bounds.radius) << object.name;
+        EXPECT_LT(glm::distance(at, glm::dvec3(scene->bounds.center)), scene->bounds.radius) << object.name;
       }
     const nlohmann::json asked = fracture_parameters(object, {{0, 0, 0}, {0, -1, 0}, 10, 100}, 7, {});
     EXPECT_EQ(asked["seed"], 7);
@@ -80,21 +80,21 @@ TEST_P(Stages, StandOnTheGroundWithinTheirBounds) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Stages, testing::ValuesIn(stage_names()),
-                         [](const auto& stage) { return stage.param; });
+INSTANTIATE_TEST_SUITE_P(All, Scenes, testing::ValuesIn(scene_names()),
+                         [](const auto& scene) { return scene.param; });
 
-TEST(Stage, AnUnknownOneIsRefusedByName) {
-  const Expected<Stage> stage = make_stage("castle");
-  ASSERT_FALSE(stage);
-  EXPECT_NE(stage.error().detail.find("castle"), std::string::npos);
+TEST(Scene, AnUnknownOneIsRefusedByName) {
+  const Expected<Scene> scene = make_scene("castle");
+  ASSERT_FALSE(scene);
+  EXPECT_NE(scene.error().detail.find("castle"), std::string::npos);
 }
 
-TEST(Stage, AMaterialIsForEverythingAndKeepsTheAnchors) {
-  Expected<Stage> stage = make_stage("panes");
-  ASSERT_TRUE(stage);
+TEST(Scene, AMaterialIsForEverythingAndKeepsTheAnchors) {
+  Expected<Scene> scene = make_scene("panes");
+  ASSERT_TRUE(scene);
   for (const std::string& material : material_names()) {
-    set_material(*stage, material);
-    for (const StageObject& object : stage->objects) {
+    set_material(*scene, material);
+    for (const SceneObject& object : scene->objects) {
       EXPECT_EQ(object.breakage.parameters["material"], material);
       EXPECT_TRUE(object.breakage.parameters.contains("anchor_points"));
     }
@@ -102,7 +102,7 @@ TEST(Stage, AMaterialIsForEverythingAndKeepsTheAnchors) {
 }
 
 TEST(FractureParameters, GrowWithTheEnergy) {
-  StageObject object;
+  SceneObject object;
   object.breakage = {{{"material", "stone"}}, true, true, 80, 0.5, 1000};
   const auto at = [&](double energy) {
     return fracture_parameters(object, {{0.1, 0.2, 0.3}, {0, 0, -1}, 10, energy}, 1, {});
@@ -117,7 +117,7 @@ TEST(FractureParameters, GrowWithTheEnergy) {
 }
 
 TEST(FractureParameters, ThePanelHasTheLastWord) {
-  StageObject object;
+  SceneObject object;
   object.breakage = {{{"material", "ceramic"}}, true, true, 80, 0.5, 1000};
   const nlohmann::json asked =
       fracture_parameters(object, {}, 1, {{"pattern", "slice"}, {"sites", 5}, {"spacing", 0.1}});

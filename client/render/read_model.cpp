@@ -5,8 +5,8 @@
 #include <iterator>
 #include <map>
 
+#include "client/render/model.hpp"
 #include "client/render/read_materials.hpp"
-#include "client/render/scene.hpp"
 #include "common/import/gltf_accessor.hpp"
 #include "common/import/gltf_document.hpp"
 #include "common/import/gltf_model.hpp"
@@ -36,32 +36,32 @@ const json* fracture_extras(const json& document, int node) {
   return fracture != extras->end() && fracture->is_object() ? &*fracture : nullptr;
 }
 
-class SceneReader {
+class ModelReader {
  public:
-  SceneReader(const json& nodes_document, const tinygltf::Model& model, const ImportLimits& limits,
-              Scene& scene)
-      : document_(nodes_document), model_(model), limits_(limits), scene_(scene) {}
+  ModelReader(const json& nodes_document, const tinygltf::Model& gltf, const ImportLimits& limits,
+              Model& model)
+      : document_(nodes_document), gltf_(gltf), limits_(limits), model_(model) {}
 
   void read() {
-    const GltfScene graph = walk_gltf_scene(model_);
-    std::vector<int> parents(model_.nodes.size(), -1);
-    for (std::size_t n = 0; n < model_.nodes.size(); ++n)
-      for (const int child : model_.nodes[n].children)
+    const GltfScene graph = walk_gltf_scene(gltf_);
+    std::vector<int> parents(gltf_.nodes.size(), -1);
+    for (std::size_t n = 0; n < gltf_.nodes.size(); ++n)
+      for (const int child : gltf_.nodes[n].children)
         if (child >= 0 && static_cast<std::size_t>(child) < parents.size())
           parents[static_cast<std::size_t>(child)] = static_cast<int>(n);
     bool from_service = false;
     for (const int index : graph.order) {
       const json* extras = fracture_extras(document_, index);
       from_service = from_service || (extras != nullptr && extras->contains("certificate"));
-      const tinygltf::Node& node = model_.nodes[static_cast<std::size_t>(index)];
+      const tinygltf::Node& node = gltf_.nodes[static_cast<std::size_t>(index)];
       if (node.mesh < 0 || node.name.starts_with("UCX_")) continue;
       const Transform& world = *graph.world[static_cast<std::size_t>(index)];
-      for (const Transform& instance : gltf_instances(model_, node, limits_.max_triangles))
+      for (const Transform& instance : gltf_instances(gltf_, node, limits_.max_triangles))
         read_object(node, world * instance, fragment_info(index, extras, parents));
     }
     // The service writes the source's materials, then the one of the cut faces.
-    if (from_service && scene_.materials.size() > 1)
-      scene_.materials[scene_.materials.size() - 2].interior = true;
+    if (from_service && model_.materials.size() > 1)
+      model_.materials[model_.materials.size() - 2].interior = true;
     sort_surfaces();
   }
 
@@ -87,34 +87,34 @@ class SceneReader {
 
   void read_object(const tinygltf::Node& node, const Transform& world, std::optional<FragmentInfo> fragment) {
     if (node.skin >= 0) warn("Skins are shown in their bind pose.");
-    const auto number = static_cast<std::uint32_t>(scene_.objects.size());
+    const auto number = static_cast<std::uint32_t>(model_.objects.size());
     Object object;
     object.name = node.name;
     object.transform = to_mat4(world);
     shared_.clear();
-    const std::size_t first_vertex = scene_.vertices.size(), first_surface = scene_.surfaces.size();
-    if (static_cast<std::size_t>(node.mesh) >= model_.meshes.size())
+    const std::size_t first_vertex = model_.vertices.size(), first_surface = model_.surfaces.size();
+    if (static_cast<std::size_t>(node.mesh) >= gltf_.meshes.size())
       refuse(ErrorCode::kMalformedMesh, "Mesh " + std::to_string(node.mesh) + " does not exist.");
-    for (const tinygltf::Primitive& p : model_.meshes[static_cast<std::size_t>(node.mesh)].primitives)
+    for (const tinygltf::Primitive& p : gltf_.meshes[static_cast<std::size_t>(node.mesh)].primitives)
       read_primitive(p, number, world.determinant() < 0);
-    if (scene_.surfaces.size() == first_surface) {
-      scene_.vertices.resize(first_vertex);
+    if (model_.surfaces.size() == first_surface) {
+      model_.vertices.resize(first_vertex);
       return;
     }
 
     glm::vec3 low(HUGE_VALF), high(-HUGE_VALF);
-    for (std::size_t v = first_vertex; v < scene_.vertices.size(); ++v) {
-      low = glm::min(low, scene_.vertices[v].position);
-      high = glm::max(high, scene_.vertices[v].position);
+    for (std::size_t v = first_vertex; v < model_.vertices.size(); ++v) {
+      low = glm::min(low, model_.vertices[v].position);
+      high = glm::max(high, model_.vertices[v].position);
     }
     object.bounds.center = 0.5f * (low + high);
-    for (std::size_t v = first_vertex; v < scene_.vertices.size(); ++v)
+    for (std::size_t v = first_vertex; v < model_.vertices.size(); ++v)
       object.bounds.radius =
-          std::max(object.bounds.radius, glm::distance(object.bounds.center, scene_.vertices[v].position));
+          std::max(object.bounds.radius, glm::distance(object.bounds.center, model_.vertices[v].position));
     if (fragment && !(std::isfinite(fragment->centroid.x + fragment->centroid.y + fragment->centroid.z)))
       fragment->centroid = glm::vec3(object.transform * glm::vec4(object.bounds.center, 1));
     object.fragment = std::move(fragment);
-    scene_.objects.push_back(std::move(object));
+    model_.objects.push_back(std::move(object));
   }
 
   void read_primitive(const tinygltf::Primitive& primitive, std::uint32_t object, bool mirrored) {
@@ -131,18 +131,18 @@ class SceneReader {
 
     std::vector<std::uint32_t> indices(count);
     if (primitive.indices >= 0) {
-      indices = read_indices(model_, primitive.indices);
+      indices = read_indices(gltf_, primitive.indices);
     } else {
       for (std::uint32_t k = 0; k < count; ++k) indices[k] = k;
     }
     for (const std::uint32_t index : indices)
       if (index >= count)
-        refuse(ErrorCode::kMalformedMesh, "A triangle of mesh \"" + scene_name(object) + "\" names vertex " +
+        refuse(ErrorCode::kMalformedMesh, "A triangle of mesh \"" + name_of(object) + "\" names vertex " +
                                               std::to_string(index) + "; there are " + std::to_string(count) +
                                               ".");
     std::vector<std::array<std::uint32_t, 3>> triangles = gltf_triangles(indices, primitive.mode);
-    if (scene_.indices.size() / 3 + triangles.size() > limits_.max_triangles)
-      refuse(ErrorCode::kTooLarge, "The scene has more than the " + std::to_string(limits_.max_triangles) +
+    if (model_.indices.size() / 3 + triangles.size() > limits_.max_triangles)
+      refuse(ErrorCode::kTooLarge, "The model has more than the " + std::to_string(limits_.max_triangles) +
                                        " triangles that are shown.");
     if (triangles.empty()) return;
     if (mirrored)
@@ -151,35 +151,35 @@ class SceneReader {
     Surface surface;
     surface.object = object;
     surface.material =
-        primitive.material >= 0 && static_cast<std::size_t>(primitive.material) + 1 < scene_.materials.size()
+        primitive.material >= 0 && static_cast<std::size_t>(primitive.material) + 1 < model_.materials.size()
             ? static_cast<std::uint32_t>(primitive.material)
-            : static_cast<std::uint32_t>(scene_.materials.size() - 1);
-    surface.first_index = static_cast<std::uint32_t>(scene_.indices.size());
+            : static_cast<std::uint32_t>(model_.materials.size() - 1);
+    surface.first_index = static_cast<std::uint32_t>(model_.indices.size());
     surface.index_count = static_cast<std::uint32_t>(3 * triangles.size());
     if (primitive.attributes.count("NORMAL") > 0) {
       for (const auto& t : triangles)
-        for (const std::uint32_t v : t) scene_.indices.push_back(base + v);
+        for (const std::uint32_t v : t) model_.indices.push_back(base + v);
     } else {
       append_flat(triangles, base, mirrored);
     }
-    scene_.surfaces.push_back(surface);
+    model_.surfaces.push_back(surface);
   }
 
   /// The vertices of a set of accessors, once for each object. Returns where they begin and how many they
   /// are.
   std::pair<std::uint32_t, std::uint32_t> append_vertices(const tinygltf::Primitive& primitive,
                                                           std::uint32_t object) {
-    const auto base = static_cast<std::uint32_t>(scene_.vertices.size());
-    const std::vector<double> positions = read_accessor(model_, primitive.attributes.at("POSITION"), 3);
+    const auto base = static_cast<std::uint32_t>(model_.vertices.size());
+    const std::vector<double> positions = read_accessor(gltf_, primitive.attributes.at("POSITION"), 3);
     const std::size_t count = positions.size() / 3;
-    if (scene_.vertices.size() + count > 3 * limits_.max_triangles)
+    if (model_.vertices.size() + count > 3 * limits_.max_triangles)
       refuse(ErrorCode::kTooLarge,
-             "The scene has more than " + std::to_string(3 * limits_.max_triangles) + " vertices.");
-    scene_.vertices.resize(base + count);
+             "The model has more than " + std::to_string(3 * limits_.max_triangles) + " vertices.");
+    model_.vertices.resize(base + count);
     const auto each = [&](const std::string& name, int width, auto&& store) {
       const auto it = primitive.attributes.find(name);
       if (it == primitive.attributes.end()) return;
-      const std::vector<double> values = read_accessor(model_, it->second, width);
+      const std::vector<double> values = read_accessor(gltf_, it->second, width);
       if (values.size() != count * static_cast<std::size_t>(width))
         refuse(ErrorCode::kMalformedMesh, "The attribute " + name + " has another count than POSITION.");
       for (std::size_t v = 0; v < count; ++v) {
@@ -188,10 +188,10 @@ class SceneReader {
           const double value = values[v * static_cast<std::size_t>(width) + static_cast<std::size_t>(c)];
           if (!std::isfinite(static_cast<float>(value)))
             refuse(ErrorCode::kNotFinite, name + " of vertex " + std::to_string(v) + " of \"" +
-                                              scene_name(object) + "\" is not a finite number.");
+                                              name_of(object) + "\" is not a finite number.");
           x[static_cast<std::size_t>(c)] = static_cast<float>(value);
         }
-        store(scene_.vertices[base + v], x);
+        store(model_.vertices[base + v], x);
       }
     };
     using Four = std::array<float, 4>;
@@ -204,81 +204,81 @@ class SceneReader {
     for (int set = 0; set < 2; ++set)
       each("TEXCOORD_" + std::to_string(set), 2, [&](Vertex& v, const Four& x) { v.uv[set] = {x[0], x[1]}; });
     if (const auto it = primitive.attributes.find("COLOR_0"); it != primitive.attributes.end())
-      each("COLOR_0", std::clamp(accessor_width(model_, it->second), 3, 4), [](Vertex& v, const Four& x) {
+      each("COLOR_0", std::clamp(accessor_width(gltf_, it->second), 3, 4), [](Vertex& v, const Four& x) {
         for (int c = 0; c < 4; ++c)
           v.color[c] = static_cast<std::uint8_t>(
               std::lround(255 * std::clamp(x[static_cast<std::size_t>(c)], 0.f, 1.f)));
       });
-    for (std::size_t v = base; v < scene_.vertices.size(); ++v) scene_.vertices[v].object = object;
+    for (std::size_t v = base; v < model_.vertices.size(); ++v) model_.vertices[v].object = object;
     return {base, static_cast<std::uint32_t>(count)};
   }
 
   /// glTF 2.0, 3.7.2.1: without normals a client shows flat ones. Every corner gets a vertex of its own.
   void append_flat(const std::vector<std::array<std::uint32_t, 3>>& triangles, std::uint32_t base,
                    bool mirrored) {
-    if (scene_.vertices.size() + 3 * triangles.size() > 6 * limits_.max_triangles)
-      refuse(ErrorCode::kTooLarge, "The scene has too many vertices without normals.");
+    if (model_.vertices.size() + 3 * triangles.size() > 6 * limits_.max_triangles)
+      refuse(ErrorCode::kTooLarge, "The model has too many vertices without normals.");
     for (const auto& t : triangles) {
       std::array<Vertex, 3> corner;
-      for (std::size_t k = 0; k < 3; ++k) corner[k] = scene_.vertices[base + t[k]];
+      for (std::size_t k = 0; k < 3; ++k) corner[k] = model_.vertices[base + t[k]];
       glm::vec3 n =
           glm::cross(corner[1].position - corner[0].position, corner[2].position - corner[0].position);
       if (mirrored) n = -n;  // in the object's own frame the winding has been turned
       n = glm::dot(n, n) > 0 ? glm::normalize(n) : glm::vec3(0, 1, 0);
       for (Vertex& v : corner) {
         v.normal = n;
-        scene_.indices.push_back(static_cast<std::uint32_t>(scene_.vertices.size()));
-        scene_.vertices.push_back(v);
+        model_.indices.push_back(static_cast<std::uint32_t>(model_.vertices.size()));
+        model_.vertices.push_back(v);
       }
     }
   }
 
   /// Indices in the order of the surfaces, those by material: then neighbours can be one draw call.
   void sort_surfaces() {
-    std::stable_sort(scene_.surfaces.begin(), scene_.surfaces.end(),
+    std::stable_sort(model_.surfaces.begin(), model_.surfaces.end(),
                      [](const Surface& a, const Surface& b) { return a.material < b.material; });
     std::vector<std::uint32_t> sorted;
-    sorted.reserve(scene_.indices.size());
-    for (Surface& s : scene_.surfaces) {
-      const auto from = scene_.indices.begin() + s.first_index;
+    sorted.reserve(model_.indices.size());
+    for (Surface& s : model_.surfaces) {
+      const auto from = model_.indices.begin() + s.first_index;
       s.first_index = static_cast<std::uint32_t>(sorted.size());
       sorted.insert(sorted.end(), from, from + s.index_count);
     }
-    scene_.indices = std::move(sorted);
+    model_.indices = std::move(sorted);
   }
 
-  std::string scene_name(std::uint32_t object) const { return "object " + std::to_string(object); }
+  std::string name_of(std::uint32_t object) const { return "object " + std::to_string(object); }
   void warn(const std::string& text) {
-    if (std::find(scene_.warnings.begin(), scene_.warnings.end(), text) == scene_.warnings.end())
-      scene_.warnings.push_back(text);
+    if (std::find(model_.warnings.begin(), model_.warnings.end(), text) == model_.warnings.end())
+      model_.warnings.push_back(text);
   }
 
   const json& document_;
-  const tinygltf::Model& model_;
+  const tinygltf::Model& gltf_;
   const ImportLimits& limits_;
-  Scene& scene_;
+  Model& model_;
   std::map<std::map<std::string, int>, std::pair<std::uint32_t, std::uint32_t>>
       shared_;  ///< of the current object
 };
 
 }  // namespace
 
-Result<Scene> read_scene(std::span<const std::byte> bytes) {
+Result<Model> read_model(std::span<const std::byte> bytes) {
   const bool binary = bytes.size() >= 4 && bytes[0] == std::byte{'g'} && bytes[1] == std::byte{'l'} &&
                       bytes[2] == std::byte{'T'} && bytes[3] == std::byte{'F'};
   try {
     const ImportLimits limits;
     GltfDocument document =
         read_gltf_document(bytes, binary ? MeshFormat::kGlb : MeshFormat::kGltf, limits, {});
-    Scene scene;
-    scene.warnings = std::move(document.warnings);
-    read_materials(document.library, scene);
+    Model model;
+    model.warnings = std::move(document.warnings);
+    read_materials(document.library, model);
     if (!document.json.contains("nodes")) refuse(ErrorCode::kEmptyMesh, "The glTF has no nodes.", "/nodes");
-    const tinygltf::Model model = load_gltf_model(document);
-    SceneReader(document.json, model, limits, scene).read();
-    if (scene.surfaces.empty())
-      refuse(ErrorCode::kEmptyMesh, "The default scene of the glTF shows no triangle.");
-    return scene;
+    const tinygltf::Model gltf = load_gltf_model(document);
+    ModelReader(document.json, gltf, limits, model).read();
+    if (model.surfaces.empty())
+      refuse(ErrorCode::kEmptyMesh, "The default model of the glTF shows no triangle.");
+    return model;
   } catch (const Refused& refused) {
     const auto code =
         refused.error.code == ErrorCode::kTooLarge ? RenderErrorCode::kTooLarge : RenderErrorCode::kMesh;
@@ -289,27 +289,27 @@ Result<Scene> read_scene(std::span<const std::byte> bytes) {
   }
 }
 
-Result<Scene> load_scene(const std::string& path) {
+Result<Model> load_scene(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   std::vector<char> bytes{std::istreambuf_iterator<char>(in), {}};
   if (!in.is_open() || in.bad()) return fail(RenderErrorCode::kFile, "Cannot read " + path + ".");
-  Result<Scene> scene = read_scene(std::as_bytes(std::span(bytes)));
-  if (!scene) return fail(scene.error().code, path + ": " + scene.error().detail);
-  return scene;
+  Result<Model> model = read_model(std::as_bytes(std::span(bytes)));
+  if (!model) return fail(model.error().code, path + ": " + model.error().detail);
+  return model;
 }
 
-std::vector<ObjectState> initial_states(const Scene& scene) {
-  std::vector<ObjectState> states(scene.objects.size());
-  for (std::size_t k = 0; k < states.size(); ++k) states[k].transform = scene.objects[k].transform;
+std::vector<ObjectState> initial_states(const Model& model) {
+  std::vector<ObjectState> states(model.objects.size());
+  for (std::size_t k = 0; k < states.size(); ++k) states[k].transform = model.objects[k].transform;
   return states;
 }
 
-Sphere bounding_sphere(const Scene& scene, std::span<const ObjectState> states) {
+Sphere bounding_sphere(const Model& model, std::span<const ObjectState> states) {
   glm::vec3 low(HUGE_VALF), high(-HUGE_VALF);
   const auto each = [&](auto&& use) {
-    for (const Vertex& v : scene.vertices) {
+    for (const Vertex& v : model.vertices) {
       if (!states.empty() && !states[v.object].visible) continue;
-      const glm::mat4& m = states.empty() ? scene.objects[v.object].transform : states[v.object].transform;
+      const glm::mat4& m = states.empty() ? model.objects[v.object].transform : states[v.object].transform;
       use(glm::vec3(m * glm::vec4(v.position, 1)));
     }
   };

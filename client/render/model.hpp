@@ -2,7 +2,7 @@
 // whole (a fragment is one), and surfaces: the triangles of one object that wear one material. Plain data; no
 // OpenGL.
 //
-//   Scene ── objects[k]   where it stands, what fragment it is, its surfaces
+//   Model ── objects[k]   where it stands, what fragment it is, its surfaces
 //         ── surfaces[s]  object, material, range of indices; sorted by material: one draw call for each
 //         ── vertices     each knows its object: transforms come from a table, not from a uniform per call
 #pragma once
@@ -28,14 +28,14 @@ struct Vertex {
   glm::vec4 tangent{};       ///< xyz unit length, w = ±1; all zero where the file has none
   glm::vec2 uv[2]{};         ///< TEXCOORD_0 and _1, v down
   glm::u8vec4 color{255};    ///< COLOR_0, linear, 0 … 255
-  std::uint32_t object = 0;  ///< index into Scene::objects
+  std::uint32_t object = 0;  ///< index into Model::objects
 };
 
 enum class AlphaMode { kOpaque, kMask, kBlend };
 
 /// One texture slot of a material. Filters and wraps are glTF's numbers, which are OpenGL's.
 struct TextureSlot {
-  std::uint32_t picture = kNoSlot;  ///< index into Scene::pictures
+  std::uint32_t picture = kNoSlot;  ///< index into Model::pictures
   int uv_set = 0;
   int min_filter = 9987, mag_filter = 9729;  ///< LINEAR_MIPMAP_LINEAR, LINEAR
   int wrap_s = 10497, wrap_t = 10497;        ///< REPEAT
@@ -89,7 +89,7 @@ struct Object {
   glm::mat4 transform{1};  ///< object to world at load
   Sphere bounds;           ///< of its vertices, in the object's frame
   std::optional<FragmentInfo> fragment;
-  std::optional<SolidPlacement> solid;  ///< else: around the whole scene
+  std::optional<SolidPlacement> solid;  ///< else: around the whole model
 };
 
 struct Surface {
@@ -97,7 +97,7 @@ struct Surface {
   std::uint32_t first_index = 0, index_count = 0;
 };
 
-struct Scene {
+struct Model {
   std::vector<Vertex> vertices;
   std::vector<std::uint32_t> indices;
   std::vector<Object> objects;
@@ -112,15 +112,15 @@ struct Scene {
 /// their outside outside; missing normals become flat; nodes called UCX_… (collision hulls) are left out;
 /// images that are neither PNG nor JPEG, and what extensions of materials ask beyond transmission and ior,
 /// are left out with a warning. kMesh, kTooLarge.
-Result<Scene> read_scene(std::span<const std::byte> bytes);
+Result<Model> read_model(std::span<const std::byte> bytes);
 
-/// read_scene of a file's bytes; kFile where it cannot be read.
-Result<Scene> load_scene(const std::string& path);
+/// read_model of a file's bytes; kFile where it cannot be read.
+Result<Model> load_scene(const std::string& path);
 
-/// The smallest sphere around the box of all objects under their transforms (kept at the scene's own where
+/// The smallest sphere around the box of all objects under their transforms (kept at the model's own where
 /// `transforms` is empty), not around invisible ones. Radius 0 for nothing.
 struct ObjectState;
-Sphere bounding_sphere(const Scene& scene, std::span<const ObjectState> states);
+Sphere bounding_sphere(const Model& model, std::span<const ObjectState> states);
 
 /// Where an object stands in a picture, and what colour covers its material.
 struct ObjectState {
@@ -130,6 +130,6 @@ struct ObjectState {
 };
 
 /// Every object as the file places it.
-std::vector<ObjectState> initial_states(const Scene& scene);
+std::vector<ObjectState> initial_states(const Model& model);
 
 }  // namespace fracture::render

@@ -1,4 +1,4 @@
-#include "client/scenes/stage.hpp"
+#include "client/scenes/scene.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -61,13 +61,13 @@ SurfaceMesh column(float height) {
   return turned(shape);
 }
 
-Expected<Stage> monkey() {
-  Stage stage;
-  stage.title = "The monkey falls to the ground";
-  StageObject object;
+Expected<Scene> monkey() {
+  Scene scene;
+  scene.title = "The monkey falls to the ground";
+  SceneObject object;
   const std::string path = monkey_path();
   if (path.empty()) {
-    stage.warnings.push_back("assimp-testmodels is not installed: a vase stands in for the monkey.");
+    scene.warnings.push_back("assimp-testmodels is not installed: a vase stands in for the monkey.");
     object.mesh = share(make_asset(vase(), "vase", {0.3f, 0.45f, 0.6f, 1}));
   } else {
     Expected<MeshAsset> loaded = load_asset(path);
@@ -77,18 +77,18 @@ Expected<Stage> monkey() {
   object.name = object.mesh->name;
   object.pose = {{0, 2.6 - object.mesh->low.y, 0},
                  glm::angleAxis(glm::radians(12.0), glm::normalize(glm::dvec3(1, 0.3, 0.4)))};
-  stage.objects.push_back(std::move(object));
-  set_material(stage, "ceramic");
-  stage.eye = {2.4f, 2.2f, 5.2f};
-  stage.target = {0, 1.5f, 0};
-  stage.bounds = {{0, 1.8f, 0}, 5.5f};
-  stage.throws = {{3.2, {5, 2.2, 6}, {-11.5, 0.5, -13}}};
-  return stage;
+  scene.objects.push_back(std::move(object));
+  set_material(scene, "ceramic");
+  scene.eye = {2.4f, 2.2f, 5.2f};
+  scene.target = {0, 1.5f, 0};
+  scene.bounds = {{0, 1.8f, 0}, 5.5f};
+  scene.throws = {{3.2, {5, 2.2, 6}, {-11.5, 0.5, -13}}};
+  return scene;
 }
 
-Stage panes() {
-  Stage stage;
-  stage.title = "A row of glass panes";
+Scene panes() {
+  Scene scene;
+  scene.title = "A row of glass panes";
   const double width = 1.3, height = 1.8, depth = 0.025, frame = 0.07, foot = 0.25;
   const auto mesh = share(make_asset(box(glm::vec3(width, height, depth)), "pane", {0.85f, 0.95f, 0.93f, 1}));
   // What the frame holds: points along the border.
@@ -105,170 +105,170 @@ Stage panes() {
   constexpr int kPanes = 5;
   for (int k = 0; k < kPanes; ++k) {
     const double x = (k - (kPanes - 1) / 2.0) * (width + 2 * frame + 0.12), y = foot + frame + height / 2;
-    StageObject object;
+    SceneObject object;
     object.name = "pane " + std::to_string(k + 1);
     object.mesh = mesh;
     object.pose = at(x, y, 0);
     object.held = true;
     object.breakage.parameters["anchor_points"] = held;
-    stage.objects.push_back(object);
+    scene.objects.push_back(object);
     const double sides = width / 2 + frame / 2, ends = height / 2 + frame / 2;
     for (const double s : {-1.0, 1.0}) {
-      stage.boxes.push_back({at(x + s * sides, y, 0), {frame / 2, ends + frame / 2, 0.05}, SolidLook::kNone});
-      stage.boxes.push_back({at(x, y + s * ends, 0), {width / 2, frame / 2, 0.05}, SolidLook::kNone});
-      stage.boxes.push_back({at(x + s * sides, foot / 2, 0), {0.05, foot / 2, 0.22}, SolidLook::kNone});
+      scene.boxes.push_back({at(x + s * sides, y, 0), {frame / 2, ends + frame / 2, 0.05}, SolidLook::kNone});
+      scene.boxes.push_back({at(x, y + s * ends, 0), {width / 2, frame / 2, 0.05}, SolidLook::kNone});
+      scene.boxes.push_back({at(x + s * sides, foot / 2, 0), {0.05, foot / 2, 0.22}, SolidLook::kNone});
     }
   }
-  set_material(stage, "glass");
-  for (StageObject& object : stage.objects) object.strength = 6;
-  stage.ball_radius = 0.09;
-  stage.ball_speed = 14;
-  stage.eye = {3.0f, 1.8f, 3.9f};
-  stage.target = {0.45f, 0.95f, 0};
-  stage.bounds = {{0, 1, 0}, 5};
-  stage.throws = {{0.3, {0.3, 1.6, 6}, {-0.2, 1.2, -15}}, {1.1, {2.2, 1.8, 6}, {-1.2, 0.9, -15}}};
-  return stage;
+  set_material(scene, "glass");
+  for (SceneObject& object : scene.objects) object.strength = 6;
+  scene.ball_radius = 0.09;
+  scene.ball_speed = 14;
+  scene.eye = {3.0f, 1.8f, 3.9f};
+  scene.target = {0.45f, 0.95f, 0};
+  scene.bounds = {{0, 1, 0}, 5};
+  scene.throws = {{0.3, {0.3, 1.6, 6}, {-0.2, 1.2, -15}}, {1.1, {2.2, 1.8, 6}, {-1.2, 0.9, -15}}};
+  return scene;
 }
 
-Stage wall() {
-  Stage stage;
-  stage.title = "A brick wall";
+Scene wall() {
+  Scene scene;
+  scene.title = "A brick wall";
   const double length = 4, height = 2.4, depth = 0.3;
-  StageObject object;
+  SceneObject object;
   object.name = "wall";
   object.mesh = share(make_asset(box(glm::vec3(length, height, depth)), "wall", {0.42f, 0.13f, 0.07f, 1}));
   object.pose = at(0, height / 2, 0);
   object.held = true;
   object.breakage.parameters["anchor_plane"] = ground_plane(-height / 2 + 0.01);
-  stage.objects.push_back(object);
-  set_material(stage, "brick");
+  scene.objects.push_back(object);
+  set_material(scene, "brick");
   // Bricks and mortar are there from the start: bonds of the level, no request at the hit.
-  StageObject& bricks = stage.objects.front();
+  SceneObject& bricks = scene.objects.front();
   bricks.at_start = true;
   bricks.breakage.parameters["cell"] = {0.4, 0.2, 0.3};
   bricks.breakage.parameters["bond"] = "half";
   bricks.bricks = {0.4f, 0.2f};
-  stage.ball_radius = 0.22;
-  stage.ball_density = 2600;
-  stage.ball_speed = 13;
-  stage.eye = {2.5f, 1.7f, 3.8f};
-  stage.target = {0.1f, 1.05f, -0.3f};
-  stage.bounds = {{0, 1, -0.5f}, 4.5f};
-  stage.throws = {{0.3, {0.8, 1.5, 6}, {-1.0, 1.8, -13}}, {1.4, {-2.0, 1.2, 6}, {0.9, 1.6, -13}}};
-  return stage;
+  scene.ball_radius = 0.22;
+  scene.ball_density = 2600;
+  scene.ball_speed = 13;
+  scene.eye = {2.5f, 1.7f, 3.8f};
+  scene.target = {0.1f, 1.05f, -0.3f};
+  scene.bounds = {{0, 1, -0.5f}, 4.5f};
+  scene.throws = {{0.3, {0.8, 1.5, 6}, {-1.0, 1.8, -13}}, {1.4, {-2.0, 1.2, 6}, {0.9, 1.6, -13}}};
+  return scene;
 }
 
-Stage temple() {
-  Stage stage;
-  stage.title = "A temple of columns";
+Scene temple() {
+  Scene scene;
+  scene.title = "A temple of columns";
   const float tall = 2.8f;
   const auto shaft =
       share(make_asset(column(tall), "column", {0.5f, 0.48f, 0.45f, 1}, {0.30f, tall - 0.38f}));
   const double step = 0.18, floor = 2 * step, dx = 1.7, dz = 1.5;
   for (int k = 0; k < 2; ++k)
-    stage.boxes.push_back({at(0, (k + 0.5) * step, 0),
+    scene.boxes.push_back({at(0, (k + 0.5) * step, 0),
                            {dx + 1.15 - 0.3 * k, step / 2, dz + 1.15 - 0.3 * k},
                            SolidLook::kStone});
   for (int x = -1; x <= 1; ++x)
     for (const int z : {-1, 1}) {
-      StageObject object;
+      SceneObject object;
       object.name = "column";
       object.mesh = shaft;
       object.pose = at(x * dx, floor, z * dz);
       object.held = true;
       object.breakage.parameters["anchor_plane"] = ground_plane(0.05);
-      stage.objects.push_back(object);
+      scene.objects.push_back(object);
     }
   const auto beam = share(make_asset(box({1.7f, 0.36f, 0.62f}, 0.03f), "beam", {0.5f, 0.48f, 0.45f, 1}));
   const auto slab = share(make_asset(box({1.30f, 0.16f, 3.9f}, 0.03f), "slab", {0.5f, 0.48f, 0.45f, 1}));
   const double top = floor + tall;
   const auto add = [&](const char* name, const auto& mesh, double x, double y, double z) {
-    StageObject object;
+    SceneObject object;
     object.name = name;
     object.mesh = mesh;
     object.pose = at(x, y, z);
-    stage.objects.push_back(object);
+    scene.objects.push_back(object);
   };
   for (const int z : {-1, 1})
     for (const double x : {-0.5, 0.5}) add("beam", beam, x * dx * 1.01, top + 0.181, z * dz);
   for (int x = -1; x <= 1; ++x) add("slab", slab, x * 1.31, top + 0.361 + 0.082, 0);
-  set_material(stage, "stone");
-  for (StageObject& object : stage.objects) {
+  set_material(scene, "stone");
+  for (SceneObject& object : scene.objects) {
     object.breakage.sites = object.held ? 45 : 20;
     if (object.held) object.strength = 150;
   }
-  stage.ball_radius = 0.25;
-  stage.ball_density = 7800;
-  stage.ball_speed = 15;
-  stage.eye = {4.4f, 2.6f, 6.0f};
-  stage.target = {0, 1.75f, 0};
-  stage.bounds = {{0, 1.8f, 0}, 6};
-  stage.throws = {{0.3, {1.2, 2.2, 8}, {0.6, 0.6, -15}}, {1.2, {-5.5, 2.0, 6.5}, {8.8, 1.0, -11}}};
-  return stage;
+  scene.ball_radius = 0.25;
+  scene.ball_density = 7800;
+  scene.ball_speed = 15;
+  scene.eye = {4.4f, 2.6f, 6.0f};
+  scene.target = {0, 1.75f, 0};
+  scene.bounds = {{0, 1.8f, 0}, 6};
+  scene.throws = {{0.3, {1.2, 2.2, 8}, {0.6, 0.6, -15}}, {1.2, {-5.5, 2.0, 6.5}, {8.8, 1.0, -11}}};
+  return scene;
 }
 
-Stage crates() {
-  Stage stage;
-  stage.title = "A stack of crates";
+Scene crates() {
+  Scene scene;
+  scene.title = "A stack of crates";
   const float side = 0.8f;
   const auto mesh = share(make_asset(crate(side, 0.1f, 0.03f, 0.07f), "crate", {0.45f, 0.28f, 0.14f, 1}));
   constexpr int kRows = 4;
   for (int row = 0; row < kRows; ++row)
     for (int k = 0; k < kRows - row; ++k) {
-      StageObject object;
+      SceneObject object;
       object.name = "crate";
       object.mesh = mesh;
       const double turn = ((row * 7 + k * 5) % 5 - 2) * 1.5;  // nobody stacks crates straight
       object.pose =
           at((k - (kRows - 1 - row) / 2.0) * (side + 0.06), side / 2 + row * (side + 0.002) + 0.001, 0, turn);
-      stage.objects.push_back(object);
+      scene.objects.push_back(object);
     }
-  set_material(stage, "wood");
-  for (std::size_t k = 0; k < stage.objects.size(); ++k) {
+  set_material(scene, "wood");
+  for (std::size_t k = 0; k < scene.objects.size(); ++k) {
     const glm::vec3 grains[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    stage.objects[k].grain = grains[k % 3];
+    scene.objects[k].grain = grains[k % 3];
     const glm::vec3& grain = grains[k % 3];
-    stage.objects[k].breakage.parameters["grain"] = nlohmann::json::array({grain.x, grain.y, grain.z});
-    stage.objects[k].strength = 120;
-    stage.objects[k].breakage.sites = 22;
-    stage.objects[k].look_scale = 0.5f;
+    scene.objects[k].breakage.parameters["grain"] = nlohmann::json::array({grain.x, grain.y, grain.z});
+    scene.objects[k].strength = 120;
+    scene.objects[k].breakage.sites = 22;
+    scene.objects[k].look_scale = 0.5f;
   }
-  stage.ball_radius = 0.16;
-  stage.ball_speed = 17;
-  stage.eye = {2.7f, 1.9f, 4.5f};
-  stage.target = {0.1f, 1.3f, 0};
-  stage.bounds = {{0, 1.3f, 0}, 4.5f};
-  stage.throws = {{0.3, {1.0, 1.6, 7}, {-0.9, 0.9, -17}}, {1.3, {-1.5, 1.2, 7}, {1.8, 1.0, -17}}};
-  return stage;
+  scene.ball_radius = 0.16;
+  scene.ball_speed = 17;
+  scene.eye = {2.7f, 1.9f, 4.5f};
+  scene.target = {0.1f, 1.3f, 0};
+  scene.bounds = {{0, 1.3f, 0}, 4.5f};
+  scene.throws = {{0.3, {1.0, 1.6, 7}, {-0.9, 0.9, -17}}, {1.3, {-1.5, 1.2, 7}, {1.8, 1.0, -17}}};
+  return scene;
 }
 
 }  // namespace
 
-std::vector<std::string> stage_names() { return {"monkey", "panes", "wall", "temple", "crates"}; }
+std::vector<std::string> scene_names() { return {"monkey", "panes", "wall", "temple", "crates"}; }
 
-Expected<Stage> make_stage(const std::string& name) {
-  Expected<Stage> stage = Stage{};
+Expected<Scene> make_scene(const std::string& name) {
+  Expected<Scene> scene = Scene{};
   if (name == "monkey")
-    stage = monkey();
+    scene = monkey();
   else if (name == "panes")
-    stage = panes();
+    scene = panes();
   else if (name == "wall")
-    stage = wall();
+    scene = wall();
   else if (name == "temple")
-    stage = temple();
+    scene = temple();
   else if (name == "crates")
-    stage = crates();
+    scene = crates();
   else
     return fail(ErrorCode::kBadParameter,
                 "There is no scene '" + name + "' (monkey, panes, wall, temple, crates).", "scene");
-  if (stage) stage->name = name;
-  return stage;
+  if (scene) scene->name = name;
+  return scene;
 }
 
-Expected<Stage> stage_of_files(const std::vector<std::string>& paths) {
+Expected<Scene> scene_of_files(const std::vector<std::string>& paths) {
   constexpr std::size_t kMost = 40;
-  Stage stage;
-  stage.name = "files";
+  Scene scene;
+  scene.name = "files";
   std::vector<std::string> files;
   for (const std::string& path : paths) {
     std::error_code error;
@@ -287,43 +287,43 @@ Expected<Stage> stage_of_files(const std::vector<std::string>& paths) {
   }
   double x = 0;
   for (const std::string& file : files) {
-    if (stage.objects.size() >= kMost) {
-      stage.warnings.push_back("More than " + std::to_string(kMost) + " meshes: the rest is left out.");
+    if (scene.objects.size() >= kMost) {
+      scene.warnings.push_back("More than " + std::to_string(kMost) + " meshes: the rest is left out.");
       break;
     }
     Expected<MeshAsset> asset = load_asset(file);
     if (!asset) {
-      stage.warnings.push_back(file + ": " + asset.error().detail);
+      scene.warnings.push_back(file + ": " + asset.error().detail);
       continue;
     }
-    for (const std::string& warning : asset->warnings) stage.warnings.push_back(warning);
-    StageObject object;
+    for (const std::string& warning : asset->warnings) scene.warnings.push_back(warning);
+    SceneObject object;
     object.name = asset->name;
     object.mesh = share(std::move(*asset));
     const glm::dvec3 size = object.mesh->high - object.mesh->low,
                      middle = 0.5 * (object.mesh->low + object.mesh->high);
     object.pose = at(x + size.x / 2 - middle.x, 1.5 - object.mesh->low.y, -middle.z);
     x += size.x + 0.5;
-    stage.objects.push_back(std::move(object));
+    scene.objects.push_back(std::move(object));
   }
-  if (stage.objects.empty())
+  if (scene.objects.empty())
     return fail(ErrorCode::kEmptyMesh,
-                stage.warnings.empty() ? "No mesh file was given or found." : stage.warnings.front());
+                scene.warnings.empty() ? "No mesh file was given or found." : scene.warnings.front());
   const double all = x - 0.5;
   double high = 0;
-  for (StageObject& object : stage.objects) {
+  for (SceneObject& object : scene.objects) {
     object.pose.position.x -= all / 2;
     high = std::max(high, 1.5 + object.mesh->high.y - object.mesh->low.y);
   }
-  set_material(stage, "ceramic");
-  for (StageObject& object : stage.objects) object.look = SolidLook::kNone;  // it has its own
+  set_material(scene, "ceramic");
+  for (SceneObject& object : scene.objects) object.look = SolidLook::kNone;  // it has its own
   const auto reach = static_cast<float>(std::max(all, high));
-  stage.title = std::to_string(stage.objects.size()) + " meshes from files";
-  stage.target = {0, 0.4f * static_cast<float>(high), 0};
-  stage.eye = {0.5f * reach, 0.3f * reach + 1, 1.3f * reach + 1.5f};
-  stage.bounds = {{0, 0.4f * static_cast<float>(high), 0}, reach + 1};
-  stage.throws = {{2.0, {0.5 * reach, 2, 1.3 * reach + 1.5}, {-0.5 * reach, 0.5, -1.3 * reach - 1.5}}};
-  return stage;
+  scene.title = std::to_string(scene.objects.size()) + " meshes from files";
+  scene.target = {0, 0.4f * static_cast<float>(high), 0};
+  scene.eye = {0.5f * reach, 0.3f * reach + 1, 1.3f * reach + 1.5f};
+  scene.bounds = {{0, 0.4f * static_cast<float>(high), 0}, reach + 1};
+  scene.throws = {{2.0, {0.5 * reach, 2, 1.3 * reach + 1.5}, {-0.5 * reach, 0.5, -1.3 * reach - 1.5}}};
+  return scene;
 }
 
 }  // namespace fracture::scenes

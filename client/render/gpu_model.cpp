@@ -1,4 +1,4 @@
-#include "client/render/gpu_scene.hpp"
+#include "client/render/gpu_model.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -33,7 +33,7 @@ void each_slot(const Material& m, Use&& use) {
 
 }  // namespace
 
-void GpuScene::Store::add(const void* data, std::size_t bytes) {
+void GpuModel::Store::add(const void* data, std::size_t bytes) {
   if (used + bytes > capacity) {
     const std::size_t room = used == 0 ? bytes : 2 * (used + bytes);
     Buffer larger = make_buffer();
@@ -51,7 +51,7 @@ void GpuScene::Store::add(const void* data, std::size_t bytes) {
   used += bytes;
 }
 
-void GpuScene::make_names() {
+void GpuModel::make_names() {
   array_ = make_vertex_array();
   table_ = make_buffer();
   table_texture_ = make_texture();
@@ -62,13 +62,13 @@ void GpuScene::make_names() {
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
 }
 
-Result<void> GpuScene::check_room(const Scene& more) const {
+Result<void> GpuModel::check_room(const Model& more) const {
   GLint texels = 0, side = 0;
   glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
   glGetIntegerv(GL_MAX_TEXTURE_SIZE, &side);
   const std::size_t objects = more.objects.size() + (own_ ? own_->objects.size() : 0);
   if (objects * kTexelsPerObject > static_cast<std::size_t>(texels))
-    return fail(RenderErrorCode::kTooLarge, "The scene has " + std::to_string(objects) +
+    return fail(RenderErrorCode::kTooLarge, "The model has " + std::to_string(objects) +
                                                 " objects; this driver has room for " +
                                                 std::to_string(texels / kTexelsPerObject) + ".");
   for (const Picture& picture : more.pictures)
@@ -81,7 +81,7 @@ Result<void> GpuScene::check_room(const Scene& more) const {
   return {};
 }
 
-Result<void> GpuScene::put(std::span<const Vertex> vertices, std::span<const std::uint32_t> indices) {
+Result<void> GpuModel::put(std::span<const Vertex> vertices, std::span<const std::uint32_t> indices) {
   vertices_.add(vertices.data(), vertices.size_bytes());
   indices_.add(indices.data(), indices.size_bytes());
   glBindVertexArray(array_.get());
@@ -96,33 +96,33 @@ Result<void> GpuScene::put(std::span<const Vertex> vertices, std::span<const std
                          reinterpret_cast<const void*>(offsetof(Vertex, object)));
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.buffer.get());
   glBindVertexArray(0);
-  for (const Material& material : scene_->materials)
+  for (const Material& material : model_->materials)
     each_slot(material, [&](int, const TextureSlot& slot, bool srgb) { upload_texture(slot, srgb); });
   if (const GLenum error = glGetError(); error != GL_NO_ERROR)
-    return fail(RenderErrorCode::kGl, "The driver cannot take the scene (" + std::to_string(vertices.size()) +
-                                          " vertices, " + std::to_string(scene_->pictures.size()) +
+    return fail(RenderErrorCode::kGl, "The driver cannot take the model (" + std::to_string(vertices.size()) +
+                                          " vertices, " + std::to_string(model_->pictures.size()) +
                                           " textures): OpenGL error " + std::to_string(error) + ".");
   return {};
 }
 
-Result<GpuScene> GpuScene::upload(std::shared_ptr<const Scene> scene) {
-  GpuScene gpu;
-  if (auto room = gpu.check_room(*scene); !room) return tl::unexpected(room.error());
+Result<GpuModel> GpuModel::upload(std::shared_ptr<const Model> model) {
+  GpuModel gpu;
+  if (auto room = gpu.check_room(*model); !room) return tl::unexpected(room.error());
   gpu.make_names();
-  gpu.scene_ = std::move(scene);
-  gpu.bounds_ = bounding_sphere(*gpu.scene_, {});
-  gpu.set_states(initial_states(*gpu.scene_));
+  gpu.model_ = std::move(model);
+  gpu.bounds_ = bounding_sphere(*gpu.model_, {});
+  gpu.set_states(initial_states(*gpu.model_));
   glBindTexture(GL_TEXTURE_BUFFER, gpu.table_texture_.get());
   glTexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32F, gpu.table_.get());
-  if (auto done = gpu.put(gpu.scene_->vertices, gpu.scene_->indices); !done)
+  if (auto done = gpu.put(gpu.model_->vertices, gpu.model_->indices); !done)
     return tl::unexpected(done.error());
   return gpu;
 }
 
-Result<GpuScene> GpuScene::batch() {
-  GpuScene gpu;
-  gpu.own_ = std::make_shared<Scene>();
-  gpu.scene_ = gpu.own_;
+Result<GpuModel> GpuModel::batch() {
+  GpuModel gpu;
+  gpu.own_ = std::make_shared<Model>();
+  gpu.model_ = gpu.own_;
   gpu.make_names();
   gpu.set_states({});
   glBindTexture(GL_TEXTURE_BUFFER, gpu.table_texture_.get());
@@ -130,7 +130,7 @@ Result<GpuScene> GpuScene::batch() {
   return gpu;
 }
 
-Result<std::uint32_t> GpuScene::append(const Scene& more, const std::optional<SolidPlacement>& solid,
+Result<std::uint32_t> GpuModel::append(const Model& more, const std::optional<SolidPlacement>& solid,
                                        SolidLook look) {
   if (auto room = check_room(more); !room) return tl::unexpected(room.error());
   const auto first_object = static_cast<std::uint32_t>(own_->objects.size()),
@@ -186,11 +186,11 @@ Result<std::uint32_t> GpuScene::append(const Scene& more, const std::optional<So
   return first_object;
 }
 
-void GpuScene::upload_texture(const TextureSlot& slot, bool srgb) {
-  if (slot.picture >= scene_->pictures.size()) return;
+void GpuModel::upload_texture(const TextureSlot& slot, bool srgb) {
+  if (slot.picture >= model_->pictures.size()) return;
   auto [texture, is_new] = textures_.try_emplace({slot.picture, srgb});
   if (is_new) {
-    const Picture& picture = scene_->pictures[slot.picture];
+    const Picture& picture = model_->pictures[slot.picture];
     texture->second = make_texture();
     glBindTexture(GL_TEXTURE_2D, texture->second.get());
     glTexImage2D(GL_TEXTURE_2D, 0, srgb ? GL_SRGB8_ALPHA8 : GL_RGBA8, picture.width, picture.height, 0,
@@ -208,16 +208,16 @@ void GpuScene::upload_texture(const TextureSlot& slot, bool srgb) {
   }
 }
 
-void GpuScene::set_states(std::span<const ObjectState> states, const glm::vec3& grain) {
+void GpuModel::set_states(std::span<const ObjectState> states, const glm::vec3& grain) {
   const SolidPlacement around_all{.frame = bounds_, .grain = grain};
-  rows_.resize(kTexelsPerObject * std::max<std::size_t>(1, scene_->objects.size()));
-  for (std::size_t k = 0; k < scene_->objects.size(); ++k) {
+  rows_.resize(kTexelsPerObject * std::max<std::size_t>(1, model_->objects.size()));
+  for (std::size_t k = 0; k < model_->objects.size(); ++k) {
     glm::vec4* out = &rows_[kTexelsPerObject * k];
     put_rows(out, states[k].transform);
-    put_rows(out + 3, scene_->objects[k].transform);
+    put_rows(out + 3, model_->objects[k].transform);
     out[6] = states[k].tint;
-    const std::optional<FragmentInfo>& fragment = scene_->objects[k].fragment;
-    const std::optional<SolidPlacement>& own = scene_->objects[k].solid;
+    const std::optional<FragmentInfo>& fragment = model_->objects[k].fragment;
+    const std::optional<SolidPlacement>& own = model_->objects[k].solid;
     const SolidPlacement& solid = own ? *own : around_all;
     const bool has_grain = glm::dot(solid.grain, solid.grain) > 0;
     out[7] = glm::vec4(fragment ? static_cast<float>(fragment->id % 65521) : 0.f,
@@ -232,13 +232,13 @@ void GpuScene::set_states(std::span<const ObjectState> states, const glm::vec3& 
   glBindBuffer(GL_TEXTURE_BUFFER, 0);
 }
 
-void GpuScene::bind() const {
+void GpuModel::bind() const {
   glBindVertexArray(array_.get());
   glActiveTexture(GL_TEXTURE0 + kObjectTable);
   glBindTexture(GL_TEXTURE_BUFFER, table_texture_.get());
 }
 
-void GpuScene::bind_slot(int unit, const TextureSlot& slot, bool srgb) const {
+void GpuModel::bind_slot(int unit, const TextureSlot& slot, bool srgb) const {
   glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
   const auto texture = textures_.find({slot.picture, srgb});
   if (texture == textures_.end()) {
@@ -250,7 +250,7 @@ void GpuScene::bind_slot(int unit, const TextureSlot& slot, bool srgb) const {
   glBindSampler(static_cast<GLuint>(unit), samplers_.at(sampler_key(slot)).get());
 }
 
-void GpuScene::bind_textures(const Material& material) const {
+void GpuModel::bind_textures(const Material& material) const {
   each_slot(material, [&](int unit, const TextureSlot& slot, bool srgb) { bind_slot(unit, slot, srgb); });
 }
 

@@ -1,10 +1,10 @@
-// Several scenes in one picture, batches, edges alone, and the way to a window.
+// Several models in one picture, batches, edges alone, and the way to a window.
 #include <gtest/gtest.h>
 
 #include <array>
 
+#include "tests/client/models.hpp"
 #include "tests/client/renderer_fixture.hpp"
-#include "tests/client/scenes.hpp"
 
 namespace fracture::test {
 namespace {
@@ -12,11 +12,11 @@ namespace {
 using namespace fracture::render;
 
 TEST_F(RendererTest, SeveralScenesStandInOnePictureAndHideOneAnother) {
-  Scene red = red_cube(), blue;
+  Model red = red_cube(), blue;
   blue.materials.push_back(paint({0.02f, 0.02f, 0.8f}));
   add_box(blue, {0, 0, 0}, {1, 1, 1});
-  auto first = GpuScene::upload(std::make_shared<const Scene>(red)),
-       second = GpuScene::upload(std::make_shared<const Scene>(blue));
+  auto first = GpuModel::upload(std::make_shared<const Model>(red)),
+       second = GpuModel::upload(std::make_shared<const Model>(blue));
   ASSERT_TRUE(first && second);
   auto of_red = initial_states(red), of_blue = initial_states(blue);
   // The blue one stands behind the red one and looks out above it by a quarter.
@@ -24,8 +24,8 @@ TEST_F(RendererTest, SeveralScenesStandInOnePictureAndHideOneAnother) {
   auto target = FrameTarget::create(300, 300);
   ASSERT_TRUE(target);
   const Camera camera = straight(0, 0);
-  const std::array<DrawItem, 2> items = {DrawItem{.scene = &*first, .states = of_red},
-                                         DrawItem{.scene = &*second, .states = of_blue}};
+  const std::array<DrawItem, 2> items = {DrawItem{.model = &*first, .states = of_red},
+                                         DrawItem{.model = &*second, .states = of_blue}};
   stats = renderer->draw(items, camera, bare(), target->framebuffer(), 300, 300);
   const Picture picture = target->read();
   EXPECT_EQ(stats.draw_calls, 2u);
@@ -38,15 +38,15 @@ TEST_F(RendererTest, SeveralScenesStandInOnePictureAndHideOneAnother) {
 }
 
 TEST_F(RendererTest, EachOfSeveralScenesHasALookOfItsOwn) {
-  const Scene cube = red_cube();
-  auto gpu = GpuScene::upload(std::make_shared<const Scene>(cube));
+  const Model cube = red_cube();
+  auto gpu = GpuModel::upload(std::make_shared<const Model>(cube));
   ASSERT_TRUE(gpu);
   const auto states = initial_states(cube);
   auto target = FrameTarget::create(100, 100);
   ASSERT_TRUE(target);
   const Camera camera = straight(30, 20);
   const auto with = [&](SolidLook look) {
-    const DrawItem item{.scene = &*gpu, .states = states, .look = look};
+    const DrawItem item{.model = &*gpu, .states = states, .look = look};
     renderer->draw(std::span(&item, 1), camera, bare(), target->framebuffer(), 100, 100);
     return target->read();
   };
@@ -57,26 +57,26 @@ TEST_F(RendererTest, EachOfSeveralScenesHasALookOfItsOwn) {
 }
 
 TEST_F(RendererTest, ABatchShowsWhatItsScenesShowInOneCall) {
-  Scene left = red_cube(), right = red_cube();
+  Model left = red_cube(), right = red_cube();
   auto of_left = initial_states(left), of_right = initial_states(right);
   of_left[0].transform[3] = {-0.4f, 0, 0, 1};
   of_right[0].transform[3] = {0.3f, 0.2f, 0.1f, 1};
-  auto first = GpuScene::upload(std::make_shared<const Scene>(left)),
-       second = GpuScene::upload(std::make_shared<const Scene>(right)), batch = GpuScene::batch();
+  auto first = GpuModel::upload(std::make_shared<const Model>(left)),
+       second = GpuModel::upload(std::make_shared<const Model>(right)), batch = GpuModel::batch();
   ASSERT_TRUE(first && second && batch);
   auto target = FrameTarget::create(200, 200);
   ASSERT_TRUE(target);
   const Camera camera = straight(30, 20);
-  const std::array<DrawItem, 2> apart = {DrawItem{.scene = &*first, .states = of_left},
-                                         DrawItem{.scene = &*second, .states = of_right}};
+  const std::array<DrawItem, 2> apart = {DrawItem{.model = &*first, .states = of_left},
+                                         DrawItem{.model = &*second, .states = of_right}};
   renderer->draw(apart, camera, bare(), target->framebuffer(), 200, 200);
   const Picture expected = target->read();
 
   EXPECT_EQ(*batch->append(left, std::nullopt), 0u);
   EXPECT_EQ(*batch->append(right, std::nullopt), 1u);
-  EXPECT_EQ(batch->scene().materials.size(), 1u);  // equal ones are one
+  EXPECT_EQ(batch->model().materials.size(), 1u);  // equal ones are one
   const std::array<ObjectState, 2> states = {of_left[0], of_right[0]};
-  const DrawItem together{.scene = &*batch, .states = states};
+  const DrawItem together{.model = &*batch, .states = states};
   stats = renderer->draw(std::span(&together, 1), camera, bare(), target->framebuffer(), 200, 200);
   EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
   EXPECT_EQ(target->read().pixels, expected.pixels);
@@ -85,9 +85,9 @@ TEST_F(RendererTest, ABatchShowsWhatItsScenesShowInOneCall) {
 }
 
 TEST_F(RendererTest, ABatchThatGrowsKeepsWhatIsInIt) {
-  auto batch = GpuScene::batch();
+  auto batch = GpuModel::batch();
   ASSERT_TRUE(batch);
-  const Scene cube = red_cube();
+  const Model cube = red_cube();
   std::vector<ObjectState> states;
   for (std::uint32_t k = 0; k < 40; ++k) {
     ASSERT_EQ(*batch->append(cube, std::nullopt), k);
@@ -96,13 +96,13 @@ TEST_F(RendererTest, ABatchThatGrowsKeepsWhatIsInIt) {
   }
   auto target = FrameTarget::create(300, 300);
   ASSERT_TRUE(target);
-  const DrawItem item{.scene = &*batch, .states = states};
+  const DrawItem item{.model = &*batch, .states = states};
   renderer->draw(std::span(&item, 1), straight(30, 20), bare(), target->framebuffer(), 300, 300);
   EXPECT_EQ(target->read().pixels, draw(cube, straight(30, 20), bare()).pixels);
 }
 
 TEST_F(RendererTest, AWallOfBricksHasJointsWhereItsCoursesSay) {
-  Scene wall;
+  Model wall;
   wall.materials.push_back(paint({0.5f, 0.1f, 0.1f}));
   add_box(wall, {0, 0, 0}, {1, 1, 0.2f});
   wall.objects[0].solid = SolidPlacement{.frame = {{0, 0, 0}, 1},
@@ -136,8 +136,8 @@ TEST_F(RendererTest, WireframeShowsTheEdgesAndLeavesTheFacesOpen) {
 }
 
 TEST_F(RendererTest, AFrameIsCopiedToAWindowByteForByte) {
-  const Scene cube = red_cube();
-  auto gpu = GpuScene::upload(std::make_shared<const Scene>(cube));
+  const Model cube = red_cube();
+  auto gpu = GpuModel::upload(std::make_shared<const Model>(cube));
   auto target = FrameTarget::create(40, 30);
   ASSERT_TRUE(gpu && target);
   renderer->draw(*gpu, initial_states(cube), straight(30, 20), {}, target->framebuffer(), 40, 30);
