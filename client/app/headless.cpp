@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <thread>
 
-#include "client/headless/egl_context.hpp"
+#include "client/egl/egl_context.hpp"
 #include "client/render/frame_target.hpp"
 #include "client/view/scene_view.hpp"
 
@@ -25,9 +25,9 @@ double milliseconds_since(Clock::time_point start) {
 json vec3(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
 /// Pictures: a context and a renderer, made when the first is asked for.
-class Camera {
+class Recorder {
  public:
-  explicit Camera(const Options& options) : options_(options) {}
+  explicit Recorder(const Options& options) : options_(options) {}
 
   Expected<json> take(const game::Game& game, const std::string& name) {
     constexpr int kStillSkyShadows = 32;  // pictures may take their time
@@ -59,9 +59,9 @@ class Camera {
  private:
   Expected<void> prepare() {
     if (view_) return {};
-    auto context = headless::EglContext::create();
+    auto context = egl::EglContext::create();
     if (!context) return fail(ErrorCode::kInternal, context.error().detail);
-    context_ = std::make_unique<headless::EglContext>(std::move(*context));
+    context_ = std::make_unique<egl::EglContext>(std::move(*context));
     auto target = render::FrameTarget::create(options_.width, options_.height);
     if (!target) return fail(ErrorCode::kInternal, target.error().detail);
     target_ = std::make_unique<render::FrameTarget>(std::move(*target));
@@ -72,7 +72,7 @@ class Camera {
   }
 
   const Options& options_;
-  std::unique_ptr<headless::EglContext> context_;
+  std::unique_ptr<egl::EglContext> context_;
   std::unique_ptr<render::FrameTarget> target_;
   std::unique_ptr<view::SceneView> view_;
 };
@@ -203,7 +203,7 @@ Expected<json> run_headless(const Options& options) {
   if (options.fixed_step) settings.fixed_latency = options.answer_steps;
   if (!options.requests) settings.max_requests = 0;
   game::Game game(std::move(*scene), client, settings);
-  Camera camera(options);
+  Recorder recorder(options);
 
   std::vector<double> wanted = options.screenshots, frame_times, submit_times, swap_frame_times,
                       waiting_times;
@@ -215,14 +215,14 @@ Expected<json> run_headless(const Options& options) {
   const auto frames = static_cast<std::uint64_t>(std::llround(options.seconds / frame_length));
   std::size_t next_picture = 0, next_throw = 0;
   if (options.draw)  // compiles shaders and uploads the scene, which is no frame's work
-    if (const auto drawn = camera.draw(game); !drawn) return tl::unexpected(drawn.error());
+    if (const auto drawn = recorder.draw(game); !drawn) return tl::unexpected(drawn.error());
   const Clock::time_point start = Clock::now();
   for (std::uint64_t frame = 0; frame <= frames; ++frame) {
     const double now = static_cast<double>(frame) * frame_length;
     for (; next_picture < wanted.size() && wanted[next_picture] <= now + 1e-9; ++next_picture) {
       char file[64];
       std::snprintf(file, sizeof file, "%s-%.2f.png", game.scene().name.c_str(), wanted[next_picture]);
-      Expected<json> picture = camera.take(game, file);
+      Expected<json> picture = recorder.take(game, file);
       if (!picture) return tl::unexpected(picture.error());
       (*picture)["seconds"] = wanted[next_picture];
       pictures.push_back(std::move(*picture));
@@ -230,7 +230,8 @@ Expected<json> run_headless(const Options& options) {
     if (options.record) {
       char file[64];
       std::snprintf(file, sizeof file, "frame-%05llu.png", static_cast<unsigned long long>(frame));
-      if (Expected<json> picture = camera.take(game, file); !picture) return tl::unexpected(picture.error());
+      if (Expected<json> picture = recorder.take(game, file); !picture)
+        return tl::unexpected(picture.error());
     }
     if (frame == frames) break;
     double spent = 0;
@@ -253,7 +254,7 @@ Expected<json> run_headless(const Options& options) {
                                                 std::chrono::duration<double>(now + frame_length)));
     }
     if (options.draw) {
-      const auto drawn = camera.draw(game);
+      const auto drawn = recorder.draw(game);
       if (!drawn) return tl::unexpected(drawn.error());
       submit_times.push_back(drawn->submit_ms);
       most_draw_calls = std::max(most_draw_calls, drawn->draw_calls);

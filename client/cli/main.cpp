@@ -6,7 +6,7 @@
 
 #include "client/cli/draw_picture.hpp"
 #include "client/cli/sheet.hpp"
-#include "client/headless/egl_context.hpp"
+#include "client/egl/egl_context.hpp"
 
 namespace {
 
@@ -47,7 +47,7 @@ Result<void> run(const Command& command) {
     if (!read) return tl::unexpected(read.error());
     sheet = std::move(*read);
   }
-  const auto context = fracture::headless::EglContext::create();
+  const auto context = fracture::egl::EglContext::create();
   if (!context) return tl::unexpected(context.error());
   auto maker = PictureMaker::create();
   if (!maker) return tl::unexpected(maker.error());

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "client/scenes/solid_shapes.hpp"
 #include "client/render/model.hpp"
+#include "client/scenes/solid_shapes.hpp"
 #include "client/world/world.hpp"
 #include "common/base/error.hpp"
 

@@ -15,7 +15,7 @@ namespace {
 /// The boundary pieces of all facets, by facet: a facet is (lo, hi, part).
 std::vector<CapSegment> gather_segments(const Solid& solid, const VoronoiDiagram& diagram,
                                         const SurfaceCuts& cuts, const Winding& winding,
-                                        const Execution& execution, const std::vector<char>* of_interest) {
+                                        const Execution& execution, const std::vector<char>* wanted) {
   // Counting sort by lo, then a stable sort of each cell's few facets: the order inside a facet is that of
   // gathering.
   const std::uint32_t sites = diagram.dual().site_count();
@@ -29,7 +29,7 @@ std::vector<CapSegment> gather_segments(const Solid& solid, const VoronoiDiagram
       for (std::uint32_t k = 0; k < p.count; ++k) {
         const PolygonSide side = cuts.sides[p.first + k];
         if (is_mesh_edge(side) || side < p.cell) continue;
-        if (of_interest && !(*of_interest)[p.cell] && !(*of_interest)[side]) continue;
+        if (wanted && !(*wanted)[p.cell] && !(*wanted)[side]) continue;
         const VertexId from = cuts.vertices[p.first + k], to = cuts.vertices[p.first + (k + 1) % p.count];
         visit(CapSegment{p.cell, side, to, from, 1, solid.part[p.triangle]});
       }
@@ -227,9 +227,8 @@ bool same_facet(const CapSegment& a, const CapSegment& b) {
 
 Caps build_caps(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
                 const Winding& winding, const VertexPositions& positions, const Execution& execution,
-                const std::vector<char>* of_interest) {
-  const std::vector<CapSegment> segments =
-      gather_segments(solid, diagram, cuts, winding, execution, of_interest);
+                const std::vector<char>* wanted) {
+  const std::vector<CapSegment> segments = gather_segments(solid, diagram, cuts, winding, execution, wanted);
   Pacer pacer(execution);
   std::vector<std::uint32_t> facet_begin;
   for (std::uint32_t s = 0; s < segments.size(); ++s) {

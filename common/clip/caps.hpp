@@ -31,11 +31,11 @@ struct Caps {
   std::vector<Vec3f> normals{};
 };
 
-/// `of_interest` (per site; null: all): only the facets of these cells, where winding and cuts are theirs
+/// `wanted` (per site; null: all): only the facets of these cells, where winding and cuts are theirs
 /// alone.
 Caps build_caps(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
                 const Winding& winding, const VertexPositions& positions, const Execution& execution,
-                const std::vector<char>* of_interest = nullptr);
+                const std::vector<char>* wanted = nullptr);
 
 /// Lattices of sites make facets without area, and these triangles whose corners share places. Two turns of
 /// such a triangle look alike, so that its mirror image could be taken for its like; begun at one of the

@@ -98,7 +98,7 @@ class EdgeCollector {
 }  // namespace
 
 CrossingTable find_crossings(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
-                             const std::vector<char>* of_interest, const Execution& execution) {
+                             const std::vector<char>* wanted, const Execution& execution) {
   // Counting sort by the lowest site.
   const auto& table = cuts.triangle_cuts;
   const std::uint32_t sites = diagram.dual().site_count();
@@ -108,7 +108,7 @@ CrossingTable find_crossings(const Solid& solid, const VoronoiDiagram& diagram, 
     for (std::uint32_t c = 0; c < table.size(); ++c) {
       pacer.step();
       const auto& s = table[c].sites;
-      if (of_interest && !(*of_interest)[s[0]] && !(*of_interest)[s[1]] && !(*of_interest)[s[2]]) continue;
+      if (wanted && !(*wanted)[s[0]] && !(*wanted)[s[1]] && !(*wanted)[s[2]]) continue;
       visit(s[0], c);
     }
   };

@@ -46,8 +46,8 @@ inline std::array<SiteId, 3> outward_facet(const Tetrahedron& t, int face) {
   return {t.v[kFacet[face][0]], t.v[kFacet[face][1]], t.v[kFacet[face][2]]};
 }
 
-/// `of_interest` (per site; null: all): Voronoi edges of other cells alone are left out. Throws Interrupted.
+/// `wanted` (per site; null: all): Voronoi edges of other cells alone are left out. Throws Interrupted.
 CrossingTable find_crossings(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
-                             const std::vector<char>* of_interest, const Execution& execution);
+                             const std::vector<char>* wanted, const Execution& execution);
 
 }  // namespace fracture::clip_detail

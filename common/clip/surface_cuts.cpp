@@ -159,18 +159,18 @@ SurfaceLabels labels_of(const SurfaceCuts& cuts) {
 }
 
 SurfaceCuts cut_surface_again(const Solid& solid, const VoronoiDiagram& diagram, SurfaceLabels& before,
-                              const std::vector<char>& of_interest, const Execution& execution) {
+                              const std::vector<char>& wanted, const Execution& execution) {
   // Triangles that met such a cell, and all of their edges.
   Pacer pacer(execution);
   std::vector<char> met(solid.triangles.size(), 0), edge(solid.edge_vertices.size(), 0);
   for (const CellShare& share : before.shares) {
-    met[share.triangle] |= of_interest[share.cell];
+    met[share.triangle] |= wanted[share.cell];
     pacer.step();
   }
   std::vector<std::uint32_t> triangles, edges;
   for (std::uint32_t t = 0; t < met.size(); ++t) {
     pacer.step();
-    for (const std::uint32_t v : solid.triangles[t]) met[t] |= of_interest[before.label[v]];
+    for (const std::uint32_t v : solid.triangles[t]) met[t] |= wanted[before.label[v]];
     if (!met[t]) continue;
     triangles.push_back(t);
     for (const std::uint32_t e : solid.edges[t]) edge[e] = 1;
@@ -185,7 +185,7 @@ SurfaceCuts cut_surface_again(const Solid& solid, const VoronoiDiagram& diagram,
   VoronoiDiagram::Walk walk;
   for (std::size_t v = 0; v < out.label.size(); ++v) {
     pacer.step();
-    if (!of_interest[out.label[v]]) continue;
+    if (!wanted[out.label[v]]) continue;
     const std::uint64_t looked_at = walk.looked_at;
     out.label[v] = diagram.nearest(to_double(solid.positions[v]), out.label[v], walk);
     pacer.step(walk.looked_at - looked_at);

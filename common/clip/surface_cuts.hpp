@@ -85,11 +85,11 @@ struct SurfaceLabels {
 
 /// The cuts again where sites were added to the diagram that gave `before`, with its sites' numbers kept:
 /// only the triangles that met a cell of interest are divided, and edges and polygons of the others are left
-/// out. `of_interest` (per site; new ones too) must hold for every cell that is not what it was. What is
+/// out. `wanted` (per site; new ones too) must hold for every cell that is not what it was. What is
 /// there equals what cut_surface() gives, in the same order; labels are complete. `before` becomes what a
 /// further call would need.
 SurfaceCuts cut_surface_again(const Solid& solid, const VoronoiDiagram& diagram, SurfaceLabels& before,
-                              const std::vector<char>& of_interest, const Execution& execution);
+                              const std::vector<char>& wanted, const Execution& execution);
 
 /// The labels of cuts that are complete.
 SurfaceLabels labels_of(const SurfaceCuts& cuts);

@@ -65,8 +65,8 @@ class WindingTraversal {
         before_(before),
         execution_(execution),
         pacer_(execution),
-        table_(clip_detail::find_crossings(solid, diagram, cuts, before ? &before->of_interest : nullptr,
-                                           execution)),
+        table_(
+            clip_detail::find_crossings(solid, diagram, cuts, before ? &before->wanted : nullptr, execution)),
         states_(tets_.size()) {
     crossed_.assign(4 * tets_.size(), kNone);
     for (std::uint32_t e = 0; e < table_.edges.size(); ++e) {
@@ -96,7 +96,7 @@ class WindingTraversal {
   }
   bool leads_out_of(const CrossedEdge& edge, TetId t) const { return (edge.tet == t) == edge.forward; }
 
-  bool matters(SiteId s) const { return !before_ || (!dual_.is_corner(s) && before_->of_interest[s]); }
+  bool matters(SiteId s) const { return !before_ || (!dual_.is_corner(s) && before_->wanted[s]); }
   bool tet_matters(TetId t) const {
     const auto& v = tets_[t].v;
     return matters(v[0]) || matters(v[1]) || matters(v[2]) || matters(v[3]);

@@ -45,7 +45,7 @@ Winding wind_voronoi_edges(const Solid& solid, const VoronoiDiagram& diagram, co
 
 /// What an earlier diagram, to which sites were added since, says about this one.
 struct WindingBefore {
-  const std::vector<char>& of_interest;            ///< per site of this diagram
+  const std::vector<char>& wanted;                 ///< per site of this diagram
   const std::vector<TetId>& tet_now;               ///< per earlier tetrahedron: its number here, or kNoTet
   const std::vector<InnerVertex>& inner_vertices;  ///< of the earlier diagram
 };

@@ -32,7 +32,7 @@ void IncrementalDelaunay::grow_cavity(const Vec3d& p, TetId start) {
   if (cavity_.size() < 8) cavity_.resize(64);
   if (boundary_.size() < 8) boundary_.resize(64);
 
-  const auto look = [&](const Tet& t, unsigned k) {
+  const auto test = [&](const Tet& t, unsigned k) {
     const Link link = t.n[k];
     const std::uint8_t* f = kFacet[k];
     boundary_[boundary] = {{t.v[f[0]], t.v[f[1]], t.v[f[2]]}, link};
@@ -55,16 +55,16 @@ void IncrementalDelaunay::grow_cavity(const Vec3d& p, TetId start) {
 
   tets_[start].mark = in;
   cavity_[cavity++] = 4 * start;
-  look(tets_[start], 0);
+  test(tets_[start], 0);
   for (std::size_t i = 0; i < cavity; ++i) {
     poll_in_large_cavity(i);
     if (cavity + 4 > cavity_.size()) cavity_.resize(2 * cavity_.size());
     if (boundary + 4 > boundary_.size()) boundary_.resize(2 * boundary_.size());
     const Tet& t = tets_[cavity_[i] >> 2];
     const unsigned entry = cavity_[i] & 3;
-    look(t, (entry + 1) & 3);
-    look(t, (entry + 2) & 3);
-    look(t, (entry + 3) & 3);
+    test(t, (entry + 1) & 3);
+    test(t, (entry + 2) & 3);
+    test(t, (entry + 3) & 3);
   }
   cavity_count_ = cavity;
   boundary_count_ = boundary;

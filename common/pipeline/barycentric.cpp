@@ -28,15 +28,15 @@ std::optional<FragmentSet> cut_one_cell(const Solid& solid, const PatchFinder& f
   looked_at = patch.looked_at;
   if (patch.empty()) return std::nullopt;
 
-  std::vector<char> of_interest(t->site_count(), 0);
-  of_interest[cell] = 1;
+  std::vector<char> wanted(t->site_count(), 0);
+  wanted[cell] = 1;
   RestrictedDiagram r{patch.solid, patch.solid, diagram, cut_surface(patch.solid, diagram, uncounted)};
   r.part_in_whole = &patch.part_in_whole;
-  r.winding = wind_voronoi_edges_again(patch.solid, diagram, r.cuts,
-                                       {of_interest, patch.seed, patch.seed_winding}, uncounted);
-  r.place_and_cap(uncounted, &of_interest);
+  r.winding = wind_voronoi_edges_again(patch.solid, diagram, r.cuts, {wanted, patch.seed, patch.seed_winding},
+                                       uncounted);
+  r.place_and_cap(uncounted, &wanted);
   Ownership ownership = Ownership::from_groups(t->site_count(), {});
-  ownership.wanted.assign(of_interest.begin(), of_interest.end());
+  ownership.wanted.assign(wanted.begin(), wanted.end());
   return make_fragments(r, ownership, pivot, {}, execution);
 }
 

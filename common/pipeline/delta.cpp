@@ -65,10 +65,10 @@ Delta difference(const FracturedBase& before, const std::vector<Fragment>& after
 /// The sites of the new hits in the tetrahedralization of the base, and what they change.
 struct Insertion {
   Diagram diagram;
-  SiteId first_new = 0;           ///< sites from here on are new
-  std::vector<char> changed;      ///< per site: new, or of a cell that is not what it was
-  std::vector<char> of_interest;  ///< the same, and cells of several fragments beside them
-  std::vector<TetId> tet_now;     ///< per tetrahedron of the base: its number, or kNoTet
+  SiteId first_new = 0;        ///< sites from here on are new
+  std::vector<char> changed;   ///< per site: new, or of a cell that is not what it was
+  std::vector<char> wanted;    ///< the same, and cells of several fragments beside them
+  std::vector<TetId> tet_now;  ///< per tetrahedron of the base: its number, or kNoTet
 };
 
 /// Sites that stand with one that is `touched` in a tetrahedron.
@@ -128,11 +128,11 @@ Expected<std::optional<Insertion>> insert_hits(const Solid& solid, const Box& bo
   visit_neighbors(
       *now, [&](SiteId s) { return s >= in.first_new; }, [&](SiteId s) { changed[s] = 1; });
   // Which of several fragments of a cell a cap leads to is only known when they are all there.
-  in.of_interest = changed;
+  in.wanted = changed;
   visit_neighbors(
       *now, [&](SiteId s) { return changed[s] != 0; },
       [&](SiteId s) {
-        if (s < in.first_new && base.first_of[s + 1] - base.first_of[s] > 1) in.of_interest[s] = 1;
+        if (s < in.first_new && base.first_of[s + 1] - base.first_of[s] > 1) in.wanted[s] = 1;
       });
   in.diagram.sites = base.diagram.sites;
   in.diagram.sites.insert(in.diagram.sites.end(), plan.points.begin(), plan.points.end());
@@ -157,7 +157,7 @@ class Splicer {
         const std::uint32_t k = made.first_of[s] + f - base.first_of[s];
         now_[f] = k;
         unchanged_[k] = 1;
-        if (!in.of_interest[s]) from_base_[k] = f;
+        if (!in.wanted[s]) from_base_[k] = f;
       }
     }
   }
@@ -271,16 +271,16 @@ std::optional<KeptAnswer> splice(const SeenSolid& whole, const FracturedBase& ba
   FracturedBase next;
   next.surface = base.surface;
   RestrictedDiagram r{solid, seen, voronoi,
-                      cut_surface_again(seen, voronoi, next.surface, in.of_interest, execution)};
-  r.winding = wind_voronoi_edges_again(seen, voronoi, r.cuts,
-                                       {in.of_interest, in.tet_now, base.inner_vertices}, execution);
-  r.place_and_cap(execution, &in.of_interest);
+                      cut_surface_again(seen, voronoi, next.surface, in.wanted, execution)};
+  r.winding = wind_voronoi_edges_again(seen, voronoi, r.cuts, {in.wanted, in.tet_now, base.inner_vertices},
+                                       execution);
+  r.place_and_cap(execution, &in.wanted);
 
   Ownership ownership = Ownership::from_groups(t.site_count(), {}, execution);
-  ownership.wanted.assign(in.of_interest.begin(), in.of_interest.end());
+  ownership.wanted.assign(in.wanted.begin(), in.wanted.end());
   std::vector<std::uint32_t> others(t.site_count(), 0);
   for (SiteId s = 0; s < in.first_new; ++s)
-    if (!in.of_interest[s]) others[s] = base.first_of[s + 1] - base.first_of[s];
+    if (!in.wanted[s]) others[s] = base.first_of[s + 1] - base.first_of[s];
   std::optional<WantedFragments> made =
       make_wanted_fragments(r, ownership, others, parameters.pivot, execution);
   if (!made) return std::nullopt;
@@ -314,8 +314,7 @@ std::optional<KeptAnswer> splice(const SeenSolid& whole, const FracturedBase& ba
     v.tet = in.tet_now[v.tet];
     if (v.tet == kNoTet) continue;
     const auto& sites = t.tets[v.tet].v;
-    if (std::none_of(sites.begin(), sites.end(),
-                     [&](SiteId s) { return !t.is_corner(s) && in.of_interest[s]; }))
+    if (std::none_of(sites.begin(), sites.end(), [&](SiteId s) { return !t.is_corner(s) && in.wanted[s]; }))
       next.inner_vertices.push_back(v);
   }
   next.inner_vertices.insert(next.inner_vertices.end(), r.winding.inner_vertices.begin(),

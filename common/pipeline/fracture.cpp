@@ -93,7 +93,7 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
 
 Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const FractureParameters& parameters,
                              const Execution& execution,
-                             const std::function<void(const RestrictedDiagram&)>& look) {
+                             const std::function<void(const RestrictedDiagram&)>& inspect) {
   const Tetrahedralization& t = diagram.tetrahedralization;
   const SeenSolid seen(solid, diagram.map, execution);
   const VoronoiDiagram voronoi(t, seen.seen().box, diagram.map, execution);
@@ -116,7 +116,7 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
     cut.set = std::move(cut.barycentric.set);
   } else {
     RestrictedDiagram restricted = restrict_to_solid(seen, voronoi, execution);
-    if (look) look(restricted);
+    if (inspect) inspect(restricted);
     make_rough_fragments(
         restricted, parameters, ownership,
         [&](const FragmentSet& set) { return judge(set, solid, Promise::kPartition); }, execution, cut);

@@ -48,11 +48,11 @@ struct CutCells {
   HullReport further_hulls{};
 };
 
-/// `look` sees what the clipper found, unless for barycentric cells. Errors of fracture(); throws
+/// `inspect` sees what the clipper found, unless for barycentric cells. Errors of fracture(); throws
 /// Interrupted.
 Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const FractureParameters& parameters,
                              const Execution& execution,
-                             const std::function<void(const RestrictedDiagram&)>& look = {});
+                             const std::function<void(const RestrictedDiagram&)>& inspect = {});
 
 /// Judges the fragments and adds the hierarchy, anchors, hulls (to fragments that have none, but have a
 /// shape) and the report. Every answer leaves the pipeline through here. Error: kUnsound. Throws Interrupted.

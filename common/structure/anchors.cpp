@@ -67,14 +67,14 @@ class Shape {
       tree_.emplace(boxes, execution_);
     }
     bool more = true;
-    const auto look = [&](std::size_t t) {
+    const auto touch = [&](std::size_t t) {
       pacer_.step(4);
       if (more) more = visit(triangle(t));
     };
     if (tree_)
-      tree_->each_overlapping(box, look);
+      tree_->each_overlapping(box, touch);
     else
-      for (std::size_t t = 0; t < count && more; ++t) look(t);
+      for (std::size_t t = 0; t < count && more; ++t) touch(t);
   }
 
   const std::vector<std::uint32_t>& indices_;

@@ -1,5 +1,5 @@
 // A k-d tree of points (Bentley 1975; with tight boxes at its nodes): which of them lie within a ball? Asked
-// where walking along the diagram would look at too many of them: cells of many neighbours, and points far
+// where walking along the diagram would visit at too many of them: cells of many neighbours, and points far
 // from where a walk starts.
 #pragma once
 
@@ -17,11 +17,11 @@ class SiteTree {
   /// Points are known by their number here. n log n.
   explicit SiteTree(std::span<const Vec3d> points);
 
-  /// Calls look(point's number, its squared distance from q) for points within a ball about q, nearer ones
-  /// mostly first. `look` returns the squared radius of the ball from then on; points no farther than that,
+  /// Calls visit(point's number, its squared distance from q) for points within a ball about q, nearer ones
+  /// mostly first. `visit` returns the squared radius of the ball from then on; points no farther than that,
   /// as computed (relative error below 2^-48), are not left out.
-  template <class Look>
-  void visit_near(const Vec3d& q, double radius2, const Look& look) const {
+  template <class Visit>
+  void visit_near(const Vec3d& q, double radius2, const Visit& visit) const {
     if (nodes_.empty()) return;
     std::array<Step, kMaxDepth> stack;
     std::size_t top = 0;
@@ -33,7 +33,7 @@ class SiteTree {
         for (std::uint32_t k = s.begin; k < s.end; ++k) {
           const Vec3d d = points_[k].at - q;
           const double d2 = dot(d, d);
-          if (d2 <= radius2) radius2 = look(points_[k].number, d2);
+          if (d2 <= radius2) radius2 = visit(points_[k].number, d2);
         }
         continue;
       }

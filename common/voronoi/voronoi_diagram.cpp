@@ -235,7 +235,7 @@ VoronoiDiagram::Facet VoronoiDiagram::find_facet(SiteId i, SiteId j, SiteId k) c
     SiteId before = kNoSite;  // the vertex of `at` to turn away from
     bool done = false;
   };
-  const auto look = [&](Sweep& turn) -> std::optional<Facet> {
+  const auto next_facet = [&](Sweep& turn) -> std::optional<Facet> {
     const Tetrahedron& t = dual_->tets[turn.at];
     int others[2], n = 0, found = -1;
     for (int m = 0; m < 4; ++m)
@@ -255,8 +255,8 @@ VoronoiDiagram::Facet VoronoiDiagram::find_facet(SiteId i, SiteId j, SiteId k) c
   if (to_j && to_k) {
     Sweep about_j{i, j, k, to_j->tet, to_j->tet}, about_k{i, k, j, to_k->tet, to_k->tet};
     while (!about_j.done && !about_k.done) {
-      if (const auto facet = look(about_j)) return *facet;
-      if (const auto facet = look(about_k)) return *facet;
+      if (const auto facet = next_facet(about_j)) return *facet;
+      if (const auto facet = next_facet(about_k)) return *facet;
     }
   }
   throw InternalError("no Delaunay facet (" + std::to_string(i) + ", " + std::to_string(j) + ", " +

@@ -80,15 +80,15 @@ class VoronoiDiagram {
   static constexpr std::size_t kManyNeighbors = 64;
   bool has_many_neighbors(SiteId i) const { return bisector_begin_[i + 1] - bisector_begin_[i] > many_; }
   const Neighborhood& neighborhood(SiteId i) const;
-  /// For such a cell i: calls look(bisector, squared distance of its neighbour from q) for the neighbours in
-  /// a ball about q, nearer ones mostly first. `look` returns the squared radius from then on. A point x is
+  /// For such a cell i: calls visit(bisector, squared distance of its neighbour from q) for the neighbours in
+  /// a ball about q, nearer ones mostly first. `visit` returns the squared radius from then on. A point x is
   /// beyond a bisector only if the neighbour is no farther from it than site i, so the ball about q through
   /// site i, widened by what q may differ from x (reach2), has all bisectors beyond which x lies.
-  template <class Look>
-  void visit_near(SiteId i, const Vec3d& q, double radius2, const Look& look) const {
+  template <class Visit>
+  void visit_near(SiteId i, const Vec3d& q, double radius2, const Visit& visit) const {
     const Bisector* all = bisectors_.data() + bisector_begin_[i];
     neighborhood(i).tree.visit_near(
-        q, radius2, [&](std::uint32_t k, double distance2) { return look(all[k], distance2); });
+        q, radius2, [&](std::uint32_t k, double distance2) { return visit(all[k], distance2); });
   }
   /// The squared radius of the ball about q through site i, for points x with |x - q| <= off.
   double reach2(SiteId i, const Vec3d& q, double off = 0) const {

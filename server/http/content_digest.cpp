@@ -6,8 +6,8 @@
 #include <span>
 #include <string>
 
-#include "common/digest/digest.hpp"
 #include "common/base/text.hpp"
+#include "common/digest/digest.hpp"
 
 namespace fracture::http {
 namespace {

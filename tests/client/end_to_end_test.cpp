@@ -10,8 +10,8 @@
 #include <thread>
 
 #include "client/app/headless.hpp"
+#include "client/egl/egl_context.hpp"
 #include "client/game/game.hpp"
-#include "client/headless/egl_context.hpp"
 #include "client/render/image.hpp"
 #include "client/scenes/solid_shapes.hpp"
 #include "tests/server/server_process.hpp"
@@ -173,7 +173,7 @@ TEST(EndToEnd, FilesFromTheCommandLineFallAndBreak) {
 }
 
 TEST(EndToEnd, PicturesShowTheSceneBeforeAndAfter) {
-  if (auto context = headless::EglContext::create(); !context) GTEST_SKIP() << context.error().detail;
+  if (auto context = egl::EglContext::create(); !context) GTEST_SKIP() << context.error().detail;
   test::ServeProcess server;
   test::TemporaryFolder folder;
   Options options = options_for(server, "monkey", 1.2);
@@ -221,7 +221,7 @@ class ScenePictures : public testing::TestWithParam<const char*> {};
 // may lie elsewhere after a change of the fragments; what a scene looks like may not change unseen. And the
 // README shows the last of them.
 TEST_P(ScenePictures, LookAsTheyDidWhenSomebodyLooked) {
-  if (auto context = headless::EglContext::create(); !context) GTEST_SKIP() << context.error().detail;
+  if (auto context = egl::EglContext::create(); !context) GTEST_SKIP() << context.error().detail;
   const std::string scene = GetParam();
   std::vector<double> moments;
   for (const auto& file : std::filesystem::directory_iterator(FRACTURE_SCENE_PICTURES))

@@ -7,8 +7,8 @@
 
 #include "client/game/game.hpp"
 #include "common/digest/digest.hpp"
+#include "tests/client/cubes.hpp"
 #include "tests/client/fake_server.hpp"
-#include "tests/client/rows.hpp"
 
 namespace fracture::test {
 

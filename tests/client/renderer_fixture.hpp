@@ -11,7 +11,7 @@
 #include <span>
 #include <string>
 
-#include "client/headless/egl_context.hpp"
+#include "client/egl/egl_context.hpp"
 #include "client/render/frame_target.hpp"
 #include "client/render/renderer.hpp"
 #include "tests/client/models.hpp"
@@ -21,12 +21,12 @@ namespace fracture::test {
 class RendererTest : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    auto made = headless::EglContext::create();
+    auto made = egl::EglContext::create();
     if (!made) {
       reason = made.error().detail;
       return;
     }
-    context = std::make_unique<headless::EglContext>(std::move(*made));
+    context = std::make_unique<egl::EglContext>(std::move(*made));
     auto built = render::Renderer::create();
     ASSERT_TRUE(built) << built.error().detail;
     renderer = std::make_unique<render::Renderer>(std::move(*built));
@@ -65,7 +65,7 @@ class RendererTest : public testing::Test {
   }
 
   render::FrameStats stats;
-  static inline std::unique_ptr<headless::EglContext> context;
+  static inline std::unique_ptr<egl::EglContext> context;
   static inline std::unique_ptr<render::Renderer> renderer;
   static inline std::string reason;
 };

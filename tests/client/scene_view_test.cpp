@@ -6,7 +6,7 @@
 
 #include <cstdlib>
 
-#include "client/headless/egl_context.hpp"
+#include "client/egl/egl_context.hpp"
 #include "client/render/frame_target.hpp"
 #include "tests/client/falling_box.hpp"
 #include "tests/support/eventually.hpp"
@@ -24,7 +24,7 @@ constexpr int kSize = 32;  // pixels: what is drawn does not matter here
 class SceneViewTest : public testing::Test {
  protected:
   void SetUp() override {
-    auto context = headless::EglContext::create();
+    auto context = egl::EglContext::create();
     if (!context) GTEST_SKIP() << context.error().detail;
     context_.emplace(std::move(*context));
     auto target = render::FrameTarget::create(kSize, kSize);
@@ -48,7 +48,7 @@ class SceneViewTest : public testing::Test {
     return request.method == "PUT" ? FakeReply::answer(201, "{}") : test::glb(bytes_);
   }};
   protocol::Client client_{test::settings_for(server_)};
-  std::optional<headless::EglContext> context_;
+  std::optional<egl::EglContext> context_;
   std::optional<render::FrameTarget> target_;
   std::optional<SceneView> view_;
 };

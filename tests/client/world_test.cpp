@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "tests/client/rows.hpp"
+#include "tests/client/cubes.hpp"
 
 namespace fracture::world {
 namespace {

@@ -8,7 +8,7 @@
 #include "client/world/bond_loads.hpp"
 #include "client/world/fragments.hpp"
 #include "client/world/mass.hpp"
-#include "tests/client/rows.hpp"
+#include "tests/client/cubes.hpp"
 
 namespace fracture::world {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "server/bake/form.hpp"
 #include "server/http/multipart.hpp"
-#include "tests/server/door.hpp"
+#include "tests/server/relay.hpp"
 #include "tests/server/test_server.hpp"
 #include "tests/support/eventually.hpp"
 

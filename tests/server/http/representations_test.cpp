@@ -7,8 +7,8 @@
 #include <thread>
 #include <vector>
 
-#include "common/digest/digest.hpp"
 #include "common/base/execution.hpp"
+#include "common/digest/digest.hpp"
 #include "tests/server/temporary_folder.hpp"
 #include "tests/server/test_server.hpp"
 #include "tests/support/eventually.hpp"

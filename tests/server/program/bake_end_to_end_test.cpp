@@ -10,7 +10,7 @@
 
 #include "tests/server/bake_folder.hpp"
 #include "tests/server/child_process.hpp"
-#include "tests/server/door.hpp"
+#include "tests/server/relay.hpp"
 #include "tests/server/server_process.hpp"
 #include "tests/support/eventually.hpp"
 

@@ -17,7 +17,7 @@
 #include "server/service/failure_keeper.hpp"
 #include "tests/server/bake_folder.hpp"
 #include "tests/server/child_process.hpp"
-#include "tests/server/door.hpp"
+#include "tests/server/relay.hpp"
 #include "tests/server/server_process.hpp"
 
 namespace fracture::test {

@@ -19,7 +19,7 @@ const skip = why => {
 };
 
 const three = path.join(here, 'node_modules/three');
-if (!fs.existsSync(three)) skip('three.js is not installed (npm ci in tests/clients)');
+if (!fs.existsSync(three)) skip('three.js is not installed (npm ci in tests/judges)');
 const chromium = ['chromium', 'chromium-browser', 'google-chrome'].find(name => spawnSync(name, ['--version']).status === 0);
 if (!chromium) skip('there is no Chromium (scripts/install-deps pictures)');
 const pairs = JSON.parse(fs.readFileSync(path.join(samples, 'sources.json'))).filter(({ source }) => /\.(glb|gltf)$/.test(source))

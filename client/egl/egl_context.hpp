@@ -7,7 +7,7 @@
 
 #include "client/render/render_error.hpp"
 
-namespace fracture::headless {
+namespace fracture::egl {
 
 class EglContext {
  public:
@@ -26,4 +26,4 @@ class EglContext {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace fracture::headless
+}  // namespace fracture::egl

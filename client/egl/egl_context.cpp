@@ -1,4 +1,4 @@
-#include "client/headless/egl_context.hpp"
+#include "client/egl/egl_context.hpp"
 
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <utility>
 
-namespace fracture::headless {
+namespace fracture::egl {
 
 using render::RenderErrorCode;
 using render::Result;
@@ -113,4 +113,4 @@ Result<EglContext> EglContext::create() {
                           complaints + ".");
 }
 
-}  // namespace fracture::headless
+}  // namespace fracture::egl

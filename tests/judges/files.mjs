@@ -12,7 +12,7 @@ export async function installed(load) {
     return await load();
   } catch (error) {
     if (!['ERR_MODULE_NOT_FOUND', 'MODULE_NOT_FOUND'].includes(error.code)) throw error;
-    console.log(`skipped: the judge is not installed (npm ci in tests/clients): ${error.message.split('\n')[0]}`);
+    console.log(`skipped: the judge is not installed (npm ci in tests/judges): ${error.message.split('\n')[0]}`);
     process.exit(77);
   }
 }
