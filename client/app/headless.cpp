@@ -181,6 +181,163 @@ json summary(const game::Game& game, const protocol::Client& client, const Optio
           {"fragments", fragments_of(game)}};
 }
 
+game::GameSettings settings_of(const Options& options) {
+  game::GameSettings settings;
+  settings.seed = options.seed;
+  settings.anticipate = options.anticipate;
+  if (options.fixed_step) settings.fixed_latency = options.answer_steps;
+  if (!options.requests) settings.max_requests = 0;
+  return settings;
+}
+
+/// What the frames of a run took, in milliseconds.
+class FrameTimes {
+ public:
+  void add(double spent, bool swapped, bool waits) {
+    all_.push_back(spent);
+    if (swapped)
+      add_to(swapping_, first_swap_, spent);
+    else if (waits)
+      add_to(waiting_, first_wait_, spent);
+  }
+  void write_to(json& result) && {
+    result["frames"] = summary_of_frames(std::move(all_));
+    result["waiting_frames"] = summary_of_frames(std::move(waiting_));
+    result["swap_frames"] = summary_of_frames(std::move(swapping_));
+    result["waiting_frames"]["first"] = first_wait_;
+    result["swap_frames"]["first"] = first_swap_;
+  }
+
+ private:
+  void add_to(std::vector<double>& times, std::size_t& first, double spent) const {
+    if (times.empty()) first = all_.size() - 1;
+    times.push_back(spent);
+  }
+  std::vector<double> all_, swapping_, waiting_;
+  std::size_t first_swap_ = 0, first_wait_ = 0;
+};
+
+/// A game without a window, from its first frame to the summary of all.
+class HeadlessRun {
+ public:
+  HeadlessRun(const Options& options, scenes::Scene scene)
+      : options_(options),
+        client_(options.server),
+        settings_(settings_of(options)),
+        game_(std::move(scene), client_, settings_),
+        recorder_(options),
+        screenshots_(options.screenshots),
+        frame_length_(kStepsPerFrame * settings_.world.step) {
+    std::sort(screenshots_.begin(), screenshots_.end());
+  }
+
+  Expected<json> run() {
+    if (options_.draw)  // compiles shaders and uploads the scene, which is no frame's work
+      if (const auto drawn = recorder_.draw(game_); !drawn) return tl::unexpected(drawn.error());
+    start_ = Clock::now();
+    const auto frames = static_cast<std::uint64_t>(std::llround(options_.seconds / frame_length_));
+    for (std::uint64_t frame = 0; frame <= frames; ++frame) {
+      const double now = static_cast<double>(frame) * frame_length_;
+      if (auto taken = take_pictures(frame, now); !taken) return tl::unexpected(taken.error());
+      if (frame == frames) break;
+      const std::uint64_t swaps_before = game_.figures().swaps;
+      double spent = options_.fixed_step ? step_at_fixed_pace() : step_in_real_time(now);
+      if (options_.draw) {
+        const Expected<double> drawn = draw();
+        if (!drawn) return tl::unexpected(drawn.error());
+        spent += *drawn;
+      }
+      times_.add(spent, game_.figures().swaps > swaps_before, game_.open_requests() > 0);
+      fastest_ = std::max(fastest_, game_.world().census().fastest);
+    }
+    return result();
+  }
+
+ private:
+  Expected<void> take_pictures(std::uint64_t frame, double now) {
+    for (; next_picture_ < screenshots_.size() && screenshots_[next_picture_] <= now + kSameTime;
+         ++next_picture_) {
+      char file[64];
+      std::snprintf(file, sizeof file, "%s-%.2f.png", game_.scene().name.c_str(),
+                    screenshots_[next_picture_]);
+      Expected<json> picture = recorder_.take(game_, file);
+      if (!picture) return tl::unexpected(picture.error());
+      (*picture)["seconds"] = screenshots_[next_picture_];
+      pictures_.push_back(std::move(*picture));
+    }
+    if (options_.record) {
+      char file[64];
+      std::snprintf(file, sizeof file, "frame-%05llu.png", static_cast<unsigned long long>(frame));
+      if (Expected<json> picture = recorder_.take(game_, file); !picture)
+        return tl::unexpected(picture.error());
+    }
+    return {};
+  }
+
+  /// Waits for the answers that are due, so that a run is the same on any machine. Returns milliseconds without
+  /// the waiting, as do the next two.
+  double step_at_fixed_pace() {
+    double spent = 0;
+    for (int k = 0; k < kStepsPerFrame; ++k) {
+      while (!game_.ready()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      const Clock::time_point begin = Clock::now();
+      game_.step();
+      spent += milliseconds_since(begin);
+    }
+    return spent;
+  }
+  double step_in_real_time(double now) {
+    const std::vector<scenes::Throw>& throws = game_.scene().throws;
+    for (; next_throw_ < throws.size() && throws[next_throw_].time <= now + kSameTime; ++next_throw_)
+      game_.throw_ball(throws[next_throw_].from, throws[next_throw_].velocity);
+    const Clock::time_point begin = Clock::now();
+    game_.advance(frame_length_, true);
+    const double spent = milliseconds_since(begin);
+    const std::chrono::duration<double> end(now + frame_length_);
+    std::this_thread::sleep_until(start_ + std::chrono::duration_cast<Clock::duration>(end));
+    return spent;
+  }
+  Expected<double> draw() {
+    const auto drawn = recorder_.draw(game_);
+    if (!drawn) return tl::unexpected(drawn.error());
+    submit_times_.push_back(drawn->submit_ms);
+    most_draw_calls_ = std::max(most_draw_calls_, drawn->draw_calls);
+    return drawn->submit_ms;
+  }
+
+  json result() {
+    double fastest_ball = 0;
+    for (const scenes::Throw& thrown : game_.scene().throws)
+      fastest_ball = std::max(fastest_ball, glm::length(thrown.velocity));
+    json result = summary(game_, client_, options_);
+    result["pictures"] = std::move(pictures_);
+    std::move(times_).write_to(result);
+    if (options_.draw) {
+      result["submit"] = summary_of_frames(std::move(submit_times_));
+      result["submit"]["most_draw_calls"] = most_draw_calls_;
+    }
+    result["fastest_fragment"] = fastest_;
+    result["fastest_ball"] = fastest_ball;
+    return result;
+  }
+
+  static constexpr double kSameTime = 1e-9;  // seconds
+
+  const Options& options_;
+  protocol::Client client_;
+  const game::GameSettings settings_;
+  game::Game game_;
+  Recorder recorder_;
+  std::vector<double> screenshots_;  // seconds, in order
+  const double frame_length_;        // seconds
+  Clock::time_point start_{};
+  std::size_t next_picture_ = 0, next_throw_ = 0, most_draw_calls_ = 0;
+  json pictures_ = json::array();
+  FrameTimes times_;
+  std::vector<double> submit_times_;
+  double fastest_ = 0;
+};
+
 }  // namespace
 
 Expected<scenes::Scene> scene_of(const Options& options) {
@@ -196,96 +353,7 @@ Expected<json> run_headless(const Options& options) {
   if (!options.throws) scene->throws.clear();
   std::error_code ignored;
   std::filesystem::create_directories(options.out, ignored);
-  protocol::Client client(options.server);
-  game::GameSettings settings;
-  settings.seed = options.seed;
-  settings.anticipate = options.anticipate;
-  if (options.fixed_step) settings.fixed_latency = options.answer_steps;
-  if (!options.requests) settings.max_requests = 0;
-  game::Game game(std::move(*scene), client, settings);
-  Recorder recorder(options);
-
-  std::vector<double> wanted = options.screenshots, frame_times, submit_times, swap_frame_times,
-                      waiting_times;
-  std::size_t most_draw_calls = 0, first_swap = 0, first_wait = 0;
-  std::sort(wanted.begin(), wanted.end());
-  json pictures = json::array();
-  double fastest = 0, fastest_ball = 0;
-  const double frame_length = kStepsPerFrame * settings.world.step;
-  const auto frames = static_cast<std::uint64_t>(std::llround(options.seconds / frame_length));
-  std::size_t next_picture = 0, next_throw = 0;
-  if (options.draw)  // compiles shaders and uploads the scene, which is no frame's work
-    if (const auto drawn = recorder.draw(game); !drawn) return tl::unexpected(drawn.error());
-  const Clock::time_point start = Clock::now();
-  for (std::uint64_t frame = 0; frame <= frames; ++frame) {
-    const double now = static_cast<double>(frame) * frame_length;
-    for (; next_picture < wanted.size() && wanted[next_picture] <= now + 1e-9; ++next_picture) {
-      char file[64];
-      std::snprintf(file, sizeof file, "%s-%.2f.png", game.scene().name.c_str(), wanted[next_picture]);
-      Expected<json> picture = recorder.take(game, file);
-      if (!picture) return tl::unexpected(picture.error());
-      (*picture)["seconds"] = wanted[next_picture];
-      pictures.push_back(std::move(*picture));
-    }
-    if (options.record) {
-      char file[64];
-      std::snprintf(file, sizeof file, "frame-%05llu.png", static_cast<unsigned long long>(frame));
-      if (Expected<json> picture = recorder.take(game, file); !picture)
-        return tl::unexpected(picture.error());
-    }
-    if (frame == frames) break;
-    double spent = 0;
-    const std::uint64_t swaps_before = game.figures().swaps;
-    if (options.fixed_step) {
-      for (int k = 0; k < kStepsPerFrame; ++k) {
-        while (!game.ready()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-        const Clock::time_point begin = Clock::now();
-        game.step();
-        spent += milliseconds_since(begin);
-      }
-    } else {
-      for (; next_throw < game.scene().throws.size() && game.scene().throws[next_throw].time <= now + 1e-9;
-           ++next_throw)
-        game.throw_ball(game.scene().throws[next_throw].from, game.scene().throws[next_throw].velocity);
-      const Clock::time_point begin = Clock::now();
-      game.advance(frame_length, true);
-      spent = milliseconds_since(begin);
-      std::this_thread::sleep_until(start + std::chrono::duration_cast<Clock::duration>(
-                                                std::chrono::duration<double>(now + frame_length)));
-    }
-    if (options.draw) {
-      const auto drawn = recorder.draw(game);
-      if (!drawn) return tl::unexpected(drawn.error());
-      submit_times.push_back(drawn->submit_ms);
-      most_draw_calls = std::max(most_draw_calls, drawn->draw_calls);
-      spent += drawn->submit_ms;
-    }
-    frame_times.push_back(spent);
-    if (game.figures().swaps > swaps_before) {
-      if (swap_frame_times.empty()) first_swap = frame_times.size() - 1;
-      swap_frame_times.push_back(spent);
-    } else if (game.open_requests() > 0) {
-      if (waiting_times.empty()) first_wait = frame_times.size() - 1;
-      waiting_times.push_back(spent);
-    }
-    fastest = std::max(fastest, game.world().census().fastest);
-  }
-  for (const scenes::Throw& thrown : game.scene().throws)
-    fastest_ball = std::max(fastest_ball, glm::length(thrown.velocity));
-  json result = summary(game, client, options);
-  result["pictures"] = pictures;
-  result["frames"] = summary_of_frames(std::move(frame_times));
-  result["waiting_frames"] = summary_of_frames(std::move(waiting_times));
-  result["swap_frames"] = summary_of_frames(std::move(swap_frame_times));
-  result["waiting_frames"]["first"] = first_wait;
-  result["swap_frames"]["first"] = first_swap;
-  if (options.draw) {
-    result["submit"] = summary_of_frames(std::move(submit_times));
-    result["submit"]["most_draw_calls"] = most_draw_calls;
-  }
-  result["fastest_fragment"] = fastest;
-  result["fastest_ball"] = fastest_ball;
-  return result;
+  return HeadlessRun(options, std::move(*scene)).run();
 }
 
 }  // namespace fracture::app
