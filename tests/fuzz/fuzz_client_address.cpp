@@ -1,0 +1,65 @@
+// Fuzz target: whom a request comes from. The first byte chooses: the header of the PROXY protocol, or a
+// Forwarded field behind proxies of a network that the first line names. What strangers write never makes an
+// address that is none, and a proxy that nobody named is never believed.
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+
+#include "server/http/client_address.hpp"
+
+namespace {
+
+using namespace fracture::http;
+
+void require(bool condition) {
+  if (!condition) std::abort();
+}
+
+void check_proxy_header(std::string_view received) {
+  const ProxyHeader header = parse_proxy_header(received);
+  if (header.state == ProxyHeader::State::kThere) {
+    require(header.size > 0 && header.size <= received.size());
+    if (!header.address.empty()) {
+      const auto address = parse_address(header.address);
+      require(address.has_value());
+      require(parse_address(to_string(*address)) == address);
+    }
+  } else {
+    require(header.address.empty());
+  }
+  // However the bytes are cut into packets: a beginning is incomplete, or says already what the whole says.
+  for (const std::size_t part : {received.size() / 2, received.size() - received.size() / 4}) {
+    const ProxyHeader begun = parse_proxy_header(received.substr(0, part));
+    if (begun.state == ProxyHeader::State::kIncomplete) continue;
+    require(begun.state == header.state && begun.size == header.size && begun.address == header.address);
+  }
+}
+
+void check_forwarded(std::string_view text) {
+  const std::size_t line = text.find('\n');
+  const std::string_view network = text.substr(0, line);
+  const std::string_view field = line == std::string_view::npos ? std::string_view() : text.substr(line + 1);
+  const std::string peer = "192.0.2.7";
+  TrustedProxies nobody, named;
+  require(forwarded_client(peer, field, nobody) == peer);
+  if (named.add(network)) require(!named.empty());
+  const std::string client = forwarded_client(peer, field, named);
+  if (!named.contains(peer)) require(client == peer);
+  require(parse_address(client).has_value());
+  require(client_of(client_of(client)) == client_of(client));
+  if (const auto address = parse_address(field)) require(parse_address(to_string(*address)) == address);
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size == 0) return 0;
+  const std::string_view rest(reinterpret_cast<const char*>(data) + 1, size - 1);
+  if (data[0] & 1)
+    check_proxy_header(rest);
+  else
+    check_forwarded(rest);
+  return 0;
+}
