@@ -74,8 +74,8 @@ void Jobs::stop_resuming() {
 }
 
 bool Jobs::crowded_out(const Shared& job, const Error& error) {
-  const auto needed = error.extra.find("bytes");
-  if (error.code != ErrorCode::kOutOfMemory || needed == error.extra.end() || stopping_ ||
+  const auto needed = error.extra->find("bytes");
+  if (error.code != ErrorCode::kOutOfMemory || needed == error.extra->end() || stopping_ ||
       job->stop.stop_requested() || !(job->request || (job->kept && terms_of_)))
     return false;
   // That much was not enough; half as much more is little, so that it needs few attempts.
