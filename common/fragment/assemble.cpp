@@ -414,6 +414,8 @@ Fragment assemble(const RestrictedDiagram& diagram, const Ownership& ownership, 
   sort_with_polls(execution, out.sites.begin(), out.sites.end());
   out.part = diagram.part_in_whole ? (*diagram.part_in_whole)[piece.part] : piece.part;
   out.node = diagram.solid.parts[piece.part].node;
+  if (piece.faces.empty())
+    return out;  // united pieces whose surfaces cancel: there is nothing, and it is dropped
   Assembler(diagram, execution, out).run(piece, pivot);
   out.cap_sum = mirror_sum(out, execution);
   out.open_edges = open_edges(out, execution);
