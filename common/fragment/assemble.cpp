@@ -414,6 +414,8 @@ Fragment assemble(const RestrictedDiagram& diagram, const Ownership& ownership, 
   sort_with_polls(execution, out.sites.begin(), out.sites.end());
   out.part = diagram.part_in_whole ? (*diagram.part_in_whole)[piece.part] : piece.part;
   out.node = diagram.solid.parts[piece.part].node;
+  if (piece.faces.empty())
+    return out;  // united pieces whose surfaces cancel: there is nothing, and it is dropped
   Assembler(diagram, execution, out).run(piece, pivot);
   out.cap_sum = mirror_sum(out, execution);
   out.open_edges = open_edges(out, execution);
@@ -432,11 +434,12 @@ FileVolume file_volume(const Fragment& f, const Execution& execution) {
     return dot(to_double(f.positions[f.indices[k]]),
                cross(to_double(f.positions[f.indices[k + 1]]), to_double(f.positions[f.indices[k + 2]])));
   };
-  pacer.each(0, f.indices.size() / 3, [&](std::size_t t) { six += term(3 * t); });
+  const std::size_t triangles = f.indices.size() / 3;
+  pacer.each(0, triangles, [&](std::size_t t) { six += term(3 * t); });
   // Floats are exact in double. A term is at most 6 r, r = reach.x reach.y reach.z, and off by fewer than 8
   // roundings; the k-th partial sum is at most k times that and rounded once: together less than
   // n (n + 16) 2^-53 times that. Fragments that are long but thin need no better sum.
-  const auto n = static_cast<double>(f.indices.size() / 3);
+  const auto n = static_cast<double>(triangles);
   const double r = reach.x * reach.y * reach.z;
   if (std::fabs(six) > n * (n + 16) * 0x1.0p-52 * 6 * r + 1e-300) return {six / 6, six > 0 ? 1 : -1};
 

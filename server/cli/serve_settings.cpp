@@ -14,7 +14,7 @@
 namespace fracture::cli {
 namespace {
 
-constexpr std::uint64_t kMiB = 1u << 20, kTiB = 1ull << 40;
+constexpr std::uint64_t kTiB = 1ull << 40;
 
 enum class Reach { kThisMachine, kNetwork };
 

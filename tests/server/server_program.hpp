@@ -28,8 +28,9 @@ inline std::vector<std::string> known_settings(const std::vector<std::string>& s
     FILE* const output = ::popen(("'" + server_program() + "' serve --help").c_str(), "r");
     if (!output) throw std::runtime_error("popen");
     std::string text;
-    for (char part[4096]; const std::size_t n = std::fread(part, 1, sizeof part, output);)
-      text.append(part, n);
+    char part[4096];
+    std::size_t length = 0;
+    while ((length = std::fread(part, 1, sizeof part, output)) > 0) text.append(part, length);
     ::pclose(output);
     return text;
   }();

@@ -65,5 +65,39 @@ TEST(SlabFragments, EveryFileIsSoundWithEveryThickness) {
   if (seen == 0) GTEST_SKIP() << "no test meshes";
 }
 
+// 23 thick slabs in one another: a group of pieces whose surfaces cancel has no face, and is no fragment.
+TEST(SlabFragments, UnitedPiecesThatCancelAreNoFragment) {
+  for (const MeshFile& file : test_meshes()) {
+    if (file.name != "kk_wall.glb") continue;
+    const Expected<Mesh> mesh = load_mesh(file);
+    ASSERT_TRUE(mesh);
+    StageTimings timings;
+    const Expected<Solid> solid =
+        make_solid(std::make_shared<const Mesh>(*mesh),
+                   {.weld_tolerance = 9.083366330064085e-06, .thickness = 6.394018731080077}, {});
+    ASSERT_TRUE(solid);
+    FractureParameters parameters;
+    parameters.sites = 5;
+    parameters.seed = 7055637778685888;
+    ImpactPattern ice;
+    ice.impacts = {{-0.9623808250309636, 2.938613477004627, -0.4218562971706128},
+                   {1.0953174126281104, 1.246933055131349, 0.12855766313087225},
+                   {-0.5778884587772204, 3.338889738937354, -0.1904756946119731}};
+    ice.exponent = 1.8;
+    ice.share = 0.5;
+    parameters.pattern = ice;
+    parameters.size.min_fraction = 0.5072634819798832;
+    parameters.roughness = {0.04, 3, 4};
+    const Expected<Diagram> diagram = make_diagram(*solid, parameters, {}, timings);
+    ASSERT_TRUE(diagram);
+    const Expected<FragmentSet> set = fracture(*solid, *diagram, parameters, {}, timings);
+    ASSERT_TRUE(set);
+    EXPECT_EQ(set->certificate.open_edges, 0u);
+    for (const Fragment& f : set->fragments) EXPECT_FALSE(f.indices.empty()) << f.id;
+    return;
+  }
+  GTEST_SKIP() << "no kk_wall.glb";
+}
+
 }  // namespace
 }  // namespace fracture::test
