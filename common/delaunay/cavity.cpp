@@ -18,9 +18,11 @@ constexpr std::uint32_t kTableSide = 128;
 constexpr std::uint32_t kEmpty = 0xffffffffu;
 }  // namespace
 
-void IncrementalDelaunay::insert_by_cavity(VertexId v, TetId start) {
-  grow_cavity(position(v), start);
-  fill_cavity(v);
+IncrementalDelaunay::Insertion IncrementalDelaunay::insert(const Vec3d& p) {
+  return insert_with(p, [this](VertexId v, const Located& at) {
+    grow_cavity(position(v), at.tet);
+    fill_cavity(v);
+  });
 }
 
 // Whether a tetrahedron is in conflict is a coin toss to the branch predictor, so nothing branches on it:

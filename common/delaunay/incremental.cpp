@@ -120,10 +120,6 @@ int IncrementalDelaunay::orient_exact(const Vec3d& a, const Vec3d& b, const Vec3
   return exact::orient3d_exact(a, b, c, d, scale_, &counters_.orient3d);
 }
 
-int IncrementalDelaunay::orient(VertexId a, VertexId b, VertexId c, VertexId d) const {
-  return orient_exact(position(a), position(b), position(c), position(d));
-}
-
 bool IncrementalDelaunay::in_conflict_exact(const Tet& t, const Vec3d& p) const {
   return exact::in_sphere_exact(position(t.v[0]), position(t.v[1]), position(t.v[2]), position(t.v[3]), p,
                                 scale_, &counters_.in_sphere) > 0;
@@ -166,21 +162,6 @@ IncrementalDelaunay::Located IncrementalDelaunay::locate(const Vec3d& p, TetId t
     t = link >> 2;
     came = link & 3;
   }
-}
-
-IncrementalDelaunay::Insertion IncrementalDelaunay::insert(const Vec3d& p) {
-  if (!big_.contains(p)) return {Status::kOutsideDomain, kNoVertex};
-  const Located at = locate(p, last_);
-  for (const VertexId v : tets_[at.tet].v)
-    if (position(v) == p) return {Status::kDuplicate, v};
-  if (tet_count() > options_.max_tets) return {Status::kFull, kNoVertex};
-  const VertexId v = new_vertex(p);
-  if (options_.method == Method::kCavity)
-    insert_by_cavity(v, at.tet);
-  else
-    insert_by_flips(v, at);
-  last_ = vertices_[v].tet;
-  return {Status::kInserted, v};
 }
 
 }  // namespace fracture

@@ -1,5 +1,5 @@
-// Shared by the translation units of IncrementalDelaunay: the corner order of facets and the inlined
-// in_sphere filter.
+// Shared by the translation units of IncrementalDelaunay and of the reference: the corner order of facets,
+// what surrounds an insertion, and the inlined in_sphere filter.
 #pragma once
 
 #include "common/delaunay/incremental.hpp"
@@ -9,6 +9,19 @@ namespace fracture {
 /// Facet k of a positive tetrahedron, ordered so that (x, kFacet[k][0], [1], [2]) is positive for x on the
 /// inner side: the permutation (k, kFacet[k]...) is even.
 inline constexpr std::uint8_t kFacet[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+
+template <class Fill>
+IncrementalDelaunay::Insertion IncrementalDelaunay::insert_with(const Vec3d& p, const Fill& fill) {
+  if (!big_.contains(p)) return {Status::kOutsideDomain, kNoVertex};
+  const Located at = locate(p, last_);
+  for (const VertexId v : tets_[at.tet].v)
+    if (position(v) == p) return {Status::kDuplicate, v};
+  if (tet_count() > options_.max_tets) return {Status::kFull, kNoVertex};
+  const VertexId v = new_vertex(p);
+  fill(v, at);
+  last_ = vertices_[v].tet;
+  return {Status::kInserted, v};
+}
 
 /// std::fmax is a library call (it must treat NaN); this is one instruction.
 inline double larger(double a, double b) { return a > b ? a : b; }
