@@ -1,14 +1,10 @@
-// Shared by the translation units of IncrementalDelaunay and of the reference: the corner order of facets,
-// what surrounds an insertion, and the inlined in_sphere filter.
+// Shared by the translation units of IncrementalDelaunay and of the reference: what surrounds an insertion,
+// and the inlined in_sphere filter.
 #pragma once
 
 #include "common/delaunay/incremental.hpp"
 
 namespace fracture {
-
-/// Facet k of a positive tetrahedron, ordered so that (x, kFacet[k][0], [1], [2]) is positive for x on the
-/// inner side: the permutation (k, kFacet[k]...) is even.
-inline constexpr std::uint8_t kFacet[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
 
 template <class Fill>
 IncrementalDelaunay::Insertion IncrementalDelaunay::insert_with(const Vec3d& p, const Fill& fill) {
