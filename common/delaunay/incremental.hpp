@@ -26,7 +26,9 @@
 #include "common/base/execution.hpp"
 #include "common/delaunay/big_tetrahedron.hpp"
 #include "common/delaunay/tetrahedralization.hpp"
-#include "common/exact/wide_int.hpp"
+#include "common/exact/binary_scale.hpp"
+#include "common/exact/orient3d.hpp"
+#include "common/exact/predicate_counters.hpp"
 
 namespace fracture {
 
@@ -140,7 +142,9 @@ class IncrementalDelaunay {
   template <class Fill>
   Insertion insert_with(const Vec3d& p, const Fill& fill);
   Located locate(const Vec3d& p, TetId start);
-  int orient_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) const;
+  int orient3d(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) const {
+    return exact::orient3d(a, b, c, d, scale_, &counters_.orient3d);
+  }
   bool in_conflict(const Tet& t, const Vec3d& p) const;
   bool in_conflict_exact(const Tet& t, const Vec3d& p) const;
   void set_sphere(Tet& t) const;
@@ -154,9 +158,8 @@ class IncrementalDelaunay {
 
   BigTetrahedron big_;
   Options options_;
-  exact::ScaleBuilder scale_builder_;
-  exact::PointScale scale_;
-  double orient_bound_;  ///< filter of orient3d for any four points in the big tetrahedron
+  exact::BinaryScale scale_;  ///< of all points so far
+  double orient_bound_;       ///< filter of orient3d for any four points in the big tetrahedron
 
   std::vector<Tet> tets_;
   std::vector<Vertex> vertices_;

@@ -19,9 +19,6 @@ IncrementalDelaunay::Insertion IncrementalDelaunay::insert_with(const Vec3d& p, 
   return {Status::kInserted, v};
 }
 
-/// std::fmax is a library call (it must treat NaN); this is one instruction.
-inline double larger(double a, double b) { return a > b ? a : b; }
-
 /// The sphere filter. With u = 2^-53: the error of |d|^2 - axis·d is at most
 ///   6u |d|^2                        (each difference 1 rounding, squares 3, sums 5, last subtraction 6)
 /// + (error + 6u max|axis|) |d|_1    (axis itself, and the same roundings of the dot product)
@@ -48,6 +45,7 @@ inline bool IncrementalDelaunay::in_conflict(const Tet& t, const Vec3d& p) const
 /// and so is the float.
 inline void IncrementalDelaunay::set_sphere(Tet& t, const Vec3d& b, const Vec3d& c, const Vec3d& d,
                                             double lift_b, double lift_c, double lift_d) {
+  using exact::larger;
   constexpr double u = 0x1p-53;
   const Vec3d cd = cross(c, d), db = cross(d, b), bc = cross(b, c);
   const double delta = dot(b, cd);

@@ -63,7 +63,7 @@ IncrementalDelaunay::Insertion ReferenceDelaunay::insert_by_flips(const Vec3d& p
 }
 
 int ReferenceDelaunay::orient(const std::array<VertexId, 4>& v) const {
-  return orient_exact(position(v[0]), position(v[1]), position(v[2]), position(v[3]));
+  return orient3d(position(v[0]), position(v[1]), position(v[2]), position(v[3]));
 }
 
 void ReferenceDelaunay::begin_flips(VertexId p, const Located& at) {
