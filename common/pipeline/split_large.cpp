@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/base/pacer.hpp"
+#include "common/base/random.hpp"
 #include "common/clip/restricted_diagram.hpp"
 #include "common/fragment/pieces.hpp"
 #include "common/pipeline/fracture.hpp"
@@ -44,7 +45,7 @@ Expected<SplitFigures> split_large(const SeenSolid& solid, Diagram& diagram, dou
     const double share = 4 * solid.original().report.volume / max_volume;
     const auto count = static_cast<std::uint32_t>(std::clamp(share, 64.0, 2.0 * kMaxSplitSites));
     Expected<std::vector<Vec3d>> points =
-        uniform_sites(solid.seen(), count, seed ^ (0x9e3779b97f4a7c15ull * figures.passes), execution);
+        uniform_sites(solid.seen(), count, seed ^ (kGoldenGamma * figures.passes), execution);
     if (!points) return tl::unexpected(points.error());
     SiteId cell = 0;
     for (const Vec3d& p : *points) {
