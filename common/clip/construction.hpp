@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -148,8 +147,7 @@ bool place_precisely(const Formula& formula, const Fraction<Approx>& approximate
 }
 
 template <class Formula>
-Placed place(const Formula& formula, const SeamLattice& lattice, const Vec3d& step,
-             std::atomic<std::uint64_t>& exact) {
+Placed place(const Formula& formula, const SeamLattice& lattice, const Vec3d& step) {
   std::array<Point<Approx>, std::tuple_size_v<decltype(formula.input)>> p;
   for (std::size_t k = 0; k < p.size(); ++k) {
     const Vec3d& q = formula.input[k];
@@ -175,7 +173,6 @@ Placed place(const Formula& formula, const SeamLattice& lattice, const Vec3d& st
     if (certain) placed.steps[a] = static_cast<std::int32_t>(k);
   }
   if (certain || place_precisely(formula, f, step, placed)) return placed;
-  exact.fetch_add(1, std::memory_order_relaxed);
   return place_exactly(formula, lattice);
 }
 
