@@ -6,8 +6,8 @@
 
 namespace fracture {
 
-/// values[k] for each k of `of`; nothing of an empty list (an attribute that is not there). `each` is called for
-/// every element: where callers let others go first, or stop.
+/// values[k] for each k of `of`; nothing of an empty list (an attribute that is not there). `each` is called
+/// for every element: where callers let others go first, or stop.
 template <class T, class Each>
 std::vector<T> gathered(const std::vector<T>& values, const std::vector<std::uint32_t>& of,
                         const Each& each) {

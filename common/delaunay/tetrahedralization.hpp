@@ -1,6 +1,6 @@
 // Delaunay tetrahedralization of the sites inside a big tetrahedron: incremental and exact. Each site is
-// inserted into a cavity (Bowyer, Watson 1981; incremental.hpp). The source paper's flips, which give the same
-// tetrahedra, stand in reference/.
+// inserted into a cavity (Bowyer, Watson 1981; incremental.hpp). The source paper's flips, which give the
+// same tetrahedra, stand in reference/.
 //
 // Conventions. Site ids are 0..site_count()-1 in the caller's order of *distinct* points; the four corners of
 // the big tetrahedron are the ids site_count()..site_count()+3. A tetrahedron (a, b, c, d) is positive:

@@ -1,6 +1,6 @@
-// How doubles become integers: every finite double is an integer multiple of a power of two, so the points of a
-// set, divided by the smallest such power of all their coordinates, have integer coordinates. A polynomial's sign
-// is then an integer computation without rounding.
+// How doubles become integers: every finite double is an integer multiple of a power of two, so the points of
+// a set, divided by the smallest such power of all their coordinates, have integer coordinates. A
+// polynomial's sign is then an integer computation without rounding.
 #pragma once
 
 #include <bit>
@@ -30,10 +30,10 @@ Point<T> cross(const Point<T>& a, const Point<T>& b) {
 /// A point in steps of a scale that fits.
 using IntPoint = Point<std::int64_t>;
 
-/// The common step 2^lowest_bit() of a set of doubles. Where all are at most 2^61 steps large the set *fits*: the
-/// widths of all polynomials are known in advance, and the arithmetic needs no allocation, no loops and no
-/// normalisation (wide_int.hpp). That covers every set of doubles in a range of 61 bits, in particular lattices
-/// such as k/21 (58 bits) and generated sites (23 bits with the corners).
+/// The common step 2^lowest_bit() of a set of doubles. Where all are at most 2^61 steps large the set *fits*:
+/// the widths of all polynomials are known in advance, and the arithmetic needs no allocation, no loops and
+/// no normalisation (wide_int.hpp). That covers every set of doubles in a range of 61 bits, in particular
+/// lattices such as k/21 (58 bits) and generated sites (23 bits with the corners).
 ///
 /// One that nothing was added to does not fit: predicates that are given such a one look for the scale of the
 /// few points of each call.

@@ -1,5 +1,5 @@
-// Integers of many bits for the exact path (binary_scale.hpp), for what the fixed widths of wide_int.hpp do not
-// hold.
+// Integers of many bits for the exact path (binary_scale.hpp), for what the fixed widths of wide_int.hpp do
+// not hold.
 #pragma once
 
 #include <boost/multiprecision/cpp_int.hpp>

@@ -2,10 +2,10 @@
 // (b - a) x (c - a) points, -1 on the other, and 0 exactly when the four points are coplanar. Zero means
 // coplanar: the coordinates are never perturbed (perturbing them makes flat tetrahedra).
 //
-// Filter (Shewchuk 1997; orient3d_bound() below) -> integers of fixed width where the points fit a BinaryScale
-// -> integers of any size. Any finite doubles with |coordinate| <= 1e60 are accepted, subnormal ones
-// included: nothing overflows in the filter, and its bound covers underflow (Meyer & Pion 2008, "FPG: A code
-// generator for fast and certified geometric predicates", on semi-static filters).
+// Filter (Shewchuk 1997; orient3d_bound() below) -> integers of fixed width where the points fit a
+// BinaryScale -> integers of any size. Any finite doubles with |coordinate| <= 1e60 are accepted, subnormal
+// ones included: nothing overflows in the filter, and its bound covers underflow (Meyer & Pion 2008, "FPG: A
+// code generator for fast and certified geometric predicates", on semi-static filters).
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,5 @@
-// The number types of a glTF file, by name (glTF 2.0, section 3.6.2.2), for who reads such files and who writes them.
+// The number types of a glTF file, by name (glTF 2.0, section 3.6.2.2): for those who read such files, and for
+// those who write them.
 #pragma once
 
 #include <cstdint>

@@ -12,8 +12,8 @@
 
 namespace fracture::bake {
 
-/// The files of a dump, in the order of the stages: all in metres, y up, at the same place, so that they may be
-/// laid over one another; the fragments are moved apart.
+/// The files of a dump, in the order of the stages: all in metres, y up, at the same place, so that they may
+/// be laid over one another; the fragments are moved apart.
 std::vector<std::string> stage_files(const std::string& folder);
 
 /// Writes them. Thread-safe.

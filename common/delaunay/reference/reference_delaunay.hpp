@@ -1,6 +1,6 @@
-// The source paper's way to change a tetrahedralization, on the storage of incremental.hpp: insertion by flips,
-// and removal of a site. It is the readable reference and the judge in tests; nothing that is shipped as a
-// library contains it, and no request can ask for it. `fracture-server bake --insertion flips` runs it.
+// The source paper's way to change a tetrahedralization, on the storage of incremental.hpp: insertion by
+// flips, and removal of a site. It is the readable reference and the judge in tests; no library of the
+// pipeline contains it, and no request can ask for it. `fracture-server bake --insertion flips` runs it.
 //
 // Sources. The paper's section 4 and Ledoux 2007 ("Computing the 3D Voronoi diagram robustly: an easy
 // explanation") for the flips; Edelsbrunner & Shah 1996 for why they terminate; Devillers & Teillaud 2003
