@@ -6,15 +6,14 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <map>
 
+#include "common/base/random.hpp"
+
 namespace fracture::render {
 namespace {
 
-/// A repeatable number in [0, 1) for a fragment: splitmix64 (Steele, Lea, Flood, 2014).
+/// A repeatable number in [0, 1) for a fragment.
 float random01(std::uint64_t id, std::uint64_t which) {
-  std::uint64_t z = id * 256 + which + 0x9e3779b97f4a7c15ull;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-  return static_cast<float>((z ^ (z >> 31)) >> 40) / 16777216.f;
+  return static_cast<float>(mix64(id * 256 + which + kGoldenGamma) >> 40) / 16777216.f;
 }
 
 glm::vec3 random_direction(std::uint64_t id, std::uint64_t which) {

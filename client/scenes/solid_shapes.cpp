@@ -5,6 +5,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "common/mesh/gltf_component.hpp"
+
 namespace fracture::scenes {
 namespace {
 
@@ -175,14 +177,14 @@ std::string to_glb(const SurfaceMesh& mesh, const std::string& name, const glm::
            {"roughnessFactor", 0.8}}}}}},
       {"accessors",
        {{{"bufferView", 0},
-         {"componentType", 5126},
+         {"componentType", component_type::kFloat},
          {"count", count},
          {"type", "VEC3"},
          {"min", vec3(low)},
          {"max", vec3(high)}},
-        {{"bufferView", 1}, {"componentType", 5126}, {"count", count}, {"type", "VEC3"}},
+        {{"bufferView", 1}, {"componentType", component_type::kFloat}, {"count", count}, {"type", "VEC3"}},
         {{"bufferView", 2},
-         {"componentType", 5125},
+         {"componentType", component_type::kUnsignedInt},
          {"count", 3 * mesh.triangles.size()},
          {"type", "SCALAR"}}}},
       {"bufferViews",

@@ -9,6 +9,18 @@
 
 namespace fracture {
 
+/// 2^64 divided by the golden ratio, odd: multiples of it are spread evenly.
+inline constexpr std::uint64_t kGoldenGamma = 0x9e3779b97f4a7c15ull;
+
+/// The finalizer of SplitMix64 (below): a permutation in which every bit depends on every bit.
+constexpr std::uint64_t mix64(std::uint64_t z) {
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
+  return z ^ (z >> 31);
+}
+/// The hash h of a sequence, continued by v.
+constexpr std::uint64_t mix64(std::uint64_t h, std::uint64_t v) { return mix64(h ^ v) + kGoldenGamma; }
+
 /// SplitMix64 (Steele, Lea & Flood 2014, "Fast splittable pseudorandom number generators"): 64 bits of state,
 /// passes BigCrush, any seed is a good seed. Draw into named variables: f(rng(), rng()) has no specified
 /// order.
@@ -16,12 +28,7 @@ class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
 
-  std::uint64_t operator()() {
-    std::uint64_t z = (state_ += 0x9e3779b97f4a7c15ull);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-    return z ^ (z >> 31);
-  }
+  std::uint64_t operator()() { return mix64(state_ += kGoldenGamma); }
   /// Uniform in [0, bound), bound > 0 (Lemire 2019, multiply-shift with rejection: unbiased).
   std::uint64_t below(std::uint64_t bound) {
     using u128 = unsigned __int128;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -73,7 +72,7 @@ Placed place_with(const Formula& formula, const BinaryScale& scale, const SeamLa
   if (f.denominator.sign() < 0) f = {{-f.numerator.x, -f.numerator.y, -f.numerator.z}, -f.denominator};
   const std::array<Int, 3> offset{f.numerator.x, f.numerator.y, f.numerator.z};
   const std::array<Int, 3> origin{p[0].x, p[0].y, p[0].z};
-  const int exponent = Formula::kDegree * scale.lowest_bit;
+  const int exponent = Formula::kDegree * scale.lowest_bit();
   Placed placed;
   for (int a = 0; a < 3; ++a) {
     const Int numerator = Formula::kFromFirst ? Int(origin[a] * f.denominator + offset[a]) : offset[a];
@@ -95,7 +94,7 @@ Placed place_exactly(const Formula& formula, const SeamLattice& lattice) {
   // bits more, or the shift to the lattice. Without allocation that is four times as fast.
   int shift = 64;
   for (const int e : lattice.exponent)
-    shift = std::max(shift, std::abs(Formula::kDegree * scale.lowest_bit - e));
+    shift = std::max(shift, std::abs(Formula::kDegree * scale.lowest_bit() - e));
   constexpr int kBits = 1024;
   return 7 * scale.width() + 16 + shift < kBits ? place_with<exact::FixedInt>(formula, scale, lattice)
                                                 : place_with<BigInt>(formula, scale, lattice);
@@ -148,8 +147,7 @@ bool place_precisely(const Formula& formula, const Fraction<Approx>& approximate
 }
 
 template <class Formula>
-Placed place(const Formula& formula, const SeamLattice& lattice, const Vec3d& step,
-             std::atomic<std::uint64_t>& exact) {
+Placed place(const Formula& formula, const SeamLattice& lattice, const Vec3d& step) {
   std::array<Point<Approx>, std::tuple_size_v<decltype(formula.input)>> p;
   for (std::size_t k = 0; k < p.size(); ++k) {
     const Vec3d& q = formula.input[k];
@@ -175,7 +173,6 @@ Placed place(const Formula& formula, const SeamLattice& lattice, const Vec3d& st
     if (certain) placed.steps[a] = static_cast<std::int32_t>(k);
   }
   if (certain || place_precisely(formula, f, step, placed)) return placed;
-  exact.fetch_add(1, std::memory_order_relaxed);
   return place_exactly(formula, lattice);
 }
 

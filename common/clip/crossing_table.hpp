@@ -40,12 +40,6 @@ struct CrossingTable {
   }
 };
 
-/// Sites of the facet opposite vertex `face`, counter-clockwise seen from outside a positive tetrahedron.
-inline std::array<SiteId, 3> outward_facet(const Tetrahedron& t, int face) {
-  constexpr int kFacet[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
-  return {t.v[kFacet[face][0]], t.v[kFacet[face][1]], t.v[kFacet[face][2]]};
-}
-
 /// `wanted` (per site; null: all): Voronoi edges of other cells alone are left out. Throws Interrupted.
 CrossingTable find_crossings(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
                              const std::vector<char>* wanted, const Execution& execution);

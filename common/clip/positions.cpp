@@ -1,7 +1,6 @@
 #include "common/clip/positions.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 
 #include "common/base/pacer.hpp"
@@ -82,11 +81,10 @@ VertexPositions place_vertices(const Solid& solid, const Solid& image, const Vor
   resize_with_polls(execution, out.points, b + c + d);
   resize_with_polls(execution, out.steps, b + c + d);
   const Vec3d step = out.lattice.step();
-  std::atomic<std::uint64_t> exact{0};
   const auto at = [&](std::uint32_t v) { return to_double(solid.positions[v]); };
   const auto image_at = [&](std::uint32_t v) { return to_double(image.positions[v]); };
   const auto site = [&](SiteId s) { return diagram.site(s); };
-  const auto placed_by = [&](const auto& formula) { return place(formula, out.lattice, step, exact); };
+  const auto placed_by = [&](const auto& formula) { return place(formula, out.lattice, step); };
   const std::optional<Matrix3>& map = diagram.map();
 
   const auto place_edge = [&](const EdgeCut& cut) {
@@ -125,7 +123,6 @@ VertexPositions place_vertices(const Solid& solid, const Solid& image, const Vor
       out.steps[n] = placed.steps;
     }
   });
-  out.exact_roundings = exact.load();
   return out;
 }
 

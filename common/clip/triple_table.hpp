@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/base/random.hpp"
+
 namespace fracture {
 
 class TripleTable {
@@ -36,7 +38,7 @@ class TripleTable {
     std::uint32_t a, b, c, value, epoch;
   };
   std::size_t place(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
-    std::uint64_t h = (static_cast<std::uint64_t>(a) << 32 | b) * 0x9e3779b97f4a7c15ull;
+    std::uint64_t h = (static_cast<std::uint64_t>(a) << 32 | b) * kGoldenGamma;
     h = (h ^ h >> 32 ^ c) * 0xd6e8feb86659fd93ull;
     h ^= h >> 29;
     const std::size_t mask = entries_.size() - 1;

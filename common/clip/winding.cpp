@@ -13,7 +13,6 @@ using clip_detail::CrossedEdge;
 using clip_detail::Crossing;
 using clip_detail::CrossingTable;
 using clip_detail::LayerCrossings;
-using clip_detail::outward_facet;
 
 constexpr std::uint32_t kNone = 0xffffffffu;
 

@@ -17,6 +17,10 @@ void write_vertex(std::ostream& out, const Vec3f& p) {
   out << '\n';
 }
 
+void write_vertex(std::ostream& out, const Vec3d& p) {
+  write_vertex(out, Vec3f{static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
+}
+
 /// OBJ counts from one.
 void write_face(std::ostream& out, std::size_t first, std::size_t a, std::size_t b, std::size_t c) {
   out << "f " << first + a + 1 << ' ' << first + b + 1 << ' ' << first + c + 1 << '\n';
@@ -66,6 +70,41 @@ void dump_obj(std::ostream& out, const Solid& solid) {
   }
 }
 
+void dump_obj_of_sites(std::ostream& out, const Tetrahedralization& t, double radius) {
+  out << "o sites\n";
+  for (SiteId s = 0; s < t.site_count(); ++s) {
+    for (int corner = 0; corner < 6; ++corner) {  // +x, -x, +y, -y, +z, -z
+      Vec3d p = t.points[s];
+      p[corner / 2] += corner % 2 ? -radius : radius;
+      write_vertex(out, p);
+    }
+    for (std::size_t octant = 0; octant < 8; ++octant) {
+      const std::size_t x = octant & 1, y = octant >> 1 & 1, z = octant >> 2 & 1;
+      // Each mirror turns the triangle round.
+      const bool mirrored = (x + y + z) % 2 == 1;
+      const std::size_t first = 6 * std::size_t{s};
+      write_face(out, first, x, mirrored ? 4 + z : 2 + y, mirrored ? 2 + y : 4 + z);
+    }
+  }
+}
+
+void dump_obj(std::ostream& out, const Tetrahedralization& t, double shrink) {
+  out << "o tetrahedra\n";
+  std::size_t first = 0;
+  for (const Tetrahedron& tet : t.tets) {
+    Vec3d middle;
+    bool inner = true;
+    for (const SiteId s : tet.v) {
+      inner = inner && !t.is_corner(s);
+      middle = middle + 0.25 * t.points[s];
+    }
+    if (!inner) continue;
+    for (const SiteId s : tet.v) write_vertex(out, t.points[s] + shrink * (middle - t.points[s]));
+    for (const auto& facet : kFacet) write_face(out, first, facet[0], facet[1], facet[2]);
+    first += 4;
+  }
+}
+
 void dump_obj(std::ostream& out, const FragmentSet& set, double explode) {
   Box box;
   for (const Fragment& f : set.fragments) box.add(f.mass.center_of_mass);
@@ -76,8 +115,7 @@ void dump_obj(std::ostream& out, const FragmentSet& set, double explode) {
     for (const Vec3f& p : f.positions) {
       // World positions are float32(local) + float32(pivot), which is exact where explode is 0 (I2).
       const Vec3d world = to_double(p) + f.pivot + shift;
-      write_vertex(out,
-                   {static_cast<float>(world.x), static_cast<float>(world.y), static_cast<float>(world.z)});
+      write_vertex(out, world);
     }
     for (const FragmentPrimitive& primitive : f.primitives) {
       out << "usemtl " << slot_name(primitive.material) << '\n';

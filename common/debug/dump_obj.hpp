@@ -4,6 +4,7 @@
 
 #include <iosfwd>
 
+#include "common/delaunay/tetrahedralization.hpp"
 #include "common/fragment/fragments.hpp"
 #include "common/mesh/mesh.hpp"
 #include "common/solid/solid.hpp"
@@ -15,6 +16,14 @@ void dump_obj(std::ostream& out, const Mesh& mesh);
 
 /// One object for each part, one group for each shell; filled triangles have the material "interior".
 void dump_obj(std::ostream& out, const Solid& solid);
+
+/// One octahedron of this radius for each site.
+void dump_obj_of_sites(std::ostream& out, const Tetrahedralization& t, double radius);
+
+/// Every tetrahedron of four sites as a solid of its own, its vertices moved towards its middle by `shrink`
+/// times their distance, so that neighbours can be told apart. Those at the big tetrahedron's corners, which
+/// reach far beyond the mesh, are left out.
+void dump_obj(std::ostream& out, const Tetrahedralization& t, double shrink);
 
 /// One object for each fragment in world space, moved outwards from the centre of all fragments by `explode`
 /// times its distance (0: in place); cut faces have the material "interior".

@@ -6,6 +6,7 @@
 // weights included), so both tetrahedra would be in conflict or none.
 #include <bit>
 
+#include "common/base/random.hpp"
 #include "common/delaunay/incremental.hpp"
 #include "common/delaunay/incremental_detail.hpp"
 
@@ -18,9 +19,11 @@ constexpr std::uint32_t kTableSide = 128;
 constexpr std::uint32_t kEmpty = 0xffffffffu;
 }  // namespace
 
-void IncrementalDelaunay::insert_by_cavity(VertexId v, TetId start) {
-  grow_cavity(position(v), start);
-  fill_cavity(v);
+IncrementalDelaunay::Insertion IncrementalDelaunay::insert(const Vec3d& p) {
+  return insert_with(p, [this](VertexId v, const Located& at) {
+    grow_cavity(position(v), at.tet);
+    fill_cavity(v);
+  });
 }
 
 // Whether a tetrahedron is in conflict is a coin toss to the branch predictor, so nothing branches on it:
@@ -140,7 +143,7 @@ void IncrementalDelaunay::fill_cavity(VertexId v) {
     const std::size_t size = std::bit_ceil(6 * count);
     table.assign(std::max<std::size_t>(size, kTableSide * kTableSide), kEmpty);
     const auto slot_of = [&](std::uint32_t from, std::uint32_t to) {
-      std::uint64_t h = (static_cast<std::uint64_t>(from) << 32 | to) * 0x9e3779b97f4a7c15ull;
+      std::uint64_t h = (static_cast<std::uint64_t>(from) << 32 | to) * kGoldenGamma;
       return static_cast<std::size_t>(h ^ h >> 29) & (size - 1);
     };
     const auto edge = [&](std::uint32_t entry) {  // entry = 3 * facet + corner opposite the edge

@@ -5,7 +5,6 @@
 #include "common/base/pacer.hpp"
 #include "common/delaunay/incremental_detail.hpp"
 #include "common/exact/in_sphere.hpp"
-#include "common/exact/orient3d.hpp"
 
 namespace fracture {
 namespace {
@@ -60,7 +59,7 @@ void IncrementalDelaunay::reserve(std::size_t sites) {
 }
 
 VertexId IncrementalDelaunay::new_vertex(const Vec3d& p) {
-  if (scale_builder_.include(p)) scale_ = scale_builder_.scale();
+  scale_.include(p);
   // + 0.0 makes a negative zero positive, so that equal points have equal bits.
   const Vertex vertex{p.x + 0.0, p.y + 0.0, p.z + 0.0, 0, kNoLocal};
   if (free_vertices_.empty()) {
@@ -111,19 +110,6 @@ void IncrementalDelaunay::next_visit() {
   }
 }
 
-int IncrementalDelaunay::orient_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) const {
-  const Vec3d ba = b - a, ca = c - a, da = d - a;
-  const double det = exact::det3(ba, ca, da);
-  const double bound = exact::orient3d_bound(ba, ca, da);
-  if (det > bound) return 1;
-  if (det < -bound) return -1;
-  return exact::orient3d_exact(a, b, c, d, scale_, &counters_.orient3d);
-}
-
-int IncrementalDelaunay::orient(VertexId a, VertexId b, VertexId c, VertexId d) const {
-  return orient_exact(position(a), position(b), position(c), position(d));
-}
-
 bool IncrementalDelaunay::in_conflict_exact(const Tet& t, const Vec3d& p) const {
   return exact::in_sphere_exact(position(t.v[0]), position(t.v[1]), position(t.v[2]), position(t.v[3]), p,
                                 scale_, &counters_.in_sphere) > 0;
@@ -150,7 +136,7 @@ IncrementalDelaunay::Located IncrementalDelaunay::locate(const Vec3d& p, TetId t
       if (det > orient_bound_) continue;
       int side = -1;
       if (det >= -orient_bound_)
-        side = orient_exact(p, position(tet.v[f[0]]), position(tet.v[f[1]]), position(tet.v[f[2]]));
+        side = orient3d(p, position(tet.v[f[0]]), position(tet.v[f[1]]), position(tet.v[f[2]]));
       if (side < 0) {
         left_by = k;
         break;
@@ -166,21 +152,6 @@ IncrementalDelaunay::Located IncrementalDelaunay::locate(const Vec3d& p, TetId t
     t = link >> 2;
     came = link & 3;
   }
-}
-
-IncrementalDelaunay::Insertion IncrementalDelaunay::insert(const Vec3d& p) {
-  if (!big_.contains(p)) return {Status::kOutsideDomain, kNoVertex};
-  const Located at = locate(p, last_);
-  for (const VertexId v : tets_[at.tet].v)
-    if (position(v) == p) return {Status::kDuplicate, v};
-  if (tet_count() > options_.max_tets) return {Status::kFull, kNoVertex};
-  const VertexId v = new_vertex(p);
-  if (options_.method == Method::kCavity)
-    insert_by_cavity(v, at.tet);
-  else
-    insert_by_flips(v, at);
-  last_ = vertices_[v].tet;
-  return {Status::kInserted, v};
 }
 
 }  // namespace fracture

@@ -1,12 +1,10 @@
-// The mutable Delaunay tetrahedralization: insertion and removal of single sites, exact and with the one tie
-// rule, so that the set of tetrahedra depends only on the set of sites, never on the history
-// (exact/in_sphere.hpp).
+// The mutable Delaunay tetrahedralization: insertion of single sites, exact and with the one tie rule, so
+// that the set of tetrahedra depends only on the set of sites, never on the history (exact/in_sphere.hpp).
 //
-// Sources. The paper's section 4 and Ledoux 2007 ("Computing the 3D Voronoi diagram robustly: an easy
-// explanation") for the flips; Bowyer 1981 and Watson 1981 for the cavity; Devillers, Pion & Teillaud 2001
-// ("Walking in a triangulation") for the walk; Devillers & Teillaud 2003 ("Perturbations and vertex removal
-// in a 3D Delaunay triangulation") for removal; Marot, Pellerin & Remacle 2019 for the compact storage.
-// DECISION.md: why the cavity is the default.
+// Sources. Bowyer 1981 and Watson 1981 for the cavity; Devillers, Pion & Teillaud 2001 ("Walking in a
+// triangulation") for the walk; Marot, Pellerin & Remacle 2019 for the compact storage. The source paper's
+// insertion by flips, and removal, stand on the same storage in reference/reference_delaunay.hpp.
+// DECISION.md: why the cavity is what the pipeline uses.
 //
 // Invariants, after every public call (validate() checks them):
 //  1. Every tetrahedron (a, b, c, d) is positive: orient3d(a, b, c, d) > 0. No flat one exists at any time.
@@ -28,7 +26,9 @@
 #include "common/base/execution.hpp"
 #include "common/delaunay/big_tetrahedron.hpp"
 #include "common/delaunay/tetrahedralization.hpp"
-#include "common/exact/wide_int.hpp"
+#include "common/exact/binary_scale.hpp"
+#include "common/exact/orient3d.hpp"
+#include "common/exact/predicate_counters.hpp"
 
 namespace fracture {
 
@@ -36,13 +36,7 @@ using VertexId = std::uint32_t;
 
 class IncrementalDelaunay {
  public:
-  enum class Method : std::uint8_t {
-    kCavity,  ///< Bowyer–Watson: remove all tetrahedra in conflict, connect their boundary with the site
-              ///< (default)
-    kFlips,   ///< the paper's: flip14/26/n→2n, then the queue of flip23, 32, 44
-  };
   struct Options {
-    Method method = Method::kCavity;
     /// Insertion refuses (kFull) once the structure has more tetrahedra than this.
     std::uint32_t max_tets = 0x3fffffff;
     /// Borrowed; polled in every long loop. What throws Interrupted leaves the structure unusable.
@@ -65,11 +59,9 @@ class IncrementalDelaunay {
   IncrementalDelaunay(const BigTetrahedron& big, Options options, const Tetrahedralization& finished);
 
   void reserve(std::size_t sites);
-  /// Adds a finite point. Expected constant time when near the last insertion, N^(1/3) steps of walk
-  /// otherwise.
+  /// Adds a finite point: takes the tetrahedra in conflict with it out and joins their boundary to it.
+  /// Expected constant time when near the last insertion, N^(1/3) steps of walk otherwise.
   Insertion insert(const Vec3d& p);
-  /// Takes a site out. `v` must be a live site (not a corner): InternalError otherwise.
-  void remove(VertexId v);
 
   std::uint32_t site_count() const {
     return static_cast<std::uint32_t>(vertices_.size() - 4 - free_vertices_.size());
@@ -107,12 +99,11 @@ class IncrementalDelaunay {
     std::uint64_t tets_created = 0;
     exact::PredicateCounters in_sphere;
     exact::PredicateCounters orient3d;
-    std::uint64_t flips14 = 0, flips26 = 0, flips_edge = 0, flips23 = 0, flips32 = 0, flips44 = 0,
-                  flips41 = 0;
   };
   const Counters& counters() const { return counters_; }
 
- private:
+ protected:
+  // Storage, location and predicates: also for the other ways to change it (reference/).
   static constexpr VertexId kNoVertex = 0xffffffffu;
   /// A neighbour and the facet through which it is one: 4 * tetrahedron + index of the facet there. 2^30
   /// tetrahedra.
@@ -141,10 +132,19 @@ class IncrementalDelaunay {
     unsigned zeros;  ///< bit k: the point lies on the plane of facet k
   };
 
-  // incremental.cpp
+  /// A facet of the boundary of a cavity or star, and what lies behind it.
+  struct Facet {
+    VertexId v[3];
+    Link outer;
+  };
+
+  /// Everything around an insertion: finds the place of p and has fill(vertex, place) put it there.
+  template <class Fill>
+  Insertion insert_with(const Vec3d& p, const Fill& fill);
   Located locate(const Vec3d& p, TetId start);
-  int orient_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) const;
-  int orient(VertexId a, VertexId b, VertexId c, VertexId d) const;
+  int orient3d(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) const {
+    return exact::orient3d(a, b, c, d, scale_, &counters_.orient3d);
+  }
   bool in_conflict(const Tet& t, const Vec3d& p) const;
   bool in_conflict_exact(const Tet& t, const Vec3d& p) const;
   void set_sphere(Tet& t) const;
@@ -152,31 +152,14 @@ class IncrementalDelaunay {
                          double lift_d);
   VertexId new_vertex(const Vec3d& p);
   TetId new_tet();
+  TetId make_tet(VertexId a, VertexId b, VertexId c, VertexId d);
   void free_tet(TetId t);
   void next_visit();
-  /// Within loops over one cavity, of which few have thousands of facets.
-  void poll_in_large_cavity(std::size_t step) const {
-    if ((step & 0xfff) == 0xfff) [[unlikely]]
-      options_.execution->poll();
-  }
-  // cavity.cpp
-  void insert_by_cavity(VertexId v, TetId start);
-  void grow_cavity(const Vec3d& p, TetId start);
-  void fill_cavity(VertexId v);
-  // flips.cpp
-  void insert_by_flips(VertexId v, const Located& at);
-  TetId make_tet(VertexId a, VertexId b, VertexId c, VertexId d);
-  void replace(std::span<const TetId> removed, std::span<const std::array<VertexId, 4>> created);
-  void flip_around(VertexId v);
-  // removal.cpp
-  void collect_star(VertexId v);
-  void fill_star(VertexId v);
 
   BigTetrahedron big_;
   Options options_;
-  exact::ScaleBuilder scale_builder_;
-  exact::PointScale scale_;
-  double orient_bound_;  ///< filter of orient3d for any four points in the big tetrahedron
+  exact::BinaryScale scale_;  ///< of all points so far
+  double orient_bound_;       ///< filter of orient3d for any four points in the big tetrahedron
 
   std::vector<Tet> tets_;
   std::vector<Vertex> vertices_;
@@ -187,11 +170,17 @@ class IncrementalDelaunay {
   std::uint32_t visit_ = 0;  ///< marks equal to visit_: in conflict; visit_ + 1: known not to be
   mutable Counters counters_;
 
+ private:
+  // cavity.cpp
+  void grow_cavity(const Vec3d& p, TetId start);
+  void fill_cavity(VertexId v);
+  /// Within loops over one cavity, of which few have thousands of facets.
+  void poll_in_large_cavity(std::size_t step) const {
+    if ((step & 0xfff) == 0xfff) [[unlikely]]
+      options_.execution->poll();
+  }
+
   // Scratch of one insertion; kept to avoid allocation.
-  struct Facet {
-    VertexId v[3];
-    Link outer;
-  };
   std::vector<Link>
       cavity_;  ///< first a tetrahedron and the facet it was reached by; then the slots of the new ones
   std::vector<Facet> boundary_;
@@ -199,14 +188,6 @@ class IncrementalDelaunay {
   std::vector<VertexId> local_;                        ///< the vertices of the cavity
   std::vector<std::uint32_t> fresh_;                   ///< three local numbers for each boundary facet
   std::vector<std::uint32_t> edge_table_;
-  std::vector<TetId> queue_;  ///< flips: tetrahedra at the new site whose outer facet is to be checked
-  struct Side {
-    std::array<VertexId, 3> key;
-    Link link;
-  };
-  std::vector<Side> sides_;
-  std::vector<TetId> removed_;
-  std::vector<std::array<VertexId, 4>> created_;
 };
 
 }  // namespace fracture

@@ -1,17 +1,23 @@
-// Shared by the translation units of IncrementalDelaunay: the corner order of facets and the inlined
-// in_sphere filter.
+// Shared by the translation units of IncrementalDelaunay and of the reference: what surrounds an insertion,
+// and the inlined in_sphere filter.
 #pragma once
 
 #include "common/delaunay/incremental.hpp"
 
 namespace fracture {
 
-/// Facet k of a positive tetrahedron, ordered so that (x, kFacet[k][0], [1], [2]) is positive for x on the
-/// inner side: the permutation (k, kFacet[k]...) is even.
-inline constexpr std::uint8_t kFacet[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
-
-/// std::fmax is a library call (it must treat NaN); this is one instruction.
-inline double larger(double a, double b) { return a > b ? a : b; }
+template <class Fill>
+IncrementalDelaunay::Insertion IncrementalDelaunay::insert_with(const Vec3d& p, const Fill& fill) {
+  if (!big_.contains(p)) return {Status::kOutsideDomain, kNoVertex};
+  const Located at = locate(p, last_);
+  for (const VertexId v : tets_[at.tet].v)
+    if (position(v) == p) return {Status::kDuplicate, v};
+  if (tet_count() > options_.max_tets) return {Status::kFull, kNoVertex};
+  const VertexId v = new_vertex(p);
+  fill(v, at);
+  last_ = vertices_[v].tet;
+  return {Status::kInserted, v};
+}
 
 /// The sphere filter. With u = 2^-53: the error of |d|^2 - axis·d is at most
 ///   6u |d|^2                        (each difference 1 rounding, squares 3, sums 5, last subtraction 6)
@@ -39,6 +45,7 @@ inline bool IncrementalDelaunay::in_conflict(const Tet& t, const Vec3d& p) const
 /// and so is the float.
 inline void IncrementalDelaunay::set_sphere(Tet& t, const Vec3d& b, const Vec3d& c, const Vec3d& d,
                                             double lift_b, double lift_c, double lift_d) {
+  using exact::larger;
   constexpr double u = 0x1p-53;
   const Vec3d cd = cross(c, d), db = cross(d, b), bc = cross(b, c);
   const double delta = dot(b, cd);

@@ -22,7 +22,7 @@ std::optional<Tetrahedralization> insert_sites(const Tetrahedralization& before,
 
   const auto limit = static_cast<std::uint32_t>(
       std::min<std::uint64_t>(kTetsAlways + kTetsPerSite * static_cast<std::uint64_t>(given), 0x3ffffff0u));
-  IncrementalDelaunay delaunay(big, {IncrementalDelaunay::Method::kCavity, limit, &execution}, before);
+  IncrementalDelaunay delaunay(big, {limit, &execution}, before);
   // For each further point the vertex it became; for each vertex the lowest further point that it stands for.
   std::vector<VertexId> vertex_of(further.size());
   std::vector<std::size_t> first_of(4 + sites + further.size(), further.size());

@@ -1,5 +1,6 @@
-// Delaunay tetrahedralization of the sites inside a big tetrahedron: incremental and exact. A cavity (Bowyer,
-// Watson 1981) or the paper's flips insert each site (incremental.hpp); both give the same tetrahedra.
+// Delaunay tetrahedralization of the sites inside a big tetrahedron: incremental and exact. Each site is
+// inserted into a cavity (Bowyer, Watson 1981; incremental.hpp). The source paper's flips, which give the
+// same tetrahedra, stand in reference/.
 //
 // Conventions. Site ids are 0..site_count()-1 in the caller's order of *distinct* points; the four corners of
 // the big tetrahedron are the ids site_count()..site_count()+3. A tetrahedron (a, b, c, d) is positive:
@@ -27,6 +28,16 @@ struct Tetrahedron {
   std::array<SiteId, 4> v;
   std::array<TetId, 4> n;  ///< neighbours; kNoTet on the hull of the big tetrahedron
 };
+
+/// Facet k of a positive tetrahedron, counter-clockwise seen from outside: (x, kFacet[k][0], [1], [2]) is
+/// positive for x on the inner side; the permutation (k, kFacet[k]...) is even.
+inline constexpr std::uint8_t kFacet[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+
+/// The sites of the facet opposite vertex `face`, counter-clockwise seen from outside.
+inline std::array<SiteId, 3> outward_facet(const Tetrahedron& t, int face) {
+  const std::uint8_t* f = kFacet[face];
+  return {t.v[f[0]], t.v[f[1]], t.v[f[2]]};
+}
 
 /// The finished, immutable tetrahedralization as later stages read it: compact, no holes in the numbering.
 struct Tetrahedralization {

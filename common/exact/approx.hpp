@@ -8,6 +8,12 @@
 
 namespace fracture::exact {
 
+/// What underflow may add to the error of any polynomial of this room; each filter says why it is enough.
+inline constexpr double kUnderflow = 1e-200;
+
+/// For bounds. std::fmax is a library call (it must treat NaN); this is one instruction.
+inline double larger(double a, double b) { return a > b ? a : b; }
+
 /// The true value lies within bound() of `value`. `error` alone covers the roundings of the values, but
 /// neither its own roundings nor underflow; bound() covers both.
 ///
@@ -53,7 +59,6 @@ struct Approx {
   }
 
  private:
-  static constexpr double kUnderflow = 1e-200;
   static constexpr double kUlp = 0x1.0p-52;  // twice the unit roundoff: room for the rounding of `error`
 };
 

@@ -4,8 +4,9 @@
 #include <cmath>
 #include <utility>
 
+#include "common/exact/approx.hpp"
 #include "common/exact/number_types.hpp"
-#include "common/exact/orient3d.hpp"
+#include "common/exact/wide_int.hpp"
 
 namespace fracture::exact {
 namespace {
@@ -32,8 +33,6 @@ constexpr double kInSphereError = 0x1p-46;
 /// too).
 constexpr double kExactInDoubles = 512;
 
-double larger(double a, double b) { return a > b ? a : b; }
-
 template <class T>
 T minor(const T& px, const T& py, const T& qx, const T& qy) {
   return px * qy - qx * py;
@@ -46,23 +45,13 @@ struct Decision {
   std::array<int, 5> cofactor;  // only where sign == 0
 };
 
-template <class Number>
-int sign_of_number(const Number& v) {
-  if constexpr (requires { v.sign(); })
-    return v.sign();
-  else
-    return (v > 0) - (v < 0);
-}
-
 /// cde = [C, D, E] = [E, C, D], bde = [B, D, E] = -[B, E, D], bce = [B, C, E], bcd = [B, C, D]. The cofactor
 /// of a is minus the sum of the others, because lifts are relative to a.
 template <class Number, class Det>
 Decision decide(const Number& f, const Det& cde, const Det& bde, const Det& bce, const Det& bcd) {
-  const int sign = sign_of_number(f);
+  const int sign = sign_of(f);
   if (sign != 0) return {sign, {}};
-  return {0,
-          {sign_of_number((bde - cde) + (bcd - bce)), sign_of_number(cde), -sign_of_number(bde),
-           sign_of_number(bce), -sign_of_number(bcd)}};
+  return {0, {sign_of((bde - cde) + (bcd - bce)), sign_of(cde), -sign_of(bde), sign_of(bce), -sign_of(bcd)}};
 }
 
 struct InSphereDoubles {
@@ -144,9 +133,7 @@ Decision decide_scaled(const std::array<Vec3d, 5>& p, const BinaryScale& scale) 
   return decide(f, cde, bde, bce, bcd);
 }
 
-Decision decide_any_size(const std::array<Vec3d, 5>& p) {
-  BinaryScale scale;
-  for (const Vec3d& q : p) scale.include(q);
+Decision decide_any_size(const std::array<Vec3d, 5>& p, const BinaryScale& scale) {
   // Differences have one bit more than coordinates, and 72 < 2^7.
   if (5 * (scale.width() + 1) + 7 <= 1000) return decide_scaled<FixedInt>(p, scale);
   return decide_scaled<BigInt>(p, scale);
@@ -180,7 +167,7 @@ int break_tie(const std::array<P, 5>& p, const std::array<int, 5>& cofactor) {
 }  // namespace
 
 int in_sphere_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, const Vec3d& e,
-                    const PointScale& given, PredicateCounters* counters) {
+                    const BinaryScale& given, PredicateCounters* counters) {
   const auto conclude = [&](const auto& points, const Decision& decision) {
     if (counters) {
       ++counters->exact;
@@ -188,11 +175,11 @@ int in_sphere_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d&
     }
     return decision.sign != 0 ? decision.sign : break_tie(points, decision.cofactor);
   };
-  PointScale scale = given;
-  if (scale.fits()) {
+  BinaryScale own;
+  if (given.fits()) {
     // On a lattice the points are usually a few steps apart: then doubles are exact integers too, and need no
     // conversion.
-    const double s = scale.scale;
+    const double s = given.factor();
     const std::array<Vec3d, 5> p{Vec3d{}, s * (b - a), s * (c - a), s * (d - a), s * (e - a)};
     double m = 0;
     for (int k = 1; k < 5; ++k)
@@ -205,17 +192,16 @@ int in_sphere_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d&
       return conclude(keys, decide(r.f, r.cde, r.bde, r.bce, r.bcd));
     }
   } else {
-    ScaleBuilder builder;
-    for (const Vec3d* p : {&a, &b, &c, &d, &e}) builder.include(*p);
-    scale = builder.scale();
+    for (const Vec3d* p : {&a, &b, &c, &d, &e}) own.include(*p);
   }
+  const BinaryScale& scale = given.fits() ? given : own;
   if (!scale.fits()) {
     const std::array<Vec3d, 5> p{a, b, c, d, e};
-    return conclude(p, decide_any_size(p));
+    return conclude(p, decide_any_size(p, scale));
   }
-  const IntPoint o = to_integers(a, scale);
-  const std::array<IntPoint, 5> p{IntPoint{0, 0, 0}, to_integers(b, scale) - o, to_integers(c, scale) - o,
-                                  to_integers(d, scale) - o, to_integers(e, scale) - o};
+  const IntPoint o = scale.to_integers(a);
+  const std::array<IntPoint, 5> p{IntPoint{0, 0, 0}, scale.to_integers(b) - o, scale.to_integers(c) - o,
+                                  scale.to_integers(d) - o, scale.to_integers(e) - o};
   return conclude(p, decide_integers(p));
 }
 
@@ -227,7 +213,7 @@ int in_sphere(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, co
   const double bound = kInSphereError * r2 * r2 * std::sqrt(r2) + kUnderflow;
   if (f > bound) return 1;
   if (f < -bound) return -1;
-  return in_sphere_exact(a, b, c, d, e, PointScale{});
+  return in_sphere_exact(a, b, c, d, e, {});
 }
 
 }  // namespace fracture::exact

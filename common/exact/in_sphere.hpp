@@ -12,7 +12,8 @@
 #pragma once
 
 #include "common/base/vec.hpp"
-#include "common/exact/wide_int.hpp"
+#include "common/exact/binary_scale.hpp"
+#include "common/exact/predicate_counters.hpp"
 
 namespace fracture::exact {
 
@@ -21,6 +22,6 @@ int in_sphere(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, co
 /// The same without the filter, for callers that have evaluated their own. `scale` is that of a set that
 /// contains the five points, or a default-constructed one.
 int in_sphere_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, const Vec3d& e,
-                    const PointScale& scale, PredicateCounters* counters = nullptr);
+                    const BinaryScale& scale, PredicateCounters* counters = nullptr);
 
 }  // namespace fracture::exact

@@ -3,41 +3,20 @@
 #include <cmath>
 
 #include "common/exact/number_types.hpp"
+#include "common/exact/wide_int.hpp"
 
 namespace fracture::exact {
 namespace {
 
 template <class T>
-T det3_of(const T& bx, const T& by, const T& bz, const T& cx, const T& cy, const T& cz, const T& dx,
-          const T& dy, const T& dz) {
-  return bx * (cy * dz - cz * dy) + by * (cz * dx - cx * dz) + bz * (cx * dy - cy * dx);
-}
-
-template <class T>
 int sign_as(const IntPoint& b, const IntPoint& c, const IntPoint& d) {
-  const T det = det3_of<T>(b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z);
-  return (det > 0) - (det < 0);
+  const auto to = [](const IntPoint& p) { return Point<T>{p.x, p.y, p.z}; };
+  return sign_of(dot(to(b), cross(to(c), to(d))));
 }
 
-template <class Int>
-int scaled_sign(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, const BinaryScale& scale) {
-  const Point<Int> o = scale.scaled<Int>(a);
-  const Int det = dot(scale.scaled<Int>(b) - o, cross(scale.scaled<Int>(c) - o, scale.scaled<Int>(d) - o));
-  return det.sign();
-}
-
-int any_size_sign(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
-  BinaryScale scale;
-  for (const Vec3d* p : {&a, &b, &c, &d}) scale.include(*p);
-  // Differences have one bit more than coordinates, and 6 < 2^3.
-  if (3 * (scale.width() + 1) + 3 <= 1000) return scaled_sign<FixedInt>(a, b, c, d, scale);
-  return scaled_sign<BigInt>(a, b, c, d, scale);
-}
-
-}  // namespace
-
-// |det| and its partial sums are at most 6 m^3 where all |differences| <= m.
-int orient3d_sign(const IntPoint& b, const IntPoint& c, const IntPoint& d) {
+/// Sign of det[b; c; d] for exact differences, all below 2^62 in magnitude. |det| and its partial sums are at
+/// most 6 m^3 where all |differences| <= m.
+int integer_sign(const IntPoint& b, const IntPoint& c, const IntPoint& d) {
   const std::uint64_t bits = magnitude_bits(b) | magnitude_bits(c) | magnitude_bits(d);
   if (bits < std::uint64_t{1} << 20) return sign_as<std::int64_t>(b, c, d);  // 6 * 2^60 < 2^63
   if (bits < std::uint64_t{1} << 41) return sign_as<Int128>(b, c, d);        // 6 * 2^123 < 2^127
@@ -49,45 +28,51 @@ int orient3d_sign(const IntPoint& b, const IntPoint& c, const IntPoint& d) {
       .sign();
 }
 
-int orient3d_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, const PointScale& given,
-                   PredicateCounters* counters) {
-  if (counters) ++counters->exact;
+template <class Int>
+int scaled_sign(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, const BinaryScale& scale) {
+  const Point<Int> o = scale.scaled<Int>(a);
+  const Int det = dot(scale.scaled<Int>(b) - o, cross(scale.scaled<Int>(c) - o, scale.scaled<Int>(d) - o));
+  return sign_of(det);
+}
+
+int exact_sign(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, const BinaryScale& given) {
   if (given.fits()) {
     // Within 2^16 steps of each other: 6 m^3 < 2^53, doubles are exact.
-    const Vec3d rb = given.scale * (b - a), rc = given.scale * (c - a), rd = given.scale * (d - a);
+    const double s = given.factor();
+    const Vec3d rb = s * (b - a), rc = s * (c - a), rd = s * (d - a);
     bool near = true;
     for (const Vec3d* r : {&rb, &rc, &rd})
       near &= std::fabs(r->x) <= 0x1p16 && std::fabs(r->y) <= 0x1p16 && std::fabs(r->z) <= 0x1p16;
-    if (near) {
-      const double det = det3(rb, rc, rd);
-      if (counters) counters->ties += det == 0;
-      return (det > 0) - (det < 0);
-    }
+    if (near) return sign_of(det3(rb, rc, rd));
   }
-  PointScale scale = given;
-  if (!scale.fits()) {
-    ScaleBuilder builder;
-    for (const Vec3d* p : {&a, &b, &c, &d}) builder.include(*p);
-    scale = builder.scale();
-  }
-  int sign;
+  BinaryScale own;
+  if (!given.fits())
+    for (const Vec3d* p : {&a, &b, &c, &d}) own.include(*p);
+  const BinaryScale& scale = given.fits() ? given : own;
   if (scale.fits()) {
-    const IntPoint o = to_integers(a, scale);
-    sign = orient3d_sign(to_integers(b, scale) - o, to_integers(c, scale) - o, to_integers(d, scale) - o);
-  } else {
-    sign = any_size_sign(a, b, c, d);
+    const IntPoint o = scale.to_integers(a);
+    return integer_sign(scale.to_integers(b) - o, scale.to_integers(c) - o, scale.to_integers(d) - o);
   }
-  if (counters) counters->ties += sign == 0;
-  return sign;
+  // Differences have one bit more than coordinates, and 6 < 2^3.
+  if (3 * (scale.width() + 1) + 3 <= 1000) return scaled_sign<FixedInt>(a, b, c, d, scale);
+  return scaled_sign<BigInt>(a, b, c, d, scale);
 }
 
-int orient3d(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
+}  // namespace
+
+int orient3d(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, const BinaryScale& scale,
+             PredicateCounters* counters) {
   const Vec3d ba = b - a, ca = c - a, da = d - a;
   const double det = det3(ba, ca, da);
   const double bound = orient3d_bound(ba, ca, da);
   if (det > bound) return 1;
   if (det < -bound) return -1;
-  return orient3d_exact(a, b, c, d, PointScale{});
+  const int sign = exact_sign(a, b, c, d, scale);
+  if (counters) {
+    ++counters->exact;
+    counters->ties += sign == 0;
+  }
+  return sign;
 }
 
 }  // namespace fracture::exact

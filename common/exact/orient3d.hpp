@@ -2,28 +2,24 @@
 // (b - a) x (c - a) points, -1 on the other, and 0 exactly when the four points are coplanar. Zero means
 // coplanar: the coordinates are never perturbed (perturbing them makes flat tetrahedra).
 //
-// Filter (Shewchuk 1997; orient3d_bound() below) -> integers of fixed width where the points fit a PointScale
-// -> integers of any size. Any finite doubles with |coordinate| <= 1e60 are accepted, subnormal ones
-// included: nothing overflows in the filter, and its bound covers underflow (Meyer & Pion 2008, "FPG: A code
-// generator for fast and certified geometric predicates", on semi-static filters).
+// Filter (Shewchuk 1997; orient3d_bound() below) -> integers of fixed width where the points fit a
+// BinaryScale -> integers of any size. Any finite doubles with |coordinate| <= 1e60 are accepted, subnormal
+// ones included: nothing overflows in the filter, and its bound covers underflow (Meyer & Pion 2008, "FPG: A
+// code generator for fast and certified geometric predicates", on semi-static filters).
 #pragma once
 
 #include <cmath>
 
 #include "common/base/vec.hpp"
-#include "common/exact/wide_int.hpp"
+#include "common/exact/approx.hpp"
+#include "common/exact/binary_scale.hpp"
+#include "common/exact/predicate_counters.hpp"
 
 namespace fracture::exact {
 
-int orient3d(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d);
-
-/// The same without the filter, for callers that have evaluated their own. `scale` is that of a set that
-/// contains the four points, or a default-constructed one.
-int orient3d_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, const PointScale& scale,
-                   PredicateCounters* counters = nullptr);
-
-/// Sign of det[b; c; d] for exact differences, all below 2^62 in magnitude.
-int orient3d_sign(const IntPoint& b, const IntPoint& c, const IntPoint& d);
+/// `scale` is that of a set that contains the four points, or a default-constructed one.
+int orient3d(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, const BinaryScale& scale = {},
+             PredicateCounters* counters = nullptr);
 
 /// |computed - exact| <= kOrient3dError * |B| |C| |D| + kUnderflow for det[B; C; D] evaluated as in det3()
 /// below on the rounded differences B = b - a, ... Derivation, first without underflow. Each difference
@@ -31,14 +27,13 @@ int orient3d_sign(const IntPoint& b, const IntPoint& c, const IntPoint& d);
 /// third difference 6, the two sums 8: the error is at most gamma_8 times the permanent. By Cauchy-Schwarz
 /// |C_y D_z| + |C_z D_y| <= |C||D|, hence the permanent is at most sqrt(3) |B||C||D|; 8 * sqrt(3) * 2^-53 =
 /// 13.86 * 2^-53, rounded up to 16 * 2^-53 for the second-order terms and the rounding of the bound itself.
-inline constexpr double kOrient3dError = 0x1p-49;
-/// What underflow may add. With gradual underflow sums and differences are exact where they are subnormal;
+///
+/// Underflow: with gradual underflow sums and differences are exact where they are subnormal;
 /// only a product loses something, at most h = 2^-1075. The six inner products of det3() lose 6 h, times an
 /// outer difference of at most 2^201 (coordinates of at most 1e60 < 2^200), and the three outer ones 3 h; the
 /// bound itself, as orient3d_bound() multiplies it, loses h times a length of at most 2^202, and h. Together
-/// less than 2^-860; in_sphere and side1 to side4 need more (in_sphere.cpp, approx.hpp), hence 1e-200 =
-/// 2^-664 for all.
-inline constexpr double kUnderflow = 1e-200;
+/// less than 2^-860, where kUnderflow is more than 2^-665.
+inline constexpr double kOrient3dError = 0x1p-49;
 /// Is added to squared lengths. A computed |v|^2 is smaller than |v|^2 by a few roundings, which the slack of
 /// kOrient3dError covers, and by at most 3 h where the three squares underflow, which can be all of it: for
 /// |v| < 2^-538 the computed square is 0 although v is not. 2^-1000 is far above 3 h, and a normal double (a

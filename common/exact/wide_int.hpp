@@ -1,19 +1,12 @@
-// The fixed-width integers behind the exact predicates, and the scale that turns a set of doubles into them.
-//
-// Every finite double is an integer multiple of a power of two. Where all coordinates of a point set are
-// multiples of one step 2^-k and no larger than 2^61 steps, a polynomial's sign is integer arithmetic whose
-// widths are known in advance: no allocation, no loops, no normalisation. That covers every set of doubles in
-// one binade range of 61 bits, in particular lattices such as k/21 (58 bits) and generated sites (23 bits
-// with the corners).
+// The fixed-width integers behind the exact predicates, for points that fit a BinaryScale.
 //
 // Only the operations that orient3d and in_sphere need are written: 64 x 128 -> 192, 128 x 192 -> 320, add,
 // subtract, sign; two's complement, least significant limb first.
 #pragma once
 
-#include <bit>
 #include <cstdint>
 
-#include "common/base/vec.hpp"
+#include "common/exact/binary_scale.hpp"
 
 namespace fracture::exact {
 
@@ -94,74 +87,11 @@ inline WideInt<5> multiply(Int128 a, const WideInt<3>& b) {
   return negative ? WideInt<5>{} - r : r;
 }
 
-/// How a set of points becomes integers: coordinate * scale is an integer of magnitude at most 2^61 for each
-/// of them. Computed once per point set where it fits; a value of zero means that it does not, and the
-/// predicates then look for a scale of the few points of each call, or use integers of any size.
-struct PointScale {
-  double scale = 0;
-
-  static constexpr int kMaxBits =
-      61;  // differences are then below 2^62: in_sphere is 48 * (2^62)^5 < 2^317 < 2^319
-  bool fits() const { return scale != 0; }
-};
-
-/// Collects the exponents of a point set.
-class ScaleBuilder {
- public:
-  /// True when the scale may have changed.
-  bool include(double v) {
-    const auto bits = std::bit_cast<std::uint64_t>(v);
-    const int biased = static_cast<int>(bits >> 52 & 0x7ff);
-    std::uint64_t mantissa = bits & ((std::uint64_t{1} << 52) - 1);
-    if (biased != 0) mantissa |= std::uint64_t{1} << 52;
-    if (mantissa == 0) return false;
-    const int unit = (biased != 0 ? biased : 1) - 1075;  // v = ± mantissa * 2^unit
-    const int low = unit + std::countr_zero(mantissa);
-    const int top = unit + std::bit_width(mantissa);
-    if (low >= lowest_bit_ && top <= top_bit_) return false;
-    if (low < lowest_bit_) lowest_bit_ = low;
-    if (top > top_bit_) top_bit_ = top;
-    return true;
-  }
-  bool include(const Vec3d& p) {
-    const bool x = include(p.x), y = include(p.y), z = include(p.z);
-    return x || y || z;
-  }
-  PointScale scale() const;
-
- private:
-  int lowest_bit_ = 1 << 20;  // exponent of the lowest set bit seen
-  int top_bit_ = -(1 << 20);  // all |values| < 2^top_bit_
-};
-
-/// A point as exact multiples of the step.
-struct IntPoint {
-  std::int64_t x, y, z;
-};
-inline IntPoint to_integers(const Vec3d& p, const PointScale& s) {
-  return {static_cast<std::int64_t>(p.x * s.scale), static_cast<std::int64_t>(p.y * s.scale),
-          static_cast<std::int64_t>(p.z * s.scale)};
-}
-inline IntPoint operator-(const IntPoint& a, const IntPoint& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-
-inline bool lexicographic_less(const IntPoint& a, const IntPoint& b) {
-  if (a.x != b.x) return a.x < b.x;
-  if (a.y != b.y) return a.y < b.y;
-  return a.z < b.z;
-}
-
 /// A value v with |c| < 2^k for every coordinate c exactly where v < 2^k: the bits of all magnitudes or-ed
 /// together.
 inline std::uint64_t magnitude_bits(const IntPoint& p) {
   const auto magnitude = [](std::int64_t c) { return static_cast<std::uint64_t>(c < 0 ? -c : c); };
   return magnitude(p.x) | magnitude(p.y) | magnitude(p.z);
 }
-
-/// How decisions were made: pass one to a predicate to have it counted; nullptr costs a test on the slow path
-/// only.
-struct PredicateCounters {
-  std::uint64_t exact = 0;  ///< the filter could not certify the sign
-  std::uint64_t ties = 0;   ///< exact zero: coplanar (orient3d), or decided by the weights (in_sphere)
-};
 
 }  // namespace fracture::exact

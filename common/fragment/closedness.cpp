@@ -5,15 +5,10 @@
 #include <vector>
 
 #include "common/base/pacer.hpp"
+#include "common/base/random.hpp"
 
 namespace fracture {
 namespace {
-
-std::uint64_t mix(std::uint64_t z) {
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-  return z ^ (z >> 31);
-}
 
 std::uint32_t bits(float v) { return std::bit_cast<std::uint32_t>(v == 0 ? 0.0f : v); }  // -0 is 0
 
@@ -24,7 +19,7 @@ std::vector<std::uint32_t> weld(const std::vector<Vec3f>& positions, Pacer& pace
   for (std::uint32_t v = 0; v < positions.size(); ++v) {
     const Vec3f& p = positions[v];
     std::size_t slot =
-        mix(mix(bits(p.x) | static_cast<std::uint64_t>(bits(p.y)) << 32) + bits(p.z)) & (size - 1);
+        mix64(mix64(bits(p.x) | static_cast<std::uint64_t>(bits(p.y)) << 32) + bits(p.z)) & (size - 1);
     while (table[slot] != kNoIndex && !(positions[table[slot]] == p)) slot = (slot + 1) & (size - 1);
     if (table[slot] == kNoIndex) table[slot] = v;
     pacer.step();
@@ -48,7 +43,7 @@ Closedness count_edges(const Fragment& f, const std::vector<std::uint32_t>& at, 
     if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0]) continue;  // its edges cancel one another
     for (int e = 0; e < 3; ++e) {
       const std::uint64_t a = v[e], b = v[(e + 1) % 3], key = a < b ? a << 32 | b : b << 32 | a;
-      std::size_t slot = mix(key) & (size - 1);
+      std::size_t slot = mix64(key) & (size - 1);
       while (table[slot].key != ~0ull && table[slot].key != key) slot = (slot + 1) & (size - 1);
       table[slot].key = key;
       ++table[slot].uses;
@@ -83,7 +78,7 @@ std::uint64_t open_edges(const Fragment& f, const Execution& execution) {
   pacer.each(0, at.size(), [&](std::size_t v) {
     const std::uint32_t t = f.topology[v];
     misplaced += !(f.positions[v] == f.positions[t]);
-    const std::uint64_t h = mix(t + 0x9e3779b97f4a7c15ull);
+    const std::uint64_t h = mix64(t + kGoldenGamma);
     at[v] = {h ^ (h >> 29), h | 1};
   });
   std::uint64_t sum = 0;

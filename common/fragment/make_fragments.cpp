@@ -6,6 +6,7 @@
 #include <unordered_set>
 
 #include "common/base/pacer.hpp"
+#include "common/base/random.hpp"
 #include "common/fragment/assemble.hpp"
 #include "common/fragment/bonds.hpp"
 #include "common/fragment/group_contacts.hpp"
@@ -16,13 +17,6 @@
 namespace fracture {
 namespace {
 
-std::uint64_t mix(std::uint64_t h, std::uint64_t v) {
-  h ^= v;
-  h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9ull;
-  h = (h ^ (h >> 27)) * 0x94d049bb133111ebull;
-  return (h ^ (h >> 31)) + 0x9e3779b97f4a7c15ull;
-}
-
 /// A function of the coordinates of the fragment's sites, the part and which island of them it is: local
 /// refracture keeps the ids of what it does not touch. At most 2^53 - 1: exact in JSON.
 std::uint64_t fragment_id(const VoronoiDiagram& diagram, const Fragment& f, std::uint32_t island,
@@ -32,8 +26,8 @@ std::uint64_t fragment_id(const VoronoiDiagram& diagram, const Fragment& f, std:
   sort_with_polls(execution, sites.begin(), sites.end(), lexicographic_less);
   std::uint64_t h = 0x6672616374757265ull;
   for (const Vec3d& s : sites)
-    for (int a = 0; a < 3; ++a) h = mix(h, std::bit_cast<std::uint64_t>(s[a] == 0 ? 0.0 : s[a]));
-  return mix(mix(h, f.part), island) >> 11;
+    for (int a = 0; a < 3; ++a) h = mix64(h, std::bit_cast<std::uint64_t>(s[a] == 0 ? 0.0 : s[a]));
+  return mix64(mix64(h, f.part), island) >> 11;
 }
 
 /// The fragments of groups of pieces, by name.

@@ -5,6 +5,7 @@
 #include <bit>
 
 #include "common/base/pacer.hpp"
+#include "common/base/random.hpp"
 #include "common/base/scratch.hpp"
 
 namespace fracture {
@@ -25,7 +26,7 @@ Vec3f translation(const Fragment& f) {
 }
 
 std::uint64_t hash(const Place& p) {
-  std::uint64_t h = (p[0] | static_cast<std::uint64_t>(p[1]) << 32) * 0x9e3779b97f4a7c15ull;
+  std::uint64_t h = (p[0] | static_cast<std::uint64_t>(p[1]) << 32) * kGoldenGamma;
   h = (h ^ (h >> 32) ^ p[2]) * 0xbf58476d1ce4e5b9ull;
   return h ^ (h >> 29);
 }

@@ -11,8 +11,7 @@
 
 namespace fracture {
 
-/// glTF's component types and bufferView targets.
-inline constexpr int kFloat = 5126, kUnsignedShort = 5123, kUnsignedInt = 5125;
+/// glTF's bufferView targets.
 inline constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;
 /// 65,535 would be the restart index of a 16-bit strip and is not allowed as an index.
 inline constexpr std::size_t kMaxShortVertices = 65535;

@@ -2,6 +2,8 @@
 
 #include <vector>
 
+#include "common/mesh/gltf_component.hpp"
+
 namespace fracture {
 
 void write_mesh_manifold(JsonText& json, const Fragment& f, const WrittenMesh& mesh, Accessors& accessors) {
@@ -18,9 +20,9 @@ void write_mesh_manifold(JsonText& json, const Fragment& f, const WrittenMesh& m
     vertices.push_back(to);
   }
 
-  const int vertex_type = mesh.wide ? kUnsignedInt : kUnsignedShort;
+  const int vertex_type = mesh.wide ? component_type::kUnsignedInt : component_type::kUnsignedShort;
   const bool wide_corners = f.indices.size() > kMaxShortVertices;
-  const int corner_type = wide_corners ? kUnsignedInt : kUnsignedShort;
+  const int corner_type = wide_corners ? component_type::kUnsignedInt : component_type::kUnsignedShort;
   std::size_t view = 0, corners_at = 0, vertices_at = 0;
   if (!corners.empty()) {
     view = accessors.view("merges", 0, 0);

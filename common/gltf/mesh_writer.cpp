@@ -4,6 +4,7 @@
 
 #include "common/base/pacer.hpp"
 #include "common/gltf/mesh_manifold.hpp"
+#include "common/mesh/gltf_component.hpp"
 #include "common/solid/solid.hpp"
 
 namespace fracture {
@@ -42,7 +43,7 @@ std::size_t MeshWriter::write_positions(const std::vector<Vec3f>& positions) {
   const std::size_t at = accessors_.bytes(view).size();
   Vec3f min, max;
   append_positions(accessors_.bytes(view), positions, min, max);
-  return accessors_.add(view, at, kFloat, positions.size(), "VEC3", &min, &max);
+  return accessors_.add(view, at, component_type::kFloat, positions.size(), "VEC3", &min, &max);
 }
 
 void MeshWriter::write(JsonText& json, const Fragment& f, const std::string& name) {
@@ -56,7 +57,7 @@ void MeshWriter::write(JsonText& json, const Fragment& f, const std::string& nam
     const std::size_t view = accessors_.view(semantic, stride, kArrayBuffer);
     const std::size_t at = accessors_.bytes(view).size();
     append(accessors_.bytes(view));
-    attributes.emplace_back(semantic, accessors_.add(view, at, kFloat, count, type));
+    attributes.emplace_back(semantic, accessors_.add(view, at, component_type::kFloat, count, type));
   };
   if (!f.attributes.normals.empty())
     attribute("NORMAL", sizeof(Vec3f), "VEC3", [&](ViewBytes& view) { append_normals(view, f); });
@@ -81,8 +82,10 @@ void MeshWriter::write(JsonText& json, const Fragment& f, const std::string& nam
     for (const auto& [semantic, accessor] : attributes)
       if (semantic != "TANGENT" || needs_tangents(p)) json.member(semantic, accessor);
     json.end_object();
-    json.member("indices", accessors_.add(index_view, indices_at + bytes * p.first_index,
-                                          wide ? kUnsignedInt : kUnsignedShort, p.index_count, "SCALAR"));
+    json.member("indices",
+                accessors_.add(index_view, indices_at + bytes * p.first_index,
+                               wide ? component_type::kUnsignedInt : component_type::kUnsignedShort,
+                               p.index_count, "SCALAR"));
     if (p.material == kInteriorMaterial)
       json.member("material", interior_);
     else if (p.material < interior_)
@@ -111,7 +114,7 @@ void MeshWriter::write(JsonText& json, const CollisionHull& hull, const std::str
       append_indices(accessors_.bytes(view), hull.triangles.front().data(), count, /*wide=*/false);
   json.begin_object().member("name", name).key("primitives").begin_array().begin_object();
   json.key("attributes").begin_object().member("POSITION", positions).end_object();
-  json.member("indices", accessors_.add(view, at, kUnsignedShort, count, "SCALAR"));
+  json.member("indices", accessors_.add(view, at, component_type::kUnsignedShort, count, "SCALAR"));
   json.end_object().end_array().end_object();
 }
 

@@ -5,23 +5,12 @@
 #include <set>
 #include <string_view>
 
+#include "common/base/gathered.hpp"
 #include "common/base/pacer.hpp"
 #include "common/gltf/names.hpp"
 
 namespace fracture {
 namespace {
-
-template <class T>
-std::vector<T> gathered(const std::vector<T>& values, const std::vector<std::uint32_t>& of, Pacer& pacer) {
-  std::vector<T> result;
-  if (values.empty()) return result;
-  result.reserve(of.size());
-  for (const std::uint32_t k : of) {
-    pacer.step();
-    result.push_back(values[k]);
-  }
-  return result;
-}
 
 /// The given triangles, which are sorted by material, with the wedges they use in order of first use.
 Fragment mesh_of(const Mesh& mesh, const std::uint32_t* first, const std::uint32_t* last,
@@ -44,12 +33,12 @@ Fragment mesh_of(const Mesh& mesh, const std::uint32_t* first, const std::uint32
     }
   }
   for (const std::uint32_t w : wedges) new_wedge[w] = kNoIndex;
-  result.positions = gathered(mesh.positions, wedges, pacer);
-  result.attributes.normals = gathered(mesh.attributes.normals, wedges, pacer);
-  result.attributes.tangents = gathered(mesh.attributes.tangents, wedges, pacer);
-  for (const auto& set : mesh.attributes.uvs) result.attributes.uvs.push_back(gathered(set, wedges, pacer));
-  for (const auto& set : mesh.attributes.colors)
-    result.attributes.colors.push_back(gathered(set, wedges, pacer));
+  const auto of_wedges = [&](const auto& values) { return gathered(values, wedges, [&] { pacer.step(); }); };
+  result.positions = of_wedges(mesh.positions);
+  result.attributes.normals = of_wedges(mesh.attributes.normals);
+  result.attributes.tangents = of_wedges(mesh.attributes.tangents);
+  for (const auto& set : mesh.attributes.uvs) result.attributes.uvs.push_back(of_wedges(set));
+  for (const auto& set : mesh.attributes.colors) result.attributes.colors.push_back(of_wedges(set));
   return result;
 }
 

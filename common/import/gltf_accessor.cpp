@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/import/refused.hpp"
+#include "common/mesh/gltf_component.hpp"
 
 namespace fracture {
 namespace {
@@ -24,15 +25,15 @@ T load(const unsigned char* at) {
 
 double component(const unsigned char* at, int type, bool normalized) {
   switch (type) {
-    case 5120:
+    case component_type::kByte:
       return normalized ? std::max(load<std::int8_t>(at) / 127.0, -1.0) : load<std::int8_t>(at);
-    case 5121:
+    case component_type::kUnsignedByte:
       return normalized ? load<std::uint8_t>(at) / 255.0 : load<std::uint8_t>(at);
-    case 5122:
+    case component_type::kShort:
       return normalized ? std::max(load<std::int16_t>(at) / 32767.0, -1.0) : load<std::int16_t>(at);
-    case 5123:
+    case component_type::kUnsignedShort:
       return normalized ? load<std::uint16_t>(at) / 65535.0 : load<std::uint16_t>(at);
-    case 5125:
+    case component_type::kUnsignedInt:
       return normalized ? load<std::uint32_t>(at) / 4294967295.0 : load<std::uint32_t>(at);
     default:
       return load<float>(at);
@@ -40,19 +41,10 @@ double component(const unsigned char* at, int type, bool normalized) {
 }
 
 std::uint64_t bytes_of(int type) {
-  switch (type) {
-    case 5120:
-    case 5121:
-      return 1;
-    case 5122:
-    case 5123:
-      return 2;
-    case 5125:
-    case 5126:
-      return 4;
-    default:
-      refuse(ErrorCode::kMalformedMesh, "The component type " + std::to_string(type) + " does not exist.");
-  }
+  const std::uint64_t bytes = component_bytes(static_cast<std::uint64_t>(type));
+  if (bytes == 0)
+    refuse(ErrorCode::kMalformedMesh, "The component type " + std::to_string(type) + " does not exist.");
+  return bytes;
 }
 
 /// Where `count` elements of `element` bytes lie. The document was checked before; this is the last line of
@@ -132,7 +124,7 @@ std::vector<double> read_accessor(const tinygltf::Model& model, int index, int w
 
 std::vector<std::uint32_t> read_indices(const tinygltf::Model& model, int index) {
   const tinygltf::Accessor& accessor = accessor_at(model, index);
-  if (accessor.componentType != 5121 && accessor.componentType != 5123 && accessor.componentType != 5125)
+  if (!is_index_type(static_cast<std::uint64_t>(accessor.componentType)))
     refuse(ErrorCode::kMalformedMesh, "Indices have to be unsigned integers.",
            "/accessors/" + std::to_string(index));
   const std::vector<double> values = read_accessor(model, index, 1);

@@ -29,23 +29,22 @@ void convert_attribute(const draco::PointAttribute& attribute, std::uint32_t poi
 }
 
 std::vector<std::uint8_t> attribute_bytes(const draco::PointAttribute& attribute, std::uint32_t points,
-                                          std::uint64_t component_type, int components,
-                                          const std::string& pointer) {
+                                          std::uint64_t type, int components, const std::string& pointer) {
   std::vector<std::uint8_t> out;
-  switch (component_type) {
-    case 5120:
+  switch (type) {
+    case component_type::kByte:
       convert_attribute<std::int8_t>(attribute, points, components, out, pointer);
       break;
-    case 5121:
+    case component_type::kUnsignedByte:
       convert_attribute<std::uint8_t>(attribute, points, components, out, pointer);
       break;
-    case 5122:
+    case component_type::kShort:
       convert_attribute<std::int16_t>(attribute, points, components, out, pointer);
       break;
-    case 5123:
+    case component_type::kUnsignedShort:
       convert_attribute<std::uint16_t>(attribute, points, components, out, pointer);
       break;
-    case 5125:
+    case component_type::kUnsignedInt:
       convert_attribute<std::uint32_t>(attribute, points, components, out, pointer);
       break;
     default:
@@ -113,7 +112,8 @@ void decode_primitive(GltfDocument& document, json& primitive, const ImportLimit
     }
   }
   primitive["indices"] =
-      add_accessor(document, {{"componentType", 5125}, {"type", "SCALAR"}}, indices, faces * 3, limits);
+      add_accessor(document, {{"componentType", component_type::kUnsignedInt}, {"type", "SCALAR"}}, indices,
+                   faces * 3, limits);
   primitive["mode"] = 4;  // Draco holds triangles, whatever order the encoder was given
 
   const auto wanted = extension.find("attributes");

@@ -287,7 +287,7 @@ void check_accessors(const json& document, const ImportLimits& limits) {
                inner + "/count");
       const json &indices = (*sparse)["indices"], &values = (*sparse)["values"];
       const std::uint64_t index_type = unsigned_at(indices, "componentType", kRequired, inner + "/indices");
-      if (index_type != 5121 && index_type != 5123 && index_type != 5125)
+      if (!is_index_type(index_type))
         refuse(ErrorCode::kMalformedMesh, "Sparse indices have to be unsigned integers.",
                inner + "/indices/componentType");
       check_range(document, unsigned_at(indices, "bufferView", kRequired, inner + "/indices"),
@@ -336,22 +336,6 @@ std::uint64_t unsigned_at(const json& object, const char* key, std::uint64_t fal
     return static_cast<std::uint64_t>(it->get<double>());
   refuse(ErrorCode::kMalformedMesh, std::string("\"") + key + "\" has to be a non-negative integer.",
          pointer + "/" + key);
-}
-
-std::uint64_t component_bytes(std::uint64_t component_type) {
-  switch (component_type) {
-    case 5120:
-    case 5121:
-      return 1;
-    case 5122:
-    case 5123:
-      return 2;
-    case 5125:
-    case 5126:
-      return 4;
-    default:
-      return 0;
-  }
 }
 
 std::uint64_t component_count(const std::string& type) {

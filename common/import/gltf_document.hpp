@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/import/import.hpp"
+#include "common/mesh/gltf_component.hpp"
 #include "common/mesh/mesh.hpp"
 
 namespace fracture {
@@ -36,8 +37,7 @@ std::uint64_t unsigned_at(const nlohmann::json& object, const char* key, std::ui
                           const std::string& pointer);
 inline constexpr std::uint64_t kRequired = ~0ull;  ///< as a fallback: the key has to be there
 
-/// Bytes of one component (5120 …) and components of a type ("VEC3"); 0 when unknown.
-std::uint64_t component_bytes(std::uint64_t component_type);
+/// Components of a type ("VEC3"); 0 when unknown.
 std::uint64_t component_count(const std::string& type);
 
 /// Appends bytes to the document's buffer at an 8-byte boundary; returns the offset. Refuses beyond the

@@ -6,6 +6,8 @@
 #include <cstring>
 #include <utility>
 
+#include "common/base/gathered.hpp"
+
 namespace fracture {
 namespace {
 
@@ -174,13 +176,7 @@ void merge_identical_wedges(Surface& surface) {
       if (first_of[wedge] == kNoIndex) first_of[wedge] = find(wedge);
       wedge = first_of[wedge];
     }
-  const auto gather = [&kept](auto& values) {
-    if (values.empty()) return;
-    auto gathered = values;
-    gathered.resize(kept.size());
-    for (std::size_t k = 0; k < kept.size(); ++k) gathered[k] = values[kept[k]];
-    values = std::move(gathered);
-  };
+  const auto gather = [&kept](auto& values) { values = gathered(values, kept); };
   gather(surface.positions);
   gather(surface.attributes.normals);
   gather(surface.attributes.tangents);

@@ -4,6 +4,8 @@
 #include <charconv>
 #include <utility>
 
+#include "common/base/gathered.hpp"
+
 namespace fracture {
 namespace {
 
@@ -40,15 +42,6 @@ std::vector<std::string> material_names(const Mesh& mesh) {
     names.push_back(name != material.end() && name->is_string() ? name->get<std::string>() : std::string());
   }
   return names;
-}
-
-template <class T>
-std::vector<T> gathered(const std::vector<T>& values, const std::vector<std::uint32_t>& of) {
-  std::vector<T> result;
-  if (values.empty()) return result;
-  result.reserve(of.size());
-  for (const std::uint32_t k : of) result.push_back(values[k]);
-  return result;
 }
 
 /// The triangles that have `wanted`, with the wedges they use in the order of the source; everything that is

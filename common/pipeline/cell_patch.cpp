@@ -132,8 +132,7 @@ class CrossedEdge {
     const Tetrahedron& u = diagram.dual().tets[t.n[step.face]];
     // The facet's sites, counter-clockwise seen from outside the tetrahedron: the edge's direction out of it
     // is (b - a) x (c - a).
-    constexpr int kFacet[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
-    for (int k = 0; k < 3; ++k) sites_[k] = t.v[kFacet[step.face][k]];
+    sites_ = outward_facet(t, step.face);
     ends_[0] = t.v[step.face];
     for (const SiteId s : u.v)
       if (std::find(sites_.begin(), sites_.end(), s) == sites_.end()) ends_[1] = s;

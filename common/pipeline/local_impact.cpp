@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/base/pacer.hpp"
+#include "common/base/random.hpp"
 
 namespace fracture {
 namespace {
@@ -22,7 +23,7 @@ Expected<void> append_hits(const Solid& solid, const SiteParameters& parameters,
     SiteParameters near = parameters;
     near.sites = hit.sites;
     // Not the pattern's own sequence, nor that of another hit.
-    near.seed = (parameters.seed ^ 0x696d70616374ull) + k * 0x9e3779b97f4a7c15ull;
+    near.seed = (parameters.seed ^ 0x696d70616374ull) + k * kGoldenGamma;
     near.pattern = ImpactPattern{.impacts = {hit.point}, .radius = hit.radius, .exponent = 1, .share = 1};
     near.lloyd = 0;
     Expected<SitePlan> further = plan_sites(solid, near, execution);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/base/pacer.hpp"
+#include "common/base/random.hpp"
 #include "common/clip/restricted_diagram.hpp"
 #include "common/fragment/pieces.hpp"
 #include "common/pipeline/fracture.hpp"
@@ -36,20 +37,21 @@ Expected<SplitFigures> split_large(const SeenSolid& solid, Diagram& diagram, dou
       wanted[p.owners[0]] += static_cast<std::uint32_t>(std::max(1.0, parts - 1));
     }
     clear_with_polls(execution, pieces.pieces);
-    if (figures.too_large == 0 || figures.passes == kMaxSplitPasses || diagram.sites.size() >= kMaxSplitSites)
+    if (figures.too_large == 0 || figures.passes == kMaxSplitPasses ||
+        diagram.sites.size() >= kMaxPatternSites)
       return figures;
 
     // Of uniform points a cell gets its share of the volume: enough of them for every part, and twice that.
     ++figures.passes;
     const double share = 4 * solid.original().report.volume / max_volume;
-    const auto count = static_cast<std::uint32_t>(std::clamp(share, 64.0, 2.0 * kMaxSplitSites));
+    const auto count = static_cast<std::uint32_t>(std::clamp(share, 64.0, 2.0 * kMaxPatternSites));
     Expected<std::vector<Vec3d>> points =
-        uniform_sites(solid.seen(), count, seed ^ (0x9e3779b97f4a7c15ull * figures.passes), execution);
+        uniform_sites(solid.seen(), count, seed ^ (kGoldenGamma * figures.passes), execution);
     if (!points) return tl::unexpected(points.error());
     SiteId cell = 0;
     for (const Vec3d& p : *points) {
       pacer.step(256);  // a walk
-      if (diagram.sites.size() >= kMaxSplitSites) break;
+      if (diagram.sites.size() >= kMaxPatternSites) break;
       cell = voronoi.nearest(p, cell);
       if (wanted[cell] == 0) continue;
       --wanted[cell];

@@ -18,9 +18,8 @@ struct SplitFigures {
   std::uint32_t too_large = 0;  ///< pieces above the volume when the passes or the sites ran out
 };
 
-/// How often the cells are measured and divided again; how many sites there may be in the end.
+/// How often the cells are measured and divided again. There are at most kMaxPatternSites sites in the end.
 inline constexpr std::uint32_t kMaxSplitPasses = 16;
-inline constexpr std::uint32_t kMaxSplitSites = 100'000;
 
 /// Adds sites to the diagram until no cell's piece of the solid is larger than `max_volume` (m³, > 0): in
 /// each pass every cell with a larger piece gets as many further sites as it holds that volume, from a

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "common/base/random.hpp"
+
 namespace fracture {
 namespace {
 
@@ -51,7 +53,7 @@ Vec3d Displacement::at(const Vec3d& p, double surface) const {
   Vec3d d;
   double share = 1, frequency = frequency_;
   for (std::uint32_t o = 0; o < octaves_; ++o, share *= 0.5, frequency *= 2)
-    d = d + share * gradient_noise(frequency * q, seed_ * 0x9e3779b97f4a7c15ull + o);
+    d = d + share * gradient_noise(frequency * q, seed_ * kGoldenGamma + o);
   d = (amplitude_ * (surface / reach())) * d;
   const double l = length(d), most = kMostOfDistance * surface;
   return l > most ? (most / l) * d : d;

@@ -2,14 +2,10 @@
 
 #include <cmath>
 
+#include "common/base/random.hpp"
+
 namespace fracture {
 namespace {
-
-std::uint64_t mix(std::uint64_t z) {
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-  return z ^ (z >> 31);
-}
 
 /// d · one of the twelve vectors from the middle of a cube to the middles of its edges.
 double along_gradient(unsigned which, const Vec3d& d) {
@@ -28,7 +24,8 @@ Vec3d gradient_noise(const Vec3d& p, std::uint64_t seed) {
   Vec3d sum;
   for (unsigned corner = 0; corner < 8; ++corner) {
     const unsigned x = corner & 1, y = corner >> 1 & 1, z = corner >> 2;
-    const std::uint64_t hash = mix(mix(mix(seed ^ (bits(cell.x) + x)) + bits(cell.y) + y) + bits(cell.z) + z);
+    const std::uint64_t hash =
+        mix64(mix64(mix64(seed ^ (bits(cell.x) + x)) + bits(cell.y) + y) + bits(cell.z) + z);
     const double weight = (x ? s.x : 1 - s.x) * (y ? s.y : 1 - s.y) * (z ? s.z : 1 - s.z);
     const Vec3d from{d.x - x, d.y - y, d.z - z};
     // Three independent picks of twelve from one hash: sixteen of its bits each, scaled.

@@ -4,26 +4,20 @@
 #include <utility>
 
 #include "common/base/pacer.hpp"
+#include "common/base/random.hpp"
 #include "common/structure/bond_graph.hpp"
 #include "common/structure/clusters.hpp"
 
 namespace fracture {
 namespace {
 
-std::uint64_t mix(std::uint64_t h, std::uint64_t v) {
-  h ^= v;
-  h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9ull;
-  h = (h ^ (h >> 27)) * 0x94d049bb133111ebull;
-  return (h ^ (h >> 31)) + 0x9e3779b97f4a7c15ull;
-}
-
 /// A function of which fragments they are and of the level: a cluster of one fragment, or of one cluster, is
 /// not the same thing as that.
 std::uint64_t cluster_id(std::vector<std::uint64_t> fragments, std::size_t level,
                          const Execution& execution) {
   sort_with_polls(execution, fragments.begin(), fragments.end());
-  std::uint64_t h = mix(0x636c7573746572ull, level);
-  for (const std::uint64_t id : fragments) h = mix(h, id);
+  std::uint64_t h = mix64(0x636c7573746572ull, level);
+  for (const std::uint64_t id : fragments) h = mix64(h, id);
   return h >> 11;
 }
 

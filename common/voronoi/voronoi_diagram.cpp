@@ -9,12 +9,6 @@
 #include "common/exact/side.hpp"
 
 namespace fracture {
-namespace {
-
-/// The sites of the facet opposite vertex k of a positive tetrahedron, counter-clockwise from outside.
-constexpr int kOutwardFacet[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
-
-}  // namespace
 
 VoronoiDiagram::VoronoiDiagram(const Tetrahedralization& tetrahedralization, const Box& box,
                                const std::optional<Matrix3>& map, const Execution& execution,
@@ -103,7 +97,7 @@ void VoronoiDiagram::add_neighborhood(SiteId i) {
       const int at = static_cast<int>(std::find(v.begin(), v.end(), i) - v.begin());
       std::uint32_t facet[3];
       for (int k = 0; k < 3; ++k)
-        facet[k] = static_cast<std::uint32_t>(find_bisector(i, v[kOutwardFacet[at][k]]) - all.data());
+        facet[k] = static_cast<std::uint32_t>(find_bisector(i, v[kFacet[at][k]]) - all.data());
       for (int k = 0; k < 3; ++k) visit(facet[k], facet[(k + 1) % 3]);
     }
   };

@@ -52,8 +52,7 @@ class Baker {
   virtual void on_notice(std::function<void(const std::string& line)>) {}
 };
 
-std::unique_ptr<Baker> local_baker(const ServiceConfig& config, int import_workers);
-/// The same with another engine, for tests of what a sound one does not do.
+/// In this process.
 std::unique_ptr<Baker> local_baker(const ServiceConfig& config, std::unique_ptr<FractureEngine> engine);
 
 }  // namespace fracture::bake

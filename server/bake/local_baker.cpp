@@ -1,5 +1,4 @@
 #include "server/bake/baker.hpp"
-#include "server/bake/import_workers.hpp"
 #include "server/service/service.hpp"
 
 namespace fracture::bake {
@@ -26,10 +25,6 @@ class LocalBaker : public Baker {
 };
 
 }  // namespace
-
-std::unique_ptr<Baker> local_baker(const ServiceConfig& config, int import_workers) {
-  return local_baker(config, make_engine(own_import_workers(import_workers)));
-}
 
 std::unique_ptr<Baker> local_baker(const ServiceConfig& config, std::unique_ptr<FractureEngine> engine) {
   return std::make_unique<LocalBaker>(config, std::move(engine));

@@ -17,6 +17,7 @@
 #include "server/bake/output_path.hpp"
 #include "server/bake/report.hpp"
 #include "server/bake/result_file.hpp"
+#include "server/bake/stage_dump.hpp"
 
 namespace fracture::bake {
 namespace {
@@ -249,6 +250,13 @@ Expected<void> lose_nothing(const BakePlan& plan, const BakeSource& source) {
       return wrong("--depfile is a file that names files: it does not go with '-'.");
     if (const std::string why = places.write(source.depfile, "the depfile"); !why.empty()) return wrong(why);
   }
+  if (source.stages.empty()) return {};
+  for (const std::string& path : stage_files(source.stages)) {
+    std::error_code error;
+    if (fs::exists(fs::symlink_status(path, error)))
+      return wrong("'" + path + "' is there already, and --dump-stages writes over nothing.");
+    if (const std::string why = places.write(path, "a stage"); !why.empty()) return wrong(why);
+  }
   return {};
 }
 
@@ -307,6 +315,7 @@ Expected<BakePlan> plan_bake(const BakeSource& given) {
     return wrong("A manifest names its outputs itself; leave out --output.");
   }
   if (!source.depfile.empty() && !plan.single) return wrong("--depfile is for one mesh to one file.");
+  if (!source.stages.empty() && !plan.single) return wrong("--dump-stages is for one mesh to one file.");
   if (source.report.empty() && !plan.single) source.report = report_beside(source);
   plan.report = source.report;
 

@@ -32,6 +32,7 @@ struct BakeSource {
   std::string report{};    ///< empty: beside the outputs or the manifest, and none for one file to one file
   std::string depfile{};   ///< empty: none
   std::string failures{};  ///< folder of kept failures, in which no meshes are looked for; empty: none
+  std::string stages{};    ///< folder for stage_dump.hpp; empty: none
 };
 
 struct BakePlan {
@@ -47,7 +48,7 @@ struct BakePlan {
 /// glob; it is where it is named.
 ///
 /// Nothing is lost: no output, report or depfile of any shard is an input, the manifest, another one of them,
-/// or a place where no file can be. Errors: kBadParameter, which names the line of the manifest and the
+/// or a place where no file can be; and what a dump of stages would write is not there yet. Errors: kBadParameter, which names the line of the manifest and the
 /// paths; nothing matches or is readable: kBadParameter too.
 Expected<BakePlan> plan_bake(const BakeSource& source);
 

@@ -12,10 +12,13 @@
 #include <thread>
 #include <utility>
 
+#include "server/bake/flip_engine.hpp"
+#include "server/bake/import_workers.hpp"
 #include "server/bake/output_path.hpp"
 #include "server/bake/plan.hpp"
 #include "server/bake/remote_baker.hpp"
 #include "server/bake/run.hpp"
+#include "server/bake/stage_dump.hpp"
 #include "server/cli/options.hpp"
 #include "server/service/control_group.hpp"
 #include "server/service/failure_keeper.hpp"
@@ -117,6 +120,24 @@ std::unique_ptr<bake::Baker> connect(const BakeOptions& options, int jobs, const
   return nullptr;
 }
 
+/// What may be watched of a bake on this machine.
+struct Watched {
+  std::shared_ptr<bake::FlipTally> flips;  ///< null: by cavity
+  std::shared_ptr<bake::StageDump> dump;   ///< null: nothing is dumped
+
+  explicit Watched(const BakeOptions& options) {
+    if (options.insertion == Insertion::kFlips) flips = std::make_shared<bake::FlipTally>();
+    if (const std::string& folder = options.source.stages; !folder.empty())
+      dump = std::make_shared<bake::StageDump>(folder, say);
+  }
+  std::unique_ptr<FractureEngine> engine(int import_workers) const {
+    std::unique_ptr<FractureEngine> engine = make_engine(bake::own_import_workers(import_workers));
+    if (flips) engine = bake::flip_engine(std::move(engine), flips);
+    if (dump) engine = bake::dumping_engine(std::move(engine), dump);
+    return engine;
+  }
+};
+
 int exit_code(const bake::RunFigures& f, const BakeOptions& options) {
   if (f.unavailable > 0) return kExitSystem;
   if (f.cancelled > 0) return kExitInterrupted;
@@ -146,6 +167,9 @@ int bake(const BakeOptions& options) {
         plan->skipped.front());
 
   const bool remote = !options.server.empty();
+  const Watched watched(options);
+  if (remote && (watched.flips || watched.dump))
+    return wrong_command_line("--insertion and --dump-stages are of bakes on this machine, not of --server.");
   const int cores = available_cores();
   const int jobs = plan->single ? 1 : options.jobs > 0 ? options.jobs : remote ? kRemoteJobs : cores;
   ServiceConfig service = options.service;
@@ -153,8 +177,8 @@ int bake(const BakeOptions& options) {
   service.max_bytes_per_job = memory / static_cast<std::uint64_t>(jobs);
   StopOnSignal stop;
   int refused = 0;
-  const std::unique_ptr<bake::Baker> baker =
-      remote ? connect(options, jobs, stop.token(), refused) : bake::local_baker(service, jobs);
+  const std::unique_ptr<bake::Baker> baker = remote ? connect(options, jobs, stop.token(), refused)
+                                                    : bake::local_baker(service, watched.engine(jobs));
   if (!baker) return refused;
   if (source.manifest.empty())  // else each line has its own
     if (const auto parameters = baker->parse(source.parameters); !parameters) {
@@ -167,7 +191,7 @@ int bake(const BakeOptions& options) {
   if (plan->single) run.threads = options.threads > 0 ? options.threads : cores;
   run.report = plan->report;
   run.depfile = source.depfile;
-  run.force = options.force;
+  run.force = options.force || watched.dump;
   run.quiet = options.quiet;
   run.failures = &failures;
   const auto start = std::chrono::steady_clock::now();
@@ -178,9 +202,11 @@ int bake(const BakeOptions& options) {
     const std::string summary =
         plan->single ? f.sentence : summary_of(f, plan->jobs.size(), took.count(), run.report);
     if (!summary.empty()) std::fprintf(words, "%s\n", summary.c_str());
+    if (watched.flips) std::fprintf(words, "%s\n", watched.flips->sentence().c_str());
     if (f.cancelled > 0 && !run.report.empty()) std::fprintf(words, "The same command goes on from there.\n");
   }
-  return exit_code(f, options);
+  const int code = exit_code(f, options);
+  return code == kExitDone && watched.dump && watched.dump->failed() ? kExitSystem : code;
 }
 
 }  // namespace fracture::cli

@@ -140,6 +140,22 @@ void add_bake(CLI::App& app, BakeOptions& o) {
       ->type_name("FOLDER");
   app.add_flag("-q,--quiet", o.quiet, "No progress and no summary");
 
+  constexpr const char* kWatchGroup = "To watch it at work; the bytes stay the same";
+  app.add_option("--insertion", o.insertion,
+                 "How sites come into the Delaunay tetrahedralization: cavity, or flips, as in the source "
+                 "paper, and what was flipped is said")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, Insertion>{{"cavity", Insertion::kCavity},
+                                                                           {"flips", Insertion::kFlips}})
+                      .description(""))
+      ->type_name("cavity|flips")
+      ->default_str("cavity")
+      ->group(kWatchGroup);
+  app.add_option("--dump-stages", o.source.stages,
+                 "For one mesh, which is made again: what each stage made (mesh, solid, sites, tetrahedra, "
+                 "fragments moved apart) as OBJ in this folder, where none of them may lie yet")
+      ->type_name("FOLDER")
+      ->group(kWatchGroup);
+
   constexpr const char* kServerGroup =
       "Through a server, or a farm behind a proxy: the same files and report";
   app.add_option("--server", o.server, "http://host:port or https://host:port")

@@ -59,6 +59,9 @@ struct ServeOptions {
   std::vector<std::string> warnings;
 };
 
+/// How bake inserts sites into the tetrahedralization; the bytes do not depend on it.
+enum class Insertion { kCavity, kFlips };
+
 struct BakeOptions {
   bake::BakeSource source;  ///< its parameters as given: checked by the same table as the server's query
   ServiceConfig service;
@@ -66,6 +69,7 @@ struct BakeOptions {
   std::size_t allow_refused = 0;  ///< inputs that may be refused before the exit code says so
   int jobs = 0;                   ///< at the same time, 0: one for each core, or kRemoteJobs
   bool force = false;
+  Insertion insertion = Insertion::kCavity;
   int threads = 0;                ///< for a single file
   std::uint64_t memory = 0;       ///< bytes, of all jobs together; 0: three quarters of what there is
   std::string server;             ///< URL; empty: baked here

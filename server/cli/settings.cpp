@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "common/base/text.hpp"
+
 namespace fracture::cli {
 namespace {
 
@@ -29,10 +31,8 @@ std::vector<std::string> split(const std::string& text) {
   std::vector<std::string> items;
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t comma = std::min(text.find(',', at), text.size());
-    std::string item = text.substr(at, comma - at);
-    item.erase(0, std::min(item.find_first_not_of(" \t"), item.size()));
-    item.erase(item.find_last_not_of(" \t") + 1);
-    if (!item.empty()) items.push_back(std::move(item));
+    const std::string_view item = trimmed(std::string_view(text).substr(at, comma - at));
+    if (!item.empty()) items.emplace_back(item);
     at = comma + 1;
   }
   return items;

@@ -5,14 +5,10 @@
 #include <string>
 #include <string_view>
 
+#include "common/base/text.hpp"
+
 namespace fracture::http {
 namespace {
-
-void trim(std::string_view& text) {
-  const auto is_space = [](char c) { return c == ' ' || c == '\t'; };
-  while (!text.empty() && is_space(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_space(text.back())) text.remove_suffix(1);
-}
 
 /// Takes what stands before the next comma outside of quotes off the list.
 std::string_view next_item(std::string_view& list) {
@@ -31,7 +27,7 @@ std::string_view next_item(std::string_view& list) {
 
 /// delta-seconds, as a token or in quotes.
 std::optional<std::chrono::seconds> seconds_of(std::string_view value) {
-  trim(value);
+  value = trimmed(value);
   if (value.size() >= 2 && value.front() == '"' && value.back() == '"')
     value = value.substr(1, value.size() - 2);
   if (value.empty() || !std::all_of(value.begin(), value.end(), [](char c) { return c >= '0' && c <= '9'; }))
@@ -51,9 +47,8 @@ Preferences preferences_of(const RequestHead& head) {
   for (std::string_view rest = field; !rest.empty();) {
     std::string_view item = next_item(rest);
     item = item.substr(0, item.find(';'));
-    std::string_view name = item.substr(0, item.find('='));
-    const bool valued = name.size() < item.size();
-    trim(name);
+    const std::string_view before = item.substr(0, item.find('=')), name = trimmed(before);
+    const bool valued = before.size() < item.size();
     if (equals_ignoring_case(name, "respond-async")) preferences.respond_async = true;
     if (valued && !preferences.wait && equals_ignoring_case(name, "wait"))
       preferences.wait = seconds_of(item.substr(item.find('=') + 1));

@@ -34,7 +34,7 @@ namespace fracture {
 
 struct ServiceConfig {
   ImportLimits import_limits;
-  std::uint32_t max_sites = 100'000;
+  std::uint32_t max_sites = kMaxPatternSites;
   FormatSet formats;
   std::size_t mesh_cache_bytes = 256u << 20;
   std::size_t diagram_cache_bytes = 64u << 20;

@@ -3,7 +3,7 @@
 // tetrahedra.
 #include <cstdio>
 
-#include "common/delaunay/incremental.hpp"
+#include "common/delaunay/reference/reference_delaunay.hpp"
 #include "common/delaunay/spatial_order.hpp"
 #include "common/delaunay/tetrahedralization.hpp"
 #include "tests/bench/delaunay_workloads.hpp"
@@ -35,12 +35,14 @@ int main(int argc, char** argv) {
       const double start = bench::cpu_milliseconds();
       const std::vector<std::uint32_t> order = spatial_order(w.points);
       std::printf("  order %.1f ms\n", bench::cpu_milliseconds() - start);
-      using Method = IncrementalDelaunay::Method;
-      for (const Method method : {Method::kCavity, Method::kFlips}) {
-        IncrementalDelaunay delaunay(big_tetrahedron(box), {method});
+      for (const bool flips : {false, true}) {
+        ReferenceDelaunay delaunay(big_tetrahedron(box));
         delaunay.reserve(w.points.size());
         const double begin = bench::cpu_milliseconds();
-        for (const std::uint32_t i : order) delaunay.insert(w.points[i]);
+        if (flips)
+          for (const std::uint32_t i : order) delaunay.insert_by_flips(w.points[i]);
+        else
+          for (const std::uint32_t i : order) delaunay.insert(w.points[i]);
         const double inserted = bench::cpu_milliseconds() - begin;
         std::vector<SiteId> site_of_vertex(delaunay.vertex_end());
         for (std::size_t i = 0; i < order.size(); ++i) site_of_vertex[i + 4] = order[i];
@@ -53,7 +55,7 @@ int main(int argc, char** argv) {
         std::printf(
             "  %s: insertion %.1f ms, %s; in_sphere %llu, exact %llu, ties %llu; created %llu; walk steps "
             "%llu, exact orient3d %llu\n",
-            method == Method::kCavity ? "cavity" : "flips ", inserted,
+            flips ? "flips " : "cavity", inserted,
             error  ? error->c_str()
             : good ? "valid"
                    : "WRONG SET",

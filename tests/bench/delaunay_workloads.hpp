@@ -87,7 +87,7 @@ class TetSetHash {
  public:
   void add(std::array<std::uint32_t, 4> v) {
     std::sort(v.begin(), v.end());
-    Random mix((static_cast<std::uint64_t>(v[0]) << 32 | v[1]) * 0x9e3779b97f4a7c15ull ^
+    Random mix((static_cast<std::uint64_t>(v[0]) << 32 | v[1]) * kGoldenGamma ^
                (static_cast<std::uint64_t>(v[2]) << 32 | v[3]));
     sum_ += mix();
     ++count_;

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <sstream>
 
+#include "common/base/random.hpp"
 #include "tests/gltf/two_halves.hpp"
 #include "tests/import/make_files.hpp"
 
@@ -59,6 +61,62 @@ TEST(DumpObj, ExplodedFragmentsKeepTheirShapeAndMoveApart) {
   Box box;
   for (const Vec3f& p : mesh->positions) box.add(to_double(p));
   EXPECT_EQ(box.size().x, 3);
+}
+
+Tetrahedralization random_tetrahedra() {
+  Random random(5);
+  std::vector<Vec3d> sites(40);
+  Box box;
+  for (Vec3d& p : sites) {
+    for (int a = 0; a < 3; ++a) p[a] = random.uniform();
+    box.add(p);
+  }
+  return *tetrahedralize(sites, box, {});
+}
+
+TEST(DumpObj, TetrahedraBetweenSitesAreSolidsApart) {
+  const Tetrahedralization t = random_tetrahedra();
+  double volume = 0;
+  std::size_t inner = 0;
+  for (const auto& tet : t.tets) {
+    if (std::any_of(tet.v.begin(), tet.v.end(), [&](SiteId s) { return t.is_corner(s); })) continue;
+    const Vec3d o = t.points[tet.v[0]];
+    volume += dot(t.points[tet.v[1]] - o, cross(t.points[tet.v[2]] - o, t.points[tet.v[3]] - o)) / 6;
+    ++inner;
+  }
+  ASSERT_GT(inner, 40u);
+  for (const double shrink : {0.0, 0.1}) {
+    std::ostringstream out;
+    debug::dump_obj(out, t, shrink);
+    const Expected<Mesh> mesh = import_text(out.str(), MeshFormat::kObj);
+    ASSERT_TRUE(mesh) << mesh.error().detail;
+    EXPECT_EQ(mesh->triangles.size(), 4 * inner);
+    const double left = (1 - shrink) * (1 - shrink) * (1 - shrink);
+    EXPECT_NEAR(signed_volume(*mesh), left * volume, 1e-5);
+  }
+}
+
+TEST(DumpObj, SitesAreOctahedraAroundThem) {
+  const Tetrahedralization t = random_tetrahedra();
+  std::ostringstream out;
+  debug::dump_obj_of_sites(out, t, 0.125);
+  const Expected<Mesh> mesh = import_text(out.str(), MeshFormat::kObj);
+  ASSERT_TRUE(mesh) << mesh.error().detail;
+  ASSERT_EQ(mesh->triangles.size(), 8u * t.site_count());
+  EXPECT_NEAR(signed_volume(*mesh), t.site_count() * 4.0 / 3 * 0.125 * 0.125 * 0.125, 1e-5);
+  std::istringstream in(out.str());
+  std::string word;
+  std::vector<Vec3d> corners;
+  while (in >> word) {
+    Vec3d p;
+    if (word == "v" && in >> p.x >> p.y >> p.z) corners.push_back(p);
+  }
+  ASSERT_EQ(corners.size(), 6u * t.site_count());
+  for (SiteId s = 0; s < t.site_count(); ++s)
+    for (std::size_t k = 0; k < 6; k += 2) {
+      const Vec3d middle = 0.5 * (corners[6 * s + k] + corners[6 * s + k + 1]);
+      EXPECT_NEAR(length(middle - t.points[s]), 0, 1e-6);
+    }
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "common/delaunay/reference/reference_delaunay.hpp"
 #include "common/delaunay/spatial_order.hpp"
 #include "tests/bench/delaunay_workloads.hpp"
 #include "tests/delaunay/point_families.hpp"
@@ -13,8 +14,12 @@ namespace {
 
 using test::point_families;
 using test::PointFamily;
-using Method = IncrementalDelaunay::Method;
 using Status = IncrementalDelaunay::Status;
+
+enum class Method { kCavity, kFlips };
+IncrementalDelaunay::Insertion insert(ReferenceDelaunay& d, const Vec3d& p, Method method) {
+  return method == Method::kFlips ? d.insert_by_flips(p) : d.insert(p);
+}
 
 using Key = std::array<std::array<double, 3>, 4>;
 std::vector<Key> tet_set(const IncrementalDelaunay& d) {
@@ -35,9 +40,9 @@ BigTetrahedron big_of(const std::vector<Vec3d>& points) {
   return big_tetrahedron(box);
 }
 
-IncrementalDelaunay build(const std::vector<Vec3d>& points, const BigTetrahedron& big, Method method) {
-  IncrementalDelaunay d(big, {method});
-  for (const Vec3d& p : points) d.insert(p);
+ReferenceDelaunay build(const std::vector<Vec3d>& points, const BigTetrahedron& big, Method method) {
+  ReferenceDelaunay d(big);
+  for (const Vec3d& p : points) insert(d, p, method);
   return d;
 }
 
@@ -45,9 +50,9 @@ TEST(IncrementalDelaunay, IsValidAfterEveryInsertionByEitherMethod) {
   for (const Method method : {Method::kCavity, Method::kFlips})
     for (const PointFamily& family : point_families()) {
       const std::vector<Vec3d> points = family.make(64, 5);
-      IncrementalDelaunay d(big_of(points), {method});
+      ReferenceDelaunay d(big_of(points));
       for (const Vec3d& p : points) {
-        d.insert(p);
+        insert(d, p, method);
         const auto error = d.validate();
         ASSERT_FALSE(error.has_value()) << family.name << ", " << d.site_count() << " sites: " << *error;
       }
@@ -71,7 +76,7 @@ TEST(IncrementalDelaunay, FlipsAndCavityGiveTheSameTetrahedra) {
     for (const std::uint32_t n : {27u, 343u, 1000u}) {
       const std::vector<Vec3d> points = family.make(n, 31);
       const BigTetrahedron big = big_of(points);
-      const IncrementalDelaunay flips = build(points, big, Method::kFlips);
+      const ReferenceDelaunay flips = build(points, big, Method::kFlips);
       ASSERT_FALSE(flips.validate().has_value()) << family.name << ": " << *flips.validate();
       ASSERT_EQ(tet_set(flips), tet_set(build(points, big, Method::kCavity))) << family.name;
     }
@@ -79,22 +84,52 @@ TEST(IncrementalDelaunay, FlipsAndCavityGiveTheSameTetrahedra) {
 
 TEST(IncrementalDelaunay, TheFlipMethodUsesEveryFlip) {
   const std::vector<Vec3d> points = test::lattice(1000, 3, 1);
-  const IncrementalDelaunay d = build(points, big_of(points), Method::kFlips);
-  EXPECT_GT(d.counters().flips14, 0u);
-  EXPECT_GT(d.counters().flips26, 0u);
-  EXPECT_GT(d.counters().flips_edge, 0u);
-  EXPECT_GT(d.counters().flips23, 0u);
-  EXPECT_GT(d.counters().flips32, 0u);
-  EXPECT_GT(d.counters().flips44, 0u);
+  const ReferenceDelaunay d = build(points, big_of(points), Method::kFlips);
+  EXPECT_GT(d.flips().flip14, 0u);
+  EXPECT_GT(d.flips().flip26, 0u);
+  EXPECT_GT(d.flips().flip_n2n, 0u);
+  EXPECT_GT(d.flips().flip23, 0u);
+  EXPECT_GT(d.flips().flip32, 0u);
+  EXPECT_GT(d.flips().flip44, 0u);
   EXPECT_GT(d.counters().in_sphere.ties, 0u);
+}
+
+TEST(IncrementalDelaunay, WholeListsGiveTheSameResultByFlips) {
+  for (const PointFamily& family : point_families()) {
+    SCOPED_TRACE(family.name);
+    std::vector<Vec3d> points = family.make(200, 12);
+    Box box;
+    for (const Vec3d& p : points) box.add(p);
+    points.push_back(points[7]);                                              // a duplicate
+    points.push_back(box.max + 50.0 * (box.max - box.min) + Vec3d{1, 1, 1});  // owns no point of the box
+    FlipCounts counts;
+    Expected<Tetrahedralization> cavity = tetrahedralize(points, box, {}),
+                                 flips = tetrahedralize_by_flips(points, box, {}, &counts);
+    ASSERT_TRUE(cavity && flips);
+    EXPECT_GT(counts.flip14 + counts.flip26 + counts.flip_n2n, 0u);
+    EXPECT_EQ(flips->duplicates_merged, cavity->duplicates_merged);
+    EXPECT_EQ(flips->far_sites_dropped, cavity->far_sites_dropped);
+    EXPECT_EQ(flips->site_of_input, cavity->site_of_input);
+    canonicalize(*cavity);
+    canonicalize(*flips);
+    EXPECT_EQ(flips->points, cavity->points);
+    EXPECT_EQ(flips->tet_of_site, cavity->tet_of_site);
+    ASSERT_EQ(flips->tets.size(), cavity->tets.size());
+    for (std::size_t i = 0; i < flips->tets.size(); ++i) {
+      EXPECT_EQ(flips->tets[i].v, cavity->tets[i].v);
+      EXPECT_EQ(flips->tets[i].n, cavity->tets[i].n);
+    }
+  }
+  const std::vector<Vec3d> nowhere{{std::nan(""), 0, 0}};
+  EXPECT_EQ(tetrahedralize_by_flips(nowhere, {}, {}).error().pointer, "/points/0");
 }
 
 TEST(IncrementalDelaunay, CanonicalNumberingDoesNotDependOnMethodOrHistory) {
   for (const PointFamily& family : point_families()) {
     const std::vector<Vec3d> points = family.make(200, 8);
     const BigTetrahedron big = big_of(points);
-    IncrementalDelaunay a = build(points, big, Method::kCavity);
-    IncrementalDelaunay b = build(points, big, Method::kFlips);
+    const ReferenceDelaunay a = build(points, big, Method::kCavity);
+    ReferenceDelaunay b = build(points, big, Method::kFlips);
     b.remove(4);  // and put it back: the same vertex id
     b.insert(points[0]);
     Tetrahedralization ta = a.snapshot(), tb = b.snapshot();
@@ -119,14 +154,15 @@ TEST(IncrementalDelaunay, RandomInsertionsAndRemovalsKeepItValidAndEqualToARebui
     SCOPED_TRACE(family.name);
     const std::vector<Vec3d> pool = family.make(60, 77);
     const BigTetrahedron big = big_of(pool);
-    IncrementalDelaunay d(big);
+    ReferenceDelaunay d(big);
     Random random(99);
     std::vector<VertexId> live;
     for (int i = 0; i < operations; ++i) {
       // The size drifts between empty and about 40.
       const std::uint64_t target = (i / 40) % 2 ? 8 : 40;
       if (live.empty() || random.below(2 * target) >= live.size()) {
-        const auto [status, v] = d.insert(pool[random.below(pool.size())]);
+        const auto [status, v] =
+            insert(d, pool[random.below(pool.size())], i % 3 == 0 ? Method::kFlips : Method::kCavity);
         const bool known = std::find(live.begin(), live.end(), v) != live.end();
         ASSERT_EQ(status, known ? Status::kDuplicate : Status::kInserted);
         if (!known) live.push_back(v);
@@ -150,7 +186,7 @@ TEST(IncrementalDelaunay, RandomInsertionsAndRemovalsKeepItValidAndEqualToARebui
 TEST(IncrementalDelaunay, RemovingEverySiteLeavesTheBigTetrahedron) {
   for (const PointFamily& family : point_families()) {
     const std::vector<Vec3d> points = family.make(300, 4);
-    IncrementalDelaunay d = build(points, big_of(points), Method::kCavity);
+    ReferenceDelaunay d = build(points, big_of(points), Method::kCavity);
     std::vector<VertexId> live;
     for (VertexId v = 4; v < d.vertex_end(); ++v) live.push_back(v);
     Random random(1);
@@ -167,7 +203,7 @@ TEST(IncrementalDelaunay, RemovesAVertexOfVeryHighDegree) {
   const BigTetrahedron big = big_of(points);
   const auto expected = tet_set(build(points, big, Method::kCavity));
   points.push_back({0, 0, 0});
-  IncrementalDelaunay d = build(points, big, Method::kCavity);
+  ReferenceDelaunay d = build(points, big, Method::kCavity);
   d.remove(d.vertex_end() - 1);
   EXPECT_FALSE(d.validate().has_value());
   EXPECT_EQ(tet_set(d), expected);
@@ -175,9 +211,10 @@ TEST(IncrementalDelaunay, RemovesAVertexOfVeryHighDegree) {
 
 TEST(IncrementalDelaunay, RefusesPointsOutsideTheDomainAndRemovalOfCorners) {
   const std::vector<Vec3d> points = test::random_cube(10, 1);
-  IncrementalDelaunay d = build(points, big_of(points), Method::kCavity);
+  ReferenceDelaunay d = build(points, big_of(points), Method::kCavity);
   const auto before = tet_set(d);
   EXPECT_EQ(d.insert({2, 0, 0}).status, Status::kOutsideDomain);
+  EXPECT_EQ(d.insert_by_flips({2, 0, 0}).status, Status::kOutsideDomain);
   EXPECT_EQ(d.insert({std::nan(""), 0, 0}).status, Status::kOutsideDomain);
   EXPECT_THROW(d.remove(2), InternalError);
   EXPECT_THROW(d.remove(400), InternalError);

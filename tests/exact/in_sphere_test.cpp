@@ -154,15 +154,15 @@ TEST(InSphere, TheSharedScaleOfAPointSetGivesTheSameAnswers) {
   Random random(37);
   for (int i = 0; i < 300; ++i) {
     std::array<Vec3d, 5> p;
-    ScaleBuilder builder;
+    BinaryScale scale;
     for (Vec3d& q : p) {
       for (int axis = 0; axis < 3; ++axis) q[axis] = static_cast<double>(random.below(22)) / 21;
-      builder.include(q);
+      scale.include(q);
     }
-    builder.include(Vec3d{4.5, -3.5, 2});
+    scale.include(Vec3d{4.5, -3.5, 2});
     if (!make_positive(p)) continue;
-    ASSERT_TRUE(builder.scale().fits());
-    ASSERT_EQ(in_sphere_exact(p[0], p[1], p[2], p[3], p[4], builder.scale()), oracle(p));
+    ASSERT_TRUE(scale.fits());
+    ASSERT_EQ(in_sphere_exact(p[0], p[1], p[2], p[3], p[4], scale), oracle(p));
   }
 }
 

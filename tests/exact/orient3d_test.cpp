@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <limits>
 
 #include "common/base/random.hpp"
+#include "common/exact/wide_int.hpp"
 #include "tests/exact/rational_oracle.hpp"
 
 namespace fracture::exact {
@@ -102,8 +104,12 @@ TEST(Orient3d, ChangesSignWithEveryOddPermutation) {
 
 TEST(Orient3d, CountsOnlyWhatTheFilterLeaves) {
   PredicateCounters counters;
-  EXPECT_EQ(orient3d_exact({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {}, &counters), 1);
-  EXPECT_EQ(orient3d_exact({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {}, &counters), 0);
+  EXPECT_EQ(orient3d({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {}, &counters), 1);
+  EXPECT_EQ(counters.exact, 0u);
+  EXPECT_EQ(orient3d({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {}, &counters), 0);
+  EXPECT_EQ(counters.exact, 1u);
+  EXPECT_EQ(counters.ties, 1u);
+  EXPECT_EQ(orient3d({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0x1p-60}, {}, &counters), 1);
   EXPECT_EQ(counters.exact, 2u);
   EXPECT_EQ(counters.ties, 1u);
 }
@@ -143,18 +149,42 @@ TEST(WideInt, ProductsAndSumsAgreeWithIntegersOfAnySize) {
   }
 }
 
-TEST(PointScale, FitsExactlySixtyOneBits) {
-  ScaleBuilder builder;
-  builder.include(Vec3d{0x1p60, 1, 0});
-  EXPECT_EQ(builder.scale().scale, 1.0);
-  builder.include(0.5);
-  EXPECT_FALSE(builder.scale().fits());
-  ScaleBuilder lattice;
+TEST(BinaryScale, FitsExactlySixtyOneBits) {
+  BinaryScale scale;
+  EXPECT_FALSE(scale.fits()) << "nothing was added";
+  scale.include(Vec3d{0x1p60, 1, 0});
+  EXPECT_EQ(scale.factor(), 1.0);
+  EXPECT_EQ(scale.width(), 61);
+  scale.include(0.5);
+  EXPECT_FALSE(scale.fits());
+  EXPECT_EQ(scale.width(), 62);
+  BinaryScale lattice;
   for (int k = 0; k <= 21; ++k) lattice.include(k / 21.0);
-  ASSERT_TRUE(lattice.scale().fits());
+  ASSERT_TRUE(lattice.fits());
   for (int k = 0; k <= 21; ++k) {
-    const double scaled = k / 21.0 * lattice.scale().scale;
+    const double scaled = k / 21.0 * lattice.factor();
     EXPECT_EQ(scaled, std::nearbyint(scaled));
+  }
+}
+
+TEST(BinaryScale, ScalesEveryIncludedDoubleExactly) {
+  using Big = boost::multiprecision::cpp_int;
+  const double smallest = std::numeric_limits<double>::denorm_min();
+  Random random(4);
+  for (int n = 0; n < 200; ++n) {
+    std::vector<double> values{0.0, -0.0, n % 3 == 0 ? smallest : 1.0, n % 3 == 1 ? -5 * smallest : 3.0};
+    for (int k = 0; k < 6; ++k)
+      values.push_back((random.uniform() - 0.5) * std::ldexp(1.0, static_cast<int>(random.below(200)) - 100));
+    BinaryScale scale;
+    for (const double v : values) scale.include(v);
+    int odd = 0;
+    for (const double v : values) {
+      const Big steps = scale.scaled<Big>(v);
+      EXPECT_EQ(std::ldexp(static_cast<double>(steps), scale.lowest_bit()), v);
+      EXPECT_LT(abs(steps), Big(1) << scale.width());
+      odd += bit_test(Big(abs(steps)), 0);
+    }
+    EXPECT_GT(odd, 0) << "the step is the largest possible";
   }
 }
 

@@ -12,9 +12,10 @@
 // from the facets of T, hence |s-y| < 22 K and s is less than 24 K from the centre. The scratch corners are
 // sqrt(3) * 32 K away. (The one tetrahedron without a site, T itself, has radius sqrt(3) K.)
 #include <algorithm>
+#include <string>
 
-#include "common/delaunay/incremental.hpp"
 #include "common/delaunay/incremental_detail.hpp"
+#include "common/delaunay/reference/reference_delaunay.hpp"
 
 namespace fracture {
 namespace {
@@ -35,41 +36,40 @@ bool same_turn(const std::array<VertexId, 3>& a, const std::array<VertexId, 3>& 
 
 }  // namespace
 
-// The tetrahedra at v into cavity_, their facets opposite v into boundary_, in the order of grow_cavity().
-void IncrementalDelaunay::collect_star(VertexId v) {
+// The tetrahedra at v into star_, their facets opposite v into link_facets_.
+void ReferenceDelaunay::collect_star(VertexId v) {
   next_visit();
-  cavity_.assign(1, vertices_[v].tet);
-  boundary_.clear();
-  tets_[cavity_[0]].mark = visit_;
-  for (std::size_t i = 0; i < cavity_.size(); ++i) {
-    const Tet& t = tets_[cavity_[i]];
+  star_.assign(1, vertices_[v].tet);
+  link_facets_.clear();
+  tets_[star_[0]].mark = visit_;
+  for (std::size_t i = 0; i < star_.size(); ++i) {
+    const Tet& t = tets_[star_[i]];
     for (unsigned k = 0; k < 4; ++k) {
       if (t.v[k] == v) {
         const std::uint8_t* f = kFacet[k];
-        boundary_.push_back({{t.v[f[0]], t.v[f[1]], t.v[f[2]]}, t.n[k]});
+        link_facets_.push_back({{t.v[f[0]], t.v[f[1]], t.v[f[2]]}, t.n[k]});
       } else if (tets_[t.n[k] >> 2].mark != visit_) {
         tets_[t.n[k] >> 2].mark = visit_;
-        cavity_.push_back(t.n[k] >> 2);
+        star_.push_back(t.n[k] >> 2);
       }
     }
   }
 }
 
-void IncrementalDelaunay::remove(VertexId v) {
+void ReferenceDelaunay::remove(VertexId v) {
   if (v < 4 || !is_live(v))
     throw InternalError("remove: vertex " + std::to_string(v) + " is not a live site");
   collect_star(v);
 
-  if (cavity_.size() == 4) {  // flip41
-    const Facet& base = boundary_[0];
+  if (star_.size() == 4) {  // flip41
+    const Facet& base = link_facets_[0];
     VertexId apex = kNoVertex;
-    for (const VertexId w : boundary_[1].v)
+    for (const VertexId w : link_facets_[1].v)
       if (std::find(base.v, base.v + 3, w) == base.v + 3) apex = w;
-    removed_.assign(cavity_.begin(), cavity_.end());
     const std::array<VertexId, 4> whole{apex, base.v[0], base.v[1], base.v[2]};
-    replace(removed_, {&whole, 1});
+    replace(star_, {&whole, 1});
     last_ = vertices_[apex].tet;
-    ++counters_.flips41;
+    ++flips_.flip41;
   } else {
     fill_star(v);
   }
@@ -77,15 +77,49 @@ void IncrementalDelaunay::remove(VertexId v) {
   free_vertices_.push_back(v);
 }
 
-void IncrementalDelaunay::fill_star(VertexId v) {
-  // Tetrahedralize the link alone.
+/// The facets around a star, found by their vertices.
+class ReferenceDelaunay::Walls {
+ public:
+  struct Wall {
+    std::array<VertexId, 3> key, turn;  ///< the vertices, ascending; and as they turn seen from inside
+    Link outer;                         ///< what lies behind
+  };
+  explicit Walls(const std::vector<Facet>& facets) {
+    walls_.reserve(facets.size());
+    for (const Facet& f : facets) {
+      const std::array<VertexId, 3> turn{f.v[0], f.v[1], f.v[2]};
+      walls_.push_back({sorted(turn), turn, f.outer});
+    }
+    std::sort(walls_.begin(), walls_.end(), [](const Wall& a, const Wall& b) { return a.key < b.key; });
+  }
+  /// Null where the facet is none of them.
+  const Wall* find(const std::array<VertexId, 3>& facet) const {
+    const std::array<VertexId, 3> key = sorted(facet);
+    const auto it =
+        std::lower_bound(walls_.begin(), walls_.end(), key,
+                         [](const Wall& w, const std::array<VertexId, 3>& k) { return w.key < k; });
+    return it != walls_.end() && it->key == key ? &*it : nullptr;
+  }
+  std::size_t size() const { return walls_.size(); }
+
+ private:
+  std::vector<Wall> walls_;
+};
+
+/// The vertices around the star alone, tetrahedralized.
+struct ReferenceDelaunay::LinkDelaunay {
+  ReferenceDelaunay delaunay;
+  std::vector<VertexId> vertex_of;  ///< our id of each of its vertices; kNoVertex for its corners
+};
+
+ReferenceDelaunay::LinkDelaunay ReferenceDelaunay::tetrahedralize_link() {
   BigTetrahedron outer = big_;
   outer.half = kScratchFactor * big_.half;
   outer.domain = {};
   for (const Vec3d& c : big_.corners()) outer.domain.add(c);
-  IncrementalDelaunay scratch(outer);
-  std::vector<VertexId> vertex_of(4, kNoVertex);  // scratch id -> our id
-  for (const Facet& f : boundary_)
+  LinkDelaunay result{ReferenceDelaunay(outer), std::vector<VertexId>(4, kNoVertex)};
+  std::vector<VertexId>& vertex_of = result.vertex_of;
+  for (const Facet& f : link_facets_)
     for (const VertexId w : f.v) {
       if (vertices_[w].local != kNoLocal) continue;
       vertices_[w].local = static_cast<std::uint32_t>(vertex_of.size());
@@ -93,39 +127,27 @@ void IncrementalDelaunay::fill_star(VertexId v) {
     }
   for (std::size_t i = 4; i < vertex_of.size(); ++i) {
     vertices_[vertex_of[i]].local = kNoLocal;
-    if (scratch.insert(position(vertex_of[i])).vertex != i)
+    if (result.delaunay.insert(position(vertex_of[i])).vertex != i)
       throw InternalError("remove: link vertices are not distinct");
   }
+  return result;
+}
 
-  // The boundary by facet, in our ids.
-  struct Wall {
-    std::array<VertexId, 3> key, turn;
-    Link outer;
-  };
-  std::vector<Wall> walls;
-  walls.reserve(boundary_.size());
-  for (const Facet& f : boundary_) {
-    const std::array<VertexId, 3> turn{f.v[0], f.v[1], f.v[2]};
-    walls.push_back({sorted(turn), turn, f.outer});
-  }
-  std::sort(walls.begin(), walls.end(), [](const Wall& a, const Wall& b) { return a.key < b.key; });
+// Inside the star are the scratch tetrahedra on the inner side of a wall, and what is reached from them
+// without crossing one. Each is copied into a slot of ours as it is reached, and glued to its neighbours.
+void ReferenceDelaunay::fill_star(VertexId v) {
+  const LinkDelaunay link = tetrahedralize_link();
+  const ReferenceDelaunay& scratch = link.delaunay;
+  const std::vector<VertexId>& vertex_of = link.vertex_of;
+  const Walls walls(link_facets_);
   const auto facet_of = [&](const Tet& t, unsigned k) {
     return std::array<VertexId, 3>{vertex_of[t.v[kFacet[k][0]]], vertex_of[t.v[kFacet[k][1]]],
                                    vertex_of[t.v[kFacet[k][2]]]};
   };
-  const auto wall_of = [&](const std::array<VertexId, 3>& facet) -> const Wall* {
-    const std::array<VertexId, 3> key = sorted(facet);
-    const auto it =
-        std::lower_bound(walls.begin(), walls.end(), key,
-                         [](const Wall& w, const std::array<VertexId, 3>& k) { return w.key < k; });
-    return it != walls.end() && it->key == key ? &*it : nullptr;
-  };
 
-  // Inside the star are the scratch tetrahedra on the inner side of a wall, and what is reached from them
-  // without crossing one.
   std::vector<TetId> inside;
   std::vector<TetId> slot(scratch.tets_.size(), kNoTet);  // scratch tetrahedron -> ours
-  for (const TetId t : cavity_) free_tet(t);
+  for (const TetId t : star_) free_tet(t);
   const auto take = [&](TetId s) {
     if (slot[s] != kNoTet) return;
     for (const VertexId w : scratch.tets_[s].v)
@@ -139,7 +161,7 @@ void IncrementalDelaunay::fill_star(VertexId v) {
     if (t.v[0] == kNoVertex) continue;
     for (unsigned k = 0; k < 4; ++k) {
       const std::array<VertexId, 3> facet = facet_of(t, k);
-      const Wall* wall = wall_of(facet);
+      const Walls::Wall* wall = walls.find(facet);
       if (wall && same_turn(wall->turn, facet)) take(s);
     }
   }
@@ -153,7 +175,7 @@ void IncrementalDelaunay::fill_star(VertexId v) {
           0,
           0};
     for (unsigned k = 0; k < 4; ++k) {
-      if (const Wall* wall = wall_of(facet_of(from, k))) {
+      if (const Walls::Wall* wall = walls.find(facet_of(from, k))) {
         ++glued;
         t.n[k] = wall->outer;
         if (wall->outer != kNoLink) tets_[wall->outer >> 2].n[wall->outer & 3] = 4 * id + k;

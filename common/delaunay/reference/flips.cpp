@@ -5,17 +5,17 @@
 // its case 4 exists to flip them away. We begin with flip26 or n→2n instead, so that no flat tetrahedron
 // exists at any time and case 4 is dealt with before the queue starts.
 #include <algorithm>
+#include <utility>
 
-#include "common/delaunay/incremental.hpp"
 #include "common/delaunay/incremental_detail.hpp"
-#include "common/exact/orient3d.hpp"
+#include "common/delaunay/reference/reference_delaunay.hpp"
 
 namespace fracture {
 
 // Takes a set of tetrahedra out and puts another set with the same outer facets in. Facets are matched by
 // their vertices.
-void IncrementalDelaunay::replace(std::span<const TetId> removed,
-                                  std::span<const std::array<VertexId, 4>> created) {
+void ReferenceDelaunay::replace(std::span<const TetId> removed,
+                                std::span<const std::array<VertexId, 4>> created) {
   sides_.clear();
   const auto add_side = [&](const VertexId(&v)[4], unsigned k, Link link) {
     const std::uint8_t* f = kFacet[k];
@@ -55,7 +55,18 @@ void IncrementalDelaunay::replace(std::span<const TetId> removed,
   }
 }
 
-void IncrementalDelaunay::insert_by_flips(VertexId p, const Located& at) {
+IncrementalDelaunay::Insertion ReferenceDelaunay::insert_by_flips(const Vec3d& p) {
+  return insert_with(p, [this](VertexId v, const Located& at) {
+    begin_flips(v, at);
+    flip_around(v);
+  });
+}
+
+int ReferenceDelaunay::orient(const std::array<VertexId, 4>& v) const {
+  return orient3d(position(v[0]), position(v[1]), position(v[2]), position(v[3]));
+}
+
+void ReferenceDelaunay::begin_flips(VertexId p, const Located& at) {
   using V4 = std::array<VertexId, 4>;
   const auto with = [p](const Tet& t, unsigned k) {  // vertex k replaced by p, p first, still positive
     return V4{p, t.v[kFacet[k][0]], t.v[kFacet[k][1]], t.v[kFacet[k][2]]};
@@ -68,7 +79,7 @@ void IncrementalDelaunay::insert_by_flips(VertexId p, const Located& at) {
   removed_.push_back(at.tet);
   if (zeros == 0) {  // flip14
     for (unsigned k = 0; k < 4; ++k) created_.push_back(with(first, k));
-    ++counters_.flips14;
+    ++flips_.flip14;
   } else if (zeros == 1) {  // flip26: p on facet k, shared with one neighbour
     const unsigned facet = static_cast<unsigned>(__builtin_ctz(at.zeros));
     const Link link = first.n[facet];
@@ -77,7 +88,7 @@ void IncrementalDelaunay::insert_by_flips(VertexId p, const Located& at) {
       if (k != (link & 3)) created_.push_back(with(tets_[link >> 2], k));
     }
     removed_.push_back(link >> 2);
-    ++counters_.flips26;
+    ++flips_.flip26;
   } else {  // n→2n: p on the edge ab of n tetrahedra
     unsigned ends[2], count = 0;
     for (unsigned k = 0; k < 4; ++k)
@@ -103,10 +114,9 @@ void IncrementalDelaunay::insert_by_flips(VertexId p, const Located& at) {
       for (unsigned k = 0; k < 4; ++k)
         if (next.v[k] == pivot) leave = k;
     } while (id != at.tet);
-    ++counters_.flips_edge;
+    ++flips_.flip_n2n;
   }
   replace(removed_, created_);
-  flip_around(p);
 }
 
 // The queue holds tetrahedra t = (p, a, b, c) whose facet abc may not be locally Delaunay; d is the far
@@ -125,7 +135,7 @@ void IncrementalDelaunay::insert_by_flips(VertexId p, const Located& at) {
 //
 //   case 4 (p in the plane of abc: t is flat) does not arise, see above. In every other position the facet is
 //   left alone: another flip must come first, and the tetrahedra it makes come back into the queue.
-void IncrementalDelaunay::flip_around(VertexId p) {
+void ReferenceDelaunay::flip_around(VertexId p) {
   const Vec3d site = position(p);
   while (!queue_.empty()) {
     const TetId id = queue_.back();
@@ -149,7 +159,7 @@ void IncrementalDelaunay::flip_around(VertexId p) {
     for (int k = 0; k < 3; ++k) {
       tuple[k] = {p, abc[0], abc[1], abc[2]};
       tuple[k][k + 1] = d;
-      side[k] = orient(tuple[k][0], tuple[k][1], tuple[k][2], tuple[k][3]);
+      side[k] = orient(tuple[k]);
       if (side[k] > 0)
         ++positive;
       else
@@ -160,7 +170,7 @@ void IncrementalDelaunay::flip_around(VertexId p) {
     created_.clear();
     if (positive == 3) {
       created_.assign(tuple.begin(), tuple.end());
-      ++counters_.flips23;
+      ++flips_.flip23;
     } else {
       // The edge ab of the refused vertex c = abc[bad]: the tetrahedra behind pab and behind abd.
       const unsigned c_in_t = static_cast<unsigned>(bad) + 1;
@@ -175,7 +185,7 @@ void IncrementalDelaunay::flip_around(VertexId p) {
       if (side[bad] < 0) {
         if (tb != tc) continue;
         removed_.push_back(tb);
-        ++counters_.flips32;
+        ++flips_.flip32;
       } else {
         // config44: tb = (p, a, b, e) and tc = (d, a, b, e) are neighbours.
         if (tb == tc) continue;
@@ -190,7 +200,7 @@ void IncrementalDelaunay::flip_around(VertexId p) {
         }
         removed_.push_back(tb);
         removed_.push_back(tc);
-        ++counters_.flips44;
+        ++flips_.flip44;
       }
     }
     replace(removed_, created_);
