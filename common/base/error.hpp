@@ -3,6 +3,7 @@
 // is error_codes.def; the HTTP status of each stands in server/ and the same names in proto/openapi.yaml.
 #pragma once
 
+#include <chrono>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
@@ -30,6 +31,7 @@ struct Error {
   std::string detail;
   std::string pointer = {};
   nlohmann::json extra = nlohmann::json::object();
+  std::chrono::seconds retry_after{0};  ///< kOverloaded, kOverShare: when there should be room; else 0
 };
 
 template <class T>

@@ -25,20 +25,17 @@ std::uint64_t small_share(const HttpLimits& limits) {
 
 Problem to_problem(Error error) {
   const ErrorCode code = error.code;
+  const std::chrono::seconds retry_after = error.retry_after;
   Problem problem(std::move(error));
   if (code == ErrorCode::kUnknownFormat) problem.headers.emplace_back("Accept-Post", kAcceptPost);
   if (code == ErrorCode::kCancelled) problem.headers.emplace_back("Retry-After", "5");
   if (code == ErrorCode::kOutOfMemory) problem.headers.emplace_back("Retry-After", "10");
+  if (code == ErrorCode::kOverloaded) problem.detail += " Try again after Retry-After.";
+  if (retry_after.count() > 0)
+    problem.headers.emplace_back("Retry-After", std::to_string(retry_after.count()));
   if (code == ErrorCode::kInternal)
     problem.detail = "This is a bug of the server, not of the request. Please report it with the request_id.";
   return problem;
-}
-
-Problem to_problem(const Overload& overload) {
-  if (overload.cause == Overload::Cause::kOverShare)
-    return to_problem(tenants::OverShare{overload.detail, overload.retry_after});
-  return Problem(HttpProblem::kOverloaded, overload.detail + " Try again after Retry-After.")
-      .with("Retry-After", std::to_string(overload.retry_after.count()));
 }
 
 Response refusal(Error error, std::string_view request_id) {

@@ -202,7 +202,6 @@ class Api {
 
 /// Refusals as problems, with the header fields that belong to them.
 Problem to_problem(Error error);
-Problem to_problem(const Overload& overload);
 /// The same as an answer; what is a bug of ours is logged.
 Response refusal(Error error, std::string_view request_id);
 

@@ -46,6 +46,8 @@ struct Problem {
 
   Problem(HttpProblem problem, std::string problem_detail)
       : type(&problem_type(problem)), detail(std::move(problem_detail)) {}
+  Problem(ErrorCode code, std::string problem_detail)
+      : type(&problem_type(code)), detail(std::move(problem_detail)) {}
   explicit Problem(Error error)
       : type(&problem_type(error.code)),
         detail(std::move(error.detail)),
