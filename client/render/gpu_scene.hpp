@@ -31,15 +31,15 @@ class GpuScene {
  public:
   /// Copies vertices, indices and textures to the current context. kGl where the driver has no room,
   /// kTooLarge where it has too small textures.
-  static Result<GpuScene> upload(std::shared_ptr<const Scene> scene);
+  static Expected<GpuScene> upload(std::shared_ptr<const Scene> scene);
 
   /// An empty batch.
-  static Result<GpuScene> batch();
+  static Expected<GpuScene> batch();
   /// Adds a scene to a batch (its own copy; vertices stay in the driver alone) and returns the number of its
   /// first object there: the others follow. Equal materials become one. kTooLarge, kGl; then nothing was
   /// added. With a look, materials are taken as it replaces them, and textures stay out.
-  Result<std::uint32_t> append(const Scene& more, const std::optional<SolidPlacement>& solid,
-                               SolidLook look = SolidLook::kNone);
+  Expected<std::uint32_t> append(const Scene& more, const std::optional<SolidPlacement>& solid,
+                                 SolidLook look = SolidLook::kNone);
 
   const Scene& scene() const { return *scene_; }
   const Sphere& bounds() const { return bounds_; }  ///< of the scene as the file places it
@@ -58,8 +58,8 @@ class GpuScene {
   };
   GpuScene() = default;
   void make_names();
-  Result<void> check_room(const Scene& more) const;
-  Result<void> put(std::span<const Vertex> vertices, std::span<const std::uint32_t> indices);
+  Expected<void> check_room(const Scene& more) const;
+  Expected<void> put(std::span<const Vertex> vertices, std::span<const std::uint32_t> indices);
   void upload_texture(const TextureSlot& slot, bool srgb);
   void bind_slot(int unit, const TextureSlot& slot, bool srgb) const;
 

@@ -263,7 +263,7 @@ class SceneReader {
 
 }  // namespace
 
-Result<Scene> read_scene(std::span<const std::byte> bytes) {
+Expected<Scene> read_scene(std::span<const std::byte> bytes) {
   const bool binary = bytes.size() >= 4 && bytes[0] == std::byte{'g'} && bytes[1] == std::byte{'l'} &&
                       bytes[2] == std::byte{'T'} && bytes[3] == std::byte{'F'};
   try {
@@ -280,21 +280,19 @@ Result<Scene> read_scene(std::span<const std::byte> bytes) {
       refuse(ErrorCode::kEmptyMesh, "The default scene of the glTF shows no triangle.");
     return scene;
   } catch (const Refused& refused) {
-    const auto code =
-        refused.error.code == ErrorCode::kTooLarge ? RenderErrorCode::kTooLarge : RenderErrorCode::kMesh;
-    return fail(code, std::string(slug(refused.error.code)) + ": " + refused.error.detail);
+    return tl::unexpected<Error>(refused.error);
   } catch (const json::exception& error) {
-    return fail(RenderErrorCode::kMesh,
-                std::string("malformed-mesh: The glTF has a value of the wrong type: ") + error.what() + ".");
+    return fail(ErrorCode::kMalformedMesh,
+                std::string("The glTF has a value of the wrong type: ") + error.what() + ".");
   }
 }
 
-Result<Scene> load_scene(const std::string& path) {
+Expected<Scene> load_scene(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   std::vector<char> bytes{std::istreambuf_iterator<char>(in), {}};
-  if (!in.is_open() || in.bad()) return fail(RenderErrorCode::kFile, "Cannot read " + path + ".");
-  Result<Scene> scene = read_scene(std::as_bytes(std::span(bytes)));
-  if (!scene) return fail(scene.error().code, path + ": " + scene.error().detail);
+  if (!in.is_open() || in.bad()) return fail(ErrorCode::kFileAccess, "Cannot read " + path + ".");
+  Expected<Scene> scene = read_scene(std::as_bytes(std::span(bytes)));
+  if (!scene) return fail(scene.error().code, path + ": " + to_string(scene.error()));
   return scene;
 }
 

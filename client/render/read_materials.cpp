@@ -94,7 +94,7 @@ void read_materials(const MaterialLibrary& library, Scene& scene) {
     scene.materials.push_back(read_material(material, library, scene));
   scene.materials.push_back({});  // glTF 2.0, 3.9: the material of a primitive that names none
   for (const Image& image : library.images) {
-    Result<Picture> picture = decode_picture(image.bytes);
+    Expected<Picture> picture = decode_picture(image.bytes);
     if (!picture)
       scene.warnings.push_back("Image \"" + image.name.substr(0, 60) + "\" (" + image.mime_type +
                                ") is shown as grey. " + picture.error().detail);

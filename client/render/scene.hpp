@@ -112,10 +112,10 @@ struct Scene {
 /// their outside outside; missing normals become flat; nodes called UCX_… (collision hulls) are left out;
 /// images that are neither PNG nor JPEG, and what extensions of materials ask beyond transmission and ior,
 /// are left out with a warning. kMesh, kTooLarge.
-Result<Scene> read_scene(std::span<const std::byte> bytes);
+Expected<Scene> read_scene(std::span<const std::byte> bytes);
 
 /// read_scene of a file's bytes; kFile where it cannot be read.
-Result<Scene> load_scene(const std::string& path);
+Expected<Scene> load_scene(const std::string& path);
 
 /// The smallest sphere around the box of all objects under their transforms (kept at the scene's own where
 /// `transforms` is empty), not around invisible ones. Radius 0 for nothing.

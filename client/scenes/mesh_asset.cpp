@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 Expected<MeshAsset> complete(MeshAsset asset, const std::vector<float>& cuts = {}) {
   auto scene = render::read_scene(std::as_bytes(std::span(asset.bytes.data(), asset.bytes.size())));
-  if (!scene) return fail(ErrorCode::kMalformedMesh, scene.error().detail);
+  if (!scene) return fail(scene.error().code, to_string(scene.error()));
   std::vector<glm::vec3> positions;
   positions.reserve(scene->vertices.size());
   for (const render::Vertex& v : scene->vertices)

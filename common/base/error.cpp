@@ -7,6 +7,7 @@ const char* slug(ErrorCode code) {
 #define FRACTURE_ERROR(name, slug, title) \
   case ErrorCode::name:                   \
     return slug;
+#define FRACTURE_LOCAL_ERROR FRACTURE_ERROR
 #include "common/base/error_codes.def"
 #undef FRACTURE_ERROR
   }
@@ -18,10 +19,13 @@ const char* title(ErrorCode code) {
 #define FRACTURE_ERROR(name, slug, title) \
   case ErrorCode::name:                   \
     return title;
+#define FRACTURE_LOCAL_ERROR FRACTURE_ERROR
 #include "common/base/error_codes.def"
 #undef FRACTURE_ERROR
   }
   return "An internal invariant was broken";
 }
+
+std::string to_string(const Error& error) { return std::string(slug(error.code)) + ": " + error.detail; }
 
 }  // namespace fracture

@@ -14,6 +14,7 @@ namespace fracture {
 
 enum class ErrorCode {
 #define FRACTURE_ERROR(name, slug, title) name,
+#define FRACTURE_LOCAL_ERROR FRACTURE_ERROR
 #include "common/base/error_codes.def"
 #undef FRACTURE_ERROR
 };
@@ -33,6 +34,9 @@ struct Error {
   nlohmann::json extra = nlohmann::json::object();
   std::chrono::seconds retry_after{0};  ///< kOverloaded, kOverShare: when there should be room; else 0
 };
+
+/// "mesh-not-closed: It is open."
+std::string to_string(const Error& error);
 
 template <class T>
 using Expected = tl::expected<T, Error>;

@@ -37,6 +37,11 @@ const ProblemType& problem_type(ErrorCode code) {
 #include "server/http/problems.def"
 #undef FRACTURE_STATUS
 #undef FRACTURE_HTTP_PROBLEM
+#define FRACTURE_ERROR(name, slug, title)
+#define FRACTURE_LOCAL_ERROR(name, slug, title) case ErrorCode::name:
+#include "common/base/error_codes.def"
+#undef FRACTURE_ERROR
+    break;  // of the side that asks: here a bug
   }
   return at(Row::kInternal);
 }

@@ -10,6 +10,7 @@ namespace {
 
 constexpr ErrorCode kAll[] = {
 #define FRACTURE_ERROR(name, slug, title) ErrorCode::name,
+#define FRACTURE_LOCAL_ERROR FRACTURE_ERROR
 #include "common/base/error_codes.def"
 #undef FRACTURE_ERROR
 };
@@ -30,6 +31,7 @@ TEST(Expected, CarriesTheErrorWithItsFigures) {
   EXPECT_EQ(refused.error().code, ErrorCode::kTooLarge);
   EXPECT_EQ(refused.error().pointer, "sites");
   EXPECT_EQ(refused.error().extra["limit"], 3);
+  EXPECT_EQ(to_string(refused.error()), "too-large: Too many.");
 }
 
 }  // namespace

@@ -14,12 +14,10 @@ namespace fracture::test {
 namespace {
 
 using render::read_scene;
-using render::RenderErrorCode;
-using render::Result;
 using render::Scene;
 
-Result<Scene> read(const std::string& text) { return read_scene(std::as_bytes(std::span(text))); }
-Result<Scene> read(const std::vector<std::uint8_t>& bytes) {
+Expected<Scene> read(const std::string& text) { return read_scene(std::as_bytes(std::span(text))); }
+Expected<Scene> read(const std::vector<std::uint8_t>& bytes) {
   return read_scene(std::as_bytes(std::span(bytes)));
 }
 
@@ -125,31 +123,31 @@ TEST(LoadScene, StripsAndFansBecomeTriangles) {
 }
 
 TEST(LoadScene, ARefusalSaysWhatAndWhere) {
-  const auto expect = [](const Result<Scene>& scene, RenderErrorCode code, const char* words) {
+  const auto expect = [](const Expected<Scene>& scene, ErrorCode code, const char* words) {
     ASSERT_FALSE(scene);
     EXPECT_EQ(scene.error().code, code);
     EXPECT_THAT(scene.error().detail, testing::HasSubstr(words));
   };
   GltfPrimitive p = triangle();
   p.positions[1].y = std::nanf("");
-  expect(read(gltf_text({p})), RenderErrorCode::kMesh, "not-finite: POSITION of vertex 1");
+  expect(read(gltf_text({p})), ErrorCode::kNotFinite, "POSITION of vertex 1");
   p = triangle();
   p.indices[2] = 3;
-  expect(read(gltf_text({p})), RenderErrorCode::kMesh, "names vertex 3; there are 3");
+  expect(read(gltf_text({p})), ErrorCode::kMalformedMesh, "names vertex 3; there are 3");
   p = triangle();
   p.mode = 1;
-  expect(read(gltf_text({p})), RenderErrorCode::kMesh, "shows no triangle");
-  expect(read(std::string("no glTF")), RenderErrorCode::kMesh, "malformed-mesh");
-  expect(read(std::string()), RenderErrorCode::kMesh, "malformed-mesh");
+  expect(read(gltf_text({p})), ErrorCode::kEmptyMesh, "shows no triangle");
+  expect(read(std::string("no glTF")), ErrorCode::kMalformedMesh, "glTF");
+  expect(read(std::string()), ErrorCode::kMalformedMesh, "glTF");
   expect(
       read(gltf_text({triangle()}, nlohmann::json::object(), {{"extensionsRequired", {"EXT_unheard_of"}}})),
-      RenderErrorCode::kMesh, "EXT_unheard_of");
+      ErrorCode::kUnsupportedFeature, "EXT_unheard_of");
   expect(read(gltf_text({triangle()}, nlohmann::json::object(),
                         {{"materials", {{{"pbrMetallicRoughness", {{"roughnessFactor", "rough"}}}}}}})),
-         RenderErrorCode::kMesh, "wrong type");
+         ErrorCode::kMalformedMesh, "wrong type");
   const auto missing = render::load_scene("/nowhere/at_all.glb");
   ASSERT_FALSE(missing);
-  EXPECT_EQ(missing.error().code, RenderErrorCode::kFile);
+  EXPECT_EQ(missing.error().code, ErrorCode::kFileAccess);
 }
 
 TEST(LoadScene, DamagedFilesNeverCrash) {
