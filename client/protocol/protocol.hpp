@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/exchange/headers.hpp"
+#include "common/exchange/stored_meshes.hpp"
 
 namespace fracture::protocol {
 
@@ -43,8 +44,6 @@ enum class Failure {
   kCancelled,     ///< by cancel() or by the end of the client
 };
 const char* name(Failure failure);
-
-inline constexpr std::size_t kMaxParameterBytes = 4096;  ///< of one request: the server's limit
 
 using Ticket = std::uint64_t;  ///< of a request; never 0, never used twice
 

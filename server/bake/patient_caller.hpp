@@ -9,6 +9,7 @@
 #include <stop_token>
 #include <string>
 
+#include "common/exchange/problem_document.hpp"
 #include "server/bake/baker.hpp"
 #include "server/bake/http_caller.hpp"
 
@@ -20,12 +21,8 @@ struct Patience {
   std::chrono::milliseconds longest_pause{2'000};  ///< … up to this. Where Retry-After says more, that long.
 };
 
-/// The last segment of the type of a problem document; empty for any other answer.
-std::string problem_slug(const protocol::Exchange& exchange);
-/// type, title, detail and parameter of a problem document; where the answer is none, words of our own.
-nlohmann::json problem_in(const protocol::Exchange& exchange);
-/// The same of a problem that stands in another document.
-nlohmann::json problem_in(const nlohmann::json& document);
+/// Of an answer of the server itself: a proxy's body, which is no problem document by its media type, says nothing.
+protocol::ProblemDocument problem_of(const protocol::Exchange& exchange);
 
 /// Thread-safe.
 class PatientCaller {

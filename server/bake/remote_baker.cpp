@@ -1,13 +1,13 @@
 #include "server/bake/remote_baker.hpp"
 
 #include <condition_variable>
-#include <map>
 #include <mutex>
 #include <set>
 #include <string_view>
 #include <utility>
 
 #include "common/exchange/headers.hpp"
+#include "common/exchange/stored_meshes.hpp"
 #include "server/bake/form.hpp"
 
 namespace fracture::bake {
@@ -15,12 +15,12 @@ namespace {
 
 using protocol::Exchange;
 using protocol::HttpRequest;
+using protocol::ProblemDocument;
+using protocol::PutOnce;
 using Clock = std::chrono::steady_clock;
 template <class T>
 using OrFailure = tl::expected<T, BakeFailure>;
 
-/// Of POST /meshes/{id}/fracture: the server's limit.
-constexpr std::size_t kMaxParameterBytes = 4096;
 /// An upload, a download, a fracture that is waited for. The events of a job need less: something comes every
 /// ten seconds.
 constexpr std::chrono::milliseconds kLong{180'000}, kEvents{30'000};
@@ -33,14 +33,23 @@ tl::unexpected<BakeFailure> broken(std::string detail) {
   return tl::unexpected(BakeFailure(Error{ErrorCode::kInternal, std::move(detail)}));
 }
 
-tl::unexpected<BakeFailure> refused(int status, nlohmann::json problem) {
+nlohmann::json to_json(const ProblemDocument& problem) {
+  nlohmann::json json = nlohmann::json::object();
+  if (!problem.type.empty()) json["type"] = problem.type;
+  if (!problem.title.empty()) json["title"] = problem.title;
+  if (!problem.detail.empty()) json["detail"] = problem.detail;
+  if (!problem.parameter.empty()) json["parameter"] = problem.parameter;
+  return json;
+}
+
+tl::unexpected<BakeFailure> refused(int status, const ProblemDocument& problem) {
   using enum BakeFailure::Kind;
-  const bool unsound = problem.value("type", "") == std::string("/problems/") + slug(ErrorCode::kUnsound);
+  const bool unsound = problem.slug() == slug(ErrorCode::kUnsound);
   const auto kind = unsound ? kUnsound : status >= 500 && status != 504 ? kBroken : kRefused;
-  return tl::unexpected(BakeFailure(kind, std::move(problem)));
+  return tl::unexpected(BakeFailure(kind, to_json(problem)));
 }
 tl::unexpected<BakeFailure> refused(const Exchange& exchange) {
-  return refused(exchange.status, problem_in(exchange));
+  return refused(exchange.status, problem_of(exchange));
 }
 
 /// The data of the last event of a stream (server-sent events as this server writes them); null without one.
@@ -61,30 +70,27 @@ const char* type_of(OutputFormat format) {
   return format == OutputFormat::kGltf ? "model/gltf+json" : "model/gltf-binary";
 }
 
-/// Which meshes are being put, or were, so that two jobs on one mesh send it once.
+/// PutOnce for threads that wait.
 class Puts {
  public:
   /// Of a mesh that was missing when somebody asked at `asked`. True: the caller puts it, and says done().
   /// False: another one did in the meantime, perhaps while that answer was on its way.
-  bool begin(const std::string& id, Clock::time_point asked, const std::stop_token& stop) {
+  bool begin(const std::string& mesh, Clock::time_point asked, const std::stop_token& stop) {
     std::unique_lock lock(mutex_);
-    if (const auto last = ended_.find(id); last != ended_.end() && last->second > asked) return false;
-    if (putting_.insert(id).second) return true;
-    changed_.wait(lock, stop, [&] { return !putting_.contains(id); });
-    return false;
+    const PutOnce::Role role = puts_.begin(mesh, asked);
+    if (role == PutOnce::Role::kWait) changed_.wait(lock, stop, [&] { return !puts_.pending(mesh); });
+    return role == PutOnce::Role::kPut;
   }
-  void done(const std::string& id, bool stored) {
+  void done(const std::string& mesh, bool stored) {
     const std::lock_guard lock(mutex_);
-    putting_.erase(id);
-    if (stored) ended_[id] = Clock::now();
+    puts_.done(mesh, stored);
     changed_.notify_all();
   }
 
  private:
   std::mutex mutex_;
   std::condition_variable_any changed_;
-  std::set<std::string> putting_;
-  std::map<std::string, Clock::time_point> ended_;  ///< when the last PUT of a mesh had ended well
+  PutOnce puts_;
 };
 
 /// One output, from the first question to the checked file.
@@ -96,12 +102,12 @@ class Conversation {
         request_(request),
         stop_(stop),
         keys_(keys_of(request)),
-        mesh_("/meshes/sha256:" + keys_.digest),
+        mesh_("sha256:" + keys_.digest),
         result_("/fractures/sha256:" + keys_.result),
         parameters_(canonical_parameters(request.parameters)) {}
 
   OrFailure<Baked> operator()() {
-    bool whole = parameters_.dump().size() > kMaxParameterBytes;
+    bool whole = parameters_.dump().size() > protocol::kMaxParameterBytes;
     for (int tries = 0, deadlines = 0; tries < kMostTries; ++tries) {
       // The first two times something was missing that now is there; after that somebody is in trouble.
       if (tries > 2) caller_.pause(caller_.patience().first_pause * tries, stop_);
@@ -142,18 +148,15 @@ class Conversation {
   }
 
   OrFailure<Step> ask_by_job() {
-    HttpRequest ask{.method = "POST",
-                    .target = mesh_ + "/fracture",
-                    .content_type = "application/json",
-                    .body = std::make_shared<const std::string>(parameters_.dump()),
-                    .fields = fields()};
+    HttpRequest ask = protocol::fracture_request(mesh_, parameters_.dump());
+    ask.fields = fields();
     ask.fields.emplace_back("Prefer", "respond-async");
     const Clock::time_point asked = Clock::now();
     const OrFailure<Exchange> started = caller_.ask(ask, stop_);
     if (!started) return tl::unexpected(started.error());
-    if (started->status == 404 && problem_slug(*started) == "not-found") return put_mesh(asked);
+    if (protocol::mesh_is_missing(started->status, problem_of(*started).slug())) return put_mesh(asked);
     if (started->status == 200) return file_of(*started);  // a server that does not know the preference
-    if (started->status == 504) return late(problem_in(*started));
+    if (started->status == 504) return late(problem_of(*started));
     if (started->status != 202) return refused(*started);
     nlohmann::json job = nlohmann::json::parse(started->body, nullptr, false);
     const std::string id = job.is_object() ? job.value("id", "") : "";
@@ -189,14 +192,14 @@ class Conversation {
     if (state != "failed" || !job.contains("error")) return again("A job ended without a word.");
     const nlohmann::json& error = job.at("error");
     const int status = error.is_object() ? error.value("status", 500) : 500;
-    nlohmann::json problem = problem_in(error);
-    if (status == 503) return again(problem.value("detail", ""));
-    if (status == 504) return late(std::move(problem));
-    return refused(status, std::move(problem));
+    const ProblemDocument problem = protocol::problem_in(error);
+    if (status == 503) return again(problem.detail);
+    if (status == 504) return late(problem);
+    return refused(status, problem);
   }
 
-  static Step late(nlohmann::json problem) {
-    return {.next = Next::kDeadline, .trouble = problem.value("detail", ""), .problem = std::move(problem)};
+  static Step late(const ProblemDocument& problem) {
+    return {.next = Next::kDeadline, .trouble = problem.detail, .problem = to_json(problem)};
   }
 
   OrFailure<Step> file_of(const Exchange& exchange) {
@@ -229,33 +232,39 @@ class Conversation {
     return write_form(parts);
   }
 
-  OrFailure<Exchange> send(const char* method, const std::string& target, nlohmann::json parameters) {
-    Expected<Form> body = form(std::move(parameters));
-    if (!body) return tl::unexpected(BakeFailure(body.error()));
-    HttpRequest request{.method = method,
-                        .target = target,
-                        .content_type = std::move(body->content_type),
-                        .body = std::make_shared<const std::string>(std::move(body->body)),
-                        .answer_timeout = kLong};
-    if (request.method == std::string_view("POST")) request.fields = fields();
-    return caller_.ask(request, stop_);
-  }
-
   OrFailure<Step> put_mesh(Clock::time_point asked) {
     if (!puts_.begin(mesh_, asked, stop_)) return again("Another job's mesh did not stay with the server.");
-    const OrFailure<Exchange> put = send("PUT", mesh_, canonical_solid_parameters(request_.parameters));
+    const OrFailure<Exchange> put = send_mesh();
     puts_.done(mesh_, put && (put->status == 200 || put->status == 201));
     if (!put) return tl::unexpected(put.error());
-    if (put->status == 504) return late(problem_in(*put));
+    if (put->status == 504) return late(problem_of(*put));
     if (put->status != 200 && put->status != 201) return refused(*put);
     return again("The server does not keep the mesh that was put.");
   }
 
+  OrFailure<Exchange> send_mesh() {
+    Expected<Form> body = form(canonical_solid_parameters(request_.parameters));
+    if (!body) return tl::unexpected(BakeFailure(body.error()));
+    HttpRequest put = protocol::put_request(mesh_, std::move(body->content_type),
+                                            std::make_shared<const std::string>(std::move(body->body)));
+    put.answer_timeout = kLong;
+    return caller_.ask(put, stop_);
+  }
+
   OrFailure<Step> ask_with_mesh() {
-    const OrFailure<Exchange> answer = send("POST", "/fracture", parameters_);
+    Expected<Form> body = form(parameters_);
+    if (!body) return tl::unexpected(BakeFailure(body.error()));
+    const OrFailure<Exchange> answer =
+        caller_.ask({.method = "POST",
+                     .target = "/fracture",
+                     .content_type = std::move(body->content_type),
+                     .body = std::make_shared<const std::string>(std::move(body->body)),
+                     .fields = fields(),
+                     .answer_timeout = kLong},
+                    stop_);
     if (!answer) return tl::unexpected(answer.error());
     if (answer->status == 200) return file_of(*answer);
-    if (answer->status == 504) return late(problem_in(*answer));
+    if (answer->status == 504) return late(problem_of(*answer));
     return refused(*answer);
   }
 
@@ -264,7 +273,8 @@ class Conversation {
   const FractureRequest& request_;
   const std::stop_token stop_;
   const RequestKeys keys_;
-  const std::string mesh_, result_;  ///< paths
+  const std::string mesh_;    ///< id
+  const std::string result_;  ///< path
   const nlohmann::json parameters_;
   std::string trouble_;
 };
