@@ -14,6 +14,14 @@ const char* slug(ErrorCode code) {
   return "internal";
 }
 
+std::optional<ErrorCode> error_code(std::string_view text) {
+#define FRACTURE_ERROR(name, slug, title) \
+  if (text == slug) return ErrorCode::name;
+#include "common/base/error_codes.def"
+#undef FRACTURE_ERROR
+  return std::nullopt;
+}
+
 const char* title(ErrorCode code) {
   switch (code) {
 #define FRACTURE_ERROR(name, slug, title) \

@@ -5,8 +5,10 @@
 
 #include <chrono>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <tl/expected.hpp>
 #include <utility>
 
@@ -21,6 +23,8 @@ enum class ErrorCode {
 
 /// The stable name of a code, e.g. "mesh-not-closed": the last path segment of the problem type.
 const char* slug(ErrorCode code);
+/// The code that a server means by a slug; nothing for any other text.
+std::optional<ErrorCode> error_code(std::string_view slug);
 /// One short sentence for people.
 const char* title(ErrorCode code);
 

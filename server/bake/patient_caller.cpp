@@ -41,19 +41,17 @@ protocol::ProblemDocument problem_of(const Exchange& exchange) {
 PatientCaller::PatientCaller(const protocol::ConnectionSettings& settings, const Patience& patience)
     : server_(settings.host + ":" + std::to_string(settings.port)), patience_(patience), caller_(settings) {}
 
-tl::expected<Exchange, BakeFailure> PatientCaller::ask(const protocol::HttpRequest& request,
-                                                       const std::stop_token& stop) {
+Expected<Exchange> PatientCaller::ask(const protocol::HttpRequest& request, const std::stop_token& stop) {
   const Clock::time_point begun = Clock::now();
   protocol::Backoff backoff(patience_.first_pause, patience_.longest_pause);
   for (;;) {
     {
       const std::lock_guard lock(mutex_);
-      if (!gave_up_.empty())
-        return tl::unexpected(BakeFailure(BakeFailure::Kind::kUnavailable, {{"detail", gave_up_}}));
+      if (!gave_up_.empty()) return fail(ErrorCode::kUnavailable, gave_up_);
     }
     Exchange exchange = caller_.exchange(request, stop);
     if (stop.stop_requested() || exchange.outcome == Exchange::Outcome::kInterrupted)
-      return tl::unexpected(BakeFailure(Error{ErrorCode::kCancelled, "Stopped."}));
+      return fail(ErrorCode::kCancelled, "Stopped.");
     const bool answered = exchange.outcome == Exchange::Outcome::kAnswered;
     const bool busy = answered && is_busy(exchange);
     if (answered && (exchange.status == 401 || exchange.status == 403))
@@ -64,8 +62,7 @@ tl::expected<Exchange, BakeFailure> PatientCaller::ask(const protocol::HttpReque
       heard();
       return exchange;
     }
-    if (exchange.outcome == Exchange::Outcome::kTooLarge)
-      return tl::unexpected(BakeFailure(Error{ErrorCode::kTooLarge, exchange.detail}));
+    if (exchange.outcome == Exchange::Outcome::kTooLarge) return fail(ErrorCode::kTooLarge, exchange.detail);
     // The events of a job that takes long come as long as it takes.
     if (exchange.outcome == Exchange::Outcome::kTimedOut && exchange.began) {
       heard();
@@ -90,11 +87,11 @@ void PatientCaller::pause(Milliseconds time, const std::stop_token& stop) {
   changed_.wait_for(lock, stop, time, [this] { return !gave_up_.empty(); });
 }
 
-BakeFailure PatientCaller::give_up(const std::string& detail) {
+Error PatientCaller::give_up(const std::string& detail) {
   const std::lock_guard lock(mutex_);
   if (gave_up_.empty()) gave_up_ = detail;
   changed_.notify_all();
-  return {BakeFailure::Kind::kUnavailable, {{"detail", gave_up_}}};
+  return {ErrorCode::kUnavailable, gave_up_};
 }
 
 void PatientCaller::heard() {

@@ -10,7 +10,6 @@
 #include <string>
 
 #include "common/exchange/problem_document.hpp"
-#include "server/bake/baker.hpp"
 #include "server/bake/http_caller.hpp"
 
 namespace fracture::bake {
@@ -31,9 +30,8 @@ class PatientCaller {
 
   /// Every status but 429, 502, 503 and 504 of a proxy and 408 is an answer; so is a 504 of the server
   /// itself, whose deadline passed. kUnavailable after all patience, at 401 and 403, and for whoever asks
-  /// after that; kCancelled.
-  tl::expected<protocol::Exchange, BakeFailure> ask(const protocol::HttpRequest& request,
-                                                    const std::stop_token& stop);
+  /// after that; kTooLarge; kCancelled.
+  Expected<protocol::Exchange> ask(const protocol::HttpRequest& request, const std::stop_token& stop);
   /// One try, whatever comes of it.
   void tell(const protocol::HttpRequest& request) { caller_.exchange(request, {}); }
   /// Waits, not longer than until the stop comes or everybody gives up.
@@ -43,7 +41,7 @@ class PatientCaller {
 
  private:
   using Clock = std::chrono::steady_clock;
-  BakeFailure give_up(const std::string& detail);
+  Error give_up(const std::string& detail);
   void heard();
   /// How long there still is hope for one who has asked since `begun`; says, once an outage, that it is
   /// waited for.

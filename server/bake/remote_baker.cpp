@@ -2,12 +2,14 @@
 
 #include <condition_variable>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string_view>
 #include <utility>
 
 #include "common/exchange/headers.hpp"
 #include "common/exchange/stored_meshes.hpp"
+#include "server/bake/failure.hpp"
 #include "server/bake/form.hpp"
 
 namespace fracture::bake {
@@ -18,8 +20,6 @@ using protocol::HttpRequest;
 using protocol::ProblemDocument;
 using protocol::PutOnce;
 using Clock = std::chrono::steady_clock;
-template <class T>
-using OrFailure = tl::expected<T, BakeFailure>;
 
 /// An upload, a download, a fracture that is waited for. The events of a job need less: something comes every
 /// ten seconds.
@@ -29,26 +29,12 @@ constexpr int kMostTries = 30;
 /// A deadline passes because a mesh is too much for it, or because the farm was full: worth few tries.
 constexpr int kMostDeadlines = 3;
 
-tl::unexpected<BakeFailure> broken(std::string detail) {
-  return tl::unexpected(BakeFailure(Error{ErrorCode::kInternal, std::move(detail)}));
-}
+tl::unexpected<Error> broken(std::string detail) { return fail(ErrorCode::kInternal, std::move(detail)); }
 
-nlohmann::json to_json(const ProblemDocument& problem) {
-  nlohmann::json json = nlohmann::json::object();
-  if (!problem.type.empty()) json["type"] = problem.type;
-  if (!problem.title.empty()) json["title"] = problem.title;
-  if (!problem.detail.empty()) json["detail"] = problem.detail;
-  if (!problem.parameter.empty()) json["parameter"] = problem.parameter;
-  return json;
+tl::unexpected<Error> refused(int status, const ProblemDocument& problem) {
+  return tl::unexpected<Error>(to_error(status, problem));
 }
-
-tl::unexpected<BakeFailure> refused(int status, const ProblemDocument& problem) {
-  using enum BakeFailure::Kind;
-  const bool unsound = problem.slug() == slug(ErrorCode::kUnsound);
-  const auto kind = unsound ? kUnsound : status >= 500 && status != 504 ? kBroken : kRefused;
-  return tl::unexpected(BakeFailure(kind, to_json(problem)));
-}
-tl::unexpected<BakeFailure> refused(const Exchange& exchange) {
+tl::unexpected<Error> refused(const Exchange& exchange) {
   return refused(exchange.status, problem_of(exchange));
 }
 
@@ -106,13 +92,13 @@ class Conversation {
         result_("/fractures/sha256:" + keys_.result),
         parameters_(canonical_parameters(request.parameters)) {}
 
-  OrFailure<Baked> operator()() {
+  Expected<Baked> operator()() {
     bool whole = parameters_.dump().size() > protocol::kMaxParameterBytes;
     for (int tries = 0, deadlines = 0; tries < kMostTries; ++tries) {
       // The first two times something was missing that now is there; after that somebody is in trouble.
       if (tries > 2) caller_.pause(caller_.patience().first_pause * tries, stop_);
-      OrFailure<Step> step = whole ? ask_with_mesh() : ask_by_job();
-      if (!step) return tl::unexpected(std::move(step.error()));
+      Expected<Step> step = whole ? ask_with_mesh() : ask_by_job();
+      if (!step) return tl::unexpected<Error>(std::move(step.error()));
       if (step->baked) return std::move(*step->baked);
       trouble_ = std::move(step->trouble);
       if (step->next == Next::kWhole) {
@@ -120,7 +106,7 @@ class Conversation {
         whole = true;
       }
       if (step->next == Next::kDeadline && ++deadlines == kMostDeadlines)
-        return tl::unexpected(BakeFailure(BakeFailure::Kind::kRefused, std::move(step->problem)));
+        return tl::unexpected<Error>(std::move(*step->error));
     }
     // Of this job alone: the server answers.
     return broken("Tried " + std::to_string(kMostTries) + " times. " + trouble_);
@@ -133,7 +119,7 @@ class Conversation {
     std::optional<Baked> baked{};
     Next next = Next::kAgain;
     std::string trouble{};
-    nlohmann::json problem{};
+    std::optional<Error> error{};  ///< of kDeadline
   };
   static Step again(std::string trouble) { return {.trouble = std::move(trouble)}; }
   static Step otherwise(const std::string& key) {
@@ -147,12 +133,12 @@ class Conversation {
     return {{"Accept", type_of(request_.output)}, {"Priority", "u=5"}};  // batch work (RFC 9218)
   }
 
-  OrFailure<Step> ask_by_job() {
+  Expected<Step> ask_by_job() {
     HttpRequest ask = protocol::fracture_request(mesh_, parameters_.dump());
     ask.fields = fields();
     ask.fields.emplace_back("Prefer", "respond-async");
     const Clock::time_point asked = Clock::now();
-    const OrFailure<Exchange> started = caller_.ask(ask, stop_);
+    const Expected<Exchange> started = caller_.ask(ask, stop_);
     if (!started) return tl::unexpected(started.error());
     if (protocol::mesh_is_missing(started->status, problem_of(*started).slug())) return put_mesh(asked);
     if (started->status == 200) return file_of(*started);  // a server that does not know the preference
@@ -162,12 +148,12 @@ class Conversation {
     const std::string id = job.is_object() ? job.value("id", "") : "";
     if (id.empty()) return again("The server answered 202 without a job.");
     if (const std::string state = job.value("state", ""); state == "queued" || state == "running") {
-      const OrFailure<Exchange> events = caller_.ask({.target = "/jobs/" + id + "/events",
-                                                      .fields = {{"Accept", "text/event-stream"}},
-                                                      .answer_timeout = kEvents},
-                                                     stop_);
+      const Expected<Exchange> events = caller_.ask({.target = "/jobs/" + id + "/events",
+                                                     .fields = {{"Accept", "text/event-stream"}},
+                                                     .answer_timeout = kEvents},
+                                                    stop_);
       if (!events) {
-        if (events.error().kind == BakeFailure::Kind::kCancelled)
+        if (events.error().code == ErrorCode::kCancelled)
           caller_.tell(
               {.method = "DELETE", .target = "/jobs/" + id, .answer_timeout = std::chrono::seconds(1)});
         return tl::unexpected(events.error());
@@ -178,11 +164,11 @@ class Conversation {
     return end_of(job);
   }
 
-  OrFailure<Step> end_of(const nlohmann::json& job) {
+  Expected<Step> end_of(const nlohmann::json& job) {
     const std::string state = job.is_object() ? job.value("state", "") : "";
     if (state == "done") {
       if (job.value("result", "") != result_) return otherwise(job.value("result", ""));
-      const OrFailure<Exchange> result =
+      const Expected<Exchange> result =
           caller_.ask({.target = result_, .fields = fields(), .answer_timeout = kLong}, stop_);
       if (!result) return tl::unexpected(result.error());
       if (result->status == 200) return file_of(*result);
@@ -199,10 +185,10 @@ class Conversation {
   }
 
   static Step late(const ProblemDocument& problem) {
-    return {.next = Next::kDeadline, .trouble = problem.detail, .problem = to_json(problem)};
+    return {.next = Next::kDeadline, .trouble = problem.detail, .error = to_error(504, problem)};
   }
 
-  OrFailure<Step> file_of(const Exchange& exchange) {
+  Expected<Step> file_of(const Exchange& exchange) {
     if (!protocol::digest_matches(exchange.repr_digest, exchange.body))
       return again("An answer has another digest than its Repr-Digest says.");
     if (!exchange.content_location.empty() && exchange.content_location != result_)
@@ -232,9 +218,9 @@ class Conversation {
     return write_form(parts);
   }
 
-  OrFailure<Step> put_mesh(Clock::time_point asked) {
+  Expected<Step> put_mesh(Clock::time_point asked) {
     if (!puts_.begin(mesh_, asked, stop_)) return again("Another job's mesh did not stay with the server.");
-    const OrFailure<Exchange> put = send_mesh();
+    const Expected<Exchange> put = send_mesh();
     puts_.done(mesh_, put && (put->status == 200 || put->status == 201));
     if (!put) return tl::unexpected(put.error());
     if (put->status == 504) return late(problem_of(*put));
@@ -242,19 +228,19 @@ class Conversation {
     return again("The server does not keep the mesh that was put.");
   }
 
-  OrFailure<Exchange> send_mesh() {
+  Expected<Exchange> send_mesh() {
     Expected<Form> body = form(canonical_solid_parameters(request_.parameters));
-    if (!body) return tl::unexpected(BakeFailure(body.error()));
+    if (!body) return tl::unexpected<Error>(body.error());
     HttpRequest put = protocol::put_request(mesh_, std::move(body->content_type),
                                             std::make_shared<const std::string>(std::move(body->body)));
     put.answer_timeout = kLong;
     return caller_.ask(put, stop_);
   }
 
-  OrFailure<Step> ask_with_mesh() {
+  Expected<Step> ask_with_mesh() {
     Expected<Form> body = form(parameters_);
-    if (!body) return tl::unexpected(BakeFailure(body.error()));
-    const OrFailure<Exchange> answer =
+    if (!body) return tl::unexpected<Error>(body.error());
+    const Expected<Exchange> answer =
         caller_.ask({.method = "POST",
                      .target = "/fracture",
                      .content_type = std::move(body->content_type),
@@ -283,13 +269,12 @@ class RemoteBaker : public Baker {
  public:
   explicit RemoteBaker(const RemoteConfig& config) : caller_(config.server, config.patience) {}
 
-  OrFailure<void> greet(const std::string& server, const std::stop_token& stop) {
-    const OrFailure<Exchange> version = caller_.ask({.target = "/version"}, stop);
+  Expected<void> greet(const std::string& server, const std::stop_token& stop) {
+    const Expected<Exchange> version = caller_.ask({.target = "/version"}, stop);
     if (!version) return tl::unexpected(version.error());
     const nlohmann::json document = nlohmann::json::parse(version->body, nullptr, false);
     const auto fail_with = [&](std::string why) {
-      return tl::unexpected(
-          BakeFailure(BakeFailure::Kind::kUnavailable, {{"detail", server + " " + std::move(why)}}));
+      return fail(ErrorCode::kUnavailable, server + " " + std::move(why));
     };
     if (version->status != 200 || !document.is_object() || document.value("name", "") != "fracture-server")
       return fail_with("answers, but is no fracture-server: GET /version gave status " +
@@ -298,7 +283,7 @@ class RemoteBaker : public Baker {
     if (algorithm != kAlgorithmVersion)
       return fail_with("has version " + std::to_string(algorithm) + " of the algorithm, this program " +
                        std::to_string(kAlgorithmVersion) + ": the files would have other bytes.");
-    const OrFailure<Exchange> limits = caller_.ask({.target = "/limits"}, stop);
+    const Expected<Exchange> limits = caller_.ask({.target = "/limits"}, stop);
     if (!limits) return tl::unexpected(limits.error());
     const nlohmann::json list = nlohmann::json::parse(limits->body, nullptr, false);
     if (list.is_object() && list.contains("formats") && list.at("formats").is_array())
@@ -318,13 +303,12 @@ class RemoteBaker : public Baker {
     return parsed;
   }
 
-  OrFailure<Baked> bake(const FractureRequest& request, const Execution& execution) override {
+  Expected<Baked> bake(const FractureRequest& request, const Execution& execution) override {
     // In better words than those of its refusal of the parameter `format`.
     if (const std::string format = extension_of(request.format);
         !formats_.empty() && !formats_.contains(format))
-      return tl::unexpected(BakeFailure(
-          Error{ErrorCode::kUnknownFormat, "The server does not read '" + format +
-                                               "'; one started with --enable-format " + format + " does."}));
+      return fail(ErrorCode::kUnknownFormat, "The server does not read '" + format +
+                                                 "'; one started with --enable-format " + format + " does.");
     return Conversation(caller_, puts_, request, execution.stop)();
   }
 
@@ -339,11 +323,11 @@ class RemoteBaker : public Baker {
 
 }  // namespace
 
-OrFailure<std::unique_ptr<Baker>> remote_baker(const RemoteConfig& config, const std::stop_token& stop,
-                                               const std::function<void(const std::string&)>& say) {
+Expected<std::unique_ptr<Baker>> remote_baker(const RemoteConfig& config, const std::stop_token& stop,
+                                              const std::function<void(const std::string&)>& say) {
   auto baker = std::make_unique<RemoteBaker>(config);
   baker->on_notice(say);
-  if (const OrFailure<void> greeted =
+  if (const Expected<void> greeted =
           baker->greet("http://" + config.server.host + ":" + std::to_string(config.server.port), stop);
       !greeted)
     return tl::unexpected(greeted.error());

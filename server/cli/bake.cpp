@@ -12,6 +12,7 @@
 #include <thread>
 #include <utility>
 
+#include "server/bake/failure.hpp"
 #include "server/bake/output_path.hpp"
 #include "server/bake/plan.hpp"
 #include "server/bake/remote_baker.hpp"
@@ -111,8 +112,8 @@ std::unique_ptr<bake::Baker> connect(const BakeOptions& options, int jobs, const
   config.patience.total = std::chrono::seconds(options.patience_s);
   auto baker = bake::remote_baker(config, stop, say);
   if (baker) return std::move(*baker);
-  const bool stopped = baker.error().kind == bake::BakeFailure::Kind::kCancelled;
-  if (!stopped) say(baker.error().words());
+  const bool stopped = baker.error().code == ErrorCode::kCancelled;
+  if (!stopped) say(bake::to_line(baker.error()));
   exit_code = stopped ? kExitInterrupted : kExitSystem;
   return nullptr;
 }
@@ -158,7 +159,7 @@ int bake(const BakeOptions& options) {
   if (!baker) return refused;
   if (source.manifest.empty())  // else each line has its own
     if (const auto parameters = baker->parse(source.parameters); !parameters) {
-      say("parameters: " + bake::BakeFailure(parameters.error()).all_words());
+      say("parameters: " + bake::to_lines(parameters.error()));
       return kExitRefused;
     }
   FailureKeeper failures({.folder = source.failures, .program = "fracture-server " FRACTURE_VERSION}, say);

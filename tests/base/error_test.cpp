@@ -25,6 +25,14 @@ TEST(ErrorCodes, EveryCodeHasASlugOfItsOwnInKebabCaseAndATitle) {
   }
 }
 
+TEST(ErrorCodes, AreFoundByTheSlugsThatServersSay) {
+#define FRACTURE_ERROR(name, its_slug, title) EXPECT_EQ(error_code(its_slug), ErrorCode::name);
+#include "common/base/error_codes.def"
+#undef FRACTURE_ERROR
+  EXPECT_EQ(error_code(slug(ErrorCode::kFileAccess)), std::nullopt) << "of this machine alone";
+  EXPECT_EQ(error_code(""), std::nullopt);
+}
+
 TEST(Expected, CarriesTheErrorWithItsFigures) {
   const Expected<int> refused = fail(ErrorCode::kTooLarge, "Too many.", "sites", {{"limit", 3}});
   ASSERT_FALSE(refused);
