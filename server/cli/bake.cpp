@@ -118,14 +118,6 @@ std::unique_ptr<bake::Baker> connect(const BakeOptions& options, int jobs, const
   return nullptr;
 }
 
-int exit_code(const bake::RunFigures& f, const BakeOptions& options) {
-  if (f.unavailable > 0) return kExitSystem;
-  if (f.cancelled > 0) return kExitInterrupted;
-  if (f.unsound > 0 || f.failed > 0) return kExitInternal;
-  if (f.unreadable > 0 || f.unwritable > 0) return kExitSystem;
-  return f.refused > options.allow_refused ? kExitRefused : kExitDone;
-}
-
 }  // namespace
 
 int bake(const BakeOptions& options) {
@@ -181,7 +173,7 @@ int bake(const BakeOptions& options) {
     if (!summary.empty()) std::fprintf(words, "%s\n", summary.c_str());
     if (f.cancelled > 0 && !run.report.empty()) std::fprintf(words, "The same command goes on from there.\n");
   }
-  return exit_code(f, options);
+  return exit_code(f, options.allow_refused);
 }
 
 }  // namespace fracture::cli

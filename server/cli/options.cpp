@@ -232,7 +232,6 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    constexpr int kInspectUsage = 3;
     if (const std::string unknown = e.get_exit_code() == 0 ? "" : unknown_word(app); !unknown.empty()) {
       const std::vector<CLI::App*> commands = app.get_subcommands();
       const std::string program =
@@ -242,7 +241,7 @@ int run(int argc, char** argv) {
     } else if (app.exit(e) == 0) {
       return kExitDone;
     }
-    return inspect_command.parsed() ? kInspectUsage : health_command.parsed() ? kExitSystem : kExitUsage;
+    return inspect_command.parsed() ? kInspectFailed : health_command.parsed() ? kExitSystem : kExitUsage;
   }
   if (inspect_command.parsed()) return inspect(inspect_options);
   if (bake_command.parsed()) return bake(bake_options);
