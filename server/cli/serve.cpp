@@ -46,7 +46,7 @@ void reload_tokens(const std::string& path, http::HttpServer& server) {
   if (path.empty()) return spdlog::info("SIGHUP: there is no token file to read again");
   auto tokens = tenants::TokenFile::load(path);
   if (!tokens) {
-    spdlog::error("token-file {}: refused, the old one stays in force", tokens.error());
+    spdlog::error("token-file {}: refused, the old one stays in force", tokens.error().detail);
     return;
   }
   const std::size_t names = tokens->size();

@@ -167,8 +167,9 @@ TEST_F(Settings, TokenFilesAreReadStrictly) {
   for (const auto& [text, message] : wrong) {
     const auto tokens = tenants::TokenFile::parse(text);
     ASSERT_FALSE(tokens) << text;
-    EXPECT_THAT(tokens.error(), HasSubstr(message)) << text;
-    EXPECT_THAT(tokens.error(), testing::Not(HasSubstr("0123456789"))) << "a token in an error message";
+    EXPECT_THAT(tokens.error().detail, HasSubstr(message)) << text;
+    EXPECT_THAT(tokens.error().detail, testing::Not(HasSubstr("0123456789")))
+        << "a token in an error message";
   }
   EXPECT_EQ(tenants::TokenFile::parse("# studio\nana 0123456789abcdef\n\nbob 0123456789abcdeg read-only\r\n")
                 ->size(),
