@@ -257,7 +257,7 @@ class Run {
       return progress_->done(true, false);
     }
     protect(*input, job);
-    if (const std::string victim = victim_of(job); !victim.empty()) return unwritable(number, victim);
+    if (const std::optional<Error> loss = loss_by(job)) return unwritable(number, loss->detail);
     make(number, request, keys, *input);
   }
 
@@ -268,14 +268,15 @@ class Run {
       named_.emplace(identity_of(file.path), "a file that " + job.input + " names");
   }
 
-  /// Why the job may not write what it would; empty: it may.
-  std::string victim_of(const BakeJob& job) {
+  /// kFileAccess where the job would write over a file that a mesh names.
+  std::optional<Error> loss_by(const BakeJob& job) {
     const std::lock_guard lock(mutex_);
     for (const std::string& path : {job.output, options_.depfile})
       if (!path.empty() && path != kStandardStream)
         if (const auto at = named_.find(identity_of(path)); at != named_.end())
-          return (path == job.output ? "it is " : "the depfile " + path + " is ") + at->second;
-    return "";
+          return Error{ErrorCode::kFileAccess,
+                       (path == job.output ? "it is " : "the depfile " + path + " is ") + at->second};
+    return std::nullopt;
   }
 
   Expected<Baked> bake(const FractureRequest& request) {
@@ -308,7 +309,7 @@ class Run {
       keep_failure(number, request, baked.error());
       return fail(number, baked.error());
     }
-    if (const std::string victim = victim_of(job); !victim.empty()) return unwritable(number, victim);
+    if (const std::optional<Error> loss = loss_by(job)) return unwritable(number, loss->detail);
     if (!write(job.output, std::as_bytes(std::span(*baked->file))))
       return errno == ECANCELED ? cancelled() : unwritable(number, std::strerror(errno));
     if (!options_.depfile.empty() && !write_depfile(options_.depfile, job, input))

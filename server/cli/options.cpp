@@ -88,8 +88,12 @@ void add_bytes(CLI::App& app, const char* name, std::uint64_t& bytes, const char
   app.add_option_function<std::string>(
          name,
          [name, &bytes](const std::string& text) {
-           const std::string wrong = detail::parse_number(text, true, 1u << 20, 1ull << 50, bytes);
-           if (!wrong.empty()) throw CLI::ValidationError(name, wrong + "; it was '" + text + "'");
+           constexpr std::uint64_t kLow = 1u << 20, kHigh = 1ull << 50;
+           const std::optional<std::uint64_t> given = detail::parse_number(text, true, kLow, kHigh);
+           if (!given)
+             throw CLI::ValidationError(name,
+                                        detail::requirement(true, kLow, kHigh) + "; it was '" + text + "'");
+           bytes = *given;
          },
          doc)
       ->type_name("BYTES");

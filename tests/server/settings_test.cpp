@@ -42,7 +42,7 @@ TEST_F(Settings, NamesAreUniqueAndEveryDefaultReadsBackAsItself) {
     EXPECT_FALSE(setting.doc.empty()) << setting.name;
     EXPECT_FALSE(setting.group.empty()) << setting.name;
     const std::string value = setting.get();
-    EXPECT_EQ(setting.set(value), "") << setting.name << " " << value;
+    EXPECT_EQ(setting.set(value), std::nullopt) << setting.name << " " << value;
     EXPECT_EQ(setting.get(), value) << setting.name;
   }
 }
