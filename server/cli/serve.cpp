@@ -104,8 +104,8 @@ int serve_until_stopped(const ServeOptions& options) {
   http::Api api(dispatcher, options.limits, options.store, options.jobs);
   if (const std::string& problem = service.tiers().disk_problem(); !problem.empty())
     spdlog::warn("no disk cache: {}", problem);
-  if (const std::string& problem = api.jobs().problem(); !problem.empty())
-    spdlog::warn("jobs do not survive a restart: {}", problem);
+  if (const std::optional<Error>& unusable = api.jobs().folder_unusable())
+    spdlog::warn("jobs do not survive a restart: {}", unusable->detail);
   if (const JobFigures jobs = api.jobs().figures(); jobs.jobs > 0)
     spdlog::info("{} jobs of an earlier process were found, {} of them unfinished", jobs.jobs,
                  jobs.unfinished);

@@ -40,10 +40,11 @@ Jobs::Jobs(Dispatcher& dispatcher, const JobsConfig& config) : dispatcher_(dispa
   if (config_.folder.empty()) return;
   folder_ =
       std::make_unique<JobFolder>(JobFolderConfig{config_.folder, config_.max_disk_bytes, config_.keys});
-  if ((problem_ = folder_->unusable()).empty())
-    restore();
-  else
+  folder_unusable_ = folder_->unusable();
+  if (folder_unusable_)
     folder_.reset();
+  else
+    restore();
 }
 
 Jobs::~Jobs() { stop(); }

@@ -116,10 +116,10 @@ class Jobs {
   void flush();
 
   JobFigures figures() const;
-  /// Nothing: there is no folder, or it cannot be used (problem() says why).
+  /// Nothing: there is no folder, or it cannot be used (folder_unusable() says why).
   std::optional<JobFolderFigures> disk_figures() const;
   std::uint64_t disk_bytes_of(const std::string& owner) const;
-  const std::string& problem() const { return problem_; }
+  const std::optional<Error>& folder_unusable() const { return folder_unusable_; }
   const JobsConfig& config() const { return config_; }
 
  private:
@@ -185,7 +185,7 @@ class Jobs {
 
   Dispatcher& dispatcher_;
   const JobsConfig config_;
-  std::string problem_;
+  std::optional<Error> folder_unusable_;
   std::unique_ptr<JobFolder> folder_;
   mutable std::mutex mutex_;
   std::list<Shared> jobs_;  // oldest first
