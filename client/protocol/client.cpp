@@ -6,8 +6,10 @@
 #include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <thread>
 
+#include "common/base/error.hpp"
 #include "common/exchange/backoff.hpp"
 #include "common/exchange/connection_pool.hpp"
 #include "common/exchange/headers.hpp"
@@ -209,13 +211,15 @@ struct Client::State {
     co_return exchange;
   }
 
-  /// Is it what was asked for, undamaged?
-  static std::string damage(RequestKind kind, const Exchange& exchange) {
-    if (kind != RequestKind::kFracture) return is_json(exchange.body) ? "" : "The answer is not JSON.";
-    if (exchange.repr_digest.empty()) return "The answer has no Repr-Digest.";
+  /// kDamagedAnswer where it is not what was asked for.
+  static std::optional<Error> damage(RequestKind kind, const Exchange& exchange) {
+    const auto damaged = [](const char* how) { return Error{ErrorCode::kDamagedAnswer, how}; };
+    if (kind != RequestKind::kFracture && !is_json(exchange.body)) return damaged("The answer is not JSON.");
+    if (kind != RequestKind::kFracture) return std::nullopt;
+    if (exchange.repr_digest.empty()) return damaged("The answer has no Repr-Digest.");
     if (!digest_matches(exchange.repr_digest, exchange.body))
-      return "The answer has another digest than its Repr-Digest says.";
-    return "";
+      return damaged("The answer has another digest than its Repr-Digest says.");
+    return std::nullopt;
   }
 
   asio::awaitable<Answer> run(Job& job) {
@@ -234,8 +238,9 @@ struct Client::State {
       Milliseconds wait = backoff.pause();
       if (exchange.outcome == Outcome::kAnswered) {
         if (exchange.status == 200 || exchange.status == 201) {
-          answer.detail = damage(job.kind, exchange);
-          if (answer.detail.empty()) {
+          std::optional<Error> wrong = damage(job.kind, exchange);
+          answer.detail = wrong ? std::move(wrong->detail) : "";
+          if (!wrong) {
             answer.server_timing = parse_server_timing(exchange.server_timing);
             answer.body = exchange.body;
             if (job.kind == RequestKind::kStore) {

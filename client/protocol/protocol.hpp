@@ -33,6 +33,8 @@ struct Settings {
 
 enum class RequestKind { kStore, kFracture, kPatterns };
 
+/// How a request has ended with all that was tried again: what a game decides by. Each step has an Error of its own,
+/// of which `detail` keeps the last.
 enum class Failure {
   kNone,
   kServerAbsent,  ///< nobody listened, or connections broke, until the patience was over

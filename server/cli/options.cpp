@@ -236,11 +236,12 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    if (const std::string unknown = e.get_exit_code() == 0 ? "" : unknown_word(app); !unknown.empty()) {
+    const std::optional<std::string> unknown = e.get_exit_code() == 0 ? std::nullopt : unknown_word(app);
+    if (unknown) {
       const std::vector<CLI::App*> commands = app.get_subcommands();
       const std::string program =
           "fracture-server" + (commands.empty() ? "" : " " + commands.front()->get_name());
-      std::fprintf(stderr, "%s: %s\n%s --help lists what there is.\n", program.c_str(), unknown.c_str(),
+      std::fprintf(stderr, "%s: %s\n%s --help lists what there is.\n", program.c_str(), unknown->c_str(),
                    program.c_str());
     } else if (app.exit(e) == 0) {
       return kExitDone;

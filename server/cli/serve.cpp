@@ -102,8 +102,8 @@ int serve_until_stopped(const ServeOptions& options) {
   if (failures.any()) config.failures = &failures;
   Dispatcher dispatcher(service, pool, config);
   http::Api api(dispatcher, options.limits, options.store, options.jobs);
-  if (const std::string& problem = service.tiers().disk_problem(); !problem.empty())
-    spdlog::warn("no disk cache: {}", problem);
+  if (const std::optional<Error>& unusable = service.tiers().disk_unusable())
+    spdlog::warn("no disk cache: {}", unusable->detail);
   if (const std::optional<Error>& unusable = api.jobs().folder_unusable())
     spdlog::warn("jobs do not survive a restart: {}", unusable->detail);
   if (const JobFigures jobs = api.jobs().figures(); jobs.jobs > 0)
