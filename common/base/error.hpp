@@ -1,6 +1,9 @@
 // Bad input is a value: every stage that can refuse its input returns Expected<T>. Exceptions are for broken
 // invariants (InternalError) and out-of-memory, caught once per request and in main. The one table of codes
 // is error_codes.def; the HTTP status of each stands in server/ and the same names in proto/openapi.yaml.
+// Everything that goes wrong is an Error until it leaves: as a Problem over HTTP (to_problem() of
+// server/http/problem.hpp), or as words and an exit code of a program (server/bake/failure.hpp,
+// server/cli/exit_codes.hpp).
 #pragma once
 
 #include <chrono>
