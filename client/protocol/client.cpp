@@ -79,42 +79,6 @@ bool is_json(const std::string& body) { return nlohmann::json::accept(body); }
 
 }  // namespace
 
-const char* name(Failure failure) {
-  switch (failure) {
-    case Failure::kNone:
-      return "none";
-    case Failure::kServerAbsent:
-      return "server-absent";
-    case Failure::kTimedOut:
-      return "timed-out";
-    case Failure::kOverloaded:
-      return "overloaded";
-    case Failure::kDamaged:
-      return "damaged";
-    case Failure::kTooLarge:
-      return "too-large";
-    case Failure::kRefused:
-      return "refused";
-    case Failure::kCancelled:
-      return "cancelled";
-  }
-  return "";
-}
-
-const char* name(ServerState state) {
-  switch (state) {
-    case ServerState::kUnknown:
-      return "unknown";
-    case ServerState::kReachable:
-      return "reachable";
-    case ServerState::kOverloaded:
-      return "overloaded";
-    case ServerState::kAbsent:
-      return "absent";
-  }
-  return "";
-}
-
 struct Client::State {
   explicit State(Settings given)
       : settings(std::move(given)), pool(io, connections_of(settings)), work(asio::make_work_guard(io)) {
