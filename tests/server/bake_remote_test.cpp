@@ -5,14 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <mutex>
 #include <thread>
 
 #include "server/bake/failure.hpp"
-#include "server/bake/form.hpp"
-#include "server/http/multipart.hpp"
-#include "tests/server/door.hpp"
-#include "tests/server/test_server.hpp"
+#include "tests/server/bake_farm.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::bake {
@@ -23,33 +19,6 @@ using test::FakeReply;
 using test::FakeRequest;
 using test::FakeServer;
 using testing::HasSubstr;
-
-/// The real server, and a door before it through which all requests go, one connection each.
-struct Farm {
-  using Rude = std::function<std::optional<FakeReply>(const FakeRequest&)>;
-
-  explicit Farm(const test::TestServerOptions& options = {}) : server(options) {}
-
-  FakeReply answer(const FakeRequest& request) {
-    {
-      const std::lock_guard lock(mutex);
-      if (rude)
-        if (std::optional<FakeReply> reply = rude(request)) return std::move(*reply);
-    }
-    return test::pass_on(request, server.port());
-  }
-  /// How many requests began with these words.
-  int count(const std::string& beginning) const {
-    int n = 0;
-    for (const FakeRequest& request : door.requests()) n += request.head.starts_with(beginning);
-    return n;
-  }
-
-  test::TestServer server;
-  std::mutex mutex;
-  Rude rude;  ///< with the mutex
-  FakeServer door{[this](const FakeRequest& request) { return answer(request); }};
-};
 
 Patience short_pauses() {
   using std::chrono::milliseconds;
@@ -405,44 +374,6 @@ TEST(RemoteBaker, SaysThatItWaitsAndThatItWentOn) {
   ASSERT_EQ(said.size(), 2u) << "once each, however often it was tried";
   EXPECT_THAT(said[0], HasSubstr("Trying again for"));
   EXPECT_THAT(said[1], HasSubstr("answers again"));
-}
-
-// -- the parts
-
-TEST(ServerUrl, IsHostAndPortOverHttp) {
-  const auto read = [](const std::string& url) {
-    const auto settings = parse_server_url(url);
-    return settings ? settings->host + "|" + std::to_string(settings->port) : settings.error().detail;
-  };
-  EXPECT_EQ(read("http://farm"), "farm|80");
-  EXPECT_EQ(read("http://127.0.0.1:8080/"), "127.0.0.1|8080");
-  EXPECT_EQ(read("http://[::1]:65535"), "::1|65535");
-  EXPECT_EQ(read("https://farm:8443"), "farm|8443");
-  for (const char* wrong : {"", "farm:8080", "ftp://farm", "http://", "http://:80", "http://farm:",
-                            "http://farm:0", "http://farm:65536", "http://farm:80x", "http://farm/bake",
-                            "http://u@farm", "http://[::1", "http://[::1]80", "http://a b", "http://farm?x"})
-    EXPECT_THAT(read(wrong), HasSubstr("http://host:port")) << wrong;
-}
-
-TEST(WriteForm, IsReadBackWhateverThePartsHold) {
-  const std::string tricky = "--fracture-bake--\r\n--fracture-bake0\r\n";
-  const std::vector<FormPart> parts{{.name = "mesh", .filename = "mesh.obj", .body = tricky},
-                                    {.name = "params", .body = "{}"},
-                                    {.name = "file", .filename = "a \"b\".png", .body = ""}};
-  const Expected<Form> form = write_form(parts);
-  ASSERT_TRUE(form);
-  const auto boundary = http::multipart_boundary(form->content_type);
-  ASSERT_TRUE(boundary);
-  const auto read = http::parse_multipart(form->body, *boundary);
-  ASSERT_TRUE(read) << read.error().detail;
-  ASSERT_EQ(read->size(), parts.size());
-  for (std::size_t k = 0; k < parts.size(); ++k) {
-    EXPECT_EQ((*read)[k].name, parts[k].name);
-    EXPECT_EQ((*read)[k].filename.value_or(""), parts[k].filename);
-    EXPECT_EQ((*read)[k].body, parts[k].body);
-  }
-  const FormPart injected{.name = "file", .filename = "a\r\nX: y", .body = ""};
-  EXPECT_FALSE(write_form(std::span(&injected, 1)));
 }
 
 }  // namespace
