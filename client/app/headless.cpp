@@ -35,7 +35,7 @@ class Recorder {
     if (!figures) return tl::unexpected(figures.error());
     const std::string path = (std::filesystem::path(options_.out) / name).string();
     if (const auto written = write_png(target_->read(), path); !written)
-      return fail(ErrorCode::kInternal, written.error().detail);
+      return tl::unexpected(written.error());
     return json{{"file", path},
                 {"draw_calls", figures->draw_calls},
                 {"shadow_draw_calls", figures->shadow_draw_calls},
@@ -52,7 +52,7 @@ class Recorder {
     settings.sky_shadows = sky_shadows;
     const auto figures = view_->draw(game, view::look_at(scene.eye, scene.target, aspect), settings,
                                      target_->framebuffer(), options_.width, options_.height);
-    if (!figures) return fail(ErrorCode::kInternal, figures.error().detail);
+    if (!figures) return tl::unexpected(figures.error());
     return *figures;
   }
 
@@ -60,13 +60,13 @@ class Recorder {
   Expected<void> prepare() {
     if (view_) return {};
     auto context = egl::EglContext::create();
-    if (!context) return fail(ErrorCode::kInternal, context.error().detail);
+    if (!context) return tl::unexpected(context.error());
     context_ = std::make_unique<egl::EglContext>(std::move(*context));
     auto target = render::FrameTarget::create(options_.width, options_.height);
-    if (!target) return fail(ErrorCode::kInternal, target.error().detail);
+    if (!target) return tl::unexpected(target.error());
     target_ = std::make_unique<render::FrameTarget>(std::move(*target));
     auto view = view::SceneView::create();
-    if (!view) return fail(ErrorCode::kInternal, view.error().detail);
+    if (!view) return tl::unexpected(view.error());
     view_ = std::make_unique<view::SceneView>(std::move(*view));
     return {};
   }

@@ -13,8 +13,8 @@ namespace fracture::app {
 Expected<scenes::Scene> scene_of(const Options& options);
 
 /// Runs it and returns the summary (client/README.md lists its members). With --fixed-step the simulated
-/// clock waits for answers, else it is that of the wall and nothing waits. kInternal where a picture is asked
-/// for and there is no OpenGL, or it cannot be written.
+/// clock waits for answers, else it is that of the wall and nothing waits. kNoGraphics or kGraphicsDriver where
+/// a picture is asked for and there is no OpenGL for it, kFileAccess where it cannot be written.
 Expected<nlohmann::json> run_headless(const Options& options);
 
 }  // namespace fracture::app

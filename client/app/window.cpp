@@ -32,8 +32,8 @@ double seconds_between(Clock::time_point a, Clock::time_point b) {
 /// Window, context and Dear ImGui, which end together.
 class Window {
  public:
-  static tl::expected<std::unique_ptr<Window>, std::string> open(const Options& options) {
-    if (glfwInit() == GLFW_FALSE) return tl::unexpected(last_error());
+  static Expected<std::unique_ptr<Window>> open(const Options& options) {
+    if (glfwInit() == GLFW_FALSE) return fail(ErrorCode::kNoGraphics, last_error());
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
@@ -41,7 +41,7 @@ class Window {
     if (window == nullptr) {
       std::string why = last_error();
       glfwTerminate();
-      return tl::unexpected(why);
+      return fail(ErrorCode::kNoGraphics, std::move(why));
     }
     glfwMakeContextCurrent(window);
     glfwSwapInterval(1);
@@ -364,7 +364,8 @@ int run_window(const Options& options) {
   std::filesystem::create_directories(options.out, ignored);
   const auto window = Window::open(options);
   if (!window) {
-    std::fprintf(stderr, "fracture-client: no window: %s. --headless needs none.\n", window.error().c_str());
+    std::fprintf(stderr, "fracture-client: no window: %s. --headless needs none.\n",
+                 window.error().detail.c_str());
     return 1;
   }
   auto view = view::SceneView::create();

@@ -2,34 +2,32 @@
 
 namespace fracture::cli {
 
-using render::Result;
-
-Result<PictureMaker> PictureMaker::create() {
-  Result<render::Renderer> renderer = render::Renderer::create();
+Expected<PictureMaker> PictureMaker::create() {
+  Expected<render::Renderer> renderer = render::Renderer::create();
   if (!renderer) return tl::unexpected(renderer.error());
   return PictureMaker(std::move(*renderer));
 }
 
-Result<render::GpuModel*> PictureMaker::model(const std::string& file) {
+Expected<render::GpuModel*> PictureMaker::model(const std::string& file) {
   constexpr std::size_t kKept = 4;  // the pictures of a row show two files or three
   const auto known = scenes_.find(file);
   if (known != scenes_.end()) return &known->second;
   if (scenes_.size() >= kKept) scenes_.clear();
-  Result<render::Model> model = render::load_scene(file);
+  Expected<render::Model> model = render::load_scene(file);
   if (!model) return tl::unexpected(model.error());
   for (const std::string& warning : model->warnings) warnings_.push_back(file + ": " + warning);
-  Result<render::GpuModel> gpu =
+  Expected<render::GpuModel> gpu =
       render::GpuModel::upload(std::make_shared<const render::Model>(std::move(*model)));
   if (!gpu) return tl::unexpected(gpu.error());
   return &scenes_.emplace(file, std::move(*gpu)).first->second;
 }
 
-Result<render::Picture> PictureMaker::draw(const PictureOptions& options) {
-  const Result<render::GpuModel*> gpu = model(options.file);
+Expected<render::Picture> PictureMaker::draw(const PictureOptions& options) {
+  const Expected<render::GpuModel*> gpu = model(options.file);
   if (!gpu) return tl::unexpected(gpu.error());
   const int width = options.supersample * options.width, height = options.supersample * options.height;
   if (!target_ || target_->width() != width || target_->height() != height) {
-    Result<render::FrameTarget> target = render::FrameTarget::create(width, height);
+    Expected<render::FrameTarget> target = render::FrameTarget::create(width, height);
     if (!target) return tl::unexpected(target.error());
     target_ = std::move(*target);
   }

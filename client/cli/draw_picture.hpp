@@ -15,9 +15,9 @@ namespace fracture::cli {
 class PictureMaker {
  public:
   /// A context has to be current.
-  static render::Result<PictureMaker> create();
+  static Expected<PictureMaker> create();
 
-  render::Result<render::Picture> draw(const PictureOptions& options);
+  Expected<render::Picture> draw(const PictureOptions& options);
 
   const render::FrameStats& stats() const { return stats_; }  ///< of the last picture
   const std::vector<std::string>& warnings() const {
@@ -26,7 +26,7 @@ class PictureMaker {
 
  private:
   explicit PictureMaker(render::Renderer renderer) : renderer_(std::move(renderer)) {}
-  render::Result<render::GpuModel*> model(const std::string& file);
+  Expected<render::GpuModel*> model(const std::string& file);
 
   render::Renderer renderer_;
   std::optional<render::FrameTarget> target_;

@@ -10,24 +10,26 @@
 
 namespace {
 
+using fracture::Error;
+using fracture::ErrorCode;
+using fracture::Expected;
 using fracture::cli::OptionSpec;
 using fracture::cli::PictureMaker;
 using fracture::cli::PictureOptions;
-using fracture::render::RenderError;
-using fracture::render::RenderErrorCode;
-using fracture::render::Result;
 
 constexpr int kExitDone = 0, kExitSystem = 1, kExitUsage = 2, kExitRefused = 3, kExitBug = 4;
 
-int exit_code(const RenderError& error) {
+int exit_code(const Error& error) {
   switch (error.code) {
-    case RenderErrorCode::kBadOption:
+    case ErrorCode::kBadParameter:
       return kExitUsage;
-    case RenderErrorCode::kMesh:
-    case RenderErrorCode::kTooLarge:
-      return kExitRefused;
-    default:
+    case ErrorCode::kFileAccess:
+    case ErrorCode::kBadImage:
+    case ErrorCode::kNoGraphics:
+    case ErrorCode::kGraphicsDriver:
       return kExitSystem;
+    default:
+      return kExitRefused;
   }
 }
 
@@ -37,7 +39,7 @@ struct Command {
   bool quiet = false;
 };
 
-Result<void> run(const Command& command) {
+Expected<void> run(const Command& command) {
   PictureOptions options;
   fracture::cli::Sheet sheet;
   if (command.sheet.empty()) {
@@ -51,7 +53,7 @@ Result<void> run(const Command& command) {
   if (!context) return tl::unexpected(context.error());
   auto maker = PictureMaker::create();
   if (!maker) return tl::unexpected(maker.error());
-  const Result<fracture::render::Picture> picture =
+  const Expected<fracture::render::Picture> picture =
       command.sheet.empty()
           ? maker->draw(options)
           : compose_sheet(sheet, [&](const PictureOptions& cell) { return maker->draw(cell); });
@@ -102,7 +104,7 @@ int main(int argc, char** argv) {
     return kExitUsage;
   }
   try {
-    const Result<void> done = run(command);
+    const Expected<void> done = run(command);
     if (done) return kExitDone;
     std::fprintf(stderr, "fracture-render: %s\n", done.error().detail.c_str());
     return exit_code(done.error());

@@ -166,21 +166,18 @@ constexpr OptionSpec kSpecs[] = {
 
 std::span<const OptionSpec> option_specs() { return kSpecs; }
 
-render::Result<void> set_options(PictureOptions& options, const json& object, const std::string& where) {
-  if (!object.is_object())
-    return render::fail(render::RenderErrorCode::kBadOption, where + " has to be an object.");
+Expected<void> set_options(PictureOptions& options, const json& object, const std::string& where) {
+  if (!object.is_object()) return fail(ErrorCode::kBadParameter, where + " has to be an object.");
   for (const auto& [key, value] : object.items()) {
     const OptionSpec* found = nullptr;
     for (const OptionSpec& spec : kSpecs)
       if (key == spec.name) found = &spec;
-    if (found == nullptr)
-      return render::fail(render::RenderErrorCode::kBadOption, where + " has no option '" + key + "'.");
+    if (found == nullptr) return fail(ErrorCode::kBadParameter, where + " has no option '" + key + "'.");
     try {
       found->set(options, value);
     } catch (const std::invalid_argument& legal) {
-      return render::fail(
-          render::RenderErrorCode::kBadOption,
-          where + ": '" + key + "' must be " + legal.what() + "; it was " + value.dump() + ".");
+      return fail(ErrorCode::kBadParameter,
+                  where + ": '" + key + "' must be " + legal.what() + "; it was " + value.dump() + ".");
     }
   }
   return {};

@@ -32,7 +32,6 @@ struct OptionSpec {
 std::span<const OptionSpec> option_specs();
 
 /// Sets every member of the object. kBadOption names the key and what is legal; `where` stands in front.
-render::Result<void> set_options(PictureOptions& options, const nlohmann::json& object,
-                                 const std::string& where);
+Expected<void> set_options(PictureOptions& options, const nlohmann::json& object, const std::string& where);
 
 }  // namespace fracture::cli

@@ -10,9 +10,6 @@ namespace fracture::cli {
 namespace {
 
 using nlohmann::json;
-using render::fail;
-using render::RenderErrorCode;
-using render::Result;
 
 constexpr std::size_t kMaxCells = 1024;
 
@@ -24,24 +21,24 @@ const json& member(const json& object, const char* key) {
 }
 
 /// "columns" or "rows": an array of objects with a label.
-Result<std::vector<json>> headings(const json& document, const char* key, const std::string& path) {
+Expected<std::vector<json>> headings(const json& document, const char* key, const std::string& path) {
   const auto it = document.find(key);
   if (it == document.end()) return std::vector<json>{json::object()};
   if (!it->is_array() || it->empty())
-    return fail(RenderErrorCode::kBadOption,
+    return fail(ErrorCode::kBadParameter,
                 path + ": /" + key + " has to be an array with at least one object.");
   for (std::size_t k = 0; k < it->size(); ++k)
     if (!(*it)[k].is_object() || ((*it)[k].contains("label") && !(*it)[k]["label"].is_string()))
-      return fail(RenderErrorCode::kBadOption, path + ": /" + key + "/" + std::to_string(k) +
-                                                   " has to be an object whose label is a text.");
+      return fail(ErrorCode::kBadParameter, path + ": /" + key + "/" + std::to_string(k) +
+                                                " has to be an object whose label is a text.");
   return it->get<std::vector<json>>();
 }
 
-Result<Sheet> parse(const json& document, const std::string& path) {
-  if (!document.is_object()) return fail(RenderErrorCode::kBadOption, path + " has to hold an object.");
+Expected<Sheet> parse(const json& document, const std::string& path) {
+  if (!document.is_object()) return fail(ErrorCode::kBadParameter, path + " has to hold an object.");
   for (const auto& [key, value] : document.items())
     if (key != "title" && key != "options" && key != "columns" && key != "rows" && key != "cells")
-      return fail(RenderErrorCode::kBadOption,
+      return fail(ErrorCode::kBadParameter,
                   path + " has no member '" + key + "' (title, options, columns, rows, cells).");
   Sheet sheet;
   if (const auto it = document.find("title"); it != document.end() && it->is_string()) sheet.title = *it;
@@ -49,9 +46,8 @@ Result<Sheet> parse(const json& document, const std::string& path) {
   if (!columns) return tl::unexpected(columns.error());
   if (!rows) return tl::unexpected(rows.error());
   if (rows->size() * columns->size() > kMaxCells)
-    return fail(RenderErrorCode::kTooLarge, path + " has " + std::to_string(rows->size() * columns->size()) +
-                                                " pictures; a sheet may have " + std::to_string(kMaxCells) +
-                                                ".");
+    return fail(ErrorCode::kTooLarge, path + " has " + std::to_string(rows->size() * columns->size()) +
+                                          " pictures; a sheet may have " + std::to_string(kMaxCells) + ".");
   for (const json& column : *columns) sheet.columns.push_back(column.value("label", ""));
   for (const json& row : *rows) sheet.rows.push_back(row.value("label", ""));
 
@@ -74,7 +70,7 @@ Result<Sheet> parse(const json& document, const std::string& path) {
       cell.width = base.width;
       cell.height = base.height;
       if (cell.file.empty())
-        return fail(RenderErrorCode::kBadOption, path + ": the cell " + at + " (row/column) has no file.");
+        return fail(ErrorCode::kBadParameter, path + ": the cell " + at + " (row/column) has no file.");
       cell.file = (folder / cell.file).string();
       sheet.cells.push_back(std::move(cell));
     }
@@ -83,19 +79,19 @@ Result<Sheet> parse(const json& document, const std::string& path) {
 
 }  // namespace
 
-Result<Sheet> read_sheet(const std::string& path) {
+Expected<Sheet> read_sheet(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
-  if (!in) return fail(RenderErrorCode::kFile, "Cannot read " + path + ".");
+  if (!in) return fail(ErrorCode::kFileAccess, "Cannot read " + path + ".");
   try {
     return parse(json::parse(in), path);
   } catch (const json::parse_error& error) {
-    return fail(RenderErrorCode::kBadOption,
+    return fail(ErrorCode::kBadParameter,
                 path + " is not valid JSON at byte " + std::to_string(error.byte) + ".");
   }
 }
 
-Result<render::Picture> compose_sheet(
-    const Sheet& sheet, const std::function<Result<render::Picture>(const PictureOptions&)>& draw) {
+Expected<render::Picture> compose_sheet(
+    const Sheet& sheet, const std::function<Expected<render::Picture>(const PictureOptions&)>& draw) {
   const int width = sheet.cells.front().width, height = sheet.cells.front().height;
   const auto columns = static_cast<int>(sheet.columns.size()), rows = static_cast<int>(sheet.rows.size());
   constexpr render::Color kPaper = {250, 250, 250, 255}, kInk = {30, 34, 40, 255};
@@ -107,7 +103,7 @@ Result<render::Picture> compose_sheet(
   const bool any_text = !sheet.title.empty() || labelled(sheet.columns) || labelled(sheet.rows);
   std::optional<render::Font> font;
   if (any_text) {
-    Result<render::Font> opened = render::Font::open();
+    Expected<render::Font> opened = render::Font::open();
     if (!opened) return tl::unexpected(opened.error());
     font.emplace(std::move(*opened));
   }
@@ -119,9 +115,9 @@ Result<render::Picture> compose_sheet(
   top += title_height + label_height;
   const int whole_width = left + columns * (width + kGap), whole_height = top + rows * (height + kGap);
   if (whole_width > render::kMaxPictureSide || whole_height > render::kMaxPictureSide)
-    return fail(RenderErrorCode::kTooLarge, "The sheet would have " + std::to_string(whole_width) + " x " +
-                                                std::to_string(whole_height) + " pixels; a side may have " +
-                                                std::to_string(render::kMaxPictureSide) + ".");
+    return fail(ErrorCode::kTooLarge, "The sheet would have " + std::to_string(whole_width) + " x " +
+                                          std::to_string(whole_height) + " pixels; a side may have " +
+                                          std::to_string(render::kMaxPictureSide) + ".");
   render::Picture page(whole_width, whole_height, kPaper);
   if (!sheet.title.empty())
     font->draw(page, kGap, static_cast<int>(1.35f * text), 1.25f * text, kInk, sheet.title);
@@ -137,7 +133,7 @@ Result<render::Picture> compose_sheet(
       font->draw(page, kGap, top + r * (height + kGap) + height / 2 + static_cast<int>(text / 3), text, kInk,
                  label);
     for (int c = 0; c < columns; ++c) {
-      const Result<render::Picture> picture = draw(sheet.cells[static_cast<std::size_t>(r * columns + c)]);
+      const Expected<render::Picture> picture = draw(sheet.cells[static_cast<std::size_t>(r * columns + c)]);
       if (!picture) return tl::unexpected(picture.error());
       paste(page, *picture, left + c * (width + kGap), top + r * (height + kGap));
     }

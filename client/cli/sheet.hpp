@@ -24,10 +24,10 @@ struct Sheet {
 };
 
 /// kFile, kBadOption with the place in the file.
-render::Result<Sheet> read_sheet(const std::string& path);
+Expected<Sheet> read_sheet(const std::string& path);
 
 /// Draws every cell and puts them together. Errors of `draw` end it.
-render::Result<render::Picture> compose_sheet(
-    const Sheet& sheet, const std::function<render::Result<render::Picture>(const PictureOptions&)>& draw);
+Expected<render::Picture> compose_sheet(
+    const Sheet& sheet, const std::function<Expected<render::Picture>(const PictureOptions&)>& draw);
 
 }  // namespace fracture::cli

@@ -9,9 +9,6 @@
 
 namespace fracture::egl {
 
-using render::RenderErrorCode;
-using render::Result;
-
 struct EglContext::State {
   EGLDisplay display = EGL_NO_DISPLAY;
   EGLContext context = EGL_NO_CONTEXT;
@@ -36,19 +33,21 @@ std::string egl_error() {
   return std::string("EGL error ") + text.data();
 }
 
-/// Makes OpenGL 3.3 core current on the display; says why it cannot.
-std::string open_context(EGLDisplay display, EGLContext& context) {
+/// Makes OpenGL 3.3 core current on the display. kNoGraphics with the reason alone.
+Expected<EGLContext> open_context(EGLDisplay display) {
+  const auto none = [](std::string why) { return fail(ErrorCode::kNoGraphics, std::move(why)); };
   EGLint major = 0, minor = 0;
-  if (display == EGL_NO_DISPLAY) return "no display";
-  if (eglInitialize(display, &major, &minor) == EGL_FALSE) return "not initialized, " + egl_error();
-  if (!epoxy_has_egl_extension(display, "EGL_KHR_surfaceless_context")) return "no surfaceless contexts";
-  if (eglBindAPI(EGL_OPENGL_API) == EGL_FALSE) return "no desktop OpenGL";
+  if (display == EGL_NO_DISPLAY) return none("no display");
+  if (eglInitialize(display, &major, &minor) == EGL_FALSE) return none("not initialized, " + egl_error());
+  if (!epoxy_has_egl_extension(display, "EGL_KHR_surfaceless_context"))
+    return none("no surfaceless contexts");
+  if (eglBindAPI(EGL_OPENGL_API) == EGL_FALSE) return none("no desktop OpenGL");
   constexpr EGLint kConfig[] = {EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_SURFACE_TYPE, EGL_DONT_CARE,
                                 EGL_NONE};
   EGLConfig config = nullptr;
   EGLint count = 0;
   if (eglChooseConfig(display, kConfig, &config, 1, &count) == EGL_FALSE || count < 1)
-    return "no configuration for OpenGL";
+    return none("no configuration for OpenGL");
   constexpr EGLint kAttributes[] = {EGL_CONTEXT_MAJOR_VERSION,
                                     3,
                                     EGL_CONTEXT_MINOR_VERSION,
@@ -56,14 +55,14 @@ std::string open_context(EGLDisplay display, EGLContext& context) {
                                     EGL_CONTEXT_OPENGL_PROFILE_MASK,
                                     EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
                                     EGL_NONE};
-  context = eglCreateContext(display, config, EGL_NO_CONTEXT, kAttributes);
-  if (context == EGL_NO_CONTEXT) return "no OpenGL 3.3 core, " + egl_error();
+  const EGLContext context = eglCreateContext(display, config, EGL_NO_CONTEXT, kAttributes);
+  if (context == EGL_NO_CONTEXT) return none("no OpenGL 3.3 core, " + egl_error());
   if (eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context) == EGL_FALSE) {
     const std::string why = "cannot be made current, " + egl_error();
-    eglDestroyContext(display, std::exchange(context, EGL_NO_CONTEXT));
-    return why;
+    eglDestroyContext(display, context);
+    return none(why);
   }
-  return {};
+  return context;
 }
 
 }  // namespace
@@ -74,20 +73,21 @@ EglContext& EglContext::operator=(EglContext&&) noexcept = default;
 EglContext::~EglContext() = default;
 const std::string& EglContext::description() const { return state_->description; }
 
-Result<EglContext> EglContext::create() {
+Expected<EglContext> EglContext::create() {
   std::string complaints;
   const auto attempt = [&](const std::string& name, EGLDisplay display) -> std::unique_ptr<State> {
     auto state = std::make_unique<State>();
     state->display = display;
-    const std::string why = open_context(display, state->context);
-    if (why.empty()) {
+    const Expected<EGLContext> context = open_context(display);
+    if (context) {
+      state->context = *context;
       const auto text = [](GLenum what) {
         return std::string(reinterpret_cast<const char*>(glGetString(what)));
       };
       state->description = name + ": " + text(GL_RENDERER) + ", OpenGL " + text(GL_VERSION);
       return state;
     }
-    complaints += (complaints.empty() ? "" : "; ") + name + ": " + why;
+    complaints += (complaints.empty() ? "" : "; ") + name + ": " + context.error().detail;
     return nullptr;
   };
   const bool platforms = epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_platform_base");
@@ -108,9 +108,9 @@ Result<EglContext> EglContext::create() {
   }
   if (auto state = attempt("default display", eglGetDisplay(EGL_DEFAULT_DISPLAY)))
     return EglContext(std::move(state));
-  return render::fail(RenderErrorCode::kNoDevice,
-                      "No EGL display gives OpenGL 3.3 (Debian: libegl1, libegl-mesa0, libgl1-mesa-dri). " +
-                          complaints + ".");
+  return fail(ErrorCode::kNoGraphics,
+              "No EGL display gives OpenGL 3.3 (Debian: libegl1, libegl-mesa0, libgl1-mesa-dri). " +
+                  complaints + ".");
 }
 
 }  // namespace fracture::egl

@@ -5,15 +5,15 @@
 #include <memory>
 #include <string>
 
-#include "client/render/render_error.hpp"
+#include "common/base/error.hpp"
 
 namespace fracture::egl {
 
 class EglContext {
  public:
   /// OpenGL 3.3 core, made current in this thread, without a surface. Tries Mesa's surfaceless platform, then
-  /// the devices that EGL lists, then the default display. kNoDevice with what each of them said.
-  static render::Result<EglContext> create();
+  /// the devices that EGL lists, then the default display. kNoGraphics with what each of them said.
+  static Expected<EglContext> create();
   EglContext(EglContext&&) noexcept;
   EglContext& operator=(EglContext&&) noexcept;
   ~EglContext();

@@ -11,12 +11,12 @@ Decoded decode(std::uint64_t ticket, std::string glb) {
   const auto bytes = std::as_bytes(std::span(glb.data(), glb.size()));
   Expected<world::FragmentSet> set = world::read_fragments(bytes);
   if (!set) {
-    decoded.error = std::string(slug(set.error().code)) + ": " + set.error().detail;
+    decoded.error = to_string(set.error());
     return decoded;
   }
-  render::Result<render::Model> model = render::read_model(bytes);
+  Expected<render::Model> model = render::read_model(bytes);
   if (!model) {
-    decoded.error = model.error().detail;
+    decoded.error = to_string(model.error());
     return decoded;
   }
   std::map<std::uint64_t, std::uint32_t> index;

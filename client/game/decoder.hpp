@@ -16,7 +16,7 @@ namespace fracture::game {
 
 struct Decoded {
   std::uint64_t ticket = 0;
-  std::string error;  ///< empty where all is well: slug and detail of what is wrong with the file
+  std::string error;  ///< for people: what is wrong with the file, where `fragments` is null; else empty
   std::shared_ptr<const std::string> glb;
   std::shared_ptr<const world::PreparedFragments> fragments;
   std::shared_ptr<const render::Model> model;

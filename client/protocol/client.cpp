@@ -6,10 +6,15 @@
 #include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <thread>
 
+#include "common/base/error.hpp"
+#include "common/exchange/backoff.hpp"
 #include "common/exchange/connection_pool.hpp"
 #include "common/exchange/headers.hpp"
+#include "common/exchange/problem_document.hpp"
+#include "common/exchange/stored_meshes.hpp"
 
 namespace fracture::protocol {
 namespace {
@@ -53,15 +58,9 @@ Failure failure_of(Outcome outcome) {
 
 /// The problem document's own words, if the body is one.
 void read_problem(const Exchange& exchange, Answer& answer) {
-  const nlohmann::json document = nlohmann::json::parse(exchange.body, nullptr, false);
-  const auto text = [&](const char* key) {
-    const auto it = document.is_object() ? document.find(key) : document.end();
-    return it != document.end() && it->is_string() ? it->get<std::string>() : std::string();
-  };
-  const std::string type = text("type");
-  answer.problem = type.substr(type.rfind('/') + 1);
-  answer.detail = text("detail");
-  if (answer.detail.empty()) answer.detail = "The server answered " + std::to_string(exchange.status) + ".";
+  ProblemDocument problem = problem_in(exchange);
+  answer.problem = problem.slug();
+  answer.detail = std::move(problem.detail);
 }
 
 ConnectionSettings connections_of(const Settings& s) {
@@ -79,42 +78,6 @@ ConnectionSettings connections_of(const Settings& s) {
 bool is_json(const std::string& body) { return nlohmann::json::accept(body); }
 
 }  // namespace
-
-const char* name(Failure failure) {
-  switch (failure) {
-    case Failure::kNone:
-      return "none";
-    case Failure::kServerAbsent:
-      return "server-absent";
-    case Failure::kTimedOut:
-      return "timed-out";
-    case Failure::kOverloaded:
-      return "overloaded";
-    case Failure::kDamaged:
-      return "damaged";
-    case Failure::kTooLarge:
-      return "too-large";
-    case Failure::kRefused:
-      return "refused";
-    case Failure::kCancelled:
-      return "cancelled";
-  }
-  return "";
-}
-
-const char* name(ServerState state) {
-  switch (state) {
-    case ServerState::kUnknown:
-      return "unknown";
-    case ServerState::kReachable:
-      return "reachable";
-    case ServerState::kOverloaded:
-      return "overloaded";
-    case ServerState::kAbsent:
-      return "absent";
-  }
-  return "";
-}
 
 struct Client::State {
   explicit State(Settings given)
@@ -212,19 +175,21 @@ struct Client::State {
     co_return exchange;
   }
 
-  /// Is it what was asked for, undamaged?
-  static std::string damage(RequestKind kind, const Exchange& exchange) {
-    if (kind != RequestKind::kFracture) return is_json(exchange.body) ? "" : "The answer is not JSON.";
-    if (exchange.repr_digest.empty()) return "The answer has no Repr-Digest.";
+  /// kDamagedAnswer where it is not what was asked for.
+  static std::optional<Error> damage(RequestKind kind, const Exchange& exchange) {
+    const auto damaged = [](const char* how) { return Error{ErrorCode::kDamagedAnswer, how}; };
+    if (kind != RequestKind::kFracture && !is_json(exchange.body)) return damaged("The answer is not JSON.");
+    if (kind != RequestKind::kFracture) return std::nullopt;
+    if (exchange.repr_digest.empty()) return damaged("The answer has no Repr-Digest.");
     if (!digest_matches(exchange.repr_digest, exchange.body))
-      return "The answer has another digest than its Repr-Digest says.";
-    return "";
+      return damaged("The answer has another digest than its Repr-Digest says.");
+    return std::nullopt;
   }
 
   asio::awaitable<Answer> run(Job& job) {
     Answer answer;
     const Clock::time_point deadline = job.asked + settings.patience;
-    Milliseconds pause = settings.first_pause;
+    Backoff backoff(settings.first_pause, settings.longest_pause);
     int damaged = 0;
     bool put = job.kind == RequestKind::kStore;  // a 404 after a PUT is the server's own no
     while (true) {
@@ -234,11 +199,12 @@ struct Client::State {
       answer.status = exchange.status;
       answer.failure = failure_of(exchange.outcome);
       answer.detail = exchange.detail;
-      Milliseconds wait = pause;
+      Milliseconds wait = backoff.pause();
       if (exchange.outcome == Outcome::kAnswered) {
         if (exchange.status == 200 || exchange.status == 201) {
-          answer.detail = damage(job.kind, exchange);
-          if (answer.detail.empty()) {
+          std::optional<Error> wrong = damage(job.kind, exchange);
+          answer.detail = wrong ? std::move(wrong->detail) : "";
+          if (!wrong) {
             answer.server_timing = parse_server_timing(exchange.server_timing);
             answer.body = exchange.body;
             if (job.kind == RequestKind::kStore) {
@@ -253,18 +219,17 @@ struct Client::State {
         } else if (exchange.status == 503 || exchange.status == 429) {
           read_problem(exchange, answer);
           answer.failure = Failure::kOverloaded;
-          wait = parse_retry_after(exchange.retry_after).value_or(pause);
+          wait = parse_retry_after(exchange.retry_after).value_or(backoff.pause());
         } else {
           read_problem(exchange, answer);
           answer.failure = Failure::kRefused;
-          const bool forgotten = exchange.status == 404 && answer.problem == "not-found";
+          const bool forgotten = mesh_is_missing(exchange.status, answer.problem);
           if (!forgotten || put || job.kind != RequestKind::kFracture || meshes.count(job.mesh) == 0)
             co_return answer;
           wait = Milliseconds(0);
-          // Another job may have put it while this 404 was on its way.
-          if (const auto last = put_at.find(job.mesh); last == put_at.end() || last->second < sent) {
+          if (const PutOnce::Role role = puts.begin(job.mesh, sent); role != PutOnce::Role::kRetry) {
             put = true;
-            Answer stored = co_await store(job);
+            Answer stored = co_await store(job, role);
             answer.exchanges += stored.exchanges;
             if (!stored.ok()) {
               stored.exchanges = answer.exchanges;
@@ -284,7 +249,7 @@ struct Client::State {
       note_retry();
       if (wait.count() > 0) {
         co_await pool.pause(wait, job.interruption);
-        pause = std::min(2 * pause, settings.longest_pause);
+        backoff.lengthen();
       }
       if (job.interruption.requested) {
         answer.failure = Failure::kCancelled;
@@ -295,32 +260,25 @@ struct Client::State {
   }
 
   /// PUT of the job's mesh, by the first of the jobs that miss it; the others wait for that.
-  asio::awaitable<Answer> store(Job& job) {
+  asio::awaitable<Answer> store(Job& job, PutOnce::Role role) {
     const std::string id = job.mesh;
-    if (putting.count(id) > 0) {
-      while (putting.count(id) > 0 && !job.interruption.requested)
+    if (role == PutOnce::Role::kWait) {
+      while (puts.pending(id) && !job.interruption.requested)
         co_await pool.pause(Milliseconds(2), job.interruption);
       co_return Answer{};
     }
-    putting[id] = true;
     Job put;
     put.kind = RequestKind::kStore;
     put.mesh = id;
-    put.request = put_request(id);
+    const StoredMesh& mesh = meshes.at(id);
+    put.request = put_request(id, mesh.content_type, mesh.bytes);
     put.asked = job.asked;
     // What interrupts the job interrupts its PUT.
     job.interruption.wake = [&put] { put.interruption.request(); };
     Answer answer = co_await run(put);
     job.interruption.wake = nullptr;
-    putting.erase(id);
-    if (answer.ok()) put_at[id] = Clock::now();
+    puts.done(id, answer.ok());
     co_return answer;
-  }
-
-  HttpRequest put_request(const std::string& id) const {
-    const StoredMesh& mesh = meshes.at(id);
-    return {
-        .method = "PUT", .target = "/meshes/" + id, .content_type = mesh.content_type, .body = mesh.bytes};
   }
 
   /// Notices a server that comes and goes while nobody asks for anything.
@@ -339,8 +297,7 @@ struct Client::State {
   asio::executor_work_guard<asio::io_context::executor_type> work;
   std::map<Ticket, std::shared_ptr<Job>> jobs;
   std::map<std::string, StoredMesh> meshes;
-  std::map<std::string, bool> putting;
-  std::map<std::string, Clock::time_point> put_at;  // when the last PUT of a mesh had ended well
+  PutOnce puts;
   Interruption beat;
   Clock::time_point heard{};
   bool stopping = false;
@@ -367,7 +324,7 @@ std::string Client::add_mesh(std::string bytes, const std::string& content_type,
   auto job = std::make_shared<Job>();
   job->kind = RequestKind::kStore;
   job->mesh = id;
-  job->request = {.method = "PUT", .target = "/meshes/" + id, .content_type = content_type, .body = shared};
+  job->request = put_request(id, content_type, shared);
   const Ticket given = state_->submit(std::move(job));
   if (ticket != nullptr) *ticket = given;
   return id;
@@ -388,10 +345,7 @@ Ticket Client::fracture(const std::string& mesh, const nlohmann::json& parameter
     state_->answers.push_back(answer);
     return answer.ticket;
   }
-  job->request = {.method = "POST",
-                  .target = "/meshes/" + mesh + "/fracture",
-                  .content_type = "application/json",
-                  .body = std::make_shared<const std::string>(std::move(text))};
+  job->request = fracture_request(mesh, std::move(text));
   return state_->submit(std::move(job));
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/exchange/headers.hpp"
+#include "common/exchange/stored_meshes.hpp"
 
 namespace fracture::protocol {
 
@@ -32,6 +33,8 @@ struct Settings {
 
 enum class RequestKind { kStore, kFracture, kPatterns };
 
+/// How a request has ended with all that was tried again: what a game decides by. Each step has an Error of its own,
+/// of which `detail` keeps the last.
 enum class Failure {
   kNone,
   kServerAbsent,  ///< nobody listened, or connections broke, until the patience was over
@@ -43,8 +46,6 @@ enum class Failure {
   kCancelled,     ///< by cancel() or by the end of the client
 };
 const char* name(Failure failure);
-
-inline constexpr std::size_t kMaxParameterBytes = 4096;  ///< of one request: the server's limit
 
 using Ticket = std::uint64_t;  ///< of a request; never 0, never used twice
 

@@ -5,15 +5,15 @@
 
 namespace fracture::render {
 
-Result<FrameTarget> FrameTarget::create(int width, int height, int samples) {
+Expected<FrameTarget> FrameTarget::create(int width, int height, int samples) {
   GLint largest = 0, most_samples = 0;
   glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
   glGetIntegerv(GL_MAX_SAMPLES, &most_samples);
   if (width < 1 || height < 1 || width > largest || height > largest)
-    return fail(RenderErrorCode::kTooLarge, "A picture of " + std::to_string(width) + " x " +
-                                                std::to_string(height) +
-                                                " pixels cannot be drawn; this driver has sides of 1 to " +
-                                                std::to_string(largest) + ".");
+    return fail(ErrorCode::kTooLarge, "A picture of " + std::to_string(width) + " x " +
+                                          std::to_string(height) +
+                                          " pixels cannot be drawn; this driver has sides of 1 to " +
+                                          std::to_string(largest) + ".");
   FrameTarget target;
   target.width_ = width;
   target.height_ = height;
@@ -38,9 +38,9 @@ Result<FrameTarget> FrameTarget::create(int width, int height, int samples) {
                             target.resolved_color_.get());
   const GLenum second = glCheckFramebufferStatus(GL_FRAMEBUFFER);
   if (first != GL_FRAMEBUFFER_COMPLETE || second != GL_FRAMEBUFFER_COMPLETE)
-    return fail(RenderErrorCode::kGl, "The driver refuses a framebuffer of " + std::to_string(width) + " x " +
-                                          std::to_string(height) + " pixels (status " +
-                                          std::to_string(first) + ", " + std::to_string(second) + ").");
+    return fail(ErrorCode::kGraphicsDriver, "The driver refuses a framebuffer of " + std::to_string(width) +
+                                                " x " + std::to_string(height) + " pixels (status " +
+                                                std::to_string(first) + ", " + std::to_string(second) + ").");
   return target;
 }
 

@@ -10,7 +10,7 @@ class FrameTarget {
  public:
   /// Colour in sRGB with alpha, 24-bit depth; as many samples as are asked for and the driver has (llvmpipe:
   /// 4). kTooLarge over the driver's renderbuffers, kGl where it is refused.
-  static Result<FrameTarget> create(int width, int height, int samples = 4);
+  static Expected<FrameTarget> create(int width, int height, int samples = 4);
 
   int width() const { return width_; }
   int height() const { return height_; }

@@ -8,7 +8,7 @@ namespace {
 void delete_shader(GLuint name) { glDeleteShader(name); }
 using Shader = GlName<delete_shader>;
 
-Result<Shader> compile(const std::string& name, GLenum stage, const std::string& text) {
+Expected<Shader> compile(const std::string& name, GLenum stage, const std::string& text) {
   Shader shader(glCreateShader(stage));
   const char* source = text.c_str();
   glShaderSource(shader.get(), 1, &source, nullptr);
@@ -20,16 +20,16 @@ Result<Shader> compile(const std::string& name, GLenum stage, const std::string&
   glGetShaderiv(shader.get(), GL_INFO_LOG_LENGTH, &length);
   std::string log(static_cast<std::size_t>(length) + 1, '\0');
   glGetShaderInfoLog(shader.get(), static_cast<GLsizei>(log.size()), nullptr, log.data());
-  return fail(RenderErrorCode::kGl, "The driver refuses the shader " + name + ": " + log.c_str());
+  return fail(ErrorCode::kGraphicsDriver, "The driver refuses the shader " + name + ": " + log.c_str());
 }
 
 }  // namespace
 
-Result<Program> Program::build(const std::string& name, const std::string& vertex,
-                               const std::string& fragment) {
-  Result<Shader> v = compile(name + " (vertex)", GL_VERTEX_SHADER, vertex);
+Expected<Program> Program::build(const std::string& name, const std::string& vertex,
+                                 const std::string& fragment) {
+  Expected<Shader> v = compile(name + " (vertex)", GL_VERTEX_SHADER, vertex);
   if (!v) return tl::unexpected(v.error());
-  Result<Shader> f = compile(name + " (fragment)", GL_FRAGMENT_SHADER, fragment);
+  Expected<Shader> f = compile(name + " (fragment)", GL_FRAGMENT_SHADER, fragment);
   if (!f) return tl::unexpected(f.error());
   Program result;
   result.program_ = GlName<gl::delete_program>(glCreateProgram());
@@ -44,7 +44,7 @@ Result<Program> Program::build(const std::string& name, const std::string& verte
   glGetProgramiv(program, GL_INFO_LOG_LENGTH, &length);
   std::string log(static_cast<std::size_t>(length) + 1, '\0');
   glGetProgramInfoLog(program, static_cast<GLsizei>(log.size()), nullptr, log.data());
-  return fail(RenderErrorCode::kGl, "The driver cannot link the program " + name + ": " + log.c_str());
+  return fail(ErrorCode::kGraphicsDriver, "The driver cannot link the program " + name + ": " + log.c_str());
 }
 
 void Program::bind_block(const char* block, GLuint binding) const {

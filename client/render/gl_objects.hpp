@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "client/render/render_error.hpp"
+#include "common/base/error.hpp"
 
 namespace fracture::render {
 
@@ -76,8 +76,8 @@ inline Sampler make_sampler() {
 class Program {
  public:
   /// Compiles and links; `name` stands in the error with the compiler's log. kGl.
-  static Result<Program> build(const std::string& name, const std::string& vertex,
-                               const std::string& fragment);
+  static Expected<Program> build(const std::string& name, const std::string& vertex,
+                                 const std::string& fragment);
   Program() = default;
 
   void use() const { glUseProgram(program_.get()); }

@@ -62,26 +62,26 @@ void GpuModel::make_names() {
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
 }
 
-Result<void> GpuModel::check_room(const Model& more) const {
+Expected<void> GpuModel::check_room(const Model& more) const {
   GLint texels = 0, side = 0;
   glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
   glGetIntegerv(GL_MAX_TEXTURE_SIZE, &side);
   const std::size_t objects = more.objects.size() + (own_ ? own_->objects.size() : 0);
   if (objects * kTexelsPerObject > static_cast<std::size_t>(texels))
-    return fail(RenderErrorCode::kTooLarge, "The model has " + std::to_string(objects) +
-                                                " objects; this driver has room for " +
-                                                std::to_string(texels / kTexelsPerObject) + ".");
+    return fail(ErrorCode::kTooLarge, "The model has " + std::to_string(objects) +
+                                          " objects; this driver has room for " +
+                                          std::to_string(texels / kTexelsPerObject) + ".");
   for (const Picture& picture : more.pictures)
     if (picture.width > side || picture.height > side)
-      return fail(RenderErrorCode::kTooLarge, "A texture has " + std::to_string(picture.width) + " x " +
-                                                  std::to_string(picture.height) +
-                                                  " pixels; this driver takes " + std::to_string(side) + ".");
+      return fail(ErrorCode::kTooLarge, "A texture has " + std::to_string(picture.width) + " x " +
+                                            std::to_string(picture.height) + " pixels; this driver takes " +
+                                            std::to_string(side) + ".");
   while (glGetError() != GL_NO_ERROR) {
   }
   return {};
 }
 
-Result<void> GpuModel::put(std::span<const Vertex> vertices, std::span<const std::uint32_t> indices) {
+Expected<void> GpuModel::put(std::span<const Vertex> vertices, std::span<const std::uint32_t> indices) {
   vertices_.add(vertices.data(), vertices.size_bytes());
   indices_.add(indices.data(), indices.size_bytes());
   glBindVertexArray(array_.get());
@@ -99,13 +99,14 @@ Result<void> GpuModel::put(std::span<const Vertex> vertices, std::span<const std
   for (const Material& material : model_->materials)
     each_slot(material, [&](int, const TextureSlot& slot, bool srgb) { upload_texture(slot, srgb); });
   if (const GLenum error = glGetError(); error != GL_NO_ERROR)
-    return fail(RenderErrorCode::kGl, "The driver cannot take the model (" + std::to_string(vertices.size()) +
-                                          " vertices, " + std::to_string(model_->pictures.size()) +
-                                          " textures): OpenGL error " + std::to_string(error) + ".");
+    return fail(ErrorCode::kGraphicsDriver, "The driver cannot take the model (" +
+                                                std::to_string(vertices.size()) + " vertices, " +
+                                                std::to_string(model_->pictures.size()) +
+                                                " textures): OpenGL error " + std::to_string(error) + ".");
   return {};
 }
 
-Result<GpuModel> GpuModel::upload(std::shared_ptr<const Model> model) {
+Expected<GpuModel> GpuModel::upload(std::shared_ptr<const Model> model) {
   GpuModel gpu;
   if (auto room = gpu.check_room(*model); !room) return tl::unexpected(room.error());
   gpu.make_names();
@@ -119,7 +120,7 @@ Result<GpuModel> GpuModel::upload(std::shared_ptr<const Model> model) {
   return gpu;
 }
 
-Result<GpuModel> GpuModel::batch() {
+Expected<GpuModel> GpuModel::batch() {
   GpuModel gpu;
   gpu.own_ = std::make_shared<Model>();
   gpu.model_ = gpu.own_;
@@ -130,8 +131,8 @@ Result<GpuModel> GpuModel::batch() {
   return gpu;
 }
 
-Result<std::uint32_t> GpuModel::append(const Model& more, const std::optional<SolidPlacement>& solid,
-                                       SolidLook look) {
+Expected<std::uint32_t> GpuModel::append(const Model& more, const std::optional<SolidPlacement>& solid,
+                                         SolidLook look) {
   if (auto room = check_room(more); !room) return tl::unexpected(room.error());
   const auto first_object = static_cast<std::uint32_t>(own_->objects.size()),
              first_vertex = static_cast<std::uint32_t>(vertices_.used / sizeof(Vertex)),

@@ -31,15 +31,15 @@ class GpuModel {
  public:
   /// Copies vertices, indices and textures to the current context. kGl where the driver has no room,
   /// kTooLarge where it has too small textures.
-  static Result<GpuModel> upload(std::shared_ptr<const Model> model);
+  static Expected<GpuModel> upload(std::shared_ptr<const Model> model);
 
   /// An empty batch.
-  static Result<GpuModel> batch();
+  static Expected<GpuModel> batch();
   /// Adds a model to a batch (its own copy; vertices stay in the driver alone) and returns the number of its
   /// first object there: the others follow. Equal materials become one. kTooLarge, kGl; then nothing was
   /// added. With a look, materials are taken as it replaces them, and textures stay out.
-  Result<std::uint32_t> append(const Model& more, const std::optional<SolidPlacement>& solid,
-                               SolidLook look = SolidLook::kNone);
+  Expected<std::uint32_t> append(const Model& more, const std::optional<SolidPlacement>& solid,
+                                 SolidLook look = SolidLook::kNone);
 
   const Model& model() const { return *model_; }
   const Sphere& bounds() const { return bounds_; }  ///< of the model as the file places it
@@ -58,8 +58,8 @@ class GpuModel {
   };
   GpuModel() = default;
   void make_names();
-  Result<void> check_room(const Model& more) const;
-  Result<void> put(std::span<const Vertex> vertices, std::span<const std::uint32_t> indices);
+  Expected<void> check_room(const Model& more) const;
+  Expected<void> put(std::span<const Vertex> vertices, std::span<const std::uint32_t> indices);
   void upload_texture(const TextureSlot& slot, bool srgb);
   void bind_slot(int unit, const TextureSlot& slot, bool srgb) const;
 

@@ -30,27 +30,27 @@ std::uint8_t srgb_byte(float linear) {
 
 }  // namespace
 
-Result<Picture> decode_picture(std::span<const std::uint8_t> bytes) {
+Expected<Picture> decode_picture(std::span<const std::uint8_t> bytes) {
   int width = 0, height = 0, channels = 0;
   const int size = static_cast<int>(bytes.size());
   if (bytes.size() > 0x7fffffff || stbi_info_from_memory(bytes.data(), size, &width, &height, &channels) == 0)
-    return fail(RenderErrorCode::kImage, "The image is neither PNG nor JPEG.");
+    return fail(ErrorCode::kBadImage, "The image is neither PNG nor JPEG.");
   if (width < 1 || height < 1 || width > kMaxPictureSide || height > kMaxPictureSide)
-    return fail(RenderErrorCode::kTooLarge, "The image has " + std::to_string(width) + " x " +
-                                                std::to_string(height) + " pixels; a side may have " +
-                                                std::to_string(kMaxPictureSide) + ".");
+    return fail(ErrorCode::kTooLarge, "The image has " + std::to_string(width) + " x " +
+                                          std::to_string(height) + " pixels; a side may have " +
+                                          std::to_string(kMaxPictureSide) + ".");
   const std::unique_ptr<stbi_uc, void (*)(void*)> data(
       stbi_load_from_memory(bytes.data(), size, &width, &height, &channels, 4), stbi_image_free);
   if (!data)
-    return fail(RenderErrorCode::kImage, std::string("The image is damaged: ") + stbi_failure_reason() + ".");
+    return fail(ErrorCode::kBadImage, std::string("The image is damaged: ") + stbi_failure_reason() + ".");
   Picture picture(width, height);
   std::memcpy(picture.pixels.data(), data.get(), picture.pixels.size() * sizeof(Color));
   return picture;
 }
 
-Result<void> write_png(const Picture& picture, const std::string& path) {
+Expected<void> write_png(const Picture& picture, const std::string& path) {
   if (picture.width < 1 || picture.height < 1)
-    return fail(RenderErrorCode::kImage, "There is no picture to write to " + path + ".");
+    return fail(ErrorCode::kBadImage, "There is no picture to write to " + path + ".");
   std::vector<std::uint8_t> rgb(3 * picture.pixels.size());
   for (std::size_t k = 0; k < picture.pixels.size(); ++k)
     std::copy_n(picture.pixels[k].begin(), 3, rgb.begin() + static_cast<std::ptrdiff_t>(3 * k));
@@ -62,7 +62,7 @@ Result<void> write_png(const Picture& picture, const std::string& path) {
   };
   if (stbi_write_png_to_func(append, &png, picture.width, picture.height, 3, rgb.data(), 3 * picture.width) ==
       0)
-    return fail(RenderErrorCode::kImage, "The picture for " + path + " cannot be encoded.");
+    return fail(ErrorCode::kBadImage, "The picture for " + path + " cannot be encoded.");
 
   const std::string temporary = path + ".tmp";
   std::FILE* file = std::fopen(temporary.c_str(), "wb");
@@ -75,7 +75,7 @@ Result<void> write_png(const Picture& picture, const std::string& path) {
   if (!good) {
     const int reason = errno;
     if (file != nullptr) std::remove(temporary.c_str());
-    return fail(RenderErrorCode::kFile, "Cannot write " + path + ": " + std::strerror(reason) + ".");
+    return fail(ErrorCode::kFileAccess, "Cannot write " + path + ": " + std::strerror(reason) + ".");
   }
   return {};
 }

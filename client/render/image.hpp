@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "client/render/render_error.hpp"
+#include "common/base/error.hpp"
 
 namespace fracture::render {
 
@@ -36,10 +36,10 @@ struct Picture {
 inline constexpr int kMaxPictureSide = 16384;  ///< of a decoded texture and of a written picture, in pixels
 
 /// PNG or JPEG; grey and palette become RGBA. kImage with the reason, kTooLarge over kMaxPictureSide.
-Result<Picture> decode_picture(std::span<const std::uint8_t> bytes);
+Expected<Picture> decode_picture(std::span<const std::uint8_t> bytes);
 
 /// Writes an 8-bit RGB PNG (alpha is dropped), whole or not at all. kFile, kImage.
-Result<void> write_png(const Picture& picture, const std::string& path);
+Expected<void> write_png(const Picture& picture, const std::string& path);
 
 /// Copies `from` into `to` with its upper left corner at (x, y); what does not fit is cut off.
 void paste(Picture& to, const Picture& from, int x, int y);

@@ -38,12 +38,12 @@ constexpr LookValues values_of(SolidLook look) {
 
 }  // namespace
 
-Result<SolidLook> look_by_name(std::string_view name) {
+Expected<SolidLook> look_by_name(std::string_view name) {
   const auto found = std::find(kLookNames.begin(), kLookNames.end(), name);
   if (found != kLookNames.end()) return static_cast<SolidLook>(found - kLookNames.begin());
   std::string known;
   for (const std::string_view look : kLookNames) known += (known.empty() ? "" : ", ") + std::string(look);
-  return fail(RenderErrorCode::kBadOption, "There is no look '" + std::string(name) + "' (" + known + ").");
+  return fail(ErrorCode::kBadParameter, "There is no look '" + std::string(name) + "' (" + known + ").");
 }
 
 Material with_look(const Material& source, SolidLook look) {

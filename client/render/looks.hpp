@@ -9,6 +9,7 @@
 
 #include "client/render/model.hpp"
 #include "client/render/render_error.hpp"
+#include "common/base/error.hpp"
 
 namespace fracture::render {
 
@@ -19,7 +20,7 @@ inline constexpr std::array<std::string_view, 10> kLookNames = {
     "none", "glass", "wood", "concrete", "stone", "brick", "ceramic", "metal", "ice", "plaster"};
 
 /// kBadOption with the names there are.
-Result<SolidLook> look_by_name(std::string_view name);
+Expected<SolidLook> look_by_name(std::string_view name);
 
 /// What the shader gets before the solid texture: `source` where there is no look.
 Material with_look(const Material& source, SolidLook look);

@@ -112,10 +112,10 @@ struct Model {
 /// their outside outside; missing normals become flat; nodes called UCX_… (collision hulls) are left out;
 /// images that are neither PNG nor JPEG, and what extensions of materials ask beyond transmission and ior,
 /// are left out with a warning. kMesh, kTooLarge.
-Result<Model> read_model(std::span<const std::byte> bytes);
+Expected<Model> read_model(std::span<const std::byte> bytes);
 
 /// read_model of a file's bytes; kFile where it cannot be read.
-Result<Model> load_scene(const std::string& path);
+Expected<Model> load_scene(const std::string& path);
 
 /// The smallest sphere around the box of all objects under their transforms (kept at the model's own where
 /// `transforms` is empty), not around invisible ones. Radius 0 for nothing.

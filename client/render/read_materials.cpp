@@ -94,7 +94,7 @@ void read_materials(const MaterialLibrary& library, Model& model) {
     model.materials.push_back(read_material(material, library, model));
   model.materials.push_back({});  // glTF 2.0, 3.9: the material of a primitive that names none
   for (const Image& image : library.images) {
-    Result<Picture> picture = decode_picture(image.bytes);
+    Expected<Picture> picture = decode_picture(image.bytes);
     if (!picture)
       model.warnings.push_back("Image \"" + image.name.substr(0, 60) + "\" (" + image.mime_type +
                                ") is shown as grey. " + picture.error().detail);

@@ -263,7 +263,7 @@ class ModelReader {
 
 }  // namespace
 
-Result<Model> read_model(std::span<const std::byte> bytes) {
+Expected<Model> read_model(std::span<const std::byte> bytes) {
   const bool binary = bytes.size() >= 4 && bytes[0] == std::byte{'g'} && bytes[1] == std::byte{'l'} &&
                       bytes[2] == std::byte{'T'} && bytes[3] == std::byte{'F'};
   try {
@@ -280,21 +280,19 @@ Result<Model> read_model(std::span<const std::byte> bytes) {
       refuse(ErrorCode::kEmptyMesh, "The default model of the glTF shows no triangle.");
     return model;
   } catch (const Refused& refused) {
-    const auto code =
-        refused.error.code == ErrorCode::kTooLarge ? RenderErrorCode::kTooLarge : RenderErrorCode::kMesh;
-    return fail(code, std::string(slug(refused.error.code)) + ": " + refused.error.detail);
+    return tl::unexpected<Error>(refused.error);
   } catch (const json::exception& error) {
-    return fail(RenderErrorCode::kMesh,
-                std::string("malformed-mesh: The glTF has a value of the wrong type: ") + error.what() + ".");
+    return fail(ErrorCode::kMalformedMesh,
+                std::string("The glTF has a value of the wrong type: ") + error.what() + ".");
   }
 }
 
-Result<Model> load_scene(const std::string& path) {
+Expected<Model> load_scene(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   std::vector<char> bytes{std::istreambuf_iterator<char>(in), {}};
-  if (!in.is_open() || in.bad()) return fail(RenderErrorCode::kFile, "Cannot read " + path + ".");
-  Result<Model> model = read_model(std::as_bytes(std::span(bytes)));
-  if (!model) return fail(model.error().code, path + ": " + model.error().detail);
+  if (!in.is_open() || in.bad()) return fail(ErrorCode::kFileAccess, "Cannot read " + path + ".");
+  Expected<Model> model = read_model(std::as_bytes(std::span(bytes)));
+  if (!model) return fail(model.error().code, path + ": " + to_string(model.error()));
   return model;
 }
 

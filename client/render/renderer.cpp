@@ -106,14 +106,14 @@ float lowest_point(std::span<const DrawItem> items) {
 
 }  // namespace
 
-Result<Renderer> Renderer::create() {
+Expected<Renderer> Renderer::create() {
   if (epoxy_gl_version() < 33 || !epoxy_is_desktop_gl())
-    return fail(RenderErrorCode::kNoDevice, "The current context is not OpenGL 3.3 or later (it is " +
-                                                std::to_string(epoxy_gl_version()) + ").");
+    return fail(ErrorCode::kNoGraphics, "The current context is not OpenGL 3.3 or later (it is " +
+                                            std::to_string(epoxy_gl_version()) + ").");
   Renderer renderer;
   const auto build = [&](Program& program, const char* name, std::initializer_list<const char*> vertex,
-                         std::initializer_list<const char*> fragment) -> Result<void> {
-    Result<Program> built = Program::build(name, shader(vertex), shader(fragment));
+                         std::initializer_list<const char*> fragment) -> Expected<void> {
+    Expected<Program> built = Program::build(name, shader(vertex), shader(fragment));
     if (!built) return tl::unexpected(built.error());
     program = std::move(*built);
     program.use();
@@ -130,8 +130,8 @@ Result<Renderer> Renderer::create() {
       program.set(uniform, unit);
     return {};
   };
-  Result<void> built = build(renderer.surface_, "surface", {"frame", "objects", "surface_vertex"},
-                             {"frame", "lighting", "objects", "noise", "looks", "surface_fragment"});
+  Expected<void> built = build(renderer.surface_, "surface", {"frame", "objects", "surface_vertex"},
+                               {"frame", "lighting", "objects", "noise", "looks", "surface_fragment"});
   if (built)
     built = build(renderer.depth_, "depth", {"frame", "objects", "depth_vertex"}, {"depth_fragment"});
   if (built)
@@ -141,7 +141,7 @@ Result<Renderer> Renderer::create() {
     built =
         build(renderer.background_, "background", {"background_vertex"}, {"frame", "background_fragment"});
   if (!built) return tl::unexpected(built.error());
-  Result<ShadowMaps> shadows = ShadowMaps::create();
+  Expected<ShadowMaps> shadows = ShadowMaps::create();
   if (!shadows) return tl::unexpected(shadows.error());
   renderer.shadows_ = std::move(*shadows);
   renderer.frame_block_ = make_buffer();

@@ -68,7 +68,7 @@ struct FrameStats {
 class Renderer {
  public:
   /// kNoDevice below OpenGL 3.3, kGl where a shader or a map is refused.
-  static Result<Renderer> create();
+  static Expected<Renderer> create();
 
   /// Draws into `framebuffer`, of width × height pixels, and clears it first. `states` has one for each
   /// object.

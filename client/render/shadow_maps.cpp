@@ -43,7 +43,7 @@ std::vector<glm::vec3> sky_directions(int count) {
   return directions;
 }
 
-Result<ShadowMaps> ShadowMaps::create(int sun_side, int sky_side, int sky_count) {
+Expected<ShadowMaps> ShadowMaps::create(int sun_side, int sky_side, int sky_count) {
   ShadowMaps maps;
   maps.sun_side_ = sun_side;
   maps.sky_side_ = sky_side;
@@ -61,9 +61,9 @@ Result<ShadowMaps> ShadowMaps::create(int sun_side, int sky_side, int sky_count)
   maps.framebuffer_ = make_framebuffer();
   maps.begin_sun();
   if (const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER); status != GL_FRAMEBUFFER_COMPLETE)
-    return fail(RenderErrorCode::kGl, "The driver refuses a shadow map of " + std::to_string(sun_side) +
-                                          " x " + std::to_string(sun_side) + " texels (status " +
-                                          std::to_string(status) + ").");
+    return fail(ErrorCode::kGraphicsDriver, "The driver refuses a shadow map of " + std::to_string(sun_side) +
+                                                " x " + std::to_string(sun_side) + " texels (status " +
+                                                std::to_string(status) + ").");
   return maps;
 }
 

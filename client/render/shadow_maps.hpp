@@ -24,8 +24,8 @@ std::vector<glm::vec3> sky_directions(int count);
 class ShadowMaps {
  public:
   /// kGl where the driver refuses a map.
-  static Result<ShadowMaps> create(int sun_side = 2048, int sky_side = 512,
-                                   int sky_count = kMaxSkyDirections);
+  static Expected<ShadowMaps> create(int sun_side = 2048, int sky_side = 512,
+                                     int sky_count = kMaxSkyDirections);
 
   /// Makes the map the target of the depth pass that follows and clears it.
   void begin_sun() const;

@@ -37,16 +37,16 @@ Font::Font(Font&&) noexcept = default;
 Font& Font::operator=(Font&&) noexcept = default;
 Font::~Font() = default;
 
-Result<Font> Font::open(const std::string& path) {
+Expected<Font> Font::open(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   auto face = std::make_unique<Face>();
   if (in) face->file.assign(std::istreambuf_iterator<char>(in), {});
   if (face->file.empty())
-    return fail(RenderErrorCode::kFile, "Labels need the font " + path + " (Debian: fonts-dejavu-core).");
+    return fail(ErrorCode::kFileAccess, "Labels need the font " + path + " (Debian: fonts-dejavu-core).");
   // stb_truetype trusts its file: a font is part of the system, never of a request.
   const int offset = stbtt_GetFontOffsetForIndex(face->file.data(), 0);
   if (offset < 0 || stbtt_InitFont(&face->info, face->file.data(), offset) == 0)
-    return fail(RenderErrorCode::kImage, path + " is not a TrueType font.");
+    return fail(ErrorCode::kBadImage, path + " is not a TrueType font.");
   return Font(std::move(face));
 }
 

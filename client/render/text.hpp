@@ -16,7 +16,7 @@ class Font {
  public:
   /// The DejaVu Sans of Debian's fonts-dejavu-core, or another file. kFile where there is none, kImage where
   /// it is no TrueType font.
-  static Result<Font> open(const std::string& path = kDefaultPath);
+  static Expected<Font> open(const std::string& path = kDefaultPath);
   Font(Font&&) noexcept;
   Font& operator=(Font&&) noexcept;
   ~Font();

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 Expected<MeshAsset> complete(MeshAsset asset, const std::vector<float>& cuts = {}) {
   auto model = render::read_model(std::as_bytes(std::span(asset.bytes.data(), asset.bytes.size())));
-  if (!model) return fail(ErrorCode::kMalformedMesh, model.error().detail);
+  if (!model) return fail(model.error().code, to_string(model.error()));
   std::vector<glm::vec3> positions;
   positions.reserve(model->vertices.size());
   for (const render::Vertex& v : model->vertices)

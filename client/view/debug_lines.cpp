@@ -4,7 +4,7 @@
 
 namespace fracture::view {
 
-render::Result<DebugLines> DebugLines::create() {
+Expected<DebugLines> DebugLines::create() {
   DebugLines lines;
   auto program = render::Program::build("lines",
                                         "#version 330 core\n"

@@ -10,7 +10,7 @@ namespace fracture::view {
 
 class DebugLines {
  public:
-  static render::Result<DebugLines> create();
+  static Expected<DebugLines> create();
   void add(const glm::vec3& a, const glm::vec3& b, const glm::vec3& color) {
     vertices_.push_back({a, color});
     vertices_.push_back({b, color});

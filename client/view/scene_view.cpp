@@ -11,7 +11,6 @@ namespace fracture::view {
 namespace {
 
 using render::ObjectState;
-using render::Result;
 
 constexpr std::size_t kBallObjects = 64;
 
@@ -72,23 +71,23 @@ render::Camera look_at(const glm::vec3& eye, const glm::vec3& target, float aspe
   return camera;
 }
 
-Result<SceneView> SceneView::create() {
-  Result<render::Renderer> renderer = render::Renderer::create();
+Expected<SceneView> SceneView::create() {
+  Expected<render::Renderer> renderer = render::Renderer::create();
   if (!renderer) return tl::unexpected(renderer.error());
-  Result<DebugLines> lines = DebugLines::create();
+  Expected<DebugLines> lines = DebugLines::create();
   if (!lines) return tl::unexpected(lines.error());
   return SceneView(std::move(*renderer), std::move(*lines));
 }
 
-Result<std::uint32_t> SceneView::add(render::SolidLook look, const render::Model& model,
-                                     const std::optional<render::SolidPlacement>& solid) {
+Expected<std::uint32_t> SceneView::add(render::SolidLook look, const render::Model& model,
+                                       const std::optional<render::SolidPlacement>& solid) {
   auto batch = batches_.find(look);
   if (batch == batches_.end()) {
-    Result<render::GpuModel> gpu = render::GpuModel::batch();
+    Expected<render::GpuModel> gpu = render::GpuModel::batch();
     if (!gpu) return tl::unexpected(gpu.error());
     batch = batches_.emplace(look, Batch{std::move(*gpu), {}}).first;
   }
-  const Result<std::uint32_t> first = batch->second.gpu.append(model, solid, look);
+  const Expected<std::uint32_t> first = batch->second.gpu.append(model, solid, look);
   if (!first) return first;
   const std::vector<ObjectState> states = initial_states(model);
   batch->second.states.insert(batch->second.states.end(), states.begin(), states.end());
@@ -96,8 +95,8 @@ Result<std::uint32_t> SceneView::add(render::SolidLook look, const render::Model
   return first;
 }
 
-Result<SceneView::Place> SceneView::upload(const game::Game& game, std::size_t index,
-                                           const game::Decoded* fragments) {
+Expected<SceneView::Place> SceneView::upload(const game::Game& game, std::size_t index,
+                                             const game::Decoded* fragments) {
   const scenes::SceneObject& object = game.scene().objects[game.things()[index].scene_object];
   const render::Model& model = fragments != nullptr ? *fragments->model : *object.mesh->model;
   // The solid texture is that of the whole object, so that it stays when it breaks.
@@ -108,7 +107,7 @@ Result<SceneView::Place> SceneView::upload(const game::Game& game, std::size_t i
   solid.brick = object.bricks;
   solid.brick_low = glm::vec2(object.mesh->low);
   solid.brick_high = glm::vec2(object.mesh->high);
-  const Result<std::uint32_t> first = add(object.look, model, solid);
+  const Expected<std::uint32_t> first = add(object.look, model, solid);
   if (!first) return tl::unexpected(first.error());
   return Place{*first, static_cast<std::uint32_t>(model.objects.size()), fragments != nullptr};
 }
@@ -119,7 +118,7 @@ void SceneView::hide(const game::Game& game, std::size_t index, const Place& pla
   for (std::uint32_t k = 0; k < place.count; ++k) states[place.first + k].visible = false;
 }
 
-Result<void> SceneView::upload_coming(const game::Game& game) {
+Expected<void> SceneView::upload_coming(const game::Game& game) {
   const std::vector<game::Game::Coming> coming = game.coming();
   std::erase_if(waiting_, [&](const auto& entry) {
     return std::none_of(coming.begin(), coming.end(),
@@ -127,7 +126,7 @@ Result<void> SceneView::upload_coming(const game::Game& game) {
   });
   for (const game::Game::Coming& next : coming) {
     if (waiting_.contains(next.fragments)) continue;
-    const Result<Place> place = upload(game, next.thing, next.fragments.get());
+    const Expected<Place> place = upload(game, next.thing, next.fragments.get());
     if (!place) return tl::unexpected(place.error());
     hide(game, next.thing, *place);
     waiting_.emplace(next.fragments, *place);
@@ -135,13 +134,13 @@ Result<void> SceneView::upload_coming(const game::Game& game) {
   return {};
 }
 
-Result<SceneView::Place> SceneView::place_of(const game::Game& game, std::size_t index) {
+Expected<SceneView::Place> SceneView::place_of(const game::Game& game, std::size_t index) {
   const game::Thing& thing = game.things()[index];
   const bool broken = thing.fragments != nullptr;
   const auto known = places_.find(index);
   if (known != places_.end() && known->second.broken == broken) return known->second;
   const auto ahead = waiting_.find(thing.fragments);
-  const Result<Place> place =
+  const Expected<Place> place =
       ahead != waiting_.end() ? ahead->second : upload(game, index, thing.fragments.get());
   if (!place) return place;
   if (known != places_.end()) hide(game, index, known->second);  // the whole is no more
@@ -212,7 +211,7 @@ void SceneView::add_lines(const game::Game& game, DebugView debug) {
   }
 }
 
-Result<void> SceneView::upload_furniture(const game::Game& game) {
+Expected<void> SceneView::upload_furniture(const game::Game& game) {
   if (furnished_ == &game) return {};
   render::Material paint;
   paint.base_color = {0.055f, 0.06f, 0.07f, 1};
@@ -225,7 +224,7 @@ Result<void> SceneView::upload_furniture(const game::Game& game) {
     render::SolidPlacement solid;
     solid.frame.radius = 1;  // metres: the texture of all boxes has one scale
     solid.grain = size.x > size.y ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
-    const Result<std::uint32_t> first = add(box.look, *model, solid);
+    const Expected<std::uint32_t> first = add(box.look, *model, solid);
     if (!first) return tl::unexpected(first.error());
     batches_.at(box.look).states[*first].transform = glm::mat4(box.pose.matrix());
   }
@@ -234,7 +233,7 @@ Result<void> SceneView::upload_furniture(const game::Game& game) {
   iron.metallic = 1;
   iron.roughness = 0.38f;
   const auto balls = scene_of(std::vector<scenes::SurfaceMesh>(kBallObjects, unit_ball()), iron);
-  const Result<std::uint32_t> first = add(render::SolidLook::kNone, *balls, std::nullopt);
+  const Expected<std::uint32_t> first = add(render::SolidLook::kNone, *balls, std::nullopt);
   if (!first) return tl::unexpected(first.error());
   balls_ = *first;
   furnished_ = &game;
@@ -254,14 +253,15 @@ void SceneView::set_balls(const game::Game& game) {
   }
 }
 
-Result<ViewFigures> SceneView::draw(const game::Game& game, const render::Camera& camera,
-                                    const ViewSettings& settings, GLuint framebuffer, int width, int height) {
+Expected<ViewFigures> SceneView::draw(const game::Game& game, const render::Camera& camera,
+                                      const ViewSettings& settings, GLuint framebuffer, int width,
+                                      int height) {
   const auto start = std::chrono::steady_clock::now();
   uploads_ = 0;
   if (const auto furnished = upload_furniture(game); !furnished) return tl::unexpected(furnished.error());
-  std::optional<render::RenderError> trouble;
+  std::optional<Error> trouble;
   for (std::size_t k = 0; k < game.things().size(); ++k) {
-    const Result<Place> place = place_of(game, k);
+    const Expected<Place> place = place_of(game, k);
     if (place)
       set_states(game, k, *place, settings.debug);
     else

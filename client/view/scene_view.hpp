@@ -27,7 +27,7 @@ struct ViewFigures {
 
 class SceneView {
  public:
-  static render::Result<SceneView> create();
+  static Expected<SceneView> create();
 
   /// Forgets everything that was uploaded: another scene, or the same anew.
   void reset() {
@@ -37,8 +37,8 @@ class SceneView {
     furnished_ = nullptr;
   }
   /// Draws the game into the framebuffer. kGl where the driver refuses a mesh; the rest is drawn.
-  render::Result<ViewFigures> draw(const game::Game& game, const render::Camera& camera,
-                                   const ViewSettings& settings, GLuint framebuffer, int width, int height);
+  Expected<ViewFigures> draw(const game::Game& game, const render::Camera& camera,
+                             const ViewSettings& settings, GLuint framebuffer, int width, int height);
 
  private:
   struct Batch {
@@ -52,18 +52,18 @@ class SceneView {
   SceneView(render::Renderer renderer, DebugLines lines)
       : renderer_(std::move(renderer)), lines_(std::move(lines)) {}
   /// Appends to the batch of a look; the number of the first object.
-  render::Result<std::uint32_t> add(render::SolidLook look, const render::Model& model,
-                                    const std::optional<render::SolidPlacement>& solid);
-  render::Result<Place> place_of(const game::Game& game, std::size_t thing);
+  Expected<std::uint32_t> add(render::SolidLook look, const render::Model& model,
+                              const std::optional<render::SolidPlacement>& solid);
+  Expected<Place> place_of(const game::Game& game, std::size_t thing);
   /// Uploads a thing, whole or broken.
-  render::Result<Place> upload(const game::Game& game, std::size_t thing, const game::Decoded* fragments);
+  Expected<Place> upload(const game::Game& game, std::size_t thing, const game::Decoded* fragments);
   /// Uploads what is about to break, unseen: the frame in which it breaks has enough to do.
-  render::Result<void> upload_coming(const game::Game& game);
+  Expected<void> upload_coming(const game::Game& game);
   void hide(const game::Game& game, std::size_t thing, const Place& place);
   void set_states(const game::Game& game, std::size_t thing, const Place& place, DebugView debug);
   void set_balls(const game::Game& game);
   void add_lines(const game::Game& game, DebugView debug);
-  render::Result<void> upload_furniture(const game::Game& game);
+  Expected<void> upload_furniture(const game::Game& game);
 
   render::Renderer renderer_;
   DebugLines lines_;

@@ -57,6 +57,4 @@ bool digest_matches(std::string_view repr_digest, std::string_view bytes) {
   return false;
 }
 
-std::string mesh_id(std::string_view bytes) { return "sha256:" + sha256(bytes).hex(); }
-
 }  // namespace fracture::protocol

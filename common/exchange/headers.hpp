@@ -25,7 +25,4 @@ std::optional<Milliseconds> parse_retry_after(std::string_view value);
 /// Does Repr-Digest (RFC 9530) name the SHA-256 of these bytes? False for a field without sha-256.
 bool digest_matches(std::string_view repr_digest, std::string_view bytes);
 
-/// "sha256:" and the digest in hex: the id of a mesh.
-std::string mesh_id(std::string_view bytes);
-
 }  // namespace fracture::protocol

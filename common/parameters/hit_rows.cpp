@@ -40,10 +40,9 @@ ParameterSpec of_row() {
           "Address of an earlier answer to the same mesh (its Content-Location): its parameters are "
           "taken over, and the hits given here come after its own. 404 where the server does not "
           "know it any more; its parameters, which stand in it, say the same."};
-  spec.check = [](const ParameterValue& value) -> std::string {
-    return key_in(std::get<std::string>(value)).empty()
-               ? "be the address of an answer, /fractures/sha256: and 64 lower-case hex digits"
-               : "";
+  spec.check = [](const ParameterValue& value) -> std::optional<std::string> {
+    if (!key_in(std::get<std::string>(value)).empty()) return std::nullopt;
+    return "be the address of an answer, /fractures/sha256: and 64 lower-case hex digits";
   };
   spec.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     r.of = key_in(std::get<std::string>(value));
@@ -59,12 +58,12 @@ std::string counted(std::size_t n, const char* what) {
 
 /// One for each point, or one for all.
 template <class T>
-std::optional<Contradiction> spread(const char* name, std::vector<T>& values, std::size_t points) {
+std::optional<Error> spread(const char* name, std::vector<T>& values, std::size_t points) {
   if (values.size() == 1) values.resize(points, values.front());
   if (values.size() == points) return std::nullopt;
-  return Contradiction{name, std::string("'") + name + "' has " + counted(values.size(), "number") +
+  return bad_parameter(name, std::string("'") + name + "' has " + counted(values.size(), "number") +
                                  ", 'local_point' " + counted(points, "point") +
-                                 "; give one number for each point, or one for all."};
+                                 "; give one number for each point, or one for all.");
 }
 
 }  // namespace
@@ -135,21 +134,21 @@ std::vector<ParameterSpec> hit_parameter_rows() {
   return rows;
 }
 
-std::optional<Contradiction> complete_hits(RequestParameters& r) {
+std::optional<Error> complete_hits(RequestParameters& r) {
   FractureParameters& f = r.fracture;
   if (r.local_point.empty() != r.local_radius.empty())
-    return Contradiction{
+    return bad_parameter(
         r.local_point.empty() ? "local_point" : "local_radius",
-        "'local_point' and 'local_radius' say where a hit is together; one of them is missing."};
+        "'local_point' and 'local_radius' say where a hit is together; one of them is missing.");
   const std::size_t points = r.local_point.size();
   if (points > 0) {
     if (auto wrong = spread("local_radius", r.local_radius, points)) return wrong;
     if (auto wrong = spread("local_sites", r.local_sites, points)) return wrong;
     const std::uint64_t sites = std::accumulate(r.local_sites.begin(), r.local_sites.end(), std::uint64_t{0});
     if (sites > kMostHitSites)
-      return Contradiction{"local_sites", "All hits together may add " + std::to_string(kMostHitSites) +
+      return bad_parameter("local_sites", "All hits together may add " + std::to_string(kMostHitSites) +
                                               " sites; 'local_sites' adds up to " + std::to_string(sites) +
-                                              "."};
+                                              ".");
   }
   f.hits.clear();
   for (std::size_t k = 0; k < points; ++k)
@@ -159,16 +158,16 @@ std::optional<Contradiction> complete_hits(RequestParameters& r) {
   if (!r.of.empty() || r.delta == DeltaAnswer::kNone) return std::nullopt;
 
   if (points == 0 && r.delta == DeltaAnswer::kOnly)
-    return Contradiction{"delta", "delta=only leaves out what hits did not change: it needs 'local_point'."};
+    return bad_parameter("delta", "delta=only leaves out what hits did not change: it needs 'local_point'.");
   if (points > 0 && r.local_new > points)
-    return Contradiction{"local_new", "'local_new' must be at most the number of hits, which is " +
-                                          std::to_string(points) + "."};
+    return bad_parameter("local_new", "'local_new' must be at most the number of hits, which is " +
+                                          std::to_string(points) + ".");
   if (r.fragment)
-    return Contradiction{"delta", "'delta' compares whole answers, not the parts of one 'fragment'."};
+    return bad_parameter("delta", "'delta' compares whole answers, not the parts of one 'fragment'.");
   if (r.delta == DeltaAnswer::kOnly && (!f.levels.empty() || f.anchors.any()))
-    return Contradiction{
+    return bad_parameter(
         "delta",
-        "delta=only leaves fragments out that 'levels' and anchors are about: ask for delta=stated."};
+        "delta=only leaves fragments out that 'levels' and anchors are about: ask for delta=stated.");
   r.selection.kept = true;
   if (points > 0) r.selection.new_hits = NewHits{r.local_new, r.delta == DeltaAnswer::kOnly};
   return std::nullopt;

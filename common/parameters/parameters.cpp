@@ -151,12 +151,11 @@ Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter
       offences.add(ErrorCode::kBadParameter, raw, "'" + raw.name + "' was given more than once.");
       continue;
     }
-    ValueOrComplaint value = to_value(*spec, raw);
+    Expected<ParameterValue> value = to_value(*spec, raw);
     if (value)
       values.emplace(raw.name, std::move(*value));
     else
-      offences.add(raw.name == "format" ? ErrorCode::kUnknownFormat : ErrorCode::kBadParameter, raw,
-                   std::move(value.error().detail), value.error().pointer);
+      offences.add(value.error().code, raw, std::move(value.error().detail), value.error().pointer);
   }
 
   // In the order of the table: a material, then the pattern, then what belongs to it.
@@ -189,8 +188,8 @@ Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter
       std::get<std::vector<std::uint64_t>>(levels->second).back() != std::get<std::uint64_t>(sites->second))
     refuse_both(offences, seen, "levels", "sites", "the last level is the number of sites.");
   if (!offences.any())
-    if (const std::optional<Contradiction> wrong = complete_structure(result))
-      offences.add_missing(wrong->parameter, wrong->detail);
+    if (std::optional<Error> wrong = complete_structure(result))
+      offences.add_missing(wrong->pointer, std::move(wrong->detail));
   if (offences.any()) return tl::unexpected<Error>(std::move(offences).error());
   return result;
 }

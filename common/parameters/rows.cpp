@@ -1,6 +1,7 @@
 #include "common/parameters/rows.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/parameters/fields.hpp"
 
@@ -205,6 +206,10 @@ ParameterSpec format_row(const FormatSet& formats) {
 }
 
 }  // namespace
+
+Error bad_parameter(std::string name, std::string detail) {
+  return {ErrorCode::kBadParameter, std::move(detail), std::move(name)};
+}
 
 bool belongs(const ParameterSpec& spec, const SitePattern& pattern) {
   return spec.patterns.empty() || std::find(spec.patterns.begin(), spec.patterns.end(),

@@ -23,14 +23,14 @@ std::vector<ParameterSpec> hit_parameter_rows();
 /// The part of it about rough cuts.
 std::vector<ParameterSpec> rough_parameter_rows();
 
-/// Makes values of several parameters of one (a region of centre and radius, …). The name and the sentence of
-/// what is missing or contradicts itself, or nothing.
-struct Contradiction {
-  std::string parameter, detail;
-};
-std::optional<Contradiction> complete_structure(RequestParameters& parameters);
+/// kBadParameter with the parameter's name.
+Error bad_parameter(std::string name, std::string detail);
+
+/// Makes values of several parameters of one (a region of centre and radius, …). kBadParameter where one is
+/// missing or they contradict each other.
+std::optional<Error> complete_structure(RequestParameters& parameters);
 /// The part of it for hits.
-std::optional<Contradiction> complete_hits(RequestParameters& parameters);
+std::optional<Error> complete_hits(RequestParameters& parameters);
 
 /// Names of the patterns for which this is true.
 std::vector<std::string> patterns_that(bool PatternTraits::*may);

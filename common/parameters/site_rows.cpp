@@ -135,12 +135,11 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            .high = 1000,
            .doc = "Instead of `stretch` and `grain`: the matrix that every piece goes through, row by row."},
           [](auto& r) -> auto& { return r.fracture.anisotropy.matrix; }));
-  matrix.check = [](const ParameterValue& value) -> std::string {
+  matrix.check = [](const ParameterValue& value) -> std::optional<std::string> {
     const auto& m = std::get<Matrix3>(value);
-    return m.conditioning() >= kLeastConditioning && std::fabs(m.determinant()) >= 1e-6
-               ? ""
-               : "have a determinant of at least 1e-6, and of at least 0.001 of the product of its rows' "
-                 "lengths: this matrix is singular or nearly so";
+    if (m.conditioning() >= kLeastConditioning && std::fabs(m.determinant()) >= 1e-6) return std::nullopt;
+    return "have a determinant of at least 1e-6, and of at least 0.001 of the product of its rows' lengths: this "
+           "matrix is singular or nearly so";
   };
   matrix.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     r.fracture.anisotropy = {.matrix = std::get<Matrix3>(value)};  // in the place of a material's stretch
@@ -258,15 +257,15 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .low = -kFar,
        .high = kFar,
        .doc = "One to three directions, each of a family of parallel planes."});
-  normals.check = [](const ParameterValue& value) -> std::string {
+  normals.check = [](const ParameterValue& value) -> std::optional<std::string> {
     const auto& given = std::get<std::vector<Vec3d>>(value);
     Matrix3 rows_of;
     for (std::size_t k = 0; k < given.size(); ++k) rows_of.rows[k] = given[k];
-    if (given.size() == 1) return length(given[0]) > 1e-9 ? "" : "be directions, none of them zero";
+    if (given.size() == 1 && !(length(given[0]) > 1e-9)) return "be directions, none of them zero";
+    if (given.size() == 1) return std::nullopt;
     if (given.size() == 2) rows_of.rows[2] = cross(given[0], given[1]);
-    return rows_of.conditioning() >= kLeastConditioning
-               ? ""
-               : "be linearly independent directions: these lie in one plane or line, or nearly so";
+    if (rows_of.conditioning() >= kLeastConditioning) return std::nullopt;
+    return "be linearly independent directions: these lie in one plane or line, or nearly so";
   };
   rows.push_back(std::move(normals));
   rows.push_back(

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -58,8 +59,9 @@ struct ParameterSpec {
   /// null: no default, or one that depends on the mesh or the pattern (the doc says).
   nlohmann::json default_value{};
 
-  /// A further condition, as the end of the sentence "'name' must …"; empty when it holds.
-  std::function<std::string(const ParameterValue&)> check{};
+  /// A further condition: what the value would have to be, as the end of the sentence "'name' must …", or nothing
+  /// when it holds. No error yet: to_value() makes one, with the name and the value.
+  std::function<std::optional<std::string>(const ParameterValue&)> check{};
   std::function<void(RequestParameters&, const ParameterSpec&, const ParameterValue&)> set{};
   /// The canonical value; null: as if not given. Not asked where the parameter does not belong to the
   /// pattern.

@@ -73,13 +73,12 @@ ParameterSpec levels_row() {
           "Instead of `sites`: how many pieces each level of the hierarchy has, coarsest first. The last is "
           "the number of sites, the others are clusters of fragments."};
   spec.patterns = patterns_that(&PatternTraits::counted);
-  spec.check = [](const ParameterValue& value) -> std::string {
+  spec.check = [](const ParameterValue& value) -> std::optional<std::string> {
     const auto& levels = std::get<std::vector<std::uint64_t>>(value);
     const bool increasing =
         std::adjacent_find(levels.begin(), levels.end(), std::greater_equal<>()) == levels.end();
-    return increasing && levels.size() <= kMostLevels
-               ? ""
-               : "be 1 to " + std::to_string(kMostLevels) + " numbers, each larger than the one before";
+    if (increasing && levels.size() <= kMostLevels) return std::nullopt;
+    return "be 1 to " + std::to_string(kMostLevels) + " numbers, each larger than the one before";
   };
   spec.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     const auto& levels = std::get<std::vector<std::uint64_t>>(value);
@@ -105,11 +104,11 @@ ParameterSpec box_row(const char* name, const char* doc) {
                      .low = -kFar,
                      .high = kFar,
                      .doc = doc};
-  spec.check = [](const ParameterValue& value) -> std::string {
+  spec.check = [](const ParameterValue& value) -> std::optional<std::string> {
     const auto& corners = std::get<std::vector<Vec3d>>(value);
     for (int a = 0; a < 3; ++a)
       if (corners[0][a] > corners[1][a]) return "be the lowest and the highest corner, in this order";
-    return "";
+    return std::nullopt;
   };
   return spec;
 }
@@ -153,8 +152,9 @@ void add_anchor_rows(std::vector<ParameterSpec>& rows) {
                       .doc =
                           "A point and the normal of a plane: fragments that touch it or reach behind it "
                           "are held. 0,0,0;0,1,0 is the ground at height 0."};
-  plane.check = [](const ParameterValue& value) -> std::string {
-    return length(std::get<std::vector<Vec3d>>(value)[1]) > 1e-9 ? "" : "have a normal that is not zero";
+  plane.check = [](const ParameterValue& value) -> std::optional<std::string> {
+    if (length(std::get<std::vector<Vec3d>>(value)[1]) > 1e-9) return std::nullopt;
+    return "have a normal that is not zero";
   };
   plane.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     const auto& given = std::get<std::vector<Vec3d>>(value);
@@ -245,27 +245,27 @@ std::vector<ParameterSpec> structure_parameter_rows() {
   return rows;
 }
 
-std::optional<Contradiction> complete_structure(RequestParameters& r) {
+std::optional<Error> complete_structure(RequestParameters& r) {
   FractureParameters& f = r.fracture;
-  if (const std::optional<Contradiction> wrong = complete_hits(r)) return wrong;
+  if (std::optional<Error> wrong = complete_hits(r)) return wrong;
   if (!r.of.empty()) return std::nullopt;  // the rest may be in the parameters of that answer
   if (r.keep_center.has_value() != r.keep_radius.has_value())
-    return Contradiction{r.keep_center ? "keep_radius" : "keep_center",
-                         "'keep_center' and 'keep_radius' say a sphere together; one of them is missing."};
+    return bad_parameter(r.keep_center ? "keep_radius" : "keep_center",
+                         "'keep_center' and 'keep_radius' say a sphere together; one of them is missing.");
   if (r.keep_center && f.keep)
-    return Contradiction{"keep_box", "'keep_box' and 'keep_center' were both given; one region can be kept."};
+    return bad_parameter("keep_box", "'keep_box' and 'keep_center' were both given; one region can be kept.");
   if (r.keep_center) f.keep = Region{.center = *r.keep_center, .radius = *r.keep_radius};
   r.selection.again.reset();
   if (r.fragment) r.selection.again = Refracture{*r.fragment, r.fragment_sites, r.fragment_seed};
   if (!r.broken.empty() && !f.anchors.any())
-    return Contradiction{"broken", "'broken' needs anchors: without any, everything falls."};
+    return bad_parameter("broken", "'broken' needs anchors: without any, everything falls.");
   if (f.drop_above > 0 && f.dual != Dual::kBarycenter)
-    return Contradiction{"drop_above",
+    return bad_parameter("drop_above",
                          "'drop_above' belongs to dual=barycenter; an exact partition leaves nothing out. "
-                         "'max_volume' breaks large fragments further."};
+                         "'max_volume' breaks large fragments further.");
   if (f.max_volume > 0 && f.size.min_volume > f.max_volume)
-    return Contradiction{"max_volume", "'max_volume' must be at least 'min_volume', which is " +
-                                           nlohmann::json(f.size.min_volume).dump() + "."};
+    return bad_parameter("max_volume", "'max_volume' must be at least 'min_volume', which is " +
+                                           nlohmann::json(f.size.min_volume).dump() + ".");
   return std::nullopt;
 }
 

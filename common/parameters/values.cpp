@@ -238,12 +238,12 @@ std::string expectation(const ParameterSpec& spec) {
   return join(spec.choices);
 }
 
-ValueOrComplaint to_value(const ParameterSpec& spec, const RawParameter& raw) {
+Expected<ParameterValue> to_value(const ParameterSpec& spec, const RawParameter& raw) {
   const auto wrong = [&](const std::string& must) {
-    return tl::unexpected(
-        Complaint{"", "'" + spec.name + "' must " + must + "; it was '" + shown(raw.value) + "'."});
+    return fail(spec.name == "format" ? ErrorCode::kUnknownFormat : ErrorCode::kBadParameter,
+                "'" + spec.name + "' must " + must + "; it was '" + shown(raw.value) + "'.");
   };
-  ValueOrComplaint value;
+  Expected<ParameterValue> value;
   if (is_vector(spec.type))
     value = to_vectors(spec, raw);
   else if (std::optional<ParameterValue> scalar = to_scalar(spec, raw))
@@ -255,7 +255,7 @@ ValueOrComplaint to_value(const ParameterSpec& spec, const RawParameter& raw) {
   if (spec.type == ParameterSpec::Type::kDirection && !(length(std::get<Vec3d>(*value)) > 1e-9))
     return wrong("be " + expectation(spec));
   if (spec.check)
-    if (const std::string must = spec.check(*value); !must.empty()) return wrong(must);
+    if (const std::optional<std::string> must = spec.check(*value)) return wrong(*must);
   return value;
 }
 

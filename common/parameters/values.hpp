@@ -4,10 +4,10 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
-#include <tl/expected.hpp>
 #include <vector>
 
 #include "common/parameters/spec.hpp"
+#include "common/base/error.hpp"
 
 namespace fracture {
 
@@ -23,17 +23,12 @@ std::optional<double> to_number(const nlohmann::json& value, bool is_text);
 /// The legal values of a parameter, as the end of the sentence "'name' must be …".
 std::string expectation(const ParameterSpec& spec);
 
-/// Why a value is none.
-struct Complaint {
-  std::string pointer;  ///< JSON pointer to the offender inside the value, empty for the whole
-  std::string detail;   ///< a sentence with the legal range and the offending value
-};
-using ValueOrComplaint = tl::expected<ParameterValue, Complaint>;
-
-/// Converts and checks. Text is converted, JSON must have the right type.
-ValueOrComplaint to_value(const ParameterSpec& spec, const RawParameter& raw);
+/// Converts and checks. Text is converted, JSON must have the right type. kBadParameter, or kUnknownFormat of
+/// `format`: `detail` is a sentence with the legal range and the offending value, `pointer` the JSON pointer to
+/// the offender inside the value, empty for the whole.
+Expected<ParameterValue> to_value(const ParameterSpec& spec, const RawParameter& raw);
 
 /// The part of it for vectors, lists of them and matrices (vectors.cpp); spec.check is not asked.
-ValueOrComplaint to_vectors(const ParameterSpec& spec, const RawParameter& raw);
+Expected<ParameterValue> to_vectors(const ParameterSpec& spec, const RawParameter& raw);
 
 }  // namespace fracture

@@ -1,4 +1,4 @@
-// Vectors, lists of vectors and matrices: text "1,2,3;4,5,6" or nested JSON arrays. A complaint points at the
+// Vectors, lists of vectors and matrices: text "1,2,3;4,5,6" or nested JSON arrays. An error points at the
 // offending number.
 #include <algorithm>
 #include <string_view>
@@ -13,13 +13,13 @@ class VectorReader {
  public:
   VectorReader(const ParameterSpec& spec, const RawParameter& raw) : spec_(spec), raw_(raw) {}
 
-  ValueOrComplaint vector() const {
-    tl::expected<Vec3d, Complaint> v = read(raw_.value, "");
-    if (!v) return tl::unexpected(std::move(v.error()));
+  Expected<ParameterValue> vector() const {
+    Expected<Vec3d> v = read(raw_.value, "");
+    if (!v) return tl::unexpected<Error>(std::move(v.error()));
     return ParameterValue(*v);
   }
 
-  ValueOrComplaint vectors(std::uint64_t least, std::uint64_t most) const {
+  Expected<ParameterValue> vectors(std::uint64_t least, std::uint64_t most) const {
     std::vector<nlohmann::json> items;
     bool single = false;
     if (raw_.is_text) {
@@ -31,7 +31,7 @@ class VectorReader {
         if (end != std::string_view::npos) text.remove_prefix(end + 1);
       }
     } else if (!raw_.value.is_array()) {
-      return tl::unexpected(complaint(raw_.value, ""));
+      return wrong(raw_.value, "");
     } else if (!raw_.value.empty() && raw_.value[0].is_number()) {
       single = true;
       items.push_back(raw_.value);
@@ -40,35 +40,37 @@ class VectorReader {
     } else {
       items.assign(raw_.value.begin(), raw_.value.end());
     }
-    if (items.size() < least) return tl::unexpected(complaint(raw_.value, ""));
+    if (items.size() < least) return wrong(raw_.value, "");
     std::vector<Vec3d> list;
     for (std::size_t k = 0; k < items.size(); ++k) {
-      tl::expected<Vec3d, Complaint> v =
-          read(items[k], single ? std::string() : std::string("/").append(std::to_string(k)));
-      if (!v) return tl::unexpected(std::move(v.error()));
+      Expected<Vec3d> v = read(items[k], single ? std::string() : std::string("/").append(std::to_string(k)));
+      if (!v) return tl::unexpected<Error>(std::move(v.error()));
       list.push_back(*v);
     }
     return ParameterValue(std::move(list));
   }
 
-  ValueOrComplaint matrix() const {
-    ValueOrComplaint rows = vectors(3, 3);
+  Expected<ParameterValue> matrix() const {
+    Expected<ParameterValue> rows = vectors(3, 3);
     if (!rows) return rows;
     const auto& list = std::get<std::vector<Vec3d>>(*rows);
     return ParameterValue(Matrix3{{list[0], list[1], list[2]}});
   }
 
  private:
-  ValueOrComplaint too_many() const {
-    return tl::unexpected(
-        Complaint{"", "'" + spec_.name + "' must be " + expectation(spec_) + "; there were more."});
+  Expected<ParameterValue> too_many() const {
+    return fail(ErrorCode::kBadParameter,
+                "'" + spec_.name + "' must be " + expectation(spec_) + "; there were more.");
   }
-  Complaint complaint(const nlohmann::json& value, const std::string& pointer) const {
+  /// `pointer`: to the value, inside of the parameter's.
+  tl::unexpected<Error> wrong(const nlohmann::json& value, const std::string& pointer) const {
     const std::string who = pointer.empty() ? "it" : "the one at " + pointer;
-    return {pointer, "'" + spec_.name + "' must be " + expectation(spec_) + "; " + who + " was '" +
-                         shown(value) + "'."};
+    return fail(
+        ErrorCode::kBadParameter,
+        "'" + spec_.name + "' must be " + expectation(spec_) + "; " + who + " was '" + shown(value) + "'.",
+        pointer);
   }
-  tl::expected<Vec3d, Complaint> read(const nlohmann::json& item, const std::string& pointer) const {
+  Expected<Vec3d> read(const nlohmann::json& item, const std::string& pointer) const {
     std::vector<nlohmann::json> numbers;
     if (raw_.is_text) {
       std::string_view text = item.get_ref<const std::string&>();
@@ -80,13 +82,13 @@ class VectorReader {
     } else if (item.is_array() && item.size() == 3) {
       numbers.assign(item.begin(), item.end());
     }
-    if (numbers.size() != 3) return tl::unexpected(complaint(item, pointer));
+    if (numbers.size() != 3) return wrong(item, pointer);
     Vec3d v;
     for (int a = 0; a < 3; ++a) {
       const nlohmann::json& given = numbers[static_cast<std::size_t>(a)];
       const std::optional<double> number = to_number(given, raw_.is_text);
       if (!number || *number < spec_.low || *number > spec_.high)
-        return tl::unexpected(complaint(given, pointer + "/" + std::to_string(a)));
+        return wrong(given, pointer + "/" + std::to_string(a));
       v[a] = *number;
     }
     return v;
@@ -98,7 +100,7 @@ class VectorReader {
 
 }  // namespace
 
-ValueOrComplaint to_vectors(const ParameterSpec& spec, const RawParameter& raw) {
+Expected<ParameterValue> to_vectors(const ParameterSpec& spec, const RawParameter& raw) {
   const VectorReader reader(spec, raw);
   if (spec.type == ParameterSpec::Type::kMatrix) return reader.matrix();
   if (spec.type == ParameterSpec::Type::kVectors) return reader.vectors(spec.min, spec.max);

@@ -13,9 +13,9 @@ class LocalBaker : public Baker {
     return service_.parse(given);
   }
 
-  tl::expected<Baked, BakeFailure> bake(const FractureRequest& request, const Execution& execution) override {
+  Expected<Baked> bake(const FractureRequest& request, const Execution& execution) override {
     const Expected<FractureAnswer> answer = service_.fracture(request, execution);
-    if (!answer) return tl::unexpected(BakeFailure(answer.error()));
+    if (!answer) return tl::unexpected<Error>(answer.error());
     const std::shared_ptr<const FractureResult>& result = answer->result;
     return Baked{{result, &result->file}, result->file_digest, figures_of(*result), answer->timings};
   }

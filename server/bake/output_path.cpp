@@ -43,15 +43,18 @@ Expected<OutputFormat> format_of_output(const std::string& path) {
                   "' must end in .glb, in .gltf (one JSON text), or have no ending (GLB).");
 }
 
-std::string why_no_output(const std::string& path) {
-  if (path.ends_with('/')) return "names a folder, not a file";
-  if (is_open_descriptor(path)) return "is an open descriptor of a process; '-' is standard output";
+std::optional<Error> refuse_output(const std::string& path) {
+  const auto refused = [&](const char* why) {
+    return Error{ErrorCode::kBadParameter, "'" + path + "' " + why + "."};
+  };
+  if (path.ends_with('/')) return refused("names a folder, not a file");
+  if (is_open_descriptor(path)) return refused("is an open descriptor of a process; '-' is standard output");
   struct stat there {};
-  if (::stat(path.c_str(), &there) != 0 || S_ISREG(there.st_mode)) return "";
-  if (S_ISDIR(there.st_mode)) return "is a folder";
-  if (S_ISFIFO(there.st_mode)) return "is a pipe; '-' is standard output";
-  if (S_ISSOCK(there.st_mode)) return "is a socket";
-  return "is a device; '-' is standard output";
+  if (::stat(path.c_str(), &there) != 0 || S_ISREG(there.st_mode)) return std::nullopt;
+  if (S_ISDIR(there.st_mode)) return refused("is a folder");
+  if (S_ISFIFO(there.st_mode)) return refused("is a pipe; '-' is standard output");
+  if (S_ISSOCK(there.st_mode)) return refused("is a socket");
+  return refused("is a device; '-' is standard output");
 }
 
 FileIdentity identity_of(const std::string& path) {

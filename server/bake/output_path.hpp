@@ -4,6 +4,7 @@
 #include <sys/types.h>
 
 #include <compare>
+#include <optional>
 #include <string>
 
 #include "common/base/error.hpp"
@@ -17,10 +18,9 @@ inline constexpr const char* kStandardStream = "-";
 /// By the ending, in any case: .glb or none is GLB, .gltf one JSON text. kBadParameter for any other.
 Expected<OutputFormat> format_of_output(const std::string& path);
 
-/// Why no file may be written there, as the end of the sentence "'path' …": a folder, a device, a pipe, a
-/// socket or an open descriptor lies there. Empty: a file or nothing does. What cannot be looked at is left
-/// to whoever writes it.
-std::string why_no_output(const std::string& path);
+/// kBadParameter where no file may be written: a folder, a device, a pipe, a socket or an open descriptor lies there.
+/// Nothing: a file or nothing does. What cannot be looked at is left to whoever writes it.
+std::optional<Error> refuse_output(const std::string& path);
 
 /// What a path leads to, however it is spelt: by device and inode, so that links are what they lead to, hard
 /// links are one file, and upper and lower case are the same where the file system says so.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/exchange/backoff.hpp"
 #include "common/exchange/headers.hpp"
 
 namespace fracture::bake {
@@ -14,16 +15,6 @@ using protocol::Exchange;
 /// A busy server is worth a line only when it has been busy for so long.
 constexpr Milliseconds kBusyUnsaid{5'000};
 
-nlohmann::json document_of(const Exchange& exchange) {
-  if (!exchange.content_type.starts_with("application/problem+json")) return nullptr;
-  return nlohmann::json::parse(exchange.body, nullptr, false);
-}
-
-std::string text_of(const nlohmann::json& document, const char* key) {
-  const auto it = document.is_object() ? document.find(key) : document.end();
-  return it != document.end() && it->is_string() ? it->get<std::string>() : std::string();
-}
-
 bool is_busy(const Exchange& exchange) {
   switch (exchange.status) {
     case 408:
@@ -32,7 +23,7 @@ bool is_busy(const Exchange& exchange) {
     case 503:
       return true;
     case 504:
-      return problem_slug(exchange).empty();
+      return problem_of(exchange).slug().empty();
     default:
       return false;
   }
@@ -42,68 +33,51 @@ std::string seconds_text(Milliseconds time) { return std::to_string((time.count(
 
 }  // namespace
 
-std::string problem_slug(const Exchange& exchange) {
-  const std::string type = text_of(document_of(exchange), "type");
-  return type.substr(type.rfind('/') + 1);
-}
-
-nlohmann::json problem_in(const nlohmann::json& document) {
-  nlohmann::json problem = nlohmann::json::object();
-  for (const char* key : {"type", "title", "detail", "parameter"})
-    if (std::string text = text_of(document, key); !text.empty()) problem[key] = std::move(text);
-  return problem;
-}
-
-nlohmann::json problem_in(const Exchange& exchange) {
-  nlohmann::json problem = problem_in(document_of(exchange));
-  if (!problem.contains("detail"))
-    problem["detail"] = "The server answered " + std::to_string(exchange.status) + ".";
-  return problem;
+protocol::ProblemDocument problem_of(const Exchange& exchange) {
+  if (exchange.content_type.starts_with("application/problem+json")) return protocol::problem_in(exchange);
+  return {.detail = "The server answered " + std::to_string(exchange.status) + "."};
 }
 
 PatientCaller::PatientCaller(const protocol::ConnectionSettings& settings, const Patience& patience)
     : server_(settings.host + ":" + std::to_string(settings.port)), patience_(patience), caller_(settings) {}
 
-tl::expected<Exchange, BakeFailure> PatientCaller::ask(const protocol::HttpRequest& request,
-                                                       const std::stop_token& stop) {
+Expected<Exchange> PatientCaller::ask(const protocol::HttpRequest& request, const std::stop_token& stop) {
   const Clock::time_point begun = Clock::now();
-  Milliseconds pause_time = patience_.first_pause;
+  protocol::Backoff backoff(patience_.first_pause, patience_.longest_pause);
   for (;;) {
     {
       const std::lock_guard lock(mutex_);
-      if (!gave_up_.empty())
-        return tl::unexpected(BakeFailure(BakeFailure::Kind::kUnavailable, {{"detail", gave_up_}}));
+      if (!gave_up_.empty()) return fail(ErrorCode::kUnavailable, gave_up_);
     }
     Exchange exchange = caller_.exchange(request, stop);
     if (stop.stop_requested() || exchange.outcome == Exchange::Outcome::kInterrupted)
-      return tl::unexpected(BakeFailure(Error{ErrorCode::kCancelled, "Stopped."}));
+      return fail(ErrorCode::kCancelled, "Stopped.");
     const bool answered = exchange.outcome == Exchange::Outcome::kAnswered;
     const bool busy = answered && is_busy(exchange);
     if (answered && (exchange.status == 401 || exchange.status == 403))
       return tl::unexpected(give_up(server_ + " refuses the token (" + std::to_string(exchange.status) +
-                                    "): " + problem_in(exchange).at("detail").get<std::string>() +
+                                    "): " + problem_of(exchange).detail +
                                     " Say --token or set FRACTURE_TOKEN."));
     if (answered && !busy) {
       heard();
       return exchange;
     }
-    if (exchange.outcome == Exchange::Outcome::kTooLarge)
-      return tl::unexpected(BakeFailure(Error{ErrorCode::kTooLarge, exchange.detail}));
+    if (exchange.outcome == Exchange::Outcome::kTooLarge) return fail(ErrorCode::kTooLarge, exchange.detail);
     // The events of a job that takes long come as long as it takes.
     if (exchange.outcome == Exchange::Outcome::kTimedOut && exchange.began) {
       heard();
       continue;
     }
-    const std::string trouble = busy ? server_ + " is busy (" + std::to_string(exchange.status) +
-                                           "): " + problem_in(exchange).at("detail").get<std::string>()
-                                     : exchange.detail;
+    const std::string trouble =
+        busy ? server_ + " is busy (" + std::to_string(exchange.status) + "): " + problem_of(exchange).detail
+             : exchange.detail;
     const Milliseconds left = hope(begun, busy, trouble);
     if (left.count() <= 0)
       return tl::unexpected(give_up(trouble + " Nothing else was heard for " + seconds_text(patience_.total) +
                                     " (--patience)."));
-    const Milliseconds wait =
-        std::max(pause_time, protocol::parse_retry_after(exchange.retry_after).value_or(pause_time));
-    pause_time = std::min(2 * pause_time, patience_.longest_pause);
+    const Milliseconds wait = std::max(
+        backoff.pause(), protocol::parse_retry_after(exchange.retry_after).value_or(backoff.pause()));
+    backoff.lengthen();
     pause(std::min(wait, left), stop);
   }
 }
@@ -113,11 +87,11 @@ void PatientCaller::pause(Milliseconds time, const std::stop_token& stop) {
   changed_.wait_for(lock, stop, time, [this] { return !gave_up_.empty(); });
 }
 
-BakeFailure PatientCaller::give_up(const std::string& detail) {
+Error PatientCaller::give_up(const std::string& detail) {
   const std::lock_guard lock(mutex_);
   if (gave_up_.empty()) gave_up_ = detail;
   changed_.notify_all();
-  return {BakeFailure::Kind::kUnavailable, {{"detail", gave_up_}}};
+  return {ErrorCode::kUnavailable, gave_up_};
 }
 
 void PatientCaller::heard() {

@@ -9,7 +9,7 @@
 #include <stop_token>
 #include <string>
 
-#include "server/bake/baker.hpp"
+#include "common/exchange/problem_document.hpp"
 #include "server/bake/http_caller.hpp"
 
 namespace fracture::bake {
@@ -20,12 +20,8 @@ struct Patience {
   std::chrono::milliseconds longest_pause{2'000};  ///< … up to this. Where Retry-After says more, that long.
 };
 
-/// The last segment of the type of a problem document; empty for any other answer.
-std::string problem_slug(const protocol::Exchange& exchange);
-/// type, title, detail and parameter of a problem document; where the answer is none, words of our own.
-nlohmann::json problem_in(const protocol::Exchange& exchange);
-/// The same of a problem that stands in another document.
-nlohmann::json problem_in(const nlohmann::json& document);
+/// Of an answer of the server itself: a proxy's body, which is no problem document by its media type, says nothing.
+protocol::ProblemDocument problem_of(const protocol::Exchange& exchange);
 
 /// Thread-safe.
 class PatientCaller {
@@ -34,9 +30,8 @@ class PatientCaller {
 
   /// Every status but 429, 502, 503 and 504 of a proxy and 408 is an answer; so is a 504 of the server
   /// itself, whose deadline passed. kUnavailable after all patience, at 401 and 403, and for whoever asks
-  /// after that; kCancelled.
-  tl::expected<protocol::Exchange, BakeFailure> ask(const protocol::HttpRequest& request,
-                                                    const std::stop_token& stop);
+  /// after that; kTooLarge; kCancelled.
+  Expected<protocol::Exchange> ask(const protocol::HttpRequest& request, const std::stop_token& stop);
   /// One try, whatever comes of it.
   void tell(const protocol::HttpRequest& request) { caller_.exchange(request, {}); }
   /// Waits, not longer than until the stop comes or everybody gives up.
@@ -46,7 +41,7 @@ class PatientCaller {
 
  private:
   using Clock = std::chrono::steady_clock;
-  BakeFailure give_up(const std::string& detail);
+  Error give_up(const std::string& detail);
   void heard();
   /// How long there still is hope for one who has asked since `begun`; says, once an outage, that it is
   /// waited for.

@@ -205,16 +205,16 @@ class Places {
   void read(const std::string& path, const std::string& what) {
     if (path != kStandardStream) read_.emplace(identity_of(path), what + " '" + path + "'");
   }
-  /// Empty when it may be written; else why not. `whose`: the mesh that becomes this output, or what else
-  /// this is.
-  std::string write(const std::string& path, const std::string& whose) {
-    if (path == kStandardStream) return "";
-    if (const std::string why = why_no_output(path); !why.empty()) return "'" + path + "' " + why + ".";
+  /// kBadParameter where it may not be written. `whose`: the mesh that becomes this output, or what else this is.
+  Expected<void> write(const std::string& path, const std::string& whose) {
+    if (path == kStandardStream) return {};
+    if (std::optional<Error> refused = refuse_output(path)) return tl::unexpected<Error>(std::move(*refused));
     const FileIdentity identity = identity_of(path);
     if (const auto at = read_.find(identity); at != read_.end())
-      return "'" + path + "' would be written over " + at->second + ".";
-    const auto [at, fresh] = written_.emplace(identity, whose);
-    return fresh ? "" : at->second + " and " + whose + " would both be written to '" + path + "'.";
+      return wrong("'" + path + "' would be written over " + at->second + ".");
+    if (const auto [at, fresh] = written_.emplace(identity, whose); !fresh)
+      return wrong(at->second + " and " + whose + " would both be written to '" + path + "'.");
+    return {};
   }
 
  private:
@@ -233,13 +233,13 @@ Expected<void> lose_nothing(const BakePlan& plan, const BakeSource& source) {
     };
     if (job.output != kStandardStream)
       if (const auto format = format_of_output(job.output); !format) return in_line(format.error().detail);
-    if (const std::string why = places.write(job.output, "'" + job.input + "'"); !why.empty())
-      return in_line(why);
+    if (const auto place = places.write(job.output, "'" + job.input + "'"); !place)
+      return in_line(place.error().detail);
   }
   if (!plan.report.empty()) {
     if (plan.report == kStandardStream)
       return wrong("--report needs a file: it is read again by the next bake.");
-    if (const std::string why = places.write(plan.report, "the report"); !why.empty()) return wrong(why);
+    if (auto place = places.write(plan.report, "the report"); !place) return place;
     if (!BakeReport::may_be(plan.report))
       return wrong("'" + plan.report +
                    "' is there and is no report of a bake; as one it would be written anew.");
@@ -248,7 +248,7 @@ Expected<void> lose_nothing(const BakePlan& plan, const BakeSource& source) {
     if (source.depfile == kStandardStream || plan.jobs.front().output == kStandardStream ||
         plan.jobs.front().input == kStandardStream)
       return wrong("--depfile is a file that names files: it does not go with '-'.");
-    if (const std::string why = places.write(source.depfile, "the depfile"); !why.empty()) return wrong(why);
+    if (auto place = places.write(source.depfile, "the depfile"); !place) return place;
   }
   if (source.stages.empty()) return {};
   for (const std::string& path : stage_files(source.stages)) {

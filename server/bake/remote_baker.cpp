@@ -1,13 +1,15 @@
 #include "server/bake/remote_baker.hpp"
 
 #include <condition_variable>
-#include <map>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string_view>
 #include <utility>
 
 #include "common/exchange/headers.hpp"
+#include "common/exchange/stored_meshes.hpp"
+#include "server/bake/failure.hpp"
 #include "server/bake/form.hpp"
 
 namespace fracture::bake {
@@ -15,12 +17,10 @@ namespace {
 
 using protocol::Exchange;
 using protocol::HttpRequest;
+using protocol::ProblemDocument;
+using protocol::PutOnce;
 using Clock = std::chrono::steady_clock;
-template <class T>
-using OrFailure = tl::expected<T, BakeFailure>;
 
-/// Of POST /meshes/{id}/fracture: the server's limit.
-constexpr std::size_t kMaxParameterBytes = 4096;
 /// An upload, a download, a fracture that is waited for. The events of a job need less: something comes every
 /// ten seconds.
 constexpr std::chrono::milliseconds kLong{180'000}, kEvents{30'000};
@@ -29,18 +29,13 @@ constexpr int kMostTries = 30;
 /// A deadline passes because a mesh is too much for it, or because the farm was full: worth few tries.
 constexpr int kMostDeadlines = 3;
 
-tl::unexpected<BakeFailure> broken(std::string detail) {
-  return tl::unexpected(BakeFailure(Error{ErrorCode::kInternal, std::move(detail)}));
-}
+tl::unexpected<Error> broken(std::string detail) { return fail(ErrorCode::kInternal, std::move(detail)); }
 
-tl::unexpected<BakeFailure> refused(int status, nlohmann::json problem) {
-  using enum BakeFailure::Kind;
-  const bool unsound = problem.value("type", "") == std::string("/problems/") + slug(ErrorCode::kUnsound);
-  const auto kind = unsound ? kUnsound : status >= 500 && status != 504 ? kBroken : kRefused;
-  return tl::unexpected(BakeFailure(kind, std::move(problem)));
+tl::unexpected<Error> refused(int status, const ProblemDocument& problem) {
+  return tl::unexpected<Error>(to_error(status, problem));
 }
-tl::unexpected<BakeFailure> refused(const Exchange& exchange) {
-  return refused(exchange.status, problem_in(exchange));
+tl::unexpected<Error> refused(const Exchange& exchange) {
+  return refused(exchange.status, problem_of(exchange));
 }
 
 /// The data of the last event of a stream (server-sent events as this server writes them); null without one.
@@ -61,30 +56,27 @@ const char* type_of(OutputFormat format) {
   return format == OutputFormat::kGltf ? "model/gltf+json" : "model/gltf-binary";
 }
 
-/// Which meshes are being put, or were, so that two jobs on one mesh send it once.
+/// PutOnce for threads that wait.
 class Puts {
  public:
   /// Of a mesh that was missing when somebody asked at `asked`. True: the caller puts it, and says done().
   /// False: another one did in the meantime, perhaps while that answer was on its way.
-  bool begin(const std::string& id, Clock::time_point asked, const std::stop_token& stop) {
+  bool begin(const std::string& mesh, Clock::time_point asked, const std::stop_token& stop) {
     std::unique_lock lock(mutex_);
-    if (const auto last = ended_.find(id); last != ended_.end() && last->second > asked) return false;
-    if (putting_.insert(id).second) return true;
-    changed_.wait(lock, stop, [&] { return !putting_.contains(id); });
-    return false;
+    const PutOnce::Role role = puts_.begin(mesh, asked);
+    if (role == PutOnce::Role::kWait) changed_.wait(lock, stop, [&] { return !puts_.pending(mesh); });
+    return role == PutOnce::Role::kPut;
   }
-  void done(const std::string& id, bool stored) {
+  void done(const std::string& mesh, bool stored) {
     const std::lock_guard lock(mutex_);
-    putting_.erase(id);
-    if (stored) ended_[id] = Clock::now();
+    puts_.done(mesh, stored);
     changed_.notify_all();
   }
 
  private:
   std::mutex mutex_;
   std::condition_variable_any changed_;
-  std::set<std::string> putting_;
-  std::map<std::string, Clock::time_point> ended_;  ///< when the last PUT of a mesh had ended well
+  PutOnce puts_;
 };
 
 /// One output, from the first question to the checked file.
@@ -96,17 +88,17 @@ class Conversation {
         request_(request),
         stop_(stop),
         keys_(keys_of(request)),
-        mesh_("/meshes/sha256:" + keys_.digest),
+        mesh_("sha256:" + keys_.digest),
         result_("/fractures/sha256:" + keys_.result),
         parameters_(canonical_parameters(request.parameters)) {}
 
-  OrFailure<Baked> operator()() {
-    bool whole = parameters_.dump().size() > kMaxParameterBytes;
+  Expected<Baked> operator()() {
+    bool whole = parameters_.dump().size() > protocol::kMaxParameterBytes;
     for (int tries = 0, deadlines = 0; tries < kMostTries; ++tries) {
       // The first two times something was missing that now is there; after that somebody is in trouble.
       if (tries > 2) caller_.pause(caller_.patience().first_pause * tries, stop_);
-      OrFailure<Step> step = whole ? ask_with_mesh() : ask_by_job();
-      if (!step) return tl::unexpected(std::move(step.error()));
+      Expected<Step> step = whole ? ask_with_mesh() : ask_by_job();
+      if (!step) return tl::unexpected<Error>(std::move(step.error()));
       if (step->baked) return std::move(*step->baked);
       trouble_ = std::move(step->trouble);
       if (step->next == Next::kWhole) {
@@ -114,7 +106,7 @@ class Conversation {
         whole = true;
       }
       if (step->next == Next::kDeadline && ++deadlines == kMostDeadlines)
-        return tl::unexpected(BakeFailure(BakeFailure::Kind::kRefused, std::move(step->problem)));
+        return tl::unexpected<Error>(std::move(*step->error));
     }
     // Of this job alone: the server answers.
     return broken("Tried " + std::to_string(kMostTries) + " times. " + trouble_);
@@ -127,7 +119,7 @@ class Conversation {
     std::optional<Baked> baked{};
     Next next = Next::kAgain;
     std::string trouble{};
-    nlohmann::json problem{};
+    std::optional<Error> error{};  ///< of kDeadline
   };
   static Step again(std::string trouble) { return {.trouble = std::move(trouble)}; }
   static Step otherwise(const std::string& key) {
@@ -141,30 +133,27 @@ class Conversation {
     return {{"Accept", type_of(request_.output)}, {"Priority", "u=5"}};  // batch work (RFC 9218)
   }
 
-  OrFailure<Step> ask_by_job() {
-    HttpRequest ask{.method = "POST",
-                    .target = mesh_ + "/fracture",
-                    .content_type = "application/json",
-                    .body = std::make_shared<const std::string>(parameters_.dump()),
-                    .fields = fields()};
+  Expected<Step> ask_by_job() {
+    HttpRequest ask = protocol::fracture_request(mesh_, parameters_.dump());
+    ask.fields = fields();
     ask.fields.emplace_back("Prefer", "respond-async");
     const Clock::time_point asked = Clock::now();
-    const OrFailure<Exchange> started = caller_.ask(ask, stop_);
+    const Expected<Exchange> started = caller_.ask(ask, stop_);
     if (!started) return tl::unexpected(started.error());
-    if (started->status == 404 && problem_slug(*started) == "not-found") return put_mesh(asked);
+    if (protocol::mesh_is_missing(started->status, problem_of(*started).slug())) return put_mesh(asked);
     if (started->status == 200) return file_of(*started);  // a server that does not know the preference
-    if (started->status == 504) return late(problem_in(*started));
+    if (started->status == 504) return late(problem_of(*started));
     if (started->status != 202) return refused(*started);
     nlohmann::json job = nlohmann::json::parse(started->body, nullptr, false);
     const std::string id = job.is_object() ? job.value("id", "") : "";
     if (id.empty()) return again("The server answered 202 without a job.");
     if (const std::string state = job.value("state", ""); state == "queued" || state == "running") {
-      const OrFailure<Exchange> events = caller_.ask({.target = "/jobs/" + id + "/events",
-                                                      .fields = {{"Accept", "text/event-stream"}},
-                                                      .answer_timeout = kEvents},
-                                                     stop_);
+      const Expected<Exchange> events = caller_.ask({.target = "/jobs/" + id + "/events",
+                                                     .fields = {{"Accept", "text/event-stream"}},
+                                                     .answer_timeout = kEvents},
+                                                    stop_);
       if (!events) {
-        if (events.error().kind == BakeFailure::Kind::kCancelled)
+        if (events.error().code == ErrorCode::kCancelled)
           caller_.tell(
               {.method = "DELETE", .target = "/jobs/" + id, .answer_timeout = std::chrono::seconds(1)});
         return tl::unexpected(events.error());
@@ -175,11 +164,11 @@ class Conversation {
     return end_of(job);
   }
 
-  OrFailure<Step> end_of(const nlohmann::json& job) {
+  Expected<Step> end_of(const nlohmann::json& job) {
     const std::string state = job.is_object() ? job.value("state", "") : "";
     if (state == "done") {
       if (job.value("result", "") != result_) return otherwise(job.value("result", ""));
-      const OrFailure<Exchange> result =
+      const Expected<Exchange> result =
           caller_.ask({.target = result_, .fields = fields(), .answer_timeout = kLong}, stop_);
       if (!result) return tl::unexpected(result.error());
       if (result->status == 200) return file_of(*result);
@@ -189,17 +178,17 @@ class Conversation {
     if (state != "failed" || !job.contains("error")) return again("A job ended without a word.");
     const nlohmann::json& error = job.at("error");
     const int status = error.is_object() ? error.value("status", 500) : 500;
-    nlohmann::json problem = problem_in(error);
-    if (status == 503) return again(problem.value("detail", ""));
-    if (status == 504) return late(std::move(problem));
-    return refused(status, std::move(problem));
+    const ProblemDocument problem = protocol::problem_in(error);
+    if (status == 503) return again(problem.detail);
+    if (status == 504) return late(problem);
+    return refused(status, problem);
   }
 
-  static Step late(nlohmann::json problem) {
-    return {.next = Next::kDeadline, .trouble = problem.value("detail", ""), .problem = std::move(problem)};
+  static Step late(const ProblemDocument& problem) {
+    return {.next = Next::kDeadline, .trouble = problem.detail, .error = to_error(504, problem)};
   }
 
-  OrFailure<Step> file_of(const Exchange& exchange) {
+  Expected<Step> file_of(const Exchange& exchange) {
     if (!protocol::digest_matches(exchange.repr_digest, exchange.body))
       return again("An answer has another digest than its Repr-Digest says.");
     if (!exchange.content_location.empty() && exchange.content_location != result_)
@@ -229,33 +218,39 @@ class Conversation {
     return write_form(parts);
   }
 
-  OrFailure<Exchange> send(const char* method, const std::string& target, nlohmann::json parameters) {
-    Expected<Form> body = form(std::move(parameters));
-    if (!body) return tl::unexpected(BakeFailure(body.error()));
-    HttpRequest request{.method = method,
-                        .target = target,
-                        .content_type = std::move(body->content_type),
-                        .body = std::make_shared<const std::string>(std::move(body->body)),
-                        .answer_timeout = kLong};
-    if (request.method == std::string_view("POST")) request.fields = fields();
-    return caller_.ask(request, stop_);
-  }
-
-  OrFailure<Step> put_mesh(Clock::time_point asked) {
+  Expected<Step> put_mesh(Clock::time_point asked) {
     if (!puts_.begin(mesh_, asked, stop_)) return again("Another job's mesh did not stay with the server.");
-    const OrFailure<Exchange> put = send("PUT", mesh_, canonical_solid_parameters(request_.parameters));
+    const Expected<Exchange> put = send_mesh();
     puts_.done(mesh_, put && (put->status == 200 || put->status == 201));
     if (!put) return tl::unexpected(put.error());
-    if (put->status == 504) return late(problem_in(*put));
+    if (put->status == 504) return late(problem_of(*put));
     if (put->status != 200 && put->status != 201) return refused(*put);
     return again("The server does not keep the mesh that was put.");
   }
 
-  OrFailure<Step> ask_with_mesh() {
-    const OrFailure<Exchange> answer = send("POST", "/fracture", parameters_);
+  Expected<Exchange> send_mesh() {
+    Expected<Form> body = form(canonical_solid_parameters(request_.parameters));
+    if (!body) return tl::unexpected<Error>(body.error());
+    HttpRequest put = protocol::put_request(mesh_, std::move(body->content_type),
+                                            std::make_shared<const std::string>(std::move(body->body)));
+    put.answer_timeout = kLong;
+    return caller_.ask(put, stop_);
+  }
+
+  Expected<Step> ask_with_mesh() {
+    Expected<Form> body = form(parameters_);
+    if (!body) return tl::unexpected<Error>(body.error());
+    const Expected<Exchange> answer =
+        caller_.ask({.method = "POST",
+                     .target = "/fracture",
+                     .content_type = std::move(body->content_type),
+                     .body = std::make_shared<const std::string>(std::move(body->body)),
+                     .fields = fields(),
+                     .answer_timeout = kLong},
+                    stop_);
     if (!answer) return tl::unexpected(answer.error());
     if (answer->status == 200) return file_of(*answer);
-    if (answer->status == 504) return late(problem_in(*answer));
+    if (answer->status == 504) return late(problem_of(*answer));
     return refused(*answer);
   }
 
@@ -264,7 +259,8 @@ class Conversation {
   const FractureRequest& request_;
   const std::stop_token stop_;
   const RequestKeys keys_;
-  const std::string mesh_, result_;  ///< paths
+  const std::string mesh_;    ///< id
+  const std::string result_;  ///< path
   const nlohmann::json parameters_;
   std::string trouble_;
 };
@@ -273,13 +269,12 @@ class RemoteBaker : public Baker {
  public:
   explicit RemoteBaker(const RemoteConfig& config) : caller_(config.server, config.patience) {}
 
-  OrFailure<void> greet(const std::string& server, const std::stop_token& stop) {
-    const OrFailure<Exchange> version = caller_.ask({.target = "/version"}, stop);
+  Expected<void> greet(const std::string& server, const std::stop_token& stop) {
+    const Expected<Exchange> version = caller_.ask({.target = "/version"}, stop);
     if (!version) return tl::unexpected(version.error());
     const nlohmann::json document = nlohmann::json::parse(version->body, nullptr, false);
     const auto fail_with = [&](std::string why) {
-      return tl::unexpected(
-          BakeFailure(BakeFailure::Kind::kUnavailable, {{"detail", server + " " + std::move(why)}}));
+      return fail(ErrorCode::kUnavailable, server + " " + std::move(why));
     };
     if (version->status != 200 || !document.is_object() || document.value("name", "") != "fracture-server")
       return fail_with("answers, but is no fracture-server: GET /version gave status " +
@@ -288,7 +283,7 @@ class RemoteBaker : public Baker {
     if (algorithm != kAlgorithmVersion)
       return fail_with("has version " + std::to_string(algorithm) + " of the algorithm, this program " +
                        std::to_string(kAlgorithmVersion) + ": the files would have other bytes.");
-    const OrFailure<Exchange> limits = caller_.ask({.target = "/limits"}, stop);
+    const Expected<Exchange> limits = caller_.ask({.target = "/limits"}, stop);
     if (!limits) return tl::unexpected(limits.error());
     const nlohmann::json list = nlohmann::json::parse(limits->body, nullptr, false);
     if (list.is_object() && list.contains("formats") && list.at("formats").is_array())
@@ -308,13 +303,12 @@ class RemoteBaker : public Baker {
     return parsed;
   }
 
-  OrFailure<Baked> bake(const FractureRequest& request, const Execution& execution) override {
+  Expected<Baked> bake(const FractureRequest& request, const Execution& execution) override {
     // In better words than those of its refusal of the parameter `format`.
     if (const std::string format = extension_of(request.format);
         !formats_.empty() && !formats_.contains(format))
-      return tl::unexpected(BakeFailure(
-          Error{ErrorCode::kUnknownFormat, "The server does not read '" + format +
-                                               "'; one started with --enable-format " + format + " does."}));
+      return fail(ErrorCode::kUnknownFormat, "The server does not read '" + format +
+                                                 "'; one started with --enable-format " + format + " does.");
     return Conversation(caller_, puts_, request, execution.stop)();
   }
 
@@ -329,11 +323,11 @@ class RemoteBaker : public Baker {
 
 }  // namespace
 
-OrFailure<std::unique_ptr<Baker>> remote_baker(const RemoteConfig& config, const std::stop_token& stop,
-                                               const std::function<void(const std::string&)>& say) {
+Expected<std::unique_ptr<Baker>> remote_baker(const RemoteConfig& config, const std::stop_token& stop,
+                                              const std::function<void(const std::string&)>& say) {
   auto baker = std::make_unique<RemoteBaker>(config);
   baker->on_notice(say);
-  if (const OrFailure<void> greeted =
+  if (const Expected<void> greeted =
           baker->greet("http://" + config.server.host + ":" + std::to_string(config.server.port), stop);
       !greeted)
     return tl::unexpected(greeted.error());

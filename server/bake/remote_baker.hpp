@@ -28,11 +28,10 @@ struct RemoteConfig {
   Patience patience;
 };
 
-/// Asks the server who it is first. Errors (one sentence): it is absent, wants a token, is no
+/// Asks the server who it is first. kUnavailable (one sentence): it is absent, wants a token, is no
 /// fracture-server, or is of another algorithm version, so that its bytes would be others than those of a
 /// local bake. `say`: while it is waited for.
-tl::expected<std::unique_ptr<Baker>, BakeFailure> remote_baker(
-    const RemoteConfig& config, const std::stop_token& stop,
-    const std::function<void(const std::string&)>& say);
+Expected<std::unique_ptr<Baker>> remote_baker(const RemoteConfig& config, const std::stop_token& stop,
+                                              const std::function<void(const std::string&)>& say);
 
 }  // namespace fracture::bake

@@ -19,6 +19,7 @@
 
 #include "server/bake/atomic_file.hpp"
 #include "server/bake/depfile.hpp"
+#include "server/bake/failure.hpp"
 #include "server/bake/input_file.hpp"
 #include "server/bake/output_path.hpp"
 #include "server/bake/progress.hpp"
@@ -64,7 +65,7 @@ std::vector<std::string> warnings_of(const json& figures) {
   return warnings;
 }
 
-BakeFailure unsound(const json& certificate) {
+Error unsound(const json& certificate) {
   char detail[300];
   std::snprintf(
       detail, sizeof detail,
@@ -73,9 +74,7 @@ BakeFailure unsound(const json& certificate) {
       certificate.value("open_edges", 0ull), certificate.value("unmirrored_caps", 0ull),
       certificate.value("volume_in", 0.0), certificate.value("volume_out", 0.0),
       certificate.value("relative_error", 0.0));
-  BakeFailure failure(Error{ErrorCode::kUnsound, detail});
-  failure.certificate = certificate;
-  return failure;
+  return {ErrorCode::kUnsound, detail, {}, certificate};
 }
 
 /// "fragments.glb: 50 fragments, volume in 1 m3, out 1 m3, relative error 2.2e-16, 0 open edges, 51372 bytes,
@@ -187,38 +186,33 @@ class Run {
     if (!report_.add(job, line)) unwritable(options_.report);
   }
 
-  void fail(std::size_t job, const BakeFailure& failure) {
-    using enum BakeFailure::Kind;
-    if (failure.kind == kUnavailable && !unavailable_.exchange(true)) {
-      say(failure.words());
+  void fail(std::size_t job, const Error& error) {
+    const Outcome outcome = outcome_of(error.code);
+    if (outcome == Outcome::kUnavailable && !unavailable_.exchange(true)) {
+      say(to_line(error));
       count(&RunFigures::unavailable);
     }
-    if (failure.kind == kUnavailable) return count(&RunFigures::cancelled);
-    if (failure.kind == kCancelled) return cancelled();
-    say(name_of_input(plan_.jobs[job].input) + ": " + failure.all_words());
-    const bool refused = failure.kind == kRefused;
-    json line = {{"status", refused                    ? "refused"
-                            : failure.kind == kUnsound ? "unsound"
-                                                       : "failed"},
-                 {"problem", failure.problem}};
-    if (!failure.certificate.is_null()) line["certificate"] = failure.certificate;
+    if (outcome == Outcome::kUnavailable) return count(&RunFigures::cancelled);
+    if (outcome == Outcome::kCancelled) return cancelled();
+    say(name_of_input(plan_.jobs[job].input) + ": " + to_lines(error));
+    const bool refused = outcome == Outcome::kRefused, unproven = outcome == Outcome::kUnsound;
+    json line = {{"status", refused    ? "refused"
+                            : unproven ? "unsound"
+                                       : "failed"},
+                 {"problem", to_problem(error)}};
+    if (json certificate = certificate_of(error); !certificate.is_null())
+      line["certificate"] = std::move(certificate);
     report(job, std::move(line));
-    count(refused                    ? &RunFigures::refused
-          : failure.kind == kUnsound ? &RunFigures::unsound
-                                     : &RunFigures::failed);
+    count(refused ? &RunFigures::refused : unproven ? &RunFigures::unsound : &RunFigures::failed);
     progress_->done(false, refused);
   }
 
   /// So that a bug can be looked into.
-  void keep_failure(std::size_t job, const FractureRequest& request, const BakeFailure& failure) {
-    if (!options_.failures) return;
-    const bool internal =
-        failure.problem.value("type", "") == std::string("/problems/") + slug(ErrorCode::kInternal);
-    if (failure.kind != BakeFailure::Kind::kUnsound && !internal) return;
+  void keep_failure(std::size_t job, const FractureRequest& request, const Error& error) {
+    if (!options_.failures || !FailureKeeper::concerns(error.code)) return;
     const std::string& input = plan_.jobs[job].input;
     options_.failures->keep(
-        request, {internal ? ErrorCode::kInternal : ErrorCode::kUnsound, failure.problem.value("detail", "")},
-        failure.certificate,
+        request, {error.code, error.detail}, certificate_of(error),
         input == kStandardStream ? std::string() : std::filesystem::path(input).filename().string());
   }
 
@@ -227,31 +221,31 @@ class Run {
     try {
       make_or_keep(number);
     } catch (const std::exception&) {
-      fail(number, failure_of_exception());
+      fail(number, error_of_exception());
     }
   }
 
   /// Of the exception that is being handled.
-  static BakeFailure failure_of_exception() {
+  static Error error_of_exception() {
     try {
       throw;
     } catch (const std::bad_alloc&) {
-      return BakeFailure(Error{ErrorCode::kOutOfMemory, "Memory is exhausted."});
+      return {ErrorCode::kOutOfMemory, "Memory is exhausted."};
     } catch (const std::exception& bug) {
-      return BakeFailure(Error{ErrorCode::kInternal, bug.what()});
+      return {ErrorCode::kInternal, bug.what()};
     }
   }
 
   void make_or_keep(std::size_t number) {
     const BakeJob& job = plan_.jobs[number];
     const Expected<RequestParameters> parameters = baker_.parse(job.parameters);
-    if (!parameters) return fail(number, BakeFailure(parameters.error()));
+    if (!parameters) return fail(number, parameters.error());
     std::optional<std::string> bytes = read_bytes(job.input, stop_);
     if (!bytes) return errno == ECANCELED ? cancelled() : unreadable(number, std::strerror(errno));
     const Expected<InputFile> input = to_input(job.input, std::move(*bytes), *parameters);
-    if (!input) return fail(number, BakeFailure(input.error()));
+    if (!input) return fail(number, input.error());
     const Expected<OutputFormat> output = format_of_output(job.output);
-    if (!output) return fail(number, BakeFailure(output.error()));
+    if (!output) return fail(number, output.error());
     const FractureRequest request{input->view(), input->format, *parameters, as_import_files(input->siblings),
                                   *output};
     const RequestKeys keys = keys_of(request);
@@ -263,7 +257,7 @@ class Run {
       return progress_->done(true, false);
     }
     protect(*input, job);
-    if (const std::string victim = victim_of(job); !victim.empty()) return unwritable(number, victim);
+    if (const std::optional<Error> loss = loss_by(job)) return unwritable(number, loss->detail);
     make(number, request, keys, *input);
   }
 
@@ -274,28 +268,29 @@ class Run {
       named_.emplace(identity_of(file.path), "a file that " + job.input + " names");
   }
 
-  /// Why the job may not write what it would; empty: it may.
-  std::string victim_of(const BakeJob& job) {
+  /// kFileAccess where the job would write over a file that a mesh names.
+  std::optional<Error> loss_by(const BakeJob& job) {
     const std::lock_guard lock(mutex_);
     for (const std::string& path : {job.output, options_.depfile})
       if (!path.empty() && path != kStandardStream)
         if (const auto at = named_.find(identity_of(path)); at != named_.end())
-          return (path == job.output ? "it is " : "the depfile " + path + " is ") + at->second;
-    return "";
+          return Error{ErrorCode::kFileAccess,
+                       (path == job.output ? "it is " : "the depfile " + path + " is ") + at->second};
+    return std::nullopt;
   }
 
-  tl::expected<Baked, BakeFailure> bake(const FractureRequest& request) {
+  Expected<Baked> bake(const FractureRequest& request) {
     Execution execution;
     execution.threads = options_.threads;
     execution.stop = stop_;
     execution.progress = [this](Stage stage, double fraction) { progress_->stage(stage, fraction); };
     try {
-      tl::expected<Baked, BakeFailure> baked = baker_.bake(request, execution);
+      Expected<Baked> baked = baker_.bake(request, execution);
       if (baked && !is_sound(baked->figures))
-        return tl::unexpected(unsound(baked->figures.at("certificate")));
+        return tl::unexpected<Error>(unsound(baked->figures.at("certificate")));
       return baked;
     } catch (const std::exception&) {
-      return tl::unexpected(failure_of_exception());
+      return tl::unexpected<Error>(error_of_exception());
     }
   }
 
@@ -308,13 +303,13 @@ class Run {
             const InputFile& input) {
     const BakeJob& job = plan_.jobs[number];
     const auto start = std::chrono::steady_clock::now();
-    const tl::expected<Baked, BakeFailure> baked = bake(request);
+    const Expected<Baked> baked = bake(request);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
     if (!baked) {
       keep_failure(number, request, baked.error());
       return fail(number, baked.error());
     }
-    if (const std::string victim = victim_of(job); !victim.empty()) return unwritable(number, victim);
+    if (const std::optional<Error> loss = loss_by(job)) return unwritable(number, loss->detail);
     if (!write(job.output, std::as_bytes(std::span(*baked->file))))
       return errno == ECANCELED ? cancelled() : unwritable(number, std::strerror(errno));
     if (!options_.depfile.empty() && !write_depfile(options_.depfile, job, input))

@@ -47,10 +47,10 @@ std::optional<std::vector<std::uint8_t>> read_bytes(int file, std::uint64_t size
 DiskCache::DiskCache(std::string folder, std::uint64_t budget, FarmKeys keys, int algorithm)
     : folder_(std::move(folder)), budget_(budget), keys_(std::move(keys)), algorithm_(algorithm) {
   try {
-    take_over();
-    if (unusable_.empty()) learn_what_is_there();
+    unusable_ = take_over();
+    if (!unusable_) learn_what_is_there();
   } catch (const fs::filesystem_error& e) {
-    unusable_ = e.what();
+    unusable_ = Error{ErrorCode::kFileAccess, e.what()};
   }
 }
 
@@ -58,21 +58,17 @@ DiskCache::~DiskCache() {
   if (lock_ >= 0) ::close(lock_);
 }
 
-void DiskCache::take_over() {
+std::optional<Error> DiskCache::take_over() {
   fs::create_directories(folder_);
   const std::string lock = folder_ + "/lock";
   lock_ = ::open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-  if (lock_ < 0) {
-    unusable_ = lock + ": " + std::strerror(errno);
-    return;
-  }
-  if (::flock(lock_, LOCK_EX | LOCK_NB) != 0) {
-    unusable_ = folder_ + " is in use by another server";
-    return;
-  }
+  if (lock_ < 0) return Error{ErrorCode::kFileAccess, lock + ": " + std::strerror(errno)};
+  if (::flock(lock_, LOCK_EX | LOCK_NB) != 0)
+    return Error{ErrorCode::kFileAccess, folder_ + " is in use by another server"};
   fs::remove_all(folder_ + "/tmp");
   fs::create_directories(folder_ + "/tmp");
   fs::create_directories(folder_ + "/quarantine");
+  return std::nullopt;
 }
 
 void DiskCache::learn_what_is_there() {
@@ -107,7 +103,7 @@ std::optional<std::uint64_t> DiskCache::size_of(const std::string& key) const {
 }
 
 std::optional<StoredEntry> DiskCache::find(const std::string& key) {
-  if (!unusable_.empty() || !is_key(key)) return std::nullopt;
+  if (unusable_ || !is_key(key)) return std::nullopt;
   std::uint64_t size = 0;
   {
     const std::lock_guard lock(mutex_);
@@ -171,7 +167,7 @@ std::optional<CacheEntry> DiskCache::decoded(std::span<const std::uint8_t> file,
 
 bool DiskCache::insert(const CacheEntry& entry) {
   const std::string key(entry.key);
-  if (!unusable_.empty() || !is_key(key)) return false;
+  if (unusable_ || !is_key(key)) return false;
   std::string head = encode_entry_head(entry);
   if (!keys_.empty()) {
     const FarmKeys::Bytes before(reinterpret_cast<const std::uint8_t*>(head.data()), head.size());

@@ -19,6 +19,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "common/base/error.hpp"
 #include "server/cache/entry.hpp"
 #include "server/cache/farm_keys.hpp"
 
@@ -49,8 +50,8 @@ class DiskCache {
   DiskCache(const DiskCache&) = delete;
   DiskCache& operator=(const DiskCache&) = delete;
 
-  /// Empty when the folder can be used; else why it cannot (then every find misses and insert does nothing).
-  const std::string& unusable() const { return unusable_; }
+  /// kFileAccess when the folder cannot be used; then every find misses and insert does nothing.
+  const std::optional<Error>& unusable() const { return unusable_; }
 
   /// Bytes of the entry as it was written; nothing when there is none.
   std::optional<std::uint64_t> size_of(const std::string& key) const;
@@ -72,7 +73,7 @@ class DiskCache {
   SignedAs signed_as(std::string_view key) const { return {"disk", key, algorithm_}; }
   /// The entry in the bytes of a file; nothing where it is damaged or not signed.
   std::optional<CacheEntry> decoded(std::span<const std::uint8_t> file, const std::string& key) const;
-  void take_over();
+  std::optional<Error> take_over();
   void learn_what_is_there();
   /// Evicts until `size` bytes more are within the budget.
   void make_room(std::uint64_t size);
@@ -84,7 +85,7 @@ class DiskCache {
   const std::uint64_t budget_;
   const FarmKeys keys_;
   const int algorithm_;
-  std::string unusable_;
+  std::optional<Error> unusable_;
   int lock_ = -1;
   mutable std::mutex mutex_;
   std::list<File> files_;  // most recently used first

@@ -10,6 +10,7 @@
 #include <iterator>
 #include <memory>
 #include <stdexcept>
+#include <utility>
 
 namespace fracture {
 namespace {
@@ -45,15 +46,16 @@ Signature sign(const std::string& key, const SignedAs& as, std::initializer_list
 
 }  // namespace
 
-tl::expected<FarmKeys, std::string> FarmKeys::load(const std::string& path) {
+Expected<FarmKeys> FarmKeys::load(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  if (!file) return tl::unexpected(path + " cannot be read");
+  if (!file) return fail(ErrorCode::kFileAccess, path + " cannot be read");
   auto keys = parse(std::string{std::istreambuf_iterator<char>(file), {}});
-  if (!keys) return tl::unexpected(path + ": " + keys.error());
+  if (!keys) return fail(keys.error().code, path + ": " + keys.error().detail);
   return keys;
 }
 
-tl::expected<FarmKeys, std::string> FarmKeys::parse(std::string_view text) {
+Expected<FarmKeys> FarmKeys::parse(std::string_view text) {
+  const auto wrong = [](std::string why) { return fail(ErrorCode::kBadParameter, std::move(why)); };
   FarmKeys keys;
   for (int number = 1; !text.empty(); ++number) {
     const std::size_t end = text.find('\n');
@@ -63,13 +65,13 @@ tl::expected<FarmKeys, std::string> FarmKeys::parse(std::string_view text) {
     if (line.empty() || line.front() == '#') continue;
     const std::string where = "line " + std::to_string(number);
     if (line.size() < kMinCharacters)
-      return tl::unexpected(where + " has fewer than " + std::to_string(kMinCharacters) +
-                            " characters (openssl rand -hex 32 makes a key)");
+      return wrong(where + " has fewer than " + std::to_string(kMinCharacters) +
+                   " characters (openssl rand -hex 32 makes a key)");
     if (keys.keys_.size() == kMaxKeys)
-      return tl::unexpected(where + " is a third key: one that signs, and one that is still taken");
+      return wrong(where + " is a third key: one that signs, and one that is still taken");
     keys.keys_.emplace_back(line);
   }
-  if (keys.empty()) return tl::unexpected(std::string("it holds no key"));
+  if (keys.empty()) return wrong("it holds no key");
   return keys;
 }
 

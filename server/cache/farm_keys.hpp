@@ -17,8 +17,9 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <tl/expected.hpp>
 #include <vector>
+
+#include "common/base/error.hpp"
 
 namespace fracture {
 
@@ -36,9 +37,9 @@ class FarmKeys {
 
   /// One or two lines of at least 32 characters (`openssl rand -hex 32`): the first signs, both are taken, so
   /// that a farm changes its key without losing what it has. Empty lines and those that begin with '#' are
-  /// skipped. The error names file and line, never a key.
-  static tl::expected<FarmKeys, std::string> load(const std::string& path);
-  static tl::expected<FarmKeys, std::string> parse(std::string_view text);
+  /// skipped. kFileAccess, kBadParameter: the error names file and line, never a key.
+  static Expected<FarmKeys> load(const std::string& path);
+  static Expected<FarmKeys> parse(std::string_view text);
 
   bool empty() const { return keys_.empty(); }
 

@@ -39,11 +39,11 @@ bool is_numeric(const std::string& host) {
 
 }  // namespace
 
-tl::expected<std::shared_ptr<const RedisTls>, std::string> RedisTls::load(const RedisTlsConfig& config) {
+Expected<std::shared_ptr<const RedisTls>> RedisTls::load(const RedisTlsConfig& config) {
   auto tls = std::make_shared<RedisTls>();
   tls->context_ = {SSL_CTX_new(TLS_client_method()), &SSL_CTX_free};
   SSL_CTX* const context = tls->context();
-  if (!context) return tl::unexpected(std::string("TLS cannot be set up"));
+  if (!context) return fail(ErrorCode::kInternal, "TLS cannot be set up");
   SSL_CTX_set_min_proto_version(context, TLS1_2_VERSION);
   SSL_CTX_set_verify(context, SSL_VERIFY_PEER, nullptr);
   SSL_CTX_set_mode(context, SSL_MODE_ENABLE_PARTIAL_WRITE | SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER);
@@ -55,9 +55,11 @@ tl::expected<std::shared_ptr<const RedisTls>, std::string> RedisTls::load(const 
                       SSL_CTX_use_PrivateKey_file(context, config.key_file.c_str(), SSL_FILETYPE_PEM) == 1 &&
                       SSL_CTX_check_private_key(context) == 1);
   ERR_clear_error();
-  if (!trusts) return tl::unexpected(config.ca_file + " holds no certificates that can be read");
+  if (!trusts)
+    return fail(ErrorCode::kFileAccess, config.ca_file + " holds no certificates that can be read");
   if (!shows)
-    return tl::unexpected(config.cert_file + " and " + config.key_file + " are no certificate and its key");
+    return fail(ErrorCode::kFileAccess,
+                config.cert_file + " and " + config.key_file + " are no certificate and its key");
   return tls;
 }
 

@@ -8,9 +8,9 @@
 #include <memory>
 #include <string>
 #include <string_view>
-#include <tl/expected.hpp>
 #include <vector>
 
+#include "common/base/error.hpp"
 #include "server/cache/resolver.hpp"
 
 struct redisReader;
@@ -29,8 +29,8 @@ struct RedisTlsConfig {
 /// Certificates, read once; the server's is always checked, with its name. Immutable.
 class RedisTls {
  public:
-  /// The error says what cannot be read.
-  static tl::expected<std::shared_ptr<const RedisTls>, std::string> load(const RedisTlsConfig& config);
+  /// kFileAccess says what cannot be read.
+  static Expected<std::shared_ptr<const RedisTls>> load(const RedisTlsConfig& config);
   ssl_ctx_st* context() const { return context_.get(); }
 
  private:

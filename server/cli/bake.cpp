@@ -14,6 +14,7 @@
 
 #include "server/bake/flip_engine.hpp"
 #include "server/bake/import_workers.hpp"
+#include "server/bake/failure.hpp"
 #include "server/bake/output_path.hpp"
 #include "server/bake/plan.hpp"
 #include "server/bake/remote_baker.hpp"
@@ -114,8 +115,8 @@ std::unique_ptr<bake::Baker> connect(const BakeOptions& options, int jobs, const
   config.patience.total = std::chrono::seconds(options.patience_s);
   auto baker = bake::remote_baker(config, stop, say);
   if (baker) return std::move(*baker);
-  const bool stopped = baker.error().kind == bake::BakeFailure::Kind::kCancelled;
-  if (!stopped) say(baker.error().words());
+  const bool stopped = baker.error().code == ErrorCode::kCancelled;
+  if (!stopped) say(bake::to_line(baker.error()));
   exit_code = stopped ? kExitInterrupted : kExitSystem;
   return nullptr;
 }
@@ -137,14 +138,6 @@ struct Watched {
     return engine;
   }
 };
-
-int exit_code(const bake::RunFigures& f, const BakeOptions& options) {
-  if (f.unavailable > 0) return kExitSystem;
-  if (f.cancelled > 0) return kExitInterrupted;
-  if (f.unsound > 0 || f.failed > 0) return kExitInternal;
-  if (f.unreadable > 0 || f.unwritable > 0) return kExitSystem;
-  return f.refused > options.allow_refused ? kExitRefused : kExitDone;
-}
 
 }  // namespace
 
@@ -182,7 +175,7 @@ int bake(const BakeOptions& options) {
   if (!baker) return refused;
   if (source.manifest.empty())  // else each line has its own
     if (const auto parameters = baker->parse(source.parameters); !parameters) {
-      say("parameters: " + bake::BakeFailure(parameters.error()).all_words());
+      say("parameters: " + bake::to_lines(parameters.error()));
       return kExitRefused;
     }
   FailureKeeper failures({.folder = source.failures, .program = "fracture-server " FRACTURE_VERSION}, say);
@@ -205,7 +198,7 @@ int bake(const BakeOptions& options) {
     if (watched.flips) std::fprintf(words, "%s\n", watched.flips->sentence().c_str());
     if (f.cancelled > 0 && !run.report.empty()) std::fprintf(words, "The same command goes on from there.\n");
   }
-  const int code = exit_code(f, options);
+  const int code = exit_code(f, options.allow_refused);
   return code == kExitDone && watched.dump && watched.dump->failed() ? kExitSystem : code;
 }
 

@@ -15,9 +15,6 @@
 namespace fracture::cli {
 namespace {
 
-// Of a pipeline: see options.hpp.
-constexpr int kClosed = 0, kRepaired = 1, kRefused = 2, kFailed = 3;
-
 void print(const std::string& input, const PreparedMesh& mesh, bool mended) {
   const SolidReport& r = mesh.solid.report;
   const Mesh& source = *mesh.solid.source;
@@ -57,11 +54,7 @@ int refuse(const InspectOptions& options, const Error& error) {
     std::printf("%s: refused: %s: %s\n  %s\n", options.input.c_str(), slug(error.code), title(error.code),
                 error.detail.c_str());
   }
-  // A wrong parameter says nothing about the mesh.
-  const bool about_the_request = error.code == ErrorCode::kBadParameter ||
-                                 error.code == ErrorCode::kUnknownParameter ||
-                                 error.code == ErrorCode::kUnknownFormat;
-  return about_the_request ? kFailed : kRefused;
+  return inspect_exit_code(error.code);
 }
 
 }  // namespace
@@ -74,7 +67,7 @@ int inspect(const InspectOptions& options) {
   if (!bytes) {
     std::fprintf(stderr, "fracture-server inspect: cannot read %s: %s\n", options.input.c_str(),
                  std::strerror(errno));
-    return kFailed;
+    return kInspectFailed;
   }
   const Expected<bake::InputFile> input = bake::to_input(options.input, std::move(*bytes), *parameters);
   if (!input) return refuse(options, input.error());
@@ -89,7 +82,7 @@ int inspect(const InspectOptions& options) {
                 mesh_report(**mesh).dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
   else
     print(options.input, **mesh, mended);
-  return mended ? kRepaired : kClosed;
+  return mended ? kInspectRepaired : kInspectClosed;
 }
 
 }  // namespace fracture::cli

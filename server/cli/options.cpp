@@ -88,8 +88,12 @@ void add_bytes(CLI::App& app, const char* name, std::uint64_t& bytes, const char
   app.add_option_function<std::string>(
          name,
          [name, &bytes](const std::string& text) {
-           const std::string wrong = detail::parse_number(text, true, 1u << 20, 1ull << 50, bytes);
-           if (!wrong.empty()) throw CLI::ValidationError(name, wrong + "; it was '" + text + "'");
+           constexpr std::uint64_t kLow = 1u << 20, kHigh = 1ull << 50;
+           const std::optional<std::uint64_t> given = detail::parse_number(text, true, kLow, kHigh);
+           if (!given)
+             throw CLI::ValidationError(name,
+                                        detail::requirement(true, kLow, kHigh) + "; it was '" + text + "'");
+           bytes = *given;
          },
          doc)
       ->type_name("BYTES");
@@ -248,17 +252,17 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    constexpr int kInspectUsage = 3;
-    if (const std::string unknown = e.get_exit_code() == 0 ? "" : unknown_word(app); !unknown.empty()) {
+    const std::optional<std::string> unknown = e.get_exit_code() == 0 ? std::nullopt : unknown_word(app);
+    if (unknown) {
       const std::vector<CLI::App*> commands = app.get_subcommands();
       const std::string program =
           "fracture-server" + (commands.empty() ? "" : " " + commands.front()->get_name());
-      std::fprintf(stderr, "%s: %s\n%s --help lists what there is.\n", program.c_str(), unknown.c_str(),
+      std::fprintf(stderr, "%s: %s\n%s --help lists what there is.\n", program.c_str(), unknown->c_str(),
                    program.c_str());
     } else if (app.exit(e) == 0) {
       return kExitDone;
     }
-    return inspect_command.parsed() ? kInspectUsage : health_command.parsed() ? kExitSystem : kExitUsage;
+    return inspect_command.parsed() ? kInspectFailed : health_command.parsed() ? kExitSystem : kExitUsage;
   }
   if (inspect_command.parsed()) return inspect(inspect_options);
   if (bake_command.parsed()) return bake(bake_options);

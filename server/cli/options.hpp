@@ -1,10 +1,4 @@
-// The command line: four commands, each with its own settings.
-//
-// Exit codes: 0 done · 1 this machine stood in the way (a file, a port), or a server did not answer · 2 the
-// command line is wrong · 3 the mesh or a parameter was refused · 4 a bug of ours · 130 interrupted. inspect
-// has its own, for pipelines: 0 a closed solid as it is · 1 usable after repair · 2 refused · 3 the command
-// line or the file was wrong · 4 a bug of ours. health: 0 healthy · 1 anything else, since a container's
-// HEALTHCHECK knows no other.
+// The command line: four commands, each with its own settings. What they exit with: exit_codes.hpp.
 #pragma once
 
 #include <chrono>
@@ -15,6 +9,7 @@
 #include <vector>
 
 #include "server/bake/plan.hpp"
+#include "server/cli/exit_codes.hpp"
 #include "server/http/limits.hpp"
 #include "server/http/server.hpp"
 #include "server/jobs/jobs.hpp"
@@ -24,9 +19,6 @@
 #include "server/service/worker_pool.hpp"
 
 namespace fracture::cli {
-
-inline constexpr int kExitDone = 0, kExitSystem = 1, kExitUsage = 2, kExitRefused = 3, kExitInternal = 4,
-                     kExitInterrupted = 130;
 
 struct ServeOptions {
   http::ServerConfig server;

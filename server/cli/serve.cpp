@@ -46,7 +46,7 @@ void reload_tokens(const std::string& path, http::HttpServer& server) {
   if (path.empty()) return spdlog::info("SIGHUP: there is no token file to read again");
   auto tokens = tenants::TokenFile::load(path);
   if (!tokens) {
-    spdlog::error("token-file {}: refused, the old one stays in force", tokens.error());
+    spdlog::error("token-file {}: refused, the old one stays in force", tokens.error().detail);
     return;
   }
   const std::size_t names = tokens->size();
@@ -102,10 +102,10 @@ int serve_until_stopped(const ServeOptions& options) {
   if (failures.any()) config.failures = &failures;
   Dispatcher dispatcher(service, pool, config);
   http::Api api(dispatcher, options.limits, options.store, options.jobs);
-  if (const std::string& problem = service.tiers().disk_problem(); !problem.empty())
-    spdlog::warn("no disk cache: {}", problem);
-  if (const std::string& problem = api.jobs().problem(); !problem.empty())
-    spdlog::warn("jobs do not survive a restart: {}", problem);
+  if (const std::optional<Error>& unusable = service.tiers().disk_unusable())
+    spdlog::warn("no disk cache: {}", unusable->detail);
+  if (const std::optional<Error>& unusable = api.jobs().folder_unusable())
+    spdlog::warn("jobs do not survive a restart: {}", unusable->detail);
   if (const JobFigures jobs = api.jobs().figures(); jobs.jobs > 0)
     spdlog::info("{} jobs of an earlier process were found, {} of them unfinished", jobs.jobs,
                  jobs.unfinished);

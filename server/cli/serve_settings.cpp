@@ -68,9 +68,10 @@ void judge_tiers(const ServeOptions& o, const std::function<void(std::string)>& 
     refuse("redis-ca-file and redis-cert-file are of use with --redis-tls only");
   if (redis.tls.on && redis.address.starts_with('/')) refuse("redis-tls needs a redis at host:port");
   if (redis.tls.on)
-    if (const auto tls = RedisTls::load(redis.tls); !tls) refuse("redis-tls: " + tls.error());
+    if (const auto tls = RedisTls::load(redis.tls); !tls) refuse("redis-tls: " + tls.error().detail);
   if (!o.farm_key_file.empty())
-    if (const auto keys = FarmKeys::load(o.farm_key_file); !keys) refuse("farm-key-file " + keys.error());
+    if (const auto keys = FarmKeys::load(o.farm_key_file); !keys)
+      refuse("farm-key-file " + keys.error().detail);
   if (tiers.sign_disk && o.farm_key_file.empty()) refuse("sign-disk-cache needs a farm-key-file");
 }
 
@@ -284,7 +285,7 @@ std::vector<std::string> inconsistencies(const ServeOptions& o) {
       refuse("allow-host must be '*' or a name without port; it was '" + name + "'");
   if (!o.token_file.empty())
     if (const auto tokens = tenants::TokenFile::load(o.token_file); !tokens)
-      refuse("token-file " + tokens.error());
+      refuse("token-file " + tokens.error().detail);
   return errors;
 }
 
@@ -325,7 +326,7 @@ std::vector<std::string> configure(ServeOptions& options, const std::vector<Sett
     if (auto keys = FarmKeys::load(options.farm_key_file))
       tiers.keys = std::move(*keys);
     else  // it has changed since it was judged
-      errors.push_back("farm-key-file " + keys.error());
+      errors.push_back("farm-key-file " + keys.error().detail);
   }
   if (!tiers.folder.empty() && options.jobs.max_disk_bytes > 0) options.jobs.folder = tiers.folder + "/jobs";
   if (tiers.sign_disk) options.jobs.keys = tiers.keys;
@@ -338,7 +339,7 @@ std::vector<std::string> configure(ServeOptions& options, const std::vector<Sett
     if (tokens)
       options.server.tokens = std::move(*tokens);
     else  // it has changed since it was judged
-      errors.push_back("token-file " + tokens.error());
+      errors.push_back("token-file " + tokens.error().detail);
   }
   return errors;
 }

@@ -61,8 +61,9 @@ std::string Setting::variable() const {
   return variable;
 }
 
-std::string detail::parse_number(const std::string& text, bool bytes, std::uint64_t low, std::uint64_t high,
-                                 std::uint64_t& number) {
+std::optional<std::uint64_t> detail::parse_number(const std::string& text, bool bytes, std::uint64_t low,
+                                                  std::uint64_t high) {
+  std::uint64_t number = 0;
   const char* const last = text.data() + text.size();
   auto [end, error] = std::from_chars(text.data(), last, number);
   const std::string_view suffix(end, static_cast<std::size_t>(last - end));
@@ -76,20 +77,23 @@ std::string detail::parse_number(const std::string& text, bool bytes, std::uint6
     if (number > (UINT64_MAX >> shift)) understood = false;
     number <<= shift;
   }
-  if (understood && number >= low && number <= high) return "";
+  return understood && number >= low && number <= high ? std::optional(number) : std::nullopt;
+}
+
+std::string detail::requirement(bool bytes, std::uint64_t low, std::uint64_t high) {
   return "must be a whole number from " + std::to_string(low) + " to " + std::to_string(high) +
          (bytes ? " (64MiB and the like also do)" : "");
 }
 
 Setting seconds(std::string name, std::chrono::milliseconds& target, std::string doc) {
   Setting setting = make(std::move(name), "SECONDS", std::move(doc));
-  setting.set = [&target](const std::string& given) -> std::string {
+  setting.set = [&target](const std::string& given) -> std::optional<std::string> {
     double value = 0;
     const auto [end, error] = std::from_chars(given.data(), given.data() + given.size(), value);
     if (error != std::errc() || end != given.data() + given.size() || !(value >= 0) || value > 86400)
       return "must be seconds from 0 to 86400";
     target = std::chrono::milliseconds(std::llround(value * 1000));
-    return "";
+    return std::nullopt;
   };
   setting.get = [&target] {
     char digits[32];
@@ -102,9 +106,9 @@ Setting seconds(std::string name, std::chrono::milliseconds& target, std::string
 
 Setting text(std::string name, std::string type, std::string& target, std::string doc) {
   Setting setting = make(std::move(name), std::move(type), std::move(doc));
-  setting.set = [&target](const std::string& given) {
+  setting.set = [&target](const std::string& given) -> std::optional<std::string> {
     target = given;
-    return std::string();
+    return std::nullopt;
   };
   setting.get = [&target] { return target; };
   return setting;
@@ -113,11 +117,12 @@ Setting text(std::string name, std::string type, std::string& target, std::strin
 Setting choice(std::string name, std::string& target, std::vector<std::string> choices, std::string doc) {
   Setting setting = make(std::move(name), "", std::move(doc));
   for (const std::string& c : choices) setting.type += (setting.type.empty() ? "" : "|") + c;
-  setting.set = [&target, choices = std::move(choices)](const std::string& given) -> std::string {
+  setting.set = [&target,
+                 choices = std::move(choices)](const std::string& given) -> std::optional<std::string> {
     if (std::find(choices.begin(), choices.end(), given) == choices.end())
       return "must be one of " + join(choices);
     target = given;
-    return "";
+    return std::nullopt;
   };
   setting.get = [&target] { return target; };
   return setting;
@@ -125,10 +130,10 @@ Setting choice(std::string name, std::string& target, std::vector<std::string> c
 
 Setting flag(std::string name, bool& target, std::string doc) {
   Setting setting = make(std::move(name), "", std::move(doc), Setting::Kind::kFlag);
-  setting.set = [&target](const std::string& given) -> std::string {
+  setting.set = [&target](const std::string& given) -> std::optional<std::string> {
     if (given != "true" && given != "false") return "must be true or false";
     target = given == "true";
-    return "";
+    return std::nullopt;
   };
   setting.get = [&target] { return std::string(target ? "true" : "false"); };
   return setting;
@@ -136,9 +141,9 @@ Setting flag(std::string name, bool& target, std::string doc) {
 
 Setting list(std::string name, std::string type, std::vector<std::string>& target, std::string doc) {
   Setting setting = make(std::move(name), std::move(type), std::move(doc), Setting::Kind::kList);
-  setting.set = [&target](const std::string& given) {
+  setting.set = [&target](const std::string& given) -> std::optional<std::string> {
     target = split(given);
-    return std::string();
+    return std::nullopt;
   };
   setting.get = [&target] { return join(target); };
   return setting;
@@ -192,8 +197,8 @@ void apply(std::span<const Setting> settings, std::span<const GivenSettings> sou
     for (const GivenSettings& source : sources) {
       const auto at = source.find(setting.name);
       if (at == source.end()) continue;
-      if (const std::string wrong = setting.set(at->second.value); !wrong.empty())
-        errors.push_back(setting.name + " " + wrong +
+      if (const std::optional<std::string> requirement = setting.set(at->second.value))
+        errors.push_back(setting.name + " " + *requirement +
                          (setting.secret ? "" : "; it was '" + at->second.value + "'") + " (" +
                          at->second.where + ")");
       break;

@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -23,8 +24,9 @@ struct Setting {
   std::string type;   ///< what the value is, for --help: "BYTES", "SECONDS"
   std::string doc;
   Kind kind = Kind::kValue;
-  /// Empty when the value was taken, else what it must be: "must be …".
-  std::function<std::string(const std::string&)> set;
+  /// Takes the value, or says what it would have to be: "must be …". No error yet: apply() makes one, with the name, the
+  /// value and where it was given.
+  std::function<std::optional<std::string>(const std::string&)> set;
   /// The present value in the form that `set` reads.
   std::function<std::string()> get;
   bool secret = false;  ///< never printed
@@ -68,9 +70,11 @@ std::string to_config_file(std::span<const Setting> settings);
 nlohmann::ordered_json to_json(std::span<const Setting> settings);
 
 namespace detail {
-/// The number, or what it must be.
-std::string parse_number(const std::string& text, bool bytes, std::uint64_t low, std::uint64_t high,
-                         std::uint64_t& number);
+/// Nothing where it is none, or lies outside.
+std::optional<std::uint64_t> parse_number(const std::string& text, bool bytes, std::uint64_t low,
+                                          std::uint64_t high);
+/// "must be a whole number from 1 to 9".
+std::string requirement(bool bytes, std::uint64_t low, std::uint64_t high);
 }  // namespace detail
 
 template <class Number>
@@ -81,11 +85,11 @@ Setting number(std::string name, std::string type, Number& target, std::uint64_t
   setting.name = std::move(name);
   setting.type = std::move(type);
   setting.doc = std::move(doc);
-  setting.set = [&target, bytes, low, high](const std::string& given) {
-    std::uint64_t value = 0;
-    std::string wrong = detail::parse_number(given, bytes, low, high, value);
-    if (wrong.empty()) target = static_cast<Number>(value);
-    return wrong;
+  setting.set = [&target, bytes, low, high](const std::string& given) -> std::optional<std::string> {
+    const std::optional<std::uint64_t> value = detail::parse_number(given, bytes, low, high);
+    if (!value) return detail::requirement(bytes, low, high);
+    target = static_cast<Number>(*value);
+    return std::nullopt;
   };
   setting.get = [&target] { return std::to_string(target); };
   return setting;

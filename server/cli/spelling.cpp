@@ -65,14 +65,14 @@ std::string both_spellings(const std::string& parameter) {
 
 std::shared_ptr<CLI::FormatterBase> help_formatter() { return std::make_shared<HelpFormatter>(); }
 
-std::string unknown_word(const CLI::App& app) {
+std::optional<std::string> unknown_word(const CLI::App& app) {
   const std::vector<CLI::App*> commands = app.get_subcommands();
   if (!commands.empty()) {
     const CLI::App& command = *commands.front();
     if (const auto word = unknown_option_of(command)) return unknown_option(command, *word);
     if (const auto word = unknown_option_of(app))
       return "there is no option " + *word + " before the command " + command.get_name();
-    return "";
+    return std::nullopt;
   }
   for (const std::string& word : app.remaining()) {
     if (word.empty() || word.front() == '-') continue;
@@ -87,7 +87,7 @@ std::string unknown_word(const CLI::App& app) {
            (nearest ? "; did you mean " + *nearest + "?" : ": there are " + all);
   }
   if (const auto word = unknown_option_of(app)) return unknown_option(app, *word);
-  return "";
+  return std::nullopt;
 }
 
 }  // namespace fracture::cli

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace CLI {
@@ -19,7 +20,7 @@ std::string both_spellings(const std::string& parameter);
 std::shared_ptr<CLI::FormatterBase> help_formatter();
 
 /// After a parse that failed: the first option or command that does not exist, in a sentence, with the
-/// nearest one that does. Empty: something else was wrong.
-std::string unknown_word(const CLI::App& app);
+/// nearest one that does. Nothing: something else was wrong. No error of its own: CLI11's, in better words.
+std::optional<std::string> unknown_word(const CLI::App& app);
 
 }  // namespace fracture::cli

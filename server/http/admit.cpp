@@ -37,13 +37,13 @@ std::optional<int> urgency_of(std::string_view field) {
 
 Problem Api::no_memory(const MemoryBudget::Reservation& reservation) const {
   if (reservation.over_share())
-    return Problem(HttpProblem::kOverShare,
+    return Problem(ErrorCode::kOverShare,
                    "Other requests of this client hold its share of the memory for "
                    "bodies; there is no room for this one beside them.")
         .with("Retry-After", "2");
-  return Problem(HttpProblem::kOverloaded, "The requests in progress hold " +
-                                               std::to_string(bodies_.whole().used()) +
-                                               " bytes; there is no room for this body now.")
+  return Problem(ErrorCode::kOverloaded, "The requests in progress hold " +
+                                             std::to_string(bodies_.whole().used()) +
+                                             " bytes; there is no room for this body now.")
       .with("Retry-After", "2");
 }
 
@@ -147,8 +147,8 @@ std::optional<Problem> Api::refuse_overload(const RequestHead& head, const Admis
   const auto parsed = service_.parameters().parse(raw_parameters(admission.query));
   const ExpectedWork work =
       parsed ? expected_work(parsed->fracture, bytes, nullptr, 0, parsed->selection) : expected_work(bytes);
-  const auto overload = dispatcher_.refuses(work, *terms);
-  if (overload) return to_problem(*overload);
+  std::optional<Error> overload = dispatcher_.refuses(work, *terms);
+  if (overload) return to_problem(std::move(*overload));
   return std::nullopt;
 }
 

@@ -11,9 +11,6 @@
 namespace fracture::http {
 namespace {
 
-constexpr std::string_view kAcceptPost =
-    "model/gltf-binary, model/gltf+json, model/obj, model/stl, application/octet-stream, multipart/form-data";
-
 /// The fraction of the small bodies that is the same as of the large ones.
 std::uint64_t small_share(const HttpLimits& limits) {
   const double fraction = static_cast<double>(limits.body_share()) /
@@ -22,24 +19,6 @@ std::uint64_t small_share(const HttpLimits& limits) {
 }
 
 }  // namespace
-
-Problem to_problem(Error error) {
-  const ErrorCode code = error.code;
-  Problem problem(std::move(error));
-  if (code == ErrorCode::kUnknownFormat) problem.headers.emplace_back("Accept-Post", kAcceptPost);
-  if (code == ErrorCode::kCancelled) problem.headers.emplace_back("Retry-After", "5");
-  if (code == ErrorCode::kOutOfMemory) problem.headers.emplace_back("Retry-After", "10");
-  if (code == ErrorCode::kInternal)
-    problem.detail = "This is a bug of the server, not of the request. Please report it with the request_id.";
-  return problem;
-}
-
-Problem to_problem(const Overload& overload) {
-  if (overload.cause == Overload::Cause::kOverShare)
-    return to_problem(tenants::OverShare{overload.detail, overload.retry_after});
-  return Problem(HttpProblem::kOverloaded, overload.detail + " Try again after Retry-After.")
-      .with("Retry-After", std::to_string(overload.retry_after.count()));
-}
 
 Response refusal(Error error, std::string_view request_id) {
   if (error.code == ErrorCode::kInternal) spdlog::error("{} broken invariant: {}", request_id, error.detail);

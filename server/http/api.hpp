@@ -200,10 +200,7 @@ class Api {
   ops::Metrics metrics_;
 };
 
-/// Refusals as problems, with the header fields that belong to them.
-Problem to_problem(Error error);
-Problem to_problem(const Overload& overload);
-/// The same as an answer; what is a bug of ours is logged.
+/// An error as an answer; what is a bug of ours is logged.
 Response refusal(Error error, std::string_view request_id);
 
 /// The OpenAPI document as JSON, generated from proto/openapi.yaml at build time.

@@ -49,14 +49,14 @@ Answered Api::fracture(const std::shared_ptr<Request>& request, FractureRequest 
     if (terms.seat) terms.seat = std::make_shared<tenants::Account::Seat>(std::move(*terms.seat));
     return start_job(request, std::move(asked), terms, reply);
   }
-  const std::optional<Overload> overload = dispatcher_.fracture(
+  std::optional<Error> overload = dispatcher_.fracture(
       std::move(asked), terms, [this, request, terms, reply](Expected<FractureAnswer> answer) {
         answering(*request, reply, [&]() -> Answered {
           if (!answer) return refusal(std::move(answer.error()), request->id);
           return answer_fracture(request, *answer, terms, reply);
         });
       });
-  if (overload) return tl::unexpected<Problem>(to_problem(*overload));
+  if (overload) return tl::unexpected<Problem>(to_problem(std::move(*overload)));
   return std::nullopt;
 }
 

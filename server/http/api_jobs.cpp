@@ -104,7 +104,7 @@ Answered Api::start_job(const std::shared_ptr<Request>& request, FractureRequest
   };
   Jobs::Owner owner{owner_of(*request)};
   if (!owner.name.empty()) owner.share = request->payer.account->shares().stored_bytes;
-  const auto overload =
+  std::optional<Error> overload =
       jobs_.start(std::move(asked), terms, owner,
                   [this, request, terms, reply, preferences, accepted, waited](const JobView& job) {
                     answering(*request, reply, [&]() -> Answered {
@@ -118,7 +118,7 @@ Answered Api::start_job(const std::shared_ptr<Request>& request, FractureRequest
                       return std::nullopt;
                     });
                   });
-  if (overload) return tl::unexpected<Problem>(to_problem(*overload));
+  if (overload) return tl::unexpected<Problem>(to_problem(std::move(*overload)));
   return std::nullopt;
 }
 

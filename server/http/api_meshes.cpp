@@ -52,7 +52,7 @@ Answered Api::put_mesh(const std::shared_ptr<Request>& request, const std::stop_
                                                         " bytes; all stored meshes together may have " +
                                                         std::to_string(meshes_.config().quota_bytes) + ".");
         const auto asked = std::make_shared<FractureRequest>(input);
-        const auto overload = dispatcher_.prepare(
+        std::optional<Error> overload = dispatcher_.prepare(
             std::move(input), terms,
             [this, request, reply, asked, body](Expected<std::shared_ptr<const PreparedMesh>> prepared) {
               answering(*request, reply, [&]() -> Answered {
@@ -60,7 +60,7 @@ Answered Api::put_mesh(const std::shared_ptr<Request>& request, const std::stop_
                 return store(*request, *asked, **prepared, *body);
               });
             });
-        if (overload) return tl::unexpected<Problem>(to_problem(*overload));
+        if (overload) return tl::unexpected<Problem>(to_problem(std::move(*overload)));
         return std::nullopt;
       });
 }

@@ -104,7 +104,7 @@ Answered Api::get_fracture(const std::shared_ptr<Request>& request, const std::s
     MemoryBudget::Reservation reading(dispatcher_.working());
     if (!service_.fetch_result(key, answer, [&](std::uint64_t needed) { return reading.grow_to(needed); }))
       return tl::unexpected<Problem>(
-          Problem(HttpProblem::kOverloaded, "There is no memory to read this result now.")
+          Problem(ErrorCode::kOverloaded, "There is no memory to read this result now.")
               .with("Retry-After", "2"));
     if (!answer.result) return tl::unexpected<Problem>(no_result());
     return found_result(request, answer.result, cache_status(answer), reply);
@@ -130,7 +130,7 @@ Answered Api::send_result(const std::shared_ptr<Request>& request,
       if (const auto plain = as_it_is(request->head, *result, representation.figures))
         return finish(result_response(result, *plain, nullptr));
       return tl::unexpected<Problem>(
-          Problem(HttpProblem::kOverloaded, made.error().detail).with("Retry-After", "2"));
+          Problem(ErrorCode::kOverloaded, made.error().detail).with("Retry-After", "2"));
     });
   });
   if (seat.role != VariantFlights::Role::kLeader) return std::nullopt;
@@ -154,14 +154,14 @@ Answered Api::send_result(const std::shared_ptr<Request>& request,
   const auto too_late = [this, flight = seat.flight, not_made](Error error) {
     variants_.land(flight, not_made(std::move(error.detail)));
   };
-  std::optional<Overload> overload;
+  std::optional<Error> overload;
   try {
     overload = dispatcher_.run(expected_coding(plain_bytes(*result, representation.figures).size()),
                                compressing, compress, too_late);
   } catch (const std::exception&) {  // whatever happens, nobody waits for ever
-    overload = Overload{"There is no memory to compress this answer now.", std::chrono::seconds(2)};
+    overload = Error{ErrorCode::kOverloaded, "There is no memory to compress this answer now."};
   }
-  if (overload) variants_.land(seat.flight, not_made(overload->detail));
+  if (overload) variants_.land(seat.flight, not_made(std::move(overload->detail)));
   return std::nullopt;
 }
 

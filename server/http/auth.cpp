@@ -94,7 +94,7 @@ OrProblem<AccountPointer> authenticate(const tenants::Accounts& accounts, const 
 }
 
 std::optional<Problem> refuse_caller(tenants::Account& account, const RequestHead& head) {
-  if (const auto over = account.request()) return to_problem(*over);
+  if (std::optional<Error> over = account.request()) return to_problem(std::move(*over));
   const Route* const route = route_of(head);
   if (!route) return std::nullopt;  // refused as what it is
   const Scopes wanted = needed(route->operation, head);
@@ -104,11 +104,6 @@ std::optional<Problem> refuse_caller(tenants::Account& account, const RequestHea
                  "The scopes of this token do not allow this; it needs one of: " + names + ".")
       .with("WWW-Authenticate",
             "Bearer realm=\"fracture\", error=\"insufficient_scope\", scope=\"" + names + "\"");
-}
-
-Problem to_problem(const tenants::OverShare& over) {
-  return Problem(HttpProblem::kOverShare, over.detail)
-      .with("Retry-After", std::to_string(over.retry_after.count()));
 }
 
 }  // namespace fracture::http

@@ -21,7 +21,4 @@ OrProblem<AccountPointer> authenticate(const tenants::Accounts& accounts, const 
 /// none), 429 over its requests a second.
 std::optional<Problem> refuse_caller(tenants::Account& account, const RequestHead& head);
 
-/// 429 with Retry-After.
-Problem to_problem(const tenants::OverShare& over);
-
 }  // namespace fracture::http

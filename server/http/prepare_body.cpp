@@ -24,7 +24,7 @@ Answered Api::on_pool(const ExpectedWork& work, const std::shared_ptr<Request>& 
                       const Reply& reply, Step step) {
   Terms mine = terms;  // of a job, too, the client waits for what says that it was accepted
   mine.priority = std::min(mine.priority, Priority::kBatch);
-  const auto overload = dispatcher_.run(
+  std::optional<Error> overload = dispatcher_.run(
       work, mine,
       [this, request, reply, step = std::move(step)](const Execution& execution) mutable {
         answering(*request, reply, [&] { return step(execution); });
@@ -35,7 +35,7 @@ Answered Api::on_pool(const ExpectedWork& work, const std::shared_ptr<Request>& 
           return refusal(std::move(error), request->id);
         });
       });
-  if (overload) return tl::unexpected<Problem>(to_problem(*overload));
+  if (overload) return tl::unexpected<Problem>(to_problem(std::move(*overload)));
   return std::nullopt;
 }
 

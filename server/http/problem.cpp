@@ -23,6 +23,9 @@ enum class Row {
 #undef FRACTURE_HTTP_PROBLEM
 };
 
+constexpr std::string_view kAcceptPost =
+    "model/gltf-binary, model/gltf+json, model/obj, model/stl, application/octet-stream, multipart/form-data";
+
 const ProblemType& at(Row row) { return kTable[static_cast<std::size_t>(row)]; }
 
 }  // namespace
@@ -37,6 +40,11 @@ const ProblemType& problem_type(ErrorCode code) {
 #include "server/http/problems.def"
 #undef FRACTURE_STATUS
 #undef FRACTURE_HTTP_PROBLEM
+#define FRACTURE_ERROR(name, slug, title)
+#define FRACTURE_LOCAL_ERROR(name, slug, title) case ErrorCode::name:
+#include "common/base/error_codes.def"
+#undef FRACTURE_ERROR
+    break;  // of the side that asks: here a bug
   }
   return at(Row::kInternal);
 }
@@ -55,6 +63,21 @@ const ProblemType& problem_type(HttpProblem problem) {
 }
 
 std::span<const ProblemType> problem_types() { return kTable; }
+
+Problem to_problem(Error error) {
+  Problem problem(error.code, std::move(error.detail));
+  problem.pointer = std::move(error.pointer);
+  problem.extra = *error.extra;
+  if (error.code == ErrorCode::kUnknownFormat) problem.headers.emplace_back("Accept-Post", kAcceptPost);
+  if (error.code == ErrorCode::kCancelled) problem.headers.emplace_back("Retry-After", "5");
+  if (error.code == ErrorCode::kOutOfMemory) problem.headers.emplace_back("Retry-After", "10");
+  if (error.code == ErrorCode::kOverloaded) problem.detail += " Try again after Retry-After.";
+  if (error.retry_after.count() > 0)
+    problem.headers.emplace_back("Retry-After", std::to_string(error.retry_after.count()));
+  if (error.code == ErrorCode::kInternal)
+    problem.detail = "This is a bug of the server, not of the request. Please report it with the request_id.";
+  return problem;
+}
 
 std::string Problem::body(std::string_view request_id) const {
   nlohmann::ordered_json document;

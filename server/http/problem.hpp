@@ -46,11 +46,8 @@ struct Problem {
 
   Problem(HttpProblem problem, std::string problem_detail)
       : type(&problem_type(problem)), detail(std::move(problem_detail)) {}
-  explicit Problem(Error error)
-      : type(&problem_type(error.code)),
-        detail(std::move(error.detail)),
-        pointer(std::move(error.pointer)),
-        extra(*error.extra) {}
+  Problem(ErrorCode code, std::string problem_detail)
+      : type(&problem_type(code)), detail(std::move(problem_detail)) {}
 
   Problem&& with(std::string name, std::string value) && {
     headers.emplace_back(std::move(name), std::move(value));
@@ -61,6 +58,9 @@ struct Problem {
   /// parameter, extras.
   std::string body(std::string_view request_id) const;
 };
+
+/// What an error is over HTTP, with the header fields that belong to it.
+Problem to_problem(Error error);
 
 template <class T>
 using OrProblem = tl::expected<T, Problem>;

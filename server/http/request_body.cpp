@@ -133,7 +133,7 @@ asio::awaitable<BodyOutcome> read_body(TimedSocket& connection, beast::flat_buff
   const Carries carries = admission.route->carries;
   // Only chunked bodies are found empty this late.
   if ((carries == Carries::kMesh || carries == Carries::kMeshOrName) && request.body.empty())
-    co_return refused(Problem(Error{ErrorCode::kEmptyBody, "The body is empty.", "mesh"}));
+    co_return refused(to_problem(Error{ErrorCode::kEmptyBody, "The body is empty.", "mesh"}));
   co_return outcome;
 }
 

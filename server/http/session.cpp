@@ -287,7 +287,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     if (!refusal) return;
     const bool share = *refusal == AnswerMemory::Refusal::kOverShare;
     response = Response::problem(
-        Problem(share ? HttpProblem::kOverShare : HttpProblem::kOverloaded,
+        Problem(share ? ErrorCode::kOverShare : ErrorCode::kOverloaded,
                 share ? "Other answers that this client has not read hold its share; read those first."
                       : "Answers that their clients have not read hold all the room there is for them.")
             .with("Retry-After", "2"),
@@ -316,7 +316,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
 
   Problem turned_away() const {
     if (verdict_ == Connections::Verdict::kFull)
-      return Problem(HttpProblem::kOverloaded, "All connections of this server are in use.")
+      return Problem(ErrorCode::kOverloaded, "All connections of this server are in use.")
           .with("Retry-After", "2");
     return Problem(HttpProblem::kTooManyConnections,
                    "This address has more connections open than the limit of " +

@@ -51,16 +51,16 @@ JobFolder::JobFolder(JobFolderConfig config) : config_(std::move(config)) {
     const std::string lock = config_.folder + "/lock";
     lock_ = ::open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
     if (lock_ < 0) {
-      unusable_ = lock + ": " + std::strerror(errno);
+      unusable_ = Error{ErrorCode::kFileAccess, lock + ": " + std::strerror(errno)};
     } else if (::flock(lock_, LOCK_EX | LOCK_NB) != 0) {
-      unusable_ = config_.folder + " is in use by another server";
+      unusable_ = Error{ErrorCode::kFileAccess, config_.folder + " is in use by another server"};
     } else {
       fs::remove_all(config_.folder + "/tmp");
       for (const char* kind : {"tmp", "quarantine", kRecords, kMeshes, kBegun})
         fs::create_directories(config_.folder + "/" + kind);
     }
   } catch (const fs::filesystem_error& e) {
-    unusable_ = e.what();
+    unusable_ = Error{ErrorCode::kFileAccess, e.what()};
   }
 }
 
@@ -70,7 +70,7 @@ JobFolder::~JobFolder() {
 
 std::vector<JobFolder::Found> JobFolder::restore() {
   std::vector<Found> found;
-  if (!unusable_.empty()) return found;
+  if (unusable_) return found;
   try {
     std::set<std::string> known, needed;
     for (const std::string& id : names_in(config_.folder + "/" + kRecords)) {

@@ -20,6 +20,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/base/error.hpp"
 #include "server/cache/farm_keys.hpp"
 #include "server/jobs/job_record.hpp"
 
@@ -51,8 +52,8 @@ class JobFolder {
   JobFolder(const JobFolder&) = delete;
   JobFolder& operator=(const JobFolder&) = delete;
 
-  /// Empty when the folder can be used; else why it cannot.
-  const std::string& unusable() const { return unusable_; }
+  /// kFileAccess when the folder cannot be used.
+  const std::optional<Error>& unusable() const { return unusable_; }
 
   /// A job that is there from an earlier process.
   struct Found {
@@ -116,7 +117,7 @@ class JobFolder {
   std::uint64_t bytes_of_locked(const std::string& owner) const;
 
   const JobFolderConfig config_;
-  std::string unusable_;
+  std::optional<Error> unusable_;
   int lock_ = -1;
   mutable std::mutex mutex_;
   std::map<std::string, Place> places_;

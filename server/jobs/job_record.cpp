@@ -21,17 +21,6 @@ bool is_hex(std::string_view text) {
                      [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); });
 }
 
-std::optional<ErrorCode> code_of(std::string_view name) {
-  constexpr ErrorCode kAll[] = {
-#define FRACTURE_ERROR(name, slug, title) ErrorCode::name,
-#include "common/base/error_codes.def"
-#undef FRACTURE_ERROR
-  };
-  for (const ErrorCode code : kAll)
-    if (name == slug(code)) return code;
-  return std::nullopt;
-}
-
 std::chrono::sys_time<std::chrono::microseconds> time_of(const json& microseconds) {
   return std::chrono::sys_time<std::chrono::microseconds>(
       std::chrono::microseconds(microseconds.get<std::int64_t>()));
@@ -54,7 +43,7 @@ JobRecord record_of(const json& j) {
   r.result_key = j.at("result").get<std::string>();
   if (j.contains("error")) {
     const json& e = j.at("error");
-    r.error = Error{code_of(e.at("code").get<std::string>()).value(), e.at("detail").get<std::string>(),
+    r.error = Error{error_code(e.at("code").get<std::string>()).value(), e.at("detail").get<std::string>(),
                     e.at("pointer").get<std::string>(), Figures(e.at("extra"))};
   }
   return r;

@@ -40,16 +40,17 @@ Jobs::Jobs(Dispatcher& dispatcher, const JobsConfig& config) : dispatcher_(dispa
   if (config_.folder.empty()) return;
   folder_ =
       std::make_unique<JobFolder>(JobFolderConfig{config_.folder, config_.max_disk_bytes, config_.keys});
-  if ((problem_ = folder_->unusable()).empty())
-    restore();
-  else
+  folder_unusable_ = folder_->unusable();
+  if (folder_unusable_)
     folder_.reset();
+  else
+    restore();
 }
 
 Jobs::~Jobs() { stop(); }
 
-std::optional<Overload> Jobs::start(FractureRequest request, Terms terms, const Owner& owner,
-                                    std::function<void(const JobView&)> accepted) {
+std::optional<Error> Jobs::start(FractureRequest request, Terms terms, const Owner& owner,
+                                 std::function<void(const JobView&)> accepted) {
   const RequestKeys keys = keys_of(request);
   request.digest = keys.digest;
   const auto job = std::make_shared<Job>();
@@ -59,17 +60,17 @@ std::optional<Overload> Jobs::start(FractureRequest request, Terms terms, const 
   {
     const std::lock_guard lock(mutex_);
     make_room();
-    if (stopping_) return Overload{"The server is stopping.", std::chrono::seconds(5)};
+    if (stopping_) return overloaded("The server is stopping.", std::chrono::seconds(5));
     if (jobs_.size() >= config_.max_jobs)
-      return Overload{
+      return overloaded(
           "There are " + std::to_string(jobs_.size()) + " unfinished jobs, as many as there may be.",
-          std::chrono::seconds(10)};
+          std::chrono::seconds(10));
     job->view.created = job->record.created = last_created_ =
         std::max(now(), last_created_ + std::chrono::microseconds(1));
     insert(job);
     ++figures_.started;
   }
-  const auto refused = [&](Overload overload) {
+  const auto refused = [&](Error overload) {
     const std::lock_guard lock(mutex_);
     if (const auto at = index_.find(job->view.id); at != index_.end()) forget(at->second);
     --figures_.started;
@@ -108,7 +109,7 @@ std::optional<Overload> Jobs::start(FractureRequest request, Terms terms, const 
   return std::nullopt;
 }
 
-std::optional<Overload> Jobs::room_for(const Shared& job, std::uint64_t share) {
+std::optional<Error> Jobs::room_for(const Shared& job, std::uint64_t share) {
   switch (folder_->reserve(job->record, share)) {
     case JobFolder::Room::kThere: {
       const std::lock_guard lock(mutex_);
@@ -116,15 +117,16 @@ std::optional<Overload> Jobs::room_for(const Shared& job, std::uint64_t share) {
       break;
     }
     case JobFolder::Room::kFull:
-      return Overload{"The jobs on the disk take all of the " + std::to_string(config_.max_disk_bytes) +
-                          " bytes that they may.",
-                      std::chrono::seconds(10)};
+      return overloaded("The jobs on the disk take all of the " + std::to_string(config_.max_disk_bytes) +
+                            " bytes that they may.",
+                        std::chrono::seconds(10));
     case JobFolder::Room::kOverShare:
-      return Overload{"The unfinished jobs of '" + job->view.owner + "' take " +
-                          std::to_string(folder_->bytes_of(job->view.owner)) +
-                          " bytes on the disk; with this one it would be over its share of " +
-                          std::to_string(share) + ".",
-                      std::chrono::seconds(10), Overload::Cause::kOverShare};
+      return Error{.code = ErrorCode::kOverShare,
+                   .detail = "The unfinished jobs of '" + job->view.owner + "' take " +
+                             std::to_string(folder_->bytes_of(job->view.owner)) +
+                             " bytes on the disk; with this one it would be over its share of " +
+                             std::to_string(share) + ".",
+                   .retry_after = std::chrono::seconds(10)};
     case JobFolder::Room::kTooLarge:
     case JobFolder::Room::kUnfit:
       break;  // computed all the same; that it would not survive stands in the answer
@@ -132,7 +134,7 @@ std::optional<Overload> Jobs::room_for(const Shared& job, std::uint64_t share) {
   return std::nullopt;
 }
 
-std::optional<Overload> Jobs::submit(const Shared& job, FractureRequest request, Terms terms) {
+std::optional<Error> Jobs::submit(const Shared& job, FractureRequest request, Terms terms) {
   job->clip_begins = clip_begins(request.parameters.fracture.lloyd);
   terms.gone = job->stop.get_token();
   terms.progress = [this, weak = std::weak_ptr(job)](Stage stage, double fraction) {

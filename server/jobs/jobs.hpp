@@ -69,8 +69,8 @@ class Jobs {
   /// on the disk where it can be: now, or later from any thread. Its id: the first 16 hex digits of the mesh
   /// digest (for routing by proxies), a hyphen, 16 random ones. `terms.gone` and `terms.progress` are the
   /// job's own. Refused: `accepted` is dropped uncalled.
-  std::optional<Overload> start(FractureRequest request, Terms terms, const Owner& owner,
-                                std::function<void(const JobView&)> accepted);
+  std::optional<Error> start(FractureRequest request, Terms terms, const Owner& owner,
+                             std::function<void(const JobView&)> accepted);
 
   /// What belongs to the jobs of an owner: whom they are charged to, who is told of their answers.
   using TermsOf = std::function<Terms(const std::string& owner)>;
@@ -116,10 +116,10 @@ class Jobs {
   void flush();
 
   JobFigures figures() const;
-  /// Nothing: there is no folder, or it cannot be used (problem() says why).
+  /// Nothing: there is no folder, or it cannot be used (folder_unusable() says why).
   std::optional<JobFolderFigures> disk_figures() const;
   std::uint64_t disk_bytes_of(const std::string& owner) const;
-  const std::string& problem() const { return problem_; }
+  const std::optional<Error>& folder_unusable() const { return folder_unusable_; }
   const JobsConfig& config() const { return config_; }
 
  private:
@@ -154,7 +154,7 @@ class Jobs {
   Shared get(const std::string& id);
   /// Takes the lock.
   JobView look_at(const Job& job);
-  std::optional<Overload> submit(const Shared& job, FractureRequest request, Terms terms);
+  std::optional<Error> submit(const Shared& job, FractureRequest request, Terms terms);
   void progress(const Shared& job, Stage stage, double fraction);
   void finish(const Shared& job, Expected<FractureAnswer> answer);
   /// Writes the job's mesh and request. On the disk's thread.
@@ -171,7 +171,7 @@ class Jobs {
   /// False when there is no room now.
   bool resume_one(const Shared& job);
   void restore();
-  std::optional<Overload> room_for(const Shared& job, std::uint64_t share);
+  std::optional<Error> room_for(const Shared& job, std::uint64_t share);
   // All of these with the lock.
   Calls change(const Shared& job);
   void ended(const Shared& job);
@@ -185,7 +185,7 @@ class Jobs {
 
   Dispatcher& dispatcher_;
   const JobsConfig config_;
-  std::string problem_;
+  std::optional<Error> folder_unusable_;
   std::unique_ptr<JobFolder> folder_;
   mutable std::mutex mutex_;
   std::list<Shared> jobs_;  // oldest first

@@ -21,8 +21,7 @@ void Dispatcher::Common::tell(Stage stage, double fraction) {
 
 // -- requests
 
-std::optional<Overload> Dispatcher::fracture(FractureRequest request, const Terms& terms,
-                                             FractureReply reply) {
+std::optional<Error> Dispatcher::fracture(FractureRequest request, const Terms& terms, FractureReply reply) {
   if (terms.answered)
     reply = [answered = terms.answered, reply = std::move(reply)](Expected<FractureAnswer> answer) {
       if (answer) answered(*answer->result);
@@ -71,7 +70,7 @@ std::optional<Overload> Dispatcher::fracture(FractureRequest request, const Term
     }
     cost = work.seconds;
     work.bytes = std::max(work.bytes, terms.least_bytes);
-    std::optional<Overload> overload;
+    std::optional<Error> overload;
     if (!results_.find(keys.result)) {
       overload = refuses(cost, terms);
       if (!overload) overload = reserve(work.bytes, terms, working);
@@ -125,7 +124,7 @@ std::optional<Overload> Dispatcher::fracture(FractureRequest request, const Term
   return std::nullopt;
 }
 
-std::optional<Overload> Dispatcher::prepare(FractureRequest request, const Terms& terms, MeshReply reply) {
+std::optional<Error> Dispatcher::prepare(FractureRequest request, const Terms& terms, MeshReply reply) {
   RequestKeys keys = keys_of(request);
   if (auto mesh = service_.find_mesh(keys)) {
     reply(std::move(mesh));
@@ -140,7 +139,7 @@ std::optional<Overload> Dispatcher::prepare(FractureRequest request, const Terms
     return over;
   }
   if (!meshes_.find(keys.mesh)) {
-    std::optional<Overload> overload = refuses(cost, terms);
+    std::optional<Error> overload = refuses(cost, terms);
     if (!overload) overload = reserve(work.bytes, terms, working);
     if (overload) {
       ++refused_;

@@ -65,14 +65,13 @@ struct Terms {
   std::uint64_t least_bytes = 0;  ///< set aside at least: it needed more than was expected before
 };
 
-/// Refused at once: there is no room.
-struct Overload {
-  enum class Cause { kServer, kOverShare };  ///< everybody's, or this client's alone
-  std::string detail;
-  std::chrono::seconds retry_after;  ///< computed: when there should be room
-  Cause cause = Cause::kServer;
-};
+/// kOverloaded: there is no room, and when there should be.
+inline Error overloaded(std::string detail, std::chrono::seconds retry_after) {
+  return {.code = ErrorCode::kOverloaded, .detail = std::move(detail), .retry_after = retry_after};
+}
 
+/// What refuses at once returns an error: kOverloaded where everybody's room is taken, kOverShare where it is this
+/// client's alone, with the time when to come back.
 class Dispatcher {
  public:
   using FractureReply = std::function<void(Expected<FractureAnswer>)>;
@@ -92,9 +91,9 @@ class Dispatcher {
   /// Nothing: `reply` is called exactly once, before this returns or later, from any thread. All errors of
   /// FractureService::fracture; kInternal for a broken invariant, kOutOfMemory. Otherwise `reply` is dropped
   /// uncalled. The request must own its bytes (FractureRequest::owner).
-  std::optional<Overload> fracture(FractureRequest request, const Terms& terms, FractureReply reply);
+  std::optional<Error> fracture(FractureRequest request, const Terms& terms, FractureReply reply);
   /// The first two steps alone, in the same way.
-  std::optional<Overload> prepare(FractureRequest request, const Terms& terms, MeshReply reply);
+  std::optional<Error> prepare(FractureRequest request, const Terms& terms, MeshReply reply);
   /// Other work for the pool's threads (a body to decode, an entry of a tier to read), with no flight, in the
   /// class of the request. Nothing: exactly one of two is called, before this returns or later. `job` on a
   /// thread of the pool when its turn comes, with the deadline and the stop of the terms for it to poll;
@@ -102,12 +101,12 @@ class Dispatcher {
   /// it is queued no longer. Otherwise both are dropped. They must not throw.
   using Job = std::function<void(const Execution&)>;
   using GivenUp = std::function<void(Error)>;
-  std::optional<Overload> run(const ExpectedWork& work, const Terms& terms, Job job, GivenUp given_up);
+  std::optional<Error> run(const ExpectedWork& work, const Terms& terms, Job job, GivenUp given_up);
   /// What all that is computed or read holds.
   MemoryBudget& working() { return working_.whole(); }
 
   /// Would a request of so much work be refused? Asked before a body is read, so nothing is reserved.
-  std::optional<Overload> refuses(const ExpectedWork& work, const Terms& terms) const;
+  std::optional<Error> refuses(const ExpectedWork& work, const Terms& terms) const;
 
   /// Returns when nothing is computed any more and no reply is outstanding.
   void wait_idle() {
@@ -154,14 +153,14 @@ class Dispatcher {
   using MeshFlights = SingleFlight<Step<PreparedMesh>, Urgency>;
   using DiagramFlights = SingleFlight<Step<CutBase>, Urgency>;
 
-  std::optional<Overload> refuses(double cost, const Terms& terms) const;
+  std::optional<Error> refuses(double cost, const Terms& terms) const;
   /// A place among the computations of a name: that of the step before, else a new one.
-  static std::optional<Overload> seat(const Terms& terms, tenants::Account::Seat& share);
+  static std::optional<Error> seat(const Terms& terms, tenants::Account::Seat& share);
   /// All who waited are charged for all of it, each in the class of its own request; whose turn it was is
   /// given back what that has cost.
   void charge(const std::vector<Waits>& payers, const TurnTaken& turn, double seconds);
-  std::optional<Overload> reserve(std::uint64_t bytes, const Terms& terms,
-                                  MemoryBudget::Reservation& reservation);
+  std::optional<Error> reserve(std::uint64_t bytes, const Terms& terms,
+                               MemoryBudget::Reservation& reservation);
   static MemoryBudget::Divided divided(std::uint64_t working_bytes);
   static std::uint64_t share_of(std::uint64_t bytes);
 

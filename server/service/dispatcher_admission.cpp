@@ -22,37 +22,36 @@ std::chrono::seconds whole_seconds(double seconds) {
 
 }  // namespace
 
-std::optional<Overload> Dispatcher::refuses(double cost, const Terms& terms) const {
+std::optional<Error> Dispatcher::refuses(double cost, const Terms& terms) const {
   const Flow& flow = terms.payer.flow;
   const double wait = pool_.predicted_wait(terms.priority, flow).count();
   const double total = kCaution * wait + pool_.predicted_run(cost).count();
   if (pool_.full(terms.priority, flow))
-    return Overload{"The queue is full: " + std::to_string(pool_.queued()) + " jobs wait and " +
-                        std::to_string(pool_.running()) + " run.",
-                    whole_seconds(wait)};
+    return overloaded("The queue is full: " + std::to_string(pool_.queued()) + " jobs wait and " +
+                          std::to_string(pool_.running()) + " run.",
+                      whole_seconds(wait));
   const std::chrono::duration<double> left = terms.deadline - Clock::now();
   // With nothing ahead it is tried: the prediction may be wrong.
   if (terms.deadline != Clock::time_point::max() && wait > 0 && total > left.count())
-    return Overload{"The work would be done in about " + std::to_string(total) +
-                        " s; the deadline of this request is in " +
-                        std::to_string(std::max(0.0, left.count())) + " s.",
-                    whole_seconds(total - left.count())};
+    return overloaded("The work would be done in about " + std::to_string(total) +
+                          " s; the deadline of this request is in " +
+                          std::to_string(std::max(0.0, left.count())) + " s.",
+                      whole_seconds(total - left.count()));
   return std::nullopt;
 }
 
-std::optional<Overload> Dispatcher::refuses(const ExpectedWork& work, const Terms& terms) const {
+std::optional<Error> Dispatcher::refuses(const ExpectedWork& work, const Terms& terms) const {
   return refuses(work.seconds, terms);
 }
 
-std::optional<Overload> Dispatcher::seat(const Terms& terms, tenants::Account::Seat& share) {
+std::optional<Error> Dispatcher::seat(const Terms& terms, tenants::Account::Seat& share) {
   if (!terms.payer.account || !terms.needs_seat) return std::nullopt;
   if (terms.seat && *terms.seat) {
     share = std::move(*terms.seat);
     return std::nullopt;
   }
   auto seat = terms.payer.account->begin_computation();
-  if (!seat)
-    return Overload{std::move(seat.error().detail), seat.error().retry_after, Overload::Cause::kOverShare};
+  if (!seat) return std::move(seat.error());
   share = std::move(*seat);
   return std::nullopt;
 }
@@ -72,20 +71,21 @@ MemoryBudget::Divided Dispatcher::divided(std::uint64_t working_bytes) {
 
 std::uint64_t Dispatcher::share_of(std::uint64_t bytes) { return bytes - bytes / 4; }
 
-std::optional<Overload> Dispatcher::reserve(std::uint64_t bytes, const Terms& terms,
-                                            MemoryBudget::Reservation& reservation) {
+std::optional<Error> Dispatcher::reserve(std::uint64_t bytes, const Terms& terms,
+                                         MemoryBudget::Reservation& reservation) {
   MemoryBudget& working = working_.whole();
   reservation = working_.begin(terms.payer.flow.name);
   if (reservation.grow_to(std::min(bytes, working.capacity()))) return std::nullopt;
   const std::chrono::seconds later = whole_seconds(pool_.predicted_wait(Priority::kBatch).count());
   if (reservation.over_share())
-    return Overload{"This client's requests hold all of the " + std::to_string(working_.share()) +
-                        " bytes that one client may work in, by estimate; this one needs " +
-                        std::to_string(bytes) + ".",
-                    later, Overload::Cause::kOverShare};
-  return Overload{"The computations in progress hold " + std::to_string(working.used()) +
-                      " bytes by estimate, and this one needs " + std::to_string(bytes) + ".",
-                  later};
+    return Error{.code = ErrorCode::kOverShare,
+                 .detail = "This client's requests hold all of the " + std::to_string(working_.share()) +
+                           " bytes that one client may work in, by estimate; this one needs " +
+                           std::to_string(bytes) + ".",
+                 .retry_after = later};
+  return overloaded("The computations in progress hold " + std::to_string(working.used()) +
+                        " bytes by estimate, and this one needs " + std::to_string(bytes) + ".",
+                    later);
 }
 
 }  // namespace fracture

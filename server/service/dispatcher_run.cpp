@@ -63,10 +63,10 @@ struct Dispatcher::Errand : std::enable_shared_from_this<Errand> {
   std::optional<std::stop_callback<std::function<void()>>> gone;
 };
 
-std::optional<Overload> Dispatcher::run(const ExpectedWork& work, const Terms& terms, Job job,
-                                        GivenUp given_up) {
+std::optional<Error> Dispatcher::run(const ExpectedWork& work, const Terms& terms, Job job,
+                                     GivenUp given_up) {
   const auto errand = std::make_shared<Errand>(*this, terms, std::move(job), std::move(given_up));
-  std::optional<Overload> overload = seat(terms, errand->share);
+  std::optional<Error> overload = seat(terms, errand->share);
   if (!overload) overload = refuses(work.seconds, terms);
   if (!overload) overload = reserve(work.bytes, terms, errand->working);
   if (overload) {

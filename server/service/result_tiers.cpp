@@ -86,8 +86,8 @@ ResultTiers::ResultTiers(const TiersConfig& config) : max_pending_bytes_(config.
   if (!config.folder.empty()) {
     disk_ = std::make_unique<DiskCache>(config.folder, config.disk_bytes,
                                         config.sign_disk ? config.keys : FarmKeys(), kAlgorithmVersion);
-    disk_problem_ = disk_->unusable();
-    if (!disk_problem_.empty()) disk_.reset();
+    disk_unusable_ = disk_->unusable();
+    if (disk_unusable_) disk_.reset();
   }
   if (!config.redis.address.empty()) {
     RedisConfig redis = config.redis;
@@ -213,7 +213,7 @@ TiersFigures ResultTiers::figures() const {
   TiersFigures figures;
   if (disk_) figures.disk = disk_->figures();
   if (redis_) figures.redis = redis_->figures();
-  figures.disk_unusable = !disk_problem_.empty();
+  figures.disk_unusable = disk_unusable_.has_value();
   const std::lock_guard lock(mutex_);
   figures.dropped = dropped_;
   return figures;

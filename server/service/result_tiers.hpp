@@ -47,8 +47,8 @@ class ResultTiers {
 
   /// Is there any tier to ask?
   bool any() const { return disk_ || redis_; }
-  /// Empty, or why the disk tier cannot be used.
-  const std::string& disk_problem() const { return disk_problem_; }
+  /// kFileAccess when there is to be a disk tier and it cannot be used.
+  const std::optional<Error>& disk_unusable() const { return disk_unusable_; }
 
   /// What reading the entry of this key should take, in bytes; nothing where it is known that there is none.
   std::optional<std::uint64_t> expected_bytes(const std::string& key) const;
@@ -76,7 +76,7 @@ class ResultTiers {
  private:
   void write_pending();
 
-  std::string disk_problem_;
+  std::optional<Error> disk_unusable_;
   std::unique_ptr<DiskCache> disk_;
   std::unique_ptr<RedisCache> redis_;
   const std::size_t max_pending_bytes_;

@@ -63,12 +63,14 @@ void Account::advance(Clock::time_point now) {
   if (const auto rate = shares_.cores) processor_.advance(*rate, *rate * kProcessorWindow, now);
 }
 
-OverShare Account::over(std::string what, std::chrono::duration<double> wait) {
+Error Account::over(std::string what, std::chrono::duration<double> wait) {
   ++figures_.over_share;
-  return {"'" + name_ + "' is over its share: " + std::move(what), whole_seconds(wait)};
+  return {.code = ErrorCode::kOverShare,
+          .detail = "'" + name_ + "' is over its share: " + std::move(what),
+          .retry_after = whole_seconds(wait)};
 }
 
-std::optional<OverShare> Account::request(Clock::time_point now) {
+std::optional<Error> Account::request(Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   ++figures_.requests;
   advance(now);
@@ -99,14 +101,14 @@ std::vector<std::pair<std::string, std::string>> Account::rate_fields(Clock::tim
   return {{"RateLimit-Policy", policy}, {"RateLimit", left}};
 }
 
-tl::expected<Account::Seat, OverShare> Account::begin_computation(Clock::time_point now) {
+Expected<Account::Seat> Account::begin_computation(Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   advance(now);
   if (const auto rate = shares_.cores; rate && processor_.level() <= 0)
-    return tl::unexpected<OverShare>(over("it has " + plain(*rate) + " processor seconds a second.",
-                                          processor_.until(0.1 * *rate, *rate)));
+    return tl::unexpected<Error>(over("it has " + plain(*rate) + " processor seconds a second.",
+                                      processor_.until(0.1 * *rate, *rate)));
   if (computations_ >= shares_.computations)
-    return tl::unexpected<OverShare>(
+    return tl::unexpected<Error>(
         over("it has " + std::to_string(shares_.computations) + " computations at the same time.",
              std::chrono::seconds(1)));
   ++computations_;

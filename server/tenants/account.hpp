@@ -9,20 +9,14 @@
 #include <mutex>
 #include <optional>
 #include <string>
-#include <tl/expected.hpp>
 #include <utility>
 #include <vector>
 
+#include "common/base/error.hpp"
 #include "server/tenants/rate.hpp"
 #include "server/tenants/tenant.hpp"
 
 namespace fracture::tenants {
-
-/// Over the share: what of it, and when to come back.
-struct OverShare {
-  std::string detail;
-  std::chrono::seconds retry_after;
-};
 
 /// Thread-safe.
 class Account : public std::enable_shared_from_this<Account> {
@@ -42,8 +36,8 @@ class Account : public std::enable_shared_from_this<Account> {
   /// May it see what belongs to `owner`?
   bool sees(const std::string& owner) const;
 
-  /// Counts a request; refuses it over the share.
-  std::optional<OverShare> request(Clock::time_point now = Clock::now());
+  /// Counts a request. kOverShare over the share.
+  std::optional<Error> request(Clock::time_point now = Clock::now());
   /// RateLimit and RateLimit-Policy (draft-ietf-httpapi-ratelimit-headers), for an answer to it: what is left
   /// of the shares that have a limit.
   std::vector<std::pair<std::string, std::string>> rate_fields(Clock::time_point now = Clock::now());
@@ -66,7 +60,8 @@ class Account : public std::enable_shared_from_this<Account> {
    private:
     std::shared_ptr<Account> account_;
   };
-  tl::expected<Seat, OverShare> begin_computation(Clock::time_point now = Clock::now());
+  /// kOverShare over the share.
+  Expected<Seat> begin_computation(Clock::time_point now = Clock::now());
   /// Processor seconds that were spent for this name, all threads together.
   void charge(double processor_seconds, Clock::time_point now = Clock::now());
   void count_answer(std::uint64_t bytes_in, std::uint64_t bytes_out);
@@ -78,7 +73,7 @@ class Account : public std::enable_shared_from_this<Account> {
   Figures figures() const;
 
  private:
-  OverShare over(std::string what, std::chrono::duration<double> wait);
+  Error over(std::string what, std::chrono::duration<double> wait);
   void advance(Clock::time_point now);
 
   const std::string name_;

@@ -25,35 +25,35 @@ bool is_token(std::string_view s) {
 
 }  // namespace
 
-tl::expected<TokenFile, std::string> TokenFile::load(const std::string& path) {
+Expected<TokenFile> TokenFile::load(const std::string& path) {
   // A pipe would keep whoever reads it on SIGHUP, who also waits for SIGTERM.
   if (std::error_code gone; !std::filesystem::is_regular_file(path, gone))
-    return tl::unexpected<std::string>(path + (gone ? " cannot be read" : " is no regular file"));
+    return fail(ErrorCode::kFileAccess, path + (gone ? " cannot be read" : " is no regular file"));
   std::ifstream file(path, std::ios::binary);
   std::string text(kMaxBytes + 1, '\0');
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (!file.is_open() || file.bad()) return tl::unexpected<std::string>(path + " cannot be read");
+  if (!file.is_open() || file.bad()) return fail(ErrorCode::kFileAccess, path + " cannot be read");
   text.resize(static_cast<std::size_t>(file.gcount()));
   if (text.size() > kMaxBytes)
-    return tl::unexpected<std::string>(path + " is over " + std::to_string(kMaxBytes) + " bytes");
+    return fail(ErrorCode::kTooLarge, path + " is over " + std::to_string(kMaxBytes) + " bytes");
   auto tokens = parse(text);
-  if (!tokens) return tl::unexpected<std::string>(path + tokens.error());
+  if (!tokens) return fail(tokens.error().code, path + tokens.error().detail);
   return tokens;
 }
 
-tl::expected<TokenFile, std::string> TokenFile::parse(std::string_view text) {
+Expected<TokenFile> TokenFile::parse(std::string_view text) {
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   if (first != std::string_view::npos && text[first] == '{') return parse_json(text);
   return parse_lines(text);
 }
 
-tl::expected<TokenFile, std::string> TokenFile::parse_lines(std::string_view text) {
+Expected<TokenFile> TokenFile::parse_lines(std::string_view text) {
   TokenFile file;
   std::istringstream lines{std::string(text)};
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
     const auto wrong = [number](const std::string& what) {
-      return tl::unexpected<std::string>(" line " + std::to_string(number) + ": " + what);
+      return fail(ErrorCode::kBadParameter, " line " + std::to_string(number) + ": " + what);
     };
     std::istringstream words(line);
     std::string name, token, right, more;
@@ -76,7 +76,7 @@ tl::expected<TokenFile, std::string> TokenFile::parse_lines(std::string_view tex
     if (file.size() == kMaxTenants) return wrong("there are more than " + std::to_string(kMaxTenants));
     file.tenants_.push_back(std::move(tenant));
   }
-  if (file.empty()) return tl::unexpected<std::string>(" holds no token");
+  if (file.empty()) return fail(ErrorCode::kBadParameter, " holds no token");
   return file;
 }
 

@@ -21,9 +21,9 @@
 #include <chrono>
 #include <string>
 #include <string_view>
-#include <tl/expected.hpp>
 #include <vector>
 
+#include "common/base/error.hpp"
 #include "server/tenants/tenant.hpp"
 
 namespace fracture::tenants {
@@ -32,9 +32,9 @@ class TokenFile {
  public:
   static constexpr std::size_t kMaxBytes = 1u << 20, kMaxTenants = 1000, kMaxTokens = 8;
 
-  /// Errors are one sentence that names the file and the place in it, never a token.
-  static tl::expected<TokenFile, std::string> load(const std::string& path);
-  static tl::expected<TokenFile, std::string> parse(std::string_view text);
+  /// kFileAccess, kTooLarge, kBadParameter: one sentence that names the file and the place in it, never a token.
+  static Expected<TokenFile> load(const std::string& path);
+  static Expected<TokenFile> parse(std::string_view text);
 
   bool empty() const { return tenants_.empty(); }
   std::size_t size() const { return tenants_.size(); }
@@ -50,8 +50,8 @@ class TokenFile {
   Match find(std::string_view token) const;
 
  private:
-  static tl::expected<TokenFile, std::string> parse_lines(std::string_view text);
-  static tl::expected<TokenFile, std::string> parse_json(std::string_view text);
+  static Expected<TokenFile> parse_lines(std::string_view text);
+  static Expected<TokenFile> parse_json(std::string_view text);
 
   std::vector<Tenant> tenants_;
   bool isolated_ = false;

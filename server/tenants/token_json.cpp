@@ -159,7 +159,7 @@ std::optional<std::chrono::sys_seconds> parse_utc(std::string_view text) {
   return sys_days(day) + hours(hour) + minutes(minute) + seconds(second);
 }
 
-tl::expected<TokenFile, std::string> TokenFile::parse_json(std::string_view text) try {
+Expected<TokenFile> TokenFile::parse_json(std::string_view text) try {
   const json document = parse_once(text);
   only(document, "", {"tenants"});
   TokenFile file;
@@ -179,7 +179,7 @@ tl::expected<TokenFile, std::string> TokenFile::parse_json(std::string_view text
   }
   return file;
 } catch (const Wrong& wrong) {
-  return tl::unexpected<std::string>((wrong.place.empty() ? "" : ": " + wrong.place) + " " + wrong.what);
+  return fail(ErrorCode::kBadParameter, (wrong.place.empty() ? "" : ": " + wrong.place) + " " + wrong.what);
 }
 
 }  // namespace fracture::tenants

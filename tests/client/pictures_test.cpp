@@ -39,14 +39,14 @@ TEST(Png, ErrorsAreTyped) {
   const TemporaryFolder folder;
   const auto unwritable = write_png(Picture(4, 4), folder / "no/such/folder.png");
   ASSERT_FALSE(unwritable);
-  EXPECT_EQ(unwritable.error().code, render::RenderErrorCode::kFile);
+  EXPECT_EQ(unwritable.error().code, ErrorCode::kFileAccess);
   ASSERT_TRUE(write_png(Picture(64, 64), folder / "a.png"));
   std::vector<std::uint8_t> bytes = bytes_of(folder / "a.png");
   bytes.resize(bytes.size() / 2);
   for (const auto& damaged : {bytes, std::vector<std::uint8_t>{}, std::vector<std::uint8_t>{1, 2, 3}}) {
     const auto picture = render::decode_picture(damaged);
     ASSERT_FALSE(picture);
-    EXPECT_EQ(picture.error().code, render::RenderErrorCode::kImage);
+    EXPECT_EQ(picture.error().code, ErrorCode::kBadImage);
   }
 }
 
@@ -71,7 +71,7 @@ TEST(Paste, CutsOffWhatDoesNotFit) {
 TEST(Font, DrawsWithinItsWidthAndReportsAMissingFile) {
   const auto missing = render::Font::open("/nowhere/font.ttf");
   ASSERT_FALSE(missing);
-  EXPECT_EQ(missing.error().code, render::RenderErrorCode::kFile);
+  EXPECT_EQ(missing.error().code, ErrorCode::kFileAccess);
   const auto font = render::Font::open();
   if (!font) GTEST_SKIP() << font.error().detail;
   Picture page(300, 40, {255, 255, 255, 255});

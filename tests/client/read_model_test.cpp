@@ -13,13 +13,11 @@
 namespace fracture::test {
 namespace {
 
-using render::Model;
 using render::read_model;
-using render::RenderErrorCode;
-using render::Result;
+using render::Model;
 
-Result<Model> read(const std::string& text) { return read_model(std::as_bytes(std::span(text))); }
-Result<Model> read(const std::vector<std::uint8_t>& bytes) {
+Expected<Model> read(const std::string& text) { return read_model(std::as_bytes(std::span(text))); }
+Expected<Model> read(const std::vector<std::uint8_t>& bytes) {
   return read_model(std::as_bytes(std::span(bytes)));
 }
 
@@ -125,31 +123,31 @@ TEST(ReadModel, StripsAndFansBecomeTriangles) {
 }
 
 TEST(ReadModel, ARefusalSaysWhatAndWhere) {
-  const auto expect = [](const Result<Model>& model, RenderErrorCode code, const char* words) {
+  const auto expect = [](const Expected<Model>& model, ErrorCode code, const char* words) {
     ASSERT_FALSE(model);
     EXPECT_EQ(model.error().code, code);
     EXPECT_THAT(model.error().detail, testing::HasSubstr(words));
   };
   GltfPrimitive p = triangle();
   p.positions[1].y = std::nanf("");
-  expect(read(gltf_text({p})), RenderErrorCode::kMesh, "not-finite: POSITION of vertex 1");
+  expect(read(gltf_text({p})), ErrorCode::kNotFinite, "POSITION of vertex 1");
   p = triangle();
   p.indices[2] = 3;
-  expect(read(gltf_text({p})), RenderErrorCode::kMesh, "names vertex 3; there are 3");
+  expect(read(gltf_text({p})), ErrorCode::kMalformedMesh, "names vertex 3; there are 3");
   p = triangle();
   p.mode = 1;
-  expect(read(gltf_text({p})), RenderErrorCode::kMesh, "shows no triangle");
-  expect(read(std::string("no glTF")), RenderErrorCode::kMesh, "malformed-mesh");
-  expect(read(std::string()), RenderErrorCode::kMesh, "malformed-mesh");
+  expect(read(gltf_text({p})), ErrorCode::kEmptyMesh, "shows no triangle");
+  expect(read(std::string("no glTF")), ErrorCode::kMalformedMesh, "glTF");
+  expect(read(std::string()), ErrorCode::kMalformedMesh, "glTF");
   expect(
       read(gltf_text({triangle()}, nlohmann::json::object(), {{"extensionsRequired", {"EXT_unheard_of"}}})),
-      RenderErrorCode::kMesh, "EXT_unheard_of");
+      ErrorCode::kUnsupportedFeature, "EXT_unheard_of");
   expect(read(gltf_text({triangle()}, nlohmann::json::object(),
                         {{"materials", {{{"pbrMetallicRoughness", {{"roughnessFactor", "rough"}}}}}}})),
-         RenderErrorCode::kMesh, "wrong type");
+         ErrorCode::kMalformedMesh, "wrong type");
   const auto missing = render::load_scene("/nowhere/at_all.glb");
   ASSERT_FALSE(missing);
-  EXPECT_EQ(missing.error().code, RenderErrorCode::kFile);
+  EXPECT_EQ(missing.error().code, ErrorCode::kFileAccess);
 }
 
 TEST(ReadModel, DamagedFilesNeverCrash) {

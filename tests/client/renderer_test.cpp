@@ -234,7 +234,7 @@ TEST_F(RendererTest, WhatIsOutOfSightIsCulled) {
 TEST_F(RendererTest, APictureTooLargeForTheDriverIsRefused) {
   const auto target = FrameTarget::create(1 << 20, 16);
   ASSERT_FALSE(target);
-  EXPECT_EQ(target.error().code, RenderErrorCode::kTooLarge);
+  EXPECT_EQ(target.error().code, ErrorCode::kTooLarge);
   EXPECT_FALSE(FrameTarget::create(0, 16));
 }
 

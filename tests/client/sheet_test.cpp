@@ -12,7 +12,6 @@ namespace {
 
 using cli::PictureOptions;
 using nlohmann::json;
-using render::RenderErrorCode;
 
 TEST(PictureOptions, EveryOptionRefusesNonsenseByNameAndRange) {
   for (const cli::OptionSpec& spec : cli::option_specs()) {
@@ -21,7 +20,7 @@ TEST(PictureOptions, EveryOptionRefusesNonsenseByNameAndRange) {
       PictureOptions options;
       const auto set = set_options(options, {{spec.name, bad}}, "here");
       ASSERT_FALSE(set) << spec.name << " took " << bad;
-      EXPECT_EQ(set.error().code, RenderErrorCode::kBadOption);
+      EXPECT_EQ(set.error().code, ErrorCode::kBadParameter);
       EXPECT_THAT(set.error().detail,
                   testing::AllOf(testing::HasSubstr(spec.name), testing::HasSubstr("must be")));
     }
@@ -87,7 +86,7 @@ TEST(Sheet, ErrorsNameThePlace) {
                              testing::HasSubstr("'yaw' must be a number from -360 to 360")));
   EXPECT_THAT(error(R"({"options": {"file": "a"}, "cells": [[{"yaw": "east"}]]})"),
               testing::HasSubstr("/cells/0/0"));
-  EXPECT_EQ(cli::read_sheet(folder / "none.json").error().code, RenderErrorCode::kFile);
+  EXPECT_EQ(cli::read_sheet(folder / "none.json").error().code, ErrorCode::kFileAccess);
 }
 
 TEST(Sheet, PutsEveryPictureInItsPlaceAndLabelsBeside) {
@@ -100,7 +99,7 @@ TEST(Sheet, PutsEveryPictureInItsPlaceAndLabelsBeside) {
   const auto read = cli::read_sheet(folder.write("sheet.json", sheet.dump()));
   ASSERT_TRUE(read) << read.error().detail;
   std::uint8_t next = 0;
-  const auto page = compose_sheet(*read, [&](const PictureOptions& o) -> render::Result<render::Picture> {
+  const auto page = compose_sheet(*read, [&](const PictureOptions& o) -> Expected<render::Picture> {
     return render::Picture(o.width, o.height, {255, static_cast<std::uint8_t>(10 * next++), 0, 255});
   });
   ASSERT_TRUE(page) << page.error().detail;
@@ -125,8 +124,8 @@ TEST(Sheet, PutsEveryPictureInItsPlaceAndLabelsBeside) {
   EXPECT_EQ(left[0], left[2]);
   EXPECT_GT(ink, 60);
 
-  const auto failing = compose_sheet(*read, [](const PictureOptions&) -> render::Result<render::Picture> {
-    return render::fail(RenderErrorCode::kMesh, "no such mesh");
+  const auto failing = compose_sheet(*read, [](const PictureOptions&) -> Expected<render::Picture> {
+    return fail(ErrorCode::kMalformedMesh, "no such mesh");
   });
   ASSERT_FALSE(failing);
   EXPECT_EQ(failing.error().detail, "no such mesh");

@@ -5,51 +5,24 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <mutex>
 #include <thread>
 
 #include "server/bake/form.hpp"
 #include "server/http/multipart.hpp"
 #include "tests/server/relay.hpp"
 #include "tests/server/test_server.hpp"
+#include "server/bake/failure.hpp"
+#include "tests/server/bake_farm.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::bake {
 namespace {
 
+using nlohmann::json;
 using test::FakeReply;
 using test::FakeRequest;
 using test::FakeServer;
 using testing::HasSubstr;
-using Kind = BakeFailure::Kind;
-using nlohmann::json;
-
-/// The real server, and a door before it through which all requests go, one connection each.
-struct Farm {
-  using Rude = std::function<std::optional<FakeReply>(const FakeRequest&)>;
-
-  explicit Farm(const test::TestServerOptions& options = {}) : server(options) {}
-
-  FakeReply answer(const FakeRequest& request) {
-    {
-      const std::lock_guard lock(mutex);
-      if (rude)
-        if (std::optional<FakeReply> reply = rude(request)) return std::move(*reply);
-    }
-    return test::pass_on(request, server.port());
-  }
-  /// How many requests began with these words.
-  int count(const std::string& beginning) const {
-    int n = 0;
-    for (const FakeRequest& request : door.requests()) n += request.head.starts_with(beginning);
-    return n;
-  }
-
-  test::TestServer server;
-  std::mutex mutex;
-  Rude rude;  ///< with the mutex
-  FakeServer door{[this](const FakeRequest& request) { return answer(request); }};
-};
 
 Patience short_pauses() {
   using std::chrono::milliseconds;
@@ -57,9 +30,8 @@ Patience short_pauses() {
   return {milliseconds(3'600'000), milliseconds(1), milliseconds(4)};
 }
 
-tl::expected<std::unique_ptr<Baker>, BakeFailure> baker_at(std::uint16_t port,
-                                                           const Patience& patience = short_pauses(),
-                                                           const std::string& token = "") {
+Expected<std::unique_ptr<Baker>> baker_at(std::uint16_t port, const Patience& patience = short_pauses(),
+                                          const std::string& token = "") {
   protocol::ConnectionSettings settings;
   settings.port = port;
   settings.token = token;
@@ -70,7 +42,7 @@ tl::expected<std::unique_ptr<Baker>, BakeFailure> baker_at(std::uint16_t port,
 
 std::unique_ptr<Baker> baker_for(const Farm& farm, const Patience& patience = short_pauses()) {
   auto baker = baker_at(farm.door.port(), patience);
-  if (!baker) throw std::runtime_error(baker.error().words());
+  if (!baker) throw std::runtime_error(to_line(baker.error()));
   return std::move(*baker);
 }
 
@@ -95,7 +67,7 @@ FractureRequest request_of(Baker& baker, const Asked& asked) {
   return request;
 }
 
-tl::expected<Baked, BakeFailure> bake(Baker& baker, const Asked& asked, const std::stop_token& stop = {}) {
+Expected<Baked> bake(Baker& baker, const Asked& asked, const std::stop_token& stop = {}) {
   Execution execution;
   execution.stop = stop;
   return baker.bake(request_of(baker, asked), execution);
@@ -109,13 +81,13 @@ std::vector<std::uint8_t> local_file(Baker& baker, const Asked& asked) {
 
 void expect_local_file(Baker& baker, const Asked& asked) {
   const auto baked = bake(baker, asked);
-  ASSERT_TRUE(baked) << baked.error().words();
+  ASSERT_TRUE(baked) << to_line(baked.error());
   EXPECT_EQ(*baked->file, local_file(baker, asked));
   EXPECT_EQ(baked->digest.hex(), sha256(std::as_bytes(std::span(*baked->file))).hex());
   EXPECT_TRUE(baked->figures.contains("bonds"));
 }
 
-BakeFailure failure(Baker& baker, const Asked& asked) {
+Error failure(Baker& baker, const Asked& asked) {
   auto baked = bake(baker, asked);
   if (baked) throw std::runtime_error("it was baked");
   return std::move(baked.error());
@@ -271,9 +243,9 @@ TEST(RemoteBaker, WhatIsForgottenAgainAndAgainFailsAlone) {
     if (request.target.starts_with("/fractures/sha256:" + sixteen)) return problem(404, "not-found");
     return std::nullopt;
   };
-  const BakeFailure failed = failure(*baker, lost);
-  EXPECT_EQ(failed.kind, Kind::kBroken);
-  EXPECT_THAT(failed.words(), HasSubstr("The server has forgotten the result"));
+  const Error failed = failure(*baker, lost);
+  EXPECT_EQ(outcome_of(failed.code), Outcome::kFailed);
+  EXPECT_THAT(to_line(failed), HasSubstr("The server has forgotten the result"));
   EXPECT_EQ(farm.count("GET /fractures/"), 29) << "once the mesh was missing";
   expect_local_file(*baker, good);
 }
@@ -287,14 +259,14 @@ TEST(RemoteBaker, RefusalsAreInTheWordsOfALocalBake) {
     return Mesh{};
   };
   const auto baker = baker_for(farm);
-  const BakeFailure mesh = failure(*baker, {.mesh = "poison"});
-  EXPECT_EQ(mesh.kind, Kind::kRefused);
-  EXPECT_EQ(mesh.problem, BakeFailure(Error{ErrorCode::kMalformedMesh, "It is cut off."}).problem);
-  const BakeFailure sites = failure(*baker, {.parameters = {{"sites", 61}}});
-  EXPECT_EQ(sites.kind, Kind::kRefused);
-  EXPECT_EQ(sites.problem.at("type"), "/problems/bad-parameter");
-  EXPECT_EQ(sites.problem.at("parameter"), "sites");
-  EXPECT_THAT(failure(*baker, {.format = MeshFormat::kFbx}).words(), HasSubstr("--enable-format fbx"));
+  const Error mesh = failure(*baker, {.mesh = "poison"});
+  EXPECT_EQ(outcome_of(mesh.code), Outcome::kRefused);
+  EXPECT_EQ(to_problem(mesh), to_problem(Error{ErrorCode::kMalformedMesh, "It is cut off."}));
+  const Error sites = failure(*baker, {.parameters = {{"sites", 61}}});
+  EXPECT_EQ(outcome_of(sites.code), Outcome::kRefused);
+  EXPECT_EQ(sites.code, ErrorCode::kBadParameter);
+  EXPECT_EQ(sites.pointer, "sites");
+  EXPECT_THAT(to_line(failure(*baker, {.format = MeshFormat::kFbx})), HasSubstr("--enable-format fbx"));
   const auto of = baker->parse({{"of", "/fractures/sha256:" + std::string(64, 'a'), false}});
   ASSERT_FALSE(of);
   EXPECT_EQ(of.error().code, ErrorCode::kNoSuchAnswer);
@@ -317,11 +289,11 @@ TEST(RemoteBaker, ADeadlineIsWorthThreeTriesAndABugOne) {
                                  .dump());
   };
   const auto baker = baker_for(farm);
-  EXPECT_EQ(failure(*baker, {}).kind, Kind::kRefused);
+  EXPECT_EQ(failure(*baker, {}).code, ErrorCode::kDeadlineExceeded);
   EXPECT_EQ(tries, 3);
-  const BakeFailure bug = failure(*baker, {});
-  EXPECT_EQ(bug.kind, Kind::kBroken);
-  EXPECT_EQ(bug.words(), "internal: So it is.");
+  const Error bug = failure(*baker, {});
+  EXPECT_EQ(outcome_of(bug.code), Outcome::kFailed);
+  EXPECT_EQ(to_line(bug), "internal: So it is.");
   EXPECT_EQ(tries, 4);
 }
 
@@ -336,13 +308,13 @@ TEST(RemoteBaker, GivesUpWithThePatienceAndThenForAll) {
   patience.total = std::chrono::milliseconds(20);
   const auto baker = baker_for(farm, patience);
   busy = true;
-  const BakeFailure first = failure(*baker, {});
-  EXPECT_EQ(first.kind, Kind::kUnavailable);
-  EXPECT_THAT(first.words(), HasSubstr("is busy (503): Because."));
-  EXPECT_THAT(first.words(), HasSubstr("--patience"));
+  const Error first = failure(*baker, {});
+  EXPECT_EQ(outcome_of(first.code), Outcome::kUnavailable);
+  EXPECT_THAT(to_line(first), HasSubstr("is busy (503): Because."));
+  EXPECT_THAT(to_line(first), HasSubstr("--patience"));
   busy = false;
   const std::size_t before = farm.door.requests().size();
-  EXPECT_EQ(failure(*baker, {}).words(), first.words());
+  EXPECT_EQ(to_line(failure(*baker, {})), to_line(first));
   EXPECT_EQ(farm.door.requests().size(), before) << "nobody asks any more";
 }
 
@@ -361,7 +333,7 @@ TEST(RemoteBaker, AStopEndsTheWaitingAndTheJob) {
   const auto baker = baker_for(farm);
   const auto baked = bake(*baker, {}, stop.get_token());
   ASSERT_FALSE(baked);
-  EXPECT_EQ(baked.error().kind, Kind::kCancelled);
+  EXPECT_EQ(outcome_of(baked.error().code), Outcome::kCancelled);
   test::require_eventually(test::kPatience, "the work to be cancelled",
                            [&] { return farm.server.control->cancelled > 0; });
 }
@@ -373,7 +345,7 @@ TEST(RemoteBaker, SaysWhatIsWrongWithTheServerBeforeTheFirstJob) {
     if (!token.empty()) {
       EXPECT_THAT(server.requests()[0].head, HasSubstr("Authorization: Bearer " + token + "\r\n"));
     }
-    return baker ? "" : baker.error().words();
+    return baker ? "" : to_line(baker.error());
   };
   EXPECT_THAT(words(FakeReply::answer(200, "<html></html>")), HasSubstr("is no fracture-server"));
   EXPECT_THAT(words(FakeReply::answer(404, "")), HasSubstr("status 404"));
@@ -387,8 +359,8 @@ TEST(RemoteBaker, SaysWhatIsWrongWithTheServerBeforeTheFirstJob) {
   const test::DeafPort deaf;
   const auto absent = baker_at(deaf.port, none);
   ASSERT_FALSE(absent);
-  EXPECT_EQ(absent.error().kind, Kind::kUnavailable);
-  EXPECT_THAT(absent.error().words(),
+  EXPECT_EQ(outcome_of(absent.error().code), Outcome::kUnavailable);
+  EXPECT_THAT(to_line(absent.error()),
               HasSubstr("127.0.0.1:" + std::to_string(deaf.port) + " does not answer"));
 }
 
@@ -406,44 +378,6 @@ TEST(RemoteBaker, SaysThatItWaitsAndThatItWentOn) {
   ASSERT_EQ(said.size(), 2u) << "once each, however often it was tried";
   EXPECT_THAT(said[0], HasSubstr("Trying again for"));
   EXPECT_THAT(said[1], HasSubstr("answers again"));
-}
-
-// -- the parts
-
-TEST(ServerUrl, IsHostAndPortOverHttp) {
-  const auto read = [](const std::string& url) {
-    const auto settings = parse_server_url(url);
-    return settings ? settings->host + "|" + std::to_string(settings->port) : settings.error().detail;
-  };
-  EXPECT_EQ(read("http://farm"), "farm|80");
-  EXPECT_EQ(read("http://127.0.0.1:8080/"), "127.0.0.1|8080");
-  EXPECT_EQ(read("http://[::1]:65535"), "::1|65535");
-  EXPECT_EQ(read("https://farm:8443"), "farm|8443");
-  for (const char* wrong : {"", "farm:8080", "ftp://farm", "http://", "http://:80", "http://farm:",
-                            "http://farm:0", "http://farm:65536", "http://farm:80x", "http://farm/bake",
-                            "http://u@farm", "http://[::1", "http://[::1]80", "http://a b", "http://farm?x"})
-    EXPECT_THAT(read(wrong), HasSubstr("http://host:port")) << wrong;
-}
-
-TEST(WriteForm, IsReadBackWhateverThePartsHold) {
-  const std::string tricky = "--fracture-bake--\r\n--fracture-bake0\r\n";
-  const std::vector<FormPart> parts{{.name = "mesh", .filename = "mesh.obj", .body = tricky},
-                                    {.name = "params", .body = "{}"},
-                                    {.name = "file", .filename = "a \"b\".png", .body = ""}};
-  const Expected<Form> form = write_form(parts);
-  ASSERT_TRUE(form);
-  const auto boundary = http::multipart_boundary(form->content_type);
-  ASSERT_TRUE(boundary);
-  const auto read = http::parse_multipart(form->body, *boundary);
-  ASSERT_TRUE(read) << read.error().detail;
-  ASSERT_EQ(read->size(), parts.size());
-  for (std::size_t k = 0; k < parts.size(); ++k) {
-    EXPECT_EQ((*read)[k].name, parts[k].name);
-    EXPECT_EQ((*read)[k].filename.value_or(""), parts[k].filename);
-    EXPECT_EQ((*read)[k].body, parts[k].body);
-  }
-  const FormPart injected{.name = "file", .filename = "a\r\nX: y", .body = ""};
-  EXPECT_FALSE(write_form(std::span(&injected, 1)));
 }
 
 }  // namespace

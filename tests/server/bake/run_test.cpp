@@ -26,17 +26,15 @@ struct EchoBaker : Baker {
   Expected<RequestParameters> parse(const std::vector<RawParameter>& given) override {
     return table.parse(given);
   }
-  tl::expected<Baked, BakeFailure> bake(const FractureRequest& request, const Execution&) override {
+  Expected<Baked> bake(const FractureRequest& request, const Execution&) override {
     ++asked;
     const std::string text(reinterpret_cast<const char*>(request.mesh.data()), request.mesh.size());
-    if (text == "refuse") return tl::unexpected(BakeFailure(Error{ErrorCode::kMeshNotClosed, "It is open."}));
+    if (text == "refuse") return fail(ErrorCode::kMeshNotClosed, "It is open.");
     if (text == "throw") throw std::runtime_error("A bug.");
-    if (text == "gone")
-      return tl::unexpected(
-          BakeFailure(BakeFailure::Kind::kUnavailable, {{"detail", "The server is gone."}}));
+    if (text == "gone") return fail(ErrorCode::kUnavailable, "The server is gone.");
     if (text == "stop") {
       stop.request_stop();
-      return tl::unexpected(BakeFailure(Error{ErrorCode::kCancelled, "Stopped."}));
+      return fail(ErrorCode::kCancelled, "Stopped.");
     }
     Baked baked;
     auto file = std::make_shared<std::vector<std::uint8_t>>(text.begin(), text.end());

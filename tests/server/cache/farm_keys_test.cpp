@@ -19,7 +19,7 @@ const SignedAs kHere{"redis", "0123abcd", 6};
 
 FarmKeys keys_of(const std::string& text) {
   auto keys = FarmKeys::parse(text);
-  if (!keys) throw std::runtime_error(keys.error());
+  if (!keys) throw std::runtime_error(keys.error().detail);
   return std::move(*keys);
 }
 
@@ -88,13 +88,13 @@ TEST(FarmKeys, FilesAreReadStrictlyAndNeverQuoted) {
   for (const auto& [text, message] : wrong) {
     const auto keys = FarmKeys::parse(text);
     ASSERT_FALSE(keys) << text;
-    EXPECT_THAT(keys.error(), HasSubstr(message));
-    EXPECT_THAT(keys.error(), Not(HasSubstr("hunter2")));
-    EXPECT_THAT(keys.error(), Not(HasSubstr("aaaa")));
+    EXPECT_THAT(keys.error().detail, HasSubstr(message));
+    EXPECT_THAT(keys.error().detail, Not(HasSubstr("hunter2")));
+    EXPECT_THAT(keys.error().detail, Not(HasSubstr("aaaa")));
   }
   const test::TemporaryFolder folder;
   EXPECT_TRUE(FarmKeys::load(folder.write("keys", "# farm\n" + kOld + "\r\n\n")));
-  EXPECT_THAT(FarmKeys::load(folder / "absent").error(), HasSubstr("cannot be read"));
+  EXPECT_THAT(FarmKeys::load(folder / "absent").error().detail, HasSubstr("cannot be read"));
 }
 
 }  // namespace

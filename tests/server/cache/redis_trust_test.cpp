@@ -144,7 +144,7 @@ TEST_F(RedisTrust, TlsChecksTheAuthorityAndTheNameAndShowsOurOwnCertificate) {
   wrong = config;
   wrong.tls.ca_file = folder / "absent";
   EXPECT_FALSE(stores(wrong)) << "files that cannot be read are no reason to trust anybody";
-  EXPECT_THAT(RedisTls::load(wrong.tls).error(), HasSubstr("absent"));
+  EXPECT_THAT(RedisTls::load(wrong.tls).error().detail, HasSubstr("absent"));
 
   const std::uint16_t other_port = free_port();
   const TemporaryFolder other_folder;

@@ -42,7 +42,7 @@ TEST_F(Settings, NamesAreUniqueAndEveryDefaultReadsBackAsItself) {
     EXPECT_FALSE(setting.doc.empty()) << setting.name;
     EXPECT_FALSE(setting.group.empty()) << setting.name;
     const std::string value = setting.get();
-    EXPECT_EQ(setting.set(value), "") << setting.name << " " << value;
+    EXPECT_EQ(setting.set(value), std::nullopt) << setting.name << " " << value;
     EXPECT_EQ(setting.get(), value) << setting.name;
   }
 }
@@ -167,8 +167,9 @@ TEST_F(Settings, TokenFilesAreReadStrictly) {
   for (const auto& [text, message] : wrong) {
     const auto tokens = tenants::TokenFile::parse(text);
     ASSERT_FALSE(tokens) << text;
-    EXPECT_THAT(tokens.error(), HasSubstr(message)) << text;
-    EXPECT_THAT(tokens.error(), testing::Not(HasSubstr("0123456789"))) << "a token in an error message";
+    EXPECT_THAT(tokens.error().detail, HasSubstr(message)) << text;
+    EXPECT_THAT(tokens.error().detail, testing::Not(HasSubstr("0123456789")))
+        << "a token in an error message";
   }
   EXPECT_EQ(tenants::TokenFile::parse("# studio\nana 0123456789abcdef\n\nbob 0123456789abcdeg read-only\r\n")
                 ->size(),

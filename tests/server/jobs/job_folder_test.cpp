@@ -50,7 +50,7 @@ struct Folder : testing::Test {
 TEST_F(Folder, WhatWasWrittenIsFoundAgainTheOldestFirst) {
   {
     JobFolder f(config());
-    ASSERT_EQ(f.unusable(), "");
+    ASSERT_FALSE(f.unusable());
     for (const int number : {2, 1, 3}) ASSERT_TRUE(put(f, record(number)));
     EXPECT_EQ(files("meshes"), 1u) << "equal meshes are kept once";
     f.begun(record(1).id);
@@ -215,9 +215,10 @@ TEST_F(Folder, MarksCountTheProcessesThatDidNotComeBack) {
 TEST_F(Folder, ItBelongsToOneServerAndADiskThatRefusesIsNoEnd) {
   JobFolder first(config());
   JobFolder second(config());
-  EXPECT_NE(second.unusable().find("in use"), std::string::npos);
+  ASSERT_TRUE(second.unusable());
+  EXPECT_NE(second.unusable()->detail.find("in use"), std::string::npos);
   EXPECT_TRUE(second.restore().empty());
-  EXPECT_NE(JobFolder({"/proc/no/such/folder", 1000, {}}).unusable(), "");
+  EXPECT_TRUE(JobFolder({"/proc/no/such/folder", 1000, {}}).unusable());
   ASSERT_EQ(first.reserve(record(1), kNoShare), Room::kThere);
   fs::remove_all(folder / "tmp");
   EXPECT_FALSE(first.write(record(1), request));

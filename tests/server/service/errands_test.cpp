@@ -27,7 +27,7 @@ struct Errands : testing::Test {
     pool.submit(Priority::kBatch, 0, [this](int) { gate.wait(); });
     ASSERT_TRUE(eventually(kPatience, "the thread to be taken", [&] { return pool.running() == 1; }));
   }
-  std::optional<Overload> run(const Terms& terms) {
+  std::optional<Error> run(const Terms& terms) {
     return dispatcher.run(
         kWork, terms, [this](const Execution&) { ++ran; },
         [this](const Error& error) {
@@ -113,7 +113,7 @@ TEST_F(Errands, TakesAPlaceAmongTheComputationsOfItsName) {
   ASSERT_FALSE(run(terms));
   const auto over = run(terms);
   ASSERT_TRUE(over);
-  EXPECT_EQ(over->cause, Overload::Cause::kOverShare);
+  EXPECT_EQ(over->code, ErrorCode::kOverShare);
   EXPECT_FALSE(run(of("bob", 1))) << "the others are not concerned";
   Terms finishing = terms;
   finishing.needs_seat = false;

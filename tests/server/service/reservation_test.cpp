@@ -166,10 +166,10 @@ TEST_F(ReservationTest, WhoAsksForMuchLeavesRoomForTheOthers) {
   EXPECT_FALSE(add("greedy", 10, 3)) << "a collision of its own";
   const auto second = add("greedy", 10'000, 5);
   ASSERT_TRUE(second);
-  EXPECT_EQ(second->cause, Overload::Cause::kOverShare) << second->detail;
+  EXPECT_EQ(second->code, ErrorCode::kOverShare) << second->detail;
   const auto large = add("other", 10'000, 4);
   ASSERT_TRUE(large);
-  EXPECT_EQ(large->cause, Overload::Cause::kServer) << large->detail;
+  EXPECT_EQ(large->code, ErrorCode::kOverloaded) << large->detail;
   open = true;
   dispatcher.wait_idle();
   EXPECT_EQ(dispatcher.figures().working_bytes, 0u);

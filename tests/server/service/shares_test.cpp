@@ -39,7 +39,7 @@ struct Shares : testing::Test {
     terms.payer.flow = {name, 1};
     return terms;
   }
-  std::optional<Overload> ask(FractureRequest r, const Terms& terms) {
+  std::optional<Error> ask(FractureRequest r, const Terms& terms) {
     return dispatcher.fracture(std::move(r), terms, [this](Expected<FractureAnswer>) { ++answered; });
   }
   static double charged(const Terms& terms) { return terms.payer.account->figures().processor_seconds; }
@@ -161,7 +161,7 @@ TEST_F(Shares, ANameHasSoManyComputationsAtTheSameTime) {
   EXPECT_FALSE(ask(fracture_request("mesh", 2), a));
   const auto over = ask(fracture_request("mesh", 3), a);
   ASSERT_TRUE(over);
-  EXPECT_EQ(over->cause, Overload::Cause::kOverShare);
+  EXPECT_EQ(over->code, ErrorCode::kOverShare);
   EXPECT_GE(over->retry_after.count(), 1);
   EXPECT_FALSE(ask(fracture_request("mesh", 3), b)) << "the others are not concerned";
   open = true;

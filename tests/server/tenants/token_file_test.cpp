@@ -28,7 +28,7 @@ TEST(TokenFile, SaysNamesTokensScopesExpiryAndShares) {
                                      R"(", "expires": "2027-01-31T23:59:58Z"}],
     "scopes": ["read", "bake"], "requests_per_second": 2.5, "cores": 0.5, "computations": 8, "stored_bytes": 0,
     "cached_bytes": 1048576, "priority": "batch", "weight": 3}]})");
-  ASSERT_TRUE(read) << read.error();
+  ASSERT_TRUE(read) << read.error().detail;
   EXPECT_TRUE(read->isolated());
   const TokenFile::Match match = read->find("0123456789abcdef");
   ASSERT_TRUE(match.tenant);
@@ -52,7 +52,7 @@ TEST(TokenFile, SaysNamesTokensScopesExpiryAndShares) {
 
 TEST(TokenFile, WhatIsLeftOutHasNoLimit) {
   const auto read = TokenFile::parse(file(tenant()));
-  ASSERT_TRUE(read) << read.error();
+  ASSERT_TRUE(read) << read.error().detail;
   const Shares& shares = read->tenants().front().shares;
   EXPECT_FALSE(shares.requests_per_second || shares.cores);
   EXPECT_EQ(shares.computations, Shares::kNoLimit);
@@ -113,8 +113,9 @@ TEST(TokenFile, EveryMistakeIsRefusedWithItsPlace) {
   for (const auto& [text, message] : wrong) {
     const auto read = TokenFile::parse(text);
     ASSERT_FALSE(read) << text.substr(0, 200);
-    EXPECT_THAT(read.error(), HasSubstr(message)) << text.substr(0, 200);
-    EXPECT_THAT(read.error(), testing::Not(HasSubstr("0123456789abcdef"))) << "a token in an error message";
+    EXPECT_THAT(read.error().detail, HasSubstr(message)) << text.substr(0, 200);
+    EXPECT_THAT(read.error().detail, testing::Not(HasSubstr("0123456789abcdef")))
+        << "a token in an error message";
   }
 }
 

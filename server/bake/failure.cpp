@@ -1,0 +1,84 @@
+#include "server/bake/failure.hpp"
+
+#include <optional>
+
+namespace fracture::bake {
+namespace {
+
+std::string slug_in(const nlohmann::json& problem) {
+  const std::string type = problem.value("type", "");
+  return type.substr(type.rfind('/') + 1);
+}
+
+}  // namespace
+
+Outcome outcome_of(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::kCancelled:
+      return Outcome::kCancelled;
+    case ErrorCode::kUnavailable:
+      return Outcome::kUnavailable;
+    case ErrorCode::kUnsound:
+      return Outcome::kUnsound;
+    case ErrorCode::kInternal:
+    case ErrorCode::kJobLost:
+    case ErrorCode::kOutOfMemory:
+    case ErrorCode::kServerFailed:
+      return Outcome::kFailed;
+    default:
+      return Outcome::kRefused;
+  }
+}
+
+Error to_error(int status, const protocol::ProblemDocument& problem) {
+  if (const std::optional<ErrorCode> code = error_code(problem.slug()))
+    return {*code, problem.detail, problem.parameter};
+  const bool failed = status >= 500 && status != 504;
+  Error error{failed ? ErrorCode::kServerFailed : ErrorCode::kRefusedByServer, problem.detail,
+              problem.parameter};
+  nlohmann::json extra = nlohmann::json::object();
+  if (!problem.type.empty()) extra["type"] = problem.type;
+  if (!problem.title.empty()) extra["title"] = problem.title;
+  error.extra = Figures(std::move(extra));
+  return error;
+}
+
+nlohmann::json to_problem(const Error& error) {
+  nlohmann::json problem{{"detail", error.detail}};
+  switch (error.code) {
+    case ErrorCode::kUnavailable:  // no server has worded it
+      break;
+    case ErrorCode::kRefusedByServer:
+    case ErrorCode::kServerFailed:
+      problem.update(*error.extra);
+      break;
+    default:
+      problem["type"] = std::string("/problems/") + slug(error.code);
+      problem["title"] = title(error.code);
+      if (const auto errors = error.extra->find("errors"); errors != error.extra->end() && errors->size() > 1)
+        problem["errors"] = *errors;
+  }
+  if (!error.pointer.empty()) problem["parameter"] = error.pointer;
+  return problem;
+}
+
+nlohmann::json certificate_of(const Error& error) {
+  return error.code == ErrorCode::kUnsound && !error.extra->empty() ? *error.extra : nlohmann::json();
+}
+
+std::string to_line(const Error& error) {
+  const std::string name = slug_in(to_problem(error));
+  return (name.empty() ? name : name + ": ") + error.detail;
+}
+
+std::string to_lines(const Error& error) {
+  const nlohmann::json problem = to_problem(error);
+  const std::string first = problem.value("title", "");
+  if (first.empty()) return to_line(error);
+  std::string text = slug_in(problem) + ": " + first + "\n  " + error.detail;
+  if (const auto errors = problem.find("errors"); errors != problem.end())
+    for (std::size_t k = 1; k < errors->size(); ++k) text += "\n  " + (*errors)[k].value("detail", "");
+  return text;
+}
+
+}  // namespace fracture::bake

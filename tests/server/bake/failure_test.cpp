@@ -1,0 +1,70 @@
+// How errors of a bake are told apart, said and reported.
+#include "server/bake/failure.hpp"
+
+#include <gtest/gtest.h>
+
+namespace fracture::bake {
+namespace {
+
+using nlohmann::json;
+
+protocol::ProblemDocument problem(const std::string& type, const std::string& title = "") {
+  return {.type = type, .title = title, .detail = "Because.", .parameter = "sites"};
+}
+
+TEST(BakeFailure, TheRefusalOfAServerIsTheErrorThatItNames) {
+  const Error error = to_error(400, problem("/problems/bad-parameter", "Another title"));
+  EXPECT_EQ(error.code, ErrorCode::kBadParameter);
+  EXPECT_EQ(outcome_of(error.code), Outcome::kRefused);
+  EXPECT_EQ(to_problem(error), to_problem(Error{ErrorCode::kBadParameter, "Because.", "sites"}));
+  EXPECT_EQ(to_problem(error), (json{{"type", "/problems/bad-parameter"},
+                                     {"title", title(ErrorCode::kBadParameter)},
+                                     {"detail", "Because."},
+                                     {"parameter", "sites"}}));
+  EXPECT_EQ(to_line(error), "bad-parameter: Because.");
+}
+
+TEST(BakeFailure, WhatNoPipelineSaysKeepsTheWordsOfTheServer) {
+  const Error error = to_error(413, problem("/problems/body-too-large", "The body is over the limit"));
+  EXPECT_EQ(error.code, ErrorCode::kRefusedByServer);
+  EXPECT_EQ(to_problem(error), (json{{"type", "/problems/body-too-large"},
+                                     {"title", "The body is over the limit"},
+                                     {"detail", "Because."},
+                                     {"parameter", "sites"}}));
+  EXPECT_EQ(to_lines(error), "body-too-large: The body is over the limit\n  Because.");
+  const Error proxy = to_error(500, {.detail = "The server answered 500."});
+  EXPECT_EQ(outcome_of(proxy.code), Outcome::kFailed);
+  EXPECT_EQ(to_problem(proxy), (json{{"detail", "The server answered 500."}}));
+  EXPECT_EQ(to_lines(proxy), "The server answered 500.");
+  EXPECT_EQ(outcome_of(to_error(504, {}).code), Outcome::kRefused) << "a deadline is no bug";
+}
+
+TEST(BakeFailure, BugsAreToldFromRefusals) {
+  for (const ErrorCode bug : {ErrorCode::kInternal, ErrorCode::kOutOfMemory, ErrorCode::kJobLost})
+    EXPECT_EQ(outcome_of(to_error(500, problem("/problems/" + std::string(slug(bug)))).code),
+              Outcome::kFailed)
+        << slug(bug);
+  EXPECT_EQ(outcome_of(ErrorCode::kMeshNotClosed), Outcome::kRefused);
+  EXPECT_EQ(outcome_of(ErrorCode::kDeadlineExceeded), Outcome::kRefused);
+  EXPECT_EQ(outcome_of(ErrorCode::kCancelled), Outcome::kCancelled);
+  EXPECT_EQ(outcome_of(ErrorCode::kUnavailable), Outcome::kUnavailable);
+  EXPECT_EQ(to_lines(Error{ErrorCode::kUnavailable, "Nobody is there."}), "Nobody is there.");
+}
+
+TEST(BakeFailure, AnUnsoundAnswerHasItsCertificateAndNobodyElse) {
+  const json certificate{{"open_edges", 3}};
+  EXPECT_EQ(certificate_of({ErrorCode::kUnsound, "It is open.", {}, certificate}), certificate);
+  EXPECT_EQ(to_problem({ErrorCode::kUnsound, "It is open.", {}, certificate}).size(), 3u);
+  EXPECT_TRUE(certificate_of({ErrorCode::kUnsound, "It is open."}).is_null());
+  EXPECT_TRUE(certificate_of({ErrorCode::kMeshNotClosed, "It is open.", {}, certificate}).is_null());
+}
+
+TEST(BakeFailure, EverythingThatIsWrongIsSaidInALineOfItsOwn) {
+  const json errors = json::array({{{"detail", "First."}}, {{"detail", "Second."}}});
+  const Error error{ErrorCode::kBadParameter, "First.", "sites", {{"errors", errors}}};
+  EXPECT_EQ(to_lines(error), std::string("bad-parameter: ") + title(error.code) + "\n  First.\n  Second.");
+  EXPECT_EQ(to_problem(error).at("errors"), errors);
+}
+
+}  // namespace
+}  // namespace fracture::bake

@@ -1,0 +1,42 @@
+// A server that bakes are asked through, which can be rude.
+#pragma once
+
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "tests/server/door.hpp"
+#include "tests/server/test_server.hpp"
+
+namespace fracture::bake {
+
+/// The real server, and a door before it through which all requests go, one connection each.
+struct Farm {
+  using Rude = std::function<std::optional<test::FakeReply>(const test::FakeRequest&)>;
+
+  explicit Farm(const test::TestServerOptions& options = {}) : server(options) {}
+
+  test::FakeReply answer(const test::FakeRequest& request) {
+    {
+      const std::lock_guard lock(mutex);
+      if (rude)
+        if (std::optional<test::FakeReply> reply = rude(request)) return std::move(*reply);
+    }
+    return test::pass_on(request, server.port());
+  }
+  /// How many requests began with these words.
+  int count(const std::string& beginning) const {
+    int n = 0;
+    for (const test::FakeRequest& request : door.requests()) n += request.head.starts_with(beginning);
+    return n;
+  }
+
+  test::TestServer server;
+  std::mutex mutex;
+  Rude rude;  ///< with the mutex
+  test::FakeServer door{[this](const test::FakeRequest& request) { return answer(request); }};
+};
+
+}  // namespace fracture::bake
