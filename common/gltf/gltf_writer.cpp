@@ -92,23 +92,23 @@ void write_document_extensions(JsonText& json, const FragmentSet& set, const Glt
   }
 }
 
-void write_root(JsonText& json, const FragmentSet& set, const GltfOptions& options, const SceneLayout& layout,
-                const ClusterNodes& clusters, std::size_t whole) {
+void write_root(JsonText& json, const FracturedSolid& fractured, const GltfOptions& options,
+                const SceneLayout& layout, const ClusterNodes& clusters, std::size_t whole) {
   json.begin_object().member("name", "Fracture");
-  if (!set.fragments.empty()) {
+  if (!fractured.set.fragments.empty()) {
     json.key("children").begin_array();
     for (const std::size_t node : clusters.roots()) json.value(node);
     for (std::size_t k = 0; k < whole; ++k) json.value(layout.node_count() + k);
     json.end_array();
   }
   json.key("extras").begin_object().key("fracture");
-  write_root_extras(json, set, options);
+  write_root_extras(json, fractured, options);
   json.end_object().end_object();
 }
 
-void write_fragment(JsonText& json, const FragmentSet& set, std::size_t index, const GltfOptions& options,
-                    const SceneLayout& layout) {
-  const Fragment& f = set.fragments[index];
+void write_fragment(JsonText& json, const FracturedSolid& fractured, std::size_t index,
+                    const GltfOptions& options, const SceneLayout& layout) {
+  const Fragment& f = fractured.set.fragments[index];
   json.begin_object().member("name", layout.name(index)).member("mesh", index);
   if (layout.children(index) > 0) {
     json.key("children").begin_array();
@@ -125,7 +125,7 @@ void write_fragment(JsonText& json, const FragmentSet& set, std::size_t index, c
     json.end_object();
   }
   json.key("extras").begin_object().key("fracture");
-  write_fragment_extras(json, set, index, options);
+  write_fragment_extras(json, fractured, index, options);
   json.end_object().end_object();
 }
 
@@ -142,15 +142,16 @@ void write_collider_nodes(JsonText& json, std::size_t fragment, const GltfOption
   }
 }
 
-void write_nodes(JsonText& json, const FragmentSet& set, const GltfOptions& options,
+void write_nodes(JsonText& json, const FracturedSolid& fractured, const GltfOptions& options,
                  const SceneLayout& layout, const std::vector<WholeNode>& whole, const Execution& execution) {
   json.member("scene", 0).key("scenes").begin_array().begin_object();
   json.key("nodes").begin_array().value(0).end_array().end_object().end_array();
   json.key("nodes").begin_array();
-  const ClusterNodes clusters(set, layout.node_count() + whole.size(), execution);
-  write_root(json, set, options, layout, clusters, whole.size());
-  for (std::size_t k = 0; k < set.fragments.size(); ++k) write_fragment(json, set, k, options, layout);
-  for (std::size_t k = 0; k < set.fragments.size(); ++k) {
+  const std::size_t fragments = fractured.set.fragments.size();
+  const ClusterNodes clusters(fractured, layout.node_count() + whole.size(), execution);
+  write_root(json, fractured, options, layout, clusters, whole.size());
+  for (std::size_t k = 0; k < fragments; ++k) write_fragment(json, fractured, k, options, layout);
+  for (std::size_t k = 0; k < fragments; ++k) {
     write_collider_nodes(json, k, options, layout);
     write_ucx_nodes(json, k, layout);
   }
@@ -197,13 +198,14 @@ void write_meshes(JsonText& json, const FragmentSet& set, const GltfOptions& opt
 }
 
 /// About as long as the text becomes, rather longer: a text that grows is moved.
-std::size_t expected_length(const FragmentSet& set, const SceneLayout& layout) {
+std::size_t expected_length(const FracturedSolid& fractured, const SceneLayout& layout) {
+  const FragmentSet& set = fractured.set;
   std::size_t hulls = 0, sites = 0, bonds = set.bonds.size(), clusters = 0;
   for (std::size_t k = 0; k < set.fragments.size(); ++k) {
     hulls += layout.hulls(k);
     sites += set.fragments[k].sites.size();
   }
-  for (const ClusterLevel& level : set.hierarchy.levels) {
+  for (const ClusterLevel& level : fractured.hierarchy.levels) {
     clusters += level.clusters.size();
     bonds += level.bonds.size();
   }
@@ -213,8 +215,9 @@ std::size_t expected_length(const FragmentSet& set, const SceneLayout& layout) {
 using Pack = std::vector<std::uint8_t>(JsonText, std::vector<Accessors::View>&, std::size_t,
                                        const Execution&);
 
-std::vector<std::uint8_t> write(const FragmentSet& set, const GltfOptions& options,
+std::vector<std::uint8_t> write(const FracturedSolid& fractured, const GltfOptions& options,
                                 const Execution& execution, Pack& pack) {
+  const FragmentSet& set = fractured.set;
   const MaterialLibrary& library = *set.source->library;
   Pacer pacer(execution);
   for (const Fragment& f : set.fragments) check(f, pacer);
@@ -223,13 +226,13 @@ std::vector<std::uint8_t> write(const FragmentSet& set, const GltfOptions& optio
   for (const WholeNode& node : whole) check(node.mesh, pacer);
 
   JsonText json(execution);
-  json.reserve(expected_length(set, layout));
+  json.reserve(expected_length(fractured, layout));
   json.begin_object();
   write_asset(json, set, options);
   write_extensions_used(json, set, options, layout);
   write_string_array(json, "extensionsRequired", library.extensions_required);
   write_document_extensions(json, set, options, layout);
-  write_nodes(json, set, options, layout, whole, execution);
+  write_nodes(json, fractured, options, layout, whole, execution);
   write_materials(json, library, options);
   Accessors accessors(execution);
   write_meshes(json, set, options, layout, whole, accessors);
@@ -241,14 +244,14 @@ std::vector<std::uint8_t> write(const FragmentSet& set, const GltfOptions& optio
 
 }  // namespace
 
-std::vector<std::uint8_t> write_glb(const FragmentSet& set, const GltfOptions& options,
+std::vector<std::uint8_t> write_glb(const FracturedSolid& fractured, const GltfOptions& options,
                                     const Execution& execution) {
-  return write(set, options, execution, pack_glb);
+  return write(fractured, options, execution, pack_glb);
 }
 
-std::vector<std::uint8_t> write_gltf(const FragmentSet& set, const GltfOptions& options,
+std::vector<std::uint8_t> write_gltf(const FracturedSolid& fractured, const GltfOptions& options,
                                      const Execution& execution) {
-  return write(set, options, execution, pack_gltf);
+  return write(fractured, options, execution, pack_gltf);
 }
 
 }  // namespace fracture

@@ -21,8 +21,8 @@
 #include <vector>
 
 #include "common/base/execution.hpp"
-#include "common/fragment/fragments.hpp"
 #include "common/gltf/interior_material.hpp"
+#include "common/pipeline/fractured_solid.hpp"
 
 namespace fracture {
 
@@ -62,12 +62,12 @@ struct GltfOptions {
 
 /// Throws InternalError when a fragment contradicts its own description (attribute lengths, index ranges,
 /// primitives that do not cover the indices) or the file would pass 4 GiB; Interrupted.
-std::vector<std::uint8_t> write_glb(const FragmentSet& fragments, const GltfOptions& options,
+std::vector<std::uint8_t> write_glb(const FracturedSolid& fractured, const GltfOptions& options,
                                     const Execution& execution = {});
 /// The same as model/gltf+json: JSON text with the buffer in a data URI. Throws as write_glb.
-std::vector<std::uint8_t> write_gltf(const FragmentSet& fragments, const GltfOptions& options,
+std::vector<std::uint8_t> write_gltf(const FracturedSolid& fractured, const GltfOptions& options,
                                      const Execution& execution = {});
 /// The `extras.fracture` object of the root node (fracture_extras.hpp).
-nlohmann::json fracture_extras(const FragmentSet& fragments, const GltfOptions& options);
+nlohmann::json fracture_extras(const FracturedSolid& fractured, const GltfOptions& options);
 
 }  // namespace fracture

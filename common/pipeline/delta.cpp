@@ -12,7 +12,6 @@
 #include "common/fragment/make_fragments.hpp"
 #include "common/pipeline/fracture_steps.hpp"
 #include "common/solid/image.hpp"
-#include "common/structure/keep_changed.hpp"
 
 namespace fracture {
 namespace {
@@ -296,18 +295,18 @@ std::optional<KeptAnswer> splice(const SeenSolid& whole, const FracturedBase& ba
   state_lattice(r, cut.set);
   next.bonds = cut.set.bonds;
 
-  Expected<FragmentSet> completed = complete(solid, in.diagram, parameters, std::move(cut), execution);
+  Expected<FracturedSolid> completed = complete(solid, in.diagram, parameters, std::move(cut), execution);
   if (!completed) return std::nullopt;  // the whole, made from nothing, has the last word
   KeptAnswer out;
-  out.set = std::move(*completed);
+  out.fractured = std::move(*completed);
+  FragmentSet& set = out.fractured.set;
   const std::vector<std::uint32_t>& from_base = splicer.from_base();
-  out.set.delta = difference(
-      base, out.set.fragments, [&](std::uint32_t k) { return from_base[k] != kNoIndex; }, execution);
+  Delta delta = difference(
+      base, set.fragments, [&](std::uint32_t k) { return from_base[k] != kNoIndex; }, execution);
 
   for (std::uint32_t k = 0; k < from_base.size(); ++k)
-    next.fragments.push_back({from_base[k] != kNoIndex
-                                  ? base.fragments[from_base[k]].fragment
-                                  : std::make_shared<const Fragment>(out.set.fragments[k]),
+    next.fragments.push_back({from_base[k] != kNoIndex ? base.fragments[from_base[k]].fragment
+                                                       : std::make_shared<const Fragment>(set.fragments[k]),
                               volumes_file[k]});
   next.first_of = std::move(made->first_of);
   for (InnerVertex v : base.inner_vertices) {
@@ -320,9 +319,10 @@ std::optional<KeptAnswer> splice(const SeenSolid& whole, const FracturedBase& ba
   }
   next.inner_vertices.insert(next.inner_vertices.end(), r.winding.inner_vertices.begin(),
                              r.winding.inner_vertices.end());
-  next.local = out.set.certificate.crossing_caps == 0;
+  next.local = set.certificate.crossing_caps == 0;
   next.diagram = std::move(in.diagram);
-  if (only_changed) keep_changed(out.set, execution);
+  if (only_changed) keep_changed(set, delta, execution);
+  out.fractured.delta = std::move(delta);
   out.base = std::move(next);
   return out;
 }
@@ -354,13 +354,13 @@ Expected<KeptAnswer> fracture_and_keep(const Solid& solid, Diagram diagram,
                  c.dropped == 0 && c.crossing_caps == 0;
     base.bonds = cut->set.bonds;
     KeptAnswer out;
-    Expected<FragmentSet> completed = complete(solid, diagram, parameters, std::move(*cut), execution);
+    Expected<FracturedSolid> completed = complete(solid, diagram, parameters, std::move(*cut), execution);
     if (!completed) return tl::unexpected(std::move(completed.error()));
-    out.set = std::move(*completed);
-    for (const Fragment& f : out.set.fragments)
+    out.fractured = std::move(*completed);
+    for (const Fragment& f : out.fractured.set.fragments)
       base.fragments.push_back({std::make_shared<const Fragment>(f), file_volume(f, execution).volume});
     if (base.local)
-      base.first_of = ranges_by_site(out.set.fragments, diagram.tetrahedralization.site_count());
+      base.first_of = ranges_by_site(out.fractured.set.fragments, diagram.tetrahedralization.site_count());
     base.diagram = std::move(diagram);
     out.base = std::move(base);
     return out;
@@ -395,9 +395,10 @@ Expected<KeptAnswer> fracture_delta(const Solid& solid, const FracturedBase& bas
   Expected<KeptAnswer> whole = fracture_and_keep(solid, parameters, execution, timings);
   if (!whole) return whole;
   return stage(timings, execution, Stage::kClip, [&]() -> Expected<KeptAnswer> {
-    whole->set.delta = difference(
-        base, whole->set.fragments, [](std::uint32_t) { return false; }, execution);
-    if (new_hits.only_changed) keep_changed(whole->set, execution);
+    FracturedSolid& fractured = whole->fractured;
+    fractured.delta = difference(
+        base, fractured.set.fragments, [](std::uint32_t) { return false; }, execution);
+    if (new_hits.only_changed) keep_changed(fractured.set, *fractured.delta, execution);
     return std::move(*whole);
   });
 }

@@ -40,7 +40,7 @@ struct FracturedBase {
 };
 
 struct KeptAnswer {
-  FragmentSet set;
+  FracturedSolid fractured;
   FracturedBase base;  ///< for hits on this answer
 };
 
@@ -62,7 +62,7 @@ Expected<KeptAnswer> fracture_and_keep(const Solid& solid, const FractureParamet
 /// The parameters without their last hits.
 FractureParameters before_hits(FractureParameters parameters, std::uint32_t new_hits);
 
-/// The answer to `parameters`, where `base` is the answer to before_hits() of them; with FragmentSet::delta.
+/// The answer to `parameters`, where `base` is the answer to before_hits() of them; with FracturedSolid::delta.
 /// Errors of make_diagram() and fracture().
 Expected<KeptAnswer> fracture_delta(const Solid& solid, const FracturedBase& base,
                                     const FractureParameters& parameters, const NewHits& new_hits,

@@ -128,28 +128,30 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
   return cut;
 }
 
-Expected<FragmentSet> complete(const Solid& solid, const Diagram& diagram,
-                               const FractureParameters& parameters, CutCells cut,
-                               const Execution& execution) {
+Expected<FracturedSolid> complete(const Solid& solid, const Diagram& diagram,
+                                  const FractureParameters& parameters, CutCells cut,
+                                  const Execution& execution) {
   execution.reaches(1);
-  FragmentSet set = std::move(cut.set);
+  FracturedSolid out;
+  FragmentSet& set = out.set;
+  set = std::move(cut.set);
   const Promise promise = parameters.dual == Dual::kBarycenter ? Promise::kClosed : Promise::kPartition;
   if (const Verdict verdict = judge(set, solid, promise); !verdict.sound())
     return tl::unexpected(unsound(verdict, set.certificate));
-  set.hierarchy = make_hierarchy(set, parameters.levels, execution);
+  out.hierarchy = make_hierarchy(set, parameters.levels, execution);
   std::uint32_t anchored = 0;
   if (parameters.anchors.any()) anchored = mark_anchored(set, parameters.anchors, execution);
   HullReport hulls;
   if (parameters.hulls == Hulls::kConvex) hulls = add_collision_hulls(set, execution);
   set.certificate.sites_asked = static_cast<std::uint32_t>(diagram.sites.size());
-  set.report = make_report(solid, diagram, parameters, cut, anchored, hulls, set);
-  return set;
+  out.report = make_report(solid, diagram, parameters, cut, anchored, hulls, out);
+  return out;
 }
 
-Expected<FragmentSet> fracture(const Solid& solid, const Diagram& diagram,
-                               const FractureParameters& parameters, const Execution& execution,
-                               StageTimings& timings) {
-  return stage(timings, execution, Stage::kClip, [&]() -> Expected<FragmentSet> {
+Expected<FracturedSolid> fracture(const Solid& solid, const Diagram& diagram,
+                                  const FractureParameters& parameters, const Execution& execution,
+                                  StageTimings& timings) {
+  return stage(timings, execution, Stage::kClip, [&]() -> Expected<FracturedSolid> {
     Expected<CutCells> cut = cut_cells(solid, diagram, parameters, execution);
     if (!cut) return tl::unexpected(cut.error());
     return complete(solid, diagram, parameters, std::move(*cut), execution);

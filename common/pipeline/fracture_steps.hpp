@@ -54,10 +54,10 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
                              const Execution& execution,
                              const std::function<void(const RestrictedDiagram&)>& look = {});
 
-/// Judges the fragments and adds the hierarchy, anchors, hulls (to fragments that have none, but have a
-/// shape) and the report. Every answer leaves the pipeline through here. Error: kUnsound. Throws Interrupted.
-Expected<FragmentSet> complete(const Solid& solid, const Diagram& diagram,
-                               const FractureParameters& parameters, CutCells cut,
-                               const Execution& execution);
+/// Judges the fragments and puts their companions beside them: hierarchy, anchors, hulls (of fragments that
+/// have none, but have a shape) and the report. Every answer leaves the pipeline through here. Error: kUnsound. Throws Interrupted.
+Expected<FracturedSolid> complete(const Solid& solid, const Diagram& diagram,
+                                  const FractureParameters& parameters, CutCells cut,
+                                  const Execution& execution);
 
 }  // namespace fracture

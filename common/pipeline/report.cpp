@@ -56,8 +56,9 @@ nlohmann::json volume_distribution(const std::vector<Fragment>& fragments) {
 
 /// What was asked of the sizes and the structure, and what was made.
 void report_structure(const FractureParameters& p, const Diagram& diagram, std::size_t kept_cells,
-                      std::uint64_t triangles, std::uint32_t anchored, const FragmentSet& set,
+                      std::uint64_t triangles, std::uint32_t anchored, const FracturedSolid& made,
                       nlohmann::json& report) {
+  const FragmentSet& set = made.set;
   double largest = 0;
   for (const Fragment& f : set.fragments) {
     largest = std::max(largest, f.mass.volume);
@@ -108,10 +109,10 @@ void report_structure(const FractureParameters& p, const Diagram& diagram, std::
     if (anchored == 0) warnings.push_back("anchors: no fragment touches one");
   }
   if (!p.levels.empty()) {
-    nlohmann::json made = nlohmann::json::array();
-    for (const ClusterLevel& level : set.hierarchy.levels) made.push_back(level.clusters.size());
-    made.push_back(set.fragments.size());
-    report["levels"] = std::move(made);
+    nlohmann::json counts = nlohmann::json::array();
+    for (const ClusterLevel& level : made.hierarchy.levels) counts.push_back(level.clusters.size());
+    counts.push_back(set.fragments.size());
+    report["levels"] = std::move(counts);
   }
 }
 
@@ -172,9 +173,9 @@ void report_barycenter(const FractureParameters& p, const CutCells& cut, nlohman
 
 nlohmann::json make_report(const Solid& solid, const Diagram& diagram, const FractureParameters& parameters,
                            const CutCells& cut, std::uint32_t anchored, const HullReport& hulls,
-                           const FragmentSet& set) {
-  nlohmann::json report = report_of_sites(solid, diagram, set);
-  report_structure(parameters, diagram, cut.kept, cut.further_triangles, anchored, set, report);
+                           const FracturedSolid& made) {
+  nlohmann::json report = report_of_sites(solid, diagram, made.set);
+  report_structure(parameters, diagram, cut.kept, cut.further_triangles, anchored, made, report);
   if (parameters.roughness.amplitude > 0) report_roughness(parameters, cut, report);
   if (parameters.hulls == Hulls::kConvex)
     report["hulls"] = {{"count", hulls.hulls + cut.further_hulls.hulls},

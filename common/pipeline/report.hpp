@@ -1,4 +1,4 @@
-// What an answer says of itself beside its fragments (FragmentSet::report): what was asked, what was made,
+// What an answer says of itself beside its fragments (FracturedSolid::report): what was asked, what was made,
 // and everything that somebody should know about the difference.
 #pragma once
 
@@ -10,9 +10,9 @@
 namespace fracture {
 
 /// `cut`: its figures, its set may be gone. `anchored`: how many fragments are. `hulls`: of the fragments of
-/// `set`.
+/// the set.
 nlohmann::json make_report(const Solid& solid, const Diagram& diagram, const FractureParameters& parameters,
                            const CutCells& cut, std::uint32_t anchored, const HullReport& hulls,
-                           const FragmentSet& set);
+                           const FracturedSolid& made);
 
 }  // namespace fracture

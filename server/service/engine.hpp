@@ -28,7 +28,7 @@ class ImportPool;
 enum class OutputFormat { kGlb, kGltf };
 
 struct Cut {
-  FragmentSet set;
+  FracturedSolid fractured;
   std::shared_ptr<const CutBase>
       kept{};  ///< what further hits on this answer start from; null: not asked for
 };
@@ -50,7 +50,7 @@ class FractureEngine {
                                  const Selection& selection, const Execution& execution) const = 0;
   virtual Expected<Cut> cut(const Solid& solid, const CutBase& base, const FractureParameters& parameters,
                             const Selection& selection, const Execution& execution) const = 0;
-  virtual std::vector<std::uint8_t> encode(const FragmentSet& fragments, const GltfOptions& options,
+  virtual std::vector<std::uint8_t> encode(const FracturedSolid& fractured, const GltfOptions& options,
                                            OutputFormat format, const Execution& execution) const = 0;
 };
 

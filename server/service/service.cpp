@@ -233,9 +233,9 @@ Expected<Step<CutBase>> FractureService::make_diagram(const PreparedMesh& mesh,
   return step;
 }
 
-Expected<FragmentSet> FractureService::make_result(const PreparedMesh& mesh, const CutBase& base,
-                                                   const FractureRequest& request, const RequestKeys& keys,
-                                                   const Execution& execution, FractureAnswer& answer) {
+Expected<FracturedSolid> FractureService::make_result(const PreparedMesh& mesh, const CutBase& base,
+                                                      const FractureRequest& request, const RequestKeys& keys,
+                                                      const Execution& execution, FractureAnswer& answer) {
   if (execution.progress) execution.progress(Stage::kClip, 0);
   auto interior = interior_material(request.parameters.interior, *mesh.solid.source->library);
   if (!interior) return tl::unexpected<Error>(std::move(interior.error()));
@@ -251,7 +251,7 @@ Expected<FragmentSet> FractureService::make_result(const PreparedMesh& mesh, con
     if (cut.error().code == ErrorCode::kUnsound) failures_.add(keys.result, cut.error());
     return tl::unexpected<Error>(std::move(cut.error()));
   }
-  FragmentSet& fragments = cut->set;
+  FracturedSolid& fractured = cut->fractured;
   execution.poll();
 
   if (execution.progress) execution.progress(Stage::kEncode, 0);
@@ -261,31 +261,31 @@ Expected<FragmentSet> FractureService::make_result(const PreparedMesh& mesh, con
   result->format = request.output;
   {
     const StageTimings::Scope scope(answer.timings, Stage::kEncode);
-    fragments.report["frame"] = mesh.frame;
+    fractured.report["frame"] = mesh.frame;
     if (mesh.solid.source->passed_through)
-      fragments.report["passed_through"] = {
+      fractured.report["passed_through"] = {
           {"triangles", mesh.solid.source->passed_through->triangles.size()}};
-    GltfOptions options = output_options(request.parameters, fragments);
+    GltfOptions options = output_options(request.parameters, fractured.set);
     if (request.parameters.fracture.anchors.any()) {
       const SupportOptions support{request.parameters.gravity, options.density, options.bond_strength,
                                    request.parameters.broken};
-      fragments.report["support"] =
-          support_report(fragments, support, analyze_support(fragments, support, execution), execution);
+      fractured.report["support"] = support_report(
+          fractured.set, support, analyze_support(fractured.set, support, execution), execution);
     }
     options.interior_material = std::move(*interior);
     options.mesh_digest = result->mesh_digest;
-    result->file = engine_->encode(fragments, options, request.output, execution);
+    result->file = engine_->encode(fractured, options, request.output, execution);
     result->file_digest = sha256(std::as_bytes(std::span(result->file)));
     locate_figures(*result);
   }
   if (cut->kept) diagrams_.insert(keys.kept, cut->kept, memory_size(*cut->kept));
   auto canonical = std::make_shared<const nlohmann::json>(canonical_parameters(request.parameters));
   answers_.insert(keys.result, canonical, memory_size(*canonical));
-  answer.certificate = fragments.certificate;
+  answer.certificate = fractured.set.certificate;
   answer.result = result;
   answer.result_cache = stored(results_.insert(keys.result, result, memory_size(*result)));
   tiers_.store(std::move(result));
-  return std::move(fragments);
+  return std::move(fractured);
 }
 
 nlohmann::json figures_of(const FractureResult& result) {

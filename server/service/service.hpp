@@ -2,8 +2,8 @@
 // HTTP adapter and `fracture-server bake` are two faces of this one class, which is why their answers have
 // the same bytes.
 //
-//   bytes ──import──> Mesh ──prepare──> Solid ──diagram──> Diagram ──cut──> FragmentSet ──encode──> GLB
-//                          [mesh cache]          [diagram cache]                          [result cache]
+//   bytes ──import──> Mesh ──prepare──> Solid ──diagram──> Diagram ──cut──> FracturedSolid ──encode──> GLB
+//                          [mesh cache]          [diagram cache]                             [result cache]
 //
 // Everything here is synchronous, on the caller's thread. The server arranges the steps on its worker pool
 // and shares them between requests (dispatcher.hpp); `bake` and `inspect` call them as they are.
@@ -21,7 +21,6 @@
 #include "common/base/error.hpp"
 #include "common/base/execution.hpp"
 #include "common/base/timings.hpp"
-#include "common/fragment/fragments.hpp"
 #include "server/cache/memory_cache.hpp"
 #include "server/parameters/parameters.hpp"
 #include "server/service/engine.hpp"
@@ -129,9 +128,9 @@ class FractureService {
   /// `answer` gets the result, its cache, timings and certificate. Returns what the result was made of, only
   /// so that the caller may reply before it lets go: freeing some ten thousand arrays takes a third of a
   /// millisecond.
-  Expected<FragmentSet> make_result(const PreparedMesh& mesh, const CutBase& diagram,
-                                    const FractureRequest& request, const RequestKeys& keys,
-                                    const Execution& execution, FractureAnswer& answer);
+  Expected<FracturedSolid> make_result(const PreparedMesh& mesh, const CutBase& diagram,
+                                       const FractureRequest& request, const RequestKeys& keys,
+                                       const Execution& execution, FractureAnswer& answer);
 
   struct Figures {
     CacheFigures meshes, diagrams, results;

@@ -37,14 +37,14 @@ glm::vec3 world(const Scene& scene, std::uint32_t index) {
 }
 
 TEST(LoadScene, FragmentsOfTheServiceKeepIdsPlacesAndTheInteriorMaterial) {
-  const FragmentSet set = two_halves_with_hulls();
-  const auto scene = read(write_glb(set, {}));
+  const FracturedSolid made = two_halves_with_hulls();
+  const auto scene = read(write_glb(made, {}));
   ASSERT_TRUE(scene) << scene.error().detail;
   ASSERT_EQ(scene->objects.size(), 2u);  // neither hulls nor the root
   for (std::size_t k = 0; k < 2; ++k) {
     ASSERT_TRUE(scene->objects[k].fragment);
-    EXPECT_EQ(scene->objects[k].fragment->id, set.fragments[k].id);
-    EXPECT_DOUBLE_EQ(scene->objects[k].fragment->volume, set.fragments[k].mass.volume);
+    EXPECT_EQ(scene->objects[k].fragment->id, made.set.fragments[k].id);
+    EXPECT_DOUBLE_EQ(scene->objects[k].fragment->volume, made.set.fragments[k].mass.volume);
   }
   ASSERT_EQ(scene->materials.size(), 4u);  // wood, paint, interior, glTF's default
   EXPECT_FALSE(scene->materials[0].interior);

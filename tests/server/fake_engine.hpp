@@ -71,11 +71,12 @@ class FakeEngine final : public FractureEngine {
     if (control_->cut_error)
       if (std::optional<Error> error = control_->cut_error()) return tl::unexpected<Error>(std::move(*error));
     Cut cut;
-    cut.set.certificate.fragments = static_cast<std::uint32_t>(std::get<Diagram>(base).sites.size());
+    cut.fractured.set.certificate.fragments =
+        static_cast<std::uint32_t>(std::get<Diagram>(base).sites.size());
     return cut;
   }
   /// A GLB or glTF whose JSON says what was asked; no geometry.
-  std::vector<std::uint8_t> encode(const FragmentSet& fragments, const GltfOptions& options,
+  std::vector<std::uint8_t> encode(const FracturedSolid& fractured, const GltfOptions& options,
                                    OutputFormat format, const Execution&) const override {
     std::string text =
         nlohmann::json{{"asset", {{"version", "2.0"}, {"extras", {{"parameters", options.parameters}}}}},
@@ -84,7 +85,7 @@ class FakeEngine final : public FractureEngine {
                            {{"fracture",
                              {{"parameters", options.parameters},
                               {"mesh", options.mesh_digest},
-                              {"fragments", fragments.certificate.fragments},
+                              {"fragments", fractured.set.certificate.fragments},
                               {"bonds", nlohmann::json::object()}}}}}}}}}
             .dump();
     text.resize((text.size() + 3) / 4 * 4 + control_->glb_padding, ' ');

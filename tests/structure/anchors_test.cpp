@@ -60,11 +60,11 @@ TEST(Anchors, AreMarkedByThePipelineAndCounted) {
   FractureParameters p;
   p.pattern = PointsPattern{row_of_sites(Box{{0, 0, 0}, {4, 1, 1}}, 4)};
   p.anchors.planes.push_back({{-1, 0, 0}, -4});
-  const FragmentSet set = fracture_mesh(box({0, 0, 0}, {4, 1, 1}), p).set;
-  ASSERT_EQ(set.fragments.size(), 4u);
-  EXPECT_TRUE(set.fragments[3].anchored);
-  EXPECT_FALSE(set.fragments[0].anchored);
-  EXPECT_EQ(set.report.at("anchors").at("fragments"), 1);
+  const Fractured made = fracture_mesh(box({0, 0, 0}, {4, 1, 1}), p);
+  ASSERT_EQ(made.set.fragments.size(), 4u);
+  EXPECT_TRUE(made.set.fragments[3].anchored);
+  EXPECT_FALSE(made.set.fragments[0].anchored);
+  EXPECT_EQ(made.report.at("anchors").at("fragments"), 1);
 }
 
 }  // namespace

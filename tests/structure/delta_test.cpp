@@ -9,7 +9,6 @@
 #include <cstring>
 #include <map>
 
-#include "common/structure/keep_changed.hpp"
 #include "tests/support/closed_inputs.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/fractured.hpp"
@@ -60,7 +59,6 @@ void expect_same(const FragmentSet& a, const FragmentSet& b) {
   }
   ASSERT_EQ(a.bonds.size(), b.bonds.size());
   for (std::size_t k = 0; k < a.bonds.size(); ++k) EXPECT_TRUE(same_bits(a.bonds[k], b.bonds[k])) << k;
-  EXPECT_EQ(a.report, b.report);
   EXPECT_TRUE(same_bits(a.lattice_step, b.lattice_step));
   EXPECT_TRUE(same_bits(a.lattice_ratio, b.lattice_ratio));
   EXPECT_EQ(a.certificate.open_edges, b.certificate.open_edges);
@@ -75,6 +73,11 @@ void expect_same(const FragmentSet& a, const FragmentSet& b) {
   EXPECT_EQ(a.certificate.dropped, b.certificate.dropped);
   EXPECT_EQ(a.certificate.fragments, b.certificate.fragments);
   EXPECT_EQ(a.certificate.crossing_caps, b.certificate.crossing_caps);
+}
+
+void expect_same(const FracturedSolid& a, const FracturedSolid& b) {
+  expect_same(a.set, b.set);
+  EXPECT_EQ(a.report, b.report);
   EXPECT_EQ(a.hierarchy.cluster_of_fragment, b.hierarchy.cluster_of_fragment);
   ASSERT_EQ(a.hierarchy.levels.size(), b.hierarchy.levels.size());
 }
@@ -105,9 +108,8 @@ void expect_difference(const FragmentSet& before, const FragmentSet& after, cons
 }
 
 /// Only what the delta names, and its bonds.
-void expect_selection(const FragmentSet& whole, FragmentSet part) {
-  keep_changed(part);
-  const Delta& delta = *part.delta;
+void expect_selection(const FragmentSet& whole, FragmentSet part, Delta delta) {
+  keep_changed(part, delta);
   EXPECT_EQ(part.fragments.size(), delta.added.size() + delta.changed.size());
   const ById all = by_id(whole);
   for (const Fragment& f : part.fragments) expect_same(f, *all.at(f.id));
@@ -145,8 +147,8 @@ int expect_hits(const Mesh& mesh, const FractureParameters& all, int threads = 1
   p.hits.clear();
   Expected<KeptAnswer> last = fracture_and_keep(*solid, p, execution, timings);
   if (!last) throw std::runtime_error(last.error().detail);
-  FragmentSet before = fracture_mesh(mesh, p).set;
-  expect_same(last->set, before);
+  FracturedSolid before = fracture_mesh(mesh, p);
+  expect_same(last->fractured, before);
   int local = 0;
   for (std::size_t k = 0; k < all.hits.size(); ++k) {
     SCOPED_TRACE("hit " + std::to_string(k + 1));
@@ -154,19 +156,20 @@ int expect_hits(const Mesh& mesh, const FractureParameters& all, int threads = 1
     local += last->base.local;
     Expected<KeptAnswer> next = fracture_delta(*solid, last->base, p, {1}, execution, timings);
     if (!next) throw std::runtime_error(next.error().detail);
-    const FragmentSet after = fracture_mesh(mesh, p).set;
-    expect_same(next->set, after);
-    EXPECT_TRUE(next->set.delta.has_value());
-    if (!next->set.delta || testing::Test::HasFailure()) return local;
-    expect_difference(before, after, *next->set.delta);
-    expect_selection(after, next->set);
+    const FracturedSolid after = fracture_mesh(mesh, p);
+    const FracturedSolid& answer = next->fractured;
+    expect_same(answer, after);
+    EXPECT_TRUE(answer.delta.has_value());
+    if (!answer.delta || testing::Test::HasFailure()) return local;
+    expect_difference(before.set, after.set, *answer.delta);
+    expect_selection(after.set, answer.set, *answer.delta);
     if (p.levels.empty() && !p.anchors.any()) {
       const Expected<KeptAnswer> part =
           fracture_delta(*solid, last->base, p, {1, /*only_changed=*/true}, execution, timings);
       if (!part) throw std::runtime_error(part.error().detail);
-      FragmentSet expected = next->set;
-      keep_changed(expected);
-      expect_same(part->set, expected);
+      FracturedSolid expected = answer;
+      keep_changed(expected.set, *expected.delta);
+      expect_same(part->fractured, expected);
     }
     before = after;
     last = std::move(next);
@@ -253,10 +256,11 @@ TEST(Delta, BesideTheSolidNothingChanges) {
   ASSERT_TRUE(base);
   auto next = fracture_delta(*solid, base->base, p, {3}, execution, timings);
   ASSERT_TRUE(next);
-  EXPECT_TRUE(next->set.delta->added.empty() && next->set.delta->changed.empty() &&
-              next->set.delta->gone.empty());
-  keep_changed(next->set);
-  EXPECT_TRUE(next->set.fragments.empty() && next->set.bonds.empty());
+  FragmentSet& set = next->fractured.set;
+  Delta& delta = next->fractured.delta.value();
+  EXPECT_TRUE(delta.added.empty() && delta.changed.empty() && delta.gone.empty());
+  keep_changed(set, delta);
+  EXPECT_TRUE(set.fragments.empty() && set.bonds.empty());
 }
 
 TEST(Delta, OfSeveralNewHitsAtOnce) {
@@ -271,9 +275,9 @@ TEST(Delta, OfSeveralNewHitsAtOnce) {
   EXPECT_TRUE(base->base.local);
   const auto next = fracture_delta(*solid, base->base, p, {2}, execution, timings);
   ASSERT_TRUE(next);
-  const FragmentSet after = fracture_mesh(mesh, p).set;
-  expect_same(next->set, after);
-  expect_difference(fracture_mesh(mesh, before_hits(p, 2)).set, after, *next->set.delta);
+  const FracturedSolid after = fracture_mesh(mesh, p);
+  expect_same(next->fractured, after);
+  expect_difference(fracture_mesh(mesh, before_hits(p, 2)).set, after.set, *next->fractured.delta);
 }
 
 // What is not a piece of one cell each is fractured again as a whole, with the same answer.
@@ -316,10 +320,12 @@ TEST(Delta, OnlyPartOfTheFragmentsIsInTheAnswer) {
   ASSERT_TRUE(base);
   auto next = fracture_delta(*solid, base->base, p, {1}, execution, timings);
   ASSERT_TRUE(next);
-  EXPECT_GT(next->set.fragments.size(), 300u);
-  EXPECT_GE(next->set.delta->added.size(), 8u);
-  keep_changed(next->set);
-  EXPECT_LT(next->set.fragments.size(), 100u);
+  FragmentSet& set = next->fractured.set;
+  Delta& delta = next->fractured.delta.value();
+  EXPECT_GT(set.fragments.size(), 300u);
+  EXPECT_GE(delta.added.size(), 8u);
+  keep_changed(set, delta);
+  EXPECT_LT(set.fragments.size(), 100u);
 }
 
 class DeltaOfMesh : public OnClosedMesh {};

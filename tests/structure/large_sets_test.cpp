@@ -7,11 +7,11 @@
 
 #include "common/base/random.hpp"
 #include "common/pipeline/fracture.hpp"
+#include "common/pipeline/keep_changed.hpp"
 #include "common/structure/anchors.hpp"
 #include "common/structure/bond_graph.hpp"
 #include "common/structure/clusters.hpp"
 #include "common/structure/hierarchy.hpp"
-#include "common/structure/keep_changed.hpp"
 #include "common/structure/support.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/poll_gaps.hpp"
@@ -110,13 +110,13 @@ TEST(LargeSets, SupportCanBeInterruptedAnywhere) {
 
 TEST(LargeSets, KeepingWhatChangedCanBeInterruptedAnywhere) {
   FragmentSet set = wall(kSide);
-  set.delta.emplace();
-  for (std::size_t k = 0; k < set.fragments.size(); k += 3) set.delta->changed.push_back(set.fragments[k].id);
+  Delta delta;
+  for (std::size_t k = 0; k < set.fragments.size(); k += 3) delta.changed.push_back(set.fragments[k].id);
   std::reverse(set.bonds.begin(), set.bonds.end());
   PollGaps gaps;
-  keep_changed(set, gaps.execution());
+  keep_changed(set, delta, gaps.execution());
   EXPECT_LT(gaps.longest_ms(), kMostPollGapMs);
-  EXPECT_EQ(set.fragments.size(), set.delta->changed.size());
+  EXPECT_EQ(set.fragments.size(), delta.changed.size());
   EXPECT_TRUE(std::is_sorted(set.bonds.begin(), set.bonds.end(), [](const Bond& x, const Bond& y) {
     return x.a != y.a ? x.a < y.a : x.b < y.b;
   }));

@@ -1,4 +1,4 @@
-#include "common/structure/keep_changed.hpp"
+#include "common/pipeline/keep_changed.hpp"
 
 #include <algorithm>
 #include <vector>
@@ -7,9 +7,8 @@
 
 namespace fracture {
 
-void keep_changed(FragmentSet& set, const Execution& execution) {
+void keep_changed(FragmentSet& set, Delta& delta, const Execution& execution) {
   Pacer pacer(execution);
-  Delta& delta = set.delta.value();
   std::vector<std::uint64_t> wanted = delta.added;
   wanted.insert(wanted.end(), delta.changed.begin(), delta.changed.end());
   sort_with_polls(execution, wanted.begin(), wanted.end());
