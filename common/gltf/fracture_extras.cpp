@@ -1,32 +1,12 @@
 #include "common/gltf/fracture_extras.hpp"
 
+#include "common/gltf/report_text.hpp"
+
 namespace fracture {
 namespace {
 
 /// Raised when a key changes its meaning or goes away; new keys do not change it.
 constexpr int kExtrasVersion = 1;
-
-void write_certificate(JsonText& json, const Certificate& c) {
-  json.begin_object()
-      .member("open_edges", c.open_edges)
-      .member("volume_in", c.volume_in)
-      .member("volume_out", c.volume_out)
-      .member("volume_file", c.volume_file)
-      .member("relative_error", c.relative_error)
-      .member("pocket_volume", c.pocket_volume)
-      .member("pocket_area", c.pocket_area)
-      .member("unmirrored_caps", c.unmirrored_caps)
-      .member("area_in", c.area_in)
-      .member("area_out", c.area_out)
-      .member("sites_asked", c.sites_asked)
-      .member("cells", c.cells)
-      .member("islands", c.islands)
-      .member("united", c.united)
-      .member("dropped", c.dropped)
-      .member("fragments", c.fragments)
-      .member("crossing_caps", c.crossing_caps)
-      .end_object();
-}
 
 /// `id(index)`: the id of the bond's fragment or cluster.
 template <class Id>
@@ -90,8 +70,9 @@ void write_root_extras(JsonText& json, const FracturedSolid& fractured, const Gl
       .member("version", kExtrasVersion)
       .member("algorithm", options.algorithm)
       .member("mesh", options.mesh_digest)
-      .member("parameters", options.parameters)
-      .member("report", fractured.report);
+      .member("parameters", options.parameters);
+  json.key("report");
+  write_report(json, fractured);
   json.key("lattice")
       .begin_object()
       .member("step", set.lattice_step)

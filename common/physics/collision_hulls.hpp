@@ -26,6 +26,7 @@ struct HullReport {
   std::uint32_t hulls = 0;
   std::uint32_t flat = 0;        ///< bodies too thin for a hull (1e-5 of their extent): a small box stands in
   std::uint32_t simplified = 0;  ///< had more than kMaxHullPoints extreme points: some were left out
+  bool operator==(const HullReport&) const = default;
 };
 
 /// Fills Fragment::hulls of every fragment that has none: one hull for each body (member cell), in the

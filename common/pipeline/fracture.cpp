@@ -11,7 +11,7 @@
 #include "common/pipeline/barycentric.hpp"
 #include "common/pipeline/fracture_steps.hpp"
 #include "common/pipeline/lloyd.hpp"
-#include "common/pipeline/report.hpp"
+#include "common/pipeline/make_report.hpp"
 #include "common/pipeline/rough_cells.hpp"
 #include "common/pipeline/soundness.hpp"
 #include "common/solid/image.hpp"
@@ -144,7 +144,7 @@ Expected<FracturedSolid> complete(const Solid& solid, const Diagram& diagram,
   HullReport hulls;
   if (parameters.hulls == Hulls::kConvex) hulls = add_collision_hulls(set, execution);
   set.certificate.sites_asked = static_cast<std::uint32_t>(diagram.sites.size());
-  out.report = make_report(solid, diagram, parameters, cut, anchored, hulls, out);
+  out.report = make_report(solid, diagram, parameters, cut, anchored, hulls, set);
   return out;
 }
 

@@ -47,7 +47,7 @@ Expected<FracturedSolid> fracture_again(const Solid& solid, const Diagram& diagr
   const Expected<Diagram> finer = make_diagram(*fragment, parts, execution, timings);
   if (!finer) return tl::unexpected(finer.error());
   Expected<FracturedSolid> made = fracture(*fragment, *finer, parts, execution, timings);
-  if (made) made->report["fragment"] = {{"id", again.fragment}, {"volume", at->mass.volume}};
+  if (made) made->report.fragment = {again.fragment, at->mass.volume};
   return made;
 }
 

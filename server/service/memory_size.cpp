@@ -54,7 +54,6 @@ std::size_t memory_size(const PreparedMesh& mesh) {
                       heap(solid.shell) + heap(solid.part) + heap(solid.parts);
   for (const Part& part : solid.parts) bytes += heap(part.shells);
   if (solid.source) bytes += memory_size(*solid.source);
-  bytes += json_bytes(mesh.frame);
   return bytes;
 }
 

@@ -191,9 +191,9 @@ Expected<Step<PreparedMesh>> FractureService::make_mesh(const FractureRequest& r
     execution.made(Product::kSurfaceTriangles, mesh->triangles.size());
     // What the reader took beside that is free for others: it has ended.
     if (execution.allowance) execution.allowance->shrink();
-    Expected<nlohmann::json> frame = to_metres_y_up(*mesh, request.parameters.frame);
-    if (!frame) return tl::unexpected<Error>(std::move(frame.error()));
-    result->frame = std::move(*frame);
+    const Expected<FrameReport> frame = to_metres_y_up(*mesh, request.parameters.frame);
+    if (!frame) return tl::unexpected<Error>(frame.error());
+    result->frame = *frame;
     if (auto restricted = restrict_to(*mesh, request.parameters.parts); !restricted)
       return tl::unexpected<Error>(std::move(restricted.error()));
   }
@@ -261,16 +261,14 @@ Expected<FracturedSolid> FractureService::make_result(const PreparedMesh& mesh, 
   result->format = request.output;
   {
     const StageTimings::Scope scope(answer.timings, Stage::kEncode);
-    fractured.report["frame"] = mesh.frame;
-    if (mesh.solid.source->passed_through)
-      fractured.report["passed_through"] = {
-          {"triangles", mesh.solid.source->passed_through->triangles.size()}};
+    fractured.report.frame = mesh.frame;
+    if (const auto& rest = mesh.solid.source->passed_through)
+      fractured.report.passed_through = rest->triangles.size();
     GltfOptions options = output_options(request.parameters, fractured.set);
     if (request.parameters.fracture.anchors.any()) {
       const SupportOptions support{request.parameters.gravity, options.density, options.bond_strength,
                                    request.parameters.broken};
-      fractured.report["support"] = support_report(
-          fractured.set, support, analyze_support(fractured.set, support, execution), execution);
+      fractured.support = analyze_support(fractured.set, support, execution);
     }
     options.interior_material = std::move(*interior);
     options.mesh_digest = result->mesh_digest;

@@ -45,7 +45,7 @@ struct ServiceConfig {
 /// A mesh made ready for any number of fractures.
 struct PreparedMesh {
   Solid solid;
-  nlohmann::json frame;  ///< units and axes: what was assumed (mesh/frame.hpp)
+  FrameReport frame;  ///< units and axes: what was assumed
 };
 
 /// What one step made, or found.

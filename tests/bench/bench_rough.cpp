@@ -34,7 +34,7 @@ void fracture_once(const Solid& solid, const FractureParameters& p, Run& run) {
   run.ms = std::min(run.ms, now_ms() - start);
   run.triangles = 0;
   for (const Fragment& f : made->set.fragments) run.triangles += f.indices.size() / 3;
-  if (made->report.contains("rough_cuts")) run.calmed = made->report["rough_cuts"]["calmed_vertices"];
+  if (made->report.rough_cuts) run.calmed = made->report.rough_cuts->calmed_vertices;
 }
 
 int run(int repeat, std::uint32_t sites, const std::string& file) {

@@ -99,7 +99,7 @@ FracturedSolid two_halves() {
   made.set.certificate.volume_in = made.set.certificate.volume_out = made.set.certificate.volume_file = 2;
   made.set.certificate.fragments = 2;
   made.set.lattice_step = {0x1p-22, 0x1p-23, 0x1p-23};
-  made.report = {{"solid", {{"parts", 1}}}};
+  made.report.solid.parts = 1;
   return made;
 }
 

@@ -153,7 +153,7 @@ TEST(CollisionHulls, ManyPointsAreSimplified) {
   EXPECT_EQ(made.set.fragments[0].hulls[0].points.size(), kMaxHullPoints);
   // 255 points spread evenly over a sphere enclose 0.97 of its ball.
   EXPECT_GT(volume_of(mesh_of(made.set.fragments[0].hulls[0])), 0.95 * made.set.fragments[0].mass.volume);
-  EXPECT_EQ(made.report["hulls"]["simplified"], 1);
+  EXPECT_EQ(made.report.hulls.value().simplified, 1u);
 }
 
 }  // namespace

@@ -173,8 +173,8 @@ TEST(LloydLooks, FivePassesHalveTheCoefficientOfVariation) {
         p.lloyd = 5;
         const FracturedSolid even = fractured(mesh, p);
         relaxed += coefficient_of_variation(even.set);
-        EXPECT_NEAR(even.report.at("size").at("coefficient_of_variation").get<double>(),
-                    coefficient_of_variation(even.set), 1e-12);
+        EXPECT_NEAR(even.report.size.volumes.coefficient_of_variation, coefficient_of_variation(even.set),
+                    1e-12);
       }
       EXPECT_LE(relaxed, 0.5 * uniform);
     }

@@ -67,9 +67,9 @@ TEST(Pipeline, DuplicateSitesAreMergedAndReported) {
   const auto made = fracture(solid, *make_diagram(solid, p, {}, timings), p, {}, timings);
   ASSERT_TRUE(made);
   EXPECT_EQ(made->set.fragments.size(), 2u);
-  EXPECT_EQ(made->report["sites"]["given"], 4);
-  EXPECT_EQ(made->report["sites"]["used"], 2);
-  EXPECT_EQ(made->report["sites"]["duplicates_merged"], 2);
+  EXPECT_EQ(made->report.sites.given, 4u);
+  EXPECT_EQ(made->report.sites.used, 2u);
+  EXPECT_EQ(made->report.sites.duplicates_merged, 2u);
   EXPECT_EQ(made->set.certificate.sites_asked, 4u);
 }
 
@@ -118,7 +118,7 @@ TEST(Pipeline, BarycentricFragmentsAreClosedAndSaySo) {
   ASSERT_TRUE(made);
   EXPECT_GT(made->set.fragments.size(), 30u);
   EXPECT_EQ(made->set.certificate.open_edges, 0u);
-  EXPECT_EQ(made->report["barycenter"]["partition"], false);
+  EXPECT_TRUE(made->report.barycenter.has_value()) << "no partition is promised";
   EXPECT_TRUE(made->set.bonds.empty());
   for (const Fragment& f : made->set.fragments) EXPECT_GT(f.mass.volume, 0);
 }
@@ -131,15 +131,14 @@ TEST(Pipeline, ThePapersVolumeFilterLeavesOutWhatIsLargerAndSaysHowMuch) {
   StageTimings timings;
   const Diagram diagram = *make_diagram(solid, p, {}, timings);
   const FracturedSolid all = *fracture(solid, diagram, p, {}, timings);
-  p.drop_above = all.report["size"]["median"].get<double>();
+  p.drop_above = all.report.size.volumes.median;
   const FracturedSolid some = *fracture(solid, diagram, p, {}, timings);
-  EXPECT_EQ(some.report["barycenter"]["dropped"].get<std::size_t>() + some.set.fragments.size(),
-            all.set.fragments.size());
-  EXPECT_GT(some.report["barycenter"]["dropped"], 10);
+  EXPECT_EQ(some.report.barycenter->dropped->fragments + some.set.fragments.size(), all.set.fragments.size());
+  EXPECT_GT(some.report.barycenter->dropped->fragments, 10u);
   for (const Fragment& f : some.set.fragments) EXPECT_LE(f.mass.volume, p.drop_above);
-  EXPECT_NEAR(some.set.certificate.volume_out + some.report["barycenter"]["dropped_volume"].get<double>(),
+  EXPECT_NEAR(some.set.certificate.volume_out + some.report.barycenter->dropped->volume,
               all.set.certificate.volume_out, 1e-12);
-  p.drop_above = all.report["size"]["smallest"].get<double>() / 2;
+  p.drop_above = all.report.size.volumes.smallest / 2;
   const auto none = fracture(solid, diagram, p, {}, timings);
   ASSERT_FALSE(none);
   EXPECT_EQ(none.error().code, ErrorCode::kNoFragments);

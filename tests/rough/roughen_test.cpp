@@ -81,22 +81,19 @@ TEST(Roughen, VerticesMoveByTheAmplitudeAtMostAndByMuchOfIt) {
 TEST(Roughen, AmplitudeAndFrequencyAreInTermsOfTheSize) {
   FractureParameters p = rough(12, 0.03, 4, 2);
   const Fractured small = fracture_roughly(cube(), p);
-  EXPECT_NEAR(small.report.at("rough_cuts").at("amplitude").get<double>(), 0.03, 1e-12);
+  EXPECT_NEAR(small.report.rough_cuts.value().amplitude, 0.03, 1e-12);
   const Fractured large = fracture_roughly(scaled(cube(), {8, 8, 8}), p);
-  EXPECT_NEAR(large.report.at("rough_cuts").at("amplitude").get<double>(), 0.24, 1e-12);
-  EXPECT_EQ(large.report.at("rough_cuts").at("triangles"), small.report.at("rough_cuts").at("triangles"));
+  EXPECT_NEAR(large.report.rough_cuts.value().amplitude, 0.24, 1e-12);
+  EXPECT_EQ(large.report.rough_cuts->triangles, small.report.rough_cuts->triangles);
 }
 
 TEST(Roughen, AnAmplitudeThatWouldLetCutsCrossIsLowered) {
   const Fractured made = fracture_roughly(cube(), rough(10, 0.25, 8, 2));
-  const auto& report = made.report.at("rough_cuts");
-  EXPECT_LT(report.at("amplitude"), report.at("amplitude_asked"));
-  EXPECT_EQ(report.at("crossing_triangles"), 0);
+  const RoughCuts cuts = made.report.rough_cuts.value();
+  EXPECT_LT(cuts.amplitude, cuts.amplitude_asked);
+  EXPECT_EQ(cuts.crossing_triangles, 0u);
   EXPECT_EQ(made.set.certificate.open_edges, 0u);
-  bool said = false;
-  for (const auto& warning : made.report.at("warnings"))
-    said |= warning.get<std::string>().find("amplitude lowered") != std::string::npos;
-  EXPECT_TRUE(said);
+  EXPECT_TRUE(warns(made.report, "amplitude lowered"));
 }
 
 TEST(Roughen, BondsAreMeasuredAcrossTheirCuts) {
@@ -196,10 +193,8 @@ TEST(Roughen, TheSameBytesForAnyNumberOfThreads) {
 
 TEST(Roughen, CellsThatStayTogetherAreInNobodysWay) {
   FractureParameters p = rough(300, 0.02, 5, 1);
-  const auto calmed = [&] {
-    return fracture_roughly(cube(), p).report.at("rough_cuts").at("calmed_vertices").get<int>();
-  };
-  const int apart = calmed();
+  const auto calmed = [&] { return fracture_roughly(cube(), p).report.rough_cuts.value().calmed_vertices; };
+  const std::uint64_t apart = calmed();
   p.keep = Region{.center = box_of(cube()).center(), .radius = 0.3};
   EXPECT_LE(calmed(), apart + 5);
 }
@@ -215,7 +210,7 @@ TEST(Roughen, LongThinPiecesEndWithFlatCutsAndAWarning) {
   EXPECT_EQ(set.certificate.open_edges, 0u);
   EXPECT_EQ(set.fragments.size(), 9u);
   EXPECT_LT(set.certificate.relative_error, 1e-12);
-  EXPECT_LT(made.report.at("rough_cuts").at("triangles").get<double>(), 4 * kMostRoughTriangles);
+  EXPECT_LT(static_cast<double>(made.report.rough_cuts.value().triangles), 4 * kMostRoughTriangles);
 }
 
 }  // namespace

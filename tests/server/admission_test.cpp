@@ -74,7 +74,7 @@ TEST(Admission, CountsTheTrianglesOfRoughCutsAboutRight) {
       const Expected<Diagram> diagram = make_diagram(solid, p, {}, timings);
       const Expected<FracturedSolid> fractured = fracture(solid, *diagram, p, {}, timings);
       ASSERT_TRUE(fractured);
-      const double made = fractured->report.at("rough_cuts").at("triangles"),
+      const double made = static_cast<double>(fractured->report.rough_cuts->triangles),
                    expected = expected_rough_triangles(p, sites);
       EXPECT_GT(expected, made / 3);
       EXPECT_LT(expected, made * 3);

@@ -64,7 +64,7 @@ TEST(Anchors, AreMarkedByThePipelineAndCounted) {
   ASSERT_EQ(made.set.fragments.size(), 4u);
   EXPECT_TRUE(made.set.fragments[3].anchored);
   EXPECT_FALSE(made.set.fragments[0].anchored);
-  EXPECT_EQ(made.report.at("anchors").at("fragments"), 1);
+  EXPECT_EQ(made.report.anchored, 1u);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "common/gltf/report_text.hpp"
 #include "common/structure/anchors.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/fractured.hpp"
@@ -146,7 +147,9 @@ TEST(Support, AllTheWeightOfAFracturedPillarGoesThroughItsFoot) {
   }
   EXPECT_GE(most, weight * (1 - 1e-6));
   EXPECT_LE(most, 4 * weight);
-  const nlohmann::json report = support_report(set, options(), s);
+  JsonText json;
+  write_support(json, set, s);
+  const nlohmann::json report = nlohmann::json::parse(json.text());
   EXPECT_EQ(report.at("bonds").at("stress").size(), set.bonds.size());
   EXPECT_EQ(report.at("falling").size(), 0u);
 }

@@ -1,8 +1,11 @@
 // A mesh fractured with given parameters, for the tests of what comes after the cells.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <stdexcept>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "common/pipeline/refracture.hpp"
@@ -36,6 +39,12 @@ inline FracturedSolid fracture_mesh_again(const Mesh& mesh, const FractureParame
   Expected<FracturedSolid> made = fracture_again(whole.solid, whole.diagram, parameters, again, {}, timings);
   if (!made) throw std::runtime_error(made.error().detail);
   return std::move(*made);
+}
+
+/// Does one of the report's warnings say so?
+inline bool warns(const Report& report, std::string_view of) {
+  return std::any_of(report.warnings.begin(), report.warnings.end(),
+                     [&](const std::string& warning) { return warning.find(of) != std::string::npos; });
 }
 
 /// The sites of a row of n cells of the same length along x within the box.
