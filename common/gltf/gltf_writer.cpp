@@ -92,8 +92,9 @@ void write_document_extensions(JsonText& json, const FragmentSet& set, const Glt
   }
 }
 
-void write_root(JsonText& json, const FracturedSolid& fractured, const GltfOptions& options,
-                const SceneLayout& layout, const ClusterNodes& clusters, std::size_t whole) {
+/// Where in the text the figures of the whole stand.
+TextRange write_root(JsonText& json, const FracturedSolid& fractured, const GltfOptions& options,
+                     const SceneLayout& layout, const ClusterNodes& clusters, std::size_t whole) {
   json.begin_object().member("name", "Fracture");
   if (!fractured.set.fragments.empty()) {
     json.key("children").begin_array();
@@ -102,8 +103,11 @@ void write_root(JsonText& json, const FracturedSolid& fractured, const GltfOptio
     json.end_array();
   }
   json.key("extras").begin_object().key("fracture");
+  const std::size_t begin = json.text().size();
   write_root_extras(json, fractured, options);
+  const TextRange figures{begin, json.text().size() - begin};
   json.end_object().end_object();
+  return figures;
 }
 
 void write_fragment(JsonText& json, const FracturedSolid& fractured, std::size_t index,
@@ -142,14 +146,16 @@ void write_collider_nodes(JsonText& json, std::size_t fragment, const GltfOption
   }
 }
 
-void write_nodes(JsonText& json, const FracturedSolid& fractured, const GltfOptions& options,
-                 const SceneLayout& layout, const std::vector<WholeNode>& whole, const Execution& execution) {
+/// Where in the text the figures of the whole stand.
+TextRange write_nodes(JsonText& json, const FracturedSolid& fractured, const GltfOptions& options,
+                      const SceneLayout& layout, const std::vector<WholeNode>& whole,
+                      const Execution& execution) {
   json.member("scene", 0).key("scenes").begin_array().begin_object();
   json.key("nodes").begin_array().value(0).end_array().end_object().end_array();
   json.key("nodes").begin_array();
   const std::size_t fragments = fractured.set.fragments.size();
   const ClusterNodes clusters(fractured, layout.node_count() + whole.size(), execution);
-  write_root(json, fractured, options, layout, clusters, whole.size());
+  const TextRange figures = write_root(json, fractured, options, layout, clusters, whole.size());
   for (std::size_t k = 0; k < fragments; ++k) write_fragment(json, fractured, k, options, layout);
   for (std::size_t k = 0; k < fragments; ++k) {
     write_collider_nodes(json, k, options, layout);
@@ -159,6 +165,7 @@ void write_nodes(JsonText& json, const FracturedSolid& fractured, const GltfOpti
     json.begin_object().member("name", whole[k].name).member("mesh", layout.mesh_count() + k).end_object();
   clusters.write(json, options);
   json.end_array();
+  return figures;
 }
 
 /// The source's materials, textures and samplers in source order, then the interior material.
@@ -212,11 +219,10 @@ std::size_t expected_length(const FracturedSolid& fractured, const SceneLayout& 
   return 4096 + 2400 * set.fragments.size() + 600 * hulls + 8 * sites + 200 * bonds + 800 * clusters;
 }
 
-using Pack = std::vector<std::uint8_t>(JsonText, std::vector<Accessors::View>&, std::size_t,
-                                       const Execution&);
+}  // namespace
 
-std::vector<std::uint8_t> write(const FracturedSolid& fractured, const GltfOptions& options,
-                                const Execution& execution, Pack& pack) {
+GltfFile write_file(const FracturedSolid& fractured, const GltfOptions& options, OutputFormat format,
+                    const Execution& execution) {
   const FragmentSet& set = fractured.set;
   const MaterialLibrary& library = *set.source->library;
   Pacer pacer(execution);
@@ -232,26 +238,26 @@ std::vector<std::uint8_t> write(const FracturedSolid& fractured, const GltfOptio
   write_extensions_used(json, set, options, layout);
   write_string_array(json, "extensionsRequired", library.extensions_required);
   write_document_extensions(json, set, options, layout);
-  write_nodes(json, fractured, options, layout, whole, execution);
+  TextRange figures = write_nodes(json, fractured, options, layout, whole, execution);
   write_materials(json, library, options);
   Accessors accessors(execution);
   write_meshes(json, set, options, layout, whole, accessors);
   write_images(json, library, accessors);
   if (accessors.count() > 0) json.key("accessors").value_text(accessors.finish());
   const std::size_t buffer = write_views(json, accessors.views());
-  return pack(std::move(json), accessors.views(), buffer, execution);
+  const bool glb = format == OutputFormat::kGlb;
+  if (glb) figures.at += kGlbText;
+  return {(glb ? pack_glb : pack_gltf)(std::move(json), accessors.views(), buffer, execution), figures};
 }
-
-}  // namespace
 
 std::vector<std::uint8_t> write_glb(const FracturedSolid& fractured, const GltfOptions& options,
                                     const Execution& execution) {
-  return write(fractured, options, execution, pack_glb);
+  return write_file(fractured, options, OutputFormat::kGlb, execution).bytes;
 }
 
 std::vector<std::uint8_t> write_gltf(const FracturedSolid& fractured, const GltfOptions& options,
                                      const Execution& execution) {
-  return write(fractured, options, execution, pack_gltf);
+  return write_file(fractured, options, OutputFormat::kGltf, execution).bytes;
 }
 
 }  // namespace fracture

@@ -60,11 +60,29 @@ struct GltfOptions {
   nlohmann::json interior_material = plain_interior_material();
 };
 
+/// How the fragments are written down.
+enum class OutputFormat {
+  kGlb,
+  kGltf,  ///< model/gltf+json: JSON text with the buffer in a data URI
+};
+
+/// Bytes of a file; none where `size` is 0.
+struct TextRange {
+  std::uint64_t at = 0, size = 0;
+};
+
+struct GltfFile {
+  std::vector<std::uint8_t> bytes;
+  TextRange figures;  ///< the `extras.fracture` object of the root node (fracture_extras.hpp)
+};
+
 /// Throws InternalError when a fragment contradicts its own description (attribute lengths, index ranges,
 /// primitives that do not cover the indices) or the file would pass 4 GiB; Interrupted.
+GltfFile write_file(const FracturedSolid& fractured, const GltfOptions& options, OutputFormat format,
+                    const Execution& execution = {});
+/// The bytes alone. Throw as write_file().
 std::vector<std::uint8_t> write_glb(const FracturedSolid& fractured, const GltfOptions& options,
                                     const Execution& execution = {});
-/// The same as model/gltf+json: JSON text with the buffer in a data URI. Throws as write_glb.
 std::vector<std::uint8_t> write_gltf(const FracturedSolid& fractured, const GltfOptions& options,
                                      const Execution& execution = {});
 /// The `extras.fracture` object of the root node (fracture_extras.hpp).

@@ -6,7 +6,6 @@
 
 #include "common/base/error.hpp"
 #include "server/parameters/parameters.hpp"
-#include "server/service/result.hpp"
 
 namespace fracture {
 
@@ -18,8 +17,5 @@ Expected<std::vector<RawParameter>> on_earlier_answer(const ParameterTable& tabl
                                                       const std::vector<RawParameter>& given,
                                                       const RequestParameters& own,
                                                       const nlohmann::json& earlier);
-
-/// The canonical parameters that stand in an answer's file; null when it has none.
-nlohmann::json parameters_in(const FractureResult& result);
 
 }  // namespace fracture

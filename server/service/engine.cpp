@@ -42,10 +42,9 @@ class LibraryEngine final : public FractureEngine {
     if (!made) return tl::unexpected<Error>(std::move(made.error()));
     return Cut{std::move(*made)};
   }
-  std::vector<std::uint8_t> encode(const FracturedSolid& fractured, const GltfOptions& options,
-                                   OutputFormat format, const Execution& execution) const override {
-    return format == OutputFormat::kGltf ? write_gltf(fractured, options, execution)
-                                         : write_glb(fractured, options, execution);
+  GltfFile encode(const FracturedSolid& fractured, const GltfOptions& options, OutputFormat format,
+                  const Execution& execution) const override {
+    return write_file(fractured, options, format, execution);
   }
 
  private:

@@ -12,9 +12,14 @@ namespace {
 /// For the parameters of answers that may be named by further requests: some thousand answers.
 constexpr std::size_t kAnswerBytes = 4u << 20;
 
-std::size_t memory_size(const FractureResult& result) { return sizeof result + result.file.capacity(); }
 std::size_t memory_size(const nlohmann::json& parameters) {
   return sizeof parameters + json_bytes(parameters);
+}
+std::size_t memory_size(const FractureResult& result) {
+  std::size_t bytes = sizeof result + result.file.capacity() + result.parameters.capacity();
+  if (result.summary)
+    for (const std::string& warning : result.summary->warnings) bytes += sizeof warning + warning.capacity();
+  return bytes;
 }
 
 CacheOutcome stored(bool kept) { return kept ? CacheOutcome::kMissStored : CacheOutcome::kMissNotStored; }
@@ -71,7 +76,8 @@ Expected<RequestParameters> FractureService::parse(const std::vector<RawParamete
   std::shared_ptr<const nlohmann::json> earlier = visible ? answers_.find(own->of) : nullptr;
   if (!earlier && visible)
     if (const auto result = results_.find(own->of)) {
-      earlier = std::make_shared<const nlohmann::json>(parameters_in(*result));
+      earlier = std::make_shared<const nlohmann::json>(
+          nlohmann::json::parse(result->parameters, nullptr, /*allow_exceptions=*/false));
       answers_.insert(own->of, earlier, memory_size(*earlier));
     }
   if (!earlier || !earlier->is_object())
@@ -272,26 +278,21 @@ Expected<FracturedSolid> FractureService::make_result(const PreparedMesh& mesh, 
     }
     options.interior_material = std::move(*interior);
     options.mesh_digest = result->mesh_digest;
-    result->file = engine_->encode(fractured, options, request.output, execution);
+    GltfFile encoded = engine_->encode(fractured, options, request.output, execution);
+    result->file = std::move(encoded.bytes);
     result->file_digest = sha256(std::as_bytes(std::span(result->file)));
-    locate_figures(*result);
+    result->figures = encoded.figures;
+    result->figures_digest = sha256(std::as_bytes(result->bytes_of(result->figures)));
+    result->parameters = options.parameters.dump();
+    result->summary = summary_of(fractured);
   }
   if (cut->kept) diagrams_.insert(keys.kept, cut->kept, memory_size(*cut->kept));
   auto canonical = std::make_shared<const nlohmann::json>(canonical_parameters(request.parameters));
   answers_.insert(keys.result, canonical, memory_size(*canonical));
-  answer.certificate = fractured.set.certificate;
   answer.result = result;
   answer.result_cache = stored(results_.insert(keys.result, result, memory_size(*result)));
   tiers_.store(std::move(result));
   return std::move(fractured);
-}
-
-nlohmann::json figures_of(const FractureResult& result) {
-  const TextRange range =
-      result.figures.size > 0 ? result.figures : figures_in(result.file, result.format).value_or(TextRange());
-  if (range.size == 0) throw InternalError("figures_of: no node carries extras.fracture");
-  const char* const text = reinterpret_cast<const char*>(result.file.data()) + range.at;
-  return nlohmann::json::parse(text, text + range.size);
 }
 
 }  // namespace fracture

@@ -66,7 +66,6 @@ struct FractureAnswer {
   double queue_milliseconds = -1;  ///< waiting for a computing thread; -1: never did
   double work_milliseconds = 0;  ///< from then on until the result was there: the stages and what is between
   StageTimings timings;          ///< as in Step, of all steps
-  Certificate certificate;       ///< when it was computed now; a cached result has it in its file
 };
 
 class FractureService {
@@ -78,8 +77,7 @@ class FractureService {
 
   /// Parses what is asked; where it names an earlier answer, with the parameters of that. Errors of
   /// ParameterTable::parse() and on_earlier_answer(); kNoSuchAnswer, also for an answer that the caller may
-  /// not see. Asks memory alone; once for an answer it may have to read that answer's file for its
-  /// parameters.
+  /// not see. Asks memory alone.
   Expected<RequestParameters> parse(const std::vector<RawParameter>& given, const MaySee& may_see = {});
 
   /// Thread-safe and synchronous. All bad input, cancellation (kCancelled) and a passed deadline
@@ -125,7 +123,7 @@ class FractureService {
                                          const Execution& execution);
   Expected<Step<CutBase>> make_diagram(const PreparedMesh& mesh, const FractureRequest& request,
                                        const RequestKeys& keys, const Execution& execution);
-  /// `answer` gets the result, its cache, timings and certificate. Returns what the result was made of, only
+  /// `answer` gets the result, its cache and timings. Returns what the result was made of, only
   /// so that the caller may reply before it lets go: freeing some ten thousand arrays takes a third of a
   /// millisecond.
   Expected<FracturedSolid> make_result(const PreparedMesh& mesh, const CutBase& diagram,
@@ -167,9 +165,5 @@ Error to_error(const Interrupted& interrupted);
 std::size_t memory_size(const Mesh& mesh);
 std::size_t memory_size(const PreparedMesh& mesh);
 std::size_t memory_size(const CutBase& diagram);
-
-/// The `extras.fracture` object of a file that this service made (parameters, report, certificate, bonds);
-/// throws InternalError for one without.
-nlohmann::json figures_of(const FractureResult& result);
 
 }  // namespace fracture

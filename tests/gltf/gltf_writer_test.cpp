@@ -224,6 +224,18 @@ TEST(GltfWriter, ExtrasCarryFiguresBondsAndCertificateKeyedById) {
   EXPECT_TRUE(fragment["parent"].is_null());
 }
 
+TEST(GltfWriter, FiguresStandWhereItSaysThatTheyStand) {
+  const FracturedSolid made = two_halves();
+  for (const OutputFormat format : {OutputFormat::kGlb, OutputFormat::kGltf}) {
+    const GltfFile file = write_file(made, {}, format);
+    EXPECT_EQ(file.bytes, format == OutputFormat::kGlb ? write_glb(made, {}) : write_gltf(made, {}));
+    ASSERT_LE(file.figures.at + file.figures.size, file.bytes.size());
+    const auto begin = file.bytes.begin() + static_cast<std::ptrdiff_t>(file.figures.at);
+    EXPECT_EQ(json::parse(begin, begin + static_cast<std::ptrdiff_t>(file.figures.size)),
+              fracture_extras(made, {}));
+  }
+}
+
 TEST(GltfWriter, WhatItWritesTheImporterReadsBackInWorldSpace) {
   const std::vector<std::uint8_t> glb = write_glb(two_halves(), {});
   const Expected<Mesh> mesh =

@@ -52,8 +52,8 @@ class UnsoundEngine final : public FractureEngine {
     if (made && parameters.sites == kUnmirrored) made->fractured.set.certificate.unmirrored_caps = 3;
     return made;
   }
-  std::vector<std::uint8_t> encode(const FracturedSolid& fractured, const GltfOptions& options,
-                                   OutputFormat format, const Execution& execution) const override {
+  GltfFile encode(const FracturedSolid& fractured, const GltfOptions& options, OutputFormat format,
+                  const Execution& execution) const override {
     return real_->encode(fractured, options, format, execution);
   }
 
