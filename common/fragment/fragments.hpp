@@ -33,12 +33,6 @@ struct MassProperties {
   std::array<double, 6> inertia{};  ///< kg·m² per kg/m³: xx, yy, zz, xy, xz, yz of the inertia tensor
 };
 
-/// A convex hull for physics engines, in the fragment's local frame (physics/collision_hulls.hpp).
-struct CollisionHull {
-  std::vector<Vec3f> points;                            ///< at most 255
-  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise from outside
-};
-
 /// Where the origin of a fragment's local frame is.
 enum class Pivot {
   kCenterOfMass,  ///< at the centre of mass, rounded to the seam lattice
@@ -63,15 +57,12 @@ struct Fragment {
   /// in one convex cell (then its own positions serve). Of rough fragments always: as they are with flat
   /// cuts, in their convex cells.
   std::vector<std::vector<Vec3f>> bodies;
-  std::vector<CollisionHull> hulls;                    ///< one for each body; empty until asked for
-  std::uint32_t flat_hulls = 0, simplified_hulls = 0;  ///< of these (physics/collision_hulls.hpp)
   double exterior_area = 0;  ///< m², of the primitives with a material of the source
   /// What proves the answer (pipeline/soundness.hpp).
   std::vector<IndexRange> caps;  ///< of the interior triangles those that another fragment has mirrored
   double surface_area = 0;       ///< m², of all that is no cap: exterior_area and what repairs filled
   std::uint64_t cap_sum = 0;     ///< mirror_sum()
   std::uint64_t open_edges = 0;  ///< open_edges()
-  bool anchored = false;         ///< something outside holds it (structure/anchors.hpp)
 };
 
 /// The shared caps of two fragments.

@@ -116,7 +116,7 @@ void write_fragment_extras(JsonText& json, const FracturedSolid& fractured, std:
       .member("center_of_mass", mass.center_of_mass)
       .member("level", level);
   write_parent(json, hierarchy, level, level > 0 ? hierarchy.cluster_of_fragment[index] : kNoIndex);
-  json.member("anchored", fragment.anchored).member("part", fragment.part);
+  json.member("anchored", fractured.anchored.contains(index)).member("part", fragment.part);
   json.key("sites").begin_array();
   for (const std::uint32_t site : fragment.sites) json.value(site);
   json.end_array().end_object();

@@ -45,6 +45,14 @@ void check(const Fragment& f, Pacer& pacer) {
                         " indices, primitives cover " + std::to_string(covered));
 }
 
+void check_companions(const FracturedSolid& fractured) {
+  for (const std::size_t size : {fractured.hulls.of_fragment.size(), fractured.anchored.held.size(),
+                                 fractured.hierarchy.cluster_of_fragment.size()})
+    if (size != 0 && size != fractured.set.fragments.size())
+      throw InternalError("a companion of " + std::to_string(size) + " fragments for a set of " +
+                          std::to_string(fractured.set.fragments.size()));
+}
+
 void write_asset(JsonText& json, const FragmentSet& set, const GltfOptions& options) {
   json.key("asset").begin_object().member("version", "2.0");
   json.member("generator", "fracture, algorithm " + std::to_string(options.algorithm));
@@ -191,15 +199,16 @@ void write_images(JsonText& json, const MaterialLibrary& library, Accessors& acc
   json.end_array();
 }
 
-void write_meshes(JsonText& json, const FragmentSet& set, const GltfOptions& options,
+void write_meshes(JsonText& json, const FracturedSolid& fractured, const GltfOptions& options,
                   const SceneLayout& layout, const std::vector<WholeNode>& whole, Accessors& accessors) {
+  const FragmentSet& set = fractured.set;
   if (set.fragments.empty()) return;
   MeshWriter writer(*set.source->library, options.interior_material, options.mesh_manifold, accessors);
   json.key("meshes").begin_array();
   for (std::size_t k = 0; k < set.fragments.size(); ++k) writer.write(json, set.fragments[k], layout.name(k));
   for (std::size_t k = 0; k < set.fragments.size(); ++k)
     for (std::size_t hull = 0; hull < layout.hulls(k); ++hull)
-      writer.write(json, set.fragments[k].hulls[hull], layout.hull_name(k, hull));
+      writer.write(json, fractured.hulls.of(k)[hull], layout.hull_name(k, hull));
   for (const WholeNode& node : whole) writer.write(json, node.mesh, node.name);
   json.end_array();
 }
@@ -227,7 +236,8 @@ GltfFile write_file(const FracturedSolid& fractured, const GltfOptions& options,
   const MaterialLibrary& library = *set.source->library;
   Pacer pacer(execution);
   for (const Fragment& f : set.fragments) check(f, pacer);
-  const SceneLayout layout(set, options, execution);
+  check_companions(fractured);
+  const SceneLayout layout(fractured, options, execution);
   const std::vector<WholeNode> whole = whole_nodes(set, layout, execution);
   for (const WholeNode& node : whole) check(node.mesh, pacer);
 
@@ -241,7 +251,7 @@ GltfFile write_file(const FracturedSolid& fractured, const GltfOptions& options,
   TextRange figures = write_nodes(json, fractured, options, layout, whole, execution);
   write_materials(json, library, options);
   Accessors accessors(execution);
-  write_meshes(json, set, options, layout, whole, accessors);
+  write_meshes(json, fractured, options, layout, whole, accessors);
   write_images(json, library, accessors);
   if (accessors.count() > 0) json.key("accessors").value_text(accessors.finish());
   const std::size_t buffer = write_views(json, accessors.views());

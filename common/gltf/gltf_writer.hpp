@@ -48,7 +48,7 @@ struct GltfOptions {
   std::string mesh_digest;       ///< "sha256:…" of the input bytes
   int algorithm = 1;             ///< version of the algorithm
   double density = 1000;         ///< kg/m³, for the mass of each fragment
-  /// Colliders need Fragment::hulls; a fragment without hulls is a body without a collider.
+  /// Colliders need FracturedSolid::hulls; a fragment without hulls is a body without a collider.
   Physics physics = Physics::kKhr;
   UeCollision ue_collision = UeCollision::kNone;
   double friction = 0.6;       ///< static and dynamic
@@ -77,7 +77,8 @@ struct GltfFile {
 };
 
 /// Throws InternalError when a fragment contradicts its own description (attribute lengths, index ranges,
-/// primitives that do not cover the indices) or the file would pass 4 GiB; Interrupted.
+/// primitives that do not cover the indices), a companion has another number of
+/// fragments than the set, or the file would pass 4 GiB; Interrupted.
 GltfFile write_file(const FracturedSolid& fractured, const GltfOptions& options, OutputFormat format,
                     const Execution& execution = {});
 /// The bytes alone. Throw as write_file().

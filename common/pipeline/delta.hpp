@@ -28,10 +28,12 @@ struct FracturedBase {
   SurfaceLabels surface;
   std::vector<InnerVertex> inner_vertices;
   struct Known {
-    std::shared_ptr<const Fragment> fragment;  ///< shared with the answers before and after it
-    double volume_file;                        ///< m³, as the certificate sums it
+    Fragment fragment;
+    FragmentHulls hulls;  ///< none where none were asked for
+    double volume_file;   ///< m³, as the certificate sums it
   };
-  std::vector<Known> fragments;         ///< in the order of the answer
+  /// In the order of the answer; shared with the answers before and after it.
+  std::vector<std::shared_ptr<const Known>> fragments;
   std::vector<std::uint32_t> first_of;  ///< per site + 1: range of `fragments`; empty where not `local`
   std::vector<Bond> bonds;
   /// Hits can be local: every fragment is a piece of one cell, nothing was united, dropped, kept, split or

@@ -139,12 +139,11 @@ Expected<FracturedSolid> complete(const Solid& solid, const Diagram& diagram,
   if (const Verdict verdict = judge(set, solid, promise); !verdict.sound())
     return tl::unexpected(unsound(verdict, set.certificate));
   out.hierarchy = make_hierarchy(set, parameters.levels, execution);
-  std::uint32_t anchored = 0;
-  if (parameters.anchors.any()) anchored = mark_anchored(set, parameters.anchors, execution);
-  HullReport hulls;
-  if (parameters.hulls == Hulls::kConvex) hulls = add_collision_hulls(set, execution);
+  if (parameters.anchors.any()) out.anchored = find_anchored(set, parameters.anchors, execution);
+  if (parameters.hulls == Hulls::kConvex)
+    out.hulls = make_collision_hulls(set, std::move(cut.hulls), execution);
   set.certificate.sites_asked = static_cast<std::uint32_t>(diagram.sites.size());
-  out.report = make_report(solid, diagram, parameters, cut, anchored, hulls, set);
+  out.report = make_report(solid, diagram, parameters, cut, out.anchored.count, out.hulls.report(), set);
   return out;
 }
 

@@ -36,6 +36,7 @@ auto stage(StageTimings& timings, const Execution& execution, Stage which, const
 /// Cells as fragments: with bonds, certificate and lattice, without what complete() adds.
 struct CutCells {
   FragmentSet set;
+  CollisionHulls hulls;           ///< those that are known already
   std::size_t kept = 0;           ///< cells that FractureParameters::keep keeps together
   bool grouped = false;           ///< some fragment has several cells
   BarycentricResult barycentric;  ///< its figures, with Dual::kBarycenter

@@ -192,7 +192,8 @@ BondLoad load_of(const Beam& beam, const Six& pull, double area, double size) {
 
 }  // namespace
 
-Support analyze_support(const FragmentSet& set, const SupportOptions& options, const Execution& execution) {
+Support analyze_support(const FragmentSet& set, const AnchoredFragments& anchored,
+                        const SupportOptions& options, const Execution& execution) {
   const std::size_t n = set.fragments.size();
   Pacer pacer(execution);
   Support out;
@@ -231,14 +232,14 @@ Support analyze_support(const FragmentSet& set, const SupportOptions& options, c
       BondGraph(std::move(nodes), bonds, execution).components(execution);
   std::vector<char> held(n, 0), fixed(n, 0);
   for (std::size_t f = 0; f < n; ++f)
-    if (set.fragments[f].anchored && !gone[f]) {
+    if (anchored.contains(f) && !gone[f]) {
       ++out.anchored;
       held[component[f]] = 1;
     }
   for (std::uint32_t f = 0; f < n; ++f) {
     const bool stands = !gone[f] && held[component[f]];
     if (!stands && !gone[f]) out.falling.push_back(f);
-    fixed[f] = static_cast<char>(!stands || set.fragments[f].anchored);
+    fixed[f] = static_cast<char>(!stands || anchored.contains(f));
   }
 
   Box box;

@@ -16,6 +16,7 @@
 
 #include "common/base/execution.hpp"
 #include "common/fragment/fragments.hpp"
+#include "common/structure/anchors.hpp"
 
 namespace fracture {
 
@@ -46,7 +47,8 @@ struct Support {
   double residual = 0;                 ///< of the balance, relative to the weight; 1e-9 when solved
 };
 
-/// Needs Fragment::anchored. Linear in the bonds times the iterations, which are bounded. Throws Interrupted.
-Support analyze_support(const FragmentSet& set, const SupportOptions& options, const Execution& execution);
+/// Linear in the bonds times the iterations, which are bounded. Throws Interrupted.
+Support analyze_support(const FragmentSet& set, const AnchoredFragments& anchored,
+                        const SupportOptions& options, const Execution& execution);
 
 }  // namespace fracture

@@ -274,7 +274,7 @@ Expected<FracturedSolid> FractureService::make_result(const PreparedMesh& mesh, 
     if (request.parameters.fracture.anchors.any()) {
       const SupportOptions support{request.parameters.gravity, options.density, options.bond_strength,
                                    request.parameters.broken};
-      fractured.support = analyze_support(fractured.set, support, execution);
+      fractured.support = analyze_support(fractured.set, fractured.anchored, support, execution);
     }
     options.interior_material = std::move(*interior);
     options.mesh_digest = result->mesh_digest;

@@ -86,7 +86,7 @@ TEST(KhrPhysics, OneHullIsTheColliderOfTheNodeByAMeshThatNoNodeDraws) {
   EXPECT_EQ(collider["physicsMaterial"], 0);
   EXPECT_FALSE(collider.contains("collisionFilter"));
   EXPECT_EQ(count_drawn(glb.document, collider["geometry"]["mesh"]), 0u);
-  expect_hull_mesh(glb, collider["geometry"]["mesh"], two_halves_with_hulls().set.fragments[0].hulls[0]);
+  expect_hull_mesh(glb, collider["geometry"]["mesh"], two_halves_with_hulls().hulls.of(0)[0]);
 }
 
 TEST(KhrPhysics, SeveralHullsAreACompoundOfChildrenAtTheIdentity) {
@@ -102,7 +102,7 @@ TEST(KhrPhysics, SeveralHullsAreACompoundOfChildrenAtTheIdentity) {
     EXPECT_FALSE(child["extensions"][kKhrName].contains("motion"));
     const json& geometry = child["extensions"][kKhrName]["collider"]["geometry"];
     EXPECT_EQ(geometry["convexHull"], true);
-    expect_hull_mesh(glb, geometry["mesh"], two_halves_with_hulls().set.fragments[1].hulls[k]);
+    expect_hull_mesh(glb, geometry["mesh"], two_halves_with_hulls().hulls.of(1)[k]);
   }
 }
 
@@ -166,9 +166,9 @@ TEST(OmiPhysics, ConvexShapesByMeshAndMotionWithoutInertia) {
     return shape["convex"]["mesh"];
   };
   const FracturedSolid made = two_halves_with_hulls();
-  expect_hull_mesh(glb, shape_of(document["nodes"][1]), made.set.fragments[0].hulls[0]);
-  expect_hull_mesh(glb, shape_of(document["nodes"][3]), made.set.fragments[1].hulls[0]);
-  expect_hull_mesh(glb, shape_of(document["nodes"][4]), made.set.fragments[1].hulls[1]);
+  expect_hull_mesh(glb, shape_of(document["nodes"][1]), made.hulls.of(0)[0]);
+  expect_hull_mesh(glb, shape_of(document["nodes"][3]), made.hulls.of(1)[0]);
+  expect_hull_mesh(glb, shape_of(document["nodes"][4]), made.hulls.of(1)[1]);
   const json& motion = document["nodes"][2]["extensions"]["OMI_physics_body"]["motion"];
   EXPECT_EQ(motion, json({{"type", "dynamic"}, {"mass", 1000}, {"centerOfMass", {0, 0, 0}}}));
   EXPECT_THAT(document["extensionsUsed"], Contains("OMI_physics_body"));
@@ -200,7 +200,7 @@ TEST(UeCollision, DrawsEachHullUnderTheFragmentsNameAndNothingTakesItForAFragmen
     EXPECT_FALSE(nodes[k].contains("translation"));
     EXPECT_EQ(glb.document["meshes"][nodes[k]["mesh"].get<std::size_t>()]["name"], nodes[k]["name"]);
   }
-  expect_hull_mesh(glb, nodes[5]["mesh"], two_halves_with_hulls().set.fragments[1].hulls[1]);
+  expect_hull_mesh(glb, nodes[5]["mesh"], two_halves_with_hulls().hulls.of(1)[1]);
 }
 
 TEST(UeCollision, NamesStayUniqueAndShortWhateverTheSourceIsCalled) {
@@ -385,9 +385,9 @@ TEST(Images, ThatCannotBeFollowedPassThrough) {
 
 TEST(CollisionHull, ThatContradictsItselfIsABugNotAFile) {
   FracturedSolid made = two_halves_with_hulls();
-  made.set.fragments[0].hulls[0].triangles[3][1] = 8;
+  made.hulls.of_fragment[0].hulls[0].triangles[3][1] = 8;
   EXPECT_THROW(write_glb(made, {}), InternalError);
-  made.set.fragments[0].hulls[0] = {};
+  made.hulls.of_fragment[0].hulls[0] = {};
   EXPECT_THROW(write_glb(made, {}), InternalError);
 }
 

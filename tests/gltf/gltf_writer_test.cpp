@@ -280,6 +280,15 @@ TEST(GltfWriter, FragmentThatContradictsItselfIsABugNotAFile) {
       InternalError);
 }
 
+TEST(GltfWriter, ACompanionOfAnotherSetIsABugNotAFile) {
+  FracturedSolid hulls = two_halves(), anchored = two_halves(), clusters = two_halves();
+  hulls.hulls.of_fragment.resize(1);
+  anchored.anchored.held.resize(3);
+  clusters.hierarchy.cluster_of_fragment.resize(1);
+  for (const FracturedSolid& made : {hulls, anchored, clusters})
+    EXPECT_THROW(write_glb(made, {}), InternalError);
+}
+
 TEST(JsonText, NumbersReadBackAsTheSameDouble) {
   for (const double number : {0.1, 1.0 / 3, 5e-324, 1.7976931348623157e308, -0.0, 1e21, 123456789012345680.0,
                               static_cast<double>(0.1f)}) {

@@ -19,7 +19,7 @@ FracturedSolid two_halves_in_levels() {
   made.hierarchy.levels[1].clusters = {{21, 0, 1, 1.0, {0.5, 0.5, 0.5}}, {22, 0, 1, 1.0, {1.5, 0.5, 0.5}}};
   made.hierarchy.levels[1].bonds = made.set.bonds;
   made.hierarchy.cluster_of_fragment = {0, 1};
-  made.set.fragments[1].anchored = true;
+  made.anchored = {.held = {0, 1}, .count = 1};
   return made;
 }
 

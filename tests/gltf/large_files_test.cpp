@@ -39,6 +39,7 @@ FracturedSolid many_halves(std::size_t count) {
   const Fragment one = made.set.fragments[1];
   const Bond bond = made.set.bonds[0];
   made.set.fragments.assign(count, one);
+  made.hulls.of_fragment.assign(count, made.hulls.of_fragment[1]);
   for (std::size_t k = 0; k < count; ++k) {
     made.set.fragments[k].id = k;
     made.set.fragments[k].sites = {static_cast<std::uint32_t>(k)};

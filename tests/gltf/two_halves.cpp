@@ -105,9 +105,10 @@ FracturedSolid two_halves() {
 
 FracturedSolid two_halves_with_hulls() {
   FracturedSolid made = two_halves();
-  made.set.fragments[0].hulls = {box({-0.4995f, -0.4995f, -0.4995f}, {0.4995f, 0.4995f, 0.4995f})};
-  made.set.fragments[1].hulls = {box({-0.4995f, -0.4995f, -0.4995f}, {0.4995f, 0, 0.4995f}),
-                                 box({-0.4995f, 0, -0.4995f}, {0.4995f, 0.4995f, 0.4995f})};
+  made.hulls.of_fragment.resize(2);
+  made.hulls.of_fragment[0].hulls = {box({-0.4995f, -0.4995f, -0.4995f}, {0.4995f, 0.4995f, 0.4995f})};
+  made.hulls.of_fragment[1].hulls = {box({-0.4995f, -0.4995f, -0.4995f}, {0.4995f, 0, 0.4995f}),
+                                     box({-0.4995f, 0, -0.4995f}, {0.4995f, 0.4995f, 0.4995f})};
   return made;
 }
 

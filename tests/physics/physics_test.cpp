@@ -82,9 +82,10 @@ TEST(CollisionHulls, AreClosedConvexAndOutward) {
     FractureParameters p;
     p.sites = 40;
     const FracturedSolid made = fracture_at(mesh, p);
-    for (const Fragment& f : made.set.fragments) {
-      ASSERT_EQ(f.hulls.size(), 1u);
-      const Mesh hull = mesh_of(f.hulls[0]);
+    for (std::size_t k = 0; k < made.set.fragments.size(); ++k) {
+      const Fragment& f = made.set.fragments[k];
+      ASSERT_EQ(made.hulls.of(k).size(), 1u);
+      const Mesh hull = mesh_of(made.hulls.of(k)[0]);
       EXPECT_LE(hull.positions.size(), kMaxHullPoints);
       EXPECT_EQ(open_directed_edges(hull), 0u);
       // The hull holds the fragment, less what shrinking takes.
@@ -101,8 +102,8 @@ TEST(CollisionHulls, OfNeighboursAreSeparatedByTheBisectorOfTheirSites) {
   for (const Bond& b : made.set.bonds) {
     const Fragment &f = made.set.fragments[b.a], &g = made.set.fragments[b.b];
     const Vec3d i = points[f.sites[0]], j = points[g.sites[0]], u = j - i, middle = 0.5 * (i + j);
-    for (const Vec3f& q : f.hulls[0].points) EXPECT_LT(dot(to_double(q) + f.pivot - middle, u), 0);
-    for (const Vec3f& q : g.hulls[0].points) EXPECT_GT(dot(to_double(q) + g.pivot - middle, u), 0);
+    for (const Vec3f& q : made.hulls.of(b.a)[0].points) EXPECT_LT(dot(to_double(q) + f.pivot - middle, u), 0);
+    for (const Vec3f& q : made.hulls.of(b.b)[0].points) EXPECT_GT(dot(to_double(q) + g.pivot - middle, u), 0);
   }
 }
 
@@ -113,14 +114,16 @@ TEST(CollisionHulls, AGroupCarriesOneForEachMemberCell) {
   p.pattern = std::move(pattern);
   const FracturedSolid made = fracture_at(cube(), p);
   std::size_t shared = 0;
-  for (const Fragment& f : made.set.fragments) {
+  for (std::size_t k = 0; k < made.set.fragments.size(); ++k) {
+    const Fragment& f = made.set.fragments[k];
+    const std::span<const CollisionHull> hulls = made.hulls.of(k);
     if (f.sites.size() == 1) {
-      EXPECT_EQ(f.hulls.size(), 1u);
+      EXPECT_EQ(hulls.size(), 1u);
       continue;
     }
-    shared += f.hulls.size();
+    shared += hulls.size();
     double volume = 0;
-    for (const CollisionHull& h : f.hulls) volume += volume_of(mesh_of(h));
+    for (const CollisionHull& h : hulls) volume += volume_of(mesh_of(h));
     // Cells of a convex body: their hulls fill the group, less what shrinking takes.
     EXPECT_LT(volume, f.mass.volume);
     EXPECT_GT(volume, 0.95 * f.mass.volume);
@@ -135,8 +138,8 @@ TEST(CollisionHulls, AreInsetByAFewTenthsOfAMillimetreOrAThousandth) {
     FractureParameters p;
     p.pattern = PointsPattern{{{0.5 * size, 0.5 * size, 0.5 * size}}};
     const FracturedSolid made = fracture_at(mesh, p);
-    ASSERT_EQ(made.set.fragments[0].hulls[0].points.size(), 8u);
-    const Box box = box_of(mesh_of(made.set.fragments[0].hulls[0]));
+    ASSERT_EQ(made.hulls.of(0)[0].points.size(), 8u);
+    const Box box = box_of(mesh_of(made.hulls.of(0)[0]));
     // Of a cube, A / V = 6 / size: its faces move by three times the inset.
     const double expected =
         std::clamp(3 * kHullInset, kLeastHullShrink * size / 2, kMostHullShrink * size / 2);
@@ -150,9 +153,9 @@ TEST(CollisionHulls, ManyPointsAreSimplified) {
   p.pattern = PointsPattern{{{0, 0, 0}}};
   const FracturedSolid made = fracture_at(sphere_with(20'000), p);
   ASSERT_EQ(made.set.fragments.size(), 1u);
-  EXPECT_EQ(made.set.fragments[0].hulls[0].points.size(), kMaxHullPoints);
+  EXPECT_EQ(made.hulls.of(0)[0].points.size(), kMaxHullPoints);
   // 255 points spread evenly over a sphere enclose 0.97 of its ball.
-  EXPECT_GT(volume_of(mesh_of(made.set.fragments[0].hulls[0])), 0.95 * made.set.fragments[0].mass.volume);
+  EXPECT_GT(volume_of(mesh_of(made.hulls.of(0)[0])), 0.95 * made.set.fragments[0].mass.volume);
   EXPECT_EQ(made.report.hulls.value().simplified, 1u);
 }
 

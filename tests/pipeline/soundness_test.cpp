@@ -157,10 +157,10 @@ TEST(Soundness, ADeltaAloneIsJudgedAsTheWhole) {
 
   // A kept fragment that is not what it was: the answer is made from nothing instead, which is sound.
   FracturedBase damaged = whole->base;
-  for (FracturedBase::Known& known : damaged.fragments) {
-    auto other = std::make_shared<Fragment>(*known.fragment);
-    other->cap_sum += 1;
-    known.fragment = std::move(other);
+  for (std::shared_ptr<const FracturedBase::Known>& known : damaged.fragments) {
+    auto other = std::make_shared<FracturedBase::Known>(*known);
+    other->fragment.cap_sum += 1;
+    known = std::move(other);
   }
   const Expected<KeptAnswer> again = fracture_delta(*solid, damaged, p, only, execution, timings);
   ASSERT_TRUE(again) << again.error().detail;

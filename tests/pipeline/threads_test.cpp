@@ -39,7 +39,7 @@ TEST(FractureThreads, ConcurrentRequestsOnOneSharedSolidAndDiagramGiveTheSameFra
     for (std::size_t f = 0; f < answer->set.fragments.size(); ++f) {
       EXPECT_EQ(answer->set.fragments[f].positions, answers[0]->set.fragments[f].positions);
       EXPECT_EQ(answer->set.fragments[f].indices, answers[0]->set.fragments[f].indices);
-      EXPECT_EQ(answer->set.fragments[f].hulls[0].points, answers[0]->set.fragments[f].hulls[0].points);
+      EXPECT_EQ(answer->hulls.of(f)[0].points, answers[0]->hulls.of(f)[0].points);
     }
   }
 }

@@ -110,15 +110,15 @@ TEST(Roughen, HullsAreThoseOfFlatCuts) {
   FractureParameters p = rough(15, 0.03, 5, 2);
   p.hulls = Hulls::kConvex;
   p.pivot = Pivot::kSource;
-  const FragmentSet uneven = fracture_roughly(cube(), p).set;
+  const Fractured uneven = fracture_roughly(cube(), p);
   p.roughness.amplitude = 0;
-  const FragmentSet flat = fracture_roughly(cube(), p).set;
-  ASSERT_EQ(uneven.fragments.size(), flat.fragments.size());
-  for (std::size_t k = 0; k < flat.fragments.size(); ++k) {
-    ASSERT_EQ(uneven.fragments[k].hulls.size(), 1u);
+  const Fractured flat = fracture_roughly(cube(), p);
+  ASSERT_EQ(uneven.set.fragments.size(), flat.set.fragments.size());
+  for (std::size_t k = 0; k < flat.set.fragments.size(); ++k) {
+    ASSERT_EQ(uneven.hulls.of(k).size(), 1u);
     Box a, b;
-    for (const Vec3f& q : uneven.fragments[k].hulls[0].points) a.add(to_double(q));
-    for (const Vec3f& q : flat.fragments[k].hulls[0].points) b.add(to_double(q));
+    for (const Vec3f& q : uneven.hulls.of(k)[0].points) a.add(to_double(q));
+    for (const Vec3f& q : flat.hulls.of(k)[0].points) b.add(to_double(q));
     EXPECT_LT(length(a.min - b.min) + length(a.max - b.max), 1e-5);
   }
 }

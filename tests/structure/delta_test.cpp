@@ -8,7 +8,9 @@
 #include <cstdlib>
 #include <cstring>
 #include <map>
+#include <span>
 
+#include "common/pipeline/difference.hpp"
 #include "tests/support/closed_inputs.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/fractured.hpp"
@@ -43,12 +45,14 @@ void expect_same(const Fragment& a, const Fragment& b) {
     EXPECT_TRUE(same_bits(a.primitives[k], b.primitives[k]));
   EXPECT_TRUE(same_bits(a.mass, b.mass));
   EXPECT_TRUE(same_bits(a.exterior_area, b.exterior_area));
-  ASSERT_EQ(a.hulls.size(), b.hulls.size());
-  for (std::size_t k = 0; k < a.hulls.size(); ++k) {
-    EXPECT_EQ(a.hulls[k].points, b.hulls[k].points);
-    EXPECT_EQ(a.hulls[k].triangles, b.hulls[k].triangles);
+}
+
+void expect_same(std::span<const CollisionHull> a, std::span<const CollisionHull> b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    EXPECT_EQ(a[k].points, b[k].points);
+    EXPECT_EQ(a[k].triangles, b[k].triangles);
   }
-  EXPECT_EQ(a.anchored, b.anchored);
 }
 
 void expect_same(const FragmentSet& a, const FragmentSet& b) {
@@ -75,44 +79,63 @@ void expect_same(const FragmentSet& a, const FragmentSet& b) {
   EXPECT_EQ(a.certificate.crossing_caps, b.certificate.crossing_caps);
 }
 
+void expect_same_companions(const FracturedSolid& a, std::uint32_t i, const FracturedSolid& b,
+                            std::uint32_t j) {
+  expect_same(a.hulls.of(i), b.hulls.of(j));
+  EXPECT_EQ(a.anchored.contains(i), b.anchored.contains(j));
+}
+
 void expect_same(const FracturedSolid& a, const FracturedSolid& b) {
   expect_same(a.set, b.set);
+  for (std::uint32_t k = 0; k < a.set.fragments.size(); ++k) {
+    SCOPED_TRACE("companions of fragment " + std::to_string(k));
+    expect_same_companions(a, k, b, k);
+  }
+  EXPECT_EQ(a.anchored.count, b.anchored.count);
   EXPECT_EQ(a.report, b.report);
   EXPECT_EQ(a.hierarchy.cluster_of_fragment, b.hierarchy.cluster_of_fragment);
   ASSERT_EQ(a.hierarchy.levels.size(), b.hierarchy.levels.size());
 }
 
-using ById = std::map<std::uint64_t, const Fragment*>;
+/// Indices.
+using ById = std::map<std::uint64_t, std::uint32_t>;
 ById by_id(const FragmentSet& set) {
   ById result;
-  for (const Fragment& f : set.fragments) result[f.id] = &f;
+  for (std::uint32_t k = 0; k < set.fragments.size(); ++k) result[set.fragments[k].id] = k;
   return result;
 }
 
 /// The delta is the difference of the two answers, each fracture()d from nothing.
-void expect_difference(const FragmentSet& before, const FragmentSet& after, const Delta& delta) {
-  const ById was = by_id(before), is = by_id(after);
+void expect_difference(const FracturedSolid& before, const FracturedSolid& after, const Delta& delta) {
+  const ById was = by_id(before.set), is = by_id(after.set);
   std::vector<std::uint64_t> added, gone;
-  for (const Fragment& f : after.fragments)
+  for (const Fragment& f : after.set.fragments)
     if (!was.contains(f.id)) added.push_back(f.id);
-  for (const Fragment& f : before.fragments)
+  for (const Fragment& f : before.set.fragments)
     if (!is.contains(f.id)) gone.push_back(f.id);
   EXPECT_EQ(delta.added, added);
   EXPECT_EQ(delta.gone, gone);
   for (const std::uint64_t id : delta.changed) EXPECT_TRUE(was.contains(id) && is.contains(id)) << id;
-  for (const auto& [id, f] : is) {
+  for (const auto& [id, k] : is) {
     if (!was.contains(id) || std::count(delta.changed.begin(), delta.changed.end(), id) > 0) continue;
     SCOPED_TRACE("untouched " + std::to_string(id));
-    expect_same(*was.at(id), *f);
+    expect_same(before.set.fragments[was.at(id)], after.set.fragments[k]);
+    expect_same_companions(before, was.at(id), after, k);
   }
 }
 
 /// Only what the delta names, and its bonds.
-void expect_selection(const FragmentSet& whole, FragmentSet part, Delta delta) {
-  keep_changed(part, delta);
+void expect_selection(const FracturedSolid& from, FracturedSolid selected) {
+  keep_changed(selected);
+  const FragmentSet &whole = from.set, &part = selected.set;
+  const Delta& delta = selected.delta.value();
   EXPECT_EQ(part.fragments.size(), delta.added.size() + delta.changed.size());
   const ById all = by_id(whole);
-  for (const Fragment& f : part.fragments) expect_same(f, *all.at(f.id));
+  for (std::uint32_t k = 0; k < part.fragments.size(); ++k) {
+    const std::uint32_t there = all.at(part.fragments[k].id);
+    expect_same(part.fragments[k], whole.fragments[there]);
+    expect_same_companions(selected, k, from, there);
+  }
   const auto id_of = [&](std::uint32_t k) {
     return k < part.fragments.size() ? part.fragments[k].id : delta.neighbors.at(k - part.fragments.size());
   };
@@ -161,14 +184,14 @@ int expect_hits(const Mesh& mesh, const FractureParameters& all, int threads = 1
     expect_same(answer, after);
     EXPECT_TRUE(answer.delta.has_value());
     if (!answer.delta || testing::Test::HasFailure()) return local;
-    expect_difference(before.set, after.set, *answer.delta);
-    expect_selection(after.set, answer.set, *answer.delta);
+    expect_difference(before, after, *answer.delta);
+    expect_selection(after, answer);
     if (p.levels.empty() && !p.anchors.any()) {
       const Expected<KeptAnswer> part =
           fracture_delta(*solid, last->base, p, {1, /*only_changed=*/true}, execution, timings);
       if (!part) throw std::runtime_error(part.error().detail);
       FracturedSolid expected = answer;
-      keep_changed(expected.set, *expected.delta);
+      keep_changed(expected);
       expect_same(part->fractured, expected);
     }
     before = after;
@@ -256,10 +279,10 @@ TEST(Delta, BesideTheSolidNothingChanges) {
   ASSERT_TRUE(base);
   auto next = fracture_delta(*solid, base->base, p, {3}, execution, timings);
   ASSERT_TRUE(next);
-  FragmentSet& set = next->fractured.set;
-  Delta& delta = next->fractured.delta.value();
+  const FragmentSet& set = next->fractured.set;
+  const Delta& delta = next->fractured.delta.value();
   EXPECT_TRUE(delta.added.empty() && delta.changed.empty() && delta.gone.empty());
-  keep_changed(set, delta);
+  keep_changed(next->fractured);
   EXPECT_TRUE(set.fragments.empty() && set.bonds.empty());
 }
 
@@ -277,7 +300,7 @@ TEST(Delta, OfSeveralNewHitsAtOnce) {
   ASSERT_TRUE(next);
   const FracturedSolid after = fracture_mesh(mesh, p);
   expect_same(next->fractured, after);
-  expect_difference(fracture_mesh(mesh, before_hits(p, 2)).set, after.set, *next->fractured.delta);
+  expect_difference(fracture_mesh(mesh, before_hits(p, 2)), after, *next->fractured.delta);
 }
 
 // What is not a piece of one cell each is fractured again as a whole, with the same answer.
@@ -320,11 +343,11 @@ TEST(Delta, OnlyPartOfTheFragmentsIsInTheAnswer) {
   ASSERT_TRUE(base);
   auto next = fracture_delta(*solid, base->base, p, {1}, execution, timings);
   ASSERT_TRUE(next);
-  FragmentSet& set = next->fractured.set;
-  Delta& delta = next->fractured.delta.value();
+  const FragmentSet& set = next->fractured.set;
+  const Delta& delta = next->fractured.delta.value();
   EXPECT_GT(set.fragments.size(), 300u);
   EXPECT_GE(delta.added.size(), 8u);
-  keep_changed(set, delta);
+  keep_changed(next->fractured);
   EXPECT_LT(set.fragments.size(), 100u);
 }
 
