@@ -64,9 +64,9 @@ class Builder final : public nlohmann::json_sax<json> {
     return stop(JsonFault::Kind::kSyntax);
   }
 
-  tl::expected<JsonText, JsonFault> take(bool whole) && {
+  tl::expected<JsonDocument, JsonFault> take(bool whole) && {
     if (!whole) return tl::unexpected<JsonFault>(std::move(fault_));
-    return JsonText{std::move(root_), std::move(names_)};
+    return JsonDocument{std::move(root_), std::move(names_)};
   }
 
  private:
@@ -118,7 +118,7 @@ class Builder final : public nlohmann::json_sax<json> {
 
 }  // namespace
 
-tl::expected<JsonText, JsonFault> read_json(std::string_view text, const JsonLimits& limits) {
+tl::expected<JsonDocument, JsonFault> read_json(std::string_view text, const JsonLimits& limits) {
   Builder builder(limits);
   const bool whole = json::sax_parse(text.begin(), text.end(), &builder);
   return std::move(builder).take(whole);

@@ -36,13 +36,13 @@ struct JsonFault {
 /// "names 'a' more than once", to be completed by what the text was.
 std::string to_text(const JsonFault& fault);
 
-struct JsonText {
+struct JsonDocument {
   nlohmann::json value;
   std::vector<std::string> members;  ///< of the outermost object, in the order of the text
 };
 /// Reading ends at the first fault: no more than `limits.bytes` (and the text of one string) is held at any
 /// time.
-tl::expected<JsonText, JsonFault> read_json(std::string_view text, const JsonLimits& limits);
+tl::expected<JsonDocument, JsonFault> read_json(std::string_view text, const JsonLimits& limits);
 
 /// Heap bytes behind the value, as glibc's malloc gives them out (measured: tests/base/json_reader_test.cpp).
 std::size_t json_bytes(const nlohmann::json& value);

@@ -1,12 +1,10 @@
-// What leaves the pipeline: closed fragments with attributes and figures, the bonds between them, and the
-// certificate. File-format free: gltf/ writes it down, the server reports it, tests judge it.
+// The pieces of a solid: closed fragments with attributes and figures, the bonds between them, and the
+// certificate. What else is known of them stands beside the set (pipeline/fractured_solid.hpp).
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,12 +33,6 @@ struct MassProperties {
   std::array<double, 6> inertia{};  ///< kg·m² per kg/m³: xx, yy, zz, xy, xz, yz of the inertia tensor
 };
 
-/// A convex hull for physics engines, in the fragment's local frame (physics/collision_hulls.hpp).
-struct CollisionHull {
-  std::vector<Vec3f> points;                            ///< at most 255
-  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise from outside
-};
-
 /// Where the origin of a fragment's local frame is.
 enum class Pivot {
   kCenterOfMass,  ///< at the centre of mass, rounded to the seam lattice
@@ -65,15 +57,12 @@ struct Fragment {
   /// in one convex cell (then its own positions serve). Of rough fragments always: as they are with flat
   /// cuts, in their convex cells.
   std::vector<std::vector<Vec3f>> bodies;
-  std::vector<CollisionHull> hulls;                    ///< one for each body; empty until asked for
-  std::uint32_t flat_hulls = 0, simplified_hulls = 0;  ///< of these (physics/collision_hulls.hpp)
   double exterior_area = 0;  ///< m², of the primitives with a material of the source
   /// What proves the answer (pipeline/soundness.hpp).
   std::vector<IndexRange> caps;  ///< of the interior triangles those that another fragment has mirrored
   double surface_area = 0;       ///< m², of all that is no cap: exterior_area and what repairs filled
   std::uint64_t cap_sum = 0;     ///< mirror_sum()
   std::uint64_t open_edges = 0;  ///< open_edges()
-  bool anchored = false;         ///< something outside holds it (structure/anchors.hpp)
 };
 
 /// The shared caps of two fragments.
@@ -82,31 +71,6 @@ struct Bond {
   double area = 0;  ///< m², > 0; of rough caps across their cuts' planes, which is what strength refers to
   Vec3d centroid;   ///< m
   Vec3d normal;     ///< unit, from a to b, area-weighted
-};
-
-/// Fragments that a coarser level of the hierarchy keeps together.
-struct Cluster {
-  std::uint64_t id = 0;         ///< function of its fragments' ids only (at most 2^53 - 1)
-  std::uint32_t parent = 0;     ///< index into the clusters of the next coarser level, or kNoIndex
-  std::uint32_t fragments = 0;  ///< how many
-  double volume = 0;            ///< m³
-  Vec3d center_of_mass;         ///< m
-};
-struct ClusterLevel {
-  std::vector<Cluster> clusters;
-  std::vector<Bond> bonds;  ///< between clusters: a and b are indices into `clusters`, otherwise as Bond says
-};
-/// Clusters of clusters of fragments (structure/hierarchy.hpp).
-struct Hierarchy {
-  std::vector<ClusterLevel> levels;  ///< coarsest first; the fragments are the level after the last
-  std::vector<std::uint32_t> cluster_of_fragment;  ///< in levels.back(); empty without levels
-};
-
-/// How the answer differs from an earlier one (pipeline/delta.hpp): ids, each in the order of its answer.
-struct Delta {
-  std::vector<std::uint64_t> added, changed, gone;  ///< `changed` ones have a new shape
-  /// Untouched fragments that bonds lead to, where the answer is only what was added and changed.
-  std::vector<std::uint64_t> neighbors;
 };
 
 /// Proof of the invariants, checked on every answer (pipeline/soundness.hpp): one that does not hold is not
@@ -133,18 +97,15 @@ struct Certificate {
   std::uint64_t crossing_caps = 0;  ///< caps whose loops crossed: 0 on every embedded input
 };
 
+/// Geometry alone: a partition of the solid, or of what is asked of it.
 struct FragmentSet {
   std::shared_ptr<const Mesh> source;
   std::vector<Fragment> fragments;
   std::vector<Bond> bonds;
-  Hierarchy hierarchy;
-  /// A bond's index of fragments.size() + k means delta->neighbors[k].
-  std::optional<Delta> delta;
   Certificate certificate;
   SizeFigures size;          ///< what the limits of size did
   Vec3d lattice_step;        ///< h_a: the seam lattice, m
   double lattice_ratio = 0;  ///< max over axes of h/size; above 1e-5 a warning
-  nlohmann::json report;     ///< the solid's report, the sites' report, warnings
 };
 
 }  // namespace fracture

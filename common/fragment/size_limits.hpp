@@ -16,6 +16,7 @@ struct SizeLimits {
   std::uint64_t max_triangles = 0;
 
   bool any() const { return min_volume > 0 || min_fraction > 0 || max_fragments > 0 || max_triangles > 0; }
+  bool operator==(const SizeLimits&) const = default;
 };
 
 /// What the limits did.
@@ -25,6 +26,7 @@ struct SizeFigures {
   double min_volume = 0;     ///< m³, the smallest volume in force
   /// The fewest triangles that uniting can reach; only counted where max_triangles is set.
   std::uint64_t fewest_triangles = 0;
+  bool operator==(const SizeFigures&) const = default;
 };
 
 }  // namespace fracture

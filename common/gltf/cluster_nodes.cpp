@@ -29,39 +29,39 @@ std::string free_prefix(const Mesh& source, Pacer& pacer) {
 
 }  // namespace
 
-ClusterNodes::ClusterNodes(const FragmentSet& set, std::size_t first_node, const Execution& execution)
-    : set_(set) {
+ClusterNodes::ClusterNodes(const FracturedSolid& fractured, std::size_t first_node,
+                           const Execution& execution)
+    : hierarchy_(fractured.hierarchy) {
   Pacer pacer(execution);
-  prefix_ = free_prefix(*set.source, pacer);
-  const Hierarchy& hierarchy = set.hierarchy;
+  prefix_ = free_prefix(*fractured.set.source, pacer);
   std::vector<std::size_t> begin;  // per level: its first node, counted from first_node
-  for (std::size_t level = 0; level < hierarchy.levels.size(); ++level) {
+  for (std::size_t level = 0; level < hierarchy_.levels.size(); ++level) {
     begin.push_back(nodes_.size());
-    for (std::size_t c = 0; c < hierarchy.levels[level].clusters.size(); ++c) {
+    for (std::size_t c = 0; c < hierarchy_.levels[level].clusters.size(); ++c) {
       pacer.step(4);
       const std::size_t node = first_node + nodes_.size();
-      const std::uint32_t parent = hierarchy.levels[level].clusters[c].parent;
+      const std::uint32_t parent = hierarchy_.levels[level].clusters[c].parent;
       (level == 0 ? roots_ : nodes_[begin[level - 1] + parent].children).push_back(node);
       nodes_.push_back({level, c, {}});
     }
   }
-  for (std::size_t f = 0; f < set.fragments.size(); ++f) {
+  for (std::size_t f = 0; f < fractured.set.fragments.size(); ++f) {
     pacer.step();
-    (nodes_.empty() ? roots_ : nodes_[begin.back() + hierarchy.cluster_of_fragment[f]].children)
+    (nodes_.empty() ? roots_ : nodes_[begin.back() + hierarchy_.cluster_of_fragment[f]].children)
         .push_back(1 + f);
   }
 }
 
 void ClusterNodes::write(JsonText& json, const GltfOptions& options) const {
   for (const Node& node : nodes_) {
-    const std::size_t width = std::to_string(set_.hierarchy.levels[node.level].clusters.size() - 1).size();
+    const std::size_t width = std::to_string(hierarchy_.levels[node.level].clusters.size() - 1).size();
     json.begin_object().member("name",
                                prefix_ + std::to_string(node.level) + "_" + padded(node.cluster, width));
     json.key("children").begin_array();
     for (const std::size_t child : node.children) json.value(child);
     json.end_array();
     json.key("extras").begin_object().key("fracture");
-    write_cluster_extras(json, set_, node.level, node.cluster, options);
+    write_cluster_extras(json, hierarchy_, node.level, node.cluster, options);
     json.end_object().end_object();
   }
 }

@@ -7,16 +7,16 @@
 #include <string>
 #include <vector>
 
-#include "common/fragment/fragments.hpp"
 #include "common/gltf/gltf_writer.hpp"
 #include "common/gltf/json_text.hpp"
+#include "common/structure/hierarchy.hpp"
 
 namespace fracture {
 
 class ClusterNodes {
  public:
   /// `first_node`: the index of the first cluster's node. Throws Interrupted.
-  ClusterNodes(const FragmentSet& set, std::size_t first_node, const Execution& execution);
+  ClusterNodes(const FracturedSolid& fractured, std::size_t first_node, const Execution& execution);
 
   /// What the root's children are: the coarsest clusters, or the fragments (nodes 1, 2, …) where there are no
   /// levels.
@@ -29,7 +29,7 @@ class ClusterNodes {
     std::size_t level, cluster;
     std::vector<std::size_t> children;  // node indices
   };
-  const FragmentSet& set_;
+  const Hierarchy& hierarchy_;
   std::string prefix_;
   std::vector<std::size_t> roots_;
   std::vector<Node> nodes_;

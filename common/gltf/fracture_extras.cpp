@@ -1,32 +1,12 @@
 #include "common/gltf/fracture_extras.hpp"
 
+#include "common/gltf/report_text.hpp"
+
 namespace fracture {
 namespace {
 
 /// Raised when a key changes its meaning or goes away; new keys do not change it.
 constexpr int kExtrasVersion = 1;
-
-void write_certificate(JsonText& json, const Certificate& c) {
-  json.begin_object()
-      .member("open_edges", c.open_edges)
-      .member("volume_in", c.volume_in)
-      .member("volume_out", c.volume_out)
-      .member("volume_file", c.volume_file)
-      .member("relative_error", c.relative_error)
-      .member("pocket_volume", c.pocket_volume)
-      .member("pocket_area", c.pocket_area)
-      .member("unmirrored_caps", c.unmirrored_caps)
-      .member("area_in", c.area_in)
-      .member("area_out", c.area_out)
-      .member("sites_asked", c.sites_asked)
-      .member("cells", c.cells)
-      .member("islands", c.islands)
-      .member("united", c.united)
-      .member("dropped", c.dropped)
-      .member("fragments", c.fragments)
-      .member("crossing_caps", c.crossing_caps)
-      .end_object();
-}
 
 /// `id(index)`: the id of the bond's fragment or cluster.
 template <class Id>
@@ -83,13 +63,16 @@ void write_levels(JsonText& json, const Hierarchy& hierarchy, const GltfOptions&
 
 }  // namespace
 
-void write_root_extras(JsonText& json, const FragmentSet& set, const GltfOptions& options) {
+void write_root_extras(JsonText& json, const FracturedSolid& fractured, const GltfOptions& options) {
+  const FragmentSet& set = fractured.set;
+  const std::optional<Delta>& delta = fractured.delta;
   json.begin_object()
       .member("version", kExtrasVersion)
       .member("algorithm", options.algorithm)
       .member("mesh", options.mesh_digest)
-      .member("parameters", options.parameters)
-      .member("report", set.report);
+      .member("parameters", options.parameters);
+  json.key("report");
+  write_report(json, fractured);
   json.key("lattice")
       .begin_object()
       .member("step", set.lattice_step)
@@ -100,29 +83,30 @@ void write_root_extras(JsonText& json, const FragmentSet& set, const GltfOptions
   json.key("bonds");
   write_bonds(json, set.bonds, options, [&](std::uint32_t index) {
     return index < set.fragments.size() ? set.fragments[index].id
-                                        : set.delta.value().neighbors.at(index - set.fragments.size());
+                                        : delta.value().neighbors.at(index - set.fragments.size());
   });
-  if (set.delta) {
+  if (delta) {
     const auto ids = [&](const char* name, const std::vector<std::uint64_t>& list) {
       json.key(name).begin_array();
       for (const std::uint64_t id : list) json.value(id);
       json.end_array();
     };
     json.key("delta").begin_object();
-    ids("new", set.delta->added);
-    ids("changed", set.delta->changed);
-    ids("gone", set.delta->gone);
+    ids("new", delta->added);
+    ids("changed", delta->changed);
+    ids("gone", delta->gone);
     json.end_object();
   }
-  if (!set.hierarchy.levels.empty()) write_levels(json, set.hierarchy, options);
+  if (!fractured.hierarchy.levels.empty()) write_levels(json, fractured.hierarchy, options);
   json.end_object();
 }
 
-void write_fragment_extras(JsonText& json, const FragmentSet& set, std::size_t index,
+void write_fragment_extras(JsonText& json, const FracturedSolid& fractured, std::size_t index,
                            const GltfOptions& options) {
-  const Fragment& fragment = set.fragments[index];
+  const Fragment& fragment = fractured.set.fragments[index];
+  const Hierarchy& hierarchy = fractured.hierarchy;
   const MassProperties& mass = fragment.mass;
-  const std::size_t level = set.hierarchy.levels.size();
+  const std::size_t level = hierarchy.levels.size();
   json.begin_object()
       .member("id", fragment.id)
       .member("volume", mass.volume)
@@ -131,18 +115,18 @@ void write_fragment_extras(JsonText& json, const FragmentSet& set, std::size_t i
       .member("exterior_area", fragment.exterior_area)
       .member("center_of_mass", mass.center_of_mass)
       .member("level", level);
-  write_parent(json, set.hierarchy, level, level > 0 ? set.hierarchy.cluster_of_fragment[index] : kNoIndex);
-  json.member("anchored", fragment.anchored).member("part", fragment.part);
+  write_parent(json, hierarchy, level, level > 0 ? hierarchy.cluster_of_fragment[index] : kNoIndex);
+  json.member("anchored", fractured.anchored.contains(index)).member("part", fragment.part);
   json.key("sites").begin_array();
   for (const std::uint32_t site : fragment.sites) json.value(site);
   json.end_array().end_object();
 }
 
-void write_cluster_extras(JsonText& json, const FragmentSet& set, std::size_t level, std::size_t cluster,
+void write_cluster_extras(JsonText& json, const Hierarchy& hierarchy, std::size_t level, std::size_t cluster,
                           const GltfOptions& options) {
-  const Cluster& c = set.hierarchy.levels[level].clusters[cluster];
+  const Cluster& c = hierarchy.levels[level].clusters[cluster];
   json.begin_object().member("cluster", c.id).member("level", level);
-  write_parent(json, set.hierarchy, level, c.parent);
+  write_parent(json, hierarchy, level, c.parent);
   json.member("fragments", c.fragments)
       .member("volume", c.volume)
       .member("mass", c.volume * options.density)
@@ -150,9 +134,9 @@ void write_cluster_extras(JsonText& json, const FragmentSet& set, std::size_t le
       .end_object();
 }
 
-nlohmann::json fracture_extras(const FragmentSet& fragments, const GltfOptions& options) {
+nlohmann::json fracture_extras(const FracturedSolid& fractured, const GltfOptions& options) {
   JsonText json;
-  write_root_extras(json, fragments, options);
+  write_root_extras(json, fractured, options);
   return nlohmann::json::parse(json.text());
 }
 

@@ -4,9 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "common/fragment/fragments.hpp"
 #include "common/gltf/gltf_writer.hpp"
 #include "common/gltf/json_text.hpp"
+#include "common/pipeline/fractured_solid.hpp"
 
 namespace fracture {
 
@@ -14,15 +14,15 @@ namespace fracture {
 /// strength (N)}, levels}: one entry for each level above the fragments, coarsest first, {level, id, parent,
 /// fragments, volume, mass, center_of_mass, bonds}, its figures in columns; absent without a hierarchy; with
 /// a delta `delta {new, changed, gone}`, ids.
-void write_root_extras(JsonText& json, const FragmentSet& fragments, const GltfOptions& options);
+void write_root_extras(JsonText& json, const FracturedSolid& fractured, const GltfOptions& options);
 
 /// {id, volume, mass, area, exterior_area, center_of_mass, level, parent, anchored, part, sites}
-void write_fragment_extras(JsonText& json, const FragmentSet& set, std::size_t index,
+void write_fragment_extras(JsonText& json, const FracturedSolid& fractured, std::size_t index,
                            const GltfOptions& options);
 
 /// {cluster, level, parent, fragments, volume, mass, center_of_mass}. Its id is called `cluster`: only
 /// fragments have an `id`.
-void write_cluster_extras(JsonText& json, const FragmentSet& set, std::size_t level, std::size_t cluster,
+void write_cluster_extras(JsonText& json, const Hierarchy& hierarchy, std::size_t level, std::size_t cluster,
                           const GltfOptions& options);
 
 }  // namespace fracture

@@ -45,6 +45,14 @@ void check(const Fragment& f, Pacer& pacer) {
                         " indices, primitives cover " + std::to_string(covered));
 }
 
+void check_companions(const FracturedSolid& fractured) {
+  for (const std::size_t size : {fractured.hulls.of_fragment.size(), fractured.anchored.held.size(),
+                                 fractured.hierarchy.cluster_of_fragment.size()})
+    if (size != 0 && size != fractured.set.fragments.size())
+      throw InternalError("a companion of " + std::to_string(size) + " fragments for a set of " +
+                          std::to_string(fractured.set.fragments.size()));
+}
+
 void write_asset(JsonText& json, const FragmentSet& set, const GltfOptions& options) {
   json.key("asset").begin_object().member("version", "2.0");
   json.member("generator", "fracture, algorithm " + std::to_string(options.algorithm));
@@ -92,23 +100,27 @@ void write_document_extensions(JsonText& json, const FragmentSet& set, const Glt
   }
 }
 
-void write_root(JsonText& json, const FragmentSet& set, const GltfOptions& options, const SceneLayout& layout,
-                const ClusterNodes& clusters, std::size_t whole) {
+/// Where in the text the figures of the whole stand.
+TextRange write_root(JsonText& json, const FracturedSolid& fractured, const GltfOptions& options,
+                     const SceneLayout& layout, const ClusterNodes& clusters, std::size_t whole) {
   json.begin_object().member("name", "Fracture");
-  if (!set.fragments.empty()) {
+  if (!fractured.set.fragments.empty()) {
     json.key("children").begin_array();
     for (const std::size_t node : clusters.roots()) json.value(node);
     for (std::size_t k = 0; k < whole; ++k) json.value(layout.node_count() + k);
     json.end_array();
   }
   json.key("extras").begin_object().key("fracture");
-  write_root_extras(json, set, options);
+  const std::size_t begin = json.text().size();
+  write_root_extras(json, fractured, options);
+  const TextRange figures{begin, json.text().size() - begin};
   json.end_object().end_object();
+  return figures;
 }
 
-void write_fragment(JsonText& json, const FragmentSet& set, std::size_t index, const GltfOptions& options,
-                    const SceneLayout& layout) {
-  const Fragment& f = set.fragments[index];
+void write_fragment(JsonText& json, const FracturedSolid& fractured, std::size_t index,
+                    const GltfOptions& options, const SceneLayout& layout) {
+  const Fragment& f = fractured.set.fragments[index];
   json.begin_object().member("name", layout.name(index)).member("mesh", index);
   if (layout.children(index) > 0) {
     json.key("children").begin_array();
@@ -125,7 +137,7 @@ void write_fragment(JsonText& json, const FragmentSet& set, std::size_t index, c
     json.end_object();
   }
   json.key("extras").begin_object().key("fracture");
-  write_fragment_extras(json, set, index, options);
+  write_fragment_extras(json, fractured, index, options);
   json.end_object().end_object();
 }
 
@@ -142,15 +154,18 @@ void write_collider_nodes(JsonText& json, std::size_t fragment, const GltfOption
   }
 }
 
-void write_nodes(JsonText& json, const FragmentSet& set, const GltfOptions& options,
-                 const SceneLayout& layout, const std::vector<WholeNode>& whole, const Execution& execution) {
+/// Where in the text the figures of the whole stand.
+TextRange write_nodes(JsonText& json, const FracturedSolid& fractured, const GltfOptions& options,
+                      const SceneLayout& layout, const std::vector<WholeNode>& whole,
+                      const Execution& execution) {
   json.member("scene", 0).key("scenes").begin_array().begin_object();
   json.key("nodes").begin_array().value(0).end_array().end_object().end_array();
   json.key("nodes").begin_array();
-  const ClusterNodes clusters(set, layout.node_count() + whole.size(), execution);
-  write_root(json, set, options, layout, clusters, whole.size());
-  for (std::size_t k = 0; k < set.fragments.size(); ++k) write_fragment(json, set, k, options, layout);
-  for (std::size_t k = 0; k < set.fragments.size(); ++k) {
+  const std::size_t fragments = fractured.set.fragments.size();
+  const ClusterNodes clusters(fractured, layout.node_count() + whole.size(), execution);
+  const TextRange figures = write_root(json, fractured, options, layout, clusters, whole.size());
+  for (std::size_t k = 0; k < fragments; ++k) write_fragment(json, fractured, k, options, layout);
+  for (std::size_t k = 0; k < fragments; ++k) {
     write_collider_nodes(json, k, options, layout);
     write_ucx_nodes(json, k, layout);
   }
@@ -158,6 +173,7 @@ void write_nodes(JsonText& json, const FragmentSet& set, const GltfOptions& opti
     json.begin_object().member("name", whole[k].name).member("mesh", layout.mesh_count() + k).end_object();
   clusters.write(json, options);
   json.end_array();
+  return figures;
 }
 
 /// The source's materials, textures and samplers in source order, then the interior material.
@@ -183,72 +199,75 @@ void write_images(JsonText& json, const MaterialLibrary& library, Accessors& acc
   json.end_array();
 }
 
-void write_meshes(JsonText& json, const FragmentSet& set, const GltfOptions& options,
+void write_meshes(JsonText& json, const FracturedSolid& fractured, const GltfOptions& options,
                   const SceneLayout& layout, const std::vector<WholeNode>& whole, Accessors& accessors) {
+  const FragmentSet& set = fractured.set;
   if (set.fragments.empty()) return;
   MeshWriter writer(*set.source->library, options.interior_material, options.mesh_manifold, accessors);
   json.key("meshes").begin_array();
   for (std::size_t k = 0; k < set.fragments.size(); ++k) writer.write(json, set.fragments[k], layout.name(k));
   for (std::size_t k = 0; k < set.fragments.size(); ++k)
     for (std::size_t hull = 0; hull < layout.hulls(k); ++hull)
-      writer.write(json, set.fragments[k].hulls[hull], layout.hull_name(k, hull));
+      writer.write(json, fractured.hulls.of(k)[hull], layout.hull_name(k, hull));
   for (const WholeNode& node : whole) writer.write(json, node.mesh, node.name);
   json.end_array();
 }
 
 /// About as long as the text becomes, rather longer: a text that grows is moved.
-std::size_t expected_length(const FragmentSet& set, const SceneLayout& layout) {
+std::size_t expected_length(const FracturedSolid& fractured, const SceneLayout& layout) {
+  const FragmentSet& set = fractured.set;
   std::size_t hulls = 0, sites = 0, bonds = set.bonds.size(), clusters = 0;
   for (std::size_t k = 0; k < set.fragments.size(); ++k) {
     hulls += layout.hulls(k);
     sites += set.fragments[k].sites.size();
   }
-  for (const ClusterLevel& level : set.hierarchy.levels) {
+  for (const ClusterLevel& level : fractured.hierarchy.levels) {
     clusters += level.clusters.size();
     bonds += level.bonds.size();
   }
   return 4096 + 2400 * set.fragments.size() + 600 * hulls + 8 * sites + 200 * bonds + 800 * clusters;
 }
 
-using Pack = std::vector<std::uint8_t>(JsonText, std::vector<Accessors::View>&, std::size_t,
-                                       const Execution&);
+}  // namespace
 
-std::vector<std::uint8_t> write(const FragmentSet& set, const GltfOptions& options,
-                                const Execution& execution, Pack& pack) {
+GltfFile write_file(const FracturedSolid& fractured, const GltfOptions& options, OutputFormat format,
+                    const Execution& execution) {
+  const FragmentSet& set = fractured.set;
   const MaterialLibrary& library = *set.source->library;
   Pacer pacer(execution);
   for (const Fragment& f : set.fragments) check(f, pacer);
-  const SceneLayout layout(set, options, execution);
+  check_companions(fractured);
+  const SceneLayout layout(fractured, options, execution);
   const std::vector<WholeNode> whole = whole_nodes(set, layout, execution);
   for (const WholeNode& node : whole) check(node.mesh, pacer);
 
   JsonText json(execution);
-  json.reserve(expected_length(set, layout));
+  json.reserve(expected_length(fractured, layout));
   json.begin_object();
   write_asset(json, set, options);
   write_extensions_used(json, set, options, layout);
   write_string_array(json, "extensionsRequired", library.extensions_required);
   write_document_extensions(json, set, options, layout);
-  write_nodes(json, set, options, layout, whole, execution);
+  TextRange figures = write_nodes(json, fractured, options, layout, whole, execution);
   write_materials(json, library, options);
   Accessors accessors(execution);
-  write_meshes(json, set, options, layout, whole, accessors);
+  write_meshes(json, fractured, options, layout, whole, accessors);
   write_images(json, library, accessors);
   if (accessors.count() > 0) json.key("accessors").value_text(accessors.finish());
   const std::size_t buffer = write_views(json, accessors.views());
-  return pack(std::move(json), accessors.views(), buffer, execution);
+  const bool glb = format == OutputFormat::kGlb;
+  if (glb) figures.at += kGlbText;
+  return {(glb ? pack_glb : pack_gltf)(std::move(json), accessors.views(), buffer, execution), figures};
 }
 
-}  // namespace
-
-std::vector<std::uint8_t> write_glb(const FragmentSet& set, const GltfOptions& options,
+std::vector<std::uint8_t> write_glb(const FracturedSolid& fractured, const GltfOptions& options,
                                     const Execution& execution) {
-  return write(set, options, execution, pack_glb);
+  return write_file(fractured, options, OutputFormat::kGlb, execution).bytes;
 }
 
-std::vector<std::uint8_t> write_gltf(const FragmentSet& set, const GltfOptions& options,
+std::vector<std::uint8_t> write_gltf(const FracturedSolid& fractured, const GltfOptions& options,
                                      const Execution& execution) {
-  return write(set, options, execution, pack_gltf);
+  return write_file(fractured, options, OutputFormat::kGltf, execution).bytes;
 }
 
 }  // namespace fracture

@@ -21,8 +21,8 @@
 #include <vector>
 
 #include "common/base/execution.hpp"
-#include "common/fragment/fragments.hpp"
 #include "common/gltf/interior_material.hpp"
+#include "common/pipeline/fractured_solid.hpp"
 
 namespace fracture {
 
@@ -48,7 +48,7 @@ struct GltfOptions {
   std::string mesh_digest;       ///< "sha256:…" of the input bytes
   int algorithm = 1;             ///< version of the algorithm
   double density = 1000;         ///< kg/m³, for the mass of each fragment
-  /// Colliders need Fragment::hulls; a fragment without hulls is a body without a collider.
+  /// Colliders need FracturedSolid::hulls; a fragment without hulls is a body without a collider.
   Physics physics = Physics::kKhr;
   UeCollision ue_collision = UeCollision::kNone;
   double friction = 0.6;       ///< static and dynamic
@@ -60,14 +60,33 @@ struct GltfOptions {
   nlohmann::json interior_material = plain_interior_material();
 };
 
+/// How the fragments are written down.
+enum class OutputFormat {
+  kGlb,
+  kGltf,  ///< model/gltf+json: JSON text with the buffer in a data URI
+};
+
+/// Bytes of a file; none where `size` is 0.
+struct TextRange {
+  std::uint64_t at = 0, size = 0;
+};
+
+struct GltfFile {
+  std::vector<std::uint8_t> bytes;
+  TextRange figures;  ///< the `extras.fracture` object of the root node (fracture_extras.hpp)
+};
+
 /// Throws InternalError when a fragment contradicts its own description (attribute lengths, index ranges,
-/// primitives that do not cover the indices) or the file would pass 4 GiB; Interrupted.
-std::vector<std::uint8_t> write_glb(const FragmentSet& fragments, const GltfOptions& options,
+/// primitives that do not cover the indices), a companion has another number of
+/// fragments than the set, or the file would pass 4 GiB; Interrupted.
+GltfFile write_file(const FracturedSolid& fractured, const GltfOptions& options, OutputFormat format,
+                    const Execution& execution = {});
+/// The bytes alone. Throw as write_file().
+std::vector<std::uint8_t> write_glb(const FracturedSolid& fractured, const GltfOptions& options,
                                     const Execution& execution = {});
-/// The same as model/gltf+json: JSON text with the buffer in a data URI. Throws as write_glb.
-std::vector<std::uint8_t> write_gltf(const FragmentSet& fragments, const GltfOptions& options,
+std::vector<std::uint8_t> write_gltf(const FracturedSolid& fractured, const GltfOptions& options,
                                      const Execution& execution = {});
 /// The `extras.fracture` object of the root node (fracture_extras.hpp).
-nlohmann::json fracture_extras(const FragmentSet& fragments, const GltfOptions& options);
+nlohmann::json fracture_extras(const FracturedSolid& fractured, const GltfOptions& options);
 
 }  // namespace fracture

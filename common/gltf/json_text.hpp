@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/base/error.hpp"
 #include "common/base/pacer.hpp"
@@ -55,6 +56,11 @@ class JsonText {
   JsonText& value(const std::string& text) { return value(std::string_view(text)); }
   JsonText& value(const char* text) { return value(std::string_view(text)); }
   JsonText& value(const Vec3d& v) { return begin_array().value(v.x).value(v.y).value(v.z).end_array(); }
+  JsonText& value(const std::vector<std::string>& texts) {
+    begin_array();
+    for (const std::string& text : texts) value(text);
+    return end_array();
+  }
   JsonText& null() { return put("null"); }
   /// A finished document, in its own order of keys.
   JsonText& value(const nlohmann::json& document);

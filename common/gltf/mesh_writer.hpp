@@ -8,6 +8,7 @@
 #include "common/fragment/fragments.hpp"
 #include "common/gltf/accessors.hpp"
 #include "common/gltf/json_text.hpp"
+#include "common/physics/collision_hulls.hpp"
 
 namespace fracture {
 

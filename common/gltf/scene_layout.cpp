@@ -7,16 +7,19 @@
 
 namespace fracture {
 
-SceneLayout::SceneLayout(const FragmentSet& set, const GltfOptions& options, const Execution& execution)
+SceneLayout::SceneLayout(const FracturedSolid& fractured, const GltfOptions& options,
+                         const Execution& execution)
     : physics_(options.physics != Physics::kNone), ucx_(options.ue_collision == UeCollision::kUcx) {
   Pacer pacer(execution);
+  const FragmentSet& set = fractured.set;
   const std::size_t count = set.fragments.size();
   std::size_t mesh = count, most = 0;
   first_hull_.reserve(count + 1);
-  for (const Fragment& f : set.fragments) {
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t here = fractured.hulls.of(k).size();
     first_hull_.push_back(mesh);
-    if (physics_ || ucx_) mesh += f.hulls.size();
-    most = std::max(most, f.hulls.size());
+    if (physics_ || ucx_) mesh += here;
+    most = std::max(most, here);
   }
   first_hull_.push_back(mesh);
   digits_ = std::max<std::size_t>(2, std::to_string(std::max<std::size_t>(most, 1) - 1).size());

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "common/fragment/fragments.hpp"
 #include "common/gltf/collision_systems.hpp"
 #include "common/gltf/gltf_writer.hpp"
 
@@ -15,7 +14,7 @@ namespace fracture {
 class SceneLayout {
  public:
   /// Throws Interrupted.
-  SceneLayout(const FragmentSet& set, const GltfOptions& options, const Execution& execution);
+  SceneLayout(const FracturedSolid& fractured, const GltfOptions& options, const Execution& execution);
 
   const std::string& name(std::size_t fragment) const { return names_[fragment]; }
   /// Of mesh and node: "UCX_<fragment>_00" for Unreal, else "<fragment>_00_hull".

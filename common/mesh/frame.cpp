@@ -30,7 +30,25 @@ void turn(Vector& v) {
 
 }  // namespace
 
-Expected<nlohmann::json> to_metres_y_up(Mesh& mesh, const FrameOptions& options) {
+const char* name_of(FrameReport::From from) {
+  switch (from) {
+    case FrameReport::From::kRequest:
+      return "request";
+    case FrameReport::From::kFile:
+      return "file";
+    default:
+      return "assumed";
+  }
+}
+
+void to_json(nlohmann::json& document, const FrameReport& frame) {
+  document = {{"metres_per_unit", frame.metres_per_unit},
+              {"unit_from", name_of(frame.unit_from)},
+              {"up", frame.z_up ? "z" : "y"},
+              {"up_from", name_of(frame.up_from)}};
+}
+
+Expected<FrameReport> to_metres_y_up(Mesh& mesh, const FrameOptions& options) {
   const bool unit_asked = options.unit != LengthUnit::kFromFile, up_asked = options.up != UpAxis::kFromFile;
   const double metres = unit_asked ? metres_of(options.unit) : mesh.frame.metres;
   const bool z_up = up_asked ? options.up == UpAxis::kZ : mesh.frame.z_up;
@@ -51,11 +69,14 @@ Expected<nlohmann::json> to_metres_y_up(Mesh& mesh, const FrameOptions& options)
     for (Vec3f& n : mesh.attributes.normals) turn(n);
     for (Vec4f& t : mesh.attributes.tangents) turn(t);
   }
-  const auto from = [](bool asked, bool stated) { return asked ? "request" : stated ? "file" : "assumed"; };
-  nlohmann::json report = {{"metres_per_unit", metres},
-                           {"unit_from", from(unit_asked, mesh.frame.metres_stated)},
-                           {"up", z_up ? "z" : "y"},
-                           {"up_from", from(up_asked, mesh.frame.up_stated)}};
+  using From = FrameReport::From;
+  const auto from = [](bool asked, bool stated) {
+    return asked ? From::kRequest : stated ? From::kFile : From::kAssumed;
+  };
+  const FrameReport report{.metres_per_unit = metres,
+                           .unit_from = from(unit_asked, mesh.frame.metres_stated),
+                           .z_up = z_up,
+                           .up_from = from(up_asked, mesh.frame.up_stated)};
   mesh.frame = {.metres = 1, .metres_stated = true, .z_up = false, .up_stated = true};
   return report;
 }

@@ -17,10 +17,24 @@ struct FrameOptions {
   UpAxis up = UpAxis::kFromFile;
 };
 
+/// What was assumed of a file's coordinates.
+struct FrameReport {
+  enum class From { kAssumed, kFile, kRequest };
+
+  double metres_per_unit = 1;
+  From unit_from = From::kAssumed;
+  bool z_up = false;  ///< else y
+  From up_from = From::kAssumed;
+  bool operator==(const FrameReport&) const = default;
+};
+/// "assumed", "file" or "request".
+const char* name_of(FrameReport::From from);
+/// {metres_per_unit, unit_from, up, up_from}
+void to_json(nlohmann::json& document, const FrameReport& frame);
+
 /// Rescales and turns the mesh (positions, normals, tangents): z up becomes y up by a quarter turn about x,
 /// which is exact; a unit other than the metre rounds each coordinate once. Afterwards frame says metres and
-/// y up. Returns what was assumed, for the report: {metres_per_unit, unit_from, up, up_from}, where *_from is
-/// "request", "file" or "assumed". kNotFinite (with the vertex) when a rescaled coordinate overflows.
-Expected<nlohmann::json> to_metres_y_up(Mesh& mesh, const FrameOptions& options);
+/// y up. Returns what was assumed. kNotFinite (with the vertex) when a rescaled coordinate overflows.
+Expected<FrameReport> to_metres_y_up(Mesh& mesh, const FrameOptions& options);
 
 }  // namespace fracture

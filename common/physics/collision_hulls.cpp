@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <utility>
 
 #include "common/physics/convex_hull.hpp"
 
@@ -69,39 +70,47 @@ void inset(CollisionHull& hull) {
   }
 }
 
-void add_hull(std::span<const Vec3f> points, ConvexHullBuilder& builder, Fragment& f,
+void add_hull(std::span<const Vec3f> points, ConvexHullBuilder& builder, FragmentHulls& out,
               const Execution& execution) {
   const Triangles& triangles = builder.build(points, kMaxHullPoints, execution);
-  f.simplified_hulls += builder.stopped_early();
+  out.simplified += builder.stopped_early();
   if (triangles.empty()) {
-    ++f.flat_hulls;
-    f.hulls.push_back(stand_in(points));
+    ++out.flat;
+    out.hulls.push_back(stand_in(points));
     return;
   }
-  f.hulls.push_back(compact(points, triangles));
+  out.hulls.push_back(compact(points, triangles));
   execution.poll();
-  inset(f.hulls.back());
+  inset(out.hulls.back());
 }
 
 }  // namespace
 
-HullReport add_collision_hulls(FragmentSet& set, const Execution& execution) {
+HullReport CollisionHulls::report() const {
+  HullReport sum;
+  for (const FragmentHulls& f : of_fragment) {
+    sum.hulls += static_cast<std::uint32_t>(f.hulls.size());
+    sum.flat += f.flat;
+    sum.simplified += f.simplified;
+  }
+  return sum;
+}
+
+CollisionHulls make_collision_hulls(const FragmentSet& set, CollisionHulls known,
+                                    const Execution& execution) {
+  CollisionHulls out = std::move(known);
+  out.of_fragment.resize(set.fragments.size());
   parallel_for(execution, set.fragments.size(), 8, [&](std::size_t begin, std::size_t end) {
     ConvexHullBuilder builder;
     for (std::size_t k = begin; k < end; ++k) {
-      Fragment& f = set.fragments[k];
-      if (!f.hulls.empty() || f.positions.empty()) continue;
-      if (f.bodies.empty()) add_hull(f.positions, builder, f, execution);
-      for (const std::vector<Vec3f>& body : f.bodies) add_hull(body, builder, f, execution);
+      const Fragment& f = set.fragments[k];
+      FragmentHulls& hulls = out.of_fragment[k];
+      if (!hulls.hulls.empty() || f.positions.empty()) continue;
+      if (f.bodies.empty()) add_hull(f.positions, builder, hulls, execution);
+      for (const std::vector<Vec3f>& body : f.bodies) add_hull(body, builder, hulls, execution);
     }
   });
-  HullReport report;
-  for (const Fragment& f : set.fragments) {
-    report.hulls += static_cast<std::uint32_t>(f.hulls.size());
-    report.flat += f.flat_hulls;
-    report.simplified += f.simplified_hulls;
-  }
-  return report;
+  return out;
 }
 
 }  // namespace fracture

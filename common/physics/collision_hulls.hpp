@@ -4,7 +4,10 @@
 // solver at spawn).
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "common/base/execution.hpp"
@@ -22,14 +25,37 @@ inline constexpr double kHullInset = 4e-4;
 /// inset by more than the rounding of its coordinates, and a splinter keeps its shape.
 inline constexpr double kLeastHullShrink = 0.001, kMostHullShrink = 0.25;
 
-struct HullReport {
-  std::uint32_t hulls = 0;
+/// A convex hull for physics engines, in the fragment's local frame.
+struct CollisionHull {
+  std::vector<Vec3f> points;                            ///< at most 255
+  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise from outside
+};
+
+/// Of one fragment.
+struct FragmentHulls {
+  std::vector<CollisionHull> hulls;  ///< one for each body (member cell)
   std::uint32_t flat = 0;        ///< bodies too thin for a hull (1e-5 of their extent): a small box stands in
   std::uint32_t simplified = 0;  ///< had more than kMaxHullPoints extreme points: some were left out
 };
 
-/// Fills Fragment::hulls of every fragment that has none: one hull for each body (member cell), in the
-/// fragment's local frame. The report is about those of all fragments. Throws Interrupted.
-HullReport add_collision_hulls(FragmentSet& set, const Execution& execution);
+struct HullReport {
+  std::uint32_t hulls = 0, flat = 0, simplified = 0;  ///< as FragmentHulls has them
+  bool operator==(const HullReport&) const = default;
+};
+
+/// A companion of a FragmentSet.
+struct CollisionHulls {
+  std::vector<FragmentHulls> of_fragment;  ///< one for each, or empty: none were asked for
+
+  std::span<const CollisionHull> of(std::size_t fragment) const {
+    if (of_fragment.empty()) return {};
+    return of_fragment[fragment].hulls;
+  }
+  HullReport report() const;
+};
+
+/// One hull for each body, in the fragment's local frame, of every fragment that has a shape and no hulls in
+/// `known`, which may be empty. Throws Interrupted.
+CollisionHulls make_collision_hulls(const FragmentSet& set, CollisionHulls known, const Execution& execution);
 
 }  // namespace fracture

@@ -10,57 +10,12 @@
 
 #include "common/fragment/assemble.hpp"
 #include "common/fragment/make_fragments.hpp"
+#include "common/pipeline/difference.hpp"
 #include "common/pipeline/fracture_steps.hpp"
 #include "common/solid/image.hpp"
-#include "common/structure/keep_changed.hpp"
 
 namespace fracture {
 namespace {
-
-/// Everything that is written of a fragment.
-bool same_shape(const Fragment& a, const Fragment& b) {
-  const auto same_primitive = [](const FragmentPrimitive& x, const FragmentPrimitive& y) {
-    return x.material == y.material && x.first_index == y.first_index && x.index_count == y.index_count;
-  };
-  return a.pivot == b.pivot && a.mass.volume == b.mass.volume && a.mass.area == b.mass.area &&
-         a.mass.center_of_mass == b.mass.center_of_mass && a.mass.inertia == b.mass.inertia &&
-         a.exterior_area == b.exterior_area && a.sites == b.sites && a.positions == b.positions &&
-         a.indices == b.indices && a.topology == b.topology &&
-         std::equal(a.primitives.begin(), a.primitives.end(), b.primitives.begin(), b.primitives.end(),
-                    same_primitive) &&
-         a.attributes.normals == b.attributes.normals && a.attributes.tangents == b.attributes.tangents &&
-         a.attributes.uvs == b.attributes.uvs && a.attributes.colors == b.attributes.colors;
-}
-
-/// `kept(k)`: is fragment k of `after` one of `before` as it was?
-template <class Kept>
-Delta difference(const FracturedBase& before, const std::vector<Fragment>& after, const Kept& kept,
-                 const Execution& execution) {
-  Pacer pacer(execution);
-  std::unordered_map<std::uint64_t, std::uint32_t> place;  // only looked up
-  place.reserve(before.fragments.size());
-  for (std::uint32_t k = 0; k < before.fragments.size(); ++k) {
-    pacer.step(16);
-    place.emplace(before.fragments[k].fragment->id, k);
-  }
-  std::vector<char> still(before.fragments.size(), 0);
-  Delta delta;
-  for (std::uint32_t k = 0; k < after.size(); ++k) {
-    pacer.step(16);
-    const auto at = place.find(after[k].id);
-    if (at == place.end()) {
-      delta.added.push_back(after[k].id);
-      continue;
-    }
-    still[at->second] = 1;
-    if (!kept(k) && !same_shape(*before.fragments[at->second].fragment, after[k]))
-      delta.changed.push_back(after[k].id);
-  }
-  for (std::uint32_t k = 0; k < still.size(); ++k)
-    if (!still[k]) delta.gone.push_back(before.fragments[k].fragment->id);
-  clear_nodes(pacer, place);
-  return delta;
-}
 
 /// The sites of the new hits in the tetrahedralization of the base, and what they change.
 struct Insertion {
@@ -169,16 +124,18 @@ class Splicer {
   void fill(std::vector<Fragment> made, bool only_changed, CutCells& out) const {
     std::vector<Fragment>& all = out.set.fragments;
     all.resize(from_base_.size());
+    out.hulls.of_fragment.resize(all.size());
     std::size_t next = 0;
     for (std::uint32_t k = 0; k < all.size(); ++k) {
       if (from_base_[k] == kNoIndex) {
         all[k] = std::move(made[next++]);
         continue;
       }
-      const Fragment& known = *base_.fragments[from_base_[k]].fragment;
+      const FracturedBase::Known& base = *base_.fragments[from_base_[k]];
+      const Fragment& known = base.fragment;
       if (!only_changed) {
         all[k] = known;
-        all[k].anchored = false;
+        out.hulls.of_fragment[k] = base.hulls;
         continue;
       }
       all[k].id = known.id;
@@ -189,9 +146,9 @@ class Splicer {
       all[k].surface_area = known.surface_area;
       all[k].cap_sum = known.cap_sum;
       out.further_triangles += known.indices.size() / 3;
-      out.further_hulls.hulls += static_cast<std::uint32_t>(known.hulls.size());
-      out.further_hulls.flat += known.flat_hulls;
-      out.further_hulls.simplified += known.simplified_hulls;
+      out.further_hulls.hulls += static_cast<std::uint32_t>(base.hulls.hulls.size());
+      out.further_hulls.flat += base.hulls.flat;
+      out.further_hulls.simplified += base.hulls.simplified;
     }
   }
 
@@ -199,8 +156,8 @@ class Splicer {
     std::vector<double> all(from_base_.size());
     std::size_t next = 0;
     for (std::uint32_t k = 0; k < all.size(); ++k)
-      all[k] =
-          from_base_[k] == kNoIndex ? made_.volumes_file[next++] : base_.fragments[from_base_[k]].volume_file;
+      all[k] = from_base_[k] == kNoIndex ? made_.volumes_file[next++]
+                                         : base_.fragments[from_base_[k]]->volume_file;
     return all;
   }
 
@@ -260,6 +217,13 @@ bool ids_collide(const std::vector<Fragment>& fragments) {
   return std::adjacent_find(ids.begin(), ids.end()) != ids.end();
 }
 
+std::shared_ptr<const FracturedBase::Known> known(const FracturedSolid& answer, std::uint32_t fragment,
+                                                  double volume_file) {
+  const std::vector<FragmentHulls>& hulls = answer.hulls.of_fragment;
+  return std::make_shared<const FracturedBase::Known>(FracturedBase::Known{
+      answer.set.fragments[fragment], hulls.empty() ? FragmentHulls() : hulls[fragment], volume_file});
+}
+
 /// Nothing where a piece would have to be united or dropped, or what was kept does not prove itself with what
 /// is new.
 std::optional<KeptAnswer> splice(const SeenSolid& whole, const FracturedBase& base, Insertion in,
@@ -296,19 +260,18 @@ std::optional<KeptAnswer> splice(const SeenSolid& whole, const FracturedBase& ba
   state_lattice(r, cut.set);
   next.bonds = cut.set.bonds;
 
-  Expected<FragmentSet> completed = complete(solid, in.diagram, parameters, std::move(cut), execution);
+  Expected<FracturedSolid> completed = complete(solid, in.diagram, parameters, std::move(cut), execution);
   if (!completed) return std::nullopt;  // the whole, made from nothing, has the last word
   KeptAnswer out;
-  out.set = std::move(*completed);
+  out.fractured = std::move(*completed);
+  FragmentSet& set = out.fractured.set;
   const std::vector<std::uint32_t>& from_base = splicer.from_base();
-  out.set.delta = difference(
-      base, out.set.fragments, [&](std::uint32_t k) { return from_base[k] != kNoIndex; }, execution);
+  out.fractured.delta = difference(
+      base, set.fragments, [&](std::uint32_t k) { return from_base[k] != kNoIndex; }, execution);
 
   for (std::uint32_t k = 0; k < from_base.size(); ++k)
-    next.fragments.push_back({from_base[k] != kNoIndex
-                                  ? base.fragments[from_base[k]].fragment
-                                  : std::make_shared<const Fragment>(out.set.fragments[k]),
-                              volumes_file[k]});
+    next.fragments.push_back(from_base[k] != kNoIndex ? base.fragments[from_base[k]]
+                                                      : known(out.fractured, k, volumes_file[k]));
   next.first_of = std::move(made->first_of);
   for (InnerVertex v : base.inner_vertices) {
     v.tet = in.tet_now[v.tet];
@@ -319,9 +282,9 @@ std::optional<KeptAnswer> splice(const SeenSolid& whole, const FracturedBase& ba
   }
   next.inner_vertices.insert(next.inner_vertices.end(), r.winding.inner_vertices.begin(),
                              r.winding.inner_vertices.end());
-  next.local = out.set.certificate.crossing_caps == 0;
+  next.local = set.certificate.crossing_caps == 0;
   next.diagram = std::move(in.diagram);
-  if (only_changed) keep_changed(out.set, execution);
+  if (only_changed) keep_changed(out.fractured, execution);
   out.base = std::move(next);
   return out;
 }
@@ -353,13 +316,13 @@ Expected<KeptAnswer> fracture_and_keep(const Solid& solid, Diagram diagram,
                  c.dropped == 0 && c.crossing_caps == 0;
     base.bonds = cut->set.bonds;
     KeptAnswer out;
-    Expected<FragmentSet> completed = complete(solid, diagram, parameters, std::move(*cut), execution);
+    Expected<FracturedSolid> completed = complete(solid, diagram, parameters, std::move(*cut), execution);
     if (!completed) return tl::unexpected(std::move(completed.error()));
-    out.set = std::move(*completed);
-    for (const Fragment& f : out.set.fragments)
-      base.fragments.push_back({std::make_shared<const Fragment>(f), file_volume(f, execution).volume});
-    if (base.local)
-      base.first_of = ranges_by_site(out.set.fragments, diagram.tetrahedralization.site_count());
+    out.fractured = std::move(*completed);
+    const std::vector<Fragment>& fragments = out.fractured.set.fragments;
+    for (std::uint32_t k = 0; k < fragments.size(); ++k)
+      base.fragments.push_back(known(out.fractured, k, file_volume(fragments[k], execution).volume));
+    if (base.local) base.first_of = ranges_by_site(fragments, diagram.tetrahedralization.site_count());
     base.diagram = std::move(diagram);
     out.base = std::move(base);
     return out;
@@ -394,9 +357,10 @@ Expected<KeptAnswer> fracture_delta(const Solid& solid, const FracturedBase& bas
   Expected<KeptAnswer> whole = fracture_and_keep(solid, parameters, execution, timings);
   if (!whole) return whole;
   return stage(timings, execution, Stage::kClip, [&]() -> Expected<KeptAnswer> {
-    whole->set.delta = difference(
-        base, whole->set.fragments, [](std::uint32_t) { return false; }, execution);
-    if (new_hits.only_changed) keep_changed(whole->set, execution);
+    FracturedSolid& fractured = whole->fractured;
+    fractured.delta = difference(
+        base, fractured.set.fragments, [](std::uint32_t) { return false; }, execution);
+    if (new_hits.only_changed) keep_changed(fractured, execution);
     return std::move(*whole);
   });
 }

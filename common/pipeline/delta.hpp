@@ -28,10 +28,12 @@ struct FracturedBase {
   SurfaceLabels surface;
   std::vector<InnerVertex> inner_vertices;
   struct Known {
-    std::shared_ptr<const Fragment> fragment;  ///< shared with the answers before and after it
-    double volume_file;                        ///< m³, as the certificate sums it
+    Fragment fragment;
+    FragmentHulls hulls;  ///< none where none were asked for
+    double volume_file;   ///< m³, as the certificate sums it
   };
-  std::vector<Known> fragments;         ///< in the order of the answer
+  /// In the order of the answer; shared with the answers before and after it.
+  std::vector<std::shared_ptr<const Known>> fragments;
   std::vector<std::uint32_t> first_of;  ///< per site + 1: range of `fragments`; empty where not `local`
   std::vector<Bond> bonds;
   /// Hits can be local: every fragment is a piece of one cell, nothing was united, dropped, kept, split or
@@ -40,7 +42,7 @@ struct FracturedBase {
 };
 
 struct KeptAnswer {
-  FragmentSet set;
+  FracturedSolid fractured;
   FracturedBase base;  ///< for hits on this answer
 };
 
@@ -62,7 +64,7 @@ Expected<KeptAnswer> fracture_and_keep(const Solid& solid, const FractureParamet
 /// The parameters without their last hits.
 FractureParameters before_hits(FractureParameters parameters, std::uint32_t new_hits);
 
-/// The answer to `parameters`, where `base` is the answer to before_hits() of them; with FragmentSet::delta.
+/// The answer to `parameters`, where `base` is the answer to before_hits() of them; with FracturedSolid::delta.
 /// Errors of make_diagram() and fracture().
 Expected<KeptAnswer> fracture_delta(const Solid& solid, const FracturedBase& base,
                                     const FractureParameters& parameters, const NewHits& new_hits,

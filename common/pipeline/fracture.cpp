@@ -11,7 +11,7 @@
 #include "common/pipeline/barycentric.hpp"
 #include "common/pipeline/fracture_steps.hpp"
 #include "common/pipeline/lloyd.hpp"
-#include "common/pipeline/report.hpp"
+#include "common/pipeline/make_report.hpp"
 #include "common/pipeline/rough_cells.hpp"
 #include "common/pipeline/soundness.hpp"
 #include "common/solid/image.hpp"
@@ -128,28 +128,29 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
   return cut;
 }
 
-Expected<FragmentSet> complete(const Solid& solid, const Diagram& diagram,
-                               const FractureParameters& parameters, CutCells cut,
-                               const Execution& execution) {
+Expected<FracturedSolid> complete(const Solid& solid, const Diagram& diagram,
+                                  const FractureParameters& parameters, CutCells cut,
+                                  const Execution& execution) {
   execution.reaches(1);
-  FragmentSet set = std::move(cut.set);
+  FracturedSolid out;
+  FragmentSet& set = out.set;
+  set = std::move(cut.set);
   const Promise promise = parameters.dual == Dual::kBarycenter ? Promise::kClosed : Promise::kPartition;
   if (const Verdict verdict = judge(set, solid, promise); !verdict.sound())
     return tl::unexpected(unsound(verdict, set.certificate));
-  set.hierarchy = make_hierarchy(set, parameters.levels, execution);
-  std::uint32_t anchored = 0;
-  if (parameters.anchors.any()) anchored = mark_anchored(set, parameters.anchors, execution);
-  HullReport hulls;
-  if (parameters.hulls == Hulls::kConvex) hulls = add_collision_hulls(set, execution);
+  out.hierarchy = make_hierarchy(set, parameters.levels, execution);
+  if (parameters.anchors.any()) out.anchored = find_anchored(set, parameters.anchors, execution);
+  if (parameters.hulls == Hulls::kConvex)
+    out.hulls = make_collision_hulls(set, std::move(cut.hulls), execution);
   set.certificate.sites_asked = static_cast<std::uint32_t>(diagram.sites.size());
-  set.report = make_report(solid, diagram, parameters, cut, anchored, hulls, set);
-  return set;
+  out.report = make_report(solid, diagram, parameters, cut, out.anchored.count, out.hulls.report(), set);
+  return out;
 }
 
-Expected<FragmentSet> fracture(const Solid& solid, const Diagram& diagram,
-                               const FractureParameters& parameters, const Execution& execution,
-                               StageTimings& timings) {
-  return stage(timings, execution, Stage::kClip, [&]() -> Expected<FragmentSet> {
+Expected<FracturedSolid> fracture(const Solid& solid, const Diagram& diagram,
+                                  const FractureParameters& parameters, const Execution& execution,
+                                  StageTimings& timings) {
+  return stage(timings, execution, Stage::kClip, [&]() -> Expected<FracturedSolid> {
     Expected<CutCells> cut = cut_cells(solid, diagram, parameters, execution);
     if (!cut) return tl::unexpected(cut.error());
     return complete(solid, diagram, parameters, std::move(*cut), execution);

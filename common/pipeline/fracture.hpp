@@ -14,7 +14,7 @@
 #include "common/base/execution.hpp"
 #include "common/base/timings.hpp"
 #include "common/delaunay/tetrahedralization.hpp"
-#include "common/fragment/fragments.hpp"
+#include "common/pipeline/fractured_solid.hpp"
 #include "common/pipeline/keep_region.hpp"
 #include "common/pipeline/local_impact.hpp"
 #include "common/pipeline/split_large.hpp"
@@ -78,8 +78,8 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
 
 /// Cuts the solid by the diagram. Errors: kNoFragments, kUnsound, kBadParameter (`dual`: barycentric cells
 /// know no map), an interruption.
-Expected<FragmentSet> fracture(const Solid& solid, const Diagram& diagram,
-                               const FractureParameters& parameters, const Execution& execution,
-                               StageTimings& timings);
+Expected<FracturedSolid> fracture(const Solid& solid, const Diagram& diagram,
+                                  const FractureParameters& parameters, const Execution& execution,
+                                  StageTimings& timings);
 
 }  // namespace fracture

@@ -36,6 +36,7 @@ auto stage(StageTimings& timings, const Execution& execution, Stage which, const
 /// Cells as fragments: with bonds, certificate and lattice, without what complete() adds.
 struct CutCells {
   FragmentSet set;
+  CollisionHulls hulls;           ///< those that are known already
   std::size_t kept = 0;           ///< cells that FractureParameters::keep keeps together
   bool grouped = false;           ///< some fragment has several cells
   BarycentricResult barycentric;  ///< its figures, with Dual::kBarycenter
@@ -54,10 +55,10 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
                              const Execution& execution,
                              const std::function<void(const RestrictedDiagram&)>& inspect = {});
 
-/// Judges the fragments and adds the hierarchy, anchors, hulls (to fragments that have none, but have a
-/// shape) and the report. Every answer leaves the pipeline through here. Error: kUnsound. Throws Interrupted.
-Expected<FragmentSet> complete(const Solid& solid, const Diagram& diagram,
-                               const FractureParameters& parameters, CutCells cut,
-                               const Execution& execution);
+/// Judges the fragments and puts their companions beside them: hierarchy, anchors, hulls (of fragments that
+/// have none, but have a shape) and the report. Every answer leaves the pipeline through here. Error: kUnsound. Throws Interrupted.
+Expected<FracturedSolid> complete(const Solid& solid, const Diagram& diagram,
+                                  const FractureParameters& parameters, CutCells cut,
+                                  const Execution& execution);
 
 }  // namespace fracture

@@ -9,29 +9,30 @@
 
 namespace fracture {
 
-Expected<FragmentSet> fracture_again(const Solid& solid, const Diagram& diagram,
-                                     const FractureParameters& parameters, const Refracture& again,
-                                     const Execution& execution, StageTimings& timings) {
+Expected<FracturedSolid> fracture_again(const Solid& solid, const Diagram& diagram,
+                                        const FractureParameters& parameters, const Refracture& again,
+                                        const Execution& execution, StageTimings& timings) {
   FractureParameters before = parameters;
   before.hulls = Hulls::kNone;
   before.pivot = Pivot::kSource;
   before.levels.clear();
   before.anchors = {};
-  Expected<FragmentSet> whole = [&] {
+  const Expected<FracturedSolid> fractured = [&] {
     const StageProgress::Part part(execution.within, 0.7);
     return fracture(solid, diagram, before, execution, timings);
   }();
-  if (!whole) return whole;
-  const auto at = std::find_if(whole->fragments.begin(), whole->fragments.end(),
+  if (!fractured) return tl::unexpected(fractured.error());
+  const FragmentSet& whole = fractured->set;
+  const auto at = std::find_if(whole.fragments.begin(), whole.fragments.end(),
                                [&](const Fragment& f) { return f.id == again.fragment; });
-  if (at == whole->fragments.end())
+  if (at == whole.fragments.end())
     return fail(ErrorCode::kNoSuchFragment,
-                "The answer to these parameters has " + std::to_string(whole->fragments.size()) +
+                "The answer to these parameters has " + std::to_string(whole.fragments.size()) +
                     " fragments; none has the id " + std::to_string(again.fragment) +
                     ". Ids are a function of the sites: give the parameters of the answer that has it.",
                 "fragment");
   auto mesh = std::make_shared<Mesh>(
-      fragment_mesh(*whole, static_cast<std::size_t>(at - whole->fragments.begin()), execution));
+      fragment_mesh(whole, static_cast<std::size_t>(at - whole.fragments.begin()), execution));
   Expected<Solid> fragment = make_solid(std::move(mesh), {}, execution);
   if (!fragment) return tl::unexpected(fragment.error());
 
@@ -45,9 +46,9 @@ Expected<FragmentSet> fracture_again(const Solid& solid, const Diagram& diagram,
   parts.anchors = parameters.anchors;
   const Expected<Diagram> finer = make_diagram(*fragment, parts, execution, timings);
   if (!finer) return tl::unexpected(finer.error());
-  Expected<FragmentSet> set = fracture(*fragment, *finer, parts, execution, timings);
-  if (set) set->report["fragment"] = {{"id", again.fragment}, {"volume", at->mass.volume}};
-  return set;
+  Expected<FracturedSolid> made = fracture(*fragment, *finer, parts, execution, timings);
+  if (made) made->report.fragment = {again.fragment, at->mass.volume};
+  return made;
 }
 
 }  // namespace fracture

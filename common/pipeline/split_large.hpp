@@ -16,6 +16,7 @@ struct Diagram;
 struct SplitFigures {
   std::uint32_t sites_added = 0, passes = 0;
   std::uint32_t too_large = 0;  ///< pieces above the volume when the passes or the sites ran out
+  bool operator==(const SplitFigures&) const = default;
 };
 
 /// How often the cells are measured and divided again. There are at most kMaxPatternSites sites in the end.

@@ -1,3 +1,5 @@
+#include <type_traits>
+
 #include "common/solid/solid.hpp"
 
 namespace fracture {
@@ -9,30 +11,17 @@ void SolidReport::add_sample(const char* figure, const Vec3f& place) {
 }
 
 nlohmann::json SolidReport::to_json() const {
-  nlohmann::json places = nlohmann::json::object();
-  for (const Sample& sample : samples)
-    places[sample.figure] = {sample.place.x, sample.place.y, sample.place.z};
-  return {{"source_triangles", source_triangles},
-          {"source_vertices", source_vertices},
-          {"welded", welded},
-          {"welded_tolerant", welded_tolerant},
-          {"degenerate_dropped", degenerate_dropped},
-          {"duplicates_dropped", duplicates_dropped},
-          {"flipped", flipped},
-          {"open_edges", open_edges},
-          {"nonmanifold_edges", nonmanifold_edges},
-          {"holes_filled", holes_filled},
-          {"fill_triangles", fill_triangles},
-          {"filled_area", filled_area},
-          {"sheets_thickened", sheets_thickened},
-          {"shells", shells},
-          {"parts", parts},
-          {"cavities", cavities},
-          {"shells_dropped", shells_dropped},
-          {"volume", volume},
-          {"area", area},
-          {"samples", std::move(places)},
-          {"notes", notes}};
+  nlohmann::json document;
+  each_figure([&](const char* name, const auto& figure) {
+    if constexpr (std::is_same_v<decltype(figure), const std::vector<Sample>&>) {
+      nlohmann::json& places = document[name] = nlohmann::json::object();
+      for (const Sample& sample : figure)
+        places[sample.figure] = {sample.place.x, sample.place.y, sample.place.z};
+    } else {
+      document[name] = figure;
+    }
+  });
+  return document;
 }
 
 }  // namespace fracture

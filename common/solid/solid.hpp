@@ -64,13 +64,41 @@ struct SolidReport {
   double area = 0;                   ///< m², of the kept source triangles and the fill
   std::vector<std::string> notes;    ///< sentences for people, each with a count and a sample place
   struct Sample {
-    std::string figure;  ///< the name of the figure above, as in to_json()
+    std::string figure;  ///< the name of the figure above, as each_figure() has it
     Vec3d place;
+    bool operator==(const Sample&) const = default;
   };
   std::vector<Sample> samples;  ///< one place for each kind of intervention: the first met
   /// Keeps the place unless the figure has one already.
   void add_sample(const char* figure, const Vec3f& place);
+
+  /// visit(name, figure) for all that is published, in the order of the names.
+  template <class Visit>
+  void each_figure(const Visit& visit) const {
+    visit("area", area);
+    visit("cavities", cavities);
+    visit("degenerate_dropped", degenerate_dropped);
+    visit("duplicates_dropped", duplicates_dropped);
+    visit("fill_triangles", fill_triangles);
+    visit("filled_area", filled_area);
+    visit("flipped", flipped);
+    visit("holes_filled", holes_filled);
+    visit("nonmanifold_edges", nonmanifold_edges);
+    visit("notes", notes);
+    visit("open_edges", open_edges);
+    visit("parts", parts);
+    visit("samples", samples);
+    visit("sheets_thickened", sheets_thickened);
+    visit("shells", shells);
+    visit("shells_dropped", shells_dropped);
+    visit("source_triangles", source_triangles);
+    visit("source_vertices", source_vertices);
+    visit("volume", volume);
+    visit("welded", welded);
+    visit("welded_tolerant", welded_tolerant);
+  }
   nlohmann::json to_json() const;
+  bool operator==(const SolidReport&) const = default;
 };
 
 struct Solid {

@@ -179,7 +179,7 @@ class AnchorTrees {
 
 }  // namespace
 
-std::uint32_t mark_anchored(FragmentSet& set, const Anchors& anchors, const Execution& execution) {
+AnchoredFragments find_anchored(const FragmentSet& set, const Anchors& anchors, const Execution& execution) {
   Pacer pacer(execution);
   Box box;
   for (const Fragment& f : set.fragments)
@@ -188,13 +188,14 @@ std::uint32_t mark_anchored(FragmentSet& set, const Anchors& anchors, const Exec
       box.add(to_double(p) + f.pivot);
     }
   const AnchorTrees trees(anchors, kAnchorTolerance * box.longest_side(), execution);
-  std::uint32_t held = 0;
-  for (Fragment& f : set.fragments) {
+  AnchoredFragments anchored;
+  anchored.held.reserve(set.fragments.size());
+  for (const Fragment& f : set.fragments) {
     Shape shape(f, pacer, execution);
-    f.anchored = trees.hold(shape);
-    held += f.anchored ? 1 : 0;
+    anchored.held.push_back(static_cast<char>(trees.hold(shape)));
+    anchored.count += anchored.held.back() ? 1 : 0;
   }
-  return held;
+  return anchored;
 }
 
 }  // namespace fracture

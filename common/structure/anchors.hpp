@@ -1,7 +1,8 @@
-// What holds a fractured object: fragments that touch the ground, a wall, a bolt. They are marked, and the
-// support analysis (support.hpp) starts from them.
+// What holds a fractured object: fragments that touch the ground, a wall, a bolt. The support
+// analysis (support.hpp) starts from them.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -28,8 +29,16 @@ struct Anchors {
 /// Touching counts: what comes within this fraction of the solid's longest side.
 inline constexpr double kAnchorTolerance = 1e-5;
 
-/// Sets Fragment::anchored of every fragment, judged on the final positions. Returns how many are held.
-/// Linear in planes x vertices; boxes and points are looked up in trees. Throws Interrupted.
-std::uint32_t mark_anchored(FragmentSet& set, const Anchors& anchors, const Execution& execution = {});
+/// Which fragments are held. A companion of a FragmentSet.
+struct AnchoredFragments {
+  std::vector<char> held;   ///< per fragment; empty: none is
+  std::uint32_t count = 0;  ///< how many are, of the whole answer
+  bool contains(std::size_t fragment) const { return !held.empty() && held[fragment] != 0; }
+};
+
+/// Judged on the final positions. Linear in planes x vertices; boxes and points are looked up in trees. Throws
+/// Interrupted.
+AnchoredFragments find_anchored(const FragmentSet& set, const Anchors& anchors,
+                                const Execution& execution = {});
 
 }  // namespace fracture

@@ -192,10 +192,12 @@ BondLoad load_of(const Beam& beam, const Six& pull, double area, double size) {
 
 }  // namespace
 
-Support analyze_support(const FragmentSet& set, const SupportOptions& options, const Execution& execution) {
+Support analyze_support(const FragmentSet& set, const AnchoredFragments& anchored,
+                        const SupportOptions& options, const Execution& execution) {
   const std::size_t n = set.fragments.size();
   Pacer pacer(execution);
   Support out;
+  out.asked = options;
   out.loads.resize(set.bonds.size());
 
   std::unordered_map<std::uint64_t, std::uint32_t> index_of;  // only asked
@@ -230,14 +232,14 @@ Support analyze_support(const FragmentSet& set, const SupportOptions& options, c
       BondGraph(std::move(nodes), bonds, execution).components(execution);
   std::vector<char> held(n, 0), fixed(n, 0);
   for (std::size_t f = 0; f < n; ++f)
-    if (set.fragments[f].anchored && !gone[f]) {
+    if (anchored.contains(f) && !gone[f]) {
       ++out.anchored;
       held[component[f]] = 1;
     }
   for (std::uint32_t f = 0; f < n; ++f) {
     const bool stands = !gone[f] && held[component[f]];
     if (!stands && !gone[f]) out.falling.push_back(f);
-    fixed[f] = static_cast<char>(!stands || set.fragments[f].anchored);
+    fixed[f] = static_cast<char>(!stands || anchored.contains(f));
   }
 
   Box box;
@@ -276,53 +278,6 @@ Support analyze_support(const FragmentSet& set, const SupportOptions& options, c
     return x_a != x_b ? x_a > x_b : a < b;
   });
   return out;
-}
-
-nlohmann::json support_report(const FragmentSet& set, const SupportOptions& options, const Support& support,
-                              const Execution& execution) {
-  using nlohmann::json;
-  Pacer pacer(execution);
-  const auto id = [&](std::uint32_t f) { return set.fragments[f].id; };
-  json falling = json::array();
-  for (const std::uint32_t f : support.falling) {
-    pacer.step();
-    falling.push_back(id(f));
-  }
-  json a = json::array(), b = json::array(), stress = json::array(), share = json::array();
-  for (const std::uint32_t k : support.weak) {
-    pacer.step(8);
-    a.push_back(id(set.bonds[k].a));
-    b.push_back(id(set.bonds[k].b));
-    stress.push_back(support.loads[k].stress);
-    share.push_back(options.strength > 0 ? json(support.loads[k].stress / options.strength) : json());
-  }
-  const auto column = [&](double BondLoad::*figure) {
-    json values = json::array();
-    for (const BondLoad& load : support.loads) {
-      pacer.step(2);
-      values.push_back(load.*figure);
-    }
-    return values;
-  };
-  return {{"gravity", {options.gravity.x, options.gravity.y, options.gravity.z}},
-          {"density", options.density},
-          {"strength", options.strength},
-          {"anchored", support.anchored},
-          {"broken", options.broken},
-          {"unknown", support.unknown},
-          {"falling", std::move(falling)},
-          {"weak",
-           {{"a", std::move(a)},
-            {"b", std::move(b)},
-            {"stress", std::move(stress)},
-            {"share", std::move(share)}}},
-          {"bonds",
-           {{"tension", column(&BondLoad::tension)},
-            {"shear", column(&BondLoad::shear)},
-            {"bending", column(&BondLoad::bending)},
-            {"torsion", column(&BondLoad::torsion)},
-            {"stress", column(&BondLoad::stress)}}},
-          {"residual", support.residual}};
 }
 
 }  // namespace fracture

@@ -12,11 +12,11 @@
 #pragma once
 
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "common/base/execution.hpp"
 #include "common/fragment/fragments.hpp"
+#include "common/structure/anchors.hpp"
 
 namespace fracture {
 
@@ -36,7 +36,9 @@ struct BondLoad {
   double stress = 0;   ///< Pa: largest tensile stress in the section (Rankine); 0 when all is pressed
 };
 
+/// A companion of a FragmentSet.
 struct Support {
+  SupportOptions asked;
   std::vector<std::uint32_t> falling;  ///< indices of fragments, ascending; without those that are gone
   std::vector<BondLoad> loads;         ///< per bond
   std::vector<std::uint32_t> weak;     ///< indices of bonds above the strength, worst first
@@ -45,13 +47,8 @@ struct Support {
   double residual = 0;                 ///< of the balance, relative to the weight; 1e-9 when solved
 };
 
-/// Needs Fragment::anchored. Linear in the bonds times the iterations, which are bounded. Throws Interrupted.
-Support analyze_support(const FragmentSet& set, const SupportOptions& options, const Execution& execution);
-
-/// {gravity, density, strength, anchored, broken, falling, weak {a, b, stress, share}, bonds {tension, shear,
-/// bending, torsion, stress}, residual}: ids of fragments; the columns of `bonds` stand in the order of the
-/// answer's bonds. Throws Interrupted.
-nlohmann::json support_report(const FragmentSet& set, const SupportOptions& options, const Support& support,
-                              const Execution& execution = {});
+/// Linear in the bonds times the iterations, which are bounded. Throws Interrupted.
+Support analyze_support(const FragmentSet& set, const AnchoredFragments& anchored,
+                        const SupportOptions& options, const Execution& execution);
 
 }  // namespace fracture

@@ -13,8 +13,8 @@ namespace fracture::bake {
 
 struct Baked {
   std::shared_ptr<const std::vector<std::uint8_t>> file;
-  Digest digest;           ///< of the file
-  nlohmann::json figures;  ///< extras.fracture of the file: report, certificate, bonds
+  Digest digest;  ///< of the file
+  AnswerSummary summary;
   StageTimings timings{};  ///< where it was made here
 };
 

@@ -17,7 +17,7 @@ class LocalBaker : public Baker {
     const Expected<FractureAnswer> answer = service_.fracture(request, execution);
     if (!answer) return tl::unexpected<Error>(answer.error());
     const std::shared_ptr<const FractureResult>& result = answer->result;
-    return Baked{{result, &result->file}, result->file_digest, figures_of(*result), answer->timings};
+    return Baked{{result, &result->file}, result->file_digest, result->summary.value(), answer->timings};
   }
 
  private:

@@ -193,13 +193,9 @@ class Conversation {
       return again("An answer has another digest than its Repr-Digest says.");
     if (!exchange.content_location.empty() && exchange.content_location != result_)
       return otherwise(exchange.content_location);
-    FractureResult result;
-    result.format = request_.output;
-    result.file.assign(exchange.body.begin(), exchange.body.end());
-    result.file_digest = sha256(exchange.body);
-    nlohmann::json figures = figures_of(result);
-    auto file = std::make_shared<const std::vector<std::uint8_t>>(std::move(result.file));
-    return Step{.baked = Baked{std::move(file), result.file_digest, std::move(figures)}};
+    auto file = std::make_shared<const std::vector<std::uint8_t>>(exchange.body.begin(), exchange.body.end());
+    AnswerSummary summary = summary_in(*file, request_.output);
+    return Step{.baked = Baked{std::move(file), sha256(exchange.body), std::move(summary)}};
   }
 
   /// The mesh and its further files, with these parameters.

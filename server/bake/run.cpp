@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/gltf/report_text.hpp"
 #include "server/bake/atomic_file.hpp"
 #include "server/bake/depfile.hpp"
 #include "server/bake/failure.hpp"
@@ -47,47 +48,28 @@ std::string name_of_output(const std::string& path) {
   return path == kStandardStream ? "standard output" : path;
 }
 
-/// What the answer warns of.
-std::vector<std::string> warnings_of(const json& figures) {
-  std::vector<std::string> warnings;
-  const auto report = figures.find("report");
-  if (report == figures.end() || !report->is_object()) return warnings;
-  for (const char* key : {"warnings", "notes"}) {
-    const auto list = report->find(key);
-    if (list == report->end() || !list->is_array()) continue;
-    for (const json& text : *list) {
-      if (!text.is_string()) continue;
-      std::string warning = text;
-      if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end())
-        warnings.push_back(std::move(warning));
-    }
-  }
-  return warnings;
-}
-
-Error unsound(const json& certificate) {
+Error unsound(const Certificate& c) {
   char detail[300];
   std::snprintf(
       detail, sizeof detail,
       "The certificate does not hold: %llu open edges, %llu caps without a mirror image, volume in %.9g m3, "
       "out %.9g m3, relative error %.2g. Nothing was written.",
-      certificate.value("open_edges", 0ull), certificate.value("unmirrored_caps", 0ull),
-      certificate.value("volume_in", 0.0), certificate.value("volume_out", 0.0),
-      certificate.value("relative_error", 0.0));
-  return {ErrorCode::kUnsound, detail, {}, certificate};
+      static_cast<unsigned long long>(c.open_edges), static_cast<unsigned long long>(c.unmirrored_caps),
+      c.volume_in, c.volume_out, c.relative_error);
+  return {ErrorCode::kUnsound, detail, {}, Figures(certificate_document(c))};
 }
 
 /// "fragments.glb: 50 fragments, volume in 1 m3, out 1 m3, relative error 2.2e-16, 0 open edges, 51372 bytes,
 /// 0.006 s (import 0.1 ms, ...)"
 std::string sentence_of(const std::string& output, const Baked& baked, double seconds) {
-  const json& c = baked.figures.at("certificate");
+  const Certificate& c = baked.summary.certificate;
   char text[300];
   std::snprintf(
       text, sizeof text,
-      ": %llu fragments, volume in %.9g m3, out %.9g m3, relative error %.2g, %llu open edges, %zu bytes, "
+      ": %u fragments, volume in %.9g m3, out %.9g m3, relative error %.2g, %llu open edges, %zu bytes, "
       "%.3f s",
-      c.value("fragments", 0ull), c.value("volume_in", 0.0), c.value("volume_out", 0.0),
-      c.value("relative_error", 0.0), c.value("open_edges", 0ull), baked.file->size(), seconds);
+      c.fragments, c.volume_in, c.volume_out, c.relative_error, static_cast<unsigned long long>(c.open_edges),
+      baked.file->size(), seconds);
   std::string sentence = name_of_output(output) + text;
   const char* separator = " (";
   for (const StageRow& row : kStages) {
@@ -286,8 +268,8 @@ class Run {
     execution.progress = [this](Stage stage, double fraction) { progress_->stage(stage, fraction); };
     try {
       Expected<Baked> baked = baker_.bake(request, execution);
-      if (baked && !is_sound(baked->figures))
-        return tl::unexpected<Error>(unsound(baked->figures.at("certificate")));
+      if (baked && !is_sound(baked->summary))
+        return tl::unexpected<Error>(unsound(baked->summary.certificate));
       return baked;
     } catch (const std::exception&) {
       return tl::unexpected<Error>(error_of_exception());
@@ -314,7 +296,7 @@ class Run {
       return errno == ECANCELED ? cancelled() : unwritable(number, std::strerror(errno));
     if (!options_.depfile.empty() && !write_depfile(options_.depfile, job, input))
       unwritable(options_.depfile);
-    const std::vector<std::string> warnings = warnings_of(baked->figures);
+    const std::vector<std::string>& warnings = baked->summary.warnings;
     for (const std::string& warning : warnings) say(name_of_input(job.input) + ": warning: " + warning);
     json line = {{"status", "made"},
                  {"key", keys.result},
@@ -322,7 +304,7 @@ class Run {
                  {"digest", "sha256:" + baked->digest.hex()},
                  {"bytes", baked->file->size()},
                  {"seconds", took.count()},
-                 {"certificate", baked->figures.at("certificate")}};
+                 {"certificate", certificate_document(baked->summary.certificate)}};
     if (!warnings.empty()) line["warnings"] = warnings;
     report(number, std::move(line));
     conclude(sentence_of(job.output, *baked, took.count()));
@@ -350,13 +332,13 @@ RunFigures run_bake(const BakePlan& plan, Baker& baker, const RunOptions& option
   return Run(plan, baker, options, stop)();
 }
 
-bool is_sound(const json& figures) {
-  const json& certificate = figures.at("certificate");
-  if (certificate.at("open_edges") != 0) return false;
-  if (figures.value("report", json::object()).contains("barycenter")) return true;
+bool is_sound(const AnswerSummary& summary) {
+  const Certificate& certificate = summary.certificate;
+  if (certificate.open_edges != 0) return false;
+  if (!summary.partition) return true;
   // Whoever counts these has judged the volumes too, by bounds that need more than the certificate says.
-  if (const auto caps = certificate.find("unmirrored_caps"); caps != certificate.end()) return *caps == 0;
-  return certificate.at("relative_error").get<double>() <= kMaxRelativeError;
+  if (summary.judged) return certificate.unmirrored_caps == 0;
+  return certificate.relative_error <= kMaxRelativeError;
 }
 
 }  // namespace fracture::bake

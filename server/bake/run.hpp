@@ -42,8 +42,8 @@ RunFigures run_bake(const BakePlan& plan, Baker& baker, const RunOptions& option
                     const std::stop_token& stop);
 
 /// Does the certificate of an answer hold: nothing open, and (but for dual=barycenter) every cap mirrored and
-/// nothing lost? `figures` as in Baked. The baker refuses what does not prove itself; this is the second line, also for the
-/// answers of older servers.
-bool is_sound(const nlohmann::json& figures);
+/// nothing lost? The baker refuses what does not prove itself; this is the second line, also for the answers of
+/// older servers.
+bool is_sound(const AnswerSummary& summary);
 
 }  // namespace fracture::bake

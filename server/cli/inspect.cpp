@@ -21,10 +21,8 @@ void print(const std::string& input, const PreparedMesh& mesh, bool mended) {
   std::printf("%s: %s\n", input.c_str(), mended ? "usable after repair" : "a closed solid as it is");
   const Vec3d size = mesh.solid.box.size();
   std::printf("  size       %.6g x %.6g x %.6g m (%.9g m in one unit: %s; %s up: %s)\n", size.x, size.y,
-              size.z, mesh.frame["metres_per_unit"].get<double>(),
-              mesh.frame["unit_from"].get_ref<const std::string&>().c_str(),
-              mesh.frame["up"].get_ref<const std::string&>().c_str(),
-              mesh.frame["up_from"].get_ref<const std::string&>().c_str());
+              size.z, mesh.frame.metres_per_unit, name_of(mesh.frame.unit_from), mesh.frame.z_up ? "z" : "y",
+              name_of(mesh.frame.up_from));
   std::printf("  volume     %.9g m3, area %.9g m2\n", r.volume, r.area);
   std::printf("  solid      %" PRIu64 " parts, %" PRIu64 " shells, %" PRIu64 " cavities\n", r.parts, r.shells,
               r.cavities);

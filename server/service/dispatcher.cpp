@@ -334,7 +334,7 @@ void Dispatcher::with_diagram(const Shared& c, const Outcome<CutBase>& diagram, 
   if (!diagram) return end(c, tl::unexpected<Error>(diagram.error()));
   c->answer.diagram_cache = diagram->cache;
   c->answer.timings.add(diagram->timings);
-  Expected<FragmentSet> made;  // freed when the answer is on its way
+  Expected<FracturedSolid> made;  // freed when the answer is on its way
   {
     const Meter meter(c->spent);
     made = guarded([&] {

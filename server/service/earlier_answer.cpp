@@ -84,11 +84,4 @@ Expected<std::vector<RawParameter>> on_earlier_answer(const ParameterTable& tabl
   return result;
 }
 
-nlohmann::json parameters_in(const FractureResult& result) {
-  const char* const text = reinterpret_cast<const char*>(result.file.data()) + result.parameters.at;
-  nlohmann::json parameters =
-      nlohmann::json::parse(text, text + result.parameters.size, nullptr, /*allow_exceptions=*/false);
-  return parameters.is_object() ? parameters : nlohmann::json();
-}
-
 }  // namespace fracture

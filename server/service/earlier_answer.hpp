@@ -19,7 +19,4 @@ Expected<std::vector<RawParameter>> on_earlier_answer(const ParameterTable& tabl
                                                       const RequestParameters& own,
                                                       const nlohmann::json& earlier);
 
-/// The canonical parameters that stand in an answer's file; null when it has none.
-nlohmann::json parameters_in(const FractureResult& result);
-
 }  // namespace fracture

@@ -36,16 +36,15 @@ class LibraryEngine final : public FractureEngine {
     if (selection.kept) return kept(cut_and_keep(solid, base, parameters, selection, execution));
     StageTimings timings;
     const Diagram& diagram = std::get<Diagram>(base);
-    Expected<FragmentSet> set =
+    Expected<FracturedSolid> made =
         selection.again ? fracture_again(solid, diagram, parameters, *selection.again, execution, timings)
                         : fracture(solid, diagram, parameters, execution, timings);
-    if (!set) return tl::unexpected<Error>(std::move(set.error()));
-    return Cut{std::move(*set)};
+    if (!made) return tl::unexpected<Error>(std::move(made.error()));
+    return Cut{std::move(*made)};
   }
-  std::vector<std::uint8_t> encode(const FragmentSet& fragments, const GltfOptions& options,
-                                   OutputFormat format, const Execution& execution) const override {
-    return format == OutputFormat::kGltf ? write_gltf(fragments, options, execution)
-                                         : write_glb(fragments, options, execution);
+  GltfFile encode(const FracturedSolid& fractured, const GltfOptions& options, OutputFormat format,
+                  const Execution& execution) const override {
+    return write_file(fractured, options, format, execution);
   }
 
  private:
@@ -60,8 +59,9 @@ class LibraryEngine final : public FractureEngine {
   }
   static Expected<Cut> kept(Expected<KeptAnswer> answer) {
     if (!answer) return tl::unexpected<Error>(std::move(answer.error()));
-    if (!answer->set.delta) answer->set.delta.emplace();  // nothing is new
-    return Cut{std::move(answer->set), std::make_shared<const CutBase>(std::move(answer->base))};
+    FracturedSolid& fractured = answer->fractured;
+    if (!fractured.delta) fractured.delta.emplace();  // nothing is new
+    return Cut{std::move(fractured), std::make_shared<const CutBase>(std::move(answer->base))};
   }
 
   const std::shared_ptr<ImportPool> imports_;

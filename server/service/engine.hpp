@@ -24,11 +24,8 @@ namespace fracture {
 
 class ImportPool;
 
-/// How the fragments are written down.
-enum class OutputFormat { kGlb, kGltf };
-
 struct Cut {
-  FragmentSet set;
+  FracturedSolid fractured;
   std::shared_ptr<const CutBase>
       kept{};  ///< what further hits on this answer start from; null: not asked for
 };
@@ -50,8 +47,8 @@ class FractureEngine {
                                  const Selection& selection, const Execution& execution) const = 0;
   virtual Expected<Cut> cut(const Solid& solid, const CutBase& base, const FractureParameters& parameters,
                             const Selection& selection, const Execution& execution) const = 0;
-  virtual std::vector<std::uint8_t> encode(const FragmentSet& fragments, const GltfOptions& options,
-                                           OutputFormat format, const Execution& execution) const = 0;
+  virtual GltfFile encode(const FracturedSolid& fractured, const GltfOptions& options, OutputFormat format,
+                          const Execution& execution) const = 0;
 };
 
 /// The real one: calls the libraries of common/. Imports go through the pool where there is one, which adds

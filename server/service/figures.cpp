@@ -2,11 +2,16 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <utility>
 
-#include "server/service/result.hpp"
+#include "common/base/error.hpp"
 
 namespace fracture {
 namespace {
+
+using nlohmann::json;
 
 /// A position in JSON text (RFC 8259) that can step over values without looking into them. Text that is no
 /// JSON ends it early, nothing more.
@@ -84,13 +89,43 @@ std::string_view text_of(std::span<const std::uint8_t> file) {
   return {reinterpret_cast<const char*>(file.data()), file.size()};
 }
 
+void add_once(const std::string& warning, std::vector<std::string>& warnings) {
+  if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) warnings.push_back(warning);
+}
+
+/// What a certificate does not say is 0.
+Certificate certificate_in(const json& c) {
+  Certificate result;
+  const auto read = [&](const char* name, auto& figure) { figure = c.value(name, figure); };
+  read("open_edges", result.open_edges);
+  read("volume_in", result.volume_in);
+  read("volume_out", result.volume_out);
+  read("volume_file", result.volume_file);
+  read("relative_error", result.relative_error);
+  read("pocket_volume", result.pocket_volume);
+  read("pocket_area", result.pocket_area);
+  read("unmirrored_caps", result.unmirrored_caps);
+  read("area_in", result.area_in);
+  read("area_out", result.area_out);
+  read("sites_asked", result.sites_asked);
+  read("cells", result.cells);
+  read("islands", result.islands);
+  read("united", result.united);
+  read("dropped", result.dropped);
+  read("fragments", result.fragments);
+  read("crossing_caps", result.crossing_caps);
+  return result;
+}
+
 }  // namespace
 
-std::optional<TextRange> member_of(std::span<const std::uint8_t> file, TextRange object,
-                                   std::string_view name) {
-  const std::string_view text = text_of(file).substr(0, object.at + object.size);
-  const auto at = member(text, object.at, name);
-  return at ? Skim(text, *at).value() : std::nullopt;
+AnswerSummary summary_of(const FracturedSolid& fractured) {
+  AnswerSummary summary{.certificate = fractured.set.certificate,
+                        .partition = !fractured.report.barycenter,
+                        .judged = true,
+                        .warnings = {}};
+  for (const std::string& warning : fractured.report.warnings) add_once(warning, summary.warnings);
+  return summary;
 }
 
 std::optional<TextRange> figures_in(std::span<const std::uint8_t> file, OutputFormat format) {
@@ -118,12 +153,22 @@ std::optional<TextRange> figures_in(std::span<const std::uint8_t> file, OutputFo
   return std::nullopt;
 }
 
-void locate_figures(FractureResult& result) {
-  const auto figures = figures_in(result.file, result.format);
-  result.figures = figures.value_or(TextRange());
-  result.parameters =
-      figures ? member_of(result.file, *figures, "parameters").value_or(TextRange()) : TextRange();
-  result.figures_digest = sha256(std::as_bytes(result.bytes_of(result.figures)));
+AnswerSummary summary_in(std::span<const std::uint8_t> file, OutputFormat format) {
+  const TextRange range = figures_in(file, format).value_or(TextRange());
+  const std::string_view text = text_of(file).substr(range.at, range.size);
+  const json figures = json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (!figures.is_object()) throw InternalError("a file without extras.fracture on any of its nodes");
+  const json certificate = figures.value("certificate", json());
+  if (!certificate.is_object() || !certificate.contains("open_edges"))
+    throw InternalError("a file without a certificate");
+  const json report = figures.value("report", json::object());
+  AnswerSummary summary{.certificate = certificate_in(certificate),
+                        .partition = !report.contains("barycenter"),
+                        .judged = certificate.contains("unmirrored_caps"),
+                        .warnings = {}};
+  for (const json& warning : report.value("warnings", json::array()))
+    if (warning.is_string()) add_once(warning, summary.warnings);
+  return summary;
 }
 
 }  // namespace fracture

@@ -1,32 +1,31 @@
-// Where the figures of an answer stand in its file: found once, when it is encoded, and kept beside it, so
-// that nobody parses the file to give them.
+// What a finished answer comes to: typed where it was made, and read from the file where that is from elsewhere.
 #pragma once
 
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <string_view>
+#include <string>
+#include <vector>
 
+#include "common/fragment/fragments.hpp"
 #include "server/service/engine.hpp"
 
 namespace fracture {
 
-struct FractureResult;
-
-/// Bytes of a file; none where `size` is 0.
-struct TextRange {
-  std::uint64_t at = 0, size = 0;
+struct AnswerSummary {
+  Certificate certificate;
+  bool partition = true;  ///< is promised; else that each fragment is closed, no more (dual=barycenter)
+  bool judged = true;     ///< false: by a server that did not count caps without a mirror image
+  std::vector<std::string> warnings;  ///< each once
 };
 
-/// The root node's `extras.fracture` object in a file that this service made. Skims the text up to there
+AnswerSummary summary_of(const FracturedSolid& fractured);
+
+/// The root node's `extras.fracture` object in a file that some server made. Skims the text up to there
 /// without parsing it; nothing where it has none, whatever the bytes are.
 std::optional<TextRange> figures_in(std::span<const std::uint8_t> file, OutputFormat format);
 
-/// The value of a member of the object that stands there.
-std::optional<TextRange> member_of(std::span<const std::uint8_t> file, TextRange object,
-                                   std::string_view name);
-
-/// Fills in `figures`, `figures_digest` and `parameters` from the file.
-void locate_figures(FractureResult& result);
+/// Of such a file. Throws InternalError where it has no such object, or none with a certificate.
+AnswerSummary summary_in(std::span<const std::uint8_t> file, OutputFormat format);
 
 }  // namespace fracture

@@ -54,18 +54,18 @@ std::size_t memory_size(const PreparedMesh& mesh) {
                       heap(solid.shell) + heap(solid.part) + heap(solid.parts);
   for (const Part& part : solid.parts) bytes += heap(part.shells);
   if (solid.source) bytes += memory_size(*solid.source);
-  bytes += json_bytes(mesh.frame);
   return bytes;
 }
 
 namespace {
 
-std::size_t memory_size(const Fragment& f) {
-  std::size_t bytes = sizeof f + heap(f.sites) + heap(f.positions) + heap(f.attributes.normals) +
+std::size_t memory_size(const FracturedBase::Known& known) {
+  const Fragment& f = known.fragment;
+  std::size_t bytes = sizeof known + heap(f.sites) + heap(f.positions) + heap(f.attributes.normals) +
                       heap(f.attributes.tangents) + nested_heap(f.attributes.uvs) +
                       nested_heap(f.attributes.colors) + heap(f.indices) + heap(f.primitives) +
-                      heap(f.topology) + nested_heap(f.bodies) + heap(f.hulls);
-  for (const CollisionHull& hull : f.hulls) bytes += heap(hull.points) + heap(hull.triangles);
+                      heap(f.topology) + nested_heap(f.bodies) + heap(known.hulls.hulls);
+  for (const CollisionHull& hull : known.hulls.hulls) bytes += heap(hull.points) + heap(hull.triangles);
   return bytes;
 }
 
@@ -80,7 +80,7 @@ std::size_t memory_size(const FracturedBase& base) {
   std::size_t bytes = sizeof base + memory_size(base.diagram) + heap(base.surface.label) +
                       heap(base.surface.shares) + heap(base.inner_vertices) + heap(base.fragments) +
                       heap(base.first_of) + heap(base.bonds);
-  for (const FracturedBase::Known& known : base.fragments) bytes += memory_size(*known.fragment);
+  for (const auto& known : base.fragments) bytes += memory_size(*known);
   return bytes;
 }
 

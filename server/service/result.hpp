@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -19,10 +20,11 @@ struct FractureResult {
   std::string mesh_digest;  ///< "sha256:<hex>", digest_of(the request)
   OutputFormat format = OutputFormat::kGlb;
   std::vector<std::uint8_t> file;
-  Digest file_digest;  ///< SHA-256 of `file`
-  /// In `file`: the extras.fracture object of the root node, and the canonical parameters in it.
-  TextRange figures, parameters;
-  Digest figures_digest;  ///< SHA-256 of that object's text
+  Digest file_digest;                      ///< SHA-256 of `file`
+  TextRange figures;                       ///< in `file`: the extras.fracture object of the root node
+  Digest figures_digest;                   ///< SHA-256 of that object's text
+  std::string parameters{};                ///< canonical, as JSON text; empty: of a variant
+  std::optional<AnswerSummary> summary{};  ///< where it was made by this process
 
   std::span<const std::uint8_t> bytes_of(TextRange range) const {
     return std::span(file).subspan(range.at, range.size);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cstring>
+#include <optional>
 #include <utility>
 
 #include "common/pipeline/fracture.hpp"
@@ -19,65 +20,79 @@ std::string_view text_of(const Digest& digest) {
   return {reinterpret_cast<const char*>(digest.bytes.data()), digest.bytes.size()};
 }
 
-/// The metadata of an entry: format, mesh digest, and where figures and parameters stand in the file (begin
-/// and size of each) as lines, then the digests of file and figures.
+/// The metadata of an entry, as lines: format, mesh digest, where the figures stand in the file (begin and
+/// size), the canonical parameters; then the digests of file and figures.
 std::string metadata_of(const FractureResult& result) {
   std::string text = result.format == OutputFormat::kGltf ? "gltf" : "glb";
   text += "\n" + result.mesh_digest + "\n";
-  for (const TextRange& range : {result.figures, result.parameters})
-    text += std::to_string(range.at) + " " + std::to_string(range.size) + " ";
-  text.back() = '\n';
+  text += std::to_string(result.figures.at) + " " + std::to_string(result.figures.size) + "\n";
+  text += result.parameters + "\n";
   return text.append(text_of(result.file_digest)).append(text_of(result.figures_digest));
 }
 
-/// The two ranges of a line; false for anything else, and where they are no objects of the file.
-bool read_ranges(std::string_view line, FractureResult& result) {
-  std::uint64_t numbers[4];
-  for (std::uint64_t& number : numbers) {
-    const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), number);
-    if (error != std::errc{}) return false;
+/// The first line of the text, which loses it; nothing where there is none.
+std::optional<std::string_view> take_line(std::string_view& text) {
+  const std::size_t end = text.find('\n');
+  if (end == std::string_view::npos) return std::nullopt;
+  const std::string_view line = text.substr(0, end);
+  text.remove_prefix(end + 1);
+  return line;
+}
+
+/// A range of the file from the beginning of the line, which loses it; nothing for anything else, and where it
+/// is no object of the file.
+std::optional<TextRange> take_range(std::string_view& line, const std::vector<std::uint8_t>& file) {
+  TextRange range;
+  for (std::uint64_t* const number : {&range.at, &range.size}) {
+    const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), *number);
+    if (error != std::errc{}) return std::nullopt;
     line.remove_prefix(static_cast<std::size_t>(end - line.data()));
     if (!line.empty() && line.front() == ' ') line.remove_prefix(1);
   }
-  result.figures = {numbers[0], numbers[1]};
-  result.parameters = {numbers[2], numbers[3]};
-  const auto is_object = [&](TextRange range) {
-    if (range.size == 0) return range.at <= result.file.size();
-    return range.at <= result.file.size() && range.size <= result.file.size() - range.at &&
-           result.file[range.at] == '{' && result.file[range.at + range.size - 1] == '}';
-  };
-  return line.empty() && is_object(result.figures) && is_object(result.parameters);
+  if (range.at > file.size() || range.size > file.size() - range.at) return std::nullopt;
+  if (range.size > 0 && (file[range.at] != '{' || file[range.at + range.size - 1] != '}'))
+    return std::nullopt;
+  return range;
+}
+
+/// The digests that an entry ends with, when they are those of file and figures. Digests are not taken on
+/// trust: clients are told them (Repr-Digest), and believe the file for them.
+bool has_digests(std::string_view rest, FractureResult& result) {
+  result.file_digest = sha256(std::as_bytes(std::span(result.file)));
+  result.figures_digest = sha256(std::as_bytes(result.bytes_of(result.figures)));
+  return rest.size() == 2 * kDigest && rest.substr(0, kDigest) == text_of(result.file_digest) &&
+         rest.substr(kDigest) == text_of(result.figures_digest);
 }
 
 std::shared_ptr<const FractureResult> to_result(const StoredEntry& stored) {
-  const std::string_view metadata = stored.entry.metadata;
-  const std::size_t first = metadata.find('\n'), second = metadata.find('\n', first + 1);
+  std::string_view rest = stored.entry.metadata;
+  const auto format = take_line(rest), mesh = take_line(rest);
+  auto ranges = take_line(rest);
+  if (!format || !mesh || !ranges) return nullptr;
   auto result = std::make_shared<FractureResult>();
-  if (first == std::string_view::npos || second == std::string_view::npos) return nullptr;
   result->key = stored.entry.key;
-  result->format = metadata.substr(0, first) == "gltf" ? OutputFormat::kGltf : OutputFormat::kGlb;
-  result->mesh_digest = metadata.substr(first + 1, second - first - 1);
+  result->format = *format == "gltf" ? OutputFormat::kGltf : OutputFormat::kGlb;
+  result->mesh_digest = *mesh;
   // Result keys begin with the digest of their mesh.
   constexpr std::string_view kScheme = "sha256:";
-  if (!std::string_view(result->mesh_digest).starts_with(kScheme) ||
-      result->mesh_digest.compare(kScheme.size(), 16, result->key, 0, 16) != 0)
+  if (!mesh->starts_with(kScheme) || result->mesh_digest.compare(kScheme.size(), 16, result->key, 0, 16) != 0)
     return nullptr;
   result->file.assign(stored.entry.payload.begin(), stored.entry.payload.end());
-  // Digests are not taken on trust: clients are told them (Repr-Digest), and believe the file for them.
-  result->file_digest = sha256(std::as_bytes(std::span(result->file)));
-  const std::string_view rest = metadata.substr(second + 1);
-  if (rest == text_of(result->file_digest)) {  // as earlier versions wrote it: without places
-    locate_figures(*result);
-    return result;
+  const auto figures = take_range(*ranges, result->file);
+  if (!figures) return nullptr;
+  result->figures = *figures;
+  if (ranges->empty()) {
+    const auto parameters = take_line(rest);
+    if (!parameters) return nullptr;
+    result->parameters = *parameters;
+  } else {  // as earlier versions wrote it: where they stand in the file
+    const auto range = take_range(*ranges, result->file);
+    if (!range || !ranges->empty()) return nullptr;
+    const std::span<const std::uint8_t> text = result->bytes_of(*range);
+    result->parameters.assign(text.begin(), text.end());
   }
-  const std::size_t third = rest.find('\n');
-  if (third == std::string_view::npos || rest.size() - third - 1 != 2 * kDigest ||
-      rest.substr(third + 1, kDigest) != text_of(result->file_digest) ||
-      !read_ranges(rest.substr(0, third), *result))
-    return nullptr;
-  result->figures_digest =
-      sha256(std::as_bytes(std::span(result->file).subspan(result->figures.at, result->figures.size)));
-  return rest.substr(third + 1 + kDigest) == text_of(result->figures_digest) ? result : nullptr;
+  if (!has_digests(rest, *result)) return nullptr;
+  return result;
 }
 
 }  // namespace

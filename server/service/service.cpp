@@ -12,9 +12,14 @@ namespace {
 /// For the parameters of answers that may be named by further requests: some thousand answers.
 constexpr std::size_t kAnswerBytes = 4u << 20;
 
-std::size_t memory_size(const FractureResult& result) { return sizeof result + result.file.capacity(); }
 std::size_t memory_size(const nlohmann::json& parameters) {
   return sizeof parameters + json_bytes(parameters);
+}
+std::size_t memory_size(const FractureResult& result) {
+  std::size_t bytes = sizeof result + result.file.capacity() + result.parameters.capacity();
+  if (result.summary)
+    for (const std::string& warning : result.summary->warnings) bytes += sizeof warning + warning.capacity();
+  return bytes;
 }
 
 CacheOutcome stored(bool kept) { return kept ? CacheOutcome::kMissStored : CacheOutcome::kMissNotStored; }
@@ -71,7 +76,8 @@ Expected<RequestParameters> FractureService::parse(const std::vector<RawParamete
   std::shared_ptr<const nlohmann::json> earlier = visible ? answers_.find(own->of) : nullptr;
   if (!earlier && visible)
     if (const auto result = results_.find(own->of)) {
-      earlier = std::make_shared<const nlohmann::json>(parameters_in(*result));
+      earlier = std::make_shared<const nlohmann::json>(
+          nlohmann::json::parse(result->parameters, nullptr, /*allow_exceptions=*/false));
       answers_.insert(own->of, earlier, memory_size(*earlier));
     }
   if (!earlier || !earlier->is_object())
@@ -191,9 +197,9 @@ Expected<Step<PreparedMesh>> FractureService::make_mesh(const FractureRequest& r
     execution.made(Product::kSurfaceTriangles, mesh->triangles.size());
     // What the reader took beside that is free for others: it has ended.
     if (execution.allowance) execution.allowance->shrink();
-    Expected<nlohmann::json> frame = to_metres_y_up(*mesh, request.parameters.frame);
-    if (!frame) return tl::unexpected<Error>(std::move(frame.error()));
-    result->frame = std::move(*frame);
+    const Expected<FrameReport> frame = to_metres_y_up(*mesh, request.parameters.frame);
+    if (!frame) return tl::unexpected<Error>(frame.error());
+    result->frame = *frame;
     if (auto restricted = restrict_to(*mesh, request.parameters.parts); !restricted)
       return tl::unexpected<Error>(std::move(restricted.error()));
   }
@@ -233,9 +239,9 @@ Expected<Step<CutBase>> FractureService::make_diagram(const PreparedMesh& mesh,
   return step;
 }
 
-Expected<FragmentSet> FractureService::make_result(const PreparedMesh& mesh, const CutBase& base,
-                                                   const FractureRequest& request, const RequestKeys& keys,
-                                                   const Execution& execution, FractureAnswer& answer) {
+Expected<FracturedSolid> FractureService::make_result(const PreparedMesh& mesh, const CutBase& base,
+                                                      const FractureRequest& request, const RequestKeys& keys,
+                                                      const Execution& execution, FractureAnswer& answer) {
   if (execution.progress) execution.progress(Stage::kClip, 0);
   auto interior = interior_material(request.parameters.interior, *mesh.solid.source->library);
   if (!interior) return tl::unexpected<Error>(std::move(interior.error()));
@@ -251,7 +257,7 @@ Expected<FragmentSet> FractureService::make_result(const PreparedMesh& mesh, con
     if (cut.error().code == ErrorCode::kUnsound) failures_.add(keys.result, cut.error());
     return tl::unexpected<Error>(std::move(cut.error()));
   }
-  FragmentSet& fragments = cut->set;
+  FracturedSolid& fractured = cut->fractured;
   execution.poll();
 
   if (execution.progress) execution.progress(Stage::kEncode, 0);
@@ -261,39 +267,32 @@ Expected<FragmentSet> FractureService::make_result(const PreparedMesh& mesh, con
   result->format = request.output;
   {
     const StageTimings::Scope scope(answer.timings, Stage::kEncode);
-    fragments.report["frame"] = mesh.frame;
-    if (mesh.solid.source->passed_through)
-      fragments.report["passed_through"] = {
-          {"triangles", mesh.solid.source->passed_through->triangles.size()}};
-    GltfOptions options = output_options(request.parameters, fragments);
+    fractured.report.frame = mesh.frame;
+    if (const auto& rest = mesh.solid.source->passed_through)
+      fractured.report.passed_through = rest->triangles.size();
+    GltfOptions options = output_options(request.parameters, fractured.set);
     if (request.parameters.fracture.anchors.any()) {
       const SupportOptions support{request.parameters.gravity, options.density, options.bond_strength,
                                    request.parameters.broken};
-      fragments.report["support"] =
-          support_report(fragments, support, analyze_support(fragments, support, execution), execution);
+      fractured.support = analyze_support(fractured.set, fractured.anchored, support, execution);
     }
     options.interior_material = std::move(*interior);
     options.mesh_digest = result->mesh_digest;
-    result->file = engine_->encode(fragments, options, request.output, execution);
+    GltfFile encoded = engine_->encode(fractured, options, request.output, execution);
+    result->file = std::move(encoded.bytes);
     result->file_digest = sha256(std::as_bytes(std::span(result->file)));
-    locate_figures(*result);
+    result->figures = encoded.figures;
+    result->figures_digest = sha256(std::as_bytes(result->bytes_of(result->figures)));
+    result->parameters = options.parameters.dump();
+    result->summary = summary_of(fractured);
   }
   if (cut->kept) diagrams_.insert(keys.kept, cut->kept, memory_size(*cut->kept));
   auto canonical = std::make_shared<const nlohmann::json>(canonical_parameters(request.parameters));
   answers_.insert(keys.result, canonical, memory_size(*canonical));
-  answer.certificate = fragments.certificate;
   answer.result = result;
   answer.result_cache = stored(results_.insert(keys.result, result, memory_size(*result)));
   tiers_.store(std::move(result));
-  return std::move(fragments);
-}
-
-nlohmann::json figures_of(const FractureResult& result) {
-  const TextRange range =
-      result.figures.size > 0 ? result.figures : figures_in(result.file, result.format).value_or(TextRange());
-  if (range.size == 0) throw InternalError("figures_of: no node carries extras.fracture");
-  const char* const text = reinterpret_cast<const char*>(result.file.data()) + range.at;
-  return nlohmann::json::parse(text, text + range.size);
+  return std::move(fractured);
 }
 
 }  // namespace fracture

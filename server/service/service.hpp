@@ -2,8 +2,8 @@
 // HTTP adapter and `fracture-server bake` are two faces of this one class, which is why their answers have
 // the same bytes.
 //
-//   bytes ──import──> Mesh ──prepare──> Solid ──diagram──> Diagram ──cut──> FragmentSet ──encode──> GLB
-//                          [mesh cache]          [diagram cache]                          [result cache]
+//   bytes ──import──> Mesh ──prepare──> Solid ──diagram──> Diagram ──cut──> FracturedSolid ──encode──> GLB
+//                          [mesh cache]          [diagram cache]                             [result cache]
 //
 // Everything here is synchronous, on the caller's thread. The server arranges the steps on its worker pool
 // and shares them between requests (dispatcher.hpp); `bake` and `inspect` call them as they are.
@@ -46,7 +46,7 @@ struct ServiceConfig {
 /// A mesh made ready for any number of fractures.
 struct PreparedMesh {
   Solid solid;
-  nlohmann::json frame;  ///< units and axes: what was assumed (mesh/frame.hpp)
+  FrameReport frame;  ///< units and axes: what was assumed
 };
 
 /// What one step made, or found.
@@ -67,7 +67,6 @@ struct FractureAnswer {
   double queue_milliseconds = -1;  ///< waiting for a computing thread; -1: never did
   double work_milliseconds = 0;  ///< from then on until the result was there: the stages and what is between
   StageTimings timings;          ///< as in Step, of all steps
-  Certificate certificate;       ///< when it was computed now; a cached result has it in its file
 };
 
 class FractureService {
@@ -79,8 +78,7 @@ class FractureService {
 
   /// Parses what is asked; where it names an earlier answer, with the parameters of that. Errors of
   /// ParameterTable::parse() and on_earlier_answer(); kNoSuchAnswer, also for an answer that the caller may
-  /// not see. Asks memory alone; once for an answer it may have to read that answer's file for its
-  /// parameters.
+  /// not see. Asks memory alone.
   Expected<RequestParameters> parse(const std::vector<RawParameter>& given, const MaySee& may_see = {});
 
   /// Thread-safe and synchronous. All bad input, cancellation (kCancelled) and a passed deadline
@@ -126,12 +124,12 @@ class FractureService {
                                          const Execution& execution);
   Expected<Step<CutBase>> make_diagram(const PreparedMesh& mesh, const FractureRequest& request,
                                        const RequestKeys& keys, const Execution& execution);
-  /// `answer` gets the result, its cache, timings and certificate. Returns what the result was made of, only
+  /// `answer` gets the result, its cache and timings. Returns what the result was made of, only
   /// so that the caller may reply before it lets go: freeing some ten thousand arrays takes a third of a
   /// millisecond.
-  Expected<FragmentSet> make_result(const PreparedMesh& mesh, const CutBase& diagram,
-                                    const FractureRequest& request, const RequestKeys& keys,
-                                    const Execution& execution, FractureAnswer& answer);
+  Expected<FracturedSolid> make_result(const PreparedMesh& mesh, const CutBase& diagram,
+                                       const FractureRequest& request, const RequestKeys& keys,
+                                       const Execution& execution, FractureAnswer& answer);
 
   struct Figures {
     CacheFigures meshes, diagrams, results;
@@ -168,9 +166,5 @@ Error to_error(const Interrupted& interrupted);
 std::size_t memory_size(const Mesh& mesh);
 std::size_t memory_size(const PreparedMesh& mesh);
 std::size_t memory_size(const CutBase& diagram);
-
-/// The `extras.fracture` object of a file that this service made (parameters, report, certificate, bonds);
-/// throws InternalError for one without.
-nlohmann::json figures_of(const FractureResult& result);
 
 }  // namespace fracture

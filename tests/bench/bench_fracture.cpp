@@ -165,8 +165,8 @@ bool run(const std::string& name, const std::shared_ptr<const Mesh>& mesh, std::
     Expected<Diagram> d =
         s ? make_diagram(*s, parameters, execution, timings) : Expected<Diagram>(tl::unexpected(s.error()));
     const double t2 = now_ms();
-    Expected<FragmentSet> f = d ? fracture(*s, *d, parameters, execution, timings)
-                                : Expected<FragmentSet>(tl::unexpected(d.error()));
+    Expected<FracturedSolid> f = d ? fracture(*s, *d, parameters, execution, timings)
+                                   : Expected<FracturedSolid>(tl::unexpected(d.error()));
     const double t3 = now_ms();
     if (!f) {
       std::printf("%-12s %5u sites: %s: %s\n", name.c_str(), sites, slug(f.error().code),
@@ -177,7 +177,7 @@ bool run(const std::string& name, const std::shared_ptr<const Mesh>& mesh, std::
     solid_ms.push_back(t1 - t0);
     diagram_ms.push_back(t2 - t1);
     fracture_ms.push_back(t3 - t2);
-    const std::string h = hash_of(*f);
+    const std::string h = hash_of(f->set);
     if (!hash.empty() && h != hash) {
       std::printf("%s, %u sites: two runs gave different fragments\n", name.c_str(), sites);
       return false;
@@ -185,7 +185,7 @@ bool run(const std::string& name, const std::shared_ptr<const Mesh>& mesh, std::
     hash = h;
     solid = std::move(*s);
     diagram = std::move(*d);
-    set = std::move(*f);
+    set = std::move(f->set);
   } while (whole.size() < 3 || (now_ms() - begin < 1000 * options.seconds && whole.size() < 101));
   const Certificate& c = set.certificate;
   const bool right = c.open_edges == 0 && c.relative_error <= 1e-9 && !set.fragments.empty();

@@ -75,24 +75,25 @@ void run_once(const std::shared_ptr<const Mesh>& mesh, const FractureParameters&
   const Expected<Diagram> diagram = solid ? make_diagram(*solid, parameters, execution, timings)
                                           : Expected<Diagram>(tl::unexpected(solid.error()));
   const double t2 = processor_ms();
-  const Expected<FragmentSet> set = diagram
-                                        ? fracture::fracture(*solid, *diagram, parameters, execution, timings)
-                                        : Expected<FragmentSet>(tl::unexpected(diagram.error()));
+  const Expected<FracturedSolid> made =
+      diagram ? fracture::fracture(*solid, *diagram, parameters, execution, timings)
+              : Expected<FracturedSolid>(tl::unexpected(diagram.error()));
   const double t3 = processor_ms();
-  if (!set) {
-    std::snprintf(figures.error, sizeof figures.error, "%s", slug(set.error().code));
+  if (!made) {
+    std::snprintf(figures.error, sizeof figures.error, "%s", slug(made.error().code));
     return;
   }
+  const FragmentSet& set = made->set;
   const auto least = [](double& kept, double now) { kept = kept == 0 ? now : std::min(kept, now); };
   least(figures.solid, t1 - t0);
   least(figures.diagram, t2 - t1);
   least(figures.fracture, t3 - t2);
   figures.sites = diagram->sites.size();
-  figures.fragments = set->fragments.size();
+  figures.fragments = set.fragments.size();
   figures.triangles_out = 0;
-  for (const Fragment& f : set->fragments) figures.triangles_out += f.indices.size() / 3;
-  figures.open_edges = set->certificate.open_edges;
-  figures.relative_error = set->certificate.relative_error;
+  for (const Fragment& f : set.fragments) figures.triangles_out += f.indices.size() / 3;
+  figures.open_edges = set.certificate.open_edges;
+  figures.relative_error = set.certificate.relative_error;
 }
 
 /// In the child. Peak memory is that of the first run, beyond what the mesh needs.

@@ -60,14 +60,14 @@ int run(const Options& options, Hulls hulls) {
   StageTimings stages;
   for (int k = 0; k < options.repeat; ++k) {
     if (!prepare.time([&] { return make_solid(mesh, {}, execution); })) return 1;
-    const Expected<FragmentSet> all = whole.time([&] {
+    const Expected<FracturedSolid> all = whole.time([&] {
       const Expected<Diagram> diagram = make_diagram(*solid, p, execution, timings);
       return fracture(*solid, *diagram, p, execution, timings);
     });
     StageTimings now;
     Expected<KeptAnswer> hit =
         local.time([&] { return fracture_delta(*solid, base->base, p, {1}, execution, now); });
-    if (!all || !hit || !same(*all, hit->set)) {
+    if (!all || !hit || !same(all->set, hit->fractured.set)) {
       std::printf("the answers differ\n");
       return 1;
     }
@@ -76,12 +76,12 @@ int run(const Options& options, Hulls hulls) {
     });
     if (!part) return 1;
     if (k == 0 || now.milliseconds(Stage::kClip) < stages.milliseconds(Stage::kClip)) stages = now;
-    fragments = all->fragments.size();
-    added = hit->set.delta->added.size();
-    changed = hit->set.delta->changed.size();
-    gone = hit->set.delta->gone.size();
+    fragments = all->set.fragments.size();
+    added = hit->fractured.delta->added.size();
+    changed = hit->fractured.delta->changed.size();
+    gone = hit->fractured.delta->gone.size();
     whole_bytes = whole_file.time([&] { return write_glb(*all, {}); }).size();
-    local_bytes = local_file.time([&] { return write_glb(part->set, {}); }).size();
+    local_bytes = local_file.time([&] { return write_glb(part->fractured, {}); }).size();
   }
   const auto times = [&](double from_nothing, double of_a_hit) {
     std::printf("; %.1f times as fast as the whole, %.1f with the mesh's preparation\n",

@@ -112,8 +112,8 @@ bool measure(const Case& c) {
   StageTimings timings;
   const Expected<Diagram> diagram = make_diagram(*solid, parameters, execution, timings);
   if (!diagram) return false;
-  const Expected<FragmentSet> set = fracture::fracture(*solid, *diagram, parameters, execution, timings);
-  if (!set || set->fragments.empty()) return false;
+  const Expected<FracturedSolid> made = fracture::fracture(*solid, *diagram, parameters, execution, timings);
+  if (!made || made->set.fragments.empty()) return false;
   within &= report(c.name, "fragments", static_cast<double>(std::max(most, second.bytes())), peak.more());
   for (std::size_t k = 0; k < kProducts; ++k)
     if (const std::uint64_t count = second.made(static_cast<Product>(k)); count > 0)

@@ -30,11 +30,11 @@ void fracture_once(const Solid& solid, const FractureParameters& p, Run& run) {
   StageTimings timings;
   const double start = now_ms();
   const Expected<Diagram> diagram = make_diagram(solid, p, execution, timings);
-  const Expected<FragmentSet> set = fracture(solid, *diagram, p, execution, timings);
+  const Expected<FracturedSolid> made = fracture(solid, *diagram, p, execution, timings);
   run.ms = std::min(run.ms, now_ms() - start);
   run.triangles = 0;
-  for (const Fragment& f : set->fragments) run.triangles += f.indices.size() / 3;
-  if (set->report.contains("rough_cuts")) run.calmed = set->report["rough_cuts"]["calmed_vertices"];
+  for (const Fragment& f : made->set.fragments) run.triangles += f.indices.size() / 3;
+  if (made->report.rough_cuts) run.calmed = made->report.rough_cuts->calmed_vertices;
 }
 
 int run(int repeat, std::uint32_t sites, const std::string& file) {

@@ -35,14 +35,14 @@ glm::vec3 world(const Model& model, std::uint32_t index) {
 }
 
 TEST(ReadModel, FragmentsOfTheServiceKeepIdsPlacesAndTheInteriorMaterial) {
-  const FragmentSet set = two_halves_with_hulls();
-  const auto model = read(write_glb(set, {}));
+  const FracturedSolid made = two_halves_with_hulls();
+  const auto model = read(write_glb(made, {}));
   ASSERT_TRUE(model) << model.error().detail;
   ASSERT_EQ(model->objects.size(), 2u);  // neither hulls nor the root
   for (std::size_t k = 0; k < 2; ++k) {
     ASSERT_TRUE(model->objects[k].fragment);
-    EXPECT_EQ(model->objects[k].fragment->id, set.fragments[k].id);
-    EXPECT_DOUBLE_EQ(model->objects[k].fragment->volume, set.fragments[k].mass.volume);
+    EXPECT_EQ(model->objects[k].fragment->id, made.set.fragments[k].id);
+    EXPECT_DOUBLE_EQ(model->objects[k].fragment->volume, made.set.fragments[k].mass.volume);
   }
   ASSERT_EQ(model->materials.size(), 4u);  // wood, paint, interior, glTF's default
   EXPECT_FALSE(model->materials[0].interior);

@@ -28,7 +28,7 @@ FragmentSet fracture_at(const Mesh& mesh, std::vector<Vec3d> points) {
   p.pattern = PointsPattern{std::move(points)};
   StageTimings timings;
   const Expected<Solid> solid = make_solid(std::make_shared<Mesh>(mesh), {}, {});
-  return fracture(*solid, *make_diagram(*solid, p, {}, timings), p, {}, timings).value();
+  return fracture(*solid, *make_diagram(*solid, p, {}, timings), p, {}, timings).value().set;
 }
 
 TEST(MassIntegral, BoxHasItsTextbookInertia) {

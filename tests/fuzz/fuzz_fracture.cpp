@@ -170,19 +170,19 @@ Outcome run_hits(const Solid& solid, const FractureParameters& parameters, const
   const Expected<KeptAnswer> before = fracture_and_keep(solid, without, execution, timings);
   if (!before) return outcome.word = word_of(before.error(), outcome.violations), outcome;
   watched.step();
-  append(outcome.violations, "before the hits", judge(before->set, without, whole, surface));
+  append(outcome.violations, "before the hits", judge(before->fractured.set, without, whole, surface));
   watched.skip();
   const Expected<KeptAnswer> after =
       fracture_delta(solid, before->base, parameters, new_hits, execution, timings);
   if (!after) return outcome.word = word_of(after.error(), outcome.violations), outcome;
   watched.step();
   append(outcome.violations, "after the hits",
-         judge(after->set, parameters, whole, surface, new_hits.only_changed));
+         judge(after->fractured.set, parameters, whole, surface, new_hits.only_changed));
   watched.skip();
   if (new_hits.only_changed) return outcome;
   const Expected<KeptAnswer> again = fracture_and_keep(solid, parameters, execution, timings);
   if (!again) return outcome.word = word_of(again.error(), outcome.violations), outcome;
-  if (!same_fragments(after->set, again->set))
+  if (!same_fragments(after->fractured.set, again->fractured.set))
     outcome.violations.push_back("hits on a kept answer: not what all sites make from nothing");
   return outcome;
 }
@@ -210,24 +210,26 @@ Outcome run_once(const FractureCase& c, Watched& watched) {
       return run_hits(*solid, parameters, *hits, whole, surface, watched);
     const Expected<Diagram> diagram = make_diagram(*solid, parameters, execution, timings);
     if (!diagram) return outcome.word = word_of(diagram.error(), outcome.violations), outcome;
-    const Expected<FragmentSet> set = fracture::fracture(*solid, *diagram, parameters, execution, timings);
+    const Expected<FracturedSolid> made =
+        fracture::fracture(*solid, *diagram, parameters, execution, timings);
     watched.step();
-    if (!set) return outcome.word = word_of(set.error(), outcome.violations), outcome;
-    append(outcome.violations, "answer", judge(*set, parameters, whole, surface));
+    if (!made) return outcome.word = word_of(made.error(), outcome.violations), outcome;
+    append(outcome.violations, "answer", judge(made->set, parameters, whole, surface));
     return outcome;
   }
   // One of the fragments, again.
   const Expected<Diagram> diagram = make_diagram(*solid, parameters, execution, timings);
   if (!diagram) return outcome.word = word_of(diagram.error(), outcome.violations), outcome;
-  const Expected<FragmentSet> first = fracture::fracture(*solid, *diagram, parameters, execution, timings);
+  const Expected<FracturedSolid> first = fracture::fracture(*solid, *diagram, parameters, execution, timings);
   if (!first) return outcome.word = word_of(first.error(), outcome.violations), outcome;
   if (parameters.dual == Dual::kBarycenter) return outcome;
-  const Fragment& chosen = first->fragments[c.again % first->fragments.size()];
+  const Fragment& chosen = first->set.fragments[c.again % first->set.fragments.size()];
   const Refracture again{.fragment = chosen.id, .sites = 1 + c.again % 20, .seed = c.again};
-  const Expected<FragmentSet> parts = fracture_again(*solid, *diagram, parameters, again, execution, timings);
+  const Expected<FracturedSolid> parts =
+      fracture_again(*solid, *diagram, parameters, again, execution, timings);
   if (!parts) return outcome.word = word_of(parts.error(), outcome.violations), outcome;
-  append(outcome.violations, "of a fragment", test::closed_violations(*parts));
-  const Certificate& certificate = parts->certificate;
+  append(outcome.violations, "of a fragment", test::closed_violations(parts->set));
+  const Certificate& certificate = parts->set.certificate;
   if (certificate.open_edges != 0 || !(certificate.relative_error <= 1e-9))
     outcome.violations.push_back("of a fragment: open edges or volume");
   return outcome;

@@ -52,9 +52,9 @@ void expect_hull_mesh(const Glb& glb, const json& mesh, const CollisionHull& hul
 TEST(KhrPhysics, MotionOfACubeHasAllFourMembersAtTheDensity) {
   GltfOptions options;
   options.density = 300;
-  FragmentSet set = two_halves_with_hulls();
-  set.fragments[0].mass.center_of_mass = {0.625, 0.5, 0.25};  // the pivot stays at the half's middle
-  const json motion = Glb(write_glb(set, options)).document["nodes"][1]["extensions"][kKhrName]["motion"];
+  FracturedSolid made = two_halves_with_hulls();
+  made.set.fragments[0].mass.center_of_mass = {0.625, 0.5, 0.25};  // the pivot stays at the half's middle
+  const json motion = Glb(write_glb(made, options)).document["nodes"][1]["extensions"][kKhrName]["motion"];
   EXPECT_EQ(motion["mass"], 300);
   EXPECT_EQ(motion["centerOfMass"], json({0.125, 0.0, -0.25}));
   for (const json& moment : motion["inertiaDiagonal"]) EXPECT_DOUBLE_EQ(moment.get<double>(), 50);  // m a²/6
@@ -62,10 +62,10 @@ TEST(KhrPhysics, MotionOfACubeHasAllFourMembersAtTheDensity) {
 }
 
 TEST(KhrPhysics, InertiaIsTurnedIntoItsPrincipalAxes) {
-  FragmentSet set = two_halves_with_hulls();
+  FracturedSolid made = two_halves_with_hulls();
   // Moments 3, 4 and 5 about axes turned by 45 degrees around z.
-  set.fragments[0].mass.inertia = {3.5, 3.5, 5, -0.5, 0, 0};
-  const json motion = Glb(write_glb(set, {})).document["nodes"][1]["extensions"][kKhrName]["motion"];
+  made.set.fragments[0].mass.inertia = {3.5, 3.5, 5, -0.5, 0, 0};
+  const json motion = Glb(write_glb(made, {})).document["nodes"][1]["extensions"][kKhrName]["motion"];
   const auto moments = motion["inertiaDiagonal"].get<std::vector<double>>();
   const auto q = motion["inertiaOrientation"].get<std::vector<double>>();
   EXPECT_THAT(moments, ::testing::UnorderedElementsAre(::testing::DoubleNear(3000, 1e-9),
@@ -86,7 +86,7 @@ TEST(KhrPhysics, OneHullIsTheColliderOfTheNodeByAMeshThatNoNodeDraws) {
   EXPECT_EQ(collider["physicsMaterial"], 0);
   EXPECT_FALSE(collider.contains("collisionFilter"));
   EXPECT_EQ(count_drawn(glb.document, collider["geometry"]["mesh"]), 0u);
-  expect_hull_mesh(glb, collider["geometry"]["mesh"], two_halves_with_hulls().fragments[0].hulls[0]);
+  expect_hull_mesh(glb, collider["geometry"]["mesh"], two_halves_with_hulls().hulls.of(0)[0]);
 }
 
 TEST(KhrPhysics, SeveralHullsAreACompoundOfChildrenAtTheIdentity) {
@@ -102,7 +102,7 @@ TEST(KhrPhysics, SeveralHullsAreACompoundOfChildrenAtTheIdentity) {
     EXPECT_FALSE(child["extensions"][kKhrName].contains("motion"));
     const json& geometry = child["extensions"][kKhrName]["collider"]["geometry"];
     EXPECT_EQ(geometry["convexHull"], true);
-    expect_hull_mesh(glb, geometry["mesh"], two_halves_with_hulls().fragments[1].hulls[k]);
+    expect_hull_mesh(glb, geometry["mesh"], two_halves_with_hulls().hulls.of(1)[k]);
   }
 }
 
@@ -129,10 +129,10 @@ TEST(KhrPhysics, FragmentsWithoutHullsAreBodiesWithoutColliders) {
 }
 
 TEST(KhrPhysics, PiecesOfOneCellDoNotCollideWithOneAnother) {
-  FragmentSet set = two_halves_with_hulls();
-  set.fragments[0].sites = {2};
-  set.fragments[1].sites = {1, 2};
-  const json document = Glb(write_glb(set, {})).document;
+  FracturedSolid made = two_halves_with_hulls();
+  made.set.fragments[0].sites = {2};
+  made.set.fragments[1].sites = {1, 2};
+  const json document = Glb(write_glb(made, {})).document;
   const json& filters = document["extensions"][kKhrName]["collisionFilters"];
   ASSERT_EQ(filters.size(), 1u);
   EXPECT_EQ(filters[0]["collisionSystems"].size(), 1u);
@@ -165,10 +165,10 @@ TEST(OmiPhysics, ConvexShapesByMeshAndMotionWithoutInertia) {
     EXPECT_EQ(shape["type"], "convex");
     return shape["convex"]["mesh"];
   };
-  const FragmentSet set = two_halves_with_hulls();
-  expect_hull_mesh(glb, shape_of(document["nodes"][1]), set.fragments[0].hulls[0]);
-  expect_hull_mesh(glb, shape_of(document["nodes"][3]), set.fragments[1].hulls[0]);
-  expect_hull_mesh(glb, shape_of(document["nodes"][4]), set.fragments[1].hulls[1]);
+  const FracturedSolid made = two_halves_with_hulls();
+  expect_hull_mesh(glb, shape_of(document["nodes"][1]), made.hulls.of(0)[0]);
+  expect_hull_mesh(glb, shape_of(document["nodes"][3]), made.hulls.of(1)[0]);
+  expect_hull_mesh(glb, shape_of(document["nodes"][4]), made.hulls.of(1)[1]);
   const json& motion = document["nodes"][2]["extensions"]["OMI_physics_body"]["motion"];
   EXPECT_EQ(motion, json({{"type", "dynamic"}, {"mass", 1000}, {"centerOfMass", {0, 0, 0}}}));
   EXPECT_THAT(document["extensionsUsed"], Contains("OMI_physics_body"));
@@ -200,19 +200,19 @@ TEST(UeCollision, DrawsEachHullUnderTheFragmentsNameAndNothingTakesItForAFragmen
     EXPECT_FALSE(nodes[k].contains("translation"));
     EXPECT_EQ(glb.document["meshes"][nodes[k]["mesh"].get<std::size_t>()]["name"], nodes[k]["name"]);
   }
-  expect_hull_mesh(glb, nodes[5]["mesh"], two_halves_with_hulls().fragments[1].hulls[1]);
+  expect_hull_mesh(glb, nodes[5]["mesh"], two_halves_with_hulls().hulls.of(1)[1]);
 }
 
 TEST(UeCollision, NamesStayUniqueAndShortWhateverTheSourceIsCalled) {
   GltfOptions options;
   options.ue_collision = UeCollision::kUcx;
   for (const std::string& name : {std::string(200, 'x'), std::string("UCX_box_0_00"), std::string()}) {
-    FragmentSet set = two_halves_with_hulls();
-    auto mesh = std::make_shared<Mesh>(*set.source);
+    FracturedSolid made = two_halves_with_hulls();
+    auto mesh = std::make_shared<Mesh>(*made.set.source);
     mesh->node_names = {name};
-    set.source = mesh;
+    made.set.source = mesh;
     std::set<std::string> names;
-    const json document = Glb(write_glb(set, options)).document;
+    const json document = Glb(write_glb(made, options)).document;
     for (const json& node : document["nodes"]) {
       names.insert(node["name"].get<std::string>());
       EXPECT_LE(node["name"].get<std::string>().size(), 63u);
@@ -224,10 +224,10 @@ TEST(UeCollision, NamesStayUniqueAndShortWhateverTheSourceIsCalled) {
 }
 
 TEST(MeshManifold, CoversAllPrimitivesWithSeamsMerged) {
-  const FragmentSet set = two_halves();
+  const FracturedSolid made = two_halves();
   const Glb glb = written();
-  for (std::size_t k = 0; k < set.fragments.size(); ++k) {
-    const Fragment& f = set.fragments[k];
+  for (std::size_t k = 0; k < made.set.fragments.size(); ++k) {
+    const Fragment& f = made.set.fragments[k];
     const json& mesh = glb.document["meshes"][k];
     const json& extension = mesh["extensions"]["EXT_mesh_manifold"];
     EXPECT_EQ(extension["manifoldPrimitive"]["attributes"],
@@ -265,20 +265,20 @@ TEST(MeshManifold, IsLeftOutWhereItIsNotWantedOrNothingIsKnown) {
   options.mesh_manifold = false;
   EXPECT_FALSE(written(options).document["meshes"][0].contains("extensions"));
   EXPECT_THAT(written(options).document["extensionsUsed"], Not(Contains("EXT_mesh_manifold")));
-  FragmentSet set = two_halves();
-  for (Fragment& f : set.fragments) f.topology.clear();
-  EXPECT_FALSE(Glb(write_glb(set, {})).document["meshes"][0].contains("extensions"));
+  FracturedSolid made = two_halves();
+  for (Fragment& f : made.set.fragments) f.topology.clear();
+  EXPECT_FALSE(Glb(write_glb(made, {})).document["meshes"][0].contains("extensions"));
 }
 
 TEST(MeshManifold, WithoutSeamsNothingIsMerged) {
-  FragmentSet set = two_halves();
-  Fragment& f = set.fragments[0];  // a tetrahedron
+  FracturedSolid made = two_halves();
+  Fragment& f = made.set.fragments[0];  // a tetrahedron
   f.attributes = {};
   f.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   f.indices = {0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2};
   f.primitives = {{kNoIndex, 0, 12}};
   f.topology = {0, 1, 2, 3};
-  const json document = Glb(write_glb(set, {})).document;
+  const json document = Glb(write_glb(made, {})).document;
   const json& extension = document["meshes"][0]["extensions"]["EXT_mesh_manifold"];
   EXPECT_FALSE(extension.contains("mergeIndices"));
   EXPECT_FALSE(
@@ -300,9 +300,9 @@ std::vector<std::uint8_t> from_base64(const std::string& text) {
 }
 
 TEST(GltfJson, SaysTheSameAsTheGlbWithTheBufferInADataUri) {
-  const FragmentSet set = two_halves_with_hulls();
-  const Glb glb(write_glb(set, {}));
-  const std::vector<std::uint8_t> text = write_gltf(set, {});
+  const FracturedSolid made = two_halves_with_hulls();
+  const Glb glb(write_glb(made, {}));
+  const std::vector<std::uint8_t> text = write_gltf(made, {});
   json document = json::parse(text.begin(), text.end());
   const std::string uri = document["buffers"][0]["uri"];
   const std::string head = "data:application/octet-stream;base64,";
@@ -314,13 +314,13 @@ TEST(GltfJson, SaysTheSameAsTheGlbWithTheBufferInADataUri) {
 
 TEST(GltfJson, PadsWhatIsNotAMultipleOfThreeBytes) {
   for (const std::size_t size : {1u, 2u, 3u, 4u, 5u, 6u}) {
-    FragmentSet set;
+    FracturedSolid made;
     auto library = std::make_shared<MaterialLibrary>();
     library->images.push_back({"", "image/jpeg", std::vector<std::uint8_t>(4 * size, 0xfb)});
     auto mesh = std::make_shared<Mesh>();
     mesh->library = library;
-    set.source = mesh;
-    const std::vector<std::uint8_t> text = write_gltf(set, {});
+    made.set.source = mesh;
+    const std::vector<std::uint8_t> text = write_gltf(made, {});
     const std::string uri = json::parse(text.begin(), text.end())["buffers"][0]["uri"];
     EXPECT_EQ(from_base64(uri.substr(uri.find(',') + 1)), library->images[0].bytes);
   }
@@ -339,13 +339,13 @@ std::vector<std::uint8_t> png(const std::vector<std::pair<std::string, std::vect
 }
 
 std::vector<std::uint8_t> image_in_file(const std::vector<std::uint8_t>& bytes) {
-  FragmentSet set = two_halves();
-  auto library = std::make_shared<MaterialLibrary>(*set.source->library);
+  FracturedSolid made = two_halves();
+  auto library = std::make_shared<MaterialLibrary>(*made.set.source->library);
   library->images[0].bytes = bytes;
-  auto mesh = std::make_shared<Mesh>(*set.source);
+  auto mesh = std::make_shared<Mesh>(*made.set.source);
   mesh->library = library;
-  set.source = mesh;
-  const Glb glb(write_glb(set, {}));
+  made.set.source = mesh;
+  const Glb glb(write_glb(made, {}));
   const json& view = glb.document["bufferViews"][glb.document["images"][0]["bufferView"].get<std::size_t>()];
   const auto first = glb.binary.begin() + view["byteOffset"].get<std::ptrdiff_t>();
   return {first, first + view["byteLength"].get<std::ptrdiff_t>()};
@@ -384,11 +384,11 @@ TEST(Images, ThatCannotBeFollowedPassThrough) {
 }
 
 TEST(CollisionHull, ThatContradictsItselfIsABugNotAFile) {
-  FragmentSet set = two_halves_with_hulls();
-  set.fragments[0].hulls[0].triangles[3][1] = 8;
-  EXPECT_THROW(write_glb(set, {}), InternalError);
-  set.fragments[0].hulls[0] = {};
-  EXPECT_THROW(write_glb(set, {}), InternalError);
+  FracturedSolid made = two_halves_with_hulls();
+  made.hulls.of_fragment[0].hulls[0].triangles[3][1] = 8;
+  EXPECT_THROW(write_glb(made, {}), InternalError);
+  made.hulls.of_fragment[0].hulls[0] = {};
+  EXPECT_THROW(write_glb(made, {}), InternalError);
 }
 
 }  // namespace

@@ -35,10 +35,10 @@ TEST(GltfWriter, OneIdentityRootAndOneNodeForEachFragmentAtItsPivot) {
 }
 
 TEST(GltfWriter, PositionsAndAttributesAreBitForBitThoseOfTheFragments) {
-  const FragmentSet set = two_halves();
-  const Glb glb(write_glb(set, {}));
-  for (std::size_t k = 0; k < set.fragments.size(); ++k) {
-    const Fragment& f = set.fragments[k];
+  const FracturedSolid made = two_halves();
+  const Glb glb(write_glb(made, {}));
+  for (std::size_t k = 0; k < made.set.fragments.size(); ++k) {
+    const Fragment& f = made.set.fragments[k];
     const json& attributes = glb.document["meshes"][k]["primitives"][0]["attributes"];
     EXPECT_EQ(glb.read<Vec3f>(attributes["POSITION"]), f.positions);
     EXPECT_EQ(glb.read<Vec3f>(attributes["NORMAL"]), f.attributes.normals);
@@ -50,9 +50,9 @@ TEST(GltfWriter, PositionsAndAttributesAreBitForBitThoseOfTheFragments) {
 }
 
 TEST(GltfWriter, PrimitivesShareAttributesAndCoverTheIndicesInOrder) {
-  const FragmentSet set = two_halves();
-  const Glb glb(write_glb(set, {}));
-  for (std::size_t k = 0; k < set.fragments.size(); ++k) {
+  const FracturedSolid made = two_halves();
+  const Glb glb(write_glb(made, {}));
+  for (std::size_t k = 0; k < made.set.fragments.size(); ++k) {
     const json& primitives = glb.document["meshes"][k]["primitives"];
     ASSERT_EQ(primitives.size(), 3u);
     std::vector<std::uint32_t> indices;
@@ -64,18 +64,18 @@ TEST(GltfWriter, PrimitivesShareAttributesAndCoverTheIndicesInOrder) {
       for (const std::uint16_t index : glb.read<std::uint16_t>(primitive["indices"]))
         indices.push_back(index);
     }
-    EXPECT_EQ(indices, set.fragments[k].indices);
+    EXPECT_EQ(indices, made.set.fragments[k].indices);
     EXPECT_EQ(views.size(), 1u);
   }
 }
 
 TEST(GltfWriter, SourceMaterialsComeFirstInOrderThenTheInterior) {
-  const FragmentSet set = two_halves();
-  const Glb glb(write_glb(set, {}));
+  const FracturedSolid made = two_halves();
+  const Glb glb(write_glb(made, {}));
   const json& materials = glb.document["materials"];
   ASSERT_EQ(materials.size(), 3u);
-  EXPECT_EQ(materials[0], set.source->library->materials[0]);
-  EXPECT_EQ(materials[1], set.source->library->materials[1]);
+  EXPECT_EQ(materials[0], made.set.source->library->materials[0]);
+  EXPECT_EQ(materials[1], made.set.source->library->materials[1]);
   EXPECT_THAT(materials[2]["name"].get<std::string>(), ::testing::HasSubstr("Interior"));
   const json& primitives = glb.document["meshes"][0]["primitives"];
   EXPECT_EQ(primitives[0]["material"], 0);
@@ -84,24 +84,24 @@ TEST(GltfWriter, SourceMaterialsComeFirstInOrderThenTheInterior) {
 }
 
 TEST(GltfWriter, TangentsStandExactlyWhereAMaterialHasANormalMap) {
-  FragmentSet set = two_halves();
-  const json primitives = Glb(write_glb(set, {})).document["meshes"][0]["primitives"];
+  FracturedSolid made = two_halves();
+  const json primitives = Glb(write_glb(made, {})).document["meshes"][0]["primitives"];
   EXPECT_TRUE(primitives[0]["attributes"].contains("TANGENT"));
   EXPECT_FALSE(primitives[1]["attributes"].contains("TANGENT"));
   EXPECT_FALSE(primitives[2]["attributes"].contains("TANGENT"));
 }
 
 TEST(GltfWriter, PrimitiveWithoutMaterialNamesNone) {
-  FragmentSet set = two_halves();
-  set.fragments[0].primitives[1].material = kNoIndex;
-  EXPECT_FALSE(Glb(write_glb(set, {})).document["meshes"][0]["primitives"][1].contains("material"));
+  FracturedSolid made = two_halves();
+  made.set.fragments[0].primitives[1].material = kNoIndex;
+  EXPECT_FALSE(Glb(write_glb(made, {})).document["meshes"][0]["primitives"][1].contains("material"));
 }
 
 TEST(GltfWriter, ImagesPassThroughByteForByte) {
-  const FragmentSet set = two_halves();
-  const Glb glb(write_glb(set, {}));
+  const FracturedSolid made = two_halves();
+  const Glb glb(write_glb(made, {}));
   const json& view = glb.document["bufferViews"][glb.document["images"][0]["bufferView"].get<std::size_t>()];
-  const auto& source = set.source->library->images[0].bytes;
+  const auto& source = made.set.source->library->images[0].bytes;
   ASSERT_EQ(view["byteLength"], source.size());
   EXPECT_FALSE(view.contains("target"));
   EXPECT_EQ(std::memcmp(&glb.binary.at(view["byteOffset"].get<std::size_t>()), source.data(), source.size()),
@@ -123,15 +123,15 @@ TEST(GltfWriter, ViewsAreAlignedAndSayWhatTheyAreFor) {
 }
 
 TEST(GltfWriter, PositionBoundsAreTheStoredFloats) {
-  FragmentSet set = two_halves();
-  set.fragments[0].positions[0] = {0.1f, -0.3f, 1e-20f};
-  const Glb glb(write_glb(set, {}));
+  FracturedSolid made = two_halves();
+  made.set.fragments[0].positions[0] = {0.1f, -0.3f, 1e-20f};
+  const Glb glb(write_glb(made, {}));
   const json& accessor =
       glb.document["accessors"]
                   [glb.document["meshes"][0]["primitives"][0]["attributes"]["POSITION"].get<std::size_t>()];
   for (std::size_t axis = 0; axis < 3; ++axis) {
     double low = std::numeric_limits<double>::max(), high = -low;
-    for (const Vec3f& p : set.fragments[0].positions) {
+    for (const Vec3f& p : made.set.fragments[0].positions) {
       low = std::min(low, to_double(p)[static_cast<int>(axis)]);
       high = std::max(high, to_double(p)[static_cast<int>(axis)]);
     }
@@ -141,11 +141,11 @@ TEST(GltfWriter, PositionBoundsAreTheStoredFloats) {
 }
 
 /// One triangle fan over n vertices: only the count matters.
-FragmentSet fragment_with_vertices(std::uint32_t n) {
-  FragmentSet set = two_halves();
-  set.bonds.clear();
-  set.fragments.resize(1);
-  Fragment& f = set.fragments[0];
+FracturedSolid fragment_with_vertices(std::uint32_t n) {
+  FracturedSolid made = two_halves();
+  made.set.bonds.clear();
+  made.set.fragments.resize(1);
+  Fragment& f = made.set.fragments[0];
   f.attributes = {};
   f.topology.clear();
   f.positions.resize(n);
@@ -153,7 +153,7 @@ FragmentSet fragment_with_vertices(std::uint32_t n) {
     f.positions[k] = {static_cast<float>(k), static_cast<float>(k % 7), 0};
   f.indices = {0, 1, n - 1};
   f.primitives = {{kNoIndex, 0, 3}};
-  return set;
+  return made;
 }
 
 TEST(GltfWriter, IndicesHave16BitsUpTo65535VerticesAnd32Beyond) {
@@ -170,13 +170,13 @@ TEST(GltfWriter, IndicesHave16BitsUpTo65535VerticesAnd32Beyond) {
 }
 
 TEST(GltfWriter, NormalsAndTangentsWithoutLengthAreMended) {
-  FragmentSet set = two_halves();
-  Fragment& f = set.fragments[0];
+  FracturedSolid made = two_halves();
+  Fragment& f = made.set.fragments[0];
   f.attributes.normals[0] = {};
   f.attributes.normals[1] = {0, 0, 5};
   f.attributes.tangents[0] = {};
   f.attributes.tangents[1] = {3, 0, 0, -0.5f};
-  const Glb glb(write_glb(set, {}));
+  const Glb glb(write_glb(made, {}));
   const json& attributes = glb.document["meshes"][0]["primitives"][0]["attributes"];
   const auto normals = glb.read<Vec3f>(attributes["NORMAL"]);
   EXPECT_EQ(normals[0], (Vec3f{0, 0, 1}));  // of the triangle: the face z = const
@@ -201,12 +201,12 @@ TEST(GltfWriter, ExtrasCarryFiguresBondsAndCertificateKeyedById) {
   options.parameters = {{"sites", 2}, {"seed", 1}};
   options.mesh_digest = "sha256:00";
   options.density = 500;
-  const FragmentSet set = two_halves();
-  const json document = Glb(write_glb(set, options)).document;
+  const FracturedSolid made = two_halves();
+  const json document = Glb(write_glb(made, options)).document;
   EXPECT_EQ(document["asset"]["copyright"], "CC0 \"test\"");
   EXPECT_EQ(document["asset"]["extras"]["parameters"], options.parameters);
   const json& root = document["nodes"][0]["extras"]["fracture"];
-  EXPECT_EQ(root, fracture_extras(set, options));
+  EXPECT_EQ(root, fracture_extras(made, options));
   EXPECT_EQ(root["mesh"], "sha256:00");
   EXPECT_EQ(root["parameters"]["sites"], 2);
   EXPECT_EQ(root["certificate"]["open_edges"], 0);
@@ -224,14 +224,26 @@ TEST(GltfWriter, ExtrasCarryFiguresBondsAndCertificateKeyedById) {
   EXPECT_TRUE(fragment["parent"].is_null());
 }
 
+TEST(GltfWriter, FiguresStandWhereItSaysThatTheyStand) {
+  const FracturedSolid made = two_halves();
+  for (const OutputFormat format : {OutputFormat::kGlb, OutputFormat::kGltf}) {
+    const GltfFile file = write_file(made, {}, format);
+    EXPECT_EQ(file.bytes, format == OutputFormat::kGlb ? write_glb(made, {}) : write_gltf(made, {}));
+    ASSERT_LE(file.figures.at + file.figures.size, file.bytes.size());
+    const auto begin = file.bytes.begin() + static_cast<std::ptrdiff_t>(file.figures.at);
+    EXPECT_EQ(json::parse(begin, begin + static_cast<std::ptrdiff_t>(file.figures.size)),
+              fracture_extras(made, {}));
+  }
+}
+
 TEST(GltfWriter, WhatItWritesTheImporterReadsBackInWorldSpace) {
   const std::vector<std::uint8_t> glb = write_glb(two_halves(), {});
   const Expected<Mesh> mesh =
       import_mesh({reinterpret_cast<const std::byte*>(glb.data()), glb.size()}, MeshFormat::kGlb, {});
   ASSERT_TRUE(mesh) << mesh.error().detail;
-  const FragmentSet set = two_halves();
+  const FracturedSolid made = two_halves();
   std::vector<Vec3f> world;
-  for (const Fragment& f : set.fragments)
+  for (const Fragment& f : made.set.fragments)
     for (const Vec3f& p : f.positions)
       world.push_back({p.x + static_cast<float>(f.pivot.x), p.y + static_cast<float>(f.pivot.y),
                        p.z + static_cast<float>(f.pivot.z)});
@@ -243,7 +255,7 @@ TEST(GltfWriter, WhatItWritesTheImporterReadsBackInWorldSpace) {
     return std::array<float, 9>{p[a].x, p[a].y, p[a].z, p[b].x, p[b].y, p[b].z, p[c].x, p[c].y, p[c].z};
   };
   std::uint32_t base = 0;
-  for (const Fragment& f : set.fragments) {
+  for (const Fragment& f : made.set.fragments) {
     for (std::size_t k = 0; k < f.indices.size(); k += 3)
       before.insert(corners(world, base + f.indices[k], base + f.indices[k + 1], base + f.indices[k + 2]));
     base += static_cast<std::uint32_t>(f.positions.size());
@@ -251,14 +263,14 @@ TEST(GltfWriter, WhatItWritesTheImporterReadsBackInWorldSpace) {
   for (const auto& t : mesh->triangles) after.insert(corners(mesh->positions, t[0], t[1], t[2]));
   EXPECT_EQ(before, after);
   EXPECT_EQ(mesh->library->materials.size(), 3u);
-  EXPECT_EQ(mesh->library->images[0].bytes, set.source->library->images[0].bytes);
+  EXPECT_EQ(mesh->library->images[0].bytes, made.set.source->library->images[0].bytes);
 }
 
 TEST(GltfWriter, FragmentThatContradictsItselfIsABugNotAFile) {
   const auto broken = [](auto&& change) {
-    FragmentSet set = two_halves();
-    change(set.fragments[1]);
-    return set;
+    FracturedSolid made = two_halves();
+    change(made.set.fragments[1]);
+    return made;
   };
   EXPECT_THROW(write_glb(broken([](Fragment& f) { f.indices[0] = 1000; }), {}), InternalError);
   EXPECT_THROW(write_glb(broken([](Fragment& f) { f.attributes.normals.pop_back(); }), {}), InternalError);
@@ -266,6 +278,15 @@ TEST(GltfWriter, FragmentThatContradictsItselfIsABugNotAFile) {
   EXPECT_THROW(
       write_glb(broken([](Fragment& f) { f.mass.volume = std::numeric_limits<double>::quiet_NaN(); }), {}),
       InternalError);
+}
+
+TEST(GltfWriter, ACompanionOfAnotherSetIsABugNotAFile) {
+  FracturedSolid hulls = two_halves(), anchored = two_halves(), clusters = two_halves();
+  hulls.hulls.of_fragment.resize(1);
+  anchored.anchored.held.resize(3);
+  clusters.hierarchy.cluster_of_fragment.resize(1);
+  for (const FracturedSolid& made : {hulls, anchored, clusters})
+    EXPECT_THROW(write_glb(made, {}), InternalError);
 }
 
 TEST(JsonText, NumbersReadBackAsTheSameDouble) {

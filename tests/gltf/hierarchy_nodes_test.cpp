@@ -12,15 +12,15 @@ namespace {
 using nlohmann::json;
 
 /// One cluster of both halves above one cluster for each.
-FragmentSet two_halves_in_levels() {
-  FragmentSet set = two_halves();
-  set.hierarchy.levels.resize(2);
-  set.hierarchy.levels[0].clusters = {{11, kNoIndex, 2, 2.0, {1, 0.5, 0.5}}};
-  set.hierarchy.levels[1].clusters = {{21, 0, 1, 1.0, {0.5, 0.5, 0.5}}, {22, 0, 1, 1.0, {1.5, 0.5, 0.5}}};
-  set.hierarchy.levels[1].bonds = set.bonds;
-  set.hierarchy.cluster_of_fragment = {0, 1};
-  set.fragments[1].anchored = true;
-  return set;
+FracturedSolid two_halves_in_levels() {
+  FracturedSolid made = two_halves();
+  made.hierarchy.levels.resize(2);
+  made.hierarchy.levels[0].clusters = {{11, kNoIndex, 2, 2.0, {1, 0.5, 0.5}}};
+  made.hierarchy.levels[1].clusters = {{21, 0, 1, 1.0, {0.5, 0.5, 0.5}}, {22, 0, 1, 1.0, {1.5, 0.5, 0.5}}};
+  made.hierarchy.levels[1].bonds = made.set.bonds;
+  made.hierarchy.cluster_of_fragment = {0, 1};
+  made.anchored = {.held = {0, 1}, .count = 1};
+  return made;
 }
 
 TEST(GltfHierarchy, ClustersAreNodesWithoutTransformBehindAllOthers) {
@@ -40,8 +40,8 @@ TEST(GltfHierarchy, ClustersAreNodesWithoutTransformBehindAllOthers) {
 TEST(GltfHierarchy, LevelAndParentStandInTheExtrasOfFragmentsAndClusters) {
   GltfOptions options;
   options.density = 500;
-  const FragmentSet set = two_halves_in_levels();
-  const json nodes = Glb(write_glb(set, options)).document["nodes"];
+  const FracturedSolid made = two_halves_in_levels();
+  const json nodes = Glb(write_glb(made, options)).document["nodes"];
   const auto extras = [&](std::size_t node) { return nodes[node]["extras"]["fracture"]; };
   EXPECT_EQ(extras(1)["level"], 2);
   EXPECT_EQ(extras(1)["parent"], 21);
@@ -66,15 +66,15 @@ TEST(GltfHierarchy, LevelAndParentStandInTheExtrasOfFragmentsAndClusters) {
   EXPECT_EQ(levels[1]["bonds"]["a"], json({21}));
   EXPECT_EQ(levels[1]["bonds"]["b"], json({22}));
   EXPECT_EQ(levels[1]["bonds"]["area"], json({1.0}));
-  EXPECT_EQ(fracture_extras(set, options)["levels"], levels);
+  EXPECT_EQ(fracture_extras(made, options)["levels"], levels);
 }
 
 TEST(GltfHierarchy, NamesOfClustersAreFreeOfThoseOfTheSource) {
-  FragmentSet set = two_halves_in_levels();
-  auto source = std::make_shared<Mesh>(*set.source);
+  FracturedSolid made = two_halves_in_levels();
+  auto source = std::make_shared<Mesh>(*made.set.source);
   source->node_names = {"Cluster_0"};
-  set.source = source;
-  const json nodes = Glb(write_glb(set, {})).document["nodes"];
+  made.set.source = source;
+  const json nodes = Glb(write_glb(made, {})).document["nodes"];
   EXPECT_EQ(nodes[1]["name"], "Cluster_0_0");
   EXPECT_EQ(nodes[3]["name"], "Cluster2_0_0");
 }

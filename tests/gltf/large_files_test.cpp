@@ -34,34 +34,35 @@ Fragment band(std::uint32_t n) {
 }
 
 /// The second half over and over, each time with an id of its own.
-FragmentSet many_halves(std::size_t count) {
-  FragmentSet set = two_halves_with_hulls();
-  const Fragment one = set.fragments[1];
-  const Bond bond = set.bonds[0];
-  set.fragments.assign(count, one);
+FracturedSolid many_halves(std::size_t count) {
+  FracturedSolid made = two_halves_with_hulls();
+  const Fragment one = made.set.fragments[1];
+  const Bond bond = made.set.bonds[0];
+  made.set.fragments.assign(count, one);
+  made.hulls.of_fragment.assign(count, made.hulls.of_fragment[1]);
   for (std::size_t k = 0; k < count; ++k) {
-    set.fragments[k].id = k;
-    set.fragments[k].sites = {static_cast<std::uint32_t>(k)};
+    made.set.fragments[k].id = k;
+    made.set.fragments[k].sites = {static_cast<std::uint32_t>(k)};
   }
-  set.bonds.assign(3 * count, bond);
-  return set;
+  made.set.bonds.assign(3 * count, bond);
+  return made;
 }
 
 TEST(LargeFiles, HaveWhatWasGivenOverAllTheBlocksTheyAreWrittenIn) {
-  FragmentSet set = two_halves();
-  set.fragments[0] = band(150'000);
-  const std::vector<std::uint8_t> file = write_glb(set, {});
+  FracturedSolid made = two_halves();
+  made.set.fragments[0] = band(150'000);
+  const std::vector<std::uint8_t> file = write_glb(made, {});
   const Glb glb(file);
   const auto& primitive = glb.document["meshes"][0]["primitives"][0];
-  EXPECT_EQ(glb.read<Vec3f>(primitive["attributes"]["POSITION"]), set.fragments[0].positions);
-  EXPECT_EQ(glb.read<Vec3f>(primitive["attributes"]["NORMAL"]), set.fragments[0].attributes.normals);
-  EXPECT_EQ(glb.read<Vec2f>(primitive["attributes"]["TEXCOORD_0"]), set.fragments[0].attributes.uvs[0]);
-  EXPECT_EQ(glb.read<std::uint32_t>(primitive["indices"]), set.fragments[0].indices);
+  EXPECT_EQ(glb.read<Vec3f>(primitive["attributes"]["POSITION"]), made.set.fragments[0].positions);
+  EXPECT_EQ(glb.read<Vec3f>(primitive["attributes"]["NORMAL"]), made.set.fragments[0].attributes.normals);
+  EXPECT_EQ(glb.read<Vec2f>(primitive["attributes"]["TEXCOORD_0"]), made.set.fragments[0].attributes.uvs[0]);
+  EXPECT_EQ(glb.read<std::uint32_t>(primitive["indices"]), made.set.fragments[0].indices);
   const auto& second = glb.document["meshes"][1]["primitives"][0];
-  EXPECT_EQ(glb.read<Vec3f>(second["attributes"]["POSITION"]), set.fragments[1].positions);
+  EXPECT_EQ(glb.read<Vec3f>(second["attributes"]["POSITION"]), made.set.fragments[1].positions);
 
   // The same bytes in the other container, decoded by hand.
-  const std::vector<std::uint8_t> text = write_gltf(set, {});
+  const std::vector<std::uint8_t> text = write_gltf(made, {});
   const auto document = nlohmann::json::parse(text);
   const std::string uri = document["buffers"][0]["uri"];
   const std::string data = uri.substr(uri.find(',') + 1);
@@ -83,23 +84,23 @@ TEST(LargeFiles, HaveWhatWasGivenOverAllTheBlocksTheyAreWrittenIn) {
 }
 
 TEST(LargeFiles, CanBeInterruptedAnywhere) {
-  FragmentSet few = two_halves();
-  few.fragments[0] = band(600'000);
-  FragmentSet many = many_halves(15'000);
-  for (const FragmentSet& set : {few, many})
+  FracturedSolid few = two_halves();
+  few.set.fragments[0] = band(600'000);
+  FracturedSolid many = many_halves(15'000);
+  for (const FracturedSolid& made : {few, many})
     for (const auto write : {write_glb, write_gltf}) {
       PollGaps gaps;
-      const std::vector<std::uint8_t> file = write(set, {}, gaps.execution());
-      EXPECT_LT(gaps.longest_ms(), kMostPollGapMs) << set.fragments.size() << " fragments";
+      const std::vector<std::uint8_t> file = write(made, {}, gaps.execution());
+      EXPECT_LT(gaps.longest_ms(), kMostPollGapMs) << made.set.fragments.size() << " fragments";
       EXPECT_GT(file.size(), 40'000'000u);
       EXPECT_GT(gaps.polls(), 100u);
     }
 }
 
 TEST(LargeFiles, AnInterruptionStopsTheWriting) {
-  const FragmentSet set = many_halves(300);
+  const FracturedSolid made = many_halves(300);
   PollGaps counted;
-  write_glb(set, {}, counted.execution());
+  write_glb(made, {}, counted.execution());
   ASSERT_GT(counted.polls(), 3u);
   // At each poll in turn, up to the last.
   for (std::uint64_t stop = 1; stop <= counted.polls(); stop += 1 + counted.polls() / 20) {
@@ -110,7 +111,7 @@ TEST(LargeFiles, AnInterruptionStopsTheWriting) {
     execution.watch = [&] {
       if (++polls == stop) source.request_stop();
     };
-    EXPECT_THROW(write_glb(set, {}, execution), Interrupted);
+    EXPECT_THROW(write_glb(made, {}, execution), Interrupted);
     EXPECT_EQ(polls, stop);
   }
 }
@@ -121,9 +122,9 @@ TEST(LargeFiles, NormalsWithoutDirectionAreThoseOfTheFirstTriangleThatHasOne) {
   for (Vec3f& n : f.attributes.normals) n = {0, 0, 0};
   // At the first vertices all triangles but one are flat.
   for (std::uint32_t k = 0; k < 6; ++k) f.positions[k] = {0, 0, k % 2 == 0 ? 0.f : 1.f};
-  FragmentSet set = two_halves();
-  set.fragments[0] = f;
-  const Glb glb(write_glb(set, {}));
+  FracturedSolid made = two_halves();
+  made.set.fragments[0] = f;
+  const Glb glb(write_glb(made, {}));
   const auto normals = glb.read<Vec3f>(glb.document["meshes"][0]["primitives"][0]["attributes"]["NORMAL"]);
   ASSERT_EQ(normals.size(), f.positions.size());
   for (const std::size_t v : {0u, 1u, 2u, 3u, 5u, 1000u, 79'999u}) {
@@ -143,8 +144,8 @@ TEST(LargeFiles, NormalsWithoutDirectionAreThoseOfTheFirstTriangleThatHasOne) {
 
 // Nodes of one name: the n-th looked at all numbers that the ones before it had been given.
 TEST(LargeFiles, WholeNodesOfOneNameAreNumberedInTheirOrder) {
-  FragmentSet set = two_halves();
-  auto mesh = std::make_shared<Mesh>(*set.source);
+  FracturedSolid made = two_halves();
+  auto mesh = std::make_shared<Mesh>(*made.set.source);
   auto rest = std::make_shared<Mesh>();
   rest->positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   constexpr std::uint32_t kNodes = 20'000;
@@ -155,8 +156,8 @@ TEST(LargeFiles, WholeNodesOfOneNameAreNumberedInTheirOrder) {
     rest->node_names.emplace_back(node == 7 ? "crate_5" : "crate");
   }
   mesh->passed_through = rest;
-  set.source = mesh;
-  const Glb glb(write_glb(set, {}));
+  made.set.source = mesh;
+  const Glb glb(write_glb(made, {}));
   const auto& nodes = glb.document["nodes"];
   ASSERT_EQ(nodes.size(), 3 + kNodes);
   EXPECT_EQ(nodes[3]["name"], "crate");
@@ -168,33 +169,33 @@ TEST(LargeFiles, WholeNodesOfOneNameAreNumberedInTheirOrder) {
 }
 
 TEST(LargeFiles, ClustersGetTheLowestNumberThatNoNodeBeginsWith) {
-  FragmentSet set = two_halves();
-  auto mesh = std::make_shared<Mesh>(*set.source);
+  FracturedSolid made = two_halves();
+  auto mesh = std::make_shared<Mesh>(*made.set.source);
   constexpr int kTaken = 20'000;
   mesh->node_names.emplace_back("Cluster_of_rocks");
   for (int k = kTaken; k > 1; --k)
     if (k != 9000) mesh->node_names.push_back("Cluster" + std::to_string(k) + "_");
-  set.source = mesh;
-  set.hierarchy.levels.resize(1);
-  set.hierarchy.levels[0].clusters.resize(1);
-  set.hierarchy.levels[0].clusters[0].parent = kNoIndex;
-  set.hierarchy.cluster_of_fragment = {0, 0};
-  const Glb glb(write_glb(set, {}));
+  made.set.source = mesh;
+  made.hierarchy.levels.resize(1);
+  made.hierarchy.levels[0].clusters.resize(1);
+  made.hierarchy.levels[0].clusters[0].parent = kNoIndex;
+  made.hierarchy.cluster_of_fragment = {0, 0};
+  const Glb glb(write_glb(made, {}));
   EXPECT_EQ(glb.document["nodes"].back()["name"], "Cluster9000_0_0");
 }
 
 // One view for each: it was found by comparing its name with those of all views before it.
 TEST(LargeFiles, ManyImagesHaveAViewEach) {
-  FragmentSet set = two_halves();
-  auto mesh = std::make_shared<Mesh>(*set.source);
+  FracturedSolid made = two_halves();
+  auto mesh = std::make_shared<Mesh>(*made.set.source);
   auto library = std::make_shared<MaterialLibrary>(*mesh->library);
   constexpr std::size_t kImages = 30'000;
   library->images.resize(kImages, library->images.at(0));
   for (std::size_t k = 0; k < kImages; ++k)
     library->images[k].bytes = {static_cast<std::uint8_t>(k), static_cast<std::uint8_t>(k >> 8), 7};
   mesh->library = library;
-  set.source = mesh;
-  const Glb glb(write_glb(set, {}));
+  made.set.source = mesh;
+  const Glb glb(write_glb(made, {}));
   const auto& images = glb.document["images"];
   ASSERT_EQ(images.size(), kImages);
   for (const std::size_t k : {std::size_t{0}, std::size_t{1}, kImages - 1}) {

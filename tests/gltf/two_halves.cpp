@@ -67,7 +67,7 @@ CollisionHull box(const Vec3f& min, const Vec3f& max) {
 
 }  // namespace
 
-FragmentSet two_halves() {
+FracturedSolid two_halves() {
   auto library = std::make_shared<MaterialLibrary>();
   library->materials = {{{"name", "wood"},
                          {"normalTexture", {{"index", 0}}},
@@ -88,27 +88,28 @@ FragmentSet two_halves() {
   mesh->library = library;
   mesh->copyright = "CC0 \"test\"";
 
-  FragmentSet set;
-  set.source = mesh;
-  set.fragments = {half(0.5, 4), half(1.5, 5)};
-  set.fragments[0].id = 9007199254740991;  // 2^53 - 1
-  set.fragments[0].sites = {0};
-  set.fragments[1].id = 7;
-  set.fragments[1].sites = {1, 2};
-  set.bonds = {{0, 1, 1.0, {1, 0.5, 0.5}, {1, 0, 0}}};
-  set.certificate.volume_in = set.certificate.volume_out = set.certificate.volume_file = 2;
-  set.certificate.fragments = 2;
-  set.lattice_step = {0x1p-22, 0x1p-23, 0x1p-23};
-  set.report = {{"solid", {{"parts", 1}}}};
-  return set;
+  FracturedSolid made;
+  made.set.source = mesh;
+  made.set.fragments = {half(0.5, 4), half(1.5, 5)};
+  made.set.fragments[0].id = 9007199254740991;  // 2^53 - 1
+  made.set.fragments[0].sites = {0};
+  made.set.fragments[1].id = 7;
+  made.set.fragments[1].sites = {1, 2};
+  made.set.bonds = {{0, 1, 1.0, {1, 0.5, 0.5}, {1, 0, 0}}};
+  made.set.certificate.volume_in = made.set.certificate.volume_out = made.set.certificate.volume_file = 2;
+  made.set.certificate.fragments = 2;
+  made.set.lattice_step = {0x1p-22, 0x1p-23, 0x1p-23};
+  made.report.solid.parts = 1;
+  return made;
 }
 
-FragmentSet two_halves_with_hulls() {
-  FragmentSet set = two_halves();
-  set.fragments[0].hulls = {box({-0.4995f, -0.4995f, -0.4995f}, {0.4995f, 0.4995f, 0.4995f})};
-  set.fragments[1].hulls = {box({-0.4995f, -0.4995f, -0.4995f}, {0.4995f, 0, 0.4995f}),
-                            box({-0.4995f, 0, -0.4995f}, {0.4995f, 0.4995f, 0.4995f})};
-  return set;
+FracturedSolid two_halves_with_hulls() {
+  FracturedSolid made = two_halves();
+  made.hulls.of_fragment.resize(2);
+  made.hulls.of_fragment[0].hulls = {box({-0.4995f, -0.4995f, -0.4995f}, {0.4995f, 0.4995f, 0.4995f})};
+  made.hulls.of_fragment[1].hulls = {box({-0.4995f, -0.4995f, -0.4995f}, {0.4995f, 0, 0.4995f}),
+                                     box({-0.4995f, 0, -0.4995f}, {0.4995f, 0.4995f, 0.4995f})};
+  return made;
 }
 
 }  // namespace fracture::test

@@ -27,9 +27,9 @@ std::string hash_of(const std::shared_ptr<const Mesh>& mesh, const FractureParam
   if (!solid) return std::string("refused: ") + slug(solid.error().code);
   const Expected<Diagram> diagram = make_diagram(*solid, parameters, execution, timings);
   if (!diagram) return std::string("refused: ") + slug(diagram.error().code);
-  const Expected<FragmentSet> set = fracture::fracture(*solid, *diagram, parameters, execution, timings);
-  if (!set) return std::string("refused: ") + slug(set.error().code);
-  const std::vector<std::uint8_t> glb = write_glb(*set, {});
+  const Expected<FracturedSolid> made = fracture::fracture(*solid, *diagram, parameters, execution, timings);
+  if (!made) return std::string("refused: ") + slug(made.error().code);
+  const std::vector<std::uint8_t> glb = write_glb(*made, {});
   return sha256(std::as_bytes(std::span(glb))).hex();
 }
 

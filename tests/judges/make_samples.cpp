@@ -21,30 +21,31 @@
 namespace fracture::test {
 namespace {
 
-void write(const std::filesystem::path& path, const FragmentSet& set, const GltfOptions& options = {}) {
+void write(const std::filesystem::path& path, const FracturedSolid& made, const GltfOptions& options = {}) {
   const std::vector<std::uint8_t> bytes =
-      path.extension() == ".gltf" ? write_gltf(set, options) : write_glb(set, options);
+      path.extension() == ".gltf" ? write_gltf(made, options) : write_glb(made, options);
   std::ofstream file(path, std::ios::binary);
   file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
 }
 
 /// The same fragments in every variant of the file.
-void write_variants(const std::filesystem::path& folder, const std::string& name, const FragmentSet& set) {
+void write_variants(const std::filesystem::path& folder, const std::string& name,
+                    const FracturedSolid& made) {
   GltfOptions options;
-  write(folder / (name + "_json.gltf"), set, options);
+  write(folder / (name + "_json.gltf"), made, options);
   options.physics = Physics::kNone;
   options.mesh_manifold = false;
-  write(folder / (name + "_plain.glb"), set, options);
+  write(folder / (name + "_plain.glb"), made, options);
   options.ue_collision = UeCollision::kUcx;
-  write(folder / (name + "_ucx.glb"), set, options);
+  write(folder / (name + "_ucx.glb"), made, options);
   options = {};
   options.physics = Physics::kOmi;
-  write(folder / (name + "_omi.glb"), set, options);
+  write(folder / (name + "_omi.glb"), made, options);
 }
 
 #ifdef FRACTURE_HAS_PIPELINE
 /// Nothing where a stage refuses the mesh.
-std::optional<FragmentSet> fracture_of(Mesh mesh, FractureParameters parameters) {
+std::optional<FracturedSolid> fracture_of(Mesh mesh, FractureParameters parameters) {
   StageTimings timings;
   const Execution execution;
   const Expected<Solid> solid = make_solid(std::make_shared<const Mesh>(std::move(mesh)), {}, execution);
@@ -52,17 +53,17 @@ std::optional<FragmentSet> fracture_of(Mesh mesh, FractureParameters parameters)
   parameters.hulls = Hulls::kConvex;
   const Expected<Diagram> diagram = make_diagram(*solid, parameters, execution, timings);
   if (!diagram) return std::nullopt;
-  Expected<FragmentSet> set = fracture(*solid, *diagram, parameters, execution, timings);
-  if (!set) return std::nullopt;
-  return std::move(*set);
+  Expected<FracturedSolid> made = fracture(*solid, *diagram, parameters, execution, timings);
+  if (!made) return std::nullopt;
+  return std::move(*made);
 }
 
 bool fracture_to(const std::filesystem::path& path, Mesh mesh, std::uint32_t sites) {
   FractureParameters parameters;
   parameters.sites = sites;
-  const std::optional<FragmentSet> set = fracture_of(std::move(mesh), parameters);
-  if (set) write(path, *set);
-  return set.has_value();
+  const std::optional<FracturedSolid> made = fracture_of(std::move(mesh), parameters);
+  if (made) write(path, *made);
+  return made.has_value();
 }
 
 /// 30 cells, of which the first ten are one fragment: a compound.
@@ -90,17 +91,17 @@ int run(const std::filesystem::path& folder) {
   expect(fracture_to(folder / "torus.glb", torus(48, 24), 50), "torus");
   expect(fracture_to(folder / "seams.glb", sphere_with_seams(24, 48), 100), "sphere with seams");
   expect(fracture_to(folder / "one.glb", cube(), 1), "cube in one piece");
-  if (const auto set = fracture_of(cube(), grouped(box_of(cube())))) {
-    write(folder / "compound.glb", *set);
-    write_variants(folder, "compound", *set);
+  if (const auto made = fracture_of(cube(), grouped(box_of(cube())))) {
+    write(folder / "compound.glb", *made);
+    write_variants(folder, "compound", *made);
   } else {
     expect(false, "cube in groups");
   }
   FractureParameters rough;
   rough.sites = 30;
   rough.roughness = {0.03, 5, 2};
-  if (const auto set = fracture_of(sphere_with_seams(24, 48), rough))
-    write(folder / "rough.glb", *set);
+  if (const auto made = fracture_of(sphere_with_seams(24, 48), rough))
+    write(folder / "rough.glb", *made);
   else
     expect(false, "sphere with rough cuts");
   // Every real mesh of dev; only the triangle soup bounds no volume.

@@ -17,9 +17,9 @@ TEST(Frame, MetresAndYUpStayBitForBit) {
   const auto report = to_metres_y_up(mesh, {});
   ASSERT_TRUE(report);
   EXPECT_EQ(mesh.positions, before);
-  EXPECT_EQ(report->at("unit_from"), "assumed");
-  EXPECT_EQ(report->at("up_from"), "assumed");
-  EXPECT_EQ(report->at("metres_per_unit"), 1.0);
+  EXPECT_EQ(report->unit_from, FrameReport::From::kAssumed);
+  EXPECT_EQ(report->up_from, FrameReport::From::kAssumed);
+  EXPECT_EQ(report->metres_per_unit, 1.0);
 }
 
 TEST(Frame, ABoxInEachUnitHasItsVolumeInCubicMetres) {
@@ -32,7 +32,7 @@ TEST(Frame, ABoxInEachUnitHasItsVolumeInCubicMetres) {
     const auto report = to_metres_y_up(mesh, {.unit = unit});
     ASSERT_TRUE(report);
     EXPECT_NEAR(volume_of(mesh) / (24 * metres * metres * metres), 1, 1e-6);
-    EXPECT_EQ(report->at("unit_from"), "request");
+    EXPECT_EQ(report->unit_from, FrameReport::From::kRequest);
   }
 }
 
@@ -49,7 +49,7 @@ TEST(Frame, ZUpIsTurnedSoThatTheTopIsTheTopAndNothingIsMirrored) {
   EXPECT_EQ(mesh.attributes.normals[0], (Vec3f{0, 1, 0}));
   EXPECT_EQ(mesh.attributes.tangents[0], (Vec4f{0, 0, -1, -1}));
   for (const Vec3f& p : mesh.positions) EXPECT_FALSE(p.z == 0 && std::signbit(p.z));
-  EXPECT_EQ(report->at("up"), "z");
+  EXPECT_TRUE(report->z_up);
 }
 
 TEST(Frame, TheFileIsBelievedUnlessTheRequestSaysOtherwise) {
@@ -57,9 +57,9 @@ TEST(Frame, TheFileIsBelievedUnlessTheRequestSaysOtherwise) {
   Mesh by_file = cube();
   by_file.frame = inches_z_up;
   const auto report = to_metres_y_up(by_file, {});
-  EXPECT_EQ(report->at("metres_per_unit"), 0.0254);
-  EXPECT_EQ(report->at("unit_from"), "file");
-  EXPECT_EQ(report->at("up_from"), "file");
+  EXPECT_EQ(report->metres_per_unit, 0.0254);
+  EXPECT_EQ(report->unit_from, FrameReport::From::kFile);
+  EXPECT_EQ(report->up_from, FrameReport::From::kFile);
   const std::vector<Vec3f> once = by_file.positions;
   EXPECT_TRUE(to_metres_y_up(by_file, {}));
   EXPECT_EQ(by_file.positions, once) << "a mesh in metres with y up is not turned again";

@@ -13,7 +13,7 @@
 namespace fracture::test {
 namespace {
 
-FragmentSet fracture_at(const Mesh& mesh, FractureParameters p) {
+FracturedSolid fracture_at(const Mesh& mesh, FractureParameters p) {
   p.hulls = Hulls::kConvex;
   StageTimings timings;
   const Expected<Solid> solid = make_solid(std::make_shared<Mesh>(mesh), {}, {});
@@ -81,10 +81,11 @@ TEST(CollisionHulls, AreClosedConvexAndOutward) {
   for (const Mesh& mesh : {torus(32, 16), menger_sponge(1), sphere_with(2000)}) {
     FractureParameters p;
     p.sites = 40;
-    const FragmentSet set = fracture_at(mesh, p);
-    for (const Fragment& f : set.fragments) {
-      ASSERT_EQ(f.hulls.size(), 1u);
-      const Mesh hull = mesh_of(f.hulls[0]);
+    const FracturedSolid made = fracture_at(mesh, p);
+    for (std::size_t k = 0; k < made.set.fragments.size(); ++k) {
+      const Fragment& f = made.set.fragments[k];
+      ASSERT_EQ(made.hulls.of(k).size(), 1u);
+      const Mesh hull = mesh_of(made.hulls.of(k)[0]);
       EXPECT_LE(hull.positions.size(), kMaxHullPoints);
       EXPECT_EQ(open_directed_edges(hull), 0u);
       // The hull holds the fragment, less what shrinking takes.
@@ -97,12 +98,12 @@ TEST(CollisionHulls, OfNeighboursAreSeparatedByTheBisectorOfTheirSites) {
   FractureParameters p;
   const std::vector<Vec3d> points = random_sites(box_of(cube()), 60, 9);
   p.pattern = PointsPattern{points};
-  const FragmentSet set = fracture_at(cube(), p);
-  for (const Bond& b : set.bonds) {
-    const Fragment &f = set.fragments[b.a], &g = set.fragments[b.b];
+  const FracturedSolid made = fracture_at(cube(), p);
+  for (const Bond& b : made.set.bonds) {
+    const Fragment &f = made.set.fragments[b.a], &g = made.set.fragments[b.b];
     const Vec3d i = points[f.sites[0]], j = points[g.sites[0]], u = j - i, middle = 0.5 * (i + j);
-    for (const Vec3f& q : f.hulls[0].points) EXPECT_LT(dot(to_double(q) + f.pivot - middle, u), 0);
-    for (const Vec3f& q : g.hulls[0].points) EXPECT_GT(dot(to_double(q) + g.pivot - middle, u), 0);
+    for (const Vec3f& q : made.hulls.of(b.a)[0].points) EXPECT_LT(dot(to_double(q) + f.pivot - middle, u), 0);
+    for (const Vec3f& q : made.hulls.of(b.b)[0].points) EXPECT_GT(dot(to_double(q) + g.pivot - middle, u), 0);
   }
 }
 
@@ -111,16 +112,18 @@ TEST(CollisionHulls, AGroupCarriesOneForEachMemberCell) {
   PointsPattern pattern{random_sites(box_of(cube()), 30, 9)};
   for (std::uint32_t k = 0; k < 30; ++k) pattern.groups.push_back(k < 10 ? 0 : k);
   p.pattern = std::move(pattern);
-  const FragmentSet set = fracture_at(cube(), p);
+  const FracturedSolid made = fracture_at(cube(), p);
   std::size_t shared = 0;
-  for (const Fragment& f : set.fragments) {
+  for (std::size_t k = 0; k < made.set.fragments.size(); ++k) {
+    const Fragment& f = made.set.fragments[k];
+    const std::span<const CollisionHull> hulls = made.hulls.of(k);
     if (f.sites.size() == 1) {
-      EXPECT_EQ(f.hulls.size(), 1u);
+      EXPECT_EQ(hulls.size(), 1u);
       continue;
     }
-    shared += f.hulls.size();
+    shared += hulls.size();
     double volume = 0;
-    for (const CollisionHull& h : f.hulls) volume += volume_of(mesh_of(h));
+    for (const CollisionHull& h : hulls) volume += volume_of(mesh_of(h));
     // Cells of a convex body: their hulls fill the group, less what shrinking takes.
     EXPECT_LT(volume, f.mass.volume);
     EXPECT_GT(volume, 0.95 * f.mass.volume);
@@ -134,9 +137,9 @@ TEST(CollisionHulls, AreInsetByAFewTenthsOfAMillimetreOrAThousandth) {
     for (Vec3f& p : mesh.positions) p = {size * p.x, size * p.y, size * p.z};
     FractureParameters p;
     p.pattern = PointsPattern{{{0.5 * size, 0.5 * size, 0.5 * size}}};
-    const FragmentSet set = fracture_at(mesh, p);
-    ASSERT_EQ(set.fragments[0].hulls[0].points.size(), 8u);
-    const Box box = box_of(mesh_of(set.fragments[0].hulls[0]));
+    const FracturedSolid made = fracture_at(mesh, p);
+    ASSERT_EQ(made.hulls.of(0)[0].points.size(), 8u);
+    const Box box = box_of(mesh_of(made.hulls.of(0)[0]));
     // Of a cube, A / V = 6 / size: its faces move by three times the inset.
     const double expected =
         std::clamp(3 * kHullInset, kLeastHullShrink * size / 2, kMostHullShrink * size / 2);
@@ -148,12 +151,12 @@ TEST(CollisionHulls, AreInsetByAFewTenthsOfAMillimetreOrAThousandth) {
 TEST(CollisionHulls, ManyPointsAreSimplified) {
   FractureParameters p;
   p.pattern = PointsPattern{{{0, 0, 0}}};
-  const FragmentSet set = fracture_at(sphere_with(20'000), p);
-  ASSERT_EQ(set.fragments.size(), 1u);
-  EXPECT_EQ(set.fragments[0].hulls[0].points.size(), kMaxHullPoints);
+  const FracturedSolid made = fracture_at(sphere_with(20'000), p);
+  ASSERT_EQ(made.set.fragments.size(), 1u);
+  EXPECT_EQ(made.hulls.of(0)[0].points.size(), kMaxHullPoints);
   // 255 points spread evenly over a sphere enclose 0.97 of its ball.
-  EXPECT_GT(volume_of(mesh_of(set.fragments[0].hulls[0])), 0.95 * set.fragments[0].mass.volume);
-  EXPECT_EQ(set.report["hulls"]["simplified"], 1);
+  EXPECT_GT(volume_of(mesh_of(made.hulls.of(0)[0])), 0.95 * made.set.fragments[0].mass.volume);
+  EXPECT_EQ(made.report.hulls.value().simplified, 1u);
 }
 
 }  // namespace

@@ -32,12 +32,13 @@ int main(int count, char** arguments) {
   if (!solid) return refused(solid.error());
   const Expected<Diagram> diagram = make_diagram(*solid, parameters, execution, timings);
   if (!diagram) return refused(diagram.error());
-  const Expected<FragmentSet> set = fracture::fracture(*solid, *diagram, parameters, execution, timings);
-  if (!set) return refused(set.error());
+  const Expected<FracturedSolid> made = fracture::fracture(*solid, *diagram, parameters, execution, timings);
+  if (!made) return refused(made.error());
 
-  const auto glb = write_glb(*set, {}, execution);
+  const auto glb = write_glb(*made, {}, execution);
   std::ofstream(arguments[2], std::ios::binary)
       .write(reinterpret_cast<const char*>(glb.data()), static_cast<std::streamsize>(glb.size()));
-  std::printf("%zu fragments, volume %.9g of %.9g m3\n", set->fragments.size(), set->certificate.volume_out,
-              set->certificate.volume_in);
+  const FragmentSet& set = made->set;
+  std::printf("%zu fragments, volume %.9g of %.9g m3\n", set.fragments.size(), set.certificate.volume_out,
+              set.certificate.volume_in);
 }

@@ -25,9 +25,9 @@ TEST(Pipeline, CancelledWorkIsATypedError) {
   source.request_stop();
   Execution execution;
   execution.stop = source.get_token();
-  const auto set = fracture(solid, *diagram, p, execution, timings);
-  ASSERT_FALSE(set);
-  EXPECT_EQ(set.error().code, ErrorCode::kCancelled);
+  const auto made = fracture(solid, *diagram, p, execution, timings);
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().code, ErrorCode::kCancelled);
 }
 
 TEST(Pipeline, APassedDeadlineIsATypedError) {
@@ -37,9 +37,9 @@ TEST(Pipeline, APassedDeadlineIsATypedError) {
   Execution execution;
   execution.deadline = std::chrono::steady_clock::now() - std::chrono::seconds(1);
   const auto diagram = make_diagram(solid, p, {}, timings);
-  const auto set = fracture(solid, *diagram, p, execution, timings);
-  ASSERT_FALSE(set);
-  EXPECT_EQ(set.error().code, ErrorCode::kDeadlineExceeded);
+  const auto made = fracture(solid, *diagram, p, execution, timings);
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().code, ErrorCode::kDeadlineExceeded);
 }
 
 TEST(Pipeline, ManyPassesOfRelaxationHoldNoMoreThanOne) {
@@ -64,13 +64,13 @@ TEST(Pipeline, DuplicateSitesAreMergedAndReported) {
   FractureParameters p;
   p.pattern = PointsPattern{{{0.1, 0, 0}, {-0.1, 0, 0}, {0.1, 0, 0}, {0.1, 0, 0}}};
   StageTimings timings;
-  const auto set = fracture(solid, *make_diagram(solid, p, {}, timings), p, {}, timings);
-  ASSERT_TRUE(set);
-  EXPECT_EQ(set->fragments.size(), 2u);
-  EXPECT_EQ(set->report["sites"]["given"], 4);
-  EXPECT_EQ(set->report["sites"]["used"], 2);
-  EXPECT_EQ(set->report["sites"]["duplicates_merged"], 2);
-  EXPECT_EQ(set->certificate.sites_asked, 4u);
+  const auto made = fracture(solid, *make_diagram(solid, p, {}, timings), p, {}, timings);
+  ASSERT_TRUE(made);
+  EXPECT_EQ(made->set.fragments.size(), 2u);
+  EXPECT_EQ(made->report.sites.given, 4u);
+  EXPECT_EQ(made->report.sites.used, 2u);
+  EXPECT_EQ(made->report.sites.duplicates_merged, 2u);
+  EXPECT_EQ(made->set.certificate.sites_asked, 4u);
 }
 
 TEST(Pipeline, InTheSourcesFrameNothingIsMovedNorRoundedOtherwise) {
@@ -80,18 +80,18 @@ TEST(Pipeline, InTheSourcesFrameNothingIsMovedNorRoundedOtherwise) {
   FractureParameters p;
   StageTimings timings;
   const Diagram diagram = *make_diagram(solid, p, {}, timings);
-  const FragmentSet centred = *fracture(solid, diagram, p, {}, timings);
+  const FracturedSolid centred = *fracture(solid, diagram, p, {}, timings);
   p.pivot = Pivot::kSource;
-  const FragmentSet placed = *fracture(solid, diagram, p, {}, timings);
+  const FracturedSolid placed = *fracture(solid, diagram, p, {}, timings);
 
   const auto before = [](const Vec3f& a, const Vec3f& b) {
     return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
   };
   std::set<Vec3f, decltype(before)> source(mesh.positions.begin(), mesh.positions.end(), before),
       seen(before);
-  ASSERT_EQ(placed.fragments.size(), centred.fragments.size());
-  for (std::size_t k = 0; k < placed.fragments.size(); ++k) {
-    const Fragment &at = placed.fragments[k], &from = centred.fragments[k];
+  ASSERT_EQ(placed.set.fragments.size(), centred.set.fragments.size());
+  for (std::size_t k = 0; k < placed.set.fragments.size(); ++k) {
+    const Fragment &at = placed.set.fragments[k], &from = centred.set.fragments[k];
     EXPECT_EQ(at.pivot, Vec3d{});
     EXPECT_EQ(at.id, from.id);
     ASSERT_EQ(at.positions.size(), from.positions.size());
@@ -105,7 +105,7 @@ TEST(Pipeline, InTheSourcesFrameNothingIsMovedNorRoundedOtherwise) {
     }
   }
   EXPECT_EQ(seen.size(), source.size()) << "an input vertex lost its bits";
-  EXPECT_EQ(placed.certificate.open_edges, 0u);
+  EXPECT_EQ(placed.set.certificate.open_edges, 0u);
 }
 
 TEST(Pipeline, BarycentricFragmentsAreClosedAndSaySo) {
@@ -114,13 +114,13 @@ TEST(Pipeline, BarycentricFragmentsAreClosedAndSaySo) {
   p.sites = 60;
   p.dual = Dual::kBarycenter;
   StageTimings timings;
-  const auto set = fracture(solid, *make_diagram(solid, p, {}, timings), p, {}, timings);
-  ASSERT_TRUE(set);
-  EXPECT_GT(set->fragments.size(), 30u);
-  EXPECT_EQ(set->certificate.open_edges, 0u);
-  EXPECT_EQ(set->report["barycenter"]["partition"], false);
-  EXPECT_TRUE(set->bonds.empty());
-  for (const Fragment& f : set->fragments) EXPECT_GT(f.mass.volume, 0);
+  const auto made = fracture(solid, *make_diagram(solid, p, {}, timings), p, {}, timings);
+  ASSERT_TRUE(made);
+  EXPECT_GT(made->set.fragments.size(), 30u);
+  EXPECT_EQ(made->set.certificate.open_edges, 0u);
+  EXPECT_TRUE(made->report.barycenter.has_value()) << "no partition is promised";
+  EXPECT_TRUE(made->set.bonds.empty());
+  for (const Fragment& f : made->set.fragments) EXPECT_GT(f.mass.volume, 0);
 }
 
 TEST(Pipeline, ThePapersVolumeFilterLeavesOutWhatIsLargerAndSaysHowMuch) {
@@ -130,16 +130,15 @@ TEST(Pipeline, ThePapersVolumeFilterLeavesOutWhatIsLargerAndSaysHowMuch) {
   p.dual = Dual::kBarycenter;
   StageTimings timings;
   const Diagram diagram = *make_diagram(solid, p, {}, timings);
-  const FragmentSet all = *fracture(solid, diagram, p, {}, timings);
-  p.drop_above = all.report["size"]["median"].get<double>();
-  const FragmentSet some = *fracture(solid, diagram, p, {}, timings);
-  EXPECT_EQ(some.report["barycenter"]["dropped"].get<std::size_t>() + some.fragments.size(),
-            all.fragments.size());
-  EXPECT_GT(some.report["barycenter"]["dropped"], 10);
-  for (const Fragment& f : some.fragments) EXPECT_LE(f.mass.volume, p.drop_above);
-  EXPECT_NEAR(some.certificate.volume_out + some.report["barycenter"]["dropped_volume"].get<double>(),
-              all.certificate.volume_out, 1e-12);
-  p.drop_above = all.report["size"]["smallest"].get<double>() / 2;
+  const FracturedSolid all = *fracture(solid, diagram, p, {}, timings);
+  p.drop_above = all.report.size.volumes.median;
+  const FracturedSolid some = *fracture(solid, diagram, p, {}, timings);
+  EXPECT_EQ(some.report.barycenter->dropped->fragments + some.set.fragments.size(), all.set.fragments.size());
+  EXPECT_GT(some.report.barycenter->dropped->fragments, 10u);
+  for (const Fragment& f : some.set.fragments) EXPECT_LE(f.mass.volume, p.drop_above);
+  EXPECT_NEAR(some.set.certificate.volume_out + some.report.barycenter->dropped->volume,
+              all.set.certificate.volume_out, 1e-12);
+  p.drop_above = all.report.size.volumes.smallest / 2;
   const auto none = fracture(solid, diagram, p, {}, timings);
   ASSERT_FALSE(none);
   EXPECT_EQ(none.error().code, ErrorCode::kNoFragments);
@@ -152,12 +151,12 @@ TEST(Pipeline, APlaneThroughAMillionTrianglesMakesOneCap) {
   FractureParameters p;
   p.pattern = PointsPattern{{{-0.3, 0.013, 0.007}, {0.3, 0.01, -0.02}}};
   StageTimings timings;
-  const auto set = fracture(solid, *make_diagram(solid, p, {}, timings), p, {}, timings);
-  ASSERT_TRUE(set);
-  ASSERT_EQ(set->fragments.size(), 2u);
-  EXPECT_EQ(set->bonds.size(), 1u);
-  EXPECT_EQ(set->certificate.open_edges, 0u);
-  EXPECT_LT(set->certificate.relative_error, 1e-9);
+  const auto made = fracture(solid, *make_diagram(solid, p, {}, timings), p, {}, timings);
+  ASSERT_TRUE(made);
+  ASSERT_EQ(made->set.fragments.size(), 2u);
+  EXPECT_EQ(made->set.bonds.size(), 1u);
+  EXPECT_EQ(made->set.certificate.open_edges, 0u);
+  EXPECT_LT(made->set.certificate.relative_error, 1e-9);
 }
 
 }  // namespace

@@ -147,24 +147,24 @@ TEST(Soundness, ADeltaAloneIsJudgedAsTheWhole) {
   p.rest = LocalRest::kFractured;
   Expected<KeptAnswer> whole = fracture_and_keep(*solid, p, execution, timings);
   ASSERT_TRUE(whole);
-  p.hits = {{whole->set.fragments[5].mass.center_of_mass, 0.2, 6}};
+  p.hits = {{whole->fractured.set.fragments[5].mass.center_of_mass, 0.2, 6}};
   const NewHits only{1, /*only_changed=*/true};
   const Expected<KeptAnswer> hit = fracture_delta(*solid, whole->base, p, only, execution, timings);
   ASSERT_TRUE(hit) << hit.error().detail;
-  EXPECT_LT(hit->set.fragments.size(), 40u);
-  EXPECT_EQ(hit->set.certificate.unmirrored_caps, 0u);
-  EXPECT_NEAR(hit->set.certificate.area_out, solid->report.area, 1e-9 * solid->report.area);
+  EXPECT_LT(hit->fractured.set.fragments.size(), 40u);
+  EXPECT_EQ(hit->fractured.set.certificate.unmirrored_caps, 0u);
+  EXPECT_NEAR(hit->fractured.set.certificate.area_out, solid->report.area, 1e-9 * solid->report.area);
 
   // A kept fragment that is not what it was: the answer is made from nothing instead, which is sound.
   FracturedBase damaged = whole->base;
-  for (FracturedBase::Known& known : damaged.fragments) {
-    auto other = std::make_shared<Fragment>(*known.fragment);
-    other->cap_sum += 1;
-    known.fragment = std::move(other);
+  for (std::shared_ptr<const FracturedBase::Known>& known : damaged.fragments) {
+    auto other = std::make_shared<FracturedBase::Known>(*known);
+    other->fragment.cap_sum += 1;
+    known = std::move(other);
   }
   const Expected<KeptAnswer> again = fracture_delta(*solid, damaged, p, only, execution, timings);
   ASSERT_TRUE(again) << again.error().detail;
-  EXPECT_EQ(again->set.certificate.unmirrored_caps, 0u);
+  EXPECT_EQ(again->fractured.set.certificate.unmirrored_caps, 0u);
   EXPECT_FALSE(again->base.fragments.empty());
 }
 

@@ -21,25 +21,25 @@ TEST(FractureThreads, ConcurrentRequestsOnOneSharedSolidAndDiagramGiveTheSameFra
   const Expected<Diagram> diagram = make_diagram(*solid, parameters, {}, timings);
 
   constexpr int kRequests = 4;
-  std::vector<std::optional<FragmentSet>> answers(kRequests);
+  std::vector<std::optional<FracturedSolid>> answers(kRequests);
   std::vector<std::thread> threads;
   for (int k = 0; k < kRequests; ++k)
     threads.emplace_back([&, k] {
       Execution execution;
       execution.threads = 1 + k;  // 1, 2, 3, 4
       StageTimings own;
-      if (auto set = fracture(*solid, *diagram, parameters, execution, own))
-        answers[static_cast<std::size_t>(k)] = std::move(*set);
+      if (auto made = fracture(*solid, *diagram, parameters, execution, own))
+        answers[static_cast<std::size_t>(k)] = std::move(*made);
     });
   for (std::thread& t : threads) t.join();
 
   for (const auto& answer : answers) {
     ASSERT_TRUE(answer.has_value());
-    ASSERT_EQ(answer->fragments.size(), answers[0]->fragments.size());
-    for (std::size_t f = 0; f < answer->fragments.size(); ++f) {
-      EXPECT_EQ(answer->fragments[f].positions, answers[0]->fragments[f].positions);
-      EXPECT_EQ(answer->fragments[f].indices, answers[0]->fragments[f].indices);
-      EXPECT_EQ(answer->fragments[f].hulls[0].points, answers[0]->fragments[f].hulls[0].points);
+    ASSERT_EQ(answer->set.fragments.size(), answers[0]->set.fragments.size());
+    for (std::size_t f = 0; f < answer->set.fragments.size(); ++f) {
+      EXPECT_EQ(answer->set.fragments[f].positions, answers[0]->set.fragments[f].positions);
+      EXPECT_EQ(answer->set.fragments[f].indices, answers[0]->set.fragments[f].indices);
+      EXPECT_EQ(answer->hulls.of(f)[0].points, answers[0]->hulls.of(f)[0].points);
     }
   }
 }
@@ -56,9 +56,9 @@ TEST(FractureThreads, BarycentricCellsOnSeveralThreads) {
   const auto a = fracture(*solid, *diagram, parameters, {}, timings),
              b = fracture(*solid, *diagram, parameters, two, timings);
   ASSERT_TRUE(a && b);
-  ASSERT_EQ(a->fragments.size(), b->fragments.size());
-  for (std::size_t f = 0; f < a->fragments.size(); ++f)
-    EXPECT_EQ(a->fragments[f].positions, b->fragments[f].positions);
+  ASSERT_EQ(a->set.fragments.size(), b->set.fragments.size());
+  for (std::size_t f = 0; f < a->set.fragments.size(); ++f)
+    EXPECT_EQ(a->set.fragments[f].positions, b->set.fragments[f].positions);
 }
 
 }  // namespace

@@ -32,9 +32,9 @@ void expect_all_invariants(const Mesh& mesh, const FractureParameters& parameter
   EXPECT_EQ(c.open_edges, 0u);
   EXPECT_EQ(c.dropped, 0u);
   EXPECT_EQ(c.fragments, c.cells + c.islands - c.united - c.dropped);
-  EXPECT_GT(f.set.report.at("rough_cuts").at("triangles"), 0);
+  EXPECT_GT(f.report.rough_cuts.value().triangles, 0u);
   if (!embedded || f.diagram.map) return;  // in an image, rounding may fold thin places, flat ones too
-  EXPECT_EQ(f.set.report.at("rough_cuts").at("crossing_triangles"), 0);
+  EXPECT_EQ(f.report.rough_cuts->crossing_triangles, 0u);
   expect_no_self_crossing(f.set,
                           16 * std::max({f.set.lattice_step.x, f.set.lattice_step.y, f.set.lattice_step.z}));
 }
@@ -110,11 +110,12 @@ TEST(RoughAgain, AFragmentWithRoughCutsIsFracturedAgain) {
   p = rough(p);
   const Mesh mesh = sphere_with(400);
   const Fractured first = fracture_mesh(mesh, p);
-  const FragmentSet parts = fracture_mesh_again(mesh, p, {.fragment = first.set.fragments[0].id, .sites = 6});
-  expect_closed(parts);
-  EXPECT_NEAR(parts.certificate.volume_out, first.set.fragments[0].mass.volume,
+  const FracturedSolid parts =
+      fracture_mesh_again(mesh, p, {.fragment = first.set.fragments[0].id, .sites = 6});
+  expect_closed(parts.set);
+  EXPECT_NEAR(parts.set.certificate.volume_out, first.set.fragments[0].mass.volume,
               1e-5 * first.set.fragments[0].mass.volume);
-  EXPECT_GT(parts.report.at("rough_cuts").at("triangles"), 0);
+  EXPECT_GT(parts.report.rough_cuts.value().triangles, 0u);
 }
 
 }  // namespace

@@ -17,8 +17,8 @@
 namespace fracture::test {
 namespace {
 
-FragmentSet fracture_roughly(const Mesh& mesh, const FractureParameters& p, int threads = 1) {
-  return fracture_mesh(mesh, p, threads).set;
+Fractured fracture_roughly(const Mesh& mesh, const FractureParameters& p, int threads = 1) {
+  return fracture_mesh(mesh, p, threads);
 }
 
 FractureParameters rough(std::uint32_t sites, double amplitude, double frequency, std::uint32_t octaves) {
@@ -54,9 +54,9 @@ std::multiset<std::array<Corner, 3>> triangles_of(const Fragment& f, bool interi
 TEST(Roughen, TheOutsideIsThatOfFlatCuts) {
   FractureParameters p = rough(30, 0.03, 4, 3);
   p.pivot = Pivot::kSource;
-  const FragmentSet uneven = fracture_roughly(torus(48, 24), p);
+  const FragmentSet uneven = fracture_roughly(torus(48, 24), p).set;
   p.roughness.amplitude = 0;
-  const FragmentSet flat = fracture_roughly(torus(48, 24), p);
+  const FragmentSet flat = fracture_roughly(torus(48, 24), p).set;
   ASSERT_EQ(uneven.fragments.size(), flat.fragments.size());
   for (std::size_t k = 0; k < flat.fragments.size(); ++k) {
     EXPECT_EQ(uneven.fragments[k].id, flat.fragments[k].id);
@@ -69,7 +69,7 @@ TEST(Roughen, VerticesMoveByTheAmplitudeAtMostAndByMuchOfIt) {
   FractureParameters p;
   p.pattern = PointsPattern{{{-0.2, 0, 0}, {0.2, 0, 0}}};
   p.roughness = {0.02, 8, 1};
-  const FragmentSet set = fracture_roughly(cube(), p);
+  const FragmentSet set = fracture_roughly(cube(), p).set;
   ASSERT_EQ(set.fragments.size(), 2u);
   double most = 0;
   for (const auto& t : triangles_of(set.fragments[0], true, false))
@@ -80,30 +80,27 @@ TEST(Roughen, VerticesMoveByTheAmplitudeAtMostAndByMuchOfIt) {
 
 TEST(Roughen, AmplitudeAndFrequencyAreInTermsOfTheSize) {
   FractureParameters p = rough(12, 0.03, 4, 2);
-  const FragmentSet small = fracture_roughly(cube(), p);
-  EXPECT_NEAR(small.report.at("rough_cuts").at("amplitude").get<double>(), 0.03, 1e-12);
-  const FragmentSet large = fracture_roughly(scaled(cube(), {8, 8, 8}), p);
-  EXPECT_NEAR(large.report.at("rough_cuts").at("amplitude").get<double>(), 0.24, 1e-12);
-  EXPECT_EQ(large.report.at("rough_cuts").at("triangles"), small.report.at("rough_cuts").at("triangles"));
+  const Fractured small = fracture_roughly(cube(), p);
+  EXPECT_NEAR(small.report.rough_cuts.value().amplitude, 0.03, 1e-12);
+  const Fractured large = fracture_roughly(scaled(cube(), {8, 8, 8}), p);
+  EXPECT_NEAR(large.report.rough_cuts.value().amplitude, 0.24, 1e-12);
+  EXPECT_EQ(large.report.rough_cuts->triangles, small.report.rough_cuts->triangles);
 }
 
 TEST(Roughen, AnAmplitudeThatWouldLetCutsCrossIsLowered) {
-  const FragmentSet set = fracture_roughly(cube(), rough(10, 0.25, 8, 2));
-  const auto& report = set.report.at("rough_cuts");
-  EXPECT_LT(report.at("amplitude"), report.at("amplitude_asked"));
-  EXPECT_EQ(report.at("crossing_triangles"), 0);
-  EXPECT_EQ(set.certificate.open_edges, 0u);
-  bool said = false;
-  for (const auto& warning : set.report.at("warnings"))
-    said |= warning.get<std::string>().find("amplitude lowered") != std::string::npos;
-  EXPECT_TRUE(said);
+  const Fractured made = fracture_roughly(cube(), rough(10, 0.25, 8, 2));
+  const RoughCuts cuts = made.report.rough_cuts.value();
+  EXPECT_LT(cuts.amplitude, cuts.amplitude_asked);
+  EXPECT_EQ(cuts.crossing_triangles, 0u);
+  EXPECT_EQ(made.set.certificate.open_edges, 0u);
+  EXPECT_TRUE(warns(made.report, "amplitude lowered"));
 }
 
 TEST(Roughen, BondsAreMeasuredAcrossTheirCuts) {
   FractureParameters p;
   p.pattern = PointsPattern{{{-0.2, 0, 0}, {0.2, 0, 0}}};
   p.roughness = {0.03, 5, 2};
-  const FragmentSet set = fracture_roughly(cube(), p);
+  const FragmentSet set = fracture_roughly(cube(), p).set;
   ASSERT_EQ(set.bonds.size(), 1u);
   EXPECT_NEAR(set.bonds[0].area, 1, 1e-9) << "of the unit square that was cut, whatever its relief";
   EXPECT_GT(set.fragments[0].mass.area - set.fragments[0].exterior_area, 1.005) << "the relief has more";
@@ -113,15 +110,15 @@ TEST(Roughen, HullsAreThoseOfFlatCuts) {
   FractureParameters p = rough(15, 0.03, 5, 2);
   p.hulls = Hulls::kConvex;
   p.pivot = Pivot::kSource;
-  const FragmentSet uneven = fracture_roughly(cube(), p);
+  const Fractured uneven = fracture_roughly(cube(), p);
   p.roughness.amplitude = 0;
-  const FragmentSet flat = fracture_roughly(cube(), p);
-  ASSERT_EQ(uneven.fragments.size(), flat.fragments.size());
-  for (std::size_t k = 0; k < flat.fragments.size(); ++k) {
-    ASSERT_EQ(uneven.fragments[k].hulls.size(), 1u);
+  const Fractured flat = fracture_roughly(cube(), p);
+  ASSERT_EQ(uneven.set.fragments.size(), flat.set.fragments.size());
+  for (std::size_t k = 0; k < flat.set.fragments.size(); ++k) {
+    ASSERT_EQ(uneven.hulls.of(k).size(), 1u);
     Box a, b;
-    for (const Vec3f& q : uneven.fragments[k].hulls[0].points) a.add(to_double(q));
-    for (const Vec3f& q : flat.fragments[k].hulls[0].points) b.add(to_double(q));
+    for (const Vec3f& q : uneven.hulls.of(k)[0].points) a.add(to_double(q));
+    for (const Vec3f& q : flat.hulls.of(k)[0].points) b.add(to_double(q));
     EXPECT_LT(length(a.min - b.min) + length(a.max - b.max), 1e-5);
   }
 }
@@ -137,7 +134,7 @@ TEST(Roughen, CutsWithinAGroupStayAwayAndItsSeamsAreSmooth) {
   FractureParameters p;
   p.pattern = pattern;
   p.roughness = {0.03, 4, 2};
-  const FragmentSet set = fracture_roughly(cube_with_seams(), p);
+  const FragmentSet set = fracture_roughly(cube_with_seams(), p).set;
   ASSERT_EQ(set.fragments.size(), 2u);
   ASSERT_EQ(set.bonds.size(), 1u);
   EXPECT_NEAR(set.bonds[0].area, 1, 1e-9);
@@ -162,7 +159,7 @@ TEST(Roughen, NormalsAreSmoothWithinACutAndPointOutwards) {
   FractureParameters p;
   p.pattern = PointsPattern{{{-0.2, 0, 0}, {0.2, 0, 0}}};
   p.roughness = {0.03, 4, 2};
-  const FragmentSet set = fracture_roughly(mesh, p);
+  const FragmentSet set = fracture_roughly(mesh, p).set;
   for (const Fragment& f : set.fragments) {
     const double outward = f.pivot.x < 0 ? 1 : -1;
     std::set<std::array<float, 3>> different;
@@ -184,8 +181,8 @@ TEST(Roughen, NormalsAreSmoothWithinACutAndPointOutwards) {
 
 TEST(Roughen, TheSameBytesForAnyNumberOfThreads) {
   const FractureParameters p = rough(40, 0.03, 5, 3);
-  const FragmentSet one = fracture_roughly(sphere_with(2000), p, 1),
-                    three = fracture_roughly(sphere_with(2000), p, 3);
+  const FragmentSet one = fracture_roughly(sphere_with(2000), p, 1).set,
+                    three = fracture_roughly(sphere_with(2000), p, 3).set;
   ASSERT_EQ(one.fragments.size(), three.fragments.size());
   for (std::size_t k = 0; k < one.fragments.size(); ++k) {
     EXPECT_EQ(one.fragments[k].positions, three.fragments[k].positions);
@@ -196,10 +193,8 @@ TEST(Roughen, TheSameBytesForAnyNumberOfThreads) {
 
 TEST(Roughen, CellsThatStayTogetherAreInNobodysWay) {
   FractureParameters p = rough(300, 0.02, 5, 1);
-  const auto calmed = [&] {
-    return fracture_roughly(cube(), p).report.at("rough_cuts").at("calmed_vertices").get<int>();
-  };
-  const int apart = calmed();
+  const auto calmed = [&] { return fracture_roughly(cube(), p).report.rough_cuts.value().calmed_vertices; };
+  const std::uint64_t apart = calmed();
   p.keep = Region{.center = box_of(cube()).center(), .radius = 0.3};
   EXPECT_LE(calmed(), apart + 5);
 }
@@ -210,11 +205,12 @@ TEST(Roughen, LongThinPiecesEndWithFlatCutsAndAWarning) {
   for (int x = 0; x < 3; ++x)
     for (int z = 0; z < 3; ++z) fibres.points.push_back({0.01 * (x + 0.5) / 3, 2.0, 0.01 * (z + 0.5) / 3});
   p.pattern = fibres;
-  const FragmentSet set = fracture_roughly(box({0, 0, 0}, {0.01, 4, 0.01}), p);
+  const Fractured made = fracture_roughly(box({0, 0, 0}, {0.01, 4, 0.01}), p);
+  const FragmentSet& set = made.set;
   EXPECT_EQ(set.certificate.open_edges, 0u);
   EXPECT_EQ(set.fragments.size(), 9u);
   EXPECT_LT(set.certificate.relative_error, 1e-12);
-  EXPECT_LT(set.report.at("rough_cuts").at("triangles").get<double>(), 4 * kMostRoughTriangles);
+  EXPECT_LT(static_cast<double>(made.report.rough_cuts.value().triangles), 4 * kMostRoughTriangles);
 }
 
 }  // namespace

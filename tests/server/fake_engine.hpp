@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "server/service/engine.hpp"
+#include "server/service/figures.hpp"
 
 namespace fracture::test {
 
@@ -71,33 +72,41 @@ class FakeEngine final : public FractureEngine {
     if (control_->cut_error)
       if (std::optional<Error> error = control_->cut_error()) return tl::unexpected<Error>(std::move(*error));
     Cut cut;
-    cut.set.certificate.fragments = static_cast<std::uint32_t>(std::get<Diagram>(base).sites.size());
+    cut.fractured.set.certificate.fragments =
+        static_cast<std::uint32_t>(std::get<Diagram>(base).sites.size());
     return cut;
   }
   /// A GLB or glTF whose JSON says what was asked; no geometry.
-  std::vector<std::uint8_t> encode(const FragmentSet& fragments, const GltfOptions& options,
-                                   OutputFormat format, const Execution&) const override {
+  GltfFile encode(const FracturedSolid& fractured, const GltfOptions& options, OutputFormat format,
+                  const Execution&) const override {
     std::string text =
-        nlohmann::json{{"asset", {{"version", "2.0"}, {"extras", {{"parameters", options.parameters}}}}},
-                       {"nodes",
-                        {{{"extras",
-                           {{"fracture",
-                             {{"parameters", options.parameters},
-                              {"mesh", options.mesh_digest},
-                              {"fragments", fragments.certificate.fragments},
-                              {"bonds", nlohmann::json::object()}}}}}}}}}
+        nlohmann::json{
+            {"asset", {{"version", "2.0"}, {"extras", {{"parameters", options.parameters}}}}},
+            {"nodes",
+             {{{"extras",
+                {{"fracture",
+                  {{"parameters", options.parameters},
+                   {"mesh", options.mesh_digest},
+                   {"fragments", fractured.set.certificate.fragments},
+                   {"certificate", {{"open_edges", 0}, {"fragments", fractured.set.certificate.fragments}}},
+                   {"bonds", nlohmann::json::object()}}}}}}}}}
             .dump();
     text.resize((text.size() + 3) / 4 * 4 + control_->glb_padding, ' ');
-    if (format == OutputFormat::kGltf) return {text.begin(), text.end()};
+    if (format == OutputFormat::kGltf) return located({text.begin(), text.end()}, format);
     std::vector<std::uint8_t> glb(20 + text.size());
     const std::uint32_t header[5] = {0x46546C67u, 2u, static_cast<std::uint32_t>(glb.size()),
                                      static_cast<std::uint32_t>(text.size()), 0x4E4F534Au};
     std::memcpy(glb.data(), header, sizeof header);
     std::memcpy(glb.data() + 20, text.data(), text.size());
-    return glb;
+    return located(std::move(glb), format);
   }
 
  private:
+  static GltfFile located(std::vector<std::uint8_t> file, OutputFormat format) {
+    const TextRange figures = figures_in(file, format).value_or(TextRange());
+    return {std::move(file), figures};
+  }
+
   std::shared_ptr<FakeControl> control_;
 };
 

@@ -39,11 +39,12 @@ void expect_sound_fragments(const Mesh& mesh, double thickness, std::uint32_t si
   parameters.sites = sites;
   const Expected<Diagram> diagram = make_diagram(*solid, parameters, {}, timings);
   ASSERT_TRUE(diagram);
-  const Expected<FragmentSet> set = fracture(*solid, *diagram, parameters, {}, timings);
-  ASSERT_TRUE(set);
-  EXPECT_EQ(set->certificate.open_edges, 0u);
-  EXPECT_LT(set->certificate.relative_error, 1e-9);
-  EXPECT_NEAR(set->certificate.volume_file + set->certificate.pocket_volume, solid->report.volume,
+  const Expected<FracturedSolid> made = fracture(*solid, *diagram, parameters, {}, timings);
+  ASSERT_TRUE(made);
+  const Certificate& certificate = made->set.certificate;
+  EXPECT_EQ(certificate.open_edges, 0u);
+  EXPECT_LT(certificate.relative_error, 1e-9);
+  EXPECT_NEAR(certificate.volume_file + certificate.pocket_volume, solid->report.volume,
               1e-4 * solid->report.volume);
 }
 

@@ -18,11 +18,12 @@ FragmentSet tower() {
   return fracture_mesh(box({0, 0, 0}, {1, 5, 1}), p).set;
 }
 
-std::vector<bool> held(FragmentSet set, const Anchors& anchors) {
-  const std::uint32_t count = mark_anchored(set, anchors);
+std::vector<bool> held(const FragmentSet& set, const Anchors& anchors) {
+  const AnchoredFragments anchored = find_anchored(set, anchors);
   std::vector<bool> result;
-  for (const Fragment& f : set.fragments) result.push_back(f.anchored);
-  EXPECT_EQ(count, std::count(result.begin(), result.end(), true));
+  for (std::size_t k = 0; k < set.fragments.size(); ++k) result.push_back(anchored.contains(k));
+  EXPECT_EQ(anchored.held.size(), set.fragments.size());
+  EXPECT_EQ(anchored.count, std::count(result.begin(), result.end(), true));
   return result;
 }
 
@@ -60,11 +61,12 @@ TEST(Anchors, AreMarkedByThePipelineAndCounted) {
   FractureParameters p;
   p.pattern = PointsPattern{row_of_sites(Box{{0, 0, 0}, {4, 1, 1}}, 4)};
   p.anchors.planes.push_back({{-1, 0, 0}, -4});
-  const FragmentSet set = fracture_mesh(box({0, 0, 0}, {4, 1, 1}), p).set;
-  ASSERT_EQ(set.fragments.size(), 4u);
-  EXPECT_TRUE(set.fragments[3].anchored);
-  EXPECT_FALSE(set.fragments[0].anchored);
-  EXPECT_EQ(set.report.at("anchors").at("fragments"), 1);
+  const Fractured made = fracture_mesh(box({0, 0, 0}, {4, 1, 1}), p);
+  ASSERT_EQ(made.set.fragments.size(), 4u);
+  EXPECT_TRUE(made.anchored.contains(3));
+  EXPECT_FALSE(made.anchored.contains(0));
+  EXPECT_EQ(made.anchored.count, 1u);
+  EXPECT_EQ(made.report.anchored, 1u);
 }
 
 }  // namespace

@@ -8,8 +8,9 @@
 #include <cstdlib>
 #include <cstring>
 #include <map>
+#include <span>
 
-#include "common/structure/keep_changed.hpp"
+#include "common/pipeline/difference.hpp"
 #include "tests/support/closed_inputs.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/fractured.hpp"
@@ -44,12 +45,14 @@ void expect_same(const Fragment& a, const Fragment& b) {
     EXPECT_TRUE(same_bits(a.primitives[k], b.primitives[k]));
   EXPECT_TRUE(same_bits(a.mass, b.mass));
   EXPECT_TRUE(same_bits(a.exterior_area, b.exterior_area));
-  ASSERT_EQ(a.hulls.size(), b.hulls.size());
-  for (std::size_t k = 0; k < a.hulls.size(); ++k) {
-    EXPECT_EQ(a.hulls[k].points, b.hulls[k].points);
-    EXPECT_EQ(a.hulls[k].triangles, b.hulls[k].triangles);
+}
+
+void expect_same(std::span<const CollisionHull> a, std::span<const CollisionHull> b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    EXPECT_EQ(a[k].points, b[k].points);
+    EXPECT_EQ(a[k].triangles, b[k].triangles);
   }
-  EXPECT_EQ(a.anchored, b.anchored);
 }
 
 void expect_same(const FragmentSet& a, const FragmentSet& b) {
@@ -60,7 +63,6 @@ void expect_same(const FragmentSet& a, const FragmentSet& b) {
   }
   ASSERT_EQ(a.bonds.size(), b.bonds.size());
   for (std::size_t k = 0; k < a.bonds.size(); ++k) EXPECT_TRUE(same_bits(a.bonds[k], b.bonds[k])) << k;
-  EXPECT_EQ(a.report, b.report);
   EXPECT_TRUE(same_bits(a.lattice_step, b.lattice_step));
   EXPECT_TRUE(same_bits(a.lattice_ratio, b.lattice_ratio));
   EXPECT_EQ(a.certificate.open_edges, b.certificate.open_edges);
@@ -75,42 +77,65 @@ void expect_same(const FragmentSet& a, const FragmentSet& b) {
   EXPECT_EQ(a.certificate.dropped, b.certificate.dropped);
   EXPECT_EQ(a.certificate.fragments, b.certificate.fragments);
   EXPECT_EQ(a.certificate.crossing_caps, b.certificate.crossing_caps);
+}
+
+void expect_same_companions(const FracturedSolid& a, std::uint32_t i, const FracturedSolid& b,
+                            std::uint32_t j) {
+  expect_same(a.hulls.of(i), b.hulls.of(j));
+  EXPECT_EQ(a.anchored.contains(i), b.anchored.contains(j));
+}
+
+void expect_same(const FracturedSolid& a, const FracturedSolid& b) {
+  expect_same(a.set, b.set);
+  for (std::uint32_t k = 0; k < a.set.fragments.size(); ++k) {
+    SCOPED_TRACE("companions of fragment " + std::to_string(k));
+    expect_same_companions(a, k, b, k);
+  }
+  EXPECT_EQ(a.anchored.count, b.anchored.count);
+  EXPECT_EQ(a.report, b.report);
   EXPECT_EQ(a.hierarchy.cluster_of_fragment, b.hierarchy.cluster_of_fragment);
   ASSERT_EQ(a.hierarchy.levels.size(), b.hierarchy.levels.size());
 }
 
-using ById = std::map<std::uint64_t, const Fragment*>;
+/// Indices.
+using ById = std::map<std::uint64_t, std::uint32_t>;
 ById by_id(const FragmentSet& set) {
   ById result;
-  for (const Fragment& f : set.fragments) result[f.id] = &f;
+  for (std::uint32_t k = 0; k < set.fragments.size(); ++k) result[set.fragments[k].id] = k;
   return result;
 }
 
 /// The delta is the difference of the two answers, each fracture()d from nothing.
-void expect_difference(const FragmentSet& before, const FragmentSet& after, const Delta& delta) {
-  const ById was = by_id(before), is = by_id(after);
+void expect_difference(const FracturedSolid& before, const FracturedSolid& after, const Delta& delta) {
+  const ById was = by_id(before.set), is = by_id(after.set);
   std::vector<std::uint64_t> added, gone;
-  for (const Fragment& f : after.fragments)
+  for (const Fragment& f : after.set.fragments)
     if (!was.contains(f.id)) added.push_back(f.id);
-  for (const Fragment& f : before.fragments)
+  for (const Fragment& f : before.set.fragments)
     if (!is.contains(f.id)) gone.push_back(f.id);
   EXPECT_EQ(delta.added, added);
   EXPECT_EQ(delta.gone, gone);
   for (const std::uint64_t id : delta.changed) EXPECT_TRUE(was.contains(id) && is.contains(id)) << id;
-  for (const auto& [id, f] : is) {
+  for (const auto& [id, k] : is) {
     if (!was.contains(id) || std::count(delta.changed.begin(), delta.changed.end(), id) > 0) continue;
     SCOPED_TRACE("untouched " + std::to_string(id));
-    expect_same(*was.at(id), *f);
+    expect_same(before.set.fragments[was.at(id)], after.set.fragments[k]);
+    expect_same_companions(before, was.at(id), after, k);
   }
 }
 
 /// Only what the delta names, and its bonds.
-void expect_selection(const FragmentSet& whole, FragmentSet part) {
-  keep_changed(part);
-  const Delta& delta = *part.delta;
+void expect_selection(const FracturedSolid& from, FracturedSolid selected) {
+  keep_changed(selected);
+  const FragmentSet &whole = from.set, &part = selected.set;
+  const Delta& delta = selected.delta.value();
   EXPECT_EQ(part.fragments.size(), delta.added.size() + delta.changed.size());
   const ById all = by_id(whole);
-  for (const Fragment& f : part.fragments) expect_same(f, *all.at(f.id));
+  for (std::uint32_t k = 0; k < part.fragments.size(); ++k) {
+    const std::uint32_t there = all.at(part.fragments[k].id);
+    expect_same(part.fragments[k], whole.fragments[there]);
+    expect_same_companions(selected, k, from, there);
+  }
   const auto id_of = [&](std::uint32_t k) {
     return k < part.fragments.size() ? part.fragments[k].id : delta.neighbors.at(k - part.fragments.size());
   };
@@ -145,8 +170,8 @@ int expect_hits(const Mesh& mesh, const FractureParameters& all, int threads = 1
   p.hits.clear();
   Expected<KeptAnswer> last = fracture_and_keep(*solid, p, execution, timings);
   if (!last) throw std::runtime_error(last.error().detail);
-  FragmentSet before = fracture_mesh(mesh, p).set;
-  expect_same(last->set, before);
+  FracturedSolid before = fracture_mesh(mesh, p);
+  expect_same(last->fractured, before);
   int local = 0;
   for (std::size_t k = 0; k < all.hits.size(); ++k) {
     SCOPED_TRACE("hit " + std::to_string(k + 1));
@@ -154,19 +179,20 @@ int expect_hits(const Mesh& mesh, const FractureParameters& all, int threads = 1
     local += last->base.local;
     Expected<KeptAnswer> next = fracture_delta(*solid, last->base, p, {1}, execution, timings);
     if (!next) throw std::runtime_error(next.error().detail);
-    const FragmentSet after = fracture_mesh(mesh, p).set;
-    expect_same(next->set, after);
-    EXPECT_TRUE(next->set.delta.has_value());
-    if (!next->set.delta || testing::Test::HasFailure()) return local;
-    expect_difference(before, after, *next->set.delta);
-    expect_selection(after, next->set);
+    const FracturedSolid after = fracture_mesh(mesh, p);
+    const FracturedSolid& answer = next->fractured;
+    expect_same(answer, after);
+    EXPECT_TRUE(answer.delta.has_value());
+    if (!answer.delta || testing::Test::HasFailure()) return local;
+    expect_difference(before, after, *answer.delta);
+    expect_selection(after, answer);
     if (p.levels.empty() && !p.anchors.any()) {
       const Expected<KeptAnswer> part =
           fracture_delta(*solid, last->base, p, {1, /*only_changed=*/true}, execution, timings);
       if (!part) throw std::runtime_error(part.error().detail);
-      FragmentSet expected = next->set;
+      FracturedSolid expected = answer;
       keep_changed(expected);
-      expect_same(part->set, expected);
+      expect_same(part->fractured, expected);
     }
     before = after;
     last = std::move(next);
@@ -253,10 +279,11 @@ TEST(Delta, BesideTheSolidNothingChanges) {
   ASSERT_TRUE(base);
   auto next = fracture_delta(*solid, base->base, p, {3}, execution, timings);
   ASSERT_TRUE(next);
-  EXPECT_TRUE(next->set.delta->added.empty() && next->set.delta->changed.empty() &&
-              next->set.delta->gone.empty());
-  keep_changed(next->set);
-  EXPECT_TRUE(next->set.fragments.empty() && next->set.bonds.empty());
+  const FragmentSet& set = next->fractured.set;
+  const Delta& delta = next->fractured.delta.value();
+  EXPECT_TRUE(delta.added.empty() && delta.changed.empty() && delta.gone.empty());
+  keep_changed(next->fractured);
+  EXPECT_TRUE(set.fragments.empty() && set.bonds.empty());
 }
 
 TEST(Delta, OfSeveralNewHitsAtOnce) {
@@ -271,9 +298,9 @@ TEST(Delta, OfSeveralNewHitsAtOnce) {
   EXPECT_TRUE(base->base.local);
   const auto next = fracture_delta(*solid, base->base, p, {2}, execution, timings);
   ASSERT_TRUE(next);
-  const FragmentSet after = fracture_mesh(mesh, p).set;
-  expect_same(next->set, after);
-  expect_difference(fracture_mesh(mesh, before_hits(p, 2)).set, after, *next->set.delta);
+  const FracturedSolid after = fracture_mesh(mesh, p);
+  expect_same(next->fractured, after);
+  expect_difference(fracture_mesh(mesh, before_hits(p, 2)), after, *next->fractured.delta);
 }
 
 // What is not a piece of one cell each is fractured again as a whole, with the same answer.
@@ -316,10 +343,12 @@ TEST(Delta, OnlyPartOfTheFragmentsIsInTheAnswer) {
   ASSERT_TRUE(base);
   auto next = fracture_delta(*solid, base->base, p, {1}, execution, timings);
   ASSERT_TRUE(next);
-  EXPECT_GT(next->set.fragments.size(), 300u);
-  EXPECT_GE(next->set.delta->added.size(), 8u);
-  keep_changed(next->set);
-  EXPECT_LT(next->set.fragments.size(), 100u);
+  const FragmentSet& set = next->fractured.set;
+  const Delta& delta = next->fractured.delta.value();
+  EXPECT_GT(set.fragments.size(), 300u);
+  EXPECT_GE(delta.added.size(), 8u);
+  keep_changed(next->fractured);
+  EXPECT_LT(set.fragments.size(), 100u);
 }
 
 class DeltaOfMesh : public OnClosedMesh {};

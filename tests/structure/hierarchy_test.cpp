@@ -31,12 +31,12 @@ std::size_t torn_clusters(std::size_t nodes, const std::vector<Bond>& bonds,
   return sets.set_count() - clusters.size();
 }
 
-FragmentSet levels_of(const Mesh& mesh, std::uint32_t sites, std::vector<std::uint32_t> levels,
-                      int threads = 1) {
+Fractured levels_of(const Mesh& mesh, std::uint32_t sites, std::vector<std::uint32_t> levels,
+                    int threads = 1) {
   FractureParameters p;
   p.pattern = PointsPattern{random_sites(box_of(mesh), sites, kSeed)};
   p.levels = std::move(levels);
-  return fracture_mesh(mesh, p, threads).set;
+  return fracture_mesh(mesh, p, threads);
 }
 
 TEST(Clusters, RowOfEightInFourIsPairsOfNeighbors) {
@@ -67,8 +67,9 @@ TEST(Clusters, MorePartsThanClustersArePutTogetherByPlace) {
 TEST(Hierarchy, EachLevelIsAPartitionOfTheNextAndItsClustersAreConnected) {
   for (const NamedMesh& shape : closed_shapes()) {
     SCOPED_TRACE(shape.name);
-    const FragmentSet set = levels_of(shape.mesh, 120, {5, 20, 60});
-    const Hierarchy& h = set.hierarchy;
+    const Fractured made = levels_of(shape.mesh, 120, {5, 20, 60});
+    const FragmentSet& set = made.set;
+    const Hierarchy& h = made.hierarchy;
     ASSERT_EQ(h.levels.size(), 3u);
     const std::vector<std::uint32_t> component = BondGraph::of_fragments(set).components();
     const std::size_t parts = std::set<std::uint32_t>(component.begin(), component.end()).size();
@@ -107,8 +108,9 @@ TEST(Hierarchy, EachLevelIsAPartitionOfTheNextAndItsClustersAreConnected) {
 }
 
 TEST(Hierarchy, ClustersAreCompactAndOfSimilarVolume) {
-  const FragmentSet set = levels_of(cube(), 400, {8});
-  const ClusterLevel& level = set.hierarchy.levels[0];
+  const Fractured made = levels_of(cube(), 400, {8});
+  const FragmentSet& set = made.set;
+  const ClusterLevel& level = made.hierarchy.levels[0];
   ASSERT_EQ(level.clusters.size(), 8u);
   for (const Cluster& c : level.clusters) {
     EXPECT_GT(c.volume, 0.4 / 8);
@@ -119,7 +121,7 @@ TEST(Hierarchy, ClustersAreCompactAndOfSimilarVolume) {
   for (std::size_t f = 0; f < set.fragments.size(); ++f) {
     const MassProperties& m = set.fragments[f].mass;
     moment += m.volume *
-              length(m.center_of_mass - level.clusters[set.hierarchy.cluster_of_fragment[f]].center_of_mass);
+              length(m.center_of_mass - level.clusters[made.hierarchy.cluster_of_fragment[f]].center_of_mass);
     volume += m.volume;
   }
   EXPECT_LT(moment / volume, 0.3);
@@ -127,7 +129,7 @@ TEST(Hierarchy, ClustersAreCompactAndOfSimilarVolume) {
 
 TEST(Hierarchy, SameForAnyNumberOfThreadsAndFromRunToRun) {
   const Mesh mesh = torus(24, 12);
-  const FragmentSet a = levels_of(mesh, 150, {4, 16, 64}, 1), b = levels_of(mesh, 150, {4, 16, 64}, 2);
+  const Fractured a = levels_of(mesh, 150, {4, 16, 64}, 1), b = levels_of(mesh, 150, {4, 16, 64}, 2);
   EXPECT_EQ(a.hierarchy.cluster_of_fragment, b.hierarchy.cluster_of_fragment);
   for (std::size_t level = 0; level < 3; ++level)
     for (std::size_t c = 0; c < a.hierarchy.levels[level].clusters.size(); ++c)
@@ -135,22 +137,22 @@ TEST(Hierarchy, SameForAnyNumberOfThreadsAndFromRunToRun) {
 }
 
 TEST(Hierarchy, BondNormalsPointFromAToB) {
-  const FragmentSet set = levels_of(box({0, 0, 0}, {4, 1, 1}), 60, {2, 8});
-  for (const ClusterLevel& level : set.hierarchy.levels)
+  const Fractured made = levels_of(box({0, 0, 0}, {4, 1, 1}), 60, {2, 8});
+  for (const ClusterLevel& level : made.hierarchy.levels)
     for (const Bond& b : level.bonds) {
       EXPECT_LT(b.a, b.b);
       EXPECT_NEAR(length(b.normal), 1, 1e-12);
     }
-  const ClusterLevel& halves = set.hierarchy.levels[0];
+  const ClusterLevel& halves = made.hierarchy.levels[0];
   ASSERT_EQ(halves.bonds.size(), 1u);
   EXPECT_GT(
       dot(halves.bonds[0].normal, halves.clusters[1].center_of_mass - halves.clusters[0].center_of_mass), 0);
 }
 
 TEST(Hierarchy, NoLevelsNoClusters) {
-  const FragmentSet set = levels_of(cube(), 20, {});
-  EXPECT_TRUE(set.hierarchy.levels.empty());
-  EXPECT_TRUE(set.hierarchy.cluster_of_fragment.empty());
+  const Fractured made = levels_of(cube(), 20, {});
+  EXPECT_TRUE(made.hierarchy.levels.empty());
+  EXPECT_TRUE(made.hierarchy.cluster_of_fragment.empty());
 }
 
 }  // namespace

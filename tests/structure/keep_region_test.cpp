@@ -88,7 +88,7 @@ TEST(KeepRegion, NothingInsideIsCutAndAllInvariantsHold) {
     expect_closed(f.set);
     expect_partition(f.set, volume_of(mesh), area_of(mesh));
     expect_outside_untouched(f.set, mesh);
-    EXPECT_GT(f.set.report.at("keep").at("cells").get<int>(), 0);
+    EXPECT_GT(f.report.kept_cells.value(), 0u);
     for (const Fragment& fragment : f.set.fragments)
       for (const FragmentPrimitive& primitive : fragment.primitives) {
         if (primitive.material != kInteriorMaterial) continue;

@@ -6,12 +6,13 @@
 #include <cmath>
 
 #include "common/base/random.hpp"
+#include "common/gltf/report_text.hpp"
+#include "common/pipeline/difference.hpp"
 #include "common/pipeline/fracture.hpp"
 #include "common/structure/anchors.hpp"
 #include "common/structure/bond_graph.hpp"
 #include "common/structure/clusters.hpp"
 #include "common/structure/hierarchy.hpp"
-#include "common/structure/keep_changed.hpp"
 #include "common/structure/support.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/poll_gaps.hpp"
@@ -79,7 +80,8 @@ TEST(LargeSets, AHierarchyOfManyLevelsCanBeInterruptedAnywhere) {
 
 TEST(LargeSets, SupportCanBeInterruptedAnywhere) {
   FragmentSet set = wall(kSide);
-  for (std::uint32_t k = 0; k < kSide; ++k) set.fragments[k].anchored = true;
+  AnchoredFragments anchored{std::vector<char>(set.fragments.size(), 0), kSide};
+  for (std::uint32_t k = 0; k < kSide; ++k) anchored.held[k] = 1;
   SupportOptions options;
   options.density = 100;
   // The iterations take a while: they are stopped, the rest is measured with few of them.
@@ -92,7 +94,7 @@ TEST(LargeSets, SupportCanBeInterruptedAnywhere) {
     watch();
     if (++polls == 500) source.request_stop();
   };
-  EXPECT_THROW(analyze_support(set, options, execution), Interrupted);
+  EXPECT_THROW(analyze_support(set, anchored, options, execution), Interrupted);
   EXPECT_LT(gaps.longest_ms(), kMostPollGapMs);
 
   FragmentSet row = wall(2);
@@ -100,23 +102,30 @@ TEST(LargeSets, SupportCanBeInterruptedAnywhere) {
   row.bonds.clear();
   for (std::uint32_t k = 1; k < 60'000; ++k) row.fragments.push_back(block(k, {k * 1.0, 0, 0}));
   for (std::uint32_t k = 1; k < 60'000; ++k) bind(row, k - 1, k, 1);
-  for (Fragment& f : row.fragments) f.anchored = f.id % 3 != 0;
+  AnchoredFragments of_row;
+  for (const Fragment& f : row.fragments) {
+    of_row.held.push_back(f.id % 3 != 0);
+    of_row.count += f.id % 3 != 0;
+  }
   gaps.start();
-  const Support support = analyze_support(row, options, gaps.execution());
-  const nlohmann::json report = support_report(row, options, support, gaps.execution());
+  const Support support = analyze_support(row, of_row, options, gaps.execution());
+  JsonText json(gaps.execution());
+  write_support(json, row, support);
   EXPECT_LT(gaps.longest_ms(), kMostPollGapMs);
-  EXPECT_EQ(report["bonds"]["stress"].size(), row.bonds.size());
+  EXPECT_EQ(nlohmann::json::parse(json.text())["bonds"]["stress"].size(), row.bonds.size());
 }
 
 TEST(LargeSets, KeepingWhatChangedCanBeInterruptedAnywhere) {
-  FragmentSet set = wall(kSide);
-  set.delta.emplace();
-  for (std::size_t k = 0; k < set.fragments.size(); k += 3) set.delta->changed.push_back(set.fragments[k].id);
+  FracturedSolid made;
+  made.set = wall(kSide);
+  FragmentSet& set = made.set;
+  Delta& delta = made.delta.emplace();
+  for (std::size_t k = 0; k < set.fragments.size(); k += 3) delta.changed.push_back(set.fragments[k].id);
   std::reverse(set.bonds.begin(), set.bonds.end());
   PollGaps gaps;
-  keep_changed(set, gaps.execution());
+  keep_changed(made, gaps.execution());
   EXPECT_LT(gaps.longest_ms(), kMostPollGapMs);
-  EXPECT_EQ(set.fragments.size(), set.delta->changed.size());
+  EXPECT_EQ(set.fragments.size(), delta.changed.size());
   EXPECT_TRUE(std::is_sorted(set.bonds.begin(), set.bonds.end(), [](const Bond& x, const Bond& y) {
     return x.a != y.a ? x.a < y.a : x.b < y.b;
   }));
@@ -167,17 +176,17 @@ TEST(LargeSets, AnchorsHoldWhatTheyLieInOrOnHoweverManyThereAre) {
       if (const Vec3d p = place(); winding_number(ring, p) < 0.5) anchors.points.push_back(p);
     FragmentSet set;
     set.fragments.push_back(shape(ring));
-    EXPECT_EQ(mark_anchored(set, anchors), 0u);
+    EXPECT_EQ(find_anchored(set, anchors).count, 0u);
     const Vec3d last = place();
     anchors.points.push_back(last);
-    EXPECT_EQ(mark_anchored(set, anchors), winding_number(ring, last) > 0.5 ? 1u : 0u);
+    EXPECT_EQ(find_anchored(set, anchors).count, winding_number(ring, last) > 0.5 ? 1u : 0u);
     // On a face, an edge, a corner.
     const auto& t = ring.triangles[static_cast<std::size_t>(random.uniform() * 1600)];
     const Vec3d a = to_double(ring.positions[t[0]]), b = to_double(ring.positions[t[1]]),
                 c = to_double(ring.positions[t[2]]);
     for (const Vec3d& on : {a, 0.5 * (a + b), (1.0 / 3) * (a + b + c)}) {
       anchors.points.back() = on;
-      EXPECT_EQ(mark_anchored(set, anchors), 1u);
+      EXPECT_EQ(find_anchored(set, anchors).count, 1u);
     }
   }
 }
@@ -193,7 +202,7 @@ TEST(LargeSets, AnchorsAreNotComparedWithEveryTriangle) {
     FragmentSet set;
     set.fragments.push_back(shape(torus(400 * size, 40)));
     PollGaps gaps;
-    EXPECT_EQ(mark_anchored(set, anchors, gaps.execution()), 0u);
+    EXPECT_EQ(find_anchored(set, anchors, gaps.execution()).count, 0u);
     EXPECT_LT(gaps.longest_ms(), kMostPollGapMs);
     polls.push_back(gaps.polls());
   }
@@ -208,7 +217,7 @@ TEST(LargeSets, AnchorsOfManyVerticesCanBeInterruptedAnywhere) {
   anchors.boxes.push_back({{-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1}});
   for (int k = 0; k < 20; ++k) anchors.points.push_back({0.01 * k, 0, 0});
   PollGaps gaps;
-  EXPECT_EQ(mark_anchored(set, anchors, gaps.execution()), 0u);
+  EXPECT_EQ(find_anchored(set, anchors, gaps.execution()).count, 0u);
   EXPECT_LT(gaps.longest_ms(), kMostPollGapMs);
 }
 

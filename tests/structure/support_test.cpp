@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "common/gltf/report_text.hpp"
 #include "common/structure/anchors.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/fractured.hpp"
@@ -24,8 +25,11 @@ SupportOptions options() {
 }
 
 /// Unit cubes with their centres at the given places; bonds between neighbours are added by hand.
-FragmentSet blocks(const std::vector<Vec3d>& centers, const std::vector<std::uint32_t>& anchored) {
-  FragmentSet set;
+struct Blocks : FragmentSet {
+  AnchoredFragments anchored;
+};
+Blocks blocks(const std::vector<Vec3d>& centers, const std::vector<std::uint32_t>& anchored) {
+  Blocks set;
   for (std::size_t k = 0; k < centers.size(); ++k) {
     Fragment f;
     f.id = 100 + k;
@@ -33,7 +37,8 @@ FragmentSet blocks(const std::vector<Vec3d>& centers, const std::vector<std::uin
     f.mass.center_of_mass = centers[k];
     set.fragments.push_back(f);
   }
-  for (const std::uint32_t k : anchored) set.fragments[k].anchored = true;
+  set.anchored = {std::vector<char>(centers.size(), 0), static_cast<std::uint32_t>(anchored.size())};
+  for (const std::uint32_t k : anchored) set.anchored.held[k] = 1;
   return set;
 }
 void bind(FragmentSet& set, std::uint32_t a, std::uint32_t b, double area = 1) {
@@ -42,9 +47,9 @@ void bind(FragmentSet& set, std::uint32_t a, std::uint32_t b, double area = 1) {
 }
 
 TEST(Support, TowerCarriesTheWeightAboveEachBond) {
-  FragmentSet set = blocks({{0, 0, 0}, {0, 1, 0}, {0, 2, 0}, {0, 3, 0}}, {0});
+  Blocks set = blocks({{0, 0, 0}, {0, 1, 0}, {0, 2, 0}, {0, 3, 0}}, {0});
   for (std::uint32_t k = 0; k < 3; ++k) bind(set, k, k + 1);
-  const Support s = analyze_support(set, options(), {});
+  const Support s = analyze_support(set, set.anchored, options(), {});
   EXPECT_LE(s.residual, 1e-8);
   EXPECT_TRUE(s.falling.empty());
   ASSERT_EQ(s.loads.size(), 3u);
@@ -57,24 +62,24 @@ TEST(Support, TowerCarriesTheWeightAboveEachBond) {
 }
 
 TEST(Support, HangingChainPullsItsBonds) {
-  FragmentSet set = blocks({{0, 0, 0}, {0, -1, 0}, {0, -2, 0}}, {0});
+  Blocks set = blocks({{0, 0, 0}, {0, -1, 0}, {0, -2, 0}}, {0});
   bind(set, 0, 1, 0.5);
   bind(set, 1, 2, 0.25);
   SupportOptions o = options();
   o.strength = 4100;
-  const Support s = analyze_support(set, o, {});
+  const Support s = analyze_support(set, set.anchored, o, {});
   EXPECT_NEAR(s.loads[0].stress, 2 * kDensity * kG / 0.5, 1e-3);   // 4000 Pa
   EXPECT_NEAR(s.loads[1].stress, 1 * kDensity * kG / 0.25, 1e-3);  // 4000 Pa
   EXPECT_TRUE(s.weak.empty());
   o.strength = 3900;
-  EXPECT_EQ(analyze_support(set, o, {}).weak.size(), 2u);
+  EXPECT_EQ(analyze_support(set, set.anchored, o, {}).weak.size(), 2u);
 }
 
 TEST(Support, CantileverBendsByWeightTimesArm) {
   // Held at x = 0; blocks at 1, 2, 3; bonds at 0.5, 1.5, 2.5.
-  FragmentSet set = blocks({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}}, {0});
+  Blocks set = blocks({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}}, {0});
   for (std::uint32_t k = 0; k < 3; ++k) bind(set, k, k + 1);
-  const Support s = analyze_support(set, options(), {});
+  const Support s = analyze_support(set, set.anchored, options(), {});
   const double w = kDensity * kG;
   const double moments[] = {w * (0.5 + 1.5 + 2.5), w * (0.5 + 1.5), w * 0.5};
   for (std::size_t k = 0; k < 3; ++k) {
@@ -88,9 +93,9 @@ TEST(Support, CantileverBendsByWeightTimesArm) {
 }
 
 TEST(Support, BridgeSharesItsWeightBetweenItsEnds) {
-  FragmentSet set = blocks({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {4, 0, 0}}, {0, 4});
+  Blocks set = blocks({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {4, 0, 0}}, {0, 4});
   for (std::uint32_t k = 0; k < 4; ++k) bind(set, k, k + 1);
-  const Support s = analyze_support(set, options(), {});
+  const Support s = analyze_support(set, set.anchored, options(), {});
   const double w = kDensity * kG;
   EXPECT_NEAR(s.loads[0].shear, 1.5 * w, 1e-4);
   EXPECT_NEAR(s.loads[1].shear, 0.5 * w, 1e-4);
@@ -101,27 +106,27 @@ TEST(Support, BridgeSharesItsWeightBetweenItsEnds) {
 
 TEST(Support, WhatHasNoWayToAnAnchorFalls) {
   // A bridge on two piers; when its middle goes nothing falls, when a pier goes the half hangs on.
-  FragmentSet set = blocks({{0, 0, 0}, {0, 1, 0}, {1, 1, 0}, {2, 1, 0}, {2, 0, 0}}, {0, 4});
+  Blocks set = blocks({{0, 0, 0}, {0, 1, 0}, {1, 1, 0}, {2, 1, 0}, {2, 0, 0}}, {0, 4});
   for (std::uint32_t k = 0; k < 4; ++k) bind(set, k, k + 1);
   SupportOptions o = options();
   o.broken = {102};
-  EXPECT_TRUE(analyze_support(set, o, {}).falling.empty());
+  EXPECT_TRUE(analyze_support(set, set.anchored, o, {}).falling.empty());
   o.broken = {101, 103};
-  const Support s = analyze_support(set, o, {});
+  const Support s = analyze_support(set, set.anchored, o, {});
   EXPECT_EQ(s.falling, std::vector<std::uint32_t>{2});
   for (const BondLoad& load : s.loads) EXPECT_EQ(load.stress, 0);
   o.broken = {100};
-  EXPECT_TRUE(analyze_support(set, o, {}).falling.empty());
+  EXPECT_TRUE(analyze_support(set, set.anchored, o, {}).falling.empty());
   o.broken = {100, 104};
-  EXPECT_EQ(analyze_support(set, o, {}).falling.size(), 3u);
+  EXPECT_EQ(analyze_support(set, set.anchored, o, {}).falling.size(), 3u);
   o.broken = {9};
-  EXPECT_EQ(analyze_support(set, o, {}).unknown, 1u);
+  EXPECT_EQ(analyze_support(set, set.anchored, o, {}).unknown, 1u);
 }
 
 TEST(Support, WithoutAnchorsAllFalls) {
-  FragmentSet set = blocks({{0, 0, 0}, {0, 1, 0}}, {});
+  Blocks set = blocks({{0, 0, 0}, {0, 1, 0}}, {});
   bind(set, 0, 1);
-  const Support s = analyze_support(set, options(), {});
+  const Support s = analyze_support(set, set.anchored, options(), {});
   EXPECT_EQ(s.falling.size(), 2u);
   EXPECT_EQ(s.anchored, 0u);
 }
@@ -131,22 +136,26 @@ TEST(Support, AllTheWeightOfAFracturedPillarGoesThroughItsFoot) {
   FractureParameters p;
   p.pattern = PointsPattern{random_sites(box_of(mesh), 150, 7)};
   p.anchors.planes.push_back({{0, 1, 0}, 0});
-  const FragmentSet set = fracture_mesh(mesh, p).set;
-  const Support s = analyze_support(set, options(), {});
+  const Fractured made = fracture_mesh(mesh, p);
+  const FragmentSet& set = made.set;
+  const Support s = analyze_support(set, made.anchored, options(), {});
   EXPECT_LE(s.residual, 1e-8);
   EXPECT_TRUE(s.falling.empty());
   // The vertical pulls across the bonds of the anchored fragments are what the others weigh. Only tension
   // along the normal and shear's length are given, so the sum is bounded from both sides.
   double weight = 0, most = 0;
-  for (const Fragment& f : set.fragments) weight += f.anchored ? 0 : kDensity * kG * f.mass.volume;
+  for (std::size_t k = 0; k < set.fragments.size(); ++k)
+    weight += made.anchored.contains(k) ? 0 : kDensity * kG * set.fragments[k].mass.volume;
   for (std::size_t k = 0; k < set.bonds.size(); ++k) {
     const Bond& b = set.bonds[k];
-    if (set.fragments[b.a].anchored == set.fragments[b.b].anchored) continue;
+    if (made.anchored.contains(b.a) == made.anchored.contains(b.b)) continue;
     most += std::fabs(s.loads[k].tension * b.normal.y) + s.loads[k].shear;
   }
   EXPECT_GE(most, weight * (1 - 1e-6));
   EXPECT_LE(most, 4 * weight);
-  const nlohmann::json report = support_report(set, options(), s);
+  JsonText json;
+  write_support(json, set, s);
+  const nlohmann::json report = nlohmann::json::parse(json.text());
   EXPECT_EQ(report.at("bonds").at("stress").size(), set.bonds.size());
   EXPECT_EQ(report.at("falling").size(), 0u);
 }

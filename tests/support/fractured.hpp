@@ -1,18 +1,20 @@
 // A mesh fractured with given parameters, for the tests of what comes after the cells.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <stdexcept>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "common/pipeline/refracture.hpp"
 
 namespace fracture::test {
 
-struct Fractured {
+struct Fractured : FracturedSolid {
   Solid solid;
   Diagram diagram;
-  FragmentSet set;
 };
 
 /// Throws std::runtime_error with the detail of any error.
@@ -24,19 +26,25 @@ inline Fractured fracture_mesh(const Mesh& mesh, const FractureParameters& param
   if (!solid) throw std::runtime_error(solid.error().detail);
   Expected<Diagram> diagram = make_diagram(*solid, parameters, execution, timings);
   if (!diagram) throw std::runtime_error(diagram.error().detail);
-  Expected<FragmentSet> set = fracture(*solid, *diagram, parameters, execution, timings);
-  if (!set) throw std::runtime_error(set.error().detail);
-  return {std::move(*solid), std::move(*diagram), std::move(*set)};
+  Expected<FracturedSolid> made = fracture(*solid, *diagram, parameters, execution, timings);
+  if (!made) throw std::runtime_error(made.error().detail);
+  return {std::move(*made), std::move(*solid), std::move(*diagram)};
 }
 
 /// The parts of one fragment of the answer. Throws as fracture_mesh().
-inline FragmentSet fracture_mesh_again(const Mesh& mesh, const FractureParameters& parameters,
-                                       const Refracture& again) {
+inline FracturedSolid fracture_mesh_again(const Mesh& mesh, const FractureParameters& parameters,
+                                          const Refracture& again) {
   const Fractured whole = fracture_mesh(mesh, parameters);
   StageTimings timings;
-  Expected<FragmentSet> set = fracture_again(whole.solid, whole.diagram, parameters, again, {}, timings);
-  if (!set) throw std::runtime_error(set.error().detail);
-  return std::move(*set);
+  Expected<FracturedSolid> made = fracture_again(whole.solid, whole.diagram, parameters, again, {}, timings);
+  if (!made) throw std::runtime_error(made.error().detail);
+  return std::move(*made);
+}
+
+/// Does one of the report's warnings say so?
+inline bool warns(const Report& report, std::string_view of) {
+  return std::any_of(report.warnings.begin(), report.warnings.end(),
+                     [&](const std::string& warning) { return warning.find(of) != std::string::npos; });
 }
 
 /// The sites of a row of n cells of the same length along x within the box.

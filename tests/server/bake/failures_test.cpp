@@ -48,13 +48,13 @@ class UnsoundEngine final : public FractureEngine {
     if (parameters.sites == kBroken) throw InternalError("cell 3 has no face");
     if (parameters.sites == kNoMemory) throw std::bad_alloc();
     Expected<Cut> made = real_->cut(solid, base, parameters, selection, execution);
-    if (made && parameters.sites == kOpen) made->set.certificate.open_edges = 13;
-    if (made && parameters.sites == kUnmirrored) made->set.certificate.unmirrored_caps = 3;
+    if (made && parameters.sites == kOpen) made->fractured.set.certificate.open_edges = 13;
+    if (made && parameters.sites == kUnmirrored) made->fractured.set.certificate.unmirrored_caps = 3;
     return made;
   }
-  std::vector<std::uint8_t> encode(const FragmentSet& fragments, const GltfOptions& options,
-                                   OutputFormat format, const Execution& execution) const override {
-    return real_->encode(fragments, options, format, execution);
+  GltfFile encode(const FracturedSolid& fractured, const GltfOptions& options, OutputFormat format,
+                  const Execution& execution) const override {
+    return real_->encode(fractured, options, format, execution);
   }
 
  private:

@@ -84,7 +84,7 @@ void expect_local_file(Baker& baker, const Asked& asked) {
   ASSERT_TRUE(baked) << to_line(baked.error());
   EXPECT_EQ(*baked->file, local_file(baker, asked));
   EXPECT_EQ(baked->digest.hex(), sha256(std::as_bytes(std::span(*baked->file))).hex());
-  EXPECT_TRUE(baked->figures.contains("bonds"));
+  EXPECT_EQ(baked->summary.certificate.fragments, request_of(baker, asked).parameters.fracture.sites);
 }
 
 Error failure(Baker& baker, const Asked& asked) {

@@ -41,8 +41,9 @@ struct EchoBaker : Baker {
     file->push_back(static_cast<std::uint8_t>('0' + request.parameters.fracture.seed));
     baked.digest = sha256(std::as_bytes(std::span(*file)));
     baked.file = std::move(file);
-    baked.figures["certificate"] = {{"open_edges", text == "open" ? 3 : 0},
-                                    {"relative_error", text == "loses" ? 1e-3 : 1e-15}};
+    baked.summary.certificate.open_edges = text == "open" ? 3 : 0;
+    baked.summary.certificate.relative_error = text == "loses" ? 1e-3 : 1e-15;
+    baked.summary.judged = false;
     return baked;
   }
 };
@@ -210,23 +211,27 @@ TEST_F(BakeRunTest, WhatCannotBeReadOrWrittenDoesNotStopTheOthers) {
 }
 
 TEST(IsSound, AsksForClosedFragmentsAndForAPartitionWhereOneIsPromised) {
-  const auto figures = [](int open, double error) {
-    return json{{"certificate", {{"open_edges", open}, {"relative_error", error}}},
-                {"report", json::object()}};
+  const auto summary = [](std::uint64_t open, double error) {
+    AnswerSummary result;
+    result.certificate.open_edges = open;
+    result.certificate.relative_error = error;
+    result.judged = false;
+    return result;
   };
-  EXPECT_TRUE(is_sound(figures(0, 1e-14)));
-  EXPECT_FALSE(is_sound(figures(1, 1e-14)));
-  EXPECT_FALSE(is_sound(figures(0, 1e-3)));
+  EXPECT_TRUE(is_sound(summary(0, 1e-14)));
+  EXPECT_FALSE(is_sound(summary(1, 1e-14)));
+  EXPECT_FALSE(is_sound(summary(0, 1e-3)));
   // Of answers that were judged where they were made, by the bounds that belong to the mesh.
-  json judged = figures(0, 1e-8);
-  judged["certificate"]["unmirrored_caps"] = 0;
+  AnswerSummary judged = summary(0, 1e-8);
+  judged.judged = true;
   EXPECT_TRUE(is_sound(judged));
-  judged["certificate"]["unmirrored_caps"] = 2;
+  judged.certificate.unmirrored_caps = 2;
   EXPECT_FALSE(is_sound(judged));
-  judged["certificate"] = {{"open_edges", 1}, {"unmirrored_caps", 0}, {"relative_error", 0}};
+  judged = summary(1, 0);
+  judged.judged = true;
   EXPECT_FALSE(is_sound(judged));
-  json barycenter = figures(0, 0.2);
-  barycenter["report"]["barycenter"] = json::object();
+  AnswerSummary barycenter = summary(0, 0.2);
+  barycenter.partition = false;
   EXPECT_TRUE(is_sound(barycenter));
 }
 

@@ -46,6 +46,58 @@ TEST_F(Tiers, AskedForAgainItIsReadAndNotComputed) {
   EXPECT_EQ(again.header("cache-status"), "disk; hit, result; fwd=miss; stored");
 }
 
+TEST_F(Tiers, AnAnswerFromTheDiskCanBeNamedByAFurtherRequest) {
+  Reply made;
+  {
+    TestServer server(options);
+    made = server.post("/fracture?sites=5");
+    server.service.tiers().flush();
+  }
+  const std::string location = made.header("content-location");
+  TestServer server(options);
+  EXPECT_EQ(server.post("/fracture?density=7&of=" + location).problem(), "no-such-answer") << "not read yet";
+  ASSERT_EQ(server.get(location).status, 200);
+  const Reply further = server.post("/fracture?density=7&of=" + location);
+  ASSERT_EQ(further.status, 200) << further.body;
+  EXPECT_EQ(further.body, server.post("/fracture?density=7&sites=5").body);
+}
+
+// Where the parameters stand in the file was written beside where the figures do, instead of the parameters.
+TEST_F(Tiers, AnEntryOfAnEarlierVersionIsRead) {
+  Reply made;
+  {
+    TestServer server(options);
+    made = server.post("/fracture?sites=5");
+    server.service.tiers().flush();
+  }
+  const std::string location = made.header("content-location");
+  const std::string key = location.substr(std::string("/fractures/sha256:").size());
+  {
+    DiskCache cache(options.service.tiers.folder, 1 << 30);
+    const auto stored = cache.find(key);
+    ASSERT_TRUE(stored);
+    const std::vector<std::uint8_t> payload(stored->entry.payload.begin(), stored->entry.payload.end());
+    const TextRange figures = figures_in(payload, OutputFormat::kGlb).value();
+    const std::string text(payload.begin(), payload.end()), name = "\"parameters\":";
+    const std::size_t begin = text.find(name, figures.at) + name.size();  // the last of the fake's figures
+    std::string metadata(stored->entry.metadata);
+    const std::size_t ranges = metadata.find('\n', metadata.find('\n') + 1) + 1;
+    const std::size_t digests = metadata.size() - 2 * sizeof(Digest::bytes);
+    metadata.replace(ranges, digests - ranges,
+                     std::to_string(figures.at) + " " + std::to_string(figures.size) + " " +
+                         std::to_string(begin) + " " + std::to_string(figures.at + figures.size - 1 - begin) +
+                         "\n");
+    std::filesystem::remove(entries_in(options.service.tiers.folder).at(0));
+    DiskCache(options.service.tiers.folder, 1 << 30).insert({key, metadata, payload});
+  }
+  TestServer server(options);
+  const Reply got = server.get(location);
+  ASSERT_EQ(got.status, 200) << got.body;
+  EXPECT_EQ(got.body, made.body);
+  EXPECT_EQ(server.get(location, "Accept: application/json\r\n").json().at("parameters").at("sites"), 5);
+  EXPECT_EQ(server.post("/fracture?density=7&of=" + location).status, 200);
+}
+
 TEST_F(Tiers, ADamagedEntryIsComputedAgain) {
   std::string good;
   {

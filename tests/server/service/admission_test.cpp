@@ -72,9 +72,9 @@ TEST(Admission, CountsTheTrianglesOfRoughCutsAboutRight) {
       p.roughness = roughness;
       StageTimings timings;
       const Expected<Diagram> diagram = make_diagram(solid, p, {}, timings);
-      const Expected<FragmentSet> set = fracture(solid, *diagram, p, {}, timings);
-      ASSERT_TRUE(set);
-      const double made = set->report.at("rough_cuts").at("triangles"),
+      const Expected<FracturedSolid> fractured = fracture(solid, *diagram, p, {}, timings);
+      ASSERT_TRUE(fractured);
+      const double made = static_cast<double>(fractured->report.rough_cuts->triangles),
                    expected = expected_rough_triangles(p, sites);
       EXPECT_GT(expected, made / 3);
       EXPECT_LT(expected, made * 3);

@@ -9,11 +9,13 @@
 
 #include "common/gltf/gltf_writer.hpp"
 #include "server/service/service.hpp"
+#include "tests/server/figures_of.hpp"
 
 namespace fracture {
 namespace {
 
 using nlohmann::json;
+using test::figures_of;
 
 std::span<const std::byte> bytes(std::string_view text) {
   return std::as_bytes(std::span(text.data(), text.size()));

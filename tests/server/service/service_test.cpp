@@ -5,10 +5,12 @@
 #include <set>
 
 #include "tests/server/fake_engine.hpp"
+#include "tests/server/figures_of.hpp"
 
 namespace fracture {
 namespace {
 
+using nlohmann::json;
 using test::FakeControl;
 using test::FakeEngine;
 
@@ -113,8 +115,62 @@ TEST(ServiceKeys, NoMeshAloneHasTheDigestOfOneWithFiles) {
 
 TEST_F(ServiceTest, TheFiguresAreThoseOfTheFile) {
   const auto answer = service.fracture(request("mesh", 7), {});
-  EXPECT_EQ(figures_of(*answer->result).at("fragments"), 7);
-  EXPECT_EQ(figures_of(*answer->result).at("mesh"), answer->result->mesh_digest);
+  EXPECT_EQ(test::figures_of(*answer->result).at("fragments"), 7);
+  EXPECT_EQ(test::figures_of(*answer->result).at("mesh"), answer->result->mesh_digest);
+}
+
+TEST_F(ServiceTest, AnAnswerKeepsItsParametersAndWhatItComesTo) {
+  const auto answer = service.fracture(request("mesh", 7), {});
+  const json figures = test::figures_of(*answer->result);
+  ASSERT_TRUE(answer->result->summary.has_value());
+  EXPECT_EQ(json::parse(answer->result->parameters), figures.at("parameters"));
+  EXPECT_EQ(answer->result->summary->certificate.fragments, 7u);
+}
+
+TEST(AnswerSummary, HasEachWarningOnceAndKnowsWhetherAPartitionIsPromised) {
+  FracturedSolid made;
+  made.set.certificate.open_edges = 3;
+  made.report.warnings = {"b", "a", "b"};
+  const AnswerSummary partition = summary_of(made);
+  EXPECT_EQ(partition.certificate.open_edges, 3u);
+  EXPECT_EQ(partition.warnings, (std::vector<std::string>{"b", "a"}));
+  EXPECT_TRUE(partition.partition && partition.judged);
+  made.report.barycenter.emplace();
+  EXPECT_FALSE(summary_of(made).partition);
+}
+
+TEST(AnswerSummary, IsReadFromAFileThatIsFromElsewhere) {
+  const auto read = [](const json& figures) {
+    const json document = {{"nodes", {{{"extras", {{"fracture", figures}}}}}}};
+    const std::string text = document.dump();
+    return summary_in(std::vector<std::uint8_t>(text.begin(), text.end()), OutputFormat::kGltf);
+  };
+  json figures = {{"bonds", json::object()},
+                  {"certificate",
+                   {{"open_edges", 1},
+                    {"unmirrored_caps", 2},
+                    {"volume_in", 3},
+                    {"volume_out", 3.5},
+                    {"relative_error", 0.25},
+                    {"fragments", 4}}},
+                  {"report", {{"warnings", {"w", "w"}}}}};
+  const AnswerSummary summary = read(figures);
+  EXPECT_EQ(summary.certificate.open_edges, 1u);
+  EXPECT_EQ(summary.certificate.unmirrored_caps, 2u);
+  EXPECT_EQ(summary.certificate.volume_in, 3);
+  EXPECT_EQ(summary.certificate.volume_out, 3.5);
+  EXPECT_EQ(summary.certificate.relative_error, 0.25);
+  EXPECT_EQ(summary.certificate.fragments, 4u);
+  EXPECT_EQ(summary.warnings, std::vector<std::string>{"w"});
+  EXPECT_TRUE(summary.partition && summary.judged);
+  figures["report"]["barycenter"] = json::object();
+  figures["certificate"].erase("unmirrored_caps");
+  EXPECT_FALSE(read(figures).partition || read(figures).judged);
+  figures["certificate"] = json::object();
+  EXPECT_THROW(read(figures), InternalError) << "nothing says that it is closed";
+  figures.erase("certificate");
+  EXPECT_THROW(read(figures), InternalError);
+  EXPECT_THROW(summary_in({}, OutputFormat::kGlb), InternalError);
 }
 
 TEST_F(ServiceTest, ErrorsAreNotCached) {

@@ -1,0 +1,113 @@
+#include "common/pipeline/difference.hpp"
+
+#include <algorithm>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "common/base/pacer.hpp"
+
+namespace fracture {
+namespace {
+
+/// Everything that is written of a fragment.
+bool same_shape(const Fragment& a, const Fragment& b) {
+  const auto same_primitive = [](const FragmentPrimitive& x, const FragmentPrimitive& y) {
+    return x.material == y.material && x.first_index == y.first_index && x.index_count == y.index_count;
+  };
+  return a.pivot == b.pivot && a.mass.volume == b.mass.volume && a.mass.area == b.mass.area &&
+         a.mass.center_of_mass == b.mass.center_of_mass && a.mass.inertia == b.mass.inertia &&
+         a.exterior_area == b.exterior_area && a.sites == b.sites && a.positions == b.positions &&
+         a.indices == b.indices && a.topology == b.topology &&
+         std::equal(a.primitives.begin(), a.primitives.end(), b.primitives.begin(), b.primitives.end(),
+                    same_primitive) &&
+         a.attributes.normals == b.attributes.normals && a.attributes.tangents == b.attributes.tangents &&
+         a.attributes.uvs == b.attributes.uvs && a.attributes.colors == b.attributes.colors;
+}
+
+}  // namespace
+
+Delta difference(const FracturedBase& before, const std::vector<Fragment>& after,
+                 const std::function<bool(std::uint32_t)>& kept, const Execution& execution) {
+  Pacer pacer(execution);
+  std::unordered_map<std::uint64_t, std::uint32_t> place;  // only looked up
+  place.reserve(before.fragments.size());
+  for (std::uint32_t k = 0; k < before.fragments.size(); ++k) {
+    pacer.step(16);
+    place.emplace(before.fragments[k]->fragment.id, k);
+  }
+  std::vector<char> still(before.fragments.size(), 0);
+  Delta delta;
+  for (std::uint32_t k = 0; k < after.size(); ++k) {
+    pacer.step(16);
+    const auto at = place.find(after[k].id);
+    if (at == place.end()) {
+      delta.added.push_back(after[k].id);
+      continue;
+    }
+    still[at->second] = 1;
+    if (!kept(k) && !same_shape(before.fragments[at->second]->fragment, after[k]))
+      delta.changed.push_back(after[k].id);
+  }
+  for (std::uint32_t k = 0; k < still.size(); ++k)
+    if (!still[k]) delta.gone.push_back(before.fragments[k]->fragment.id);
+  clear_nodes(pacer, place);
+  return delta;
+}
+
+void keep_changed(FracturedSolid& fractured, const Execution& execution) {
+  Pacer pacer(execution);
+  FragmentSet& set = fractured.set;
+  Delta& delta = fractured.delta.value();
+  std::vector<FragmentHulls>& all_hulls = fractured.hulls.of_fragment;
+  std::vector<char>& all_held = fractured.anchored.held;
+  std::vector<std::uint64_t> wanted = delta.added;
+  wanted.insert(wanted.end(), delta.changed.begin(), delta.changed.end());
+  sort_with_polls(execution, wanted.begin(), wanted.end());
+  const std::size_t n = set.fragments.size();
+  std::vector<std::uint32_t> index(n, kNoIndex);
+  std::uint32_t next = 0;
+  for (std::size_t k = 0; k < n; ++k) {
+    pacer.step(4);
+    if (std::binary_search(wanted.begin(), wanted.end(), set.fragments[k].id)) index[k] = next++;
+  }
+  const std::uint32_t kept = next;
+  // Who is not here any more, but at the other end of a bond: numbered in the order of the whole.
+  std::erase_if(set.bonds, [&](const Bond& b) { return index[b.a] == kNoIndex && index[b.b] == kNoIndex; });
+  std::vector<char> met(n, 0);
+  for (const Bond& b : set.bonds) met[b.a] = met[b.b] = 1;
+  for (std::size_t k = 0; k < n; ++k)
+    if (met[k] && index[k] == kNoIndex) {
+      index[k] = next++;
+      delta.neighbors.push_back(set.fragments[k].id);
+    }
+  for (Bond& b : set.bonds) {
+    pacer.step();
+    b.a = index[b.a];
+    b.b = index[b.b];
+    if (b.a < b.b) continue;
+    std::swap(b.a, b.b);
+    for (int axis = 0; axis < 3; ++axis) b.normal[axis] = b.normal[axis] == 0 ? 0 : -b.normal[axis];
+  }
+  sort_with_polls(execution, set.bonds.begin(), set.bonds.end(),
+                  [](const Bond& x, const Bond& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; });
+  std::vector<Fragment> fragments(kept);
+  std::vector<FragmentHulls> hulls(all_hulls.empty() ? 0 : kept);
+  std::vector<char> held(all_held.empty() ? 0 : kept);
+  for (std::size_t k = 0; k < n; ++k) {
+    pacer.step(4);
+    if (index[k] >= kept) {
+      set.fragments[k] = {};  // thousands of them take a while to go
+      if (!all_hulls.empty()) all_hulls[k] = {};
+      continue;
+    }
+    fragments[index[k]] = std::move(set.fragments[k]);
+    if (!all_hulls.empty()) hulls[index[k]] = std::move(all_hulls[k]);
+    if (!all_held.empty()) held[index[k]] = all_held[k];
+  }
+  set.fragments = std::move(fragments);
+  all_hulls = std::move(hulls);
+  all_held = std::move(held);
+}
+
+}  // namespace fracture
