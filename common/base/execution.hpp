@@ -9,12 +9,12 @@
 #include <functional>
 #include <memory>
 #include <optional>
-#include <stop_token>
 #include <utility>
 
 #include "common/base/error.hpp"
 #include "common/base/product.hpp"
 #include "common/base/stage_progress.hpp"
+#include "common/base/stop_token.hpp"
 #include "common/base/turn.hpp"
 
 namespace fracture {
@@ -31,7 +31,7 @@ struct Interrupted {
 
 struct Execution {
   int threads = 1;  ///< how many threads parallel_for may use, the caller's included
-  std::stop_token stop{};
+  StopToken stop{};
   std::optional<std::chrono::steady_clock::time_point> deadline{};
   /// Called with (stage, fraction of it done in [0, 1]) from any worker thread; must be thread-safe and
   /// cheap.

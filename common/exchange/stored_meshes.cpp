@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "common/base/digest.hpp"
+#include "common/digest/digest.hpp"
 
 namespace fracture::protocol {
 

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -24,7 +25,9 @@ class Baker {
   virtual ~Baker() = default;
   virtual Expected<RequestParameters> parse(const std::vector<RawParameter>& given) = 0;
   /// What an error comes to: failure.hpp.
-  virtual Expected<Baked> bake(const FractureRequest& request, const Execution& execution) = 0;
+  /// `stop` ends it, its waits for a server too. `execution`: what else a computation on this machine heeds.
+  virtual Expected<Baked> bake(const FractureRequest& request, const Execution& execution,
+                               const std::stop_token& stop) = 0;
   /// Where to say what goes on while a call takes long. Before the first call.
   virtual void on_notice(std::function<void(const std::string& line)>) {}
 };

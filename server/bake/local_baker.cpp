@@ -13,8 +13,11 @@ class LocalBaker : public Baker {
     return service_.parse(given);
   }
 
-  Expected<Baked> bake(const FractureRequest& request, const Execution& execution) override {
-    const Expected<FractureAnswer> answer = service_.fracture(request, execution);
+  Expected<Baked> bake(const FractureRequest& request, const Execution& execution,
+                       const std::stop_token& stop) override {
+    Execution stoppable = execution;
+    stoppable.stop = stop;
+    const Expected<FractureAnswer> answer = service_.fracture(request, stoppable);
     if (!answer) return tl::unexpected<Error>(answer.error());
     const std::shared_ptr<const FractureResult>& result = answer->result;
     return Baked{{result, &result->file}, result->file_digest, result->summary.value(), answer->timings};

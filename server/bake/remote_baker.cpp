@@ -299,13 +299,14 @@ class RemoteBaker : public Baker {
     return parsed;
   }
 
-  Expected<Baked> bake(const FractureRequest& request, const Execution& execution) override {
+  Expected<Baked> bake(const FractureRequest& request, const Execution&,
+                       const std::stop_token& stop) override {
     // In better words than those of its refusal of the parameter `format`.
     if (const std::string format = extension_of(request.format);
         !formats_.empty() && !formats_.contains(format))
       return fail(ErrorCode::kUnknownFormat, "The server does not read '" + format +
                                                  "'; one started with --enable-format " + format + " does.");
-    return Conversation(caller_, puts_, request, execution.stop)();
+    return Conversation(caller_, puts_, request, stop)();
   }
 
   void on_notice(std::function<void(const std::string&)> say) override { caller_.on_notice(std::move(say)); }

@@ -15,6 +15,7 @@
 #pragma once
 
 #include <memory>
+#include <stop_token>
 #include <string>
 
 #include "server/bake/baker.hpp"

@@ -264,10 +264,9 @@ class Run {
   Expected<Baked> bake(const FractureRequest& request) {
     Execution execution;
     execution.threads = options_.threads;
-    execution.stop = stop_;
     execution.progress = [this](Stage stage, double fraction) { progress_->stage(stage, fraction); };
     try {
-      Expected<Baked> baked = baker_.bake(request, execution);
+      Expected<Baked> baked = baker_.bake(request, execution, stop_);
       if (baked && !is_sound(baked->summary))
         return tl::unexpected<Error>(unsound(baked->summary.certificate));
       return baked;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <stop_token>
 
 #include "server/http/accept.hpp"
 #include "server/http/api.hpp"

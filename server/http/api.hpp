@@ -105,7 +105,7 @@ class Api {
   Answered prepare_body(const std::shared_ptr<Request>& request, const Preparation& preparation,
                         const std::stop_token& gone, const Reply& reply);
   Answered prepared_body(const std::shared_ptr<Request>& request, const Preparation& preparation,
-                         const Execution& execution, const Reply& reply);
+                         const Execution& execution, const std::stop_token& gone, const Reply& reply);
   void write_metrics(ops::MetricWriter& writer) const;
   Answered dispatch(const std::shared_ptr<Request>& request, const std::stop_token& gone, const Reply& reply);
 

@@ -1,5 +1,6 @@
 // Jobs: fractures that nobody waits for on a connection (Prefer: respond-async, RFC 7240), or not for long.
 #include <atomic>
+#include <stop_token>
 
 #include "server/http/api.hpp"
 #include "server/http/job_document.hpp"

@@ -1,6 +1,7 @@
 // Stored meshes: PUT, POST, GET and DELETE /meshes, and fracturing one of them, which is the path of a game
 // at the moment of a collision: a few bytes in, no mesh on the wire.
 #include <algorithm>
+#include <stop_token>
 
 #include "server/http/api.hpp"
 #include "server/http/mesh_input.hpp"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <new>
+#include <stop_token>
 
 #include "server/http/accept.hpp"
 #include "server/http/api.hpp"

@@ -2,6 +2,7 @@
 // step on the pool where it is more than an io thread may do, in the class and under the deadline of the
 // request.
 #include <algorithm>
+#include <stop_token>
 
 #include "server/http/api.hpp"
 #include "server/http/content_coding.hpp"
@@ -83,13 +84,13 @@ Answered Api::prepare_body(const std::shared_ptr<Request>& request, const Prepar
   if (preparation.coding != ContentCoding::kIdentity)
     work.seconds += expected_decoding(preparation.expected).seconds;
   return on_pool(work, request, *terms, reply,
-                 [this, request, preparation, reply](const Execution& execution) {
-                   return prepared_body(request, preparation, execution, reply);
+                 [this, request, preparation, gone, reply](const Execution& execution) {
+                   return prepared_body(request, preparation, execution, gone, reply);
                  });
 }
 
 Answered Api::prepared_body(const std::shared_ptr<Request>& request, const Preparation& preparation,
-                            const Execution& execution, const Reply& reply) {
+                            const Execution& execution, const std::stop_token& gone, const Reply& reply) {
   // Where less than a mesh is expected, the limit holds before and after decoding.
   const std::uint64_t limit =
       request->admission.max_body < limits_.max_body ? request->admission.max_body : limits_.max_decoded_body;
@@ -108,7 +109,7 @@ Answered Api::prepared_body(const std::shared_ptr<Request>& request, const Prepa
       Preparation more = preparation;
       more.digest.clear();
       more.expected *= kMore;
-      return prepare_body(request, more, execution.stop, reply);
+      return prepare_body(request, more, gone, reply);
     }
     if (decoding.no_room) return refused(no_memory(request->reservation));
     if (decoding.problem) return refused(std::move(*decoding.problem));
@@ -116,7 +117,7 @@ Answered Api::prepared_body(const std::shared_ptr<Request>& request, const Prepa
     return refused(to_problem(to_error(interrupted)));
   }
   request->on_pool = true;
-  return dispatch(request, execution.stop, reply);
+  return dispatch(request, gone, reply);
 }
 
 }  // namespace fracture::http

@@ -1,4 +1,5 @@
 // Work without a flight: one step of one request, on a thread of the pool.
+#include <stop_token>
 #include <utility>
 
 #include "server/service/computation.hpp"

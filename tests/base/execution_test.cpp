@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <mutex>
 #include <set>
+#include <stop_token>
 #include <thread>
 #include <vector>
 
@@ -106,6 +107,24 @@ TEST(ParallelFor, StopsWhenCancelled) {
     EXPECT_EQ(interrupted.code, ErrorCode::kCancelled);
   }
   EXPECT_LT(blocks, 100000);
+}
+
+/// A stop as somebody without std::stop_token has it.
+struct FlagToken {
+  const std::atomic<bool>* flag;
+  bool stop_requested() const { return *flag; }
+};
+
+TEST(Execution, AnyTokenThatCanBeAskedStopsIt) {
+  Execution execution;
+  EXPECT_FALSE(execution.stop.stop_requested());
+  std::atomic<bool> flag{false};
+  execution.stop = FlagToken{&flag};
+  const Execution copy = execution;
+  EXPECT_NO_THROW(copy.poll());
+  flag = true;
+  EXPECT_TRUE(execution.stop.stop_requested());
+  EXPECT_THROW(copy.poll(), Interrupted);
 }
 
 TEST(Execution, PollThrowsPastTheDeadline) {

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <stop_token>
 #include <vector>
 
 #include "common/base/pacer.hpp"

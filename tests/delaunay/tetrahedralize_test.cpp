@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <stop_token>
 
 #include "common/exact/in_sphere.hpp"
 #include "common/exact/orient3d.hpp"

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <set>
+#include <stop_token>
 #include <tuple>
 
 #include "common/pipeline/fracture.hpp"

@@ -4,6 +4,7 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <stop_token>
 
 #include "common/solid/solid.hpp"
 #include "tests/support/figures.hpp"

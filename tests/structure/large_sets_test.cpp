@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stop_token>
 
 #include "common/base/random.hpp"
 #include "common/gltf/report_text.hpp"

@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <stdexcept>
+#include <stop_token>
 #include <vector>
 
 #include "tests/support/shapes.hpp"

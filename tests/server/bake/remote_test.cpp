@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <stop_token>
 #include <thread>
 
 #include "server/bake/form.hpp"
@@ -68,9 +69,7 @@ FractureRequest request_of(Baker& baker, const Asked& asked) {
 }
 
 Expected<Baked> bake(Baker& baker, const Asked& asked, const std::stop_token& stop = {}) {
-  Execution execution;
-  execution.stop = stop;
-  return baker.bake(request_of(baker, asked), execution);
+  return baker.bake(request_of(baker, asked), {}, stop);
 }
 
 /// What the same request gives without a server.

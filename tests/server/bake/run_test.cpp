@@ -8,6 +8,7 @@
 #include <fstream>
 #include <map>
 #include <set>
+#include <stop_token>
 
 #include "tests/server/temporary_folder.hpp"
 
@@ -26,7 +27,7 @@ struct EchoBaker : Baker {
   Expected<RequestParameters> parse(const std::vector<RawParameter>& given) override {
     return table.parse(given);
   }
-  Expected<Baked> bake(const FractureRequest& request, const Execution&) override {
+  Expected<Baked> bake(const FractureRequest& request, const Execution&, const std::stop_token&) override {
     ++asked;
     const std::string text(reinterpret_cast<const char*>(request.mesh.data()), request.mesh.size());
     if (text == "refuse") return fail(ErrorCode::kMeshNotClosed, "It is open.");

@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <stop_token>
 
 #include "server/bake/input_file.hpp"
 #include "server/bake/output_path.hpp"

@@ -6,6 +6,7 @@
 #include <zlib.h>
 #include <zstd.h>
 
+#include <stop_token>
 #include <thread>
 
 #include "tests/server/gzip.hpp"

@@ -12,6 +12,7 @@
 #include <fstream>
 #include <future>
 #include <iterator>
+#include <stop_token>
 #include <thread>
 
 #include "common/import/sibling_files.hpp"

@@ -6,6 +6,7 @@
 #include <future>
 #include <latch>
 #include <map>
+#include <stop_token>
 #include <thread>
 #include <vector>
 

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <latch>
+#include <stop_token>
 
 #include "server/service/dispatcher.hpp"
 #include "tests/server/fake_engine.hpp"

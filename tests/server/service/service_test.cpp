@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <set>
+#include <stop_token>
 
 #include "tests/server/fake_engine.hpp"
 #include "tests/server/figures_of.hpp"

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <latch>
+#include <stop_token>
 
 #include "common/base/processor_time.hpp"
 #include "server/service/dispatcher.hpp"
