@@ -4,7 +4,6 @@
 
 #include <concepts>
 #include <functional>
-#include <stop_token>
 #include <type_traits>
 #include <utility>
 
@@ -20,8 +19,8 @@ class StopToken {
  public:
   StopToken() = default;  ///< nobody ever asks for a stop
   template <AsksForAStop Token>
-    requires(!std::same_as<Token, StopToken>)
-  StopToken(Token token)  // NOLINT(google-explicit-constructor): a token is passed as what it is
+  requires(!std::same_as<Token, StopToken>)
+      StopToken(Token token)  // NOLINT(google-explicit-constructor): a token is passed as what it is
       : asked_([token = std::move(token)] { return static_cast<bool>(token.stop_requested()); }) {}
 
   bool stop_requested() const { return asked_ && asked_(); }

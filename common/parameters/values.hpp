@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "common/parameters/spec.hpp"
 #include "common/base/error.hpp"
+#include "common/parameters/spec.hpp"
 
 namespace fracture {
 

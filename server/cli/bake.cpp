@@ -12,9 +12,9 @@
 #include <thread>
 #include <utility>
 
+#include "server/bake/failure.hpp"
 #include "server/bake/flip_engine.hpp"
 #include "server/bake/import_workers.hpp"
-#include "server/bake/failure.hpp"
 #include "server/bake/output_path.hpp"
 #include "server/bake/plan.hpp"
 #include "server/bake/remote_baker.hpp"

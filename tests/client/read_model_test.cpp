@@ -13,8 +13,8 @@
 namespace fracture::test {
 namespace {
 
-using render::read_model;
 using render::Model;
+using render::read_model;
 
 Expected<Model> read(const std::string& text) { return read_model(std::as_bytes(std::span(text))); }
 Expected<Model> read(const std::vector<std::uint8_t>& bytes) {

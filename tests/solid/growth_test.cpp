@@ -2,6 +2,8 @@
 // near-linear.
 #include <gtest/gtest.h>
 
+#include <stop_token>
+
 #include "common/base/product.hpp"
 #include "common/solid/solid.hpp"
 #include "tests/solid/families.hpp"

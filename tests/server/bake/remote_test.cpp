@@ -8,12 +8,12 @@
 #include <stop_token>
 #include <thread>
 
+#include "server/bake/failure.hpp"
 #include "server/bake/form.hpp"
 #include "server/http/multipart.hpp"
+#include "tests/server/bake_farm.hpp"
 #include "tests/server/relay.hpp"
 #include "tests/server/test_server.hpp"
-#include "server/bake/failure.hpp"
-#include "tests/server/bake_farm.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::bake {

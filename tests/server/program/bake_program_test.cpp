@@ -16,9 +16,9 @@
 #include "server/bake/plan.hpp"
 #include "server/service/failure_keeper.hpp"
 #include "tests/server/bake_folder.hpp"
+#include "tests/server/bake_program.hpp"
 #include "tests/server/child_process.hpp"
 #include "tests/server/relay.hpp"
-#include "tests/server/bake_program.hpp"
 #include "tests/server/server_process.hpp"
 
 namespace fracture::test {
