@@ -50,7 +50,7 @@ struct RequestParameters {
   std::vector<std::uint64_t> local_sites{30};  ///< the same
   std::uint32_t local_new = 1;                 ///< with delta: selection.new_hits
   DeltaAnswer delta = DeltaAnswer::kNone;
-  std::optional<std::uint64_t> fragment{};  ///< with the next two: selection.again
+  std::optional<std::uint64_t> fragment{};  ///< with the next two: selection.refracture
   std::uint32_t fragment_sites = Refracture{}.sites;
   std::uint64_t fragment_seed = Refracture{}.seed;
   Vec3d gravity{0, -9.81, 0};           ///< m/s², for the support analysis

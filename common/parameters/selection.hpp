@@ -11,7 +11,7 @@ namespace fracture {
 struct Selection {
   bool kept = false;                  ///< hits may follow: what they start from is kept
   std::optional<NewHits> new_hits{};  ///< the answer is compared with the one without them; it is kept, too
-  std::optional<Refracture> again{};  ///< the parts of one fragment; neither of the above
+  std::optional<Refracture> refracture{};  ///< the parts of one fragment; neither of the above
 };
 
 }  // namespace fracture

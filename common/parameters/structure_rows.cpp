@@ -255,8 +255,8 @@ std::optional<Error> complete_structure(RequestParameters& r) {
   if (r.keep_center && f.keep)
     return bad_parameter("keep_box", "'keep_box' and 'keep_center' were both given; one region can be kept.");
   if (r.keep_center) f.keep = Region{.center = *r.keep_center, .radius = *r.keep_radius};
-  r.selection.again.reset();
-  if (r.fragment) r.selection.again = Refracture{*r.fragment, r.fragment_sites, r.fragment_seed};
+  r.selection.refracture.reset();
+  if (r.fragment) r.selection.refracture = Refracture{*r.fragment, r.fragment_sites, r.fragment_seed};
   if (!r.broken.empty() && !f.anchors.any())
     return bad_parameter("broken", "'broken' needs anchors: without any, everything falls.");
   if (f.drop_above > 0 && f.dual != Dual::kBarycenter)

@@ -9,9 +9,9 @@
 
 namespace fracture {
 
-Expected<FracturedSolid> fracture_again(const Solid& solid, const Diagram& diagram,
-                                        const FractureParameters& parameters, const Refracture& again,
-                                        const Execution& execution, StageTimings& timings) {
+Expected<FracturedSolid> refracture(const Solid& solid, const Diagram& diagram,
+                                    const FractureParameters& parameters, const Refracture& wanted,
+                                    const Execution& execution, StageTimings& timings) {
   FractureParameters before = parameters;
   before.hulls = Hulls::kNone;
   before.pivot = Pivot::kSource;
@@ -24,11 +24,11 @@ Expected<FracturedSolid> fracture_again(const Solid& solid, const Diagram& diagr
   if (!fractured) return tl::unexpected(fractured.error());
   const FragmentSet& whole = fractured->set;
   const auto at = std::find_if(whole.fragments.begin(), whole.fragments.end(),
-                               [&](const Fragment& f) { return f.id == again.fragment; });
+                               [&](const Fragment& f) { return f.id == wanted.fragment; });
   if (at == whole.fragments.end())
     return fail(ErrorCode::kNoSuchFragment,
                 "The answer to these parameters has " + std::to_string(whole.fragments.size()) +
-                    " fragments; none has the id " + std::to_string(again.fragment) +
+                    " fragments; none has the id " + std::to_string(wanted.fragment) +
                     ". Ids are a function of the sites: give the parameters of the answer that has it.",
                 "fragment");
   auto mesh = std::make_shared<Mesh>(
@@ -37,8 +37,8 @@ Expected<FracturedSolid> fracture_again(const Solid& solid, const Diagram& diagr
   if (!fragment) return tl::unexpected(fragment.error());
 
   FractureParameters parts;
-  parts.sites = again.sites;
-  parts.seed = again.seed;
+  parts.sites = wanted.sites;
+  parts.seed = wanted.seed;
   parts.hulls = parameters.hulls;
   parts.pivot = parameters.pivot;
   parts.roughness = parameters.roughness;
@@ -47,7 +47,7 @@ Expected<FracturedSolid> fracture_again(const Solid& solid, const Diagram& diagr
   const Expected<Diagram> finer = make_diagram(*fragment, parts, execution, timings);
   if (!finer) return tl::unexpected(finer.error());
   Expected<FracturedSolid> made = fracture(*fragment, *finer, parts, execution, timings);
-  if (made) made->report.fragment = {again.fragment, at->mass.volume};
+  if (made) made->report.fragment = {wanted.fragment, at->mass.volume};
   return made;
 }
 

@@ -16,8 +16,8 @@ struct Refracture {
 /// The parts of this fragment of the answer to `parameters`, alone: a partition of it as it stands in the
 /// file with Pivot::kSource. Limits of size apply to that answer; levels, anchors, hulls and roughness to the
 /// parts. `diagram` is make_diagram() of these parameters. Errors: kNoSuchFragment, those of fracture().
-Expected<FracturedSolid> fracture_again(const Solid& solid, const Diagram& diagram,
-                                        const FractureParameters& parameters, const Refracture& again,
-                                        const Execution& execution, StageTimings& timings);
+Expected<FracturedSolid> refracture(const Solid& solid, const Diagram& diagram,
+                                    const FractureParameters& parameters, const Refracture& wanted,
+                                    const Execution& execution, StageTimings& timings);
 
 }  // namespace fracture

@@ -47,7 +47,7 @@ double expected_sites(const FractureParameters& parameters, const Solid* solid, 
   if (solid && parameters.max_volume > 0)
     sites = std::fmax(sites, 2 * solid->report.volume / parameters.max_volume);
   for (const LocalImpact& hit : parameters.hits) sites += hit.sites;
-  if (selection.again) sites += selection.again->sites;
+  if (selection.refracture) sites += selection.refracture->sites;
   return std::fmin(sites, parameters.most_sites);
 }
 

@@ -13,6 +13,7 @@
 #include "common/base/processor_time.hpp"
 #include "server/service/computation_allowance.hpp"
 #include "server/service/dispatcher.hpp"
+#include "server/service/leave_early.hpp"
 
 namespace fracture {
 
@@ -59,26 +60,16 @@ class Meter {
                away_ = WorkerPool::away_seconds();
 };
 
-/// One who waits in a flight: its reply, and the two ways to leave early. Lives in the flight's waiter; the
-/// timer and the stop callback only point to it.
+/// One who waits in a flight: its reply, and the two ways to leave early. Lives in the flight's waiter.
 template <class Flights, class Value>
 struct Dispatcher::Waiting : std::enable_shared_from_this<Waiting<Flights, Value>> {
   Waiting(Dispatcher& d, Flights& f, std::function<void(Expected<Value>)> r)
-      : dispatcher(d), flights(f), reply(std::move(r)) {}
-  ~Waiting() {
-    if (alarm) dispatcher.timer_.cancel(*alarm);
-  }
+      : dispatcher(d), flights(f), reply(std::move(r)), early(d.timer_) {}
 
   /// After join(). May leave, and so reply, before it returns.
   void arm(typename Flights::Seat taken, const Terms& terms) {
     seat = std::move(taken);
-    const auto leave_with = [weak = this->weak_from_this()](ErrorCode code) {
-      if (const auto self = weak.lock()) self->leave(code);
-    };
-    if (terms.deadline != Clock::time_point::max())
-      alarm =
-          dispatcher.timer_.at(terms.deadline, [leave_with] { leave_with(ErrorCode::kDeadlineExceeded); });
-    gone.emplace(terms.gone, [leave_with] { leave_with(ErrorCode::kCancelled); });
+    early.arm(this->weak_from_this(), terms);
   }
 
   void leave(ErrorCode code) {
@@ -97,9 +88,8 @@ struct Dispatcher::Waiting : std::enable_shared_from_this<Waiting<Flights, Value
   Flights& flights;
   const std::function<void(Expected<Value>)> reply;
   typename Flights::Seat seat;
-  std::optional<Timer::Id> alarm;
-  std::optional<std::stop_callback<std::function<void()>>> gone;
   tenants::Account::Seat share;  ///< of the computations that its name may have at the same time
+  LeaveEarly early;
 };
 
 /// One result being computed, by the leader of its flight.

@@ -1,5 +1,4 @@
 // Work without a flight: one step of one request, on a thread of the pool.
-#include <stop_token>
 #include <utility>
 
 #include "server/service/computation.hpp"
@@ -7,24 +6,15 @@
 namespace fracture {
 
 /// Waits in the queue, until its turn comes or nobody waits for it any more: what is first decides. Lives in
-/// the task; the timer and the stop callback only point to it.
+/// the task.
 struct Dispatcher::Errand : std::enable_shared_from_this<Errand> {
   Errand(Dispatcher& d, const Terms& t, Job j, GivenUp g)
-      : dispatcher(d), terms(t), job(std::move(j)), given_up(std::move(g)) {}
-  ~Errand() {
-    if (alarm) dispatcher.timer_.cancel(*alarm);
-  }
+      : dispatcher(d), terms(t), job(std::move(j)), given_up(std::move(g)), early(d.timer_) {}
 
   /// After it was queued. May give up before it returns.
   void arm(WorkerPool::TaskId its_task) {
     task = its_task;
-    const auto leave_with = [weak = weak_from_this()](ErrorCode code) {
-      if (const auto self = weak.lock()) self->leave(code);
-    };
-    if (terms.deadline != Clock::time_point::max())
-      alarm =
-          dispatcher.timer_.at(terms.deadline, [leave_with] { leave_with(ErrorCode::kDeadlineExceeded); });
-    gone.emplace(terms.gone, [leave_with] { leave_with(ErrorCode::kCancelled); });
+    early.arm(weak_from_this(), terms);
   }
 
   void leave(ErrorCode code) {
@@ -60,8 +50,7 @@ struct Dispatcher::Errand : std::enable_shared_from_this<Errand> {
   tenants::Account::Seat share;
   std::atomic<bool> decided{false};
   WorkerPool::TaskId task = 0;
-  std::optional<Timer::Id> alarm;
-  std::optional<std::stop_callback<std::function<void()>>> gone;
+  LeaveEarly early;
 };
 
 std::optional<Error> Dispatcher::run(const ExpectedWork& work, const Terms& terms, Job job,

@@ -37,8 +37,9 @@ class LibraryEngine final : public FractureEngine {
     StageTimings timings;
     const Diagram& diagram = std::get<Diagram>(base);
     Expected<FracturedSolid> made =
-        selection.again ? fracture_again(solid, diagram, parameters, *selection.again, execution, timings)
-                        : fracture(solid, diagram, parameters, execution, timings);
+        selection.refracture
+            ? refracture(solid, diagram, parameters, *selection.refracture, execution, timings)
+            : fracture(solid, diagram, parameters, execution, timings);
     if (!made) return tl::unexpected<Error>(std::move(made.error()));
     return Cut{std::move(*made)};
   }

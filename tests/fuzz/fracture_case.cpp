@@ -397,8 +397,8 @@ FractureCase decode_case(const std::uint8_t* data, std::size_t size) {
       if (points.size() < 400) points.push_back({p.x, p.y, p.z});
     request["points"] = points;
   }
-  result.has_again = bytes.once_in(12);
-  result.again = bytes.below(256);
+  result.has_refracture = bytes.once_in(12);
+  result.refracture = bytes.below(256);
   result.parameters = parse(table, request);
   return result;
 }

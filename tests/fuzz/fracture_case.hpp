@@ -35,8 +35,8 @@ struct FractureCase {
   RequestParameters parameters;
   /// With `parameters.fracture`: which of the fragments of the answer is fractured again, modulo their
   /// number.
-  std::uint32_t again = 0;
-  bool has_again = false;
+  std::uint32_t refracture = 0;
+  bool has_refracture = false;
   std::string shape;       ///< how the mesh was made, for people
   nlohmann::json request;  ///< the parameters as a request would give them
 };

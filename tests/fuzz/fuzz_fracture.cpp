@@ -203,7 +203,7 @@ Outcome run_once(const FractureCase& c, Watched& watched) {
   solid->validate();
   test::Whole whole = measures(*solid);
   watched.skip();
-  if (!c.has_again) {
+  if (!c.has_refracture) {
     const Mesh surface = traced_surface(*solid, whole);
     watched.skip();
     if (const std::optional<NewHits>& hits = c.parameters.selection.new_hits)
@@ -223,10 +223,9 @@ Outcome run_once(const FractureCase& c, Watched& watched) {
   const Expected<FracturedSolid> first = fracture::fracture(*solid, *diagram, parameters, execution, timings);
   if (!first) return outcome.word = word_of(first.error(), outcome.violations), outcome;
   if (parameters.dual == Dual::kBarycenter) return outcome;
-  const Fragment& chosen = first->set.fragments[c.again % first->set.fragments.size()];
-  const Refracture again{.fragment = chosen.id, .sites = 1 + c.again % 20, .seed = c.again};
-  const Expected<FracturedSolid> parts =
-      fracture_again(*solid, *diagram, parameters, again, execution, timings);
+  const Fragment& chosen = first->set.fragments[c.refracture % first->set.fragments.size()];
+  const Refracture wanted{.fragment = chosen.id, .sites = 1 + c.refracture % 20, .seed = c.refracture};
+  const Expected<FracturedSolid> parts = refracture(*solid, *diagram, parameters, wanted, execution, timings);
   if (!parts) return outcome.word = word_of(parts.error(), outcome.violations), outcome;
   append(outcome.violations, "of a fragment", test::closed_violations(parts->set));
   const Certificate& certificate = parts->set.certificate;
@@ -274,7 +273,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (outcome.violations.empty()) return 0;
   std::fprintf(stderr, "not sound: %s (%zu triangles)\nparameters: %s\n", c.shape.c_str(),
                c.mesh.triangles.size(), c.request.dump().c_str());
-  if (c.has_again) std::fprintf(stderr, "of which fragment %u is fractured again\n", c.again);
+  if (c.has_refracture) std::fprintf(stderr, "of which fragment %u is fractured again\n", c.refracture);
   for (const std::string& violation : outcome.violations) std::fprintf(stderr, "  %s\n", violation.c_str());
   std::fprintf(stderr, "repeat: fuzz_fracture_run --input ");
   for (std::size_t k = 0; k < size; ++k) std::fprintf(stderr, "%02x", data[k]);

@@ -113,8 +113,7 @@ TEST(FractureAgain, UnknownIdIsAnError) {
   FractureParameters p;
   const Expected<Diagram> diagram = make_diagram(*solid, p, execution, timings);
   ASSERT_TRUE(diagram);
-  const Expected<FracturedSolid> parts =
-      fracture_again(*solid, *diagram, p, {12345, 6, 5}, execution, timings);
+  const Expected<FracturedSolid> parts = refracture(*solid, *diagram, p, {12345, 6, 5}, execution, timings);
   ASSERT_FALSE(parts);
   EXPECT_EQ(parts.error().code, ErrorCode::kNoSuchFragment);
   EXPECT_EQ(parts.error().pointer, "fragment");

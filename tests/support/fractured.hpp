@@ -36,7 +36,7 @@ inline FracturedSolid fracture_mesh_again(const Mesh& mesh, const FractureParame
                                           const Refracture& again) {
   const Fractured whole = fracture_mesh(mesh, parameters);
   StageTimings timings;
-  Expected<FracturedSolid> made = fracture_again(whole.solid, whole.diagram, parameters, again, {}, timings);
+  Expected<FracturedSolid> made = refracture(whole.solid, whole.diagram, parameters, again, {}, timings);
   if (!made) throw std::runtime_error(made.error().detail);
   return std::move(*made);
 }

@@ -52,7 +52,7 @@ TEST(Admission, CountsLaterSitesAndNeverMoreThanThereMayBe) {
   EXPECT_EQ(expected_sites(parameters, &solid), 10);
   parameters.hits = {{.point = {}, .radius = 0.2, .sites = 20}, {.point = {}, .radius = 0.2, .sites = 10}};
   EXPECT_EQ(expected_sites(parameters, &solid), 40);
-  const Selection selection{.again = Refracture{.sites = 7}};
+  const Selection selection{.refracture = Refracture{.sites = 7}};
   EXPECT_EQ(expected_sites(parameters, &solid, selection), 47);
   parameters.max_volume = solid.report.volume / 1000;
   EXPECT_GE(expected_sites(parameters, &solid), 1000);
