@@ -29,9 +29,9 @@ class EngineAround : public FractureEngine {
                     const Selection& selection, const Execution& execution) const override {
     return inner_->cut(solid, base, parameters, selection, execution);
   }
-  std::vector<std::uint8_t> encode(const FragmentSet& fragments, const GltfOptions& options,
-                                   OutputFormat format, const Execution& execution) const override {
-    return inner_->encode(fragments, options, format, execution);
+  GltfFile encode(const FracturedSolid& fractured, const GltfOptions& options, OutputFormat format,
+                  const Execution& execution) const override {
+    return inner_->encode(fractured, options, format, execution);
   }
 
  private:

@@ -62,7 +62,9 @@ class DumpingEngine final : public EngineAround {
   Expected<Cut> cut(const Solid& solid, const CutBase& base, const FractureParameters& parameters,
                     const Selection& selection, const Execution& execution) const override {
     Expected<Cut> made = EngineAround::cut(solid, base, parameters, selection, execution);
-    if (made) dump_->write(kFragments, [&](std::ostream& out) { debug::dump_obj(out, made->set, kExplode); });
+    if (made)
+      dump_->write(kFragments,
+                   [&](std::ostream& out) { debug::dump_obj(out, made->fractured.set, kExplode); });
     return made;
   }
 

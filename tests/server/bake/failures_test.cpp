@@ -4,8 +4,8 @@
 
 #include <filesystem>
 
+#include "server/bake/engine_around.hpp"
 #include "server/bake/run.hpp"
-#include "server/service/engine.hpp"
 #include "tests/server/bake_folder.hpp"
 #include "tests/server/child_process.hpp"
 #include "tests/server/kept_failures.hpp"
@@ -20,7 +20,7 @@ using test::kept_in;
 using test::read_file;
 
 /// The real engine, but for some numbers of sites.
-class UnsoundEngine final : public FractureEngine {
+class UnsoundEngine final : public EngineAround {
  public:
   static constexpr std::uint32_t kOpen = 5;  ///< says that it is open, and answers: as older servers did
   static constexpr std::uint32_t kUnmirrored = 6;  ///< the same of caps without their mirror image
@@ -28,37 +28,19 @@ class UnsoundEngine final : public FractureEngine {
   static constexpr std::uint32_t kBroken = 8;      ///< throws
   static constexpr std::uint32_t kNoMemory = 9;    ///< throws that too
 
-  Expected<Mesh> import(std::span<const std::byte> bytes, MeshFormat format,
-                        std::span<const ImportFile> files, std::string_view digest,
-                        const ImportLimits& limits, const Execution& execution) const override {
-    return real_->import(bytes, format, files, digest, limits, execution);
-  }
-  Expected<Solid> prepare(std::shared_ptr<const Mesh> mesh, const SolidOptions& options,
-                          const Execution& execution) const override {
-    return real_->prepare(std::move(mesh), options, execution);
-  }
-  Expected<CutBase> base(const Solid& solid, const FractureParameters& parameters, const Selection& selection,
-                         const Execution& execution) const override {
-    return real_->base(solid, parameters, selection, execution);
-  }
+  UnsoundEngine() : EngineAround(make_engine()) {}
+
   Expected<Cut> cut(const Solid& solid, const CutBase& base, const FractureParameters& parameters,
                     const Selection& selection, const Execution& execution) const override {
     if (parameters.sites == kRefused)
       return fracture::fail(ErrorCode::kUnsound, "13 edges are open.", "", {{"open_edges", 13}});
     if (parameters.sites == kBroken) throw InternalError("cell 3 has no face");
     if (parameters.sites == kNoMemory) throw std::bad_alloc();
-    Expected<Cut> made = real_->cut(solid, base, parameters, selection, execution);
+    Expected<Cut> made = EngineAround::cut(solid, base, parameters, selection, execution);
     if (made && parameters.sites == kOpen) made->fractured.set.certificate.open_edges = 13;
     if (made && parameters.sites == kUnmirrored) made->fractured.set.certificate.unmirrored_caps = 3;
     return made;
   }
-  GltfFile encode(const FracturedSolid& fractured, const GltfOptions& options, OutputFormat format,
-                  const Execution& execution) const override {
-    return real_->encode(fractured, options, format, execution);
-  }
-
- private:
-  const std::unique_ptr<FractureEngine> real_ = make_engine();
 };
 
 struct BakeFailures : testing::Test {
