@@ -85,7 +85,8 @@ void Allowance::grow(Product product, std::uint64_t bytes) {
                   (never ? "; a computation may hold " + std::to_string(limit_) +
                                ". Ask for fewer sites or send a mesh of fewer triangles."
                          : ", of which other computations hold too many now.")};
-  error.extra = Figures({{"grew", name_of(product)}, {"count", made}, {"bytes", bytes}, {"limit", limit_}});
+  error.extra = Figures(
+      nlohmann::json{{"grew", name_of(product)}, {"count", made}, {"bytes", bytes}, {"limit", limit_}});
   throw Interrupted(std::move(error));
 }
 

@@ -57,7 +57,7 @@ TEST_F(Folder, WhatWasWrittenIsFoundAgainTheOldestFirst) {
     JobRecord failed = record(3);
     failed.state = JobState::kFailed;
     failed.finished_at = failed.created + std::chrono::seconds(1);
-    failed.error = Error{ErrorCode::kTooComplex, "too much", "sites", Figures({{"limit", 5}})};
+    failed.error = Error{ErrorCode::kTooComplex, "too much", "sites", Figures(nlohmann::json{{"limit", 5}})};
     EXPECT_TRUE(f.write_end(failed));
   }
   JobFolder again(config());

@@ -222,7 +222,8 @@ TEST(Jobs, AJobThatIsCrowdedOutOfMemoryBeginsAgain) {
   std::atomic<int> attempts{0};
   server.control->cut_error = [&]() -> std::optional<Error> {
     if (++attempts > 2) return std::nullopt;
-    return Error{ErrorCode::kOutOfMemory, "Others hold too much.", {}, Figures({{"bytes", 1000}})};
+    return Error{
+        ErrorCode::kOutOfMemory, "Others hold too much.", {}, Figures(nlohmann::json{{"bytes", 1000}})};
   };
   const std::string job = server.post("/fracture", "mesh", kAsync).header("location");
   wait_for_state(server, job, "done");
@@ -241,8 +242,10 @@ TEST(Jobs, AJobThatIsCrowdedOutWaitsForTheMemoryAndCanBeCancelled) {
   std::atomic<int> attempts{0};
   server.control->cut_error = [&]() -> std::optional<Error> {
     ++attempts;
-    return Error{
-        ErrorCode::kOutOfMemory, "Others hold too much.", {}, Figures({{"bytes", std::uint64_t{1} << 40}})};
+    return Error{ErrorCode::kOutOfMemory,
+                 "Others hold too much.",
+                 {},
+                 Figures(nlohmann::json{{"bytes", std::uint64_t{1} << 40}})};
   };
   Gate gate;
   server.control->during_cut = gate.hook();

@@ -422,7 +422,7 @@ TEST_F(DispatcherTest, AComputationThatNeverFitsIsRefusedByNameAndOneThatOthersC
 
 TEST_F(DispatcherTest, AnAnswerThatDoesNotProveItselfIsNotComputedAgainAndAgain) {
   control->cut_error = [] {
-    return Error{ErrorCode::kUnsound, "3 edges are open", {}, Figures({{"open_edges", 3}})};
+    return Error{ErrorCode::kUnsound, "3 edges are open", {}, Figures(nlohmann::json{{"open_edges", 3}})};
   };
   for (int round = 0; round < 5; ++round) {
     ask(fracture_request("mesh"));
