@@ -175,12 +175,10 @@ void Jobs::finish(const Shared& job, Expected<FractureAnswer> answer) {
     const std::lock_guard lock(mutex_);
     JobView& view = job->view;
     job->computing = false;
-    if (!answer && crowded_out(job, answer.error())) {
+    if (!answer && begins_again(job, answer.error())) {
       view.state = JobState::kQueued;
       view.percent = 0;
       view.stage.clear();
-    } else if (!answer && job->suspended && answer.error().code == ErrorCode::kCancelled) {
-      view.state = JobState::kQueued;
       if (std::exchange(job->marked, false))  // the marks of processes that died stay
         disk_.run([this, id = view.id] { folder_->not_begun(id); });
     } else {
@@ -333,7 +331,7 @@ void Jobs::sweep() {
 }
 
 void Jobs::flush() {
-  if (folder_) disk_.flush();
+  disk_.flush();  // its thread also begins again what waits for memory, folder or not
 }
 
 void Jobs::insert(const Shared& job) {
@@ -374,7 +372,7 @@ JobFigures Jobs::figures() const {
   figures.jobs = jobs_.size();
   for (const Shared& job : jobs_) {
     figures.unfinished += !job->view.finished();
-    figures.waiting += job->waiting;
+    figures.waiting += job->waiting && job->kept;
     figures.durable += job->kept && !job->view.finished();
   }
   return figures;

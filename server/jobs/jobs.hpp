@@ -46,7 +46,7 @@ struct JobsConfig {
 struct JobFigures {
   std::uint64_t started = 0, expired = 0, evicted = 0, resumed = 0;
   std::size_t jobs = 0, unfinished = 0;
-  std::size_t waiting = 0;  ///< of the unfinished: not begun since they were found on the disk
+  std::size_t waiting = 0;  ///< of the unfinished: on the disk, and not being computed
   std::size_t durable = 0;  ///< of the unfinished: those on the disk
   std::uint64_t result_bytes = 0;
 };
@@ -112,7 +112,8 @@ class Jobs {
   void stop();
   /// Drops everybody who watches, uncalled.
   void drop_watchers();
-  /// Returns when everything that has happened so far is on the disk.
+  /// Returns when everything that has happened so far is on the disk, and what waited and could begin has
+  /// been submitted.
   void flush();
 
   JobFigures figures() const;
@@ -175,8 +176,9 @@ class Jobs {
   // All of these with the lock.
   Calls change(const Shared& job);
   void ended(const Shared& job);
-  /// Others held the memory that it turned out to need: it waits until as much is free, and begins again.
-  bool crowded_out(const Shared& job, const Error& error);
+  /// No failure of its own ended it: stop() did, and the next process goes on; or others held the memory that
+  /// it turned out to need, and it waits until as much is free, or for the next process (stop_resuming).
+  bool begins_again(const Shared& job, const Error& error);
   bool can_be_submitted(const Job& job) const { return job.waiting && (job.request || terms_of_); }
   void fail_locked(const Shared& job, Error error);
   void forget(std::list<Shared>::iterator at);

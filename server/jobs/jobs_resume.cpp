@@ -73,15 +73,14 @@ void Jobs::stop_resuming() {
   terms_of_ = nullptr;
 }
 
-bool Jobs::crowded_out(const Shared& job, const Error& error) {
+bool Jobs::begins_again(const Shared& job, const Error& error) {
   const auto needed = error.extra->find("bytes");
-  if (error.code != ErrorCode::kOutOfMemory || needed == error.extra->end() || stopping_ ||
-      job->stop.stop_requested() || !(job->request || (job->kept && terms_of_)))
-    return false;
+  const bool crowded_out = error.code == ErrorCode::kOutOfMemory && needed != error.extra->end();
+  if (job->suspended) return crowded_out || error.code == ErrorCode::kCancelled;
+  if (!crowded_out || stopping_ || job->stop.stop_requested() || !(job->request || job->kept)) return false;
   // That much was not enough; half as much more is little, so that it needs few attempts.
   job->least_bytes = needed->get<std::uint64_t>() / 2 * 3;
   job->waiting = true;
-  if (std::exchange(job->marked, false)) disk_.run([this, id = job->view.id] { folder_->not_begun(id); });
   return true;
 }
 
