@@ -151,13 +151,12 @@ void Jobs::progress(const Shared& job, Stage stage, double fraction) {
   {
     const std::lock_guard lock(mutex_);
     JobView& view = job->view;
-    if (view.finished()) return;
+    if (view.finished() || job->suspended) return;  // what others still wait for is not told to it
     const int percent = std::max(view.percent, percent_of(stage, fraction, job->clip_begins));
     const bool new_stage = view.stage != name_of(stage);
     begins = view.state != JobState::kRunning;
     if (!begins && percent == view.percent && !new_stage) return;
     begins = begins && job->kept;
-    job->marked = job->marked || begins;
     view.state = JobState::kRunning;
     view.percent = percent;
     if (new_stage) view.stage = name_of(stage);
@@ -165,8 +164,16 @@ void Jobs::progress(const Shared& job, Stage stage, double fraction) {
   }
   // Here, and not on the disk's thread: the mark is there before anything is computed that could be the end
   // of the process.
-  if (begins) folder_->begun(job->view.id);
+  if (begins) mark_begun(job);
   for (const auto& call : calls) call();
+}
+
+void Jobs::mark_begun(const Shared& job) {
+  folder_->begun(job->view.id);
+  const std::lock_guard lock(mutex_);
+  job->marked = job->view.state == JobState::kRunning;
+  // Whoever stopped or ended it meanwhile found no mark to take back.
+  if (!job->marked) disk_.run([this, id = job->view.id] { folder_->not_begun(id); });
 }
 
 void Jobs::finish(const Shared& job, Expected<FractureAnswer> answer) {

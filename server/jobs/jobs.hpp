@@ -157,6 +157,8 @@ class Jobs {
   JobView look_at(const Job& job);
   std::optional<Error> submit(const Shared& job, FractureRequest request, Terms terms);
   void progress(const Shared& job, Stage stage, double fraction);
+  /// Leaves the mark on the disk. Whoever finds `marked` takes it back.
+  void mark_begun(const Shared& job);
   void finish(const Shared& job, Expected<FractureAnswer> answer);
   /// Writes the job's mesh and request. On the disk's thread.
   void persist(const Shared& job, const FractureRequest& request);
