@@ -173,6 +173,9 @@ class Jobs {
   void pump_later();
   /// False when there is no room now.
   bool resume_one(const Shared& job);
+  /// Would the dispatcher refuse it whatever its mesh? Asked before that is read, for who is refused is tried
+  /// again often. Takes its place among the computations of its name.
+  std::optional<Error> refuses(Terms& terms);
   void restore();
   std::optional<Error> room_for(const Shared& job, std::uint64_t share);
   // All of these with the lock.
@@ -199,6 +202,7 @@ class Jobs {
   std::chrono::sys_time<std::chrono::microseconds> last_created_{};
   TermsOf terms_of_;
   bool stopping_ = false;
+  bool pump_queued_ = false;
   DiskThread disk_;  // last: its work uses everything above
 };
 

@@ -85,11 +85,18 @@ bool Jobs::begins_again(const Shared& job, const Error& error) {
 }
 
 void Jobs::pump_later() {
-  if (std::any_of(jobs_.begin(), jobs_.end(), [this](const Shared& job) { return can_be_submitted(*job); }))
-    disk_.run([this] { pump(); });
+  if (pump_queued_) return;  // one will look at all that has changed until it begins
+  if (std::none_of(jobs_.begin(), jobs_.end(), [this](const Shared& job) { return can_be_submitted(*job); }))
+    return;
+  disk_.run([this] { pump(); });
+  pump_queued_ = true;
 }
 
 void Jobs::pump() {
+  {
+    const std::lock_guard lock(mutex_);
+    pump_queued_ = false;
+  }
   for (;;) {
     Shared next, suspect;
     {
@@ -121,6 +128,19 @@ void Jobs::pump() {
   }
 }
 
+std::optional<Error> Jobs::refuses(Terms& terms) {
+  if (const auto& account = terms.payer.account; account && terms.needs_seat) {
+    auto seat = account->begin_computation();
+    if (!seat) return std::move(seat.error());
+    terms.seat = std::make_shared<tenants::Account::Seat>(std::move(*seat));
+  }
+  MemoryBudget& working = dispatcher_.working();
+  MemoryBudget::Reservation trial(working);
+  if (!trial.grow_to(std::min(terms.least_bytes, working.capacity())))
+    return overloaded("The memory that the job needs is not free.", std::chrono::seconds(10));
+  return dispatcher_.refuses(ExpectedWork{}, terms);
+}
+
 bool Jobs::resume_one(const Shared& job) {
   JobRecord record;
   TermsOf terms_of;
@@ -141,6 +161,11 @@ bool Jobs::resume_one(const Shared& job) {
   if (Clock::now() > before.deadline) return lost(to_error(Interrupted{ErrorCode::kDeadlineExceeded}));
   if (request) return !submit(job, std::move(*request), std::move(before));
   if (!terms_of) return false;
+  Terms terms = terms_of(record.owner);
+  terms.least_bytes = before.least_bytes;
+  terms.priority = Priority::kBackground;
+  terms.deadline = std::min(before.deadline, Clock::now() + record.patience);
+  if (refuses(terms)) return false;
   std::optional<KeptMesh> mesh = folder_->read_mesh(record.digest);
   if (!mesh)
     return lost(
@@ -156,10 +181,6 @@ bool Jobs::resume_one(const Shared& job) {
   request->digest = record.digest;
   request->triangles = record.triangles;
   const std::string key = keys_of(*request).result;
-  Terms terms = terms_of(record.owner);
-  terms.least_bytes = before.least_bytes;
-  terms.priority = Priority::kBackground;
-  terms.deadline = std::min(before.deadline, Clock::now() + record.patience);
   {
     const std::lock_guard lock(mutex_);
     job->view.result_key = job->record.result_key = key;  // another one where the algorithm has changed
