@@ -91,7 +91,7 @@ std::optional<Error> Jobs::start(FractureRequest request, Terms terms, const Own
     if (job->kept) written = std::make_shared<const FractureRequest>(request);
   }
   job->terms = terms;
-  job->terms.seat.reset();
+  job->terms->seat.reset();
   if (!job->kept) job->request = request;
   if (auto overload = submit(job, std::move(request), std::move(terms))) return refused(std::move(*overload));
   if (!written) {
@@ -188,21 +188,13 @@ void Jobs::finish(const Shared& job, Expected<FractureAnswer> answer) {
       view.stage.clear();
       if (std::exchange(job->marked, false))  // the marks of processes that died stay
         disk_.run([this, id = view.id] { folder_->not_begun(id); });
+    } else if (!answer) {
+      fail_locked(job, std::move(answer.error()));
     } else {
-      if (answer) {
-        view.state = JobState::kDone;
-        view.percent = 100;
-        view.answer = std::make_shared<const FractureAnswer>(std::move(*answer));
-        if (index_.count(view.id) > 0) figures_.result_bytes += bytes_of(view);
-      } else {
-        Error error = std::move(answer.error());
-        if (error.code == ErrorCode::kDeadlineExceeded)
-          error.detail =
-              "The job was given up because its deadline passed: that of the server (--job-deadline) or the "
-              "Request-Timeout of the request. Ask for fewer sites or a smaller mesh, or raise it.";
-        view.state = error.code == ErrorCode::kCancelled ? JobState::kCancelled : JobState::kFailed;
-        view.error = std::move(error);
-      }
+      view.state = JobState::kDone;
+      view.percent = 100;
+      view.answer = std::make_shared<const FractureAnswer>(std::move(*answer));
+      if (index_.count(view.id) > 0) figures_.result_bytes += bytes_of(view);
       ended(job);
     }
     calls = change(job);
@@ -296,7 +288,7 @@ bool Jobs::cancel(const std::string& id) {
       forget(index_.at(id));
       return true;
     }
-    if (std::exchange(job->waiting, false)) {
+    if (job->waiting) {
       fail_locked(job, {ErrorCode::kCancelled, "The work was cancelled before it was done."});
       calls = change(job);
     }
@@ -307,6 +299,11 @@ bool Jobs::cancel(const std::string& id) {
 }
 
 void Jobs::fail_locked(const Shared& job, Error error) {
+  if (error.code == ErrorCode::kDeadlineExceeded)
+    error.detail =
+        "The job was given up because its deadline passed: that of the server (--job-deadline) or the "
+        "Request-Timeout of the request. Ask for fewer sites or a smaller mesh, or raise it.";
+  job->waiting = false;
   job->view.state = error.code == ErrorCode::kCancelled ? JobState::kCancelled : JobState::kFailed;
   job->view.error = std::move(error);
   ended(job);

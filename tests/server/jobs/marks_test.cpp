@@ -35,8 +35,8 @@ TEST(Marks, AJobThatWasStoppedHasNoneThoughOthersStillWaitForItsComputation) {
   EXPECT_FALSE(fs::exists(mark_of(folder, job)));
 }
 
-/// Its thread is about to leave the mark when the job is stopped: the mark is a pipe, and whoever opens one to
-/// write waits until it is open to read.
+/// Its thread is about to leave the mark when the job is stopped: the mark is a pipe, and whoever opens one
+/// to write waits until it is open to read.
 TEST(Marks, AreTakenBackAfterTheyWereLeft) {
   struct Descriptor {
     ~Descriptor() {

@@ -63,5 +63,62 @@ TEST_F(Resume, WhoIsOverItsShareCostsTheDiskNothing) {
   EXPECT_EQ(host.find(job).state, JobState::kQueued) << "nobody has missed it yet";
 }
 
+TEST_F(Resume, WhoIsOverItsShareHoldsUpNobodyElse) {
+  const std::string anas = leave_job(folder.path, 1, "ana");
+  leave_job(folder.path, 2, "ana");
+  const std::string bobs = leave_job(folder.path, 3, "bob");
+  JobsHost host(folder.path);
+  host.jobs.resume(terms_of(), [](const JobView&) {});
+  host.wait_for(bobs, JobState::kDone);
+  host.idle();
+  EXPECT_EQ(host.find(anas).state, JobState::kQueued);
+  EXPECT_EQ(host.control->cuts, 1);
+}
+
+TEST_F(Resume, AJobThatIsCancelledWhileItIsRefusedIsCancelled) {
+  const std::string job = leave_job(folder.path, 1, "ana");
+  JobsHost host(folder.path);
+  host.jobs.resume(
+      [&, terms_of = terms_of()](const std::string& owner) {
+        EXPECT_TRUE(host.jobs.cancel(job));
+        return terms_of(owner);
+      },
+      [](const JobView&) {});
+  host.wait_for(job, JobState::kCancelled);
+  EXPECT_EQ(host.control->cuts, 0);
+}
+
+/// It may compute for so long, not in each of its attempts.
+TEST_F(Resume, TheDeadlineOfAJobRunsFromItsFirstAttemptOn) {
+  Crowd crowd;
+  const std::string job = leave_job(folder.path, 2, "", std::chrono::seconds(1));
+  JobsHost resumed(folder.path);
+  crowd.hook(*resumed.control);
+  resumed.start(1);  // holds the memory
+  require_eventually(kPatience, "the first job to hold its memory", [&] { return crowd.gate.arrived == 1; });
+  resumed.resume();
+  EXPECT_TRUE(eventually(kPatience, "the job to be given up", [&] {
+    resumed.jobs.sweep();
+    return resumed.find(job).state == JobState::kFailed;
+  }));
+  EXPECT_EQ(resumed.find(job).error.value_or(Error{}).code, ErrorCode::kDeadlineExceeded);
+  EXPECT_LE(crowd.cuts, 2) << "it has begun once";
+}
+
+TEST_F(Resume, ASuspectHoldsBackNobodyWhoHasBegunInThisProcess) {
+  Crowd crowd;
+  const std::string suspect = leave_job(folder.path, 1);
+  folder.write("jobs/begun/" + suspect, "x");  // as a process that died leaves it
+  JobsHost host(folder.path);
+  crowd.hook(*host.control);
+  crowd.bytes = 1000;  // that much is free
+  host.resume();
+  require_eventually(kPatience, "the suspect to run", [&] { return crowd.gate.arrived == 1; });
+  const std::string job = host.start(2);
+  host.wait_for(job, JobState::kDone);
+  EXPECT_LE(crowd.crowdings, 0) << "it was crowded out";
+  EXPECT_EQ(host.find(suspect).state, JobState::kRunning);
+}
+
 }  // namespace
 }  // namespace fracture::test

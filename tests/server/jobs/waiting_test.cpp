@@ -50,6 +50,24 @@ TEST_F(WaitingJob, IsCancelledThere) {
   EXPECT_EQ(crowd.cuts, 2) << "it does not begin again";
 }
 
+/// Before it in the queue is one that is refused, and has time.
+TEST_F(WaitingJob, FailsAtItsDeadlineWhereverItStandsInTheQueue) {
+  const auto [holder, first] = crowded_out("");
+  ++crowd.crowdings;
+  Terms terms;
+  terms.deadline = std::chrono::steady_clock::now() + std::chrono::seconds(1);
+  const std::string job = host->start(3, terms);
+  EXPECT_TRUE(eventually(kPatience, "the job to be given up", [&] {
+    host->jobs.sweep();
+    return host->find(job).state == JobState::kFailed;
+  }));
+  const Error error = host->find(job).error.value_or(Error{});
+  EXPECT_EQ(error.code, ErrorCode::kDeadlineExceeded);
+  EXPECT_NE(error.detail.find("--job-deadline"), std::string::npos);
+  EXPECT_EQ(host->find(first).state, JobState::kQueued);
+  EXPECT_EQ(host->find(holder).state, JobState::kRunning);
+}
+
 /// A drain goes on while a job is unfinished that the next process would not have.
 TEST_F(WaitingJob, ThatIsNotOnTheDiskIsWaitedForByADrain) {
   crowded_out("");
