@@ -182,6 +182,7 @@ void Jobs::finish(const Shared& job, Expected<FractureAnswer> answer) {
     const std::lock_guard lock(mutex_);
     JobView& view = job->view;
     job->computing = false;
+    if (view.finished()) return;  // its computation ended though pump() could not go on with it
     if (!answer && begins_again(job, answer.error())) {
       view.state = JobState::kQueued;
       view.percent = 0;

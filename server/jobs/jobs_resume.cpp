@@ -4,6 +4,7 @@
 // that process left, and one by one, so that whoever ends the server again is alone when it happens; the
 // second time it has failed.
 #include <algorithm>
+#include <new>
 #include <set>
 #include <utility>
 
@@ -153,7 +154,14 @@ void Jobs::pump() {
       next->waiting = false;
       next->computing = true;
     }
-    const std::optional<Error> refused = resume_one(next);
+    std::optional<Error> refused;
+    try {
+      refused = resume_one(next);
+    } catch (const std::bad_alloc&) {
+      finish(next, fail(ErrorCode::kOutOfMemory, "There was not enough memory to go on with this job."));
+    } catch (const std::exception& e) {
+      finish(next, fail(ErrorCode::kInternal, e.what()));
+    }
     if (!refused) continue;
     const std::lock_guard lock(mutex_);
     next->computing = false;

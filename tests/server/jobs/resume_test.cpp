@@ -105,6 +105,24 @@ TEST_F(Resume, TheDeadlineOfAJobRunsFromItsFirstAttemptOn) {
   EXPECT_LE(crowd.cuts, 2) << "it has begun once";
 }
 
+/// One that throws is a suspect: were it to count as being computed, the other suspect would never go on.
+TEST_F(Resume, WhatCannotBeGoneOnWithFailsAndTheOthersGoOn) {
+  const std::string bad = leave_job(folder.path, 1, "bad"), worse = leave_job(folder.path, 2, "worse"),
+                    good = leave_job(folder.path, 3);
+  for (const std::string& job : {bad, good}) folder.write("jobs/begun/" + job, "x");
+  JobsHost host(folder.path);
+  host.jobs.resume(
+      [](const std::string& owner) -> Terms {
+        if (owner == "bad") throw std::bad_alloc();
+        if (owner == "worse") throw InternalError("an invariant");
+        return {};
+      },
+      [](const JobView&) {});
+  host.wait_for(good, JobState::kDone);
+  EXPECT_EQ(host.wait_for(bad, JobState::kFailed).error->code, ErrorCode::kOutOfMemory);
+  EXPECT_EQ(host.wait_for(worse, JobState::kFailed).error->code, ErrorCode::kInternal);
+}
+
 TEST_F(Resume, ASuspectHoldsBackNobodyWhoHasBegunInThisProcess) {
   Crowd crowd;
   const std::string suspect = leave_job(folder.path, 1);
