@@ -185,7 +185,6 @@ void Jobs::finish(const Shared& job, Expected<FractureAnswer> answer) {
     if (view.finished()) return;  // its computation ended though pump() could not go on with it
     if (!answer && begins_again(job, answer.error())) {
       view.state = JobState::kQueued;
-      view.percent = 0;
       view.stage.clear();
       if (std::exchange(job->marked, false))  // the marks of processes that died stay
         disk_.run([this, id = view.id] { folder_->not_begun(id); });

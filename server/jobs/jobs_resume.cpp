@@ -87,7 +87,7 @@ bool Jobs::begins_again(const Shared& job, const Error& error) {
   if (job->suspended) return crowded_out || error.code == ErrorCode::kCancelled;
   if (!crowded_out || stopping_ || job->stop.stop_requested() || !(job->request || job->kept)) return false;
   // That much was not enough; half as much more is little, so that it needs few attempts.
-  job->least_bytes = needed->get<std::uint64_t>() / 2 * 3;
+  job->least_bytes = std::max(job->least_bytes, needed->get<std::uint64_t>() / 2 * 3);
   job->waiting = true;
   return true;
 }
@@ -210,10 +210,15 @@ std::optional<Error> Jobs::resume_one(const Shared& job) {
     return submit(job, std::move(*request), std::move(*before));
   }
   if (!terms_of) return overloaded("The server is stopping.", std::chrono::seconds(5));
-  Terms terms = terms_of(record.owner);
+  Terms terms;
+  if (before) {
+    terms = std::move(*before);
+  } else {
+    terms = terms_of(record.owner);
+    terms.priority = Priority::kBackground;
+    terms.deadline = Clock::now() + record.patience;
+  }
   terms.least_bytes = least_bytes;
-  terms.priority = Priority::kBackground;
-  terms.deadline = before ? before->deadline : Clock::now() + record.patience;
   if (auto refused = refuses(terms)) return refused;
   std::optional<KeptMesh> mesh = folder_->read_mesh(record.digest);
   if (!mesh)

@@ -1,6 +1,7 @@
 // Jobs that wait for memory: others held what they turned out to need, and they begin again when it is free.
 #include <gtest/gtest.h>
 
+#include "server/tenants/account.hpp"
 #include "tests/server/jobs_host.hpp"
 
 namespace fracture::test {
@@ -38,6 +39,54 @@ TEST_F(WaitingJob, BeginsAgainWhenTheMemoryIsFree) {
   host->wait_for(holder, JobState::kDone);
   host->wait_for(job, JobState::kDone);
   EXPECT_EQ(crowd.cuts, 3);
+}
+
+TEST_F(WaitingJob, KeepsItsPercent) {
+  const auto [holder, job] = crowded_out("");
+  const int percent = host->find(job).percent;
+  EXPECT_GT(percent, 0) << "it had come to the cut";
+  crowd.gate.open = true;
+  EXPECT_GE(host->wait_for(job, JobState::kDone).percent, percent);
+}
+
+/// What it needed in an attempt it needs in the next ones, though another product is the first to grow then.
+TEST_F(WaitingJob, IsGivenAsMuchAsInAnyAttemptBefore) {
+  constexpr std::uint64_t kNeeded = 64u << 20;
+  host.emplace();
+  crowd.hook(*host->control);
+  crowd.crowdings = 2;
+  crowd.bytes = kNeeded;
+  host->control->during_cut = [this](const Execution& execution) {
+    const int attempt = ++crowd.cuts;
+    if (attempt == 2) crowd.bytes = 1000;
+    if (attempt == 3) crowd.hold(execution);
+  };
+  const std::string job = host->start(1);
+  require_eventually(kPatience, "the third attempt", [&] { return crowd.gate.arrived == 1; });
+  EXPECT_GE(host->dispatcher.working().used(), kNeeded);
+  crowd.gate.open = true;
+  host->wait_for(job, JobState::kDone);
+  host->idle();
+}
+
+/// Also where it is read from the disk again.
+TEST_F(WaitingJob, IsChargedToWhoeverAskedForIt) {
+  tenants::Tenant tenant;
+  tenant.name = "ana";
+  const auto account = std::make_shared<tenants::Account>(tenant, true);
+  Terms terms;
+  terms.payer = {account, {"name ana", 1}};
+  const auto [holder, job] = crowded_out(folder.path, terms);
+  EXPECT_EQ(account->figures().computations, 0u) << "it holds no place while it waits";
+  crowd.wait = true;
+  EXPECT_TRUE(host->jobs.cancel(holder));
+  EXPECT_TRUE(eventually(kPatience, "the job to run again", [&] {
+    host->jobs.sweep();
+    return crowd.gate.arrived == 2;
+  }));
+  EXPECT_EQ(account->figures().computations, 1u);
+  crowd.gate.open = true;
+  host->wait_for(job, JobState::kDone);
 }
 
 TEST_F(WaitingJob, IsCancelledThere) {
