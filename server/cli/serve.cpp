@@ -141,7 +141,7 @@ int serve_until_stopped(const ServeOptions& options) {
     wait_for_signal(stopping, steady_clock::now() + options.drain_delay);  // a second signal skips the delay
     server.stop_accepting();
     const steady_clock::time_point end = steady_clock::now() + options.grace;
-    const auto jobs = [&api] {
+    const auto jobs = [&api] {  // but those on the disk that wait: the next server goes on with them
       const JobFigures figures = api.jobs().figures();
       return figures.unfinished - figures.waiting;
     };

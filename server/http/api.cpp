@@ -61,9 +61,9 @@ void Api::sweep_later() {
   constexpr std::chrono::seconds kInterval{10};
   if (closing_) return;
   dispatcher_.timer().at(Timer::Clock::now() + kInterval, [this] {
+    sweep_later();  // first: what throws ends this sweep, not all later ones
     meshes_.sweep();
     jobs_.sweep();
-    sweep_later();
   });
 }
 

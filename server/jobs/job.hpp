@@ -26,7 +26,7 @@ struct JobView {
   std::uint64_t version = 0;  ///< grows with every change
   JobState state = JobState::kQueued;
   std::string stage;     ///< import, prepare, tetrahedralize, clip, encode; empty before the first
-  int percent = 0;       ///< 0 to 100, never falls while the server runs
+  int percent = 0;       ///< 0 to 100, never falls while the server runs, though the job begins again
   bool durable = false;  ///< it is on the disk: it would go on after a restart
   /// When it was asked for: no two jobs have the same.
   std::chrono::sys_time<std::chrono::microseconds> created{};

@@ -91,7 +91,7 @@ std::optional<Error> Jobs::start(FractureRequest request, Terms terms, const Own
     if (job->kept) written = std::make_shared<const FractureRequest>(request);
   }
   job->terms = terms;
-  job->terms.seat.reset();
+  job->terms->seat.reset();
   if (!job->kept) job->request = request;
   if (auto overload = submit(job, std::move(request), std::move(terms))) return refused(std::move(*overload));
   if (!written) {
@@ -151,13 +151,12 @@ void Jobs::progress(const Shared& job, Stage stage, double fraction) {
   {
     const std::lock_guard lock(mutex_);
     JobView& view = job->view;
-    if (view.finished()) return;
+    if (view.finished() || job->suspended) return;  // what others still wait for is not told to it
     const int percent = std::max(view.percent, percent_of(stage, fraction, job->clip_begins));
     const bool new_stage = view.stage != name_of(stage);
     begins = view.state != JobState::kRunning;
     if (!begins && percent == view.percent && !new_stage) return;
     begins = begins && job->kept;
-    job->marked = job->marked || begins;
     view.state = JobState::kRunning;
     view.percent = percent;
     if (new_stage) view.stage = name_of(stage);
@@ -165,8 +164,16 @@ void Jobs::progress(const Shared& job, Stage stage, double fraction) {
   }
   // Here, and not on the disk's thread: the mark is there before anything is computed that could be the end
   // of the process.
-  if (begins) folder_->begun(job->view.id);
+  if (begins) mark_begun(job);
   for (const auto& call : calls) call();
+}
+
+void Jobs::mark_begun(const Shared& job) {
+  folder_->begun(job->view.id);
+  const std::lock_guard lock(mutex_);
+  job->marked = job->view.state == JobState::kRunning;
+  // Whoever stopped or ended it meanwhile found no mark to take back.
+  if (!job->marked) disk_.run([this, id = job->view.id] { folder_->not_begun(id); });
 }
 
 void Jobs::finish(const Shared& job, Expected<FractureAnswer> answer) {
@@ -175,29 +182,19 @@ void Jobs::finish(const Shared& job, Expected<FractureAnswer> answer) {
     const std::lock_guard lock(mutex_);
     JobView& view = job->view;
     job->computing = false;
-    if (!answer && crowded_out(job, answer.error())) {
+    if (view.finished()) return;  // its computation ended though pump() could not go on with it
+    if (!answer && begins_again(job, answer.error())) {
       view.state = JobState::kQueued;
-      view.percent = 0;
       view.stage.clear();
-    } else if (!answer && job->suspended && answer.error().code == ErrorCode::kCancelled) {
-      view.state = JobState::kQueued;
       if (std::exchange(job->marked, false))  // the marks of processes that died stay
         disk_.run([this, id = view.id] { folder_->not_begun(id); });
+    } else if (!answer) {
+      fail_locked(job, std::move(answer.error()));
     } else {
-      if (answer) {
-        view.state = JobState::kDone;
-        view.percent = 100;
-        view.answer = std::make_shared<const FractureAnswer>(std::move(*answer));
-        if (index_.count(view.id) > 0) figures_.result_bytes += bytes_of(view);
-      } else {
-        Error error = std::move(answer.error());
-        if (error.code == ErrorCode::kDeadlineExceeded)
-          error.detail =
-              "The job was given up because its deadline passed: that of the server (--job-deadline) or the "
-              "Request-Timeout of the request. Ask for fewer sites or a smaller mesh, or raise it.";
-        view.state = error.code == ErrorCode::kCancelled ? JobState::kCancelled : JobState::kFailed;
-        view.error = std::move(error);
-      }
+      view.state = JobState::kDone;
+      view.percent = 100;
+      view.answer = std::make_shared<const FractureAnswer>(std::move(*answer));
+      if (index_.count(view.id) > 0) figures_.result_bytes += bytes_of(view);
       ended(job);
     }
     calls = change(job);
@@ -291,7 +288,7 @@ bool Jobs::cancel(const std::string& id) {
       forget(index_.at(id));
       return true;
     }
-    if (std::exchange(job->waiting, false)) {
+    if (job->waiting) {
       fail_locked(job, {ErrorCode::kCancelled, "The work was cancelled before it was done."});
       calls = change(job);
     }
@@ -302,6 +299,11 @@ bool Jobs::cancel(const std::string& id) {
 }
 
 void Jobs::fail_locked(const Shared& job, Error error) {
+  if (error.code == ErrorCode::kDeadlineExceeded)
+    error.detail =
+        "The job was given up because its deadline passed: that of the server (--job-deadline) or the "
+        "Request-Timeout of the request. Ask for fewer sites or a smaller mesh, or raise it.";
+  job->waiting = false;
   job->view.state = error.code == ErrorCode::kCancelled ? JobState::kCancelled : JobState::kFailed;
   job->view.error = std::move(error);
   ended(job);
@@ -333,7 +335,7 @@ void Jobs::sweep() {
 }
 
 void Jobs::flush() {
-  if (folder_) disk_.flush();
+  disk_.flush();  // its thread also begins again what waits for memory, folder or not
 }
 
 void Jobs::insert(const Shared& job) {
@@ -374,7 +376,7 @@ JobFigures Jobs::figures() const {
   figures.jobs = jobs_.size();
   for (const Shared& job : jobs_) {
     figures.unfinished += !job->view.finished();
-    figures.waiting += job->waiting;
+    figures.waiting += job->waiting && job->kept;
     figures.durable += job->kept && !job->view.finished();
   }
   return figures;

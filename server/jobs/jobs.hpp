@@ -18,6 +18,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <stop_token>
 #include <string>
 #include <unordered_map>
@@ -36,7 +37,8 @@ struct JobsConfig {
   std::size_t max_jobs = 1000;                    ///< known at the same time, finished ones included
   std::uint64_t max_result_bytes = 512ull << 20;  ///< of results that are kept for their jobs
   std::chrono::milliseconds ttl{600'000};         ///< a finished job is forgotten after this
-  /// From the moment a job is asked for, or goes on after a restart, to its end.
+  /// From the moment a job is asked for, or first goes on after a restart, to its end, whether it computes or
+  /// waits.
   std::chrono::milliseconds deadline{1'800'000};
   std::string folder;                         ///< of what survives the process; empty: nothing does
   std::uint64_t max_disk_bytes = 1ull << 30;  ///< of that folder
@@ -46,7 +48,7 @@ struct JobsConfig {
 struct JobFigures {
   std::uint64_t started = 0, expired = 0, evicted = 0, resumed = 0;
   std::size_t jobs = 0, unfinished = 0;
-  std::size_t waiting = 0;  ///< of the unfinished: not begun since they were found on the disk
+  std::size_t waiting = 0;  ///< of the unfinished: on the disk, and not being computed
   std::size_t durable = 0;  ///< of the unfinished: those on the disk
   std::uint64_t result_bytes = 0;
 };
@@ -112,7 +114,8 @@ class Jobs {
   void stop();
   /// Drops everybody who watches, uncalled.
   void drop_watchers();
-  /// Returns when everything that has happened so far is on the disk.
+  /// Returns when everything that has happened so far is on the disk, and what waited and could begin has
+  /// been submitted.
   void flush();
 
   JobFigures figures() const;
@@ -144,7 +147,7 @@ class Jobs {
     bool computing = false;  ///< submitted by pump()
     /// What it is computed from, where that is not on the disk; with it the memory that it has taken already.
     std::optional<FractureRequest> request;
-    Terms terms;
+    std::optional<Terms> terms;     ///< with which it was submitted in this process; nothing: never yet
     std::uint64_t least_bytes = 0;  ///< of working memory: set when it was crowded out
     bool suspended = false;         ///< stopped by stop(), to go on later
   };
@@ -156,6 +159,8 @@ class Jobs {
   JobView look_at(const Job& job);
   std::optional<Error> submit(const Shared& job, FractureRequest request, Terms terms);
   void progress(const Shared& job, Stage stage, double fraction);
+  /// Leaves the mark on the disk. Whoever finds `marked` takes it back.
+  void mark_begun(const Shared& job);
   void finish(const Shared& job, Expected<FractureAnswer> answer);
   /// Writes the job's mesh and request. On the disk's thread.
   void persist(const Shared& job, const FractureRequest& request);
@@ -168,15 +173,26 @@ class Jobs {
   /// Submits what can be of those that wait. On the disk's thread.
   void pump();
   void pump_later();
-  /// False when there is no room now.
-  bool resume_one(const Shared& job);
+  /// An error: it is refused now, and waits on.
+  std::optional<Error> resume_one(const Shared& job);
+  /// Would the dispatcher refuse it whatever its mesh? Asked before that is read, for who is refused is tried
+  /// again often. Takes its place among the computations of its name.
+  std::optional<Error> refuses(Terms& terms);
   void restore();
   std::optional<Error> room_for(const Shared& job, std::uint64_t share);
   // All of these with the lock.
   Calls change(const Shared& job);
   void ended(const Shared& job);
-  /// Others held the memory that it turned out to need: it waits until as much is free, and begins again.
-  bool crowded_out(const Shared& job, const Error& error);
+  /// No failure of its own ended it: stop() did, and the next process goes on; or others held the memory that
+  /// it turned out to need, and it waits until as much is free, or for the next process (stop_resuming).
+  bool begins_again(const Shared& job, const Error& error);
+  /// Of those that wait fails whose deadline has passed and who were cancelled.
+  Calls end_waits();
+  /// Null: nobody may begin now. Not of those payers.
+  Shared next_to_submit(const std::set<std::string>& over_share);
+  static const std::string& payer_of(const Job& job) {
+    return job.terms ? job.terms->payer.flow.name : job.view.owner;
+  }
   bool can_be_submitted(const Job& job) const { return job.waiting && (job.request || terms_of_); }
   void fail_locked(const Shared& job, Error error);
   void forget(std::list<Shared>::iterator at);
@@ -195,6 +211,7 @@ class Jobs {
   std::chrono::sys_time<std::chrono::microseconds> last_created_{};
   TermsOf terms_of_;
   bool stopping_ = false;
+  bool pump_queued_ = false;
   DiskThread disk_;  // last: its work uses everything above
 };
 

@@ -1,8 +1,11 @@
 // What others' memory crowded out begins again, and what an earlier process left on the disk goes on: a few
-// at a time, so that a server that starts does not read all their meshes at once. A job that was being computed when that process ended is a suspect: it may
-// have been the end of it. Suspects come last and one by one, so that whoever ends the server again is alone
-// when it happens; the second time it has failed.
+// at a time, so that a server that starts does not read all their meshes at once. A job that was being
+// computed when that process ended is a suspect: it may have been the end of it. Suspects come last of what
+// that process left, and one by one, so that whoever ends the server again is alone when it happens; the
+// second time it has failed.
 #include <algorithm>
+#include <new>
+#include <set>
 #include <utility>
 
 #include "server/jobs/jobs.hpp"
@@ -14,6 +17,11 @@ namespace {
 constexpr std::uint64_t kMostEnds = 2;
 /// No further mesh is read from the disk while those of resumed jobs hold more than this.
 constexpr std::uint64_t kMostBytes = 64u << 20;
+
+Terms without_seat(Terms terms) {
+  terms.seat.reset();
+  return terms;
+}
 
 }  // namespace
 
@@ -73,75 +81,145 @@ void Jobs::stop_resuming() {
   terms_of_ = nullptr;
 }
 
-bool Jobs::crowded_out(const Shared& job, const Error& error) {
+bool Jobs::begins_again(const Shared& job, const Error& error) {
   const auto needed = error.extra->find("bytes");
-  if (error.code != ErrorCode::kOutOfMemory || needed == error.extra->end() || stopping_ ||
-      job->stop.stop_requested() || !(job->request || (job->kept && terms_of_)))
-    return false;
+  const bool crowded_out = error.code == ErrorCode::kOutOfMemory && needed != error.extra->end();
+  if (job->suspended) return crowded_out || error.code == ErrorCode::kCancelled;
+  if (!crowded_out || stopping_ || job->stop.stop_requested() || !(job->request || job->kept)) return false;
   // That much was not enough; half as much more is little, so that it needs few attempts.
-  job->least_bytes = needed->get<std::uint64_t>() / 2 * 3;
+  job->least_bytes = std::max(job->least_bytes, needed->get<std::uint64_t>() / 2 * 3);
   job->waiting = true;
-  if (std::exchange(job->marked, false)) disk_.run([this, id = job->view.id] { folder_->not_begun(id); });
   return true;
 }
 
 void Jobs::pump_later() {
-  if (std::any_of(jobs_.begin(), jobs_.end(), [this](const Shared& job) { return can_be_submitted(*job); }))
-    disk_.run([this] { pump(); });
+  if (pump_queued_) return;  // one will look at all that has changed until it begins
+  if (std::none_of(jobs_.begin(), jobs_.end(), [this](const Shared& job) { return can_be_submitted(*job); }))
+    return;
+  disk_.run([this] { pump(); });
+  pump_queued_ = true;
+}
+
+Jobs::Calls Jobs::end_waits() {
+  Calls calls;
+  for (const Shared& job : jobs_) {
+    if (!job->waiting || job->suspended) continue;
+    const bool cancelled = job->stop.stop_requested();  // while it was submitted, and that was refused
+    if (!cancelled && !(job->terms && Clock::now() > job->terms->deadline)) continue;
+    fail_locked(job, to_error(Interrupted{cancelled ? ErrorCode::kCancelled : ErrorCode::kDeadlineExceeded}));
+    for (auto& call : change(job)) calls.push_back(std::move(call));
+  }
+  return calls;
+}
+
+Jobs::Shared Jobs::next_to_submit(const std::set<std::string>& over_share) {
+  std::size_t computing = 0;
+  std::uint64_t bytes = 0;
+  bool suspect_computes = false;
+  for (const Shared& job : jobs_) {
+    if (!job->computing) continue;
+    ++computing;
+    bytes += job->resumed_bytes;
+    suspect_computes = suspect_computes || job->begun > 0;
+  }
+  if (bytes > kMostBytes || computing >= 2 * static_cast<std::size_t>(dispatcher_.pool().threads()))
+    return nullptr;
+  Shared suspect;
+  for (const Shared& job : jobs_) {
+    if (!can_be_submitted(*job) || over_share.contains(payer_of(*job))) continue;
+    if (job->begun > 0) {
+      if (!suspect) suspect = job;
+    } else if (job->terms || !suspect_computes) {
+      return job;  // who has begun in this process goes on beside a suspect
+    }
+  }
+  return computing == 0 ? suspect : nullptr;
 }
 
 void Jobs::pump() {
-  for (;;) {
-    Shared next, suspect;
+  std::set<std::string> over_share;  // whose further jobs need not be tried now
+  Calls calls;
+  {
+    const std::lock_guard lock(mutex_);
+    pump_queued_ = false;
+    calls = end_waits();
+  }
+  for (bool room = true; room;) {
+    for (const auto& call : std::exchange(calls, {})) call();
+    Shared next;
     {
       const std::lock_guard lock(mutex_);
-      std::size_t computing = 0;
-      std::uint64_t bytes = 0;
-      for (const Shared& job : jobs_) {
-        if (job->computing) {
-          ++computing;
-          bytes += job->resumed_bytes;
-          if (job->begun > 0) return;  // a suspect is alone
-        }
-        if (!can_be_submitted(*job)) continue;
-        if (job->begun == 0 && !next) next = job;
-        if (job->begun > 0 && !suspect) suspect = job;
-      }
-      if (!next && computing == 0) next = suspect;
-      if (!next || bytes > kMostBytes ||
-          computing >= 2 * static_cast<std::size_t>(dispatcher_.pool().threads()))
-        return;
+      next = next_to_submit(over_share);
+      if (!next) return;
       next->waiting = false;
       next->computing = true;
     }
-    if (resume_one(next)) continue;
+    std::optional<Error> refused;
+    try {
+      refused = resume_one(next);
+    } catch (const std::bad_alloc&) {
+      finish(next, fail(ErrorCode::kOutOfMemory, "There was not enough memory to go on with this job."));
+    } catch (const std::exception& e) {
+      finish(next, fail(ErrorCode::kInternal, e.what()));
+    }
+    if (!refused) continue;
     const std::lock_guard lock(mutex_);
     next->computing = false;
     next->waiting = !next->view.finished();
-    return;  // sweep() tries again, and so does the next one that is finished
+    calls = end_waits();
+    // Where there is no room for anybody, sweep() tries again, and so does the next one that is finished.
+    room = refused->code == ErrorCode::kOverShare;
+    over_share.insert(payer_of(*next));
   }
+  for (const auto& call : calls) call();
 }
 
-bool Jobs::resume_one(const Shared& job) {
+std::optional<Error> Jobs::refuses(Terms& terms) {
+  if (const auto& account = terms.payer.account; account && terms.needs_seat) {
+    auto seat = account->begin_computation();
+    if (!seat) return std::move(seat.error());
+    terms.seat = std::make_shared<tenants::Account::Seat>(std::move(*seat));
+  }
+  MemoryBudget& working = dispatcher_.working();
+  MemoryBudget::Reservation trial(working);
+  if (!trial.grow_to(std::min(terms.least_bytes, working.capacity())))
+    return overloaded("The memory that the job needs is not free.", std::chrono::seconds(10));
+  return dispatcher_.refuses(ExpectedWork{}, terms);
+}
+
+std::optional<Error> Jobs::resume_one(const Shared& job) {
   JobRecord record;
   TermsOf terms_of;
   std::optional<FractureRequest> request;
-  Terms before;  // of its last attempt in this process; without a deadline: there was none
+  std::optional<Terms> before;
+  std::uint64_t least_bytes = 0;
   {
     const std::lock_guard lock(mutex_);
     record = job->record;
     terms_of = terms_of_;
     request = job->request;
     before = job->terms;
-    before.least_bytes = job->least_bytes;
+    least_bytes = job->least_bytes;
   }
   const auto lost = [&](Error error) {
     finish(job, tl::unexpected<Error>(std::move(error)));
-    return true;
+    return std::nullopt;
   };
-  if (Clock::now() > before.deadline) return lost(to_error(Interrupted{ErrorCode::kDeadlineExceeded}));
-  if (request) return !submit(job, std::move(*request), std::move(before));
-  if (!terms_of) return false;
+  if (request) {
+    before->least_bytes = least_bytes;
+    return submit(job, std::move(*request), std::move(*before));
+  }
+  if (!terms_of) return overloaded("The server is stopping.", std::chrono::seconds(5));
+  Terms terms;
+  if (before) {
+    terms = std::move(*before);
+  } else {
+    terms = terms_of(record.owner);
+    terms.priority = Priority::kBackground;
+    terms.deadline = Clock::now() + record.patience;
+  }
+  terms.least_bytes = least_bytes;
+  if (auto refused = refuses(terms)) return refused;
   std::optional<KeptMesh> mesh = folder_->read_mesh(record.digest);
   if (!mesh)
     return lost(
@@ -157,19 +235,17 @@ bool Jobs::resume_one(const Shared& job) {
   request->digest = record.digest;
   request->triangles = record.triangles;
   const std::string key = keys_of(*request).result;
-  Terms terms = terms_of(record.owner);
-  terms.least_bytes = before.least_bytes;
-  terms.priority = Priority::kBackground;
-  terms.deadline = std::min(before.deadline, Clock::now() + record.patience);
   {
     const std::lock_guard lock(mutex_);
     job->view.result_key = job->record.result_key = key;  // another one where the algorithm has changed
     job->resumed_bytes = mesh->owner->size();
   }
-  if (submit(job, std::move(*request), std::move(terms))) return false;
+  const Terms kept = without_seat(terms);
+  if (auto refused = submit(job, std::move(*request), std::move(terms))) return refused;
   const std::lock_guard lock(mutex_);
-  ++figures_.resumed;
-  return true;
+  figures_.resumed += !job->terms;
+  job->terms = kept;  // its deadline runs from now on, whether it computes or waits
+  return std::nullopt;
 }
 
 }  // namespace fracture

@@ -1,0 +1,142 @@
+// What an earlier process left goes on a few at a time, and who is refused holds up nobody else.
+#include <gtest/gtest.h>
+
+#include "server/tenants/account.hpp"
+#include "tests/server/jobs_host.hpp"
+
+namespace fracture::test {
+namespace {
+
+/// Of a name that may have no computation now.
+std::shared_ptr<tenants::Account> account_over_its_share(const std::string& name) {
+  tenants::Tenant tenant;
+  tenant.name = name;
+  tenant.shares.computations = 0;
+  return std::make_shared<tenants::Account>(tenant, true);
+}
+
+struct Resume : testing::Test {
+  TemporaryFolder folder;
+  Gate gate;
+  std::atomic<int> asked{0};  ///< for the terms of a job, once in each attempt to go on with it
+  /// Ana is over her share.
+  Jobs::TermsOf terms_of() {
+    return [this, account = account_over_its_share("ana")](const std::string& owner) {
+      ++asked;
+      Terms terms;
+      if (owner == "ana") terms.payer = {account, {"name ana", 1}};
+      return terms;
+    };
+  }
+};
+
+TEST_F(Resume, HowManyEverFinishWhoIsRefusedIsTriedOnceWhenTheDiskComesToIt) {
+  leave_job(folder.path, 1, "ana");
+  JobsHost host(folder.path);
+  host.jobs.resume(terms_of(), [](const JobView&) {});
+  host.jobs.flush();
+  const int before = asked;
+  ASSERT_GE(before, 1);
+  // The disk is busy until the gate is open.
+  Terms terms;
+  terms.deadline = far_off();
+  std::atomic<bool> busy{false};
+  ASSERT_FALSE(host.jobs.start(fracture_request("mesh", 2), terms, {}, [&](const JobView&) {
+    busy = true;
+    gate.hook()(Execution());
+  }));
+  require_eventually(kPatience, "the disk to be busy", [&] { return busy.load(); });
+  for (int k = 0; k < 100; ++k) host.jobs.sweep();
+  gate.open = true;
+  host.idle();
+  EXPECT_LE(asked - before, 2) << "that which was queued, and one for the job that has finished";
+}
+
+/// Its mesh is read when it could begin.
+TEST_F(Resume, WhoIsOverItsShareCostsTheDiskNothing) {
+  const std::string job = leave_job(folder.path, 1, "ana");
+  std::filesystem::remove_all(folder / "jobs/meshes");
+  JobsHost host(folder.path);
+  host.jobs.resume(terms_of(), [](const JobView&) {});
+  host.jobs.flush();
+  EXPECT_EQ(asked, 1);
+  EXPECT_EQ(host.find(job).state, JobState::kQueued) << "nobody has missed it yet";
+}
+
+TEST_F(Resume, WhoIsOverItsShareHoldsUpNobodyElse) {
+  const std::string anas = leave_job(folder.path, 1, "ana");
+  leave_job(folder.path, 2, "ana");
+  const std::string bobs = leave_job(folder.path, 3, "bob");
+  JobsHost host(folder.path);
+  host.jobs.resume(terms_of(), [](const JobView&) {});
+  host.wait_for(bobs, JobState::kDone);
+  host.idle();
+  EXPECT_EQ(host.find(anas).state, JobState::kQueued);
+  EXPECT_EQ(host.control->cuts, 1);
+}
+
+TEST_F(Resume, AJobThatIsCancelledWhileItIsRefusedIsCancelled) {
+  const std::string job = leave_job(folder.path, 1, "ana");
+  JobsHost host(folder.path);
+  host.jobs.resume(
+      [&, terms_of = terms_of()](const std::string& owner) {
+        EXPECT_TRUE(host.jobs.cancel(job));
+        return terms_of(owner);
+      },
+      [](const JobView&) {});
+  host.wait_for(job, JobState::kCancelled);
+  EXPECT_EQ(host.control->cuts, 0);
+}
+
+/// It may compute for so long, not in each of its attempts.
+TEST_F(Resume, TheDeadlineOfAJobRunsFromItsFirstAttemptOn) {
+  Crowd crowd;
+  const std::string job = leave_job(folder.path, 2, "", std::chrono::seconds(1));
+  JobsHost resumed(folder.path);
+  crowd.hook(*resumed.control);
+  resumed.start(1);  // holds the memory
+  require_eventually(kPatience, "the first job to hold its memory", [&] { return crowd.gate.arrived == 1; });
+  resumed.resume();
+  EXPECT_TRUE(eventually(kPatience, "the job to be given up", [&] {
+    resumed.jobs.sweep();
+    return resumed.find(job).state == JobState::kFailed;
+  }));
+  EXPECT_EQ(resumed.find(job).error.value_or(Error{}).code, ErrorCode::kDeadlineExceeded);
+  EXPECT_LE(crowd.cuts, 2) << "it has begun once";
+}
+
+/// One that throws is a suspect: were it to count as being computed, the other suspect would never go on.
+TEST_F(Resume, WhatCannotBeGoneOnWithFailsAndTheOthersGoOn) {
+  const std::string bad = leave_job(folder.path, 1, "bad"), worse = leave_job(folder.path, 2, "worse"),
+                    good = leave_job(folder.path, 3);
+  for (const std::string& job : {bad, good}) folder.write("jobs/begun/" + job, "x");
+  JobsHost host(folder.path);
+  host.jobs.resume(
+      [](const std::string& owner) -> Terms {
+        if (owner == "bad") throw std::bad_alloc();
+        if (owner == "worse") throw InternalError("an invariant");
+        return {};
+      },
+      [](const JobView&) {});
+  host.wait_for(good, JobState::kDone);
+  EXPECT_EQ(host.wait_for(bad, JobState::kFailed).error->code, ErrorCode::kOutOfMemory);
+  EXPECT_EQ(host.wait_for(worse, JobState::kFailed).error->code, ErrorCode::kInternal);
+}
+
+TEST_F(Resume, ASuspectHoldsBackNobodyWhoHasBegunInThisProcess) {
+  Crowd crowd;
+  const std::string suspect = leave_job(folder.path, 1);
+  folder.write("jobs/begun/" + suspect, "x");  // as a process that died leaves it
+  JobsHost host(folder.path);
+  crowd.hook(*host.control);
+  crowd.bytes = 1000;  // that much is free
+  host.resume();
+  require_eventually(kPatience, "the suspect to run", [&] { return crowd.gate.arrived == 1; });
+  const std::string job = host.start(2);
+  host.wait_for(job, JobState::kDone);
+  EXPECT_LE(crowd.crowdings, 0) << "it was crowded out";
+  EXPECT_EQ(host.find(suspect).state, JobState::kRunning);
+}
+
+}  // namespace
+}  // namespace fracture::test

@@ -1,0 +1,189 @@
+// Jobs that wait for memory: others held what they turned out to need, and they begin again when it is free.
+#include <gtest/gtest.h>
+
+#include "server/tenants/account.hpp"
+#include "tests/server/jobs_host.hpp"
+
+namespace fracture::test {
+namespace {
+
+struct WaitingJob : testing::Test {
+  TemporaryFolder folder;
+  Crowd crowd;
+  std::optional<JobsHost> host;
+
+  /// One job is at the gate, and the next one is crowded out by it. The ids of both.
+  std::pair<std::string, std::string> crowded_out(const std::string& its_folder, const Terms& terms = {}) {
+    host.emplace(its_folder);
+    crowd.hook(*host->control);
+    host->resume();
+    const std::string holder = host->start(1);
+    require_eventually(kPatience, "the first job to hold its memory",
+                       [&] { return crowd.gate.arrived == 1; });
+    const std::string job = host->start(2, terms);
+    wait_until_it_waits(job);
+    return {holder, job};
+  }
+  void wait_until_it_waits(const std::string& job) {
+    require_eventually(kPatience, "a job to be crowded out", [&] { return crowd.crowdings <= 0; });
+    host->wait_for(job, JobState::kQueued);
+    host->jobs.flush();  // another attempt was refused
+  }
+};
+
+TEST_F(WaitingJob, BeginsAgainWhenTheMemoryIsFree) {
+  const auto [holder, job] = crowded_out("");
+  EXPECT_EQ(host->find(job).state, JobState::kQueued);
+  EXPECT_EQ(crowd.cuts, 2);
+  crowd.gate.open = true;
+  host->wait_for(holder, JobState::kDone);
+  host->wait_for(job, JobState::kDone);
+  EXPECT_EQ(crowd.cuts, 3);
+}
+
+TEST_F(WaitingJob, KeepsItsPercent) {
+  const auto [holder, job] = crowded_out("");
+  const int percent = host->find(job).percent;
+  EXPECT_GT(percent, 0) << "it had come to the cut";
+  crowd.gate.open = true;
+  EXPECT_GE(host->wait_for(job, JobState::kDone).percent, percent);
+}
+
+/// What it needed in an attempt it needs in the next ones, though another product is the first to grow then.
+TEST_F(WaitingJob, IsGivenAsMuchAsInAnyAttemptBefore) {
+  constexpr std::uint64_t kNeeded = 64u << 20;
+  host.emplace();
+  crowd.hook(*host->control);
+  crowd.crowdings = 2;
+  crowd.bytes = kNeeded;
+  host->control->during_cut = [this](const Execution& execution) {
+    const int attempt = ++crowd.cuts;
+    if (attempt == 2) crowd.bytes = 1000;
+    if (attempt == 3) crowd.hold(execution);
+  };
+  const std::string job = host->start(1);
+  require_eventually(kPatience, "the third attempt", [&] { return crowd.gate.arrived == 1; });
+  EXPECT_GE(host->dispatcher.working().used(), kNeeded);
+  crowd.gate.open = true;
+  host->wait_for(job, JobState::kDone);
+  host->idle();
+}
+
+/// Also where it is read from the disk again.
+TEST_F(WaitingJob, IsChargedToWhoeverAskedForIt) {
+  tenants::Tenant tenant;
+  tenant.name = "ana";
+  const auto account = std::make_shared<tenants::Account>(tenant, true);
+  Terms terms;
+  terms.payer = {account, {"name ana", 1}};
+  const auto [holder, job] = crowded_out(folder.path, terms);
+  EXPECT_EQ(account->figures().computations, 0u) << "it holds no place while it waits";
+  crowd.wait = true;
+  EXPECT_TRUE(host->jobs.cancel(holder));
+  EXPECT_TRUE(eventually(kPatience, "the job to run again", [&] {
+    host->jobs.sweep();
+    return crowd.gate.arrived == 2;
+  }));
+  EXPECT_EQ(account->figures().computations, 1u);
+  crowd.gate.open = true;
+  host->wait_for(job, JobState::kDone);
+}
+
+TEST_F(WaitingJob, IsCancelledThere) {
+  const auto [holder, job] = crowded_out("");
+  EXPECT_TRUE(host->jobs.cancel(job));
+  EXPECT_EQ(host->find(job).state, JobState::kCancelled);
+  crowd.gate.open = true;
+  host->wait_for(holder, JobState::kDone);
+  host->idle();
+  EXPECT_EQ(crowd.cuts, 2) << "it does not begin again";
+}
+
+/// Before it in the queue is one that is refused, and has time.
+TEST_F(WaitingJob, FailsAtItsDeadlineWhereverItStandsInTheQueue) {
+  const auto [holder, first] = crowded_out("");
+  ++crowd.crowdings;
+  Terms terms;
+  terms.deadline = std::chrono::steady_clock::now() + std::chrono::seconds(1);
+  const std::string job = host->start(3, terms);
+  EXPECT_TRUE(eventually(kPatience, "the job to be given up", [&] {
+    host->jobs.sweep();
+    return host->find(job).state == JobState::kFailed;
+  }));
+  const Error error = host->find(job).error.value_or(Error{});
+  EXPECT_EQ(error.code, ErrorCode::kDeadlineExceeded);
+  EXPECT_NE(error.detail.find("--job-deadline"), std::string::npos);
+  EXPECT_EQ(host->find(first).state, JobState::kQueued);
+  EXPECT_EQ(host->find(holder).state, JobState::kRunning);
+}
+
+/// A drain goes on while a job is unfinished that the next process would not have.
+TEST_F(WaitingJob, ThatIsNotOnTheDiskIsWaitedForByADrain) {
+  crowded_out("");
+  EXPECT_EQ(host->jobs.figures().unfinished, 2u);
+  EXPECT_EQ(host->jobs.figures().waiting, 0u);
+}
+
+TEST_F(WaitingJob, OnTheDiskIsNotWaitedForByADrain) {
+  crowded_out(folder.path);
+  EXPECT_EQ(host->jobs.figures().unfinished, 2u);
+  EXPECT_EQ(host->jobs.figures().waiting, 1u);
+}
+
+TEST_F(WaitingJob, OnTheDiskIsThereForTheNextServerWhenItIsCrowdedOutInADrain) {
+  std::string job;
+  {
+    JobsHost draining(folder.path);
+    crowd.hook(*draining.control);
+    crowd.wait = true;
+    draining.resume();
+    draining.start(1);
+    job = draining.start(2);
+    require_eventually(kPatience, "both to run", [&] { return crowd.gate.arrived == 2; });
+    draining.jobs.stop_resuming();
+    crowd.gate.open = true;  // who comes first is crowded out
+    EXPECT_TRUE(eventually(kPatience, "the other one to be done", [&] {
+      return draining.jobs.figures().unfinished == draining.jobs.figures().waiting;
+    }));
+    EXPECT_EQ(draining.jobs.figures().waiting, 1u);
+  }
+  JobsHost next(folder.path);
+  next.resume();
+  for (const JobView& view : next.jobs.list({}, 10)) next.wait_for(view.id, JobState::kDone);
+  EXPECT_EQ(next.control->cuts, 1);
+  EXPECT_EQ(next.wait_for(job, JobState::kDone).percent, 100);
+}
+
+/// Its computation says that memory is missing when it was told to stop, but had not seen that yet.
+TEST_F(WaitingJob, OnTheDiskIsThereForTheNextServerWhenItIsCrowdedOutWhileThatStops) {
+  std::string first, job;
+  {
+    Gate gate;  // of the second job
+    JobsHost stopping(folder.path);
+    crowd.hook(*stopping.control);
+    stopping.control->during_cut = [&, hold = gate.hook()](const Execution& execution) {
+      crowd.cuts++ == 0 ? crowd.hold(execution) : hold(execution);
+    };
+    stopping.resume();
+    first = stopping.start(1);
+    require_eventually(kPatience, "the first job to run", [&] { return crowd.gate.arrived == 1; });
+    job = stopping.start(2);
+    require_eventually(kPatience, "the second job to run", [&] { return gate.arrived == 1; });
+    // stop() tells the first job first, and with it us.
+    const auto seen = stopping.find(first).version;
+    EXPECT_TRUE(stopping.jobs.watch(first, seen, [&](const JobView&) {
+      gate.open = true;
+      EXPECT_TRUE(eventually(kPatience, "the second job to end",
+                             [&] { return stopping.find(job).state != JobState::kRunning; }));
+    }));
+    stopping.jobs.stop();
+    EXPECT_LE(crowd.crowdings, 0) << "it was crowded out";
+    EXPECT_EQ(stopping.find(job).state, JobState::kQueued);
+  }
+  JobsHost next(folder.path);
+  next.resume();
+  for (const std::string& id : {first, job}) next.wait_for(id, JobState::kDone);
+}
+
+}  // namespace
+}  // namespace fracture::test

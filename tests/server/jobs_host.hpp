@@ -1,0 +1,139 @@
+// Jobs without an HTTP server around them, so that a test itself starts, resumes, sweeps and stops them.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <future>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "server/jobs/jobs.hpp"
+#include "tests/server/fake_engine.hpp"
+#include "tests/server/fracture_request.hpp"
+#include "tests/server/job_server.hpp"
+
+namespace fracture::test {
+
+/// Until then no test is busy with a job.
+inline std::chrono::steady_clock::time_point far_off() {
+  return std::chrono::steady_clock::now() + std::chrono::minutes(10);
+}
+
+/// With a folder: the disk tier in it, and the jobs in its "jobs".
+struct JobsHost {
+  explicit JobsHost(const std::string& folder = "", std::shared_ptr<FakeControl> its_control = nullptr)
+      : control(its_control ? std::move(its_control) : std::make_shared<FakeControl>()),
+        service(service_config(folder), std::make_unique<FakeEngine>(control)),
+        jobs(dispatcher, jobs_config(folder)) {}
+  ~JobsHost() {
+    jobs.stop();
+    idle();
+  }
+
+  /// A job of its own for each `seed`. Its id, when it has been accepted.
+  std::string start(std::uint64_t seed, Terms terms = {}, const std::string& owner = "") {
+    terms.priority = Priority::kBackground;
+    if (terms.deadline == std::chrono::steady_clock::time_point::max()) terms.deadline = far_off();
+    const auto id = std::make_shared<std::promise<std::string>>();
+    const auto refused = jobs.start(fracture_request("mesh", seed), terms, Jobs::Owner{owner},
+                                    [id](const JobView& job) { id->set_value(job.id); });
+    if (refused) throw std::runtime_error(refused->detail);
+    std::future<std::string> accepted = id->get_future();
+    if (accepted.wait_for(kPatience) != std::future_status::ready) throw std::runtime_error("not accepted");
+    return accepted.get();
+  }
+  /// What the folder had goes on, charged to nobody.
+  void resume() {
+    jobs.resume([](const std::string&) { return Terms{}; }, [](const JobView&) {});
+  }
+  JobView find(const std::string& id) {
+    const std::optional<JobView> view = jobs.find(id);
+    if (!view) throw std::runtime_error("no such job: " + id);
+    return *view;
+  }
+  JobView wait_for(const std::string& id, JobState state) {
+    JobView view;
+    EXPECT_TRUE(eventually(kPatience, id + " to be " + name_of(state),
+                           [&] {
+                             view = find(id);
+                             return view.state == state;
+                           }))
+        << "it is " << name_of(view.state);
+    return view;
+  }
+  /// Nothing is computed any more, and what that came to is on the disk.
+  void idle() {
+    jobs.flush();
+    dispatcher.wait_idle();
+    jobs.flush();
+  }
+
+  static ServiceConfig service_config(const std::string& folder) {
+    ServiceConfig config;
+    config.tiers.folder = folder;
+    return config;
+  }
+  static JobsConfig jobs_config(const std::string& folder) {
+    JobsConfig config;
+    if (!folder.empty()) config.folder = folder + "/jobs";
+    return config;
+  }
+
+  std::shared_ptr<FakeControl> control;
+  FractureService service;
+  WorkerPool pool{4, 64};
+  Dispatcher dispatcher{service, pool};
+  Jobs jobs;
+};
+
+/// A job as an earlier process left it in the folder of a JobsHost. Its id.
+inline std::string leave_job(const std::string& folder, std::uint64_t seed, const std::string& owner = "",
+                             std::chrono::milliseconds patience = std::chrono::minutes(10)) {
+  const FractureRequest request = fracture_request("mesh", seed);
+  const RequestKeys keys = keys_of(request);
+  JobRecord record;
+  char number[17];
+  std::snprintf(number, sizeof number, "%016llx", static_cast<unsigned long long>(seed));
+  record.id = keys.digest.substr(0, 16) + "-" + number;
+  record.owner = owner;
+  record.created += std::chrono::seconds(1'700'000'000 + seed);
+  record.patience = patience;
+  record.digest = keys.digest;
+  record.mesh_bytes = request.mesh.size();
+  record.parameters = canonical_parameters(request.parameters);
+  record.result_key = keys.result;
+  JobFolder jobs({folder + "/jobs"});
+  if (jobs.reserve(record, UINT64_MAX) != JobFolder::Room::kThere || !jobs.write(record, request))
+    throw std::runtime_error("the folder did not take the job");
+  return record.id;
+}
+
+/// Hooks of an engine. The first computation stays at the gate and holds its memory until that is opened; the
+/// next ones find that they need more than is left then, one after the other.
+struct Crowd {
+  Gate gate;
+  std::atomic<int> cuts{0};
+  std::atomic<int> crowdings{1};                             ///< attempts that are still to be crowded out
+  std::atomic<std::uint64_t> bytes{std::uint64_t{1} << 40};  ///< what they say they need
+  std::atomic<bool> wait{false};                             ///< the others come to the gate, too
+  std::function<void(const Execution&)> hold = gate.hook();
+
+  void hook(FakeControl& control) {
+    control.during_cut = [this](const Execution& execution) {
+      if (cuts++ == 0 || wait) hold(execution);
+    };
+    control.cut_error = [this]() -> std::optional<Error> {
+      if (crowdings.fetch_sub(1) <= 0) return std::nullopt;
+      return Error{ErrorCode::kOutOfMemory,
+                   "Others hold too much.",
+                   {},
+                   Figures(nlohmann::json{{"bytes", bytes.load()}})};
+    };
+  }
+};
+
+}  // namespace fracture::test
