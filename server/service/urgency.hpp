@@ -72,7 +72,11 @@ class Urgency {
   }
 
   Priority priority() const { return priority_; }
-  WorkerPool::TaskId task() const { return task_; }
+  /// The task may ask itself: it runs, perhaps, before submit() or resume() has said which it is.
+  WorkerPool::TaskId task() const {
+    const std::lock_guard lock(mutex_);
+    return task_;
+  }
   /// What is to be given back when it is known what it has cost.
   TurnTaken turn() const {
     const std::lock_guard lock(mutex_);
@@ -89,7 +93,7 @@ class Urgency {
 
   mutable std::mutex mutex_;
   std::atomic<Priority> priority_{Priority::kBackground};  ///< of the most urgent who waits
-  std::atomic<WorkerPool::TaskId> task_{0};                ///< 0: none that could be hurried
+  WorkerPool::TaskId task_ = 0;                            ///< 0: none that could be hurried
   TurnTaken turn_;
   std::optional<Flow> hurry_;  ///< of the first who was so urgent; none where that is the leader
   Raise raise_;                ///< what it waits for is to be hurried

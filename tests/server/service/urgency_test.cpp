@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <future>
 #include <latch>
 #include <thread>
 
@@ -106,6 +107,27 @@ TEST(Urgency, WhoHurriesAResultHurriesWhatItWaitsFor) {
   gate.count_down();
   pool.wait_idle();
   EXPECT_EQ(order, "mb");
+}
+
+TEST(Urgency, ATaskThatBeginsBeforeItsNumberIsKnownLearnsIt) {
+  WorkerPool pool(1, 100);
+  Urgency result;
+  std::future<WorkerPool::TaskId> seen;
+  const auto begins_at_once = [&](WorkerPool::TaskId number) {
+    std::atomic<bool> asks{false};
+    seen = std::async(std::launch::async, [&] {
+      asks = true;
+      return result.task();
+    });
+    require_eventually(kPatience, "the task to begin", [&] { return asks.load(); });
+    // pause: so that it asks before it is known
+    seen.wait_for(std::chrono::milliseconds(20));
+    return number;
+  };
+  result.lead(pool, {{"job", 1}, Priority::kBatch, 0}, [&] { return begins_at_once(7); });
+  EXPECT_EQ(seen.get(), 7u);
+  result.goes_on([&](Priority) { return begins_at_once(8); });
+  EXPECT_EQ(seen.get(), 8u);
 }
 
 }  // namespace
