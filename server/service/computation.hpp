@@ -66,14 +66,16 @@ struct Dispatcher::Waiting : std::enable_shared_from_this<Waiting<Flights, Value
   Waiting(Dispatcher& d, Flights& f, std::function<void(Expected<Value>)> r)
       : dispatcher(d), flights(f), reply(std::move(r)), early(d.timer_) {}
 
-  /// After join(). May leave, and so reply, before it returns.
+  /// After it joined the flight and its urgency. May leave, and so reply, before it returns.
   void arm(typename Flights::Seat taken, const Terms& terms) {
     seat = std::move(taken);
+    priority = terms.priority;
     early.arm(this->weak_from_this(), terms);
   }
 
   void leave(ErrorCode code) {
     if (!flights.leave(seat)) return;
+    urgency_of(seat.flight->common).leave(dispatcher.pool_, priority);
     ++dispatcher.abandoned_;
     answer(tl::unexpected<Error>(to_error(Interrupted{code})));
   }
@@ -84,11 +86,15 @@ struct Dispatcher::Waiting : std::enable_shared_from_this<Waiting<Flights, Value
     reply(std::move(value));
   }
 
+  static Urgency& urgency_of(Urgency& all) { return all; }
+  static Urgency& urgency_of(Common& all) { return all.urgency; }
+
   Dispatcher& dispatcher;
   Flights& flights;
   const std::function<void(Expected<Value>)> reply;
   typename Flights::Seat seat;
-  tenants::Account::Seat share;  ///< of the computations that its name may have at the same time
+  Priority priority = Priority::kBackground;  ///< how urgently it waits
+  tenants::Account::Seat share;               ///< of the computations that its name may have at the same time
   LeaveEarly early;
 };
 

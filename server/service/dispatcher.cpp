@@ -218,10 +218,11 @@ void Dispatcher::obtain(SingleFlight<Step<Value>, Urgency>& flights, const std::
   // Lives in the flight's waiter, like Waiting: this thread has no part in `c` any more once it has joined.
   struct Place {
     typename Flights::Seat seat;
+    std::shared_ptr<ResultFlights::Flight> result;
     std::optional<std::stop_callback<std::function<void()>>> gives_up;
   };
   const auto place = std::make_shared<Place>();
-  const std::stop_token abandoned = c->flight->stop();
+  place->result = c->flight;
   const auto seat =
       flights.join(key, [this, c, next, place](const Outcome<Value>& outcome, typename Flights::Role role) {
         if (role == Flights::Role::kLeader) return;  // goes on by itself, below
@@ -235,15 +236,21 @@ void Dispatcher::obtain(SingleFlight<Step<Value>, Urgency>& flights, const std::
         });
       });
   place->seat = seat;
-  place->gives_up.emplace(abandoned, [&flights, weak = std::weak_ptr(place)] {
-    if (const auto mine = weak.lock()) flights.leave(mine->seat);
-  });
-  Urgency& mine = c->flight->common.urgency;
-  if (seat.role != Flights::Role::kLeader)
-    return mine.waits_for([this, flight = seat.flight](Priority priority, const Flow& flow) {
-      flight->common.join(pool_, priority, flow);
+  // What is given up is told to the part, which has to know by then who waits for it.
+  const auto watch_for_the_end = [&] {
+    place->gives_up.emplace(place->result->stop(), [this, &flights, weak = std::weak_ptr(place)] {
+      if (const auto left = weak.lock(); left && flights.leave(left->seat))
+        left->result->common.urgency.gives_up(pool_);
     });
-  seat.flight->common.lead_part(pool_, mine.task(), mine.priority());
+  };
+  Urgency& mine = place->result->common.urgency;
+  const std::shared_ptr<Urgency> part(seat.flight, &seat.flight->common);
+  if (seat.role != Flights::Role::kLeader) {
+    mine.waits_for(pool_, part);
+    return watch_for_the_end();
+  }
+  mine.lead_part(pool_, part);
+  watch_for_the_end();
   Outcome<Value> made;
   Spent spent;
   {
@@ -253,8 +260,7 @@ void Dispatcher::obtain(SingleFlight<Step<Value>, Urgency>& flights, const std::
   c->spent.busy_seconds += spent.busy_seconds;
   c->spent.processor_seconds += spent.processor_seconds;
   if (made) made->processor_seconds = spent.processor_seconds;
-  seat.flight->common.end_part();
-  mine.restore(pool_);
+  mine.end_part(pool_, *part);
   flights.land(seat.flight, made);
   (this->*next)(c, made, threads);
 }

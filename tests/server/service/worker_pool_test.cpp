@@ -103,11 +103,11 @@ TEST(WorkerPool, APromotedTaskGoesWithTheRealtimeOnesByItsArrival) {
   busy.add(kBatch, 'b');
   const auto promoted = busy.add(kBatch, 'p');
   busy.add(kRealtime, 'r');
-  busy.pool.promote(promoted, kRealtime);
-  busy.pool.promote(promoted, kRealtime);
+  busy.pool.reclassify(promoted, kRealtime);
+  busy.pool.reclassify(promoted, kRealtime);
   busy.release();
   EXPECT_EQ(busy.order, "prb");
-  busy.pool.promote(promoted, kRealtime);  // long gone
+  busy.pool.reclassify(promoted, kRealtime);  // long gone
 }
 
 TEST(WorkerPool, ThePredictedWaitIsWhatGoesBeforeOverTheMeasuredThroughput) {
