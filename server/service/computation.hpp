@@ -95,6 +95,7 @@ struct Dispatcher::Waiting : std::enable_shared_from_this<Waiting<Flights, Value
   typename Flights::Seat seat;
   Priority priority = Priority::kBackground;  ///< how urgently it waits
   tenants::Account::Seat share;               ///< of the computations that its name may have at the same time
+  std::shared_ptr<const Observer> observer{};  ///< of the progress
   LeaveEarly early;
 };
 

@@ -16,7 +16,15 @@ std::uint64_t bytes_of(const FractureRequest& request) { return input_bytes(requ
 void Dispatcher::Common::tell(Stage stage, double fraction) {
   if (!observed.load(std::memory_order_relaxed)) return;
   const std::lock_guard lock(mutex);
-  for (const auto& observer : observers) observer(stage, fraction);
+  for (const auto& observer : observers)
+    if (const auto listens = observer.lock()) (*listens)(stage, fraction);
+}
+
+void Dispatcher::Common::add(const std::shared_ptr<const Observer>& observer) {
+  const std::lock_guard lock(mutex);
+  std::erase_if(observers, [](const auto& gone) { return gone.expired(); });
+  observers.push_back(observer);
+  observed = true;
 }
 
 // -- requests
@@ -96,9 +104,8 @@ std::optional<Error> Dispatcher::fracture(FractureRequest request, const Terms& 
   if (const double owed = flight.common.payers.add(terms.payer, terms.priority); owed > 0)
     charge({{terms.payer, terms.priority}}, {}, owed);
   if (terms.progress) {
-    const std::lock_guard lock(flight.common.mutex);
-    flight.common.observers.push_back(terms.progress);
-    flight.common.observed = true;
+    waiting->observer = std::make_shared<const Observer>(terms.progress);
+    flight.common.add(waiting->observer);
   }
   const Clock::rep deadline = terms.deadline.time_since_epoch().count();
   for (Clock::rep latest = flight.common.latest_deadline;
