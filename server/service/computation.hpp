@@ -66,11 +66,26 @@ struct Dispatcher::Waiting : std::enable_shared_from_this<Waiting<Flights, Value
   Waiting(Dispatcher& d, Flights& f, std::function<void(Expected<Value>)> r)
       : dispatcher(d), flights(f), reply(std::move(r)), early(d.timer_) {}
 
-  /// After it joined the flight and its urgency. May leave, and so reply, before it returns.
-  void arm(typename Flights::Seat taken, const Terms& terms) {
-    seat = std::move(taken);
-    priority = terms.priority;
-    early.arm(this->weak_from_this(), terms);
+  /// After join(). `take_part` does what else there is: it has the value computed, or hurries who computes it.
+  /// What that throws is an error like any other: for all who wait where nobody computes. May leave, and so
+  /// reply, before it returns.
+  template <class TakePart>
+  void enter(const typename Flights::Seat& taken, const Terms& terms, TakePart take_part) {
+    bool computed = taken.role != Flights::Role::kLeader;
+    const Expected<bool> entered = guarded([&]() -> Expected<bool> {
+      take_part();
+      computed = true;
+      seat = taken;
+      priority = terms.priority;
+      early.arm(this->weak_from_this(), terms);
+      return true;
+    });
+    if (entered) return;
+    const tl::unexpected<Error> why(entered.error());
+    if (!computed)
+      flights.land(taken.flight, why);
+    else if (flights.leave(taken))
+      answer(why);
   }
 
   void leave(ErrorCode code) {

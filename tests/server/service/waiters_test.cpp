@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <memory>
+#include <new>
 #include <stop_token>
 
 #include "server/service/dispatcher.hpp"
@@ -12,6 +13,17 @@
 
 namespace fracture::test {
 namespace {
+
+/// Told of the progress; there is no memory for one of its copies.
+struct Unlucky {
+  Unlucky() = default;
+  Unlucky(const Unlucky& other) : copies(other.copies) {
+    if (*copies > 0 && copies->fetch_sub(1) == 1) throw std::bad_alloc();
+  }
+  void operator()(Stage, double) const {}
+
+  std::shared_ptr<std::atomic<int>> copies = std::make_shared<std::atomic<int>>(0);  ///< until one fails
+};
 
 /// One request of "mesh" that is being computed, up to a gate.
 struct Waiters : testing::Test {
@@ -64,6 +76,61 @@ TEST_F(Waiters, WhoComesAndGoesLeavesNothingBehind) {
   EXPECT_EQ(held.use_count(), 1);
   end();
   EXPECT_EQ(good, 1);
+}
+
+TEST_F(Waiters, ALeaderThatCannotBeginAnswersAllAndBlocksNobody) {
+  open = true;
+  const Unlucky unlucky;
+  Terms terms;
+  terms.progress = unlucky;
+  *unlucky.copies = 1;
+  ask(terms);
+  EXPECT_EQ(out_of_memory, 1);
+  EXPECT_EQ(dispatcher.figures().flights, 0u);
+  EXPECT_EQ(dispatcher.figures().working_bytes, 0u);
+  ask(terms);
+  EXPECT_TRUE(eventually(kPatience, "the next answer", [&] { return good == 1; }));
+}
+
+TEST_F(Waiters, AFollowerThatCannotWaitCostsNobodyElseTheirAnswer) {
+  begin();
+  const Unlucky unlucky;
+  Terms terms;
+  terms.progress = unlucky;
+  *unlucky.copies = 1;
+  ask(terms);
+  EXPECT_EQ(out_of_memory, 1);
+  EXPECT_EQ(good, 0);
+  end();
+  EXPECT_EQ(good, 1);
+}
+
+TEST_F(Waiters, APreparationThatLacksMemoryAnywhereIsAnsweredOnce) {
+  for (const int copy : {1, 2}) {  // to be queued with, to run with
+    const Unlucky unlucky;
+    Terms terms;
+    terms.progress = unlucky;
+    *unlucky.copies = copy;
+    std::atomic<int> answers{0}, prepared{0};
+    const auto prepare = [&] {
+      EXPECT_FALSE(
+          dispatcher.prepare(fracture_request("mesh " + std::to_string(copy)), terms, [&](auto mesh) {
+            ++answers;
+            if (mesh)
+              ++prepared;
+            else
+              out_of_memory += mesh.error().code == ErrorCode::kOutOfMemory;
+          }));
+      dispatcher.wait_idle();
+    };
+    prepare();
+    EXPECT_EQ(answers, 1) << copy;
+    EXPECT_EQ(out_of_memory, copy);
+    prepare();
+    EXPECT_EQ(answers, 2) << copy;
+    EXPECT_EQ(prepared, 1) << copy;
+  }
+  EXPECT_EQ(pool.escaped(), 0u);
 }
 
 }  // namespace
