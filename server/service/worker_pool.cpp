@@ -234,14 +234,17 @@ void WorkerPool::work() {
 
 /// A task has ended, one way or another.
 void WorkerPool::rest() {
-  std::size_t flows = 0;
-  for (const Class& queued : classes_) flows += queued.queue.flows();
+  const std::size_t most = 2 * max_queue_ + thread_count_;  // flows of one class that are remembered
+  for (const Priority priority : kPriorities) {
+    Class& served = of(priority);
+    if (!served.waits() && running_of(priority) == 0)
+      served.queue.idle();
+    else if (served.queue.flows() > most)
+      served.queue.sweep(most);
+  }
   if (is_idle()) {
-    for (Class& queued : classes_) queued.queue.idle();
     idle_.notify_all();
     if (stopping_) wake_.notify_all();
-  } else if (flows > 2 * max_queue_ + thread_count_) {
-    for (Class& queued : classes_) queued.queue.sweep();
   }
   changed();
 }

@@ -132,6 +132,29 @@ TEST(WorkerPool, NothingIsPredictedToWaitWhileAThreadIsIdle) {
   gate.count_down();
 }
 
+TEST(WorkerPool, AClassWithNothingToDoRemembersNobodysDebtWhateverOthersCompute) {
+  std::latch background(1), batch(1);  // outlive the pool, whose threads wait at them
+  WorkerPool pool(2, 100);
+  std::string order;
+  const auto running = [&](std::size_t jobs) {
+    EXPECT_TRUE(test::eventually(test::kPatience, "jobs to run or to have run",
+                                 [&] { return pool.queued() == 0 && pool.running() == jobs; }));
+  };
+  pool.submit(Priority::kBackground, 0, [&](int) { background.wait(); });
+  running(1);
+  pool.submit(kBatch, 1000, [](int) {}, {"a", 1});
+  running(1);
+  pool.submit(kBatch, 0, [&](int) { batch.wait(); }, {"gate", 1});
+  running(2);
+  pool.submit(kBatch, 1, [&](int) { order += 'a'; }, {"a", 1});
+  pool.submit(kBatch, 1, [&](int) { order += 'b'; }, {"b", 1});
+  batch.count_down();
+  running(1);
+  EXPECT_EQ(order, "ab") << "in the order of arrival";
+  background.count_down();
+  pool.wait_idle();
+}
+
 TEST(WorkerPool, CoresAreAtLeastOne) { EXPECT_GE(available_cores(), 1); }
 
 }  // namespace
