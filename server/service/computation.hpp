@@ -66,14 +66,31 @@ struct Dispatcher::Waiting : std::enable_shared_from_this<Waiting<Flights, Value
   Waiting(Dispatcher& d, Flights& f, std::function<void(Expected<Value>)> r)
       : dispatcher(d), flights(f), reply(std::move(r)), early(d.timer_) {}
 
-  /// After join(). May leave, and so reply, before it returns.
-  void arm(typename Flights::Seat taken, const Terms& terms) {
-    seat = std::move(taken);
-    early.arm(this->weak_from_this(), terms);
+  /// After join(). `take_part` does what else there is: it has the value computed, or hurries who computes it.
+  /// What that throws is an error like any other: for all who wait where nobody computes. May leave, and so
+  /// reply, before it returns.
+  template <class TakePart>
+  void enter(const typename Flights::Seat& taken, const Terms& terms, TakePart take_part) {
+    bool computed = taken.role != Flights::Role::kLeader;
+    const Expected<bool> entered = guarded([&]() -> Expected<bool> {
+      take_part();
+      computed = true;
+      seat = taken;
+      priority = terms.priority;
+      early.arm(this->weak_from_this(), terms);
+      return true;
+    });
+    if (entered) return;
+    const tl::unexpected<Error> why(entered.error());
+    if (!computed)
+      flights.land(taken.flight, why);
+    else if (flights.leave(taken))
+      answer(why);
   }
 
   void leave(ErrorCode code) {
     if (!flights.leave(seat)) return;
+    urgency_of(seat.flight->common).leave(dispatcher.pool_, priority);
     ++dispatcher.abandoned_;
     answer(tl::unexpected<Error>(to_error(Interrupted{code})));
   }
@@ -84,11 +101,16 @@ struct Dispatcher::Waiting : std::enable_shared_from_this<Waiting<Flights, Value
     reply(std::move(value));
   }
 
+  static Urgency& urgency_of(Urgency& all) { return all; }
+  static Urgency& urgency_of(Common& all) { return all.urgency; }
+
   Dispatcher& dispatcher;
   Flights& flights;
   const std::function<void(Expected<Value>)> reply;
   typename Flights::Seat seat;
-  tenants::Account::Seat share;  ///< of the computations that its name may have at the same time
+  Priority priority = Priority::kBackground;  ///< how urgently it waits
+  tenants::Account::Seat share;               ///< of the computations that its name may have at the same time
+  std::shared_ptr<const Observer> observer{};  ///< of the progress
   LeaveEarly early;
 };
 

@@ -16,7 +16,15 @@ std::uint64_t bytes_of(const FractureRequest& request) { return input_bytes(requ
 void Dispatcher::Common::tell(Stage stage, double fraction) {
   if (!observed.load(std::memory_order_relaxed)) return;
   const std::lock_guard lock(mutex);
-  for (const auto& observer : observers) observer(stage, fraction);
+  for (const auto& observer : observers)
+    if (const auto listens = observer.lock()) (*listens)(stage, fraction);
+}
+
+void Dispatcher::Common::add(const std::shared_ptr<const Observer>& observer) {
+  const std::lock_guard lock(mutex);
+  std::erase_if(observers, [](const auto& gone) { return gone.expired(); });
+  observers.push_back(observer);
+  observed = true;
 }
 
 // -- requests
@@ -84,43 +92,42 @@ std::optional<Error> Dispatcher::fracture(FractureRequest request, const Terms& 
   using Waiter = Waiting<ResultFlights, FractureAnswer>;
   const auto waiting = std::make_shared<Waiter>(*this, results_, std::move(reply));
   waiting->share = std::move(share);
-  auto seat = results_.join(keys.result,
-                            [waiting](const Expected<FractureAnswer>& outcome, ResultFlights::Role role) {
-                              Expected<FractureAnswer> mine = outcome;
-                              if (mine && role == ResultFlights::Role::kFollower)
-                                mine->result_cache = CacheOutcome::kCollapsed;
-                              waiting->answer(std::move(mine));
-                            });
-  ResultFlights::Flight& flight = *seat.flight;
-  // What it takes may have been charged by now, to those who came before.
-  if (const double owed = flight.common.payers.add(terms.payer, terms.priority); owed > 0)
-    charge({{terms.payer, terms.priority}}, {}, owed);
-  if (terms.progress) {
-    const std::lock_guard lock(flight.common.mutex);
-    flight.common.observers.push_back(terms.progress);
-    flight.common.observed = true;
-  }
-  const Clock::rep deadline = terms.deadline.time_since_epoch().count();
-  for (Clock::rep latest = flight.common.latest_deadline;
-       latest < deadline && !flight.common.latest_deadline.compare_exchange_weak(latest, deadline);) {
-  }
-  if (seat.role == ResultFlights::Role::kLeader) {
-    const auto c = std::make_shared<Computation>(*this);
-    c->request = std::move(request);
-    c->keys = std::move(keys);
-    c->cost = cost;
-    c->working.emplace(working_.whole(), std::move(working));
-    c->flight = seat.flight;
-    flight.common.urgency.lead(pool_, {terms.payer.flow, terms.priority, cost}, [&] {
-      return pool_.submit(
-          terms.priority, cost, [this, c](int threads) { at_station(c, [&] { begin(c, threads); }); },
-          terms.payer.flow);
-    });
-  } else {
-    ++collapsed_;
-    flight.common.urgency.join(pool_, terms.priority, terms.payer.flow);
-  }
-  waiting->arm(std::move(seat), terms);
+  const auto seat = results_.join(
+      keys.result, [waiting](const Expected<FractureAnswer>& outcome, ResultFlights::Role role) {
+        Expected<FractureAnswer> mine = outcome;
+        if (mine && role == ResultFlights::Role::kFollower) mine->result_cache = CacheOutcome::kCollapsed;
+        waiting->answer(std::move(mine));
+      });
+  waiting->enter(seat, terms, [&] {
+    ResultFlights::Flight& flight = *seat.flight;
+    // What it takes may have been charged by now, to those who came before.
+    if (const double owed = flight.common.payers.add(terms.payer, terms.priority); owed > 0)
+      charge({{terms.payer, terms.priority}}, {}, owed);
+    if (terms.progress) {
+      waiting->observer = std::make_shared<const Observer>(terms.progress);
+      flight.common.add(waiting->observer);
+    }
+    const Clock::rep deadline = terms.deadline.time_since_epoch().count();
+    for (Clock::rep latest = flight.common.latest_deadline;
+         latest < deadline && !flight.common.latest_deadline.compare_exchange_weak(latest, deadline);) {
+    }
+    if (seat.role == ResultFlights::Role::kLeader) {
+      const auto c = std::make_shared<Computation>(*this);
+      c->request = std::move(request);
+      c->keys = std::move(keys);
+      c->cost = cost;
+      c->working.emplace(working_.whole(), std::move(working));
+      c->flight = seat.flight;
+      flight.common.urgency.lead(pool_, {terms.payer.flow, terms.priority, cost}, [&] {
+        return pool_.submit(
+            terms.priority, cost, [this, c](int threads) { at_station(c, [&] { begin(c, threads); }); },
+            terms.payer.flow);
+      });
+    } else {
+      ++collapsed_;
+      flight.common.urgency.join(pool_, terms.priority, terms.payer.flow);
+    }
+  });
   return std::nullopt;
 }
 
@@ -150,59 +157,63 @@ std::optional<Error> Dispatcher::prepare(FractureRequest request, const Terms& t
   using Waiter = Waiting<MeshFlights, std::shared_ptr<const PreparedMesh>>;
   const auto waiting = std::make_shared<Waiter>(*this, meshes_, std::move(reply));
   waiting->share = std::move(share);
-  auto seat = meshes_.join(keys.mesh, [this, waiting, payer = terms.payer, priority = terms.priority](
-                                          const Outcome<PreparedMesh>& outcome, MeshFlights::Role role) {
-    if (outcome && role == MeshFlights::Role::kFollower)
-      charge({{payer, priority}}, {}, outcome->processor_seconds);
-    if (outcome)
-      waiting->answer(outcome->value);
-    else
-      waiting->answer(tl::unexpected<Error>(outcome.error()));
-  });
-  if (seat.role == MeshFlights::Role::kLeader) {
-    struct Preparation {
-      FractureRequest request;
-      RequestKeys keys;
-      Terms terms;
-      std::optional<ComputationAllowance> working{};
-    };
-    const auto p = std::make_shared<Preparation>();
-    p->request = std::move(request);
-    p->keys = std::move(keys);
-    p->terms = terms;
-    p->working.emplace(working_.whole(), std::move(working));
-    const auto prepare = [this, p, cost, flight = seat.flight](int threads) {
-      const Terms& mine = p->terms;
-      const auto paid = [&](double seconds) {
-        charge({{mine.payer, mine.priority}}, flight->common.turn(), seconds);
+  const auto seat =
+      meshes_.join(keys.mesh, [this, waiting, payer = terms.payer, priority = terms.priority](
+                                  const Outcome<PreparedMesh>& outcome, MeshFlights::Role role) {
+        if (outcome && role == MeshFlights::Role::kFollower)
+          charge({{payer, priority}}, {}, outcome->processor_seconds);
+        if (outcome)
+          waiting->answer(outcome->value);
+        else
+          waiting->answer(tl::unexpected<Error>(outcome.error()));
+      });
+  struct Preparation {
+    FractureRequest request;
+    RequestKeys keys;
+    Terms terms;
+    std::optional<ComputationAllowance> working{};
+  };
+  waiting->enter(seat, terms, [&] {
+    if (seat.role == MeshFlights::Role::kLeader) {
+      const auto p = std::make_shared<Preparation>();
+      p->request = std::move(request);
+      p->keys = std::move(keys);
+      p->terms = terms;
+      p->working.emplace(working_.whole(), std::move(working));
+      const auto prepare = [this, p, cost, flight = seat.flight](int threads) {
+        const Terms& mine = p->terms;
+        const auto paid = [&](double seconds) {
+          charge({{mine.payer, mine.priority}}, flight->common.turn(), seconds);
+        };
+        if (flight->stop().stop_requested()) return paid(0);
+        const Outcome<PreparedMesh> made = guarded([&] {
+          Execution execution;
+          execution.threads = threads;
+          execution.stop = flight->stop();
+          execution.allowance = &p->working->allowance();
+          execution.turn = WorkerPool::turn();
+          execution.progress = mine.progress;
+          Spent spent;
+          Outcome<PreparedMesh> prepared = guarded([&] {
+            const Meter meter(spent);
+            return service_.make_mesh(p->request, p->keys, execution);
+          });
+          paid(spent.processor_seconds);
+          if (prepared) {
+            prepared->processor_seconds = spent.processor_seconds;
+            pool_.measured(cost, spent.busy_seconds);
+          }
+          return prepared;
+        });
+        p->working.reset();
+        meshes_.land(flight, made);
       };
-      if (flight->stop().stop_requested()) return paid(0);
-      Execution execution;
-      execution.threads = threads;
-      execution.stop = flight->stop();
-      execution.allowance = &p->working->allowance();
-      execution.turn = WorkerPool::turn();
-      execution.progress = p->terms.progress;
-      Spent spent;
-      Outcome<PreparedMesh> made;
-      {
-        const Meter meter(spent);
-        made = guarded([&] { return service_.make_mesh(p->request, p->keys, execution); });
-      }
-      paid(spent.processor_seconds);
-      if (made) {
-        made->processor_seconds = spent.processor_seconds;
-        pool_.measured(cost, spent.busy_seconds);
-      }
-      p->working.reset();
-      meshes_.land(flight, made);
-    };
-    seat.flight->common.lead(pool_, {terms.payer.flow, terms.priority, cost},
-                             [&] { return pool_.submit(terms.priority, cost, prepare, terms.payer.flow); });
-  } else {
-    seat.flight->common.join(pool_, terms.priority, terms.payer.flow);
-  }
-  waiting->arm(std::move(seat), terms);
+      seat.flight->common.lead(pool_, {terms.payer.flow, terms.priority, cost},
+                               [&] { return pool_.submit(terms.priority, cost, prepare, terms.payer.flow); });
+    } else {
+      seat.flight->common.join(pool_, terms.priority, terms.payer.flow);
+    }
+  });
   return std::nullopt;
 }
 
@@ -218,43 +229,57 @@ void Dispatcher::obtain(SingleFlight<Step<Value>, Urgency>& flights, const std::
   // Lives in the flight's waiter, like Waiting: this thread has no part in `c` any more once it has joined.
   struct Place {
     typename Flights::Seat seat;
+    std::shared_ptr<ResultFlights::Flight> result;
     std::optional<std::stop_callback<std::function<void()>>> gives_up;
   };
   const auto place = std::make_shared<Place>();
-  const std::stop_token abandoned = c->flight->stop();
+  place->result = c->flight;
   const auto seat =
       flights.join(key, [this, c, next, place](const Outcome<Value>& outcome, typename Flights::Role role) {
         if (role == Flights::Role::kLeader) return;  // goes on by itself, below
         Outcome<Value> waited = outcome;
         if (waited) waited->cache = CacheOutcome::kCollapsed;
         if (waited) c->spent.processor_seconds += waited->processor_seconds;  // computed for all who waited
-        c->flight->common.urgency.goes_on([&](Priority priority) {
-          return pool_.resume([this, c, next, waited = std::move(waited)](
-                                  int free) { at_station(c, [&] { (this->*next)(c, waited, free); }); },
-                              priority);
+        const auto resumed = guarded([&]() -> Expected<bool> {
+          c->flight->common.urgency.goes_on([&](Priority priority) {
+            return pool_.resume([this, c, next, waited = std::move(waited)](
+                                    int free) { at_station(c, [&] { (this->*next)(c, waited, free); }); },
+                                priority);
+          });
+          return true;
         });
+        if (!resumed) end(c, tl::unexpected<Error>(resumed.error()));
       });
   place->seat = seat;
-  place->gives_up.emplace(abandoned, [&flights, weak = std::weak_ptr(place)] {
-    if (const auto mine = weak.lock()) flights.leave(mine->seat);
-  });
-  Urgency& mine = c->flight->common.urgency;
-  if (seat.role != Flights::Role::kLeader)
-    return mine.waits_for([this, flight = seat.flight](Priority priority, const Flow& flow) {
-      flight->common.join(pool_, priority, flow);
+  // What is given up is told to the part, which has to know by then who waits for it.
+  const auto watch_for_the_end = [&] {
+    place->gives_up.emplace(place->result->stop(), [this, &flights, weak = std::weak_ptr(place)] {
+      if (const auto left = weak.lock(); left && flights.leave(left->seat))
+        left->result->common.urgency.gives_up(pool_);
     });
-  seat.flight->common.lead_part(pool_, mine.task(), mine.priority());
-  Outcome<Value> made;
+  };
+  Urgency& mine = place->result->common.urgency;
+  const std::shared_ptr<Urgency> part(seat.flight, &seat.flight->common);
+  if (seat.role != Flights::Role::kLeader) try {
+      mine.waits_for(pool_, part);
+      return watch_for_the_end();
+    } catch (...) {
+      if (!flights.leave(seat)) return;  // it has gone on
+      mine.gives_up(pool_);
+      throw;
+    }
   Spent spent;
-  {
+  // Whatever fails from here on lands: nobody else would.
+  Outcome<Value> made = guarded([&] {
+    mine.lead_part(pool_, part);
+    watch_for_the_end();
     const Meter meter(spent);
-    made = guarded([&] { return make(c->execution(threads, seat.flight->stop())); });
-  }
+    return make(c->execution(threads, seat.flight->stop()));
+  });
   c->spent.busy_seconds += spent.busy_seconds;
   c->spent.processor_seconds += spent.processor_seconds;
   if (made) made->processor_seconds = spent.processor_seconds;
-  seat.flight->common.end_part();
-  mine.restore(pool_);
+  mine.end_part(pool_, *part);
   flights.land(seat.flight, made);
   (this->*next)(c, made, threads);
 }

@@ -139,15 +139,19 @@ class Dispatcher {
   template <class Value>
   using Outcome = Expected<Step<Value>>;
 
+  /// Lives as long as the one who waits: those who come and go leave none behind.
+  using Observer = std::function<void(Stage, double)>;
+
   /// What all who wait for a result share.
   struct Common {
     Urgency urgency;
     std::atomic<Clock::rep> latest_deadline{0};
     Payers payers;
     std::mutex mutex;  // of the observers
-    std::vector<std::function<void(Stage, double)>> observers;
+    std::vector<std::weak_ptr<const Observer>> observers;
     std::atomic<bool> observed{false};  ///< there are any: loops tell often, and mostly nobody listens
     void tell(Stage stage, double fraction);
+    void add(const std::shared_ptr<const Observer>& observer);
   };
   using ResultFlights = SingleFlight<FractureAnswer, Common>;
   using MeshFlights = SingleFlight<Step<PreparedMesh>, Urgency>;

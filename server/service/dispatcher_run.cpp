@@ -69,7 +69,14 @@ std::optional<Error> Dispatcher::run(const ExpectedWork& work, const Terms& term
     const Terms& mine = errand->terms;
     charge({{mine.payer, mine.priority}}, {mine.payer.flow, mine.priority, cost}, spent.processor_seconds);
   };
-  errand->arm(pool_.submit(terms.priority, work.seconds, at_its_turn, terms.payer.flow));
+  const WorkerPool::TaskId task = pool_.submit(terms.priority, work.seconds, at_its_turn, terms.payer.flow);
+  try {
+    errand->arm(task);
+  } catch (...) {
+    if (errand->decided.exchange(true)) return std::nullopt;
+    pool_.withdraw(task);
+    throw;
+  }
   return std::nullopt;
 }
 

@@ -164,11 +164,15 @@ class FairQueue {
     flows_.clear();
     now_ = 0;
   }
-  /// Forgets flows that owe nothing, so that clients who came once leave nothing behind.
-  void sweep() {
+  /// Forgets flows that owe nothing, so that clients who came once leave nothing behind; and where more than
+  /// `most` are left, what the others owe: tags of flows that came once each may all lie beyond v, for as long
+  /// as there is no end of the busy period.
+  void sweep(std::size_t most) {
     std::erase_if(flows_, [this](const auto& entry) {
       return entry.second.queue.empty() && entry.second.finish <= now_;
     });
+    if (flows_.size() > most)
+      std::erase_if(flows_, [](const auto& entry) { return entry.second.queue.empty(); });
   }
   std::size_t flows() const { return flows_.size(); }
 

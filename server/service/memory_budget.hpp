@@ -124,7 +124,7 @@ class MemoryBudget {
     Pool &before = pool(from), &after = pool(to);
     if (&before == &after) {
       if (counted(to) > counted(from)) return after.take(counted(to) - counted(from), most(to));
-      shrink(to, from);  // its last bytes were the headroom's
+      shrink(from, to);  // its last bytes were the headroom's
       return true;
     }
     if (!after.take(counted(to), most(to))) return false;

@@ -58,15 +58,17 @@ class SingleFlight {
   /// Takes a seat in the flight of this key, a new one where there is none.
   Seat join(const std::string& key, Waiter waiter) {
     const std::lock_guard lock(mutex_);
-    std::shared_ptr<Flight>& flight = flights_[key];
+    const auto at = flights_.find(key);
     Seat seat;
-    if (!flight) {
-      flight = std::shared_ptr<Flight>(new Flight(key));
+    if (at == flights_.end()) {
+      seat.flight = std::shared_ptr<Flight>(new Flight(key));
       seat.role = Role::kLeader;
+    } else {
+      seat.flight = at->second;
     }
-    seat.flight = flight;
-    seat.number = flight->next_++;
-    flight->waiters_.emplace(seat.number, std::move(waiter));
+    seat.number = seat.flight->next_++;
+    seat.flight->waiters_.emplace(seat.number, std::move(waiter));
+    if (at == flights_.end()) flights_.emplace(key, seat.flight);  // last: with no leader none would land
     return seat;
   }
 

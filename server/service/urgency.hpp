@@ -1,10 +1,10 @@
-// How urgent a computation is: as urgent as the most urgent of all who wait for it.
+// How urgent a computation is: as urgent as the most urgent of all who wait for it, now.
 #pragma once
 
-#include <atomic>
-#include <functional>
+#include <array>
+#include <cstddef>
+#include <memory>
 #include <mutex>
-#include <optional>
 #include <utility>
 
 #include "server/service/payer.hpp"
@@ -12,67 +12,82 @@
 
 namespace fracture {
 
-/// Of one flight. Thread-safe. Locks of other flights are taken within its own only through waits_for(): from a
-/// result to the mesh or diagram that it waits for.
+/// Of one flight. Thread-safe. A result that needs a part (a mesh or a diagram, a flight of its own) waits for it
+/// like a client, as urgently as its own clients wait for the result. Locks are taken in this order: of the
+/// result, of the part, of the pool.
 class Urgency {
  public:
-  using Raise = std::function<void(Priority, const Flow&)>;
-
-  /// The leader queues the task that computes, at the turn it takes. Who joined before may be more urgent.
+  /// The leader, who waits like the others, queues the task that computes, at the turn it takes. Who joined
+  /// before may be more urgent.
   template <class Submit>
   void lead(WorkerPool& pool, const TurnTaken& turn, Submit submit) {
     const std::lock_guard lock(mutex_);
     turn_ = turn;
-    const bool hurried = priority_ < turn.priority;
-    if (!hurried) priority_ = turn.priority;
+    add(turn.priority, turn.flow);
+    priority_ = turn.priority;
     task_ = submit();
-    if (hurried) promote(pool);
+    decide(pool);
   }
 
-  /// Computed as part of a task that runs for somebody else; end_part() ends that.
-  void lead_part(WorkerPool& pool, WorkerPool::TaskId task, Priority own) {
-    const std::lock_guard lock(mutex_);
-    const bool hurried = priority_ < own;
-    if (!hurried) priority_ = own;
-    task_ = task;
-    if (hurried) promote(pool);
-  }
-  void end_part() {
-    const std::lock_guard lock(mutex_);
-    task_ = 0;  // who still joins hurries nobody
-  }
-  /// The task is as urgent as those who wait for it again, and no longer as those who waited for a part.
-  void restore(WorkerPool& pool) {
-    const std::lock_guard lock(mutex_);
-    pool.reclassify(task_, priority_);
-  }
-
-  /// One more waits. Its flow gives the turn, where that has not come yet.
+  /// One more waits. Its flow gives the turn where that has not come yet and nobody else is so urgent.
   void join(WorkerPool& pool, Priority priority, const Flow& flow) {
     const std::lock_guard lock(mutex_);
-    if (priority >= priority_) return;
-    priority_ = priority;
-    hurry_ = flow;
-    promote(pool);
-    if (raise_) raise_(priority, flow);
+    add(priority, flow);
+    decide(pool);
+  }
+  /// One who joined, or the leader, waits no longer.
+  void leave(WorkerPool& pool, Priority priority) {
+    const std::lock_guard lock(mutex_);
+    --waiting(priority);
+    decide(pool);
   }
 
-  /// It waits for something that others compute, told with `raise` of who joins from now on; goes_on() ends that.
-  void waits_for(Raise raise) {
+  /// It waits for a part that others compute. Where that has landed by then, this changes nothing.
+  void waits_for(WorkerPool& pool, std::shared_ptr<Urgency> part) {
     const std::lock_guard lock(mutex_);
-    raise(priority_, hurry_.value_or(turn_.flow));
-    raise_ = std::move(raise);
+    part->join(pool, priority_, flow());
+    part_ = std::move(part);
   }
-  /// `resume` queues the task as which it goes on.
+  /// The part has landed. `resume` queues the task as which it goes on.
   template <class Resume>
   void goes_on(Resume resume) {
     const std::lock_guard lock(mutex_);
-    raise_ = nullptr;
-    task_ = resume(priority_.load());
+    part_ = nullptr;
+    task_ = resume(priority_);
   }
 
-  Priority priority() const { return priority_; }
-  WorkerPool::TaskId task() const { return task_; }
+  /// Its own task computes the part: until end_part() that decides how urgent the task is, for others wait for
+  /// the part as well.
+  void lead_part(WorkerPool& pool, std::shared_ptr<Urgency> part) {
+    const std::lock_guard lock(mutex_);
+    part->lead(pool, {flow(), priority_, 0}, [this] { return task_; });
+    part_ = std::move(part);
+    in_part_ = true;
+  }
+  /// Who still joins the part hurries nobody; the task is as urgent as those who wait for the result.
+  void end_part(WorkerPool& pool, Urgency& part) {
+    const std::lock_guard lock(mutex_);
+    part.end();
+    part_ = nullptr;
+    in_part_ = false;
+    pool.reclassify(task_, priority_, flow());
+  }
+  /// Nobody waits for the result any more, and so the result not for its part.
+  void gives_up(WorkerPool& pool) {
+    const std::lock_guard lock(mutex_);
+    if (part_) part_->leave(pool, priority_);
+    part_ = nullptr;
+  }
+
+  Priority priority() const {
+    const std::lock_guard lock(mutex_);
+    return priority_;
+  }
+  /// The task may ask itself: it runs, perhaps, before submit() or resume() has said which it is.
+  WorkerPool::TaskId task() const {
+    const std::lock_guard lock(mutex_);
+    return task_;
+  }
   /// What is to be given back when it is known what it has cost.
   TurnTaken turn() const {
     const std::lock_guard lock(mutex_);
@@ -80,19 +95,51 @@ class Urgency {
   }
 
  private:
-  void promote(WorkerPool& pool) {
-    // Else its turn has come, at the cost of whoever led.
-    if (!pool.promote(task_, priority_, *hurry_)) return;
-    turn_.flow = *hurry_;
+  struct Waiting {
+    std::size_t count = 0;
+    Flow flow{};  ///< of the first of them, whether that still waits or not
+  };
+
+  // All of these with the lock.
+  std::size_t& waiting(Priority priority) { return waiting_[static_cast<std::size_t>(priority)].count; }
+  const Flow& flow() const { return waiting_[static_cast<std::size_t>(priority_)].flow; }
+  void add(Priority priority, const Flow& flow) {
+    if (waiting(priority) == 0) waiting_[static_cast<std::size_t>(priority)].flow = flow;
+    ++waiting(priority);
+  }
+  /// Those who wait have changed. When nobody does, it is being stopped, and ends in the class that it has.
+  void decide(WorkerPool& pool) {
+    const Priority before = priority_;
+    std::size_t most_urgent = 0;
+    while (most_urgent < waiting_.size() && waiting_[most_urgent].count == 0) ++most_urgent;
+    if (most_urgent == waiting_.size() || static_cast<Priority>(most_urgent) == before) return;
+    priority_ = static_cast<Priority>(most_urgent);
+    if (part_) part_->move(pool, before, priority_, flow());
+    if (in_part_) return;
+    // Where it runs, its turn has come, at the cost of whoever led.
+    if (!pool.reclassify(task_, priority_, flow())) return;
+    turn_.flow = flow();
     turn_.priority = priority_;
   }
 
+  void move(WorkerPool& pool, Priority from, Priority to, const Flow& flow) {
+    const std::lock_guard lock(mutex_);
+    add(to, flow);
+    --waiting(from);
+    decide(pool);
+  }
+  void end() {
+    const std::lock_guard lock(mutex_);
+    task_ = 0;
+  }
+
   mutable std::mutex mutex_;
-  std::atomic<Priority> priority_{Priority::kBackground};  ///< of the most urgent who waits
-  std::atomic<WorkerPool::TaskId> task_{0};                ///< 0: none that could be hurried
+  std::array<Waiting, 3> waiting_;  ///< by Priority
+  Priority priority_ = Priority::kBackground;
+  WorkerPool::TaskId task_ = 0;  ///< 0: none that could be hurried
   TurnTaken turn_;
-  std::optional<Flow> hurry_;  ///< of the first who was so urgent; none where that is the leader
-  Raise raise_;                ///< what it waits for is to be hurried
+  std::shared_ptr<Urgency> part_;  ///< what it waits for, or computes as a part
+  bool in_part_ = false;           ///< it computes that itself
 };
 
 }  // namespace fracture

@@ -57,24 +57,27 @@ WorkerPool::TaskId WorkerPool::resume(Job job, Priority priority) {
   return id;
 }
 
-bool WorkerPool::promote(TaskId task, Priority priority, const Flow& flow) {
+bool WorkerPool::reclassify(TaskId task, Priority priority, const Flow& flow) {
   const std::lock_guard lock(mutex_);
-  bool is_queued = false;
   if (const auto at = running_.find(task); at != running_.end()) {
     Running& job = *at->second;
-    job.priority = std::min(job.priority, priority);
-    job.away = job.away && job.priority != Priority::kRealtime;
+    if (job.priority == priority) return false;
+    job.priority = priority;
+    job.away = job.away && priority != Priority::kRealtime;
     go_on_.notify_all();
+    changed();
+    return false;
   }
-  for (const Priority less : kPriorities) {
-    if (less <= priority) continue;
-    std::deque<Task>& resumed = of(less).resumed;
+  bool is_queued = false;
+  for (const Priority before : kPriorities) {
+    if (before == priority) continue;
+    std::deque<Task>& resumed = of(before).resumed;
     const auto waiting =
         std::find_if(resumed.begin(), resumed.end(), [&](const Task& waits) { return waits.id == task; });
     if (waiting != resumed.end()) {
       of(priority).resumed.push_back(std::move(*waiting));
       resumed.erase(waiting);
-    } else if (std::optional<Task> queued = of(less).queue.remove(task)) {
+    } else if (std::optional<Task> queued = of(before).queue.remove(task)) {
       queued->flow = flow;
       of(priority).queue.push(std::move(*queued));
       is_queued = true;
@@ -82,14 +85,6 @@ bool WorkerPool::promote(TaskId task, Priority priority, const Flow& flow) {
   }
   changed();
   return is_queued;
-}
-
-void WorkerPool::reclassify(TaskId task, Priority priority) {
-  const std::lock_guard lock(mutex_);
-  const auto at = running_.find(task);
-  if (at == running_.end() || at->second->priority == priority) return;
-  at->second->priority = priority;
-  changed();
 }
 
 bool WorkerPool::withdraw(TaskId task) {
@@ -239,14 +234,17 @@ void WorkerPool::work() {
 
 /// A task has ended, one way or another.
 void WorkerPool::rest() {
-  std::size_t flows = 0;
-  for (const Class& queued : classes_) flows += queued.queue.flows();
+  const std::size_t most = 2 * max_queue_ + thread_count_;  // flows of one class that are remembered
+  for (const Priority priority : kPriorities) {
+    Class& served = of(priority);
+    if (!served.waits() && running_of(priority) == 0)
+      served.queue.idle();
+    else if (served.queue.flows() > most)
+      served.queue.sweep(most);
+  }
   if (is_idle()) {
-    for (Class& queued : classes_) queued.queue.idle();
     idle_.notify_all();
     if (stopping_) wake_.notify_all();
-  } else if (flows > 2 * max_queue_ + thread_count_) {
-    for (Class& queued : classes_) queued.queue.sweep();
   }
   changed();
 }

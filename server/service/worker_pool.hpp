@@ -58,12 +58,9 @@ class WorkerPool {
   TaskId submit(Priority priority, double cost, Job job, const Flow& flow = {});
   /// Work that was admitted before and goes on: never refused, before all other work of its class.
   TaskId resume(Job job, Priority priority = Priority::kRealtime);
-  /// A task becomes one of a more urgent class, queued or running. Nothing happens when it is neither, or as
-  /// urgent already. True: it is queued, and takes the turn of this flow, which is in a hurry, instead of that
-  /// of its own.
-  bool promote(TaskId task, Priority priority, const Flow& flow = {});
-  /// A task that runs is of this class from now on. Nothing happens when it does not run.
-  void reclassify(TaskId task, Priority priority);
+  /// A task is of this class from now on, queued or running. Nothing happens when it is neither, or of that
+  /// class already. True: it is queued, and takes the turn of this flow there instead of the one that it had.
+  bool reclassify(TaskId task, Priority priority, const Flow& flow = {});
   /// A task that is queued does not run. False where it is not: it has begun, or was resumed.
   bool withdraw(TaskId task);
   /// A flow has used so many seconds more (or less) than the costs of its tasks said.

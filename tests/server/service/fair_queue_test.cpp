@@ -122,14 +122,26 @@ TEST(FairQueue, ForgetsFlowsThatOweNothing) {
   for (int k = 0; k < 50; ++k) queue.add(std::to_string(k), 0);
   queue.serve();
   EXPECT_EQ(queue.flows(), 50u);
-  queue.sweep();
+  queue.sweep(10);
   EXPECT_EQ(queue.flows(), 0u);
   queue.add("a", 10);
   queue.serve();
-  queue.sweep();
+  queue.sweep(10);
   EXPECT_EQ(queue.flows(), 1u) << "it owes ten seconds";
   queue.idle();
   EXPECT_EQ(queue.flows(), 0u) << "the end of a busy period";
+}
+
+TEST(FairQueue, RemembersOnlySoManyFlowsThatCameOnceWithinABusyPeriod) {
+  Queue queue;
+  for (int k = 0; k < 50; ++k) queue.add(std::to_string(k), 1);
+  queue.serve(48);
+  queue.sweep(50);
+  EXPECT_EQ(queue.flows(), 50u) << "each owes its second, and nobody's has begun after that";
+  queue.sweep(10);
+  EXPECT_EQ(queue.flows(), 2u) << "those that wait";
+  EXPECT_EQ(queue.size(), 2u);
+  EXPECT_EQ(queue.serve(), "4849");
 }
 
 }  // namespace

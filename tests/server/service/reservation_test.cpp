@@ -132,6 +132,23 @@ TEST_F(ReservationTest, WhatExceedsAShareAloneCountsAsAllOfIt) {
   EXPECT_EQ(share->used(), 0u);
 }
 
+TEST_F(ReservationTest, WhatGrowsOutOfTheHeadroomOfASmallShareIsCountedAsWhatIsLeftOfIt) {
+  MemoryBudget whole(1000);
+  const auto share = std::make_shared<MemoryBudget>(
+      MemoryBudget::Divided{.capacity = 50, .headroom = 45, .largest_small = 10},
+      MemoryBudget::Alone::kMayExceed);
+  {
+    MemoryBudget::Reservation alone(whole, share);
+    ASSERT_TRUE(alone.grow_to(10));
+    EXPECT_EQ(share->used(), 10u);
+    ASSERT_TRUE(alone.grow_to(20));
+    EXPECT_EQ(share->used(), 5u) << "of 50 bytes 45 are for small ones";
+    EXPECT_EQ(whole.used(), 20u);
+  }
+  EXPECT_EQ(share->used(), 0u);
+  EXPECT_EQ(whole.used(), 0u);
+}
+
 TEST_F(ReservationTest, LargeOnesLeaveSmallOnesTheirHeadroom) {
   MemoryBudget whole(MemoryBudget::Divided{.capacity = 1000, .headroom = 100, .largest_small = 10});
   EXPECT_EQ(whole.capacity(), 900u);

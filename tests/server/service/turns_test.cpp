@@ -213,8 +213,8 @@ TEST(Turns, BackgroundWorkIsQueuedForItself) {
   EXPECT_GT(pool.predicted_wait(kBackground).count(), 1000);
   pool.submit(kBatch, 1, [&](int) { order += 'b'; });
   EXPECT_EQ(pool.position(last), 3u);
-  EXPECT_TRUE(pool.promote(last, kBatch));
-  EXPECT_FALSE(pool.promote(last, kBatch)) << "it is one already";
+  EXPECT_TRUE(pool.reclassify(last, kBatch));
+  EXPECT_FALSE(pool.reclassify(last, kBatch)) << "it is one already";
   gate.count_down();
   pool.wait_idle();
   EXPECT_EQ(order, "3b12") << "among the batch jobs by its arrival";
@@ -244,7 +244,7 @@ TEST(Turns, JobsThatAreAwayLeaveThreadsToRealtimeOnes) {
     });
     if (k < 2) {
       EXPECT_TRUE(test::eventually(test::kPatience, "it to be away", [&] { return away[k].load(); }));
-      pool.promote(id, kBatch);
+      pool.reclassify(id, kBatch);
     }
   }
   pool.submit(kRealtime, 0, [&](int) { realtime = true; });
@@ -265,7 +265,7 @@ TEST(Turns, AStandingJobThatBecomesRealtimeGoesOn) {
     gate.wait();
   });
   EXPECT_TRUE(test::eventually(test::kPatience, "the realtime job to begin", [&] { return began.load(); }));
-  pool.promote(batch.id, kRealtime);
+  pool.reclassify(batch.id, kRealtime);
   const long before = batch.polls;
   EXPECT_TRUE(test::eventually(test::kPatience, "it to go on", [&] { return batch.polls > before + 1000; }));
   EXPECT_EQ(pool.paused(), 0u);
@@ -314,7 +314,7 @@ TEST(Turns, NobodyIsLostWhenAllComeAtOnce) {
                                       ++done;
                                     },
                                     {std::to_string(t), 1});
-        if (k % 7 == 0) pool.promote(id, static_cast<Priority>(t % 2));
+        if (k % 7 == 0) pool.reclassify(id, static_cast<Priority>(t % 2));
       }
     });
   for (std::thread& client : clients) client.join();
@@ -394,8 +394,8 @@ TEST(Turns, WhoIsInAHurryGivesTheTurnOfWhatItPromotes) {
   };
   const WorkerPool::TaskId promoted = add(kBatch, 10, a, 'p');
   add(Priority::kRealtime, 1, a, '1');
-  EXPECT_TRUE(pool.promote(promoted, kRealtime, b));
-  EXPECT_FALSE(pool.promote(promoted, kRealtime, b)) << "it is one already";
+  EXPECT_TRUE(pool.reclassify(promoted, kRealtime, b));
+  EXPECT_FALSE(pool.reclassify(promoted, kRealtime, b)) << "it is one already";
   add(Priority::kRealtime, 1, a, '2');
   add(Priority::kRealtime, 1, b, '3');
   gate.count_down();
@@ -411,7 +411,7 @@ TEST(Turns, AResumedTaskIsPromotedToo) {
   std::string order;
   pool.resume([&](int) { order += 'b'; }, kBatch);
   const WorkerPool::TaskId hurried = pool.resume([&](int) { order += 'h'; }, kBatch);
-  EXPECT_FALSE(pool.promote(hurried, kRealtime)) << "its turn has come before";
+  EXPECT_FALSE(pool.reclassify(hurried, kRealtime)) << "its turn has come before";
   gate.count_down();
   pool.wait_idle();
   EXPECT_EQ(order, "hb");

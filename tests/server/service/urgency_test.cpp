@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <future>
 #include <latch>
+#include <memory>
+#include <stop_token>
 #include <thread>
 
 #include "server/service/dispatcher.hpp"
@@ -63,21 +66,21 @@ TEST(Urgency, APartOfAJobIsAsUrgentAsWhoWaitsForItAndTheRestIsNot) {
   pool.submit(Priority::kBatch, 0, [&](int) { gate.wait(); });
   EXPECT_TRUE(eventually(kPatience, "it to stand still", [&] { return pool.paused() == 1; }));
 
-  Urgency job, part;
+  Urgency job;
+  const auto part = std::make_shared<Urgency>();
   job.lead(pool, {{"job", 1}, Priority::kBackground, 0}, [&] { return task; });
-  part.lead_part(pool, task, job.priority());
-  part.join(pool, Priority::kBatch, {"client", 1});
+  job.lead_part(pool, part);
+  part->join(pool, Priority::kBatch, {"client", 1});
   EXPECT_TRUE(eventually(kPatience, "it to go on", [&] { return pool.paused() == 0; }));
-  part.join(pool, Priority::kRealtime, {"game", 1});
+  part->join(pool, Priority::kRealtime, {"game", 1});
   const long before = polls;
   EXPECT_TRUE(eventually(kPatience, "it to compute", [&] { return polls > before + 1000; }));
   EXPECT_EQ(pool.paused(), 0u);
 
-  part.end_part();
-  job.restore(pool);
+  job.end_part(pool, *part);
   EXPECT_EQ(job.priority(), Priority::kBackground);
   EXPECT_TRUE(eventually(kPatience, "it to stand still again", [&] { return pool.paused() == 1; }));
-  part.join(pool, Priority::kRealtime, {"late", 1});
+  part->join(pool, Priority::kRealtime, {"late", 1});
   gate.count_down();
   end = true;
   pool.wait_idle();
@@ -90,15 +93,16 @@ TEST(Urgency, WhoHurriesAResultHurriesWhatItWaitsFor) {
   ASSERT_TRUE(eventually(kPatience, "the thread to be busy", [&] { return pool.running() == 1; }));
   std::string order;
   pool.submit(Priority::kBatch, 0, [&](int) { order += 'b'; });
-  Urgency mesh, result;
-  mesh.lead(pool, {{"job", 1}, Priority::kBackground, 0},
-            [&] { return pool.submit(Priority::kBackground, 0, [&](int) { order += 'm'; }); });
+  Urgency result;
+  const auto mesh = std::make_shared<Urgency>();
+  mesh->lead(pool, {{"job", 1}, Priority::kBackground, 0},
+             [&] { return pool.submit(Priority::kBackground, 0, [&](int) { order += 'm'; }); });
   result.lead(pool, {{"job", 1}, Priority::kBackground, 0}, [] { return WorkerPool::TaskId{0}; });
-  result.waits_for([&](Priority priority, const Flow& flow) { mesh.join(pool, priority, flow); });
-  EXPECT_EQ(mesh.turn().priority, Priority::kBackground);
+  result.waits_for(pool, mesh);
+  EXPECT_EQ(mesh->turn().priority, Priority::kBackground);
   result.join(pool, Priority::kRealtime, {"game", 1});
-  EXPECT_EQ(mesh.priority(), Priority::kRealtime);
-  EXPECT_EQ(mesh.turn().flow.name, "game") << "whose turn it takes is charged for it";
+  EXPECT_EQ(mesh->priority(), Priority::kRealtime);
+  EXPECT_EQ(mesh->turn().flow.name, "game") << "whose turn it takes is charged for it";
   result.goes_on([&](Priority priority) {
     EXPECT_EQ(priority, Priority::kRealtime);
     return WorkerPool::TaskId{0};
@@ -106,6 +110,185 @@ TEST(Urgency, WhoHurriesAResultHurriesWhatItWaitsFor) {
   gate.count_down();
   pool.wait_idle();
   EXPECT_EQ(order, "mb");
+}
+
+TEST(Urgency, ATaskThatBeginsBeforeItsNumberIsKnownLearnsIt) {
+  WorkerPool pool(1, 100);
+  Urgency result;
+  std::future<WorkerPool::TaskId> seen;
+  const auto begins_at_once = [&](WorkerPool::TaskId number) {
+    std::atomic<bool> asks{false};
+    seen = std::async(std::launch::async, [&] {
+      asks = true;
+      return result.task();
+    });
+    require_eventually(kPatience, "the task to begin", [&] { return asks.load(); });
+    // pause: so that it asks before it is known
+    seen.wait_for(std::chrono::milliseconds(20));
+    return number;
+  };
+  result.lead(pool, {{"job", 1}, Priority::kBatch, 0}, [&] { return begins_at_once(7); });
+  EXPECT_EQ(seen.get(), 7u);
+  result.goes_on([&](Priority) { return begins_at_once(8); });
+  EXPECT_EQ(seen.get(), 8u);
+}
+
+TEST(Urgency, AQueuedTaskGoesBackToItsClassWhenWhoHurriedItLeaves) {
+  WorkerPool pool(1, 100);
+  std::latch gate(1);
+  pool.submit(Priority::kRealtime, 0, [&](int) { gate.wait(); });
+  ASSERT_TRUE(eventually(kPatience, "the thread to be busy", [&] { return pool.running() == 1; }));
+  std::string order;
+  Urgency job;
+  job.lead(pool, {{"job", 1}, Priority::kBackground, 0}, [&] {
+    return pool.submit(Priority::kBackground, 0, [&](int) { order += 'j'; }, {"job", 1});
+  });
+  pool.submit(Priority::kBatch, 0, [&](int) { order += 'b'; });
+  job.join(pool, Priority::kRealtime, {"game", 1});
+  job.join(pool, Priority::kBatch, {"client", 1});
+  EXPECT_EQ(job.turn().flow.name, "game");
+  job.leave(pool, Priority::kRealtime);
+  EXPECT_EQ(job.priority(), Priority::kBatch);
+  EXPECT_EQ(job.turn().flow.name, "client") << "it takes its turn now";
+  job.leave(pool, Priority::kBatch);
+  EXPECT_EQ(job.turn().flow.name, "job");
+  EXPECT_EQ(job.turn().priority, Priority::kBackground);
+  job.leave(pool, Priority::kBackground);
+  EXPECT_EQ(job.priority(), Priority::kBackground) << "it is being stopped";
+  gate.count_down();
+  pool.wait_idle();
+  EXPECT_EQ(order, "bj");
+}
+
+TEST(Urgency, WhoLeavesTheLeaderStaysAsUrgentAsThoseWhoStillWait) {
+  WorkerPool pool(1, 100);
+  Urgency result;
+  result.join(pool, Priority::kBatch, {"early", 1});
+  result.join(pool, Priority::kRealtime, {"game", 1});
+  result.leave(pool, Priority::kRealtime);
+  result.lead(pool, {{"leader", 1}, Priority::kBackground, 0}, [] { return WorkerPool::TaskId{0}; });
+  EXPECT_EQ(result.priority(), Priority::kBatch) << "who joined before the leader had its task counts";
+  result.leave(pool, Priority::kBackground);
+  EXPECT_EQ(result.priority(), Priority::kBatch);
+}
+
+TEST(Urgency, APartIsHurriedNoLongerThanTheResultsThatNeedIt) {
+  WorkerPool pool(1, 100);
+  const auto lead = [&](Urgency& result, Priority priority) {
+    result.lead(pool, {{"leader", 1}, priority, 0}, [] { return WorkerPool::TaskId{0}; });
+  };
+  Urgency job, collision;
+  const auto part = std::make_shared<Urgency>();
+  lead(job, Priority::kBackground);
+  job.lead_part(pool, part);
+  lead(collision, Priority::kBatch);
+  collision.waits_for(pool, part);
+  EXPECT_EQ(part->priority(), Priority::kBatch);
+  collision.join(pool, Priority::kRealtime, {"game", 1});
+  job.join(pool, Priority::kRealtime, {"game", 1});
+  EXPECT_EQ(part->priority(), Priority::kRealtime);
+  collision.leave(pool, Priority::kRealtime);
+  EXPECT_EQ(part->priority(), Priority::kRealtime) << "the job's own client";
+  job.leave(pool, Priority::kRealtime);
+  EXPECT_EQ(part->priority(), Priority::kBatch);
+  EXPECT_EQ(job.priority(), Priority::kBackground);
+  collision.gives_up(pool);
+  EXPECT_EQ(part->priority(), Priority::kBackground);
+  collision.join(pool, Priority::kRealtime, {"game", 1});
+  EXPECT_EQ(part->priority(), Priority::kBackground) << "it needs the part no longer";
+  job.end_part(pool, *part);
+}
+
+/// One thread, and a background job that polls at a gate: whoever is more urgent is answered meanwhile.
+struct AJobAtTheGate : testing::Test {
+  std::shared_ptr<FakeControl> control = std::make_shared<FakeControl>();
+  FractureService service{ServiceConfig{}, std::make_unique<FakeEngine>(control)};
+  WorkerPool pool{1, 256};
+  Dispatcher dispatcher{service, pool};
+  std::atomic<bool> first{true}, at_gate{false}, open{false};
+  std::atomic<int> finished{0}, answered{0}, cancelled{0};
+  std::stop_source gone;
+
+  void pass(const Execution& execution) {
+    if (!first.exchange(false)) return;
+    at_gate = true;
+    require_eventually(kPatience, "the gate to open", [&] {
+      execution.poll();
+      return open.load();
+    });
+  }
+  void begin_the_job() {
+    Terms terms;
+    terms.priority = Priority::kBackground;
+    ask(fracture_request("long"), terms, finished);
+    ASSERT_TRUE(eventually(kPatience, "the job at the gate", [&] { return at_gate.load(); }));
+  }
+  void ask(FractureRequest request, const Terms& terms, std::atomic<int>& good) {
+    EXPECT_FALSE(dispatcher.fracture(std::move(request), terms, [&](Expected<FractureAnswer> answer) {
+      if (answer)
+        ++good;
+      else
+        cancelled += answer.error().code == ErrorCode::kCancelled;
+    }));
+  }
+  /// Whoever hurries the job leaves with `gone`.
+  Terms hurried() const {
+    Terms terms;
+    terms.priority = Priority::kRealtime;
+    terms.gone = gone.get_token();
+    return terms;
+  }
+  void others_are_answered() {
+    Terms realtime;
+    realtime.priority = Priority::kRealtime;
+    ask(fracture_request("collision"), realtime, answered);
+    EXPECT_TRUE(eventually(kPatience, "a collision's answer", [&] { return answered == 1; }));
+    ask(fracture_request("batch"), {}, answered);
+    EXPECT_TRUE(eventually(kPatience, "a batch answer", [&] { return answered == 2; }));
+    EXPECT_EQ(finished, 0) << "the job stands still for both";
+    open = true;
+    dispatcher.wait_idle();
+    EXPECT_EQ(finished, 1);
+  }
+};
+
+TEST_F(AJobAtTheGate, IsHurriedByWhoWaitsForTheSameAndNotWhenTheyHaveLeft) {
+  control->during_cut = [&](const Execution& execution) { pass(execution); };
+  begin_the_job();
+  for (int k = 0; k < 3; ++k) ask(fracture_request("long"), hurried(), answered);
+  gone.request_stop();
+  EXPECT_EQ(cancelled, 3);
+  others_are_answered();
+}
+
+TEST_F(AJobAtTheGate, IsHurriedByWhoWaitsForItWithADeadlineAndNotBeyondThat) {
+  control->during_cut = [&](const Execution& execution) { pass(execution); };
+  begin_the_job();
+  Terms hasty = hurried();
+  hasty.deadline = std::chrono::steady_clock::now() + std::chrono::milliseconds(20);
+  ask(fracture_request("long"), hasty, answered);
+  EXPECT_TRUE(eventually(kPatience, "it to give up", [&] { return dispatcher.figures().abandoned == 1; }));
+  others_are_answered();
+}
+
+TEST_F(AJobAtTheGate, IsHurriedInAPartByWhoWaitsForThatAndNotWhenTheyHaveLeft) {
+  control->during_import = [&](const Execution& execution) { pass(execution); };
+  begin_the_job();
+  ask(fracture_request("long", 2), hurried(), answered);  // another result of the same mesh
+  EXPECT_TRUE(eventually(kPatience, "it to wait for the mesh",
+                         [&] { return pool.queued() == 0 && pool.running() == 1; }));
+  gone.request_stop();
+  EXPECT_EQ(cancelled, 1);
+  others_are_answered();
+}
+
+TEST_F(AJobAtTheGate, IsHurriedInAPartByWhoWaitsForTheSameAndNotWhenTheyHaveLeft) {
+  control->during_import = [&](const Execution& execution) { pass(execution); };
+  begin_the_job();
+  ask(fracture_request("long"), hurried(), answered);
+  gone.request_stop();
+  EXPECT_EQ(cancelled, 1);
+  others_are_answered();
 }
 
 }  // namespace

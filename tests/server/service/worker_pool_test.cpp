@@ -103,11 +103,11 @@ TEST(WorkerPool, APromotedTaskGoesWithTheRealtimeOnesByItsArrival) {
   busy.add(kBatch, 'b');
   const auto promoted = busy.add(kBatch, 'p');
   busy.add(kRealtime, 'r');
-  busy.pool.promote(promoted, kRealtime);
-  busy.pool.promote(promoted, kRealtime);
+  busy.pool.reclassify(promoted, kRealtime);
+  busy.pool.reclassify(promoted, kRealtime);
   busy.release();
   EXPECT_EQ(busy.order, "prb");
-  busy.pool.promote(promoted, kRealtime);  // long gone
+  busy.pool.reclassify(promoted, kRealtime);  // long gone
 }
 
 TEST(WorkerPool, ThePredictedWaitIsWhatGoesBeforeOverTheMeasuredThroughput) {
@@ -130,6 +130,29 @@ TEST(WorkerPool, NothingIsPredictedToWaitWhileAThreadIsIdle) {
   pool.submit(kBatch, 1000, [&](int) { gate.wait(); });
   EXPECT_GT(pool.predicted_wait(kBatch).count(), 100) << "both are busy, for long";
   gate.count_down();
+}
+
+TEST(WorkerPool, AClassWithNothingToDoRemembersNobodysDebtWhateverOthersCompute) {
+  std::latch background(1), batch(1);  // outlive the pool, whose threads wait at them
+  WorkerPool pool(2, 100);
+  std::string order;
+  const auto running = [&](std::size_t jobs) {
+    EXPECT_TRUE(test::eventually(test::kPatience, "jobs to run or to have run",
+                                 [&] { return pool.queued() == 0 && pool.running() == jobs; }));
+  };
+  pool.submit(Priority::kBackground, 0, [&](int) { background.wait(); });
+  running(1);
+  pool.submit(kBatch, 1000, [](int) {}, {"a", 1});
+  running(1);
+  pool.submit(kBatch, 0, [&](int) { batch.wait(); }, {"gate", 1});
+  running(2);
+  pool.submit(kBatch, 1, [&](int) { order += 'a'; }, {"a", 1});
+  pool.submit(kBatch, 1, [&](int) { order += 'b'; }, {"b", 1});
+  batch.count_down();
+  running(1);
+  EXPECT_EQ(order, "ab") << "in the order of arrival";
+  background.count_down();
+  pool.wait_idle();
 }
 
 TEST(WorkerPool, CoresAreAtLeastOne) { EXPECT_GE(available_cores(), 1); }
