@@ -210,18 +210,22 @@ Expected<Mesh> ImportPool::import(std::span<const std::byte> mesh, MeshFormat fo
     throw Interrupted{ErrorCode::kDeadlineExceeded};
   }
   const std::uint64_t size = input_bytes(mesh, files);
-  for (std::uint64_t memory = std::min(most, kLeastMemory + kMemoryPerByte * size);;
-       memory = std::min(most, kMore * memory)) {
+  Try attempt;
+  attempt.memory_bytes = std::min(most, kLeastMemory + kMemoryPerByte * size);
+  for (;;) {
     const Allowance::Temporary held(execution.allowance);
-    execution.made(Product::kImportBytes, kReserved * memory);
-    const bool last = memory >= most;
-    Expected<Mesh> result = import_within(memory, last, input, limits, execution);
-    if (last || !lacked_memory(result)) return result;
+    execution.made(Product::kImportBytes, kReserved * attempt.memory_bytes);
+    attempt.last = attempt.memory_bytes >= most;
+    if (std::optional<Expected<Mesh>> result = import_within(attempt, input, limits, execution))
+      return std::move(*result);
+    if (!attempt.was_killed) attempt.memory_bytes = std::min(most, kMore * attempt.memory_bytes);
+    attempt.was_killed_before = attempt.was_killed_before || attempt.was_killed;
   }
 }
 
-Expected<Mesh> ImportPool::import_within(std::uint64_t memory_bytes, bool last, const Input& input,
-                                         const ImportLimits& limits, const Execution& execution) {
+std::optional<Expected<Mesh>> ImportPool::import_within(Try& attempt, const Input& input,
+                                                        const ImportLimits& limits,
+                                                        const Execution& execution) {
   execution.poll();
   std::unique_ptr<WorkerProcess> worker = take(execution);
   const pid_t pid = worker->pid();
@@ -235,18 +239,20 @@ Expected<Mesh> ImportPool::import_within(std::uint64_t memory_bytes, bool last, 
     bury(std::move(worker));
   };
   try {
-    Expected<Mesh> result =
-        worker->import(input.mesh, input.format, input.files, input.digest, limits, execution, memory_bytes);
+    Expected<Mesh> result = worker->import(input.mesh, input.format, input.files, input.digest, limits,
+                                           execution, attempt.memory_bytes);
     const WorkerDeath death = worker->death();
-    const bool over_limit = !result && result.error().code == ErrorCode::kImporterLimit;
-    if (lacked_memory(result)) {
-      if (last) memo_.add(input.name, result.error(), most_of(memory_bytes));
-    } else if (over_limit || death == WorkerDeath::kCrash) {
-      memo_.add(input.name, result.error());
+    attempt.was_killed = death == WorkerDeath::kKilled;
+    if ((lacked_memory(result) && !attempt.last) || (attempt.was_killed && !attempt.was_killed_before)) {
+      finish(nullptr);
+      return std::nullopt;
     }
-    if (lacked_memory(result) && !last)
-      finish(nullptr);  // it is tried again
-    else if (result)
+    const bool over_limit = !result && result.error().code == ErrorCode::kImporterLimit;
+    if (lacked_memory(result))
+      memo_.add(input.name, result.error(), most_of(attempt.memory_bytes));
+    else if (over_limit || death == WorkerDeath::kCrash)
+      memo_.add(input.name, result.error());
+    if (result)
       finish(&ImportCounters::imported);
     else if (over_limit)
       finish(&ImportCounters::limited);

@@ -1,13 +1,14 @@
 // Imports in other processes: a pool of sandboxed fracture-import children (worker_process.hpp), because the
 // readers of foreign formats crash, leak, run away and may be taken over by hostile files. Each worker reads
-// one file and ends; the next one has been forked meanwhile. A worker that dies costs one request a typed
-// error, and the same file the same error at once from then on.
+// one file and ends; the next one has been forked meanwhile. A worker that dies of its file costs one request
+// a typed error, and the same file the same error at once from then on.
 #pragma once
 
 #include <condition_variable>
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -53,8 +54,10 @@ class ImportPool {
 
   /// As import_mesh(); waits for a free worker. What the worker may take is set aside in the execution's
   /// allowance before: little at first, by the size of the file, and more where that was too little (an
-  /// instanced or compressed file), up to the worker's own limit. Further errors: kImporterCrashed,
-  /// kImporterLimit. Throws Interrupted; std::runtime_error where no worker can be started any more.
+  /// instanced or compressed file), up to the worker's own limit. A worker that somebody else killed (the
+  /// kernel short of memory, an operator) says nothing about its file, which is read once more by another
+  /// one. Further errors: kImporterCrashed, kImporterLimit. Throws Interrupted; std::runtime_error where no
+  /// worker can be started any more.
   /// `digest`: what the caller knows the input by, 64 hex digits, another one for each input. An input that
   /// once killed its reader, or needed more than an import may have, gets the same error at once; one that
   /// was computed on for longer than there is time until the deadline, its Interrupted. Thread-safe.
@@ -79,9 +82,16 @@ class ImportPool {
     std::span<const ImportFile> files;
     std::string digest, name;
   };
-  /// `last`: it is not tried again with more.
-  Expected<Mesh> import_within(std::uint64_t memory_bytes, bool last, const Input& input,
-                               const ImportLimits& limits, const Execution& execution);
+  /// One worker's reading of an input.
+  struct Try {
+    std::uint64_t memory_bytes = 0;
+    bool last = false;               ///< there is no more memory to try it with
+    bool was_killed_before = false;  ///< from outside, in a try before: not again for that
+    bool was_killed = false;         ///< how this one ended
+  };
+  /// Nothing: it is to be tried again.
+  std::optional<Expected<Mesh>> import_within(Try& attempt, const Input& input, const ImportLimits& limits,
+                                              const Execution& execution);
   std::unique_ptr<WorkerProcess> fork_worker();
   std::unique_ptr<WorkerProcess> first_worker_of_a_new_zygote();
   void want_a_spare();

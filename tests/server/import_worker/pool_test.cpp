@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -84,10 +85,14 @@ TEST(ImportPool, AWorkerKilledInMidImportCostsItsRequestOnly) {
     const std::vector<pid_t> before = pool.pids();
     auto doomed = std::async(std::launch::async, [&] { return import_with(pool, "! hang"); });
     ASSERT_TRUE(eventually(kPatience, "a worker to be busy", [&] { return pool.counters().busy == 1; }));
-    const pid_t victim = pool.pids().front();  // the busy come first
+    pid_t victim = pool.pids().front();  // the busy come first
     // Others go on meanwhile.
     for (int k = 0; k < 10; ++k) EXPECT_TRUE(import_with(pool, kTetrahedron));
     ASSERT_EQ(::kill(victim, signal), 0);
+    if (signal == SIGKILL) {  // from outside: once more
+      victim = next_reader(pool, victim);
+      ASSERT_EQ(::kill(victim, signal), 0);
+    }
     const Expected<Mesh> result = doomed.get();
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().code, ErrorCode::kImporterCrashed);
@@ -99,6 +104,41 @@ TEST(ImportPool, AWorkerKilledInMidImportCostsItsRequestOnly) {
     for (const pid_t pid : pool.pids()) EXPECT_NE(pid, victim);
     EXPECT_TRUE(import_with(pool, kTetrahedron));
   }
+  EXPECT_TRUE(settles(pool));
+}
+
+// The kernel short of memory ends a reader that is waiting, or one in mid-file.
+TEST(ImportPool, AFileWhoseReaderSomebodyElseKilledIsReadByAnother) {
+  ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 1));
+  ASSERT_EQ(::kill(pool.pids().at(0), SIGKILL), 0);
+  EXPECT_TRUE(import_with(pool, kTetrahedron)) << "the worker was dead before";
+  ASSERT_TRUE(settles(pool));
+  const pid_t stopped = pool.pids().at(0);
+  ASSERT_EQ(::kill(stopped, SIGSTOP), 0);
+  auto read = std::async(std::launch::async, [&] { return import_with(pool, kTetrahedron); });
+  EXPECT_TRUE(eventually(kPatience, "a worker to be busy", [&] { return pool.counters().busy == 1; }));
+  EXPECT_EQ(::kill(stopped, SIGKILL), 0);
+  EXPECT_TRUE(read.get()) << "the worker died over the file";
+  EXPECT_TRUE(settles(pool));
+  EXPECT_EQ(pool.counters().imported, 2u);
+  EXPECT_EQ(pool.counters().crashed, 0u);
+  EXPECT_EQ(pool.counters().started, 5u) << "one at the start, and one after each end";
+}
+
+// A reader that was taken over may be deaf to SIGXCPU: the SIGKILL that follows is of its own making.
+TEST(ImportPool, AReaderThatIsDeafToItsLimitIsNoVictim) {
+  ImportPoolConfig config = config_of(FRACTURE_MISBEHAVING_PROGRAM, 1);
+  config.worker.cpu = 1s;
+  ImportPool pool(config);
+  const rlimit second_alone{2, 2};  // as if the first one were not heard
+  ASSERT_EQ(::prlimit(pool.pids().at(0), RLIMIT_CPU, &second_alone, nullptr), 0);
+  const Expected<Mesh> spun = import_with(pool, "! spin");
+  ASSERT_FALSE(spun);
+  EXPECT_EQ(spun.error().code, ErrorCode::kImporterLimit) << spun.error().detail;
+  EXPECT_EQ(spun.error().extra->value("limit", ""), "cpu");
+  EXPECT_EQ(pool.counters().limited, 1u);
+  EXPECT_FALSE(import_with(pool, "! spin"));
+  EXPECT_EQ(pool.counters().remembered, 1u);
   EXPECT_TRUE(settles(pool));
 }
 
