@@ -150,7 +150,15 @@ void ImportPool::want_a_spare() {
   supervisor_.notify_one();
 }
 
-std::unique_ptr<WorkerProcess> ImportPool::take(const Execution& execution) {
+/// A file may be read for a minute, which those who are in a hurry have not got: like their computations
+/// (worker_pool.hpp), one import of theirs begins beside as many as may be read. Called with the lock.
+int ImportPool::most_workers(bool urgent) const {
+  return config_.workers + (urgent && busy_unhurried_ > 0 ? 1 : 0);
+}
+
+ImportPool::Taken ImportPool::take(const Execution& execution) {
+  const auto is_urgent = [&] { return !execution.turn || execution.turn->is_urgent(); };
+  bool urgent = is_urgent();
   std::unique_lock lock(mutex_);
   const std::uint64_t failures = failed_starts_;
   struct Waiting {
@@ -159,9 +167,9 @@ std::unique_ptr<WorkerProcess> ImportPool::take(const Execution& execution) {
     ~Waiting() { --count; }
   };
   const Waiting waiting(waiting_);
-  while (idle_.empty()) {
+  while (idle_.empty() || counters_.busy >= most_workers(urgent)) {
     const int alive = counters_.workers + starting_ + to_start_;
-    if (alive < config_.workers && starting_ + to_start_ < waiting_) {
+    if (idle_.empty() && alive < most_workers(urgent) && starting_ + to_start_ < waiting_) {
       // Nobody will come free, and none could be started: better an error now than at the deadline.
       if (failed_starts_ > failures && counters_.workers == 0) throw std::runtime_error(start_error_);
       ++to_start_;
@@ -170,23 +178,26 @@ std::unique_ptr<WorkerProcess> ImportPool::take(const Execution& execution) {
     free_.wait_for(lock, milliseconds(10));
     lock.unlock();
     execution.poll();
+    urgent = is_urgent();
     lock.lock();
   }
-  std::unique_ptr<WorkerProcess> worker = std::move(idle_.back());
+  Taken taken{std::move(idle_.back()), urgent};
   idle_.pop_back();
   ++counters_.busy;
-  busy_.push_back(worker->pid());
+  busy_unhurried_ += !urgent;
+  busy_.push_back(taken.worker->pid());
   want_a_spare();
-  return worker;
+  return taken;
 }
 
 /// It has read its file. Ended by the supervisor, and replaced at once.
-void ImportPool::bury(std::unique_ptr<WorkerProcess> worker) {
+void ImportPool::bury(Taken taken) {
   const std::lock_guard lock(mutex_);
   --counters_.busy;
   --counters_.workers;
-  renew_zygote_ = renew_zygote_ || worker->death() == WorkerDeath::kCrash;
-  retired_.push_back(std::move(worker));
+  busy_unhurried_ -= !taken.urgent;
+  renew_zygote_ = renew_zygote_ || taken.worker->death() == WorkerDeath::kCrash;
+  retired_.push_back(std::move(taken.worker));
   want_a_spare();
   supervisor_.notify_one();
   free_.notify_one();
@@ -227,8 +238,9 @@ std::optional<Expected<Mesh>> ImportPool::import_within(Try& attempt, const Inpu
                                                         const ImportLimits& limits,
                                                         const Execution& execution) {
   execution.poll();
-  std::unique_ptr<WorkerProcess> worker = take(execution);
-  const pid_t pid = worker->pid();
+  Taken taken = take(execution);
+  WorkerProcess& worker = *taken.worker;
+  const pid_t pid = worker.pid();
   const auto start = ImportMemo::Clock::now();
   const auto finish = [&](std::uint64_t ImportCounters::*ended) {
     {
@@ -236,12 +248,12 @@ std::optional<Expected<Mesh>> ImportPool::import_within(Try& attempt, const Inpu
       if (ended) ++(counters_.*ended);
       busy_.erase(std::find(busy_.begin(), busy_.end(), pid));
     }
-    bury(std::move(worker));
+    bury(std::move(taken));
   };
   try {
-    Expected<Mesh> result = worker->import(input.mesh, input.format, input.files, input.digest, limits,
-                                           execution, attempt.memory_bytes);
-    const WorkerDeath death = worker->death();
+    Expected<Mesh> result = worker.import(input.mesh, input.format, input.files, input.digest, limits,
+                                          execution, attempt.memory_bytes);
+    const WorkerDeath death = worker.death();
     attempt.was_killed = death == WorkerDeath::kKilled;
     if ((lacked_memory(result) && !attempt.last) || (attempt.was_killed && !attempt.was_killed_before)) {
       finish(nullptr);
@@ -261,7 +273,7 @@ std::optional<Expected<Mesh>> ImportPool::import_within(Try& attempt, const Inpu
     return result;
   } catch (const Interrupted& interrupted) {
     // What counts is the processor's time: where others had it, more of the same time might have done.
-    const auto given = ImportMemo::Clock::now() - start, used = worker->processor_time();
+    const auto given = ImportMemo::Clock::now() - start, used = worker.processor_time();
     if (interrupted.code == ErrorCode::kDeadlineExceeded && used >= kWorthRemembering)
       memo_.add(input.name, used >= given / 4 * 3 ? given : used);
     finish(&ImportCounters::interrupted);

@@ -22,7 +22,7 @@ namespace fracture {
 
 struct ImportPoolConfig {
   WorkerProcessConfig worker;
-  int workers = 1;  ///< at the same time
+  int workers = 1;  ///< at the same time, and one more for urgent work
   /// The zygote is started anew after so many forks, and after every crash: its forks share the places of
   /// everything in memory, and nobody is to find them out by trying.
   std::uint32_t max_forks = 500;
@@ -52,12 +52,13 @@ class ImportPool {
   ImportPool(const ImportPool&) = delete;
   ImportPool& operator=(const ImportPool&) = delete;
 
-  /// As import_mesh(); waits for a free worker. What the worker may take is set aside in the execution's
-  /// allowance before: little at first, by the size of the file, and more where that was too little (an
-  /// instanced or compressed file), up to the worker's own limit. A worker that somebody else killed (the
-  /// kernel short of memory, an operator) says nothing about its file, which is read once more by another
-  /// one. Further errors: kImporterCrashed, kImporterLimit. Throws Interrupted; std::runtime_error where no
-  /// worker can be started any more.
+  /// As import_mesh(); waits for a free worker. Where all of them read for work that can wait, urgent work
+  /// (Turn::is_urgent, asked again while it waits) has one more. What the worker may take is set aside in the
+  /// execution's allowance before: little at first, by the size of the file, and more where that was too
+  /// little (an instanced or compressed file), up to the worker's own limit. A worker that somebody else
+  /// killed (the kernel short of memory, an operator) says nothing about its file, which is read once more by
+  /// another one. Further errors: kImporterCrashed, kImporterLimit. Throws Interrupted; std::runtime_error
+  /// where no worker can be started any more.
   /// `digest`: what the caller knows the input by, 64 hex digits, another one for each input. An input that
   /// once killed its reader, or needed more than an import may have, gets the same error at once; one that
   /// was computed on for longer than there is time until the deadline, its Interrupted. Thread-safe.
@@ -95,8 +96,13 @@ class ImportPool {
   std::unique_ptr<WorkerProcess> fork_worker();
   std::unique_ptr<WorkerProcess> first_worker_of_a_new_zygote();
   void want_a_spare();
-  std::unique_ptr<WorkerProcess> take(const Execution& execution);
-  void bury(std::unique_ptr<WorkerProcess> worker);
+  struct Taken {
+    std::unique_ptr<WorkerProcess> worker;
+    bool urgent = true;
+  };
+  Taken take(const Execution& execution);
+  int most_workers(bool urgent) const;
+  void bury(Taken taken);
 
   const ImportPoolConfig config_;
   ImportMemo memo_;
@@ -106,7 +112,8 @@ class ImportPool {
   std::vector<pid_t> busy_;
   int to_start_ = 1;  ///< wanted and not yet begun
   int starting_ = 0;
-  int waiting_ = 0;  ///< imports without a worker
+  int waiting_ = 0;         ///< imports without a worker
+  int busy_unhurried_ = 0;  ///< workers taken for work that is not urgent
   std::uint64_t failed_starts_ = 0;
   std::string start_error_;
   WorkerHello hello_;

@@ -227,6 +227,74 @@ TEST(ImportPool, AWaitingImportIsCancelledToo) {
   hanging.get();
 }
 
+/// Of a computation whose urgency a test decides.
+struct ToldTurn final : Turn {
+  explicit ToldTurn(bool urgent) : is_in_a_hurry(urgent) {}
+  void give_way() override {}
+  void leave() override {}
+  void come_back() override {}
+  bool is_urgent() const override {
+    ++asked;
+    return is_in_a_hurry;
+  }
+  std::atomic<bool> is_in_a_hurry;
+  mutable std::atomic<int> asked{0};
+};
+
+TEST(ImportPool, UrgentWorkDoesNotWaitForWorkThatIsNot) {
+  ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 1));
+  ToldTurn batch(false), realtime(true), hurried(false);
+  std::stop_source stop;
+  Execution hangs, urgent, waits;
+  hangs.stop = stop.get_token();
+  hangs.turn = &batch;
+  urgent.turn = &realtime;
+  // Whatever is wrong, nobody waits for ever.
+  urgent.deadline = waits.deadline = std::chrono::steady_clock::now() + kPatience;
+  waits.turn = &hurried;
+  auto hanging = std::async(std::launch::async,
+                            [&] { EXPECT_THROW((void)import_with(pool, "! hang", hangs), Interrupted); });
+  EXPECT_TRUE(eventually(kPatience, "a worker to be busy", [&] { return pool.counters().busy == 1; }));
+  EXPECT_TRUE(import_with(pool, kTetrahedron, urgent));
+  // Somebody in a hurry comes to wait for what waits here.
+  auto promoted = std::async(std::launch::async, [&] { return import_with(pool, kTetrahedron, waits); });
+  EXPECT_TRUE(eventually(kPatience, "it to wait", [&] { return hurried.asked >= 3; }));
+  EXPECT_EQ(pool.counters().imported, 1u) << "there is one more for urgent work alone";
+  hurried.is_in_a_hurry = true;
+  EXPECT_TRUE(promoted.get());
+  stop.request_stop();
+  hanging.get();
+  hurried.is_in_a_hurry = false;
+  EXPECT_TRUE(import_with(pool, kTetrahedron, waits)) << "the place is free again";
+  EXPECT_TRUE(settles(pool));
+  EXPECT_EQ(pool.counters().workers, 1);
+}
+
+TEST(ImportPool, UrgentWorkHasOneWorkerMoreAndNotTwo) {
+  ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 1));
+  ToldTurn batch(false), realtime(true);
+  std::stop_source stop;
+  const auto hangs = [&](Turn* turn, const char* command) {
+    return std::async(std::launch::async, [&pool, &stop, turn, command] {
+      Execution execution;
+      execution.stop = stop.get_token();
+      execution.turn = turn;
+      EXPECT_THROW((void)import_with(pool, command, execution), Interrupted);
+    });
+  };
+  auto first = hangs(&batch, "! hang");
+  EXPECT_TRUE(eventually(kPatience, "a worker to be busy", [&] { return pool.counters().busy == 1; }));
+  auto second = hangs(&realtime, "! spin");
+  EXPECT_TRUE(eventually(kPatience, "one more to be busy", [&] { return pool.counters().busy == 2; }));
+  const int asked = realtime.asked;
+  auto third = hangs(&realtime, "! hang");
+  EXPECT_TRUE(eventually(kPatience, "a third to wait", [&] { return realtime.asked >= asked + 3; }));
+  EXPECT_EQ(pool.counters().busy, 2);
+  stop.request_stop();
+  for (auto* const import : {&first, &second, &third}) import->get();
+  EXPECT_TRUE(settles(pool));
+}
+
 TEST(ImportPool, TheSandboxOpensNothingAndReachesNobody) {
   ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 1));
   if (pool.hello().seccomp == 0) GTEST_SKIP() << "this machine allows no seccomp filter";
