@@ -137,9 +137,10 @@ TEST(ImportPool, AReaderThatIsDeafToItsLimitIsNoVictim) {
   EXPECT_EQ(spun.error().code, ErrorCode::kImporterLimit) << spun.error().detail;
   EXPECT_EQ(spun.error().extra->value("limit", ""), "cpu");
   EXPECT_EQ(pool.counters().limited, 1u);
+  ASSERT_TRUE(settles(pool));
+  EXPECT_EQ(pool.counters().started, 2u) << "it was not tried again";
   EXPECT_FALSE(import_with(pool, "! spin"));
   EXPECT_EQ(pool.counters().remembered, 1u);
-  EXPECT_TRUE(settles(pool));
 }
 
 TEST(ImportPool, EveryWayToDieHasItsError) {
