@@ -15,6 +15,9 @@ class Turn {
   /// processor here. Not nested; only by the thread that the computation began on.
   virtual void leave() = 0;
   virtual void come_back() = 0;
+  /// Somebody waits for the computation who cannot wait long: where it waits for others, it goes before them.
+  /// May change while it runs.
+  virtual bool is_urgent() const { return true; }
 };
 
 /// Away for as long as this lives; nothing where `turn` is null.

@@ -120,7 +120,8 @@ asio::awaitable<bool> ConnectionPool::connect(Connection& connection, Exchange& 
     endpoints.emplace_back(address, settings_.port);
   } else {
     tcp::resolver resolver(io_);
-    const auto found = co_await resolver.async_resolve(settings_.host, std::to_string(settings_.port),
+    const std::string port = std::to_string(settings_.port);  // named: g++ 12 destroys such a temporary twice
+    const auto found = co_await resolver.async_resolve(settings_.host, port,
                                                        asio::redirect_error(asio::use_awaitable, error));
     if (error || found.empty()) {
       exchange.outcome = Exchange::Outcome::kNoServer;

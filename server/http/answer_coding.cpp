@@ -1,8 +1,10 @@
 // Content-Encoding of answers: which one, and how it is made.
+#define ZSTD_STATIC_LINKING_ONLY  // for the name of ZSTD_c_stableInBuffer: the parameter is in every library
 #include <zlib.h>
 #include <zstd.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <memory>
 #include <new>
@@ -15,7 +17,11 @@
 namespace fracture::http {
 namespace {
 
-std::vector<std::uint8_t> gzipped(std::span<const std::uint8_t> body) {
+/// Of an encoder's output between two polls: what it has taken in meanwhile is at most some MiB, of zeros. The
+/// input goes in as a whole: cut up, it would become other bytes.
+constexpr std::size_t kPiece = 1u << 10;
+
+std::vector<std::uint8_t> gzipped(std::span<const std::uint8_t> body, const Execution& execution) {
   z_stream stream{};
   constexpr int kGzip = 16 + MAX_WBITS, kMemory = 8;
   if (deflateInit2(&stream, Z_BEST_SPEED, Z_DEFLATED, kGzip, kMemory, Z_DEFAULT_STRATEGY) != Z_OK)
@@ -24,23 +30,47 @@ std::vector<std::uint8_t> gzipped(std::span<const std::uint8_t> body) {
   const std::unique_ptr<z_stream, decltype(end)> owner(&stream, end);
   if (body.size() > std::numeric_limits<uInt>::max())
     throw InternalError("gzip in one piece is for less than 4 GiB");
-  std::vector<std::uint8_t> out(deflateBound(&stream, static_cast<uLong>(body.size())));
+  std::vector<std::uint8_t> out;
+  out.reserve(deflateBound(&stream, static_cast<uLong>(body.size())));
   stream.next_in = const_cast<Bytef*>(body.data());  // zlib only reads
   stream.avail_in = static_cast<uInt>(body.size());
-  stream.next_out = out.data();
-  stream.avail_out = static_cast<uInt>(out.size());
-  if (::deflate(&stream, Z_FINISH) != Z_STREAM_END) throw InternalError("gzip does not end");
-  out.resize(stream.total_out);
+  std::array<Bytef, kPiece> piece;
+  for (int result = Z_OK; result != Z_STREAM_END;) {
+    execution.poll();
+    stream.next_out = piece.data();
+    stream.avail_out = static_cast<uInt>(piece.size());
+    result = ::deflate(&stream, Z_FINISH);
+    if (result != Z_OK && result != Z_STREAM_END) throw InternalError("gzip does not end");
+    out.insert(out.end(), piece.data(), stream.next_out);
+  }
   out.shrink_to_fit();
   return out;
 }
 
-std::vector<std::uint8_t> zstandard(std::span<const std::uint8_t> body) {
+std::vector<std::uint8_t> zstandard(std::span<const std::uint8_t> body, const Execution& execution) {
   constexpr int kLevel = 3;
-  std::vector<std::uint8_t> out(ZSTD_compressBound(body.size()));
-  const std::size_t size = ZSTD_compress(out.data(), out.size(), body.data(), body.size(), kLevel);
-  if (ZSTD_isError(size)) throw std::bad_alloc();
-  out.resize(size);
+  const auto free = [](ZSTD_CCtx* c) { ZSTD_freeCCtx(c); };
+  const std::unique_ptr<ZSTD_CCtx, decltype(free)> context(ZSTD_createCCtx(), free);
+  if (!context) throw std::bad_alloc();
+  const auto set = [&](ZSTD_cParameter parameter, int value) {
+    if (ZSTD_isError(ZSTD_CCtx_setParameter(context.get(), parameter, value)))
+      throw InternalError("zstd does not take a parameter");
+  };
+  set(ZSTD_c_compressionLevel, kLevel);
+  // Reads from where the body is, as it does in one piece: the same bytes as those.
+  set(ZSTD_c_stableInBuffer, 1);
+  if (ZSTD_isError(ZSTD_CCtx_setPledgedSrcSize(context.get(), body.size()))) throw std::bad_alloc();
+  std::vector<std::uint8_t> out;
+  out.reserve(ZSTD_compressBound(body.size()));
+  ZSTD_inBuffer in{body.data(), body.size(), 0};
+  std::array<std::uint8_t, kPiece> piece;
+  for (std::size_t left = 1; left != 0;) {
+    execution.poll();
+    ZSTD_outBuffer made{piece.data(), piece.size(), 0};
+    left = ZSTD_compressStream2(context.get(), &made, &in, ZSTD_e_end);
+    if (ZSTD_isError(left)) throw std::bad_alloc();
+    out.insert(out.end(), piece.data(), piece.data() + made.pos);
+  }
   out.shrink_to_fit();
   return out;
 }
@@ -100,9 +130,10 @@ CodingWishes coding_wishes(std::string_view accept_encoding) {
   return wishes;
 }
 
-std::vector<std::uint8_t> encode_body(std::span<const std::uint8_t> body, ContentCoding coding) {
-  if (coding == ContentCoding::kGzip) return gzipped(body);
-  if (coding == ContentCoding::kZstd) return zstandard(body);
+std::vector<std::uint8_t> encode_body(std::span<const std::uint8_t> body, ContentCoding coding,
+                                      const Execution& execution) {
+  if (coding == ContentCoding::kGzip) return gzipped(body, execution);
+  if (coding == ContentCoding::kZstd) return zstandard(body, execution);
   return {body.begin(), body.end()};
 }
 

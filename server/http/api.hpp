@@ -83,7 +83,7 @@ class Api {
   const HttpLimits& limits() const { return limits_; }
 
  private:
-  /// Of compressed answers: of several who want the same one, one makes it.
+  /// Of compressed answers: of several of one class who want the same one, one makes it.
   using VariantFlights = SingleFlight<std::shared_ptr<const FractureResult>>;
 
   /// Runs a handler and replies with what it returns, if anything; exceptions become problems.

@@ -123,8 +123,12 @@ Answered Api::send_result(const std::shared_ptr<Request>& request,
   if (variant || request->admission.head_only)
     return finish(result_response(result, representation, variant));
   using Made = std::shared_ptr<const FractureResult>;
-  const auto seat = variants_.join(key, [this, request, result, representation, reply, finish](
-                                            const Expected<Made>& made, VariantFlights::Role) {
+  // Jobs have no claim to that class: their answer is there, and somebody waits for it now.
+  const Priority priority = std::min(terms.priority, Priority::kBatch);
+  // Each class has a flight of its own: nobody waits for the turn of a less urgent one.
+  const std::string flight_name = key + "." + std::to_string(static_cast<int>(priority));
+  const auto seat = variants_.join(flight_name, [this, request, result, representation, reply, finish](
+                                                    const Expected<Made>& made, VariantFlights::Role) {
     answering(*request, reply, [&]() -> Answered {
       if (made) return finish(result_response(result, representation, *made));
       // The answer is there all the same.
@@ -138,15 +142,21 @@ Answered Api::send_result(const std::shared_ptr<Request>& request,
   const auto not_made = [](std::string why) -> Expected<Made> {
     return tl::unexpected<Error>(Error{ErrorCode::kOutOfMemory, std::move(why)});
   };
-  // For all who wait, whoever leaves; and of an answer that is there.
+  // For all who wait, whoever leaves; and of an answer that is there. A job's own deadline is for its
+  // computation alone.
   Terms compressing = terms;
+  compressing.priority = priority;
+  compressing.deadline = std::min(terms.deadline, std::chrono::steady_clock::now() + limits_.deadline);
   compressing.gone = {};
   compressing.needs_seat = false;
-  const auto compress = [this, flight = seat.flight, result, representation, not_made](const Execution&) {
+  const auto compress = [this, flight = seat.flight, result, representation,
+                         not_made](const Execution& execution) {
     Expected<Made> made = not_made("There is no memory to compress this answer now.");
     try {
-      made = make_variant(*result, representation);
+      made = make_variant(*result, representation, execution);
       service_.keep_variant(*made);
+    } catch (const Interrupted& interrupted) {
+      made = not_made(to_error(interrupted).detail);
     } catch (const std::exception& e) {
       if (!made) spdlog::warn("compressing an answer failed: {}", e.what());
     }

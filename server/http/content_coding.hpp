@@ -53,7 +53,8 @@ struct CodingWishes {
 CodingWishes coding_wishes(std::string_view accept_encoding);
 
 /// Compressed rather quickly than well (gzip 1, zstd 3). The same bytes at each time, by one version of the
-/// libraries.
-std::vector<std::uint8_t> encode_body(std::span<const std::uint8_t> body, ContentCoding coding);
+/// libraries. Throws Interrupted.
+std::vector<std::uint8_t> encode_body(std::span<const std::uint8_t> body, ContentCoding coding,
+                                      const Execution& execution);
 
 }  // namespace fracture::http

@@ -89,12 +89,14 @@ std::vector<std::string> kept_names_of(const std::string& key) {
 }
 
 std::shared_ptr<const FractureResult> make_variant(const FractureResult& result,
-                                                   const Representation& representation) {
+                                                   const Representation& representation,
+                                                   const Execution& execution) {
   auto variant = std::make_shared<FractureResult>();
   variant->key = variant_key(result, representation);
   variant->mesh_digest = result.mesh_digest;
   variant->format = result.format;
-  variant->file = encode_body(plain_bytes(result, representation.figures), representation.coding);
+  variant->file = encode_body(plain_bytes(result, representation.figures), representation.coding, execution);
+  execution.poll();
   variant->file_digest = sha256(std::as_bytes(std::span(variant->file)));
   return variant;
 }

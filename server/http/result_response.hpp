@@ -37,9 +37,10 @@ std::string variant_key(const FractureResult& result, const Representation& repr
 /// All names in the result cache under which the answer of this key may be: its own, and those of variants.
 std::vector<std::string> kept_names_of(const std::string& key);
 
-/// Compresses; to be kept under variant_key().
+/// Compresses; to be kept under variant_key(). Throws Interrupted.
 std::shared_ptr<const FractureResult> make_variant(const FractureResult& result,
-                                                   const Representation& representation);
+                                                   const Representation& representation,
+                                                   const Execution& execution);
 
 /// The answer with the headers that depend on the result only. `variant` holds the bytes where they are
 /// compressed; null: the answer to a HEAD of what nobody has compressed yet.

@@ -120,7 +120,8 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
   asio::awaitable<void> run() {
     if (verdict_ != Connections::Verdict::kWelcome) {
       begin_record(new_request_id());
-      co_await refuse_and_close(turned_away());
+      const Problem refusal = turned_away();  // named: g++ 12 destroys such a temporary twice
+      co_await refuse_and_close(refusal);
       co_return;
     }
     if (proxied_) {
@@ -146,15 +147,15 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
       }
       if (!*head) co_return;  // closed or idle between requests
       set_answering(true);
-      if (!co_await answer(std::move(**head))) co_return;
+      exchange_->request.head = std::move(**head);
+      if (!co_await answer()) co_return;
       set_answering(false);
     }
   }
 
-  /// One request, from its approved header to the last byte of its answer. False when the connection is over.
-  asio::awaitable<bool> answer(RequestHead approved) {
+  /// One request, from its header in exchange_ to the last byte of its answer. False when the connection is over.
+  asio::awaitable<bool> answer() {
     Request& request = exchange_->request;
-    request.head = std::move(approved);
     const RequestHead& head = request.head;
     request.id = request_id(head);
     begin_record(request.id);

@@ -55,15 +55,19 @@ asio::awaitable<bool> write_stream(const StreamTarget& target, const Response& r
     const bool last = !next->there || !next->bytes;
     if (last && !chunked) break;
     target.connection.set_deadline(steady_clock::now() + target.limits.write_stall);
+    // Chunks have names: g++ 12 destroys a temporary twice that is an argument of what is awaited.
     if (last) {
-      co_await asio::async_write(socket, bhttp::make_chunk_last(), into_ec());
+      const auto end = bhttp::make_chunk_last();
+      co_await asio::async_write(socket, end, into_ec());
       break;
     }
     const asio::const_buffer bytes(next->bytes->data(), next->bytes->size());
-    if (chunked)
-      co_await asio::async_write(socket, bhttp::make_chunk(bytes), into_ec());
-    else
+    if (chunked) {
+      const auto chunk = bhttp::make_chunk(bytes);
+      co_await asio::async_write(socket, chunk, into_ec());
+    } else {
       co_await asio::async_write(socket, bytes, into_ec());
+    }
   }
   target.connection.clear_deadline();
   co_return !ec;

@@ -65,6 +65,11 @@ bool TimedSocket::is_reset() {
   return ::getsockopt(socket_.native_handle(), SOL_SOCKET, SO_ERROR, &error, &size) == 0 && error != 0;
 }
 
+bool TimedSocket::take_urgent_byte() {
+  char byte = 0;
+  return ::recv(socket_.native_handle(), &byte, 1, MSG_OOB | MSG_DONTWAIT) == 1;
+}
+
 asio::awaitable<void> TimedSocket::linger() {
   error_code ec;
   socket_.shutdown(tcp::socket::shutdown_send, ec);

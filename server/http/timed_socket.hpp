@@ -30,6 +30,8 @@ class TimedSocket : public std::enable_shared_from_this<TimedSocket> {
   std::uint64_t unsent();
   /// The connection was reset; urgent data, which wakes the same wait, is none.
   bool is_reset();
+  /// Takes a byte of urgent data, which no request has a use for. False where there is none.
+  bool take_urgent_byte();
   /// After an answer that ends the connection, what the client still sends is read and thrown away for a
   /// while: closing a socket with unread data makes the kernel send a reset that can destroy the answer
   /// before the client has read it.

@@ -19,18 +19,25 @@ std::stop_token WorkWait::begin() {
 
 asio::awaitable<void> WorkWait::until(const std::function<bool()>& done) {
   if (done()) co_return;
+  watching_ = true;
   watch_for_reset();
   do {
     error_code ignored;
     co_await woken_.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
   } while (!done());
+  watching_ = false;
   connection_->abort();  // ends the watch
 }
 
 void WorkWait::watch_for_reset() {
   connection_->socket().async_wait(tcp::socket::wait_error, [weak = weak_from_this()](error_code ec) {
     const auto self = weak.lock();
-    if (ec || !self || !self->connection_->is_reset()) return;
+    if (ec || !self) return;
+    if (!self->connection_->is_reset()) {
+      // While an urgent byte waits to be taken, a new watch ends at once.
+      if (self->watching_ && self->connection_->take_urgent_byte()) self->watch_for_reset();
+      return;
+    }
     self->reset_ = true;
     self->stop_.request_stop();
     self->wake();

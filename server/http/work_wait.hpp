@@ -39,7 +39,7 @@ class WorkWait : public std::enable_shared_from_this<WorkWait> {
   const std::shared_ptr<TimedSocket> connection_;
   asio::steady_timer woken_;  // never expires: cancelled to wake
   std::stop_source stop_;
-  bool reset_ = false, cancelled_ = false;
+  bool reset_ = false, cancelled_ = false, watching_ = false;
 };
 
 }  // namespace fracture::http

@@ -150,7 +150,15 @@ void ImportPool::want_a_spare() {
   supervisor_.notify_one();
 }
 
-std::unique_ptr<WorkerProcess> ImportPool::take(const Execution& execution) {
+/// A file may be read for a minute, which those who are in a hurry have not got: like their computations
+/// (worker_pool.hpp), one import of theirs begins beside as many as may be read. Called with the lock.
+int ImportPool::most_workers(bool urgent) const {
+  return config_.workers + (urgent && busy_unhurried_ > 0 ? 1 : 0);
+}
+
+ImportPool::Taken ImportPool::take(const Execution& execution) {
+  const auto is_urgent = [&] { return !execution.turn || execution.turn->is_urgent(); };
+  bool urgent = is_urgent();
   std::unique_lock lock(mutex_);
   const std::uint64_t failures = failed_starts_;
   struct Waiting {
@@ -159,9 +167,9 @@ std::unique_ptr<WorkerProcess> ImportPool::take(const Execution& execution) {
     ~Waiting() { --count; }
   };
   const Waiting waiting(waiting_);
-  while (idle_.empty()) {
+  while (idle_.empty() || counters_.busy >= most_workers(urgent)) {
     const int alive = counters_.workers + starting_ + to_start_;
-    if (alive < config_.workers && starting_ + to_start_ < waiting_) {
+    if (idle_.empty() && alive < most_workers(urgent) && starting_ + to_start_ < waiting_) {
       // Nobody will come free, and none could be started: better an error now than at the deadline.
       if (failed_starts_ > failures && counters_.workers == 0) throw std::runtime_error(start_error_);
       ++to_start_;
@@ -170,23 +178,26 @@ std::unique_ptr<WorkerProcess> ImportPool::take(const Execution& execution) {
     free_.wait_for(lock, milliseconds(10));
     lock.unlock();
     execution.poll();
+    urgent = is_urgent();
     lock.lock();
   }
-  std::unique_ptr<WorkerProcess> worker = std::move(idle_.back());
+  Taken taken{std::move(idle_.back()), urgent};
   idle_.pop_back();
   ++counters_.busy;
-  busy_.push_back(worker->pid());
+  busy_unhurried_ += !urgent;
+  busy_.push_back(taken.worker->pid());
   want_a_spare();
-  return worker;
+  return taken;
 }
 
 /// It has read its file. Ended by the supervisor, and replaced at once.
-void ImportPool::bury(std::unique_ptr<WorkerProcess> worker) {
+void ImportPool::bury(Taken taken) {
   const std::lock_guard lock(mutex_);
   --counters_.busy;
   --counters_.workers;
-  renew_zygote_ = renew_zygote_ || worker->death() == WorkerDeath::kCrash;
-  retired_.push_back(std::move(worker));
+  busy_unhurried_ -= !taken.urgent;
+  renew_zygote_ = renew_zygote_ || taken.worker->death() == WorkerDeath::kCrash;
+  retired_.push_back(std::move(taken.worker));
   want_a_spare();
   supervisor_.notify_one();
   free_.notify_one();
@@ -210,21 +221,26 @@ Expected<Mesh> ImportPool::import(std::span<const std::byte> mesh, MeshFormat fo
     throw Interrupted{ErrorCode::kDeadlineExceeded};
   }
   const std::uint64_t size = input_bytes(mesh, files);
-  for (std::uint64_t memory = std::min(most, kLeastMemory + kMemoryPerByte * size);;
-       memory = std::min(most, kMore * memory)) {
+  Try attempt;
+  attempt.memory_bytes = std::min(most, kLeastMemory + kMemoryPerByte * size);
+  for (;;) {
     const Allowance::Temporary held(execution.allowance);
-    execution.made(Product::kImportBytes, kReserved * memory);
-    const bool last = memory >= most;
-    Expected<Mesh> result = import_within(memory, last, input, limits, execution);
-    if (last || !lacked_memory(result)) return result;
+    execution.made(Product::kImportBytes, kReserved * attempt.memory_bytes);
+    attempt.last = attempt.memory_bytes >= most;
+    if (std::optional<Expected<Mesh>> result = import_within(attempt, input, limits, execution))
+      return std::move(*result);
+    if (!attempt.was_killed) attempt.memory_bytes = std::min(most, kMore * attempt.memory_bytes);
+    attempt.was_killed_before = attempt.was_killed_before || attempt.was_killed;
   }
 }
 
-Expected<Mesh> ImportPool::import_within(std::uint64_t memory_bytes, bool last, const Input& input,
-                                         const ImportLimits& limits, const Execution& execution) {
+std::optional<Expected<Mesh>> ImportPool::import_within(Try& attempt, const Input& input,
+                                                        const ImportLimits& limits,
+                                                        const Execution& execution) {
   execution.poll();
-  std::unique_ptr<WorkerProcess> worker = take(execution);
-  const pid_t pid = worker->pid();
+  Taken taken = take(execution);
+  WorkerProcess& worker = *taken.worker;
+  const pid_t pid = worker.pid();
   const auto start = ImportMemo::Clock::now();
   const auto finish = [&](std::uint64_t ImportCounters::*ended) {
     {
@@ -232,21 +248,23 @@ Expected<Mesh> ImportPool::import_within(std::uint64_t memory_bytes, bool last, 
       if (ended) ++(counters_.*ended);
       busy_.erase(std::find(busy_.begin(), busy_.end(), pid));
     }
-    bury(std::move(worker));
+    bury(std::move(taken));
   };
   try {
-    Expected<Mesh> result =
-        worker->import(input.mesh, input.format, input.files, input.digest, limits, execution, memory_bytes);
-    const WorkerDeath death = worker->death();
-    const bool over_limit = !result && result.error().code == ErrorCode::kImporterLimit;
-    if (lacked_memory(result)) {
-      if (last) memo_.add(input.name, result.error(), most_of(memory_bytes));
-    } else if (over_limit || death == WorkerDeath::kCrash) {
-      memo_.add(input.name, result.error());
+    Expected<Mesh> result = worker.import(input.mesh, input.format, input.files, input.digest, limits,
+                                          execution, attempt.memory_bytes);
+    const WorkerDeath death = worker.death();
+    attempt.was_killed = death == WorkerDeath::kKilled;
+    if ((lacked_memory(result) && !attempt.last) || (attempt.was_killed && !attempt.was_killed_before)) {
+      finish(nullptr);
+      return std::nullopt;
     }
-    if (lacked_memory(result) && !last)
-      finish(nullptr);  // it is tried again
-    else if (result)
+    const bool over_limit = !result && result.error().code == ErrorCode::kImporterLimit;
+    if (lacked_memory(result))
+      memo_.add(input.name, result.error(), most_of(attempt.memory_bytes));
+    else if (over_limit || death == WorkerDeath::kCrash)
+      memo_.add(input.name, result.error());
+    if (result)
       finish(&ImportCounters::imported);
     else if (over_limit)
       finish(&ImportCounters::limited);
@@ -255,7 +273,7 @@ Expected<Mesh> ImportPool::import_within(std::uint64_t memory_bytes, bool last, 
     return result;
   } catch (const Interrupted& interrupted) {
     // What counts is the processor's time: where others had it, more of the same time might have done.
-    const auto given = ImportMemo::Clock::now() - start, used = worker->processor_time();
+    const auto given = ImportMemo::Clock::now() - start, used = worker.processor_time();
     if (interrupted.code == ErrorCode::kDeadlineExceeded && used >= kWorthRemembering)
       memo_.add(input.name, used >= given / 4 * 3 ? given : used);
     finish(&ImportCounters::interrupted);

@@ -1,13 +1,14 @@
 // Imports in other processes: a pool of sandboxed fracture-import children (worker_process.hpp), because the
 // readers of foreign formats crash, leak, run away and may be taken over by hostile files. Each worker reads
-// one file and ends; the next one has been forked meanwhile. A worker that dies costs one request a typed
-// error, and the same file the same error at once from then on.
+// one file and ends; the next one has been forked meanwhile. A worker that dies of its file costs one request
+// a typed error, and the same file the same error at once from then on.
 #pragma once
 
 #include <condition_variable>
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -21,7 +22,7 @@ namespace fracture {
 
 struct ImportPoolConfig {
   WorkerProcessConfig worker;
-  int workers = 1;  ///< at the same time
+  int workers = 1;  ///< at the same time, and one more for urgent work
   /// The zygote is started anew after so many forks, and after every crash: its forks share the places of
   /// everything in memory, and nobody is to find them out by trying.
   std::uint32_t max_forks = 500;
@@ -51,10 +52,13 @@ class ImportPool {
   ImportPool(const ImportPool&) = delete;
   ImportPool& operator=(const ImportPool&) = delete;
 
-  /// As import_mesh(); waits for a free worker. What the worker may take is set aside in the execution's
-  /// allowance before: little at first, by the size of the file, and more where that was too little (an
-  /// instanced or compressed file), up to the worker's own limit. Further errors: kImporterCrashed,
-  /// kImporterLimit. Throws Interrupted; std::runtime_error where no worker can be started any more.
+  /// As import_mesh(); waits for a free worker. Where all of them read for work that can wait, urgent work
+  /// (Turn::is_urgent, asked again while it waits) has one more. What the worker may take is set aside in the
+  /// execution's allowance before: little at first, by the size of the file, and more where that was too
+  /// little (an instanced or compressed file), up to the worker's own limit. A worker that somebody else
+  /// killed (the kernel short of memory, an operator) says nothing about its file, which is read once more by
+  /// another one. Further errors: kImporterCrashed, kImporterLimit. Throws Interrupted; std::runtime_error
+  /// where no worker can be started any more.
   /// `digest`: what the caller knows the input by, 64 hex digits, another one for each input. An input that
   /// once killed its reader, or needed more than an import may have, gets the same error at once; one that
   /// was computed on for longer than there is time until the deadline, its Interrupted. Thread-safe.
@@ -79,14 +83,26 @@ class ImportPool {
     std::span<const ImportFile> files;
     std::string digest, name;
   };
-  /// `last`: it is not tried again with more.
-  Expected<Mesh> import_within(std::uint64_t memory_bytes, bool last, const Input& input,
-                               const ImportLimits& limits, const Execution& execution);
+  /// One worker's reading of an input.
+  struct Try {
+    std::uint64_t memory_bytes = 0;
+    bool last = false;               ///< there is no more memory to try it with
+    bool was_killed_before = false;  ///< from outside, in a try before: not again for that
+    bool was_killed = false;         ///< how this one ended
+  };
+  /// Nothing: it is to be tried again.
+  std::optional<Expected<Mesh>> import_within(Try& attempt, const Input& input, const ImportLimits& limits,
+                                              const Execution& execution);
   std::unique_ptr<WorkerProcess> fork_worker();
   std::unique_ptr<WorkerProcess> first_worker_of_a_new_zygote();
   void want_a_spare();
-  std::unique_ptr<WorkerProcess> take(const Execution& execution);
-  void bury(std::unique_ptr<WorkerProcess> worker);
+  struct Taken {
+    std::unique_ptr<WorkerProcess> worker;
+    bool urgent = true;
+  };
+  Taken take(const Execution& execution);
+  int most_workers(bool urgent) const;
+  void bury(Taken taken);
 
   const ImportPoolConfig config_;
   ImportMemo memo_;
@@ -96,7 +112,8 @@ class ImportPool {
   std::vector<pid_t> busy_;
   int to_start_ = 1;  ///< wanted and not yet begun
   int starting_ = 0;
-  int waiting_ = 0;  ///< imports without a worker
+  int waiting_ = 0;         ///< imports without a worker
+  int busy_unhurried_ = 0;  ///< workers taken for work that is not urgent
   std::uint64_t failed_starts_ = 0;
   std::string start_error_;
   WorkerHello hello_;

@@ -45,6 +45,13 @@ bool is_of_its_own_making(int signal) {
   }
 }
 
+std::chrono::microseconds processor_time_of(const rusage& used) {
+  const auto sum = [](const timeval& a, const timeval& b) {
+    return std::chrono::seconds(a.tv_sec + b.tv_sec) + std::chrono::microseconds(a.tv_usec + b.tv_usec);
+  };
+  return sum(used.ru_utime, used.ru_stime);
+}
+
 }  // namespace
 
 WorkerProcess::WorkerProcess(ZygoteProcess& zygote, const WorkerProcessConfig& config) : cpu_(config.cpu) {
@@ -101,13 +108,17 @@ Expected<Mesh> WorkerProcess::died(WorkerDeath how_at_least) {
   socket_.reset();
   // Its end of the socket is closed and it is dying, unless it lied: then it has to.
   int status = 0;
+  rusage used{};
   pid_t reaped = 0;
-  for (int k = 0; last_words_.empty() && k < 50 && (reaped = ::waitpid(pid_, &status, WNOHANG)) == 0; ++k)
+  for (int k = 0; last_words_.empty() && k < 50 && (reaped = ::wait4(pid_, &status, WNOHANG, &used)) == 0;
+       ++k)
     ::usleep(2000);
   if (reaped == pid_) {
     pid_ = -1;
     const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
-    if (signal == SIGXCPU) death_ = WorkerDeath::kCpuLimit;
+    // The second limit of processor time kills whoever is deaf to the first one (sandbox.cpp).
+    const bool over_time = cpu_.count() > 0 && processor_time_of(used) >= cpu_;
+    if (signal == SIGXCPU || (signal == SIGKILL && over_time)) death_ = WorkerDeath::kCpuLimit;
     if (signal == SIGXFSZ) death_ = WorkerDeath::kSizeLimit;
     if (signal == 0 && WEXITSTATUS(status) == kLackedMemory) death_ = WorkerDeath::kMemoryLimit;
     if (signal != 0 && death_ == WorkerDeath::kCrash && !is_of_its_own_making(signal))

@@ -22,7 +22,7 @@ enum class WorkerDeath {
   kNone,
   kCrash,        ///< by a signal of its own making, an exit, or an answer that breaks a promise
   kKilled,       ///< by a signal that comes from outside (SIGKILL, SIGTERM): nothing is said about the file
-  kCpuLimit,     ///< SIGXCPU
+  kCpuLimit,     ///< SIGXCPU, or SIGKILL after as much time
   kMemoryLimit,  ///< kLackedMemory
   kSizeLimit,    ///< SIGXFSZ: more output than a mesh may have
 };

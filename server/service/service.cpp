@@ -47,6 +47,19 @@ FractureParameters with_hulls(const RequestParameters& asked) {
   return parameters;
 }
 
+/// Of a file that is read in another process, where it may wait for its turn: no place to stand still at.
+class TurnElsewhere final : public Turn {
+ public:
+  explicit TurnElsewhere(const Turn* turn) : turn_(turn) {}
+  void give_way() override {}
+  void leave() override {}
+  void come_back() override {}
+  bool is_urgent() const override { return !turn_ || turn_->is_urgent(); }
+
+ private:
+  const Turn* const turn_;
+};
+
 }  // namespace
 
 Error to_error(const Interrupted& interrupted) {
@@ -180,9 +193,9 @@ Expected<Step<PreparedMesh>> FractureService::make_mesh(const FractureRequest& r
   {
     if (execution.progress) execution.progress(Stage::kImport, 0);
     const StageTimings::Scope scope(step.timings, Stage::kImport);
-    // Read in another process, where the file may wait for its turn: no place to stand still at.
+    TurnElsewhere turn(execution.turn);
     Execution elsewhere = execution;
-    elsewhere.turn = nullptr;
+    elsewhere.turn = &turn;
     std::optional<Away> away(execution.turn);
     Expected<Mesh> imported = engine_->import(request.mesh, request.format, request.files, keys.digest,
                                               config_.import_limits, elsewhere);

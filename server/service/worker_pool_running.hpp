@@ -61,6 +61,11 @@ class WorkerPool::Running final : public Turn {
     pool.changed();
   }
 
+  bool is_urgent() const override {
+    const std::lock_guard lock(pool.mutex_);
+    return priority == Priority::kRealtime;
+  }
+
   bool computes() const { return !paused && !away; }
 
   WorkerPool& pool;

@@ -41,6 +41,17 @@ inline Expected<Mesh> import_with(ImportPool& pool, std::string_view bytes, cons
   return pool.import(bytes_of(bytes), MeshFormat::kOff, {}, {}, execution, digest_of(bytes));
 }
 
+/// The worker that reads once this one, killed, does not.
+inline pid_t next_reader(const ImportPool& pool, pid_t killed) {
+  pid_t next = -1;
+  require_eventually(kPatience, "another worker to read", [&] {
+    if (pool.counters().busy != 1) return false;
+    next = pool.pids().front();
+    return next != killed;
+  });
+  return next;
+}
+
 /// Children of this process, zombies too.
 inline std::size_t children() {
   std::size_t count = 0;

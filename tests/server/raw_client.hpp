@@ -82,6 +82,8 @@ class RawClient {
     }
     return true;
   }
+  /// A byte of urgent data (RFC 9293, section 3.8.5), beside the stream.
+  bool send_urgent(char byte) { return ::send(fd_, &byte, 1, MSG_NOSIGNAL | MSG_OOB) == 1; }
   void half_close() { ::shutdown(fd_, SHUT_WR); }
   /// Closes with a reset instead of an orderly end.
   void reset() {

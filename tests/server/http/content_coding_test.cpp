@@ -6,8 +6,10 @@
 #include <zlib.h>
 #include <zstd.h>
 
+#include <random>
 #include <stop_token>
 #include <thread>
+#include <vector>
 
 #include "tests/server/gzip.hpp"
 #include "tests/server/test_server.hpp"
@@ -37,6 +39,57 @@ long peak_mib() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return usage.ru_maxrss / 1024;
+}
+
+/// Text like that of figures, but for the numbers: it shrinks to less than half.
+std::vector<std::uint8_t> compressible(std::size_t size) {
+  std::mt19937 random(7);
+  std::string text;
+  while (text.size() < size) text += "{\"position\": " + std::to_string(random()) + "},\n";
+  return {text.begin(), text.begin() + static_cast<std::ptrdiff_t>(size)};
+}
+
+TEST(AnswerCoding, PollsAndMakesTheBytesOfOnePiece) {
+  // More than the window of either coding, and what fits in one output block.
+  for (const std::size_t size : {std::size_t{2'000}, std::size_t{5} << 20}) {
+    const std::vector<std::uint8_t> body = compressible(size);
+    std::vector<std::uint8_t> whole(ZSTD_compressBound(size));
+    whole.resize(ZSTD_compress(whole.data(), whole.size(), body.data(), body.size(), 3));
+    std::size_t polls = 0;
+    Execution execution;
+    execution.watch = [&] { ++polls; };
+    EXPECT_TRUE(http::encode_body(body, http::ContentCoding::kZstd, execution) == whole) << size;
+    EXPECT_GE(polls, size >> 16);
+
+    z_stream stream{};
+    ASSERT_EQ(deflateInit2(&stream, Z_BEST_SPEED, Z_DEFLATED, 16 + MAX_WBITS, 8, Z_DEFAULT_STRATEGY), Z_OK);
+    whole.resize(deflateBound(&stream, size));
+    stream.next_in = const_cast<Bytef*>(body.data());
+    stream.avail_in = static_cast<uInt>(size);
+    stream.next_out = whole.data();
+    stream.avail_out = static_cast<uInt>(whole.size());
+    EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
+    whole.resize(stream.total_out);
+    deflateEnd(&stream);
+    polls = 0;
+    EXPECT_TRUE(http::encode_body(body, http::ContentCoding::kGzip, execution) == whole) << size;
+    EXPECT_GE(polls, size >> 16);
+  }
+}
+
+TEST(AnswerCoding, IsGivenUpHalfWay) {
+  const std::vector<std::uint8_t> body = compressible(5 << 20);
+  for (const http::ContentCoding coding : {http::ContentCoding::kGzip, http::ContentCoding::kZstd}) {
+    std::stop_source stop;
+    int polls = 0;
+    Execution execution;
+    execution.stop = stop.get_token();
+    execution.watch = [&] {
+      if (++polls == 10) stop.request_stop();
+    };
+    EXPECT_THROW(http::encode_body(body, coding, execution), Interrupted);
+    EXPECT_EQ(polls, 10);
+  }
 }
 
 /// What a request holds is given back after its answer has been handed over.

@@ -90,6 +90,28 @@ TEST_F(FlightsOverHttp, WhenEveryClientIsResetTheComputationStops) {
   EXPECT_EQ(server.dispatcher.figures().abandoned, 10u);
 }
 
+// Urgent data wakes the watch for a reset: it is no reset, and the watch goes on.
+TEST_F(FlightsOverHttp, AResetAfterUrgentBytesIsSeenToo) {
+  TestServerOptions options;
+  options.server.io_threads = 1;  // what came first is looked at first
+  TestServer other(options);
+  other.control->during_cut = server.control->during_cut;
+  RawClient client(other.port());
+  client.send(
+      "POST /fracture HTTP/1.1\r\nHost: t\r\nContent-Type: model/gltf-binary\r\nContent-Length: 4\r\n\r\nmesh");
+  require_eventually(kPatience, "a computation to come to the gate", [&] { return gate.arrived > 0; });
+  for (int k = 0; k < 2; ++k) {
+    ASSERT_TRUE(client.send_urgent('!'));
+    EXPECT_EQ(other.get("/version").status, 200) << "the urgent byte before it was looked at";
+  }
+  EXPECT_EQ(other.dispatcher.figures().abandoned, 0u) << "urgent data is no reset";
+  client.reset();
+  EXPECT_TRUE(eventually(kPatience, "the reset to be seen",
+                         [&] { return other.dispatcher.figures().abandoned == 1; }));
+  gate.open = true;
+  other.dispatcher.wait_idle();
+}
+
 TEST_F(FlightsOverHttp, RequestTimeoutLowersTheDeadlineOfOneWaiterOnly) {
   send("/fracture");
   RawClient& hasty = send("/fracture", "Request-Timeout: 0.05\r\n");

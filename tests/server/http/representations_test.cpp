@@ -232,5 +232,87 @@ TEST(RepresentationsOfABusyServer, AnAnswerIsSentAsItIsWhereNoThreadCanCompressI
   EXPECT_EQ(server.get(location, "Accept-Encoding: gzip\r\n").header("content-encoding"), "gzip");
 }
 
+/// Cuts that wait, and stand still for more urgent work meanwhile where they poll.
+struct Gate {
+  std::atomic<int> arrived{0};
+  std::atomic<bool> open{false};
+  void wait(const Execution& execution, bool polls) {
+    ++arrived;
+    require_eventually(kPatience, "the gate to open", [&] {
+      if (polls) execution.poll();
+      return open.load();
+    });
+  }
+};
+
+/// With room enough for every deadline.
+TestServerOptions patient() {
+  TestServerOptions options;
+  options.limits.deadline = options.limits.realtime_deadline = kPatience;
+  return options;
+}
+
+// What waits for the turn of a less urgent class is not waited for.
+TEST(RepresentationsOfABusyServer, ACollisionCompressesForItselfWhatABatchRequestWaitsFor) {
+  Gate gate;
+  TestServer server(patient());
+  server.control->glb_padding = 100'000;
+  const std::string location = server.post("/fracture?sites=9").header("content-location");
+  server.control->during_cut = [&](const Execution& execution) { gate.wait(execution, false); };
+  std::vector<std::thread> busy;
+  for (int k = 0; k < 2; ++k)
+    busy.emplace_back(
+        [&, k] { EXPECT_EQ(server.post("/fracture?sites=" + std::to_string(10 + k)).status, 200); });
+  EXPECT_TRUE(eventually(kPatience, "two busy threads", [&] { return gate.arrived == 2; }));
+  const std::string get = "GET " + location + " HTTP/1.1\r\nHost: t\r\nAccept-Encoding: gzip\r\n";
+  RawClient batch(server.port()), realtime(server.port());
+  batch.send(get + "Priority: u=5\r\n\r\n");
+  EXPECT_TRUE(eventually(kPatience, "the batch request to wait", [&] { return server.pool.queued() == 1; }));
+  realtime.send(get + "Priority: u=1\r\n\r\n");
+  const auto urgent = realtime.receive();
+  EXPECT_TRUE(urgent && urgent->status == 200 && urgent->header("content-encoding") == "gzip");
+  EXPECT_EQ(server.pool.queued(), 1u) << "the batch request waits on";
+  gate.open = true;
+  const auto later = batch.receive();
+  for (std::thread& thread : busy) thread.join();
+  ASSERT_TRUE(later && urgent);
+  EXPECT_EQ(later->header("etag"), urgent->header("etag"));
+  EXPECT_EQ(later->body, urgent->body);
+}
+
+// A job's own class ends with its computation: for its answer somebody waits.
+TEST(RepresentationsOfABusyServer, TheAnswerOfAJobIsCompressedBeforeFurtherJobs) {
+  Gate first, others;
+  std::atomic<int> cuts{0};
+  TestServerOptions options = patient();
+  options.threads = 1;
+  TestServer server(options);
+  server.control->glb_padding = 100'000;
+  server.control->during_cut = [&](const Execution& execution) {
+    (cuts++ == 0 ? first : others).wait(execution, true);
+  };
+  const auto job = [&](int sites, const std::string& more) {
+    return "POST /fracture?sites=" + std::to_string(sites) +
+           " HTTP/1.1\r\nHost: t\r\nContent-Type: model/gltf-binary\r\nAccept-Encoding: gzip\r\n"
+           "Prefer: respond-async" +
+           more + "\r\nContent-Length: 4\r\n\r\nmesh";
+  };
+  RawClient waits(server.port()), starts(server.port());
+  waits.send(job(9, ", wait=60"));
+  EXPECT_TRUE(eventually(kPatience, "the job to be computed", [&] { return first.arrived == 1; }));
+  starts.send(job(10, ""));
+  const auto accepted = starts.receive();
+  EXPECT_TRUE(accepted && accepted->status == 202);
+  EXPECT_TRUE(eventually(kPatience, "the other job to wait", [&] { return server.pool.queued() == 1; }));
+  first.open = true;
+  const auto answer = waits.receive();
+  EXPECT_EQ(server.dispatcher.figures().computed, 1u) << "the other job is not done";
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->status, 200) << answer->body.substr(0, 300);
+  EXPECT_EQ(answer->header("content-encoding"), "gzip");
+  others.open = true;
+  server.dispatcher.wait_idle();
+}
+
 }  // namespace
 }  // namespace fracture::test

@@ -120,7 +120,9 @@ TEST(ImportIsolation, AWorkerThatSomebodyElseKilledSaysNothingAboutItsFile) {
   for (int k = 0; k < 2; ++k) {
     auto doomed = std::async(std::launch::async, [&] { return import_with(pool, "! hang"); });
     ASSERT_TRUE(eventually(kPatience, "a worker to be busy", [&] { return pool.counters().busy == 1; }));
-    ASSERT_EQ(::kill(pool.pids().front(), SIGKILL), 0);
+    const pid_t first = pool.pids().front();
+    ASSERT_EQ(::kill(first, SIGKILL), 0);
+    ASSERT_EQ(::kill(next_reader(pool, first), SIGKILL), 0);
     EXPECT_FALSE(doomed.get());
   }
   EXPECT_EQ(pool.counters().crashed, 2u) << "tried both times";

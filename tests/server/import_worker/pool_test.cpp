@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -84,10 +85,14 @@ TEST(ImportPool, AWorkerKilledInMidImportCostsItsRequestOnly) {
     const std::vector<pid_t> before = pool.pids();
     auto doomed = std::async(std::launch::async, [&] { return import_with(pool, "! hang"); });
     ASSERT_TRUE(eventually(kPatience, "a worker to be busy", [&] { return pool.counters().busy == 1; }));
-    const pid_t victim = pool.pids().front();  // the busy come first
+    pid_t victim = pool.pids().front();  // the busy come first
     // Others go on meanwhile.
     for (int k = 0; k < 10; ++k) EXPECT_TRUE(import_with(pool, kTetrahedron));
     ASSERT_EQ(::kill(victim, signal), 0);
+    if (signal == SIGKILL) {  // from outside: once more
+      victim = next_reader(pool, victim);
+      ASSERT_EQ(::kill(victim, signal), 0);
+    }
     const Expected<Mesh> result = doomed.get();
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().code, ErrorCode::kImporterCrashed);
@@ -100,6 +105,42 @@ TEST(ImportPool, AWorkerKilledInMidImportCostsItsRequestOnly) {
     EXPECT_TRUE(import_with(pool, kTetrahedron));
   }
   EXPECT_TRUE(settles(pool));
+}
+
+// The kernel short of memory ends a reader that is waiting, or one in mid-file.
+TEST(ImportPool, AFileWhoseReaderSomebodyElseKilledIsReadByAnother) {
+  ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 1));
+  ASSERT_EQ(::kill(pool.pids().at(0), SIGKILL), 0);
+  EXPECT_TRUE(import_with(pool, kTetrahedron)) << "the worker was dead before";
+  ASSERT_TRUE(settles(pool));
+  const pid_t stopped = pool.pids().at(0);
+  ASSERT_EQ(::kill(stopped, SIGSTOP), 0);
+  auto read = std::async(std::launch::async, [&] { return import_with(pool, kTetrahedron); });
+  EXPECT_TRUE(eventually(kPatience, "a worker to be busy", [&] { return pool.counters().busy == 1; }));
+  EXPECT_EQ(::kill(stopped, SIGKILL), 0);
+  EXPECT_TRUE(read.get()) << "the worker died over the file";
+  EXPECT_TRUE(settles(pool));
+  EXPECT_EQ(pool.counters().imported, 2u);
+  EXPECT_EQ(pool.counters().crashed, 0u);
+  EXPECT_EQ(pool.counters().started, 5u) << "one at the start, and one after each end";
+}
+
+// A reader that was taken over may be deaf to SIGXCPU: the SIGKILL that follows is of its own making.
+TEST(ImportPool, AReaderThatIsDeafToItsLimitIsNoVictim) {
+  ImportPoolConfig config = config_of(FRACTURE_MISBEHAVING_PROGRAM, 1);
+  config.worker.cpu = 1s;
+  ImportPool pool(config);
+  const rlimit second_alone{2, 2};  // as if the first one were not heard
+  ASSERT_EQ(::prlimit(pool.pids().at(0), RLIMIT_CPU, &second_alone, nullptr), 0);
+  const Expected<Mesh> spun = import_with(pool, "! spin");
+  ASSERT_FALSE(spun);
+  EXPECT_EQ(spun.error().code, ErrorCode::kImporterLimit) << spun.error().detail;
+  EXPECT_EQ(spun.error().extra->value("limit", ""), "cpu");
+  EXPECT_EQ(pool.counters().limited, 1u);
+  ASSERT_TRUE(settles(pool));
+  EXPECT_EQ(pool.counters().started, 2u) << "it was not tried again";
+  EXPECT_FALSE(import_with(pool, "! spin"));
+  EXPECT_EQ(pool.counters().remembered, 1u);
 }
 
 TEST(ImportPool, EveryWayToDieHasItsError) {
@@ -185,6 +226,74 @@ TEST(ImportPool, AWaitingImportIsCancelledToo) {
   EXPECT_THROW((void)import_with(pool, kTetrahedron, impatient), Interrupted);
   stop.request_stop();
   hanging.get();
+}
+
+/// Of a computation whose urgency a test decides.
+struct ToldTurn final : Turn {
+  explicit ToldTurn(bool urgent) : is_in_a_hurry(urgent) {}
+  void give_way() override {}
+  void leave() override {}
+  void come_back() override {}
+  bool is_urgent() const override {
+    ++asked;
+    return is_in_a_hurry;
+  }
+  std::atomic<bool> is_in_a_hurry;
+  mutable std::atomic<int> asked{0};
+};
+
+TEST(ImportPool, UrgentWorkDoesNotWaitForWorkThatIsNot) {
+  ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 1));
+  ToldTurn batch(false), realtime(true), hurried(false);
+  std::stop_source stop;
+  Execution hangs, urgent, waits;
+  hangs.stop = stop.get_token();
+  hangs.turn = &batch;
+  urgent.turn = &realtime;
+  // Whatever is wrong, nobody waits for ever.
+  urgent.deadline = waits.deadline = std::chrono::steady_clock::now() + kPatience;
+  waits.turn = &hurried;
+  auto hanging = std::async(std::launch::async,
+                            [&] { EXPECT_THROW((void)import_with(pool, "! hang", hangs), Interrupted); });
+  EXPECT_TRUE(eventually(kPatience, "a worker to be busy", [&] { return pool.counters().busy == 1; }));
+  EXPECT_TRUE(import_with(pool, kTetrahedron, urgent));
+  // Somebody in a hurry comes to wait for what waits here.
+  auto promoted = std::async(std::launch::async, [&] { return import_with(pool, kTetrahedron, waits); });
+  EXPECT_TRUE(eventually(kPatience, "it to wait", [&] { return hurried.asked >= 3; }));
+  EXPECT_EQ(pool.counters().imported, 1u) << "there is one more for urgent work alone";
+  hurried.is_in_a_hurry = true;
+  EXPECT_TRUE(promoted.get());
+  stop.request_stop();
+  hanging.get();
+  hurried.is_in_a_hurry = false;
+  EXPECT_TRUE(import_with(pool, kTetrahedron, waits)) << "the place is free again";
+  EXPECT_TRUE(settles(pool));
+  EXPECT_EQ(pool.counters().workers, 1);
+}
+
+TEST(ImportPool, UrgentWorkHasOneWorkerMoreAndNotTwo) {
+  ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 1));
+  ToldTurn batch(false), realtime(true);
+  std::stop_source stop;
+  const auto hangs = [&](Turn* turn, const char* command) {
+    return std::async(std::launch::async, [&pool, &stop, turn, command] {
+      Execution execution;
+      execution.stop = stop.get_token();
+      execution.turn = turn;
+      EXPECT_THROW((void)import_with(pool, command, execution), Interrupted);
+    });
+  };
+  auto first = hangs(&batch, "! hang");
+  EXPECT_TRUE(eventually(kPatience, "a worker to be busy", [&] { return pool.counters().busy == 1; }));
+  auto second = hangs(&realtime, "! spin");
+  EXPECT_TRUE(eventually(kPatience, "one more to be busy", [&] { return pool.counters().busy == 2; }));
+  const int asked = realtime.asked;
+  auto third = hangs(&realtime, "! hang");
+  EXPECT_TRUE(eventually(kPatience, "a third to wait", [&] { return realtime.asked >= asked + 3; }));
+  EXPECT_EQ(pool.counters().busy, 2);
+  stop.request_stop();
+  for (auto* const import : {&first, &second, &third}) import->get();
+  EXPECT_TRUE(settles(pool));
 }
 
 TEST(ImportPool, TheSandboxOpensNothingAndReachesNobody) {

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <stdexcept>
+#include <string>
 
 #include "server/service/dispatcher.hpp"
 #include "tests/server/fake_engine.hpp"
@@ -42,6 +43,30 @@ TEST_F(Stations, AReplyThatThrowsCostsNobodyElseTheirAnswer) {
   dispatcher.wait_idle();
   EXPECT_EQ(answered, 4) << "the thread goes on";
   EXPECT_EQ(dispatcher.figures().working_bytes, 0u);
+}
+
+// A file may wait for a process that reads it, beside those of others.
+TEST_F(Stations, AnImportKnowsWhetherSomebodyIsInAHurry) {
+  std::atomic<int> urgent{0}, others{0};
+  control->during_import = [&](const Execution& execution) {
+    ASSERT_TRUE(execution.turn);
+    ++(execution.turn->is_urgent() ? urgent : others);
+  };
+  Terms terms;
+  for (const Priority priority : {Priority::kRealtime, Priority::kBatch, Priority::kBackground}) {
+    terms.priority = priority;
+    FractureRequest request;
+    const auto text =
+        std::make_shared<const std::string>("mesh " + std::to_string(static_cast<int>(priority)));
+    request.mesh = std::as_bytes(std::span(*text));
+    request.owner = text;
+    EXPECT_FALSE(dispatcher.fracture(std::move(request), terms, [](Expected<FractureAnswer> answer) {
+      EXPECT_TRUE(answer) << answer.error().detail;
+    }));
+    dispatcher.wait_idle();
+  }
+  EXPECT_EQ(urgent, 1);
+  EXPECT_EQ(others, 2);
 }
 
 TEST_F(Stations, AJobThatThrowsIsCountedAndTheNextOneRuns) {
