@@ -4,8 +4,8 @@
 //   using SiteId = Id<struct SiteTag>;
 //   for (const SiteId s : ids<SiteId>(site_count)) visit(points[s]);
 //
-// An id becomes a number by itself: it is printed, indexes an array, and is computed with. A number becomes an
-// id only where the code says so. Ids of two kinds are never compared and never become each other.
+// An id becomes a number by itself: it is printed, indexes an array, and is computed with. A number becomes
+// an id only where the code says so. Ids of two kinds are never compared and never become each other.
 #pragma once
 
 #include <compare>

@@ -26,12 +26,12 @@ struct RestrictedDiagram {
   const std::vector<std::uint32_t>* part_in_whole = nullptr;
 
   /// Unrounded position of any vertex.
-  Vec3d point(VertexId v) const {
+  Vec3d point(CutVertexId v) const {
     return v < positions.first_constructed ? to_double(solid.positions[v])
                                            : positions.points[v - positions.first_constructed];
   }
-  VertexId vertex_count() const {
-    return positions.first_constructed + static_cast<VertexId>(positions.points.size());
+  std::uint32_t vertex_count() const {
+    return positions.first_constructed + static_cast<std::uint32_t>(positions.points.size());
   }
   /// Makes positions and caps from the cuts and winding numbers, flat and whole, whatever they were.
   /// `cells_of_interest`: per site; only the facets of these have caps; null: of all. Throws Interrupted.
