@@ -2,6 +2,7 @@
 // stages find it: surface cuts -> winding numbers -> positions -> caps.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -25,6 +26,11 @@ struct RestrictedDiagram {
   /// Where `solid` is a patch of a larger one: per part its number there; null: the number it has here.
   const std::vector<std::uint32_t>* part_in_whole = nullptr;
 
+  /// The corners of a triangle of the solid, which are vertices of the diagram by the same numbers.
+  std::array<CutVertexId, 3> corners(std::uint32_t triangle) const {
+    const auto& v = solid.triangles[triangle];
+    return {CutVertexId{v[0]}, CutVertexId{v[1]}, CutVertexId{v[2]}};
+  }
   /// Unrounded position of any vertex.
   Vec3d point(CutVertexId v) const {
     return v < positions.first_constructed ? to_double(solid.positions[v])

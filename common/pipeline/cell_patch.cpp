@@ -273,7 +273,7 @@ CellPatch PatchFinder::around(const VoronoiDiagram& diagram, SiteId cell, const 
     s.shell.push_back(solid_.shell[t]);
     s.part.push_back(parts(solid_.part[t]));
   }
-  for (const auto& [part, winding] : windings) patch.seed_winding.push_back({0, parts(part), winding});
+  for (const auto& [part, winding] : windings) patch.seed_winding.push_back({TetId{0}, parts(part), winding});
   patch.part_in_whole = parts.all();
   return patch;
 }
