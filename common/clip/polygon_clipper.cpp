@@ -46,7 +46,7 @@ void PolygonClipper::divide(std::uint32_t t) {
     }
   }
   cells_.clear();
-  for (const std::uint32_t v : solid_.triangles[t]) meet_cell(cuts_.label[v]);
+  for (const VertexId v : solid_.triangles[t]) meet_cell(cuts_.label[v]);
   // The cells' parts tile the triangle, and the diagram is generic: parts that meet share a whole segment. So
   // every cell is found across some bisector side of another.
   const std::size_t first_polygon = out_.polygons.size();
@@ -101,10 +101,9 @@ bool PolygonClipper::divide_between_two(std::uint32_t t) {
     out_.vertices.insert(out_.vertices.end(), vertices);
     out_.sides.insert(out_.sides.end(), sides);
   };
-  const auto tip = [&] { emit(label[a], {on_ab, on_ca, CutVertexId{v[a]}}, {label[b], side(c), side(a)}); };
+  const auto tip = [&] { emit(label[a], {on_ab, on_ca, cut_vertex(v[a])}, {label[b], side(c), side(a)}); };
   const auto rest = [&] {
-    emit(label[b], {on_ca, on_ab, CutVertexId{v[b]}, CutVertexId{v[c]}},
-         {label[a], side(a), side(b), side(c)});
+    emit(label[b], {on_ca, on_ab, cut_vertex(v[b]), cut_vertex(v[c])}, {label[a], side(a), side(b), side(c)});
   };
   if (label[a] < label[b]) {
     tip();
@@ -351,7 +350,7 @@ void PolygonClipper::name_polygon(SiteId cell) {
 
 CutVertexId PolygonClipper::name_corner(SiteId cell, PolygonSide before, PolygonSide after) {
   if (is_mesh_edge(before) && is_mesh_edge(after))
-    return CutVertexId{solid_.triangles[triangle_][after - kMeshEdge]};
+    return cut_vertex(solid_.triangles[triangle_][after - kMeshEdge]);
   if (is_mesh_edge(before)) return edge_cut(static_cast<int>(before - kMeshEdge), cell, SiteId{after});
   if (is_mesh_edge(after)) return edge_cut(static_cast<int>(after - kMeshEdge), cell, SiteId{before});
   std::array<SiteId, 3> sites{cell, SiteId{before}, SiteId{after}};

@@ -26,10 +26,10 @@ struct RestrictedDiagram {
   /// Where `solid` is a patch of a larger one: per part its number there; null: the number it has here.
   const std::vector<std::uint32_t>* part_in_whole = nullptr;
 
-  /// The corners of a triangle of the solid, which are vertices of the diagram by the same numbers.
+  /// The corners of a triangle of the solid.
   std::array<CutVertexId, 3> corners(std::uint32_t triangle) const {
     const auto& v = solid.triangles[triangle];
-    return {CutVertexId{v[0]}, CutVertexId{v[1]}, CutVertexId{v[2]}};
+    return {cut_vertex(v[0]), cut_vertex(v[1]), cut_vertex(v[2])};
   }
   /// Unrounded position of any vertex.
   Vec3d point(CutVertexId v) const {

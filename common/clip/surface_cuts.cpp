@@ -170,7 +170,7 @@ SurfaceCuts cut_surface_again(const Solid& solid, const VoronoiDiagram& diagram,
   std::vector<std::uint32_t> triangles, edges;
   for (std::uint32_t t = 0; t < met.size(); ++t) {
     pacer.step();
-    for (const std::uint32_t v : solid.triangles[t]) met[t] |= wanted[before.label[v]];
+    for (const VertexId v : solid.triangles[t]) met[t] |= wanted[before.label[v]];
     if (!met[t]) continue;
     triangles.push_back(t);
     for (const std::uint32_t e : solid.edges[t]) edge[e] = 1;

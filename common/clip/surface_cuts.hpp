@@ -27,6 +27,8 @@
 namespace fracture {
 
 using CutVertexId = Id<struct CutVertexTag>;
+/// The A vertex.
+constexpr CutVertexId cut_vertex(VertexId mesh_vertex) { return CutVertexId{std::uint32_t{mesh_vertex}}; }
 
 /// Going along the edge from its lower to its higher vertex id, here it leaves cell `from` and enters cell
 /// `to`.

@@ -187,7 +187,7 @@ class Assembler {
   }
 
   std::uint32_t exterior_vertex(CutVertexId v, std::uint32_t triangle) {
-    const auto& corners = d_.solid.triangles[triangle];
+    const std::array<CutVertexId, 3> corners = d_.corners(triangle);
     const auto& wedges = d_.solid.wedges[triangle];
     if (v < d_.cuts.first_b()) {
       const std::uint32_t wedge = wedges[corners[0] == v ? 0 : corners[1] == v ? 1 : 2];
@@ -226,7 +226,7 @@ class Assembler {
 
   std::array<CutVertexId, 2> edge_of(CutVertexId b) const {
     const auto& ends = d_.solid.edge_vertices[d_.cuts.edge_cuts[b - d_.cuts.first_b()].edge];
-    return {CutVertexId{ends[0]}, CutVertexId{ends[1]}};
+    return {cut_vertex(ends[0]), cut_vertex(ends[1])};
   }
 
   // -- their attributes

@@ -52,7 +52,7 @@ std::size_t Outline::leaving(CutVertexId v, std::uint32_t t) const {
 bool Outline::lies_on(CutVertexId v, std::uint32_t edge) const {
   if (v < d_.cuts.first_b()) {
     const auto& ends = d_.solid.edge_vertices[edge];
-    return v == ends[0] || v == ends[1];
+    return v == cut_vertex(ends[0]) || v == cut_vertex(ends[1]);
   }
   return v < d_.cuts.first_c() && d_.cuts.edge_cuts[v - d_.cuts.first_b()].edge == edge;
 }
