@@ -112,7 +112,7 @@ TEST(DumpObj, SitesAreOctahedraAroundThem) {
     if (word == "v" && in >> p.x >> p.y >> p.z) corners.push_back(p);
   }
   ASSERT_EQ(corners.size(), 6u * t.site_count());
-  for (SiteId s = 0; s < t.site_count(); ++s)
+  for (const SiteId s : ids<SiteId>(t.site_count()))
     for (std::size_t k = 0; k < 6; k += 2) {
       const Vec3d middle = 0.5 * (corners[6 * s + k] + corners[6 * s + k + 1]);
       EXPECT_NEAR(length(middle - t.points[s]), 0, 1e-6);

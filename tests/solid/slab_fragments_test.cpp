@@ -7,6 +7,7 @@
 #include "tests/support/figures.hpp"
 #include "tests/support/mesh_files.hpp"
 #include "tests/support/shapes.hpp"
+#include "tests/support/surface_mesh.hpp"
 
 namespace fracture::test {
 namespace {
@@ -30,9 +31,7 @@ void expect_sound_fragments(const Mesh& mesh, double thickness, std::uint32_t si
   const Expected<Solid> solid = make_solid(std::make_shared<const Mesh>(mesh), {.thickness = thickness}, {});
   if (!solid) return;  // a typed refusal
   ASSERT_NO_THROW(solid->validate());
-  Mesh surface;
-  surface.positions = solid->positions;
-  surface.triangles = solid->triangles;
+  const Mesh surface = surface_mesh(*solid);
   ASSERT_EQ(open_directed_edges(surface), 0u);
   EXPECT_NEAR(volume_of(surface), solid->report.volume, 1e-9 * solid->report.volume);
   FractureParameters parameters;
