@@ -21,6 +21,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "common/base/execution.hpp"
@@ -47,6 +48,7 @@ class Link {
  private:
   std::uint32_t word_;
 };
+static_assert(sizeof(Link) == sizeof(std::uint32_t) && std::is_trivial_v<Link>);
 /// Behind the facets of the big tetrahedron.
 inline constexpr Link kNoLink{TetId{0x3fffffff}, 3};
 
