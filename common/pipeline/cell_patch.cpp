@@ -264,7 +264,8 @@ CellPatch PatchFinder::around(const VoronoiDiagram& diagram, SiteId cell, const 
     s.edge_vertices.push_back({VertexId{vertices(lo)}, VertexId{vertices(hi)}});
   }
   for (const std::uint32_t t : triangles) {
-    const auto &v = solid_.triangles[t], &e = solid_.edges[t];
+    const auto& v = solid_.triangles[t];
+    const auto& e = solid_.edges[t];
     pacer.step(8);
     s.triangles.push_back({VertexId{vertices(v[0])}, VertexId{vertices(v[1])}, VertexId{vertices(v[2])}});
     s.wedges.push_back(solid_.wedges[t]);
