@@ -42,7 +42,7 @@ TEST(DumpObj, MeshReadsBackBitForBit) {
 
 TEST(DumpObj, FragmentsAreASolidEachInWorldSpace) {
   std::ostringstream out;
-  debug::dump_obj(out, two_halves());
+  debug::dump_obj(out, two_halves().set);
   const Expected<Mesh> mesh = import_text(out.str(), MeshFormat::kObj);
   ASSERT_TRUE(mesh) << mesh.error().detail;
   EXPECT_DOUBLE_EQ(signed_volume(*mesh), 2.0);
@@ -54,7 +54,7 @@ TEST(DumpObj, FragmentsAreASolidEachInWorldSpace) {
 
 TEST(DumpObj, ExplodedFragmentsKeepTheirShapeAndMoveApart) {
   std::ostringstream out;
-  debug::dump_obj(out, two_halves(), 1.0);
+  debug::dump_obj(out, two_halves().set, 1.0);
   const Expected<Mesh> mesh = import_text(out.str(), MeshFormat::kObj);
   ASSERT_TRUE(mesh) << mesh.error().detail;
   EXPECT_NEAR(signed_volume(*mesh), 2.0, 1e-6);
