@@ -29,9 +29,10 @@ std::vector<CapSegment> gather_segments(const Solid& solid, const VoronoiDiagram
       for (std::uint32_t k = 0; k < p.count; ++k) {
         const PolygonSide side = cuts.sides[p.first + k];
         if (is_mesh_edge(side) || side < p.cell) continue;
-        if (wanted && !(*wanted)[p.cell] && !(*wanted)[side]) continue;
-        const VertexId from = cuts.vertices[p.first + k], to = cuts.vertices[p.first + (k + 1) % p.count];
-        visit(CapSegment{p.cell, side, to, from, 1, solid.part[p.triangle]});
+        const SiteId neighbor{side};
+        if (wanted && !(*wanted)[p.cell] && !(*wanted)[neighbor]) continue;
+        const CutVertexId from = cuts.vertices[p.first + k], to = cuts.vertices[p.first + (k + 1) % p.count];
+        visit(CapSegment{p.cell, neighbor, to, from, 1, solid.part[p.triangle]});
       }
     }
     for (const CapSegment& s : winding.segments) {
@@ -105,7 +106,7 @@ class FacetBuilder {
     const auto base = static_cast<std::uint32_t>(out_.triangles.size());
     const auto corners = [&](std::size_t k) {
       const auto& v = t.triangles[k];
-      return std::array<VertexId, 3>{loop_[v[0]], loop_[v[1]], loop_[v[2]]};
+      return std::array<CutVertexId, 3>{loop_[v[0]], loop_[v[1]], loop_[v[2]]};
     };
     if (t.regions == 1) {  // mostly
       pacer_.each(0, t.triangles.size(), [&](std::size_t k) { out_.triangles.push_back(corners(k)); });
@@ -158,11 +159,11 @@ class FacetBuilder {
     loop_begin_.assign(1, 0);
     for (std::uint32_t start = 0; start < edges_.size(); ++start) {
       if (edges_[start].used) continue;
-      const VertexId home = edges_[start].from;
+      const CutVertexId home = edges_[start].from;
       for (std::uint32_t e = start;;) {
         edges_[e].used = true;
         loop_.push_back(edges_[e].from);
-        const VertexId at = edges_[e].to;
+        const CutVertexId at = edges_[e].to;
         if (at == home) break;
         e = next_from(at, first);
       }
@@ -171,7 +172,7 @@ class FacetBuilder {
     }
   }
 
-  std::uint32_t next_from(VertexId v, const CapSegment* facet) {
+  std::uint32_t next_from(CutVertexId v, const CapSegment* facet) {
     // What is used stays so: the list of the vertex is cut down to what is not.
     std::uint32_t& first = leaving_.slot(v - positions_.first_constructed);
     while (first != kNoIndex && edges_[first].used) first = edges_[first].other;
@@ -196,7 +197,7 @@ class FacetBuilder {
   }
 
   struct Edge {
-    VertexId from, to;
+    CutVertexId from, to;
     bool used = false;
     std::uint32_t other = kNoIndex;  // the next one that leaves `from`
   };
@@ -209,7 +210,7 @@ class FacetBuilder {
   std::uint64_t uncounted_ = 0;  // triangles
   std::vector<Edge> edges_;
   StampedMap& leaving_ = worker_map();  // vertex -> its first edge
-  std::vector<VertexId> loop_;
+  std::vector<CutVertexId> loop_;
   std::vector<std::uint32_t> loop_begin_;
   std::vector<LatticePoint> points_;
   Triangulation triangulation_;
@@ -275,7 +276,9 @@ Caps build_caps(const Solid& solid, const VoronoiDiagram& diagram, const Surface
 }
 
 void begin_at_coinciding_corners(const VertexPositions& positions, Caps& caps) {
-  const auto at = [&](VertexId v) -> const auto& { return positions.steps[v - positions.first_constructed]; };
+  const auto at = [&](CutVertexId v) -> const auto& {
+    return positions.steps[v - positions.first_constructed];
+  };
   for (auto& t : caps.triangles)
     if (at(t[1]) == at(t[2])) t = {t[1], t[2], t[0]};
 }

@@ -23,7 +23,7 @@ struct CapRegion {
 
 struct Caps {
   std::vector<CapRegion> regions;  ///< by (lo, hi, part)
-  std::vector<std::array<VertexId, 3>>
+  std::vector<std::array<CutVertexId, 3>>
       triangles;               ///< as seen from cell hi: outward for lo; cell hi takes them mirrored
   std::uint64_t crossing = 0;  ///< loops that could not be nested (0 on embedded input)
   /// Of rough caps (rough/roughen.hpp): per corner of each triangle the unit normal, outward for lo; empty:

@@ -46,7 +46,7 @@ void PolygonClipper::divide(std::uint32_t t) {
     }
   }
   cells_.clear();
-  for (const std::uint32_t v : solid_.triangles[t]) meet_cell(cuts_.label[v]);
+  for (const VertexId v : solid_.triangles[t]) meet_cell(cuts_.label[v]);
   // The cells' parts tile the triangle, and the diagram is generic: parts that meet share a whole segment. So
   // every cell is found across some bisector side of another.
   const std::size_t first_polygon = out_.polygons.size();
@@ -92,18 +92,18 @@ bool PolygonClipper::divide_between_two(std::uint32_t t) {
   const auto& begin = cuts_.edge_cut_begin;
   if (begin[ab + 1] - begin[ab] != 1 || begin[ca + 1] - begin[ca] != 1) return false;
 
-  const VertexId on_ab = cuts_.first_b() + begin[ab], on_ca = cuts_.first_b() + begin[ca];
+  const CutVertexId on_ab{cuts_.first_b() + begin[ab]}, on_ca{cuts_.first_b() + begin[ca]};
   const auto side = [](int k) { return kMeshEdge + static_cast<PolygonSide>(k); };
-  const auto emit = [&](SiteId cell, std::initializer_list<VertexId> vertices,
+  const auto emit = [&](SiteId cell, std::initializer_list<CutVertexId> vertices,
                         std::initializer_list<PolygonSide> sides) {
     out_.polygons.push_back({t, cell, static_cast<std::uint32_t>(out_.vertices.size()),
                              static_cast<std::uint32_t>(vertices.size())});
     out_.vertices.insert(out_.vertices.end(), vertices);
     out_.sides.insert(out_.sides.end(), sides);
   };
-  const auto tip = [&] { emit(label[a], {on_ab, on_ca, v[a]}, {label[b], side(c), side(a)}); };
+  const auto tip = [&] { emit(label[a], {on_ab, on_ca, cut_vertex(v[a])}, {label[b], side(c), side(a)}); };
   const auto rest = [&] {
-    emit(label[b], {on_ca, on_ab, v[b], v[c]}, {label[a], side(a), side(b), side(c)});
+    emit(label[b], {on_ca, on_ab, cut_vertex(v[b]), cut_vertex(v[c])}, {label[a], side(a), side(b), side(c)});
   };
   if (label[a] < label[b]) {
     tip();
@@ -318,10 +318,10 @@ int PolygonClipper::side_exactly(SiteId cell, const Bisector& bisector, PolygonS
   if (is_mesh_edge(before) && is_mesh_edge(after))
     return exact::side1(site(cell), site(bisector.neighbor), corner_[after - kMeshEdge]);
   if (!is_mesh_edge(before) && !is_mesh_edge(after))
-    return exact::side3(site(cell), site(bisector.neighbor), corner_[0], corner_[1], corner_[2], site(before),
-                        site(after));
+    return exact::side3(site(cell), site(bisector.neighbor), corner_[0], corner_[1], corner_[2],
+                        site(SiteId{before}), site(SiteId{after}));
   const PolygonSide edge = is_mesh_edge(before) ? before : after;
-  const SiteId other = is_mesh_edge(before) ? after : before;
+  const SiteId other{is_mesh_edge(before) ? after : before};
   const auto k = edge - kMeshEdge;
   return exact::side2(site(cell), site(bisector.neighbor), corner_[k], corner_[(k + 1) % 3], site(other));
 }
@@ -341,47 +341,49 @@ void PolygonClipper::name_polygon(SiteId cell) {
     out_.sides.push_back(side);
     before = side;
     if (is_mesh_edge(side)) continue;
-    if (diagram_.dual().is_corner(side)) throw InternalError("a corner's cell meets the mesh");
-    meet_cell(side);
+    const SiteId neighbor{side};
+    if (diagram_.dual().is_corner(neighbor)) throw InternalError("a corner's cell meets the mesh");
+    meet_cell(neighbor);
   }
   out_.polygons.push_back({triangle_, cell, first, static_cast<std::uint32_t>(n)});
 }
 
-VertexId PolygonClipper::name_corner(SiteId cell, PolygonSide before, PolygonSide after) {
-  if (is_mesh_edge(before) && is_mesh_edge(after)) return solid_.triangles[triangle_][after - kMeshEdge];
-  if (is_mesh_edge(before)) return edge_cut(static_cast<int>(before - kMeshEdge), cell, after);
-  if (is_mesh_edge(after)) return edge_cut(static_cast<int>(after - kMeshEdge), cell, before);
-  std::array<SiteId, 3> sites{cell, before, after};
+CutVertexId PolygonClipper::name_corner(SiteId cell, PolygonSide before, PolygonSide after) {
+  if (is_mesh_edge(before) && is_mesh_edge(after))
+    return cut_vertex(solid_.triangles[triangle_][after - kMeshEdge]);
+  if (is_mesh_edge(before)) return edge_cut(static_cast<int>(before - kMeshEdge), cell, SiteId{after});
+  if (is_mesh_edge(after)) return edge_cut(static_cast<int>(after - kMeshEdge), cell, SiteId{before});
+  std::array<SiteId, 3> sites{cell, SiteId{before}, SiteId{after}};
   std::sort(sites.begin(), sites.end());
   const std::size_t count = out_.triangle_cuts.size() - first_c_;
   if (count <= kFew) {
     for (std::size_t c = first_c_; c < out_.triangle_cuts.size(); ++c)
-      if (out_.triangle_cuts[c].sites == sites) return kBlockLocalC | static_cast<VertexId>(c);
+      if (out_.triangle_cuts[c].sites == sites) return CutVertexId{kBlockLocalC | c};
     if (count == kFew)
       for (std::size_t c = first_c_; c < out_.triangle_cuts.size(); ++c) {
         const auto& s = out_.triangle_cuts[c].sites;
         names_.insert(s[0], s[1], s[2], static_cast<std::uint32_t>(c));
       }
   } else if (const std::uint32_t c = names_.find(sites[0], sites[1], sites[2]); c != TripleTable::kNone) {
-    return kBlockLocalC | c;
+    return CutVertexId{kBlockLocalC | c};
   }
   const auto fresh = static_cast<std::uint32_t>(out_.triangle_cuts.size());
   if (count >= kFew) names_.insert(sites[0], sites[1], sites[2], fresh);
   out_.triangle_cuts.push_back({triangle_, sites});
-  return kBlockLocalC | fresh;
+  return CutVertexId{kBlockLocalC | fresh};
 }
 
-VertexId PolygonClipper::edge_cut(int k, SiteId i, SiteId j) const {
+CutVertexId PolygonClipper::edge_cut(int k, SiteId i, SiteId j) const {
   const std::uint32_t e = solid_.edges[triangle_][k];
   const std::uint32_t begin = cuts_.edge_cut_begin[e], end = cuts_.edge_cut_begin[e + 1];
   if (end - begin > kFew) {
     const std::uint32_t n =
         names_.find(std::min(i, j), std::max(i, j), kMeshEdge + static_cast<PolygonSide>(k));
-    if (n != TripleTable::kNone) return cuts_.first_b() + n;
+    if (n != TripleTable::kNone) return CutVertexId{cuts_.first_b() + n};
   } else {
     for (std::uint32_t n = begin; n < end; ++n) {
       const EdgeCut& c = cuts_.edge_cuts[n];
-      if ((c.from == i && c.to == j) || (c.from == j && c.to == i)) return cuts_.first_b() + n;
+      if ((c.from == i && c.to == j) || (c.from == j && c.to == i)) return CutVertexId{cuts_.first_b() + n};
     }
   }
   throw InternalError("edge " + std::to_string(e) + " has no cut between cells " + std::to_string(i) +

@@ -15,13 +15,13 @@
 namespace fracture {
 
 /// Marks a C vertex whose id is still counted from the start of its block.
-inline constexpr VertexId kBlockLocalC = 0x80000000u;
+inline constexpr std::uint32_t kBlockLocalC = 0x80000000u;
 
 /// The polygons and C vertices of a block of triangles, in SurfaceCuts' layout.
 struct TriangleDivision {
   std::vector<TriangleCut> triangle_cuts;
   std::vector<CutPolygon> polygons;
-  std::vector<VertexId> vertices;
+  std::vector<CutVertexId> vertices;
   std::vector<PolygonSide> sides;
 };
 
@@ -62,8 +62,8 @@ class PolygonClipper {
                      Side& after) const;
   int side_exactly(SiteId cell, const Bisector& bisector, PolygonSide before, PolygonSide after) const;
   void name_polygon(SiteId cell);
-  VertexId name_corner(SiteId cell, PolygonSide before, PolygonSide after);
-  VertexId edge_cut(int k, SiteId i, SiteId j) const;
+  CutVertexId name_corner(SiteId cell, PolygonSide before, PolygonSide after);
+  CutVertexId edge_cut(int k, SiteId i, SiteId j) const;
   void meet_cell(SiteId cell);
 
   const Solid& solid_;

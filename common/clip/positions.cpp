@@ -81,8 +81,8 @@ VertexPositions place_vertices(const Solid& solid, const Solid& image, const Vor
   resize_with_polls(execution, out.points, b + c + d);
   resize_with_polls(execution, out.steps, b + c + d);
   const Vec3d step = out.lattice.step();
-  const auto at = [&](std::uint32_t v) { return to_double(solid.positions[v]); };
-  const auto image_at = [&](std::uint32_t v) { return to_double(image.positions[v]); };
+  const auto at = [&](VertexId v) { return to_double(solid.positions[v]); };
+  const auto image_at = [&](VertexId v) { return to_double(image.positions[v]); };
   const auto site = [&](SiteId s) { return diagram.site(s); };
   const auto placed_by = [&](const auto& formula) { return place(formula, out.lattice, step); };
   const std::optional<Matrix3>& map = diagram.map();

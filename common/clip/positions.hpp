@@ -27,8 +27,8 @@ struct SeamLattice {
 
 struct VertexPositions {
   SeamLattice lattice;
-  VertexId first_constructed = 0;  ///< = number of mesh vertices
-  std::vector<Vec3d> points;       ///< of vertex first_constructed + k, unrounded
+  CutVertexId first_constructed{0};  ///< = number of mesh vertices
+  std::vector<Vec3d> points;         ///< of vertex first_constructed + k, unrounded
   std::vector<std::array<std::int32_t, 3>>
       steps;  ///< of vertex first_constructed + k, in units of the lattice
   /// Of rough cuts (rough/roughen.hpp): the first of `steps` as they were before anything moved; else empty.

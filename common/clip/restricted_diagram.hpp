@@ -2,6 +2,7 @@
 // stages find it: surface cuts -> winding numbers -> positions -> caps.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -25,13 +26,18 @@ struct RestrictedDiagram {
   /// Where `solid` is a patch of a larger one: per part its number there; null: the number it has here.
   const std::vector<std::uint32_t>* part_in_whole = nullptr;
 
+  /// The corners of a triangle of the solid.
+  std::array<CutVertexId, 3> corners(std::uint32_t triangle) const {
+    const auto& v = solid.triangles[triangle];
+    return {cut_vertex(v[0]), cut_vertex(v[1]), cut_vertex(v[2])};
+  }
   /// Unrounded position of any vertex.
-  Vec3d point(VertexId v) const {
+  Vec3d point(CutVertexId v) const {
     return v < positions.first_constructed ? to_double(solid.positions[v])
                                            : positions.points[v - positions.first_constructed];
   }
-  VertexId vertex_count() const {
-    return positions.first_constructed + static_cast<VertexId>(positions.points.size());
+  std::uint32_t vertex_count() const {
+    return positions.first_constructed + static_cast<std::uint32_t>(positions.points.size());
   }
   /// Makes positions and caps from the cuts and winding numbers, flat and whole, whatever they were.
   /// `cells_of_interest`: per site; only the facets of these have caps; null: of all. Throws Interrupted.

@@ -29,7 +29,7 @@ std::vector<SiteId> label_vertices(const Solid& solid, const VoronoiDiagram& dia
   parallel_for(execution, n, kBlock, [&](std::size_t begin, std::size_t end) {
     Pacer own_pacer(execution);
     VoronoiDiagram::Walk walk;
-    SiteId last = 0;
+    SiteId last{0};
     for (std::size_t v = begin; v < end; ++v) {
       const SiteId start = hint[v] != kNoIndex && hint[v] >= begin ? label[hint[v]] : last;
       const std::uint64_t before = walk.looked_at;
@@ -91,16 +91,16 @@ void join(const Execution& execution, const std::vector<TriangleDivision>& found
   resize_with_polls(execution, out.polygons, all.polygons);
   resize_with_polls(execution, out.vertices, all.vertices);
   resize_with_polls(execution, out.sides, all.vertices);
-  const VertexId first_c = out.first_b() + static_cast<VertexId>(out.edge_cuts.size());
+  const CutVertexId first_c = out.first_c();
   parallel_for(execution, found.size(), 1, [&](std::size_t first, std::size_t last) {
     Pacer pacer(execution);
     for (std::size_t b = first; b < last; ++b) {
       const TriangleDivision& block = found[b];
       const Begin& at = begin[b];
-      const auto c_base = first_c + static_cast<VertexId>(at.cuts);
+      const auto c_base = first_c + static_cast<std::uint32_t>(at.cuts);
       for (std::size_t k = 0; k < block.vertices.size(); ++k) {
-        const VertexId v = block.vertices[k];
-        out.vertices[at.vertices + k] = v & kBlockLocalC ? c_base + (v & ~kBlockLocalC) : v;
+        const CutVertexId v = block.vertices[k];
+        out.vertices[at.vertices + k] = v & kBlockLocalC ? CutVertexId{c_base + (v & ~kBlockLocalC)} : v;
         out.sides[at.vertices + k] = block.sides[k];
         pacer.step();
       }
@@ -170,7 +170,7 @@ SurfaceCuts cut_surface_again(const Solid& solid, const VoronoiDiagram& diagram,
   std::vector<std::uint32_t> triangles, edges;
   for (std::uint32_t t = 0; t < met.size(); ++t) {
     pacer.step();
-    for (const std::uint32_t v : solid.triangles[t]) met[t] |= wanted[before.label[v]];
+    for (const VertexId v : solid.triangles[t]) met[t] |= wanted[before.label[v]];
     if (!met[t]) continue;
     triangles.push_back(t);
     for (const std::uint32_t e : solid.edges[t]) edge[e] = 1;

@@ -7,7 +7,7 @@
 //   polygons    triangle ∩ cell for every cell that meets a triangle whose labels differ (C vertices)
 // A cell is convex, so a triangle whose labels agree lies in one cell and needs no cutting.
 //
-// Vertex names (keys), one VertexId space for the whole solid:
+// Vertex names (keys), one space of CutVertexId for the whole solid:
 //   A  mesh vertex v                                   ids [0, vertices)
 //   B  mesh edge e x bisector(i, j)                    ids [vertices, vertices + edge_cuts)
 //   C  mesh triangle t x Voronoi edge (i, j, k)        ids [.. , .. + triangle_cuts)
@@ -26,7 +26,9 @@
 
 namespace fracture {
 
-using VertexId = std::uint32_t;
+using CutVertexId = Id<struct CutVertexTag>;
+/// The A vertex.
+constexpr CutVertexId cut_vertex(VertexId mesh_vertex) { return CutVertexId{std::uint32_t{mesh_vertex}}; }
 
 /// Going along the edge from its lower to its higher vertex id, here it leaves cell `from` and enters cell
 /// `to`.
@@ -62,12 +64,12 @@ struct SurfaceCuts {
   std::vector<EdgeCut> edge_cuts;             ///< B vertices, by edge, in order along the edge
   std::vector<TriangleCut> triangle_cuts;     ///< C vertices, by triangle
   std::vector<CutPolygon> polygons;           ///< of cut triangles only, by triangle, then ascending by cell
-  std::vector<VertexId> vertices;
+  std::vector<CutVertexId> vertices;
   std::vector<PolygonSide> sides;
 
-  VertexId first_b() const { return static_cast<VertexId>(label.size()); }
-  VertexId first_c() const { return first_b() + static_cast<VertexId>(edge_cuts.size()); }
-  VertexId first_d() const { return first_c() + static_cast<VertexId>(triangle_cuts.size()); }
+  CutVertexId first_b() const { return CutVertexId{label.size()}; }
+  CutVertexId first_c() const { return CutVertexId{first_b() + edge_cuts.size()}; }
+  CutVertexId first_d() const { return CutVertexId{first_c() + triangle_cuts.size()}; }
 };
 
 SurfaceCuts cut_surface(const Solid& solid, const VoronoiDiagram& diagram, const Execution& execution);

@@ -115,7 +115,7 @@ class WindingTraversal {
   void wind() {
     std::vector<TetId> queue;
     if (before_) start_from_before(queue);
-    for (TetId t = 0; t < tets_.size(); ++t) {
+    for (const TetId t : ids<TetId>(tets_.size())) {
       pacer_.step();
       if (!states_.is_known(t) && tet_matters(t) &&
           std::any_of(tets_[t].v.begin(), tets_[t].v.end(), [&](SiteId s) { return dual_.is_corner(s); })) {
@@ -217,7 +217,7 @@ class WindingTraversal {
   void name_inner_vertices() {
     std::vector<std::size_t> next(solid_.layers + 1, 0);
     name_begin_.assign(tets_.size() + 1, 0);
-    for (TetId t = 0; t < tets_.size(); ++t) {
+    for (const TetId t : ids<TetId>(tets_.size())) {
       pacer_.step();
       name_begin_[t + 1] = name_begin_[t];
       if (!states_.is_known(t)) continue;
@@ -233,14 +233,14 @@ class WindingTraversal {
     for (std::uint32_t l = 0; l < solid_.layers; ++l) next[l + 1] += next[l];
     resize_with_polls(execution_, names_, count);
     resize_with_polls(execution_, out_.inner_vertices, count);
-    for (TetId t = 0; t < tets_.size(); ++t) {
+    for (const TetId t : ids<TetId>(tets_.size())) {
       pacer_.step();
       if (!states_.is_known(t)) continue;
-      VertexId* name = names_.data() + name_begin_[t];
+      CutVertexId* name = names_.data() + name_begin_[t];
       for (const Inside& i : states_.at(t)) {
         const std::size_t n = next[i.layer]++;
         out_.inner_vertices[n] = {t, i.part, i.winding};
-        *name++ = cuts_.first_d() + static_cast<VertexId>(n);
+        *name++ = CutVertexId{cuts_.first_d() + n};
       }
     }
   }
@@ -254,7 +254,7 @@ class WindingTraversal {
       Pacer pacer(execution_);
       std::size_t counted = 0;
       std::vector<CapSegment>& segments = found[begin / kBlock];
-      for (auto t = static_cast<TetId>(begin); t < end; ++t) {
+      for (const TetId t : ids<TetId>(begin, end)) {
         if (!states_.is_known(t)) continue;
         const std::size_t before = segments.size();
         for (int f = 0; f < 4; ++f) emit_edge(t, f, segments);
@@ -290,7 +290,8 @@ class WindingTraversal {
     if (u == kNoTet || u < t || !edge_matters(t, f)) return;
     if (!states_.is_known(u)) throw InternalError("Voronoi vertex " + std::to_string(u) + " was not reached");
     const std::span<const Inside> here = states_.at(t), there = states_.at(u);
-    const VertexId *name_here = names_.data() + name_begin_[t], *name_there = names_.data() + name_begin_[u];
+    const CutVertexId *name_here = names_.data() + name_begin_[t],
+                      *name_there = names_.data() + name_begin_[u];
     const std::uint32_t e = crossed(t, f);
     if (e == kNone) {
       for (std::size_t k = 0; k < here.size(); ++k)
@@ -307,7 +308,7 @@ class WindingTraversal {
     for (const LayerCrossings& layer : table_.layers_of(edge)) {
       pass_until(layer.layer);
       // From t's Voronoi vertex to u's, crossing by crossing.
-      VertexId from = kNone;
+      CutVertexId from{kNone};
       std::int32_t w = 0;
       if (k < here.size() && here[k].layer == layer.layer) {
         from = name_here[k];
@@ -316,7 +317,7 @@ class WindingTraversal {
       for (std::uint32_t n = 0; n < layer.count; ++n) {
         const std::uint32_t c = forward ? layer.first + n : layer.first + layer.count - 1 - n;
         const Crossing& crossing = table_.crossings[c];
-        const VertexId to = cuts_.first_c() + crossing.cut;
+        const CutVertexId to{cuts_.first_c() + crossing.cut};
         if (w != 0) emit(t, f, from, to, w, part_at(c), out);
         w += forward ? crossing.step : -crossing.step;
         from = to;
@@ -338,7 +339,7 @@ class WindingTraversal {
   //           \ /                   the interior lies on the left of the edge seen from the tip of n
   //        b --+-- c
   //          (b,c)
-  void emit(TetId t, int f, VertexId from, VertexId to, std::int32_t w, std::uint32_t part,
+  void emit(TetId t, int f, CutVertexId from, CutVertexId to, std::int32_t w, std::uint32_t part,
             std::vector<CapSegment>& out) const {
     const std::array<SiteId, 3> s = outward_facet(tets_[t], f);
     for (int k = 0; k < 3; ++k) {
@@ -366,7 +367,7 @@ class WindingTraversal {
   std::vector<Inside> beyond_;
   std::vector<std::size_t>
       name_begin_;  // per tetrahedron: its range of names_, one for each layer of its state
-  std::vector<VertexId> names_;
+  std::vector<CutVertexId> names_;
   Winding out_;
 };
 

@@ -22,7 +22,7 @@ namespace fracture {
 /// reversed when < 0.
 struct CapSegment {
   SiteId lo, hi;
-  VertexId from, to;
+  CutVertexId from, to;
   std::int32_t multiplicity;
   std::uint32_t part;  ///< of the solid
 };

@@ -72,7 +72,7 @@ void dump_obj(std::ostream& out, const Solid& solid) {
 
 void dump_obj_of_sites(std::ostream& out, const Tetrahedralization& t, double radius) {
   out << "o sites\n";
-  for (SiteId s = 0; s < t.site_count(); ++s) {
+  for (const SiteId s : ids<SiteId>(t.site_count())) {
     for (int corner = 0; corner < 6; ++corner) {  // +x, -x, +y, -y, +z, -z
       Vec3d p = t.points[s];
       p[corner / 2] += corner % 2 ? -radius : radius;

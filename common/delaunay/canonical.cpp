@@ -36,7 +36,7 @@ void canonicalize(Tetrahedralization& t, const Execution& execution) {
     std::array<SiteId, 3> rest;
     TetId tet;
   };
-  const auto count = static_cast<TetId>(t.tets.size());
+  const std::size_t count = t.tets.size();
   Pacer pacer(execution);
   std::vector<std::uint32_t> begin(t.points.size() + 1, 0);
   for (Tetrahedron& tet : t.tets) {
@@ -53,7 +53,7 @@ void canonicalize(Tetrahedralization& t, const Execution& execution) {
   std::vector<Entry> entries;
   resize_with_polls(execution, entries, count);
   std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
-  for (TetId i = 0; i < count; ++i) {
+  for (const TetId i : ids<TetId>(count)) {
     pacer.step();
     const auto& v = t.tets[i].v;
     entries[next[v[0]]++] = {{v[1], v[2], v[3]}, i};
@@ -63,12 +63,12 @@ void canonicalize(Tetrahedralization& t, const Execution& execution) {
     pacer.step(8 * (begin[s + 1] - begin[s]));
     sort_with_polls(execution, entries.begin() + begin[s], entries.begin() + begin[s + 1],
                     [](const Entry& a, const Entry& b) { return a.rest < b.rest; });
-    for (std::uint32_t k = begin[s]; k < begin[s + 1]; ++k) new_id[entries[k].tet] = k;
+    for (std::uint32_t k = begin[s]; k < begin[s + 1]; ++k) new_id[entries[k].tet] = TetId{k};
   }
   std::vector<Tetrahedron> tets;
   resize_with_polls(execution, tets, count);
   std::fill(t.tet_of_site.begin(), t.tet_of_site.end(), kNoTet);
-  for (TetId i = 0; i < count; ++i) {
+  for (const TetId i : ids<TetId>(count)) {
     pacer.step(2);
     tets[i] = t.tets[entries[i].tet];
     for (TetId& n : tets[i].n)

@@ -21,7 +21,7 @@ IncrementalDelaunay::IncrementalDelaunay(const BigTetrahedron& big, Options opti
     : big_(big), options_(options), orient_bound_(orient_bound(big)) {
   const std::array<Vec3d, 4> corners = big.corners();
   for (const Vec3d& c : corners) new_vertex(c);
-  make_tet(0, 1, 2, 3);
+  make_tet(TetVertexId{0}, TetVertexId{1}, TetVertexId{2}, TetVertexId{3});
 }
 
 IncrementalDelaunay::IncrementalDelaunay(const BigTetrahedron& big, Options options,
@@ -30,11 +30,11 @@ IncrementalDelaunay::IncrementalDelaunay(const BigTetrahedron& big, Options opti
   const std::uint32_t sites = finished.site_count();
   vertices_.reserve(finished.points.size());
   for (std::uint32_t k = 0; k < 4; ++k) new_vertex(finished.points[sites + k]);
-  for (SiteId s = 0; s < sites; ++s) new_vertex(finished.points[s]);
-  const auto vertex = [sites](SiteId s) { return s < sites ? s + 4 : s - sites; };
+  for (const SiteId s : ids<SiteId>(sites)) new_vertex(finished.points[s]);
+  const auto vertex = [sites](SiteId s) { return TetVertexId{s < sites ? s + 4 : s - sites}; };
   tets_.resize(finished.tets.size());
   Pacer pacer(*options_.execution);
-  for (TetId t = 0; t < tets_.size(); ++t) {
+  for (const TetId t : ids<TetId>(tets_.size())) {
     pacer.step(4);
     const Tetrahedron& from = finished.tets[t];
     Tet& tet = tets_[t];
@@ -46,10 +46,11 @@ IncrementalDelaunay::IncrementalDelaunay(const BigTetrahedron& big, Options opti
     for (int k = 0; k < 4; ++k) {
       if (from.n[k] == kNoTet) continue;
       const auto& back = finished.tets[from.n[k]].n;
-      tet.n[k] = 4 * from.n[k] + static_cast<Link>(std::find(back.begin(), back.end(), t) - back.begin());
+      tet.n[k] =
+          Link(from.n[k], static_cast<unsigned>(std::find(back.begin(), back.end(), t) - back.begin()));
     }
     set_sphere(tet);
-    for (const VertexId v : tet.v) vertices_[v].tet = t;
+    for (const TetVertexId v : tet.v) vertices_[v].tet = t;
   }
 }
 
@@ -58,15 +59,15 @@ void IncrementalDelaunay::reserve(std::size_t sites) {
   tets_.reserve(sites * 7 + 64);
 }
 
-VertexId IncrementalDelaunay::new_vertex(const Vec3d& p) {
+TetVertexId IncrementalDelaunay::new_vertex(const Vec3d& p) {
   scale_.include(p);
   // + 0.0 makes a negative zero positive, so that equal points have equal bits.
-  const Vertex vertex{p.x + 0.0, p.y + 0.0, p.z + 0.0, 0, kNoLocal};
+  const Vertex vertex{p.x + 0.0, p.y + 0.0, p.z + 0.0, TetId{0}, kNoLocal};
   if (free_vertices_.empty()) {
     vertices_.push_back(vertex);
-    return static_cast<VertexId>(vertices_.size() - 1);
+    return TetVertexId{vertices_.size() - 1};
   }
-  const VertexId v = free_vertices_.back();
+  const TetVertexId v = free_vertices_.back();
   free_vertices_.pop_back();
   vertices_[v] = vertex;
   return v;
@@ -79,7 +80,7 @@ TetId IncrementalDelaunay::new_tet() {
     return t;
   }
   tets_.emplace_back();
-  return static_cast<TetId>(tets_.size() - 1);
+  return TetId{tets_.size() - 1};
 }
 
 void IncrementalDelaunay::free_tet(TetId t) {
@@ -88,11 +89,11 @@ void IncrementalDelaunay::free_tet(TetId t) {
   free_tets_.push_back(t);
 }
 
-TetId IncrementalDelaunay::make_tet(VertexId a, VertexId b, VertexId c, VertexId d) {
+TetId IncrementalDelaunay::make_tet(TetVertexId a, TetVertexId b, TetVertexId c, TetVertexId d) {
   const TetId t = new_tet();
   tets_[t] = Tet{{a, b, c, d}, {kNoLink, kNoLink, kNoLink, kNoLink}, {}, 0, 0};
   set_sphere(tets_[t]);
-  for (const VertexId v : tets_[t].v) vertices_[v].tet = t;
+  for (const TetVertexId v : tets_[t].v) vertices_[v].tet = t;
   return t;
 }
 
@@ -149,8 +150,8 @@ IncrementalDelaunay::Located IncrementalDelaunay::locate(const Vec3d& p, TetId t
     }
     const Link link = tet.n[left_by];
     if (link == kNoLink) throw InternalError("walk left the big tetrahedron: a site outside the domain");
-    t = link >> 2;
-    came = link & 3;
+    t = link.tet();
+    came = link.facet();
   }
 }
 

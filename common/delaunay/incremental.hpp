@@ -21,6 +21,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "common/base/execution.hpp"
@@ -32,7 +33,24 @@
 
 namespace fracture {
 
-using VertexId = std::uint32_t;
+using TetVertexId = Id<struct TetVertexTag>;
+
+/// A neighbour and the facet through which it is one, in one word: 2^30 tetrahedra.
+class Link {
+ public:
+  Link() = default;
+  /// facet < 4: opposite that vertex of `tet`.
+  constexpr Link(TetId tet, unsigned facet) : word_(4 * tet + facet) {}
+  constexpr TetId tet() const { return TetId{word_ >> 2}; }
+  constexpr unsigned facet() const { return word_ & 3; }
+  friend constexpr bool operator==(Link, Link) = default;
+
+ private:
+  std::uint32_t word_;
+};
+static_assert(sizeof(Link) == sizeof(std::uint32_t) && std::is_trivial_v<Link>);
+/// Behind the facets of the big tetrahedron.
+inline constexpr Link kNoLink{TetId{0x3fffffff}, 3};
 
 class IncrementalDelaunay {
  public:
@@ -50,7 +68,7 @@ class IncrementalDelaunay {
   };
   struct Insertion {
     Status status;
-    VertexId vertex;
+    TetVertexId vertex;
   };
 
   IncrementalDelaunay(const BigTetrahedron& big, Options options);
@@ -68,9 +86,9 @@ class IncrementalDelaunay {
   }
   std::uint32_t tet_count() const { return static_cast<std::uint32_t>(tets_.size() - free_tets_.size()); }
   /// One above the largest vertex id in use.
-  VertexId vertex_end() const { return static_cast<VertexId>(vertices_.size()); }
-  bool is_live(VertexId v) const { return v < vertices_.size() && vertices_[v].tet != kNoTet; }
-  Vec3d position(VertexId v) const { return {vertices_[v].x, vertices_[v].y, vertices_[v].z}; }
+  TetVertexId vertex_end() const { return TetVertexId{vertices_.size()}; }
+  bool is_live(TetVertexId v) const { return v < vertices_.size() && vertices_[v].tet != kNoTet; }
+  Vec3d position(TetVertexId v) const { return {vertices_[v].x, vertices_[v].y, vertices_[v].z}; }
   const BigTetrahedron& big() const { return big_; }
 
   /// The names of the first broken invariant with its ids, or nothing when all hold. Exact; linear in the
@@ -84,11 +102,11 @@ class IncrementalDelaunay {
   /// The same with sites numbered by increasing vertex id.
   Tetrahedralization snapshot() const;
 
-  /// Calls visit(std::array<VertexId, 4>) for every tetrahedron, in storage order.
+  /// Calls visit(std::array<TetVertexId, 4>) for every tetrahedron, in storage order.
   template <class Visit>
   void for_each_tet(Visit visit) const {
     for (const Tet& t : tets_)
-      if (t.v[0] != kNoVertex) visit(std::array<VertexId, 4>{t.v[0], t.v[1], t.v[2], t.v[3]});
+      if (t.v[0] != kNoVertex) visit(std::array<TetVertexId, 4>{t.v[0], t.v[1], t.v[2], t.v[3]});
   }
 
   /// How the decisions were made. Free: the filter's calls are counted by insertion,
@@ -104,17 +122,13 @@ class IncrementalDelaunay {
 
  protected:
   // Storage, location and predicates: also for the other ways to change it (reference/).
-  static constexpr VertexId kNoVertex = 0xffffffffu;
-  /// A neighbour and the facet through which it is one: 4 * tetrahedron + index of the facet there. 2^30
-  /// tetrahedra.
-  using Link = std::uint32_t;
-  static constexpr Link kNoLink = 0xffffffffu;
+  static constexpr TetVertexId kNoVertex{0xffffffffu};
 
   /// One cache line. The circumsphere's centre, kept with a bound of its error, turns in_sphere into a dot
   /// product (the sub-determinants of Marot et al. 2019, divided by the volume):
   ///   p is inside  <=>  |d|^2 < axis · d,  d = p - v[0],  axis = 2 (centre - v[0]).
   struct alignas(64) Tet {
-    VertexId v[4];
+    TetVertexId v[4];
     Link n[4];
     double axis[3];
     float error;  ///< |computed axis component - true one| <= error; infinity: always ask the exact path
@@ -134,7 +148,7 @@ class IncrementalDelaunay {
 
   /// A facet of the boundary of a cavity or star, and what lies behind it.
   struct Facet {
-    VertexId v[3];
+    TetVertexId v[3];
     Link outer;
   };
 
@@ -150,11 +164,13 @@ class IncrementalDelaunay {
   void set_sphere(Tet& t) const;
   static void set_sphere(Tet& t, const Vec3d& b, const Vec3d& c, const Vec3d& d, double lift_b, double lift_c,
                          double lift_d);
-  VertexId new_vertex(const Vec3d& p);
+  TetVertexId new_vertex(const Vec3d& p);
   TetId new_tet();
-  TetId make_tet(VertexId a, VertexId b, VertexId c, VertexId d);
+  TetId make_tet(TetVertexId a, TetVertexId b, TetVertexId c, TetVertexId d);
   void free_tet(TetId t);
   void next_visit();
+  /// The link of the tetrahedron that `to` leads to, through the same facet.
+  Link& link_back(Link to) { return tets_[to.tet()].n[to.facet()]; }
 
   BigTetrahedron big_;
   Options options_;
@@ -164,8 +180,8 @@ class IncrementalDelaunay {
   std::vector<Tet> tets_;
   std::vector<Vertex> vertices_;
   std::vector<TetId> free_tets_;
-  std::vector<VertexId> free_vertices_;
-  TetId last_ = 0;  ///< where the next walk starts
+  std::vector<TetVertexId> free_vertices_;
+  TetId last_{0};  ///< where the next walk starts
   std::uint64_t walk_state_ = 0x853c49e6748fea9bull;
   std::uint32_t visit_ = 0;  ///< marks equal to visit_: in conflict; visit_ + 1: known not to be
   mutable Counters counters_;
@@ -173,7 +189,11 @@ class IncrementalDelaunay {
  private:
   // cavity.cpp
   void grow_cavity(const Vec3d& p, TetId start);
-  void fill_cavity(VertexId v);
+  void fill_cavity(TetVertexId v);
+  void take_slots();
+  std::uint32_t make_tets(TetVertexId v);
+  void join_by_table();
+  void join_by_hash();
   /// Within loops over one cavity, of which few have thousands of facets.
   void poll_in_large_cavity(std::size_t step) const {
     if ((step & 0xfff) == 0xfff) [[unlikely]]
@@ -181,13 +201,14 @@ class IncrementalDelaunay {
   }
 
   // Scratch of one insertion; kept to avoid allocation.
-  std::vector<Link>
-      cavity_;  ///< first a tetrahedron and the facet it was reached by; then the slots of the new ones
+  std::vector<Link> cavity_;  ///< each tetrahedron and the facet that it was reached by
   std::vector<Facet> boundary_;
   std::size_t cavity_count_ = 0, boundary_count_ = 0;  ///< in use; the arrays only grow
-  std::vector<VertexId> local_;                        ///< the vertices of the cavity
+  std::vector<TetId> slots_;                           ///< per boundary facet: the tetrahedron made over it
+  std::vector<TetVertexId> local_;                     ///< the vertices of the cavity
   std::vector<std::uint32_t> fresh_;                   ///< three local numbers for each boundary facet
-  std::vector<std::uint32_t> edge_table_;
+  std::vector<Link> edge_table_;                       ///< join_by_table(): by directed edge
+  std::vector<std::uint32_t> edge_hash_;               ///< join_by_hash(): the same, see there
 };
 
 }  // namespace fracture

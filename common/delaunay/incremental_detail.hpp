@@ -10,10 +10,10 @@ template <class Fill>
 IncrementalDelaunay::Insertion IncrementalDelaunay::insert_with(const Vec3d& p, const Fill& fill) {
   if (!big_.contains(p)) return {Status::kOutsideDomain, kNoVertex};
   const Located at = locate(p, last_);
-  for (const VertexId v : tets_[at.tet].v)
+  for (const TetVertexId v : tets_[at.tet].v)
     if (position(v) == p) return {Status::kDuplicate, v};
   if (tet_count() > options_.max_tets) return {Status::kFull, kNoVertex};
-  const VertexId v = new_vertex(p);
+  const TetVertexId v = new_vertex(p);
   fill(v, at);
   last_ = vertices_[v].tet;
   return {Status::kInserted, v};

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <vector>
@@ -26,7 +27,7 @@ Expected<KeptSites> keep_sites(std::span<const Vec3d> sites, const Box& box);
 
 /// The result, once every kept point has become a vertex (`vertex_of`, per point).
 Tetrahedralization numbered(const IncrementalDelaunay& delaunay, const KeptSites& sites,
-                            const std::vector<VertexId>& vertex_of);
+                            const std::vector<TetVertexId>& vertex_of);
 
 /// How many insertions ahead the coordinates are fetched: the order of insertion jumps about in the caller's
 /// list.
@@ -41,7 +42,7 @@ Expected<Tetrahedralization> insert_all(IncrementalDelaunay& delaunay, const Kep
   const std::vector<Vec3d>& points = sites.points;
   delaunay.reserve(points.size());
   const std::vector<std::uint32_t> order = spatial_order(points, execution);
-  std::vector<VertexId> vertex_of(points.size());
+  std::vector<TetVertexId> vertex_of(points.size());
   std::uint32_t counted = 0;
   const auto count_new = [&] {
     if (delaunay.tet_count() <= counted) return;

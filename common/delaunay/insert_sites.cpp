@@ -24,7 +24,7 @@ std::optional<Tetrahedralization> insert_sites(const Tetrahedralization& before,
       std::min<std::uint64_t>(kTetsAlways + kTetsPerSite * static_cast<std::uint64_t>(given), 0x3ffffff0u));
   IncrementalDelaunay delaunay(big, {limit, &execution}, before);
   // For each further point the vertex it became; for each vertex the lowest further point that it stands for.
-  std::vector<VertexId> vertex_of(further.size());
+  std::vector<TetVertexId> vertex_of(further.size());
   std::vector<std::size_t> first_of(4 + sites + further.size(), further.size());
   const std::vector<std::uint32_t> order = spatial_order(further, execution);
   for (std::size_t k = 0; k < order.size(); ++k) {
@@ -40,13 +40,13 @@ std::optional<Tetrahedralization> insert_sites(const Tetrahedralization& before,
   execution.made(Product::kTetrahedra, delaunay.tet_count());  // a copy
 
   std::vector<SiteId> site_of_vertex(delaunay.vertex_end(), kNoSite);
-  for (SiteId s = 0; s < sites; ++s) site_of_vertex[4 + s] = s;
-  SiteId next = sites;
+  for (const SiteId s : ids<SiteId>(sites)) site_of_vertex[4 + s] = s;
+  SiteId next{sites};
   for (std::size_t k = 0; k < further.size(); ++k)
     if (vertex_of[k] >= 4 + sites && first_of[vertex_of[k]] == k) site_of_vertex[vertex_of[k]] = next++;
   Tetrahedralization result = delaunay.snapshot(site_of_vertex);
   result.site_of_input = before.site_of_input;
-  for (const VertexId v : vertex_of) result.site_of_input.push_back(site_of_vertex[v]);
+  for (const TetVertexId v : vertex_of) result.site_of_input.push_back(site_of_vertex[v]);
   result.duplicates_merged =
       before.duplicates_merged + static_cast<std::uint32_t>(further.size()) - (next - sites);
   canonicalize(result, execution);

@@ -6,8 +6,8 @@ namespace fracture {
 
 Tetrahedralization IncrementalDelaunay::snapshot() const {
   std::vector<SiteId> site_of_vertex(vertices_.size(), kNoSite);
-  SiteId next = 0;
-  for (VertexId v = 4; v < vertices_.size(); ++v)
+  SiteId next{0};
+  for (const TetVertexId v : ids<TetVertexId>(4, vertices_.size()))
     if (is_live(v)) site_of_vertex[v] = next++;
   return snapshot(site_of_vertex);
 }
@@ -22,16 +22,16 @@ Tetrahedralization IncrementalDelaunay::snapshot(std::span<const SiteId> site_of
   std::vector<TetId> moved;
   if (!free_tets_.empty()) {
     moved.resize(tets_.size(), kNoTet);
-    TetId next = 0;
-    for (TetId t = 0; t < tets_.size(); ++t)
+    TetId next{0};
+    for (const TetId t : ids<TetId>(tets_.size()))
       if (tets_[t].v[0] != kNoVertex) moved[t] = next++;
   }
   const auto new_id = [&](TetId t) { return moved.empty() ? t : moved[t]; };
 
   std::vector<SiteId> name(vertices_.size(), kNoSite);
-  for (VertexId v = 0; v < vertices_.size(); ++v) {
+  for (const TetVertexId v : ids<TetVertexId>(vertices_.size())) {
     if (!is_live(v)) continue;
-    name[v] = v < 4 ? sites + v : site_of_vertex[v];
+    name[v] = v < 4 ? SiteId{sites + v} : site_of_vertex[v];
     result.points[name[v]] = position(v);
     result.tet_of_site[name[v]] = new_id(vertices_[v].tet);
   }
@@ -39,7 +39,7 @@ Tetrahedralization IncrementalDelaunay::snapshot(std::span<const SiteId> site_of
   for (const Tet& t : tets_) {
     pacer.step();
     if (t.v[0] == kNoVertex) continue;
-    const auto neighbour = [&](int k) { return t.n[k] == kNoLink ? kNoTet : new_id(t.n[k] >> 2); };
+    const auto neighbour = [&](int k) { return t.n[k] == kNoLink ? kNoTet : new_id(t.n[k].tet()); };
     result.tets.push_back({{name[t.v[0]], name[t.v[1]], name[t.v[2]], name[t.v[3]]},
                            {neighbour(0), neighbour(1), neighbour(2), neighbour(3)}});
   }

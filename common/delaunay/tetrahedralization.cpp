@@ -70,11 +70,11 @@ Expected<KeptSites> keep_sites(std::span<const Vec3d> sites, const Box& box) {
 }
 
 Tetrahedralization numbered(const IncrementalDelaunay& delaunay, const KeptSites& sites,
-                            const std::vector<VertexId>& vertex_of) {
+                            const std::vector<TetVertexId>& vertex_of) {
   // Sites are numbered by the first point that stands for them.
   const auto count = static_cast<std::uint32_t>(sites.points.size());
   std::vector<SiteId> site_of_vertex(delaunay.vertex_end(), kNoSite);
-  SiteId next = 0;
+  SiteId next{0};
   for (std::uint32_t i = 0; i < count; ++i)
     if (SiteId& site = site_of_vertex[vertex_of[i]]; site == kNoSite) site = next++;
   Tetrahedralization result = delaunay.snapshot(site_of_vertex);

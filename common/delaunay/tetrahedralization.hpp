@@ -15,14 +15,15 @@
 
 #include "common/base/error.hpp"
 #include "common/base/execution.hpp"
+#include "common/base/id.hpp"
 #include "common/base/vec.hpp"
 
 namespace fracture {
 
-using SiteId = std::uint32_t;
-using TetId = std::uint32_t;
-inline constexpr TetId kNoTet = 0xffffffffu;
-inline constexpr SiteId kNoSite = 0xffffffffu;
+using SiteId = Id<struct SiteTag>;
+using TetId = Id<struct TetTag>;
+inline constexpr TetId kNoTet{0xffffffffu};
+inline constexpr SiteId kNoSite{0xffffffffu};
 
 struct Tetrahedron {
   std::array<SiteId, 4> v;

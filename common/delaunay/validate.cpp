@@ -8,7 +8,7 @@
 namespace fracture {
 namespace {
 
-std::string name_of(TetId t, const VertexId (&v)[4]) {
+std::string name_of(TetId t, const TetVertexId (&v)[4]) {
   return "tetrahedron " + std::to_string(t) + " (" + std::to_string(v[0]) + ", " + std::to_string(v[1]) +
          ", " + std::to_string(v[2]) + ", " + std::to_string(v[3]) + ")";
 }
@@ -17,29 +17,29 @@ std::string name_of(TetId t, const VertexId (&v)[4]) {
 
 std::optional<std::string> IncrementalDelaunay::validate() const {
   std::uint32_t live = 0;
-  for (TetId id = 0; id < tets_.size(); ++id) {
+  for (const TetId id : ids<TetId>(tets_.size())) {
     const Tet& t = tets_[id];
     if (t.v[0] == kNoVertex) continue;
     ++live;
-    for (const VertexId v : t.v)
+    for (const TetVertexId v : t.v)
       if (!is_live(v)) return name_of(id, t.v) + " has the removed vertex " + std::to_string(v);
     if (exact::orient3d(position(t.v[0]), position(t.v[1]), position(t.v[2]), position(t.v[3])) <= 0)
       return name_of(id, t.v) + " is not positive";
     for (unsigned k = 0; k < 4; ++k) {
       const Link link = t.n[k];
-      VertexId mine[3] = {t.v[kFacet[k][0]], t.v[kFacet[k][1]], t.v[kFacet[k][2]]};
+      TetVertexId mine[3] = {t.v[kFacet[k][0]], t.v[kFacet[k][1]], t.v[kFacet[k][2]]};
       std::sort(mine, mine + 3);
       if (link == kNoLink) {
         if (mine[2] > 3) return name_of(id, t.v) + " has no neighbour " + std::to_string(k);
         continue;
       }
-      if (link >> 2 >= tets_.size() || tets_[link >> 2].v[0] == kNoVertex)
+      if (link.tet() >= tets_.size() || tets_[link.tet()].v[0] == kNoVertex)
         return name_of(id, t.v) + " has a dead neighbour " + std::to_string(k);
-      const Tet& other = tets_[link >> 2];
-      const unsigned back = link & 3;
-      if (other.n[back] != 4 * id + k)
+      const Tet& other = tets_[link.tet()];
+      const unsigned back = link.facet();
+      if (other.n[back] != Link(id, k))
         return name_of(id, t.v) + ": adjacency of facet " + std::to_string(k) + " is not symmetric";
-      VertexId theirs[3] = {other.v[kFacet[back][0]], other.v[kFacet[back][1]], other.v[kFacet[back][2]]};
+      TetVertexId theirs[3] = {other.v[kFacet[back][0]], other.v[kFacet[back][1]], other.v[kFacet[back][2]]};
       std::sort(theirs, theirs + 3);
       if (!std::equal(mine, mine + 3, theirs))
         return name_of(id, t.v) + ": facet " + std::to_string(k) + " differs from its neighbour's";
@@ -49,7 +49,7 @@ std::optional<std::string> IncrementalDelaunay::validate() const {
     }
   }
   if (live != tet_count()) return "the free list disagrees with the tetrahedra";
-  for (VertexId v = 0; v < vertices_.size(); ++v) {
+  for (const TetVertexId v : ids<TetVertexId>(vertices_.size())) {
     if (!is_live(v)) continue;
     const TetId t = vertices_[v].tet;
     if (t >= tets_.size() || std::find(tets_[t].v, tets_[t].v + 4, v) == tets_[t].v + 4)

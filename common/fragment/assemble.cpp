@@ -31,11 +31,11 @@ struct VertexSource {
 /// What one fragment's assembly keeps in memory, kept from fragment to fragment by each thread: fresh memory
 /// costs more than the work done in it.
 struct Scratch {
-  StampedMap at_position;  // VertexId -> its first vertex in the fragment
+  StampedMap at_position;  // CutVertexId -> its first vertex in the fragment
   StampedMap of_wedge;     // wedge -> vertex
-  StampedMap on_face;      // VertexId -> vertex, within one flat face
+  StampedMap on_face;      // CutVertexId -> vertex, within one flat face
   // Per vertex of the fragment.
-  std::vector<VertexId> ids;
+  std::vector<CutVertexId> ids;
   std::vector<VertexSource> sources;
   std::vector<std::uint32_t> topology;
   std::vector<std::uint32_t> next;  // another vertex at the same edge cut, or of the same wedge elsewhere
@@ -118,7 +118,7 @@ class Assembler {
           pacer_.step();
           // Cut faces of an earlier fracture come with the source, attributes and all; they precede the caps.
           if (has_wedges(face->source)) {
-            for (const VertexId v : face->v) *index++ = exterior_vertex(v, face->source);
+            for (const CutVertexId v : face->v) *index++ = exterior_vertex(v, face->source);
             continue;
           }
           if (is_cap(face->source)) add_cap(static_cast<std::uint32_t>(index - out_.indices.data()));
@@ -134,12 +134,12 @@ class Assembler {
         }
       } else if (plain_) {
         pacer_.each(run.begin, run.end, [&](std::size_t f) {
-          for (const VertexId v : piece.faces[f].v) *index++ = plain_vertex(v);
+          for (const CutVertexId v : piece.faces[f].v) *index++ = plain_vertex(v);
         });
       } else {
         pacer_.each(run.begin, run.end, [&](std::size_t f) {
           const Face& at = piece.faces[f];
-          for (const VertexId v : at.v) *index++ = exterior_vertex(v, at.source);
+          for (const CutVertexId v : at.v) *index++ = exterior_vertex(v, at.source);
         });
       }
     }
@@ -157,7 +157,7 @@ class Assembler {
     return !plain_ && !is_cap(source) && d_.solid.wedges[source][0] != kNoIndex;
   }
 
-  std::uint32_t add(VertexId v, const VertexSource& source) {
+  std::uint32_t add(CutVertexId v, const VertexSource& source) {
     const auto fresh = static_cast<std::uint32_t>(ids_.size());
     std::uint32_t& first = s_.at_position.slot(v);
     if (first == kNoIndex) first = fresh;
@@ -167,7 +167,7 @@ class Assembler {
     return fresh;
   }
 
-  std::uint32_t interior_vertex(VertexId v, FaceSource face, std::uint32_t corner) {
+  std::uint32_t interior_vertex(CutVertexId v, FaceSource face, std::uint32_t corner) {
     std::uint32_t& vertex = s_.on_face.slot(v);
     if (vertex == kNoIndex) vertex = add(v, {VertexSource::kInterior, face, corner});
     return vertex;
@@ -181,13 +181,13 @@ class Assembler {
   }
 
   // The interior comes last: who is at a position before it is the exterior.
-  std::uint32_t plain_vertex(VertexId v) {
+  std::uint32_t plain_vertex(CutVertexId v) {
     const std::uint32_t vertex = s_.at_position.slot(v);
     return vertex != kNoIndex ? vertex : add(v, {VertexSource::kPlain, 0, 0});
   }
 
-  std::uint32_t exterior_vertex(VertexId v, std::uint32_t triangle) {
-    const auto& corners = d_.solid.triangles[triangle];
+  std::uint32_t exterior_vertex(CutVertexId v, std::uint32_t triangle) {
+    const std::array<CutVertexId, 3> corners = d_.corners(triangle);
     const auto& wedges = d_.solid.wedges[triangle];
     if (v < d_.cuts.first_b()) {
       const std::uint32_t wedge = wedges[corners[0] == v ? 0 : corners[1] == v ? 1 : 2];
@@ -224,8 +224,9 @@ class Assembler {
     return fresh;
   }
 
-  std::array<std::uint32_t, 2> edge_of(VertexId b) const {
-    return d_.solid.edge_vertices[d_.cuts.edge_cuts[b - d_.cuts.first_b()].edge];
+  std::array<CutVertexId, 2> edge_of(CutVertexId b) const {
+    const auto& ends = d_.solid.edge_vertices[d_.cuts.edge_cuts[b - d_.cuts.first_b()].edge];
+    return {cut_vertex(ends[0]), cut_vertex(ends[1])};
   }
 
   // -- their attributes
@@ -273,7 +274,7 @@ class Assembler {
       const Vec3d n = d_.diagram.facet_normal(r.lo, r.hi);
       return ((cap_side(face) == 0 ? 1.0 : -1.0) / length(n)) * n;
     }
-    const auto& v = d_.solid.triangles[face];
+    const std::array<CutVertexId, 3> v = d_.corners(face);
     const Vec3d n = cross(d_.point(v[1]) - d_.point(v[0]), d_.point(v[2]) - d_.point(v[0]));
     const double l = length(n);
     return l > 0 ? (1 / l) * n : Vec3d{0, 0, 1};
@@ -290,7 +291,7 @@ class Assembler {
   }
 
   std::array<double, 3> barycentric(std::uint32_t t, const Vec3d& x) const {
-    const auto& v = d_.solid.triangles[t];
+    const std::array<CutVertexId, 3> v = d_.corners(t);
     const Vec3d a = d_.point(v[0]) - x, b = d_.point(v[1]) - x, c = d_.point(v[2]) - x;
     const Vec3d n = cross(b - a, c - a);
     std::array<double, 3> w{std::fmax(0, dot(n, cross(b, c))), std::fmax(0, dot(n, cross(c, a))),
@@ -346,7 +347,7 @@ class Assembler {
     const std::array<std::int32_t, 3> pivot =
         where == Pivot::kSource ? std::array<std::int32_t, 3>{} : center_on_lattice(step);
     out_.pivot = lattice.to_world(pivot);
-    const auto local = [&](VertexId v) -> Vec3f {
+    const auto local = [&](CutVertexId v) -> Vec3f {
       if (v < d_.positions.first_constructed) {
         const Vec3d p = d_.point(v) - out_.pivot;
         return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
@@ -358,10 +359,10 @@ class Assembler {
     out_.positions.reserve(ids_.size());
     pacer_.each(0, ids_.size(), [&](std::size_t k) { out_.positions.push_back(local(ids_[k])); });
     if (rough_) return place_flat_bodies(piece, pivot);
-    for (const std::vector<VertexId>& body : piece.bodies) {
+    for (const std::vector<CutVertexId>& body : piece.bodies) {
       out_.bodies.emplace_back();
       pacer_.step(body.size());
-      for (const VertexId v : body) out_.bodies.back().push_back(local(v));
+      for (const CutVertexId v : body) out_.bodies.back().push_back(local(v));
     }
   }
 
@@ -369,10 +370,10 @@ class Assembler {
   void place_flat_bodies(const Piece& piece, const std::array<std::int32_t, 3>& pivot) {
     const Vec3d step = d_.positions.lattice.step();
     const auto& flat = d_.positions.flat_steps;
-    const auto add_body = [&](const std::vector<VertexId>& body) {
+    const auto add_body = [&](const std::vector<CutVertexId>& body) {
       std::vector<Vec3f>& points = out_.bodies.emplace_back();
       pacer_.step(body.size());
-      for (const VertexId v : body) {
+      for (const CutVertexId v : body) {
         if (v < d_.positions.first_constructed) {
           const Vec3d p = d_.point(v) - out_.pivot;
           points.push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
@@ -383,9 +384,9 @@ class Assembler {
         }
       }
     };
-    for (const std::vector<VertexId>& body : piece.bodies) add_body(body);
+    for (const std::vector<CutVertexId>& body : piece.bodies) add_body(body);
     if (!piece.bodies.empty()) return;
-    std::vector<VertexId> all = ids_;
+    std::vector<CutVertexId> all = ids_;
     sort_with_polls(execution_, all.begin(), all.end());
     all.erase(std::unique(all.begin(), all.end()), all.end());
     add_body(all);
@@ -399,7 +400,7 @@ class Assembler {
   const bool rough_ = !d_.caps.normals.empty();
   bool plain_;
   Scratch& s_ = thread_scratch<Scratch>();
-  std::vector<VertexId>& ids_ = s_.ids;
+  std::vector<CutVertexId>& ids_ = s_.ids;
   std::vector<VertexSource>& sources_ = s_.sources;
   std::vector<Vec3d>& points_ = s_.points;
 };

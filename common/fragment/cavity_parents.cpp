@@ -60,7 +60,7 @@ class Surroundings {
       slabs_[p].fill({HUGE_VAL, -HUGE_VAL});
       for (const Face& f : components_[p].faces) {
         pacer_.step();
-        for (const VertexId v : f.v) {
+        for (const CutVertexId v : f.v) {
           const std::array<double, kDirections> at = along_directions(d_.point(v));
           for (int k = 0; k < kDirections; ++k) {
             slabs_[p][k][0] = std::min(slabs_[p][k][0], at[k]);
@@ -99,7 +99,7 @@ class Surroundings {
   Slabs<2> across(const Face& f) const {
     Slabs<2> slabs;
     slabs.fill({HUGE_VAL, -HUGE_VAL});
-    for (const VertexId v : f.v) {
+    for (const CutVertexId v : f.v) {
       const Vec3d p = d_.point(v);
       slabs[0] = {std::min(slabs[0][0], p.y), std::max(slabs[0][1], p.y)};
       slabs[1] = {std::min(slabs[1][0], p.z), std::max(slabs[1][1], p.z)};

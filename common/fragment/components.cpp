@@ -51,7 +51,7 @@ class ComponentFinder {
   }
 
  private:
-  void join(const std::array<VertexId, 3>& v) {
+  void join(const std::array<CutVertexId, 3>& v) {
     std::uint32_t id[3];
     for (int k = 0; k < 3; ++k) {
       std::uint32_t& slot = local_.slot(v[k]);
@@ -103,7 +103,7 @@ class ComponentFinder {
     struct Share {
       std::uint32_t component;
       SiteId cell;
-      VertexId vertex;
+      CutVertexId vertex;
       auto operator<=>(const Share&) const = default;
     };
     std::vector<std::uint32_t> component_of(sets_.size(),
@@ -111,7 +111,7 @@ class ComponentFinder {
     for (std::uint32_t c = 0; c < components.size(); ++c)
       for (const Face& f : components[c].faces) component_of[sets_.find(local_.slot(f.v[0]))] = c;
     std::vector<Share> shares;
-    const auto add = [&](SiteId cell, VertexId v) {
+    const auto add = [&](SiteId cell, CutVertexId v) {
       pacer_.step();
       const std::uint32_t c = component_of[sets_.find(local_.slot(v))];
       if (c != kNoIndex) shares.push_back({c, cell, v});
@@ -119,14 +119,14 @@ class ComponentFinder {
     for (const Component& c : components)
       for (const Face& f : c.faces)
         if (!is_cap(f.source))
-          for (const VertexId v : f.v)
+          for (const CutVertexId v : f.v)
             if (v < d_.cuts.first_b()) add(d_.cuts.label[v], v);
     for (const FaceSource source : share.caps) {
       const CapRegion& r = d_.caps.regions[cap_region(source)];
       for (const SiteId cell : {r.lo, r.hi}) {
         if (ownership_.owner_of_site[cell] != share.owner) continue;
         for (std::uint32_t k = 0; k < r.triangle_count; ++k)
-          for (const VertexId v : d_.caps.triangles[r.first_triangle + k]) add(cell, v);
+          for (const CutVertexId v : d_.caps.triangles[r.first_triangle + k]) add(cell, v);
       }
     }
     for (const std::uint32_t p : share.polygons) {

@@ -15,7 +15,7 @@ struct Component {
   std::uint32_t part = 0;
   double volume = 0;  ///< only measured where an owner has several components
   bool has_caps = false;
-  std::vector<std::vector<VertexId>> bodies{};  ///< as Piece::bodies
+  std::vector<std::vector<CutVertexId>> bodies{};  ///< as Piece::bodies
 };
 
 /// One owner's share of the restricted diagram.

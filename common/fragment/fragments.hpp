@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/base/vec.hpp"
+#include "common/delaunay/tetrahedralization.hpp"
 #include "common/fragment/size_limits.hpp"
 #include "common/mesh/mesh.hpp"
 
@@ -40,10 +41,10 @@ enum class Pivot {
 };
 
 struct Fragment {
-  std::uint64_t id = 0;  ///< function of its sites and part only (at most 2^53 - 1: exact in JSON)
-  std::vector<std::uint32_t> sites;  ///< ids of its cells' sites, ascending
-  std::uint32_t part = 0;            ///< index into Solid::parts
-  std::uint32_t node = 0;            ///< index into Mesh::node_names
+  std::uint64_t id = 0;       ///< function of its sites and part only (at most 2^53 - 1: exact in JSON)
+  std::vector<SiteId> sites;  ///< of its cells, ascending
+  std::uint32_t part = 0;     ///< index into Solid::parts
+  std::uint32_t node = 0;     ///< index into Mesh::node_names
   Vec3d pivot;  ///< node translation: a multiple of the seam lattice's step on each axis, exact in float
   std::vector<Vec3f> positions;  ///< local: float32(world - pivot), exact for constructed vertices
   Attributes

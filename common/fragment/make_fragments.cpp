@@ -124,42 +124,36 @@ void unite_without_volume(Assembly& assembly, const std::vector<std::uint32_t>& 
   assembly.make(grown);
 }
 
-}  // namespace
-
-FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownership, Pivot pivot,
-                           const SizeLimits& limits, const Execution& execution) {
-  Pieces pieces = gather_pieces(d, ownership, execution);
-  const std::size_t n = pieces.pieces.size();
-  FragmentSet out;
-  out.source = d.solid.source;
-  Certificate& certificate = out.certificate;
-
-  // Unite what is too small; assemble; unite what has no volume; assemble again what changed.
-  PieceGroups groups(n);
-  out.size = unite_by_size(d, pieces, limits, groups, execution);
-  certificate.united = out.size.united;
-  Assembly assembly{d, ownership, pieces, groups, pivot, execution};
-  resize_with_polls(execution, assembly.fragments, n);
-  resize_with_polls(execution, assembly.volumes, n);
+/// Unites what is too small; assembles; unites what has no volume; assembles again what changed. Returns, per
+/// name, what was dropped.
+std::vector<bool> assemble_groups(Assembly& assembly, const SizeLimits& limits, FragmentSet& out) {
+  const std::size_t n = assembly.pieces.pieces.size();
+  out.size = unite_by_size(assembly.d, assembly.pieces, limits, assembly.groups, assembly.execution);
+  out.certificate.united = out.size.united;
+  resize_with_polls(assembly.execution, assembly.fragments, n);
+  resize_with_polls(assembly.execution, assembly.volumes, n);
   std::vector<std::uint32_t> all;
   for (std::uint32_t g = 0; g < n; ++g)
-    if (groups.is_group(g)) all.push_back(g);
+    if (assembly.groups.is_group(g)) all.push_back(g);
   assembly.make(all);
   std::vector<bool> dropped(n, false);
-  unite_without_volume(assembly, all, dropped, certificate);
+  unite_without_volume(assembly, all, dropped, out.certificate);
+  return dropped;
+}
 
-  // What is left, in order of the pieces.
+/// Moves what is left into the set, in order of the pieces, and gives each its id. Returns per piece the
+/// number of its fragment, kNoIndex where that was dropped.
+std::vector<std::uint32_t> take_fragments(Assembly& assembly, const std::vector<bool>& dropped,
+                                          FragmentSet& out) {
+  const std::size_t n = assembly.pieces.pieces.size();
   out.fragments.reserve(n);
   std::vector<std::uint32_t> fragment_of_piece(n, kNoIndex);
   std::unordered_set<std::uint64_t> ids;  // only asked for membership
-  std::unordered_set<std::uint32_t> owners_seen;
-  ids.reserve(n);  // to move a million of them into a larger table takes a while
-  owners_seen.reserve(n);
-  Pacer pacer(execution);
+  ids.reserve(n);                         // to move a million of them into a larger table takes a while
+  Pacer pacer(assembly.execution);
   for (std::uint32_t g = 0; g < n; ++g) {
     pacer.step(16);
-    owners_seen.insert(pieces.pieces[g].owners[0]);
-    const std::uint32_t name = groups.of(g);
+    const std::uint32_t name = assembly.groups.of(g);
     if (dropped[name]) continue;
     if (name != g) {  // its group has stood before it
       fragment_of_piece[g] = fragment_of_piece[name];
@@ -167,24 +161,42 @@ FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownershi
     }
     fragment_of_piece[g] = static_cast<std::uint32_t>(out.fragments.size());
     Fragment& f = assembly.fragments[g];
-    f.id = fragment_id(d.diagram, f, pieces.pieces[g].island, execution);
+    f.id = fragment_id(assembly.d.diagram, f, assembly.pieces.pieces[g].island, assembly.execution);
     while (!ids.insert(f.id).second) f.id = (f.id + 1) & ((1ull << 53) - 1);
-    certificate.volume_out += f.mass.volume;
-    certificate.volume_file += assembly.volumes[g].volume;
+    out.certificate.volume_out += f.mass.volume;
+    out.certificate.volume_file += assembly.volumes[g].volume;
     out.fragments.push_back(std::move(f));
   }
-  out.bonds = find_bonds(d, pieces, fragment_of_piece, execution);
+  clear_nodes(pacer, ids);
+  return fragment_of_piece;
+}
 
-  certificate.volume_out += certificate.pocket_volume;
-  sum_up(d.solid, out.fragments, certificate);
-  certificate.cells = static_cast<std::uint32_t>(owners_seen.size());
-  certificate.islands = static_cast<std::uint32_t>(n) - certificate.cells;
+/// What the certificate says beside sum_up(), once the fragments are there.
+void count(const Pieces& pieces, const RestrictedDiagram& d, FragmentSet& out) {
+  Certificate& certificate = out.certificate;
+  for (std::size_t k = 0; k < pieces.pieces.size(); ++k)  // pieces stand in the order of their owners
+    certificate.cells += k == 0 || pieces.pieces[k].owners[0] != pieces.pieces[k - 1].owners[0];
+  certificate.islands = static_cast<std::uint32_t>(pieces.pieces.size()) - certificate.cells;
   certificate.fragments = static_cast<std::uint32_t>(out.fragments.size());
   certificate.crossing_caps = d.caps.crossing;
+}
 
+}  // namespace
+
+FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownership, Pivot pivot,
+                           const SizeLimits& limits, const Execution& execution) {
+  Pieces pieces = gather_pieces(d, ownership, execution);
+  PieceGroups groups(pieces.pieces.size());
+  FragmentSet out;
+  out.source = d.solid.source;
+  Assembly assembly{d, ownership, pieces, groups, pivot, execution};
+  const std::vector<bool> dropped = assemble_groups(assembly, limits, out);
+  const std::vector<std::uint32_t> fragment_of_piece = take_fragments(assembly, dropped, out);
+  out.bonds = find_bonds(d, pieces, fragment_of_piece, execution);
+  out.certificate.volume_out += out.certificate.pocket_volume;
+  sum_up(d.solid, out.fragments, out.certificate);
+  count(pieces, d, out);
   state_lattice(d, out);
-  clear_nodes(pacer, ids);
-  clear_nodes(pacer, owners_seen);
   clear_with_polls(execution, pieces.pieces);
   return out;
 }

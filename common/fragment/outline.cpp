@@ -27,8 +27,8 @@ void Outline::triangulate_into(std::uint32_t t, std::vector<Face>& out) {
       if (!is_straight(ring_[(k + n - 1) % n], ring_[k], ring_[(k + 1) % n])) loop_.push_back(ring_[k]);
     if (loop_.size() > loop_start) loop_begin_.push_back(static_cast<std::uint32_t>(loop_.size()));
   }
-  const auto& corners = d_.solid.triangles[t];
-  const auto is_corner = [&](VertexId v) {
+  const std::array<CutVertexId, 3> corners = d_.corners(t);
+  const auto is_corner = [&](CutVertexId v) {
     return std::find(corners.begin(), corners.end(), v) != corners.end();
   };
   if (loop_.size() == 3 && std::all_of(loop_.begin(), loop_.end(), is_corner)) {
@@ -40,24 +40,24 @@ void Outline::triangulate_into(std::uint32_t t, std::vector<Face>& out) {
   for (const auto& k : triangulation_.triangles) out.push_back({{loop_[k[0]], loop_[k[1]], loop_[k[2]]}, t});
 }
 
-std::size_t Outline::leaving(VertexId v, std::uint32_t t) const {
+std::size_t Outline::leaving(CutVertexId v, std::uint32_t t) const {
   const auto it = std::lower_bound(sides_.begin(), sides_.end(), v,
-                                   [](const Side& s, VertexId key) { return s.from < key; });
+                                   [](const Side& s, CutVertexId key) { return s.from < key; });
   if (it == sides_.end() || it->from != v)
     throw InternalError("the fused polygon of triangle " + std::to_string(t) + " is open at vertex " +
                         std::to_string(v));
   return static_cast<std::size_t>(it - sides_.begin());
 }
 
-bool Outline::lies_on(VertexId v, std::uint32_t edge) const {
+bool Outline::lies_on(CutVertexId v, std::uint32_t edge) const {
   if (v < d_.cuts.first_b()) {
     const auto& ends = d_.solid.edge_vertices[edge];
-    return v == ends[0] || v == ends[1];
+    return v == cut_vertex(ends[0]) || v == cut_vertex(ends[1]);
   }
   return v < d_.cuts.first_c() && d_.cuts.edge_cuts[v - d_.cuts.first_b()].edge == edge;
 }
 
-bool Outline::is_straight(VertexId before, VertexId v, VertexId after) const {
+bool Outline::is_straight(CutVertexId before, CutVertexId v, CutVertexId after) const {
   if (v < d_.cuts.first_b() || v >= d_.cuts.first_c()) return false;  // only edge cuts lie within an edge
   const std::uint32_t edge = d_.cuts.edge_cuts[v - d_.cuts.first_b()].edge;
   return lies_on(before, edge) && lies_on(after, edge);
@@ -77,7 +77,7 @@ void Outline::project(std::uint32_t t) {
   if (n[axis] < 0) std::swap(x, y);
   const Vec3d step = d_.positions.lattice.step();
   points_.clear();
-  for (const VertexId id : loop_) {
+  for (const CutVertexId id : loop_) {
     const Vec3d p = d_.point(id);
     points_.push_back({static_cast<std::int64_t>(std::nearbyint(p[x] / step[x])),
                        static_cast<std::int64_t>(std::nearbyint(p[y] / step[y]))});

@@ -19,7 +19,7 @@ class Outline {
 
   void clear() { sides_.clear(); }
   /// A directed side of the outline. In a generic diagram a vertex is left by one side.
-  void add(VertexId from, VertexId to) { sides_.push_back({from, to, false}); }
+  void add(CutVertexId from, CutVertexId to) { sides_.push_back({from, to, false}); }
   /// Appends the triangles of what the sides enclose in triangle t. A vertex between two sides along the same
   /// edge of t is left out: the edge is not cut there any more. Both triangles at the edge agree about that,
   /// because what lies on the two sides of such a vertex hangs together by volume around it. The whole
@@ -29,18 +29,18 @@ class Outline {
 
  private:
   struct Side {
-    VertexId from, to;
+    CutVertexId from, to;
     bool used;
   };
-  std::size_t leaving(VertexId v, std::uint32_t t) const;
-  bool lies_on(VertexId v, std::uint32_t edge) const;
-  bool is_straight(VertexId before, VertexId v, VertexId after) const;
+  std::size_t leaving(CutVertexId v, std::uint32_t t) const;
+  bool lies_on(CutVertexId v, std::uint32_t edge) const;
+  bool is_straight(CutVertexId before, CutVertexId v, CutVertexId after) const;
   void project(std::uint32_t t);
 
   const RestrictedDiagram& d_;
   const Execution& execution_;
   std::vector<Side> sides_;
-  std::vector<VertexId> ring_, loop_;
+  std::vector<CutVertexId> ring_, loop_;
   std::vector<std::uint32_t> loop_begin_;
   std::vector<LatticePoint> points_;
   Triangulation triangulation_;

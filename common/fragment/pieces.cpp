@@ -18,7 +18,7 @@ Ownership Ownership::from_groups(std::uint32_t site_count, const std::vector<std
   if (groups.empty()) {
     std::iota(o.owner_of_site.begin(), o.owner_of_site.end(), 0u);
     o.sites_of_owner.resize(site_count);
-    for (SiteId s = 0; s < site_count; ++s) {
+    for (const SiteId s : ids<SiteId>(site_count)) {
       pacer.step();
       o.sites_of_owner[s] = {s};
     }
@@ -26,14 +26,14 @@ Ownership Ownership::from_groups(std::uint32_t site_count, const std::vector<std
   }
   std::vector<std::pair<std::uint32_t, SiteId>>
       by_group;  // (group, site), so that the first of a group is its smallest
-  for (SiteId s = 0; s < site_count; ++s) by_group.emplace_back(groups[s], s);
+  for (const SiteId s : ids<SiteId>(site_count)) by_group.emplace_back(groups[s], s);
   sort_with_polls(execution, by_group.begin(), by_group.end());
   std::vector<SiteId> first_of(site_count);
   for (std::size_t k = 0; k < by_group.size(); ++k)
     first_of[by_group[k].second] = k > 0 && by_group[k - 1].first == by_group[k].first
                                        ? first_of[by_group[k - 1].second]
                                        : by_group[k].second;
-  for (SiteId s = 0; s < site_count; ++s) {
+  for (const SiteId s : ids<SiteId>(site_count)) {
     pacer.step();
     if (first_of[s] == s) {
       o.owner_of_site[s] = static_cast<std::uint32_t>(o.sites_of_owner.size());

@@ -37,7 +37,7 @@ inline std::uint32_t cap_region(FaceSource s) { return (s & ~kCapFace) / 2; }
 inline int cap_side(FaceSource s) { return static_cast<int>(s & 1); }
 
 struct Face {
-  std::array<VertexId, 3> v;  ///< counter-clockwise from outside the piece
+  std::array<CutVertexId, 3> v;  ///< counter-clockwise from outside the piece
   FaceSource source;
 };
 
@@ -48,7 +48,7 @@ struct Piece {
   std::vector<Face> faces;
   /// The vertices of each member cell's share (also those that fusing hides), for pieces of several cells;
   /// else empty.
-  std::vector<std::vector<VertexId>> bodies{};
+  std::vector<std::vector<CutVertexId>> bodies{};
 };
 
 struct Pieces {

@@ -9,7 +9,7 @@
 namespace fracture {
 namespace {
 
-void halve(const VertexId* ring, std::uint32_t first, std::uint32_t last, std::uint32_t triangle,
+void halve(const CutVertexId* ring, std::uint32_t first, std::uint32_t last, std::uint32_t triangle,
            std::vector<Face>& out) {
   if (last - first < 2) return;
   const std::uint32_t middle = first + (last - first) / 2;
@@ -110,7 +110,7 @@ class SurfaceDivider {
       pacer_.step(p.count);
       for (std::uint32_t k = 0; k < p.count; ++k) {
         const PolygonSide side = cuts.sides[p.first + k];
-        if (!is_mesh_edge(side) && owner_of(side) == owner) continue;
+        if (!is_mesh_edge(side) && owner_of(SiteId{side}) == owner) continue;
         outline_.add(cuts.vertices[p.first + k], cuts.vertices[p.first + (k + 1) % p.count]);
       }
     }
@@ -194,7 +194,7 @@ OwnedFaces divide_surface(const RestrictedDiagram& d, const Ownership& ownership
     pacer.step();
     const std::uint32_t t = triangle(n);
     if (whole[n] != kNoIndex) {
-      out.faces[next[whole[n]]++] = {d.solid.triangles[t], t};
+      out.faces[next[whole[n]]++] = {d.corners(t), t};
       continue;
     }
     for (;; ++s) {

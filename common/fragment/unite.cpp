@@ -56,7 +56,7 @@ void join_surfaces(const RestrictedDiagram& d, const Pieces& pieces,
   });
 
   struct Edge {
-    VertexId lo, hi;
+    CutVertexId lo, hi;
     bool forward;  // from lo to hi
   };
   std::vector<Edge> edges;
@@ -75,7 +75,7 @@ void join_surfaces(const RestrictedDiagram& d, const Pieces& pieces,
     edges.clear();
     for (std::size_t k = begin; k < end; ++k)
       for (int c = 0; c < 3; ++c) {
-        const VertexId from = faces[k].face.v[c], to = faces[k].face.v[(c + 1) % 3];
+        const CutVertexId from = faces[k].face.v[c], to = faces[k].face.v[(c + 1) % 3];
         edges.push_back({std::min(from, to), std::max(from, to), from < to});
       }
     sort_with_polls(execution, edges.begin(), edges.end(),
@@ -267,7 +267,7 @@ Piece join_pieces(const RestrictedDiagram& d, const Pieces& pieces, const PieceG
     joined.owners.insert(joined.owners.end(), piece.owners.begin(), piece.owners.end());
     joined.bodies.insert(joined.bodies.end(), piece.bodies.begin(), piece.bodies.end());
     if (piece.bodies.empty()) {
-      std::vector<VertexId>& body = joined.bodies.emplace_back();
+      std::vector<CutVertexId>& body = joined.bodies.emplace_back();
       for (const Face& face : piece.faces) body.insert(body.end(), face.v.begin(), face.v.end());
       sort_with_polls(execution, body.begin(), body.end());
       body.erase(std::unique(body.begin(), body.end()), body.end());

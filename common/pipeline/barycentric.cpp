@@ -55,7 +55,7 @@ BarycentricResult fracture_barycentric(const Solid& solid, const VoronoiDiagram&
   single.within = nullptr;
   parallel_for(execution, sites, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const auto mirrored = barycentric_cell(diagram, static_cast<SiteId>(i));
+      const auto mirrored = barycentric_cell(diagram, SiteId{i});
       if (mirrored)
         cells[i] = cut_one_cell(solid, finder, *mirrored, pivot, single, looked_at[i]);
       else
@@ -67,7 +67,7 @@ BarycentricResult fracture_barycentric(const Solid& solid, const VoronoiDiagram&
   out.set.source = solid.source;
   Certificate& total = out.set.certificate;
   Pacer pacer(execution);
-  for (SiteId i = 0; i < sites; ++i) {
+  for (const SiteId i : ids<SiteId>(sites)) {
     pacer.step();
     out.looked_at += looked_at[i];
     out.skipped_hulls += static_cast<std::uint32_t>(skipped[i]);

@@ -16,7 +16,7 @@ std::vector<Box> boxes_of_triangles(const Solid& solid, const Execution& executi
   Pacer pacer(execution);
   std::vector<Box> boxes(solid.triangles.size());
   for (std::size_t t = 0; t < boxes.size(); ++t) {
-    for (const std::uint32_t v : solid.triangles[t]) boxes[t].add(to_double(solid.positions[v]));
+    for (const VertexId v : solid.triangles[t]) boxes[t].add(to_double(solid.positions[v]));
     pacer.step();
   }
   return boxes;
@@ -239,7 +239,7 @@ CellPatch PatchFinder::around(const VoronoiDiagram& diagram, SiteId cell, const 
   Selected vertices, edges, parts, layers;
   for (const std::uint32_t t : triangles) {
     pacer.step(4);
-    for (const std::uint32_t v : solid_.triangles[t]) vertices.add(v);
+    for (const VertexId v : solid_.triangles[t]) vertices.add(v);
     for (const std::uint32_t e : solid_.edges[t]) edges.add(e);
     parts.add(solid_.part[t]);
   }
@@ -261,19 +261,20 @@ CellPatch PatchFinder::around(const VoronoiDiagram& diagram, SiteId cell, const 
   for (const std::uint32_t e : edges.all()) {
     const auto [lo, hi] = solid_.edge_vertices[e];
     pacer.step();
-    s.edge_vertices.push_back({vertices(lo), vertices(hi)});
+    s.edge_vertices.push_back({VertexId{vertices(lo)}, VertexId{vertices(hi)}});
   }
   for (const std::uint32_t t : triangles) {
-    const auto &v = solid_.triangles[t], &e = solid_.edges[t];
+    const auto& v = solid_.triangles[t];
+    const auto& e = solid_.edges[t];
     pacer.step(8);
-    s.triangles.push_back({vertices(v[0]), vertices(v[1]), vertices(v[2])});
+    s.triangles.push_back({VertexId{vertices(v[0])}, VertexId{vertices(v[1])}, VertexId{vertices(v[2])}});
     s.wedges.push_back(solid_.wedges[t]);
     s.material.push_back(solid_.material[t]);
     s.edges.push_back({edges(e[0]), edges(e[1]), edges(e[2])});
     s.shell.push_back(solid_.shell[t]);
     s.part.push_back(parts(solid_.part[t]));
   }
-  for (const auto& [part, winding] : windings) patch.seed_winding.push_back({0, parts(part), winding});
+  for (const auto& [part, winding] : windings) patch.seed_winding.push_back({TetId{0}, parts(part), winding});
   patch.part_in_whole = parts.all();
   return patch;
 }

@@ -20,7 +20,7 @@ namespace {
 /// The sites of the new hits in the tetrahedralization of the base, and what they change.
 struct Insertion {
   Diagram diagram;
-  SiteId first_new = 0;        ///< sites from here on are new
+  SiteId first_new{0};         ///< sites from here on are new
   std::vector<char> changed;   ///< per site: new, or of a cell that is not what it was
   std::vector<char> wanted;    ///< the same, and cells of several fragments beside them
   std::vector<TetId> tet_now;  ///< per tetrahedron of the base: its number, or kNoTet
@@ -50,8 +50,8 @@ std::vector<TetId> numbers_now(const Tetrahedralization& before, const Tetrahedr
     return true;
   };
   std::vector<TetId> result(before.tets.size(), kNoTet);
-  TetId old = 0;
-  for (TetId t = 0; t < now.tets.size(); ++t) {
+  TetId old{0};
+  for (const TetId t : ids<TetId>(now.tets.size())) {
     const auto& v = now.tets[t].v;
     if (std::any_of(v.begin(), v.end(), [&](SiteId s) { return s >= first_new && !now.is_corner(s); }))
       continue;
@@ -76,7 +76,7 @@ Expected<std::optional<Insertion>> insert_hits(const Solid& solid, const Box& bo
   if (!now) return std::nullopt;
 
   Insertion in;
-  in.first_new = base.diagram.tetrahedralization.site_count();
+  in.first_new = SiteId{base.diagram.tetrahedralization.site_count()};
   in.tet_now = numbers_now(base.diagram.tetrahedralization, *now, in.first_new);
   std::vector<char>& changed = in.changed;
   changed.assign(now->site_count(), 0);
@@ -106,7 +106,7 @@ class Splicer {
         from_base_(made.first_of.back(), kNoIndex),
         now_(base.fragments.size(), kNoIndex),
         unchanged_(made.first_of.back(), 0) {
-    for (SiteId s = 0; s < in.first_new; ++s) {
+    for (const SiteId s : ids<SiteId>(in.first_new)) {
       if (in.changed[s]) continue;
       for (std::uint32_t f = base.first_of[s]; f < base.first_of[s + 1]; ++f) {
         const std::uint32_t k = made.first_of[s] + f - base.first_of[s];
@@ -243,7 +243,7 @@ std::optional<KeptAnswer> splice(const SeenSolid& whole, const FracturedBase& ba
   Ownership ownership = Ownership::from_groups(t.site_count(), {}, execution);
   ownership.wanted.assign(in.wanted.begin(), in.wanted.end());
   std::vector<std::uint32_t> others(t.site_count(), 0);
-  for (SiteId s = 0; s < in.first_new; ++s)
+  for (const SiteId s : ids<SiteId>(in.first_new))
     if (!in.wanted[s]) others[s] = base.first_of[s + 1] - base.first_of[s];
   std::optional<WantedFragments> made =
       make_wanted_fragments(r, ownership, others, parameters.pivot, execution);

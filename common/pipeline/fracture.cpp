@@ -31,7 +31,7 @@ std::vector<std::uint32_t> groups_of_sites(const Tetrahedralization& t,
     if (t.site_of_input[k] != kNoSite) given[t.site_of_input[k]] = &groups_of_input[k];
   std::map<std::uint32_t, SiteId> first;  // per given group: its lowest site
   std::vector<std::uint32_t> groups(t.site_count());
-  for (SiteId s = 0; s < t.site_count(); ++s)
+  for (const SiteId s : ids<SiteId>(t.site_count()))
     groups[s] = given[s] ? first.emplace(*given[s], s).first->second : s;
   if (kept.size() < 2) return groups;
   std::set<std::uint32_t> joined;

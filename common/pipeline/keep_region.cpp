@@ -86,7 +86,7 @@ class RegionWalk {
       if (length(start - region_.center) > region_.radius + margin_) return {};
     }
     std::vector<char> seen(diagram_.dual().site_count(), 0);
-    std::vector<SiteId> found{diagram_.nearest(start, 0)};
+    std::vector<SiteId> found{diagram_.nearest(start, SiteId{0})};
     seen[found[0]] = 1;
     for (std::size_t k = 0; k < found.size(); ++k) {
       const SiteId i = found[k];

@@ -43,14 +43,14 @@ Shares measure(const RestrictedDiagram& d, const Execution& execution) {
   std::size_t p = 0;
   for (std::uint32_t t = 0; t < d.solid.triangles.size(); ++t) {
     pacer.step(2);
-    const auto& v = d.solid.triangles[t];
+    const std::array<CutVertexId, 3> v = d.corners(t);
     if (p == polygons.size() || polygons[p].triangle != t) {
       shares.add(d.cuts.label[v[0]], 1, d.point(v[0]), d.point(v[1]), d.point(v[2]));
       continue;
     }
     for (; p < polygons.size() && polygons[p].triangle == t; ++p) {
       pacer.step(2 * polygons[p].count);
-      const VertexId* ring = d.cuts.vertices.data() + polygons[p].first;
+      const CutVertexId* ring = d.cuts.vertices.data() + polygons[p].first;
       for (std::uint32_t k = 2; k < polygons[p].count; ++k)
         shares.add(polygons[p].cell, 1, d.point(ring[0]), d.point(ring[k - 1]), d.point(ring[k]));
     }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "common/fragment/mirror_sum.hpp"
 
@@ -101,13 +102,13 @@ Error unsound(const Verdict& verdict, const Certificate& certificate) {
   return {ErrorCode::kUnsound,
           std::move(detail),
           {},
-          {{"open_edges", certificate.open_edges},
-           {"unmirrored_caps", certificate.unmirrored_caps},
-           {"volume_in", certificate.volume_in},
-           {"volume_out", certificate.volume_out},
-           {"volume_file", certificate.volume_file},
-           {"area_in", certificate.area_in},
-           {"area_out", certificate.area_out}}};
+          Figures(nlohmann::json{{"open_edges", certificate.open_edges},
+                                 {"unmirrored_caps", certificate.unmirrored_caps},
+                                 {"volume_in", certificate.volume_in},
+                                 {"volume_out", certificate.volume_out},
+                                 {"volume_file", certificate.volume_file},
+                                 {"area_in", certificate.area_in},
+                                 {"area_out", certificate.area_out}})};
 }
 
 }  // namespace fracture

@@ -48,7 +48,7 @@ Expected<SplitFigures> split_large(const SeenSolid& solid, Diagram& diagram, dou
     Expected<std::vector<Vec3d>> points =
         uniform_sites(solid.seen(), count, seed ^ (kGoldenGamma * figures.passes), execution);
     if (!points) return tl::unexpected(points.error());
-    SiteId cell = 0;
+    SiteId cell{0};
     for (const Vec3d& p : *points) {
       pacer.step(256);  // a walk
       if (diagram.sites.size() >= kMaxPatternSites) break;

@@ -41,7 +41,7 @@ std::vector<Vec3f> cap_normals(const VoronoiDiagram& diagram, const std::vector<
   const std::size_t count = begin.size();
   begin.push_back(cuts.size());
 
-  const auto at = [&](VertexId v) { return positions.points[v - positions.first_constructed]; };
+  const auto at = [&](CutVertexId v) { return positions.points[v - positions.first_constructed]; };
   // From the owner with the lower number to the other.
   const auto sign_of = [&](std::uint32_t r) {
     return owner_of_site[caps.regions[r].lo] < owner_of_site[caps.regions[r].hi] ? 1.0 : -1.0;

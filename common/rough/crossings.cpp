@@ -116,8 +116,8 @@ bool Crossings::is_moved(std::uint32_t k) const {
 
 bool Crossings::pair_crosses(std::uint32_t i, std::uint32_t j) const {
   int shared = 0;
-  for (const VertexId v : vertices(i))
-    for (const VertexId w : vertices(j)) shared += v == w;
+  for (const CutVertexId v : vertices(i))
+    for (const CutVertexId w : vertices(j)) shared += v == w;
   return shared < 2 && cross_each_other(now_[i], now_[j], tolerance_) && (is_moved(i) || is_moved(j));
 }
 

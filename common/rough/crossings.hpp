@@ -15,9 +15,9 @@
 namespace fracture {
 
 struct CapSurface {
-  const std::vector<std::array<VertexId, 3>>& triangles;
+  const std::vector<std::array<CutVertexId, 3>>& triangles;
   const std::vector<char>& seen;     ///< per triangle: 0 where it lies inside a fragment and is no cut
-  VertexId first;                    ///< the vertex of points[0]
+  CutVertexId first;                 ///< the vertex of points[0]
   const std::vector<Vec3d>& points;  ///< where they are
   const std::vector<char>& moved;    ///< per point: not where it was
   const std::vector<double>&
@@ -49,7 +49,7 @@ class Crossings {
 
  private:
   // These take indices of `seen_`.
-  const std::array<VertexId, 3>& vertices(std::uint32_t k) const { return caps_.triangles[seen_[k]]; }
+  const std::array<CutVertexId, 3>& vertices(std::uint32_t k) const { return caps_.triangles[seen_[k]]; }
   PlaneTriangle as_it_is(std::uint32_t k) const;
   bool is_moved(std::uint32_t k) const;
   /// Leaves pairs out that could do nothing about it, or share a side.

@@ -12,7 +12,7 @@ namespace {
 constexpr double kSlack = 1e-6;
 
 struct Ends {
-  VertexId low, high;
+  CutVertexId low, high;
 };
 template <class Edge>
 Ends ends_of(const Edge& e) {
@@ -23,14 +23,14 @@ bool operator==(const Ends& x, const Ends& y) { return x.low == y.low && x.high 
 
 }  // namespace
 
-VertexId append_vertex(VertexPositions& positions, const Vec3d& p) {
+CutVertexId append_vertex(VertexPositions& positions, const Vec3d& p) {
   const Vec3d step = positions.lattice.step();
   std::array<std::int32_t, 3> steps{};
   for (int a = 0; a < 3; ++a)
     steps[static_cast<std::size_t>(a)] = static_cast<std::int32_t>(std::nearbyint(p[a] / step[a]));
   positions.points.push_back(p);
   positions.steps.push_back(steps);
-  return positions.first_constructed + static_cast<VertexId>(positions.points.size() - 1);
+  return CutVertexId{positions.first_constructed + positions.points.size() - 1};
 }
 
 EdgeSplits::EdgeSplits(const Winding& winding, double length,
@@ -39,14 +39,14 @@ EdgeSplits::EdgeSplits(const Winding& winding, double length,
                        const Execution& execution) {
   Pacer pacer(execution);
   // Rounded to the seam lattice, equal for coinciding vertices.
-  const auto at = [&](VertexId v) {
+  const auto at = [&](CutVertexId v) {
     return positions.lattice.to_world(positions.steps[v - positions.first_constructed]);
   };
   for (const CapSegment& s : winding.segments) {
     pacer.step();
     if (s.from == s.to || !wanted(s.lo, s.hi)) continue;
     const bool forwards = !lexicographic_less(at(s.to), at(s.from));
-    edges_.push_back({forwards ? s.from : s.to, forwards ? s.to : s.from, 0, 0});
+    edges_.push_back({forwards ? s.from : s.to, forwards ? s.to : s.from, CutVertexId{0}, 0});
   }
   sort_with_polls(execution, edges_.begin(), edges_.end(),
                   [](const Edge& x, const Edge& y) { return ends_of(x) < ends_of(y); });
@@ -66,7 +66,7 @@ EdgeSplits::EdgeSplits(const Winding& winding, double length,
     const Vec3d a = at(e.from), along = at(e.to) - a;
     const double parts = std::ceil(fracture::length(along) / length - kSlack);
     e.count = parts > 1 ? static_cast<std::uint32_t>(parts) - 1 : 0;
-    e.first = positions.first_constructed + static_cast<VertexId>(positions.points.size());
+    e.first = CutVertexId{positions.first_constructed + positions.points.size()};
     execution.made(Product::kSegments, e.count);
     for (std::uint32_t k = 1; k <= e.count; ++k)
       append_vertex(positions, a + (static_cast<double>(k) / (e.count + 1)) * along);
@@ -74,18 +74,18 @@ EdgeSplits::EdgeSplits(const Winding& winding, double length,
   std::erase_if(edges_, [](const Edge& e) { return e.count == 0; });
 }
 
-const EdgeSplits::Edge* EdgeSplits::find(VertexId a, VertexId b) const {
-  const Edge key{a, b, 0, 0};
+const EdgeSplits::Edge* EdgeSplits::find(CutVertexId a, CutVertexId b) const {
+  const Edge key{a, b, CutVertexId{0}, 0};
   const auto it = std::lower_bound(edges_.begin(), edges_.end(), key,
                                    [](const Edge& x, const Edge& y) { return ends_of(x) < ends_of(y); });
   return it != edges_.end() && ends_of(*it) == ends_of(key) ? &*it : nullptr;
 }
 
-void EdgeSplits::between(VertexId a, VertexId b, std::vector<VertexId>& out) const {
+void EdgeSplits::between(CutVertexId a, CutVertexId b, std::vector<CutVertexId>& out) const {
   const Edge* e = find(a, b);
   if (!e) return;
   for (std::uint32_t k = 0; k < e->count; ++k)
-    out.push_back(e->first + (e->from == a ? k : e->count - 1 - k));
+    out.push_back(CutVertexId{e->first + (e->from == a ? k : e->count - 1 - k)});
 }
 
 }  // namespace fracture

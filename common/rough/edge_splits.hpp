@@ -20,20 +20,20 @@ class EdgeSplits {
              const Execution& execution);
 
   /// Appends the vertices strictly between a and b, in this order: none where (a, b) is no divided piece.
-  void between(VertexId a, VertexId b, std::vector<VertexId>& out) const;
+  void between(CutVertexId a, CutVertexId b, std::vector<CutVertexId>& out) const;
 
  private:
   struct Edge {
-    VertexId from, to;  // in lexicographic order of their positions
-    VertexId first;     // of `count` consecutive ones
+    CutVertexId from, to;  // in lexicographic order of their positions
+    CutVertexId first;     // of `count` consecutive ones
     std::uint32_t count;
   };
-  const Edge* find(VertexId a, VertexId b) const;
+  const Edge* find(CutVertexId a, CutVertexId b) const;
 
   std::vector<Edge> edges_;
 };
 
 /// Appends a vertex at p, rounded to the seam lattice.
-VertexId append_vertex(VertexPositions& positions, const Vec3d& p);
+CutVertexId append_vertex(VertexPositions& positions, const Vec3d& p);
 
 }  // namespace fracture

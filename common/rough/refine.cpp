@@ -38,19 +38,19 @@ class RegionRefiner {
         pacer_(execution) {}
 
   /// Afterwards: triangles() in indices, of known() first and then of fresh(), and components().
-  void refine(const CapRegion& region, std::span<const std::array<VertexId, 3>> old) {
+  void refine(const CapRegion& region, std::span<const std::array<CutVertexId, 3>> old) {
     triangulate_anew(region, old);
     find_components();
   }
   const std::vector<Triangle>& triangles() const { return triangles_; }
-  const std::vector<VertexId>& known() const { return ids_; }
+  const std::vector<CutVertexId>& known() const { return ids_; }
   const std::vector<Vec3d>& fresh() const { return fresh_; }
   /// Per triangle: which of the connected parts of the region it is of, in the order of their first
   /// triangles. Empty: there is one.
   const std::vector<std::uint32_t>& components() const { return component_; }
 
  private:
-  void triangulate_anew(const CapRegion& region, std::span<const std::array<VertexId, 3>> old) {
+  void triangulate_anew(const CapRegion& region, std::span<const std::array<CutVertexId, 3>> old) {
     ids_.clear();
     collar_.clear();
     triangles_.clear();
@@ -101,7 +101,7 @@ class RegionRefiner {
     if (count < 2) component_.clear();
   }
 
-  std::uint32_t local(VertexId v) {
+  std::uint32_t local(CutVertexId v) {
     std::uint32_t& slot = local_.slot(v - positions_.first_constructed);
     if (slot == kNoIndex) {
       slot = static_cast<std::uint32_t>(ids_.size());
@@ -112,11 +112,11 @@ class RegionRefiner {
 
   /// The region's boundary with the vertices of the splits: edges that no other triangle uses the other way,
   /// chained from vertex to vertex (the k-th that arrives goes on with the k-th that leaves).
-  void gather_loops(std::span<const std::array<VertexId, 3>> old) {
+  void gather_loops(std::span<const std::array<CutVertexId, 3>> old) {
     edges_.clear();
     for (const auto& t : old)
       for (std::size_t k = 0; k < 3; ++k) {
-        const VertexId a = t[k], b = t[(k + 1) % 3];
+        const CutVertexId a = t[k], b = t[(k + 1) % 3];
         edges_.push_back({std::min(a, b), std::max(a, b), a < b ? 1 : -1});
       }
     sort_with_polls(execution_, edges_.begin(), edges_.end(), [](const Edge& x, const Edge& y) {
@@ -138,7 +138,7 @@ class RegionRefiner {
     ring_.clear();
     for (std::size_t start = 0; start < boundary_.size(); ++start) {
       if (used_[start]) continue;
-      const VertexId home = boundary_[start].first;
+      const CutVertexId home = boundary_[start].first;
       for (std::size_t e = start;;) {
         used_[e] = 1;
         pacer_.step(16);
@@ -147,7 +147,7 @@ class RegionRefiner {
         splits_.between(from, to, ring_);
         if (to == home) break;
         e = static_cast<std::size_t>(
-            std::lower_bound(boundary_.begin(), boundary_.end(), std::pair<VertexId, VertexId>{to, 0}) -
+            std::lower_bound(boundary_.begin(), boundary_.end(), std::pair{to, CutVertexId{0}}) -
             boundary_.begin());
         while (e < boundary_.size() && boundary_[e].first == to && used_[e]) ++e;
         if (e == boundary_.size() || boundary_[e].first != to)
@@ -170,9 +170,9 @@ class RegionRefiner {
     across_ = (1 / length(e)) * e;
     up_ = cross(normal, across_);
     loop_.clear();
-    for (const VertexId v : ring_) loop_.push_back(local(v));
+    for (const CutVertexId v : ring_) loop_.push_back(local(v));
     flat_.clear();
-    for (const VertexId v : ids_) flat_.push_back(positions_.points[v - positions_.first_constructed]);
+    for (const CutVertexId v : ids_) flat_.push_back(positions_.points[v - positions_.first_constructed]);
     origin_ = *std::min_element(flat_.begin(), flat_.end(), lexicographic_less);
     plane_.clear();
     for (const std::uint32_t k : loop_) {
@@ -273,7 +273,7 @@ class RegionRefiner {
   }
 
   // A pair of vertices is split alike wherever it is a side, so nothing can open.
-  void split_sides(const std::array<VertexId, 3>& t) {
+  void split_sides(const std::array<CutVertexId, 3>& t) {
     ring_.clear();
     for (std::size_t k = 0; k < 3; ++k) {
       ring_.push_back(t[k]);
@@ -281,7 +281,7 @@ class RegionRefiner {
     }
     std::vector<LatticePoint> points;
     ring_local_.clear();
-    for (const VertexId v : ring_) {
+    for (const CutVertexId v : ring_) {
       const Vec3d d = positions_.points[v - positions_.first_constructed] - origin_;
       points.push_back(rounded({dot(d, across_), dot(d, up_)}));
       ring_local_.push_back(static_cast<std::uint32_t>(ring_local_.size()));
@@ -293,7 +293,7 @@ class RegionRefiner {
   }
 
   struct Edge {
-    VertexId low, high;
+    CutVertexId low, high;
     int way;
   };
   const VoronoiDiagram& diagram_;
@@ -304,9 +304,9 @@ class RegionRefiner {
   Pacer pacer_;
   StampedMap& local_ = worker_map();
   std::vector<Edge> edges_;
-  std::vector<std::pair<VertexId, VertexId>> boundary_;
+  std::vector<std::pair<CutVertexId, CutVertexId>> boundary_;
   std::vector<char> used_;
-  std::vector<VertexId> ring_;                    // the loops, one after the other
+  std::vector<CutVertexId> ring_;                 // the loops, one after the other
   std::vector<std::uint32_t> loop_, loop_begin_;  // the same in local indices
   Vec3d origin_, across_, up_;
   std::vector<Vec3d> flat_;   // per known vertex
@@ -319,7 +319,7 @@ class RegionRefiner {
   std::vector<std::uint32_t> corner_, collar_begin_, ring_local_;
   std::vector<LatticePoint> collar_points_;
   Triangulation collar_;
-  std::vector<VertexId> ids_;
+  std::vector<CutVertexId> ids_;
   std::vector<Vec3d> fresh_;
   std::vector<Triangle> triangles_;
   DisjointSets joined_;
@@ -335,7 +335,7 @@ void refine_caps(const VoronoiDiagram& diagram, const Winding& winding, double l
   const EdgeSplits splits(winding, length, wanted, which.plain, positions, execution);
   struct Refined {
     std::vector<Triangle> triangles;
-    std::vector<VertexId> known;
+    std::vector<CutVertexId> known;
     std::vector<Vec3d> fresh;
     std::vector<std::uint32_t> components;
   };
@@ -351,7 +351,7 @@ void refine_caps(const VoronoiDiagram& diagram, const Winding& winding, double l
     }
   });
 
-  std::vector<std::array<VertexId, 3>> triangles;
+  std::vector<std::array<CutVertexId, 3>> triangles;
   std::vector<CapRegion> regions;
   Pacer pacer(execution);
   for (std::size_t r = 0; r < refined.size(); ++r) {
@@ -371,7 +371,7 @@ void refine_caps(const VoronoiDiagram& diagram, const Winding& winding, double l
       continue;
     }
     const auto known = static_cast<std::uint32_t>(now.known.size());
-    const VertexId first = positions.first_constructed + static_cast<VertexId>(positions.points.size());
+    const std::size_t first = positions.first_constructed + positions.points.size();
     for (const Vec3d& p : now.fresh) append_vertex(positions, p);
     std::vector<std::uint32_t> order(now.triangles.size());
     std::iota(order.begin(), order.end(), 0u);
@@ -381,10 +381,10 @@ void refine_caps(const VoronoiDiagram& diagram, const Winding& winding, double l
                        [&](std::uint32_t s, std::uint32_t t) { return component(s) < component(t); });
     for (std::size_t k = 0; k < order.size(); ++k) {
       if (k > 0 && component(order[k]) != component(order[k - 1])) begin_region();
-      std::array<VertexId, 3> ids{};
+      std::array<CutVertexId, 3> ids{};
       for (std::size_t corner = 0; corner < 3; ++corner) {
         const std::uint32_t v = now.triangles[order[k]][corner];
-        ids[corner] = v < known ? now.known[v] : first + (v - known);
+        ids[corner] = v < known ? now.known[v] : CutVertexId{first + (v - known)};
       }
       triangles.push_back(ids);
       ++regions.back().triangle_count;

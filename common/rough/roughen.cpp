@@ -43,7 +43,7 @@ template <class Wanted>
 double area_of(const Caps& caps, const VertexPositions& positions, const Wanted& wanted,
                const Execution& execution) {
   Pacer pacer(execution);
-  const auto at = [&](VertexId v) { return positions.points[v - positions.first_constructed]; };
+  const auto at = [&](CutVertexId v) { return positions.points[v - positions.first_constructed]; };
   double twice = 0;
   for (const CapRegion& r : caps.regions) {
     pacer.step(1 + r.triangle_count);
@@ -111,7 +111,7 @@ class Mover {
       if (restraint == Restraint::kNone || r.triangle_count == 0 || !seen_[r.first_triangle]) continue;
       const double share = restraint == Restraint::kLess ? kLessAmplitude : 0;
       for (std::uint32_t t = r.first_triangle; t < r.first_triangle + r.triangle_count; ++t)
-        for (const VertexId id : caps_.triangles[t]) {
+        for (const CutVertexId id : caps_.triangles[t]) {
           double& of_leader = share_[leader_[id - positions_.first_constructed]];
           of_leader = std::fmin(of_leader, share);
         }
@@ -155,7 +155,7 @@ class Mover {
       std::vector<char> calmed(flat_.size(), 0);
       pacer_.each(0, bad.size(), [&](std::size_t t) {
         if (bad[t])
-          for (const VertexId id : caps_.triangles[t])
+          for (const CutVertexId id : caps_.triangles[t])
             if (const std::size_t v = id - positions_.first_constructed; moved_[v]) calmed[leader_[v]] = 1;
       });
       bool any = false;
@@ -169,7 +169,8 @@ class Mover {
       if (!any) break;
       suspects.assign(caps_.triangles.size(), 0);
       pacer_.each(0, suspects.size(), [&](std::size_t t) {
-        for (const VertexId id : caps_.triangles[t]) suspects[t] |= calmed[id - positions_.first_constructed];
+        for (const CutVertexId id : caps_.triangles[t])
+          suspects[t] |= calmed[id - positions_.first_constructed];
       });
     }
     return pairs;

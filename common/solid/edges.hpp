@@ -16,7 +16,7 @@ struct EdgeUse {
   std::uint64_t bits;  ///< b << 32 | half-edge << 1 | backward: sorting by it groups the uses of an edge
   HalfEdge half_edge() const { return static_cast<std::uint32_t>(bits) >> 1; }
   bool backward() const { return bits & 1; }
-  VertexId high_vertex() const { return static_cast<VertexId>(bits >> 32); }
+  VertexId high_vertex() const { return VertexId{bits >> 32}; }
 };
 
 class EdgeTable {
@@ -30,7 +30,7 @@ class EdgeTable {
   template <class Visit>
   void for_each(const Execution& execution, Visit&& visit) const {
     Pacer pacer(execution);
-    for (VertexId a = 0; a + 1 < start_.size(); ++a) {
+    for (const VertexId a : ids<VertexId>(start_.size() - 1)) {
       pacer.step();
       for (std::uint32_t i = start_[a]; i < start_[a + 1];) {
         std::uint32_t j = i + 1;

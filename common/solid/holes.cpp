@@ -21,7 +21,7 @@ HalfEdge next_along_hole(const Surface& surface, HalfEdge h, Pacer& pacer) {
 }
 
 /// Appends the triangles (indices into the loop) and glues them to the loop's half-edges and to one another.
-void glue_in(Surface& surface, const std::vector<HalfEdge>& loop, const std::vector<Triangle>& fill,
+void glue_in(Surface& surface, const std::vector<HalfEdge>& loop, const std::vector<LoopTriangle>& fill,
              const Execution& execution) {
   // Corner i of the loop is the vertex the hole's walk leaves along loop[i]: the end of that half-edge.
   const auto count = static_cast<std::uint32_t>(loop.size());
@@ -31,7 +31,7 @@ void glue_in(Surface& surface, const std::vector<HalfEdge>& loop, const std::vec
   };
   std::vector<Side> diagonals;
   Pacer pacer(execution);
-  for (const Triangle& t : fill) {
+  for (const LoopTriangle& t : fill) {
     pacer.step();
     const auto first = static_cast<HalfEdge>(3 * surface.triangles.size());
     surface.triangles.push_back({surface.to(loop[t[0]]), surface.to(loop[t[1]]), surface.to(loop[t[2]])});
@@ -97,7 +97,7 @@ std::vector<TriangleId> fill_holes(Surface& surface, const Execution& execution)
       pacer.step();
       corners.push_back(surface.positions[surface.to(side)]);
     }
-    fills.push_back(static_cast<TriangleId>(surface.triangles.size()));
+    fills.push_back(TriangleId{surface.triangles.size()});
     pacer.step(loop.size() <= kSmallLoop ? loop.size() * loop.size() : 1);
     glue_in(surface, loop, triangulate_loop(corners, execution), execution);
   };

@@ -6,6 +6,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/pacer.hpp"
+#include "common/mesh/mesh.hpp"
 
 namespace fracture::solid_detail {
 namespace {
@@ -21,7 +22,7 @@ Vec3d vector_area(const std::vector<Vec3f>& corners, Pacer& pacer) {
   return sum;
 }
 
-std::vector<Triangle> least_area(const std::vector<Vec3f>& corners) {
+std::vector<LoopTriangle> least_area(const std::vector<Vec3f>& corners) {
   const std::size_t n = corners.size();
   std::vector<double> cost(n * n, 0);
   std::vector<std::uint32_t> choice(n * n, 0);
@@ -45,7 +46,7 @@ std::vector<Triangle> least_area(const std::vector<Vec3f>& corners) {
       }
       cost[i * n + k] = best;
     }
-  std::vector<Triangle> triangles;
+  std::vector<LoopTriangle> triangles;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> todo{{0, static_cast<std::uint32_t>(n - 1)}};
   while (!todo.empty()) {
     const auto [i, k] = todo.back();
@@ -93,8 +94,8 @@ class EarCutter {
     looks_left_ = kLooksPerCorner * count_;
   }
 
-  std::vector<Triangle> run() {
-    std::vector<Triangle> triangles;
+  std::vector<LoopTriangle> run() {
+    std::vector<LoopTriangle> triangles;
     triangles.reserve(count_ - 2);
     for (std::uint32_t i = 0; i < count_; ++i) {
       pacer_.step(4);
@@ -271,7 +272,7 @@ class EarCutter {
 
 }  // namespace
 
-std::vector<Triangle> triangulate_loop(const std::vector<Vec3f>& corners, const Execution& execution) {
+std::vector<LoopTriangle> triangulate_loop(const std::vector<Vec3f>& corners, const Execution& execution) {
   if (corners.size() <= kSmallLoop) return least_area(corners);
   return EarCutter(corners, execution).run();
 }

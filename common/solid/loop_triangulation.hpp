@@ -8,18 +8,23 @@
 // corner is cut anyway: any triangulation closes the surface, only its shape is poor.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <vector>
 
 #include "common/base/execution.hpp"
-#include "common/solid/surface.hpp"
+#include "common/base/vec.hpp"
 
 namespace fracture::solid_detail {
 
 inline constexpr std::size_t kSmallLoop = 28;  ///< the cubic method costs about 0.1 ms here
 
-/// n - 2 triangles of corner indices for n >= 3 corners, in the loop's direction: each side (i, i + 1) is
+/// Three corners of a loop.
+using LoopTriangle = std::array<std::uint32_t, 3>;
+
+/// n - 2 triangles for n >= 3 corners, in the loop's direction: each side (i, i + 1) is
 /// used once in that direction and each diagonal once in each. Corners may coincide; then triangles without
 /// area may appear.
-std::vector<Triangle> triangulate_loop(const std::vector<Vec3f>& corners, const Execution& execution);
+std::vector<LoopTriangle> triangulate_loop(const std::vector<Vec3f>& corners, const Execution& execution);
 
 }  // namespace fracture::solid_detail

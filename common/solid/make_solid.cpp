@@ -55,6 +55,80 @@ bool any_open(const Surface& surface, const Execution& execution) {
   return open;
 }
 
+void report_edges(const EdgeFaults& faults, SolidReport& report) {
+  report.open_edges = faults.open;
+  report.nonmanifold_edges = faults.nonmanifold + faults.one_way;
+  if (faults.first_open) report.add_sample("open_edges", (*faults.first_open)[0]);
+  if (faults.first_nonmanifold) report.add_sample("nonmanifold_edges", (*faults.first_nonmanifold)[0]);
+}
+
+std::string edges_in_words(const SolidReport& report) {
+  return counted(report.open_edges, "open edge", "open edges") + ", " +
+         counted(report.nonmanifold_edges, "non-manifold edge", "non-manifold edges");
+}
+
+/// What repair=strict does not repair.
+Expected<void> accept_strictly(bool open, const EdgeFaults& faults, const SolidReport& report) {
+  if (open)
+    return refuse("The mesh is not closed and repair=strict fills nothing: " + edges_in_words(report) + ".",
+                  faults, report);
+  if (report.flipped > 0)
+    return refuse("The mesh is closed but not consistently oriented and repair=strict turns nothing: " +
+                      counted(report.flipped, "triangle faces", "triangles face") + " the other way.",
+                  faults, report);
+  return {};
+}
+
+/// Fills the holes, splits the umbrellas and thickens the sheets. Returns the shells that there are then.
+Shells close_surface(Surface& surface, bool open, double thickness, std::vector<TriangleId>& fills,
+                     SolidReport& report, const Execution& execution) {
+  if (open) fills = fill_holes(surface, execution);
+  split_umbrellas(surface, execution);
+  Shells shells = find_shells(surface, execution);
+  if (thickness > 0) {
+    report.sheets_thickened = thicken_sheets(surface, shells, thickness, fills, execution);
+    if (report.sheets_thickened > 0) {
+      split_umbrellas(surface, execution);
+      shells = find_shells(surface, execution);
+    }
+  }
+  return shells;
+}
+
+/// Gathers the shells in parts and turns those that face the wrong way. Returns the part of each shell.
+/// Errors: kMeshNotClosed where no shell bounds a volume, or where repair=strict would have to turn one.
+Expected<std::vector<std::uint32_t>> divide_into_parts(const Mesh& mesh, const EdgeFaults& faults,
+                                                       Repair repair, Surface& surface, const Shells& shells,
+                                                       Solid& solid, const Execution& execution) {
+  SolidReport& report = solid.report;
+  Nesting nesting = nest_shells(surface, shells, execution);
+  std::vector<std::uint32_t> part_of_shell =
+      make_parts(shells, nesting, mesh, surface, solid.parts, execution);
+  std::uint64_t inside_out = 0;
+  for_each_polled(execution, shells.list.size(), [&](std::size_t s) {
+    report.shells_dropped += shells.list[s].flat;
+    if (!nesting.reversed[s]) return;
+    if (inside_out == 0)
+      report.add_sample("flipped", surface.positions[surface.triangles[shells.list[s].first][0]]);
+    inside_out += shells.list[s].triangles;
+  });
+  if (solid.parts.empty())
+    return refuse("The mesh bounds no volume: closed at its holes it is flat in " +
+                      counted(report.shells_dropped, "piece", "pieces") + " (" + edges_in_words(report) +
+                      ").",
+                  faults, report);
+  if (inside_out == 0) return part_of_shell;
+  if (repair == Repair::kStrict) {
+    report.flipped = inside_out;
+    return refuse("The mesh is closed but inside out and repair=strict turns nothing: " +
+                      counted(inside_out, "triangle faces", "triangles face") + " inwards.",
+                  faults, report);
+  }
+  turn_shells(surface, shells, nesting.reversed, execution);
+  report.flipped += inside_out;
+  return part_of_shell;
+}
+
 /// What the holes' fill and the backs and rims of sheets are, of the shells that stay.
 void report_fills(const Surface& surface, const Shells& shells, const std::vector<TriangleId>& fills,
                   SolidReport& report, const Execution& execution) {
@@ -136,61 +210,19 @@ Expected<Solid> make_solid(std::shared_ptr<const Mesh> mesh, const SolidOptions&
 
   execution.reaches(0.7);
   const EdgeFaults faults = pair_edges(surface, options, report, execution);
-  report.open_edges = faults.open;
-  if (faults.first_open) report.add_sample("open_edges", (*faults.first_open)[0]);
-  if (faults.first_nonmanifold) report.add_sample("nonmanifold_edges", (*faults.first_nonmanifold)[0]);
-  report.nonmanifold_edges = faults.nonmanifold + faults.one_way;
+  report_edges(faults, report);
   const bool open = report.open_edges + report.nonmanifold_edges > 0 && any_open(surface, execution);
-  const auto edges_in_words = [&] {
-    return counted(faults.open, "open edge", "open edges") + ", " +
-           counted(report.nonmanifold_edges, "non-manifold edge", "non-manifold edges");
-  };
-  if (options.repair == Repair::kStrict && (open || report.flipped > 0))
-    return refuse(open
-                      ? "The mesh is not closed and repair=strict fills nothing: " + edges_in_words() + "."
-                      : "The mesh is closed but not consistently oriented and repair=strict turns nothing: " +
-                            counted(report.flipped, "triangle faces", "triangles face") + " the other way.",
-                  faults, report);
+  if (options.repair == Repair::kStrict)
+    if (Expected<void> accepted = accept_strictly(open, faults, report); !accepted)
+      return tl::unexpected(std::move(accepted.error()));
 
   std::vector<TriangleId> fills;
-  if (open) fills = fill_holes(surface, execution);
-  split_umbrellas(surface, execution);
-
-  Shells shells = find_shells(surface, execution);
-  if (options.thickness > 0) {
-    report.sheets_thickened = thicken_sheets(surface, shells, options.thickness, fills, execution);
-    if (report.sheets_thickened > 0) {
-      split_umbrellas(surface, execution);
-      shells = find_shells(surface, execution);
-    }
-  }
+  Shells shells = close_surface(surface, open, options.thickness, fills, report, execution);
   execution.reaches(1);
-  Nesting nesting = nest_shells(surface, shells, execution);
-  const std::vector<std::uint32_t> part_of_shell =
-      make_parts(shells, nesting, *mesh, surface, solid.parts, execution);
-  std::uint64_t inside_out = 0;
-  for_each_polled(execution, shells.list.size(), [&](std::size_t s) {
-    report.shells_dropped += shells.list[s].flat;
-    if (!nesting.reversed[s]) return;
-    if (inside_out == 0)
-      report.add_sample("flipped", surface.positions[surface.triangles[shells.list[s].first][0]]);
-    inside_out += shells.list[s].triangles;
-  });
-  if (solid.parts.empty())
-    return refuse("The mesh bounds no volume: closed at its holes it is flat in " +
-                      counted(report.shells_dropped, "piece", "pieces") + " (" + edges_in_words() + ").",
-                  faults, report);
-  if (inside_out > 0) {
-    if (options.repair == Repair::kStrict) {
-      report.flipped = inside_out;
-      return refuse("The mesh is closed but inside out and repair=strict turns nothing: " +
-                        counted(inside_out, "triangle faces", "triangles face") + " inwards.",
-                    faults, report);
-    }
-    turn_shells(surface, shells, nesting.reversed, execution);
-    report.flipped += inside_out;
-  }
-  finish(*mesh, surface, shells, part_of_shell, fills, open || report.sheets_thickened > 0, faults, solid,
+  const Expected<std::vector<std::uint32_t>> part_of_shell =
+      divide_into_parts(*mesh, faults, options.repair, surface, shells, solid, execution);
+  if (!part_of_shell) return tl::unexpected(part_of_shell.error());
+  finish(*mesh, surface, shells, *part_of_shell, fills, open || report.sheets_thickened > 0, faults, solid,
          execution);
   solid.source = std::move(mesh);
   return solid;

@@ -44,7 +44,7 @@ class TriangleBoxes {
     for_each_polled(execution, surface.triangles.size(), [&](std::size_t t) {
       if (shells.list[shells.of_triangle[t]].flat) return;
       make_room(execution, items_);
-      items_.push_back(static_cast<TriangleId>(t));
+      items_.push_back(TriangleId{t});
     });
     std::size_t leaves = 1;
     while (leaves * kLeafSize < items_.size()) leaves *= 2;
@@ -214,11 +214,11 @@ class TriangleBoxes {
 /// Per shell: a vertex of largest x.
 std::vector<VertexId> furthest_vertices(const Surface& surface, const Shells& shells,
                                         const Execution& execution) {
-  std::vector<VertexId> furthest = filled(execution, shells.list.size(), kNoIndex);
+  std::vector<VertexId> furthest = filled(execution, shells.list.size(), kNoVertex);
   for_each_polled(execution, surface.triangles.size(), [&](std::size_t t) {
     VertexId& best = furthest[shells.of_triangle[t]];
     for (const VertexId v : surface.triangles[t])
-      if (best == kNoIndex || surface.positions[v].x > surface.positions[best].x) best = v;
+      if (best == kNoVertex || surface.positions[v].x > surface.positions[best].x) best = v;
   });
   return furthest;
 }

@@ -65,8 +65,7 @@ std::vector<std::uint8_t> find_sheets(const Surface& surface, const EdgeTable& e
   edges.for_each(execution, [&](VertexId, VertexId, std::span<const EdgeUse> uses) {
     if (uses.size() == 1) open[patches.find(uses[0].half_edge() / 3)] = 1;
   });
-  for_each_polled(execution, count,
-                  [&](std::size_t t) { open[t] = open[patches.find(static_cast<TriangleId>(t))]; });
+  for_each_polled(execution, count, [&](std::size_t t) { open[t] = open[patches.find(TriangleId{t})]; });
   return open;
 }
 
@@ -96,7 +95,7 @@ bool drop_duplicates(Surface& surface, const EdgeTable& edges, SolidReport& repo
                       (key[2] < key[0] && key[0] < key[1]);
     std::sort(key.begin(), key.end());
     make_room(execution, entries);
-    entries.push_back({key, even ? 0u : 1u, static_cast<TriangleId>(t)});
+    entries.push_back({key, even ? 0u : 1u, TriangleId{t}});
   });
   if (entries.empty()) return false;
   sort_with_polls(execution, entries.begin(), entries.end());
@@ -115,12 +114,12 @@ bool drop_duplicates(Surface& surface, const EdgeTable& edges, SolidReport& repo
     for (std::size_t k = i; k < j; ++k) copies.push_back(entries[k].triangle);
     const bool both_ways = entries[i].odd != entries[j - 1].odd;
     std::array<TriangleId, 2> kept{copies.front(),
-                                   copies.size() > 1 ? (both_ways ? copies.back() : copies[1]) : kNoIndex};
+                                   copies.size() > 1 ? (both_ways ? copies.back() : copies[1]) : kNoTriangle};
     if (kept[1] < kept[0]) std::swap(kept[0], kept[1]);
-    if (copies.size() % 2 == 1) kept = {*std::min_element(copies.begin(), copies.end()), kNoIndex};
+    if (copies.size() % 2 == 1) kept = {*std::min_element(copies.begin(), copies.end()), kNoTriangle};
     for (const TriangleId t : copies)
       if (t != kept[0] && t != kept[1]) doomed[t] = 1, ++dropped;
-    if (kept[1] != kNoIndex) {
+    if (kept[1] != kNoTriangle) {
       group_of[kept[0]] = group_of[kept[1]] = static_cast<std::uint32_t>(groups.size());
       groups.push_back(kept);
     }
@@ -221,7 +220,7 @@ std::size_t split_umbrellas(Surface& surface, const Execution& execution) {
     const VertexId old = surface.from(start);
     VertexId id = old;
     if (vertex_seen[old]) {
-      id = static_cast<VertexId>(surface.positions.size());
+      id = VertexId{surface.positions.size()};
       const Vec3f position = surface.positions[old];
       make_room(execution, surface.positions);
       surface.positions.push_back(position);

@@ -26,7 +26,7 @@ bool orient_patches(Surface& surface, const EdgeTable& edges, SolidReport& repor
   Pacer pacer(execution);
   std::vector<TriangleId> patch;
   std::size_t flipped = 0;
-  for (TriangleId seed = 0; seed < count; ++seed) {
+  for (const TriangleId seed : ids<TriangleId>(count)) {
     pacer.step();
     if (state[seed] != 2) continue;
     patch.assign(1, seed);
@@ -36,7 +36,7 @@ bool orient_patches(Surface& surface, const EdgeTable& edges, SolidReport& repor
       pacer.step();
       for (HalfEdge h = 3 * patch[i]; h < 3 * patch[i] + 3; ++h) {
         if (across[h] == ~0ull) continue;
-        const auto neighbour = static_cast<TriangleId>((across[h] >> 1) / 3);
+        const TriangleId neighbour{(across[h] >> 1) / 3};
         if (state[neighbour] != 2) continue;
         state[neighbour] = state[patch[i]] ^ static_cast<std::uint8_t>(across[h] & kSameWay);
         reversed += state[neighbour];

@@ -41,7 +41,7 @@ std::vector<std::uint32_t> make_parts(const Shells& shells, Nesting& nesting, co
     part.shells.push_back(s);
     part.volume = volume_of(s);
     part.box = shells.list[s].box;
-    const TriangleId source = surface.source[shells.list[s].first];
+    const std::uint32_t source = surface.source[shells.list[s].first];
     part.node = source < mesh.node.size() ? mesh.node[source] : 0;
   }
   for (std::uint32_t s = 0; s < count; ++s) {
@@ -60,7 +60,7 @@ void turn_shells(Surface& surface, const Shells& shells, const std::vector<std::
   const auto is_reversed = [&](std::size_t t) { return reversed[shells.of_triangle[t]] != 0; };
   for_each_polled(execution, surface.triangles.size(), [&](std::size_t t) {
     if (!is_reversed(t)) return;
-    surface.flip(static_cast<TriangleId>(t));
+    surface.flip(TriangleId{t});
     // The half-edges ab, bc, ca became ac, cb, ba: the first and the last change places.
     std::swap(surface.twin[3 * t], surface.twin[3 * t + 2]);
   });
@@ -72,10 +72,10 @@ void turn_shells(Surface& surface, const Shells& shells, const std::vector<std::
 
 namespace {
 
-/// Where each triangle goes: kNoIndex for those of dropped shells. Nothing where all stay.
+/// Where each triangle goes: kNoTriangle for those of dropped shells. Nothing where all stay.
 struct Order {
   std::vector<TriangleId> place_of;
-  TriangleId kept = 0;
+  std::uint32_t kept = 0;
 };
 
 Order final_order(const Shells& shells, const std::vector<std::uint32_t>& part_of_shell, std::size_t parts,
@@ -83,15 +83,15 @@ Order final_order(const Shells& shells, const std::vector<std::uint32_t>& part_o
   const std::size_t count = shells.of_triangle.size();
   if (parts == 1 && std::find(part_of_shell.begin(), part_of_shell.end(), kNoIndex) == part_of_shell.end())
     return {};
-  std::vector<TriangleId> start = filled<TriangleId>(execution, parts + 1, 0);
+  std::vector<std::uint32_t> start = filled<std::uint32_t>(execution, parts + 1, 0);
   for_each_polled(execution, count, [&](std::size_t t) {
     if (const std::uint32_t part = part_of_shell[shells.of_triangle[t]]; part != kNoIndex) ++start[part + 1];
   });
   for (std::size_t p = 1; p < start.size(); ++p) start[p] += start[p - 1];
-  Order order{filled(execution, count, kNoIndex), start.back()};
+  Order order{filled(execution, count, kNoTriangle), start.back()};
   for_each_polled(execution, count, [&](std::size_t t) {
     if (const std::uint32_t part = part_of_shell[shells.of_triangle[t]]; part != kNoIndex)
-      order.place_of[t] = start[part]++;
+      order.place_of[t] = TriangleId{start[part]++};
   });
   return order;
 }
@@ -104,13 +104,13 @@ void group_by_part(Surface& surface, Shells& shells, const std::vector<std::uint
   if (order.place_of.empty()) return;
   Surface moved;
   moved.triangles = filled(execution, order.kept, Triangle{});
-  moved.source = filled<TriangleId>(execution, order.kept, 0);
+  moved.source = filled<std::uint32_t>(execution, order.kept, 0);
   moved.twin = filled<HalfEdge>(execution, std::size_t{3} * order.kept, 0);
   if (!surface.flipped.empty()) moved.flipped = filled<std::uint8_t>(execution, order.kept, 0);
   std::vector<std::uint32_t> shell = filled<std::uint32_t>(execution, order.kept, 0);
   for_each_polled(execution, order.place_of.size(), [&](std::size_t t) {
     const TriangleId to = order.place_of[t];
-    if (to == kNoIndex) return;
+    if (to == kNoTriangle) return;
     moved.triangles[to] = surface.triangles[t];
     moved.source[to] = surface.source[t];
     shell[to] = shells.of_triangle[t];
@@ -130,13 +130,13 @@ void group_by_part(Surface& surface, Shells& shells, const std::vector<std::uint
 }
 
 void drop_unused_vertices(Surface& surface, const Execution& execution) {
-  std::vector<VertexId> new_vertex = filled(execution, surface.positions.size(), kNoIndex);
+  std::vector<VertexId> new_vertex = filled(execution, surface.positions.size(), kNoVertex);
   for_each_polled(execution, surface.triangles.size(), [&](std::size_t t) {
-    for (const VertexId v : surface.triangles[t]) new_vertex[v] = 0;
+    for (const VertexId v : surface.triangles[t]) new_vertex[v] = VertexId{0};
   });
-  VertexId kept = 0;
+  VertexId kept{0};
   for_each_polled(execution, new_vertex.size(), [&](std::size_t v) {
-    if (new_vertex[v] == kNoIndex) return;
+    if (new_vertex[v] == kNoVertex) return;
     new_vertex[v] = kept;
     surface.positions[kept++] = surface.positions[v];
   });
@@ -150,15 +150,15 @@ void write_out(const Mesh& mesh, Surface& surface, Shells& shells,
                const std::vector<std::uint32_t>& part_of_shell, const std::vector<std::uint32_t>& new_shell,
                Solid& solid, const Execution& execution) {
   const std::size_t count = surface.triangles.size();
-  solid.wedges = filled(execution, count, Triangle{kNoIndex, kNoIndex, kNoIndex});
+  solid.wedges = filled(execution, count, std::array{kNoIndex, kNoIndex, kNoIndex});
   solid.material = filled(execution, count, kInteriorMaterial);
-  solid.edges = filled(execution, count, Triangle{});
+  solid.edges = filled(execution, count, std::array<std::uint32_t, 3>{});
   solid.part = filled<std::uint32_t>(execution, count, 0);
   solid.edge_vertices.reserve(3 * count / 2);
   for_each_polled(execution, count, [&](std::size_t t) {
     solid.part[t] = part_of_shell[shells.of_triangle[t]];
     shells.of_triangle[t] = new_shell[shells.of_triangle[t]];
-    const TriangleId source = surface.source[t];
+    const std::uint32_t source = surface.source[t];
     if (source != kNoIndex) {
       solid.wedges[t] = mesh.triangles[source];
       if (!surface.flipped.empty() && surface.flipped[t]) std::swap(solid.wedges[t][1], solid.wedges[t][2]);

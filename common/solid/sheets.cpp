@@ -13,7 +13,7 @@ namespace {
 
 bool before(const Vec3f& a, const Vec3f& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
 
-/// For each of the triangles: the one with the same three positions the other way round, or kNoIndex.
+/// For each of the triangles: the one with the same three positions the other way round, or kNoTriangle.
 std::vector<TriangleId> find_mirrors(const Surface& surface, const std::vector<TriangleId>& triangles,
                                      const Execution& execution) {
   struct Entry {
@@ -42,10 +42,10 @@ std::vector<TriangleId> find_mirrors(const Surface& surface, const std::vector<T
     return a.triangle < b.triangle;
   };
   sort_with_polls(execution, entries.begin(), entries.end(), less);
-  std::vector<TriangleId> mirror = filled(execution, surface.triangles.size(), kNoIndex);
+  std::vector<TriangleId> mirror = filled(execution, surface.triangles.size(), kNoTriangle);
   for_each_polled(execution, entries.size(), [&](std::size_t i) {
     if (i + 1 < entries.size() && entries[i].key == entries[i + 1].key &&
-        entries[i].odd != entries[i + 1].odd && mirror[entries[i].triangle] == kNoIndex) {
+        entries[i].odd != entries[i + 1].odd && mirror[entries[i].triangle] == kNoTriangle) {
       mirror[entries[i].triangle] = entries[i + 1].triangle;
       mirror[entries[i + 1].triangle] = entries[i].triangle;
     }
@@ -63,8 +63,8 @@ class Thickener {
         mirror_(mirror),
         execution_(execution),
         pacer_(execution),
-        front_of_(filled(execution, surface.triangles.size(), kNoIndex)),
-        back_vertex_(filled(execution, surface.positions.size(), kNoIndex)),
+        front_of_(filled(execution, surface.triangles.size(), kNoTriangle)),
+        back_vertex_(filled(execution, surface.positions.size(), kNoVertex)),
         doomed_(filled<std::uint8_t>(execution, surface.triangles.size(), 0)),
         failed_(filled<std::uint8_t>(execution, surface.triangles.size(), 0)),
         lost_(shells.list.size(), 0) {}
@@ -73,7 +73,7 @@ class Thickener {
   /// or could not be moved.
   bool make_slab(TriangleId seed) {
     pacer_.step();
-    if (front_of_[seed] != kNoIndex || doomed_[seed] || surface_.source[seed] == kNoIndex) return false;
+    if (front_of_[seed] != kNoTriangle || doomed_[seed] || surface_.source[seed] == kNoIndex) return false;
     const std::uint32_t shell = shells_.of_triangle[seed];
     if (failed_[seed] || lost_[shell] > kWorkLost * (shells_.list[shell].triangles + std::uint64_t{64}))
       return false;
@@ -82,12 +82,13 @@ class Thickener {
     bool mirrored = false;
     for (std::size_t i = 0; i < front.size(); ++i) {
       pacer_.step(4);
-      mirrored |= mirror_[front[i]] != kNoIndex;
+      mirrored |= mirror_[front[i]] != kNoTriangle;
       for (HalfEdge h = 3 * front[i]; h < 3 * front[i] + 3; ++h) {
-        const TriangleId n = surface_.twin[h] / 3;
-        if (n >= doomed_.size() || front_of_[n] != kNoIndex || doomed_[n] || surface_.source[n] == kNoIndex)
+        const TriangleId n = triangle_of(surface_.twin[h]);
+        if (n >= doomed_.size() || front_of_[n] != kNoTriangle || doomed_[n] ||
+            surface_.source[n] == kNoIndex)
           continue;
-        if (mirror_[n] != kNoIndex && front_of_[mirror_[n]] == seed) continue;
+        if (mirror_[n] != kNoTriangle && front_of_[mirror_[n]] == seed) continue;
         front_of_[n] = seed;
         front.push_back(n);
       }
@@ -98,7 +99,7 @@ class Thickener {
       lost_[shell] += front.size();
       for (const TriangleId t : front) {
         pacer_.step();
-        front_of_[t] = kNoIndex;
+        front_of_[t] = kNoTriangle;
         failed_[t] = !mirrored;
       }
       return false;
@@ -106,12 +107,12 @@ class Thickener {
     build(front, seed);
     for (const TriangleId t : front) {
       pacer_.step();
-      for (const VertexId v : surface_.triangles[t]) back_vertex_[v] = kNoIndex;
-      if (mirror_[t] != kNoIndex) doomed_[mirror_[t]] = 1;
+      for (const VertexId v : surface_.triangles[t]) back_vertex_[v] = kNoVertex;
+      if (mirror_[t] != kNoTriangle) doomed_[mirror_[t]] = 1;
     }
     return true;
   }
-  bool in_front(TriangleId t) const { return t < front_of_.size() && front_of_[t] != kNoIndex; }
+  bool in_front(TriangleId t) const { return t < front_of_.size() && front_of_[t] != kNoTriangle; }
 
  private:
   /// Fronts of a shell that could not be moved may have so many times its triangles in all, before no further
@@ -157,7 +158,7 @@ class Thickener {
       pacer_.step(4);
       for (int k = 0; k < 3; ++k) {
         const VertexId from = surface_.triangles[t][k], to = surface_.triangles[t][(k + 1) % 3];
-        const bool is_rim = !is_in_front(surface_.twin[3 * t + k] / 3, front_of_[t]);
+        const bool is_rim = !is_in_front(triangle_of(surface_.twin[3 * t + k]), front_of_[t]);
         if (back[index(from)] == back[index(to)] || (is_rim && back[index(from)] == surface_.positions[to] &&
                                                      back[index(to)] == surface_.positions[from]))
           return false;
@@ -166,18 +167,18 @@ class Thickener {
     make_room(execution_, surface_.positions, vertices.size());
     for (std::size_t i = 0; i < vertices.size(); ++i) {
       pacer_.step();
-      back_vertex_[vertices[i]] = static_cast<VertexId>(surface_.positions.size());
+      back_vertex_[vertices[i]] = VertexId{surface_.positions.size()};
       surface_.positions.push_back(back[i]);
     }
     return true;
   }
 
-  TriangleId append(const Triangle& triangle, TriangleId source, bool flipped) {
+  TriangleId append(const Triangle& triangle, std::uint32_t source, bool flipped) {
     surface_.triangles.push_back(triangle);
     surface_.source.push_back(source);
     if (!surface_.flipped.empty()) surface_.flipped.push_back(flipped);
     surface_.twin.resize(surface_.twin.size() + 3, kNoIndex);
-    return static_cast<TriangleId>(surface_.triangles.size() - 1);
+    return TriangleId{surface_.triangles.size() - 1};
   }
   void glue(HalfEdge a, HalfEdge b) {
     surface_.twin[a] = b;
@@ -188,7 +189,7 @@ class Thickener {
     const auto position_in = [&](TriangleId t) {
       return static_cast<std::size_t>(std::lower_bound(front.begin(), front.end(), t) - front.begin());
     };
-    const auto inside = [&](HalfEdge h) { return is_in_front(h / 3, seed); };
+    const auto inside = [&](HalfEdge h) { return is_in_front(triangle_of(h), seed); };
     std::size_t rim = 0;
     const std::vector<HalfEdge> old_twin = [&] {
       std::vector<HalfEdge> twins;
@@ -203,7 +204,7 @@ class Thickener {
       return twins;
     }();
     const auto twin_of = [&](HalfEdge h) {
-      const HalfEdge twin = old_twin[3 * position_in(h / 3) + h % 3];
+      const HalfEdge twin = old_twin[3 * position_in(triangle_of(h)) + h % 3];
       return inside(twin) ? twin : kNoIndex;
     };
     const std::size_t more = front.size() + 2 * rim;
@@ -219,17 +220,18 @@ class Thickener {
       const Triangle c = surface_.triangles[front[i]];
       const TriangleId m = mirror_[front[i]];
       Triangle b{back_vertex_[c[0]], back_vertex_[c[2]], back_vertex_[c[1]]};
-      if (m != kNoIndex) {  // start where the other side's triangle starts, so that its wedges stay at their
-                            // corners
+      if (m !=
+          kNoTriangle) {  // start where the other side's triangle starts, so that its wedges stay at their
+                          // corners
         const Vec3f& first = surface_.positions[surface_.triangles[m][0]];
         const int k = surface_.positions[c[0]] == first ? 0 : surface_.positions[c[1]] == first ? 1 : 2;
         b = {back_vertex_[c[k]], back_vertex_[c[(k + 2) % 3]], back_vertex_[c[(k + 1) % 3]]};
       }
-      back[i] = append(b, m == kNoIndex ? kNoIndex : surface_.source[m],
-                       m != kNoIndex && !surface_.flipped.empty() && surface_.flipped[m]);
+      back[i] = append(b, m == kNoTriangle ? kNoIndex : surface_.source[m],
+                       m != kNoTriangle && !surface_.flipped.empty() && surface_.flipped[m]);
     }
     const auto back_of = [&](HalfEdge h) {  // runs from the back of the end of h to the back of its beginning
-      const TriangleId t = back[position_in(h / 3)];
+      const TriangleId t = back[position_in(triangle_of(h))];
       for (HalfEdge g = 3 * t; g < 3 * t + 3; ++g)
         if (surface_.from(g) == back_vertex_[surface_.to(h)] &&
             surface_.to(g) == back_vertex_[surface_.from(h)])
@@ -318,8 +320,7 @@ std::size_t thicken_sheets(Surface& surface, const Shells& shells, double thickn
   };
   std::vector<TriangleId> candidates;
   for_each_polled(execution, surface.triangles.size(), [&](std::size_t t) {
-    if (surface.source[t] != kNoIndex && is_sheet(shells.of_triangle[t]))
-      candidates.push_back(static_cast<TriangleId>(t));
+    if (surface.source[t] != kNoIndex && is_sheet(shells.of_triangle[t])) candidates.push_back(TriangleId{t});
   });
   if (candidates.empty()) return 0;
 
@@ -334,16 +335,15 @@ std::size_t thicken_sheets(Surface& surface, const Shells& shells, double thickn
     shell_done[shells.of_triangle[t]] = 1;
   }
   // What remains of a replaced shell goes: its fill, the other sides, and parts too small to be moved.
-  std::vector<TriangleId> place_of = filled(execution, surface.triangles.size(), kNoIndex);
-  TriangleId kept = 0;
+  std::vector<TriangleId> place_of = filled(execution, surface.triangles.size(), kNoTriangle);
+  TriangleId kept{0};
   for_each_polled(execution, place_of.size(), [&](std::size_t t) {
-    if (t >= old_count || !shell_done[shells.of_triangle[t]] ||
-        thickener.in_front(static_cast<TriangleId>(t)))
+    if (t >= old_count || !shell_done[shells.of_triangle[t]] || thickener.in_front(TriangleId{t}))
       place_of[t] = kept++;
   });
   for_each_polled(execution, place_of.size(), [&](std::size_t t) {
     const TriangleId to = place_of[t];
-    if (to == kNoIndex) return;
+    if (to == kNoTriangle) return;
     surface.triangles[to] = surface.triangles[t];
     surface.source[to] = surface.source[t];
     if (!surface.flipped.empty()) surface.flipped[to] = surface.flipped[t];
@@ -358,7 +358,7 @@ std::size_t thicken_sheets(Surface& surface, const Shells& shells, double thickn
   surface.twin.resize(3 * static_cast<std::size_t>(kept));
   std::size_t fills_kept = 0;
   for (const TriangleId fill : fills)
-    if (place_of[fill] != kNoIndex) fills[fills_kept++] = place_of[fill];
+    if (place_of[fill] != kNoTriangle) fills[fills_kept++] = place_of[fill];
   fills.resize(fills_kept);
   return slabs;
 }

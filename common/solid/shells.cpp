@@ -12,7 +12,7 @@ Shells find_shells(const Surface& surface, const Execution& execution) {
   shells.of_triangle = filled(execution, surface.triangles.size(), kNoIndex);
   Pacer pacer(execution);
   std::vector<TriangleId> stack, first;
-  for (TriangleId seed = 0; seed < surface.triangles.size(); ++seed) {
+  for (const TriangleId seed : ids<TriangleId>(surface.triangles.size())) {
     if (seed % 65536 == 0) execution.poll();
     if (shells.of_triangle[seed] != kNoIndex) continue;
     const auto id = static_cast<std::uint32_t>(first.size());
@@ -24,7 +24,7 @@ Shells find_shells(const Surface& surface, const Execution& execution) {
       stack.pop_back();
       pacer.step();
       for (HalfEdge h = 3 * t; h < 3 * t + 3; ++h) {
-        const TriangleId neighbour = surface.twin[h] / 3;
+        const TriangleId neighbour = triangle_of(surface.twin[h]);
         if (shells.of_triangle[neighbour] != kNoIndex) continue;
         shells.of_triangle[neighbour] = id;
         stack.push_back(neighbour);
@@ -33,7 +33,7 @@ Shells find_shells(const Surface& surface, const Execution& execution) {
   }
   shells.list = filled(execution, first.size(), Shell{});
   for_each_polled(execution, first.size(), [&](std::size_t s) { shells.list[s].first = first[s]; });
-  for (TriangleId t = 0; t < surface.triangles.size();) {
+  for (TriangleId t{0}; t < surface.triangles.size();) {
     const std::uint32_t id = shells.of_triangle[t];
     Shell& shell = shells.list[id];
     const Vec3d origin = to_double(surface.positions[surface.triangles[shell.first][0]]);

@@ -7,7 +7,7 @@
 namespace fracture::solid_detail {
 
 struct Shell {
-  TriangleId first = kNoIndex;  ///< its lowest triangle: shells are numbered in this order
+  TriangleId first = kNoTriangle;  ///< its lowest triangle: shells are numbered in this order
   std::uint32_t triangles = 0;
   double volume = 0;  ///< signed: negative when its triangles face the volume they enclose
   double area = 0;

@@ -12,6 +12,7 @@
 #include "common/base/execution.hpp"
 #include "common/base/vec.hpp"
 #include "common/mesh/mesh.hpp"
+#include "common/solid/vertex_id.hpp"
 
 namespace fracture {
 
@@ -105,8 +106,7 @@ struct Solid {
   std::shared_ptr<const Mesh> source;
   std::vector<Vec3f>
       positions;  ///< per vertex; vertices that touch several fans of triangles are split (umbrellas)
-  std::vector<std::array<std::uint32_t, 3>>
-      triangles;  ///< vertex ids, counter-clockwise from outside, grouped by part
+  std::vector<std::array<VertexId, 3>> triangles;  ///< counter-clockwise from outside, grouped by part
   /// Per triangle: the wedges of the source at its corners, or kNoIndex three times for filled triangles.
   std::vector<std::array<std::uint32_t, 3>> wedges;
   std::vector<std::uint32_t> material;  ///< per triangle: source material, kNoIndex or kInteriorMaterial
@@ -115,7 +115,7 @@ struct Solid {
   /// split).
   std::vector<std::array<std::uint32_t, 3>> edges;
   /// edge_vertices[e] = its two vertices, lower id first.
-  std::vector<std::array<std::uint32_t, 2>> edge_vertices;
+  std::vector<std::array<VertexId, 2>> edge_vertices;
   std::vector<std::uint32_t> shell;  ///< per triangle
   std::vector<std::uint32_t> part;   ///< per triangle: index into parts
   std::vector<Part> parts;

@@ -11,13 +11,16 @@
 #include "common/base/execution.hpp"
 #include "common/base/vec.hpp"
 #include "common/mesh/mesh.hpp"
+#include "common/solid/vertex_id.hpp"
 
 namespace fracture::solid_detail {
 
-using VertexId = std::uint32_t;
-using TriangleId = std::uint32_t;
+using TriangleId = Id<struct SurfaceTriangleTag>;
+inline constexpr TriangleId kNoTriangle{0xffffffffu};
 using HalfEdge = std::uint32_t;
 using Triangle = std::array<VertexId, 3>;
+
+inline TriangleId triangle_of(HalfEdge h) { return TriangleId{h / 3}; }
 
 inline HalfEdge next(HalfEdge h) { return h % 3 == 2 ? h - 2 : h + 1; }
 inline HalfEdge previous(HalfEdge h) { return h % 3 == 0 ? h + 2 : h - 1; }
@@ -25,7 +28,7 @@ inline HalfEdge previous(HalfEdge h) { return h % 3 == 0 ? h + 2 : h - 1; }
 struct Surface {
   std::vector<Vec3f> positions;
   std::vector<Triangle> triangles;
-  std::vector<TriangleId> source;  ///< per triangle: the source triangle, kNoIndex for filled ones
+  std::vector<std::uint32_t> source;  ///< per triangle: the source triangle, kNoIndex for filled ones
   std::vector<std::uint8_t>
       flipped;  ///< per triangle, empty when none is: corners 1 and 2 are swapped against the source
   std::vector<HalfEdge> twin;  ///< per half-edge: the opposite half-edge it is glued to, kNoIndex when open

@@ -64,11 +64,11 @@ Expected<Surface> weld_exact(const Mesh& mesh, SolidReport& report, const Execut
   Surface surface;
   const std::size_t wedge_bound = std::min(mesh.positions.size(), 3 * mesh.triangles.size());
   surface.triangles = filled(execution, mesh.triangles.size(), Triangle{});
-  surface.source = filled<TriangleId>(execution, mesh.triangles.size(), 0);
+  surface.source = filled<std::uint32_t>(execution, mesh.triangles.size(), 0);
   surface.positions.reserve(wedge_bound);
-  std::vector<VertexId> vertex_of_wedge = filled(execution, mesh.positions.size(), kNoIndex);
+  std::vector<VertexId> vertex_of_wedge = filled(execution, mesh.positions.size(), kNoVertex);
   const std::size_t table_size = std::bit_ceil(2 * wedge_bound + 1);
-  std::vector<VertexId> table = filled(execution, table_size, kNoIndex);
+  std::vector<VertexId> table = filled(execution, table_size, kNoVertex);
   const PositionHash hash_position;
   Pacer pacer(execution);
   std::uint64_t used_wedges = 0;
@@ -84,7 +84,7 @@ Expected<Surface> weld_exact(const Mesh& mesh, SolidReport& report, const Execut
                                                    std::to_string(wedge) + " of " +
                                                    std::to_string(mesh.positions.size()) + ".");
       VertexId& vertex = vertex_of_wedge[wedge];
-      if (vertex == kNoIndex) {
+      if (vertex == kNoVertex) {
         const Vec3f& raw = mesh.positions[wedge];
         const Vec3f p{raw.x + 0.0f, raw.y + 0.0f, raw.z + 0.0f};  // -0 + 0 is +0
         if (!finite(p))
@@ -93,12 +93,12 @@ Expected<Surface> weld_exact(const Mesh& mesh, SolidReport& report, const Execut
                       {{"vertex", wedge}});
         ++used_wedges;
         std::size_t slot = hash_position(p) & (table_size - 1);
-        while (table[slot] != kNoIndex && !(surface.positions[table[slot]] == p)) {
+        while (table[slot] != kNoVertex && !(surface.positions[table[slot]] == p)) {
           pacer.step();
           slot = (slot + 1) & (table_size - 1);
         }
-        if (table[slot] == kNoIndex) {
-          table[slot] = static_cast<VertexId>(surface.positions.size());
+        if (table[slot] == kNoVertex) {
+          table[slot] = VertexId{surface.positions.size()};
           surface.positions.push_back(p);
         }
         vertex = table[slot];
@@ -111,7 +111,7 @@ Expected<Surface> weld_exact(const Mesh& mesh, SolidReport& report, const Execut
       continue;
     }
     surface.triangles[kept] = triangle;
-    surface.source[kept++] = static_cast<TriangleId>(t);
+    surface.source[kept++] = static_cast<std::uint32_t>(t);
   }
   surface.triangles.resize(kept);
   surface.source.resize(kept);
@@ -151,7 +151,7 @@ bool weld_tolerant(Surface& surface, const EdgeTable& edges, double tolerance, S
   std::vector<Met> met;
   met.reserve(open.size());
   for_each_polled(execution, open.size(), [&](std::size_t i) {
-    const VertexId a = near.find(open[i].a), b = near.find(open[i].b);
+    const VertexId a{near.find(open[i].a)}, b{near.find(open[i].b)};
     if (a != b) met.push_back({std::min(a, b), std::max(a, b)});
   });
   sort_with_polls(execution, met.begin(), met.end());
@@ -160,9 +160,9 @@ bool weld_tolerant(Surface& surface, const EdgeTable& edges, double tolerance, S
     if (i > 0 && met[i] == met[i - 1]) useful[met[i].a] = useful[met[i].b] = 1;
   });
   std::uint64_t merged = 0;
-  std::vector<VertexId> target = filled(execution, surface.positions.size(), kNoIndex);
+  std::vector<VertexId> target = filled(execution, surface.positions.size(), kNoVertex);
   for_each_polled(execution, members.size(), [&](std::size_t i) {
-    const VertexId v = members[i], root = near.find(v);
+    const VertexId v = members[i], root{near.find(v)};
     if (root == v || !useful[root]) return;
     target[v] = root;
     if (merged++ == 0) report.add_sample("welded_tolerant", surface.positions[v]);
@@ -170,7 +170,7 @@ bool weld_tolerant(Surface& surface, const EdgeTable& edges, double tolerance, S
   if (merged == 0) return false;
   for_each_polled(execution, surface.triangles.size(), [&](std::size_t t) {
     for (VertexId& v : surface.triangles[t])
-      if (target[v] != kNoIndex) v = target[v];
+      if (target[v] != kNoVertex) v = target[v];
   });
   report.welded_tolerant += merged;
   report.degenerate_dropped += drop_degenerate(surface, execution);

@@ -70,10 +70,9 @@ WindingNumbers::WindingNumbers(const Surface& surface, const Shells& shells, con
   start_ = filled<std::uint32_t>(execution, count + 2, 0);  // shifted by one until the triangles are placed
   for_each_polled(execution, triangles, [&](std::size_t t) { ++start_[shells.of_triangle[t] + 2]; });
   for (std::size_t s = 2; s < start_.size(); ++s) start_[s] += start_[s - 1];
-  triangles_ = filled<TriangleId>(execution, triangles, 0);
-  for_each_polled(execution, triangles, [&](std::size_t t) {
-    triangles_[start_[shells.of_triangle[t] + 1]++] = static_cast<TriangleId>(t);
-  });
+  triangles_ = filled(execution, triangles, TriangleId{0});
+  for_each_polled(execution, triangles,
+                  [&](std::size_t t) { triangles_[start_[shells.of_triangle[t] + 1]++] = TriangleId{t}; });
   start_.pop_back();
 
   const auto edge = [&](std::size_t t, int k) {
@@ -175,7 +174,7 @@ int WindingNumbers::crossings(const Vec3f& p, std::uint32_t shell, bool& clear) 
     if (members.tree) {
       const Vec2d& across = members.across;
       members.tree->for_each_near({p.y, p.z, across.x * p.y + across.y * p.z, p.x},
-                                  [&](TriangleId t) { number += crossing(p, t, clear); });
+                                  [&](std::uint32_t t) { number += crossing(p, TriangleId{t}, clear); });
       return number;
     }
   }
@@ -211,7 +210,7 @@ void WindingNumbers::plant(std::uint32_t shell, Members& members) {
   }
   const Vec3d along = spread.principal();
   members.across = {-along.z, along.y};
-  const auto slabs_of = [&](TriangleId t) {
+  const auto slabs_of = [&](std::uint32_t t) {
     Slabs<4> slabs;
     slabs.fill({HUGE_VAL, -HUGE_VAL});
     slabs[3] = {-HUGE_VAL, -HUGE_VAL};
@@ -228,7 +227,7 @@ void WindingNumbers::plant(std::uint32_t shell, Members& members) {
     }
     return slabs;
   };
-  members.tree = std::make_unique<TriangleTree>(std::vector<TriangleId>(begin, end), slabs_of, pacer_);
+  members.tree = std::make_unique<TriangleTree>(std::vector<std::uint32_t>(begin, end), slabs_of, pacer_);
 }
 
 }  // namespace fracture::solid_detail

@@ -32,7 +32,7 @@ VoronoiDiagram::VoronoiDiagram(const Tetrahedralization& tetrahedralization, con
   }
   resize_with_polls(execution, tets_, tet_begin_[sites]);
   std::vector<std::uint32_t> next(tet_begin_.begin(), tet_begin_.end() - 1);
-  for (TetId t = 0; t < dual_->tets.size(); ++t) {
+  for (const TetId t : ids<TetId>(dual_->tets.size())) {
     pacer.step();
     for (const SiteId s : dual_->tets[t].v)
       if (s < sites) tets_[next[s]++] = t;
@@ -44,7 +44,7 @@ VoronoiDiagram::VoronoiDiagram(const Tetrahedralization& tetrahedralization, con
     StampedMap& first_tet = worker_map();
     std::vector<SiteId> neighbors;
     Pacer own_pacer(execution);
-    for (auto i = static_cast<SiteId>(begin); i < end; ++i) {
+    for (const SiteId i : ids<SiteId>(begin, end)) {
       first_tet.next_epoch(sites + 4);
       first_tet.slot(i) = 0;
       neighbors.clear();
@@ -72,12 +72,12 @@ VoronoiDiagram::VoronoiDiagram(const Tetrahedralization& tetrahedralization, con
         const Vec3d u = site(j) - p;
         const double half = 0.5 * dot(u, u);
         const double norm1 = std::fabs(u.x) + std::fabs(u.y) + std::fabs(u.z);
-        *out++ = {u, half, 0x1.0p-49 * (half + norm1 * reach) + 0x1p-1000, j, first_tet.slot(j)};
+        *out++ = {u, half, 0x1.0p-49 * (half + norm1 * reach) + 0x1p-1000, j, TetId{first_tet.slot(j)}};
       }
     }
   });
 
-  for (SiteId i = 0; i < sites; ++i) {
+  for (const SiteId i : ids<SiteId>(sites)) {
     if (!has_many_neighbors(i)) continue;
     execution.poll();
     add_neighborhood(i);
@@ -183,9 +183,9 @@ SiteId VoronoiDiagram::closer_of_many(const Vec3d& q, SiteId i, Walk& walk) cons
 SiteId VoronoiDiagram::roughly_nearest(const Vec3d& q) const {
   std::call_once(all_sites_->once,
                  [&] { all_sites_->tree.emplace(std::span(dual_->points).first(dual_->site_count())); });
-  SiteId best = 0;
+  SiteId best{0};
   all_sites_->tree->visit_near(q, HUGE_VAL, [&](std::uint32_t s, double distance2) {
-    best = s;
+    best = SiteId{s};
     return distance2;
   });
   return best;

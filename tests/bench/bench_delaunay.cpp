@@ -22,7 +22,7 @@ int main(int argc, char** argv) {
       result = tetrahedralize(w.points, box, {}).value();
     });
     bench::TetSetHash hash;
-    for (const Tetrahedron& t : result.tets) hash.add(t.v);
+    for (const auto& [v, n] : result.tets) hash.add({v[0], v[1], v[2], v[3]});
     bench::print_result(w, ms, hash.count(), hash.value());
     // The numbering too is part of the promise of identical results: compare it between compilers and builds.
     std::uint64_t numbering = 0;
@@ -45,9 +45,9 @@ int main(int argc, char** argv) {
           for (const std::uint32_t i : order) delaunay.insert(w.points[i]);
         const double inserted = bench::cpu_milliseconds() - begin;
         std::vector<SiteId> site_of_vertex(delaunay.vertex_end());
-        for (std::size_t i = 0; i < order.size(); ++i) site_of_vertex[i + 4] = order[i];
+        for (std::size_t i = 0; i < order.size(); ++i) site_of_vertex[i + 4] = SiteId{order[i]};
         bench::TetSetHash again;
-        for (const Tetrahedron& t : delaunay.snapshot(site_of_vertex).tets) again.add(t.v);
+        for (const auto& [v, n] : delaunay.snapshot(site_of_vertex).tets) again.add({v[0], v[1], v[2], v[3]});
         const auto error = w.points.size() <= 100'000 ? delaunay.validate() : std::nullopt;
         const bool good = !error && again.value() == hash.value();
         correct = correct && good;

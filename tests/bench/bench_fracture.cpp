@@ -114,7 +114,7 @@ void write_for_peer(const std::string& path, const Solid& solid, const Tetrahedr
         if (a != b && !t.is_corner(a) && !t.is_corner(b)) neighbours[a].push_back(b);
   std::vector<Vec3d> points;
   std::vector<std::uint32_t> first{0};
-  for (SiteId s = 0; s < t.site_count(); ++s) {
+  for (const SiteId s : ids<SiteId>(t.site_count())) {
     std::sort(neighbours[s].begin(), neighbours[s].end());
     neighbours[s].erase(std::unique(neighbours[s].begin(), neighbours[s].end()), neighbours[s].end());
     const std::vector<Vec3d> cell = cell_vertices(t, s, neighbours[s], solid.box);

@@ -82,7 +82,7 @@ TEST(SeamLattice, EveryConstructedVertexIsTheExactPositionRoundedOnce) {
       ASSERT_TRUE(t);
       const VoronoiDiagram diagram(*t, solid->box);
       const RestrictedDiagram r = restrict_to_solid(SeenSolid(*solid), diagram, {});
-      const auto vertex = [&](std::uint32_t v) { return to_double(solid->positions[v]); };
+      const auto vertex = [&](VertexId v) { return to_double(solid->positions[v]); };
       std::size_t n = 0;
       for (const EdgeCut& c : r.cuts.edge_cuts) {
         const auto [lo, hi] = solid->edge_vertices[c.edge];
@@ -129,8 +129,8 @@ TEST(SeamLattice, CutsDecidedInAnImageAreCarriedBackExactly) {
         ASSERT_TRUE(t);
         const VoronoiDiagram diagram(*t, image.box, map);
         const RestrictedDiagram r = restrict_to_solid(whole, diagram, {});
-        const auto at = [&](std::uint32_t v) { return q(to_double(solid->positions[v])); };
-        const auto image_at = [&](std::uint32_t v) { return q(to_double(image.positions[v])); };
+        const auto at = [&](VertexId v) { return q(to_double(solid->positions[v])); };
+        const auto image_at = [&](VertexId v) { return q(to_double(image.positions[v])); };
         const auto plane = [&](SiteId i, SiteId j) { return bisector(diagram.site(i), diagram.site(j)); };
         std::size_t n = 0;
         for (const EdgeCut& c : r.cuts.edge_cuts) {

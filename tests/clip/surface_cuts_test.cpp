@@ -88,7 +88,7 @@ TEST(SurfaceCuts, ATriangleOfManyPolygonsNamesEachCornerOnce) {
   std::set<std::pair<std::uint32_t, std::array<SiteId, 3>>> names;
   for (const TriangleCut& c : cuts.triangle_cuts) EXPECT_TRUE(names.insert({c.triangle, c.sites}).second);
   // Within a triangle each side between two cells is there from both, between the same corners.
-  std::map<std::tuple<std::uint32_t, SiteId, SiteId>, std::pair<VertexId, VertexId>> sides;
+  std::map<std::tuple<std::uint32_t, SiteId, SiteId>, std::pair<CutVertexId, CutVertexId>> sides;
   std::size_t between_cells = 0;
   for (const CutPolygon& p : cuts.polygons)
     for (std::uint32_t k = 0; k < p.count; ++k) {
@@ -96,7 +96,7 @@ TEST(SurfaceCuts, ATriangleOfManyPolygonsNamesEachCornerOnce) {
       if (is_mesh_edge(side)) continue;
       ++between_cells;
       EXPECT_TRUE(sides
-                      .insert({{p.triangle, p.cell, side},
+                      .insert({{p.triangle, p.cell, SiteId{side}},
                                {cuts.vertices[p.first + k], cuts.vertices[p.first + (k + 1) % p.count]}})
                       .second);
     }

@@ -33,10 +33,10 @@ Wound wind(const Mesh& mesh, const std::vector<Vec3d>& sites, const Box& box) {
 using End = std::tuple<std::uint32_t, std::array<SiteId, 3>, TetId>;
 std::map<std::tuple<SiteId, SiteId, int, End, End>, int> segments_of(const Wound& w, std::uint32_t part,
                                                                      std::uint32_t first_triangle) {
-  const auto end = [&](VertexId v) -> End {
+  const auto end = [&](CutVertexId v) -> End {
     if (v >= w.cuts.first_d()) return {0, {}, w.winding.inner_vertices[v - w.cuts.first_d()].tet};
     const TriangleCut& c = w.cuts.triangle_cuts[v - w.cuts.first_c()];
-    return {1 + c.triangle - first_triangle, c.sites, 0};
+    return {1 + c.triangle - first_triangle, c.sites, TetId{0}};
   };
   std::map<std::tuple<SiteId, SiteId, int, End, End>, int> all;
   for (const CapSegment& s : w.winding.segments)

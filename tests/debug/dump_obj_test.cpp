@@ -42,7 +42,7 @@ TEST(DumpObj, MeshReadsBackBitForBit) {
 
 TEST(DumpObj, FragmentsAreASolidEachInWorldSpace) {
   std::ostringstream out;
-  debug::dump_obj(out, two_halves());
+  debug::dump_obj(out, two_halves().set);
   const Expected<Mesh> mesh = import_text(out.str(), MeshFormat::kObj);
   ASSERT_TRUE(mesh) << mesh.error().detail;
   EXPECT_DOUBLE_EQ(signed_volume(*mesh), 2.0);
@@ -54,7 +54,7 @@ TEST(DumpObj, FragmentsAreASolidEachInWorldSpace) {
 
 TEST(DumpObj, ExplodedFragmentsKeepTheirShapeAndMoveApart) {
   std::ostringstream out;
-  debug::dump_obj(out, two_halves(), 1.0);
+  debug::dump_obj(out, two_halves().set, 1.0);
   const Expected<Mesh> mesh = import_text(out.str(), MeshFormat::kObj);
   ASSERT_TRUE(mesh) << mesh.error().detail;
   EXPECT_NEAR(signed_volume(*mesh), 2.0, 1e-6);
@@ -112,7 +112,7 @@ TEST(DumpObj, SitesAreOctahedraAroundThem) {
     if (word == "v" && in >> p.x >> p.y >> p.z) corners.push_back(p);
   }
   ASSERT_EQ(corners.size(), 6u * t.site_count());
-  for (SiteId s = 0; s < t.site_count(); ++s)
+  for (const SiteId s : ids<SiteId>(t.site_count()))
     for (std::size_t k = 0; k < 6; k += 2) {
       const Vec3d middle = 0.5 * (corners[6 * s + k] + corners[6 * s + k + 1]);
       EXPECT_NEAR(length(middle - t.points[s]), 0, 1e-6);

@@ -24,7 +24,7 @@ IncrementalDelaunay::Insertion insert(ReferenceDelaunay& d, const Vec3d& p, Meth
 using Key = std::array<std::array<double, 3>, 4>;
 std::vector<Key> tet_set(const IncrementalDelaunay& d) {
   std::vector<Key> keys;
-  d.for_each_tet([&](const std::array<VertexId, 4>& v) {
+  d.for_each_tet([&](const std::array<TetVertexId, 4>& v) {
     Key key;
     for (int k = 0; k < 4; ++k) key[k] = {d.position(v[k]).x, d.position(v[k]).y, d.position(v[k]).z};
     std::sort(key.begin(), key.end());
@@ -130,7 +130,7 @@ TEST(IncrementalDelaunay, CanonicalNumberingDoesNotDependOnMethodOrHistory) {
     const BigTetrahedron big = big_of(points);
     const ReferenceDelaunay a = build(points, big, Method::kCavity);
     ReferenceDelaunay b = build(points, big, Method::kFlips);
-    b.remove(4);  // and put it back: the same vertex id
+    b.remove(TetVertexId{4});  // and put it back: the same vertex id
     b.insert(points[0]);
     Tetrahedralization ta = a.snapshot(), tb = b.snapshot();
     canonicalize(ta);
@@ -156,7 +156,7 @@ TEST(IncrementalDelaunay, RandomInsertionsAndRemovalsKeepItValidAndEqualToARebui
     const BigTetrahedron big = big_of(pool);
     ReferenceDelaunay d(big);
     Random random(99);
-    std::vector<VertexId> live;
+    std::vector<TetVertexId> live;
     for (int i = 0; i < operations; ++i) {
       // The size drifts between empty and about 40.
       const std::uint64_t target = (i / 40) % 2 ? 8 : 40;
@@ -176,7 +176,7 @@ TEST(IncrementalDelaunay, RandomInsertionsAndRemovalsKeepItValidAndEqualToARebui
       ASSERT_FALSE(error.has_value()) << "operation " << i << ": " << *error;
       if (i % 20 == 0) {
         std::vector<Vec3d> points;
-        for (const VertexId v : live) points.push_back(d.position(v));
+        for (const TetVertexId v : live) points.push_back(d.position(v));
         ASSERT_EQ(tet_set(d), tet_set(build(points, big, Method::kCavity))) << "operation " << i;
       }
     }
@@ -187,11 +187,11 @@ TEST(IncrementalDelaunay, RemovingEverySiteLeavesTheBigTetrahedron) {
   for (const PointFamily& family : point_families()) {
     const std::vector<Vec3d> points = family.make(300, 4);
     ReferenceDelaunay d = build(points, big_of(points), Method::kCavity);
-    std::vector<VertexId> live;
-    for (VertexId v = 4; v < d.vertex_end(); ++v) live.push_back(v);
+    std::vector<TetVertexId> live;
+    for (const TetVertexId v : ids<TetVertexId>(4, d.vertex_end())) live.push_back(v);
     Random random(1);
     shuffle(live, random);
-    for (const VertexId v : live) d.remove(v);
+    for (const TetVertexId v : live) d.remove(v);
     EXPECT_EQ(d.tet_count(), 1u) << family.name;
     EXPECT_FALSE(d.validate().has_value()) << family.name;
   }
@@ -204,7 +204,7 @@ TEST(IncrementalDelaunay, RemovesAVertexOfVeryHighDegree) {
   const auto expected = tet_set(build(points, big, Method::kCavity));
   points.push_back({0, 0, 0});
   ReferenceDelaunay d = build(points, big, Method::kCavity);
-  d.remove(d.vertex_end() - 1);
+  d.remove(TetVertexId{d.vertex_end() - 1});
   EXPECT_FALSE(d.validate().has_value());
   EXPECT_EQ(tet_set(d), expected);
 }
@@ -216,8 +216,8 @@ TEST(IncrementalDelaunay, RefusesPointsOutsideTheDomainAndRemovalOfCorners) {
   EXPECT_EQ(d.insert({2, 0, 0}).status, Status::kOutsideDomain);
   EXPECT_EQ(d.insert_by_flips({2, 0, 0}).status, Status::kOutsideDomain);
   EXPECT_EQ(d.insert({std::nan(""), 0, 0}).status, Status::kOutsideDomain);
-  EXPECT_THROW(d.remove(2), InternalError);
-  EXPECT_THROW(d.remove(400), InternalError);
+  EXPECT_THROW(d.remove(TetVertexId{2}), InternalError);
+  EXPECT_THROW(d.remove(TetVertexId{400}), InternalError);
   EXPECT_EQ(tet_set(d), before);
 }
 

@@ -42,13 +42,13 @@ Box box_of(const std::vector<Vec3d>& points) {
 void check(const Tetrahedralization& t, const std::string& name) {
   SCOPED_TRACE(name + ", " + std::to_string(t.site_count()) + " sites");
   ASSERT_EQ(t.tet_of_site.size(), t.points.size());
-  for (SiteId s = 0; s < t.points.size(); ++s) {
+  for (const SiteId s : ids<SiteId>(t.points.size())) {
     ASSERT_LT(t.tet_of_site[s], t.tets.size());
     const auto& v = t.tets[t.tet_of_site[s]].v;
     ASSERT_NE(std::find(v.begin(), v.end(), s), v.end());
   }
   int hull = 0;
-  for (TetId i = 0; i < t.tets.size(); ++i) {
+  for (const TetId i : ids<TetId>(t.tets.size())) {
     const Tetrahedron& tet = t.tets[i];
     const auto p = [&](int k) { return t.points[tet.v[k]]; };
     ASSERT_EQ(exact::orient3d(p(0), p(1), p(2), p(3)), 1) << "tetrahedron " << i;
@@ -65,7 +65,7 @@ void check(const Tetrahedralization& t, const std::string& name) {
       }
     }
     if (t.site_count() <= 130)
-      for (SiteId s = 0; s < t.points.size(); ++s) {
+      for (const SiteId s : ids<SiteId>(t.points.size())) {
         if (std::find(tet.v.begin(), tet.v.end(), s) != tet.v.end()) continue;
         ASSERT_EQ(exact::in_sphere(p(0), p(1), p(2), p(3), t.points[s]), -1)
             << "site " << s << " in the sphere of tetrahedron " << i;
@@ -107,7 +107,8 @@ TEST(Tetrahedralize, NumbersSitesInTheCallersOrderAndMergesDuplicatesIntoTheFirs
                                   {1, 1, 1}, {-0.0, 0.0, 0}, {0.0, -0.0, 0}};
   const auto result = tetrahedralize(points, box_of(points), {});
   ASSERT_TRUE(result.has_value());
-  EXPECT_EQ(result->site_of_input, (std::vector<SiteId>{0, 1, 0, 2, 1, 3, 3}));
+  const std::vector<std::uint32_t> numbers(result->site_of_input.begin(), result->site_of_input.end());
+  EXPECT_EQ(numbers, (std::vector<std::uint32_t>{0, 1, 0, 2, 1, 3, 3}));
   EXPECT_EQ(result->duplicates_merged, 3u);
   EXPECT_EQ(result->site_count(), 4u);
   for (std::size_t i = 0; i < points.size(); ++i)

@@ -15,6 +15,7 @@
 #include "common/pipeline/delta.hpp"
 #include "tests/fuzz/fracture_case.hpp"
 #include "tests/property/violations.hpp"
+#include "tests/support/surface_mesh.hpp"
 
 namespace fracture::fuzz {
 namespace {
@@ -85,10 +86,8 @@ Mesh traced_surface(Solid& solid, test::Whole& whole) {
                                !attributes.uvs.empty() || !attributes.colors.empty();
   whole.filled = with_attributes && std::find(solid.material.begin(), solid.material.end(),
                                               kInteriorMaterial) != solid.material.end();
-  Mesh mesh;
-  if (whole.filled) return mesh;
-  mesh.positions = solid.positions;
-  mesh.triangles = solid.triangles;
+  if (whole.filled) return {};
+  Mesh mesh = test::surface_mesh(solid);
   for (std::uint32_t t = 0; t < solid.material.size(); ++t) solid.material[t] = t;
   mesh.material = solid.material;
   return mesh;

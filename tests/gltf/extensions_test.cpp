@@ -130,8 +130,8 @@ TEST(KhrPhysics, FragmentsWithoutHullsAreBodiesWithoutColliders) {
 
 TEST(KhrPhysics, PiecesOfOneCellDoNotCollideWithOneAnother) {
   FracturedSolid made = two_halves_with_hulls();
-  made.set.fragments[0].sites = {2};
-  made.set.fragments[1].sites = {1, 2};
+  made.set.fragments[0].sites = {SiteId{2}};
+  made.set.fragments[1].sites = {SiteId{1}, SiteId{2}};
   const json document = Glb(write_glb(made, {})).document;
   const json& filters = document["extensions"][kKhrName]["collisionFilters"];
   ASSERT_EQ(filters.size(), 1u);
@@ -145,8 +145,8 @@ TEST(CollisionSystems, AreTheComponentsOfFragmentsThatShareACell) {
   FragmentSet set;
   for (const std::vector<std::uint32_t>& sites :
        {std::vector<std::uint32_t>{5}, {0}, {7, 9}, {1}, {9}, {7}, {1}, {1}, {3, 4}}) {
-    set.fragments.emplace_back();
-    set.fragments.back().sites = sites;
+    Fragment& fragment = set.fragments.emplace_back();
+    for (const std::uint32_t site : sites) fragment.sites.push_back(SiteId{site});
   }
   const CollisionSystems systems = collision_systems(set);
   EXPECT_EQ(systems.count, 2u);

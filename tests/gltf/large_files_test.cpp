@@ -43,7 +43,7 @@ FracturedSolid many_halves(std::size_t count) {
   made.hulls.of_fragment.assign(count, made.hulls.of_fragment[1]);
   for (std::size_t k = 0; k < count; ++k) {
     made.set.fragments[k].id = k;
-    made.set.fragments[k].sites = {static_cast<std::uint32_t>(k)};
+    made.set.fragments[k].sites = {SiteId{k}};
   }
   made.set.bonds.assign(3 * count, bond);
   return made;

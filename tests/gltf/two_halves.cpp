@@ -92,9 +92,9 @@ FracturedSolid two_halves() {
   made.set.source = mesh;
   made.set.fragments = {half(0.5, 4), half(1.5, 5)};
   made.set.fragments[0].id = 9007199254740991;  // 2^53 - 1
-  made.set.fragments[0].sites = {0};
+  made.set.fragments[0].sites = {SiteId{0}};
   made.set.fragments[1].id = 7;
-  made.set.fragments[1].sites = {1, 2};
+  made.set.fragments[1].sites = {SiteId{1}, SiteId{2}};
   made.set.bonds = {{0, 1, 1.0, {1, 0.5, 0.5}, {1, 0, 0}}};
   made.set.certificate.volume_in = made.set.certificate.volume_out = made.set.certificate.volume_file = 2;
   made.set.certificate.fragments = 2;

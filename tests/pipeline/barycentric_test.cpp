@@ -32,7 +32,7 @@ Tetrahedralization tetrahedra_of(const std::vector<Vec3d>& sites, const Box& box
 /// Every cell from the whole solid, as fracture_barycentric() says.
 std::vector<Fragment> cut_from_the_whole(const Solid& solid, const VoronoiDiagram& diagram) {
   std::vector<Fragment> all;
-  for (SiteId i = 0; i < diagram.dual().site_count(); ++i) {
+  for (const SiteId i : ids<SiteId>(diagram.dual().site_count())) {
     const auto mirrored = barycentric_cell(diagram, i);
     if (!mirrored) continue;
     const Tetrahedralization t = tetrahedra_of(*mirrored, solid.box);

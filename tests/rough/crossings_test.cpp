@@ -26,11 +26,16 @@ TEST(TrianglesCross, WhereAnEdgePiercesTheInside) {
   EXPECT_FALSE(crosses(floor, {Vec3d{0, 0, 1}, {1, 1, 1}, {2, 2, 1}}, 1e-9)) << "flat";
 }
 
+std::array<CutVertexId, 3> triangle(int a, int b, int c) {
+  return {CutVertexId{a}, CutVertexId{b}, CutVertexId{c}};
+}
+
 /// Two parallel square caps, and what happens when one corner of the lower is lifted.
 struct TwoCaps {
   Solid solid = *make_solid(std::make_shared<Mesh>(cube()), {}, {});
   SurfaceTree outside{solid};
-  std::vector<std::array<VertexId, 3>> triangles{{10, 11, 12}, {10, 12, 13}, {14, 15, 16}, {14, 16, 17}};
+  std::vector<std::array<CutVertexId, 3>> triangles{triangle(10, 11, 12), triangle(10, 12, 13),
+                                                    triangle(14, 15, 16), triangle(14, 16, 17)};
   std::vector<Vec3d> points{{-0.2, -0.2, 0},   {0.2, -0.2, 0},   {0.2, 0.2, 0},   {-0.2, 0.2, 0},
                             {-0.2, -0.2, 0.1}, {0.3, -0.3, 0.1}, {0.3, 0.3, 0.1}, {-0.2, 0.2, 0.1}};
   std::vector<char> moved = std::vector<char>(8, 0), crossing;
@@ -38,7 +43,7 @@ struct TwoCaps {
 
   std::vector<char> seen = std::vector<char>(4, 1);
 
-  CapSurface surfaces() const { return {triangles, seen, 10, points, moved, surface}; }
+  CapSurface surfaces() const { return {triangles, seen, CutVertexId{10}, points, moved, surface}; }
   std::optional<std::uint64_t> find() {
     Crossings crossings(surfaces(), outside, 1e-9);
     return crossings.find({}, crossing, {});
@@ -80,14 +85,14 @@ TEST(CrossingsOfCaps, WhatIsNoCutIsInNobodysWay) {
 TEST(CrossingsOfCaps, GivesUpWhereAllLieInEachOthersBoxes) {
   TwoCaps caps;
   const std::size_t many = 3 * Crossings::kMostPairs;
-  for (std::size_t k = 0; k < many; ++k) caps.triangles.push_back({10, 11, 12});
+  for (std::size_t k = 0; k < many; ++k) caps.triangles.push_back(triangle(10, 11, 12));
   caps.seen.assign(caps.triangles.size(), 1);
   EXPECT_EQ(caps.find(), std::nullopt);
 }
 
 TEST(CrossingsOfCaps, IsInterrupted) {
   TwoCaps caps;
-  for (int k = 0; k < 1000; ++k) caps.triangles.push_back({10, 11, 12});
+  for (int k = 0; k < 1000; ++k) caps.triangles.push_back(triangle(10, 11, 12));
   caps.seen.assign(caps.triangles.size(), 1);
   std::stop_source stop;
   stop.request_stop();

@@ -11,6 +11,7 @@
 #include "common/solid/image.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/shapes.hpp"
+#include "tests/support/surface_mesh.hpp"
 
 namespace fracture::test {
 namespace {
@@ -176,9 +177,7 @@ TEST(ImageOf, KeepsTheTopologyAndStatesTheImagesFigures) {
   EXPECT_EQ(image.triangles, solid.triangles);
   EXPECT_EQ(image.edge_vertices, solid.edge_vertices);
   ASSERT_EQ(image.positions.size(), solid.positions.size());
-  Mesh seen;
-  seen.positions = image.positions;
-  seen.triangles = image.triangles;
+  const Mesh seen = surface_mesh(image);
   EXPECT_NEAR(image.report.volume, volume_of(seen), 1e-6 * image.report.volume);
   EXPECT_NEAR(image.report.area, area_of(seen), 1e-6 * image.report.area);
   EXPECT_EQ(image.box.min, box_of(seen).min);

@@ -12,10 +12,10 @@ namespace fracture::solid_detail {
 namespace {
 
 /// Sides once forward, diagonals once in each direction, n - 2 triangles.
-void expect_disc(const std::vector<Triangle>& triangles, std::size_t n) {
+void expect_disc(const std::vector<LoopTriangle>& triangles, std::size_t n) {
   ASSERT_EQ(triangles.size(), n - 2);
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> directed;
-  for (const Triangle& t : triangles)
+  for (const LoopTriangle& t : triangles)
     for (int k = 0; k < 3; ++k) {
       const int count = ++directed[std::make_pair(t[k], t[(k + 1) % 3])];
       ASSERT_EQ(count, 1);
@@ -32,9 +32,9 @@ void expect_disc(const std::vector<Triangle>& triangles, std::size_t n) {
   }
 }
 
-double area_of(const std::vector<Vec3f>& corners, const std::vector<Triangle>& triangles) {
+double area_of(const std::vector<Vec3f>& corners, const std::vector<LoopTriangle>& triangles) {
   double area = 0;
-  for (const Triangle& t : triangles) {
+  for (const LoopTriangle& t : triangles) {
     const Vec3d a = to_double(corners[t[0]]), b = to_double(corners[t[1]]), c = to_double(corners[t[2]]);
     area += 0.5 * length(cross(b - a, c - a));
   }
@@ -71,7 +71,7 @@ TEST(TriangulateLoop, CoversPlanarPolygonsOnceForBothMethodsAndAllAxes) {
         SCOPED_TRACE(std::to_string(n) + " corners, axis " + std::to_string(axis));
         std::vector<Vec3f> corners = star(n, 100u + static_cast<unsigned>(n), axis);
         if (backward) std::reverse(corners.begin(), corners.end());
-        const std::vector<Triangle> triangles = triangulate_loop(corners, {});
+        const std::vector<LoopTriangle> triangles = triangulate_loop(corners, {});
         expect_disc(triangles, corners.size());
         // A triangulation without overlap has exactly the polygon's area. (The plane is at 2; the shoelace of
         // the other two components does not see it.)
@@ -92,7 +92,7 @@ TEST(TriangulateLoop, FollowsTheCornersOfASubdividedSquare) {
                         : side == 2 ? Vec3f{1 - t, 1, 0}
                                     : Vec3f{0, 1 - t, 0});
     }
-  const std::vector<Triangle> triangles = triangulate_loop(corners, {});
+  const std::vector<LoopTriangle> triangles = triangulate_loop(corners, {});
   expect_disc(triangles, corners.size());
   EXPECT_NEAR(area_of(corners, triangles), 1, 1e-6);
 }

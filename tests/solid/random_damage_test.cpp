@@ -6,6 +6,7 @@
 #include "common/solid/solid.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/shapes.hpp"
+#include "tests/support/surface_mesh.hpp"
 
 namespace fracture::test {
 namespace {
@@ -64,9 +65,7 @@ TEST(RandomDamage, EndsAsAValidSolidOrATypedRefusal) {
     ++solids;
     ASSERT_NO_THROW(solid->validate());
     // The solid as a mesh of its own is closed and stands as it is.
-    Mesh again;
-    again.positions = solid->positions;
-    again.triangles = solid->triangles;
+    const Mesh again = surface_mesh(*solid);
     EXPECT_EQ(open_directed_edges(again), 0u);
     EXPECT_NEAR(volume_of(again), solid->report.volume, 1e-9 * solid->report.volume + 1e-12);
     const Expected<Solid> repeated = make_solid(mesh, options, {});

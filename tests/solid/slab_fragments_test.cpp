@@ -7,6 +7,7 @@
 #include "tests/support/figures.hpp"
 #include "tests/support/mesh_files.hpp"
 #include "tests/support/shapes.hpp"
+#include "tests/support/surface_mesh.hpp"
 
 namespace fracture::test {
 namespace {
@@ -30,9 +31,7 @@ void expect_sound_fragments(const Mesh& mesh, double thickness, std::uint32_t si
   const Expected<Solid> solid = make_solid(std::make_shared<const Mesh>(mesh), {.thickness = thickness}, {});
   if (!solid) return;  // a typed refusal
   ASSERT_NO_THROW(solid->validate());
-  Mesh surface;
-  surface.positions = solid->positions;
-  surface.triangles = solid->triangles;
+  const Mesh surface = surface_mesh(*solid);
   ASSERT_EQ(open_directed_edges(surface), 0u);
   EXPECT_NEAR(volume_of(surface), solid->report.volume, 1e-9 * solid->report.volume);
   FractureParameters parameters;
@@ -91,10 +90,10 @@ TEST(SlabFragments, UnitedPiecesThatCancelAreNoFragment) {
     parameters.roughness = {0.04, 3, 4};
     const Expected<Diagram> diagram = make_diagram(*solid, parameters, {}, timings);
     ASSERT_TRUE(diagram);
-    const Expected<FragmentSet> set = fracture(*solid, *diagram, parameters, {}, timings);
-    ASSERT_TRUE(set);
-    EXPECT_EQ(set->certificate.open_edges, 0u);
-    for (const Fragment& f : set->fragments) EXPECT_FALSE(f.indices.empty()) << f.id;
+    const Expected<FracturedSolid> made = fracture(*solid, *diagram, parameters, {}, timings);
+    ASSERT_TRUE(made);
+    EXPECT_EQ(made->set.certificate.open_edges, 0u);
+    for (const Fragment& f : made->set.fragments) EXPECT_FALSE(f.indices.empty()) << f.id;
     return;
   }
   GTEST_SKIP() << "no kk_wall.glb";

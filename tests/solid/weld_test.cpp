@@ -15,6 +15,8 @@ namespace {
 using test::kLongestGap;
 using test::PollWatch;
 
+Triangle triangle(int a, int b, int c) { return {VertexId{a}, VertexId{b}, VertexId{c}}; }
+
 Mesh triangles_of(std::vector<Vec3f> positions) {
   Mesh mesh;
   mesh.positions = std::move(positions);
@@ -64,7 +66,7 @@ TEST(WeldExact, NumbersVerticesInTheOrderOfTheirFirstUse) {
   const Expected<Surface> surface = weld_exact(mesh, report, {});
   ASSERT_TRUE(surface);
   EXPECT_EQ(surface->positions, (std::vector<Vec3f>{{5, 0, 0}, {1, 0, 0}, {3, 0, 0}, {2, 0, 0}}));
-  EXPECT_EQ(surface->triangles, (std::vector<Triangle>{{0, 1, 2}, {1, 0, 3}}));
+  EXPECT_EQ(surface->triangles, (std::vector<Triangle>{triangle(0, 1, 2), triangle(1, 0, 3)}));
   EXPECT_EQ(report.welded, 2u);
 }
 
@@ -78,7 +80,7 @@ std::vector<std::uint32_t> roots(DisjointSets sets) {
 
 void expect_same_as_all_pairs(const std::vector<Vec3f>& points, double tolerance) {
   std::vector<VertexId> members(points.size());
-  for (std::uint32_t i = 0; i < members.size(); ++i) members[i] = i;
+  for (std::uint32_t i = 0; i < members.size(); ++i) members[i] = VertexId{i};
   DisjointSets expected(points.size()), sets(points.size());
   for (std::uint32_t i = 0; i < points.size(); ++i)
     for (std::uint32_t j = 0; j < i; ++j)
@@ -136,7 +138,7 @@ TEST(UniteNear, FourTimesThePointsWithinOneToleranceAreAboutFourTimesTheWork) {
     std::vector<Vec3f> points(count);
     std::vector<VertexId> members(count);
     for (std::uint32_t i = 0; i < count; ++i) {
-      members[i] = i;
+      members[i] = VertexId{i};
       const double x = random.uniform(), y = random.uniform(), z = random.uniform();
       points[i] = {static_cast<float>(x), static_cast<float>(y), static_cast<float>(1e-3 * z + i % 2 * 4.01)};
     }

@@ -23,7 +23,8 @@ using test::PollWatch;
 Surface surface_of(const Mesh& mesh) {
   Surface surface;
   surface.positions = mesh.positions;
-  surface.triangles = mesh.triangles;
+  for (const auto& t : mesh.triangles)
+    surface.triangles.push_back({VertexId{t[0]}, VertexId{t[1]}, VertexId{t[2]}});
   surface.source.resize(mesh.triangles.size());
   EXPECT_TRUE(pair_closed_manifold(surface, {}));
   return surface;
@@ -38,13 +39,13 @@ std::map<std::uint32_t, int> winds_by_definition(const Surface& surface, const S
   };
   std::map<std::uint32_t, int> winds;
   int probes = 0;
-  for (TriangleId probe = 0; probe < surface.triangles.size(); ++probe) {
+  for (const TriangleId probe : ids<TriangleId>(surface.triangles.size())) {
     if (shells.of_triangle[probe] != self || probes++ >= 64) continue;
     for (const VertexId v : surface.triangles[probe]) {
       const Vec3f& p = surface.positions[v];
       winds.clear();
       bool clear = true;
-      for (TriangleId t = 0; t < surface.triangles.size(); ++t) {
+      for (const TriangleId t : ids<TriangleId>(surface.triangles.size())) {
         if (shells.of_triangle[t] == self) continue;
         const Vec3f &a = surface.positions[surface.triangles[t][0]],
                     &b = surface.positions[surface.triangles[t][1]],

@@ -29,13 +29,13 @@ TEST(VoronoiDiagram, NearestIsTheExactNearestOfAllSites) {
     const Tetrahedralization t = tetrahedra_of(sites);
     const VoronoiDiagram diagram(t, unit_box());
     Random random(2);
-    SiteId start = 0;
+    SiteId start{0};
     for (int k = 0; k < 2000; ++k) {
       // Every other point on the lattice itself: ties everywhere.
       Vec3d q;
       for (int a = 0; a < 3; ++a) q[a] = k % 2 ? random.uniform() : static_cast<double>(random.below(9)) / 8;
-      SiteId best = 0;
-      for (SiteId s = 1; s < t.site_count(); ++s)
+      SiteId best{0};
+      for (const SiteId s : ids<SiteId>(1, t.site_count()))
         if (exact::side1(t.points[best], t.points[s], q) < 0) best = s;
       start = diagram.nearest(q, start);
       EXPECT_EQ(start, best);
@@ -50,7 +50,7 @@ TEST(VoronoiDiagram, SideIsExactWhereABisectorsProductsUnderflow) {
   const Vec3d i{0, 0, 0}, j{tiny, tiny, -tiny}, q{0.30625, 0.30625, 0.575};
   const Tetrahedralization t = tetrahedra_of({i, j});
   const VoronoiDiagram diagram(t, unit_box());
-  const auto of = [&](const Vec3d& p) { return static_cast<SiteId>(t.points[0] == p ? 0 : 1); };
+  const auto of = [&](const Vec3d& p) { return SiteId{t.points[0] == p ? 0 : 1}; };
   const auto bisectors = diagram.bisectors(of(i));
   const auto bisector = std::find_if(bisectors.begin(), bisectors.end(),
                                      [&](const Bisector& b) { return b.neighbor == of(j); });
@@ -62,7 +62,7 @@ TEST(VoronoiDiagram, SideIsExactWhereABisectorsProductsUnderflow) {
 TEST(VoronoiDiagram, NeighborsAreSymmetricAndAscending) {
   const Tetrahedralization t = tetrahedra_of(random_sites(unit_box(), 300, 3));
   const VoronoiDiagram diagram(t, unit_box());
-  for (SiteId i = 0; i < t.site_count(); ++i) {
+  for (const SiteId i : ids<SiteId>(t.site_count())) {
     const auto bisectors = diagram.bisectors(i);
     for (std::size_t k = 0; k < bisectors.size(); ++k) {
       const bool ascending = k == 0 || bisectors[k - 1].neighbor < bisectors[k].neighbor;
@@ -120,10 +120,10 @@ TEST(VoronoiDiagram, CellsOfManyNeighborsHaveTheSameNearestSites) {
   for (const bool lattice : {false, true}) {
     const Tetrahedralization t = tetrahedra_of(hub_sites(300, lattice));
     const VoronoiDiagram diagram(t, unit_box());
-    ASSERT_TRUE(diagram.has_many_neighbors(0));
+    ASSERT_TRUE(diagram.has_many_neighbors(SiteId{0}));
     Random random(8);
     VoronoiDiagram::Walk walk;
-    SiteId start = 0;
+    SiteId start{0};
     for (int k = 0; k < 3000; ++k) {
       // Some in the middle between the hub and a neighbour, or between two neighbours and it.
       const Vec3d& p = t.points[random.below(t.site_count())];
@@ -131,10 +131,10 @@ TEST(VoronoiDiagram, CellsOfManyNeighborsHaveTheSameNearestSites) {
       Vec3d q;
       for (int a = 0; a < 3; ++a)
         q[a] = k % 3 == 0 ? random.uniform() : k % 3 == 1 ? (p[a] + 0.5) / 2 : (p[a] + r[a] + 0.5) / 3;
-      SiteId best = 0;
-      for (SiteId s = 1; s < t.site_count(); ++s)
+      SiteId best{0};
+      for (const SiteId s : ids<SiteId>(1, t.site_count()))
         if (exact::side1(t.points[best], t.points[s], q) < 0) best = s;
-      start = diagram.nearest(q, k % 2 ? 0 : start, walk);
+      start = diagram.nearest(q, k % 2 ? SiteId{0} : start, walk);
       EXPECT_EQ(start, best);
     }
   }
@@ -150,7 +150,7 @@ TEST(VoronoiDiagram, APointInACellOfManyNeighborsIsFoundByLookingAtFew) {
     for (int k = 0; k < kPoints; ++k) {
       const CirclePoint a = circle_point(k * 37 % 1000, 1000), b = circle_point(k, 2 * kPoints);
       const Vec3d q = Vec3d{0.5, 0.5, 0.5} + 0.22 * Vec3d{a.cos * b.sin, a.sin * b.sin, b.cos};
-      EXPECT_EQ(diagram.nearest(q, 0, walk), 0u);
+      EXPECT_EQ(diagram.nearest(q, SiteId{0}, walk), SiteId{0});
     }
     EXPECT_LT(walk.looked_at, 300u * kPoints) << n << " neighbours";
   }
@@ -167,8 +167,8 @@ TEST(VoronoiDiagram, ALongWalkIsCutShort) {
   Random random(9);
   for (int k = 0; k < 1000; ++k) {
     const double x = random.uniform();
-    const SiteId found = diagram.nearest({x, 0.25, 0.75}, static_cast<SiteId>(random.below(kSites)), walk);
-    EXPECT_EQ(found, std::min<SiteId>(static_cast<SiteId>(x * kSites), kSites - 1));
+    const SiteId found = diagram.nearest({x, 0.25, 0.75}, SiteId{random.below(kSites)}, walk);
+    EXPECT_EQ(found, SiteId{std::min(static_cast<int>(x * kSites), kSites - 1)});
   }
   EXPECT_LT(walk.looked_at, 1000u * 1000u) << "a third of 4000 sites each, with several neighbours, was more";
 }
@@ -182,14 +182,15 @@ TEST(VoronoiDiagram, FindFacetFindsEveryFacetAtCellsOfManyNeighbors) {
 TEST(VoronoiDiagram, NoFacetOfSitesThatHaveNone) {
   const Tetrahedralization t = tetrahedra_of(lattice_sites(unit_box(), 4));
   const VoronoiDiagram diagram(t, unit_box());
-  EXPECT_THROW(diagram.find_facet(0, t.site_count() / 2, t.site_count() - 1), InternalError);
+  EXPECT_THROW(diagram.find_facet(SiteId{0}, SiteId{t.site_count() / 2}, SiteId{t.site_count() - 1}),
+               InternalError);
 }
 
 TEST(BarycentricCell, IsTheHullOfTheBarycentres) {
   const Tetrahedralization t = tetrahedra_of(random_sites(unit_box(), 100, 5));
   const VoronoiDiagram diagram(t, unit_box());
   int made = 0;
-  for (SiteId i = 0; i < t.site_count(); ++i) {
+  for (const SiteId i : ids<SiteId>(t.site_count())) {
     const auto sites = barycentric_cell(diagram, i);
     if (!sites) continue;
     ++made;
@@ -209,7 +210,7 @@ TEST(BarycentricCell, IsTheHullOfTheBarycentres) {
 TEST(BarycentricCell, OneSiteHasTheHullOfItsFourTetrahedra) {
   // Their other corners are those of the big tetrahedron.
   const Tetrahedralization t = tetrahedra_of({{0.5, 0.5, 0.5}});
-  EXPECT_TRUE(barycentric_cell(VoronoiDiagram(t, unit_box()), 0).has_value());
+  EXPECT_TRUE(barycentric_cell(VoronoiDiagram(t, unit_box()), SiteId{0}).has_value());
 }
 
 }  // namespace

@@ -15,11 +15,11 @@ namespace fracture {
 // Takes a set of tetrahedra out and puts another set with the same outer facets in. Facets are matched by
 // their vertices.
 void ReferenceDelaunay::replace(std::span<const TetId> removed,
-                                std::span<const std::array<VertexId, 4>> created) {
+                                std::span<const std::array<TetVertexId, 4>> created) {
   sides_.clear();
-  const auto add_side = [&](const VertexId(&v)[4], unsigned k, Link link) {
+  const auto add_side = [&](const TetVertexId(&v)[4], unsigned k, Link link) {
     const std::uint8_t* f = kFacet[k];
-    std::array<VertexId, 3> key{v[f[0]], v[f[1]], v[f[2]]};
+    std::array<TetVertexId, 3> key{v[f[0]], v[f[1]], v[f[2]]};
     if (key[1] < key[0]) std::swap(key[0], key[1]);
     if (key[2] < key[1]) std::swap(key[1], key[2]);
     if (key[1] < key[0]) std::swap(key[0], key[1]);
@@ -30,13 +30,13 @@ void ReferenceDelaunay::replace(std::span<const TetId> removed,
   for (const TetId id : removed) {
     const Tet& t = tets_[id];
     for (unsigned k = 0; k < 4; ++k)
-      if (t.n[k] == kNoLink || tets_[t.n[k] >> 2].mark != visit_) add_side(t.v, k, t.n[k]);
+      if (t.n[k] == kNoLink || tets_[t.n[k].tet()].mark != visit_) add_side(t.v, k, t.n[k]);
   }
   for (const TetId t : removed) free_tet(t);
   counters_.tets_created += created.size();
-  for (const std::array<VertexId, 4>& v : created) {
+  for (const std::array<TetVertexId, 4>& v : created) {
     const TetId id = make_tet(v[0], v[1], v[2], v[3]);
-    for (unsigned k = 0; k < 4; ++k) add_side(tets_[id].v, k, 4 * id + k);
+    for (unsigned k = 0; k < 4; ++k) add_side(tets_[id].v, k, Link(id, k));
     queue_.push_back(id);
   }
   const auto less = [](const Side& a, const Side& b) { return a.key < b.key; };
@@ -50,24 +50,24 @@ void ReferenceDelaunay::replace(std::span<const TetId> removed,
   for (std::size_t i = 0; i + 1 < sides_.size(); i += 2) {
     const Link a = sides_[i].link, b = sides_[i + 1].link;
     if (sides_[i].key != sides_[i + 1].key) throw InternalError("flip: a facet has no partner");
-    if (a != kNoLink) tets_[a >> 2].n[a & 3] = b;
-    if (b != kNoLink) tets_[b >> 2].n[b & 3] = a;
+    if (a != kNoLink) link_back(a) = b;
+    if (b != kNoLink) link_back(b) = a;
   }
 }
 
 IncrementalDelaunay::Insertion ReferenceDelaunay::insert_by_flips(const Vec3d& p) {
-  return insert_with(p, [this](VertexId v, const Located& at) {
+  return insert_with(p, [this](TetVertexId v, const Located& at) {
     begin_flips(v, at);
     flip_around(v);
   });
 }
 
-int ReferenceDelaunay::orient(const std::array<VertexId, 4>& v) const {
+int ReferenceDelaunay::orient(const std::array<TetVertexId, 4>& v) const {
   return orient3d(position(v[0]), position(v[1]), position(v[2]), position(v[3]));
 }
 
-void ReferenceDelaunay::begin_flips(VertexId p, const Located& at) {
-  using V4 = std::array<VertexId, 4>;
+void ReferenceDelaunay::begin_flips(TetVertexId p, const Located& at) {
+  using V4 = std::array<TetVertexId, 4>;
   const auto with = [p](const Tet& t, unsigned k) {  // vertex k replaced by p, p first, still positive
     return V4{p, t.v[kFacet[k][0]], t.v[kFacet[k][1]], t.v[kFacet[k][2]]};
   };
@@ -85,15 +85,15 @@ void ReferenceDelaunay::begin_flips(VertexId p, const Located& at) {
     const Link link = first.n[facet];
     for (unsigned k = 0; k < 4; ++k) {
       if (k != facet) created_.push_back(with(first, k));
-      if (k != (link & 3)) created_.push_back(with(tets_[link >> 2], k));
+      if (k != link.facet()) created_.push_back(with(tets_[link.tet()], k));
     }
-    removed_.push_back(link >> 2);
+    removed_.push_back(link.tet());
     ++flips_.flip26;
   } else {  // n→2n: p on the edge ab of n tetrahedra
     unsigned ends[2], count = 0;
     for (unsigned k = 0; k < 4; ++k)
       if (!(at.zeros >> k & 1)) ends[count++] = k;
-    const VertexId a = first.v[ends[0]], b = first.v[ends[1]];
+    const TetVertexId a = first.v[ends[0]], b = first.v[ends[1]];
     // Turn around the edge: leave each tetrahedron through the facet opposite the vertex it was entered with.
     TetId id = at.tet;
     unsigned leave = static_cast<unsigned>(__builtin_ctz(at.zeros));
@@ -107,9 +107,8 @@ void ReferenceDelaunay::begin_flips(VertexId p, const Located& at) {
           other = k;
       }
       if (id != at.tet) removed_.push_back(id);
-      const VertexId pivot = t.v[other];  // stays on the facet we cross; it is the one to leave by next
-      const Link link = t.n[leave];
-      id = link >> 2;
+      const TetVertexId pivot = t.v[other];  // stays on the facet we cross; it is the one to leave by next
+      id = t.n[leave].tet();
       const Tet& next = tets_[id];
       for (unsigned k = 0; k < 4; ++k)
         if (next.v[k] == pivot) leave = k;
@@ -135,7 +134,7 @@ void ReferenceDelaunay::begin_flips(VertexId p, const Located& at) {
 //
 //   case 4 (p in the plane of abc: t is flat) does not arise, see above. In every other position the facet is
 //   left alone: another flip must come first, and the tetrahedra it makes come back into the queue.
-void ReferenceDelaunay::flip_around(VertexId p) {
+void ReferenceDelaunay::flip_around(TetVertexId p) {
   const Vec3d site = position(p);
   while (!queue_.empty()) {
     const TetId id = queue_.back();
@@ -144,16 +143,16 @@ void ReferenceDelaunay::flip_around(VertexId p) {
     if (t.v[0] != p) continue;  // gone, or its slot serves another one without p (p always stands first)
     const Link link = t.n[0];
     if (link == kNoLink) continue;
-    const TetId outer = link >> 2;
+    const TetId outer = link.tet();
     const Tet& o = tets_[outer];
     ++counters_.sphere_tests;
     if (!in_conflict(o, site)) continue;
 
-    const VertexId abc[3] = {t.v[1], t.v[2], t.v[3]};
-    const VertexId d = o.v[link & 3];
+    const TetVertexId abc[3] = {t.v[1], t.v[2], t.v[3]};
+    const TetVertexId d = o.v[link.facet()];
     // side[k]: is d on the same side as vertex k of the plane through p and the other two? created
     // tetrahedron k has k replaced by d and is positive exactly then.
-    std::array<std::array<VertexId, 4>, 3> tuple;
+    std::array<std::array<TetVertexId, 4>, 3> tuple;
     int side[3];
     int positive = 0, bad = -1;
     for (int k = 0; k < 3; ++k) {
@@ -179,7 +178,7 @@ void ReferenceDelaunay::flip_around(VertexId p) {
         if (o.v[k] == abc[bad]) c_in_o = k;
       const Link behind_t = t.n[c_in_t], behind_o = o.n[c_in_o];
       if (behind_t == kNoLink || behind_o == kNoLink) continue;
-      const TetId tb = behind_t >> 2, tc = behind_o >> 2;
+      const TetId tb = behind_t.tet(), tc = behind_o.tet();
       for (int k = 0; k < 3; ++k)
         if (k != bad) created_.push_back(tuple[k]);
       if (side[bad] < 0) {
@@ -189,11 +188,11 @@ void ReferenceDelaunay::flip_around(VertexId p) {
       } else {
         // config44: tb = (p, a, b, e) and tc = (d, a, b, e) are neighbours.
         if (tb == tc) continue;
-        const VertexId e = tets_[tb].v[behind_t & 3];
-        if (tets_[tc].v[behind_o & 3] != e) continue;
+        const TetVertexId e = tets_[tb].v[behind_t.facet()];
+        if (tets_[tc].v[behind_o.facet()] != e) continue;
         // Below the plane pabd, e takes the place of c; the mirrored order keeps the tetrahedra positive.
         for (int k = 0; k < 2; ++k) {
-          std::array<VertexId, 4> mirrored = created_[k];
+          std::array<TetVertexId, 4> mirrored = created_[k];
           std::replace(mirrored.begin(), mirrored.end(), abc[bad], e);
           std::swap(mirrored[2], mirrored[3]);
           created_.push_back(mirrored);

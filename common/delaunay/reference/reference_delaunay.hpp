@@ -44,31 +44,32 @@ class ReferenceDelaunay : public IncrementalDelaunay {
   /// What insert() does, by the paper's way: flip14, flip26 or n→2n, then the queue of flip23, 32, 44.
   Insertion insert_by_flips(const Vec3d& p);
   /// Takes a site out. `v` must be a live site (not a corner): InternalError otherwise.
-  void remove(VertexId v);
+  void remove(TetVertexId v);
 
   const FlipCounts& flips() const { return flips_; }
 
  private:
   // flips.cpp
-  void begin_flips(VertexId p, const Located& at);
-  void flip_around(VertexId p);
-  int orient(const std::array<VertexId, 4>& v) const;
-  void replace(std::span<const TetId> removed, std::span<const std::array<VertexId, 4>> created);
+  void begin_flips(TetVertexId p, const Located& at);
+  void flip_around(TetVertexId p);
+  int orient(const std::array<TetVertexId, 4>& v) const;
+  void replace(std::span<const TetId> removed, std::span<const std::array<TetVertexId, 4>> created);
   // removal.cpp
   class Walls;
   struct LinkDelaunay;
-  void collect_star(VertexId v);
+  class StarFilling;
+  void collect_star(TetVertexId v);
   LinkDelaunay tetrahedralize_link();
-  void fill_star(VertexId v);
+  void fill_star(TetVertexId v);
 
   FlipCounts flips_;
 
   // Scratch of one change; kept to avoid allocation.
   std::vector<TetId> queue_;  ///< tetrahedra at the new site whose outer facet is to be checked
   std::vector<TetId> removed_;
-  std::vector<std::array<VertexId, 4>> created_;
+  std::vector<std::array<TetVertexId, 4>> created_;
   struct Side {
-    std::array<VertexId, 3> key;
+    std::array<TetVertexId, 3> key;
     Link link;
   };
   std::vector<Side> sides_;

@@ -22,13 +22,13 @@ namespace {
 
 constexpr double kScratchFactor = 32;
 
-std::array<VertexId, 3> sorted(std::array<VertexId, 3> v) {
+std::array<TetVertexId, 3> sorted(std::array<TetVertexId, 3> v) {
   std::sort(v.begin(), v.end());
   return v;
 }
 
 /// Whether two orders of the same three vertices turn the same way.
-bool same_turn(const std::array<VertexId, 3>& a, const std::array<VertexId, 3>& b) {
+bool same_turn(const std::array<TetVertexId, 3>& a, const std::array<TetVertexId, 3>& b) {
   for (int k = 0; k < 3; ++k)
     if (a[0] == b[k]) return a[1] == b[(k + 1) % 3];
   return false;
@@ -37,7 +37,7 @@ bool same_turn(const std::array<VertexId, 3>& a, const std::array<VertexId, 3>& 
 }  // namespace
 
 // The tetrahedra at v into star_, their facets opposite v into link_facets_.
-void ReferenceDelaunay::collect_star(VertexId v) {
+void ReferenceDelaunay::collect_star(TetVertexId v) {
   next_visit();
   star_.assign(1, vertices_[v].tet);
   link_facets_.clear();
@@ -48,25 +48,25 @@ void ReferenceDelaunay::collect_star(VertexId v) {
       if (t.v[k] == v) {
         const std::uint8_t* f = kFacet[k];
         link_facets_.push_back({{t.v[f[0]], t.v[f[1]], t.v[f[2]]}, t.n[k]});
-      } else if (tets_[t.n[k] >> 2].mark != visit_) {
-        tets_[t.n[k] >> 2].mark = visit_;
-        star_.push_back(t.n[k] >> 2);
+      } else if (const TetId next = t.n[k].tet(); tets_[next].mark != visit_) {
+        tets_[next].mark = visit_;
+        star_.push_back(next);
       }
     }
   }
 }
 
-void ReferenceDelaunay::remove(VertexId v) {
+void ReferenceDelaunay::remove(TetVertexId v) {
   if (v < 4 || !is_live(v))
     throw InternalError("remove: vertex " + std::to_string(v) + " is not a live site");
   collect_star(v);
 
   if (star_.size() == 4) {  // flip41
     const Facet& base = link_facets_[0];
-    VertexId apex = kNoVertex;
-    for (const VertexId w : link_facets_[1].v)
+    TetVertexId apex = kNoVertex;
+    for (const TetVertexId w : link_facets_[1].v)
       if (std::find(base.v, base.v + 3, w) == base.v + 3) apex = w;
-    const std::array<VertexId, 4> whole{apex, base.v[0], base.v[1], base.v[2]};
+    const std::array<TetVertexId, 4> whole{apex, base.v[0], base.v[1], base.v[2]};
     replace(star_, {&whole, 1});
     last_ = vertices_[apex].tet;
     ++flips_.flip41;
@@ -81,23 +81,23 @@ void ReferenceDelaunay::remove(VertexId v) {
 class ReferenceDelaunay::Walls {
  public:
   struct Wall {
-    std::array<VertexId, 3> key, turn;  ///< the vertices, ascending; and as they turn seen from inside
-    Link outer;                         ///< what lies behind
+    std::array<TetVertexId, 3> key, turn;  ///< the vertices, ascending; and as they turn seen from inside
+    Link outer;                            ///< what lies behind
   };
   explicit Walls(const std::vector<Facet>& facets) {
     walls_.reserve(facets.size());
     for (const Facet& f : facets) {
-      const std::array<VertexId, 3> turn{f.v[0], f.v[1], f.v[2]};
+      const std::array<TetVertexId, 3> turn{f.v[0], f.v[1], f.v[2]};
       walls_.push_back({sorted(turn), turn, f.outer});
     }
     std::sort(walls_.begin(), walls_.end(), [](const Wall& a, const Wall& b) { return a.key < b.key; });
   }
   /// Null where the facet is none of them.
-  const Wall* find(const std::array<VertexId, 3>& facet) const {
-    const std::array<VertexId, 3> key = sorted(facet);
+  const Wall* find(const std::array<TetVertexId, 3>& facet) const {
+    const std::array<TetVertexId, 3> key = sorted(facet);
     const auto it =
         std::lower_bound(walls_.begin(), walls_.end(), key,
-                         [](const Wall& w, const std::array<VertexId, 3>& k) { return w.key < k; });
+                         [](const Wall& w, const std::array<TetVertexId, 3>& k) { return w.key < k; });
     return it != walls_.end() && it->key == key ? &*it : nullptr;
   }
   std::size_t size() const { return walls_.size(); }
@@ -109,7 +109,7 @@ class ReferenceDelaunay::Walls {
 /// The vertices around the star alone, tetrahedralized.
 struct ReferenceDelaunay::LinkDelaunay {
   ReferenceDelaunay delaunay;
-  std::vector<VertexId> vertex_of;  ///< our id of each of its vertices; kNoVertex for its corners
+  std::vector<TetVertexId> vertex_of;  ///< our id of each of its vertices; kNoVertex for its corners
 };
 
 ReferenceDelaunay::LinkDelaunay ReferenceDelaunay::tetrahedralize_link() {
@@ -117,10 +117,10 @@ ReferenceDelaunay::LinkDelaunay ReferenceDelaunay::tetrahedralize_link() {
   outer.half = kScratchFactor * big_.half;
   outer.domain = {};
   for (const Vec3d& c : big_.corners()) outer.domain.add(c);
-  LinkDelaunay result{ReferenceDelaunay(outer), std::vector<VertexId>(4, kNoVertex)};
-  std::vector<VertexId>& vertex_of = result.vertex_of;
+  LinkDelaunay result{ReferenceDelaunay(outer), std::vector<TetVertexId>(4, kNoVertex)};
+  std::vector<TetVertexId>& vertex_of = result.vertex_of;
   for (const Facet& f : link_facets_)
-    for (const VertexId w : f.v) {
+    for (const TetVertexId w : f.v) {
       if (vertices_[w].local != kNoLocal) continue;
       vertices_[w].local = static_cast<std::uint32_t>(vertex_of.size());
       vertex_of.push_back(w);
@@ -133,65 +133,90 @@ ReferenceDelaunay::LinkDelaunay ReferenceDelaunay::tetrahedralize_link() {
   return result;
 }
 
-// Inside the star are the scratch tetrahedra on the inner side of a wall, and what is reached from them
-// without crossing one. Each is copied into a slot of ours as it is reached, and glued to its neighbours.
-void ReferenceDelaunay::fill_star(VertexId v) {
-  const LinkDelaunay link = tetrahedralize_link();
-  const ReferenceDelaunay& scratch = link.delaunay;
-  const std::vector<VertexId>& vertex_of = link.vertex_of;
-  const Walls walls(link_facets_);
-  const auto facet_of = [&](const Tet& t, unsigned k) {
-    return std::array<VertexId, 3>{vertex_of[t.v[kFacet[k][0]]], vertex_of[t.v[kFacet[k][1]]],
-                                   vertex_of[t.v[kFacet[k][2]]]};
-  };
+/// Inside the star are the tetrahedra of its link on the inner side of a wall, and what is reached from them
+/// without crossing one. Each gets a slot of ours as it is reached; then it is copied and glued to its
+/// neighbours.
+class ReferenceDelaunay::StarFilling {
+ public:
+  /// The star of v, which has been collected.
+  StarFilling(ReferenceDelaunay& ours, TetVertexId v)
+      : ours_(ours),
+        vertex_(v),
+        link_(ours.tetrahedralize_link()),
+        walls_(ours.link_facets_),
+        slot_(link_.delaunay.tets_.size(), kNoTet) {}
 
-  std::vector<TetId> inside;
-  std::vector<TetId> slot(scratch.tets_.size(), kNoTet);  // scratch tetrahedron -> ours
-  for (const TetId t : star_) free_tet(t);
-  const auto take = [&](TetId s) {
-    if (slot[s] != kNoTet) return;
-    for (const VertexId w : scratch.tets_[s].v)
-      if (w < 4)
-        throw InternalError("remove: the star of vertex " + std::to_string(v) + " is not filled by its link");
-    slot[s] = new_tet();
-    inside.push_back(s);
-  };
-  for (TetId s = 0; s < scratch.tets_.size(); ++s) {
-    const Tet& t = scratch.tets_[s];
-    if (t.v[0] == kNoVertex) continue;
-    for (unsigned k = 0; k < 4; ++k) {
-      const std::array<VertexId, 3> facet = facet_of(t, k);
-      const Walls::Wall* wall = walls.find(facet);
-      if (wall && same_turn(wall->turn, facet)) take(s);
-    }
-  }
-  std::size_t glued = 0;
-  for (std::size_t i = 0; i < inside.size(); ++i) {
-    const TetId s = inside[i], id = slot[s];
-    const Tet& from = scratch.tets_[s];
-    Tet t{{vertex_of[from.v[0]], vertex_of[from.v[1]], vertex_of[from.v[2]], vertex_of[from.v[3]]},
-          {},
-          {},
-          0,
-          0};
-    for (unsigned k = 0; k < 4; ++k) {
-      if (const Walls::Wall* wall = walls.find(facet_of(from, k))) {
-        ++glued;
-        t.n[k] = wall->outer;
-        if (wall->outer != kNoLink) tets_[wall->outer >> 2].n[wall->outer & 3] = 4 * id + k;
-      } else {
-        take(from.n[k] >> 2);
-        t.n[k] = 4 * slot[from.n[k] >> 2] + (from.n[k] & 3);
+  void take_those_at_walls() {
+    const std::vector<Tet>& tets = link_.delaunay.tets_;
+    for (const TetId s : ids<TetId>(tets.size())) {
+      if (tets[s].v[0] == kNoVertex) continue;
+      for (unsigned k = 0; k < 4; ++k) {
+        const std::array<TetVertexId, 3> facet = facet_of(tets[s], k);
+        const Walls::Wall* wall = walls_.find(facet);
+        if (wall && same_turn(wall->turn, facet)) take(s);
       }
     }
-    set_sphere(t);
-    tets_[id] = t;
-    for (const VertexId w : t.v) vertices_[w].tet = id;
   }
-  if (glued != walls.size())
-    throw InternalError("remove: " + std::to_string(walls.size() - glued) + " facets of the star of vertex " +
-                        std::to_string(v) + " are open");
-  last_ = slot[inside[0]];
+  /// All that were taken, and those reached from them.
+  void copy_and_glue() {
+    for (std::size_t i = 0; i < inside_.size(); ++i) copy(inside_[i]);
+    if (glued_ != walls_.size())
+      throw InternalError("remove: " + std::to_string(walls_.size() - glued_) +
+                          " facets of the star of vertex " + std::to_string(vertex_) + " are open");
+  }
+  TetId first() const { return slot_[inside_[0]]; }
+
+ private:
+  std::array<TetVertexId, 3> facet_of(const Tet& t, unsigned k) const {
+    const std::vector<TetVertexId>& ours = link_.vertex_of;
+    return {ours[t.v[kFacet[k][0]]], ours[t.v[kFacet[k][1]]], ours[t.v[kFacet[k][2]]]};
+  }
+
+  void take(TetId s) {
+    if (slot_[s] != kNoTet) return;
+    for (const TetVertexId w : link_.delaunay.tets_[s].v)
+      if (w < 4)
+        throw InternalError("remove: the star of vertex " + std::to_string(vertex_) +
+                            " is not filled by its link");
+    slot_[s] = ours_.new_tet();
+    inside_.push_back(s);
+  }
+
+  void copy(TetId s) {
+    const Tet& from = link_.delaunay.tets_[s];
+    const TetId id = slot_[s];
+    const std::vector<TetVertexId>& ours = link_.vertex_of;
+    Tet t{{ours[from.v[0]], ours[from.v[1]], ours[from.v[2]], ours[from.v[3]]}, {}, {}, 0, 0};
+    for (unsigned k = 0; k < 4; ++k) {
+      if (const Walls::Wall* wall = walls_.find(facet_of(from, k))) {
+        ++glued_;
+        t.n[k] = wall->outer;
+        if (wall->outer != kNoLink) ours_.link_back(wall->outer) = Link(id, k);
+      } else {
+        take(from.n[k].tet());
+        t.n[k] = Link(slot_[from.n[k].tet()], from.n[k].facet());
+      }
+    }
+    ours_.set_sphere(t);
+    ours_.tets_[id] = t;
+    for (const TetVertexId w : t.v) ours_.vertices_[w].tet = id;
+  }
+
+  ReferenceDelaunay& ours_;
+  TetVertexId vertex_;
+  LinkDelaunay link_;
+  Walls walls_;
+  std::vector<TetId> slot_;    // of ours, per tetrahedron of the link; kNoTet: not inside
+  std::vector<TetId> inside_;  // tetrahedra of the link, as they are reached
+  std::size_t glued_ = 0;      // walls
+};
+
+void ReferenceDelaunay::fill_star(TetVertexId v) {
+  StarFilling filling(*this, v);
+  for (const TetId t : star_) free_tet(t);
+  filling.take_those_at_walls();
+  filling.copy_and_glue();
+  last_ = filling.first();
 }
 
 }  // namespace fracture

@@ -1,0 +1,94 @@
+// Numbers of things of one kind. Sites, tetrahedra and vertices are all counted from 0, and a number of one
+// taken for that of another is a fault that small tests do not show; so each kind has a type of its own.
+//
+//   using SiteId = Id<struct SiteTag>;
+//   for (const SiteId s : ids<SiteId>(site_count)) visit(points[s]);
+//
+// An id becomes a number by itself: it is printed, indexes an array, and is computed with. A number becomes
+// an id only where the code says so. Ids of two kinds are never compared and never become each other.
+#pragma once
+
+#include <compare>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <type_traits>
+
+namespace fracture {
+
+template <class Tag>
+class Id {
+ public:
+  Id() = default;  ///< uninitialized, as a number is
+  template <std::integral Integer>
+  constexpr explicit Id(Integer value) : value_(static_cast<std::uint32_t>(value)) {}
+  constexpr operator std::uint32_t() const { return value_; }
+
+  constexpr Id& operator++() {
+    ++value_;
+    return *this;
+  }
+  constexpr Id operator++(int) { return Id(value_++); }
+
+  friend constexpr bool operator==(Id, Id) = default;
+  friend constexpr std::strong_ordering operator<=>(Id, Id) = default;
+
+ private:
+  std::uint32_t value_;
+};
+
+// Without these both would become numbers and compare.
+template <class A, class B>
+requires(!std::same_as<A, B>) bool operator==(Id<A>, Id<B>) = delete;
+template <class A, class B>
+requires(!std::same_as<A, B>) std::strong_ordering operator<=>(Id<A>, Id<B>) = delete;
+
+/// The ids first, first + 1, ... end - 1; first <= end.
+template <class SomeId>
+class IdRange {
+ public:
+  class Iterator {
+   public:
+    constexpr explicit Iterator(std::uint32_t at) : at_(at) {}
+    constexpr SomeId operator*() const { return SomeId(at_); }
+    constexpr Iterator& operator++() {
+      ++at_;
+      return *this;
+    }
+    friend constexpr bool operator==(Iterator, Iterator) = default;
+
+   private:
+    std::uint32_t at_;
+  };
+  constexpr IdRange(std::uint32_t first, std::uint32_t end) : first_(first), end_(end) {}
+  constexpr Iterator begin() const { return Iterator(first_); }
+  constexpr Iterator end() const { return Iterator(end_); }
+
+ private:
+  std::uint32_t first_, end_;
+};
+
+/// All ids below `end`, which is read once; of a vector: ids<SiteId>(points.size()).
+template <class SomeId>
+constexpr IdRange<SomeId> ids(std::size_t end) {
+  return {0, static_cast<std::uint32_t>(end)};
+}
+/// Those of a block of parallel work.
+template <class SomeId>
+constexpr IdRange<SomeId> ids(std::size_t first, std::size_t end) {
+  return {static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(end)};
+}
+
+namespace base_detail {
+using AnyId = Id<struct AnyTag>;
+static_assert(sizeof(AnyId) == sizeof(std::uint32_t) && alignof(AnyId) == alignof(std::uint32_t));
+static_assert(std::is_trivial_v<AnyId> && std::is_standard_layout_v<AnyId>);
+}  // namespace base_detail
+
+}  // namespace fracture
+
+template <class Tag>
+struct std::hash<fracture::Id<Tag>> {
+  std::size_t operator()(fracture::Id<Tag> id) const noexcept { return std::hash<std::uint32_t>()(id); }
+};
