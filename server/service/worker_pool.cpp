@@ -60,10 +60,8 @@ WorkerPool::TaskId WorkerPool::resume(Job job, Priority priority) {
 bool WorkerPool::reclassify(TaskId task, Priority priority, const Flow& flow) {
   const std::lock_guard lock(mutex_);
   if (const auto at = running_.find(task); at != running_.end()) {
-    Running& job = *at->second;
-    if (job.priority == priority) return false;
-    job.priority = priority;
-    job.away = job.away && priority != Priority::kRealtime;
+    if (at->second->priority == priority) return false;
+    at->second->priority = priority;
     go_on_.notify_all();
     changed();
     return false;

@@ -49,7 +49,7 @@ class WorkerPool::Running final : public Turn {
     left_at = Clock::now();
     computed_before = processor_seconds_of_this_thread();
     const std::lock_guard lock(pool.mutex_);
-    away = priority != Priority::kRealtime;
+    away = true;
     pool.changed();
   }
 
@@ -66,7 +66,8 @@ class WorkerPool::Running final : public Turn {
     return priority == Priority::kRealtime;
   }
 
-  bool computes() const { return !paused && !away; }
+  /// Realtime work keeps its processor while it is away.
+  bool computes() const { return !paused && (!away || priority == Priority::kRealtime); }
 
   WorkerPool& pool;
   Priority priority;

@@ -155,6 +155,25 @@ TEST(WorkerPool, AClassWithNothingToDoRemembersNobodysDebtWhateverOthersCompute)
   pool.wait_idle();
 }
 
+TEST(WorkerPool, WhoWasRealtimeForAWhileAndIsAwayLeavesItsProcessorAgain) {
+  std::latch gate(1);
+  WorkerPool pool(1, 100);
+  std::atomic<bool> away{false}, realtime{false};
+  const auto hurried = pool.submit(kBatch, 0, [&](int) {
+    const Away elsewhere(WorkerPool::turn());
+    away = true;
+    gate.wait();
+  });
+  EXPECT_TRUE(test::eventually(test::kPatience, "it to be away", [&] { return away.load(); }));
+  pool.reclassify(hurried, kRealtime);
+  pool.submit(kRealtime, 0, [&](int) { realtime = true; });
+  EXPECT_FALSE(realtime) << "realtime work keeps its processor";
+  pool.reclassify(hurried, kBatch);
+  EXPECT_TRUE(test::eventually(test::kPatience, "the realtime job", [&] { return realtime.load(); }));
+  gate.count_down();
+  pool.wait_idle();
+}
+
 TEST(WorkerPool, CoresAreAtLeastOne) { EXPECT_GE(available_cores(), 1); }
 
 }  // namespace
