@@ -8,7 +8,6 @@
 #include <string_view>
 
 #include "client/render/model.hpp"
-#include "client/render/render_error.hpp"
 #include "common/base/error.hpp"
 
 namespace fracture::render {

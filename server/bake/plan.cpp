@@ -255,7 +255,7 @@ Expected<void> lose_nothing(const BakePlan& plan, const BakeSource& source) {
     std::error_code error;
     if (fs::exists(fs::symlink_status(path, error)))
       return wrong("'" + path + "' is there already, and --dump-stages writes over nothing.");
-    if (const std::string why = places.write(path, "a stage"); !why.empty()) return wrong(why);
+    if (auto place = places.write(path, "a stage"); !place) return place;
   }
   return {};
 }
