@@ -13,7 +13,7 @@ Expected<render::GpuModel*> PictureMaker::model(const std::string& file) {
   const auto known = scenes_.find(file);
   if (known != scenes_.end()) return &known->second;
   if (scenes_.size() >= kKept) scenes_.clear();
-  Expected<render::Model> model = render::load_scene(file);
+  Expected<render::Model> model = render::load_model(file);
   if (!model) return tl::unexpected(model.error());
   for (const std::string& warning : model->warnings) warnings_.push_back(file + ": " + warning);
   Expected<render::GpuModel> gpu =

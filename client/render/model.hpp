@@ -115,7 +115,7 @@ struct Model {
 Expected<Model> read_model(std::span<const std::byte> bytes);
 
 /// read_model of a file's bytes; kFile where it cannot be read.
-Expected<Model> load_scene(const std::string& path);
+Expected<Model> load_model(const std::string& path);
 
 /// The smallest sphere around the box of all objects under their transforms (kept at the model's own where
 /// `transforms` is empty), not around invisible ones. Radius 0 for nothing.

@@ -1,4 +1,4 @@
-// glTF 2.0 materials as the shader takes them. Internal to load_scene.cpp.
+// glTF 2.0 materials as the shader takes them. Internal to read_model.cpp.
 #pragma once
 
 #include "client/render/model.hpp"

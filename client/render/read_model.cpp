@@ -287,7 +287,7 @@ Expected<Model> read_model(std::span<const std::byte> bytes) {
   }
 }
 
-Expected<Model> load_scene(const std::string& path) {
+Expected<Model> load_model(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   std::vector<char> bytes{std::istreambuf_iterator<char>(in), {}};
   if (!in.is_open() || in.bad()) return fail(ErrorCode::kFileAccess, "Cannot read " + path + ".");

@@ -145,7 +145,7 @@ TEST(ReadModel, ARefusalSaysWhatAndWhere) {
   expect(read(gltf_text({triangle()}, nlohmann::json::object(),
                         {{"materials", {{{"pbrMetallicRoughness", {{"roughnessFactor", "rough"}}}}}}})),
          ErrorCode::kMalformedMesh, "wrong type");
-  const auto missing = render::load_scene("/nowhere/at_all.glb");
+  const auto missing = render::load_model("/nowhere/at_all.glb");
   ASSERT_FALSE(missing);
   EXPECT_EQ(missing.error().code, ErrorCode::kFileAccess);
 }

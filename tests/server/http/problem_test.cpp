@@ -25,8 +25,8 @@ TEST(ToProblem, NoRoomSaysWhenToComeBack) {
 }
 
 TEST(ToProblem, KeepsDetailParameterAndFigures) {
-  const Problem problem = to_problem(
-      {ErrorCode::kBadParameter, "Too many.", "sites", {{"limit", 3}, {"status", "not this one"}}});
+  const Problem problem = to_problem({ErrorCode::kBadParameter, "Too many.", "sites",
+                                      Figures(nlohmann::json{{"limit", 3}, {"status", "not this one"}})});
   EXPECT_TRUE(problem.headers.empty());
   EXPECT_EQ(json::parse(problem.body("an-id")), (json{{"type", "/problems/bad-parameter"},
                                                       {"title", title(ErrorCode::kBadParameter)},
