@@ -7,12 +7,12 @@
 #include <string>
 #include <utility>
 
-#include "tests/server/door.hpp"
+#include "tests/server/relay.hpp"
 #include "tests/server/test_server.hpp"
 
 namespace fracture::bake {
 
-/// The real server, and a door before it through which all requests go, one connection each.
+/// The real server, and a relay before it through which all requests go, one connection each.
 struct Farm {
   using Rude = std::function<std::optional<test::FakeReply>(const test::FakeRequest&)>;
 
@@ -29,14 +29,14 @@ struct Farm {
   /// How many requests began with these words.
   int count(const std::string& beginning) const {
     int n = 0;
-    for (const test::FakeRequest& request : door.requests()) n += request.head.starts_with(beginning);
+    for (const test::FakeRequest& request : relay.requests()) n += request.head.starts_with(beginning);
     return n;
   }
 
   test::TestServer server;
   std::mutex mutex;
   Rude rude;  ///< with the mutex
-  test::FakeServer door{[this](const test::FakeRequest& request) { return answer(request); }};
+  test::FakeServer relay{[this](const test::FakeRequest& request) { return answer(request); }};
 };
 
 }  // namespace fracture::bake

@@ -53,15 +53,15 @@ TEST(BakeFailure, BugsAreToldFromRefusals) {
 
 TEST(BakeFailure, AnUnsoundAnswerHasItsCertificateAndNobodyElse) {
   const json certificate{{"open_edges", 3}};
-  EXPECT_EQ(certificate_of({ErrorCode::kUnsound, "It is open.", {}, certificate}), certificate);
-  EXPECT_EQ(to_problem({ErrorCode::kUnsound, "It is open.", {}, certificate}).size(), 3u);
+  EXPECT_EQ(certificate_of({ErrorCode::kUnsound, "It is open.", {}, Figures(certificate)}), certificate);
+  EXPECT_EQ(to_problem({ErrorCode::kUnsound, "It is open.", {}, Figures(certificate)}).size(), 3u);
   EXPECT_TRUE(certificate_of({ErrorCode::kUnsound, "It is open."}).is_null());
-  EXPECT_TRUE(certificate_of({ErrorCode::kMeshNotClosed, "It is open.", {}, certificate}).is_null());
+  EXPECT_TRUE(certificate_of({ErrorCode::kMeshNotClosed, "It is open.", {}, Figures(certificate)}).is_null());
 }
 
 TEST(BakeFailure, EverythingThatIsWrongIsSaidInALineOfItsOwn) {
   const json errors = json::array({{{"detail", "First."}}, {{"detail", "Second."}}});
-  const Error error{ErrorCode::kBadParameter, "First.", "sites", {{"errors", errors}}};
+  const Error error{ErrorCode::kBadParameter, "First.", "sites", Figures(json{{"errors", errors}})};
   EXPECT_EQ(to_lines(error), std::string("bad-parameter: ") + title(error.code) + "\n  First.\n  Second.");
   EXPECT_EQ(to_problem(error).at("errors"), errors);
 }

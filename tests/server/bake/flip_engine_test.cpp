@@ -22,7 +22,7 @@ std::vector<std::uint8_t> file_of(const FractureEngine& engine, const Solid& sol
                                   const FractureParameters& parameters) {
   const Expected<Cut> cut = engine.cut(solid, base, parameters, {}, {});
   if (!cut) throw std::runtime_error(cut.error().detail);
-  return engine.encode(cut->set, {}, OutputFormat::kGlb, {});
+  return engine.encode(cut->fractured, {}, OutputFormat::kGlb, {}).bytes;
 }
 
 TEST(FlipEngine, GivesTheSameDiagramsAndFilesAsTheCavity) {

@@ -1,4 +1,4 @@
-// A bake through a server: the whole HTTP layer around a fake engine, behind a door that can be rude.
+// A bake through a server: the whole HTTP layer around a fake engine, behind a relay that can be rude.
 #include "server/bake/remote_baker.hpp"
 
 #include <gmock/gmock.h>
@@ -42,7 +42,7 @@ Expected<std::unique_ptr<Baker>> baker_at(std::uint16_t port, const Patience& pa
 }
 
 std::unique_ptr<Baker> baker_for(const Farm& farm, const Patience& patience = short_pauses()) {
-  auto baker = baker_at(farm.door.port(), patience);
+  auto baker = baker_at(farm.relay.port(), patience);
   if (!baker) throw std::runtime_error(to_line(baker.error()));
   return std::move(*baker);
 }
@@ -119,7 +119,7 @@ TEST(RemoteBaker, EveryPathThatConcernsAMeshBeginsWithItsDigest) {
   Farm farm;
   expect_local_file(*baker_for(farm), {});
   const std::string digest = sha256("a mesh").hex(), sixteen = digest.substr(0, 16);
-  for (const FakeRequest& request : farm.door.requests()) {
+  for (const FakeRequest& request : farm.relay.requests()) {
     if (request.target == "/version" || request.target == "/limits") continue;
     EXPECT_TRUE(request.target.starts_with("/meshes/sha256:" + digest) ||
                 request.target.starts_with("/jobs/" + sixteen) ||
@@ -146,7 +146,7 @@ TEST(RemoteBaker, SendsFurtherFilesWithTheMesh) {
 TEST(RemoteBaker, AsksForGltfWhereThatIsWanted) {
   Farm farm;
   expect_local_file(*baker_for(farm), {.output = OutputFormat::kGltf});
-  for (const FakeRequest& request : farm.door.requests())
+  for (const FakeRequest& request : farm.relay.requests())
     if (request.target.find("/fracture") != std::string::npos) {
       EXPECT_THAT(request.head, HasSubstr("Accept: model/gltf+json\r\n")) << request.target;
     }
@@ -312,9 +312,9 @@ TEST(RemoteBaker, GivesUpWithThePatienceAndThenForAll) {
   EXPECT_THAT(to_line(first), HasSubstr("is busy (503): Because."));
   EXPECT_THAT(to_line(first), HasSubstr("--patience"));
   busy = false;
-  const std::size_t before = farm.door.requests().size();
+  const std::size_t before = farm.relay.requests().size();
   EXPECT_EQ(to_line(failure(*baker, {})), to_line(first));
-  EXPECT_EQ(farm.door.requests().size(), before) << "nobody asks any more";
+  EXPECT_EQ(farm.relay.requests().size(), before) << "nobody asks any more";
 }
 
 TEST(RemoteBaker, AStopEndsTheWaitingAndTheJob) {
