@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 
 #include "common/base/random.hpp"
@@ -180,7 +182,10 @@ TEST(BinaryScale, ScalesEveryIncludedDoubleExactly) {
     int odd = 0;
     for (const double v : values) {
       const Big steps = scale.scaled<Big>(v);
-      EXPECT_EQ(std::ldexp(static_cast<double>(steps), scale.lowest_bit()), v);
+      int exponent = 0;
+      const auto mantissa = static_cast<std::int64_t>(std::ldexp(std::frexp(v, &exponent), 53));
+      const int up = exponent - 53 - scale.lowest_bit();  // v = mantissa * 2^(exponent - 53)
+      EXPECT_EQ(steps << std::max(-up, 0), Big(mantissa) << std::max(up, 0)) << v;
       EXPECT_LT(abs(steps), Big(1) << scale.width());
       odd += bit_test(Big(abs(steps)), 0);
     }

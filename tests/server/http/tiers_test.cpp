@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <optional>
 
 #include "tests/server/temporary_folder.hpp"
 #include "tests/server/test_server.hpp"
@@ -73,8 +74,8 @@ TEST_F(Tiers, AnEntryOfAnEarlierVersionIsRead) {
   const std::string location = made.header("content-location");
   const std::string key = location.substr(std::string("/fractures/sha256:").size());
   {
-    DiskCache cache(options.service.tiers.folder, 1 << 30);
-    const auto stored = cache.find(key);
+    std::optional<DiskCache> cache(std::in_place, options.service.tiers.folder, 1 << 30);
+    const auto stored = cache->find(key);
     ASSERT_TRUE(stored);
     const std::vector<std::uint8_t> payload(stored->entry.payload.begin(), stored->entry.payload.end());
     const TextRange figures = figures_in(payload, OutputFormat::kGlb).value();
@@ -88,6 +89,7 @@ TEST_F(Tiers, AnEntryOfAnEarlierVersionIsRead) {
                          std::to_string(begin) + " " + std::to_string(figures.at + figures.size - 1 - begin) +
                          "\n");
     std::filesystem::remove(entries_in(options.service.tiers.folder).at(0));
+    cache.reset();  // a folder has one owner
     DiskCache(options.service.tiers.folder, 1 << 30).insert({key, metadata, payload});
   }
   TestServer server(options);
