@@ -18,8 +18,9 @@ concept AsksForAStop = std::copy_constructible<T> && requires(const T& token) {
 class StopToken {
  public:
   StopToken() = default;  ///< nobody ever asks for a stop
-  template <AsksForAStop Token>
-  requires(!std::same_as<Token, StopToken>)
+  // Whether it is itself is asked first: whether StopToken can be copied depends on the answer.
+  template <class Token>
+  requires(!std::same_as<Token, StopToken> && AsksForAStop<Token>)
       StopToken(Token token)  // NOLINT(google-explicit-constructor): a token is passed as what it is
       : asked_([token = std::move(token)] { return static_cast<bool>(token.stop_requested()); }) {}
 

@@ -116,7 +116,7 @@ std::uint32_t IncrementalDelaunay::make_tets(TetVertexId v) {
   };
   for (std::size_t i = 0; i < count; ++i) {
     poll_in_large_cavity(i);
-    const Facet f = boundary_[i];  // a copy: what is written below might be it, for all the compiler knows
+    const Facet& f = boundary_[i];
     const TetId id = slots_[i];
     Vertex &va = vertices_[f.v[0]], &vb = vertices_[f.v[1]], &vc = vertices_[f.v[2]];
     const std::uint32_t a = number(va, f.v[0], id), b = number(vb, f.v[1], id), c = number(vc, f.v[2], id);
