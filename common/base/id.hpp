@@ -82,7 +82,8 @@ constexpr IdRange<SomeId> ids(std::size_t first, std::size_t end) {
 
 namespace base_detail {
 using AnyId = Id<struct AnyTag>;
-static_assert(sizeof(AnyId) == sizeof(std::uint32_t) && alignof(AnyId) == alignof(std::uint32_t));
+static_assert(sizeof(AnyId) == sizeof(std::uint32_t));
+static_assert(alignof(AnyId) == alignof(std::uint32_t));
 static_assert(std::is_trivial_v<AnyId> && std::is_standard_layout_v<AnyId>);
 }  // namespace base_detail
 

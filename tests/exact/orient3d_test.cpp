@@ -121,7 +121,7 @@ TEST(WideInt, ProductsAndSumsAgreeWithIntegersOfAnySize) {
   using Big = boost::multiprecision::cpp_int;
   const auto to_big = [](const auto& w) {
     Big r = 0;
-    constexpr int n = sizeof(w.limb) / sizeof(w.limb[0]);
+    constexpr int n = static_cast<int>(std::extent_v<std::remove_reference_t<decltype(w.limb)>>);
     for (int i = n; i-- > 0;) r = (r << 64) + w.limb[i];
     return w.sign() < 0 ? Big(r - (Big(1) << (64 * n))) : r;
   };

@@ -45,9 +45,12 @@ inline Expected<Mesh> import_with(ImportPool& pool, std::string_view bytes, cons
 inline pid_t next_reader(const ImportPool& pool, pid_t killed) {
   pid_t next = -1;
   require_eventually(kPatience, "another worker to read", [&] {
-    if (pool.counters().busy != 1) return false;
-    next = pool.pids().front();
-    return next != killed;
+    // The busy come first; whoever is first before and after somebody was busy was that one.
+    const std::vector<pid_t> before = pool.pids();
+    if (before.empty() || pool.counters().busy != 1) return false;
+    const std::vector<pid_t> after = pool.pids();
+    next = before.front();
+    return next != killed && !after.empty() && after.front() == next;
   });
   return next;
 }

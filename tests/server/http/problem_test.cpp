@@ -46,7 +46,7 @@ TEST(ToProblem, ABugIsNotDescribedToStrangers) {
 TEST(ToProblem, WhatIsOfTheOtherSideIsABugHere) {
 #define FRACTURE_ERROR(name, slug, title)
 #define FRACTURE_LOCAL_ERROR(name, its_slug, title) \
-  EXPECT_EQ(problem_type(ErrorCode::name).slug, "internal") << its_slug;
+  EXPECT_EQ(problem_type(ErrorCode::name).slug, "internal") << (its_slug);
 #include "common/base/error_codes.def"
 #undef FRACTURE_ERROR
 }
