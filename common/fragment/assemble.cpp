@@ -5,7 +5,7 @@
 
 #include "common/base/pacer.hpp"
 #include "common/base/stamped_map.hpp"
-#include "common/exact/number_types.hpp"
+#include "common/exact/volume_sum.hpp"
 #include "common/fragment/closedness.hpp"
 #include "common/fragment/mass_properties.hpp"
 #include "common/fragment/mirror_sum.hpp"
@@ -327,6 +327,16 @@ class Assembler {
     add_until(static_cast<std::uint32_t>(out_.indices.size()));
     out_.surface_area = all.area() - caps;
     out_.mass = all.result();
+    if (all.cancels()) out_.mass.volume = precise_volume();
+  }
+
+  double precise_volume() {
+    exact::VolumeSum sum(points_[out_.indices[0]]);
+    for (std::size_t k = 0; k < out_.indices.size(); k += 3) {
+      pacer_.step(4);
+      sum.add(points_[out_.indices[k]], points_[out_.indices[k + 1]], points_[out_.indices[k + 2]]);
+    }
+    return sum.volume();
   }
 
   /// The centre of mass on the seam lattice, inside the box even when rounding error throws the centre of a
@@ -421,52 +431,6 @@ Fragment assemble(const RestrictedDiagram& diagram, const Ownership& ownership, 
   out.cap_sum = mirror_sum(out, execution);
   out.open_edges = open_edges(out, execution);
   return out;
-}
-
-FileVolume file_volume(const Fragment& f, const Execution& execution) {
-  Pacer pacer(execution);
-  double six = 0;
-  Vec3d reach;
-  for (const Vec3f& p : f.positions) {
-    pacer.step();
-    for (int a = 0; a < 3; ++a) reach[a] = std::max(reach[a], std::fabs(to_double(p)[a]));
-  }
-  const auto term = [&](std::size_t k) {
-    return dot(to_double(f.positions[f.indices[k]]),
-               cross(to_double(f.positions[f.indices[k + 1]]), to_double(f.positions[f.indices[k + 2]])));
-  };
-  const std::size_t triangles = f.indices.size() / 3;
-  pacer.each(0, triangles, [&](std::size_t t) { six += term(3 * t); });
-  // Floats are exact in double. A term is at most 6 r, r = reach.x reach.y reach.z, and off by fewer than 8
-  // roundings; the k-th partial sum is at most k times that and rounded once: together less than
-  // n (n + 16) 2^-53 times that. Fragments that are long but thin need no better sum.
-  const auto n = static_cast<double>(triangles);
-  const double r = reach.x * reach.y * reach.z;
-  if (std::fabs(six) > n * (n + 16) * 0x1.0p-52 * 6 * r + 1e-300) return {six / 6, six > 0 ? 1 : -1};
-
-  // What the partial sums lost, added up beside (Neumaier 1974): the terms' errors remain, n 48 2^-53 r, and
-  // of second order less than as much again.
-  double sum = 0, lost = 0;
-  for (std::size_t k = 0; k < f.indices.size(); k += 3) {
-    const double t = term(k), next = sum + t;
-    lost += std::fabs(sum) >= std::fabs(t) ? (sum - next) + t : (t - next) + sum;
-    sum = next;
-    pacer.step();
-  }
-  if (std::fabs(sum + lost) > n * 0x1.0p-46 * r + 1e-300) return {six / 6, sum + lost > 0 ? 1 : -1};
-
-  exact::BinaryScale scale;
-  for (const Vec3f& p : f.positions) scale.include(to_double(p));
-  exact::BigInt exactly = 0;
-  for (std::size_t k = 0; k < f.indices.size(); k += 3) {
-    pacer.step(64);
-    const auto at = [&](std::size_t m) {
-      return scale.scaled<exact::BigInt>(to_double(f.positions[f.indices[m]]));
-    };
-    exactly += dot(at(k), cross(at(k + 1), at(k + 2)));
-    pacer.step(64);
-  }
-  return {six / 6, exact::sign_of(exactly)};
 }
 
 }  // namespace fracture

@@ -14,13 +14,4 @@ namespace fracture {
 Fragment assemble(const RestrictedDiagram& diagram, const Ownership& ownership, const Piece& piece,
                   Pivot pivot, const Execution& execution = kUninterrupted);
 
-/// Volume enclosed by the final rounded positions (float32, local): the value as computed, m³, and its exact
-/// sign.
-struct FileVolume {
-  double volume = 0;
-  int sign = 0;
-};
-/// Throws Interrupted.
-FileVolume file_volume(const Fragment& fragment, const Execution& execution = kUninterrupted);
-
 }  // namespace fracture

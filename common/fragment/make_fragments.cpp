@@ -9,6 +9,7 @@
 #include "common/base/random.hpp"
 #include "common/fragment/assemble.hpp"
 #include "common/fragment/bonds.hpp"
+#include "common/fragment/file_volume.hpp"
 #include "common/fragment/group_contacts.hpp"
 #include "common/fragment/mirror_sum.hpp"
 #include "common/fragment/unite.hpp"

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/fragment/assemble.hpp"
+#include "common/fragment/file_volume.hpp"
 #include "common/fragment/make_fragments.hpp"
 #include "common/pipeline/difference.hpp"
 #include "common/pipeline/fracture_steps.hpp"

@@ -3,9 +3,42 @@
 #include <cmath>
 
 #include "common/base/pacer.hpp"
+#include "common/exact/volume_sum.hpp"
 #include "common/solid/polled.hpp"
 
 namespace fracture::solid_detail {
+namespace {
+
+Vec3d origin_of(const Surface& surface, const Shell& shell) {
+  return to_double(surface.positions[surface.triangles[shell.first][0]]);
+}
+
+/// Adds up the volumes of these shells once more, with twice the digits.
+void refine_volumes(const Surface& surface, const std::vector<std::uint32_t>& cancelling, Shells& shells,
+                    const Execution& execution) {
+  std::vector<std::uint32_t> slot = filled(execution, shells.list.size(), kNoIndex);
+  std::vector<exact::VolumeSum> sums;
+  Pacer pacer(execution);
+  for (const std::uint32_t id : cancelling) {
+    pacer.step();
+    slot[id] = static_cast<std::uint32_t>(sums.size());
+    sums.emplace_back(origin_of(surface, shells.list[id]));
+  }
+  for (const TriangleId t : ids<TriangleId>(surface.triangles.size())) {
+    pacer.step(4);
+    const std::uint32_t s = slot[shells.of_triangle[t]];
+    if (s == kNoIndex) continue;
+    const Triangle& c = surface.triangles[t];
+    sums[s].add(to_double(surface.positions[c[0]]), to_double(surface.positions[c[1]]),
+                to_double(surface.positions[c[2]]));
+  }
+  for (const std::uint32_t id : cancelling) {
+    pacer.step();
+    shells.list[id].volume = sums[slot[id]].volume();
+  }
+}
+
+}  // namespace
 
 Shells find_shells(const Surface& surface, const Execution& execution) {
   Shells shells;
@@ -32,15 +65,16 @@ Shells find_shells(const Surface& surface, const Execution& execution) {
     }
   }
   shells.list = filled(execution, first.size(), Shell{});
+  std::vector<double> edge_products = filled(execution, first.size(), 0.0);
   for_each_polled(execution, first.size(), [&](std::size_t s) { shells.list[s].first = first[s]; });
   for (TriangleId t{0}; t < surface.triangles.size();) {
     const std::uint32_t id = shells.of_triangle[t];
     Shell& shell = shells.list[id];
-    const Vec3d origin = to_double(surface.positions[surface.triangles[shell.first][0]]);
+    const Vec3d origin = origin_of(surface, shell);
     // Triangles of one shell come in long runs: its sums stay in registers.
     const TriangleId begin = t;
     Box box;
-    double volume = 0, area = 0;
+    double volume = 0, area = 0, products = 0;
     for (; t < surface.triangles.size() && shells.of_triangle[t] == id; ++t) {
       pacer.step();
       const Triangle& corners = surface.triangles[t];
@@ -49,15 +83,18 @@ Shells find_shells(const Surface& surface, const Execution& execution) {
       box.add(a);
       box.add(b);
       box.add(c);
-      const Vec3d normal = cross(b - a, c - a);
+      const Vec3d ab = b - a, ac = c - a, normal = cross(ab, ac);
       volume += dot(a - origin, normal);  // six times the tetrahedron (origin, a, b, c)
       area += length(normal);
+      products += exact::max_norm(ab) * exact::max_norm(ac);
     }
     shell.triangles += t - begin;
     shell.box.add(box);
     shell.volume += volume;
     shell.area += area;
+    edge_products[id] += products;
   }
+  std::vector<std::uint32_t> cancelling;
   for (Shell& shell : shells.list) {
     pacer.step();
     shell.volume /= 6;
@@ -68,7 +105,11 @@ Shells find_shells(const Surface& surface, const Execution& execution) {
     const double volume = std::fabs(shell.volume);
     shell.flat = volume <= kFlatRatio * shell.area * std::sqrt(shell.area) ||
                  volume <= kThinnestRatio * largest * shell.area;
+    const auto id = static_cast<std::uint32_t>(&shell - shells.list.data());
+    if (!shell.flat && exact::cancels(volume, edge_products[id], shell.box.longest_side()))
+      cancelling.push_back(id);
   }
+  if (!cancelling.empty()) refine_volumes(surface, cancelling, shells, execution);
   return shells;
 }
 

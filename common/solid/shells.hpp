@@ -9,7 +9,8 @@ namespace fracture::solid_detail {
 struct Shell {
   TriangleId first = kNoTriangle;  ///< its lowest triangle: shells are numbered in this order
   std::uint32_t triangles = 0;
-  double volume = 0;  ///< signed: negative when its triangles face the volume they enclose
+  double volume = 0;  ///< signed: negative when its triangles face the volume they enclose; of one that is
+                      ///< not flat to 1e-10, however doubles cancel
   double area = 0;
   Box box;
   bool flat = false;  ///< bounds no volume (see kFlatRatio)

@@ -1,5 +1,6 @@
 // An answer that does not hold is found out, whatever is wrong with it.
 #include "common/pipeline/soundness.hpp"
+#include "common/fragment/file_volume.hpp"
 
 #include <gtest/gtest.h>
 

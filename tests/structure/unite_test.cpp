@@ -1,5 +1,6 @@
 // Pieces that become one fragment, in number: what the tables behind it say, and what they cost.
 #include "common/fragment/unite.hpp"
+#include "common/fragment/file_volume.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,18 @@
+// The volume of a fragment as it stands in the file.
+#pragma once
+
+#include "common/base/execution.hpp"
+#include "common/fragment/fragments.hpp"
+
+namespace fracture {
+
+/// Volume enclosed by the final rounded positions (float32, local): the value as computed, m³, and its exact
+/// sign.
+struct FileVolume {
+  double volume = 0;
+  int sign = 0;
+};
+/// Throws Interrupted.
+FileVolume file_volume(const Fragment& fragment, const Execution& execution = kUninterrupted);
+
+}  // namespace fracture
