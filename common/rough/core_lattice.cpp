@@ -34,7 +34,7 @@ void CoreLattice::build(std::span<const Vec2d> plane, std::span<const std::uint3
   int passes = 0;
   while (remove_pinches(execution))
     if (++passes == kMostPasses) return;
-  collect();
+  collect(pacer);
 }
 
 bool CoreLattice::lay_out(std::span<const Vec2d> plane, double length, double area) {
@@ -83,7 +83,7 @@ void CoreLattice::mark_inside(std::span<const Vec2d> plane, std::span<const std:
     for (std::int64_t column = 0; column < columns_; ++column) {
       for (; next < crossings.size() && crossings[next].first <= x_of(row, column); ++next)
         winding += crossings[next].second;
-      usable_[index(row, column)] = winding == 1;
+      usable_[index({row, column})] = winding == 1;
     }
   }
 }
@@ -112,70 +112,72 @@ void CoreLattice::clear_near(const Vec2d& a, const Vec2d& b, Pacer& pacer) {
       const Vec2d d{x_of(row, column) - a.x, y_of(row) - a.y};
       const double t = square > 0 ? std::fmin(std::fmax((d.x * e.x + d.y * e.y) / square, 0), 1) : 0;
       const double x = d.x - t * e.x, y = d.y - t * e.y;
-      if (x * x + y * y < margin * margin) usable_[index(row, column)] = 0;
+      if (x * x + y * y < margin * margin) usable_[index({row, column})] = 0;
     }
   }
 }
 
 template <class Visit>
-void CoreLattice::each_triangle(const Visit& visit) const {
+void CoreLattice::each_triangle(Pacer& pacer, const Visit& visit) const {
   // Even rows: (r, c) is below and between (r+1, c-1) and (r+1, c); odd ones: (r+1, c) and (r+1, c+1).
   for (std::int64_t r = 0; r + 1 < rows_; ++r)
-    for (std::int64_t c = 0; c < columns_; ++c) {
-      const std::int64_t left = (r & 1) ? c : c - 1, right = left + 1;
-      const auto usable = [&](std::int64_t row, std::int64_t column) {
-        return column >= 0 && column < columns_ && usable_[index(row, column)];
-      };
-      if (!usable(r, c) || !usable(r + 1, right)) continue;
-      if (usable(r + 1, left)) visit(index(r, c), index(r + 1, right), index(r + 1, left));
-      if (usable(r, c + 1)) visit(index(r, c), index(r, c + 1), index(r + 1, right));
-    }
+    pacer.each(0, static_cast<std::size_t>(columns_), [&](std::size_t column) {
+      const auto c = static_cast<std::int64_t>(column), left = (r & 1) ? c : c - 1;
+      const Point bottom{r, c}, top_left{r + 1, left}, top_right{r + 1, left + 1}, next{r, c + 1};
+      if (!usable(bottom) || !usable(top_right)) return;
+      if (usable(top_left)) visit(bottom, top_right, top_left);
+      if (usable(next)) visit(bottom, next, top_right);
+    });
 }
 
-/// Takes away points where more than one edge of the rim leaves; the loops of the rim are simple without.
+/// The third corner of the triangle on the other side of the edge a-b from c. In the lattice's own oblique
+/// coordinates, where x = column' + row / 2, it is a + b - c.
+CoreLattice::Point CoreLattice::opposite(const Point& a, const Point& b, const Point& c) {
+  const auto shift = [](std::int64_t row) { return row >> 1; };
+  const std::int64_t row = a.row + b.row - c.row;
+  const std::int64_t oblique = a.column - shift(a.row) + b.column - shift(b.row) - (c.column - shift(c.row));
+  return {row, oblique + shift(row)};
+}
+
+/// Finds the edges of the rim, and takes away points where more than one of them leaves; the loops of the rim
+/// are simple without.
 bool CoreLattice::remove_pinches(const Execution& execution) {
-  edges_.clear();
-  each_triangle([&](std::size_t a, std::size_t b, std::size_t c) {
-    edges_.push_back({a, b});
-    edges_.push_back({b, c});
-    edges_.push_back({c, a});
+  Pacer pacer(execution);
+  rim_edges_.clear();
+  each_triangle(pacer, [&](const Point& a, const Point& b, const Point& c) {
+    if (!usable(opposite(a, b, c))) rim_edges_.push_back({index(a), index(b)});
+    if (!usable(opposite(b, c, a))) rim_edges_.push_back({index(b), index(c)});
+    if (!usable(opposite(c, a, b))) rim_edges_.push_back({index(c), index(a)});
   });
-  // What is left without those that are used the other way too.
-  sort_with_polls(execution, edges_.begin(), edges_.end());
-  std::vector<std::array<std::uint64_t, 2>> rim;
-  for (const auto& e : edges_)
-    if (!std::binary_search(edges_.begin(), edges_.end(), std::array<std::uint64_t, 2>{e[1], e[0]}))
-      rim.push_back(e);
+  sort_with_polls(execution, rim_edges_.begin(), rim_edges_.end());
   bool removed = false;
-  for (std::size_t k = 1; k < rim.size(); ++k)
-    if (rim[k][0] == rim[k - 1][0]) {
-      usable_[rim[k][0]] = 0;
+  for (std::size_t k = 1; k < rim_edges_.size(); ++k)
+    if (rim_edges_[k][0] == rim_edges_[k - 1][0]) {
+      usable_[rim_edges_[k][0]] = 0;
       removed = true;
     }
-  edges_ = std::move(rim);
   return removed;
 }
 
-void CoreLattice::collect() {
+void CoreLattice::collect(Pacer& pacer) {
   number_.assign(usable_.size(), kNone);
-  const auto number_of = [&](std::size_t point) {
-    std::uint32_t& n = number_[point];
+  const auto number_of = [&](const Point& point) {
+    std::uint32_t& n = number_[index(point)];
     if (n == kNone) {
       n = static_cast<std::uint32_t>(points_.size());
-      const auto row = static_cast<std::int64_t>(point) / columns_,
-                 column = static_cast<std::int64_t>(point) % columns_;
-      points_.push_back({x_of(row, column), y_of(row)});
+      points_.push_back({x_of(point.row, point.column), y_of(point.row)});
     }
     return n;
   };
-  each_triangle([&](std::size_t a, std::size_t b, std::size_t c) {
+  each_triangle(pacer, [&](const Point& a, const Point& b, const Point& c) {
     const std::uint32_t i = number_of(a), j = number_of(b), k = number_of(c);
     triangles_.push_back({i, j, k});
   });
   // One edge of the rim leaves each of its points: follow them backwards, so that the core is on the right.
   std::vector<std::uint32_t> before(points_.size(), kNone);
-  for (const auto& e : edges_) before[number_[e[1]]] = number_[e[0]];
-  for (const auto& e : edges_) {
+  for (const auto& e : rim_edges_) before[number_[e[1]]] = number_[e[0]];
+  for (const auto& e : rim_edges_) {
+    pacer.step();
     std::uint32_t at = number_[e[0]];
     if (before[at] == kNone) continue;
     while (before[at] != kNone) {

@@ -28,22 +28,29 @@ class CoreLattice {
   const std::vector<std::uint32_t>& rim_begin() const { return rim_begin_; }
 
  private:
+  /// Of the lattice; may be one that it does not have.
+  struct Point {
+    std::int64_t row, column;
+  };
+
   bool lay_out(std::span<const Vec2d> plane, double length, double area);
   void mark_inside(std::span<const Vec2d> plane, std::span<const std::uint32_t> loop_begin, Pacer& pacer);
   void clear_near(const Vec2d& a, const Vec2d& b, Pacer& pacer);
   bool remove_pinches(const Execution& execution);
-  void collect();
+  void collect(Pacer& pacer);
 
   double x_of(std::int64_t row, std::int64_t column) const {
     return low_.x + (static_cast<double>(column) + ((row & 1) ? 0.5 : 0.0)) * length_;
   }
   double y_of(std::int64_t row) const { return low_.y + static_cast<double>(row) * height_; }
-  std::size_t index(std::int64_t row, std::int64_t column) const {
-    return static_cast<std::size_t>(row * columns_ + column);
+  std::size_t index(const Point& p) const { return static_cast<std::size_t>(p.row * columns_ + p.column); }
+  bool usable(const Point& p) const {
+    return p.row >= 0 && p.row < rows_ && p.column >= 0 && p.column < columns_ && usable_[index(p)];
   }
+  static Point opposite(const Point& a, const Point& b, const Point& c);
   /// visit(a, b, c), counter-clockwise, for every triangle whose corners are all usable.
   template <class Visit>
-  void each_triangle(const Visit& visit) const;
+  void each_triangle(Pacer& pacer, const Visit& visit) const;
 
   Vec2d low_;
   double length_ = 1, height_ = 1;
@@ -51,7 +58,7 @@ class CoreLattice {
   std::vector<char> usable_;           // per lattice point
   std::vector<std::uint32_t> number_;  // per lattice point: its index in points_
   std::vector<std::pair<double, int>> crossings_;
-  std::vector<std::array<std::uint64_t, 2>> edges_;  // directed, of all triangles
+  std::vector<std::array<std::uint64_t, 2>> rim_edges_;  // directed, by their start
   std::vector<Vec2d> points_;
   std::vector<std::array<std::uint32_t, 3>> triangles_;
   std::vector<std::uint32_t> rim_, rim_begin_;

@@ -7,6 +7,8 @@
 #include <map>
 #include <set>
 
+#include "tests/support/poll_gaps.hpp"
+
 namespace fracture {
 namespace {
 
@@ -108,6 +110,16 @@ TEST(CoreLattice, LeavesNarrowAndEmptyLoopsAlone) {
   rim.add({{1e-6, 1e-6}, {1e-6, 1 - 1e-6}, {1 - 1e-6, 1 - 1e-6}, {1 - 1e-6, 1e-6}});
   core.build(rim.plane, rim.begin, 1e-3, 4e-6);
   EXPECT_TRUE(core.triangles().empty());
+}
+
+TEST(CoreLattice, CanBeInterruptedWhileItLooksAtAMillionPoints) {
+  Loops loops;
+  loops.add({{0, 0}, {1, 0}, {1, 1}, {0, 1}});
+  CoreLattice core;
+  test::PollGaps gaps;
+  core.build(loops.plane, loops.begin, 1e-3, 1, gaps.execution());
+  EXPECT_LT(gaps.longest_ms(), test::kMostPollGapMs);
+  EXPECT_GT(core.triangles().size(), 2'000'000u);
 }
 
 }  // namespace
