@@ -261,7 +261,7 @@ Caps build_caps(const Solid& solid, const VoronoiDiagram& diagram, const Surface
         Error{ErrorCode::kTooComplex, "The cuts have more than 2^30 pieces. Ask for fewer sites."});
   out.regions.reserve(regions);
   out.triangles.reserve(triangles);
-  for (const Caps& block : found) {
+  for (Caps& block : found) {
     pacer.step(block.regions.size() + block.triangles.size());
     const auto base = static_cast<std::uint32_t>(out.triangles.size());
     for (CapRegion r : block.regions) {
@@ -270,17 +270,21 @@ Caps build_caps(const Solid& solid, const VoronoiDiagram& diagram, const Surface
     }
     out.triangles.insert(out.triangles.end(), block.triangles.begin(), block.triangles.end());
     out.crossing += block.crossing;
+    block = {};
   }
-  begin_at_coinciding_corners(positions, out);
+  begin_at_coinciding_corners(positions, out, execution);
   return out;
 }
 
-void begin_at_coinciding_corners(const VertexPositions& positions, Caps& caps) {
+void begin_at_coinciding_corners(const VertexPositions& positions, Caps& caps, const Execution& execution) {
   const auto at = [&](CutVertexId v) -> const auto& {
     return positions.steps[v - positions.first_constructed];
   };
-  for (auto& t : caps.triangles)
+  Pacer pacer(execution);
+  pacer.each(0, caps.triangles.size(), [&](std::size_t k) {
+    auto& t = caps.triangles[k];
     if (at(t[1]) == at(t[2])) t = {t[1], t[2], t[0]};
+  });
 }
 
 }  // namespace fracture

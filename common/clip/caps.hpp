@@ -41,6 +41,6 @@ Caps build_caps(const Solid& solid, const VoronoiDiagram& diagram, const Surface
 /// such a triangle look alike, so that its mirror image could be taken for its like; begun at one of the
 /// corners that share a place, it and its image differ as they do where all corners do. Done in build_caps();
 /// again after triangles or places were changed.
-void begin_at_coinciding_corners(const VertexPositions& positions, Caps& caps);
+void begin_at_coinciding_corners(const VertexPositions& positions, Caps& caps, const Execution& execution);
 
 }  // namespace fracture

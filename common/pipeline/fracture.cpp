@@ -120,7 +120,9 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
     make_rough_fragments(
         restricted, parameters, ownership,
         [&](const FragmentSet& set) { return judge(set, solid, Promise::kPartition); }, execution, cut);
+    execution.poll();  // a large diagram takes some time to be given back, and so does what comes below
   }
+  execution.poll();
   if (cut.set.fragments.empty())
     return fail(ErrorCode::kNoFragments, cut.barycentric.dropped > 0
                                              ? "'drop_above' leaves nothing: all pieces are larger"
@@ -131,6 +133,7 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
 Expected<FracturedSolid> complete(const Solid& solid, const Diagram& diagram,
                                   const FractureParameters& parameters, CutCells cut,
                                   const Execution& execution) {
+  execution.poll();
   execution.reaches(1);
   FracturedSolid out;
   FragmentSet& set = out.set;
@@ -138,12 +141,15 @@ Expected<FracturedSolid> complete(const Solid& solid, const Diagram& diagram,
   const Promise promise = parameters.dual == Dual::kBarycenter ? Promise::kClosed : Promise::kPartition;
   if (const Verdict verdict = judge(set, solid, promise); !verdict.sound())
     return tl::unexpected(unsound(verdict, set.certificate));
+  execution.poll();
   out.hierarchy = make_hierarchy(set, parameters.levels, execution);
   if (parameters.anchors.any()) out.anchored = find_anchored(set, parameters.anchors, execution);
   if (parameters.hulls == Hulls::kConvex)
     out.hulls = make_collision_hulls(set, std::move(cut.hulls), execution);
   set.certificate.sites_asked = static_cast<std::uint32_t>(diagram.sites.size());
-  out.report = make_report(solid, diagram, parameters, cut, out.anchored.count, out.hulls.report(), set);
+  out.report =
+      make_report(solid, diagram, parameters, cut, out.anchored.count, out.hulls.report(), set, execution);
+  execution.poll();
   return out;
 }
 

@@ -302,7 +302,7 @@ RoughReport roughen(RestrictedDiagram& restricted, const std::vector<std::uint32
   report.crossing = crossing.value_or(0);
   report.given_up = !crossing;
   report.calmed = mover.calmed();
-  begin_at_coinciding_corners(positions, caps);
+  begin_at_coinciding_corners(positions, caps, execution);
   caps.normals = cap_normals(diagram, owner_of_site, caps, positions, execution);
   return report;
 }

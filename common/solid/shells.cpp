@@ -13,6 +13,16 @@ Vec3d origin_of(const Surface& surface, const Shell& shell) {
   return to_double(surface.positions[surface.triangles[shell.first][0]]);
 }
 
+/// Encloses nothing that could be told from rounding.
+bool is_flat(const Shell& shell) {
+  double largest = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    largest = std::fmax(largest, std::fmax(std::fabs(shell.box.min[axis]), std::fabs(shell.box.max[axis])));
+  const double volume = std::fabs(shell.volume);
+  return volume <= kFlatRatio * shell.area * std::sqrt(shell.area) ||
+         volume <= kThinnestRatio * largest * shell.area;
+}
+
 /// Adds up the volumes of these shells once more, with twice the digits.
 void refine_volumes(const Surface& surface, const std::vector<std::uint32_t>& cancelling, Shells& shells,
                     const Execution& execution) {
@@ -35,6 +45,7 @@ void refine_volumes(const Surface& surface, const std::vector<std::uint32_t>& ca
   for (const std::uint32_t id : cancelling) {
     pacer.step();
     shells.list[id].volume = sums[slot[id]].volume();
+    shells.list[id].flat = is_flat(shells.list[id]);
   }
 }
 
@@ -99,14 +110,9 @@ Shells find_shells(const Surface& surface, const Execution& execution) {
     pacer.step();
     shell.volume /= 6;
     shell.area /= 2;
-    double largest = 0;
-    for (int axis = 0; axis < 3; ++axis)
-      largest = std::fmax(largest, std::fmax(std::fabs(shell.box.min[axis]), std::fabs(shell.box.max[axis])));
-    const double volume = std::fabs(shell.volume);
-    shell.flat = volume <= kFlatRatio * shell.area * std::sqrt(shell.area) ||
-                 volume <= kThinnestRatio * largest * shell.area;
+    shell.flat = is_flat(shell);
     const auto id = static_cast<std::uint32_t>(&shell - shells.list.data());
-    if (!shell.flat && exact::cancels(volume, edge_products[id], shell.box.longest_side()))
+    if (!shell.flat && exact::cancels(shell.volume, edge_products[id], shell.box.longest_side()))
       cancelling.push_back(id);
   }
   if (!cancelling.empty()) refine_volumes(surface, cancelling, shells, execution);

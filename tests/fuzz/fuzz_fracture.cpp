@@ -95,15 +95,17 @@ Mesh traced_surface(Solid& solid, test::Whole& whole) {
 
 /// Volume, area and the sum of the shells' absolute volumes, from the triangles alone.
 test::Whole measures(const Solid& solid) {
-  const Vec3d o = solid.box.center();
   std::vector<long double> six;
+  std::vector<Vec3d> origin;  // of each shell: shells that are far from each other would cancel
   test::Whole whole;
   for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
-    const auto at = [&](int k) {
-      return to_double(solid.positions[solid.triangles[t][static_cast<std::size_t>(k)]]) - o;
-    };
-    const Vec3d a = at(0), b = at(1), c = at(2);
-    six.resize(std::max<std::size_t>(six.size(), solid.shell[t] + 1));
+    const auto corner = [&](std::size_t k) { return to_double(solid.positions[solid.triangles[t][k]]); };
+    if (solid.shell[t] >= six.size()) {
+      six.resize(solid.shell[t] + 1);
+      origin.resize(solid.shell[t] + 1, corner(0));
+    }
+    const Vec3d& o = origin[solid.shell[t]];
+    const Vec3d a = corner(0) - o, b = corner(1) - o, c = corner(2) - o;
     six[solid.shell[t]] += static_cast<long double>(a.x) *
                                (static_cast<long double>(b.y) * c.z - static_cast<long double>(b.z) * c.y) +
                            static_cast<long double>(a.y) *
