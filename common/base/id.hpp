@@ -17,6 +17,9 @@
 
 namespace fracture {
 
+/// What no array has an element of.
+inline constexpr std::uint32_t kNoIndex = 0xffffffffu;
+
 template <class Tag>
 class Id {
  public:

@@ -36,6 +36,9 @@ class Pacer {
   std::uint64_t done_ = 0;
 };
 
+/// Of what is copied or compressed at once.
+inline constexpr std::size_t kBytesBetweenPolls = std::size_t{1} << 18;
+
 /// std::sort that can be interrupted, for arrays that may have more than some ten thousand elements (a
 /// million take a tenth of a second). The elements are trivially copyable, so that nothing is lost but their
 /// order.

@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/id.hpp"
 #include "common/base/pacer.hpp"
 #include "common/base/scratch.hpp"
 
 namespace fracture {
 namespace {
-
-constexpr std::uint32_t kNone = 0xffffffffu;
 
 /// Does d lie strictly inside the circle through the counter-clockwise a, b, c? Differences have 26 bits, the
 /// determinant fewer than 110: exact in 128 bits, which are only asked where doubles cannot tell.
@@ -46,19 +45,19 @@ class Flipper {
     pair_edges(pacer);
     queue_.clear();
     for (std::uint32_t h = 0; h < twin_.size(); ++h)
-      if (twin_[h] != kNone && h < twin_[h]) queue_.push_back(h);
+      if (twin_[h] != kNoIndex && h < twin_[h]) queue_.push_back(h);
     std::size_t flips = kFlipsPerTriangle * triangles.size();
     while (!queue_.empty() && flips > 0) {
       const std::uint32_t h = queue_.back();
       queue_.pop_back();
       pacer.step(4);
-      if (twin_[h] == kNone || !should_flip(h)) continue;
+      if (twin_[h] == kNoIndex || !should_flip(h)) continue;
       const std::uint32_t g = twin_[h];
       flip(h);
       --flips;
       for (const std::uint32_t t : {h & ~3u, g & ~3u})
         for (std::uint32_t k = t; k < t + 3; ++k)
-          if (twin_[k] != kNone) queue_.push_back(k);
+          if (twin_[k] != kNoIndex) queue_.push_back(k);
     }
     for (std::size_t t = 0; t < triangles.size(); ++t)
       for (std::size_t k = 0; k < 3; ++k) triangles[t][k] = corner_[4 * t + k];
@@ -76,7 +75,7 @@ class Flipper {
   // Twins by the lower end: each point has few edges, so its list is sorted by the upper end in place.
   void pair_edges(Pacer& pacer) {
     const auto size = static_cast<std::uint32_t>(corner_.size());
-    twin_.assign(size, kNone);
+    twin_.assign(size, kNoIndex);
     begin_.assign(points_.size() + 1, 0);
     uses_.resize(size / 4 * 3);
     const auto each = [&](const auto& visit) {
@@ -146,7 +145,7 @@ class Flipper {
     set(u, d, b, c);  // edges d-b, b-c, c-d
     const auto join = [&](std::uint32_t x, std::uint32_t y) {
       twin_[x] = y;
-      if (y != kNone) twin_[y] = x;
+      if (y != kNoIndex) twin_[y] = x;
     };
     join(t, ca);
     join(t + 1, ad);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "common/base/id.hpp"
 #include "common/base/pacer.hpp"
 #include "common/base/scratch.hpp"
 
@@ -207,7 +208,6 @@ class EarClipper {
     return true;
   }
 
-  static constexpr std::uint32_t kNoIndex = 0xffffffffu;
   std::span<const LatticePoint> points_;
   std::span<const std::uint32_t> ring_;
   Triangles* triangles_ = nullptr;

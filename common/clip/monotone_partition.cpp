@@ -6,12 +6,11 @@
 #include <set>
 #include <tuple>
 
+#include "common/base/id.hpp"
 #include "common/base/pacer.hpp"
 
 namespace fracture {
 namespace {
-
-constexpr std::uint32_t kNone = 0xffffffffu;
 
 class Sweep {
  public:
@@ -40,7 +39,7 @@ class Sweep {
       return std::tie(points[a].y, points[a].x, a) < std::tie(points[b].y, points[b].x, b);
     });
     for (std::uint32_t k = 0; k < n; ++k) rank_[order[k]] = k;
-    helper_.assign(n, kNone);
+    helper_.assign(n, kNoIndex);
     position_.assign(n, status_.end());
     merge_.assign(n, false);
     joined_.resize(loop_begin.size() - 1);
@@ -145,12 +144,12 @@ class Sweep {
       // Not an edge that ends in v itself.
       if (*it != v && next_[*it] != v) return *it;
     }
-    return kNone;
+    return kNoIndex;
   }
 
   void close_helper(std::uint32_t v, std::uint32_t edge) {
     const std::uint32_t h = helper_[edge];
-    if (h != kNone && merge_[h]) add_diagonal(v, h);
+    if (h != kNoIndex && merge_[h]) add_diagonal(v, h);
   }
 
   //   start     split     regular     regular     end       merge
@@ -166,7 +165,7 @@ class Sweep {
     if (p_later && n_later) {
       if (!convex) {
         const std::uint32_t left = edge_left_of_point(v);
-        if (left != kNone) {
+        if (left != kNoIndex) {
           add_diagonal(v, helper_[left]);
           helper_[left] = v;
         }
@@ -178,7 +177,7 @@ class Sweep {
       if (!convex) {
         merge_[v] = true;
         const std::uint32_t left = edge_left_of_point(v);
-        if (left != kNone) {
+        if (left != kNoIndex) {
           close_helper(v, left);
           helper_[left] = v;
         }
@@ -189,7 +188,7 @@ class Sweep {
       insert(p, v);
     } else {  // going up: right boundary
       const std::uint32_t left = edge_left_of_point(v);
-      if (left != kNone) {
+      if (left != kNoIndex) {
         close_helper(v, left);
         helper_[left] = v;
       }
@@ -211,7 +210,7 @@ class Sweep {
   }
 
   void add_diagonal(std::uint32_t v, std::uint32_t h) {
-    if (h == kNone || v == h) return;
+    if (h == kNoIndex || v == h) return;
     const std::uint32_t a = copy_towards(v, h), b = copy_towards(h, v);
     if (ring_next_[a] == b || ring_next_[b] == a) return;  // already an edge
     joined_[find(loop_[v])] = find(loop_[h]);

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "common/base/disjoint_sets.hpp"
+#include "common/base/id.hpp"
 #include "common/base/pacer.hpp"
 #include "common/clip/delaunay_flips.hpp"
 #include "common/clip/ear_clipping.hpp"
@@ -273,16 +274,15 @@ void divide_regions(std::size_t points, Triangulation& out) {
     joined.unite(t[0], t[1]);
     joined.unite(t[1], t[2]);
   }
-  constexpr std::uint32_t kNone = 0xffffffffu;
-  std::vector<std::uint32_t> part_of(out.regions, kNone), number(points, kNone);
+  std::vector<std::uint32_t> part_of(out.regions, kNoIndex), number(points, kNoIndex);
   bool divided = false;
   for (std::size_t t = 0; t < out.triangles.size(); ++t) {
     const std::uint32_t part = joined.find(out.triangles[t][0]);
     std::uint32_t& first = part_of[out.region[t]];
-    if (first == kNone) {
+    if (first == kNoIndex) {
       first = part;
       number[part] = out.region[t];
-    } else if (number[part] == kNone) {
+    } else if (number[part] == kNoIndex) {
       number[part] = out.regions++;
       divided = true;
     }

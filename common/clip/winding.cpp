@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "common/base/id.hpp"
 #include "common/base/pacer.hpp"
 #include "common/clip/crossing_table.hpp"
 
@@ -13,8 +14,6 @@ using clip_detail::CrossedEdge;
 using clip_detail::Crossing;
 using clip_detail::CrossingTable;
 using clip_detail::LayerCrossings;
-
-constexpr std::uint32_t kNone = 0xffffffffu;
 
 /// A layer whose winding number at a place is not 0.
 struct Inside {
@@ -29,7 +28,7 @@ struct Inside {
 class States {
  public:
   static constexpr std::uint32_t kOutside = 0;
-  static constexpr std::uint32_t kUnknown = kNone;
+  static constexpr std::uint32_t kUnknown = kNoIndex;
 
   explicit States(std::size_t tets) : of_tet_(tets, kUnknown) {}
 
@@ -67,7 +66,7 @@ class WindingTraversal {
         table_(
             clip_detail::find_crossings(solid, diagram, cuts, before ? &before->wanted : nullptr, execution)),
         states_(tets_.size()) {
-    crossed_.assign(4 * tets_.size(), kNone);
+    crossed_.assign(4 * tets_.size(), kNoIndex);
     for (std::uint32_t e = 0; e < table_.edges.size(); ++e) {
       pacer_.step(2);
       const CrossedEdge& edge = table_.edges[e];
@@ -130,7 +129,7 @@ class WindingTraversal {
         const TetId u = tets_[t].n[f];
         if (u == kNoTet || !edge_matters(t, f)) continue;
         const std::uint32_t e = crossed(t, f);
-        if (e == kNone) {
+        if (e == kNoIndex) {
           if (!states_.is_known(u)) {
             states_.set(u, states_.of(t));
             queue.push_back(u);
@@ -248,12 +247,12 @@ class WindingTraversal {
   // -- the intervals with w != 0
 
   void emit_intervals() {
-    constexpr std::size_t kBlock = 2048;
-    std::vector<std::vector<CapSegment>> found((tets_.size() + kBlock - 1) / kBlock);
-    parallel_for(execution_, tets_.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    constexpr std::size_t kTetsPerBlock = 2048;
+    std::vector<std::vector<CapSegment>> found((tets_.size() + kTetsPerBlock - 1) / kTetsPerBlock);
+    parallel_for(execution_, tets_.size(), kTetsPerBlock, [&](std::size_t begin, std::size_t end) {
       Pacer pacer(execution_);
       std::size_t counted = 0;
-      std::vector<CapSegment>& segments = found[begin / kBlock];
+      std::vector<CapSegment>& segments = found[begin / kTetsPerBlock];
       for (const TetId t : ids<TetId>(begin, end)) {
         if (!states_.is_known(t)) continue;
         const std::size_t before = segments.size();
@@ -293,7 +292,7 @@ class WindingTraversal {
     const CutVertexId *name_here = names_.data() + name_begin_[t],
                       *name_there = names_.data() + name_begin_[u];
     const std::uint32_t e = crossed(t, f);
-    if (e == kNone) {
+    if (e == kNoIndex) {
       for (std::size_t k = 0; k < here.size(); ++k)
         emit(t, f, name_here[k], name_there[k], here[k].winding, here[k].part, out);
       return;
@@ -308,7 +307,7 @@ class WindingTraversal {
     for (const LayerCrossings& layer : table_.layers_of(edge)) {
       pass_until(layer.layer);
       // From t's Voronoi vertex to u's, crossing by crossing.
-      CutVertexId from{kNone};
+      CutVertexId from{kNoIndex};
       std::int32_t w = 0;
       if (k < here.size() && here[k].layer == layer.layer) {
         from = name_here[k];
@@ -327,7 +326,7 @@ class WindingTraversal {
         ++m;
       }
     }
-    pass_until(kNone);
+    pass_until(kNoIndex);
   }
 
   // An interval directed out of tetrahedron t through facet f = (a, b, c), counter-clockwise about that

@@ -1,16 +1,14 @@
 #include "common/fragment/closedness.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <vector>
 
 #include "common/base/pacer.hpp"
 #include "common/base/random.hpp"
+#include "common/fragment/float_bits.hpp"
 
 namespace fracture {
 namespace {
-
-std::uint32_t bits(float v) { return std::bit_cast<std::uint32_t>(v == 0 ? 0.0f : v); }  // -0 is 0
 
 /// Open addressing over positions: per vertex the first one at the same place.
 std::vector<std::uint32_t> weld(const std::vector<Vec3f>& positions, Pacer& pacer) {
@@ -19,7 +17,8 @@ std::vector<std::uint32_t> weld(const std::vector<Vec3f>& positions, Pacer& pace
   for (std::uint32_t v = 0; v < positions.size(); ++v) {
     const Vec3f& p = positions[v];
     std::size_t slot =
-        mix64(mix64(bits(p.x) | static_cast<std::uint64_t>(bits(p.y)) << 32) + bits(p.z)) & (size - 1);
+        mix64(mix64(bits_of(p.x) | static_cast<std::uint64_t>(bits_of(p.y)) << 32) + bits_of(p.z)) &
+        (size - 1);
     while (table[slot] != kNoIndex && !(positions[table[slot]] == p)) slot = (slot + 1) & (size - 1);
     if (table[slot] == kNoIndex) table[slot] = v;
     pacer.step();

@@ -2,23 +2,21 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 
 #include "common/base/pacer.hpp"
 #include "common/base/random.hpp"
 #include "common/base/scratch.hpp"
+#include "common/fragment/float_bits.hpp"
 
 namespace fracture {
 namespace {
 
 using Place = std::array<std::uint32_t, 3>;  // the bits of a position in world space
 
-std::uint32_t bits(float v) { return std::bit_cast<std::uint32_t>(v + 0.0f); }  // -0 is 0
-
 /// As a reader of the file computes it: local + translation, in float.
 Place world(const Fragment& f, const Vec3f& pivot, std::uint32_t v) {
   const Vec3f& p = f.positions[v];
-  return {bits(p.x + pivot.x), bits(p.y + pivot.y), bits(p.z + pivot.z)};
+  return {bits_of(p.x + pivot.x), bits_of(p.y + pivot.y), bits_of(p.z + pivot.z)};
 }
 
 Vec3f translation(const Fragment& f) {

@@ -13,8 +13,6 @@ void append_u32(std::vector<std::uint8_t>& out, std::size_t value) {
   for (const int shift : {0, 8, 16, 24}) out.push_back(static_cast<std::uint8_t>(value >> shift));
 }
 
-constexpr std::size_t kBlock = 1 << 18;  // bytes between two polls
-
 /// visit(bytes, count) for all bytes of the views, each 4-byte aligned, which are emptied on the way.
 template <class Visit>
 void each_block(std::vector<Accessors::View>& views, const Execution& execution, const Visit& visit) {
@@ -22,9 +20,9 @@ void each_block(std::vector<Accessors::View>& views, const Execution& execution,
   for (Accessors::View& view : views) {
     const std::size_t size = view.bytes.size();
     for (std::vector<std::uint8_t>& chunk : view.bytes.chunks()) {
-      for (std::size_t at = 0; at < chunk.size(); at += kBlock) {
+      for (std::size_t at = 0; at < chunk.size(); at += kBytesBetweenPolls) {
         execution.poll();
-        visit(chunk.data() + at, std::min(kBlock, chunk.size() - at));
+        visit(chunk.data() + at, std::min(kBytesBetweenPolls, chunk.size() - at));
       }
       chunk = {};
     }
@@ -33,9 +31,9 @@ void each_block(std::vector<Accessors::View>& views, const Execution& execution,
 }
 
 void append_text(std::vector<std::uint8_t>& out, std::string_view text, const Execution& execution) {
-  for (std::size_t at = 0; at < text.size(); at += kBlock) {
+  for (std::size_t at = 0; at < text.size(); at += kBytesBetweenPolls) {
     execution.poll();
-    const std::string_view block = text.substr(at, kBlock);
+    const std::string_view block = text.substr(at, kBytesBetweenPolls);
     out.insert(out.end(), block.begin(), block.end());
   }
 }

@@ -3,12 +3,6 @@
 #include <algorithm>
 
 namespace fracture {
-namespace {
-
-constexpr std::size_t kBlock = 1 << 18;  // bytes between two polls
-
-}  // namespace
-
 const Execution& JsonText::never_stopped() {
   static const Execution execution;
   return execution;
@@ -24,9 +18,9 @@ void JsonText::grow(std::size_t by) {
 
 void JsonText::append(std::string_view raw) {
   if (text_.capacity() - text_.size() < raw.size()) grow(raw.size());
-  for (std::size_t at = 0; at < raw.size(); at += kBlock) {
-    pacer_.step(kBlock / 64);
-    text_ += raw.substr(at, kBlock);
+  for (std::size_t at = 0; at < raw.size(); at += kBytesBetweenPolls) {
+    pacer_.step(kBytesBetweenPolls / 64);
+    text_ += raw.substr(at, kBytesBetweenPolls);
   }
 }
 

@@ -10,11 +10,10 @@
 #include <string>
 #include <vector>
 
+#include "common/base/id.hpp"
 #include "common/base/vec.hpp"
 
 namespace fracture {
-
-inline constexpr std::uint32_t kNoIndex = 0xffffffffu;
 
 /// Per-wedge attributes. Each array is empty when no surface of the mesh has the attribute, else as long as
 /// Mesh::positions (surfaces that lack it are filled with zeros, colours with ones).

@@ -14,7 +14,6 @@ nlohmann::json vector_schema(const ParameterSpec& spec) {
 }
 
 nlohmann::json describe(const ParameterSpec& spec) {
-  using Type = ParameterSpec::Type;
   nlohmann::json entry;
   switch (spec.type) {
     case Type::kInteger:

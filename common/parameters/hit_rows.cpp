@@ -12,7 +12,6 @@ namespace {
 using parameter_fields::kFar;
 using parameter_fields::kLeastLength;
 using parameter_fields::with_member;
-using Type = ParameterSpec::Type;
 
 constexpr std::size_t kMostHits = 64;
 constexpr std::uint64_t kMostHitSites = 10'000;  // of all hits of one answer

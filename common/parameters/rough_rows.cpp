@@ -6,7 +6,6 @@
 namespace fracture {
 
 using parameter_fields::with_member;
-using Type = ParameterSpec::Type;
 
 // Lengths in terms of the solid's size: presets then suit meshes of any scale, and files whose unit is a
 // guess.

@@ -9,7 +9,6 @@ namespace fracture {
 namespace {
 
 using parameter_fields::with_member;
-using Type = ParameterSpec::Type;
 
 void add_solid_rows(std::vector<ParameterSpec>& rows) {
   const auto add = [&](ParameterSpec spec) {

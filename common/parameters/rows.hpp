@@ -7,6 +7,8 @@
 
 namespace fracture {
 
+using Type = ParameterSpec::Type;  // the rows name it some hundred times
+
 /// Every parameter, in the order in which they apply and are listed. `max_sites` and `formats` are the
 /// server's.
 std::vector<ParameterSpec> parameter_rows(std::uint32_t max_sites, const FormatSet& formats);

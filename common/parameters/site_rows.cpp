@@ -9,7 +9,6 @@ using parameter_fields::kFar;
 using parameter_fields::kLeastLength;
 using parameter_fields::with_member;
 using parameter_fields::with_pattern_member;
-using Type = ParameterSpec::Type;
 
 // Rows of a matrix or normals of slices that are more nearly dependent than this have no usable inverse.
 constexpr double kLeastConditioning = 1e-3;

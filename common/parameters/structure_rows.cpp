@@ -10,7 +10,6 @@ namespace {
 using parameter_fields::kFar;
 using parameter_fields::kLeastLength;
 using parameter_fields::with_member;
-using Type = ParameterSpec::Type;
 
 constexpr std::uint32_t kMostLevels = 8;
 

@@ -162,8 +162,8 @@ std::optional<ParameterValue> to_scalar(const ParameterSpec& spec, const RawPara
 }
 
 bool is_vector(ParameterSpec::Type type) {
-  using Type = ParameterSpec::Type;
-  return type == Type::kVector || type == Type::kDirection || type == Type::kVectors || type == Type::kMatrix;
+  return type == ParameterSpec::Type::kVector || type == ParameterSpec::Type::kDirection ||
+         type == ParameterSpec::Type::kVectors || type == ParameterSpec::Type::kMatrix;
 }
 
 }  // namespace
@@ -204,35 +204,34 @@ std::optional<double> to_number(const nlohmann::json& value, bool is_text) {
 }
 
 std::string expectation(const ParameterSpec& spec) {
-  using Type = ParameterSpec::Type;
   const std::string range = "from " + shortest(spec.low) + " to " + shortest(spec.high);
   switch (spec.type) {
-    case Type::kInteger:
+    case ParameterSpec::Type::kInteger:
       return "a whole number from " + std::to_string(spec.min) + " to " + std::to_string(spec.max);
-    case Type::kIntegers:
+    case ParameterSpec::Type::kIntegers:
       return "whole numbers from " + std::to_string(spec.min) + " to " + std::to_string(spec.max) +
              ", as text a,b,c or in JSON [a, b, c]";
-    case Type::kNumber:
+    case ParameterSpec::Type::kNumber:
       return "a number " + range;
-    case Type::kNumbers:
+    case ParameterSpec::Type::kNumbers:
       return "numbers " + range + ", as text a,b,c or in JSON [a, b, c]";
-    case Type::kNames:
+    case ParameterSpec::Type::kNames:
       return "names or indices separated by commas, in UTF-8, none of them empty";
-    case Type::kText:
+    case ParameterSpec::Type::kText:
       return "1 to " + std::to_string(spec.longest_text()) + " bytes of text";
-    case Type::kColor:
+    case ParameterSpec::Type::kColor:
       return "an sRGB colour as #rrggbb";
-    case Type::kVector:
+    case ParameterSpec::Type::kVector:
       return "three numbers " + range + ", as text x,y,z or in JSON [x, y, z]";
-    case Type::kDirection:
+    case ParameterSpec::Type::kDirection:
       return "three numbers " + range + ", not all zero, as text x,y,z or in JSON [x, y, z]";
-    case Type::kVectors:
+    case ParameterSpec::Type::kVectors:
       return std::to_string(spec.min) + " to " + std::to_string(spec.max) + " vectors of three numbers " +
              range + ", as text x,y,z;x,y,z or in JSON [[x, y, z], ...]";
-    case Type::kMatrix:
+    case ParameterSpec::Type::kMatrix:
       return "three rows of three numbers " + range +
              ", as text a,b,c;d,e,f;g,h,i or in JSON [[a, b, c], ...]";
-    case Type::kChoice:
+    case ParameterSpec::Type::kChoice:
       break;
   }
   return join(spec.choices);

@@ -1,17 +1,14 @@
 #include "common/pipeline/make_report.hpp"
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "common/base/pacer.hpp"
+#include "common/pipeline/number_text.hpp"
 
 namespace fracture {
 namespace {
-
-/// As everything else that an answer says: the shortest that reads back as the same double.
-std::string text_of(double value) { return nlohmann::json(value).dump(); }
 
 void report_sites(const Solid& solid, const Diagram& diagram, const FragmentSet& set, Report& report) {
   report.solid = solid.report;

@@ -5,14 +5,13 @@
 #include <nlohmann/json.hpp>
 
 #include "common/fragment/mirror_sum.hpp"
+#include "common/pipeline/number_text.hpp"
 
 namespace fracture {
 namespace {
 
 /// Of volumes and areas before rounding, relative (invariant I2).
 constexpr double kTolerance = 1e-9;
-
-std::string text_of(double value) { return nlohmann::json(value).dump(); }
 
 void compare(const char* what, double is, double should_be, double bound, const char* unit,
              Verdict& verdict) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/id.hpp"
+
 namespace fracture {
 namespace {
 
@@ -14,7 +16,6 @@ constexpr double kMostEmpty = 64;
 /// Of removing pinches; the first is enough for nearly all regions.
 constexpr int kMostPasses = 16;
 constexpr double kHalfRoot3 = 0.8660254037844386;
-constexpr std::uint32_t kNone = 0xffffffffu;
 
 }  // namespace
 
@@ -160,10 +161,10 @@ bool CoreLattice::remove_pinches(const Execution& execution) {
 }
 
 void CoreLattice::collect(Pacer& pacer) {
-  number_.assign(usable_.size(), kNone);
+  number_.assign(usable_.size(), kNoIndex);
   const auto number_of = [&](const Point& point) {
     std::uint32_t& n = number_[index(point)];
-    if (n == kNone) {
+    if (n == kNoIndex) {
       n = static_cast<std::uint32_t>(points_.size());
       points_.push_back({x_of(point.row, point.column), y_of(point.row)});
     }
@@ -174,16 +175,16 @@ void CoreLattice::collect(Pacer& pacer) {
     triangles_.push_back({i, j, k});
   });
   // One edge of the rim leaves each of its points: follow them backwards, so that the core is on the right.
-  std::vector<std::uint32_t> before(points_.size(), kNone);
+  std::vector<std::uint32_t> before(points_.size(), kNoIndex);
   for (const auto& e : rim_edges_) before[number_[e[1]]] = number_[e[0]];
   for (const auto& e : rim_edges_) {
     pacer.step();
     std::uint32_t at = number_[e[0]];
-    if (before[at] == kNone) continue;
-    while (before[at] != kNone) {
+    if (before[at] == kNoIndex) continue;
+    while (before[at] != kNoIndex) {
       rim_.push_back(at);
       const std::uint32_t next = before[at];
-      before[at] = kNone;
+      before[at] = kNoIndex;
       at = next;
     }
     rim_begin_.push_back(static_cast<std::uint32_t>(rim_.size()));

@@ -10,6 +10,8 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "server/bake/wait_for.hpp"
+
 namespace fracture::bake {
 
 namespace fs = std::filesystem;
@@ -18,17 +20,10 @@ namespace {
 
 /// A pipe that takes anything takes so much without waiting (POSIX: PIPE_BUF).
 constexpr std::size_t kPipeBlock = 4096;
-/// How soon a stop takes effect while nobody reads.
-constexpr int kPollMilliseconds = 50;
 
 bool write_with_polls(int fd, std::span<const std::byte> bytes, const std::stop_token& stop) {
   while (!bytes.empty()) {
-    if (stop.stop_requested()) {
-      errno = ECANCELED;
-      return false;
-    }
-    pollfd waits{fd, POLLOUT, 0};
-    if (::poll(&waits, 1, kPollMilliseconds) == 0) continue;
+    if (!wait_for(fd, POLLOUT, stop)) return false;
     const ssize_t n = ::write(fd, bytes.data(), std::min(bytes.size(), kPipeBlock));
     if (n < 0 && (errno == EINTR || errno == EAGAIN)) continue;
     if (n <= 0) return false;

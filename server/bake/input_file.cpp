@@ -11,12 +11,10 @@
 #include <utility>
 
 #include "server/bake/output_path.hpp"
+#include "server/bake/wait_for.hpp"
 
 namespace fracture::bake {
 namespace {
-
-/// How soon a stop takes effect while a pipe is silent.
-constexpr int kPollMilliseconds = 50;
 
 /// Reads to the end; false with errno set.
 bool read_all(int fd, std::string& bytes, const std::stop_token& stop) {
@@ -24,13 +22,7 @@ bool read_all(int fd, std::string& bytes, const std::stop_token& stop) {
   if (::fstat(fd, &found) == 0 && S_ISREG(found.st_mode))
     bytes.reserve(static_cast<std::size_t>(found.st_size));
   std::array<char, 1 << 16> block;
-  for (;;) {
-    if (stop.stop_requested()) {
-      errno = ECANCELED;
-      return false;
-    }
-    pollfd waits{fd, POLLIN, 0};
-    if (::poll(&waits, 1, kPollMilliseconds) == 0) continue;
+  while (wait_for(fd, POLLIN, stop)) {
     const ssize_t n = ::read(fd, block.data(), block.size());
     if (n == 0) return true;
     if (n > 0)
@@ -38,6 +30,7 @@ bool read_all(int fd, std::string& bytes, const std::stop_token& stop) {
     else if (errno != EINTR && errno != EAGAIN)
       return false;
   }
+  return false;
 }
 
 Expected<MeshFormat> format_of(const std::string& path, std::span<const std::byte> bytes,

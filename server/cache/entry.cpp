@@ -13,7 +13,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-constexpr char kMagic[4] = {'F', 'R', 'C', 'E'};
+constexpr char kEntryMagic[4] = {'F', 'R', 'C', 'E'};
 constexpr std::uint32_t kVersion = 1;
 constexpr std::size_t kChecksumAt = 24;
 
@@ -50,7 +50,7 @@ Number get(std::span<const std::uint8_t> bytes, std::size_t at) {
 }  // namespace
 
 std::string encode_entry_head(const CacheEntry& entry) {
-  std::string head(kMagic, sizeof kMagic);
+  std::string head(kEntryMagic, sizeof kEntryMagic);
   put(head, kVersion);
   put(head, static_cast<std::uint32_t>(entry.key.size()));
   put(head, static_cast<std::uint32_t>(entry.metadata.size()));
@@ -65,7 +65,7 @@ std::string encode_entry_head(const CacheEntry& entry) {
 }
 
 std::optional<std::uint64_t> size_of_entry(std::span<const std::uint8_t> header) {
-  if (header.size() < kEntryHeader || std::memcmp(header.data(), kMagic, sizeof kMagic) != 0 ||
+  if (header.size() < kEntryHeader || std::memcmp(header.data(), kEntryMagic, sizeof kEntryMagic) != 0 ||
       get<std::uint32_t>(header, 4) != kVersion)
     return std::nullopt;
   const std::uint64_t before = kEntryHeader + std::uint64_t{get<std::uint32_t>(header, 8)} +

@@ -15,9 +15,9 @@
 namespace fracture {
 namespace {
 
-constexpr std::string_view kMagic = "FRS1";
+constexpr std::string_view kSignatureMagic = "FRS1";
 using Signature = std::array<std::uint8_t, 32>;
-static_assert(FarmKeys::kHead == kMagic.size() + sizeof(Signature));
+static_assert(FarmKeys::kHead == kSignatureMagic.size() + sizeof(Signature));
 
 Signature sign(const std::string& key, const SignedAs& as, std::initializer_list<FarmKeys::Bytes> bytes) {
   // Fetched once: a fetch locks a table of the library.
@@ -77,19 +77,20 @@ Expected<FarmKeys> FarmKeys::parse(std::string_view text) {
 
 std::string FarmKeys::head(const SignedAs& as, std::initializer_list<Bytes> bytes) const {
   const Signature signature = sign(keys_.at(0), as, bytes);
-  std::string head(kMagic);
+  std::string head(kSignatureMagic);
   head.append(reinterpret_cast<const char*>(signature.data()), signature.size());
   return head;
 }
 
 std::optional<FarmKeys::Bytes> FarmKeys::open(const SignedAs& as, Bytes stored) const {
-  if (stored.size() < kHead || std::memcmp(stored.data(), kMagic.data(), kMagic.size()) != 0)
+  if (stored.size() < kHead ||
+      std::memcmp(stored.data(), kSignatureMagic.data(), kSignatureMagic.size()) != 0)
     return std::nullopt;
   const Bytes bytes = stored.subspan(kHead);
   for (const std::string& key : keys_) {
     const Signature right = sign(key, as, {bytes});
     // In constant time: how much of a guess was right must not show.
-    if (CRYPTO_memcmp(right.data(), stored.data() + kMagic.size(), right.size()) == 0) return bytes;
+    if (CRYPTO_memcmp(right.data(), stored.data() + kSignatureMagic.size(), right.size()) == 0) return bytes;
   }
   return std::nullopt;
 }

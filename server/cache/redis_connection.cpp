@@ -15,15 +15,14 @@
 namespace fracture {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 /// Room in an answer beside the value that it holds.
 constexpr std::size_t kSlack = 64u << 10;
 
 /// Waits for the socket; false when the time is over.
-bool wait_for(int fd, short events, Clock::time_point deadline) {
+bool wait_for(int fd, short events, std::chrono::steady_clock::time_point deadline) {
   for (;;) {
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
+    const auto left =
+        std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
     if (left.count() <= 0) return false;
     pollfd p{fd, events, 0};
     const int ready = ::poll(&p, 1, static_cast<int>(left.count()));
@@ -153,13 +152,13 @@ std::size_t RedisConnection::read_some(char* to, std::size_t size, Deadline dead
       std::size_t got = 0;
       ERR_clear_error();
       const int result = SSL_read_ex(ssl_.get(), to, size, &got);
-      if (result == 1) return Clock::now() < deadline ? got : 0;
+      if (result == 1) return std::chrono::steady_clock::now() < deadline ? got : 0;
       if (!wait_as_told(result, deadline)) return 0;
       continue;
     }
     const ssize_t got = ::recv(fd_, to, size, 0);
     // Also where bytes are always there: it may be a flood.
-    if (got > 0) return Clock::now() < deadline ? static_cast<std::size_t>(got) : 0;
+    if (got > 0) return std::chrono::steady_clock::now() < deadline ? static_cast<std::size_t>(got) : 0;
     if (got < 0 && errno == EINTR) continue;
     if (got < 0 && errno == EAGAIN) {
       if (!wait_for(fd_, POLLIN, deadline)) return 0;

@@ -10,8 +10,6 @@
 
 namespace fracture {
 
-using Clock = std::chrono::steady_clock;
-
 namespace {
 
 /// In the order in which they should be tried; empty where `error` says why.
@@ -39,7 +37,7 @@ struct Resolver::State {
   std::mutex mutex;
   Known known;
   bool asking = false, numeric = false;
-  Clock::time_point answered{};
+  std::chrono::steady_clock::time_point answered{};
 };
 
 Resolver::Resolver(std::string host, std::string port) : state_(std::make_shared<State>()) {
@@ -56,7 +54,7 @@ Resolver::Resolver(std::string host, std::string port) : state_(std::make_shared
 
 Resolver::Known Resolver::known() {
   const std::lock_guard lock(state_->mutex);
-  if (!state_->numeric && !state_->asking && Clock::now() - state_->answered >= kFresh) {
+  if (!state_->numeric && !state_->asking && std::chrono::steady_clock::now() - state_->answered >= kFresh) {
     state_->asking = true;
     ask(state_);
   }
@@ -73,7 +71,7 @@ void Resolver::ask(const std::shared_ptr<State>& state) {
       // A name server that is away for a while takes no addresses away.
       if (!addresses.empty() || error == EAI_NONAME) state->known.addresses = std::move(addresses);
       state->known.asked = true;
-      state->answered = Clock::now();
+      state->answered = std::chrono::steady_clock::now();
       state->asking = false;
     }).detach();
   } catch (const std::system_error&) {  // no thread to be had: at the next call
