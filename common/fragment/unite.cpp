@@ -287,6 +287,7 @@ Piece join_pieces(const RestrictedDiagram& d, const Pieces& pieces, const PieceG
 
 SizeFigures unite_by_size(const RestrictedDiagram& d, const Pieces& pieces, const SizeLimits& limits,
                           PieceGroups& groups, const Execution& execution) {
+  execution.poll();
   SizeFigures figures;
   figures.min_volume = std::max(limits.min_volume, limits.min_fraction * d.solid.report.volume);
   if (!limits.any() || pieces.pieces.empty()) return figures;
