@@ -29,19 +29,37 @@ endif()
 target_compile_options(fracture_warnings INTERFACE
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict>)
 
+# Where several sources are one unit, g++ warns of what is none: coroutines' frames that hold types of an unnamed
+# namespace (each is seen in one unit only), and local names that some other source of the unit has, too.
+if(FRACTURE_UNITY)
+  target_compile_options(fracture_warnings INTERFACE
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage -Wno-shadow>)
+endif()
+
 add_library(fracture_sanitizers INTERFACE)
 if(FRACTURE_SANITIZE)
   target_compile_options(fracture_sanitizers INTERFACE -fsanitize=${FRACTURE_SANITIZE} -fno-omit-frame-pointer
                          -fno-sanitize-recover=all)
   target_link_options(fracture_sanitizers INTERFACE -fsanitize=${FRACTURE_SANITIZE})
   target_compile_definitions(fracture_sanitizers INTERFACE FRACTURE_SANITIZED=1)
+  # The places in a sanitizer's report; no more of debugging information.
+  target_compile_options(fracture_sanitizers INTERFACE -g1)
 endif()
+
+# For the folder and those below it that wait for sockets, disks and processes: under a sanitizer their templates take
+# three times as long to optimize as to compile, and their tests run as long without. Fuzzing is worth the time.
+macro(fracture_unoptimized_under_sanitizers)
+  if(FRACTURE_SANITIZE AND NOT FRACTURE_FUZZ)
+    add_compile_options(-O0)
+  endif()
+endmacro()
 
 # fracture_library(name SOURCES ... DEPS ...): one stage of the pipeline, also known as fracture::name.
 function(fracture_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPS" ${ARGN})
   add_library(fracture_${name} STATIC ${ARG_SOURCES})
   add_library(fracture::${name} ALIAS fracture_${name})
+  set_target_properties(fracture_${name} PROPERTIES UNITY_BUILD ${FRACTURE_UNITY})
   target_include_directories(fracture_${name} PUBLIC ${CMAKE_SOURCE_DIR})
   target_link_libraries(fracture_${name} PUBLIC ${ARG_DEPS} fracture_strict_fp fracture_sanitizers
                         PRIVATE fracture_warnings)
@@ -54,6 +72,8 @@ function(fracture_test name)
     set(ARG_TIMEOUT 600)
   endif()
   add_executable(${name} ${ARG_SOURCES})
+  # Tests call what is fast; they need not be. -O2 takes half as long again to compile.
+  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${ARG_DEPS} fracture_warnings fracture_strict_fp fracture_sanitizers
                         GTest::gmock_main)

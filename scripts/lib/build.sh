@@ -4,12 +4,14 @@
 # What one checkout has compiled serves the next one, wherever it lies.
 export CCACHE_BASEDIR=${CCACHE_BASEDIR:-${root:?}} CCACHE_NOHASHDIR=${CCACHE_NOHASHDIR:-1}
 
-# build_preset PRESET [TARGET...]: configures and builds; the compiler's output is shown only when it fails.
+# build_preset PRESET [TARGET...]: configures and builds; the compiler's output is shown only when it fails. A new folder
+# compiles a library's sources several at once (FRACTURE_UNITY); a folder that somebody configured stays as it is.
 # FRACTURE_CONFIGURE: further arguments of cmake, with spaces between them.
 build_preset() {
   local preset=$1 log targets=() configure=()
   shift
   read -ra configure <<<"${FRACTURE_CONFIGURE:-}"
+  [[ -f ${root:?}/build/$preset/CMakeCache.txt ]] || configure+=(-DFRACTURE_UNITY=ON)
   [[ $# -eq 0 ]] || targets=(--target "$@")
   log=${root:?}/build/$preset.log
   mkdir -p "$root/build"

@@ -156,9 +156,10 @@ class Checks(unittest.TestCase):
 
     def test_tidy(self):
         self.needs("clang-tidy")
-        self.plant("build/release/compile_commands.json",
-                   f'[{{"directory": "{self.root}", "command": "c++ -std=c++20 -I. -c common/base/vec.cpp", '
-                   f'"file": "{self.root}/common/base/vec.cpp"}}]')
+        self.plant("CMakeLists.txt", "cmake_minimum_required(VERSION 3.25)\nproject(planted CXX)\n"
+                   "add_library(planted common/base/vec.cpp)\ntarget_include_directories(planted PRIVATE .)\n")
+        self.plant("CMakePresets.json", '{"version": 6, "configurePresets": [{"name": "release", "generator": "Ninja", '
+                   '"cacheVariables": {"CMAKE_EXPORT_COMPILE_COMMANDS": "ON"}}]}')
         self.plant(".gitignore", "/build/\n")
         self.expect_clean("tidy")
         self.plant("common/base/vec.cpp", '#include "common/base/vec.hpp"\n\nint twice(int x) { return x == x ? x + x : 0; }\n')
