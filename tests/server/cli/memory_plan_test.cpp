@@ -40,7 +40,7 @@ TEST(MemoryPlan, ALargeMachineKeepsTheDefaults) {
 }
 
 TEST(MemoryPlan, EverythingFitsIntoWhateverThereIs) {
-  for (const std::uint64_t memory : {240 * kMiB, 256 * kMiB, 512 * kMiB, 1 * kGiB, 2 * kGiB, 4 * kGiB}) {
+  for (const std::uint64_t memory : {256 * kMiB, 320 * kMiB, 512 * kMiB, 1 * kGiB, 2 * kGiB, 4 * kGiB}) {
     ServeOptions options = small_server();
     EXPECT_THAT(plan_memory(options, {}, memory), IsEmpty()) << memory / kMiB;
     EXPECT_LE(resident(options), static_cast<double>(memory)) << memory / kMiB;
@@ -70,7 +70,7 @@ TEST(MemoryPlan, WhatCannotFitIsRefusedWithTheSum) {
   options.store.quota_bytes = 1 * kGiB;
   const std::uint64_t before = options.dispatcher.max_working_bytes;
   EXPECT_THAT(plan_memory(options, {"mesh-store"}, 512 * kMiB),
-              ElementsAre(AllOf(HasSubstr("104 MiB at rest"), HasSubstr("mesh-store 1024 MiB"),
+              ElementsAre(AllOf(HasSubstr("120 MiB at rest"), HasSubstr("mesh-store 1024 MiB"),
                                 HasSubstr("max-working at least 64 MiB"), HasSubstr("512 MiB"),
                                 HasSubstr("--memory"))));
   EXPECT_EQ(options.dispatcher.max_working_bytes, before) << "nothing is changed";
