@@ -3,6 +3,12 @@
 #include <openssl/evp.h>
 #include <openssl/sha.h>
 
+#include <algorithm>
+#include <memory>
+
+#include "common/base/error.hpp"
+#include "common/base/pacer.hpp"
+
 namespace fracture {
 
 std::string Digest::hex() const {
@@ -19,6 +25,30 @@ std::string Digest::hex() const {
 Digest sha256(std::span<const std::byte> data) {
   Digest d;
   SHA256(reinterpret_cast<const unsigned char*>(data.data()), data.size(), d.bytes.data());
+  return d;
+}
+
+std::vector<std::uint8_t> digest_bytes(DigestAlgorithm algorithm, std::span<const std::byte> data,
+                                       const Execution& execution) {
+  const EVP_MD* const kind = algorithm == DigestAlgorithm::kSha256 ? EVP_sha256() : EVP_sha512();
+  const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context(EVP_MD_CTX_new(), &EVP_MD_CTX_free);
+  bool good = context && EVP_DigestInit_ex(context.get(), kind, nullptr) == 1;
+  while (good && !data.empty()) {
+    execution.poll();
+    const auto block = data.first(std::min(data.size(), kBytesBetweenPolls));
+    good = EVP_DigestUpdate(context.get(), block.data(), block.size()) == 1;
+    data = data.subspan(block.size());
+  }
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(EVP_MD_get_size(kind)));
+  if (!good || EVP_DigestFinal_ex(context.get(), bytes.data(), nullptr) != 1)
+    throw InternalError("a digest cannot be computed");
+  return bytes;
+}
+
+Digest sha256(std::span<const std::byte> data, const Execution& execution) {
+  const std::vector<std::uint8_t> bytes = digest_bytes(DigestAlgorithm::kSha256, data, execution);
+  Digest d;
+  std::copy(bytes.begin(), bytes.end(), d.bytes.begin());
   return d;
 }
 

@@ -7,6 +7,9 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
+
+#include "common/base/execution.hpp"
 
 namespace fracture {
 
@@ -18,6 +21,14 @@ struct Digest {
 
 Digest sha256(std::span<const std::byte> data);
 Digest sha256(std::string_view data);
+/// With polls, for what may have gigabytes. Throws Interrupted.
+Digest sha256(std::span<const std::byte> data, const Execution& execution);
+
+/// Of RFC 9530.
+enum class DigestAlgorithm { kSha256, kSha512 };
+/// With polls: 32 or 64 bytes. Throws Interrupted.
+std::vector<std::uint8_t> digest_bytes(DigestAlgorithm algorithm, std::span<const std::byte> data,
+                                       const Execution& execution);
 
 /// RFC 4648, section 4: how HTTP writes digests down (RFC 9530).
 std::string base64(std::span<const std::uint8_t> bytes);

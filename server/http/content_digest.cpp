@@ -1,8 +1,7 @@
 #include "server/http/content_digest.hpp"
 
-#include <openssl/evp.h>
-
 #include <algorithm>
+#include <array>
 #include <span>
 #include <string>
 
@@ -12,18 +11,20 @@
 namespace fracture::http {
 namespace {
 
-/// As a byte sequence of RFC 8941: ":<base64>:".
-std::string byte_sequence_of(std::string_view body, const EVP_MD* algorithm) {
-  unsigned char digest[EVP_MAX_MD_SIZE];
-  unsigned int size = 0;
-  if (EVP_Digest(body.data(), body.size(), digest, &size, algorithm, nullptr) != 1)
-    throw InternalError("a digest cannot be computed");
-  return std::string(":").append(base64(std::span(digest, size))) += ':';
-}
+struct Announced {
+  std::string_view name;
+  DigestAlgorithm algorithm;
+  std::string_view value;  ///< a byte sequence of RFC 8941, ":<base64>:"; empty: none
+};
 
 }  // namespace
 
-std::optional<Problem> check_content_digest(std::string_view field, std::string_view body) {
+std::optional<Problem> check_content_digest(std::string_view field, std::string_view body,
+                                            const Execution& execution) {
+  // Of a name that is repeated the last value counts (RFC 8941, section 4.2.2): the body is read once for
+  // each algorithm, however long the field is.
+  std::array<Announced, 2> known{
+      {{"sha-256", DigestAlgorithm::kSha256, {}}, {"sha-512", DigestAlgorithm::kSha512, {}}}};
   while (!field.empty()) {
     std::string_view item = field.substr(0, field.find(','));
     field.remove_prefix(std::min(field.size(), item.size() + 1));
@@ -34,15 +35,17 @@ std::optional<Problem> check_content_digest(std::string_view field, std::string_
         value.back() != ':')
       return Problem(HttpProblem::kMalformedRequest,
                      "Content-Digest must be written sha-256=:<base64 of the digest>: (RFC 9530).");
-    const std::string_view name = item.substr(0, equals);
-    const EVP_MD* const algorithm = name == "sha-256"   ? EVP_sha256()
-                                    : name == "sha-512" ? EVP_sha512()
-                                                        : nullptr;
-    if (!algorithm) continue;
-    if (const std::string found = byte_sequence_of(body, algorithm); found != value)
+    for (Announced& one : known)
+      if (one.name == item.substr(0, equals)) one.value = value;
+  }
+  for (const Announced& one : known) {
+    if (one.value.empty()) continue;
+    const auto bytes = std::as_bytes(std::span(body.data(), body.size()));
+    const std::string found = ":" + base64(digest_bytes(one.algorithm, bytes, execution)) + ":";
+    if (found != one.value)
       return Problem(HttpProblem::kContentDigestMismatch,
                      "The " + std::to_string(body.size()) + " bytes of the body have the digest " +
-                         std::string(name) + "=" + found + ", and another one was announced.");
+                         std::string(one.name) + "=" + found + ", and another one was announced.");
   }
   return std::nullopt;
 }

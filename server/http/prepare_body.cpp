@@ -101,7 +101,7 @@ Answered Api::prepared_body(const std::shared_ptr<Request>& request, const Prepa
   try {
     execution.poll();  // it may have waited for long
     if (!preparation.digest.empty())
-      if (auto wrong = check_content_digest(preparation.digest, request->body))
+      if (auto wrong = check_content_digest(preparation.digest, request->body, execution))
         return refused(std::move(*wrong));
     Decoding decoding = decode_body(request->body, preparation.coding, limit, request->reservation, execution,
                                     preparation.expected);

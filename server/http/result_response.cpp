@@ -96,8 +96,7 @@ std::shared_ptr<const FractureResult> make_variant(const FractureResult& result,
   variant->mesh_digest = result.mesh_digest;
   variant->format = result.format;
   variant->file = encode_body(plain_bytes(result, representation.figures), representation.coding, execution);
-  execution.poll();
-  variant->file_digest = sha256(std::as_bytes(std::span(variant->file)));
+  variant->file_digest = sha256(std::as_bytes(std::span(variant->file)), execution);
   return variant;
 }
 

@@ -293,9 +293,9 @@ Expected<FracturedSolid> FractureService::make_result(const PreparedMesh& mesh, 
     options.mesh_digest = result->mesh_digest;
     GltfFile encoded = engine_->encode(fractured, options, request.output, execution);
     result->file = std::move(encoded.bytes);
-    result->file_digest = sha256(std::as_bytes(std::span(result->file)));
+    result->file_digest = sha256(std::as_bytes(std::span(result->file)), execution);
     result->figures = encoded.figures;
-    result->figures_digest = sha256(std::as_bytes(result->bytes_of(result->figures)));
+    result->figures_digest = sha256(std::as_bytes(result->bytes_of(result->figures)), execution);
     result->parameters = options.parameters.dump();
     result->summary = summary_of(fractured);
   }

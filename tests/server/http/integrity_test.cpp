@@ -31,6 +31,25 @@ TEST(ContentDigest, AnotherBodyIsRefusedByEachOfThem) {
   }
 }
 
+// A field of 16 KiB has room for 280 of them.
+TEST(ContentDigest, ABodyIsReadOnceForAnAlgorithmAndWithPolls) {
+  const std::string body(4 << 20, 'x');
+  const auto polls_of = [&](const std::string& field) {
+    int polls = 0;
+    Execution execution;
+    execution.watch = [&polls] { ++polls; };
+    EXPECT_EQ(http::check_content_digest(field, body, execution)->type->slug, "content-digest-mismatch")
+        << field;
+    return polls;
+  };
+  const int once = polls_of(kSha256);
+  EXPECT_GE(once, 4) << "a megabyte at once at most";
+  std::string many = kSha256;
+  for (int k = 0; k < 200; ++k) many += ", " + kSha256;
+  EXPECT_EQ(polls_of(many), once);
+  EXPECT_FALSE(http::check_content_digest("sha-256=:AAAA:, " + kSha256, kHello)) << "the last one counts";
+}
+
 TEST(ContentDigest, WhatIsNoDictionaryOfByteSequencesIsMalformed) {
   for (const std::string field :
        {"sha-256", "sha-256=abc", "sha-256=:", "=:AAAA:", "sha-256=:AAAA", ":AAAA:"}) {
