@@ -206,6 +206,7 @@ std::optional<Error> Dispatcher::prepare(FractureRequest request, const Terms& t
           return prepared;
         });
         p->working.reset();
+        flight->common.end();
         meshes_.land(flight, made);
       };
       seat.flight->common.lead(pool_, {terms.payer.flow, terms.priority, cost},

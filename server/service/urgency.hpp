@@ -42,11 +42,11 @@ class Urgency {
     decide(pool);
   }
 
-  /// It waits for a part that others compute. Where that has landed by then, this changes nothing.
+  /// It waits for a part that others compute. Where that is over by then, this changes nothing: the task may have
+  /// gone on already, and wait for its next part.
   void waits_for(WorkerPool& pool, std::shared_ptr<Urgency> part) {
     const std::lock_guard lock(mutex_);
-    part->join(pool, priority_, flow());
-    part_ = std::move(part);
+    if (part->join_unless_over(pool, priority_, flow())) part_ = std::move(part);
   }
   /// The part has landed. `resume` queues the task as which it goes on.
   template <class Resume>
@@ -64,13 +64,19 @@ class Urgency {
     part_ = std::move(part);
     in_part_ = true;
   }
-  /// Who still joins the part hurries nobody; the task is as urgent as those who wait for the result.
+  /// The part ends; the task is as urgent as those who wait for the result.
   void end_part(WorkerPool& pool, Urgency& part) {
     const std::lock_guard lock(mutex_);
     part.end();
     part_ = nullptr;
     in_part_ = false;
     pool.reclassify(task_, priority_, flow());
+  }
+  /// It is computed, and lands next: who still joins hurries nobody.
+  void end() {
+    const std::lock_guard lock(mutex_);
+    task_ = 0;
+    over_ = true;
   }
   /// Nobody waits for the result any more, and so the result not for its part.
   void gives_up(WorkerPool& pool) {
@@ -128,9 +134,12 @@ class Urgency {
     --waiting(from);
     decide(pool);
   }
-  void end() {
+  bool join_unless_over(WorkerPool& pool, Priority priority, const Flow& flow) {
     const std::lock_guard lock(mutex_);
-    task_ = 0;
+    if (over_) return false;
+    add(priority, flow);
+    decide(pool);
+    return true;
   }
 
   mutable std::mutex mutex_;
@@ -140,6 +149,7 @@ class Urgency {
   TurnTaken turn_;
   std::shared_ptr<Urgency> part_;  ///< what it waits for, or computes as a part
   bool in_part_ = false;           ///< it computes that itself
+  bool over_ = false;
 };
 
 }  // namespace fracture

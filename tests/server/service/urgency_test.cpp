@@ -199,6 +199,26 @@ TEST(Urgency, APartIsHurriedNoLongerThanTheResultsThatNeedIt) {
   job.end_part(pool, *part);
 }
 
+// Who follows a part is told that it is over before it says itself that it waits: the task goes on meanwhile.
+TEST(Urgency, WhoComesTooLateToWaitForAPartWaitsForTheNextOne) {
+  WorkerPool pool(1, 100);
+  const auto lead = [&](Urgency& result) {
+    result.lead(pool, {{"leader", 1}, Priority::kBackground, 0}, [] { return WorkerPool::TaskId{0}; });
+  };
+  Urgency result;
+  const auto mesh = std::make_shared<Urgency>(), diagram = std::make_shared<Urgency>();
+  lead(result);
+  lead(*mesh);
+  lead(*diagram);
+  mesh->end();
+  result.goes_on([](Priority) { return WorkerPool::TaskId{0}; });
+  result.waits_for(pool, diagram);
+  result.waits_for(pool, mesh);  // late
+  result.join(pool, Priority::kRealtime, {"game", 1});
+  EXPECT_EQ(diagram->priority(), Priority::kRealtime);
+  EXPECT_EQ(mesh->priority(), Priority::kBackground);
+}
+
 /// One thread, and a background job that polls at a gate: whoever is more urgent is answered meanwhile.
 struct AJobAtTheGate : testing::Test {
   std::shared_ptr<FakeControl> control = std::make_shared<FakeControl>();
