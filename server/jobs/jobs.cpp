@@ -92,7 +92,7 @@ std::optional<Error> Jobs::start(FractureRequest request, Terms terms, const Own
   }
   job->terms = terms;
   job->terms->seat.reset();
-  if (!job->kept) job->request = request;
+  job->request = request;  // until it is on the disk
   if (auto overload = submit(job, std::move(request), std::move(terms))) return refused(std::move(*overload));
   if (!written) {
     accepted(look_at(*job));
@@ -238,6 +238,7 @@ void Jobs::persist(const Shared& job, const FractureRequest& request) {
   if (!there) return not_durable(job);
   const std::lock_guard lock(mutex_);
   job->view.durable = job->kept;
+  if (job->kept) job->request.reset();
 }
 
 void Jobs::not_durable(const Shared& job) {

@@ -1,6 +1,10 @@
 // Jobs that wait for memory: others held what they turned out to need, and they begin again when it is free.
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+#include <functional>
+
 #include "server/tenants/account.hpp"
 #include "tests/server/jobs_host.hpp"
 
@@ -13,8 +17,11 @@ struct WaitingJob : testing::Test {
   std::optional<JobsHost> host;
 
   /// One job is at the gate, and the next one is crowded out by it. The ids of both.
-  std::pair<std::string, std::string> crowded_out(const std::string& its_folder, const Terms& terms = {}) {
+  /// `spoil`: what happens to the folder once it is in use.
+  std::pair<std::string, std::string> crowded_out(
+      const std::string& its_folder, const Terms& terms = {}, const std::function<void()>& spoil = [] {}) {
     host.emplace(its_folder);
+    spoil();
     crowd.hook(*host->control);
     host->resume();
     const std::string holder = host->start(1);
@@ -39,6 +46,18 @@ TEST_F(WaitingJob, BeginsAgainWhenTheMemoryIsFree) {
   host->wait_for(holder, JobState::kDone);
   host->wait_for(job, JobState::kDone);
   EXPECT_EQ(crowd.cuts, 3);
+}
+
+TEST_F(WaitingJob, BeginsAgainThoughItCouldNotBeWrittenDown) {
+  const auto [holder, job] = crowded_out(folder.path, {}, [this] {
+    const std::filesystem::path meshes = folder / "jobs/meshes";
+    std::filesystem::remove_all(meshes);
+    std::ofstream(meshes) << "where a folder was";
+  });
+  EXPECT_FALSE(host->find(job).durable);
+  crowd.gate.open = true;
+  host->wait_for(holder, JobState::kDone);
+  host->wait_for(job, JobState::kDone);
 }
 
 TEST_F(WaitingJob, KeepsItsPercent) {
