@@ -177,8 +177,13 @@ ImportPool::Taken ImportPool::take(const Execution& execution) {
     }
     free_.wait_for(lock, milliseconds(10));
     lock.unlock();
-    execution.poll();
-    urgent = is_urgent();
+    try {
+      execution.poll();
+      urgent = is_urgent();
+    } catch (...) {
+      lock.lock();  // who waits is counted under it
+      throw;
+    }
     lock.lock();
   }
   Taken taken{std::move(idle_.back()), urgent};
