@@ -2,6 +2,8 @@
 # Sourced by the scripts, which set root (the checkout): builds presets. A build folder is kept and reused.
 
 # What one checkout has compiled serves the next one, wherever it lies.
+# Precompiled headers are cached, too, when ccache trusts what they were made of.
+export CCACHE_SLOPPINESS=${CCACHE_SLOPPINESS:-pch_defines,time_macros}
 export CCACHE_BASEDIR=${CCACHE_BASEDIR:-${root:?}} CCACHE_NOHASHDIR=${CCACHE_NOHASHDIR:-1}
 
 # build_preset PRESET [TARGET...]: configures and builds; the compiler's output is shown only when it fails. A new folder
