@@ -1,11 +1,11 @@
-// What tests of jobs share: a computation that waits for the test, a server that keeps its jobs in a folder.
+// What tests of jobs share: a server that keeps its jobs in a folder.
 #pragma once
 
-#include <atomic>
 #include <string>
 #include <thread>
 #include <utility>
 
+#include "tests/server/gate.hpp"
 #include "tests/server/temporary_folder.hpp"
 #include "tests/server/test_server.hpp"
 #include "tests/support/eventually.hpp"
@@ -13,21 +13,6 @@
 namespace fracture::test {
 
 inline const std::string kAsync = "Content-Type: model/gltf-binary\r\nPrefer: respond-async\r\n";
-
-/// Holds every computation that it is hooked into until it is opened.
-struct Gate {
-  std::atomic<bool> open{false};
-  std::atomic<int> arrived{0};
-  std::function<void(const Execution&)> hook() {
-    return [this](const Execution& execution) {
-      ++arrived;
-      require_eventually(kPatience, "the gate to open", [&] {
-        execution.poll();
-        return open.load();
-      });
-    };
-  }
-};
 
 /// The job's document when it has that state.
 inline nlohmann::json wait_for_state(TestServer& server, const std::string& job, const std::string& state,

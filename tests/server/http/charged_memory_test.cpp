@@ -2,11 +2,11 @@
 // themselves, forms with much around the mesh.
 #include <gtest/gtest.h>
 
-#include <condition_variable>
 #include <fstream>
 #include <thread>
 
 #include "common/digest/digest.hpp"
+#include "tests/server/gate.hpp"
 #include "tests/server/gzip.hpp"
 #include "tests/server/peak_memory.hpp"
 #include "tests/server/temporary_folder.hpp"
@@ -137,28 +137,6 @@ TEST(ChargedMemory, ExtrasOfMaterialsCountInTheCacheAtWhatTheyHold) {
 
 // -- bodies that unfold
 
-/// Holds the first cut until it is opened.
-struct Gate {
-  std::mutex mutex;
-  std::condition_variable changed;
-  bool reached = false, open = false;
-  void pass() {
-    std::unique_lock lock(mutex);
-    reached = true;
-    changed.notify_all();
-    EXPECT_TRUE(changed.wait_for(lock, kPatience, [this] { return open; }));
-  }
-  void wait_until_reached() {
-    std::unique_lock lock(mutex);
-    ASSERT_TRUE(changed.wait_for(lock, kPatience, [this] { return reached; }));
-  }
-  void release() {
-    const std::lock_guard lock(mutex);
-    open = true;
-    changed.notify_all();
-  }
-};
-
 struct OneThread : testing::Test {
   TestServerOptions options;
   std::unique_ptr<TestServer> server;
@@ -175,18 +153,18 @@ struct OneThread : testing::Test {
     ASSERT_TRUE(eventually(kPatience, "an idle thread", [&] { return server->pool.running() == 0; }));
     server->control->during_cut = [this](const Execution&) {
       const int cut = ++cuts;
-      if (cut == 1) gate.pass();
+      if (cut == 1) gate.pass_without_polls();
       if (cut == 2 && during_second_cut) during_second_cut();
     };
     in_background([this] { return server->post_json(path + "/fracture", R"({"seed": 1})"); });
-    gate.wait_until_reached();
+    gate.wait_for(1);
   }
   template <class Ask>
   void in_background(Ask ask) {
     clients.emplace_back([ask] { EXPECT_EQ(ask().status, 200); });
   }
   void TearDown() override {
-    gate.release();
+    gate.open = true;
     for (std::thread& client : clients) client.join();
   }
   const std::string path = "/meshes/sha256:" + sha256("mesh").hex();
@@ -203,7 +181,7 @@ TEST_F(OneThread, ABatchBodyIsDecodedAfterRealtimeWork) {
   in_background([&] { return server->post_json(path + "/fracture", R"({"seed": 2})"); });
   ASSERT_TRUE(
       eventually(kPatience, "the collision in the queue", [&] { return server->pool.queued() == 2; }));
-  gate.release();
+  gate.open = true;
   ASSERT_TRUE(eventually(kPatience, "both", [&] { return cuts == 3; }));
   EXPECT_LT(held, 1u << 20) << "the collision, which came later, went first";
 }

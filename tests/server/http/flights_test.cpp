@@ -6,31 +6,19 @@
 #include <thread>
 #include <vector>
 
+#include "tests/server/gate.hpp"
 #include "tests/server/test_server.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::test {
 namespace {
 
-struct Gate {
-  std::atomic<bool> open{false};
-  std::atomic<int> arrived{0};
-};
-
 struct FlightsOverHttp : testing::Test {
   TestServer server;
   Gate gate;
   std::vector<std::unique_ptr<RawClient>> clients;
 
-  void SetUp() override {
-    server.control->during_cut = [this](const Execution& execution) {
-      ++gate.arrived;
-      require_eventually(kPatience, "the gate to open", [&] {
-        execution.poll();
-        return gate.open.load();
-      });
-    };
-  }
+  void SetUp() override { server.control->during_cut = gate.hook(); }
   void TearDown() override { gate.open = true; }
   RawClient& send(const std::string& target, const std::string& fields = "") {
     clients.push_back(std::make_unique<RawClient>(server.port()));

@@ -9,6 +9,7 @@
 
 #include "common/base/execution.hpp"
 #include "common/digest/digest.hpp"
+#include "tests/server/gate.hpp"
 #include "tests/server/temporary_folder.hpp"
 #include "tests/server/test_server.hpp"
 #include "tests/support/eventually.hpp"
@@ -232,19 +233,6 @@ TEST(RepresentationsOfABusyServer, AnAnswerIsSentAsItIsWhereNoThreadCanCompressI
   EXPECT_EQ(server.get(location, "Accept-Encoding: gzip\r\n").header("content-encoding"), "gzip");
 }
 
-/// Cuts that wait, and stand still for more urgent work meanwhile where they poll.
-struct Gate {
-  std::atomic<int> arrived{0};
-  std::atomic<bool> open{false};
-  void wait(const Execution& execution, bool polls) {
-    ++arrived;
-    require_eventually(kPatience, "the gate to open", [&] {
-      if (polls) execution.poll();
-      return open.load();
-    });
-  }
-};
-
 /// With room enough for every deadline.
 TestServerOptions patient() {
   TestServerOptions options;
@@ -258,7 +246,7 @@ TEST(RepresentationsOfABusyServer, ACollisionCompressesForItselfWhatABatchReques
   TestServer server(patient());
   server.control->glb_padding = 100'000;
   const std::string location = server.post("/fracture?sites=9").header("content-location");
-  server.control->during_cut = [&](const Execution& execution) { gate.wait(execution, false); };
+  server.control->during_cut = [&](const Execution&) { gate.pass_without_polls(); };
   std::vector<std::thread> busy;
   for (int k = 0; k < 2; ++k)
     busy.emplace_back(
@@ -289,7 +277,7 @@ TEST(RepresentationsOfABusyServer, TheAnswerOfAJobIsCompressedBeforeFurtherJobs)
   TestServer server(options);
   server.control->glb_padding = 100'000;
   server.control->during_cut = [&](const Execution& execution) {
-    (cuts++ == 0 ? first : others).wait(execution, true);
+    (cuts++ == 0 ? first : others).pass(execution);
   };
   const auto job = [&](int sites, const std::string& more) {
     return "POST /fracture?sites=" + std::to_string(sites) +

@@ -1,66 +1,17 @@
-#include "server/service/dispatcher.hpp"
-
-#include <gtest/gtest.h>
-
-#include <atomic>
+// What several ask for is computed once, and ends with the last who waits for it.
+#include <chrono>
 #include <future>
 #include <latch>
-#include <map>
 #include <stop_token>
 #include <thread>
 #include <vector>
 
-#include "tests/server/fake_engine.hpp"
-#include "tests/server/fracture_request.hpp"
-#include "tests/support/eventually.hpp"
+#include "tests/server/service/dispatcher_fixture.hpp"
 
-namespace fracture {
+namespace fracture::test {
 namespace {
 
 using std::chrono::steady_clock;
-using test::FakeControl;
-using test::FakeEngine;
-using test::fracture_request;
-
-/// Blocks whoever passes until it is opened; an interruption of the execution gets through.
-struct Gate {
-  void pass(const Execution& execution) {
-    ++arrived;
-    test::require_eventually(test::kPatience, "the gate to open", [&] {
-      execution.poll();
-      return open.load();
-    });
-  }
-  void wait_for(int n) const {
-    test::require_eventually(test::kPatience, "computations to come to the gate",
-                             [&] { return arrived >= n; });
-  }
-  std::atomic<int> arrived{0};
-  std::atomic<bool> open{false};
-};
-
-struct DispatcherTest : testing::Test {
-  std::shared_ptr<FakeControl> control = std::make_shared<FakeControl>();
-  FractureService service{ServiceConfig{}, std::make_unique<FakeEngine>(control)};
-  WorkerPool pool{2, 256};
-  Dispatcher dispatcher{service, pool};
-  std::atomic<int> good{0}, bad{0};
-  std::mutex mutex;
-  std::map<ErrorCode, int> errors;
-  std::map<CacheOutcome, int> outcomes;
-
-  void ask(FractureRequest r, const Terms& terms = {}) {
-    const auto overload = dispatcher.fracture(std::move(r), terms, [this](Expected<FractureAnswer> answer) {
-      const std::lock_guard lock(mutex);
-      if (answer)
-        ++outcomes[answer->result_cache];
-      else
-        ++errors[answer.error().code];
-      ++(answer ? good : bad);
-    });
-    EXPECT_FALSE(overload) << overload->detail;
-  }
-};
 
 TEST_F(DispatcherTest, SixtyFourIdenticalColdRequestsAreOneComputation) {
   Gate gate;
@@ -239,22 +190,6 @@ TEST_F(DispatcherTest, WhatCannotBeInTimeIsRefusedAtOnceWithTheTimeToComeBack) {
   EXPECT_EQ(good, 3);
 }
 
-TEST_F(DispatcherTest, MemoryIsHandedOutByEstimateAndOneAloneAlwaysRuns) {
-  Dispatcher narrow(service, pool, {.max_working_bytes = 1});
-  Gate gate;
-  control->during_cut = [&](const Execution& execution) { gate.pass(execution); };
-  std::atomic<int> answers{0};
-  const auto reply = [&](Expected<FractureAnswer> answer) { answers += answer.has_value(); };
-  EXPECT_FALSE(narrow.fracture(fracture_request("a"), {}, reply));
-  EXPECT_TRUE(narrow.fracture(fracture_request("b"), {}, reply));
-  gate.open = true;
-  narrow.wait_idle();
-  EXPECT_FALSE(narrow.fracture(fracture_request("b"), {}, reply)) << "what was held is given back";
-  narrow.wait_idle();
-  EXPECT_EQ(answers, 2);
-  EXPECT_EQ(narrow.figures().working_bytes, 0u);
-}
-
 TEST_F(DispatcherTest, AnErrorIsEverybodysAndNobodyKeepsIt) {
   Gate gate;
   control->import = [&](std::string_view) -> Expected<Mesh> {
@@ -355,71 +290,6 @@ TEST_F(DispatcherTest, ComingAndGoingAtRandomNobodyIsForgotten) {
 }
 
 // What a computation makes is known while it is made: its reservation grows with it.
-TEST_F(DispatcherTest, AComputationHoldsWhatItMakesUntilItEnds) {
-  Gate gate;
-  constexpr std::uint64_t kPolygons = 100'000;
-  control->during_cut = [&](const Execution& execution) {
-    execution.made(Product::kPolygons, kPolygons);
-    gate.pass(execution);
-  };
-  ask(fracture_request("mesh"));
-  gate.wait_for(1);
-  EXPECT_GE(dispatcher.figures().working_bytes, kPolygons * bytes_of(Product::kPolygons));
-  gate.open = true;
-  dispatcher.wait_idle();
-  EXPECT_EQ(good, 1);
-  EXPECT_EQ(dispatcher.figures().working_bytes, 0u);
-}
-
-TEST_F(DispatcherTest, AComputationThatNeverFitsIsRefusedByNameAndOneThatOthersCrowdOutMayComeBack) {
-  constexpr std::uint64_t kMemory = 64u << 20;
-  Dispatcher small(service, pool, {kMemory});
-  std::mutex of_outcomes;
-  std::map<std::uint64_t, Expected<FractureAnswer>> outcomes_of;
-  const auto run = [&](std::uint64_t seed) {
-    const auto overload =
-        small.fracture(fracture_request("mesh", seed), {}, [&, seed](Expected<FractureAnswer> answer) {
-          const std::lock_guard lock(of_outcomes);
-          outcomes_of.emplace(seed, std::move(answer));
-        });
-    EXPECT_FALSE(overload);
-  };
-  control->during_cut = [&](const Execution& execution) {
-    for (int k = 0; k < 10'000; ++k) execution.made(Product::kCapTriangles, 1000);
-  };
-  run(1);
-  small.wait_idle();
-  ASSERT_FALSE(outcomes_of.at(1));
-  EXPECT_EQ(outcomes_of.at(1).error().code, ErrorCode::kTooComplex);
-  EXPECT_EQ(outcomes_of.at(1).error().extra->at("grew"), "cap_triangles");
-  EXPECT_EQ(outcomes_of.at(1).error().extra->at("limit"), kMemory - kMemory / 8)
-      << "the rest is for small ones";
-
-  // Two that would each fit alone: while one holds its memory, the other is sent away.
-  Gate gate;
-  std::atomic<bool> first{true};
-  control->during_cut = [&](const Execution& execution) {
-    const bool stays = first.exchange(false);
-    if (!stays) gate.wait_for(1);
-    execution.made(Product::kCapTriangles, kMemory * 6 / 10 / bytes_of(Product::kCapTriangles));
-    if (stays) gate.pass(execution);
-  };
-  run(2);
-  run(3);
-  const auto answered = [&](std::uint64_t seed) {
-    const std::lock_guard lock(of_outcomes);
-    return outcomes_of.contains(seed);
-  };
-  test::require_eventually(test::kPatience, "one of the two answers",
-                           [&] { return answered(2) || answered(3); });
-  gate.open = true;
-  small.wait_idle();
-  const bool two = outcomes_of.at(2).has_value(), three = outcomes_of.at(3).has_value();
-  ASSERT_NE(two, three);
-  EXPECT_EQ(outcomes_of.at(two ? 3 : 2).error().code, ErrorCode::kOutOfMemory);
-  EXPECT_EQ(small.figures().working_bytes, 0u);
-}
-
 TEST_F(DispatcherTest, AnAnswerThatDoesNotProveItselfIsNotComputedAgainAndAgain) {
   control->cut_error = [] {
     return Error{ErrorCode::kUnsound, "3 edges are open", {}, Figures(nlohmann::json{{"open_edges", 3}})};
@@ -449,4 +319,4 @@ TEST(FailureMemo, ForgetsTheOldest) {
 }
 
 }  // namespace
-}  // namespace fracture
+}  // namespace fracture::test
