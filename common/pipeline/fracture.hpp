@@ -34,7 +34,8 @@ namespace fracture {
 ///  5  2026-11-21  materials have rough cuts; triangles without area have mirror images in any reading
 ///  6  2026-11-22  answers that do not prove themselves are refused; crossing caps, united pieces and slabs
 ///                 are closed where they were open; areas in the certificate
-inline constexpr int kAlgorithmVersion = 6;
+///  7  2026-11-23  volumes, masses and what follows from them of bodies of needles
+inline constexpr int kAlgorithmVersion = 7;
 
 enum class Dual {
   kCircumcenter,  ///< the Voronoi diagram: fragments partition the solid exactly
