@@ -15,8 +15,8 @@
 #include <thread>
 #include <vector>
 
-#include "tests/server/process_figures.hpp"
-#include "tests/server/server_process.hpp"
+#include "tests/server/support/process_figures.hpp"
+#include "tests/server/support/server_process.hpp"
 #include "tests/support/full_tests.hpp"
 
 namespace fracture::test {

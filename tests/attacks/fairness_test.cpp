@@ -9,10 +9,10 @@
 #include "tests/attacks/attack.hpp"
 #include "tests/attacks/bodies.hpp"
 #include "tests/docker/load.hpp"
-#include "tests/server/exposition.hpp"
-#include "tests/server/raw_client.hpp"
-#include "tests/server/temporary_folder.hpp"
-#include "tests/server/tenant_file.hpp"
+#include "tests/server/support/exposition.hpp"
+#include "tests/server/support/raw_client.hpp"
+#include "tests/server/support/temporary_folder.hpp"
+#include "tests/server/support/tenant_file.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::test {

@@ -6,8 +6,8 @@
 
 #include "tests/attacks/attack.hpp"
 #include "tests/attacks/bodies.hpp"
-#include "tests/server/raw_client.hpp"
-#include "tests/server/temporary_folder.hpp"
+#include "tests/server/support/raw_client.hpp"
+#include "tests/server/support/temporary_folder.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::test {

@@ -2,9 +2,9 @@
 #include "common/digest/digest.hpp"
 #include "tests/attacks/attack.hpp"
 #include "tests/attacks/bodies.hpp"
-#include "tests/server/exposition.hpp"
-#include "tests/server/gzip.hpp"
-#include "tests/server/raw_client.hpp"
+#include "tests/server/support/exposition.hpp"
+#include "tests/server/support/gzip.hpp"
+#include "tests/server/support/raw_client.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::test {

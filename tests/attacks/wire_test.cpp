@@ -3,10 +3,10 @@
 #include "tests/attacks/attack.hpp"
 #include "tests/attacks/bodies.hpp"
 #include "tests/docker/farm.hpp"
-#include "tests/server/exposition.hpp"
-#include "tests/server/gzip.hpp"
-#include "tests/server/proxies.hpp"
-#include "tests/server/server_process.hpp"
+#include "tests/server/support/exposition.hpp"
+#include "tests/server/support/gzip.hpp"
+#include "tests/server/support/proxies.hpp"
+#include "tests/server/support/server_process.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::test {

@@ -14,8 +14,8 @@
 #include "client/game/game.hpp"
 #include "client/render/image.hpp"
 #include "client/scenes/solid_shapes.hpp"
-#include "tests/server/server_process.hpp"
-#include "tests/server/temporary_folder.hpp"
+#include "tests/server/support/server_process.hpp"
+#include "tests/server/support/temporary_folder.hpp"
 
 namespace fracture::app {
 namespace {

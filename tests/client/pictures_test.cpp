@@ -7,7 +7,7 @@
 
 #include "client/render/image.hpp"
 #include "client/render/text.hpp"
-#include "tests/server/temporary_folder.hpp"
+#include "tests/server/support/temporary_folder.hpp"
 
 namespace fracture::test {
 namespace {

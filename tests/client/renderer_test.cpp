@@ -8,7 +8,7 @@
 #include "client/render/fragment_views.hpp"
 #include "tests/client/models.hpp"
 #include "tests/client/renderer_fixture.hpp"
-#include "tests/server/temporary_folder.hpp"
+#include "tests/server/support/temporary_folder.hpp"
 
 namespace fracture::test {
 namespace {

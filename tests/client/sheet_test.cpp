@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "client/render/text.hpp"
-#include "tests/server/temporary_folder.hpp"
+#include "tests/server/support/temporary_folder.hpp"
 
 namespace fracture::test {
 namespace {

@@ -8,8 +8,8 @@
 #include <thread>
 
 #include "client/render/image.hpp"
-#include "tests/server/child_process.hpp"
-#include "tests/server/server_process.hpp"
+#include "tests/server/support/child_process.hpp"
+#include "tests/server/support/server_process.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::app {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/docker/farm.hpp"
-#include "tests/server/bake_folder.hpp"
+#include "tests/server/support/bake_folder.hpp"
 
 namespace fracture::test {
 namespace {

@@ -4,6 +4,9 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <array>
 #include <fstream>
@@ -12,10 +15,10 @@
 #include <string>
 #include <vector>
 
-#include "tests/server/child_process.hpp"
-#include "tests/server/exposition.hpp"
-#include "tests/server/raw_client.hpp"
-#include "tests/server/server_program.hpp"
+#include "tests/server/support/child_process.hpp"
+#include "tests/server/support/exposition.hpp"
+#include "tests/server/support/raw_client.hpp"
+#include "tests/server/support/server_program.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::test {

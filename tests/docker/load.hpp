@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "common/digest/digest.hpp"
-#include "tests/server/raw_client.hpp"
+#include "tests/server/support/raw_client.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::test {

@@ -9,9 +9,9 @@
 #include <cstring>
 
 #include "tests/bench/server/load.hpp"
-#include "tests/server/child_process.hpp"
-#include "tests/server/exposition.hpp"
-#include "tests/server/server_process.hpp"
+#include "tests/server/support/child_process.hpp"
+#include "tests/server/support/exposition.hpp"
+#include "tests/server/support/server_process.hpp"
 
 namespace fracture::bench {
 namespace {

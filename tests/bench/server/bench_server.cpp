@@ -21,9 +21,9 @@
 
 #include "common/digest/digest.hpp"
 #include "tests/bench/server/game_client.hpp"
-#include "tests/server/raw_client.hpp"
-#include "tests/server/server_process.hpp"
-#include "tests/server/temporary_folder.hpp"
+#include "tests/server/support/raw_client.hpp"
+#include "tests/server/support/server_process.hpp"
+#include "tests/server/support/temporary_folder.hpp"
 
 namespace {
 

@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-#include "tests/server/raw_client.hpp"
+#include "tests/server/support/raw_client.hpp"
 
 namespace fracture::bench {
 

@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "server/bake/plan.hpp"
-#include "tests/server/kept_failures.hpp"
+#include "tests/server/support/kept_failures.hpp"
 
 namespace fracture::bake {
 namespace {

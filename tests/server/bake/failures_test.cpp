@@ -6,9 +6,9 @@
 
 #include "server/bake/engine_around.hpp"
 #include "server/bake/run.hpp"
-#include "tests/server/bake_folder.hpp"
-#include "tests/server/child_process.hpp"
-#include "tests/server/kept_failures.hpp"
+#include "tests/server/support/bake_folder.hpp"
+#include "tests/server/support/child_process.hpp"
+#include "tests/server/support/kept_failures.hpp"
 
 namespace fracture::bake {
 namespace {

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <set>
 
-#include "tests/server/temporary_folder.hpp"
+#include "tests/server/support/temporary_folder.hpp"
 
 namespace fracture::bake {
 namespace {

@@ -11,9 +11,9 @@
 #include "server/bake/failure.hpp"
 #include "server/bake/form.hpp"
 #include "server/http/multipart.hpp"
-#include "tests/server/bake_farm.hpp"
-#include "tests/server/relay.hpp"
-#include "tests/server/test_server.hpp"
+#include "tests/server/support/bake_farm.hpp"
+#include "tests/server/support/relay.hpp"
+#include "tests/server/support/test_server.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::bake {

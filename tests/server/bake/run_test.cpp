@@ -10,7 +10,7 @@
 #include <set>
 #include <stop_token>
 
-#include "tests/server/temporary_folder.hpp"
+#include "tests/server/support/temporary_folder.hpp"
 
 namespace fracture::bake {
 namespace {

@@ -1,4 +1,5 @@
 // A bake loses nothing: what it refuses to write over or into, and what it does not take for a mesh.
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -8,13 +9,14 @@
 #include <filesystem>
 #include <fstream>
 #include <stop_token>
+#include <thread>
 
 #include "server/bake/input_file.hpp"
 #include "server/bake/output_path.hpp"
 #include "server/bake/plan.hpp"
 #include "server/bake/result_file.hpp"
-#include "tests/server/bake_folder.hpp"
-#include "tests/server/child_process.hpp"
+#include "tests/server/support/bake_folder.hpp"
+#include "tests/server/support/child_process.hpp"
 
 namespace fracture::bake {
 namespace {

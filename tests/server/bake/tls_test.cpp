@@ -4,9 +4,9 @@
 
 #include "common/digest/digest.hpp"
 #include "server/bake/http_caller.hpp"
-#include "tests/server/authority.hpp"
-#include "tests/server/test_server.hpp"
-#include "tests/server/tls_front.hpp"
+#include "tests/server/support/authority.hpp"
+#include "tests/server/support/test_server.hpp"
+#include "tests/server/support/tls_front.hpp"
 
 namespace fracture::bake {
 namespace {

@@ -12,7 +12,7 @@
 #include <string>
 
 #include "common/digest/digest.hpp"
-#include "tests/server/temporary_folder.hpp"
+#include "tests/server/support/temporary_folder.hpp"
 
 namespace fracture {
 namespace {

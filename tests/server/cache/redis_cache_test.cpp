@@ -9,8 +9,8 @@
 #include <thread>
 
 #include "common/digest/digest.hpp"
-#include "tests/server/redis_process.hpp"
-#include "tests/server/temporary_folder.hpp"
+#include "tests/server/support/redis_process.hpp"
+#include "tests/server/support/temporary_folder.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture {

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "common/digest/digest.hpp"
-#include "tests/server/authority.hpp"
-#include "tests/server/redis_process.hpp"
+#include "tests/server/support/authority.hpp"
+#include "tests/server/support/redis_process.hpp"
 
 namespace fracture::test {
 namespace {

@@ -1,7 +1,7 @@
 // Who may ask: bearer tokens and pages of other origins.
 #include <gtest/gtest.h>
 
-#include "tests/server/test_server.hpp"
+#include "tests/server/support/test_server.hpp"
 
 namespace fracture::test {
 namespace {

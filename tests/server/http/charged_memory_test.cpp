@@ -6,11 +6,11 @@
 #include <thread>
 
 #include "common/digest/digest.hpp"
-#include "tests/server/gate.hpp"
-#include "tests/server/gzip.hpp"
-#include "tests/server/peak_memory.hpp"
-#include "tests/server/temporary_folder.hpp"
-#include "tests/server/test_server.hpp"
+#include "tests/server/support/gate.hpp"
+#include "tests/server/support/gzip.hpp"
+#include "tests/server/support/peak_memory.hpp"
+#include "tests/server/support/temporary_folder.hpp"
+#include "tests/server/support/test_server.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::test {

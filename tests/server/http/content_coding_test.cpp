@@ -11,8 +11,8 @@
 #include <thread>
 #include <vector>
 
-#include "tests/server/gzip.hpp"
-#include "tests/server/test_server.hpp"
+#include "tests/server/support/gzip.hpp"
+#include "tests/server/support/test_server.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::test {

@@ -5,7 +5,7 @@
 #include <thread>
 #include <vector>
 
-#include "tests/server/test_server.hpp"
+#include "tests/server/support/test_server.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::test {

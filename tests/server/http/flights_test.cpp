@@ -6,8 +6,8 @@
 #include <thread>
 #include <vector>
 
-#include "tests/server/gate.hpp"
-#include "tests/server/test_server.hpp"
+#include "tests/server/support/gate.hpp"
+#include "tests/server/support/test_server.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::test {

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "common/base/random.hpp"
-#include "tests/server/exposition.hpp"
 #include "tests/server/http/hostile_corpus.hpp"
-#include "tests/server/test_server.hpp"
+#include "tests/server/support/exposition.hpp"
+#include "tests/server/support/test_server.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::test {

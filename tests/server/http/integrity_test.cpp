@@ -5,8 +5,8 @@
 
 #include "common/digest/digest.hpp"
 #include "server/http/content_digest.hpp"
-#include "tests/server/gzip.hpp"
-#include "tests/server/test_server.hpp"
+#include "tests/server/support/gzip.hpp"
+#include "tests/server/support/test_server.hpp"
 
 namespace fracture::test {
 namespace {

@@ -8,7 +8,7 @@
 #include <new>
 #include <thread>
 
-#include "tests/server/test_server.hpp"
+#include "tests/server/support/test_server.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace {

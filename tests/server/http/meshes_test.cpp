@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "common/digest/digest.hpp"
-#include "tests/server/test_server.hpp"
+#include "tests/server/support/test_server.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::test {

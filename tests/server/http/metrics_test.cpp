@@ -5,8 +5,8 @@
 #include <thread>
 
 #include "server/http/tenant_metrics.hpp"
-#include "tests/server/exposition.hpp"
-#include "tests/server/test_server.hpp"
+#include "tests/server/support/exposition.hpp"
+#include "tests/server/support/test_server.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::test {

@@ -4,7 +4,7 @@
 #include <atomic>
 #include <mutex>
 
-#include "tests/server/test_server.hpp"
+#include "tests/server/support/test_server.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::test {

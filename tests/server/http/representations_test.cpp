@@ -9,9 +9,9 @@
 
 #include "common/base/execution.hpp"
 #include "common/digest/digest.hpp"
-#include "tests/server/gate.hpp"
-#include "tests/server/temporary_folder.hpp"
-#include "tests/server/test_server.hpp"
+#include "tests/server/support/gate.hpp"
+#include "tests/server/support/temporary_folder.hpp"
+#include "tests/server/support/test_server.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::test {

@@ -3,7 +3,7 @@
 #include <openssl/evp.h>
 
 #include "common/digest/digest.hpp"
-#include "tests/server/test_server.hpp"
+#include "tests/server/support/test_server.hpp"
 
 namespace fracture::test {
 namespace {

@@ -1,9 +1,9 @@
 // Names of a token file: what each may ask, and how often.
 #include <gmock/gmock.h>
 
-#include "tests/server/exposition.hpp"
-#include "tests/server/tenant_file.hpp"
-#include "tests/server/test_server.hpp"
+#include "tests/server/support/exposition.hpp"
+#include "tests/server/support/tenant_file.hpp"
+#include "tests/server/support/test_server.hpp"
 
 namespace fracture::test {
 namespace {

@@ -5,9 +5,9 @@
 #include <atomic>
 #include <thread>
 
-#include "tests/server/gzip.hpp"
-#include "tests/server/tenant_file.hpp"
-#include "tests/server/test_server.hpp"
+#include "tests/server/support/gzip.hpp"
+#include "tests/server/support/tenant_file.hpp"
+#include "tests/server/support/test_server.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::test {

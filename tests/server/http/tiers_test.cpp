@@ -4,8 +4,8 @@
 #include <fstream>
 #include <optional>
 
-#include "tests/server/temporary_folder.hpp"
-#include "tests/server/test_server.hpp"
+#include "tests/server/support/temporary_folder.hpp"
+#include "tests/server/support/test_server.hpp"
 
 namespace fracture::test {
 namespace {

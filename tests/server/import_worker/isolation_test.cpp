@@ -10,7 +10,7 @@
 #include <cstdio>
 #include <future>
 
-#include "tests/server/import_pool_fixture.hpp"
+#include "tests/server/support/import_pool_fixture.hpp"
 
 namespace fracture::test {
 namespace {

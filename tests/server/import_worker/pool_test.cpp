@@ -18,7 +18,7 @@
 
 #include "common/import/sibling_files.hpp"
 #include "server/import_worker/mesh_codec.hpp"
-#include "tests/server/import_pool_fixture.hpp"
+#include "tests/server/support/import_pool_fixture.hpp"
 #include "tests/support/mesh_files.hpp"
 
 namespace fracture::test {

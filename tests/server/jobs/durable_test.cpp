@@ -5,8 +5,8 @@
 #include <map>
 #include <optional>
 
-#include "tests/server/job_server.hpp"
-#include "tests/server/tenant_file.hpp"
+#include "tests/server/support/job_server.hpp"
+#include "tests/server/support/tenant_file.hpp"
 
 namespace fracture::test {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/server/temporary_folder.hpp"
+#include "tests/server/support/temporary_folder.hpp"
 
 namespace fracture::test {
 namespace {

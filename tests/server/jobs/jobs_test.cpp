@@ -1,7 +1,7 @@
 // Prefer: respond-async, and what becomes of it.
 #include <gtest/gtest.h>
 
-#include "tests/server/job_server.hpp"
+#include "tests/server/support/job_server.hpp"
 
 namespace fracture::test {
 namespace {

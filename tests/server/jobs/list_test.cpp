@@ -1,8 +1,8 @@
 // GET /jobs: the newest first, in pages, each name's own.
 #include <gtest/gtest.h>
 
-#include "tests/server/job_server.hpp"
-#include "tests/server/tenant_file.hpp"
+#include "tests/server/support/job_server.hpp"
+#include "tests/server/support/tenant_file.hpp"
 
 namespace fracture::test {
 namespace {

@@ -4,7 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "tests/server/jobs_host.hpp"
+#include "tests/server/support/jobs_host.hpp"
 
 namespace fracture::test {
 namespace {

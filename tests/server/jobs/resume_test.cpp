@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "server/tenants/account.hpp"
-#include "tests/server/jobs_host.hpp"
+#include "tests/server/support/jobs_host.hpp"
 
 namespace fracture::test {
 namespace {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "server/http/prefer.hpp"
-#include "tests/server/job_server.hpp"
+#include "tests/server/support/job_server.hpp"
 
 namespace fracture::test {
 namespace {

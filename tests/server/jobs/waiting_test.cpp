@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "server/tenants/account.hpp"
-#include "tests/server/jobs_host.hpp"
+#include "tests/server/support/jobs_host.hpp"
 
 namespace fracture::test {
 namespace {

@@ -5,10 +5,10 @@
 #include <atomic>
 #include <thread>
 
-#include "tests/server/child_process.hpp"
-#include "tests/server/exposition.hpp"
-#include "tests/server/raw_client.hpp"
-#include "tests/server/server_process.hpp"
+#include "tests/server/support/child_process.hpp"
+#include "tests/server/support/exposition.hpp"
+#include "tests/server/support/raw_client.hpp"
+#include "tests/server/support/server_process.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::test {

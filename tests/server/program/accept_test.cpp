@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "tests/gltf/glb_file.hpp"
-#include "tests/server/raw_client.hpp"
-#include "tests/server/server_process.hpp"
+#include "tests/server/support/raw_client.hpp"
+#include "tests/server/support/server_process.hpp"
 
 namespace fracture::test {
 namespace {

@@ -12,8 +12,8 @@
 #include <thread>
 
 #include "common/import/sibling_files.hpp"
-#include "tests/server/raw_client.hpp"
-#include "tests/server/server_process.hpp"
+#include "tests/server/support/raw_client.hpp"
+#include "tests/server/support/server_process.hpp"
 #include "tests/support/eventually.hpp"
 #include "tests/support/mesh_files.hpp"
 

@@ -8,10 +8,10 @@
 #include <optional>
 #include <thread>
 
-#include "tests/server/bake_folder.hpp"
-#include "tests/server/child_process.hpp"
-#include "tests/server/relay.hpp"
-#include "tests/server/server_process.hpp"
+#include "tests/server/support/bake_folder.hpp"
+#include "tests/server/support/child_process.hpp"
+#include "tests/server/support/relay.hpp"
+#include "tests/server/support/server_process.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::test {

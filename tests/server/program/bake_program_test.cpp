@@ -15,11 +15,11 @@
 #include "common/digest/digest.hpp"
 #include "server/bake/plan.hpp"
 #include "server/service/failure_keeper.hpp"
-#include "tests/server/bake_folder.hpp"
-#include "tests/server/bake_program.hpp"
-#include "tests/server/child_process.hpp"
-#include "tests/server/relay.hpp"
-#include "tests/server/server_process.hpp"
+#include "tests/server/support/bake_folder.hpp"
+#include "tests/server/support/bake_program.hpp"
+#include "tests/server/support/child_process.hpp"
+#include "tests/server/support/relay.hpp"
+#include "tests/server/support/server_process.hpp"
 
 namespace fracture::test {
 namespace {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "tests/import/make_files.hpp"
-#include "tests/server/bake_program.hpp"
+#include "tests/server/support/bake_program.hpp"
 
 namespace fracture::test {
 namespace {

@@ -1,11 +1,14 @@
 // fracture-server health: 0 when the server answers 200, 1 for every other reason, which it names.
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <utility>
 
-#include "tests/server/child_process.hpp"
-#include "tests/server/raw_client.hpp"
-#include "tests/server/server_process.hpp"
+#include "tests/server/support/child_process.hpp"
+#include "tests/server/support/raw_client.hpp"
+#include "tests/server/support/server_process.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::test {

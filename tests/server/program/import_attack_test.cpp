@@ -14,8 +14,8 @@
 #include <sstream>
 #include <thread>
 
-#include "tests/server/raw_client.hpp"
-#include "tests/server/server_process.hpp"
+#include "tests/server/support/raw_client.hpp"
+#include "tests/server/support/server_process.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::test {

@@ -5,8 +5,8 @@
 
 #include <thread>
 
-#include "tests/server/raw_client.hpp"
-#include "tests/server/server_process.hpp"
+#include "tests/server/support/raw_client.hpp"
+#include "tests/server/support/server_process.hpp"
 
 namespace fracture::test {
 namespace {

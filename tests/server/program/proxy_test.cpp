@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <thread>
 
-#include "tests/server/exposition.hpp"
 #include "tests/server/http/hostile_corpus.hpp"
-#include "tests/server/proxies.hpp"
-#include "tests/server/server_process.hpp"
-#include "tests/server/test_server.hpp"
+#include "tests/server/support/exposition.hpp"
+#include "tests/server/support/proxies.hpp"
+#include "tests/server/support/server_process.hpp"
+#include "tests/server/support/test_server.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::test {

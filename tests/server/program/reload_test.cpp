@@ -8,10 +8,10 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "tests/server/raw_client.hpp"
-#include "tests/server/server_process.hpp"
-#include "tests/server/temporary_folder.hpp"
-#include "tests/server/tenant_file.hpp"
+#include "tests/server/support/raw_client.hpp"
+#include "tests/server/support/server_process.hpp"
+#include "tests/server/support/temporary_folder.hpp"
+#include "tests/server/support/tenant_file.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::test {

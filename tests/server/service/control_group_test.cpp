@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "tests/server/temporary_folder.hpp"
+#include "tests/server/support/temporary_folder.hpp"
 
 namespace fracture {
 namespace {

@@ -10,9 +10,9 @@
 #include <utility>
 
 #include "server/service/dispatcher.hpp"
-#include "tests/server/fake_engine.hpp"
-#include "tests/server/fracture_request.hpp"
-#include "tests/server/gate.hpp"
+#include "tests/server/support/fake_engine.hpp"
+#include "tests/server/support/fracture_request.hpp"
+#include "tests/server/support/gate.hpp"
 
 namespace fracture::test {
 

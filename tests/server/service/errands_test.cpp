@@ -6,8 +6,8 @@
 #include <stop_token>
 
 #include "server/service/dispatcher.hpp"
-#include "tests/server/fake_engine.hpp"
-#include "tests/server/fracture_request.hpp"
+#include "tests/server/support/fake_engine.hpp"
+#include "tests/server/support/fracture_request.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::test {

@@ -9,7 +9,7 @@
 
 #include "common/gltf/gltf_writer.hpp"
 #include "server/service/service.hpp"
-#include "tests/server/figures_of.hpp"
+#include "tests/server/support/figures_of.hpp"
 
 namespace fracture {
 namespace {

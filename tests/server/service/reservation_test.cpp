@@ -5,7 +5,7 @@
 #include <atomic>
 
 #include "server/service/dispatcher.hpp"
-#include "tests/server/fake_engine.hpp"
+#include "tests/server/support/fake_engine.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::test {

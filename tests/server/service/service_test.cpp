@@ -5,8 +5,8 @@
 #include <set>
 #include <stop_token>
 
-#include "tests/server/fake_engine.hpp"
-#include "tests/server/figures_of.hpp"
+#include "tests/server/support/fake_engine.hpp"
+#include "tests/server/support/figures_of.hpp"
 
 namespace fracture {
 namespace {

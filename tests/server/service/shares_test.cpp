@@ -8,8 +8,8 @@
 
 #include "common/base/processor_time.hpp"
 #include "server/service/dispatcher.hpp"
-#include "tests/server/fake_engine.hpp"
-#include "tests/server/fracture_request.hpp"
+#include "tests/server/support/fake_engine.hpp"
+#include "tests/server/support/fracture_request.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "server/service/dispatcher.hpp"
-#include "tests/server/fake_engine.hpp"
+#include "tests/server/support/fake_engine.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::test {

@@ -1,39 +1,26 @@
-// Reads the text exposition format of Prometheus (version 0.0.4) strictly: what a test reads here, a scraper
-// can read.
-#pragma once
+#include "tests/server/support/exposition.hpp"
 
 #include <cstdlib>
-#include <map>
 #include <set>
 #include <sstream>
 #include <stdexcept>
-#include <string>
 
 namespace fracture::test {
 
-struct Exposition {
-  /// "name{a=\"1\",b=\"2\"}" as written, to its value.
-  std::map<std::string, double> samples;
-  std::map<std::string, std::string> types;
+double Exposition::operator[](const std::string& name) const {
+  const auto at = samples.find(name);
+  return at == samples.end() ? 0 : at->second;
+}
 
-  /// The sample, 0 when there is none.
-  double operator[](const std::string& name) const {
-    const auto at = samples.find(name);
-    return at == samples.end() ? 0 : at->second;
-  }
-  /// Sum of the samples of a family whose labels contain `label`.
-  double sum(const std::string& family, const std::string& label = "") const {
-    double total = 0;
-    for (const auto& [name, value] : samples)
-      if ((name == family || name.rfind(family + "{", 0) == 0) && name.find(label) != std::string::npos)
-        total += value;
-    return total;
-  }
-};
+double Exposition::sum(const std::string& family, const std::string& label) const {
+  double total = 0;
+  for (const auto& [name, value] : samples)
+    if ((name == family || name.rfind(family + "{", 0) == 0) && name.find(label) != std::string::npos)
+      total += value;
+  return total;
+}
 
-/// Throws std::runtime_error that names the line: one that is neither comment nor sample, a sample without a
-/// TYPE before it, a repeated sample or family.
-inline Exposition parse_exposition(const std::string& text) {
+Exposition parse_exposition(const std::string& text) {
   Exposition result;
   std::set<std::string> helped;
   std::istringstream lines(text);

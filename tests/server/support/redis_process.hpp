@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "server/cache/redis_cache.hpp"
-#include "tests/server/child_process.hpp"
-#include "tests/server/temporary_folder.hpp"
+#include "tests/server/support/child_process.hpp"
+#include "tests/server/support/temporary_folder.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::test {

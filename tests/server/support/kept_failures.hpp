@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/server/child_process.hpp"
+#include "tests/server/support/child_process.hpp"
 
 namespace fracture::test {
 

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <string>
 
-#include "tests/server/bake_folder.hpp"
-#include "tests/server/child_process.hpp"
+#include "tests/server/support/bake_folder.hpp"
+#include "tests/server/support/child_process.hpp"
 
 namespace fracture::test {
 

@@ -12,9 +12,9 @@
 #include <string>
 
 #include "server/jobs/jobs.hpp"
-#include "tests/server/fake_engine.hpp"
-#include "tests/server/fracture_request.hpp"
-#include "tests/server/job_server.hpp"
+#include "tests/server/support/fake_engine.hpp"
+#include "tests/server/support/fracture_request.hpp"
+#include "tests/server/support/job_server.hpp"
 
 namespace fracture::test {
 

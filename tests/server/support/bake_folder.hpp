@@ -8,7 +8,7 @@
 #include <map>
 #include <string>
 
-#include "tests/server/temporary_folder.hpp"
+#include "tests/server/support/temporary_folder.hpp"
 
 namespace fracture::test {
 

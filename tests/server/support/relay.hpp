@@ -6,7 +6,7 @@
 #include <string>
 
 #include "tests/client/fake_server.hpp"
-#include "tests/server/raw_client.hpp"
+#include "tests/server/support/raw_client.hpp"
 
 namespace fracture::test {
 

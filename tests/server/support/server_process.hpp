@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/server/server_program.hpp"
+#include "tests/server/support/server_program.hpp"
 
 extern char** environ;
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
-#include "tests/server/relay.hpp"
-#include "tests/server/test_server.hpp"
+#include "tests/server/support/relay.hpp"
+#include "tests/server/support/test_server.hpp"
 
 namespace fracture::bake {
 

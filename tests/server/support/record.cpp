@@ -1,19 +1,14 @@
-// Writes down what a test asked and what came back, one JSON object a line, where the environment names a
-// file for it: tests/contract validates the lines against the interface document.
-#pragma once
+#include "tests/server/support/record.hpp"
 
 #include <cstdlib>
 #include <fstream>
-#include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
-#include <string>
 
 namespace fracture::test {
 
-/// Thread-safe. Bodies that are no JSON, or JSON that is compressed, are left out (null).
-inline void record_exchange(const std::string& method, const std::string& target, int status,
-                            const std::map<std::string, std::string>& headers, const std::string& body) {
+void record_exchange(const std::string& method, const std::string& target, int status,
+                     const std::map<std::string, std::string>& headers, const std::string& body) {
   static const char* const path = std::getenv("FRACTURE_TEST_RECORD");
   if (!path) return;
   static std::mutex mutex;

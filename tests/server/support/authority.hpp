@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/server/child_process.hpp"
-#include "tests/server/temporary_folder.hpp"
+#include "tests/server/support/child_process.hpp"
+#include "tests/server/support/temporary_folder.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::test {

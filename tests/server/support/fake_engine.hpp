@@ -1,0 +1,50 @@
+// An engine that computes nothing: it counts its calls, and does what a test tells it to do.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "server/service/engine.hpp"
+
+namespace fracture::test {
+
+/// Counters and hooks, shared between the test and the engine that the service owns.
+struct FakeControl {
+  std::atomic<int> imports{0}, prepares{0}, diagrams{0}, cuts{0}, cancelled{0};
+  /// Runs inside cut(); may block, throw, or poll the execution.
+  std::function<void(const Execution&)> during_cut;
+  std::function<std::optional<Error>()> cut_error;  ///< of cut(), after during_cut
+  /// Runs inside import(); an error is returned as it is.
+  std::function<Expected<Mesh>(std::string_view bytes)> import;
+  std::function<void(const Execution&)> during_import;
+  /// Sees the further files of import().
+  std::function<void(std::span<const ImportFile>)> files;
+  std::size_t glb_padding = 0;  ///< extra bytes of the answer
+};
+
+class FakeEngine final : public FractureEngine {
+ public:
+  explicit FakeEngine(std::shared_ptr<FakeControl> control);
+
+  Expected<Mesh> import(std::span<const std::byte> bytes, MeshFormat, std::span<const ImportFile> files,
+                        std::string_view, const ImportLimits&, const Execution& execution) const override;
+  Expected<Solid> prepare(std::shared_ptr<const Mesh> mesh, const SolidOptions&,
+                          const Execution&) const override;
+  Expected<CutBase> base(const Solid&, const FractureParameters& parameters, const Selection&,
+                         const Execution&) const override;
+  Expected<Cut> cut(const Solid&, const CutBase& base, const FractureParameters&, const Selection&,
+                    const Execution& execution) const override;
+  /// A GLB or glTF whose JSON says what was asked; no geometry.
+  GltfFile encode(const FracturedSolid& fractured, const GltfOptions& options, OutputFormat format,
+                  const Execution&) const override;
+
+ private:
+  std::shared_ptr<FakeControl> control_;
+};
+
+}  // namespace fracture::test
