@@ -61,9 +61,16 @@ void Api::sweep_later() {
   constexpr std::chrono::seconds kInterval{10};
   if (closing_) return;
   dispatcher_.timer().at(Timer::Clock::now() + kInterval, [this] {
-    sweep_later();  // first: what throws ends this sweep, not all later ones
+    // What throws ends this sweep, not all later ones: first, and again where there was no memory for that.
+    bool later = false;
+    try {
+      sweep_later();
+      later = true;
+    } catch (const std::bad_alloc&) {
+    }
     meshes_.sweep();
     jobs_.sweep();
+    if (!later) sweep_later();
   });
 }
 
@@ -77,6 +84,8 @@ void Api::answering(const Request& request, const Reply& reply,
     else if (*response)
       reply(std::move(**response));
     return;
+  } catch (const Interrupted& interrupted) {
+    error = to_error(interrupted);
   } catch (const std::bad_alloc&) {
     error = {ErrorCode::kOutOfMemory, "There is not enough memory for this request now."};
   } catch (const std::exception& e) {

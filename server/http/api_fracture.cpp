@@ -19,6 +19,10 @@ Answered Api::with_mesh_input(const std::shared_ptr<Request>& request, const std
     OrProblem<FractureRequest> input = read_mesh_input(
         *request, own, service_, [&](const std::string& key) { return may_see(*request, key); });
     if (!input) return tl::unexpected<Problem>(std::move(input.error()));
+    Execution here;
+    here.stop = terms.gone;
+    here.turn = WorkerPool::turn();
+    input->digest = digest_of(*input, here).hex();
     return go_on(std::move(*input), std::move(own), terms);
   };
   const bool form = media_type_of(request->head.field("content-type")) == "multipart/form-data";

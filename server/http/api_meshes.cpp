@@ -42,7 +42,6 @@ Answered Api::put_mesh(const std::shared_ptr<Request>& request, const std::stop_
       request, gone, reply,
       [this, request, reply, wanted](FractureRequest input, const std::shared_ptr<Body>& body,
                                      const Terms& terms) -> Answered {
-        input.digest = digest_of(input).hex();
         if (!wanted.empty() && input.digest != wanted)
           return refuse(HttpProblem::kDigestMismatch,
                         "The digest of this mesh is sha256:" + input.digest + ", not sha256:" + wanted +

@@ -90,7 +90,10 @@ struct Dispatcher::Waiting : std::enable_shared_from_this<Waiting<Flights, Value
 
   void leave(ErrorCode code) {
     if (!flights.leave(seat)) return;
-    urgency_of(seat.flight->common).leave(dispatcher.pool_, priority);
+    Urgency& urgency = urgency_of(seat.flight->common);
+    urgency.leave(dispatcher.pool_, priority);
+    // What nobody waits for keeps neither its place in the queue nor its memory until its turn.
+    if (seat.flight->stop().stop_requested()) dispatcher.pool_.withdraw(urgency.task());
     ++dispatcher.abandoned_;
     answer(tl::unexpected<Error>(to_error(Interrupted{code})));
   }
@@ -127,6 +130,7 @@ struct Dispatcher::Computation {
   std::optional<ComputationAllowance> working{};
   std::shared_ptr<ResultFlights::Flight> flight{};
   Clock::time_point submitted = Clock::now(), begun{};
+  bool had_its_turn = false;  ///< at the cost that was estimated
   Spent spent{};
   std::optional<double> settled{};  ///< processor seconds of `spent` that were charged
   FractureAnswer answer{};
@@ -145,7 +149,7 @@ struct Dispatcher::Computation {
   void settle() {
     if (!flight || (settled && spent.processor_seconds <= *settled)) return;
     const double more = spent.processor_seconds - settled.value_or(0);
-    const TurnTaken turn = settled ? TurnTaken{} : flight->common.urgency.turn();
+    const TurnTaken turn = settled || !had_its_turn ? TurnTaken{} : flight->common.urgency.turn();
     dispatcher.charge(flight->common.payers.charge(more), turn, more);
     settled = spent.processor_seconds;
   }

@@ -295,6 +295,7 @@ void Dispatcher::at_station(const Shared& c, Station station) {
 }
 
 void Dispatcher::begin(const Shared& c, int threads) {
+  c->had_its_turn = true;
   if (c->abandoned()) return;
   const Clock::time_point now = Clock::now();
   // What waited so long that it would be given up half-way is not begun. What did not wait is tried.
@@ -309,8 +310,9 @@ void Dispatcher::begin(const Shared& c, int threads) {
   if (service_.has_tiers()) {
     MemoryBudget::Reservation reading(working_.whole());
     // Where there is no room to read it, it is computed within what was admitted.
-    service_.fetch_result(c->keys.result, c->answer,
-                          [&reading](std::uint64_t bytes) { return reading.grow_to(bytes); });
+    service_.fetch_result(
+        c->keys.result, c->answer, [&reading](std::uint64_t bytes) { return reading.grow_to(bytes); },
+        c->execution(threads, c->flight->stop()));
     if (c->answer.result) return end(c, std::move(c->answer));
   }
   if (auto mesh = service_.find_mesh(c->keys))

@@ -10,16 +10,17 @@ std::string hex_of(std::string_view material) { return sha256(material).hex(); }
 
 }  // namespace
 
-Digest digest_of(const FractureRequest& request) {
-  if (request.files.empty()) return sha256(request.mesh);
+Digest digest_of(const FractureRequest& request, const Execution& execution) {
+  if (request.files.empty()) return sha256(request.mesh, execution);
   std::vector<const ImportFile*> files;
   for (const ImportFile& file : request.files) files.push_back(&file);
   std::sort(files.begin(), files.end(), [](const ImportFile* a, const ImportFile* b) {
     return std::lexicographical_compare(a->name.begin(), a->name.end(), b->name.begin(), b->name.end());
   });
-  std::string list = "files\n" + sha256(request.mesh).hex() + "\n";
+  std::string list = "files\n" + sha256(request.mesh, execution).hex() + "\n";
   for (const ImportFile* file : files)  // the length keeps names with line breaks apart
-    list += std::to_string(file->name.size()) + " " + file->name + " " + sha256(file->bytes).hex() + "\n";
+    list += std::to_string(file->name.size()) + " " + file->name + " " +
+            sha256(file->bytes, execution).hex() + "\n";
   // A mesh alone may have any bytes, those of this list too: an OBJ of lines that its reader skips, with a
   // mesh in the name of a file. Hashed twice, what would have to be such a mesh is one fixed line and a hash.
   return sha256("fracture files 2\n" + sha256(list).hex());

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/execution.hpp"
 #include "common/digest/digest.hpp"
 #include "common/parameters/parameters.hpp"
 #include "server/service/engine.hpp"
@@ -31,7 +32,7 @@ struct FractureRequest {
 /// The digest of an input: of the mesh's bytes when it is alone; with further files, of a fixed line and the
 /// digest of a text that lists the digest of the mesh and then name and digest of each file, ordered by name.
 /// No mesh alone has the digest of one with files.
-Digest digest_of(const FractureRequest& request);
+Digest digest_of(const FractureRequest& request, const Execution& execution = kUninterrupted);
 
 /// What the values of a request are called in the caches. Keys hash everything that determines the value and
 /// the algorithm version, so an entry is never stale.

@@ -57,14 +57,14 @@ std::optional<TextRange> take_range(std::string_view& line, const std::vector<st
 
 /// The digests that an entry ends with, when they are those of file and figures. Digests are not taken on
 /// trust: clients are told them (Repr-Digest), and believe the file for them.
-bool has_digests(std::string_view rest, FractureResult& result) {
-  result.file_digest = sha256(std::as_bytes(std::span(result.file)));
-  result.figures_digest = sha256(std::as_bytes(result.bytes_of(result.figures)));
+bool has_digests(std::string_view rest, FractureResult& result, const Execution& execution) {
+  result.file_digest = sha256(std::as_bytes(std::span(result.file)), execution);
+  result.figures_digest = sha256(std::as_bytes(result.bytes_of(result.figures)), execution);
   return rest.size() == 2 * kDigest && rest.substr(0, kDigest) == text_of(result.file_digest) &&
          rest.substr(kDigest) == text_of(result.figures_digest);
 }
 
-std::shared_ptr<const FractureResult> to_result(const StoredEntry& stored) {
+std::shared_ptr<const FractureResult> to_result(const StoredEntry& stored, const Execution& execution) {
   std::string_view rest = stored.entry.metadata;
   const auto format = take_line(rest), mesh = take_line(rest);
   auto ranges = take_line(rest);
@@ -91,7 +91,7 @@ std::shared_ptr<const FractureResult> to_result(const StoredEntry& stored) {
     const std::span<const std::uint8_t> text = result->bytes_of(*range);
     result->parameters.assign(text.begin(), text.end());
   }
-  if (!has_digests(rest, *result)) return nullptr;
+  if (!has_digests(rest, *result, execution)) return nullptr;
   return result;
 }
 
@@ -133,14 +133,14 @@ std::optional<std::uint64_t> ResultTiers::expected_bytes(const std::string& key)
   return redis_ ? std::optional(kUsual) : std::nullopt;
 }
 
-ResultTiers::Found ResultTiers::find(const std::string& key, const Room& room) {
+ResultTiers::Found ResultTiers::find(const std::string& key, const Room& room, const Execution& execution) {
   Found found;
   if (disk_) {
     const std::optional<std::uint64_t> size = disk_->size_of(key);
     found.no_room = size && room && !room(kCopies * *size);
     if (found.no_room) return found;
     found.disk = CacheOutcome::kMissNotStored;
-    if (const auto stored = disk_->find(key)) found.result = to_result(*stored);
+    if (const auto stored = disk_->find(key)) found.result = to_result(*stored, execution);
     if (found.result) {
       found.disk = CacheOutcome::kHit;
       return found;
@@ -152,7 +152,7 @@ ResultTiers::Found ResultTiers::find(const std::string& key, const Room& room) {
       found.no_room = room && !room(kCopies * bytes);
       return !found.no_room;
     };
-    if (const auto stored = redis_->find(key, room_for_it)) found.result = to_result(*stored);
+    if (const auto stored = redis_->find(key, room_for_it)) found.result = to_result(*stored, execution);
     if (found.result) {
       found.redis = CacheOutcome::kHit;
       if (disk_) enqueue({found.result, false});

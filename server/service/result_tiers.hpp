@@ -14,6 +14,7 @@
 #include <string>
 #include <thread>
 
+#include "common/base/execution.hpp"
 #include "server/cache/disk_cache.hpp"
 #include "server/cache/redis_cache.hpp"
 #include "server/service/result.hpp"
@@ -60,7 +61,7 @@ class ResultTiers {
   };
   /// Blocks. What Redis had is written to the disk too. `room` is asked before an entry is read whether so
   /// many bytes may be held meanwhile; empty: always.
-  Found find(const std::string& key, const Room& room = {});
+  Found find(const std::string& key, const Room& room = {}, const Execution& execution = kUninterrupted);
   /// Returns at once.
   void store(std::shared_ptr<const FractureResult> result);
   /// Returns when nothing is pending, or at that time.

@@ -105,8 +105,9 @@ Expected<RequestParameters> FractureService::parse(const std::vector<RawParamete
   return result;
 }
 
-bool FractureService::fetch_result(const std::string& key, FractureAnswer& answer, const Room& room) {
-  ResultTiers::Found found = tiers_.find(key, room);
+bool FractureService::fetch_result(const std::string& key, FractureAnswer& answer, const Room& room,
+                                   const Execution& execution) {
+  ResultTiers::Found found = tiers_.find(key, room, execution);
   answer.disk_cache = found.disk;
   answer.redis_cache = found.redis;
   if (!found.result) return !found.no_room;

@@ -116,7 +116,8 @@ class FractureService {
   /// memory: `answer` gets the result (null: nowhere) and the caches. False: it is there, and there is no
   /// `room` to read it.
   bool has_tiers() const { return tiers_.any(); }
-  bool fetch_result(const std::string& key, FractureAnswer& answer, const Room& room = {});
+  bool fetch_result(const std::string& key, FractureAnswer& answer, const Room& room = {},
+                    const Execution& execution = kUninterrupted);
 
   /// Each step by itself: computes without looking into the cache, and stores. Errors as fracture(), but an
   /// interruption is thrown (Interrupted).

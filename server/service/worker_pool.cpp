@@ -23,8 +23,10 @@ double WorkerPool::away_seconds() {
   return mine ? mine->away_for : 0;
 }
 
-WorkerPool::WorkerPool(int threads, std::size_t max_queue)
-    : max_queue_(max_queue), thread_count_(static_cast<std::size_t>(std::max(1, threads))) {
+WorkerPool::WorkerPool(int threads, std::size_t max_queue, std::chrono::milliseconds longest_hurry)
+    : max_queue_(max_queue),
+      longest_hurry_(longest_hurry),
+      thread_count_(static_cast<std::size_t>(std::max(1, threads))) {
   // As many for each class, whose jobs stand still for those of the others: as many jobs compute at the same
   // time as was asked for.
   threads_.reserve(most_running());
@@ -60,9 +62,7 @@ WorkerPool::TaskId WorkerPool::resume(Job job, Priority priority) {
 bool WorkerPool::reclassify(TaskId task, Priority priority, const Flow& flow) {
   const std::lock_guard lock(mutex_);
   if (const auto at = running_.find(task); at != running_.end()) {
-    if (at->second->priority == priority) return false;
-    at->second->priority = priority;
-    go_on_.notify_all();
+    become(*at->second, priority);
     changed();
     return false;
   }
@@ -189,8 +189,39 @@ WorkerPool::Task WorkerPool::take(Next next) {
   return task;
 }
 
+void WorkerPool::become(Running& job, Priority priority) {
+  const Clock::time_point now = Clock::now();
+  if (job.priority == Priority::kRealtime) job.hurried_for += now - std::exchange(job.hurried_since, now);
+  if (priority == Priority::kRealtime && job.hurried_for >= longest_hurry_) priority = Priority::kBatch;
+  const Priority before = std::exchange(job.priority, priority);
+  if (before == priority) return;
+  job.hurried_since = now;
+  if (priority > before && running_of(priority) > thread_count_) job.must_end = true;
+  go_on_.notify_all();
+}
+
+void WorkerPool::end_hurries() {
+  const Clock::time_point now = Clock::now();
+  Clock::time_point next = Clock::time_point::max();
+  for (const auto& [id, job] : running_) {
+    if (job->priority != Priority::kRealtime) continue;
+    if (job->hurry_ends() <= now)
+      become(*job, Priority::kRealtime);
+    else
+      next = std::min(next, job->hurry_ends());
+  }
+  const bool somebody_waits = queued_locked() > 0 || any_paused(Priority::kBackground);
+  hurry_ends_ = somebody_waits ? next.time_since_epoch().count() : kNever;
+}
+
+bool WorkerPool::hurry_ended() const {
+  const Clock::rep end = hurry_ends_.load(std::memory_order_relaxed);
+  return end != kNever && Clock::now().time_since_epoch().count() >= end;
+}
+
 /// Tells whom a change concerns.
 void WorkerPool::changed() {
+  end_hurries();
   const auto some_must = [this](Priority priority) {
     return running_of(priority) > 0 && must_stand_back(priority);
   };

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <chrono>
 
+#include "common/base/execution.hpp"
 #include "common/base/processor_time.hpp"
 #include "server/service/worker_pool.hpp"
 
@@ -23,8 +24,13 @@ class WorkerPool::Running final : public Turn {
 
   void give_way() override {
     // All threads of a job stand still, also those that poll when the first of them has made room already.
-    if (!pool.urgent_.load(std::memory_order_relaxed) && !paused.load(std::memory_order_relaxed)) return;
+    const bool hurry_ended = pool.hurry_ended();
+    if (!hurry_ended && !pool.urgent_.load(std::memory_order_relaxed) &&
+        !paused.load(std::memory_order_relaxed) && !must_end.load(std::memory_order_relaxed))
+      return;
     std::unique_lock lock(pool.mutex_);
+    if (hurry_ended) pool.changed();
+    end_where_it_must();
     if (priority == Priority::kRealtime) return;
     if (!paused) {
       if (Clock::now() < works_until || !pool.must_stand_back(priority)) return;
@@ -34,15 +40,17 @@ class WorkerPool::Running final : public Turn {
     }
     // Every thread of the job waits here; the first that may go on lets all of them.
     pool.go_on_.wait_until(lock, paused_since + kLongestPause, [this] {
-      return !paused || priority == Priority::kRealtime || pool.stopping_ || pool.may_go_on(priority);
+      return !paused || must_end || priority == Priority::kRealtime || pool.stopping_ ||
+             pool.may_go_on(priority);
     });
-    if (!paused) return;
+    if (!paused) return end_where_it_must();
     paused = false;
     const Clock::duration stood = Clock::now() - paused_since;
     paused_for += stood;
     works_until = Clock::now() + std::max<Clock::duration>(kLeastWork, stood / 4);
     pool.go_on_.notify_all();
     pool.changed();
+    end_where_it_must();
   }
 
   void leave() override {
@@ -66,6 +74,18 @@ class WorkerPool::Running final : public Turn {
     return priority == Priority::kRealtime;
   }
 
+  void end_where_it_must() const {
+    if (must_end)
+      throw Interrupted(Error{.code = ErrorCode::kOverloaded,
+                              .detail =
+                                  "This computation is less urgent than it was, and as many of its class run "
+                                  "as may. Ask again.",
+                              .retry_after = std::chrono::seconds(1)});
+  }
+
+  /// When it is realtime no longer, where nothing changes.
+  Clock::time_point hurry_ends() const { return hurried_since + (pool.longest_hurry_ - hurried_for); }
+
   /// Realtime work keeps its processor while it is away.
   bool computes() const { return !paused && (!away || priority == Priority::kRealtime); }
 
@@ -73,7 +93,9 @@ class WorkerPool::Running final : public Turn {
   Priority priority;
   double cost;
   const Clock::time_point start = Clock::now();
-  std::atomic<bool> paused{false};  // read at every poll, without the lock
+  std::atomic<bool> paused{false}, must_end{false};  // read at every poll, without the lock
+  Clock::time_point hurried_since = start;           // where it is realtime
+  Clock::duration hurried_for{};                     // before that
   bool away = false;
   Clock::time_point paused_since{}, works_until{};
   Clock::duration paused_for{};

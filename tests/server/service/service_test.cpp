@@ -7,9 +7,48 @@
 
 #include "tests/server/support/fake_engine.hpp"
 #include "tests/server/support/figures_of.hpp"
+#include "tests/server/support/fracture_request.hpp"
+#include "tests/server/support/temporary_folder.hpp"
 
 namespace fracture {
 namespace {
+
+/// How often `work` polls the execution that it is given.
+template <class Work>
+int polls_of(Work work) {
+  int polls = 0;
+  Execution execution;
+  execution.watch = [&polls] { ++polls; };
+  work(execution);
+  return polls;
+}
+
+TEST(RequestKeys, HashingAMeshPolls) {
+  const std::string mesh(16u << 20, 'x');
+  FractureRequest request = test::fracture_request(mesh);
+  EXPECT_GE(polls_of([&](const Execution& execution) { (void)digest_of(request, execution); }), 16);
+  request.files.push_back({"a.bin", request.mesh});
+  EXPECT_GE(polls_of([&](const Execution& execution) { (void)digest_of(request, execution); }), 32);
+}
+
+TEST(ResultTiersTest, HashingWhatTheDiskHasPolls) {
+  const test::TemporaryFolder folder;
+  TiersConfig config;
+  config.folder = folder.path;
+  ResultTiers tiers(config);
+  const auto result = std::make_shared<FractureResult>();
+  result->mesh_digest = "sha256:" + std::string(64, 'a');
+  result->key = std::string(64, 'a');
+  result->file.assign(16u << 20, 'x');
+  result->file_digest = sha256(std::as_bytes(std::span(result->file)));
+  result->figures_digest = sha256("");
+  ASSERT_TRUE(tiers.keep_on_disk(result));
+  ResultTiers::Found found;
+  EXPECT_GE(polls_of([&](const Execution& execution) { found = tiers.find(result->key, {}, execution); }),
+            16);
+  ASSERT_TRUE(found.result);
+  EXPECT_EQ(found.result->file, result->file);
+}
 
 using nlohmann::json;
 using test::FakeControl;

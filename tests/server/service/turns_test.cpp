@@ -7,44 +7,17 @@
 #include <thread>
 
 #include "server/service/worker_pool.hpp"
+#include "tests/server/service/polling.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture {
 namespace {
 
-constexpr Priority kRealtime = Priority::kRealtime, kBatch = Priority::kBatch,
-                   kBackground = Priority::kBackground;
-
-/// A computation that polls until it is told to end.
-struct Polling {
-  explicit Polling(WorkerPool& pool, int threads = 1, Priority priority = kBatch) {
-    id = pool.submit(priority, 0, [this, threads](int) {
-      Turn* const turn = WorkerPool::turn();
-      std::vector<std::thread> helpers;
-      const auto work = [this, turn] {
-        while (!end) {
-          turn->give_way();
-          ++polls;
-          std::this_thread::yield();
-        }
-      };
-      for (int k = 1; k < threads; ++k) helpers.emplace_back(work);
-      work();
-      for (std::thread& helper : helpers) helper.join();
-      paused_seconds = WorkerPool::paused_seconds();
-      done = true;
-    });
-    EXPECT_TRUE(test::eventually(test::kPatience, "the job to begin", [&] { return polls > 0; }));
-  }
-  WorkerPool::TaskId id = 0;
-  std::atomic<bool> end{false}, done{false};
-  std::atomic<long> polls{0};
-  double paused_seconds = 0;
-};
+using test::kBackground, test::kBatch, test::kRealtime, test::Computing;
 
 TEST(Turns, ARealtimeJobRunsWhileTheOnlyThreadsBatchJobStandsStill) {
   WorkerPool pool(1, 100);
-  Polling batch(pool, 3);
+  Computing batch(pool, 3);
   std::latch gate(1);
   std::atomic<bool> began{false};
   pool.submit(kRealtime, 0, [&](int) {
@@ -142,7 +115,7 @@ TEST(Turns, TheKeptThreadTakesOneAtATimeAndNoBatchJob) {
 TEST(Turns, ABatchJobDoesNotStandStillForEver) {
   std::latch gate(1);
   WorkerPool pool(1, 100);
-  Polling batch(pool);
+  Computing batch(pool);
   std::atomic<bool> began{false};
   pool.submit(kRealtime, 0, [&](int) {
     began = true;
@@ -159,7 +132,7 @@ TEST(Turns, ABatchJobDoesNotStandStillForEver) {
 
 TEST(Turns, BackgroundWorkStandsStillForBatchWork) {
   WorkerPool pool(1, 100);
-  Polling background(pool, 2, kBackground);
+  Computing background(pool, 2, kBackground);
   std::latch gate(1);
   std::atomic<bool> began{false};
   pool.submit(kBatch, 0, [&](int) {
@@ -179,8 +152,8 @@ TEST(Turns, BackgroundWorkStandsStillForBatchWork) {
 
 TEST(Turns, EachClassStandsStillForThoseBeforeItAndNoneForLessUrgentOnes) {
   WorkerPool pool(1, 100);
-  Polling background(pool, 1, kBackground);
-  Polling batch(pool);
+  Computing background(pool, 1, kBackground);
+  Computing batch(pool);
   std::latch gate(1);
   std::atomic<bool> began{false};
   pool.submit(kRealtime, 0, [&](int) {
@@ -258,7 +231,7 @@ TEST(Turns, JobsThatAreAwayLeaveThreadsToRealtimeOnes) {
 TEST(Turns, AStandingJobThatBecomesRealtimeGoesOn) {
   std::latch gate(1);
   WorkerPool pool(1, 100);
-  Polling batch(pool);
+  Computing batch(pool);
   std::atomic<bool> began{false};
   pool.submit(kRealtime, 0, [&](int) {
     began = true;
