@@ -153,10 +153,11 @@ void ImportPool::want_a_spare() {
 /// A file may be read for a minute, which those who are in a hurry have not got: like their computations
 /// (worker_pool.hpp), one import of theirs begins beside as many as may be read. Called with the lock.
 int ImportPool::most_workers(bool urgent) const {
-  return config_.workers + (urgent && busy_unhurried_ > 0 ? 1 : 0);
+  const auto is_unhurried = [](const Busy& busy) { return busy.turn && !busy.turn->is_urgent(); };
+  return config_.workers + (urgent && std::any_of(busy_.begin(), busy_.end(), is_unhurried) ? 1 : 0);
 }
 
-ImportPool::Taken ImportPool::take(const Execution& execution) {
+std::unique_ptr<WorkerProcess> ImportPool::take(const Execution& execution) {
   const auto is_urgent = [&] { return !execution.turn || execution.turn->is_urgent(); };
   bool urgent = is_urgent();
   std::unique_lock lock(mutex_);
@@ -186,23 +187,21 @@ ImportPool::Taken ImportPool::take(const Execution& execution) {
     }
     lock.lock();
   }
-  Taken taken{std::move(idle_.back()), urgent};
+  busy_.push_back({idle_.back()->pid(), execution.turn});
+  std::unique_ptr<WorkerProcess> worker = std::move(idle_.back());
   idle_.pop_back();
   ++counters_.busy;
-  busy_unhurried_ += !urgent;
-  busy_.push_back(taken.worker->pid());
   want_a_spare();
-  return taken;
+  return worker;
 }
 
 /// It has read its file. Ended by the supervisor, and replaced at once.
-void ImportPool::bury(Taken taken) {
+void ImportPool::bury(std::unique_ptr<WorkerProcess> worker) {
   const std::lock_guard lock(mutex_);
   --counters_.busy;
   --counters_.workers;
-  busy_unhurried_ -= !taken.urgent;
-  renew_zygote_ = renew_zygote_ || taken.worker->death() == WorkerDeath::kCrash;
-  retired_.push_back(std::move(taken.worker));
+  renew_zygote_ = renew_zygote_ || worker->death() == WorkerDeath::kCrash;
+  retired_.push_back(std::move(worker));
   want_a_spare();
   supervisor_.notify_one();
   free_.notify_one();
@@ -243,15 +242,15 @@ std::optional<Expected<Mesh>> ImportPool::import_within(Try& attempt, const Inpu
                                                         const ImportLimits& limits,
                                                         const Execution& execution) {
   execution.poll();
-  Taken taken = take(execution);
-  WorkerProcess& worker = *taken.worker;
+  std::unique_ptr<WorkerProcess> taken = take(execution);
+  WorkerProcess& worker = *taken;
   const pid_t pid = worker.pid();
   const auto start = ImportMemo::Clock::now();
   const auto finish = [&](std::uint64_t ImportCounters::*ended) {
     {
       const std::lock_guard lock(mutex_);
       if (ended) ++(counters_.*ended);
-      busy_.erase(std::find(busy_.begin(), busy_.end(), pid));
+      std::erase_if(busy_, [pid](const Busy& busy) { return busy.pid == pid; });
     }
     bury(std::move(taken));
   };
@@ -279,9 +278,9 @@ std::optional<Expected<Mesh>> ImportPool::import_within(Try& attempt, const Inpu
   } catch (const Interrupted& interrupted) {
     // What counts is the processor's time: where others had it, more of the same time might have done.
     const auto given = ImportMemo::Clock::now() - start, used = worker.processor_time();
+    finish(&ImportCounters::interrupted);  // first: the memo may find no memory
     if (interrupted.code == ErrorCode::kDeadlineExceeded && used >= kWorthRemembering)
       memo_.add(input.name, used >= given / 4 * 3 ? given : used);
-    finish(&ImportCounters::interrupted);
     throw;
   } catch (...) {  // the server lacks memory or descriptors: what the worker is at is not known
     finish(&ImportCounters::limited);
@@ -313,7 +312,8 @@ WorkerHello ImportPool::hello() const {
 
 std::vector<pid_t> ImportPool::pids() const {
   const std::lock_guard lock(mutex_);
-  std::vector<pid_t> pids = busy_;
+  std::vector<pid_t> pids;
+  for (const Busy& busy : busy_) pids.push_back(busy.pid);
   for (const auto& worker : idle_) pids.push_back(worker->pid());
   return pids;
 }

@@ -96,24 +96,23 @@ class ImportPool {
   std::unique_ptr<WorkerProcess> fork_worker();
   std::unique_ptr<WorkerProcess> first_worker_of_a_new_zygote();
   void want_a_spare();
-  struct Taken {
-    std::unique_ptr<WorkerProcess> worker;
-    bool urgent = true;
-  };
-  Taken take(const Execution& execution);
+  std::unique_ptr<WorkerProcess> take(const Execution& execution);
   int most_workers(bool urgent) const;
-  void bury(Taken taken);
+  void bury(std::unique_ptr<WorkerProcess> worker);
 
   const ImportPoolConfig config_;
   ImportMemo memo_;
   mutable std::mutex mutex_;
   std::condition_variable supervisor_, free_;
   std::vector<std::unique_ptr<WorkerProcess>> idle_, retired_;
-  std::vector<pid_t> busy_;
+  struct Busy {
+    pid_t pid;
+    const Turn* turn;  ///< of the import: how urgent it is may change while the worker reads; null: it is
+  };
+  std::vector<Busy> busy_;
   int to_start_ = 1;  ///< wanted and not yet begun
   int starting_ = 0;
-  int waiting_ = 0;         ///< imports without a worker
-  int busy_unhurried_ = 0;  ///< workers taken for work that is not urgent
+  int waiting_ = 0;  ///< imports without a worker
   std::uint64_t failed_starts_ = 0;
   std::string start_error_;
   WorkerHello hello_;

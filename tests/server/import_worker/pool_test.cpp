@@ -296,6 +296,25 @@ TEST(ImportPool, UrgentWorkHasOneWorkerMoreAndNotTwo) {
   EXPECT_TRUE(settles(pool));
 }
 
+TEST(ImportPool, WorkThatIsUrgentNoMoreKeepsNoUrgentWorkWaiting) {
+  ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 1));
+  ToldTurn left(true), realtime(true);
+  std::stop_source stop;
+  Execution hangs, urgent;
+  hangs.stop = stop.get_token();
+  hangs.turn = &left;
+  urgent.turn = &realtime;
+  urgent.deadline = std::chrono::steady_clock::now() + kPatience;
+  auto hanging = std::async(std::launch::async,
+                            [&] { EXPECT_THROW((void)import_with(pool, "! hang", hangs), Interrupted); });
+  EXPECT_TRUE(eventually(kPatience, "a worker to be busy", [&] { return pool.counters().busy == 1; }));
+  left.is_in_a_hurry = false;
+  EXPECT_TRUE(import_with(pool, kTetrahedron, urgent));
+  stop.request_stop();
+  hanging.get();
+  EXPECT_TRUE(settles(pool));
+}
+
 TEST(ImportPool, TheSandboxOpensNothingAndReachesNobody) {
   ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 1));
   if (pool.hello().seccomp == 0) GTEST_SKIP() << "this machine allows no seccomp filter";
