@@ -3,6 +3,7 @@
 #include "server/jobs/jobs.hpp"
 
 #include <algorithm>
+#include <new>
 #include <random>
 #include <utility>
 
@@ -70,12 +71,25 @@ std::optional<Error> Jobs::start(FractureRequest request, Terms terms, const Own
     insert(job);
     ++figures_.started;
   }
-  const auto refused = [&](Error overload) {
+  const auto not_started = [&] {
     const std::lock_guard lock(mutex_);
     if (const auto at = index_.find(job->view.id); at != index_.end()) forget(at->second);
     --figures_.started;
-    return overload;
   };
+  try {
+    std::optional<Error> refused =
+        begin(job, std::move(request), std::move(terms), owner, std::move(accepted));
+    if (refused) not_started();
+    return refused;
+  } catch (const std::exception&) {  // no memory: nobody was told of the job, and so nobody waits for it
+    job->stop.request_stop();
+    not_started();
+    throw;
+  }
+}
+
+std::optional<Error> Jobs::begin(const Shared& job, FractureRequest request, Terms terms, const Owner& owner,
+                                 std::function<void(const JobView&)> accepted) {
   std::shared_ptr<const FractureRequest> written;  // keeps the bytes until they are on the disk
   if (folder_) {
     JobRecord& record = job->record;
@@ -87,13 +101,14 @@ std::optional<Error> Jobs::start(FractureRequest request, Terms terms, const Own
     record.output = request.output;
     record.triangles = request.triangles;
     record.parameters = canonical_parameters(request.parameters);
-    if (auto overload = room_for(job, owner.share)) return refused(std::move(*overload));
+    if (auto overload = room_for(job, owner.share)) return overload;
     if (job->kept) written = std::make_shared<const FractureRequest>(request);
   }
   job->terms = terms;
   job->terms->seat.reset();
+  job->deadline = terms.deadline;
   job->request = request;  // until it is on the disk
-  if (auto overload = submit(job, std::move(request), std::move(terms))) return refused(std::move(*overload));
+  if (auto overload = submit(job, std::move(request), std::move(terms))) return overload;
   if (!written) {
     accepted(look_at(*job));
     return std::nullopt;
@@ -178,6 +193,12 @@ void Jobs::mark_begun(const Shared& job) {
 
 void Jobs::finish(const Shared& job, Expected<FractureAnswer> answer) {
   Calls calls;
+  std::shared_ptr<const FractureAnswer> made;
+  if (answer) try {
+      made = std::make_shared<const FractureAnswer>(std::move(*answer));
+    } catch (const std::bad_alloc&) {
+      answer = fail(ErrorCode::kOutOfMemory, "There was not enough memory to keep the answer of this job.");
+    }
   {
     const std::lock_guard lock(mutex_);
     JobView& view = job->view;
@@ -193,7 +214,7 @@ void Jobs::finish(const Shared& job, Expected<FractureAnswer> answer) {
     } else {
       view.state = JobState::kDone;
       view.percent = 100;
-      view.answer = std::make_shared<const FractureAnswer>(std::move(*answer));
+      view.answer = std::move(made);
       if (index_.count(view.id) > 0) figures_.result_bytes += bytes_of(view);
       ended(job);
     }
@@ -341,7 +362,12 @@ void Jobs::flush() {
 
 void Jobs::insert(const Shared& job) {
   jobs_.push_back(job);
-  index_.emplace(job->view.id, std::prev(jobs_.end()));
+  try {
+    index_.emplace(job->view.id, std::prev(jobs_.end()));
+  } catch (const std::bad_alloc&) {
+    jobs_.pop_back();
+    throw;
+  }
 }
 
 void Jobs::forget(std::list<Shared>::iterator at) {

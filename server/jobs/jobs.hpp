@@ -147,7 +147,10 @@ class Jobs {
     bool computing = false;  ///< submitted by pump()
     /// What it is computed from, where that is not on the disk; with it the memory that it has taken already.
     std::optional<FractureRequest> request;
-    std::optional<Terms> terms;     ///< with which it was submitted in this process; nothing: never yet
+    std::optional<Terms> terms;  ///< with which it was submitted in this process; nothing: never yet
+    /// Runs from its first attempt in this process on, whether it computes or waits.
+    std::optional<Clock::time_point> deadline;
+    std::uint64_t refused_in = 0;   ///< the last pass of pump() that could not begin it
     std::uint64_t least_bytes = 0;  ///< of working memory: set when it was crowded out
     bool suspended = false;         ///< stopped by stop(), to go on later
   };
@@ -157,6 +160,9 @@ class Jobs {
   Shared get(const std::string& id);
   /// Takes the lock.
   JobView look_at(const Job& job);
+  /// What start() does once the job has its place.
+  std::optional<Error> begin(const Shared& job, FractureRequest request, Terms terms, const Owner& owner,
+                             std::function<void(const JobView&)> accepted);
   std::optional<Error> submit(const Shared& job, FractureRequest request, Terms terms);
   void progress(const Shared& job, Stage stage, double fraction);
   /// Leaves the mark on the disk. Whoever finds `marked` takes it back.
@@ -188,7 +194,7 @@ class Jobs {
   bool begins_again(const Shared& job, const Error& error);
   /// Of those that wait fails whose deadline has passed and who were cancelled.
   Calls end_waits();
-  /// Null: nobody may begin now. Not of those payers.
+  /// Null: nobody may begin now. Not of those payers, and who was refused in this pass is not tried again.
   Shared next_to_submit(const std::set<std::string>& over_share);
   static const std::string& payer_of(const Job& job) {
     return job.terms ? job.terms->payer.flow.name : job.view.owner;
@@ -212,7 +218,8 @@ class Jobs {
   TermsOf terms_of_;
   bool stopping_ = false;
   bool pump_queued_ = false;
-  DiskThread disk_;  // last: its work uses everything above
+  std::uint64_t pass_ = 0;  ///< of pump()
+  DiskThread disk_;         // last: its work uses everything above
 };
 
 }  // namespace fracture

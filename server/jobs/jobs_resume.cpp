@@ -83,11 +83,12 @@ void Jobs::stop_resuming() {
 
 bool Jobs::begins_again(const Shared& job, const Error& error) {
   const auto needed = error.extra->find("bytes");
-  const bool crowded_out = error.code == ErrorCode::kOutOfMemory && needed != error.extra->end();
+  const bool lacked_memory = error.code == ErrorCode::kOutOfMemory && needed != error.extra->end();
+  const bool crowded_out = lacked_memory || error.code == ErrorCode::kOverloaded;
   if (job->suspended) return crowded_out || error.code == ErrorCode::kCancelled;
   if (!crowded_out || stopping_ || job->stop.stop_requested() || !(job->request || job->kept)) return false;
   // That much was not enough; half as much more is little, so that it needs few attempts.
-  job->least_bytes = std::max(job->least_bytes, needed->get<std::uint64_t>() / 2 * 3);
+  if (lacked_memory) job->least_bytes = std::max(job->least_bytes, needed->get<std::uint64_t>() / 2 * 3);
   job->waiting = true;
   return true;
 }
@@ -105,7 +106,7 @@ Jobs::Calls Jobs::end_waits() {
   for (const Shared& job : jobs_) {
     if (!job->waiting || job->suspended) continue;
     const bool cancelled = job->stop.stop_requested();  // while it was submitted, and that was refused
-    if (!cancelled && !(job->terms && Clock::now() > job->terms->deadline)) continue;
+    if (!cancelled && !(job->deadline && Clock::now() > *job->deadline)) continue;
     fail_locked(job, to_error(Interrupted{cancelled ? ErrorCode::kCancelled : ErrorCode::kDeadlineExceeded}));
     for (auto& call : change(job)) calls.push_back(std::move(call));
   }
@@ -126,7 +127,7 @@ Jobs::Shared Jobs::next_to_submit(const std::set<std::string>& over_share) {
     return nullptr;
   Shared suspect;
   for (const Shared& job : jobs_) {
-    if (!can_be_submitted(*job) || over_share.contains(payer_of(*job))) continue;
+    if (!can_be_submitted(*job) || job->refused_in == pass_ || over_share.contains(payer_of(*job))) continue;
     if (job->begun > 0) {
       if (!suspect) suspect = job;
     } else if (job->terms || !suspect_computes) {
@@ -142,9 +143,10 @@ void Jobs::pump() {
   {
     const std::lock_guard lock(mutex_);
     pump_queued_ = false;
+    ++pass_;
     calls = end_waits();
   }
-  for (bool room = true; room;) {
+  while (!dispatcher_.pool().full(Priority::kBackground)) {
     for (const auto& call : std::exchange(calls, {})) call();
     Shared next;
     {
@@ -167,9 +169,10 @@ void Jobs::pump() {
     next->computing = false;
     next->waiting = !next->view.finished();
     calls = end_waits();
-    // Where there is no room for anybody, sweep() tries again, and so does the next one that is finished.
-    room = refused->code == ErrorCode::kOverShare;
-    over_share.insert(payer_of(*next));
+    // Another one may need less memory, or be another's. sweep() tries again, and so does the next one that is
+    // finished.
+    next->refused_in = pass_;
+    if (refused->code == ErrorCode::kOverShare) over_share.insert(payer_of(*next));
   }
   for (const auto& call : calls) call();
 }
@@ -216,7 +219,9 @@ std::optional<Error> Jobs::resume_one(const Shared& job) {
   } else {
     terms = terms_of(record.owner);
     terms.priority = Priority::kBackground;
-    terms.deadline = Clock::now() + record.patience;
+    const std::lock_guard lock(mutex_);
+    if (!job->deadline) job->deadline = Clock::now() + record.patience;
+    terms.deadline = *job->deadline;
   }
   terms.least_bytes = least_bytes;
   if (auto refused = refuses(terms)) return refused;
@@ -244,7 +249,7 @@ std::optional<Error> Jobs::resume_one(const Shared& job) {
   if (auto refused = submit(job, std::move(*request), std::move(terms))) return refused;
   const std::lock_guard lock(mutex_);
   figures_.resumed += !job->terms;
-  job->terms = kept;  // its deadline runs from now on, whether it computes or waits
+  job->terms = kept;
   return std::nullopt;
 }
 

@@ -105,6 +105,18 @@ TEST_F(Resume, TheDeadlineOfAJobRunsFromItsFirstAttemptOn) {
   EXPECT_LE(crowd.cuts, 2) << "it has begun once";
 }
 
+TEST_F(Resume, AJobThatNeverGetsAPlaceFailsAtItsDeadline) {
+  const std::string job = leave_job(folder.path, 1, "ana", std::chrono::milliseconds(100));
+  JobsHost host(folder.path);
+  host.jobs.resume(terms_of(), [](const JobView&) {});
+  EXPECT_TRUE(eventually(kPatience, "the job to be given up", [&] {
+    host.jobs.sweep();
+    return host.find(job).state == JobState::kFailed;
+  }));
+  EXPECT_EQ(host.find(job).error.value_or(Error{}).code, ErrorCode::kDeadlineExceeded);
+  EXPECT_EQ(host.control->cuts, 0);
+}
+
 /// One that throws is a suspect: were it to count as being computed, the other suspect would never go on.
 TEST_F(Resume, WhatCannotBeGoneOnWithFailsAndTheOthersGoOn) {
   const std::string bad = leave_job(folder.path, 1, "bad"), worse = leave_job(folder.path, 2, "worse"),

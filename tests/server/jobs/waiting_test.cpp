@@ -48,6 +48,30 @@ TEST_F(WaitingJob, BeginsAgainWhenTheMemoryIsFree) {
   EXPECT_EQ(crowd.cuts, 3);
 }
 
+TEST_F(WaitingJob, HoldsUpNoneThatNeedsLess) {
+  const auto [holder, large] = crowded_out("");
+  crowd.bytes = 1000;
+  crowd.crowdings = 1;
+  const std::string small = host->start(3);
+  host->wait_for(small, JobState::kDone);
+  EXPECT_EQ(host->find(large).state, JobState::kQueued);
+  crowd.gate.open = true;
+  host->wait_for(large, JobState::kDone);
+  host->wait_for(holder, JobState::kDone);
+}
+
+TEST_F(WaitingJob, BeginsAgainWhenItWasHurriedAndIsOneTooManyNow) {
+  const auto host_engine = std::make_shared<FakeControl>();
+  std::atomic<int> cuts{0};
+  host_engine->cut_error = [&]() -> std::optional<Error> {
+    if (cuts++ > 0) return std::nullopt;
+    return Error{ErrorCode::kOverloaded, "As many of its class run as may."};  // as the worker pool says it
+  };
+  host.emplace("", host_engine);
+  host->wait_for(host->start(1), JobState::kDone);
+  EXPECT_EQ(cuts, 2);
+}
+
 TEST_F(WaitingJob, BeginsAgainThoughItCouldNotBeWrittenDown) {
   const auto [holder, job] = crowded_out(folder.path, {}, [this] {
     const std::filesystem::path meshes = folder / "jobs/meshes";
