@@ -85,6 +85,7 @@ class Api {
  private:
   /// Of compressed answers: of several of one class who want the same one, one makes it.
   using VariantFlights = SingleFlight<std::shared_ptr<const FractureResult>>;
+  struct VariantWaiter;
 
   /// Runs a handler and replies with what it returns, if anything; exceptions become problems.
   void answering(const Request& request, const Reply& reply,

@@ -2,12 +2,14 @@
 #include <spdlog/spdlog.h>
 #include <algorithm>
 #include <charconv>
+#include <memory>
 #include <new>
 #include <stop_token>
 
 #include "server/http/accept.hpp"
 #include "server/http/api.hpp"
 #include "server/http/result_response.hpp"
+#include "server/service/leave_early.hpp"
 
 namespace fracture::http {
 namespace {
@@ -86,6 +88,28 @@ Answered ranged(const RequestHead& head, bool head_only, Response response) {
 
 }  // namespace
 
+/// One who waits for a compressed answer. Lives in the flight's waiter.
+struct Api::VariantWaiter : std::enable_shared_from_this<VariantWaiter> {
+  using Made = std::shared_ptr<const FractureResult>;
+  VariantWaiter(VariantFlights& its_flights, Timer& timer,
+                std::function<void(const Expected<Made>&)> its_reply)
+      : flights(its_flights), reply(std::move(its_reply)), early(timer) {}
+
+  /// After join(). May leave, and so reply, before it returns.
+  void arm(const VariantFlights::Seat& taken, const Terms& terms) {
+    seat = taken;
+    early.arm(weak_from_this(), terms);
+  }
+  void leave(ErrorCode code) {
+    if (flights.leave(seat)) reply(tl::unexpected<Error>(to_error(Interrupted{code})));
+  }
+
+  VariantFlights& flights;
+  const std::function<void(const Expected<Made>&)> reply;
+  VariantFlights::Seat seat;
+  LeaveEarly early;
+};
+
 Answered Api::get_fracture(const std::shared_ptr<Request>& request, const std::stop_token& gone,
                            const Reply& reply) {
   // Nothing else is a result's name: the cache also holds what was made of results, by other names.
@@ -100,10 +124,11 @@ Answered Api::get_fracture(const std::shared_ptr<Request>& request, const std::s
   // Reading blocks: not on this thread.
   OrProblem<Terms> terms = terms_of(*request, gone);
   if (!terms) return tl::unexpected<Problem>(std::move(terms.error()));
-  const auto read = [this, request, key, reply](const Execution&) -> Answered {
+  const auto read = [this, request, key, reply](const Execution& execution) -> Answered {
     FractureAnswer answer;
     MemoryBudget::Reservation reading(dispatcher_.working());
-    if (!service_.fetch_result(key, answer, [&](std::uint64_t needed) { return reading.grow_to(needed); }))
+    if (!service_.fetch_result(
+            key, answer, [&](std::uint64_t needed) { return reading.grow_to(needed); }, execution))
       return tl::unexpected<Problem>(
           Problem(ErrorCode::kOverloaded, "There is no memory to read this result now.")
               .with("Retry-After", "2"));
@@ -127,27 +152,31 @@ Answered Api::send_result(const std::shared_ptr<Request>& request,
   const Priority priority = std::min(terms.priority, Priority::kBatch);
   // Each class has a flight of its own: nobody waits for the turn of a less urgent one.
   const std::string flight_name = key + "." + std::to_string(static_cast<int>(priority));
-  const auto seat = variants_.join(flight_name, [this, request, result, representation, reply, finish](
-                                                    const Expected<Made>& made, VariantFlights::Role) {
-    answering(*request, reply, [&]() -> Answered {
-      if (made) return finish(result_response(result, representation, *made));
-      // The answer is there all the same.
-      if (const auto plain = as_it_is(request->head, *result, representation.figures))
-        return finish(result_response(result, *plain, nullptr));
-      return tl::unexpected<Problem>(
-          Problem(ErrorCode::kOverloaded, made.error().detail).with("Retry-After", "2"));
-    });
-  });
+  // Each waits for as long as it may, whoever waits with it.
+  const auto waiter = std::make_shared<VariantWaiter>(
+      variants_, dispatcher_.timer(),
+      [this, request, result, representation, reply, finish](const Expected<Made>& made) {
+        answering(*request, reply, [&]() -> Answered {
+          if (made) return finish(result_response(result, representation, *made));
+          // The answer is there all the same.
+          if (const auto plain = as_it_is(request->head, *result, representation.figures))
+            return finish(result_response(result, *plain, nullptr));
+          return tl::unexpected<Problem>(
+              Problem(ErrorCode::kOverloaded, made.error().detail).with("Retry-After", "2"));
+        });
+      });
+  const auto seat = variants_.join(
+      flight_name, [waiter](const Expected<Made>& made, VariantFlights::Role) { waiter->reply(made); });
+  waiter->arm(seat, terms);
   if (seat.role != VariantFlights::Role::kLeader) return std::nullopt;
   const auto not_made = [](std::string why) -> Expected<Made> {
     return tl::unexpected<Error>(Error{ErrorCode::kOutOfMemory, std::move(why)});
   };
-  // For all who wait, whoever leaves; and of an answer that is there. A job's own deadline is for its
-  // computation alone.
+  // For all who wait, whoever leaves. A job's own deadline is for its computation alone.
   Terms compressing = terms;
   compressing.priority = priority;
-  compressing.deadline = std::min(terms.deadline, std::chrono::steady_clock::now() + limits_.deadline);
-  compressing.gone = {};
+  compressing.deadline = std::chrono::steady_clock::now() + limits_.deadline;
+  compressing.gone = seat.flight->stop();
   compressing.needs_seat = false;
   const auto compress = [this, flight = seat.flight, result, representation,
                          not_made](const Execution& execution) {

@@ -111,6 +111,37 @@ TEST_F(FlightsOverHttp, RequestTimeoutLowersTheDeadlineOfOneWaiterOnly) {
   EXPECT_EQ(clients[0]->receive()->status, 200);
 }
 
+/// Of an answer that is there: who does not get it compressed in time gets it as it is.
+TEST_F(FlightsOverHttp, WhoWaitsForACompressionWaitsForAsLongAsItMay) {
+  gate.open = true;
+  server.control->glb_padding = 1u << 20;
+  const std::string target = server.post("/fracture").header("content-location");
+  gate.open = false;
+  gate.arrived = 0;
+  server.control->during_cut = [this](const Execution&) { gate.pass_without_polls(); };
+  for (const char* sites : {"5", "6"}) send(std::string("/fracture?sites=") + sites);
+  gate.wait_for(2);  // as many as there are threads
+  const auto get = [&](const std::string& fields) -> RawClient& {
+    clients.push_back(std::make_unique<RawClient>(server.port()));
+    clients.back()->send("GET " + target + " HTTP/1.1\r\nHost: t\r\nAccept-Encoding: gzip\r\n" + fields +
+                         "\r\n");
+    return *clients.back();
+  };
+  RawClient& hasty = get("Request-Timeout: 0.1\r\n");
+  RawClient& patient = get("");
+  RawClient& hasty_too = get("Request-Timeout: 0.1\r\n");
+  for (RawClient* const client : {&hasty, &hasty_too}) {
+    const auto reply = client->receive();
+    ASSERT_TRUE(reply);
+    EXPECT_EQ(reply->status, 200);
+    EXPECT_EQ(reply->header("content-encoding"), "");
+  }
+  gate.open = true;
+  const auto reply = patient.receive();
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(reply->header("content-encoding"), "gzip") << "whoever leaves, it is made for the others";
+}
+
 TEST_F(FlightsOverHttp, ARequestTimeoutThatIsNoTimeIsRefused) {
   for (const char* value : {"0", "-1", "soon", "1s", "nan", "1e9"})
     EXPECT_EQ(server
