@@ -1,5 +1,5 @@
-// The life of a job in this process. What comes from an earlier one: jobs_resume.cpp; who looks on:
-// jobs_watch.cpp.
+// The life of a job in this process. What is written down of it: jobs_disk.cpp; what comes from an earlier one:
+// jobs_resume.cpp; who looks on: jobs_watch.cpp.
 #include "server/jobs/jobs.hpp"
 
 #include <algorithm>
@@ -235,66 +235,6 @@ void Jobs::ended(const Shared& job) {
   record.finished_at = job->view.finished_at;
   record.error = job->view.error;
   disk_.run([this, job, answer = job->view.answer] { persist_end(job, answer); });
-}
-
-// -- on the disk's thread
-
-void Jobs::persist(const Shared& job, const FractureRequest& request) {
-  JobRecord record;
-  std::shared_ptr<const FractureAnswer> answer;
-  {
-    const std::lock_guard lock(mutex_);
-    if (!job->kept) return;  // cancelled and forgotten by now
-    if (job->view.finished() && !job->view.answer) return;
-    record = job->record;
-    answer = job->view.answer;
-  }
-  // Done already: what it came to is all that has to be there, unless that cannot be.
-  bool there = answer && write_end(job, record, answer);
-  if (!there) {
-    record.state = JobState::kQueued;
-    record.finished_at.reset();
-    there = folder_->write(record, request);
-  }
-  if (!there) return not_durable(job);
-  const std::lock_guard lock(mutex_);
-  job->view.durable = job->kept;
-  if (job->kept) job->request.reset();
-}
-
-void Jobs::not_durable(const Shared& job) {
-  {
-    const std::lock_guard lock(mutex_);
-    job->kept = job->view.durable = false;
-  }
-  folder_->remove(job->view.id);
-}
-
-void Jobs::persist_end(const Shared& job, const std::shared_ptr<const FractureAnswer>& answer) {
-  JobRecord record;
-  bool marked = false;
-  {
-    const std::lock_guard lock(mutex_);
-    if (!job->kept) return;
-    record = job->record;
-    marked = std::exchange(job->marked, false);
-  }
-  // Where the disk tier has no room for the answer, the job stays as what is to be computed: after a restart
-  // it is computed again.
-  if (!write_end(job, record, answer)) {
-    if (marked) folder_->not_begun(record.id);
-    return;
-  }
-  const std::lock_guard lock(mutex_);
-  job->view.durable = job->kept;
-}
-
-bool Jobs::write_end(const Shared& job, const JobRecord& record,
-                     const std::shared_ptr<const FractureAnswer>& answer) {
-  if (!job->written_end)
-    job->written_end =
-        (!answer || dispatcher_.service().tiers().keep_on_disk(answer->result)) && folder_->write_end(record);
-  return job->written_end;
 }
 
 // -- the end of jobs

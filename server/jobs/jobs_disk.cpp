@@ -1,0 +1,64 @@
+// What of a job is written down, on the thread of the disk: its mesh and request, and what it came to.
+#include "server/jobs/jobs.hpp"
+
+namespace fracture {
+
+void Jobs::persist(const Shared& job, const FractureRequest& request) {
+  JobRecord record;
+  std::shared_ptr<const FractureAnswer> answer;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!job->kept) return;  // cancelled and forgotten by now
+    if (job->view.finished() && !job->view.answer) return;
+    record = job->record;
+    answer = job->view.answer;
+  }
+  // Done already: what it came to is all that has to be there, unless that cannot be.
+  bool there = answer && write_end(job, record, answer);
+  if (!there) {
+    record.state = JobState::kQueued;
+    record.finished_at.reset();
+    there = folder_->write(record, request);
+  }
+  if (!there) return not_durable(job);
+  const std::lock_guard lock(mutex_);
+  job->view.durable = job->kept;
+  if (job->kept) job->request.reset();
+}
+
+void Jobs::not_durable(const Shared& job) {
+  {
+    const std::lock_guard lock(mutex_);
+    job->kept = job->view.durable = false;
+  }
+  folder_->remove(job->view.id);
+}
+
+void Jobs::persist_end(const Shared& job, const std::shared_ptr<const FractureAnswer>& answer) {
+  JobRecord record;
+  bool marked = false;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!job->kept) return;
+    record = job->record;
+    marked = std::exchange(job->marked, false);
+  }
+  // Where the disk tier has no room for the answer, the job stays as what is to be computed: after a restart
+  // it is computed again.
+  if (!write_end(job, record, answer)) {
+    if (marked) folder_->not_begun(record.id);
+    return;
+  }
+  const std::lock_guard lock(mutex_);
+  job->view.durable = job->kept;
+}
+
+bool Jobs::write_end(const Shared& job, const JobRecord& record,
+                     const std::shared_ptr<const FractureAnswer>& answer) {
+  if (!job->written_end)
+    job->written_end =
+        (!answer || dispatcher_.service().tiers().keep_on_disk(answer->result)) && folder_->write_end(record);
+  return job->written_end;
+}
+
+}  // namespace fracture
