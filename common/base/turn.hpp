@@ -9,8 +9,10 @@ class Turn {
  public:
   virtual ~Turn() = default;
   /// Called at each poll: waits while something more urgent needs the processor, within a limit. Cheap when
-  /// nothing does.
+  /// nothing does. Throws Interrupted where the computation has to end for others.
   virtual void give_way() = 0;
+  /// Instead of give_way() where it is away: never waits.
+  virtual void end_where_it_must() {}
   /// Between these two the computation waits for work that is done elsewhere (another process), and uses no
   /// processor here. Not nested; only by the thread that the computation began on.
   virtual void leave() = 0;

@@ -95,7 +95,7 @@ int serve_until_stopped(const ServeOptions& options) {
     return kExitSystem;
   }
   FractureService service(options.service, make_engine(imports));
-  WorkerPool pool(threads, options.max_queue, options.limits.realtime_deadline);
+  WorkerPool pool(threads, options.max_queue, {options.limits.realtime_deadline, options.limits.deadline});
   FailureKeeper failures({.folder = options.keep_failures, .program = "fracture-server " FRACTURE_VERSION},
                          [](const std::string& problem) { spdlog::warn("{}", problem); });
   DispatcherConfig config = options.dispatcher;

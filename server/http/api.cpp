@@ -61,15 +61,16 @@ void Api::sweep_later() {
   constexpr std::chrono::seconds kInterval{10};
   if (closing_) return;
   dispatcher_.timer().at(Timer::Clock::now() + kInterval, [this] {
-    // What throws ends this sweep, not all later ones: first, and again where there was no memory for that.
+    // What throws ends this sweep, not all later ones: the next one comes first, and again where there was no memory.
     bool later = false;
     try {
       sweep_later();
       later = true;
-    } catch (const std::bad_alloc&) {
+      meshes_.sweep();
+      jobs_.sweep();
+    } catch (const std::exception& e) {
+      spdlog::warn("sweeping failed: {}", e.what());
     }
-    meshes_.sweep();
-    jobs_.sweep();
     if (!later) sweep_later();
   });
 }

@@ -22,6 +22,7 @@ Answered Api::with_mesh_input(const std::shared_ptr<Request>& request, const std
     Execution here;
     here.stop = terms.gone;
     here.turn = WorkerPool::turn();
+    if (terms.deadline != std::chrono::steady_clock::time_point::max()) here.deadline = terms.deadline;
     input->digest = digest_of(*input, here).hex();
     return go_on(std::move(*input), std::move(own), terms);
   };

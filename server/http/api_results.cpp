@@ -167,16 +167,27 @@ Answered Api::send_result(const std::shared_ptr<Request>& request,
       });
   const auto seat = variants_.join(
       flight_name, [waiter](const Expected<Made>& made, VariantFlights::Role) { waiter->reply(made); });
-  waiter->arm(seat, terms);
-  if (seat.role != VariantFlights::Role::kLeader) return std::nullopt;
   const auto not_made = [](std::string why) -> Expected<Made> {
     return tl::unexpected<Error>(Error{ErrorCode::kOutOfMemory, std::move(why)});
   };
+  const bool leads = seat.role == VariantFlights::Role::kLeader;
+  try {
+    waiter->arm(seat, terms);
+  } catch (
+      const std::exception&) {  // whatever happens, nobody waits for ever, and everybody is answered once
+    if (leads)
+      variants_.land(seat.flight, not_made("There is no memory to wait for this answer now."));
+    else if (variants_.leave(seat))
+      throw;
+    return std::nullopt;
+  }
+  if (!leads) return std::nullopt;
   // For all who wait, whoever leaves. A job's own deadline is for its computation alone.
   Terms compressing = terms;
   compressing.priority = priority;
   compressing.deadline = std::chrono::steady_clock::now() + limits_.deadline;
   compressing.gone = seat.flight->stop();
+  compressing.seat.reset();
   compressing.needs_seat = false;
   const auto compress = [this, flight = seat.flight, result, representation,
                          not_made](const Execution& execution) {

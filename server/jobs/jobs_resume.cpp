@@ -246,8 +246,13 @@ std::optional<Error> Jobs::resume_one(const Shared& job) {
     job->resumed_bytes = mesh->owner->size();
   }
   const Terms kept = without_seat(terms);
-  if (auto refused = submit(job, std::move(*request), std::move(terms))) return refused;
+  const std::optional<Error> refused = submit(job, std::move(*request), std::move(terms));
   const std::lock_guard lock(mutex_);
+  if (refused) {  // so that its mesh is not read again before as much is free
+    if (const auto bytes = refused->extra->find("bytes"); bytes != refused->extra->end())
+      job->least_bytes = std::max(job->least_bytes, bytes->get<std::uint64_t>());
+    return refused;
+  }
   figures_.resumed += !job->terms;
   job->terms = kept;
   return std::nullopt;

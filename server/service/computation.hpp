@@ -92,8 +92,7 @@ struct Dispatcher::Waiting : std::enable_shared_from_this<Waiting<Flights, Value
     if (!flights.leave(seat)) return;
     Urgency& urgency = urgency_of(seat.flight->common);
     urgency.leave(dispatcher.pool_, priority);
-    // What nobody waits for keeps neither its place in the queue nor its memory until its turn.
-    if (seat.flight->stop().stop_requested()) dispatcher.pool_.withdraw(urgency.task());
+    dispatcher.withdraw_if_abandoned(*seat.flight, urgency);
     ++dispatcher.abandoned_;
     answer(tl::unexpected<Error>(to_error(Interrupted{code})));
   }

@@ -255,8 +255,10 @@ void Dispatcher::obtain(SingleFlight<Step<Value>, Urgency>& flights, const std::
   // What is given up is told to the part, which has to know by then who waits for it.
   const auto watch_for_the_end = [&] {
     place->gives_up.emplace(place->result->stop(), [this, &flights, weak = std::weak_ptr(place)] {
-      if (const auto left = weak.lock(); left && flights.leave(left->seat))
-        left->result->common.urgency.gives_up(pool_);
+      const auto left = weak.lock();
+      if (!left || !flights.leave(left->seat)) return;
+      left->result->common.urgency.gives_up(pool_);
+      withdraw_if_abandoned(*left->seat.flight, left->seat.flight->common);
     });
   };
   Urgency& mine = place->result->common.urgency;

@@ -167,6 +167,11 @@ class Dispatcher {
                                MemoryBudget::Reservation& reservation);
   static MemoryBudget::Divided divided(std::uint64_t working_bytes);
   static std::uint64_t share_of(std::uint64_t bytes);
+  /// What nobody waits for keeps neither its place in the queue nor its memory until its turn.
+  template <class Flight>
+  void withdraw_if_abandoned(const Flight& flight, const Urgency& urgency) {
+    if (flight.stop().stop_requested()) pool_.withdraw(urgency.task());
+  }
 
   // The stations of a computation, each on a thread of the pool.
   void begin(const Shared& c, int threads);

@@ -83,9 +83,11 @@ std::optional<Error> Dispatcher::reserve(std::uint64_t bytes, const Terms& terms
                            " bytes that one client may work in, by estimate; this one needs " +
                            std::to_string(bytes) + ".",
                  .retry_after = later};
-  return overloaded("The computations in progress hold " + std::to_string(working.used()) +
-                        " bytes by estimate, and this one needs " + std::to_string(bytes) + ".",
-                    later);
+  Error error = overloaded("The computations in progress hold " + std::to_string(working.used()) +
+                               " bytes by estimate, and this one needs " + std::to_string(bytes) + ".",
+                           later);
+  error.extra = fracture::Figures(nlohmann::json{{"bytes", bytes}});
+  return error;
 }
 
 }  // namespace fracture

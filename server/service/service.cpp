@@ -50,14 +50,17 @@ FractureParameters with_hulls(const RequestParameters& asked) {
 /// Of a file that is read in another process, where it may wait for its turn: no place to stand still at.
 class TurnElsewhere final : public Turn {
  public:
-  explicit TurnElsewhere(const Turn* turn) : turn_(turn) {}
-  void give_way() override {}
+  explicit TurnElsewhere(Turn* turn) : turn_(turn) {}
+  void give_way() override { end_where_it_must(); }
+  void end_where_it_must() override {
+    if (turn_) turn_->end_where_it_must();
+  }
   void leave() override {}
   void come_back() override {}
   bool is_urgent() const override { return !turn_ || turn_->is_urgent(); }
 
  private:
-  const Turn* const turn_;
+  Turn* const turn_;
 };
 
 }  // namespace

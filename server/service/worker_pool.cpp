@@ -23,9 +23,9 @@ double WorkerPool::away_seconds() {
   return mine ? mine->away_for : 0;
 }
 
-WorkerPool::WorkerPool(int threads, std::size_t max_queue, std::chrono::milliseconds longest_hurry)
+WorkerPool::WorkerPool(int threads, std::size_t max_queue, const Longest& longest)
     : max_queue_(max_queue),
-      longest_hurry_(longest_hurry),
+      longest_{longest.realtime, longest.batch},
       thread_count_(static_cast<std::size_t>(std::max(1, threads))) {
   // As many for each class, whose jobs stand still for those of the others: as many jobs compute at the same
   // time as was asked for.
@@ -126,6 +126,12 @@ std::size_t WorkerPool::running_of(Priority priority) const {
       running_.begin(), running_.end(), [&](const auto& job) { return job.second->priority == priority; }));
 }
 
+std::size_t WorkerPool::places_of(Priority priority) const {
+  return static_cast<std::size_t>(std::count_if(running_.begin(), running_.end(), [&](const auto& job) {
+    return job.second->priority == priority || job.second->began == priority;
+  }));
+}
+
 std::size_t WorkerPool::computing(Priority least) const {
   return static_cast<std::size_t>(std::count_if(running_.begin(), running_.end(), [&](const auto& job) {
     return job.second->computes() && job.second->priority <= least;
@@ -139,7 +145,7 @@ bool WorkerPool::any_paused(Priority least) const {
 
 bool WorkerPool::has_thread(Priority priority) const {
   if (priority == Priority::kRealtime) return running_.size() < most_running();
-  return running_.size() < most_running() - thread_count_ && running_of(priority) < thread_count_;
+  return running_.size() < most_running() - thread_count_ && places_of(priority) < thread_count_;
 }
 
 bool WorkerPool::may_begin(Priority priority) const {
@@ -191,37 +197,51 @@ WorkerPool::Task WorkerPool::take(Next next) {
 
 void WorkerPool::become(Running& job, Priority priority) {
   const Clock::time_point now = Clock::now();
-  if (job.priority == Priority::kRealtime) job.hurried_for += now - std::exchange(job.hurried_since, now);
-  if (priority == Priority::kRealtime && job.hurried_for >= longest_hurry_) priority = Priority::kBatch;
+  job.spent[static_cast<std::size_t>(job.priority)] += now - std::exchange(job.since, now);
+  for (const Priority spent : {Priority::kRealtime, Priority::kBatch})
+    if (priority == spent &&
+        job.spent[static_cast<std::size_t>(spent)] >= longest_[static_cast<std::size_t>(spent)])
+      priority = kPriorities[static_cast<std::size_t>(spent) + 1];
   const Priority before = std::exchange(job.priority, priority);
   if (before == priority) return;
-  job.hurried_since = now;
-  if (priority > before && running_of(priority) > thread_count_) job.must_end = true;
+  if (priority > before) thin_out();
   go_on_.notify_all();
 }
 
-void WorkerPool::end_hurries() {
+void WorkerPool::thin_out() {
+  for (const Priority least : {Priority::kBatch, Priority::kBackground}) {
+    const std::size_t most = least == Priority::kBatch ? 2 * thread_count_ : thread_count_;
+    const auto counts = [least](const Running& job) { return job.priority >= least && !job.must_end; };
+    auto count = static_cast<std::size_t>(std::count_if(
+        running_.begin(), running_.end(), [&](const auto& job) { return counts(*job.second); }));
+    // The latest first. Of the others no more begin than may run.
+    for (auto job = running_.rbegin(); count > most && job != running_.rend(); ++job) {
+      if (!counts(*job->second) || job->second->began >= least) continue;
+      job->second->must_end = true;
+      --count;
+    }
+  }
+}
+
+void WorkerPool::end_classes() {
   const Clock::time_point now = Clock::now();
   Clock::time_point next = Clock::time_point::max();
   for (const auto& [id, job] : running_) {
-    if (job->priority != Priority::kRealtime) continue;
-    if (job->hurry_ends() <= now)
-      become(*job, Priority::kRealtime);
-    else
-      next = std::min(next, job->hurry_ends());
+    if (job->class_ends() <= now) become(*job, job->priority);
+    next = std::min(next, job->class_ends());
   }
   const bool somebody_waits = queued_locked() > 0 || any_paused(Priority::kBackground);
-  hurry_ends_ = somebody_waits ? next.time_since_epoch().count() : kNever;
+  class_ends_ = somebody_waits ? next.time_since_epoch().count() : kNever;
 }
 
-bool WorkerPool::hurry_ended() const {
-  const Clock::rep end = hurry_ends_.load(std::memory_order_relaxed);
+bool WorkerPool::some_class_ended() const {
+  const Clock::rep end = class_ends_.load(std::memory_order_relaxed);
   return end != kNever && Clock::now().time_since_epoch().count() >= end;
 }
 
 /// Tells whom a change concerns.
 void WorkerPool::changed() {
-  end_hurries();
+  end_classes();
   const auto some_must = [this](Priority priority) {
     return running_of(priority) > 0 && must_stand_back(priority);
   };

@@ -14,10 +14,11 @@
 // not even wait for the poll: beside jobs on all of them one realtime job more is begun at once, and whoever
 // polls first makes room.
 //
-// A task that runs may change its class, and whoever hurries it by turns may do so for ever. So it is realtime for
-// a limited time in all, and batch work from then on. A class runs as many tasks as there are threads: a task that
-// becomes less urgent where as many run already ends at its next poll (kOverloaded), or it would keep a thread
-// from more urgent work for as long as it takes.
+// A task that runs may change its class, and those who hurry it by turns may do so for ever. So it is of a class for a
+// limited time in all (Longest), and of the next one from then on. As many tasks begin in a class as there are threads,
+// and each keeps its place there whatever it becomes. So it is those who began in a more urgent class that are too many
+// where too many run: they end at their next poll (kOverloaded), or they would keep threads from more urgent work for as
+// long as they take.
 #pragma once
 
 #include <array>
@@ -43,6 +44,11 @@ namespace fracture {
 /// The most urgent first.
 enum class Priority { kRealtime, kBatch, kBackground };
 
+/// For how long a task that runs is realtime, or batch work, in all: nobody waits longer in that class.
+struct Longest {
+  std::chrono::milliseconds realtime{2'000}, batch{60'000};
+};
+
 class WorkerPool {
  public:
   /// A job is told how many threads it may use for its own loops: the pool's threads divided among the jobs
@@ -50,9 +56,8 @@ class WorkerPool {
   using Job = std::function<void(int threads)>;
   using TaskId = std::uint64_t;
 
-  /// `threads`: jobs that compute at the same time. `longest_hurry`: a task that runs is realtime for at most this
-  /// long in all; no collision waits longer.
-  WorkerPool(int threads, std::size_t max_queue, std::chrono::milliseconds longest_hurry = kLongestHurry);
+  /// `threads`: jobs that compute at the same time.
+  WorkerPool(int threads, std::size_t max_queue, const Longest& longest = {});
   /// Finishes what is queued (cancel it through its own stop tokens first when that would take too long).
   ~WorkerPool();
   WorkerPool(const WorkerPool&) = delete;
@@ -64,8 +69,9 @@ class WorkerPool {
   TaskId submit(Priority priority, double cost, Job job, const Flow& flow = {});
   /// Work that was admitted before and goes on: never refused, before all other work of its class.
   TaskId resume(Job job, Priority priority = Priority::kRealtime);
-  /// A task is of this class from now on, queued or running; one that runs becomes realtime only while it was so
-  /// for less than `longest_hurry`. Nothing happens when it is neither, or of that class already. True: it is queued, and takes the turn of this flow there instead of the one that it had.
+  /// A task is of this class from now on, queued or running, or of the most urgent one that is left to it (Longest).
+  /// Nothing happens when it is neither, or of that class already. True: it is queued, and takes the turn of this flow
+  /// there instead of the one that it had.
   bool reclassify(TaskId task, Priority priority, const Flow& flow = {});
   /// A task that is queued does not run. False where it is not: it has begun, or was resumed.
   bool withdraw(TaskId task);
@@ -117,7 +123,6 @@ class WorkerPool {
   static constexpr std::chrono::milliseconds kLongestPause{250};
   /// ... and then not again for a quarter of the time that it stood still, or this.
   static constexpr std::chrono::milliseconds kLeastWork{10};
-  static constexpr std::chrono::milliseconds kLongestHurry{2000};
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -143,13 +148,15 @@ class WorkerPool {
   };
 
   void work();
-  /// Some task should be realtime no longer, and somebody waits. Without the lock.
-  bool hurry_ended() const;
+  /// Some task has been of its class for long enough, and somebody waits. Without the lock.
+  bool some_class_ended() const;
   std::size_t most_running() const { return classes_.size() * thread_count_; }
   // All of these with the lock.
   std::size_t queued_locked() const;
   bool is_idle() const { return running_.empty() && withdrawing_ == 0 && queued_locked() == 0; }
   std::size_t running_of(Priority priority) const;
+  /// Which run and are of this class, or began there.
+  std::size_t places_of(Priority priority) const;
   /// Jobs that compute, of this class and more urgent ones.
   std::size_t computing(Priority least = Priority::kBackground) const;
   bool any_paused(Priority least) const;
@@ -167,13 +174,15 @@ class WorkerPool {
   Task take(Next next);
   /// A task that runs is of this class from now on, or of the one that is left to it.
   void become(Running& job, Priority priority);
-  /// Those that were realtime for long enough are so no longer.
-  void end_hurries();
+  /// Those that were of their class for long enough are so no longer.
+  void end_classes();
+  /// Those end that are too many.
+  void thin_out();
   void changed();
   void rest();
 
   const std::size_t max_queue_;
-  const std::chrono::milliseconds longest_hurry_;
+  const std::array<Clock::duration, 2> longest_;  ///< by Priority
   mutable std::mutex mutex_;
   std::condition_variable wake_, idle_, go_on_;
   std::array<Class, 3> classes_;
@@ -183,8 +192,8 @@ class WorkerPool {
   std::size_t thread_count_ = 0;
   /// Somebody who computes should stand back: read at every poll, without the lock.
   std::atomic<bool> urgent_{false};
-  /// When the next hurry ends while somebody waits, by Clock; kNever: none. Read like urgent_.
-  std::atomic<Clock::rep> hurry_ends_{kNever};
+  /// When the next task has been of its class for long enough, while somebody waits, by Clock. Read like urgent_.
+  std::atomic<Clock::rep> class_ends_{kNever};
   /// Decaying sums over what was measured: seconds it took, seconds it was said to take.
   double took_ = 0.1, cost_ = 0.1;
   std::atomic<std::uint64_t> escaped_{0};

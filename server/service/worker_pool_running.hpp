@@ -24,13 +24,9 @@ class WorkerPool::Running final : public Turn {
 
   void give_way() override {
     // All threads of a job stand still, also those that poll when the first of them has made room already.
-    const bool hurry_ended = pool.hurry_ended();
-    if (!hurry_ended && !pool.urgent_.load(std::memory_order_relaxed) &&
-        !paused.load(std::memory_order_relaxed) && !must_end.load(std::memory_order_relaxed))
-      return;
+    if (!concerns_it()) return;
     std::unique_lock lock(pool.mutex_);
-    if (hurry_ended) pool.changed();
-    end_where_it_must();
+    end_if_too_many();
     if (priority == Priority::kRealtime) return;
     if (!paused) {
       if (Clock::now() < works_until || !pool.must_stand_back(priority)) return;
@@ -43,14 +39,20 @@ class WorkerPool::Running final : public Turn {
       return !paused || must_end || priority == Priority::kRealtime || pool.stopping_ ||
              pool.may_go_on(priority);
     });
-    if (!paused) return end_where_it_must();
+    if (!paused) return end_if_too_many();
     paused = false;
     const Clock::duration stood = Clock::now() - paused_since;
     paused_for += stood;
     works_until = Clock::now() + std::max<Clock::duration>(kLeastWork, stood / 4);
     pool.go_on_.notify_all();
     pool.changed();
-    end_where_it_must();
+    end_if_too_many();
+  }
+
+  void end_where_it_must() override {
+    if (!concerns_it()) return;
+    const std::lock_guard lock(pool.mutex_);
+    end_if_too_many();
   }
 
   void leave() override {
@@ -74,7 +76,13 @@ class WorkerPool::Running final : public Turn {
     return priority == Priority::kRealtime;
   }
 
-  void end_where_it_must() const {
+  /// Read at every poll, without the lock.
+  bool concerns_it() const {
+    return pool.urgent_.load(std::memory_order_relaxed) || paused.load(std::memory_order_relaxed) ||
+           must_end.load(std::memory_order_relaxed) || pool.some_class_ended();
+  }
+  void end_if_too_many() const {
+    if (pool.some_class_ended()) pool.changed();
     if (must_end)
       throw Interrupted(Error{.code = ErrorCode::kOverloaded,
                               .detail =
@@ -83,8 +91,12 @@ class WorkerPool::Running final : public Turn {
                               .retry_after = std::chrono::seconds(1)});
   }
 
-  /// When it is realtime no longer, where nothing changes.
-  Clock::time_point hurry_ends() const { return hurried_since + (pool.longest_hurry_ - hurried_for); }
+  /// When it is of its class no longer, where nothing changes.
+  Clock::time_point class_ends() const {
+    const auto of = static_cast<std::size_t>(priority);
+    return priority == Priority::kBackground ? Clock::time_point::max()
+                                             : since + (pool.longest_[of] - spent[of]);
+  }
 
   /// Realtime work keeps its processor while it is away.
   bool computes() const { return !paused && (!away || priority == Priority::kRealtime); }
@@ -94,8 +106,9 @@ class WorkerPool::Running final : public Turn {
   double cost;
   const Clock::time_point start = Clock::now();
   std::atomic<bool> paused{false}, must_end{false};  // read at every poll, without the lock
-  Clock::time_point hurried_since = start;           // where it is realtime
-  Clock::duration hurried_for{};                     // before that
+  const Priority began = priority;
+  Clock::time_point since = start;         // it is of its class
+  std::array<Clock::duration, 3> spent{};  // in each class, before that
   bool away = false;
   Clock::time_point paused_since{}, works_until{};
   Clock::duration paused_for{};

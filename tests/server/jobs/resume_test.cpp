@@ -1,6 +1,8 @@
 // What an earlier process left goes on a few at a time, and who is refused holds up nobody else.
 #include <gtest/gtest.h>
 
+#include <vector>
+
 #include "server/tenants/account.hpp"
 #include "tests/server/support/jobs_host.hpp"
 
@@ -103,6 +105,22 @@ TEST_F(Resume, TheDeadlineOfAJobRunsFromItsFirstAttemptOn) {
   }));
   EXPECT_EQ(resumed.find(job).error.value_or(Error{}).code, ErrorCode::kDeadlineExceeded);
   EXPECT_LE(crowd.cuts, 2) << "it has begun once";
+}
+
+/// Its mesh is read once, and then not before there is room for what it needs.
+TEST_F(Resume, WhoNeedsMoreThanIsFreeCostsTheDiskNothingTwice) {
+  const std::string job = leave_job(folder.path, 1);
+  JobsHost host(folder.path);
+  std::vector<MemoryBudget::Reservation> others;  // until nothing is left, of what is for small ones either
+  for (const std::uint64_t bytes : {std::uint64_t{64} << 20, std::uint64_t{4} << 10}) do {
+      others.emplace_back(host.dispatcher.working());
+    } while (others.back().grow_to(bytes));
+  host.resume();
+  host.jobs.flush();
+  std::filesystem::remove_all(folder / "jobs/meshes");
+  host.jobs.sweep();
+  host.jobs.flush();
+  EXPECT_EQ(host.find(job).state, JobState::kQueued) << "nobody has missed it";
 }
 
 TEST_F(Resume, AJobThatNeverGetsAPlaceFailsAtItsDeadline) {

@@ -51,9 +51,31 @@ TEST_F(Demoted, OneThatFindsRoomGoesOn) {
   EXPECT_FALSE(third.was_ended);
 }
 
-/// A pool in which a hurry is short.
+/// The places of a class are for those who began there.
+TEST_F(Demoted, WhoWasHurriedDoesNotEndWhoBeganInTheClass) {
+  pool.reclassify(first.id, kRealtime);
+  pool.reclassify(second.id, kRealtime);
+  second.wait();
+  pool.reclassify(second.id, kBackground);
+  pool.reclassify(first.id, kBackground);
+  EXPECT_TRUE(eventually(kPatience, "the second to end", [&] { return second.was_ended.load(); }));
+  EXPECT_FALSE(first.was_ended);
+}
+
+/// Jobs that batch requests have joined, and stay.
+TEST_F(Demoted, HoweverManyAreBatchWorkACollisionIsServed) {
+  pool.reclassify(first.id, kBatch);
+  hurry_until_it_runs(second, kRealtime);
+  pool.reclassify(second.id, kBatch);
+  std::deque<Polling> tasks;
+  for (int k = 0; k < 3; ++k) hurry_until_it_runs(tasks.emplace_back(pool, 1, kBackground), kRealtime);
+  const Computing collision(pool, 1, kRealtime);
+  EXPECT_FALSE(first.was_ended);
+}
+
+/// A pool in which nobody waits for long.
 struct LongHurry : testing::Test {
-  WorkerPool pool{1, 100, std::chrono::milliseconds(50)};
+  WorkerPool pool{1, 100, {std::chrono::milliseconds(50), std::chrono::milliseconds(50)}};
 };
 
 TEST_F(LongHurry, EndsWhereAnotherCollisionWaits) {
@@ -81,6 +103,53 @@ TEST_F(LongHurry, IsNotBegunAnewByWhoeverComesNext) {
   { const Computing collision(pool, 1, kRealtime); }
   stop = true;
   EXPECT_FALSE(hurried.was_ended);
+}
+
+TEST_F(LongHurry, OfBatchWorkEndsToo) {
+  Computing joined(pool, 1, kBackground);
+  pool.reclassify(joined.id, kBatch);
+  const Computing batch(pool, 1, kBatch);
+  EXPECT_FALSE(joined.was_ended);
+}
+
+/// Of files, which are read in other processes: those who wait for them do not stand still.
+TEST_F(DispatcherTest, AnImportThatIsHurriedForEverHoldsUpNobody) {
+  Gate gate;
+  std::atomic<int> imports{0};
+  control->during_import = [&](const Execution& execution) {
+    if (imports++ < 2) gate.pass(execution);
+  };
+  Terms hurried;
+  hurried.priority = Priority::kRealtime;
+  for (const char* mesh : {"long", "longer"}) {
+    ask(fracture_request(mesh));
+    ask(fracture_request(mesh), hurried);
+  }
+  gate.wait_for(2);
+  ask(fracture_request("collision"), hurried);
+  EXPECT_TRUE(eventually(kPatience, "the collision's answer", [&] { return good == 1; }));
+  gate.open = true;
+  dispatcher.wait_idle();
+  EXPECT_EQ(good, 5);
+}
+
+TEST_F(DispatcherTest, AnImportThatWasHurriedAndIsOneTooManyEnds) {
+  Gate gate;
+  control->during_import = gate.hook();
+  Terms background, hurried;
+  background.priority = Priority::kBackground;
+  std::stop_source gone;
+  hurried.priority = Priority::kRealtime;
+  hurried.gone = gone.get_token();
+  for (const char* mesh : {"one", "two", "three"}) ask(fracture_request(mesh), background);
+  ask(fracture_request("three"), hurried);
+  gate.wait_for(3);
+  gone.request_stop();
+  EXPECT_TRUE(eventually(kPatience, "the third to end", [&] { return bad == 2; }));
+  EXPECT_EQ(errors[ErrorCode::kOverloaded], 1);
+  gate.open = true;
+  dispatcher.wait_idle();
+  EXPECT_EQ(good, 2);
 }
 
 TEST_F(DispatcherTest, AJobThatIsHurriedForEverHoldsUpNobody) {

@@ -208,16 +208,14 @@ TEST(Turns, JobsThatAreAwayLeaveThreadsToRealtimeOnes) {
   std::latch gate(1);
   std::atomic<bool> away[3] = {false, false, false}, realtime{false};
   WorkerPool pool(1, 100);
-  // Each goes away and is promoted out of its class, so that another one of that class could begin.
   for (int k = 0; k < 3; ++k) {
-    const auto id = pool.submit(kBackground, 0, [&gate, &mine = away[k]](int) {
+    pool.submit(k == 1 ? kBatch : kBackground, 0, [&gate, &mine = away[k]](int) {
       const Away elsewhere(WorkerPool::turn());
       mine = true;
       gate.wait();
     });
     if (k < 2) {
       EXPECT_TRUE(test::eventually(test::kPatience, "it to be away", [&] { return away[k].load(); }));
-      pool.reclassify(id, kBatch);
     }
   }
   pool.submit(kRealtime, 0, [&](int) { realtime = true; });
