@@ -270,8 +270,8 @@ struct TwoNames : testing::Test {
     const double foreign = (processor_seconds_of_the_machine() - machine - (ours() - own)) /
                            std::chrono::duration<double>(Clock::now() - begin).count();
     EXPECT_EQ(failed, 0);
-    // Both threads may be busy for as long as the answer takes.
-    EXPECT_LE(beside, 2 * 1.5 * alone + 20) << "processor milliseconds of the server, p99";
+    // Both threads may be busy for as long as the answer takes, which is longer where others have the processors.
+    EXPECT_LE(beside, 2 * 1.5 * alone + 20 * (1 + foreign)) << "processor milliseconds of the server, p99";
     // A time says something where nobody else has the processors.
     const bool judged = judge_time && full_tests() && foreign < kForeign;
     if (judged) {
