@@ -18,7 +18,7 @@ const char* slug(ErrorCode code) {
 
 std::optional<ErrorCode> error_code(std::string_view text) {
 #define FRACTURE_ERROR(name, slug, title) \
-  if (text == slug) return ErrorCode::name;
+  if (text == (slug)) return ErrorCode::name;
 #include "common/base/error_codes.def"
 #undef FRACTURE_ERROR
   return std::nullopt;

@@ -12,7 +12,6 @@ namespace fracture {
 namespace {
 
 using namespace clip_detail;
-using exact::Point;
 
 /// The edge cut with a static error bound: by far the most frequent construction. False when the bound does
 /// not decide.

@@ -33,9 +33,10 @@ Expected<nlohmann::json> interior_material(const InteriorLook& look, const Mater
     if (source == nullptr) {
       nlohmann::json known = nlohmann::json::array();
       for (const auto& m : library.materials) known.push_back(m.value("name", ""));
+      const std::size_t count = known.size();
       return fail(ErrorCode::kBadParameter,
                   "'interior_material': the mesh has no material '" + look.material + "'; it has " +
-                      std::to_string(known.size()) + ".",
+                      std::to_string(count) + ".",
                   "interior_material", {{"known", std::move(known)}});
     }
     material = *source;

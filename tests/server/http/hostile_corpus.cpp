@@ -109,7 +109,7 @@ void add_field_syntax(Corpus& corpus) {
   add("tab before the colon", kPost + "Transfer-Encoding\t: chunked\r\n\r\n" + kChunks);
   add("no colon", kPost + "Transfer-Encoding chunked\r\n" + body);
   add("no name", kPost + ": x\r\n" + body);
-  for (const char c : std::string("\x01\x08\x0b\x0c\x1f\x7f\x80\xff ()/@[]{}\"", 19))
+  for (const char c : std::string("\x01\x08\x0b\x0c\x1f\x7f\x80\xff ()/@[]{}\"\0", 19))
     add("control or separator in a name", kPost + "X" + std::string(1, c) + "Y: 1\r\n" + body);
   for (const char c : std::string("\x01\x08\x0b\x0c\x1b\x7f", 6))
     add("control in a value", kPost + "X: a" + std::string(1, c) + "b\r\n" + body);
