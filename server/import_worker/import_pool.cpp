@@ -153,13 +153,27 @@ void ImportPool::want_a_spare() {
 /// A file may be read for a minute, which those who are in a hurry have not got: like their computations
 /// (worker_pool.hpp), one import of theirs begins beside as many as may be read. Called with the lock.
 int ImportPool::most_workers(bool urgent) const {
-  const auto is_unhurried = [](const Busy& busy) { return busy.turn && !busy.turn->is_urgent(); };
+  const auto is_unhurried = [](const Busy& busy) { return !busy.place->is_urgent(); };
   return config_.workers + (urgent && std::any_of(busy_.begin(), busy_.end(), is_unhurried) ? 1 : 0);
 }
 
-std::unique_ptr<WorkerProcess> ImportPool::take(const Execution& execution) {
-  const auto is_urgent = [&] { return !execution.turn || execution.turn->is_urgent(); };
-  bool urgent = is_urgent();
+/// Whoever took it was urgent. Where it is not any more, it ends for who is. Called with the lock.
+void ImportPool::free_the_extra_place() {
+  for (const Busy& busy : busy_)
+    if (busy.place->extra && !busy.place->is_urgent()) busy.place->must_end = true;
+}
+
+void ImportPool::Place::give_way() {
+  if (must_end)
+    throw Interrupted(
+        Error{.code = ErrorCode::kOverloaded,
+              .detail = "The import process that read this file is needed for more urgent work. Ask again.",
+              .retry_after = std::chrono::seconds(1)});
+  if (of) of->give_way();
+}
+
+std::unique_ptr<WorkerProcess> ImportPool::take(Place& place, const Execution& execution) {
+  bool urgent = place.is_urgent();
   std::unique_lock lock(mutex_);
   const std::uint64_t failures = failed_starts_;
   struct Waiting {
@@ -176,18 +190,20 @@ std::unique_ptr<WorkerProcess> ImportPool::take(const Execution& execution) {
       ++to_start_;
       supervisor_.notify_one();
     }
+    if (urgent && counters_.busy > config_.workers) free_the_extra_place();
     free_.wait_for(lock, milliseconds(10));
     lock.unlock();
     try {
       execution.poll();
-      urgent = is_urgent();
+      urgent = place.is_urgent();
     } catch (...) {
       lock.lock();  // who waits is counted under it
       throw;
     }
     lock.lock();
   }
-  busy_.push_back({idle_.back()->pid(), execution.turn});
+  place.extra = counters_.busy >= config_.workers;
+  busy_.push_back({idle_.back()->pid(), &place});
   std::unique_ptr<WorkerProcess> worker = std::move(idle_.back());
   idle_.pop_back();
   ++counters_.busy;
@@ -242,7 +258,10 @@ std::optional<Expected<Mesh>> ImportPool::import_within(Try& attempt, const Inpu
                                                         const ImportLimits& limits,
                                                         const Execution& execution) {
   execution.poll();
-  std::unique_ptr<WorkerProcess> taken = take(execution);
+  Place place(execution.turn);
+  Execution reading = execution;
+  reading.turn = &place;
+  std::unique_ptr<WorkerProcess> taken = take(place, execution);
   WorkerProcess& worker = *taken;
   const pid_t pid = worker.pid();
   const auto start = ImportMemo::Clock::now();
@@ -256,7 +275,7 @@ std::optional<Expected<Mesh>> ImportPool::import_within(Try& attempt, const Inpu
   };
   try {
     Expected<Mesh> result = worker.import(input.mesh, input.format, input.files, input.digest, limits,
-                                          execution, attempt.memory_bytes);
+                                          reading, attempt.memory_bytes);
     const WorkerDeath death = worker.death();
     attempt.was_killed = death == WorkerDeath::kKilled;
     if ((lacked_memory(result) && !attempt.last) || (attempt.was_killed && !attempt.was_killed_before)) {

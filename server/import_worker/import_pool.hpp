@@ -4,6 +4,7 @@
 // a typed error, and the same file the same error at once from then on.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <memory>
@@ -96,7 +97,20 @@ class ImportPool {
   std::unique_ptr<WorkerProcess> fork_worker();
   std::unique_ptr<WorkerProcess> first_worker_of_a_new_zygote();
   void want_a_spare();
-  std::unique_ptr<WorkerProcess> take(const Execution& execution);
+  /// The turn of an import while its file is read: of its computation, until somebody needs its place.
+  struct Place final : Turn {
+    explicit Place(Turn* turn) : of(turn) {}
+    void give_way() override;
+    void leave() override {}
+    void come_back() override {}
+    bool is_urgent() const override { return !of || of->is_urgent(); }
+
+    Turn* const of;
+    bool extra = false;                 ///< it is beyond the workers that there are for all
+    std::atomic<bool> must_end{false};  ///< others are urgent, and it is not any more
+  };
+  std::unique_ptr<WorkerProcess> take(Place& place, const Execution& execution);
+  void free_the_extra_place();
   int most_workers(bool urgent) const;
   void bury(std::unique_ptr<WorkerProcess> worker);
 
@@ -107,7 +121,7 @@ class ImportPool {
   std::vector<std::unique_ptr<WorkerProcess>> idle_, retired_;
   struct Busy {
     pid_t pid;
-    const Turn* turn;  ///< of the import: how urgent it is may change while the worker reads; null: it is
+    Place* place;  ///< how urgent the import is may change while the worker reads
   };
   std::vector<Busy> busy_;
   int to_start_ = 1;  ///< wanted and not yet begun

@@ -125,16 +125,22 @@ struct Dispatcher::Computation {
   Dispatcher& dispatcher;
   FractureRequest request{};
   RequestKeys keys{};
-  double cost = 0;  ///< revised when the mesh is known
+  double cost = 0;                          ///< revised when the mesh is known
+  Priority origin = Priority::kBackground;  ///< of whoever led
   std::optional<ComputationAllowance> working{};
   std::shared_ptr<ResultFlights::Flight> flight{};
   Clock::time_point submitted = Clock::now(), begun{};
   bool had_its_turn = false;  ///< at the cost that was estimated
+  bool tried_again = false;   ///< a part that somebody else computed, and was ended for
   Spent spent{};
   std::optional<double> settled{};  ///< processor seconds of `spent` that were charged
   FractureAnswer answer{};
   std::shared_ptr<const PreparedMesh> mesh{};
 
+  /// Whoever computed the part for all was one too many of its class: this one computes it itself, once.
+  bool goes_on_without(const Error& error) {
+    return error.code == ErrorCode::kOverloaded && !std::exchange(tried_again, true);
+  }
   bool abandoned() const { return flight->stop().stop_requested(); }
   Execution execution(int threads, std::stop_token stop) {
     Execution e;

@@ -116,6 +116,7 @@ std::optional<Error> Dispatcher::fracture(FractureRequest request, const Terms& 
       c->request = std::move(request);
       c->keys = std::move(keys);
       c->cost = cost;
+      c->origin = terms.priority;
       c->working.emplace(working_.whole(), std::move(working));
       c->flight = seat.flight;
       flight.common.urgency.lead(pool_, {terms.payer.flow, terms.priority, cost}, [&] {
@@ -245,7 +246,7 @@ void Dispatcher::obtain(SingleFlight<Step<Value>, Urgency>& flights, const std::
           c->flight->common.urgency.goes_on([&](Priority priority) {
             return pool_.resume([this, c, next, waited = std::move(waited)](
                                     int free) { at_station(c, [&] { (this->*next)(c, waited, free); }); },
-                                priority);
+                                priority, c->cost, c->origin);
           });
           return true;
         });
@@ -317,6 +318,10 @@ void Dispatcher::begin(const Shared& c, int threads) {
         c->execution(threads, c->flight->stop()));
     if (c->answer.result) return end(c, std::move(c->answer));
   }
+  obtain_mesh(c, threads);
+}
+
+void Dispatcher::obtain_mesh(const Shared& c, int threads) {
   if (auto mesh = service_.find_mesh(c->keys))
     return with_mesh(c, Step<PreparedMesh>{std::move(mesh), CacheOutcome::kHit, {}}, threads);
   obtain<PreparedMesh>(
@@ -332,6 +337,7 @@ void Dispatcher::begin(const Shared& c, int threads) {
 
 void Dispatcher::with_mesh(const Shared& c, const Outcome<PreparedMesh>& mesh, int threads) {
   if (c->abandoned()) return;
+  if (!mesh && c->goes_on_without(mesh.error())) return obtain_mesh(c, threads);
   if (!mesh) return end(c, tl::unexpected<Error>(mesh.error()));
   c->answer.mesh_cache = mesh->cache;
   c->answer.timings.add(mesh->timings);
@@ -347,6 +353,10 @@ void Dispatcher::with_mesh(const Shared& c, const Outcome<PreparedMesh>& mesh, i
     c->request.files.clear();
     c->request.owner.reset();
   }
+  obtain_diagram(c, threads);
+}
+
+void Dispatcher::obtain_diagram(const Shared& c, int threads) {
   if (auto diagram = service_.find_diagram(c->keys))
     return with_diagram(c, Step<CutBase>{std::move(diagram), CacheOutcome::kHit, {}}, threads);
   obtain<CutBase>(
@@ -361,6 +371,7 @@ void Dispatcher::with_mesh(const Shared& c, const Outcome<PreparedMesh>& mesh, i
 
 void Dispatcher::with_diagram(const Shared& c, const Outcome<CutBase>& diagram, int threads) {
   if (c->abandoned()) return;
+  if (!diagram && c->goes_on_without(diagram.error())) return obtain_diagram(c, threads);
   if (!diagram) return end(c, tl::unexpected<Error>(diagram.error()));
   c->answer.diagram_cache = diagram->cache;
   c->answer.timings.add(diagram->timings);

@@ -175,6 +175,8 @@ class Dispatcher {
 
   // The stations of a computation, each on a thread of the pool.
   void begin(const Shared& c, int threads);
+  void obtain_mesh(const Shared& c, int threads);
+  void obtain_diagram(const Shared& c, int threads);
   void with_mesh(const Shared& c, const Outcome<PreparedMesh>& mesh, int threads);
   void with_diagram(const Shared& c, const Outcome<CutBase>& diagram, int threads);
   /// Runs a station; whatever it throws ends the computation with a typed error.

@@ -46,15 +46,16 @@ WorkerPool::~WorkerPool() {
 WorkerPool::TaskId WorkerPool::submit(Priority priority, double cost, Job job, const Flow& flow) {
   const std::lock_guard lock(mutex_);
   const TaskId id = next_++;
-  of(priority).queue.push({id, cost, flow, Clock::now(), std::move(job)});
+  of(priority).queue.push({id, cost, flow, Clock::now(), std::move(job), priority});
   changed();
   return id;
 }
 
-WorkerPool::TaskId WorkerPool::resume(Job job, Priority priority) {
+WorkerPool::TaskId WorkerPool::resume(Job job, Priority priority, double cost,
+                                      std::optional<Priority> origin) {
   const std::lock_guard lock(mutex_);
   const TaskId id = next_++;
-  of(priority).resumed.push_back({id, 0, {}, Clock::now(), std::move(job)});
+  of(priority).resumed.push_back({id, cost, {}, Clock::now(), std::move(job), origin.value_or(priority)});
   changed();
   return id;
 }
@@ -128,7 +129,8 @@ std::size_t WorkerPool::running_of(Priority priority) const {
 
 std::size_t WorkerPool::places_of(Priority priority) const {
   return static_cast<std::size_t>(std::count_if(running_.begin(), running_.end(), [&](const auto& job) {
-    return job.second->priority == priority || job.second->began == priority;
+    return job.second->priority == priority ||
+           (job.second->began == priority && job.second->priority < priority);
   }));
 }
 
@@ -181,14 +183,14 @@ std::optional<WorkerPool::Next> WorkerPool::next() const {
     const Class& waiting = of(priority);
     if (!waiting.waits() || !may_begin(priority)) continue;
     const bool aged = chosen && waiting.front().arrival + kAging < of(chosen->priority).front().arrival;
-    if (!chosen || aged) chosen = Next{priority, !waiting.resumed.empty()};
-    if (chosen->resumed) break;
+    if (!chosen || aged) chosen = Next{priority, waiting.resumed_is_next()};
   }
   return chosen;
 }
 
 WorkerPool::Task WorkerPool::take(Next next) {
   Class& from = of(next.priority);
+  from.resumed_was_last = next.resumed;
   if (!next.resumed) return from.queue.pop();
   Task task = std::move(from.resumed.front());
   from.resumed.pop_front();
@@ -209,7 +211,7 @@ void WorkerPool::become(Running& job, Priority priority) {
 }
 
 void WorkerPool::thin_out() {
-  for (const Priority least : {Priority::kBatch, Priority::kBackground}) {
+  for (const Priority least : {Priority::kBackground, Priority::kBatch}) {
     const std::size_t most = least == Priority::kBatch ? 2 * thread_count_ : thread_count_;
     const auto counts = [least](const Running& job) { return job.priority >= least && !job.must_end; };
     auto count = static_cast<std::size_t>(std::count_if(
@@ -243,7 +245,10 @@ bool WorkerPool::some_class_ended() const {
 void WorkerPool::changed() {
   end_classes();
   const auto some_must = [this](Priority priority) {
-    return running_of(priority) > 0 && must_stand_back(priority);
+    const auto computes = [priority](const auto& job) {
+      return job.second->priority == priority && job.second->computes();
+    };
+    return std::any_of(running_.begin(), running_.end(), computes) && must_stand_back(priority);
   };
   urgent_ = some_must(Priority::kBatch) || some_must(Priority::kBackground);
   if (next()) wake_.notify_one();
@@ -257,7 +262,9 @@ void WorkerPool::work() {
     wake_.wait(lock, [&] { return (chosen = next()) || (stopping_ && queued_locked() == 0); });
     if (!chosen) return;
     Task task = take(*chosen);
-    Running job(*this, chosen->priority, task.cost);
+    // Where it was hurried and there is a place where it comes from, it is that which it keeps.
+    const bool has_its_place = task.origin > chosen->priority && has_thread(task.origin);
+    Running job(*this, chosen->priority, task.cost, has_its_place ? task.origin : chosen->priority);
     running_[task.id] = &job;
     std::size_t sharing = computing(chosen->priority);
     for (const Priority priority : kPriorities)  // those that are less urgent stand back

@@ -67,8 +67,10 @@ class WorkerPool {
   /// should take, in seconds of one thread of a machine of nominal speed; measured() says how far off such
   /// estimates are. Jobs must not throw.
   TaskId submit(Priority priority, double cost, Job job, const Flow& flow = {});
-  /// Work that was admitted before and goes on: never refused, before all other work of its class.
-  TaskId resume(Job job, Priority priority = Priority::kRealtime);
+  /// Work that was admitted before and goes on: never refused, and every other task of its class that begins is
+  /// such a one while any wait. `cost`: what is left of it; `origin`: the class in which it was submitted.
+  TaskId resume(Job job, Priority priority = Priority::kRealtime, double cost = 0,
+                std::optional<Priority> origin = std::nullopt);
   /// A task is of this class from now on, queued or running, or of the most urgent one that is left to it (Longest).
   /// Nothing happens when it is neither, or of that class already. True: it is queued, and takes the turn of this flow
   /// there instead of the one that it had.
@@ -133,12 +135,15 @@ class WorkerPool {
     Flow flow;
     Clock::time_point arrival;
     Job job;
+    Priority origin;  ///< the class in which it was submitted
   };
   class Running;
   struct Class {
     bool waits() const { return !resumed.empty() || !queue.empty(); }
-    const Task& front() const { return resumed.empty() ? *queue.front() : resumed.front(); }
+    bool resumed_is_next() const { return !resumed.empty() && (queue.empty() || !resumed_was_last); }
+    const Task& front() const { return resumed_is_next() ? resumed.front() : *queue.front(); }
 
+    bool resumed_was_last = false;
     std::deque<Task> resumed;
     FairQueue<Task> queue;
   };
@@ -155,7 +160,7 @@ class WorkerPool {
   std::size_t queued_locked() const;
   bool is_idle() const { return running_.empty() && withdrawing_ == 0 && queued_locked() == 0; }
   std::size_t running_of(Priority priority) const;
-  /// Which run and are of this class, or began there.
+  /// Which run and are of this class, or began there and are more urgent now.
   std::size_t places_of(Priority priority) const;
   /// Jobs that compute, of this class and more urgent ones.
   std::size_t computing(Priority least = Priority::kBackground) const;

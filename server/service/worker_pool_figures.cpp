@@ -48,6 +48,7 @@ std::chrono::duration<double> WorkerPool::predicted_wait(Priority priority, cons
     const Class& queued = of(before);
     tasks += queued.resumed.size() + queued.queue.size() + running_of(before);
     ahead += before < priority ? queued.queue.cost() : queued.queue.ahead_of(flow);
+    for (const Task& goes_on : queued.resumed) ahead += goes_on.cost;
   }
   if (tasks < thread_count_) return {};
   ahead *= took_ / cost_;

@@ -19,8 +19,8 @@ inline constexpr std::array kPriorities = {Priority::kRealtime, Priority::kBatch
 /// A job on its thread. Everything that is not said to be otherwise is guarded by the pool's mutex.
 class WorkerPool::Running final : public Turn {
  public:
-  Running(WorkerPool& its_pool, Priority its_priority, double its_cost)
-      : pool(its_pool), priority(its_priority), cost(its_cost) {}
+  Running(WorkerPool& its_pool, Priority its_priority, double its_cost, Priority its_place)
+      : pool(its_pool), priority(its_priority), cost(its_cost), began(its_place) {}
 
   void give_way() override {
     // All threads of a job stand still, also those that poll when the first of them has made room already.
@@ -104,11 +104,11 @@ class WorkerPool::Running final : public Turn {
   WorkerPool& pool;
   Priority priority;
   double cost;
+  const Priority began;  ///< the class whose place it has
   const Clock::time_point start = Clock::now();
   std::atomic<bool> paused{false}, must_end{false};  // read at every poll, without the lock
-  const Priority began = priority;
-  Clock::time_point since = start;         // it is of its class
-  std::array<Clock::duration, 3> spent{};  // in each class, before that
+  Clock::time_point since = start;                   // it is of its class
+  std::array<Clock::duration, 3> spent{};            // in each class, before that
   bool away = false;
   Clock::time_point paused_since{}, works_until{};
   Clock::duration paused_for{};

@@ -315,6 +315,39 @@ TEST(ImportPool, WorkThatIsUrgentNoMoreKeepsNoUrgentWorkWaiting) {
   EXPECT_TRUE(settles(pool));
 }
 
+/// In the place that there is for urgent work alone.
+TEST(ImportPool, WhoTookTheUrgentPlaceAndIsUrgentNoMoreEndsForWhoIs) {
+  ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 1));
+  ToldTurn batch(false), left(true), realtime(true);
+  std::stop_source stop;
+  const auto hangs = [&](Turn* turn, ErrorCode why) {
+    return std::async(std::launch::async, [&pool, &stop, turn, why] {
+      Execution execution;
+      execution.stop = stop.get_token();
+      execution.turn = turn;
+      try {
+        (void)import_with(pool, "! hang", execution);
+        ADD_FAILURE() << "it should have been interrupted";
+      } catch (const Interrupted& interrupted) {
+        EXPECT_EQ(interrupted.code, why);
+      }
+    });
+  };
+  auto first = hangs(&batch, ErrorCode::kCancelled);
+  EXPECT_TRUE(eventually(kPatience, "a worker to be busy", [&] { return pool.counters().busy == 1; }));
+  auto second = hangs(&left, ErrorCode::kOverloaded);
+  EXPECT_TRUE(eventually(kPatience, "one more to be busy", [&] { return pool.counters().busy == 2; }));
+  left.is_in_a_hurry = false;
+  Execution urgent;
+  urgent.turn = &realtime;
+  urgent.deadline = std::chrono::steady_clock::now() + kPatience;
+  EXPECT_TRUE(import_with(pool, kTetrahedron, urgent));
+  second.get();
+  stop.request_stop();
+  first.get();
+  EXPECT_TRUE(settles(pool));
+}
+
 TEST(ImportPool, TheSandboxOpensNothingAndReachesNobody) {
   ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 1));
   if (pool.hello().seccomp == 0) GTEST_SKIP() << "this machine allows no seccomp filter";

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <deque>
+#include <functional>
 #include <stop_token>
 
 #include "tests/server/service/dispatcher_fixture.hpp"
@@ -62,6 +63,44 @@ TEST_F(Demoted, WhoWasHurriedDoesNotEndWhoBeganInTheClass) {
   EXPECT_FALSE(first.was_ended);
 }
 
+/// Nor do those who began in it keep its places when they are less urgent.
+TEST_F(Demoted, WhoIsBackgroundNowLeavesBatchWorkItsPlace) {
+  first.end = second.end = true;
+  pool.wait_idle();
+  const Computing posted(pool, 1, kBatch);
+  pool.reclassify(posted.id, kBackground);
+  const Computing batch(pool, 1, kBatch);
+  EXPECT_FALSE(posted.was_ended);
+}
+
+/// A job that waits for a part goes on while a collision waits for the job.
+TEST_F(Demoted, WhoGoesOnHurriedKeepsThePlaceOfItsClass) {
+  first.end = second.end = true;
+  pool.wait_idle();
+  std::atomic<bool> end{false}, ended{false};
+  std::atomic<long> polls{0};
+  const auto id = pool.resume(
+      [&](int) {
+        try {
+          for (; !end; ++polls) WorkerPool::turn()->give_way();
+        } catch (const Interrupted&) {
+          ended = true;
+        }
+      },
+      kRealtime, 0, kBackground);
+  require_eventually(kPatience, "it to run", [&] { return polls > 0; });
+  Polling other(pool, 1, kBackground);
+  pool.reclassify(id, kBackground);
+  const long before = polls;
+  EXPECT_TRUE(eventually(kPatience, "it to compute", [&] { return polls > before + 1000; }));
+  EXPECT_EQ(other.polls, 0) << "there is one place";
+  end = true;
+  other.wait();
+  other.end = true;
+  pool.wait_idle();
+  EXPECT_FALSE(ended);
+}
+
 /// Jobs that batch requests have joined, and stay.
 TEST_F(Demoted, HoweverManyAreBatchWorkACollisionIsServed) {
   pool.reclassify(first.id, kBatch);
@@ -112,26 +151,34 @@ TEST_F(LongHurry, OfBatchWorkEndsToo) {
   EXPECT_FALSE(joined.was_ended);
 }
 
-/// Of files, which are read in other processes: those who wait for them do not stand still.
-TEST_F(DispatcherTest, AnImportThatIsHurriedForEverHoldsUpNobody) {
+/// As many computations as there are threads stay at a station, and collisions that never leave wait for them.
+struct HurriedForEver : DispatcherTest {
   Gate gate;
-  std::atomic<int> imports{0};
-  control->during_import = [&](const Execution& execution) {
-    if (imports++ < 2) gate.pass(execution);
-  };
-  Terms hurried;
-  hurried.priority = Priority::kRealtime;
-  for (const char* mesh : {"long", "longer"}) {
-    ask(fracture_request(mesh));
-    ask(fracture_request(mesh), hurried);
+  std::atomic<int> came{0};
+
+  void others_are_answered(std::function<void(const Execution&)> FakeControl::*station) {
+    (*control).*station = [&](const Execution& execution) {
+      if (came++ < 2) gate.pass(execution);
+    };
+    Terms hurried;
+    hurried.priority = Priority::kRealtime;
+    for (const char* mesh : {"long", "longer"}) {
+      ask(fracture_request(mesh));
+      ask(fracture_request(mesh), hurried);
+    }
+    gate.wait_for(2);
+    ask(fracture_request("collision"), hurried);
+    EXPECT_TRUE(eventually(kPatience, "the collision's answer", [&] { return good == 1; }));
+    gate.open = true;
+    dispatcher.wait_idle();
+    EXPECT_EQ(good, 5);
   }
-  gate.wait_for(2);
-  ask(fracture_request("collision"), hurried);
-  EXPECT_TRUE(eventually(kPatience, "the collision's answer", [&] { return good == 1; }));
-  gate.open = true;
-  dispatcher.wait_idle();
-  EXPECT_EQ(good, 5);
-}
+};
+
+TEST_F(HurriedForEver, ACutHoldsUpNobody) { others_are_answered(&FakeControl::during_cut); }
+
+/// It is done in another process: who waits for that does not stand still.
+TEST_F(HurriedForEver, AnImportHoldsUpNobody) { others_are_answered(&FakeControl::during_import); }
 
 TEST_F(DispatcherTest, AnImportThatWasHurriedAndIsOneTooManyEnds) {
   Gate gate;
@@ -141,7 +188,9 @@ TEST_F(DispatcherTest, AnImportThatWasHurriedAndIsOneTooManyEnds) {
   std::stop_source gone;
   hurried.priority = Priority::kRealtime;
   hurried.gone = gone.get_token();
-  for (const char* mesh : {"one", "two", "three"}) ask(fracture_request(mesh), background);
+  for (const char* mesh : {"one", "two"}) ask(fracture_request(mesh), background);
+  gate.wait_for(2);
+  ask(fracture_request("three"), background);
   ask(fracture_request("three"), hurried);
   gate.wait_for(3);
   gone.request_stop();
@@ -152,24 +201,30 @@ TEST_F(DispatcherTest, AnImportThatWasHurriedAndIsOneTooManyEnds) {
   EXPECT_EQ(good, 2);
 }
 
-TEST_F(DispatcherTest, AJobThatIsHurriedForEverHoldsUpNobody) {
+/// Who leads is ended for having been hurried, and not for the mesh.
+TEST_F(DispatcherTest, WhoWaitsForAPartThatWasEndedComputesItItself) {
   Gate gate;
-  std::atomic<int> cuts{0};
-  control->during_cut = [&](const Execution& execution) {
-    if (cuts++ < 2) gate.pass(execution);
-  };
-  Terms hurried;
+  control->during_import = gate.hook();
+  Terms background, hurried;
+  background.priority = Priority::kBackground;
+  std::stop_source gone;
   hurried.priority = Priority::kRealtime;
-  for (const char* mesh : {"long", "longer"}) {
-    ask(fracture_request(mesh));
-    ask(fracture_request(mesh), hurried);  // who never leaves
-  }
+  hurried.gone = gone.get_token();
+  // Each waits for a part that another one leads.
+  for (const char* mesh : {"one", "two"}) ask(fracture_request(mesh), background);
   gate.wait_for(2);
-  ask(fracture_request("collision"), hurried);
-  EXPECT_TRUE(eventually(kPatience, "the collision's answer", [&] { return good == 1; }));
+  ask(fracture_request("three"), hurried);
+  gate.wait_for(3);
+  ask(fracture_request("three"), background);  // the same answer
+  ask(fracture_request("three", 2), hurried);  // another one, of the same mesh
+  ask(fracture_request("three", 2), background);
+  require_eventually(kPatience, "it to wait for the mesh", [&] { return pool.queued() == 0; });
+  gone.request_stop();
+  EXPECT_TRUE(eventually(kPatience, "the third to end", [&] { return bad == 3; }));
   gate.open = true;
   dispatcher.wait_idle();
-  EXPECT_EQ(good, 5);
+  EXPECT_EQ(errors[ErrorCode::kOverloaded], 1) << "who led";
+  EXPECT_EQ(good, 3);
 }
 
 TEST_F(DispatcherTest, WhatNobodyWaitsForLeavesTheQueueAtOnce) {

@@ -87,6 +87,17 @@ TEST(WorkerPool, RealtimeGoesBeforeBatchAndResumedWorkBeforeBoth) {
   EXPECT_EQ(busy.order, "!rsbc");
 }
 
+TEST(WorkerPool, ResumedWorkAndQueuedWorkTakeTurns) {
+  BusyPool busy;
+  busy.add(kBatch, 'b');
+  busy.add(kBatch, 'c');
+  for (const char letter : {'1', '2', '3', '4'})
+    busy.pool.resume([&busy, letter](int) { busy.order += letter; }, kBatch, 1.0);
+  EXPECT_GE(busy.pool.predicted_wait(kBatch).count(), 4.0);
+  busy.release();
+  EXPECT_EQ(busy.order, "1b2c34");
+}
+
 TEST(WorkerPool, BatchWorkAges) {
   BusyPool busy;
   busy.add(kBatch, 'b');
