@@ -165,6 +165,15 @@ class Checks(unittest.TestCase):
         self.plant("common/base/vec.cpp", '#include "common/base/vec.hpp"\n\nint twice(int x) { return x == x ? x + x : 0; }\n')
         self.expect_found("tidy", "common/base/vec.cpp:3:", "misc-redundant-expression")
 
+    def test_an_archive_without_history_is_checked_too(self):
+        shutil.rmtree(self.root / ".git")
+        self.plant(".gitignore", "/build/\n")
+        self.plant("build/x.py", "import os\n")
+        self.expect_clean("python")
+        self.plant("scripts/count.py", "import sys\nimport os\n\nprint(len(sys.argv))\n")
+        self.expect_found("python", "scripts/count.py")
+        self.expect_clean("tidy")
+
     def test_a_missing_tool_is_said_and_is_no_success(self):
         self.plant("bin/git", "")
         (self.root / "bin/git").unlink()

@@ -1,8 +1,9 @@
-"""The files of a checkout: what git knows or would add, read once."""
+"""The files of a checkout: what git knows or would add, read once. An archive of them, without their history, will do."""
 import functools
 import pathlib
 import shutil
 import subprocess
+import tempfile
 
 
 class MissingTool(Exception):
@@ -16,8 +17,18 @@ class Checkout:
     @functools.cached_property
     def files(self):
         """Paths relative to the root, sorted. What git ignores is not among them, nor what was deleted."""
-        listed = self.git("ls-files", "--cached", "--others", "--exclude-standard").splitlines()
-        return sorted(name for name in set(listed) if (self.root / name).is_file())
+        if self.has_history:
+            listed = self.git("ls-files", "--cached", "--others", "--exclude-standard")
+        else:
+            with tempfile.TemporaryDirectory() as empty:
+                subprocess.run(["git", "init", "--quiet", empty], check=True)
+                listed = self.git("--git-dir", f"{empty}/.git", "--work-tree", str(self.root), "ls-files", "--others",
+                                  "--exclude-standard")
+        return sorted(name for name in set(listed.splitlines()) if (self.root / name).is_file())
+
+    @functools.cached_property
+    def has_history(self):
+        return (self.root / ".git").exists()
 
     def named(self, *endings):
         return [name for name in self.files if name.endswith(endings)]

@@ -80,6 +80,9 @@ def tidied_files(checkout, every):
     if every:
         return sources
     known, headers = set(sources), set(checkout.named(".hpp"))
+    if not checkout.has_history:
+        print("check tidy: without a history no file is known to have changed; --all looks at all", flush=True)
+        return []
     wanted = {}
     for name in changed_files(checkout):
         if name in known:
