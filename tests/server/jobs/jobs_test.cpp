@@ -15,6 +15,7 @@ TEST(Jobs, AJobIsStartedFollowedAndItsResultFetched) {
   EXPECT_EQ(accepted.header("preference-applied"), "respond-async");
   const std::string job = accepted.header("location");
   EXPECT_EQ(job.substr(0, 6 + 16), "/jobs/" + sha256("mesh").hex().substr(0, 16)) << "routable by the mesh";
+  gate.wait_for(1);
   const auto running = wait_for_state(server, job, "running");
   EXPECT_EQ(running.at("stage"), "clip");
   EXPECT_LT(running.at("percent"), 100);
