@@ -16,9 +16,9 @@
 //
 // A task that runs may change its class, and those who hurry it by turns may do so for ever. So it is of a class for a
 // limited time in all (Longest), and of the next one from then on. As many tasks begin in a class as there are threads,
-// and each keeps its place there whatever it becomes. So it is those who began in a more urgent class that are too many
-// where too many run: they end at their next poll (kOverloaded), or they would keep threads from more urgent work for as
-// long as they take.
+// and each keeps its place there while it is more urgent. So where too many run, it is those who began in a more urgent
+// class: they end at their next poll (kOverloaded), or they would keep threads from more urgent work for as long as
+// they take.
 #pragma once
 
 #include <array>

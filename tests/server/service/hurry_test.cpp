@@ -180,16 +180,27 @@ TEST_F(HurriedForEver, ACutHoldsUpNobody) { others_are_answered(&FakeControl::du
 /// It is done in another process: who waits for that does not stand still.
 TEST_F(HurriedForEver, AnImportHoldsUpNobody) { others_are_answered(&FakeControl::during_import); }
 
-TEST_F(DispatcherTest, AnImportThatWasHurriedAndIsOneTooManyEnds) {
+/// As many jobs as may run read their files; another one comes for which a collision waits, until that leaves.
+struct OneTooMany : DispatcherTest {
   Gate gate;
-  control->during_import = gate.hook();
   Terms background, hurried;
-  background.priority = Priority::kBackground;
   std::stop_source gone;
-  hurried.priority = Priority::kRealtime;
-  hurried.gone = gone.get_token();
-  for (const char* mesh : {"one", "two"}) ask(fracture_request(mesh), background);
-  gate.wait_for(2);
+
+  void SetUp() override {
+    control->during_import = gate.hook();
+    background.priority = Priority::kBackground;
+    hurried.priority = Priority::kRealtime;
+    hurried.gone = gone.get_token();
+    for (const char* mesh : {"one", "two"}) ask(fracture_request(mesh), background);
+    gate.wait_for(2);
+  }
+  void TearDown() override {
+    gate.open = true;
+    dispatcher.wait_idle();
+  }
+};
+
+TEST_F(OneTooMany, EndsWhileItReadsItsFile) {
   ask(fracture_request("three"), background);
   ask(fracture_request("three"), hurried);
   gate.wait_for(3);
@@ -202,17 +213,7 @@ TEST_F(DispatcherTest, AnImportThatWasHurriedAndIsOneTooManyEnds) {
 }
 
 /// Who leads is ended for having been hurried, and not for the mesh.
-TEST_F(DispatcherTest, WhoWaitsForAPartThatWasEndedComputesItItself) {
-  Gate gate;
-  control->during_import = gate.hook();
-  Terms background, hurried;
-  background.priority = Priority::kBackground;
-  std::stop_source gone;
-  hurried.priority = Priority::kRealtime;
-  hurried.gone = gone.get_token();
-  // Each waits for a part that another one leads.
-  for (const char* mesh : {"one", "two"}) ask(fracture_request(mesh), background);
-  gate.wait_for(2);
+TEST_F(OneTooMany, DoesNotEndWhoWaitsForItsMesh) {
   ask(fracture_request("three"), hurried);
   gate.wait_for(3);
   ask(fracture_request("three"), background);  // the same answer
