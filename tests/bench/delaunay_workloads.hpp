@@ -141,7 +141,7 @@ inline Arguments parse_arguments(int argc, char** argv) {
   return arguments;
 }
 
-/// One line for people and for compare_delaunay.py: name, points, milliseconds, tetrahedra, hash.
+/// One line for people and for scripts/bench: name, points, milliseconds, tetrahedra, hash.
 inline void print_result(const Workload& w, double ms, std::uint64_t tets, std::uint64_t hash) {
   std::printf("%-18s %8zu points %10.3f ms %9llu tets  hash %016llx\n", w.name.c_str(), w.points.size(), ms,
               static_cast<unsigned long long>(tets), static_cast<unsigned long long>(hash));

@@ -1,16 +1,16 @@
 // npm manifold-3d as a fracturer: for each site, hull(its Voronoi cell's vertices) ∩ mesh, on the workloads that
 // `bench_fracture --out FOLDER` wrote; one thread (WASM). The mesh is built once per run, and its time counts; the cells come for free.
 //
-//   npm ci && node fracture.mjs FOLDER [filter]
+//   npm ci && node fracture.mjs FOLDER [filter [runs]]
 //
 // Prints milliseconds of both programs and the ratio, and checks that the peer's pieces have the solid's volume.
 import {readFileSync, writeFileSync} from 'node:fs';
 import {join} from 'node:path';
 import Module from 'manifold-3d';
 
-const [folder, filter = ''] = process.argv.slice(2);
+const [folder, filter = '', most = '3'] = process.argv.slice(2);
 if (!folder) {
-  console.error('usage: node fracture.mjs FOLDER [filter]');
+  console.error('usage: node fracture.mjs FOLDER [filter [runs]]');
   process.exit(2);
 }
 
@@ -66,7 +66,7 @@ for (const workload of workloads) {
   if (!`${workload.name}_${workload.sites}`.includes(filter)) continue;
   const input = load(join(folder, workload.file));
   const runs = [fracture(input)];
-  while (runs.length < 3 && runs[0].milliseconds < 5000) runs.push(fracture(input));
+  while (runs.length < Number(most) && runs[0].milliseconds < 5000) runs.push(fracture(input));
   const best = Math.min(...runs.map((run) => run.milliseconds));
   const error = Math.abs(runs[0].volume / workload.volume - 1);
   wrong ||= error > 1e-4;

@@ -1,7 +1,11 @@
 // How fast the server is, as a report: the path of a collision, cached results beside nginx, the cold start,
 // a Redis that hangs. Everything on 127.0.0.1, bounded in count and time.
 //
-//   bench_server [FILE]          FILE: the mesh, Suzanne_248.blend of assimp-testmodels by default
+//   bench_server [--collision MEMBERS [--requests N]] [FILE]
+//
+// FILE: the mesh, Suzanne_248.blend of assimp-testmodels by default. --collision: only the path of a
+// collision, with these members of the request, e.g. '"sites": 50, "material": "stone"'. FRACTURE_TEST_SERVER
+// names another build of the server to ask.
 //
 // Both ends run on this machine. Figures of a machine that does other work too are upper bounds: the report
 // says how busy it was.
@@ -95,19 +99,21 @@ std::string store(std::uint16_t port, const std::string& mesh) {
   return stored.header("location");
 }
 
-std::string fracture_request(const std::string& mesh, int seed) {
-  return request("POST", mesh + "/fracture", R"({"sites": 50, "seed": )" + std::to_string(seed) + "}");
+constexpr const char* kFiftySites = R"("sites": 50)";
+
+std::string fracture_request(const std::string& mesh, int seed, const std::string& members = kFiftySites) {
+  return request("POST", mesh + "/fracture", "{" + members + R"(, "seed": )" + std::to_string(seed) + "}");
 }
 
-void collision(const std::string& mesh) {
+void collision(const std::string& mesh, const std::string& members, int requests) {
   Server server({"--all-formats"});
   const std::string path = store(server.process.port, mesh);
   GameClient client(server.process.port);
-  constexpr int kWarm = 20, kRequests = 400;
+  constexpr int kWarm = 20;
   std::vector<double> whole, overhead, compute, transfer;
   std::size_t bytes = 0;
-  for (int seed = 0; seed < kWarm + kRequests; ++seed) {
-    const std::string text = fracture_request(path, seed);
+  for (int seed = 0; seed < kWarm + requests; ++seed) {
+    const std::string text = fracture_request(path, seed, members);
     const Clock::time_point start = Clock::now();
     const GameClient::Answer reply = client.ask(text);
     const double took = milliseconds_since(start);
@@ -118,18 +124,18 @@ void collision(const std::string& mesh) {
     compute.push_back(computed(reply.head));
     overhead.push_back(took - compute.back());
     transfer.push_back(milliseconds_since(reply.first_byte));
-    bytes += reply.body.size() / kRequests;
+    bytes += reply.body.size() / static_cast<std::size_t>(requests);
   }
-  std::printf("collision-time path: stored mesh, 50 sites, a new seed each, %d requests, %zu KB an answer\n",
-              kRequests, bytes / 1000);
+  std::printf("collision-time path: stored mesh, %s, a new seed each, %d requests, %zu KB an answer\n",
+              members.c_str(), requests, bytes / 1000);
   std::printf("  whole answer   p50 %7.3f ms   p99 %7.3f ms   (bar: p99 16 ms)\n", percentile(whole, .5),
               percentile(whole, .99));
   std::printf("  computing      p50 %7.3f ms   p99 %7.3f ms\n", percentile(compute, .5),
               percentile(compute, .99));
   // What carrying such an answer costs by itself: the last one again, out of the cache.
   std::vector<double> carried;
-  for (int i = 0; i < kRequests; ++i) {
-    const std::string text = fracture_request(path, kWarm + kRequests - 1);
+  for (int i = 0; i < requests; ++i) {
+    const std::string text = fracture_request(path, kWarm + requests - 1, members);
     const Clock::time_point start = Clock::now();
     client.ask(text);
     carried.push_back(milliseconds_since(start));
@@ -292,7 +298,18 @@ void hanging_redis(const std::string& mesh) {
 
 int main(int argc, char** argv) {
   ::signal(SIGPIPE, SIG_IGN);
-  const char* file = argc > 1 ? argv[1] : "/usr/share/assimp/models/BLEND/Suzanne_248.blend";
+  const char* file = "/usr/share/assimp/models/BLEND/Suzanne_248.blend";
+  std::string members;
+  int requests = 400;
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument == "--collision" && i + 1 < argc)
+      members = argv[++i];
+    else if (argument == "--requests" && i + 1 < argc)
+      requests = std::max(1, std::atoi(argv[++i]));
+    else
+      file = argv[i];
+  }
   std::ifstream stream(file, std::ios::binary);
   const std::string mesh{std::istreambuf_iterator<char>(stream), {}};
   check(!mesh.empty(), std::string("cannot read ") + file);
@@ -300,7 +317,8 @@ int main(int argc, char** argv) {
   ::getloadavg(load, 1);
   std::printf("%u cores, load average %.2f before the start; mesh %s\n", std::thread::hardware_concurrency(),
               load[0], file);
-  collision(mesh);
+  collision(mesh, members.empty() ? kFiftySites : members, requests);
+  if (!members.empty()) return 0;
   cached(mesh);
   cold_start();
   hanging_redis(mesh);

@@ -1,0 +1,245 @@
+"""The rows of scripts/bench: what is measured, by which programs, and what was to be reached.
+
+A contender is `ours`, `last` (the release to compare with) or a peer. Asked once, it gives a Sample: each row's programs check
+their own answers and fail where one is wrong.
+"""
+import dataclasses
+import json
+import math
+import os
+import pathlib
+import re
+import subprocess
+import tempfile
+import time
+
+NUMBER = r"([\d.]+)"
+
+
+class Unknown(Exception):
+    """A program of an earlier release that does not know the row."""
+
+
+@dataclasses.dataclass
+class Sample:
+    value: float  # milliseconds, or what the row's unit says
+    answer: str = ""  # a hash; empty where none is given
+    peak: int = 0  # of the process, KiB
+
+
+@dataclasses.dataclass
+class Row:
+    name: str
+    ask: dict  # contender -> function of a Bench and a Build, which gives a Sample; "ours" also asks "last"
+    unit: str = "ms"
+    goal_peer: float = 0  # times as fast as the first peer (issue of 22 November 2026); 0: none
+    goal_last: float = 0  # times as fast as 205c8dc, where that is what is compared with
+    quick: bool = False
+    rounds: int = 0  # at most; 0: as many as asked for
+    larger_is_better: bool = False
+    memory: bool = False  # peak memory is what is compared, in MiB
+
+
+@dataclasses.dataclass
+class Build:
+    folder: pathlib.Path  # of CMake
+    known: bool = True  # its programs are those of this checkout
+
+    def program(self, name):
+        path = self.folder / ("server" if name == "fracture-server" else "tests/bench") / name
+        if not path.exists():
+            raise Unknown(f"{path} is not built")
+        return path
+
+
+@dataclasses.dataclass
+class Bench:
+    ours: Build
+    work: pathlib.Path  # for what the peers get
+    manifold: pathlib.Path  # tests/bench/manifold of this checkout
+    checked: set = dataclasses.field(default_factory=set)  # what peers were compared in
+
+
+def run(command, environment=None):
+    """Standard output and the peak memory; RuntimeError where the program says that something is wrong."""
+    with tempfile.TemporaryFile("w+") as output, tempfile.TemporaryFile("w+") as errors:
+        child = subprocess.Popen([str(word) for word in command], stdout=output, stderr=errors,
+                                 env={**os.environ, **(environment or {})})
+        _, status, usage = os.wait4(child.pid, 0)
+        child.returncode = os.waitstatus_to_exitcode(status)
+        output.seek(0)
+        errors.seek(0)
+        text = output.read()
+        if child.returncode != 0:
+            raise RuntimeError(f"{' '.join(map(str, command))} ended with {child.returncode}:\n{text[-600:]}{errors.read()[-600:]}")
+        return text, usage.ru_maxrss
+
+
+def found(pattern, text):
+    match = re.search(pattern, text, re.M)
+    if not match:
+        raise Unknown(f"no line like {pattern!r}")
+    return match
+
+
+# -- the whole fracture
+
+def fracture(mesh, sites, hulls, threads=1):
+    label = f"{mesh}_{sites}"
+
+    def ask(bench, build):
+        text, peak = run([build.program("bench_fracture"), "--filter", label, "--only", label, "--seconds", "0.3",
+                          "--hulls", "yes" if hulls else "no", "--threads", threads])
+        line = found(rf"^{mesh} +\d+ triangles +{sites} sites {'with' if hulls else 'without'} hulls: .* at least {NUMBER} .*, (\w+)$",
+                     text)
+        return Sample(float(line[1]), line[2], peak)
+    return ask
+
+
+def manifold(mesh, sites):
+    label = f"{mesh}_{sites}"
+
+    def ask(bench, build):
+        folder = bench.work / label
+        if not folder.exists():
+            run([bench.ours.program("bench_fracture"), "--filter", label, "--only", label, "--seconds", "0", "--out", folder])
+        text, peak = run(["node", bench.manifold / "fracture.mjs", folder, label, "1"])
+        return Sample(float(found(rf"manifold-3d {NUMBER} ms", text)[1]), peak=peak)
+    return ask
+
+
+# -- the tetrahedralization
+
+def delaunay(workload, peer=""):
+    """CGAL has to find the same tetrahedra, but in lattices, where each program has its own rule for ties."""
+    compared = peer == "cgal" and not workload.startswith("lattice")
+
+    def ask(bench, build):
+        program = bench.ours.program(f"bench_delaunay_{peer}") if peer else build.program("bench_delaunay")
+        text, peak = run([program, "--runs", "1", workload])
+        line = found(rf"^{workload} +\d+ points +{NUMBER} ms +(\d+) tets +hash (\w+)", text)
+        answer = "" if peer else line[3]
+        if compared and workload not in bench.checked:
+            bench.checked.add(workload)
+            answer = found(r"hash (\w+)", run([program, "--runs", "1", workload, "--check"])[0])[1]
+        return Sample(float(line[1]), answer, peak)
+    return ask
+
+
+def stage(name, threads=1):
+    def ask(bench, build):
+        text, peak = run([build.program("bench_stages"), "--threads", threads, "--runs", 1, name])
+        line = found(rf"^{name} +{NUMBER} ms +hash (\w+)", text)
+        return Sample(float(line[1]), line[2], peak)
+    return ask
+
+
+# -- hits
+
+def hit(cells):
+    def ask(bench, build):
+        text, peak = run([build.program("bench_local_impact"), "--sites", cells, "--repeat", 3 if cells > 9999 else 7])
+        return Sample(float(found(rf"^without hulls:[^$]*?without the untouched {NUMBER} ms", text)[1]), peak=peak)
+    return ask
+
+
+# -- the server
+
+def request(members, percentile, cores="", requests=200):
+    def ask(bench, build):
+        command = [bench.ours.program("bench_server"), "--collision", members, "--requests", requests]
+        text, _ = run((["taskset", "-c", cores] if cores else []) + command,
+                      {"FRACTURE_TEST_SERVER": str(build.program("fracture-server"))})
+        line = found(rf"whole answer +p50 +{NUMBER} ms +p99 +{NUMBER} ms", text)
+        return Sample(float(line[1 if percentile == 50 else 2]))
+    return ask
+
+
+# -- the command line
+
+def torus(path, rings=32, around=16, radius=0.3):
+    with open(path, "w") as out:
+        for i in range(rings):
+            for j in range(around):
+                a, b = 2 * math.pi * i / rings, 2 * math.pi * j / around
+                x = 1 + radius * math.cos(b)
+                out.write(f"v {x * math.cos(a)} {radius * math.sin(b)} {x * math.sin(a)}\n")
+        for i in range(rings):
+            for j in range(around):
+                corner = [(i + di) % rings * around + (j + dj) % around + 1 for di, dj in ((0, 0), (0, 1), (1, 1), (1, 0))]
+                out.write("f {} {} {} {}\n".format(*corner))
+
+
+def bake_one(bench, build):
+    mesh = bench.work / "torus.obj"
+    if not mesh.exists():
+        torus(mesh)
+    least = math.inf
+    for _ in range(5):
+        start = time.perf_counter()
+        run([build.program("fracture-server"), "bake", mesh, "-o", bench.work / "torus.glb", "--sites", 20, "--quiet"])
+        least = min(least, 1000 * (time.perf_counter() - start))
+    return Sample(least)
+
+
+def bake_many(bench, build, files=200):
+    """Small files a second, one job each, two workers."""
+    with tempfile.TemporaryDirectory(dir=bench.work) as folder:
+        with open(f"{folder}/jobs.ndjson", "w") as jobs:
+            for k in range(files):
+                torus(f"{folder}/{k}.obj", radius=0.2 + 0.001 * k)
+                jobs.write(json.dumps({"input": f"{k}.obj", "output": f"out/{k}.glb", "parameters": {"sites": 10}}) + "\n")
+        start = time.perf_counter()
+        run([build.program("fracture-server"), "bake", "--manifest", f"{folder}/jobs.ndjson", "--quiet"])
+        return Sample(files / (time.perf_counter() - start))
+
+
+# -- all of them
+
+def all_rows():
+    rows = []
+    # mesh, sites: milliseconds of the peer and of the goal with hulls; of 205c8dc with hulls
+    for mesh, sites, peer, goal, before in (
+            ("sphere2k", 10, 20.8, 0.6, 1.24), ("sphere2k", 50, 56, 1.4, 2.89), ("sphere2k", 200, 148, 3.6, 7.6),
+            ("sphere2k", 1000, 529, 14, 29.7), ("sphere20k", 50, 337, 4, 8.9), ("sphere20k", 200, 778, 7.5, 17.5),
+            ("sphere20k", 1000, 3277, 20, 44.7), ("torus2k", 50, 61, 1.3, 2.7), ("torus2k", 1000, 584, 14, 30.3),
+            ("spot", 50, 149, 1.9, 4.0), ("spot", 1000, 1494, 15, 32), ("hammer", 50, 1034, 7, 15.8),
+            ("hammer", 1000, 10627, 26, 58.1)):
+        quick = (mesh, sites) in (("sphere2k", 50), ("sphere2k", 1000), ("sphere20k", 200))
+        rows.append(Row(f"{mesh} × {sites}, hulls", {"ours": fracture(mesh, sites, True), "manifold-3d": manifold(mesh, sites)},
+                        goal_peer=peer / goal, goal_last=before / goal, quick=quick, rounds=3 if peer > 3000 else 0))
+        rows.append(Row(f"{mesh} × {sites}", {"ours": fracture(mesh, sites, False)}, quick=quick))
+    rows.append(Row("sphere20k × 1000, hulls, 2 threads", {"ours": fracture("sphere20k", 1000, True, threads=2)}))
+    for points, peer, goal, before in (("1k", 2.9, 0.9, 0.97), ("10k", 34.7, 9.5, 12.9), ("100k", 377, 125, 184), ("1M", 3957, 1400, 2105)):
+        workload = f"random_{points}"
+        rows.append(Row(f"Delaunay {points}", {"ours": delaunay(workload), "CGAL": delaunay(workload, "cgal"),
+                                               "Voro++": delaunay(workload, "voropp")},
+                        goal_peer=peer / goal, goal_last=before / goal, quick=points in ("1k", "10k"), rounds=3 if points == "1M" else 0))
+    rows.append(Row("Delaunay 1M, peak memory", {"ours": delaunay("random_1M"), "CGAL": delaunay("random_1M", "cgal")}, unit="MiB",
+                    memory=True, goal_peer=589 / 420, goal_last=765 / 420, rounds=1))
+    for name, workload, peer, goal, before in (("lattice 22³", "lattice22_21st", 180, 20, 41.7),
+                                               ("integer lattice", "lattice22_integer", 53.6, 12, 22.3),
+                                               ("on a sphere, 10k", "sphere_10k", 135, 30, 45.5)):
+        rows.append(Row(f"Delaunay {name}", {"ours": delaunay(workload), "CGAL": delaunay(workload, "cgal")},
+                        goal_peer=peer / goal, goal_last=before / goal))
+    rows.append(Row("canonical order, 100k", {"ours": stage("canonical_100k")}, goal_last=211 / 40, quick=True))
+    for cells, goal, before in ((300, 2.5, 3.3), (3000, 3, 10), (30000, 6, 140), (100000, 12, 820)):
+        rows.append(Row(f"hit in {cells} cells, delta", {"ours": hit(cells)}, goal_last=before / goal, quick=cells == 3000,
+                        rounds=3 if cells > 9999 else 0))
+    for size, threads, goal, before in (("1M", 1, 60, 76), ("4M", 1, 260, 630), ("1M", 2, 40, 0), ("4M", 2, 170, 0)):
+        rows.append(Row(f"prepare {size} triangles" + (", 2 threads" if threads > 1 else ""), {"ours": stage(f"prepare_{size}", threads)},
+                        goal_last=before / goal, rounds=3))
+    rows.append(Row("100k sites in sphere20k, hulls, GLB", {"ours": stage("giant_100k")}, goal_last=4.5 / 1.8, rounds=2))
+    rows.append(Row("the same, peak memory", {"ours": stage("giant_100k")}, unit="MiB", memory=True, goal_last=2.2, rounds=1))
+    flat = '"sites": 50'
+    for name, members, cores, p, goal, before in (
+            ("request, p50, one core", flat, "0", 50, 2.4, 4.0), ("request, p99, one core", flat, "0", 99, 3.5, 5.5),
+            ("request, p50", flat, "", 50, 1.9, 3.7), ("request, p99", flat, "", 99, 3, 5.1),
+            ("request, stone, p50", flat + ', "material": "stone"', "", 50, 5, 27),
+            ("request, wood, p50", flat + ', "material": "wood"', "", 50, 5, 0),
+            ("request, glass with a hit, p50",
+             '"material": "glass", "hits": [{"at": [0.5, 0.3, 0.6], "radius": 0.4, "sites": 30}]', "", 50, 1.2, 1.6)):
+        rows.append(Row(name, {"ours": request(members, p, cores)}, goal_last=before / goal, quick=name == "request, p50"))
+    rows.append(Row("bake of a small mesh", {"ours": bake_one}, goal_last=47 / 12, quick=True))
+    rows.append(Row("bake, small files a second", {"ours": bake_many}, unit="/s", larger_is_better=True, goal_last=500 / 64))
+    return rows
