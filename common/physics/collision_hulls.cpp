@@ -5,6 +5,7 @@
 #include <span>
 #include <utility>
 
+#include "common/base/scratch.hpp"
 #include "common/physics/convex_hull.hpp"
 
 namespace fracture {
@@ -30,10 +31,31 @@ CollisionHull stand_in(std::span<const Vec3f> points) {
   return hull;
 }
 
+/// What a thread keeps from one hull to the next.
+struct Maker {
+  ConvexHullBuilder builder;
+  std::vector<std::uint32_t> index;
+  std::vector<Vec3f> corners;
+  std::vector<std::array<std::uint32_t, 3>> surface;  // triangles of corners
+
+  std::size_t bytes() const { return builder.bytes() + bytes_of_vectors(index, corners, surface); }
+  void release() {
+    builder.release();
+    release_vectors(index, corners, surface);
+  }
+};
+
 /// Only the points on the hull, in the order they came in.
-CollisionHull compact(std::span<const Vec3f> points, const Triangles& triangles) {
+CollisionHull compact(std::span<const Vec3f> points, const Triangles& triangles,
+                      std::vector<std::uint32_t>& index) {
   CollisionHull hull;
-  std::vector<std::uint32_t> index(points.size(), 0);
+  if (triangles.size() + 4 == 2 * points.size()) {  // Euler: all of them
+    hull.points.assign(points.begin(), points.end());
+    hull.triangles = triangles;
+    return hull;
+  }
+  index.assign(points.size(), 0);
+  hull.points.reserve(triangles.size() / 2 + 2);  // Euler
   for (const auto& t : triangles)
     for (const std::uint32_t v : t) index[v] = 1;
   for (std::size_t k = 0; k < points.size(); ++k)
@@ -70,18 +92,38 @@ void inset(CollisionHull& hull) {
   }
 }
 
-void add_hull(std::span<const Vec3f> points, ConvexHullBuilder& builder, FragmentHulls& out,
-              const Execution& execution) {
-  const Triangles& triangles = builder.build(points, kMaxHullPoints, execution);
-  out.simplified += builder.stopped_early();
+void add_hull(std::span<const Vec3f> points, std::span<const std::array<std::uint32_t, 3>> surface,
+              Maker& maker, FragmentHulls& out, const Execution& execution) {
+  const Triangles& triangles = maker.builder.build(points, kMaxHullPoints, execution, surface);
+  out.simplified += maker.builder.stopped_early();
   if (triangles.empty()) {
     ++out.flat;
     out.hulls.push_back(stand_in(points));
     return;
   }
-  out.hulls.push_back(compact(points, triangles));
+  out.hulls.push_back(compact(points, triangles, maker.index));
   execution.poll();
   inset(out.hulls.back());
+}
+
+/// Each position once, though faces that differ there in their attributes have a vertex each; and the triangles
+/// between them, where they may be those of the hull.
+void collect_corners(const Fragment& f, Maker& maker) {
+  maker.corners.clear();
+  maker.surface.clear();
+  maker.index.resize(f.positions.size());
+  for (std::uint32_t v = 0; v < f.positions.size(); ++v) {
+    if (f.topology[v] == v) {
+      maker.index[v] = static_cast<std::uint32_t>(maker.corners.size());
+      maker.corners.push_back(f.positions[v]);
+    } else {
+      maker.index[v] = maker.index[f.topology[v]];  // an earlier one
+    }
+  }
+  maker.surface.reserve(f.indices.size() / 3);
+  for (std::size_t k = 0; k < f.indices.size(); k += 3)
+    maker.surface.push_back(
+        {maker.index[f.indices[k]], maker.index[f.indices[k + 1]], maker.index[f.indices[k + 2]]});
 }
 
 }  // namespace
@@ -101,13 +143,16 @@ CollisionHulls make_collision_hulls(const FragmentSet& set, CollisionHulls known
   CollisionHulls out = std::move(known);
   out.of_fragment.resize(set.fragments.size());
   parallel_for(execution, set.fragments.size(), 8, [&](std::size_t begin, std::size_t end) {
-    ConvexHullBuilder builder;
+    Maker& maker = thread_scratch<Maker>();
     for (std::size_t k = begin; k < end; ++k) {
       const Fragment& f = set.fragments[k];
       FragmentHulls& hulls = out.of_fragment[k];
       if (!hulls.hulls.empty() || f.positions.empty()) continue;
-      if (f.bodies.empty()) add_hull(f.positions, builder, hulls, execution);
-      for (const std::vector<Vec3f>& body : f.bodies) add_hull(body, builder, hulls, execution);
+      if (f.bodies.empty()) {
+        collect_corners(f, maker);
+        add_hull(maker.corners, maker.surface, maker, hulls, execution);
+      }
+      for (const std::vector<Vec3f>& body : f.bodies) add_hull(body, {}, maker, hulls, execution);
     }
   });
   return out;

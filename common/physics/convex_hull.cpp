@@ -1,45 +1,20 @@
 #include "common/physics/convex_hull.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "common/mesh/mesh.hpp"
 
 namespace fracture {
-namespace {
-
-/// 2^19 - 1: components of normals stay below 2^39, their products with points below 3 * 2^58.
-constexpr double kLastStep = 524287;
-/// Steps of the grid: what is no thicker may be flat but for rounding.
-constexpr double kFlat = 4;
-
-}  // namespace
-
-void ConvexHullBuilder::round_to_grid(std::span<const Vec3f> points, Pacer& pacer) {
-  Box box;
-  for (const Vec3f& p : points) box.add(to_double(p));
-  // Each axis has a scale of its own: affine maps keep hulls.
-  Vec3d scale;
-  for (int a = 0; a < 3; ++a) scale[a] = box.max[a] > box.min[a] ? kLastStep / (box.max[a] - box.min[a]) : 0;
-  grid_.clear();
-  for (const Vec3f& p : points) {
-    pacer.step();
-    const Vec3d q = to_double(p) - box.min;
-    grid_.push_back({static_cast<std::int64_t>(q.x * scale.x + 0.5),
-                     static_cast<std::int64_t>(q.y * scale.y + 0.5),
-                     static_cast<std::int64_t>(q.z * scale.z + 0.5)});
-  }
-}
 
 bool ConvexHullBuilder::lexicographic_less(std::uint32_t a, std::uint32_t b) const {
-  const GridPoint &p = grid_[a], &q = grid_[b];
+  const GridPoint &p = points_[a], &q = points_[b];
   if (p.x != q.x) return p.x < q.x;
   if (p.y != q.y) return p.y < q.y;
   return p.z < q.z;
 }
 
 std::uint32_t ConvexHullBuilder::add_face(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-  const GridPoint &p = grid_[a], &q = grid_[b], &r = grid_[c];
+  const GridPoint &p = points_[a], &q = points_[b], &r = points_[c];
   const GridPoint u{q.x - p.x, q.y - p.y, q.z - p.z}, v{r.x - p.x, r.y - p.y, r.z - p.z};
   const GridPoint n{u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
   faces_.push_back({{a, b, c},
@@ -47,6 +22,8 @@ std::uint32_t ConvexHullBuilder::add_face(std::uint32_t a, std::uint32_t b, std:
                     n,
                     n.x * p.x + n.y * p.y + n.z * p.z,
                     kNoIndex,
+                    kNoIndex,
+                    0,
                     0,
                     false,
                     true});
@@ -56,70 +33,55 @@ std::uint32_t ConvexHullBuilder::add_face(std::uint32_t a, std::uint32_t b, std:
 /// Puts p on the list of the first of the faces that it lies above; points above none are inside.
 void ConvexHullBuilder::put_outside(std::uint32_t p, std::uint32_t first_face, std::uint32_t end_face,
                                     Pacer& pacer) {
-  std::uint32_t f = first_face;
-  while (f < end_face && above(faces_[f], p) <= 0) ++f;
-  pacer.step(1 + f - first_face);
-  if (f == end_face) return;
-  next_[p] = faces_[f].first_outside;
-  faces_[f].first_outside = p;
+  for (std::uint32_t f = first_face; f < end_face; ++f) {
+    Face& face = faces_[f];
+    const std::int64_t h = above(face, p);
+    if (h <= 0) continue;
+    next_[p] = face.first_outside;
+    face.first_outside = p;
+    // Ties go to the lexicographically last: an extreme point even within a facet of coplanar points.
+    if (h > face.highest || (h == face.highest && lexicographic_less(face.farthest, p))) {
+      face.highest = h;
+      face.farthest = p;
+    }
+    return pacer.step(1 + f - first_face);
+  }
+  pacer.step(1 + end_face - first_face);
 }
 
-/// Four extreme points that span a volume; false when there are none.
-bool ConvexHullBuilder::first_tetrahedron(Pacer& pacer) {
-  const auto count = static_cast<std::uint32_t>(grid_.size());
-  std::uint32_t a = 0, b = 0;
-  for (std::uint32_t p = 1; p < count; ++p) {
-    pacer.step();
-    if (lexicographic_less(p, a)) a = p;
-    if (lexicographic_less(b, p)) b = p;
-  }
-  if (!lexicographic_less(a, b)) return false;
-  // Farthest from the line; which one is chosen may depend on rounding only among equals, and is the same
-  // everywhere.
-  std::uint32_t c = kNoIndex;
-  double farthest = 0;
-  const auto to_a = [&](std::uint32_t p) {
-    return Vec3d{static_cast<double>(grid_[p].x - grid_[a].x), static_cast<double>(grid_[p].y - grid_[a].y),
-                 static_cast<double>(grid_[p].z - grid_[a].z)};
-  };
-  const Vec3d ab = to_a(b);
-  for (std::uint32_t p = 0; p < count; ++p) {
-    pacer.step();
-    const Vec3d n = cross(ab, to_a(p));  // components are exact: below 2^39
-    const double d = dot(n, n);
-    if (d > farthest || (d > 0 && d == farthest && lexicographic_less(c, p))) {
-      farthest = d;
-      c = p;
+/// The faces that see p, and their boundary in order: around each face from the edge by which it was entered, and
+/// into those beyond its edges before it goes on (Lloyd's implementation, quickhull3d, has it so).
+void ConvexHullBuilder::find_horizon(std::uint32_t face, std::uint32_t p) {
+  ++stamp_;
+  visible_.assign(1, face);
+  horizon_.clear();
+  faces_[face].stamp = stamp_;
+  faces_[face].visible = true;
+  steps_.assign(1, {face, 0, 3});
+  while (!steps_.empty()) {
+    Step& step = steps_.back();
+    if (step.left == 0) {
+      steps_.pop_back();
+      continue;
     }
-  }
-  if (c == kNoIndex) return false;
-  faces_.clear();
-  const Face base = faces_[add_face(a, b, c)];
-  std::uint32_t d = kNoIndex;
-  std::int64_t highest = 0;
-  for (std::uint32_t p = 0; p < count; ++p) {
-    pacer.step();
-    const std::int64_t h = std::abs(above(base, p));
-    if (h > highest || (h > 0 && h == highest && lexicographic_less(d, p))) {
-      highest = h;
-      d = p;
+    const Face& f = faces_[step.face];
+    const std::uint32_t a = f.v[step.edge], g = f.neighbour[step.edge];
+    step.edge = step.edge == 2 ? 0 : static_cast<std::uint8_t>(step.edge + 1);
+    --step.left;
+    const std::uint32_t b = f.v[step.edge];
+    Face& other = faces_[g];
+    if (other.stamp != stamp_) {
+      other.stamp = stamp_;
+      other.visible = above(other, p) > 0;
+      if (other.visible) {
+        visible_.push_back(g);
+        const int after = other.v[0] == a ? 0 : other.v[1] == a ? 1 : 2;  // its edge from b to a ends there
+        steps_.push_back({g, static_cast<std::uint8_t>(after), 2});
+        continue;
+      }
     }
+    if (!other.visible) horizon_.push_back({a, b, g});
   }
-  const Vec3d n{static_cast<double>(base.normal.x), static_cast<double>(base.normal.y),
-                static_cast<double>(base.normal.z)};
-  if (d == kNoIndex || static_cast<double>(highest) <= kFlat * length(n)) return false;
-  if (above(base, d) > 0) std::swap(b, c);  // so that d is below (a, b, c)
-  faces_.clear();
-  add_face(a, b, c);
-  add_face(a, d, b);
-  add_face(b, d, c);
-  add_face(c, d, a);
-  faces_[0].neighbour = {1, 2, 3};
-  faces_[1].neighbour = {3, 2, 0};
-  faces_[2].neighbour = {1, 3, 0};
-  faces_[3].neighbour = {2, 1, 0};
-  for (std::uint32_t p = 0; p < count; ++p) put_outside(p, 0, 4, pacer);
-  return true;
 }
 
 //       \ unseen /
@@ -128,53 +90,20 @@ bool ConvexHullBuilder::first_tetrahedron(Pacer& pacer) {
 //        \ face /           would lie in the plane of the seen face at that edge, and then that face
 //           p               would not see p.
 void ConvexHullBuilder::insert_farthest(std::uint32_t face, Pacer& pacer) {
-  std::uint32_t p = kNoIndex;
-  std::int64_t highest = 0;
-  // Ties go to the lexicographically last: an extreme point even within a facet of coplanar points.
-  for (std::uint32_t q = faces_[face].first_outside; q != kNoIndex; q = next_[q]) {
-    pacer.step();
-    const std::int64_t h = above(faces_[face], q);
-    if (h > highest || (h == highest && lexicographic_less(p, q))) {
-      highest = h;
-      p = q;
-    }
-  }
-
-  ++stamp_;
-  visible_.assign(1, face);
-  horizon_.clear();  // pairs: the seen face, which edge of it
-  faces_[face].stamp = stamp_;
-  faces_[face].visible = true;
-  for (std::size_t k = 0; k < visible_.size(); ++k)
-    for (std::uint32_t e = 0; e < 3; ++e) {
-      const std::uint32_t g = faces_[visible_[k]].neighbour[e];
-      if (faces_[g].stamp != stamp_) {
-        faces_[g].stamp = stamp_;
-        faces_[g].visible = above(faces_[g], p) > 0;
-        if (faces_[g].visible) visible_.push_back(g);
-      }
-      if (!faces_[g].visible) {
-        horizon_.push_back(visible_[k]);
-        horizon_.push_back(e);
-      }
-    }
-
+  const std::uint32_t p = faces_[face].farthest;
+  find_horizon(face, p);
   const auto first = static_cast<std::uint32_t>(faces_.size());
-  for (std::size_t k = 0; k < horizon_.size(); k += 2) {
-    const Face seen = faces_[horizon_[k]];
-    const std::uint32_t e = horizon_[k + 1], a = seen.v[e], b = seen.v[(e + 1) % 3];
-    const std::uint32_t unseen = seen.neighbour[e], made = add_face(a, b, p);
-    faces_[made].neighbour[0] = unseen;
-    for (std::uint32_t j = 0; j < 3; ++j)
-      if (faces_[unseen].v[j] == b && faces_[unseen].v[(j + 1) % 3] == a) faces_[unseen].neighbour[j] = made;
-    new_face_from_[a] = made;
+  const auto count = static_cast<std::uint32_t>(horizon_.size());
+  pacer.step(visible_.size() + count);
+  for (std::uint32_t k = 0; k < count; ++k) {
+    const HorizonEdge& edge = horizon_[k];
+    const std::uint32_t made = add_face(edge.a, edge.b, p);
+    faces_[made].neighbour = {edge.unseen, first + (k + 1 == count ? 0 : k + 1),
+                              first + (k == 0 ? count : k) - 1};
+    Face& unseen = faces_[edge.unseen];
+    unseen.neighbour[unseen.v[0] == edge.b ? 0 : unseen.v[1] == edge.b ? 1 : 2] = made;
   }
-  const auto end = static_cast<std::uint32_t>(faces_.size());
-  for (std::uint32_t f = first; f < end; ++f) {
-    const std::uint32_t following = new_face_from_[faces_[f].v[1]];
-    faces_[f].neighbour[1] = following;
-    faces_[following].neighbour[2] = f;
-  }
+  const std::uint32_t end = first + count;
   for (const std::uint32_t f : visible_) {
     faces_[f].alive = false;
     for (std::uint32_t q = faces_[f].first_outside; q != kNoIndex;) {
@@ -188,18 +117,27 @@ void ConvexHullBuilder::insert_farthest(std::uint32_t face, Pacer& pacer) {
     if (faces_[f].first_outside != kNoIndex) pending_.push_back(f);
 }
 
-const ConvexHullBuilder::Triangles& ConvexHullBuilder::build(std::span<const Vec3f> points,
-                                                             std::uint32_t max_points,
-                                                             const Execution& execution) {
-  Pacer pacer(execution);
-  triangles_.clear();
-  stopped_early_ = false;
-  if (points.size() < 4) return triangles_;
-  round_to_grid(points, pacer);
-  next_.resize(points.size());
-  new_face_from_.resize(points.size());
+void ConvexHullBuilder::quickhull(const std::array<std::uint32_t, 4>& first, std::uint32_t max_points,
+                                  Pacer& pacer) {
+  const auto [a, b, c, d] = first;
+  const auto whole = [](double x) { return static_cast<std::int64_t>(x); };
+  points_.resize(grid_.size());
+  pacer.each(0, points_.size(), [&](std::size_t k) {
+    const Vec3d& p = grid_[static_cast<std::uint32_t>(k)];
+    points_[k] = {whole(p.x), whole(p.y), whole(p.z)};
+  });
+  next_.resize(points_.size());
   stamp_ = 0;
-  if (!first_tetrahedron(pacer)) return triangles_;
+  faces_.clear();
+  add_face(a, b, c);
+  add_face(a, d, b);
+  add_face(b, d, c);
+  add_face(c, d, a);
+  faces_[0].neighbour = {1, 2, 3};
+  faces_[1].neighbour = {3, 2, 0};
+  faces_[2].neighbour = {1, 3, 0};
+  faces_[3].neighbour = {2, 1, 0};
+  for (std::uint32_t p = 0; p < points_.size(); ++p) put_outside(p, 0, 4, pacer);
   // First come, first served: the hull grows on all sides alike, so that stopping early leaves no side out.
   std::uint32_t inserted = 4;
   pending_ = {0, 1, 2, 3};
@@ -213,6 +151,29 @@ const ConvexHullBuilder::Triangles& ConvexHullBuilder::build(std::span<const Vec
   }
   for (const Face& f : faces_)
     if (f.alive) triangles_.push_back(f.v);
+}
+
+const ConvexHullBuilder::Triangles& ConvexHullBuilder::build(
+    std::span<const Vec3f> points, std::uint32_t max_points, const Execution& execution,
+    std::span<const std::array<std::uint32_t, 3>> surface) {
+  Pacer pacer(execution);
+  triangles_.clear();
+  stopped_early_ = false;
+  if (points.size() < 4) return triangles_;
+  grid_.round(points, pacer);
+  const SurfaceHull::Shape shape = surface_.shape_of(grid_, surface, pacer);
+  if (shape == SurfaceHull::Shape::kHull && grid_.size() <= max_points) {
+    triangles_.assign(surface.begin(), surface.end());
+    return triangles_;
+  }
+  const bool all = shape == SurfaceHull::Shape::kOther;
+  if (!all) {
+    surface_.list_sharp(number_);
+    grid_.keep(number_);
+  }
+  if (const auto first = grid_.first_tetrahedron(pacer)) quickhull(*first, max_points, pacer);
+  if (!all)
+    for (auto& t : triangles_) t = {number_[t[0]], number_[t[1]], number_[t[2]]};
   return triangles_;
 }
 

@@ -1,8 +1,7 @@
-// Convex hulls of a few to some thousand points, fast enough for the path to a frame: Quickhull (Barber,
-// Dobkin & Huhdanpaa 1996) on points rounded to a grid of 2^19 steps along each side of their box. On the
-// grid every orientation is exact in 64-bit integers, so the textbook algorithm needs no tolerance, cannot
-// fail, and gives the same hull everywhere; the grid is 2e-6 of the box, far below what collision_hulls.hpp
-// takes away.
+// Convex hulls of a few to some thousand points, fast enough for the path to a frame: on a grid (hull_grid.hpp), where
+// every orientation is exact in 64-bit integers. The corners of a body that is convex already: surface_hull.hpp.
+// Others: Quickhull (Barber, Dobkin & Huhdanpaa 1996), which there needs no tolerance, cannot fail, and gives the
+// same hull everywhere.
 #pragma once
 
 #include <array>
@@ -12,6 +11,8 @@
 
 #include "common/base/pacer.hpp"
 #include "common/base/vec.hpp"
+#include "common/physics/hull_grid.hpp"
+#include "common/physics/surface_hull.hpp"
 
 namespace fracture {
 
@@ -25,11 +26,26 @@ class ConvexHullBuilder {
   /// extreme points, the hull of a well-spread choice of them, which lies within the whole one. Empty when
   /// the points are flat (within four steps of the grid, 1e-5 of the box) or fewer than four. Valid until the
   /// next call. Throws Interrupted.
+  /// `surface`: where known, triangles of indices into `points` that enclose the body whose corners these are,
+  /// counter-clockwise from outside. Where they are convex but for rounding (surface_hull.hpp) they are the
+  /// hull, or its corners those of them that stick out.
   const Triangles& build(std::span<const Vec3f> points, std::uint32_t max_points,
-                         const Execution& execution = {});
+                         const Execution& execution = {},
+                         std::span<const std::array<std::uint32_t, 3>> surface = {});
 
   /// Whether the last hull had more than max_points.
   bool stopped_early() const { return stopped_early_; }
+
+  std::size_t bytes() const {
+    return grid_.bytes() + surface_.bytes() +
+           bytes_of_vectors(number_, points_, faces_, next_, visible_, pending_, steps_, horizon_,
+                            triangles_);
+  }
+  void release() {
+    grid_.release();
+    surface_.release();
+    release_vectors(number_, points_, faces_, next_, visible_, pending_, steps_, horizon_, triangles_);
+  }
 
  private:
   struct GridPoint {
@@ -42,28 +58,43 @@ class ConvexHullBuilder {
     GridPoint normal;             ///< |component| < 2^39
     std::int64_t offset;          ///< of the plane: dot(normal, v[0]) < 3 * 2^58
     std::uint32_t first_outside;  ///< head of the list of points above it that are not on the hull yet
+    std::uint32_t farthest;       ///< of them
+    std::int64_t highest;         ///< above() that one
     std::uint32_t stamp;          ///< the insertion that looked at it last
     bool visible;                 ///< from that point
     bool alive;
   };
+  /// A visible face on the way around the horizon: the edge to look at next, and how many are left.
+  struct Step {
+    std::uint32_t face;
+    std::uint8_t edge, left;
+  };
+  struct HorizonEdge {
+    std::uint32_t a, b, unseen;  ///< from a to b as the visible face has it, and the face across
+  };
 
-  void round_to_grid(std::span<const Vec3f> points, Pacer& pacer);
-  bool first_tetrahedron(Pacer& pacer);
+  void quickhull(const std::array<std::uint32_t, 4>& first, std::uint32_t max_points, Pacer& pacer);
   std::uint32_t add_face(std::uint32_t a, std::uint32_t b, std::uint32_t c);
   /// Twice the area times the distance above the face's plane; exact.
   std::int64_t above(const Face& f, std::uint32_t p) const {
-    const GridPoint& q = grid_[p];
+    const GridPoint& q = points_[p];
     return f.normal.x * q.x + f.normal.y * q.y + f.normal.z * q.z - f.offset;
   }
   bool lexicographic_less(std::uint32_t a, std::uint32_t b) const;
   void put_outside(std::uint32_t p, std::uint32_t first_face, std::uint32_t end_face, Pacer& pacer);
+  void find_horizon(std::uint32_t face, std::uint32_t p);
   void insert_farthest(std::uint32_t face, Pacer& pacer);
 
-  std::vector<GridPoint> grid_;
+  HullGrid grid_;
+  SurfaceHull surface_;
+  std::vector<std::uint32_t> number_;  ///< of the grid's points, where these are not all: among those given
+  // Of Quickhull.
+  std::vector<GridPoint> points_;
   std::vector<Face> faces_;
-  std::vector<std::uint32_t> next_;           ///< of each point: the next of its face's list
-  std::vector<std::uint32_t> new_face_from_;  ///< of each point: the new face whose horizon edge starts there
-  std::vector<std::uint32_t> visible_, horizon_, pending_;
+  std::vector<std::uint32_t> next_;  ///< of each point: the next of its face's list
+  std::vector<std::uint32_t> visible_, pending_;
+  std::vector<Step> steps_;
+  std::vector<HorizonEdge> horizon_;  ///< one cycle
   std::uint32_t stamp_ = 0;
   bool stopped_early_ = false;
   Triangles triangles_;

@@ -35,7 +35,8 @@ namespace fracture {
 ///  6  2026-11-22  answers that do not prove themselves are refused; crossing caps, united pieces and slabs
 ///                 are closed where they were open; areas in the certificate
 ///  7  2026-11-23  volumes, masses and what follows from them of bodies of needles
-inline constexpr int kAlgorithmVersion = 7;
+///  8  2026-11-23  hulls of convex fragments are their own surfaces; rough cuts calm down in fewer steps
+inline constexpr int kAlgorithmVersion = 8;
 
 enum class Dual {
   kCircumcenter,  ///< the Voronoi diagram: fragments partition the solid exactly

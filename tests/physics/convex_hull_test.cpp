@@ -85,6 +85,105 @@ TEST(ConvexHull, IsClosedAndNothingLiesOutside) {
   }
 }
 
+TEST(ConvexHull, EveryCornerSticksOutOfTheHullOfTheOthers) {
+  ConvexHullBuilder builder;
+  std::vector<Family> all = families();
+  Points grid, prism;
+  for (int k = 0; k < 125; ++k)
+    grid.push_back({static_cast<float>(k % 5), static_cast<float>(k / 5 % 5), static_cast<float>(k / 25)});
+  // Rings at four heights, with points along the sides and in the lids, the first of which is swept first.
+  for (int k = 0; k < 72; ++k) {
+    const double turn = 6.283185307179586 * (k / 4) / 18;
+    for (const double r : {1.0, 0.5})
+      prism.push_back({static_cast<float>(k % 4), static_cast<float>(r * std::cos(turn)),
+                       static_cast<float>(r * std::sin(turn))});
+  }
+  all.push_back({"grid", grid});
+  all.push_back({"prism", prism});
+  int compared = 0;
+  for (const Family& f : all) {
+    if (f.points.size() < 5 || f.points.size() > 300 || f.name.starts_with("twice")) continue;
+    const std::set<std::uint32_t> hull = corners(builder.build(f.points, 1000));
+    ASSERT_GE(hull.size(), 4u) << f.name;
+    for (const std::uint32_t corner : hull) {
+      Points others = f.points;
+      others.erase(others.begin() + corner);
+      ConvexHullBuilder::Triangles triangles = builder.build(others, 1000);
+      others.push_back(f.points[corner]);
+      if (triangles.empty()) continue;
+      EXPECT_GT(farthest_outside(others, triangles), 1e-9) << f.name << ", " << corner;
+      ++compared;
+    }
+    // A prism whose sides and lids have further points has its two outer rings for corners.
+    if (f.name == "prism") {
+      EXPECT_EQ(hull.size(), 36u);
+    }
+  }
+  EXPECT_GT(compared, 300);
+}
+
+using Surface = std::vector<std::array<std::uint32_t, 3>>;
+
+/// A cube whose faces have a further point in their middle, lifted by so much: convex, flat or dented.
+std::pair<Points, Surface> cube_with_middles(float lift, int middles) {
+  Points points;
+  for (int k = 0; k < 8; ++k)
+    points.push_back({static_cast<float>(k & 1), static_cast<float>(k >> 1 & 1), static_cast<float>(k >> 2)});
+  constexpr std::array<std::array<std::uint32_t, 4>, 6> kSides{
+      {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}};
+  Surface surface;
+  for (int s = 0; s < 6; ++s) {
+    const auto& side = kSides[static_cast<std::size_t>(s)];
+    if (s >= middles) {
+      surface.push_back({side[0], side[1], side[2]});
+      surface.push_back({side[0], side[2], side[3]});
+      continue;
+    }
+    const Vec3d middle = 0.25 * (to_double(points[side[0]]) + to_double(points[side[1]]) +
+                                 to_double(points[side[2]]) + to_double(points[side[3]]));
+    const Vec3d out = middle - Vec3d{0.5, 0.5, 0.5}, p = middle + 2 * lift * out;
+    const auto apex = static_cast<std::uint32_t>(points.size());
+    points.push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
+    for (std::size_t k = 0; k < 4; ++k) surface.push_back({side[k], side[(k + 1) % 4], apex});
+  }
+  return {points, surface};
+}
+
+TEST(ConvexHull, OfAConvexSurfaceIsThatSurface) {
+  ConvexHullBuilder builder;
+  for (const auto& [lift, middles] : {std::pair{0.1f, 6}, {0.0f, 0}, {1e-6f, 1}, {-1e-6f, 1}}) {
+    const auto [points, surface] = cube_with_middles(lift, middles);
+    EXPECT_EQ(builder.build(points, 255, {}, surface), surface) << lift;
+  }
+}
+
+TEST(ConvexHull, OfASurfaceThatIsNotConvexLeavesOutWhatDoesNotStickOut) {
+  ConvexHullBuilder builder;
+  for (const auto& [lift, middles, expected] :
+       {std::tuple{0.0f, 6, 8u}, {-0.1f, 1, 8u}, {-0.001f, 6, 8u}, {-1e-4f, 1, 8u}}) {
+    const auto [points, surface] = cube_with_middles(lift, middles);
+    const auto& triangles = builder.build(points, 255, {}, surface);
+    EXPECT_EQ(corners(triangles).size(), expected) << lift << ", " << middles;
+    EXPECT_EQ(open_directed_edges(mesh_of(points, triangles)), 0u);
+  }
+}
+
+TEST(ConvexHull, DoesNotTakeASurfaceThatIsNone) {
+  ConvexHullBuilder builder;
+  const auto [points, closed] = cube_with_middles(0.1f, 6);
+  const auto expected = corners(builder.build(points, 255));
+  Surface open = closed, turned = closed, degenerate = closed;
+  open.pop_back();
+  for (auto& t : turned) std::swap(t[1], t[2]);
+  degenerate.back() = {degenerate.back()[0], degenerate.back()[0], degenerate.back()[2]};
+  for (const Surface& surface : {open, turned, degenerate}) {
+    const auto& triangles = builder.build(points, 255, {}, surface);
+    EXPECT_EQ(corners(triangles), expected);
+    EXPECT_EQ(open_directed_edges(mesh_of(points, triangles)), 0u);
+    EXPECT_GT(volume_of(mesh_of(points, triangles)), 1);
+  }
+}
+
 TEST(ConvexHull, OfAGridIsItsEightCorners) {
   Points points;
   for (int x = 0; x <= 8; ++x)

@@ -1,0 +1,59 @@
+// The hull of a body that is convex but for rounding, as most fragments are: its own surface. A few tests for each
+// edge replace the search for each point's place; what is not convex is recognized early.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/physics/hull_grid.hpp"
+
+namespace fracture {
+
+class SurfaceHull {
+ public:
+  using Triangles = std::vector<std::array<std::uint32_t, 3>>;
+
+  /// Edges bend outwards, or inwards by no more than this: steps of the grid, 1.5e-5 of the body's box. Cuts are
+  /// rounded to the seam lattice, and the hull's inset is a multiple of it.
+  static constexpr double kRounding = 8;
+
+  enum class Shape {
+    kOther,   ///< bends inwards, is no sphere, or flat
+    kConvex,  ///< the hull of the points that stick out (sharp())
+    kHull,    ///< the same, and almost all points do: the triangles are the hull
+  };
+  /// Of triangles of indices into the points of the grid, each point in some, counter-clockwise from outside.
+  Shape shape_of(const HullGrid& grid, std::span<const std::array<std::uint32_t, 3>> surface, Pacer& pacer);
+  /// After shape_of(): the points that have three edges at least that are no mere diagonals of facets.
+  void list_sharp(std::vector<std::uint32_t>& out) const;
+
+  std::size_t bytes() const { return bytes_of_vectors(faces_, points_, corners_, after_); }
+  void release() { release_vectors(faces_, points_, corners_, after_); }
+
+ private:
+  /// 4 f + k leads from corner k of face f to the next one, which stands at 4 f + k + 1 (the first one twice).
+  using HalfEdge = std::uint32_t;
+  struct Face {
+    HullGrid::Plane plane;
+    double rounding;            ///< of twice its area times a height: kRounding steps
+    std::uint32_t corners_sum;  ///< less two of them: the third
+  };
+  struct Point {
+    HalfEdge open;        ///< the first half-edge from it whose twin is not found yet
+    std::uint32_t edges;  ///< that are no mere diagonals of facets
+    bool climbs;          ///< some neighbour is higher
+  };
+
+  bool set_faces(const HullGrid& grid, std::span<const std::array<std::uint32_t, 3>> surface);
+  bool pair_edges(const HullGrid& grid);
+  bool add_edge(const HullGrid& grid, std::uint32_t a, std::uint32_t b, const Face& left, const Face& right);
+
+  std::vector<Face> faces_;
+  std::vector<Point> points_;
+  std::vector<std::uint32_t> corners_;
+  std::vector<HalfEdge> after_;  // the next half-edge of the same point
+};
+
+}  // namespace fracture
