@@ -29,6 +29,11 @@ class BoxTree {
   /// Halved at the median of the middles, along the axis on which these lie farthest apart: n log n.
   /// Throws Interrupted.
   explicit BoxTree(const std::vector<Box>& boxes, const Execution& execution = {});
+  /// In groups that follow one another, from group_begin[g] on (the last entry: the number of boxes): pairs
+  /// within a group are of no interest. Where groups are compact, so is the tree, whose upper part has whole
+  /// groups for leaves.
+  BoxTree(const std::vector<Box>& boxes, const std::vector<std::uint32_t>& group_begin,
+          const Execution& execution = {});
   /// The same tree around other boxes, as many: good while they are about where they were. Linear. Throws
   /// Interrupted.
   void refit(const std::vector<Box>& boxes, const Execution& execution = {});
@@ -50,7 +55,7 @@ class BoxTree {
   using Task = std::pair<std::uint32_t, std::uint32_t>;
   /// About `least` of them or more, or as many as there are.
   std::vector<Task> pair_tasks(std::size_t least) const;
-  /// visit(i, j), i < j, once for every two boxes that overlap.
+  /// visit(i, j), i < j, once for every two boxes that overlap and are of different groups, if there are any.
   template <class Visit>
   void each_pair(const Task& task, const Visit& visit) const {
     pairs(task.first, task.second, visit);
@@ -65,16 +70,21 @@ class BoxTree {
 
  private:
   /// A leaf has items [first, first + count); an inner node has count 0, its children are the next and
-  /// `first`.
+  /// `first`. `group`: the only one below it, or kNoGroup.
   struct Node {
     Box box;
-    std::uint32_t first, count;
+    std::uint32_t first, count, group;
   };
+  static constexpr std::uint32_t kNoGroup = 0xffffffffu;
   struct Item {
     Box box;
     std::uint32_t index;
   };
-  void build(std::uint32_t first, std::uint32_t last, Pacer& pacer);
+  static std::uint32_t halve(std::vector<Item>& items, std::uint32_t first, std::uint32_t last, Box& all,
+                             Pacer& pacer);
+  void build(std::uint32_t first, std::uint32_t last, std::uint32_t group, Pacer& pacer);
+  void join_groups(std::vector<Item>& groups, std::uint32_t first, std::uint32_t last,
+                   const std::vector<std::uint32_t>& group_begin, Pacer& pacer);
 
   template <class Visit>
   void descend(std::uint32_t n, const Box& box, const Visit& visit) const {
@@ -111,6 +121,7 @@ class BoxTree {
   template <class Visit>
   void pairs(std::uint32_t m, std::uint32_t n, const Visit& visit) const {
     const Node &a = nodes_[m], &b = nodes_[n];
+    if (a.group != kNoGroup && a.group == b.group) return;
     if (m == n) {
       for (std::uint32_t i = a.first; i < a.first + a.count; ++i)
         for (std::uint32_t j = i + 1; j < a.first + a.count; ++j) visit_pair(items_[i], items_[j], visit);

@@ -61,7 +61,8 @@ std::vector<Vec3f> cap_normals(const VoronoiDiagram& diagram, const std::vector<
                                cuts[k].region, 3 * t + i});
       }
       sort_with_polls(execution, corners.begin(), corners.end(), [](const Corner& x, const Corner& y) {
-        if (x.place != y.place) return x.place < y.place;
+        for (std::size_t a = 0; a < 3; ++a)
+          if (x.place[a] != y.place[a]) return x.place[a] < y.place[a];
         return x.region != y.region ? x.region < y.region : x.corner < y.corner;
       });
       struct Sum {

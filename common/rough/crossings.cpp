@@ -14,9 +14,9 @@ using Corners = std::array<Vec3d, 3>;
 
 double height(const PlaneTriangle& t, const Vec3d& p) { return dot(t.normal, p - t.corners[0]); }
 
-/// Are there points of s on both sides of the plane of t?
-bool parts(const PlaneTriangle& t, const PlaneTriangle& s, double tolerance) {
-  const double a = height(t, s.corners[0]), b = height(t, s.corners[1]), c = height(t, s.corners[2]);
+/// Are there corners on both sides of the plane of t?
+bool is_parted(const PlaneTriangle& t, const Corners& corners, double tolerance) {
+  const double a = height(t, corners[0]), b = height(t, corners[1]), c = height(t, corners[2]);
   return (a > tolerance || b > tolerance || c > tolerance) &&
          (a < -tolerance || b < -tolerance || c < -tolerance);
 }
@@ -85,7 +85,7 @@ PlaneTriangle::PlaneTriangle(const Corners& t) : corners(t), normal(cross(t[1] -
 
 bool cross_each_other(const PlaneTriangle& s, const PlaneTriangle& t, double tolerance) {
   // Where one lies on one side of the other's plane, nothing is pierced.
-  if (!parts(t, s, tolerance) || !parts(s, t, tolerance)) return false;
+  if (!is_parted(t, s.corners, tolerance) || !is_parted(s, t.corners, tolerance)) return false;
   return edges_pierce(s, t, tolerance) || edges_pierce(t, s, tolerance);
 }
 
@@ -95,12 +95,18 @@ Crossings::Crossings(const CapSurface& caps, const SurfaceTree& outside, double 
         Pacer pacer(execution);
         now_.reserve(seen_.size());
         boxes_.reserve(seen_.size());
+        region_.reserve(seen_.size());
+        std::vector<std::uint32_t> begin{0};
+        std::uint32_t region = 0;
         for (std::uint32_t k = 0; k < seen_.size(); ++k) {
           pacer.step();
+          for (; caps.region_begin[region + 1] <= seen_[k]; ++region) begin.push_back(k);
+          region_.push_back(region);
           now_.push_back(as_it_is(k));
           boxes_.push_back(box_of(now_.back().corners));
         }
-        return BoxTree(boxes_, execution);
+        begin.push_back(static_cast<std::uint32_t>(seen_.size()));
+        return BoxTree(boxes_, begin, execution);
       }()) {}
 
 PlaneTriangle Crossings::as_it_is(std::uint32_t k) const {
@@ -115,29 +121,59 @@ bool Crossings::is_moved(std::uint32_t k) const {
 }
 
 bool Crossings::pair_crosses(std::uint32_t i, std::uint32_t j) const {
+  if (region_[i] == region_[j]) return false;
   int shared = 0;
   for (const CutVertexId v : vertices(i))
     for (const CutVertexId w : vertices(j)) shared += v == w;
   return shared < 2 && cross_each_other(now_[i], now_[j], tolerance_) && (is_moved(i) || is_moved(j));
 }
 
-bool Crossings::leaves_surface(std::uint32_t k) const {
+/// Can it have reached the outer surface? Its points are within 0.58 of its longest edge of a corner.
+bool Crossings::may_leave_surface(std::uint32_t k) const {
   if (!is_moved(k)) return false;
-  // Can it have reached the outer surface? Its flat points are within 0.58 of its longest edge of a corner.
-  const Corners& c = now_[k].corners;
-  double longest = 0, move = 0, surface = HUGE_VAL;
+  const PlaneTriangle& t = now_[k];
+  double longest = 0, from_surface = HUGE_VAL;
   for (std::size_t corner = 0; corner < 3; ++corner) {
-    longest = std::fmax(longest, length(c[(corner + 1) % 3] - c[corner]));
-    const double distance = caps_.surface[vertices(k)[corner] - caps_.first];
-    move = std::fmax(move, distance);
-    surface = std::fmin(surface, distance);
+    longest = std::max(longest, length(t.corners[(corner + 1) % 3] - t.corners[corner]));
+    const std::size_t v = vertices(k)[corner] - caps_.first;
+    from_surface = std::min(from_surface, caps_.surface[v] - length(t.corners[corner] - caps_.flat[v]));
   }
-  if (!(surface < 0.58 * longest + move)) return false;
-  bool leaves = false;
-  outside_.each_near(boxes_[k], [&](std::uint32_t other) {
-    leaves = leaves || cross_each_other(now_[k], PlaneTriangle(outside_.corners(other)), tolerance_);
+  return from_surface < 0.58 * longest;
+}
+
+/// Calls leaves(k) for those of the triangles, all of one region, that pass through the outer surface.
+template <class Leaves>
+void Crossings::each_leaving(std::span<const std::uint32_t> triangles, SurfaceBeside& beside,
+                             const Leaves& leaves) const {
+  Box all;
+  beside.may_leave.clear();
+  for (const std::uint32_t k : triangles)
+    if (may_leave_surface(k)) {
+      beside.may_leave.push_back(k);
+      all.add(boxes_[k]);
+    }
+  if (beside.may_leave.empty()) return;
+  beside.triangles.clear();
+  beside.boxes.clear();
+  outside_.each_near(all, [&](std::uint32_t other) {
+    beside.triangles.push_back(other);
+    beside.boxes.push_back(box_of(outside_.corners(other)));
   });
-  return leaves;
+  for (const std::uint32_t k : beside.may_leave) {
+    const PlaneTriangle& t = now_[k];
+    bool left = false;
+    const auto look = [&](std::uint32_t other) {
+      if (!left && is_parted(t, outside_.corners(other), tolerance_))
+        left = cross_each_other(t, PlaneTriangle(outside_.corners(other)), tolerance_);
+    };
+    if (beside.triangles.size() > kFewBeside) {
+      outside_.each_near(boxes_[k], look);
+    } else {
+      for (std::size_t n = 0; n < beside.triangles.size(); ++n)
+        if (beside.boxes[n].intersects(boxes_[k])) look(beside.triangles[n]);
+    }
+    if (left) leaves(k);
+  }
 }
 
 std::optional<std::uint64_t> Crossings::find(const std::vector<char>& suspects, std::vector<char>& crossing,
@@ -176,15 +212,20 @@ std::optional<std::uint64_t> Crossings::find(const std::vector<char>& suspects, 
   }
   parallel_for(execution, changed.size(), 256, [&](std::size_t begin, std::size_t end) {
     PairCount budget(pairs, most, execution);
-    for (std::size_t c = begin; c < end && pairs.load(std::memory_order_relaxed) <= most; ++c) {
-      const std::uint32_t k = changed[c];
-      if (looked_)
+    SurfaceBeside beside;
+    for (std::size_t c = begin, next = begin; c < end && pairs.load(std::memory_order_relaxed) <= most;
+         c = next) {
+      for (; next < end && region_[changed[next]] == region_[changed[c]]; ++next) {
+        if (!looked_) continue;
+        const std::uint32_t k = changed[next];
         tree_.each_overlapping(boxes_[k], [&](std::uint32_t other) {
           if (other != k && (!suspects[seen_[other]] || k < other)) look(k, other, budget);
         });
-      if (!leaves_surface(k)) continue;
-      mark(k);
-      count.fetch_add(1, std::memory_order_relaxed);
+      }
+      each_leaving({changed.data() + c, next - c}, beside, [&](std::uint32_t k) {
+        mark(k);
+        count.fetch_add(1, std::memory_order_relaxed);
+      });
     }
   });
   looked_ = true;

@@ -1,11 +1,12 @@
-// Do caps pass through one another, through themselves or through the outer surface? Judged on where their
-// vertices are now, pair by pair, by what makes two triangles cross: an edge of one that pierces the inside
-// of the other.
+// Do caps pass through one another or through the outer surface? Judged on where their vertices are now, pair by
+// pair, by what makes two triangles cross: an edge of one that pierces the inside of the other. Triangles of one
+// region do not while each looks the way its facet does: whoever moves them has to see to that.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "common/base/execution.hpp"
@@ -16,9 +17,12 @@ namespace fracture {
 
 struct CapSurface {
   const std::vector<std::array<CutVertexId, 3>>& triangles;
+  const std::vector<std::uint32_t>&
+      region_begin;                  ///< the first triangle of each region, and how many there are
   const std::vector<char>& seen;     ///< per triangle: 0 where it lies inside a fragment and is no cut
   CutVertexId first;                 ///< the vertex of points[0]
   const std::vector<Vec3d>& points;  ///< where they are
+  const std::vector<Vec3d>& flat;    ///< where they were
   const std::vector<char>& moved;    ///< per point: not where it was
   const std::vector<double>&
       surface;  ///< per point: how far the flat one is from the outer surface, up to some reach
@@ -52,17 +56,27 @@ class Crossings {
   const std::array<CutVertexId, 3>& vertices(std::uint32_t k) const { return caps_.triangles[seen_[k]]; }
   PlaneTriangle as_it_is(std::uint32_t k) const;
   bool is_moved(std::uint32_t k) const;
-  /// Leaves pairs out that could do nothing about it, or share a side.
+  /// Leaves pairs out that could do nothing about it, share a side, or are of one region.
   bool pair_crosses(std::uint32_t i, std::uint32_t j) const;
-  bool leaves_surface(std::uint32_t k) const;
+  bool may_leave_surface(std::uint32_t k) const;
+  struct SurfaceBeside {
+    std::vector<std::uint32_t> may_leave;  // of the caps
+    std::vector<std::uint32_t> triangles;  // of the outer surface
+    std::vector<Box> boxes;                // of these
+  };
+  static constexpr std::size_t kFewBeside = 64;  // of which asking each is cheaper than asking the tree
+  template <class Leaves>
+  void each_leaving(std::span<const std::uint32_t> triangles, SurfaceBeside& beside,
+                    const Leaves& leaves) const;
 
   const CapSurface caps_;
   const SurfaceTree& outside_;
   const double tolerance_;
-  std::vector<std::uint32_t> seen_;  // the triangles that are
-  std::vector<PlaneTriangle> now_;   // per triangle of `seen_`, as it is
-  std::vector<Box> boxes_;           // the same
-  BoxTree tree_;                     // of the boxes
+  std::vector<std::uint32_t> seen_;    // the triangles that are
+  std::vector<std::uint32_t> region_;  // of each of them
+  std::vector<PlaneTriangle> now_;     // per triangle of `seen_`, as it is
+  std::vector<Box> boxes_;             // the same
+  BoxTree tree_;                       // of the boxes
   bool looked_ = false;
   std::uint64_t pairs_ = 0;
 };

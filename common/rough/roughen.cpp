@@ -15,8 +15,8 @@
 namespace fracture {
 namespace {
 
-/// Rounds of calming: each of the first halves the movement, each later one takes all of it.
-constexpr int kHalvingRounds = 6, kMostRounds = 40;
+/// Rounds of calming: each of the first leaves a quarter of the movement, each later one nothing of it.
+constexpr int kQuarteringRounds = 2, kMostRounds = 40;
 /// Edges are no shorter than so many lattice steps.
 constexpr double kLeastSteps = 32;
 /// Crossings of fewer lattice steps are rounding.
@@ -122,9 +122,10 @@ class Mover {
   void move(const Displacement& displacement, const SurfaceTree& outside) {
     parallel_for(execution_, flat_.size() - fixed_, 256, [&](std::size_t begin, std::size_t end) {
       Pacer pacer(execution_);
+      outside.distances({flat_.data() + fixed_ + begin, end - begin}, displacement.reach(),
+                        {surface_.data() + fixed_ + begin, end - begin}, pacer);
       for (std::size_t v = fixed_ + begin; v < fixed_ + end; ++v) {
         pacer.step(4);
-        surface_[v] = outside.distance(flat_[v], displacement.reach(), pacer);
         moves_[v] = displacement.at(flat_[v], surface_[v]);
         place(v);
       }
@@ -137,9 +138,12 @@ class Mover {
     find_coinciding();
     const Vec3d step = positions_.lattice.step();
     const double tolerance = kLeastCrossing * std::fmax(step.x, std::fmax(step.y, step.z));
-    Crossings crossings(
-        {caps_.triangles, seen_, positions_.first_constructed, positions_.points, moved_, surface_}, outside,
-        tolerance, execution_);
+    std::vector<std::uint32_t> region_begin;
+    for (const CapRegion& region : caps_.regions) region_begin.push_back(region.first_triangle);
+    region_begin.push_back(static_cast<std::uint32_t>(caps_.triangles.size()));
+    Crossings crossings({caps_.triangles, region_begin, seen_, positions_.first_constructed,
+                         positions_.points, flat_, moved_, surface_},
+                        outside, tolerance, execution_);
     std::vector<char> suspects, bad;
     std::optional<std::uint64_t> pairs = 0;
     for (int round = 0; round < kMostRounds; ++round) {
@@ -163,7 +167,7 @@ class Mover {
         if (!calmed[leader_[v]]) return;
         calmed[v] = 1;
         any = true;
-        share_[v] = round < kHalvingRounds ? 0.5 * share_[v] : 0;
+        share_[v] = round < kQuarteringRounds ? 0.25 * share_[v] : 0;
         place(v);
       });
       if (!any) break;

@@ -5,6 +5,9 @@
 namespace fracture {
 namespace {
 
+/// More than rounding does to a sum of lengths.
+constexpr double kBeyondRounding = 1 + 1e-9;
+
 std::vector<std::array<Vec3d, 3>> corners_of(const Solid& solid, const Execution& execution) {
   Pacer pacer(execution);
   std::vector<std::array<Vec3d, 3>> corners;
@@ -69,6 +72,16 @@ double SurfaceTree::distance(const Vec3d& p, double most, Pacer& pacer) const {
       least = std::min(least, distance_to_triangle(p, a, b, c));
     return least;
   });
+}
+
+void SurfaceTree::distances(std::span<const Vec3d> points, double most, std::span<double> out,
+                            Pacer& pacer) const {
+  // Nobody is farther from the surface than its neighbour is, and that one from it.
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const double least =
+        k == 0 ? most : std::min(most, kBeyondRounding * (out[k - 1] + length(points[k] - points[k - 1])));
+    out[k] = distance(points[k], least, pacer);
+  }
 }
 
 }  // namespace fracture

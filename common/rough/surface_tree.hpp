@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "common/rough/box_tree.hpp"
@@ -21,6 +22,8 @@ class SurfaceTree {
 
   /// min(distance from p to the surface, most), m. Throws Interrupted.
   double distance(const Vec3d& p, double most, Pacer& pacer) const;
+  /// The same of many points; quicker where neighbours follow one another.
+  void distances(std::span<const Vec3d> points, double most, std::span<double> out, Pacer& pacer) const;
   /// visit(triangle) for every one whose box overlaps.
   template <class Visit>
   void each_near(const Box& box, const Visit& visit) const {

@@ -79,6 +79,30 @@ TEST(BoxTree, FindsEveryPairOnceHoweverTheWorkIsDivided) {
   }
 }
 
+TEST(BoxTree, InGroupsFindsEveryPairOfTwoGroupsOnce) {
+  const std::vector<Box> boxes = random_boxes(400, 3);
+  for (const std::vector<std::uint32_t>& begin :
+       {std::vector<std::uint32_t>{0, 400}, {0, 1, 400}, {0, 0, 3, 7, 7, 100, 101, 250, 400, 400}}) {
+    const BoxTree tree(boxes, begin);
+    const auto group = [&](std::uint32_t k) {
+      return std::upper_bound(begin.begin(), begin.end(), k) - begin.begin();
+    };
+    Pairs expected;
+    for (std::uint32_t i = 0; i < boxes.size(); ++i)
+      for (std::uint32_t j = i + 1; j < boxes.size(); ++j)
+        if (group(i) != group(j) && boxes[i].intersects(boxes[j])) expected.insert({i, j});
+    for (const std::size_t tasks : {1u, 16u, 100000u}) {
+      Pairs found;
+      for (const BoxTree::Task& task : tree.pair_tasks(tasks))
+        tree.each_pair(task, [&](std::uint32_t i, std::uint32_t j) { found.insert({i, j}); });
+      EXPECT_EQ(found, expected) << begin.size() << " groups, " << tasks << " tasks";
+    }
+    std::set<std::uint32_t> all;
+    tree.each_overlapping({{-1, -1, -1}, {2, 2, 2}}, [&](std::uint32_t k) { all.insert(k); });
+    EXPECT_EQ(all.size(), boxes.size());
+  }
+}
+
 TEST(BoxTree, FindsTheNearestAndLooksAtFew) {
   const std::vector<Box> boxes = random_boxes(1000, 4);
   const BoxTree tree(boxes);

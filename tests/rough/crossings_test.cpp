@@ -38,12 +38,24 @@ struct TwoCaps {
                                                     triangle(14, 15, 16), triangle(14, 16, 17)};
   std::vector<Vec3d> points{{-0.2, -0.2, 0},   {0.2, -0.2, 0},   {0.2, 0.2, 0},   {-0.2, 0.2, 0},
                             {-0.2, -0.2, 0.1}, {0.3, -0.3, 0.1}, {0.3, 0.3, 0.1}, {-0.2, 0.2, 0.1}};
+  std::vector<Vec3d> flat = points;
   std::vector<char> moved = std::vector<char>(8, 0), crossing;
   std::vector<double> surface = std::vector<double>(8, 0.1);
 
   std::vector<char> seen = std::vector<char>(4, 1);
+  std::vector<std::uint32_t> region_begin{0, 2, 4};
 
-  CapSurface surfaces() const { return {triangles, seen, CutVertexId{10}, points, moved, surface}; }
+  /// Further caps, of one triangle each.
+  void add(std::size_t count) {
+    for (std::size_t k = 0; k < count; ++k) {
+      triangles.push_back(triangle(10, 11, 12));
+      region_begin.push_back(static_cast<std::uint32_t>(triangles.size()));
+    }
+    seen.assign(triangles.size(), 1);
+  }
+  CapSurface surfaces() const {
+    return {triangles, region_begin, seen, CutVertexId{10}, points, flat, moved, surface};
+  }
   std::optional<std::uint64_t> find() {
     Crossings crossings(surfaces(), outside, 1e-9);
     return crossings.find({}, crossing, {});
@@ -74,6 +86,14 @@ TEST(CrossingsOfCaps, LooksAgainAtWhatHasMovedSince) {
   EXPECT_EQ(caps.crossing, (std::vector<char>{0, 0, 0, 0}));
 }
 
+TEST(CrossingsOfCaps, LeavesTrianglesOfOneRegionToWhoeverSeesThemTurnOver) {
+  TwoCaps caps;
+  caps.points[1] = {0.2, -0.2, 0.2};
+  caps.moved[1] = 1;
+  caps.region_begin = {0, 4};
+  EXPECT_EQ(caps.find(), 0u);
+}
+
 TEST(CrossingsOfCaps, WhatIsNoCutIsInNobodysWay) {
   TwoCaps caps;
   caps.points[1] = {0.2, -0.2, 0.2};
@@ -84,16 +104,13 @@ TEST(CrossingsOfCaps, WhatIsNoCutIsInNobodysWay) {
 
 TEST(CrossingsOfCaps, GivesUpWhereAllLieInEachOthersBoxes) {
   TwoCaps caps;
-  const std::size_t many = 3 * Crossings::kMostPairs;
-  for (std::size_t k = 0; k < many; ++k) caps.triangles.push_back(triangle(10, 11, 12));
-  caps.seen.assign(caps.triangles.size(), 1);
+  caps.add(3 * Crossings::kMostPairs);
   EXPECT_EQ(caps.find(), std::nullopt);
 }
 
 TEST(CrossingsOfCaps, IsInterrupted) {
   TwoCaps caps;
-  for (int k = 0; k < 1000; ++k) caps.triangles.push_back(triangle(10, 11, 12));
-  caps.seen.assign(caps.triangles.size(), 1);
+  caps.add(1000);
   std::stop_source stop;
   stop.request_stop();
   Execution execution;
