@@ -58,20 +58,22 @@ std::vector<CapSegment> gather_segments(const Solid& solid, const VoronoiDiagram
                           [&](std::size_t s) { return 10 + 50 * (begin[s + 1] - begin[s]); });
   parallel_for_blocks(execution, blocks, [&](std::size_t, std::size_t first, std::size_t last) {
     Pacer own_pacer(execution);
-    const auto before = [](const CapSegment& a, const CapSegment& b) {
-      return a.hi != b.hi ? a.hi < b.hi : a.part < b.part;
+    struct Place {
+      std::uint64_t facet;
+      std::uint32_t from;
+      auto operator<=>(const Place&) const = default;
     };
-    const auto before_with_poll = [&](const CapSegment& a, const CapSegment& b) {
-      own_pacer.step();
-      return before(a, b);
-    };
+    std::vector<Place> order;
+    std::vector<CapSegment> of_cell;
     for (std::size_t s = first; s < last; ++s) {
-      const auto from = sorted.begin() + begin[s], to = sorted.begin() + begin[s + 1];
-      own_pacer.step(8 * (begin[s + 1] - begin[s]));
-      if (to - from < 4096)
-        std::stable_sort(from, to, before);
-      else
-        std::stable_sort(from, to, before_with_poll);
+      const std::uint32_t from = begin[s], count = begin[s + 1] - from;
+      own_pacer.step(8 * count);
+      order.clear();
+      for (std::uint32_t k = 0; k < count; ++k)
+        order.push_back({static_cast<std::uint64_t>(sorted[from + k].hi) << 32 | sorted[from + k].part, k});
+      sort_with_polls(execution, order.begin(), order.end());
+      of_cell.assign(sorted.begin() + from, sorted.begin() + from + count);
+      for (std::uint32_t k = 0; k < count; ++k) sorted[from + k] = of_cell[order[k].from];
     }
   });
   return sorted;

@@ -8,6 +8,7 @@
 #include "common/base/disjoint_sets.hpp"
 #include "common/base/id.hpp"
 #include "common/base/pacer.hpp"
+#include "common/base/scratch.hpp"
 #include "common/clip/delaunay_flips.hpp"
 #include "common/clip/ear_clipping.hpp"
 #include "common/clip/least_area.hpp"
@@ -191,6 +192,12 @@ __int128 turned_over(std::span<const LatticePoint> points, const Triangles& tria
   return sum;
 }
 
+struct LoopOfPoints {
+  std::vector<std::uint32_t> points;
+  std::size_t bytes() const { return bytes_of_vectors(points); }
+  void release() { release_vectors(points); }
+};
+
 /// What triangulate() does of loops without repeated corners; `ring(points, ring, partition, triangles)`
 /// triangulates one ring (without a partition: a whole loop, which may be large and not monotone).
 template <class Ring>
@@ -205,7 +212,7 @@ void triangulate_loops(std::span<const LatticePoint> points, std::span<const std
     holes |= orientation(points, loop_begin[l], loop_begin[l + 1]) < 0;
   }
   if (!holes) {  // every loop is a region of its own
-    std::vector<std::uint32_t> loop;
+    std::vector<std::uint32_t>& loop = thread_scratch<LoopOfPoints>().points;  // the same again and again
     for (std::uint32_t l = 0; l < loops; ++l) {
       loop.resize(loop_begin[l + 1] - loop_begin[l]);
       pacer.step(loop.size());

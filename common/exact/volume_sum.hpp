@@ -3,6 +3,7 @@
 // 1971, "A floating-point technique for extending the available precision"; sums after Knuth, TAOCP 2, 4.2.2).
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "common/base/vec.hpp"
@@ -58,7 +59,7 @@ class VolumeSum {
 };
 
 inline double max_norm(const Vec3d& v) {
-  return std::fmax(std::fabs(v.x), std::fmax(std::fabs(v.y), std::fabs(v.z)));
+  return std::max(std::fabs(v.x), std::max(std::fabs(v.y), std::fabs(v.z)));
 }
 
 /// Whether a sum in doubles of (a - origin) . ((b - a) x (c - a)) / 6 may be off by more than 1e-10 of its

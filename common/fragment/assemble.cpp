@@ -28,6 +28,11 @@ struct VertexSource {
   friend bool operator==(const VertexSource&, const VertexSource&) = default;
 };
 
+/// Consecutive faces of one material.
+struct Run {
+  std::uint32_t material, begin, end;
+};
+
 /// What one fragment's assembly keeps in memory, kept from fragment to fragment by each thread: fresh memory
 /// costs more than the work done in it.
 struct Scratch {
@@ -40,16 +45,17 @@ struct Scratch {
   std::vector<std::uint32_t> topology;
   std::vector<std::uint32_t> next;  // another vertex at the same edge cut, or of the same wedge elsewhere
   std::vector<Vec3d> points;
+  std::vector<Run> runs;
 
   std::size_t bytes() const {
     return at_position.bytes() + of_wedge.bytes() + on_face.bytes() +
-           bytes_of_vectors(ids, sources, topology, next, points);
+           bytes_of_vectors(ids, sources, topology, next, points, runs);
   }
   void release() {
     at_position.release();
     of_wedge.release();
     on_face.release();
-    release_vectors(ids, sources, topology, next, points);
+    release_vectors(ids, sources, topology, next, points, runs);
   }
 };
 
@@ -74,14 +80,10 @@ class Assembler {
  private:
   // -- which vertices there are, and which triangles
 
-  /// Consecutive faces of one material.
-  struct Run {
-    std::uint32_t material, begin, end;
-  };
-
   // Faces by material, in their order within each; interior last, "no material" just before it.
-  std::vector<Run> runs_by_material(const std::vector<Face>& faces) {
-    std::vector<Run> runs;
+  void find_runs_by_material(const std::vector<Face>& faces) {
+    std::vector<Run>& runs = s_.runs;
+    runs.clear();
     pacer_.each(0, faces.size(), [&](std::size_t n) {
       const auto f = static_cast<std::uint32_t>(n);
       const FaceSource source = faces[f].source;
@@ -92,9 +94,8 @@ class Assembler {
     const auto rank = [](std::uint32_t m) {
       return m == kInteriorMaterial ? 0xffffffffu : m == kNoIndex ? 0xfffffffeu : m;
     };
-    std::stable_sort(runs.begin(), runs.end(),
-                     [&](const Run& x, const Run& y) { return rank(x.material) < rank(y.material); });
-    return runs;
+    const auto before = [&](const Run& x, const Run& y) { return rank(x.material) < rank(y.material); };
+    if (!std::is_sorted(runs.begin(), runs.end(), before)) std::stable_sort(runs.begin(), runs.end(), before);
   }
 
   void collect_vertices(const Piece& piece) {
@@ -106,7 +107,9 @@ class Assembler {
     s_.next.clear();
     out_.indices.resize(3 * piece.faces.size());
     std::uint32_t* index = out_.indices.data();
-    for (const Run& run : runs_by_material(piece.faces)) {
+    find_runs_by_material(piece.faces);
+    out_.primitives.reserve(2);
+    for (const Run& run : s_.runs) {
       if (out_.primitives.empty() || out_.primitives.back().material != run.material)
         out_.primitives.push_back({run.material, static_cast<std::uint32_t>(index - out_.indices.data()), 0});
       out_.primitives.back().index_count += 3 * (run.end - run.begin);

@@ -5,6 +5,7 @@
 
 #include "common/base/pacer.hpp"
 #include "common/base/random.hpp"
+#include "common/base/scratch.hpp"
 #include "common/fragment/float_bits.hpp"
 
 namespace fracture {
@@ -58,6 +59,15 @@ Closedness count_edges(const Fragment& f, const std::vector<std::uint32_t>& at, 
   return c;
 }
 
+struct VertexHash {
+  std::uint64_t u, w;
+};
+struct VertexHashes {
+  std::vector<VertexHash> at;
+  std::size_t bytes() const { return bytes_of_vectors(at); }
+  void release() { release_vectors(at); }
+};
+
 }  // namespace
 
 Closedness closedness(const Fragment& f, const Execution& execution) {
@@ -69,10 +79,8 @@ std::uint64_t open_edges(const Fragment& f, const Execution& execution) {
   Pacer pacer(execution);
   // Two hashes of each vertex's topological vertex. A directed edge a -> b counts u_a w_b - u_b w_a, so that
   // it cancels its opposite; around a triangle the three terms are one cross product.
-  struct Hash {
-    std::uint64_t u, w;
-  };
-  std::vector<Hash> at(f.positions.size());
+  std::vector<VertexHash>& at = thread_scratch<VertexHashes>().at;
+  at.resize(f.positions.size());
   std::uint64_t misplaced = 0;
   pacer.each(0, at.size(), [&](std::size_t v) {
     const std::uint32_t t = f.topology[v];
@@ -83,7 +91,7 @@ std::uint64_t open_edges(const Fragment& f, const Execution& execution) {
   std::uint64_t sum = 0;
   pacer.each(0, f.indices.size() / 3, [&](std::size_t t) {
     const std::uint32_t* const k = f.indices.data() + 3 * t;
-    const Hash &a = at[k[0]], &b = at[k[1]], &c = at[k[2]];
+    const VertexHash &a = at[k[0]], &b = at[k[1]], &c = at[k[2]];
     sum += (b.u - a.u) * (c.w - a.w) - (c.u - a.u) * (b.w - a.w);
   });
   if (sum == 0 && misplaced == 0) return 0;

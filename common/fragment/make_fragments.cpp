@@ -22,12 +22,18 @@ namespace {
 /// refracture keeps the ids of what it does not touch. At most 2^53 - 1: exact in JSON.
 std::uint64_t fragment_id(const VoronoiDiagram& diagram, const Fragment& f, std::uint32_t island,
                           const Execution& execution) {
-  std::vector<Vec3d> sites;
-  for (const SiteId s : f.sites) sites.push_back(diagram.site(s));
-  sort_with_polls(execution, sites.begin(), sites.end(), lexicographic_less);
   std::uint64_t h = 0x6672616374757265ull;
-  for (const Vec3d& s : sites)
+  const auto add = [&h](const Vec3d& s) {
     for (int a = 0; a < 3; ++a) h = mix64(h, std::bit_cast<std::uint64_t>(s[a] == 0 ? 0.0 : s[a]));
+  };
+  if (f.sites.size() == 1) {
+    add(diagram.site(f.sites[0]));
+  } else {
+    std::vector<Vec3d> sites;
+    for (const SiteId s : f.sites) sites.push_back(diagram.site(s));
+    sort_with_polls(execution, sites.begin(), sites.end(), lexicographic_less);
+    for (const Vec3d& s : sites) add(s);
+  }
   return mix64(mix64(h, f.part), island) >> 11;
 }
 

@@ -3,6 +3,7 @@
 // the 3-D tetrahedron inertia tensor in terms of its vertex coordinates"; here through second moments).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -31,7 +32,7 @@ class MassIntegral {
     yz_ += det * (a.y * a.z + b.y * b.z + c.y * c.z + s.y * s.z);
     twice_area_ += length(normal);
     products_ += exact::max_norm(ab) * exact::max_norm(ac);
-    reach_ = std::fmax(reach_, exact::max_norm(a));
+    reach_ = std::max(reach_, exact::max_norm(a));
   }
 
   double area() const { return 0.5 * twice_area_; }

@@ -66,14 +66,21 @@ Pieces gather_pieces(const RestrictedDiagram& d, const Ownership& ownership, con
 
   // Cap sides by owner; inside a group a region is listed once, to hold its sides together.
   Pacer pacer(execution);
-  std::vector<std::vector<FaceSource>> caps(owners);
-  for (std::uint32_t r = 0; r < d.caps.regions.size(); ++r) {
-    pacer.step(8);
-    const std::uint32_t lo = ownership.owner_of_site[d.caps.regions[r].lo],
-                        hi = ownership.owner_of_site[d.caps.regions[r].hi];
-    caps[lo].push_back(cap_source(r, 0));
-    if (hi != lo) caps[hi].push_back(cap_source(r, 1));
-  }
+  const auto each_cap = [&](const auto& visit) {
+    for (std::uint32_t r = 0; r < d.caps.regions.size(); ++r) {
+      pacer.step(4);
+      const std::uint32_t lo = ownership.owner_of_site[d.caps.regions[r].lo],
+                          hi = ownership.owner_of_site[d.caps.regions[r].hi];
+      visit(lo, cap_source(r, 0));
+      if (hi != lo) visit(hi, cap_source(r, 1));
+    }
+  };
+  std::vector<std::uint32_t> cap_begin(owners + 2, 0);
+  each_cap([&](std::uint32_t owner, FaceSource) { ++cap_begin[owner + 2]; });
+  for (std::size_t o = 0; o < owners; ++o) cap_begin[o + 2] += cap_begin[o + 1];
+  std::vector<FaceSource> caps;
+  resize_with_polls(execution, caps, cap_begin.back());
+  each_cap([&](std::uint32_t owner, FaceSource side) { caps[cap_begin[owner + 1]++] = side; });
   std::vector<std::vector<std::uint32_t>> polygons(owners);
   if (ownership.grouped)
     for (std::uint32_t p = 0; p < d.cuts.polygons.size(); ++p) {
@@ -91,13 +98,16 @@ Pieces gather_pieces(const RestrictedDiagram& d, const Ownership& ownership, con
           d, ownership,
           {static_cast<std::uint32_t>(o),
            {surface.faces.data() + surface.begin[o], surface.faces.data() + surface.begin[o + 1]},
-           caps[o],
+           {caps.data() + cap_begin[o], caps.data() + cap_begin[o + 1]},
            polygons[o]},
           execution);
     }
   });
 
   Pieces out;
+  std::size_t count = 0;
+  for (const std::vector<Component>& of_owner : found) count += of_owner.size();
+  out.pieces.reserve(count);
   out.piece_of_cap.assign(2 * d.caps.regions.size(), kNoIndex);
   for (std::uint32_t o = 0; o < owners; ++o) {
     pacer.step();
@@ -107,8 +117,10 @@ Pieces gather_pieces(const RestrictedDiagram& d, const Ownership& ownership, con
       island = c.part == last_part ? island + 1 : 0;
       last_part = c.part;
       const auto piece = static_cast<std::uint32_t>(out.pieces.size());
+      FaceSource last = kNoIndex;  // the faces of one region follow one another
       for (const Face& f : c.faces) {
-        if (!is_cap(f.source)) continue;
+        if (!is_cap(f.source) || f.source == last) continue;
+        last = f.source;
         // Uniting two pieces takes a region away as a whole: a region of several pieces would leave them
         // open.
         std::uint32_t& of_cap = out.piece_of_cap[f.source & ~kCapFace];
@@ -123,7 +135,6 @@ Pieces gather_pieces(const RestrictedDiagram& d, const Ownership& ownership, con
   }
   clear_with_polls(execution, found);
   clear_with_polls(execution, polygons);
-  clear_with_polls(execution, caps);
   return out;
 }
 
