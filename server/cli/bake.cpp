@@ -3,7 +3,6 @@
 #include <signal.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -31,28 +30,31 @@ namespace {
 /// At the same time through a server whose cores are not known: enough for eight of them, and little to hold.
 constexpr int kRemoteJobs = 8;
 
-std::atomic<bool> interrupted{false};
-void on_interrupt(int) { interrupted = true; }
-
-/// SIGINT and SIGTERM as a stop. A signal handler may not touch a stop_source: a watcher carries the message.
+/// SIGINT and SIGTERM as a stop. They are blocked in all threads (those made later inherit that) but for a watcher
+/// that waits for them, and for its own end.
 class StopOnSignal {
  public:
   StopOnSignal() {
-    struct sigaction action {};
-    action.sa_handler = on_interrupt;
-    sigaction(SIGINT, &action, nullptr);
-    sigaction(SIGTERM, &action, nullptr);
+    sigset_t signals;
+    sigemptyset(&signals);
+    for (const int signal : {SIGINT, SIGTERM, kEnd}) sigaddset(&signals, signal);
+    pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+    watcher_ = std::thread([this, signals] {
+      for (int signal = 0; sigwait(&signals, &signal) == 0 && signal != kEnd;) stop_.request_stop();
+    });
   }
+  ~StopOnSignal() {
+    pthread_kill(watcher_.native_handle(), kEnd);
+    watcher_.join();
+  }
+  StopOnSignal(const StopOnSignal&) = delete;
+  StopOnSignal& operator=(const StopOnSignal&) = delete;
   std::stop_token token() { return stop_.get_token(); }
 
  private:
+  static constexpr int kEnd = SIGUSR1;
   std::stop_source stop_;
-  std::jthread watcher_{[this](const std::stop_token& end) {
-    while (!end.stop_requested()) {
-      if (interrupted) stop_.request_stop();
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    }
-  }};
+  std::thread watcher_;
 };
 
 void say(const std::string& line) { std::fprintf(stderr, "fracture-server bake: %s\n", line.c_str()); }
