@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include "common/import/import.hpp"
+#include "common/import/import_input.hpp"
 
 namespace fracture {
 

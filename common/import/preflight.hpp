@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "common/base/error.hpp"
-#include "common/import/import.hpp"
+#include "common/import/import_input.hpp"
 
 namespace fracture::preflight {
 

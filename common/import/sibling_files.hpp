@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "common/import/import.hpp"
+#include "common/import/import_input.hpp"
 
 namespace fracture {
 

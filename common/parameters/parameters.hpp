@@ -12,7 +12,7 @@
 
 #include "common/base/error.hpp"
 #include "common/gltf/gltf_writer.hpp"
-#include "common/import/import.hpp"
+#include "common/import/import_input.hpp"
 #include "common/materials/materials.hpp"
 #include "common/mesh/frame.hpp"
 #include "common/mesh/selection.hpp"

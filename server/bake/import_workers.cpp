@@ -1,21 +1,14 @@
 #include "server/bake/import_workers.hpp"
 
-#include <exception>
-
 namespace fracture::bake {
 
 std::shared_ptr<ImportPool> own_import_workers(int workers) {
   ImportPoolConfig config;
   config.workers = workers;
   config.worker.program = import_worker_beside_this_program();
-  if (config.worker.program.empty()) return nullptr;
   config.worker.memory_bytes = 0;
   config.worker.cpu = std::chrono::seconds(0);
-  try {
-    return std::make_shared<ImportPool>(config);
-  } catch (const std::exception&) {
-    return nullptr;
-  }
+  return std::make_shared<ImportPool>(config);
 }
 
 }  // namespace fracture::bake

@@ -8,7 +8,7 @@
 namespace fracture::bake {
 
 /// For commands whose user owns the files: workers without a limit on their memory, so that a crash of a
-/// reader is an error message; null (imports run in this process) where fracture-import is not installed.
+/// reader is an error message. Throws std::runtime_error where they cannot be started.
 std::shared_ptr<ImportPool> own_import_workers(int workers);
 
 }  // namespace fracture::bake

@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "common/base/json_reader.hpp"
-#include "common/import/import.hpp"
+#include "common/import/import_input.hpp"
 #include "server/bake/output_path.hpp"
 #include "server/bake/report.hpp"
 #include "server/bake/result_file.hpp"

@@ -2,24 +2,15 @@
 
 #include <spdlog/spdlog.h>
 
-#include <stdexcept>
 #include <system_error>
 #include <utility>
 
 namespace fracture::cli {
 
 std::shared_ptr<ImportPool> start_import_workers(const ServeOptions& options) {
-  if (options.import_workers == 0) {
-    spdlog::warn("--import-workers 0: files are read in this process, where a hostile one can end it");
-    return nullptr;
-  }
   ImportPoolConfig config;
   config.workers = options.import_workers;
   config.worker.program = import_worker_beside_this_program();
-  if (config.worker.program.empty())
-    throw std::runtime_error(
-        "fracture-import is not beside fracture-server: install both, or read files in this process with "
-        "--import-workers 0");
   config.worker.memory_bytes = options.import_memory;
   config.worker.require_sandbox = options.sandbox_required;
   // The deadline, by the clock, is first to end an import; this is the second line.
@@ -34,18 +25,16 @@ std::shared_ptr<ImportPool> start_import_workers(const ServeOptions& options) {
   return pool;
 }
 
-void write_import_metrics(const ImportPool* imports, ops::MetricWriter& writer) {
-  const std::pair<const char*, bool> layers[] = {
-      {"seccomp", imports && imports->hello().seccomp != 0},
-      {"landlock", imports && imports->zygote_hello().landlock != 0}};
+void write_import_metrics(const ImportPool& imports, ops::MetricWriter& writer) {
+  const std::pair<const char*, bool> layers[] = {{"seccomp", imports.hello().seccomp != 0},
+                                                 {"landlock", imports.zygote_hello().landlock != 0}};
   for (const auto& [layer, in_force] : layers)
     writer.gauge(
         "fracture_import_sandbox",
         "1 where files are read in processes behind this layer of the sandbox. Without seccomp there "
         "is none to speak of; Landlock is a second one, for files.",
         in_force, {{"layer", layer}});
-  if (!imports) return;
-  const ImportCounters counters = imports->counters();
+  const ImportCounters counters = imports.counters();
   const std::pair<const char*, std::uint64_t> outcomes[] = {
       {"imported", counters.imported},     {"refused", counters.refused},
       {"crashed", counters.crashed},       {"limited", counters.limited},

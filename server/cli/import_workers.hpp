@@ -9,12 +9,10 @@
 
 namespace fracture::cli {
 
-/// For `serve`. Says in the log what of the sandbox this machine does not allow; null, with a warning, for 0
-/// workers. Throws std::runtime_error where the workers cannot be started, or not in the sandbox that is
-/// required.
+/// For `serve`. Says in the log what of the sandbox this machine does not allow. Throws std::runtime_error where
+/// the workers cannot be started, or not in the sandbox that is required.
 std::shared_ptr<ImportPool> start_import_workers(const ServeOptions& options);
 
-/// `imports` may be null: files are read in the server's own process.
-void write_import_metrics(const ImportPool* imports, ops::MetricWriter& writer);
+void write_import_metrics(const ImportPool& imports, ops::MetricWriter& writer);
 
 }  // namespace fracture::cli

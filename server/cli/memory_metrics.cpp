@@ -18,7 +18,7 @@ std::uint64_t resident_bytes(pid_t process) {
 }
 
 void write_memory_metrics(const ServeOptions& options, http::Api& api, Dispatcher& dispatcher,
-                          const ImportPool* imports, ops::MetricWriter& writer) {
+                          const ImportPool& imports, ops::MetricWriter& writer) {
   const FractureService::Figures caches = dispatcher.service().figures();
   const MemoryBudget& bodies = api.bodies().whole();
   const std::map<std::string, std::uint64_t> reserved = {{"bodies", bodies.used() - bodies.small_used()},
@@ -44,12 +44,9 @@ void write_memory_metrics(const ServeOptions& options, http::Api& api, Dispatche
                  static_cast<double>(reserved.at(share.part)), labels);
   }
   std::uint64_t workers = 0;
-  if (imports) {
-    // A worker shares with the zygote what neither has written to since the fork: counted twice, at most 11
-    // MiB.
-    for (const pid_t worker : imports->pids()) workers += resident_bytes(worker);
-    if (const pid_t zygote = imports->zygote_pid(); zygote > 0) workers += resident_bytes(zygote);
-  }
+  // A worker shares with the zygote what neither has written to since the fork: counted twice, at most 11 MiB.
+  for (const pid_t worker : imports.pids()) workers += resident_bytes(worker);
+  if (const pid_t zygote = imports.zygote_pid(); zygote > 0) workers += resident_bytes(zygote);
   writer.gauge("fracture_memory_resident_bytes", "What the system says is resident, by process.",
                static_cast<double>(resident_bytes(::getpid())), {{"process", "server"}});
   writer.gauge("fracture_memory_resident_bytes", "What the system says is resident, by process.",

@@ -32,7 +32,7 @@ struct ServeOptions {
       0;            ///< resident bytes of server and import workers; 0: what there is (memory_plan.hpp)
   int threads = 0;  ///< of the worker pool; 0: as many as there are cores
   std::size_t max_queue = 256;
-  int import_workers = available_cores();    ///< 0: imports run in the server's own process
+  int import_workers = available_cores();
   std::uint64_t import_memory = 2ull << 30;  ///< bytes of address space of an import worker; 0: no limit
   std::string require_sandbox = "auto";      ///< auto, yes, no
   bool sandbox_required = false;             ///< what that comes to

@@ -118,11 +118,9 @@ int serve_until_stopped(const ServeOptions& options) {
       writer.counter("fracture_failures_not_kept_total", "Failures for which there was no room.",
                      static_cast<double>(figures.dropped + figures.unwritten));
     });
+  api.metrics().add_source([&imports](ops::MetricWriter& writer) { write_import_metrics(*imports, writer); });
   api.metrics().add_source(
-      [&imports](ops::MetricWriter& writer) { write_import_metrics(imports.get(), writer); });
-  api.metrics().add_source([&](ops::MetricWriter& writer) {
-    write_memory_metrics(options, api, dispatcher, imports.get(), writer);
-  });
+      [&](ops::MetricWriter& writer) { write_memory_metrics(options, api, dispatcher, *imports, writer); });
   try {
     http::HttpServer server(options.server, api);
     spdlog::info("serving on http://{}:{} (admin port {}), {} computing threads", options.server.address,

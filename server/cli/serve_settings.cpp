@@ -125,8 +125,8 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
        number("max-queue", "N", o.max_queue, 0, 1'000'000,
               "Requests that may wait for a computing thread; up to twice as many, so that each client has "
               "its part"),
-       number("import-workers", "N", o.import_workers, 0, 1024,
-              "Sandboxed processes that read files; 0: files are read in the server's own process"),
+       number("import-workers", "N", o.import_workers, 1, 1024,
+              "Sandboxed processes that read files, at a time"),
        number("import-memory", "BYTES", o.import_memory, 0, kTiB,
               "Address space of an import process, 0: no limit"),
        choice("require-sandbox", o.require_sandbox, {"auto", "yes", "no"},
@@ -236,13 +236,6 @@ std::vector<std::string> inconsistencies(const ServeOptions& o) {
         "address " + o.server.address +
         " can be reached from other machines, and anybody there could use this server: give a --token-file, "
         "or --insecure-bind if something in front of it (a proxy, a firewall) decides who may");
-
-  if (sandbox_required(o) && o.import_workers == 0)
-    refuse("import-workers 0 reads files in the server's own process, without a sandbox, which " +
-           (o.require_sandbox == "yes" ? std::string("--require-sandbox forbids")
-                                       : "a server at " + o.server.address +
-                                             " should not do with other people's files: give it workers, or "
-                                             "--require-sandbox no"));
 
   const http::HttpLimits& l = o.limits;
   const auto at_most = [&](const char* small, std::uint64_t a, const char* large, std::uint64_t b) {

@@ -340,10 +340,12 @@ std::vector<pid_t> ImportPool::pids() const {
 std::string import_worker_beside_this_program() {
   char path[PATH_MAX];
   const ssize_t length = ::readlink("/proc/self/exe", path, sizeof path - 1);
-  if (length <= 0) return {};
-  std::string program(path, static_cast<std::size_t>(length));
+  std::string program(path, static_cast<std::size_t>(std::max<ssize_t>(length, 0)));
   program.replace(program.rfind('/') + 1, std::string::npos, "fracture-import");
-  return ::access(program.c_str(), X_OK) == 0 ? program : std::string();
+  if (::access(program.c_str(), X_OK) != 0)
+    throw std::runtime_error("there is no program " + program +
+                             ", which reads files for this one: install both");
+  return program;
 }
 
 }  // namespace fracture

@@ -16,6 +16,7 @@
 #include <thread>
 #include <vector>
 
+#include "common/mesh/mesh.hpp"
 #include "server/import_worker/import_memo.hpp"
 #include "server/import_worker/worker_process.hpp"
 
@@ -139,7 +140,7 @@ class ImportPool {
   std::thread thread_;  ///< starts and buries processes: they die with the thread that started them
 };
 
-/// fracture-import beside the running program; nothing where it is not there.
+/// fracture-import beside the running program. Throws std::runtime_error where it is not there.
 std::string import_worker_beside_this_program();
 
 }  // namespace fracture

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "common/base/error.hpp"
-#include "common/import/import.hpp"
+#include "common/import/import_input.hpp"
 #include "common/mesh/mesh.hpp"
 
 namespace fracture {

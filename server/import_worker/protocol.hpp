@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "common/base/execution.hpp"
-#include "common/import/import.hpp"
+#include "common/import/import_input.hpp"
 
 namespace fracture {
 

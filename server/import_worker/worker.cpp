@@ -17,6 +17,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "common/import/import.hpp"
 #include "server/import_worker/mesh_codec.hpp"
 #include "server/import_worker/shared_memory.hpp"
 

@@ -9,6 +9,7 @@
 
 #include <functional>
 
+#include "common/mesh/mesh.hpp"
 #include "server/import_worker/protocol.hpp"
 #include "server/import_worker/sandbox.hpp"
 

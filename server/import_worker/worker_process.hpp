@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "common/base/execution.hpp"
+#include "common/mesh/mesh.hpp"
 #include "server/import_worker/protocol.hpp"
 #include "server/import_worker/shared_memory.hpp"
 #include "server/import_worker/zygote_process.hpp"

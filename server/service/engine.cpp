@@ -9,14 +9,12 @@ namespace {
 
 class LibraryEngine final : public FractureEngine {
  public:
-  explicit LibraryEngine(std::shared_ptr<ImportPool> imports) : imports_(std::move(imports)) {}
+  explicit LibraryEngine(Importer importer) : importer_(std::move(importer)) {}
 
   Expected<Mesh> import(std::span<const std::byte> bytes, MeshFormat format,
                         std::span<const ImportFile> files, std::string_view digest,
                         const ImportLimits& limits, const Execution& execution) const override {
-    if (imports_) return imports_->import(bytes, format, files, limits, execution, digest);
-    execution.poll();
-    return import_mesh(bytes, format, limits, files);
+    return importer_(bytes, format, files, digest, limits, execution);
   }
   Expected<Solid> prepare(std::shared_ptr<const Mesh> mesh, const SolidOptions& options,
                           const Execution& execution) const override {
@@ -65,13 +63,22 @@ class LibraryEngine final : public FractureEngine {
     return Cut{std::move(fractured), std::make_shared<const CutBase>(std::move(answer->base))};
   }
 
-  const std::shared_ptr<ImportPool> imports_;
+  const Importer importer_;
 };
 
 }  // namespace
 
+std::unique_ptr<FractureEngine> make_engine(Importer importer) {
+  return std::make_unique<LibraryEngine>(std::move(importer));
+}
+
 std::unique_ptr<FractureEngine> make_engine(std::shared_ptr<ImportPool> imports) {
-  return std::make_unique<LibraryEngine>(std::move(imports));
+  return make_engine(
+      Importer([pool = std::move(imports)](std::span<const std::byte> bytes, MeshFormat format,
+                                           std::span<const ImportFile> files, std::string_view digest,
+                                           const ImportLimits& limits, const Execution& execution) {
+        return pool->import(bytes, format, files, limits, execution, digest);
+      }));
 }
 
 }  // namespace fracture

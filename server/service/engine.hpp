@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string_view>
@@ -14,7 +15,7 @@
 #include "common/base/execution.hpp"
 #include "common/base/timings.hpp"
 #include "common/gltf/gltf_writer.hpp"
-#include "common/import/import.hpp"
+#include "common/import/import_input.hpp"
 #include "common/mesh/mesh.hpp"
 #include "common/parameters/selection.hpp"
 #include "common/solid/solid.hpp"
@@ -51,8 +52,15 @@ class FractureEngine {
                           const Execution& execution) const = 0;
 };
 
-/// The real one: calls the libraries of common/. Imports go through the pool where there is one, which adds
-/// its errors (import_worker/import_pool.hpp); else they run in this process.
-std::unique_ptr<FractureEngine> make_engine(std::shared_ptr<ImportPool> imports = nullptr);
+/// FractureEngine::import().
+using Importer = std::function<Expected<Mesh>(std::span<const std::byte> bytes, MeshFormat format,
+                                              std::span<const ImportFile> files, std::string_view digest,
+                                              const ImportLimits& limits, const Execution& execution)>;
+
+/// The real one: calls the libraries of common/, but for those that read files: a program that serves others does
+/// not contain them.
+std::unique_ptr<FractureEngine> make_engine(Importer importer);
+/// Imports go through the pool, which adds its errors (import_worker/import_pool.hpp).
+std::unique_ptr<FractureEngine> make_engine(std::shared_ptr<ImportPool> imports);
 
 }  // namespace fracture

@@ -10,6 +10,7 @@
 #include <string>
 
 #ifdef FRACTURE_HAS_IMPORT
+#include "common/import/import.hpp"
 #include "common/import/sibling_files.hpp"
 #endif
 

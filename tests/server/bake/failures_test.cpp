@@ -8,6 +8,7 @@
 #include "server/bake/run.hpp"
 #include "tests/server/support/bake_folder.hpp"
 #include "tests/server/support/child_process.hpp"
+#include "tests/server/support/engine_in_process.hpp"
 #include "tests/server/support/kept_failures.hpp"
 
 namespace fracture::bake {
@@ -28,7 +29,7 @@ class UnsoundEngine final : public EngineAround {
   static constexpr std::uint32_t kBroken = 8;      ///< throws
   static constexpr std::uint32_t kNoMemory = 9;    ///< throws that too
 
-  UnsoundEngine() : EngineAround(make_engine()) {}
+  UnsoundEngine() : EngineAround(test::engine_in_process()) {}
 
   Expected<Cut> cut(const Solid& solid, const CutBase& base, const FractureParameters& parameters,
                     const Selection& selection, const Execution& execution) const override {

@@ -8,6 +8,7 @@
 #include <stop_token>
 #include <vector>
 
+#include "tests/server/support/engine_in_process.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace fracture::bake {
@@ -32,7 +33,8 @@ TEST(FlipEngine, GivesTheSameDiagramsAndFilesAsTheCavity) {
                         {"sponge", test::menger_sponge(1)},
                         {"nested spheres", test::nested_spheres(3, 200)}};
   const auto tally = std::make_shared<FlipTally>();
-  const std::unique_ptr<FractureEngine> cavity = make_engine(), flips = flip_engine(make_engine(), tally);
+  const std::unique_ptr<FractureEngine> cavity = test::engine_in_process(),
+                                        flips = flip_engine(test::engine_in_process(), tally);
   for (const Case& c : cases) {
     const Expected<Solid> solid = cavity->prepare(std::make_shared<Mesh>(c.mesh), {}, {});
     ASSERT_TRUE(solid) << c.name;
@@ -70,7 +72,8 @@ TEST(FlipEngine, GivesTheSameDiagramsAndFilesAsTheCavity) {
 }
 
 TEST(FlipEngine, StopsWhenItIsToldTo) {
-  const std::unique_ptr<FractureEngine> flips = flip_engine(make_engine(), std::make_shared<FlipTally>());
+  const std::unique_ptr<FractureEngine> flips =
+      flip_engine(test::engine_in_process(), std::make_shared<FlipTally>());
   const Expected<Solid> solid = flips->prepare(std::make_shared<Mesh>(test::cube()), {}, {});
   std::stop_source stop;
   stop.request_stop();

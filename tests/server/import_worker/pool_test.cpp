@@ -16,6 +16,7 @@
 #include <stop_token>
 #include <thread>
 
+#include "common/import/import.hpp"
 #include "common/import/sibling_files.hpp"
 #include "server/import_worker/mesh_codec.hpp"
 #include "tests/server/support/import_pool_fixture.hpp"

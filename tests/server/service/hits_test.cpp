@@ -9,6 +9,7 @@
 
 #include "common/gltf/gltf_writer.hpp"
 #include "server/service/service.hpp"
+#include "tests/server/support/engine_in_process.hpp"
 #include "tests/server/support/figures_of.hpp"
 
 namespace fracture {
@@ -68,7 +69,7 @@ std::vector<std::uint64_t> ids(const json& delta, const char* name) {
 struct HitsTest : testing::Test {
   const std::string mesh = box_obj(6), other = box_obj(5);
   ServiceConfig config;
-  FractureService service{config, make_engine()};
+  FractureService service{config, test::engine_in_process()};
 
   static Expected<FractureAnswer> ask(FractureService& service, const std::string& mesh,
                                       const json& parameters) {
@@ -114,13 +115,13 @@ TEST_F(HitsTest, AnAddressStandsForItsParametersAndAKeptAnswerForAComputedOne) {
 
   // From nothing, with all parameters, by a server that has seen none of it; and without room to keep
   // anything.
-  FractureService fresh(config, make_engine());
+  FractureService fresh(config, test::engine_in_process());
   const auto cold = ask(fresh, mesh, parameters);
   ASSERT_TRUE(cold);
   EXPECT_EQ(cold->result->file, third.result->file);
   EXPECT_EQ(cold->result->key, third.result->key);
   config.diagram_cache_bytes = 0;
-  FractureService forgetful(config, make_engine());
+  FractureService forgetful(config, test::engine_in_process());
   EXPECT_EQ(ask(forgetful, mesh, parameters)->result->file, third.result->file);
 
   // The same fragments as a plain request with all hits has, in the same nodes.

@@ -1,4 +1,5 @@
 #include "server/service/service.hpp"
+#include "common/import/import.hpp"
 
 #include <gtest/gtest.h>
 
