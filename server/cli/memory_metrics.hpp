@@ -8,7 +8,6 @@
 
 namespace fracture::cli {
 
-/// `imports` may be null.
 void write_memory_metrics(const ServeOptions& options, http::Api& api, Dispatcher& dispatcher,
                           const ImportPool& imports, ops::MetricWriter& writer);
 
