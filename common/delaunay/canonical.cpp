@@ -65,16 +65,19 @@ void canonicalize(Tetrahedralization& t, const Execution& execution) {
                     [](const Entry& a, const Entry& b) { return a.rest < b.rest; });
     for (std::uint32_t k = begin[s]; k < begin[s + 1]; ++k) new_id[entries[k].tet] = TetId{k};
   }
+  // In the order of before, in which neighbours are near each other: what is read is at hand, and only what is
+  // written lies anywhere.
   std::vector<Tetrahedron> tets;
   resize_with_polls(execution, tets, count);
   std::fill(t.tet_of_site.begin(), t.tet_of_site.end(), kNoTet);
-  for (const TetId i : ids<TetId>(count)) {
+  for (const TetId old : ids<TetId>(count)) {
     pacer.step(2);
-    tets[i] = t.tets[entries[i].tet];
-    for (TetId& n : tets[i].n)
+    const TetId now = new_id[old];
+    Tetrahedron tet = t.tets[old];
+    for (TetId& n : tet.n)
       if (n != kNoTet) n = new_id[n];
-    for (const SiteId s : tets[i].v)
-      if (t.tet_of_site[s] == kNoTet) t.tet_of_site[s] = i;
+    for (const SiteId s : tet.v) t.tet_of_site[s] = std::min(t.tet_of_site[s], now);
+    tets[now] = tet;
   }
   t.tets = std::move(tets);
 }
