@@ -138,7 +138,8 @@ def stage(name, threads=1):
 
 def hit(cells):
     def ask(bench, build):
-        text, peak = run([build.program("bench_local_impact"), "--sites", cells, "--repeat", 3 if cells > 9999 else 7])
+        text, peak = run([build.program("bench_local_impact"), "--sites", cells, "--repeat", 2 if cells > 9999 else 7,
+                          "--hulls", 0])
         return Sample(float(found(rf"^without hulls:[^$]*?without the untouched {NUMBER} ms", text)[1]), peak=peak)
     return ask
 
@@ -225,7 +226,7 @@ def all_rows():
     rows.append(Row("canonical order, 100k", {"ours": stage("canonical_100k")}, goal_last=211 / 40, quick=True))
     for cells, goal, before in ((300, 2.5, 3.3), (3000, 3, 10), (30000, 6, 140), (100000, 12, 820)):
         rows.append(Row(f"hit in {cells} cells, delta", {"ours": hit(cells)}, goal_last=before / goal, quick=cells == 3000,
-                        rounds=3 if cells > 9999 else 0))
+                        rounds=2 if cells > 9999 else 0))
     for size, threads, goal, before in (("1M", 1, 60, 76), ("4M", 1, 260, 630), ("1M", 2, 40, 0), ("4M", 2, 170, 0)):
         rows.append(Row(f"prepare {size} triangles" + (", 2 threads" if threads > 1 else ""), {"ours": stage(f"prepare_{size}", threads)},
                         goal_last=before / goal, rounds=3))
