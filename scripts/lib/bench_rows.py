@@ -239,7 +239,7 @@ def all_rows():
             ("request, stone, p50", flat + ', "material": "stone"', "", 50, 5, 27),
             ("request, wood, p50", flat + ', "material": "wood"', "", 50, 5, 0),
             ("request, glass with a hit, p50",
-             '"material": "glass", "hits": [{"at": [0.5, 0.3, 0.6], "radius": 0.4, "sites": 30}]', "", 50, 1.2, 1.6)):
+             '"material": "glass", "impacts": [[0, 0, 0.8]]', "", 50, 1.2, 1.6)):
         rows.append(Row(name, {"ours": request(members, p, cores)}, goal_last=before / goal, quick=name == "request, p50"))
     rows.append(Row("bake of a small mesh", {"ours": bake_one}, goal_last=47 / 12, quick=True))
     rows.append(Row("bake, small files a second", {"ours": bake_many}, unit="/s", larger_is_better=True, goal_last=500 / 64))
