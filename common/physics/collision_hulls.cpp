@@ -108,11 +108,13 @@ void add_hull(std::span<const Vec3f> points, std::span<const std::array<std::uin
 
 /// Each position once, though faces that differ there in their attributes have a vertex each; and the triangles
 /// between them, where they may be those of the hull.
-void collect_corners(const Fragment& f, Maker& maker) {
+void collect_corners(const Fragment& f, Maker& maker, const Execution& execution) {
+  Pacer pacer(execution);
   maker.corners.clear();
   maker.surface.clear();
   maker.index.resize(f.positions.size());
   for (std::uint32_t v = 0; v < f.positions.size(); ++v) {
+    pacer.step();
     if (f.topology[v] == v) {
       maker.index[v] = static_cast<std::uint32_t>(maker.corners.size());
       maker.corners.push_back(f.positions[v]);
@@ -121,9 +123,11 @@ void collect_corners(const Fragment& f, Maker& maker) {
     }
   }
   maker.surface.reserve(f.indices.size() / 3);
-  for (std::size_t k = 0; k < f.indices.size(); k += 3)
+  for (std::size_t k = 0; k < f.indices.size(); k += 3) {
+    pacer.step();
     maker.surface.push_back(
         {maker.index[f.indices[k]], maker.index[f.indices[k + 1]], maker.index[f.indices[k + 2]]});
+  }
 }
 
 }  // namespace
@@ -149,7 +153,7 @@ CollisionHulls make_collision_hulls(const FragmentSet& set, CollisionHulls known
       FragmentHulls& hulls = out.of_fragment[k];
       if (!hulls.hulls.empty() || f.positions.empty()) continue;
       if (f.bodies.empty()) {
-        collect_corners(f, maker);
+        collect_corners(f, maker, execution);
         add_hull(maker.corners, maker.surface, maker, hulls, execution);
       }
       for (const std::vector<Vec3f>& body : f.bodies) add_hull(body, {}, maker, hulls, execution);

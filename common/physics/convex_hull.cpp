@@ -166,14 +166,15 @@ const ConvexHullBuilder::Triangles& ConvexHullBuilder::build(
     triangles_.assign(surface.begin(), surface.end());
     return triangles_;
   }
-  const bool all = shape == SurfaceHull::Shape::kOther;
-  if (!all) {
-    surface_.list_sharp(number_);
-    grid_.keep(number_);
+  if (shape == SurfaceHull::Shape::kOther) {
+    if (const auto first = grid_.first_tetrahedron(pacer)) quickhull(*first, max_points, pacer);
+    return triangles_;
   }
+  surface_.list_sharp(number_);
+  pacer.step(number_.size());
+  grid_.keep(number_);
   if (const auto first = grid_.first_tetrahedron(pacer)) quickhull(*first, max_points, pacer);
-  if (!all)
-    for (auto& t : triangles_) t = {number_[t[0]], number_[t[1]], number_[t[2]]};
+  for (auto& t : triangles_) t = {number_[t[0]], number_[t[1]], number_[t[2]]};
   return triangles_;
 }
 

@@ -10,6 +10,8 @@ namespace {
 
 /// Steps: what is surely thicker than what HullGrid::first_tetrahedron() calls flat.
 constexpr double kThick = 8;
+/// Half-edges of a point that wait for their twins.
+constexpr std::size_t kLongestChain = 256;
 /// One in so many corners may be needless: where a cut crosses the diagonal of a flat face, it has one.
 constexpr std::size_t kFewBlunt = 4;
 
@@ -18,12 +20,14 @@ double largest(const Vec3d& v) { return std::max(std::fabs(v.x), std::max(std::f
 }  // namespace
 
 /// False where a triangle is degenerate, or the body is flat: the width of a convex body is at least 2 V / A.
-bool SurfaceHull::set_faces(const HullGrid& grid, std::span<const std::array<std::uint32_t, 3>> surface) {
+bool SurfaceHull::set_faces(const HullGrid& grid, std::span<const std::array<std::uint32_t, 3>> surface,
+                            Pacer& pacer) {
   faces_.resize(surface.size());
   corners_.resize(4 * surface.size());
   double six_volumes = 0, sizes = 0;
   bool degenerate = false;
   for (std::size_t f = 0; f < surface.size(); ++f) {
+    pacer.step();
     const auto [a, b, c] = surface[f];
     std::uint32_t* const corner = &corners_[4 * f];
     corner[0] = corner[3] = a;
@@ -39,35 +43,39 @@ bool SurfaceHull::set_faces(const HullGrid& grid, std::span<const std::array<std
   return !degenerate && six_volumes > 3 * kThick * sizes;  // twice an area is at most sqrt(3) times its size
 }
 
-/// False where the edge (a, b) bends inwards: where the diagonals of its two triangles pass each other at a
-/// distance. Unlike the height of a corner above the plane of a sliver that is no larger than what rounding did
-/// to the corners.
+/// False where the edge (a, b) bends inwards by more than rounding does, seen from either of its triangles.
 bool SurfaceHull::add_edge(const HullGrid& grid, std::uint32_t a, std::uint32_t b, const Face& left,
                            const Face& right) {
   Point &from = points_[a], &to = points_[b];
   const bool rises = grid.less(a, b);
   from.climbs |= rises;
   to.climbs |= !rises;
-  const std::uint32_t d = right.corners_sum - a - b;
-  const double six_volumes = grid.height(left.plane, d);
+  const std::uint32_t apex = right.corners_sum - a - b;
+  const double six_volumes = grid.height(left.plane, apex);
   const std::uint32_t crease = six_volumes < -left.rounding;
-  from.edges += crease;
-  to.edges += crease;
-  if (six_volumes <= 0) return true;
-  const std::uint32_t c = left.corners_sum - a - b;
-  return six_volumes <= kRounding * largest(cross(grid[b] - grid[a], grid[d] - grid[c]));
+  const std::uint32_t outwards =
+      six_volumes < -HullGrid::kHeightError ||
+      (six_volumes <= HullGrid::kHeightError && grid.exact_height(left.plane.normal, a, apex) < 0);
+  from.creases += crease;
+  to.creases += crease;
+  from.edges += outwards;
+  to.edges += outwards;
+  return six_volumes <= kMostInwards * std::min(left.rounding, right.rounding);
 }
 
 /// False, too, where an edge is not that of two faces, once in each direction.
-bool SurfaceHull::pair_edges(const HullGrid& grid) {
-  points_.assign(grid.size(), {kNoIndex, 0, false});
+bool SurfaceHull::pair_edges(const HullGrid& grid, Pacer& pacer) {
+  points_.assign(grid.size(), {kNoIndex, 0, 0, false});
   after_.resize(corners_.size());
   std::size_t pairs = 0;
   for (std::size_t f = 0; f < faces_.size(); ++f)
     for (auto h = static_cast<HalfEdge>(4 * f); h < 4 * f + 3; ++h) {
       const std::uint32_t a = corners_[h], b = corners_[h + 1];
       HalfEdge* link = &points_[b].open;
-      while (*link != kNoIndex && corners_[*link + 1] != a) link = &after_[*link];
+      std::size_t chain = 0;  // at a hub, and with triangles in any order, it may be long
+      for (; *link != kNoIndex && corners_[*link + 1] != a; link = &after_[*link])
+        if (++chain > kLongestChain) return false;
+      pacer.step(1 + chain);
       if (*link == kNoIndex) {
         after_[h] = points_[a].open;
         points_[a].open = h;
@@ -84,13 +92,12 @@ SurfaceHull::Shape SurfaceHull::shape_of(const HullGrid& grid,
                                          std::span<const std::array<std::uint32_t, 3>> surface,
                                          Pacer& pacer) {
   if (surface.size() + 4 != 2 * std::size_t{grid.size()}) return Shape::kOther;  // Euler: no sphere
-  pacer.step(4 * surface.size());
-  if (!set_faces(grid, surface) || !pair_edges(grid)) return Shape::kOther;
+  if (!set_faces(grid, surface, pacer) || !pair_edges(grid, pacer)) return Shape::kOther;
   // A surface without holes whose edges bend outwards is that of one convex body, and not wound around it twice,
   // if only one point is higher than all its neighbours.
   std::size_t blunt = 0, summits = 0;
   for (const Point& p : points_) {
-    blunt += p.edges < 3;
+    blunt += p.creases < 3;
     summits += !p.climbs;
   }
   if (summits != 1) return Shape::kOther;

@@ -15,9 +15,11 @@ class SurfaceHull {
  public:
   using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 
-  /// Edges bend outwards, or inwards by no more than this: steps of the grid, 1.5e-5 of the body's box. Cuts are
-  /// rounded to the seam lattice, and the hull's inset is a multiple of it.
+  /// Steps of the grid: what an edge bends by less may be flat. Cuts are rounded to the seam lattice.
   static constexpr double kRounding = 8;
+  /// Where an edge bends inwards, the corners beside it are at most so many times that above the triangles: 1e-4 of
+  /// the body's box, a fraction of the hull's inset.
+  static constexpr double kMostInwards = 8;
 
   enum class Shape {
     kOther,   ///< bends inwards, is no sphere, or flat
@@ -26,7 +28,7 @@ class SurfaceHull {
   };
   /// Of triangles of indices into the points of the grid, each point in some, counter-clockwise from outside.
   Shape shape_of(const HullGrid& grid, std::span<const std::array<std::uint32_t, 3>> surface, Pacer& pacer);
-  /// After shape_of(): the points that have three edges at least that are no mere diagonals of facets.
+  /// After shape_of(): all extreme points, and few others.
   void list_sharp(std::vector<std::uint32_t>& out) const;
 
   std::size_t bytes() const { return bytes_of_vectors(faces_, points_, corners_, after_); }
@@ -41,13 +43,14 @@ class SurfaceHull {
     std::uint32_t corners_sum;  ///< less two of them: the third
   };
   struct Point {
-    HalfEdge open;        ///< the first half-edge from it whose twin is not found yet
-    std::uint32_t edges;  ///< that are no mere diagonals of facets
-    bool climbs;          ///< some neighbour is higher
+    HalfEdge open;          ///< the first half-edge from it whose twin is not found yet
+    std::uint32_t edges;    ///< that bend outwards at all: an extreme point has three at least
+    std::uint32_t creases;  ///< that bend outwards by more than rounding
+    bool climbs;            ///< some neighbour is higher
   };
 
-  bool set_faces(const HullGrid& grid, std::span<const std::array<std::uint32_t, 3>> surface);
-  bool pair_edges(const HullGrid& grid);
+  bool set_faces(const HullGrid& grid, std::span<const std::array<std::uint32_t, 3>> surface, Pacer& pacer);
+  bool pair_edges(const HullGrid& grid, Pacer& pacer);
   bool add_edge(const HullGrid& grid, std::uint32_t a, std::uint32_t b, const Face& left, const Face& right);
 
   std::vector<Face> faces_;

@@ -155,10 +155,13 @@ void Crossings::each_leaving(std::span<const std::uint32_t> triangles, SurfaceBe
   if (beside.may_leave.empty()) return;
   beside.triangles.clear();
   beside.boxes.clear();
-  outside_.each_near(all, [&](std::uint32_t other) {
-    beside.triangles.push_back(other);
-    beside.boxes.push_back(box_of(outside_.corners(other)));
-  });
+  const bool by_list = outside_.triangles() <= kFewOutside;
+  if (by_list)
+    outside_.each_near(all, [&](std::uint32_t other) {
+      if (beside.triangles.size() > kFewBeside) return;
+      beside.triangles.push_back(other);
+      beside.boxes.push_back(box_of(outside_.corners(other)));
+    });
   for (const std::uint32_t k : beside.may_leave) {
     const PlaneTriangle& t = now_[k];
     bool left = false;
@@ -166,7 +169,7 @@ void Crossings::each_leaving(std::span<const std::uint32_t> triangles, SurfaceBe
       if (!left && is_parted(t, outside_.corners(other), tolerance_))
         left = cross_each_other(t, PlaneTriangle(outside_.corners(other)), tolerance_);
     };
-    if (beside.triangles.size() > kFewBeside) {
+    if (!by_list || beside.triangles.size() > kFewBeside) {
       outside_.each_near(boxes_[k], look);
     } else {
       for (std::size_t n = 0; n < beside.triangles.size(); ++n)

@@ -1,6 +1,7 @@
 // Do caps pass through one another or through the outer surface? Judged on where their vertices are now, pair by
 // pair, by what makes two triangles cross: an edge of one that pierces the inside of the other. Triangles of one
-// region do not while each looks the way its facet does: whoever moves them has to see to that.
+// region do not while each looks the way its facet does: whoever moves them has to see to that (of slivers, which
+// have no side, nobody does).
 #pragma once
 
 #include <array>
@@ -64,7 +65,8 @@ class Crossings {
     std::vector<std::uint32_t> triangles;  // of the outer surface
     std::vector<Box> boxes;                // of these
   };
-  static constexpr std::size_t kFewBeside = 64;  // of which asking each is cheaper than asking the tree
+  static constexpr std::size_t kFewBeside = 64;       // of which asking each is cheaper than asking the tree
+  static constexpr std::size_t kFewOutside = 20'000;  // of which looking for these takes no time to speak of
   template <class Leaves>
   void each_leaving(std::span<const std::uint32_t> triangles, SurfaceBeside& beside,
                     const Leaves& leaves) const;

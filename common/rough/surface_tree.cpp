@@ -79,7 +79,9 @@ void SurfaceTree::distances(std::span<const Vec3d> points, double most, std::spa
   // Nobody is farther from the surface than its neighbour is, and that one from it.
   for (std::size_t k = 0; k < points.size(); ++k) {
     const double least =
-        k == 0 ? most : std::min(most, kBeyondRounding * (out[k - 1] + length(points[k] - points[k - 1])));
+        k == 0 ? most
+               : std::min(most,
+                          kBeyondRounding * (out[k - 1] + length(points[k] - points[k - 1])) + 1e-12 * most);
     out[k] = distance(points[k], least, pacer);
   }
 }

@@ -29,6 +29,7 @@ class SurfaceTree {
   void each_near(const Box& box, const Visit& visit) const {
     tree_.each_overlapping(box, visit);
   }
+  std::size_t triangles() const { return corners_.size(); }
   const std::array<Vec3d, 3>& corners(std::uint32_t triangle) const { return corners_[triangle]; }
 
  private:

@@ -3,9 +3,11 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <memory>
+#include <stdexcept>
 #include <stop_token>
 #include <string>
 #include <thread>
@@ -40,10 +42,12 @@ class StopOnSignal {
     for (const int signal : {SIGINT, SIGTERM, kEnd}) sigaddset(&signals, signal);
     pthread_sigmask(SIG_BLOCK, &signals, nullptr);
     watcher_ = std::thread([this, signals] {
-      for (int signal = 0; sigwait(&signals, &signal) == 0 && signal != kEnd;) stop_.request_stop();
+      for (int signal = 0; sigwait(&signals, &signal) == 0 && !ending_;)
+        if (signal != kEnd) stop_.request_stop();
     });
   }
   ~StopOnSignal() {
+    ending_ = true;
     pthread_kill(watcher_.native_handle(), kEnd);
     watcher_.join();
   }
@@ -54,6 +58,7 @@ class StopOnSignal {
  private:
   static constexpr int kEnd = SIGUSR1;
   std::stop_source stop_;
+  std::atomic<bool> ending_{false};
   std::thread watcher_;
 };
 
@@ -172,8 +177,14 @@ int bake(const BakeOptions& options) {
   service.max_bytes_per_job = memory / static_cast<std::uint64_t>(jobs);
   StopOnSignal stop;
   int refused = 0;
-  const std::unique_ptr<bake::Baker> baker = remote ? connect(options, jobs, stop.token(), refused)
-                                                    : bake::local_baker(service, watched.engine(jobs));
+  std::unique_ptr<bake::Baker> baker;
+  try {
+    baker = remote ? connect(options, jobs, stop.token(), refused)
+                   : bake::local_baker(service, watched.engine(jobs));
+  } catch (const std::runtime_error& e) {  // of the import processes
+    say(e.what());
+    return kExitSystem;
+  }
   if (!baker) return refused;
   if (source.manifest.empty())  // else each line has its own
     if (const auto parameters = baker->parse(source.parameters); !parameters) {

@@ -3,7 +3,9 @@
 #include <cinttypes>
 #include <cstdio>
 #include <cstring>
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 #include <utility>
 
 #include "server/bake/import_workers.hpp"
@@ -58,7 +60,14 @@ int refuse(const InspectOptions& options, const Error& error) {
 }  // namespace
 
 int inspect(const InspectOptions& options) {
-  FractureService service(options.service, make_engine(bake::own_import_workers(1)));
+  std::unique_ptr<FractureEngine> engine;
+  try {
+    engine = make_engine(bake::own_import_workers(1));
+  } catch (const std::runtime_error& e) {
+    std::fprintf(stderr, "fracture-server inspect: %s\n", e.what());
+    return kInspectFailed;
+  }
+  FractureService service(options.service, std::move(engine));
   Expected<RequestParameters> parameters = service.parameters().parse(options.parameters);
   if (!parameters) return refuse(options, parameters.error());
   std::optional<std::string> bytes = bake::read_bytes(options.input);

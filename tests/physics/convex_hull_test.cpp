@@ -168,6 +168,63 @@ TEST(ConvexHull, OfASurfaceThatIsNotConvexLeavesOutWhatDoesNotStickOut) {
   }
 }
 
+/// Closed by fans: rings of `sides` points around the z axis at these radii and heights, between two points on it.
+std::pair<Points, Surface> around_axis(std::uint32_t sides,
+                                       const std::vector<std::pair<double, double>>& rings, double bottom,
+                                       double top) {
+  Points points;
+  for (const auto& [radius, height] : rings)
+    for (std::uint32_t k = 0; k < sides; ++k) {
+      const double turn = 6.283185307179586 * k / sides;
+      points.push_back({static_cast<float>(radius * std::cos(turn)),
+                        static_cast<float>(radius * std::sin(turn)), static_cast<float>(height)});
+    }
+  const auto low = static_cast<std::uint32_t>(points.size()), high = low + 1;
+  points.push_back({0, 0, static_cast<float>(bottom)});
+  points.push_back({0, 0, static_cast<float>(top)});
+  const auto last = static_cast<std::uint32_t>(rings.size() - 1) * sides;
+  Surface surface;
+  for (std::uint32_t k = 0; k < sides; ++k) {
+    const std::uint32_t next = (k + 1) % sides;
+    surface.push_back({next, k, low});
+    surface.push_back({last + k, last + next, high});
+    for (std::uint32_t r = 0; r < last; r += sides) {
+      surface.push_back({r + k, r + next, r + sides + next});
+      surface.push_back({r + k, r + sides + next, r + sides + k});
+    }
+  }
+  return {points, surface};
+}
+
+TEST(ConvexHull, OfFineSurfacesKeepsWhatBendsByLessThanRounding) {
+  ConvexHullBuilder builder;
+  std::vector<std::pair<double, double>> half_sphere;
+  for (int r = 0; r < 200; ++r) half_sphere.push_back({std::cos(0.0078 * r), std::sin(0.0078 * r)});
+  for (const auto& [points, surface] :
+       {around_axis(2000, {{1, 0}, {1, 0.2}}, 0, 0.2), around_axis(2000, half_sphere, 0, 1),
+        around_axis(5000, {{1, 0}}, -0.5, 0.5)}) {
+    const auto& triangles = builder.build(points, 1u << 20, {}, surface);
+    ASSERT_FALSE(triangles.empty());
+    EXPECT_EQ(open_directed_edges(mesh_of(points, triangles)), 0u);
+    EXPECT_LE(farthest_outside(points, triangles), 2e-5);
+    EXPECT_NEAR(volume_of(mesh_of(points, triangles)), volume_of(mesh_of(points, surface)),
+                1e-4 * volume_of(mesh_of(points, surface)));
+  }
+}
+
+TEST(ConvexHull, OfALargeSurfaceWithAHubCanBeInterruptedAnywhere) {
+  const auto [points, ordered] = around_axis(200'000, {{1, 0}}, -0.5, 0.5);
+  Surface shuffled = ordered;
+  std::shuffle(shuffled.begin(), shuffled.end(), std::mt19937(5));
+  for (const Surface& surface : {ordered, shuffled}) {
+    PollGaps gaps;
+    ConvexHullBuilder builder;
+    EXPECT_FALSE(builder.build(points, 255, gaps.execution(), surface).empty());
+    EXPECT_LT(gaps.longest_ms(), kMostPollGapMs);
+    EXPECT_LT(static_cast<double>(gaps.polls()) * 8192 / 200'000, 300) << "steps a point";
+  }
+}
+
 TEST(ConvexHull, DoesNotTakeASurfaceThatIsNone) {
   ConvexHullBuilder builder;
   const auto [points, closed] = cube_with_middles(0.1f, 6);

@@ -49,12 +49,15 @@ TEST(ImportIsolation, WithoutThatProgramACommandSaysWhatIsMissing) {
   const std::string alone = folder.path + "/fracture-server", mesh = folder.path + "/t.off";
   std::filesystem::copy_file(server_program(), alone);
   std::ofstream(mesh) << kTetrahedron;
-  for (const std::string& arguments : {"bake " + mesh + " -o " + folder.path + "/t.glb", "inspect " + mesh}) {
+  for (const auto& [arguments, expected] :
+       {std::pair{"bake " + mesh + " -o " + folder.path + "/t.glb", 1}, {"inspect " + mesh, 3}}) {
     FILE* const output = ::popen((alone + " " + arguments + " 2>&1").c_str(), "r");
     ASSERT_TRUE(output);
     char text[4096];
     const std::string said(text, std::fread(text, 1, sizeof text, output));
-    EXPECT_NE(::pclose(output), 0);
+    const int status = ::pclose(output);
+    EXPECT_TRUE(WIFEXITED(status));
+    EXPECT_EQ(WEXITSTATUS(status), expected) << arguments;
     EXPECT_THAT(said, HasSubstr("fracture-import")) << arguments;
   }
 }
