@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "common/mesh/mesh.hpp"
 
@@ -43,7 +44,9 @@ bool SurfaceHull::set_faces(const HullGrid& grid, std::span<const std::array<std
   return !degenerate && six_volumes > 3 * kThick * sizes;  // twice an area is at most sqrt(3) times its size
 }
 
-/// False where the edge (a, b) bends inwards by more than rounding does, seen from either of its triangles.
+/// False where the edge (a, b) bends inwards: where the diagonals of its two triangles pass each other at a
+/// distance. Unlike the height of a corner above the plane of a sliver that is no larger than what rounding did
+/// to the corners.
 bool SurfaceHull::add_edge(const HullGrid& grid, std::uint32_t a, std::uint32_t b, const Face& left,
                            const Face& right) {
   Point &from = points_[a], &to = points_[b];
@@ -60,7 +63,31 @@ bool SurfaceHull::add_edge(const HullGrid& grid, std::uint32_t a, std::uint32_t 
   to.creases += crease;
   from.edges += outwards;
   to.edges += outwards;
-  return six_volumes <= kMostInwards * std::min(left.rounding, right.rounding);
+  if (outwards || six_volumes <= 0) return true;
+  const std::uint32_t other = left.corners_sum - a - b;
+  return six_volumes <= kRounding * largest(cross(grid[b] - grid[a], grid[apex] - grid[other]));
+}
+
+/// Bends that are small at each edge may add up, or be those of narrow strips between large faces.
+bool SurfaceHull::nothing_above_the_largest(const HullGrid& grid, Pacer& pacer) {
+  largest_.resize(faces_.size());
+  std::iota(largest_.begin(), largest_.end(), 0u);
+  const std::size_t count = std::min(kLargest, largest_.size());
+  std::nth_element(largest_.begin(), largest_.begin() + static_cast<std::ptrdiff_t>(count) - 1,
+                   largest_.end(), [&](std::uint32_t f, std::uint32_t g) {
+                     const double a = faces_[f].rounding, b = faces_[g].rounding;
+                     return a != b ? a > b : f < g;
+                   });
+  for (std::size_t k = 0; k < count; ++k) {
+    const Face& face = faces_[largest_[k]];
+    const double most = kMostAbove * face.rounding;
+    bool above = false;
+    pacer.each(0, grid.size(), [&](std::size_t p) {
+      above |= grid.height(face.plane, static_cast<std::uint32_t>(p)) > most;
+    });
+    if (above) return false;
+  }
+  return true;
 }
 
 /// False, too, where an edge is not that of two faces, once in each direction.
@@ -101,7 +128,8 @@ SurfaceHull::Shape SurfaceHull::shape_of(const HullGrid& grid,
     summits += !p.climbs;
   }
   if (summits != 1) return Shape::kOther;
-  return blunt <= points_.size() / kFewBlunt ? Shape::kHull : Shape::kConvex;
+  return blunt <= points_.size() / kFewBlunt && nothing_above_the_largest(grid, pacer) ? Shape::kHull
+                                                                                       : Shape::kConvex;
 }
 
 void SurfaceHull::list_sharp(std::vector<std::uint32_t>& out) const {

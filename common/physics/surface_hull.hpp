@@ -17,9 +17,10 @@ class SurfaceHull {
 
   /// Steps of the grid: what an edge bends by less may be flat. Cuts are rounded to the seam lattice.
   static constexpr double kRounding = 8;
-  /// Where an edge bends inwards, the corners beside it are at most so many times that above the triangles: 1e-4 of
-  /// the body's box, a fraction of the hull's inset.
-  static constexpr double kMostInwards = 8;
+  /// So many of the largest triangles are asked whether anything lies above them, by more than so many times the
+  /// rounding: 1e-4 of the body's box, a fraction of the hull's inset.
+  static constexpr std::size_t kLargest = 16;
+  static constexpr double kMostAbove = 8;
 
   enum class Shape {
     kOther,   ///< bends inwards, is no sphere, or flat
@@ -31,8 +32,8 @@ class SurfaceHull {
   /// After shape_of(): all extreme points, and few others.
   void list_sharp(std::vector<std::uint32_t>& out) const;
 
-  std::size_t bytes() const { return bytes_of_vectors(faces_, points_, corners_, after_); }
-  void release() { release_vectors(faces_, points_, corners_, after_); }
+  std::size_t bytes() const { return bytes_of_vectors(faces_, points_, corners_, after_, largest_); }
+  void release() { release_vectors(faces_, points_, corners_, after_, largest_); }
 
  private:
   /// 4 f + k leads from corner k of face f to the next one, which stands at 4 f + k + 1 (the first one twice).
@@ -51,12 +52,14 @@ class SurfaceHull {
 
   bool set_faces(const HullGrid& grid, std::span<const std::array<std::uint32_t, 3>> surface, Pacer& pacer);
   bool pair_edges(const HullGrid& grid, Pacer& pacer);
+  bool nothing_above_the_largest(const HullGrid& grid, Pacer& pacer);
   bool add_edge(const HullGrid& grid, std::uint32_t a, std::uint32_t b, const Face& left, const Face& right);
 
   std::vector<Face> faces_;
   std::vector<Point> points_;
   std::vector<std::uint32_t> corners_;
   std::vector<HalfEdge> after_;  // the next half-edge of the same point
+  std::vector<std::uint32_t> largest_;
 };
 
 }  // namespace fracture

@@ -212,6 +212,30 @@ TEST(ConvexHull, OfFineSurfacesKeepsWhatBendsByLessThanRounding) {
   }
 }
 
+TEST(ConvexHull, IsNotDeceivedByANarrowStripInAValley) {
+  // A house whose roof is a shallow valley: 50 steps of the grid wide at its bottom.
+  const std::array<std::pair<float, float>, 6> outline{
+      {{0, 0}, {1, 0}, {1, 1}, {0.50005f, 0.97f}, {0.49995f, 0.97f}, {0, 1}}};
+  Points points;
+  for (const float z : {0.0f, 1.0f})
+    for (const auto& [x, y] : outline) points.push_back({x, y, z});
+  Surface surface;
+  for (std::uint32_t k = 0; k < 6; ++k) {
+    const std::uint32_t next = (k + 1) % 6;
+    surface.push_back({k, next, 6 + next});
+    surface.push_back({k, 6 + next, 6 + k});
+  }
+  for (std::uint32_t k = 1; k < 5; ++k) {  // from a corner that sees all of the outline
+    const std::uint32_t b = (1 + k) % 6, c = (2 + k) % 6;
+    surface.push_back({1, c, b});
+    surface.push_back({7, 6 + b, 6 + c});
+  }
+  ConvexHullBuilder builder;
+  const auto& triangles = builder.build(points, 255, {}, surface);
+  EXPECT_EQ(corners(triangles).size(), 8u);
+  EXPECT_NEAR(volume_of(mesh_of(points, triangles)), 1, 1e-5);
+}
+
 TEST(ConvexHull, OfALargeSurfaceWithAHubCanBeInterruptedAnywhere) {
   const auto [points, ordered] = around_axis(200'000, {{1, 0}}, -0.5, 0.5);
   Surface shuffled = ordered;
