@@ -11,9 +11,11 @@ import pathlib
 import re
 import subprocess
 import tempfile
+import threading
 import time
 
 NUMBER = r"([\d.]+)"
+LONGEST = 900  # seconds that one program may take
 
 
 class Unknown(Exception):
@@ -65,7 +67,10 @@ def run(command, environment=None):
     with tempfile.TemporaryFile("w+") as output, tempfile.TemporaryFile("w+") as errors:
         child = subprocess.Popen([str(word) for word in command], stdout=output, stderr=errors,
                                  env={**os.environ, **(environment or {})})
+        alarm = threading.Timer(LONGEST, child.kill)
+        alarm.start()
         _, status, usage = os.wait4(child.pid, 0)
+        alarm.cancel()
         child.returncode = os.waitstatus_to_exitcode(status)
         output.seek(0)
         errors.seek(0)

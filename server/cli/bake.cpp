@@ -5,8 +5,10 @@
 
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <cstdio>
 #include <memory>
+#include <mutex>
 #include <stdexcept>
 #include <stop_token>
 #include <string>
@@ -32,34 +34,32 @@ namespace {
 /// At the same time through a server whose cores are not known: enough for eight of them, and little to hold.
 constexpr int kRemoteJobs = 8;
 
-/// SIGINT and SIGTERM as a stop. They are blocked in all threads (those made later inherit that) but for a watcher
-/// that waits for them, and for its own end.
+std::atomic<bool> interrupted{false};
+void on_interrupt(int) { interrupted = true; }
+
+/// SIGINT and SIGTERM as a stop. A signal handler may not touch a stop_source: a watcher carries the message. (With the
+/// signals blocked, and one thread that waits for them, a blocking open() would not end.)
 class StopOnSignal {
  public:
   StopOnSignal() {
-    sigset_t signals;
-    sigemptyset(&signals);
-    for (const int signal : {SIGINT, SIGTERM, kEnd}) sigaddset(&signals, signal);
-    pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-    watcher_ = std::thread([this, signals] {
-      for (int signal = 0; sigwait(&signals, &signal) == 0 && !ending_;)
-        if (signal != kEnd) stop_.request_stop();
-    });
+    struct sigaction action {};
+    action.sa_handler = on_interrupt;
+    sigaction(SIGINT, &action, nullptr);
+    sigaction(SIGTERM, &action, nullptr);
   }
-  ~StopOnSignal() {
-    ending_ = true;
-    pthread_kill(watcher_.native_handle(), kEnd);
-    watcher_.join();
-  }
-  StopOnSignal(const StopOnSignal&) = delete;
-  StopOnSignal& operator=(const StopOnSignal&) = delete;
   std::stop_token token() { return stop_.get_token(); }
 
  private:
-  static constexpr int kEnd = SIGUSR1;
   std::stop_source stop_;
-  std::atomic<bool> ending_{false};
-  std::thread watcher_;
+  std::jthread watcher_{[this](const std::stop_token& end) {
+    std::mutex mutex;
+    std::condition_variable_any ended;  // at once, not when a pause is over
+    std::unique_lock lock(mutex);
+    while (!end.stop_requested()) {
+      if (interrupted) stop_.request_stop();
+      ended.wait_for(lock, end, std::chrono::milliseconds(20), [] { return false; });
+    }
+  }};
 };
 
 void say(const std::string& line) { std::fprintf(stderr, "fracture-server bake: %s\n", line.c_str()); }
