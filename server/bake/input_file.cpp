@@ -49,7 +49,8 @@ Expected<MeshFormat> format_of(const std::string& path, std::span<const std::byt
 
 std::optional<std::string> read_bytes(const std::string& path, const std::stop_token& stop) {
   const bool standard = path == kStandardStream;
-  const int fd = standard ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  // A fifo that nobody writes to would hold open() for ever; wait_for() asks whether it may go on.
+  const int fd = standard ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (fd < 0) return std::nullopt;
   std::string bytes;
   const bool good = read_all(fd, bytes, stop);

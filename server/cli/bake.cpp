@@ -37,8 +37,7 @@ constexpr int kRemoteJobs = 8;
 std::atomic<bool> interrupted{false};
 void on_interrupt(int) { interrupted = true; }
 
-/// SIGINT and SIGTERM as a stop. A signal handler may not touch a stop_source: a watcher carries the message. (With the
-/// signals blocked, and one thread that waits for them, a blocking open() would not end.)
+/// SIGINT and SIGTERM as a stop. A signal handler may not touch a stop_source: a watcher carries the message.
 class StopOnSignal {
  public:
   StopOnSignal() {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/stat.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -60,6 +61,20 @@ TEST(ImportIsolation, WithoutThatProgramACommandSaysWhatIsMissing) {
     EXPECT_EQ(WEXITSTATUS(status), expected) << arguments;
     EXPECT_THAT(said, HasSubstr("fracture-import")) << arguments;
   }
+}
+
+TEST(BakeOfAFifo, EndsWhenItIsInterrupted) {
+  const TemporaryFolder folder;
+  const std::string fifo = folder.path + "/mesh.obj";
+  ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
+  FILE* const output = ::popen(("timeout --kill-after=10 --signal=INT 1 " + server_program() + " bake " +
+                                fifo + " -o " + folder.path + "/t.glb 2>&1")
+                                   .c_str(),
+                               "r");
+  ASSERT_TRUE(output);
+  const int status = ::pclose(output);
+  EXPECT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 124) << "interrupted, not killed";
 }
 
 /// A server on free ports whose log is read while it runs: a full pipe would stop it.
