@@ -59,10 +59,11 @@ struct Box {
       max[a] = p[a] > max[a] ? p[a] : max[a];
     }
   }
-  void add(const Box& b) {
-    if (b.empty()) return;
-    add(b.min);
-    add(b.max);
+  void add(const Box& b) {  // an empty one changes nothing
+    for (int a = 0; a < 3; ++a) {
+      min[a] = b.min[a] < min[a] ? b.min[a] : min[a];
+      max[a] = b.max[a] > max[a] ? b.max[a] : max[a];
+    }
   }
   Vec3d size() const { return empty() ? Vec3d{} : max - min; }
   Vec3d center() const { return 0.5 * (min + max); }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "common/clip/edge_walk.hpp"
 #include "common/clip/polygon_clipper.hpp"
@@ -40,33 +41,25 @@ std::vector<SiteId> label_vertices(const Solid& solid, const VoronoiDiagram& dia
   return label;
 }
 
-/// What of the mesh is cut: the elements numbered here, or all of them.
-struct Elements {
-  std::size_t count;
-  const std::vector<std::uint32_t>* list = nullptr;  // ascending
-  std::uint32_t operator[](std::size_t k) const { return list ? (*list)[k] : static_cast<std::uint32_t>(k); }
-};
-
-void cut_edges(const Solid& solid, const VoronoiDiagram& diagram, const Elements& edges,
-               const Execution& execution, SurfaceCuts& out) {
-  const std::size_t n = edges.count, blocks = (n + kBlock - 1) / kBlock;
+void cut_edges(const Solid& solid, const VoronoiDiagram& diagram, const Execution& execution,
+               SurfaceCuts& out) {
+  const std::size_t n = solid.edge_vertices.size(), blocks = (n + kBlock - 1) / kBlock;
   std::vector<std::vector<EdgeCut>> found(blocks);
   parallel_for(execution, n, kBlock, [&](std::size_t begin, std::size_t end) {
     EdgeWalk walk(solid, diagram, out.label, execution);
-    for (std::size_t k = begin; k < end; ++k) walk.cut(edges[k], found[begin / kBlock]);
+    for (std::size_t e = begin; e < end; ++e) walk.cut(static_cast<std::uint32_t>(e), found[begin / kBlock]);
   });
   Pacer pacer(execution);
   for (const auto& cuts : found) {
     out.edge_cuts.insert(out.edge_cuts.end(), cuts.begin(), cuts.end());
     pacer.step(cuts.size());
   }
-  const std::size_t all = solid.edge_vertices.size();
-  out.edge_cut_begin.assign(all + 1, 0);
+  out.edge_cut_begin.assign(n + 1, 0);
   for (const EdgeCut& c : out.edge_cuts) {
     ++out.edge_cut_begin[c.edge + 1];
     pacer.step();
   }
-  for (std::size_t e = 0; e < all; ++e) {
+  for (std::size_t e = 0; e < n; ++e) {
     out.edge_cut_begin[e + 1] += out.edge_cut_begin[e];
     pacer.step();
   }
@@ -116,14 +109,14 @@ void join(const Execution& execution, const std::vector<TriangleDivision>& found
   });
 }
 
-void cut_triangles(const Solid& solid, const VoronoiDiagram& diagram, const Elements& triangles,
-                   const Execution& execution, SurfaceCuts& out) {
+void cut_triangles(const Solid& solid, const VoronoiDiagram& diagram, const Execution& execution,
+                   SurfaceCuts& out) {
   std::vector<std::uint32_t> cut;
   Pacer pacer(execution);
-  for (std::size_t k = 0; k < triangles.count; ++k) {
+  for (std::uint32_t t = 0; t < solid.triangles.size(); ++t) {
     pacer.step();
-    const auto& v = solid.triangles[triangles[k]];
-    if (out.label[v[0]] != out.label[v[1]] || out.label[v[1]] != out.label[v[2]]) cut.push_back(triangles[k]);
+    const auto& v = solid.triangles[t];
+    if (out.label[v[0]] != out.label[v[1]] || out.label[v[1]] != out.label[v[2]]) cut.push_back(t);
   }
   // A large triangle whose edges have n cuts in all has about n²/24 polygons, and each takes some hundred
   // nanoseconds.
@@ -143,75 +136,17 @@ void cut_triangles(const Solid& solid, const VoronoiDiagram& diagram, const Elem
 
 }  // namespace
 
+SurfaceCuts cut_surface(const Solid& solid, const VoronoiDiagram& diagram, std::vector<SiteId> label,
+                        const Execution& execution) {
+  SurfaceCuts out;
+  out.label = std::move(label);
+  cut_edges(solid, diagram, execution, out);
+  cut_triangles(solid, diagram, execution, out);
+  return out;
+}
+
 SurfaceCuts cut_surface(const Solid& solid, const VoronoiDiagram& diagram, const Execution& execution) {
-  SurfaceCuts out;
-  out.label = label_vertices(solid, diagram, execution);
-  cut_edges(solid, diagram, {solid.edge_vertices.size()}, execution, out);
-  cut_triangles(solid, diagram, {solid.triangles.size()}, execution, out);
-  return out;
-}
-
-SurfaceLabels labels_of(const SurfaceCuts& cuts) {
-  SurfaceLabels labels{cuts.label, {}};
-  labels.shares.reserve(cuts.polygons.size());
-  for (const CutPolygon& p : cuts.polygons) labels.shares.push_back({p.triangle, p.cell});
-  return labels;
-}
-
-SurfaceCuts cut_surface_again(const Solid& solid, const VoronoiDiagram& diagram, SurfaceLabels& before,
-                              const std::vector<char>& wanted, const Execution& execution) {
-  // Triangles that met such a cell, and all of their edges.
-  Pacer pacer(execution);
-  std::vector<char> met(solid.triangles.size(), 0), edge(solid.edge_vertices.size(), 0);
-  for (const CellShare& share : before.shares) {
-    met[share.triangle] |= wanted[share.cell];
-    pacer.step();
-  }
-  std::vector<std::uint32_t> triangles, edges;
-  for (std::uint32_t t = 0; t < met.size(); ++t) {
-    pacer.step();
-    for (const VertexId v : solid.triangles[t]) met[t] |= wanted[before.label[v]];
-    if (!met[t]) continue;
-    triangles.push_back(t);
-    for (const std::uint32_t e : solid.edges[t]) edge[e] = 1;
-  }
-  for (std::uint32_t e = 0; e < edge.size(); ++e) {
-    pacer.step();
-    if (edge[e]) edges.push_back(e);
-  }
-
-  SurfaceCuts out;
-  out.label = std::move(before.label);
-  VoronoiDiagram::Walk walk;
-  for (std::size_t v = 0; v < out.label.size(); ++v) {
-    pacer.step();
-    if (!wanted[out.label[v]]) continue;
-    const std::uint64_t looked_at = walk.looked_at;
-    out.label[v] = diagram.nearest(to_double(solid.positions[v]), out.label[v], walk);
-    pacer.step(walk.looked_at - looked_at);
-  }
-  cut_edges(solid, diagram, {edges.size(), &edges}, execution, out);
-  cut_triangles(solid, diagram, {triangles.size(), &triangles}, execution, out);
-
-  before.label = out.label;
-  std::vector<CellShare> shares;
-  shares.reserve(before.shares.size() + out.polygons.size());
-  std::size_t p = 0;
-  const auto take_until = [&](std::uint32_t triangle) {
-    pacer.step();
-    for (; p < out.polygons.size() && out.polygons[p].triangle < triangle; ++p)
-      shares.push_back({out.polygons[p].triangle, out.polygons[p].cell});
-  };
-  for (const CellShare& share : before.shares) {
-    pacer.step();
-    if (met[share.triangle]) continue;
-    take_until(share.triangle);
-    shares.push_back(share);
-  }
-  take_until(static_cast<std::uint32_t>(met.size()));
-  before.shares = std::move(shares);
-  out.selection = std::move(triangles);
-  return out;
+  return cut_surface(solid, diagram, label_vertices(solid, diagram, execution), execution);
 }
 
 }  // namespace fracture

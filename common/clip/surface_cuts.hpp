@@ -17,7 +17,6 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "common/base/execution.hpp"
@@ -57,8 +56,6 @@ struct CutPolygon {
 };
 
 struct SurfaceCuts {
-  /// The triangles that were looked at, ascending; all of them where there is none.
-  std::optional<std::vector<std::uint32_t>> selection;
   std::vector<SiteId> label;                  ///< per mesh vertex
   std::vector<std::uint32_t> edge_cut_begin;  ///< per mesh edge + 1: its range of edge_cuts
   std::vector<EdgeCut> edge_cuts;             ///< B vertices, by edge, in order along the edge
@@ -74,26 +71,8 @@ struct SurfaceCuts {
 
 SurfaceCuts cut_surface(const Solid& solid, const VoronoiDiagram& diagram, const Execution& execution);
 
-/// A cell's share in a triangle that several cells share.
-struct CellShare {
-  std::uint32_t triangle;
-  SiteId cell;
-};
-/// What is worth keeping of the cuts when further sites may come.
-struct SurfaceLabels {
-  std::vector<SiteId> label;      ///< per mesh vertex: its cell
-  std::vector<CellShare> shares;  ///< by triangle, then cell
-};
-
-/// The cuts again where sites were added to the diagram that gave `before`, with its sites' numbers kept:
-/// only the triangles that met a cell of interest are divided, and edges and polygons of the others are left
-/// out. `wanted` (per site; new ones too) must hold for every cell that is not what it was. What is
-/// there equals what cut_surface() gives, in the same order; labels are complete. `before` becomes what a
-/// further call would need.
-SurfaceCuts cut_surface_again(const Solid& solid, const VoronoiDiagram& diagram, SurfaceLabels& before,
-                              const std::vector<char>& wanted, const Execution& execution);
-
-/// The labels of cuts that are complete.
-SurfaceLabels labels_of(const SurfaceCuts& cuts);
+/// The same where the cell of each mesh vertex is known.
+SurfaceCuts cut_surface(const Solid& solid, const VoronoiDiagram& diagram, std::vector<SiteId> label,
+                        const Execution& execution);
 
 }  // namespace fracture

@@ -55,16 +55,15 @@ class States {
 class WindingTraversal {
  public:
   WindingTraversal(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
-                   const WindingBefore* before, const Execution& execution)
+                   const KnownWinding* some, const Execution& execution)
       : solid_(solid),
         tets_(diagram.dual().tets),
         dual_(diagram.dual()),
         cuts_(cuts),
-        before_(before),
+        some_(some),
         execution_(execution),
         pacer_(execution),
-        table_(
-            clip_detail::find_crossings(solid, diagram, cuts, before ? &before->wanted : nullptr, execution)),
+        table_(clip_detail::find_crossings(solid, diagram, cuts, some ? &some->wanted : nullptr, execution)),
         states_(tets_.size()) {
     crossed_.assign(4 * tets_.size(), kNoIndex);
     for (std::uint32_t e = 0; e < table_.edges.size(); ++e) {
@@ -94,14 +93,14 @@ class WindingTraversal {
   }
   bool leads_out_of(const CrossedEdge& edge, TetId t) const { return (edge.tet == t) == edge.forward; }
 
-  bool matters(SiteId s) const { return !before_ || (!dual_.is_corner(s) && before_->wanted[s]); }
+  bool matters(SiteId s) const { return !some_ || (!dual_.is_corner(s) && some_->wanted[s]); }
   bool tet_matters(TetId t) const {
     const auto& v = tets_[t].v;
     return matters(v[0]) || matters(v[1]) || matters(v[2]) || matters(v[3]);
   }
   /// Is the Voronoi edge through facet f of t one of a cell that matters?
   bool edge_matters(TetId t, int f) const {
-    if (!before_) return true;
+    if (!some_) return true;
     const std::array<SiteId, 3> s = outward_facet(tets_[t], f);
     return matters(s[0]) || matters(s[1]) || matters(s[2]);
   }
@@ -113,7 +112,7 @@ class WindingTraversal {
 
   void wind() {
     std::vector<TetId> queue;
-    if (before_) start_from_before(queue);
+    if (some_) start_from_known(queue);
     for (const TetId t : ids<TetId>(tets_.size())) {
       pacer_.step();
       if (!states_.is_known(t) && tet_matters(t) &&
@@ -149,10 +148,10 @@ class WindingTraversal {
     }
   }
 
-  void start_from_before(std::vector<TetId>& queue) {
-    for (const TetId t : before_->tet_now) {
+  void start_from_known(std::vector<TetId>& queue) {
+    for (const TetId t : some_->known) {
       pacer_.step();
-      if (t == kNoTet || !tet_matters(t)) continue;
+      if (!tet_matters(t)) continue;
       states_.set(t, States::kOutside);
       queue.push_back(t);
     }
@@ -161,11 +160,10 @@ class WindingTraversal {
       Inside inside;
     };
     std::vector<Known> known;
-    for (const InnerVertex& v : before_->inner_vertices) {
+    for (const InnerVertex& v : some_->inner_vertices) {
       pacer_.step();
-      const TetId t = before_->tet_now[v.tet];
-      if (t != kNoTet && states_.is_known(t))
-        known.push_back({t, {solid_.parts[v.part].layer, v.winding, v.part}});
+      const TetId t = some_->known[v.tet];
+      if (states_.is_known(t)) known.push_back({t, {solid_.parts[v.part].layer, v.winding, v.part}});
     }
     sort_with_polls(execution_, known.begin(), known.end(), [](const Known& x, const Known& y) {
       return x.tet != y.tet ? x.tet < y.tet : x.inside.layer < y.inside.layer;
@@ -357,7 +355,7 @@ class WindingTraversal {
   const std::vector<Tetrahedron>& tets_;
   const Tetrahedralization& dual_;
   const SurfaceCuts& cuts_;
-  const WindingBefore* const before_;
+  const KnownWinding* const some_;
   const Execution& execution_;
   Pacer pacer_;
   const CrossingTable table_;
@@ -377,9 +375,9 @@ Winding wind_voronoi_edges(const Solid& solid, const VoronoiDiagram& diagram, co
   return WindingTraversal(solid, diagram, cuts, nullptr, execution).run();
 }
 
-Winding wind_voronoi_edges_again(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
-                                 const WindingBefore& before, const Execution& execution) {
-  return WindingTraversal(solid, diagram, cuts, &before, execution).run();
+Winding wind_voronoi_edges_of(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
+                              const KnownWinding& known, const Execution& execution) {
+  return WindingTraversal(solid, diagram, cuts, &known, execution).run();
 }
 
 }  // namespace fracture

@@ -43,17 +43,17 @@ struct Winding {
 Winding wind_voronoi_edges(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
                            const Execution& execution);
 
-/// What an earlier diagram, to which sites were added since, says about this one.
-struct WindingBefore {
-  const std::vector<char>& wanted;                 ///< per site of this diagram
-  const std::vector<TetId>& tet_now;               ///< per earlier tetrahedron: its number here, or kNoTet
-  const std::vector<InnerVertex>& inner_vertices;  ///< of the earlier diagram
+/// Some cells of a diagram, and what is known of the Voronoi vertices around them.
+struct KnownWinding {
+  const std::vector<char>& wanted;  ///< per site
+  /// Voronoi vertices of which all that winds around them is known ...
+  const std::vector<TetId>& known;
+  /// ... and that, where it is anything; `tet` is an index into `known`.
+  const std::vector<InnerVertex>& inner_vertices;
 };
-/// The same for the cells of interest alone, with the cuts of cut_surface_again(): the inner vertices of
-/// these cells and the segments of their facets, equal to those of the function above and in the same order,
-/// where the tetrahedra of both diagrams are canonical. Starts from the Voronoi vertices that were there
-/// before.
-Winding wind_voronoi_edges_again(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
-                                 const WindingBefore& before, const Execution& execution);
+/// The same for the wanted cells alone: their inner vertices and the segments of their facets, equal to those of
+/// the function above and in the same order. Starts from the known vertices, and from those beyond the box.
+Winding wind_voronoi_edges_of(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
+                              const KnownWinding& known, const Execution& execution);
 
 }  // namespace fracture

@@ -29,7 +29,7 @@ std::array<std::uint8_t, 4> canonical_order(const std::array<SiteId, 4>& v) {
 
 }  // namespace
 
-void canonicalize(Tetrahedralization& t, const Execution& execution) {
+std::vector<TetId> canonicalize(Tetrahedralization& t, const Execution& execution) {
   // Two tetrahedra may share three vertices but never four, so comparing the tuples is a total order. By the
   // lowest site (counting sort), then the few of each site by the rest of the tuple.
   struct Entry {
@@ -80,6 +80,7 @@ void canonicalize(Tetrahedralization& t, const Execution& execution) {
     tets[now] = tet;
   }
   t.tets = std::move(tets);
+  return new_id;
 }
 
 }  // namespace fracture

@@ -26,6 +26,27 @@ IncrementalDelaunay::Insertion IncrementalDelaunay::insert(const Vec3d& p) {
   });
 }
 
+IncrementalDelaunay::Insertion IncrementalDelaunay::insert_in_part(const Vec3d& p) {
+  if (tet_count() > options_.max_tets) return {Status::kFull, kNoVertex};
+  const TetVertexId v = new_vertex(p);
+  TetId start = kNoTet;
+  if (const std::optional<Located> at = walk(position(v), last_)) {
+    start = at->tet;
+  } else {
+    for (const TetId t : ids<TetId>(tets_.size())) {
+      poll_in_large_cavity(t);
+      if (tets_[t].v[0] == kNoVertex || !in_conflict(tets_[t], position(v))) continue;
+      start = t;
+      break;
+    }
+    if (start == kNoTet) throw InternalError("a site is in conflict with no tetrahedron of its part");
+  }
+  grow_cavity(position(v), start);
+  fill_cavity(v);
+  last_ = vertices_[v].tet;
+  return {Status::kInserted, v};
+}
+
 // Whether a tetrahedron is in conflict is a coin toss to the branch predictor, so nothing branches on it:
 // both outcomes are written and the counters advanced by the result.
 void IncrementalDelaunay::grow_cavity(const Vec3d& p, TetId start) {

@@ -120,7 +120,7 @@ bool IncrementalDelaunay::in_conflict_exact(const Tet& t, const Vec3d& p) const 
 // that separates the tetrahedron from p, tried from a random one on, never back through the one we came by.
 // The random choice is what makes it terminate in every triangulation; its generator is part of the state, so
 // runs repeat.
-IncrementalDelaunay::Located IncrementalDelaunay::locate(const Vec3d& p, TetId t) {
+std::optional<IncrementalDelaunay::Located> IncrementalDelaunay::walk(const Vec3d& p, TetId t) {
   unsigned came = 4;
   for (std::uint64_t steps = 1;; ++steps) {
     const Tet& tet = tets_[t];
@@ -146,13 +146,18 @@ IncrementalDelaunay::Located IncrementalDelaunay::locate(const Vec3d& p, TetId t
     }
     if (left_by == 4) {
       counters_.walk_steps += steps;
-      return {t, zeros};
+      return Located{t, zeros};
     }
     const Link link = tet.n[left_by];
-    if (link == kNoLink) throw InternalError("walk left the big tetrahedron: a site outside the domain");
+    if (link == kNoLink) return std::nullopt;
     t = link.tet();
     came = link.facet();
   }
+}
+
+IncrementalDelaunay::Located IncrementalDelaunay::locate(const Vec3d& p, TetId start) {
+  if (const std::optional<Located> at = walk(p, start)) return *at;
+  throw InternalError("walk left the big tetrahedron: a site outside the domain");
 }
 
 }  // namespace fracture

@@ -80,6 +80,10 @@ class IncrementalDelaunay {
   /// Adds a finite point: takes the tetrahedra in conflict with it out and joins their boundary to it.
   /// Expected constant time when near the last insertion, N^(1/3) steps of walk otherwise.
   Insertion insert(const Vec3d& p);
+  /// The same in a part of a tetrahedralization, for a p that is no vertex: behind facets without a neighbour lies
+  /// what is missing, none of which may be in conflict with p. Where the way to p leaves the part, all tetrahedra
+  /// are looked through.
+  Insertion insert_in_part(const Vec3d& p);
 
   std::uint32_t site_count() const {
     return static_cast<std::uint32_t>(vertices_.size() - 4 - free_vertices_.size());
@@ -156,6 +160,8 @@ class IncrementalDelaunay {
   template <class Fill>
   Insertion insert_with(const Vec3d& p, const Fill& fill);
   Located locate(const Vec3d& p, TetId start);
+  /// Nothing where the walk leaves through a facet without a neighbour.
+  std::optional<Located> walk(const Vec3d& p, TetId start);
   int orient3d(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) const {
     return exact::orient3d(a, b, c, d, scale_, &counters_.orient3d);
   }

@@ -77,16 +77,8 @@ Expected<Tetrahedralization> tetrahedralize(std::span<const Vec3d> sites, const 
 
 /// Renumbers: each tetrahedron's vertices ascending (up to a swap of the last two that keeps it positive),
 /// tetrahedra by vertex tuple, tet_of_site the first one. Equal sets of tetrahedra with equal site ids become
-/// equal. n log n in the tetrahedra of one site, else linear; not part of tetrahedralize() because of its
+/// equal. Returns, per tetrahedron as it was, its new number. n log n in the tetrahedra of one site, else linear; not part of tetrahedralize() because of its
 /// cost (DECISION.md). Throws Interrupted.
-void canonicalize(Tetrahedralization& t, const Execution& execution = kUninterrupted);
-
-/// What tetrahedralize() and canonicalize() make of the caller's earlier list followed by `further`, where
-/// `before` is what they made of the earlier list: the further sites are inserted into it, and it alone is
-/// copied. Ids of sites stay. Nothing where that would not be the same: some site lies outside of the box (it
-/// moves the big tetrahedron, or has others dropped), or there are too many. Throws Interrupted.
-std::optional<Tetrahedralization> insert_sites(const Tetrahedralization& before,
-                                               std::span<const Vec3d> further, const Box& box,
-                                               const Execution& execution);
+std::vector<TetId> canonicalize(Tetrahedralization& t, const Execution& execution = kUninterrupted);
 
 }  // namespace fracture

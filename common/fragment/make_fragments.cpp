@@ -203,7 +203,7 @@ FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownershi
   out.certificate.volume_out += out.certificate.pocket_volume;
   sum_up(d.solid, out.fragments, out.certificate);
   count(pieces, d, out);
-  state_lattice(d, out);
+  state_lattice(d.solid, out);
   clear_with_polls(execution, pieces.pieces);
   return out;
 }
@@ -262,25 +262,29 @@ std::optional<WantedFragments> make_wanted_fragments(const RestrictedDiagram& d,
   return out;
 }
 
-void sum_up(const Solid& solid, const std::vector<Fragment>& fragments, Certificate& certificate) {
-  certificate.open_edges = 0;
-  certificate.area_out = certificate.pocket_area;
-  std::uint64_t caps = 0;
-  for (const Fragment& f : fragments) {
-    certificate.open_edges += f.open_edges;
-    certificate.area_out += f.surface_area;
-    caps += f.cap_sum;
-  }
-  certificate.unmirrored_caps = caps != 0;
+void sum_up(const Solid& solid, const ProofSums& sums, Certificate& certificate) {
+  certificate.open_edges = sums.open_edges;
+  certificate.area_out = sums.surface_area;
+  certificate.unmirrored_caps = sums.caps != 0;
   certificate.area_in = solid.report.area;
   certificate.volume_in = solid.report.volume;
   certificate.relative_error =
       std::fabs(certificate.volume_out - certificate.volume_in) / certificate.volume_in;
 }
 
-void state_lattice(const RestrictedDiagram& d, FragmentSet& out) {
-  out.lattice_step = d.positions.lattice.step();
-  const Vec3d size = d.solid.box.size();
+void sum_up(const Solid& solid, const std::vector<Fragment>& fragments, Certificate& certificate) {
+  ProofSums sums{.surface_area = certificate.pocket_area};
+  for (const Fragment& f : fragments) {
+    sums.open_edges += f.open_edges;
+    sums.caps += f.cap_sum;
+    sums.surface_area += f.surface_area;
+  }
+  sum_up(solid, sums, certificate);
+}
+
+void state_lattice(const Solid& solid, FragmentSet& out) {
+  out.lattice_step = SeamLattice(solid.box).step();
+  const Vec3d size = solid.box.size();
   for (int a = 0; a < 3; ++a)
     if (size[a] > 0) out.lattice_ratio = std::max(out.lattice_ratio, out.lattice_step[a] / size[a]);
 }

@@ -18,12 +18,18 @@ namespace fracture {
 FragmentSet make_fragments(const RestrictedDiagram& diagram, const Ownership& ownership, Pivot pivot,
                            const SizeLimits& limits, const Execution& execution);
 
-/// The figures of the certificate that are sums over all fragments: open edges, caps, areas, and what the
-/// volumes (volume_out and pocket_area are there already) come to.
+/// What proves an answer, over all of its fragments.
+struct ProofSums {
+  std::uint64_t open_edges = 0, caps = 0;
+  double surface_area = 0;  ///< m²
+};
+/// The figures of the certificate that follow from these, and what the volumes (volume_out and pocket_area are
+/// there already) come to.
+void sum_up(const Solid& solid, const ProofSums& sums, Certificate& certificate);
 void sum_up(const Solid& solid, const std::vector<Fragment>& fragments, Certificate& certificate);
 
 /// The lattice and how coarse it is.
-void state_lattice(const RestrictedDiagram& diagram, FragmentSet& out);
+void state_lattice(const Solid& solid, FragmentSet& out);
 
 /// Fragments of some owners, numbered as if those of all were there.
 struct WantedFragments {

@@ -20,7 +20,7 @@ void halve(const CutVertexId* ring, std::uint32_t first, std::uint32_t last, std
 
 /// The polygons of one input triangle.
 struct CutTriangle {
-  std::size_t element;  // which of the triangles looked at
+  std::uint32_t triangle;
   std::size_t first, last;
 };
 
@@ -133,37 +133,32 @@ class SurfaceDivider {
 OwnedFaces divide_surface(const RestrictedDiagram& d, const Ownership& ownership,
                           const Execution& execution) {
   const auto& polygons = d.cuts.polygons;
-  const std::uint32_t* selection = d.cuts.selection ? d.cuts.selection->data() : nullptr;
-  const std::size_t count = selection ? d.cuts.selection->size() : d.solid.triangles.size();
-  const auto triangle = [&](std::size_t n) {
-    return selection ? selection[n] : static_cast<std::uint32_t>(n);
-  };
+  const auto count = static_cast<std::uint32_t>(d.solid.triangles.size());
   const auto owners = static_cast<std::uint32_t>(ownership.sites_of_owner.size());
 
   // The faces of triangles that several owners share, by input triangle; all other triangles stay whole.
   Pacer pacer(execution);
-  std::vector<std::uint32_t> whole(count);  // per triangle looked at: its only owner, or kNoIndex
+  std::vector<std::uint32_t> whole(count);  // per triangle: its only owner, or kNoIndex
   std::vector<CutTriangle> cut;
   std::size_t p = 0;
-  for (std::size_t n = 0; n < count; ++n) {
+  for (std::uint32_t t = 0; t < count; ++t) {
     pacer.step();
-    const std::uint32_t t = triangle(n);
     if (p == polygons.size() || polygons[p].triangle != t) {  // not cut
       const std::uint32_t o = ownership.owner_of_site[d.cuts.label[d.solid.triangles[t][0]]];
-      whole[n] = ownership.wanted.empty() || ownership.wanted[o] ? o : kNoIndex;
+      whole[t] = ownership.wanted.empty() || ownership.wanted[o] ? o : kNoIndex;
       continue;
     }
     const std::size_t first = p;
     while (p < polygons.size() && polygons[p].triangle == t) ++p;
     pacer.step(p - first);
-    cut.push_back({n, first, p});
+    cut.push_back({t, first, p});
   }
   const WorkBlocks blocks(execution, cut.size(), 400'000,
                           [&](std::size_t k) { return 100 * (cut[k].last - cut[k].first); });
   std::vector<SharedFaces> shared(blocks.count());
   parallel_for_blocks(execution, blocks, [&](std::size_t block, std::size_t begin, std::size_t end) {
     SurfaceDivider divider(d, ownership, execution, shared[block]);
-    for (std::size_t k = begin; k < end; ++k) whole[cut[k].element] = divider.divide(cut[k]);
+    for (std::size_t k = begin; k < end; ++k) whole[cut[k].triangle] = divider.divide(cut[k]);
     divider.count_faces();
   });
 
@@ -190,11 +185,10 @@ OwnedFaces divide_surface(const RestrictedDiagram& d, const Ownership& ownership
   resize_with_polls(execution, out.faces, out.begin[owners]);
   std::vector<std::uint32_t> next(out.begin.begin(), out.begin.end() - 1);
   std::size_t block = 0, s = 0;
-  for (std::size_t n = 0; n < count; ++n) {
+  for (std::uint32_t t = 0; t < count; ++t) {
     pacer.step();
-    const std::uint32_t t = triangle(n);
-    if (whole[n] != kNoIndex) {
-      out.faces[next[whole[n]]++] = {d.corners(t), t};
+    if (whole[t] != kNoIndex) {
+      out.faces[next[whole[t]]++] = {d.corners(t), t};
       continue;
     }
     for (;; ++s) {

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "common/pipeline/delta.hpp"
+#include "common/hits/delta.hpp"
 #include "common/pipeline/refracture.hpp"
 
 namespace fracture {

@@ -30,10 +30,11 @@ std::optional<FragmentSet> cut_one_cell(const Solid& solid, const PatchFinder& f
 
   std::vector<char> wanted(t->site_count(), 0);
   wanted[cell] = 1;
-  RestrictedDiagram r{patch.solid, patch.solid, diagram, cut_surface(patch.solid, diagram, uncounted)};
-  r.part_in_whole = &patch.part_in_whole;
-  r.winding = wind_voronoi_edges_again(patch.solid, diagram, r.cuts, {wanted, patch.seed, patch.seed_winding},
-                                       uncounted);
+  const Solid& surface = patch.surface.solid;
+  RestrictedDiagram r{surface, surface, diagram, cut_surface(surface, diagram, uncounted)};
+  r.part_in_whole = &patch.surface.parts;
+  r.winding =
+      wind_voronoi_edges_of(surface, diagram, r.cuts, {wanted, patch.seed, patch.seed_winding}, uncounted);
   r.place_and_cap(uncounted, &wanted);
   Ownership ownership = Ownership::from_groups(t->site_count(), {});
   ownership.wanted.assign(wanted.begin(), wanted.end());

@@ -176,24 +176,6 @@ class CrossedEdge {
   std::array<const Bisector*, 2> planes_, limits_;
 };
 
-/// Renumbers some of many things in their order.
-class Selected {
- public:
-  void add(std::uint32_t k) { numbers_.push_back(k); }
-  void close(const Execution& execution) {
-    sort_with_polls(execution, numbers_.begin(), numbers_.end());
-    numbers_.erase(std::unique(numbers_.begin(), numbers_.end()), numbers_.end());
-  }
-  const std::vector<std::uint32_t>& all() const { return numbers_; }
-  std::uint32_t operator()(std::uint32_t k) const {
-    return static_cast<std::uint32_t>(std::lower_bound(numbers_.begin(), numbers_.end(), k) -
-                                      numbers_.begin());
-  }
-
- private:
-  std::vector<std::uint32_t> numbers_;
-};
-
 }  // namespace
 
 PatchFinder::PatchFinder(const Solid& solid, const Execution& execution)
@@ -236,46 +218,11 @@ CellPatch PatchFinder::around(const VoronoiDiagram& diagram, SiteId cell, const 
   }
   windings.resize(kept);
 
-  Selected vertices, edges, parts, layers;
-  for (const std::uint32_t t : triangles) {
-    pacer.step(4);
-    for (const VertexId v : solid_.triangles[t]) vertices.add(v);
-    for (const std::uint32_t e : solid_.edges[t]) edges.add(e);
-    parts.add(solid_.part[t]);
-  }
-  for (const auto& [part, winding] : windings) parts.add(part);
-  for (Selected* selected : {&vertices, &edges, &parts}) selected->close(execution);
-  for (const std::uint32_t p : parts.all()) layers.add(solid_.parts[p].layer);
-  layers.close(execution);
-
-  Solid& s = patch.solid;
-  s.source = solid_.source;
-  s.box = solid_.box;
-  s.layers = static_cast<std::uint32_t>(layers.all().size());
-  for (const std::uint32_t p : parts.all()) {
-    const Part& part = solid_.parts[p];
-    s.parts.push_back({{}, part.volume, part.box, layers(part.layer), part.node});
-  }
-  s.positions.reserve(vertices.all().size());
-  for (const std::uint32_t v : vertices.all()) s.positions.push_back(solid_.positions[v]);
-  for (const std::uint32_t e : edges.all()) {
-    const auto [lo, hi] = solid_.edge_vertices[e];
-    pacer.step();
-    s.edge_vertices.push_back({VertexId{vertices(lo)}, VertexId{vertices(hi)}});
-  }
-  for (const std::uint32_t t : triangles) {
-    const auto& v = solid_.triangles[t];
-    const auto& e = solid_.edges[t];
-    pacer.step(8);
-    s.triangles.push_back({VertexId{vertices(v[0])}, VertexId{vertices(v[1])}, VertexId{vertices(v[2])}});
-    s.wedges.push_back(solid_.wedges[t]);
-    s.material.push_back(solid_.material[t]);
-    s.edges.push_back({edges(e[0]), edges(e[1]), edges(e[2])});
-    s.shell.push_back(solid_.shell[t]);
-    s.part.push_back(parts(solid_.part[t]));
-  }
-  for (const auto& [part, winding] : windings) patch.seed_winding.push_back({TetId{0}, parts(part), winding});
-  patch.part_in_whole = parts.all();
+  std::vector<std::uint32_t> parts_around;
+  for (const auto& [part, winding] : windings) parts_around.push_back(part);
+  patch.surface = patch_of(solid_, std::move(triangles), parts_around, execution);
+  for (const auto& [part, winding] : windings)
+    patch.seed_winding.push_back({TetId{0}, patch.surface.local_part(part), winding});
   return patch;
 }
 

@@ -14,21 +14,20 @@
 
 #include "common/clip/winding.hpp"
 #include "common/rough/box_tree.hpp"
+#include "common/solid/patch.hpp"
 #include "common/solid/solid.hpp"
 #include "common/voronoi/voronoi_diagram.hpp"
 
 namespace fracture {
 
 struct CellPatch {
-  /// With the source and the box of the whole; no shells, no report.
-  Solid solid;
-  std::vector<std::uint32_t> part_in_whole;  ///< per part of `solid`: its number in the whole
-  std::vector<TetId> seed;                   ///< a Voronoi vertex of the cell, where one is needed ...
-  std::vector<InnerVertex> seed_winding;     ///< ... and what winds around it; `tet` is an index into `seed`
+  SolidPatch surface;
+  std::vector<TetId> seed;                ///< a Voronoi vertex of the cell, where one is needed ...
+  std::vector<InnerVertex> seed_winding;  ///< ... and what winds around it; `tet` is an index into `seed`
   std::uint64_t looked_at = 0;  ///< triangles that were asked whether they cross, or are in the patch
 
   /// The cell meets nothing of the solid.
-  bool empty() const { return solid.parts.empty(); }
+  bool empty() const { return surface.parts.empty(); }
 };
 
 class PatchFinder {

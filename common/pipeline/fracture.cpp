@@ -130,7 +130,14 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
   return cut;
 }
 
-Expected<FracturedSolid> complete(const Solid& solid, const Diagram& diagram,
+SiteNotes notes_of(const Diagram& diagram) {
+  const Tetrahedralization& t = diagram.tetrahedralization;
+  return {{diagram.sites.size(), t.site_count(), t.duplicates_merged, t.far_sites_dropped},
+          diagram.notes,
+          diagram.split};
+}
+
+Expected<FracturedSolid> complete(const Solid& solid, const SiteNotes& sites,
                                   const FractureParameters& parameters, CutCells cut,
                                   const Execution& execution) {
   execution.poll();
@@ -146,9 +153,9 @@ Expected<FracturedSolid> complete(const Solid& solid, const Diagram& diagram,
   if (parameters.anchors.any()) out.anchored = find_anchored(set, parameters.anchors, execution);
   if (parameters.hulls == Hulls::kConvex)
     out.hulls = make_collision_hulls(set, std::move(cut.hulls), execution);
-  set.certificate.sites_asked = static_cast<std::uint32_t>(diagram.sites.size());
+  set.certificate.sites_asked = static_cast<std::uint32_t>(sites.figures.given);
   out.report =
-      make_report(solid, diagram, parameters, cut, out.anchored.count, out.hulls.report(), set, execution);
+      make_report(solid, sites, parameters, cut, out.anchored.count, out.hulls.report(), set, execution);
   execution.poll();
   return out;
 }
@@ -159,7 +166,7 @@ Expected<FracturedSolid> fracture(const Solid& solid, const Diagram& diagram,
   return stage(timings, execution, Stage::kClip, [&]() -> Expected<FracturedSolid> {
     Expected<CutCells> cut = cut_cells(solid, diagram, parameters, execution);
     if (!cut) return tl::unexpected(cut.error());
-    return complete(solid, diagram, parameters, std::move(*cut), execution);
+    return complete(solid, notes_of(diagram), parameters, std::move(*cut), execution);
   });
 }
 

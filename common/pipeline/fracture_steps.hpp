@@ -1,8 +1,10 @@
-// The steps of make_diagram() and fracture(), for those who go part of the way (pipeline/delta.hpp).
+// The steps of make_diagram() and fracture(), for those who go part of the way (hits/delta.hpp).
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "common/base/scratch.hpp"
 #include "common/fragment/pieces.hpp"
@@ -44,10 +46,22 @@ struct CutCells {
   /// What the net under rough cuts did (rough_cells.hpp): cells with less roughness than asked, or all flat.
   std::uint32_t restrained_cells = 0;
   bool all_flat = false;
-  /// Of fragments of which the set has only the figures.
-  std::uint64_t further_triangles = 0;
-  HullReport further_hulls{};
+  /// Where the set is a part of an answer (a delta alone): figures of all its fragments.
+  struct Whole {
+    std::vector<double> volumes;  ///< m³, ascending
+    std::uint64_t triangles = 0;
+    HullReport hulls{};
+  };
+  std::optional<Whole> whole{};
 };
+
+/// What an answer says of its sites.
+struct SiteNotes {
+  SiteFigures figures;
+  std::vector<std::string> notes;  ///< for people
+  SplitFigures split{};
+};
+SiteNotes notes_of(const Diagram& diagram);
 
 /// `inspect` sees what the clipper found, unless for barycentric cells. Errors of fracture(); throws
 /// Interrupted.
@@ -55,9 +69,9 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
                              const Execution& execution,
                              const std::function<void(const RestrictedDiagram&)>& inspect = {});
 
-/// Judges the fragments and puts their companions beside them: hierarchy, anchors, hulls (of fragments that
-/// have none, but have a shape) and the report. Every answer leaves the pipeline through here. Error: kUnsound. Throws Interrupted.
-Expected<FracturedSolid> complete(const Solid& solid, const Diagram& diagram,
+/// Judges the fragments and puts their companions beside them: hierarchy, anchors, hulls (of fragments that have
+/// none) and the report. Every answer leaves the pipeline through here. Error: kUnsound. Throws Interrupted.
+Expected<FracturedSolid> complete(const Solid& solid, const SiteNotes& sites,
                                   const FractureParameters& parameters, CutCells cut,
                                   const Execution& execution);
 

@@ -15,7 +15,7 @@
 
 namespace fracture {
 
-/// How an answer differs from an earlier one (pipeline/difference.hpp).
+/// How an answer differs from an earlier one (hits/difference.hpp).
 /// Ids of fragments, each list in the order of its answer. A companion of a FragmentSet.
 struct Delta {
   std::vector<std::uint64_t> added, changed, gone;  ///< `changed` ones have a new shape

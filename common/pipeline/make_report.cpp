@@ -10,12 +10,11 @@
 namespace fracture {
 namespace {
 
-void report_sites(const Solid& solid, const Diagram& diagram, const FragmentSet& set, Report& report) {
+void report_sites(const Solid& solid, const SiteNotes& sites, const FragmentSet& set, Report& report) {
   report.solid = solid.report;
-  const Tetrahedralization& t = diagram.tetrahedralization;
-  report.sites = {diagram.sites.size(), t.site_count(), t.duplicates_merged, t.far_sites_dropped};
+  report.sites = sites.figures;
   std::vector<std::string>& warnings = report.warnings;
-  for (const auto* notes : {&solid.source->warnings, &solid.report.notes, &diagram.notes})
+  for (const auto* notes : {&solid.source->warnings, &solid.report.notes, &sites.notes})
     warnings.insert(warnings.end(), notes->begin(), notes->end());
   if (set.lattice_ratio > 1e-5)
     warnings.emplace_back(
@@ -44,19 +43,24 @@ VolumeDistribution volume_distribution(const std::vector<double>& volumes) {
           .share_of_largest_tenth = sum > 0 ? in_largest_tenth / sum : 0};
 }
 
-void report_size(const FractureParameters& p, const Diagram& diagram, std::uint64_t further_triangles,
-                 const FragmentSet& set, const Execution& execution, Report& report) {
-  std::uint64_t triangles = further_triangles;
-  std::vector<double> volumes;
+CutCells::Whole sizes_of(const FragmentSet& set, const Execution& execution) {
+  CutCells::Whole sizes;
   Pacer pacer(execution);
   for (const Fragment& f : set.fragments) {
     pacer.step(8);  // a miss of the cache each
-    volumes.push_back(f.mass.volume);
-    triangles += f.indices.size() / 3;
+    sizes.volumes.push_back(f.mass.volume);
+    sizes.triangles += f.indices.size() / 3;
   }
-  sort_with_polls(execution, volumes.begin(), volumes.end());
+  sort_with_polls(execution, sizes.volumes.begin(), sizes.volumes.end());
+  return sizes;
+}
+
+void report_size(const FractureParameters& p, const SplitFigures& split, const CutCells::Whole& sizes,
+                 const FragmentSet& set, Report& report) {
+  const std::vector<double>& volumes = sizes.volumes;
+  const std::uint64_t triangles = sizes.triangles;
   const double largest = volumes.empty() ? 0 : volumes.back();
-  report.size = {volume_distribution(volumes), triangles, p.size, set.size, p.max_volume, diagram.split};
+  report.size = {volume_distribution(volumes), triangles, p.size, set.size, p.max_volume, split};
   std::vector<std::string>& warnings = report.warnings;
   if (p.size.any() && set.size.alone > 0)
     warnings.push_back(std::to_string(set.size.alone) + " pieces below " + text_of(set.size.min_volume) +
@@ -142,18 +146,15 @@ void report_barycenter(const FractureParameters& p, const CutCells& cut, Report&
 
 }  // namespace
 
-Report make_report(const Solid& solid, const Diagram& diagram, const FractureParameters& parameters,
+Report make_report(const Solid& solid, const SiteNotes& sites, const FractureParameters& parameters,
                    const CutCells& cut, std::uint32_t anchored, const HullReport& hulls,
                    const FragmentSet& set, const Execution& execution) {
   Report report;
-  report_sites(solid, diagram, set, report);
-  report_size(parameters, diagram, cut.further_triangles, set, execution, report);
+  report_sites(solid, sites, set, report);
+  report_size(parameters, sites.split, cut.whole ? *cut.whole : sizes_of(set, execution), set, report);
   report_structure(parameters, cut.kept, anchored, report);
   if (parameters.roughness.amplitude > 0) report_roughness(parameters, cut, report);
-  if (parameters.hulls == Hulls::kConvex)
-    report.hulls = {.hulls = hulls.hulls + cut.further_hulls.hulls,
-                    .flat = hulls.flat + cut.further_hulls.flat,
-                    .simplified = hulls.simplified + cut.further_hulls.simplified};
+  if (parameters.hulls == Hulls::kConvex) report.hulls = cut.whole ? cut.whole->hulls : hulls;
   if (parameters.dual == Dual::kBarycenter) report_barycenter(parameters, cut, report);
   return report;
 }

@@ -35,8 +35,8 @@ struct Verdict {
   bool sound() const { return violations.empty(); }
 };
 
-/// Sums over the fragments while the answer is sound; where it is not, the fragments concerned are looked
-/// for. The set must be of the solid; a delta alone (only_changed) is judged as the whole.
+/// Looks at the certificate, and where the answer is not sound for the fragments concerned. The set must be of the
+/// solid; of a delta alone the certificate is that of the whole, and the other fragments were judged before.
 Verdict judge(const FragmentSet& set, const Solid& solid, Promise promise);
 
 /// kUnsound with the violations as the detail, and the certificate's figures in `extra`.

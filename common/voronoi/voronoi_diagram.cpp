@@ -14,7 +14,20 @@ VoronoiDiagram::VoronoiDiagram(const Tetrahedralization& tetrahedralization, con
                                const std::optional<Matrix3>& map, const Execution& execution,
                                std::size_t many)
     : dual_(&tetrahedralization), map_(map), many_(many), all_sites_(std::make_unique<AllSites>()) {
+  build(box, nullptr, execution);
+}
+
+VoronoiDiagram::VoronoiDiagram(const Tetrahedralization& part, const std::vector<char>& cells, const Box& box,
+                               const std::optional<Matrix3>& map, const Execution& execution,
+                               std::size_t many)
+    : dual_(&part), map_(map), many_(many), all_sites_(std::make_unique<AllSites>()) {
+  build(box, &cells, execution);
+}
+
+void VoronoiDiagram::build(const Box& box, const std::vector<char>* cells, const Execution& execution) {
   const std::uint32_t sites = dual_->site_count();
+
+  const auto has_cell = [&](SiteId s) { return s < sites && (!cells || (*cells)[s]); };
 
   // Tetrahedra by site (counting sort), corners left out: no point of the box lies in their cells.
   Pacer pacer(execution);
@@ -22,12 +35,12 @@ VoronoiDiagram::VoronoiDiagram(const Tetrahedralization& tetrahedralization, con
   for (const Tetrahedron& t : dual_->tets) {
     pacer.step();
     for (const SiteId s : t.v)
-      if (s < sites) ++tet_begin_[s + 1];
+      if (has_cell(s)) ++tet_begin_[s + 1];
   }
   // A site's tetrahedra are the triangles of a sphere whose vertices are its neighbours (Euler: F = 2V - 4).
   bisector_begin_.assign(sites + 1, 0);
-  for (std::uint32_t s = 0; s < sites; ++s) {
-    bisector_begin_[s + 1] = bisector_begin_[s] + tet_begin_[s + 1] / 2 + 2;
+  for (const SiteId s : ids<SiteId>(sites)) {
+    bisector_begin_[s + 1] = bisector_begin_[s] + (has_cell(s) ? tet_begin_[s + 1] / 2 + 2 : 0);
     tet_begin_[s + 1] += tet_begin_[s];
   }
   resize_with_polls(execution, tets_, tet_begin_[sites]);
@@ -35,7 +48,7 @@ VoronoiDiagram::VoronoiDiagram(const Tetrahedralization& tetrahedralization, con
   for (const TetId t : ids<TetId>(dual_->tets.size())) {
     pacer.step();
     for (const SiteId s : dual_->tets[t].v)
-      if (s < sites) tets_[next[s]++] = t;
+      if (has_cell(s)) tets_[next[s]++] = t;
   }
 
   resize_with_polls(execution, bisectors_, bisector_begin_[sites]);
@@ -45,6 +58,7 @@ VoronoiDiagram::VoronoiDiagram(const Tetrahedralization& tetrahedralization, con
     std::vector<SiteId> neighbors;
     Pacer own_pacer(execution);
     for (const SiteId i : ids<SiteId>(begin, end)) {
+      if (!has_cell(i)) continue;
       first_tet.next_epoch(sites + 4);
       first_tet.slot(i) = 0;
       neighbors.clear();

@@ -33,6 +33,11 @@ class VoronoiDiagram {
   VoronoiDiagram(const Tetrahedralization& tetrahedralization, const Box& box,
                  const std::optional<Matrix3>& map = std::nullopt,
                  const Execution& execution = kUninterrupted, std::size_t many = kManyNeighbors);
+  /// Of a part of a tetrahedralization: only the cells in `cells` (per site) have all their tetrahedra, and of no
+  /// others may be asked for bisectors or tetrahedra.
+  VoronoiDiagram(const Tetrahedralization& part, const std::vector<char>& cells, const Box& box,
+                 const std::optional<Matrix3>& map, const Execution& execution,
+                 std::size_t many = kManyNeighbors);
 
   const std::optional<Matrix3>& map() const { return map_; }
   /// Direction of the normal of facet (i, j), from i to j, in the frame of the solid; not of unit length.
@@ -115,6 +120,7 @@ class VoronoiDiagram {
     std::once_flag once;
     std::optional<SiteTree> tree;
   };
+  void build(const Box& box, const std::vector<char>* cells, const Execution& execution);
   void add_neighborhood(SiteId i);
   /// A neighbour to which q is closer than to i, mostly the closest; kNoSite when there is none.
   SiteId closer_neighbor(const Vec3d& q, SiteId i, Walk& walk) const;

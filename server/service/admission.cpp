@@ -19,9 +19,9 @@ constexpr double kPassShare = 0.4;
 
 constexpr double kBytesPerMeshByte = 12, kBytesPerSite = 16u << 10, kBytesPerRequest = 4u << 20;
 
-// Of a hit on a kept answer: cells that are made again for each further site, and what passes over all of it
-// cost.
-constexpr double kChangedPerSite = 2, kShareOfWhole = 0.05;
+// Of a hit on a kept answer: cells that are made again for each further site, and what copies of all fragments
+// cost; where the answer has only what changed, passes over a few numbers for each.
+constexpr double kChangedPerSite = 2, kShareToCopy = 0.06, kShareToPass = 0.003, kBytesToPass = 128;
 
 constexpr double kSecondsPerRoughTriangle = 4e-6, kBytesPerRoughTriangle = 600;
 
@@ -75,9 +75,13 @@ ExpectedWork expected_hit_work(const FractureParameters& parameters, const Selec
   const std::size_t fresh = selection.new_hits ? selection.new_hits->count : 0;
   for (std::size_t k = parameters.hits.size() - fresh; k < parameters.hits.size(); ++k)
     further += parameters.hits[k].sites;
-  const double hit =
-      kSecondsPerRequest + kSecondsPerSite * kChangedPerSite * further + kShareOfWhole * whole.seconds;
-  return {std::fmin(hit, whole.seconds), whole.bytes};
+  const bool part = selection.new_hits && selection.new_hits->only_changed;
+  const double changed = kChangedPerSite * further;
+  const double seconds =
+      kSecondsPerRequest + kSecondsPerSite * changed + (part ? kShareToPass : kShareToCopy) * whole.seconds;
+  const auto bytes = static_cast<std::uint64_t>(kBytesPerRequest + kBytesPerSite * changed +
+                                                kBytesToPass * expected_sites(parameters, solid, selection));
+  return {std::fmin(seconds, whole.seconds), part ? std::min(bytes, whole.bytes) : whole.bytes};
 }
 
 ExpectedWork expected_decoding(std::uint64_t decoded_bytes) {

@@ -36,7 +36,7 @@ ExpectedWork expected_coding(std::uint64_t plain_bytes);
 /// solid, where they were counted before.
 ExpectedWork expected_work(const FractureParameters& parameters, std::uint64_t mesh_bytes, const Solid* solid,
                            std::uint64_t triangles = 0, const Selection& selection = {});
-/// Of the new hits alone, where the answer before them is kept and they are local (pipeline/delta.hpp).
+/// Of the new hits alone, where the answer before them is kept and they are local (hits/delta.hpp).
 ExpectedWork expected_hit_work(const FractureParameters& parameters, const Selection& selection,
                                const Solid* solid);
 /// Of reading and preparing alone.

@@ -3,7 +3,7 @@
 
 #include <variant>
 
-#include "common/pipeline/delta.hpp"
+#include "common/hits/delta.hpp"
 
 namespace fracture {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/pipeline/delta.hpp"
+#include "common/hits/delta.hpp"
 #include "server/service/computation.hpp"
 
 namespace fracture {

@@ -1,6 +1,6 @@
 // Bytes of heap behind what the caches keep.
 #include "common/base/json_reader.hpp"
-#include "common/pipeline/delta.hpp"
+#include "common/hits/delta.hpp"
 #include "server/service/service.hpp"
 
 namespace fracture {
@@ -59,35 +59,17 @@ std::size_t memory_size(const PreparedMesh& mesh) {
 
 namespace {
 
-std::size_t memory_size(const FracturedBase::Known& known) {
-  const Fragment& f = known.fragment;
-  std::size_t bytes = sizeof known + heap(f.sites) + heap(f.positions) + heap(f.attributes.normals) +
-                      heap(f.attributes.tangents) + nested_heap(f.attributes.uvs) +
-                      nested_heap(f.attributes.colors) + heap(f.indices) + heap(f.primitives) +
-                      heap(f.topology) + nested_heap(f.bodies) + heap(known.hulls.hulls);
-  for (const CollisionHull& hull : known.hulls.hulls) bytes += heap(hull.points) + heap(hull.triangles);
-  return bytes;
-}
-
 std::size_t memory_size(const Diagram& diagram) {
   const Tetrahedralization& t = diagram.tetrahedralization;
   return sizeof diagram + heap(diagram.sites) + heap(diagram.groups) + heap(t.points) + heap(t.tets) +
          heap(t.tet_of_site) + heap(t.site_of_input);
 }
 
-/// Fragments that several answers share are counted by each: the budget holds whichever of them goes first.
-std::size_t memory_size(const FracturedBase& base) {
-  std::size_t bytes = sizeof base + memory_size(base.diagram) + heap(base.surface.label) +
-                      heap(base.surface.shares) + heap(base.inner_vertices) + heap(base.fragments) +
-                      heap(base.first_of) + heap(base.bonds);
-  for (const auto& known : base.fragments) bytes += memory_size(*known);
-  return bytes;
-}
-
 }  // namespace
 
 std::size_t memory_size(const CutBase& base) {
-  return std::visit([](const auto& kind) { return memory_size(kind); }, base);
+  if (const auto* const diagram = std::get_if<Diagram>(&base)) return memory_size(*diagram);
+  return memory_size(std::get<FracturedBase>(base));
 }
 
 }  // namespace fracture

@@ -8,12 +8,13 @@
 // GLB. Fails when
 // the two answers differ in a bit of a position, an index or a volume.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 
 #include "common/gltf/gltf_writer.hpp"
-#include "common/pipeline/delta.hpp"
+#include "common/hits/delta.hpp"
 #include "tests/bench/stopwatch.hpp"
 #include "tests/support/shapes.hpp"
 
@@ -52,7 +53,9 @@ int run(const Options& options, Hulls hulls) {
   p.sites = static_cast<std::uint32_t>(options.sites);
   p.hulls = hulls;
   p.rest = LocalRest::kFractured;
-  p.hits = {{{1, 0, 0}, 0.3, static_cast<std::uint32_t>(options.further)}};
+  // Among more than a thousand cells smaller ones, so that about as many of them are touched.
+  const double radius = 0.3 * std::fmin(1, std::cbrt(1000.0 / options.sites));
+  p.hits = {{{1, 0, 0}, radius, static_cast<std::uint32_t>(options.further)}};
   const Expected<KeptAnswer> base = fracture_and_keep(*solid, before_hits(p, 1), execution, timings);
   if (!base || !base->base.local) return 1;
   Least prepare, whole, local, changed_only, whole_file, local_file;

@@ -1,3 +1,4 @@
+#include "common/delaunay/kept_tetrahedralization.hpp"
 #include "common/delaunay/tetrahedralization.hpp"
 
 #include <gtest/gtest.h>
@@ -186,20 +187,32 @@ TEST(Tetrahedralize, StopsWhenCancelled) {
   EXPECT_THROW((void)tetrahedralize(points, box_of(points), execution), Interrupted);
 }
 
-void expect_equal(const Tetrahedralization& a, const Tetrahedralization& b) {
-  EXPECT_EQ(a.points, b.points);
-  EXPECT_EQ(a.tet_of_site, b.tet_of_site);
-  EXPECT_EQ(a.site_of_input, b.site_of_input);
-  EXPECT_EQ(a.duplicates_merged, b.duplicates_merged);
-  EXPECT_EQ(a.far_sites_dropped, b.far_sites_dropped);
-  ASSERT_EQ(a.tets.size(), b.tets.size());
-  for (std::size_t i = 0; i < a.tets.size(); ++i) {
-    ASSERT_EQ(a.tets[i].v, b.tets[i].v) << i;
-    ASSERT_EQ(a.tets[i].n, b.tets[i].n) << i;
+/// All of it.
+KeptTetrahedralization::Part whole_of(const KeptTetrahedralization& kept) {
+  const Execution execution;
+  KeptTetrahedralization::PartMaker maker(kept, execution);
+  for (const SiteId s : ids<SiteId>(kept.site_count())) maker.add(s);
+  return maker.finish();
+}
+
+/// The tetrahedra and points of the part, which is the whole.
+void expect_whole(const KeptTetrahedralization& kept, const Tetrahedralization& expected) {
+  const KeptTetrahedralization::Part part = whole_of(kept);
+  EXPECT_EQ(kept.given(), expected.site_of_input.size());
+  EXPECT_EQ(kept.duplicates_merged(), expected.duplicates_merged);
+  ASSERT_EQ(kept.site_count(), expected.site_count());
+  if (expected.site_count() == 0) return;  // the big tetrahedron is at no site
+  EXPECT_EQ(kept.tet_count(), expected.tets.size());
+  EXPECT_EQ(part.tetrahedra.points, expected.points);
+  EXPECT_EQ(part.tetrahedra.tet_of_site, expected.tet_of_site);
+  ASSERT_EQ(part.tetrahedra.tets.size(), expected.tets.size());
+  for (std::size_t i = 0; i < expected.tets.size(); ++i) {
+    ASSERT_EQ(part.tetrahedra.tets[i].v, expected.tets[i].v) << i;
+    ASSERT_EQ(part.tetrahedra.tets[i].n, expected.tets[i].n) << i;
   }
 }
 
-TEST(InsertSites, EqualsTheTetrahedralizationOfAllSites) {
+TEST(KeptTetrahedralization, EqualsTheTetrahedralizationOfAllSites) {
   for (const PointFamily& family : point_families()) {
     SCOPED_TRACE(family.name);
     std::vector<Vec3d> points = family.make(120, 5);
@@ -212,26 +225,86 @@ TEST(InsertSites, EqualsTheTetrahedralizationOfAllSites) {
       ASSERT_TRUE(before && expected);
       canonicalize(*before);
       canonicalize(*expected);
-      const auto after = insert_sites(*before, all.subspan(first), box, {});
-      ASSERT_TRUE(after.has_value());
-      expect_equal(*after, *expected);
+      auto kept = KeptTetrahedralization::of(*before, box, {});
+      ASSERT_TRUE(kept.has_value());
+      const KeptTetrahedralization copy = *kept;
+      ASSERT_TRUE(kept->insert(all.subspan(first), {}).has_value());
+      expect_whole(*kept, *expected);
+      expect_whole(copy, *before);  // which shares with it what did not change
     }
   }
 }
 
-TEST(InsertSites, IsLeftToOthersWhereASiteLiesOutsideOfTheBox) {
-  const std::vector<Vec3d> points = test::random_cube(20, 1), outside{{0.5, 0.5, 2}}, inside{{0.5, 0.5, 0.5}};
+TEST(KeptTetrahedralization, TakesOneSiteAfterTheOther) {
+  for (const PointFamily& family : point_families()) {
+    SCOPED_TRACE(family.name);
+    const std::vector<Vec3d> points = family.make(60, 9);
+    const Box box = box_of(points);
+    const std::span<const Vec3d> all(points);
+    auto before = tetrahedralize(all.first(0), box, {});
+    ASSERT_TRUE(before);
+    auto kept = KeptTetrahedralization::of(*before, box, {});
+    ASSERT_TRUE(kept.has_value());
+    for (std::size_t n = 0; n < points.size(); ++n) {
+      const KeptTetrahedralization earlier = *kept;
+      const auto inserted = kept->insert(all.subspan(n, 1), {});
+      ASSERT_TRUE(inserted.has_value());
+      // What was not named is what it was.
+      for (const TetId t : ids<TetId>(earlier.tet_end())) {
+        if (earlier.tet(t).v[0] == KeptTetrahedralization::kNoVertex ||
+            std::count(inserted->gone.begin(), inserted->gone.end(), t) > 0)
+          continue;
+        EXPECT_EQ(kept->tet(t).v, earlier.tet(t).v);
+      }
+    }
+    auto expected = tetrahedralize(points, box, {});
+    ASSERT_TRUE(expected);
+    canonicalize(*expected);
+    expect_whole(*kept, *expected);
+  }
+}
+
+TEST(KeptTetrahedralization, PartsHaveAllTetrahedraAtTheirCells) {
+  const std::vector<Vec3d> points = test::random_cube(400, 3);
   const Box box = box_of(points);
-  auto before = tetrahedralize(points, box, {});
+  auto whole = tetrahedralize(points, box, {});
+  ASSERT_TRUE(whole);
+  canonicalize(*whole);
+  const auto kept = KeptTetrahedralization::of(*whole, box, {});
+  ASSERT_TRUE(kept.has_value());
+  const std::vector<SiteId> some{SiteId{7}, SiteId{8}, SiteId{211}};
+  const Execution execution;
+  KeptTetrahedralization::PartMaker maker(*kept, execution);
+  std::vector<SiteId> met;
+  for (const SiteId s : some) maker.add(s, [&](SiteId n) { met.push_back(n); });
+  const KeptTetrahedralization::Part part = maker.finish();
+  std::sort(met.begin(), met.end());
+  EXPECT_EQ(met, part.sites) << "each once";
+  const auto is_some = [&](SiteId s) { return std::count(some.begin(), some.end(), s) > 0; };
+  std::vector<TetId> expected;
+  for (const TetId t : ids<TetId>(whole->tets.size()))
+    if (std::any_of(whole->tets[t].v.begin(), whole->tets[t].v.end(), is_some)) expected.push_back(t);
+  EXPECT_EQ(part.tets, expected) << "in the canonical order of the whole";
+  EXPECT_TRUE(std::is_sorted(part.sites.begin(), part.sites.end()));
+  for (const SiteId s : ids<SiteId>(part.sites.size())) {
+    EXPECT_EQ(part.whole[s] != 0, is_some(part.sites[s]));
+    EXPECT_EQ(part.tetrahedra.points[s], points[part.sites[s]]);
+  }
+}
+
+TEST(KeptTetrahedralization, IsLeftToOthersWhereASiteLiesOutsideOfTheBox) {
+  const std::vector<Vec3d> points = test::random_cube(20, 1), outside{{0.5, 0.5, 2}};
+  const Box box = box_of(points);
+  const auto before = tetrahedralize(points, box, {});
   ASSERT_TRUE(before);
-  canonicalize(*before);
-  EXPECT_FALSE(insert_sites(*before, outside, box, {}).has_value());
+  auto kept = KeptTetrahedralization::of(*before, box, {});
+  ASSERT_TRUE(kept.has_value());
+  EXPECT_FALSE(kept->insert(outside, {}).has_value());
   std::vector<Vec3d> wide = points;
   wide.push_back({0.5, 0.5, 1.2});
-  auto wider = tetrahedralize(wide, box, {});
+  const auto wider = tetrahedralize(wide, box, {});
   ASSERT_TRUE(wider);
-  canonicalize(*wider);
-  EXPECT_FALSE(insert_sites(*wider, inside, box, {}).has_value());
+  EXPECT_FALSE(KeptTetrahedralization::of(*wider, box, {}).has_value());
 }
 
 }  // namespace

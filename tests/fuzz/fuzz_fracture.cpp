@@ -12,7 +12,7 @@
 #include <set>
 #include <string>
 
-#include "common/pipeline/delta.hpp"
+#include "common/hits/delta.hpp"
 #include "tests/fuzz/fracture_case.hpp"
 #include "tests/property/violations.hpp"
 #include "tests/support/surface_mesh.hpp"

@@ -11,7 +11,7 @@
 #include "common/fragment/closedness.hpp"
 #include "common/fragment/make_fragments.hpp"
 #include "common/fragment/mirror_sum.hpp"
-#include "common/pipeline/delta.hpp"
+#include "common/hits/delta.hpp"
 #include "tests/support/fractured.hpp"
 #include "tests/support/shapes.hpp"
 
@@ -156,17 +156,13 @@ TEST(Soundness, ADeltaAloneIsJudgedAsTheWhole) {
   EXPECT_EQ(hit->fractured.set.certificate.unmirrored_caps, 0u);
   EXPECT_NEAR(hit->fractured.set.certificate.area_out, solid->report.area, 1e-9 * solid->report.area);
 
-  // A kept fragment that is not what it was: the answer is made from nothing instead, which is sound.
+  // Something kept that is not what it was: the answer is made from nothing instead, which is sound.
   FracturedBase damaged = whole->base;
-  for (std::shared_ptr<const FracturedBase::Known>& known : damaged.fragments) {
-    auto other = std::make_shared<FracturedBase::Known>(*known);
-    other->fragment.cap_sum += 1;
-    known = std::move(other);
-  }
+  damaged.local.value().figures.caps += 1;
   const Expected<KeptAnswer> again = fracture_delta(*solid, damaged, p, only, execution, timings);
   ASSERT_TRUE(again) << again.error().detail;
   EXPECT_EQ(again->fractured.set.certificate.unmirrored_caps, 0u);
-  EXPECT_FALSE(again->base.fragments.empty());
+  EXPECT_TRUE(again->base.local.has_value());
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 
 #include "common/base/random.hpp"
 #include "common/gltf/report_text.hpp"
-#include "common/pipeline/difference.hpp"
+#include "common/hits/difference.hpp"
 #include "common/pipeline/fracture.hpp"
 #include "common/structure/anchors.hpp"
 #include "common/structure/bond_graph.hpp"

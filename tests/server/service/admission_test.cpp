@@ -100,6 +100,10 @@ TEST(Admission, AHitOnAKeptAnswerCostsWhatItChanges) {
   const double whole = expected_work(p, 0, nullptr).seconds, hit = work_of(1);
   EXPECT_LT(hit, whole / 5);
   EXPECT_GT(work_of(2), hit) << "all new hits count";
+  const ExpectedWork part =
+      expected_hit_work(p, {.kept = true, .new_hits = NewHits{1, /*only_changed=*/true}}, nullptr);
+  EXPECT_LT(part.seconds, hit / 2) << "nothing is copied";
+  EXPECT_LT(part.bytes, expected_work(p, 0, nullptr).bytes / 10);
   p.sites = 1;
   EXPECT_LE(work_of(2), expected_work(p, 0, nullptr).seconds);
 }

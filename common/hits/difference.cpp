@@ -1,4 +1,4 @@
-#include "common/pipeline/difference.hpp"
+#include "common/hits/difference.hpp"
 
 #include <algorithm>
 #include <unordered_map>
@@ -8,9 +8,7 @@
 #include "common/base/pacer.hpp"
 
 namespace fracture {
-namespace {
 
-/// Everything that is written of a fragment.
 bool same_shape(const Fragment& a, const Fragment& b) {
   const auto same_primitive = [](const FragmentPrimitive& x, const FragmentPrimitive& y) {
     return x.material == y.material && x.first_index == y.first_index && x.index_count == y.index_count;
@@ -25,34 +23,48 @@ bool same_shape(const Fragment& a, const Fragment& b) {
          a.attributes.uvs == b.attributes.uvs && a.attributes.colors == b.attributes.colors;
 }
 
-}  // namespace
-
 Delta difference(const FracturedBase& before, const std::vector<Fragment>& after,
-                 const std::function<bool(std::uint32_t)>& kept, const Execution& execution) {
+                 const Execution& execution) {
   Pacer pacer(execution);
+  std::vector<const Fragment*> earlier;
+  for (const KeptFragment& kept : before.fragments) earlier.push_back(&kept.fragment);
+  if (before.local)
+    for (std::size_t s = 0; s < before.local->cells.size(); ++s) {
+      pacer.step(4);
+      for (const KeptFragment& kept : before.local->cells[s]->fragments) earlier.push_back(&kept.fragment);
+    }
   std::unordered_map<std::uint64_t, std::uint32_t> place;  // only looked up
-  place.reserve(before.fragments.size());
-  for (std::uint32_t k = 0; k < before.fragments.size(); ++k) {
+  place.reserve(earlier.size());
+  for (std::uint32_t k = 0; k < earlier.size(); ++k) {
     pacer.step(16);
-    place.emplace(before.fragments[k]->fragment.id, k);
+    place.emplace(earlier[k]->id, k);
   }
-  std::vector<char> still(before.fragments.size(), 0);
+  std::vector<char> still(earlier.size(), 0);
   Delta delta;
-  for (std::uint32_t k = 0; k < after.size(); ++k) {
+  for (const Fragment& f : after) {
     pacer.step(16);
-    const auto at = place.find(after[k].id);
+    const auto at = place.find(f.id);
     if (at == place.end()) {
-      delta.added.push_back(after[k].id);
+      delta.added.push_back(f.id);
       continue;
     }
     still[at->second] = 1;
-    if (!kept(k) && !same_shape(before.fragments[at->second]->fragment, after[k]))
-      delta.changed.push_back(after[k].id);
+    if (!same_shape(*earlier[at->second], f)) delta.changed.push_back(f.id);
   }
   for (std::uint32_t k = 0; k < still.size(); ++k)
-    if (!still[k]) delta.gone.push_back(before.fragments[k]->fragment.id);
+    if (!still[k]) delta.gone.push_back(earlier[k]->id);
   clear_nodes(pacer, place);
   return delta;
+}
+
+void point_upwards(std::vector<Bond>& bonds, const Execution& execution) {
+  for (Bond& b : bonds) {
+    if (b.a < b.b) continue;
+    std::swap(b.a, b.b);
+    for (int axis = 0; axis < 3; ++axis) b.normal[axis] = b.normal[axis] == 0 ? 0 : -b.normal[axis];
+  }
+  sort_with_polls(execution, bonds.begin(), bonds.end(),
+                  [](const Bond& x, const Bond& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; });
 }
 
 void keep_changed(FracturedSolid& fractured, const Execution& execution) {
@@ -85,12 +97,8 @@ void keep_changed(FracturedSolid& fractured, const Execution& execution) {
     pacer.step();
     b.a = index[b.a];
     b.b = index[b.b];
-    if (b.a < b.b) continue;
-    std::swap(b.a, b.b);
-    for (int axis = 0; axis < 3; ++axis) b.normal[axis] = b.normal[axis] == 0 ? 0 : -b.normal[axis];
   }
-  sort_with_polls(execution, set.bonds.begin(), set.bonds.end(),
-                  [](const Bond& x, const Bond& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; });
+  point_upwards(set.bonds, execution);
   std::vector<Fragment> fragments(kept);
   std::vector<FragmentHulls> hulls(all_hulls.empty() ? 0 : kept);
   std::vector<char> held(all_held.empty() ? 0 : kept);

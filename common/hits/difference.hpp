@@ -1,22 +1,25 @@
 // How an answer differs from an earlier one, and of such an answer only what is different.
 #pragma once
 
-#include <cstdint>
-#include <functional>
-
 #include "common/base/execution.hpp"
-#include "common/pipeline/delta.hpp"
+#include "common/hits/kept_answer.hpp"
 
 namespace fracture {
 
-/// `kept(k)`: is fragment k of `after` known to be one of `before` as it was? The others are compared by all
-/// that is written of them. Throws Interrupted.
+/// Equal in everything that is written of them.
+bool same_shape(const Fragment& a, const Fragment& b);
+
+/// Each from its lower fragment to its higher one, and in order.
+void point_upwards(std::vector<Bond>& bonds, const Execution& execution);
+
+/// Compares fragments that have the same id. Without neighbours. Throws Interrupted.
 Delta difference(const FracturedBase& before, const std::vector<Fragment>& after,
-                 const std::function<bool(std::uint32_t)>& kept, const Execution& execution = {});
+                 const Execution& execution = {});
 
 /// Takes out of the set what the delta (which there must be) says is neither new nor changed, with the bonds
 /// between such fragments, their hulls and anchors; the delta gets the neighbours. Certificate, report and the
-/// number of anchored fragments stay those of the whole. Without hierarchy. Throws Interrupted; then it is good for nothing.
+/// number of anchored fragments stay those of the whole. Without hierarchy. Throws Interrupted; then it is good
+/// for nothing.
 void keep_changed(FracturedSolid& fractured, const Execution& execution = {});
 
 }  // namespace fracture

@@ -1,0 +1,74 @@
+// An array of which copies share what they have in common: to copy it costs a pointer a block, and to change an
+// element the copy of its block (path copying of Driscoll et al. 1989, "Making data structures persistent", on a
+// tree of two levels).
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace fracture {
+
+/// A block is never changed once an Edit has ended, so arrays that share one may be read and copied by any
+/// number of threads.
+template <class T, std::size_t kBlock = 64>
+class SharedBlocks {
+ public:
+  SharedBlocks() = default;
+  /// Takes the array over as it lies in memory; no element is copied.
+  explicit SharedBlocks(std::vector<T> all) : size_(all.size()) {
+    const auto owner = std::make_shared<std::vector<T>>(std::move(all));
+    blocks_.reserve((size_ + kBlock - 1) / kBlock);
+    for (std::size_t k = 0; k < size_; k += kBlock)
+      blocks_.push_back(std::shared_ptr<T[]>(owner, owner->data() + k));
+  }
+
+  std::size_t size() const { return size_; }
+  const T& operator[](std::size_t k) const { return blocks_[k / kBlock][k % kBlock]; }
+
+  /// Changes the elements of one array. While it lives nobody else may use that array; its copies may be used.
+  class Edit {
+   public:
+    explicit Edit(SharedBlocks& of) : of_(of), own_(of.blocks_.size(), 0) {}
+    Edit(const Edit&) = delete;
+    Edit& operator=(const Edit&) = delete;
+
+    const T& operator[](std::size_t k) const { return of_[k]; }
+    /// The element, to be written.
+    T& at(std::size_t k) {
+      own(k / kBlock);
+      return of_.blocks_[k / kBlock][k % kBlock];
+    }
+    void push_back(T value) {
+      const std::size_t k = of_.size_;
+      if (k % kBlock == 0) {
+        of_.blocks_.push_back(std::make_shared<T[]>(kBlock));
+        own_.push_back(1);
+      }
+      own(k / kBlock);
+      ++of_.size_;
+      of_.blocks_[k / kBlock][k % kBlock] = std::move(value);
+    }
+
+   private:
+    void own(std::size_t block) {
+      if (own_[block]) return;
+      const T* const from = of_.blocks_[block].get();
+      auto copy = std::make_shared<T[]>(kBlock);
+      std::copy_n(from, std::min(kBlock, of_.size_ - block * kBlock), copy.get());
+      of_.blocks_[block] = std::move(copy);
+      own_[block] = 1;
+    }
+
+    SharedBlocks& of_;
+    std::vector<char> own_;  // per block: this edit has made it
+  };
+
+ private:
+  std::size_t size_ = 0;
+  std::vector<std::shared_ptr<T[]>> blocks_;
+};
+
+}  // namespace fracture

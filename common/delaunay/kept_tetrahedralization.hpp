@@ -1,0 +1,162 @@
+// A tetrahedralization that is kept for further sites. Copies share what they have in common, so that an
+// insertion costs what it changes, whatever the size of the whole: the tetrahedra in conflict with the new sites
+// (Watson 1981) are taken out, filled anew by IncrementalDelaunay, and joined to what stays.
+//
+// Vertices 0..3 are the corners of the big tetrahedron, vertex 4 + s is site s. The numbers of tetrahedra say
+// nothing: those that go are given again.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/base/execution.hpp"
+#include "common/base/id_table.hpp"
+#include "common/base/pacer.hpp"
+#include "common/base/shared_blocks.hpp"
+#include "common/delaunay/big_tetrahedron.hpp"
+#include "common/delaunay/incremental.hpp"
+#include "common/delaunay/tetrahedralization.hpp"
+#include "common/exact/binary_scale.hpp"
+#include "common/exact/orient3d.hpp"
+
+namespace fracture {
+
+class KeptTetrahedralization {
+ public:
+  struct Tet {
+    std::array<TetVertexId, 4> v;  ///< positive; v[0] is kNoVertex where there is none
+    std::array<TetId, 4> n;
+  };
+  static constexpr TetVertexId kNoVertex{0xffffffffu};
+
+  /// Numbers tetrahedra as `whole` does. `box` is the one that it was made for. Nothing where further sites
+  /// would not give what tetrahedralize() makes of all of them: the box is empty or some site lies outside of it
+  /// (it moves the big tetrahedron, or has others dropped). Linear. Throws Interrupted.
+  static std::optional<KeptTetrahedralization> of(const Tetrahedralization& whole, const Box& box,
+                                                  const Execution& execution);
+
+  std::uint32_t site_count() const { return static_cast<std::uint32_t>(points_.size()) - 4; }
+  Vec3d site(SiteId s) const { return points_[4 + s]; }
+  std::uint32_t tet_count() const { return static_cast<std::uint32_t>(tets_.size() - free_.size()); }
+  /// One above the largest number of a tetrahedron.
+  TetId tet_end() const { return TetId{tets_.size()}; }
+  const Tet& tet(TetId t) const { return tets_[t]; }
+  /// Points given so far, duplicates too, and how many of them were such.
+  std::uint64_t given() const { return given_; }
+  std::uint32_t duplicates_merged() const { return duplicates_merged_; }
+
+  /// What an insertion did. All tetrahedra at a new site are new, and no others.
+  struct Insertion {
+    std::vector<TetId> gone, made;  ///< numbers that are in both lists have been given again
+  };
+  /// Inserts the points: those that are no duplicates become the next sites, in their order. Nothing, and then
+  /// it must not be used any more, where a point lies outside of the box or the limits of tetrahedralize() are
+  /// exceeded. Throws Interrupted, with the same consequence.
+  std::optional<Insertion> insert(std::span<const Vec3d> further, const Execution& execution);
+
+  /// All tetrahedra at some sites, as a tetrahedralization.
+  struct Part {
+    Tetrahedralization tetrahedra;  ///< canonical; what is not in the part is kNoTet
+    std::vector<SiteId> sites;      ///< per site of the part: its number in the whole, ascending
+    std::vector<char> whole;        ///< per site of the part: was it asked for, are all its tetrahedra there?
+    std::vector<TetId> tets;        ///< per tetrahedron of the part: its number in the whole
+    /// The number in the part; the site must be there.
+    SiteId local(SiteId s) const;
+  };
+  class PartMaker;
+
+ private:
+  KeptTetrahedralization(const BigTetrahedron& big) : big_(big) {}
+  struct Conflicts;
+  TetId locate(const Vec3d& p, TetId start) const;
+  TetId start_near(const Vec3d& p) const;
+  int orient3d(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) const {
+    return exact::orient3d(a, b, c, d, scale_);
+  }
+  const Vec3d& at(TetVertexId v) const { return points_[v]; }
+
+  BigTetrahedron big_;
+  exact::BinaryScale scale_;
+  SharedBlocks<Vec3d> points_;  // per vertex
+  SharedBlocks<TetId, 256> tet_of_vertex_;
+  SharedBlocks<Tet> tets_;
+  std::vector<TetId> free_;
+  std::uint64_t given_ = 0;
+  std::uint32_t duplicates_merged_ = 0;
+};
+
+/// Gathers a part, star by star. Near-linear in what comes out.
+class KeptTetrahedralization::PartMaker {
+ public:
+  /// Both borrowed.
+  PartMaker(const KeptTetrahedralization& kept, const Execution& execution)
+      : kept_(kept), execution_(execution), pacer_(execution) {}
+
+  /// Adds all tetrahedra at the site, and calls visit(site) for each site of the part that is met for the first
+  /// time. Throws Interrupted.
+  template <class Visit>
+  void add(SiteId s, const Visit& visit);
+  void add(SiteId s) {
+    add(s, [](SiteId) {});
+  }
+  Part finish();
+
+ private:
+  /// Its number in the part; `is_new` where it had none before.
+  std::uint32_t number_of(TetId t, bool& is_new) {
+    std::uint32_t& slot = number_.slot(t);
+    is_new = slot == IdTable::kEmpty;
+    if (is_new) {
+      slot = static_cast<std::uint32_t>(tets_.size());
+      tets_.push_back(t);
+      star_of_.push_back(kNoSite);
+    }
+    return slot;
+  }
+
+  const KeptTetrahedralization& kept_;
+  const Execution& execution_;
+  Pacer pacer_;
+  std::vector<SiteId> around_, sites_;  // those added; those met
+  std::vector<TetId> tets_;             // per tetrahedron of the part: its number in the whole
+  std::vector<SiteId> star_of_;         // per tetrahedron of the part: the last site added that it is at
+  IdTable number_;                      // per tetrahedron of the whole: its place in tets_
+  IdTable local_;                       // per vertex of the whole that is a site of the part
+  std::vector<std::uint32_t> star_;     // of the site that is being added: indices of tets_
+};
+
+template <class Visit>
+void KeptTetrahedralization::PartMaker::add(SiteId s, const Visit& visit) {
+  const TetVertexId vertex{4 + s};
+  around_.push_back(s);
+  star_.clear();
+  const auto reach = [&](TetId t) {
+    bool is_new = false;
+    const std::uint32_t k = number_of(t, is_new);
+    if (star_of_[k] == s) return;
+    star_of_[k] = s;
+    star_.push_back(k);
+    if (!is_new) return;
+    for (const TetVertexId v : kept_.tets_[t].v) {
+      if (v < 4) continue;
+      std::uint32_t& slot = local_.slot(v);
+      if (slot != IdTable::kEmpty) continue;
+      slot = 0;
+      sites_.push_back(SiteId{v - 4});
+      visit(SiteId{v - 4});
+    }
+  };
+  reach(kept_.tet_of_vertex_[vertex]);
+  for (std::size_t n = 0; n < star_.size(); ++n) {
+    const Tet& tet = kept_.tets_[tets_[star_[n]]];
+    for (int f = 0; f < 4; ++f)
+      if (tet.v[f] != vertex && tet.n[f] != kNoTet) reach(tet.n[f]);
+  }
+  pacer_.step(8 * star_.size());
+}
+
+}  // namespace fracture

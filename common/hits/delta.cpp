@@ -1,0 +1,161 @@
+#include "common/hits/delta.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "common/base/pacer.hpp"
+#include "common/hits/difference.hpp"
+#include "common/hits/local_hit.hpp"
+#include "common/pipeline/fracture_steps.hpp"
+
+namespace fracture {
+namespace {
+
+/// Can hits on the answer be local, as far as the parameters say it?
+bool may_be_local(const FractureParameters& p) {
+  return p.dual == Dual::kCircumcenter && !p.keep && !p.size.any() && p.max_volume == 0 &&
+         !(p.roughness.amplitude > 0) && (p.hits.empty() || p.rest == LocalRest::kFractured);
+}
+
+/// The fragments that are new or changed, with their bonds and the ids of the neighbours that these lead to.
+CutCells changed_cells_of(const Solid& solid, const HitOutcome& hit, Delta& delta,
+                          const Execution& execution) {
+  CutCells cut;
+  FragmentSet& set = cut.set;
+  set.source = solid.source;
+  Pacer pacer(execution);
+  const auto kept = [&](const PlaceInAnswer& place) -> const KeptFragment& {
+    return hit.next.cells[place.site]->fragments[place.fragment];
+  };
+  for (const PlaceInAnswer& place : hit.changed) {
+    pacer.step(64);
+    set.fragments.push_back(kept(place).fragment);
+    cut.hulls.of_fragment.push_back(kept(place).hulls);
+  }
+  const auto number = [](const std::vector<PlaceInAnswer>& places, const PlaceInAnswer& place) {
+    const auto at = std::lower_bound(places.begin(), places.end(), place);
+    return at != places.end() && *at == place ? static_cast<std::uint32_t>(at - places.begin()) : kNoIndex;
+  };
+  const auto each_bond = [&](const auto& visit) {
+    for (const SiteId s : hit.around) {
+      if (!hit.next.bonds[s]) continue;
+      for (const KeptBond& bond : *hit.next.bonds[s]) {
+        pacer.step(8);
+        const PlaceInAnswer a{s, bond.fragment}, b{bond.other_cell, bond.other_fragment};
+        const std::uint32_t here = number(hit.changed, a), there = number(hit.changed, b);
+        if (here != kNoIndex || there != kNoIndex) visit(bond, a, b, here, there);
+      }
+    }
+  };
+  std::vector<PlaceInAnswer> neighbors;
+  each_bond([&](const KeptBond&, const PlaceInAnswer& a, const PlaceInAnswer& b, std::uint32_t here,
+                std::uint32_t there) {
+    if (here == kNoIndex) neighbors.push_back(a);
+    if (there == kNoIndex) neighbors.push_back(b);
+  });
+  std::sort(neighbors.begin(), neighbors.end());
+  neighbors.erase(std::unique(neighbors.begin(), neighbors.end()), neighbors.end());
+  for (const PlaceInAnswer& place : neighbors) delta.neighbors.push_back(kept(place).fragment.id);
+  const auto first = static_cast<std::uint32_t>(hit.changed.size());
+  each_bond([&](const KeptBond& bond, const PlaceInAnswer& a, const PlaceInAnswer& b, std::uint32_t here,
+                std::uint32_t there) {
+    set.bonds.push_back({here != kNoIndex ? here : first + number(neighbors, a),
+                         there != kNoIndex ? there : first + number(neighbors, b), bond.area, bond.centroid,
+                         bond.normal});
+  });
+  point_upwards(set.bonds, execution);
+
+  const FragmentFigures& figures = hit.next.figures;
+  set.certificate = certificate_of(solid, figures);
+  state_lattice(solid, set);
+  cut.whole = CutCells::Whole{figures.sorted_volumes, figures.triangles, figures.hulls};
+  return cut;
+}
+
+/// Nothing where the hits change more than the cells around them, or what was kept does not prove itself with
+/// what is new. Errors of plan_sites(). Throws Interrupted.
+Expected<std::optional<KeptAnswer>> answer_locally(const Solid& solid, const LocalBase& base,
+                                                   const FractureParameters& parameters,
+                                                   const NewHits& new_hits, const Execution& execution,
+                                                   StageTimings& timings) {
+  SitePlan plan{{}, {}, base.map, base.notes.notes};
+  auto added = stage(timings, execution, Stage::kTetrahedralize, [&] {
+    return append_hits(solid, parameters, parameters.hits, parameters.hits.size() - new_hits.count, plan,
+                       execution);
+  });
+  if (!added) return tl::unexpected(added.error());
+  return stage(timings, execution, Stage::kClip, [&]() -> Expected<std::optional<KeptAnswer>> {
+    std::optional<HitOutcome> hit = hit_cells(solid, base, plan.points, parameters, execution);
+    if (!hit) return std::nullopt;
+    hit->next.notes.notes = std::move(plan.notes);
+    CutCells cut = new_hits.only_changed ? changed_cells_of(solid, *hit, hit->delta, execution)
+                                         : all_cells_of(solid, hit->next, execution);
+    Expected<FracturedSolid> completed =
+        complete(solid, hit->next.notes, parameters, std::move(cut), execution);
+    if (!completed) return std::nullopt;  // the whole, made from nothing, has the last word
+    completed->delta = std::move(hit->delta);
+    return KeptAnswer{std::move(*completed), {std::move(hit->next)}};
+  });
+}
+
+}  // namespace
+
+Expected<KeptAnswer> fracture_and_keep(const Solid& solid, const FractureParameters& parameters,
+                                       const Execution& execution, StageTimings& timings) {
+  const Expected<Diagram> diagram = make_diagram(solid, parameters, execution, timings);
+  if (!diagram) return tl::unexpected(diagram.error());
+  return fracture_and_keep(solid, *diagram, parameters, execution, timings);
+}
+
+Expected<KeptAnswer> fracture_and_keep(const Solid& solid, const Diagram& diagram,
+                                       const FractureParameters& parameters, const Execution& execution,
+                                       StageTimings& timings) {
+  return stage(timings, execution, Stage::kClip, [&]() -> Expected<KeptAnswer> {
+    LocalBaseMaker maker;
+    bool local = may_be_local(parameters);
+    Expected<CutCells> cut =
+        cut_cells(solid, diagram, parameters, execution, [&](const RestrictedDiagram& restricted) {
+          if (local) maker.see(restricted, execution);
+        });
+    if (!cut) return tl::unexpected(cut.error());
+    const Certificate& c = cut->set.certificate;
+    local = local && !cut->grouped && c.united == 0 && c.dropped == 0 && c.crossing_caps == 0;
+    KeptAnswer out;
+    Expected<FracturedSolid> completed =
+        complete(solid, notes_of(diagram), parameters, std::move(*cut), execution);
+    if (!completed) return tl::unexpected(std::move(completed.error()));
+    out.fractured = std::move(*completed);
+    if (local) out.base.local = maker.make(out.fractured, diagram, execution);
+    if (!out.base.local)
+      for (std::uint32_t k = 0; k < out.fractured.set.fragments.size(); ++k)
+        out.base.fragments.push_back(kept_fragment(out.fractured, k, execution));
+    return out;
+  });
+}
+
+FractureParameters before_hits(FractureParameters parameters, std::uint32_t new_hits) {
+  parameters.hits.resize(parameters.hits.size() - new_hits);
+  return parameters;
+}
+
+Expected<KeptAnswer> fracture_delta(const Solid& solid, const FracturedBase& base,
+                                    const FractureParameters& parameters, const NewHits& new_hits,
+                                    const Execution& execution, StageTimings& timings) {
+  if (base.local && parameters.rest == LocalRest::kFractured) {
+    auto answer = answer_locally(solid, *base.local, parameters, new_hits, execution, timings);
+    if (!answer) return tl::unexpected(answer.error());
+    if (*answer) return std::move(**answer);
+  }
+  Expected<KeptAnswer> whole = fracture_and_keep(solid, parameters, execution, timings);
+  if (!whole) return whole;
+  return stage(timings, execution, Stage::kClip, [&]() -> Expected<KeptAnswer> {
+    FracturedSolid& fractured = whole->fractured;
+    fractured.delta = difference(base, fractured.set.fragments, execution);
+    if (new_hits.only_changed) keep_changed(fractured, execution);
+    return std::move(*whole);
+  });
+}
+
+}  // namespace fracture

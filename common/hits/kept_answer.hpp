@@ -1,0 +1,147 @@
+// What is kept of an answer for the hits on it. Copies share what they have in common, so that an answer after a
+// hit costs what the hit has changed.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "common/base/matrix3.hpp"
+#include "common/base/shared_blocks.hpp"
+#include "common/clip/restricted_diagram.hpp"
+#include "common/delaunay/kept_tetrahedralization.hpp"
+#include "common/fragment/make_fragments.hpp"
+#include "common/pipeline/fracture.hpp"
+#include "common/pipeline/fracture_steps.hpp"
+
+namespace fracture {
+
+struct KeptFragment {
+  Fragment fragment;
+  FragmentHulls hulls;     ///< none where none were asked for
+  double volume_file = 0;  ///< m³, as the certificate sums it
+};
+
+/// What is in one cell.
+struct KeptCell {
+  std::vector<KeptFragment> fragments;   ///< in the order of their islands
+  std::vector<std::uint32_t> triangles;  ///< of the solid, that meet the cell; ascending
+};
+
+/// A bond, kept at the cell of its lower fragment.
+struct KeptBond {
+  std::uint32_t fragment;        ///< of that cell: its number there
+  SiteId other_cell;             ///< not lower
+  std::uint32_t other_fragment;  ///< its number there
+  double area;
+  Vec3d centroid, normal;  ///< as Bond has them
+};
+
+/// What winds around a Voronoi vertex, as InnerVertex says it.
+struct PartWinding {
+  std::uint32_t part;
+  std::int32_t winding;
+  auto operator<=>(const PartWinding&) const = default;
+};
+
+/// The different things that wind around Voronoi vertices, numbered: most have nothing around them, or one part.
+class WindingStates {
+ public:
+  static constexpr std::uint32_t kNothing = 0;
+  std::uint32_t number_of(const std::vector<PartWinding>& state) {
+    const auto [at, is_new] = numbers_.emplace(state, static_cast<std::uint32_t>(all_.size()));
+    if (is_new) all_.push_back(state);
+    return at->second;
+  }
+  const std::vector<PartWinding>& operator[](std::uint32_t number) const { return all_[number]; }
+  std::size_t size() const { return all_.size(); }
+
+ private:
+  std::vector<std::vector<PartWinding>> all_{{}};
+  std::map<std::vector<PartWinding>, std::uint32_t> numbers_{{{}, kNothing}};
+};
+
+/// Sums over all fragments of an answer, and what is summed in their order.
+struct FragmentFigures {
+  std::vector<std::uint32_t> first_of;  ///< per cell + 1: the range of its fragments
+  // Per fragment, in the order of the answer.
+  std::vector<double> volumes, volumes_file;  ///< m³
+  std::vector<double> surface_areas;          ///< m²
+  // Of all of them.
+  std::vector<double> sorted_volumes;     ///< m³, ascending
+  std::vector<std::uint64_t> sorted_ids;  ///< ascending
+  std::uint64_t open_edges = 0, caps = 0, triangles = 0;
+  std::uint32_t cells = 0;  ///< that have fragments
+  HullReport hulls{};
+
+  /// To what is summed in order.
+  void append(const KeptFragment& kept);
+  /// In the sums over all; times: 1, or -1 to take it out.
+  void count(const KeptFragment& kept, int times);
+};
+
+/// What hits need that change only what is near to them.
+struct LocalBase {
+  KeptTetrahedralization tetrahedra;
+  SharedBlocks<std::uint32_t, 256> state;  ///< per tetrahedron: what winds around its Voronoi vertex
+  WindingStates states;
+  SharedBlocks<SiteId, 256> label;                                   ///< per vertex of the solid: its cell
+  SharedBlocks<std::shared_ptr<const KeptCell>> cells;               ///< per site
+  SharedBlocks<std::shared_ptr<const std::vector<KeptBond>>> bonds;  ///< per site; null: none
+  FragmentFigures figures;
+  std::optional<Matrix3> map{};
+  SiteNotes notes;
+  std::size_t cell_bytes = 0;  ///< of memory behind `cells`; those that answers share are counted by each
+};
+
+/// An answer as far as further hits need it: reusable for any number of them.
+struct FracturedBase {
+  /// Hits can be local: every fragment is a piece of one cell, nothing was united, dropped, kept, split or
+  /// roughened. Where not, the whole is fractured again.
+  std::optional<LocalBase> local{};
+  /// Where it is not: the fragments, in the order of the answer.
+  std::vector<KeptFragment> fragments{};
+};
+
+/// Bytes, those of the object itself too.
+std::size_t memory_size(const KeptFragment& kept);
+std::size_t memory_size(const KeptCell& cell);
+std::size_t memory_size(const FracturedBase& base);
+
+/// Of each wanted cell, the triangles that meet it, by cell, each list ascending: the numbers in the solid that
+/// was cut.
+std::vector<std::vector<std::uint32_t>> triangles_by_cell(const Solid& solid, const SurfaceCuts& cuts,
+                                                          std::size_t cells, const Execution& execution);
+
+/// Takes notes while an answer is made whole.
+class LocalBaseMaker {
+ public:
+  /// When the clipper is done.
+  void see(const RestrictedDiagram& restricted, const Execution& execution);
+  /// When the answer is there, each fragment a piece of one cell. Nothing where the tetrahedralization cannot
+  /// be kept. Throws Interrupted.
+  std::optional<LocalBase> make(const FracturedSolid& answer, const Diagram& diagram,
+                                const Execution& execution);
+
+ private:
+  Box box_;  // of the solid as it was seen
+  std::vector<std::uint32_t> state_;
+  WindingStates states_;
+  std::vector<SiteId> label_;
+  std::vector<std::vector<std::uint32_t>> triangles_;  // per site
+};
+
+/// Fragment k with its hulls.
+KeptFragment kept_fragment(const FracturedSolid& answer, std::uint32_t k, const Execution& execution);
+
+/// All fragments, bonds and hulls of an answer that is local, with the certificate, as fracture() makes them
+/// before they are judged. Throws Interrupted.
+CutCells all_cells_of(const Solid& solid, const LocalBase& base, const Execution& execution);
+
+/// The certificate of the whole, but for crossing caps.
+Certificate certificate_of(const Solid& solid, const FragmentFigures& figures);
+
+}  // namespace fracture

@@ -1,0 +1,388 @@
+#include "common/hits/local_hit.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/base/id_table.hpp"
+#include "common/base/pacer.hpp"
+#include "common/base/ranked_set.hpp"
+#include "common/fragment/pieces.hpp"
+#include "common/hits/difference.hpp"
+#include "common/physics/collision_hulls.hpp"
+#include "common/solid/image.hpp"
+#include "common/solid/patch.hpp"
+#include "common/voronoi/voronoi_diagram.hpp"
+
+namespace fracture {
+namespace {
+
+class LocalHit {
+ public:
+  LocalHit(const Solid& solid, const LocalBase& base, const FractureParameters& parameters,
+           const Execution& execution)
+      : solid_(solid),
+        base_(base),
+        parameters_(parameters),
+        execution_(execution),
+        pacer_(execution),
+        first_new_(base.tetrahedra.site_count()),
+        out_{base} {}
+
+  std::optional<HitOutcome> run(std::span<const Vec3d> points) {
+    std::optional<KeptTetrahedralization::Insertion> inserted = now().insert(points, execution_);
+    if (!inserted) return std::nullopt;
+    SiteFigures& sites = out_.next.notes.figures;
+    sites.given += points.size();
+    sites.used = now().site_count();
+    sites.duplicates_merged = now().duplicates_merged();
+    if (inserted->made.empty()) return std::move(out_);
+    find_wanted(inserted->made);
+    find_around();
+    if (!make_fragments(inserted->made)) return std::nullopt;
+    replace_cells();
+    if (!sum_up_again()) return std::nullopt;
+    replace_bonds();
+    replace_surface();
+    replace_states(inserted->made);
+    out_.around = part_.sites;
+    return std::move(out_);
+  }
+
+ private:
+  KeptTetrahedralization& now() { return out_.next.tetrahedra; }
+  bool is_new(SiteId s) const { return s >= first_new_; }
+  static bool contains(const std::vector<SiteId>& sites, SiteId s) {
+    return std::binary_search(sites.begin(), sites.end(), s);
+  }
+  std::uint32_t fragments_before(SiteId s) const {
+    const std::vector<std::uint32_t>& first_of = base_.figures.first_of;
+    return is_new(s) ? 0 : first_of[s + 1] - first_of[s];
+  }
+
+  /// New cells, those that are not what they were, and, to be made again with them, cells of several fragments
+  /// beside them: which of these a cap leads to is only known when they are all there.
+  void find_wanted(const std::vector<TetId>& made) {
+    for (const TetId t : made)
+      for (const TetVertexId v : now().tet(t).v)
+        if (v >= 4) changed_.push_back(SiteId{v - 4});
+    sort_with_polls(execution_, changed_.begin(), changed_.end());
+    changed_.erase(std::unique(changed_.begin(), changed_.end()), changed_.end());
+    wanted_ = changed_;
+    const FragmentFigures& before = base_.figures;
+    if (before.cells == before.volumes.size()) return;  // no cell has several
+    KeptTetrahedralization::PartMaker beside(now(), execution_);
+    for (const SiteId s : changed_)
+      beside.add(s, [&](SiteId n) {
+        if (fragments_before(n) > 1) wanted_.push_back(n);
+      });
+    sort_with_polls(execution_, wanted_.begin(), wanted_.end());
+    wanted_.erase(std::unique(wanted_.begin(), wanted_.end()), wanted_.end());
+  }
+
+  /// The triangles that meet wanted cells, and the part around all cells that these triangles meet. A triangle is
+  /// convex: the cells that it meets hang together.
+  void find_around() {
+    RankedSet is_here(solid_.triangles.size());
+    for (const SiteId s : wanted_) {
+      if (is_new(s)) continue;
+      for (const std::uint32_t t : base_.cells[s]->triangles) is_here.add(t);
+      pacer_.step(base_.cells[s]->triangles.size());
+    }
+    is_here.close();
+    triangles_.reserve(is_here.size());
+    is_here.each([&](std::uint32_t t) { triangles_.push_back(t); });
+
+    KeptTetrahedralization::PartMaker maker(now(), execution_);
+    std::vector<SiteId> around = wanted_;
+    for (std::size_t k = 0; k < around.size(); ++k)
+      maker.add(around[k], [&](SiteId n) {
+        if (contains(wanted_, n)) return;
+        const auto& of_cell = base_.cells[n]->triangles;
+        pacer_.step(of_cell.size());
+        if (std::any_of(of_cell.begin(), of_cell.end(), [&](std::uint32_t t) { return is_here.contains(t); }))
+          around.push_back(n);
+      });
+    part_ = maker.finish();
+  }
+
+  /// Voronoi vertices of the part that were there before, and what winds around them, by parts of the solid.
+  void find_known(const std::vector<TetId>& made) {
+    IdTable is_made;
+    for (const TetId t : made) is_made.slot(t) = 1;
+    for (const TetId t : ids<TetId>(part_.tets.size())) {
+      pacer_.step(2);
+      if (is_made.find(part_.tets[t]) != IdTable::kEmpty) continue;
+      const auto index = static_cast<std::uint32_t>(known_.size());
+      known_.push_back(t);
+      for (const PartWinding& w : base_.states[base_.state[part_.tets[t]]])
+        known_windings_.push_back({TetId{index}, w.part, w.winding});
+    }
+  }
+
+  /// Nothing is left out but what has no volume or crosses itself: false there.
+  bool make_fragments(const std::vector<TetId>& made) {
+    find_known(made);
+    std::vector<std::uint32_t> parts;
+    for (const InnerVertex& v : known_windings_)
+      if (parts.empty() || parts.back() != v.part) parts.push_back(v.part);
+    surface_ = patch_of(solid_, std::move(triangles_), parts, execution_);
+    std::optional<SolidPatch> image;
+    if (base_.map) {
+      const SeenSolid whole(solid_, base_.map, execution_);
+      image = patch_of(whole.seen(), surface_.triangles, parts, execution_);
+    }
+    const Solid& seen = image ? image->solid : surface_.solid;
+    for (InnerVertex& v : known_windings_) v.part = surface_.local_part(v.part);
+
+    const std::uint32_t sites = part_.tetrahedra.site_count();
+    std::vector<char> wanted(sites, 0);
+    for (const SiteId s : wanted_) wanted[part_.local(s)] = 1;
+    const VoronoiDiagram diagram(part_.tetrahedra, part_.whole, seen.box, base_.map, execution_);
+    std::vector<SiteId> label;
+    VoronoiDiagram::Walk walk;
+    for (std::size_t v = 0; v < surface_.vertices.size(); ++v) {
+      const std::uint64_t looked_at = walk.looked_at;
+      label.push_back(part_.local(base_.label[surface_.vertices[v]]));
+      if (wanted[label[v]]) label[v] = diagram.nearest(to_double(seen.positions[v]), label[v], walk);
+      pacer_.step(8 + walk.looked_at - looked_at);
+    }
+    RestrictedDiagram r{surface_.solid, seen, diagram,
+                        cut_surface(seen, diagram, std::move(label), execution_)};
+    r.part_in_whole = &surface_.parts;
+    r.winding = wind_voronoi_edges_of(seen, diagram, r.cuts, {wanted, known_, known_windings_}, execution_);
+    r.place_and_cap(execution_, &wanted);
+
+    Ownership ownership = Ownership::from_groups(sites, {}, execution_);
+    ownership.wanted.assign(wanted.begin(), wanted.end());
+    std::vector<std::uint32_t> others(sites, 0);
+    for (const SiteId s : ids<SiteId>(sites))
+      if (!wanted[s]) others[s] = fragments_before(part_.sites[s]);
+    std::optional<WantedFragments> result =
+        make_wanted_fragments(r, ownership, others, parameters_.pivot, execution_);
+    if (!result || result->crossing_caps > 0) return false;
+    made_ = std::move(*result);
+    for (Fragment& f : made_.fragments) f.sites = {part_.sites[f.sites[0]]};
+
+    triangles_by_cell_ = triangles_by_cell(surface_.solid, r.cuts, sites, execution_);
+    label_ = std::move(r.cuts.label);
+    inner_vertices_ = std::move(r.winding.inner_vertices);
+    return true;
+  }
+
+  /// The fragments of a cell that changed: which are new, changed, gone?
+  void compare(SiteId s, const std::vector<KeptFragment>& before, const std::vector<KeptFragment>& after) {
+    const auto same_id = [](std::uint64_t id) {
+      return [id](const KeptFragment& kept) { return kept.fragment.id == id; };
+    };
+    for (std::uint32_t k = 0; k < after.size(); ++k) {
+      const Fragment& f = after[k].fragment;
+      const auto at = std::find_if(before.begin(), before.end(), same_id(f.id));
+      if (at != before.end() && same_shape(at->fragment, f)) continue;
+      (at == before.end() ? out_.delta.added : out_.delta.changed).push_back(f.id);
+      out_.changed.push_back({s, k});
+    }
+    for (const KeptFragment& kept : before)
+      if (std::none_of(after.begin(), after.end(), same_id(kept.fragment.id)))
+        out_.delta.gone.push_back(kept.fragment.id);
+  }
+
+  void replace_cells() {
+    CollisionHulls hulls;
+    if (parameters_.hulls == Hulls::kConvex) {
+      FragmentSet set;
+      set.fragments.swap(made_.fragments);
+      hulls = make_collision_hulls(set, {}, execution_);
+      set.fragments.swap(made_.fragments);
+    }
+    SharedBlocks<std::shared_ptr<const KeptCell>>::Edit cells(out_.next.cells);
+    static const std::vector<KeptFragment> kNone;
+    std::size_t next = 0;
+    for (const SiteId s : wanted_) {
+      const SiteId here = part_.local(s);
+      const std::uint32_t count = made_.first_of[here + 1] - made_.first_of[here];
+      pacer_.step(64 * (1 + count));
+      if (!contains(changed_, s)) {  // as it was
+        next += count;
+        continue;
+      }
+      KeptCell cell;
+      for (const std::uint32_t end = count; cell.fragments.size() < end; ++next)
+        cell.fragments.push_back(
+            {std::move(made_.fragments[next]),
+             hulls.of_fragment.empty() ? FragmentHulls() : std::move(hulls.of_fragment[next]),
+             made_.volumes_file[next]});
+      for (const std::uint32_t t : triangles_by_cell_[here]) cell.triangles.push_back(surface_.triangles[t]);
+      out_.next.cell_bytes += memory_size(cell);
+      if (is_new(s)) {
+        compare(s, kNone, cell.fragments);
+        cells.push_back(std::make_shared<const KeptCell>(std::move(cell)));
+      } else {
+        compare(s, base_.cells[s]->fragments, cell.fragments);
+        out_.next.cell_bytes -= memory_size(*base_.cells[s]);
+        cells.at(s) = std::make_shared<const KeptCell>(std::move(cell));
+      }
+    }
+  }
+
+  /// False where two fragments have the same id: a hash collision, which the whole answer resolves.
+  bool sum_up_again() {
+    const FragmentFigures& before = base_.figures;
+    FragmentFigures& after = out_.next.figures;
+    after.first_of.assign(1, 0);
+    after.first_of.reserve(now().site_count() + 1);
+    after.volumes.clear();
+    after.volumes_file.clear();
+    after.surface_areas.clear();
+    std::vector<double> volumes_gone, volumes_new;
+    std::vector<std::uint64_t> ids_gone, ids_new;
+    SiteId done{0};
+    const auto take_until = [&](SiteId s) {  // cells that did not change
+      pacer_.step((s - done) / 16 + 1);
+      const std::uint32_t first = before.first_of[done], last = before.first_of[s];
+      const auto shift = static_cast<std::uint32_t>(after.volumes.size()) - first;  // modulo 2^32
+      for (std::uint32_t k = done; k < s; ++k) after.first_of.push_back(before.first_of[k + 1] + shift);
+      const auto append = [&](const std::vector<double>& from, std::vector<double>& to) {
+        to.insert(to.end(), from.begin() + first, from.begin() + last);
+      };
+      append(before.volumes, after.volumes);
+      append(before.volumes_file, after.volumes_file);
+      append(before.surface_areas, after.surface_areas);
+    };
+    for (const SiteId s : changed_) {
+      if (!is_new(s)) {
+        take_until(s);
+        for (const KeptFragment& kept : base_.cells[s]->fragments) {
+          after.count(kept, -1);
+          volumes_gone.push_back(kept.fragment.mass.volume);
+          ids_gone.push_back(kept.fragment.id);
+        }
+        after.cells -= fragments_before(s) > 0;
+        done = SiteId{s + 1};
+      } else if (done < first_new_) {
+        take_until(first_new_);
+        done = first_new_;
+      }
+      const std::vector<KeptFragment>& fragments = out_.next.cells[s]->fragments;
+      for (const KeptFragment& kept : fragments) {
+        after.append(kept);
+        after.count(kept, 1);
+        volumes_new.push_back(kept.fragment.mass.volume);
+        ids_new.push_back(kept.fragment.id);
+      }
+      after.cells += !fragments.empty();
+      after.first_of.push_back(static_cast<std::uint32_t>(after.volumes.size()));
+    }
+    if (done < first_new_) take_until(first_new_);
+    replace_sorted(volumes_gone, volumes_new, after.sorted_volumes);
+    replace_sorted(ids_gone, ids_new, after.sorted_ids);
+    return std::adjacent_find(after.sorted_ids.begin(), after.sorted_ids.end()) == after.sorted_ids.end();
+  }
+
+  template <class T>
+  static void replace_sorted(std::vector<T>& gone, std::vector<T>& fresh, std::vector<T>& all) {
+    std::sort(gone.begin(), gone.end());
+    std::sort(fresh.begin(), fresh.end());
+    std::vector<T> stay, result;
+    stay.reserve(all.size());
+    result.reserve(all.size() + fresh.size());
+    std::set_difference(all.begin(), all.end(), gone.begin(), gone.end(), std::back_inserter(stay));
+    std::merge(stay.begin(), stay.end(), fresh.begin(), fresh.end(), std::back_inserter(result));
+    all = std::move(result);
+  }
+
+  /// Those of changed cells as they were made, the others as they were: a cell beside a changed one may have been
+  /// made again and touch cells of which only the number of fragments was known.
+  void replace_bonds() {
+    const auto place = [&](std::uint32_t fragment) {
+      const auto after = std::upper_bound(made_.first_of.begin(), made_.first_of.end(), fragment);
+      const auto owner = static_cast<std::size_t>(after - made_.first_of.begin()) - 1;
+      return PlaceInAnswer{part_.sites[owner], fragment - made_.first_of[owner]};
+    };
+    SharedBlocks<std::shared_ptr<const std::vector<KeptBond>>>::Edit bonds(out_.next.bonds);
+    for (std::size_t n = first_new_; n < now().site_count(); ++n) bonds.push_back(nullptr);
+    auto made = made_.bonds.begin();  // ascending by a, then b
+    for (const SiteId s : part_.sites) {
+      const bool changes = contains(changed_, s);
+      std::vector<KeptBond> here;
+      const std::vector<KeptBond>* before = base_.bonds.size() > s ? base_.bonds[s].get() : nullptr;
+      bool same = true;
+      if (before)
+        for (const KeptBond& bond : *before) {
+          const bool stays = !changes && !contains(changed_, bond.other_cell);
+          same &= stays;
+          if (stays) here.push_back(bond);
+        }
+      for (; made != made_.bonds.end(); ++made) {
+        const PlaceInAnswer a = place(made->a), b = place(made->b);
+        if (a.site != s) break;
+        pacer_.step(16);
+        if (!changes && !contains(changed_, b.site)) continue;
+        here.push_back({a.fragment, b.site, b.fragment, made->area, made->centroid, made->normal});
+        same = false;
+      }
+      if (same) continue;
+      std::sort(here.begin(), here.end(), [](const KeptBond& x, const KeptBond& y) {
+        return std::tie(x.fragment, x.other_cell, x.other_fragment) <
+               std::tie(y.fragment, y.other_cell, y.other_fragment);
+      });
+      bonds.at(s) = here.empty() ? nullptr : std::make_shared<const std::vector<KeptBond>>(std::move(here));
+    }
+    if (made != made_.bonds.end()) throw InternalError("a bond of fragments outside of the part");
+  }
+
+  void replace_surface() {
+    SharedBlocks<SiteId, 256>::Edit label(out_.next.label);
+    for (std::size_t v = 0; v < label_.size(); ++v) {
+      pacer_.step(2);
+      const SiteId s = part_.sites[label_[v]];
+      const VertexId vertex = surface_.vertices[v];
+      if (label[vertex] != s) label.at(vertex) = s;
+    }
+  }
+
+  void replace_states(const std::vector<TetId>& made) {
+    SharedBlocks<std::uint32_t, 256>::Edit state(out_.next.state);
+    while (out_.next.state.size() < now().tet_end()) state.push_back(WindingStates::kNothing);
+    IdTable number;  // per new tetrahedron: its place in `around`
+    std::vector<std::vector<PartWinding>> around(made.size());
+    for (std::uint32_t k = 0; k < made.size(); ++k) number.slot(made[k]) = k;
+    for (const InnerVertex& v : inner_vertices_) {
+      pacer_.step(2);
+      if (const std::uint32_t k = number.find(part_.tets[v.tet]); k != IdTable::kEmpty)
+        around[k].push_back({surface_.parts[v.part], v.winding});
+    }
+    for (std::size_t k = 0; k < made.size(); ++k) {
+      pacer_.step(4);
+      state.at(made[k]) = out_.next.states.number_of(around[k]);
+    }
+  }
+
+  const Solid& solid_;
+  const LocalBase& base_;
+  const FractureParameters& parameters_;
+  const Execution& execution_;
+  Pacer pacer_;
+  const SiteId first_new_;
+  HitOutcome out_;
+  std::vector<SiteId> changed_, wanted_;  // ascending; the second has those of the first
+  std::vector<std::uint32_t> triangles_;  // of the solid, that met wanted cells; ascending
+  KeptTetrahedralization::Part
+      part_;                  // all tetrahedra at wanted cells, and at others that share their triangles
+  std::vector<TetId> known_;  // of the part
+  std::vector<InnerVertex> known_windings_;  // `tet` is an index into known_
+  SolidPatch surface_;
+  // Of the part: what was made.
+  WantedFragments made_;
+  std::vector<std::vector<std::uint32_t>> triangles_by_cell_;
+  std::vector<SiteId> label_;
+  std::vector<InnerVertex> inner_vertices_;
+};
+
+}  // namespace
+
+std::optional<HitOutcome> hit_cells(const Solid& solid, const LocalBase& base, std::span<const Vec3d> points,
+                                    const FractureParameters& parameters, const Execution& execution) {
+  return LocalHit(solid, base, parameters, execution).run(points);
+}
+
+}  // namespace fracture

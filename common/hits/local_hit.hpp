@@ -1,0 +1,43 @@
+// A hit on a kept answer, as far as cells of their own are concerned: what new sites change is made again, on the
+// part of the tetrahedralization and the part of the surface that it needs.
+//
+// What a new site changes: its own cell and those of its Delaunay neighbours, no other (Watson 1981). So
+//   - the tetrahedra in conflict with new sites are replaced (kept_tetrahedralization.hpp),
+//   - the triangles that met a changed cell are cut again, among all cells that they meet,
+//   - winding numbers start from the Voronoi vertices that are still there (clip/winding.hpp),
+//   - only facets of changed cells are chained and triangulated, only their pieces assembled, measured and given
+//     hulls.
+// What is linear in the whole: a few passes over arrays of numbers per site, and over a pointer for each block of
+// what is shared.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/hits/kept_answer.hpp"
+
+namespace fracture {
+
+/// Fragment `fragment` of the cell of `site`. In the order of the answer.
+struct PlaceInAnswer {
+  SiteId site;
+  std::uint32_t fragment;
+  auto operator<=>(const PlaceInAnswer&) const = default;
+};
+
+struct HitOutcome {
+  LocalBase next;                        ///< the answer after the hit
+  Delta delta{};                         ///< without neighbours
+  std::vector<PlaceInAnswer> changed{};  ///< what the delta says is new or changed, ascending
+  std::vector<SiteId> around{};          ///< cells that have all bonds of these, ascending
+};
+
+/// Inserts the points, images under the map of cells. Nothing where a piece would have to be united or dropped,
+/// caps cross, two fragments would get the same id, or a site lies outside of the box: then the whole has to be
+/// fractured again. Throws Interrupted.
+std::optional<HitOutcome> hit_cells(const Solid& solid, const LocalBase& base, std::span<const Vec3d> points,
+                                    const FractureParameters& parameters, const Execution& execution);
+
+}  // namespace fracture
