@@ -163,12 +163,24 @@ bool ColumnSampler::cross_all(int axis, std::span<const Column> columns, std::ve
     std::uint16_t u, v;
     bool operator==(const CellOfVertex&) const = default;
   };
-  std::vector<CellOfVertex> cells(solid_.positions.size());
-  for (std::size_t v = 0; v < cells.size(); ++v) {
-    pacer.step();
+  // Where the columns stand close together nearly all triangles lie beyond one side of all of them; what takes time
+  // is only done for the others.
+  std::vector<std::uint8_t> beyond(solid_.positions.size());
+  pacer.each(0, beyond.size(), [&](std::size_t v) {
     const Vec3d p = to_double(solid_.positions[v]);
-    cells[v] = {static_cast<std::uint16_t>(cell_u(p[f.u])), static_cast<std::uint16_t>(cell_v(p[f.v]))};
-  }
+    const double at_u = p[f.u], at_v = p[f.v];
+    beyond[v] = static_cast<std::uint8_t>((at_u < low_u) | (at_u > high_u) << 1 | (at_v < low_v) << 2 |
+                                          (at_v > high_v) << 3);
+  });
+  constexpr CellOfVertex kUnknown{0xffff, 0xffff};
+  std::vector<CellOfVertex> cells(beyond.size(), kUnknown);
+  const auto cell_of_vertex = [&](VertexId v) {
+    if (cells[v] == kUnknown) {
+      const Vec3d p = to_double(solid_.positions[v]);
+      cells[v] = {static_cast<std::uint16_t>(cell_u(p[f.u])), static_cast<std::uint16_t>(cell_v(p[f.v]))};
+    }
+    return cells[v];
+  };
   const auto cross = [&](std::uint32_t t, std::uint32_t item) {
     const Column& column = columns[item];
     const auto& id = solid_.triangles[t];
@@ -192,9 +204,10 @@ bool ColumnSampler::cross_all(int axis, std::span<const Column> columns, std::ve
   constexpr std::uint32_t kManyCells = 64;
   for (std::uint32_t t = 0; t < solid_.triangles.size(); ++t) {
     pacer.step();
-    if (crossings.size() > kMostCrossings && columns.size() > 16) return false;
     const auto& id = solid_.triangles[t];
-    const CellOfVertex a = cells[id[0]], b = cells[id[1]], c = cells[id[2]];
+    if ((beyond[id[0]] & beyond[id[1]] & beyond[id[2]]) != 0) continue;
+    if (crossings.size() > kMostCrossings && columns.size() > 16) return false;
+    const CellOfVertex a = cell_of_vertex(id[0]), b = cell_of_vertex(id[1]), c = cell_of_vertex(id[2]);
     const auto compare = [&](std::uint32_t first, std::uint32_t end) {
       comparisons_ += end - first;
       pacer.step(end - first);
