@@ -8,10 +8,7 @@
 #include "common/base/scratch.hpp"
 
 namespace fracture {
-namespace {
 
-/// Does d lie strictly inside the circle through the counter-clockwise a, b, c? Differences have 26 bits, the
-/// determinant fewer than 110: exact in 128 bits, which are only asked where doubles cannot tell.
 bool in_circle(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c, const LatticePoint& d) {
   const std::int64_t ax = a.x - d.x, ay = a.y - d.y, bx = b.x - d.x, by = b.y - d.y, cx = c.x - d.x,
                      cy = c.y - d.y;
@@ -31,6 +28,8 @@ bool in_circle(const LatticePoint& a, const LatticePoint& b, const LatticePoint&
              term(cx * cx + cy * cy, ax * by - ay * bx) >
          0;
 }
+
+namespace {
 
 /// Keeps its memory from one triangulation to the next: they are many and small.
 class Flipper {

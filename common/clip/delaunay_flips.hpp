@@ -13,6 +13,10 @@
 
 namespace fracture {
 
+/// Does d lie strictly inside the circle through the counter-clockwise a, b, c? Exact for coordinates that differ by
+/// less than 2^26.
+bool in_circle(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c, const LatticePoint& d);
+
 /// Flips inner edges of `triangles` (each inner edge is used once in either direction, boundary edges once)
 /// until each is locally Delaunay, exactly decided, or the flips run out (a bound of kFlipsPerTriangle each
 /// keeps it linear). Only strictly convex quadrilaterals are flipped, so no triangle is turned over that was

@@ -16,13 +16,18 @@ void write_bonds(JsonText& json, const std::vector<Bond>& bonds, const GltfOptio
     for (const Bond& bond : bonds) json.value(of(bond));
     json.end_array();
   };
+  const auto rounded_column = [&](const char* name, auto&& of) {
+    json.key(name).begin_array();
+    for (const Bond& bond : bonds) json.rounded(of(bond));
+    json.end_array();
+  };
   json.begin_object();
   column("a", [&](const Bond& bond) { return id(bond.a); });
   column("b", [&](const Bond& bond) { return id(bond.b); });
-  column("area", [](const Bond& bond) { return bond.area; });
-  column("centroid", [](const Bond& bond) { return bond.centroid; });
-  column("normal", [](const Bond& bond) { return bond.normal; });
-  column("strength", [&](const Bond& bond) { return bond.area * options.bond_strength; });
+  rounded_column("area", [](const Bond& bond) { return bond.area; });
+  rounded_column("centroid", [](const Bond& bond) { return bond.centroid; });
+  rounded_column("normal", [](const Bond& bond) { return bond.normal; });
+  rounded_column("strength", [&](const Bond& bond) { return bond.area * options.bond_strength; });
   json.end_object();
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <concepts>
 #include <cstdint>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
@@ -50,6 +51,15 @@ class JsonText {
     if (!std::isfinite(number)) throw InternalError("a figure for the file is not a finite number");
     if (number == 0 && std::signbit(number)) return put("-0.0");  // "-0" is an integer to some readers
     return put_number(number);
+  }
+  /// As a float, by the shortest text that reads back as the same float: for figures of which many are written and
+  /// nobody needs more. What is too large for a float stays a double.
+  JsonText& rounded(double number) {
+    if (!(std::fabs(number) <= std::numeric_limits<float>::max()) || number == 0) return value(number);
+    return put_number(static_cast<float>(number));
+  }
+  JsonText& rounded(const Vec3d& v) {
+    return begin_array().rounded(v.x).rounded(v.y).rounded(v.z).end_array();
   }
   JsonText& value(bool flag) { return put(flag ? "true" : "false"); }
   JsonText& value(std::string_view text);

@@ -36,7 +36,9 @@ namespace fracture {
 ///                 are closed where they were open; areas in the certificate
 ///  7  2026-11-23  volumes, masses and what follows from them of bodies of needles
 ///  8  2026-11-23  hulls of convex fragments are their own surfaces; rough cuts calm down in fewer steps
-inline constexpr int kAlgorithmVersion = 8;
+///  9  2026-11-23  collars of rough cuts are zipped up before they are flipped, another choice where four
+///                 corners are on a circle; areas, places and directions of bonds as floats
+inline constexpr int kAlgorithmVersion = 9;
 
 enum class Dual {
   kCircumcenter,  ///< the Voronoi diagram: fragments partition the solid exactly

@@ -41,19 +41,17 @@ BoxTree::BoxTree(const std::vector<Box>& boxes, const std::vector<std::uint32_t>
 /// middle one; returns its number.
 std::uint32_t BoxTree::halve(std::vector<Item>& items, std::uint32_t first, std::uint32_t last, Box& all,
                              Pacer& pacer) {
+  pacer.step(last - first);
+  for (std::uint32_t k = first; k < last; ++k) all.add(items[k].box);
+  const std::uint32_t half = first + (last - first) / 2;
+  if (last - first <= kLeaf) return half;
   const auto twice_middle = [](const Item& item) { return item.box.min + item.box.max; };
   Box middles;
-  for (std::uint32_t k = first; k < last; ++k) {
-    all.add(items[k].box);
-    middles.add(twice_middle(items[k]));
-  }
-  pacer.step(last - first);
+  for (std::uint32_t k = first; k < last; ++k) middles.add(twice_middle(items[k]));
   const Vec3d size = middles.size();
   int axis = 0;
   for (int a = 1; a < 3; ++a)
     if (size[a] > size[axis]) axis = a;
-  const std::uint32_t half = first + (last - first) / 2;
-  if (last - first <= kLeaf) return half;
   const auto less = [&](const Item& x, const Item& y) {
     const double a = twice_middle(x)[axis], b = twice_middle(y)[axis];
     return a != b ? a < b : x.index < y.index;

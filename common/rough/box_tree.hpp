@@ -133,8 +133,10 @@ class BoxTree {
     }
     if (!a.box.intersects(b.box)) return;
     if (a.count > 0 && b.count > 0) {
-      for (std::uint32_t i = a.first; i < a.first + a.count; ++i)
+      for (std::uint32_t i = a.first; i < a.first + a.count; ++i) {
+        if (!items_[i].box.intersects(b.box)) continue;
         for (std::uint32_t j = b.first; j < b.first + b.count; ++j) visit_pair(items_[i], items_[j], visit);
+      }
     } else if (a.count == 0) {
       pairs(m + 1, n, visit);
       pairs(a.first, n, visit);

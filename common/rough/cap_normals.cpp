@@ -1,9 +1,11 @@
 #include "common/rough/cap_normals.hpp"
 
 #include <algorithm>
-#include <array>
+#include <numeric>
+#include <span>
 
 #include "common/base/pacer.hpp"
+#include "common/base/stamped_map.hpp"
 
 namespace fracture {
 namespace {
@@ -15,9 +17,60 @@ constexpr std::size_t kMostAtOnePlace = 64;
 constexpr double kOneCut = 0.94;
 
 struct Corner {
-  std::array<std::int32_t, 3> place;  // on the seam lattice: coinciding vertices are one
   std::uint32_t region, corner;
 };
+
+/// The corners of a cut by the place where they are, in the order of their regions at each.
+class CornersByPlace {
+ public:
+  void begin(std::size_t vertices) {
+    number_.next_epoch(vertices);
+    places_.clear();
+    corners_.clear();
+    begin_.assign(1, 0);
+  }
+  void add(std::size_t place, const Corner& corner) {
+    std::uint32_t& number = number_.slot(place);
+    if (number == StampedMap::kEmpty) {
+      number = static_cast<std::uint32_t>(begin_.size() - 1);
+      begin_.push_back(0);
+    }
+    ++begin_[number + 1];
+    places_.push_back(number);
+    corners_.push_back(corner);
+  }
+  /// A counting sort.
+  void group() {
+    for (std::size_t p = 0; p + 1 < begin_.size(); ++p) begin_[p + 1] += begin_[p];
+    next_.assign(begin_.begin(), begin_.end() - 1);
+    sorted_.resize(corners_.size());
+    for (std::size_t k = 0; k < corners_.size(); ++k) sorted_[next_[places_[k]]++] = corners_[k];
+  }
+  std::size_t places() const { return begin_.size() - 1; }
+  std::span<const Corner> at(std::size_t place) const {
+    return {sorted_.data() + begin_[place], begin_[place + 1] - begin_[place]};
+  }
+
+ private:
+  StampedMap& number_ = worker_map();
+  std::vector<std::uint32_t> places_, begin_, next_;
+  std::vector<Corner> corners_, sorted_;
+};
+
+/// Per constructed vertex, one for all that lie at the same place of the seam lattice.
+std::vector<std::uint32_t> places_of(const VertexPositions& positions, const Execution& execution) {
+  const auto& steps = positions.steps;
+  std::vector<std::uint32_t> order(steps.size()), place(steps.size());
+  std::iota(order.begin(), order.end(), 0u);
+  sort_with_polls(execution, order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return steps[a] != steps[b] ? steps[a] < steps[b] : a < b;
+  });
+  Pacer pacer(execution);
+  pacer.each(0, order.size(), [&](std::size_t k) {
+    place[order[k]] = k > 0 && steps[order[k]] == steps[order[k - 1]] ? place[order[k - 1]] : order[k];
+  });
+  return place;
+}
 
 }  // namespace
 
@@ -46,44 +99,41 @@ std::vector<Vec3f> cap_normals(const VoronoiDiagram& diagram, const std::vector<
   const auto sign_of = [&](std::uint32_t r) {
     return owner_of_site[caps.regions[r].lo] < owner_of_site[caps.regions[r].hi] ? 1.0 : -1.0;
   };
+  const std::vector<std::uint32_t> place = places_of(positions, execution);
   std::vector<Vec3f> normals(3 * caps.triangles.size());
   parallel_for(execution, count, 16, [&](std::size_t first, std::size_t last) {
-    std::vector<Corner> corners;
+    CornersByPlace corners;
     Pacer pacer(execution);
+    struct Sum {
+      std::uint32_t region;
+      std::size_t first, last;
+      Vec3d facet, normal;
+    };
+    std::vector<Sum> sums;  // at one place, by region
     for (std::size_t c = first; c < last; ++c) {
-      corners.clear();
+      corners.begin(place.size());
       for (std::size_t k = begin[c]; k < begin[c + 1]; ++k) {
         const CapRegion& region = caps.regions[cuts[k].region];
-        pacer.step(4 * region.triangle_count);
+        pacer.step(8 * region.triangle_count);
         for (std::uint32_t t = region.first_triangle; t < region.first_triangle + region.triangle_count; ++t)
           for (std::uint32_t i = 0; i < 3; ++i)
-            corners.push_back({positions.steps[caps.triangles[t][i] - positions.first_constructed],
-                               cuts[k].region, 3 * t + i});
+            corners.add(place[caps.triangles[t][i] - positions.first_constructed],
+                        {cuts[k].region, 3 * t + i});
       }
-      sort_with_polls(execution, corners.begin(), corners.end(), [](const Corner& x, const Corner& y) {
-        for (std::size_t a = 0; a < 3; ++a)
-          if (x.place[a] != y.place[a]) return x.place[a] < y.place[a];
-        return x.region != y.region ? x.region < y.region : x.corner < y.corner;
-      });
-      struct Sum {
-        std::uint32_t region;
-        std::size_t first, last;
-        Vec3d facet, normal;
-      };
-      std::vector<Sum> sums;  // at one place, by region
-      for (std::size_t k = 0; k < corners.size();) {
+      corners.group();
+      for (std::size_t p = 0; p < corners.places(); ++p) {
+        const std::span<const Corner> here = corners.at(p);
         sums.clear();
-        std::size_t end = k;
-        for (; end < corners.size() && corners[end].place == corners[k].place; ++end) {
-          const std::uint32_t r = corners[end].region;
+        for (std::size_t k = 0; k < here.size(); ++k) {
+          const std::uint32_t r = here[k].region;
           if (sums.empty() || sums.back().region != r) {
             const Vec3d u = diagram.facet_normal(caps.regions[r].lo, caps.regions[r].hi);
-            sums.push_back({r, end, end, (sign_of(r) / length(u)) * u, {}});
+            sums.push_back({r, k, k, (sign_of(r) / length(u)) * u, {}});
           }
-          const auto& t = caps.triangles[corners[end].corner / 3];
+          const auto& t = caps.triangles[here[k].corner / 3];
           sums.back().normal =
               sums.back().normal + sign_of(r) * cross(at(t[1]) - at(t[0]), at(t[2]) - at(t[0]));
-          sums.back().last = end + 1;
+          sums.back().last = k + 1;
         }
         const bool crowded = sums.size() > kMostAtOnePlace;
         for (const Sum& own : sums) {
@@ -94,10 +144,9 @@ std::vector<Vec3f> cap_normals(const VoronoiDiagram& diagram, const std::vector<
           const double l = length(n);
           n = l > 0 ? (sign_of(own.region) / l) * n : sign_of(own.region) * own.facet;
           for (std::size_t m = own.first; m < own.last; ++m)
-            normals[corners[m].corner] = {static_cast<float>(n.x), static_cast<float>(n.y),
-                                          static_cast<float>(n.z)};
+            normals[here[m].corner] = {static_cast<float>(n.x), static_cast<float>(n.y),
+                                       static_cast<float>(n.z)};
         }
-        k = end;
       }
     }
   });

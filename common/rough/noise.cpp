@@ -22,10 +22,12 @@ Vec3d gradient_noise(const Vec3d& p, std::uint64_t seed) {
   const Vec3d d = p - cell, s{ease(d.x), ease(d.y), ease(d.z)};
   const auto bits = [](double whole) { return static_cast<std::uint64_t>(static_cast<std::int64_t>(whole)); };
   Vec3d sum;
+  std::uint64_t by_x[2], by_xy[4];
+  for (unsigned x = 0; x < 2; ++x) by_x[x] = mix64(seed ^ (bits(cell.x) + x));
+  for (unsigned xy = 0; xy < 4; ++xy) by_xy[xy] = mix64(by_x[xy & 1] + bits(cell.y) + (xy >> 1));
   for (unsigned corner = 0; corner < 8; ++corner) {
     const unsigned x = corner & 1, y = corner >> 1 & 1, z = corner >> 2;
-    const std::uint64_t hash =
-        mix64(mix64(mix64(seed ^ (bits(cell.x) + x)) + bits(cell.y) + y) + bits(cell.z) + z);
+    const std::uint64_t hash = mix64(by_xy[corner & 3] + bits(cell.z) + z);
     const double weight = (x ? s.x : 1 - s.x) * (y ? s.y : 1 - s.y) * (z ? s.z : 1 - s.z);
     const Vec3d from{d.x - x, d.y - y, d.z - z};
     // Three independent picks of twelve from one hash: sixteen of its bits each, scaled.

@@ -8,9 +8,9 @@
 #include "common/base/disjoint_sets.hpp"
 #include "common/base/pacer.hpp"
 #include "common/base/stamped_map.hpp"
-#include "common/clip/delaunay_flips.hpp"
 #include "common/clip/ear_clipping.hpp"
 #include "common/mesh/mesh.hpp"
+#include "common/rough/collar.hpp"
 #include "common/rough/core_lattice.hpp"
 #include "common/rough/edge_splits.hpp"
 
@@ -85,7 +85,7 @@ class RegionRefiner {
   // (Pieces::piece_of_cap), so each has to be a region of its own.
   void find_components() {
     component_.clear();
-    if (loop_begin_.size() < 3 && collar_.regions < 2) return;
+    if (loop_begin_.size() < 3 && collar_.regions() < 2) return;
     joined_ = DisjointSets(ids_.size() + fresh_.size());
     for (const Triangle& t : triangles_) {
       joined_.unite(t[0], t[1]);
@@ -262,10 +262,8 @@ class RegionRefiner {
     collar_points_.clear();
     for (std::size_t k = 0; k < loop_.size(); ++k) collar_points_.push_back(rounded(plane_[k]));
     for (const std::uint32_t r : core_.rim()) collar_points_.push_back(rounded(core_.points()[r]));
-    triangulate(collar_points_, collar_begin_, collar_);
-    if (collar_.unnested_loops > 0) return false;
-    flip_to_delaunay(collar_points_, collar_.triangles);
-    for (const Triangle& t : collar_.triangles)
+    if (!collar_.build(collar_points_, collar_begin_, loop_begin_.size() - 1, execution_)) return false;
+    for (const Triangle& t : collar_.triangles())
       triangles_.push_back({corner_[t[0]], corner_[t[1]], corner_[t[2]]});
     for (const Triangle& t : core_.triangles())
       triangles_.push_back({known + t[0], known + t[1], known + t[2]});
@@ -318,7 +316,7 @@ class RegionRefiner {
   std::vector<std::uint32_t> middle_;
   std::vector<std::uint32_t> corner_, collar_begin_, ring_local_;
   std::vector<LatticePoint> collar_points_;
-  Triangulation collar_;
+  Collar collar_;
   std::vector<CutVertexId> ids_;
   std::vector<Vec3d> fresh_;
   std::vector<Triangle> triangles_;
