@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <memory>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -17,8 +18,18 @@ template <class T, std::size_t kBlock = 64>
 class SharedBlocks {
  public:
   SharedBlocks() = default;
-  /// Takes the array over as it lies in memory; no element is copied.
+  /// Takes the array over. Where its elements hold nothing it stays as it lies in memory, and goes when no block of
+  /// it is used any more; else each block goes by itself.
   explicit SharedBlocks(std::vector<T> all) : size_(all.size()) {
+    if constexpr (!std::is_trivially_destructible_v<T>) {
+      for (std::size_t k = 0; k < size_; k += kBlock) {
+        blocks_.push_back(std::make_shared<T[]>(kBlock));
+        std::move(all.begin() + static_cast<std::ptrdiff_t>(k),
+                  all.begin() + static_cast<std::ptrdiff_t>(std::min(size_, k + kBlock)),
+                  blocks_.back().get());
+      }
+      return;
+    }
     const auto owner = std::make_shared<std::vector<T>>(std::move(all));
     blocks_.reserve((size_ + kBlock - 1) / kBlock);
     for (std::size_t k = 0; k < size_; k += kBlock)

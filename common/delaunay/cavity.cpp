@@ -26,11 +26,11 @@ IncrementalDelaunay::Insertion IncrementalDelaunay::insert(const Vec3d& p) {
   });
 }
 
-IncrementalDelaunay::Insertion IncrementalDelaunay::insert_in_part(const Vec3d& p) {
+IncrementalDelaunay::Insertion IncrementalDelaunay::insert_in_part(const Vec3d& p, TetVertexId near) {
   if (tet_count() > options_.max_tets) return {Status::kFull, kNoVertex};
   const TetVertexId v = new_vertex(p);
   TetId start = kNoTet;
-  if (const std::optional<Located> at = walk(position(v), last_)) {
+  if (const std::optional<Located> at = walk(position(v), vertices_[near].tet)) {
     start = at->tet;
   } else {
     for (const TetId t : ids<TetId>(tets_.size())) {

@@ -81,9 +81,9 @@ class IncrementalDelaunay {
   /// Expected constant time when near the last insertion, N^(1/3) steps of walk otherwise.
   Insertion insert(const Vec3d& p);
   /// The same in a part of a tetrahedralization, for a p that is no vertex: behind facets without a neighbour lies
-  /// what is missing, none of which may be in conflict with p. Where the way to p leaves the part, all tetrahedra
-  /// are looked through.
-  Insertion insert_in_part(const Vec3d& p);
+  /// what is missing, none of which may be in conflict with p. The way to p begins at the vertex `near`; where it
+  /// leaves the part, all tetrahedra are looked through.
+  Insertion insert_in_part(const Vec3d& p, TetVertexId near);
 
   std::uint32_t site_count() const {
     return static_cast<std::uint32_t>(vertices_.size() - 4 - free_vertices_.size());

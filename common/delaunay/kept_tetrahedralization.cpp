@@ -105,6 +105,7 @@ struct KeptTetrahedralization::Conflicts {
   std::vector<TetId> tets;
   IdTable number;                    // per such tetrahedron: its place in `tets`
   std::vector<std::uint32_t> fresh;  // indices of points, in the order of insertion
+  std::vector<TetVertexId> near;     // per fresh one: a corner of the tetrahedron that it lay in
   std::vector<std::uint32_t> rank;   // per point: which of the fresh ones it is, in their order; or kNoIndex
 
   Conflicts(const KeptTetrahedralization& kept, std::span<const Vec3d> points, const Execution& execution) {
@@ -130,6 +131,7 @@ struct KeptTetrahedralization::Conflicts {
           std::any_of(corners.begin(), corners.end(), [&](TetVertexId v) { return kept.at(v) == p; }))
         continue;
       fresh.push_back(k);
+      near.push_back(corners[0]);
       std::vector<TetId> found{start};
       tested.slot(start) = k;
       for (std::size_t n = 0; n < found.size(); ++n) {
@@ -208,9 +210,13 @@ std::optional<KeptTetrahedralization::Insertion> KeptTetrahedralization::insert(
   IncrementalDelaunay delaunay(big_, {limit, &execution}, region);
   std::vector<SiteId> site_of_vertex(4 + vertices.size() + conflicts.fresh.size(), kNoSite);
   for (const SiteId s : ids<SiteId>(vertices.size())) site_of_vertex[4 + s] = s;
-  for (const std::uint32_t k : conflicts.fresh) {
+  for (std::size_t n = 0; n < conflicts.fresh.size(); ++n) {
     pacer.step(1024);
-    const auto [status, vertex] = delaunay.insert_in_part(points[k]);
+    const std::uint32_t k = conflicts.fresh[n];
+    // From a corner of its tetrahedron straight to it, all belongs to the region.
+    const SiteId from = local(conflicts.near[n]);
+    const TetVertexId near{from < vertices.size() ? 4 + from : from - vertices.size()};
+    const auto [status, vertex] = delaunay.insert_in_part(points[k], near);
     if (status == IncrementalDelaunay::Status::kFull) return std::nullopt;
     site_of_vertex[vertex] = SiteId{vertices.size() + conflicts.rank[k]};
   }

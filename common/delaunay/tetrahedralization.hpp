@@ -77,8 +77,8 @@ Expected<Tetrahedralization> tetrahedralize(std::span<const Vec3d> sites, const 
 
 /// Renumbers: each tetrahedron's vertices ascending (up to a swap of the last two that keeps it positive),
 /// tetrahedra by vertex tuple, tet_of_site the first one. Equal sets of tetrahedra with equal site ids become
-/// equal. Returns, per tetrahedron as it was, its new number. n log n in the tetrahedra of one site, else linear; not part of tetrahedralize() because of its
-/// cost (DECISION.md). Throws Interrupted.
+/// equal. Returns, per tetrahedron as it was, its new number. n log n in the tetrahedra of one site, else linear; not
+/// part of tetrahedralize() because of its cost (DECISION.md). Throws Interrupted.
 std::vector<TetId> canonicalize(Tetrahedralization& t, const Execution& execution = kUninterrupted);
 
 }  // namespace fracture

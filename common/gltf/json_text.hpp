@@ -53,10 +53,11 @@ class JsonText {
     return put_number(number);
   }
   /// As a float, by the shortest text that reads back as the same float: for figures of which many are written and
-  /// nobody needs more. What is too large for a float stays a double.
+  /// nobody needs more. What is too large or too small for a float stays a double.
   JsonText& rounded(double number) {
-    if (!(std::fabs(number) <= std::numeric_limits<float>::max()) || number == 0) return value(number);
-    return put_number(static_cast<float>(number));
+    if (!(std::fabs(number) <= std::numeric_limits<float>::max())) return value(number);
+    const auto rounded = static_cast<float>(number);
+    return rounded == 0 ? value(number) : put_number(rounded);
   }
   JsonText& rounded(const Vec3d& v) {
     return begin_array().rounded(v.x).rounded(v.y).rounded(v.z).end_array();

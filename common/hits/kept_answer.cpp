@@ -87,6 +87,13 @@ std::size_t memory_size(const FracturedBase& base) {
   constexpr std::size_t kPerSite = sizeof(Vec3d) + sizeof(TetId) +
                                    2 * sizeof(std::shared_ptr<const KeptCell>) +
                                    sizeof(std::vector<KeptBond>) + 8 * sizeof(KeptBond);
+  if (local.image) {
+    const Solid& image = *local.image;
+    bytes += heap(image.positions) + heap(image.triangles) + heap(image.edges) + heap(image.edge_vertices) +
+             heap(image.shell) + heap(image.part) + heap(image.parts);
+  }
+  for (std::uint32_t k = 0; k < local.states->size(); ++k)  // as a vector, and as a key of the map
+    bytes += 2 * (sizeof(std::vector<PartWinding>) + heap((*local.states)[k])) + 48;
   return bytes + kPerSite * local.cells.size() +
          (sizeof(KeptTetrahedralization::Tet) + sizeof(std::uint32_t)) * local.tetrahedra.tet_end() +
          sizeof(SiteId) * local.label.size() + local.cell_bytes + heap(f.first_of) + heap(f.volumes) +
@@ -114,6 +121,7 @@ void LocalBaseMaker::see(const RestrictedDiagram& restricted, const Execution& e
   const Tetrahedralization& t = restricted.diagram.dual();
   box_ = restricted.seen.box;
   label_ = restricted.cuts.label;
+  if (restricted.diagram.map()) image_ = std::make_shared<const Solid>(restricted.seen);
   triangles_ = triangles_by_cell(restricted.seen, restricted.cuts, t.site_count(), execution);
 
   // Inner vertices by tetrahedron; most have one.
@@ -169,13 +177,14 @@ std::optional<LocalBase> LocalBaseMaker::make(const FracturedSolid& answer, cons
   for (std::uint32_t k = 0; k < fragments.size(); ++k) kept.push_back(kept_fragment(answer, k, execution));
   LocalBase base{std::move(*tetrahedra),
                  SharedBlocks<std::uint32_t, 256>(std::move(state_)),
-                 std::move(states_),
+                 std::make_shared<const WindingStates>(std::move(states_)),
                  SharedBlocks<SiteId, 256>(std::move(label_)),
                  {},
                  {},
                  figures_of(kept, sites, execution),
                  diagram.map,
-                 notes_of(diagram)};
+                 notes_of(diagram),
+                 std::move(image_)};
   const std::vector<std::uint32_t>& first_of = base.figures.first_of;
   Pacer pacer(execution);
   std::vector<std::shared_ptr<const KeptCell>> cells(sites);

@@ -56,6 +56,11 @@ class WindingStates {
     if (is_new) all_.push_back(state);
     return at->second;
   }
+  /// kNoIndex: not there.
+  std::uint32_t find(const std::vector<PartWinding>& state) const {
+    const auto at = numbers_.find(state);
+    return at == numbers_.end() ? kNoIndex : at->second;
+  }
   const std::vector<PartWinding>& operator[](std::uint32_t number) const { return all_[number]; }
   std::size_t size() const { return all_.size(); }
 
@@ -87,13 +92,14 @@ struct FragmentFigures {
 struct LocalBase {
   KeptTetrahedralization tetrahedra;
   SharedBlocks<std::uint32_t, 256> state;  ///< per tetrahedron: what winds around its Voronoi vertex
-  WindingStates states;
+  std::shared_ptr<const WindingStates> states;
   SharedBlocks<SiteId, 256> label;                                   ///< per vertex of the solid: its cell
   SharedBlocks<std::shared_ptr<const KeptCell>> cells;               ///< per site
   SharedBlocks<std::shared_ptr<const std::vector<KeptBond>>> bonds;  ///< per site; null: none
   FragmentFigures figures;
   std::optional<Matrix3> map{};
   SiteNotes notes;
+  std::shared_ptr<const Solid> image{};  ///< of the solid under the map, where there is one
   std::size_t cell_bytes = 0;  ///< of memory behind `cells`; those that answers share are counted by each
 };
 
@@ -132,6 +138,7 @@ class LocalBaseMaker {
   WindingStates states_;
   std::vector<SiteId> label_;
   std::vector<std::vector<std::uint32_t>> triangles_;  // per site
+  std::shared_ptr<const Solid> image_;
 };
 
 /// Fragment k with its hulls.

@@ -9,7 +9,6 @@
 #include "common/fragment/pieces.hpp"
 #include "common/hits/difference.hpp"
 #include "common/physics/collision_hulls.hpp"
-#include "common/solid/image.hpp"
 #include "common/solid/patch.hpp"
 #include "common/voronoi/voronoi_diagram.hpp"
 
@@ -114,7 +113,7 @@ class LocalHit {
       if (is_made.find(part_.tets[t]) != IdTable::kEmpty) continue;
       const auto index = static_cast<std::uint32_t>(known_.size());
       known_.push_back(t);
-      for (const PartWinding& w : base_.states[base_.state[part_.tets[t]]])
+      for (const PartWinding& w : (*base_.states)[base_.state[part_.tets[t]]])
         known_windings_.push_back({TetId{index}, w.part, w.winding});
     }
   }
@@ -127,10 +126,7 @@ class LocalHit {
       if (parts.empty() || parts.back() != v.part) parts.push_back(v.part);
     surface_ = patch_of(solid_, std::move(triangles_), parts, execution_);
     std::optional<SolidPatch> image;
-    if (base_.map) {
-      const SeenSolid whole(solid_, base_.map, execution_);
-      image = patch_of(whole.seen(), surface_.triangles, parts, execution_);
-    }
+    if (base_.image) image = patch_of(*base_.image, surface_.triangles, parts, execution_);
     const Solid& seen = image ? image->solid : surface_.solid;
     for (InnerVertex& v : known_windings_) v.part = surface_.local_part(v.part);
 
@@ -171,19 +167,30 @@ class LocalHit {
 
   /// The fragments of a cell that changed: which are new, changed, gone?
   void compare(SiteId s, const std::vector<KeptFragment>& before, const std::vector<KeptFragment>& after) {
-    const auto same_id = [](std::uint64_t id) {
-      return [id](const KeptFragment& kept) { return kept.fragment.id == id; };
+    const auto by_id = [&](const std::vector<KeptFragment>& fragments) {
+      std::vector<std::pair<std::uint64_t, const Fragment*>> result;
+      for (const KeptFragment& kept : fragments) result.emplace_back(kept.fragment.id, &kept.fragment);
+      sort_with_polls(execution_, result.begin(), result.end());
+      return result;
+    };
+    const auto was = by_id(before), is = by_id(after);
+    const auto find = [](const auto& all, std::uint64_t id) -> const Fragment* {
+      const auto at =
+          std::lower_bound(all.begin(), all.end(), std::pair<std::uint64_t, const Fragment*>{id, nullptr});
+      return at != all.end() && at->first == id ? at->second : nullptr;
     };
     for (std::uint32_t k = 0; k < after.size(); ++k) {
+      pacer_.step(16);
       const Fragment& f = after[k].fragment;
-      const auto at = std::find_if(before.begin(), before.end(), same_id(f.id));
-      if (at != before.end() && same_shape(at->fragment, f)) continue;
-      (at == before.end() ? out_.delta.added : out_.delta.changed).push_back(f.id);
+      const Fragment* const earlier = find(was, f.id);
+      if (earlier && same_shape(*earlier, f)) continue;
+      (earlier ? out_.delta.changed : out_.delta.added).push_back(f.id);
       out_.changed.push_back({s, k});
     }
-    for (const KeptFragment& kept : before)
-      if (std::none_of(after.begin(), after.end(), same_id(kept.fragment.id)))
-        out_.delta.gone.push_back(kept.fragment.id);
+    for (const KeptFragment& kept : before) {
+      pacer_.step(16);
+      if (!find(is, kept.fragment.id)) out_.delta.gone.push_back(kept.fragment.id);
+    }
   }
 
   void replace_cells() {
@@ -353,7 +360,13 @@ class LocalHit {
     }
     for (std::size_t k = 0; k < made.size(); ++k) {
       pacer_.step(4);
-      state.at(made[k]) = out_.next.states.number_of(around[k]);
+      std::uint32_t number_of_state = out_.next.states->find(around[k]);
+      if (number_of_state == kNoIndex) {
+        auto states = std::make_shared<WindingStates>(*out_.next.states);
+        number_of_state = states->number_of(around[k]);
+        out_.next.states = std::move(states);
+      }
+      state.at(made[k]) = number_of_state;
     }
   }
 

@@ -42,7 +42,8 @@ bool Collar::zip(std::span<const LatticePoint> points, std::uint32_t rim_begin) 
 bool Collar::build(std::span<const LatticePoint> points, std::span<const std::uint32_t> loop_begin,
                    std::size_t caps_loops, const Execution& execution) {
   triangulation_.clear();
-  if (caps_loops == 1 && loop_begin.size() == 3 && zip(points, loop_begin[1])) {
+  zipped_ = caps_loops == 1 && loop_begin.size() == 3 && zip(points, loop_begin[1]);
+  if (zipped_) {
     triangulation_.regions = 1;
   } else {
     triangulation_.clear();

@@ -27,6 +27,8 @@ class Collar {
 
   /// Indices of the points.
   const std::vector<std::array<std::uint32_t, 3>>& triangles() const { return triangulation_.triangles; }
+  /// Was it one ring, and did the zip get around?
+  bool zipped() const { return zipped_; }
   std::uint32_t regions() const { return triangulation_.regions; }
   void clear() { triangulation_.clear(); }
 
@@ -34,6 +36,7 @@ class Collar {
   bool zip(std::span<const LatticePoint> points, std::uint32_t rim_begin);
 
   Triangulation triangulation_;
+  bool zipped_ = false;
 };
 
 }  // namespace fracture

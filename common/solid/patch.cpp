@@ -1,12 +1,50 @@
 #include "common/solid/patch.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "common/base/pacer.hpp"
 #include "common/base/ranked_set.hpp"
 
 namespace fracture {
+namespace {
+
+/// Some numbers below n: bits for all of them where some are many, else a list.
+class Chosen {
+ public:
+  Chosen(std::size_t n, std::size_t expected) {
+    if (n / 64 <= 4 * expected) bits_.emplace(n);
+  }
+  void add(std::uint32_t k) {
+    if (bits_)
+      bits_->add(k);
+    else
+      list_.push_back(k);
+  }
+  void close(const Execution& execution) {
+    if (bits_) return bits_->close();
+    sort_with_polls(execution, list_.begin(), list_.end());
+    list_.erase(std::unique(list_.begin(), list_.end()), list_.end());
+  }
+  std::uint32_t size() const { return bits_ ? bits_->size() : static_cast<std::uint32_t>(list_.size()); }
+  std::uint32_t rank(std::uint32_t k) const {
+    if (bits_) return bits_->rank(k);
+    return static_cast<std::uint32_t>(std::lower_bound(list_.begin(), list_.end(), k) - list_.begin());
+  }
+  template <class Visit>
+  void each(const Visit& visit) const {
+    if (bits_) return bits_->each(visit);
+    for (const std::uint32_t k : list_) visit(k);
+  }
+
+ private:
+  std::optional<RankedSet> bits_;
+  std::vector<std::uint32_t> list_;
+};
+
+}  // namespace
+
 std::uint32_t SolidPatch::local_part(std::uint32_t part) const {
   return static_cast<std::uint32_t>(std::lower_bound(parts.begin(), parts.end(), part) - parts.begin());
 }
@@ -15,8 +53,9 @@ SolidPatch patch_of(const Solid& whole, std::vector<std::uint32_t> triangles,
                     std::span<const std::uint32_t> further_parts, const Execution& execution) {
   Pacer pacer(execution);
   SolidPatch patch;
-  RankedSet vertices(whole.positions.size()), edges(whole.edge_vertices.size()), parts(whole.parts.size()),
-      layers(whole.layers);
+  const std::size_t expected = triangles.size();
+  Chosen vertices(whole.positions.size(), expected), edges(whole.edge_vertices.size(), expected),
+      parts(whole.parts.size(), expected), layers(whole.layers, expected);
   for (const std::uint32_t t : triangles) {
     pacer.step(2);
     for (const VertexId v : whole.triangles[t]) vertices.add(v);
@@ -24,8 +63,9 @@ SolidPatch patch_of(const Solid& whole, std::vector<std::uint32_t> triangles,
     parts.add(whole.part[t]);
   }
   for (const std::uint32_t p : further_parts) parts.add(p);
+  for (Chosen* chosen : {&vertices, &edges, &parts}) chosen->close(execution);
   parts.each([&](std::uint32_t p) { layers.add(whole.parts[p].layer); });
-  for (RankedSet* set : {&vertices, &edges, &parts, &layers}) set->close();
+  layers.close(execution);
 
   Solid& s = patch.solid;
   s.source = whole.source;

@@ -22,9 +22,8 @@ struct SolidPatch {
   std::uint32_t local_part(std::uint32_t part) const;
 };
 
-/// `triangles`: ascending, none twice. `further_parts`: parts that it shall have, whether or not they have a
-/// triangle here; in any order. Linear in what comes out, and in
-/// the whole at a bit for each vertex and edge. Throws Interrupted.
+/// `triangles`: ascending, none twice. `further_parts`: parts that it shall have, whether or not they have a triangle
+/// here; in any order. n log n in what comes out. Throws Interrupted.
 SolidPatch patch_of(const Solid& whole, std::vector<std::uint32_t> triangles,
                     std::span<const std::uint32_t> further_parts, const Execution& execution);
 

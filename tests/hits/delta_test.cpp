@@ -30,15 +30,32 @@ bool same_bits(const T& a, const T& b) {
   return std::memcmp(&a, &b, sizeof(T)) == 0;
 }
 
+template <class T>
+bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
+}
+template <class T>
+bool same_bits(const std::vector<std::vector<T>>& a, const std::vector<std::vector<T>>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const auto& x, const auto& y) { return same_bits(x, y); });
+}
+
 void expect_same(const Fragment& a, const Fragment& b) {
   EXPECT_EQ(a.id, b.id);
   EXPECT_EQ(a.sites, b.sites);
   EXPECT_EQ(a.part, b.part);
   EXPECT_EQ(a.node, b.node);
   EXPECT_TRUE(same_bits(a.pivot, b.pivot));
-  EXPECT_EQ(a.positions, b.positions);
-  EXPECT_EQ(a.attributes.normals, b.attributes.normals);
-  EXPECT_EQ(a.attributes.uvs, b.attributes.uvs);
+  EXPECT_TRUE(same_bits(a.positions, b.positions));
+  EXPECT_TRUE(same_bits(a.attributes.normals, b.attributes.normals));
+  EXPECT_TRUE(same_bits(a.attributes.tangents, b.attributes.tangents));
+  EXPECT_TRUE(same_bits(a.attributes.uvs, b.attributes.uvs));
+  EXPECT_TRUE(same_bits(a.attributes.colors, b.attributes.colors));
+  EXPECT_TRUE(same_bits(a.bodies, b.bodies));
+  EXPECT_TRUE(same_bits(a.caps, b.caps));
+  EXPECT_TRUE(same_bits(a.surface_area, b.surface_area));
+  EXPECT_EQ(a.cap_sum, b.cap_sum);
+  EXPECT_EQ(a.open_edges, b.open_edges);
   EXPECT_EQ(a.indices, b.indices);
   EXPECT_EQ(a.topology, b.topology);
   ASSERT_EQ(a.primitives.size(), b.primitives.size());
@@ -71,6 +88,11 @@ void expect_same(const FragmentSet& a, const FragmentSet& b) {
   EXPECT_TRUE(same_bits(a.certificate.volume_out, b.certificate.volume_out));
   EXPECT_TRUE(same_bits(a.certificate.volume_file, b.certificate.volume_file));
   EXPECT_TRUE(same_bits(a.certificate.relative_error, b.certificate.relative_error));
+  EXPECT_TRUE(same_bits(a.certificate.area_in, b.certificate.area_in));
+  EXPECT_TRUE(same_bits(a.certificate.area_out, b.certificate.area_out));
+  EXPECT_TRUE(same_bits(a.certificate.pocket_volume, b.certificate.pocket_volume));
+  EXPECT_TRUE(same_bits(a.certificate.pocket_area, b.certificate.pocket_area));
+  EXPECT_EQ(a.certificate.unmirrored_caps, b.certificate.unmirrored_caps);
   EXPECT_EQ(a.certificate.sites_asked, b.certificate.sites_asked);
   EXPECT_EQ(a.certificate.cells, b.certificate.cells);
   EXPECT_EQ(a.certificate.islands, b.certificate.islands);
@@ -262,6 +284,25 @@ TEST(Delta, InAStretchedDiagram) {
   FractureParameters p = hits_on(mesh, 80, 0.15);
   p.anisotropy.stretch = 3;
   EXPECT_EQ(expect_hits(mesh, p), 3);
+}
+
+// What winds around a Voronoi vertex in both of them are two layers, and under a map perhaps other ones.
+TEST(Delta, OfPartsThatOverlap) {
+  const Mesh mesh = joined(
+      {ico_sphere(3), translated(ico_sphere(2), {0.6, 0.1, 0}), translated(ico_sphere(2), {-3, 0.1, 0})});
+  FractureParameters p = hits_on(mesh, 120, 0.2);
+  for (LocalImpact& hit : p.hits) hit.point = {0.3, 0.1, 0.2};
+  EXPECT_EQ(expect_hits(mesh, p), 3);
+  p.anisotropy.stretch = 2.5;
+  EXPECT_EQ(expect_hits(mesh, p), 3);
+}
+
+// One cell with thousands of pieces: what is compared is looked up, not searched for.
+TEST(Delta, OfACellWithManyPieces) {
+  const Mesh mesh = cube_field(8);
+  FractureParameters p = hits_on(mesh, 1, 0.1);
+  p.hits.resize(1);
+  EXPECT_EQ(expect_hits(mesh, p), 1);
 }
 
 TEST(Delta, DeepInsideWhereNoVoronoiVertexLiesOutside) {

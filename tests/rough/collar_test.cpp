@@ -78,6 +78,7 @@ void expect_delaunay(const Loops& loops, const Collar& collar) {
 
 TEST(Collar, OfARingOfAnyShape) {
   Random random(20261123);
+  int zipped = 0;
   for (int round = 0; round < 200; ++round) {
     SCOPED_TRACE(round);
     const auto between = [&](double low, double high) {
@@ -91,9 +92,11 @@ TEST(Collar, OfARingOfAnyShape) {
     Collar collar;
     ASSERT_TRUE(collar.build(loops.points, loops.begin, 1, {}));
     EXPECT_EQ(collar.regions(), 1u);
+    zipped += collar.zipped();
     expect_covered(loops, collar);
     expect_delaunay(loops, collar);
   }
+  EXPECT_GT(zipped, 150);
 }
 
 // The rim sits in one arm of a long bent shape: no zip goes around it.
@@ -104,6 +107,7 @@ TEST(Collar, WhereTheZipJams) {
   loops.add(clockwise({{7400, 7000}, {7600, 7000}, {7600, 7500}, {7400, 7500}}));
   Collar collar;
   ASSERT_TRUE(collar.build(loops.points, loops.begin, 1, {}));
+  EXPECT_FALSE(collar.zipped());
   expect_covered(loops, collar);
   expect_delaunay(loops, collar);
 }
