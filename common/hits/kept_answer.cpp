@@ -3,22 +3,12 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/base/heap_bytes.hpp"
 #include "common/base/pacer.hpp"
 #include "common/fragment/file_volume.hpp"
 
 namespace fracture {
 namespace {
-
-template <class T>
-std::size_t heap(const std::vector<T>& v) {
-  return v.capacity() * sizeof(T);
-}
-template <class T>
-std::size_t nested_heap(const std::vector<std::vector<T>>& v) {
-  std::size_t bytes = heap(v);
-  for (const std::vector<T>& inner : v) bytes += heap(inner);
-  return bytes;
-}
 
 FragmentFigures figures_of(const std::vector<KeptFragment>& fragments, std::uint32_t sites,
                            const Execution& execution) {

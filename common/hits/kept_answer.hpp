@@ -117,8 +117,7 @@ std::size_t memory_size(const KeptFragment& kept);
 std::size_t memory_size(const KeptCell& cell);
 std::size_t memory_size(const FracturedBase& base);
 
-/// Of each wanted cell, the triangles that meet it, by cell, each list ascending: the numbers in the solid that
-/// was cut.
+/// Per cell the triangles of the solid that meet it, ascending. Throws Interrupted.
 std::vector<std::vector<std::uint32_t>> triangles_by_cell(const Solid& solid, const SurfaceCuts& cuts,
                                                           std::size_t cells, const Execution& execution);
 

@@ -43,7 +43,7 @@ class LocalHit {
     replace_bonds();
     replace_surface();
     replace_states(inserted->made);
-    out_.around = part_.sites;
+    out_.around = std::move(part_.sites);
     return std::move(out_);
   }
 
@@ -129,13 +129,12 @@ class LocalHit {
     if (base_.image) image = patch_of(*base_.image, surface_.triangles, parts, execution_);
     const Solid& seen = image ? image->solid : surface_.solid;
     for (InnerVertex& v : known_windings_) v.part = surface_.local_part(v.part);
-
     const std::uint32_t sites = part_.tetrahedra.site_count();
     std::vector<char> wanted(sites, 0);
     for (const SiteId s : wanted_) wanted[part_.local(s)] = 1;
     const VoronoiDiagram diagram(part_.tetrahedra, part_.whole, seen.box, base_.map, execution_);
-    std::vector<SiteId> label;
     VoronoiDiagram::Walk walk;
+    std::vector<SiteId> label;
     for (std::size_t v = 0; v < surface_.vertices.size(); ++v) {
       const std::uint64_t looked_at = walk.looked_at;
       label.push_back(part_.local(base_.label[surface_.vertices[v]]));
@@ -213,7 +212,7 @@ class LocalHit {
         continue;
       }
       KeptCell cell;
-      for (const std::uint32_t end = count; cell.fragments.size() < end; ++next)
+      for (; cell.fragments.size() < count; ++next)
         cell.fragments.push_back(
             {std::move(made_.fragments[next]),
              hulls.of_fragment.empty() ? FragmentHulls() : std::move(hulls.of_fragment[next]),
@@ -231,7 +230,7 @@ class LocalHit {
     }
   }
 
-  /// False where two fragments have the same id: a hash collision, which the whole answer resolves.
+  /// False where two fragments have the same id: the whole answer resolves that.
   bool sum_up_again() {
     const FragmentFigures& before = base_.figures;
     FragmentFigures& after = out_.next.figures;

@@ -1,28 +1,11 @@
 // Bytes of heap behind what the caches keep.
+#include "common/base/heap_bytes.hpp"
 #include "common/base/json_reader.hpp"
 #include "common/hits/delta.hpp"
 #include "server/service/service.hpp"
 
 namespace fracture {
 namespace {
-
-template <class T>
-std::size_t heap(const std::vector<T>& v) {
-  return v.capacity() * sizeof(T);
-}
-
-template <class T>
-std::size_t nested_heap(const std::vector<std::vector<T>>& v) {
-  std::size_t bytes = heap(v);
-  for (const std::vector<T>& inner : v) bytes += heap(inner);
-  return bytes;
-}
-
-std::size_t heap(const std::vector<std::string>& texts) {
-  std::size_t bytes = texts.capacity() * sizeof(std::string);
-  for (const std::string& text : texts) bytes += text.capacity();
-  return bytes;
-}
 
 std::size_t memory_size(const MaterialLibrary& library) {
   std::size_t bytes = sizeof library + heap(library.images) + heap(library.extensions_used) +
