@@ -1,0 +1,101 @@
+// What is set aside for a hit: what it changes where the kept answer allows that, the whole answer where not.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "server/service/dispatcher.hpp"
+#include "tests/server/support/engine_in_process.hpp"
+
+namespace fracture {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::uint64_t kCells = 3000, kBytesOfCells = kCells * (16u << 10);
+
+std::shared_ptr<const std::string> cube() {
+  return std::make_shared<const std::string>(
+      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+      "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n");
+}
+
+struct HitAdmissionTest : testing::Test {
+  FractureService service{ServiceConfig{}, test::engine_in_process()};
+  WorkerPool pool{1, 16};
+  Dispatcher dispatcher{service, pool, {.max_working_bytes = 1u << 30}};
+
+  FractureRequest request(const json& parameters) {
+    std::vector<RawParameter> given;
+    for (const auto& [name, value] : parameters.items()) given.push_back({name, value, false});
+    const auto text = cube();
+    FractureRequest request;
+    request.mesh = std::as_bytes(std::span(*text));
+    request.format = MeshFormat::kObj;
+    request.owner = text;
+    request.parameters = service.parse(given).value();
+    return request;
+  }
+  std::string address_of(const json& parameters) {
+    return "/fractures/sha256:" + service.fracture(request(parameters), {}).value().result->key;
+  }
+  /// When the computation says for the first time that it goes on.
+  std::uint64_t held_for(const json& parameters) {
+    std::atomic<std::uint64_t> held{0};
+    Terms terms;
+    terms.progress = [&](Stage, double) {
+      std::uint64_t nothing = 0;
+      held.compare_exchange_strong(nothing, dispatcher.figures().working_bytes);
+    };
+    bool answered = false;
+    EXPECT_FALSE(dispatcher.fracture(request(parameters), terms, [&](const Expected<FractureAnswer>& answer) {
+      answered = answer.has_value();
+    }));
+    dispatcher.wait_idle();
+    EXPECT_TRUE(answered) << parameters;
+    return held;
+  }
+  static json hit(const std::string& of, const char* delta) {
+    return {{"of", of},
+            {"local_point", {1, 0.5, 0.5}},
+            {"local_radius", 0.05},
+            {"local_sites", 10u},
+            {"delta", delta}};
+  }
+};
+
+TEST_F(HitAdmissionTest, WhatAnswersWithTheChangesIsHeldForTheChanges) {
+  const std::string kept = address_of({{"sites", kCells}, {"delta", "stated"}});
+  EXPECT_LT(held_for(hit(kept, "only")), kBytesOfCells / 4);
+  EXPECT_GE(held_for(hit(kept, "stated")), kBytesOfCells) << "the whole is copied";
+}
+
+TEST_F(HitAdmissionTest, WhatNobodyKeptIsHeldForAsAWhole) {
+  EXPECT_GE(held_for(hit(address_of({{"sites", kCells}}), "only")), kBytesOfCells);
+}
+
+TEST_F(HitAdmissionTest, WhatCannotBeLocalIsHeldForAsAWhole) {
+  const std::string rough =
+      address_of({{"sites", kCells}, {"delta", "stated"}, {"rough_amplitude", 1e-6}, {"rough_frequency", 1}});
+  EXPECT_GE(held_for(hit(rough, "only")), kBytesOfCells) << "rough cuts are made anew";
+  json whole = hit("", "stated");
+  whole.erase("of");
+  whole["sites"] = kCells;
+  whole["local_rest"] = "whole";
+  EXPECT_GE(held_for(hit(address_of(whole), "only")), kBytesOfCells) << "the rest is one piece";
+}
+
+TEST_F(HitAdmissionTest, ARestThatStaysOnePieceIsHeldForAsAWholeAlsoBesideAnAnswerThatAllowsLocalHits) {
+  address_of({{"sites", kCells}, {"delta", "stated"}});
+  json whole = hit("", "only");
+  whole.erase("of");
+  whole["sites"] = kCells;
+  whole["local_rest"] = "whole";
+  whole["local_new"] = 1;
+  EXPECT_GE(held_for(whole), kBytesOfCells);
+}
+
+}  // namespace
+}  // namespace fracture
