@@ -1,10 +1,17 @@
 #include "server/bake/import_workers.hpp"
 
 namespace fracture::bake {
+namespace {
+
+/// What a reader leaks ends with it. A fresh process for each file takes more time than a small file.
+constexpr int kFilesPerWorker = 100;
+
+}  // namespace
 
 std::shared_ptr<ImportPool> own_import_workers(int workers) {
   ImportPoolConfig config;
   config.workers = workers;
+  config.files_per_worker = kFilesPerWorker;
   config.worker.program = import_worker_beside_this_program();
   config.worker.memory_bytes = 0;
   config.worker.cpu = std::chrono::seconds(0);

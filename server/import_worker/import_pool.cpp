@@ -211,6 +211,14 @@ std::unique_ptr<WorkerProcess> ImportPool::take(Place& place, const Execution& e
   return worker;
 }
 
+/// For the next file.
+void ImportPool::keep(std::unique_ptr<WorkerProcess> worker) {
+  const std::lock_guard lock(mutex_);
+  --counters_.busy;
+  idle_.push_back(std::move(worker));
+  free_.notify_one();
+}
+
 /// It has read its file. Ended by the supervisor, and replaced at once.
 void ImportPool::bury(std::unique_ptr<WorkerProcess> worker) {
   const std::lock_guard lock(mutex_);
@@ -265,18 +273,21 @@ std::optional<Expected<Mesh>> ImportPool::import_within(Try& attempt, const Inpu
   WorkerProcess& worker = *taken;
   const pid_t pid = worker.pid();
   const auto start = ImportMemo::Clock::now();
+  bool reusable = false;
   const auto finish = [&](std::uint64_t ImportCounters::*ended) {
     {
       const std::lock_guard lock(mutex_);
       if (ended) ++(counters_.*ended);
       std::erase_if(busy_, [pid](const Busy& busy) { return busy.pid == pid; });
     }
-    bury(std::move(taken));
+    reusable ? keep(std::move(taken)) : bury(std::move(taken));
   };
   try {
     Expected<Mesh> result = worker.import(input.mesh, input.format, input.files, input.digest, limits,
                                           reading, attempt.memory_bytes);
     const WorkerDeath death = worker.death();
+    reusable =
+        death == WorkerDeath::kNone && !lacked_memory(result) && worker.files() < config_.files_per_worker;
     attempt.was_killed = death == WorkerDeath::kKilled;
     if ((lacked_memory(result) && !attempt.last) || (attempt.was_killed && !attempt.was_killed_before)) {
       finish(nullptr);

@@ -1,7 +1,8 @@
 // Imports in other processes: a pool of sandboxed fracture-import children (worker_process.hpp), because the
-// readers of foreign formats crash, leak, run away and may be taken over by hostile files. Each worker reads
-// one file and ends; the next one has been forked meanwhile. A worker that dies of its file costs one request
-// a typed error, and the same file the same error at once from then on.
+// readers of foreign formats crash, leak, run away and may be taken over by hostile files. A worker reads one
+// file and ends, the next one has been forked meanwhile; only where all files are the caller's own it reads
+// several. A worker that dies of its file costs one request a typed error, and the same file the same error
+// at once from then on.
 #pragma once
 
 #include <atomic>
@@ -28,6 +29,8 @@ struct ImportPoolConfig {
   /// The zygote is started anew after so many forks, and after every crash: its forks share the places of
   /// everything in memory, and nobody is to find them out by trying.
   std::uint32_t max_forks = 500;
+  /// More than 1 only for files of one owner: who takes a reader over reads and answers what comes after.
+  int files_per_worker = 1;
 };
 
 /// Since the start; each import is counted once under how it ended.
@@ -38,7 +41,7 @@ struct ImportCounters {
   std::uint64_t limited = 0;      ///< over the limit of memory, processor time or output
   std::uint64_t interrupted = 0;  ///< given up in mid-import: deadline or cancel, the worker was killed
   std::uint64_t remembered = 0;   ///< refused by what is known of the file, without a worker
-  std::uint64_t started = 0;      ///< worker processes, one for each file that is read
+  std::uint64_t started = 0;      ///< worker processes
   std::uint64_t zygotes = 0;      ///< processes started to fork them
   int workers = 0;                ///< alive now
   int starting = 0;               ///< not alive yet, or waiting for their start
@@ -114,6 +117,7 @@ class ImportPool {
   void free_the_extra_place();
   int most_workers(bool urgent) const;
   void bury(std::unique_ptr<WorkerProcess> worker);
+  void keep(std::unique_ptr<WorkerProcess> worker);
 
   const ImportPoolConfig config_;
   ImportMemo memo_;

@@ -1,5 +1,6 @@
 // What server, zygote and import workers say to each other over socket pairs (SOCK_SEQPACKET: whole
-// messages). The zygote is the started program, ready to read files; a worker is a fork of it that reads one.
+// messages). The zygote is the started program, ready to read files; a worker is a fork of it that reads them,
+// of strangers one.
 // The bytes of files travel between server and worker alone, in shared memory whose descriptors go along.
 //
 //   zygote ──ZygoteHello──> server                                   once, ready to fork
@@ -8,7 +9,7 @@
 //
 //   worker ──WorkerHello──> server                                   once, with the sandbox in force
 //   server ──ImportRequest + input, output──> worker                 input: see input_head()
-//   worker ──ImportDone──> server                                    output: see mesh_codec.hpp; then it ends
+//   worker ──ImportDone──> server                                    output: see mesh_codec.hpp
 #pragma once
 
 #include <array>

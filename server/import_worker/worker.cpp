@@ -114,7 +114,7 @@ bool answer(int socket, const ImportRequest& request, int input_fd, int output_f
   return send_message(socket, &done, sizeof done);
 }
 
-/// One file, and the end.
+/// Files until the server has no more for this process: of strangers' it gives it one.
 int run_worker(int socket, const SandboxLimits& limits, const SyscallFilter& filter,
                const ImportFunction& import) {
   const SandboxReport report = enter_worker_sandbox(limits, filter);
@@ -122,11 +122,13 @@ int run_worker(int socket, const SandboxLimits& limits, const SyscallFilter& fil
   hello.seccomp = report.seccomp ? 1 : 0;
   hello.seccomp_errno = report.seccomp_errno;
   if (!send_message(socket, &hello, sizeof hello)) return kNoServer;
-  ImportRequest request;
-  const Received received = receive_message(socket, &request, sizeof request);
-  if (!received.whole) return kDone;
-  const Descriptor input(received.descriptors[0]), output(received.descriptors[1]);
-  return answer(socket, request, input.get(), output.get(), import) ? kDone : kBadRequest;
+  for (;;) {
+    ImportRequest request;
+    const Received received = receive_message(socket, &request, sizeof request);
+    if (!received.whole) return kDone;
+    const Descriptor input(received.descriptors[0]), output(received.descriptors[1]);
+    if (!answer(socket, request, input.get(), output.get(), import)) return kBadRequest;
+  }
 }
 
 /// As fork(), but the child is the server's. glibc has no such function; its own records that a raw call

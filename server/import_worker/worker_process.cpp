@@ -155,6 +155,7 @@ Expected<Mesh> WorkerProcess::import(std::span<const std::byte> mesh, MeshFormat
                                      std::span<const ImportFile> files, std::string_view digest,
                                      const ImportLimits& limits, const Execution& execution,
                                      std::uint64_t memory_bytes) {
+  ++files_;
   const Descriptor input = make_shared_memory("fracture-input"),
                    output = make_shared_memory("fracture-output");
   const std::vector<std::byte> head = input_head(mesh, files);

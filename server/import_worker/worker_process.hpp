@@ -1,5 +1,5 @@
-// One import worker as the server sees it: a fork of the zygote that reads one file, and the server's end of
-// its socket.
+// One import worker as the server sees it: a fork of the zygote that reads files, and the server's end of its
+// socket.
 #pragma once
 
 #include <sys/types.h>
@@ -38,7 +38,7 @@ class WorkerProcess {
   WorkerProcess(const WorkerProcess&) = delete;
   WorkerProcess& operator=(const WorkerProcess&) = delete;
 
-  /// The worker's answer; to be called once. `digest`: of the input, in 64 hex digits; an answer to any other
+  /// The worker's answer; not to be called again after a death or an exception. `digest`: of the input, in 64 hex digits; an answer to any other
   /// is none. `memory_bytes`: what it may take for it beyond what it has, 0: as much as the process may have.
   /// Throws Interrupted when the execution ends first.
   Expected<Mesh> import(std::span<const std::byte> mesh, MeshFormat format, std::span<const ImportFile> files,
@@ -46,6 +46,7 @@ class WorkerProcess {
                         std::uint64_t memory_bytes = 0);
 
   WorkerDeath death() const { return death_; }
+  int files() const { return files_; }                           ///< that it was given so far
   const std::string& last_words() const { return last_words_; }  ///< "signal 11 (Segmentation fault)"
   pid_t pid() const { return pid_; }
   const WorkerHello& hello() const { return hello_; }
@@ -64,6 +65,7 @@ class WorkerProcess {
   WorkerHello hello_;
   WorkerDeath death_ = WorkerDeath::kNone;
   std::string last_words_;
+  int files_ = 0;
 };
 
 }  // namespace fracture

@@ -144,6 +144,26 @@ TEST(ImportPool, AReaderThatIsDeafToItsLimitIsNoVictim) {
   EXPECT_EQ(pool.counters().remembered, 1u);
 }
 
+// As `bake` reads the files of its user.
+TEST(ImportPool, FilesOfOneOwnerMayShareAProcessUntilOneGoesWrong) {
+  ImportPoolConfig config = config_of(FRACTURE_MISBEHAVING_PROGRAM, 1);
+  config.files_per_worker = 3;
+  ImportPool pool(config);
+  const auto started_after = [&](const std::string& file, bool good) {
+    EXPECT_EQ(import_with(pool, file).has_value(), good) << file;
+    EXPECT_TRUE(settles(pool));
+    return pool.counters().started;
+  };
+  const pid_t first = pool.pids().at(0);
+  EXPECT_EQ(started_after(kTetrahedron, true), 1u);
+  EXPECT_EQ(started_after("what no reader knows", false), 1u) << "a refusal is an answer";
+  EXPECT_EQ(pool.pids().at(0), first);
+  EXPECT_EQ(started_after(kTetrahedron, true), 2u) << "it had three files";
+  EXPECT_EQ(started_after(kTetrahedron, true), 2u);
+  EXPECT_EQ(started_after("! null", false), 3u) << "it died of its file";
+  EXPECT_EQ(started_after(kTetrahedron, true), 3u);
+}
+
 TEST(ImportPool, EveryWayToDieHasItsError) {
   ImportPoolConfig config = config_of(FRACTURE_MISBEHAVING_PROGRAM, 1);
   config.worker.cpu = 1s;
