@@ -41,7 +41,51 @@ class PositionHash {
   std::array<std::uint64_t, 2> keys_;
 };
 
+void fetch(const void* address) {
+  __builtin_prefetch(address);
+  asm volatile("");  // gcc 12 takes a function that only fetches for one that does nothing
+}
+
+/// Positions that were seen, by their bits. Millions of them lie outside of the caches: who says early enough
+/// what will be asked for does not wait for it.
+class PositionTable {
+ public:
+  PositionTable(std::size_t most, const std::vector<Vec3f>& positions, const Execution& execution)
+      : mask_(std::bit_ceil(2 * most + 1) - 1),
+        slots_(filled(execution, mask_ + 1, kNoVertex)),
+        positions_(positions) {}
+
+  void fetch_slot(const Vec3f& p) const { fetch(&slots_[hash_(p) & mask_]); }
+  /// Once the slot is there.
+  void fetch_position(const Vec3f& p) const {
+    const VertexId first = slots_[hash_(p) & mask_];
+    if (first != kNoVertex) fetch(&positions_[first]);
+  }
+  /// The place of the vertex at p: kNoVertex where there is none yet.
+  VertexId& at(const Vec3f& p, Pacer& pacer) {
+    std::size_t slot = hash_(p) & mask_;
+    while (slots_[slot] != kNoVertex && !(positions_[slots_[slot]] == p)) {
+      pacer.step();
+      slot = (slot + 1) & mask_;
+    }
+    return slots_[slot];
+  }
+
+ private:
+  const std::size_t mask_;
+  std::vector<VertexId> slots_;
+  const std::vector<Vec3f>& positions_;  ///< of the vertices; grows
+  const PositionHash hash_;
+};
+
+/// With one zero: -0 + 0 is +0.
+Vec3f with_one_zero(const Vec3f& p) { return {p.x + 0.0f, p.y + 0.0f, p.z + 0.0f}; }
+
 bool finite(const Vec3f& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
+
+/// Triangles between saying what will be needed and needing it: memory answers within some 100 ns, a triangle
+/// takes 10 to 30.
+constexpr std::size_t kSlotsAhead = 24, kPositionsAhead = 12;
 
 std::size_t drop_degenerate(Surface& surface, const Execution& execution) {
   std::vector<std::uint8_t> doomed = filled<std::uint8_t>(execution, surface.triangles.size(), 0);
@@ -67,15 +111,22 @@ Expected<Surface> weld_exact(const Mesh& mesh, SolidReport& report, const Execut
   surface.source = filled<std::uint32_t>(execution, mesh.triangles.size(), 0);
   surface.positions.reserve(wedge_bound);
   std::vector<VertexId> vertex_of_wedge = filled(execution, mesh.positions.size(), kNoVertex);
-  const std::size_t table_size = std::bit_ceil(2 * wedge_bound + 1);
-  std::vector<VertexId> table = filled(execution, table_size, kNoVertex);
-  const PositionHash hash_position;
+  PositionTable table(wedge_bound, surface.positions, execution);
+  // Calls fetch(position) for the corners of a later triangle that are new as far as is known now.
+  const auto ahead = [&](std::size_t t, const auto& fetch) {
+    if (t >= mesh.triangles.size()) return;
+    for (const std::uint32_t wedge : mesh.triangles[t])
+      if (wedge < mesh.positions.size() && vertex_of_wedge[wedge] == kNoVertex)
+        fetch(with_one_zero(mesh.positions[wedge]));
+  };
   Pacer pacer(execution);
   std::uint64_t used_wedges = 0;
   std::size_t kept = 0;
 
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     pacer.step();
+    ahead(t + kSlotsAhead, [&](const Vec3f& p) { table.fetch_slot(p); });
+    ahead(t + kPositionsAhead, [&](const Vec3f& p) { table.fetch_position(p); });
     Triangle triangle;
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t wedge = mesh.triangles[t][k];
@@ -85,23 +136,18 @@ Expected<Surface> weld_exact(const Mesh& mesh, SolidReport& report, const Execut
                                                    std::to_string(mesh.positions.size()) + ".");
       VertexId& vertex = vertex_of_wedge[wedge];
       if (vertex == kNoVertex) {
-        const Vec3f& raw = mesh.positions[wedge];
-        const Vec3f p{raw.x + 0.0f, raw.y + 0.0f, raw.z + 0.0f};  // -0 + 0 is +0
+        const Vec3f p = with_one_zero(mesh.positions[wedge]);
         if (!finite(p))
           return fail(ErrorCode::kNotFinite,
                       "Vertex " + std::to_string(wedge) + " has a coordinate that is NaN or infinite.", {},
                       {{"vertex", wedge}});
         ++used_wedges;
-        std::size_t slot = hash_position(p) & (table_size - 1);
-        while (table[slot] != kNoVertex && !(surface.positions[table[slot]] == p)) {
-          pacer.step();
-          slot = (slot + 1) & (table_size - 1);
-        }
-        if (table[slot] == kNoVertex) {
-          table[slot] = VertexId{surface.positions.size()};
+        VertexId& known = table.at(p, pacer);
+        if (known == kNoVertex) {
+          known = VertexId{surface.positions.size()};
           surface.positions.push_back(p);
         }
-        vertex = table[slot];
+        vertex = known;
       }
       triangle[k] = vertex;
     }
