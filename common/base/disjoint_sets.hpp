@@ -15,6 +15,7 @@ class DisjointSets {
     for (std::size_t i = 0; i < count; ++i) parent_[i] = static_cast<std::uint32_t>(i);
   }
   std::size_t size() const { return parent_.size(); }
+  std::size_t bytes() const { return parent_.capacity() * sizeof(parent_[0]); }
   /// How many sets there are.
   std::size_t set_count() const { return sets_; }
   void clear() {

@@ -46,16 +46,17 @@ struct Scratch {
   std::vector<std::uint32_t> next;  // another vertex at the same edge cut, or of the same wedge elsewhere
   std::vector<Vec3d> points;
   std::vector<Run> runs;
+  std::vector<IndexRange> caps;
 
   std::size_t bytes() const {
     return at_position.bytes() + of_wedge.bytes() + on_face.bytes() +
-           bytes_of_vectors(ids, sources, topology, next, points, runs);
+           bytes_of_vectors(ids, sources, topology, next, points, runs, caps);
   }
   void release() {
     at_position.release();
     of_wedge.release();
     on_face.release();
-    release_vectors(ids, sources, topology, next, points, runs);
+    release_vectors(ids, sources, topology, next, points, runs, caps);
   }
 };
 
@@ -105,6 +106,7 @@ class Assembler {
     sources_.clear();
     s_.topology.clear();
     s_.next.clear();
+    s_.caps.clear();
     out_.indices.resize(3 * piece.faces.size());
     std::uint32_t* index = out_.indices.data();
     find_runs_by_material(piece.faces);
@@ -147,13 +149,14 @@ class Assembler {
       }
     }
     out_.topology = s_.topology;
+    out_.caps = s_.caps;
   }
 
   /// The triangle whose indices begin there is one of a cap.
   void add_cap(std::uint32_t first) {
-    if (out_.caps.empty() || out_.caps.back().first + out_.caps.back().count != first)
-      out_.caps.push_back({first, 0});
-    out_.caps.back().count += 3;
+    if (s_.caps.empty() || s_.caps.back().first + s_.caps.back().count != first)
+      s_.caps.push_back({first, 0});
+    s_.caps.back().count += 3;
   }
 
   bool has_wedges(FaceSource source) const {

@@ -10,6 +10,18 @@
 namespace fracture {
 namespace {
 
+/// Kept from owner to owner by each thread.
+struct ComponentScratch {
+  DisjointSets sets;
+  std::vector<std::uint32_t> component_of_root;
+
+  std::size_t bytes() const { return sets.bytes() + bytes_of_vectors(component_of_root); }
+  void release() {
+    sets = DisjointSets();
+    release_vectors(component_of_root);
+  }
+};
+
 class ComponentFinder {
  public:
   ComponentFinder(const RestrictedDiagram& diagram, const Ownership& ownership, const Execution& execution)
@@ -152,9 +164,10 @@ class ComponentFinder {
   const Execution& execution_;
   Pacer pacer_;
   StampedMap& local_ = worker_map();
-  DisjointSets sets_;
+  ComponentScratch& scratch_ = thread_scratch<ComponentScratch>();
+  DisjointSets& sets_ = scratch_.sets;
+  std::vector<std::uint32_t>& component_of_root_ = scratch_.component_of_root;
   std::vector<Face> faces_;
-  std::vector<std::uint32_t> component_of_root_;
 };
 
 }  // namespace

@@ -2,14 +2,28 @@
 
 #include <vector>
 
+#include "common/base/scratch.hpp"
 #include "common/mesh/gltf_component.hpp"
 
 namespace fracture {
+namespace {
+
+/// Which corners are merged, and with which vertices.
+struct Merges {
+  std::vector<std::uint32_t> corners, vertices;
+
+  std::size_t bytes() const { return bytes_of_vectors(corners, vertices); }
+  void release() { release_vectors(corners, vertices); }
+};
+
+}  // namespace
 
 void write_mesh_manifold(JsonText& json, const Fragment& f, const WrittenMesh& mesh, Accessors& accessors) {
   if (f.topology.size() != f.positions.size())
     throw InternalError("fragment " + std::to_string(f.id) + ": topology and vertices differ in number");
-  std::vector<std::uint32_t> corners, vertices;
+  auto& [corners, vertices] = thread_scratch<Merges>();
+  corners.clear();
+  vertices.clear();
   for (std::size_t k = 0; k < f.indices.size(); ++k) {
     if (k % 65536 == 65535) accessors.execution().poll();
     const std::uint32_t to = f.topology[f.indices[k]];

@@ -50,14 +50,14 @@ void MeshWriter::write(JsonText& json, const Fragment& f, const std::string& nam
   const bool tangents =
       !f.attributes.tangents.empty() &&
       std::any_of(f.primitives.begin(), f.primitives.end(), [&](const auto& p) { return needs_tangents(p); });
-  std::vector<std::pair<std::string, std::size_t>> attributes;
+  attributes_.clear();
   const std::size_t count = f.positions.size();
-  attributes.emplace_back("POSITION", write_positions(f.positions));
+  attributes_.emplace_back("POSITION", write_positions(f.positions));
   const auto attribute = [&](const std::string& semantic, int stride, const char* type, auto&& append) {
     const std::size_t view = accessors_.view(semantic, stride, kArrayBuffer);
     const std::size_t at = accessors_.bytes(view).size();
     append(accessors_.bytes(view));
-    attributes.emplace_back(semantic, accessors_.add(view, at, component_type::kFloat, count, type));
+    attributes_.emplace_back(semantic, accessors_.add(view, at, component_type::kFloat, count, type));
   };
   if (!f.attributes.normals.empty())
     attribute("NORMAL", sizeof(Vec3f), "VEC3", [&](ViewBytes& view) { append_normals(view, f); });
@@ -79,7 +79,7 @@ void MeshWriter::write(JsonText& json, const Fragment& f, const std::string& nam
   for (const FragmentPrimitive& p : f.primitives) {
     const std::size_t bytes = wide ? 4 : 2;
     json.begin_object().key("attributes").begin_object();
-    for (const auto& [semantic, accessor] : attributes)
+    for (const auto& [semantic, accessor] : attributes_)
       if (semantic != "TANGENT" || needs_tangents(p)) json.member(semantic, accessor);
     json.end_object();
     json.member("indices",
@@ -95,7 +95,7 @@ void MeshWriter::write(JsonText& json, const Fragment& f, const std::string& nam
   json.end_array();
   if (mesh_manifold_ && !f.topology.empty()) {
     json.key("extensions").begin_object();
-    write_mesh_manifold(json, f, {index_view, indices_at, attributes.front().second, wide}, accessors_);
+    write_mesh_manifold(json, f, {index_view, indices_at, attributes_.front().second, wide}, accessors_);
     json.end_object();
   }
   json.end_object();

@@ -31,6 +31,7 @@ class MeshWriter {
   bool mesh_manifold_;
   std::size_t interior_ = 0;
   std::vector<bool> normal_mapped_;
+  std::vector<std::pair<std::string, std::size_t>> attributes_;  ///< of the mesh that is written: accessors
 };
 
 }  // namespace fracture

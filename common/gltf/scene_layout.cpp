@@ -50,7 +50,9 @@ SceneLayout::SceneLayout(const FracturedSolid& fractured, const GltfOptions& opt
 }
 
 std::string SceneLayout::hull_name(std::size_t fragment, std::size_t hull) const {
-  std::string name = ucx_ ? "UCX_" : "";
+  std::string name;
+  name.reserve(names_[fragment].size() + 24);
+  if (ucx_) name = "UCX_";
   name += names_[fragment];
   name += '_';
   name += padded(hull, digits_);
