@@ -1,14 +1,16 @@
 // How time and memory of the whole fracture grow with what goes in and comes out, over families that could
-// make them grow faster (tests/support/growth_families.hpp).
+// make them grow faster (tests/support/growth_families.hpp), and over two plain ones: sites in a sphere, and
+// triangles of it.
 //
 //   bench_growth [--family NAME[,NAME...]] [--sizes N[,N...]] [--runs N] [--limit SECONDS] [--seed S]
 //                [--program-label TEXT]
 //
 // For each size: processor milliseconds of make_solid, make_diagram and fracture with one thread, the least
 // of the runs; peak memory above that of the mesh; what came out. Each size runs in a process of its own,
-// which may take `limit` seconds of processor time (default 120) and 12 GiB. At the end of a family the
-// exponents of time and of memory by least squares in their logarithms, against triangles and sites in plus
-// triangles out. Answers that are not sound are marked; the program then exits with 1.
+// which may take `limit` seconds of processor time (default 120) and 12 GiB. Exponents are of time and of
+// memory in their logarithms, against triangles and sites in plus triangles out: in each line since the one
+// before, and at the end of a family by least squares. Answers that are not sound are marked; the program
+// then exits with 1.
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -28,9 +30,37 @@
 
 #include "common/pipeline/fracture.hpp"
 #include "tests/support/growth_families.hpp"
+#include "tests/support/shapes.hpp"
 
 namespace fracture::bench {
 namespace {
+
+struct Family {
+  const char* name;
+  const char* grows;
+  std::vector<std::uint32_t> sizes;
+  test::GrowthInput (*make)(std::uint32_t size, std::uint64_t seed);
+};
+
+std::vector<Family> all_families() {
+  std::vector<Family> all{
+      {"sites",
+       "uniform sites in a sphere of 20k triangles",
+       {10, 100, 1000, 10'000, 100'000},
+       [](std::uint32_t size, std::uint64_t) {
+         return test::GrowthInput{test::sphere_with(20'000), {}, size};
+       }},
+      {"triangles",
+       "triangles of a sphere with 50 sites",
+       {1000, 10'000, 100'000, 1'000'000, 4'000'000},
+       [](std::uint32_t size, std::uint64_t) {
+         return test::GrowthInput{test::sphere_with(static_cast<int>(size)), {}, 50};
+       }},
+  };
+  for (const test::GrowthFamily& family : test::growth_families())
+    all.push_back({family.name, family.grows, {family.sizes.begin(), family.sizes.end()}, family.make});
+  return all;
+}
 
 struct Options {
   std::vector<std::string> families;
@@ -97,7 +127,7 @@ void run_once(const std::shared_ptr<const Mesh>& mesh, const FractureParameters&
 }
 
 /// In the child. Peak memory is that of the first run, beyond what the mesh needs.
-Figures measure(const test::GrowthFamily& family, std::uint32_t size, const Options& options) {
+Figures measure(const Family& family, std::uint32_t size, const Options& options) {
   test::GrowthInput input = family.make(size, options.seed);
   FractureParameters parameters;
   parameters.seed = options.seed;
@@ -119,8 +149,8 @@ Figures measure(const test::GrowthFamily& family, std::uint32_t size, const Opti
 }
 
 /// Runs the size in a child. False when that did not end by itself; `why` says how it ended.
-bool measure_in_child(const test::GrowthFamily& family, std::uint32_t size, const Options& options,
-                      Figures& figures, std::string& why) {
+bool measure_in_child(const Family& family, std::uint32_t size, const Options& options, Figures& figures,
+                      std::string& why) {
   int ends[2];
   if (::pipe(ends) != 0) return false;
   std::fflush(stdout);
@@ -172,18 +202,23 @@ double exponent(const std::vector<double>& x, const std::vector<double>& y) {
   return x.size() < 2 ? std::nan("") : (n * sxy - sx * sy) / (n * sxx - sx * sx);
 }
 
+/// Between the last two points; NaN where there is one.
+double last_exponent(const std::vector<double>& x, const std::vector<double>& y) {
+  const auto last_two = [](const std::vector<double>& all) {
+    return std::vector<double>(all.end() - std::min<std::ptrdiff_t>(2, std::ssize(all)), all.end());
+  };
+  return exponent(last_two(x), last_two(y));
+}
+
 /// Returns false when an answer is wrong.
-bool run(const test::GrowthFamily& family, const Options& options) {
+bool run(const Family& family, const Options& options) {
   std::printf("%s: %s%s%s\n", family.name, family.grows, options.label.empty() ? "" : ", ",
               options.label.c_str());
-  std::printf("  %8s %9s %7s %9s %10s %10s %10s %10s %9s\n", "size", "tri in", "sites", "tri out", "solid ms",
-              "diagram ms", "fracture ms", "whole ms", "peak MiB");
+  std::printf("  %8s %9s %7s %9s %10s %10s %11s %10s %5s %9s %5s\n", "size", "tri in", "sites", "tri out",
+              "solid ms", "diagram ms", "fracture ms", "whole ms", "exp", "peak MiB", "exp");
   std::vector<double> x, time, memory;
   bool right = true;
-  const std::vector<std::uint32_t> sizes =
-      options.sizes.empty() ? std::vector<std::uint32_t>(family.sizes.begin(), family.sizes.end())
-                            : options.sizes;
-  for (const std::uint32_t size : sizes) {
+  for (const std::uint32_t size : options.sizes.empty() ? family.sizes : options.sizes) {
     Figures f;
     std::string why;
     if (!measure_in_child(family, size, options, f, why)) {
@@ -197,14 +232,15 @@ bool run(const test::GrowthFamily& family, const Options& options) {
     }
     const bool sound = f.open_edges == 0 && f.relative_error <= 1e-9 && f.fragments > 0;
     const double whole = f.solid + f.diagram + f.fracture;
-    std::printf("  %8u %9llu %7llu %9llu %10.2f %10.2f %10.2f %10.2f %9.1f%s\n", size,
-                static_cast<unsigned long long>(f.triangles_in), static_cast<unsigned long long>(f.sites),
-                static_cast<unsigned long long>(f.triangles_out), f.solid, f.diagram, f.fracture, whole,
-                f.bytes / (1 << 20), sound ? "" : "  NOT SOUND");
     right &= sound;
     x.push_back(static_cast<double>(f.triangles_in + f.sites + f.triangles_out));
     time.push_back(whole);
     memory.push_back(std::max(f.bytes, 1.0));
+    std::printf("  %8u %9llu %7llu %9llu %10.2f %10.2f %11.2f %10.2f %5.2f %9.1f %5.2f%s\n", size,
+                static_cast<unsigned long long>(f.triangles_in), static_cast<unsigned long long>(f.sites),
+                static_cast<unsigned long long>(f.triangles_out), f.solid, f.diagram, f.fracture, whole,
+                last_exponent(x, time), f.bytes / (1 << 20), last_exponent(x, memory),
+                sound ? "" : "  NOT SOUND");
   }
   std::printf("  exponents: time %.2f, memory %.2f\n", exponent(x, time), exponent(x, memory));
   std::fflush(stdout);
@@ -244,13 +280,14 @@ int main_of(int argc, char** argv) {
       return 2;
     }
   }
+  const std::vector<Family> families = all_families();
   for (const std::string& name : options.families)
-    if (!test::find_growth_family(name)) {
+    if (std::none_of(families.begin(), families.end(), [&](const Family& f) { return name == f.name; })) {
       std::fprintf(stderr, "bench_growth: there is no family %s\n", name.c_str());
       return 2;
     }
   bool right = true;
-  for (const test::GrowthFamily& family : test::growth_families()) {
+  for (const Family& family : families) {
     const auto& wanted = options.families;
     if (wanted.empty() || std::find(wanted.begin(), wanted.end(), family.name) != wanted.end())
       right &= run(family, options);
