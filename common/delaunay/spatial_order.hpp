@@ -1,5 +1,5 @@
 // The order of insertion: biased randomized insertion order (Amenta, Choi & Rote 2003) with every round along
-// a Hilbert curve (Hamilton 2006, "Compact Hilbert indices", without the compaction). Each point lands in the
+// a Hilbert curve (base/hilbert_curve.hpp). Each point lands in the
 // last round with probability 7/8, else in an earlier one by the same rule; so neighbours in the order are
 // neighbours in space (short walks, warm caches) while the order stays random enough for the expected bounds
 // of incremental construction.
@@ -13,9 +13,6 @@
 #include "common/base/vec.hpp"
 
 namespace fracture {
-
-/// Position on the Hilbert curve of a 2^bits lattice, coordinates below 2^bits, bits <= 21.
-std::uint64_t hilbert_index(std::uint32_t x, std::uint32_t y, std::uint32_t z, int bits);
 
 /// A permutation of 0..points.size()-1; a deterministic function of the points in their order. Throws
 /// Interrupted.

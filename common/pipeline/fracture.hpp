@@ -38,7 +38,8 @@ namespace fracture {
 ///  8  2026-11-23  hulls of convex fragments are their own surfaces; rough cuts calm down in fewer steps
 ///  9  2026-11-23  collars of rough cuts are zipped up before they are flipped, another choice where four
 ///                 corners are on a circle; areas, places and directions of bonds as floats
-inline constexpr int kAlgorithmVersion = 9;
+/// 10  2026-11-23  sites, and fragments after them, in the order of a curve through the solid
+inline constexpr int kAlgorithmVersion = 10;
 
 enum class Dual {
   kCircumcenter,  ///< the Voronoi diagram: fragments partition the solid exactly

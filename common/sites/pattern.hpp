@@ -140,7 +140,8 @@ struct SiteParameters {
 
 /// What a pattern makes of a solid.
 struct SitePlan {
-  std::vector<Vec3d> points;          ///< in the image under `map`
+  /// In the image under `map`; those of PointsPattern as they were given, others along a curve through it.
+  std::vector<Vec3d> points;
   std::vector<std::uint32_t> groups;  ///< per point, or empty: cells with equal ids stay together
   std::optional<Matrix3> map;         ///< of positive determinant; none: the identity
   std::vector<std::string> notes;     ///< what could not be done as asked, for people

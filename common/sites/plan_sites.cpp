@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/hilbert_curve.hpp"
 #include "common/base/pacer.hpp"
 #include "common/sites/arithmetic.hpp"
 #include "common/sites/generators.hpp"
@@ -37,6 +38,43 @@ std::optional<Matrix3> map_of(const Anisotropy& anisotropy, const Box& box) {
   if (anisotropy.matrix) return positive(anisotropy.matrix->inverse());
   if (anisotropy.stretch == 1) return std::nullopt;
   return along_grain(anisotropy.grain.value_or(longest_side(box)), anisotropy.stretch);
+}
+
+/// Sites in the order of a curve through the box: cells that touch each other then lie near each other in
+/// memory, also after 100,000 of them, and are worked on one soon after the other.
+void order_along_curve(const Box& box, SitePlan& plan, const Execution& execution) {
+  constexpr int kBits = 20;
+  constexpr double kMost = (1 << kBits) - 1;
+  struct Keyed {
+    std::uint64_t key;
+    std::uint32_t site;
+    auto operator<=>(const Keyed&) const = default;
+  };
+  const double side = box.longest_side();
+  const auto cell = [&](double v, double low) {
+    const double c = (v - low) / side * kMost;
+    return static_cast<std::uint32_t>(c > 0 ? std::fmin(c, kMost) : 0);
+  };
+  Pacer pacer(execution);
+  std::vector<Keyed> order;
+  order.reserve(plan.points.size());
+  for (const Vec3d& p : plan.points) {
+    pacer.step(4);
+    order.push_back({hilbert_index(cell(p.x, box.min.x), cell(p.y, box.min.y), cell(p.z, box.min.z), kBits),
+                     static_cast<std::uint32_t>(order.size())});
+  }
+  sort_with_polls(execution, order.begin(), order.end());
+  std::vector<Vec3d> points;
+  std::vector<std::uint32_t> groups;
+  points.reserve(plan.points.size());
+  groups.reserve(plan.groups.size());
+  for (const Keyed& k : order) {
+    pacer.step();
+    points.push_back(plan.points[k.site]);
+    if (!plan.groups.empty()) groups.push_back(plan.groups[k.site]);
+  }
+  plan.points = std::move(points);
+  plan.groups = std::move(groups);
 }
 
 /// Several families: their coordinates q -> (n1·q, n2·q, n3·q), in which the slices are a grid. Two families
@@ -127,6 +165,7 @@ Expected<SitePlan> plan_sites(const SeenSolid& solid, const SiteParameters& p, c
       pacer.step();
       site = lattice.snap(site);
     }
+    order_along_curve(solid.seen().box, *plan, execution);
   }
   return plan;
 }

@@ -10,25 +10,6 @@
 namespace fracture {
 namespace {
 
-TEST(HilbertIndex, IsABijectionWhoseNeighboursAreOneLatticeStepApart) {
-  constexpr int kBits = 4, kSide = 1 << kBits;
-  std::vector<Vec3d> at(kSide * kSide * kSide);
-  std::vector<int> seen(at.size(), 0);
-  for (int x = 0; x < kSide; ++x)
-    for (int y = 0; y < kSide; ++y)
-      for (int z = 0; z < kSide; ++z) {
-        const std::uint64_t h = hilbert_index(x, y, z, kBits);
-        ASSERT_LT(h, at.size());
-        at[h] = {x * 1.0, y * 1.0, z * 1.0};
-        ++seen[h];
-      }
-  EXPECT_TRUE(std::all_of(seen.begin(), seen.end(), [](int n) { return n == 1; }));
-  for (std::size_t h = 1; h < at.size(); ++h) {
-    const Vec3d d = at[h] - at[h - 1];
-    ASSERT_EQ(std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z), 1.0) << "at index " << h;
-  }
-}
-
 TEST(SpatialOrder, IsAPermutationForEveryFamily) {
   for (const test::PointFamily& family : test::point_families())
     for (const std::uint32_t n : {0u, 1u, 2u, 63u, 1000u}) {

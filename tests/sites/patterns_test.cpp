@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "common/sites/arithmetic.hpp"
 #include "common/sites/column_sampler.hpp"
@@ -182,6 +183,39 @@ TEST(ImageOf, KeepsTheTopologyAndStatesTheImagesFigures) {
   EXPECT_NEAR(image.report.area, area_of(seen), 1e-6 * image.report.area);
   EXPECT_EQ(image.box.min, box_of(seen).min);
   EXPECT_EQ(image.box.max, box_of(seen).max);
+}
+
+/// The mean distance from each site to the next one in the list.
+double mean_step(const std::vector<Vec3d>& points) {
+  double sum = 0;
+  for (std::size_t k = 1; k < points.size(); ++k) sum += length(points[k] - points[k - 1]);
+  return sum / static_cast<double>(points.size() - 1);
+}
+
+TEST(SiteOrder, NeighboursInTheListAreNeighboursInSpace) {
+  const Solid solid = solid_of(sphere_with(2000));
+  std::vector<Vec3d> points = plan_of(solid, UniformPattern{}, 5000).points;
+  const double spacing = std::cbrt(solid.report.volume / 5000);
+  EXPECT_LT(mean_step(points), 2 * spacing);
+  EXPECT_GT(mean_step(plan_of(solid, PointsPattern{{{0.5, 0, 0}, {-0.5, 0, 0}, {0.4, 0, 0}}}).points), 0.8)
+      << "what the caller gave stays in the caller's order";
+}
+
+TEST(SiteOrder, GroupsGoWithTheirSites) {
+  const Solid solid = solid_of(box({0, 0, 0}, {4, 2, 1}));
+  BrickPattern bricks;
+  bricks.cell = Vec3d{1, 0.5, 0.5};
+  const SitePlan plan = plan_of(solid, bricks);
+  ASSERT_EQ(plan.groups.size(), plan.points.size());
+  std::map<std::uint32_t, Box> of_group;
+  for (std::size_t k = 0; k < plan.points.size(); ++k) of_group[plan.groups[k]].add(plan.points[k]);
+  EXPECT_GE(of_group.size(), 30u);
+  for (const auto& [group, box_of_brick] : of_group) {
+    const Vec3d size = box_of_brick.size();
+    EXPECT_LE(size.x, 1) << group;
+    EXPECT_LE(size.y, 0.5) << group;
+    EXPECT_LE(size.z, 0.5) << group;
+  }
 }
 
 }  // namespace
