@@ -8,14 +8,18 @@ namespace fracture {
 /// Zero: no limit. All are met by uniting the smallest fragment with the neighbour of largest shared cap
 /// area.
 struct SizeLimits {
-  double min_volume = 0;            ///< m³
-  double min_fraction = 0;          ///< of the solid's volume; the larger of the two counts
+  double min_volume = 0;    ///< m³
+  double min_fraction = 0;  ///< of the solid's volume; the largest of the three counts
+  double min_of_mean = 0;   ///< of the mean volume of the fragments that are made
+  /// So many are wanted: parts share them (part_quotas.hpp), and what there is beyond that is united. 0: all.
+  std::uint32_t fragments = 0;
   std::uint32_t max_fragments = 0;  ///< fragments that no other touches count, but cannot be united
   /// Triangles of all fragments. A budget below what the solid has when nothing is cut cannot be met; then it
   /// unites nothing.
   std::uint64_t max_triangles = 0;
 
-  bool any() const { return min_volume > 0 || min_fraction > 0 || max_fragments > 0 || max_triangles > 0; }
+  bool any_least() const { return min_volume > 0 || min_fraction > 0 || min_of_mean > 0; }
+  bool any() const { return any_least() || fragments > 0 || max_fragments > 0 || max_triangles > 0; }
   bool operator==(const SizeLimits&) const = default;
 };
 
@@ -23,6 +27,7 @@ struct SizeLimits {
 struct SizeFigures {
   std::uint32_t united = 0;  ///< pieces united because of a limit
   std::uint32_t alone = 0;   ///< pieces below the smallest volume that touch no other: they stay
+  std::uint32_t parts = 0;   ///< of the solid; only counted where SizeLimits::fragments is set
   double min_volume = 0;     ///< m³, the smallest volume in force
   /// The fewest triangles that uniting can reach; only counted where max_triangles is set.
   std::uint64_t fewest_triangles = 0;

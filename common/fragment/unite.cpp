@@ -1,11 +1,13 @@
 #include "common/fragment/unite.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "common/base/pacer.hpp"
 #include "common/fragment/bonds.hpp"
 #include "common/fragment/contact_table.hpp"
 #include "common/fragment/outline.hpp"
+#include "common/fragment/part_quotas.hpp"
 
 namespace fracture {
 
@@ -93,14 +95,27 @@ void join_surfaces(const RestrictedDiagram& d, const Pieces& pieces,
   }
 }
 
+/// m³ of each piece.
+std::vector<double> volumes_of(const RestrictedDiagram& d, const Pieces& pieces, const Execution& execution) {
+  std::vector<double> volumes(pieces.pieces.size());
+  Pacer pacer(execution);
+  for (std::size_t p = 0; p < volumes.size(); ++p) {
+    const std::vector<Face>& faces = pieces.pieces[p].faces;
+    volumes[p] = signed_volume(d, faces.data(), faces.size(), d.point(faces[0].v[0]), execution);
+    pacer.step(4 + faces.size());
+  }
+  return volumes;
+}
+
 /// Contacts of the groups while they grow, and the groups by volume. Of two groups that unite the one of
 /// fewer contacts moves these to the other: each contact moves at most log2 of their number times. So a group
 /// has a seat besides its name, which is always that of its smallest piece.
 class SmallestFirst {
  public:
+  /// `volumes`: of the pieces, none of them united yet.
   SmallestFirst(const RestrictedDiagram& d, const Pieces& pieces, const PieceGroups& groups,
-                const Execution& execution)
-      : SmallestFirst(d, pieces, groups, find_contacts(d, pieces, groups.names(), execution), execution) {}
+                const std::vector<double>& volumes, const Execution& execution)
+      : SmallestFirst(pieces, volumes, find_contacts(d, pieces, groups.names(), execution), execution) {}
   SmallestFirst(const SmallestFirst&) = delete;  // its table of contacts refers to its pacer
   SmallestFirst& operator=(const SmallestFirst&) = delete;
 
@@ -111,6 +126,9 @@ class SmallestFirst {
     return order_.empty();
   }
   double smallest_volume() const { return order_.front().volume; }
+  std::uint32_t smallest() const { return order_.front().group; }
+  /// Takes the smallest out of the order as it is; it comes back when somebody unites with it.
+  void leave_smallest() { pop(); }
   /// Unites the smallest group with its neighbour and says which those were; takes it out of the order when
   /// it has none (then both are the same).
   std::pair<std::uint32_t, std::uint32_t> unite_smallest() {
@@ -148,29 +166,21 @@ class SmallestFirst {
     return a.volume != b.volume ? a.volume > b.volume : a.group > b.group;
   }
 
-  SmallestFirst(const RestrictedDiagram& d, const Pieces& pieces, const PieceGroups& groups,
+  SmallestFirst(const Pieces& pieces, const std::vector<double>& volumes,
                 const std::vector<Contact>& contacts, const Execution& execution)
       : pacer_(execution),
-        volume_(pieces.pieces.size(), 0),
+        volume_(volumes),
         name_(pieces.pieces.size()),
         seat_(pieces.pieces.size()),
         changes_(pieces.pieces.size(), 0),
         touches_(static_cast<std::uint32_t>(pieces.pieces.size()), contacts.size() / 2, pacer_) {
     for (std::uint32_t p = 0; p < pieces.pieces.size(); ++p) {
-      const std::vector<Face>& faces = pieces.pieces[p].faces;
-      volume_[groups.of(p)] +=
-          signed_volume(d, faces.data(), faces.size(), d.point(faces[0].v[0]), execution);
+      pacer_.step(4);
       name_[p] = seat_[p] = p;
-      pacer_.step(4 + faces.size());
     }
     for (const Contact& c : contacts)  // each stands there for both
       if (c.of < c.with) touches_.add(c.of, c.with, c.area);
-    for (std::uint32_t p = 0; p < pieces.pieces.size(); ++p) {
-      pacer_.step();
-      if (!groups.is_group(p)) continue;
-      push(p);
-      ++count_;
-    }
+    for (std::uint32_t p = 0; p < pieces.pieces.size(); ++p, ++count_) push(p);
   }
 
   void push(std::uint32_t group) {
@@ -289,25 +299,49 @@ SizeFigures unite_by_size(const RestrictedDiagram& d, const Pieces& pieces, cons
                           PieceGroups& groups, const Execution& execution) {
   execution.poll();
   SizeFigures figures;
-  figures.min_volume = std::max(limits.min_volume, limits.min_fraction * d.solid.report.volume);
   if (!limits.any() || pieces.pieces.empty()) return figures;
+  const double all = d.solid.report.volume;
+  // The mean grows with each union, and so does what is small beside it.
+  const auto least = [&](std::uint32_t fragments) {
+    return std::max({limits.min_volume, limits.min_fraction * all, limits.min_of_mean * all / fragments});
+  };
 
   // One sequence of unions, of which the limits take as many as they need: the smallest group goes first
   // whatever is asked, so that each limit needs a prefix.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> unions;
   std::size_t needed = 0;
-  SmallestFirst order(d, pieces, groups, execution);
+  const std::vector<double> volumes = volumes_of(d, pieces, execution);
+  const auto count = static_cast<std::uint32_t>(volumes.size());
+  // Mostly nothing is too small, and then nobody asks who touches whom.
+  if (limits.fragments == 0 && limits.max_fragments == 0 && limits.max_triangles == 0 &&
+      *std::min_element(volumes.begin(), volumes.end()) >= least(count)) {
+    figures.min_volume = least(count);
+    return figures;
+  }
+  SmallestFirst order(d, pieces, groups, volumes, execution);
+  std::optional<PartQuotas> quotas;
+  if (limits.fragments > 0) {
+    quotas.emplace(pieces, volumes, limits.fragments, execution);
+    figures.parts = quotas->parts();
+  }
   while (!order.done()) {
-    const bool small = order.smallest_volume() < figures.min_volume;
+    const bool small = order.smallest_volume() < least(order.groups());
     const bool many = limits.max_fragments > 0 && order.groups() > limits.max_fragments;
-    if (!small && !many && limits.max_triangles == 0) break;
+    const std::uint32_t part = pieces.pieces[order.smallest()].part;
+    const bool beyond = quotas && quotas->over(part);
+    if (!small && !many && !beyond && limits.max_triangles == 0) {
+      if (!quotas || !quotas->any_over()) break;
+      order.leave_smallest();
+      continue;
+    }
     const auto [group, with] = order.unite_smallest();
     if (group == with) {
       if (small) ++figures.alone;
       continue;
     }
     unions.emplace_back(group, with);
-    if (small || many) needed = unions.size();
+    if (quotas) quotas->unite(part);
+    if (small || many || beyond) needed = unions.size();
   }
 
   if (limits.max_triangles > 0) {
@@ -331,6 +365,7 @@ SizeFigures unite_by_size(const RestrictedDiagram& d, const Pieces& pieces, cons
     groups.unite(unions[k].first, unions[k].second, pacer);
   }
   figures.united = static_cast<std::uint32_t>(needed);
+  figures.min_volume = least(count - figures.united);
   return figures;
 }
 

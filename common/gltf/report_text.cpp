@@ -47,6 +47,7 @@ void write_size(JsonText& json, const SizeReport& size) {
   if (limits.any()) json.member("alone", size.united.alone);
   json.member("coefficient_of_variation", volumes.coefficient_of_variation);
   if (limits.max_triangles > 0) json.member("fewest_triangles", size.united.fewest_triangles);
+  if (limits.fragments > 0) json.member("fragments", limits.fragments);
   json.member("highest_tenth", volumes.highest_tenth)
       .member("largest", volumes.largest)
       .member("lowest_tenth", volumes.lowest_tenth);
@@ -55,6 +56,7 @@ void write_size(JsonText& json, const SizeReport& size) {
   if (split) json.member("max_volume", size.max_volume);
   json.member("mean", volumes.mean).member("median", volumes.median);
   if (limits.any() && size.united.min_volume > 0) json.member("min_volume", size.united.min_volume);
+  if (limits.fragments > 0) json.member("parts", size.united.parts);
   if (split) json.member("passes", size.split.passes);
   json.member("share_of_largest_tenth", volumes.share_of_largest_tenth);
   if (split) json.member("sites_added", size.split.sites_added);

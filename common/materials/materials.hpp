@@ -26,6 +26,10 @@ struct CutLook {
   double roughness, metallic;
 };
 
+/// Every material unites smaller fragments than this fraction of the mean with a neighbour: crumbs that nobody
+/// sees cost as much as others.
+inline constexpr double kLeastOfMean = 0.002;
+
 struct MaterialPreset {
   const char* name;
   const char* doc;  ///< one sentence for people

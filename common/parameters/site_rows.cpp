@@ -28,6 +28,7 @@ ParameterSpec material_row() {
     r.fracture.lloyd = preset.lloyd;
     r.fracture.anisotropy.stretch = preset.stretch;
     r.fracture.roughness = preset.roughness;
+    r.fracture.size.min_of_mean = kLeastOfMean;
     r.physical = preset.physical;
     r.interior_color = preset.look.color;
     r.interior.color = linear_color(preset.look.color);
@@ -83,7 +84,10 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            .type = Type::kInteger,
            .min = 1,
            .max = max_sites,
-           .doc = "About how many pieces. uniform, impact, clustered: the number of Voronoi sites."},
+           .doc =
+               "How many cells the pattern makes: Voronoi sites for uniform, impact and clustered, about so "
+               "many for the others. Each part of a mesh that a cell meets gets a fragment of it, so that "
+               "there may be more of those: see `fragments`."},
           [](auto& r) -> auto& { return r.fracture.sites; })));
   rows.push_back(
       for_patterns({}, with_member(

@@ -25,7 +25,24 @@ void only_where(std::vector<ParameterSpec>& rows, std::size_t first,
   for (; first < rows.size(); ++first) rows[first].matters = matters;
 }
 
+ParameterSpec fragments_row() {
+  ParameterSpec spec = with_member(
+      {.name = "fragments",
+       .type = Type::kInteger,
+       .min = 0,
+       .max = kMaxPatternSites,
+       .doc =
+           "How many fragments the answer has, up to a tenth more or less, or else a warning says why. Separate "
+           "parts of the mesh share them by volume; small parts stay whole. Without `sites`, the pattern "
+           "makes as many cells. 0: as many as come of `sites`."},
+      [](auto& r) -> auto& { return r.fracture.size.fragments; });
+  spec.decides = Decides::kSites;  // patterns that divide the box make as many cells as it takes
+  spec.matters = [](const RequestParameters& r) { return r.fracture.size.fragments > 0; };
+  return spec;
+}
+
 void add_size_rows(std::vector<ParameterSpec>& rows) {
+  rows.push_back(fragments_row());
   const auto size = [&](const char* name, double most, const char* unit, const char* doc, auto member) {
     rows.push_back(with_member(
         {.name = name, .type = Type::kNumber, .unit = unit, .low = 0, .high = most, .doc = doc}, member));
@@ -37,8 +54,12 @@ void add_size_rows(std::vector<ParameterSpec>& rows) {
       [](auto& r) -> auto& { return r.fracture.size.min_volume; });
   size(
       "min_fraction", 1, "",
-      "The same as a fraction of the solid; the larger of the two counts. 0: no limit.",
+      "The same as a fraction of the solid; the largest of the three counts. 0: no limit.",
       [](auto& r) -> auto& { return r.fracture.size.min_fraction; });
+  size(
+      "min_of_mean", 1, "",
+      "The same as a fraction of the fragments' mean volume. With a `material` 0.002; without one 0: no limit.",
+      [](auto& r) -> auto& { return r.fracture.size.min_of_mean; });
   size(
       "max_volume", 1e18, "m³",
       "Cells with a larger piece get further sites. 0: no limit. Not for radial, grid, brick and slice.",

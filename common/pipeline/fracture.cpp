@@ -9,6 +9,7 @@
 
 #include "common/physics/collision_hulls.hpp"
 #include "common/pipeline/barycentric.hpp"
+#include "common/pipeline/enough_sites.hpp"
 #include "common/pipeline/fracture_steps.hpp"
 #include "common/pipeline/lloyd.hpp"
 #include "common/pipeline/make_report.hpp"
@@ -49,7 +50,7 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
     const Expected<std::optional<Matrix3>> map = map_of_cells(solid.box, parameters);
     if (!map) return tl::unexpected(map.error());
     const SeenSolid seen(solid, *map, execution);
-    Expected<SitePlan> plan = plan_sites(seen, parameters, execution);
+    Expected<SitePlan> plan = plan_enough_sites(seen, parameters, execution);
     if (!plan) return tl::unexpected(plan.error());
     if (parameters.lloyd > 0) {
       if (!plan->groups.empty())

@@ -55,6 +55,24 @@ CutCells::Whole sizes_of(const FragmentSet& set, const Execution& execution) {
   return sizes;
 }
 
+/// Where the number of fragments is off by more than a tenth: why.
+void report_fragments(std::uint32_t asked, const FragmentSet& set, std::vector<std::string>& warnings) {
+  const std::size_t made = set.fragments.size();
+  if (asked == 0 || (10 * made <= 11 * std::uint64_t{asked} && 10 * made >= 9 * std::uint64_t{asked})) return;
+  const std::string both =
+      "fragments: " + std::to_string(asked) + " asked, " + std::to_string(made) + " made; ";
+  if (made < asked && set.certificate.united > set.size.united)
+    warnings.push_back(both + std::to_string(set.certificate.united - set.size.united) +
+                       " pieces have no volume of their own, because the surface crosses itself");
+  else if (made < asked)
+    warnings.push_back(both + "the pattern's cells and limits of size give no more");
+  else if (set.size.parts > 1)
+    warnings.push_back(both + "the mesh has " + std::to_string(set.size.parts) +
+                       " separate parts, each of which is at least one");
+  else
+    warnings.push_back(both + "what is left touches nothing it could be united with");
+}
+
 void report_size(const FractureParameters& p, const SplitFigures& split, const CutCells::Whole& sizes,
                  const FragmentSet& set, Report& report) {
   const std::vector<double>& volumes = sizes.volumes;
@@ -62,9 +80,10 @@ void report_size(const FractureParameters& p, const SplitFigures& split, const C
   const double largest = volumes.empty() ? 0 : volumes.back();
   report.size = {volume_distribution(volumes), triangles, p.size, set.size, p.max_volume, split};
   std::vector<std::string>& warnings = report.warnings;
-  if (p.size.any() && set.size.alone > 0)
+  if ((p.size.min_volume > 0 || p.size.min_fraction > 0) && set.size.alone > 0)
     warnings.push_back(std::to_string(set.size.alone) + " pieces below " + text_of(set.size.min_volume) +
                        " m3 touch no other piece; they stay as they are");
+  report_fragments(p.size.fragments, set, warnings);
   if (p.size.max_fragments > 0 && set.fragments.size() > p.size.max_fragments)
     warnings.push_back("max_fragments: " + std::to_string(p.size.max_fragments) + " asked, " +
                        std::to_string(set.fragments.size()) +

@@ -25,7 +25,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGE = ROOT / "proto/parameters.md"
 MONKEY = "/usr/share/assimp/models/BLEND/Suzanne_248.blend"  # Debian: assimp-testmodels
 
-FIRST = ["material", "sites", "seed", "impacts", "unit"]
+FIRST = ["material", "fragments", "seed", "impacts", "unit"]
 SUBJECTS = [
     ("The mesh", "What the file means, and what is done to it before it breaks.",
      ["format", "unit", "up", "nodes", "materials", "repair", "weld_tolerance", "thickness"]),
@@ -37,7 +37,7 @@ SUBJECTS = [
     ("Rough cuts", "Noise on the cut faces; both sides still match. `rough_amplitude=0` makes a material's cuts flat.",
      ["rough_amplitude", "rough_frequency", "rough_octaves"]),
     ("Sizes and budgets", "`report.size` of the answer says what was made, and how the volumes are distributed.",
-     ["min_volume", "min_fraction", "max_volume", "max_fragments", "max_triangles"]),
+     ["fragments", "min_volume", "min_fraction", "min_of_mean", "max_volume", "max_fragments", "max_triangles"]),
     ("Where nothing is cut", "", ["keep_center", "keep_radius", "keep_box"]),
     ("Hits", "Break only what is near, and name what changed "
      "([how a game uses them](interface.md#what-is-hit-again)).",
@@ -166,8 +166,8 @@ def page(limits, patterns):
     yield ""
     yield "<!-- Written by scripts/lib/parameters_page.py from the table that the server holds; a test compares. -->"
     yield ""
-    yield "They stand in the query (`?sites=80&seed=7`), in a form, or in JSON (`{\"sites\": 80, \"seed\": 7}`), and as flags of"
-    yield "`fracture-server bake` (`--sites 80`). Unknown ones, and those given twice, are refused by name. Vectors are `x,y,z` in a query"
+    yield "They stand in the query (`?fragments=80&seed=7`), in a form, or in JSON (`{\"sites\": 80, \"seed\": 7}`), and as flags of"
+    yield "`fracture-server bake` (`--fragments 80`). Unknown ones, and those given twice, are refused by name. Vectors are `x,y,z` in a query"
     yield "and `[x, y, z]` in JSON, lists of them `x,y,z;x,y,z` and `[[x, y, z], ...]`; lengths are metres, y is up. A server says the same"
     yield "for programs at `GET /patterns` and `GET /limits`. [How requests and answers look](interface.md)."
     yield ""

@@ -364,6 +364,7 @@ TEST(Delta, WhereHitsCannotBeLocalTheWholeIsFracturedAgain) {
     EXPECT_EQ(expect_hits(mesh, p), 0);
   };
   not_local("limits of size", [](FractureParameters& p) { p.size.min_fraction = 0.02; });
+  not_local("a number of fragments", [](FractureParameters& p) { p.size.fragments = 20; });
   not_local("splitting", [](FractureParameters& p) { p.max_volume = 0.05; });
   not_local("groups", [](FractureParameters& p) { p.pattern = BrickPattern{}; });
   not_local("a region that stays", [](FractureParameters& p) {

@@ -23,6 +23,8 @@ inline std::vector<NamedParameters> structure_requests(const Solid& solid, std::
   add("min_fraction").size.min_fraction = 1.5 / sites;
   add("max_volume").max_volume = volume / (2 * sites);
   add("max_fragments").size.max_fragments = sites / 3 + 1;
+  add("fragments").size.fragments = sites / 2 + 1;
+  add("min_of_mean").size.min_of_mean = 0.3;
   add("max_triangles").size.max_triangles = 2 * solid.triangles.size() + 20 * sites;
   FractureParameters& brick = add("brick_max_fragments");
   brick.pattern = BrickPattern{.jitter = 0.3};

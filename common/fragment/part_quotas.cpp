@@ -1,0 +1,66 @@
+#include "common/fragment/part_quotas.hpp"
+
+#include <algorithm>
+#include <queue>
+
+#include "common/base/pacer.hpp"
+
+namespace fracture {
+namespace {
+
+/// Per part: its share of each cell, added up.
+std::vector<double> cells_in_parts(const Pieces& pieces, const std::vector<double>& volumes,
+                                   std::uint32_t parts, Pacer& pacer) {
+  std::vector<double> cells(parts, 0);
+  const std::vector<Piece>& all = pieces.pieces;
+  for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {  // pieces stand by their owner
+    double whole = 0;
+    for (end = begin; end < all.size() && all[end].owners[0] == all[begin].owners[0]; ++end)
+      whole += std::max(volumes[end], 0.0);
+    pacer.step(end - begin);
+    for (std::size_t k = begin; k < end && whole > 0; ++k)
+      cells[all[k].part] += std::max(volumes[k], 0.0) / whole;
+  }
+  return cells;
+}
+
+}  // namespace
+
+PartQuotas::PartQuotas(const Pieces& pieces, const std::vector<double>& volumes, std::uint32_t wanted,
+                       const Execution& execution) {
+  Pacer pacer(execution);
+  std::uint32_t count = 0;
+  for (const Piece& piece : pieces.pieces) count = std::max(count, piece.part + 1);
+  left_.assign(count, 0);
+  for (const Piece& piece : pieces.pieces) {
+    pacer.step();
+    parts_ += left_[piece.part]++ == 0;
+  }
+  quota_.assign(count, 1);
+
+  const std::vector<double> cells = cells_in_parts(pieces, volumes, count, pacer);
+  struct Claim {
+    double cells_for_each;  // of its fragments, had it one more
+    std::uint32_t part;
+    bool operator<(const Claim& other) const {
+      return cells_for_each != other.cells_for_each ? cells_for_each < other.cells_for_each
+                                                    : part > other.part;
+    }
+  };
+  std::priority_queue<Claim> claims;
+  const auto claim = [&](std::uint32_t part) {
+    if (left_[part] > quota_[part]) claims.push({cells[part] / (quota_[part] + 1), part});
+  };
+  for (std::uint32_t p = 0; p < count; ++p) claim(p);
+  std::uint32_t more = std::max(wanted - std::min(wanted, parts_), wanted / 4);
+  for (; more > 0 && !claims.empty(); --more) {
+    pacer.step(16);
+    const std::uint32_t part = claims.top().part;
+    claims.pop();
+    ++quota_[part];
+    claim(part);
+  }
+  for (std::uint32_t p = 0; p < count; ++p) over_ += left_[p] - std::min(left_[p], quota_[p]);
+}
+
+}  // namespace fracture

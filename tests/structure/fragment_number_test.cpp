@@ -1,0 +1,160 @@
+// `fragments`: as many as were asked for, of every pattern and material, shared among the parts of a mesh.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+#include "tests/property/judge.hpp"
+#include "tests/support/figures.hpp"
+#include "tests/support/fractured.hpp"
+#include "tests/support/mesh_files.hpp"
+#include "tests/support/pattern_requests.hpp"
+#include "tests/support/shapes.hpp"
+#include "tests/support/surface_mesh.hpp"
+
+namespace fracture::test {
+namespace {
+
+void expect_sound(const FragmentSet& set, const Mesh& traced) {
+  expect_closed(set);
+  expect_partition(set, volume_of(traced), area_of(traced));
+  expect_outside_untouched(set, traced);
+}
+
+std::map<std::uint32_t, std::uint32_t> fragments_of_parts(const FragmentSet& set) {
+  std::map<std::uint32_t, std::uint32_t> count;
+  for (const Fragment& f : set.fragments) ++count[f.part];
+  return count;
+}
+
+TEST(FragmentNumber, EveryPatternAndMaterialGivesAsManyAsWereAsked) {
+  for (const Mesh& shape : {ico_sphere(3), torus(32, 16), box({0, 0, 0}, {3, 2, 0.1}, 3)}) {
+    const Mesh mesh = with_traced_triangles(shape);
+    std::vector<NamedParameters> requests = pattern_requests(box_of(mesh), 40, 11);
+    for (const MaterialPreset& preset : material_presets())
+      requests.push_back({preset.name, of_material(preset, 40, 11)});
+    for (auto& [name, p] : requests) {
+      SCOPED_TRACE(name);
+      p.size.fragments = 40;
+      p.roughness = {};
+      const Fractured made = fracture_mesh(mesh, p);
+      expect_sound(made.set, mesh);
+      const std::size_t n = made.set.fragments.size();
+      EXPECT_LE(n, 44u);
+      // Cells of a size of their own may be fewer.
+      EXPECT_EQ(warns(made.report, "fragments: 40 asked"), n < 36) << n;
+    }
+  }
+}
+
+TEST(FragmentNumber, GridsAndBricksAreDividedUntilTheSolidHasEnough) {
+  // A frame fills a sixth of its box.
+  const Mesh mesh = with_traced_triangles(torus(48, 12, 1, 0.15));
+  for (SitePattern pattern :
+       {SitePattern(GridPattern{}), SitePattern(BrickPattern{}), SitePattern(RadialPattern{})}) {
+    FractureParameters p;
+    p.sites = 60;
+    p.pattern = pattern;
+    p.size.fragments = 60;
+    const Fractured made = fracture_mesh(mesh, p);
+    expect_sound(made.set, mesh);
+    EXPECT_EQ(made.set.fragments.size(), 60u) << kPatternTraits[pattern.index()].name;
+  }
+}
+
+TEST(FragmentNumber, PartsShareByVolumeAndSmallOnesStayWhole) {
+  std::vector<Mesh> parts{box({0, 0, 0}, {3, 1, 1}), box({4, 0, 0}, {5, 1, 1})};
+  for (int k = 0; k < 8; ++k) parts.push_back(box({k * 0.3, 2, 0}, {k * 0.3 + 0.1, 2.1, 0.1}));
+  const Mesh mesh = with_traced_triangles(joined(parts));
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    FractureParameters p;
+    p.sites = 50;
+    p.seed = seed;
+    p.size.fragments = 50;
+    const Fractured made = fracture_mesh(mesh, p);
+    expect_sound(made.set, mesh);
+    EXPECT_EQ(made.set.fragments.size(), 50u);
+    auto count = fragments_of_parts(made.set);
+    EXPECT_EQ(count.size(), 10u);
+    std::vector<std::uint32_t> sorted;
+    for (const auto& [part, n] : count) sorted.push_back(n);
+    std::sort(sorted.rbegin(), sorted.rend());
+    EXPECT_NEAR(sorted[0], 31.5, 4) << "three quarters of what the small ones leave";
+    EXPECT_NEAR(sorted[1], 10.5, 4);
+    EXPECT_EQ(sorted[2], 1u);
+    EXPECT_EQ(made.report.size.united.parts, 10u);
+  }
+}
+
+TEST(FragmentNumber, MorePartsThanFragmentsAreSaidSoAndTheLargestBreaksAllTheSame) {
+  std::vector<Mesh> parts{box({0, 0, 0}, {3, 3, 3})};
+  for (int k = 0; k < 30; ++k) parts.push_back(box({k * 0.3, 5, 0}, {k * 0.3 + 0.1, 5.1, 0.1}));
+  const Mesh mesh = with_traced_triangles(joined(parts));
+  FractureParameters p;
+  p.sites = p.size.fragments = 20;
+  const Fractured made = fracture_mesh(mesh, p);
+  expect_sound(made.set, mesh);
+  EXPECT_EQ(made.set.fragments.size(), 30u + 1 + 20 / 4);
+  EXPECT_TRUE(warns(made.report, "31 separate parts"));
+}
+
+TEST(FragmentNumber, ManyCellsBecomeFewFragments) {
+  const Mesh mesh = with_traced_triangles(ico_sphere(3));
+  FractureParameters p;
+  p.sites = 400;
+  p.size.fragments = 20;
+  const Fractured made = fracture_mesh(mesh, p);
+  expect_sound(made.set, mesh);
+  EXPECT_EQ(made.set.fragments.size(), 20u);
+  EXPECT_FALSE(warns(made.report, "fragments:"));
+}
+
+TEST(FragmentNumber, CrumbsBelowAFractionOfTheMeanAreUnited) {
+  for (const MaterialPreset& preset : material_presets()) {
+    SCOPED_TRACE(preset.name);
+    const Mesh mesh = with_traced_triangles(torus(32, 16));
+    FractureParameters p = of_material(preset, 60, 5);
+    p.roughness = {};
+    p.size.min_of_mean = kLeastOfMean;
+    const Fractured made = fracture_mesh(mesh, p);
+    expect_sound(made.set, mesh);
+    const double mean = made.solid.report.volume / static_cast<double>(made.set.fragments.size());
+    for (const Fragment& f : made.set.fragments) EXPECT_GE(f.mass.volume, mean * kLeastOfMean * 0.999);
+  }
+}
+
+TEST(FragmentNumber, HoldsForRealMeshesOfAnyMaterial) {
+  const std::vector<MeshFile> files = test_meshes();
+  if (files.empty()) GTEST_SKIP() << "no real meshes";
+  std::size_t judged = 0;
+  for (const MeshFile& file : files) {
+    SCOPED_TRACE(file.name);
+    const Expected<Mesh> mesh = load_mesh(file);
+    if (!mesh || mesh->triangles.size() > 40'000) continue;
+    const auto shared = std::make_shared<const Mesh>(*mesh);
+    const Expected<Solid> solid = make_solid(shared, {}, {});
+    if (!solid || solid->parts.size() > 20) continue;
+    for (const MaterialPreset& preset : material_presets()) {
+      SCOPED_TRACE(preset.name);
+      FractureParameters p = of_material(preset, 50, 3);
+      p.size.fragments = 50;
+      p.roughness = {};
+      p.size.min_of_mean = kLeastOfMean;
+      StageTimings timings;
+      const Expected<Diagram> diagram = make_diagram(*solid, p, {}, timings);
+      if (!diagram) continue;
+      const Expected<FracturedSolid> made = fracture(*solid, *diagram, p, {}, timings);
+      if (!made) continue;  // refused by name: another test's matter
+      const std::size_t n = made->set.fragments.size();
+      EXPECT_EQ(warns(made->report, "fragments: 50 asked"), n < 45 || n > 55) << n;
+      const bool dirty =
+          solid->report.holes_filled > 0 || made->set.certificate.united > made->set.size.united;
+      EXPECT_TRUE(solid->parts.size() > 10 || dirty || n >= 45) << n;
+      ++judged;
+    }
+  }
+  EXPECT_GE(judged, material_presets().size());
+}
+
+}  // namespace
+}  // namespace fracture::test
