@@ -12,24 +12,39 @@ namespace {
 
 constexpr int kMostPlans = 8;
 constexpr double kLeastGrowth = 1.1;  // divisions are whole numbers: a little more may be the same
+constexpr double kMostGrowth = 2;     // what little of a plan was met says little of the next one
+// Of a cell as large as the others, a sixteenth is met by one of these but once in e^16 times.
+constexpr std::uint32_t kSamplesPerFragment = 16, kMostSamples = 1u << 14;
+constexpr std::uint64_t kMostDistances = 1u << 24;  // some 20 ms
 
+/// Slices of one family are as many as are asked for, from one end of the solid to the other.
 bool divides_the_box(const SitePattern& pattern) {
+  if (const auto* slices = std::get_if<SlicePattern>(&pattern)) return slices->normals.size() > 1;
   return std::holds_alternative<GridPattern>(pattern) || std::holds_alternative<BrickPattern>(pattern) ||
-         std::holds_alternative<SlicePattern>(pattern) || std::holds_alternative<RadialPattern>(pattern);
+         std::holds_alternative<RadialPattern>(pattern);
 }
 
 bool crowds(const SitePattern& pattern) {
   return std::holds_alternative<ImpactPattern>(pattern) || std::holds_alternative<ClusteredPattern>(pattern);
 }
 
-/// How many groups of cells have a site in the solid: each of them is at least one fragment.
-std::size_t groups_inside(const SeenSolid& solid, const SitePlan& plan, const Execution& execution) {
-  sites_detail::ColumnSampler sampler(solid.seen(), 0, execution);
-  const std::vector<bool> inside = sampler.inside(plan.points);
-  if (plan.groups.empty()) return static_cast<std::size_t>(std::count(inside.begin(), inside.end(), true));
+/// How many groups of cells have one of these points.
+std::size_t groups_met(const std::vector<Vec3d>& points, const SitePlan& plan, const Execution& execution) {
+  Pacer pacer(execution);
   std::vector<std::uint32_t> met;
-  for (std::size_t k = 0; k < inside.size(); ++k)
-    if (inside[k]) met.push_back(plan.groups[k]);
+  for (const Vec3d& p : points) {
+    pacer.step(plan.points.size());
+    std::size_t nearest = 0;
+    double least = HUGE_VAL;
+    for (std::size_t k = 0; k < plan.points.size(); ++k) {
+      const Vec3d to = plan.points[k] - p;
+      if (const double square = dot(to, to); square < least) {
+        least = square;
+        nearest = k;
+      }
+    }
+    met.push_back(plan.groups.empty() ? static_cast<std::uint32_t>(nearest) : plan.groups[nearest]);
+  }
   sort_with_polls(execution, met.begin(), met.end());
   return static_cast<std::size_t>(std::unique(met.begin(), met.end()) - met.begin());
 }
@@ -44,14 +59,19 @@ Expected<SitePlan> plan_enough_sites(const SeenSolid& solid, const FractureParam
     more.sites = std::max(more.sites, std::min(kMaxPatternSites, 2 * wanted));
   Expected<SitePlan> plan = plan_sites(solid, more, execution);
   if (!plan || wanted == 0 || !divides_the_box(parameters.pattern)) return plan;
+  sites_detail::ColumnSampler sampler(solid.seen(), 0, execution);
+  const std::vector<Vec3d> samples = sampler.sample(static_cast<std::uint32_t>(
+      std::min<std::uint64_t>(std::uint64_t{kSamplesPerFragment} * wanted, kMostSamples)));
+  std::size_t met_before = 0;
   for (int plans = 1; plans < kMostPlans; ++plans) {
-    const std::size_t inside = groups_inside(solid, *plan, execution);
-    if (inside >= wanted) break;
-    const double growth =
-        std::fmax(kLeastGrowth, wanted / static_cast<double>(std::max<std::size_t>(inside, 1)));
+    if (samples.size() * plan->points.size() > kMostDistances) break;
+    const std::size_t met = groups_met(samples, *plan, execution);
+    if (met >= wanted || met <= met_before) break;
+    met_before = met;
+    const double growth = std::clamp(wanted / static_cast<double>(met), kLeastGrowth, kMostGrowth);
     more.sites = static_cast<std::uint32_t>(std::fmin(std::ceil(more.sites * growth), kMaxPatternSites));
     Expected<SitePlan> next = plan_sites(solid, more, execution);
-    if (!next || (next->points.size() <= plan->points.size() && more.sites == kMaxPatternSites)) break;
+    if (!next) break;
     plan = std::move(next);
   }
   return plan;

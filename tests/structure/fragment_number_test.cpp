@@ -50,7 +50,7 @@ TEST(FragmentNumber, EveryPatternAndMaterialGivesAsManyAsWereAsked) {
 TEST(FragmentNumber, GridsAndBricksAreDividedUntilTheSolidHasEnough) {
   // A frame fills a sixth of its box.
   const Mesh mesh = with_traced_triangles(torus(48, 12, 1, 0.15));
-  for (SitePattern pattern :
+  for (const SitePattern& pattern :
        {SitePattern(GridPattern{}), SitePattern(BrickPattern{}), SitePattern(RadialPattern{})}) {
     FractureParameters p;
     p.sites = 60;
