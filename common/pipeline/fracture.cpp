@@ -131,6 +131,15 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
   return cut;
 }
 
+SizeLimits limits_in_force(const FractureParameters& parameters) {
+  SizeLimits limits = parameters.size;
+  if (limits.fragments == 0 || parameters.hits.empty()) return limits;
+  if (parameters.rest == LocalRest::kWhole) limits.fragments = 0;
+  if (parameters.rest == LocalRest::kFractured)
+    for (const LocalImpact& hit : parameters.hits) limits.fragments += hit.sites;
+  return limits;
+}
+
 SiteNotes notes_of(const Diagram& diagram) {
   const Tetrahedralization& t = diagram.tetrahedralization;
   return {{diagram.sites.size(), t.site_count(), t.duplicates_merged, t.far_sites_dropped},

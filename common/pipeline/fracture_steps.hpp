@@ -55,6 +55,10 @@ struct CutCells {
   std::optional<Whole> whole{};
 };
 
+/// The limits of size as they hold for all cells: pieces that hits break off come on top of the fragments that
+/// the pattern shall make, and where these stay one piece nobody counts them.
+SizeLimits limits_in_force(const FractureParameters& parameters);
+
 /// What an answer says of its sites.
 struct SiteNotes {
   SiteFigures figures;

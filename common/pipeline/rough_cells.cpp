@@ -31,7 +31,7 @@ void make_rough_fragments(RestrictedDiagram& restricted, const FractureParameter
     cut.rough =
         roughen(restricted, ownership.owner_of_site, roughness, restraints, parameters.seed, execution);
     execution.reaches(0.9);
-    cut.set = make_fragments(restricted, ownership, parameters.pivot, parameters.size, execution);
+    cut.set = make_fragments(restricted, ownership, parameters.pivot, limits_in_force(parameters), execution);
     if (!(roughness.amplitude > 0)) break;
     const Verdict verdict = judged(cut.set);
     if (verdict.sound()) break;

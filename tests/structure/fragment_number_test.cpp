@@ -98,6 +98,24 @@ TEST(FragmentNumber, MorePartsThanFragmentsAreSaidSoAndTheLargestBreaksAllTheSam
   EXPECT_TRUE(warns(made.report, "31 separate parts"));
 }
 
+TEST(FragmentNumber, WhatAHitBreaksOffComesOnTop) {
+  const Mesh mesh = with_traced_triangles(ico_sphere(3));
+  FractureParameters p;
+  p.sites = p.size.fragments = 30;
+  const Fractured before = fracture_mesh(mesh, p);
+  p.hits = {{{0, 1, 0}, 0.3, 25}};
+  p.rest = LocalRest::kFractured;
+  const Fractured after = fracture_mesh(mesh, p);
+  expect_sound(after.set, mesh);
+  EXPECT_EQ(before.set.fragments.size(), 30u);
+  EXPECT_EQ(after.set.fragments.size(), 55u);
+  p.rest = LocalRest::kWhole;
+  const Fractured local = fracture_mesh(mesh, p);
+  expect_sound(local.set, mesh);
+  EXPECT_GE(local.set.fragments.size(), 20u);
+  EXPECT_FALSE(warns(local.report, "fragments:")) << "the rest is one piece";
+}
+
 TEST(FragmentNumber, ManyCellsBecomeFewFragments) {
   const Mesh mesh = with_traced_triangles(ico_sphere(3));
   FractureParameters p;
