@@ -288,7 +288,9 @@ std::optional<Expected<Mesh>> ImportPool::import_within(Try& attempt, const Inpu
     const WorkerDeath death = worker.death();
     reusable =
         death == WorkerDeath::kNone && !lacked_memory(result) && worker.files() < config_.files_per_worker;
-    attempt.was_killed = death == WorkerDeath::kKilled;
+    // What an earlier file has left behind in its process is not this one's doing.
+    attempt.was_killed =
+        death == WorkerDeath::kKilled || (death == WorkerDeath::kCrash && worker.files() > 1);
     if ((lacked_memory(result) && !attempt.last) || (attempt.was_killed && !attempt.was_killed_before)) {
       finish(nullptr);
       return std::nullopt;

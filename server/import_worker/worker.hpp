@@ -1,6 +1,7 @@
 // The inside of an import process. The program that the server starts is the zygote: it warms the readers up
-// and then only forks; each fork reads one file in its sandbox and ends. What a file may do to its process it
-// does to nobody else's: no other file was there before, none comes after, and the zygote never saw a byte.
+// and then only forks; each fork reads in its sandbox what the server gives it: of strangers one file, so that
+// no other was there before, none comes after, and what a file does to its process it does to nobody else's
+// (a bake's, whose files have one owner, a hundred). The zygote never saw a byte.
 //
 // The zygote has one thread, so that a fork has all there is, in a consistent state; and it forks siblings
 // (CLONE_PARENT), so that the server itself waits for them, learns the signal that ended them and can kill

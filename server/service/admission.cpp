@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/pipeline/enough_sites.hpp"
 #include "common/rough/roughen.hpp"
 
 namespace fracture {
@@ -43,6 +44,7 @@ ExpectedWork work(std::uint64_t mesh_bytes, std::uint64_t triangles, double site
 
 double expected_sites(const FractureParameters& parameters, const Solid* solid, const Selection& selection) {
   double sites = solid ? expected_sites(parameters, solid->box) : parameters.sites;
+  sites = std::fmax(sites, sites_for_fragments(parameters));
   // A cell that is too large gets further sites until its pieces are below the limit: on average half of it.
   if (solid && parameters.max_volume > 0)
     sites = std::fmax(sites, 2 * solid->report.volume / parameters.max_volume);

@@ -212,7 +212,7 @@ Expected<Step<PreparedMesh>> FractureService::make_mesh(const FractureRequest& r
     if (const std::size_t bytes = memory_size(*mesh); bytes > kSmall)
       execution.made(Product::kMeshBytes, bytes);
     execution.made(Product::kSurfaceTriangles, mesh->triangles.size());
-    // What the reader took beside that is free for others: it has ended.
+    // What the reader took beside that is free for others: it has ended (a bake's is kept, and reserves nothing).
     if (execution.allowance) execution.allowance->shrink();
     const Expected<FrameReport> frame = to_metres_y_up(*mesh, request.parameters.frame);
     if (!frame) return tl::unexpected<Error>(frame.error());
