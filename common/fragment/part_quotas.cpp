@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <queue>
+#include <utility>
 
 #include "common/base/pacer.hpp"
 
@@ -26,17 +27,12 @@ std::vector<double> cells_in_parts(const Pieces& pieces, const std::vector<doubl
 
 }  // namespace
 
-PartQuotas::PartQuotas(const Pieces& pieces, const std::vector<double>& volumes, std::uint32_t wanted,
-                       const Execution& execution) {
+PartQuotas::PartQuotas(const Pieces& pieces, const std::vector<double>& volumes,
+                       std::vector<std::uint32_t> left, std::uint32_t wanted, const Execution& execution)
+    : quota_(left.size(), 1), left_(std::move(left)) {
   Pacer pacer(execution);
-  std::uint32_t count = 0;
-  for (const Piece& piece : pieces.pieces) count = std::max(count, piece.part + 1);
-  left_.assign(count, 0);
-  for (const Piece& piece : pieces.pieces) {
-    pacer.step();
-    parts_ += left_[piece.part]++ == 0;
-  }
-  quota_.assign(count, 1);
+  const auto count = static_cast<std::uint32_t>(left_.size());
+  for (const std::uint32_t n : left_) parts_ += n > 0;
 
   const std::vector<double> cells = cells_in_parts(pieces, volumes, count, pacer);
   struct Claim {
@@ -49,12 +45,12 @@ PartQuotas::PartQuotas(const Pieces& pieces, const std::vector<double>& volumes,
   };
   std::priority_queue<Claim> claims;
   const auto claim = [&](std::uint32_t part) {
+    pacer.step(16);
     if (left_[part] > quota_[part]) claims.push({cells[part] / (quota_[part] + 1), part});
   };
   for (std::uint32_t p = 0; p < count; ++p) claim(p);
-  std::uint32_t more = std::max(wanted - std::min(wanted, parts_), wanted / 4);
+  std::uint32_t more = wanted > parts_ ? wanted - parts_ : wanted / 4;
   for (; more > 0 && !claims.empty(); --more) {
-    pacer.step(16);
     const std::uint32_t part = claims.top().part;
     claims.pop();
     ++quota_[part];

@@ -13,13 +13,14 @@ namespace fracture {
 /// each by its volume there: for uniform sites that is the volume of the part, and where the pattern makes small
 /// cells (near a hit) it makes many. Each gets at least one, and no more than it has pieces, by the method of
 /// D'Hondt (1882): the next fragment goes to the part that has the most cells for each of its own, ties to the
-/// lowest part. Where parts are so many that little would be left to divide, a quarter of what was asked is
-/// divided beyond one for each.
+/// lowest part. Where there are as many parts as that, a quarter of what was asked is divided beyond one for
+/// each.
 class PartQuotas {
  public:
-  /// `volumes`: of the pieces, none of them united yet. Throws Interrupted.
-  PartQuotas(const Pieces& pieces, const std::vector<double>& volumes, std::uint32_t wanted,
-             const Execution& execution);
+  /// `volumes`: of the pieces. `left`: per part, how many there are of it after what was united so far.
+  /// Throws Interrupted.
+  PartQuotas(const Pieces& pieces, const std::vector<double>& volumes, std::vector<std::uint32_t> left,
+             std::uint32_t wanted, const Execution& execution);
 
   /// Does the part have more pieces than it may?
   bool over(std::uint32_t part) const { return left_[part] > quota_[part]; }

@@ -1,7 +1,6 @@
 #include "common/fragment/unite.hpp"
 
 #include <algorithm>
-#include <optional>
 
 #include "common/base/pacer.hpp"
 #include "common/fragment/bonds.hpp"
@@ -127,8 +126,21 @@ class SmallestFirst {
   }
   double smallest_volume() const { return order_.front().volume; }
   std::uint32_t smallest() const { return order_.front().group; }
-  /// Takes the smallest out of the order as it is; it comes back when somebody unites with it.
-  void leave_smallest() { pop(); }
+  /// Takes the smallest out of the order as it is, until take_back() or somebody unites with it.
+  void leave_smallest() {
+    left_.push_back(order_.front());
+    pop();
+  }
+  /// Those that were left.
+  void take_back() {
+    for (const Entry& entry : left_) {
+      if (entry.change != changes_[entry.group]) continue;
+      pacer_.step(8);
+      order_.push_back(entry);
+      std::push_heap(order_.begin(), order_.end(), later);
+    }
+    left_.clear();
+  }
   /// Unites the smallest group with its neighbour and says which those were; takes it out of the order when
   /// it has none (then both are the same).
   std::pair<std::uint32_t, std::uint32_t> unite_smallest() {
@@ -200,6 +212,7 @@ class SmallestFirst {
   std::vector<std::uint32_t> changes_;      // per group
   ContactTable touches_;                    // of seats
   std::vector<Entry> order_;                // a heap
+  std::vector<Entry> left_;                 // out of it
   std::uint32_t count_ = 0;
 };
 
@@ -300,49 +313,59 @@ SizeFigures unite_by_size(const RestrictedDiagram& d, const Pieces& pieces, cons
   execution.poll();
   SizeFigures figures;
   if (!limits.any() || pieces.pieces.empty()) return figures;
-  const double all = d.solid.report.volume;
-  // The mean grows with each union, and so does what is small beside it.
-  const auto least = [&](std::uint32_t fragments) {
-    return std::max({limits.min_volume, limits.min_fraction * all, limits.min_of_mean * all / fragments});
-  };
-
-  // One sequence of unions, of which the limits take as many as they need: the smallest group goes first
-  // whatever is asked, so that each limit needs a prefix.
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> unions;
-  std::size_t needed = 0;
   const std::vector<double> volumes = volumes_of(d, pieces, execution);
   const auto count = static_cast<std::uint32_t>(volumes.size());
+  const double all = d.solid.report.volume;
+  // What is small beside the mean is small beside that of the fragments there will be.
+  const auto least = [&](std::uint32_t fragments) {
+    if (limits.fragments > 0) fragments = std::min(fragments, limits.fragments);
+    return std::max({limits.min_volume, limits.min_fraction * all, limits.min_of_mean * all / fragments});
+  };
   // Mostly nothing is too small, and then nobody asks who touches whom.
   if (limits.fragments == 0 && limits.max_fragments == 0 && limits.max_triangles == 0 &&
       *std::min_element(volumes.begin(), volumes.end()) >= least(count)) {
     figures.min_volume = least(count);
     return figures;
   }
+
+  // One sequence of unions: first what is too small, then what is beyond the share of its part, then beyond
+  // the number for all, always the smallest group with its neighbour. Of those that would go on from there a
+  // budget of triangles takes as many as it needs.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> unions;
   SmallestFirst order(d, pieces, groups, volumes, execution);
-  std::optional<PartQuotas> quotas;
-  if (limits.fragments > 0) {
-    quotas.emplace(pieces, volumes, limits.fragments, execution);
-    figures.parts = quotas->parts();
+  std::vector<std::uint32_t> of_part;
+  for (const Piece& piece : pieces.pieces) {
+    if (of_part.size() <= piece.part) of_part.resize(piece.part + 1, 0);
+    ++of_part[piece.part];
   }
-  while (!order.done()) {
-    const bool small = order.smallest_volume() < least(order.groups());
-    const bool many = limits.max_fragments > 0 && order.groups() > limits.max_fragments;
-    const std::uint32_t part = pieces.pieces[order.smallest()].part;
-    const bool beyond = quotas && quotas->over(part);
-    if (!small && !many && !beyond && limits.max_triangles == 0) {
-      if (!quotas || !quotas->any_over()) break;
-      order.leave_smallest();
-      continue;
-    }
+  /// The part of the two that are one now; kNoIndex where there was nothing to unite the smallest with.
+  const auto unite_smallest = [&] {
     const auto [group, with] = order.unite_smallest();
-    if (group == with) {
-      if (small) ++figures.alone;
-      continue;
-    }
+    if (group == with) return kNoIndex;
     unions.emplace_back(group, with);
-    if (quotas) quotas->unite(part);
-    if (small || many || beyond) needed = unions.size();
+    return pieces.pieces[group].part;
+  };
+  while (!order.done() && order.smallest_volume() < least(order.groups())) {
+    if (const std::uint32_t part = unite_smallest(); part != kNoIndex)
+      --of_part[part];
+    else
+      ++figures.alone;
   }
+  if (limits.fragments > 0) {
+    PartQuotas quotas(pieces, volumes, std::move(of_part), limits.fragments, execution);
+    figures.parts = quotas.parts();
+    while (quotas.any_over() && !order.done()) {
+      if (!quotas.over(pieces.pieces[order.smallest()].part))
+        order.leave_smallest();
+      else if (const std::uint32_t part = unite_smallest(); part != kNoIndex)
+        quotas.unite(part);
+    }
+    order.take_back();
+  }
+  while (limits.max_fragments > 0 && order.groups() > limits.max_fragments && !order.done()) unite_smallest();
+  std::size_t needed = unions.size();
+  figures.min_volume = least(order.groups());
+  while (limits.max_triangles > 0 && !order.done()) unite_smallest();
 
   if (limits.max_triangles > 0) {
     TriangleCount triangles(d, pieces, groups, unions, execution);
@@ -365,7 +388,6 @@ SizeFigures unite_by_size(const RestrictedDiagram& d, const Pieces& pieces, cons
     groups.unite(unions[k].first, unions[k].second, pacer);
   }
   figures.united = static_cast<std::uint32_t>(needed);
-  figures.min_volume = least(count - figures.united);
   return figures;
 }
 

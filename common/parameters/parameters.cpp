@@ -173,10 +173,13 @@ Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter
     }
     spec.set(result, spec, value->second);
   }
-  if (values.contains("fragments") && !values.contains("sites") && result.fracture.size.fragments > 0 &&
-      belongs(*find("sites"), result.fracture.pattern))
-    result.fracture.sites = std::min(result.fracture.size.fragments, result.fracture.most_sites);
-  refuse_both(offences, seen, "fragments", "levels", "the last level says how many there are.");
+  if (const std::uint32_t wanted = result.fracture.size.fragments; wanted > 0) {
+    if (!values.contains("sites") && belongs(*find("sites"), result.fracture.pattern))
+      result.fracture.sites = wanted;
+    refuse_both(offences, seen, "fragments", "levels", "the last level says how many there are.");
+    if (result.fracture.dual == Dual::kBarycenter)
+      refuse_both(offences, seen, "fragments", "dual", "hulls of barycentres cannot be united.");
+  }
   refuse_both(offences, seen, "mass", "density", "each decides the other.");
   refuse_both(offences, seen, "stretch_matrix", "stretch", "the matrix says it all.");
   refuse_both(offences, seen, "stretch_matrix", "grain", "the matrix says it all.");

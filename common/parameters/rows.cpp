@@ -217,7 +217,7 @@ bool belongs(const ParameterSpec& spec, const SitePattern& pattern) {
 
 std::vector<ParameterSpec> parameter_rows(std::uint32_t max_sites, const FormatSet& formats) {
   std::vector<ParameterSpec> rows = site_parameter_rows(max_sites);
-  for (ParameterSpec& row : structure_parameter_rows()) rows.push_back(std::move(row));
+  for (ParameterSpec& row : structure_parameter_rows(max_sites)) rows.push_back(std::move(row));
   for (ParameterSpec& row : rough_parameter_rows()) rows.push_back(std::move(row));
   add_solid_rows(rows);
   add_output_rows(rows);

@@ -17,7 +17,7 @@ std::vector<ParameterSpec> parameter_rows(std::uint32_t max_sites, const FormatS
 std::vector<ParameterSpec> site_parameter_rows(std::uint32_t max_sites);
 
 /// The part of it about sizes, levels, regions, anchors and support, and fracturing a part again.
-std::vector<ParameterSpec> structure_parameter_rows();
+std::vector<ParameterSpec> structure_parameter_rows(std::uint32_t max_sites);
 
 /// The part of that about hits on what is fractured.
 std::vector<ParameterSpec> hit_parameter_rows();

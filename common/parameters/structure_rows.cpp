@@ -25,24 +25,24 @@ void only_where(std::vector<ParameterSpec>& rows, std::size_t first,
   for (; first < rows.size(); ++first) rows[first].matters = matters;
 }
 
-ParameterSpec fragments_row() {
+ParameterSpec fragments_row(std::uint32_t max_sites) {
   ParameterSpec spec = with_member(
       {.name = "fragments",
        .type = Type::kInteger,
        .min = 0,
-       .max = kMaxPatternSites,
+       .max = max_sites,
        .doc =
            "How many fragments the answer has, up to a tenth more or less, or else a warning says why. Separate "
            "parts of the mesh share them by volume; small parts stay whole. What hits break off comes on top. "
-           "Without `sites`, the pattern makes as many cells. 0: as many as come of `sites`."},
+           "Without `sites`, the pattern makes the cells it takes. 0: as many as come of `sites`."},
       [](auto& r) -> auto& { return r.fracture.size.fragments; });
   spec.decides = Decides::kSites;  // patterns that divide the box make as many cells as it takes
   spec.matters = [](const RequestParameters& r) { return r.fracture.size.fragments > 0; };
   return spec;
 }
 
-void add_size_rows(std::vector<ParameterSpec>& rows) {
-  rows.push_back(fragments_row());
+void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
+  rows.push_back(fragments_row(max_sites));
   const auto size = [&](const char* name, double most, const char* unit, const char* doc, auto member) {
     rows.push_back(with_member(
         {.name = name, .type = Type::kNumber, .unit = unit, .low = 0, .high = most, .doc = doc}, member));
@@ -58,8 +58,13 @@ void add_size_rows(std::vector<ParameterSpec>& rows) {
       [](auto& r) -> auto& { return r.fracture.size.min_fraction; });
   size(
       "min_of_mean", 1, "",
-      "The same as a fraction of the fragments' mean volume. With a `material` 0.002; without one 0: no limit.",
+      "The same as a fraction of the fragments' mean volume, beside hits of a hundredth of that. With a `material` "
+      "0.002; without one 0: no limit.",
       [](auto& r) -> auto& { return r.fracture.size.min_of_mean; });
+  // With a material none is something else than what it sets.
+  rows.back().matters = [](const RequestParameters& r) {
+    return r.fracture.size.min_of_mean > 0 || !r.material.empty();
+  };
   size(
       "max_volume", 1e18, "m³",
       "Cells with a larger piece get further sites. 0: no limit. Not for radial, grid, brick and slice.",
@@ -255,9 +260,9 @@ void add_again_rows(std::vector<ParameterSpec>& rows) {
 
 }  // namespace
 
-std::vector<ParameterSpec> structure_parameter_rows() {
+std::vector<ParameterSpec> structure_parameter_rows(std::uint32_t max_sites) {
   std::vector<ParameterSpec> rows{levels_row()};
-  add_size_rows(rows);
+  add_size_rows(rows, max_sites);
   add_keep_rows(rows);
   add_anchor_rows(rows);
   for (ParameterSpec& row : hit_parameter_rows()) rows.push_back(std::move(row));

@@ -51,28 +51,42 @@ std::size_t groups_met(const std::vector<Vec3d>& points, const SitePlan& plan, c
 
 }  // namespace
 
+double sites_for_fragments(const FractureParameters& parameters) {
+  const bool as_many = parameters.size.fragments > 0 && parameters.sites == parameters.size.fragments;
+  const bool more = crowds(parameters.pattern) || divides_the_box(parameters.pattern);
+  return as_many && more ? 2.0 * parameters.sites : parameters.sites;
+}
+
 Expected<SitePlan> plan_enough_sites(const SeenSolid& solid, const FractureParameters& parameters,
                                      const Execution& execution) {
   const std::uint32_t wanted = parameters.size.fragments;
+  if (wanted == 0 || parameters.sites != wanted) return plan_sites(solid, parameters, execution);
   SiteParameters more = parameters;
-  if (wanted > 0 && crowds(parameters.pattern) && parameters.size.any_least())
-    more.sites = std::max(more.sites, std::min(kMaxPatternSites, 2 * wanted));
+  if (crowds(parameters.pattern)) {
+    more.sites = std::min(kMaxPatternSites, 2 * wanted);
+    if (more.sites > parameters.most_sites)
+      return fail(ErrorCode::kTooComplex,
+                  "For " + std::to_string(wanted) + " fragments this pattern needs " +
+                      std::to_string(more.sites) + " sites; at most " +
+                      std::to_string(parameters.most_sites) + " may be made.",
+                  "fragments");
+  }
   Expected<SitePlan> plan = plan_sites(solid, more, execution);
-  if (!plan || wanted == 0 || !divides_the_box(parameters.pattern)) return plan;
-  sites_detail::ColumnSampler sampler(solid.seen(), 0, execution);
-  const std::vector<Vec3d> samples = sampler.sample(static_cast<std::uint32_t>(
-      std::min<std::uint64_t>(std::uint64_t{kSamplesPerFragment} * wanted, kMostSamples)));
+  if (!divides_the_box(parameters.pattern)) return plan;
+  std::vector<Vec3d> samples;
   std::size_t met_before = 0;
-  for (int plans = 1; plans < kMostPlans; ++plans) {
-    if (samples.size() * plan->points.size() > kMostDistances) break;
+  for (int plans = 1; plan && plans < kMostPlans; ++plans) {
+    const std::uint64_t count = std::uint64_t{kSamplesPerFragment} * wanted;
+    if (count > kMostSamples || count * plan->points.size() > kMostDistances) break;
+    if (samples.empty())
+      samples =
+          sites_detail::ColumnSampler(solid.seen(), 0, execution).sample(static_cast<std::uint32_t>(count));
     const std::size_t met = groups_met(samples, *plan, execution);
     if (met >= wanted || met <= met_before) break;
     met_before = met;
     const double growth = std::clamp(wanted / static_cast<double>(met), kLeastGrowth, kMostGrowth);
     more.sites = static_cast<std::uint32_t>(std::fmin(std::ceil(more.sites * growth), kMaxPatternSites));
-    Expected<SitePlan> next = plan_sites(solid, more, execution);
-    if (!next) break;
-    plan = std::move(next);
+    plan = plan_sites(solid, more, execution);  // what is too many for this server is refused, not fewer
   }
   return plan;
 }

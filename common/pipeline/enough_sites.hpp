@@ -9,11 +9,15 @@
 
 namespace fracture {
 
-/// plan_sites(). Where a number of fragments is wanted, for more cells: of impacts and clusters, where small
-/// fragments are united, for twice as many; of a pattern that divides the box until so many of its cells
-/// hold one of the points that are drawn in the solid, asked a few times. A pattern whose cells have a given size makes no more. Errors of plan_sites(); where a further plan would need too many sites, the one before it is taken.
-/// Throws Interrupted.
+/// plan_sites(). Where as many cells as fragments are asked for, for more cells: of impacts and clusters, of
+/// which some are too small to stay, for twice as many; of a pattern that divides the box until so many of its
+/// cells hold one of the points that are drawn in the solid, asked a few times (not for more than some 700
+/// fragments, nor of cells of a given size). Errors of plan_sites(), for any of these plans: which sites there
+/// are is no matter of the server. Throws Interrupted.
 Expected<SitePlan> plan_enough_sites(const SeenSolid& solid, const FractureParameters& parameters,
                                      const Execution& execution);
+
+/// About how many it asks for, for those who have to know what a request costs before it is computed.
+double sites_for_fragments(const FractureParameters& parameters);
 
 }  // namespace fracture

@@ -131,9 +131,14 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
   return cut;
 }
 
+/// What a hit breaks off is small beside the mean of a large thing, and is to be there all the same.
+constexpr double kShareBesideHits = 0.01;
+
 SizeLimits limits_in_force(const FractureParameters& parameters) {
   SizeLimits limits = parameters.size;
-  if (limits.fragments == 0 || parameters.hits.empty()) return limits;
+  if (parameters.hits.empty()) return limits;
+  limits.min_of_mean *= kShareBesideHits;
+  if (limits.fragments == 0) return limits;
   if (parameters.rest == LocalRest::kWhole) limits.fragments = 0;
   if (parameters.rest == LocalRest::kFractured)
     for (const LocalImpact& hit : parameters.hits) limits.fragments += hit.sites;

@@ -56,7 +56,8 @@ struct CutCells {
 };
 
 /// The limits of size as they hold for all cells: pieces that hits break off come on top of the fragments that
-/// the pattern shall make, and where these stay one piece nobody counts them.
+/// the pattern shall make, where these stay one piece nobody counts them, and what hits break off is smaller
+/// beside the mean than crumbs are elsewhere.
 SizeLimits limits_in_force(const FractureParameters& parameters);
 
 /// What an answer says of its sites.

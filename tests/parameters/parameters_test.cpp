@@ -361,6 +361,31 @@ TEST(Parameters, TheCatalogueDescribesEveryPatternAndMaterial) {
   }
 }
 
+TEST(Parameters, ANumberOfFragmentsDecidesTheCellsWhereNobodyElseDoes) {
+  const auto alone = table().parse({{"fragments", "80"}, {"pattern", "impact"}});
+  ASSERT_TRUE(alone);
+  EXPECT_EQ(alone->fracture.sites, 80u);
+  EXPECT_EQ(alone->fracture.size.fragments, 80u);
+  const auto both = table().parse({{"fragments", "80"}, {"sites", "400"}});
+  ASSERT_TRUE(both);
+  EXPECT_EQ(both->fracture.sites, 400u);
+  EXPECT_FALSE(canonical_parameters(*parse_text("sites", "80")).contains("fragments"));
+  EXPECT_TRUE(table().parse({{"fragments", "0"}, {"levels", "5,20"}})) << "0 is not given";
+  for (const auto& [name, value] : {std::pair{"levels", "5,20"}, {"dual", "barycenter"}}) {
+    const auto refused = table().parse({{"fragments", "20"}, {name, value}});
+    ASSERT_FALSE(refused) << name;
+    EXPECT_EQ(refused.error().pointer, "fragments") << name;
+  }
+}
+
+TEST(Parameters, AMaterialWithoutALimitOfSizeCanBeSentAgain) {
+  const auto free = table().parse({{"material", "stone"}, {"min_of_mean", "0"}});
+  ASSERT_TRUE(free);
+  EXPECT_EQ(canonical_parameters(*free).at("min_of_mean"), 0.0);
+  EXPECT_EQ(canonical_parameters(*table().parse({{"material", "stone"}})).at("min_of_mean"), kLeastOfMean);
+  EXPECT_FALSE(canonical_parameters(*parse_text("sites", "80")).contains("min_of_mean"));
+}
+
 TEST(Parameters, RoughnessIsCheckedAndShownWhereItMatters) {
   const auto spelled = parse_text("rough_amplitude", "0.02");
   ASSERT_TRUE(spelled);

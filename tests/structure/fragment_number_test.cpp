@@ -98,6 +98,66 @@ TEST(FragmentNumber, MorePartsThanFragmentsAreSaidSoAndTheLargestBreaksAllTheSam
   EXPECT_TRUE(warns(made.report, "31 separate parts"));
 }
 
+// The sites are kept under a key that no limit of size but the number of fragments is part of.
+TEST(FragmentNumber, OfTheLimitsOnlyTheNumberDecidesTheSites) {
+  const Solid solid = *make_solid(std::make_shared<const Mesh>(ico_sphere(3)), {}, {});
+  StageTimings timings;
+  for (const SitePattern& pattern : {SitePattern(ImpactPattern{}), SitePattern(GridPattern{})}) {
+    FractureParameters p;
+    p.pattern = pattern;
+    p.sites = p.size.fragments = 40;
+    const std::vector<Vec3d> sites = make_diagram(solid, p, {}, timings)->sites;
+    p.size = {.min_volume = 1e-9,
+              .min_fraction = 1e-6,
+              .min_of_mean = 0.01,
+              .fragments = 40,
+              .max_fragments = 30,
+              .max_triangles = 1000};
+    p.roughness.amplitude = 0.02;
+    EXPECT_EQ(make_diagram(solid, p, {}, timings)->sites, sites);
+    // What another server may make decides whether there are any, not which.
+    p.most_sites = 45;
+    const Expected<Diagram> narrow = make_diagram(solid, p, {}, timings);
+    if (narrow) {
+      EXPECT_EQ(narrow->sites, sites);
+    } else {
+      EXPECT_EQ(narrow.error().code, ErrorCode::kTooComplex);
+    }
+  }
+}
+
+TEST(FragmentNumber, ABudgetOfTrianglesThatDoesNotBindChangesNothing) {
+  const Mesh mesh = with_traced_triangles(torus(32, 16));
+  for (const std::uint64_t seed : {1, 2, 3, 4}) {
+    FractureParameters p;
+    p.seed = seed;
+    p.sites = 120;
+    p.size.min_of_mean = 0.5;
+    p.size.fragments = seed % 2 == 0 ? 60 : 0;
+    const Fractured free = fracture_mesh(mesh, p);
+    p.size.max_triangles = 1'000'000;
+    const Fractured bounded = fracture_mesh(mesh, p);
+    ASSERT_EQ(bounded.set.fragments.size(), free.set.fragments.size()) << seed;
+    for (std::size_t k = 0; k < free.set.fragments.size(); ++k)
+      EXPECT_EQ(bounded.set.fragments[k].id, free.set.fragments[k].id);
+  }
+}
+
+TEST(FragmentNumber, WhatCrumbsLeaveOfOnePartsShareOthersHave) {
+  // The hit is on a small part, most of whose cells are crumbs beside the mean.
+  const Mesh mesh =
+      with_traced_triangles(joined({box({0, 0, 0}, {10, 10, 10}), box({12, 0, 0}, {13, 1, 0.5})}));
+  FractureParameters p;
+  p.pattern = ImpactPattern{.impacts = {{12.5, 0.5, 0.25}}, .radius = 0.5, .share = 0.5};
+  p.sites = p.size.fragments = 80;
+  p.size.min_of_mean = kLeastOfMean;
+  const Fractured made = fracture_mesh(mesh, p);
+  expect_sound(made.set, mesh);
+  EXPECT_EQ(made.set.fragments.size(), 80u);
+  const double mean = made.solid.report.volume / 80;
+  for (const Fragment& f : made.set.fragments) EXPECT_GE(f.mass.volume, 0.999 * kLeastOfMean * mean);
+}
+
 TEST(FragmentNumber, WhatAHitBreaksOffComesOnTop) {
   const Mesh mesh = with_traced_triangles(ico_sphere(3));
   FractureParameters p;
@@ -109,6 +169,10 @@ TEST(FragmentNumber, WhatAHitBreaksOffComesOnTop) {
   expect_sound(after.set, mesh);
   EXPECT_EQ(before.set.fragments.size(), 30u);
   EXPECT_EQ(after.set.fragments.size(), 55u);
+  // Of a thing that is large beside the hit.
+  p.size.min_of_mean = kLeastOfMean;
+  p.hits[0].radius = 0.06;
+  EXPECT_GE(fracture_mesh(mesh, p).set.fragments.size(), 45u);
   p.rest = LocalRest::kWhole;
   const Fractured local = fracture_mesh(mesh, p);
   expect_sound(local.set, mesh);
