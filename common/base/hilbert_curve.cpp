@@ -1,5 +1,7 @@
 #include "common/base/hilbert_curve.hpp"
 
+#include <cmath>
+
 namespace fracture {
 namespace {
 
@@ -50,6 +52,17 @@ std::uint64_t hilbert_index(std::uint32_t x, std::uint32_t y, std::uint32_t z, i
     state = kHilbert.next[state][octant];
   }
   return index;
+}
+
+HilbertCurve::HilbertCurve(const Box& box, int bits)
+    : corner_(box.min), side_(box.longest_side()), last_cell_((1 << bits) - 1), bits_(bits) {}
+
+std::uint64_t HilbertCurve::at(const Vec3d& point) const {
+  const auto cell = [&](double v, double low) {
+    const double c = (v - low) / side_ * last_cell_;  // not a number where the box has no size
+    return static_cast<std::uint32_t>(c > 0 ? std::fmin(c, last_cell_) : 0);
+  };
+  return hilbert_index(cell(point.x, corner_.x), cell(point.y, corner_.y), cell(point.z, corner_.z), bits_);
 }
 
 }  // namespace fracture

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 
 #include "common/base/hilbert_curve.hpp"
 #include "common/base/pacer.hpp"
@@ -43,13 +42,7 @@ std::vector<std::uint32_t> spatial_order(std::span<const Vec3d> points, const Ex
   Pacer pacer(execution);
   Box box;
   for (const Vec3d& p : points) box.add(p);
-  const double side = box.longest_side();
-  // Points nearer to each other than a double can divide by keep their order: any will do.
-  const double per_side = ((1 << kBits) - 1) / side, scale = std::isfinite(per_side) ? per_side : 0;
-  const auto cell = [&](double v, double low) {
-    const double c = (v - low) * scale;
-    return static_cast<std::uint32_t>(std::min<double>(std::max(c, 0.0), (1 << kBits) - 1));
-  };
+  const HilbertCurve curve(box, kBits);
 
   // Rounds: 0 is the last one. The number of rounds grows with the logarithm of the number of points.
   int rounds = 1;
@@ -59,11 +52,8 @@ std::vector<std::uint32_t> spatial_order(std::span<const Vec3d> points, const Ex
   items[0].reserve(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     pacer.step(2);
-    const Vec3d& p = points[i];
-    const std::uint64_t key =
-        hilbert_index(cell(p.x, box.min.x), cell(p.y, box.min.y), cell(p.z, box.min.z), kBits);
     const int round = std::countr_zero(random() | std::uint64_t{1} << 63) / 3;
-    items[std::min(round, rounds - 1)].push_back({key, static_cast<std::uint32_t>(i)});
+    items[std::min(round, rounds - 1)].push_back({curve.at(points[i]), static_cast<std::uint32_t>(i)});
   }
 
   std::vector<std::uint32_t> order;

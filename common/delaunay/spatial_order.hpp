@@ -1,8 +1,7 @@
 // The order of insertion: biased randomized insertion order (Amenta, Choi & Rote 2003) with every round along
-// a Hilbert curve (base/hilbert_curve.hpp). Each point lands in the
-// last round with probability 7/8, else in an earlier one by the same rule; so neighbours in the order are
-// neighbours in space (short walks, warm caches) while the order stays random enough for the expected bounds
-// of incremental construction.
+// a Hilbert curve (base/hilbert_curve.hpp). Each point lands in the last round with probability 7/8, else in an
+// earlier one by the same rule; so neighbours in the order are neighbours in space (short walks, warm caches)
+// while the order stays random enough for the expected bounds of incremental construction.
 #pragma once
 
 #include <cstdint>

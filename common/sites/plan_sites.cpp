@@ -44,24 +44,18 @@ std::optional<Matrix3> map_of(const Anisotropy& anisotropy, const Box& box) {
 /// memory, also after 100,000 of them, and are worked on one soon after the other.
 void order_along_curve(const Box& box, SitePlan& plan, const Execution& execution) {
   constexpr int kBits = 20;
-  constexpr double kMost = (1 << kBits) - 1;
   struct Keyed {
     std::uint64_t key;
     std::uint32_t site;
     auto operator<=>(const Keyed&) const = default;
   };
-  const double side = box.longest_side();
-  const auto cell = [&](double v, double low) {
-    const double c = (v - low) / side * kMost;
-    return static_cast<std::uint32_t>(c > 0 ? std::fmin(c, kMost) : 0);
-  };
+  const HilbertCurve curve(box, kBits);
   Pacer pacer(execution);
   std::vector<Keyed> order;
   order.reserve(plan.points.size());
   for (const Vec3d& p : plan.points) {
     pacer.step(4);
-    order.push_back({hilbert_index(cell(p.x, box.min.x), cell(p.y, box.min.y), cell(p.z, box.min.z), kBits),
-                     static_cast<std::uint32_t>(order.size())});
+    order.push_back({curve.at(p), static_cast<std::uint32_t>(order.size())});
   }
   sort_with_polls(execution, order.begin(), order.end());
   std::vector<Vec3d> points;

@@ -30,5 +30,25 @@ TEST(HilbertCurve, IsABijectionWhoseNeighboursAreOneLatticeStepApart) {
   }
 }
 
+TEST(HilbertCurve, RunsThroughTheCubeOverABox) {
+  constexpr int kBits = 3, kLast = (1 << kBits) - 1;
+  Box box;
+  box.add(Vec3d{1, 2, 3});
+  box.add(Vec3d{15, 9, 10});  // 14 long: cells of 2
+  const HilbertCurve curve(box, kBits);
+  EXPECT_EQ(curve.at({1, 2, 3}), hilbert_index(0, 0, 0, kBits));
+  EXPECT_EQ(curve.at({15, 9, 10}), hilbert_index(kLast, 3, 3, kBits));
+  EXPECT_EQ(curve.at({5.5, 4.5, 3}), hilbert_index(2, 1, 0, kBits));
+  EXPECT_EQ(curve.at({-100, 1e9, 3}), hilbert_index(0, kLast, 0, kBits)) << "a point outside";
+}
+
+TEST(HilbertCurve, OfABoxWithoutSizeHasOneCell) {
+  Box box;
+  box.add(Vec3d{1, 2, 3});
+  EXPECT_EQ(HilbertCurve(box, 20).at({1, 2, 3}), 0u);
+  EXPECT_EQ(HilbertCurve(box, 20).at({0, 0, 0}), 0u);
+  EXPECT_EQ(HilbertCurve(Box{}, 20).at({0, 0, 0}), 0u) << "nothing was added to this box";
+}
+
 }  // namespace
 }  // namespace fracture
