@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "common/base/heap_bytes.hpp"
+
 namespace fracture {
 
 namespace base_detail {
@@ -61,7 +63,7 @@ class ScratchTrimmer {
 /// For T::bytes() and T::release().
 template <class... Items>
 std::size_t bytes_of_vectors(const std::vector<Items>&... vectors) {
-  return (std::size_t{0} + ... + (vectors.capacity() * sizeof(Items)));
+  return (std::size_t{0} + ... + heap(vectors));
 }
 template <class... Items>
 void release_vectors(std::vector<Items>&... vectors) {

@@ -112,12 +112,12 @@ Expected<Surface> weld_exact(const Mesh& mesh, SolidReport& report, const Execut
   surface.positions.reserve(wedge_bound);
   std::vector<VertexId> vertex_of_wedge = filled(execution, mesh.positions.size(), kNoVertex);
   PositionTable table(wedge_bound, surface.positions, execution);
-  // Calls fetch(position) for the corners of a later triangle that are new as far as is known now.
-  const auto ahead = [&](std::size_t t, const auto& fetch) {
+  // Calls visit(position) for the corners of a later triangle that are new as far as is known now.
+  const auto ahead = [&](std::size_t t, const auto& visit) {
     if (t >= mesh.triangles.size()) return;
     for (const std::uint32_t wedge : mesh.triangles[t])
       if (wedge < mesh.positions.size() && vertex_of_wedge[wedge] == kNoVertex)
-        fetch(with_one_zero(mesh.positions[wedge]));
+        visit(with_one_zero(mesh.positions[wedge]));
   };
   Pacer pacer(execution);
   std::uint64_t used_wedges = 0;
