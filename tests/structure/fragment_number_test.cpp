@@ -27,6 +27,14 @@ std::map<std::uint32_t, std::uint32_t> fragments_of_parts(const FragmentSet& set
   return count;
 }
 
+FractureParameters asking_for(std::uint32_t fragments, SitePattern pattern = {}, std::uint64_t seed = 1) {
+  FractureParameters p;
+  p.pattern = std::move(pattern);
+  p.sites = p.size.fragments = fragments;
+  p.seed = seed;
+  return p;
+}
+
 TEST(FragmentNumber, EveryPatternAndMaterialGivesAsManyAsWereAsked) {
   for (const Mesh& shape : {ico_sphere(3), torus(32, 16), box({0, 0, 0}, {3, 2, 0.1}, 3)}) {
     const Mesh mesh = with_traced_triangles(shape);
@@ -52,11 +60,7 @@ TEST(FragmentNumber, GridsAndBricksAreDividedUntilTheSolidHasEnough) {
   const Mesh mesh = with_traced_triangles(torus(48, 12, 1, 0.15));
   for (const SitePattern& pattern :
        {SitePattern(GridPattern{}), SitePattern(BrickPattern{}), SitePattern(RadialPattern{})}) {
-    FractureParameters p;
-    p.sites = 60;
-    p.pattern = pattern;
-    p.size.fragments = 60;
-    const Fractured made = fracture_mesh(mesh, p);
+    const Fractured made = fracture_mesh(mesh, asking_for(60, pattern));
     expect_sound(made.set, mesh);
     EXPECT_EQ(made.set.fragments.size(), 60u) << kPatternTraits[pattern.index()].name;
   }
@@ -67,11 +71,7 @@ TEST(FragmentNumber, PartsShareByVolumeAndSmallOnesStayWhole) {
   for (int k = 0; k < 8; ++k) parts.push_back(box({k * 0.3, 2, 0}, {k * 0.3 + 0.1, 2.1, 0.1}));
   const Mesh mesh = with_traced_triangles(joined(parts));
   for (const std::uint64_t seed : {1, 2, 3}) {
-    FractureParameters p;
-    p.sites = 50;
-    p.seed = seed;
-    p.size.fragments = 50;
-    const Fractured made = fracture_mesh(mesh, p);
+    const Fractured made = fracture_mesh(mesh, asking_for(50, {}, seed));
     expect_sound(made.set, mesh);
     EXPECT_EQ(made.set.fragments.size(), 50u);
     auto count = fragments_of_parts(made.set);
@@ -90,9 +90,7 @@ TEST(FragmentNumber, MorePartsThanFragmentsAreSaidSoAndTheLargestBreaksAllTheSam
   std::vector<Mesh> parts{box({0, 0, 0}, {3, 3, 3})};
   for (int k = 0; k < 30; ++k) parts.push_back(box({k * 0.3, 5, 0}, {k * 0.3 + 0.1, 5.1, 0.1}));
   const Mesh mesh = with_traced_triangles(joined(parts));
-  FractureParameters p;
-  p.sites = p.size.fragments = 20;
-  const Fractured made = fracture_mesh(mesh, p);
+  const Fractured made = fracture_mesh(mesh, asking_for(20));
   expect_sound(made.set, mesh);
   EXPECT_EQ(made.set.fragments.size(), 30u + 1 + 20 / 4);
   EXPECT_TRUE(warns(made.report, "31 separate parts"));
@@ -103,9 +101,7 @@ TEST(FragmentNumber, OfTheLimitsOnlyTheNumberDecidesTheSites) {
   const Solid solid = *make_solid(std::make_shared<const Mesh>(ico_sphere(3)), {}, {});
   StageTimings timings;
   for (const SitePattern& pattern : {SitePattern(ImpactPattern{}), SitePattern(GridPattern{})}) {
-    FractureParameters p;
-    p.pattern = pattern;
-    p.sites = p.size.fragments = 40;
+    FractureParameters p = asking_for(40, pattern);
     const std::vector<Vec3d> sites = make_diagram(solid, p, {}, timings)->sites;
     p.size = {.min_volume = 1e-9,
               .min_fraction = 1e-6,
@@ -147,9 +143,8 @@ TEST(FragmentNumber, WhatCrumbsLeaveOfOnePartsShareOthersHave) {
   // The hit is on a small part, most of whose cells are crumbs beside the mean.
   const Mesh mesh =
       with_traced_triangles(joined({box({0, 0, 0}, {10, 10, 10}), box({12, 0, 0}, {13, 1, 0.5})}));
-  FractureParameters p;
-  p.pattern = ImpactPattern{.impacts = {{12.5, 0.5, 0.25}}, .radius = 0.5, .share = 0.5};
-  p.sites = p.size.fragments = 80;
+  FractureParameters p =
+      asking_for(80, ImpactPattern{.impacts = {{12.5, 0.5, 0.25}}, .radius = 0.5, .share = 0.5});
   p.size.min_of_mean = kLeastOfMean;
   const Fractured made = fracture_mesh(mesh, p);
   expect_sound(made.set, mesh);
@@ -160,8 +155,7 @@ TEST(FragmentNumber, WhatCrumbsLeaveOfOnePartsShareOthersHave) {
 
 TEST(FragmentNumber, WhatAHitBreaksOffComesOnTop) {
   const Mesh mesh = with_traced_triangles(ico_sphere(3));
-  FractureParameters p;
-  p.sites = p.size.fragments = 30;
+  FractureParameters p = asking_for(30);
   const Fractured before = fracture_mesh(mesh, p);
   p.hits = {{{0, 1, 0}, 0.3, 25}};
   p.rest = LocalRest::kFractured;

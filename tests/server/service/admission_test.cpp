@@ -46,6 +46,22 @@ TEST(Admission, CountsTheSitesOfPatternsWhoseCellsHaveASize) {
   }
 }
 
+// The pattern divides the box until the solid has enough cells.
+TEST(Admission, CountsTheFurtherCellsThatANumberOfFragmentsTakes) {
+  const Solid solid = wall();
+  for (const SitePattern& pattern :
+       {SitePattern(UniformPattern{}), SitePattern(ImpactPattern{}), SitePattern(ClusteredPattern{}),
+        SitePattern(GridPattern{}), SitePattern(BrickPattern{}), SitePattern(RadialPattern{})}) {
+    SCOPED_TRACE(kPatternTraits[pattern.index()].name);
+    FractureParameters parameters = with(pattern, 60);
+    parameters.size.fragments = 60;
+    StageTimings timings;
+    const auto made = static_cast<double>(make_diagram(solid, parameters, {}, timings).value().sites.size());
+    EXPECT_GE(expected_sites(parameters, &solid), made / 2);
+    EXPECT_LE(expected_sites(parameters, &solid), made * 2);
+  }
+}
+
 TEST(Admission, CountsLaterSitesAndNeverMoreThanThereMayBe) {
   const Solid solid = wall();
   FractureParameters parameters = with(UniformPattern{}, 10);
