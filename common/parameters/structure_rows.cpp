@@ -34,7 +34,7 @@ ParameterSpec fragments_row(std::uint32_t max_sites) {
        .doc =
            "How many fragments the answer has, up to a tenth more or less, or else a warning says why. Separate "
            "parts of the mesh share them by volume; small parts stay whole. What hits break off comes on top. "
-           "Without `sites`, the pattern makes the cells it takes. 0: as many as come of `sites`."},
+           "Without `sites`, or with as many, the pattern makes the cells it takes. 0: as many as come of `sites`."},
       [](auto& r) -> auto& { return r.fracture.size.fragments; });
   spec.decides = Decides::kSites;  // patterns that divide the box make as many cells as it takes
   spec.matters = [](const RequestParameters& r) { return r.fracture.size.fragments > 0; };

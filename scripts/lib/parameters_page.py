@@ -166,7 +166,7 @@ def page(limits, patterns):
     yield ""
     yield "<!-- Written by scripts/lib/parameters_page.py from the table that the server holds; a test compares. -->"
     yield ""
-    yield "They stand in the query (`?fragments=80&seed=7`), in a form, or in JSON (`{\"sites\": 80, \"seed\": 7}`), and as flags of"
+    yield "They stand in the query (`?fragments=80&seed=7`), in a form, or in JSON (`{\"fragments\": 80, \"seed\": 7}`), and as flags of"
     yield "`fracture-server bake` (`--fragments 80`). Unknown ones, and those given twice, are refused by name. Vectors are `x,y,z` in a query"
     yield "and `[x, y, z]` in JSON, lists of them `x,y,z;x,y,z` and `[[x, y, z], ...]`; lengths are metres, y is up. A server says the same"
     yield "for programs at `GET /patterns` and `GET /limits`. [How requests and answers look](interface.md)."
