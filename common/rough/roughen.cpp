@@ -214,27 +214,29 @@ class Mover {
     });
   }
 
-  /// Triangles that face away from their facet's normal, but did not when they were flat. Those that are no
-  /// higher than the tolerance have no side.
+  /// Triangles that face away from their facet's normal. Those that are no higher than the tolerance have no side:
+  /// such a one counts where it faced the right way when it was flat, or is higher now.
   void add_turned_over(double tolerance, std::vector<char>& bad) {
     for (const CapRegion& region : caps_.regions) {
       pacer_.step(8 + region.triangle_count);
       if (region.triangle_count == 0 || !seen_[region.first_triangle]) continue;
       const Vec3d u = diagram_.facet_normal(region.lo, region.hi);
       for (std::uint32_t t = region.first_triangle; t < region.first_triangle + region.triangle_count; ++t) {
-        const auto facing = [&](const std::vector<Vec3d>& points) {
-          const auto at = [&](std::size_t k) {
-            return points[caps_.triangles[t][k] - positions_.first_constructed];
-          };
-          return dot(u, cross(at(1) - at(0), at(2) - at(0)));
+        const auto corner = [&](const std::vector<Vec3d>& points, std::size_t k) {
+          return points[caps_.triangles[t][k % 3] - positions_.first_constructed];
         };
-        if (facing(positions_.points) > 0) continue;
-        double longest = 0;
-        for (std::size_t k = 0; k < 3; ++k)
-          longest = std::fmax(longest,
-                              length(flat_[caps_.triangles[t][(k + 1) % 3] - positions_.first_constructed] -
-                                     flat_[caps_.triangles[t][k] - positions_.first_constructed]));
-        if (facing(flat_) > tolerance * longest * length(u)) bad[t] = 1;
+        const auto facing = [&](const std::vector<Vec3d>& points) {
+          return dot(u, cross(corner(points, 1) - corner(points, 0), corner(points, 2) - corner(points, 0)));
+        };
+        const auto least = [&](const std::vector<Vec3d>& points) {
+          double longest = 0;
+          for (std::size_t k = 0; k < 3; ++k)
+            longest = std::fmax(longest, length(corner(points, k + 1) - corner(points, k)));
+          return tolerance * longest * length(u);
+        };
+        const double now = facing(positions_.points);
+        if (now > 0) continue;
+        if (facing(flat_) > least(flat_) || now < -least(positions_.points)) bad[t] = 1;
       }
     }
   }
