@@ -11,6 +11,7 @@
 #include "common/import/gltf_import.hpp"
 #include "common/import/preflight.hpp"
 #include "common/import/text_encoding.hpp"
+#include "common/surface_color/surface_colors.hpp"
 
 namespace fracture {
 namespace {
@@ -112,6 +113,7 @@ Expected<Mesh> import_mesh(std::span<const std::byte> bytes, MeshFormat format, 
   for (std::string& warning : mesh->warnings)  // they quote the file, cut to a length that may end within a
     warning = name_as_utf8(warning);           // character
   complete_attributes(*mesh);
+  mesh->triangle_color = surface_colors(*mesh, mesh->warnings);
   return mesh;
 }
 

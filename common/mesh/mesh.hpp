@@ -24,6 +24,16 @@ struct Attributes {
   std::vector<std::vector<Vec4f>> colors;  ///< colors[set][wedge], linear RGBA
 };
 
+/// Linear red, green, blue: 65535 is 1.
+using LinearColor = std::array<std::uint16_t, 3>;
+
+/// What colour a piece of surface has on the whole.
+struct SurfaceColor {
+  LinearColor light{};
+  std::uint16_t known = 0;  ///< 1, or 0: nothing says what it is
+  friend bool operator==(const SurfaceColor&, const SurfaceColor&) = default;
+};
+
 /// An image as the source holds it, byte for byte.
 struct Image {
   std::string name;
@@ -66,6 +76,8 @@ struct Mesh {
   std::vector<std::uint32_t> material;  ///< per triangle: index into library->materials, or kNoIndex
   std::vector<std::uint32_t> node;      ///< per triangle: index into node_names
   std::vector<std::string> node_names;  ///< the source's mesh instances, UTF-8, may repeat
+  std::vector<SurfaceColor>
+      triangle_color;  ///< per triangle (surface_color/surface_colors.hpp); empty: none known
   std::shared_ptr<const MaterialLibrary> library = std::make_shared<MaterialLibrary>();
   std::string copyright;  ///< asset.copyright of the source, passed on
   /// The rest of the scene, which is not to be fractured (mesh/selection.hpp): written whole beside the

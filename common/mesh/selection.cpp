@@ -72,6 +72,7 @@ Mesh part_of(const Mesh& mesh, const std::vector<bool>& selected, bool wanted) {
   part.material = gathered(mesh.material, triangles);
   part.node = gathered(mesh.node, triangles);
   part.node_names = mesh.node_names;
+  part.triangle_color = gathered(mesh.triangle_color, triangles);
   part.library = mesh.library;
   part.copyright = mesh.copyright;
   return part;

@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/import/picture_heads.hpp"
+
 namespace fracture {
 
 using std::chrono::milliseconds;
@@ -16,12 +18,21 @@ using std::chrono::milliseconds;
 namespace {
 
 /// What a reader takes for a file of these bytes, arrays in double and the answer included (measured over the
-/// test meshes: 3 to 9 times), and how much more it is given where that was too little.
+/// test meshes: 3 to 9 times), and for the largest of its pictures, one of which is decoded at a time
+/// (surface_color/pixels.cpp); and how much more it is given where that was too little.
 constexpr std::uint64_t kLeastMemory = 8u << 20, kMemoryPerByte = 10, kMore = 4;
+constexpr std::uint64_t kMemoryPerPixel = 17, kMostPixels = 1u << 24;
 /// The answer is in shared memory when the worker has freed its own; then the server takes it apart.
 constexpr std::uint64_t kReserved = 2;
 /// A shorter try is repeated at no greater cost.
 constexpr milliseconds kWorthRemembering{50};
+
+std::uint64_t expected_memory(std::span<const std::byte> mesh, std::span<const ImportFile> files) {
+  std::uint64_t pixels = largest_picture(mesh);
+  for (const ImportFile& file : files) pixels = std::max(pixels, largest_picture(file.bytes));
+  return kLeastMemory + kMemoryPerByte * input_bytes(mesh, files) +
+         kMemoryPerPixel * std::min(pixels, kMostPixels);
+}
 
 bool lacked_memory(const Expected<Mesh>& result) {
   return !result && result.error().code == ErrorCode::kImporterLimit &&
@@ -248,9 +259,8 @@ Expected<Mesh> ImportPool::import(std::span<const std::byte> mesh, MeshFormat fo
     if (known->error && most_of(most) <= known->with_bytes) return tl::unexpected<Error>(*known->error);
     throw Interrupted{ErrorCode::kDeadlineExceeded};
   }
-  const std::uint64_t size = input_bytes(mesh, files);
   Try attempt;
-  attempt.memory_bytes = std::min(most, kLeastMemory + kMemoryPerByte * size);
+  attempt.memory_bytes = std::min(most, expected_memory(mesh, files));
   for (;;) {
     const Allowance::Temporary held(execution.allowance);
     execution.made(Product::kImportBytes, kReserved * attempt.memory_bytes);

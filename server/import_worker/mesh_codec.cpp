@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::uint32_t kMagic = 0x31524d46;  // "FMR1": raised with every change of the layout
+constexpr std::uint32_t kMagic = 0x32524d46;  // "FMR2": raised with every change of the layout
 enum Kind : std::uint32_t { kMesh = 1, kError = 2 };
 
 /// Longest error text and most sets of UVs or colours that an import can have: glTF's readers stop long
@@ -42,8 +42,8 @@ std::size_t bulk_of(const Mesh& mesh) {
   const Attributes& a = mesh.attributes;
   const std::size_t wedge =
       sizeof(Vec3f) * 2 + sizeof(Vec4f) + sizeof(Vec2f) * a.uvs.size() + sizeof(Vec4f) * a.colors.size();
-  std::size_t bytes =
-      4096 + mesh.positions.size() * wedge + mesh.triangles.size() * 5 * sizeof(std::uint32_t);
+  std::size_t bytes = 4096 + mesh.positions.size() * wedge +
+                      mesh.triangles.size() * (5 * sizeof(std::uint32_t) + sizeof(SurfaceColor));
   for (const Image& image : mesh.library->images) bytes += image.bytes.size();
   return bytes;
 }
@@ -61,6 +61,7 @@ void write_mesh(ByteWriter& out, const Mesh& mesh) {
   out.array(mesh.triangles);
   out.array(mesh.material);
   out.array(mesh.node);
+  out.array(mesh.triangle_color);
   write_texts(out, mesh.node_names);
   const MaterialLibrary& library = *mesh.library;
   for (const json* list : {&library.materials, &library.textures, &library.samplers}) out.text(dump(*list));
@@ -140,6 +141,8 @@ void check_mesh(const Mesh& mesh, const ImportLimits& limits) {
     for (const std::uint32_t wedge : triangle) require(wedge < wedges, "a triangle names no vertex");
   require(mesh.material.size() == triangles && mesh.node.size() == triangles,
           "a triangle has no material or node");
+  require(mesh.triangle_color.empty() || mesh.triangle_color.size() == triangles,
+          "the colour is not given for every triangle");
   for (const std::uint32_t node : mesh.node)
     require(node < mesh.node_names.size(), "a triangle names no node");
   const std::size_t materials = mesh.library->materials.size();
@@ -161,6 +164,7 @@ Mesh read_mesh(ByteReader& in, const ImportLimits& limits) {
   mesh.triangles = in.array<std::array<std::uint32_t, 3>>();
   mesh.material = in.array<std::uint32_t>();
   mesh.node = in.array<std::uint32_t>();
+  mesh.triangle_color = in.array<SurfaceColor>();
   mesh.node_names = read_texts(in);
   MaterialLibrary library;
   library.materials = read_objects(in, limits);

@@ -23,8 +23,8 @@ std::size_t memory_size(const Mesh& mesh) {
   std::size_t bytes = sizeof mesh + heap(mesh.positions) + heap(mesh.attributes.normals) +
                       heap(mesh.attributes.tangents) + nested_heap(mesh.attributes.uvs) +
                       nested_heap(mesh.attributes.colors) + heap(mesh.triangles) + heap(mesh.material) +
-                      heap(mesh.node) + heap(mesh.node_names) + heap(mesh.warnings) +
-                      mesh.copyright.capacity() + memory_size(*mesh.library);
+                      heap(mesh.node) + heap(mesh.node_names) + heap(mesh.triangle_color) +
+                      heap(mesh.warnings) + mesh.copyright.capacity() + memory_size(*mesh.library);
   // The library is shared: counted twice, which does no harm either.
   if (mesh.passed_through) bytes += memory_size(*mesh.passed_through);
   return bytes;

@@ -30,6 +30,7 @@ Mesh full_mesh() {
   mesh.material = {0, kNoIndex};
   mesh.node = {0, 1};
   mesh.node_names = {"left", "r\xc3\xa9"};
+  mesh.triangle_color = {{{1, 2, 65535}, 1}, {}};
   MaterialLibrary library;
   library.materials =
       nlohmann::json::array({{{"name", "wood"},
@@ -76,6 +77,7 @@ TEST(MeshCodec, AMeshComesBackBitForBit) {
   EXPECT_EQ(back.triangles[1], (std::array<std::uint32_t, 3>{0, 3, 1}));
   EXPECT_EQ(back.material, (std::vector<std::uint32_t>{0, kNoIndex}));
   EXPECT_EQ(back.node_names, mesh.node_names);
+  EXPECT_EQ(back.triangle_color, mesh.triangle_color);
   EXPECT_EQ(back.library->materials.dump(), mesh.library->materials.dump());
   EXPECT_EQ(back.library->images[0].bytes, mesh.library->images[0].bytes);
   EXPECT_EQ(back.library->extensions_required, mesh.library->extensions_required);
@@ -109,6 +111,8 @@ TEST(MeshCodec, EveryBrokenPromiseIsFound) {
   EXPECT_THAT(broken([](Mesh& m) { m.node[0] = 2; }), HasSubstr("names no node"));
   EXPECT_THAT(broken([](Mesh& m) { m.material[0] = 1; }), HasSubstr("names no material"));
   EXPECT_THAT(broken([](Mesh& m) { m.material.pop_back(); }), HasSubstr("has no material"));
+  EXPECT_THAT(broken([](Mesh& m) { m.triangle_color.pop_back(); }), HasSubstr("colour"));
+  EXPECT_EQ(broken([](Mesh& m) { m.triangle_color.clear(); }), "");
   EXPECT_THAT(broken([](Mesh& m) { m.triangles.clear(); }), HasSubstr("number of triangles"));
   EXPECT_THAT(broken([](Mesh& m) { m.positions[2].y = INFINITY; }), HasSubstr("not finite"));
   EXPECT_THAT(broken([&](Mesh& m) { m.attributes.normals[3].x = kNan; }), HasSubstr("not finite"));

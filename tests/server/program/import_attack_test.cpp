@@ -39,7 +39,7 @@ TEST(ImportIsolation, OnlyTheImportProcessContainsTheLibrariesThatReadFiles) {
   const std::filesystem::path server = server_program();
   const std::string serving = contents_of(server),
                     reading = contents_of(server.parent_path() / "fracture-import");
-  for (const char* library : {"libassimp.so", "libdraco.so", "libmeshoptimizer.so"}) {
+  for (const char* library : {"libassimp.so", "libdraco.so", "libmeshoptimizer.so", "libstb.so"}) {
     EXPECT_THAT(reading, HasSubstr(library));
     EXPECT_EQ(serving.find(library), std::string::npos) << library;
   }

@@ -1,0 +1,35 @@
+#include "common/import/picture_heads.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace fracture {
+namespace {
+
+using namespace std::string_literals;
+
+std::uint64_t largest(const std::string& bytes) { return largest_picture(std::as_bytes(std::span(bytes))); }
+
+const std::string kPng = "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\x01\0\0\0\0\x80\x08\x06"s;  // 256 x 128
+// A JFIF segment, then a progressive frame of 100 x 300.
+const std::string kJpeg = "\xff\xd8\xff\xe0\0\x04zz\xff\xc2\0\x11\x08\0\x64\x01\x2c\x03"s;
+
+TEST(PictureHeads, TheLargestCountsWhereverItStands) {
+  EXPECT_EQ(largest(kPng), 256u * 128);
+  EXPECT_EQ(largest(kJpeg), 100u * 300);
+  EXPECT_EQ(largest("glTF...." + kJpeg + "...." + kPng + "...."), 256u * 128);
+  EXPECT_EQ(largest("\xff\xff" + kJpeg), 100u * 300);
+}
+
+TEST(PictureHeads, WithoutAHeadThereIsNone) {
+  EXPECT_EQ(largest(""), 0u);
+  EXPECT_EQ(largest("v 0 0 0\n"), 0u);
+  EXPECT_EQ(largest(std::string(1000, '\xff')), 0u);
+  EXPECT_EQ(largest(std::string(1000, '\x89')), 0u);
+  for (std::size_t cut = 0; cut + 2 < kPng.size(); ++cut) EXPECT_EQ(largest(kPng.substr(0, cut)), 0u);
+  for (std::size_t cut = 0; cut + 1 < kJpeg.size(); ++cut) EXPECT_EQ(largest(kJpeg.substr(0, cut)), 0u);
+}
+
+}  // namespace
+}  // namespace fracture
