@@ -429,7 +429,7 @@ Fragment assemble(const RestrictedDiagram& diagram, const Ownership& ownership, 
   for (const std::uint32_t o : piece.owners)
     out.sites.insert(out.sites.end(), ownership.sites_of_owner[o].begin(), ownership.sites_of_owner[o].end());
   sort_with_polls(execution, out.sites.begin(), out.sites.end());
-  out.part = diagram.part_in_whole ? (*diagram.part_in_whole)[piece.part] : piece.part;
+  out.part = out.source_part = diagram.part_in_whole ? (*diagram.part_in_whole)[piece.part] : piece.part;
   out.node = diagram.solid.parts[piece.part].node;
   if (piece.faces.empty())
     return out;  // united pieces whose surfaces cancel: there is nothing, and it is dropped

@@ -41,10 +41,11 @@ enum class Pivot {
 };
 
 struct Fragment {
-  std::uint64_t id = 0;       ///< function of its sites and part only (at most 2^53 - 1: exact in JSON)
-  std::vector<SiteId> sites;  ///< of its cells, ascending
-  std::uint32_t part = 0;     ///< index into Solid::parts
-  std::uint32_t node = 0;     ///< index into Mesh::node_names
+  std::uint64_t id = 0;           ///< function of its sites and part only (at most 2^53 - 1: exact in JSON)
+  std::vector<SiteId> sites;      ///< of its cells, ascending
+  std::uint32_t part = 0;         ///< index into Solid::parts
+  std::uint32_t source_part = 0;  ///< the same; of pieces of a fragment the part of that fragment
+  std::uint32_t node = 0;         ///< index into Mesh::node_names
   Vec3d pivot;  ///< node translation: a multiple of the seam lattice's step on each axis, exact in float
   std::vector<Vec3f> positions;  ///< local: float32(world - pivot), exact for constructed vertices
   Attributes

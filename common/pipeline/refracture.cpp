@@ -47,7 +47,9 @@ Expected<FracturedSolid> refracture(const Solid& solid, const Diagram& diagram,
   const Expected<Diagram> finer = make_diagram(*fragment, parts, execution, timings);
   if (!finer) return tl::unexpected(finer.error());
   Expected<FracturedSolid> made = fracture(*fragment, *finer, parts, execution, timings);
-  if (made) made->report.fragment = {wanted.fragment, at->mass.volume};
+  if (!made) return made;
+  made->report.fragment = {wanted.fragment, at->mass.volume};
+  for (Fragment& f : made->set.fragments) f.source_part = at->source_part;
   return made;
 }
 

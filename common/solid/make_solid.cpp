@@ -10,6 +10,7 @@
 #include "common/solid/nesting.hpp"
 #include "common/solid/nonmanifold.hpp"
 #include "common/solid/orientation.hpp"
+#include "common/solid/part_colors.hpp"
 #include "common/solid/parts.hpp"
 #include "common/solid/polled.hpp"
 #include "common/solid/sheets.hpp"
@@ -190,6 +191,7 @@ void finish(const Mesh& mesh, Surface& surface, Shells& shells,
       0)
     drop_unused_vertices(surface, execution);
   write_out(mesh, surface, shells, part_of_shell, new_shell, solid, execution);
+  color_parts(mesh, surface.source, solid, execution);
   write_notes(faults, report, solid.layers, flat_triangles, report.notes);
 }
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <vector>
 
 #include "common/base/error.hpp"
@@ -34,6 +35,8 @@ struct SolidOptions {
 
 /// Per-triangle material of triangles that were not in the source (filled holes): the interior material.
 inline constexpr std::uint32_t kInteriorMaterial = 0xfffffffeu;
+/// And of the inner sides of walls (hollow/hollow.hpp), which are part of the outside: the cavity material.
+inline constexpr std::uint32_t kCavityMaterial = 0xfffffffdu;
 
 /// A part: one outward shell with its cavities. Parts are fractured independently of one another.
 struct Part {
@@ -44,6 +47,8 @@ struct Part {
   /// surface.
   std::uint32_t layer = 0;
   std::uint32_t node = 0;  ///< index into Mesh::node_names: the source node that names its fragments
+  std::optional<LinearColor> color{};  ///< what most of its surface shows, where that is known
+  bool translucent = false;            ///< light comes through most of it
 };
 
 /// What was done to the input. Counts, and where an intervention touches a place, the first place.
@@ -62,8 +67,13 @@ struct SolidReport {
   std::uint64_t shells_dropped = 0;  ///< shells that bound no volume
   double volume = 0;                 ///< m³, of the solid: what the fragments add up to
   double absolute_volume = 0;        ///< m³, of all shells, those of cavities added
-  double area = 0;                   ///< m², of the kept source triangles and the fill
-  std::vector<std::string> notes;    ///< sentences for people, each with a count and a sample place
+  double area = 0;  ///< m², of the kept source triangles, the fill and the inner sides of walls
+  std::uint64_t parts_hollowed = 0;    ///< that became walls (hollow/hollow.hpp)
+  std::uint64_t hollow_triangles = 0;  ///< of their inner sides
+  double hollow_volume = 0;            ///< m³, of what they enclose
+  double least_thickness = 0;      ///< metres, of the walls: measured from corners and middles of triangles
+  double mean_thickness = 0;       ///< the same, by area
+  std::vector<std::string> notes;  ///< sentences for people, each with a count and a sample place
   struct Sample {
     std::string figure;  ///< the name of the figure above, as each_figure() has it
     Vec3d place;
@@ -84,10 +94,15 @@ struct SolidReport {
     visit("filled_area", filled_area);
     visit("flipped", flipped);
     visit("holes_filled", holes_filled);
+    visit("hollow_triangles", hollow_triangles);
+    visit("hollow_volume", hollow_volume);
+    visit("least_thickness", least_thickness);
+    visit("mean_thickness", mean_thickness);
     visit("nonmanifold_edges", nonmanifold_edges);
     visit("notes", notes);
     visit("open_edges", open_edges);
     visit("parts", parts);
+    visit("parts_hollowed", parts_hollowed);
     visit("samples", samples);
     visit("sheets_thickened", sheets_thickened);
     visit("shells", shells);

@@ -108,7 +108,7 @@ TEST(ReportText, TheSolidIsAsItsOwnReportHasIt) {
   const FracturedSolid made = with_everything();
   const json solid = report_of(made).at("solid");
   EXPECT_EQ(solid, made.report.solid.to_json());
-  EXPECT_EQ(solid.size(), 21u);
+  EXPECT_EQ(solid.size(), 26u);
   EXPECT_EQ(solid.at("welded"), 12);
   EXPECT_EQ(solid.at("notes"), json::array({"a \"note\""}));
   EXPECT_EQ(solid.at("samples"), json::parse(R"({"welded": [0, 1, 2], "flipped": [0.5, 0, 0]})"));

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/fragment/fragment_mesh.hpp"
+#include "common/pipeline/refracture.hpp"
 #include "tests/property/judge.hpp"
 #include "tests/support/closed_inputs.hpp"
 #include "tests/support/figures.hpp"
@@ -103,6 +104,29 @@ class RefractureOfMesh : public OnClosedMesh {};
 TEST_P(RefractureOfMesh, FragmentsCanBeFracturedAgain) { expect_partition_of(largest_fragment(mesh, 10)); }
 
 INSTANTIATE_TEST_SUITE_P(Dev, RefractureOfMesh, every_closed_mesh(), name_of_mesh);
+
+// Their cuts look like those of the part of the mesh that the fragment is of.
+TEST(Refracture, PiecesKnowTheirPartOfTheMesh) {
+  const Mesh mesh = joined({cube(), box({3, 0, 0}, {4, 1, 1})});
+  FractureParameters p;
+  p.sites = 12;
+  const Fractured whole = fracture_mesh(mesh, p);
+  for (const std::uint32_t part : {0u, 1u}) {
+    const auto of_part = std::find_if(whole.set.fragments.begin(), whole.set.fragments.end(),
+                                      [&](const Fragment& f) { return f.part == part; });
+    ASSERT_NE(of_part, whole.set.fragments.end());
+    EXPECT_EQ(of_part->source_part, part);
+    StageTimings timings;
+    const auto pieces =
+        refracture(whole.solid, whole.diagram, p, {.fragment = of_part->id, .sites = 5}, {}, timings);
+    ASSERT_TRUE(pieces);
+    EXPECT_GT(pieces->set.fragments.size(), 1u);
+    for (const Fragment& piece : pieces->set.fragments) {
+      EXPECT_EQ(piece.part, 0u) << "of the fragment";
+      EXPECT_EQ(piece.source_part, part);
+    }
+  }
+}
 
 }  // namespace
 }  // namespace fracture::test

@@ -1,0 +1,40 @@
+// The inner side of a wall: a closed surface inside a solid, everywhere at least so far from its own surface.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "common/base/execution.hpp"
+#include "common/base/vec.hpp"
+#include "common/hollow/triangle_tree.hpp"
+
+namespace fracture::hollow_detail {
+
+struct InnerSurface {
+  std::vector<Vec3f> positions;
+  /// Counter-clockwise seen from the hollow: seen from outside of the wall.
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+};
+
+struct InnerSurfaceLimits {
+  std::uint32_t triangles = 20'000;
+  std::uint32_t lattice_points = 1u << 18;
+};
+
+/// Empty where no place inside is deep enough for it. `tree`: the closed surface of the part, `box` its box.
+///
+/// Marching tetrahedra (Doi & Koide 1991) over the six tetrahedra of each cube of a lattice (Freudenthal 1942), of
+/// the places that are inside and deep enough. Closed, and without self-crossing: corners lie on edges of the
+/// lattice, at sixteenths of them, which floats hold exactly, and each tetrahedron has its own piece.
+///
+/// Nothing between the corners v of a triangle is nearer to the outside than `thickness` t: for its point x, the
+/// mean of the v weighted by w, and any y, sum w |v - y|^2 = |x - y|^2 + sum w |v - x|^2, whose last sum is at most
+/// h^2, h the step of the lattice; so it is enough that corners are sqrt(t^2 + h^2) deep. h is at most half of t
+/// unless the limits want it larger, and then the wall is thicker than was asked.
+///
+/// Throws Interrupted.
+InnerSurface inner_surface(const TriangleTree& tree, const Box& box, double thickness,
+                           const InnerSurfaceLimits& limits, const Execution& execution);
+
+}  // namespace fracture::hollow_detail

@@ -1,0 +1,141 @@
+#include "common/hollow/hollow.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "common/pipeline/fracture.hpp"
+#include "common/pipeline/refracture.hpp"
+#include "tests/property/judge.hpp"
+#include "tests/support/shapes.hpp"
+
+namespace fracture::test {
+namespace {
+
+Solid solid_of(const Mesh& mesh) { return make_solid(std::make_shared<const Mesh>(mesh), {}, {}).value(); }
+
+FragmentSet fractured(const Solid& solid, std::uint32_t sites) {
+  FractureParameters p;
+  p.sites = sites;
+  StageTimings timings;
+  const Diagram diagram = make_diagram(solid, p, {}, timings).value();
+  return fracture(solid, diagram, p, {}, timings).value().set;
+}
+
+double area_of_triangle(const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+  return length(cross(to_double(b) - to_double(a), to_double(c) - to_double(a))) / 2;
+}
+
+TEST(Hollow, APartBecomesAWall) {
+  const Mesh mesh = ico_sphere(4);
+  const Solid solid = solid_of(mesh), wall = hollowed(solid, {.thickness = 0.1}, {});
+  wall.validate();
+  const SolidReport& r = wall.report;
+  EXPECT_EQ(r.parts_hollowed, 1u);
+  EXPECT_EQ(r.cavities, 1u);
+  EXPECT_EQ(r.shells, 2u);
+  EXPECT_GE(r.least_thickness, 0.1);
+  EXPECT_GT(r.mean_thickness, r.least_thickness);
+  EXPECT_LT(r.mean_thickness, 0.17);
+  EXPECT_NEAR(r.volume, solid.report.volume - r.hollow_volume, 1e-12);
+  EXPECT_NEAR(wall.parts[0].volume, r.volume, 1e-12);
+  EXPECT_EQ(r.source_triangles, solid.report.source_triangles);
+}
+
+TEST(Hollow, FragmentsOfAWallPartitionIt) {
+  for (const Mesh& mesh : {ico_sphere(3), torus(48, 24), cube(4)}) {
+    const Solid wall = hollowed(solid_of(mesh), {.fraction = 0.05}, {});
+    wall.validate();
+    ASSERT_EQ(wall.report.parts_hollowed, 1u);
+    const FragmentSet set = fractured(wall, 40);
+    expect_closed(set);
+    expect_partition(set, wall.report.volume, wall.report.area);
+    double cavity = 0, expected = 0;
+    for (const Fragment& f : set.fragments)
+      for (const FragmentPrimitive& p : f.primitives)
+        for (std::uint32_t k = p.first_index;
+             p.material == kCavityMaterial && k < p.first_index + p.index_count; k += 3)
+          cavity += area_of_triangle(f.positions[f.indices[k]], f.positions[f.indices[k + 1]],
+                                     f.positions[f.indices[k + 2]]);
+    for (std::size_t t = 0; t < wall.triangles.size(); ++t)
+      if (wall.material[t] == kCavityMaterial)
+        expected +=
+            area_of_triangle(wall.positions[wall.triangles[t][0]], wall.positions[wall.triangles[t][1]],
+                             wall.positions[wall.triangles[t][2]]);
+    EXPECT_NEAR(cavity, expected, 1e-5 * expected);
+  }
+}
+
+TEST(Hollow, AttributesOfTheInnerSideAreComplete) {
+  const Solid wall = hollowed(solid_of(cube_with_seams()), {.thickness = 0.05}, {});
+  wall.validate();
+  const Mesh& source = *wall.source;
+  const std::size_t before = cube_with_seams().positions.size();
+  ASSERT_GT(source.positions.size(), before);
+  EXPECT_EQ(source.attributes.normals.size(), source.positions.size());
+  for (const auto& set : source.attributes.uvs) EXPECT_EQ(set.size(), source.positions.size());
+  for (std::size_t w = before; w < source.positions.size(); ++w) {
+    const Vec3d n = to_double(source.attributes.normals[w]);
+    EXPECT_NEAR(length(n), 1, 1e-6);
+    EXPECT_LT(dot(n, to_double(source.positions[w]) - wall.box.center()), 0) << "into the hollow";
+  }
+}
+
+TEST(Hollow, EachPartForItself) {
+  const Solid field = hollowed(solid_of(cube_field(3)), {.fraction = 0.1}, {});
+  field.validate();
+  EXPECT_EQ(field.report.parts_hollowed, 27u);
+  for (const Part& part : field.parts) {
+    EXPECT_EQ(part.shells.size(), 2u);
+    EXPECT_LT(part.volume, 0.125 * 0.6);
+  }
+}
+
+TEST(Hollow, WhatHasACavityOrIsThinStaysAsItIs) {
+  const Solid nested = hollowed(solid_of(nested_spheres(2, 500)), {.thickness = 0.05}, {});
+  EXPECT_EQ(nested.report.parts_hollowed, 0u);
+  const Solid plate = hollowed(solid_of(thin_plate(0.01)), {.thickness = 0.01}, {});
+  EXPECT_EQ(plate.report.parts_hollowed, 0u);
+  EXPECT_EQ(hollowed(solid_of(cube(2)), {}, {}).report.parts_hollowed, 0u) << "nobody asked";
+}
+
+TEST(Hollow, ManyPartsShareTheTriangles) {
+  const Solid field = hollowed(solid_of(cube_field(3)), {.fraction = 0.1, .max_all = 20'000}, {});
+  field.validate();
+  EXPECT_LE(field.report.hollow_triangles, 20'000u);
+  EXPECT_GT(field.report.parts_hollowed, 20u);
+  const Solid few = hollowed(solid_of(cube_field(3)), {.fraction = 0.1, .max_all = 5'000}, {});
+  few.validate();
+  EXPECT_LT(few.report.parts_hollowed, 27u);
+  ASSERT_FALSE(few.report.notes.empty());
+  EXPECT_NE(few.report.notes.back().find("stayed solid"), std::string::npos);
+}
+
+TEST(Hollow, UnequalPartsAddUp) {
+  const Solid parts =
+      hollowed(solid_of(joined({box({0, 0, 0}, {1, 0.7, 0.9}, 3), box({3, 0, 0}, {3.3, 0.31, 0.37}, 2),
+                                box({5, 1, 0}, {7.1, 3.3, 1.9}, 3)})),
+               {.fraction = 0.08}, {});
+  parts.validate();
+  EXPECT_EQ(parts.report.parts_hollowed, 3u);
+}
+
+TEST(Hollow, AWallOfWhichAFragmentIsFracturedAgainStaysSound) {
+  const Solid wall = hollowed(solid_of(ico_sphere(3)), {.fraction = 0.06}, {});
+  FractureParameters p;
+  p.sites = 10;
+  StageTimings timings;
+  const Diagram diagram = make_diagram(wall, p, {}, timings).value();
+  const FragmentSet whole = fracture(wall, diagram, p, {}, timings).value().set;
+  const auto pieces =
+      refracture(wall, diagram, p, {.fragment = whole.fragments[3].id, .sites = 6}, {}, timings);
+  ASSERT_TRUE(pieces) << pieces.error().detail;
+  expect_closed(pieces->set);
+  double volume = 0;
+  for (const Fragment& f : pieces->set.fragments) volume += f.mass.volume;
+  // The fragment is fractured as it stands in the file, rounded to floats.
+  EXPECT_NEAR(volume, whole.fragments[3].mass.volume, 1e-7);
+}
+
+}  // namespace
+}  // namespace fracture::test
