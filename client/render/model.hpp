@@ -52,7 +52,7 @@ struct Material {
   float ior = 1.5f;        ///< KHR_materials_ior
   AlphaMode alpha_mode = AlphaMode::kOpaque;
   bool double_sided = false;
-  bool interior = false;  ///< of cut faces: the last material of a file of the service
+  bool interior = false;  ///< of cut faces, as a file of the service says
   TextureSlot base_color_texture, metallic_roughness_texture, normal_texture, occlusion_texture,
       emissive_texture;
 

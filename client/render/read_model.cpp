@@ -49,23 +49,30 @@ class ModelReader {
       for (const int child : gltf_.nodes[n].children)
         if (child >= 0 && static_cast<std::size_t>(child) < parents.size())
           parents[static_cast<std::size_t>(child)] = static_cast<int>(n);
-    bool from_service = false;
     for (const int index : graph.order) {
       const json* extras = fracture_extras(document_, index);
-      from_service = from_service || (extras != nullptr && extras->contains("certificate"));
+      if (extras != nullptr) mark_interior(*extras);
       const tinygltf::Node& node = gltf_.nodes[static_cast<std::size_t>(index)];
       if (node.mesh < 0 || node.name.starts_with("UCX_")) continue;
       const Transform& world = *graph.world[static_cast<std::size_t>(index)];
       for (const Transform& instance : gltf_instances(gltf_, node, limits_.max_triangles))
         read_object(node, world * instance, fragment_info(index, extras, parents));
     }
-    // The service writes the source's materials, then the one of the cut faces.
-    if (from_service && model_.materials.size() > 1)
-      model_.materials[model_.materials.size() - 2].interior = true;
     sort_surfaces();
   }
 
  private:
+  /// The root says which materials those of the cut faces are; before algorithm 11 it was the last one.
+  void mark_interior(const json& extras) {
+    const auto listed = extras.find("interior_materials");
+    if (listed == extras.end() && extras.contains("certificate") && model_.materials.size() > 1)
+      model_.materials[model_.materials.size() - 2].interior = true;
+    if (listed == extras.end() || !listed->is_array()) return;
+    for (const json& index : *listed)
+      if (index.is_number_unsigned() && index.get<std::size_t>() < model_.materials.size())
+        model_.materials[index.get<std::size_t>()].interior = true;
+  }
+
   std::optional<FragmentInfo> fragment_info(int node, const json* extras,
                                             const std::vector<int>& parents) const {
     if (extras == nullptr || !extras->contains("id")) return std::nullopt;

@@ -83,6 +83,10 @@ void write_root_extras(JsonText& json, const FracturedSolid& fractured, const Gl
       .member("step", set.lattice_step)
       .member("ratio", set.lattice_ratio)
       .end_object();
+  json.key("interior_materials").begin_array();
+  for (std::size_t k = 0; k < options.interior.materials.size(); ++k)
+    json.value(set.source->library->materials.size() + k);
+  json.end_array();
   json.key("certificate");
   write_certificate(json, set.certificate);
   json.key("bonds");

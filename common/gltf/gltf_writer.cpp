@@ -176,25 +176,37 @@ TextRange write_nodes(JsonText& json, const FracturedSolid& fractured, const Glt
   return figures;
 }
 
-/// The source's materials, textures and samplers in source order, then the interior material.
+/// The source's materials, textures and samplers in source order, behind the materials those of the cuts.
 void write_materials(JsonText& json, const MaterialLibrary& library, const GltfOptions& options) {
   json.key("materials").begin_array();
   for (const auto& material : library.materials) json.value(material);
-  json.value(options.interior_material).end_array();
-  if (!library.textures.empty()) json.member("textures", library.textures);
+  for (const auto* list : {&options.interior.materials, &options.interior.cavities})
+    for (const auto& material : *list) json.value(material);
+  json.end_array();
+  nlohmann::json textures = library.textures;
+  if (options.interior.detail != CutDetail::kNone)
+    for (std::size_t k = 0; k < 2; ++k) textures.push_back({{"source", library.images.size() + k}});
+  if (!textures.empty()) json.member("textures", textures);
   if (!library.samplers.empty()) json.member("samplers", library.samplers);
 }
 
-void write_images(JsonText& json, const MaterialLibrary& library, Accessors& accessors) {
-  if (library.images.empty()) return;
+void write_image(JsonText& json, const Image& image, std::size_t index, Accessors& accessors) {
+  const std::size_t view = accessors.view("image " + std::to_string(index), 0, 0);
+  append_image(accessors.bytes(view), image);
+  json.begin_object();
+  if (!image.name.empty()) json.member("name", image.name);
+  json.member("mimeType", image.mime_type).member("bufferView", view).end_object();
+}
+
+void write_images(JsonText& json, const MaterialLibrary& library, CutDetail detail, Accessors& accessors) {
+  if (library.images.empty() && detail == CutDetail::kNone) return;
   json.key("images").begin_array();
-  for (std::size_t k = 0; k < library.images.size(); ++k) {
-    const Image& image = library.images[k];
-    const std::size_t view = accessors.view("image " + std::to_string(k), 0, 0);
-    append_image(accessors.bytes(view), image);
-    json.begin_object();
-    if (!image.name.empty()) json.member("name", image.name);
-    json.member("mimeType", image.mime_type).member("bufferView", view).end_object();
+  std::size_t index = 0;
+  for (const Image& image : library.images) write_image(json, image, index++, accessors);
+  if (detail != CutDetail::kNone) {
+    const DetailMaps& maps = detail_maps(detail);
+    write_image(json, {"Interior_normal", "image/png", maps.normal}, index++, accessors);
+    write_image(json, {"Interior_roughness", "image/png", maps.roughness}, index, accessors);
   }
   json.end_array();
 }
@@ -203,7 +215,7 @@ void write_meshes(JsonText& json, const FracturedSolid& fractured, const GltfOpt
                   const SceneLayout& layout, const std::vector<WholeNode>& whole, Accessors& accessors) {
   const FragmentSet& set = fractured.set;
   if (set.fragments.empty()) return;
-  MeshWriter writer(*set.source->library, options.interior_material, options.mesh_manifold, accessors);
+  MeshWriter writer(*set.source->library, options.interior, options.mesh_manifold, accessors);
   json.key("meshes").begin_array();
   for (std::size_t k = 0; k < set.fragments.size(); ++k) writer.write(json, set.fragments[k], layout.name(k));
   for (std::size_t k = 0; k < set.fragments.size(); ++k)
@@ -252,7 +264,7 @@ GltfFile write_file(const FracturedSolid& fractured, const GltfOptions& options,
   write_materials(json, library, options);
   Accessors accessors(execution);
   write_meshes(json, fractured, options, layout, whole, accessors);
-  write_images(json, library, accessors);
+  write_images(json, library, options.interior.detail, accessors);
   if (accessors.count() > 0) json.key("accessors").value_text(accessors.finish());
   const std::size_t buffer = write_views(json, accessors.views());
   const bool glb = format == OutputFormat::kGlb;

@@ -55,9 +55,9 @@ struct GltfOptions {
   double restitution = 0.1;    ///< 0 … 1
   double bond_strength = 1e6;  ///< Pa: a bond's area times this is the tension it withstands
   bool mesh_manifold = true;   ///< EXT_mesh_manifold on every fragment with a topology (mesh_manifold.hpp)
-  /// The material of the cut faces as a glTF material object (interior_material.hpp); its name should contain
-  /// "Interior" (that is how tools tell cut faces from the outside). Textures are indices into the source's.
-  nlohmann::json interior_material = plain_interior_material();
+  /// The materials of the cut faces; their names should contain "Interior" (that is how tools tell cut faces from
+  /// the outside). Textures are indices into the source's.
+  InteriorMaterials interior{.materials = {plain_interior_material()}};
 };
 
 /// How the fragments are written down.

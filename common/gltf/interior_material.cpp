@@ -1,58 +1,166 @@
 #include "common/gltf/interior_material.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <utility>
+
+#include "common/base/pacer.hpp"
+#include "common/gltf/reused_material.hpp"
+#include "common/surface_color/color_groups.hpp"
 
 namespace fracture {
 namespace {
 
-const char* const kDefaultName = "Interior";
+using nlohmann::json;
 
-/// A name stands for the first material that is called so; what is no name but a number is an index.
-const nlohmann::json* find_material(const std::string& wanted, const nlohmann::json& materials) {
-  for (const auto& material : materials)
-    if (material.value("name", "") == wanted) return &material;
-  std::size_t index = 0;
-  const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), index);
-  const bool number = error == std::errc{} && end == wanted.data() + wanted.size();
-  return number && index < materials.size() ? &materials[index] : nullptr;
+const Vec3d kGrey{0.55, 0.5, 0.45};
+/// Cuts whose colours differ by less in each component, in roots of linear light, look alike.
+constexpr double kAlike = 0.06;
+
+/// Without a say of its own the outside decides where nothing else does.
+double share_of_outside(const InteriorLook& look) {
+  if (look.choice == InteriorChoice::kPlain) return 0;
+  return look.mix.value_or(look.color || !look.material.empty() ? 0 : 1);
+}
+
+/// The textures of detail_maps(), whose first has this index, where the material has none of its own.
+void add_detail(json& material, std::size_t texture) {
+  json& pbr = sound_pbr(material);
+  if (!material.contains("normalTexture")) material["normalTexture"] = {{"index", texture}};
+  if (!pbr.contains("metallicRoughnessTexture")) pbr["metallicRoughnessTexture"] = {{"index", texture + 1}};
+}
+
+/// The look apart from the colours of the parts.
+Expected<ReusedMaterial> common_look(const InteriorLook& look, const Mesh& mesh, const Execution& execution) {
+  ReusedMaterial base{plain_interior_material(), kGrey};
+  if (!look.material.empty()) {
+    auto reused = reused_material(look.material, look.choice == InteriorChoice::kTexture, mesh, execution);
+    if (!reused) return reused;
+    base = std::move(*reused);
+  }
+  if (look.name) base.material["name"] = *look.name;
+  if (look.color) set_base_color(base.material, base.color = *look.color);
+  if (look.roughness) sound_pbr(base.material)["roughnessFactor"] = *look.roughness;
+  if (look.metallic) sound_pbr(base.material)["metallicFactor"] = *look.metallic;
+  if (look.opacity) set_opacity(base.material, *look.opacity);
+  if (look.detail != CutDetail::kNone) add_detail(base.material, mesh.library->textures.size());
+  return base;
+}
+
+/// The colours of the cuts of parts, of one kind: opaque or translucent.
+struct Kind {
+  ColorHistogram colors;
+  ColorGroups groups;
+  std::uint32_t first = 0;  ///< of its materials
+};
+
+class Mixer {
+ public:
+  Mixer(const InteriorLook& look, ReusedMaterial base, const Solid& solid, Pacer& pacer)
+      : look_(look), base_(std::move(base)), solid_(solid), pacer_(pacer), share_(share_of_outside(look)) {}
+
+  InteriorMaterials run() {
+    for (const Part& part : solid_.parts) {
+      pacer_.step(8);
+      if (is_mixed(part)) kinds_[is_clear(part)].colors.add(mixed(part), std::max(part.volume, 1e-30));
+    }
+    // A slot each for what nothing is known of, opaque and clear, and a quarter of the others for what is clear.
+    const std::size_t most = kMostInteriorMaterials - 2, clear = kinds_[true].colors.empty() ? 0 : most / 4;
+    make_materials(kinds_[false], most - clear, false);
+    make_materials(kinds_[true], kinds_[false].colors.empty() ? most : clear, true);
+    std::array<std::uint32_t, 2> of_unknown{kNoIndex, kNoIndex};
+    for (const Part& part : solid_.parts) {
+      pacer_.step(8);
+      const bool clear_part = is_clear(part);
+      if (is_mixed(part)) {
+        const Kind& kind = kinds_[clear_part];
+        result_.of_part.push_back(kind.first + kind.groups.of(mixed(part)));
+        continue;
+      }
+      if (of_unknown[clear_part] == kNoIndex) of_unknown[clear_part] = add(base_.material, clear_part);
+      result_.of_part.push_back(of_unknown[clear_part]);
+    }
+    if (result_.materials.empty()) add(base_.material, false);
+    if (result_.materials.size() == 1) result_.of_part.clear();
+    return std::move(result_);
+  }
+
+ private:
+  bool is_mixed(const Part& part) const { return share_ > 0 && part.color; }
+  bool is_clear(const Part& part) const { return part.translucent && !look_.opacity; }
+
+  LinearColor mixed(const Part& part) const {
+    LinearColor color;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double light =
+          share_ * look_.shade * (*part.color)[k] / 65535 + (1 - share_) * base_.color[static_cast<int>(k)];
+      color[k] = static_cast<std::uint16_t>(std::nearbyint(65535 * std::clamp(light, 0.0, 1.0)));
+    }
+    return color;
+  }
+
+  void make_materials(Kind& kind, std::size_t most, bool clear) {
+    if (kind.colors.empty()) return;
+    kind.groups = kind.colors.groups(most, kAlike);
+    kind.first = static_cast<std::uint32_t>(result_.materials.size());
+    for (const LinearColor& color : kind.groups.means) {
+      json material = base_.material;
+      set_base_color(material, (1.0 / 65535) * Vec3d{1.0 * color[0], 1.0 * color[1], 1.0 * color[2]});
+      add(std::move(material), clear);
+    }
+  }
+
+  std::uint32_t add(json material, bool clear) {
+    const std::size_t number = result_.materials.size();
+    if (clear) set_opacity(material, kClearOpacity);
+    if (number > 0) material["name"] = material["name"].get<std::string>() + "_" + std::to_string(number + 1);
+    result_.materials.push_back(std::move(material));
+    return static_cast<std::uint32_t>(number);
+  }
+
+  const InteriorLook& look_;
+  const ReusedMaterial base_;
+  const Solid& solid_;
+  Pacer& pacer_;
+  const double share_;
+  std::array<Kind, 2> kinds_;  ///< [translucent]
+  InteriorMaterials result_{.uvs = look_.uvs, .detail = look_.detail};
+};
+
+/// The inner side of a wall looks as the cuts do, without textures: it has no place on one.
+json cavity_of(json cut, const Vec3d& base_color, std::size_t number) {
+  json pbr = sound_pbr(cut);
+  if (pbr.contains("baseColorTexture")) set_base_color(cut, base_color);
+  json cavity = {{"name", number == 0 ? "Cavity" : "Cavity_" + std::to_string(number + 1)}};
+  for (const char* name : {"baseColorFactor", "metallicFactor", "roughnessFactor"})
+    if (cut["pbrMetallicRoughness"].contains(name))
+      cavity["pbrMetallicRoughness"][name] = cut["pbrMetallicRoughness"][name];
+  if (cut.contains("alphaMode")) cavity["alphaMode"] = cut["alphaMode"];
+  return cavity;
 }
 
 }  // namespace
 
-nlohmann::json plain_interior_material() {
-  return {{"name", kDefaultName},
+json plain_interior_material() {
+  return {{"name", "Interior"},
           {"pbrMetallicRoughness",
-           {{"baseColorFactor", {0.55, 0.5, 0.45, 1}}, {"metallicFactor", 0}, {"roughnessFactor", 0.9}}}};
+           {{"baseColorFactor", {kGrey.x, kGrey.y, kGrey.z, 1}},
+            {"metallicFactor", 0},
+            {"roughnessFactor", 0.9}}}};
 }
 
-Expected<nlohmann::json> interior_material(const InteriorLook& look, const MaterialLibrary& library) {
-  nlohmann::json material = plain_interior_material();
-  if (!look.material.empty()) {
-    const nlohmann::json* source = find_material(look.material, library.materials);
-    if (source == nullptr) {
-      nlohmann::json known = nlohmann::json::array();
-      for (const auto& m : library.materials) known.push_back(m.value("name", ""));
-      const std::size_t count = known.size();
-      return fail(ErrorCode::kBadParameter,
-                  "'interior_material': the mesh has no material '" + look.material + "'; it has " +
-                      std::to_string(count) + ".",
-                  "interior_material", {{"known", std::move(known)}});
-    }
-    material = *source;
-    const std::string name = material.value("name", "");
-    material["name"] = name.empty() ? std::string(kDefaultName) : std::string(kDefaultName) + "_" + name;
-  }
-  if (look.name) material["name"] = *look.name;
-  if (!look.color && !look.roughness && !look.metallic) return material;
-  nlohmann::json& pbr = material["pbrMetallicRoughness"];
-  if (look.color) {
-    pbr["baseColorFactor"] = {look.color->x, look.color->y, look.color->z, 1};
-    pbr.erase("baseColorTexture");
-  }
-  if (look.roughness) pbr["roughnessFactor"] = *look.roughness;
-  if (look.metallic) pbr["metallicFactor"] = *look.metallic;
-  return material;
+Expected<InteriorMaterials> interior_materials(const InteriorLook& look, const Solid& solid,
+                                               const Execution& execution) {
+  Expected<ReusedMaterial> base = common_look(look, *solid.source, execution);
+  if (!base) return tl::unexpected(std::move(base.error()));
+  Pacer pacer(execution);
+  const Vec3d base_color = base->color;
+  InteriorMaterials made = Mixer(look, std::move(*base), solid, pacer).run();
+  if (solid.report.parts_hollowed > 0)
+    for (const json& cut : made.materials)
+      made.cavities.push_back(cavity_of(cut, base_color, made.cavities.size()));
+  return made;
 }
 
 std::optional<Vec3d> linear_color(std::string_view hex) {

@@ -24,18 +24,48 @@ bool has_normal_texture(const nlohmann::json& value, Pacer& pacer) {
 
 }  // namespace
 
-MeshWriter::MeshWriter(const MaterialLibrary& library, const nlohmann::json& interior_material,
-                       bool mesh_manifold, Accessors& accessors)
-    : accessors_(accessors), mesh_manifold_(mesh_manifold), interior_(library.materials.size()) {
+MeshWriter::MeshWriter(const MaterialLibrary& library, const InteriorMaterials& interior, bool mesh_manifold,
+                       Accessors& accessors)
+    : accessors_(accessors),
+      mesh_manifold_(mesh_manifold),
+      interior_(interior),
+      first_interior_(library.materials.size()) {
   Pacer pacer(accessors.execution());
   for (const auto& material : library.materials)
     normal_mapped_.push_back(has_normal_texture(material, pacer));
-  normal_mapped_.push_back(has_normal_texture(interior_material, pacer));
+  for (const auto* list : {&interior.materials, &interior.cavities})
+    for (const auto& material : *list) normal_mapped_.push_back(has_normal_texture(material, pacer));
 }
 
-bool MeshWriter::needs_tangents(const FragmentPrimitive& p) const {
-  const std::size_t material = p.material == kInteriorMaterial ? interior_ : p.material;
-  return material < normal_mapped_.size() && normal_mapped_[material];
+std::optional<std::size_t> MeshWriter::material_of(const Fragment& f, const FragmentPrimitive& p) const {
+  if (p.material == kInteriorMaterial) return first_interior_ + interior_.of(f.source_part);
+  if (p.material == kCavityMaterial && !interior_.cavities.empty())
+    return first_interior_ + interior_.materials.size() + interior_.of(f.source_part);
+  if (p.material < first_interior_) return p.material;
+  return std::nullopt;
+}
+
+bool MeshWriter::needs_tangents(const Fragment& f, const FragmentPrimitive& p) const {
+  const std::optional<std::size_t> material = material_of(f, p);
+  return material && normal_mapped_[*material];
+}
+
+const std::vector<Vec2f>& MeshWriter::uvs_of(const Fragment& f, std::size_t set) {
+  const std::vector<Vec2f>& uvs = f.attributes.uvs[set];
+  const CutUvs& to = interior_.uvs;
+  if (to == CutUvs{}) return uvs;
+  uvs_ = uvs;
+  Pacer pacer(accessors_.execution());
+  for (const FragmentPrimitive& p : f.primitives) {
+    if (p.material != kInteriorMaterial) continue;
+    for (std::uint32_t k = p.first_index; k < p.first_index + p.index_count; ++k) {
+      pacer.step();
+      const std::uint32_t vertex = f.indices[k];  // of cut faces alone: the outside has vertices of its own
+      uvs_[vertex] = {static_cast<float>(to.scale * uvs[vertex].x + to.u),
+                      static_cast<float>(to.scale * uvs[vertex].y + to.v)};
+    }
+  }
+  return uvs_;
 }
 
 std::size_t MeshWriter::write_positions(const std::vector<Vec3f>& positions) {
@@ -48,8 +78,8 @@ std::size_t MeshWriter::write_positions(const std::vector<Vec3f>& positions) {
 
 void MeshWriter::write(JsonText& json, const Fragment& f, const std::string& name) {
   const bool tangents =
-      !f.attributes.tangents.empty() &&
-      std::any_of(f.primitives.begin(), f.primitives.end(), [&](const auto& p) { return needs_tangents(p); });
+      !f.attributes.tangents.empty() && std::any_of(f.primitives.begin(), f.primitives.end(),
+                                                    [&](const auto& p) { return needs_tangents(f, p); });
   attributes_.clear();
   const std::size_t count = f.positions.size();
   attributes_.emplace_back("POSITION", write_positions(f.positions));
@@ -63,7 +93,7 @@ void MeshWriter::write(JsonText& json, const Fragment& f, const std::string& nam
     attribute("NORMAL", sizeof(Vec3f), "VEC3", [&](ViewBytes& view) { append_normals(view, f); });
   for (std::size_t set = 0; set < f.attributes.uvs.size(); ++set)
     attribute("TEXCOORD_" + std::to_string(set), sizeof(Vec2f), "VEC2",
-              [&](ViewBytes& view) { append_uvs(view, f.attributes.uvs[set]); });
+              [&](ViewBytes& view) { append_uvs(view, uvs_of(f, set)); });
   for (std::size_t set = 0; set < f.attributes.colors.size(); ++set)
     attribute("COLOR_" + std::to_string(set), sizeof(Vec4f), "VEC4",
               [&](ViewBytes& view) { append_colors(view, f.attributes.colors[set]); });
@@ -80,16 +110,13 @@ void MeshWriter::write(JsonText& json, const Fragment& f, const std::string& nam
     const std::size_t bytes = wide ? 4 : 2;
     json.begin_object().key("attributes").begin_object();
     for (const auto& [semantic, accessor] : attributes_)
-      if (semantic != "TANGENT" || needs_tangents(p)) json.member(semantic, accessor);
+      if (semantic != "TANGENT" || needs_tangents(f, p)) json.member(semantic, accessor);
     json.end_object();
     json.member("indices",
                 accessors_.add(index_view, indices_at + bytes * p.first_index,
                                wide ? component_type::kUnsignedInt : component_type::kUnsignedShort,
                                p.index_count, "SCALAR"));
-    if (p.material == kInteriorMaterial)
-      json.member("material", interior_);
-    else if (p.material < interior_)
-      json.member("material", p.material);
+    if (const auto material = material_of(f, p)) json.member("material", *material);
     json.end_object();
   }
   json.end_array();

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "common/fragment/fragments.hpp"
 #include "common/gltf/accessors.hpp"
+#include "common/gltf/interior_material.hpp"
 #include "common/gltf/json_text.hpp"
 #include "common/physics/collision_hulls.hpp"
 
@@ -14,7 +16,7 @@ namespace fracture {
 
 class MeshWriter {
  public:
-  MeshWriter(const MaterialLibrary& library, const nlohmann::json& interior_material, bool mesh_manifold,
+  MeshWriter(const MaterialLibrary& library, const InteriorMaterials& interior, bool mesh_manifold,
              Accessors& accessors);
 
   /// Attribute accessors shared by the primitives, indices of all of them in one run.
@@ -23,14 +25,20 @@ class MeshWriter {
   void write(JsonText& json, const CollisionHull& hull, const std::string& name);
 
  private:
-  bool needs_tangents(const FragmentPrimitive& p) const;
+  /// Index of a material of the file; none without a material.
+  std::optional<std::size_t> material_of(const Fragment& fragment, const FragmentPrimitive& p) const;
+  bool needs_tangents(const Fragment& fragment, const FragmentPrimitive& p) const;
+  /// With those of cut faces where the interior has them. Until the next call.
+  const std::vector<Vec2f>& uvs_of(const Fragment& fragment, std::size_t set);
   /// Returns the accessor.
   std::size_t write_positions(const std::vector<Vec3f>& positions);
 
   Accessors& accessors_;
   bool mesh_manifold_;
-  std::size_t interior_ = 0;
+  const InteriorMaterials& interior_;
+  std::size_t first_interior_ = 0;  ///< of the materials of the file
   std::vector<bool> normal_mapped_;
+  std::vector<Vec2f> uvs_;
   std::vector<std::pair<std::string, std::size_t>> attributes_;  ///< of the mesh that is written: accessors
 };
 

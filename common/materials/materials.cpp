@@ -21,7 +21,7 @@ std::vector<MaterialPreset> make_presets() {
        1,
        {},
        {2500, 0.4, 0.25, 45e6},
-       {"#cfe6dd", 0.05, 0},
+       {"#cfe6dd", 0.3, 1, 0.05, 0},
        "EN 572-1 (soda-lime: 2500 kg/m3, bending strength 45 MPa); kinetic friction glass on glass 0.4 "
        "(CRC Handbook)"});
 
@@ -33,7 +33,7 @@ std::vector<MaterialPreset> make_presets() {
        8,
        {0.03, 6, 1},
        {500, 0.4, 0.15, 2.6e6},
-       {"#c79a63", 0.85, 0},
+       {"#c79a63", 0.6, 1.2, 0.85, 0},
        "Wood Handbook, FPL-GTR-190 (pine: 500 kg/m3 at 12 % moisture, tension across the grain 2.6 MPa)"});
 
   ClusteredPattern concrete;
@@ -45,7 +45,7 @@ std::vector<MaterialPreset> make_presets() {
        1,
        {0.06, 5, 2},
        {2400, 0.65, 0.1, 2.6e6},
-       {"#8d8a84", 0.95, 0},
+       {"#8d8a84", 0.5, 0.8, 0.95, 0},
        "EN 1991-1-1 (24 kN/m3), EN 1992-1-1 table 3.1 (C25/30: mean tensile strength 2.6 MPa)"});
 
   presets.push_back({"stone",
@@ -55,7 +55,7 @@ std::vector<MaterialPreset> make_presets() {
                      1,
                      {0.08, 4, 2},
                      {2700, 0.65, 0.15, 10e6},
-                     {"#7d7a76", 0.9, 0},
+                     {"#7d7a76", 0.7, 0.8, 0.9, 0},
                      "EN 1991-1-1 (granite 27 kN/m3); Brazilian tensile strength of granite about 10 MPa"});
 
   BrickPattern brick;
@@ -68,7 +68,7 @@ std::vector<MaterialPreset> make_presets() {
        1,
        {},
        {1900, 0.65, 0.1, 0.3e6},
-       {"#9c4a33", 0.95, 0},
+       {"#9c4a33", 0.6, 0.8, 0.95, 0},
        "EN 1991-1-1 (clay bricks 19 kN/m3); bond of mortar to brick 0.1 to 0.5 MPa (EN 1996-1-1)"});
 
   ImpactPattern ceramic;
@@ -81,7 +81,7 @@ std::vector<MaterialPreset> make_presets() {
                      1,
                      {0.012, 6, 1},
                      {2400, 0.5, 0.2, 35e6},
-                     {"#e9dfd0", 0.6, 0},
+                     {"#e9dfd0", 0.25, 1, 0.6, 0},
                      "Porcelain: 2400 kg/m3, bending strength 35 to 70 MPa (IEC 60672-3, C 110 to C 120)"});
 
   presets.push_back(
@@ -92,7 +92,7 @@ std::vector<MaterialPreset> make_presets() {
        2.5,
        {0.02, 8, 1},
        {7850, 0.57, 0.2, 360e6},
-       {"#8f9296", 0.35, 1},
+       {"#b4b7bb", 0.3, 1.2, 0.3, 1},
        "EN 1991-1-1 (steel 78.5 kN/m3); S235: tensile strength 360 MPa (EN 10025-2); kinetic friction "
        "steel on steel 0.57 (CRC Handbook)"});
 
@@ -107,7 +107,7 @@ std::vector<MaterialPreset> make_presets() {
        1,
        {0.04, 3, 1},
        {917, 0.05, 0.1, 1.4e6},
-       {"#d8ecf5", 0.15, 0},
+       {"#d8ecf5", 0.3, 1.1, 0.15, 0},
        "917 kg/m3 at 0 C (CRC Handbook); tensile strength 1.4 MPa at -10 C (Petrovic 2003); friction 0.02 "
        "to 0.1"});
   return presets;

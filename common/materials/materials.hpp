@@ -20,9 +20,11 @@ struct PhysicalProperties {
   friend bool operator==(const PhysicalProperties&, const PhysicalProperties&) = default;
 };
 
-/// The look of a cut face.
+/// The look of a cut face: a colour of its own, mixed with that of the outside.
 struct CutLook {
   const char* color;  ///< sRGB as "#rrggbb"
+  double mix;         ///< share of the outside's mean colour, 0 … 1
+  double shade;       ///< how much of its light that mean keeps; above 1: what was cut is brighter
   double roughness, metallic;
 };
 

@@ -12,6 +12,7 @@
 
 #include "common/base/error.hpp"
 #include "common/gltf/gltf_writer.hpp"
+#include "common/hollow/hollow.hpp"
 #include "common/import/import_input.hpp"
 #include "common/materials/materials.hpp"
 #include "common/mesh/frame.hpp"
@@ -36,6 +37,7 @@ struct RequestParameters {
   FrameOptions frame;
   PartSelection parts;  ///< sorted, each entry once
   SolidOptions solid;
+  HollowOptions hollow;
   FractureParameters fracture;
   Selection selection;
   Physics physics = Physics::kKhr;

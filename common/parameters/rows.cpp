@@ -31,6 +31,26 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
        .doc = "Makes open sheets (panes, leaves) slabs of this thickness. 0: they are dropped."},
       [](auto& r) -> auto& { return r.solid.thickness; }));
   add(with_member(
+      {.name = "shell",
+       .type = Type::kNumber,
+       .unit = "m",
+       .low = 0,
+       .high = 1000,
+       .doc =
+           "Closed parts without a cavity become walls of at least this thickness, where they are more than twice "
+           "as thick. 0: as shell_fraction says."},
+      [](auto& r) -> auto& { return r.hollow.thickness; }));
+  rows.back().matters = [](const RequestParameters& r) { return r.hollow.thickness > 0; };
+  add(with_member(
+      {.name = "shell_fraction",
+       .type = Type::kNumber,
+       .low = 0,
+       .high = 0.5,
+       .doc =
+           "The same as a fraction of the longest side of each part's box. 0 without shell: nothing becomes hollow."},
+      [](auto& r) -> auto& { return r.hollow.fraction; }));
+  rows.back().matters = [](const RequestParameters& r) { return r.hollow.fraction > 0; };
+  add(with_member(
       {.name = "weld_tolerance",
        .type = Type::kNumber,
        .low = 0,
@@ -104,14 +124,25 @@ void add_output_rows(std::vector<ParameterSpec>& rows) {
 }
 
 void add_interior_rows(std::vector<ParameterSpec>& rows) {
+  rows.push_back(with_member(
+      {.name = "interior",
+       .type = Type::kChoice,
+       .choices = {"auto", "plain", "texture"},
+       .doc =
+           "auto: the cut faces of each part have the colour that most of its surface has, as far as interior_mix "
+           "says. plain: all have the same, which takes nothing from the surface. texture: as auto, but textures "
+           "of interior_material are shown even where they do not repeat on it."},
+      [](auto& r) -> auto& { return r.interior.choice; }));
   ParameterSpec reused = with_member(
       {.name = "interior_material",
        .type = Type::kText,
-       .doc = "Name or index of a material of the mesh whose look, textures included, the cut faces get. "
-              "Without it they have the look of `material`, or are a matt grey."},
+       .doc =
+           "Name or index of a material of the mesh whose look the cut faces get, with textures that repeat on "
+           "it; an atlas or a palette gives its mean colour."},
       [](auto& r) -> auto& { return r.interior.material; });
   reused.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
-    r.interior = {.material = std::get<std::string>(value)};  // in the place of the look of `material`
+    r.interior = {.material = std::get<std::string>(value),
+                  .choice = r.interior.choice};  // nothing of `material`
     r.interior_color.clear();
   };
   rows.push_back(std::move(reused));
@@ -129,8 +160,34 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
   color.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     r.interior_color = std::get<std::string>(value);
     r.interior.color = linear_color(r.interior_color);
+    r.interior.mix.reset();
   };
   rows.push_back(std::move(color));
+  rows.push_back(with_member(
+      {.name = "interior_mix",
+       .type = Type::kNumber,
+       .low = 0,
+       .high = 1,
+       .doc =
+           "Share of the surface's colour in that of the cut faces, in the place of a texture. Without it: as "
+           "`material` has it; 0 with interior_color or interior_material, else 1."},
+      [](auto& r) -> auto& { return r.interior.mix; }));
+  rows.push_back(with_member(
+      {.name = "interior_shade",
+       .type = Type::kNumber,
+       .low = 0,
+       .high = 10,
+       .doc = "How much of its light the surface's colour keeps there; above 1: cuts are brighter."},
+      [](auto& r) -> auto& { return r.interior.shade; }));
+  rows.push_back(with_member(
+      {.name = "interior_opacity",
+       .type = Type::kNumber,
+       .low = 0,
+       .high = 1,
+       .doc =
+           "Opacity of the cut faces; below 1 they are blended with what is behind them. Without it: 1, but of "
+           "parts whose surface is translucent 0.5."},
+      [](auto& r) -> auto& { return r.interior.opacity; }));
   rows.push_back(with_member(
       {.name = "interior_roughness",
        .type = Type::kNumber,
@@ -145,6 +202,39 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
        .high = 1,
        .doc = "How metallic the cut faces are."},
       [](auto& r) -> auto& { return r.interior.metallic; }));
+  ParameterSpec detail = with_member(
+      {.name = "interior_detail",
+       .type = Type::kChoice,
+       .doc =
+           "Relief of the cut faces: a normal map and a map of roughness that repeat, once a metre without "
+           "interior_uv_scale. Not with delta=only, whose client has them."},
+      [](auto& r) -> auto& { return r.interior.detail; });
+  for (const std::string_view name : kCutDetailNames) detail.choices.emplace_back(name);
+  detail.matters = [](const RequestParameters& r) { return r.interior.detail != CutDetail::kNone; };
+  rows.push_back(std::move(detail));
+  rows.push_back(with_member(
+      {.name = "interior_uv_scale",
+       .type = Type::kNumber,
+       .low = 1e-3,
+       .high = 1e3,
+       .doc = "Texture coordinates of cut faces in a metre: how often a texture repeats there."},
+      [](auto& r) -> auto& { return r.interior.uvs.scale; }));
+  rows.push_back(with_member(
+      {.name = "interior_uv_u",
+       .type = Type::kNumber,
+       .low = -1e3,
+       .high = 1e3,
+       .doc = "Added to the first texture coordinate of cut faces."},
+      [](auto& r) -> auto& { return r.interior.uvs.u; }));
+  rows.push_back(with_member(
+      {.name = "interior_uv_v",
+       .type = Type::kNumber,
+       .low = -1e3,
+       .high = 1e3,
+       .doc = "Added to the second texture coordinate of cut faces."},
+      [](auto& r) -> auto& { return r.interior.uvs.v; }));
+  for (std::size_t k = rows.size() - 3; k < rows.size(); ++k)
+    rows[k].matters = [](const RequestParameters& r) { return r.interior.uvs != CutUvs{}; };
 }
 
 void add_physical_rows(std::vector<ParameterSpec>& rows) {

@@ -31,9 +31,11 @@ ParameterSpec material_row() {
     r.fracture.size.min_of_mean = kLeastOfMean;
     r.physical = preset.physical;
     r.interior_color = preset.look.color;
-    r.interior.color = linear_color(preset.look.color);
-    r.interior.roughness = preset.look.roughness;
-    r.interior.metallic = preset.look.metallic;
+    r.interior = {.color = linear_color(preset.look.color),
+                  .roughness = preset.look.roughness,
+                  .metallic = preset.look.metallic,
+                  .mix = preset.look.mix,
+                  .shade = preset.look.shade};
   };
   spec.get = [](const RequestParameters& r, const ParameterSpec&) {
     return r.material.empty() ? nlohmann::json() : nlohmann::json(r.material);

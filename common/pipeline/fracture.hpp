@@ -39,7 +39,8 @@ namespace fracture {
 ///  9  2026-11-23  collars of rough cuts are zipped up before they are flipped, another choice where four
 ///                 corners are on a circle; areas, places and directions of bonds as floats
 /// 10  2026-11-23  sites, and fragments after them, in the order of a curve through the solid
-inline constexpr int kAlgorithmVersion = 10;
+/// 11  2026-11-23  cut faces have the colour of what was cut; pieces of a fragment know their part
+inline constexpr int kAlgorithmVersion = 11;
 
 enum class Dual {
   kCircumcenter,  ///< the Voronoi diagram: fragments partition the solid exactly

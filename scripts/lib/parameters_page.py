@@ -28,7 +28,7 @@ MONKEY = "/usr/share/assimp/models/BLEND/Suzanne_248.blend"  # Debian: assimp-te
 FIRST = ["material", "fragments", "seed", "impacts", "unit"]
 SUBJECTS = [
     ("The mesh", "What the file means, and what is done to it before it breaks.",
-     ["format", "unit", "up", "nodes", "materials", "repair", "weld_tolerance", "thickness"]),
+     ["format", "unit", "up", "nodes", "materials", "repair", "weld_tolerance", "thickness", "shell", "shell_fraction"]),
     ("How it breaks", "Where the cuts go. [Patterns](#patterns) and [materials](#materials) have pictures below.",
      ["material", "pattern", "sites", "levels", "seed", "lloyd", "stretch", "grain", "stretch_matrix"]),
     ("Of single patterns", "Each belongs to the patterns that list it [below](#patterns), and is refused with any other.",
@@ -45,7 +45,9 @@ SUBJECTS = [
     ("A fragment again", "", ["fragment", "fragment_sites", "fragment_seed"]),
     ("What holds", "`report.support` says what each bond carries, which are too weak, and what falls.",
      ["anchor_plane", "anchor_box", "anchor_points", "gravity", "broken"]),
-    ("Look of the cuts", "", ["interior_material", "interior_name", "interior_color", "interior_roughness", "interior_metallic"]),
+    ("Look of the cuts", "", ["interior", "interior_color", "interior_mix", "interior_shade", "interior_opacity", "interior_roughness",
+                                "interior_metallic", "interior_material", "interior_name", "interior_detail",
+                                "interior_uv_scale", "interior_uv_u", "interior_uv_v"]),
     ("Physics and engines", "", ["physics", "ue_collision", "pivot", "density", "mass", "friction", "restitution", "bond_strength"]),
     ("The paper's cells", "", ["dual", "drop_above"]),
 ]

@@ -104,7 +104,9 @@ def judge_glb(data):
         return [f"the GLB cannot be read: {e}"]
     broken = judge_figures(figures)
     report, certificate = figures.get("report", {}), figures["certificate"]
-    interior = len(glb.json.get("materials", [])) - 1  # the cut faces' material comes last
+    if not isinstance(figures.get("interior_materials"), list):
+        return broken + ["interior_materials are missing"]
+    interior = set(figures["interior_materials"])
     seams, volume, unclosed, inverted, inexact = {}, 0.0, 0, 0, 0
     for mesh, at in glb.fragments():
         balance, six = {}, 0.0
@@ -112,7 +114,7 @@ def judge_glb(data):
             p = glb.accessor(primitive["attributes"]["POSITION"])
             corner = [(p[3 * k], p[3 * k + 1], p[3 * k + 2]) for k in range(len(p) // 3)]
             index = glb.accessor(primitive["indices"])
-            cut = primitive.get("material") == interior
+            cut = primitive.get("material") in interior
             for k in range(0, len(index), 3):
                 a, b, c = corner[index[k]], corner[index[k + 1]], corner[index[k + 2]]
                 six += (a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2])

@@ -18,8 +18,8 @@ class EngineAround : public FractureEngine {
     return inner_->import(bytes, format, files, digest, limits, execution);
   }
   Expected<Solid> prepare(std::shared_ptr<const Mesh> mesh, const SolidOptions& options,
-                          const Execution& execution) const override {
-    return inner_->prepare(std::move(mesh), options, execution);
+                          const HollowOptions& hollow, const Execution& execution) const override {
+    return inner_->prepare(std::move(mesh), options, hollow, execution);
   }
   Expected<CutBase> base(const Solid& solid, const FractureParameters& parameters, const Selection& selection,
                          const Execution& execution) const override {

@@ -39,9 +39,9 @@ class DumpingEngine final : public EngineAround {
       : EngineAround(std::move(inner)), dump_(std::move(dump)) {}
 
   Expected<Solid> prepare(std::shared_ptr<const Mesh> mesh, const SolidOptions& options,
-                          const Execution& execution) const override {
+                          const HollowOptions& hollow, const Execution& execution) const override {
     dump_->write(kMesh, [&](std::ostream& out) { debug::dump_obj(out, *mesh); });
-    Expected<Solid> solid = EngineAround::prepare(std::move(mesh), options, execution);
+    Expected<Solid> solid = EngineAround::prepare(std::move(mesh), options, hollow, execution);
     if (solid) dump_->write(kSolid, [&](std::ostream& out) { debug::dump_obj(out, *solid); });
     return solid;
   }

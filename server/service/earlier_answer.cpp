@@ -16,6 +16,13 @@ tl::unexpected<Error> wrong(const std::string& name, std::string detail) {
   return fail(ErrorCode::kBadParameter, std::move(detail), name);
 }
 
+/// Everything about the inside but whether it takes part in the outside's look: as a request with
+/// `interior_material` has it.
+void drop_look(nlohmann::json& parameters) {
+  for (auto it = parameters.begin(); it != parameters.end();)
+    it = it.key().starts_with("interior_") ? parameters.erase(it) : std::next(it);
+}
+
 /// What was there, then what is new.
 template <class T, class ToJson>
 nlohmann::json continued(const nlohmann::json& earlier, const char* name, const std::vector<T>& more,
@@ -63,6 +70,8 @@ Expected<std::vector<RawParameter>> on_earlier_answer(const ParameterTable& tabl
     // Two ways to say one thing.
     if (raw.name == "mass") taken.erase("density");
     if (raw.name == "density") taken.erase("mass");
+    if (raw.name == "interior_color") taken.erase("interior_mix");
+    if (raw.name == "interior_material") drop_look(taken);
     result.push_back(raw);
   }
   for (const char* name : {"delta", "local_new"})

@@ -17,8 +17,10 @@ class LibraryEngine final : public FractureEngine {
     return importer_(bytes, format, files, digest, limits, execution);
   }
   Expected<Solid> prepare(std::shared_ptr<const Mesh> mesh, const SolidOptions& options,
-                          const Execution& execution) const override {
-    return make_solid(std::move(mesh), options, execution);
+                          const HollowOptions& hollow, const Execution& execution) const override {
+    Expected<Solid> solid = make_solid(std::move(mesh), options, execution);
+    if (!solid) return solid;
+    return hollowed(std::move(*solid), hollow, execution);
   }
   Expected<CutBase> base(const Solid& solid, const FractureParameters& parameters, const Selection& selection,
                          const Execution& execution) const override {

@@ -15,6 +15,7 @@
 #include "common/base/execution.hpp"
 #include "common/base/timings.hpp"
 #include "common/gltf/gltf_writer.hpp"
+#include "common/hollow/hollow.hpp"
 #include "common/import/import_input.hpp"
 #include "common/mesh/mesh.hpp"
 #include "common/parameters/selection.hpp"
@@ -42,7 +43,7 @@ class FractureEngine {
                                 std::span<const ImportFile> files, std::string_view digest,
                                 const ImportLimits& limits, const Execution& execution) const = 0;
   virtual Expected<Solid> prepare(std::shared_ptr<const Mesh> mesh, const SolidOptions& options,
-                                  const Execution& execution) const = 0;
+                                  const HollowOptions& hollow, const Execution& execution) const = 0;
   /// Where hits are new: the answer without them; else the diagram.
   virtual Expected<CutBase> base(const Solid& solid, const FractureParameters& parameters,
                                  const Selection& selection, const Execution& execution) const = 0;

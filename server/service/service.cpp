@@ -226,7 +226,8 @@ Expected<Step<PreparedMesh>> FractureService::make_mesh(const FractureRequest& r
     StageProgress progress(Stage::kPrepare, execution.progress);
     Execution telling = execution;
     telling.within = &progress;
-    Expected<Solid> made = engine_->prepare(std::move(mesh), request.parameters.solid, telling);
+    Expected<Solid> made =
+        engine_->prepare(std::move(mesh), request.parameters.solid, request.parameters.hollow, telling);
     if (!made) return tl::unexpected<Error>(std::move(made.error()));
     result->solid = std::move(*made);
   }
@@ -260,7 +261,9 @@ Expected<FracturedSolid> FractureService::make_result(const PreparedMesh& mesh, 
                                                       const FractureRequest& request, const RequestKeys& keys,
                                                       const Execution& execution, FractureAnswer& answer) {
   if (execution.progress) execution.progress(Stage::kClip, 0);
-  auto interior = interior_material(request.parameters.interior, *mesh.solid.source->library);
+  InteriorLook look = request.parameters.interior;
+  if (request.parameters.delta == DeltaAnswer::kOnly) look.detail = CutDetail::kNone;  // a client has them
+  auto interior = interior_materials(look, mesh.solid, execution);
   if (!interior) return tl::unexpected<Error>(std::move(interior.error()));
   Expected<Cut> cut = [&] {
     const StageTimings::Scope scope(answer.timings, Stage::kClip);
@@ -293,7 +296,7 @@ Expected<FracturedSolid> FractureService::make_result(const PreparedMesh& mesh, 
                                    request.parameters.broken};
       fractured.support = analyze_support(fractured.set, fractured.anchored, support, execution);
     }
-    options.interior_material = std::move(*interior);
+    options.interior = std::move(*interior);
     options.mesh_digest = result->mesh_digest;
     GltfFile encoded = engine_->encode(fractured, options, request.output, execution);
     result->file = std::move(encoded.bytes);

@@ -29,7 +29,9 @@ std::string hash_of(const std::shared_ptr<const Mesh>& mesh, const FractureParam
   if (!diagram) return std::string("refused: ") + slug(diagram.error().code);
   const Expected<FracturedSolid> made = fracture::fracture(*solid, *diagram, parameters, execution, timings);
   if (!made) return std::string("refused: ") + slug(made.error().code);
-  const std::vector<std::uint8_t> glb = write_glb(*made, {});
+  GltfOptions options;
+  options.interior = interior_materials({}, *solid).value();
+  const std::vector<std::uint8_t> glb = write_glb(*made, options);
   return sha256(std::as_bytes(std::span(glb))).hex();
 }
 

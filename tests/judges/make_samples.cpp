@@ -44,8 +44,8 @@ void write_variants(const std::filesystem::path& folder, const std::string& name
 }
 
 #ifdef FRACTURE_HAS_PIPELINE
-/// Nothing where a stage refuses the mesh.
-std::optional<FracturedSolid> fracture_of(Mesh mesh, FractureParameters parameters) {
+/// Nothing where a stage refuses the mesh. `options` gets the materials of the cuts.
+std::optional<FracturedSolid> fracture_of(Mesh mesh, FractureParameters parameters, GltfOptions& options) {
   StageTimings timings;
   const Execution execution;
   const Expected<Solid> solid = make_solid(std::make_shared<const Mesh>(std::move(mesh)), {}, execution);
@@ -55,14 +55,16 @@ std::optional<FracturedSolid> fracture_of(Mesh mesh, FractureParameters paramete
   if (!diagram) return std::nullopt;
   Expected<FracturedSolid> made = fracture(*solid, *diagram, parameters, execution, timings);
   if (!made) return std::nullopt;
+  options.interior = interior_materials({}, *solid).value();
   return std::move(*made);
 }
 
 bool fracture_to(const std::filesystem::path& path, Mesh mesh, std::uint32_t sites) {
   FractureParameters parameters;
   parameters.sites = sites;
-  const std::optional<FracturedSolid> made = fracture_of(std::move(mesh), parameters);
-  if (made) write(path, *made);
+  GltfOptions options;
+  const std::optional<FracturedSolid> made = fracture_of(std::move(mesh), parameters, options);
+  if (made) write(path, *made, options);
   return made.has_value();
 }
 
@@ -91,7 +93,8 @@ int run(const std::filesystem::path& folder) {
   expect(fracture_to(folder / "torus.glb", torus(48, 24), 50), "torus");
   expect(fracture_to(folder / "seams.glb", sphere_with_seams(24, 48), 100), "sphere with seams");
   expect(fracture_to(folder / "one.glb", cube(), 1), "cube in one piece");
-  if (const auto made = fracture_of(cube(), grouped(box_of(cube())))) {
+  GltfOptions plain;
+  if (const auto made = fracture_of(cube(), grouped(box_of(cube())), plain)) {
     write(folder / "compound.glb", *made);
     write_variants(folder, "compound", *made);
   } else {
@@ -100,7 +103,7 @@ int run(const std::filesystem::path& folder) {
   FractureParameters rough;
   rough.sites = 30;
   rough.roughness = {0.03, 5, 2};
-  if (const auto made = fracture_of(sphere_with_seams(24, 48), rough))
+  if (const auto made = fracture_of(sphere_with_seams(24, 48), rough, plain))
     write(folder / "rough.glb", *made);
   else
     expect(false, "sphere with rough cuts");

@@ -53,7 +53,8 @@ function judge({ name, sides, source, ours }) {
   if (ours.decoded.length !== ours.textures) say(`${ours.decoded.length} of ${ours.textures} textures can be decoded`);
   for (const what of ['textures', 'images']) if (ours[what] !== source[what]) say(`${ours[what]} ${what}, the source has ${source[what]}`);
   if (ours.decoded.sort().join() !== source.decoded.sort().join()) say(`textures of ${ours.decoded}, in the source ${source.decoded}`);
-  if (ours.materials !== source.materials + 1) say(`${ours.materials} materials, the source has ${source.materials} and one is the interior`);
+  if (ours.materials !== source.materials + ours.interiors) say(`${ours.materials} materials, the source has ${source.materials} and ${ours.interiors} are of cuts`);
+  if (!(ours.interiors >= 1)) say('no material is listed as one of cuts');
   const missing = source.used.filter(material => !ours.used.includes(material));
   if (missing.length) say(`no fragment wears ${missing}`);
   const { boxes, ...views } = sides, notes = [];

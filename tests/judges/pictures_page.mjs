@@ -28,7 +28,8 @@ async function load(url) {
   const used = new Set();
   gltf.scene.traverse(object => object.isMesh && used.add(object.material.name));
   return { scene: gltf.scene, counts: { textures: textures.length, decoded, images: (parser.json.images ?? []).length,
-    materials: (parser.json.materials ?? []).length, used: [...used].sort() } };
+    materials: (parser.json.materials ?? []).length,
+    interiors: (parser.json.nodes ?? []).flatMap(node => node.extras?.fracture?.interior_materials ?? []).length, used: [...used].sort() } };
 }
 
 function render(object, box, side) {

@@ -97,9 +97,19 @@ TEST(Parameters, EverythingThatDecidesTheAnswerIsInItsCanonicalForm) {
                                                         {"physics", "omi"},
                                                         {"ue_collision", "ucx"},
                                                         {"pivot", "source"},
+                                                        {"shell", "0.5"},
+                                                        {"shell_fraction", "0.1"},
+                                                        {"interior", "plain"},
+                                                        {"interior_detail", "brick"},
+                                                        {"interior_uv_scale", "2"},
+                                                        {"interior_uv_u", "0.5"},
+                                                        {"interior_uv_v", "0.5"},
                                                         {"interior_material", "Rock"},
                                                         {"interior_name", "Inside"},
                                                         {"interior_color", "#a0B1c2"},
+                                                        {"interior_mix", "0.5"},
+                                                        {"interior_shade", "1.5"},
+                                                        {"interior_opacity", "0.5"},
                                                         {"interior_roughness", "0.25"},
                                                         {"interior_metallic", "1"},
                                                         {"density", "1"},
@@ -235,6 +245,19 @@ TEST(Parameters, AColourIsHexInSrgbAndAText63BytesWithoutControlCharacters) {
   for (const std::string& bad :
        {std::string(), std::string(64, 'a'), std::string("a\nb"), std::string("\xff")})
     EXPECT_FALSE(parse_text("interior_name", bad));
+}
+
+TEST(Parameters, AColorOfOnesOwnIsNotMixedUnlessOneSaysSo) {
+  const auto mix = [](std::vector<RawParameter> given) {
+    given.push_back({"material", "stone"});
+    const auto parsed = table().parse(given);
+    EXPECT_TRUE(parsed);
+    return parsed->interior.mix;
+  };
+  EXPECT_TRUE(mix({}));
+  EXPECT_FALSE(mix({{"interior_color", "#ff0080"}}));
+  EXPECT_FALSE(mix({{"interior_material", "Rock"}}));
+  EXPECT_EQ(mix({{"interior_mix", "0.25"}, {"interior_color", "#ff0080"}}), 0.25);
 }
 
 TEST(Parameters, VectorsAreTextOrArrays) {
@@ -420,7 +443,8 @@ TEST(Parameters, OneSpellingForEveryWayToAsk) {
   EXPECT_EQ(canonical_parameters(*by_text).dump(), canonical_parameters(*by_json).dump());
   EXPECT_EQ(
       canonical_parameters(*by_text).dump(),
-      R"({"bond_strength":1000000.0,"density":1000.0,"dual":"circumcenter","friction":0.6,"lloyd":0,"pattern":"uniform",)"
+      R"({"bond_strength":1000000.0,"density":1000.0,"dual":"circumcenter","friction":0.6,"interior":"auto",)"
+      R"("interior_shade":0.8,"lloyd":0,"pattern":"uniform",)"
       R"("physics":"khr","pivot":"center_of_mass","repair":"fill","restitution":0.1,"seed":3,"sites":50,"stretch":1.0,)"
       R"("thickness":0.0,"ue_collision":"none","unit":"file","up":"file","weld_tolerance":1e-06})");
 }

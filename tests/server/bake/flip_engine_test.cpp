@@ -36,7 +36,7 @@ TEST(FlipEngine, GivesTheSameDiagramsAndFilesAsTheCavity) {
   const std::unique_ptr<FractureEngine> cavity = test::engine_in_process(),
                                         flips = flip_engine(test::engine_in_process(), tally);
   for (const Case& c : cases) {
-    const Expected<Solid> solid = cavity->prepare(std::make_shared<Mesh>(c.mesh), {}, {});
+    const Expected<Solid> solid = cavity->prepare(std::make_shared<Mesh>(c.mesh), {}, {}, {});
     ASSERT_TRUE(solid) << c.name;
     for (const std::uint32_t sites : {1u, 2u, 50u, 400u})
       for (const bool shaped : {false, true}) {
@@ -74,7 +74,7 @@ TEST(FlipEngine, GivesTheSameDiagramsAndFilesAsTheCavity) {
 TEST(FlipEngine, StopsWhenItIsToldTo) {
   const std::unique_ptr<FractureEngine> flips =
       flip_engine(test::engine_in_process(), std::make_shared<FlipTally>());
-  const Expected<Solid> solid = flips->prepare(std::make_shared<Mesh>(test::cube()), {}, {});
+  const Expected<Solid> solid = flips->prepare(std::make_shared<Mesh>(test::cube()), {}, {}, {});
   std::stop_source stop;
   stop.request_stop();
   Execution execution;

@@ -134,6 +134,19 @@ TEST_F(HitsTest, AnAddressStandsForItsParametersAndAKeptAnswerForAComputedOne) {
   EXPECT_EQ(fragment_ids(*third.result), fragment_ids(*ask(plain).result));
 }
 
+TEST_F(HitsTest, ALookThatIsAskedForLaterIsThatLookAlone) {
+  const FractureAnswer stone = ask({{"sites", 8}, {"material", "stone"}});
+  const json mixed = figures_of(*stone.result).at("parameters");
+  ASSERT_TRUE(mixed.contains("interior_mix"));
+  const json red =
+      figures_of(*ask({{"of", address(stone)}, {"interior_color", "#ff0000"}}).result).at("parameters");
+  EXPECT_EQ(red.at("interior_color"), "#ff0000");
+  EXPECT_FALSE(red.contains("interior_mix")) << "as without 'of'";
+  const json rough =
+      figures_of(*ask({{"of", address(stone)}, {"interior_roughness", 0.25}}).result).at("parameters");
+  EXPECT_EQ(rough.at("interior_mix"), mixed.at("interior_mix")) << "nothing else changes";
+}
+
 TEST_F(HitsTest, AnAnswerCanBeKeptForItsFirstHit) {
   const FractureAnswer plain = ask({{"sites", 20}}), kept = ask({{"sites", 20}, {"delta", "stated"}});
   EXPECT_EQ(kept.diagram_cache, CacheOutcome::kHit);

@@ -33,7 +33,7 @@ Expected<Mesh> FakeEngine::import(std::span<const std::byte> bytes, MeshFormat,
 }
 
 Expected<Solid> FakeEngine::prepare(std::shared_ptr<const Mesh> mesh, const SolidOptions&,
-                                    const Execution&) const {
+                                    const HollowOptions&, const Execution&) const {
   ++control_->prepares;
   Solid solid;
   solid.report.volume = 1;

@@ -33,7 +33,7 @@ class FakeEngine final : public FractureEngine {
 
   Expected<Mesh> import(std::span<const std::byte> bytes, MeshFormat, std::span<const ImportFile> files,
                         std::string_view, const ImportLimits&, const Execution& execution) const override;
-  Expected<Solid> prepare(std::shared_ptr<const Mesh> mesh, const SolidOptions&,
+  Expected<Solid> prepare(std::shared_ptr<const Mesh> mesh, const SolidOptions&, const HollowOptions&,
                           const Execution&) const override;
   Expected<CutBase> base(const Solid&, const FractureParameters& parameters, const Selection&,
                          const Execution&) const override;

@@ -1,0 +1,125 @@
+#include "common/gltf/cut_detail.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "common/base/random.hpp"
+#include "common/gltf/png.hpp"
+
+namespace fracture {
+namespace {
+
+/// What is seen of a kind: octaves of noise, how deep, and how rough.
+struct Relief {
+  std::array<std::uint32_t, 2> cells;  ///< of the first octave, along u and v
+  int octaves;
+  double fade;       ///< of each octave to the next
+  double height;     ///< in widths of the texture
+  double pits;       ///< share of the height that lies in pits
+  double roughness;  ///< mean
+  double spread;     ///< of the roughness with height
+};
+
+constexpr Relief relief_of(CutDetail detail) {
+  switch (detail) {
+    case CutDetail::kConcrete:
+      return {{6, 6}, 5, 0.6, 0.012, 0.6, 0.92, 0.10};
+    case CutDetail::kWood:
+      return {{48, 3}, 3, 0.5, 0.006, 0, 0.80, 0.20};
+    case CutDetail::kBrick:
+      return {{24, 24}, 3, 0.7, 0.010, 0.3, 0.95, 0.08};
+    default:
+      return {{5, 5}, 6, 0.55, 0.022, 0, 0.88, 0.15};
+  }
+}
+
+/// 0 at lattice points; repeats after `cells`.
+double noise(double x, double y, const std::array<std::uint32_t, 2>& cells, std::uint64_t seed) {
+  const auto cx = static_cast<std::uint32_t>(x), cy = static_cast<std::uint32_t>(y);
+  const double fx = x - cx, fy = y - cy;
+  const auto corner = [&](std::uint32_t dx, std::uint32_t dy) {
+    constexpr double kGradients[8][2] = {{1, 0},       {-1, 0},       {0, 1},        {0, -1},
+                                         {0.75, 0.75}, {-0.75, 0.75}, {0.75, -0.75}, {-0.75, -0.75}};
+    const auto& g = kGradients[mix64(mix64(seed, (cx + dx) % cells[0]), (cy + dy) % cells[1]) >> 61];
+    return g[0] * (fx - dx) + g[1] * (fy - dy);
+  };
+  const auto smooth = [](double t) { return t * t * t * (t * (t * 6 - 15) + 10); };
+  const double u = smooth(fx), v = smooth(fy);
+  const double top = corner(0, 0) + u * (corner(1, 0) - corner(0, 0));
+  const double bottom = corner(0, 1) + u * (corner(1, 1) - corner(0, 1));
+  return top + v * (bottom - top);
+}
+
+/// Heights from -1 to 1 of all pixels.
+std::vector<double> heights(const Relief& relief, std::uint64_t seed) {
+  std::vector<double> height(std::size_t{kDetailSide} * kDetailSide, 0);
+  double share = 1, all = 0;
+  std::array<std::uint32_t, 2> cells = relief.cells;
+  for (int octave = 0; octave < relief.octaves; ++octave) {
+    for (std::uint32_t y = 0; y < kDetailSide; ++y)
+      for (std::uint32_t x = 0; x < kDetailSide; ++x)
+        height[std::size_t{y} * kDetailSide + x] +=
+            share * noise((x + 0.5) * cells[0] / kDetailSide, (y + 0.5) * cells[1] / kDetailSide, cells,
+                          seed + static_cast<std::uint64_t>(octave));
+    all += share;
+    share *= relief.fade;
+    for (std::uint32_t& count : cells) count *= 2;
+  }
+  for (double& h : height) {
+    h = std::clamp(1.6 * h / all, -1.0, 1.0);
+    h = h < -0.25 ? h - relief.pits * (-0.25 - h) * 4 : h;
+    h = std::max(h, -2.0);
+  }
+  return height;
+}
+
+std::uint8_t byte_of(double unit) {
+  return static_cast<std::uint8_t>(std::nearbyint(255 * std::clamp(unit, 0.0, 1.0)));
+}
+
+DetailMaps make_maps(CutDetail detail) {
+  const Relief relief = relief_of(detail);
+  const std::vector<double> height = heights(relief, 0x51ab5eed + static_cast<std::uint64_t>(detail));
+  const auto at = [&](std::uint32_t x, std::uint32_t y) {
+    return height[std::size_t{y % kDetailSide} * kDetailSide + x % kDetailSide];
+  };
+  std::vector<std::array<std::uint8_t, 3>> normal, roughness;
+  for (std::uint32_t y = 0; y < kDetailSide; ++y)
+    for (std::uint32_t x = 0; x < kDetailSide; ++x) {
+      // Slopes along u and along the texture's up, which is against v.
+      const double scale = relief.height * kDetailSide / 2;
+      const double du = scale * (at(x + 1, y) - at(x + kDetailSide - 1, y));
+      const double dv = scale * (at(x, y + kDetailSide - 1) - at(x, y + 1));
+      const double size = std::sqrt(du * du + dv * dv + 1);
+      normal.push_back(
+          {byte_of(0.5 - 0.5 * du / size), byte_of(0.5 - 0.5 * dv / size), byte_of(0.5 + 0.5 / size)});
+      roughness.push_back({0, byte_of(relief.roughness - relief.spread * at(x, y)), 0});
+    }
+  return {write_png(normal, kDetailSide, kDetailSide), write_png(roughness, kDetailSide, kDetailSide)};
+}
+
+}  // namespace
+
+const DetailMaps& detail_maps(CutDetail detail) {
+  switch (detail) {
+    case CutDetail::kConcrete: {
+      static const DetailMaps maps = make_maps(CutDetail::kConcrete);
+      return maps;
+    }
+    case CutDetail::kWood: {
+      static const DetailMaps maps = make_maps(CutDetail::kWood);
+      return maps;
+    }
+    case CutDetail::kBrick: {
+      static const DetailMaps maps = make_maps(CutDetail::kBrick);
+      return maps;
+    }
+    default: {
+      static const DetailMaps maps = make_maps(CutDetail::kStone);
+      return maps;
+    }
+  }
+}
+
+}  // namespace fracture

@@ -1,0 +1,65 @@
+// What the file says of cut faces: their materials by part, where textures lie on them, and their relief.
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "common/gltf/gltf_writer.hpp"
+#include "tests/gltf/glb_file.hpp"
+#include "tests/gltf/two_halves.hpp"
+
+namespace fracture::test {
+namespace {
+
+using nlohmann::json;
+
+TEST(CutLooks, CutFacesHaveTheMaterialOfTheirPart) {
+  FracturedSolid made = two_halves();
+  made.set.fragments[1].source_part = 1;
+  GltfOptions options;
+  options.interior.materials = {{{"name", "Interior"}}, {{"name", "Interior_2"}}};
+  options.interior.of_part = {1, 0};
+  const Glb glb(write_glb(made, options));
+  ASSERT_EQ(glb.document["materials"].size(), 4u);
+  EXPECT_EQ(glb.document["meshes"][0]["primitives"][2]["material"], 3);
+  EXPECT_EQ(glb.document["meshes"][1]["primitives"][2]["material"], 2);
+  EXPECT_EQ(glb.document["nodes"][0]["extras"]["fracture"]["interior_materials"], json({2, 3}));
+}
+
+TEST(CutLooks, TexturesAreScaledAndMovedOnCutFacesAlone) {
+  const FracturedSolid made = two_halves();
+  GltfOptions options;
+  options.interior.uvs = {.scale = 4, .u = 0.5, .v = -1};
+  const Glb glb(write_glb(made, options));
+  const Fragment& f = made.set.fragments[0];
+  for (const std::size_t set : {0, 1}) {
+    const auto uvs = glb.read<Vec2f>(
+        glb.document["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_" + std::to_string(set)]);
+    const std::vector<Vec2f>& before = f.attributes.uvs[set];
+    ASSERT_EQ(uvs.size(), before.size());
+    for (std::size_t k = 0; k < uvs.size(); ++k) {
+      const bool cut = k >= uvs.size() - 4;  // its four corners come last
+      EXPECT_EQ(uvs[k], (cut ? Vec2f{4 * before[k].x + 0.5f, 4 * before[k].y - 1} : before[k])) << k;
+    }
+  }
+}
+
+TEST(CutLooks, ReliefStandsBehindTheTexturesOfTheSource) {
+  const FracturedSolid made = two_halves();
+  GltfOptions options;
+  options.interior.detail = CutDetail::kBrick;
+  options.interior.materials[0]["normalTexture"] = {{"index", 1}};
+  const Glb glb(write_glb(made, options));
+  ASSERT_EQ(glb.document["textures"].size(), 3u);
+  EXPECT_EQ(glb.document["textures"][1]["source"], 1);
+  EXPECT_EQ(glb.document["textures"][2]["source"], 2);
+  ASSERT_EQ(glb.document["images"].size(), 3u);
+  const json& view = glb.document["bufferViews"][glb.document["images"][1]["bufferView"].get<std::size_t>()];
+  const std::vector<std::uint8_t>& normal = detail_maps(CutDetail::kBrick).normal;
+  ASSERT_EQ(view["byteLength"], normal.size());
+  EXPECT_EQ(std::memcmp(&glb.binary.at(view["byteOffset"].get<std::size_t>()), normal.data(), normal.size()),
+            0);
+  EXPECT_TRUE(glb.document["meshes"][0]["primitives"][2]["attributes"].contains("TANGENT"));
+}
+
+}  // namespace
+}  // namespace fracture::test
