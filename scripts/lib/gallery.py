@@ -11,16 +11,15 @@ import os
 import pathlib
 import signal
 import socket
-import struct
 import subprocess
 import sys
 import time
 import urllib.error
 import urllib.request
 
+from gallery_assets import MONKEY, AssetSheets, bounds_of
 from gallery_meshes import MESHES, box
 
-MONKEY = "/usr/share/assimp/models/BLEND/Suzanne_248.blend"  # Debian: assimp-testmodels
 SITES = {"pane": 60, "wall": 70, "monkey": 60, "column": 60, "vase": 50}
 ASSETS = 6  # files of FRACTURE_TEST_MESHES on the sheet
 ASSET_BYTES = 400_000
@@ -68,22 +67,6 @@ class Server:
         self.process.wait()
 
 
-def bounds(glb):
-    """Corners of the box around the positions of a GLB of the service, in the world (its nodes only move)."""
-    length = struct.unpack_from("<I", glb, 12)[0]
-    document = json.loads(glb[20:20 + length])
-    low, high = [float("inf")] * 3, [float("-inf")] * 3
-    for node in document["nodes"]:
-        if "mesh" not in node:
-            continue
-        shift = node.get("translation", [0, 0, 0])
-        for primitive in document["meshes"][node["mesh"]]["primitives"]:
-            accessor = document["accessors"][primitive["attributes"]["POSITION"]]
-            low = [min(a, b + s) for a, b, s in zip(low, accessor["min"], shift)]
-            high = [max(a, b + s) for a, b, s in zip(high, accessor["max"], shift)]
-    return low, high
-
-
 class Mesh:
     """A stored mesh: its address, its box, where it is hit, and the options of its pictures."""
 
@@ -93,7 +76,7 @@ class Mesh:
         server.ask("PUT", self.path + query, data, kind)
         self.query, self.kind = query, kind
         self.intact = self.fracture({"sites": 1})
-        low, high = bounds(self.intact)
+        low, high = bounds_of(self.intact)
         size = [h - l for l, h in zip(low, high)]
         # Without a given one the middle of the front, which the camera sees.
         self.impact = list(impact or [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, high[2]])
@@ -348,6 +331,8 @@ class Gallery:
             self.rough_sheet()
             self.material_sheets(meshes)
             self.asset_sheet()
+            if self.only is not None and "real" in self.only:
+                AssetSheets(self).draw()
         finally:
             self.server.stop()
             self.log.close()
@@ -359,8 +344,8 @@ class Gallery:
 def main():
     parser = argparse.ArgumentParser(prog="scripts/gallery")
     parser.add_argument("root", type=pathlib.Path)
-    parser.add_argument("--only", help="overview, page, materials, patterns, levels, local, rough, paper, assets, or the name of "
-                        "a material; several with commas")
+    parser.add_argument("--only", help="overview, page, materials, patterns, levels, local, rough, paper, assets, real, or the "
+                        "name of a material; several with commas")
     parser.add_argument("--size", default="400x300", help="of one picture")
     parser.add_argument("--keep", action="store_true", help="use the GLB files of the last run again")
     arguments = parser.parse_args()
