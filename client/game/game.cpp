@@ -11,7 +11,7 @@ using protocol::RequestKind;
 
 Game::Game(scenes::Scene scene, protocol::Client& client, GameSettings settings)
     : scene_(std::move(scene)), client_(client), settings_(std::move(settings)), world_(settings_.world) {
-  std::map<const scenes::MeshAsset*, std::string> stored;
+  std::map<std::pair<const scenes::MeshAsset*, std::string>, std::string> stored;  // with how it is prepared
   for (std::size_t k = 0; k < scene_.objects.size(); ++k) {
     const scenes::SceneObject& object = scene_.objects[k];
     world::ObjectSpec spec;
@@ -29,8 +29,9 @@ Game::Game(scenes::Scene scene, protocol::Client& client, GameSettings settings)
     Thing thing;
     thing.id = world_.add_object(spec);
     thing.scene_object = k;
-    auto [id, is_new] = stored.try_emplace(object.mesh.get());
-    if (is_new) id->second = client_.add_mesh(object.mesh->bytes, object.mesh->content_type);
+    const std::string query = scenes::preparation_query(object);
+    auto [id, is_new] = stored.try_emplace({object.mesh.get(), query});
+    if (is_new) id->second = client_.add_mesh(object.mesh->bytes, object.mesh->content_type, query);
     thing.mesh = id->second;
     things_.push_back(std::move(thing));
   }

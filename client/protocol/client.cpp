@@ -26,7 +26,7 @@ constexpr std::size_t kLatencies = 512;
 
 struct StoredMesh {
   std::shared_ptr<const std::string> bytes;
-  std::string content_type;
+  std::string content_type, query;
 };
 
 struct Job {
@@ -271,7 +271,7 @@ struct Client::State {
     put.kind = RequestKind::kStore;
     put.mesh = id;
     const StoredMesh& mesh = meshes.at(id);
-    put.request = put_request(id, mesh.content_type, mesh.bytes);
+    put.request = put_request(id, mesh.content_type, mesh.bytes, mesh.query);
     put.asked = job.asked;
     // What interrupts the job interrupts its PUT.
     job.interruption.wake = [&put] { put.interruption.request(); };
@@ -315,16 +315,17 @@ struct Client::State {
 Client::Client(Settings settings) : state_(std::make_unique<State>(std::move(settings))) {}
 Client::~Client() = default;
 
-std::string Client::add_mesh(std::string bytes, const std::string& content_type, Ticket* ticket) {
+std::string Client::add_mesh(std::string bytes, const std::string& content_type, const std::string& query,
+                             Ticket* ticket) {
   const std::string id = mesh_id(bytes);
   auto shared = std::make_shared<const std::string>(std::move(bytes));
-  asio::post(state_->io, [state = state_.get(), id, mesh = StoredMesh{shared, content_type}] {
+  asio::post(state_->io, [state = state_.get(), id, mesh = StoredMesh{shared, content_type, query}] {
     state->meshes.insert_or_assign(id, mesh);
   });
   auto job = std::make_shared<Job>();
   job->kind = RequestKind::kStore;
   job->mesh = id;
-  job->request = put_request(id, content_type, shared);
+  job->request = put_request(id, content_type, shared, query);
   const Ticket given = state_->submit(std::move(job));
   if (ticket != nullptr) *ticket = given;
   return id;

@@ -35,8 +35,11 @@ class Client {
   Client& operator=(const Client&) = delete;
 
   /// Sends the mesh to be prepared, and keeps it for a server that forgets it. Returns its id, "sha256:…".
-  /// Hashes the bytes (1 ms for a megabyte): for the start of a level. The ticket's answer may be ignored.
-  std::string add_mesh(std::string bytes, const std::string& content_type, Ticket* ticket = nullptr);
+  /// `query`: what it will be fractured with, as far as that decides the solid ("material=glass" has walls); where
+  /// it is missing, the first fracture prepares the mesh again. Hashes the bytes (1 ms for a megabyte): for the
+  /// start of a level. The ticket's answer may be ignored.
+  std::string add_mesh(std::string bytes, const std::string& content_type, const std::string& query = {},
+                       Ticket* ticket = nullptr);
 
   /// Fragments as GLB. `parameters` as GET /patterns lists them. A mesh that was not added is answered with
   /// kRefused unless the server has it.

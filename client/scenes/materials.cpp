@@ -94,6 +94,12 @@ void set_material(Scene& scene, const std::string& name) {
   }
 }
 
+std::string preparation_query(const SceneObject& object) {
+  const nlohmann::json& parameters = object.breakage.parameters;
+  const auto material = parameters.find("material");
+  return material == parameters.end() ? "" : "material=" + material->get<std::string>();
+}
+
 nlohmann::json fracture_parameters(const SceneObject& object, const world::Impact& impact, std::uint64_t seed,
                                    const nlohmann::json& overrides) {
   const Breakage& b = object.breakage;

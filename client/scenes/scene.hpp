@@ -79,6 +79,9 @@ const std::vector<std::string>& material_names();
 /// Gives every object another material: parameters, density, look, and a strength in proportion.
 void set_material(Scene& scene, const std::string& material);
 
+/// The query of PUT /meshes/… for an object's mesh: its material, which may make walls of it.
+std::string preparation_query(const SceneObject& object);
+
 /// The body of POST /meshes/…/fracture for a hit. `overrides` (from the panel) replace whatever they name.
 nlohmann::json fracture_parameters(const SceneObject& object, const world::Impact& impact, std::uint64_t seed,
                                    const nlohmann::json& overrides);

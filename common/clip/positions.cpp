@@ -84,7 +84,7 @@ VertexPositions place_vertices(const Solid& solid, const Solid& image, const Vor
   const auto image_at = [&](VertexId v) { return to_double(image.positions[v]); };
   const auto site = [&](SiteId s) { return diagram.site(s); };
   const auto placed_by = [&](const auto& formula) { return place(formula, out.lattice, step); };
-  const std::optional<Matrix3>& map = diagram.map();
+  const CellMap& map = diagram.map();
 
   const auto place_edge = [&](const EdgeCut& cut) {
     const auto [lo, hi] = solid.edge_vertices[cut.edge];
@@ -107,9 +107,14 @@ VertexPositions place_vertices(const Solid& solid, const Solid& image, const Vor
     // In ascending order of the sites, so that the doubles do not depend on how the tetrahedron was made.
     std::array<SiteId, 4> v = diagram.dual().tets[inner.tet].v;
     std::sort(v.begin(), v.end());
-    if (map)
+    if (map) {
+      // All four are in the place of one frame, whose shift they lose exactly.
+      const CellMap::Frame& frame = map.at(site(v[0]));
+      const auto unshifted = [&](SiteId s) { return site(s) - frame.shift; };
+      const auto& rows = frame.matrix.rows;
       return placed_by(ImageCircumcenterFormula{
-          {site(v[0]), site(v[1]), site(v[2]), site(v[3]), map->rows[0], map->rows[1], map->rows[2]}});
+          {unshifted(v[0]), unshifted(v[1]), unshifted(v[2]), unshifted(v[3]), rows[0], rows[1], rows[2]}});
+    }
     return placed_by(CircumcenterFormula{{site(v[0]), site(v[1]), site(v[2]), site(v[3])}});
   };
 

@@ -9,9 +9,9 @@ namespace fracture::protocol {
 std::string mesh_id(std::string_view bytes) { return "sha256:" + sha256(bytes).hex(); }
 
 HttpRequest put_request(const std::string& mesh, std::string content_type,
-                        std::shared_ptr<const std::string> body) {
+                        std::shared_ptr<const std::string> body, const std::string& query) {
   return {.method = "PUT",
-          .target = "/meshes/" + mesh,
+          .target = "/meshes/" + mesh + (query.empty() ? "" : "?" + query),
           .content_type = std::move(content_type),
           .body = std::move(body)};
 }

@@ -21,9 +21,9 @@ inline constexpr std::size_t kMaxParameterBytes = 4096;
 /// "sha256:" and the digest in hex: the id of a mesh.
 std::string mesh_id(std::string_view bytes);
 
-/// PUT /meshes/{id}.
+/// PUT /meshes/{id}?{query}.
 HttpRequest put_request(const std::string& mesh, std::string content_type,
-                        std::shared_ptr<const std::string> body);
+                        std::shared_ptr<const std::string> body, const std::string& query = {});
 /// POST /meshes/{id}/fracture with parameters as JSON text.
 HttpRequest fracture_request(const std::string& mesh, std::string parameters);
 

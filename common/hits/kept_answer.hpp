@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "common/base/matrix3.hpp"
+#include "common/base/cell_map.hpp"
 #include "common/base/shared_blocks.hpp"
 #include "common/clip/restricted_diagram.hpp"
 #include "common/delaunay/kept_tetrahedralization.hpp"
@@ -97,7 +97,7 @@ struct LocalBase {
   SharedBlocks<std::shared_ptr<const KeptCell>> cells;               ///< per site
   SharedBlocks<std::shared_ptr<const std::vector<KeptBond>>> bonds;  ///< per site; null: none
   FragmentFigures figures;
-  std::optional<Matrix3> map{};
+  CellMap map{};
   SiteNotes notes;
   std::shared_ptr<const Solid> image{};  ///< of the solid under the map, where there is one
   std::size_t cell_bytes = 0;  ///< of memory behind `cells`; those that answers share are counted by each

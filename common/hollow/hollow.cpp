@@ -7,15 +7,18 @@
 
 #include "common/base/disjoint_sets.hpp"
 #include "common/base/pacer.hpp"
+#include "common/bvh/surface_tree.hpp"
+#include "common/hollow/deep_points.hpp"
+#include "common/hollow/extended_source.hpp"
 #include "common/hollow/inner_surface.hpp"
-#include "common/hollow/triangle_tree.hpp"
+#include "common/solid/corners.hpp"
 
 namespace fracture {
 namespace {
 
-using hollow_detail::Corners;
+using hollow_detail::corners_of;
+using hollow_detail::ExtendedSource;
 using hollow_detail::InnerSurface;
-using hollow_detail::TriangleTree;
 
 /// The triangles of a part: they follow one another.
 struct Run {
@@ -30,18 +33,6 @@ std::vector<Run> runs_of_parts(const Solid& solid) {
     run.end = t + 1;
   }
   return runs;
-}
-
-TriangleTree tree_of(const Solid& solid, const Run& run, const Execution& execution) {
-  Pacer pacer(execution);
-  std::vector<Corners> triangles;
-  triangles.reserve(run.end - run.begin);
-  for (std::size_t t = run.begin; t < run.end; ++t) {
-    pacer.step(4);
-    Corners& corners = triangles.emplace_back();
-    for (std::size_t k = 0; k < 3; ++k) corners[k] = to_double(solid.positions[solid.triangles[t][k]]);
-  }
-  return TriangleTree(std::move(triangles), execution);
 }
 
 /// A surface of one part, divided into the shells that hang together.
@@ -70,12 +61,6 @@ std::vector<std::uint32_t> shells_of(const InnerSurface& surface, std::uint32_t&
   return shells;
 }
 
-Corners corners_of(const InnerSurface& surface, std::size_t t) {
-  Corners corners;
-  for (std::size_t k = 0; k < 3; ++k) corners[k] = to_double(surface.positions[surface.triangles[t][k]]);
-  return corners;
-}
-
 /// The middle of a part's box is the origin of volumes, so that little is lost to rounding.
 double volume_of(const InnerSurface& surface, const Vec3d& origin) {
   double six = 0;
@@ -87,18 +72,15 @@ double volume_of(const InnerSurface& surface, const Vec3d& origin) {
 }
 
 /// Adds what the walls of a part measure; sums of thickness times area, which the caller divides.
-void measure(const InnerSurface& surface, const TriangleTree& tree, SolidReport& report, double& area,
+void measure(const InnerSurface& surface, const SurfaceTree& outside, SolidReport& report, double& area,
              Pacer& pacer) {
   double least = report.parts_hollowed == 0 ? HUGE_VAL : report.least_thickness;
-  for (const Vec3f& p : surface.positions) {
-    pacer.step(16);
-    least = std::fmin(least, tree.distance(to_double(p)));
-  }
+  for (const Vec3f& p : surface.positions)
+    least = std::fmin(least, outside.distance(to_double(p), HUGE_VAL, pacer));
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-    pacer.step(16);
     const auto [a, b, c] = corners_of(surface, t);
     const double size = length(cross(b - a, c - a)) / 2;
-    const double thickness = tree.distance((1.0 / 3) * (a + b + c));
+    const double thickness = outside.distance((1.0 / 3) * (a + b + c), HUGE_VAL, pacer);
     least = std::fmin(least, thickness);
     report.mean_thickness += thickness * size;
     area += size;
@@ -106,16 +88,39 @@ void measure(const InnerSurface& surface, const TriangleTree& tree, SolidReport&
   report.least_thickness = least;
 }
 
+/// Divides the sum of thicknesses by the area, and says in words what the figures do not.
+void finish(SolidReport& report, const HollowOptions& options, std::uint32_t asked, double area) {
+  const std::uint64_t solid = asked - report.parts_hollowed;
+  if (options.least_ball > 0 && report.parts_hollowed > 0)
+    report.notes.push_back(
+        std::to_string(report.parts_hollowed) +
+        " closed parts that hold a ball of some size became walls, as 'shell_ball' has it; "
+        "shell=0 keeps them solid.");
+  if (solid > 0)
+    report.notes.push_back(
+        std::to_string(solid) + " of " + std::to_string(asked) +
+        " closed parts stayed solid: nowhere are they thick enough for walls, or there are too "
+        "many parts.");
+  if (area > 0) report.mean_thickness /= area;
+  if (options.thickness > 0 && report.mean_thickness > 2 * options.thickness)
+    report.notes.push_back("Walls are " +
+                           std::to_string(std::lround(report.mean_thickness / options.thickness)) +
+                           " times as thick as 'shell' asks: thinner ones take more triangles than may be.");
+}
+
 /// Writes the parts anew, each with its cavity behind its own triangles.
 class Rebuilder {
  public:
   Rebuilder(Solid& solid, const std::vector<Cavity>& cavities, const Execution& execution)
-      : solid_(solid), cavities_(cavities), pacer_(execution), mesh_(std::make_shared<Mesh>(*solid.source)) {}
+      : solid_(solid),
+        cavities_(cavities),
+        pacer_(execution),
+        corners_(sum(&InnerSurface::positions)),
+        added_(sum(&InnerSurface::triangles)),
+        source_(*solid.source, corners_, added_, execution) {}
 
   void run() {
     const std::vector<Run> runs = runs_of_parts(solid_);
-    mesh_->material.resize(mesh_->triangles.size(), kNoIndex);
-    mesh_->node.resize(mesh_->triangles.size(), 0);
     reserve();
     auto next = cavities_.begin();
     for (std::size_t p = 0; p < solid_.parts.size(); ++p) {
@@ -128,23 +133,26 @@ class Rebuilder {
     solid_.edges = std::move(edges_);
     solid_.shell = std::move(shell_);
     solid_.part = std::move(part_);
-    solid_.source = std::move(mesh_);
+    solid_.source = std::move(source_).finished();
   }
 
  private:
+  template <class List>
+  std::size_t sum(List InnerSurface::*list) const {
+    std::size_t count = 0;
+    for (const Cavity& cavity : cavities_) count += (cavity.surface.*list).size();
+    return count;
+  }
+
   void reserve() {
-    std::size_t count = solid_.triangles.size(), corners = 0;
-    for (const Cavity& cavity : cavities_) {
-      count += cavity.surface.triangles.size();
-      corners += cavity.surface.positions.size();
-    }
+    const std::size_t count = solid_.triangles.size() + added_;
     triangles_.reserve(count);
     wedges_.reserve(count);
     material_.reserve(count);
     edges_.reserve(count);
     shell_.reserve(count);
     part_.reserve(count);
-    solid_.positions.reserve(solid_.positions.size() + corners);
+    solid_.positions.reserve(solid_.positions.size() + corners_);
   }
 
   void copy(std::size_t t) {
@@ -159,9 +167,8 @@ class Rebuilder {
 
   void add(const Cavity& cavity) {
     const auto first_vertex = static_cast<std::uint32_t>(solid_.positions.size());
-    const auto first_wedge = static_cast<std::uint32_t>(mesh_->positions.size());
     Part& part = solid_.parts[cavity.part];
-    add_wedges(cavity.surface);
+    const std::uint32_t first_wedge = source_.add_wedges(cavity.surface);
     solid_.positions.insert(solid_.positions.end(), cavity.surface.positions.begin(),
                             cavity.surface.positions.end());
     const auto first_shell = static_cast<std::uint32_t>(solid_.report.shells);
@@ -187,53 +194,15 @@ class Rebuilder {
       material_.push_back(kCavityMaterial);
       shell_.push_back(first_shell + cavity.shell_of_triangle[t]);
       part_.push_back(static_cast<std::uint32_t>(cavity.part));
-      add_source_triangle(wedges, part);
+      source_.add_triangle(wedges, part);
     }
-  }
-
-  /// Corners of the cavity as wedges: normals that are means by area, no texture, white.
-  void add_wedges(const InnerSurface& surface) {
-    std::vector<Vec3d> normals(surface.positions.size());
-    for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-      const auto [a, b, c] = corners_of(surface, t);
-      for (const std::uint32_t corner : surface.triangles[t])
-        normals[corner] = normals[corner] + cross(b - a, c - a);
-    }
-    mesh_->positions.insert(mesh_->positions.end(), surface.positions.begin(), surface.positions.end());
-    Attributes& a = mesh_->attributes;
-    // Any direction along the surface: nothing of a texture is shown there.
-    const auto tangent = [](const Vec3d& n) {
-      const Vec3d across = std::fabs(n.x) < 0.7 ? cross(n, Vec3d{1, 0, 0}) : cross(n, Vec3d{0, 1, 0});
-      return (1 / length(across)) * across;
-    };
-    for (const Vec3d& sum : normals) {
-      pacer_.step(8);
-      const double size = length(sum);
-      const Vec3d n = size > 0 ? (1 / size) * sum : Vec3d{0, 1, 0};
-      if (!a.normals.empty())
-        a.normals.push_back({static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z)});
-      if (a.tangents.empty()) continue;
-      const Vec3d t = tangent(n);
-      a.tangents.push_back({static_cast<float>(t.x), static_cast<float>(t.y), static_cast<float>(t.z), 1});
-    }
-    const std::size_t count = mesh_->positions.size();
-    for (auto& set : a.uvs) set.resize(count, {0, 0});
-    for (auto& set : a.colors) set.resize(count, {1, 1, 1, 1});
-  }
-
-  void add_source_triangle(const std::array<std::uint32_t, 3>& wedges, const Part& part) {
-    mesh_->triangles.push_back(wedges);
-    mesh_->material.push_back(kCavityMaterial);
-    mesh_->node.push_back(part.node);
-    if (!mesh_->triangle_color.empty())
-      mesh_->triangle_color.push_back(
-          {part.color.value_or(LinearColor{}), static_cast<std::uint16_t>(part.color.has_value())});
   }
 
   Solid& solid_;
   const std::vector<Cavity>& cavities_;
   Pacer pacer_;
-  std::shared_ptr<Mesh> mesh_;
+  std::size_t corners_, added_;
+  ExtendedSource source_;
   std::vector<std::array<VertexId, 3>> triangles_;
   std::vector<std::array<std::uint32_t, 3>> wedges_, edges_;
   std::vector<std::uint32_t> material_, shell_, part_;
@@ -249,31 +218,45 @@ Solid hollowed(Solid solid, const HollowOptions& options, const Execution& execu
   const auto thickness_of = [&](const Part& part) {
     return options.thickness > 0 ? options.thickness : options.fraction * part.box.longest_side();
   };
-  const auto may = [&](const Part& part) {
-    const Vec3d size = part.box.size();
-    return part.shells.size() == 1 && std::fmin(size.x, std::fmin(size.y, size.z)) > 2 * thickness_of(part);
+  const double least_ball = options.least_ball > 0 ? std::fmax(options.least_ball, kSmallestBall) : 0;
+  const auto surface_of = [&](std::size_t p) {
+    return SurfaceTree(corners_of(solid, runs[p].begin, runs[p].end, execution), execution);
   };
-  std::uint32_t waiting = 0;
-  for (const Part& part : solid.parts) waiting += may(part);
+  const auto may = [&](std::size_t p) {
+    const Part& part = solid.parts[p];
+    const Vec3d size = part.box.size();
+    const double longest = part.box.longest_side(), shortest = std::fmin(size.x, std::fmin(size.y, size.z));
+    if (part.shells.size() > 1 || !(shortest > std::fmax(2 * thickness_of(part), least_ball * longest)))
+      return false;
+    return least_ball == 0 ||
+           hollow_detail::holds_ball(surface_of(p), part.box, least_ball / 2 * longest, execution);
+  };
+  execution.reaches(0.2);
+  std::vector<std::size_t> chosen;
+  for (std::size_t p = 0; p < solid.parts.size(); ++p) {
+    pacer.step(8);
+    if (may(p)) chosen.push_back(p);
+  }
+  auto waiting = static_cast<std::uint32_t>(chosen.size());
   const std::uint32_t asked = waiting;
   std::uint32_t left = options.max_all;
   std::vector<Cavity> cavities;
   double area = 0;
-  for (std::size_t p = 0; p < solid.parts.size(); ++p) {
+  for (const std::size_t p : chosen) {
     Part& part = solid.parts[p];
-    if (!may(part)) continue;
     execution.poll();
+    execution.reaches(0.2 + 0.6 * (asked - waiting + 1) / asked);
     const hollow_detail::InnerSurfaceLimits limits{std::min(options.max_triangles, left / waiting--)};
     if (limits.triangles < kLeastTriangles) continue;
-    const TriangleTree tree = tree_of(solid, runs[p], execution);
-    Cavity cavity{p, inner_surface(tree, part.box, thickness_of(part), limits, execution), {}};
+    const SurfaceTree outside = surface_of(p);
+    Cavity cavity{p, inner_surface(outside, part.box, thickness_of(part), limits, execution), {}};
     const double volume = volume_of(cavity.surface, part.box.center());
     // A surface that crosses itself may enclose less than its deep places do.
     if (cavity.surface.triangles.empty() || volume >= part.volume) continue;
     left -= static_cast<std::uint32_t>(cavity.surface.triangles.size());
     execution.made(Product::kSurfaceTriangles, cavity.surface.triangles.size());
     cavity.shell_of_triangle = shells_of(cavity.surface, cavity.shells);
-    measure(cavity.surface, tree, report, area, pacer);
+    measure(cavity.surface, outside, report, area, pacer);
     part.volume -= volume;
     report.absolute_volume += volume;
     ++report.parts_hollowed;
@@ -281,20 +264,12 @@ Solid hollowed(Solid solid, const HollowOptions& options, const Execution& execu
     report.hollow_volume += volume;
     cavities.push_back(std::move(cavity));
   }
-  if (report.parts_hollowed < asked)
-    report.notes.push_back(
-        std::to_string(asked - report.parts_hollowed) + " of " + std::to_string(asked) +
-        " closed parts stayed solid: nowhere are they thick enough for walls, or there are too "
-        "many parts.");
+  finish(report, options, asked, area);
   if (cavities.empty()) return solid;
   report.area += area;
   report.volume = 0;
   for (const Part& part : solid.parts) report.volume += part.volume;
-  report.mean_thickness /= area;
-  if (options.thickness > 0 && report.mean_thickness > 2 * options.thickness)
-    report.notes.push_back("Walls are " +
-                           std::to_string(std::lround(report.mean_thickness / options.thickness)) +
-                           " times as thick as 'shell' asks: thinner ones take more triangles than may be.");
+  execution.reaches(1);
   Rebuilder(solid, cavities, execution).run();
   return solid;
 }

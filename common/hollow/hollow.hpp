@@ -10,10 +10,15 @@ namespace fracture {
 
 /// Fewer make no hollow worth the name.
 inline constexpr std::uint32_t kLeastTriangles = 500;
+/// Smaller balls are not looked for: it takes a lattice of a fourth of their diameter.
+inline constexpr double kSmallestBall = 0.1;
 
 struct HollowOptions {
   double thickness = 0;  ///< metres, of the walls; 0: as `fraction` says
   double fraction = 0;   ///< of the longest side of a part's box; 0 with thickness 0: nothing becomes hollow
+  double least_ball =
+      0;  ///< diameter, as a fraction of that side: only what holds such a ball becomes walls; 0: whatever is
+          ///< thick enough; else at least kSmallestBall
   std::uint32_t max_triangles = 20'000;  ///< of the inner side of one part
   std::uint32_t max_all =
       400'000;  ///< of all: parts for which fewer than kLeastTriangles are left stay solid

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/base/disjoint_sets.hpp"
+#include "common/base/id.hpp"
 #include "common/base/pacer.hpp"
-#include "common/mesh/mesh.hpp"
+#include "common/hollow/deep_points.hpp"
 
 namespace fracture::hollow_detail {
 namespace {
@@ -14,37 +14,6 @@ namespace {
 constexpr int kParts = 16;
 /// Points of the lattice that a hollow has at least.
 constexpr std::uint32_t kSmallest = 8;
-
-/// A cubic lattice whose points are multiples of its step.
-class Lattice {
- public:
-  Lattice(const Box& box, double step) : step_(step) {
-    for (int axis = 0; axis < 3; ++axis) {
-      low_[axis] = std::floor(box.min[axis] / step) - 1;
-      size_[axis] = static_cast<std::uint32_t>(std::ceil(box.max[axis] / step) + 1 - low_[axis]) + 1;
-    }
-  }
-  std::uint32_t size(int axis) const { return size_[axis]; }
-  std::uint32_t points() const { return size_[0] * size_[1] * size_[2]; }
-  std::uint32_t at(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
-    return (z * size_[1] + y) * size_[0] + x;
-  }
-  /// The point that lies in direction `bits` (x + 2y + 4z) of this one.
-  std::uint32_t neighbour(std::uint32_t point, std::uint32_t bits) const {
-    return point + (bits & 1) + (bits >> 1 & 1) * size_[0] + (bits >> 2 & 1) * size_[0] * size_[1];
-  }
-  Vec3d place(std::uint32_t point) const {
-    const std::uint32_t x = point % size_[0], y = point / size_[0] % size_[1],
-                        z = point / size_[0] / size_[1];
-    return {step_ * (low_[0] + x), step_ * (low_[1] + y), step_ * (low_[2] + z)};
-  }
-  double step() const { return step_; }
-
- private:
-  double step_;
-  std::array<double, 3> low_;
-  std::array<std::uint32_t, 3> size_;
-};
 
 /// The next of the steps whose first three binary digits are all they have: floats hold sixteenths of them exactly, as
 /// far as their multiples reach.
@@ -58,6 +27,15 @@ constexpr double kFloatSteps = 4 * kParts;
 /// How many triangles a surface has for each square of the lattice (measured on balls).
 constexpr double kTrianglesPerSquare = 9;
 
+double area_of(const SurfaceTree& surface, Pacer& pacer) {
+  double twice = 0;
+  for (const auto& [a, b, c] : surface.corners()) {
+    pacer.step();
+    twice += length(cross(b - a, c - a));
+  }
+  return twice / 2;
+}
+
 /// About how many points the lattice over this box has.
 double expected_points(const Box& box, double step) {
   const Vec3d size = box.size();
@@ -66,67 +44,26 @@ double expected_points(const Box& box, double step) {
 
 class March {
  public:
-  March(const TriangleTree& tree, const Box& box, double thickness, double step, const Execution& execution)
-      : tree_(tree),
+  March(const SurfaceTree& surface, const Box& box, double thickness, double step, const Execution& execution)
+      : surface_(surface),
         lattice_(box, step),
         depth_(std::sqrt(thickness * thickness + step * step)),
         execution_(execution),
         pacer_(execution) {}
 
   InnerSurface run() {
-    find_deep();
-    keep_inside();
+    // Points from which a sixteenth of an edge still leads to a place that is deep enough.
+    const double depth = depth_ + 1.0001 * std::sqrt(3.0) / kParts * lattice_.step();
+    deep_ = deep_points(surface_, lattice_, depth, kSmallest, execution_);
     corner_of_edge_.assign(std::size_t{8} * lattice_.points(), kNoIndex);
-    for (std::uint32_t z = 0; z + 1 < lattice_.size(2); ++z)
-      for (std::uint32_t y = 0; y + 1 < lattice_.size(1); ++y)
-        for (std::uint32_t x = 0; x + 1 < lattice_.size(0); ++x) {
-          pacer_.step();
-          cube(lattice_.at(x, y, z));
-        }
+    lattice_.each_cube([&](std::uint32_t point) {
+      pacer_.step();
+      cube(point);
+    });
     return std::move(out_);
   }
 
  private:
-  /// Points from which a sixteenth of an edge still leads to a place that is deep enough.
-  void find_deep() {
-    const double depth = depth_ + 1.0001 * std::sqrt(3.0) / kParts * lattice_.step();
-    deep_.assign(lattice_.points(), 0);
-    parallel_for(execution_, lattice_.points(), 512, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t p = begin; p < end; ++p)
-        deep_[p] = !tree_.within(lattice_.place(static_cast<std::uint32_t>(p)), depth);
-    });
-  }
-
-  /// Neighbours that are both deeper than an edge of the lattice is long are on one side of the surface; so one
-  /// point tells for all that hang together.
-  void keep_inside() {
-    DisjointSets sets;
-    sets.reserve(lattice_.points());
-    for (std::uint32_t p = 0; p < lattice_.points(); ++p) sets.add();
-    for_each_pair([&](std::uint32_t p, std::uint32_t q) {
-      if (deep_[p] && deep_[q]) sets.unite(p, q);
-    });
-    std::vector<std::uint32_t> members(lattice_.points(), 0);
-    for (std::uint32_t p = 0; p < lattice_.points(); ++p) members[sets.find(p)] += deep_[p];
-    std::vector<std::uint8_t> inside(lattice_.points(), 0);  // of roots
-    const std::uint32_t outside = sets.find(0);              // the first corner of the lattice is
-    for (std::uint32_t p = 0; p < lattice_.points(); ++p)
-      if (members[p] >= kSmallest && p != outside) inside[p] = tree_.winding(lattice_.place(p), pacer_) > 0.5;
-    for (std::uint32_t p = 0; p < lattice_.points(); ++p) deep_[p] = deep_[p] && inside[sets.find(p)];
-  }
-
-  /// visit(p, q) for the two ends of every edge.
-  template <class Visit>
-  void for_each_pair(const Visit& visit) {
-    for (std::uint32_t z = 0; z + 1 < lattice_.size(2); ++z)
-      for (std::uint32_t y = 0; y + 1 < lattice_.size(1); ++y)
-        for (std::uint32_t x = 0; x + 1 < lattice_.size(0); ++x) {
-          pacer_.step();
-          const std::uint32_t p = lattice_.at(x, y, z);
-          for (std::uint32_t bits = 1; bits < 8; ++bits) visit(p, lattice_.neighbour(p, bits));
-        }
-  }
-
   void cube(std::uint32_t p) {
     std::uint32_t deep = 0;
     for (std::uint32_t bits = 0; bits < 8; ++bits) deep += deep_[lattice_.neighbour(p, bits)];
@@ -182,9 +119,8 @@ class March {
     const Vec3d along = (1.0 / kParts) * (lattice_.place(lattice_.neighbour(cube, edge[1])) - from);
     int deep = 1, shallow = kParts;
     while (shallow - deep > 1) {
-      pacer_.step(8);
       const int k = (deep + shallow) / 2;
-      (tree_.within(from + 1.0 * k * along, depth_) ? shallow : deep) = k;
+      (surface_.within(from + 1.0 * k * along, depth_, pacer_) ? shallow : deep) = k;
     }
     const Vec3d place = from + 1.0 * deep * along;
     corner = static_cast<std::uint32_t>(out_.positions.size());
@@ -193,7 +129,7 @@ class March {
     return corner;
   }
 
-  const TriangleTree& tree_;
+  const SurfaceTree& surface_;
   Lattice lattice_;
   double depth_;
   const Execution& execution_;
@@ -205,20 +141,22 @@ class March {
 
 }  // namespace
 
-InnerSurface inner_surface(const TriangleTree& tree, const Box& box, double thickness,
+InnerSurface inner_surface(const SurfaceTree& surface, const Box& box, double thickness,
                            const InnerSurfaceLimits& limits, const Execution& execution) {
   double reach = 0;
   for (int axis = 0; axis < 3; ++axis) reach = std::fmax(reach, std::fmax(-box.min[axis], box.max[axis]));
   const double least = std::fmax(kFloatSteps * reach / (1 << 23), box.longest_side() / limits.lattice_points);
+  Pacer pacer(execution);
+  const double area = area_of(surface, pacer);
   double step = std::ldexp(1, std::ilogb(std::fmax(thickness / 2, least)));
   while (step < least || expected_points(box, step) > limits.lattice_points ||
-         kTrianglesPerSquare / 2 * tree.area() / (step * step) > limits.triangles)
+         kTrianglesPerSquare / 2 * area / (step * step) > limits.triangles)
     step = coarser(step);
   for (;; step = coarser(step)) {
     execution.poll();
     if (2 * std::sqrt(thickness * thickness + step * step) >= box.longest_side()) return {};
-    InnerSurface surface = March(tree, box, thickness, step, execution).run();
-    if (surface.triangles.size() <= limits.triangles) return surface;
+    InnerSurface inner = March(surface, box, thickness, step, execution).run();
+    if (inner.triangles.size() <= limits.triangles) return inner;
   }
 }
 

@@ -7,7 +7,7 @@
 
 #include "common/base/execution.hpp"
 #include "common/base/vec.hpp"
-#include "common/hollow/triangle_tree.hpp"
+#include "common/bvh/surface_tree.hpp"
 
 namespace fracture::hollow_detail {
 
@@ -22,7 +22,7 @@ struct InnerSurfaceLimits {
   std::uint32_t lattice_points = 1u << 18;
 };
 
-/// Empty where no place inside is deep enough for it. `tree`: the closed surface of the part, `box` its box.
+/// Empty where no place inside is deep enough for it. `surface`: that of the part, closed; `box`: its box.
 ///
 /// Marching tetrahedra (Doi & Koide 1991) over the six tetrahedra of each cube of a lattice (Freudenthal 1942), of
 /// the places that are inside and deep enough. Closed, and without self-crossing: corners lie on edges of the
@@ -34,7 +34,7 @@ struct InnerSurfaceLimits {
 /// unless the limits want it larger, and then the wall is thicker than was asked.
 ///
 /// Throws Interrupted.
-InnerSurface inner_surface(const TriangleTree& tree, const Box& box, double thickness,
+InnerSurface inner_surface(const SurfaceTree& surface, const Box& box, double thickness,
                            const InnerSurfaceLimits& limits, const Execution& execution);
 
 }  // namespace fracture::hollow_detail

@@ -23,7 +23,8 @@ std::vector<MaterialPreset> make_presets() {
        {2500, 0.4, 0.25, 45e6},
        {"#cfe6dd", 0.3, 1, 0.05, 0},
        "EN 572-1 (soda-lime: 2500 kg/m3, bending strength 45 MPa); kinetic friction glass on glass 0.4 "
-       "(CRC Handbook)"});
+       "(CRC Handbook)",
+       0.03});
 
   presets.push_back(
       {"wood",
@@ -82,7 +83,8 @@ std::vector<MaterialPreset> make_presets() {
                      {0.012, 6, 1},
                      {2400, 0.5, 0.2, 35e6},
                      {"#e9dfd0", 0.25, 1, 0.6, 0},
-                     "Porcelain: 2400 kg/m3, bending strength 35 to 70 MPa (IEC 60672-3, C 110 to C 120)"});
+                     "Porcelain: 2400 kg/m3, bending strength 35 to 70 MPa (IEC 60672-3, C 110 to C 120)",
+                     0.04});
 
   presets.push_back(
       {"metal",

@@ -32,16 +32,21 @@ struct CutLook {
 /// sees cost as much as others.
 inline constexpr double kLeastOfMean = 0.002;
 
+/// Things of glass and pottery are hollow, their meshes are not. What holds a ball of this diameter, as a fraction of
+/// its longest side, is such a thing; panes, rods and legs are not.
+inline constexpr double kLeastBall = 0.2;
+
 struct MaterialPreset {
   const char* name;
   const char* doc;  ///< one sentence for people
   SitePattern pattern;
   std::uint32_t lloyd;
-  double stretch;  ///< along the grain, whose default direction is the longest side of the box
+  double stretch;  ///< along the grain, which is that of each part (GrainOf::kPart)
   Roughness roughness;
   PhysicalProperties physical;
   CutLook look;
-  const char* source;  ///< of the physical figures
+  const char* source;         ///< of the physical figures
+  double shell_fraction = 0;  ///< of the longest side of a part that holds a ball of kLeastBall: its walls
 };
 
 std::span<const MaterialPreset> material_presets();

@@ -117,9 +117,8 @@ nlohmann::json ParameterTable::patterns_to_json() const {
     // What it sets: its pattern's values, and whatever else is not the default.
     nlohmann::json sets = canonical_parameters(with_choice(material, k));
     for (const ParameterSpec& spec : specs_)
-      if (spec.name == "material" || spec.decides == Decides::kSolid ||
-          (defaults.contains(spec.name) && sets.contains(spec.name) &&
-           defaults[spec.name] == sets[spec.name] && spec.name != "pattern"))
+      if (spec.name == "material" || (defaults.contains(spec.name) && sets.contains(spec.name) &&
+                                      defaults[spec.name] == sets[spec.name] && spec.name != "pattern"))
         sets.erase(spec.name);
     const MaterialPreset& preset = material_presets()[k];
     materials.push_back({{"name", preset.name},

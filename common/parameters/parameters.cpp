@@ -183,6 +183,8 @@ Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter
   refuse_both(offences, seen, "mass", "density", "each decides the other.");
   refuse_both(offences, seen, "stretch_matrix", "stretch", "the matrix says it all.");
   refuse_both(offences, seen, "stretch_matrix", "grain", "the matrix says it all.");
+  refuse_both(offences, seen, "stretch_matrix", "grain_of", "the matrix says it all.");
+  refuse_both(offences, seen, "grain", "grain_of", "a direction is the same for all.");
   if (const auto* points = std::get_if<PointsPattern>(&result.fracture.pattern)) {
     if (points->points.empty() && seen.count("points") == 0)
       offences.add_missing("points",
@@ -202,7 +204,11 @@ Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter
 }
 
 nlohmann::json canonical_solid_parameters(const RequestParameters& parameters) {
-  return canonical(parameters, [](const ParameterSpec& row) { return row.decides == Decides::kSolid; });
+  nlohmann::json json =
+      canonical(parameters, [](const ParameterSpec& row) { return row.decides == Decides::kSolid; });
+  // A material that would have walls and must not is one without.
+  if (!(parameters.hollow.fraction > 0)) json.erase("shell_fraction");
+  return json;
 }
 
 nlohmann::json canonical_site_parameters(const RequestParameters& parameters) {

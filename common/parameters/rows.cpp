@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/parameters/fields.hpp"
+#include "common/parameters/values.hpp"
 
 namespace fracture {
 namespace {
@@ -30,7 +31,7 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
        .high = 1000,
        .doc = "Makes open sheets (panes, leaves) slabs of this thickness. 0: they are dropped."},
       [](auto& r) -> auto& { return r.solid.thickness; }));
-  add(with_member(
+  ParameterSpec shell = with_member(
       {.name = "shell",
        .type = Type::kNumber,
        .unit = "m",
@@ -38,18 +39,48 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
        .high = 1000,
        .doc =
            "Closed parts without a cavity become walls of at least this thickness, where they are more than twice "
-           "as thick. 0: as shell_fraction says."},
-      [](auto& r) -> auto& { return r.hollow.thickness; }));
-  rows.back().matters = [](const RequestParameters& r) { return r.hollow.thickness > 0; };
-  add(with_member(
+           "as thick. 0: as shell_fraction says, and of that nothing is left of a material's own."},
+      [](auto& r) -> auto& { return r.hollow.thickness; });
+  shell.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
+    r.hollow = {.thickness = std::get<double>(value)};  // in the place of a material's walls
+  };
+  shell.matters = [](const RequestParameters& r) { return r.hollow.thickness > 0; };
+  add(std::move(shell));
+  ParameterSpec fraction = with_member(
       {.name = "shell_fraction",
        .type = Type::kNumber,
        .low = 0,
        .high = 0.5,
        .doc =
-           "The same as a fraction of the longest side of each part's box. 0 without shell: nothing becomes hollow."},
-      [](auto& r) -> auto& { return r.hollow.fraction; }));
-  rows.back().matters = [](const RequestParameters& r) { return r.hollow.fraction > 0; };
+           "The same as a fraction of the longest side of each part's box. 0 without shell: nothing becomes hollow. "
+           "Glass and ceramic have it by default."},
+      [](auto& r) -> auto& { return r.hollow.fraction; });
+  fraction.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
+    r.hollow.fraction = std::get<double>(value);
+    r.hollow.least_ball = 0;
+  };
+  // Said also where it is 0 against the will of the material: parameters that were answered may be sent again.
+  fraction.matters = [](const RequestParameters& r) {
+    const MaterialPreset* preset = find_material_preset(r.material);
+    return r.hollow.fraction > 0 || (preset && preset->shell_fraction > 0);
+  };
+  add(std::move(fraction));
+  ParameterSpec ball = with_member(
+      {.name = "shell_ball",
+       .type = Type::kNumber,
+       .low = 0,
+       .high = 1,
+       .doc =
+           "Only parts that hold a ball of this diameter, as a fraction of the longest side of their box, become "
+           "walls: plates, rods and what has walls already stay as they are. 0: all that are thick enough; else at least 0.1."},
+      [](auto& r) -> auto& { return r.hollow.least_ball; });
+  ball.check = [](const ParameterValue& value) -> std::optional<std::string> {
+    const double given = std::get<double>(value);
+    if (given == 0 || given >= kSmallestBall) return std::nullopt;
+    return "be 0 or at least " + shortest(kSmallestBall);
+  };
+  ball.matters = [](const RequestParameters& r) { return r.hollow.any() && r.hollow.least_ball > 0; };
+  add(std::move(ball));
   add(with_member(
       {.name = "weld_tolerance",
        .type = Type::kNumber,

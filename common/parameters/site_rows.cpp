@@ -26,9 +26,10 @@ ParameterSpec material_row() {
     r.material = preset.name;
     r.fracture.pattern = preset.pattern;
     r.fracture.lloyd = preset.lloyd;
-    r.fracture.anisotropy.stretch = preset.stretch;
+    r.fracture.anisotropy = {.stretch = preset.stretch, .grain_of = GrainOf::kPart};
     r.fracture.roughness = preset.roughness;
     r.fracture.size.min_of_mean = kLeastOfMean;
+    r.hollow = {.fraction = preset.shell_fraction, .least_ball = preset.shell_fraction > 0 ? kLeastBall : 0};
     r.physical = preset.physical;
     r.interior_color = preset.look.color;
     r.interior = {.color = linear_color(preset.look.color),
@@ -123,14 +124,30 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
     return r.fracture.anisotropy.matrix ? nlohmann::json() : get(r, s);
   };
   rows.push_back(std::move(stretch));
-  rows.push_back(
-      for_patterns({}, with_member(
-                           {.name = "grain",
-                            .type = Type::kDirection,
-                            .low = -kFar,
-                            .high = kFar,
-                            .doc = "Direction of the stretch. Without it: the longest side of the box."},
-                           [](auto& r) -> auto& { return r.fracture.anisotropy.grain; })));
+  rows.push_back(for_patterns(
+      {}, with_member(
+              {.name = "grain",
+               .type = Type::kDirection,
+               .low = -kFar,
+               .high = kFar,
+               .doc = "Direction of the stretch, the same for all. Without it: as `grain_of` says."},
+              [](auto& r) -> auto& { return r.fracture.anisotropy.grain; })));
+  ParameterSpec grain_of = for_patterns(
+      {},
+      with_member(
+          {.name = "grain_of",
+           .type = Type::kChoice,
+           .choices = {"solid", "part", "node"},
+           .doc =
+               "What has a grain of its own, along its longest axis, where `grain` does not say it: the solid, "
+               "each connected part, or the parts of each node together. Parts and nodes with patterns of "
+               "scattered sites: uniform, impact, clustered."},
+          [](auto& r) -> auto& { return r.fracture.anisotropy.grain_of; }));
+  grain_of.matters = [](const RequestParameters& r) {
+    const Anisotropy& a = r.fracture.anisotropy;
+    return a.stretch != 1 && !a.grain && !a.matrix && is_scattered(r.fracture.pattern);
+  };
+  rows.push_back(std::move(grain_of));
   ParameterSpec matrix = for_patterns(
       {},
       with_member(

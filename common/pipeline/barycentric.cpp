@@ -23,7 +23,7 @@ std::optional<FragmentSet> cut_one_cell(const Solid& solid, const PatchFinder& f
   const Expected<Tetrahedralization> t = tetrahedralize(sites, solid.box, uncounted);
   if (!t || t->site_of_input[0] == kNoSite) return std::nullopt;
   const SiteId cell = t->site_of_input[0];
-  const VoronoiDiagram diagram(*t, solid.box, std::nullopt, execution);
+  const VoronoiDiagram diagram(*t, solid.box, {}, execution);
   CellPatch patch = finder.around(diagram, cell, uncounted);
   looked_at = patch.looked_at;
   if (patch.empty()) return std::nullopt;

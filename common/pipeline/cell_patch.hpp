@@ -12,8 +12,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/bvh/box_tree.hpp"
 #include "common/clip/winding.hpp"
-#include "common/rough/box_tree.hpp"
 #include "common/solid/patch.hpp"
 #include "common/solid/solid.hpp"
 #include "common/voronoi/voronoi_diagram.hpp"

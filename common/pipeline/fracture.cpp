@@ -47,11 +47,12 @@ std::vector<std::uint32_t> groups_of_sites(const Tetrahedralization& t,
 Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& parameters,
                                const Execution& execution, StageTimings& timings) {
   return stage(timings, execution, Stage::kTetrahedralize, [&]() -> Expected<Diagram> {
-    const Expected<std::optional<Matrix3>> map = map_of_cells(solid.box, parameters);
+    const Expected<CellMap> map = map_of_cells(solid, parameters, execution);
     if (!map) return tl::unexpected(map.error());
     const SeenSolid seen(solid, *map, execution);
     Expected<SitePlan> plan = plan_enough_sites(seen, parameters, execution);
     if (!plan) return tl::unexpected(plan.error());
+    fill_frames(seen, *plan, execution);
     if (parameters.lloyd > 0) {
       if (!plan->groups.empty())
         return fail(

@@ -40,7 +40,8 @@ namespace fracture {
 ///                 corners are on a circle; areas, places and directions of bonds as floats
 /// 10  2026-11-23  sites, and fragments after them, in the order of a curve through the solid
 /// 11  2026-11-23  cut faces have the colour of what was cut; pieces of a fragment know their part
-inline constexpr int kAlgorithmVersion = 11;
+/// 12  2026-11-23  closed parts of glass and ceramic become walls; a grain for each part
+inline constexpr int kAlgorithmVersion = 12;
 
 enum class Dual {
   kCircumcenter,  ///< the Voronoi diagram: fragments partition the solid exactly
@@ -72,7 +73,7 @@ struct Diagram {
   std::vector<Vec3d> sites;
   std::vector<std::uint32_t> groups{};  ///< per site, or empty: cells with equal ids stay together
   /// Sites and tetrahedralization are those of the solid's image under this map (none: of itself).
-  std::optional<Matrix3> map{};
+  CellMap map{};
   std::vector<std::string> notes{};       ///< about the sites, for people
   Tetrahedralization tetrahedralization;  ///< canonical
   SplitFigures split{};                   ///< what FractureParameters::max_volume did

@@ -44,21 +44,31 @@ Box box_of(const Region& region) {
   return {region.center - r, region.center + r};
 }
 
-Box image_of(const Box& box, const Matrix3& map, double margin) {
+Box image_of(const Box& box, const CellMap::Frame& frame, double margin) {
   Box image;
   for (int corner = 0; corner < 8; ++corner) {
     Vec3d p = box.min;
     for (int a = 0; a < 3; ++a)
       if (corner >> a & 1) p[a] = box.max[a];
-    image.add(map * p);
+    image.add(frame.image(p));
   }
   const Vec3d wide{margin, margin, margin};
   return {image.min - wide, image.max + wide};
 }
 
+Box common_of(const Box& a, const Box& b) {
+  Box common;
+  for (int axis = 0; axis < 3; ++axis) {
+    common.min[axis] = std::max(a.min[axis], b.min[axis]);
+    common.max[axis] = std::min(a.max[axis], b.max[axis]);
+  }
+  return common;
+}
+
 class RegionWalk {
  public:
-  RegionWalk(const Region& region, const VoronoiDiagram& diagram, const Box& bounds,
+  /// Within the place of one frame of the diagram's map, if it has one.
+  RegionWalk(const Region& region, const VoronoiDiagram& diagram, std::size_t frame, const Box& bounds,
              const Execution& execution)
       : region_(region),
         diagram_(diagram),
@@ -66,15 +76,18 @@ class RegionWalk {
         execution_(execution),
         pacer_(execution) {
     Box wide = box_of(region);
-    if (diagram.map()) {
+    Box all = bounds;
+    if (const CellMap& map = diagram.map()) {
       // Vertices of the image are rounded to float.
-      wide = image_of(wide, *diagram.map(), 1e-6 * bounds.longest_side());
+      wide = image_of(wide, map.frames()[frame], 1e-6 * bounds.longest_side());
       region_.shape = Region::Shape::kBox;
+      Box place = map.place_of(frame);
+      const double off = 1e-6 * bounds.longest_side();
+      place.min = place.min - Vec3d{off, off, off};
+      place.max = place.max + Vec3d{off, off, off};
+      all = common_of(all, place);
     }
-    for (int a = 0; a < 3; ++a) {
-      limits_.min[a] = std::max(wide.min[a], bounds.min[a]);
-      limits_.max[a] = std::min(wide.max[a], bounds.max[a]);
-    }
+    limits_ = common_of(wide, all);
   }
 
   std::vector<SiteId> run() {
@@ -171,7 +184,17 @@ class RegionWalk {
 std::vector<SiteId> cells_meeting(const Region& region, const VoronoiDiagram& diagram, const Box& bounds,
                                   const Execution& execution) {
   if (diagram.dual().site_count() == 0 || bounds.empty()) return {};
-  return RegionWalk(region, diagram, bounds, execution).run();
+  const std::size_t frames = std::max<std::size_t>(1, diagram.map().frames().size());
+  std::vector<SiteId> cells;
+  for (std::size_t frame = 0; frame < frames; ++frame) {
+    const std::vector<SiteId> found = RegionWalk(region, diagram, frame, bounds, execution).run();
+    cells.insert(cells.end(), found.begin(), found.end());
+  }
+  if (frames > 1) {
+    sort_with_polls(execution, cells.begin(), cells.end());
+    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+  }
+  return cells;
 }
 
 }  // namespace fracture

@@ -88,7 +88,8 @@ Expected<void> relax(const SeenSolid& solid, SitePlan& plan, std::uint32_t passe
       const SiteId site = t->site_of_input[k];
       if (site == kNoSite) continue;
       const std::optional<Vec3d> center = shares.center(site, least_volume);
-      if (center) plan.points[k] = lattice.snap(plan.map ? *plan.map * *center : *center);
+      if (center)
+        plan.points[k] = lattice.snap(plan.map ? plan.map.at(plan.points[k]).image(*center) : *center);
     }
   }
   return {};

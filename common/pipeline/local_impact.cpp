@@ -30,14 +30,17 @@ Expected<void> append_hits(const Solid& solid, const SiteParameters& parameters,
     if (!further) return tl::unexpected(further.error());
     // What found no place near the point was placed elsewhere: no part of a hit.
     const std::size_t asked = further->points.size();
-    const Vec3d center = further->map ? *further->map * hit.point : hit.point;
     const double reach = hit.radius + kRounding * (hit.radius + solid.box.longest_side());
-    std::erase_if(further->points, [&](const Vec3d& p) { return length(p - center) > reach; });
+    std::erase_if(further->points, [&](const Vec3d& p) {
+      const Vec3d center = further->map ? further->map.at(p).image(hit.point) : hit.point;
+      return length(p - center) > reach;
+    });
     // Oblique slices have a map of their own, which hits do not.
     if (further->map != plan.map) {
-      const Matrix3 to_solid = further->map ? further->map->inverse() : Matrix3();
-      const Matrix3 to_image = plan.map.value_or(Matrix3());
-      for (Vec3d& p : further->points) p = to_image * (to_solid * p);
+      for (Vec3d& p : further->points) {
+        const Vec3d place = further->map ? further->map.at(p).place(p) : p;
+        p = plan.map ? plan.map.of_part(0).image(place) : place;
+      }
     }
     plan.points.insert(plan.points.end(), further->points.begin(), further->points.end());
     if (further->points.size() < asked)
@@ -59,11 +62,11 @@ void group_hits(const std::vector<LocalImpact>& hits, LocalRest rest, std::size_
   std::uint32_t next = 0;
   for (const std::uint32_t g : plan.groups) next = std::max(next, g + 1);
   if (whole) {
-    const Matrix3 back = plan.map ? plan.map->inverse() : Matrix3();
     Pacer pacer(execution);
     for (std::size_t k = 0; k < first_of_hits; ++k) {
       pacer.step(1 + hits.size());
-      const Vec3d site = back * plan.points[k];
+      const Vec3d& p = plan.points[k];
+      const Vec3d site = plan.map ? plan.map.at(p).place(p) : p;
       if (std::all_of(hits.begin(), hits.end(),
                       [&](const LocalImpact& hit) { return length(site - hit.point) > hit.radius; }))
         plan.groups[k] = next;

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "common/base/execution.hpp"
+#include "common/bvh/surface_tree.hpp"
 #include "common/clip/caps.hpp"
-#include "common/rough/surface_tree.hpp"
 
 namespace fracture {
 

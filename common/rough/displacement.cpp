@@ -31,14 +31,17 @@ double bound_of_norm(const Matrix3& m) {
 }  // namespace
 
 Displacement::Displacement(double amplitude, double frequency, std::uint32_t octaves, std::uint64_t seed,
-                           const std::optional<Matrix3>& map)
+                           const CellMap& map)
     : amplitude_(amplitude), frequency_(frequency), octaves_(octaves), seed_(seed) {
   double sum = 0, share = 1;
   for (std::uint32_t o = 0; o < octaves; ++o, share *= 0.5) sum += share;
   amplitude_ /= sum * kNoiseBound;
-  if (!map) return;
-  const double scale = 1 / bound_of_norm(*map);
-  for (std::size_t k = 0; k < 3; ++k) map_.rows[k] = scale * map->rows[k];
+  for (const CellMap::Frame& frame : map.frames()) {
+    const double scale = 1 / bound_of_norm(frame.matrix);
+    Matrix3& to_waves = to_waves_.emplace_back();
+    for (std::size_t k = 0; k < 3; ++k) to_waves.rows[k] = scale * frame.matrix.rows[k];
+  }
+  if (to_waves_.empty()) to_waves_.emplace_back();
 }
 
 double Displacement::reach() const {
@@ -47,9 +50,9 @@ double Displacement::reach() const {
   return kFade * amplitude_ * sum * kNoiseBound;
 }
 
-Vec3d Displacement::at(const Vec3d& p, double surface) const {
+Vec3d Displacement::at(const Vec3d& p, double surface, std::size_t frame) const {
   if (surface == 0) return {};
-  const Vec3d q = map_ * p;
+  const Vec3d q = to_waves_[frame] * p;
   Vec3d d;
   double share = 1, frequency = frequency_;
   for (std::uint32_t o = 0; o < octaves_; ++o, share *= 0.5, frequency *= 2)

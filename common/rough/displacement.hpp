@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
+#include <vector>
 
-#include "common/base/matrix3.hpp"
+#include "common/base/cell_map.hpp"
 #include "common/rough/noise.hpp"
 
 namespace fracture {
@@ -15,18 +15,18 @@ class Displacement {
   /// `amplitude` in metres, `frequency` in waves per metre; `map`: waves are counted in its image (scaled so
   /// that none is shorter than without it).
   Displacement(double amplitude, double frequency, std::uint32_t octaves, std::uint64_t seed,
-               const std::optional<Matrix3>& map);
+               const CellMap& map);
 
   /// The distance to the surface from which on the movement is not faded, m: the most that matters.
   double reach() const;
-  /// `surface`: min(distance from p to the surface, reach()).
-  Vec3d at(const Vec3d& p, double surface) const;
+  /// `surface`: min(distance from p to the surface, reach()). `frame`: of the map, where it has several.
+  Vec3d at(const Vec3d& p, double surface, std::size_t frame = 0) const;
 
  private:
   double amplitude_, frequency_;
   std::uint32_t octaves_;
   std::uint64_t seed_;
-  Matrix3 map_;
+  std::vector<Matrix3> to_waves_;  ///< one for each frame of the map
 };
 
 }  // namespace fracture

@@ -5,12 +5,13 @@
 #include <optional>
 
 #include "common/base/pacer.hpp"
+#include "common/bvh/surface_tree.hpp"
 #include "common/rough/cap_normals.hpp"
 #include "common/rough/crossings.hpp"
 #include "common/rough/displacement.hpp"
 #include "common/rough/edge_splits.hpp"
 #include "common/rough/refine.hpp"
-#include "common/rough/surface_tree.hpp"
+#include "common/solid/corners.hpp"
 
 namespace fracture {
 namespace {
@@ -120,13 +121,14 @@ class Mover {
   }
 
   void move(const Displacement& displacement, const SurfaceTree& outside) {
+    const std::vector<std::uint8_t> frame = frames();
     parallel_for(execution_, flat_.size() - fixed_, 256, [&](std::size_t begin, std::size_t end) {
       Pacer pacer(execution_);
       outside.distances({flat_.data() + fixed_ + begin, end - begin}, displacement.reach(),
                         {surface_.data() + fixed_ + begin, end - begin}, pacer);
       for (std::size_t v = fixed_ + begin; v < fixed_ + end; ++v) {
         pacer.step(4);
-        moves_[v] = displacement.at(flat_[v], surface_[v]);
+        moves_[v] = displacement.at(flat_[v], surface_[v], frame.empty() ? 0 : frame[v]);
         place(v);
       }
     });
@@ -186,6 +188,21 @@ class Mover {
   }
 
  private:
+  /// Of the map, for each vertex; empty where it has one at most.
+  std::vector<std::uint8_t> frames() {
+    std::vector<std::uint8_t> frame;
+    if (diagram_.map().frames().size() < 2) return frame;
+    frame.assign(flat_.size(), 0);
+    for (const CapRegion& r : caps_.regions) {
+      pacer_.step(1 + r.triangle_count);
+      const auto index = static_cast<std::uint8_t>(diagram_.map().index_at(diagram_.site(r.lo)));
+      for (std::uint32_t t = r.first_triangle; t < r.first_triangle + r.triangle_count; ++t)
+        for (const CutVertexId id : caps_.triangles[t])
+          if (id >= positions_.first_constructed) frame[id - positions_.first_constructed] = index;
+    }
+    return frame;
+  }
+
   void place(std::size_t v) {
     const Vec3d step = positions_.lattice.step();
     const Vec3d p = flat_[v] + share_[v] * moves_[v];
@@ -295,7 +312,7 @@ RoughReport roughen(RestrictedDiagram& restricted, const std::vector<std::uint32
 
   const Displacement displacement(report.amplitude, roughness.frequency / size, roughness.octaves, seed,
                                   diagram.map());
-  const SurfaceTree outside(solid, execution);
+  const SurfaceTree outside(corners_of(solid, execution), execution);
   std::vector<char> seen(caps.triangles.size(), 0);
   for (const CapRegion& r : caps.regions)
     if (parts(r.lo, r.hi))

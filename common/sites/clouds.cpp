@@ -3,6 +3,8 @@
 #include <cmath>
 
 #include "common/base/pacer.hpp"
+#include "common/bvh/box_tree.hpp"
+#include "common/bvh/surface_tree.hpp"
 #include "common/sites/arithmetic.hpp"
 #include "common/sites/generators.hpp"
 
@@ -30,6 +32,42 @@ SitePlan with_rest(const Task& task, ColumnSampler& sampler, std::vector<Vec3d> 
   const std::vector<Vec3d> rest = sampler.sample(task.count - static_cast<std::uint32_t>(plan.points.size()));
   plan.points.insert(plan.points.end(), rest.begin(), rest.end());
   return plan;
+}
+
+/// Where a place is in each frame of the image whose parts have surface within the radius (m, in the frame of the
+/// answer), or else in that of the part whose box is nearest.
+std::vector<Vec3d> images_near(const Task& task, const Vec3d& place, double radius) {
+  const CellMap& map = task.seen.map();
+  const Solid& solid = task.seen.original();
+  const auto frame_of = [&](std::uint32_t part) {
+    return static_cast<std::size_t>(&map.of_part(part) - map.frames().data());
+  };
+  Pacer pacer(task.execution);
+  std::vector<bool> is_near(solid.parts.size()), meets(map.frames().size(), false);
+  double least = HUGE_VAL;
+  std::size_t nearest = 0;
+  for (std::uint32_t p = 0; p < solid.parts.size(); ++p) {
+    pacer.step(2);
+    const double d = std::sqrt(square_distance(solid.parts[p].box, place));
+    is_near[p] = d <= radius;
+    if (d >= least) continue;
+    least = d;
+    nearest = frame_of(p);
+  }
+  for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
+    const std::uint32_t p = solid.part[t];
+    pacer.step(is_near[p] ? 4 : 1);
+    if (!is_near[p] || meets[frame_of(p)]) continue;
+    const auto& [a, b, c] = solid.triangles[t];
+    meets[frame_of(p)] =
+        distance_to_triangle(place, to_double(solid.positions[a]), to_double(solid.positions[b]),
+                             to_double(solid.positions[c])) <= radius;
+  }
+  if (std::find(meets.begin(), meets.end(), true) == meets.end()) meets[nearest] = true;
+  std::vector<Vec3d> images;
+  for (std::size_t k = 0; k < meets.size(); ++k)
+    if (meets[k]) images.push_back(map.frames()[k].image(place));
+  return images;
 }
 
 }  // namespace
@@ -90,9 +128,16 @@ double expected_sites(const ClusteredPattern&, double count, const Vec3d&) { ret
 
 Expected<SitePlan> generate(const Task& task, const ImpactPattern& pattern, const ImageMap& map) {
   ColumnSampler sampler(task.solid, task.seed, task.execution);
-  std::vector<Vec3d> impacts = mapped(pattern.impacts, map);
-  if (impacts.empty()) impacts.push_back(task.solid.box.center());
-  const double radius = pattern.radius.value_or(task.solid.box.longest_side() / 3);
+  const double radius = pattern.radius.value_or(box_in_image(task).longest_side() / 3);
+  std::vector<Vec3d> impacts;
+  if (map.frames().size() > 1) {
+    const Vec3d middle = task.seen.original().box.center();
+    for (const Vec3d& impact : pattern.impacts.empty() ? std::vector{middle} : pattern.impacts)
+      for (const Vec3d& image : images_near(task, impact, radius)) impacts.push_back(image);
+  } else {
+    impacts = mapped(pattern.impacts, map);
+    if (impacts.empty()) impacts.push_back(task.solid.box.center());
+  }
   std::vector<Cloud> clouds;
   for (const Vec3d& impact : impacts) clouds.push_back({impact, radius});
   // Site by site in turn, so that every impact gets its share.
@@ -116,7 +161,7 @@ Expected<SitePlan> generate(const Task& task, const ClusteredPattern& pattern, c
   Random random(task.seed ^ kClusterStream);
   const std::uint64_t center_seed = random();
   const std::vector<Vec3d> centers = ColumnSampler(task.solid, center_seed, task.execution).sample(count);
-  const double radius = pattern.radius.value_or(0.12 * mean_side(task.solid.box));
+  const double radius = pattern.radius.value_or(0.12 * mean_side(box_in_image(task)));
   // Uneven clusters: their shares of the sites spread over a factor of about ten.
   std::vector<Cloud> clouds;
   std::vector<double> weight;  // running sums

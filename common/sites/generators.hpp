@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "common/base/matrix3.hpp"
+#include "common/base/cell_map.hpp"
 #include "common/sites/column_sampler.hpp"
 #include "common/sites/pattern.hpp"
 
@@ -13,15 +13,16 @@ namespace fracture::sites_detail {
 
 /// What every generator is told.
 struct Task {
-  const Solid& solid;
-  std::uint32_t count;  ///< > 0
+  const Solid& solid;     ///< the image
+  const SeenSolid& seen;  ///< the same, with what it is an image of
+  std::uint32_t count;    ///< > 0
   std::uint64_t seed;
   const Execution& execution;
   std::uint32_t most_sites;
 };
 
-/// From the frame of the answer to the image; none: they are the same.
-using ImageMap = std::optional<Matrix3>;
+/// From the frame of the answer to the image.
+using ImageMap = CellMap;
 
 /// The pattern's sites in the image of the solid under `map` (Task::solid is that image), unsnapped. Places
 /// and directions of the pattern are in the frame of the answer.
@@ -45,8 +46,10 @@ double expected_sites(const BrickPattern& pattern, double count, const Vec3d& si
 double expected_sites(const SlicePattern& pattern, double count, const Vec3d& sides);
 double expected_sites(const ClusteredPattern& pattern, double count, const Vec3d& sides);
 
-/// Places of the frame of the answer in the image.
+/// Places of the frame of the answer in the image, of a map that has one frame at most.
 std::vector<Vec3d> mapped(std::vector<Vec3d> points, const ImageMap& map);
+/// The box of the solid in the image; where that has several frames, one like that of each of them together.
+Box box_in_image(const Task& task);
 /// How many boxes with the sides `cell` cover a box with the sides `sides`.
 double boxes_in(const Vec3d& sides, const Vec3d& cell);
 

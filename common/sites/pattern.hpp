@@ -13,6 +13,7 @@
 #include <variant>
 #include <vector>
 
+#include "common/base/cell_map.hpp"
 #include "common/base/error.hpp"
 #include "common/base/execution.hpp"
 #include "common/base/matrix3.hpp"
@@ -115,11 +116,23 @@ inline constexpr PatternTraits kPatternTraits[] = {
 };
 static_assert(std::size(kPatternTraits) == std::variant_size_v<SitePattern>);
 
+/// Whether the pattern's sites are made each for itself, so that they may lie in several frames of a map.
+bool is_scattered(const SitePattern& pattern);
+
+/// What has a grain of its own, along its longest axis of inertia (sites/grain.hpp). Only sites that are scattered
+/// (uniform, impact, clustered) know several grains.
+enum class GrainOf {
+  kSolid,  ///< all of it the same: the longest side of its box
+  kPart,   ///< each part
+  kNode,   ///< all parts of a node of the source together
+};
+
 /// Cells that are longer in one direction: the pattern is made in the image of the solid under the inverse
 /// stretch, where it is isotropic. Not for slices of several families, which are such images themselves.
 struct Anisotropy {
-  double stretch = 1;               ///< how many times as long along the grain as across it, > 0; 1: not
-  std::optional<Vec3d> grain{};     ///< direction; none: the longest side of the box
+  double stretch = 1;  ///< how many times as long along the grain as across it, > 0; 1: not
+  GrainOf grain_of = GrainOf::kSolid;
+  std::optional<Vec3d> grain{};     ///< direction, the same for all; none: as grain_of says
   std::optional<Matrix3> matrix{};  ///< instead: what a cell goes through, not singular
   friend bool operator==(const Anisotropy&, const Anisotropy&) = default;
 };
@@ -143,13 +156,14 @@ struct SitePlan {
   /// In the image under `map`; those of PointsPattern as they were given, others along a curve through it.
   std::vector<Vec3d> points;
   std::vector<std::uint32_t> groups;  ///< per point, or empty: cells with equal ids stay together
-  std::optional<Matrix3> map;         ///< of positive determinant; none: the identity
+  CellMap map;                        ///< of positive determinant
   std::vector<std::string> notes;     ///< what could not be done as asked, for people
 };
 
-/// The map under which the cells of these parameters are isotropic; none: the identity. `box`: of the solid.
-/// Error: kBadParameter with the parameter's name (a combination that has no meaning).
-Expected<std::optional<Matrix3>> map_of_cells(const Box& box, const SiteParameters& parameters);
+/// The map under which the cells of these parameters are isotropic. Error: kBadParameter with the parameter's name (a
+/// combination that has no meaning). Throws Interrupted.
+Expected<CellMap> map_of_cells(const Solid& solid, const SiteParameters& parameters,
+                               const Execution& execution);
 
 /// `solid` is seen through map_of_cells(). Errors: kBadParameter, kTooComplex (more than most_sites).
 /// Near-linear in triangles + sites.
@@ -158,6 +172,10 @@ Expected<SitePlan> plan_sites(const SeenSolid& solid, const SiteParameters& para
 /// The same, with an image of its own. Errors of both.
 Expected<SitePlan> plan_sites(const Solid& solid, const SiteParameters& parameters,
                               const Execution& execution);
+
+/// Gives each frame of the plan's map that has no site one in the middle of a part: without, what lies in it would
+/// belong to sites of another grain. At most kMostFrames - 1 sites, which most_sites does not count.
+void fill_frames(const SeenSolid& solid, SitePlan& plan, const Execution& execution);
 
 /// About how many sites that makes, within a factor of two, of a solid in this box. For those who have to
 /// know what a request costs before it is computed.

@@ -5,6 +5,7 @@
 #include "common/base/pacer.hpp"
 #include "common/sites/arithmetic.hpp"
 #include "common/sites/generators.hpp"
+#include "common/sites/grain.hpp"
 #include "common/sites/sites.hpp"
 #include "common/solid/image.hpp"
 
@@ -34,10 +35,27 @@ Vec3d longest_side(const Box& box) {
   return direction;
 }
 
-std::optional<Matrix3> map_of(const Anisotropy& anisotropy, const Box& box) {
+CellMap map_of(const Solid& solid, const SiteParameters& p, const Execution& execution) {
+  const Anisotropy& anisotropy = p.anisotropy;
   if (anisotropy.matrix) return positive(anisotropy.matrix->inverse());
-  if (anisotropy.stretch == 1) return std::nullopt;
-  return along_grain(anisotropy.grain.value_or(longest_side(box)), anisotropy.stretch);
+  if (anisotropy.stretch == 1) return {};
+  const auto along = [&](const Vec3d& grain) { return along_grain(grain, anisotropy.stretch); };
+  if (anisotropy.grain) return along(*anisotropy.grain);
+  if (anisotropy.grain_of == GrainOf::kSolid || !is_scattered(p.pattern))
+    return along(longest_side(solid.box));
+  const Grains grains = grains_of(solid, anisotropy.grain_of == GrainOf::kNode, longest_side(solid.box),
+                                  CellMap::kMostFrames, execution);
+  if (grains.directions.size() == 1) return along(grains.directions[0]);
+  std::vector<Matrix3> matrices;
+  std::vector<Box> boxes(grains.directions.size());
+  for (const Vec3d& grain : grains.directions) matrices.push_back(along(grain));
+  Pacer pacer(execution);
+  for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
+    pacer.step(2);
+    const std::uint8_t k = grains.of_part[solid.part[t]];
+    for (const VertexId v : solid.triangles[t]) boxes[k].add(matrices[k] * to_double(solid.positions[v]));
+  }
+  return CellMap(matrices, grains.of_part, boxes);
 }
 
 /// Sites in the order of a curve through the box: cells that touch each other then lie near each other in
@@ -105,8 +123,21 @@ double expected_sites(const PointsPattern&, double count, const Vec3d&) { return
 
 std::vector<Vec3d> mapped(std::vector<Vec3d> points, const ImageMap& map) {
   if (map)
-    for (Vec3d& p : points) p = *map * p;
+    for (Vec3d& p : points) p = map.of_part(0).image(p);
   return points;
+}
+
+Box box_in_image(const Task& task) {
+  const auto frames = task.seen.map().frames();
+  if (frames.size() < 2) return task.solid.box;
+  Box box;
+  for (int corner = 0; corner < 8; ++corner) {
+    Vec3d p = task.seen.original().box.min;
+    for (int axis = 0; axis < 3; ++axis)
+      if (corner >> axis & 1) p[axis] = task.seen.original().box.max[axis];
+    box.add(frames[0].matrix * p);
+  }
+  return box;
 }
 
 double boxes_in(const Vec3d& sides, const Vec3d& cell) {
@@ -125,6 +156,11 @@ tl::unexpected<Error> too_many_sites(const Task& task, double sites) {
 
 }  // namespace sites_detail
 
+bool is_scattered(const SitePattern& pattern) {
+  return std::holds_alternative<UniformPattern>(pattern) || std::holds_alternative<ImpactPattern>(pattern) ||
+         std::holds_alternative<ClusteredPattern>(pattern);
+}
+
 double expected_sites(const SiteParameters& parameters, const Box& box) {
   return std::visit(
       [&](const auto& pattern) {
@@ -133,21 +169,21 @@ double expected_sites(const SiteParameters& parameters, const Box& box) {
       parameters.pattern);
 }
 
-Expected<std::optional<Matrix3>> map_of_cells(const Box& box, const SiteParameters& p) {
+Expected<CellMap> map_of_cells(const Solid& solid, const SiteParameters& p, const Execution& execution) {
   const auto* slices = std::get_if<SlicePattern>(&p.pattern);
   const bool oblique = slices && slices->normals.size() > 1;
-  std::optional<Matrix3> map = map_of(p.anisotropy, box);
+  CellMap map = map_of(solid, p, execution);
   if (oblique && map)
     return fail(ErrorCode::kBadParameter,
                 "Slices of several families cannot be stretched: give the normals they should have.",
                 "stretch");
   if (oblique) map = map_of(*slices);
-  if (map && *map == Matrix3{}) map.reset();
+  if (map == CellMap(Matrix3{})) map = {};
   return map;
 }
 
 Expected<SitePlan> plan_sites(const SeenSolid& solid, const SiteParameters& p, const Execution& execution) {
-  const Task task{solid.seen(), std::max(1u, p.sites), p.seed, execution, p.most_sites};
+  const Task task{solid.seen(), solid, std::max(1u, p.sites), p.seed, execution, p.most_sites};
   Expected<SitePlan> plan = std::visit(
       [&](const auto& pattern) { return sites_detail::generate(task, pattern, solid.map()); }, p.pattern);
   if (!plan) return plan;
@@ -164,8 +200,34 @@ Expected<SitePlan> plan_sites(const SeenSolid& solid, const SiteParameters& p, c
   return plan;
 }
 
+void fill_frames(const SeenSolid& solid, SitePlan& plan, const Execution& execution) {
+  const std::size_t frames = plan.map.frames().size();
+  if (frames < 2) return;
+  std::vector<bool> has_site(frames, false);
+  std::size_t empty = frames;
+  const auto fills = [&](const Vec3d& p) {
+    const std::size_t frame = plan.map.index_at(p);
+    if (has_site[frame]) return false;
+    has_site[frame] = true;
+    --empty;
+    return true;
+  };
+  Pacer pacer(execution);
+  for (std::size_t k = 0; k < plan.points.size() && empty > 0; ++k) {
+    pacer.step();
+    fills(plan.points[k]);
+  }
+  const SiteLattice lattice = site_lattice(solid.seen().box);
+  const std::vector<Part>& parts = solid.seen().parts;
+  for (std::size_t p = 0; p < parts.size() && empty > 0; ++p) {
+    pacer.step();
+    const Vec3d middle = lattice.snap(parts[p].box.center());
+    if (fills(middle)) plan.points.push_back(middle);
+  }
+}
+
 Expected<SitePlan> plan_sites(const Solid& solid, const SiteParameters& p, const Execution& execution) {
-  const Expected<std::optional<Matrix3>> map = map_of_cells(solid.box, p);
+  const Expected<CellMap> map = map_of_cells(solid, p, execution);
   if (!map) return tl::unexpected(map.error());
   return plan_sites(SeenSolid(solid, *map, execution), p, execution);
 }

@@ -57,7 +57,8 @@ Expected<SitePlan> generate(const Task& task, const RadialPattern& pattern, cons
   const Box& box = task.solid.box;
   const std::vector<Vec3d> impacts = mapped(pattern.impacts, map);
   const Vec3d center = impacts.empty() ? box.center() : impacts[0];
-  const std::optional<Vec3d> axis = map && pattern.axis ? *map * *pattern.axis : pattern.axis;
+  const std::optional<Vec3d> axis =
+      map && pattern.axis ? map.of_part(0).matrix * *pattern.axis : pattern.axis;
   const Across frame = across(axis.value_or(shortest_side(box)));
   const double reach = reach_across(box, center, frame);
 

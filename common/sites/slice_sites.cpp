@@ -51,7 +51,7 @@ Expected<SitePlan> generate(const Task& task, const SlicePattern& pattern, const
   if (pattern.normals.size() > 1) return generate(task, grid_of(pattern, task), map);
   // The plane n·q = c is A^-T n · A q = c.
   const Vec3d given = pattern.normals.at(0);
-  const Vec3d normal = normalized(map ? map->inverse().transposed_times(given) : given);
+  const Vec3d normal = normalized(map ? map.of_part(0).inverse.transposed_times(given) : given);
   const Vec3d center = task.solid.box.center();
   double low = HUGE_VAL, high = -HUGE_VAL;
   Pacer pacer(task.execution);

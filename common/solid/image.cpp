@@ -5,8 +5,16 @@
 
 namespace fracture {
 
-Solid image_of(const Solid& solid, const Matrix3& map, const Execution& execution) {
+Solid image_of(const Solid& solid, const CellMap& map, const Execution& execution) {
   using solid_detail::copied, solid_detail::for_each_polled;
+  // Each vertex is of one part.
+  std::vector<std::uint32_t> part_of_vertex;
+  if (map.frames().size() > 1) {
+    part_of_vertex = solid_detail::filled<std::uint32_t>(execution, solid.positions.size(), 0);
+    for_each_polled(execution, solid.triangles.size(), [&](std::size_t t) {
+      for (const VertexId v : solid.triangles[t]) part_of_vertex[v] = solid.part[t];
+    });
+  }
   Solid image;
   image.triangles = copied(execution, solid.triangles);
   image.edges = copied(execution, solid.edges);
@@ -16,11 +24,12 @@ Solid image_of(const Solid& solid, const Matrix3& map, const Execution& executio
   image.parts = copied(execution, solid.parts);
   image.positions.reserve(solid.positions.size());
   for_each_polled(execution, solid.positions.size(), [&](std::size_t v) {
-    const Vec3d q = map * to_double(solid.positions[v]);
+    const CellMap::Frame& frame = map.of_part(part_of_vertex.empty() ? 0 : part_of_vertex[v]);
+    const Vec3d q = frame.image(to_double(solid.positions[v]));
     image.positions.push_back({static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z)});
     image.box.add(to_double(image.positions.back()));
   });
-  const double factor = map.determinant();
+  const double factor = map.of_part(0).matrix.determinant();  // that of all
   for (Part& part : image.parts) {
     part.volume *= factor;
     part.box = {};

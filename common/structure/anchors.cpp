@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "common/base/pacer.hpp"
+#include "common/bvh/box_tree.hpp"
 #include "common/fragment/ray_crossing.hpp"
-#include "common/rough/box_tree.hpp"
 
 namespace fracture {
 namespace {

@@ -11,15 +11,13 @@
 namespace fracture {
 
 VoronoiDiagram::VoronoiDiagram(const Tetrahedralization& tetrahedralization, const Box& box,
-                               const std::optional<Matrix3>& map, const Execution& execution,
-                               std::size_t many)
+                               const CellMap& map, const Execution& execution, std::size_t many)
     : dual_(&tetrahedralization), map_(map), many_(many), all_sites_(std::make_unique<AllSites>()) {
   build(box, nullptr, execution);
 }
 
 VoronoiDiagram::VoronoiDiagram(const Tetrahedralization& part, const std::vector<char>& cells, const Box& box,
-                               const std::optional<Matrix3>& map, const Execution& execution,
-                               std::size_t many)
+                               const CellMap& map, const Execution& execution, std::size_t many)
     : dual_(&part), map_(map), many_(many), all_sites_(std::make_unique<AllSites>()) {
   build(box, &cells, execution);
 }

@@ -16,8 +16,8 @@
 #include <span>
 #include <vector>
 
+#include "common/base/cell_map.hpp"
 #include "common/base/execution.hpp"
-#include "common/base/matrix3.hpp"
 #include "common/base/vec.hpp"
 #include "common/delaunay/tetrahedralization.hpp"
 #include "common/voronoi/neighborhood.hpp"
@@ -30,20 +30,18 @@ class VoronoiDiagram {
   /// that of the solid's image: sites, box and every point asked about are images. Throws Interrupted.
   /// Cells of more than `many` neighbours have a Neighborhood, and what looks at the bisectors of one asks
   /// that. It decides the cost alone.
-  VoronoiDiagram(const Tetrahedralization& tetrahedralization, const Box& box,
-                 const std::optional<Matrix3>& map = std::nullopt,
+  VoronoiDiagram(const Tetrahedralization& tetrahedralization, const Box& box, const CellMap& map = {},
                  const Execution& execution = kUninterrupted, std::size_t many = kManyNeighbors);
   /// Of a part of a tetrahedralization: only the cells in `cells` (per site) have all their tetrahedra, and of no
   /// others may be asked for bisectors or tetrahedra.
   VoronoiDiagram(const Tetrahedralization& part, const std::vector<char>& cells, const Box& box,
-                 const std::optional<Matrix3>& map, const Execution& execution,
-                 std::size_t many = kManyNeighbors);
+                 const CellMap& map, const Execution& execution, std::size_t many = kManyNeighbors);
 
-  const std::optional<Matrix3>& map() const { return map_; }
+  const CellMap& map() const { return map_; }
   /// Direction of the normal of facet (i, j), from i to j, in the frame of the solid; not of unit length.
   Vec3d facet_normal(SiteId i, SiteId j) const {
     const Vec3d u = site(j) - site(i);
-    return map_ ? map_->transposed_times(u) : u;
+    return map_ ? map_.at(site(i)).matrix.transposed_times(u) : u;
   }
 
   const Tetrahedralization& dual() const { return *dual_; }
@@ -129,7 +127,7 @@ class VoronoiDiagram {
   const Bisector* find_bisector(SiteId i, SiteId j) const;
 
   const Tetrahedralization* dual_;
-  std::optional<Matrix3> map_;
+  CellMap map_;
   std::size_t many_;
   std::vector<std::uint32_t> bisector_begin_, tet_begin_;
   std::vector<Bisector> bisectors_;

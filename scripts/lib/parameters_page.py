@@ -28,9 +28,9 @@ MONKEY = "/usr/share/assimp/models/BLEND/Suzanne_248.blend"  # Debian: assimp-te
 FIRST = ["material", "fragments", "seed", "impacts", "unit"]
 SUBJECTS = [
     ("The mesh", "What the file means, and what is done to it before it breaks.",
-     ["format", "unit", "up", "nodes", "materials", "repair", "weld_tolerance", "thickness", "shell", "shell_fraction"]),
+     ["format", "unit", "up", "nodes", "materials", "repair", "weld_tolerance", "thickness", "shell", "shell_fraction", "shell_ball"]),
     ("How it breaks", "Where the cuts go. [Patterns](#patterns) and [materials](#materials) have pictures below.",
-     ["material", "pattern", "sites", "levels", "seed", "lloyd", "stretch", "grain", "stretch_matrix"]),
+     ["material", "pattern", "sites", "levels", "seed", "lloyd", "stretch", "grain", "grain_of", "stretch_matrix"]),
     ("Of single patterns", "Each belongs to the patterns that list it [below](#patterns), and is refused with any other.",
      ["points", "impacts", "radius", "exponent", "share", "clusters", "axis", "spokes", "rings", "growth", "merge", "jitter", "cell",
       "bond", "normals", "spacing", "tilt"]),

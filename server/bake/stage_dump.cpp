@@ -51,7 +51,7 @@ class DumpingEngine final : public EngineAround {
     if (const Diagram* const diagram = made ? std::get_if<Diagram>(&*made) : nullptr) {
       Tetrahedralization t = diagram->tetrahedralization;
       if (diagram->map)  // stretched cells: back to where the solid is
-        for (Vec3d& p : t.points) p = diagram->map->inverse() * p;
+        for (Vec3d& p : t.points) p = diagram->map.at(p).place(p);
       dump_->write(kSites, [&](std::ostream& out) {
         debug::dump_obj_of_sites(out, t, kSiteRadius * solid.box.longest_side());
       });

@@ -18,8 +18,12 @@ class LibraryEngine final : public FractureEngine {
   }
   Expected<Solid> prepare(std::shared_ptr<const Mesh> mesh, const SolidOptions& options,
                           const HollowOptions& hollow, const Execution& execution) const override {
-    Expected<Solid> solid = make_solid(std::move(mesh), options, execution);
+    Expected<Solid> solid = [&] {
+      const StageProgress::Part part(execution.within, hollow.any() ? 0.5 : 1);
+      return make_solid(std::move(mesh), options, execution);
+    }();
     if (!solid) return solid;
+    const StageProgress::Part part(execution.within, 1);
     return hollowed(std::move(*solid), hollow, execution);
   }
   Expected<CutBase> base(const Solid& solid, const FractureParameters& parameters, const Selection& selection,

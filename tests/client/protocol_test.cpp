@@ -12,7 +12,7 @@ TEST(ProtocolClient, StoresByDigestThenFractures) {
   });
   Client client(settings(server.port()));
   Ticket put = 0;
-  const std::string id = client.add_mesh("mesh", "model/gltf-binary", &put);
+  const std::string id = client.add_mesh("mesh", "model/gltf-binary", "material=glass", &put);
   EXPECT_EQ(id, mesh_id("mesh"));
   const Answer first = wait_for_one(client);
   EXPECT_EQ(first.ticket, put);
@@ -28,7 +28,7 @@ TEST(ProtocolClient, StoresByDigestThenFractures) {
   const auto requests = server.requests();
   ASSERT_EQ(requests.size(), 2u);
   EXPECT_EQ(requests[0].method, "PUT");
-  EXPECT_EQ(requests[0].target, "/meshes/" + id);
+  EXPECT_EQ(requests[0].target, "/meshes/" + id + "?material=glass");
   EXPECT_EQ(requests[0].body, "mesh");
   EXPECT_EQ(requests[1].method, "POST");
   EXPECT_EQ(requests[1].target, "/meshes/" + id + "/fracture");

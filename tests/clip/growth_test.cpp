@@ -65,7 +65,7 @@ void run(const GrowthInput& input, Watch& watch) {
   ASSERT_TRUE(t);
   canonicalize(*t, execution);
   watch.begin("voronoi");
-  const VoronoiDiagram diagram(*t, solid.box, std::nullopt, execution);
+  const VoronoiDiagram diagram(*t, solid.box, {}, execution);
   watch.begin("cuts");
   RestrictedDiagram r{solid, solid, diagram, cut_surface(solid, diagram, execution)};
   watch.begin("winding");

@@ -69,8 +69,8 @@ TEST(SurfaceCuts, SearchedAndScannedCellsGiveTheSameCuts) {
     const Solid solid = solid_of(mesh);
     const Expected<Tetrahedralization> t = tetrahedralize(sites, solid.box, {});
     ASSERT_TRUE(t);
-    const VoronoiDiagram scanned(*t, solid.box, std::nullopt, kUninterrupted, 1u << 30);
-    const VoronoiDiagram searched(*t, solid.box, std::nullopt, kUninterrupted, 0);
+    const VoronoiDiagram scanned(*t, solid.box, {}, kUninterrupted, 1u << 30);
+    const VoronoiDiagram searched(*t, solid.box, {}, kUninterrupted, 0);
     const SurfaceCuts expected = cut_surface(solid, scanned, {});
     expect_equal(cut_surface(solid, searched, {}), expected);
     Execution two;

@@ -286,6 +286,18 @@ TEST(Delta, InAStretchedDiagram) {
   EXPECT_EQ(expect_hits(mesh, p), 3);
 }
 
+TEST(Delta, WhereEachPartHasAGrainOfItsOwn) {
+  const Mesh mesh =
+      joined({box({-1, -0.2, -0.2}, {1, 0.2, 0.2}, 4), box({-0.2, 0.3, -0.2}, {0.2, 2, 0.2}, 4)});
+  FractureParameters p = hits_on(mesh, 80, 0.15);
+  p.anisotropy = {.stretch = 3, .grain_of = GrainOf::kPart};
+  p.hits[0].point = {0.8, 0.2, 0};
+  p.hits[1].point = {0.2, 1.5, 0};
+  p.hits[2].point = {0, 0.25, 0};  // between the two
+  EXPECT_EQ(expect_hits(mesh, p), 3);
+  EXPECT_EQ(fracture_mesh(mesh, p).report.warnings, std::vector<std::string>{}) << "all sites found a place";
+}
+
 // What winds around a Voronoi vertex in both of them are two layers, and under a map perhaps other ones.
 TEST(Delta, OfPartsThatOverlap) {
   const Mesh mesh = joined(

@@ -99,6 +99,29 @@ TEST(Hollow, WhatHasACavityOrIsThinStaysAsItIs) {
   EXPECT_EQ(hollowed(solid_of(cube(2)), {}, {}).report.parts_hollowed, 0u) << "nobody asked";
 }
 
+TEST(Hollow, OnlyWhatHoldsTheBallWhereOneIsAskedFor) {
+  Mesh ring = torus(48, 12, 1, 0.15);  // thin, in a box as wide as that of a ball
+  for (Vec3f& p : ring.positions) p = {p.x, p.y + p.x, p.z + p.x};
+  const Mesh things = joined({cube(4), box({5, 0, 0}, {6, 6, 1}, 2), translated(ring, {9, 0, 0})});
+  const Solid walls = hollowed(solid_of(things), {.fraction = 0.01, .least_ball = 0.2}, {});
+  walls.validate();
+  EXPECT_EQ(walls.report.parts_hollowed, 1u) << "beam and ring hold none";
+  EXPECT_NE(walls.report.notes.back().find("shell=0"), std::string::npos);
+  EXPECT_EQ(hollowed(solid_of(things), {.fraction = 0.01}, {}).report.parts_hollowed, 3u);
+}
+
+TEST(Hollow, TheCopyOfTheSourceIsCounted) {
+  const Solid solid = solid_of(ico_sphere(5));
+  const std::size_t bytes = solid.source->positions.size() * sizeof(Vec3f);
+  Allowance enough(0, 1u << 30, [](std::uint64_t) { return Allowance::Answer::kGranted; });
+  hollowed(solid, {.fraction = 0.05}, {.allowance = &enough});
+  EXPECT_GT(enough.made(Product::kMeshBytes), bytes);
+  Allowance little(0, 1u << 20, [](std::uint64_t asked) {
+    return asked < (1u << 18) ? Allowance::Answer::kGranted : Allowance::Answer::kNever;
+  });
+  EXPECT_THROW(hollowed(solid, {.fraction = 0.05}, {.allowance = &little}), Interrupted);
+}
+
 TEST(Hollow, ManyPartsShareTheTriangles) {
   const Solid field = hollowed(solid_of(cube_field(3)), {.fraction = 0.1, .max_all = 20'000}, {});
   field.validate();

@@ -7,24 +7,25 @@
 #include <numbers>
 #include <set>
 
+#include "common/hollow/deep_points.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace fracture::hollow_detail {
 namespace {
 
 struct Part {
-  TriangleTree tree;
+  SurfaceTree tree;
   Box box;
 };
 
 Part part_of(const Mesh& mesh, const Vec3d& shift = {}) {
-  std::vector<Corners> triangles;
+  std::vector<std::array<Vec3d, 3>> triangles;
   Box box;
   for (const auto& t : mesh.triangles) {
-    Corners& corners = triangles.emplace_back();
+    auto& corners = triangles.emplace_back();
     for (std::size_t k = 0; k < 3; ++k) box.add(corners[k] = to_double(mesh.positions[t[k]]) + shift);
   }
-  return {TriangleTree(std::move(triangles)), box};
+  return {SurfaceTree(std::move(triangles)), box};
 }
 
 Vec3d corner(const InnerSurface& s, std::size_t t, std::size_t k) {
@@ -49,13 +50,15 @@ void expect_closed(const InnerSurface& s) {
 }
 
 /// At 66 places of each triangle.
-double least_depth(const InnerSurface& s, const TriangleTree& tree) {
+double least_depth(const InnerSurface& s, const SurfaceTree& tree) {
+  Pacer pacer(kUninterrupted);
   double least = HUGE_VAL;
   for (std::size_t t = 0; t < s.triangles.size(); ++t)
     for (int i = 0; i <= 10; ++i)
       for (int j = 0; i + j <= 10; ++j)
         least = std::fmin(least, tree.distance(i / 10.0 * corner(s, t, 0) + j / 10.0 * corner(s, t, 1) +
-                                               (10 - i - j) / 10.0 * corner(s, t, 2)));
+                                                   (10 - i - j) / 10.0 * corner(s, t, 2),
+                                               HUGE_VAL, pacer));
   return least;
 }
 
@@ -135,6 +138,17 @@ TEST(InnerSurface, IsTheSameForAnyNumberOfThreads) {
   const InnerSurface four = inner_surface(ring.tree, ring.box, 0.1, {}, {.threads = 4});
   EXPECT_EQ(one.positions, four.positions);
   EXPECT_EQ(one.triangles, four.triangles);
+}
+
+TEST(HoldsBall, WhatIsLargerIsSeenAndNothingSmaller) {
+  const Part ball = part_of(test::ico_sphere(4), {3, 1, 0});
+  EXPECT_TRUE(holds_ball(ball.tree, ball.box, 1 / 1.5, {}));
+  EXPECT_FALSE(holds_ball(ball.tree, ball.box, 1.01, {}));
+  const Part ring = part_of(test::torus(64, 32));  // 0.4 thick on each side of its circle
+  EXPECT_TRUE(holds_ball(ring.tree, ring.box, 0.4 / 1.5, {}));
+  EXPECT_FALSE(holds_ball(ring.tree, ring.box, 0.41, {})) << "its hole is outside";
+  const Part plate = part_of(test::thin_plate());
+  EXPECT_FALSE(holds_ball(plate.tree, plate.box, 0.1 * plate.box.longest_side(), {}));
 }
 
 }  // namespace

@@ -347,7 +347,7 @@ TEST(Parameters, OnlyWhatDecidesTheSitesIsInTheirKey) {
   const std::string plain = key({});
   EXPECT_EQ(key({{"density", "5"}, {"pivot", "source"}, {"repair", "strict"}, {"dual", "barycenter"}}),
             plain);
-  EXPECT_EQ(key({{"material", "wood"}}), key({{"stretch", "8"}, {"density", "3"}}));
+  EXPECT_EQ(key({{"material", "wood"}}), key({{"stretch", "8"}, {"grain_of", "part"}, {"density", "3"}}));
   EXPECT_NE(key({{"pattern", "impact"}}), plain);
   EXPECT_NE(key({{"seed", "2"}}), plain);
   EXPECT_NE(key({{"lloyd", "1"}}), plain);
@@ -381,6 +381,8 @@ TEST(Parameters, TheCatalogueDescribesEveryPatternAndMaterial) {
     EXPECT_EQ(spelled->physical, named_only->physical);
     EXPECT_EQ(spelled->fracture.roughness, named_only->fracture.roughness);
     EXPECT_EQ(spelled->interior, named_only->interior);
+    EXPECT_EQ(spelled->hollow, named_only->hollow);
+    EXPECT_EQ(canonical_site_parameters(*spelled), canonical_site_parameters(*named_only));
   }
 }
 
@@ -447,6 +449,40 @@ TEST(Parameters, OneSpellingForEveryWayToAsk) {
       R"("interior_shade":0.8,"lloyd":0,"pattern":"uniform",)"
       R"("physics":"khr","pivot":"center_of_mass","repair":"fill","restitution":0.1,"seed":3,"sites":50,"stretch":1.0,)"
       R"("thickness":0.0,"ue_collision":"none","unit":"file","up":"file","weld_tolerance":1e-06})");
+}
+
+TEST(Parameters, WallsOfAMaterialAreItsDefault) {
+  const auto hollow = [](const std::vector<RawParameter>& given) { return table().parse(given)->hollow; };
+  EXPECT_GT(hollow({{"material", "glass"}}).fraction, 0);
+  EXPECT_GT(hollow({{"material", "glass"}}).least_ball, 0);
+  EXPECT_FALSE(hollow({{"material", "stone"}}).any());
+  EXPECT_FALSE(hollow({{"material", "glass"}, {"shell", "0"}}).any());
+  EXPECT_EQ(hollow({{"material", "glass"}, {"shell", "0.01"}}), HollowOptions{.thickness = 0.01});
+  EXPECT_EQ(hollow({{"material", "ceramic"}, {"shell_fraction", "0.1"}}), HollowOptions{.fraction = 0.1});
+  EXPECT_FALSE(table().parse({{"shell_fraction", "0.1"}, {"shell_ball", "0.01"}}))
+      << "takes too fine a lattice";
+}
+
+TEST(Parameters, WallsAreTheSameWhenTheirCanonicalFormIsSentAgain) {
+  for (const std::vector<RawParameter>& given :
+       std::vector<std::vector<RawParameter>>{{{"material", "glass"}},
+                                              {{"material", "glass"}, {"shell", "0"}},
+                                              {{"material", "ceramic"}, {"shell", "0.02"}},
+                                              {{"material", "ceramic"}, {"shell_fraction", "0"}},
+                                              {{"material", "ceramic"}, {"shell_fraction", "0.1"}},
+                                              {{"shell_fraction", "0.1"}, {"shell_ball", "0.5"}}}) {
+    const auto first = table().parse(given);
+    ASSERT_TRUE(first);
+    const nlohmann::json canonical = canonical_parameters(*first);
+    std::vector<RawParameter> again;
+    for (const auto& [name, value] : canonical.items()) again.push_back({name, value, false});
+    const auto second = table().parse(again);
+    ASSERT_TRUE(second) << second.error().detail;
+    EXPECT_EQ(second->hollow, first->hollow) << canonical;
+  }
+  EXPECT_EQ(canonical_solid_parameters(*table().parse({{"material", "glass"}, {"shell", "0"}})),
+            canonical_solid_parameters(*table().parse({})))
+      << "one preparation for all that have no walls";
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <memory>
 #include <stop_token>
 
+#include "common/solid/corners.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace fracture::test {
@@ -33,7 +34,7 @@ std::array<CutVertexId, 3> triangle(int a, int b, int c) {
 /// Two parallel square caps, and what happens when one corner of the lower is lifted.
 struct TwoCaps {
   Solid solid = *make_solid(std::make_shared<Mesh>(cube()), {}, {});
-  SurfaceTree outside{solid};
+  SurfaceTree outside{corners_of(solid)};
   std::vector<std::array<CutVertexId, 3>> triangles{triangle(10, 11, 12), triangle(10, 12, 13),
                                                     triangle(14, 15, 16), triangle(14, 16, 17)};
   std::vector<Vec3d> points{{-0.2, -0.2, 0},   {0.2, -0.2, 0},   {0.2, 0.2, 0},   {-0.2, 0.2, 0},

@@ -15,7 +15,7 @@ Vec3d random_point(Random& random) {
 }
 
 TEST(Displacement, StaysWithinTheAmplitudeAndUsesMuchOfIt) {
-  const Displacement displacement(0.02, 8, 3, 1, std::nullopt);
+  const Displacement displacement(0.02, 8, 3, 1, {});
   Random random(1);
   double most = 0;
   for (int n = 0; n < 50'000; ++n) {
@@ -27,7 +27,7 @@ TEST(Displacement, StaysWithinTheAmplitudeAndUsesMuchOfIt) {
 }
 
 TEST(Displacement, FadesToNothingAtTheSurfaceAndNeverReachesIt) {
-  const Displacement displacement(0.02, 8, 1, 1, std::nullopt);
+  const Displacement displacement(0.02, 8, 1, 1, {});
   Random random(2);
   for (int n = 0; n < 20'000; ++n) {
     const Vec3d p = random_point(random);
@@ -40,7 +40,7 @@ TEST(Displacement, FadesToNothingAtTheSurfaceAndNeverReachesIt) {
 TEST(Displacement, AMapStretchesTheWavesButShortensNone) {
   // Across the grain as without it, along it eight times as long.
   const Matrix3 map{{Vec3d{3, 0, 0}, Vec3d{0, 3, 0}, Vec3d{0, 0, 3.0 / 8}}};
-  const Displacement plain(1, 5, 1, 4, std::nullopt), stretched(1, 5, 1, 4, map);
+  const Displacement plain(1, 5, 1, 4, {}), stretched(1, 5, 1, 4, map);
   Random random(3);
   for (int n = 0; n < 1000; ++n) {
     const Vec3d p = random_point(random), q{p.x, p.y, 8 * p.z};

@@ -25,7 +25,7 @@ inline FractureParameters of_material(const MaterialPreset& preset, std::uint32_
   p.seed = seed;
   p.pattern = preset.pattern;
   p.lloyd = preset.lloyd;
-  p.anisotropy.stretch = preset.stretch;
+  p.anisotropy = {.stretch = preset.stretch, .grain_of = GrainOf::kPart};
   p.roughness = preset.roughness;
   return p;
 }
@@ -51,6 +51,9 @@ inline std::vector<NamedParameters> pattern_requests(const Box& box, std::uint32
   add("uniform_matrix", UniformPattern{},
       {.matrix = Matrix3{{Vec3d{2, 0.3, 0}, Vec3d{-0.4, 0.7, 1}, Vec3d{0, 1.5, -0.2}}}});
   add("uniform_grain_lloyd", UniformPattern{}, {.stretch = 4, .grain = Vec3d{0, 1, 1}}, 2);
+  add("uniform_grains_lloyd", UniformPattern{}, {.stretch = 4, .grain_of = GrainOf::kPart}, 2);
+  add("impact_grains", ImpactPattern{.impacts = {corner}}, {.stretch = 0.3, .grain_of = GrainOf::kPart});
+  add("clustered_grains", ClusteredPattern{}, {.stretch = 3, .grain_of = GrainOf::kNode});
   add("impact", ImpactPattern{.impacts = {corner, box.center()}});
   add("impact_small", ImpactPattern{.impacts = {corner}, .radius = 0.02 * side, .exponent = 2.5, .share = 1});
   add("impact_outside", ImpactPattern{.impacts = {box.max + size}, .radius = 0.1 * side});

@@ -1,4 +1,4 @@
-#include "common/rough/box_tree.hpp"
+#include "common/bvh/box_tree.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,9 @@
-#include "common/rough/surface_tree.hpp"
+#include "common/bvh/surface_tree.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <set>
 
 #include "common/base/random.hpp"
@@ -12,6 +11,14 @@
 
 namespace fracture::test {
 namespace {
+
+std::vector<std::array<Vec3d, 3>> corners_of(const Mesh& mesh) {
+  std::vector<std::array<Vec3d, 3>> corners;
+  for (const auto& [a, b, c] : mesh.triangles)
+    corners.push_back(
+        {to_double(mesh.positions[a]), to_double(mesh.positions[b]), to_double(mesh.positions[c])});
+  return corners;
+}
 
 Vec3d point_around(const Box& box, Random& random) {
   Vec3d p;
@@ -33,38 +40,52 @@ TEST(DistanceToTriangle, KnowsCornersEdgesAndTheFace) {
 TEST(SurfaceTree, DistanceIsThatOfTheNearestTriangleUpToTheMost) {
   Pacer pacer(kUninterrupted);
   for (const Mesh& mesh : {torus(24, 12), box({0, 0, 0}, {3, 0.1, 2}, 2), tetrahedron()}) {
-    const Solid solid = *make_solid(std::make_shared<Mesh>(mesh), {}, {});
-    const SurfaceTree surface(solid);
-    for (const double reach : {0.02, 0.3, 10.0}) {
+    const SurfaceTree surface(corners_of(mesh));
+    Box around;
+    for (const Vec3f& p : mesh.positions) around.add(to_double(p));
+    for (const double reach : {0.02, 0.3, HUGE_VAL}) {
       Random random(5);
       for (int n = 0; n < 300; ++n) {
-        const Vec3d p = point_around(solid.box, random);
+        const Vec3d p = point_around(around, random);
         double least = reach;
-        for (std::uint32_t t = 0; t < solid.triangles.size(); ++t) {
-          const auto [a, b, c] = surface.corners(t);
+        for (const auto& [a, b, c] : surface.corners())
           least = std::min(least, distance_to_triangle(p, a, b, c));
-        }
         EXPECT_NEAR(surface.distance(p, reach, pacer), least, 1e-12);
+        EXPECT_FALSE(surface.within(p, 0.999 * least, pacer));
+        EXPECT_EQ(surface.within(p, 1.001 * least, pacer), least < reach);
       }
     }
   }
 }
 
 TEST(SurfaceTree, MissesNoTriangleThatMeetsABox) {
-  const Solid solid = *make_solid(std::make_shared<Mesh>(torus(24, 12)), {}, {});
-  const SurfaceTree surface(solid);
+  const SurfaceTree surface(corners_of(torus(24, 12)));
   Random random(6);
   for (int n = 0; n < 200; ++n) {
     // A small box around a point of a triangle.
-    const auto t = static_cast<std::uint32_t>(random.below(solid.triangles.size()));
+    const auto t = static_cast<std::uint32_t>(random.below(surface.triangles()));
     const auto [a, b, c] = surface.corners(t);
     const double u = random.uniform(), v = (1 - u) * random.uniform();
     const Vec3d p = a + u * (b - a) + v * (c - a), half{0.01, 0.01, 0.01};
     std::set<std::uint32_t> seen;
     surface.each_near({p - half, p + half}, [&](std::uint32_t other) { seen.insert(other); });
     EXPECT_TRUE(seen.contains(t));
-    EXPECT_LT(seen.size(), solid.triangles.size() / 4);
+    EXPECT_LT(seen.size(), surface.triangles() / 4);
   }
+}
+
+TEST(SurfaceTree, OfNothingIsInfinitelyFar) {
+  Pacer pacer(kUninterrupted);
+  const SurfaceTree nothing({});
+  EXPECT_EQ(nothing.distance({0, 0, 0}, HUGE_VAL, pacer), HUGE_VAL);
+  EXPECT_FALSE(nothing.within({0, 0, 0}, 1e9, pacer));
+}
+
+TEST(SurfaceTree, FindsTrianglesWithoutAreaFromAnywhere) {
+  Pacer pacer(kUninterrupted);
+  const Vec3d a{1, 2, 3};
+  const SurfaceTree point({{a, a, a}});
+  EXPECT_EQ(point.distance({1, 2, 8}, HUGE_VAL, pacer), 5);
 }
 
 }  // namespace

@@ -1,24 +1,13 @@
-#include "common/rough/surface_tree.hpp"
+#include "common/bvh/surface_tree.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace fracture {
 namespace {
 
 /// More than rounding does to a sum of lengths.
 constexpr double kBeyondRounding = 1 + 1e-9;
-
-std::vector<std::array<Vec3d, 3>> corners_of(const Solid& solid, const Execution& execution) {
-  Pacer pacer(execution);
-  std::vector<std::array<Vec3d, 3>> corners;
-  corners.reserve(solid.triangles.size());
-  for (const auto& t : solid.triangles) {
-    pacer.step();
-    corners.push_back({to_double(solid.positions[t[0]]), to_double(solid.positions[t[1]]),
-                       to_double(solid.positions[t[2]])});
-  }
-  return corners;
-}
 
 std::vector<Box> boxes_of(const std::vector<std::array<Vec3d, 3>>& triangles, const Execution& execution) {
   Pacer pacer(execution);
@@ -57,21 +46,30 @@ double distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, cons
   return to(a + (vb / sum) * ab + (vc / sum) * ac);
 }
 
-SurfaceTree::SurfaceTree(const Solid& solid, const Execution& execution)
-    : corners_(corners_of(solid, execution)), tree_(boxes_of(corners_, execution), execution) {}
+SurfaceTree::SurfaceTree(std::vector<std::array<Vec3d, 3>> triangles, const Execution& execution)
+    : corners_(std::move(triangles)), tree_(boxes_of(corners_, execution), execution) {}
+
+double SurfaceTree::nearer(const Vec3d& p, std::uint32_t triangle, double most, Pacer& pacer) const {
+  pacer.step();
+  const auto& [a, b, c] = corners_[triangle];
+  // Cheaper than the distance: that to the plane, where it is too far already.
+  const Vec3d n = cross(b - a, c - a);
+  const double height = dot(n, p - a);
+  if (height * height > most * most * dot(n, n)) return most;
+  return std::min(most, distance_to_triangle(p, a, b, c));
+}
 
 double SurfaceTree::distance(const Vec3d& p, double most, Pacer& pacer) const {
   double least = most;
-  return tree_.nearest(p, most, [&](std::uint32_t triangle) {
-    pacer.step();
-    const auto& [a, b, c] = corners_[triangle];
-    // Cheaper than the distance: that to the plane, where it is too far already.
-    const Vec3d n = cross(b - a, c - a);
-    const double height = dot(n, p - a);
-    if (height * height <= least * least * dot(n, n))
-      least = std::min(least, distance_to_triangle(p, a, b, c));
-    return least;
-  });
+  return tree_.nearest(p, most,
+                       [&](std::uint32_t triangle) { return least = nearer(p, triangle, least, pacer); });
+}
+
+bool SurfaceTree::within(const Vec3d& p, double distance, Pacer& pacer) const {
+  return tree_.nearest(p, distance, [&](std::uint32_t triangle) {
+    // Nothing is nearer than nothing: the search ends.
+    return nearer(p, triangle, distance, pacer) < distance ? 0 : distance;
+  }) < distance;
 }
 
 void SurfaceTree::distances(std::span<const Vec3d> points, double most, std::span<double> out,

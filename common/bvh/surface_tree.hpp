@@ -1,4 +1,4 @@
-// The outer surface of a solid: how far it is from a point, and which of its triangles are near a box.
+// The triangles of a surface in a tree of boxes: how far it is from a point, and which are near a box.
 #pragma once
 
 #include <array>
@@ -6,8 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "common/rough/box_tree.hpp"
-#include "common/solid/solid.hpp"
+#include "common/bvh/box_tree.hpp"
 
 namespace fracture {
 
@@ -17,12 +16,14 @@ double distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, cons
 
 class SurfaceTree {
  public:
-  /// Throws Interrupted.
-  explicit SurfaceTree(const Solid& solid, const Execution& execution = {});
+  /// Of triangles by their corners, m. Throws Interrupted.
+  explicit SurfaceTree(std::vector<std::array<Vec3d, 3>> triangles, const Execution& execution = {});
 
   /// min(distance from p to the surface, most), m. Throws Interrupted.
   double distance(const Vec3d& p, double most, Pacer& pacer) const;
-  /// The same of many points; quicker where neighbours follow one another.
+  /// Whether the surface is nearer to p than that, m: ends at the first triangle that is.
+  bool within(const Vec3d& p, double distance, Pacer& pacer) const;
+  /// min(distance from p to the surface, most) of many points; quicker where neighbours follow one another.
   void distances(std::span<const Vec3d> points, double most, std::span<double> out, Pacer& pacer) const;
   /// visit(triangle) for every one whose box overlaps.
   template <class Visit>
@@ -31,8 +32,12 @@ class SurfaceTree {
   }
   std::size_t triangles() const { return corners_.size(); }
   const std::array<Vec3d, 3>& corners(std::uint32_t triangle) const { return corners_[triangle]; }
+  const std::vector<std::array<Vec3d, 3>>& corners() const { return corners_; }
 
  private:
+  /// The distance to that triangle where it is less than `most`, which is returned otherwise.
+  double nearer(const Vec3d& p, std::uint32_t triangle, double most, Pacer& pacer) const;
+
   std::vector<std::array<Vec3d, 3>> corners_;
   BoxTree tree_;
 };

@@ -1,0 +1,29 @@
+#include "common/base/cell_map.hpp"
+
+namespace fracture {
+
+CellMap::CellMap(std::span<const Matrix3> matrices, std::vector<std::uint8_t> frame_of_part,
+                 std::span<const Box> boxes) {
+  double diagonal = 0;
+  for (const Box& box : boxes)
+    if (!box.empty()) diagonal = std::fmax(diagonal, length(box.size()));
+  // Two boxes are then farther apart than two points of one of them: a power of two, so that sites, which are
+  // multiples of a power of two, are shifted without rounding.
+  int exponent = 0;
+  std::frexp(2.01 * diagonal, &exponent);  // and middles are rounded to steps
+  pitch_ = std::ldexp(1.0, exponent);
+  const double step = pitch_ / 4096;
+  for (std::size_t k = 0; k < matrices.size(); ++k) {
+    Frame frame{.matrix = matrices[k]};
+    const Vec3d middle = boxes[k].empty() ? Vec3d{} : boxes[k].center();
+    for (int axis = 0; axis < 3; ++axis)
+      frame.shift[axis] =
+          pitch_ * static_cast<double>(k >> axis & 1) - step * std::nearbyint(middle[axis] / step);
+    frames_.push_back(frame);
+    places_.push_back({boxes[k].min + frame.shift, boxes[k].max + frame.shift});
+  }
+  if (frames_.size() > 1)
+    frame_of_part_ = std::make_shared<const std::vector<std::uint8_t>>(std::move(frame_of_part));
+}
+
+}  // namespace fracture

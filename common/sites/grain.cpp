@@ -1,0 +1,136 @@
+#include "common/sites/grain.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+#include "common/base/matrix3.hpp"
+#include "common/base/pacer.hpp"
+#include "common/sites/arithmetic.hpp"
+
+namespace fracture {
+namespace {
+
+constexpr double kSameDirection = 0.985;  // cosine of ten degrees
+/// Ratio of second moments along the longest axis and the next: that of a bar half as long again as it is wide.
+constexpr double kLeastElongation = 2.25;
+/// Components of a direction that are rounding or noise of a model.
+constexpr double kNoise = 1e-4;
+
+/// Volume, first and second moments of what triangles enclose, about the origin.
+struct Moments {
+  double volume = 0;
+  Vec3d first;
+  Matrix3 second{{Vec3d{}, Vec3d{}, Vec3d{}}};
+
+  /// Of the tetrahedron from the origin: the integral of x xᵀ is det / 120 (s sᵀ + a aᵀ + b bᵀ + c cᵀ), s = a + b + c.
+  void add(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+    const double det = dot(a, cross(b, c));
+    const Vec3d s = a + b + c;
+    volume += det / 6;
+    first = first + (det / 24) * s;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        second.rows[static_cast<std::size_t>(i)][j] +=
+            det / 120 * (s[i] * s[j] + a[i] * a[j] + b[i] * b[j] + c[i] * c[j]);
+  }
+  /// About the centre of mass.
+  Matrix3 central() const {
+    Matrix3 m = second;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) m.rows[static_cast<std::size_t>(i)][j] -= first[i] * first[j] / volume;
+    return m;
+  }
+};
+
+double trace(const Matrix3& m) { return m.rows[0].x + m.rows[1].y + m.rows[2].z; }
+
+Matrix3 squared(const Matrix3& m) {  // of a symmetric matrix, scaled to trace 1 before
+  Matrix3 product;
+  const double scale = 1 / trace(m);
+  for (std::size_t i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      product.rows[i][j] = scale * scale * dot(m.rows[i], m.rows[static_cast<std::size_t>(j)]);
+  return product;
+}
+
+/// The axis along which it is longest, if it is much longer there: the first eigenvector, by repeated squaring,
+/// from + - * / and sqrt alone.
+std::optional<Vec3d> long_axis(const Moments& moments) {
+  if (!(moments.volume > 0)) return std::nullopt;
+  const Matrix3 m = moments.central();
+  if (!(trace(m) > 0)) return std::nullopt;
+  Matrix3 power = m;
+  for (int k = 0; k < 10; ++k) {
+    power = squared(power);
+    if (!(trace(power) > 0)) return std::nullopt;
+  }
+  Vec3d axis = power.rows[0];
+  for (const Vec3d& row : power.rows)
+    if (dot(row, row) > dot(axis, axis)) axis = row;
+  axis = sites_detail::normalized(axis);
+  const double largest = dot(axis, m * axis), rest = trace(m) - largest;
+  // The two others add up to `rest`, and all three multiply to the determinant.
+  const double product = largest > 0 ? m.determinant() / largest : 0;
+  const double next = (rest + std::sqrt(std::fmax(0, rest * rest - 4 * product))) / 2;
+  if (!(largest > kLeastElongation * next)) return std::nullopt;
+  for (int k = 0; k < 3; ++k)
+    if (std::fabs(axis[k]) < kNoise) axis[k] = 0;
+  return sites_detail::normalized(axis);
+}
+
+}  // namespace
+
+Grains grains_of(const Solid& solid, bool by_node, const Vec3d& whole, std::size_t most,
+                 const Execution& execution) {
+  const std::size_t parts = solid.parts.size();
+  std::vector<std::uint32_t> group(parts);
+  std::uint32_t groups = 0;
+  Pacer pacer(execution);
+  pacer.each(0, parts, [&](std::size_t p) {
+    group[p] = by_node ? solid.parts[p].node : static_cast<std::uint32_t>(p);
+    groups = std::max(groups, group[p] + 1);
+  });
+  // About the middle of a part's box, or of the solid's: near enough that little is lost to rounding.
+  std::vector<Moments> moments;
+  resize_with_polls(execution, moments, groups);
+  for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
+    pacer.step(8);
+    const std::uint32_t p = solid.part[t];
+    const Vec3d origin = by_node ? solid.box.center() : solid.parts[p].box.center();
+    const auto& [a, b, c] = solid.triangles[t];
+    moments[group[p]].add(to_double(solid.positions[a]) - origin, to_double(solid.positions[b]) - origin,
+                          to_double(solid.positions[c]) - origin);
+  }
+
+  std::vector<std::uint32_t> order(groups);
+  std::iota(order.begin(), order.end(), 0u);
+  sort_with_polls(execution, order.begin(), order.end(), [&](std::uint32_t x, std::uint32_t y) {
+    return moments[x].volume != moments[y].volume ? moments[x].volume > moments[y].volume : x < y;
+  });
+  Grains grains;
+  std::vector<std::uint8_t> of_group(groups, 0);
+  for (const std::uint32_t g : order) {
+    if (!(moments[g].volume > 0) && !grains.directions.empty()) break;  // nothing of that number, or as good
+    pacer.step(16);
+    const Vec3d direction = long_axis(moments[g]).value_or(whole);
+    const auto cosine = [&](const Vec3d& other) { return std::fabs(dot(direction, other)); };
+    const auto nearest =
+        std::max_element(grains.directions.begin(), grains.directions.end(),
+                         [&](const Vec3d& x, const Vec3d& y) { return cosine(x) < cosine(y); });
+    if (nearest != grains.directions.end() &&
+        (cosine(*nearest) > kSameDirection || grains.directions.size() >= most)) {
+      of_group[g] = static_cast<std::uint8_t>(nearest - grains.directions.begin());
+      continue;
+    }
+    of_group[g] = static_cast<std::uint8_t>(grains.directions.size());
+    grains.directions.push_back(direction);
+  }
+  if (grains.directions.empty()) grains.directions.push_back(whole);
+  grains.of_part.resize(parts);
+  pacer.each(0, parts, [&](std::size_t p) { grains.of_part[p] = of_group[group[p]]; });
+  return grains;
+}
+
+}  // namespace fracture
