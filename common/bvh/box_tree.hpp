@@ -61,10 +61,12 @@ class BoxTree {
     pairs(task.first, task.second, visit);
   }
 
-  /// The least of `most` and distance(i) over all boxes, which is asked only where the box may be nearer.
+  /// The least of `most` and distance(i) over all boxes, which is asked only where the box may be nearer. `slack`:
+  /// more than distance(i) may be too small by rounding; then what comes out does not depend on the tree.
   template <class Distance>
-  double nearest(const Vec3d& p, double most, const Distance& distance) const {
-    if (!nodes_.empty() && square_distance(nodes_[0].box, p) < most * most) approach(0, p, most, distance);
+  double nearest(const Vec3d& p, double most, double slack, const Distance& distance) const {
+    if (!nodes_.empty() && may_be_nearer(square_distance(nodes_[0].box, p), most, slack))
+      approach(0, p, most, slack, distance);
     return most;
   }
 
@@ -146,11 +148,15 @@ class BoxTree {
     }
   }
 
+  static bool may_be_nearer(double square, double most, double slack) {
+    return square < (most + slack) * (most + slack);
+  }
   template <class Distance>
-  void approach(std::uint32_t n, const Vec3d& p, double& most, const Distance& distance) const {
+  void approach(std::uint32_t n, const Vec3d& p, double& most, double slack, const Distance& distance) const {
     const Node& node = nodes_[n];
     for (std::uint32_t k = node.first; k < node.first + node.count; ++k)
-      if (square_distance(items_[k].box, p) < most * most) most = std::fmin(most, distance(items_[k].index));
+      if (may_be_nearer(square_distance(items_[k].box, p), most, slack))
+        most = std::fmin(most, distance(items_[k].index));
     if (node.count > 0) return;
     std::uint32_t near = n + 1, far = node.first;
     double near_square = square_distance(nodes_[near].box, p),
@@ -159,8 +165,8 @@ class BoxTree {
       std::swap(near, far);
       std::swap(near_square, far_square);
     }
-    if (near_square < most * most) approach(near, p, most, distance);
-    if (far_square < most * most) approach(far, p, most, distance);
+    if (may_be_nearer(near_square, most, slack)) approach(near, p, most, slack, distance);
+    if (may_be_nearer(far_square, most, slack)) approach(far, p, most, slack, distance);
   }
 
   std::vector<Node> nodes_;

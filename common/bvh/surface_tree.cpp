@@ -1,6 +1,7 @@
 #include "common/bvh/surface_tree.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace fracture {
@@ -8,6 +9,8 @@ namespace {
 
 /// More than rounding does to a sum of lengths.
 constexpr double kBeyondRounding = 1 + 1e-9;
+/// More than rounding does to a distance, of the largest coordinate.
+constexpr double kRoundingOfDistances = 1e-12;
 
 std::vector<Box> boxes_of(const std::vector<std::array<Vec3d, 3>>& triangles, const Execution& execution) {
   Pacer pacer(execution);
@@ -47,7 +50,14 @@ double distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, cons
 }
 
 SurfaceTree::SurfaceTree(std::vector<std::array<Vec3d, 3>> triangles, const Execution& execution)
-    : corners_(std::move(triangles)), tree_(boxes_of(corners_, execution), execution) {}
+    : corners_(std::move(triangles)), tree_(boxes_of(corners_, execution), execution) {
+  Pacer pacer(execution);
+  for (const auto& t : corners_) {
+    pacer.step();
+    for (const Vec3d& p : t) slack_ = std::max({slack_, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
+  }
+  slack_ *= kRoundingOfDistances;
+}
 
 double SurfaceTree::nearer(const Vec3d& p, std::uint32_t triangle, double most, Pacer& pacer) const {
   pacer.step();
@@ -55,18 +65,18 @@ double SurfaceTree::nearer(const Vec3d& p, std::uint32_t triangle, double most, 
   // Cheaper than the distance: that to the plane, where it is too far already.
   const Vec3d n = cross(b - a, c - a);
   const double height = dot(n, p - a);
-  if (height * height > most * most * dot(n, n)) return most;
+  if (height * height > (most + slack_) * (most + slack_) * dot(n, n)) return most;
   return std::min(most, distance_to_triangle(p, a, b, c));
 }
 
 double SurfaceTree::distance(const Vec3d& p, double most, Pacer& pacer) const {
   double least = most;
-  return tree_.nearest(p, most,
+  return tree_.nearest(p, most, slack_,
                        [&](std::uint32_t triangle) { return least = nearer(p, triangle, least, pacer); });
 }
 
 bool SurfaceTree::within(const Vec3d& p, double distance, Pacer& pacer) const {
-  return tree_.nearest(p, distance, [&](std::uint32_t triangle) {
+  return tree_.nearest(p, distance, slack_, [&](std::uint32_t triangle) {
     // Nothing is nearer than nothing: the search ends.
     return nearer(p, triangle, distance, pacer) < distance ? 0 : distance;
   }) < distance;

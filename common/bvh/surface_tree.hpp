@@ -19,7 +19,8 @@ class SurfaceTree {
   /// Of triangles by their corners, m. Throws Interrupted.
   explicit SurfaceTree(std::vector<std::array<Vec3d, 3>> triangles, const Execution& execution = {});
 
-  /// min(distance from p to the surface, most), m. Throws Interrupted.
+  /// min(distance from p to the surface, most), m: of the triangles, whatever the tree, to the last bit. Throws
+  /// Interrupted.
   double distance(const Vec3d& p, double most, Pacer& pacer) const;
   /// Whether the surface is nearer to p than that, m: ends at the first triangle that is.
   bool within(const Vec3d& p, double distance, Pacer& pacer) const;
@@ -40,6 +41,7 @@ class SurfaceTree {
 
   std::vector<std::array<Vec3d, 3>> corners_;
   BoxTree tree_;
+  double slack_ = 0;  // m, more than rounding does to a distance: all that may be the nearest are asked
 };
 
 }  // namespace fracture

@@ -62,6 +62,7 @@ class PolygonClipper {
                      Side& after) const;
   int side_exactly(SiteId cell, const Bisector& bisector, PolygonSide before, PolygonSide after) const;
   void name_polygon(SiteId cell);
+  void number_cuts_by_sites(std::size_t first_vertex);
   CutVertexId name_corner(SiteId cell, PolygonSide before, PolygonSide after);
   CutVertexId edge_cut(int k, SiteId i, SiteId j) const;
   void meet_cell(SiteId cell);
@@ -86,6 +87,8 @@ class PolygonClipper {
   std::vector<SiteId> cells_;  // met so far: done ones, then ones to do
   SiteId ray_cell_ = kNoSite;  // where the last ray left a cell of many neighbours: probably near the next
   std::uint32_t ray_ = 0;
+  std::vector<TriangleCut> cuts_before_;
+  std::vector<std::uint32_t> number_now_;
   TripleTable names_;  // of C vertices, cuts of an edge and cells met, where they are many
 };
 

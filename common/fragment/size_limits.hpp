@@ -1,6 +1,7 @@
 // How small a fragment may be, and how many there may be: what is asked, and what was made of it.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 namespace fracture {
@@ -19,6 +20,12 @@ struct SizeLimits {
   std::uint64_t max_triangles = 0;
 
   bool any_least() const { return min_volume > 0 || min_fraction > 0 || min_of_mean > 0; }
+  /// m³: smaller fragments are too small where there are so many, of a solid of this volume.
+  double least(double volume, std::uint32_t count) const {
+    // What is small beside the mean is small beside that of the fragments there will be.
+    if (fragments > 0) count = std::min(count, fragments);
+    return std::max({min_volume, min_fraction * volume, min_of_mean * volume / count});
+  }
   bool any() const { return any_least() || fragments > 0 || max_fragments > 0 || max_triangles > 0; }
   bool operator==(const SizeLimits&) const = default;
 };

@@ -316,11 +316,7 @@ SizeFigures unite_by_size(const RestrictedDiagram& d, const Pieces& pieces, cons
   const std::vector<double> volumes = volumes_of(d, pieces, execution);
   const auto count = static_cast<std::uint32_t>(volumes.size());
   const double all = d.solid.report.volume;
-  // What is small beside the mean is small beside that of the fragments there will be.
-  const auto least = [&](std::uint32_t fragments) {
-    if (limits.fragments > 0) fragments = std::min(fragments, limits.fragments);
-    return std::max({limits.min_volume, limits.min_fraction * all, limits.min_of_mean * all / fragments});
-  };
+  const auto least = [&](std::uint32_t fragments) { return limits.least(all, fragments); };
   // Mostly nothing is too small, and then nobody asks who touches whom.
   if (limits.fragments == 0 && limits.max_fragments == 0 && limits.max_triangles == 0 &&
       *std::min_element(volumes.begin(), volumes.end()) >= least(count)) {

@@ -15,8 +15,9 @@ namespace {
 
 /// Can hits on the answer be local, as far as the parameters say it?
 bool may_be_local(const FractureParameters& p) {
-  return p.dual == Dual::kCircumcenter && !p.keep && !p.size.any() && p.max_volume == 0 &&
-         !(p.roughness.amplitude > 0) && (p.hits.empty() || p.rest == LocalRest::kFractured);
+  const bool counted = p.size.fragments > 0 || p.size.max_fragments > 0 || p.size.max_triangles > 0;
+  return p.dual == Dual::kCircumcenter && !p.keep && !counted && p.max_volume == 0 &&
+         (p.hits.empty() || p.rest == LocalRest::kFractured);
 }
 
 /// The fragments that are new or changed, with their bonds and the ids of the neighbours that these lead to.
@@ -69,6 +70,8 @@ CutCells changed_cells_of(const Solid& solid, const HitOutcome& hit, Delta& delt
 
   const FragmentFigures& figures = hit.next.figures;
   set.certificate = certificate_of(solid, figures);
+  set.size = hit.next.size;
+  if (hit.next.rough) cut.rough = hit.next.rough->report;
   state_lattice(solid, set);
   cut.whole = CutCells::Whole{figures.sorted_volumes, figures.triangles, figures.hulls};
   return cut;
@@ -114,20 +117,28 @@ Expected<KeptAnswer> fracture_and_keep(const Solid& solid, const Diagram& diagra
                                        StageTimings& timings) {
   return stage(timings, execution, Stage::kClip, [&]() -> Expected<KeptAnswer> {
     LocalBaseMaker maker;
+    std::optional<RoughTrace> trace;
     bool local = may_be_local(parameters);
-    Expected<CutCells> cut =
-        cut_cells(solid, diagram, parameters, execution, [&](const RestrictedDiagram& restricted) {
+    Expected<CutCells> cut = cut_cells(
+        solid, diagram, parameters, execution,
+        [&](const RestrictedDiagram& restricted) {
           if (local) maker.see(restricted, execution);
-        });
+        },
+        local ? &trace : nullptr);
     if (!cut) return tl::unexpected(cut.error());
     const Certificate& c = cut->set.certificate;
-    local = local && !cut->grouped && c.united == 0 && c.dropped == 0 && c.crossing_caps == 0;
+    local = local && !cut->grouped && c.united == 0 && c.dropped == 0 && c.crossing_caps == 0 &&
+            (trace || !(parameters.roughness.amplitude > 0));
+    const RoughReport rough = cut->rough;
     KeptAnswer out;
     Expected<FracturedSolid> completed =
         complete(solid, notes_of(diagram), parameters, std::move(*cut), execution);
     if (!completed) return tl::unexpected(std::move(completed.error()));
     out.fractured = std::move(*completed);
     if (local) out.base.local = maker.make(out.fractured, diagram, execution);
+    if (out.base.local && trace)
+      out.base.local->rough =
+          keep_cuts(std::move(*trace), rough, diagram.tetrahedralization.site_count(), execution);
     if (!out.base.local)
       for (std::uint32_t k = 0; k < out.fractured.set.fragments.size(); ++k)
         out.base.fragments.push_back(kept_fragment(out.fractured, k, execution));

@@ -67,6 +67,38 @@ void point_upwards(std::vector<Bond>& bonds, const Execution& execution) {
                   [](const Bond& x, const Bond& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; });
 }
 
+std::vector<std::uint32_t> differing(const std::vector<KeptFragment>& before,
+                                     const std::vector<KeptFragment>& after, Delta& delta,
+                                     const Execution& execution) {
+  Pacer pacer(execution);
+  const auto by_id = [&](const std::vector<KeptFragment>& fragments) {
+    std::vector<std::pair<std::uint64_t, const Fragment*>> result;
+    for (const KeptFragment& kept : fragments) result.emplace_back(kept.fragment.id, &kept.fragment);
+    sort_with_polls(execution, result.begin(), result.end());
+    return result;
+  };
+  const auto was = by_id(before), is = by_id(after);
+  const auto find = [](const auto& all, std::uint64_t id) -> const Fragment* {
+    const auto at =
+        std::lower_bound(all.begin(), all.end(), std::pair<std::uint64_t, const Fragment*>{id, nullptr});
+    return at != all.end() && at->first == id ? at->second : nullptr;
+  };
+  std::vector<std::uint32_t> numbers;
+  for (std::uint32_t k = 0; k < after.size(); ++k) {
+    pacer.step(16);
+    const Fragment& f = after[k].fragment;
+    const Fragment* const earlier = find(was, f.id);
+    if (earlier && same_shape(*earlier, f)) continue;
+    (earlier ? delta.changed : delta.added).push_back(f.id);
+    numbers.push_back(k);
+  }
+  for (const KeptFragment& kept : before) {
+    pacer.step(16);
+    if (!find(is, kept.fragment.id)) delta.gone.push_back(kept.fragment.id);
+  }
+  return numbers;
+}
+
 void keep_changed(FracturedSolid& fractured, const Execution& execution) {
   Pacer pacer(execution);
   FragmentSet& set = fractured.set;

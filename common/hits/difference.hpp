@@ -16,6 +16,11 @@ void point_upwards(std::vector<Bond>& bonds, const Execution& execution);
 Delta difference(const FracturedBase& before, const std::vector<Fragment>& after,
                  const Execution& execution = {});
 
+/// The same for the fragments of one cell, which `delta` gets in their order. Returns which of `after` are new or changed.
+std::vector<std::uint32_t> differing(const std::vector<KeptFragment>& before,
+                                     const std::vector<KeptFragment>& after, Delta& delta,
+                                     const Execution& execution);
+
 /// Takes out of the set what the delta (which there must be) says is neither new nor changed, with the bonds
 /// between such fragments, their hulls and anchors; the delta gets the neighbours. Certificate, report and the
 /// number of anchored fragments stay those of the whole. Without hierarchy. Throws Interrupted; then it is good

@@ -8,59 +8,6 @@
 #include "common/fragment/file_volume.hpp"
 
 namespace fracture {
-namespace {
-
-FragmentFigures figures_of(const std::vector<KeptFragment>& fragments, std::uint32_t sites,
-                           const Execution& execution) {
-  FragmentFigures f;
-  f.first_of.assign(sites + 1, 0);
-  Pacer pacer(execution);
-  for (const KeptFragment& kept : fragments) {
-    pacer.step(8);
-    ++f.first_of[kept.fragment.sites[0] + 1];
-    f.append(kept);
-    f.sorted_volumes.push_back(kept.fragment.mass.volume);
-    f.sorted_ids.push_back(kept.fragment.id);
-    f.count(kept, 1);
-  }
-  for (std::uint32_t s = 0; s < sites; ++s) {
-    f.cells += f.first_of[s + 1] > 0;
-    f.first_of[s + 1] += f.first_of[s];
-  }
-  sort_with_polls(execution, f.sorted_volumes.begin(), f.sorted_volumes.end());
-  sort_with_polls(execution, f.sorted_ids.begin(), f.sorted_ids.end());
-  return f;
-}
-
-}  // namespace
-
-void FragmentFigures::append(const KeptFragment& kept) {
-  volumes.push_back(kept.fragment.mass.volume);
-  volumes_file.push_back(kept.volume_file);
-  surface_areas.push_back(kept.fragment.surface_area);
-}
-
-void FragmentFigures::count(const KeptFragment& kept, int times) {
-  const auto n = static_cast<std::uint64_t>(static_cast<std::int64_t>(times));  // modulo 2^64
-  open_edges += n * kept.fragment.open_edges;
-  caps += n * kept.fragment.cap_sum;
-  triangles += n * (kept.fragment.indices.size() / 3);
-  const auto few = static_cast<std::uint32_t>(n);
-  hulls.hulls += few * static_cast<std::uint32_t>(kept.hulls.hulls.size());
-  hulls.flat += few * kept.hulls.flat;
-  hulls.simplified += few * kept.hulls.simplified;
-}
-
-std::size_t memory_size(const KeptFragment& kept) {
-  const Fragment& f = kept.fragment;
-  std::size_t bytes = sizeof kept + heap(f.sites) + heap(f.positions) + heap(f.attributes.normals) +
-                      heap(f.attributes.tangents) + nested_heap(f.attributes.uvs) +
-                      nested_heap(f.attributes.colors) + heap(f.indices) + heap(f.primitives) +
-                      heap(f.topology) + heap(f.caps) + nested_heap(f.bodies) + heap(kept.hulls.hulls);
-  for (const CollisionHull& hull : kept.hulls.hulls) bytes += heap(hull.points) + heap(hull.triangles);
-  return bytes;
-}
-
 std::size_t memory_size(const KeptCell& cell) {
   std::size_t bytes = sizeof cell + heap(cell.triangles);
   for (const KeptFragment& kept : cell.fragments) bytes += memory_size(kept);
@@ -82,6 +29,7 @@ std::size_t memory_size(const FracturedBase& base) {
     bytes += heap(image.positions) + heap(image.triangles) + heap(image.edges) + heap(image.edge_vertices) +
              heap(image.shell) + heap(image.part) + heap(image.parts);
   }
+  if (local.rough) bytes += heap_size(*local.rough);
   for (std::uint32_t k = 0; k < local.states->size(); ++k)  // as a vector, and as a key of the map
     bytes += 2 * (sizeof(std::vector<PartWinding>) + heap((*local.states)[k])) + 48;
   return bytes + kPerSite * local.cells.size() +
@@ -174,7 +122,8 @@ std::optional<LocalBase> LocalBaseMaker::make(const FracturedSolid& answer, cons
                  figures_of(kept, sites, execution),
                  diagram.map,
                  notes_of(diagram),
-                 std::move(image_)};
+                 std::move(image_),
+                 answer.set.size};
   const std::vector<std::uint32_t>& first_of = base.figures.first_of;
   Pacer pacer(execution);
   std::vector<std::shared_ptr<const KeptCell>> cells(sites);
@@ -246,6 +195,8 @@ CutCells all_cells_of(const Solid& solid, const LocalBase& base, const Execution
                            bond.area, bond.centroid, bond.normal});
   }
   set.certificate = certificate_of(solid, base.figures);
+  set.size = base.size;
+  if (base.rough) cut.rough = base.rough->report;
   state_lattice(solid, set);
   return cut;
 }

@@ -14,22 +14,12 @@
 #include "common/clip/restricted_diagram.hpp"
 #include "common/delaunay/kept_tetrahedralization.hpp"
 #include "common/fragment/make_fragments.hpp"
+#include "common/hits/fragment_figures.hpp"
+#include "common/hits/local_rough.hpp"
 #include "common/pipeline/fracture.hpp"
 #include "common/pipeline/fracture_steps.hpp"
 
 namespace fracture {
-
-struct KeptFragment {
-  Fragment fragment;
-  FragmentHulls hulls;     ///< none where none were asked for
-  double volume_file = 0;  ///< m³, as the certificate sums it
-};
-
-/// What is in one cell.
-struct KeptCell {
-  std::vector<KeptFragment> fragments;   ///< in the order of their islands
-  std::vector<std::uint32_t> triangles;  ///< of the solid, that meet the cell; ascending
-};
 
 /// A bond, kept at the cell of its lower fragment.
 struct KeptBond {
@@ -69,25 +59,6 @@ class WindingStates {
   std::map<std::vector<PartWinding>, std::uint32_t> numbers_{{{}, kNothing}};
 };
 
-/// Sums over all fragments of an answer, and what is summed in their order.
-struct FragmentFigures {
-  std::vector<std::uint32_t> first_of;  ///< per cell + 1: the range of its fragments
-  // Per fragment, in the order of the answer.
-  std::vector<double> volumes, volumes_file;  ///< m³
-  std::vector<double> surface_areas;          ///< m²
-  // Of all of them.
-  std::vector<double> sorted_volumes;     ///< m³, ascending
-  std::vector<std::uint64_t> sorted_ids;  ///< ascending
-  std::uint64_t open_edges = 0, caps = 0, triangles = 0;
-  std::uint32_t cells = 0;  ///< that have fragments
-  HullReport hulls{};
-
-  /// To what is summed in order.
-  void append(const KeptFragment& kept);
-  /// In the sums over all; times: 1, or -1 to take it out.
-  void count(const KeptFragment& kept, int times);
-};
-
 /// What hits need that change only what is near to them.
 struct LocalBase {
   KeptTetrahedralization tetrahedra;
@@ -100,20 +71,21 @@ struct LocalBase {
   CellMap map{};
   SiteNotes notes;
   std::shared_ptr<const Solid> image{};  ///< of the solid under the map, where there is one
+  SizeFigures size{};                    ///< of which limits have united nothing
+  std::optional<LocalRough> rough{};     ///< where cuts are
   std::size_t cell_bytes = 0;  ///< of memory behind `cells`; those that answers share are counted by each
 };
 
 /// An answer as far as further hits need it: reusable for any number of them.
 struct FracturedBase {
-  /// Hits can be local: every fragment is a piece of one cell, nothing was united, dropped, kept, split or
-  /// roughened. Where not, the whole is fractured again.
+  /// Hits can be local: every fragment is a piece of one cell, nothing was united, dropped, kept or split. Where not,
+  /// the whole is fractured again.
   std::optional<LocalBase> local{};
   /// Where it is not: the fragments, in the order of the answer.
   std::vector<KeptFragment> fragments{};
 };
 
 /// Bytes, those of the object itself too.
-std::size_t memory_size(const KeptFragment& kept);
 std::size_t memory_size(const KeptCell& cell);
 std::size_t memory_size(const FracturedBase& base);
 

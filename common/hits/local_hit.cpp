@@ -1,6 +1,8 @@
 #include "common/hits/local_hit.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "common/base/id_table.hpp"
@@ -17,11 +19,13 @@ namespace {
 
 class LocalHit {
  public:
+  /// `further`: cells that are to be made, too. Gets those that would have had to be.
   LocalHit(const Solid& solid, const LocalBase& base, const FractureParameters& parameters,
-           const Execution& execution)
+           std::vector<SiteId>& further, const Execution& execution)
       : solid_(solid),
         base_(base),
         parameters_(parameters),
+        further_(further),
         execution_(execution),
         pacer_(execution),
         first_new_(base.tetrahedra.site_count()),
@@ -37,9 +41,9 @@ class LocalHit {
     if (inserted->made.empty()) return std::move(out_);
     find_wanted(inserted->made);
     find_around();
-    if (!make_fragments(inserted->made)) return std::nullopt;
+    if (!make_fragments(inserted->made) || !others_are_as_they_were()) return std::nullopt;
     replace_cells();
-    if (!sum_up_again()) return std::nullopt;
+    if (!sum_up_again() || !keeps_to_limits()) return std::nullopt;
     replace_bonds();
     replace_surface();
     replace_states(inserted->made);
@@ -64,6 +68,7 @@ class LocalHit {
     for (const TetId t : made)
       for (const TetVertexId v : now().tet(t).v)
         if (v >= 4) changed_.push_back(SiteId{v - 4});
+    changed_.insert(changed_.end(), further_.begin(), further_.end());
     sort_with_polls(execution_, changed_.begin(), changed_.end());
     changed_.erase(std::unique(changed_.begin(), changed_.end()), changed_.end());
     wanted_ = changed_;
@@ -146,6 +151,7 @@ class LocalHit {
     r.part_in_whole = &surface_.parts;
     r.winding = wind_voronoi_edges_of(seen, diagram, r.cuts, {wanted, known_, known_windings_}, execution_);
     r.place_and_cap(execution_, &wanted);
+    if (base_.rough && !roughen(r)) return false;
 
     Ownership ownership = Ownership::from_groups(sites, {}, execution_);
     ownership.wanted.assign(wanted.begin(), wanted.end());
@@ -164,32 +170,63 @@ class LocalHit {
     return true;
   }
 
+  bool roughen(RestrictedDiagram& r) {
+    const LocalRough& before = *base_.rough;
+    const SeamLattice lattice = r.positions.lattice;
+    std::vector<std::uint32_t> owners(part_.sites.size());
+    std::iota(owners.begin(), owners.end(), 0u);
+    std::optional<RoughPart> part =
+        roughen_part(r, owners, parameters_.roughness, parameters_.seed,
+                     {solid_, part_.sites, wanted_, before.area, before.edges, *before.calmings,
+                      [&](std::vector<Box> boxes) {
+                        return cuts_near(before, std::move(boxes), wanted_, lattice, execution_);
+                      }},
+                     execution_);
+    if (!part) return false;
+    further_.insert(further_.end(), part->spread.begin(), part->spread.end());
+    if (!part->spread.empty()) return false;
+    std::optional<LocalRough> after =
+        replace_cuts(before, std::move(*part), wanted_, part_.sites, now().site_count(), execution_);
+    if (!after) return false;
+    out_.next.rough = std::move(*after);
+    return true;
+  }
+
+  /// What was made again beside changed cells may be less rough for a changed neighbour's sake: then it changes, too.
+  bool others_are_as_they_were() {
+    if (!base_.rough) return true;
+    const std::size_t before = further_.size();
+    std::size_t next = 0;
+    for (const SiteId s : wanted_) {
+      const SiteId here = part_.local(s);
+      const std::uint32_t count = made_.first_of[here + 1] - made_.first_of[here];
+      const auto made = made_.fragments.begin() + static_cast<std::ptrdiff_t>(next);
+      next += count;
+      if (contains(changed_, s)) continue;
+      const std::vector<KeptFragment>& kept = base_.cells[s]->fragments;
+      pacer_.step(64 * (1 + count));
+      if (!std::equal(kept.begin(), kept.end(), made, made + count,
+                      [](const KeptFragment& k, const Fragment& f) { return same_shape(k.fragment, f); }))
+        further_.push_back(s);
+    }
+    return further_.size() == before;
+  }
+
+  bool keeps_to_limits() {
+    double smallest = HUGE_VAL;
+    for (const SiteId s : changed_)
+      for (const KeptFragment& kept : out_.next.cells[s]->fragments)
+        smallest = std::fmin(smallest, kept.fragment.mass.volume);
+    const std::optional<SizeFigures> size = size_after(limits_in_force(parameters_), solid_.report.volume,
+                                                       base_.size, out_.next.figures, smallest);
+    if (size) out_.next.size = *size;
+    return size.has_value();
+  }
+
   /// The fragments of a cell that changed: which are new, changed, gone?
   void compare(SiteId s, const std::vector<KeptFragment>& before, const std::vector<KeptFragment>& after) {
-    const auto by_id = [&](const std::vector<KeptFragment>& fragments) {
-      std::vector<std::pair<std::uint64_t, const Fragment*>> result;
-      for (const KeptFragment& kept : fragments) result.emplace_back(kept.fragment.id, &kept.fragment);
-      sort_with_polls(execution_, result.begin(), result.end());
-      return result;
-    };
-    const auto was = by_id(before), is = by_id(after);
-    const auto find = [](const auto& all, std::uint64_t id) -> const Fragment* {
-      const auto at =
-          std::lower_bound(all.begin(), all.end(), std::pair<std::uint64_t, const Fragment*>{id, nullptr});
-      return at != all.end() && at->first == id ? at->second : nullptr;
-    };
-    for (std::uint32_t k = 0; k < after.size(); ++k) {
-      pacer_.step(16);
-      const Fragment& f = after[k].fragment;
-      const Fragment* const earlier = find(was, f.id);
-      if (earlier && same_shape(*earlier, f)) continue;
-      (earlier ? out_.delta.changed : out_.delta.added).push_back(f.id);
+    for (const std::uint32_t k : differing(before, after, out_.delta, execution_))
       out_.changed.push_back({s, k});
-    }
-    for (const KeptFragment& kept : before) {
-      pacer_.step(16);
-      if (!find(is, kept.fragment.id)) out_.delta.gone.push_back(kept.fragment.id);
-    }
   }
 
   void replace_cells() {
@@ -232,68 +269,14 @@ class LocalHit {
 
   /// False where two fragments have the same id: the whole answer resolves that.
   bool sum_up_again() {
-    const FragmentFigures& before = base_.figures;
-    FragmentFigures& after = out_.next.figures;
-    after.first_of.assign(1, 0);
-    after.first_of.reserve(now().site_count() + 1);
-    after.volumes.clear();
-    after.volumes_file.clear();
-    after.surface_areas.clear();
-    std::vector<double> volumes_gone, volumes_new;
-    std::vector<std::uint64_t> ids_gone, ids_new;
-    SiteId done{0};
-    const auto take_until = [&](SiteId s) {  // cells that did not change
-      pacer_.step((s - done) / 16 + 1);
-      const std::uint32_t first = before.first_of[done], last = before.first_of[s];
-      const auto shift = static_cast<std::uint32_t>(after.volumes.size()) - first;  // modulo 2^32
-      for (std::uint32_t k = done; k < s; ++k) after.first_of.push_back(before.first_of[k + 1] + shift);
-      const auto append = [&](const std::vector<double>& from, std::vector<double>& to) {
-        to.insert(to.end(), from.begin() + first, from.begin() + last);
-      };
-      append(before.volumes, after.volumes);
-      append(before.volumes_file, after.volumes_file);
-      append(before.surface_areas, after.surface_areas);
-    };
-    for (const SiteId s : changed_) {
-      if (!is_new(s)) {
-        take_until(s);
-        for (const KeptFragment& kept : base_.cells[s]->fragments) {
-          after.count(kept, -1);
-          volumes_gone.push_back(kept.fragment.mass.volume);
-          ids_gone.push_back(kept.fragment.id);
-        }
-        after.cells -= fragments_before(s) > 0;
-        done = SiteId{s + 1};
-      } else if (done < first_new_) {
-        take_until(first_new_);
-        done = first_new_;
-      }
-      const std::vector<KeptFragment>& fragments = out_.next.cells[s]->fragments;
-      for (const KeptFragment& kept : fragments) {
-        after.append(kept);
-        after.count(kept, 1);
-        volumes_new.push_back(kept.fragment.mass.volume);
-        ids_new.push_back(kept.fragment.id);
-      }
-      after.cells += !fragments.empty();
-      after.first_of.push_back(static_cast<std::uint32_t>(after.volumes.size()));
-    }
-    if (done < first_new_) take_until(first_new_);
-    replace_sorted(volumes_gone, volumes_new, after.sorted_volumes);
-    replace_sorted(ids_gone, ids_new, after.sorted_ids);
-    return std::adjacent_find(after.sorted_ids.begin(), after.sorted_ids.end()) == after.sorted_ids.end();
-  }
-
-  template <class T>
-  static void replace_sorted(std::vector<T>& gone, std::vector<T>& fresh, std::vector<T>& all) {
-    std::sort(gone.begin(), gone.end());
-    std::sort(fresh.begin(), fresh.end());
-    std::vector<T> stay, result;
-    stay.reserve(all.size());
-    result.reserve(all.size() + fresh.size());
-    std::set_difference(all.begin(), all.end(), gone.begin(), gone.end(), std::back_inserter(stay));
-    std::merge(stay.begin(), stay.end(), fresh.begin(), fresh.end(), std::back_inserter(result));
-    all = std::move(result);
+    std::optional<FragmentFigures> after = figures_after(
+        base_.figures, changed_, first_new_,
+        [&](SiteId s) -> const std::vector<KeptFragment>& { return base_.cells[s]->fragments; },
+        [&](SiteId s) -> const std::vector<KeptFragment>& { return out_.next.cells[s]->fragments; },
+        execution_);
+    if (!after) return false;
+    out_.next.figures = std::move(*after);
+    return true;
   }
 
   /// Those of changed cells as they were made, the others as they were: a cell beside a changed one may have been
@@ -372,6 +355,7 @@ class LocalHit {
   const Solid& solid_;
   const LocalBase& base_;
   const FractureParameters& parameters_;
+  std::vector<SiteId>& further_;
   const Execution& execution_;
   Pacer pacer_;
   const SiteId first_new_;
@@ -394,7 +378,15 @@ class LocalHit {
 
 std::optional<HitOutcome> hit_cells(const Solid& solid, const LocalBase& base, std::span<const Vec3d> points,
                                     const FractureParameters& parameters, const Execution& execution) {
-  return LocalHit(solid, base, parameters, execution).run(points);
+  // Cuts make others less rough that are about as far as triangles are long: more than two steps are rare.
+  constexpr int kMostTries = 4;
+  std::vector<SiteId> further;
+  for (int k = 0; k < kMostTries; ++k) {
+    const std::size_t before = further.size();
+    std::optional<HitOutcome> out = LocalHit(solid, base, parameters, further, execution).run(points);
+    if (out || further.size() == before) return out;
+  }
+  return std::nullopt;
 }
 
 }  // namespace fracture

@@ -7,6 +7,8 @@
 //   - winding numbers start from the Voronoi vertices that are still there (clip/winding.hpp),
 //   - only facets of changed cells are chained and triangulated, only their pieces assembled, measured and given
 //     hulls.
+// Rough cuts: those of changed cells are made among the others as these were kept (rough/moving_caps.hpp). Where the
+// others would not stay as they were, their cells count as changed, and the hit is made again.
 // What is linear in the whole: a few passes over arrays of numbers per site, a pointer for each block of what is
 // shared, bits for the mesh's triangles, vertices and edges, and, to place the sites, a look at each triangle's side
 // of them. Where triangles are much larger than cells, all cells that one of them meets are looked at.
@@ -36,8 +38,8 @@ struct HitOutcome {
 };
 
 /// Inserts the points, images under the map of cells. Nothing where a piece would have to be united or dropped,
-/// caps cross, two fragments would get the same id, a site lies outside of the box, or there are too many: then the whole has to
-/// be fractured again. Throws Interrupted.
+/// caps cross, two fragments would get the same id, a site lies outside of the box, or there are too many, and where rough
+/// cuts change others farther and farther away: then the whole has to be fractured again. Throws Interrupted.
 std::optional<HitOutcome> hit_cells(const Solid& solid, const LocalBase& base, std::span<const Vec3d> points,
                                     const FractureParameters& parameters, const Execution& execution);
 

@@ -95,7 +95,8 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
 
 Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const FractureParameters& parameters,
                              const Execution& execution,
-                             const std::function<void(const RestrictedDiagram&)>& inspect) {
+                             const std::function<void(const RestrictedDiagram&)>& inspect,
+                             std::optional<RoughTrace>* trace) {
   const Tetrahedralization& t = diagram.tetrahedralization;
   const SeenSolid seen(solid, diagram.map, execution);
   const VoronoiDiagram voronoi(t, seen.seen().box, diagram.map, execution);
@@ -121,7 +122,8 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
     if (inspect) inspect(restricted);
     make_rough_fragments(
         restricted, parameters, ownership,
-        [&](const FragmentSet& set) { return judge(set, solid, Promise::kPartition); }, execution, cut);
+        [&](const FragmentSet& set) { return judge(set, solid, Promise::kPartition); }, execution, cut,
+        trace);
     execution.poll();  // a large diagram takes some time to be given back, and so does what comes below
   }
   execution.poll();

@@ -68,11 +68,12 @@ struct SiteNotes {
 };
 SiteNotes notes_of(const Diagram& diagram);
 
-/// `inspect` sees what the clipper found, unless for barycentric cells. Errors of fracture(); throws
-/// Interrupted.
+/// `inspect` sees what the clipper found, unless for barycentric cells; `trace`: roughen(). Errors of fracture();
+/// throws Interrupted.
 Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const FractureParameters& parameters,
                              const Execution& execution,
-                             const std::function<void(const RestrictedDiagram&)>& inspect = {});
+                             const std::function<void(const RestrictedDiagram&)>& inspect = {},
+                             std::optional<RoughTrace>* trace = nullptr);
 
 /// Judges the fragments and puts their companions beside them: hierarchy, anchors, hulls (of fragments that have
 /// none) and the report. Every answer leaves the pipeline through here. Error: kUnsound. Throws Interrupted.

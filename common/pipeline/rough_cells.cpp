@@ -23,13 +23,13 @@ void restrain(const FragmentSet& set, const std::vector<std::uint32_t>& fragment
 void make_rough_fragments(RestrictedDiagram& restricted, const FractureParameters& parameters,
                           const Ownership& ownership,
                           const std::function<Verdict(const FragmentSet&)>& judged,
-                          const Execution& execution, CutCells& cut) {
+                          const Execution& execution, CutCells& cut, std::optional<RoughTrace>* trace) {
   Roughness roughness = parameters.roughness;
   Restraints restraints;
   for (int restrained = 0;; ++restrained) {
     execution.reaches(0.7);
-    cut.rough =
-        roughen(restricted, ownership.owner_of_site, roughness, restraints, parameters.seed, execution);
+    cut.rough = roughen(restricted, ownership.owner_of_site, roughness, restraints, parameters.seed,
+                        execution, trace);
     execution.reaches(0.9);
     cut.set = make_fragments(restricted, ownership, parameters.pivot, limits_in_force(parameters), execution);
     if (!(roughness.amplitude > 0)) break;

@@ -15,11 +15,11 @@ namespace fracture {
 inline constexpr int kMostRestraints = 3;
 
 /// Roughens the caps of `restricted`, which are flat, and makes the fragments. Fills `rough` and `set` of
-/// `cut`. With an amplitude of 0 the caps stay flat. `judged` says what holds of the fragments: judge().
-/// Throws Interrupted.
+/// `cut`. With an amplitude of 0 the caps stay flat. `judged` says what holds of the fragments: judge(). `trace`:
+/// roughen(). Throws Interrupted.
 void make_rough_fragments(RestrictedDiagram& restricted, const FractureParameters& parameters,
                           const Ownership& ownership,
                           const std::function<Verdict(const FragmentSet&)>& judged,
-                          const Execution& execution, CutCells& cut);
+                          const Execution& execution, CutCells& cut, std::optional<RoughTrace>* trace);
 
 }  // namespace fracture

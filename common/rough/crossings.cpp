@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <mutex>
 #include <utility>
 
 #include "common/base/pacer.hpp"
@@ -122,15 +123,17 @@ bool Crossings::is_moved(std::uint32_t k) const {
 
 bool Crossings::pair_crosses(std::uint32_t i, std::uint32_t j) const {
   if (region_[i] == region_[j]) return false;
+  if (seen_[i] >= caps_.first_given && seen_[j] >= caps_.first_given) return false;
   int shared = 0;
   for (const CutVertexId v : vertices(i))
-    for (const CutVertexId w : vertices(j)) shared += v == w;
+    for (const CutVertexId w : vertices(j))
+      shared += caps_.place[v - caps_.first] == caps_.place[w - caps_.first];
   return shared < 2 && cross_each_other(now_[i], now_[j], tolerance_) && (is_moved(i) || is_moved(j));
 }
 
 /// Can it have reached the outer surface? Its points are within 0.58 of its longest edge of a corner.
 bool Crossings::may_leave_surface(std::uint32_t k) const {
-  if (!is_moved(k)) return false;
+  if (seen_[k] >= caps_.first_given || !is_moved(k)) return false;
   const PlaneTriangle& t = now_[k];
   double longest = 0, from_surface = HUGE_VAL;
   for (std::size_t corner = 0; corner < 3; ++corner) {
@@ -180,7 +183,7 @@ void Crossings::each_leaving(std::span<const std::uint32_t> triangles, SurfaceBe
 }
 
 std::optional<std::uint64_t> Crossings::find(const std::vector<char>& suspects, std::vector<char>& crossing,
-                                             const Execution& execution) {
+                                             const Execution& execution, std::vector<CrossingPair>* named) {
   const auto n = static_cast<std::uint32_t>(seen_.size());
   std::vector<std::uint32_t> changed;
   for (std::uint32_t k = 0; k < n; ++k) {
@@ -196,14 +199,17 @@ std::optional<std::uint64_t> Crossings::find(const std::vector<char>& suspects, 
   std::atomic<std::uint64_t> count{0}, pairs{pairs_};
   const std::uint64_t most = kMostPairs * n;
   crossing.assign(caps_.triangles.size(), 0);
-  const auto mark = [&](std::uint32_t k) {
-    std::atomic_ref(crossing[seen_[k]]).store(1, std::memory_order_relaxed);
+  std::mutex naming;
+  const auto mark = [&](std::uint32_t i, std::uint32_t j) {
+    for (const std::uint32_t k : {i, j})
+      std::atomic_ref(crossing[seen_[k]]).store(1, std::memory_order_relaxed);
+    count.fetch_add(1, std::memory_order_relaxed);
+    if (!named) return;
+    const std::lock_guard lock(naming);  // crossings are rare
+    if (named->size() < kMostNamed) named->push_back({seen_[i], seen_[j]});
   };
   const auto look = [&](std::uint32_t i, std::uint32_t j, PairCount& budget) {
-    if (!budget.one_more() || !pair_crosses(i, j)) return;
-    mark(i);
-    mark(j);
-    count.fetch_add(1, std::memory_order_relaxed);
+    if (budget.one_more() && pair_crosses(i, j)) mark(i, j);
   };
   if (!looked_) {
     const std::vector<BoxTree::Task> tasks = tree_.pair_tasks(1024);
@@ -225,10 +231,7 @@ std::optional<std::uint64_t> Crossings::find(const std::vector<char>& suspects, 
           if (other != k && (!suspects[seen_[other]] || k < other)) look(k, other, budget);
         });
       }
-      each_leaving({changed.data() + c, next - c}, beside, [&](std::uint32_t k) {
-        mark(k);
-        count.fetch_add(1, std::memory_order_relaxed);
-      });
+      each_leaving({changed.data() + c, next - c}, beside, [&](std::uint32_t k) { mark(k, k); });
     }
   });
   looked_ = true;

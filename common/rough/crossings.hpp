@@ -27,7 +27,15 @@ struct CapSurface {
   const std::vector<char>& moved;    ///< per point: not where it was
   const std::vector<double>&
       surface;  ///< per point: how far the flat one is from the outer surface, up to some reach
+  const std::vector<std::uint32_t>& place;  ///< per point: equal where flat ones coincide
+  /// The triangles from here on are in the way of the others; what they do among themselves and with the outer
+  /// surface is not asked.
+  std::uint32_t first_given;
 };
+
+/// Indices of two triangles that cross, or of one, twice, that does not lie as it should: for other reasons than
+/// another.
+using CrossingPair = std::array<std::uint32_t, 2>;
 
 /// A triangle with its plane.
 struct PlaneTriangle {
@@ -47,10 +55,14 @@ class Crossings {
   /// both. The first time all pairs are looked at, later only those with one of the `suspects` (per
   /// triangle), which are the triangles whose vertices have been moved since. Nothing when too many lie in
   /// each other's boxes (slivers as long as the mesh, movements as large as its pieces): kMostPairs for each
-  /// triangle, all looks together.
+  /// triangle, all looks together. `named`, if not null, gets those pairs, in any order; the first kMostNamed of a
+  /// look.
   std::optional<std::uint64_t> find(const std::vector<char>& suspects, std::vector<char>& crossing,
-                                    const Execution& execution);
+                                    const Execution& execution, std::vector<CrossingPair>* named = nullptr);
   static constexpr std::uint64_t kMostPairs = 300;
+  static constexpr std::size_t kMostNamed = 1 << 16;
+  /// Of which boxes met, in all looks.
+  std::uint64_t pairs() const { return pairs_; }
 
  private:
   // These take indices of `seen_`.

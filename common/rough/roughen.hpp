@@ -11,12 +11,17 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "common/base/execution.hpp"
 #include "common/clip/restricted_diagram.hpp"
+#include "common/rough/crossings.hpp"
 #include "common/rough/restraint.hpp"
 #include "common/rough/roughness.hpp"
+#include "common/rough/trace.hpp"
 
 namespace fracture {
 
@@ -25,7 +30,7 @@ struct RoughReport {
   double asked = 0;             ///< m
   double length = 0;            ///< m, of the edges the caps were refined to
   std::uint64_t triangles = 0;  ///< of all rough caps
-  std::uint64_t calmed = 0;     ///< vertices that are moved less, because triangles crossed or turned over
+  std::uint64_t calmed = 0;     ///< places that are moved less, because triangles crossed or turned over
   /// Pairs of triangles that cross all the same: 0 unless the surface crosses itself.
   std::uint64_t crossing = 0;
   /// The cuts are flat all the same: more pairs of triangles lie in each other's boxes than can be looked at.
@@ -45,8 +50,35 @@ inline constexpr double kMostRoughTriangles = 400'000;
 /// VertexPositions::flat_steps. With an amplitude of 0 nothing changes. Where the diagram has a map the waves
 /// are stretched as the cells are. Caps of restrained cells are moved less, or stay as they are; the others
 /// stay what they would be without restraints, but for vertices that they share.
+/// `trace`, if not null, gets what roughen_part() needs; nothing where a part cannot be made without the rest:
+/// triangles are longer than asked because there are many, cells are restrained, or something crosses.
 RoughReport roughen(RestrictedDiagram& diagram, const std::vector<std::uint32_t>& owner_of_site,
                     const Roughness& roughness, const Restraints& restraints, std::uint64_t seed,
-                    const Execution& execution);
+                    const Execution& execution, std::optional<RoughTrace>* trace = nullptr);
+
+/// The whole of which a diagram is a part.
+struct RoughWhole {
+  const Solid& solid;
+  std::span<const SiteId> sites;  ///< per site of the part its number in the whole; ascending
+  std::span<const SiteId>
+      made;            ///< of the whole, ascending: the cells that have all of their caps in the part
+  double area, edges;  ///< as in RoughTrace: no less than those of the caps that stay
+  std::span<const Calming> calmings;  ///< of the whole as it was
+  /// The cuts of the whole as it was, between cells that are not made, whose boxes meet one of these, or a place that
+  /// was calmed because of a cell that is made.
+  std::function<std::vector<const KeptCut*>(std::vector<Box>)> near;
+};
+struct RoughPart {
+  RoughReport report;  ///< asked, amplitude and length
+  RoughTrace trace;    ///< of the caps of the made cells; area and edges with those of the whole
+  /// Cells whose caps, if all were made, would not be what they were: these have to be made, too.
+  std::vector<SiteId> spread;
+};
+/// The caps of the made cells as roughen() makes them among all, to the bit. Nothing where that cannot be. Throws
+/// Interrupted.
+std::optional<RoughPart> roughen_part(RestrictedDiagram& diagram,
+                                      const std::vector<std::uint32_t>& owner_of_site,
+                                      const Roughness& roughness, std::uint64_t seed, const RoughWhole& whole,
+                                      const Execution& execution);
 
 }  // namespace fracture

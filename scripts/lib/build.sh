@@ -6,6 +6,11 @@
 export CCACHE_SLOPPINESS=${CCACHE_SLOPPINESS:-pch_defines,time_macros}
 export CCACHE_BASEDIR=${CCACHE_BASEDIR:-${root:?}} CCACHE_NOHASHDIR=${CCACHE_NOHASHDIR:-1}
 
+# Uses build_preset's preset, configure and targets.
+configure_and_build() {
+  (cd "${root:?}" && cmake --preset "$preset" "${configure[@]}" && cmake --build --preset "$preset" --parallel "$(nproc)" "${targets[@]}")
+}
+
 # build_preset PRESET [TARGET...]: configures and builds; the compiler's output is shown only when it fails. A new folder
 # compiles a library's sources several at once (FRACTURE_UNITY); a folder that somebody configured stays as it is.
 # FRACTURE_CONFIGURE: further arguments of cmake, with spaces between them.
@@ -18,10 +23,14 @@ build_preset() {
   log=${root:?}/build/$preset.log
   mkdir -p "$root/build"
   echo "== building preset $preset${*:+ ($*)}"
-  if ! (cd "$root" && cmake --preset "$preset" "${configure[@]}" && cmake --build --preset "$preset" --parallel "$(nproc)" "${targets[@]}") \
-    >"$log" 2>&1; then
-    tail -60 "$log" >&2
-    echo "the build of preset $preset failed; the whole log is build/$preset.log" >&2
-    return 1
+  if ! configure_and_build >"$log" 2>&1; then
+    # GCC 12 now and then fails to write a precompiled header (gt_pch_save, once in hundreds, never twice for the same one):
+    # what an internal error of the compiler stopped goes on, once.
+    if ! grep -q "internal compiler error" "$log" || ! configure_and_build >>"$log" 2>&1; then
+      tail -60 "$log" >&2
+      echo "the build of preset $preset failed; the whole log is build/$preset.log" >&2
+      return 1
+    fi
+    echo "the compiler failed once with an internal error (build/$preset.log), and not again"
   fi
 }

@@ -1,12 +1,12 @@
 // A hit on a fractured mesh: the local answer against the same answer from nothing.
 //
-//   bench_local_impact [--repeat N] [--triangles N] [--sites N] [--new N] [--hulls 0|1]
+//   bench_local_impact [--repeat N] [--triangles N] [--sites N] [--new N] [--hulls 0|1] [--rough PERCENT]
 //
 // A sphere (20k triangles) in cells (300), further sites (30) at its side. Fastest of N runs (default 15)
 // each, in turn, in one process: make_solid(), make_diagram() and fracture() with all sites; fracture_delta()
 // on the kept answer, once the whole of it and once what is new and changed alone; and what they are as a
-// GLB. Fails when
-// the two answers differ in a bit of a position, an index or a volume.
+// GLB. With --rough, cuts with an amplitude of so much of the size, as wavy as those of stone. Fails when the two
+// answers differ in a bit of a position, an index or a volume.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -42,6 +42,7 @@ bool same(const FragmentSet& a, const FragmentSet& b) {
 
 struct Options {
   int repeat = 15, triangles = 20000, sites = 300, further = 30, hulls = 1;  // 0: without hulls alone
+  int rough = 0;
 };
 
 int run(const Options& options, Hulls hulls) {
@@ -53,6 +54,7 @@ int run(const Options& options, Hulls hulls) {
   p.sites = static_cast<std::uint32_t>(options.sites);
   p.hulls = hulls;
   p.rest = LocalRest::kFractured;
+  p.roughness = {options.rough / 100.0, 4, 2};
   // Among more than a thousand cells smaller ones, so that about as many of them are touched.
   const double radius = 0.3 * std::fmin(1, std::cbrt(1000.0 / options.sites));
   p.hits = {{{1, 0, 0}, radius, static_cast<std::uint32_t>(options.further)}};
@@ -116,7 +118,8 @@ int main(int argc, char** argv) {
                                       {"--triangles", &options.triangles},
                                       {"--sites", &options.sites},
                                       {"--new", &options.further},
-                                      {"--hulls", &options.hulls}})
+                                      {"--hulls", &options.hulls},
+                                      {"--rough", &options.rough}})
       if (std::strcmp(argv[k], name) == 0) *value = std::atoi(argv[k + 1]);
   const int without = run(options, fracture::Hulls::kNone);
   return without + (options.hulls ? run(options, fracture::Hulls::kConvex) : 0);

@@ -113,7 +113,7 @@ TEST(BoxTree, FindsTheNearestAndLooksAtFew) {
       double expected = most;
       for (const Box& box : boxes) expected = std::min(expected, std::sqrt(square_distance(box, p)));
       int looked = 0;
-      EXPECT_EQ(tree.nearest(p, most,
+      EXPECT_EQ(tree.nearest(p, most, 1e-12,
                              [&](std::uint32_t k) {
                                ++looked;
                                return std::sqrt(square_distance(boxes[k], p));

@@ -1,0 +1,371 @@
+#include "common/rough/moving_caps.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+#include "common/base/stamped_map.hpp"
+#include "common/rough/edge_splits.hpp"
+
+namespace fracture {
+namespace {
+
+/// Rounds of calming: each of the first leaves a quarter of the movement, each later one nothing of it.
+constexpr std::uint32_t kQuarteringRounds = 2, kMostRounds = 40;
+static_assert(kMostRounds < 64, "rounds are bits");
+/// Crossings of fewer lattice steps are rounding.
+constexpr double kLeastCrossing = 8;
+/// Calmings that are worth keeping.
+constexpr std::size_t kMostCalmings = 1 << 18;
+
+std::array<std::int32_t, 3> steps_of(const Vec3d& p, const Vec3d& step) {
+  std::array<std::int32_t, 3> steps{};
+  for (int a = 0; a < 3; ++a)
+    steps[static_cast<std::size_t>(a)] = static_cast<std::int32_t>(std::nearbyint(p[a] / step[a]));
+  return steps;
+}
+
+}  // namespace
+
+MovingCaps::MovingCaps(RestrictedDiagram& restricted, std::vector<char> seen, std::span<const SiteId> sites,
+                       const Execution& execution)
+    : execution_(execution),
+      pacer_(execution),
+      diagram_(restricted.diagram),
+      caps_(restricted.caps),
+      positions_(restricted.positions),
+      seen_(std::move(seen)),
+      fixed_(restricted.cuts.edge_cuts.size() + restricted.cuts.triangle_cuts.size()),
+      made_vertices_(positions_.points.size()),
+      made_regions_(caps_.regions.size()),
+      flat_(positions_.points),
+      moves_(flat_.size()),
+      surface_(flat_.size(), 0),
+      share_(flat_.size(), 1),
+      moved_(flat_.size(), 0) {
+  pacer_.each(fixed_, flat_.size(), [&](std::size_t v) {  // coinciding vertices stay together
+    flat_[v] = positions_.lattice.to_world(positions_.steps[v]);
+  });
+  const bool frames = diagram_.map().frames().size() > 1;
+  facets_.reserve(made_regions_);
+  region_begin_.reserve(made_regions_ + 1);
+  for (const CapRegion& r : caps_.regions) {
+    pacer_.step(4);
+    facets_.push_back({sites.empty() ? r.lo : sites[r.lo], sites.empty() ? r.hi : sites[r.hi],
+                       frames ? diagram_.map().index_at(diagram_.site(r.lo)) : 0,
+                       diagram_.facet_normal(r.lo, r.hi)});
+    region_begin_.push_back(r.first_triangle);
+  }
+  region_begin_.push_back(static_cast<std::uint32_t>(caps_.triangles.size()));
+}
+
+void MovingCaps::restrain(const Restraints& restraints) {
+  find_coinciding();
+  for (const CapRegion& r : caps_.regions) {
+    pacer_.step(8 + r.triangle_count);
+    const Restraint restraint = restraint_of(restraints, r.lo, r.hi);
+    if (restraint == Restraint::kNone || r.triangle_count == 0 || !seen_[r.first_triangle]) continue;
+    const double share = restraint == Restraint::kLess ? kLessAmplitude : 0;
+    for (std::uint32_t t = r.first_triangle; t < r.first_triangle + r.triangle_count; ++t)
+      for (const CutVertexId id : caps_.triangles[t]) {
+        double& of_leader = share_[leader_[number(id)]];
+        of_leader = std::fmin(of_leader, share);
+      }
+  }
+  pacer_.each(fixed_, share_.size(), [&](std::size_t v) { share_[v] = share_[leader_[v]]; });
+}
+
+void MovingCaps::move(const Displacement& displacement, const SurfaceTree& outside) {
+  std::vector<std::uint8_t> frame;  // of the map, for each vertex; empty where it has one at most
+  if (diagram_.map().frames().size() > 1) {
+    frame.assign(flat_.size(), 0);
+    for (std::size_t r = 0; r < made_regions_; ++r)
+      for (std::uint32_t t = region_begin_[r]; t < region_begin_[r + 1]; ++t) {
+        pacer_.step();
+        for (const CutVertexId id : caps_.triangles[t])
+          if (id >= positions_.first_constructed)
+            frame[number(id)] = static_cast<std::uint8_t>(facets_[r].frame);
+      }
+  }
+  parallel_for(execution_, flat_.size() - fixed_, 256, [&](std::size_t begin, std::size_t end) {
+    Pacer pacer(execution_);
+    outside.distances({flat_.data() + fixed_ + begin, end - begin}, displacement.reach(),
+                      {surface_.data() + fixed_ + begin, end - begin}, pacer);
+    for (std::size_t v = fixed_ + begin; v < fixed_ + end; ++v) {
+      pacer.step(4);
+      moves_[v] = displacement.at(flat_[v], surface_[v], frame.empty() ? 0 : frame[v]);
+      place(v);
+    }
+  });
+}
+
+std::vector<KeptCut> MovingCaps::cuts() const {
+  const Vec3d step = positions_.lattice.step();
+  std::vector<KeptCut> all(made_regions_);
+  parallel_for(execution_, made_regions_, 16, [&](std::size_t begin, std::size_t end) {
+    Pacer pacer(execution_);
+    StampedMap& local = worker_map();
+    std::vector<std::size_t> vertices;
+    for (std::size_t r = begin; r < end; ++r) {
+      const std::uint32_t first = region_begin_[r], last = region_begin_[r + 1];
+      KeptCut& cut = all[r];
+      cut.lo = facets_[r].lo;
+      cut.hi = facets_[r].hi;
+      if (first == last || !seen_[first]) continue;
+      pacer.step(8 + 4 * (last - first));
+      local.next_epoch(flat_.size());
+      vertices.clear();
+      for (std::uint32_t t = first; t < last; ++t)
+        for (const CutVertexId id : caps_.triangles[t]) {
+          std::uint32_t& slot = local.slot(number(id));
+          if (slot != StampedMap::kEmpty) continue;
+          slot = 0;
+          vertices.push_back(number(id));
+        }
+      const auto moving =
+          std::stable_partition(vertices.begin(), vertices.end(), [&](std::size_t v) { return v < fixed_; });
+      for (std::size_t k = 0; k < vertices.size(); ++k) {
+        const std::size_t v = vertices[k];
+        local.slot(v) = static_cast<std::uint32_t>(k);
+        cut.box.add(flat_[v]);
+        cut.box.add(flat_[v] + moves_[v]);
+      }
+      cut.fixed.reserve(static_cast<std::size_t>(moving - vertices.begin()));
+      for (auto v = vertices.begin(); v != moving; ++v) cut.fixed.push_back(flat_[*v]);
+      for (auto v = moving; v != vertices.end(); ++v) {
+        cut.flat.push_back(steps_of(flat_[*v], step));
+        cut.moves.push_back(moves_[*v]);
+      }
+      cut.triangles.reserve(last - first);
+      for (std::uint32_t t = first; t < last; ++t) {
+        const auto& ids = caps_.triangles[t];
+        cut.triangles.push_back(
+            {local.slot(number(ids[0])), local.slot(number(ids[1])), local.slot(number(ids[2]))});
+      }
+    }
+  });
+  std::erase_if(all, [](const KeptCut& cut) { return cut.triangles.empty(); });
+  return all;
+}
+
+void MovingCaps::give(std::span<const KeptCut* const> cuts, std::span<const Calming> before,
+                      std::span<const SiteId> made) {
+  before_ = before;
+  made_ = made;
+  for (const KeptCut* const cut : cuts) {
+    pacer_.step(8 + cut->triangles.size());
+    const std::size_t first = positions_.first_constructed + positions_.points.size();
+    const auto add = [&](const Vec3d& flat, const Vec3d& move, bool fixed) {
+      append_vertex(positions_, flat);
+      given_fixed_.push_back(fixed);
+      flat_.push_back(flat);
+      moves_.push_back(move);
+      surface_.push_back(0);
+      share_.push_back(1);
+      moved_.push_back(0);
+      place(flat_.size() - 1);
+    };
+    for (const Vec3d& p : cut->fixed) add(p, {}, true);
+    for (std::size_t k = 0; k < cut->flat.size(); ++k)
+      add(positions_.lattice.to_world(cut->flat[k]), cut->moves[k], false);
+    facets_.push_back({cut->lo, cut->hi, 0, {}});
+    for (const auto& t : cut->triangles)
+      caps_.triangles.push_back(
+          {CutVertexId{first + t[0]}, CutVertexId{first + t[1]}, CutVertexId{first + t[2]}});
+    region_begin_.push_back(static_cast<std::uint32_t>(caps_.triangles.size()));
+  }
+  seen_.resize(caps_.triangles.size(), 1);
+}
+
+std::size_t MovingCaps::region_of(std::uint32_t triangle) const {
+  return static_cast<std::size_t>(std::upper_bound(region_begin_.begin(), region_begin_.end(), triangle) -
+                                  region_begin_.begin()) -
+         1;
+}
+
+std::array<SiteId, 4> MovingCaps::cells_of(std::uint32_t s, std::uint32_t t) const {
+  const Facet &a = facets_[region_of(s)], &b = facets_[region_of(t)];
+  return {a.lo, a.hi, b.lo, b.hi};
+}
+
+void MovingCaps::place(std::size_t v) {
+  const Vec3d p = flat_[v] + share_[v] * moves_[v];
+  positions_.points[v] = p;
+  positions_.steps[v] = steps_of(p, positions_.lattice.step());
+  moved_[v] = share_[v] > 0 && !(moves_[v] == Vec3d{});
+}
+
+/// Vertices at the same place under several keys (lattices of sites) stay together.
+void MovingCaps::find_coinciding() {
+  leader_.resize(flat_.size());
+  order_.resize(flat_.size());
+  pacer_.each(0, leader_.size(),
+              [&](std::size_t v) { leader_[v] = order_[v] = static_cast<std::uint32_t>(v); });
+  sort_with_polls(execution_, order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
+    if (!(flat_[a] == flat_[b])) return lexicographic_less(flat_[a], flat_[b]);
+    return is_fixed(a) != is_fixed(b) ? is_fixed(a) : a < b;
+  });
+  pacer_.each(1, order_.size(), [&](std::size_t k) {
+    const std::uint32_t a = order_[k - 1], b = order_[k];
+    if (flat_[a] == flat_[b] && is_fixed(a) == is_fixed(b)) leader_[b] = leader_[a];
+  });
+}
+
+/// What the rest did where it can be met here.
+void MovingCaps::find_expected() {
+  if (made_.empty()) return;
+  expected_.assign(flat_.size(), 0);
+  replayed_.assign(flat_.size(), 0);
+  outer_.assign(flat_.size(), 0);
+  pacer_.each(made_vertices_, flat_.size(), [&](std::size_t v) {
+    if (!is_fixed(v)) outer_[leader_[v]] = 1;
+  });
+  for (std::size_t k = 0, end = 0; k < before_.size(); k = end) {
+    pacer_.step(32);
+    const Vec3d p = positions_.lattice.to_world(before_[k].place);
+    auto at = std::lower_bound(order_.begin(), order_.end(), p, [&](std::uint32_t v, const Vec3d& q) {
+      return lexicographic_less(flat_[v], q);
+    });
+    while (at != order_.end() && flat_[*at] == p && is_fixed(*at)) ++at;
+    const bool is_here = at != order_.end() && flat_[*at] == p;
+    for (; end < before_.size() && before_[end].place == before_[k].place; ++end) {
+      if (!is_here) continue;
+      const std::uint64_t round = std::uint64_t{1} << before_[end].round;
+      expected_[leader_[*at]] |= round;
+      const auto& cells = before_[end].cells;
+      if (std::none_of(cells.begin(), cells.end(),
+                       [&](SiteId s) { return std::binary_search(made_.begin(), made_.end(), s); }))
+        replayed_[leader_[*at]] |= round;
+    }
+    if (is_here) rounds_expected_ |= expected_[leader_[*at]];
+  }
+}
+
+/// Triangles that face away from their facet's normal. Those that are no higher than the tolerance have no side:
+/// such a one counts where it faced the right way when it was flat, or is higher now.
+void MovingCaps::add_turned_over(double tolerance, std::vector<char>& bad, std::vector<CrossingPair>* named) {
+  for (std::size_t r = 0; r < made_regions_; ++r) {
+    const std::uint32_t begin = region_begin_[r], end = region_begin_[r + 1];
+    pacer_.step(8 + end - begin);
+    if (begin == end || !seen_[begin]) continue;
+    const Vec3d& u = facets_[r].normal;
+    for (std::uint32_t t = begin; t < end; ++t) {
+      const auto corner = [&](const std::vector<Vec3d>& points, std::size_t k) {
+        return points[number(caps_.triangles[t][k % 3])];
+      };
+      const auto facing = [&](const std::vector<Vec3d>& points) {
+        return dot(u, cross(corner(points, 1) - corner(points, 0), corner(points, 2) - corner(points, 0)));
+      };
+      const auto least = [&](const std::vector<Vec3d>& points) {
+        double longest = 0;
+        for (std::size_t k = 0; k < 3; ++k)
+          longest = std::fmax(longest, length(corner(points, k + 1) - corner(points, k)));
+        return tolerance * longest * length(u);
+      };
+      const double now = facing(positions_.points);
+      if (now > 0) continue;
+      if (facing(flat_) > least(flat_) || now < -least(positions_.points)) {
+        bad[t] = 1;
+        if (named) named->push_back({t, t});
+      }
+    }
+  }
+}
+
+/// Returns whether anything was moved back.
+bool MovingCaps::calm_round(std::uint32_t round, const std::vector<char>& bad,
+                            const std::vector<CrossingPair>& named, std::vector<char>& calmed, Outcome& out) {
+  const std::uint64_t bit = std::uint64_t{1} << round;
+  const Vec3d step = positions_.lattice.step();
+  calmed.assign(flat_.size(), 0);
+  pacer_.each(0, bad.size(), [&](std::size_t t) {
+    if (bad[t])
+      for (const CutVertexId id : caps_.triangles[t])
+        if (const std::size_t v = number(id); moved_[v]) calmed[leader_[v]] = 1;
+  });
+  for (const CrossingPair& pair : named) {
+    pacer_.step(16);
+    for (const std::uint32_t t : pair)
+      for (const CutVertexId id : caps_.triangles[t])
+        if (const std::size_t v = number(id); moved_[v])
+          out.calmings.push_back({steps_of(flat_[v], step), round, cells_of(pair[0], pair[1])});
+  }
+  if (!made_.empty())
+    pacer_.each(0, flat_.size(), [&](std::size_t v) {
+      if (leader_[v] != v) return;
+      if (replayed_[v] & bit) calmed[v] = 1;
+      if (outer_[v] && bool(calmed[v]) != bool(expected_[v] & bit)) outer_[v] = 2;
+    });
+  bool any = false;
+  pacer_.each(fixed_, flat_.size(), [&](std::size_t v) {
+    if (!calmed[leader_[v]]) return;
+    calmed[v] = 1;
+    any = true;
+    share_[v] = round < kQuarteringRounds ? 0.25 * share_[v] : 0;
+    place(v);
+  });
+  return any;
+}
+
+MovingCaps::Outcome MovingCaps::calm(const SurfaceTree& outside, bool trace) {
+  Outcome out;
+  out.complete = trace;
+  find_coinciding();
+  find_expected();
+  const Vec3d step = positions_.lattice.step();
+  const double tolerance = kLeastCrossing * std::fmax(step.x, std::fmax(step.y, step.z));
+  Crossings crossings({caps_.triangles, region_begin_, seen_, positions_.first_constructed, positions_.points,
+                       flat_, moved_, surface_, leader_, region_begin_[made_regions_]},
+                      outside, tolerance, execution_);
+  std::vector<char> suspects, bad, calmed;
+  std::vector<CrossingPair> named;
+  out.crossing = 0;
+  for (std::uint32_t round = 0; round < kMostRounds; ++round) {
+    named.clear();
+    std::vector<CrossingPair>* const names = out.complete ? &named : nullptr;
+    out.crossing = crossings.find(suspects, bad, execution_, names);
+    if (!out.crossing) {
+      pacer_.each(fixed_, flat_.size(), [&](std::size_t v) {
+        share_[v] = 0;
+        place(v);
+      });
+      break;
+    }
+    out.complete &= named.size() < Crossings::kMostNamed && out.calmings.size() < kMostCalmings;
+    add_turned_over(tolerance, bad, names);
+    if (!calm_round(round, bad, named, calmed, out) && rounds_expected_ >> round <= 1) break;
+    suspects.assign(caps_.triangles.size(), 0);
+    pacer_.each(0, suspects.size(), [&](std::size_t t) {
+      for (const CutVertexId id : caps_.triangles[t]) suspects[t] |= calmed[number(id)];
+    });
+  }
+  out.looked_at = crossings.pairs();
+  sort_with_polls(execution_, out.calmings.begin(), out.calmings.end());
+  out.calmings.erase(std::unique(out.calmings.begin(), out.calmings.end()), out.calmings.end());
+  for (std::size_t r = made_regions_; r < facets_.size(); ++r)
+    for (std::uint32_t t = region_begin_[r]; t < region_begin_[r + 1]; ++t)
+      for (const CutVertexId id : caps_.triangles[t]) {
+        pacer_.step();
+        if (outer_[leader_[number(id)]] == 2)
+          out.spread.insert(out.spread.end(), {facets_[r].lo, facets_[r].hi});
+      }
+  std::sort(out.spread.begin(), out.spread.end());
+  out.spread.erase(std::unique(out.spread.begin(), out.spread.end()), out.spread.end());
+  take_away_given();
+  return out;
+}
+
+void MovingCaps::take_away_given() {
+  positions_.points.resize(made_vertices_);
+  positions_.steps.resize(made_vertices_);
+  caps_.triangles.resize(region_begin_[made_regions_]);
+}
+
+std::uint64_t MovingCaps::calmed() const {
+  std::uint64_t places = 0;
+  for (std::size_t v = fixed_; v < made_vertices_; ++v) places += leader_[v] == v && share_[v] < 1;
+  return places;
+}
+
+}  // namespace fracture

@@ -1,0 +1,112 @@
+// Hits on answers with rough cuts: local, and to the bit what the whole fracture with all sites makes.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "common/materials/materials.hpp"
+#include "tests/hits/delta_checks.hpp"
+#include "tests/support/closed_inputs.hpp"
+#include "tests/support/fractured.hpp"
+#include "tests/support/mesh_files.hpp"
+#include "tests/support/shapes.hpp"
+
+namespace fracture::test {
+namespace {
+
+FractureParameters rough_hits_on(const Mesh& mesh, std::uint32_t sites, double radius,
+                                 std::uint64_t seed = 7) {
+  FractureParameters p = hits_on(mesh, sites, radius, seed);
+  p.roughness = {0.06, 5, 2};
+  return p;
+}
+
+TEST(RoughHits, AreLocalOnClosedShapes) {
+  int local = 0, shapes = 0;
+  for (const NamedMesh& shape : closed_shapes()) {
+    SCOPED_TRACE(shape.name);
+    local += expect_hits(shape.mesh, rough_hits_on(shape.mesh, 60, 0.12)) > 0;
+    ++shapes;
+    if (HasFailure()) return;
+  }
+  EXPECT_GT(2 * local, shapes) << "most of these are local, or nothing is tested here";
+}
+
+// Where cells are small beside the amplitude, cuts cross, and are moved less for each other's sake, from cell to cell.
+TEST(RoughHits, FollowWhatWasCalmedElsewhere) {
+  const Mesh mesh = ico_sphere(3);
+  int local = 0;
+  std::uint64_t calmed = 0;
+  for (const std::uint64_t seed : {1, 2}) {
+    SCOPED_TRACE(seed);
+    FractureParameters p = rough_hits_on(mesh, 70, 0.08, seed);
+    p.roughness = {0.12, 6, 3};
+    local += expect_hits(mesh, p, 2);
+    p.hits.clear();
+    calmed += fracture_mesh(mesh, p).report.rough_cuts->calmed_vertices;
+    if (HasFailure()) return;
+  }
+  EXPECT_GT(calmed, 0u) << "or there is nothing to follow";
+  EXPECT_GE(local, 3);
+}
+
+TEST(RoughHits, InAStretchedDiagramAndWithGrains) {
+  const Mesh mesh =
+      joined({box({-1, -0.2, -0.2}, {1, 0.2, 0.2}, 4), box({-0.2, 0.3, -0.2}, {0.2, 2, 0.2}, 4)});
+  FractureParameters p = rough_hits_on(mesh, 80, 0.1);
+  p.roughness = {0.03, 6, 1};
+  p.hits[0].point = {0.8, 0.2, 0};
+  p.hits[1].point = {0.2, 1.5, 0};
+  p.anisotropy = {.stretch = 3, .grain_of = GrainOf::kPart};
+  EXPECT_GE(expect_hits(mesh, p), 2);
+  p.anisotropy = {.stretch = 2};
+  EXPECT_GE(expect_hits(mesh, p), 2);
+}
+
+TEST(RoughHits, OfPartsThatOverlap) {
+  const Mesh mesh = joined({ico_sphere(3), translated(ico_sphere(2), {0.6, 0.1, 0}), torus(32, 16)});
+  expect_hits(mesh, rough_hits_on(mesh, 100, 0.1), 2);
+}
+
+// Cells of several fragments are made again beside those that change, and are what they were.
+TEST(RoughHits, OfCellsWithSeveralPieces) {
+  EXPECT_GE(expect_hits(cube_field(4), rough_hits_on(cube_field(4), 30, 0.1)), 2);
+  const Mesh rings = joined({torus(32, 16), translated(torus(32, 16), {0, 0, 0.9})});
+  FractureParameters p = rough_hits_on(rings, 40, 0.1);
+  p.roughness.amplitude = 0.12;
+  EXPECT_GE(expect_hits(rings, p), 2);
+}
+
+// A limit that unites nothing is no obstacle; what a hit breaks off may be a hundredth of it.
+TEST(RoughHits, WithASmallestVolume) {
+  const Mesh mesh = torus(32, 16);
+  FractureParameters p = rough_hits_on(mesh, 60, 0.15);
+  p.size.min_of_mean = 1e-3;
+  EXPECT_GE(expect_hits(mesh, p), 2);
+  p.size = {.min_fraction = 0.02};
+  EXPECT_EQ(expect_hits(mesh, p), 0) << "uniting is done by the whole";
+}
+
+TEST(RoughHits, ForManySeeds) {
+  if (!std::getenv("FRACTURE_TEST_FULL")) GTEST_SKIP() << "only with FRACTURE_TEST_FULL";
+  for (std::uint64_t seed = 1; seed <= 8; ++seed)
+    for (const NamedMesh& shape : closed_shapes()) {
+      SCOPED_TRACE(shape.name + ", seed " + std::to_string(seed));
+      FractureParameters p = rough_hits_on(shape.mesh, static_cast<std::uint32_t>(20 + 25 * seed), 0.1, seed);
+      p.roughness.amplitude = 0.02 * static_cast<double>(seed);
+      expect_hits(shape.mesh, p);
+      if (HasFailure()) return;
+    }
+}
+
+class RoughHitsOnMesh : public OnClosedMesh {};
+
+TEST_P(RoughHitsOnMesh, EqualTheWholeFracture) {
+  FractureParameters p = rough_hits_on(mesh, 60, 0.1);
+  p.hits.resize(2);
+  expect_hits(mesh, p);
+}
+
+INSTANTIATE_TEST_SUITE_P(Dev, RoughHitsOnMesh, every_closed_mesh(), name_of_mesh);
+
+}  // namespace
+}  // namespace fracture::test
