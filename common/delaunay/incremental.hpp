@@ -105,6 +105,8 @@ class IncrementalDelaunay {
   Tetrahedralization snapshot(std::span<const SiteId> site_of_vertex) const;
   /// The same with sites numbered by increasing vertex id.
   Tetrahedralization snapshot() const;
+  /// The same, in little more memory than the structure has, which is good for nothing afterwards.
+  Tetrahedralization take_snapshot(std::span<const SiteId> site_of_vertex);
 
   /// Calls visit(std::array<TetVertexId, 4>) for every tetrahedron, in storage order.
   template <class Visit>
@@ -182,6 +184,10 @@ class IncrementalDelaunay {
   Options options_;
   exact::BinaryScale scale_;  ///< of all points so far
   double orient_bound_;       ///< filter of orient3d for any four points in the big tetrahedron
+
+  template <class AfterReading>
+  Tetrahedralization snapshot(std::span<const SiteId> site_of_vertex,
+                              const AfterReading& after_reading) const;
 
   std::vector<Tet> tets_;
   std::vector<Vertex> vertices_;

@@ -25,16 +25,16 @@ struct KeptSites {
 /// Errors: kNotFinite, kTooComplex, as tetrahedralize() says.
 Expected<KeptSites> keep_sites(std::span<const Vec3d> sites, const Box& box);
 
-/// The result, once every kept point has become a vertex (`vertex_of`, per point).
-Tetrahedralization numbered(const IncrementalDelaunay& delaunay, const KeptSites& sites,
+/// The result, once every kept point has become a vertex (`vertex_of`, per point). Uses `delaunay` up.
+Tetrahedralization numbered(IncrementalDelaunay& delaunay, const KeptSites& sites,
                             const std::vector<TetVertexId>& vertex_of);
 
 /// How many insertions ahead the coordinates are fetched: the order of insertion jumps about in the caller's
 /// list.
 inline constexpr std::size_t kPrefetch = 8;
 
-/// Has insert(p) put every site into `delaunay`, which is empty and has sites.domain. Error: kTooComplex.
-/// Throws Interrupted.
+/// Has insert(p) put every site into `delaunay`, which is empty and has sites.domain, and is used up. Error:
+/// kTooComplex. Throws Interrupted.
 template <class Insert>
 Expected<Tetrahedralization> insert_all(IncrementalDelaunay& delaunay, const KeptSites& sites,
                                         const Execution& execution, const Insert& insert) {

@@ -1,5 +1,6 @@
 // From the mutable structure to the compact Tetrahedralization.
 #include "common/base/pacer.hpp"
+#include "common/base/pages.hpp"
 #include "common/delaunay/incremental.hpp"
 
 namespace fracture {
@@ -13,6 +14,23 @@ Tetrahedralization IncrementalDelaunay::snapshot() const {
 }
 
 Tetrahedralization IncrementalDelaunay::snapshot(std::span<const SiteId> site_of_vertex) const {
+  return snapshot(site_of_vertex, [](TetId) {});
+}
+
+Tetrahedralization IncrementalDelaunay::take_snapshot(std::span<const SiteId> site_of_vertex) {
+  // A compact tetrahedron takes half of the memory: what was read makes room for what is written.
+  constexpr std::size_t kAtOnce = std::size_t{1} << 14;
+  std::size_t forgotten = 0;
+  return snapshot(site_of_vertex, [&](TetId read) {
+    if (read < forgotten + kAtOnce) return;
+    forget_pages(&tets_[forgotten], kAtOnce * sizeof(Tet));
+    forgotten += kAtOnce;
+  });
+}
+
+template <class AfterReading>
+Tetrahedralization IncrementalDelaunay::snapshot(std::span<const SiteId> site_of_vertex,
+                                                 const AfterReading& after_reading) const {
   const std::uint32_t sites = site_count();
   Pacer pacer(*options_.execution);
   Tetrahedralization result;
@@ -36,8 +54,10 @@ Tetrahedralization IncrementalDelaunay::snapshot(std::span<const SiteId> site_of
     result.tet_of_site[name[v]] = new_id(vertices_[v].tet);
   }
   result.tets.reserve(tet_count());
-  for (const Tet& t : tets_) {
+  for (const TetId read : ids<TetId>(tets_.size())) {
     pacer.step();
+    after_reading(read);
+    const Tet& t = tets_[read];
     if (t.v[0] == kNoVertex) continue;
     const auto neighbour = [&](int k) { return t.n[k] == kNoLink ? kNoTet : new_id(t.n[k].tet()); };
     result.tets.push_back({{name[t.v[0]], name[t.v[1]], name[t.v[2]], name[t.v[3]]},

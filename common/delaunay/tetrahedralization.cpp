@@ -69,7 +69,7 @@ Expected<KeptSites> keep_sites(std::span<const Vec3d> sites, const Box& box) {
   return kept;
 }
 
-Tetrahedralization numbered(const IncrementalDelaunay& delaunay, const KeptSites& sites,
+Tetrahedralization numbered(IncrementalDelaunay& delaunay, const KeptSites& sites,
                             const std::vector<TetVertexId>& vertex_of) {
   // Sites are numbered by the first point that stands for them.
   const auto count = static_cast<std::uint32_t>(sites.points.size());
@@ -77,7 +77,7 @@ Tetrahedralization numbered(const IncrementalDelaunay& delaunay, const KeptSites
   SiteId next{0};
   for (std::uint32_t i = 0; i < count; ++i)
     if (SiteId& site = site_of_vertex[vertex_of[i]]; site == kNoSite) site = next++;
-  Tetrahedralization result = delaunay.snapshot(site_of_vertex);
+  Tetrahedralization result = delaunay.take_snapshot(site_of_vertex);
   result.site_of_input.assign(sites.given, kNoSite);
   for (std::uint32_t i = 0; i < count; ++i)
     result.site_of_input[sites.input[i]] = site_of_vertex[vertex_of[i]];

@@ -145,6 +145,25 @@ TEST(IncrementalDelaunay, CanonicalNumberingDoesNotDependOnMethodOrHistory) {
   }
 }
 
+// More tetrahedra than are forgotten at once, and holes in their storage.
+TEST(IncrementalDelaunay, TheLastSnapshotIsLikeAnyOther) {
+  const std::vector<Vec3d> points = test::random_cube(20'000, 5);
+  IncrementalDelaunay delaunay(big_of(points));
+  std::vector<SiteId> site_of_vertex(4, kNoSite);
+  for (const Vec3d& p : points) {
+    delaunay.insert(p);
+    site_of_vertex.push_back(SiteId{site_of_vertex.size() - 4});
+  }
+  const Tetrahedralization copy = delaunay.snapshot(site_of_vertex), last = delaunay.take_snapshot(site_of_vertex);
+  EXPECT_EQ(copy.points, last.points);
+  EXPECT_EQ(copy.tet_of_site, last.tet_of_site);
+  ASSERT_EQ(copy.tets.size(), last.tets.size());
+  for (std::size_t i = 0; i < copy.tets.size(); ++i) {
+    ASSERT_EQ(copy.tets[i].v, last.tets[i].v) << i;
+    ASSERT_EQ(copy.tets[i].n, last.tets[i].n) << i;
+  }
+}
+
 // 10,000 operations in all, over every family; validate() after each, and now and then the set of tetrahedra
 // against one built from nothing.
 TEST(IncrementalDelaunay, RandomInsertionsAndRemovalsKeepItValidAndEqualToARebuild) {

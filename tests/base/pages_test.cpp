@@ -1,0 +1,39 @@
+#include "common/base/pages.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <vector>
+
+namespace fracture::test {
+namespace {
+
+/// Bytes of this process that are in memory.
+std::size_t resident() {
+  std::size_t all = 0, here = 0;
+  std::ifstream("/proc/self/statm") >> all >> here;
+  return here * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+}
+
+TEST(ForgetPages, GivesMemoryBackThatIsStillAllocated) {
+  constexpr std::size_t kSize = std::size_t{64} << 20;
+  std::vector<char> memory(kSize, 1);
+  const std::size_t before = resident();
+  forget_pages(memory.data() + 1, kSize - 2);
+  EXPECT_LT(resident() + 9 * kSize / 10, before);
+  EXPECT_EQ(memory.front(), 1) << "not all of its page is forgotten";
+  EXPECT_EQ(memory.back(), 1);
+  memory.assign(kSize, 2);
+  EXPECT_EQ(memory[kSize / 2], 2);
+}
+
+TEST(ForgetPages, LessThanAPageStays) {
+  std::vector<char> memory(1000, 1);
+  forget_pages(memory.data(), memory.size());
+  EXPECT_EQ(memory, std::vector<char>(1000, 1));
+  forget_pages(nullptr, 0);
+}
+
+}  // namespace
+}  // namespace fracture::test
