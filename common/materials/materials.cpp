@@ -7,23 +7,25 @@ namespace {
 
 // Restitution: solid spheres of these materials bounce with 0.5 to 0.9; shards land on edges and corners and
 // lose most of it. The values are a third of those of spheres, the order of materials is kept.
-// Rough cuts by eye (scripts/gallery). Glass parts smoothly; bricks part at their mortar planes, which are
-// flat.
+// Rough cuts by eye (scripts/gallery). Bricks part at their mortar planes, which are flat.
 std::vector<MaterialPreset> make_presets() {
   std::vector<MaterialPreset> presets;
 
+  // Cracks from the hit; what is thick parts in smooth waves (conchoidal fracture), which fade out in panes and walls.
   RadialPattern glass;
+  glass.around = RadialPattern::Around::kShape;
   presets.push_back(
       {"glass",
-       "A pane that was hit: radial cracks from the impact, staggered ring cracks.",
+       "Cracks from the impact: rings and spokes of a pane, long shards of a vessel, smooth waves in a lump.",
        glass,
        0,
        1,
-       {},
+       {0.08, 1.2, 1},
        {2500, 0.4, 0.25, 45e6},
        {"#cfe6dd", 0.3, 1, 0.05, 0},
        "EN 572-1 (soda-lime: 2500 kg/m3, bending strength 45 MPa); kinetic friction glass on glass 0.4 "
        "(CRC Handbook)",
+       std::nullopt,
        0.03});
 
   presets.push_back(
@@ -84,19 +86,30 @@ std::vector<MaterialPreset> make_presets() {
                      {2400, 0.5, 0.2, 35e6},
                      {"#e9dfd0", 0.25, 1, 0.6, 0},
                      "Porcelain: 2400 kg/m3, bending strength 35 to 70 MPa (IEC 60672-3, C 110 to C 120)",
+                     std::nullopt,
                      0.04});
 
   presets.push_back(
       {"metal",
-       "Long, torn pieces of even size.",
+       "Torn into strips and plates, with jagged edges; nothing bends.",
        UniformPattern{},
-       1,
-       2.5,
-       {0.02, 8, 1},
+       0,
+       4,
+       {0.03, 10, 2},
        {7850, 0.57, 0.2, 360e6},
        {"#b4b7bb", 0.3, 1.2, 0.3, 1},
        "EN 1991-1-1 (steel 78.5 kN/m3); S235: tensile strength 360 MPa (EN 10025-2); kinetic friction "
        "steel on steel 0.57 (CRC Handbook)"});
+
+  presets.push_back({"cast_iron",
+                     "Blocky pieces of even size with a grainy break.",
+                     UniformPattern{},
+                     1,
+                     1.5,
+                     {0.02, 8, 2},
+                     {7200, 0.5, 0.15, 200e6},
+                     {"#83868a", 0.2, 0.9, 0.6, 1},
+                     "EN 1561 (EN-GJL-200: tensile strength 200 MPa; 7200 kg/m3)"});
 
   ImpactPattern ice;
   ice.exponent = 1.8;
@@ -112,6 +125,51 @@ std::vector<MaterialPreset> make_presets() {
        {"#d8ecf5", 0.3, 1.1, 0.15, 0},
        "917 kg/m3 at 0 C (CRC Handbook); tensile strength 1.4 MPa at -10 C (Petrovic 2003); friction 0.02 "
        "to 0.1"});
+
+  presets.push_back(
+      {"plaster",
+       "Crumbling lumps between large pieces.",
+       concrete,
+       0,
+       1,
+       {0.05, 6, 2},
+       {1000, 0.6, 0.1, 1e6},
+       {"#ece8df", 0.3, 1, 0.95, 0},
+       "EN 13279-1 (gypsum plaster B1: flexural strength at least 1 MPa); about 1000 kg/m3 when dry"});
+
+  presets.push_back({"terracotta",
+                     "Curved shards of a pot, with a rough red biscuit inside.",
+                     ceramic,
+                     0,
+                     1,
+                     {0.02, 6, 2},
+                     {1900, 0.6, 0.15, 10e6},
+                     {"#b5653f", 0.35, 0.9, 0.9, 0},
+                     "Fired clay: 1800 to 2000 kg/m3 (EN 1991-1-1), bending strength about 10 MPa",
+                     std::nullopt,
+                     0.06});
+
+  presets.push_back({"sandstone",
+                     "Slabs along its bedding, with grainy faces.",
+                     UniformPattern{},
+                     1,
+                     0.5,
+                     {0.05, 8, 3},
+                     {2300, 0.65, 0.1, 4e6},
+                     {"#c8a878", 0.5, 0.9, 0.95, 0},
+                     "EN 1991-1-1 (sandstone 21 to 27 kN/m3); Brazilian tensile strength 2 to 6 MPa",
+                     Vec3d{0, 1, 0}});
+
+  presets.push_back({"crystal",
+                     "Clear prisms with flat faces, longer than wide.",
+                     UniformPattern{},
+                     3,
+                     2.5,
+                     {},
+                     {2650, 0.4, 0.3, 50e6},
+                     {"#dcd3f0", 0.4, 1.2, 0.05, 0},
+                     "Quartz: 2650 kg/m3 (CRC Handbook), tensile strength about 50 MPa",
+                     Vec3d{0, 1, 0}});
   return presets;
 }
 

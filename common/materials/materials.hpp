@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -41,12 +42,13 @@ struct MaterialPreset {
   const char* doc;  ///< one sentence for people
   SitePattern pattern;
   std::uint32_t lloyd;
-  double stretch;  ///< along the grain, which is that of each part (GrainOf::kPart)
+  double stretch;  ///< along the grain, which is that of each part (GrainOf::kPart) where there is no `grain`
   Roughness roughness;
   PhysicalProperties physical;
   CutLook look;
-  const char* source;         ///< of the physical figures
-  double shell_fraction = 0;  ///< of the longest side of a part that holds a ball of kLeastBall: its walls
+  const char* source;            ///< of the physical figures
+  std::optional<Vec3d> grain{};  ///< the same for all: how it lay in the ground, say
+  double shell_fraction = 0;     ///< of the longest side of a part that holds a ball of kLeastBall: its walls
 };
 
 std::span<const MaterialPreset> material_presets();

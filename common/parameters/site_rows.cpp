@@ -26,7 +26,9 @@ ParameterSpec material_row() {
     r.material = preset.name;
     r.fracture.pattern = preset.pattern;
     r.fracture.lloyd = preset.lloyd;
-    r.fracture.anisotropy = {.stretch = preset.stretch, .grain_of = GrainOf::kPart};
+    r.fracture.anisotropy = {.stretch = preset.stretch,
+                             .grain_of = preset.grain ? GrainOf::kSolid : GrainOf::kPart,
+                             .grain = preset.grain};
     r.fracture.roughness = preset.roughness;
     r.fracture.size.min_of_mean = kLeastOfMean;
     r.hollow = {.fraction = preset.shell_fraction, .least_ball = preset.shell_fraction > 0 ? kLeastBall : 0};
@@ -147,6 +149,10 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
     const Anisotropy& a = r.fracture.anisotropy;
     return a.stretch != 1 && !a.grain && !a.matrix && is_scattered(r.fracture.pattern);
   };
+  grain_of.set = [set = grain_of.set](RequestParameters& r, const ParameterSpec& s, const ParameterValue& value) {
+    r.fracture.anisotropy.grain.reset();  // in the place of a material's
+    set(r, s, value);
+  };
   rows.push_back(std::move(grain_of));
   ParameterSpec matrix = for_patterns(
       {},
@@ -188,7 +194,7 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .low = -kFar,
        .high = kFar,
        .doc = "Where it was hit, in the frame of the answer (y up). radial: the first is the centre. Without "
-              "it: the middle of the box."}));
+              "it: the middle of the box; of spokes in all directions the middle of its side towards +z."}));
   rows.push_back(with_pattern_member<&ImpactPattern::radius, &ClusteredPattern::radius>(
       {.name = "radius",
        .type = Type::kNumber,
@@ -219,18 +225,27 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .min = 1,
        .max = 10'000,
        .doc = "How many clusters. Without it: one for forty sites."}));
+  rows.push_back(with_pattern_member<&RadialPattern::around>(
+      {.name = "around",
+       .type = Type::kChoice,
+       .choices = {"axis", "point", "shape"},
+       .doc =
+           "What rings and spokes go around. axis: of a pane. point: spokes in all directions, through a vessel or a "
+           "lump. shape: an axis where one is given or the shortest side of the box is at most a fifth of the next "
+           "one, else a point."}));
   rows.push_back(with_pattern_member<&RadialPattern::axis>(
       {.name = "axis",
        .type = Type::kDirection,
        .low = -kFar,
        .high = kFar,
-       .doc = "What rings and spokes go around. Without it: the shortest side of the box."}));
+       .doc = "The axis that rings and spokes go around. Without it: the shortest side of the box."}));
   rows.push_back(
       with_pattern_member<&RadialPattern::spokes>({.name = "spokes",
                                                    .type = Type::kInteger,
                                                    .min = 3,
                                                    .max = 720,
-                                                   .doc = "Without it: as `sites` needs, at least 14."}));
+                                                   .doc = "Without it: as `sites` needs, at least 14; in all "
+                                                          "directions at least 6."}));
   rows.push_back(with_pattern_member<&RadialPattern::rings>({.name = "rings",
                                                              .type = Type::kInteger,
                                                              .min = 1,

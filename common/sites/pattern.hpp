@@ -46,11 +46,17 @@ struct ImpactPattern {
   friend bool operator==(const ImpactPattern&, const ImpactPattern&) = default;
 };
 
-/// Rings and spokes around an axis: a pane of glass that was hit. An aligned polar grid, so the cells'
-/// bisectors are exactly radial planes (between spokes) and chords across the spokes (between rings); see
-/// radial_sites.cpp.
+/// Rings and spokes around an axis: a pane of glass that was hit; or around a point: a vessel or a lump. An aligned
+/// polar grid, so the cells' bisectors are exactly radial planes (between spokes) and chords across the spokes (between
+/// rings); see radial_sites.cpp.
 struct RadialPattern {
-  std::vector<Vec3d> impacts{};  ///< the first one is the centre; empty: the middle of the box
+  enum class Around {
+    kAxis,
+    kPoint,  ///< spokes in all directions
+    kShape,  ///< an axis where one is given or the box is a plate's, else a point
+  };
+  Around around = Around::kAxis;
+  std::vector<Vec3d> impacts{};  ///< the first one is the centre; empty: the middle of the box, or of a side
   std::optional<Vec3d> axis{};   ///< none: along the shortest side of the box
   std::optional<std::uint32_t> spokes{}, rings{};  ///< none: as many as give about the asked number of pieces
   double growth = 1.35;  ///< each ring is so many times as wide as the one inside it, >= 1
@@ -108,7 +114,7 @@ inline constexpr PatternTraits kPatternTraits[] = {
     {"uniform", "Sites uniform in the volume of the solid.", true, true},
     {"points", "The sites are given by the caller.", false, true},
     {"impact", "Most sites near the impacts, their density falling with distance.", true, true},
-    {"radial", "Rings and spokes around an axis: a pane that was hit.", true, false},
+    {"radial", "Rings and spokes around an axis or a point: a pane or a vessel that was hit.", true, false},
     {"grid", "Boxes in rows.", true, false},
     {"brick", "Masonry: courses of bricks, each shifted against the one below.", true, false},
     {"slice", "One to three families of parallel planes.", true, false},

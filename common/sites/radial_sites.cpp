@@ -5,10 +5,15 @@
 // x·d_b = (r_k + r_k+1) / 2. A chord is tangential on its spoke and off by the angle from it elsewhere, at
 // most half the widest gap between spokes. The innermost "ring" is one site on the axis.
 //
+// Around a point spokes go in all directions, evenly spread (a spherical Fibonacci lattice: Swinbank & Purser 2006,
+// "Fibonacci grids"), and the same holds: cells are pyramids from the centre, cut across by planes. Of a vessel's wall
+// they make shards that are long where they point to the hit.
+//
 // A ring crack that goes all around looks drawn, not broken. So neighbouring cells of a spoke stay together
 // at random (`merge`), which leaves long shards and staggered ring cracks, and near the centre some pairs of
 // neighbouring spokes do, so that radial cracks begin at different distances.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "common/base/disjoint_sets.hpp"
@@ -33,16 +38,78 @@ Vec3d shortest_side(const Box& box) {
   return direction;
 }
 
-/// How far the box reaches from the axis through the centre.
-double reach_across(const Box& box, const Vec3d& center, const Across& frame) {
+/// A plate's shortest side is at most this much of the next one.
+constexpr double kPlate = 0.2;
+bool is_plate(const Box& box) {
+  const Vec3d size = box.size();
+  std::array<double, 3> sides{size.x, size.y, size.z};
+  std::sort(sides.begin(), sides.end());
+  return sides[0] <= kPlate * sides[1];
+}
+
+/// The largest distance(p) of the box's corners.
+template <class Distance>
+double reach(const Box& box, const Distance& distance) {
   double reach = 0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3d p{corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
-                  corner & 4 ? box.max.z : box.min.z};
-    const double x = dot(p - center, frame.u), y = dot(p - center, frame.v);
-    reach = std::fmax(reach, std::sqrt(x * x + y * y));
-  }
+  for (int corner = 0; corner < 8; ++corner)
+    reach = std::fmax(reach, distance({corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
+                                       corner & 4 ? box.max.z : box.min.z}));
   return reach;
+}
+
+/// The spokes' directions, how many rings there are, and how far they reach.
+struct Wheel {
+  Vec3d center;
+  std::vector<Vec3d> spokes;
+  std::uint32_t rings;
+  double reach;  ///< m
+};
+
+/// Of the radii of rings that grow outwards, each in the middle of its ring, or nearly.
+std::vector<double> radii(const RadialPattern& pattern, const Wheel& wheel, Random& random) {
+  std::vector<double> width(wheel.rings);
+  double sum = 0, w = 1;
+  for (double& ring : width) {
+    ring = w;
+    sum += w;
+    w = std::fmin(w * pattern.growth, 1e100);
+  }
+  std::vector<double> radius;
+  double inner = 0;
+  for (std::uint32_t k = 0; k < wheel.rings; ++k) {
+    const double wide = width[k] / sum * wheel.reach, off = (random.uniform() - 0.5) * 0.5 * pattern.jitter;
+    radius.push_back(k == 0 ? 0 : inner + (0.5 + off) * wide);
+    inner += wide;
+  }
+  return radius;
+}
+
+/// The sites, the innermost first, and the cells that stay together. `paired`: every other spoke does with the next, from
+/// the centre to somewhere.
+SitePlan plan_of(const RadialPattern& pattern, const Wheel& wheel, const std::vector<double>& radius,
+                 bool paired, Random& random, const Execution& execution) {
+  const auto spokes = static_cast<std::uint32_t>(wheel.spokes.size());
+  const std::uint32_t rings = wheel.rings;
+  Pacer pacer(execution);
+  SitePlan plan;
+  plan.points.push_back(wheel.center);
+  for (const Vec3d& direction : wheel.spokes) {
+    pacer.step(rings);
+    for (std::uint32_t k = 1; k < rings; ++k) plan.points.push_back(wheel.center + radius[k] * direction);
+  }
+  const auto at = [&](std::uint32_t b, std::uint32_t k) { return 1 + (b % spokes) * (rings - 1) + (k - 1); };
+  DisjointSets together(plan.points.size());
+  for (std::uint32_t b = 0; b < spokes; ++b) {
+    pacer.step(4 * rings);
+    for (std::uint32_t k = 2; k < rings; ++k)
+      if (random.uniform() < pattern.merge) together.unite(at(b, k - 1), at(b, k));
+  }
+  for (std::uint32_t b = 0; paired && b + 1 < spokes; b += 2) {
+    const double length = pattern.merge * random.uniform() * rings / 2;
+    for (std::uint32_t k = 1; k < rings && k < length; ++k) together.unite(at(b, k), at(b + 1, k));
+  }
+  for (std::uint32_t k = 0; k < plan.points.size(); ++k) plan.groups.push_back(together.find(k));
+  return plan;
 }
 
 }  // namespace
@@ -54,65 +121,58 @@ double expected_sites(const RadialPattern& pattern, double count, const Vec3d&) 
 }
 
 Expected<SitePlan> generate(const Task& task, const RadialPattern& pattern, const ImageMap& map) {
+  using Around = RadialPattern::Around;
   const Box& box = task.solid.box;
   const std::vector<Vec3d> impacts = mapped(pattern.impacts, map);
-  const Vec3d center = impacts.empty() ? box.center() : impacts[0];
-  const std::optional<Vec3d> axis =
-      map && pattern.axis ? map.of_part(0).matrix * *pattern.axis : pattern.axis;
-  const Across frame = across(axis.value_or(shortest_side(box)));
-  const double reach = reach_across(box, center, frame);
-
-  // About 0.7 of the cells of a disc around a square meet the square, and `merge` of those go.
-  const double cells = task.count / (0.7 * (1 - pattern.merge));
-  const auto spokes = pattern.spokes.value_or(static_cast<std::uint32_t>(
-      std::nearbyint(std::fmin(kMostSpokes, std::fmax(kLeastSpokes, std::sqrt(2 * cells))))));
-  const auto rings = pattern.rings.value_or(
-      static_cast<std::uint32_t>(std::nearbyint(std::fmin(1000, std::fmax(2, cells / spokes)))));
+  const bool around_point = pattern.around == Around::kPoint ||
+                            (pattern.around == Around::kShape && !pattern.axis && !is_plate(box));
+  // About 0.7 of the cells of a disc around a square meet the square, half of those around a point on a body meet the
+  // body, and `merge` of them go.
+  const double cells = task.count / ((around_point ? 0.5 : 0.7) * (1 - pattern.merge));
+  const auto count = [](const std::optional<std::uint32_t>& given, double wanted, double least, double most) {
+    return given.value_or(
+        static_cast<std::uint32_t>(std::nearbyint(std::fmin(most, std::fmax(least, wanted)))));
+  };
+  const std::uint32_t spokes =
+      around_point ? count(pattern.spokes, power(1 / std::fmax(1, cells), 1.0 / 3) * cells * 1.5, 6, 100'000)
+                   : count(pattern.spokes, std::sqrt(2 * cells), kLeastSpokes, kMostSpokes);
+  const std::uint32_t rings = count(pattern.rings, cells / spokes, 2, 1000);
   if (static_cast<double>(spokes) * rings > task.most_sites)
     return too_many_sites(task, static_cast<double>(spokes) * rings);
 
   Random random(task.seed ^ kRadialStream);
-  std::vector<double> width(rings);
-  double sum = 0, w = 1;
-  for (double& ring : width) {
-    ring = w;
-    sum += w;
-    w = std::fmin(w * pattern.growth, 1e100);
+  if (around_point) {
+    // Without an impact: the middle of the side that faces the viewer.
+    const Vec3d center = impacts.empty() ? box.center() + Vec3d{0, 0, 0.5 * box.size().z} : impacts[0];
+    Wheel wheel{center, {}, rings, reach(box, [&](const Vec3d& p) { return length(p - center); })};
+    const std::vector<double> radius = radii(pattern, wheel, random);
+    // A golden section of a turn further at each step.
+    constexpr double kGolden = 0.6180339887498949;
+    const double apart = std::sqrt(12.6 / spokes);  // between neighbours on the unit sphere, about
+    for (std::uint32_t b = 0; b < spokes; ++b) {
+      const double z = 1 - (2 * b + 1.0) / spokes, across = std::sqrt(std::fmax(0, 1 - z * z));
+      const double turns = b * kGolden;
+      const Vec2d d = unit_at(turns - std::floor(turns));
+      const Vec3d off = (0.5 * pattern.jitter * apart * random.uniform()) * random_direction(random);
+      wheel.spokes.push_back(normalized(Vec3d{across * d.x, z, across * d.y} + off));
+    }
+    return plan_of(pattern, wheel, radius, false, random, task.execution);
   }
-  std::vector<double> radius;
-  double inner = 0;
-  for (std::uint32_t k = 0; k < rings; ++k) {
-    const double wide = width[k] / sum * reach, off = (random.uniform() - 0.5) * 0.5 * pattern.jitter;
-    radius.push_back(k == 0 ? 0 : inner + (0.5 + off) * wide);
-    inner += wide;
-  }
-  std::vector<Vec3d> direction;
+
+  const Vec3d center = impacts.empty() ? box.center() : impacts[0];
+  const std::optional<Vec3d> axis =
+      map && pattern.axis ? map.of_part(0).matrix * *pattern.axis : pattern.axis;
+  const Across frame = across(axis.value_or(shortest_side(box)));
+  Wheel wheel{center, {}, rings, reach(box, [&](const Vec3d& p) {
+                const double x = dot(p - center, frame.u), y = dot(p - center, frame.v);
+                return std::sqrt(x * x + y * y);
+              })};
+  const std::vector<double> radius = radii(pattern, wheel, random);
   for (std::uint32_t b = 0; b < spokes; ++b) {
     const Vec2d d = unit_at((b + 0.6 * pattern.jitter * (random.uniform() - 0.5)) / spokes);
-    direction.push_back(d.x * frame.u + d.y * frame.v);
+    wheel.spokes.push_back(d.x * frame.u + d.y * frame.v);
   }
-
-  Pacer pacer(task.execution);
-  SitePlan plan;
-  plan.points.push_back(center);
-  for (std::uint32_t b = 0; b < spokes; ++b) {
-    pacer.step(rings);
-    for (std::uint32_t k = 1; k < rings; ++k) plan.points.push_back(center + radius[k] * direction[b]);
-  }
-
-  const auto at = [&](std::uint32_t b, std::uint32_t k) { return 1 + (b % spokes) * (rings - 1) + (k - 1); };
-  DisjointSets together(plan.points.size());
-  for (std::uint32_t b = 0; b < spokes; ++b) {
-    pacer.step(4 * rings);
-    for (std::uint32_t k = 2; k < rings; ++k)
-      if (random.uniform() < pattern.merge) together.unite(at(b, k - 1), at(b, k));
-  }
-  for (std::uint32_t b = 0; b + 1 < spokes; b += 2) {
-    const double length = pattern.merge * random.uniform() * rings / 2;
-    for (std::uint32_t k = 1; k < rings && k < length; ++k) together.unite(at(b, k), at(b + 1, k));
-  }
-  for (std::uint32_t k = 0; k < plan.points.size(); ++k) plan.groups.push_back(together.find(k));
-  return plan;
+  return plan_of(pattern, wheel, radius, true, random, task.execution);
 }
 
 }  // namespace fracture::sites_detail

@@ -8,7 +8,7 @@ NAMES = ("ana", "bob", "cyd")
 TOO_MUCH = {503, 504}  # with Retry-After, or in time: a busy server may always say so
 CORNERS = ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))
 QUADS = ((1, 4, 3, 2), (5, 6, 7, 8), (1, 2, 6, 5), (2, 3, 7, 6), (3, 4, 8, 7), (4, 1, 5, 8))
-MATERIALS = ("glass", "wood", "concrete", "stone", "brick", "ceramic", "metal", "ice")
+MATERIALS = ("glass", "wood", "concrete", "stone", "brick", "ceramic", "metal", "cast_iron", "ice", "plaster", "terracotta", "sandstone", "crystal")
 
 
 def box(number):

@@ -333,9 +333,15 @@ TEST(Parameters, AMaterialIsAPresetThatGivenParametersOverride) {
     ASSERT_TRUE(reparsed) << reparsed.error().detail;
     EXPECT_EQ(canonical_parameters(*reparsed), canonical);
   }
-  const auto other = table().parse({{"material", "metal"}, {"pattern", "radial"}, {"spokes", "20"}});
+  const auto bedded = table().parse({{"material", "sandstone"}});
+  ASSERT_TRUE(bedded);
+  EXPECT_EQ(bedded->fracture.anisotropy.grain, (Vec3d{0, 1, 0}));
+  const auto by_part = table().parse({{"material", "sandstone"}, {"grain_of", "part"}});
+  ASSERT_TRUE(by_part) << by_part.error().detail;
+  EXPECT_EQ(by_part->fracture.anisotropy, (Anisotropy{.stretch = 0.5, .grain_of = GrainOf::kPart}));
+  const auto other = table().parse({{"material", "cast_iron"}, {"pattern", "radial"}, {"spokes", "20"}});
   ASSERT_TRUE(other) << other.error().detail;
-  EXPECT_EQ(other->physical.density, 7850);
+  EXPECT_EQ(other->physical.density, 7200);
   EXPECT_EQ(other->fracture.lloyd, 0u) << "relaxation belongs to the preset's own pattern";
   EXPECT_EQ(std::get<RadialPattern>(other->fracture.pattern).spokes, 20u);
 }
@@ -370,7 +376,7 @@ TEST(Parameters, TheCatalogueDescribesEveryPatternAndMaterial) {
     if (spec.decides != Decides::kSolid) {
       EXPECT_EQ(named.count(spec.name), 1u) << spec.name;
     }
-  ASSERT_EQ(catalogue.at("materials").size(), 8u);
+  ASSERT_EQ(catalogue.at("materials").size(), 13u);
   for (const auto& material : catalogue.at("materials")) {
     std::vector<RawParameter> given;
     for (const auto& [name, value] : material.at("parameters").items()) given.push_back({name, value, false});
