@@ -1,6 +1,7 @@
 #include "common/solid/edges.hpp"
 
 #include <algorithm>
+#include <atomic>
 
 #include "common/solid/polled.hpp"
 
@@ -44,54 +45,102 @@ EdgeTable::EdgeTable(const Surface& surface, const Execution& execution)
   });
 }
 
-bool pair_closed_manifold(Surface& surface, const Execution& execution) {
-  struct Edge {
-    VertexId high;
-    std::uint32_t next;   // the next edge of the same lower vertex
-    std::uint32_t first;  // half-edge << 1 | backward of the first use; kNoIndex once the second is there
-  };
-  const std::size_t half_edges = 3 * surface.triangles.size();
-  std::vector<std::uint32_t> edge_of =
-      filled(execution, surface.positions.size(), kNoIndex);  // by lower vertex
-  std::vector<Edge> edges;
-  edges.reserve(half_edges / 2);
-  surface.twin = filled<HalfEdge>(execution, half_edges, 0);
-  // A vertex with very many edges is left to the sorted table.
-  std::size_t steps_left = 16 * half_edges + 1024, open = 0;
-  HalfEdge h = 0;
-  Pacer pacer(execution);
-  for (const Triangle& t : surface.triangles) {
-    pacer.step();
-    for (int k = 0; k < 3; ++k, ++h) {
-      const VertexId u = t[k], v = t[k == 2 ? 0 : k + 1];
-      const VertexId low = std::min(u, v), high = std::max(u, v);
-      const std::uint32_t use = h << 1 | (u > v ? 1u : 0u);
-      std::uint32_t e = edge_of[low];
-      while (e != kNoIndex && edges[e].high != high) {
-        e = edges[e].next;
-        if (--steps_left == 0) return false;
-        pacer.step();
+namespace {
+
+/// Pairs the half-edges of the edges whose lower vertex is one of a range. Each such vertex has a chain of the
+/// first uses of its edges, through `twin` itself: that of a first use holds kFirst, the next one's half-edge,
+/// and kPaired once the second use is there, whose twin is the first use already.
+class ChainedEdges {
+ public:
+  static constexpr std::uint32_t kFirst = 1u << 31, kPaired = 1u << 30, kEnd = kPaired - 1;
+
+  /// `chains`: per vertex the last of its chain, kEnd where there is none yet.
+  ChainedEdges(Surface& surface, std::vector<HalfEdge>& chains) : surface_(surface), chains_(chains) {}
+
+  /// Returns false where an edge of the range is not used exactly twice in opposite directions, or a vertex
+  /// has too many edges.
+  bool pair(VertexId begin, VertexId end, const Execution& execution) {
+    // A vertex with very many edges is left to the sorted table.
+    std::size_t steps_left = 16 * surface_.twin.size() + 1024, open = 0;
+    Pacer pacer(execution);
+    HalfEdge h = 0;
+    for (const Triangle& t : surface_.triangles) {
+      pacer.step();
+      for (int k = 0; k < 3; ++k, ++h) {
+        const VertexId u = t[k], v = t[k == 2 ? 0 : k + 1];
+        const VertexId low = std::min(u, v), high = std::max(u, v);
+        if (low < begin || low >= end) continue;
+        HalfEdge first = chains_[low];
+        Ends use{};
+        for (; first != kEnd; first = surface_.twin[first] & kEnd) {
+          use = ends(first);
+          if ((use.from == low ? use.to : use.from) == high) break;
+          if (--steps_left == 0) return false;
+          pacer.step();
+        }
+        if (first == kEnd) {
+          surface_.twin[h] = kFirst | chains_[low];
+          chains_[low] = h;
+          ++open;
+          continue;
+        }
+        if ((surface_.twin[first] & kPaired) != 0 || use.from == u) return false;
+        surface_.twin[first] |= kPaired;
+        surface_.twin[h] = first;
+        --open;
       }
-      if (e == kNoIndex) {
-        if (2 * edges.size() == half_edges) return false;
-        edges.push_back({high, edge_of[low], use});
-        edge_of[low] = static_cast<std::uint32_t>(edges.size() - 1);
-        ++open;
-        continue;
-      }
-      const std::uint32_t first = edges[e].first;
-      if (first == kNoIndex || ((first ^ use) & 1) == 0) return false;
-      edges[e].first = kNoIndex;
-      surface.twin[h] = first >> 1;
-      surface.twin[first >> 1] = h;
-      --open;
     }
+    return open == 0;
   }
-  return open == 0;
+
+ private:
+  struct Ends {
+    VertexId from, to;
+  };
+  Ends ends(HalfEdge h) const {
+    const std::uint32_t t = h / 3, k = h - 3 * t;
+    const Triangle& corners = surface_.triangles[t];
+    return {corners[k], corners[k == 2 ? 0 : k + 1]};
+  }
+
+  Surface& surface_;
+  std::vector<HalfEdge>& chains_;
+};
+
+/// Each range of vertices is a reading of all triangles.
+constexpr std::size_t kMostRanges = 8, kRangeVertices = 16384;
+
+}  // namespace
+
+bool pair_closed_manifold(Surface& surface, const Execution& execution) {
+  const std::size_t half_edges = 3 * surface.triangles.size(), vertices = surface.positions.size();
+  if (half_edges >= ChainedEdges::kEnd) return false;
+  std::vector<HalfEdge> chains = filled(execution, vertices, HalfEdge{ChainedEdges::kEnd});
+  if (surface.twin.size() != half_edges)
+    surface.twin.of_triangle = filled(execution, surface.triangles.size(), kThreeOpen);
+  // An edge is of one range, so the ranges share nothing but what they read.
+  const std::size_t ranges = std::min(
+      {static_cast<std::size_t>(std::max(1, execution.threads)), kMostRanges, 1 + vertices / kRangeVertices});
+  std::atomic<bool> paired{true};
+  parallel_for(execution, ranges, 1, [&](std::size_t range, std::size_t) {
+    const VertexId begin{range * vertices / ranges}, end{(range + 1) * vertices / ranges};
+    if (!ChainedEdges(surface, chains).pair(begin, end, execution)) paired = false;
+  });
+  if (!paired) return false;
+  // A first use may be told of its second one while another thread asks what it is: either answer will do,
+  // since the second use has its twin.
+  parallel_for(execution, half_edges, 65536, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t h = begin; h < end; ++h) {
+      const HalfEdge first = std::atomic_ref(surface.twin[h]).load(std::memory_order_relaxed);
+      if ((first & ChainedEdges::kFirst) == 0)
+        std::atomic_ref(surface.twin[first]).store(static_cast<HalfEdge>(h), std::memory_order_relaxed);
+    }
+  });
+  return true;
 }
 
 bool pair_clean_edges(Surface& surface, const EdgeTable& edges, const Execution& execution) {
-  surface.twin = filled(execution, 3 * surface.triangles.size(), kNoIndex);
+  surface.twin.of_triangle = filled(execution, surface.triangles.size(), kThreeOpen);
   bool all = true;
   edges.for_each(execution, [&](VertexId, VertexId, std::span<const EdgeUse> uses) {
     if (uses.size() == 2 && uses[0].backward() != uses[1].backward()) {

@@ -47,9 +47,10 @@ class EdgeTable {
   std::vector<EdgeUse> uses_;
 };
 
-/// The fast path: glues a surface whose every edge is used exactly twice in opposite directions, in one pass
-/// over chained lists of edges per vertex. Returns false, with the twins undefined, when the surface is not
-/// such a one (or a vertex has so many edges that the lists would cost more than sorting).
+/// The fast path: glues a surface whose every edge is used exactly twice in opposite directions, by chained
+/// lists of edges per vertex; each thread has the edges of its own vertices. Returns false, with the twins
+/// undefined, when the surface is not such a one (or a vertex has so many edges that the lists would cost more
+/// than sorting).
 bool pair_closed_manifold(Surface& surface, const Execution& execution);
 
 /// Glues every edge that is used exactly twice in opposite directions and leaves the others open. Returns

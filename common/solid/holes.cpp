@@ -37,9 +37,9 @@ void glue_in(Surface& surface, const std::vector<HalfEdge>& loop, const std::vec
     surface.triangles.push_back({surface.to(loop[t[0]]), surface.to(loop[t[1]]), surface.to(loop[t[2]])});
     surface.source.push_back(kNoIndex);
     if (!surface.flipped.empty()) surface.flipped.push_back(0);
+    surface.twin.of_triangle.push_back(kThreeOpen);
     for (std::uint32_t k = 0; k < 3; ++k) {
       const std::uint32_t i = t[k], j = t[(k + 1) % 3];
-      surface.twin.push_back(kNoIndex);
       if (j == (i + 1 == count ? 0 : i + 1)) {
         surface.twin[first + k] = loop[i];
         surface.twin[loop[i]] = first + k;
@@ -69,7 +69,7 @@ void grow_for_fills(Surface& surface, const Execution& execution) {
   make_room(execution, surface.triangles, open);
   make_room(execution, surface.source, open);
   if (!surface.flipped.empty()) make_room(execution, surface.flipped, open);
-  make_room(execution, surface.twin, 3 * open);
+  make_room(execution, surface.twin.of_triangle, open);
 }
 
 }  // namespace

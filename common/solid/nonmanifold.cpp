@@ -1,6 +1,7 @@
 #include "common/solid/nonmanifold.hpp"
 
 #include <algorithm>
+#include <atomic>
 
 #include "common/base/pacer.hpp"
 #include "common/solid/float_predicates.hpp"
@@ -209,7 +210,44 @@ std::size_t pair_nonmanifold_edges(Surface& surface, const EdgeTable& edges, con
   return nonmanifold;
 }
 
+namespace {
+
+/// Whether every vertex has one fan of triangles, and that closed: then the fans around one corner of each
+/// vertex have all corners.
+bool have_one_fan_each(const Surface& surface, const Execution& execution) {
+  constexpr std::size_t kAtOnce = 16384;
+  // Per vertex: a half-edge that leaves it. Of several, which thread was the last does not matter.
+  std::vector<HalfEdge> leaving = filled(execution, surface.positions.size(), kNoIndex);
+  parallel_for(execution, surface.triangles.size(), kAtOnce, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t)
+      for (HalfEdge k = 0; k < 3; ++k)
+        std::atomic_ref(leaving[surface.triangles[t][k]])
+            .store(static_cast<HalfEdge>(3 * t + k), std::memory_order_relaxed);
+  });
+  std::atomic<std::size_t> corners{0};
+  parallel_for(execution, leaving.size(), kAtOnce, [&](std::size_t begin, std::size_t end) {
+    Pacer pacer(execution);
+    std::size_t mine = 0;
+    for (std::size_t v = begin; v < end; ++v) {
+      const HalfEdge start = leaving[v];
+      if (start == kNoIndex) continue;
+      HalfEdge h = start;
+      do {
+        pacer.step();
+        ++mine;
+        h = surface.twin[previous(h)];
+      } while (h != kNoIndex && h != start);
+      if (h == kNoIndex) return;  // its corners are missing in the sum
+    }
+    corners += mine;
+  });
+  return corners == 3 * surface.triangles.size();
+}
+
+}  // namespace
+
 std::size_t split_umbrellas(Surface& surface, const Execution& execution) {
+  if (have_one_fan_each(surface, execution)) return 0;
   const std::size_t original = surface.positions.size();
   std::vector<std::uint8_t> corner_done = filled<std::uint8_t>(execution, 3 * surface.triangles.size(), 0),
                             vertex_seen = filled<std::uint8_t>(execution, original, 0);

@@ -105,7 +105,7 @@ void group_by_part(Surface& surface, Shells& shells, const std::vector<std::uint
   Surface moved;
   moved.triangles = filled(execution, order.kept, Triangle{});
   moved.source = filled<std::uint32_t>(execution, order.kept, 0);
-  moved.twin = filled<HalfEdge>(execution, std::size_t{3} * order.kept, 0);
+  moved.twin.of_triangle = filled(execution, order.kept, kThreeOpen);
   if (!surface.flipped.empty()) moved.flipped = filled<std::uint8_t>(execution, order.kept, 0);
   std::vector<std::uint32_t> shell = filled<std::uint32_t>(execution, order.kept, 0);
   for_each_polled(execution, order.place_of.size(), [&](std::size_t t) {
@@ -146,38 +146,83 @@ void drop_unused_vertices(Surface& surface, const Execution& execution) {
   });
 }
 
-void write_out(const Mesh& mesh, Surface& surface, Shells& shells,
-               const std::vector<std::uint32_t>& part_of_shell, const std::vector<std::uint32_t>& new_shell,
-               Solid& solid, const Execution& execution) {
-  const std::size_t count = surface.triangles.size();
-  solid.wedges = filled(execution, count, std::array{kNoIndex, kNoIndex, kNoIndex});
-  solid.material = filled(execution, count, kInteriorMaterial);
-  solid.edges = filled(execution, count, std::array<std::uint32_t, 3>{});
-  solid.part = filled<std::uint32_t>(execution, count, 0);
-  solid.edge_vertices.reserve(3 * count / 2);
-  for_each_polled(execution, count, [&](std::size_t t) {
-    solid.part[t] = part_of_shell[shells.of_triangle[t]];
-    shells.of_triangle[t] = new_shell[shells.of_triangle[t]];
-    const std::uint32_t source = surface.source[t];
-    if (source != kNoIndex) {
-      solid.wedges[t] = mesh.triangles[source];
-      if (!surface.flipped.empty() && surface.flipped[t]) std::swap(solid.wedges[t][1], solid.wedges[t][2]);
-      solid.material[t] = source < mesh.material.size() ? mesh.material[source] : kNoIndex;
-    }
-    for (auto h = static_cast<HalfEdge>(3 * t); h < 3 * t + 3; ++h) {
-      const HalfEdge twin = surface.twin[h];
-      if (twin < h) {
-        solid.edges[t][h - 3 * t] = solid.edges[twin / 3][twin % 3];
+namespace {
+
+/// Triangles whose entries are made at once: they are written while what clears them is still in the cache.
+constexpr std::size_t kEntriesAtOnce = 16384;
+
+/// Makes the arrays as long as the triangles, and calls body(t) for each once its entries are there.
+template <class Body, class... Arrays>
+void fill_by_triangle(std::size_t count, const Execution& execution, const Body& body, Arrays&... arrays) {
+  (arrays.reserve(count), ...);
+  for (std::size_t begin = 0; begin < count; begin += kEntriesAtOnce) {
+    execution.poll();
+    const std::size_t end = std::min(count, begin + kEntriesAtOnce);
+    (arrays.resize(end), ...);
+    for (std::size_t t = begin; t < end; ++t) body(t);
+  }
+}
+
+/// Twins become numbers of edges in their own place: a later one is not yet a number, an earlier one is.
+void number_edges(Surface& surface, Solid& solid, const Execution& execution) {
+  solid.edge_vertices.reserve(surface.twin.size() / 2);
+  for_each_polled(execution, surface.triangles.size(), [&](std::size_t t) {
+    const Triangle& corners = surface.triangles[t];
+    for (std::size_t k = 0; k < 3; ++k) {
+      HalfEdge& number = surface.twin.of_triangle[t][k];
+      if (number < 3 * t + k) {
+        number = surface.twin[number];
         continue;
       }
-      const VertexId a = surface.from(h), b = surface.to(h);
-      solid.edges[t][h - 3 * t] = static_cast<std::uint32_t>(solid.edge_vertices.size());
+      const VertexId a = corners[k], b = corners[k == 2 ? 0 : k + 1];
+      number = static_cast<std::uint32_t>(solid.edge_vertices.size());
       solid.edge_vertices.push_back({std::min(a, b), std::max(a, b)});
     }
   });
+  solid.edges = std::move(surface.twin.of_triangle);
+}
+
+void copy_source(const Mesh& mesh, const Surface& surface, Solid& solid, const Execution& execution) {
+  fill_by_triangle(
+      surface.triangles.size(), execution,
+      [&](std::size_t t) {
+        const std::uint32_t source = surface.source[t];
+        if (source == kNoIndex) {
+          solid.wedges[t] = {kNoIndex, kNoIndex, kNoIndex};
+          solid.material[t] = kInteriorMaterial;
+          return;
+        }
+        solid.wedges[t] = mesh.triangles[source];
+        if (!surface.flipped.empty() && surface.flipped[t]) std::swap(solid.wedges[t][1], solid.wedges[t][2]);
+        solid.material[t] = source < mesh.material.size() ? mesh.material[source] : kNoIndex;
+      },
+      solid.wedges, solid.material);
+}
+
+void write_parts(const std::vector<std::uint32_t>& part_of_shell, const std::vector<std::uint32_t>& new_shell,
+                 Shells& shells, Solid& solid, const Execution& execution) {
+  fill_by_triangle(
+      shells.of_triangle.size(), execution,
+      [&](std::size_t t) {
+        solid.part[t] = part_of_shell[shells.of_triangle[t]];
+        shells.of_triangle[t] = new_shell[shells.of_triangle[t]];
+      },
+      solid.part);
+  solid.shell = std::move(shells.of_triangle);
+}
+
+}  // namespace
+
+void write_out(const Mesh& mesh, Surface& surface, Shells& shells,
+               const std::vector<std::uint32_t>& part_of_shell, const std::vector<std::uint32_t>& new_shell,
+               Solid& solid, const Execution& execution) {
+  // The longest first. Most of their time the system hands out memory.
+  side_by_side(
+      execution, surface.triangles.size(), [&] { number_edges(surface, solid, execution); },
+      [&] { copy_source(mesh, surface, solid, execution); },
+      [&] { write_parts(part_of_shell, new_shell, shells, solid, execution); });
   solid.positions = std::move(surface.positions);
   solid.triangles = std::move(surface.triangles);
-  solid.shell = std::move(shells.of_triangle);
 }
 
 }  // namespace fracture::solid_detail

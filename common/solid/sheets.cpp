@@ -177,7 +177,7 @@ class Thickener {
     surface_.triangles.push_back(triangle);
     surface_.source.push_back(source);
     if (!surface_.flipped.empty()) surface_.flipped.push_back(flipped);
-    surface_.twin.resize(surface_.twin.size() + 3, kNoIndex);
+    surface_.twin.of_triangle.push_back(kThreeOpen);
     return TriangleId{surface_.triangles.size() - 1};
   }
   void glue(HalfEdge a, HalfEdge b) {
@@ -212,7 +212,7 @@ class Thickener {
     make_room(execution_, surface_.triangles, more);
     make_room(execution_, surface_.source, more);
     if (!surface_.flipped.empty()) make_room(execution_, surface_.flipped, more);
-    make_room(execution_, surface_.twin, 3 * more);
+    make_room(execution_, surface_.twin.of_triangle, more);
 
     std::vector<TriangleId> back(front.size());
     for (std::size_t i = 0; i < front.size(); ++i) {
@@ -355,7 +355,7 @@ std::size_t thicken_sheets(Surface& surface, const Shells& shells, double thickn
   surface.triangles.resize(kept);
   surface.source.resize(kept);
   if (!surface.flipped.empty()) surface.flipped.resize(kept);
-  surface.twin.resize(3 * static_cast<std::size_t>(kept));
+  surface.twin.of_triangle.resize(kept);
   std::size_t fills_kept = 0;
   for (const TriangleId fill : fills)
     if (place_of[fill] != kNoTriangle) fills[fills_kept++] = place_of[fill];

@@ -1,5 +1,7 @@
 #include "common/solid/shells.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "common/base/pacer.hpp"
@@ -49,62 +51,147 @@ void refine_volumes(const Surface& surface, const std::vector<std::uint32_t>& ca
   }
 }
 
+/// Union-find over the triangles (Tarjan 1975, path halving): the root of a set is its lowest member.
+std::uint32_t root_of(std::vector<std::uint32_t>& up, std::uint32_t t) {
+  while (up[t] != t) t = up[t] = up[up[t]];
+  return t;
+}
+void unite(std::vector<std::uint32_t>& up, std::uint32_t s, std::uint32_t t) {
+  if (up[s] == up[t]) return;  // mostly
+  s = root_of(up, s);
+  t = root_of(up, t);
+  up[std::max(s, t)] = std::min(s, t);
+}
+
+/// Per triangle, the shell that it is of. `first`: of each shell, the lowest triangle.
+std::vector<std::uint32_t> number_by_lowest(const Surface& surface, std::vector<TriangleId>& first,
+                                            const Execution& execution) {
+  // Blocks of triangles first, each by itself; then the edges from a block to one before it.
+  constexpr std::size_t kAtOnce = 32768;
+  const std::size_t count = surface.triangles.size();
+  std::vector<std::uint32_t> up = filled(execution, count, kNoIndex);
+  std::vector<std::vector<HalfEdge>> between((count + kAtOnce - 1) / kAtOnce);
+  parallel_for(execution, count, kAtOnce, [&](std::size_t begin, std::size_t end) {
+    std::vector<HalfEdge>& leaves = between[begin / kAtOnce];
+    for (std::size_t t = begin; t < end; ++t) {
+      up[t] = static_cast<std::uint32_t>(t);
+      for (std::size_t h = 3 * t; h < 3 * t + 3; ++h) {
+        const TriangleId neighbour = triangle_of(surface.twin[h]);
+        if (neighbour >= t) continue;
+        if (neighbour >= begin)
+          unite(up, neighbour, static_cast<std::uint32_t>(t));
+        else
+          leaves.push_back(static_cast<HalfEdge>(h));
+      }
+    }
+  });
+  Pacer pacer(execution);
+  for (std::vector<HalfEdge>& leaves : between) {
+    for (const HalfEdge h : leaves) {
+      pacer.step();
+      unite(up, triangle_of(surface.twin[h]), triangle_of(h));
+    }
+    leaves = {};
+  }
+  // What a triangle hangs on is lower, and has its shell already.
+  pacer.each(0, count, [&](std::size_t t) {
+    if (up[t] != t) {
+      up[t] = up[up[t]];
+      return;
+    }
+    up[t] = static_cast<std::uint32_t>(first.size());
+    first.push_back(TriangleId{t});
+  });
+  return up;
+}
+
+/// What a triangle adds to the figures of its shell.
+struct Terms {
+  double volume;    ///< six times the tetrahedron (origin, a, b, c)
+  double area;      ///< twice
+  double products;  ///< of the lengths of two edges
+};
+
+/// Triangles of one shell that follow each other, as they mostly do.
+struct Run {
+  std::uint32_t shell, triangles;
+  Box box;
+};
+
+/// Triangles whose terms are computed at once, and how many of them by one thread.
+constexpr std::size_t kTermsAtOnce = 65536, kTermsOfOneThread = 8192;
+
+/// Computes the terms of the triangles [begin, end), and which runs they are.
+void compute_terms(const Surface& surface, const Shells& shells, std::size_t begin, std::size_t end,
+                   Terms* terms, std::vector<Run>& runs) {
+  runs.clear();
+  for (std::size_t t = begin; t < end;) {
+    Run run{shells.of_triangle[t], 0, {}};
+    const Vec3d origin = origin_of(surface, shells.list[run.shell]);
+    for (; t < end && shells.of_triangle[t] == run.shell; ++t, ++run.triangles) {
+      const Triangle& corners = surface.triangles[t];
+      const Vec3d a = to_double(surface.positions[corners[0]]), b = to_double(surface.positions[corners[1]]),
+                  c = to_double(surface.positions[corners[2]]);
+      run.box.add(a);
+      run.box.add(b);
+      run.box.add(c);
+      const Vec3d ab = b - a, ac = c - a, normal = cross(ab, ac);
+      *terms++ = {dot(a - origin, normal), length(normal), exact::max_norm(ab) * exact::max_norm(ac)};
+    }
+    runs.push_back(run);
+  }
+}
+
+/// Sums what the triangles add to their shells: along each run that no other shell interrupts, and these, in
+/// the order of the triangles, whichever threads computed it.
+void sum_figures(const Surface& surface, Shells& shells, std::vector<double>& edge_products,
+                 const Execution& execution) {
+  const std::size_t count = surface.triangles.size();
+  std::vector<Terms> terms(std::min(count, kTermsAtOnce));
+  std::array<std::vector<Run>, kTermsAtOnce / kTermsOfOneThread> runs;
+  std::uint32_t shell = kNoIndex;  // whose run it is
+  Terms sum{};
+  const auto finish_run = [&] {
+    if (shell == kNoIndex) return;
+    shells.list[shell].volume += sum.volume;
+    shells.list[shell].area += sum.area;
+    edge_products[shell] += sum.products;
+    sum = {};
+  };
+  for (std::size_t from = 0; from < count; from += kTermsAtOnce) {
+    const std::size_t now = std::min(count - from, kTermsAtOnce);
+    parallel_for(execution, now, kTermsOfOneThread, [&](std::size_t begin, std::size_t end) {
+      compute_terms(surface, shells, from + begin, from + end, terms.data() + begin,
+                    runs[begin / kTermsOfOneThread]);
+    });
+    const Terms* term = terms.data();
+    for (std::size_t block = 0; block * kTermsOfOneThread < now; ++block)
+      for (const Run& run : runs[block]) {
+        if (run.shell != shell) finish_run();
+        shell = run.shell;
+        shells.list[shell].triangles += run.triangles;
+        shells.list[shell].box.add(run.box);
+        for (const Terms* const end = term + run.triangles; term < end; ++term) {
+          sum.volume += term->volume;
+          sum.area += term->area;
+          sum.products += term->products;
+        }
+      }
+  }
+  finish_run();
+}
+
 }  // namespace
 
 Shells find_shells(const Surface& surface, const Execution& execution) {
   Shells shells;
-  shells.of_triangle = filled(execution, surface.triangles.size(), kNoIndex);
-  Pacer pacer(execution);
-  std::vector<TriangleId> stack, first;
-  for (const TriangleId seed : ids<TriangleId>(surface.triangles.size())) {
-    if (seed % 65536 == 0) execution.poll();
-    if (shells.of_triangle[seed] != kNoIndex) continue;
-    const auto id = static_cast<std::uint32_t>(first.size());
-    first.push_back(seed);
-    stack.assign(1, seed);
-    shells.of_triangle[seed] = id;
-    while (!stack.empty()) {
-      const TriangleId t = stack.back();
-      stack.pop_back();
-      pacer.step();
-      for (HalfEdge h = 3 * t; h < 3 * t + 3; ++h) {
-        const TriangleId neighbour = triangle_of(surface.twin[h]);
-        if (shells.of_triangle[neighbour] != kNoIndex) continue;
-        shells.of_triangle[neighbour] = id;
-        stack.push_back(neighbour);
-      }
-    }
-  }
+  std::vector<TriangleId> first;
+  shells.of_triangle = number_by_lowest(surface, first, execution);
   shells.list = filled(execution, first.size(), Shell{});
   std::vector<double> edge_products = filled(execution, first.size(), 0.0);
   for_each_polled(execution, first.size(), [&](std::size_t s) { shells.list[s].first = first[s]; });
-  for (TriangleId t{0}; t < surface.triangles.size();) {
-    const std::uint32_t id = shells.of_triangle[t];
-    Shell& shell = shells.list[id];
-    const Vec3d origin = origin_of(surface, shell);
-    // Triangles of one shell come in long runs: its sums stay in registers.
-    const TriangleId begin = t;
-    Box box;
-    double volume = 0, area = 0, products = 0;
-    for (; t < surface.triangles.size() && shells.of_triangle[t] == id; ++t) {
-      pacer.step();
-      const Triangle& corners = surface.triangles[t];
-      const Vec3d a = to_double(surface.positions[corners[0]]), b = to_double(surface.positions[corners[1]]),
-                  c = to_double(surface.positions[corners[2]]);
-      box.add(a);
-      box.add(b);
-      box.add(c);
-      const Vec3d ab = b - a, ac = c - a, normal = cross(ab, ac);
-      volume += dot(a - origin, normal);  // six times the tetrahedron (origin, a, b, c)
-      area += length(normal);
-      products += exact::max_norm(ab) * exact::max_norm(ac);
-    }
-    shell.triangles += t - begin;
-    shell.box.add(box);
-    shell.volume += volume;
-    shell.area += area;
-    edge_products[id] += products;
-  }
+  sum_figures(surface, shells, edge_products, execution);
+  Pacer pacer(execution);
   std::vector<std::uint32_t> cancelling;
   for (Shell& shell : shells.list) {
     pacer.step();

@@ -16,7 +16,7 @@ void Surface::remove(const std::vector<std::uint8_t>& doomed, const Execution& e
   triangles.resize(kept);
   source.resize(kept);
   if (!flipped.empty()) flipped.resize(kept);
-  twin.clear();
+  twin.of_triangle.clear();
 }
 
 }  // namespace fracture::solid_detail

@@ -25,13 +25,28 @@ inline TriangleId triangle_of(HalfEdge h) { return TriangleId{h / 3}; }
 inline HalfEdge next(HalfEdge h) { return h % 3 == 2 ? h - 2 : h + 1; }
 inline HalfEdge previous(HalfEdge h) { return h % 3 == 0 ? h + 2 : h - 1; }
 
+/// A number for each half-edge, those of a triangle together.
+struct HalfEdgeArray {
+  std::vector<std::array<HalfEdge, 3>> of_triangle;
+
+  static_assert(sizeof(std::array<HalfEdge, 3>) == 3 * sizeof(HalfEdge));
+  std::size_t size() const { return 3 * of_triangle.size(); }
+  HalfEdge& operator[](std::size_t h) { return reinterpret_cast<HalfEdge*>(of_triangle.data())[h]; }
+  HalfEdge operator[](std::size_t h) const {
+    return reinterpret_cast<const HalfEdge*>(of_triangle.data())[h];
+  }
+  bool operator==(const HalfEdgeArray&) const = default;
+};
+/// What three half-edges have that are glued to nothing.
+inline constexpr std::array<HalfEdge, 3> kThreeOpen{kNoIndex, kNoIndex, kNoIndex};
+
 struct Surface {
   std::vector<Vec3f> positions;
   std::vector<Triangle> triangles;
   std::vector<std::uint32_t> source;  ///< per triangle: the source triangle, kNoIndex for filled ones
   std::vector<std::uint8_t>
-      flipped;  ///< per triangle, empty when none is: corners 1 and 2 are swapped against the source
-  std::vector<HalfEdge> twin;  ///< per half-edge: the opposite half-edge it is glued to, kNoIndex when open
+      flipped;         ///< per triangle, empty when none is: corners 1 and 2 are swapped against the source
+  HalfEdgeArray twin;  ///< per half-edge: the opposite half-edge it is glued to, kNoIndex when open
 
   VertexId from(HalfEdge h) const { return triangles[h / 3][h % 3]; }
   VertexId to(HalfEdge h) const { return triangles[h / 3][(h % 3 + 1) % 3]; }

@@ -1,91 +1,26 @@
 #include "common/solid/weld.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <random>
+#include <memory>
 
-#include "common/base/pacer.hpp"
 #include "common/solid/near_points.hpp"
 #include "common/solid/polled.hpp"
+#include "common/solid/same_positions.hpp"
 
 namespace fracture::solid_detail {
 namespace {
 
-/// Where positions stand in a hash table: the folded product of two keyed halves. The keys are drawn once for
-/// each process, so that nobody can prepare positions that collide. They show in no answer, since vertices
-/// are numbered as the triangles use them.
-class PositionHash {
- public:
-  PositionHash() {
-    static const std::array<std::uint64_t, 2> drawn = [] {
-      std::random_device device;
-      std::array<std::uint64_t, 2> keys;
-      for (std::uint64_t& key : keys) {
-        const std::uint64_t high = device();
-        key = high << 32 | device();
-      }
-      return keys;
-    }();
-    keys_ = drawn;
-  }
-  std::uint64_t operator()(const Vec3f& p) const {
-    const std::uint64_t x = std::bit_cast<std::uint32_t>(p.x), y = std::bit_cast<std::uint32_t>(p.y),
-                        z = std::bit_cast<std::uint32_t>(p.z);
-    using u128 = unsigned __int128;
-    const u128 product = static_cast<u128>((x | y << 32) ^ keys_[0]) * (z ^ keys_[1]);
-    return static_cast<std::uint64_t>(product) ^ static_cast<std::uint64_t>(product >> 64);
-  }
-
- private:
-  std::array<std::uint64_t, 2> keys_;
-};
-
-void fetch(const void* address) {
-  __builtin_prefetch(address);
-  asm volatile("");  // gcc 12 takes a function that only fetches for one that does nothing
-}
-
-/// Positions that were seen, by their bits. Millions of them lie outside of the caches: who says early enough
-/// what will be asked for does not wait for it.
-class PositionTable {
- public:
-  PositionTable(std::size_t most, const std::vector<Vec3f>& positions, const Execution& execution)
-      : mask_(std::bit_ceil(2 * most + 1) - 1),
-        slots_(filled(execution, mask_ + 1, kNoVertex)),
-        positions_(positions) {}
-
-  void fetch_slot(const Vec3f& p) const { fetch(&slots_[hash_(p) & mask_]); }
-  /// Once the slot is there.
-  void fetch_position(const Vec3f& p) const {
-    const VertexId first = slots_[hash_(p) & mask_];
-    if (first != kNoVertex) fetch(&positions_[first]);
-  }
-  /// The place of the vertex at p: kNoVertex where there is none yet.
-  VertexId& at(const Vec3f& p, Pacer& pacer) {
-    std::size_t slot = hash_(p) & mask_;
-    while (slots_[slot] != kNoVertex && !(positions_[slots_[slot]] == p)) {
-      pacer.step();
-      slot = (slot + 1) & mask_;
-    }
-    return slots_[slot];
-  }
-
- private:
-  const std::size_t mask_;
-  std::vector<VertexId> slots_;
-  const std::vector<Vec3f>& positions_;  ///< of the vertices; grows
-  const PositionHash hash_;
-};
-
-/// With one zero: -0 + 0 is +0.
-Vec3f with_one_zero(const Vec3f& p) { return {p.x + 0.0f, p.y + 0.0f, p.z + 0.0f}; }
-
 bool finite(const Vec3f& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
-/// Triangles between saying what will be needed and needing it: memory answers within some 100 ns, a triangle
-/// takes 10 to 30.
-constexpr std::size_t kSlotsAhead = 24, kPositionsAhead = 12;
+/// What is known of a wedge while triangles are numbered: the lowest wedge at its position; once a triangle
+/// uses one that is there, with the flag kNumbered, the id of their vertex; and once it is used itself, kUsed
+/// as well.
+constexpr std::uint32_t kUsed = 1u << 31, kNumbered = 1u << 30, kNumber = kNumbered - 1;
+
+/// Triangles between two polls, and whose arrays are made larger at once: they are written while what clears
+/// them is still in the cache.
+constexpr std::size_t kTrianglesAtOnce = 16384;
 
 std::size_t drop_degenerate(Surface& surface, const Execution& execution) {
   std::vector<std::uint8_t> doomed = filled<std::uint8_t>(execution, surface.triangles.size(), 0);
@@ -98,35 +33,34 @@ std::size_t drop_degenerate(Surface& surface, const Execution& execution) {
   return count;
 }
 
-}  // namespace
-
-Expected<Surface> weld_exact(const Mesh& mesh, SolidReport& report, const Execution& execution) {
-  report.source_triangles = mesh.triangles.size();
-  report.source_vertices = mesh.positions.size();
-  if (mesh.triangles.empty()) return fail(ErrorCode::kEmptyMesh, "The mesh has no triangles.");
-
-  Surface surface;
-  const std::size_t wedge_bound = std::min(mesh.positions.size(), 3 * mesh.triangles.size());
-  surface.triangles = filled(execution, mesh.triangles.size(), Triangle{});
-  surface.source = filled<std::uint32_t>(execution, mesh.triangles.size(), 0);
-  surface.positions.reserve(wedge_bound);
-  std::vector<VertexId> vertex_of_wedge = filled(execution, mesh.positions.size(), kNoVertex);
-  PositionTable table(wedge_bound, surface.positions, execution);
-  // Calls visit(position) for the corners of a later triangle that are new as far as is known now.
-  const auto ahead = [&](std::size_t t, const auto& visit) {
-    if (t >= mesh.triangles.size()) return;
-    for (const std::uint32_t wedge : mesh.triangles[t])
-      if (wedge < mesh.positions.size() && vertex_of_wedge[wedge] == kNoVertex)
-        visit(with_one_zero(mesh.positions[wedge]));
-  };
-  Pacer pacer(execution);
+/// Makes the triangles of wedges those of vertices. `of_wedge`: as first_of_same() has it.
+Expected<void> number_vertices(const Mesh& mesh, std::uint32_t* of_wedge, Surface& surface,
+                               SolidReport& report, const Execution& execution) {
+  surface.triangles.reserve(mesh.triangles.size());
+  surface.source.reserve(mesh.triangles.size());
+  surface.positions.reserve(std::min(mesh.positions.size(), 3 * mesh.triangles.size()));
   std::uint64_t used_wedges = 0;
-  std::size_t kept = 0;
+  const auto use = [&](std::uint32_t wedge) {
+    std::uint32_t& mine = of_wedge[wedge];
+    if ((mine & kNumbered) == 0) {
+      std::uint32_t& first = of_wedge[mine];
+      if ((first & kNumbered) == 0) {
+        first = kNumbered | static_cast<std::uint32_t>(surface.positions.size());
+        surface.positions.push_back(with_one_zero(mesh.positions[wedge]));
+      }
+      mine = first;
+    }
+    mine |= kUsed;
+    ++used_wedges;
+  };
 
+  std::size_t kept = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    pacer.step();
-    ahead(t + kSlotsAhead, [&](const Vec3f& p) { table.fetch_slot(p); });
-    ahead(t + kPositionsAhead, [&](const Vec3f& p) { table.fetch_position(p); });
+    if (t % kTrianglesAtOnce == 0) {
+      execution.poll();
+      surface.triangles.resize(std::min(kept + kTrianglesAtOnce, mesh.triangles.size()));
+      surface.source.resize(surface.triangles.size());
+    }
     Triangle triangle;
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t wedge = mesh.triangles[t][k];
@@ -134,22 +68,14 @@ Expected<Surface> weld_exact(const Mesh& mesh, SolidReport& report, const Execut
         return fail(ErrorCode::kMalformedMesh, "Triangle " + std::to_string(t) + " uses vertex " +
                                                    std::to_string(wedge) + " of " +
                                                    std::to_string(mesh.positions.size()) + ".");
-      VertexId& vertex = vertex_of_wedge[wedge];
-      if (vertex == kNoVertex) {
-        const Vec3f p = with_one_zero(mesh.positions[wedge]);
-        if (!finite(p))
+      if ((of_wedge[wedge] & kUsed) == 0) {
+        if (!finite(mesh.positions[wedge]))
           return fail(ErrorCode::kNotFinite,
                       "Vertex " + std::to_string(wedge) + " has a coordinate that is NaN or infinite.", {},
                       {{"vertex", wedge}});
-        ++used_wedges;
-        VertexId& known = table.at(p, pacer);
-        if (known == kNoVertex) {
-          known = VertexId{surface.positions.size()};
-          surface.positions.push_back(p);
-        }
-        vertex = known;
+        use(wedge);
       }
-      triangle[k] = vertex;
+      triangle[k] = VertexId{of_wedge[wedge] & kNumber};
     }
     if (triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0]) {
       if (report.degenerate_dropped++ == 0)
@@ -165,6 +91,30 @@ Expected<Surface> weld_exact(const Mesh& mesh, SolidReport& report, const Execut
   if (surface.triangles.empty())
     return fail(ErrorCode::kEmptyMesh, "All " + std::to_string(mesh.triangles.size()) +
                                            " triangles are degenerate: two corners at the same position.");
+  return {};
+}
+
+}  // namespace
+
+Expected<Surface> weld_exact(const Mesh& mesh, SolidReport& report, const Execution& execution) {
+  report.source_triangles = mesh.triangles.size();
+  report.source_vertices = mesh.positions.size();
+  if (mesh.triangles.empty()) return fail(ErrorCode::kEmptyMesh, "The mesh has no triangles.");
+
+  if (mesh.positions.size() > kNumber)
+    return fail(ErrorCode::kTooLarge, "The mesh has " + std::to_string(mesh.positions.size()) +
+                                          " vertices; no solid is made of more than " +
+                                          std::to_string(kNumber) + ".");
+  const std::unique_ptr<std::uint32_t[]> of_wedge = first_of_same(mesh.positions, execution);
+  Surface surface;
+  Expected<void> numbered;
+  // Vertices are numbered one after the other; meanwhile another thread waits for memory for the twins.
+  side_by_side(
+      execution, mesh.triangles.size(),
+      [&] { numbered = number_vertices(mesh, of_wedge.get(), surface, report, execution); },
+      [&] { surface.twin.of_triangle = filled(execution, mesh.triangles.size(), kThreeOpen); });
+  if (!numbered) return tl::unexpected(std::move(numbered.error()));
+  surface.twin.of_triangle.resize(surface.triangles.size());
   return surface;
 }
 

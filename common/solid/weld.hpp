@@ -11,11 +11,12 @@
 
 namespace fracture::solid_detail {
 
-/// The surface of the mesh's triangles over distinct positions, numbered in the order the triangles use them.
-/// -0 counts as +0 (and becomes +0); every other bit is kept. Triangles with two corners at one position are
-/// dropped: of their edges one vanishes and the other two are opposite, so that dropping them opens nothing.
-/// A triangle with three distinct corners on a line stays: its neighbours need its edges. Errors: kEmptyMesh,
-/// kNotFinite (with the vertex), kMalformedMesh (an index beyond the positions).
+/// The surface of the mesh's triangles over distinct positions, numbered in the order the triangles use them,
+/// with all half-edges open. -0 counts as +0 (and becomes +0); every other bit is kept. Triangles with two
+/// corners at one position are dropped: of their edges one vanishes and the other two are opposite, so that
+/// dropping them opens nothing. A triangle with three distinct corners on a line stays: its neighbours need
+/// its edges. Errors: kEmptyMesh, kNotFinite (with the vertex), kMalformedMesh (an index beyond the
+/// positions), kTooLarge (2^30 positions and more).
 Expected<Surface> weld_exact(const Mesh& mesh, SolidReport& report, const Execution& execution);
 
 /// Merges vertices of open edges that are nearer than `tolerance` (metres; chains of such pairs merge as one)
