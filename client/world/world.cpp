@@ -71,7 +71,7 @@ World::State::State(WorldSettings s)
   bullet.getSolverInfo().m_numIterations = 30;
   // Penetration is mended without adding speed: fragments that touch must not fly apart.
   bullet.getSolverInfo().m_splitImpulse = true;
-  bullet.getSolverInfo().m_splitImpulsePenetrationThreshold = -1e-5;
+  bullet.getSolverInfo().m_splitImpulsePenetrationThreshold = 0;  // however little it is
   bullet.getSolverInfo().m_erp2 = 0.5;  // a thin shard that sank in is out again within a few steps
   filter = std::make_unique<SystemFilter>(objects);
   bullet.getPairCache()->setOverlapFilterCallback(filter.get());

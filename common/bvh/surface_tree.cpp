@@ -77,8 +77,8 @@ double SurfaceTree::distance(const Vec3d& p, double most, Pacer& pacer) const {
 
 bool SurfaceTree::within(const Vec3d& p, double distance, Pacer& pacer) const {
   return tree_.nearest(p, distance, slack_, [&](std::uint32_t triangle) {
-    // Nothing is nearer than nothing: the search ends.
-    return nearer(p, triangle, distance, pacer) < distance ? 0 : distance;
+    // Nothing is nearer than that: the search ends.
+    return nearer(p, triangle, distance, pacer) < distance ? -slack_ : distance;
   }) < distance;
 }
 

@@ -19,8 +19,8 @@ class SurfaceTree {
   /// Of triangles by their corners, m. Throws Interrupted.
   explicit SurfaceTree(std::vector<std::array<Vec3d, 3>> triangles, const Execution& execution = {});
 
-  /// min(distance from p to the surface, most), m: of the triangles, whatever the tree, to the last bit. Throws
-  /// Interrupted.
+  /// min(distance from p to the surface, most), m. The same to the bit with other triangles farther away, unless the
+  /// nearest is a needle that rounding hides. Throws Interrupted.
   double distance(const Vec3d& p, double most, Pacer& pacer) const;
   /// Whether the surface is nearer to p than that, m: ends at the first triangle that is.
   bool within(const Vec3d& p, double distance, Pacer& pacer) const;

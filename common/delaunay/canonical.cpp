@@ -65,7 +65,7 @@ std::vector<TetId> canonicalize(Tetrahedralization& t, const Execution& executio
                     [](const Entry& a, const Entry& b) { return a.rest < b.rest; });
     for (std::uint32_t k = begin[s]; k < begin[s + 1]; ++k) new_id[entries[k].tet] = TetId{k};
   }
-  entries = {};
+  std::vector<Entry>().swap(entries);
   // In the order of before, in which neighbours are near each other: what is read is at hand, and only what is
   // written lies anywhere.
   std::vector<Tetrahedron> tets;

@@ -99,7 +99,7 @@ Expected<std::optional<KeptAnswer>> answer_locally(const Solid& solid, const Loc
         complete(solid, hit->next.notes, parameters, std::move(cut), execution);
     if (!completed) return std::nullopt;  // the whole, made from nothing, has the last word
     completed->delta = std::move(hit->delta);
-    return KeptAnswer{std::move(*completed), {std::move(hit->next)}};
+    return KeptAnswer{std::move(*completed), {std::move(hit->next)}, true};
   });
 }
 

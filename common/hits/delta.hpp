@@ -13,6 +13,7 @@ namespace fracture {
 struct KeptAnswer {
   FracturedSolid fractured;
   FracturedBase base;  ///< for hits on this answer
+  bool local = false;  ///< made from what was kept and what changed, not from nothing
 };
 
 /// Which of the hits of some parameters are new, and how much of the answer is wanted.

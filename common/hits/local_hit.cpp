@@ -38,7 +38,7 @@ class LocalHit {
     sites.given += points.size();
     sites.used = now().site_count();
     sites.duplicates_merged = now().duplicates_merged();
-    if (inserted->made.empty()) return std::move(out_);
+    if (inserted->made.empty()) return keeps_to_limits() ? std::optional(std::move(out_)) : std::nullopt;
     find_wanted(inserted->made);
     find_around();
     if (!make_fragments(inserted->made) || !others_are_as_they_were()) return std::nullopt;

@@ -5,6 +5,7 @@
 
 #include "common/base/heap_bytes.hpp"
 #include "common/base/pacer.hpp"
+#include "common/rough/moving_caps.hpp"
 
 namespace fracture {
 namespace {
@@ -105,6 +106,7 @@ std::optional<LocalRough> replace_cuts(const LocalRough& before, RoughPart part,
   }
   std::set_union(stay.begin(), stay.end(), part.trace.calmings.begin(), part.trace.calmings.end(),
                  std::back_inserter(calmings));
+  if (calmings.size() > MovingCaps::kMostCalmings) return std::nullopt;
   out.report.calmed = places_of(calmings);
   out.calmings = std::make_shared<const std::vector<Calming>>(std::move(calmings));
   out.pairs += part.trace.pairs;

@@ -149,7 +149,8 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
     const Anisotropy& a = r.fracture.anisotropy;
     return a.stretch != 1 && !a.grain && !a.matrix && is_scattered(r.fracture.pattern);
   };
-  grain_of.set = [set = grain_of.set](RequestParameters& r, const ParameterSpec& s, const ParameterValue& value) {
+  grain_of.set = [set = grain_of.set](RequestParameters& r, const ParameterSpec& s,
+                                      const ParameterValue& value) {
     r.fracture.anisotropy.grain.reset();  // in the place of a material's
     set(r, s, value);
   };

@@ -20,6 +20,7 @@ inline constexpr int kMostRestraints = 3;
 void make_rough_fragments(RestrictedDiagram& restricted, const FractureParameters& parameters,
                           const Ownership& ownership,
                           const std::function<Verdict(const FragmentSet&)>& judged,
-                          const Execution& execution, CutCells& cut, std::optional<RoughTrace>* trace);
+                          const Execution& execution, CutCells& cut,
+                          std::optional<RoughTrace>* trace = nullptr);
 
 }  // namespace fracture

@@ -23,13 +23,17 @@ bool operator==(const Ends& x, const Ends& y) { return x.low == y.low && x.high 
 
 }  // namespace
 
-CutVertexId append_vertex(VertexPositions& positions, const Vec3d& p) {
-  const Vec3d step = positions.lattice.step();
+std::array<std::int32_t, 3> nearest_steps(const SeamLattice& lattice, const Vec3d& p) {
+  const Vec3d step = lattice.step();
   std::array<std::int32_t, 3> steps{};
   for (int a = 0; a < 3; ++a)
     steps[static_cast<std::size_t>(a)] = static_cast<std::int32_t>(std::nearbyint(p[a] / step[a]));
+  return steps;
+}
+
+CutVertexId append_vertex(VertexPositions& positions, const Vec3d& p) {
   positions.points.push_back(p);
-  positions.steps.push_back(steps);
+  positions.steps.push_back(nearest_steps(positions.lattice, p));
   return CutVertexId{positions.first_constructed + positions.points.size() - 1};
 }
 

@@ -3,6 +3,8 @@
 // under other keys (lattices) do too, bit for bit.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <functional>
 #include <vector>
 
@@ -32,6 +34,9 @@ class EdgeSplits {
 
   std::vector<Edge> edges_;
 };
+
+/// The point of the seam lattice that is nearest to p.
+std::array<std::int32_t, 3> nearest_steps(const SeamLattice& lattice, const Vec3d& p);
 
 /// Appends a vertex at p, rounded to the seam lattice.
 CutVertexId append_vertex(VertexPositions& positions, const Vec3d& p);

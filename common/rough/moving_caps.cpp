@@ -1,11 +1,9 @@
 #include "common/rough/moving_caps.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <utility>
 
-#include "common/base/stamped_map.hpp"
 #include "common/rough/edge_splits.hpp"
 
 namespace fracture {
@@ -16,15 +14,8 @@ constexpr std::uint32_t kQuarteringRounds = 2, kMostRounds = 40;
 static_assert(kMostRounds < 64, "rounds are bits");
 /// Crossings of fewer lattice steps are rounding.
 constexpr double kLeastCrossing = 8;
-/// Calmings that are worth keeping.
-constexpr std::size_t kMostCalmings = 1 << 18;
-
-std::array<std::int32_t, 3> steps_of(const Vec3d& p, const Vec3d& step) {
-  std::array<std::int32_t, 3> steps{};
-  for (int a = 0; a < 3; ++a)
-    steps[static_cast<std::size_t>(a)] = static_cast<std::int32_t>(std::nearbyint(p[a] / step[a]));
-  return steps;
-}
+/// Of a place that is not made: calmed in other rounds than before.
+constexpr char kOtherwise = 2;
 
 }  // namespace
 
@@ -100,84 +91,6 @@ void MovingCaps::move(const Displacement& displacement, const SurfaceTree& outsi
   });
 }
 
-std::vector<KeptCut> MovingCaps::cuts() const {
-  const Vec3d step = positions_.lattice.step();
-  std::vector<KeptCut> all(made_regions_);
-  parallel_for(execution_, made_regions_, 16, [&](std::size_t begin, std::size_t end) {
-    Pacer pacer(execution_);
-    StampedMap& local = worker_map();
-    std::vector<std::size_t> vertices;
-    for (std::size_t r = begin; r < end; ++r) {
-      const std::uint32_t first = region_begin_[r], last = region_begin_[r + 1];
-      KeptCut& cut = all[r];
-      cut.lo = facets_[r].lo;
-      cut.hi = facets_[r].hi;
-      if (first == last || !seen_[first]) continue;
-      pacer.step(8 + 4 * (last - first));
-      local.next_epoch(flat_.size());
-      vertices.clear();
-      for (std::uint32_t t = first; t < last; ++t)
-        for (const CutVertexId id : caps_.triangles[t]) {
-          std::uint32_t& slot = local.slot(number(id));
-          if (slot != StampedMap::kEmpty) continue;
-          slot = 0;
-          vertices.push_back(number(id));
-        }
-      const auto moving =
-          std::stable_partition(vertices.begin(), vertices.end(), [&](std::size_t v) { return v < fixed_; });
-      for (std::size_t k = 0; k < vertices.size(); ++k) {
-        const std::size_t v = vertices[k];
-        local.slot(v) = static_cast<std::uint32_t>(k);
-        cut.box.add(flat_[v]);
-        cut.box.add(flat_[v] + moves_[v]);
-      }
-      cut.fixed.reserve(static_cast<std::size_t>(moving - vertices.begin()));
-      for (auto v = vertices.begin(); v != moving; ++v) cut.fixed.push_back(flat_[*v]);
-      for (auto v = moving; v != vertices.end(); ++v) {
-        cut.flat.push_back(steps_of(flat_[*v], step));
-        cut.moves.push_back(moves_[*v]);
-      }
-      cut.triangles.reserve(last - first);
-      for (std::uint32_t t = first; t < last; ++t) {
-        const auto& ids = caps_.triangles[t];
-        cut.triangles.push_back(
-            {local.slot(number(ids[0])), local.slot(number(ids[1])), local.slot(number(ids[2]))});
-      }
-    }
-  });
-  std::erase_if(all, [](const KeptCut& cut) { return cut.triangles.empty(); });
-  return all;
-}
-
-void MovingCaps::give(std::span<const KeptCut* const> cuts, std::span<const Calming> before,
-                      std::span<const SiteId> made) {
-  before_ = before;
-  made_ = made;
-  for (const KeptCut* const cut : cuts) {
-    pacer_.step(8 + cut->triangles.size());
-    const std::size_t first = positions_.first_constructed + positions_.points.size();
-    const auto add = [&](const Vec3d& flat, const Vec3d& move, bool fixed) {
-      append_vertex(positions_, flat);
-      given_fixed_.push_back(fixed);
-      flat_.push_back(flat);
-      moves_.push_back(move);
-      surface_.push_back(0);
-      share_.push_back(1);
-      moved_.push_back(0);
-      place(flat_.size() - 1);
-    };
-    for (const Vec3d& p : cut->fixed) add(p, {}, true);
-    for (std::size_t k = 0; k < cut->flat.size(); ++k)
-      add(positions_.lattice.to_world(cut->flat[k]), cut->moves[k], false);
-    facets_.push_back({cut->lo, cut->hi, 0, {}});
-    for (const auto& t : cut->triangles)
-      caps_.triangles.push_back(
-          {CutVertexId{first + t[0]}, CutVertexId{first + t[1]}, CutVertexId{first + t[2]}});
-    region_begin_.push_back(static_cast<std::uint32_t>(caps_.triangles.size()));
-  }
-  seen_.resize(caps_.triangles.size(), 1);
-}
-
 std::size_t MovingCaps::region_of(std::uint32_t triangle) const {
   return static_cast<std::size_t>(std::upper_bound(region_begin_.begin(), region_begin_.end(), triangle) -
                                   region_begin_.begin()) -
@@ -192,7 +105,7 @@ std::array<SiteId, 4> MovingCaps::cells_of(std::uint32_t s, std::uint32_t t) con
 void MovingCaps::place(std::size_t v) {
   const Vec3d p = flat_[v] + share_[v] * moves_[v];
   positions_.points[v] = p;
-  positions_.steps[v] = steps_of(p, positions_.lattice.step());
+  positions_.steps[v] = nearest_steps(positions_.lattice, p);
   moved_[v] = share_[v] > 0 && !(moves_[v] == Vec3d{});
 }
 
@@ -212,15 +125,31 @@ void MovingCaps::find_coinciding() {
   });
 }
 
+bool MovingCaps::is_made(SiteId s) const { return std::binary_search(made_.begin(), made_.end(), s); }
+
+/// Calls visit(region, place) for each corner that moves of caps with a cell that is not made: those of a facet between
+/// such a cell and a made one are made anew, and have to become what they were.
+template <class Visit>
+void MovingCaps::each_outer(const Visit& visit) {
+  for (std::size_t r = 0; r < facets_.size(); ++r) {
+    const std::uint32_t begin = region_begin_[r], end = region_begin_[r + 1];
+    pacer_.step(8);
+    if (begin == end || !seen_[begin] || (is_made(facets_[r].lo) && is_made(facets_[r].hi))) continue;
+    for (std::uint32_t t = begin; t < end; ++t) {
+      pacer_.step();
+      for (const CutVertexId id : caps_.triangles[t])
+        if (!is_fixed(number(id))) visit(r, leader_[number(id)]);
+    }
+  }
+}
+
 /// What the rest did where it can be met here.
 void MovingCaps::find_expected() {
   if (made_.empty()) return;
   expected_.assign(flat_.size(), 0);
   replayed_.assign(flat_.size(), 0);
   outer_.assign(flat_.size(), 0);
-  pacer_.each(made_vertices_, flat_.size(), [&](std::size_t v) {
-    if (!is_fixed(v)) outer_[leader_[v]] = 1;
-  });
+  each_outer([&](std::size_t, std::uint32_t place) { outer_[place] = 1; });
   for (std::size_t k = 0, end = 0; k < before_.size(); k = end) {
     pacer_.step(32);
     const Vec3d p = positions_.lattice.to_world(before_[k].place);
@@ -234,8 +163,7 @@ void MovingCaps::find_expected() {
       const std::uint64_t round = std::uint64_t{1} << before_[end].round;
       expected_[leader_[*at]] |= round;
       const auto& cells = before_[end].cells;
-      if (std::none_of(cells.begin(), cells.end(),
-                       [&](SiteId s) { return std::binary_search(made_.begin(), made_.end(), s); }))
+      if (std::none_of(cells.begin(), cells.end(), [&](SiteId s) { return is_made(s); }))
         replayed_[leader_[*at]] |= round;
     }
     if (is_here) rounds_expected_ |= expected_[leader_[*at]];
@@ -277,25 +205,29 @@ void MovingCaps::add_turned_over(double tolerance, std::vector<char>& bad, std::
 bool MovingCaps::calm_round(std::uint32_t round, const std::vector<char>& bad,
                             const std::vector<CrossingPair>& named, std::vector<char>& calmed, Outcome& out) {
   const std::uint64_t bit = std::uint64_t{1} << round;
-  const Vec3d step = positions_.lattice.step();
   calmed.assign(flat_.size(), 0);
   pacer_.each(0, bad.size(), [&](std::size_t t) {
     if (bad[t])
       for (const CutVertexId id : caps_.triangles[t])
         if (const std::size_t v = number(id); moved_[v]) calmed[leader_[v]] = 1;
   });
-  for (const CrossingPair& pair : named) {
+  for (const auto& [s, t] : named) {
     pacer_.step(16);
-    for (const std::uint32_t t : pair)
-      for (const CutVertexId id : caps_.triangles[t])
+    const auto note = [&, cells = cells_of(s, t)](std::uint32_t of) {
+      for (const CutVertexId id : caps_.triangles[of])
         if (const std::size_t v = number(id); moved_[v])
-          out.calmings.push_back({steps_of(flat_[v], step), round, cells_of(pair[0], pair[1])});
+          out.calmings.push_back({nearest_steps(positions_.lattice, flat_[v]), round, cells});
+    };
+    note(s);
+    if (s != t) note(t);
   }
+  if (!named.empty()) sort_calmings(out.calmings);
+  out.complete &= out.calmings.size() < kMostCalmings;
   if (!made_.empty())
     pacer_.each(0, flat_.size(), [&](std::size_t v) {
       if (leader_[v] != v) return;
       if (replayed_[v] & bit) calmed[v] = 1;
-      if (outer_[v] && bool(calmed[v]) != bool(expected_[v] & bit)) outer_[v] = 2;
+      if (outer_[v] && bool(calmed[v]) != bool(expected_[v] & bit)) outer_[v] = kOtherwise;
     });
   bool any = false;
   pacer_.each(fixed_, flat_.size(), [&](std::size_t v) {
@@ -306,6 +238,27 @@ bool MovingCaps::calm_round(std::uint32_t round, const std::vector<char>& bad,
     place(v);
   });
   return any;
+}
+
+void MovingCaps::sort_calmings(std::vector<Calming>& calmings) const {
+  sort_with_polls(execution_, calmings.begin(), calmings.end());
+  calmings.erase(std::unique(calmings.begin(), calmings.end()), calmings.end());
+  calmings.shrink_to_fit();
+}
+
+/// The cells that are not made of caps with a place that was calmed in other rounds than before.
+std::vector<SiteId> MovingCaps::changed_otherwise() {
+  std::vector<SiteId> cells;
+  std::size_t last = facets_.size();
+  each_outer([&](std::size_t region, std::uint32_t place) {
+    if (outer_[place] != kOtherwise || region == last) return;
+    last = region;
+    for (const SiteId s : {facets_[region].lo, facets_[region].hi})
+      if (!is_made(s)) cells.push_back(s);
+  });
+  sort_with_polls(execution_, cells.begin(), cells.end());
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+  return cells;
 }
 
 MovingCaps::Outcome MovingCaps::calm(const SurfaceTree& outside, bool trace) {
@@ -332,8 +285,11 @@ MovingCaps::Outcome MovingCaps::calm(const SurfaceTree& outside, bool trace) {
       });
       break;
     }
-    out.complete &= named.size() < Crossings::kMostNamed && out.calmings.size() < kMostCalmings;
     add_turned_over(tolerance, bad, names);
+    if (named.size() >= Crossings::kMostNamed) {
+      out.complete = false;
+      named.clear();
+    }
     if (!calm_round(round, bad, named, calmed, out) && rounds_expected_ >> round <= 1) break;
     suspects.assign(caps_.triangles.size(), 0);
     pacer_.each(0, suspects.size(), [&](std::size_t t) {
@@ -341,25 +297,10 @@ MovingCaps::Outcome MovingCaps::calm(const SurfaceTree& outside, bool trace) {
     });
   }
   out.looked_at = crossings.pairs();
-  sort_with_polls(execution_, out.calmings.begin(), out.calmings.end());
-  out.calmings.erase(std::unique(out.calmings.begin(), out.calmings.end()), out.calmings.end());
-  for (std::size_t r = made_regions_; r < facets_.size(); ++r)
-    for (std::uint32_t t = region_begin_[r]; t < region_begin_[r + 1]; ++t)
-      for (const CutVertexId id : caps_.triangles[t]) {
-        pacer_.step();
-        if (outer_[leader_[number(id)]] == 2)
-          out.spread.insert(out.spread.end(), {facets_[r].lo, facets_[r].hi});
-      }
-  std::sort(out.spread.begin(), out.spread.end());
-  out.spread.erase(std::unique(out.spread.begin(), out.spread.end()), out.spread.end());
+  sort_calmings(out.calmings);
+  if (!made_.empty()) out.spread = changed_otherwise();
   take_away_given();
   return out;
-}
-
-void MovingCaps::take_away_given() {
-  positions_.points.resize(made_vertices_);
-  positions_.steps.resize(made_vertices_);
-  caps_.triangles.resize(region_begin_[made_regions_]);
 }
 
 std::uint64_t MovingCaps::calmed() const {

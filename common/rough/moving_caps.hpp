@@ -22,6 +22,9 @@ namespace fracture {
 
 class MovingCaps {
  public:
+  /// Calmings that are worth keeping.
+  static constexpr std::size_t kMostCalmings = 1 << 18;
+
   /// `seen`: per triangle; those inside a fragment are no cuts and in nobody's way. `sites`: per site its number in
   /// the whole; empty: it is the whole. Throws Interrupted, as everything here.
   MovingCaps(RestrictedDiagram& restricted, std::vector<char> seen, std::span<const SiteId> sites,
@@ -67,14 +70,19 @@ class MovingCaps {
   std::array<SiteId, 4> cells_of(std::uint32_t s, std::uint32_t t) const;
   void place(std::size_t v);
   void find_coinciding();
+  bool is_made(SiteId s) const;
+  template <class Visit>
+  void each_outer(const Visit& visit);
   void find_expected();
+  void sort_calmings(std::vector<Calming>& calmings) const;
+  std::vector<SiteId> changed_otherwise();
   void add_turned_over(double tolerance, std::vector<char>& bad, std::vector<CrossingPair>* named);
   bool calm_round(std::uint32_t round, const std::vector<char>& bad, const std::vector<CrossingPair>& named,
                   std::vector<char>& calmed, Outcome& out);
   void take_away_given();
 
   const Execution& execution_;
-  mutable Pacer pacer_;
+  Pacer pacer_;
   const VoronoiDiagram& diagram_;
   Caps& caps_;
   VertexPositions& positions_;
@@ -96,9 +104,9 @@ class MovingCaps {
   // Of the rest.
   std::span<const Calming> before_;
   std::span<const SiteId> made_;
-  /// Per leader, a bit a round: calmed in the whole as it was; because of the rest alone; has given vertices.
+  /// Per leader, a bit a round: calmed in the whole as it was; because of the rest alone.
   std::vector<std::uint64_t> expected_, replayed_;
-  std::vector<char> outer_;
+  std::vector<char> outer_;  // per leader: has vertices of cells that are not made; kOtherwise
   std::uint64_t rounds_expected_ = 0;
 };
 

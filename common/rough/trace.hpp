@@ -1,4 +1,5 @@
-// What is kept of rough cuts, so that a part of them can be made anew as if all were (roughen_part.hpp).
+// What is kept of rough cuts, so that a part of them can be made anew as if all were (roughen_part() in
+// roughen.hpp).
 #pragma once
 
 #include <array>
@@ -37,7 +38,7 @@ struct Calming {
 struct RoughTrace {
   std::vector<KeptCut> cuts;
   std::vector<Calming> calmings;  ///< ascending, none twice
-  std::uint64_t pairs = 0;        ///< of triangles that were looked at
+  std::uint64_t pairs = 0;        ///< of triangles whose boxes met, in all rounds
   double area = 0, edges = 0;     ///< m², m: of the flat caps, and of the Voronoi edges that bound them
 };
 

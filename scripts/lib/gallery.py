@@ -25,7 +25,8 @@ ASSETS = 6  # files of FRACTURE_TEST_MESHES on the sheet
 ASSET_BYTES = 400_000
 # What proto/parameters.md shows of each material and pattern: the mesh that suits it.
 SHOWN = {"glass": "pane", "wood": "wall", "concrete": "column", "stone": "monkey", "brick": "wall", "ceramic": "vase",
-         "metal": "monkey", "ice": "monkey"}
+         "metal": "monkey", "cast_iron": "column", "ice": "monkey", "plaster": "monkey", "terracotta": "vase",
+         "sandstone": "column", "crystal": "monkey"}
 SHOWN_PATTERNS = {"radial": "pane", "grid": "wall", "brick": "wall", "slice": "column"}  # the others: monkey
 COLUMNS = [("intact", {}), ("exploded", {"view": "exploded", "explode": 0.5}), ("after an impact", {"view": "impact"})]
 

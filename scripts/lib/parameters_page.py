@@ -58,8 +58,8 @@ COSTS = {
     "pattern=uniform": 1.0, "pattern=points": 1.0, "pattern=impact": 1.0, "pattern=radial": 1.2, "pattern=grid": 1.5,
     "pattern=brick": 1.9, "pattern=slice": 1.8, "pattern=clustered": 1.0,
     "material=glass": 1.2, "material=wood": 2.5, "material=concrete": 1.8, "material=stone": 2.4, "material=brick": 1.9,
-    "material=ceramic": 1.9, "material=metal": 2.6, "material=cast_iron": 2.6, "material=ice": 1.5, "material=plaster": 1.8, "material=terracotta": 1.9,
-    "material=sandstone": 2.4, "material=crystal": 1.2,
+    "material=ceramic": 1.9, "material=metal": 2.6, "material=cast_iron": 2.6, "material=ice": 1.5, "material=plaster": 1.8,
+    "material=terracotta": 1.9, "material=sandstone": 2.4, "material=crystal": 1.2,
     "lloyd=1": 1.1, "levels=5,20,50": 1.0, "rough_amplitude=0.05": 3.0, "dual=barycenter": 1.8, "physics=none": 0.9,
     "sites=500": 4.0, "sites=5000": 34.0,
 }

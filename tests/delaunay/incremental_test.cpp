@@ -154,7 +154,8 @@ TEST(IncrementalDelaunay, TheLastSnapshotIsLikeAnyOther) {
     delaunay.insert(p);
     site_of_vertex.push_back(SiteId{site_of_vertex.size() - 4});
   }
-  const Tetrahedralization copy = delaunay.snapshot(site_of_vertex), last = delaunay.take_snapshot(site_of_vertex);
+  const Tetrahedralization copy = delaunay.snapshot(site_of_vertex),
+                           last = delaunay.take_snapshot(site_of_vertex);
   EXPECT_EQ(copy.points, last.points);
   EXPECT_EQ(copy.tet_of_site, last.tet_of_site);
   ASSERT_EQ(copy.tets.size(), last.tets.size());

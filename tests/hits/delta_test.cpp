@@ -105,6 +105,9 @@ TEST(Delta, BesideTheSolidNothingChanges) {
   FractureParameters p = hits_on(mesh, 30, 0.1);
   for (LocalImpact& hit : p.hits) hit.point = {0, 100, 0};
   expect_hits(mesh, p);
+  FractureParameters limited = p;
+  limited.size.min_of_mean = 1e-3;
+  expect_hits(mesh, limited);
   Execution execution;
   StageTimings timings;
   const Expected<Solid> solid = make_solid(std::make_shared<Mesh>(mesh), {}, execution);

@@ -38,8 +38,8 @@ TEST(RoughHits, FollowWhatWasCalmedElsewhere) {
   std::uint64_t calmed = 0;
   for (const std::uint64_t seed : {1, 2}) {
     SCOPED_TRACE(seed);
-    FractureParameters p = rough_hits_on(mesh, 70, 0.08, seed);
-    p.roughness = {0.12, 6, 3};
+    FractureParameters p = rough_hits_on(mesh, 150, 0.06, seed);
+    p.roughness = {0.12, 6, 2};
     local += expect_hits(mesh, p, 2);
     p.hits.clear();
     calmed += fracture_mesh(mesh, p).report.rough_cuts->calmed_vertices;
@@ -84,6 +84,31 @@ TEST(RoughHits, WithASmallestVolume) {
   EXPECT_GE(expect_hits(mesh, p), 2);
   p.size = {.min_fraction = 0.02};
   EXPECT_EQ(expect_hits(mesh, p), 0) << "uniting is done by the whole";
+}
+
+TEST(RoughHits, OfMaterials) {
+  const Mesh mesh = ico_sphere(3);
+  for (const char* name : {"stone", "metal", "sandstone"}) {
+    SCOPED_TRACE(name);
+    const MaterialPreset& preset = *find_material_preset(name);
+    FractureParameters p = hits_on(mesh, 60, 0.12);
+    p.pattern = preset.pattern;
+    p.lloyd = preset.lloyd;
+    p.anisotropy = {.stretch = preset.stretch, .grain = preset.grain};
+    p.roughness = preset.roughness;
+    p.size.min_of_mean = kLeastOfMean;
+    EXPECT_GE(expect_hits(mesh, p), 2);
+  }
+}
+
+TEST(RoughHits, WithLevelsAndAnchorsAndOnesThatMiss) {
+  const Mesh mesh = torus(32, 16);
+  FractureParameters p = rough_hits_on(mesh, 60, 0.15);
+  p.levels = {4, 12};
+  p.anchors.points = {{1, 0, 0}};
+  p.hits[1].point = {0, 100, 0};
+  p.size.min_of_mean = 1e-3;
+  EXPECT_GE(expect_hits(mesh, p), 2);
 }
 
 TEST(RoughHits, ForManySeeds) {

@@ -59,7 +59,8 @@ inline std::vector<NamedParameters> pattern_requests(const Box& box, std::uint32
   add("impact_outside", ImpactPattern{.impacts = {box.max + size}, .radius = 0.1 * side});
   add("radial", RadialPattern{});
   add("radial_in_all_directions", RadialPattern{.around = RadialPattern::Around::kPoint});
-  add("radial_around_a_corner", RadialPattern{.around = RadialPattern::Around::kShape, .impacts = {corner}, .merge = 0});
+  add("radial_around_a_corner",
+      RadialPattern{.around = RadialPattern::Around::kShape, .impacts = {corner}, .merge = 0});
   add("radial_oblique", RadialPattern{.impacts = {corner}, .axis = Vec3d{1, 1, 1}, .spokes = 17, .rings = 5});
   add("grid", GridPattern{});
   add("grid_jitter", GridPattern{.jitter = 0.7});

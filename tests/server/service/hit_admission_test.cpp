@@ -70,6 +70,9 @@ TEST_F(HitAdmissionTest, WhatAnswersWithTheChangesIsHeldForTheChanges) {
   const std::string kept = address_of({{"sites", kCells}, {"delta", "stated"}});
   EXPECT_LT(held_for(hit(kept, "only")), kBytesOfCells / 4);
   EXPECT_GE(held_for(hit(kept, "stated")), kBytesOfCells) << "the whole is copied";
+  const std::string rough =
+      address_of({{"sites", kCells}, {"delta", "stated"}, {"rough_amplitude", 1e-6}, {"rough_frequency", 1}});
+  EXPECT_LT(held_for(hit(rough, "only")), kBytesOfCells / 4);
 }
 
 TEST_F(HitAdmissionTest, WhatNobodyKeptIsHeldForAsAWhole) {
@@ -77,9 +80,9 @@ TEST_F(HitAdmissionTest, WhatNobodyKeptIsHeldForAsAWhole) {
 }
 
 TEST_F(HitAdmissionTest, WhatCannotBeLocalIsHeldForAsAWhole) {
-  const std::string rough =
-      address_of({{"sites", kCells}, {"delta", "stated"}, {"rough_amplitude", 1e-6}, {"rough_frequency", 1}});
-  EXPECT_GE(held_for(hit(rough, "only")), kBytesOfCells) << "rough cuts are made anew";
+  const std::string counted =
+      address_of({{"sites", kCells}, {"delta", "stated"}, {"max_fragments", 1'000'000}});
+  EXPECT_GE(held_for(hit(counted, "only")), kBytesOfCells) << "how many there are hangs on all of them";
   json whole = hit("", "stated");
   whole.erase("of");
   whole["sites"] = kCells;
