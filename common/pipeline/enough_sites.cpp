@@ -74,19 +74,23 @@ Expected<SitePlan> plan_enough_sites(const SeenSolid& solid, const FractureParam
   Expected<SitePlan> plan = plan_sites(solid, more, execution);
   if (!divides_the_box(parameters.pattern)) return plan;
   std::vector<Vec3d> samples;
-  std::size_t met_before = 0;
+  std::size_t met = 0;
+  bool changed = true;
   for (int plans = 1; plan && plans < kMostPlans; ++plans) {
     const std::uint64_t count = std::uint64_t{kSamplesPerFragment} * wanted;
     if (count > kMostSamples || count * plan->points.size() > kMostDistances) break;
     if (samples.empty())
       samples =
           sites_detail::ColumnSampler(solid.seen(), 0, execution).sample(static_cast<std::uint32_t>(count));
-    const std::size_t met = groups_met(samples, *plan, execution);
-    if (met >= wanted || met <= met_before) break;
-    met_before = met;
-    const double growth = std::clamp(wanted / static_cast<double>(met), kLeastGrowth, kMostGrowth);
+    if (changed) met = groups_met(samples, *plan, execution);
+    if (met >= wanted) break;
+    // Divisions are whole numbers: a plan for more may be the same or meet less, and only the one after it more.
+    const double growth =
+        std::clamp(wanted / static_cast<double>(std::max<std::size_t>(met, 1)), kLeastGrowth, kMostGrowth);
     more.sites = static_cast<std::uint32_t>(std::fmin(std::ceil(more.sites * growth), kMaxPatternSites));
-    plan = plan_sites(solid, more, execution);  // what is too many for this server is refused, not fewer
+    Expected<SitePlan> next = plan_sites(solid, more, execution);
+    changed = next && next->points != plan->points;
+    plan = std::move(next);  // what is too many for this server is refused, not fewer
   }
   return plan;
 }

@@ -153,7 +153,9 @@ Expected<SitePlan> generate(const Task& task, const RadialPattern& pattern, cons
       const double z = 1 - (2 * b + 1.0) / spokes, across = std::sqrt(std::fmax(0, 1 - z * z));
       const double turns = b * kGolden;
       const Vec2d d = unit_at(turns - std::floor(turns));
-      const Vec3d off = (0.5 * pattern.jitter * apart * random.uniform()) * random_direction(random);
+      // One draw after the other: compilers differ in which operand of a product they evaluate first.
+      const double far = 0.5 * pattern.jitter * apart * random.uniform();
+      const Vec3d off = far * random_direction(random);
       wheel.spokes.push_back(normalized(Vec3d{across * d.x, z, across * d.y} + off));
     }
     return plan_of(pattern, wheel, radius, false, random, task.execution);
