@@ -111,7 +111,7 @@ class Gallery:
         self.models = self.folder / "glb"
         self.models.mkdir(parents=True, exist_ok=True)
         self.render = root / "build/release/client/cli/fracture-render"
-        self.size, self.keep = arguments.size, arguments.keep
+        self.size, self.keep, self.seed = arguments.size, arguments.keep, arguments.seed
         self.only = set(arguments.only.split(",")) if arguments.only else None
         self.log = open(self.folder / "server.log", "w", encoding="utf-8")
         self.server = Server(root / "build/release/server/fracture-server", self.log)
@@ -334,6 +334,8 @@ class Gallery:
             self.asset_sheet()
             if self.only is not None and "real" in self.only:
                 AssetSheets(self).draw()
+            if self.only is not None and "blind" in self.only:
+                AssetSheets(self).draw_blind(self.seed)
         finally:
             self.server.stop()
             self.log.close()
@@ -345,9 +347,10 @@ class Gallery:
 def main():
     parser = argparse.ArgumentParser(prog="scripts/gallery")
     parser.add_argument("root", type=pathlib.Path)
-    parser.add_argument("--only", help="overview, page, materials, patterns, levels, local, rough, paper, assets, real, or the "
-                        "name of a material; several with commas")
+    parser.add_argument("--only", help="overview, page, materials, patterns, levels, local, rough, paper, assets, real, blind, or "
+                        "the name of a material; several with commas")
     parser.add_argument("--size", default="400x300", help="of one picture")
+    parser.add_argument("--seed", type=int, default=1, help="of the sheet blind")
     parser.add_argument("--keep", action="store_true", help="use the GLB files of the last run again")
     arguments = parser.parse_args()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that the server is stopped on the way out

@@ -2,6 +2,7 @@
 import json
 import os
 import pathlib
+import random
 import struct
 import subprocess
 
@@ -16,6 +17,11 @@ ASSETS = {
     "stairs": "kk_stairs_walled.glb", "long table": "kk_table_long_decorated_C.glb", "shelf": "kk_shelf_large.glb",
     "keg": "kk_keg_decorated.glb", "banner": "kk_banner_red.glb"}
 FRAGMENTS = 40
+# What somebody who sees no colours has to tell apart: the names of the choice, and the materials behind them. What is too thin to
+# show its insides is not asked.
+BLIND_MATERIALS = {"glass": ["glass"], "wood": ["wood"], "brick": ["brick"], "stone or concrete": ["stone", "concrete"],
+                   "ice": ["ice"], "ceramic": ["ceramic"], "metal": ["metal"]}
+BLIND_NOT = {"banner", "building", "plate"}
 
 
 def bounds_of(glb):
@@ -64,32 +70,57 @@ class AssetSheets:
         subprocess.run([self.gallery.root / "build/release/server/fracture-server", "bake", "--quiet", "--manifest", manifest],
                        check=False)
 
-    def draw(self):
+    def broken(self, pairs):
+        """The files of (material, label) pairs that were made, and where each asset is hit: point and radius."""
         files = self.files()
         intact = {label: self.folder / f"{label}.glb" for label in files}
         self.bake([(files[label], intact[label], {"sites": 1}) for label in files])
         boxes = {label: bounds_of(path.read_bytes()) for label, path in intact.items() if path.exists()}
-        made, jobs = {}, []
-        for material in self.gallery.materials:
-            for label, (low, high) in boxes.items():
-                hit = [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, high[2]]
-                parameters = {"material": material, "fragments": FRAGMENTS, "seed": 7}
-                if "impacts" in {p["name"] for p in self.gallery.patterns[self.gallery.materials[material]["pattern"]]}:
-                    parameters["impacts"] = [hit]
-                output = made[material, label] = self.folder / f"{label}_{material}.glb"
-                jobs.append((files[label], output, parameters))
+        made, jobs, hits = {}, [], {}
+        for label, (low, high) in boxes.items():
+            size = [h - l for l, h in zip(low, high)]
+            hits[label] = ([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, high[2]],
+                           round(0.6 * sum(s * s for s in size) ** 0.5 / 2, 6))
+        for material, label in pairs or [(m, label) for m in self.gallery.materials for label in boxes]:
+            if label not in boxes:
+                continue
+            parameters = {"material": material, "fragments": FRAGMENTS, "seed": 7}
+            if "impacts" in {p["name"] for p in self.gallery.patterns[self.gallery.materials[material]["pattern"]]}:
+                parameters["impacts"] = [hits[label][0]]
+            output = made[material, label] = self.folder / f"{label}_{material}.glb"
+            jobs.append((files[label], output, parameters))
         self.bake(jobs)
+        return {pair: output for pair, output in made.items() if output.exists()}, hits
+
+    def cell(self, output, hit):
+        """The options of a picture of this file."""
+        return {"file": str(output.relative_to(self.gallery.folder)), "impact": hit[0], "impact-radius": hit[1],
+                "impact-direction": [-0.25, 0, -1]}
+
+    def draw(self):
+        made, hits = self.broken(None)
         for material in self.gallery.materials:
-            rows = []
-            for label, (low, high) in boxes.items():
-                output = made[material, label]
-                if not output.exists():
-                    continue
-                size = [h - l for l, h in zip(low, high)]
-                radius = 0.6 * sum(s * s for s in size) ** 0.5 / 2
-                options = {"impact": [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, high[2]],
-                           "impact-radius": round(radius, 6), "impact-direction": [-0.25, 0, -1]}
-                rows.append((label, options, [{"file": str(output.relative_to(self.gallery.folder))}] * 3))
+            rows = [(label, {}, [self.cell(made[material, label], hit)] * 3)
+                    for label, hit in hits.items() if (material, label) in made]
             self.gallery.sheet(f"real_{material}", f"material={material}, fragments={FRAGMENTS}",
                                [("exploded", {"view": "exploded", "explode": 0.5}), ("after an impact", {"view": "impact"}),
                                 ("close by", {"view": "exploded", "explode": 0.5, "margin": 0.35})], rows)
+
+    def draw_blind(self, seed):
+        """Ten cells without colours or names, of seven materials, for somebody who has to say which is which; the answers
+        are in blind.key."""
+        draw = random.Random(seed)
+        materials = list(BLIND_MATERIALS) + draw.sample(sorted(BLIND_MATERIALS), 3)
+        draw.shuffle(materials)
+        labels = [label for label in self.files() if label not in BLIND_NOT]
+        draw.shuffle(labels)
+        pairs = [(draw.choice(BLIND_MATERIALS[m]), label) for m, label in zip(materials, labels)]
+        made, hits = self.broken(pairs)
+        cells = [self.cell(made[pair], hits[pair[1]]) for pair in pairs if pair in made]
+        letters = "ABCDEFGHIJ"[:len(cells)]
+        self.gallery.sheet("blind", "glass, wood, brick, stone or concrete, ice, ceramic, metal?",
+                           [(letter, {}) for letter in letters],
+                           [("exploded", {"view": "exploded", "explode": 0.5}, cells), ("hit", {"view": "impact"}, cells)],
+                           {"look": "plaster"})
+        key = "".join(f"{letter} {pair[0]} {pair[1]}\n" for letter, pair in zip(letters, [p for p in pairs if p in made]))
+        (self.gallery.folder / "blind.key").write_text(key, encoding="utf-8")
