@@ -5,7 +5,7 @@
 
 #include "common/base/pacer.hpp"
 #include "common/base/stamped_map.hpp"
-#include "common/exact/volume_sum.hpp"
+#include "common/fragment/certain_volume.hpp"
 #include "common/fragment/closedness.hpp"
 #include "common/fragment/mass_properties.hpp"
 #include "common/fragment/mirror_sum.hpp"
@@ -72,7 +72,10 @@ class Assembler {
     collect_vertices(piece);
     points_.clear();
     points_.reserve(ids_.size());
-    pacer_.each(0, ids_.size(), [&](std::size_t k) { points_.push_back(d_.point(ids_[k])); });
+    pacer_.each(0, ids_.size(), [&](std::size_t k) {
+      points_.push_back(d_.point(ids_[k]));
+      box_.add(points_.back());
+    });
     write_attributes();
     measure();
     place(piece, pivot);
@@ -333,27 +336,16 @@ class Assembler {
     add_until(static_cast<std::uint32_t>(out_.indices.size()));
     out_.surface_area = all.area() - caps;
     out_.mass = all.result();
-    if (all.cancels()) out_.mass.volume = precise_volume();
-  }
-
-  double precise_volume() {
-    exact::VolumeSum sum(points_[out_.indices[0]]);
-    for (std::size_t k = 0; k < out_.indices.size(); k += 3) {
-      pacer_.step(4);
-      sum.add(points_[out_.indices[k]], points_[out_.indices[k + 1]], points_[out_.indices[k + 2]]);
-    }
-    return sum.volume();
+    out_.mass.volume = certain_volume(out_.mass.volume, points_, box_, out_.indices, pacer_);
   }
 
   /// The centre of mass on the seam lattice, inside the box even when rounding error throws the centre of a
   /// sliver out of it.
   std::array<std::int32_t, 3> center_on_lattice(const Vec3d& step) const {
-    Box box;
-    for (const Vec3d& p : points_) box.add(p);
     std::array<std::int32_t, 3> center;
     for (int a = 0; a < 3; ++a)
       center[a] = static_cast<std::int32_t>(
-          std::nearbyint(std::clamp(out_.mass.center_of_mass[a], box.min[a], box.max[a]) / step[a]));
+          std::nearbyint(std::clamp(out_.mass.center_of_mass[a], box_.min[a], box_.max[a]) / step[a]));
     return center;
   }
 
@@ -415,6 +407,7 @@ class Assembler {
   Fragment& out_;
   const bool rough_ = !d_.caps.normals.empty();
   bool plain_;
+  Box box_;  // of the points
   Scratch& s_ = thread_scratch<Scratch>();
   std::vector<CutVertexId>& ids_ = s_.ids;
   std::vector<VertexSource>& sources_ = s_.sources;

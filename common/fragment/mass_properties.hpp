@@ -3,11 +3,8 @@
 // the 3-D tetrahedron inertia tensor in terms of its vertex coordinates"; here through second moments).
 #pragma once
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 
-#include "common/exact/volume_sum.hpp"
 #include "common/fragment/fragments.hpp"
 
 namespace fracture {
@@ -31,14 +28,10 @@ class MassIntegral {
     xz_ += det * (a.x * a.z + b.x * b.z + c.x * c.z + s.x * s.z);
     yz_ += det * (a.y * a.z + b.y * b.z + c.y * c.z + s.y * s.z);
     twice_area_ += length(normal);
-    products_ += exact::max_norm(ab) * exact::max_norm(ac);
-    reach_ = std::max(reach_, exact::max_norm(a));
   }
 
   double area() const { return 0.5 * twice_area_; }
   double volume() const { return six_volume_ / 6; }
-  /// Whether the volume may be off by more than 1e-10 of itself: VolumeSum knows it better.
-  bool cancels() const { return exact::cancels(volume(), products_, reach_); }
 
   /// About the centre of mass. A surface without volume has its centre at the origin given and no inertia.
   MassProperties result() const {
@@ -64,7 +57,7 @@ class MassIntegral {
 
  private:
   Vec3d origin_;
-  double six_volume_ = 0, twice_area_ = 0, products_ = 0, reach_ = 0;
+  double six_volume_ = 0, twice_area_ = 0;
   Vec3d moment_;
   double xx_ = 0, yy_ = 0, zz_ = 0, xy_ = 0, xz_ = 0, yz_ = 0;
 };

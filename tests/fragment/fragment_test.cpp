@@ -7,6 +7,10 @@
 #include <map>
 #include <set>
 
+#include "common/base/pacer.hpp"
+#include "common/base/random.hpp"
+#include "common/exact/volume_sum.hpp"
+#include "common/fragment/certain_volume.hpp"
 #include "common/fragment/closedness.hpp"
 #include "common/fragment/mass_properties.hpp"
 #include "common/pipeline/fracture.hpp"
@@ -73,6 +77,44 @@ TEST(MassIntegral, FarAwayKeepsItsFigures) {
   const Mesh moved = translated(torus(24, 12), far);  // rounds its coordinates: a slightly different torus
   EXPECT_NEAR(mass_of(moved, far).volume, volume_of(moved), 1e-12 * volume_of(moved));
   EXPECT_NEAR(length(mass_of(moved, far).center_of_mass - far), 0, 1e-4);
+}
+
+TEST(CertainVolume, IsThePreciseSumWhereTheOneInDoublesCancelsAndOnlyThere) {
+  Random random(12);
+  const Execution execution;
+  Pacer pacer(execution);
+  const std::vector<std::uint32_t> triangles{0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
+  int cancelling = 0;
+  for (int n = 0; n < 4000; ++n) {
+    // Four points near a line or, every other time, near a plane.
+    const double thin = std::ldexp(1.0, -static_cast<int>(random.below(n % 2 ? 22 : 45)));
+    std::vector<Vec3d> points;
+    Box box;
+    for (int k = 0; k < 4; ++k) {
+      const double along = random.uniform(), across = (n % 2 ? thin : 1.0) * random.uniform();
+      const Vec3d noise{random.uniform(), random.uniform(), random.uniform()};
+      points.push_back(along * Vec3d{0.31, 0.73, 0.59} + across * Vec3d{0.67, -0.37, 0.11} + thin * noise);
+      box.add(points.back());
+    }
+    exact::VolumeSum precise(points[0]);
+    MassIntegral plain(points[0]);
+    double products = 0, reach = 0;
+    for (std::size_t k = 0; k < triangles.size(); k += 3) {
+      const Vec3d &p = points[triangles[k]], &q = points[triangles[k + 1]], &r = points[triangles[k + 2]];
+      precise.add(p, q, r);
+      plain.add(p, q, r);
+      const Vec3d a = p - points[0], b = q - points[0], c = r - points[0];
+      products += exact::max_norm(b - a) * exact::max_norm(c - a);
+      reach = std::max(reach, exact::max_norm(a));
+    }
+    const bool cancels = exact::cancels(plain.volume(), products, reach);
+    EXPECT_EQ(certain_volume(plain.volume(), points, box, triangles, pacer),
+              cancels ? precise.volume() : plain.volume())
+        << n;
+    cancelling += cancels;
+  }
+  EXPECT_GT(cancelling, 500);
+  EXPECT_LT(cancelling, 3500);
 }
 
 TEST(Closedness, CountsOpenAndPinchedEdges) {
