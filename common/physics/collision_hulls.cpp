@@ -36,12 +36,12 @@ struct Maker {
   ConvexHullBuilder builder;
   std::vector<std::uint32_t> index;
   std::vector<Vec3f> corners;
-  std::vector<std::array<std::uint32_t, 3>> surface;  // triangles of corners
+  std::vector<std::uint32_t> corner_of;  // of the fragment's vertices
 
-  std::size_t bytes() const { return builder.bytes() + bytes_of_vectors(index, corners, surface); }
+  std::size_t bytes() const { return builder.bytes() + bytes_of_vectors(index, corners, corner_of); }
   void release() {
     builder.release();
-    release_vectors(index, corners, surface);
+    release_vectors(index, corners, corner_of);
   }
 };
 
@@ -92,8 +92,8 @@ void inset(CollisionHull& hull) {
   }
 }
 
-void add_hull(std::span<const Vec3f> points, std::span<const std::array<std::uint32_t, 3>> surface,
-              Maker& maker, FragmentHulls& out, const Execution& execution) {
+void add_hull(std::span<const Vec3f> points, const BodySurface& surface, Maker& maker, FragmentHulls& out,
+              const Execution& execution) {
   const Triangles& triangles = maker.builder.build(points, kMaxHullPoints, execution, surface);
   out.simplified += maker.builder.stopped_early();
   if (triangles.empty()) {
@@ -106,27 +106,19 @@ void add_hull(std::span<const Vec3f> points, std::span<const std::array<std::uin
   inset(out.hulls.back());
 }
 
-/// Each position once, though faces that differ there in their attributes have a vertex each; and the triangles
-/// between them, where they may be those of the hull.
+/// Each position once, though faces that differ there in their attributes have a vertex each.
 void collect_corners(const Fragment& f, Maker& maker, const Execution& execution) {
   Pacer pacer(execution);
   maker.corners.clear();
-  maker.surface.clear();
-  maker.index.resize(f.positions.size());
+  maker.corner_of.resize(f.positions.size());
   for (std::uint32_t v = 0; v < f.positions.size(); ++v) {
     pacer.step();
     if (f.topology[v] == v) {
-      maker.index[v] = static_cast<std::uint32_t>(maker.corners.size());
+      maker.corner_of[v] = static_cast<std::uint32_t>(maker.corners.size());
       maker.corners.push_back(f.positions[v]);
     } else {
-      maker.index[v] = maker.index[f.topology[v]];  // an earlier one
+      maker.corner_of[v] = maker.corner_of[f.topology[v]];  // an earlier one
     }
-  }
-  maker.surface.reserve(f.indices.size() / 3);
-  for (std::size_t k = 0; k < f.indices.size(); k += 3) {
-    pacer.step();
-    maker.surface.push_back(
-        {maker.index[f.indices[k]], maker.index[f.indices[k + 1]], maker.index[f.indices[k + 2]]});
   }
 }
 
@@ -154,7 +146,7 @@ CollisionHulls make_collision_hulls(const FragmentSet& set, CollisionHulls known
       if (!hulls.hulls.empty() || f.positions.empty()) continue;
       if (f.bodies.empty()) {
         collect_corners(f, maker, execution);
-        add_hull(maker.corners, maker.surface, maker, hulls, execution);
+        add_hull(maker.corners, {f.indices, maker.corner_of}, maker, hulls, execution);
       }
       for (const std::vector<Vec3f>& body : f.bodies) add_hull(body, {}, maker, hulls, execution);
     }

@@ -28,6 +28,22 @@ class HullGrid {
     double offset;
   };
 
+  /// Two planes side by side: heights above both take as long as above one.
+  struct PlanePair {
+    using Pair = double __attribute__((vector_size(16)));  // g++ and clang++, of any processor
+    Pair x, y, z, offset;
+    void set(std::size_t side, const Plane& plane) {
+      x[side] = plane.normal.x;
+      y[side] = plane.normal.y;
+      z[side] = plane.normal.z;
+      offset[side] = plane.offset;
+    }
+    /// As height() has them, bit for bit.
+    Pair heights(const Vec3d& p) const { return x * p.x + y * p.y + z * p.z - offset; }
+  };
+  /// Beneath which everything lies.
+  static constexpr Plane kAboveAll{{0, 0, 0}, HUGE_VAL};
+
   void round(std::span<const Vec3f> points, Pacer& pacer);
 
   /// Only these, ascending, in their order.

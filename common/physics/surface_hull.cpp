@@ -20,30 +20,6 @@ double largest(const Vec3d& v) { return std::max(std::fabs(v.x), std::max(std::f
 
 }  // namespace
 
-/// False where a triangle is degenerate, or the body is flat: the width of a convex body is at least 2 V / A.
-bool SurfaceHull::set_faces(const HullGrid& grid, std::span<const std::array<std::uint32_t, 3>> surface,
-                            Pacer& pacer) {
-  faces_.resize(surface.size());
-  corners_.resize(4 * surface.size());
-  double six_volumes = 0, sizes = 0;
-  bool degenerate = false;
-  for (std::size_t f = 0; f < surface.size(); ++f) {
-    pacer.step();
-    const auto [a, b, c] = surface[f];
-    std::uint32_t* const corner = &corners_[4 * f];
-    corner[0] = corner[3] = a;
-    corner[1] = b;
-    corner[2] = c;
-    const HullGrid::Plane plane = grid.plane(a, b, c);
-    const double size = largest(plane.normal);
-    degenerate = degenerate || size == 0;
-    faces_[f] = {plane, kRounding * size, a + b + c};
-    six_volumes += plane.offset;
-    sizes += size;
-  }
-  return !degenerate && six_volumes > 3 * kThick * sizes;  // twice an area is at most sqrt(3) times its size
-}
-
 /// False where the edge (a, b) bends inwards: where the diagonals of its two triangles pass each other at a
 /// distance. Unlike the height of a corner above the plane of a sliver that is no larger than what rounding did
 /// to the corners.
@@ -78,24 +54,49 @@ bool SurfaceHull::nothing_above_the_largest(const HullGrid& grid, Pacer& pacer) 
                      const double a = faces_[f].rounding, b = faces_[g].rounding;
                      return a != b ? a > b : f < g;
                    });
-  for (std::size_t k = 0; k < count; ++k) {
-    const Face& face = faces_[largest_[k]];
-    const double most = kMostAbove * face.rounding;
-    bool above = false;
-    pacer.each(0, grid.size(), [&](std::size_t p) {
-      above |= grid.height(face.plane, static_cast<std::uint32_t>(p)) > most;
-    });
-    if (above) return false;
+  struct Limit {
+    HullGrid::PlanePair planes;
+    HullGrid::PlanePair::Pair most;
+  };
+  std::array<Limit, (kLargest + 1) / 2> limits;
+  for (std::size_t k = 0; k < 2 * limits.size(); ++k) {
+    const Face& face = faces_[largest_[std::min(k, count - 1)]];
+    limits[k / 2].planes.set(k % 2, face.plane);
+    limits[k / 2].most[k % 2] = kMostAbove * face.rounding;
+  }
+  for (std::uint32_t p = 0; p < grid.size(); ++p) {
+    pacer.step();
+    const Vec3d& at = grid[p];
+    auto above = limits[0].planes.heights(at) > limits[0].most;
+    for (std::size_t k = 1; k < limits.size(); ++k) above |= limits[k].planes.heights(at) > limits[k].most;
+    if ((above[0] | above[1]) != 0) return false;
   }
   return true;
 }
 
-/// False, too, where an edge is not that of two faces, once in each direction.
-bool SurfaceHull::pair_edges(const HullGrid& grid, Pacer& pacer) {
+/// False, too, where a triangle is degenerate, an edge is not that of two triangles, once in each direction, or the
+/// body is flat: the width of a convex body is at least 2 V / A. Most bodies that are not convex are known after a
+/// few triangles.
+bool SurfaceHull::bends_outwards(const HullGrid& grid, const BodySurface& surface, Pacer& pacer) {
+  faces_.clear();
+  corners_.clear();
+  after_.clear();
+  faces_.reserve(surface.size());
+  corners_.reserve(4 * surface.size());
+  after_.reserve(4 * surface.size());
   points_.assign(grid.size(), {kNoIndex, 0, 0, false});
-  after_.resize(corners_.size());
+  double six_volumes = 0, sizes = 0;
   std::size_t pairs = 0;
-  for (std::size_t f = 0; f < faces_.size(); ++f)
+  for (std::size_t f = 0; f < surface.size(); ++f) {
+    const auto [a0, b0, c0] = surface[f];
+    const HullGrid::Plane plane = grid.plane(a0, b0, c0);
+    const double size = largest(plane.normal);
+    if (size == 0) return false;
+    faces_.push_back({plane, kRounding * size, a0 + b0 + c0});
+    corners_.insert(corners_.end(), {a0, b0, c0, a0});
+    after_.insert(after_.end(), 4, kNoIndex);
+    six_volumes += plane.offset;
+    sizes += size;
     for (auto h = static_cast<HalfEdge>(4 * f); h < 4 * f + 3; ++h) {
       const std::uint32_t a = corners_[h], b = corners_[h + 1];
       HalfEdge* link = &points_[b].open;
@@ -112,14 +113,15 @@ bool SurfaceHull::pair_edges(const HullGrid& grid, Pacer& pacer) {
       *link = after_[*link];
       ++pairs;
     }
-  return 2 * pairs == 3 * faces_.size();
+  }
+  return 2 * pairs == 3 * faces_.size() &&
+         six_volumes > 3 * kThick * sizes;  // twice an area is at most sqrt(3) times its size
 }
 
-SurfaceHull::Shape SurfaceHull::shape_of(const HullGrid& grid,
-                                         std::span<const std::array<std::uint32_t, 3>> surface,
-                                         Pacer& pacer) {
+SurfaceHull::Shape SurfaceHull::shape_of(const HullGrid& grid, const BodySurface& surface,
+                                         std::uint32_t max_points, Pacer& pacer) {
   if (surface.size() + 4 != 2 * std::size_t{grid.size()}) return Shape::kOther;  // Euler: no sphere
-  if (!set_faces(grid, surface, pacer) || !pair_edges(grid, pacer)) return Shape::kOther;
+  if (!bends_outwards(grid, surface, pacer)) return Shape::kOther;
   // A surface without holes whose edges bend outwards is that of one convex body, and not wound around it twice,
   // if only one point is higher than all its neighbours.
   std::size_t blunt = 0, summits = 0;
@@ -128,8 +130,9 @@ SurfaceHull::Shape SurfaceHull::shape_of(const HullGrid& grid,
     summits += !p.climbs;
   }
   if (summits != 1) return Shape::kOther;
-  return blunt <= points_.size() / kFewBlunt && nothing_above_the_largest(grid, pacer) ? Shape::kHull
-                                                                                       : Shape::kConvex;
+  const bool hull = grid.size() <= max_points && blunt <= points_.size() / kFewBlunt &&
+                    nothing_above_the_largest(grid, pacer);
+  return hull ? Shape::kHull : Shape::kConvex;
 }
 
 void SurfaceHull::list_sharp(std::vector<std::uint32_t>& out) const {

@@ -11,10 +11,27 @@
 
 namespace fracture {
 
+/// Triangles between the corners of a body, counter-clockwise from outside; borrowed. None: nothing is known of them.
+class BodySurface {
+ public:
+  BodySurface() = default;
+  /// `indices`: three vertices each; `corner_of`: of each vertex, which corner it stands at.
+  BodySurface(std::span<const std::uint32_t> indices, std::span<const std::uint32_t> corner_of)
+      : indices_(indices), corner_of_(corner_of.data()) {}
+
+  std::size_t size() const { return indices_.size() / 3; }
+  std::array<std::uint32_t, 3> operator[](std::size_t triangle) const {
+    const std::uint32_t* const v = indices_.data() + 3 * triangle;
+    return {corner_of_[v[0]], corner_of_[v[1]], corner_of_[v[2]]};
+  }
+
+ private:
+  std::span<const std::uint32_t> indices_;
+  const std::uint32_t* corner_of_ = nullptr;
+};
+
 class SurfaceHull {
  public:
-  using Triangles = std::vector<std::array<std::uint32_t, 3>>;
-
   /// Steps of the grid: what an edge bends by less may be flat. Cuts are rounded to the seam lattice.
   static constexpr double kRounding = 8;
   /// So many of the largest triangles are asked whether anything lies above them, by more than so many times the
@@ -25,10 +42,10 @@ class SurfaceHull {
   enum class Shape {
     kOther,   ///< bends inwards, is no sphere, or flat
     kConvex,  ///< the hull of the points that stick out (sharp())
-    kHull,    ///< the same, and almost all points do: the triangles are the hull
+    kHull,    ///< the same, and almost all points do, no more than may: the triangles are the hull
   };
-  /// Of triangles of indices into the points of the grid, each point in some, counter-clockwise from outside.
-  Shape shape_of(const HullGrid& grid, std::span<const std::array<std::uint32_t, 3>> surface, Pacer& pacer);
+  /// The corners are the points of the grid, each of them that of some triangle; `max_points`: of a hull.
+  Shape shape_of(const HullGrid& grid, const BodySurface& surface, std::uint32_t max_points, Pacer& pacer);
   /// After shape_of(): all extreme points, and few others.
   void list_sharp(std::vector<std::uint32_t>& out) const;
 
@@ -50,8 +67,7 @@ class SurfaceHull {
     bool climbs;            ///< some neighbour is higher
   };
 
-  bool set_faces(const HullGrid& grid, std::span<const std::array<std::uint32_t, 3>> surface, Pacer& pacer);
-  bool pair_edges(const HullGrid& grid, Pacer& pacer);
+  bool bends_outwards(const HullGrid& grid, const BodySurface& surface, Pacer& pacer);
   bool nothing_above_the_largest(const HullGrid& grid, Pacer& pacer);
   bool add_edge(const HullGrid& grid, std::uint32_t a, std::uint32_t b, const Face& left, const Face& right);
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numeric>
 #include <random>
 #include <set>
 #include <string>
@@ -124,6 +125,23 @@ TEST(ConvexHull, EveryCornerSticksOutOfTheHullOfTheOthers) {
 
 using Surface = std::vector<std::array<std::uint32_t, 3>>;
 
+/// A surface whose corners are the points.
+class BodyOf {
+ public:
+  BodyOf(const Points& points, const Surface& surface) : corner_of_(points.size()) {
+    for (const auto& t : surface) indices_.insert(indices_.end(), t.begin(), t.end());
+    std::iota(corner_of_.begin(), corner_of_.end(), 0u);
+  }
+  BodySurface surface() const { return {indices_, corner_of_}; }
+
+ private:
+  std::vector<std::uint32_t> indices_, corner_of_;
+};
+ConvexHullBuilder::Triangles hull_of(const Points& points, const Surface& surface, std::uint32_t most = 255) {
+  ConvexHullBuilder builder;
+  return builder.build(points, most, {}, BodyOf(points, surface).surface());
+}
+
 /// A cube whose faces have a further point in their middle, lifted by so much: convex, flat or dented.
 std::pair<Points, Surface> cube_with_middles(float lift, int middles) {
   Points points;
@@ -150,19 +168,17 @@ std::pair<Points, Surface> cube_with_middles(float lift, int middles) {
 }
 
 TEST(ConvexHull, OfAConvexSurfaceIsThatSurface) {
-  ConvexHullBuilder builder;
   for (const auto& [lift, middles] : {std::pair{0.1f, 6}, {0.0f, 0}, {1e-6f, 1}, {-1e-6f, 1}}) {
     const auto [points, surface] = cube_with_middles(lift, middles);
-    EXPECT_EQ(builder.build(points, 255, {}, surface), surface) << lift;
+    EXPECT_EQ(hull_of(points, surface), surface) << lift;
   }
 }
 
 TEST(ConvexHull, OfASurfaceThatIsNotConvexLeavesOutWhatDoesNotStickOut) {
-  ConvexHullBuilder builder;
   for (const auto& [lift, middles, expected] :
        {std::tuple{0.0f, 6, 8u}, {-0.1f, 1, 8u}, {-0.001f, 6, 8u}, {-1e-4f, 1, 8u}}) {
     const auto [points, surface] = cube_with_middles(lift, middles);
-    const auto& triangles = builder.build(points, 255, {}, surface);
+    const auto triangles = hull_of(points, surface);
     EXPECT_EQ(corners(triangles).size(), expected) << lift << ", " << middles;
     EXPECT_EQ(open_directed_edges(mesh_of(points, triangles)), 0u);
   }
@@ -197,13 +213,12 @@ std::pair<Points, Surface> around_axis(std::uint32_t sides,
 }
 
 TEST(ConvexHull, OfFineSurfacesKeepsWhatBendsByLessThanRounding) {
-  ConvexHullBuilder builder;
   std::vector<std::pair<double, double>> half_sphere;
   for (int r = 0; r < 200; ++r) half_sphere.push_back({std::cos(0.0078 * r), std::sin(0.0078 * r)});
   for (const auto& [points, surface] :
        {around_axis(2000, {{1, 0}, {1, 0.2}}, 0, 0.2), around_axis(2000, half_sphere, 0, 1),
         around_axis(5000, {{1, 0}}, -0.5, 0.5)}) {
-    const auto& triangles = builder.build(points, 1u << 20, {}, surface);
+    const auto triangles = hull_of(points, surface, 1u << 20);
     ASSERT_FALSE(triangles.empty());
     EXPECT_EQ(open_directed_edges(mesh_of(points, triangles)), 0u);
     EXPECT_LE(farthest_outside(points, triangles), 2e-5);
@@ -230,8 +245,7 @@ TEST(ConvexHull, IsNotDeceivedByANarrowStripInAValley) {
     surface.push_back({1, c, b});
     surface.push_back({7, 6 + b, 6 + c});
   }
-  ConvexHullBuilder builder;
-  const auto& triangles = builder.build(points, 255, {}, surface);
+  const auto triangles = hull_of(points, surface);
   EXPECT_EQ(corners(triangles).size(), 8u);
   EXPECT_NEAR(volume_of(mesh_of(points, triangles)), 1, 1e-5);
 }
@@ -241,9 +255,10 @@ TEST(ConvexHull, OfALargeSurfaceWithAHubCanBeInterruptedAnywhere) {
   Surface shuffled = ordered;
   std::shuffle(shuffled.begin(), shuffled.end(), std::mt19937(5));
   for (const Surface& surface : {ordered, shuffled}) {
+    const BodyOf body(points, surface);
     PollGaps gaps;
     ConvexHullBuilder builder;
-    EXPECT_FALSE(builder.build(points, 255, gaps.execution(), surface).empty());
+    EXPECT_FALSE(builder.build(points, 255, gaps.execution(), body.surface()).empty());
     EXPECT_LT(gaps.longest_ms(), kMostPollGapMs);
     EXPECT_LT(static_cast<double>(gaps.polls()) * 8192 / 200'000, 300) << "steps a point";
   }
@@ -258,7 +273,7 @@ TEST(ConvexHull, DoesNotTakeASurfaceThatIsNone) {
   for (auto& t : turned) std::swap(t[1], t[2]);
   degenerate.back() = {degenerate.back()[0], degenerate.back()[0], degenerate.back()[2]};
   for (const Surface& surface : {open, turned, degenerate}) {
-    const auto& triangles = builder.build(points, 255, {}, surface);
+    const auto triangles = hull_of(points, surface);
     EXPECT_EQ(corners(triangles), expected);
     EXPECT_EQ(open_directed_edges(mesh_of(points, triangles)), 0u);
     EXPECT_GT(volume_of(mesh_of(points, triangles)), 1);
