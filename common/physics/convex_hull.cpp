@@ -1,69 +1,63 @@
 #include "common/physics/convex_hull.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <numeric>
 
 #include "common/mesh/mesh.hpp"
 
 namespace fracture {
 
-void ConvexHullBuilder::add_face(std::uint32_t a, std::uint32_t b, std::uint32_t c,
-                                 const std::array<std::uint32_t, 3>& neighbour) {
-  faces_.push_back(
-      {{a, b, c}, neighbour, grid_.plane(a, b, c), -HUGE_VAL, kNoIndex, kNoIndex, 0, false, true});
+bool ConvexHullBuilder::lexicographic_less(std::uint32_t a, std::uint32_t b) const {
+  const GridPoint &p = points_[a], &q = points_[b];
+  if (p.x != q.x) return p.x < q.x;
+  if (p.y != q.y) return p.y < q.y;
+  return p.z < q.z;
 }
 
-/// Puts p on the face's list where it lies above it, at the height of about h.
-inline bool ConvexHullBuilder::put_outside(std::uint32_t p, Face& f, double h) {
-  if (!is_above(f, p, h)) return false;
-  next_[p] = f.first_outside;
-  f.first_outside = p;
-  const double higher = h - f.highest;
-  if (higher < -2 * HullGrid::kHeightError) return true;
-  if (higher <= 2 * HullGrid::kHeightError) {
-    // Ties go to the lexicographically last: an extreme point even within a facet of coplanar points. Of points at
-    // one place the first one stays.
-    const std::int64_t height = grid_.exact_height(f.plane.normal, f.v[0], p),
-                       highest = grid_.exact_height(f.plane.normal, f.v[0], f.farthest);
-    if (height < highest || (height == highest && !grid_.less(f.farthest, p))) return true;
-  }
-  f.highest = h;
-  f.farthest = p;
-  return true;
+std::uint32_t ConvexHullBuilder::add_face(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+  const GridPoint &p = points_[a], &q = points_[b], &r = points_[c];
+  const GridPoint u{q.x - p.x, q.y - p.y, q.z - p.z}, v{r.x - p.x, r.y - p.y, r.z - p.z};
+  const GridPoint n{u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
+  faces_.push_back({{a, b, c},
+                    {kNoIndex, kNoIndex, kNoIndex},
+                    n,
+                    n.x * p.x + n.y * p.y + n.z * p.z,
+                    kNoIndex,
+                    kNoIndex,
+                    0,
+                    0,
+                    false,
+                    true});
+  return static_cast<std::uint32_t>(faces_.size() - 1);
 }
 
-/// Puts each point on the list of the first of the faces from there on that it lies above; points above none are
-/// inside.
-void ConvexHullBuilder::divide_homeless(std::uint32_t first_face, Pacer& pacer) {
-  const std::size_t count = faces_.size() - first_face, pairs = (count + 1) / 2;
-  Face* const faces = faces_.data() + first_face;
-  planes_.resize(pairs);
-  planes_.back().set(1, HullGrid::kAboveAll);
-  for (std::size_t k = 0; k < count; ++k) planes_[k / 2].set(k % 2, faces[k].plane);
-  const HullGrid::PlanePair* const planes = planes_.data();
-  for (const std::uint32_t p : homeless_) {
-    const Vec3d& at = grid_[p];
-    std::size_t k = 0;
-    for (; k < pairs; ++k) {
-      const HullGrid::PlanePair::Pair h = planes[k].heights(at);
-      if (h[0] >= -HullGrid::kHeightError && put_outside(p, faces[2 * k], h[0])) break;
-      if (h[1] >= -HullGrid::kHeightError && put_outside(p, faces[2 * k + 1], h[1])) break;
+/// Puts p on the list of the first of the faces that it lies above; points above none are inside.
+void ConvexHullBuilder::put_outside(std::uint32_t p, std::uint32_t first_face, std::uint32_t end_face,
+                                    Pacer& pacer) {
+  for (std::uint32_t f = first_face; f < end_face; ++f) {
+    Face& face = faces_[f];
+    const std::int64_t h = above(face, p);
+    if (h <= 0) continue;
+    next_[p] = face.first_outside;
+    face.first_outside = p;
+    // Ties go to the lexicographically last: an extreme point even within a facet of coplanar points.
+    if (h > face.highest || (h == face.highest && lexicographic_less(face.farthest, p))) {
+      face.highest = h;
+      face.farthest = p;
     }
-    pacer.step(1 + k);
+    return pacer.step(1 + f - first_face);
   }
+  pacer.step(1 + end_face - first_face);
 }
 
 /// The faces that see p, and their boundary in order: around each face from the edge by which it was entered, and
 /// into those beyond its edges before it goes on (Lloyd's implementation, quickhull3d, has it so).
 void ConvexHullBuilder::find_horizon(std::uint32_t face, std::uint32_t p) {
   ++stamp_;
-  visible_.clear();
+  visible_.assign(1, face);
   horizon_.clear();
-  visible_.push_back(face);
   faces_[face].stamp = stamp_;
   faces_[face].visible = true;
-  steps_.push_back({face, 0, 3});
+  steps_.assign(1, {face, 0, 3});
   while (!steps_.empty()) {
     Step& step = steps_.back();
     if (step.left == 0) {
@@ -78,7 +72,7 @@ void ConvexHullBuilder::find_horizon(std::uint32_t face, std::uint32_t p) {
     Face& other = faces_[g];
     if (other.stamp != stamp_) {
       other.stamp = stamp_;
-      other.visible = is_above(other, p, grid_.height(other.plane, p));
+      other.visible = above(other, p) > 0;
       if (other.visible) {
         visible_.push_back(g);
         const int after = other.v[0] == a ? 0 : other.v[1] == a ? 1 : 2;  // its edge from b to a ends there
@@ -103,36 +97,47 @@ void ConvexHullBuilder::insert_farthest(std::uint32_t face, Pacer& pacer) {
   pacer.step(visible_.size() + count);
   for (std::uint32_t k = 0; k < count; ++k) {
     const HorizonEdge& edge = horizon_[k];
+    const std::uint32_t made = add_face(edge.a, edge.b, p);
+    faces_[made].neighbour = {edge.unseen, first + (k + 1 == count ? 0 : k + 1),
+                              first + (k == 0 ? count : k) - 1};
     Face& unseen = faces_[edge.unseen];
-    unseen.neighbour[unseen.v[0] == edge.b ? 0 : unseen.v[1] == edge.b ? 1 : 2] = first + k;
-    add_face(edge.a, edge.b, p,
-             {edge.unseen, first + (k + 1 == count ? 0 : k + 1), first + (k == 0 ? count : k) - 1});
+    unseen.neighbour[unseen.v[0] == edge.b ? 0 : unseen.v[1] == edge.b ? 1 : 2] = made;
   }
-  homeless_.clear();
+  const std::uint32_t end = first + count;
   for (const std::uint32_t f : visible_) {
     faces_[f].alive = false;
-    for (std::uint32_t q = faces_[f].first_outside; q != kNoIndex; q = next_[q])
-      if (q != p) homeless_.push_back(q);
+    for (std::uint32_t q = faces_[f].first_outside; q != kNoIndex;) {
+      const std::uint32_t after = next_[q];
+      if (q != p) put_outside(q, first, end, pacer);
+      q = after;
+    }
     faces_[f].first_outside = kNoIndex;
   }
-  divide_homeless(first, pacer);
-  for (std::uint32_t f = first; f < first + count; ++f)
+  for (std::uint32_t f = first; f < end; ++f)
     if (faces_[f].first_outside != kNoIndex) pending_.push_back(f);
 }
 
 void ConvexHullBuilder::quickhull(const std::array<std::uint32_t, 4>& first, std::uint32_t max_points,
                                   Pacer& pacer) {
   const auto [a, b, c, d] = first;
-  next_.resize(grid_.size());
+  const auto whole = [](double x) { return static_cast<std::int64_t>(x); };
+  points_.resize(grid_.size());
+  pacer.each(0, points_.size(), [&](std::size_t k) {
+    const Vec3d& p = grid_[static_cast<std::uint32_t>(k)];
+    points_[k] = {whole(p.x), whole(p.y), whole(p.z)};
+  });
+  next_.resize(points_.size());
   stamp_ = 0;
   faces_.clear();
-  add_face(a, b, c, {1, 2, 3});
-  add_face(a, d, b, {3, 2, 0});
-  add_face(b, d, c, {1, 3, 0});
-  add_face(c, d, a, {2, 1, 0});
-  homeless_.resize(grid_.size());
-  std::iota(homeless_.begin(), homeless_.end(), 0u);
-  divide_homeless(0, pacer);
+  add_face(a, b, c);
+  add_face(a, d, b);
+  add_face(b, d, c);
+  add_face(c, d, a);
+  faces_[0].neighbour = {1, 2, 3};
+  faces_[1].neighbour = {3, 2, 0};
+  faces_[2].neighbour = {1, 3, 0};
+  faces_[3].neighbour = {2, 1, 0};
+  for (std::uint32_t p = 0; p < points_.size(); ++p) put_outside(p, 0, 4, pacer);
   // First come, first served: the hull grows on all sides alike, so that stopping early leaves no side out.
   std::uint32_t inserted = 4;
   pending_ = {0, 1, 2, 3};

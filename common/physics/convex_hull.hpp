@@ -36,25 +36,28 @@ class ConvexHullBuilder {
 
   std::size_t bytes() const {
     return grid_.bytes() + surface_.bytes() +
-           bytes_of_vectors(number_, faces_, planes_, homeless_, next_, visible_, pending_, steps_, horizon_,
+           bytes_of_vectors(number_, points_, faces_, next_, visible_, pending_, steps_, horizon_,
                             triangles_);
   }
   void release() {
     grid_.release();
     surface_.release();
-    release_vectors(number_, faces_, planes_, homeless_, next_, visible_, pending_, steps_, horizon_,
-                    triangles_);
+    release_vectors(number_, points_, faces_, next_, visible_, pending_, steps_, horizon_, triangles_);
   }
 
  private:
+  struct GridPoint {
+    std::int64_t x, y, z;  ///< in [0, 2^19)
+  };
   /// A triangle; edge k runs from v[k] to v[(k + 1) % 3], and neighbour[k] lies across it.
   struct Face {
     std::array<std::uint32_t, 3> v;
     std::array<std::uint32_t, 3> neighbour;
-    HullGrid::Plane plane;
-    double highest;               ///< about the height of `farthest`
-    std::uint32_t farthest;       ///< of the points above it that are not on the hull yet
-    std::uint32_t first_outside;  ///< head of their list, kNoIndex: there are none
+    GridPoint normal;             ///< |component| < 2^39
+    std::int64_t offset;          ///< of the plane: dot(normal, v[0]) < 3 * 2^58
+    std::uint32_t first_outside;  ///< head of the list of points above it that are not on the hull yet
+    std::uint32_t farthest;       ///< of them
+    std::int64_t highest;         ///< above() that one
     std::uint32_t stamp;          ///< the insertion that looked at it last
     bool visible;                 ///< from that point
     bool alive;
@@ -69,15 +72,14 @@ class ConvexHullBuilder {
   };
 
   void quickhull(const std::array<std::uint32_t, 4>& first, std::uint32_t max_points, Pacer& pacer);
-  void add_face(std::uint32_t a, std::uint32_t b, std::uint32_t c,
-                const std::array<std::uint32_t, 3>& neighbour);
-  /// Is p above the face's plane, at the height of about h? Exact.
-  bool is_above(const Face& f, std::uint32_t p, double h) const {
-    return h > HullGrid::kHeightError ||
-           (h >= -HullGrid::kHeightError && grid_.exact_height(f.plane.normal, f.v[0], p) > 0);
+  std::uint32_t add_face(std::uint32_t a, std::uint32_t b, std::uint32_t c);
+  /// Twice the area times the distance above the face's plane; exact.
+  std::int64_t above(const Face& f, std::uint32_t p) const {
+    const GridPoint& q = points_[p];
+    return f.normal.x * q.x + f.normal.y * q.y + f.normal.z * q.z - f.offset;
   }
-  bool put_outside(std::uint32_t p, Face& f, double h);
-  void divide_homeless(std::uint32_t first_face, Pacer& pacer);
+  bool lexicographic_less(std::uint32_t a, std::uint32_t b) const;
+  void put_outside(std::uint32_t p, std::uint32_t first_face, std::uint32_t end_face, Pacer& pacer);
   void find_horizon(std::uint32_t face, std::uint32_t p);
   void insert_farthest(std::uint32_t face, Pacer& pacer);
 
@@ -85,10 +87,9 @@ class ConvexHullBuilder {
   SurfaceHull surface_;
   std::vector<std::uint32_t> number_;  ///< of the grid's points, where these are not all: among those given
   // Of Quickhull.
+  std::vector<GridPoint> points_;
   std::vector<Face> faces_;
-  std::vector<HullGrid::PlanePair> planes_;  ///< of the newest faces; where they are odd with kAboveAll
-  std::vector<std::uint32_t> homeless_;      ///< points whose faces were taken away
-  std::vector<std::uint32_t> next_;          ///< of each point: the next of its face's list
+  std::vector<std::uint32_t> next_;  ///< of each point: the next of its face's list
   std::vector<std::uint32_t> visible_, pending_;
   std::vector<Step> steps_;
   std::vector<HorizonEdge> horizon_;  ///< one cycle

@@ -41,9 +41,6 @@ class HullGrid {
     /// As height() has them, bit for bit.
     Pair heights(const Vec3d& p) const { return x * p.x + y * p.y + z * p.z - offset; }
   };
-  /// Beneath which everything lies.
-  static constexpr Plane kAboveAll{{0, 0, 0}, HUGE_VAL};
-
   void round(std::span<const Vec3f> points, Pacer& pacer);
 
   /// Only these, ascending, in their order.
