@@ -1,4 +1,5 @@
 #include "client/render/read_materials.hpp"
+#include "common/mesh/material_library.hpp"
 
 #include <algorithm>
 #include <set>

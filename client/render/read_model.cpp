@@ -11,6 +11,7 @@
 #include "common/import/gltf_document.hpp"
 #include "common/import/gltf_model.hpp"
 #include "common/import/refused.hpp"
+#include "common/mesh/material_library.hpp"
 
 namespace fracture::render {
 namespace {

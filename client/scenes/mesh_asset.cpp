@@ -8,6 +8,7 @@
 
 #include "common/import/import.hpp"
 #include "common/mesh/frame.hpp"
+#include "common/mesh/material_library.hpp"
 
 namespace fracture::scenes {
 namespace {

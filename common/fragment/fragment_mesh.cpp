@@ -1,6 +1,7 @@
 #include "common/fragment/fragment_mesh.hpp"
 
 #include "common/base/pacer.hpp"
+#include "common/mesh/material_library.hpp"
 
 namespace fracture {
 

@@ -1,6 +1,7 @@
 #include "common/gltf/fracture_extras.hpp"
 
 #include "common/gltf/report_text.hpp"
+#include "common/mesh/material_library.hpp"
 
 namespace fracture {
 namespace {

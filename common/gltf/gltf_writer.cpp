@@ -16,6 +16,7 @@
 #include "common/gltf/passed_through.hpp"
 #include "common/gltf/scene_layout.hpp"
 #include "common/gltf/ue_collision.hpp"
+#include "common/mesh/material_library.hpp"
 
 namespace fracture {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "common/gltf/vertex_data.hpp"
-#include "common/mesh/mesh.hpp"
+#include "common/mesh/material_library.hpp"
 
 namespace fracture {
 

@@ -7,6 +7,7 @@
 
 #include "common/base/pacer.hpp"
 #include "common/gltf/reused_material.hpp"
+#include "common/mesh/material_library.hpp"
 #include "common/surface_color/color_groups.hpp"
 
 namespace fracture {

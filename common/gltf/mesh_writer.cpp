@@ -5,6 +5,7 @@
 #include "common/base/pacer.hpp"
 #include "common/gltf/mesh_manifold.hpp"
 #include "common/mesh/gltf_component.hpp"
+#include "common/mesh/material_library.hpp"
 #include "common/solid/solid.hpp"
 
 namespace fracture {

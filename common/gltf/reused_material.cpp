@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/base/pacer.hpp"
+#include "common/mesh/material_library.hpp"
 #include "common/surface_color/base_color.hpp"
 
 namespace fracture {

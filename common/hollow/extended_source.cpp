@@ -1,4 +1,5 @@
 #include "common/hollow/extended_source.hpp"
+#include "common/mesh/material_library.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -20,6 +20,7 @@
 #include "common/import/refused.hpp"
 #include "common/import/text_encoding.hpp"
 #include "common/import/transform.hpp"
+#include "common/mesh/material_library.hpp"
 
 namespace fracture {
 namespace {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/import/import.hpp"
+#include "common/mesh/material_library.hpp"
 #include "common/mesh/mesh.hpp"
 
 namespace fracture {

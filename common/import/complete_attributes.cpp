@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/import/transform.hpp"
+#include "common/mesh/material_library.hpp"
 
 namespace fracture {
 namespace {

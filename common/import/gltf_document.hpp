@@ -13,6 +13,7 @@
 
 #include "common/import/import.hpp"
 #include "common/mesh/gltf_component.hpp"
+#include "common/mesh/material_library.hpp"
 #include "common/mesh/mesh.hpp"
 
 namespace fracture {

@@ -13,6 +13,7 @@
 #include "common/import/mesh_builder.hpp"
 #include "common/import/refused.hpp"
 #include "common/import/transform.hpp"
+#include "common/mesh/material_library.hpp"
 
 namespace fracture {
 namespace {

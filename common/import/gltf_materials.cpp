@@ -9,6 +9,7 @@
 #include "common/import/gltf_document.hpp"
 #include "common/import/refused.hpp"
 #include "common/import/uri.hpp"
+#include "common/mesh/material_library.hpp"
 
 namespace fracture {
 namespace {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/base/gathered.hpp"
+#include "common/mesh/material_library.hpp"
 
 namespace fracture {
 namespace {

@@ -1,6 +1,7 @@
 #include "common/mesh/frame.hpp"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <string>
 
 namespace fracture {

@@ -1,7 +1,7 @@
 // Units and axes: what a file's coordinates mean, and the mesh in metres with y up.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "common/base/error.hpp"
 #include "common/mesh/mesh.hpp"

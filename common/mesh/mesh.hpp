@@ -6,7 +6,6 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -34,29 +33,9 @@ struct SurfaceColor {
   friend bool operator==(const SurfaceColor&, const SurfaceColor&) = default;
 };
 
-/// An image as the source holds it, byte for byte.
-struct Image {
-  std::string name;
-  std::string mime_type;  ///< "image/png", "image/jpeg", "image/webp", "image/ktx2"
-  std::vector<std::uint8_t> bytes;
-};
-
-/// Most that the three lists of a MaterialLibrary may hold together when they are parsed (json_bytes). A
-/// scene of 10,000 materials takes a quarter of it.
-inline constexpr std::size_t kMaxLibraryBytes = 32u << 20;
-
-/// Materials in glTF's own terms: `materials[k]`, `textures[k]`, `samplers[k]` are glTF 2.0 JSON objects
-/// whose indices refer to the arrays here (a texture's "source" is an index into `images`). Importers of
-/// other formats translate into these terms, so that the exporter writes every material back with what it
-/// had.
-struct MaterialLibrary {
-  nlohmann::json materials = nlohmann::json::array();
-  nlohmann::json textures = nlohmann::json::array();
-  nlohmann::json samplers = nlohmann::json::array();
-  std::vector<Image> images;
-  std::vector<std::string> extensions_used;      ///< material and texture extensions only
-  std::vector<std::string> extensions_required;  ///< subset of extensions_used
-};
+struct MaterialLibrary;  // mesh/material_library.hpp
+/// One without materials.
+std::shared_ptr<const MaterialLibrary> empty_library();
 
 /// What the coordinates of an imported mesh mean, as far as its file or its format says so.
 struct SourceFrame {
@@ -78,7 +57,7 @@ struct Mesh {
   std::vector<std::string> node_names;  ///< the source's mesh instances, UTF-8, may repeat
   std::vector<SurfaceColor>
       triangle_color;  ///< per triangle (surface_color/surface_colors.hpp); empty: none known
-  std::shared_ptr<const MaterialLibrary> library = std::make_shared<MaterialLibrary>();
+  std::shared_ptr<const MaterialLibrary> library = empty_library();
   std::string copyright;  ///< asset.copyright of the source, passed on
   /// The rest of the scene, which is not to be fractured (mesh/selection.hpp): written whole beside the
   /// fragments. Same frame, node_names and library. Null when there is none.

@@ -1,6 +1,7 @@
 #include "common/solid/faults.hpp"
 
 #include <cstdio>
+#include <nlohmann/json.hpp>
 
 namespace fracture::solid_detail {
 namespace {

@@ -1,6 +1,8 @@
 #include "common/solid/part_colors.hpp"
+#include <nlohmann/json.hpp>
 
 #include "common/base/pacer.hpp"
+#include "common/mesh/material_library.hpp"
 #include "common/surface_color/base_color.hpp"
 #include "common/surface_color/color_groups.hpp"
 

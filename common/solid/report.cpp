@@ -1,3 +1,4 @@
+#include <nlohmann/json.hpp>
 #include <type_traits>
 
 #include "common/solid/solid.hpp"

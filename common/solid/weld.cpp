@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "common/solid/near_points.hpp"
 #include "common/solid/polled.hpp"

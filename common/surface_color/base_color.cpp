@@ -1,4 +1,5 @@
 #include "common/surface_color/base_color.hpp"
+#include "common/mesh/material_library.hpp"
 
 #include <algorithm>
 #include <cmath>

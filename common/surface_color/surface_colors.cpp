@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "common/mesh/material_library.hpp"
 #include "common/surface_color/base_color.hpp"
 #include "common/surface_color/mean_pyramid.hpp"
 #include "common/surface_color/pixels.hpp"

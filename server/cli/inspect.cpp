@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/mesh/material_library.hpp"
 #include "server/bake/import_workers.hpp"
 #include "server/bake/input_file.hpp"
 #include "server/cli/options.hpp"

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <climits>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <utility>
 

@@ -7,6 +7,7 @@
 
 #include "common/base/json_reader.hpp"
 #include "common/import/text_encoding.hpp"
+#include "common/mesh/material_library.hpp"
 #include "server/import_worker/byte_stream.hpp"
 
 namespace fracture {

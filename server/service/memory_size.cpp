@@ -2,6 +2,7 @@
 #include "common/base/heap_bytes.hpp"
 #include "common/base/json_reader.hpp"
 #include "common/hits/delta.hpp"
+#include "common/mesh/material_library.hpp"
 #include "server/service/service.hpp"
 
 namespace fracture {

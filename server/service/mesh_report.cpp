@@ -1,4 +1,5 @@
 #include "server/service/mesh_report.hpp"
+#include "common/mesh/material_library.hpp"
 
 namespace fracture {
 namespace {

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <set>
 
+#include "common/mesh/material_library.hpp"
 #include "tests/support/growth_families.hpp"
 #include "tests/support/shapes.hpp"
 

@@ -10,6 +10,7 @@
 
 #include "common/gltf/collision_systems.hpp"
 #include "common/gltf/gltf_writer.hpp"
+#include "common/mesh/material_library.hpp"
 #include "common/solid/solid.hpp"
 #include "tests/gltf/glb_file.hpp"
 #include "tests/gltf/two_halves.hpp"

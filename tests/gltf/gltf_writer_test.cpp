@@ -11,6 +11,7 @@
 #include "common/gltf/json_text.hpp"
 #include "common/gltf/names.hpp"
 #include "common/import/import.hpp"
+#include "common/mesh/material_library.hpp"
 #include "common/solid/solid.hpp"
 #include "tests/gltf/glb_file.hpp"
 #include "tests/gltf/two_halves.hpp"

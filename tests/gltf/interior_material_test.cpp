@@ -1,4 +1,5 @@
 #include "common/gltf/interior_material.hpp"
+#include "common/mesh/material_library.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/gltf/gltf_writer.hpp"
+#include "common/mesh/material_library.hpp"
 #include "tests/gltf/glb_file.hpp"
 #include "tests/gltf/two_halves.hpp"
 #include "tests/support/poll_gaps.hpp"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "common/mesh/material_library.hpp"
 #include "common/solid/solid.hpp"
 
 namespace fracture::test {

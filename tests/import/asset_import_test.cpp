@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "common/import/complete_attributes.hpp"
+#include "common/mesh/material_library.hpp"
 #include "tests/import/make_files.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/mesh_files.hpp"

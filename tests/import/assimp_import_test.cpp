@@ -6,6 +6,7 @@
 #include <set>
 #include <tuple>
 
+#include "common/mesh/material_library.hpp"
 #include "tests/import/make_files.hpp"
 
 namespace fracture::test {

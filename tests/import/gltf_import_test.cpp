@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "common/mesh/material_library.hpp"
 #include "tests/import/make_files.hpp"
 
 namespace fracture::test {

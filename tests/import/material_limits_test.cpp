@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "common/base/json_reader.hpp"
+#include "common/mesh/material_library.hpp"
 #include "tests/import/make_files.hpp"
 
 namespace fracture::test {

@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "common/import/uri.hpp"
+#include "common/mesh/material_library.hpp"
 #include "tests/import/make_files.hpp"
 #include "tests/support/mesh_files.hpp"
 

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/mesh/material_library.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/shapes.hpp"
 

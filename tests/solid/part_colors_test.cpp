@@ -1,6 +1,7 @@
 // What colour parts have: that of most of their surface.
 #include <gtest/gtest.h>
 
+#include "common/mesh/material_library.hpp"
 #include "common/solid/solid.hpp"
 #include "tests/support/shapes.hpp"
 

@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "common/mesh/material_library.hpp"
 #include "common/surface_color/mean_pyramid.hpp"
 #include "tests/surface_color/pictures.hpp"
 

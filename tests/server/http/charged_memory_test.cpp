@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "common/digest/digest.hpp"
+#include "common/mesh/material_library.hpp"
 #include "tests/server/support/gate.hpp"
 #include "tests/server/support/gzip.hpp"
 #include "tests/server/support/peak_memory.hpp"

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "common/base/random.hpp"
+#include "common/mesh/material_library.hpp"
 #include "server/import_worker/mesh_codec.hpp"
 #include "server/import_worker/protocol.hpp"
 #include "tests/import/make_files.hpp"

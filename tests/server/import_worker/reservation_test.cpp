@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/digest/digest.hpp"
+#include "common/mesh/material_library.hpp"
 #include "server/import_worker/import_pool.hpp"
 #include "tests/import/make_files.hpp"
 
