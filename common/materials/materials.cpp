@@ -40,26 +40,31 @@ std::vector<MaterialPreset> make_presets() {
        "Wood Handbook, FPL-GTR-190 (pine: 500 kg/m3 at 12 % moisture, tension across the grain 2.6 MPa)"});
 
   ClusteredPattern concrete;
-  presets.push_back(
-      {"concrete",
-       "Large blocks with crushed zones of rubble between them.",
-       concrete,
-       0,
-       1,
-       {0.06, 5, 2},
-       {2400, 0.65, 0.1, 2.6e6},
-       {"#8d8a84", 0.5, 0.8, 0.95, 0},
-       "EN 1991-1-1 (24 kN/m3), EN 1992-1-1 table 3.1 (C25/30: mean tensile strength 2.6 MPa)"});
+  presets.push_back({"concrete",
+                     "Large ragged blocks with crushed zones of rubble between them.",
+                     concrete,
+                     0,
+                     1,
+                     {0.03, 8, 1},
+                     {2400, 0.65, 0.1, 2.6e6},
+                     {"#8d8a84", 0.5, 0.8, 0.95, 0},
+                     "EN 1991-1-1 (24 kN/m3), EN 1992-1-1 table 3.1 (C25/30: mean tensile strength 2.6 MPa)",
+                     std::nullopt,
+                     0,
+                     {8, 1.8}});
 
   presets.push_back({"stone",
-                     "Even, blocky chunks.",
+                     "Ragged chunks, of the sizes that blasted rock has.",
                      UniformPattern{},
-                     2,
+                     0,
                      1,
-                     {0.08, 4, 2},
+                     {0.04, 8, 1},
                      {2700, 0.65, 0.15, 10e6},
                      {"#7d7a76", 0.7, 0.8, 0.9, 0},
-                     "EN 1991-1-1 (granite 27 kN/m3); Brazilian tensile strength of granite about 10 MPa"});
+                     "EN 1991-1-1 (granite 27 kN/m3); Brazilian tensile strength of granite about 10 MPa",
+                     std::nullopt,
+                     0,
+                     {8, 1}});
 
   BrickPattern brick;
   brick.jitter = 0.05;

@@ -49,6 +49,7 @@ struct MaterialPreset {
   const char* source;            ///< of the physical figures
   std::optional<Vec3d> grain{};  ///< the same for all: how it lay in the ground, say
   double shell_fraction = 0;     ///< of the longest side of a part that holds a ball of kLeastBall: its walls
+  Aggregation aggregation{};
 };
 
 std::span<const MaterialPreset> material_presets();

@@ -284,6 +284,8 @@ std::optional<Error> complete_structure(RequestParameters& r) {
   if (r.fragment) r.selection.refracture = Refracture{*r.fragment, r.fragment_sites, r.fragment_seed};
   if (!r.broken.empty() && !f.anchors.any())
     return bad_parameter("broken", "'broken' needs anchors: without any, everything falls.");
+  if (f.dual == Dual::kBarycenter)
+    f.aggregation = {};  // its cells do not fill space, nor would groups of them
   if (f.drop_above > 0 && f.dual != Dual::kBarycenter)
     return bad_parameter("drop_above",
                          "'drop_above' belongs to dual=barycenter; an exact partition leaves nothing out. "

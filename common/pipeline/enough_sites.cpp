@@ -52,6 +52,8 @@ std::size_t groups_met(const std::vector<Vec3d>& points, const SitePlan& plan, c
 }  // namespace
 
 double sites_for_fragments(const FractureParameters& parameters) {
+  if (const std::uint32_t cells = cells_per_fragment(parameters); cells > 1)
+    return 1.0 * parameters.sites * cells;
   const bool as_many = parameters.size.fragments > 0 && parameters.sites == parameters.size.fragments;
   const bool more = crowds(parameters.pattern) || divides_the_box(parameters.pattern);
   return as_many && more ? 2.0 * parameters.sites : parameters.sites;
@@ -60,7 +62,8 @@ double sites_for_fragments(const FractureParameters& parameters) {
 Expected<SitePlan> plan_enough_sites(const SeenSolid& solid, const FractureParameters& parameters,
                                      const Execution& execution) {
   const std::uint32_t wanted = parameters.size.fragments;
-  if (wanted == 0 || parameters.sites != wanted) return plan_sites(solid, parameters, execution);
+  if (wanted == 0 || parameters.sites != wanted || cells_per_fragment(parameters) > 1)  // these are counted
+    return plan_sites(solid, parameters, execution);
   SiteParameters more = parameters;
   if (crowds(parameters.pattern)) {
     more.sites = std::min(kMaxPatternSites, 2 * wanted);

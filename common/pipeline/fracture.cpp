@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <set>
 #include <string>
 #include <utility>
 
+#include "common/physics/aggregate_hulls.hpp"
 #include "common/physics/collision_hulls.hpp"
+#include "common/pipeline/aggregate.hpp"
 #include "common/pipeline/barycentric.hpp"
 #include "common/pipeline/enough_sites.hpp"
 #include "common/pipeline/fracture_steps.hpp"
@@ -21,12 +24,10 @@
 namespace fracture {
 namespace {
 
-/// The group of each site, from those of the input points and the cells that stay together whatever their
-/// groups; empty when each is for itself.
+/// The group of each site, from those of the input points; empty when each is for itself.
 std::vector<std::uint32_t> groups_of_sites(const Tetrahedralization& t,
-                                           const std::vector<std::uint32_t>& groups_of_input,
-                                           const std::vector<SiteId>& kept) {
-  if (groups_of_input.empty() && kept.size() < 2) return {};
+                                           const std::vector<std::uint32_t>& groups_of_input) {
+  if (groups_of_input.empty()) return {};
   std::vector<const std::uint32_t*> given(t.site_count(), nullptr);
   for (std::size_t k = groups_of_input.size(); k-- > 0;)  // the first of merged points decides
     if (t.site_of_input[k] != kNoSite) given[t.site_of_input[k]] = &groups_of_input[k];
@@ -34,12 +35,44 @@ std::vector<std::uint32_t> groups_of_sites(const Tetrahedralization& t,
   std::vector<std::uint32_t> groups(t.site_count());
   for (const SiteId s : ids<SiteId>(t.site_count()))
     groups[s] = given[s] ? first.emplace(*given[s], s).first->second : s;
-  if (kept.size() < 2) return groups;
+  return groups;
+}
+
+/// Whatever the groups of these cells (none: each for itself), they stay together.
+void join(std::uint32_t sites, const std::vector<SiteId>& kept, std::vector<std::uint32_t>& groups) {
+  if (kept.size() < 2) return;
+  if (groups.empty()) {
+    groups.resize(sites);
+    std::iota(groups.begin(), groups.end(), 0u);
+  }
   std::set<std::uint32_t> joined;
   for (const SiteId s : kept) joined.insert(groups[s]);
   for (std::uint32_t& g : groups)
     if (joined.contains(g)) g = *joined.begin();
-  return groups;
+}
+
+/// Aggregates are those of the pattern alone: what no hit is near to stays what it was.
+Expected<SplitFigures> aggregate_before_hits(const SeenSolid& seen, const FractureParameters& parameters,
+                                             SitePlan& plan, const Execution& execution) {
+  const Allowance::Temporary temporary(execution.allowance);
+  Expected<Tetrahedralization> t = tetrahedralize(plan.points, seen.seen().box, execution);
+  if (!t) return tl::unexpected(t.error());
+  Diagram before{.sites = std::move(plan.points), .map = plan.map, .tetrahedralization = std::move(*t)};
+  if (parameters.max_volume > 0) {
+    Expected<SplitFigures> split =
+        split_large(seen, before, parameters.max_volume, parameters.seed, execution);
+    if (!split) return tl::unexpected(split.error());
+    before.split = *split;
+  }
+  canonicalize(before.tetrahedralization, execution);
+  const Tetrahedralization& all = before.tetrahedralization;
+  const VoronoiDiagram voronoi(all, seen.seen().box, before.map, execution);
+  const std::vector<std::uint32_t> groups =
+      aggregate(restrict_to_solid(seen, voronoi, execution), parameters, execution);
+  std::uint32_t next = all.site_count();  // more than there are groups
+  for (const SiteId s : all.site_of_input) plan.groups.push_back(s == kNoSite ? next++ : groups[s]);
+  plan.points = std::move(before.sites);
+  return before.split;
 }
 
 }  // namespace
@@ -63,7 +96,14 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
       if (auto relaxed = relax(seen, *plan, parameters.lloyd, execution); !relaxed)
         return tl::unexpected(relaxed.error());
     }
+    const bool aggregated = is_aggregated(parameters);
+    Diagram diagram;
     if (!parameters.hits.empty()) {
+      if (aggregated) {
+        const Expected<SplitFigures> split = aggregate_before_hits(seen, parameters, *plan, execution);
+        if (!split) return tl::unexpected(split.error());
+        diagram.split = *split;
+      }
       const std::size_t of_pattern = plan->points.size();
       if (auto added = append_hits(solid, parameters, parameters.hits, 0, *plan, execution); !added)
         return tl::unexpected(added.error());
@@ -71,13 +111,12 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
     }
     Expected<Tetrahedralization> t = tetrahedralize(plan->points, seen.seen().box, execution);
     if (!t) return tl::unexpected(t.error());
-    Diagram diagram;
     diagram.sites = std::move(plan->points);
     diagram.groups = std::move(plan->groups);
     diagram.map = plan->map;
     diagram.notes = std::move(plan->notes);
     diagram.tetrahedralization = std::move(*t);
-    if (parameters.max_volume > 0) {
+    if (parameters.max_volume > 0 && !(aggregated && !parameters.hits.empty())) {
       if (!diagram.groups.empty())
         return fail(ErrorCode::kBadParameter,
                     "'max_volume' divides cells, but a piece of this pattern is several cells.",
@@ -102,12 +141,9 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
   const VoronoiDiagram voronoi(t, seen.seen().box, diagram.map, execution);
   std::vector<SiteId> kept;
   if (parameters.keep) kept = cells_meeting(*parameters.keep, voronoi, seen.seen().box, execution);
-  const Ownership ownership =
-      Ownership::from_groups(t.site_count(), groups_of_sites(t, diagram.groups, kept), execution);
 
   CutCells cut;
   cut.kept = kept.size();
-  cut.grouped = ownership.grouped;
   if (parameters.dual == Dual::kBarycenter) {
     if (diagram.map)
       return fail(
@@ -120,10 +156,19 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
   } else {
     RestrictedDiagram restricted = restrict_to_solid(seen, voronoi, execution);
     if (inspect) inspect(restricted);
+    std::vector<std::uint32_t> groups = diagram.groups.empty() && is_aggregated(parameters)
+                                            ? aggregate(restricted, parameters, execution)
+                                            : groups_of_sites(t, diagram.groups);
+    join(t.site_count(), kept, groups);
+    const Ownership ownership = Ownership::from_groups(t.site_count(), groups, execution);
+    cut.grouped = ownership.grouped;
     make_rough_fragments(
         restricted, parameters, ownership,
         [&](const FragmentSet& set) { return judge(set, solid, Promise::kPartition); }, execution, cut,
         trace);
+    if (parameters.hulls == Hulls::kConvex && is_aggregated(parameters))
+      cut.hulls = make_aggregate_hulls(cut.set, voronoi, parameters.most_hulls,
+                                       cells_per_fragment(parameters), execution);
     execution.poll();  // a large diagram takes some time to be given back, and so does what comes below
   }
   execution.poll();

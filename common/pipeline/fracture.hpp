@@ -40,7 +40,7 @@ namespace fracture {
 /// 10  2026-11-23  sites, and fragments after them, in the order of a curve through the solid
 /// 11  2026-11-23  cut faces have the colour of what was cut; pieces of a fragment know their part
 /// 12  2026-11-24  closed parts of glass and ceramic become walls; a grain for each part; glass, metal; cuts of
-///                 a triangle by their cells
+///                 a triangle by their cells; stone and concrete in ragged chunks of several cells
 inline constexpr int kAlgorithmVersion = 12;
 
 enum class Dual {
@@ -55,6 +55,8 @@ struct FractureParameters : SiteParameters {
   Dual dual = Dual::kCircumcenter;
   double drop_above = 0;       ///< m³; with kBarycenter alone: larger fragments are left out. 0: none
   Hulls hulls = Hulls::kNone;  ///< collision hulls for physics engines (physics/collision_hulls.hpp)
+  /// Of an aggregate, which has one for each cell where it has no more cells (physics/aggregate_hulls.hpp); > 0.
+  std::uint32_t most_hulls = 4;
   Pivot pivot = Pivot::kCenterOfMass;
   SizeLimits size;        ///< small fragments are united with a neighbour
   double max_volume = 0;  ///< m³; 0: no limit. Cells with a larger piece get further sites

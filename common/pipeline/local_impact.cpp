@@ -1,17 +1,55 @@
 #include "common/pipeline/local_impact.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <string>
 
 #include "common/base/pacer.hpp"
 #include "common/base/random.hpp"
+#include "common/pipeline/aggregate.hpp"
 
 namespace fracture {
 namespace {
 
 /// How far a site may lie beyond the radius, as a fraction: it is rounded to a lattice of 2^-21 of the box.
 constexpr double kRounding = 1e-5;
+
+/// Fragments that a hit breaks off: about `cells` of its sites each, those nearest to one of them, on the way out of
+/// the hit farther than across it. Its sites come in the order of a curve through the solid: who is near in space is
+/// near in it, and every so manieth lies in the middle of some.
+void group_hit(const LocalImpact& hit, const SitePlan& further, std::uint32_t cells, SitePlan& plan,
+               const Execution& execution) {
+  const std::vector<Vec3d>& points = further.points;
+  std::uint32_t next = 0;
+  for (const std::uint32_t g : plan.groups_of_hits) next = std::max(next, g + 1);
+  const auto seeds = static_cast<std::int64_t>((points.size() + cells - 1) / cells);
+  constexpr std::int64_t kReach = 16;  // seeds before and after one's own
+  Pacer pacer(execution);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    pacer.step(2 * kReach);
+    const Vec3d& p = points[k];
+    const Vec3d from = p - (further.map ? further.map.at(p).image(hit.point) : hit.point);
+    const double far = length(from);
+    const Vec3d out = far > 0 ? (1 / far) * from : Vec3d{};
+    const auto own = static_cast<std::int64_t>(k / cells);
+    std::int64_t best = own;
+    double least = HUGE_VAL;
+    for (std::int64_t seed = std::max<std::int64_t>(0, own - kReach);
+         seed < std::min(seeds, own + kReach + 1); ++seed) {
+      const std::size_t middle =
+          std::min(static_cast<std::size_t>(seed) * cells + cells / 2, points.size() - 1);
+      const Vec3d to = points[middle] - p;
+      const double along = dot(to, out),
+                   square = dot(to, to) - (1 - 1 / (kOutwards * kOutwards)) * along * along;
+      if (square < least) {
+        least = square;
+        best = seed;
+      }
+    }
+    plan.groups_of_hits.push_back(next + static_cast<std::uint32_t>(best));
+  }
+}
 
 }  // namespace
 
@@ -26,6 +64,7 @@ Expected<void> append_hits(const Solid& solid, const SiteParameters& parameters,
     near.seed = (parameters.seed ^ 0x696d70616374ull) + k * kGoldenGamma;
     near.pattern = ImpactPattern{.impacts = {hit.point}, .radius = hit.radius, .exponent = 1, .share = 1};
     near.lloyd = 0;
+    near.aggregation.cells = cells_per_fragment(parameters);  // with the pattern at hand
     Expected<SitePlan> further = plan_sites(solid, near, execution);
     if (!further) return tl::unexpected(further.error());
     // What found no place near the point was placed elsewhere: no part of a hit.
@@ -42,6 +81,7 @@ Expected<void> append_hits(const Solid& solid, const SiteParameters& parameters,
         p = plan.map ? plan.map.of_part(0).image(place) : place;
       }
     }
+    if (near.aggregation.cells > 1) group_hit(hit, *further, near.aggregation.cells, plan, execution);
     plan.points.insert(plan.points.end(), further->points.begin(), further->points.end());
     if (further->points.size() < asked)
       plan.notes.push_back(std::to_string(asked - further->points.size()) + " of " + std::to_string(asked) +
@@ -73,6 +113,7 @@ void group_hits(const std::vector<LocalImpact>& hits, LocalRest rest, std::size_
     }
     ++next;
   }
+  for (const std::uint32_t g : plan.groups_of_hits) plan.groups.push_back(next + g);
   while (plan.groups.size() < plan.points.size()) plan.groups.push_back(next++);
 }
 

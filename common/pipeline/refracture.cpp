@@ -42,6 +42,9 @@ Expected<FracturedSolid> refracture(const Solid& solid, const Diagram& diagram,
   parts.hulls = parameters.hulls;
   parts.pivot = parameters.pivot;
   parts.roughness = parameters.roughness;
+  parts.aggregation.cells = cells_per_fragment(parameters);
+  parts.aggregation.spread = parameters.aggregation.spread;
+  parts.most_hulls = parameters.most_hulls;
   parts.levels = parameters.levels;
   parts.anchors = parameters.anchors;
   const Expected<Diagram> finer = make_diagram(*fragment, parts, execution, timings);

@@ -25,6 +25,21 @@ double power(double base, double exponent) {
   return result;
 }
 
+double logarithm(double x) {
+  constexpr double kLogTwo = 0.693147180559945309417;
+  int exponent = 0;
+  double mantissa = std::frexp(x, &exponent);  // exact, in [1/2, 1)
+  if (mantissa < 0.70710678) {
+    mantissa *= 2;
+    --exponent;
+  }
+  // ln m = 2 artanh(s): with |s| < 0.18 thirteen terms are good to 1e-19.
+  const double s = (mantissa - 1) / (mantissa + 1), s2 = s * s;
+  double sum = 0;
+  for (int k = 12; k >= 0; --k) sum = sum * s2 + 1.0 / (2 * k + 1);
+  return exponent * kLogTwo + 2 * s * sum;
+}
+
 Vec2d unit_at(double turns) {
   const double eighth = std::floor(8 * (turns - std::floor(turns)) + 0.5);
   constexpr double kTwoPi = 6.283185307179586476925;

@@ -11,6 +11,9 @@ namespace fracture::sites_detail {
 /// repeated square roots (x^0.b1b2b3… = Π x^(b_k 2^-k)). Good to about 1e-12.
 double power(double base, double exponent);
 
+/// The natural logarithm of x > 0, to about 1e-15.
+double logarithm(double x);
+
 /// (cos, sin) of a number of full turns, to about 1e-15.
 Vec2d unit_at(double turns);
 

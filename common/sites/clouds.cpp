@@ -156,7 +156,8 @@ Expected<SitePlan> generate(const Task& task, const ImpactPattern& pattern, cons
 
 Expected<SitePlan> generate(const Task& task, const ClusteredPattern& pattern, const ImageMap&) {
   // Few clusters of many sites: the outer cells of a cluster share what lies half-way to the sites around it.
-  const std::uint32_t count = pattern.clusters.value_or(std::max(1u, task.count / 40));
+  const std::uint32_t count =
+      pattern.clusters.value_or(std::max(1u, task.count / task.cells_per_fragment / 40));
   ColumnSampler sampler(task.solid, task.seed, task.execution);
   Random random(task.seed ^ kClusterStream);
   const std::uint64_t center_seed = random();

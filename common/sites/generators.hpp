@@ -19,6 +19,7 @@ struct Task {
   std::uint64_t seed;
   const Execution& execution;
   std::uint32_t most_sites;
+  std::uint32_t cells_per_fragment = 1;  ///< of `count`
 };
 
 /// From the frame of the answer to the image.

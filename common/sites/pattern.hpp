@@ -143,16 +143,29 @@ struct Anisotropy {
   friend bool operator==(const Anisotropy&, const Anisotropy&) = default;
 };
 
+/// Fragments of several cells, ragged by them and of the sizes of a distribution (pipeline/aggregate.hpp). Only sites
+/// that are scattered (uniform, impact, clustered) know them.
+struct Aggregation {
+  std::uint32_t cells = 1;  ///< for each fragment, on average; 1: each cell is one
+  /// How uneven the volumes are, 0 (all alike) … kMostSpread. The share of fragments larger than v is
+  /// exp(-(v / scale)^(1 / spread)), as Weibull (1951) has it.
+  double spread = 1;
+  friend bool operator==(const Aggregation&, const Aggregation&) = default;
+};
+inline constexpr std::uint32_t kMostCellsPerFragment = 64;
+inline constexpr double kMostSpread = 2;
+
 /// Patterns make at most this many sites.
 inline constexpr std::uint32_t kMaxPatternSites = 100'000;
 
 /// Exactly what decides the sites.
 struct SiteParameters {
-  std::uint32_t sites = 50;  ///< about how many pieces; not for PointsPattern
+  std::uint32_t sites = 50;  ///< about how many pieces; of aggregates, not their cells. Not for PointsPattern
   std::uint64_t seed = 1;
   SitePattern pattern{};
   std::uint32_t lloyd = 0;  ///< passes of relaxation (pipeline/lloyd.hpp), for patterns without groups
   Anisotropy anisotropy{};
+  Aggregation aggregation{};
   /// A pattern that would make more sites is refused. Decides no sites, only whether there are any.
   std::uint32_t most_sites = kMaxPatternSites;
 };
@@ -164,7 +177,13 @@ struct SitePlan {
   std::vector<std::uint32_t> groups;  ///< per point, or empty: cells with equal ids stay together
   CellMap map;                        ///< of positive determinant
   std::vector<std::string> notes;     ///< what could not be done as asked, for people
+  /// Of the last points, which hits made: cells with equal ids stay together (pipeline/local_impact.hpp). Empty: none do.
+  std::vector<std::uint32_t> groups_of_hits{};
 };
+
+/// How many cells are made for each fragment: what Aggregation asks for, unless kMaxPatternSites are fewer; 1 where the
+/// pattern knows no aggregates.
+std::uint32_t cells_per_fragment(const SiteParameters& parameters);
 
 /// The map under which the cells of these parameters are isotropic. Error: kBadParameter with the parameter's name (a
 /// combination that has no meaning). Throws Interrupted.

@@ -161,11 +161,16 @@ bool is_scattered(const SitePattern& pattern) {
          std::holds_alternative<ClusteredPattern>(pattern);
 }
 
+std::uint32_t cells_per_fragment(const SiteParameters& parameters) {
+  if (!is_scattered(parameters.pattern)) return 1;
+  return std::clamp(parameters.aggregation.cells, 1u,
+                    std::max(1u, kMaxPatternSites / std::max(1u, parameters.sites)));
+}
+
 double expected_sites(const SiteParameters& parameters, const Box& box) {
+  const double count = 1.0 * parameters.sites * cells_per_fragment(parameters);
   return std::visit(
-      [&](const auto& pattern) {
-        return sites_detail::expected_sites(pattern, parameters.sites, box.size());
-      },
+      [&](const auto& pattern) { return sites_detail::expected_sites(pattern, count, box.size()); },
       parameters.pattern);
 }
 
@@ -183,10 +188,21 @@ Expected<CellMap> map_of_cells(const Solid& solid, const SiteParameters& p, cons
 }
 
 Expected<SitePlan> plan_sites(const SeenSolid& solid, const SiteParameters& p, const Execution& execution) {
-  const Task task{solid.seen(), solid, std::max(1u, p.sites), p.seed, execution, p.most_sites};
+  const std::uint32_t cells = cells_per_fragment(p), count = std::max(1u, p.sites) * cells;
+  if (cells > 1 && count > p.most_sites)
+    return fail(ErrorCode::kTooComplex,
+                std::to_string(p.sites) + " fragments of " + std::to_string(cells) + " cells each need " +
+                    std::to_string(count) + " sites; at most " + std::to_string(p.most_sites) +
+                    " may be made. Ask for fewer fragments, or for fewer 'cells_per_fragment'.",
+                "cells_per_fragment");
+  const Task task{solid.seen(), solid, count, p.seed, execution, p.most_sites, cells};
   Expected<SitePlan> plan = std::visit(
       [&](const auto& pattern) { return sites_detail::generate(task, pattern, solid.map()); }, p.pattern);
   if (!plan) return plan;
+  if (is_scattered(p.pattern) && cells < p.aggregation.cells)
+    plan->notes.push_back("'cells_per_fragment' is " + std::to_string(cells) +
+                          ": more cells for each of so many fragments would be more than " +
+                          std::to_string(kMaxPatternSites) + " sites");
   plan->map = solid.map();
   if (!std::holds_alternative<PointsPattern>(p.pattern)) {
     const SiteLattice lattice = site_lattice(solid.seen().box);

@@ -31,6 +31,8 @@ SUBJECTS = [
      ["format", "unit", "up", "nodes", "materials", "repair", "weld_tolerance", "thickness", "shell", "shell_fraction", "shell_ball"]),
     ("How it breaks", "Where the cuts go. [Patterns](#patterns) and [materials](#materials) have pictures below.",
      ["material", "pattern", "sites", "levels", "seed", "lloyd", "stretch", "grain", "grain_of", "stretch_matrix"]),
+    ("Ragged chunks", "Cells grown together: fragments that are not convex, with `uniform`, `impact` and `clustered`.",
+     ["cells_per_fragment", "size_spread", "max_hulls"]),
     ("Of single patterns", "Each belongs to the patterns that list it [below](#patterns), and is refused with any other.",
      ["points", "impacts", "radius", "exponent", "share", "clusters", "around", "axis", "spokes", "rings", "growth", "merge", "jitter", "cell",
       "bond", "normals", "spacing", "tilt"]),

@@ -24,6 +24,7 @@ constexpr double kBytesPerMeshByte = 12, kBytesPerSite = 16u << 10, kBytesPerReq
 // cost; where the answer has only what changed, passes over a few numbers for each.
 constexpr double kChangedPerSite = 2, kShareToCopy = 0.06, kShareToPass = 0.003, kBytesToPass = 128;
 
+constexpr double kRaggedness = 1.6;
 constexpr double kSecondsPerRoughTriangle = 4e-6, kBytesPerRoughTriangle = 600;
 
 // Inflated twice at 300 MB/s (content_coding.hpp); hashed or checked, and copied.
@@ -48,8 +49,9 @@ double expected_sites(const FractureParameters& parameters, const Solid* solid, 
   // A cell that is too large gets further sites until its pieces are below the limit: on average half of it.
   if (solid && parameters.max_volume > 0)
     sites = std::fmax(sites, 2 * solid->report.volume / parameters.max_volume);
-  for (const LocalImpact& hit : parameters.hits) sites += hit.sites;
-  if (selection.refracture) sites += selection.refracture->sites;
+  const double cells = cells_per_fragment(parameters);
+  for (const LocalImpact& hit : parameters.hits) sites += cells * hit.sites;
+  if (selection.refracture) sites += cells * selection.refracture->sites;
   return std::fmin(sites, parameters.most_sites);
 }
 
@@ -57,7 +59,9 @@ double expected_rough_triangles(const FractureParameters& parameters, double sit
   const Roughness& rough = parameters.roughness;
   if (!(rough.amplitude > 0) || parameters.dual == Dual::kBarycenter) return 0;
   // The faces of random Voronoi cells: 5.82 volume^(2/3) each (Meijering 1953), shared by two.
-  const double area = 0.5 * 5.82 * std::cbrt(sites);  // in squares of the solid's size
+  double area = 0.5 * 5.82 * std::cbrt(sites);  // in squares of the solid's size
+  // Within aggregates nothing is rough; what is between them is as much larger as it is ragged.
+  if (const double cells = cells_per_fragment(parameters); cells > 1) area *= kRaggedness / std::cbrt(cells);
   const double length =
       1 / (kEdgesPerWave * rough.frequency * std::ldexp(1, static_cast<int>(rough.octaves) - 1));
   return std::fmin(kMostRoughTriangles, area / (0.433 * length * length));
@@ -67,7 +71,10 @@ ExpectedWork expected_work(const FractureParameters& parameters, std::uint64_t m
                            std::uint64_t triangles, const Selection& selection) {
   const double sites = expected_sites(parameters, solid, selection);
   if (solid) triangles = solid->triangles.size();
-  return work(mesh_bytes, triangles, sites, parameters.lloyd, expected_rough_triangles(parameters, sites));
+  // Aggregates are grown in a diagram of their own where there are hits.
+  const bool again = cells_per_fragment(parameters) > 1 && !parameters.hits.empty();
+  return work(mesh_bytes, triangles, sites, parameters.lloyd + (again ? 1.0 : 0.0),
+              expected_rough_triangles(parameters, sites));
 }
 
 ExpectedWork expected_hit_work(const FractureParameters& parameters, const Selection& selection,

@@ -153,6 +153,7 @@ TEST(Delta, WhereHitsCannotBeLocalTheWholeIsFracturedAgain) {
   not_local("a number of fragments", [](FractureParameters& p) { p.size.fragments = 20; });
   not_local("splitting", [](FractureParameters& p) { p.max_volume = 0.05; });
   not_local("groups", [](FractureParameters& p) { p.pattern = BrickPattern{}; });
+  not_local("aggregates", [](FractureParameters& p) { p.aggregation.cells = 6; });
   not_local("a region that stays", [](FractureParameters& p) {
     p.keep = Region{.center = {1, 0, 0}, .radius = 0.3};
   });

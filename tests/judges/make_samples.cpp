@@ -107,6 +107,12 @@ int run(const std::filesystem::path& folder) {
     write(folder / "rough.glb", *made);
   else
     expect(false, "sphere with rough cuts");
+  FractureParameters ragged = rough;
+  ragged.aggregation = {8, 1};
+  if (const auto made = fracture_of(torus(48, 24), ragged, plain))
+    write(folder / "ragged.glb", *made);
+  else
+    expect(false, "torus in ragged chunks");
   // Every real mesh of dev; only the triangle soup bounds no volume.
   nlohmann::json sources = nlohmann::json::array();
   for (const MeshFile& file : test_meshes()) {
@@ -123,6 +129,10 @@ int run(const std::filesystem::path& folder) {
   if (const auto monkey = assimp_model("BLEND/Suzanne_248.blend")) {
     const Expected<Mesh> mesh = load_mesh(*monkey);
     expect(mesh && fracture_to(folder / "monkey.glb", *mesh, 50), "the monkey");
+    GltfOptions options;
+    const auto made = mesh ? fracture_of(*mesh, ragged, options) : std::nullopt;
+    expect(made.has_value(), "the monkey in ragged chunks");
+    if (made) write(folder / "ragged_monkey.glb", *made, options);
   }
 #endif
   return failures == 0 ? 0 : 1;

@@ -346,6 +346,30 @@ TEST(Parameters, AMaterialIsAPresetThatGivenParametersOverride) {
   EXPECT_EQ(std::get<RadialPattern>(other->fracture.pattern).spokes, 20u);
 }
 
+TEST(Parameters, ChunksOfSeveralCellsGoWithThePatternsThatKnowThem) {
+  const auto stone = table().parse({{"material", "stone"}});
+  ASSERT_TRUE(stone);
+  EXPECT_GT(stone->fracture.aggregation.cells, 1u);
+  EXPECT_EQ(canonical_parameters(*stone).at("size_spread"), stone->fracture.aggregation.spread);
+  EXPECT_EQ(canonical_parameters(*stone).at("max_hulls"), 4);
+  EXPECT_FALSE(canonical_parameters(*parse_text("sites", "80")).contains("size_spread")) << "of single cells";
+  const auto single = table().parse({{"material", "stone"}, {"cells_per_fragment", "1"}});
+  ASSERT_TRUE(single);
+  EXPECT_EQ(canonical_parameters(*single).at("cells_per_fragment"), 1) << "so that it can be sent again";
+  const auto hit = table().parse({{"material", "stone"}, {"pattern", "impact"}});
+  ASSERT_TRUE(hit);
+  EXPECT_EQ(hit->fracture.aggregation, stone->fracture.aggregation);
+  const auto panes = table().parse({{"material", "stone"}, {"pattern", "radial"}});
+  ASSERT_TRUE(panes);
+  EXPECT_EQ(panes->fracture.aggregation, Aggregation{});
+  EXPECT_FALSE(table().parse({{"pattern", "grid"}, {"cells_per_fragment", "4"}}));
+  EXPECT_FALSE(table().parse({{"cells_per_fragment", "65"}}));
+  EXPECT_FALSE(table().parse({{"size_spread", "2.1"}}));
+  const auto paper = table().parse({{"material", "stone"}, {"dual", "barycenter"}});
+  ASSERT_TRUE(paper);
+  EXPECT_EQ(cells_per_fragment(paper->fracture), 1u);
+}
+
 TEST(Parameters, OnlyWhatDecidesTheSitesIsInTheirKey) {
   const auto key = [](const std::vector<RawParameter>& given) {
     return canonical_site_parameters(*table().parse(given)).dump();

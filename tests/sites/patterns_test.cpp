@@ -34,6 +34,11 @@ TEST(Arithmetic, PowerAgreesWithTheLibrary) {
           << base << "^" << exponent;
 }
 
+TEST(Arithmetic, LogarithmAgreesWithTheLibrary) {
+  for (const double x : {1e-300, 1e-9, 0.1, 0.5, 0.70710678, 0.7071068, 0.999999, 1.0, 1.5, 3.0, 1e10})
+    EXPECT_NEAR(sites_detail::logarithm(x), std::log(x), 1e-15 * (1 + std::fabs(std::log(x)))) << x;
+}
+
 TEST(Arithmetic, UnitAtAgreesWithTheLibrary) {
   for (int k = -400; k <= 400; ++k) {
     const double turns = k / 173.0, angle = 2 * M_PI * turns;
@@ -144,6 +149,29 @@ TEST(Patterns, TooManySitesAreATypedError) {
     ASSERT_FALSE(plan);
     EXPECT_EQ(plan.error().code, ErrorCode::kTooComplex);
   }
+}
+
+TEST(Patterns, MakeTheCellsOfAggregatesUpToTheirLimits) {
+  const Solid solid = solid_of(cube());
+  SiteParameters p;
+  p.sites = 20;
+  p.aggregation.cells = 7;
+  EXPECT_EQ(plan_sites(solid, p, {})->points.size(), 140u);
+  EXPECT_EQ(expected_sites(p, solid.box), 140);
+  p.most_sites = 139;
+  const Expected<SitePlan> refused = plan_sites(solid, p, {});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kTooComplex);
+  p.most_sites = kMaxPatternSites;
+  p.sites = kMaxPatternSites / 3;
+  const Expected<SitePlan> fewer = plan_sites(solid, p, {});
+  ASSERT_TRUE(fewer);
+  EXPECT_EQ(fewer->points.size(), 3u * (kMaxPatternSites / 3));
+  ASSERT_EQ(fewer->notes.size(), 1u);
+  EXPECT_NE(fewer->notes[0].find("'cells_per_fragment' is 3"), std::string::npos);
+  p.sites = 20;
+  p.pattern = GridPattern{};
+  EXPECT_EQ(cells_per_fragment(p), 1u);
 }
 
 TEST(Patterns, SlicesOfSeveralFamiliesCannotBeStretched) {

@@ -27,6 +27,7 @@ inline FractureParameters of_material(const MaterialPreset& preset, std::uint32_
   p.lloyd = preset.lloyd;
   p.anisotropy = {.stretch = preset.stretch, .grain_of = GrainOf::kPart};
   p.roughness = preset.roughness;
+  p.aggregation = preset.aggregation;
   return p;
 }
 
@@ -76,6 +77,17 @@ inline std::vector<NamedParameters> pattern_requests(const Box& box, std::uint32
   add("slice_three",
       SlicePattern{.normals = {{1, 0.3, 0}, {0, 1, 0.2}, {0.4, -0.2, 1}}, .spacing = 0.21 * side});
   add("clustered", ClusteredPattern{});
+  const auto add_aggregates = [&](std::string name, SitePattern pattern, Anisotropy anisotropy,
+                                  Aggregation aggregation) {
+    add(std::move(name), std::move(pattern), anisotropy);
+    all.back().parameters.sites = std::max(2u, sites / 4);
+    all.back().parameters.aggregation = aggregation;
+    all.back().parameters.hulls = Hulls::kConvex;
+  };
+  add_aggregates("aggregates", UniformPattern{}, {}, {6, 1});
+  add_aggregates("aggregates_grain", UniformPattern{}, {.stretch = 3, .grain_of = GrainOf::kPart}, {3, 0});
+  add_aggregates("aggregates_impact", ImpactPattern{.impacts = {corner, box.center()}}, {}, {8, 2});
+  add_aggregates("aggregates_clustered", ClusteredPattern{}, {}, {12, 0.5});
   // A pattern that nothing is said of here: as it comes. (Points are the caller's own.)
   const auto add_if_missing = [&](const auto& pattern, const PatternTraits& traits) {
     const SitePattern missing = pattern;

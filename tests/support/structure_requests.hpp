@@ -51,6 +51,21 @@ inline std::vector<NamedParameters> structure_requests(const Solid& solid, std::
   FractureParameters& hits = add("local_fractured");
   hits.hits = {hit, {.point = vertex_near(box.min), .radius = 0.2 * side, .sites = sites / 4 + 1}, hit};
   hits.rest = LocalRest::kFractured;
+  const std::vector<LocalImpact> three = hits.hits;
+  const auto add_aggregates = [&](std::string name) -> FractureParameters& {
+    FractureParameters& made = add(std::move(name));
+    made.sites = sites / 4 + 1;
+    made.aggregation = {5, 1};
+    made.hulls = Hulls::kConvex;
+    return made;
+  };
+  add_aggregates("aggregates_max_volume").max_volume = volume / sites;
+  add_aggregates("aggregates_fragments").size.fragments = sites / 4 + 1;
+  add_aggregates("aggregates_keep").keep = Region{.center = corner, .radius = 0.3 * side};
+  add_aggregates("aggregates_local_whole").hits = {hit};
+  FractureParameters& local = add_aggregates("aggregates_local_fractured");
+  local.hits = three;
+  local.rest = LocalRest::kFractured;
   return all;
 }
 

@@ -78,20 +78,37 @@ TEST(Admission, CountsLaterSitesAndNeverMoreThanThereMayBe) {
   EXPECT_EQ(expected_sites(parameters, &solid), parameters.most_sites);
 }
 
+TEST(Admission, CountsTheCellsOfAggregates) {
+  const Solid solid = wall();
+  FractureParameters parameters = with(UniformPattern{}, 10);
+  parameters.aggregation.cells = 6;
+  EXPECT_EQ(expected_sites(parameters, &solid), 60);
+  EXPECT_EQ(expected_sites(parameters, nullptr), 60);
+  parameters.size.fragments = 10;
+  EXPECT_EQ(expected_sites(parameters, &solid), 60);
+  parameters.hits = {{.point = {}, .radius = 0.2, .sites = 20}};
+  EXPECT_EQ(expected_sites(parameters, &solid), 180);
+  EXPECT_EQ(expected_sites(parameters, &solid, Selection{.refracture = Refracture{.sites = 7}}), 222);
+  parameters.pattern = GridPattern{};  // which knows none
+  parameters.hits.clear();
+  EXPECT_EQ(expected_sites(parameters, nullptr), 20);
+}
+
 TEST(Admission, CountsTheTrianglesOfRoughCutsAboutRight) {
   const Mesh mesh = test::cube();
   const Solid solid = *make_solid(std::make_shared<Mesh>(mesh), {}, {});
-  for (const std::uint32_t sites : {20u, 200u})
+  for (const auto& [sites, cells] : {std::pair{20u, 1u}, {200u, 1u}, {20u, 8u}, {60u, 4u}})
     for (const Roughness& roughness : {Roughness{0.05, 4, 1}, Roughness{0.02, 5, 2}}) {
       FractureParameters p = with(UniformPattern{});
       p.sites = sites;
+      p.aggregation.cells = cells;
       p.roughness = roughness;
       StageTimings timings;
       const Expected<Diagram> diagram = make_diagram(solid, p, {}, timings);
       const Expected<FracturedSolid> fractured = fracture(solid, *diagram, p, {}, timings);
       ASSERT_TRUE(fractured);
       const double made = static_cast<double>(fractured->report.rough_cuts->triangles),
-                   expected = expected_rough_triangles(p, sites);
+                   expected = expected_rough_triangles(p, expected_sites(p, &solid));
       EXPECT_GT(expected, made / 3);
       EXPECT_LT(expected, made * 3);
       const ExpectedWork rough = expected_work(p, 1000, nullptr);

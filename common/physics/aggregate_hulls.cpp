@@ -1,0 +1,253 @@
+#include "common/physics/aggregate_hulls.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "common/base/pacer.hpp"
+#include "common/base/scratch.hpp"
+#include "common/physics/convex_body.hpp"
+#include "common/physics/hull_maker.hpp"
+
+namespace fracture {
+namespace {
+
+/// An aggregate of so many times the usual number of cells is none.
+constexpr std::size_t kManyCells = 16;
+constexpr int kRounds = 4;  // of k-means: cells are few
+/// Of the extent of some cells: corners on a bisector are beyond it by rounding. A fraction of the least inset.
+constexpr double kRounding = 4e-6;
+/// Of its distance from its own bisector, the middle of the largest cell keeps so much from another's.
+constexpr double kRoomToKeep = 0.5;
+
+/// One cell's share of a fragment.
+struct Share {
+  std::uint32_t body;  ///< of Fragment::bodies
+  SiteId site;
+  Vec3d middle;  ///< of the corners, local
+  double size;   ///< of their box, m³
+  std::uint32_t cluster;
+};
+
+struct Plane {
+  Vec3d normal;  ///< of the local frame, not of unit length
+  double offset;
+  double scale;  ///< 1 / |normal|
+  double height(const Vec3d& p) const { return scale * (dot(normal, p) - offset); }
+};
+
+struct Scratch {
+  HullMaker maker;
+  ConvexBody body;
+  std::vector<Share> shares;
+  std::vector<SiteId> neighbors;
+  std::vector<Vec3d> seeds;
+  std::vector<Vec3f> points;
+  std::vector<const Share*> members;
+
+  std::size_t bytes() const {
+    return maker.bytes() + body.bytes() + bytes_of_vectors(shares, neighbors, seeds, points, members);
+  }
+  void release() {
+    maker.release();
+    body.release();
+    release_vectors(shares, neighbors, seeds, points, members);
+  }
+};
+
+class FewHulls {
+ public:
+  FewHulls(const VoronoiDiagram& diagram, const Execution& execution)
+      : diagram_(diagram), execution_(execution), pacer_(execution), s_(thread_scratch<Scratch>()) {}
+
+  void make(const Fragment& f, std::size_t most, FragmentHulls& out) {
+    f_ = &f;
+    find_shares();
+    find_neighbors();
+    divide(most);
+    for (std::uint32_t cluster = 0; cluster < s_.seeds.size(); ++cluster) {
+      s_.members.clear();
+      for (const Share& share : s_.shares)
+        if (share.cluster == cluster) s_.members.push_back(&share);
+      if (!s_.members.empty()) add(out);
+    }
+  }
+
+ private:
+  const CellMap& map() const { return diagram_.map(); }
+  const Vec3d& site(SiteId s) const { return diagram_.site(s); }
+
+  /// Whose share a body is: that of the cell that the middle of its corners lies in.
+  void find_shares() {
+    s_.shares.clear();
+    for (std::uint32_t b = 0; b < f_->bodies.size(); ++b) {
+      const std::vector<Vec3f>& body = f_->bodies[b];
+      pacer_.step(body.size() + f_->sites.size());
+      if (body.empty()) continue;
+      Vec3d sum;
+      Box box;
+      for (const Vec3f& p : body) {
+        sum = sum + to_double(p);
+        box.add(to_double(p));
+      }
+      const Vec3d size = box.size();
+      Share share{b, f_->sites[0], (1 / static_cast<double>(body.size())) * sum, size.x * size.y * size.z, 0};
+      const Vec3d place = share.middle + f_->pivot;
+      double least = HUGE_VAL;
+      for (const SiteId s : f_->sites) {
+        const Vec3d to = site(s) - (map() ? map().at(site(s)).image(place) : place);
+        if (const double square = dot(to, to); square < least) {
+          least = square;
+          share.site = s;
+        }
+      }
+      s_.shares.push_back(share);
+    }
+  }
+
+  void find_neighbors() {
+    s_.neighbors.clear();
+    for (const SiteId s : f_->sites)
+      for (const Bisector& b : diagram_.bisectors(s)) {
+        pacer_.step(4);
+        if (!diagram_.dual().is_corner(b.neighbor) &&
+            !std::binary_search(f_->sites.begin(), f_->sites.end(), b.neighbor))
+          s_.neighbors.push_back(b.neighbor);
+      }
+    std::sort(s_.neighbors.begin(), s_.neighbors.end());
+    s_.neighbors.erase(std::unique(s_.neighbors.begin(), s_.neighbors.end()), s_.neighbors.end());
+  }
+
+  /// Cells near each other together: k-means (Lloyd 1982) from seeds far from each other (Gonzalez 1985).
+  void divide(std::size_t most) {
+    std::vector<Share>& shares = s_.shares;
+    std::vector<Vec3d>& seeds = s_.seeds;
+    seeds.clear();
+    std::size_t next = 0;
+    for (std::size_t k = 0; k < shares.size(); ++k)
+      if (shares[k].size > shares[next].size) next = k;
+    std::vector<double> far(shares.size(), HUGE_VAL);
+    while (seeds.size() < std::min(most, shares.size())) {
+      seeds.push_back(shares[next].middle);
+      for (std::size_t k = 0; k < shares.size(); ++k) {
+        pacer_.step();
+        const Vec3d to = shares[k].middle - seeds.back();
+        far[k] = std::min(far[k], dot(to, to));
+        if (far[k] > far[next]) next = k;
+      }
+    }
+    for (int round = 0; round < kRounds; ++round) {
+      std::vector<Vec3d> sum(seeds.size());
+      std::vector<double> weight(seeds.size(), 0);
+      for (Share& share : shares) {
+        pacer_.step(seeds.size());
+        double least = HUGE_VAL;
+        for (std::uint32_t c = 0; c < seeds.size(); ++c) {
+          const Vec3d to = share.middle - seeds[c];
+          if (const double square = dot(to, to); square < least) {
+            least = square;
+            share.cluster = c;
+          }
+        }
+        sum[share.cluster] = sum[share.cluster] + share.middle;
+        weight[share.cluster] += 1;
+      }
+      for (std::size_t c = 0; c < seeds.size(); ++c)
+        if (weight[c] > 0) seeds[c] = (1 / weight[c]) * sum[c];
+    }
+  }
+
+  /// Behind it lies cell j. In the local frame of the fragment: u · (x' - i) <= |u|² / 2, where x' is the image of x.
+  Plane bisector(SiteId i, SiteId j) const {
+    const Vec3d u = site(j) - site(i), normal = diagram_.facet_normal(i, j);
+    const Vec3d pivot = map() ? map().at(site(i)).image(f_->pivot) : f_->pivot;
+    return {normal, 0.5 * dot(u, u) + dot(u, site(i) - pivot), 1 / length(normal)};
+  }
+
+  /// The bisector of j and one of the members that takes least of the corners away, and leaves the largest cell.
+  Plane best_bisector(SiteId j, const Share& largest) const {
+    Plane best = bisector(largest.site, j);
+    const double room = kRoomToKeep * best.height(largest.middle);
+    double least = HUGE_VAL;
+    for (const Share* member : s_.members) {
+      const Plane plane = bisector(member->site, j);
+      if (plane.height(largest.middle) > room && member->site != largest.site) continue;
+      double taken = 0;
+      for (const Vec3f& p : s_.points) taken += std::max(0.0, plane.height(to_double(p)));
+      if (taken < least) {
+        least = taken;
+        best = plane;
+      }
+    }
+    return best;
+  }
+
+  /// The hull of the members, within the cells of the fragment.
+  void add(FragmentHulls& out) {
+    const Share* largest = s_.members[0];
+    s_.points.clear();
+    for (const Share* member : s_.members) {
+      if (member->size > largest->size) largest = member;
+      const std::vector<Vec3f>& body = f_->bodies[member->body];
+      s_.points.insert(s_.points.end(), body.begin(), body.end());
+    }
+    const auto& triangles = s_.maker.builder.build(s_.points, kMaxHullPoints, execution_);
+    if (triangles.empty() || s_.members.size() == 1)
+      return add_hull(f_->bodies[largest->body], {}, s_.maker, out, execution_);
+    const bool simplified = s_.maker.builder.stopped_early();
+    s_.body.set(s_.points, triangles);
+    Box box;
+    for (const Vec3d& p : s_.body.corners()) box.add(p);
+    const double rounding = kRounding * box.longest_side();
+    for (const SiteId j : s_.neighbors) {
+      const auto is_clear = [&](SiteId i) {
+        const Plane plane = bisector(i, j);
+        pacer_.step(s_.body.corners().size());
+        return plane.scale * s_.body.beyond(plane.normal, plane.offset) <= rounding;
+      };
+      if (std::any_of(s_.members.begin(), s_.members.end(),
+                      [&](const Share* m) { return is_clear(m->site); }))
+        continue;
+      pacer_.step(s_.members.size() * s_.points.size());
+      const Plane plane = best_bisector(j, *largest);
+      s_.body.cut(plane.normal, plane.offset);
+    }
+    CollisionHull hull;
+    s_.body.write(hull.points, hull.triangles);
+    if (hull.points.size() > kMaxHullPoints || hull.triangles.size() < 4)
+      return add_hull(hull.triangles.size() < 4 ? std::span<const Vec3f>(f_->bodies[largest->body])
+                                                : std::span<const Vec3f>(hull.points),
+                      {}, s_.maker, out, execution_);
+    out.simplified += simplified;
+    inset(hull);
+    out.hulls.push_back(std::move(hull));
+  }
+
+  const VoronoiDiagram& diagram_;
+  const Execution& execution_;
+  Pacer pacer_;
+  Scratch& s_;
+  const Fragment* f_ = nullptr;
+};
+
+}  // namespace
+
+CollisionHulls make_aggregate_hulls(const FragmentSet& set, const VoronoiDiagram& diagram, std::uint32_t most,
+                                    std::uint32_t cells, const Execution& execution) {
+  CollisionHulls out;
+  out.of_fragment.resize(set.fragments.size());
+  parallel_for(execution, set.fragments.size(), 4, [&](std::size_t begin, std::size_t end) {
+    FewHulls hulls(diagram, execution);
+    for (std::size_t k = begin; k < end; ++k) {
+      const Fragment& f = set.fragments[k];
+      if (f.bodies.size() <= most) continue;
+      const bool is_rest = f.bodies.size() > kManyCells * cells;
+      hulls.make(f, is_rest ? std::max<std::size_t>(most, f.bodies.size() / cells) : most,
+                 out.of_fragment[k]);
+    }
+  });
+  return out;
+}
+
+}  // namespace fracture

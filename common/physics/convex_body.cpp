@@ -1,0 +1,121 @@
+#include "common/physics/convex_body.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/id.hpp"
+
+namespace fracture {
+
+void ConvexBody::set(std::span<const Vec3f> points, std::span<const std::array<std::uint32_t, 3>> triangles) {
+  number_.assign(points.size(), kNoIndex);
+  points_.clear();
+  corners_.clear();
+  begin_.assign(1, 0);
+  for (const auto& t : triangles) {
+    for (const std::uint32_t v : t) {
+      if (number_[v] == kNoIndex) {
+        number_[v] = static_cast<std::uint32_t>(points_.size());
+        points_.push_back(to_double(points[v]));
+      }
+      corners_.push_back(number_[v]);
+    }
+    begin_.push_back(static_cast<std::uint32_t>(corners_.size()));
+  }
+}
+
+double ConvexBody::beyond(const Vec3d& normal, double offset) const {
+  double most = -HUGE_VAL;
+  for (const Vec3d& p : points_) most = std::max(most, dot(normal, p) - offset);
+  return most;
+}
+
+std::uint32_t ConvexBody::cut_edge(std::uint32_t a, std::uint32_t b) {
+  const std::uint32_t lo = std::min(a, b), hi = std::max(a, b);
+  for (const Made& m : made_)
+    if (m.lo == lo && m.hi == hi) return m.corner;
+  const double t = height_[lo] / (height_[lo] - height_[hi]);
+  const auto corner = static_cast<std::uint32_t>(points_.size());
+  points_.push_back(points_[lo] + t * (points_[hi] - points_[lo]));
+  made_.push_back({lo, hi, corner});
+  return corner;
+}
+
+void ConvexBody::cut(const Vec3d& normal, double offset) {
+  height_.clear();
+  bool any = false;
+  for (const Vec3d& p : points_) {
+    height_.push_back(dot(normal, p) - offset);
+    any = any || height_.back() > 0;
+  }
+  if (!any) return;
+  const auto is_kept = [&](std::uint32_t v) { return height_[v] <= 0; };
+  const std::size_t before = points_.size();
+  made_.clear();
+  new_corners_.clear();
+  new_begin_.assign(1, 0);
+  next_.clear();
+  const auto end_face = [&] {
+    if (new_corners_.size() > new_begin_.back())
+      new_begin_.push_back(static_cast<std::uint32_t>(new_corners_.size()));
+  };
+  for (std::size_t f = 0; f + 1 < begin_.size(); ++f) {
+    const std::uint32_t first = begin_[f], last = begin_[f + 1];
+    std::uint32_t left = kNoIndex, first_entered = kNoIndex;  // where the face leaves and enters what is kept
+    const auto close = [&](std::uint32_t entered) {
+      if (next_.size() <= entered - before) next_.resize(entered - before + 1, kNoIndex);
+      next_[entered - before] = left;
+    };
+    for (std::uint32_t k = first; k < last; ++k) {
+      const std::uint32_t a = corners_[k], b = corners_[k + 1 < last ? k + 1 : first];
+      if (is_kept(a)) new_corners_.push_back(a);
+      if (is_kept(a) == is_kept(b)) continue;
+      const std::uint32_t x = cut_edge(a, b);
+      new_corners_.push_back(x);
+      if (is_kept(a))
+        left = x;
+      else if (left != kNoIndex)
+        close(x);
+      else
+        first_entered = x;
+    }
+    if (first_entered != kNoIndex) close(first_entered);
+    end_face();
+  }
+  // The rim of the cut, which the faces run along the other way.
+  next_.resize(points_.size() - before, kNoIndex);
+  for (std::uint32_t start = 0; start < next_.size(); ++start) {
+    for (std::uint32_t v = start; next_[v] != kNoIndex;) {
+      new_corners_.push_back(static_cast<std::uint32_t>(before) + v);
+      const std::uint32_t following = next_[v] - static_cast<std::uint32_t>(before);
+      next_[v] = kNoIndex;
+      v = following;
+    }
+    end_face();
+  }
+  // Only the corners that are left.
+  number_.assign(points_.size(), kNoIndex);
+  std::size_t count = 0;
+  for (std::uint32_t v = 0; v < points_.size(); ++v)
+    if (v >= before || is_kept(v)) {
+      number_[v] = static_cast<std::uint32_t>(count);
+      points_[count++] = points_[v];
+    }
+  points_.resize(count);
+  for (std::uint32_t& v : new_corners_) v = number_[v];
+  corners_.swap(new_corners_);
+  begin_.swap(new_begin_);
+}
+
+void ConvexBody::write(std::vector<Vec3f>& points,
+                       std::vector<std::array<std::uint32_t, 3>>& triangles) const {
+  points.clear();
+  triangles.clear();
+  for (const Vec3d& p : points_)
+    points.push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
+  for (std::size_t f = 0; f + 1 < begin_.size(); ++f)
+    for (std::uint32_t k = begin_[f] + 2; k < begin_[f + 1]; ++k)
+      triangles.push_back({corners_[begin_[f]], corners_[k - 1], corners_[k]});
+}
+
+}  // namespace fracture

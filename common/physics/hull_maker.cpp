@@ -1,0 +1,92 @@
+#include "common/physics/hull_maker.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fracture {
+namespace {
+
+using Triangles = ConvexHullBuilder::Triangles;
+
+/// What stands in for a body that is flat on the hull's grid: a box of a hundredth of its extent about its
+/// middle.
+CollisionHull stand_in(std::span<const Vec3f> points) {
+  Box box;
+  for (const Vec3f& p : points) box.add(to_double(p));
+  const double least = 1e-4 * box.longest_side();
+  CollisionHull hull;
+  for (int k = 0; k < 8; ++k) {
+    Vec3d p = box.center();
+    for (int a = 0; a < 3; ++a)
+      p[a] += (k >> a & 1 ? 0.005 : -0.005) * std::fmax(box.max[a] - box.min[a], least);
+    hull.points.push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
+  }
+  hull.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                    {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  return hull;
+}
+
+/// Only the points on the hull, in the order they came in.
+CollisionHull compact(std::span<const Vec3f> points, const Triangles& triangles,
+                      std::vector<std::uint32_t>& index) {
+  CollisionHull hull;
+  if (triangles.size() + 4 == 2 * points.size()) {  // Euler: all of them
+    hull.points.assign(points.begin(), points.end());
+    hull.triangles = triangles;
+    return hull;
+  }
+  index.assign(points.size(), 0);
+  hull.points.reserve(triangles.size() / 2 + 2);  // Euler
+  for (const auto& t : triangles)
+    for (const std::uint32_t v : t) index[v] = 1;
+  for (std::size_t k = 0; k < points.size(); ++k)
+    if (index[k] == 1) {
+      index[k] = static_cast<std::uint32_t>(hull.points.size());
+      hull.points.push_back(points[k]);
+    }
+  hull.triangles.reserve(triangles.size());
+  for (const auto& t : triangles) hull.triangles.push_back({index[t[0]], index[t[1]], index[t[2]]});
+  return hull;
+}
+
+}  // namespace
+
+// Scaling about c by 1 - s moves the face at distance d from c inwards by s d. For the centre of volume d is
+// at least a quarter of the least width w, and w / 2 >= V / A (a convex body; equality for a thin slab), so
+// that s = inset A / V moves every face by at least inset / 2, and thin slabs by the inset.
+void inset(CollisionHull& hull) {
+  const Vec3d origin = to_double(hull.points[0]);
+  double six_volumes = 0, two_areas = 0;
+  Vec3d moment;
+  for (const auto& t : hull.triangles) {
+    const Vec3d a = to_double(hull.points[t[0]]) - origin, b = to_double(hull.points[t[1]]) - origin,
+                c = to_double(hull.points[t[2]]) - origin;
+    const double six = dot(a, cross(b, c));
+    six_volumes += six;
+    moment = moment + six * (a + b + c);
+    two_areas += length(cross(b - a, c - a));
+  }
+  const double wanted = six_volumes > 0 ? kHullInset * 3 * two_areas / six_volumes : kMostHullShrink;
+  const double shrink = std::clamp(wanted, kLeastHullShrink, kMostHullShrink);
+  const Vec3d center = origin + (six_volumes > 0 ? 0.25 / six_volumes : 0) * moment;
+  for (Vec3f& q : hull.points) {
+    const Vec3d p = center + (1 - shrink) * (to_double(q) - center);
+    q = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+  }
+}
+
+void add_hull(std::span<const Vec3f> points, const BodySurface& surface, HullMaker& maker, FragmentHulls& out,
+              const Execution& execution) {
+  const Triangles& triangles = maker.builder.build(points, kMaxHullPoints, execution, surface);
+  out.simplified += maker.builder.stopped_early();
+  if (triangles.empty()) {
+    ++out.flat;
+    out.hulls.push_back(stand_in(points));
+    return;
+  }
+  out.hulls.push_back(compact(points, triangles, maker.index));
+  execution.poll();
+  inset(out.hulls.back());
+}
+
+}  // namespace fracture

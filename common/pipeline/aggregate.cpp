@@ -1,0 +1,424 @@
+#include "common/pipeline/aggregate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+#include <span>
+#include <utility>
+
+#include "common/base/pacer.hpp"
+#include "common/base/random.hpp"
+#include "common/pipeline/cell_shares.hpp"
+#include "common/pipeline/fragment_sizes.hpp"
+#include "common/sites/arithmetic.hpp"
+
+namespace fracture {
+namespace {
+
+constexpr std::uint64_t kStream = 0x6167677265676174ull;
+/// Fragments are to be larger than what is united with a neighbour by so much.
+constexpr double kAboveLeast = 1.3;
+/// Cells of fragments that are to be smaller than so many mean cells are chosen one by one.
+constexpr double kSmall = 1.2;
+/// What a single cell may lack of the size it stands for.
+constexpr double kNearEnough = 0.75;
+/// A fragment that found no more cells stays with its size if it has so much of it.
+constexpr double kMostLack = 0.6;
+/// By how much of all sizes one may be off where small ones belong to small cells.
+constexpr double kMixing = 0.12;
+/// By how much a free cell that others surround is nearer than it is.
+constexpr double kNotch = 0.6;
+
+struct Touch {
+  SiteId cell;
+  double area;  // m², within the solid
+};
+
+/// Who shares caps with whom.
+class Touches {
+ public:
+  Touches(const RestrictedDiagram& d, Pacer& pacer) {
+    struct Pair {
+      SiteId lo, hi;
+      double area;
+    };
+    std::vector<Pair> pairs;
+    for (const CapRegion& r : d.caps.regions) {  // by (lo, hi, part)
+      pacer.step(2 + 2 * r.triangle_count);
+      double area = 0;
+      for (std::uint32_t k = r.first_triangle; k < r.first_triangle + r.triangle_count; ++k) {
+        const auto& v = d.caps.triangles[k];
+        area += 0.5 * length(cross(d.point(v[1]) - d.point(v[0]), d.point(v[2]) - d.point(v[0])));
+      }
+      if (!pairs.empty() && pairs.back().lo == r.lo && pairs.back().hi == r.hi)
+        pairs.back().area += area;
+      else
+        pairs.push_back({r.lo, r.hi, area});
+    }
+    std::erase_if(pairs, [](const Pair& p) { return !(p.area > 0); });
+    begin_.assign(d.diagram.dual().site_count() + 2, 0);
+    for (const Pair& p : pairs) {
+      ++begin_[p.lo + 2];
+      ++begin_[p.hi + 2];
+    }
+    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+    all_.resize(2 * pairs.size());
+    for (const Pair& p : pairs) {
+      pacer.step(2);
+      all_[begin_[p.lo + 1]++] = {p.hi, p.area};
+      all_[begin_[p.hi + 1]++] = {p.lo, p.area};
+    }
+  }
+  std::span<const Touch> of(SiteId s) const { return {all_.data() + begin_[s], all_.data() + begin_[s + 1]}; }
+
+ private:
+  std::vector<std::uint32_t> begin_;
+  std::vector<Touch> all_;
+};
+
+/// The sizes that no fragment has yet.
+class Sizes {
+ public:
+  /// `least`: m³, below which none is to be.
+  Sizes(std::uint32_t count, double spread, double volume, double least, Pacer& pacer)
+      : sizes_(fragment_sizes(count, spread, pacer)), volume_(volume) {
+    for (std::uint32_t k = 0; k < count; ++k) {
+      sizes_[k] = std::max(sizes_[k], least / volume);
+      sum_ += sizes_[k];
+      left_.insert(left_.end(), k);
+    }
+  }
+
+  std::uint32_t left() const { return static_cast<std::uint32_t>(left_.size()); }
+  std::uint32_t count() const { return static_cast<std::uint32_t>(sizes_.size()); }
+  double part(std::uint32_t rank) const { return sizes_[rank]; }
+  /// m³, so that what is left of them fills what is left of the solid.
+  double volume(std::uint32_t rank) const { return sizes_[rank] * scale(); }
+
+  std::uint32_t smallest() const { return *left_.begin(); }
+  std::uint32_t nearest_rank(std::uint32_t rank) const {
+    const auto above = left_.lower_bound(rank);
+    if (above == left_.begin()) return *above;
+    const std::uint32_t below = *std::prev(above);
+    return above == left_.end() || rank - below < *above - rank ? below : *above;
+  }
+  std::uint32_t nearest_size(double volume) const {
+    const auto at = std::lower_bound(sizes_.begin(), sizes_.end(), volume / scale());
+    const auto above = left_.lower_bound(static_cast<std::uint32_t>(at - sizes_.begin()));
+    if (above == left_.begin()) return *above;
+    const std::uint32_t below = *std::prev(above);
+    return above == left_.end() || volume - this->volume(below) < this->volume(*above) - volume ? below
+                                                                                                : *above;
+  }
+  void use(std::uint32_t rank, double volume) {
+    left_.erase(rank);
+    sum_ -= sizes_[rank];
+    volume_ -= volume;
+  }
+  /// Has gone elsewhere than to one of the sizes.
+  void lose(double volume) { volume_ -= volume; }
+
+ private:
+  double scale() const { return sum_ > 0 && volume_ > 0 ? volume_ / sum_ : 0; }
+
+  std::vector<double> sizes_;  // ascending
+  std::set<std::uint32_t> left_;
+  double volume_, sum_ = 0;  // of what is left
+};
+
+class Aggregator {
+ public:
+  Aggregator(const RestrictedDiagram& d, const FractureParameters& p, const Execution& execution)
+      : d_(d),
+        p_(p),
+        execution_(execution),
+        pacer_(execution),
+        random_(p.seed ^ kStream),
+        touches_(d, pacer_),
+        group_(d.diagram.dual().site_count(), kNoIndex),
+        taken_(group_.size(), 0),
+        seen_(group_.size(), kNoIndex) {
+    const CellShares shares(d, execution);
+    for (const SiteId s : ids<SiteId>(group_.size())) {
+      pacer_.step(2);
+      volume_.push_back(std::max(0.0, shares.volume(s)));
+      double around = 0;
+      for (const Touch& t : touches_.of(s)) around += t.area;
+      around_.push_back(around);
+      all_ += volume_[s];
+      free_ += volume_[s] > 0;
+    }
+    find_ways_out();
+  }
+
+  std::vector<std::uint32_t> run() {
+    if (free_ == 0) return {};
+    const std::uint32_t count = std::min(std::max(1u, p_.sites), free_);
+    Sizes sizes(count, p_.aggregation.spread, all_, kAboveLeast * p_.size.least(all_, count), pacer_);
+    const std::vector<std::uint32_t> wish = ranks_by_place(sizes);
+    give_small_ones(sizes);
+    for (const SiteId s : ids<SiteId>(group_.size())) {
+      pacer_.step();
+      if (is_free(s) && volume_[s] > 0) begin(s, wish, sizes);
+    }
+    give_scraps_away();
+    for (const SiteId s : ids<SiteId>(group_.size()))
+      if (is_free(s)) group_[s] = groups_++;
+    return std::move(group_);
+  }
+
+ private:
+  static constexpr std::uint32_t kScrap = kNoIndex - 1;
+
+  bool is_free(SiteId s) const { return group_[s] == kNoIndex; }
+  const Vec3d& site(SiteId s) const { return d_.diagram.site(s); }
+
+  void take(SiteId s, std::uint32_t group) {
+    group_[s] = group;
+    free_ -= volume_[s] > 0;
+    for (const Touch& t : touches_.of(s)) taken_[t.cell] += t.area;
+  }
+
+  /// Per site the direction away from the impact nearest to it, in the image; none without impacts.
+  void find_ways_out() {
+    const auto* pattern = std::get_if<ImpactPattern>(&p_.pattern);
+    if (!pattern) return;
+    std::vector<Vec3d> impacts = pattern->impacts;
+    if (impacts.empty()) impacts.push_back(d_.solid.box.center());
+    for (const SiteId s : ids<SiteId>(group_.size())) {
+      pacer_.step(impacts.size());
+      const CellMap& map = d_.diagram.map();
+      Vec3d out;
+      double least = HUGE_VAL;
+      for (const Vec3d& impact : impacts) {
+        const Vec3d from = site(s) - (map ? map.at(site(s)).image(impact) : impact);
+        if (const double square = dot(from, from); square < least) {
+          least = square;
+          out = from;
+        }
+      }
+      out_.push_back(least > 0 && least < HUGE_VAL ? (1 / std::sqrt(least)) * out : Vec3d{});
+    }
+  }
+
+  /// Per site which of the sizes a fragment that begins there wishes for. Where cells are of one kind: any. Where the
+  /// pattern crowds some of them: as large a one as cells are there, beside the others.
+  std::vector<std::uint32_t> ranks_by_place(const Sizes& sizes) {
+    const std::uint32_t count = sizes.count();
+    std::vector<std::uint32_t> wish(group_.size());
+    for (std::uint32_t& rank : wish) rank = static_cast<std::uint32_t>(random_.below(count));
+    if (std::holds_alternative<UniformPattern>(p_.pattern)) return wish;
+    struct Place {
+      double size;
+      SiteId cell;
+      bool operator<(const Place& other) const {
+        return size != other.size ? size < other.size : cell < other.cell;
+      }
+    };
+    std::vector<Place> places;
+    for (const SiteId s : ids<SiteId>(group_.size())) {
+      double sum = volume_[s];
+      for (const Touch& t : touches_.of(s)) sum += volume_[t.cell];
+      pacer_.step(touches_.of(s).size());
+      places.push_back({sum / static_cast<double>(1 + touches_.of(s).size()), s});
+    }
+    sort_with_polls(execution_, places.begin(), places.end());
+    const auto most_off = static_cast<std::int64_t>(kMixing * count);
+    std::int64_t rank = 0;
+    double below = 0, filled = sizes.part(0) * all_;
+    for (const Place& place : places) {
+      pacer_.step(4);
+      while (below > filled && rank + 1 < count)
+        filled += sizes.part(static_cast<std::uint32_t>(++rank)) * all_;
+      below += volume_[place.cell];
+      const auto off =
+          static_cast<std::int64_t>(random_.below(static_cast<std::uint64_t>(2 * most_off + 1))) - most_off;
+      wish[place.cell] =
+          static_cast<std::uint32_t>(std::clamp<std::int64_t>(rank + off, 0, std::int64_t{count} - 1));
+    }
+    return wish;
+  }
+
+  /// What is to be no larger than a cell is one: the cell of about that volume.
+  void give_small_ones(Sizes& sizes) {
+    std::vector<SiteId> by_volume;
+    for (const SiteId s : ids<SiteId>(group_.size()))
+      if (volume_[s] > 0) by_volume.push_back(s);
+    sort_with_polls(execution_, by_volume.begin(), by_volume.end(), [&](SiteId a, SiteId b) {
+      return volume_[a] != volume_[b] ? volume_[a] < volume_[b] : a < b;
+    });
+    const double most = kSmall * all_ / std::max(1u, free_);
+    auto next = by_volume.begin();
+    while (sizes.left() > 1 && sizes.volume(sizes.smallest()) < most) {
+      pacer_.step(16);
+      const std::uint32_t rank = sizes.smallest();
+      while (next != by_volume.end() && volume_[*next] < kNearEnough * sizes.volume(rank)) ++next;
+      if (next == by_volume.end()) return;
+      take(*next, groups_++);
+      sizes.use(rank, volume_[*next]);
+      group_volume_.push_back(volume_[*next]);
+      ++next;
+    }
+  }
+
+  void begin(SiteId s, const std::vector<std::uint32_t>& wish, Sizes& sizes) {
+    const std::uint32_t group = groups_;
+    const std::uint32_t rank = sizes.left() > 0 ? sizes.nearest_rank(wish[s]) : kNoIndex;
+    const bool all_done = rank == kNoIndex && !(p_.max_volume > 0);  // and yet something is left
+    const double wanted = rank != kNoIndex ? sizes.volume(rank) : all_done ? HUGE_VAL : p_.max_volume;
+    members_.clear();
+    const bool found_enough = grow(s, group, wanted, sizes.left());
+    double volume = 0;
+    for (const SiteId c : members_) volume += volume_[c];
+    std::uint32_t fits = rank;
+    bool is_scrap = all_done;
+    if (rank != kNoIndex && !found_enough && volume < kMostLack * wanted) {
+      fits = sizes.nearest_size(volume);
+      is_scrap = volume < kMostLack * sizes.volume(fits) && sizes.left() > 1;
+    }
+    if (is_scrap && touches_others(group)) {  // for the fragments around
+      for (const SiteId c : members_) group_[c] = kScrap;
+      scraps_.insert(scraps_.end(), members_.begin(), members_.end());
+      sizes.lose(volume);
+      return;
+    }
+    if (rank != kNoIndex) sizes.use(fits, volume);
+    group_volume_.push_back(volume);
+    ++groups_;
+  }
+
+  bool touches_others(std::uint32_t group) const {
+    for (const SiteId c : members_)
+      for (const Touch& t : touches_.of(c))
+        if (group_[t.cell] < groups_ && group_[t.cell] != group) return true;
+    return false;
+  }
+
+  /// Takes free cells as long as that brings the volume nearer to the wanted one; false when there are none left.
+  /// Each of `groups_left` groups, this one among them, needs a cell.
+  bool grow(SiteId seed, std::uint32_t group, double wanted, std::uint32_t groups_left) {
+    std::vector<SiteId>& candidates = candidates_;
+    candidates.clear();
+    Vec3d moment;
+    double volume = 0;
+    const auto add = [&](SiteId s) {
+      take(s, group);
+      members_.push_back(s);
+      volume += volume_[s];
+      moment = moment + volume_[s] * site(s);
+      for (const Touch& t : touches_.of(s)) {
+        pacer_.step();
+        if (!is_free(t.cell) || seen_[t.cell] == seed) continue;
+        seen_[t.cell] = seed;
+        candidates.push_back(t.cell);
+      }
+    };
+    add(seed);
+    for (;;) {
+      if (free_ < groups_left) return true;
+      const Vec3d middle = (1 / volume) * moment;
+      std::size_t best = candidates.size();
+      double least = HUGE_VAL;
+      for (std::size_t k = 0; k < candidates.size(); ++k) {
+        pacer_.step();
+        const SiteId s = candidates[k];
+        if (p_.max_volume > 0 && volume + volume_[s] > (1 - 1e-9) * p_.max_volume) continue;
+        const double far = distance(s, middle);
+        if (far < least || (far == least && s < candidates[best])) {
+          least = far;
+          best = k;
+        }
+      }
+      if (best == candidates.size()) return candidates.empty() ? false : p_.max_volume > 0;
+      const SiteId s = candidates[best];
+      if (volume + 0.5 * volume_[s] > wanted) return true;
+      candidates[best] = candidates.back();
+      candidates.pop_back();
+      add(s);
+    }
+  }
+
+  /// Squared, of a free cell from the middle of a fragment: nearer on the way out of a hit, and in a notch.
+  double distance(SiteId s, const Vec3d& middle) const {
+    const Vec3d to = site(s) - middle;
+    double square = dot(to, to);
+    if (!out_.empty()) {
+      const double along = dot(to, out_[s]);
+      square -= (1 - 1 / (kOutwards * kOutwards)) * along * along;
+    }
+    const double within = around_[s] > 0 ? std::min(1.0, taken_[s] / around_[s]) : 0;
+    return square * (1 - kNotch * within);
+  }
+
+  /// What is left goes to the group that it shares most with.
+  void give_scraps_away() {
+    sort_with_polls(execution_, scraps_.begin(), scraps_.end());
+    for (std::vector<SiteId> later; !scraps_.empty(); scraps_.swap(later), later.clear()) {
+      for (const SiteId s : scraps_) {
+        shared_.clear();
+        for (const Touch& t : touches_.of(s)) {
+          pacer_.step(4);
+          const std::uint32_t g = group_[t.cell];
+          if (g >= groups_) continue;
+          if (p_.max_volume > 0 && group_volume_[g] + volume_[s] > (1 - 1e-9) * p_.max_volume) continue;
+          shared_.emplace_back(g, t.area);
+        }
+        std::sort(shared_.begin(), shared_.end());
+        std::uint32_t best = kNoIndex;
+        double most = 0;
+        for (std::size_t k = 0; k < shared_.size();) {
+          const std::uint32_t g = shared_[k].first;
+          double area = 0;
+          for (; k < shared_.size() && shared_[k].first == g; ++k) area += shared_[k].second;
+          if (area > most) {
+            most = area;
+            best = g;
+          }
+        }
+        if (best == kNoIndex) {
+          later.push_back(s);
+          continue;
+        }
+        group_[s] = best;
+        group_volume_[best] += volume_[s];
+      }
+      if (later.size() < scraps_.size()) continue;
+      for (const SiteId s : later) {  // nobody is beside them
+        group_[s] = groups_++;
+        group_volume_.push_back(volume_[s]);
+      }
+      later.clear();
+    }
+  }
+
+  const RestrictedDiagram& d_;
+  const FractureParameters& p_;
+  const Execution& execution_;
+  Pacer pacer_;
+  Random random_;
+  Touches touches_;
+  // Per site.
+  std::vector<std::uint32_t> group_;
+  std::vector<double> volume_, around_;  // m³; m² of all its caps
+  std::vector<double> taken_;            // m² of its caps to cells that are taken
+  std::vector<std::uint32_t> seen_;      // by the fragment that began there
+  std::vector<Vec3d> out_;
+  double all_ = 0;
+  std::uint32_t free_ = 0;  // cells with volume
+  std::uint32_t groups_ = 0;
+  std::vector<double> group_volume_;
+  std::vector<SiteId> members_, candidates_, scraps_;
+  std::vector<std::pair<std::uint32_t, double>> shared_;
+};
+
+}  // namespace
+
+bool is_aggregated(const SiteParameters& parameters) { return cells_per_fragment(parameters) > 1; }
+
+std::vector<std::uint32_t> aggregate(const RestrictedDiagram& diagram, const FractureParameters& parameters,
+                                     const Execution& execution) {
+  return Aggregator(diagram, parameters, execution).run();
+}
+
+}  // namespace fracture
