@@ -123,9 +123,20 @@ class ComponentFinder {
     for (std::uint32_t c = 0; c < components.size(); ++c)
       for (const Face& f : components[c].faces) component_of[sets_.find(local_.slot(f.v[0]))] = c;
     std::vector<Share> shares;
+    // Most vertices of a cell stand in several of its faces: of the first cells, each is noted once.
+    const std::vector<SiteId>& cells = ownership_.sites_of_owner[share.owner];
+    std::vector<std::uint64_t> noted(sets_.size(), 0);  // a bit for each of these cells
     const auto add = [&](SiteId cell, CutVertexId v) {
       pacer_.step();
-      const std::uint32_t c = component_of[sets_.find(local_.slot(v))];
+      const std::uint32_t local = local_.slot(v);
+      const auto number =
+          static_cast<std::size_t>(std::lower_bound(cells.begin(), cells.end(), cell) - cells.begin());
+      if (number < 64) {
+        const std::uint64_t bit = std::uint64_t{1} << number;
+        if (noted[local] & bit) return;
+        noted[local] |= bit;
+      }
+      const std::uint32_t c = component_of[sets_.find(local)];
       if (c != kNoIndex) shares.push_back({c, cell, v});
     };
     for (const Component& c : components)

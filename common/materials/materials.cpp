@@ -39,10 +39,11 @@ std::vector<MaterialPreset> make_presets() {
        {"#c79a63", 0.6, 1.2, 0.85, 0},
        "Wood Handbook, FPL-GTR-190 (pine: 500 kg/m3 at 12 % moisture, tension across the grain 2.6 MPa)"});
 
-  ClusteredPattern concrete;
+  ClusteredPattern concrete, chunks;
+  chunks.share = 0.5;  // large blocks have cells enough to be ragged
   presets.push_back({"concrete",
                      "Large ragged blocks with crushed zones of rubble between them.",
-                     concrete,
+                     chunks,
                      0,
                      1,
                      {0.03, 8, 1},
@@ -51,7 +52,7 @@ std::vector<MaterialPreset> make_presets() {
                      "EN 1991-1-1 (24 kN/m3), EN 1992-1-1 table 3.1 (C25/30: mean tensile strength 2.6 MPa)",
                      std::nullopt,
                      0,
-                     {8, 1.8}});
+                     {6, 1.8}});
 
   presets.push_back({"stone",
                      "Ragged chunks, of the sizes that blasted rock has.",
@@ -64,7 +65,7 @@ std::vector<MaterialPreset> make_presets() {
                      "EN 1991-1-1 (granite 27 kN/m3); Brazilian tensile strength of granite about 10 MPa",
                      std::nullopt,
                      0,
-                     {8, 1}});
+                     {6, 1}});
 
   BrickPattern brick;
   brick.jitter = 0.05;

@@ -195,7 +195,7 @@ void add_aggregate_rows(std::vector<ParameterSpec>& rows) {
                "How many cells grow together into a fragment, on average: ragged chunks that are not convex, of "
                "the sizes that `size_spread` says; after an impact longer on the way outwards. The pattern makes so "
                "many times `sites` cells, which cost what cells cost. 1: each cell is a fragment. stone and concrete "
-               "have 8."},
+               "have 6."},
           [](auto& r) -> auto& { return r.fracture.aggregation.cells; })));
   rows.back().matters = [](const RequestParameters& r) {  // 1 beside a material that has more says something
     const MaterialPreset* preset = find_material_preset(r.material);

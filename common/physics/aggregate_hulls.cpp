@@ -94,9 +94,10 @@ class FewHulls {
       const Vec3d size = box.size();
       Share share{b, f_->sites[0], (1 / static_cast<double>(body.size())) * sum, size.x * size.y * size.z, 0};
       const Vec3d place = share.middle + f_->pivot;
+      const Vec3d image = map() ? map().of_part(f_->part).image(place) : place;
       double least = HUGE_VAL;
       for (const SiteId s : f_->sites) {
-        const Vec3d to = site(s) - (map() ? map().at(site(s)).image(place) : place);
+        const Vec3d to = site(s) - image;
         if (const double square = dot(to, to); square < least) {
           least = square;
           share.site = s;
@@ -200,9 +201,12 @@ class FewHulls {
     Box box;
     for (const Vec3d& p : s_.body.corners()) box.add(p);
     const double rounding = kRounding * box.longest_side();
+    const Vec3d center = box.center();
+    const double radius = 0.5 * length(box.size());
     for (const SiteId j : s_.neighbors) {
       const auto is_clear = [&](SiteId i) {
         const Plane plane = bisector(i, j);
+        if (plane.height(center) < -radius) return true;
         pacer_.step(s_.body.corners().size());
         return plane.scale * s_.body.beyond(plane.normal, plane.offset) <= rounding;
       };

@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::uint64_t kStream = 0x6167677265676174ull;
 /// Fragments are to be larger than what is united with a neighbour by so much.
-constexpr double kAboveLeast = 1.3;
+constexpr double kAboveLeast = 1.4;
 /// Cells of fragments that are to be smaller than so many mean cells are chosen one by one.
 constexpr double kSmall = 1.2;
 /// What a single cell may lack of the size it stands for.

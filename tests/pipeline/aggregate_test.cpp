@@ -103,7 +103,7 @@ TEST(Aggregates, AreEvenWithoutSpread) {
   p.aggregation.spread = 0;
   const std::vector<double> volumes = volumes_of(fracture_mesh(sphere_with(2000), p).set);
   ASSERT_GE(volumes.size(), 90u);
-  // Eight cells of which the last one may be half too much.
+  // Six cells of which the last one may be half too much.
   EXPECT_GT(volumes[volumes.size() / 10], 0.6 * volumes[volumes.size() / 2]);
   EXPECT_LT(volumes[volumes.size() * 9 / 10], 1.5 * volumes[volumes.size() / 2]);
 }
@@ -124,7 +124,7 @@ TEST(Aggregates, AreAsManyAsAskedAndInOnePiece) {
       EXPECT_LE(c.islands, fracture_mesh(thing.mesh, alone).set.certificate.islands);
       std::set<SiteId> sites;
       for (const Fragment& f : b.set.fragments) sites.insert(f.sites.begin(), f.sites.end());
-      EXPECT_GE(sites.size(), std::min<std::size_t>(fragments * 6, b.diagram.sites.size() / 2));
+      EXPECT_GE(sites.size(), std::min<std::size_t>(fragments * 5, b.diagram.sites.size() / 2));
     }
 }
 
@@ -219,10 +219,11 @@ TEST(AggregateHulls, AreFewAndLieWithinTheCellsOfTheirFragment) {
           for (std::size_t c = 0; c < hull.points.size(); ++c)
             for (std::size_t e = c; e < hull.points.size(); e += 3) {
               const Vec3d x = 0.5 * (to_double(hull.points[c]) + to_double(hull.points[e])) + f.pivot;
+              const Vec3d image = map ? map.of_part(f.part).image(x) : x;
               std::size_t nearest = 0;
               double least = HUGE_VAL;
               for (std::size_t s = 0; s + 4 < sites.size(); ++s) {
-                const Vec3d to = sites[s] - (map ? map.at(sites[s]).image(x) : x);
+                const Vec3d to = sites[s] - image;
                 if (dot(to, to) < least) {
                   least = dot(to, to);
                   nearest = s;
@@ -248,7 +249,7 @@ TEST(AggregateHulls, LeaveARestThatStaysWholeItsShape) {
   const auto rest =
       std::max_element(fragments.begin(), fragments.end(),
                        [](const Fragment& x, const Fragment& y) { return x.sites.size() < y.sites.size(); });
-  ASSERT_GT(rest->sites.size(), 300u);
+  ASSERT_GT(rest->sites.size(), 200u);
   EXPECT_GT(b.hulls.of(static_cast<std::size_t>(rest - fragments.begin())).size(), 20u);
 }
 
