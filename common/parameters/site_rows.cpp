@@ -192,10 +192,10 @@ void add_aggregate_rows(std::vector<ParameterSpec>& rows) {
            .min = 1,
            .max = kMostCellsPerFragment,
            .doc =
-               "How many cells grow together into a fragment, on average: ragged chunks that are not convex, of "
-               "the sizes that `size_spread` says; after an impact longer on the way outwards. The pattern makes so "
-               "many times `sites` cells, which cost what cells cost. 1: each cell is a fragment. stone and concrete "
-               "have 6."},
+               "How many cells grow together into a fragment, on average: ragged chunks that are not convex, of the "
+               "sizes that `size_spread` says; after an impact longer on the way outwards. The pattern makes so many "
+               "times `sites` cells: with flat cuts 6 cost twice as much as 1, which makes each cell a fragment. stone "
+               "and concrete have 6."},
           [](auto& r) -> auto& { return r.fracture.aggregation.cells; })));
   rows.back().matters = [](const RequestParameters& r) {  // 1 beside a material that has more says something
     const MaterialPreset* preset = find_material_preset(r.material);

@@ -175,7 +175,7 @@ class FewHulls {
       const Plane plane = bisector(member->site, j);
       if (plane.height(largest.middle) > room && member->site != largest.site) continue;
       double taken = 0;
-      for (const Vec3f& p : s_.points) taken += std::max(0.0, plane.height(to_double(p)));
+      for (const Vec3d& p : s_.body.corners()) taken += std::max(0.0, plane.height(p));
       if (taken < least) {
         least = taken;
         best = plane;
@@ -213,7 +213,7 @@ class FewHulls {
       if (std::any_of(s_.members.begin(), s_.members.end(),
                       [&](const Share* m) { return is_clear(m->site); }))
         continue;
-      pacer_.step(s_.members.size() * s_.points.size());
+      pacer_.step(s_.members.size() * s_.body.corners().size());
       const Plane plane = best_bisector(j, *largest);
       s_.body.cut(plane.normal, plane.offset);
     }

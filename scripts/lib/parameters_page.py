@@ -59,11 +59,11 @@ SUBJECTS = [
 COSTS = {
     "pattern=uniform": 1.0, "pattern=points": 1.0, "pattern=impact": 1.0, "pattern=radial": 1.2, "pattern=grid": 1.5,
     "pattern=brick": 1.9, "pattern=slice": 1.8, "pattern=clustered": 1.0,
-    "material=glass": 1.2, "material=wood": 2.5, "material=concrete": 1.8, "material=stone": 2.4, "material=brick": 1.9,
+    "material=glass": 1.2, "material=wood": 2.5, "material=concrete": 3.2, "material=stone": 3.5, "material=brick": 1.9,
     "material=ceramic": 1.9, "material=metal": 2.6, "material=cast_iron": 2.6, "material=ice": 1.5, "material=plaster": 1.8,
     "material=terracotta": 1.9, "material=sandstone": 2.4, "material=crystal": 1.2,
     "lloyd=1": 1.1, "levels=5,20,50": 1.0, "rough_amplitude=0.05": 3.0, "dual=barycenter": 1.8, "physics=none": 0.9,
-    "sites=500": 4.0, "sites=5000": 34.0,
+    "sites=500": 4.0, "sites=5000": 34.0, "cells_per_fragment=6": 2.0,
 }
 
 
@@ -188,6 +188,7 @@ def page(limits, patterns):
         "The columns *cost* below count instructions of one answer, as multiples of `pattern=uniform` with 50 sites, on a mesh of 4,000 "
         f"triangles. The number of pieces decides most: 500 sites cost {times('sites=500')}, 5,000 cost "
         f"{times('sites=5000')}. Rough cuts (`rough_amplitude=0.05`) cost {times('rough_amplitude=0.05')}; their finest octave decides. "
+        f"Ragged chunks (`cells_per_fragment=6`) with flat cuts cost {times('cells_per_fragment=6')}. "
         f"One pass of `lloyd`: {times('lloyd=1')}, `levels`: {times('levels=5,20,50')}, `dual=barycenter`: {times('dual=barycenter')}, "
         f"without hulls (`physics=none`): {times('physics=none')}. A hit that asks for `delta` is cheaper than the whole answer: only "
         "the cells near it are cut again.", 128)
