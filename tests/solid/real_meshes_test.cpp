@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "common/solid/solid.hpp"
 #include "tests/support/figures.hpp"
