@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "common/base/long_axis.hpp"
 #include "common/base/random.hpp"
 
 namespace fracture {
@@ -11,6 +12,11 @@ namespace {
 constexpr double kFade = 1.2;
 /// No point moves by more than this much of its distance from the surface, so that none reaches it.
 constexpr double kMostOfDistance = 0.6;
+
+/// The most by which it is longer along a grain than across.
+constexpr double kMostAlong = 4;
+/// Directions whose lengths differ by less have no grain.
+constexpr double kLeastStretch = 1.5;
 
 /// At least the largest factor by which the map lengthens a vector: sqrt(largest row sum · largest column
 /// sum).
@@ -40,14 +46,32 @@ Displacement::Displacement(double amplitude, double frequency, std::uint32_t oct
     const double scale = 1 / bound_of_norm(frame.matrix);
     Matrix3& to_waves = to_waves_.emplace_back();
     for (std::size_t k = 0; k < 3; ++k) to_waves.rows[k] = scale * frame.matrix.rows[k];
+    Grain& grain = grain_.emplace_back();
+    Matrix3
+        lengths;  // N Nᵀ of the inverse N, which makes the cells: its eigenvalues are squares of their lengths
+    for (std::size_t i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        lengths.rows[i][j] = dot(frame.inverse.rows[i], frame.inverse.rows[static_cast<std::size_t>(j)]);
+    const std::optional<LongAxis> longest = long_axis(lengths);
+    if (!longest || !(longest->ratio > kLeastStretch * kLeastStretch)) continue;
+    grain = {longest->axis, std::fmin(std::sqrt(longest->ratio), kMostAlong) - 1};
   }
-  if (to_waves_.empty()) to_waves_.emplace_back();
+  if (to_waves_.empty()) {
+    to_waves_.emplace_back();
+    grain_.emplace_back();
+  }
 }
 
-double Displacement::reach() const {
+double Displacement::fading() const {
   double sum = 0, share = 1;
   for (std::uint32_t o = 0; o < octaves_; ++o, share *= 0.5) sum += share;
   return kFade * amplitude_ * sum * kNoiseBound;
+}
+
+double Displacement::reach() const {
+  double further = 0;
+  for (const Grain& grain : grain_) further = std::fmax(further, grain.further);
+  return (1 + further) * fading();
 }
 
 Vec3d Displacement::at(const Vec3d& p, double surface, std::size_t frame) const {
@@ -57,7 +81,11 @@ Vec3d Displacement::at(const Vec3d& p, double surface, std::size_t frame) const 
   double share = 1, frequency = frequency_;
   for (std::uint32_t o = 0; o < octaves_; ++o, share *= 0.5, frequency *= 2)
     d = d + share * gradient_noise(frequency * q, seed_ * kGoldenGamma + o);
-  d = (amplitude_ * (surface / reach())) * d;
+  // Along the grain it fades as much farther from the surface as it moves farther.
+  const Grain& grain = grain_[frame];
+  const double faded = surface / fading(), across = std::fmin(1, faded),
+               along = std::fmin(1 + grain.further, faded);
+  d = amplitude_ * (across * d + ((along - across) * dot(grain.direction, d)) * grain.direction);
   const double l = length(d), most = kMostOfDistance * surface;
   return l > most ? (most / l) * d : d;
 }

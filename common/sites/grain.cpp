@@ -5,6 +5,7 @@
 #include <numeric>
 #include <optional>
 
+#include "common/base/long_axis.hpp"
 #include "common/base/matrix3.hpp"
 #include "common/base/pacer.hpp"
 #include "common/sites/arithmetic.hpp"
@@ -44,37 +45,12 @@ struct Moments {
   }
 };
 
-double trace(const Matrix3& m) { return m.rows[0].x + m.rows[1].y + m.rows[2].z; }
-
-Matrix3 squared(const Matrix3& m) {  // of a symmetric matrix, scaled to trace 1 before
-  Matrix3 product;
-  const double scale = 1 / trace(m);
-  for (std::size_t i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      product.rows[i][j] = scale * scale * dot(m.rows[i], m.rows[static_cast<std::size_t>(j)]);
-  return product;
-}
-
-/// The axis along which it is longest, if it is much longer there: the first eigenvector, by repeated squaring,
-/// from + - * / and sqrt alone.
-std::optional<Vec3d> long_axis(const Moments& moments) {
+/// The axis along which it is longest, if it is much longer there.
+std::optional<Vec3d> axis_of(const Moments& moments) {
   if (!(moments.volume > 0)) return std::nullopt;
-  const Matrix3 m = moments.central();
-  if (!(trace(m) > 0)) return std::nullopt;
-  Matrix3 power = m;
-  for (int k = 0; k < 10; ++k) {
-    power = squared(power);
-    if (!(trace(power) > 0)) return std::nullopt;
-  }
-  Vec3d axis = power.rows[0];
-  for (const Vec3d& row : power.rows)
-    if (dot(row, row) > dot(axis, axis)) axis = row;
-  axis = sites_detail::normalized(axis);
-  const double largest = dot(axis, m * axis), rest = trace(m) - largest;
-  // The two others add up to `rest`, and all three multiply to the determinant.
-  const double product = largest > 0 ? m.determinant() / largest : 0;
-  const double next = (rest + std::sqrt(std::fmax(0, rest * rest - 4 * product))) / 2;
-  if (!(largest > kLeastElongation * next)) return std::nullopt;
+  const std::optional<LongAxis> longest = long_axis(moments.central());
+  if (!longest || !(longest->ratio > kLeastElongation)) return std::nullopt;
+  Vec3d axis = longest->axis;
   for (int k = 0; k < 3; ++k)
     if (std::fabs(axis[k]) < kNoise) axis[k] = 0;
   return sites_detail::normalized(axis);
@@ -114,7 +90,7 @@ Grains grains_of(const Solid& solid, bool by_node, const Vec3d& whole, std::size
   for (const std::uint32_t g : order) {
     if (!(moments[g].volume > 0) && !grains.directions.empty()) break;  // nothing of that number, or as good
     pacer.step(16);
-    const Vec3d direction = long_axis(moments[g]).value_or(whole);
+    const Vec3d direction = axis_of(moments[g]).value_or(whole);
     const auto cosine = [&](const Vec3d& other) { return std::fabs(dot(direction, other)); };
     const auto nearest =
         std::max_element(grains.directions.begin(), grains.directions.end(),

@@ -38,13 +38,33 @@ TEST(Displacement, FadesToNothingAtTheSurfaceAndNeverReachesIt) {
 }
 
 TEST(Displacement, AMapStretchesTheWavesButShortensNone) {
-  // Across the grain as without it, along it eight times as long.
+  // Across the grain as without it, along it eight times as long; and points move four times as far along it.
   const Matrix3 map{{Vec3d{3, 0, 0}, Vec3d{0, 3, 0}, Vec3d{0, 0, 3.0 / 8}}};
-  const Displacement plain(1, 5, 1, 4, {}), stretched(1, 5, 1, 4, map);
+  const Displacement plain(0.01, 5, 1, 4, {}), stretched(0.01, 5, 1, 4, map);
   Random random(3);
   for (int n = 0; n < 1000; ++n) {
     const Vec3d p = random_point(random), q{p.x, p.y, 8 * p.z};
-    EXPECT_LT(length(plain.at(p, plain.reach()) - stretched.at(q, stretched.reach())), 1e-12);
+    Vec3d far = plain.at(p, 10);  // from any surface
+    far.z *= 4;
+    EXPECT_LT(length(far - stretched.at(q, 10)), 1e-12);
+  }
+}
+
+TEST(Displacement, WithoutOneGrainItIsTheSameInAllDirections) {
+  const double c = std::cos(0.5), s = std::sin(0.5);
+  for (const Matrix3& map : {Matrix3{{Vec3d{c, s, 0}, Vec3d{-s, c, 0}, Vec3d{0, 0, 1}}},    // turned
+                             Matrix3{{Vec3d{1, 0, 0}, Vec3d{0, 2, 0}, Vec3d{0, 0, 1}}}}) {  // flat cells
+    const Displacement displacement(0.02, 8, 3, 1, map);
+    Random random(4);
+    Vec3d most;
+    for (int n = 0; n < 50'000; ++n) {
+      const Vec3d d = displacement.at(random_point(random), displacement.reach());
+      for (int a = 0; a < 3; ++a) most[a] = std::fmax(most[a], std::fabs(d[a]));
+    }
+    for (int a = 0; a < 3; ++a) {
+      EXPECT_LE(most[a], 0.02);
+      EXPECT_GT(most[a], 0.008);
+    }
   }
 }
 
