@@ -71,7 +71,7 @@ std::vector<MaterialPreset> make_presets() {
   brick.jitter = 0.05;
   presets.push_back(
       {"brick",
-       "Masonry in running bond: whole and half bricks come loose.",
+       "Masonry in running bond: lumps with toothed edges, whole, half and crushed bricks at the hit.",
        brick,
        0,
        1,
@@ -117,12 +117,16 @@ std::vector<MaterialPreset> make_presets() {
                      {"#83868a", 0.2, 0.9, 0.6, 1},
                      "EN 1561 (EN-GJL-200: tensile strength 200 MPa; 7200 kg/m3)"});
 
-  ImpactPattern ice;
-  ice.exponent = 1.8;
-  ice.share = 0.5;
+  // Few cracks, which run far: splitting around a crushed zone (Jordaan 2001, "Mechanics of ice-structure
+  // interaction").
+  RadialPattern ice;
+  ice.growth = 1.8;
+  ice.jitter = 0.9;
+  ice.merge = 0.7;
+  ice.crushed = 0.4;
   presets.push_back(
       {"ice",
-       "Angular lumps, finer where it was hit.",
+       "Large plates between long cracks from the impact, around a crushed zone.",
        ice,
        0,
        1,

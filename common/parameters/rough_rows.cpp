@@ -18,7 +18,7 @@ std::vector<ParameterSpec> rough_parameter_rows() {
        .high = 0.25,
        .doc =
            "How far cut faces are moved from their planes by noise, as a fraction of the solid's size (the "
-           "cube root of the volume of its largest part), along a `grain` up to four times as far; lowered where "
+           "cube root of the volume of its largest part), along the grain of a `stretch` of 6 or more four times as far; lowered where "
            "`rough_frequency` needs that. 0: flat cuts."},
       [](auto& r) -> auto& { return r.fracture.roughness.amplitude; }));
   rows.back().matters = [](const RequestParameters& r) {

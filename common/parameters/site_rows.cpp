@@ -115,6 +115,16 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            .doc = "Passes of relaxation: each moves every site to the middle of its piece, for pieces of "
                   "more even size. A pass costs what cutting costs: mostly less than a tenth of the answer."},
           [](auto& r) -> auto& { return r.fracture.lloyd; })));
+  rows.push_back(for_patterns(
+      {"uniform", "impact", "clustered"},
+      with_member(
+          {.name = "density_from",
+           .type = Type::kText,
+           .doc =
+               "Where it is painted to break: COLOR_0 (to COLOR_7), vertex colours whose white gets most sites and whose "
+               "black a 32nd of them, or a material by its name or number, whose surface gets most. Of sites that are "
+               "even without, and of the middles of clusters; those near an impact stay."},
+          [](auto& r) -> auto& { return r.fracture.density_from; })));
   ParameterSpec stretch = for_patterns(
       {},
       with_member(
@@ -239,7 +249,8 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .low = -kFar,
        .high = kFar,
        .doc = "The Voronoi sites themselves, in the frame of the answer (y up). Required by this pattern."}));
-  rows.push_back(with_pattern_member<&ImpactPattern::impacts, &RadialPattern::impacts>(
+  rows.push_back(with_pattern_member<&ImpactPattern::impacts, &RadialPattern::impacts,
+                                     &BrickPattern::impacts>(
       {.name = "impacts",
        .type = Type::kVectors,
        .unit = "m",
@@ -247,8 +258,10 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .max = 64,
        .low = -kFar,
        .high = kFar,
-       .doc = "Where it was hit, in the frame of the answer (y up). radial: the first is the centre. Without "
-              "it: the middle of the box; of spokes in all directions the middle of its side towards +z."}));
+       .doc =
+           "Where it was hit, in the frame of the answer (y up). radial: the first is the centre. brick: what is near is "
+           "crushed, around it bricks break in halves; without it none do. Without it: the middle of the box; of spokes "
+           "in all directions the middle of its side towards +z."}));
   rows.push_back(with_pattern_member<&ImpactPattern::radius, &ClusteredPattern::radius>(
       {.name = "radius",
        .type = Type::kNumber,
@@ -292,7 +305,9 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .type = Type::kDirection,
        .low = -kFar,
        .high = kFar,
-       .doc = "The axis that rings and spokes go around. Without it: the shortest side of the box."}));
+       .doc =
+           "The axis that rings and spokes go around. Without it: the shortest side of the box; with `crushed`, of what "
+           "is no plate, from where it was hit to its middle."}));
   rows.push_back(
       with_pattern_member<&RadialPattern::spokes>({.name = "spokes",
                                                    .type = Type::kInteger,
@@ -317,6 +332,12 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .low = 0,
        .high = 0.9,
        .doc = "Share of the ring cracks that stay away, which makes long shards."}));
+  rows.push_back(with_pattern_member<&RadialPattern::crushed>(
+      {.name = "crushed",
+       .type = Type::kNumber,
+       .low = 0,
+       .high = 0.9,
+       .doc = "Share of the pieces that are crumbs where it was hit. Without it: none, with ice 0.4."}));
   rows.push_back(with_pattern_member<&RadialPattern::jitter, &GridPattern::jitter, &BrickPattern::jitter,
                                      &SlicePattern::jitter>(
       {.name = "jitter",
@@ -332,8 +353,10 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .low = kLeastLength,
        .high = kFar,
        .doc =
-           "grid: the sides of a box along x, y and z. brick: length, height and depth of a brick with "
-           "its joint, the length along the longer horizontal side of the box. Without it: as `sites` needs."});
+           "grid: the sides of a box along x, y and z. brick: length, height and depth of a brick with its joint, the length "
+           "along the longer horizontal side of the wall; each brick is a piece, and everything is a wall. Without it: as "
+           "`sites` needs; bricks of their real size (0.24 x 0.071 x 0.115), of which pieces are lumps, in proportion where "
+           "a piece would be less than one or more than six."});
   rows.push_back(std::move(cell));
   rows.push_back(with_pattern_member<&BrickPattern::bond>(
       {.name = "bond",

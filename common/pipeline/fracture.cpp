@@ -148,7 +148,7 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
     if (diagram.map)
       return fail(
           ErrorCode::kBadParameter,
-          "dual=barycenter knows no stretched cells: leave out 'stretch', or slices of several families.",
+          "dual=barycenter knows no stretched or turned cells: leave out 'stretch', slices of several families, or bricks.",
           "dual");
     cut.barycentric =
         fracture_barycentric(solid, voronoi, parameters.pivot, parameters.drop_above, execution);

@@ -39,8 +39,9 @@ namespace fracture {
 ///                 corners are on a circle; areas, places and directions of bonds as floats
 /// 10  2026-11-23  sites, and fragments after them, in the order of a curve through the solid
 /// 11  2026-11-23  cut faces have the colour of what was cut; pieces of a fragment know their part
-/// 12  2026-11-24  closed parts of glass and ceramic become walls; a grain for each part; glass, metal; cuts of
-///                 a triangle by their cells; stone and concrete in ragged chunks of several cells
+/// 12  2026-11-24  closed parts of glass and ceramic become walls; a grain for each part; glass, metal; bricks of
+///                 real size along the axes of walls, ice, splinters; stone and concrete in ragged chunks of
+///                 several cells; cuts of a triangle by their cells
 inline constexpr int kAlgorithmVersion = 12;
 
 enum class Dual {

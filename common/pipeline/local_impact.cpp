@@ -65,7 +65,11 @@ Expected<void> append_hits(const Solid& solid, const SiteParameters& parameters,
     near.pattern = ImpactPattern{.impacts = {hit.point}, .radius = hit.radius, .exponent = 1, .share = 1};
     near.lloyd = 0;
     near.aggregation.cells = cells_per_fragment(parameters);  // with the pattern at hand
-    Expected<SitePlan> further = plan_sites(solid, near, execution);
+    near.density_from.clear();
+    // A map of bricks only turns, which its pattern alone asks for.
+    Expected<SitePlan> further = std::holds_alternative<BrickPattern>(parameters.pattern)
+                                     ? plan_sites(SeenSolid(solid, plan.map, execution), near, execution)
+                                     : plan_sites(solid, near, execution);
     if (!further) return tl::unexpected(further.error());
     // What found no place near the point was placed elsewhere: no part of a hit.
     const std::size_t asked = further->points.size();

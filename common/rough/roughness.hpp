@@ -7,7 +7,7 @@ namespace fracture {
 
 /// In terms of the solid's size: the cube root of the volume of its largest part, m.
 struct Roughness {
-  double amplitude = 0;  ///< of the size: the most a vertex moves along each axis (along a grain four
+  double amplitude = 0;  ///< of the size: the most a vertex moves along each axis (along fibres four
                          ///< times as much, rough/displacement.hpp); 0: flat cuts
   double frequency = 5;  ///< waves of the coarsest octave along the size
   std::uint32_t octaves =

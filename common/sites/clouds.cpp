@@ -29,7 +29,8 @@ double mean_side(const Box& box) {
 SitePlan with_rest(const Task& task, ColumnSampler& sampler, std::vector<Vec3d> points) {
   SitePlan plan;
   plan.points = std::move(points);
-  const std::vector<Vec3d> rest = sampler.sample(task.count - static_cast<std::uint32_t>(plan.points.size()));
+  const std::vector<Vec3d> rest =
+      even_points(task, sampler, task.count - static_cast<std::uint32_t>(plan.points.size()));
   plan.points.insert(plan.points.end(), rest.begin(), rest.end());
   return plan;
 }
@@ -161,7 +162,8 @@ Expected<SitePlan> generate(const Task& task, const ClusteredPattern& pattern, c
   ColumnSampler sampler(task.solid, task.seed, task.execution);
   Random random(task.seed ^ kClusterStream);
   const std::uint64_t center_seed = random();
-  const std::vector<Vec3d> centers = ColumnSampler(task.solid, center_seed, task.execution).sample(count);
+  ColumnSampler of_centers(task.solid, center_seed, task.execution);
+  const std::vector<Vec3d> centers = even_points(task, of_centers, count);
   const double radius = pattern.radius.value_or(0.12 * mean_side(box_in_image(task)));
   // Uneven clusters: their shares of the sites spread over a factor of about ten.
   std::vector<Cloud> clouds;

@@ -7,6 +7,7 @@
 
 #include "common/base/cell_map.hpp"
 #include "common/sites/column_sampler.hpp"
+#include "common/sites/density.hpp"
 #include "common/sites/pattern.hpp"
 
 namespace fracture::sites_detail {
@@ -19,7 +20,9 @@ struct Task {
   std::uint64_t seed;
   const Execution& execution;
   std::uint32_t most_sites;
+  const Anisotropy& anisotropy;
   std::uint32_t cells_per_fragment = 1;  ///< of `count`
+  const Density* density = nullptr;      ///< none: the same everywhere
 };
 
 /// From the frame of the answer to the image.
@@ -53,6 +56,9 @@ std::vector<Vec3d> mapped(std::vector<Vec3d> points, const ImageMap& map);
 Box box_in_image(const Task& task);
 /// How many boxes with the sides `cell` cover a box with the sides `sides`.
 double boxes_in(const Vec3d& sides, const Vec3d& cell);
+
+/// Points in the solid, as close to each other as Task::density says; the first n of more are those of n.
+std::vector<Vec3d> even_points(const Task& task, ColumnSampler& sampler, std::uint32_t count);
 
 /// A point around which sites lie with a density that falls as distance^-exponent out to the radius.
 struct Cloud {

@@ -57,11 +57,13 @@ struct RadialPattern {
   };
   Around around = Around::kAxis;
   std::vector<Vec3d> impacts{};  ///< the first one is the centre; empty: the middle of the box, or of a side
-  std::optional<Vec3d> axis{};   ///< none: along the shortest side of the box
+  /// none: along the shortest side of the box; with `crushed`, of what is no plate, from the centre to its middle
+  std::optional<Vec3d> axis{};
   std::optional<std::uint32_t> spokes{}, rings{};  ///< none: as many as give about the asked number of pieces
   double growth = 1.35;  ///< each ring is so many times as wide as the one inside it, >= 1
   double jitter = 0.5;   ///< 0 … 1: how uneven the angles and radii are
   double merge = 0.4;    ///< 0 … 0.9: share of the ring cracks that stay away
+  double crushed = 0;    ///< 0 … 0.9: share of the pieces that are crumbs around the centre
   friend bool operator==(const RadialPattern&, const RadialPattern&) = default;
 };
 
@@ -72,13 +74,17 @@ struct GridPattern {
   friend bool operator==(const GridPattern&, const GridPattern&) = default;
 };
 
-/// Masonry: courses along y, each shifted against the one below. A brick is several cells that stay
-/// together, so the joints are planes to the lattice step.
+/// Masonry: on walls courses along their own axes (masonry.hpp), each shifted against the one below; on what is no wall
+/// rubble. A brick is several cells that stay together, so the joints are planes to the lattice step. Bricks have their
+/// real size (0.24 x 0.071 x 0.115 m), in proportion smaller where there are fewer than pieces asked for, larger where
+/// there are six times as many; of those that are more than pieces several stay together.
 struct BrickPattern {
   enum class Bond { kStack, kHalf, kThird };  ///< shift of a course: none, half a brick, a third
-  std::optional<Vec3d> cell{};  ///< length, height and depth of a brick with its joint; none: 3 : 1 : 1.5
+  /// Length, height and depth of a brick with its joint: each is a piece, and all is a wall; none: as above.
+  std::optional<Vec3d> cell{};
   Bond bond = Bond::kHalf;
-  double jitter = 0;  ///< as in GridPattern
+  double jitter = 0;             ///< as in GridPattern
+  std::vector<Vec3d> impacts{};  ///< bricks near these are crushed, or break in halves
   friend bool operator==(const BrickPattern&, const BrickPattern&) = default;
 };
 
@@ -116,7 +122,8 @@ inline constexpr PatternTraits kPatternTraits[] = {
     {"impact", "Most sites near the impacts, their density falling with distance.", true, true},
     {"radial", "Rings and spokes around an axis or a point: a pane or a vessel that was hit.", true, false},
     {"grid", "Boxes in rows.", true, false},
-    {"brick", "Masonry: courses of bricks, each shifted against the one below.", true, false},
+    {"brick", "Masonry: lumps of bricks in courses along the axes of a wall; rubble of what is none.", true,
+     false},
     {"slice", "One to three families of parallel planes.", true, false},
     {"clustered", "Groups of small pieces between large ones.", true, true},
 };
@@ -166,6 +173,9 @@ struct SiteParameters {
   std::uint32_t lloyd = 0;  ///< passes of relaxation (pipeline/lloyd.hpp), for patterns without groups
   Anisotropy anisotropy{};
   Aggregation aggregation{};
+  /// What says how close sites lie that are even without (sites/density.hpp): vertex colours, or a material; of patterns
+  /// of scattered sites. Empty: nothing.
+  std::string density_from{};
   /// A pattern that would make more sites is refused. Decides no sites, only whether there are any.
   std::uint32_t most_sites = kMaxPatternSites;
 };

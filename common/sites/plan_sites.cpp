@@ -6,6 +6,7 @@
 #include "common/sites/arithmetic.hpp"
 #include "common/sites/generators.hpp"
 #include "common/sites/grain.hpp"
+#include "common/sites/masonry.hpp"
 #include "common/sites/sites.hpp"
 #include "common/solid/image.hpp"
 
@@ -35,9 +36,29 @@ Vec3d longest_side(const Box& box) {
   return direction;
 }
 
+/// Of parts with a matrix each.
+CellMap map_of(const Solid& solid, const std::vector<Matrix3>& matrices,
+               const std::vector<std::uint8_t>& of_part, const Execution& execution) {
+  if (matrices.size() == 1) return matrices[0];
+  std::vector<Box> boxes(matrices.size());
+  Pacer pacer(execution);
+  for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
+    pacer.step(2);
+    const std::uint8_t k = of_part[solid.part[t]];
+    for (const VertexId v : solid.triangles[t]) boxes[k].add(matrices[k] * to_double(solid.positions[v]));
+  }
+  return CellMap(matrices, of_part, boxes);
+}
+
 CellMap map_of(const Solid& solid, const SiteParameters& p, const Execution& execution) {
   const Anisotropy& anisotropy = p.anisotropy;
   if (anisotropy.matrix) return positive(anisotropy.matrix->inverse());
+  std::vector<Matrix3> matrices;
+  if (const auto* bricks = std::get_if<BrickPattern>(&p.pattern); bricks && anisotropy.stretch == 1) {
+    const Masonry masonry = masonry_of(solid, !bricks->cell, CellMap::kMostFrames, execution);
+    for (const Masonry::Frame& frame : masonry.frames) matrices.push_back(frame.axes);
+    return map_of(solid, matrices, masonry.of_part, execution);
+  }
   if (anisotropy.stretch == 1) return {};
   const auto along = [&](const Vec3d& grain) { return along_grain(grain, anisotropy.stretch); };
   if (anisotropy.grain) return along(*anisotropy.grain);
@@ -45,17 +66,8 @@ CellMap map_of(const Solid& solid, const SiteParameters& p, const Execution& exe
     return along(longest_side(solid.box));
   const Grains grains = grains_of(solid, anisotropy.grain_of == GrainOf::kNode, longest_side(solid.box),
                                   CellMap::kMostFrames, execution);
-  if (grains.directions.size() == 1) return along(grains.directions[0]);
-  std::vector<Matrix3> matrices;
-  std::vector<Box> boxes(grains.directions.size());
   for (const Vec3d& grain : grains.directions) matrices.push_back(along(grain));
-  Pacer pacer(execution);
-  for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
-    pacer.step(2);
-    const std::uint8_t k = grains.of_part[solid.part[t]];
-    for (const VertexId v : solid.triangles[t]) boxes[k].add(matrices[k] * to_double(solid.positions[v]));
-  }
-  return CellMap(matrices, grains.of_part, boxes);
+  return map_of(solid, matrices, grains.of_part, execution);
 }
 
 /// Sites in the order of a curve through the box: cells that touch each other then lie near each other in
@@ -104,10 +116,9 @@ Matrix3 map_of(const SlicePattern& slices) {
 namespace sites_detail {
 
 Expected<SitePlan> generate(const Task& task, const UniformPattern&, const ImageMap&) {
-  Expected<std::vector<Vec3d>> points = uniform_sites(task.solid, task.count, task.seed, task.execution);
-  if (!points) return tl::unexpected(points.error());
+  ColumnSampler sampler(task.solid, task.seed, task.execution);
   SitePlan plan;
-  plan.points = std::move(*points);
+  plan.points = even_points(task, sampler, task.count);
   return plan;
 }
 
@@ -195,7 +206,13 @@ Expected<SitePlan> plan_sites(const SeenSolid& solid, const SiteParameters& p, c
                     std::to_string(count) + " sites; at most " + std::to_string(p.most_sites) +
                     " may be made. Ask for fewer fragments, or for fewer 'cells_per_fragment'.",
                 "cells_per_fragment");
-  const Task task{solid.seen(), solid, count, p.seed, execution, p.most_sites, cells};
+  Task task{solid.seen(), solid, count, p.seed, execution, p.most_sites, p.anisotropy, cells};
+  std::optional<sites_detail::Density> density;
+  if (!p.density_from.empty() && is_scattered(p.pattern)) {
+    auto made = sites_detail::Density::make(solid.original(), p.density_from, execution);
+    if (!made) return tl::unexpected(made.error());
+    task.density = &density.emplace(std::move(*made));
+  }
   Expected<SitePlan> plan = std::visit(
       [&](const auto& pattern) { return sites_detail::generate(task, pattern, solid.map()); }, p.pattern);
   if (!plan) return plan;
@@ -238,7 +255,10 @@ void fill_frames(const SeenSolid& solid, SitePlan& plan, const Execution& execut
   for (std::size_t p = 0; p < parts.size() && empty > 0; ++p) {
     pacer.step();
     const Vec3d middle = lattice.snap(parts[p].box.center());
-    if (fills(middle)) plan.points.push_back(middle);
+    if (!fills(middle)) continue;
+    plan.points.push_back(middle);
+    if (!plan.groups.empty())
+      plan.groups.push_back(1 + *std::max_element(plan.groups.begin(), plan.groups.end()));
   }
 }
 

@@ -12,6 +12,9 @@
 // A ring crack that goes all around looks drawn, not broken. So neighbouring cells of a spoke stay together
 // at random (`merge`), which leaves long shards and staggered ring cracks, and near the centre some pairs of
 // neighbouring spokes do, so that radial cracks begin at different distances.
+//
+// Where it was hit, brittle and weak things (ice) are crushed: there sites lie as those of an impact do, in the place of
+// the innermost rings.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -46,6 +49,9 @@ bool is_plate(const Box& box) {
   std::sort(sides.begin(), sides.end());
   return sides[0] <= kPlate * sides[1];
 }
+
+/// A hit nearer to the middle than this, of the longest side, has no direction.
+constexpr double kInwards = 0.1;
 
 /// The largest distance(p) of the box's corners.
 template <class Distance>
@@ -112,11 +118,50 @@ SitePlan plan_of(const RadialPattern& pattern, const Wheel& wheel, const std::ve
   return plan;
 }
 
+/// How far the crushed zone reaches, of the reach of the spokes, how its sites gather at the centre, and within how much
+/// of it there are none of rings.
+constexpr double kCrushedZone = 0.3, kCrushedExponent = 1.5, kWithoutRings = 0.6;
+
+/// The plan with crumbs around the centre in the place of the innermost cells. Of those around an axis (along `inwards`)
+/// the middle one stays, behind the crumbs: else theirs would go on through the body.
+SitePlan with_crumbs(const Task& task, const Wheel& wheel, std::uint32_t crumbs, const SitePlan& rings,
+                     const Vec3d* inwards) {
+  if (crumbs == 0) return rings;
+  const Cloud zone{wheel.center, kCrushedZone * wheel.reach};
+  ColumnSampler sampler(task.solid, task.seed, task.execution);
+  Pacer pacer(task.execution);
+  SitePlan plan;
+  std::uint32_t next = 0;
+  for (std::size_t k = 0; k < rings.points.size(); ++k) {
+    pacer.step();
+    next = std::max(next, rings.groups[k] + 1);
+    if (length(rings.points[k] - zone.center) < kWithoutRings * zone.radius) continue;
+    plan.points.push_back(rings.points[k]);
+    plan.groups.push_back(rings.groups[k]);
+  }
+  if (inwards) {
+    plan.points.push_back(zone.center + zone.radius * normalized(*inwards));
+    plan.groups.push_back(rings.groups[0]);
+  }
+  const std::vector<std::uint32_t> cloud_of(crumbs, 0);
+  std::vector<Vec3d> points =
+      points_in_clouds(task, sampler, std::span(&zone, 1), cloud_of, kCrushedExponent);
+  // Where little of the solid is near the centre, the others lie anywhere in it.
+  const std::vector<Vec3d> rest = sampler.sample(crumbs - static_cast<std::uint32_t>(points.size()));
+  points.insert(points.end(), rest.begin(), rest.end());
+  for (const Vec3d& p : points) {
+    plan.points.push_back(p);
+    plan.groups.push_back(next++);
+  }
+  return plan;
+}
+
 }  // namespace
 
 double expected_sites(const RadialPattern& pattern, double count, const Vec3d&) {
   // A ring crack that stays away leaves one piece of several cells.
-  if (pattern.spokes && pattern.rings) return static_cast<double>(*pattern.spokes) * *pattern.rings;
+  if (pattern.spokes && pattern.rings)
+    return static_cast<double>(*pattern.spokes) * *pattern.rings + pattern.crushed * count;
   return 2 * count;
 }
 
@@ -128,7 +173,8 @@ Expected<SitePlan> generate(const Task& task, const RadialPattern& pattern, cons
                             (pattern.around == Around::kShape && !pattern.axis && !is_plate(box));
   // About 0.7 of the cells of a disc around a square meet the square, half of those around a point on a body meet the
   // body, and `merge` of them go.
-  const double cells = task.count / ((around_point ? 0.5 : 0.7) * (1 - pattern.merge));
+  const auto crumbs = static_cast<std::uint32_t>(std::nearbyint(pattern.crushed * task.count));
+  const double cells = (task.count - crumbs) / ((around_point ? 0.5 : 0.7) * (1 - pattern.merge));
   const auto count = [](const std::optional<std::uint32_t>& given, double wanted, double least, double most) {
     return given.value_or(
         static_cast<std::uint32_t>(std::nearbyint(std::fmin(most, std::fmax(least, wanted)))));
@@ -141,9 +187,11 @@ Expected<SitePlan> generate(const Task& task, const RadialPattern& pattern, cons
     return too_many_sites(task, static_cast<double>(spokes) * rings);
 
   Random random(task.seed ^ kRadialStream);
+  // Without an impact: of a body the middle of the side that faces the viewer.
+  const bool body = around_point || (pattern.crushed > 0 && !is_plate(box));
+  const Vec3d center =
+      !impacts.empty() ? impacts[0] : box.center() + Vec3d{0, 0, body ? 0.5 * box.size().z : 0};
   if (around_point) {
-    // Without an impact: the middle of the side that faces the viewer.
-    const Vec3d center = impacts.empty() ? box.center() + Vec3d{0, 0, 0.5 * box.size().z} : impacts[0];
     Wheel wheel{center, {}, rings, reach(box, [&](const Vec3d& p) { return length(p - center); })};
     const std::vector<double> radius = radii(pattern, wheel, random);
     // A golden section of a turn further at each step.
@@ -158,13 +206,18 @@ Expected<SitePlan> generate(const Task& task, const RadialPattern& pattern, cons
       const Vec3d off = far * random_direction(random);
       wheel.spokes.push_back(normalized(Vec3d{across * d.x, z, across * d.y} + off));
     }
-    return plan_of(pattern, wheel, radius, false, random, task.execution);
+    return with_crumbs(task, wheel, crumbs, plan_of(pattern, wheel, radius, false, random, task.execution),
+                       nullptr);
   }
 
-  const Vec3d center = impacts.empty() ? box.center() : impacts[0];
-  const std::optional<Vec3d> axis =
+  const std::optional<Vec3d> given =
       map && pattern.axis ? map.of_part(0).matrix * *pattern.axis : pattern.axis;
-  const Across frame = across(axis.value_or(shortest_side(box)));
+  Vec3d axis = given.value_or(shortest_side(box));
+  // What is crushed splits along the way of what hit it.
+  if (const Vec3d inwards = box.center() - center;
+      !given && body && length(inwards) > kInwards * box.longest_side())
+    axis = inwards;
+  const Across frame = across(axis);
   Wheel wheel{center, {}, rings, reach(box, [&](const Vec3d& p) {
                 const double x = dot(p - center, frame.u), y = dot(p - center, frame.v);
                 return std::sqrt(x * x + y * y);
@@ -174,7 +227,8 @@ Expected<SitePlan> generate(const Task& task, const RadialPattern& pattern, cons
     const Vec2d d = unit_at((b + 0.6 * pattern.jitter * (random.uniform() - 0.5)) / spokes);
     wheel.spokes.push_back(d.x * frame.u + d.y * frame.v);
   }
-  return plan_of(pattern, wheel, radius, true, random, task.execution);
+  return with_crumbs(task, wheel, crumbs, plan_of(pattern, wheel, radius, true, random, task.execution),
+                     &axis);
 }
 
 }  // namespace fracture::sites_detail

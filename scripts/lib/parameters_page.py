@@ -30,12 +30,12 @@ SUBJECTS = [
     ("The mesh", "What the file means, and what is done to it before it breaks.",
      ["format", "unit", "up", "nodes", "materials", "repair", "weld_tolerance", "thickness", "shell", "shell_fraction", "shell_ball"]),
     ("How it breaks", "Where the cuts go. [Patterns](#patterns) and [materials](#materials) have pictures below.",
-     ["material", "pattern", "sites", "levels", "seed", "lloyd", "stretch", "grain", "grain_of", "stretch_matrix"]),
+     ["material", "pattern", "sites", "levels", "seed", "lloyd", "density_from", "stretch", "grain", "grain_of", "stretch_matrix"]),
     ("Ragged chunks", "Cells grown together: fragments that are not convex, with `uniform`, `impact` and `clustered`.",
      ["cells_per_fragment", "size_spread", "max_hulls"]),
     ("Of single patterns", "Each belongs to the patterns that list it [below](#patterns), and is refused with any other.",
-     ["points", "impacts", "radius", "exponent", "share", "clusters", "around", "axis", "spokes", "rings", "growth", "merge", "jitter", "cell",
-      "bond", "normals", "spacing", "tilt"]),
+     ["points", "impacts", "radius", "exponent", "share", "clusters", "around", "axis", "spokes", "rings", "growth", "merge", "crushed", "jitter",
+      "cell", "bond", "normals", "spacing", "tilt"]),
     ("Rough cuts", "Noise on the cut faces; both sides still match. `rough_amplitude=0` makes a material's cuts flat.",
      ["rough_amplitude", "rough_frequency", "rough_octaves"]),
     ("Sizes and budgets", "`report.size` of the answer says what was made, and how the volumes are distributed.",
@@ -58,12 +58,21 @@ SUBJECTS = [
 # import process does), divided by those of `pattern=uniform`. --measure prints them.
 COSTS = {
     "pattern=uniform": 1.0, "pattern=points": 1.0, "pattern=impact": 1.0, "pattern=radial": 1.2, "pattern=grid": 1.5,
-    "pattern=brick": 1.9, "pattern=slice": 1.8, "pattern=clustered": 1.0,
-    "material=glass": 1.2, "material=wood": 2.5, "material=concrete": 3.2, "material=stone": 3.5, "material=brick": 1.9,
-    "material=ceramic": 1.9, "material=metal": 2.6, "material=cast_iron": 2.6, "material=ice": 1.5, "material=plaster": 1.8,
+    "pattern=brick": 2.1, "pattern=slice": 1.8, "pattern=clustered": 1.0,
+    "material=glass": 1.2, "material=wood": 2.3, "material=concrete": 3.2, "material=stone": 3.5, "material=brick": 2.2,
+    "material=ceramic": 1.9, "material=metal": 2.6, "material=cast_iron": 2.6, "material=ice": 1.2, "material=plaster": 1.8,
     "material=terracotta": 1.9, "material=sandstone": 2.4, "material=crystal": 1.2,
     "lloyd=1": 1.1, "levels=5,20,50": 1.0, "rough_amplitude=0.05": 3.0, "dual=barycenter": 1.8, "physics=none": 0.9,
     "sites=500": 4.0, "sites=5000": 34.0, "cells_per_fragment=6": 2.0,
+}
+
+# What each material is for.
+USES = {
+    "glass": "panes, bottles, lamps", "wood": "planks, posts, crates, furniture", "concrete": "pillars, slabs, bunkers",
+    "stone": "statues, rocks, blocks", "brick": "walls, houses, chimneys", "ceramic": "plates, vases, tiles",
+    "metal": "sheets, doors, tanks, engines", "cast_iron": "machines, bells, grates", "ice": "icebergs, sheets on water, icicles",
+    "plaster": "mouldings, busts, plastered walls", "terracotta": "pots, roof tiles, amphoras",
+    "sandstone": "cliffs, temples, statues", "crystal": "gems, stalagmites of quartz",
 }
 
 
@@ -161,6 +170,9 @@ def page(limits, patterns):
             sys.exit(f"parameters_page: '{name}' stands under {listed.count(name)} subjects of SUBJECTS instead of one")
     for name in set(listed) - set(specs):
         sys.exit(f"parameters_page: there is no parameter '{name}' any more")
+    for entry in patterns["materials"]:
+        if entry["name"] not in USES:
+            sys.exit(f"parameters_page: USES lacks {entry['name']}")
     for kind, key in (("patterns", "pattern"), ("materials", "material")):
         for entry in patterns[kind]:
             if f"{key}={entry['name']}" not in COSTS:
@@ -180,7 +192,7 @@ def page(limits, patterns):
     yield ""
     yield from table(specs[name] for name in FIRST)
     yield "A material sets the pattern, the cuts and the physics at once; everything else may stay at its default. `impacts` goes with"
-    yield "the patterns `impact` and `radial`, and so with glass, ceramic and ice."
+    yield "the patterns `impact`, `radial` and `brick`, and so with glass, ceramic, terracotta, ice and brick."
     yield ""
     yield "## What it costs"
     yield ""
@@ -191,7 +203,7 @@ def page(limits, patterns):
         f"Ragged chunks (`cells_per_fragment=6`) with flat cuts cost {times('cells_per_fragment=6')}. "
         f"One pass of `lloyd`: {times('lloyd=1')}, `levels`: {times('levels=5,20,50')}, `dual=barycenter`: {times('dual=barycenter')}, "
         f"without hulls (`physics=none`): {times('physics=none')}. A hit that asks for `delta` is cheaper than the whole answer: only "
-        "the cells near it are cut again.", 128)
+        "the cells near it are cut again. On a wall, whose pieces are of six bricks each, brick costs 4.", 128)
     yield ""
     for title, words, names in SUBJECTS:
         yield f"## {title}"
@@ -215,12 +227,12 @@ def page(limits, patterns):
     yield ""
     yield "## Materials"
     yield ""
-    yield "| | `material` | how it breaks | what it sets | cost |"
-    yield "|---|---|---|---|---|"
+    yield "| | `material` | how it breaks | for | what it sets | cost |"
+    yield "|---|---|---|---|---|---|"
     for entry in patterns["materials"]:
         name = entry["name"]
         sets = ", ".join(f"`{key}` {shown(value)}" for key, value in entry["parameters"].items())
-        yield (f"| ![{name}](pictures/material_{name}.png) | `{name}` | {cell(entry['description'])} | {cell(sets)} | "
+        yield (f"| ![{name}](pictures/material_{name}.png) | `{name}` | {cell(entry['description'])} | {USES[name]} | {cell(sets)} | "
                f"{times('material=' + name)} |")
     yield ""
     yield "Where the figures come from:"

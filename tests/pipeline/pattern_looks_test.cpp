@@ -144,6 +144,26 @@ TEST(BrickLooks, NoCutIsFartherThanTheJitterFromAMortarPlane) {
   }
 }
 
+TEST(BrickLooks, CutsOfAWallThatStandsAskewAreAlongItsAxes) {
+  constexpr double kYaw = 0.5;
+  const double c = std::cos(kYaw), s = std::sin(kYaw);
+  Mesh wall = box({0, 0, 0}, {2.4, 1.5, 0.24}, 3);
+  for (Vec3f& p : wall.positions)
+    p = {static_cast<float>(c * p.x + s * p.z), p.y, static_cast<float>(c * p.z - s * p.x)};
+  FractureParameters p = material("brick", 60);
+  std::get<BrickPattern>(p.pattern).jitter = 0;
+  const FragmentSet set = fractured(wall, p).set;
+  EXPECT_EQ(set.fragments.size(), 60u);
+  double all = 0, along = 0;
+  for_each_cut(set, [&](const Vec3d& a, const Vec3d& b, const Vec3d& d) {
+    const Vec3d n = cross(b - a, d - a);
+    all += length(n);
+    for (const Vec3d& axis : {Vec3d{c, 0, -s}, Vec3d{0, 1, 0}, Vec3d{s, 0, c}})
+      if (std::fabs(dot(n, axis)) > 0.9999 * length(n)) along += length(n);
+  });
+  EXPECT_GT(along, 0.999 * all);
+}
+
 TEST(ConcreteLooks, TheLargestTenthOfTheFragmentsHoldsHalfOfTheVolume) {
   for (const std::uint64_t seed : {1u, 2u, 3u})
     for (const Mesh& mesh : {cube(4), sphere_with(2000), box({0, 0, 0}, {0.4, 3, 0.4}, 4)})

@@ -62,6 +62,8 @@ inline std::vector<NamedParameters> pattern_requests(const Box& box, std::uint32
   add("radial_in_all_directions", RadialPattern{.around = RadialPattern::Around::kPoint});
   add("radial_around_a_corner",
       RadialPattern{.around = RadialPattern::Around::kShape, .impacts = {corner}, .merge = 0});
+  add("radial_crushed",
+      RadialPattern{.around = RadialPattern::Around::kShape, .impacts = {corner}, .crushed = 0.4});
   add("radial_oblique", RadialPattern{.impacts = {corner}, .axis = Vec3d{1, 1, 1}, .spokes = 17, .rings = 5});
   add("grid", GridPattern{});
   add("grid_jitter", GridPattern{.jitter = 0.7});
@@ -71,6 +73,7 @@ inline std::vector<NamedParameters> pattern_requests(const Box& box, std::uint32
                                   .bond = BrickPattern::Bond::kThird,
                                   .jitter = 0.4});
   add("brick_stack", BrickPattern{.bond = BrickPattern::Bond::kStack});
+  add("brick_hit", BrickPattern{.impacts = {corner}});
   add("slice", SlicePattern{});
   add("slice_tilted", SlicePattern{.normals = {{1, 0.5, 0.2}}, .jitter = 0.6, .tilt = 20});
   add("slice_two", SlicePattern{.normals = {{1, 0.3, 0}, {0, 1, 0.2}}});

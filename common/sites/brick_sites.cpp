@@ -1,0 +1,327 @@
+// Masonry. On what is a wall (masonry.hpp) bricks lie in courses along its axes; on what is none they are rubble, stones
+// of the same volume that lie flat. A solid of more bricks than pieces breaks into lumps of them, whose edges are
+// toothed as the courses are: that is how walls come down. The bricks nearest to a hit are crushed, those around them
+// broken in halves, the next ones single, and lumps are the larger the farther away they are.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numeric>
+#include <queue>
+#include <string>
+
+#include "common/base/pacer.hpp"
+#include "common/bvh/box_tree.hpp"
+#include "common/sites/arithmetic.hpp"
+#include "common/sites/courses.hpp"
+#include "common/sites/masonry.hpp"
+
+namespace fracture::sites_detail {
+namespace {
+
+constexpr std::uint64_t kBrickStream = 0x6a1d'0000'0000'0001ull;
+
+/// A brick, m: length, height and depth of the normal format (DIN 105), 240 x 71 x 115 mm.
+constexpr Vec3d kReal{0.24, 0.071, 0.115};
+/// So many bricks in a piece, at most, on the whole: beyond, bricks are larger than real ones. More cost more.
+constexpr double kMostInPiece = 6;
+/// Of the pieces of what was hit: as many are crushed bricks, in quarters; bricks in halves; and single ones.
+constexpr double kCrushed = 0.05, kHalved = 0.1, kSingle = 0.2;
+constexpr std::uint32_t kCrumbs = 4;
+
+constexpr int kMostScales = 4;  // tried
+constexpr double kMostCells = 4e6;
+
+double most_in_piece(double count) {
+  return std::fmax(1, std::fmin(kMostInPiece, kMaxPatternSites / (2.5 * count)));
+}
+
+/// How many times as large as real ones bricks are, of which `volume` (m³) has about count to count * most_in_piece().
+double scale_for(double volume, double count) {
+  const double real = volume / (kReal.x * kReal.y * kReal.z);
+  const double bricks = std::fmax(count, std::fmin(real, count * most_in_piece(count)));
+  return real > 0 ? power(std::fmin(1, real / bricks), 1.0 / 3) / power(std::fmin(1, bricks / real), 1.0 / 3)
+                  : 1;
+}
+
+/// The parts of the solid that are laid, or lie, together.
+struct Place {
+  Box box;  ///< in the image
+  bool is_wall;
+  double volume = 0;  ///< m³
+  std::vector<bool> of_parts;
+};
+
+std::vector<Place> places_of(const Task& task, const BrickPattern& pattern) {
+  const Solid& solid = task.solid;
+  const Anisotropy& anisotropy = task.anisotropy;
+  if (anisotropy.matrix || anisotropy.stretch != 1)
+    return {{solid.box, true, solid.report.volume, std::vector<bool>(solid.parts.size(), true)}};
+  const Masonry masonry =
+      masonry_of(task.seen.original(), !pattern.cell, CellMap::kMostFrames, task.execution);
+  std::vector<Place> places;
+  const bool several = masonry.frames.size() > 1;
+  for (std::size_t k = 0; k < masonry.frames.size(); ++k)
+    places.push_back({several ? task.seen.map().place_of(k) : solid.box, masonry.frames[k].is_wall, 0,
+                      std::vector<bool>(solid.parts.size(), false)});
+  Pacer pacer(task.execution);
+  for (std::size_t p = 0; p < solid.parts.size(); ++p) {
+    pacer.step();
+    Place& place = places[masonry.of_part[p]];
+    place.of_parts[p] = true;
+    place.volume += solid.parts[p].volume;
+  }
+  return places;
+}
+
+/// Stones of rubble, uniform in their parts.
+void add_rubble(const Task& task, ColumnSampler& sampler, const std::vector<Place>& places,
+                double brick_volume, const Vec3d& brick, Bricks& bricks) {
+  double volume = 0, all = 0;
+  for (const Place& place : places) {
+    all += place.volume;
+    if (!place.is_wall) volume += place.volume;
+  }
+  if (!(volume > 0)) return;
+  const double wanted = std::ceil(volume / brick_volume) * all / volume;
+  const auto points =
+      sampler.sample(static_cast<std::uint32_t>(std::fmin(std::fmax(1, wanted), kMaxPatternSites)));
+  const double h =
+      0.7 * brick.z;  // some more than half of the cube root of the volume: as far as neighbours may be
+  const Vec3d half{h, h, h};
+  Pacer pacer(task.execution);
+  for (const Vec3d& p : points) {
+    pacer.step(2);
+    if (places.size() > 1 && places[task.seen.map().index_at(p)].is_wall) continue;
+    bricks.bricks.push_back({p, half, static_cast<std::uint32_t>(bricks.cells.size())});
+    bricks.cells.push_back(p);
+  }
+}
+
+/// Distances of the bricks to the nearest hit, m.
+std::vector<double> distances_to(const std::vector<Vec3d>& impacts, const Task& task, const Bricks& bricks) {
+  const CellMap& map = task.seen.map();
+  Pacer pacer(task.execution);
+  std::vector<double> distances;
+  for (const Bricks::Brick& brick : bricks.bricks) {
+    pacer.step(impacts.size());
+    const Vec3d place = map ? map.at(brick.middle).place(brick.middle) : brick.middle;
+    double least = HUGE_VAL;
+    for (const Vec3d& impact : impacts) least = std::fmin(least, length(place - impact));
+    distances.push_back(least);
+  }
+  return distances;
+}
+
+/// Where lumps grow: `count` of the bricks order[first, …), at random, or the fewer the farther from a hit.
+std::vector<std::uint32_t> seeds_among(const std::vector<std::uint32_t>& order, std::size_t first,
+                                       std::size_t count, const std::vector<double>& distance, Random& random,
+                                       Pacer& pacer) {
+  std::vector<std::uint32_t> rest;
+  for (std::size_t k = first; k < order.size(); ++k) {
+    pacer.step();
+    rest.push_back(order[k]);
+  }
+  const double nearest = distance.empty() ? 1 : distance[rest.front()];
+  std::vector<std::uint32_t> seeds;
+  for (std::size_t patience = 64 * count; seeds.size() < count; patience -= patience > 0) {
+    pacer.step(2);
+    const auto k = static_cast<std::size_t>(random.below(rest.size()));
+    const double keep = random.uniform();
+    if (!distance.empty() && patience > 0 && keep * distance[rest[k]] > nearest) continue;
+    seeds.push_back(rest[k]);
+    rest[k] = rest.back();
+    rest.pop_back();
+  }
+  return seeds;
+}
+
+/// Whether two bricks share more than an edge, or two stones are so near that they may.
+bool touch(const Bricks::Brick& a, const Bricks::Brick& b) {
+  constexpr double kShared = 0.01;  // of a side
+  int apart = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double overlap = a.half[k] + b.half[k] - std::fabs(a.middle[k] - b.middle[k]);
+    apart += overlap < kShared * a.half[k];
+  }
+  return apart <= 1;
+}
+
+/// The lump of each of the bricks order[first, …): they grow from the seeds in the order of distance from them, from
+/// brick to touching brick, so that each is one piece. n log n.
+std::vector<std::uint32_t> lumps_from(const std::vector<std::uint32_t>& seeds, const Bricks& bricks,
+                                      const std::vector<std::uint32_t>& order, std::size_t first,
+                                      const Execution& execution) {
+  Pacer pacer(execution);
+  std::vector<Box> boxes;
+  for (const Bricks::Brick& brick : bricks.bricks) {
+    pacer.step();
+    const Vec3d half = 1.05 * brick.half;
+    boxes.push_back({brick.middle - half, brick.middle + half});
+  }
+  const BoxTree tree(boxes, execution);
+  std::vector<bool> free(bricks.bricks.size(), false);
+  for (std::size_t k = first; k < order.size(); ++k) free[order[k]] = true;
+  struct Step {
+    double square;  ///< of the distance to the seed
+    std::uint32_t lump, brick;
+    auto operator<=>(const Step&) const = default;
+  };
+  std::priority_queue<Step, std::vector<Step>, std::greater<>> next;
+  const auto square_to = [&](std::uint32_t lump, std::uint32_t brick) {
+    const Vec3d to = bricks.bricks[seeds[lump]].middle - bricks.bricks[brick].middle;
+    return dot(to, to);
+  };
+  std::vector<std::uint32_t> lump_of(bricks.bricks.size(), 0);
+  const auto grow = [&] {
+    while (!next.empty()) {
+      pacer.step(32);
+      const Step step = next.top();
+      next.pop();
+      if (!free[step.brick]) continue;
+      free[step.brick] = false;
+      lump_of[step.brick] = step.lump;
+      tree.each_overlapping(boxes[step.brick], [&](std::uint32_t other) {
+        pacer.step();
+        if (free[other] && touch(bricks.bricks[step.brick], bricks.bricks[other]))
+          next.push({square_to(step.lump, other), step.lump, other});
+      });
+    }
+  };
+  for (std::uint32_t s = 0; s < seeds.size(); ++s) next.push({0, s, seeds[s]});
+  grow();
+  // Those that touch no lump (other parts of the solid, or beyond what is crushed) go to the nearest.
+  for (std::size_t k = first; k < order.size(); ++k) {
+    pacer.step();
+    if (!free[order[k]]) continue;
+    Step nearest{HUGE_VAL, 0, order[k]};
+    for (std::uint32_t s = 0; s < seeds.size(); ++s) {
+      pacer.step();
+      nearest = std::min(nearest, Step{square_to(s, order[k]), s, order[k]});
+    }
+    next.push(nearest);
+    grow();
+  }
+  return lump_of;
+}
+
+/// Makes pieces of the bricks: sites, and the group of each.
+SitePlan break_up(const Task& task, const BrickPattern& pattern, Bricks bricks, Random& random) {
+  Pacer pacer(task.execution);
+  SitePlan plan;
+  const std::size_t count = bricks.bricks.size();
+  std::vector<std::uint32_t> order(count);
+  std::iota(order.begin(), order.end(), 0u);
+  std::vector<double> distance;
+  std::size_t crushed = 0, halved = 0, single = 0;
+  if (!pattern.impacts.empty()) {
+    distance = distances_to(pattern.impacts, task, bricks);
+    std::vector<double> ragged;  // so that what is crushed has no even edge
+    for (const double d : distance) ragged.push_back(d * (0.75 + 0.5 * random.uniform()));
+    sort_with_polls(task.execution, order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return ragged[a] != ragged[b] ? ragged[a] < ragged[b] : a < b;
+    });
+    const auto share = [&](double of) {
+      return std::min(count, static_cast<std::size_t>(std::nearbyint(of * task.count)));
+    };
+    crushed = share(kCrushed);
+    halved = std::min(count, crushed + share(kHalved));
+    single = std::min(count, halved + share(kSingle));
+  }
+  std::uint32_t next = 0;
+  const auto add = [&](const Vec3d& site, std::uint32_t group) {
+    plan.points.push_back(site);
+    plan.groups.push_back(group);
+  };
+  for (std::size_t k = 0; k < single; ++k) {
+    pacer.step(4);
+    const Bricks::Brick& brick = bricks.bricks[order[k]];
+    if (k < crushed) {
+      for (std::uint32_t crumb = 0; crumb < kCrumbs; ++crumb) {
+        Vec3d at = brick.middle;
+        for (int a = 0; a < 3; ++a) at[a] += (2 * random.uniform() - 1) * brick.half[a];
+        add(at, next++);
+      }
+      continue;
+    }
+    for (std::uint32_t c = brick.first; c < bricks.end_of(order[k]); ++c) {
+      if (k < halved && c == brick.first + 1) ++next;
+      add(bricks.cells[c], next);
+    }
+    ++next;
+  }
+  // What is left is lumps, as many as pieces are left, or bricks.
+  const std::size_t pieces = task.count > next ? task.count - next : 1;
+  const bool lumps = !pattern.cell && count - single > pieces;
+  std::vector<std::uint32_t> seeds;
+  if (lumps) seeds = seeds_among(order, single, pieces, distance, random, pacer);
+  std::vector<std::uint32_t> lump_of;
+  if (lumps) lump_of = lumps_from(seeds, bricks, order, single, task.execution);
+  for (std::size_t k = single; k < count; ++k) {
+    pacer.step(4);
+    const std::uint32_t group = next + (lumps ? lump_of[order[k]] : static_cast<std::uint32_t>(k - single));
+    for (std::uint32_t c = bricks.bricks[order[k]].first; c < bricks.end_of(order[k]); ++c)
+      add(bricks.cells[c], group);
+  }
+  return plan;
+}
+
+void add_notes(const std::vector<Place>& places, double scale, SitePlan& plan) {
+  std::size_t none = 0, parts = 0;
+  for (const Place& place : places) {
+    const auto n = static_cast<std::size_t>(std::count(place.of_parts.begin(), place.of_parts.end(), true));
+    parts += n;
+    if (!place.is_wall) none += n;
+  }
+  if (none > 0)
+    plan.notes.push_back(
+        std::to_string(none) + " of " + std::to_string(parts) +
+        " parts are no walls (less than 60 % of their surface is across three axes): they become "
+        "masonry rubble instead of courses of bricks");
+  if (std::fabs(scale - 1) > 0.05)
+    plan.notes.push_back(
+        "bricks have " + std::to_string(static_cast<int>(std::nearbyint(100 * scale))) +
+        " % of the size of real ones, so that there are enough of them for the asked number of pieces, "
+        "and at most six times as many");
+}
+
+}  // namespace
+
+double expected_sites(const BrickPattern& pattern, double count, const Vec3d& sides) {
+  const Vec3d brick = pattern.cell ? *pattern.cell : scale_for(sides.x * sides.y * sides.z, count) * kReal;
+  return cells_of_brick(pattern.bond) * boxes_in(sides, brick);
+}
+
+Expected<SitePlan> generate(const Task& task, const BrickPattern& pattern, const ImageMap&) {
+  const std::vector<Place> places = places_of(task, pattern);
+  ColumnSampler sampler(task.solid, task.seed, task.execution);
+  double scale = scale_for(task.solid.report.volume, task.count);
+  Bricks bricks;
+  Random random(task.seed ^ kBrickStream);
+  for (int tried = 1;; ++tried) {
+    bricks = {};
+    random = Random(task.seed ^ kBrickStream);
+    const Vec3d brick = pattern.cell ? *pattern.cell : scale * kReal;
+    double cells = 0;
+    for (const Place& place : places) {
+      if (!place.is_wall) continue;
+      const Courses courses(place.box, brick, pattern.bond, pattern.cell.has_value());
+      cells += courses.cells();
+      if (cells > (pattern.cell ? task.most_sites : kMostCells)) return too_many_sites(task, cells);
+      courses.lay(task, sampler, place.of_parts, pattern.jitter, random, bricks);
+    }
+    add_rubble(task, sampler, places, brick.x * brick.y * brick.z, brick, bricks);
+    // What is hollow or crooked meets more bricks than its volume says, and whole numbers of them may be too few.
+    const auto count = static_cast<double>(bricks.bricks.size()), least = static_cast<double>(task.count),
+               most = 1.25 * least * most_in_piece(least);
+    if (pattern.cell || tried == kMostScales || (count >= least && count <= most)) break;
+    scale *= count < least ? std::fmin(0.95, power(count / least, 1.0 / 3))
+                           : std::fmax(1.05, 1 / power(most / count, 1.0 / 3));
+  }
+  if (bricks.cells.size() > task.most_sites)
+    return too_many_sites(task, static_cast<double>(bricks.cells.size()));
+  SitePlan plan = break_up(task, pattern, std::move(bricks), random);
+  add_notes(places, pattern.cell ? 1 : scale, plan);
+  return plan;
+}
+
+}  // namespace fracture::sites_detail
