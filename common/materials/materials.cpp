@@ -101,7 +101,7 @@ std::vector<MaterialPreset> make_presets() {
        UniformPattern{},
        0,
        4,
-       {0.03, 10, 2},
+       {0.03, 8, 1},
        {7850, 0.57, 0.2, 360e6},
        {"#b4b7bb", 0.3, 1.2, 0.3, 1},
        "EN 1991-1-1 (steel 78.5 kN/m3); S235: tensile strength 360 MPa (EN 10025-2); kinetic friction "
@@ -112,7 +112,7 @@ std::vector<MaterialPreset> make_presets() {
                      UniformPattern{},
                      1,
                      1.5,
-                     {0.02, 8, 2},
+                     {0.02, 8, 1},
                      {7200, 0.5, 0.15, 200e6},
                      {"#83868a", 0.2, 0.9, 0.6, 1},
                      "EN 1561 (EN-GJL-200: tensile strength 200 MPa; 7200 kg/m3)"});
@@ -164,7 +164,7 @@ std::vector<MaterialPreset> make_presets() {
                      UniformPattern{},
                      1,
                      0.5,
-                     {0.05, 8, 3},
+                     {0.05, 6, 2},
                      {2300, 0.65, 0.1, 4e6},
                      {"#c8a878", 0.5, 0.9, 0.95, 0},
                      "EN 1991-1-1 (sandstone 21 to 27 kN/m3); Brazilian tensile strength 2 to 6 MPa",

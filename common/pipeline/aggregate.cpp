@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
-#include <set>
-#include <span>
 #include <utility>
 
 #include "common/base/pacer.hpp"
 #include "common/base/random.hpp"
 #include "common/pipeline/cell_shares.hpp"
+#include "common/pipeline/cell_touches.hpp"
 #include "common/pipeline/fragment_sizes.hpp"
 #include "common/sites/arithmetic.hpp"
 
@@ -30,103 +28,6 @@ constexpr double kMixing = 0.12;
 /// By how much a free cell that others surround is nearer than it is.
 constexpr double kNotch = 0.6;
 
-struct Touch {
-  SiteId cell;
-  double area;  // m², within the solid
-};
-
-/// Who shares caps with whom.
-class Touches {
- public:
-  Touches(const RestrictedDiagram& d, Pacer& pacer) {
-    struct Pair {
-      SiteId lo, hi;
-      double area;
-    };
-    std::vector<Pair> pairs;
-    for (const CapRegion& r : d.caps.regions) {  // by (lo, hi, part)
-      pacer.step(2 + 2 * r.triangle_count);
-      double area = 0;
-      for (std::uint32_t k = r.first_triangle; k < r.first_triangle + r.triangle_count; ++k) {
-        const auto& v = d.caps.triangles[k];
-        area += 0.5 * length(cross(d.point(v[1]) - d.point(v[0]), d.point(v[2]) - d.point(v[0])));
-      }
-      if (!pairs.empty() && pairs.back().lo == r.lo && pairs.back().hi == r.hi)
-        pairs.back().area += area;
-      else
-        pairs.push_back({r.lo, r.hi, area});
-    }
-    std::erase_if(pairs, [](const Pair& p) { return !(p.area > 0); });
-    begin_.assign(d.diagram.dual().site_count() + 2, 0);
-    for (const Pair& p : pairs) {
-      ++begin_[p.lo + 2];
-      ++begin_[p.hi + 2];
-    }
-    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
-    all_.resize(2 * pairs.size());
-    for (const Pair& p : pairs) {
-      pacer.step(2);
-      all_[begin_[p.lo + 1]++] = {p.hi, p.area};
-      all_[begin_[p.hi + 1]++] = {p.lo, p.area};
-    }
-  }
-  std::span<const Touch> of(SiteId s) const { return {all_.data() + begin_[s], all_.data() + begin_[s + 1]}; }
-
- private:
-  std::vector<std::uint32_t> begin_;
-  std::vector<Touch> all_;
-};
-
-/// The sizes that no fragment has yet.
-class Sizes {
- public:
-  /// `least`: m³, below which none is to be.
-  Sizes(std::uint32_t count, double spread, double volume, double least, Pacer& pacer)
-      : sizes_(fragment_sizes(count, spread, pacer)), volume_(volume) {
-    for (std::uint32_t k = 0; k < count; ++k) {
-      sizes_[k] = std::max(sizes_[k], least / volume);
-      sum_ += sizes_[k];
-      left_.insert(left_.end(), k);
-    }
-  }
-
-  std::uint32_t left() const { return static_cast<std::uint32_t>(left_.size()); }
-  std::uint32_t count() const { return static_cast<std::uint32_t>(sizes_.size()); }
-  double part(std::uint32_t rank) const { return sizes_[rank]; }
-  /// m³, so that what is left of them fills what is left of the solid.
-  double volume(std::uint32_t rank) const { return sizes_[rank] * scale(); }
-
-  std::uint32_t smallest() const { return *left_.begin(); }
-  std::uint32_t nearest_rank(std::uint32_t rank) const {
-    const auto above = left_.lower_bound(rank);
-    if (above == left_.begin()) return *above;
-    const std::uint32_t below = *std::prev(above);
-    return above == left_.end() || rank - below < *above - rank ? below : *above;
-  }
-  std::uint32_t nearest_size(double volume) const {
-    const auto at = std::lower_bound(sizes_.begin(), sizes_.end(), volume / scale());
-    const auto above = left_.lower_bound(static_cast<std::uint32_t>(at - sizes_.begin()));
-    if (above == left_.begin()) return *above;
-    const std::uint32_t below = *std::prev(above);
-    return above == left_.end() || volume - this->volume(below) < this->volume(*above) - volume ? below
-                                                                                                : *above;
-  }
-  void use(std::uint32_t rank, double volume) {
-    left_.erase(rank);
-    sum_ -= sizes_[rank];
-    volume_ -= volume;
-  }
-  /// Has gone elsewhere than to one of the sizes.
-  void lose(double volume) { volume_ -= volume; }
-
- private:
-  double scale() const { return sum_ > 0 && volume_ > 0 ? volume_ / sum_ : 0; }
-
-  std::vector<double> sizes_;  // ascending
-  std::set<std::uint32_t> left_;
-  double volume_, sum_ = 0;  // of what is left
-};
-
 class Aggregator {
  public:
   Aggregator(const RestrictedDiagram& d, const FractureParameters& p, const Execution& execution)
@@ -144,7 +45,7 @@ class Aggregator {
       pacer_.step(2);
       volume_.push_back(std::max(0.0, shares.volume(s)));
       double around = 0;
-      for (const Touch& t : touches_.of(s)) around += t.area;
+      for (const CellTouch& t : touches_.of(s)) around += t.area;
       around_.push_back(around);
       all_ += volume_[s];
       free_ += volume_[s] > 0;
@@ -155,7 +56,7 @@ class Aggregator {
   std::vector<std::uint32_t> run() {
     if (free_ == 0) return {};
     const std::uint32_t count = std::min(std::max(1u, p_.sites), free_);
-    Sizes sizes(count, p_.aggregation.spread, all_, kAboveLeast * p_.size.least(all_, count), pacer_);
+    SizesLeft sizes(count, p_.aggregation.spread, all_, kAboveLeast * p_.size.least(all_, count), pacer_);
     const std::vector<std::uint32_t> wish = ranks_by_place(sizes);
     give_small_ones(sizes);
     for (const SiteId s : ids<SiteId>(group_.size())) {
@@ -177,7 +78,7 @@ class Aggregator {
   void take(SiteId s, std::uint32_t group) {
     group_[s] = group;
     free_ -= volume_[s] > 0;
-    for (const Touch& t : touches_.of(s)) taken_[t.cell] += t.area;
+    for (const CellTouch& t : touches_.of(s)) taken_[t.cell] += t.area;
   }
 
   /// Per site the direction away from the impact nearest to it, in the image; none without impacts.
@@ -204,7 +105,7 @@ class Aggregator {
 
   /// Per site which of the sizes a fragment that begins there wishes for. Where cells are of one kind: any. Where the
   /// pattern crowds some of them: as large a one as cells are there, beside the others.
-  std::vector<std::uint32_t> ranks_by_place(const Sizes& sizes) {
+  std::vector<std::uint32_t> ranks_by_place(const SizesLeft& sizes) {
     const std::uint32_t count = sizes.count();
     std::vector<std::uint32_t> wish(group_.size());
     for (std::uint32_t& rank : wish) rank = static_cast<std::uint32_t>(random_.below(count));
@@ -219,7 +120,7 @@ class Aggregator {
     std::vector<Place> places;
     for (const SiteId s : ids<SiteId>(group_.size())) {
       double sum = volume_[s];
-      for (const Touch& t : touches_.of(s)) sum += volume_[t.cell];
+      for (const CellTouch& t : touches_.of(s)) sum += volume_[t.cell];
       pacer_.step(touches_.of(s).size());
       places.push_back({sum / static_cast<double>(1 + touches_.of(s).size()), s});
     }
@@ -241,7 +142,7 @@ class Aggregator {
   }
 
   /// What is to be no larger than a cell is one: the cell of about that volume.
-  void give_small_ones(Sizes& sizes) {
+  void give_small_ones(SizesLeft& sizes) {
     std::vector<SiteId> by_volume;
     for (const SiteId s : ids<SiteId>(group_.size()))
       if (volume_[s] > 0) by_volume.push_back(s);
@@ -262,7 +163,7 @@ class Aggregator {
     }
   }
 
-  void begin(SiteId s, const std::vector<std::uint32_t>& wish, Sizes& sizes) {
+  void begin(SiteId s, const std::vector<std::uint32_t>& wish, SizesLeft& sizes) {
     const std::uint32_t group = groups_;
     const std::uint32_t rank = sizes.left() > 0 ? sizes.nearest_rank(wish[s]) : kNoIndex;
     const bool all_done = rank == kNoIndex && !(p_.max_volume > 0);  // and yet something is left
@@ -290,7 +191,7 @@ class Aggregator {
 
   bool touches_others(std::uint32_t group) const {
     for (const SiteId c : members_)
-      for (const Touch& t : touches_.of(c))
+      for (const CellTouch& t : touches_.of(c))
         if (group_[t.cell] < groups_ && group_[t.cell] != group) return true;
     return false;
   }
@@ -307,7 +208,7 @@ class Aggregator {
       members_.push_back(s);
       volume += volume_[s];
       moment = moment + volume_[s] * site(s);
-      for (const Touch& t : touches_.of(s)) {
+      for (const CellTouch& t : touches_.of(s)) {
         pacer_.step();
         if (!is_free(t.cell) || seen_[t.cell] == seed) continue;
         seen_[t.cell] = seed;
@@ -357,7 +258,7 @@ class Aggregator {
     for (std::vector<SiteId> later; !scraps_.empty(); scraps_.swap(later), later.clear()) {
       for (const SiteId s : scraps_) {
         shared_.clear();
-        for (const Touch& t : touches_.of(s)) {
+        for (const CellTouch& t : touches_.of(s)) {
           pacer_.step(4);
           const std::uint32_t g = group_[t.cell];
           if (g >= groups_) continue;
@@ -397,7 +298,7 @@ class Aggregator {
   const Execution& execution_;
   Pacer pacer_;
   Random random_;
-  Touches touches_;
+  CellTouches touches_;
   // Per site.
   std::vector<std::uint32_t> group_;
   std::vector<double> volume_, around_;  // m³; m² of all its caps

@@ -15,8 +15,8 @@ constexpr double kMostOfDistance = 0.6;
 
 /// The most by which it is longer along a grain than across.
 constexpr double kMostAlong = 4;
-/// Cells that are less than this many times as long as wide are no fibres. Strips of metal (4) with their fine waves took
-/// four to six times as long to make when they were.
+/// Cells that are less than this many times as long as wide are no fibres: strips of metal, with their
+/// fine waves, would take a third longer to make.
 constexpr double kLeastStretch = 6;
 
 /// At least the largest factor by which the map lengthens a vector: sqrt(largest row sum · largest column

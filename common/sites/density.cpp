@@ -5,6 +5,7 @@
 
 #include "common/base/pacer.hpp"
 #include "common/bvh/surface_tree.hpp"
+#include "common/mesh/material_library.hpp"
 #include "common/sites/generators.hpp"
 
 namespace fracture::sites_detail {

@@ -64,6 +64,7 @@ COSTS = {
     "material=terracotta": 1.9, "material=sandstone": 2.4, "material=crystal": 1.2,
     "lloyd=1": 1.1, "levels=5,20,50": 1.0, "rough_amplitude=0.05": 3.0, "dual=barycenter": 1.8, "physics=none": 0.9,
     "sites=500": 4.0, "sites=5000": 34.0, "cells_per_fragment=6": 2.0,
+    "shell_fraction=0.05": 20.0,
 }
 
 # What each material is for.
@@ -201,6 +202,8 @@ def page(limits, patterns):
         f"triangles. The number of pieces decides most: 500 sites cost {times('sites=500')}, 5,000 cost "
         f"{times('sites=5000')}. Rough cuts (`rough_amplitude=0.05`) cost {times('rough_amplitude=0.05')}; their finest octave decides. "
         f"Ragged chunks (`cells_per_fragment=6`) with flat cuts cost {times('cells_per_fragment=6')}. "
+        f"Walls (`shell`) are made once, when the mesh is prepared, which costs {times('shell_fraction=0.05')} then; the materials that make "
+        "walls are counted below without. "
         f"One pass of `lloyd`: {times('lloyd=1')}, `levels`: {times('levels=5,20,50')}, `dual=barycenter`: {times('dual=barycenter')}, "
         f"without hulls (`physics=none`): {times('physics=none')}. A hit that asks for `delta` is cheaper than the whole answer: only "
         "the cells near it are cut again. On a wall, whose pieces are of six bricks each, brick costs 4.", 128)
@@ -249,6 +252,7 @@ def measure(program):
         if name == "pattern=points":
             continue  # as uniform: it is the caller's sites
         flags = [f"--{key.replace('_', '-')}", value] + ([] if key in ("sites", "levels") else ["--sites", "50"])
+        flags += ["--shell", "0"] if key == "material" else []
         with tempfile.TemporaryDirectory() as folder:
             done = subprocess.run(["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null", program, "bake", MONKEY, "-o",
                                    f"{folder}/out.glb", "--threads", "1", "-q", *flags], capture_output=True, text=True, check=True)

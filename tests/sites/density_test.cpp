@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "common/mesh/material_library.hpp"
 #include "common/sites/density.hpp"
 #include "common/sites/pattern.hpp"
 #include "tests/support/shapes.hpp"
