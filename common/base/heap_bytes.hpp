@@ -9,7 +9,7 @@ namespace fracture {
 
 template <class T>
 std::size_t heap(const std::vector<T>& v) {
-  return v.capacity() * sizeof(T);
+  return v.capacity() * sizeof(T);  // NOLINT(bugprone-sizeof-expression): of pointers, too, their own size
 }
 template <class T>
 std::size_t nested_heap(const std::vector<std::vector<T>>& v) {

@@ -10,7 +10,8 @@ double certain_volume(double volume, std::span<const Vec3d> points, const Box& b
                       std::span<const std::uint32_t> triangles, Pacer& pacer) {
   // Mostly the box tells: no edge is longer than its longest side. (A thousandth is far more than rounding.)
   const double side = 1.001 * box.longest_side();
-  if (!exact::cancels(volume, static_cast<double>(triangles.size() / 3) * side * side, side)) return volume;
+  const std::size_t count = triangles.size() / 3;
+  if (!exact::cancels(volume, static_cast<double>(count) * side * side, side)) return volume;
 
   const Vec3d origin = points[triangles[0]];
   double products = 0, reach = 0;
