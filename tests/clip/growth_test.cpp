@@ -2,9 +2,7 @@
 // their number measures the work on any machine. And how long a thread computes between two of them.
 #include <gtest/gtest.h>
 
-#include <ctime>
 #include <map>
-#include <mutex>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -14,45 +12,31 @@
 #include "common/clip/triangulate.hpp"
 #include "common/fragment/bonds.hpp"
 #include "tests/support/growth_families.hpp"
+#include "tests/support/poll_gaps.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/site_families.hpp"
 
 namespace fracture::test {
 namespace {
 
-double thread_ms() {
-  timespec t{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
-}
-
 /// Counts polls by stage, and the longest time between two. For one thread.
 class Watch {
  public:
-  Watch() {
-    execution_.watch = [this] { seen(); };
-  }
-  const Execution& execution() const { return execution_; }
+  const Execution& execution() const { return gaps_here_.execution(); }
+  /// Ends the stage before it.
   void begin(const std::string& stage) {
-    seen();
+    if (!stage_.empty()) {
+      gaps_[stage_] = gaps_here_.longest_ms();
+      polls_[stage_] = static_cast<double>(gaps_here_.polls());
+    }
     stage_ = stage;
-    last_ = thread_ms();
-    ++polls_[stage];  // so that it is there
+    gaps_here_.start();
   }
   std::map<std::string, double> polls_, gaps_;
 
  private:
-  void seen() {
-    const double now = thread_ms();
-    if (!stage_.empty()) {
-      gaps_[stage_] = std::max(gaps_[stage_], now - last_);
-      ++polls_[stage_];
-    }
-    last_ = now;
-  }
-  Execution execution_;
+  PollGaps gaps_here_;
   std::string stage_;
-  double last_ = 0;
 };
 
 /// From sites to fragments.
@@ -97,12 +81,7 @@ TEST_P(Growth, WorkIsNearLinearAndPolledInEveryStage) {
   run(family->make(large, 1), of_large);
   for (const auto& [stage, polls] : of_large.polls_)
     EXPECT_LE(polls, 6 * of_small.polls_[stage] + 50) << stage << " of " << large << " against " << small;
-#ifdef NDEBUG
-  constexpr double kMostBetweenPolls = 50;  // ms
-#else
-  constexpr double kMostBetweenPolls = 500;
-#endif
-  for (const auto& [stage, gap] : of_large.gaps_) EXPECT_LE(gap, kMostBetweenPolls) << stage;
+  for (const auto& [stage, gap] : of_large.gaps_) EXPECT_LE(gap, kMostPollGapMs) << stage;
 }
 
 INSTANTIATE_TEST_SUITE_P(Families, Growth,
@@ -171,6 +150,7 @@ TEST(GrowthOfCrossings, LoopsThatCrossEverywhereAreTriangulatedInNearLinearWork)
     watch.begin("loop");
     Triangulation t;
     triangulate(points, std::array<std::uint32_t, 2>{0, n}, t, watch.execution());
+    watch.begin("end");
     return watch.polls_["loop"];
   };
   for (int family = 0; family < 5; ++family) {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "common/base/random.hpp"
-#include "tests/solid/polls.hpp"
+#include "tests/support/poll_gaps.hpp"
 
 namespace fracture::solid_detail {
 namespace {
@@ -104,9 +104,9 @@ std::vector<Box> nested_and_small(int count) {
 
 std::uint64_t polls_of(const std::vector<Box>& boxes, std::uint32_t expected_layers) {
   std::vector<Part> parts = parts_of(boxes);
-  test::PollWatch watch;
-  EXPECT_EQ(assign_layers(parts, watch.execution), expected_layers);
-  return watch.polls;
+  test::PollGaps gaps;
+  EXPECT_EQ(assign_layers(parts, gaps.execution()), expected_layers);
+  return gaps.polls();
 }
 
 TEST(Layers, FourTimesTheBricksOfAWallAreAboutFourTimesTheWork) {

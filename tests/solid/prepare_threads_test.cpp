@@ -12,7 +12,7 @@
 #include "common/solid/shells.hpp"
 #include "common/solid/solid.hpp"
 #include "common/solid/weld.hpp"
-#include "tests/solid/polls.hpp"
+#include "tests/support/poll_gaps.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace fracture::solid_detail {
@@ -156,10 +156,10 @@ TEST(FirstOfSame, ZerosOfBothSignsAreOneAndANaNIsLikeItself) {
 TEST(FirstOfSame, AllAtOnePlaceAreNoMoreWorkThanOthers) {
   constexpr std::size_t kCount = 1'000'000;
   const auto polls = [](const std::vector<Vec3f>& positions) {
-    test::PollWatch watch;
-    first_of_same(positions, watch.execution);
-    EXPECT_LT(watch.largest_gap(), test::kLongestGap);
-    return watch.polls;
+    test::PollGaps gaps;
+    first_of_same(positions, gaps.execution());
+    EXPECT_LT(gaps.longest_ms(), test::kMostPollGapMs);
+    return gaps.polls();
   };
   std::vector<Vec3f> apart;
   for (std::size_t i = 0; i < kCount; ++i) apart.push_back({static_cast<float>(i), 0, 0});

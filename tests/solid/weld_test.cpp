@@ -7,13 +7,13 @@
 
 #include "common/base/random.hpp"
 #include "common/solid/near_points.hpp"
-#include "tests/solid/polls.hpp"
+#include "tests/support/poll_gaps.hpp"
 
 namespace fracture::solid_detail {
 namespace {
 
-using test::kLongestGap;
-using test::PollWatch;
+using test::kMostPollGapMs;
+using test::PollGaps;
 
 Triangle triangle(int a, int b, int c) { return {VertexId{a}, VertexId{b}, VertexId{c}}; }
 
@@ -52,12 +52,12 @@ TEST(WeldExact, PositionsThatCollideInAFixedHashAreNoMoreWorkThanOthers) {
   constexpr std::size_t kCount = 60'000;
   const Mesh mesh = triangles_of(colliding_positions(kCount));
   SolidReport report;
-  PollWatch watch;
-  const Expected<Surface> surface = weld_exact(mesh, report, watch.execution);
+  PollGaps gaps;
+  const Expected<Surface> surface = weld_exact(mesh, report, gaps.execution());
   ASSERT_TRUE(surface);
   EXPECT_EQ(surface->positions.size(), kCount);
-  EXPECT_LT(watch.polls, 100u) << "each poll stands for some thousand looks into the table";
-  EXPECT_LT(watch.largest_gap(), kLongestGap);
+  EXPECT_LT(gaps.polls(), 100u) << "each poll stands for some thousand looks into the table";
+  EXPECT_LT(gaps.longest_ms(), kMostPollGapMs);
 }
 
 TEST(WeldExact, NumbersVerticesInTheOrderOfTheirFirstUse) {
@@ -143,10 +143,10 @@ TEST(UniteNear, FourTimesThePointsWithinOneToleranceAreAboutFourTimesTheWork) {
       points[i] = {static_cast<float>(x), static_cast<float>(y), static_cast<float>(1e-3 * z + i % 2 * 4.01)};
     }
     DisjointSets sets(count);
-    PollWatch watch;
-    unite_near(points, members, 4, sets, watch.execution);
+    PollGaps gaps;
+    unite_near(points, members, 4, sets, gaps.execution());
     EXPECT_EQ(sets.set_count(), 2u);
-    return watch.polls;
+    return gaps.polls();
   };
   const std::uint64_t few = polls(50'000), many = polls(200'000);
   EXPECT_GT(few, 20u) << "work is polled";

@@ -11,13 +11,13 @@
 #include "common/solid/nesting.hpp"
 #include "common/solid/nesting_forest.hpp"
 #include "common/solid/solid.hpp"
-#include "tests/solid/polls.hpp"
+#include "tests/support/poll_gaps.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace fracture::solid_detail {
 namespace {
 
-using test::PollWatch;
+using test::PollGaps;
 
 /// The mesh as a surface of closed shells, each of which keeps its own vertices.
 Surface surface_of(const Mesh& mesh) {
@@ -234,9 +234,9 @@ Mesh diagonal_bars(int count, const Vec3d& along, bool half_reversed) {
 std::uint64_t polls_of_nesting(const Mesh& mesh) {
   const Surface surface = surface_of(mesh);
   const Shells shells = find_shells(surface, {});
-  PollWatch watch;
-  nest_shells(surface, shells, watch.execution);
-  return watch.polls;
+  PollGaps gaps;
+  nest_shells(surface, shells, gaps.execution());
+  return gaps.polls();
 }
 
 TEST(NestingWork, TenThousandThinDiagonalBoxesAndAnInsideOutCubeAreASolid) {
