@@ -3,15 +3,13 @@
 
 #include <string>
 
+#include "tests/server/support/requests.hpp"
+
 namespace fracture::test {
 
-inline const std::string kCube =
-    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
-    "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
-inline const std::string kObj = "Content-Type: model/obj\r\n", kJson = "Content-Type: application/json\r\n",
+inline const std::string kJson = "Content-Type: application/json\r\n",
                          kGltf = "Content-Type: model/gltf+json\r\n", kGzip = "Content-Encoding: gzip\r\n",
-                         kForm = "Content-Type: multipart/form-data; boundary=B\r\n",
-                         kAsync = "Prefer: respond-async\r\n";
+                         kForm = "Content-Type: multipart/form-data; boundary=B\r\n";
 
 inline std::string many(const std::string& item, std::size_t count) {
   std::string text;

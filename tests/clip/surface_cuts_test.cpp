@@ -11,11 +11,10 @@
 #include "tests/support/growth_families.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/site_families.hpp"
+#include "tests/support/solids.hpp"
 
 namespace fracture::test {
 namespace {
-
-Solid solid_of(const Mesh& mesh) { return *make_solid(std::make_shared<Mesh>(mesh), {}, {}); }
 
 void expect_equal(const SurfaceCuts& a, const SurfaceCuts& b) {
   EXPECT_EQ(a.label, b.label);

@@ -8,17 +8,13 @@
 #include "common/base/random.hpp"
 #include "common/exact/orient3d.hpp"
 #include "tests/exact/rational_oracle.hpp"
+#include "tests/exact/ulps.hpp"
 
 namespace fracture::exact {
 namespace {
 
 using test::in_sphere_oracle;
-
-double ulps(double v, int n) {
-  for (; n > 0; --n) v = std::nextafter(v, HUGE_VAL);
-  for (; n < 0; ++n) v = std::nextafter(v, -HUGE_VAL);
-  return v;
-}
+using test::ulps;
 
 // Puts the tetrahedron in positive order; false when it is flat or two of the five points coincide.
 bool make_positive(std::array<Vec3d, 5>& p) {

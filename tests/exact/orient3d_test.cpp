@@ -10,17 +10,13 @@
 #include "common/base/random.hpp"
 #include "common/exact/wide_int.hpp"
 #include "tests/exact/rational_oracle.hpp"
+#include "tests/exact/ulps.hpp"
 
 namespace fracture::exact {
 namespace {
 
 using test::orient3d_oracle;
-
-double ulps(double v, int n) {
-  for (; n > 0; --n) v = std::nextafter(v, HUGE_VAL);
-  for (; n < 0; ++n) v = std::nextafter(v, -HUGE_VAL);
-  return v;
-}
+using test::ulps;
 
 TEST(Orient3d, IsPositiveOnTheSideOfTheCrossProduct) {
   EXPECT_EQ(orient3d({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}), 1);

@@ -8,11 +8,10 @@
 #include "common/pipeline/refracture.hpp"
 #include "tests/property/judge.hpp"
 #include "tests/support/shapes.hpp"
+#include "tests/support/solids.hpp"
 
 namespace fracture::test {
 namespace {
-
-Solid solid_of(const Mesh& mesh) { return make_solid(std::make_shared<const Mesh>(mesh), {}, {}).value(); }
 
 FragmentSet fractured(const Solid& solid, std::uint32_t sites) {
   FractureParameters p;

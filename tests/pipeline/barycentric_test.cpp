@@ -13,15 +13,10 @@
 #include "common/voronoi/barycentric_cell.hpp"
 #include "tests/support/poll_gaps.hpp"
 #include "tests/support/shapes.hpp"
+#include "tests/support/solids.hpp"
 
 namespace fracture::test {
 namespace {
-
-Solid solid_of(const Mesh& mesh) {
-  Expected<Solid> solid = make_solid(std::make_shared<Mesh>(mesh), {}, {});
-  if (!solid) throw std::runtime_error(solid.error().detail);
-  return std::move(*solid);
-}
 
 Tetrahedralization tetrahedra_of(const std::vector<Vec3d>& sites, const Box& box) {
   Expected<Tetrahedralization> t = tetrahedralize(sites, box, {});

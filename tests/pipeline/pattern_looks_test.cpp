@@ -8,11 +8,10 @@
 #include "tests/support/figures.hpp"
 #include "tests/support/pattern_requests.hpp"
 #include "tests/support/shapes.hpp"
+#include "tests/support/solids.hpp"
 
 namespace fracture::test {
 namespace {
-
-Solid solid_of(const Mesh& mesh) { return *make_solid(std::make_shared<Mesh>(mesh), {}, {}); }
 
 FracturedSolid fractured(const Mesh& mesh, const FractureParameters& p) {
   const Solid solid = solid_of(mesh);

@@ -11,11 +11,10 @@
 #include "tests/support/figures.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/site_families.hpp"
+#include "tests/support/solids.hpp"
 
 namespace fracture::test {
 namespace {
-
-Solid solid_of(const Mesh& mesh) { return *make_solid(std::make_shared<Mesh>(mesh), {}, {}); }
 
 TEST(Pipeline, CancelledWorkIsATypedError) {
   const Solid solid = solid_of(sphere_with(2000));

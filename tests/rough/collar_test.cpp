@@ -8,18 +8,10 @@
 
 #include "common/base/random.hpp"
 #include "common/clip/delaunay_flips.hpp"
+#include "tests/rough/loops.hpp"
 
 namespace fracture {
 namespace {
-
-struct Loops {
-  std::vector<LatticePoint> points;
-  std::vector<std::uint32_t> begin{0};
-  void add(const std::vector<LatticePoint>& loop) {
-    points.insert(points.end(), loop.begin(), loop.end());
-    begin.push_back(static_cast<std::uint32_t>(points.size()));
-  }
-};
 
 LatticePoint at(double angle, double radius) {
   return {std::llround(radius * std::cos(angle)), std::llround(radius * std::sin(angle))};
@@ -34,7 +26,7 @@ std::vector<LatticePoint> star(int corners, const Radius& radius) {
 }
 std::vector<LatticePoint> clockwise(std::vector<LatticePoint> loop) { return {loop.rbegin(), loop.rend()}; }
 
-std::int64_t twice_area(const Loops& loops) {
+std::int64_t twice_area(const test::Loops<LatticePoint>& loops) {
   std::int64_t sum = 0;
   for (std::size_t l = 0; l + 1 < loops.begin.size(); ++l)
     for (std::uint32_t k = loops.begin[l]; k < loops.begin[l + 1]; ++k)
@@ -44,7 +36,7 @@ std::int64_t twice_area(const Loops& loops) {
 
 /// Triangles that are counter-clockwise and have the area of what the loops enclose, with each edge of the loops in
 /// one triangle and each other edge in two, cover it once.
-void expect_covered(const Loops& loops, const Collar& collar) {
+void expect_covered(const test::Loops<LatticePoint>& loops, const Collar& collar) {
   std::int64_t area = 0;
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> uses;
   for (const auto& t : collar.triangles()) {
@@ -64,7 +56,7 @@ void expect_covered(const Loops& loops, const Collar& collar) {
 }
 
 /// No fourth corner lies in the circle of a triangle beside it.
-void expect_delaunay(const Loops& loops, const Collar& collar) {
+void expect_delaunay(const test::Loops<LatticePoint>& loops, const Collar& collar) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> opposite;
   for (const auto& t : collar.triangles())
     for (std::size_t k = 0; k < 3; ++k) opposite[{t[k], t[(k + 1) % 3]}] = t[(k + 2) % 3];
@@ -85,7 +77,7 @@ TEST(Collar, OfARingOfAnyShape) {
       return low + (high - low) * static_cast<double>(random() % 1000) / 1000;
     };
     const int corners = 3 + static_cast<int>(random() % 40), inner = 3 + static_cast<int>(random() % 30);
-    Loops loops;
+    test::Loops<LatticePoint> loops;
     loops.add(star(corners, [&](int) { return between(6e6, 8e6); }));
     const double size = corners < 5 ? 1e6 : 2e6;
     loops.add(clockwise(star(inner, [&](int) { return between(0.7 * size, size); })));
@@ -101,7 +93,7 @@ TEST(Collar, OfARingOfAnyShape) {
 
 // The rim sits in one arm of a long bent shape: no zip goes around it.
 TEST(Collar, WhereTheZipJams) {
-  Loops loops;
+  test::Loops<LatticePoint> loops;
   loops.add(
       {{0, 0}, {8000, 0}, {8000, 8000}, {7000, 8000}, {7000, 1000}, {1000, 1000}, {1000, 8000}, {0, 8000}});
   loops.add(clockwise({{7400, 7000}, {7600, 7000}, {7600, 7500}, {7400, 7500}}));
@@ -113,14 +105,14 @@ TEST(Collar, WhereTheZipJams) {
 }
 
 TEST(Collar, OfSeveralLoopsAndOfNoRim) {
-  Loops loops;
+  test::Loops<LatticePoint> loops;
   loops.add({{0, 0}, {8000, 0}, {8000, 8000}, {0, 8000}});
   loops.add(clockwise({{500, 500}, {1500, 500}, {1500, 1500}, {500, 1500}}));
   loops.add(clockwise({{4000, 4000}, {6000, 4000}, {6000, 6000}, {4000, 6000}}));
   Collar collar;
   ASSERT_TRUE(collar.build(loops.points, loops.begin, 2, {}));
   expect_covered(loops, collar);
-  Loops alone;
+  test::Loops<LatticePoint> alone;
   alone.add({{0, 0}, {8000, 0}, {8000, 8000}, {0, 8000}});
   ASSERT_TRUE(collar.build(alone.points, alone.begin, 1, {}));
   EXPECT_EQ(collar.triangles().size(), 2u);

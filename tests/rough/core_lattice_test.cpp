@@ -7,19 +7,11 @@
 #include <map>
 #include <set>
 
+#include "tests/rough/loops.hpp"
 #include "tests/support/poll_gaps.hpp"
 
 namespace fracture {
 namespace {
-
-struct Loops {
-  std::vector<Vec2d> plane;
-  std::vector<std::uint32_t> begin{0};
-  void add(std::vector<Vec2d> loop) {
-    plane.insert(plane.end(), loop.begin(), loop.end());
-    begin.push_back(static_cast<std::uint32_t>(plane.size()));
-  }
-};
 
 double distance(const Vec2d& p, const Vec2d& a, const Vec2d& b) {
   const double ex = b.x - a.x, ey = b.y - a.y, dx = p.x - a.x, dy = p.y - a.y;
@@ -27,12 +19,12 @@ double distance(const Vec2d& p, const Vec2d& a, const Vec2d& b) {
   return std::hypot(dx - t * ex, dy - t * ey);
 }
 
-double distance(const Vec2d& p, const Loops& loops) {
+double distance(const Vec2d& p, const test::Loops<Vec2d>& loops) {
   double least = HUGE_VAL;
   for (std::size_t l = 0; l + 1 < loops.begin.size(); ++l)
     for (std::uint32_t k = loops.begin[l]; k < loops.begin[l + 1]; ++k)
-      least = std::min(least, distance(p, loops.plane[k],
-                                       loops.plane[k + 1 < loops.begin[l + 1] ? k + 1 : loops.begin[l]]));
+      least = std::min(least, distance(p, loops.points[k],
+                                       loops.points[k + 1 < loops.begin[l + 1] ? k + 1 : loops.begin[l]]));
   return least;
 }
 
@@ -68,10 +60,10 @@ void expect_simple_rim(const CoreLattice& core) {
 }
 
 TEST(CoreLattice, FillsASquareUpToAMargin) {
-  Loops loops;
+  test::Loops<Vec2d> loops;
   loops.add({{0, 0}, {1, 0}, {1, 1}, {0, 1}});
   CoreLattice core;
-  core.build(loops.plane, loops.begin, 0.05, 1);
+  core.build(loops.points, loops.begin, 0.05, 1);
   expect_simple_rim(core);
   EXPECT_EQ(core.rim_begin().size(), 2u);
   for (const Vec2d& p : core.points()) EXPECT_GE(distance(p, loops), 0.6 * 0.05 - 1e-12);
@@ -81,12 +73,12 @@ TEST(CoreLattice, FillsASquareUpToAMargin) {
 }
 
 TEST(CoreLattice, GoesAroundHolesAndInlets) {
-  Loops loops;
+  test::Loops<Vec2d> loops;
   // A square with an inlet from the right as thin as a hair, and a hole.
   loops.add({{0, 0}, {1, 0}, {1, 0.5}, {0.6, 0.501}, {1, 0.502}, {1, 1}, {0, 1}});
   loops.add({{0.2, 0.2}, {0.2, 0.35}, {0.35, 0.35}, {0.35, 0.2}});
   CoreLattice core;
-  core.build(loops.plane, loops.begin, 0.03, 0.97);
+  core.build(loops.points, loops.begin, 0.03, 0.97);
   expect_simple_rim(core);
   EXPECT_EQ(core.rim_begin().size(), 3u) << "around the outside and around the hole";
   for (const Vec2d& p : core.points()) EXPECT_GE(distance(p, loops), 0.6 * 0.03 - 1e-12);
@@ -100,24 +92,24 @@ TEST(CoreLattice, GoesAroundHolesAndInlets) {
 
 TEST(CoreLattice, LeavesNarrowAndEmptyLoopsAlone) {
   CoreLattice core;
-  Loops narrow;
+  test::Loops<Vec2d> narrow;
   narrow.add({{0, 0}, {1, 0}, {1, 0.05}, {0, 0.05}});
-  core.build(narrow.plane, narrow.begin, 0.1, 0.05);
+  core.build(narrow.points, narrow.begin, 0.1, 0.05);
   EXPECT_TRUE(core.triangles().empty());
   EXPECT_EQ(core.rim_begin().size(), 1u);
-  Loops rim;  // a rim of no width around a large box
+  test::Loops<Vec2d> rim;  // a rim of no width around a large box
   rim.add({{0, 0}, {1, 0}, {1, 1}, {0, 1}});
   rim.add({{1e-6, 1e-6}, {1e-6, 1 - 1e-6}, {1 - 1e-6, 1 - 1e-6}, {1 - 1e-6, 1e-6}});
-  core.build(rim.plane, rim.begin, 1e-3, 4e-6);
+  core.build(rim.points, rim.begin, 1e-3, 4e-6);
   EXPECT_TRUE(core.triangles().empty());
 }
 
 TEST(CoreLattice, CanBeInterruptedWhileItLooksAtAMillionPoints) {
-  Loops loops;
+  test::Loops<Vec2d> loops;
   loops.add({{0, 0}, {1, 0}, {1, 1}, {0, 1}});
   CoreLattice core;
   test::PollGaps gaps;
-  core.build(loops.plane, loops.begin, 1e-3, 1, gaps.execution());
+  core.build(loops.points, loops.begin, 1e-3, 1, gaps.execution());
   EXPECT_LT(gaps.longest_ms(), test::kMostPollGapMs);
   EXPECT_GT(core.triangles().size(), 2'000'000u);
 }

@@ -9,7 +9,7 @@
 namespace fracture {
 namespace {
 
-Vec3d random_point(Random& random) {
+Vec3d point_in_unit_cube(Random& random) {
   const double x = random.uniform(), y = random.uniform(), z = random.uniform();
   return {x, y, z};
 }
@@ -19,7 +19,7 @@ TEST(Displacement, StaysWithinTheAmplitudeAndUsesMuchOfIt) {
   Random random(1);
   double most = 0;
   for (int n = 0; n < 50'000; ++n) {
-    const Vec3d d = displacement.at(random_point(random), displacement.reach());
+    const Vec3d d = displacement.at(point_in_unit_cube(random), displacement.reach());
     for (int a = 0; a < 3; ++a) most = std::fmax(most, std::fabs(d[a]));
   }
   EXPECT_LE(most, 0.02);
@@ -30,7 +30,7 @@ TEST(Displacement, FadesToNothingAtTheSurfaceAndNeverReachesIt) {
   const Displacement displacement(0.02, 8, 1, 1, {});
   Random random(2);
   for (int n = 0; n < 20'000; ++n) {
-    const Vec3d p = random_point(random);
+    const Vec3d p = point_in_unit_cube(random);
     const double surface = displacement.reach() * random.uniform();
     EXPECT_LT(length(displacement.at(p, surface)), std::fmax(surface, 1e-300));
     EXPECT_EQ(displacement.at(p, 0), Vec3d{});
@@ -43,7 +43,7 @@ TEST(Displacement, AMapStretchesTheWavesButShortensNone) {
   const Displacement plain(0.01, 5, 1, 4, {}), stretched(0.01, 5, 1, 4, map);
   Random random(3);
   for (int n = 0; n < 1000; ++n) {
-    const Vec3d p = random_point(random), q{p.x, p.y, 8 * p.z};
+    const Vec3d p = point_in_unit_cube(random), q{p.x, p.y, 8 * p.z};
     Vec3d far = plain.at(p, 10);  // from any surface
     far.z *= 4;
     EXPECT_LT(length(far - stretched.at(q, 10)), 1e-12);
@@ -58,7 +58,7 @@ TEST(Displacement, WithoutOneGrainItIsTheSameInAllDirections) {
     Random random(4);
     Vec3d most;
     for (int n = 0; n < 50'000; ++n) {
-      const Vec3d d = displacement.at(random_point(random), displacement.reach());
+      const Vec3d d = displacement.at(point_in_unit_cube(random), displacement.reach());
       for (int a = 0; a < 3; ++a) most[a] = std::fmax(most[a], std::fabs(d[a]));
     }
     for (int a = 0; a < 3; ++a) {

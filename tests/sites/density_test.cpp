@@ -8,13 +8,10 @@
 #include "common/sites/density.hpp"
 #include "common/sites/pattern.hpp"
 #include "tests/support/shapes.hpp"
+#include "tests/support/solids.hpp"
 
 namespace fracture::test {
 namespace {
-
-Solid solid_of(Mesh mesh) {
-  return make_solid(std::make_shared<const Mesh>(std::move(mesh)), {}, {}).value();
-}
 
 /// A bar of 4 m that is white to x = 1 and black beyond; the white is of the material "weak", too.
 Mesh painted_bar() {

@@ -8,13 +8,12 @@
 
 #include "common/sites/pattern.hpp"
 #include "tests/support/shapes.hpp"
+#include "tests/support/solids.hpp"
 
 namespace fracture::test {
 namespace {
 
 constexpr Vec3d kUp{0, 1, 0};
-
-Solid solid_of(const Mesh& mesh) { return make_solid(std::make_shared<const Mesh>(mesh), {}, {}).value(); }
 
 Mesh turned(Mesh mesh, double angle) {
   const double c = std::cos(angle), s = std::sin(angle);

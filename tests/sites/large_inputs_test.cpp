@@ -10,11 +10,10 @@
 #include "tests/support/growth_families.hpp"
 #include "tests/support/poll_gaps.hpp"
 #include "tests/support/shapes.hpp"
+#include "tests/support/solids.hpp"
 
 namespace fracture::test {
 namespace {
-
-Solid solid_of(const Mesh& mesh) { return *make_solid(std::make_shared<const Mesh>(mesh), {}, {}); }
 
 const Execution kAlone{};  // outlives the samplers
 

@@ -10,11 +10,10 @@
 
 #include "common/sites/pattern.hpp"
 #include "tests/support/shapes.hpp"
+#include "tests/support/solids.hpp"
 
 namespace fracture::test {
 namespace {
-
-Solid solid_of(const Mesh& mesh) { return make_solid(std::make_shared<const Mesh>(mesh), {}, {}).value(); }
 
 /// About y, then about z.
 Vec3d turned(const Vec3d& p, double yaw, double lean) {

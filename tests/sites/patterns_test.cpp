@@ -12,12 +12,11 @@
 #include "common/solid/image.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/shapes.hpp"
+#include "tests/support/solids.hpp"
 #include "tests/support/surface_mesh.hpp"
 
 namespace fracture::test {
 namespace {
-
-Solid solid_of(const Mesh& mesh) { return *make_solid(std::make_shared<const Mesh>(mesh), {}, {}); }
 
 SitePlan plan_of(const Solid& solid, SitePattern pattern, std::uint32_t sites = 50, std::uint64_t seed = 1) {
   SiteParameters p;

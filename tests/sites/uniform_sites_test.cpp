@@ -5,11 +5,11 @@
 #include "common/sites/sites.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/shapes.hpp"
+#include "tests/support/solids.hpp"
 
 namespace fracture::test {
 namespace {
 
-Solid solid_of(Mesh mesh) { return *make_solid(std::make_shared<const Mesh>(std::move(mesh)), {}, {}); }
 std::vector<Vec3d> sites_of(const Solid& solid, std::uint32_t count, std::uint64_t seed = 1) {
   return *uniform_sites(solid, count, seed, {});
 }

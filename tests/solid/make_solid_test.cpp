@@ -10,18 +10,15 @@
 #include "common/solid/solid.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/shapes.hpp"
+#include "tests/support/solids.hpp"
 
 namespace fracture::test {
 namespace {
 
-Expected<Solid> solid_of(Mesh mesh, Repair repair = Repair::kFill) {
-  return make_solid(std::make_shared<const Mesh>(std::move(mesh)), {.repair = repair}, {});
-}
-
 TEST(MakeSolid, ClosedShapesAreKeptAsTheyAre) {
   for (const NamedMesh& shape : closed_shapes()) {
     SCOPED_TRACE(shape.name);
-    const Expected<Solid> solid = solid_of(shape.mesh, Repair::kStrict);
+    const Expected<Solid> solid = try_solid(shape.mesh, {.repair = Repair::kStrict});
     ASSERT_TRUE(solid) << solid.error().detail;
     ASSERT_NO_THROW(solid->validate());
     EXPECT_EQ(solid->triangles.size(), shape.mesh.triangles.size());
@@ -34,11 +31,11 @@ TEST(MakeSolid, ClosedShapesAreKeptAsTheyAre) {
 }
 
 TEST(MakeSolid, StatesTheVolumesOfShapesWithKnownFormulas) {
-  EXPECT_EQ(solid_of(cube(4))->report.volume, 1);
-  EXPECT_EQ(solid_of(cube(4))->report.area, 6);
-  EXPECT_NEAR(solid_of(tetrahedron())->report.volume, 1.0 / 6, 1e-16);
+  EXPECT_EQ(try_solid(cube(4))->report.volume, 1);
+  EXPECT_EQ(try_solid(cube(4))->report.area, 6);
+  EXPECT_NEAR(try_solid(tetrahedron())->report.volume, 1.0 / 6, 1e-16);
   for (int level = 1; level <= 3; ++level) {
-    const Expected<Solid> sponge = solid_of(menger_sponge(level));
+    const Expected<Solid> sponge = try_solid(menger_sponge(level));
     EXPECT_NEAR(sponge->report.volume, std::pow(20.0 / 27, level), 1e-6);
     EXPECT_NEAR(sponge->report.area, 2 * std::pow(20.0 / 9, level) + 4 * std::pow(8.0 / 9, level), 1e-5);
     EXPECT_EQ(sponge->report.nonmanifold_edges, 0u);
@@ -49,7 +46,7 @@ TEST(MakeSolid, StatesTheVolumesOfShapesWithKnownFormulas) {
 TEST(MakeSolid, KeepsEachTriangleWithItsWedgesMaterialAndPositions) {
   Mesh mesh = cube_with_seams();
   for (std::size_t t = 0; t < mesh.material.size(); ++t) mesh.material[t] = static_cast<std::uint32_t>(t % 3);
-  const Expected<Solid> solid = solid_of(mesh);
+  const Expected<Solid> solid = try_solid(mesh);
   ASSERT_TRUE(solid);
   EXPECT_EQ(solid->positions.size(), 8u);
   EXPECT_EQ(solid->report.welded, 16u);
@@ -66,7 +63,7 @@ TEST(MakeSolid, WeldsPlusAndMinusZero) {
   Mesh mesh = unindexed(box({0, 0, 0}, {1, 1, 1}));
   for (std::size_t i = 0; i < mesh.positions.size(); i += 2)
     if (mesh.positions[i].x == 0) mesh.positions[i].x = -0.0f;
-  const Expected<Solid> solid = solid_of(mesh);
+  const Expected<Solid> solid = try_solid(mesh);
   ASSERT_TRUE(solid);
   EXPECT_EQ(solid->positions.size(), 8u);
   for (const Vec3f& p : solid->positions) EXPECT_FALSE(std::signbit(p.x) && p.x == 0);
@@ -77,7 +74,7 @@ TEST(MakeSolid, DropsUnusedVertices) {
   mesh.positions.insert(mesh.positions.begin(), Vec3f{100, 100, 100});
   for (auto& triangle : mesh.triangles)
     for (auto& v : triangle) ++v;
-  const Expected<Solid> solid = solid_of(mesh);
+  const Expected<Solid> solid = try_solid(mesh);
   ASSERT_TRUE(solid);
   EXPECT_EQ(solid->positions.size(), 8u);
   EXPECT_EQ(solid->box.max, (Vec3d{0.5, 0.5, 0.5}));
@@ -87,7 +84,7 @@ TEST(MakeSolid, DropsDegenerateTrianglesWithoutOpeningAnything) {
   Mesh mesh = cube();
   mesh.triangles.push_back({0, 0, 1});
   mesh.triangles.push_back({3, 2, 3});
-  const Expected<Solid> solid = solid_of(mesh);
+  const Expected<Solid> solid = try_solid(mesh);
   ASSERT_TRUE(solid);
   EXPECT_NO_THROW(solid->validate());
   EXPECT_EQ(solid->report.degenerate_dropped, 2u);
@@ -100,7 +97,7 @@ TEST(MakeSolid, KeepsTrianglesWithThreeCornersOnALineWhereTheyCloseTheSurface) {
   Mesh mesh;
   mesh.positions = {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}, {1, 0, 0}};
   mesh.triangles = {{0, 2, 1}, {0, 4, 3}, {4, 1, 3}, {0, 3, 2}, {1, 2, 3}, {0, 1, 4}};
-  const Expected<Solid> solid = solid_of(mesh, Repair::kStrict);
+  const Expected<Solid> solid = try_solid(mesh, {.repair = Repair::kStrict});
   ASSERT_TRUE(solid) << solid.error().detail;
   EXPECT_NO_THROW(solid->validate());
   EXPECT_EQ(solid->triangles.size(), 6u);
@@ -108,20 +105,20 @@ TEST(MakeSolid, KeepsTrianglesWithThreeCornersOnALineWhereTheyCloseTheSurface) {
 }
 
 TEST(MakeSolid, RefusesAnEmptyMesh) {
-  const Expected<Solid> none = solid_of(Mesh{});
+  const Expected<Solid> none = try_solid(Mesh{});
   ASSERT_FALSE(none);
   EXPECT_EQ(none.error().code, ErrorCode::kEmptyMesh);
   Mesh degenerate;
   degenerate.positions = {{0, 0, 0}, {1, 0, 0}, {0, 0, 0}};
   degenerate.triangles = {{0, 1, 2}};
-  EXPECT_EQ(solid_of(degenerate).error().code, ErrorCode::kEmptyMesh);
+  EXPECT_EQ(try_solid(degenerate).error().code, ErrorCode::kEmptyMesh);
 }
 
 TEST(MakeSolid, RefusesNaNAndInfinityNamingTheVertex) {
   for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
     Mesh mesh = cube();
     mesh.positions[5].y = bad;
-    const Expected<Solid> solid = solid_of(mesh);
+    const Expected<Solid> solid = try_solid(mesh);
     ASSERT_FALSE(solid);
     EXPECT_EQ(solid.error().code, ErrorCode::kNotFinite);
     EXPECT_EQ(solid.error().extra->at("vertex"), 5);
@@ -131,11 +128,11 @@ TEST(MakeSolid, RefusesNaNAndInfinityNamingTheVertex) {
 TEST(MakeSolid, RefusesAnIndexBeyondThePositions) {
   Mesh mesh = cube();
   mesh.triangles[3][1] = 8;
-  EXPECT_EQ(solid_of(mesh).error().code, ErrorCode::kMalformedMesh);
+  EXPECT_EQ(try_solid(mesh).error().code, ErrorCode::kMalformedMesh);
 }
 
 TEST(MakeSolid, RefusesASingleQuadWithCountsAndThePlace) {
-  const Expected<Solid> solid = solid_of(open_quad());
+  const Expected<Solid> solid = try_solid(open_quad());
   ASSERT_FALSE(solid);
   EXPECT_EQ(solid.error().code, ErrorCode::kMeshNotClosed);
   EXPECT_EQ(solid.error().extra->at("open_edges"), 4);
@@ -151,13 +148,13 @@ TEST(MakeSolid, IsInterruptedByCancellation) {
 }
 
 TEST(Layers, PartsWithDisjointBoxesShareOneLayerAndTouchingOnesDoNot) {
-  EXPECT_EQ(solid_of(cube_field(3))->layers, 1u);
-  EXPECT_EQ(solid_of(two_cubes_sharing_a_vertex())->layers, 2u);
-  EXPECT_EQ(solid_of(joined({cube(), cube(2), cube(3)}))->layers, 3u);
+  EXPECT_EQ(try_solid(cube_field(3))->layers, 1u);
+  EXPECT_EQ(try_solid(two_cubes_sharing_a_vertex())->layers, 2u);
+  EXPECT_EQ(try_solid(joined({cube(), cube(2), cube(3)}))->layers, 3u);
 }
 
 TEST(SolidReport, WritesEveryFigureToJson) {
-  const nlohmann::json json = solid_of(cube_without({2}))->report.to_json();
+  const nlohmann::json json = try_solid(cube_without({2}))->report.to_json();
   EXPECT_EQ(json["open_edges"], 4);
   EXPECT_EQ(json["holes_filled"], 1);
   EXPECT_EQ(json["fill_triangles"], 2);
@@ -173,13 +170,13 @@ TEST(SolidReport, WritesEveryFigureToJson) {
 }
 
 TEST(SolidValidate, NamesABrokenStatement) {
-  Solid solid = *solid_of(cube());
+  Solid solid = *try_solid(cube());
   std::swap(solid.triangles[4][0], solid.triangles[4][1]);
   EXPECT_THROW(solid.validate(), InternalError);
-  solid = *solid_of(two_cubes_sharing_an_edge());
+  solid = *try_solid(two_cubes_sharing_an_edge());
   solid.parts[1].layer = solid.parts[0].layer;
   EXPECT_THROW(solid.validate(), InternalError);
-  solid = *solid_of(cube());
+  solid = *try_solid(cube());
   solid.parts[0].volume = 2;
   EXPECT_THROW(solid.validate(), InternalError);
 }
@@ -187,7 +184,7 @@ TEST(SolidValidate, NamesABrokenStatement) {
 TEST(Validate, NamesPartsThatTouchInOneLayer) {
   // Two cubes that overlap among a thousand that do not.
   Mesh mesh = joined({cube_field(10), box({3.25, 3.25, 3.25}, {3.75, 3.75, 3.75})});
-  Expected<Solid> solid = solid_of(mesh);
+  Expected<Solid> solid = try_solid(mesh);
   ASSERT_TRUE(solid);
   ASSERT_EQ(solid->layers, 2u);
   ASSERT_NO_THROW(solid->validate());

@@ -3,19 +3,17 @@
 #include "common/solid/solid.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/shapes.hpp"
+#include "tests/support/solids.hpp"
 
 namespace fracture::test {
 namespace {
 
-Expected<Solid> solid_of(Mesh mesh) {
-  return make_solid(std::make_shared<const Mesh>(std::move(mesh)), {}, {});
-}
 Mesh centered_cube(double side) { return scaled(cube(), {side, side, side}); }
 Mesh hollow(double side) { return reversed(centered_cube(side)); }
 
 TEST(Nesting, ConcentricSpheresAlternateBetweenPartsAndCavities) {
   const Mesh mesh = nested_spheres(4, 400);
-  const Expected<Solid> solid = solid_of(mesh);
+  const Expected<Solid> solid = try_solid(mesh);
   ASSERT_TRUE(solid);
   ASSERT_NO_THROW(solid->validate());
   ASSERT_EQ(solid->parts.size(), 2u);
@@ -27,7 +25,7 @@ TEST(Nesting, ConcentricSpheresAlternateBetweenPartsAndCavities) {
 
 TEST(Nesting, AWholeFileInsideOutKeepsItsCavities) {
   const Mesh mesh = reversed(nested_spheres(4, 400));
-  const Expected<Solid> solid = solid_of(mesh);
+  const Expected<Solid> solid = try_solid(mesh);
   ASSERT_TRUE(solid);
   ASSERT_NO_THROW(solid->validate());
   EXPECT_NEAR(solid->report.volume, -volume_of(mesh), 1e-12);
@@ -36,7 +34,7 @@ TEST(Nesting, AWholeFileInsideOutKeepsItsCavities) {
 }
 
 TEST(Nesting, AnOutwardShellInsideAnotherIsAnOverlappingPart) {
-  const Expected<Solid> solid = solid_of(joined({centered_cube(2), centered_cube(1)}));
+  const Expected<Solid> solid = try_solid(joined({centered_cube(2), centered_cube(1)}));
   ASSERT_TRUE(solid);
   EXPECT_EQ(solid->parts.size(), 2u);
   EXPECT_EQ(solid->layers, 2u);
@@ -45,7 +43,7 @@ TEST(Nesting, AnOutwardShellInsideAnotherIsAnOverlappingPart) {
 
 TEST(Nesting, ACavityGoesToTheInnermostShellAroundIt) {
   // Part of side 8, cavity 6, island 4, cavity of the island 2.
-  const Expected<Solid> solid = solid_of(joined({hollow(2), centered_cube(4), hollow(6), centered_cube(8)}));
+  const Expected<Solid> solid = try_solid(joined({hollow(2), centered_cube(4), hollow(6), centered_cube(8)}));
   ASSERT_TRUE(solid);
   ASSERT_NO_THROW(solid->validate());
   ASSERT_EQ(solid->parts.size(), 2u);
@@ -58,7 +56,7 @@ TEST(Nesting, ManyCavitiesInOneShell) {
   std::vector<Mesh> meshes{centered_cube(20)};
   for (int x = -4; x <= 4; ++x)
     for (int y = -4; y <= 4; ++y) meshes.push_back(translated(hollow(1), {2. * x, 2. * y, 0}));
-  const Expected<Solid> solid = solid_of(joined(meshes));
+  const Expected<Solid> solid = try_solid(joined(meshes));
   ASSERT_TRUE(solid);
   ASSERT_NO_THROW(solid->validate());
   EXPECT_EQ(solid->parts.size(), 1u);
@@ -67,7 +65,7 @@ TEST(Nesting, ManyCavitiesInOneShell) {
 }
 
 TEST(Nesting, AnInwardShellBesideAnOutwardOneIsTurned) {
-  const Expected<Solid> solid = solid_of(joined({centered_cube(1), translated(hollow(1), {3, 0, 0})}));
+  const Expected<Solid> solid = try_solid(joined({centered_cube(1), translated(hollow(1), {3, 0, 0})}));
   ASSERT_TRUE(solid);
   ASSERT_NO_THROW(solid->validate());
   EXPECT_EQ(solid->parts.size(), 2u);
@@ -76,7 +74,7 @@ TEST(Nesting, AnInwardShellBesideAnOutwardOneIsTurned) {
 }
 
 TEST(Nesting, AnInwardShellInsideACavityIsTurnedIntoAnIsland) {
-  const Expected<Solid> solid = solid_of(joined({centered_cube(8), hollow(6), hollow(2)}));
+  const Expected<Solid> solid = try_solid(joined({centered_cube(8), hollow(6), hollow(2)}));
   ASSERT_TRUE(solid);
   ASSERT_NO_THROW(solid->validate());
   EXPECT_EQ(solid->report.volume, 512 - 216 + 8);
@@ -88,7 +86,7 @@ TEST(Nesting, RaysThroughVerticesAndEdgesAreCountedOnce) {
   // subdivided cube.
   for (const double y : {0.0, 0.25, 0.5, -0.25}) {
     Mesh inner = translated(scaled(reversed(cube(2)), {0.25, 0.25, 0.25}), {0, y, 0});
-    const Expected<Solid> solid = solid_of(joined({scaled(cube(8), {2, 2, 2}), inner}));
+    const Expected<Solid> solid = try_solid(joined({scaled(cube(8), {2, 2, 2}), inner}));
     ASSERT_TRUE(solid);
     EXPECT_EQ(solid->report.cavities, 1u) << y;
     EXPECT_EQ(solid->parts.size(), 1u) << y;
@@ -98,7 +96,7 @@ TEST(Nesting, RaysThroughVerticesAndEdgesAreCountedOnce) {
 TEST(Nesting, ACavityThatTouchesTheOuterShellInAVertexIsStillACavity) {
   // The cavity's corner lies in the middle of a face of the cube.
   Mesh cavity = reversed(tetrahedron());
-  const Expected<Solid> solid = solid_of(joined({box({0, -1, -1}, {4, 3, 3}), cavity}));
+  const Expected<Solid> solid = try_solid(joined({box({0, -1, -1}, {4, 3, 3}), cavity}));
   ASSERT_TRUE(solid);
   ASSERT_NO_THROW(solid->validate());
   EXPECT_EQ(solid->report.cavities, 1u);

@@ -4,6 +4,7 @@
 #include "common/mesh/material_library.hpp"
 #include "common/solid/solid.hpp"
 #include "tests/support/shapes.hpp"
+#include "tests/support/solids.hpp"
 
 namespace fracture::test {
 namespace {
@@ -23,10 +24,6 @@ Mesh painted(Mesh mesh, const ColorOf& color_of) {
         color_of(cross(to_double(mesh.positions[b]) - p, to_double(mesh.positions[c]) - p)));
   }
   return mesh;
-}
-
-Solid solid_of(Mesh mesh) {
-  return make_solid(std::make_shared<const Mesh>(std::move(mesh)), {}, {}).value();
 }
 
 TEST(PartColors, APartHasTheColorOfMostOfItsSurfaceByArea) {

@@ -8,15 +8,10 @@
 
 #include "common/base/random.hpp"
 #include "tests/support/shapes.hpp"
+#include "tests/support/solids.hpp"
 
 namespace fracture {
 namespace {
-
-Solid solid_of(const Mesh& mesh) {
-  Expected<Solid> solid = make_solid(std::make_shared<Mesh>(mesh), {}, {});
-  if (!solid) throw std::runtime_error(solid.error().detail);
-  return std::move(*solid);
-}
 
 /// Each element of the patch is the one of the whole that it says it is.
 void expect_part_of(const Solid& whole, const SolidPatch& patch) {
@@ -55,7 +50,7 @@ void expect_part_of(const Solid& whole, const SolidPatch& patch) {
 }
 
 TEST(SolidPatch, OfSomeTriangles) {
-  const Solid whole = solid_of(test::cube_field(2));
+  const Solid whole = test::solid_of(test::cube_field(2));
   ASSERT_GT(whole.parts.size(), 3u);
   Random random(5);
   for (int round = 0; round < 20; ++round) {
@@ -72,7 +67,7 @@ TEST(SolidPatch, OfSomeTriangles) {
 }
 
 TEST(SolidPatch, OfAllAndOfNone) {
-  const Solid whole = solid_of(test::torus(12, 6));
+  const Solid whole = test::solid_of(test::torus(12, 6));
   std::vector<std::uint32_t> all(whole.triangles.size());
   std::iota(all.begin(), all.end(), 0u);
   const SolidPatch patch = patch_of(whole, all, {}, {});

@@ -4,13 +4,10 @@
 #include "common/solid/solid.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/mesh_files.hpp"
+#include "tests/support/solids.hpp"
 
 namespace fracture::test {
 namespace {
-
-Expected<Solid> solid_of(Mesh mesh, Repair repair = Repair::kFill) {
-  return make_solid(std::make_shared<const Mesh>(std::move(mesh)), {.repair = repair}, {});
-}
 
 /// What the source says about the outside: every source triangle that was kept stands in the solid with its
 /// corners' positions.
@@ -38,7 +35,7 @@ TEST(RealMeshes, EveryClosedFileIsASolidAsItStands) {
     if (!mesh) continue;
     SCOPED_TRACE(name);
     ++seen;
-    const Expected<Solid> solid = solid_of(*mesh, Repair::kStrict);
+    const Expected<Solid> solid = try_solid(*mesh, {.repair = Repair::kStrict});
     ASSERT_TRUE(solid) << solid.error().detail;
     ASSERT_NO_THROW(solid->validate());
     expect_source_kept(*solid);
@@ -56,7 +53,7 @@ TEST(RealMeshes, EveryFileThatLoadsBecomesAValidSolidExceptTheSoup) {
     if (!mesh) continue;  // multi-file assets: tests/import
     SCOPED_TRACE(file.name);
     ++seen;
-    const Expected<Solid> solid = solid_of(*mesh);
+    const Expected<Solid> solid = try_solid(*mesh);
     if (file.name == "soup.stl") {
       ASSERT_FALSE(solid);
       EXPECT_EQ(solid.error().code, ErrorCode::kMeshNotClosed);
@@ -73,7 +70,7 @@ TEST(RealMeshes, EveryFileThatLoadsBecomesAValidSolidExceptTheSoup) {
 TEST(RealMeshes, SuzanneAsObjHasFortyTwoOpenEdgesAndOneNonmanifoldEdge) {
   const auto file = find_test_mesh("suzanne.obj");
   if (!file) GTEST_SKIP() << "suzanne.obj is absent";
-  const Expected<Solid> solid = solid_of(*load_mesh(*file));
+  const Expected<Solid> solid = try_solid(*load_mesh(*file));
   ASSERT_TRUE(solid);
   EXPECT_EQ(solid->report.open_edges, 42u);
   EXPECT_EQ(solid->report.nonmanifold_edges, 1u);
@@ -84,7 +81,7 @@ TEST(RealMeshes, SuzanneOfTheBlendFileHasThreePartsAndEightyFourOpenEdges) {
   if (!file) GTEST_SKIP() << "assimp-testmodels is not installed";
   const Expected<Mesh> mesh = load_mesh(*file);
   if (!mesh) GTEST_SKIP() << mesh.error().detail;
-  const Expected<Solid> solid = solid_of(*mesh);
+  const Expected<Solid> solid = try_solid(*mesh);
   ASSERT_TRUE(solid) << solid.error().detail;
   EXPECT_NO_THROW(solid->validate());
   EXPECT_EQ(solid->report.open_edges, 84u);
@@ -99,7 +96,7 @@ TEST(RealMeshes, FilesThatNeedTheTolerantWeldCloseWithoutFilling) {
     const Expected<Mesh> mesh = load_mesh(*file);
     if (!mesh) continue;
     ++seen;
-    const Expected<Solid> solid = solid_of(*mesh);
+    const Expected<Solid> solid = try_solid(*mesh);
     ASSERT_TRUE(solid) << name;
     EXPECT_EQ(solid->report.fill_triangles, 0u) << name;
   }
@@ -111,7 +108,7 @@ TEST(RealMeshes, TheTwinsOfTheBarrelAreTheSameSolid) {
   if (!reference_file) GTEST_SKIP() << "kk_barrel_large.glb is absent";
   const Expected<Mesh> reference_mesh = load_mesh(*reference_file);
   if (!reference_mesh) GTEST_SKIP() << reference_mesh.error().detail;
-  const Solid reference = *solid_of(*reference_mesh);
+  const Solid reference = *try_solid(*reference_mesh);
   const std::pair<const char*, double> twins[] = {
       {"formats/barrel_large.obj", 1e-5},       {"formats/barrel_large.fbx", 1e-5},
       {"variants/barrel_transforms.glb", 1e-5}, {"variants/barrel_unindexed.glb", 1e-5},
@@ -122,7 +119,7 @@ TEST(RealMeshes, TheTwinsOfTheBarrelAreTheSameSolid) {
     if (!file) continue;
     const Expected<Mesh> mesh = load_mesh(*file);
     if (!mesh) continue;
-    const Expected<Solid> solid = solid_of(*mesh);
+    const Expected<Solid> solid = try_solid(*mesh);
     ASSERT_TRUE(solid) << name;
     EXPECT_EQ(solid->report.shells, reference.report.shells) << name;
     EXPECT_NEAR(solid->report.volume, reference.report.volume, tolerance * reference.report.volume) << name;

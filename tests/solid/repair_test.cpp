@@ -6,18 +6,16 @@
 #include "common/solid/solid.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/shapes.hpp"
+#include "tests/support/solids.hpp"
 
 namespace fracture::test {
 namespace {
 
-Expected<Solid> solid_of(Mesh mesh, SolidOptions options = {}) {
-  return make_solid(std::make_shared<const Mesh>(std::move(mesh)), options, {});
-}
 const SolidOptions kStrict{.repair = Repair::kStrict};
 
 TEST(Holes, AMissingFaceOfACubeIsFilledFlatAndMarkedInterior) {
   for (int face = 0; face < 6; ++face) {
-    const Expected<Solid> solid = solid_of(cube_without({face}));
+    const Expected<Solid> solid = try_solid(cube_without({face}));
     ASSERT_TRUE(solid);
     ASSERT_NO_THROW(solid->validate());
     EXPECT_EQ(solid->report.volume, 1);
@@ -33,7 +31,7 @@ TEST(Holes, AMissingFaceOfACubeIsFilledFlatAndMarkedInterior) {
 }
 
 TEST(Holes, TwoNeighbouringFacesMakeOneBentHoleThatIsFilledAlongTheEdge) {
-  const Expected<Solid> solid = solid_of(cube_without({0, 3}));
+  const Expected<Solid> solid = try_solid(cube_without({0, 3}));
   ASSERT_TRUE(solid);
   ASSERT_NO_THROW(solid->validate());
   EXPECT_EQ(solid->report.holes_filled, 1u);
@@ -41,7 +39,7 @@ TEST(Holes, TwoNeighbouringFacesMakeOneBentHoleThatIsFilledAlongTheEdge) {
 }
 
 TEST(Holes, StrictRefusesWithCountsAndASampleEdge) {
-  const Expected<Solid> solid = solid_of(cube_without({1}), kStrict);
+  const Expected<Solid> solid = try_solid(cube_without({1}), kStrict);
   ASSERT_FALSE(solid);
   EXPECT_EQ(solid.error().code, ErrorCode::kMeshNotClosed);
   EXPECT_EQ(solid.error().extra->at("open_edges"), 4);
@@ -58,7 +56,7 @@ TEST(Holes, ALargePlanarHoleIsFilledWithItsExactArea) {
   });
   mesh.material.resize(mesh.triangles.size());
   mesh.node.resize(mesh.triangles.size());
-  const Expected<Solid> solid = solid_of(mesh);
+  const Expected<Solid> solid = try_solid(mesh);
   ASSERT_TRUE(solid);
   ASSERT_NO_THROW(solid->validate());
   EXPECT_EQ(solid->report.open_edges, 4u * kN);
@@ -82,7 +80,7 @@ TEST(Holes, AHoleThatTouchesItselfInAVertexIsFilledAsTwo) {
   });
   mesh.material.resize(mesh.triangles.size());
   mesh.node.resize(mesh.triangles.size());
-  const Expected<Solid> solid = solid_of(mesh);
+  const Expected<Solid> solid = try_solid(mesh);
   ASSERT_TRUE(solid);
   ASSERT_NO_THROW(solid->validate());
   EXPECT_EQ(solid->report.open_edges, 8u);
@@ -98,7 +96,7 @@ TEST(Holes, AnOpenTubeGetsTwoEnds) {
   mesh.triangles.erase(mesh.triangles.begin(), mesh.triangles.begin() + cap);
   mesh.material.resize(mesh.triangles.size());
   mesh.node.resize(mesh.triangles.size());
-  const Expected<Solid> solid = solid_of(mesh);
+  const Expected<Solid> solid = try_solid(mesh);
   ASSERT_TRUE(solid);
   ASSERT_NO_THROW(solid->validate());
   EXPECT_EQ(solid->report.holes_filled, 2u);
@@ -108,7 +106,7 @@ TEST(Holes, AnOpenTubeGetsTwoEnds) {
 }
 
 TEST(Sheets, AQuadBesideACubeIsDroppedWithANoteAndTheCubeStays) {
-  const Expected<Solid> solid = solid_of(joined({translated(open_quad(), {5, 0, 0}), cube()}));
+  const Expected<Solid> solid = try_solid(joined({translated(open_quad(), {5, 0, 0}), cube()}));
   ASSERT_TRUE(solid);
   ASSERT_NO_THROW(solid->validate());
   EXPECT_EQ(solid->report.shells_dropped, 1u);
@@ -128,7 +126,7 @@ TEST(Sheets, AFinOnAnEdgeOfACubeIsCutOffAndDropped) {
       mesh.triangles.push_back({a, b, far});
       mesh.material.push_back(kNoIndex);
       mesh.node.push_back(0);
-      const Expected<Solid> solid = solid_of(mesh);
+      const Expected<Solid> solid = try_solid(mesh);
       ASSERT_TRUE(solid);
       ASSERT_NO_THROW(solid->validate());
       EXPECT_EQ(solid->report.nonmanifold_edges, 1u);
@@ -142,7 +140,7 @@ TEST(Orientation, TheMinorityOfAPatchIsFlippedWithItsWedges) {
   Mesh mesh = cube_with_seams();
   std::swap(mesh.triangles[2][1], mesh.triangles[2][2]);
   std::swap(mesh.triangles[7][0], mesh.triangles[7][1]);
-  const Expected<Solid> solid = solid_of(mesh);
+  const Expected<Solid> solid = try_solid(mesh);
   ASSERT_TRUE(solid);
   ASSERT_NO_THROW(solid->validate());
   EXPECT_EQ(solid->report.flipped, 2u);
@@ -150,32 +148,32 @@ TEST(Orientation, TheMinorityOfAPatchIsFlippedWithItsWedges) {
   for (std::size_t t = 0; t < 12; ++t)
     for (int k = 0; k < 3; ++k)
       EXPECT_EQ(mesh.positions[solid->wedges[t][k]], solid->positions[solid->triangles[t][k]]);
-  EXPECT_EQ(solid_of(mesh, kStrict).error().code, ErrorCode::kMeshNotClosed);
+  EXPECT_EQ(try_solid(mesh, kStrict).error().code, ErrorCode::kMeshNotClosed);
 }
 
 TEST(Orientation, AnInsideOutCubeIsTurned) {
-  const Expected<Solid> solid = solid_of(inside_out_cube());
+  const Expected<Solid> solid = try_solid(inside_out_cube());
   ASSERT_TRUE(solid);
   ASSERT_NO_THROW(solid->validate());
   EXPECT_EQ(solid->report.flipped, 12u);
   EXPECT_EQ(solid->report.volume, 1);
-  EXPECT_FALSE(solid_of(inside_out_cube(), kStrict));
+  EXPECT_FALSE(try_solid(inside_out_cube(), kStrict));
 }
 
 TEST(Orientation, AKleinBottleIsClosedSomewhereAndEndsAsASolidOrATypedRefusal) {
-  const Expected<Solid> solid = solid_of(klein_bottle());
+  const Expected<Solid> solid = try_solid(klein_bottle());
   if (solid) {
     EXPECT_NO_THROW(solid->validate());
     EXPECT_GT(solid->report.nonmanifold_edges, 0u);
   } else {
     EXPECT_EQ(solid.error().code, ErrorCode::kMeshNotClosed);
   }
-  EXPECT_FALSE(solid_of(klein_bottle(), kStrict));
+  EXPECT_FALSE(try_solid(klein_bottle(), kStrict));
 }
 
 TEST(Duplicates, ASecondCopyOfABodyIsDropped) {
   for (const Mesh& copy : {cube(2), reversed(cube(2))}) {
-    const Expected<Solid> solid = solid_of(joined({cube(2), copy}));
+    const Expected<Solid> solid = try_solid(joined({cube(2), copy}));
     ASSERT_TRUE(solid);
     ASSERT_NO_THROW(solid->validate());
     EXPECT_EQ(solid->report.duplicates_dropped, 48u);
@@ -190,7 +188,7 @@ TEST(Duplicates, ACopiedFaceIsDropped) {
     for (int i = 0; i < copies; ++i) mesh.triangles.push_back(mesh.triangles[4]);
     mesh.material.resize(mesh.triangles.size(), kNoIndex);
     mesh.node.resize(mesh.triangles.size(), 0);
-    const Expected<Solid> solid = solid_of(mesh);
+    const Expected<Solid> solid = try_solid(mesh);
     ASSERT_TRUE(solid);
     ASSERT_NO_THROW(solid->validate());
     EXPECT_EQ(solid->report.duplicates_dropped, static_cast<std::uint64_t>(copies));
@@ -200,7 +198,7 @@ TEST(Duplicates, ACopiedFaceIsDropped) {
 }
 
 TEST(Duplicates, TheCommonWallOfTwoTouchingCubesStaysAndTheyAreTwoParts) {
-  const Expected<Solid> solid = solid_of(two_cubes_sharing_a_face(), kStrict);
+  const Expected<Solid> solid = try_solid(two_cubes_sharing_a_face(), kStrict);
   ASSERT_TRUE(solid) << solid.error().detail;
   ASSERT_NO_THROW(solid->validate());
   EXPECT_EQ(solid->report.duplicates_dropped, 0u);
@@ -211,7 +209,7 @@ TEST(Duplicates, TheCommonWallOfTwoTouchingCubesStaysAndTheyAreTwoParts) {
 
 TEST(Nonmanifold, CubesThatShareAnEdgeOrAVertexComeApart) {
   for (const Mesh& mesh : {two_cubes_sharing_an_edge(), two_cubes_sharing_a_vertex()}) {
-    const Expected<Solid> solid = solid_of(mesh, kStrict);
+    const Expected<Solid> solid = try_solid(mesh, kStrict);
     ASSERT_TRUE(solid);
     ASSERT_NO_THROW(solid->validate());
     EXPECT_EQ(solid->positions.size(), 16u);
@@ -236,7 +234,7 @@ TEST(Nonmanifold, WedgesOfMaterialAroundAnEdgeArePairedWithoutCrossing) {
       if (volume_of(wedge) < 0) wedge = reversed(wedge);
       wedges.push_back(wedge);
     }
-    const Expected<Solid> solid = solid_of(joined(wedges), kStrict);
+    const Expected<Solid> solid = try_solid(joined(wedges), kStrict);
     ASSERT_TRUE(solid);
     ASSERT_NO_THROW(solid->validate());
     EXPECT_EQ(solid->parts.size(), static_cast<std::size_t>(n));
@@ -248,7 +246,7 @@ TEST(TolerantWeld, ClosesASurfaceWhoseVerticesDifferInTheLastBits) {
   Mesh mesh = unindexed(sphere_with(500));
   for (std::size_t i = 0; i < mesh.positions.size(); i += 3)
     mesh.positions[i].x = std::nextafter(mesh.positions[i].x, 2.0f);
-  const Expected<Solid> solid = solid_of(mesh);
+  const Expected<Solid> solid = try_solid(mesh);
   ASSERT_TRUE(solid);
   ASSERT_NO_THROW(solid->validate());
   EXPECT_GT(solid->report.welded_tolerant, 0u);
@@ -260,7 +258,7 @@ TEST(TolerantWeld, ClosesASurfaceWhoseVerticesDifferInTheLastBits) {
 TEST(TolerantWeld, LeavesVerticesApartThatCloseNothing) {
   // A closed cube of size 1 with a closed one of 1e-7 beside it: no open edges, nothing to weld.
   const Expected<Solid> solid =
-      solid_of(joined({cube(), translated(scaled(cube(), {0x1p-24, 0x1p-24, 0x1p-24}), {0, 0, 0})}));
+      try_solid(joined({cube(), translated(scaled(cube(), {0x1p-24, 0x1p-24, 0x1p-24}), {0, 0, 0})}));
   ASSERT_TRUE(solid);
   EXPECT_EQ(solid->report.welded_tolerant, 0u);
   EXPECT_EQ(solid->report.shells, 2u);
@@ -269,9 +267,9 @@ TEST(TolerantWeld, LeavesVerticesApartThatCloseNothing) {
 TEST(TolerantWeld, IsOffAtToleranceZeroAndInStrictMode) {
   Mesh mesh = unindexed(cube());
   mesh.positions[0].x = std::nextafter(mesh.positions[0].x, 2.0f);
-  EXPECT_FALSE(solid_of(mesh, kStrict));
-  EXPECT_EQ(solid_of(mesh, {.repair = Repair::kFill, .weld_tolerance = 0})->report.welded_tolerant, 0u);
-  EXPECT_EQ(solid_of(mesh)->report.welded_tolerant, 1u);
+  EXPECT_FALSE(try_solid(mesh, kStrict));
+  EXPECT_EQ(try_solid(mesh, {.repair = Repair::kFill, .weld_tolerance = 0})->report.welded_tolerant, 0u);
+  EXPECT_EQ(try_solid(mesh)->report.welded_tolerant, 1u);
 }
 
 }  // namespace

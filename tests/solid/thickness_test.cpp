@@ -6,12 +6,13 @@
 #include "tests/support/figures.hpp"
 #include "tests/support/mesh_files.hpp"
 #include "tests/support/shapes.hpp"
+#include "tests/support/solids.hpp"
 
 namespace fracture::test {
 namespace {
 
-Expected<Solid> solid_of(Mesh mesh, double thickness) {
-  return make_solid(std::make_shared<const Mesh>(std::move(mesh)), {.thickness = thickness}, {});
+Expected<Solid> thickened(Mesh mesh, double thickness) {
+  return try_solid(std::move(mesh), {.thickness = thickness});
 }
 
 /// n × n squares in the plane z = 0, facing +z, over the unit square.
@@ -28,7 +29,7 @@ Mesh sheet(int n) {
 }
 
 TEST(Thickness, AQuadBecomesASlabBehindItsFace) {
-  const Expected<Solid> solid = solid_of(open_quad(), 0.25);
+  const Expected<Solid> solid = thickened(open_quad(), 0.25);
   ASSERT_TRUE(solid) << solid.error().detail;
   ASSERT_NO_THROW(solid->validate());
   EXPECT_EQ(solid->report.sheets_thickened, 1u);
@@ -44,7 +45,7 @@ TEST(Thickness, AQuadBecomesASlabBehindItsFace) {
 }
 
 TEST(Thickness, ZeroRefusesTheQuad) {
-  EXPECT_EQ(solid_of(open_quad(), 0).error().code, ErrorCode::kMeshNotClosed);
+  EXPECT_EQ(thickened(open_quad(), 0).error().code, ErrorCode::kMeshNotClosed);
 }
 
 TEST(Thickness, ASubdividedSheetWithAHoleBecomesASlabWithAHole) {
@@ -58,7 +59,7 @@ TEST(Thickness, ASubdividedSheetWithAHoleBecomesASlabWithAHole) {
   mesh.material.resize(mesh.triangles.size());
   mesh.node.resize(mesh.triangles.size());
   ASSERT_EQ(mesh.triangles.size(), 48u);
-  const Expected<Solid> solid = solid_of(mesh, 0.5);
+  const Expected<Solid> solid = thickened(mesh, 0.5);
   ASSERT_TRUE(solid);
   ASSERT_NO_THROW(solid->validate());
   EXPECT_NEAR(solid->report.volume, 0.48, 1e-6);
@@ -70,7 +71,7 @@ TEST(Thickness, ASheetGivenFromBothSidesKeepsBothAndTheirWedges) {
   Mesh mesh = joined({front, reversed(front)});
   mesh.material.assign(mesh.triangles.size(), 1);
   for (std::size_t t = front.triangles.size(); t < mesh.triangles.size(); ++t) mesh.material[t] = 2;
-  const Expected<Solid> solid = solid_of(mesh, 0.125);
+  const Expected<Solid> solid = thickened(mesh, 0.125);
   ASSERT_TRUE(solid);
   ASSERT_NO_THROW(solid->validate());
   EXPECT_EQ(solid->report.volume, 0.125);
@@ -90,7 +91,7 @@ TEST(Thickness, ASheetGivenFromBothSidesKeepsBothAndTheirWedges) {
 }
 
 TEST(Thickness, LeavesSolidsAndLargeHolesAlone) {
-  const Expected<Solid> solid = solid_of(
+  const Expected<Solid> solid = thickened(
       joined({cube(), translated(cube_without({5}), {3, 0, 0}), translated(open_quad(), {6, 0, 0})}), 0.1);
   ASSERT_TRUE(solid);
   ASSERT_NO_THROW(solid->validate());
@@ -112,7 +113,7 @@ TEST(Thickness, ABentSheetFollowsItsNormals) {
     mesh.triangles.push_back({2 * i, 2 * i + 2, 2 * i + 3});
     mesh.triangles.push_back({2 * i, 2 * i + 3, 2 * i + 1});
   }
-  const Expected<Solid> solid = solid_of(mesh, 0.3);
+  const Expected<Solid> solid = thickened(mesh, 0.3);
   ASSERT_TRUE(solid);
   ASSERT_NO_THROW(solid->validate());
   const double exact = 3.14159265358979 / 4 * (1 - 0.7 * 0.7);
@@ -127,14 +128,14 @@ TEST(Thickness, AWallWhoseDiagonalRoundsToAPointTakesTheOther) {
   mesh.positions = {
       {kFar, kFar, kFar}, {kFar, kFar + 1000, kFar}, {kFar, kFar, kFar + 1000}, {kFar - 1, kFar, kFar}};
   mesh.triangles = {{0, 1, 2}, {1, 0, 3}};
-  const Expected<Solid> solid = solid_of(mesh, 1);
+  const Expected<Solid> solid = thickened(mesh, 1);
   ASSERT_TRUE(solid) << solid.error().detail;
   EXPECT_EQ(solid->report.sheets_thickened, 1u);
   EXPECT_NO_THROW(solid->validate());
 }
 
 TEST(Thickness, TooThinForFloat32IsRefused) {
-  EXPECT_FALSE(solid_of(translated(open_quad(), {1000, 1000, 1000}), 1e-6));
+  EXPECT_FALSE(thickened(translated(open_quad(), {1000, 1000, 1000}), 1e-6));
 }
 
 TEST(Thickness, TheSoupBecomesSlabs) {
@@ -142,7 +143,7 @@ TEST(Thickness, TheSoupBecomesSlabs) {
   if (!file) GTEST_SKIP() << "soup.stl is absent";
   const Expected<Mesh> mesh = load_mesh(*file);
   if (!mesh) GTEST_SKIP() << mesh.error().detail;
-  const Expected<Solid> solid = solid_of(*mesh, 0.01);
+  const Expected<Solid> solid = thickened(*mesh, 0.01);
   ASSERT_TRUE(solid);
   ASSERT_NO_THROW(solid->validate());
   EXPECT_EQ(solid->parts.size(), 100u);

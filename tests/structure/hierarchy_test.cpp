@@ -11,6 +11,7 @@
 #include "common/base/disjoint_sets.hpp"
 #include "common/structure/bond_graph.hpp"
 #include "common/structure/clusters.hpp"
+#include "tests/structure/seed.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/fractured.hpp"
 #include "tests/support/shapes.hpp"
@@ -18,8 +19,6 @@
 
 namespace fracture::test {
 namespace {
-
-constexpr std::uint64_t kSeed = 20261121;
 
 /// Sets of nodes of one cluster that bonds do not join: 0 when all are connected.
 std::size_t torn_clusters(std::size_t nodes, const std::vector<Bond>& bonds,

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tests/property/judge.hpp"
+#include "tests/structure/seed.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/fractured.hpp"
 #include "tests/support/shapes.hpp"
@@ -12,8 +13,6 @@
 
 namespace fracture::test {
 namespace {
-
-constexpr std::uint64_t kSeed = 20261121;
 
 /// By brute force over points of the region: cells that hold one of them must be among `found`.
 void expect_holds_every_cell(const Region& region, const std::vector<SiteId>& found,

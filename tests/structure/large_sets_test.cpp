@@ -15,24 +15,13 @@
 #include "common/structure/clusters.hpp"
 #include "common/structure/hierarchy.hpp"
 #include "common/structure/support.hpp"
+#include "tests/structure/blocks.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/poll_gaps.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace fracture::test {
 namespace {
-
-Fragment block(std::uint64_t id, const Vec3d& center) {
-  Fragment f;
-  f.id = id;
-  f.mass.volume = 1;
-  f.mass.center_of_mass = center;
-  return f;
-}
-void bind(FragmentSet& set, std::uint32_t a, std::uint32_t b, double area) {
-  const Vec3d ca = set.fragments[a].mass.center_of_mass, cb = set.fragments[b].mass.center_of_mass;
-  set.bonds.push_back({a, b, area, 0.5 * (ca + cb), (1 / length(cb - ca)) * (cb - ca)});
-}
 
 /// n x n x n unit cubes without shapes, each bound to those beside it.
 FragmentSet wall(std::uint32_t n) {

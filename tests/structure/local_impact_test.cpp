@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "tests/property/judge.hpp"
+#include "tests/structure/seed.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/fractured.hpp"
 #include "tests/support/shapes.hpp"
@@ -14,8 +15,6 @@
 
 namespace fracture::test {
 namespace {
-
-constexpr std::uint64_t kSeed = 20261121;
 
 FractureParameters hit(const Mesh& mesh, LocalRest rest) {
   FractureParameters p;

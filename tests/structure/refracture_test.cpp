@@ -7,6 +7,7 @@
 #include "common/fragment/fragment_mesh.hpp"
 #include "common/pipeline/refracture.hpp"
 #include "tests/property/judge.hpp"
+#include "tests/structure/seed.hpp"
 #include "tests/support/closed_inputs.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/fractured.hpp"
@@ -16,8 +17,6 @@
 
 namespace fracture::test {
 namespace {
-
-constexpr std::uint64_t kSeed = 20261121;
 
 Mesh largest_fragment(const Mesh& mesh, std::uint32_t sites) {
   FractureParameters p;

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "tests/property/judge.hpp"
+#include "tests/structure/seed.hpp"
 #include "tests/support/closed_inputs.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/fractured.hpp"
@@ -15,8 +16,6 @@
 
 namespace fracture::test {
 namespace {
-
-constexpr std::uint64_t kSeed = 20261121;
 
 std::uint64_t triangles_of(const FragmentSet& set) {
   std::uint64_t sum = 0;

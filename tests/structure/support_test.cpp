@@ -7,6 +7,7 @@
 
 #include "common/gltf/report_text.hpp"
 #include "common/structure/anchors.hpp"
+#include "tests/structure/blocks.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/fractured.hpp"
 #include "tests/support/shapes.hpp"
@@ -30,20 +31,10 @@ struct Blocks : FragmentSet {
 };
 Blocks blocks(const std::vector<Vec3d>& centers, const std::vector<std::uint32_t>& anchored) {
   Blocks set;
-  for (std::size_t k = 0; k < centers.size(); ++k) {
-    Fragment f;
-    f.id = 100 + k;
-    f.mass.volume = 1;
-    f.mass.center_of_mass = centers[k];
-    set.fragments.push_back(f);
-  }
+  for (std::size_t k = 0; k < centers.size(); ++k) set.fragments.push_back(block(100 + k, centers[k]));
   set.anchored = {std::vector<char>(centers.size(), 0), static_cast<std::uint32_t>(anchored.size())};
   for (const std::uint32_t k : anchored) set.anchored.held[k] = 1;
   return set;
-}
-void bind(FragmentSet& set, std::uint32_t a, std::uint32_t b, double area = 1) {
-  const Vec3d ca = set.fragments[a].mass.center_of_mass, cb = set.fragments[b].mass.center_of_mass;
-  set.bonds.push_back({a, b, area, 0.5 * (ca + cb), (1 / length(cb - ca)) * (cb - ca)});
 }
 
 TEST(Support, TowerCarriesTheWeightAboveEachBond) {

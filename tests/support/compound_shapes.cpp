@@ -1,16 +1,11 @@
 #include <array>
 #include <cmath>
 
+#include "tests/support/assemble.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace fracture::test {
 namespace {
-
-void finish(Mesh& mesh) {
-  mesh.material.assign(mesh.triangles.size(), kNoIndex);
-  mesh.node.assign(mesh.triangles.size(), 0);
-  mesh.node_names = {"shape"};
-}
 
 /// A grid of i × j points, closed both ways, as triangles; `turn` identifies (major, j) with (0, turn(j)).
 template <class Point, class Turn>

@@ -4,26 +4,15 @@
 #include <cmath>
 
 #include "common/base/random.hpp"
+#include "tests/support/assemble.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace fracture::test {
 namespace {
 
-Vec3f to_float(const Vec3d& p) {
-  return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
-}
-void finish(Mesh& mesh) {
-  mesh.material.assign(mesh.triangles.size(), kNoIndex);
-  mesh.node.assign(mesh.triangles.size(), 0);
-  mesh.node_names = {"growth"};
-}
 std::uint32_t add(Mesh& mesh, const Vec3d& p) {
   mesh.positions.push_back(to_float(p));
   return static_cast<std::uint32_t>(mesh.positions.size() - 1);
-}
-void add_quad(Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
-  mesh.triangles.push_back({a, b, c});
-  mesh.triangles.push_back({a, c, d});
 }
 double between(Random& random, double low, double high) {
   const double u = random.uniform();
@@ -81,7 +70,7 @@ GrowthInput comb(std::uint32_t n, std::uint64_t) {
   }
   wall(columns - 1, 0, columns - 1, 1);
   wall(0, 1, 0, 0);
-  finish(mesh);
+  finish(mesh, "growth");
   return {mesh, cut_once({5, 2, 0.5}, {0, 1, 0}), 0};
 }
 
@@ -188,7 +177,7 @@ GrowthInput fan(std::uint32_t n, std::uint64_t) {
     const std::uint32_t p = add(mesh, {a.cos, a.sin, 0.5}), q = add(mesh, {b.cos, b.sin, 0.5});
     mesh.triangles.insert(mesh.triangles.end(), {{low, p, high}, {low, high, q}, {low, q, p}, {high, p, q}});
   }
-  finish(mesh);
+  finish(mesh, "growth");
   return {mesh, {}, 20};
 }
 
@@ -205,7 +194,7 @@ GrowthInput holes(std::uint32_t n, std::uint64_t) {
     if (row % 2 == 0 || column % 2 == 0) kept.push_back(mesh.triangles[t]);
   }
   mesh.triangles = std::move(kept);
-  finish(mesh);
+  finish(mesh, "growth");
   return {mesh, {}, 20};
 }
 
@@ -236,7 +225,7 @@ GrowthInput umbrella(std::uint32_t n, std::uint64_t) {
     const std::uint32_t a = 2 + k, b = 2 + (k + 1) % count;
     mesh.triangles.insert(mesh.triangles.end(), {{high, a, b}, {low, b, a}});
   }
-  finish(mesh);
+  finish(mesh, "growth");
   return {mesh, {}, 10};
 }
 
@@ -302,7 +291,7 @@ Mesh prism_over(const std::vector<Vec2d>& polygon) {
   for (std::uint32_t k = 0; k < n; ++k) add_quad(mesh, k, (k + 1) % n, n + (k + 1) % n, n + k);
   for (std::uint32_t k = 1; k + 1 < n; ++k)
     mesh.triangles.insert(mesh.triangles.end(), {{0, k + 1, k}, {n, n + k, n + k + 1}});
-  finish(mesh);
+  finish(mesh, "growth");
   return mesh;
 }
 

@@ -4,26 +4,9 @@
 #include <cmath>
 #include <map>
 
+#include "tests/support/assemble.hpp"
+
 namespace fracture::test {
-namespace {
-
-Vec3f to_float(const Vec3d& p) {
-  return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
-}
-
-void finish(Mesh& mesh) {
-  mesh.material.assign(mesh.triangles.size(), kNoIndex);
-  mesh.node.assign(mesh.triangles.size(), 0);
-  mesh.node_names = {"shape"};
-}
-
-/// Adds the quad a b c d (counter-clockwise) as two triangles.
-void add_quad(Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
-  mesh.triangles.push_back({a, b, c});
-  mesh.triangles.push_back({a, c, d});
-}
-
-}  // namespace
 
 CirclePoint circle_point(std::int64_t k, std::int64_t n) {
   k = ((k % n) + n) % n;

@@ -1,12 +1,11 @@
 // Who may ask: bearer tokens and pages of other origins.
 #include <gtest/gtest.h>
 
+#include "tests/server/support/requests.hpp"
 #include "tests/server/support/test_server.hpp"
 
 namespace fracture::test {
 namespace {
-
-const std::string kObj = "Content-Type: model/obj\r\n";
 
 TestServerOptions with_tokens() {
   TestServerOptions options;

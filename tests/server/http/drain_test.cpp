@@ -5,6 +5,7 @@
 #include <thread>
 #include <vector>
 
+#include "tests/server/support/requests.hpp"
 #include "tests/server/support/test_server.hpp"
 #include "tests/support/eventually.hpp"
 
@@ -12,8 +13,6 @@ namespace fracture::test {
 namespace {
 
 using std::chrono::milliseconds;
-
-const std::string kPost = "POST /fracture HTTP/1.1\r\nHost: a\r\nContent-Type: model/obj\r\n";
 
 TEST(Drain, NotReadyAtOnceThenBusyRequestsFinishAndIdleConnectionsClose) {
   TestServer server;
@@ -24,7 +23,7 @@ TEST(Drain, NotReadyAtOnceThenBusyRequestsFinishAndIdleConnectionsClose) {
   RawClient idle(server.port()), busy(server.port());
   idle.send("GET /version HTTP/1.1\r\nHost: a\r\n\r\n");
   ASSERT_TRUE(idle.receive());
-  busy.send(kPost + "Content-Length: 4\r\n\r\nmesh");
+  busy.send(kPostObj + "Content-Length: 4\r\n\r\nmesh");
   require_eventually(kPatience, "a cut to begin", [&] { return server.control->cuts > 0; });
 
   server.api.set_draining();
@@ -54,7 +53,7 @@ TEST(Drain, AfterTheGraceWorkIsCancelledWithA503) {
     });
   };
   RawClient client(server.port());
-  client.send(kPost + "Content-Length: 4\r\n\r\nmesh");
+  client.send(kPostObj + "Content-Length: 4\r\n\r\nmesh");
   require_eventually(kPatience, "a cut to begin", [&] { return server.control->cuts > 0; });
   server.server.stop_accepting();
   server.server.cancel_jobs();

@@ -10,6 +10,7 @@
 #include "common/base/random.hpp"
 #include "tests/server/http/hostile_corpus.hpp"
 #include "tests/server/support/exposition.hpp"
+#include "tests/server/support/requests.hpp"
 #include "tests/server/support/test_server.hpp"
 #include "tests/support/eventually.hpp"
 
@@ -33,13 +34,11 @@ long peak_mib() {
 
 #define EXPECT_ALIVE(server) EXPECT_EQ((server).get("/version").status, 200)
 
-const std::string kPost = "POST /fracture HTTP/1.1\r\nHost: a\r\nContent-Type: model/obj\r\n";
-
 // Trap 1: Beast throws std::length_error out of run() on a long trailer field when its buffer is unbounded.
 TEST(Hostile, AGiantTrailerFieldIsAnsweredAndTheProcessLives) {
   TestServer server;
   RawClient client(server.port());
-  client.send(kPost + "Transfer-Encoding: chunked\r\n\r\n4\r\nmesh\r\n0\r\nX: ");
+  client.send(kPostObj + "Transfer-Encoding: chunked\r\n\r\n4\r\nmesh\r\n0\r\nX: ");
   client.send(std::string(300'000, 'x'));
   const auto reply = client.receive();
   ASSERT_TRUE(reply);
@@ -51,7 +50,7 @@ TEST(Hostile, AnEndlessChunkExtensionIsCutOffWithoutGrowingMemory) {
   TestServer server;
   const long before = peak_mib();
   RawClient client(server.port());
-  client.send(kPost + "Transfer-Encoding: chunked\r\n\r\n4;x=");
+  client.send(kPostObj + "Transfer-Encoding: chunked\r\n\r\n4;x=");
   const std::string block(1 << 20, 'x');
   for (int i = 0; i < 64 && client.send(block); ++i) {
   }
@@ -68,7 +67,7 @@ TEST(Hostile, ManyChunksWithLongExtensionsAreBoundedInTotal) {
   options.limits.max_body = 1 << 16;
   TestServer server(options);
   RawClient client(server.port());
-  client.send(kPost + "Transfer-Encoding: chunked\r\n\r\n");
+  client.send(kPostObj + "Transfer-Encoding: chunked\r\n\r\n");
   const std::string chunk = "1;" + std::string(30'000, 'x') + "\r\nm\r\n";
   for (int i = 0; i < 1000 && client.send(chunk); ++i) {
   }
@@ -106,7 +105,7 @@ TEST(Hostile, ExpectationsAreAnsweredBeforeTheBody) {
   const std::string expect = "Expect: 100-continue\r\n";
   {
     RawClient client(server.port());
-    client.send(kPost + expect + "Content-Length: 4\r\n\r\n");
+    client.send(kPostObj + expect + "Content-Length: 4\r\n\r\n");
     const auto interim = client.receive();
     ASSERT_TRUE(interim);
     EXPECT_EQ(interim->status, 100);
@@ -114,12 +113,12 @@ TEST(Hostile, ExpectationsAreAnsweredBeforeTheBody) {
     EXPECT_EQ(client.receive()->status, 200);
   }
   const std::vector<std::pair<std::string, int>> refused = {
-      {kPost + expect + "Content-Length: 99999999\r\n\r\n", 413},
+      {kPostObj + expect + "Content-Length: 99999999\r\n\r\n", 413},
       {"POST /fracture?sites=0 HTTP/1.1\r\nHost: a\r\nContent-Type: model/obj\r\nContent-Length: 4\r\n" +
            expect + "\r\n",
        400},
       {"POST /nothing HTTP/1.1\r\nHost: a\r\nContent-Length: 4\r\n" + expect + "\r\n", 404},
-      {kPost + "Expect: a-miracle\r\nContent-Length: 4\r\n\r\n", 417},
+      {kPostObj + "Expect: a-miracle\r\nContent-Length: 4\r\n\r\n", 417},
   };
   for (const auto& [request, status] : refused) {
     RawClient client(server.port());
@@ -136,7 +135,7 @@ TEST(Hostile, ABodyOverTheLimitIsAnsweredWhileTheClientStillSends) {
   for (const bool chunked : {false, true}) {
     RawClient client(server.port());
     const std::string block(1 << 20, 'x');
-    client.send(kPost +
+    client.send(kPostObj +
                 (chunked ? "Transfer-Encoding: chunked\r\n\r\n" : "Content-Length: 33554432\r\n\r\n"));
     // A client that does not look at the answer before it has sent everything: a server that closed at once
     // would reset the connection, and on many systems that destroys the answer.
@@ -184,7 +183,7 @@ TEST(Hostile, SlowHeadersAndBodiesAre408AndIdleConnectionsJustClose) {
   }
   {
     RawClient client(server.port());
-    client.send(kPost + "Content-Length: 100\r\n\r\nabc");
+    client.send(kPostObj + "Content-Length: 100\r\n\r\nabc");
     const auto reply = client.receive();
     ASSERT_TRUE(reply);
     EXPECT_EQ(reply->problem(), "request-timeout");
@@ -202,7 +201,7 @@ TEST(Hostile, AClientThatNeverReadsIsDroppedWhenItsWindowIsFull) {
   TestServer server(options);
   server.control->glb_padding = 64u << 20;
   RawClient client(server.port());
-  client.send(kPost + "Content-Length: 4\r\n\r\nmesh");
+  client.send(kPostObj + "Content-Length: 4\r\n\r\nmesh");
   require_eventually(kPatience, "a cut to begin", [&] { return server.control->cuts > 0; });
   EXPECT_TRUE(
       eventually(kPatience, "the end of the connection", [&] { return server.server.connections() == 0; }));
@@ -217,7 +216,7 @@ TEST(Hostile, AHalfClosingClientGetsItsAnswer) {
     }
   };
   RawClient client(server.port());
-  client.send(kPost + "Content-Length: 4\r\n\r\nmesh");
+  client.send(kPostObj + "Content-Length: 4\r\n\r\nmesh");
   client.half_close();
   const auto reply = client.receive();
   ASSERT_TRUE(reply);
@@ -228,7 +227,7 @@ TEST(Hostile, AHalfClosingClientGetsItsAnswer) {
 TEST(Hostile, AHalfCloseInsideTheBodyIsAnswered) {
   TestServer server;
   RawClient client(server.port());
-  client.send(kPost + "Content-Length: 100\r\n\r\nabc");
+  client.send(kPostObj + "Content-Length: 100\r\n\r\nabc");
   client.half_close();
   const auto reply = client.receive();
   ASSERT_TRUE(reply);
@@ -244,7 +243,7 @@ TEST(Hostile, AResetCancelsTheWork) {
     });
   };
   RawClient client(server.port());
-  client.send(kPost + "Content-Length: 4\r\n\r\nmesh");
+  client.send(kPostObj + "Content-Length: 4\r\n\r\nmesh");
   require_eventually(kPatience, "a cut to begin", [&] { return server.control->cuts > 0; });
   client.reset();
   server.pool.wait_idle();
@@ -361,7 +360,7 @@ TEST(Hostile, AtTheLimitOfOpenFilesTheServerNeitherSpinsNorDies) {
 TEST(Hostile, BrokenAndRandomBytesAreAnsweredOrClosed) {
   TestServer server;
   Random random(20260101);
-  const std::string seed_text = kPost + "Transfer-Encoding: chunked\r\n\r\n4\r\nmesh\r\n0\r\n\r\n";
+  const std::string seed_text = kPostObj + "Transfer-Encoding: chunked\r\n\r\n4\r\nmesh\r\n0\r\n\r\n";
   for (int i = 0; i < 300; ++i) {
     std::string bytes = seed_text;
     const int edits = 1 + static_cast<int>(random.below(4));

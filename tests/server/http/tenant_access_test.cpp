@@ -1,7 +1,9 @@
 // Names of a token file: what each may ask, and how often.
 #include <gmock/gmock.h>
 
+#include "tests/server/http/with_tenants.hpp"
 #include "tests/server/support/exposition.hpp"
+#include "tests/server/support/requests.hpp"
 #include "tests/server/support/tenant_file.hpp"
 #include "tests/server/support/test_server.hpp"
 #include "tests/support/eventually.hpp"
@@ -9,17 +11,9 @@
 namespace fracture::test {
 namespace {
 
-const std::string kObj = "Content-Type: model/obj\r\n";
-
-TestServerOptions with(const std::vector<nlohmann::json>& tenants) {
-  TestServerOptions options;
-  options.server.tokens = *tenants::TokenFile::parse(tenant_file(tenants));
-  return options;
-}
-
 TEST(TenantAccess, AScopeOpensItsRoutesAndNoOther) {
-  TestServer server(with({tenant("reader", {"read"}), tenant("breaker", {"fracture"}),
-                          tenant("baker", {"bake"}), tenant("boss", {"admin"})}));
+  TestServer server(with_tenants({tenant("reader", {"read"}), tenant("breaker", {"fracture"}),
+                                  tenant("baker", {"bake"}), tenant("boss", {"admin"})}));
   const std::string id = "sha256:" + sha256(std::string_view("a mesh")).hex();
   const std::string async = "Prefer: respond-async\r\n";
   struct Case {
@@ -64,7 +58,7 @@ TEST(TenantAccess, ATokenThatHasExpiredIsRefusedAndItsSuccessorIsNot) {
   studio["tokens"][0]["expires"] = "2001-01-01T00:00:00Z";
   studio["tokens"].push_back(
       {{"sha256", sha256(std::string_view(token_of("next"))).hex()}, {"expires", "2999-01-01T00:00:00Z"}});
-  TestServer server(with({studio}));
+  TestServer server(with_tenants({studio}));
   const Reply reply = server.get("/version", by("studio"));
   EXPECT_EQ(reply.status, 401);
   EXPECT_NE(reply.body.find("expired"), std::string::npos);
@@ -73,7 +67,8 @@ TEST(TenantAccess, ATokenThatHasExpiredIsRefusedAndItsSuccessorIsNot) {
 }
 
 TEST(TenantAccess, OverItsRequestsANameGets429WithTheTimeAndOthersAreServed) {
-  TestServer server(with({tenant("greedy", {"read"}, {{"requests_per_second", 0.01}}), tenant("quiet")}));
+  TestServer server(
+      with_tenants({tenant("greedy", {"read"}, {{"requests_per_second", 0.01}}), tenant("quiet")}));
   const Reply first = server.get("/version", by("greedy"));
   EXPECT_EQ(first.status, 200);
   EXPECT_EQ(first.header("ratelimit-policy"), "\"requests\";q=1;w=100");
@@ -89,7 +84,8 @@ TEST(TenantAccess, OverItsRequestsANameGets429WithTheTimeAndOthersAreServed) {
 }
 
 TEST(TenantAccess, UsageStandsByNameInTheMetrics) {
-  TestServer server(with({tenant("greedy", {"read"}, {{"requests_per_second", 0.01}}), tenant("quiet")}));
+  TestServer server(
+      with_tenants({tenant("greedy", {"read"}, {{"requests_per_second", 0.01}}), tenant("quiet")}));
   server.get("/version", by("greedy"));
   server.get("/version", by("greedy"));
   server.post("/fracture", "a mesh", kObj + by("quiet"));
@@ -106,7 +102,7 @@ TEST(TenantAccess, UsageStandsByNameInTheMetrics) {
 TEST(TenantAccess, TheMetricsOfManyNamesAreBounded) {
   std::vector<nlohmann::json> tenants;
   for (int k = 0; k < 150; ++k) tenants.push_back(tenant(std::string("n").append(std::to_string(1000 + k))));
-  TestServer server(with(tenants));
+  TestServer server(with_tenants(tenants));
   server.get("/version", by("n1000"));
   server.get("/version", by("n1149"));
   server.get("/version", by("n1148"));

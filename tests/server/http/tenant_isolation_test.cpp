@@ -5,7 +5,9 @@
 #include <atomic>
 #include <thread>
 
+#include "tests/server/http/with_tenants.hpp"
 #include "tests/server/support/gzip.hpp"
+#include "tests/server/support/requests.hpp"
 #include "tests/server/support/tenant_file.hpp"
 #include "tests/server/support/test_server.hpp"
 #include "tests/support/eventually.hpp"
@@ -13,16 +15,8 @@
 namespace fracture::test {
 namespace {
 
-const std::string kObj = "Content-Type: model/obj\r\n", kAsync = "Prefer: respond-async\r\n";
-
-TestServerOptions with(const std::vector<nlohmann::json>& tenants) {
-  TestServerOptions options;
-  options.server.tokens = *tenants::TokenFile::parse(tenant_file(tenants));
-  return options;
-}
-
 struct Isolation : testing::Test {
-  TestServer server{with({tenant("ana"), tenant("bob"), tenant("boss", {"read", "bake", "admin"})})};
+  TestServer server{with_tenants({tenant("ana"), tenant("bob"), tenant("boss", {"read", "bake", "admin"})})};
   const std::string id = "sha256:" + sha256(std::string_view("a mesh")).hex();
 
   int status(const std::string& method, const std::string& target, const std::string& name,
@@ -141,7 +135,7 @@ TEST_F(Isolation, WhatANameHoldsStandsInTheMetrics) {
 
 TEST(Tenants, AnswersOverTheShareAreForgottenTheLeastRecentlyUsedFirst) {
   TestServerOptions options =
-      with({tenant("ana", {"read", "fracture"}, {{"cached_bytes", 25'000}}), tenant("bob")});
+      with_tenants({tenant("ana", {"read", "fracture"}, {{"cached_bytes", 25'000}}), tenant("bob")});
   TestServer server(options);
   server.control->glb_padding = 10'000;
   std::vector<std::string> answers;
@@ -159,7 +153,8 @@ TEST(Tenants, AnswersOverTheShareAreForgottenTheLeastRecentlyUsedFirst) {
 }
 
 TEST(Tenants, WhatWasMadeOfAForgottenAnswerIsForgottenWithIt) {
-  TestServer server(with({tenant("ana", {"read", "fracture"}, {{"cached_bytes", 15'000}}), tenant("bob")}));
+  TestServer server(
+      with_tenants({tenant("ana", {"read", "fracture"}, {{"cached_bytes", 15'000}}), tenant("bob")}));
   server.control->glb_padding = 10'000;
   const std::string first =
       server.post("/fracture?seed=1", "a mesh", kObj + by("ana")).header("content-location");
@@ -173,7 +168,7 @@ TEST(Tenants, WhatWasMadeOfAForgottenAnswerIsForgottenWithIt) {
 }
 
 TEST(Tenants, TheLedgerIsBoundedAndWhoHasMostForgetsFirst) {
-  TestServerOptions options = with({tenant("ana"), tenant("bob")});
+  TestServerOptions options = with_tenants({tenant("ana"), tenant("bob")});
   options.limits.answer_ledger = 5 * tenants::AnswerLedger::kBytesPerEntry;
   TestServer server(options);
   const auto made = [&](const std::string& name, int seed) {
@@ -191,7 +186,8 @@ TEST(Tenants, TheLedgerIsBoundedAndWhoHasMostForgetsFirst) {
 }
 
 TEST(Tenants, AMeshOverTheShareIsRefused) {
-  TestServer server(with({tenant("ana", {"read", "fracture"}, {{"stored_bytes", 20'000}}), tenant("bob")}));
+  TestServer server(
+      with_tenants({tenant("ana", {"read", "fracture"}, {{"stored_bytes", 20'000}}), tenant("bob")}));
   const std::string large(50'000, 'm');
   EXPECT_EQ(server.post("/meshes", large, kObj + by("ana")).status, 413);
   EXPECT_EQ(server.post("/meshes", large, kObj + by("bob")).status, 201);
@@ -199,7 +195,7 @@ TEST(Tenants, AMeshOverTheShareIsRefused) {
 }
 
 TEST(Tenants, ComputationsOverTheShareAre429AndTheOthersAreServed) {
-  TestServer server(with({tenant("greedy", {"fracture"}, {{"computations", 1}}), tenant("quiet")}));
+  TestServer server(with_tenants({tenant("greedy", {"fracture"}, {{"computations", 1}}), tenant("quiet")}));
   std::atomic<bool> open{false};
   server.control->during_cut = [&](const Execution& execution) {
     while (!open) execution.poll();
@@ -222,7 +218,7 @@ TEST(Tenants, ComputationsOverTheShareAre429AndTheOthersAreServed) {
 }
 
 TEST(Tenants, ARequestOfSeveralStepsHasOnePlaceAmongTheComputationsOfItsName) {
-  TestServer server(with({tenant("ana", {"fracture"}, {{"computations", 1}})}));
+  TestServer server(with_tenants({tenant("ana", {"fracture"}, {{"computations", 1}})}));
   const std::string body = gzip(std::string(2u << 20, 'x'));
   const std::string fields = kObj + by("ana") + "Content-Encoding: gzip\r\nAccept-Encoding: zstd\r\n";
   for (int seed = 0; seed < 10; ++seed)  // decoded, computed, compressed; and again at once
@@ -230,7 +226,7 @@ TEST(Tenants, ARequestOfSeveralStepsHasOnePlaceAmongTheComputationsOfItsName) {
 }
 
 TEST(Tenants, AJobKeepsThePlaceThatItsBodyHadTaken) {
-  TestServer server(with({tenant("ana", {"fracture", "bake"}, {{"computations", 1}})}));
+  TestServer server(with_tenants({tenant("ana", {"fracture", "bake"}, {{"computations", 1}})}));
   std::atomic<bool> open{false};
   server.control->during_cut = [&](const Execution& execution) {
     while (!open) execution.poll();
@@ -245,7 +241,8 @@ TEST(Tenants, AJobKeepsThePlaceThatItsBodyHadTaken) {
 }
 
 TEST(Tenants, ANameWithoutRealtimeIsServedAsBatch) {
-  TestServerOptions options = with({tenant("low", {"fracture"}, {{"priority", "batch"}}), tenant("high")});
+  TestServerOptions options =
+      with_tenants({tenant("low", {"fracture"}, {{"priority", "batch"}}), tenant("high")});
   options.threads = 1;
   options.limits.realtime_deadline = std::chrono::hours(1);
   TestServer server(options);

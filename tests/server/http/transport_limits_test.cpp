@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tests/server/support/exposition.hpp"
+#include "tests/server/support/requests.hpp"
 #include "tests/server/support/test_server.hpp"
 #include "tests/support/eventually.hpp"
 
@@ -15,11 +16,10 @@ namespace {
 
 using std::chrono::milliseconds;
 
-const std::string kPost = "POST /fracture HTTP/1.1\r\nHost: a\r\nContent-Type: model/obj\r\n";
 constexpr std::size_t kKiB = 1024, kMiB = 1024 * kKiB;
 
 std::string announce(std::size_t bytes) {
-  return kPost + "Content-Length: " + std::to_string(bytes) + "\r\n\r\n";
+  return kPostObj + "Content-Length: " + std::to_string(bytes) + "\r\n\r\n";
 }
 
 /// A client that has announced a body and sent a part of it, which the server holds.
@@ -75,7 +75,7 @@ TEST_F(BodyMemory, AChunkedBodyIsSmallUntilItIsNot) {
     RawClient client(server.port());
     char length[32];
     std::snprintf(length, sizeof length, "%zx\r\n", size);
-    client.send(kPost + "Transfer-Encoding: chunked\r\n\r\n" + length + std::string(size, 'x') +
+    client.send(kPostObj + "Transfer-Encoding: chunked\r\n\r\n" + length + std::string(size, 'x') +
                 "\r\n0\r\n\r\n");
     return client.receive().value().status;
   };
@@ -91,7 +91,7 @@ TEST_F(BodyMemory, AChunkedBodyIsForTheMostPartBody) {
     std::string many;
     while (many.size() < 100 * kKiB) many += chunk;
     RawClient client(server.port());
-    client.send(kPost + "Transfer-Encoding: chunked\r\n\r\n");
+    client.send(kPostObj + "Transfer-Encoding: chunked\r\n\r\n");
     std::size_t sent = 0;
     std::atomic<bool> answered{false};
     std::thread reader([&] {

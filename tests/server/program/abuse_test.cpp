@@ -8,16 +8,12 @@
 #include "tests/server/support/child_process.hpp"
 #include "tests/server/support/exposition.hpp"
 #include "tests/server/support/raw_client.hpp"
+#include "tests/server/support/requests.hpp"
 #include "tests/server/support/server_process.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::test {
 namespace {
-
-const std::string kCube =
-    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
-    "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
-const std::string kObj = "Content-Type: model/obj\r\n";
 
 Exposition metrics(ServeProcess& server) {
   return parse_exposition(ask(server.admin_port, "GET", "/metrics").body);

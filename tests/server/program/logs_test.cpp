@@ -6,16 +6,13 @@
 #include <thread>
 
 #include "tests/server/support/raw_client.hpp"
+#include "tests/server/support/requests.hpp"
 #include "tests/server/support/server_process.hpp"
 
 namespace fracture::test {
 namespace {
 
 using nlohmann::json;
-
-const std::string kCube =
-    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
-    "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
 
 /// Stops the server and parses what it has logged since it listened; every line must be one JSON object.
 std::vector<json> log_of(ServeProcess& server) {

@@ -7,6 +7,7 @@
 #include "tests/server/http/hostile_corpus.hpp"
 #include "tests/server/support/exposition.hpp"
 #include "tests/server/support/proxies.hpp"
+#include "tests/server/support/requests.hpp"
 #include "tests/server/support/server_process.hpp"
 #include "tests/server/support/test_server.hpp"
 #include "tests/support/eventually.hpp"
@@ -75,10 +76,6 @@ TEST_P(BehindProxy, EveryHopCountsTheSameRequests) {
 
 INSTANTIATE_TEST_SUITE_P(Proxies, BehindProxy, testing::Values(Proxy::Kind::kHaproxy, Proxy::Kind::kNginx),
                          [](const auto& instance) { return std::string(Proxy::name(instance.param)); });
-
-const std::string kCube =
-    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
-    "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
 
 // Two servers behind HAProxy, which asks /readyz: one is told to stop while clients ask without a pause. The
 // drain delay is ten times what the proxy needs to notice.

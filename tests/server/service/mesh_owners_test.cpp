@@ -4,31 +4,24 @@
 #include <string>
 
 #include "server/service/mesh_store.hpp"
+#include "tests/server/service/stored_mesh.hpp"
 
 namespace fracture {
 namespace {
 
 using std::chrono::seconds;
+using test::stored_mesh;
 using Put = MeshStore::Put;
 using Whose = MeshStore::Whose;
-
-std::shared_ptr<const StoredMesh> mesh(const std::string& digest, std::size_t bytes, char fill = 'x') {
-  const auto text = std::make_shared<const std::string>(bytes, fill);
-  auto stored = std::make_shared<StoredMesh>();
-  stored->digest = digest;
-  stored->owner = text;
-  stored->mesh = std::as_bytes(std::span(text->data(), text->size()));
-  return stored;
-}
 
 struct MeshOwners : testing::Test {
   MeshStore store{{.quota_bytes = 100'000, .ttl = seconds(1000)}};
   /// What a mesh takes besides its bytes.
-  const std::uint64_t around = mesh("a", 1)->held() - 1;
+  const std::uint64_t around = stored_mesh("a", 1)->held() - 1;
 };
 
 TEST_F(MeshOwners, EachSeesItsOwnAndAnAdministratorAll) {
-  EXPECT_EQ(store.put(mesh("a", 10), {"ana"}), Put::kCreated);
+  EXPECT_EQ(store.put(stored_mesh("a", 10), {"ana"}), Put::kCreated);
   EXPECT_TRUE(store.find("a", "ana", Whose::kOwn));
   EXPECT_FALSE(store.find("a", "bob", Whose::kOwn));
   EXPECT_FALSE(store.find("a", "", Whose::kOwn));
@@ -38,9 +31,10 @@ TEST_F(MeshOwners, EachSeesItsOwnAndAnAdministratorAll) {
 }
 
 TEST_F(MeshOwners, EqualUploadsHaveSeveralOwnersAndOneOfThemLeavingTakesNothingFromTheOther) {
-  store.put(mesh("a", 1000), {"ana"});
+  store.put(stored_mesh("a", 1000), {"ana"});
   const std::uint64_t once = store.figures().bytes;
-  EXPECT_EQ(store.put(mesh("a", 1000), {"bob"}), Put::kCreated) << "that it was there is not for bob to know";
+  EXPECT_EQ(store.put(stored_mesh("a", 1000), {"bob"}), Put::kCreated)
+      << "that it was there is not for bob to know";
   EXPECT_EQ(store.figures().bytes, once + around) << "its bytes once";
   EXPECT_EQ(store.figures().meshes, 1u);
   EXPECT_EQ(store.find("a", "ana", Whose::kOwn)->mesh.data(),
@@ -56,10 +50,10 @@ TEST_F(MeshOwners, EqualUploadsHaveSeveralOwnersAndOneOfThemLeavingTakesNothingF
 }
 
 TEST_F(MeshOwners, FormatAndReportAreEachOwners) {
-  auto first = std::make_shared<StoredMesh>(*mesh("a", 10));
+  auto first = std::make_shared<StoredMesh>(*stored_mesh("a", 10));
   first->format = MeshFormat::kObj;
   first->report = "of ana";
-  auto second = std::make_shared<StoredMesh>(*mesh("a", 10));
+  auto second = std::make_shared<StoredMesh>(*stored_mesh("a", 10));
   second->format = MeshFormat::kStl;
   second->report = "of bob";
   store.put(first, {"ana"});
@@ -70,28 +64,29 @@ TEST_F(MeshOwners, FormatAndReportAreEachOwners) {
 }
 
 TEST_F(MeshOwners, WhoseDigestIsEqualButWhoseBytesAreNotIsHandedNoneOfTheOther) {
-  store.put(mesh("a", 10, 'x'), {"ana"});
-  store.put(mesh("a", 10, 'y'), {"bob"});
+  store.put(stored_mesh("a", 10, 'x'), {"ana"});
+  store.put(stored_mesh("a", 10, 'y'), {"bob"});
   EXPECT_EQ(static_cast<char>(store.find("a", "ana", Whose::kOwn)->mesh[0]), 'x');
   EXPECT_EQ(static_cast<char>(store.find("a", "bob", Whose::kOwn)->mesh[0]), 'y');
 }
 
 TEST_F(MeshOwners, OverItsShareAnOwnersLeastRecentlyUsedLeaves) {
   const MeshStore::Owner ana{"ana", 3 * (100 + around)};
-  store.put(mesh("x", 100, 'x'), {"bob"});
-  for (const char* name : {"a", "b", "c"}) EXPECT_EQ(store.put(mesh(name, 100, *name), ana), Put::kCreated);
+  store.put(stored_mesh("x", 100, 'x'), {"bob"});
+  for (const char* name : {"a", "b", "c"})
+    EXPECT_EQ(store.put(stored_mesh(name, 100, *name), ana), Put::kCreated);
   EXPECT_TRUE(store.find("a", "ana", Whose::kOwn));
-  EXPECT_EQ(store.put(mesh("d", 100, 'd'), ana), Put::kCreated);
+  EXPECT_EQ(store.put(stored_mesh("d", 100, 'd'), ana), Put::kCreated);
   EXPECT_FALSE(store.find("b", "ana", Whose::kOwn));
   EXPECT_TRUE(store.find("a", "ana", Whose::kOwn) && store.find("x", "bob", Whose::kOwn));
-  EXPECT_EQ(store.put(mesh("large", 5000), ana), Put::kOverShare);
+  EXPECT_EQ(store.put(stored_mesh("large", 5000), ana), Put::kOverShare);
   EXPECT_EQ(store.bytes_of("ana"), 3 * (100 + around));
 }
 
 TEST_F(MeshOwners, WhoHasMostMakesRoomForTheOthers) {
-  store.put(mesh("quiet", 5'000, 'q'), {"bob"});
+  store.put(stored_mesh("quiet", 5'000, 'q'), {"bob"});
   for (int k = 0; k < 100; ++k)
-    store.put(mesh("flood " + std::to_string(k), 5'000, static_cast<char>(k)), {"ana"});
+    store.put(stored_mesh("flood " + std::to_string(k), 5'000, static_cast<char>(k)), {"ana"});
   EXPECT_TRUE(store.find("quiet", "bob", Whose::kOwn)) << "the least recently used of all";
   EXPECT_LE(store.figures().bytes, 100'000u);
   EXPECT_GT(store.bytes_of("ana"), 80'000u);
@@ -100,8 +95,8 @@ TEST_F(MeshOwners, WhoHasMostMakesRoomForTheOthers) {
 TEST_F(MeshOwners, TheTimeToLiveIsOfEachOwner) {
   MeshStore brief({.quota_bytes = 100'000, .ttl = seconds(10)});
   const MeshStore::Clock::time_point start{};
-  brief.put(mesh("a", 10), {"ana"}, start);
-  brief.put(mesh("a", 10), {"bob"}, start + seconds(5));
+  brief.put(stored_mesh("a", 10), {"ana"}, start);
+  brief.put(stored_mesh("a", 10), {"bob"}, start + seconds(5));
   brief.sweep(start + seconds(10));
   EXPECT_FALSE(brief.find("a", "ana", Whose::kOwn, start + seconds(10)));
   EXPECT_TRUE(brief.find("a", "bob", Whose::kOwn, start + seconds(10)));

@@ -6,31 +6,24 @@
 #include <string>
 
 #include "common/digest/digest.hpp"
+#include "tests/server/service/stored_mesh.hpp"
 
 namespace fracture {
 namespace {
 
 using std::chrono::seconds;
+using test::stored_mesh;
 using Put = MeshStore::Put;
 
-std::shared_ptr<const StoredMesh> mesh(const std::string& digest, std::size_t bytes) {
-  const auto text = std::make_shared<const std::string>(bytes, 'x');
-  auto stored = std::make_shared<StoredMesh>();
-  stored->digest = digest;
-  stored->owner = text;
-  stored->mesh = std::as_bytes(std::span(text->data(), text->size()));
-  return stored;
-}
-
 /// What a mesh takes besides its bytes.
-const std::uint64_t kAround = mesh("a", 1)->held() - 1;
+const std::uint64_t kAround = stored_mesh("a", 1)->held() - 1;
 
 TEST(MeshStore, TheLeastRecentlyUsedLeavesWhenTheQuotaIsReached) {
   MeshStore store({.quota_bytes = 100 + 2 * kAround, .ttl = seconds(1000)});
-  EXPECT_EQ(store.put(mesh("a", 40)), Put::kCreated);
-  EXPECT_EQ(store.put(mesh("b", 40)), Put::kCreated);
+  EXPECT_EQ(store.put(stored_mesh("a", 40)), Put::kCreated);
+  EXPECT_EQ(store.put(stored_mesh("b", 40)), Put::kCreated);
   EXPECT_TRUE(store.find("a"));
-  EXPECT_EQ(store.put(mesh("c", 40)), Put::kCreated);
+  EXPECT_EQ(store.put(stored_mesh("c", 40)), Put::kCreated);
   EXPECT_FALSE(store.find("b"));
   EXPECT_TRUE(store.find("a"));
   EXPECT_EQ(store.figures().bytes, 80 + 2 * kAround);
@@ -39,15 +32,15 @@ TEST(MeshStore, TheLeastRecentlyUsedLeavesWhenTheQuotaIsReached) {
 
 TEST(MeshStore, WhatIsOverTheQuotaAloneIsNotStoredAndMovesNobody) {
   MeshStore store({.quota_bytes = 100 + kAround, .ttl = seconds(1000)});
-  store.put(mesh("a", 100));
-  EXPECT_EQ(store.put(mesh("b", 101)), Put::kOverQuota);
+  store.put(stored_mesh("a", 100));
+  EXPECT_EQ(store.put(stored_mesh("b", 101)), Put::kOverQuota);
   EXPECT_TRUE(store.find("a"));
 }
 
 TEST(MeshStore, AMeshThatIsPutAgainIsThereOnce) {
   MeshStore store({.quota_bytes = 100 + kAround, .ttl = seconds(1000)});
-  store.put(mesh("a", 60));
-  EXPECT_EQ(store.put(mesh("a", 60)), Put::kReplaced);
+  store.put(stored_mesh("a", 60));
+  EXPECT_EQ(store.put(stored_mesh("a", 60)), Put::kReplaced);
   EXPECT_EQ(store.figures().bytes, 60 + kAround);
   EXPECT_EQ(store.figures().meshes, 1u);
 }
@@ -55,8 +48,8 @@ TEST(MeshStore, AMeshThatIsPutAgainIsThereOnce) {
 TEST(MeshStore, TheTimeToLiveBeginsAnewWithEachUse) {
   MeshStore store({.quota_bytes = 100 + 2 * kAround, .ttl = seconds(10)});
   const MeshStore::Clock::time_point start{};
-  store.put(mesh("a", 10), start);
-  store.put(mesh("b", 10), start);
+  store.put(stored_mesh("a", 10), start);
+  store.put(stored_mesh("b", 10), start);
   EXPECT_TRUE(store.find("a", start + seconds(9)));
   EXPECT_FALSE(store.find("b", start + seconds(10)));
   EXPECT_TRUE(store.find("a", start + seconds(18)));
@@ -71,7 +64,7 @@ TEST(MeshStore, ManySmallMeshesAreChargedWithTheTablesTheyStandIn) {
   MeshStore store({.quota_bytes = 100u << 20, .ttl = seconds(1000)});
   const std::string owner = "a name as long as names may be, which is 64 letters and no more.";
   const std::size_t before = ::mallinfo2().uordblks;
-  for (int k = 0; k < 10'000; ++k) store.put(mesh(sha256(std::to_string(k)).hex(), 100), {owner});
+  for (int k = 0; k < 10'000; ++k) store.put(stored_mesh(sha256(std::to_string(k)).hex(), 100), {owner});
   const std::size_t held = ::mallinfo2().uordblks - before;
   EXPECT_EQ(store.figures().meshes, 10'000u);
   EXPECT_GE(store.figures().bytes, held);
@@ -81,7 +74,7 @@ TEST(MeshStore, ManySmallMeshesAreChargedWithTheTablesTheyStandIn) {
 
 TEST(MeshStore, WhoHoldsAMeshKeepsItsBytes) {
   MeshStore store({.quota_bytes = 100 + kAround, .ttl = seconds(1000)});
-  store.put(mesh("a", 3));
+  store.put(stored_mesh("a", 3));
   const auto held = store.find("a");
   EXPECT_TRUE(store.erase("a"));
   EXPECT_FALSE(store.erase("a"));
