@@ -123,10 +123,12 @@ class RegionWalk {
   /// For each neighbour of cell i, ascending, the neighbours whose cells are around the facet between them.
   void find_rings(SiteId i) {
     rings_.clear();
-    for (const TetId t : diagram_.tetrahedra(i))
+    for (const TetId t : diagram_.tetrahedra(i)) {
+      pacer_.step(32);
       for (const SiteId j : diagram_.dual().tets[t].v)
         for (const SiteId k : diagram_.dual().tets[t].v)
           if (j != i && k != i && j != k) rings_.emplace_back(j, k);
+    }
     sort_with_polls(execution_, rings_.begin(), rings_.end());
     rings_.erase(std::unique(rings_.begin(), rings_.end()), rings_.end());
   }

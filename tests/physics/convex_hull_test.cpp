@@ -256,11 +256,11 @@ TEST(ConvexHull, OfALargeSurfaceWithAHubCanBeInterruptedAnywhere) {
   std::shuffle(shuffled.begin(), shuffled.end(), std::mt19937(5));
   for (const Surface& surface : {ordered, shuffled}) {
     const BodyOf body(points, surface);
-    PollGaps gaps;
-    ConvexHullBuilder builder;
-    EXPECT_FALSE(builder.build(points, 255, gaps.execution(), body.surface()).empty());
-    EXPECT_LT(gaps.longest_ms(), kMostPollGapMs);
-    EXPECT_LT(static_cast<double>(gaps.polls()) * 8192 / 200'000, 300) << "steps a point";
+    const Polled built = polled([&, &points = points](const Execution& execution) {
+      EXPECT_FALSE(ConvexHullBuilder().build(points, 255, execution, body.surface()).empty());
+    });
+    EXPECT_LT(built.longest_ms, kMostPollGapMs);
+    EXPECT_LT(static_cast<double>(built.polls) * 8192 / 200'000, 300) << "steps a point";
   }
 }
 
@@ -355,13 +355,14 @@ TEST(ConvexHull, OfManyPointsGrowsWithTheirNumberAndCanBeInterruptedAnywhere) {
   for (const std::size_t n : {25'000u, 100'000u}) {
     const std::vector<Family> families = large_families(n);
     for (std::size_t f = 0; f < families.size(); ++f) {
-      PollGaps gaps;
-      ConvexHullBuilder builder;
-      const auto triangles = builder.build(families[f].points, 255, gaps.execution());
-      EXPECT_LT(gaps.longest_ms(), kMostPollGapMs) << families[f].name;
+      std::vector<std::array<std::uint32_t, 3>> triangles;
+      const Polled built = polled([&](const Execution& execution) {
+        triangles = ConvexHullBuilder().build(families[f].points, 255, execution);
+      });
+      EXPECT_LT(built.longest_ms, kMostPollGapMs) << families[f].name;
       EXPECT_FALSE(triangles.empty());
       EXPECT_EQ(open_directed_edges(mesh_of(families[f].points, triangles)), 0u) << families[f].name;
-      polls[f].push_back(static_cast<double>(gaps.polls()));
+      polls[f].push_back(static_cast<double>(built.polls));
     }
   }
   for (std::size_t f = 0; f < polls.size(); ++f) {

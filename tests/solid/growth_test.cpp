@@ -19,16 +19,11 @@ constexpr int kShare = 10;
 constexpr int kShare = 1;
 #endif
 
-struct Effort {
-  std::uint64_t polls;
-  double gap;
-};
-Effort effort_of(const GrowingFamily& family, int size) {
+Polled effort_of(const GrowingFamily& family, int size) {
   const auto mesh = std::make_shared<const Mesh>(family.mesh(size));
-  PollGaps gaps;
-  const Expected<Solid> solid = make_solid(mesh, family.options, gaps.execution());
-  const double longest = gaps.longest_ms();
-  return {gaps.polls(), longest};
+  return polled([&](const Execution& execution) {
+    const Expected<Solid> solid = make_solid(mesh, family.options, execution);
+  });
 }
 
 class Growth : public testing::TestWithParam<GrowingFamily> {};
@@ -39,12 +34,12 @@ INSTANTIATE_TEST_SUITE_P(Solid, Growth, testing::ValuesIn(growing_families()), [
 });
 
 TEST_P(Growth, AnInterruptionTakesEffectWithinFiftyMillisecondsOfProcessorTime) {
-  EXPECT_LT(effort_of(GetParam(), GetParam().size / kShare).gap, kMostPollGapMs);
+  EXPECT_LT(effort_of(GetParam(), GetParam().size / kShare).longest_ms, kMostPollGapMs);
 }
 
 TEST_P(Growth, FourTimesTheTrianglesAreAboutFourTimesTheWork) {
   const int size = GetParam().size / kShare;
-  const Effort few = effort_of(GetParam(), size / 4), many = effort_of(GetParam(), size);
+  const Polled few = effort_of(GetParam(), size / 4), many = effort_of(GetParam(), size);
   EXPECT_GT(many.polls, static_cast<std::uint64_t>(size) / 8192) << "work is polled";
   EXPECT_LT(many.polls, 6 * few.polls + 100);
 }

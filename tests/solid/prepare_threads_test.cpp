@@ -156,10 +156,10 @@ TEST(FirstOfSame, ZerosOfBothSignsAreOneAndANaNIsLikeItself) {
 TEST(FirstOfSame, AllAtOnePlaceAreNoMoreWorkThanOthers) {
   constexpr std::size_t kCount = 1'000'000;
   const auto polls = [](const std::vector<Vec3f>& positions) {
-    test::PollGaps gaps;
-    first_of_same(positions, gaps.execution());
-    EXPECT_LT(gaps.longest_ms(), test::kMostPollGapMs);
-    return gaps.polls();
+    const test::Polled made =
+        test::polled([&](const Execution& execution) { first_of_same(positions, execution); });
+    EXPECT_LT(made.longest_ms, test::kMostPollGapMs);
+    return made.polls;
   };
   std::vector<Vec3f> apart;
   for (std::size_t i = 0; i < kCount; ++i) apart.push_back({static_cast<float>(i), 0, 0});

@@ -163,10 +163,11 @@ TEST(VolumeSigns, AreThoseOfTheJoinedPiecesInTheFileWhereTheyAreKnown) {
 
 /// How much is done, in steps of a Pacer: a poll stands for thousands of them.
 std::uint64_t polls_of_make_fragments(const Cut& cut, const SizeLimits& limits, FragmentSet& set) {
-  PollGaps gaps;
-  set = make_fragments(cut.restricted, cut.ownership, Pivot::kCenterOfMass, limits, gaps.execution());
-  EXPECT_LT(gaps.longest_ms(), kMostPollGapMs);
-  return gaps.polls();
+  const Polled made = polled([&](const Execution& execution) {
+    set = make_fragments(cut.restricted, cut.ownership, Pivot::kCenterOfMass, limits, execution);
+  });
+  EXPECT_LT(made.longest_ms, kMostPollGapMs);
+  return made.polls;
 }
 
 // All pieces within the small loop become one group of negative volume, which grows by one piece a round. Its
