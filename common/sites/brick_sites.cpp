@@ -297,6 +297,7 @@ Expected<SitePlan> generate(const Task& task, const BrickPattern& pattern, const
   double scale = scale_for(task.solid.report.volume, task.count);
   Bricks bricks;
   Random random(task.seed ^ kBrickStream);
+  bool is_spread_out = false;  // over a box of very many bricks: then they are as small as they may be
   for (int tried = 1;; ++tried) {
     bricks = {};
     random = Random(task.seed ^ kBrickStream);
@@ -306,14 +307,22 @@ Expected<SitePlan> generate(const Task& task, const BrickPattern& pattern, const
       if (!place.is_wall) continue;
       const Courses courses(place.box, brick, pattern.bond, pattern.cell.has_value());
       cells += courses.cells();
-      if (cells > (pattern.cell ? task.most_sites : kMostCells)) return too_many_sites(task, cells);
+      if (cells > (pattern.cell ? task.most_sites : kMostCells)) {
+        if (pattern.cell || tried == kMostScales) return too_many_sites(task, cells);
+        break;
+      }
       courses.lay(task, sampler, place.of_parts, pattern.jitter, random, bricks);
+    }
+    if (cells > kMostCells) {
+      is_spread_out = true;
+      scale *= 1.05 * power(cells / kMostCells, 1.0 / 3);
+      continue;
     }
     add_rubble(task, sampler, places, brick.x * brick.y * brick.z, brick, bricks);
     // What is hollow or crooked meets more bricks than its volume says, and whole numbers of them may be too few.
     const auto count = static_cast<double>(bricks.bricks.size()), least = static_cast<double>(task.count),
                most = 1.25 * least * most_in_piece(least);
-    if (pattern.cell || tried == kMostScales || (count >= least && count <= most)) break;
+    if (pattern.cell || is_spread_out || tried == kMostScales || (count >= least && count <= most)) break;
     scale *= count < least ? std::fmin(0.95, power(count / least, 1.0 / 3))
                            : std::fmax(1.05, 1 / power(most / count, 1.0 / 3));
   }
