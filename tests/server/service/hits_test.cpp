@@ -94,6 +94,18 @@ struct HitsTest : testing::Test {
   }
 };
 
+// The groups of aggregates lie in the diagram, and know the limits of size.
+TEST_F(HitsTest, DiagramsOfAggregatesAreThoseOfTheirLimits) {
+  const json plain = {{"sites", 20},         {"cells_per_fragment", 6}, {"local_point", {2, 0.5, 0.5}},
+                      {"local_radius", 0.3}, {"local_sites", 8},        {"local_rest", "fractured"}};
+  json limited = plain;
+  limited["min_of_mean"] = 0.5;
+  const FractureAnswer without = ask(plain), with = ask(limited);
+  EXPECT_NE(without.result->file, with.result->file);
+  FractureService fresh(config, test::engine_in_process());
+  EXPECT_EQ(ask(fresh, mesh, limited)->result->file, with.result->file);
+}
+
 TEST_F(HitsTest, AnAddressStandsForItsParametersAndAKeptAnswerForAComputedOne) {
   const FractureAnswer first = ask({{"sites", 40}, {"seed", 7}, {"density", 500}});
   const FractureAnswer second = ask(
