@@ -88,12 +88,12 @@ void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
   rows.back().matters = [](const RequestParameters& r) { return r.fracture.size.max_triangles > 0; };
 }
 
-ParameterSpec levels_row() {
+ParameterSpec levels_row(std::uint32_t max_sites) {
   ParameterSpec spec{
       .name = "levels",
       .type = Type::kIntegers,
       .min = 1,
-      .max = kMaxPatternSites,
+      .max = max_sites,
       .doc =
           "Instead of `sites`: how many pieces each level of the hierarchy has, coarsest first. The last is "
           "the number of sites, the others are clusters of fragments."};
@@ -261,7 +261,7 @@ void add_again_rows(std::vector<ParameterSpec>& rows) {
 }  // namespace
 
 std::vector<ParameterSpec> structure_parameter_rows(std::uint32_t max_sites) {
-  std::vector<ParameterSpec> rows{levels_row()};
+  std::vector<ParameterSpec> rows{levels_row(max_sites)};
   add_size_rows(rows, max_sites);
   add_keep_rows(rows);
   add_anchor_rows(rows);

@@ -66,7 +66,7 @@ Expected<SitePlan> plan_enough_sites(const SeenSolid& solid, const FractureParam
     return plan_sites(solid, parameters, execution);
   SiteParameters more = parameters;
   if (crowds(parameters.pattern)) {
-    more.sites = std::min(kMaxPatternSites, 2 * wanted);
+    more.sites = std::max(wanted, std::min(kMaxPatternSites, 2 * wanted));
     if (more.sites > parameters.most_sites)
       return fail(ErrorCode::kTooComplex,
                   "For " + std::to_string(wanted) + " fragments this pattern needs " +

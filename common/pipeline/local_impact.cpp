@@ -54,8 +54,8 @@ void group_hit(const LocalImpact& hit, const SitePlan& further, std::uint32_t ce
 }  // namespace
 
 Expected<void> append_hits(const Solid& solid, const SiteParameters& parameters,
-                           const std::vector<LocalImpact>& hits, std::size_t first, SitePlan& plan,
-                           const Execution& execution) {
+                           const std::vector<LocalImpact>& hits, std::size_t first, std::uint64_t already,
+                           SitePlan& plan, const Execution& execution) {
   for (std::size_t k = first; k < hits.size(); ++k) {
     const LocalImpact& hit = hits[k];
     SiteParameters near = parameters;
@@ -85,7 +85,15 @@ Expected<void> append_hits(const Solid& solid, const SiteParameters& parameters,
         p = plan.map ? plan.map.of_part(0).image(place) : place;
       }
     }
-    if (near.aggregation.cells > 1) group_hit(hit, *further, near.aggregation.cells, plan, execution);
+    if (const std::uint64_t all = already + plan.points.size() + further->points.size();
+        all > parameters.most_sites)
+      return fail(ErrorCode::kTooComplex,
+                  "With hit " + std::to_string(k + 1) + " there would be " + std::to_string(all) +
+                      " sites; at most " + std::to_string(parameters.most_sites) +
+                      " may be made of the pattern and all hits together.",
+                  "local_sites");
+    if (const std::uint32_t cells = cells_per_fragment(near); cells > 1)
+      group_hit(hit, *further, cells, plan, execution);
     plan.points.insert(plan.points.end(), further->points.begin(), further->points.end());
     if (further->points.size() < asked)
       plan.notes.push_back(std::to_string(asked - further->points.size()) + " of " + std::to_string(asked) +

@@ -25,10 +25,11 @@ enum class LocalRest {
 
 /// Appends the sites of hits[first], hits[first + 1], ... to plan.points; they depend on the number of the
 /// hit, so that a second one at the same place breaks further. Sites for which the solid has no room near the
-/// hit are left out, with a note. Errors of plan_sites().
+/// hit are left out, with a note. `already`: sites that are there and not in the plan. Errors: of plan_sites(), and
+/// kTooComplex where there would be more than SiteParameters::most_sites of all together.
 Expected<void> append_hits(const Solid& solid, const SiteParameters& parameters,
-                           const std::vector<LocalImpact>& hits, std::size_t first, SitePlan& plan,
-                           const Execution& execution);
+                           const std::vector<LocalImpact>& hits, std::size_t first, std::uint64_t already,
+                           SitePlan& plan, const Execution& execution);
 
 /// The groups of a plan whose points from `first_of_hits` on are those of the hits. Throws Interrupted.
 void group_hits(const std::vector<LocalImpact>& hits, LocalRest rest, std::size_t first_of_hits,

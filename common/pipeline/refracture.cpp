@@ -38,6 +38,7 @@ Expected<FracturedSolid> refracture(const Solid& solid, const Diagram& diagram,
 
   FractureParameters parts;
   parts.sites = wanted.sites;
+  parts.most_sites = parameters.most_sites;
   parts.seed = wanted.seed;
   parts.hulls = parameters.hulls;
   parts.pivot = parameters.pivot;

@@ -200,6 +200,11 @@ Expected<CellMap> map_of_cells(const Solid& solid, const SiteParameters& p, cons
 
 Expected<SitePlan> plan_sites(const SeenSolid& solid, const SiteParameters& p, const Execution& execution) {
   const std::uint32_t cells = cells_per_fragment(p), count = std::max(1u, p.sites) * cells;
+  if (cells == 1 && is_scattered(p.pattern) && count > p.most_sites)
+    return fail(ErrorCode::kTooComplex,
+                std::to_string(count) + " sites are asked for; at most " + std::to_string(p.most_sites) +
+                    " may be made.",
+                "sites");
   if (cells > 1 && count > p.most_sites)
     return fail(ErrorCode::kTooComplex,
                 std::to_string(p.sites) + " fragments of " + std::to_string(cells) + " cells each need " +

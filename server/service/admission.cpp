@@ -51,8 +51,9 @@ double expected_sites(const FractureParameters& parameters, const Solid* solid, 
     sites = std::fmax(sites, 2 * solid->report.volume / parameters.max_volume);
   const double cells = cells_per_fragment(parameters);
   for (const LocalImpact& hit : parameters.hits) sites += cells * hit.sites;
-  if (selection.refracture) sites += cells * selection.refracture->sites;
-  return std::fmin(sites, parameters.most_sites);
+  sites = std::fmin(sites, parameters.most_sites);
+  if (selection.refracture) sites += std::fmin(cells * selection.refracture->sites, parameters.most_sites);
+  return sites;
 }
 
 double expected_rough_triangles(const FractureParameters& parameters, double sites) {
@@ -71,8 +72,9 @@ ExpectedWork expected_work(const FractureParameters& parameters, std::uint64_t m
                            std::uint64_t triangles, const Selection& selection) {
   const double sites = expected_sites(parameters, solid, selection);
   if (solid) triangles = solid->triangles.size();
-  // Aggregates are grown in a diagram of their own where there are hits.
-  const bool again = cells_per_fragment(parameters) > 1 && !parameters.hits.empty();
+  // Where there are hits, aggregates are grown, and what is too small united, in a diagram of its own.
+  const bool again =
+      !parameters.hits.empty() && (cells_per_fragment(parameters) > 1 || parameters.size.any());
   return work(mesh_bytes, triangles, sites, parameters.lloyd + (again ? 1.0 : 0.0),
               expected_rough_triangles(parameters, sites));
 }
@@ -83,7 +85,7 @@ ExpectedWork expected_hit_work(const FractureParameters& parameters, const Selec
   double further = 0;
   const std::size_t fresh = selection.new_hits ? selection.new_hits->count : 0;
   for (std::size_t k = parameters.hits.size() - fresh; k < parameters.hits.size(); ++k)
-    further += parameters.hits[k].sites;
+    further += 1.0 * cells_per_fragment(parameters) * parameters.hits[k].sites;
   const bool part = selection.new_hits && selection.new_hits->only_changed;
   const double changed = kChangedPerSite * further;
   const double seconds =

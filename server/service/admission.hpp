@@ -16,7 +16,7 @@ struct ExpectedWork {
 };
 
 /// How many sites the parameters will lead to, every later one (a local hit, a limit of size, a fragment
-/// fractured again) included; at most FractureParameters::most_sites. Patterns whose cells have a given size,
+/// fractured again) included; of each of the two at most FractureParameters::most_sites. Patterns whose cells have a given size,
 /// and max_volume, are counted in the box and the volume of the `solid`; without one (nothing is known of the
 /// mesh yet) they count as `sites`.
 double expected_sites(const FractureParameters& parameters, const Solid* solid,

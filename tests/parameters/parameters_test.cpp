@@ -227,6 +227,12 @@ TEST(Parameters, FormatsThatAreOffAreUnknownUntilEnabled) {
   EXPECT_EQ(ParameterTable(10, with_blend).parse({{"format", "blend"}})->format, MeshFormat::kBlend);
 }
 
+TEST(Parameters, LevelsKeepToTheMostSites) {
+  const ParameterTable small(1000, FormatSet());
+  EXPECT_TRUE(small.parse({{"levels", "10,1000"}}));
+  EXPECT_FALSE(small.parse({{"levels", "10,1001"}}));
+}
+
 TEST(Parameters, ControlCharactersOfTheClientNeverReachTheDetail) {
   const auto parsed = parse_text("sites", std::string("a\r\n\x1b[31m\xff", 9));
   ASSERT_FALSE(parsed);
