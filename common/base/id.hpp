@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <functional>
 #include <type_traits>
+#include <vector>
 
 namespace fracture {
 
@@ -76,6 +77,14 @@ class IdRange {
 template <class SomeId>
 constexpr IdRange<SomeId> ids(std::size_t end) {
   return {0, static_cast<std::uint32_t>(end)};
+}
+/// In a vector.
+template <class SomeId>
+std::vector<SomeId> all_ids(std::size_t end) {
+  std::vector<SomeId> all;
+  all.reserve(end);
+  for (const SomeId id : ids<SomeId>(end)) all.push_back(id);
+  return all;
 }
 /// Those of a block of parallel work.
 template <class SomeId>

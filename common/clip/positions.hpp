@@ -33,6 +33,7 @@ struct VertexPositions {
       steps;  ///< of vertex first_constructed + k, in units of the lattice
   /// Of rough cuts (rough/roughen.hpp): the first of `steps` as they were before anything moved; else empty.
   std::vector<std::array<std::int32_t, 3>> flat_steps{};
+  bool are_rough() const { return !flat_steps.empty(); }
 };
 
 /// `image` is what cuts and winding were decided on: the solid itself, or, when the diagram has a map, its

@@ -229,9 +229,9 @@ std::optional<KeptTetrahedralization::Insertion> KeptTetrahedralization::insert(
   SharedBlocks<TetId, 256>::Edit tet_of_vertex(tet_of_vertex_);
   {
     SharedBlocks<Vec3d>::Edit all(points_);
-    std::vector<std::uint32_t> in_order = conflicts.fresh;
-    std::sort(in_order.begin(), in_order.end());
-    for (const std::uint32_t k : in_order) {
+    done.points = conflicts.fresh;
+    std::sort(done.points.begin(), done.points.end());
+    for (const std::uint32_t k : done.points) {
       all.push_back(points[k]);
       tet_of_vertex.push_back(kNoTet);
     }

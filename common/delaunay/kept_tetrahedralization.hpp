@@ -51,7 +51,8 @@ class KeptTetrahedralization {
 
   /// What an insertion did. All tetrahedra at a new site are new, and no others.
   struct Insertion {
-    std::vector<TetId> gone, made;  ///< numbers that are in both lists have been given again
+    std::vector<TetId> gone, made;      ///< numbers that are in both lists have been given again
+    std::vector<std::uint32_t> points;  ///< per new site which of the points it was; ascending
   };
   /// Inserts the points: those that are no duplicates become the next sites, in their order. Nothing, and then
   /// it must not be used any more, where a point lies outside of the box or the limits of tetrahedralize() are

@@ -405,7 +405,7 @@ class Assembler {
   const Execution& execution_;
   Pacer pacer_;
   Fragment& out_;
-  const bool rough_ = !d_.caps.normals.empty();
+  const bool rough_ = d_.positions.are_rough();
   bool plain_;
   Box box_;  // of the points
   Scratch& s_ = thread_scratch<Scratch>();

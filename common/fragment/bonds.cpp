@@ -35,7 +35,7 @@ std::vector<Bond> find_bonds(const RestrictedDiagram& d, const Pieces& pieces,
   for (std::size_t k = 0; k < contacts.size();) {
     Bond bond{contacts[k].a, contacts[k].b, 0, {}, {}};
     Vec3d normal, moment;
-    const bool rough = !d.caps.normals.empty();
+    const bool rough = d.positions.are_rough();
     for (; k < contacts.size() && contacts[k].a == bond.a && contacts[k].b == bond.b; ++k) {
       const CapRegion& r = d.caps.regions[contacts[k].region];
       pacer.step(2 * r.triangle_count);

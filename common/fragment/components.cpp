@@ -104,9 +104,8 @@ class ComponentFinder {
       c.volume = signed_volume(d_, c.faces.data(), c.faces.size(), d_.point(c.faces[0].v[0]));
     }
     give_cavities_to_parents(d_, components, pacer_);
-    std::stable_sort(components.begin(), components.end(), [](const Component& a, const Component& b) {
-      return a.part != b.part ? a.part < b.part : a.volume > b.volume;
-    });
+    std::stable_sort(components.begin(), components.end(),
+                     [](const Component& a, const Component& b) { return a.part < b.part; });
     return components;
   }
 

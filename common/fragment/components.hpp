@@ -29,8 +29,9 @@ struct OwnerShare {
 /// Joins faces that share a vertex (ids are topology: faces that merely touch have different ids) and faces
 /// along every cap region, suppressed ones too: so an annular cap joins its two rims, and a group's cells
 /// hang together by volume. A component of negative volume without caps is a cavity's shell that no bisector
-/// cuts; it joins the piece around it. Ordered by part, then by volume, largest first. Near-linear, also
-/// where a cell has thousands of islands and cavities. Throws Interrupted.
+/// cuts; it joins the piece around it. Ordered by part, then by their first faces, which
+/// neither rough cuts nor cells elsewhere change. Near-linear, also where a cell has thousands of islands and cavities.
+/// Throws Interrupted.
 std::vector<Component> find_components(const RestrictedDiagram& diagram, const Ownership& ownership,
                                        const OwnerShare& share, const Execution& execution = kUninterrupted);
 

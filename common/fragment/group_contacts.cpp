@@ -11,7 +11,7 @@ GroupContacts::GroupContacts(const RestrictedDiagram& diagram, const Pieces& pie
 
 // As find_bonds() sums a bond's area, term by term: what is chosen by it must not hang on the last bit.
 double GroupContacts::area_of(const std::vector<std::uint32_t>& regions) {
-  const bool rough = !d_.caps.normals.empty();
+  const bool rough = d_.positions.are_rough();
   double area = 0;
   for (const std::uint32_t region : regions) {
     const CapRegion& r = d_.caps.regions[region];

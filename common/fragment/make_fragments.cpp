@@ -131,11 +131,25 @@ void unite_without_volume(Assembly& assembly, const std::vector<std::uint32_t>& 
   assembly.make(grown);
 }
 
-/// Unites what is too small; assembles; unites what has no volume; assembles again what changed. Returns, per
+std::vector<std::uint32_t> pieces_of_owners(const Pieces& pieces, std::size_t owners) {
+  std::vector<std::uint32_t> count(owners, 0);
+  for (const Piece& piece : pieces.pieces) ++count[piece.owners[0]];
+  return count;
+}
+
+/// Unites what was united before and what is too small; assembles; unites what has no volume; assembles again what changed. Returns, per
 /// name, what was dropped.
-std::vector<bool> assemble_groups(Assembly& assembly, const SizeLimits& limits, FragmentSet& out) {
+std::vector<bool> assemble_groups(Assembly& assembly, const SizeLimits& limits,
+                                  const std::vector<Union>& before, PieceRecord* record, FragmentSet& out) {
   const std::size_t n = assembly.pieces.pieces.size();
+  const std::vector<SiteId> lowest = lowest_cells(assembly.ownership);
+  const std::uint32_t again =
+      unite_again(before, assembly.d, assembly.pieces, lowest, assembly.groups, assembly.execution);
   out.size = unite_by_size(assembly.d, assembly.pieces, limits, assembly.groups, assembly.execution);
+  out.size.united += again;
+  if (record)
+    *record = {name_unions(assembly.pieces, assembly.groups, lowest, assembly.execution),
+               pieces_of_owners(assembly.pieces, lowest.size())};
   out.certificate.united = out.size.united;
   resize_with_polls(assembly.execution, assembly.fragments, n);
   resize_with_polls(assembly.execution, assembly.volumes, n);
@@ -191,13 +205,14 @@ void count(const Pieces& pieces, const RestrictedDiagram& d, FragmentSet& out) {
 }  // namespace
 
 FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownership, Pivot pivot,
-                           const SizeLimits& limits, const Execution& execution) {
+                           const SizeLimits& limits, const Execution& execution,
+                           const std::vector<Union>& before, PieceRecord* record) {
   Pieces pieces = gather_pieces(d, ownership, execution);
   PieceGroups groups(pieces.pieces.size());
   FragmentSet out;
   out.source = d.solid.source;
   Assembly assembly{d, ownership, pieces, groups, pivot, execution};
-  const std::vector<bool> dropped = assemble_groups(assembly, limits, out);
+  const std::vector<bool> dropped = assemble_groups(assembly, limits, before, record, out);
   const std::vector<std::uint32_t> fragment_of_piece = take_fragments(assembly, dropped, out);
   out.bonds = find_bonds(d, pieces, fragment_of_piece, execution);
   out.certificate.volume_out += out.certificate.pocket_volume;
@@ -209,41 +224,42 @@ FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownershi
 }
 
 std::optional<WantedFragments> make_wanted_fragments(const RestrictedDiagram& d, const Ownership& ownership,
-                                                     const std::vector<std::uint32_t>& others, Pivot pivot,
+                                                     const OwnersInWhole& whole,
+                                                     const std::vector<Union>& before, Pivot pivot,
                                                      const Execution& execution) {
   Pieces pieces = gather_pieces(d, ownership, execution);
   const std::size_t n = pieces.pieces.size();
+  PieceGroups groups(n);
+  unite_again(before, d, pieces, whole.lowest, groups, execution);
   WantedFragments out;
   out.crossing_caps = d.caps.crossing;
-  out.fragments.resize(n);
-  out.volumes_file.resize(n);
-  std::vector<char> bad(n, 0);
-  parallel_for(execution, n, 8, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) {
-      Fragment& f = out.fragments[k];
-      f = assemble(d, ownership, pieces.pieces[k], pivot, execution);
-      const FileVolume volume = file_volume(f, execution);
-      out.volumes_file[k] = volume.volume;
-      bad[k] = volume.sign <= 0;
-      if (bad[k]) continue;
-      f.id = fragment_id(d.diagram, f, pieces.pieces[k].island, execution);
-    }
-  });
-  if (std::find(bad.begin(), bad.end(), 1) != bad.end()) return std::nullopt;
+  std::vector<std::uint32_t> names;  // of the groups, in the order of the fragments
+  for (std::uint32_t p = 0; p < n; ++p)
+    if (groups.is_group(p)) names.push_back(p);
+  Assembly assembly{d, ownership, pieces, groups, pivot, execution};
+  assembly.fragments.resize(n);
+  assembly.volumes.resize(n);
+  assembly.make(names);
+  for (const std::uint32_t g : names) {
+    if (assembly.volumes[g].sign <= 0) return std::nullopt;
+    Fragment& f = out.fragments.emplace_back(std::move(assembly.fragments[g]));
+    f.id = fragment_id(d.diagram, f, pieces.pieces[g].island, execution);
+    out.volumes_file.push_back(assembly.volumes[g].volume);
+  }
 
   // Pieces stand in the order of their owners.
   const std::size_t owners = ownership.sites_of_owner.size();
   out.first_of.assign(owners + 1, 0);
+  out.pieces = pieces_of_owners(pieces, owners);
   for (std::size_t o = 0; o < owners; ++o)
-    if (!ownership.wanted[o]) out.first_of[o + 1] = others[o];
-  for (const Piece& piece : pieces.pieces) ++out.first_of[piece.owners[0] + 1];
+    if (!ownership.wanted[o]) out.first_of[o + 1] = whole.others[o];
+  for (const std::uint32_t g : names) ++out.first_of[pieces.pieces[g].owners[0] + 1];
   for (std::size_t o = 0; o < owners; ++o) out.first_of[o + 1] += out.first_of[o];
+  std::vector<std::uint32_t> next(out.first_of.begin(), out.first_of.end() - 1);  // per owner
   std::vector<std::uint32_t> fragment_of_piece(n);
-  for (std::size_t k = 0; k < n; ++k) {
-    const std::uint32_t o = pieces.pieces[k].owners[0];
-    fragment_of_piece[k] =
-        k > 0 && pieces.pieces[k - 1].owners[0] == o ? fragment_of_piece[k - 1] + 1 : out.first_of[o];
-  }
+  for (std::uint32_t p = 0; p < n; ++p)  // a group's name stands before its other pieces
+    fragment_of_piece[p] =
+        groups.is_group(p) ? next[pieces.pieces[p].owners[0]]++ : fragment_of_piece[groups.of(p)];
 
   // The other sides of caps, whose pieces were not made, as further pieces.
   std::vector<std::uint32_t> piece_of_owner(owners, kNoIndex);
@@ -251,7 +267,7 @@ std::optional<WantedFragments> make_wanted_fragments(const RestrictedDiagram& d,
     for (int side = 0; side < 2; ++side) {
       const CapRegion& region = d.caps.regions[r];
       const std::uint32_t o = ownership.owner_of_site[side == 0 ? region.lo : region.hi];
-      if (ownership.wanted[o] || others[o] == 0) continue;
+      if (ownership.wanted[o] || whole.others[o] == 0) continue;
       if (piece_of_owner[o] == kNoIndex) {
         piece_of_owner[o] = static_cast<std::uint32_t>(fragment_of_piece.size());
         fragment_of_piece.push_back(out.first_of[o]);

@@ -8,15 +8,23 @@
 #include "common/fragment/fragments.hpp"
 #include "common/fragment/pieces.hpp"
 #include "common/fragment/size_limits.hpp"
+#include "common/fragment/unions.hpp"
 
 namespace fracture {
+
+struct PieceRecord {
+  std::vector<Union> united;          ///< before, or because of their size
+  std::vector<std::uint32_t> pieces;  ///< per owner
+};
 
 /// Fills everything of FragmentSet but sites_asked and report. A piece whose final rounded volume is not
 /// positive is united with the neighbour of largest shared cap area (ties: the lowest piece), their common
 /// caps disappearing on both sides, until none is left; a piece without any neighbour is dropped and counted,
-/// its volume in `pocket_volume`. Before that, pieces are united as the limits ask (unite.hpp).
+/// its volume in `pocket_volume`. Before that, pieces are united as `before` says, and then as the limits ask (unite.hpp).
+/// `record`, if not null, says how the fragments came about.
 FragmentSet make_fragments(const RestrictedDiagram& diagram, const Ownership& ownership, Pivot pivot,
-                           const SizeLimits& limits, const Execution& execution);
+                           const SizeLimits& limits, const Execution& execution,
+                           const std::vector<Union>& before = {}, PieceRecord* record = nullptr);
 
 /// What proves an answer, over all of its fragments.
 struct ProofSums {
@@ -35,16 +43,22 @@ void state_lattice(const Solid& solid, FragmentSet& out);
 struct WantedFragments {
   std::vector<Fragment> fragments;      ///< in their order
   std::vector<double> volumes_file;     ///< m³, per fragment here
-  std::vector<std::uint32_t> first_of;  ///< per owner + 1: range of all fragments
+  std::vector<std::uint32_t> first_of;  ///< per owner + 1: range of all fragments that begin there
+  std::vector<std::uint32_t> pieces;    ///< per owner: how many it has, united ones too
   std::vector<Bond> bonds;              ///< of the fragments here, by numbers among all
   std::uint64_t crossing_caps = 0;
 };
-/// The pieces of the wanted owners alone, one fragment each; nothing where a piece would have to be united or
-/// dropped. `others`: per owner that is not wanted, how many fragments it has; bonds to such an owner lead to
-/// its first one, whichever of several they belong to.
+/// The owners around what is wanted, as the whole has them.
+struct OwnersInWhole {
+  std::vector<SiteId> lowest;         ///< per owner: of its cells in the whole; ascending
+  std::vector<std::uint32_t> others;  ///< per owner that is not wanted: how many fragments it has
+};
+/// The pieces of the wanted owners alone, united as `before` says and else one fragment each; nothing where a piece would
+/// have to be united besides, or dropped. Bonds to an owner that is not wanted lead to its first fragment, whichever of
+/// several they belong to.
 std::optional<WantedFragments> make_wanted_fragments(const RestrictedDiagram& diagram,
-                                                     const Ownership& ownership,
-                                                     const std::vector<std::uint32_t>& others, Pivot pivot,
+                                                     const Ownership& ownership, const OwnersInWhole& whole,
+                                                     const std::vector<Union>& before, Pivot pivot,
                                                      const Execution& execution);
 
 }  // namespace fracture

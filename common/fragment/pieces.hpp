@@ -44,7 +44,8 @@ struct Face {
 struct Piece {
   std::vector<std::uint32_t> owners;  ///< ascending; several after uniting
   std::uint32_t part;
-  std::uint32_t island;  ///< 0 for the first piece of its owner and part, 1 for the next, …
+  std::uint32_t
+      island;  ///< 0 for the first piece of its owner and part, 1 for the next, …: whatever other cells there are
   std::vector<Face> faces;
   /// The vertices of each member cell's share (also those that fusing hides), for pieces of several cells;
   /// else empty.
@@ -52,7 +53,7 @@ struct Piece {
 };
 
 struct Pieces {
-  std::vector<Piece> pieces;                ///< by owner, then part, then largest volume first
+  std::vector<Piece> pieces;                ///< by owner, then part, then their first faces
   std::vector<std::uint32_t> piece_of_cap;  ///< per 2 * region + side; kNoIndex inside a group
 };
 

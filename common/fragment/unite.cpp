@@ -1,6 +1,7 @@
 #include "common/fragment/unite.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/base/pacer.hpp"
 #include "common/fragment/bonds.hpp"
@@ -94,13 +95,14 @@ void join_surfaces(const RestrictedDiagram& d, const Pieces& pieces,
   }
 }
 
-/// m³ of each piece.
-std::vector<double> volumes_of(const RestrictedDiagram& d, const Pieces& pieces, const Execution& execution) {
+/// m³ of each group of pieces; 0 where there is no group of that name.
+std::vector<double> volumes_of(const RestrictedDiagram& d, const Pieces& pieces, const PieceGroups& groups,
+                               const Execution& execution) {
   std::vector<double> volumes(pieces.pieces.size());
   Pacer pacer(execution);
-  for (std::size_t p = 0; p < volumes.size(); ++p) {
+  for (std::uint32_t p = 0; p < volumes.size(); ++p) {
     const std::vector<Face>& faces = pieces.pieces[p].faces;
-    volumes[p] = signed_volume(d, faces.data(), faces.size(), d.point(faces[0].v[0]), execution);
+    volumes[groups.of(p)] += signed_volume(d, faces.data(), faces.size(), d.point(faces[0].v[0]), execution);
     pacer.step(4 + faces.size());
   }
   return volumes;
@@ -111,10 +113,11 @@ std::vector<double> volumes_of(const RestrictedDiagram& d, const Pieces& pieces,
 /// has a seat besides its name, which is always that of its smallest piece.
 class SmallestFirst {
  public:
-  /// `volumes`: of the pieces, none of them united yet.
+  /// `volumes`: of the groups.
   SmallestFirst(const RestrictedDiagram& d, const Pieces& pieces, const PieceGroups& groups,
                 const std::vector<double>& volumes, const Execution& execution)
-      : SmallestFirst(pieces, volumes, find_contacts(d, pieces, groups.names(), execution), execution) {}
+      : SmallestFirst(pieces, groups, volumes, find_contacts(d, pieces, groups.names(), execution),
+                      execution) {}
   SmallestFirst(const SmallestFirst&) = delete;  // its table of contacts refers to its pacer
   SmallestFirst& operator=(const SmallestFirst&) = delete;
 
@@ -178,7 +181,7 @@ class SmallestFirst {
     return a.volume != b.volume ? a.volume > b.volume : a.group > b.group;
   }
 
-  SmallestFirst(const Pieces& pieces, const std::vector<double>& volumes,
+  SmallestFirst(const Pieces& pieces, const PieceGroups& groups, const std::vector<double>& volumes,
                 const std::vector<Contact>& contacts, const Execution& execution)
       : pacer_(execution),
         volume_(volumes),
@@ -192,7 +195,11 @@ class SmallestFirst {
     }
     for (const Contact& c : contacts)  // each stands there for both
       if (c.of < c.with) touches_.add(c.of, c.with, c.area);
-    for (std::uint32_t p = 0; p < pieces.pieces.size(); ++p, ++count_) push(p);
+    for (std::uint32_t p = 0; p < pieces.pieces.size(); ++p) {
+      if (!groups.is_group(p)) continue;
+      push(p);
+      ++count_;
+    }
   }
 
   void push(std::uint32_t group) {
@@ -313,13 +320,19 @@ SizeFigures unite_by_size(const RestrictedDiagram& d, const Pieces& pieces, cons
   execution.poll();
   SizeFigures figures;
   if (!limits.any() || pieces.pieces.empty()) return figures;
-  const std::vector<double> volumes = volumes_of(d, pieces, execution);
-  const auto count = static_cast<std::uint32_t>(volumes.size());
+  const std::vector<double> volumes = volumes_of(d, pieces, groups, execution);
+  std::uint32_t count = 0;
+  double smallest = HUGE_VAL;
+  for (std::uint32_t g = 0; g < volumes.size(); ++g) {
+    if (!groups.is_group(g)) continue;
+    ++count;
+    smallest = std::fmin(smallest, volumes[g]);
+  }
   const double all = d.solid.report.volume;
   const auto least = [&](std::uint32_t fragments) { return limits.least(all, fragments); };
   // Mostly nothing is too small, and then nobody asks who touches whom.
   if (limits.fragments == 0 && limits.max_fragments == 0 && limits.max_triangles == 0 &&
-      *std::min_element(volumes.begin(), volumes.end()) >= least(count)) {
+      smallest >= least(count)) {
     figures.min_volume = least(count);
     return figures;
   }
@@ -330,9 +343,10 @@ SizeFigures unite_by_size(const RestrictedDiagram& d, const Pieces& pieces, cons
   std::vector<std::pair<std::uint32_t, std::uint32_t>> unions;
   SmallestFirst order(d, pieces, groups, volumes, execution);
   std::vector<std::uint32_t> of_part;
-  for (const Piece& piece : pieces.pieces) {
-    if (of_part.size() <= piece.part) of_part.resize(piece.part + 1, 0);
-    ++of_part[piece.part];
+  for (std::uint32_t g = 0; g < volumes.size(); ++g) {
+    const std::uint32_t part = pieces.pieces[g].part;
+    if (of_part.size() <= part) of_part.resize(part + 1, 0);
+    of_part[part] += groups.is_group(g);
   }
   /// The part of the two that are one now; kNoIndex where there was nothing to unite the smallest with.
   const auto unite_smallest = [&] {

@@ -27,8 +27,9 @@ std::vector<Contact> find_contacts(const RestrictedDiagram& diagram, const Piece
 Piece join_pieces(const RestrictedDiagram& diagram, const Pieces& pieces, const PieceGroups& groups,
                   std::uint32_t group, const Execution& execution);
 
-/// Unites the smallest piece with the neighbour of largest shared cap area (ties: the lowest piece), again
-/// and again, as long as the limits ask for it. Which pieces that are is a function of the unrounded volumes.
+/// Unites the smallest group of pieces with the neighbour of largest shared cap area (ties: the lowest piece), again
+/// and again, as long as the limits ask for it. Which pieces that are is a function of the unrounded volumes. `groups`:
+/// what is united already; nothing where SizeLimits::fragments is set.
 /// Near-linear in pieces and caps, and for a budget of triangles in these. Throws Interrupted.
 SizeFigures unite_by_size(const RestrictedDiagram& diagram, const Pieces& pieces, const SizeLimits& limits,
                           PieceGroups& groups, const Execution& execution);

@@ -15,7 +15,7 @@ namespace {
 
 /// Can hits on the answer be local, as far as the parameters say it?
 bool may_be_local(const FractureParameters& p) {
-  const bool counted = p.size.fragments > 0 || p.size.max_fragments > 0 || p.size.max_triangles > 0;
+  const bool counted = p.size.max_fragments > 0 || p.size.max_triangles > 0;
   return p.dual == Dual::kCircumcenter && !p.keep && !counted && p.max_volume == 0 &&
          (p.hits.empty() || p.rest == LocalRest::kFractured);
 }
@@ -85,12 +85,13 @@ Expected<std::optional<KeptAnswer>> answer_locally(const Solid& solid, const Loc
                                                    StageTimings& timings) {
   SitePlan plan{{}, {}, base.map, base.notes.notes};
   auto added = stage(timings, execution, Stage::kTetrahedralize, [&] {
-    return append_hits(solid, parameters, parameters.hits, parameters.hits.size() - new_hits.count, plan,
-                       execution);
+    return append_hits(solid, parameters, parameters.hits, parameters.hits.size() - new_hits.count,
+                       base.notes.figures.given, plan, execution);
   });
   if (!added) return tl::unexpected(added.error());
   return stage(timings, execution, Stage::kClip, [&]() -> Expected<std::optional<KeptAnswer>> {
-    std::optional<HitOutcome> hit = hit_cells(solid, base, plan.points, parameters, execution);
+    std::optional<HitOutcome> hit =
+        hit_cells(solid, base, plan.points, plan.groups_of_hits, parameters, execution);
     if (!hit) return std::nullopt;
     hit->next.notes.notes = std::move(plan.notes);
     CutCells cut = new_hits.only_changed ? changed_cells_of(solid, *hit, hit->delta, execution)
@@ -127,8 +128,9 @@ Expected<KeptAnswer> fracture_and_keep(const Solid& solid, const Diagram& diagra
         local ? &trace : nullptr);
     if (!cut) return tl::unexpected(cut.error());
     const Certificate& c = cut->set.certificate;
-    local = local && !cut->grouped && c.united == 0 && c.dropped == 0 && c.crossing_caps == 0 &&
-            (trace || !(parameters.roughness.amplitude > 0));
+    local = local && c.united == cut->set.size.united && !cut->united_late && c.dropped == 0 &&
+            c.crossing_caps == 0 && (trace || !(parameters.roughness.amplitude > 0));
+    if (local) maker.see(*cut);
     const RoughReport rough = cut->rough;
     KeptAnswer out;
     Expected<FracturedSolid> completed =
@@ -163,7 +165,7 @@ Expected<KeptAnswer> fracture_delta(const Solid& solid, const FracturedBase& bas
   if (!whole) return whole;
   return stage(timings, execution, Stage::kClip, [&]() -> Expected<KeptAnswer> {
     FracturedSolid& fractured = whole->fractured;
-    fractured.delta = difference(base, fractured.set.fragments, execution);
+    fractured.delta = difference(base, fractured, execution);
     if (new_hits.only_changed) keep_changed(fractured, execution);
     return std::move(*whole);
   });

@@ -23,25 +23,35 @@ bool same_shape(const Fragment& a, const Fragment& b) {
          a.attributes.uvs == b.attributes.uvs && a.attributes.colors == b.attributes.colors;
 }
 
-Delta difference(const FracturedBase& before, const std::vector<Fragment>& after,
-                 const Execution& execution) {
+bool same_hulls(const FragmentHulls& a, const FragmentHulls& b) {
+  return std::equal(a.hulls.begin(), a.hulls.end(), b.hulls.begin(), b.hulls.end(),
+                    [](const CollisionHull& x, const CollisionHull& y) {
+                      return x.points == y.points && x.triangles == y.triangles;
+                    });
+}
+
+Delta difference(const FracturedBase& before, const FracturedSolid& after, const Execution& execution) {
   Pacer pacer(execution);
-  std::vector<const Fragment*> earlier;
-  for (const KeptFragment& kept : before.fragments) earlier.push_back(&kept.fragment);
+  std::vector<const KeptFragment*> earlier;
+  for (const KeptFragment& kept : before.fragments) earlier.push_back(&kept);
   if (before.local)
     for (std::size_t s = 0; s < before.local->cells.size(); ++s) {
       pacer.step(4);
-      for (const KeptFragment& kept : before.local->cells[s]->fragments) earlier.push_back(&kept.fragment);
+      for (const KeptFragment& kept : before.local->cells[s]->fragments) earlier.push_back(&kept);
     }
   std::unordered_map<std::uint64_t, std::uint32_t> place;  // only looked up
   place.reserve(earlier.size());
   for (std::uint32_t k = 0; k < earlier.size(); ++k) {
     pacer.step(16);
-    place.emplace(earlier[k]->id, k);
+    place.emplace(earlier[k]->fragment.id, k);
   }
   std::vector<char> still(earlier.size(), 0);
   Delta delta;
-  for (const Fragment& f : after) {
+  static const FragmentHulls kNoHulls;
+  const std::vector<FragmentHulls>& all_hulls = after.hulls.of_fragment;
+  for (std::size_t k = 0; k < after.set.fragments.size(); ++k) {
+    const Fragment& f = after.set.fragments[k];
+    const FragmentHulls& hulls = all_hulls.empty() ? kNoHulls : all_hulls[k];
     pacer.step(16);
     const auto at = place.find(f.id);
     if (at == place.end()) {
@@ -49,10 +59,11 @@ Delta difference(const FracturedBase& before, const std::vector<Fragment>& after
       continue;
     }
     still[at->second] = 1;
-    if (!same_shape(*earlier[at->second], f)) delta.changed.push_back(f.id);
+    const KeptFragment& was = *earlier[at->second];
+    if (!same_shape(was.fragment, f) || !same_hulls(was.hulls, hulls)) delta.changed.push_back(f.id);
   }
   for (std::uint32_t k = 0; k < still.size(); ++k)
-    if (!still[k]) delta.gone.push_back(earlier[k]->id);
+    if (!still[k]) delta.gone.push_back(earlier[k]->fragment.id);
   clear_nodes(pacer, place);
   return delta;
 }
@@ -72,23 +83,23 @@ std::vector<std::uint32_t> differing(const std::vector<KeptFragment>& before,
                                      const Execution& execution) {
   Pacer pacer(execution);
   const auto by_id = [&](const std::vector<KeptFragment>& fragments) {
-    std::vector<std::pair<std::uint64_t, const Fragment*>> result;
-    for (const KeptFragment& kept : fragments) result.emplace_back(kept.fragment.id, &kept.fragment);
+    std::vector<std::pair<std::uint64_t, const KeptFragment*>> result;
+    for (const KeptFragment& kept : fragments) result.emplace_back(kept.fragment.id, &kept);
     sort_with_polls(execution, result.begin(), result.end());
     return result;
   };
   const auto was = by_id(before), is = by_id(after);
-  const auto find = [](const auto& all, std::uint64_t id) -> const Fragment* {
+  const auto find = [](const auto& all, std::uint64_t id) -> const KeptFragment* {
     const auto at =
-        std::lower_bound(all.begin(), all.end(), std::pair<std::uint64_t, const Fragment*>{id, nullptr});
+        std::lower_bound(all.begin(), all.end(), std::pair<std::uint64_t, const KeptFragment*>{id, nullptr});
     return at != all.end() && at->first == id ? at->second : nullptr;
   };
   std::vector<std::uint32_t> numbers;
   for (std::uint32_t k = 0; k < after.size(); ++k) {
     pacer.step(16);
     const Fragment& f = after[k].fragment;
-    const Fragment* const earlier = find(was, f.id);
-    if (earlier && same_shape(*earlier, f)) continue;
+    const KeptFragment* const earlier = find(was, f.id);
+    if (earlier && same_shape(earlier->fragment, f) && same_hulls(earlier->hulls, after[k].hulls)) continue;
     (earlier ? delta.changed : delta.added).push_back(f.id);
     numbers.push_back(k);
   }

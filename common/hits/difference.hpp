@@ -6,15 +6,16 @@
 
 namespace fracture {
 
-/// Equal in everything that is written of them.
+/// Equal in everything that is written of them, but for hulls.
 bool same_shape(const Fragment& a, const Fragment& b);
+/// Those of an aggregate can change while its shape does not: its neighbours beyond the solid cut them, too.
+bool same_hulls(const FragmentHulls& a, const FragmentHulls& b);
 
 /// Each from its lower fragment to its higher one, and in order.
 void point_upwards(std::vector<Bond>& bonds, const Execution& execution);
 
 /// Compares fragments that have the same id. Without neighbours. Throws Interrupted.
-Delta difference(const FracturedBase& before, const std::vector<Fragment>& after,
-                 const Execution& execution = {});
+Delta difference(const FracturedBase& before, const FracturedSolid& after, const Execution& execution = {});
 
 /// The same for the fragments of one cell, which `delta` gets in their order. Returns which of `after` are new or changed.
 std::vector<std::uint32_t> differing(const std::vector<KeptFragment>& before,

@@ -23,10 +23,10 @@ void replace_sorted(std::vector<T>& gone, std::vector<T>& fresh, std::vector<T>&
 
 }  // namespace
 
-FragmentFigures figures_of(const std::vector<KeptFragment>& fragments, std::uint32_t sites,
-                           const Execution& execution) {
+FragmentFigures figures_of(const std::vector<KeptFragment>& fragments,
+                           const std::vector<std::uint32_t>& pieces, const Execution& execution) {
   FragmentFigures f;
-  f.first_of.assign(sites + 1, 0);
+  f.first_of.assign(pieces.size() + 1, 0);
   Pacer pacer(execution);
   for (const KeptFragment& kept : fragments) {
     pacer.step(8);
@@ -36,8 +36,9 @@ FragmentFigures figures_of(const std::vector<KeptFragment>& fragments, std::uint
     f.sorted_ids.push_back(kept.fragment.id);
     f.count(kept, 1);
   }
-  for (std::uint32_t s = 0; s < sites; ++s) {
-    f.cells += f.first_of[s + 1] > 0;
+  for (std::size_t s = 0; s < pieces.size(); ++s) {
+    f.cells += pieces[s] > 0;
+    f.pieces += pieces[s];
     f.first_of[s + 1] += f.first_of[s];
   }
   sort_with_polls(execution, f.sorted_volumes.begin(), f.sorted_volumes.end());
@@ -73,7 +74,7 @@ std::size_t memory_size(const KeptFragment& kept) {
 }
 
 std::optional<FragmentFigures> figures_after(const FragmentFigures& before, std::span<const SiteId> changed,
-                                             SiteId first_new, const FragmentsOf& was, const FragmentsOf& is,
+                                             SiteId first_new, const CellOf& was, const CellOf& is,
                                              const Execution& execution) {
   FragmentFigures after = before;
   after.first_of.assign(1, 0);
@@ -100,24 +101,26 @@ std::optional<FragmentFigures> figures_after(const FragmentFigures& before, std:
   for (const SiteId s : changed) {
     if (s < first_new) {
       take_until(s);
-      for (const KeptFragment& kept : was(s)) {
+      for (const KeptFragment& kept : was(s).fragments) {
         after.count(kept, -1);
         volumes_gone.push_back(kept.fragment.mass.volume);
         ids_gone.push_back(kept.fragment.id);
       }
-      after.cells -= !was(s).empty();
+      after.cells -= was(s).pieces > 0;
+      after.pieces -= was(s).pieces;
       done = SiteId{s + 1};
     } else if (done < first_new) {
       take_until(first_new);
       done = first_new;
     }
-    for (const KeptFragment& kept : is(s)) {
+    for (const KeptFragment& kept : is(s).fragments) {
       after.append(kept);
       after.count(kept, 1);
       volumes_new.push_back(kept.fragment.mass.volume);
       ids_new.push_back(kept.fragment.id);
     }
-    after.cells += !is(s).empty();
+    after.cells += is(s).pieces > 0;
+    after.pieces += is(s).pieces;
     after.first_of.push_back(static_cast<std::uint32_t>(after.volumes.size()));
   }
   if (done < first_new) take_until(first_new);

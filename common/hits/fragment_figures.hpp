@@ -21,8 +21,13 @@ struct KeptFragment {
 
 /// What is in one cell.
 struct KeptCell {
-  std::vector<KeptFragment> fragments;   ///< in the order of their islands
+  /// In the order of their islands. Those of cells that stay together are at the lowest of them, and what is united of
+  /// several cells' pieces is where the first of these is.
+  std::vector<KeptFragment> fragments;
   std::vector<std::uint32_t> triangles;  ///< of the solid, that meet the cell; ascending
+  /// At the lowest of cells that stay together: all of these, ascending. Empty: the cell is for itself.
+  std::vector<SiteId> members{};
+  std::uint32_t pieces = 0;  ///< of it or its members, the united ones, too
 };
 
 /// Sums over all fragments of an answer, and what is summed in their order.
@@ -35,7 +40,8 @@ struct FragmentFigures {
   std::vector<double> sorted_volumes;     ///< m³, ascending
   std::vector<std::uint64_t> sorted_ids;  ///< ascending
   std::uint64_t open_edges = 0, caps = 0, triangles = 0;
-  std::uint32_t cells = 0;  ///< that have fragments
+  std::uint32_t cells = 0;   ///< that have pieces; some stay together
+  std::uint32_t pieces = 0;  ///< of them; more than fragments where some are united
   HullReport hulls{};
 
   /// To what is summed in order.
@@ -43,14 +49,15 @@ struct FragmentFigures {
   /// In the sums over all; times: 1, or -1 to take it out.
   void count(const KeptFragment& kept, int times);
 };
-FragmentFigures figures_of(const std::vector<KeptFragment>& fragments, std::uint32_t sites,
-                           const Execution& execution);
+/// `pieces`: per site, as KeptCell has them.
+FragmentFigures figures_of(const std::vector<KeptFragment>& fragments,
+                           const std::vector<std::uint32_t>& pieces, const Execution& execution);
 
-/// The figures after cells have changed (ascending; those from `first_new` on are new). `was` and `is`: the fragments of such
-/// a cell. Nothing where two fragments have the same id then. Throws Interrupted.
-using FragmentsOf = std::function<const std::vector<KeptFragment>&(SiteId)>;
+/// The figures after cells have changed (ascending; those from `first_new` on are new). `was` and `is`: such a cell.
+/// Nothing where two fragments have the same id then. Throws Interrupted.
+using CellOf = std::function<const KeptCell&(SiteId)>;
 std::optional<FragmentFigures> figures_after(const FragmentFigures& before, std::span<const SiteId> changed,
-                                             SiteId first_new, const FragmentsOf& was, const FragmentsOf& is,
+                                             SiteId first_new, const CellOf& was, const CellOf& is,
                                              const Execution& execution);
 
 /// What limits of size say where they unite nothing, as they did not before; nothing where they might. `volume`: of the

@@ -6,10 +6,20 @@
 #include "common/base/heap_bytes.hpp"
 #include "common/base/pacer.hpp"
 #include "common/fragment/file_volume.hpp"
+#include "common/pipeline/before_hits.hpp"
 
 namespace fracture {
+
+PatternUnions::PatternUnions(std::uint32_t sites, std::vector<Union> all, const Execution& execution)
+    : sites(sites), all(std::move(all)) {
+  for (std::uint32_t k = 0; k < this->all.size(); ++k)
+    for (const PieceName& piece : this->all[k]) of_cell.emplace_back(piece.lowest, k);
+  sort_with_polls(execution, of_cell.begin(), of_cell.end());
+  of_cell.erase(std::unique(of_cell.begin(), of_cell.end()), of_cell.end());
+}
+
 std::size_t memory_size(const KeptCell& cell) {
-  std::size_t bytes = sizeof cell + heap(cell.triangles);
+  std::size_t bytes = sizeof cell + heap(cell.triangles) + heap(cell.members);
   for (const KeptFragment& kept : cell.fragments) bytes += memory_size(kept);
   return bytes;
 }
@@ -30,12 +40,14 @@ std::size_t memory_size(const FracturedBase& base) {
              heap(image.shell) + heap(image.part) + heap(image.parts);
   }
   if (local.rough) bytes += heap_size(*local.rough);
+  bytes += heap(local.unions->of_cell) + nested_heap(local.unions->all);
   for (std::uint32_t k = 0; k < local.states->size(); ++k)  // as a vector, and as a key of the map
     bytes += 2 * (sizeof(std::vector<PartWinding>) + heap((*local.states)[k])) + 48;
   return bytes + kPerSite * local.cells.size() +
          (sizeof(KeptTetrahedralization::Tet) + sizeof(std::uint32_t)) * local.tetrahedra.tet_end() +
-         sizeof(SiteId) * local.label.size() + local.cell_bytes + heap(f.first_of) + heap(f.volumes) +
-         heap(f.volumes_file) + heap(f.surface_areas) + heap(f.sorted_volumes) + heap(f.sorted_ids);
+         sizeof(SiteId) * (local.label.size() + local.lowest.size()) + local.cell_bytes + heap(f.first_of) +
+         heap(f.volumes) + heap(f.volumes_file) + heap(f.surface_areas) + heap(f.sorted_volumes) +
+         heap(f.sorted_ids);
 }
 
 std::vector<std::vector<std::uint32_t>> triangles_by_cell(const Solid& solid, const SurfaceCuts& cuts,
@@ -103,6 +115,12 @@ void LocalBaseMaker::see(const RestrictedDiagram& restricted, const Execution& e
   }
 }
 
+void LocalBaseMaker::see(CutCells& cut) {
+  lowest_ = std::move(cut.lowest);
+  pieces_ = std::move(cut.pieces);
+  unions_ = std::move(cut.unions);
+}
+
 std::optional<LocalBase> LocalBaseMaker::make(const FracturedSolid& answer, const Diagram& diagram,
                                               const Execution& execution) {
   std::optional<KeptTetrahedralization> tetrahedra =
@@ -113,23 +131,33 @@ std::optional<LocalBase> LocalBaseMaker::make(const FracturedSolid& answer, cons
   std::vector<KeptFragment> kept;
   kept.reserve(fragments.size());
   for (std::uint32_t k = 0; k < fragments.size(); ++k) kept.push_back(kept_fragment(answer, k, execution));
-  LocalBase base{std::move(*tetrahedra),
-                 SharedBlocks<std::uint32_t, 256>(std::move(state_)),
-                 std::make_shared<const WindingStates>(std::move(states_)),
-                 SharedBlocks<SiteId, 256>(std::move(label_)),
-                 {},
-                 {},
-                 figures_of(kept, sites, execution),
-                 diagram.map,
-                 notes_of(diagram),
-                 std::move(image_),
-                 answer.set.size};
+  LocalBase base{
+      std::move(*tetrahedra),
+      SharedBlocks<std::uint32_t, 256>(std::move(state_)),
+      std::make_shared<const WindingStates>(std::move(states_)),
+      SharedBlocks<SiteId, 256>(std::move(label_)),
+      {},
+      {},
+      {},
+      figures_of(kept, pieces_, execution),
+      diagram.map,
+      notes_of(diagram),
+      std::move(image_),
+      answer.set.size,
+      std::make_shared<const PatternUnions>(sites_of_pattern(diagram), std::move(unions_), execution)};
   const std::vector<std::uint32_t>& first_of = base.figures.first_of;
   Pacer pacer(execution);
+  std::vector<std::vector<SiteId>> members(lowest_.size());
+  for (const SiteId s : ids<SiteId>(lowest_.size())) {
+    pacer.step(4);
+    members[lowest_[s]].push_back(s);
+  }
   std::vector<std::shared_ptr<const KeptCell>> cells(sites);
   for (const SiteId s : ids<SiteId>(sites)) {
     pacer.step(16);
     KeptCell cell;
+    if (!members.empty() && members[s].size() > 1) cell.members = std::move(members[s]);
+    cell.pieces = pieces_[s];
     cell.fragments.assign(std::make_move_iterator(kept.begin() + first_of[s]),
                           std::make_move_iterator(kept.begin() + first_of[s + 1]));
     cell.triangles = std::move(triangles_[s]);
@@ -151,6 +179,7 @@ std::optional<LocalBase> LocalBaseMaker::make(const FracturedSolid& answer, cons
     bonds[s] = std::make_shared<const std::vector<KeptBond>>(std::move(of_cell));
   }
   base.cells = SharedBlocks<std::shared_ptr<const KeptCell>>(std::move(cells));
+  base.lowest = SharedBlocks<SiteId, 256>(std::move(lowest_));
   base.bonds = SharedBlocks<std::shared_ptr<const std::vector<KeptBond>>>(std::move(bonds));
   return base;
 }
@@ -169,7 +198,8 @@ Certificate certificate_of(const Solid& solid, const FragmentFigures& figures) {
   for (const double a : figures.surface_areas) sums.surface_area += a;
   c.cells = figures.cells;
   c.fragments = static_cast<std::uint32_t>(figures.volumes.size());
-  c.islands = c.fragments - c.cells;
+  c.islands = figures.pieces - figures.cells;
+  c.united = figures.pieces - c.fragments;
   sum_up(solid, sums, c);
   return c;
 }

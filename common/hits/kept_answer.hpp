@@ -2,11 +2,13 @@
 // hit costs what the hit has changed.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "common/base/cell_map.hpp"
@@ -14,6 +16,7 @@
 #include "common/clip/restricted_diagram.hpp"
 #include "common/delaunay/kept_tetrahedralization.hpp"
 #include "common/fragment/make_fragments.hpp"
+#include "common/fragment/unions.hpp"
 #include "common/hits/fragment_figures.hpp"
 #include "common/hits/local_rough.hpp"
 #include "common/pipeline/fracture.hpp"
@@ -21,10 +24,10 @@
 
 namespace fracture {
 
-/// A bond, kept at the cell of its lower fragment.
+/// A bond, kept at the cell of its lower fragment: of cells that stay together, at the lowest of them.
 struct KeptBond {
   std::uint32_t fragment;        ///< of that cell: its number there
-  SiteId other_cell;             ///< not lower
+  SiteId other_cell;             ///< not lower; of cells that stay together the lowest
   std::uint32_t other_fragment;  ///< its number there
   double area;
   Vec3d centroid, normal;  ///< as Bond has them
@@ -59,27 +62,52 @@ class WindingStates {
   std::map<std::vector<PartWinding>, std::uint32_t> numbers_{{{}, kNothing}};
 };
 
+/// What the limits of size had united before hits came. Which of these are fragments depends on where hits are
+/// (unions_beside_hits() in pipeline/before_hits.hpp).
+struct PatternUnions {
+  std::uint32_t sites = 0;  ///< those of the pattern: the first ones
+  std::vector<Union> all;
+  std::vector<std::pair<SiteId, std::uint32_t>>
+      of_cell;  ///< the lowest cells that have pieces in them; ascending
+
+  PatternUnions() = default;
+  PatternUnions(std::uint32_t sites, std::vector<Union> all, const Execution& execution);
+  /// Calls visit(number) for each that a piece of the cell, or of those that it is the lowest of, belongs to.
+  template <class Visit>
+  void each_of(SiteId lowest, const Visit& visit) const {
+    for (auto at = std::lower_bound(of_cell.begin(), of_cell.end(), std::pair{lowest, 0u});
+         at != of_cell.end() && at->first == lowest; ++at)
+      visit(at->second);
+  }
+};
+
 /// What hits need that change only what is near to them.
 struct LocalBase {
   KeptTetrahedralization tetrahedra;
   SharedBlocks<std::uint32_t, 256> state;  ///< per tetrahedron: what winds around its Voronoi vertex
   std::shared_ptr<const WindingStates> states;
-  SharedBlocks<SiteId, 256> label;                                   ///< per vertex of the solid: its cell
-  SharedBlocks<std::shared_ptr<const KeptCell>> cells;               ///< per site
+  SharedBlocks<SiteId, 256> label;                      ///< per vertex of the solid: its cell
+  SharedBlocks<std::shared_ptr<const KeptCell>> cells;  ///< per site
+  /// Per site the lowest of the cells that stay together with its own; empty: every cell is for itself.
+  SharedBlocks<SiteId, 256> lowest;
   SharedBlocks<std::shared_ptr<const std::vector<KeptBond>>> bonds;  ///< per site; null: none
   FragmentFigures figures;
   CellMap map{};
   SiteNotes notes;
   std::shared_ptr<const Solid> image{};  ///< of the solid under the map, where there is one
-  SizeFigures size{};                    ///< of which limits have united nothing
-  std::optional<LocalRough> rough{};     ///< where cuts are
+  SizeFigures size{};
+  std::shared_ptr<const PatternUnions> unions{};
+  std::optional<LocalRough> rough{};  ///< where cuts are
   std::size_t cell_bytes = 0;  ///< of memory behind `cells`; those that answers share are counted by each
+
+  SiteId lowest_of(SiteId s) const { return lowest.size() == 0 ? s : lowest[s]; }
 };
 
 /// An answer as far as further hits need it: reusable for any number of them.
 struct FracturedBase {
-  /// Hits can be local: every fragment is a piece of one cell, nothing was united, dropped, kept or split. Where not,
-  /// the whole is fractured again.
+  /// Hits can be local: every fragment is a piece of one cell, or of cells that stay together, or united of some of the
+  /// pattern because of their size with flat cuts; nothing else was united, nor dropped, kept or split. Where not, the
+  /// whole is fractured again.
   std::optional<LocalBase> local{};
   /// Where it is not: the fragments, in the order of the answer.
   std::vector<KeptFragment> fragments{};
@@ -98,8 +126,9 @@ class LocalBaseMaker {
  public:
   /// When the clipper is done.
   void see(const RestrictedDiagram& restricted, const Execution& execution);
-  /// When the answer is there, each fragment a piece of one cell. Nothing where the tetrahedralization cannot
-  /// be kept. Throws Interrupted.
+  /// How the fragments came about: takes it out of the cut.
+  void see(CutCells& cut);
+  /// When the answer is there. Nothing where the tetrahedralization cannot be kept. Throws Interrupted.
   std::optional<LocalBase> make(const FracturedSolid& answer, const Diagram& diagram,
                                 const Execution& execution);
 
@@ -110,6 +139,9 @@ class LocalBaseMaker {
   std::vector<SiteId> label_;
   std::vector<std::vector<std::uint32_t>> triangles_;  // per site
   std::shared_ptr<const Solid> image_;
+  std::vector<SiteId> lowest_;
+  std::vector<std::uint32_t> pieces_;  // per site
+  std::vector<Union> unions_;
 };
 
 /// Fragment k with its hulls.

@@ -2,15 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <optional>
 #include <utility>
 
 #include "common/base/id_table.hpp"
 #include "common/base/pacer.hpp"
-#include "common/base/ranked_set.hpp"
 #include "common/fragment/pieces.hpp"
 #include "common/hits/difference.hpp"
+#include "common/hits/hit_area.hpp"
+#include "common/physics/aggregate_hulls.hpp"
 #include "common/physics/collision_hulls.hpp"
+#include "common/pipeline/aggregate.hpp"
 #include "common/solid/patch.hpp"
 #include "common/voronoi/voronoi_diagram.hpp"
 
@@ -28,10 +30,9 @@ class LocalHit {
         further_(further),
         execution_(execution),
         pacer_(execution),
-        first_new_(base.tetrahedra.site_count()),
         out_{base} {}
 
-  std::optional<HitOutcome> run(std::span<const Vec3d> points) {
+  std::optional<HitOutcome> run(std::span<const Vec3d> points, std::span<const std::uint32_t> groups) {
     std::optional<KeptTetrahedralization::Insertion> inserted = now().insert(points, execution_);
     if (!inserted) return std::nullopt;
     SiteFigures& sites = out_.next.notes.figures;
@@ -39,86 +40,38 @@ class LocalHit {
     sites.used = now().site_count();
     sites.duplicates_merged = now().duplicates_merged();
     if (inserted->made.empty()) return keeps_to_limits() ? std::optional(std::move(out_)) : std::nullopt;
-    find_wanted(inserted->made);
-    find_around();
+    area_.emplace(base_, out_.next, *inserted, groups, further_, solid_.triangles.size(), execution_);
     if (!make_fragments(inserted->made) || !others_are_as_they_were()) return std::nullopt;
     replace_cells();
     if (!sum_up_again() || !keeps_to_limits()) return std::nullopt;
     replace_bonds();
     replace_surface();
     replace_states(inserted->made);
-    out_.around = std::move(part_.sites);
+    out_.around = area_->owners();
     return std::move(out_);
   }
 
  private:
   KeptTetrahedralization& now() { return out_.next.tetrahedra; }
-  bool is_new(SiteId s) const { return s >= first_new_; }
-  static bool contains(const std::vector<SiteId>& sites, SiteId s) {
-    return std::binary_search(sites.begin(), sites.end(), s);
-  }
-  std::uint32_t fragments_before(SiteId s) const {
-    const std::vector<std::uint32_t>& first_of = base_.figures.first_of;
-    return is_new(s) ? 0 : first_of[s + 1] - first_of[s];
-  }
+  const KeptTetrahedralization::Part& part() const { return area_->part(); }
 
-  /// New cells, those that are not what they were, and, to be made again with them, cells of several fragments
-  /// beside them: which of these a cap leads to is only known when they are all there.
-  void find_wanted(const std::vector<TetId>& made) {
-    for (const TetId t : made)
-      for (const TetVertexId v : now().tet(t).v)
-        if (v >= 4) changed_.push_back(SiteId{v - 4});
-    changed_.insert(changed_.end(), further_.begin(), further_.end());
-    sort_with_polls(execution_, changed_.begin(), changed_.end());
-    changed_.erase(std::unique(changed_.begin(), changed_.end()), changed_.end());
-    wanted_ = changed_;
-    const FragmentFigures& before = base_.figures;
-    if (before.cells == before.volumes.size()) return;  // no cell has several
-    KeptTetrahedralization::PartMaker beside(now(), execution_);
-    for (const SiteId s : changed_)
-      beside.add(s, [&](SiteId n) {
-        if (fragments_before(n) > 1) wanted_.push_back(n);
-      });
-    sort_with_polls(execution_, wanted_.begin(), wanted_.end());
-    wanted_.erase(std::unique(wanted_.begin(), wanted_.end()), wanted_.end());
-  }
-
-  /// The triangles that meet wanted cells, and the part around all cells that these triangles meet. A triangle is
-  /// convex: the cells that it meets hang together.
-  void find_around() {
-    RankedSet is_here(solid_.triangles.size());
-    for (const SiteId s : wanted_) {
-      if (is_new(s)) continue;
-      for (const std::uint32_t t : base_.cells[s]->triangles) is_here.add(t);
-      pacer_.step(base_.cells[s]->triangles.size());
-    }
-    is_here.close();
-    triangles_.reserve(is_here.size());
-    is_here.each([&](std::uint32_t t) { triangles_.push_back(t); });
-
-    KeptTetrahedralization::PartMaker maker(now(), execution_);
-    std::vector<SiteId> around = wanted_;
-    for (std::size_t k = 0; k < around.size(); ++k)
-      maker.add(around[k], [&](SiteId n) {
-        if (contains(wanted_, n)) return;
-        const auto& of_cell = base_.cells[n]->triangles;
-        pacer_.step(of_cell.size());
-        if (std::any_of(of_cell.begin(), of_cell.end(), [&](std::uint32_t t) { return is_here.contains(t); }))
-          around.push_back(n);
-      });
-    part_ = maker.finish();
+  /// What was made of a wanted cell and those that stay together with it: all is at the lowest.
+  std::uint32_t fragments_made(SiteId s) const {
+    if (!area_->is_owner(s)) return 0;
+    const std::uint32_t owner = area_->number_of(s);
+    return made_.first_of[owner + 1] - made_.first_of[owner];
   }
 
   /// Voronoi vertices of the part that were there before, and what winds around them, by parts of the solid.
   void find_known(const std::vector<TetId>& made) {
     IdTable is_made;
     for (const TetId t : made) is_made.slot(t) = 1;
-    for (const TetId t : ids<TetId>(part_.tets.size())) {
+    for (const TetId t : ids<TetId>(part().tets.size())) {
       pacer_.step(2);
-      if (is_made.find(part_.tets[t]) != IdTable::kEmpty) continue;
+      if (is_made.find(part().tets[t]) != IdTable::kEmpty) continue;
       const auto index = static_cast<std::uint32_t>(known_.size());
       known_.push_back(t);
-      for (const PartWinding& w : (*base_.states)[base_.state[part_.tets[t]]])
+      for (const PartWinding& w : (*base_.states)[base_.state[part().tets[t]]])
         known_windings_.push_back({TetId{index}, w.part, w.winding});
     }
   }
@@ -129,20 +82,20 @@ class LocalHit {
     std::vector<std::uint32_t> parts;
     for (const InnerVertex& v : known_windings_)
       if (parts.empty() || parts.back() != v.part) parts.push_back(v.part);
-    surface_ = patch_of(solid_, std::move(triangles_), parts, execution_);
+    surface_ = patch_of(solid_, area_->triangles(), parts, execution_);
     std::optional<SolidPatch> image;
     if (base_.image) image = patch_of(*base_.image, surface_.triangles, parts, execution_);
     const Solid& seen = image ? image->solid : surface_.solid;
     for (InnerVertex& v : known_windings_) v.part = surface_.local_part(v.part);
-    const std::uint32_t sites = part_.tetrahedra.site_count();
+    const std::uint32_t sites = part().tetrahedra.site_count();
     std::vector<char> wanted(sites, 0);
-    for (const SiteId s : wanted_) wanted[part_.local(s)] = 1;
-    const VoronoiDiagram diagram(part_.tetrahedra, part_.whole, seen.box, base_.map, execution_);
+    for (const SiteId s : area_->wanted()) wanted[part().local(s)] = 1;
+    const VoronoiDiagram diagram(part().tetrahedra, part().whole, seen.box, base_.map, execution_);
     VoronoiDiagram::Walk walk;
     std::vector<SiteId> label;
     for (std::size_t v = 0; v < surface_.vertices.size(); ++v) {
       const std::uint64_t looked_at = walk.looked_at;
-      label.push_back(part_.local(base_.label[surface_.vertices[v]]));
+      label.push_back(part().local(base_.label[surface_.vertices[v]]));
       if (wanted[label[v]]) label[v] = diagram.nearest(to_double(seen.positions[v]), label[v], walk);
       pacer_.step(8 + walk.looked_at - looked_at);
     }
@@ -151,18 +104,20 @@ class LocalHit {
     r.part_in_whole = &surface_.parts;
     r.winding = wind_voronoi_edges_of(seen, diagram, r.cuts, {wanted, known_, known_windings_}, execution_);
     r.place_and_cap(execution_, &wanted);
-    if (base_.rough && !roughen(r)) return false;
+    const Ownership ownership = area_->ownership();
+    if (base_.rough && !roughen(r, ownership.owner_of_site)) return false;
 
-    Ownership ownership = Ownership::from_groups(sites, {}, execution_);
-    ownership.wanted.assign(wanted.begin(), wanted.end());
-    std::vector<std::uint32_t> others(sites, 0);
-    for (const SiteId s : ids<SiteId>(sites))
-      if (!wanted[s]) others[s] = fragments_before(part_.sites[s]);
-    std::optional<WantedFragments> result =
-        make_wanted_fragments(r, ownership, others, parameters_.pivot, execution_);
+    const std::vector<SiteId>& owners = area_->owners();
+    OwnersInWhole whole{owners, std::vector<std::uint32_t>(owners.size(), 0)};
+    for (std::size_t o = 0; o < owners.size(); ++o)
+      if (!ownership.wanted[o]) whole.others[o] = area_->fragments_before(owners[o]);
+    std::optional<WantedFragments> result = make_wanted_fragments(
+        r, ownership, whole, area_->active_unions(ownership), parameters_.pivot, execution_);
     if (!result || result->crossing_caps > 0) return false;
     made_ = std::move(*result);
-    for (Fragment& f : made_.fragments) f.sites = {part_.sites[f.sites[0]]};
+    make_hulls_of_aggregates(diagram);
+    for (Fragment& f : made_.fragments)
+      for (SiteId& s : f.sites) s = part().sites[s];
 
     triangles_by_cell_ = triangles_by_cell(surface_.solid, r.cuts, sites, execution_);
     label_ = std::move(r.cuts.label);
@@ -170,23 +125,30 @@ class LocalHit {
     return true;
   }
 
-  bool roughen(RestrictedDiagram& r) {
+  void make_hulls_of_aggregates(const VoronoiDiagram& diagram) {
+    if (parameters_.hulls != Hulls::kConvex || !is_aggregated(parameters_)) return;
+    FragmentSet set;
+    set.fragments.swap(made_.fragments);
+    hulls_ = make_aggregate_hulls(set, diagram, parameters_.most_hulls, cells_per_fragment(parameters_),
+                                  /*has_rest=*/false, execution_);
+    set.fragments.swap(made_.fragments);
+  }
+
+  bool roughen(RestrictedDiagram& r, const std::vector<std::uint32_t>& owners) {
     const LocalRough& before = *base_.rough;
     const SeamLattice lattice = r.positions.lattice;
-    std::vector<std::uint32_t> owners(part_.sites.size());
-    std::iota(owners.begin(), owners.end(), 0u);
-    std::optional<RoughPart> part =
+    std::optional<RoughPart> rough =
         roughen_part(r, owners, parameters_.roughness, parameters_.seed,
-                     {solid_, part_.sites, wanted_, before.area, before.edges, *before.calmings,
+                     {solid_, part().sites, area_->wanted(), before.area, before.edges, *before.calmings,
                       [&](std::vector<Box> boxes) {
-                        return cuts_near(before, std::move(boxes), wanted_, lattice, execution_);
+                        return cuts_near(before, std::move(boxes), area_->wanted(), lattice, execution_);
                       }},
                      execution_);
-    if (!part) return false;
-    further_.insert(further_.end(), part->spread.begin(), part->spread.end());
-    if (!part->spread.empty()) return false;
-    std::optional<LocalRough> after =
-        replace_cuts(before, std::move(*part), wanted_, part_.sites, now().site_count(), execution_);
+    if (!rough) return false;
+    further_.insert(further_.end(), rough->spread.begin(), rough->spread.end());
+    if (!rough->spread.empty()) return false;
+    std::optional<LocalRough> after = replace_cuts(before, std::move(*rough), area_->wanted(), part().sites,
+                                                   now().site_count(), execution_);
     if (!after) return false;
     out_.next.rough = std::move(*after);
     return true;
@@ -197,12 +159,11 @@ class LocalHit {
     if (!base_.rough) return true;
     const std::size_t before = further_.size();
     std::size_t next = 0;
-    for (const SiteId s : wanted_) {
-      const SiteId here = part_.local(s);
-      const std::uint32_t count = made_.first_of[here + 1] - made_.first_of[here];
+    for (const SiteId s : area_->wanted()) {
+      const std::uint32_t count = fragments_made(s);
       const auto made = made_.fragments.begin() + static_cast<std::ptrdiff_t>(next);
       next += count;
-      if (contains(changed_, s)) continue;
+      if (area_->changes(s)) continue;
       const std::vector<KeptFragment>& kept = base_.cells[s]->fragments;
       pacer_.step(64 * (1 + count));
       if (!std::equal(kept.begin(), kept.end(), made, made + count,
@@ -214,13 +175,17 @@ class LocalHit {
 
   bool keeps_to_limits() {
     double smallest = HUGE_VAL;
-    for (const SiteId s : changed_)
+    static const std::vector<SiteId> kNone;
+    for (const SiteId s : area_ ? area_->changed() : kNone)
       for (const KeptFragment& kept : out_.next.cells[s]->fragments)
         smallest = std::fmin(smallest, kept.fragment.mass.volume);
     const std::optional<SizeFigures> size = size_after(limits_in_force(parameters_), solid_.report.volume,
                                                        base_.size, out_.next.figures, smallest);
-    if (size) out_.next.size = *size;
-    return size.has_value();
+    if (!size) return false;
+    out_.next.size = *size;
+    out_.next.size.united =
+        out_.next.figures.pieces - static_cast<std::uint32_t>(out_.next.figures.volumes.size());
+    return true;
   }
 
   /// The fragments of a cell that changed: which are new, changed, gone?
@@ -230,21 +195,19 @@ class LocalHit {
   }
 
   void replace_cells() {
-    CollisionHulls hulls;
     if (parameters_.hulls == Hulls::kConvex) {
       FragmentSet set;
       set.fragments.swap(made_.fragments);
-      hulls = make_collision_hulls(set, {}, execution_);
+      hulls_ = make_collision_hulls(set, std::move(hulls_), execution_);
       set.fragments.swap(made_.fragments);
     }
     SharedBlocks<std::shared_ptr<const KeptCell>>::Edit cells(out_.next.cells);
     static const std::vector<KeptFragment> kNone;
     std::size_t next = 0;
-    for (const SiteId s : wanted_) {
-      const SiteId here = part_.local(s);
-      const std::uint32_t count = made_.first_of[here + 1] - made_.first_of[here];
+    for (const SiteId s : area_->wanted()) {
+      const std::uint32_t count = fragments_made(s);
       pacer_.step(64 * (1 + count));
-      if (!contains(changed_, s)) {  // as it was
+      if (!area_->changes(s)) {  // as it was
         next += count;
         continue;
       }
@@ -252,11 +215,16 @@ class LocalHit {
       for (; cell.fragments.size() < count; ++next)
         cell.fragments.push_back(
             {std::move(made_.fragments[next]),
-             hulls.of_fragment.empty() ? FragmentHulls() : std::move(hulls.of_fragment[next]),
+             hulls_.of_fragment.empty() ? FragmentHulls() : std::move(hulls_.of_fragment[next]),
              made_.volumes_file[next]});
-      for (const std::uint32_t t : triangles_by_cell_[here]) cell.triangles.push_back(surface_.triangles[t]);
+      for (const std::uint32_t t : triangles_by_cell_[part().local(s)])
+        cell.triangles.push_back(surface_.triangles[t]);
+      if (area_->is_owner(s)) {
+        cell.pieces = made_.pieces[area_->number_of(s)];
+        if (area_->members_of(s).size() > 1) cell.members = area_->members_of(s);
+      }
       out_.next.cell_bytes += memory_size(cell);
-      if (is_new(s)) {
+      if (area_->is_new(s)) {
         compare(s, kNone, cell.fragments);
         cells.push_back(std::make_shared<const KeptCell>(std::move(cell)));
       } else {
@@ -270,10 +238,9 @@ class LocalHit {
   /// False where two fragments have the same id: the whole answer resolves that.
   bool sum_up_again() {
     std::optional<FragmentFigures> after = figures_after(
-        base_.figures, changed_, first_new_,
-        [&](SiteId s) -> const std::vector<KeptFragment>& { return base_.cells[s]->fragments; },
-        [&](SiteId s) -> const std::vector<KeptFragment>& { return out_.next.cells[s]->fragments; },
-        execution_);
+        base_.figures, area_->changed(), area_->first_new(),
+        [&](SiteId s) -> const KeptCell& { return *base_.cells[s]; },
+        [&](SiteId s) -> const KeptCell& { return *out_.next.cells[s]; }, execution_);
     if (!after) return false;
     out_.next.figures = std::move(*after);
     return true;
@@ -285,19 +252,19 @@ class LocalHit {
     const auto place = [&](std::uint32_t fragment) {
       const auto after = std::upper_bound(made_.first_of.begin(), made_.first_of.end(), fragment);
       const auto owner = static_cast<std::size_t>(after - made_.first_of.begin()) - 1;
-      return PlaceInAnswer{part_.sites[owner], fragment - made_.first_of[owner]};
+      return PlaceInAnswer{area_->owners()[owner], fragment - made_.first_of[owner]};
     };
     SharedBlocks<std::shared_ptr<const std::vector<KeptBond>>>::Edit bonds(out_.next.bonds);
-    for (std::size_t n = first_new_; n < now().site_count(); ++n) bonds.push_back(nullptr);
+    for (std::size_t n = area_->first_new(); n < now().site_count(); ++n) bonds.push_back(nullptr);
     auto made = made_.bonds.begin();  // ascending by a, then b
-    for (const SiteId s : part_.sites) {
-      const bool changes = contains(changed_, s);
+    for (const SiteId s : area_->owners()) {
+      const bool changes = area_->changes(s);
       std::vector<KeptBond> here;
       const std::vector<KeptBond>* before = base_.bonds.size() > s ? base_.bonds[s].get() : nullptr;
       bool same = true;
       if (before)
         for (const KeptBond& bond : *before) {
-          const bool stays = !changes && !contains(changed_, bond.other_cell);
+          const bool stays = !changes && !area_->changes(bond.other_cell);
           same &= stays;
           if (stays) here.push_back(bond);
         }
@@ -305,7 +272,7 @@ class LocalHit {
         const PlaceInAnswer a = place(made->a), b = place(made->b);
         if (a.site != s) break;
         pacer_.step(16);
-        if (!changes && !contains(changed_, b.site)) continue;
+        if (!changes && !area_->changes(b.site)) continue;
         here.push_back({a.fragment, b.site, b.fragment, made->area, made->centroid, made->normal});
         same = false;
       }
@@ -323,7 +290,7 @@ class LocalHit {
     SharedBlocks<SiteId, 256>::Edit label(out_.next.label);
     for (std::size_t v = 0; v < label_.size(); ++v) {
       pacer_.step(2);
-      const SiteId s = part_.sites[label_[v]];
+      const SiteId s = part().sites[label_[v]];
       const VertexId vertex = surface_.vertices[v];
       if (label[vertex] != s) label.at(vertex) = s;
     }
@@ -337,7 +304,7 @@ class LocalHit {
     for (std::uint32_t k = 0; k < made.size(); ++k) number.slot(made[k]) = k;
     for (const InnerVertex& v : inner_vertices_) {
       pacer_.step(2);
-      if (const std::uint32_t k = number.find(part_.tets[v.tet]); k != IdTable::kEmpty)
+      if (const std::uint32_t k = number.find(part().tets[v.tet]); k != IdTable::kEmpty)
         around[k].push_back({surface_.parts[v.part], v.winding});
     }
     for (std::size_t k = 0; k < made.size(); ++k) {
@@ -358,17 +325,14 @@ class LocalHit {
   std::vector<SiteId>& further_;
   const Execution& execution_;
   Pacer pacer_;
-  const SiteId first_new_;
   HitOutcome out_;
-  std::vector<SiteId> changed_, wanted_;  // ascending; the second has those of the first
-  std::vector<std::uint32_t> triangles_;  // of the solid, that met wanted cells; ascending
-  KeptTetrahedralization::Part
-      part_;                  // all tetrahedra at wanted cells, and at others that share their triangles
-  std::vector<TetId> known_;  // of the part
+  std::optional<HitArea> area_;
+  std::vector<TetId> known_;                 // of the part
   std::vector<InnerVertex> known_windings_;  // `tet` is an index into known_
   SolidPatch surface_;
   // Of the part: what was made.
   WantedFragments made_;
+  CollisionHulls hulls_;
   std::vector<std::vector<std::uint32_t>> triangles_by_cell_;
   std::vector<SiteId> label_;
   std::vector<InnerVertex> inner_vertices_;
@@ -377,13 +341,14 @@ class LocalHit {
 }  // namespace
 
 std::optional<HitOutcome> hit_cells(const Solid& solid, const LocalBase& base, std::span<const Vec3d> points,
+                                    std::span<const std::uint32_t> groups,
                                     const FractureParameters& parameters, const Execution& execution) {
   // Cuts make others less rough that are about as far as triangles are long: more than two steps are rare.
   constexpr int kMostTries = 4;
   std::vector<SiteId> further;
   for (int k = 0; k < kMostTries; ++k) {
     const std::size_t before = further.size();
-    std::optional<HitOutcome> out = LocalHit(solid, base, parameters, further, execution).run(points);
+    std::optional<HitOutcome> out = LocalHit(solid, base, parameters, further, execution).run(points, groups);
     if (out || further.size() == before) return out;
   }
   return std::nullopt;

@@ -1,5 +1,5 @@
-// A hit on a kept answer, as far as cells of their own are concerned: what new sites change is made again, on the
-// part of the tetrahedralization and the part of the surface that it needs.
+// A hit on a kept answer: what new sites change is made again, on the part of the tetrahedralization and the part of
+// the surface that it needs.
 //
 // What a new site changes: its own cell and those of its Delaunay neighbours, no other (Watson 1981). So
 //   - the tetrahedra in conflict with new sites are replaced (kept_tetrahedralization.hpp),
@@ -7,6 +7,8 @@
 //   - winding numbers start from the Voronoi vertices that are still there (clip/winding.hpp),
 //   - only facets of changed cells are chained and triangulated, only their pieces assembled, measured and given
 //     hulls.
+// Cells that stay together (aggregates, lumps of bricks) are one cell here: where a hit changes one of them, all are
+// made again. A hit never parts them, and its own are together as local_impact.hpp says.
 // Rough cuts: those of changed cells are made among the others as these were kept (rough/moving_caps.hpp). Where the
 // others would not stay as they were, their cells count as changed, and the hit is made again.
 // What is linear in the whole: a few passes over arrays of numbers per site, a pointer for each block of what is
@@ -23,7 +25,8 @@
 
 namespace fracture {
 
-/// Fragment `fragment` of the cell of `site`. In the order of the answer.
+/// Fragment `fragment` of the cell of `site`, or of the cells that stay together of which it is the lowest. In the order of
+/// the answer.
 struct PlaceInAnswer {
   SiteId site;
   std::uint32_t fragment;
@@ -34,13 +37,15 @@ struct HitOutcome {
   LocalBase next;                        ///< the answer after the hit
   Delta delta{};                         ///< without neighbours
   std::vector<PlaceInAnswer> changed{};  ///< what the delta says is new or changed, ascending
-  std::vector<SiteId> around{};          ///< cells that have all bonds of these, ascending
+  std::vector<SiteId> around{};          ///< cells where all bonds of these are kept, ascending
 };
 
-/// Inserts the points, images under the map of cells. Nothing where a piece would have to be united or dropped,
+/// Inserts the points, images under the map of cells; cells of points with equal groups (none: each for itself) stay
+/// together. Nothing where a piece would have to be united or dropped,
 /// caps cross, two fragments would get the same id, a site lies outside of the box, or there are too many, and where rough
 /// cuts change others farther and farther away: then the whole has to be fractured again. Throws Interrupted.
 std::optional<HitOutcome> hit_cells(const Solid& solid, const LocalBase& base, std::span<const Vec3d> points,
+                                    std::span<const std::uint32_t> groups,
                                     const FractureParameters& parameters, const Execution& execution);
 
 }  // namespace fracture

@@ -13,7 +13,7 @@
 namespace fracture {
 namespace {
 
-/// An aggregate of so many times the usual number of cells is none.
+/// Where there is a rest: what has so many times the usual number of cells is one.
 constexpr std::size_t kManyCells = 16;
 constexpr int kRounds = 4;  // of k-means: cells are few
 /// Of the extent of some cells: corners on a bisector are beyond it by rounding. A fraction of the least inset.
@@ -41,18 +41,18 @@ struct Scratch {
   HullMaker maker;
   ConvexBody body;
   std::vector<Share> shares;
-  std::vector<SiteId> neighbors;
+  std::vector<SiteId> own, neighbors;
   std::vector<Vec3d> seeds;
   std::vector<Vec3f> points;
   std::vector<const Share*> members;
 
   std::size_t bytes() const {
-    return maker.bytes() + body.bytes() + bytes_of_vectors(shares, neighbors, seeds, points, members);
+    return maker.bytes() + body.bytes() + bytes_of_vectors(shares, own, neighbors, seeds, points, members);
   }
   void release() {
     maker.release();
     body.release();
-    release_vectors(shares, neighbors, seeds, points, members);
+    release_vectors(shares, own, neighbors, seeds, points, members);
   }
 };
 
@@ -61,9 +61,10 @@ class FewHulls {
   FewHulls(const VoronoiDiagram& diagram, const Execution& execution)
       : diagram_(diagram), execution_(execution), pacer_(execution), s_(thread_scratch<Scratch>()) {}
 
+  /// At most `most`.
   void make(const Fragment& f, std::size_t most, FragmentHulls& out) {
     f_ = &f;
-    find_shares();
+    find_shares(false);
     find_neighbors();
     divide(most);
     for (std::uint32_t cluster = 0; cluster < s_.seeds.size(); ++cluster) {
@@ -73,17 +74,33 @@ class FewHulls {
       if (!s_.members.empty()) add(out);
     }
   }
+  /// Of very many cells: one for each `cells` of them that follow one another, as their sites do on a curve through
+  /// the solid. Near-linear.
+  void make_of_rest(const Fragment& f, std::size_t cells, FragmentHulls& out) {
+    f_ = &f;
+    find_shares(true);
+    find_neighbors();
+    for (std::size_t first = 0; first < s_.shares.size(); first += cells) {
+      s_.members.clear();
+      for (std::size_t k = first; k < std::min(first + cells, s_.shares.size()); ++k)
+        s_.members.push_back(&s_.shares[k]);
+      add(out);
+    }
+  }
 
  private:
   const CellMap& map() const { return diagram_.map(); }
   const Vec3d& site(SiteId s) const { return diagram_.site(s); }
 
-  /// Whose share a body is: that of the cell that the middle of its corners lies in.
-  void find_shares() {
+  /// Whose share a body is: that of the cell that the middle of its corners lies in. `walks`: from cell to cell, where
+  /// there are too many to look at all for each.
+  void find_shares(bool walks) {
     s_.shares.clear();
+    VoronoiDiagram::Walk walk;
+    SiteId last = f_->sites[0];
     for (std::uint32_t b = 0; b < f_->bodies.size(); ++b) {
       const std::vector<Vec3f>& body = f_->bodies[b];
-      pacer_.step(body.size() + f_->sites.size());
+      pacer_.step(body.size() + (walks ? 16 : f_->sites.size()));
       if (body.empty()) continue;
       Vec3d sum;
       Box box;
@@ -95,28 +112,42 @@ class FewHulls {
       Share share{b, f_->sites[0], (1 / static_cast<double>(body.size())) * sum, size.x * size.y * size.z, 0};
       const Vec3d place = share.middle + f_->pivot;
       const Vec3d image = map() ? map().of_part(f_->part).image(place) : place;
-      double least = HUGE_VAL;
-      for (const SiteId s : f_->sites) {
-        const Vec3d to = site(s) - image;
-        if (const double square = dot(to, to); square < least) {
-          least = square;
-          share.site = s;
-        }
-      }
+      if (walks) last = diagram_.nearest(image, last, walk);
+      if (walks && std::binary_search(f_->sites.begin(), f_->sites.end(), last))
+        share.site = last;
+      else
+        share.site = nearest_own(image);
       s_.shares.push_back(share);
     }
+  }
+  SiteId nearest_own(const Vec3d& image) const {
+    SiteId nearest = f_->sites[0];
+    double least = HUGE_VAL;
+    for (const SiteId s : f_->sites) {
+      const Vec3d to = site(s) - image;
+      if (const double square = dot(to, to); square < least) {
+        least = square;
+        nearest = s;
+      }
+    }
+    return nearest;
   }
 
   void find_neighbors() {
     s_.neighbors.clear();
-    for (const SiteId s : f_->sites)
+    // Those that have a share in this fragment: another piece of its cells may be another fragment.
+    s_.own.clear();
+    for (const Share& share : s_.shares) s_.own.push_back(share.site);
+    sort_with_polls(execution_, s_.own.begin(), s_.own.end());
+    s_.own.erase(std::unique(s_.own.begin(), s_.own.end()), s_.own.end());
+    for (const SiteId s : s_.own)
       for (const Bisector& b : diagram_.bisectors(s)) {
         pacer_.step(4);
         if (!diagram_.dual().is_corner(b.neighbor) &&
-            !std::binary_search(f_->sites.begin(), f_->sites.end(), b.neighbor))
+            !std::binary_search(s_.own.begin(), s_.own.end(), b.neighbor))
           s_.neighbors.push_back(b.neighbor);
       }
-    std::sort(s_.neighbors.begin(), s_.neighbors.end());
+    sort_with_polls(execution_, s_.neighbors.begin(), s_.neighbors.end());
     s_.neighbors.erase(std::unique(s_.neighbors.begin(), s_.neighbors.end()), s_.neighbors.end());
   }
 
@@ -135,8 +166,9 @@ class FewHulls {
         pacer_.step();
         const Vec3d to = shares[k].middle - seeds.back();
         far[k] = std::min(far[k], dot(to, to));
-        if (far[k] > far[next]) next = k;
       }
+      for (std::size_t k = 0; k < shares.size(); ++k)
+        if (far[k] > far[next]) next = k;
     }
     for (int round = 0; round < kRounds; ++round) {
       std::vector<Vec3d> sum(seeds.size());
@@ -206,6 +238,7 @@ class FewHulls {
     for (const SiteId j : s_.neighbors) {
       const auto is_clear = [&](SiteId i) {
         const Plane plane = bisector(i, j);
+        pacer_.step(4);
         if (plane.height(center) < -radius) return true;
         pacer_.step(s_.body.corners().size());
         return plane.scale * s_.body.beyond(plane.normal, plane.offset) <= rounding;
@@ -238,7 +271,7 @@ class FewHulls {
 }  // namespace
 
 CollisionHulls make_aggregate_hulls(const FragmentSet& set, const VoronoiDiagram& diagram, std::uint32_t most,
-                                    std::uint32_t cells, const Execution& execution) {
+                                    std::uint32_t cells, bool has_rest, const Execution& execution) {
   CollisionHulls out;
   out.of_fragment.resize(set.fragments.size());
   parallel_for(execution, set.fragments.size(), 4, [&](std::size_t begin, std::size_t end) {
@@ -246,9 +279,10 @@ CollisionHulls make_aggregate_hulls(const FragmentSet& set, const VoronoiDiagram
     for (std::size_t k = begin; k < end; ++k) {
       const Fragment& f = set.fragments[k];
       if (f.bodies.size() <= most) continue;
-      const bool is_rest = f.bodies.size() > kManyCells * cells;
-      hulls.make(f, is_rest ? std::max<std::size_t>(most, f.bodies.size() / cells) : most,
-                 out.of_fragment[k]);
+      if (has_rest && f.bodies.size() > kManyCells * cells)
+        hulls.make_of_rest(f, cells, out.of_fragment[k]);
+      else
+        hulls.make(f, most, out.of_fragment[k]);
     }
   });
   return out;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "common/base/pacer.hpp"
@@ -54,7 +55,10 @@ class Aggregator {
   }
 
   std::vector<std::uint32_t> run() {
-    if (free_ == 0) return {};
+    if (free_ == 0) {  // each is for itself
+      std::iota(group_.begin(), group_.end(), 0u);
+      return std::move(group_);
+    }
     const std::uint32_t count = std::min(std::max(1u, p_.sites), free_);
     SizesLeft sizes(count, p_.aggregation.spread, all_, kAboveLeast * p_.size.least(all_, count), pacer_);
     const std::vector<std::uint32_t> wish = ranks_by_place(sizes);
@@ -85,15 +89,17 @@ class Aggregator {
   void find_ways_out() {
     const auto* pattern = std::get_if<ImpactPattern>(&p_.pattern);
     if (!pattern) return;
+    const CellMap& map = d_.diagram.map();
     std::vector<Vec3d> impacts = pattern->impacts;
-    if (impacts.empty()) impacts.push_back(d_.solid.box.center());
+    // As the pattern has it: without any, the middle of the image, or of the solid where there are several images.
+    const bool in_image = impacts.empty() && map.frames().size() < 2;
+    if (impacts.empty()) impacts.push_back(in_image ? d_.seen.box.center() : d_.solid.box.center());
     for (const SiteId s : ids<SiteId>(group_.size())) {
       pacer_.step(impacts.size());
-      const CellMap& map = d_.diagram.map();
       Vec3d out;
       double least = HUGE_VAL;
       for (const Vec3d& impact : impacts) {
-        const Vec3d from = site(s) - (map ? map.at(site(s)).image(impact) : impact);
+        const Vec3d from = site(s) - (map && !in_image ? map.at(site(s)).image(impact) : impact);
         if (const double square = dot(from, from); square < least) {
           least = square;
           out = from;
@@ -109,7 +115,7 @@ class Aggregator {
     const std::uint32_t count = sizes.count();
     std::vector<std::uint32_t> wish(group_.size());
     for (std::uint32_t& rank : wish) rank = static_cast<std::uint32_t>(random_.below(count));
-    if (std::holds_alternative<UniformPattern>(p_.pattern)) return wish;
+    if (std::holds_alternative<UniformPattern>(p_.pattern) && p_.density_from.empty()) return wish;
     struct Place {
       double size;
       SiteId cell;
@@ -166,14 +172,14 @@ class Aggregator {
   void begin(SiteId s, const std::vector<std::uint32_t>& wish, SizesLeft& sizes) {
     const std::uint32_t group = groups_;
     const std::uint32_t rank = sizes.left() > 0 ? sizes.nearest_rank(wish[s]) : kNoIndex;
-    const bool all_done = rank == kNoIndex && !(p_.max_volume > 0);  // and yet something is left
-    const double wanted = rank != kNoIndex ? sizes.volume(rank) : all_done ? HUGE_VAL : p_.max_volume;
+    const double mean = all_ / sizes.count();  // of what is left over when all sizes are there
+    const double wanted = rank != kNoIndex ? sizes.volume(rank) : p_.max_volume > 0 ? p_.max_volume : mean;
     members_.clear();
     const bool found_enough = grow(s, group, wanted, sizes.left());
     double volume = 0;
     for (const SiteId c : members_) volume += volume_[c];
     std::uint32_t fits = rank;
-    bool is_scrap = all_done;
+    bool is_scrap = rank == kNoIndex && !(p_.max_volume > 0) && volume < kMostLack * mean;
     if (rank != kNoIndex && !found_enough && volume < kMostLack * wanted) {
       fits = sizes.nearest_size(volume);
       is_scrap = volume < kMostLack * sizes.volume(fits) && sizes.left() > 1;
@@ -184,7 +190,10 @@ class Aggregator {
       sizes.lose(volume);
       return;
     }
-    if (rank != kNoIndex) sizes.use(fits, volume);
+    if (is_scrap)  // alone: one more than was asked for
+      sizes.lose(volume);
+    else if (rank != kNoIndex)
+      sizes.use(fits, volume);
     group_volume_.push_back(volume);
     ++groups_;
   }

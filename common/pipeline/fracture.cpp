@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <numeric>
-#include <set>
 #include <string>
 #include <utility>
 
@@ -12,6 +9,7 @@
 #include "common/physics/collision_hulls.hpp"
 #include "common/pipeline/aggregate.hpp"
 #include "common/pipeline/barycentric.hpp"
+#include "common/pipeline/before_hits.hpp"
 #include "common/pipeline/enough_sites.hpp"
 #include "common/pipeline/fracture_steps.hpp"
 #include "common/pipeline/lloyd.hpp"
@@ -24,55 +22,17 @@
 namespace fracture {
 namespace {
 
-/// The group of each site, from those of the input points; empty when each is for itself.
-std::vector<std::uint32_t> groups_of_sites(const Tetrahedralization& t,
-                                           const std::vector<std::uint32_t>& groups_of_input) {
-  if (groups_of_input.empty()) return {};
-  std::vector<const std::uint32_t*> given(t.site_count(), nullptr);
-  for (std::size_t k = groups_of_input.size(); k-- > 0;)  // the first of merged points decides
-    if (t.site_of_input[k] != kNoSite) given[t.site_of_input[k]] = &groups_of_input[k];
-  std::map<std::uint32_t, SiteId> first;  // per given group: its lowest site
-  std::vector<std::uint32_t> groups(t.site_count());
-  for (const SiteId s : ids<SiteId>(t.site_count()))
-    groups[s] = given[s] ? first.emplace(*given[s], s).first->second : s;
-  return groups;
+/// Per site the lowest of its owner's.
+std::vector<SiteId> lowest_of_sites(const Ownership& ownership) {
+  std::vector<SiteId> lowest;
+  for (const std::uint32_t owner : ownership.owner_of_site)
+    lowest.push_back(ownership.sites_of_owner[owner][0]);
+  return lowest;
 }
 
-/// Whatever the groups of these cells (none: each for itself), they stay together.
-void join(std::uint32_t sites, const std::vector<SiteId>& kept, std::vector<std::uint32_t>& groups) {
-  if (kept.size() < 2) return;
-  if (groups.empty()) {
-    groups.resize(sites);
-    std::iota(groups.begin(), groups.end(), 0u);
-  }
-  std::set<std::uint32_t> joined;
-  for (const SiteId s : kept) joined.insert(groups[s]);
-  for (std::uint32_t& g : groups)
-    if (joined.contains(g)) g = *joined.begin();
-}
-
-/// Aggregates are those of the pattern alone: what no hit is near to stays what it was.
-Expected<SplitFigures> aggregate_before_hits(const SeenSolid& seen, const FractureParameters& parameters,
-                                             SitePlan& plan, const Execution& execution) {
-  const Allowance::Temporary temporary(execution.allowance);
-  Expected<Tetrahedralization> t = tetrahedralize(plan.points, seen.seen().box, execution);
-  if (!t) return tl::unexpected(t.error());
-  Diagram before{.sites = std::move(plan.points), .map = plan.map, .tetrahedralization = std::move(*t)};
-  if (parameters.max_volume > 0) {
-    Expected<SplitFigures> split =
-        split_large(seen, before, parameters.max_volume, parameters.seed, execution);
-    if (!split) return tl::unexpected(split.error());
-    before.split = *split;
-  }
-  canonicalize(before.tetrahedralization, execution);
-  const Tetrahedralization& all = before.tetrahedralization;
-  const VoronoiDiagram voronoi(all, seen.seen().box, before.map, execution);
-  const std::vector<std::uint32_t> groups =
-      aggregate(restrict_to_solid(seen, voronoi, execution), parameters, execution);
-  std::uint32_t next = all.site_count();  // more than there are groups
-  for (const SiteId s : all.site_of_input) plan.groups.push_back(s == kNoSite ? next++ : groups[s]);
-  plan.points = std::move(before.sites);
-  return before.split;
+/// Does something stay whole whatever its size?
+bool has_rest(const FractureParameters& parameters) {
+  return parameters.keep || (!parameters.hits.empty() && parameters.rest == LocalRest::kWhole);
 }
 
 }  // namespace
@@ -98,16 +58,17 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
     }
     const bool aggregated = is_aggregated(parameters);
     Diagram diagram;
+    diagram.of_pattern = plan->points.size();
     if (!parameters.hits.empty()) {
       if (aggregated) {
         const Expected<SplitFigures> split = aggregate_before_hits(seen, parameters, *plan, execution);
         if (!split) return tl::unexpected(split.error());
         diagram.split = *split;
       }
-      const std::size_t of_pattern = plan->points.size();
-      if (auto added = append_hits(solid, parameters, parameters.hits, 0, *plan, execution); !added)
+      diagram.of_pattern = plan->points.size();
+      if (auto added = append_hits(solid, parameters, parameters.hits, 0, 0, *plan, execution); !added)
         return tl::unexpected(added.error());
-      group_hits(parameters.hits, parameters.rest, of_pattern, *plan, execution);
+      group_hits(parameters.hits, parameters.rest, diagram.of_pattern, *plan, execution);
     }
     Expected<Tetrahedralization> t = tetrahedralize(plan->points, seen.seen().box, execution);
     if (!t) return tl::unexpected(t.error());
@@ -159,16 +120,24 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
     std::vector<std::uint32_t> groups = diagram.groups.empty() && is_aggregated(parameters)
                                             ? aggregate(restricted, parameters, execution)
                                             : groups_of_sites(t, diagram.groups);
-    join(t.site_count(), kept, groups);
+    keep_together(t.site_count(), kept, groups);
     const Ownership ownership = Ownership::from_groups(t.site_count(), groups, execution);
     cut.grouped = ownership.grouped;
+    if (ownership.grouped) cut.lowest = lowest_of_sites(ownership);
+    std::vector<Union> before;
+    if (!parameters.hits.empty() && parameters.rest == LocalRest::kFractured) {
+      Expected<std::vector<Union>> unions = unions_before_hits(seen, diagram, parameters, execution);
+      if (!unions) return tl::unexpected(unions.error());
+      cut.unions = std::move(*unions);
+      before = unions_beside_hits(cut.unions, diagram, ownership, execution);
+    }
     make_rough_fragments(
-        restricted, parameters, ownership,
+        restricted, parameters, ownership, std::move(before),
         [&](const FragmentSet& set) { return judge(set, solid, Promise::kPartition); }, execution, cut,
         trace);
     if (parameters.hulls == Hulls::kConvex && is_aggregated(parameters))
       cut.hulls = make_aggregate_hulls(cut.set, voronoi, parameters.most_hulls,
-                                       cells_per_fragment(parameters), execution);
+                                       cells_per_fragment(parameters), has_rest(parameters), execution);
     execution.poll();  // a large diagram takes some time to be given back, and so does what comes below
   }
   execution.poll();
@@ -186,10 +155,7 @@ SizeLimits limits_in_force(const FractureParameters& parameters) {
   SizeLimits limits = parameters.size;
   if (parameters.hits.empty()) return limits;
   limits.min_of_mean *= kShareBesideHits;
-  if (limits.fragments == 0) return limits;
-  if (parameters.rest == LocalRest::kWhole) limits.fragments = 0;
-  if (parameters.rest == LocalRest::kFractured)
-    for (const LocalImpact& hit : parameters.hits) limits.fragments += hit.sites;
+  limits.fragments = 0;  // those of the pattern are united already
   return limits;
 }
 

@@ -80,6 +80,7 @@ struct Diagram {
   std::vector<std::string> notes{};       ///< about the sites, for people
   Tetrahedralization tetrahedralization;  ///< canonical
   SplitFigures split{};                   ///< what FractureParameters::max_volume did
+  std::size_t of_pattern = 0;             ///< so many of `sites`, the first ones, are not of hits
 };
 
 /// Errors: those of plan_sites() and tetrahedralize(), an interruption.

@@ -8,6 +8,7 @@
 
 #include "common/base/scratch.hpp"
 #include "common/fragment/pieces.hpp"
+#include "common/fragment/unions.hpp"
 #include "common/physics/collision_hulls.hpp"
 #include "common/pipeline/barycentric.hpp"
 #include "common/pipeline/fracture.hpp"
@@ -38,9 +39,14 @@ auto stage(StageTimings& timings, const Execution& execution, Stage which, const
 /// Cells as fragments: with bonds, certificate and lattice, without what complete() adds.
 struct CutCells {
   FragmentSet set;
-  CollisionHulls hulls;           ///< those that are known already
-  std::size_t kept = 0;           ///< cells that FractureParameters::keep keeps together
-  bool grouped = false;           ///< some fragment has several cells
+  CollisionHulls hulls;                 ///< those that are known already
+  std::size_t kept = 0;                 ///< cells that FractureParameters::keep keeps together
+  bool grouped = false;                 ///< some fragment has several cells
+  std::vector<SiteId> lowest{};         ///< per site, where some stay together: the lowest of these
+  std::vector<std::uint32_t> pieces{};  ///< per site; those of cells that stay together at the lowest of them
+  std::vector<Union> unions{};          ///< what the limits of size unite where no hit has come
+  /// Something is too small because its cuts are rough, or of what hits broke off, and was united after these.
+  bool united_late = false;
   BarycentricResult barycentric;  ///< its figures, with Dual::kBarycenter
   RoughReport rough;
   /// What the net under rough cuts did (rough_cells.hpp): cells with less roughness than asked, or all flat.
@@ -55,9 +61,9 @@ struct CutCells {
   std::optional<Whole> whole{};
 };
 
-/// The limits of size as they hold for all cells: pieces that hits break off come on top of the fragments that
-/// the pattern shall make, where these stay one piece nobody counts them, and what hits break off is smaller
-/// beside the mean than crumbs are elsewhere.
+/// The limits of size as they hold for all cells, beyond what they unite of the pattern's pieces before hits come: what
+/// hits break off comes on top of the fragments that the pattern shall make, and is smaller beside the mean than crumbs
+/// are elsewhere.
 SizeLimits limits_in_force(const FractureParameters& parameters);
 
 /// What an answer says of its sites.

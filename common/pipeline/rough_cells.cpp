@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "common/fragment/make_fragments.hpp"
+#include "common/fragment/unite.hpp"
+#include "common/pipeline/before_hits.hpp"
 
 namespace fracture {
 namespace {
@@ -18,20 +20,40 @@ void restrain(const FragmentSet& set, const std::vector<std::uint32_t>& fragment
     for (const SiteId s : set.fragments[f].sites) restraints[s] = first ? Restraint::kLess : Restraint::kFlat;
 }
 
+/// What the limits ask for where all cuts are flat: neither the noise nor a hit decides who is united with whom.
+SizeFigures unite_flat(const RestrictedDiagram& restricted, const Ownership& ownership,
+                       const SizeLimits& limits, std::vector<Union>& unions, const Execution& execution) {
+  if (!limits.any()) return {};
+  const Pieces pieces = gather_pieces(restricted, ownership, execution);
+  PieceGroups groups(pieces.pieces.size());
+  const SizeFigures figures = unite_by_size(restricted, pieces, limits, groups, execution);
+  unions = name_unions(pieces, groups, lowest_cells(ownership), execution);
+  return figures;
+}
+
 }  // namespace
 
 void make_rough_fragments(RestrictedDiagram& restricted, const FractureParameters& parameters,
-                          const Ownership& ownership,
+                          const Ownership& ownership, std::vector<Union> before,
                           const std::function<Verdict(const FragmentSet&)>& judged,
                           const Execution& execution, CutCells& cut, std::optional<RoughTrace>* trace) {
   Roughness roughness = parameters.roughness;
   Restraints restraints;
+  SizeLimits limits = limits_in_force(parameters);
+  const bool with_hits = !parameters.hits.empty(), rough = roughness.amplitude > 0;
+  SizeFigures of_flat;
+  if (!with_hits && rough) {
+    of_flat = unite_flat(restricted, ownership, limits_of_flat_pieces(limits), before, execution);
+    limits.fragments = 0;
+  }
+  PieceRecord record;
   for (int restrained = 0;; ++restrained) {
     execution.reaches(0.7);
     cut.rough = roughen(restricted, ownership.owner_of_site, roughness, restraints, parameters.seed,
                         execution, trace);
     execution.reaches(0.9);
-    cut.set = make_fragments(restricted, ownership, parameters.pivot, limits_in_force(parameters), execution);
+    cut.set = make_fragments(restricted, ownership, parameters.pivot, limits, execution, before, &record);
+    cut.set.size.parts += of_flat.parts;
     if (!(roughness.amplitude > 0)) break;
     const Verdict verdict = judged(cut.set);
     if (verdict.sound()) break;
@@ -42,6 +64,15 @@ void make_rough_fragments(RestrictedDiagram& restricted, const FractureParameter
       roughness.amplitude = 0;
     restricted.place_and_cap(execution);
   }
+  if (with_hits || rough) {
+    std::size_t united = 0;
+    for (const Union& pieces : before) united += pieces.size() - 1;
+    cut.united_late = cut.set.size.united > united;
+  }
+  if (!with_hits) cut.unions = rough ? std::move(before) : std::move(record.united);
+  cut.pieces.assign(restricted.diagram.dual().site_count(), 0);
+  for (std::size_t o = 0; o < record.pieces.size(); ++o)
+    cut.pieces[ownership.sites_of_owner[o][0]] = record.pieces[o];
   cut.restrained_cells = static_cast<std::uint32_t>(
       std::count_if(restraints.begin(), restraints.end(), [](Restraint r) { return r != Restraint::kNone; }));
   cut.all_flat = roughness.amplitude != parameters.roughness.amplitude;

@@ -179,7 +179,7 @@ std::optional<RoughPart> roughen_part(RestrictedDiagram& restricted,
     const auto made = [&](SiteId s) {
       return std::binary_search(whole.made.begin(), whole.made.end(), whole.sites[s]);
     };
-    return made(lo) || made(hi);
+    return owner_of_site[lo] != owner_of_site[hi] && (made(lo) || made(hi));
   };
   const auto plain = [](SiteId, SiteId) { return false; };
   const double size = size_of(whole.solid);

@@ -1,0 +1,61 @@
+// Which pieces were united, in words that hold for a larger diagram as well: so that what no hit is near to stays
+// united as it was.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <vector>
+
+#include "common/base/execution.hpp"
+#include "common/clip/restricted_diagram.hpp"
+#include "common/fragment/piece_groups.hpp"
+#include "common/fragment/pieces.hpp"
+
+namespace fracture {
+
+/// Names a piece, whatever other cells there are, and however rough its cuts.
+struct PieceName {
+  SiteId lowest;  ///< of its owner's cells
+  std::uint32_t part, island;
+  auto operator<=>(const PieceName&) const = default;
+};
+
+/// Pieces that are one fragment: two or more, ascending.
+using Union = std::vector<PieceName>;
+
+/// Ascending. `lowest`: per owner the lowest of its cells. Throws Interrupted, as all here.
+std::vector<Union> name_unions(const Pieces& pieces, const PieceGroups& groups,
+                               const std::vector<SiteId>& lowest, const Execution& execution);
+
+/// Those of the unions of which no piece belongs to an owner that is `touched` (per owner), or is no owner any more.
+std::vector<Union> active_unions(const std::vector<Union>& unions, const std::vector<SiteId>& lowest,
+                                 const std::vector<char>& touched, const Execution& execution);
+
+/// Unites the pieces of the diagram that the unions name, by parts of the whole. Returns how many pieces became part of
+/// another.
+std::uint32_t unite_again(const std::vector<Union>& unions, const RestrictedDiagram& diagram,
+                          const Pieces& pieces, const std::vector<SiteId>& lowest, PieceGroups& groups,
+                          const Execution& execution);
+
+/// Per owner the lowest of its cells.
+std::vector<SiteId> lowest_cells(const Ownership& ownership);
+
+/// Per owner: does one of its cells have a neighbour, or is it one, of which `is_later` is true? What no later site
+/// is a Delaunay neighbour of is what it was without them.
+template <class IsLater>
+std::vector<char> touched_owners(const Tetrahedralization& dual, const Ownership& ownership,
+                                 const IsLater& is_later, const Execution& execution) {
+  Pacer pacer(execution);
+  std::vector<char> touched(ownership.sites_of_owner.size(), 0);
+  for (const Tetrahedron& t : dual.tets) {
+    pacer.step(4);
+    bool meets = false;
+    for (const SiteId s : t.v) meets = meets || (!dual.is_corner(s) && is_later(s));
+    if (!meets) continue;
+    for (const SiteId s : t.v)
+      if (!dual.is_corner(s)) touched[ownership.owner_of_site[s]] = 1;
+  }
+  return touched;
+}
+
+}  // namespace fracture

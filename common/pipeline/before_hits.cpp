@@ -1,0 +1,114 @@
+#include "common/pipeline/before_hits.hpp"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <set>
+#include <utility>
+
+#include "common/fragment/unite.hpp"
+#include "common/pipeline/aggregate.hpp"
+#include "common/pipeline/keep_region.hpp"
+#include "common/pipeline/split_large.hpp"
+#include "common/solid/image.hpp"
+
+namespace fracture {
+
+Expected<SplitFigures> aggregate_before_hits(const SeenSolid& seen, const FractureParameters& parameters,
+                                             SitePlan& plan, const Execution& execution) {
+  const Allowance::Temporary temporary(execution.allowance);
+  Expected<Tetrahedralization> t = tetrahedralize(plan.points, seen.seen().box, execution);
+  if (!t) return tl::unexpected(t.error());
+  Diagram before{.sites = std::move(plan.points), .map = plan.map, .tetrahedralization = std::move(*t)};
+  if (parameters.max_volume > 0) {
+    Expected<SplitFigures> split =
+        split_large(seen, before, parameters.max_volume, parameters.seed, execution);
+    if (!split) return tl::unexpected(split.error());
+    before.split = *split;
+  }
+  canonicalize(before.tetrahedralization, execution);
+  const Tetrahedralization& all = before.tetrahedralization;
+  const VoronoiDiagram voronoi(all, seen.seen().box, before.map, execution);
+  const std::vector<std::uint32_t> groups =
+      aggregate(restrict_to_solid(seen, voronoi, execution), parameters, execution);
+  std::uint32_t next = all.site_count();  // more than there are groups
+  for (const SiteId s : all.site_of_input) plan.groups.push_back(s == kNoSite ? next++ : groups[s]);
+  plan.points = std::move(before.sites);
+  return before.split;
+}
+
+std::vector<std::uint32_t> groups_of_sites(const Tetrahedralization& t,
+                                           const std::vector<std::uint32_t>& groups_of_input) {
+  if (groups_of_input.empty()) return {};
+  std::vector<const std::uint32_t*> given(t.site_count(), nullptr);
+  for (std::size_t k = groups_of_input.size(); k-- > 0;)  // the first of merged points decides
+    if (t.site_of_input[k] != kNoSite) given[t.site_of_input[k]] = &groups_of_input[k];
+  std::map<std::uint32_t, SiteId> first;  // per given group: its lowest site
+  std::vector<std::uint32_t> groups(t.site_count());
+  for (const SiteId s : ids<SiteId>(t.site_count()))
+    groups[s] = given[s] ? first.emplace(*given[s], s).first->second : s;
+  return groups;
+}
+
+void keep_together(std::uint32_t sites, const std::vector<SiteId>& kept, std::vector<std::uint32_t>& groups) {
+  if (kept.size() < 2) return;
+  if (groups.empty()) {
+    groups.resize(sites);
+    std::iota(groups.begin(), groups.end(), 0u);
+  }
+  std::set<std::uint32_t> joined;
+  for (const SiteId s : kept) joined.insert(groups[s]);
+  for (std::uint32_t& g : groups)
+    if (joined.contains(g)) g = *joined.begin();
+}
+
+std::uint32_t sites_of_pattern(const Diagram& diagram) {
+  std::uint32_t count = 0;
+  for (std::size_t k = 0; k < diagram.of_pattern; ++k)
+    if (const SiteId s = diagram.tetrahedralization.site_of_input[k]; s != kNoSite)
+      count = std::max(count, s + 1u);
+  return count;
+}
+
+SizeLimits limits_of_flat_pieces(SizeLimits limits) {
+  limits.max_triangles = 0;
+  return limits;
+}
+
+Expected<std::vector<Union>> unions_before_hits(const SeenSolid& seen, const Diagram& diagram,
+                                                const FractureParameters& parameters,
+                                                const Execution& execution) {
+  const SizeLimits limits = limits_of_flat_pieces(parameters.size);
+  if (!limits.any()) return std::vector<Union>();
+  const Allowance::Temporary temporary(execution.allowance);
+  const auto first = [&](const auto& all) {
+    const std::size_t count = std::min(diagram.of_pattern, all.size());
+    return std::decay_t<decltype(all)>(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count));
+  };
+  Expected<Tetrahedralization> t = tetrahedralize(first(diagram.sites), seen.seen().box, execution);
+  if (!t) return tl::unexpected(t.error());
+  canonicalize(*t, execution);
+  const VoronoiDiagram voronoi(*t, seen.seen().box, diagram.map, execution);
+  const RestrictedDiagram restricted = restrict_to_solid(seen, voronoi, execution);
+  std::vector<std::uint32_t> of_sites = groups_of_sites(*t, first(diagram.groups));
+  if (parameters.keep)
+    keep_together(t->site_count(), cells_meeting(*parameters.keep, voronoi, seen.seen().box, execution),
+                  of_sites);
+  const Ownership ownership = Ownership::from_groups(t->site_count(), of_sites, execution);
+  const Pieces pieces = gather_pieces(restricted, ownership, execution);
+  PieceGroups groups(pieces.pieces.size());
+  unite_by_size(restricted, pieces, limits, groups, execution);
+  return name_unions(pieces, groups, lowest_cells(ownership), execution);
+}
+
+std::vector<Union> unions_beside_hits(const std::vector<Union>& unions, const Diagram& diagram,
+                                      const Ownership& ownership, const Execution& execution) {
+  const std::uint32_t of_pattern = sites_of_pattern(diagram);
+  return active_unions(
+      unions, lowest_cells(ownership),
+      touched_owners(
+          diagram.tetrahedralization, ownership, [&](SiteId s) { return s >= of_pattern; }, execution),
+      execution);
+}
+
+}  // namespace fracture

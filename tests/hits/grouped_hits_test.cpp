@@ -1,0 +1,129 @@
+// Hits on answers whose fragments are several cells each: as local as on others, and to the bit what the whole fracture makes.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "common/materials/materials.hpp"
+#include "tests/hits/delta_checks.hpp"
+#include "tests/support/closed_inputs.hpp"
+#include "tests/support/figures.hpp"
+#include "tests/support/shapes.hpp"
+
+namespace fracture::test {
+namespace {
+
+FractureParameters aggregates_on(const Mesh& mesh, std::uint32_t fragments, double radius,
+                                 std::uint64_t seed = 3) {
+  FractureParameters p = hits_on(mesh, fragments, radius, seed);
+  p.aggregation = {4, 1};
+  return p;
+}
+
+TEST(GroupedHits, OnAggregatesAreLocalOnClosedShapes) {
+  int local = 0, shapes = 0;
+  for (const NamedMesh& shape : closed_shapes()) {
+    SCOPED_TRACE(shape.name);
+    local += expect_hits(shape.mesh, aggregates_on(shape.mesh, 30, 0.12)) > 0;
+    ++shapes;
+    if (HasFailure()) return;
+  }
+  EXPECT_GT(2 * local, shapes) << "most of these are local, or nothing is tested here";
+}
+
+TEST(GroupedHits, OfSeveralSeedsWithOneHullAndWithTwoThreads) {
+  const Mesh mesh = torus(48, 24);
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    SCOPED_TRACE(seed);
+    FractureParameters p = aggregates_on(mesh, 60, 0.1, seed);
+    p.most_hulls = static_cast<std::uint32_t>(seed);
+    EXPECT_GE(expect_hits(mesh, p, 2), 2);
+  }
+}
+
+TEST(GroupedHits, OnRoughAggregates) {
+  const Mesh mesh = ico_sphere(3);
+  FractureParameters p = aggregates_on(mesh, 60, 0.1);
+  p.roughness = {0.04, 5, 2};
+  EXPECT_GE(expect_hits(mesh, p), 2);
+}
+
+TEST(GroupedHits, InAStretchedDiagram) {
+  const Mesh mesh = ico_sphere(3);
+  FractureParameters p = aggregates_on(mesh, 40, 0.12);
+  p.anisotropy = {.stretch = 3, .grain_of = GrainOf::kPart};
+  EXPECT_GE(expect_hits(mesh, p), 2);
+}
+
+// Aggregates around an impact lie along the cracks, and hits on them have cells that stay together, too.
+TEST(GroupedHits, OnAggregatesAroundAnImpact) {
+  const Mesh mesh = ico_sphere(3);
+  FractureParameters p = aggregates_on(mesh, 60, 0.1);
+  p.pattern = ImpactPattern{.impacts = {{0.9, 0.1, 0}}};
+  EXPECT_GE(expect_hits(mesh, p), 2);
+}
+
+// A group of cells of which some have several pieces.
+TEST(GroupedHits, OfManyPieces) {
+  const Mesh mesh = cube_field(4);
+  EXPECT_GE(expect_hits(mesh, aggregates_on(mesh, 12, 0.1)), 2);
+}
+
+TEST(GroupedHits, OnLumpsOfBricks) {
+  const Mesh mesh = box({-2, 0, -0.1}, {2, 1.5, 0.1}, 6);
+  FractureParameters p = hits_on(mesh, 60, 0.08);
+  p.pattern = BrickPattern{};
+  EXPECT_GE(expect_hits(mesh, p), 2);
+}
+
+TEST(GroupedHits, ThatMissAndThatMeetAgain) {
+  const Mesh mesh = torus(32, 16);
+  FractureParameters p = aggregates_on(mesh, 40, 0.12);
+  p.hits[0].point = {0, 100, 0};
+  p.hits.push_back(p.hits.back());
+  p.levels = {4, 12};
+  p.anchors.points = {{1, 0, 0}};
+  EXPECT_GE(expect_hits(mesh, p), 3);
+}
+
+TEST(GroupedHits, OfMaterials) {
+  const Mesh mesh = ico_sphere(3);
+  for (const char* name : {"stone", "concrete"}) {
+    SCOPED_TRACE(name);
+    const MaterialPreset& preset = *find_material_preset(name);
+    ASSERT_GT(preset.aggregation.cells, 1u);
+    FractureParameters p = hits_on(mesh, 60, 0.1);
+    p.pattern = preset.pattern;
+    p.lloyd = preset.lloyd;
+    p.anisotropy = {.stretch = preset.stretch, .grain = preset.grain};
+    p.roughness = preset.roughness;
+    p.aggregation = preset.aggregation;
+    p.size.min_of_mean = kLeastOfMean;
+    EXPECT_GE(expect_hits(mesh, p), 2);
+  }
+}
+
+TEST(GroupedHits, ForManySeeds) {
+  if (!std::getenv("FRACTURE_TEST_FULL")) GTEST_SKIP() << "only with FRACTURE_TEST_FULL";
+  for (std::uint64_t seed = 1; seed <= 6; ++seed)
+    for (const NamedMesh& shape : closed_shapes()) {
+      SCOPED_TRACE(shape.name + ", seed " + std::to_string(seed));
+      FractureParameters p = aggregates_on(shape.mesh, static_cast<std::uint32_t>(8 + 15 * seed), 0.1, seed);
+      p.aggregation.cells = static_cast<std::uint32_t>(1 + 2 * seed);
+      if (seed % 2 == 0) p.roughness = {0.02 * static_cast<double>(seed), 5, 2};
+      expect_hits(shape.mesh, p);
+      if (HasFailure()) return;
+    }
+}
+
+class GroupedHitsOnMesh : public OnClosedMesh {};
+
+TEST_P(GroupedHitsOnMesh, EqualTheWholeFracture) {
+  FractureParameters p = aggregates_on(mesh, 30, 0.1);
+  p.hits.resize(2);
+  expect_hits(mesh, p);
+}
+
+INSTANTIATE_TEST_SUITE_P(Dev, GroupedHitsOnMesh, every_closed_mesh(), name_of_mesh);
+
+}  // namespace
+}  // namespace fracture::test

@@ -1,0 +1,142 @@
+// Hits on answers of which limits of size have united pieces: what no hit is near to stays united, and the rest is to the
+// bit what the whole fracture makes.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <set>
+
+#include "common/materials/materials.hpp"
+#include "tests/hits/delta_checks.hpp"
+#include "tests/support/closed_inputs.hpp"
+#include "tests/support/figures.hpp"
+#include "tests/support/fractured.hpp"
+#include "tests/support/shapes.hpp"
+
+namespace fracture::test {
+namespace {
+
+FractureParameters united_on(const Mesh& mesh, std::uint32_t sites, double radius, std::uint64_t seed = 5) {
+  FractureParameters p = hits_on(mesh, sites, radius, seed);
+  p.size.min_of_mean = 0.3;
+  return p;
+}
+
+std::uint32_t united_without_hits(const Mesh& mesh, FractureParameters p) {
+  p.hits.clear();
+  return fracture_mesh(mesh, p).set.size.united;
+}
+
+TEST(UnitedHits, AreLocalOnClosedShapes) {
+  int local = 0, with_unions = 0;
+  for (const NamedMesh& shape : closed_shapes()) {
+    SCOPED_TRACE(shape.name);
+    const FractureParameters p = united_on(shape.mesh, 60, 0.1);
+    if (united_without_hits(shape.mesh, p) == 0) continue;
+    ++with_unions;
+    local += expect_hits(shape.mesh, p) > 0;
+    if (HasFailure()) return;
+  }
+  EXPECT_GE(with_unions, 5) << "or nothing is tested here";
+  EXPECT_GT(2 * local, with_unions);
+}
+
+TEST(UnitedHits, WithRoughCuts) {
+  const Mesh mesh = torus(48, 24);
+  FractureParameters p = united_on(mesh, 120, 0.08);
+  p.roughness = {0.03, 6, 1};
+  ASSERT_GT(united_without_hits(mesh, p), 3u);
+  EXPECT_GE(expect_hits(mesh, p, 2), 2);
+}
+
+TEST(UnitedHits, OnANumberOfFragments) {
+  const Mesh mesh = torus(48, 24);
+  FractureParameters p = hits_on(mesh, 90, 0.1);
+  p.size.fragments = 40;
+  p.size.min_of_mean = kLeastOfMean;
+  ASSERT_GT(united_without_hits(mesh, p), 30u);
+  EXPECT_GE(expect_hits(mesh, p), 2);
+  p.hits.clear();
+  EXPECT_EQ(fracture_mesh(mesh, p).set.fragments.size(), 40u);
+}
+
+TEST(UnitedHits, OnAggregatesWithSeveralPieces) {
+  const Mesh mesh = cube_field(4);
+  FractureParameters p = united_on(mesh, 20, 0.08);
+  p.aggregation = {4, 1};
+  expect_hits(mesh, p);
+}
+
+TEST(UnitedHits, InAStretchedDiagram) {
+  const Mesh mesh = torus(32, 16);
+  FractureParameters p = united_on(mesh, 120, 0.08);
+  p.anisotropy = {.stretch = 4, .grain_of = GrainOf::kPart};
+  ASSERT_GT(united_without_hits(mesh, p), 3u);
+  EXPECT_GE(expect_hits(mesh, p), 2);
+}
+
+// A hit takes its share from the fragments beside it, and from no other.
+TEST(UnitedHits, LeaveWhatTheyAreNotNearTo) {
+  const Mesh mesh = torus(48, 24);
+  FractureParameters p = united_on(mesh, 200, 0.05);
+  p.size.min_of_mean = 0.6;
+  p.hits.resize(1);
+  const FracturedSolid after = fracture_mesh(mesh, p);
+  const FracturedSolid before = fracture_mesh(mesh, before_hits(p, 1));
+  ASSERT_GT(before.set.size.united, 20u);
+  std::set<std::uint64_t> there;
+  for (const Fragment& f : after.set.fragments) there.insert(f.id);
+  std::size_t gone = 0;
+  for (const Fragment& f : before.set.fragments) {
+    if (there.contains(f.id)) continue;
+    ++gone;
+    EXPECT_LT(length(f.mass.center_of_mass - p.hits[0].point), 1) << "a fragment far from the hit is gone";
+  }
+  EXPECT_LT(gone, 15u) << "of " << before.set.fragments.size();
+}
+
+TEST(UnitedHits, OfEveryMaterial) {
+  const Mesh mesh = ico_sphere(3);
+  int local = 0, materials = 0;
+  for (const MaterialPreset& preset : material_presets()) {
+    SCOPED_TRACE(preset.name);
+    FractureParameters p = hits_on(mesh, 50, 0.1);
+    p.pattern = preset.pattern;
+    p.lloyd = preset.lloyd;
+    p.anisotropy = {.stretch = preset.stretch, .grain = preset.grain};
+    if (!preset.grain && preset.stretch != 1) p.anisotropy.grain_of = GrainOf::kPart;
+    p.roughness = preset.roughness;
+    p.aggregation = preset.aggregation;
+    p.size.min_of_mean = kLeastOfMean;
+    p.hits.resize(2);
+    ++materials;
+    local += expect_hits(mesh, p) > 0;
+    if (HasFailure()) return;
+  }
+  EXPECT_GE(local, materials - 2);
+}
+
+TEST(UnitedHits, ForManySeeds) {
+  if (!std::getenv("FRACTURE_TEST_FULL")) GTEST_SKIP() << "only with FRACTURE_TEST_FULL";
+  for (std::uint64_t seed = 1; seed <= 6; ++seed)
+    for (const NamedMesh& shape : closed_shapes()) {
+      SCOPED_TRACE(shape.name + ", seed " + std::to_string(seed));
+      FractureParameters p = united_on(shape.mesh, static_cast<std::uint32_t>(20 + 20 * seed), 0.08, seed);
+      if (seed % 2 == 0) p.roughness = {0.01 * static_cast<double>(seed), 5, 2};
+      if (seed % 3 == 0) p.aggregation.cells = 3;
+      expect_hits(shape.mesh, p);
+      if (HasFailure()) return;
+    }
+}
+
+class UnitedHitsOnMesh : public OnClosedMesh {};
+
+TEST_P(UnitedHitsOnMesh, EqualTheWholeFracture) {
+  FractureParameters p = united_on(mesh, 60, 0.1);
+  p.hits.resize(2);
+  expect_hits(mesh, p);
+}
+
+INSTANTIATE_TEST_SUITE_P(Dev, UnitedHitsOnMesh, every_closed_mesh(), name_of_mesh);
+
+}  // namespace
+}  // namespace fracture::test
