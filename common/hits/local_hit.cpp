@@ -19,15 +19,20 @@
 namespace fracture {
 namespace {
 
+/// Of all cells with rough cuts, made in all tries together.
+constexpr double kMostOfCells = 0.75;
+
 class LocalHit {
  public:
-  /// `further`: cells that are to be made, too. Gets those that would have had to be.
+  /// `further`: cells that are to be made, too. Gets those that would have had to be. `made`: so many cells were made in
+  /// earlier tries.
   LocalHit(const Solid& solid, const LocalBase& base, const FractureParameters& parameters,
-           std::vector<SiteId>& further, const Execution& execution)
+           std::vector<SiteId>& further, std::size_t& made, const Execution& execution)
       : solid_(solid),
         base_(base),
         parameters_(parameters),
         further_(further),
+        made_in_all_(made),
         execution_(execution),
         pacer_(execution),
         out_{base} {}
@@ -41,6 +46,10 @@ class LocalHit {
     sites.duplicates_merged = now().duplicates_merged();
     if (inserted->made.empty()) return keeps_to_limits() ? std::optional(std::move(out_)) : std::nullopt;
     area_.emplace(base_, out_.next, *inserted, groups, further_, solid_.triangles.size(), execution_);
+    // To make most cells, perhaps in vain, and then the whole, is worse than the whole.
+    made_in_all_ += area_->wanted().size();
+    if (base_.rough && static_cast<double>(made_in_all_) > kMostOfCells * now().site_count())
+      return std::nullopt;
     if (!make_fragments(inserted->made) || !others_are_as_they_were()) return std::nullopt;
     replace_cells();
     if (!sum_up_again() || !keeps_to_limits()) return std::nullopt;
@@ -323,6 +332,7 @@ class LocalHit {
   const LocalBase& base_;
   const FractureParameters& parameters_;
   std::vector<SiteId>& further_;
+  std::size_t& made_in_all_;
   const Execution& execution_;
   Pacer pacer_;
   HitOutcome out_;
@@ -346,9 +356,11 @@ std::optional<HitOutcome> hit_cells(const Solid& solid, const LocalBase& base, s
   // Cuts make others less rough that are about as far as triangles are long: more than two steps are rare.
   constexpr int kMostTries = 4;
   std::vector<SiteId> further;
+  std::size_t made = 0;
   for (int k = 0; k < kMostTries; ++k) {
     const std::size_t before = further.size();
-    std::optional<HitOutcome> out = LocalHit(solid, base, parameters, further, execution).run(points, groups);
+    std::optional<HitOutcome> out =
+        LocalHit(solid, base, parameters, further, made, execution).run(points, groups);
     if (out || further.size() == before) return out;
   }
   return std::nullopt;
