@@ -137,8 +137,8 @@ std::vector<std::uint32_t> pieces_of_owners(const Pieces& pieces, std::size_t ow
   return count;
 }
 
-/// Unites what was united before and what is too small; assembles; unites what has no volume; assembles again what changed. Returns, per
-/// name, what was dropped.
+/// Unites what was united before and what is too small; assembles; unites what has no volume; assembles again what
+/// changed. Returns, per name, what was dropped.
 std::vector<bool> assemble_groups(Assembly& assembly, const SizeLimits& limits,
                                   const std::vector<Union>& before, PieceRecord* record, FragmentSet& out) {
   const std::size_t n = assembly.pieces.pieces.size();

@@ -44,8 +44,8 @@ struct Face {
 struct Piece {
   std::vector<std::uint32_t> owners;  ///< ascending; several after uniting
   std::uint32_t part;
-  std::uint32_t
-      island;  ///< 0 for the first piece of its owner and part, 1 for the next, …: whatever other cells there are
+  /// 0 for the first piece of its owner and part, 1 for the next, …: whatever other cells there are.
+  std::uint32_t island;
   std::vector<Face> faces;
   /// The vertices of each member cell's share (also those that fusing hides), for pieces of several cells;
   /// else empty.

@@ -12,6 +12,7 @@
 #include "tests/support/fractured.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/site_families.hpp"
+#include "tests/support/solids.hpp"
 
 namespace fracture::test {
 namespace {
@@ -94,37 +95,35 @@ TEST(LocalImpact, HitsTogetherKeepToTheMostSites) {
   p.hits.push_back(p.hits[0]);
   Execution execution;
   StageTimings timings;
-  const Expected<Solid> solid = make_solid(std::make_shared<Mesh>(mesh), {}, execution);
-  ASSERT_TRUE(solid);
+  const Solid solid = solid_of(mesh);
   p.most_sites = 90;
-  EXPECT_TRUE(make_diagram(*solid, p, execution, timings));
+  EXPECT_TRUE(make_diagram(solid, p, execution, timings));
   for (const auto& [cells, most] : {std::pair{1u, 89u}, {1u, 60u}, {4u, 350u}}) {
     p.aggregation.cells = cells;
     p.most_sites = most;
-    const Expected<Diagram> diagram = make_diagram(*solid, p, execution, timings);
+    const Expected<Diagram> diagram = make_diagram(solid, p, execution, timings);
     ASSERT_FALSE(diagram) << most;
     EXPECT_EQ(diagram.error().code, ErrorCode::kTooComplex);
     EXPECT_EQ(diagram.error().pointer, "local_sites");
   }
   p.most_sites = 59;
   p.aggregation.cells = 1;
-  EXPECT_EQ(make_diagram(*solid, p, execution, timings).error().pointer, "sites");
+  EXPECT_EQ(make_diagram(solid, p, execution, timings).error().pointer, "sites");
 }
 
 TEST(FractureAgain, MakesNoMoreSitesThanThereMayBe) {
   const Mesh mesh = cube();
   Execution execution;
   StageTimings timings;
-  const Expected<Solid> solid = make_solid(std::make_shared<Mesh>(mesh), {}, execution);
-  ASSERT_TRUE(solid);
+  const Solid solid = solid_of(mesh);
   FractureParameters p;
   p.sites = 10;
   p.most_sites = 30;
-  const Expected<Diagram> diagram = make_diagram(*solid, p, execution, timings);
+  const Expected<Diagram> diagram = make_diagram(solid, p, execution, timings);
   ASSERT_TRUE(diagram);
   const std::uint64_t id = fracture_mesh(mesh, p).set.fragments[0].id;
-  EXPECT_TRUE(refracture(*solid, *diagram, p, {id, 30, 5}, execution, timings));
-  const Expected<FracturedSolid> parts = refracture(*solid, *diagram, p, {id, 31, 5}, execution, timings);
+  EXPECT_TRUE(refracture(solid, *diagram, p, {id, 30, 5}, execution, timings));
+  const Expected<FracturedSolid> parts = refracture(solid, *diagram, p, {id, 31, 5}, execution, timings);
   ASSERT_FALSE(parts);
   EXPECT_EQ(parts.error().code, ErrorCode::kTooComplex);
 }
@@ -149,12 +148,11 @@ TEST(FractureAgain, UnknownIdIsAnError) {
   const Mesh mesh = cube();
   Execution execution;
   StageTimings timings;
-  const Expected<Solid> solid = make_solid(std::make_shared<Mesh>(mesh), {}, execution);
-  ASSERT_TRUE(solid);
+  const Solid solid = solid_of(mesh);
   FractureParameters p;
-  const Expected<Diagram> diagram = make_diagram(*solid, p, execution, timings);
+  const Expected<Diagram> diagram = make_diagram(solid, p, execution, timings);
   ASSERT_TRUE(diagram);
-  const Expected<FracturedSolid> parts = refracture(*solid, *diagram, p, {12345, 6, 5}, execution, timings);
+  const Expected<FracturedSolid> parts = refracture(solid, *diagram, p, {12345, 6, 5}, execution, timings);
   ASSERT_FALSE(parts);
   EXPECT_EQ(parts.error().code, ErrorCode::kNoSuchFragment);
   EXPECT_EQ(parts.error().pointer, "fragment");
