@@ -11,14 +11,16 @@ configure_and_build() {
   (cd "${root:?}" && cmake --preset "$preset" "${configure[@]}" && cmake --build --preset "$preset" --parallel "$(nproc)" "${targets[@]}")
 }
 
-# build_preset PRESET [TARGET...]: configures and builds; the compiler's output is shown only when it fails. A new folder
-# compiles a library's sources several at once (FRACTURE_UNITY); a folder that somebody configured stays as it is.
+# build_preset PRESET [TARGET...]: configures and builds; the compiler's output is shown only when it fails. In a new
+# folder warnings are errors (FRACTURE_WERROR: Debian 12's compilers are known, and scripts/test need not compile again
+# what scripts/run has), and a library's sources are compiled several at once (FRACTURE_UNITY); a folder that somebody
+# configured stays as it is.
 # FRACTURE_CONFIGURE: further arguments of cmake, with spaces between them.
 build_preset() {
   local preset=$1 log targets=() configure=()
   shift
   read -ra configure <<<"${FRACTURE_CONFIGURE:-}"
-  [[ -f ${root:?}/build/$preset/CMakeCache.txt ]] || configure+=(-DFRACTURE_UNITY=ON)
+  [[ -f ${root:?}/build/$preset/CMakeCache.txt ]] || configure+=(-DFRACTURE_UNITY=ON -DFRACTURE_WERROR=ON)
   [[ $# -eq 0 ]] || targets=(--target "$@")
   log=${root:?}/build/$preset.log
   mkdir -p "$root/build"
