@@ -21,11 +21,11 @@ class Drainable {
   virtual ~Drainable() = default;
   virtual void close_when_idle() = 0;
   virtual void cancel_job() = 0;
-  /// Closes, unless it is answering a request by now.
+  /// Closes, unless it computes an answer by now.
   virtual void give_way() = 0;
 
-  /// Since when it has only waited for its client: for a request, for the rest of a header, for the end of
-  /// the connection. Nothing while it answers.
+  /// Since when it has only waited for its client: for a request, for the rest of a header, for its taking an answer,
+  /// for the end of the connection. Nothing while it computes one.
   std::optional<Clock::time_point> waiting_since() const {
     const Clock::rep since = waiting_since_;
     return since == 0 ? std::nullopt : std::optional(Clock::time_point(Clock::duration(since)));

@@ -83,7 +83,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
   void give_way() override {
     set_waiting(false);  // chosen once is enough
     asio::post(executor(), [self = shared_from_this()] {
-      if (self->answering_) return;
+      if (self->answering_ && !self->writing_) return;
       self->giving_way_ = true;
       self->connection_->abort();
     });
@@ -304,8 +304,14 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     }
     AnswerMemory::Hold hold;
     count_answer(response, head_only, hold);
-    co_return co_await write_answer(*connection_, api_.limits(), response, id_, policy_fields_, keep_alive,
-                                    head_only);
+    // Until the client has taken it, it is the client that is waited for: whoever asks and does not read cannot keep
+    // others from the admin listener.
+    writing_ = true;
+    set_waiting(true);
+    const bool written = co_await write_answer(*connection_, api_.limits(), response, id_, policy_fields_,
+                                               keep_alive, head_only);
+    writing_ = false;
+    co_return written && !giving_way_;
   }
 
   asio::awaitable<void> refuse_and_close(const Problem& problem) {
@@ -344,6 +350,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
   std::size_t head_size_ = 0;
   bool busy_ = false;       // a request is in progress
   bool answering_ = false;  // its header is there, the last byte of its answer not
+  bool writing_ = false;    // of that answer nothing is left to be done but to send it
   bool giving_way_ = false;
   bool closing_ = false;  // drain: answer what is in progress, then close
 };

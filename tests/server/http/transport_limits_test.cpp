@@ -230,6 +230,23 @@ TEST(AdminListener, IdleConnectionsGiveWay) {
   for (int i = 0; i < 20; ++i) EXPECT_EQ(ask(server.server.admin_port(), "GET", "/livez").status, 200);
 }
 
+TEST(AdminListener, WhoAsksAndDoesNotReadGivesWay) {
+  TestServer server;
+  std::string many;  // answers for more than the sockets hold
+  for (int k = 0; k < 1500; ++k) many += "GET /metrics HTTP/1.1\r\nHost: a\r\n\r\n";
+  std::vector<std::unique_ptr<RawClient>> deaf;
+  for (int i = 0; i < 40; ++i) {
+    deaf.push_back(std::make_unique<RawClient>(server.server.admin_port()));
+    deaf.back()->send(many);
+  }
+  for (int i = 0; i < 20; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    EXPECT_EQ(ask(server.server.admin_port(), "GET", "/livez").status, 200);
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10))
+        << "before their time is up";
+  }
+}
+
 TEST(Paths, AnEscapedSlashIsRefused) {
   TestServer server;
   for (const char* path : {"/meshes%2Fsha256:00", "/jobs/a%2fevents", "/%2Fversion", "/version%2F"}) {
