@@ -84,6 +84,7 @@ std::vector<JobFolder::Found> JobFolder::restore() {
         take_place(*record, size_of(path(kRecords, id)));
         if (open) meshes_[record->digest].written = fs::exists(path(kMeshes, record->digest));
       }
+      record->parameters = nlohmann::json::object();
       found.push_back({std::move(*record), size_of(path(kBegun, id))});
     }
     for (const std::string& digest : names_in(config_.folder + "/" + kMeshes))

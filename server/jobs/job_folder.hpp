@@ -60,7 +60,8 @@ class JobFolder {
     JobRecord record;
     std::uint64_t begun = 0;  ///< in how many processes it was being computed when they ended
   };
-  /// What is there, each with its place, the oldest first. To be called once, before all else. Blocks.
+  /// What is there, each with its place, the oldest first; without parameters, which read() has. To be called once,
+  /// before all else. Blocks.
   std::vector<Found> restore();
 
   enum class Room {
@@ -74,6 +75,9 @@ class JobFolder {
   Room reserve(const JobRecord& record, std::uint64_t share);
   /// Mesh and record. False when they could not be written. Blocks.
   bool write(const JobRecord& record, const FractureRequest& request);
+  /// What write() wrote of a job that is to be computed. Nothing where it is gone or damaged (which puts it
+  /// aside). Blocks.
+  std::optional<JobRecord> read(const std::string& id) { return get_record(id); }
   /// The record of a job that has ended, in place of what was to be computed. Blocks.
   bool write_end(const JobRecord& record);
   /// Record, mark and place, and the mesh where no other job needs it. Blocks.

@@ -29,8 +29,9 @@ struct JobRecord {
   std::uint64_t mesh_bytes = 0;           ///< of it and its files, names included
   MeshFormat format = MeshFormat::kGlb;
   OutputFormat output = OutputFormat::kGlb;
-  std::uint64_t triangles = 0;                           ///< of the solid, when they were counted before
-  nlohmann::json parameters = nlohmann::json::object();  ///< canonical_parameters()
+  std::uint64_t triangles = 0;  ///< of the solid, when they were counted before
+  nlohmann::json parameters =
+      nlohmann::json::object();  ///< canonical_parameters(), while it is to be computed
   std::string result_key;
   std::optional<Error> error;  ///< of a job that failed or was cancelled
 };

@@ -92,16 +92,17 @@ std::optional<Error> Jobs::begin(const Shared& job, FractureRequest request, Ter
                                  std::function<void(const JobView&)> accepted) {
   std::shared_ptr<const FractureRequest> written;  // keeps the bytes until they are on the disk
   if (folder_) {
-    JobRecord& record = job->record;
-    record.patience = std::max(std::chrono::milliseconds(1),
-                               std::chrono::ceil<std::chrono::milliseconds>(terms.deadline - Clock::now()));
-    record.digest = request.digest;
-    record.mesh_bytes = bytes_of(request);
-    record.format = request.format;
-    record.output = request.output;
-    record.triangles = request.triangles;
-    record.parameters = canonical_parameters(request.parameters);
-    if (auto overload = room_for(job, owner.share)) return overload;
+    JobRecord& kept = job->record;
+    kept.patience = std::max(std::chrono::milliseconds(1),
+                             std::chrono::ceil<std::chrono::milliseconds>(terms.deadline - Clock::now()));
+    kept.digest = request.digest;
+    kept.mesh_bytes = bytes_of(request);
+    kept.format = request.format;
+    kept.output = request.output;
+    kept.triangles = request.triangles;
+    JobRecord whole = kept;
+    whole.parameters = canonical_parameters(request.parameters);
+    if (auto overload = room_for(job, whole, owner.share)) return overload;
     if (job->kept) written = std::make_shared<const FractureRequest>(request);
   }
   job->terms = terms;
@@ -124,8 +125,8 @@ std::optional<Error> Jobs::begin(const Shared& job, FractureRequest request, Ter
   return std::nullopt;
 }
 
-std::optional<Error> Jobs::room_for(const Shared& job, std::uint64_t share) {
-  switch (folder_->reserve(job->record, share)) {
+std::optional<Error> Jobs::room_for(const Shared& job, const JobRecord& record, std::uint64_t share) {
+  switch (folder_->reserve(record, share)) {
     case JobFolder::Room::kThere: {
       const std::lock_guard lock(mutex_);
       job->kept = true;

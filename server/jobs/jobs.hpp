@@ -133,7 +133,9 @@ class Jobs {
   };
   struct Job {
     JobView view;
-    JobRecord record;  ///< what of it is or would be on the disk
+    /// What of it is or would be on the disk, but for its parameters: they may be a megabyte, and nobody pays for
+    /// a job's share of the memory. They are in `request`, or on the disk.
+    JobRecord record;
     std::stop_source stop;
     int clip_begins = 0;  ///< of its percent
     std::vector<Watcher> watchers;
@@ -185,7 +187,7 @@ class Jobs {
   /// again often. Takes its place among the computations of its name.
   std::optional<Error> refuses(Terms& terms);
   void restore();
-  std::optional<Error> room_for(const Shared& job, std::uint64_t share);
+  std::optional<Error> room_for(const Shared& job, const JobRecord& record, std::uint64_t share);
   // All of these with the lock.
   Calls change(const Shared& job);
   void ended(const Shared& job);

@@ -18,6 +18,7 @@ void Jobs::persist(const Shared& job, const FractureRequest& request) {
   if (!there) {
     record.state = JobState::kQueued;
     record.finished_at.reset();
+    record.parameters = canonical_parameters(request.parameters);
     there = folder_->write(record, request);
   }
   if (!there) return not_durable(job);

@@ -225,12 +225,15 @@ std::optional<Error> Jobs::resume_one(const Shared& job) {
   }
   terms.least_bytes = least_bytes;
   if (auto refused = refuses(terms)) return refused;
+  const std::optional<JobRecord> whole = folder_->read(record.id);
+  if (!whole)
+    return lost({ErrorCode::kJobLost, "What was kept of this job is damaged or gone. Ask for it again."});
   std::optional<KeptMesh> mesh = folder_->read_mesh(record.digest);
   if (!mesh)
     return lost(
         {ErrorCode::kJobLost, "What was kept of the mesh of this job is damaged or gone. Send it again."});
   std::vector<RawParameter> given;
-  for (const auto& [name, value] : record.parameters.items()) given.push_back({name, value, false});
+  for (const auto& [name, value] : whole->parameters.items()) given.push_back({name, value, false});
   Expected<RequestParameters> parameters = dispatcher_.service().parameters().parse(given);
   if (!parameters) return lost(std::move(parameters.error()));  // of another version of the server
 
