@@ -17,6 +17,8 @@ class Turn {
   /// processor here. Not nested; only by the thread that the computation began on.
   virtual void leave() = 0;
   virtual void come_back() = 0;
+  /// What was done elsewhere took so many seconds of a processor. By the thread that the computation began on.
+  virtual void spent_elsewhere(double /*seconds*/) {}
   /// Somebody waits for the computation who cannot wait long: where it waits for others, it goes before them.
   /// May change while it runs.
   virtual bool is_urgent() const { return true; }

@@ -284,8 +284,13 @@ std::optional<Expected<Mesh>> ImportPool::import_within(Try& attempt, const Inpu
   WorkerProcess& worker = *taken;
   const pid_t pid = worker.pid();
   const auto start = ImportMemo::Clock::now();
+  const std::chrono::duration<double> used_before = worker.processor_time();
   bool reusable = false;
   const auto finish = [&](std::uint64_t ImportCounters::*ended) {
+    if (execution.turn) {
+      const std::chrono::duration<double> used = worker.processor_time();
+      execution.turn->spent_elsewhere((used - used_before).count());
+    }
     {
       const std::lock_guard lock(mutex_);
       if (ended) ++(counters_.*ended);

@@ -25,13 +25,15 @@
 
 namespace fracture {
 
-inline constexpr std::uint32_t kProtocolVersion = 2;
+inline constexpr std::uint32_t kProtocolVersion = 3;
 inline constexpr int kWorkerSocket = 3;  ///< the child's end, by number; beside it only 0, 1 and 2
 
 struct ZygoteHello {
   std::uint32_t version = kProtocolVersion;
   /// Version of Landlock whose rules deny files and TCP in it and in its forks; 0: this kernel has none.
   std::uint32_t landlock = 0;
+  /// Bytes of its address space, which each fork has before it reads a file; 0: not known.
+  std::uint64_t address_space = 0;
 };
 
 struct ForkRequest {

@@ -13,6 +13,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <exception>
+#include <fstream>
 #include <new>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -87,6 +88,13 @@ void warm_up(const ImportFunction& import) {
     (void)encode_reply(import({format, {}, std::as_bytes(std::span(text)), {}}));
 }
 
+/// Bytes; 0 where there is no /proc.
+std::uint64_t address_space() {
+  std::uint64_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+}
+
 /// What is free in the zygote's heap would be copied page by page where a fork writes to it, and what it has
 /// not got it has to ask for. So what was used goes back, and room that was never touched takes its place:
 /// for the 16 MiB that Assimp's reader of OBJ fills before it reads, whatever the size of the file.
@@ -149,6 +157,7 @@ int run_zygote(int control, const SandboxLimits& limits, const ImportFunction& i
   leave_room();
   const SyscallFilter filter;
   ZygoteHello hello;
+  hello.address_space = address_space();
   hello.landlock = static_cast<std::uint32_t>(enter_zygote_sandbox());
   if (!send_message(control, &hello, sizeof hello)) return kNoServer;
   for (;;) {

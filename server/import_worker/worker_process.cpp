@@ -55,7 +55,8 @@ std::chrono::microseconds processor_time_of(const rusage& used) {
 
 }  // namespace
 
-WorkerProcess::WorkerProcess(ZygoteProcess& zygote, const WorkerProcessConfig& config) : cpu_(config.cpu) {
+WorkerProcess::WorkerProcess(ZygoteProcess& zygote, const WorkerProcessConfig& config)
+    : cpu_(config.cpu), first_space_(zygote.hello().address_space) {
   ZygoteProcess::Forked forked = zygote.fork();
   pid_ = forked.pid;
   socket_ = std::move(forked.socket);
@@ -86,26 +87,32 @@ void WorkerProcess::kill_and_reap() {
 std::chrono::nanoseconds WorkerProcess::processor_time() const {
   clockid_t clock{};
   timespec used{};
-  if (pid_ <= 0 || ::clock_getcpuclockid(pid_, &clock) != 0 || ::clock_gettime(clock, &used) != 0) return {};
+  if (pid_ <= 0 || ::clock_getcpuclockid(pid_, &clock) != 0 || ::clock_gettime(clock, &used) != 0)
+    return used_;
   return std::chrono::seconds(used.tv_sec) + std::chrono::nanoseconds(used.tv_nsec);
 }
 
 /// RLIMIT_AS counts what the process has, an import what it takes.
 void WorkerProcess::allow_memory([[maybe_unused]] std::uint64_t bytes) const {
 #ifndef FRACTURE_SANITIZED  // the sanitizers reserve terabytes
+  std::uint64_t has = first_space_;
+  // What earlier files left in it. A /proc that hides processes (hidepid) hides workers, which are not traceable: then the
+  // file has less.
+  if (std::uint64_t pages = 0; files_ > 1 || has == 0)
+    if (std::ifstream statm("/proc/" + std::to_string(pid_) + "/statm"); statm >> pages)
+      has = pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
   rlimit limit{};
-  std::uint64_t pages = 0;
-  if (std::ifstream statm("/proc/" + std::to_string(pid_) + "/statm");
-      !(statm >> pages) || ::prlimit(pid_, RLIMIT_AS, nullptr, &limit) != 0)
-    return;
-  const std::uint64_t has = pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+  bool limited = ::prlimit(pid_, RLIMIT_AS, nullptr, &limit) == 0 && (bytes == 0 || has > 0);
   limit.rlim_cur = bytes == 0 ? limit.rlim_max : std::min<rlim_t>(has + bytes, limit.rlim_max);
-  ::prlimit(pid_, RLIMIT_AS, &limit, nullptr);
+  limited = limited && ::prlimit(pid_, RLIMIT_AS, &limit, nullptr) == 0;
+  if (!limited && ::kill(pid_, 0) == 0)
+    throw std::runtime_error("the memory of an import process cannot be limited on this machine");
 #endif
 }
 
 Expected<Mesh> WorkerProcess::died(WorkerDeath how_at_least) {
   death_ = how_at_least;
+  used_ = processor_time();
   socket_.reset();
   // Its end of the socket is closed and it is dying, unless it lied: then it has to.
   int status = 0;
@@ -116,6 +123,7 @@ Expected<Mesh> WorkerProcess::died(WorkerDeath how_at_least) {
     ::usleep(2000);
   if (reaped == pid_) {
     pid_ = -1;
+    used_ = processor_time_of(used);
     const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
     // The second limit of processor time kills whoever is deaf to the first one (sandbox.cpp).
     const bool over_time = cpu_.count() > 0 && processor_time_of(used) >= cpu_;

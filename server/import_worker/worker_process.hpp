@@ -50,20 +50,23 @@ class WorkerProcess {
   const std::string& last_words() const { return last_words_; }  ///< "signal 11 (Segmentation fault)"
   pid_t pid() const { return pid_; }
   const WorkerHello& hello() const { return hello_; }
-  /// Used so far; 0 after its end.
+  /// Used so far, or until its end.
   std::chrono::nanoseconds processor_time() const;
 
  private:
+  /// Throws std::runtime_error where it cannot be limited.
   void allow_memory(std::uint64_t bytes) const;
   Expected<Mesh> died(WorkerDeath how_at_least);
   void kill_and_reap();
 
   std::chrono::seconds cpu_;
+  std::uint64_t first_space_;  ///< bytes of address space that it had when it was forked; 0: not known
   pid_t pid_ = -1;
   std::shared_ptr<ProcessGroup> group_;
   Descriptor socket_;
   WorkerHello hello_;
   WorkerDeath death_ = WorkerDeath::kNone;
+  std::chrono::nanoseconds used_{0};  ///< until its end
   std::string last_words_;
   int files_ = 0;
 };

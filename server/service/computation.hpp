@@ -47,8 +47,8 @@ class Meter {
     const auto since = [](double now, double before) { return now - before; };
     const std::chrono::duration<double> all = std::chrono::steady_clock::now() - start_;
     spent_.busy_seconds += all.count() - since(WorkerPool::paused_seconds(), paused_);
-    spent_.processor_seconds +=
-        since(processor_seconds_of_this_thread(), processor_) + since(WorkerPool::away_seconds(), away_);
+    spent_.processor_seconds += since(processor_seconds_of_this_thread(), processor_) +
+                                since(WorkerPool::seconds_elsewhere(), elsewhere_);
   }
   Meter(const Meter&) = delete;
   Meter& operator=(const Meter&) = delete;
@@ -57,7 +57,7 @@ class Meter {
   Spent& spent_;
   const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   const double processor_ = processor_seconds_of_this_thread(), paused_ = WorkerPool::paused_seconds(),
-               away_ = WorkerPool::away_seconds();
+               elsewhere_ = WorkerPool::seconds_elsewhere();
 };
 
 /// One who waits in a flight: its reply, and the two ways to leave early. Lives in the flight's waiter.

@@ -57,6 +57,9 @@ class TurnElsewhere final : public Turn {
   }
   void leave() override {}
   void come_back() override {}
+  void spent_elsewhere(double seconds) override {
+    if (turn_) turn_->spent_elsewhere(seconds);
+  }
   bool is_urgent() const override { return !turn_ || turn_->is_urgent(); }
 
  private:

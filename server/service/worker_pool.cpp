@@ -18,9 +18,9 @@ double WorkerPool::paused_seconds() {
   return Seconds(mine->paused_for).count();
 }
 
-double WorkerPool::away_seconds() {
+double WorkerPool::seconds_elsewhere() {
   const Running* const mine = Running::of_this_thread;
-  return mine ? mine->away_for : 0;
+  return mine ? mine->elsewhere : 0;
 }
 
 WorkerPool::WorkerPool(int threads, std::size_t max_queue, const Longest& longest)

@@ -84,8 +84,8 @@ class WorkerPool {
   static Turn* turn();
   /// Seconds for which the job that the calling thread runs was made to stand still, by now.
   static double paused_seconds();
-  /// Seconds for which it was away (Turn::leave), but what the calling thread computed itself meanwhile.
-  static double away_seconds();
+  /// Processor seconds that went into it in other processes (Turn::spent_elsewhere), by now.
+  static double seconds_elsewhere();
 
   /// What a job that runs turned out to cost, for predictions of the wait. Nothing happens when it does not
   /// run.

@@ -7,7 +7,6 @@
 #include <chrono>
 
 #include "common/base/execution.hpp"
-#include "common/base/processor_time.hpp"
 #include "server/service/worker_pool.hpp"
 
 namespace fracture {
@@ -56,20 +55,18 @@ class WorkerPool::Running final : public Turn {
   }
 
   void leave() override {
-    left_at = Clock::now();
-    computed_before = processor_seconds_of_this_thread();
     const std::lock_guard lock(pool.mutex_);
     away = true;
     pool.changed();
   }
 
   void come_back() override {
-    const double computed = processor_seconds_of_this_thread() - computed_before;
-    away_for += std::max(0.0, Seconds(Clock::now() - left_at).count() - computed);
     const std::lock_guard lock(pool.mutex_);
     away = false;
     pool.changed();
   }
+
+  void spent_elsewhere(double seconds) override { elsewhere += seconds; }
 
   bool is_urgent() const override {
     const std::lock_guard lock(pool.mutex_);
@@ -113,8 +110,7 @@ class WorkerPool::Running final : public Turn {
   Clock::time_point paused_since{}, works_until{};
   Clock::duration paused_for{};
   // Of the job's own thread alone.
-  Clock::time_point left_at{};
-  double computed_before = 0, away_for = 0;
+  double elsewhere = 0;  ///< processor seconds of other processes
 
   static thread_local Running* of_this_thread;
 };

@@ -250,7 +250,7 @@ TEST(ImportPool, AWaitingImportIsCancelledToo) {
   hanging.get();
 }
 
-/// Of a computation whose urgency a test decides.
+/// Of a computation whose urgency a test decides; it counts what is said to have been spent for it.
 struct ToldTurn final : Turn {
   explicit ToldTurn(bool urgent) : is_in_a_hurry(urgent) {}
   void give_way() override {}
@@ -260,9 +260,34 @@ struct ToldTurn final : Turn {
     ++asked;
     return is_in_a_hurry;
   }
+  void spent_elsewhere(double seconds) override { spent += seconds; }
   std::atomic<bool> is_in_a_hurry;
   mutable std::atomic<int> asked{0};
+  double spent = 0;
 };
+
+TEST(ImportPool, WhatAnImportSpendsIsSaidAndNotWhatItWaits) {
+  constexpr std::chrono::duration<double> kWaits{1.0};
+  ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 1));
+  ToldTurn spins(false), hangs(false), waits(false);
+  const auto import_for = [&](ToldTurn& turn, std::string_view file, std::chrono::duration<double> patience) {
+    Execution execution;
+    execution.turn = &turn;
+    execution.deadline = std::chrono::steady_clock::now() +
+                         std::chrono::duration_cast<std::chrono::steady_clock::duration>(patience);
+    return import_with(pool, file, execution);
+  };
+  // Of a machine with other work it gets a part of the time.
+  EXPECT_THROW((void)import_for(spins, "! spin", kWaits), Interrupted);
+  EXPECT_GT(spins.spent, 0.05 * kWaits.count());
+  auto hanging = std::async(std::launch::async,
+                            [&] { EXPECT_THROW((void)import_for(hangs, "! hang", kWaits), Interrupted); });
+  EXPECT_TRUE(eventually(kPatience, "a worker to be busy", [&] { return pool.counters().busy == 1; }));
+  EXPECT_TRUE(import_for(waits, kTetrahedron, kPatience));
+  hanging.get();
+  EXPECT_GT(waits.spent, 0);
+  EXPECT_LT(waits.spent, 0.5 * kWaits.count());
+}
 
 TEST(ImportPool, UrgentWorkDoesNotWaitForWorkThatIsNot) {
   ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 1));
