@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "common/parameters/fields.hpp"
+#include "common/parameters/parameters.hpp"
 #include "common/parameters/rows.hpp"
 
 namespace fracture {
@@ -17,19 +18,6 @@ constexpr std::size_t kMostHits = 64;
 constexpr std::uint64_t kMostHitSites = 10'000;  // of all hits of one answer
 constexpr std::size_t kKeyDigits = 64;
 
-/// The key at the end of an answer's address; empty when there is none.
-std::string key_in(std::string_view address) {
-  constexpr std::string_view kScheme = "sha256:", kFolder = "/fractures/";
-  if (address.size() < kScheme.size() + kKeyDigits) return {};
-  const std::string_view key = address.substr(address.size() - kKeyDigits);
-  address.remove_suffix(kKeyDigits);
-  if (!address.ends_with(kScheme)) return {};
-  address.remove_suffix(kScheme.size());
-  if (!address.empty() && !address.ends_with(kFolder)) return {};
-  const auto is_digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
-  return std::all_of(key.begin(), key.end(), is_digit) ? std::string(key) : std::string();
-}
-
 ParameterSpec of_row() {
   ParameterSpec spec{
       .name = "of",
@@ -40,11 +28,11 @@ ParameterSpec of_row() {
           "taken over, and the hits given here come after its own. 404 where the server does not "
           "know it any more; its parameters, which stand in it, say the same."};
   spec.check = [](const ParameterValue& value) -> std::optional<std::string> {
-    if (!key_in(std::get<std::string>(value)).empty()) return std::nullopt;
+    if (!answer_key_in(std::get<std::string>(value)).empty()) return std::nullopt;
     return "be the address of an answer, /fractures/sha256: and 64 lower-case hex digits";
   };
   spec.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
-    r.of = key_in(std::get<std::string>(value));
+    r.of = answer_key_in(std::get<std::string>(value));
   };
   // What it stands for is in the other parameters.
   spec.get = [](const RequestParameters&, const ParameterSpec&) { return nlohmann::json(); };
@@ -66,6 +54,18 @@ std::optional<Error> spread(const char* name, std::vector<T>& values, std::size_
 }
 
 }  // namespace
+
+std::string answer_key_in(std::string_view address) {
+  constexpr std::string_view kScheme = "sha256:", kFolder = "/fractures/";
+  if (address.size() < kScheme.size() + kKeyDigits) return {};
+  const std::string_view key = address.substr(address.size() - kKeyDigits);
+  address.remove_suffix(kKeyDigits);
+  if (!address.ends_with(kScheme)) return {};
+  address.remove_suffix(kScheme.size());
+  if (!address.empty() && !address.ends_with(kFolder)) return {};
+  const auto is_digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
+  return std::all_of(key.begin(), key.end(), is_digit) ? std::string(key) : std::string();
+}
 
 std::vector<ParameterSpec> hit_parameter_rows() {
   std::vector<ParameterSpec> rows{of_row()};

@@ -103,6 +103,9 @@ class ParameterTable {
   std::vector<ParameterSpec> specs_;
 };
 
+/// The key at the end of an answer's address (`of`); empty when there is none.
+std::string answer_key_in(std::string_view address);
+
 /// The one spelling of a request: sorted keys, defaults filled in. Part of every cache key and of the GLB's
 /// extras, and the same for every way to ask (query, JSON, `bake`).
 nlohmann::json canonical_parameters(const RequestParameters& parameters);

@@ -145,6 +145,9 @@ class Api {
   /// `text` holds parameters as JSON; an empty `id` stands there as "mesh".
   Answered fracture_stored(const std::shared_ptr<Request>& request, std::string_view text,
                            std::string_view id, const std::stop_token& gone, const Reply& reply);
+  Answered fracture_stored_mesh(const std::shared_ptr<Request>& request,
+                                const std::vector<RawParameter>& given, const std::string& id,
+                                const Terms& terms, const Reply& reply);
 
   /// Whose what this request makes is; "" where nobody is asked who it is, or names share everything.
   static std::string owner_of(const Request& request);

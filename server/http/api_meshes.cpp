@@ -141,19 +141,32 @@ Answered Api::fracture_stored(const std::shared_ptr<Request>& request, std::stri
   if (std::any_of(given.begin(), given.end(), [](const RawParameter& p) { return p.name == "format"; }))
     return tl::unexpected<Problem>(to_problem(
         {ErrorCode::kBadParameter, "The format of a stored mesh is known: leave 'format' out.", "format"}));
+  OrProblem<Terms> terms = terms_of(*request, gone);
+  if (!terms) return tl::unexpected<Problem>(std::move(terms.error()));
+  // A request of two hundred bytes may name an answer whose parameters are a megabyte of points.
+  const std::uint64_t earlier = service_.earlier_bytes(given);
+  auto go_on = [this, request, given = std::move(given), named = std::move(named), terms = *terms, reply] {
+    return fracture_stored_mesh(request, given, named, terms, reply);
+  };
+  if (earlier <= kParseInline) return go_on();
+  return on_pool(expected_reading(earlier), request, *terms, reply,
+                 [go_on = std::move(go_on)](const Execution&) { return go_on(); });
+}
+
+Answered Api::fracture_stored_mesh(const std::shared_ptr<Request>& request,
+                                   const std::vector<RawParameter>& given, const std::string& id,
+                                   const Terms& terms, const Reply& reply) {
   Expected<RequestParameters> parameters =
       service_.parse(given, [&](const std::string& key) { return may_see(*request, key); });
   if (!parameters) return tl::unexpected<Problem>(to_problem(std::move(parameters.error())));
-  OrProblem<Terms> terms = terms_of(*request, gone);
-  if (!terms) return tl::unexpected<Problem>(std::move(terms.error()));
-  auto mesh = stored_mesh(*request, named);
+  auto mesh = stored_mesh(*request, id);
   if (!mesh) return tl::unexpected<Problem>(std::move(mesh.error()));
 
   FractureRequest asked{(*mesh)->mesh, (*mesh)->format, std::move(*parameters), (*mesh)->files};
   asked.digest = (*mesh)->digest;
   asked.triangles = (*mesh)->triangles;
   asked.owner = std::move(*mesh);
-  return fracture(request, std::move(asked), *terms, reply);
+  return fracture(request, std::move(asked), terms, reply);
 }
 
 }  // namespace fracture::http

@@ -52,6 +52,8 @@ inline constexpr std::uint64_t kSmallAnswer = 64u << 10;
 /// current processors, less than the way to another thread and back costs under load. Of a form, whose
 /// parameters are parsed, a good deal less.
 inline constexpr std::size_t kReadInline = 256u << 10, kReadFormInline = 32u << 10;
+/// So are the parameters of an earlier answer up to this size, which take as long as those of a form.
+inline constexpr std::uint64_t kParseInline = kReadFormInline;
 
 /// Bytes of a body that is a JSON object of parameters.
 inline constexpr std::uint64_t kMaxSmallBody = 4u << 10;
@@ -59,5 +61,11 @@ inline constexpr std::uint64_t kMaxSmallBody = 4u << 10;
 /// Bound of the read buffer, which also bounds a chunk header with its extensions and a trailer section:
 /// Boost.Beast throws or grows without limit when its buffer is unbounded.
 inline constexpr std::size_t kReadBuffer = 64u << 10;
+/// Bytes that the kernel takes ahead of what the client's window lets it send. Without a bound it takes
+/// megabytes of an answer for each client that reads slowly: five hundred of them cost the io thread seconds
+/// of copying.
+inline constexpr int kMaxUnsent = 128 << 10;
+/// Of a connection, whatever its client does: beside bodies and answers, which are counted for themselves.
+inline constexpr std::uint64_t kConnectionBytes = kReadBuffer + kMaxUnsent;
 
 }  // namespace fracture::http

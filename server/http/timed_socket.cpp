@@ -10,17 +10,14 @@
 #include <array>
 #include <utility>
 
+#include "server/http/limits.hpp"
+
 namespace fracture::http {
 namespace {
 
 using error_code = boost::system::error_code;
 
 constexpr std::chrono::seconds kLingerIdle{2}, kLingerTotal{10};
-
-/// Bytes that the kernel takes ahead of what the client's window lets it send. Without a bound it takes
-/// megabytes of an answer for each client that reads slowly: five hundred of them cost the io thread seconds
-/// of copying.
-constexpr int kMaxUnsent = 128 << 10;
 
 }  // namespace
 

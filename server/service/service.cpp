@@ -1,5 +1,6 @@
 #include "server/service/service.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "common/base/json_reader.hpp"
@@ -109,6 +110,16 @@ Expected<RequestParameters> FractureService::parse(const std::vector<RawParamete
   Expected<RequestParameters> result = parameters_.parse(*all);
   if (result) result->of = own->of;
   return result;
+}
+
+std::uint64_t FractureService::earlier_bytes(const std::vector<RawParameter>& given) const {
+  const auto of =
+      std::find_if(given.begin(), given.end(), [](const RawParameter& raw) { return raw.name == "of"; });
+  if (of == given.end() || !of->value.is_string()) return 0;
+  const std::string key = answer_key_in(of->value.get_ref<const std::string&>());
+  if (const auto result = results_.peek(key)) return result->parameters.size();
+  const auto earlier = answers_.peek(key);
+  return earlier ? memory_size(*earlier) : 0;
 }
 
 bool FractureService::fetch_result(const std::string& key, FractureAnswer& answer, const Room& room,

@@ -80,6 +80,8 @@ class FractureService {
   /// ParameterTable::parse() and on_earlier_answer(); kNoSuchAnswer, also for an answer that the caller may
   /// not see. Asks memory alone.
   Expected<RequestParameters> parse(const std::vector<RawParameter>& given, const MaySee& may_see = {});
+  /// How many bytes of parameters parse() takes over from the earlier answer that is named, about; 0: none is.
+  std::uint64_t earlier_bytes(const std::vector<RawParameter>& given) const;
 
   /// Thread-safe and synchronous. All bad input, cancellation (kCancelled) and a passed deadline
   /// (kDeadlineExceeded) come back as errors; a broken invariant or lack of memory throws.

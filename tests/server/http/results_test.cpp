@@ -2,7 +2,11 @@
 #include <gtest/gtest.h>
 #include <openssl/evp.h>
 
+#include <future>
+
 #include "common/digest/digest.hpp"
+#include "server/http/limits.hpp"
+#include "tests/server/support/gate.hpp"
 #include "tests/server/support/test_server.hpp"
 
 namespace fracture::test {
@@ -128,6 +132,39 @@ TEST_F(Results, AnAnswerThatIsNotKnownOrOfAnotherMeshCannotBeNamed) {
   const Reply nonsense = server.post("/fracture?of=yesterday");
   EXPECT_EQ(nonsense.status, 400);
   EXPECT_EQ(nonsense.problem(), "bad-parameter");
+}
+
+TEST(FurtherRequests, WhoseEarlierParametersAreManyAreReadOnThePool) {
+  TestServerOptions options;
+  options.threads = 1;
+  TestServer server(options);
+  nlohmann::json points = nlohmann::json::array();
+  while (points.dump().size() <= http::kParseInline)
+    for (int k = 0; k < 1000; ++k)
+      points.push_back({0.001 * k, 0.5, 1e-6 * static_cast<double>(points.size())});
+  const std::string boundary = "x--x";
+  const std::string form =
+      "--" + boundary + "\r\nContent-Disposition: form-data; name=mesh; filename=a.glb\r\n\r\n" +
+      "a mesh\r\n--" + boundary + "\r\nContent-Disposition: form-data; name=params\r\n\r\n" +
+      nlohmann::json{{"pattern", "points"}, {"points", points}}.dump() + "\r\n--" + boundary + "--\r\n";
+  const std::string many =
+      server.post("/fracture", form, "Content-Type: multipart/form-data; boundary=" + boundary + "\r\n")
+          .header("content-location");
+  const std::string few = server.post("/fracture?sites=7").header("content-location");
+  ASSERT_FALSE(many.empty() || few.empty());
+  const std::string id = server.post("/meshes").json().at("id");
+  const auto ask = [&](const std::string& of) {
+    return server.post_json("/meshes/" + id + "/fracture", nlohmann::json{{"of", of}, {"unit", "cm"}}.dump())
+        .status;
+  };
+  Gate gate;
+  server.pool.submit(Priority::kRealtime, 0, [&](int) { gate.pass_without_polls(); });
+  gate.wait_for(1);
+  EXPECT_EQ(ask(few), 400) << "at once, though no thread of the pool is free";
+  auto answer = std::async(std::launch::async, [&] { return ask(many); });
+  EXPECT_TRUE(eventually(kPatience, "it to wait for the pool", [&] { return server.pool.queued() == 1; }));
+  gate.open = true;
+  EXPECT_EQ(answer.get(), 400);
 }
 
 }  // namespace
