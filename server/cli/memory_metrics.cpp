@@ -18,19 +18,21 @@ std::uint64_t resident_bytes(pid_t process) {
 }
 
 void write_memory_metrics(const ServeOptions& options, http::Api& api, Dispatcher& dispatcher,
-                          const ImportPool& imports, ops::MetricWriter& writer) {
+                          const ImportPool& imports, std::size_t connections, ops::MetricWriter& writer) {
   const FractureService::Figures caches = dispatcher.service().figures();
   const MemoryBudget& bodies = api.bodies().whole();
-  const std::map<std::string, std::uint64_t> reserved = {{"bodies", bodies.used() - bodies.small_used()},
-                                                         {"small_bodies", bodies.small_used()},
-                                                         {"answers", api.answers().used()},
-                                                         {"working", dispatcher.working().used()},
-                                                         {"mesh_cache", caches.meshes.bytes},
-                                                         {"diagram_cache", caches.diagrams.bytes},
-                                                         {"result_cache", caches.results.bytes},
-                                                         {"mesh_store", api.meshes().figures().bytes},
-                                                         {"job_results", api.jobs().figures().result_bytes},
-                                                         {"answer_ledger", api.ledger().held_bytes()}};
+  const std::map<std::string, std::uint64_t> reserved = {
+      {"connections", connections * http::kConnectionBytes},
+      {"bodies", bodies.used() - bodies.small_used()},
+      {"small_bodies", bodies.small_used()},
+      {"answers", api.answers().used()},
+      {"working", dispatcher.working().used()},
+      {"mesh_cache", caches.meshes.bytes},
+      {"diagram_cache", caches.diagrams.bytes},
+      {"result_cache", caches.results.bytes},
+      {"mesh_store", api.meshes().figures().bytes},
+      {"job_results", api.jobs().figures().result_bytes},
+      {"answer_ledger", api.ledger().held_bytes()}};
   writer.gauge("fracture_memory_limit_bytes",
                "What this server may have resident: --memory, or the limit of its control group or machine.",
                static_cast<double>(options.memory));

@@ -9,7 +9,7 @@
 namespace fracture::cli {
 
 void write_memory_metrics(const ServeOptions& options, http::Api& api, Dispatcher& dispatcher,
-                          const ImportPool& imports, ops::MetricWriter& writer);
+                          const ImportPool& imports, std::size_t connections, ops::MetricWriter& writer);
 
 /// Resident bytes of a process; 0 where /proc does not tell.
 std::uint64_t resident_bytes(pid_t process);

@@ -32,6 +32,12 @@ std::vector<Budget> budgets(const ServeOptions& given_options, const std::set<st
   const std::uint64_t body = given.contains("max-body") ? given_options.limits.max_body : 0,
                       import = given.contains("import-memory") ? given_options.import_memory : 0;
   return {
+      {"max-connections", "connections",
+       given_options.limits.max_connections_per_address * http::kConnectionBytes,
+       [](const ServeOptions& o) { return o.limits.max_connections * http::kConnectionBytes; },
+       [](ServeOptions& o, std::uint64_t bytes) {
+         o.limits.max_connections = static_cast<std::size_t>(bytes / http::kConnectionBytes);
+       }},
       budget(
           "max-bodies", "bodies", std::max(4 * kMiB, body),
           [](auto& o) -> auto& { return o.limits.max_bodies; }),
@@ -75,8 +81,8 @@ std::vector<MemoryShare> memory_shares(const ServeOptions& options) {
 std::uint64_t base_memory(const ServeOptions& o) {
   const TiersConfig& tiers = o.service.tiers;
   const bool any_tier = !tiers.folder.empty() || !tiers.redis.address.empty();
-  // 16 MiB after the start; buffers of connections and what a thread's arena keeps; a worker at rest 11 MiB,
-  // the one more that urgent work may have, and the zygote that forks them.
+  // 16 MiB after the start; what a thread's arena keeps; a worker at rest 11 MiB, the one more that urgent work may have,
+  // and the zygote that forks them.
   const std::uint64_t importers = 2 + static_cast<std::uint64_t>(o.import_workers);
   return 32 * kMiB + 8 * kMiB * threads_of(o) + 16 * kMiB * importers +
          (any_tier ? tiers.max_pending_bytes : 0);

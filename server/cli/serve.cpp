@@ -119,10 +119,11 @@ int serve_until_stopped(const ServeOptions& options) {
                      static_cast<double>(figures.dropped + figures.unwritten));
     });
   api.metrics().add_source([&imports](ops::MetricWriter& writer) { write_import_metrics(*imports, writer); });
-  api.metrics().add_source(
-      [&](ops::MetricWriter& writer) { write_memory_metrics(options, api, dispatcher, *imports, writer); });
   try {
-    http::HttpServer server(options.server, api);
+    http::HttpServer server(options.server, api);  // who asks for metrics asks it
+    api.metrics().add_source([&](ops::MetricWriter& writer) {
+      write_memory_metrics(options, api, dispatcher, *imports, server.connections(), writer);
+    });
     spdlog::info("serving on http://{}:{} (admin port {}), {} computing threads", options.server.address,
                  server.port(), server.admin_port(), pool.threads());
 

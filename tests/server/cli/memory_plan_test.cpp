@@ -50,6 +50,9 @@ TEST(MemoryPlan, EverythingFitsIntoWhateverThereIs) {
     EXPECT_LE(2 * options.import_memory, options.dispatcher.max_working_bytes)
         << "import workers are within it";
     EXPECT_GE(options.dispatcher.max_working_bytes, 64 * kMiB);
+    EXPECT_GE(options.limits.max_connections, options.limits.max_connections_per_address);
+    // The kernel's buffers of connections count in the memory of a control group.
+    EXPECT_LE(options.limits.max_connections * http::kConnectionBytes, memory / 16) << memory / kMiB;
     EXPECT_THAT(inconsistencies(options), IsEmpty());
   }
 }
