@@ -36,4 +36,23 @@ std::optional<LongAxis> long_axis(const Matrix3& m) {
   return LongAxis{axis, next > 0 ? largest / next : HUGE_VAL};
 }
 
+std::optional<ShortAxis> short_axis(const Matrix3& m) {
+  // trace - m has the same axes, in the other order.
+  Matrix3 others;
+  for (std::size_t i = 0; i < 3; ++i) {
+    others.rows[i] = -1.0 * m.rows[i];
+    others.rows[i][static_cast<int>(i)] += trace(m);
+  }
+  const std::optional<LongAxis> longest = long_axis(others);
+  if (!longest) return std::nullopt;
+  const Vec3d& axis = longest->axis;
+  const double least = std::fmax(0, dot(axis, m * axis)), rest = trace(m) - least;
+  // Within the plane across the axis: the two others add up to `rest`, and so do their squares to those of the matrix.
+  double squares = -least * least;
+  for (const Vec3d& row : m.rows) squares += dot(row, row);
+  const double difference = std::sqrt(std::fmax(0, 2 * squares - rest * rest));
+  const double next = (rest - difference) / 2;
+  return ShortAxis{axis, next > 0 ? std::fmin(1, least / next) : 1};
+}
+
 }  // namespace fracture

@@ -1,5 +1,5 @@
-// The direction in which a symmetric matrix is largest: the first eigenvector, by repeated squaring, from + - * / and
-// sqrt alone.
+// The directions in which a symmetric matrix is largest and smallest: the first and the last eigenvector, by repeated
+// squaring, from + - * / and sqrt alone.
 #pragma once
 
 #include <optional>
@@ -15,5 +15,13 @@ struct LongAxis {
 
 /// Of a positive semidefinite matrix; none of one that is zero or not finite. Where the ratio is near 1 the axis is any.
 std::optional<LongAxis> long_axis(const Matrix3& symmetric);
+
+struct ShortAxis {
+  Vec3d axis;    ///< of unit length, of either sign
+  double ratio;  ///< of the smallest eigenvalue to the next, 0 to 1
+};
+
+/// As long_axis(). Where the ratio is near 1 the axis is any.
+std::optional<ShortAxis> short_axis(const Matrix3& symmetric);
 
 }  // namespace fracture

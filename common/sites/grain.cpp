@@ -6,54 +6,25 @@
 #include <optional>
 
 #include "common/base/long_axis.hpp"
-#include "common/base/matrix3.hpp"
 #include "common/base/pacer.hpp"
 #include "common/sites/arithmetic.hpp"
+#include "common/sites/moments.hpp"
 
 namespace fracture {
 namespace {
 
+using sites_detail::Moments;
+
 constexpr double kSameDirection = 0.985;  // cosine of ten degrees
 /// Ratio of second moments along the longest axis and the next: that of a bar half as long again as it is wide.
 constexpr double kLeastElongation = 2.25;
-/// Components of a direction that are rounding or noise of a model.
-constexpr double kNoise = 1e-4;
-
-/// Volume, first and second moments of what triangles enclose, about the origin.
-struct Moments {
-  double volume = 0;
-  Vec3d first;
-  Matrix3 second{{Vec3d{}, Vec3d{}, Vec3d{}}};
-
-  /// Of the tetrahedron from the origin: the integral of x xᵀ is det / 120 (s sᵀ + a aᵀ + b bᵀ + c cᵀ), s = a + b + c.
-  void add(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
-    const double det = dot(a, cross(b, c));
-    const Vec3d s = a + b + c;
-    volume += det / 6;
-    first = first + (det / 24) * s;
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j)
-        second.rows[static_cast<std::size_t>(i)][j] +=
-            det / 120 * (s[i] * s[j] + a[i] * a[j] + b[i] * b[j] + c[i] * c[j]);
-  }
-  /// About the centre of mass.
-  Matrix3 central() const {
-    Matrix3 m = second;
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) m.rows[static_cast<std::size_t>(i)][j] -= first[i] * first[j] / volume;
-    return m;
-  }
-};
 
 /// The axis along which it is longest, if it is much longer there.
 std::optional<Vec3d> axis_of(const Moments& moments) {
   if (!(moments.volume > 0)) return std::nullopt;
   const std::optional<LongAxis> longest = long_axis(moments.central());
   if (!longest || !(longest->ratio > kLeastElongation)) return std::nullopt;
-  Vec3d axis = longest->axis;
-  for (int k = 0; k < 3; ++k)
-    if (std::fabs(axis[k]) < kNoise) axis[k] = 0;
-  return sites_detail::normalized(axis);
+  return sites_detail::without_noise(longest->axis);
 }
 
 }  // namespace

@@ -53,11 +53,12 @@ struct RadialPattern {
   enum class Around {
     kAxis,
     kPoint,  ///< spokes in all directions
-    kShape,  ///< an axis where one is given or the box is a plate's, else a point
+    kShape,  ///< an axis where one is given or the solid is a plate, else a point
   };
   Around around = Around::kAxis;
   std::vector<Vec3d> impacts{};  ///< the first one is the centre; empty: the middle of the box, or of a side
-  /// none: along the shortest side of the box; with `crushed`, of what is no plate, from the centre to its middle
+  /// none: through a plate, else along the shortest side of the box; with `crushed`, of what is no plate, from the
+  /// centre to its middle
   std::optional<Vec3d> axis{};
   std::optional<std::uint32_t> spokes{}, rings{};  ///< none: as many as give about the asked number of pieces
   double growth = 1.35;  ///< each ring is so many times as wide as the one inside it, >= 1

@@ -16,13 +16,15 @@
 // Where it was hit, brittle and weak things (ice) are crushed: there sites lie as those of an impact do, in the place of
 // the innermost rings.
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <optional>
 
 #include "common/base/disjoint_sets.hpp"
+#include "common/base/long_axis.hpp"
 #include "common/base/pacer.hpp"
 #include "common/sites/arithmetic.hpp"
 #include "common/sites/generators.hpp"
+#include "common/sites/moments.hpp"
 
 namespace fracture::sites_detail {
 namespace {
@@ -41,13 +43,28 @@ Vec3d shortest_side(const Box& box) {
   return direction;
 }
 
-/// A plate's shortest side is at most this much of the next one.
-constexpr double kPlate = 0.2;
-bool is_plate(const Box& box) {
-  const Vec3d size = box.size();
-  std::array<double, 3> sides{size.x, size.y, size.z};
-  std::sort(sides.begin(), sides.end());
-  return sides[0] <= kPlate * sides[1];
+/// The direction in which a plate is thin, however it stands; none of what is no plate: a plate is at most kPlate as thick
+/// as it is wide, by its second moments, which go with the square.
+std::optional<Vec3d> thin_axis(const Task& task) {
+  constexpr double kPlate = 0.2;
+  const Solid& solid = task.solid;
+  const Vec3d origin = solid.box.center();
+  Moments moments;
+  Pacer pacer(task.execution);
+  for (const auto& [a, b, c] : solid.triangles) {
+    pacer.step(8);
+    moments.add(to_double(solid.positions[a]) - origin, to_double(solid.positions[b]) - origin,
+                to_double(solid.positions[c]) - origin);
+  }
+  if (!(moments.volume > 0)) return std::nullopt;
+  const std::optional<ShortAxis> shortest = short_axis(moments.central());
+  if (!shortest || !(shortest->ratio <= kPlate * kPlate)) return std::nullopt;
+  Vec3d axis = without_noise(shortest->axis);
+  // Of either sign: the one whose largest component is positive.
+  int largest = 0;
+  for (const int k : {1, 2})
+    if (std::fabs(axis[k]) > std::fabs(axis[largest])) largest = k;
+  return axis[largest] < 0 ? -1.0 * axis : axis;
 }
 
 /// A hit nearer to the middle than this, of the longest side, has no direction.
@@ -169,8 +186,11 @@ Expected<SitePlan> generate(const Task& task, const RadialPattern& pattern, cons
   using Around = RadialPattern::Around;
   const Box& box = task.solid.box;
   const std::vector<Vec3d> impacts = mapped(pattern.impacts, map);
-  const bool around_point = pattern.around == Around::kPoint ||
-                            (pattern.around == Around::kShape && !pattern.axis && !is_plate(box));
+  // With an axis of its own the shape matters only for where what is crushed begins.
+  const bool shape_matters = pattern.around != Around::kPoint && (!pattern.axis || pattern.crushed > 0);
+  const std::optional<Vec3d> thin = shape_matters ? thin_axis(task) : std::nullopt;
+  const bool around_point =
+      pattern.around == Around::kPoint || (pattern.around == Around::kShape && !pattern.axis && !thin);
   // About 0.7 of the cells of a disc around a square meet the square, half of those around a point on a body meet the
   // body, and `merge` of them go.
   const auto crumbs = static_cast<std::uint32_t>(std::nearbyint(pattern.crushed * task.count));
@@ -188,7 +208,7 @@ Expected<SitePlan> generate(const Task& task, const RadialPattern& pattern, cons
 
   Random random(task.seed ^ kRadialStream);
   // Without an impact: of a body the middle of the side that faces the viewer.
-  const bool body = around_point || (pattern.crushed > 0 && !is_plate(box));
+  const bool body = around_point || (pattern.crushed > 0 && !thin);
   const Vec3d center =
       !impacts.empty() ? impacts[0] : box.center() + Vec3d{0, 0, body ? 0.5 * box.size().z : 0};
   if (around_point) {
@@ -212,7 +232,7 @@ Expected<SitePlan> generate(const Task& task, const RadialPattern& pattern, cons
 
   const std::optional<Vec3d> given =
       map && pattern.axis ? map.of_part(0).matrix * *pattern.axis : pattern.axis;
-  Vec3d axis = given.value_or(shortest_side(box));
+  Vec3d axis = given ? *given : thin ? *thin : shortest_side(box);
   // What is crushed splits along the way of what hit it.
   if (const Vec3d inwards = box.center() - center;
       !given && body && length(inwards) > kInwards * box.longest_side())

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/support/assemble.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/pattern_requests.hpp"
 #include "tests/support/shapes.hpp"
@@ -92,6 +93,22 @@ TEST(GlassLooks, FourFifthsOfTheCutsAreRadialOrTangential) {
       EXPECT_GE(pane.fragments.size(), sites / 2);
       EXPECT_LE(pane.fragments.size(), sites * 2);
     }
+}
+
+TEST(GlassLooks, APaneThatStandsAskewIsCutAcrossItsPlane) {
+  const double c = std::cos(0.6), s = std::sin(0.6);
+  const auto turned = [&](const Vec3d& p) { return Vec3d{p.x, c * p.y - s * p.z, s * p.y + c * p.z}; };
+  Mesh pane = box({0, 0, 0}, {2, 1.5, 0.02}, 4);
+  for (Vec3f& p : pane.positions) p = to_float(turned(to_double(p)));
+  const FragmentSet set = fractured(pane, material("glass", 50)).set;
+  const Vec3d normal = turned({0, 0, 1});
+  double all = 0, across = 0;
+  for_each_cut(set, [&](const Vec3d& a, const Vec3d& b, const Vec3d& d) {
+    const Vec3d n = cross(b - a, d - a);
+    all += length(n);
+    if (std::fabs(dot(n, normal)) < std::sin(20 * M_PI / 180) * length(n)) across += length(n);
+  });
+  EXPECT_GT(across, 0.95 * all);
 }
 
 TEST(WoodLooks, MedianExtentAlongTheGrainIsFourTimesThatAcross) {
