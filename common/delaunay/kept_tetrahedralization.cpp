@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/base/pacer.hpp"
+#include "common/delaunay/box_distance.hpp"
 #include "common/delaunay/spatial_order.hpp"
 #include "common/exact/in_sphere.hpp"
 
@@ -34,8 +35,9 @@ RimFacet rim_facet(const std::array<TetVertexId, 4>& v, TetId tet, int face) {
 
 std::optional<KeptTetrahedralization> KeptTetrahedralization::of(const Tetrahedralization& whole,
                                                                  const Box& box, const Execution& execution) {
-  if (box.empty() || whole.far_sites_dropped > 0) return std::nullopt;
-  KeptTetrahedralization kept(big_tetrahedron(box));
+  if (box.empty()) return std::nullopt;
+  KeptTetrahedralization kept(box);
+  Box domain = box;
   const std::uint32_t sites = whole.site_count();
   const auto vertex = [sites](SiteId s) { return TetVertexId{s < sites ? 4 + s : s - sites}; };
   std::vector<Vec3d> points(whole.points.size());
@@ -44,11 +46,15 @@ std::optional<KeptTetrahedralization> KeptTetrahedralization::of(const Tetrahedr
   for (const SiteId s : ids<SiteId>(points.size())) {
     pacer.step();
     const Vec3d p = plain(whole.points[s]);
-    if (s < sites && !kept.big_.contains(p)) return std::nullopt;
+    if (s < sites) {
+      domain.add(p);
+      kept.farthest_outside2_ = std::max(kept.farthest_outside2_, delaunay_detail::nearest2(box, p));
+    }
     kept.scale_.include(p);
     points[vertex(s)] = p;
     tet_of_vertex[vertex(s)] = whole.tet_of_site[s];
   }
+  kept.big_ = big_tetrahedron(domain);
   std::vector<Tet> tets;
   resize_with_polls(execution, tets, whole.tets.size());
   pacer.each(0, tets.size(), [&](std::size_t t) {
@@ -58,7 +64,7 @@ std::optional<KeptTetrahedralization> KeptTetrahedralization::of(const Tetrahedr
   kept.points_ = SharedBlocks<Vec3d>(std::move(points));
   kept.tet_of_vertex_ = SharedBlocks<TetId, 256>(std::move(tet_of_vertex));
   kept.tets_ = SharedBlocks<Tet>(std::move(tets));
-  kept.given_ = whole.site_of_input.size();
+  kept.given_ = whole.site_of_input.size() - whole.far_sites_dropped;
   kept.duplicates_merged_ = whole.duplicates_merged;
   return kept;
 }
@@ -163,7 +169,9 @@ std::optional<KeptTetrahedralization::Insertion> KeptTetrahedralization::insert(
     std::span<const Vec3d> further, const Execution& execution) {
   std::vector<Vec3d> points;
   for (const Vec3d& p : further) {
-    if (!big_.contains(p)) return std::nullopt;
+    if (!(delaunay_detail::nearest2(box_, p) == 0) ||
+        !delaunay_detail::is_near_enough(farthest_outside2_, delaunay_detail::farthest2(box_, p)))
+      return std::nullopt;
     points.push_back(plain(p));
     scale_.include(p);
   }

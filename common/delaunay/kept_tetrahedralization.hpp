@@ -33,9 +33,8 @@ class KeptTetrahedralization {
   };
   static constexpr TetVertexId kNoVertex{0xffffffffu};
 
-  /// Numbers tetrahedra as `whole` does. `box` is the one that it was made for. Nothing where further sites
-  /// would not give what tetrahedralize() makes of all of them: the box is empty or some site lies outside of it
-  /// (it moves the big tetrahedron, or has others dropped). Linear. Throws Interrupted.
+  /// Numbers tetrahedra as `whole` does. `box` is the one that it was made for. Nothing where the box is empty. Linear.
+  /// Throws Interrupted.
   static std::optional<KeptTetrahedralization> of(const Tetrahedralization& whole, const Box& box,
                                                   const Execution& execution);
 
@@ -45,7 +44,7 @@ class KeptTetrahedralization {
   /// One above the largest number of a tetrahedron.
   TetId tet_end() const { return TetId{tets_.size()}; }
   const Tet& tet(TetId t) const { return tets_[t]; }
-  /// Points given so far, duplicates too, and how many of them were such.
+  /// Points given so far but those that were dropped, duplicates too, and how many of them were such.
   std::uint64_t given() const { return given_; }
   std::uint32_t duplicates_merged() const { return duplicates_merged_; }
 
@@ -55,8 +54,9 @@ class KeptTetrahedralization {
     std::vector<std::uint32_t> points;  ///< per new site which of the points it was; ascending
   };
   /// Inserts the points: those that are no duplicates become the next sites, in their order. Nothing, and then
-  /// it must not be used any more, where a point lies outside of the box or the limits of tetrahedralize() are
-  /// exceeded. Throws Interrupted, with the same consequence.
+  /// it must not be used any more, where that is not what tetrahedralize() makes of all sites: a point lies outside of
+  /// the box (it moves the big tetrahedron), is nearer to all of it than some site outside (which would be dropped), or the
+  /// limits are exceeded. Throws Interrupted, with the same consequence.
   std::optional<Insertion> insert(std::span<const Vec3d> further, const Execution& execution);
 
   /// All tetrahedra at some sites, as a tetrahedralization.
@@ -71,7 +71,7 @@ class KeptTetrahedralization {
   class PartMaker;
 
  private:
-  KeptTetrahedralization(const BigTetrahedron& big) : big_(big) {}
+  explicit KeptTetrahedralization(const Box& box) : box_(box) {}
   struct Conflicts;
   TetId locate(const Vec3d& p, TetId start) const;
   TetId start_near(const Vec3d& p) const;
@@ -81,6 +81,9 @@ class KeptTetrahedralization {
   const Vec3d& at(TetVertexId v) const { return points_[v]; }
 
   BigTetrahedron big_;
+  Box box_;
+  double farthest_outside2_ =
+      0;  ///< of the sites that lie outside of the box the largest distance from it, squared
   exact::BinaryScale scale_;
   SharedBlocks<Vec3d> points_;  // per vertex
   SharedBlocks<TetId, 256> tet_of_vertex_;

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "common/delaunay/box_distance.hpp"
 #include "common/delaunay/insert_all.hpp"
 
 namespace fracture {
@@ -15,21 +16,6 @@ bool in_range(const Vec3d& p) {
   for (int a = 0; a < 3; ++a)
     if (!(std::fabs(p[a]) <= kMaxSiteCoordinate)) return false;  // false for NaN too
   return true;
-}
-
-double squared(double v) { return v * v; }
-
-/// Squared distances from p to the nearest and the farthest point of the box.
-double nearest2(const Box& box, const Vec3d& p) {
-  double sum = 0;
-  for (int a = 0; a < 3; ++a) sum += squared(std::max({box.min[a] - p[a], p[a] - box.max[a], 0.0}));
-  return sum;
-}
-double farthest2(const Box& box, const Vec3d& p) {
-  double sum = 0;
-  for (int a = 0; a < 3; ++a)
-    sum += squared(std::max(std::fabs(p[a] - box.min[a]), std::fabs(p[a] - box.max[a])));
-  return sum;
 }
 
 }  // namespace
@@ -47,8 +33,6 @@ Expected<KeptSites> keep_sites(std::span<const Vec3d> sites, const Box& box) {
   if (!box.empty() && !(in_range(box.min) && in_range(box.max)))
     return fail(ErrorCode::kNotFinite, "the mesh's box must be finite and at most 1e12 in magnitude", "");
 
-  // A site farther from the box than some other site's farthest point of the box owns no point in it. The
-  // margin keeps the decision safe from rounding; a site kept needlessly costs time only.
   KeptSites kept;
   kept.given = sites.size();
   kept.input.reserve(sites.size());
@@ -56,7 +40,7 @@ Expected<KeptSites> keep_sites(std::span<const Vec3d> sites, const Box& box) {
   if (!box.empty())
     for (const Vec3d& p : sites) reach2 = std::min(reach2, farthest2(box, p));
   for (std::uint32_t i = 0; i < sites.size(); ++i)
-    if (box.empty() || nearest2(box, sites[i]) <= reach2 * (1 + 0x1p-40)) kept.input.push_back(i);
+    if (box.empty() || is_near_enough(nearest2(box, sites[i]), reach2)) kept.input.push_back(i);
 
   kept.domain = box;
   kept.points.reserve(kept.input.size());

@@ -1,8 +1,7 @@
 #include "common/fragment/unions.hpp"
 
 #include <algorithm>
-#include <string>
-#include <tuple>
+#include <utility>
 
 #include "common/base/pacer.hpp"
 
@@ -21,16 +20,31 @@ std::uint32_t owner_of(SiteId cell, const std::vector<SiteId>& lowest) {
 std::vector<Union> name_unions(const Pieces& pieces, const PieceGroups& groups,
                                const std::vector<SiteId>& lowest, const Execution& execution) {
   Pacer pacer(execution);
+  std::vector<std::uint32_t> islands(pieces.pieces.size());  // of their owner and part
+  for (std::size_t p = pieces.pieces.size(); p-- > 0;) {
+    pacer.step();
+    const Piece& piece = pieces.pieces[p];
+    islands[p] = p + 1 < islands.size() && pieces.pieces[p + 1].island > piece.island ? islands[p + 1]
+                                                                                      : piece.island + 1;
+  }
   std::vector<Union> unions;
   for (std::uint32_t g = 0; g < groups.pieces(); ++g) {
     pacer.step();
     if (!groups.is_group(g) || groups.size(g) == 1) continue;
-    Union& names = unions.emplace_back();
-    for (const std::uint32_t p : groups.members(g, execution)) {  // in the order of owners, parts and islands
+    Union names;
+    for (const std::uint32_t p : groups.members(g, execution)) {
       const Piece& piece = pieces.pieces[p];
-      names.push_back({lowest[piece.owners[0]], piece.part, piece.island});
+      names.push_back({lowest[piece.owners[0]], piece.part, piece.island, islands[p]});
     }
+    if (std::any_of(names.begin(), names.end(), [](const PieceName& n) { return n.lowest == kNoSite; }))
+      continue;
+    sort_with_polls(execution, names.begin(), names.end());
+    unions.push_back(std::move(names));
   }
+  std::sort(unions.begin(), unions.end(), [&](const Union& a, const Union& b) {
+    pacer.step();
+    return a.front() < b.front();
+  });
   return unions;
 }
 
@@ -56,26 +70,27 @@ std::uint32_t unite_again(const std::vector<Union>& unions, const RestrictedDiag
   const auto part_of = [&](const Piece& piece) {
     return diagram.part_in_whole ? (*diagram.part_in_whole)[piece.part] : piece.part;
   };
+  const auto all = pieces.pieces.begin();
+  // kNoIndex: there are more islands or fewer than when it was named.
   const auto number = [&](const PieceName& name) {
+    pacer.step(64);
     const std::uint32_t owner = owner_of(name.lowest, lowest);
-    const auto at = std::lower_bound(
-        pieces.pieces.begin(), pieces.pieces.end(), name, [&](const Piece& piece, const PieceName& wanted) {
-          const std::uint32_t part = part_of(piece);
-          return std::tie(piece.owners[0], part, piece.island) < std::tie(owner, wanted.part, wanted.island);
-        });
-    if (at == pieces.pieces.end() || at->owners[0] != owner || part_of(*at) != name.part ||
-        at->island != name.island)
-      throw InternalError("cell " + std::to_string(name.lowest) + " has no piece " +
-                          std::to_string(name.island) + " in part " + std::to_string(name.part));
-    return static_cast<std::uint32_t>(at - pieces.pieces.begin());
+    const auto order = [&](const Piece& piece) { return std::pair(piece.owners[0], part_of(piece)); };
+    const std::pair wanted(owner, name.part);
+    const auto begin = std::partition_point(all, pieces.pieces.end(),
+                                            [&](const Piece& piece) { return order(piece) < wanted; });
+    const auto end = std::partition_point(begin, pieces.pieces.end(),
+                                          [&](const Piece& piece) { return order(piece) == wanted; });
+    if (end - begin != name.islands) return kNoIndex;
+    return static_cast<std::uint32_t>(begin - all) + name.island;
   };
   std::uint32_t united = 0;
+  std::vector<std::uint32_t> numbers;
   for (const Union& names : unions) {
-    const std::uint32_t first = number(names[0]);
-    for (std::size_t k = 1; k < names.size(); ++k, ++united) {
-      pacer.step(64);
-      groups.unite(first, number(names[k]), pacer);
-    }
+    numbers.clear();
+    for (const PieceName& name : names) numbers.push_back(number(name));
+    if (std::find(numbers.begin(), numbers.end(), kNoIndex) != numbers.end()) continue;
+    for (std::size_t k = 1; k < numbers.size(); ++k, ++united) groups.unite(numbers[0], numbers[k], pacer);
   }
   return united;
 }

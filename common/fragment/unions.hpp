@@ -17,13 +17,15 @@ namespace fracture {
 struct PieceName {
   SiteId lowest;  ///< of its owner's cells
   std::uint32_t part, island;
+  std::uint32_t islands;  ///< so many pieces its owner has in the part
   auto operator<=>(const PieceName&) const = default;
 };
 
 /// Pieces that are one fragment: two or more, ascending.
 using Union = std::vector<PieceName>;
 
-/// Ascending. `lowest`: per owner the lowest of its cells. Throws Interrupted, as all here.
+/// Ascending. `lowest`: per owner the lowest of its cells, kNoSite: what is united with its pieces has no name. Throws
+/// Interrupted, as all here.
 std::vector<Union> name_unions(const Pieces& pieces, const PieceGroups& groups,
                                const std::vector<SiteId>& lowest, const Execution& execution);
 
@@ -31,8 +33,9 @@ std::vector<Union> name_unions(const Pieces& pieces, const PieceGroups& groups,
 std::vector<Union> active_unions(const std::vector<Union>& unions, const std::vector<SiteId>& lowest,
                                  const std::vector<char>& touched, const Execution& execution);
 
-/// Unites the pieces of the diagram that the unions name, by parts of the whole. Returns how many pieces became part of
-/// another.
+/// Unites the pieces of the diagram that the unions name, by parts of the whole. Where rough cuts made more or fewer
+/// islands of a cell than flat ones its pieces stay apart: which is which cannot be said. Returns how many pieces became
+/// part of another.
 std::uint32_t unite_again(const std::vector<Union>& unions, const RestrictedDiagram& diagram,
                           const Pieces& pieces, const std::vector<SiteId>& lowest, PieceGroups& groups,
                           const Execution& execution);

@@ -10,9 +10,10 @@ namespace fracture {
 namespace {
 
 template <class T>
-void replace_sorted(std::vector<T>& gone, std::vector<T>& fresh, std::vector<T>& all) {
-  std::sort(gone.begin(), gone.end());
-  std::sort(fresh.begin(), fresh.end());
+void replace_sorted(std::vector<T>& gone, std::vector<T>& fresh, std::vector<T>& all,
+                    const Execution& execution) {
+  sort_with_polls(execution, gone.begin(), gone.end());
+  sort_with_polls(execution, fresh.begin(), fresh.end());
   std::vector<T> stay, result;
   stay.reserve(all.size());
   result.reserve(all.size() + fresh.size());
@@ -124,8 +125,9 @@ std::optional<FragmentFigures> figures_after(const FragmentFigures& before, std:
     after.first_of.push_back(static_cast<std::uint32_t>(after.volumes.size()));
   }
   if (done < first_new) take_until(first_new);
-  replace_sorted(volumes_gone, volumes_new, after.sorted_volumes);
-  replace_sorted(ids_gone, ids_new, after.sorted_ids);
+  replace_sorted(volumes_gone, volumes_new, after.sorted_volumes, execution);
+  execution.poll();
+  replace_sorted(ids_gone, ids_new, after.sorted_ids, execution);
   if (std::adjacent_find(after.sorted_ids.begin(), after.sorted_ids.end()) != after.sorted_ids.end())
     return std::nullopt;
   return after;

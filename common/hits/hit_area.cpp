@@ -1,6 +1,7 @@
 #include "common/hits/hit_area.hpp"
 
 #include <map>
+#include <utility>
 
 #include "common/base/id_table.hpp"
 #include "common/base/ranked_set.hpp"
@@ -56,10 +57,12 @@ void HitArea::complete(std::vector<SiteId>& sites) {
   for (SiteId& s : sites) s = next_.lowest_of(s);
   sort_once(sites, execution_);
   if (!base_.unions->all.empty()) {
-    IdTable there;
+    IdTable there, done;
     for (const SiteId s : sites) there.slot(s) = 1;
     for (std::size_t k = 0; k < sites.size(); ++k)
       base_.unions->each_of(sites[k], [&](std::uint32_t number) {
+        pacer_.step();
+        if (std::exchange(done.slot(number), 1) == 1) return;
         for (const PieceName& piece : base_.unions->all[number]) {
           pacer_.step(4);
           std::uint32_t& slot = there.slot(piece.lowest);
@@ -130,28 +133,43 @@ void HitArea::find_part(std::size_t triangle_count) {
 Ownership HitArea::ownership() const {
   Ownership o;
   o.sites_of_owner.resize(owners_.size());
+  Pacer pacer(execution_);
   for (const SiteId s : ids<SiteId>(part_.sites.size())) {
+    pacer.step(8);
     const std::uint32_t owner = number_of(next_.lowest_of(part_.sites[s]));
     o.owner_of_site.push_back(owner);
     o.sites_of_owner[owner].push_back(s);
     o.grouped = o.grouped || o.sites_of_owner[owner].size() > 1;
   }
-  for (const SiteId s : owners_) o.wanted.push_back(std::binary_search(wanted_.begin(), wanted_.end(), s));
+  for (const SiteId s : owners_) {
+    pacer.step(4);
+    o.wanted.push_back(std::binary_search(wanted_.begin(), wanted_.end(), s));
+  }
   return o;
+}
+
+std::vector<std::uint32_t> HitArea::unions_of_wanted() const {
+  std::vector<std::uint32_t> numbers;
+  for (const SiteId s : wanted_)
+    base_.unions->each_of(s, [&](std::uint32_t number) { numbers.push_back(number); });
+  sort_with_polls(execution_, numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  return numbers;
 }
 
 std::vector<Union> HitArea::active_unions(const Ownership& ownership) const {
   const PatternUnions& unions = *base_.unions;
-  std::vector<std::uint32_t> numbers;
-  for (const SiteId s : wanted_) unions.each_of(s, [&](std::uint32_t number) { numbers.push_back(number); });
-  std::sort(numbers.begin(), numbers.end());
-  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-  if (numbers.empty()) return {};
   std::vector<Union> of_wanted;
-  for (const std::uint32_t number : numbers) of_wanted.push_back(unions.all[number]);
+  for (const std::uint32_t number : unions_of_wanted()) of_wanted.push_back(unions.all[number]);
+  if (of_wanted.empty()) return {};
   const auto is_of_hit = [&](SiteId s) { return part_.sites[s] >= unions.sites; };
   return fracture::active_unions(
       of_wanted, owners_, touched_owners(part_.tetrahedra, ownership, is_of_hit, execution_), execution_);
+}
+
+bool HitArea::takes_unions_apart() const {
+  const std::size_t all = unions_of_wanted().size();
+  return all > 0 && active_unions(ownership()).size() < all;
 }
 
 }  // namespace fracture

@@ -57,12 +57,15 @@ class HitArea {
   Ownership ownership() const;
   /// Unions of the pieces of wanted cells that no hit is beside, this one or one before.
   std::vector<Union> active_unions(const Ownership& ownership) const;
+  /// Is one of these beside a hit?
+  bool takes_unions_apart() const;
 
  private:
   void join_new_cells(const std::vector<std::uint32_t>& points, std::span<const std::uint32_t> groups,
                       LocalBase& next);
   void complete(std::vector<SiteId>& sites);
   bool has_unions(SiteId owner) const;
+  std::vector<std::uint32_t> unions_of_wanted() const;  ///< ascending
   void find_wanted(const std::vector<TetId>& made, const std::vector<SiteId>& further);
   void find_part(std::size_t triangle_count);
 

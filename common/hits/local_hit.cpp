@@ -50,6 +50,10 @@ class LocalHit {
     made_in_all_ += area_->wanted().size();
     if (base_.rough && static_cast<double>(made_in_all_) > kMostOfCells * now().site_count())
       return std::nullopt;
+    // What they united is too small, but for what the hit made of it; beside hits these limits are what they were.
+    if (const SizeLimits limits = limits_in_force(parameters_);
+        (limits.min_volume > 0 || limits.min_fraction > 0) && area_->takes_unions_apart())
+      return std::nullopt;
     if (!make_fragments(inserted->made) || !others_are_as_they_were()) return std::nullopt;
     replace_cells();
     if (!sum_up_again() || !keeps_to_limits()) return std::nullopt;
@@ -316,16 +320,17 @@ class LocalHit {
       if (const std::uint32_t k = number.find(part().tets[v.tet]); k != IdTable::kEmpty)
         around[k].push_back({surface_.parts[v.part], v.winding});
     }
+    std::shared_ptr<WindingStates> more;  // with those that are new; most hits have none
     for (std::size_t k = 0; k < made.size(); ++k) {
       pacer_.step(4);
-      std::uint32_t number_of_state = out_.next.states->find(around[k]);
+      std::uint32_t number_of_state = more ? kNoIndex : out_.next.states->find(around[k]);
       if (number_of_state == kNoIndex) {
-        auto states = std::make_shared<WindingStates>(*out_.next.states);
-        number_of_state = states->number_of(around[k]);
-        out_.next.states = std::move(states);
+        if (!more) more = std::make_shared<WindingStates>(*out_.next.states);
+        number_of_state = more->number_of(around[k]);
       }
       state.at(made[k]) = number_of_state;
     }
+    if (more) out_.next.states = std::move(more);
   }
 
   const Solid& solid_;

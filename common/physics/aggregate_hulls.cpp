@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "common/base/pacer.hpp"
@@ -15,6 +16,8 @@ namespace {
 
 /// Where there is a rest: what has so many times the usual number of cells is one.
 constexpr std::size_t kManyCells = 16;
+/// Of more cells than this only those near a neighbour are asked whether it is in the way: so many.
+constexpr std::size_t kFewCells = 64, kNearCells = 16;
 constexpr int kRounds = 4;  // of k-means: cells are few
 /// Of the extent of some cells: corners on a bisector are beyond it by rounding. A fraction of the least inset.
 constexpr double kRounding = 4e-6;
@@ -44,15 +47,16 @@ struct Scratch {
   std::vector<SiteId> own, neighbors;
   std::vector<Vec3d> seeds;
   std::vector<Vec3f> points;
-  std::vector<const Share*> members;
+  std::vector<const Share*> members, near;
 
   std::size_t bytes() const {
-    return maker.bytes() + body.bytes() + bytes_of_vectors(shares, own, neighbors, seeds, points, members);
+    return maker.bytes() + body.bytes() +
+           bytes_of_vectors(shares, own, neighbors, seeds, points, members, near);
   }
   void release() {
     maker.release();
     body.release();
-    release_vectors(shares, own, neighbors, seeds, points, members);
+    release_vectors(shares, own, neighbors, seeds, points, members, near);
   }
 };
 
@@ -64,7 +68,7 @@ class FewHulls {
   /// At most `most`.
   void make(const Fragment& f, std::size_t most, FragmentHulls& out) {
     f_ = &f;
-    find_shares(false);
+    find_shares(f.sites.size() > kFewCells);
     find_neighbors();
     divide(most);
     for (std::uint32_t cluster = 0; cluster < s_.seeds.size(); ++cluster) {
@@ -198,12 +202,30 @@ class FewHulls {
     return {normal, 0.5 * dot(u, u) + dot(u, site(i) - pivot), 1 / length(normal)};
   }
 
-  /// The bisector of j and one of the members that takes least of the corners away, and leaves the largest cell.
-  Plane best_bisector(SiteId j, const Share& largest) const {
+  /// Members whose bisectors with j may be asked: any of them keeps its cell out, and the near ones take least.
+  std::span<const Share* const> members_near(SiteId j) {
+    if (s_.members.size() <= kFewCells) return s_.members;
+    pacer_.step(s_.members.size());
+    const Vec3d at = site(j);
+    const auto square = [&](const Share* share) {
+      const Vec3d to = site(share->site) - at;
+      return dot(to, to);
+    };
+    s_.near = s_.members;
+    const auto middle = s_.near.begin() + kNearCells;
+    std::nth_element(s_.near.begin(), middle, s_.near.end(), [&](const Share* a, const Share* b) {
+      return std::pair(square(a), a->body) < std::pair(square(b), b->body);
+    });
+    s_.near.resize(kNearCells);
+    return s_.near;
+  }
+
+  /// The bisector of j and one of these members that takes least of the corners away, and leaves the largest cell.
+  Plane best_bisector(SiteId j, std::span<const Share* const> members, const Share& largest) const {
     Plane best = bisector(largest.site, j);
     const double room = kRoomToKeep * best.height(largest.middle);
     double least = HUGE_VAL;
-    for (const Share* member : s_.members) {
+    for (const Share* member : members) {
       const Plane plane = bisector(member->site, j);
       if (plane.height(largest.middle) > room && member->site != largest.site) continue;
       double taken = 0;
@@ -243,11 +265,11 @@ class FewHulls {
         pacer_.step(s_.body.corners().size());
         return plane.scale * s_.body.beyond(plane.normal, plane.offset) <= rounding;
       };
-      if (std::any_of(s_.members.begin(), s_.members.end(),
-                      [&](const Share* m) { return is_clear(m->site); }))
+      const std::span<const Share* const> members = members_near(j);
+      if (std::any_of(members.begin(), members.end(), [&](const Share* m) { return is_clear(m->site); }))
         continue;
-      pacer_.step(s_.members.size() * s_.body.corners().size());
-      const Plane plane = best_bisector(j, *largest);
+      pacer_.step(members.size() * s_.body.corners().size());
+      const Plane plane = best_bisector(j, members, *largest);
       s_.body.cut(plane.normal, plane.offset);
     }
     CollisionHull hull;

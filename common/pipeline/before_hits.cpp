@@ -1,11 +1,12 @@
 #include "common/pipeline/before_hits.hpp"
 
 #include <algorithm>
-#include <map>
 #include <numeric>
 #include <set>
 #include <utility>
 
+#include "common/base/id_table.hpp"
+#include "common/base/pacer.hpp"
 #include "common/fragment/unite.hpp"
 #include "common/pipeline/aggregate.hpp"
 #include "common/pipeline/keep_region.hpp"
@@ -14,18 +15,73 @@
 
 namespace fracture {
 
-Expected<SplitFigures> aggregate_before_hits(const SeenSolid& seen, const FractureParameters& parameters,
-                                             SitePlan& plan, const Execution& execution) {
-  const Allowance::Temporary temporary(execution.allowance);
+namespace {
+
+/// The pattern's diagram, with the further sites of max_volume.
+Expected<Diagram> without_hits(const SeenSolid& seen, const FractureParameters& parameters, SitePlan& plan,
+                               const Execution& execution) {
   Expected<Tetrahedralization> t = tetrahedralize(plan.points, seen.seen().box, execution);
   if (!t) return tl::unexpected(t.error());
   Diagram before{.sites = std::move(plan.points), .map = plan.map, .tetrahedralization = std::move(*t)};
   if (parameters.max_volume > 0) {
-    Expected<SplitFigures> split =
-        split_large(seen, before, parameters.max_volume, parameters.seed, execution);
+    Expected<SplitFigures> split = split_large(seen, before, parameters, execution);
     if (!split) return tl::unexpected(split.error());
     before.split = *split;
   }
+  return before;
+}
+
+/// Per owner of the pattern alone the lowest of its cells, as it is numbered in the whole. That has fewer of the
+/// pattern's sites: some are farther from all of the solid's box than the sites of a hit are. kNoSite: a cell that was
+/// within the solid is no more.
+std::vector<SiteId> lowest_in_the_whole(const RestrictedDiagram& restricted, const Tetrahedralization& alone,
+                                        const Ownership& ownership, const Tetrahedralization& whole,
+                                        const Execution& execution) {
+  Pacer pacer(execution);
+  std::vector<SiteId> now(alone.site_count(), kNoSite);
+  pacer.each(0, alone.site_of_input.size(), [&](std::size_t k) {
+    if (const SiteId s = alone.site_of_input[k]; s != kNoSite && now[s] == kNoSite)
+      now[s] = whole.site_of_input[k];
+  });
+  // What a cell has of the solid ends at caps, or is all of a part.
+  std::vector<char> is_inside(alone.site_count(), 0);
+  for (const CapRegion& cap : restricted.caps.regions) {
+    pacer.step();
+    is_inside[cap.lo] = is_inside[cap.hi] = 1;
+  }
+  pacer.each(0, restricted.cuts.label.size(),
+             [&](std::size_t v) { is_inside[restricted.cuts.label[v]] = 1; });
+  std::vector<SiteId> lowest;
+  for (const std::vector<SiteId>& cells : ownership.sites_of_owner) {
+    pacer.step(1 + cells.size());
+    SiteId least = kNoSite;
+    bool is_whole = true;
+    for (const SiteId s : cells) {
+      least = std::min(least, now[s]);
+      is_whole = is_whole && (now[s] != kNoSite || !is_inside[s]);
+    }
+    lowest.push_back(is_whole ? least : kNoSite);
+  }
+  return lowest;
+}
+
+}  // namespace
+
+Expected<SplitFigures> split_before_hits(const SeenSolid& seen, const FractureParameters& parameters,
+                                         SitePlan& plan, const Execution& execution) {
+  const Allowance::Temporary temporary(execution.allowance);
+  Expected<Diagram> before = without_hits(seen, parameters, plan, execution);
+  if (!before) return tl::unexpected(before.error());
+  plan.points = std::move(before->sites);
+  return before->split;
+}
+
+Expected<SplitFigures> aggregate_before_hits(const SeenSolid& seen, const FractureParameters& parameters,
+                                             SitePlan& plan, const Execution& execution) {
+  const Allowance::Temporary temporary(execution.allowance);
+  Expected<Diagram> made = without_hits(seen, parameters, plan, execution);
+  if (!made) return tl::unexpected(made.error());
+  Diagram& before = *made;
   canonicalize(before.tetrahedralization, execution);
   const Tetrahedralization& all = before.tetrahedralization;
   const VoronoiDiagram voronoi(all, seen.seen().box, before.map, execution);
@@ -38,15 +94,25 @@ Expected<SplitFigures> aggregate_before_hits(const SeenSolid& seen, const Fractu
 }
 
 std::vector<std::uint32_t> groups_of_sites(const Tetrahedralization& t,
-                                           const std::vector<std::uint32_t>& groups_of_input) {
+                                           const std::vector<std::uint32_t>& groups_of_input,
+                                           const Execution& execution) {
   if (groups_of_input.empty()) return {};
+  Pacer pacer(execution);
   std::vector<const std::uint32_t*> given(t.site_count(), nullptr);
-  for (std::size_t k = groups_of_input.size(); k-- > 0;)  // the first of merged points decides
+  for (std::size_t k = groups_of_input.size(); k-- > 0;) {  // the first of merged points decides
+    pacer.step();
     if (t.site_of_input[k] != kNoSite) given[t.site_of_input[k]] = &groups_of_input[k];
-  std::map<std::uint32_t, SiteId> first;  // per given group: its lowest site
+  }
+  IdTable first;  // per given group: its lowest site
   std::vector<std::uint32_t> groups(t.site_count());
-  for (const SiteId s : ids<SiteId>(t.site_count()))
-    groups[s] = given[s] ? first.emplace(*given[s], s).first->second : s;
+  for (const SiteId s : ids<SiteId>(t.site_count())) {
+    pacer.step(4);
+    groups[s] = s;
+    if (!given[s]) continue;
+    std::uint32_t& lowest = first.slot(*given[s]);
+    if (lowest == IdTable::kEmpty) lowest = s;
+    groups[s] = lowest;
+  }
   return groups;
 }
 
@@ -90,7 +156,7 @@ Expected<std::vector<Union>> unions_before_hits(const SeenSolid& seen, const Dia
   canonicalize(*t, execution);
   const VoronoiDiagram voronoi(*t, seen.seen().box, diagram.map, execution);
   const RestrictedDiagram restricted = restrict_to_solid(seen, voronoi, execution);
-  std::vector<std::uint32_t> of_sites = groups_of_sites(*t, first(diagram.groups));
+  std::vector<std::uint32_t> of_sites = groups_of_sites(*t, first(diagram.groups), execution);
   if (parameters.keep)
     keep_together(t->site_count(), cells_meeting(*parameters.keep, voronoi, seen.seen().box, execution),
                   of_sites);
@@ -98,7 +164,9 @@ Expected<std::vector<Union>> unions_before_hits(const SeenSolid& seen, const Dia
   const Pieces pieces = gather_pieces(restricted, ownership, execution);
   PieceGroups groups(pieces.pieces.size());
   unite_by_size(restricted, pieces, limits, groups, execution);
-  return name_unions(pieces, groups, lowest_cells(ownership), execution);
+  return name_unions(pieces, groups,
+                     lowest_in_the_whole(restricted, *t, ownership, diagram.tetrahedralization, execution),
+                     execution);
 }
 
 std::vector<Union> unions_beside_hits(const std::vector<Union>& unions, const Diagram& diagram,

@@ -14,9 +14,14 @@ namespace fracture {
 Expected<SplitFigures> aggregate_before_hits(const SeenSolid& seen, const FractureParameters& parameters,
                                              SitePlan& plan, const Execution& execution);
 
-/// The group of each site, from those of the input points; empty when each is for itself.
+/// Adds to the plan, which has the pattern's points alone and no groups, those of max_volume. Errors as above.
+Expected<SplitFigures> split_before_hits(const SeenSolid& seen, const FractureParameters& parameters,
+                                         SitePlan& plan, const Execution& execution);
+
+/// The group of each site, from those of the input points; empty when each is for itself. Throws Interrupted.
 std::vector<std::uint32_t> groups_of_sites(const Tetrahedralization& t,
-                                           const std::vector<std::uint32_t>& groups_of_input);
+                                           const std::vector<std::uint32_t>& groups_of_input,
+                                           const Execution& execution);
 
 /// Whatever the groups of these cells (none: each for itself), they stay together.
 void keep_together(std::uint32_t sites, const std::vector<SiteId>& kept, std::vector<std::uint32_t>& groups);

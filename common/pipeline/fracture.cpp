@@ -59,9 +59,14 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
     const bool aggregated = is_aggregated(parameters);
     Diagram diagram;
     diagram.of_pattern = plan->points.size();
+    if (parameters.max_volume > 0 && !plan->groups.empty())
+      return fail(ErrorCode::kBadParameter,
+                  "'max_volume' divides cells, but a piece of this pattern is several cells.", "max_volume");
     if (!parameters.hits.empty()) {
-      if (aggregated) {
-        const Expected<SplitFigures> split = aggregate_before_hits(seen, parameters, *plan, execution);
+      if (aggregated || parameters.max_volume > 0) {
+        const Expected<SplitFigures> split = aggregated
+                                                 ? aggregate_before_hits(seen, parameters, *plan, execution)
+                                                 : split_before_hits(seen, parameters, *plan, execution);
         if (!split) return tl::unexpected(split.error());
         diagram.split = *split;
       }
@@ -77,13 +82,8 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
     diagram.map = plan->map;
     diagram.notes = std::move(plan->notes);
     diagram.tetrahedralization = std::move(*t);
-    if (parameters.max_volume > 0 && !(aggregated && !parameters.hits.empty())) {
-      if (!diagram.groups.empty())
-        return fail(ErrorCode::kBadParameter,
-                    "'max_volume' divides cells, but a piece of this pattern is several cells.",
-                    "max_volume");
-      Expected<SplitFigures> split =
-          split_large(seen, diagram, parameters.max_volume, parameters.seed, execution);
+    if (parameters.max_volume > 0 && parameters.hits.empty()) {
+      Expected<SplitFigures> split = split_large(seen, diagram, parameters, execution);
       if (!split) return tl::unexpected(split.error());
       diagram.split = *split;
     }
@@ -119,7 +119,7 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
     if (inspect) inspect(restricted);
     std::vector<std::uint32_t> groups = diagram.groups.empty() && is_aggregated(parameters)
                                             ? aggregate(restricted, parameters, execution)
-                                            : groups_of_sites(t, diagram.groups);
+                                            : groups_of_sites(t, diagram.groups, execution);
     keep_together(t.site_count(), kept, groups);
     const Ownership ownership = Ownership::from_groups(t.site_count(), groups, execution);
     cut.grouped = ownership.grouped;

@@ -42,7 +42,7 @@ namespace fracture {
 /// 12  2026-11-24  closed parts of glass and ceramic become walls; a grain for each part; glass, metal; bricks of
 ///                 real size along the axes of walls, ice, splinters; stone and concrete in ragged chunks of
 ///                 several cells; cuts of a triangle by their cells
-inline constexpr int kAlgorithmVersion = 12;
+inline constexpr int kAlgorithmVersion = 13;
 
 enum class Dual {
   kCircumcenter,  ///< the Voronoi diagram: fragments partition the solid exactly

@@ -80,7 +80,7 @@ void report_size(const FractureParameters& p, const SplitFigures& split, const C
   const double largest = volumes.empty() ? 0 : volumes.back();
   report.size = {volume_distribution(volumes), triangles, p.size, set.size, p.max_volume, split};
   std::vector<std::string>& warnings = report.warnings;
-  if ((p.size.min_volume > 0 || p.size.min_fraction > 0) && set.size.alone > 0)
+  if (set.size.alone > 0)
     warnings.push_back(std::to_string(set.size.alone) + " pieces below " + text_of(set.size.min_volume) +
                        " m3 touch no other piece; they stay as they are");
   report_fragments(limits_in_force(p).fragments, set, warnings);

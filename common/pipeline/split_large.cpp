@@ -12,8 +12,13 @@
 
 namespace fracture {
 
-Expected<SplitFigures> split_large(const SeenSolid& solid, Diagram& diagram, double max_volume,
-                                   std::uint64_t seed, const Execution& execution) {
+Expected<SplitFigures> split_large(const SeenSolid& solid, Diagram& diagram,
+                                   const FractureParameters& parameters, const Execution& execution) {
+  const double max_volume = parameters.max_volume;
+  std::uint64_t of_hits = 0;
+  for (const LocalImpact& hit : parameters.hits)
+    of_hits += std::uint64_t{cells_per_fragment(parameters)} * hit.sites;
+  const std::size_t most = parameters.most_sites - std::min<std::uint64_t>(of_hits, parameters.most_sites);
   SplitFigures figures;
   for (;;) {
     const Tetrahedralization& t = diagram.tetrahedralization;
@@ -37,8 +42,7 @@ Expected<SplitFigures> split_large(const SeenSolid& solid, Diagram& diagram, dou
       wanted[p.owners[0]] += static_cast<std::uint32_t>(std::max(1.0, parts - 1));
     }
     clear_with_polls(execution, pieces.pieces);
-    if (figures.too_large == 0 || figures.passes == kMaxSplitPasses ||
-        diagram.sites.size() >= kMaxPatternSites)
+    if (figures.too_large == 0 || figures.passes == kMaxSplitPasses || diagram.sites.size() >= most)
       return figures;
 
     // Of uniform points a cell gets its share of the volume: enough of them for every part, and twice that.
@@ -46,12 +50,12 @@ Expected<SplitFigures> split_large(const SeenSolid& solid, Diagram& diagram, dou
     const double share = 4 * solid.original().report.volume / max_volume;
     const auto count = static_cast<std::uint32_t>(std::clamp(share, 64.0, 2.0 * kMaxPatternSites));
     Expected<std::vector<Vec3d>> points =
-        uniform_sites(solid.seen(), count, seed ^ (kGoldenGamma * figures.passes), execution);
+        uniform_sites(solid.seen(), count, parameters.seed ^ (kGoldenGamma * figures.passes), execution);
     if (!points) return tl::unexpected(points.error());
     SiteId cell{0};
     for (const Vec3d& p : *points) {
       pacer.step(256);  // a walk
-      if (diagram.sites.size() >= kMaxPatternSites) break;
+      if (diagram.sites.size() >= most) break;
       cell = voronoi.nearest(p, cell);
       if (wanted[cell] == 0) continue;
       --wanted[cell];

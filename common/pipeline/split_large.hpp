@@ -11,6 +11,7 @@
 namespace fracture {
 
 struct Diagram;
+struct FractureParameters;
 
 /// What asking for a largest volume came to.
 struct SplitFigures {
@@ -19,14 +20,14 @@ struct SplitFigures {
   bool operator==(const SplitFigures&) const = default;
 };
 
-/// How often the cells are measured and divided again. There are at most kMaxPatternSites sites in the end.
+/// How often the cells are measured and divided again.
 inline constexpr std::uint32_t kMaxSplitPasses = 16;
 
-/// Adds sites to the diagram until no cell's piece of the solid is larger than `max_volume` (m³, > 0): in
-/// each pass every cell with a larger piece gets as many further sites as it holds that volume, from a
-/// sequence of uniform points of the solid. Deterministic in the seed. One clipping of the surface a pass.
-/// `solid` is seen through the diagram's map; the diagram must have no groups.
-Expected<SplitFigures> split_large(const SeenSolid& solid, Diagram& diagram, double max_volume,
-                                   std::uint64_t seed, const Execution& execution);
+/// Adds sites to the diagram until no cell's piece of the solid is larger than the parameters' max_volume (m³, > 0), or
+/// there are most_sites of them, with those that the hits will make: in each pass every cell with a larger piece gets
+/// as many further sites as it holds that volume, from a sequence of uniform points of the solid. Deterministic in the
+/// seed. One clipping of the surface a pass. `solid` is seen through the diagram's map; the diagram must have no groups.
+Expected<SplitFigures> split_large(const SeenSolid& solid, Diagram& diagram,
+                                   const FractureParameters& parameters, const Execution& execution);
 
 }  // namespace fracture

@@ -198,7 +198,7 @@ KeptTetrahedralization::Part whole_of(const KeptTetrahedralization& kept) {
 /// The tetrahedra and points of the part, which is the whole.
 void expect_whole(const KeptTetrahedralization& kept, const Tetrahedralization& expected) {
   const KeptTetrahedralization::Part part = whole_of(kept);
-  EXPECT_EQ(kept.given(), expected.site_of_input.size());
+  EXPECT_EQ(kept.given(), expected.site_of_input.size() - expected.far_sites_dropped);
   EXPECT_EQ(kept.duplicates_merged(), expected.duplicates_merged);
   ASSERT_EQ(kept.site_count(), expected.site_count());
   if (expected.site_count() == 0) return;  // the big tetrahedron is at no site
@@ -292,7 +292,7 @@ TEST(KeptTetrahedralization, PartsHaveAllTetrahedraAtTheirCells) {
   }
 }
 
-TEST(KeptTetrahedralization, IsLeftToOthersWhereASiteLiesOutsideOfTheBox) {
+TEST(KeptTetrahedralization, IsLeftToOthersWhereANewSiteLiesOutsideOfTheBox) {
   const std::vector<Vec3d> points = test::random_cube(20, 1), outside{{0.5, 0.5, 2}};
   const Box box = box_of(points);
   const auto before = tetrahedralize(points, box, {});
@@ -300,11 +300,37 @@ TEST(KeptTetrahedralization, IsLeftToOthersWhereASiteLiesOutsideOfTheBox) {
   auto kept = KeptTetrahedralization::of(*before, box, {});
   ASSERT_TRUE(kept.has_value());
   EXPECT_FALSE(kept->insert(outside, {}).has_value());
-  std::vector<Vec3d> wide = points;
-  wide.push_back({0.5, 0.5, 1.2});
-  const auto wider = tetrahedralize(wide, box, {});
-  ASSERT_TRUE(wider);
-  EXPECT_FALSE(KeptTetrahedralization::of(*wider, box, {}).has_value());
+}
+
+// As rings and spokes do: many of their sites lie beyond the pane.
+TEST(KeptTetrahedralization, TakesFurtherSitesBesideThoseOutsideOfTheBox) {
+  Box box;
+  box.add(Vec3d{0, 0, 0});
+  box.add(Vec3d{1, 1, 0.1});
+  std::vector<Vec3d> points;
+  for (const Vec3d& p : test::random_cube(200, 4)) points.push_back({3 * p.x - 1, 3 * p.y - 1, p.z - 0.4});
+  points.push_back({0.3, 0.3, 0.05});  // reaches to 1.0 from the farthest corner
+  auto before = tetrahedralize(points, box, {});
+  ASSERT_TRUE(before);
+  ASSERT_GT(before->far_sites_dropped, 10u);
+  canonicalize(*before);
+  const std::vector<Vec3d> edge{{0.9, 0.9, 0.02}, {0.95, 0.1, 0.03}}, middle{{0.5, 0.5, 0.05}};
+  int taken = 0;
+  for (const std::vector<Vec3d>& further : {edge, middle}) {
+    std::vector<Vec3d> all = points;
+    all.insert(all.end(), further.begin(), further.end());
+    auto expected = tetrahedralize(all, box, {});
+    ASSERT_TRUE(expected);
+    canonicalize(*expected);
+    auto kept = KeptTetrahedralization::of(*before, box, {});
+    ASSERT_TRUE(kept.has_value());
+    const bool inserted = kept->insert(further, {}).has_value();
+    EXPECT_EQ(inserted, expected->far_sites_dropped == before->far_sites_dropped)
+        << "sites that are dropped now";
+    if (inserted) expect_whole(*kept, *expected);
+    taken += inserted;
+  }
+  EXPECT_EQ(taken, 1) << "both cases are tested";
 }
 
 }  // namespace

@@ -2,15 +2,18 @@
 // bit what the whole fracture makes.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <set>
 
+#include "common/base/processor_time.hpp"
 #include "common/materials/materials.hpp"
 #include "tests/hits/delta_checks.hpp"
 #include "tests/support/closed_inputs.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/fractured.hpp"
 #include "tests/support/shapes.hpp"
+#include "tests/support/solids.hpp"
 
 namespace fracture::test {
 namespace {
@@ -92,6 +95,80 @@ TEST(UnitedHits, LeaveWhatTheyAreNotNearTo) {
     EXPECT_LT(length(f.mass.center_of_mass - p.hits[0].point), 1) << "a fragment far from the hit is gone";
   }
   EXPECT_LT(gone, 15u) << "of " << before.set.fragments.size();
+}
+
+// A site that is nearer to all of the box has others dropped: the pattern's sites have other numbers then.
+TEST(UnitedHits, WhereTheHitMakesSitesUseless) {
+  const Mesh mesh = box({0, 0, 0}, {10, 1, 1}, 1);
+  FractureParameters p;
+  PointsPattern row;
+  for (const double x : {-6.0, 0.5, 1.0, 2.0, 3.0, 7.0, 8.0, 9.5}) row.points.push_back({x, 0.5, 0.5});
+  p.pattern = row;
+  p.size.min_fraction = 0.08;
+  p.rest = LocalRest::kFractured;
+  p.hits = {{{5, 0.5, 0.5}, 0.01, 1}};
+  const Fractured made = fracture_mesh(mesh, p);
+  EXPECT_EQ(made.diagram.tetrahedralization.far_sites_dropped, 1u) << "or nothing is tested here";
+  std::vector<double> volumes;
+  for (const Fragment& f : made.set.fragments) volumes.push_back(f.mass.volume);
+  std::sort(volumes.begin(), volumes.end());
+  const std::vector<double> expected{1, 1.25, 1.25, 1.5, 1.5, 1.5, 2};  // the first two cells are too small
+  ASSERT_EQ(volumes.size(), expected.size());
+  for (std::size_t k = 0; k < expected.size(); ++k) EXPECT_NEAR(volumes[k], expected[k], 0.02) << k;
+}
+
+TEST(UnitedHits, OfPanesHitAwayFromWhereTheyWereHitBefore) {
+  const Mesh mesh = box({0, 0, 0}, {1, 1, 0.02}, 1);
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    SCOPED_TRACE(seed);
+    FractureParameters p;
+    RadialPattern glass;
+    glass.impacts = {{0, 0, 0.01}};
+    p.pattern = glass;
+    p.seed = seed;
+    p.size.fragments = 40;
+    p.size.min_of_mean = kLeastOfMean;
+    p.rest = LocalRest::kFractured;
+    p.hits = {{{0.5, 0.5, 0.01}, 0.1, 30}};
+    expect_hits(mesh, p);
+    if (HasFailure()) return;
+  }
+}
+
+// The further sites of max_volume are no hits: they take nothing apart.
+TEST(UnitedHits, WithCellsThatWereTooLarge) {
+  const Mesh mesh = torus(48, 24);
+  FractureParameters p = hits_on(mesh, 100, 0.05);
+  p.hits.resize(1);
+  p.size.fragments = 80;
+  p.max_volume = volume_of(mesh) / 150;
+  const Fractured after = fracture_mesh(mesh, p);
+  const Fractured before = fracture_mesh(mesh, before_hits(p, 1));
+  ASSERT_GT(before.diagram.split.sites_added, 30u);
+  EXPECT_EQ(after.diagram.split, before.diagram.split);
+  ASSERT_EQ(before.set.fragments.size(), 80u);
+  ASSERT_GT(before.diagram.tetrahedralization.site_count(), 150u);
+  EXPECT_LT(after.set.fragments.size(), 110u);
+}
+
+// Of two fragments of half of all cells each, whatever is beside a hit is most of the answer; but not its square.
+TEST(UnitedHits, OfVeryManyCellsTakeNoLongerThanTheWhole) {
+  const Mesh mesh = ico_sphere(3);
+  FractureParameters p = hits_on(mesh, 12'000, 0.02);
+  p.hits.resize(1);
+  p.size.fragments = 2;
+  p.size.min_of_mean = kLeastOfMean;
+  const Solid solid = solid_of(mesh);
+  StageTimings timings;
+  const double begin = processor_seconds_of_this_thread();
+  const auto before = fracture_and_keep(solid, before_hits(p, 1), {}, timings);
+  ASSERT_TRUE(before);
+  const double whole = processor_seconds_of_this_thread() - begin;
+  const auto after = fracture_delta(solid, before->base, p, {}, {}, timings);
+  ASSERT_TRUE(after);
+  EXPECT_TRUE(after->local) << "or nothing is tested here";
+  const double hit = processor_seconds_of_this_thread() - begin - whole;
+  EXPECT_LT(hit, 3 * whole + 0.1);
 }
 
 TEST(UnitedHits, OfEveryMaterial) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "common/materials/materials.hpp"
 #include "tests/property/judge.hpp"
 #include "tests/structure/seed.hpp"
 #include "tests/support/closed_inputs.hpp"
@@ -43,6 +44,18 @@ TEST(SizeLimits, WithoutAnyNothingIsUnited) {
   const Fractured made = fracture_mesh(mesh, at_random(mesh, 40));
   EXPECT_EQ(made.set.size.united, 0u);
   EXPECT_FALSE(made.report.size.limits.any()) << "none is in the file";
+}
+
+TEST(SizeLimits, CrumbsThatTouchNothingAreReported) {
+  // A screw beside a block, smaller than a 500th of the mean piece.
+  const Mesh mesh = joined({box({0, 0, 0}, {1, 1, 1}), box({2, 0, 0}, {2.01, 0.01, 0.01})});
+  FractureParameters p;
+  p.sites = 20;
+  EXPECT_FALSE(warns(fracture_mesh(mesh, p).report, "touch no other piece"));
+  p.size.min_of_mean = kLeastOfMean;
+  const Fractured made = fracture_mesh(mesh, p);
+  EXPECT_EQ(made.set.size.alone, 1u);
+  EXPECT_TRUE(warns(made.report, "touch no other piece"));
 }
 
 TEST(SizeLimits, SmallFragmentJoinsTheNeighborOfLargestSharedArea) {
