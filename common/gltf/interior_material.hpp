@@ -40,7 +40,7 @@ struct InteriorLook {
   std::optional<Vec3d> color{};  ///< base colour, linear, 0 … 1; replaces the reused base colour texture
   std::optional<double> roughness{};  ///< 0 … 1
   std::optional<double> metallic{};   ///< 0 … 1
-  std::optional<double> opacity{};  ///< 0 … 1; not set: 1, or kClearOpacity where the surface is translucent
+  std::optional<double> opacity{};    ///< 0 … 1; not set: 1, kClearOpacity where the surface is translucent
   InteriorChoice choice = InteriorChoice::kAuto;
   /// Share of the surface's colour in the base colour, 0 … 1; above 0 in the place of a texture. Not set: all where
   /// neither `material` nor `color` is, else none.

@@ -22,7 +22,7 @@ std::vector<MaterialPreset> make_presets() {
        1,
        {0.08, 1.2, 1},
        {2500, 0.4, 0.25, 45e6},
-       {"#cfe6dd", 0.3, 1, 0.05, 0},
+       {"#cfe6dd", 0.3, 1, 0.05, 0, 0.4},
        "EN 572-1 (soda-lime: 2500 kg/m3, bending strength 45 MPa); kinetic friction glass on glass 0.4 "
        "(CRC Handbook)",
        std::nullopt,
@@ -132,7 +132,7 @@ std::vector<MaterialPreset> make_presets() {
        1,
        {0.04, 3, 1},
        {917, 0.05, 0.1, 1.4e6},
-       {"#d8ecf5", 0.3, 1.1, 0.15, 0},
+       {"#d8ecf5", 0.3, 1.1, 0.15, 0, 0.7},
        "917 kg/m3 at 0 C (CRC Handbook); tensile strength 1.4 MPa at -10 C (Petrovic 2003); friction 0.02 "
        "to 0.1"});
 
@@ -177,7 +177,7 @@ std::vector<MaterialPreset> make_presets() {
                      2.5,
                      {},
                      {2650, 0.4, 0.3, 50e6},
-                     {"#dcd3f0", 0.4, 1.2, 0.05, 0},
+                     {"#dcd3f0", 0.4, 1.2, 0.05, 0, 0.5},
                      "Quartz: 2650 kg/m3 (CRC Handbook), tensile strength about 50 MPa",
                      Vec3d{0, 1, 0}});
   return presets;

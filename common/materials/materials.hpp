@@ -27,6 +27,7 @@ struct CutLook {
   double mix;         ///< share of the outside's mean colour, 0 … 1
   double shade;       ///< how much of its light that mean keeps; above 1: what was cut is brighter
   double roughness, metallic;
+  std::optional<double> opacity{};  ///< none: as the surface's
 };
 
 /// Every material unites smaller fragments than this fraction of the mean with a neighbour: crumbs that nobody

@@ -1,6 +1,7 @@
 // The table of parameters as JSON, for people and programs: GET /limits and GET /patterns.
 #include <algorithm>
 
+#include "common/materials/notes.hpp"
 #include "common/parameters/rows.hpp"
 
 namespace fracture {
@@ -121,10 +122,14 @@ nlohmann::json ParameterTable::patterns_to_json() const {
                                       defaults[spec.name] == sets[spec.name] && spec.name != "pattern"))
         sets.erase(spec.name);
     const MaterialPreset& preset = material_presets()[k];
+    const MaterialNotes& notes = notes_of(preset);
     materials.push_back({{"name", preset.name},
                          {"description", preset.doc},
                          {"parameters", std::move(sets)},
-                         {"source", preset.source}});
+                         {"source", preset.source},
+                         {"use", notes.use},
+                         {"mechanics", notes.mechanics},
+                         {"cost", notes.cost}});
   }
   return {{"patterns", std::move(patterns)},
           {"parameters", std::move(general)},

@@ -96,6 +96,17 @@ void refuse_both(Offences& offences, const Given& given, const char* name, const
                std::string("'") + name + "' and '" + other + "' were both given; " + why);
 }
 
+/// Who says of a material where it was hit wants it broken there: most of the sites go to where it was, where its own
+/// pattern knows of no hits.
+void hit_material(SitePattern& pattern) {
+  if (!std::holds_alternative<UniformPattern>(pattern) && !std::holds_alternative<ClusteredPattern>(pattern))
+    return;
+  ImpactPattern impact;
+  impact.exponent = 1.5;
+  impact.share = 0.55;
+  pattern = impact;
+}
+
 }  // namespace
 
 FormatSet::FormatSet() {
@@ -164,6 +175,8 @@ Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter
   for (const ParameterSpec& spec : specs_) {
     const auto value = values.find(spec.name);
     if (value == values.end()) continue;
+    if (spec.name == "impacts" && values.contains("material") && !values.contains("pattern"))
+      hit_material(result.fracture.pattern);
     if (!belongs(spec, result.fracture.pattern)) {
       offences.add(ErrorCode::kBadParameter, *seen.at(spec.name),
                    "'" + spec.name + "' belongs to the pattern " + join(spec.patterns) +

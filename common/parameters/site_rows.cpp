@@ -39,6 +39,7 @@ ParameterSpec material_row() {
     r.interior = {.color = linear_color(preset.look.color),
                   .roughness = preset.look.roughness,
                   .metallic = preset.look.metallic,
+                  .opacity = preset.look.opacity,
                   .mix = preset.look.mix,
                   .shade = preset.look.shade};
   };
@@ -261,7 +262,8 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .doc =
            "Where it was hit, in the frame of the answer (y up). radial: the first is the centre. brick: what is near is "
            "crushed, around it bricks break in halves; without it none do. Without it: the middle of the box; of spokes "
-           "in all directions the middle of its side towards +z."}));
+           "in all directions the middle of its side towards +z. With a material whose pattern knows of no hits the pattern "
+           "is `impact`."}));
   rows.push_back(with_pattern_member<&ImpactPattern::radius, &ClusteredPattern::radius>(
       {.name = "radius",
        .type = Type::kNumber,
@@ -298,16 +300,16 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .choices = {"axis", "point", "shape"},
        .doc =
            "What rings and spokes go around. axis: of a pane. point: spokes in all directions, through a vessel or a "
-           "lump. shape: an axis where one is given or the shortest side of the box is at most a fifth of the next "
-           "one, else a point."}));
+           "lump. shape: an axis where one is given or the solid is a plate (however it stands, at most a fifth as thick "
+           "as it is wide), else a point."}));
   rows.push_back(with_pattern_member<&RadialPattern::axis>(
       {.name = "axis",
        .type = Type::kDirection,
        .low = -kFar,
        .high = kFar,
        .doc =
-           "The axis that rings and spokes go around. Without it: the shortest side of the box; with `crushed`, of what "
-           "is no plate, from where it was hit to its middle."}));
+           "The axis that rings and spokes go around. Without it: through a plate, else along the shortest side of the box; "
+           "with `crushed`, of what is no plate, from where it was hit to its middle."}));
   rows.push_back(
       with_pattern_member<&RadialPattern::spokes>({.name = "spokes",
                                                    .type = Type::kInteger,

@@ -59,21 +59,9 @@ SUBJECTS = [
 COSTS = {
     "pattern=uniform": 1.0, "pattern=points": 1.0, "pattern=impact": 1.0, "pattern=radial": 1.2, "pattern=grid": 1.5,
     "pattern=brick": 2.0, "pattern=slice": 2.0, "pattern=clustered": 1.0,
-    "material=glass": 1.2, "material=wood": 2.3, "material=concrete": 3.2, "material=stone": 3.5, "material=brick": 2.1,
-    "material=ceramic": 1.7, "material=metal": 2.5, "material=cast_iron": 2.1, "material=ice": 1.2, "material=plaster": 1.8,
-    "material=terracotta": 3.1, "material=sandstone": 3.3, "material=crystal": 1.3,
     "lloyd=1": 1.1, "levels=5,20,50": 1.0, "rough_amplitude=0.05": 2.5, "dual=barycenter": 1.9, "physics=none": 0.9,
     "sites=500": 3.3, "sites=5000": 24.5, "cells_per_fragment=6": 2.0,
     "shell_fraction=0.05": 17.3,
-}
-
-# What each material is for.
-USES = {
-    "glass": "panes, bottles, lamps", "wood": "planks, posts, crates, furniture", "concrete": "pillars, slabs, bunkers",
-    "stone": "statues, rocks, blocks", "brick": "walls, houses, chimneys", "ceramic": "plates, vases, tiles",
-    "metal": "sheets, doors, tanks, engines", "cast_iron": "machines, bells, grates", "ice": "icebergs, sheets on water, icicles",
-    "plaster": "mouldings, busts, plastered walls", "terracotta": "pots, roof tiles, amphoras",
-    "sandstone": "cliffs, temples, statues", "crystal": "gems, stalagmites of quartz",
 }
 
 
@@ -171,12 +159,9 @@ def page(limits, patterns):
             sys.exit(f"parameters_page: '{name}' stands under {listed.count(name)} subjects of SUBJECTS instead of one")
     for name in set(listed) - set(specs):
         sys.exit(f"parameters_page: there is no parameter '{name}' any more")
-    for entry in patterns["materials"]:
-        if entry["name"] not in USES:
-            sys.exit(f"parameters_page: USES lacks {entry['name']}")
     for kind, key in (("patterns", "pattern"), ("materials", "material")):
         for entry in patterns[kind]:
-            if f"{key}={entry['name']}" not in COSTS:
+            if key == "pattern" and f"{key}={entry['name']}" not in COSTS:
                 sys.exit(f"parameters_page: COSTS lacks {key}={entry['name']}; --measure prints them")
             if entry["name"] != "points" and not (ROOT / f"proto/pictures/{key}_{entry['name']}.png").exists():
                 sys.exit(f"parameters_page: proto/pictures/{key}_{entry['name']}.png is missing; `scripts/gallery --only page` draws it")
@@ -193,7 +178,7 @@ def page(limits, patterns):
     yield ""
     yield from table(specs[name] for name in FIRST)
     yield "A material sets the pattern, the cuts and the physics at once; everything else may stay at its default. `impacts` goes with"
-    yield "the patterns `impact`, `radial` and `brick`, and so with glass, ceramic, terracotta, ice and brick."
+    yield "the patterns `impact`, `radial` and `brick`; with a material that has another one it asks for `impact`."
     yield ""
     yield "## What it costs"
     yield ""
@@ -235,19 +220,23 @@ def page(limits, patterns):
     for entry in patterns["materials"]:
         name = entry["name"]
         sets = ", ".join(f"`{key}` {shown(value)}" for key, value in entry["parameters"].items())
-        yield (f"| ![{name}](pictures/material_{name}.png) | `{name}` | {cell(entry['description'])} | {USES[name]} | {cell(sets)} | "
-               f"{times('material=' + name)} |")
+        yield (f"| ![{name}](pictures/material_{name}.png) | `{name}` | {cell(entry['description'])} | {entry['use']} | {cell(sets)} | "
+               f"{entry['cost']:g} |")
     yield ""
-    yield "Where the figures come from:"
+    yield "How each breaks follows these descriptions; its figures come from those:"
     yield ""
+    yield "| material | how it breaks | figures |"
+    yield "|---|---|---|"
     for entry in patterns["materials"]:
-        yield f"- `{entry['name']}`: {entry['source']}"
+        yield f"| `{entry['name']}` | {cell(entry['mechanics'])} | {cell(entry['source'])} |"
 
 
 def measure(program):
-    """Prints COSTS. Counts instructions, which do not depend on how busy the machine is."""
+    """Prints COSTS, and those of materials (common/materials/notes.cpp). Counts instructions, which do not depend on how busy the
+    machine is."""
     counted = {}
-    for name in COSTS:
+    (patterns,) = ask(program, "/patterns")
+    for name in [*COSTS, *(f"material={entry['name']}" for entry in patterns["materials"])]:
         key, value = name.split("=")
         if name == "pattern=points":
             continue  # as uniform: it is the caller's sites

@@ -419,7 +419,44 @@ TEST(Parameters, TheCatalogueDescribesEveryPatternAndMaterial) {
     EXPECT_EQ(spelled->interior, named_only->interior);
     EXPECT_EQ(spelled->hollow, named_only->hollow);
     EXPECT_EQ(canonical_site_parameters(*spelled), canonical_site_parameters(*named_only));
+    for (const char* said : {"description", "source", "use", "mechanics"})
+      EXPECT_GE(material.at(said).get<std::string>().size(), 10u) << said;
+    EXPECT_GE(material.at("cost").get<double>(), 1);
   }
+}
+
+TEST(Parameters, WhatIsClearHasClearCuts) {
+  for (const MaterialPreset& preset : material_presets()) {
+    const std::string name = preset.name;
+    const auto parsed = table().parse({{"material", name, false}});
+    ASSERT_TRUE(parsed);
+    const bool is_clear = name == "glass" || name == "ice" || name == "crystal";
+    EXPECT_EQ(parsed->interior.opacity.value_or(1) < 1, is_clear) << name;
+  }
+}
+
+TEST(Parameters, AHitOnAMaterialAsksForThePatternOfHits) {
+  const std::string hit = "0.1,0.2,0.3";
+  for (const MaterialPreset& preset : material_presets()) {
+    SCOPED_TRACE(preset.name);
+    const auto asked = table().parse({{"material", preset.name, false}, {"impacts", hit, true}});
+    ASSERT_TRUE(asked) << asked.error().detail;
+    const bool knows_hits = std::holds_alternative<ImpactPattern>(asked->fracture.pattern) ||
+                            asked->fracture.pattern.index() == preset.pattern.index();
+    EXPECT_TRUE(knows_hits);
+    EXPECT_EQ(asked->fracture.aggregation, preset.aggregation) << "all else is the material's";
+    EXPECT_EQ(asked->fracture.roughness, preset.roughness);
+    // Its canonical form says the same.
+    std::vector<RawParameter> again;
+    const nlohmann::json form = canonical_parameters(*asked);
+    for (const auto& [name, value] : form.items()) again.push_back({name, value, false});
+    const auto same = table().parse(again);
+    ASSERT_TRUE(same) << same.error().detail;
+    EXPECT_EQ(canonical_parameters(*same), canonical_parameters(*asked));
+  }
+  EXPECT_FALSE(table().parse({{"impacts", hit, true}})) << "no material asks for it";
+  EXPECT_FALSE(
+      table().parse({{"material", "stone", false}, {"pattern", "uniform", false}, {"impacts", hit, true}}));
 }
 
 TEST(Parameters, ANumberOfFragmentsDecidesTheCellsWhereNobodyElseDoes) {

@@ -2,6 +2,7 @@
 // nothing but the time.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <map>
 #include <set>
@@ -93,6 +94,38 @@ struct HitsTest : testing::Test {
     return answer.error();
   }
 };
+
+/// Does some material's name begin so?
+bool has_material(const FractureResult& glb, std::string_view name) {
+  const json document = document_of(glb);
+  return std::any_of(document.at("materials").begin(), document.at("materials").end(),
+                     [&](const json& material) { return material.value("name", "").starts_with(name); });
+}
+
+TEST_F(HitsTest, AMaterialThatMakesWallsDoesSoInTheServer) {
+  const auto volume = [](const FractureAnswer& answer) {
+    return figures_of(*answer.result).at("certificate").at("volume_out").get<double>();
+  };
+  const FractureAnswer walls = ask({{"material", "ceramic"}, {"sites", 8}}),
+                       solid = ask({{"material", "ceramic"}, {"sites", 8}, {"shell", 0}});
+  EXPECT_NEAR(volume(solid), 2, 1e-6);
+  // Of 0.04 of the longest side, 0.08 m, or somewhat more, around all of 2 x 1 x 1 m.
+  EXPECT_LT(volume(walls), 1.2);
+  EXPECT_GT(volume(walls), 2 - 1.84 * 0.84 * 0.84);
+  EXPECT_TRUE(has_material(*walls.result, "Cavity"));
+  EXPECT_FALSE(has_material(*solid.result, "Cavity"));
+}
+
+TEST_F(HitsTest, TheReliefOfCutsIsNotSentAgainWithADelta) {
+  const FractureAnswer first = ask({{"sites", 30}, {"interior_detail", "stone"}});
+  EXPECT_TRUE(document_of(*first.result).contains("images"));
+  const FractureAnswer changed = ask({{"of", address(first)},
+                                      {"local_point", {2, 0.5, 0.5}},
+                                      {"local_radius", 0.3},
+                                      {"local_sites", 8},
+                                      {"delta", "only"}});
+  EXPECT_FALSE(document_of(*changed.result).contains("images"));
+}
 
 // The groups of aggregates lie in the diagram, and know the limits of size.
 TEST_F(HitsTest, DiagramsOfAggregatesAreThoseOfTheirLimits) {

@@ -1,0 +1,58 @@
+#include "common/materials/notes.hpp"
+
+#include <stdexcept>
+#include <string>
+
+namespace fracture {
+namespace {
+
+struct Named {
+  const char* material;
+  MaterialNotes notes;
+};
+
+// Costs are printed by scripts/lib/parameters_page.py --measure.
+constexpr Named kNotes[] = {
+    {"glass",
+     {"panes, bottles, lamps",
+      "Star-shaped cracks of a plate that was hit, and rings around: Vandenberghe, Vermorel and Villermaux (2013), Star-shaped crack pattern of broken windows.",
+      1.2}},
+    {"wood",
+     {"planks, posts, crates, furniture",
+      "Fibres part along the grain, where wood holds a twentieth of what it does across: Wood Handbook, FPL-GTR-190.",
+      2.3}},
+    {"concrete",
+     {"pillars, slabs, bunkers",
+      "Many sizes at once, between those of one process and of Mott and Linfoot (1943), by eye.", 3.2}},
+    {"stone",
+     {"statues, rocks, blocks",
+      "Sizes of blasted granitic gneiss: Astrom et al. (2004); their distribution: Grady and Kipp (1985).",
+      3.5}},
+    {"brick",
+     {"walls, houses, chimneys", "Masonry parts where mortar is weaker than brick: EN 1996-1-1.", 2.1}},
+    {"ceramic",
+     {"plates, vases, tiles",
+      "Shards are the smaller the faster the strain, which falls with the distance from the hit: Grady (1982), Local inertial effects in dynamic fragmentation.",
+      1.7}},
+    {"metal",
+     {"sheets, doors, tanks, engines",
+      "Strips along the way a shell tears: Mott (1947), Fragmentation of shell cases; jags by eye.", 2.5}},
+    {"cast_iron", {"machines, bells, grates", "Brittle, without a direction; by eye.", 2.1}},
+    {"ice",
+     {"icebergs, sheets on water, icicles",
+      "Splitting around a crushed zone: Jordaan (2001), Mechanics of ice-structure interaction.", 1.2}},
+    {"plaster", {"mouldings, busts, plastered walls", "As concrete, weaker; by eye.", 1.8}},
+    {"terracotta", {"pots, roof tiles, amphoras", "As ceramic.", 3.1}},
+    {"sandstone", {"cliffs, temples, statues", "Parts along its bedding; by eye.", 3.3}},
+    {"crystal", {"gems, stalagmites of quartz", "Prisms, as quartz grows; by eye.", 1.3}},
+};
+
+}  // namespace
+
+const MaterialNotes& notes_of(const MaterialPreset& preset) {
+  for (const Named& named : kNotes)
+    if (std::string_view(preset.name) == named.material) return named.notes;
+  throw std::logic_error(std::string("there are no notes on the material ") + preset.name);
+}
+
+}  // namespace fracture
