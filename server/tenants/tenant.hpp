@@ -40,7 +40,8 @@ struct Shares {
   /// Processor seconds a second, measured, over some ten seconds.
   std::optional<double> cores;
   std::uint64_t computations = kNoLimit;  ///< queued and running at the same time
-  std::uint64_t stored_bytes = kNoLimit;  ///< of meshes; the least recently used leave for new ones
+  /// Of meshes in memory, of which the least recently used leave for new ones; and, for itself, of jobs on the disk.
+  std::uint64_t stored_bytes = kNoLimit;
   std::uint64_t cached_bytes = kNoLimit;  ///< of answers that the name can fetch again
   bool realtime = true;                   ///< false: what asks for realtime is done as batch
   double weight = 1;                      ///< of its turn in the queue, beside the others'

@@ -291,6 +291,8 @@ struct TwoNames : testing::Test {
     ASSERT_TRUE(server->alive());
     server->signal(SIGTERM);
     EXPECT_EQ(server->wait(), 0);
+    if (judge_time && full_tests() && !judged)
+      GTEST_SKIP() << "other programs had the processors: no time was judged";
   }
 };
 
