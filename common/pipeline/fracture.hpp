@@ -42,6 +42,8 @@ namespace fracture {
 /// 12  2026-11-24  closed parts of glass and ceramic become walls; a grain for each part; glass, metal; bricks of
 ///                 real size along the axes of walls, ice, splinters; stone and concrete in ragged chunks of
 ///                 several cells; cuts of a triangle by their cells
+/// 13  2026-11-24  plates however they stand; unions of patterns with sites outside of the box, and max_volume,
+///                 beside hits; clear cuts; hulls of fragments of many cells
 inline constexpr int kAlgorithmVersion = 13;
 
 enum class Dual {
