@@ -40,7 +40,8 @@ TEST(MemoryPlan, ALargeMachineKeepsTheDefaults) {
 }
 
 TEST(MemoryPlan, EverythingFitsIntoWhateverThereIs) {
-  for (const std::uint64_t memory : {256 * kMiB, 320 * kMiB, 512 * kMiB, 1 * kGiB, 2 * kGiB, 4 * kGiB}) {
+  for (const std::uint64_t memory :
+       {240 * kMiB, 256 * kMiB, 320 * kMiB, 512 * kMiB, 1 * kGiB, 2 * kGiB, 4 * kGiB}) {
     ServeOptions options = small_server();
     EXPECT_THAT(plan_memory(options, {}, memory), IsEmpty()) << memory / kMiB;
     EXPECT_LE(resident(options), static_cast<double>(memory)) << memory / kMiB;
