@@ -99,6 +99,11 @@ Answered Api::start_job(const std::shared_ptr<Request>& request, FractureRequest
       // The client has, or will have, all that there is: it is no job of its list.
       jobs_.cancel(job->id);
       if (job->error) return refusal(*job->error, request->id);
+      if (!job->answer)
+        return refusal(overloaded("The result was made, and had to make room for others (--job-results) before it could "
+                                  "be sent.",
+                                  std::chrono::seconds(1)),
+                       request->id);
       return answer_fracture(request, *job->answer, terms, reply,
                              "wait=" + std::to_string(preferences.wait->count()));
     });

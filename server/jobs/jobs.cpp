@@ -319,8 +319,9 @@ void Jobs::forget(std::list<Shared>::iterator at) {
   jobs_.erase(at);
 }
 
-/// Expired ones leave, then the oldest finished ones until the results fit and there is a place for a new
-/// job.
+/// Expired ones leave, then the oldest finished ones until there is a place for a new job. Where the results do not fit,
+/// the oldest give theirs up, and stay what they are: done, with a result that a tier may have, or that can be asked for
+/// again.
 void Jobs::make_room() {
   const Clock::time_point time = Clock::now();
   for (auto at = jobs_.begin(); at != jobs_.end();) {
@@ -329,10 +330,13 @@ void Jobs::make_room() {
     if (finished && time - (*at)->finished >= config_.ttl) {
       forget(at);
       ++figures_.expired;
-    } else if (finished &&
-               (figures_.result_bytes > config_.max_result_bytes || jobs_.size() >= config_.max_jobs)) {
+    } else if (finished && jobs_.size() >= config_.max_jobs) {
       forget(at);
       ++figures_.evicted;
+    } else if (finished && (*at)->view.answer && figures_.result_bytes > config_.max_result_bytes) {
+      figures_.result_bytes -= bytes_of((*at)->view);
+      (*at)->view.answer.reset();
+      ++figures_.results_evicted;
     }
     at = next;
   }

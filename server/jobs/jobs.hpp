@@ -47,6 +47,7 @@ struct JobsConfig {
 
 struct JobFigures {
   std::uint64_t started = 0, expired = 0, evicted = 0, resumed = 0;
+  std::uint64_t results_evicted = 0;  ///< of jobs that are known all the same
   std::size_t jobs = 0, unfinished = 0;
   std::size_t waiting = 0;  ///< of the unfinished: on the disk, and not being computed
   std::size_t durable = 0;  ///< of the unfinished: those on the disk
