@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <memory>
 #include <set>
 #include <string>
@@ -15,6 +14,7 @@
 #include "common/hits/delta.hpp"
 #include "tests/fuzz/fracture_case.hpp"
 #include "tests/property/violations.hpp"
+#include "tests/support/poll_gaps.hpp"
 #include "tests/support/surface_mesh.hpp"
 
 namespace fracture::fuzz {
@@ -33,12 +33,6 @@ constexpr double kSlowness = 1;
 constexpr double kBetweenPolls = 0.05 * kSlowness;  ///< seconds of the thread's processor time
 constexpr std::chrono::seconds kDeadline(kSlowness > 1 ? 12 : 4);
 
-double processor_seconds() {
-  timespec t{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
 /// Measures what lies between polls of one thread, from here to finish().
 class Watched {
  public:
@@ -46,10 +40,10 @@ class Watched {
     execution.deadline = std::chrono::steady_clock::now() + kDeadline;
     execution.watch = [this] { step(); };
     execution.progress = [this](Stage stage, double) { stage_ = name_of(stage); };
-    last_ = processor_seconds();
+    last_ = now();
   }
   void step() {
-    const double now = processor_seconds();
+    const double now = this->now();
     if (now - last_ > longest_) {
       longest_ = now - last_;
       where_ = stage_;
@@ -57,14 +51,17 @@ class Watched {
     last_ = now;
   }
   /// What was done since the last poll is not the library's.
-  void skip() { last_ = processor_seconds(); }
+  void skip() { last_ = now(); }
   double longest() const { return longest_; }
   const std::string& where() const { return where_; }
 
   Execution execution;
 
  private:
-  double last_ = 0, longest_ = 0;
+  double now() const { return 1e-3 * clock_.ms(); }
+
+  test::WorkClock clock_;
+  double last_ = 0, longest_ = 0;  // seconds
   std::string stage_ = "the beginning", where_ = "the beginning";
 };
 

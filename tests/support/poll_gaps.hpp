@@ -12,32 +12,15 @@
 
 namespace fracture::test {
 
-/// Measures one thread's own processor time between the polls of an Execution, and from the last one to
-/// longest_ms(). The computation must run in the thread that made this. Without what the system takes to hand out
-/// memory, which says nothing of the code: on a virtual machine a page was seen to cost 15 to 45 µs, and 0.3 elsewhere.
-class PollGaps {
+/// One thread's own processor time, without what the system takes to hand out memory, which says nothing of the code:
+/// on a virtual machine a page was seen to cost 15 to 45 µs, and 0.3 elsewhere. For the thread that made it.
+class WorkClock {
  public:
-  PollGaps() : page_ms_(kMostPageCost * cost_of_page_ms()), last_(now()) {
-    execution_.watch = [this] {
-      meet();
-      ++polls_;
-    };
+  WorkClock() : page_ms_(kMostPageCost * cost_of_page_ms()) {}
+  double ms() const {
+    const Moment here = now();
+    return here.cpu_ms - page_ms_ * here.pages;
   }
-  PollGaps(const PollGaps&) = delete;
-  PollGaps& operator=(const PollGaps&) = delete;
-
-  const Execution& execution() const { return execution_; }
-  /// Forgets everything: what was made ready until here is not part of the computation.
-  void start() {
-    last_ = now();
-    longest_ = 0;
-    polls_ = 0;
-  }
-  double longest_ms() {
-    meet();
-    return longest_;
-  }
-  std::uint64_t polls() const { return polls_; }
 
  private:
   /// It varies.
@@ -65,16 +48,46 @@ class PollGaps {
     munmap(memory, kBytes);
     return (after.cpu_ms - before.cpu_ms) / std::max(1.0, after.pages - before.pages);
   }
+
+  double page_ms_;
+};
+
+/// Measures the work of one thread between the polls of an Execution, and from the last one to longest_ms(). The
+/// computation must run in the thread that made this.
+class PollGaps {
+ public:
+  PollGaps() : last_(clock_.ms()) {
+    execution_.watch = [this] {
+      meet();
+      ++polls_;
+    };
+  }
+  PollGaps(const PollGaps&) = delete;
+  PollGaps& operator=(const PollGaps&) = delete;
+
+  const Execution& execution() const { return execution_; }
+  /// Forgets everything: what was made ready until here is not part of the computation.
+  void start() {
+    last_ = clock_.ms();
+    longest_ = 0;
+    polls_ = 0;
+  }
+  double longest_ms() {
+    meet();
+    return longest_;
+  }
+  std::uint64_t polls() const { return polls_; }
+
+ private:
   void meet() {
-    const Moment here = now();
-    longest_ = std::max(longest_, here.cpu_ms - last_.cpu_ms - page_ms_ * (here.pages - last_.pages));
+    const double here = clock_.ms();
+    longest_ = std::max(longest_, here - last_);
     last_ = here;
   }
 
   Execution execution_;
-  double page_ms_;
-  Moment last_;
-  double longest_ = 0;
+  WorkClock clock_;
+  double last_, longest_ = 0;
   std::uint64_t polls_ = 0;
 };
 
