@@ -100,10 +100,11 @@ Answered Api::start_job(const std::shared_ptr<Request>& request, FractureRequest
       jobs_.cancel(job->id);
       if (job->error) return refusal(*job->error, request->id);
       if (!job->answer)
-        return refusal(overloaded("The result was made, and had to make room for others (--job-results) before it could "
-                                  "be sent.",
-                                  std::chrono::seconds(1)),
-                       request->id);
+        return refusal(
+            overloaded("The result was made, and had to make room for others (--job-results) before it could "
+                       "be sent.",
+                       std::chrono::seconds(1)),
+            request->id);
       return answer_fracture(request, *job->answer, terms, reply,
                              "wait=" + std::to_string(preferences.wait->count()));
     });

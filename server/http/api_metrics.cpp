@@ -80,9 +80,10 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
   }
   count("fracture_jobs_evicted_total", "Finished jobs forgotten because others needed their room.",
         jobs.evicted);
-  count("fracture_job_results_evicted_total",
-        "Results of finished jobs that made room for others (--job-results); the jobs are known all the same.",
-        jobs.results_evicted);
+  count(
+      "fracture_job_results_evicted_total",
+      "Results of finished jobs that made room for others (--job-results); the jobs are known all the same.",
+      jobs.results_evicted);
 
   const TiersFigures tiers = service_.tiers().figures();
   const auto up = [&](const char* tier, bool is_up) {
