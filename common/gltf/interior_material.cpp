@@ -141,6 +141,14 @@ json cavity_of(json cut, const Vec3d& base_color, std::size_t number) {
   return cavity;
 }
 
+/// Ice in crumbs scatters all light, as snow does: its albedo is 0.8 to 0.9 (Wiscombe and Warren 1980, A model for the
+/// spectral albedo of snow).
+json crushed_of(const json& cut) {
+  return {{"name", cut["name"].get<std::string>() + "_Crushed"},
+          {"pbrMetallicRoughness",
+           {{"baseColorFactor", {0.85, 0.88, 0.9, 1}}, {"metallicFactor", 0}, {"roughnessFactor", 0.9}}}};
+}
+
 }  // namespace
 
 json plain_interior_material() {
@@ -152,7 +160,7 @@ json plain_interior_material() {
 }
 
 Expected<InteriorMaterials> interior_materials(const InteriorLook& look, const Solid& solid,
-                                               const Execution& execution) {
+                                               const Execution& execution, std::uint32_t pieces) {
   Expected<ReusedMaterial> base = common_look(look, *solid.source, execution);
   if (!base) return tl::unexpected(std::move(base.error()));
   Pacer pacer(execution);
@@ -161,6 +169,15 @@ Expected<InteriorMaterials> interior_materials(const InteriorLook& look, const S
   if (solid.report.parts_hollowed > 0)
     for (const json& cut : made.materials)
       made.cavities.push_back(cavity_of(cut, base_color, made.cavities.size()));
+  if (look.crushed > 0) {
+    double volume = 0;
+    for (const Part& part : solid.parts) {
+      pacer.step();
+      volume += part.volume;
+    }
+    made.crushed_below = look.crushed * volume / std::max(1u, pieces);
+    made.materials.push_back(crushed_of(made.materials.front()));
+  }
   return made;
 }
 

@@ -1,6 +1,7 @@
 // The materials of the cut faces: each part's looks like what it was cut from.
 #pragma once
 
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -46,6 +47,7 @@ struct InteriorLook {
   /// neither `material` nor `color` is, else none.
   std::optional<double> mix{};
   double shade = 0.8;  ///< how much of its light that colour keeps
+  double crushed = 0;  ///< cuts of fragments below this share of the mean that is asked for are white, 0 … 1
   CutUvs uvs{};
   CutDetail detail = CutDetail::kNone;
   friend bool operator==(const InteriorLook&, const InteriorLook&) = default;
@@ -55,23 +57,35 @@ struct InteriorLook {
 struct InteriorMaterials {
   std::vector<nlohmann::json> materials{};  ///< at least one; all names begin with that of the first
   std::vector<std::uint32_t> of_part{};     ///< empty: all parts have the first
-  /// Of the inner sides of walls, one for each of `materials` and of its look: empty where there are no walls.
+  /// Of the inner sides of walls, one for each of `materials` but that of what is crushed, and of its look: empty where
+  /// there are no walls.
   std::vector<nlohmann::json> cavities{};
   CutUvs uvs{};
   CutDetail detail = CutDetail::kNone;  ///< its two textures stand behind those of the source
+  /// The last of `materials` is for the cuts of fragments smaller than this, m³. 0: of none, and there is no such
+  /// material.
+  double crushed_below = 0;
 
+  /// Index into `materials` and `cavities`.
   std::uint32_t of(std::size_t part) const { return part < of_part.size() ? of_part[part] : 0; }
+  /// Index into `materials`, for the cuts of a fragment of this volume.
+  std::uint32_t of(std::size_t part, double fragment_volume) const {
+    return fragment_volume < crushed_below ? static_cast<std::uint32_t>(materials.size() - 1) : of(part);
+  }
 };
 
-/// Parts whose cuts look alike share one; there are at most so many.
+/// Parts whose cuts look alike share one; there are at most so many, and that of what is crushed.
 inline constexpr std::size_t kMostInteriorMaterials = 16;
 
 /// A reused material is called "Interior_<its name>", so that tools still tell cut faces from the outside. Its
 /// textures tile with the planar UVs of the cuts, one repeat a metre, if they tile on the outside; an atlas or a
 /// palette, of which a cut would show anything, gives its mean colour. kBadParameter (`interior_material`) with the
-/// names there are in extra.known when the source has no such material. Throws Interrupted.
+/// names there are in extra.known when the source has no such material. `pieces`: how many fragments are asked for, which says
+/// what look.crushed is a share of: not how many there are, so that hits leave what they do not touch as it was.
+/// Throws Interrupted.
 Expected<InteriorMaterials> interior_materials(const InteriorLook& look, const Solid& solid,
-                                               const Execution& execution = kUninterrupted);
+                                               const Execution& execution = kUninterrupted,
+                                               std::uint32_t pieces = 1);
 
 /// The matt grey.
 nlohmann::json plain_interior_material();

@@ -39,7 +39,7 @@ MeshWriter::MeshWriter(const MaterialLibrary& library, const InteriorMaterials& 
 }
 
 std::optional<std::size_t> MeshWriter::material_of(const Fragment& f, const FragmentPrimitive& p) const {
-  if (p.material == kInteriorMaterial) return first_interior_ + interior_.of(f.source_part);
+  if (p.material == kInteriorMaterial) return first_interior_ + interior_.of(f.source_part, f.mass.volume);
   if (p.material == kCavityMaterial && !interior_.cavities.empty())
     return first_interior_ + interior_.materials.size() + interior_.of(f.source_part);
   if (p.material < first_interior_) return p.material;

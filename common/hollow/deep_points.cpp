@@ -10,6 +10,16 @@
 namespace fracture::hollow_detail {
 namespace {
 
+/// Of a cube, as a multiple of half its side: a little more than the root of three.
+constexpr double kHalfDiagonal = 1.7321;
+/// Half the side of the smallest cube in which the middle of a ball is looked for, of its radius.
+constexpr double kFinest = 1.0 / 32;
+
+struct Cube {
+  Vec3d center;
+  double half;
+};
+
 /// How often the triangles enclose the point: near a whole number for a closed surface that is not near.
 double winding(const SurfaceTree& surface, const Vec3d& point, Pacer& pacer) {
   double angle = 0;
@@ -57,8 +67,31 @@ std::vector<std::uint8_t> deep_points(const SurfaceTree& surface, const Lattice&
 }
 
 bool holds_ball(const SurfaceTree& surface, const Box& box, double radius, const Execution& execution) {
-  const std::vector<std::uint8_t> deep = deep_points(surface, {box, radius / 2}, radius, 1, execution);
-  return std::find(deep.begin(), deep.end(), 1) != deep.end();
+  // The middle of such a ball is in the cube around one of these points: half the diagonal from it, or less. All of that
+  // cube is inside, because the surface is farther from the point than that.
+  const Lattice lattice(box, radius / 2);
+  const std::vector<std::uint8_t> near_a_middle =
+      deep_points(surface, lattice, (1 - kHalfDiagonal / 4) * radius, 1, execution);
+  Pacer pacer(execution);
+  std::vector<Cube> waiting;
+  for (std::uint32_t p = 0; p < near_a_middle.size(); ++p) {
+    pacer.step();
+    if (near_a_middle[p]) waiting.push_back({lattice.place(p), radius / 4});
+    while (!waiting.empty()) {
+      const Cube cube = waiting.back();
+      waiting.pop_back();
+      pacer.step();
+      if (!surface.within(cube.center, radius, pacer)) return true;
+      if (cube.half <= kFinest * radius ||
+          surface.within(cube.center, radius - kHalfDiagonal * cube.half, pacer))
+        continue;
+      for (int octant = 0; octant < 8; ++octant) {
+        const auto step = [&](int bit) { return (octant & bit) != 0 ? cube.half / 2 : -cube.half / 2; };
+        waiting.push_back({cube.center + Vec3d{step(1), step(2), step(4)}, cube.half / 2});
+      }
+    }
+  }
+  return false;
 }
 
 }  // namespace fracture::hollow_detail

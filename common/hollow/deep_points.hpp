@@ -16,9 +16,9 @@ namespace fracture::hollow_detail {
 std::vector<std::uint8_t> deep_points(const SurfaceTree& surface, const Lattice& lattice, double depth,
                                       std::uint32_t smallest, const Execution& execution);
 
-/// Whether a ball of that radius, m, fits inside the surface. Looks at points half a radius apart: a ball that is
-/// 1.5 times as large is never missed, and none that is smaller is taken for it. The radius is at least a twentieth
-/// of the longest side of the box. Throws Interrupted.
+/// Whether a ball of that radius, m, fits inside the surface. Cubes in which its middle may be are halved down to a
+/// sixteenth of the radius: a ball that is 1.06 times as large is never missed, and none that is smaller is taken for
+/// it. The radius is at least a twentieth of the longest side of the box. Throws Interrupted.
 bool holds_ball(const SurfaceTree& surface, const Box& box, double radius, const Execution& execution);
 
 }  // namespace fracture::hollow_detail

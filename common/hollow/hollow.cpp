@@ -108,6 +108,13 @@ void finish(SolidReport& report, const HollowOptions& options, std::uint32_t ask
                            " times as thick as 'shell' asks: thinner ones take more triangles than may be.");
 }
 
+/// Of walls that a material has by itself every fracture pays for the triangles: no finer than the outside asks for.
+std::uint32_t fine_enough(std::size_t outside) {
+  constexpr std::size_t kForEach = 4, kLeast = 4000;
+  return static_cast<std::uint32_t>(
+      std::clamp<std::size_t>(kForEach * outside, kLeast, HollowOptions{}.max_triangles));
+}
+
 /// Writes the parts anew, each with its cavity behind its own triangles.
 class Rebuilder {
  public:
@@ -246,7 +253,9 @@ Solid hollowed(Solid solid, const HollowOptions& options, const Execution& execu
     Part& part = solid.parts[p];
     execution.poll();
     execution.reaches(0.2 + 0.6 * (asked - waiting + 1) / asked);
-    const hollow_detail::InnerSurfaceLimits limits{std::min(options.max_triangles, left / waiting--)};
+    std::uint32_t most = std::min(options.max_triangles, left / waiting--);
+    if (least_ball > 0) most = std::min(most, fine_enough(runs[p].end - runs[p].begin));
+    const hollow_detail::InnerSurfaceLimits limits{most};
     if (limits.triangles < kLeastTriangles) continue;
     const SurfaceTree outside = surface_of(p);
     Cavity cavity{p, inner_surface(outside, part.box, thickness_of(part), limits, execution), {}};

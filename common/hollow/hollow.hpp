@@ -18,7 +18,8 @@ struct HollowOptions {
   double fraction = 0;   ///< of the longest side of a part's box; 0 with thickness 0: nothing becomes hollow
   double least_ball =
       0;  ///< diameter, as a fraction of that side: only what holds such a ball becomes walls; 0: whatever is
-          ///< thick enough; else at least kSmallestBall
+  ///< thick enough; else at least kSmallestBall. With it the inner side of a part has at most four times
+  ///< as many triangles as its outside, or 4000
   std::uint32_t max_triangles = 20'000;  ///< of the inner side of one part
   std::uint32_t max_all =
       400'000;  ///< of all: parts for which fewer than kLeastTriangles are left stay solid

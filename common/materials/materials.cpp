@@ -95,17 +95,21 @@ std::vector<MaterialPreset> make_presets() {
                      std::nullopt,
                      0.04});
 
+  // What tears has clean edges, which follow the long cells back and forth.
   presets.push_back(
       {"metal",
-       "Torn into strips and plates, with jagged edges; nothing bends.",
+       "Torn into large plates and strips, with saw-toothed edges; nothing bends. With `shell`, sheet metal.",
        UniformPattern{},
        0,
-       4,
-       {0.03, 8, 1},
+       2.5,
+       {},
        {7850, 0.57, 0.2, 360e6},
        {"#b4b7bb", 0.3, 1.2, 0.3, 1},
        "EN 1991-1-1 (steel 78.5 kN/m3); S235: tensile strength 360 MPa (EN 10025-2); kinetic friction "
-       "steel on steel 0.57 (CRC Handbook)"});
+       "steel on steel 0.57 (CRC Handbook)",
+       std::nullopt,
+       0,
+       {6, 1.2}});
 
   presets.push_back({"cast_iron",
                      "Blocky pieces of even size with a grainy break.",
@@ -132,7 +136,7 @@ std::vector<MaterialPreset> make_presets() {
        1,
        {0.04, 3, 1},
        {917, 0.05, 0.1, 1.4e6},
-       {"#d8ecf5", 0.3, 1.1, 0.15, 0, 0.7},
+       {"#d8ecf5", 0.3, 1.1, 0.15, 0, 0.7, 0.25},
        "917 kg/m3 at 0 C (CRC Handbook); tensile strength 1.4 MPa at -10 C (Petrovic 2003); friction 0.02 "
        "to 0.1"});
 

@@ -28,6 +28,7 @@ struct CutLook {
   double shade;       ///< how much of its light that mean keeps; above 1: what was cut is brighter
   double roughness, metallic;
   std::optional<double> opacity{};  ///< none: as the surface's
+  double crushed = 0;               ///< as InteriorLook::crushed
 };
 
 /// Every material unites smaller fragments than this fraction of the mean with a neighbour: crumbs that nobody

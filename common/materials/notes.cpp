@@ -35,7 +35,7 @@ constexpr Named kNotes[] = {
       "Shards are the smaller the faster the strain, which falls with the distance from the hit: Grady (1982), Local inertial effects in dynamic fragmentation.",
       1.7}},
     {"metal",
-     {"sheets, doors, tanks, engines",
+     {"doors, tanks, engines; with `shell` things of sheet metal",
       "Strips along the way a shell tears: Mott (1947), Fragmentation of shell cases; jags by eye.", 2.5}},
     {"cast_iron", {"machines, bells, grates", "Brittle, without a direction; by eye.", 2.1}},
     {"ice",

@@ -219,6 +219,17 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
            "Opacity of the cut faces; below 1 they are blended with what is behind them. Without it: 1, but of "
            "parts whose surface is translucent 0.5, and with the materials glass 0.4, crystal 0.5, ice 0.7."},
       [](auto& r) -> auto& { return r.interior.opacity; }));
+  ParameterSpec crushed = with_member(
+      {.name = "interior_crushed",
+       .type = Type::kNumber,
+       .low = 0,
+       .high = 1,
+       .doc =
+           "Cut faces of fragments below this share of the mean volume that `fragments` or `sites` asks for are "
+           "white and opaque, as crushed ice is. 0: of none."},
+      [](auto& r) -> auto& { return r.interior.crushed; });
+  crushed.matters = [](const RequestParameters& r) { return r.interior.crushed > 0; };
+  rows.push_back(std::move(crushed));
   rows.push_back(with_member(
       {.name = "interior_roughness",
        .type = Type::kNumber,

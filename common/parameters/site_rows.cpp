@@ -41,7 +41,8 @@ ParameterSpec material_row() {
                   .metallic = preset.look.metallic,
                   .opacity = preset.look.opacity,
                   .mix = preset.look.mix,
-                  .shade = preset.look.shade};
+                  .shade = preset.look.shade,
+                  .crushed = preset.look.crushed};
   };
   spec.get = [](const RequestParameters& r, const ParameterSpec&) {
     return r.material.empty() ? nlohmann::json() : nlohmann::json(r.material);
@@ -153,11 +154,12 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
       with_member(
           {.name = "grain_of",
            .type = Type::kChoice,
-           .choices = {"solid", "part", "node"},
+           .choices = {"solid", "part", "node", "material"},
            .doc =
                "What has a grain of its own, along its longest axis, where `grain` does not say it: the solid, "
-               "each connected part, or the parts of each node together. Parts and nodes with patterns of "
-               "scattered sites: uniform, impact, clustered."},
+               "each connected part, or together the parts of each node, or those with the same material on "
+               "most of their surface. All but `solid` with patterns of scattered sites: uniform, impact, "
+               "clustered."},
           [](auto& r) -> auto& { return r.fracture.anisotropy.grain_of; }));
   grain_of.matters = [](const RequestParameters& r) {
     const Anisotropy& a = r.fracture.anisotropy;

@@ -44,7 +44,8 @@ namespace fracture {
 ///                 several cells; cuts of a triangle by their cells
 /// 13  2026-11-24  plates however they stand; unions of patterns with sites outside of the box, and max_volume,
 ///                 beside hits; clear cuts; hulls of fragments of many cells
-inline constexpr int kAlgorithmVersion = 13;
+/// 14  2026-11-24  metal in large torn plates; crushed ice is white; walls as fine as the outside
+inline constexpr int kAlgorithmVersion = 14;
 
 enum class Dual {
   kCircumcenter,  ///< the Voronoi diagram: fragments partition the solid exactly

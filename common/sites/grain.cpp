@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <map>
 #include <numeric>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "common/base/long_axis.hpp"
 #include "common/base/pacer.hpp"
@@ -27,28 +31,71 @@ std::optional<Vec3d> axis_of(const Moments& moments) {
   return sites_detail::without_noise(longest->axis);
 }
 
+/// For each part, a number that it shares with the parts whose source has the same material on most of their surface; of
+/// two with equal areas the earlier one of the source counts.
+std::vector<std::uint32_t> main_materials(const Solid& solid, Pacer& pacer) {
+  std::vector<std::map<std::uint32_t, double>> area_of(solid.parts.size());
+  for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
+    pacer.step(8);
+    if (solid.material[t] == kInteriorMaterial || solid.material[t] == kCavityMaterial) continue;
+    const auto& [a, b, c] = solid.triangles[t];
+    const Vec3d corner = to_double(solid.positions[a]);
+    area_of[solid.part[t]][solid.material[t]] +=
+        length(cross(to_double(solid.positions[b]) - corner, to_double(solid.positions[c]) - corner));
+  }
+  std::map<std::uint32_t, std::uint32_t> numbers;
+  std::vector<std::uint32_t> number(solid.parts.size(), 0);
+  for (std::size_t p = 0; p < solid.parts.size(); ++p) {
+    pacer.step(8);
+    const auto main = std::max_element(area_of[p].begin(), area_of[p].end(),
+                                       [](const auto& x, const auto& y) { return x.second < y.second; });
+    if (main == area_of[p].end()) continue;
+    number[p] = numbers.try_emplace(main->first, static_cast<std::uint32_t>(numbers.size())).first->second;
+  }
+  return number;
+}
+
 }  // namespace
 
-Grains grains_of(const Solid& solid, bool by_node, const Vec3d& whole, std::size_t most,
+Grains grains_of(const Solid& solid, GrainOf of, const Vec3d& whole, std::size_t most,
                  const Execution& execution) {
   const std::size_t parts = solid.parts.size();
-  std::vector<std::uint32_t> group(parts);
-  std::uint32_t groups = 0;
   Pacer pacer(execution);
+  std::vector<std::uint32_t> group(parts);
+  if (of == GrainOf::kMaterial) group = main_materials(solid, pacer);
+  std::uint32_t groups = 0;
   pacer.each(0, parts, [&](std::size_t p) {
-    group[p] = by_node ? solid.parts[p].node : static_cast<std::uint32_t>(p);
+    if (of == GrainOf::kNode) group[p] = solid.parts[p].node;
+    if (of == GrainOf::kPart) group[p] = static_cast<std::uint32_t>(p);
     groups = std::max(groups, group[p] + 1);
   });
   // About the middle of a part's box, or of the solid's: near enough that little is lost to rounding.
-  std::vector<Moments> moments;
-  resize_with_polls(execution, moments, groups);
+  const bool by_node = of == GrainOf::kNode;
+  std::vector<Moments> of_part;
+  resize_with_polls(execution, of_part, by_node ? groups : parts);
   for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
     pacer.step(8);
     const std::uint32_t p = solid.part[t];
     const Vec3d origin = by_node ? solid.box.center() : solid.parts[p].box.center();
     const auto& [a, b, c] = solid.triangles[t];
-    moments[group[p]].add(to_double(solid.positions[a]) - origin, to_double(solid.positions[b]) - origin,
-                          to_double(solid.positions[c]) - origin);
+    of_part[by_node ? group[p] : p].add(to_double(solid.positions[a]) - origin,
+                                        to_double(solid.positions[b]) - origin,
+                                        to_double(solid.positions[c]) - origin);
+  }
+  std::vector<Moments> moments;
+  if (of == GrainOf::kMaterial) {
+    // Each about its own middle: four legs are long the way that each of them is, however far they stand apart.
+    resize_with_polls(execution, moments, groups);
+    pacer.each(0, parts, [&](std::size_t p) {
+      if (!(of_part[p].volume > 0)) return;
+      Moments& together = moments[group[p]];
+      together.volume += of_part[p].volume;
+      const Matrix3 own = of_part[p].central();
+      for (std::size_t row = 0; row < 3; ++row)
+        together.second.rows[row] = together.second.rows[row] + own.rows[row];
+    });
+  } else {
+    moments = std::move(of_part);
   }
 
   std::vector<std::uint32_t> order(groups);

@@ -7,6 +7,7 @@
 
 #include "common/base/execution.hpp"
 #include "common/base/vec.hpp"
+#include "common/sites/pattern.hpp"
 #include "common/solid/solid.hpp"
 
 namespace fracture {
@@ -17,10 +18,10 @@ struct Grains {
   std::vector<std::uint8_t> of_part;  ///< index into directions
 };
 
-/// `whole`: for parts that are not half as long again as they are wide. `by_node`: parts of one node of the source
-/// have one direction, that of all of them together. Where there are more directions than `most`, those of the
-/// smallest parts become the nearest others. Throws Interrupted.
-Grains grains_of(const Solid& solid, bool by_node, const Vec3d& whole, std::size_t most,
+/// `of`: parts of one node have one direction, that of all of them together; those of one material (that of most of a
+/// part's surface) the one that they are long in, each about its own middle. `whole`: for what is not half as long again as it is wide. Where there are more directions than
+/// `most`, those of the smallest parts become the nearest others. Throws Interrupted.
+Grains grains_of(const Solid& solid, GrainOf of, const Vec3d& whole, std::size_t most,
                  const Execution& execution = {});
 
 }  // namespace fracture

@@ -136,9 +136,10 @@ bool is_scattered(const SitePattern& pattern);
 /// What has a grain of its own, along its longest axis of inertia (sites/grain.hpp). Only sites that are scattered
 /// (uniform, impact, clustered) know several grains.
 enum class GrainOf {
-  kSolid,  ///< all of it the same: the longest side of its box
-  kPart,   ///< each part
-  kNode,   ///< all parts of a node of the source together
+  kSolid,     ///< all of it the same: the longest side of its box
+  kPart,      ///< each part
+  kNode,      ///< all parts of a node of the source together
+  kMaterial,  ///< all parts with the same material on most of their surface together
 };
 
 /// Cells that are longer in one direction: the pattern is made in the image of the solid under the inverse

@@ -64,8 +64,8 @@ CellMap map_of(const Solid& solid, const SiteParameters& p, const Execution& exe
   if (anisotropy.grain) return along(*anisotropy.grain);
   if (anisotropy.grain_of == GrainOf::kSolid || !is_scattered(p.pattern))
     return along(longest_side(solid.box));
-  const Grains grains = grains_of(solid, anisotropy.grain_of == GrainOf::kNode, longest_side(solid.box),
-                                  CellMap::kMostFrames, execution);
+  const Grains grains =
+      grains_of(solid, anisotropy.grain_of, longest_side(solid.box), CellMap::kMostFrames, execution);
   for (const Vec3d& grain : grains.directions) matrices.push_back(along(grain));
   return map_of(solid, matrices, grains.of_part, execution);
 }

@@ -16,17 +16,23 @@ ASSETS = {
     "penguin": "penguin.obj", "hammer": "hammer.obj", "building": "citybits/building_A.gltf", "plate": "kk_plate_small.glb",
     "stairs": "kk_stairs_walled.glb", "long table": "kk_table_long_decorated_C.glb", "shelf": "kk_shelf_large.glb",
     "keg": "kk_keg_decorated.glb", "banner": "kk_banner_red.glb"}
-FRAGMENTS = 40
+FRAGMENTS = 40  # of what is one part
+MORE_FOR_EACH_PART = 2  # so that what is many parts breaks, too, and does not only fall apart
 # What somebody who sees no colours has to tell apart: the names of the choice, and the materials behind them. What is too thin to
 # show its insides is not asked.
 BLIND_MATERIALS = {"glass": ["glass"], "wood": ["wood"], "brick": ["brick"], "stone or concrete": ["stone", "concrete"],
                    "ice": ["ice"], "ceramic": ["ceramic"], "metal": ["metal"]}
 BLIND_NOT = {"banner", "building", "plate"}
+CLOSE = {"view": "exploded", "explode": 0.5, "margin": 0.35}
+
+
+def document_of(glb):
+    return json.loads(glb[20:20 + struct.unpack_from("<I", glb, 12)[0]])
 
 
 def bounds_of(glb):
     """Corners of the box around the positions of a GLB of the service, in the world (its nodes only move)."""
-    document = json.loads(glb[20:20 + struct.unpack_from("<I", glb, 12)[0]])
+    document = document_of(glb)
     low, high = [float("inf")] * 3, [float("-inf")] * 3
     for node in document["nodes"]:
         if "mesh" not in node:
@@ -75,7 +81,9 @@ class AssetSheets:
         files = self.files()
         intact = {label: self.folder / f"{label}.glb" for label in files}
         self.bake([(files[label], intact[label], {"sites": 1}) for label in files])
-        boxes = {label: bounds_of(path.read_bytes()) for label, path in intact.items() if path.exists()}
+        whole = {label: path.read_bytes() for label, path in intact.items() if path.exists()}
+        boxes = {label: bounds_of(glb) for label, glb in whole.items()}
+        parts = {label: sum("mesh" in node for node in document_of(glb)["nodes"]) for label, glb in whole.items()}
         made, jobs, hits = {}, [], {}
         for label, (low, high) in boxes.items():
             size = [h - l for l, h in zip(low, high)]
@@ -84,7 +92,7 @@ class AssetSheets:
         for material, label in pairs or [(m, label) for m in self.gallery.materials for label in boxes]:
             if label not in boxes:
                 continue
-            parameters = {"material": material, "fragments": FRAGMENTS, "seed": 7}
+            parameters = {"material": material, "fragments": FRAGMENTS + MORE_FOR_EACH_PART * (parts[label] - 1), "seed": 7}
             if "impacts" in {p["name"] for p in self.gallery.patterns[self.gallery.materials[material]["pattern"]]}:
                 parameters["impacts"] = [hits[label][0]]
             output = made[material, label] = self.folder / f"{label}_{material}.glb"
@@ -102,9 +110,10 @@ class AssetSheets:
         for material in self.gallery.materials:
             rows = [(label, {}, [self.cell(made[material, label], hit)] * 3)
                     for label, hit in hits.items() if (material, label) in made]
-            self.gallery.sheet(f"real_{material}", f"material={material}, fragments={FRAGMENTS}",
+            self.gallery.sheet(f"real_{material}",
+                               f"material={material}, fragments={FRAGMENTS}, {MORE_FOR_EACH_PART} more for each further part",
                                [("exploded", {"view": "exploded", "explode": 0.5}), ("after an impact", {"view": "impact"}),
-                                ("close by", {"view": "exploded", "explode": 0.5, "margin": 0.35})], rows)
+                                ("close by", CLOSE)], rows)
 
     def draw_blind(self, seed):
         """Ten cells without colours or names, of seven materials, for somebody who has to say which is which; the answers
@@ -120,7 +129,8 @@ class AssetSheets:
         letters = "ABCDEFGHIJ"[:len(cells)]
         self.gallery.sheet("blind", "glass, wood, brick, stone or concrete, ice, ceramic, metal?",
                            [(letter, {}) for letter in letters],
-                           [("exploded", {"view": "exploded", "explode": 0.5}, cells), ("hit", {"view": "impact"}, cells)],
+                           [("exploded", {"view": "exploded", "explode": 0.5}, cells), ("hit", {"view": "impact"}, cells),
+                            ("close by", CLOSE, cells)],
                            {"look": "plaster"})
         key = "".join(f"{letter} {pair[0]} {pair[1]}\n" for letter, pair in zip(letters, [p for p in pairs if p in made]))
         (self.gallery.folder / "blind.key").write_text(key, encoding="utf-8")

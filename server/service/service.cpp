@@ -277,7 +277,9 @@ Expected<FracturedSolid> FractureService::make_result(const PreparedMesh& mesh, 
   if (execution.progress) execution.progress(Stage::kClip, 0);
   InteriorLook look = request.parameters.interior;
   if (request.parameters.delta == DeltaAnswer::kOnly) look.detail = CutDetail::kNone;  // a client has them
-  auto interior = interior_materials(look, mesh.solid, execution);
+  const FractureParameters& fracture = request.parameters.fracture;
+  const std::uint32_t pieces = fracture.size.fragments > 0 ? fracture.size.fragments : fracture.sites;
+  auto interior = interior_materials(look, mesh.solid, execution, pieces);
   if (!interior) return tl::unexpected<Error>(std::move(interior.error()));
   Expected<Cut> cut = [&] {
     const StageTimings::Scope scope(answer.timings, Stage::kClip);

@@ -73,6 +73,37 @@ TEST(InteriorMaterial, AnAtlasIsNotStretchedOverCuts) {
                   .contains("normalTexture"));
 }
 
+TEST(InteriorMaterial, CrumbsOfWhatIsCrushedAreWhite) {
+  Solid solid = solid_of(two_materials(), {LinearColor{65535, 0, 0}, LinearColor{0, 0, 65535}});
+  solid.parts[1].volume = 3;
+  const InteriorLook look{.opacity = 0.7, .crushed = 0.5};
+  // Ten of 4 m3: half of the mean is 0.2 m3.
+  const auto made = interior_materials(look, solid, kUninterrupted, 10).value();
+  EXPECT_NEAR(made.crushed_below, 0.2, 1e-12);
+  ASSERT_EQ(made.materials.size(), 3u);
+  EXPECT_EQ(made.of(0, 0.21), made.of(0));
+  EXPECT_EQ(made.of(1, 0.21), made.of(1));
+  EXPECT_EQ(made.of(0) + made.of(1), 1u) << "the first two";
+  EXPECT_EQ(made.of(0, 0.19), 2u);
+  EXPECT_EQ(made.of(1, 0.19), 2u);
+  const json& white = made.materials[2];
+  EXPECT_EQ(white.at("name"), "Interior_Crushed");
+  EXPECT_FALSE(white.contains("alphaMode")) << "opaque";
+  for (std::size_t k = 0; k < 3; ++k)
+    EXPECT_GT(white.at("pbrMetallicRoughness").at("baseColorFactor").at(k).get<double>(), 0.8);
+  EXPECT_EQ(interior_materials({}, solid, kUninterrupted, 10)->materials.size(), 2u)
+      << "nothing else is crushed";
+}
+
+TEST(InteriorMaterial, CavitiesStandBehindWhatIsCrushed) {
+  Solid solid = solid_of(two_materials(), {LinearColor{65535, 0, 0}, LinearColor{0, 0, 65535}});
+  solid.report.parts_hollowed = 2;
+  const auto made = interior_materials({.crushed = 0.5}, solid).value();
+  EXPECT_EQ(made.materials.size(), 3u);
+  EXPECT_EQ(made.cavities.size(), 2u) << "the inner sides of walls are not crushed";
+  EXPECT_EQ(made.of(0) + made.of(1), 1u);
+}
+
 /// `two_materials` with the first one changed.
 Mesh with_rock(float reach, const json& change) {
   Mesh mesh = two_materials(reach);

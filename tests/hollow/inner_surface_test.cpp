@@ -142,11 +142,18 @@ TEST(InnerSurface, IsTheSameForAnyNumberOfThreads) {
 
 TEST(HoldsBall, WhatIsLargerIsSeenAndNothingSmaller) {
   const Part ball = part_of(test::ico_sphere(4), {3, 1, 0});
-  EXPECT_TRUE(holds_ball(ball.tree, ball.box, 1 / 1.5, {}));
+  EXPECT_TRUE(holds_ball(ball.tree, ball.box, 0.99 / 1.06, {}));
   EXPECT_FALSE(holds_ball(ball.tree, ball.box, 1.01, {}));
   const Part ring = part_of(test::torus(64, 32));  // 0.4 thick on each side of its circle
-  EXPECT_TRUE(holds_ball(ring.tree, ring.box, 0.4 / 1.5, {}));
+  EXPECT_TRUE(holds_ball(ring.tree, ring.box, 0.395 / 1.06, {}));
   EXPECT_FALSE(holds_ball(ring.tree, ring.box, 0.41, {})) << "its hole is outside";
+  // Wherever the lattice of points lies.
+  for (int k = 0; k < 8; ++k) {
+    const double low = 0.03 * k;
+    const Part slab = part_of(test::box({low, 0, 0}, {low + 0.4, 3, 2 + low}));
+    EXPECT_TRUE(holds_ball(slab.tree, slab.box, 0.2 / 1.06, {})) << k;
+    EXPECT_FALSE(holds_ball(slab.tree, slab.box, 0.2001, {})) << k;
+  }
   const Part plate = part_of(test::thin_plate());
   EXPECT_FALSE(holds_ball(plate.tree, plate.box, 0.1 * plate.box.longest_side(), {}));
 }

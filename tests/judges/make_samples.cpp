@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "common/gltf/gltf_writer.hpp"
 #include "tests/gltf/two_halves.hpp"
@@ -109,10 +110,15 @@ int run(const std::filesystem::path& folder) {
     expect(false, "sphere with rough cuts");
   FractureParameters ragged = rough;
   ragged.aggregation = {8, 1};
-  if (const auto made = fracture_of(torus(48, 24), ragged, plain))
-    write(folder / "ragged.glb", *made);
-  else
-    expect(false, "torus in ragged chunks");
+  const std::pair<const char*, Mesh> to_be_ragged[] = {
+      {"ragged.glb", torus(48, 24)},
+      {"ragged_wall.glb", box({0, 0, 0}, {2.4, 1.5, 0.24}, 4)},
+      {"ragged_column.glb", box({0, 0, 0}, {0.5, 3, 0.5}, 4)}};
+  for (const auto& [name, mesh] : to_be_ragged) {
+    const auto made = fracture_of(mesh, ragged, plain);
+    expect(made.has_value(), name);
+    if (made) write(folder / name, *made);
+  }
   // Every real mesh of dev; only the triangle soup bounds no volume.
   nlohmann::json sources = nlohmann::json::array();
   for (const MeshFile& file : test_meshes()) {

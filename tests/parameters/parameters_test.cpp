@@ -110,6 +110,7 @@ TEST(Parameters, EverythingThatDecidesTheAnswerIsInItsCanonicalForm) {
                                                         {"interior_mix", "0.5"},
                                                         {"interior_shade", "1.5"},
                                                         {"interior_opacity", "0.5"},
+                                                        {"interior_crushed", "0.5"},
                                                         {"interior_roughness", "0.25"},
                                                         {"interior_metallic", "1"},
                                                         {"density", "1"},

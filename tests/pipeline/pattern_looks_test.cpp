@@ -5,62 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/pipeline/looks.hpp"
 #include "tests/support/assemble.hpp"
 #include "tests/support/figures.hpp"
-#include "tests/support/pattern_requests.hpp"
 #include "tests/support/shapes.hpp"
-#include "tests/support/solids.hpp"
 
 namespace fracture::test {
 namespace {
-
-FracturedSolid fractured(const Mesh& mesh, const FractureParameters& p) {
-  const Solid solid = solid_of(mesh);
-  StageTimings timings;
-  const Expected<Diagram> diagram = make_diagram(solid, p, {}, timings);
-  if (!diagram) throw std::runtime_error(diagram.error().detail);
-  Expected<FracturedSolid> made = fracture(solid, *diagram, p, {}, timings);
-  if (!made) throw std::runtime_error(made.error().detail);
-  return std::move(*made);
-}
-
-FractureParameters material(const char* name, std::uint32_t sites, std::uint64_t seed = 1) {
-  return of_material(*find_material_preset(name), sites, seed);
-}
-
-Vec3d world(const Fragment& f, std::uint32_t v) { return to_double(f.positions[v]) + f.pivot; }
-
-/// Calls visit(corner a, b, c) for each triangle of the cuts.
-template <class Visit>
-void for_each_cut(const FragmentSet& set, const Visit& visit) {
-  for (const Fragment& f : set.fragments)
-    for (const FragmentPrimitive& p : f.primitives) {
-      if (p.material != kInteriorMaterial) continue;
-      for (std::uint32_t k = p.first_index; k < p.first_index + p.index_count; k += 3)
-        visit(world(f, f.indices[k]), world(f, f.indices[k + 1]), world(f, f.indices[k + 2]));
-    }
-}
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
-                   values.end());
-  return values[values.size() / 2];
-}
-
-std::vector<double> volumes(const FragmentSet& set) {
-  std::vector<double> all;
-  for (const Fragment& f : set.fragments) all.push_back(f.mass.volume);
-  std::sort(all.begin(), all.end());
-  return all;
-}
-
-double coefficient_of_variation(const FragmentSet& set) {
-  const std::vector<double> all = volumes(set);
-  double mean = 0, square = 0;
-  for (const double v : all) mean += v / static_cast<double>(all.size());
-  for (const double v : all) square += (v - mean) * (v - mean) / static_cast<double>(all.size());
-  return std::sqrt(square) / mean;
-}
 
 /// Share of the cut area whose normal is within 15 degrees of radial or tangential about the axis z through
 /// the centre.
@@ -122,9 +73,7 @@ TEST(WoodLooks, MedianExtentAlongTheGrainIsFourTimesThatAcross) {
       const int grain = size.x > size.y ? 0 : 1;
       std::vector<double> along, across;
       for (const Fragment& f : fractured(mesh, material("wood", sites)).set.fragments) {
-        Box bounds;
-        for (std::uint32_t v = 0; v < f.positions.size(); ++v) bounds.add(world(f, v));
-        const Vec3d s = bounds.size();
+        const Vec3d s = extent_of(f);
         along.push_back(s[grain]);
         for (const int k : {1, 2}) across.push_back(s[(grain + k) % 3]);
       }
@@ -185,14 +134,7 @@ TEST(ConcreteLooks, TheLargestTenthOfTheFragmentsHoldsHalfOfTheVolume) {
     for (const Mesh& mesh : {cube(4), sphere_with(2000), box({0, 0, 0}, {0.4, 3, 0.4}, 4)})
       for (const std::uint32_t sites : {50u, 100u, 300u}) {
         SCOPED_TRACE(std::to_string(sites) + " sites, seed " + std::to_string(seed));
-        const std::vector<double> all = volumes(fractured(mesh, material("concrete", sites, seed)).set);
-        const std::size_t tenth = (all.size() + 9) / 10;
-        double large = 0, sum = 0;
-        for (std::size_t k = 0; k < all.size(); ++k) {
-          sum += all[k];
-          if (k + tenth >= all.size()) large += all[k];
-        }
-        EXPECT_GE(large, 0.5 * sum);
+        EXPECT_GE(share_of_largest(fractured(mesh, material("concrete", sites, seed)).set, 0.1), 0.5);
       }
 }
 

@@ -34,7 +34,8 @@ double along(const Vec3d& a, const Vec3d& b) { return std::fabs(dot(a, b)); }
 
 TEST(Grain, RunsAlongTheLongestAxisOfABarHoweverItLies) {
   for (const double angle : {0.0, 0.3, 0.8, 1.5}) {
-    const Grains grains = grains_of(solid_of(turned(box({2, 1, 0}, {5, 1.2, 0.3}), angle)), false, kUp, 8);
+    const Grains grains =
+        grains_of(solid_of(turned(box({2, 1, 0}, {5, 1.2, 0.3}), angle)), GrainOf::kPart, kUp, 8);
     ASSERT_EQ(grains.directions.size(), 1u);
     EXPECT_NEAR(along(grains.directions[0], {std::cos(angle), std::sin(angle), 0}), 1, 1e-6);
     EXPECT_NEAR(length(grains.directions[0]), 1, 1e-12);
@@ -43,19 +44,44 @@ TEST(Grain, RunsAlongTheLongestAxisOfABarHoweverItLies) {
 
 TEST(Grain, OfWhatIsNotLongIsThatOfTheWhole) {
   for (const Mesh& mesh : {cube(2), ico_sphere(2), thin_plate(0.01), torus(24, 12)})
-    EXPECT_EQ(grains_of(solid_of(mesh), false, kUp, 8).directions, std::vector<Vec3d>{kUp});
+    EXPECT_EQ(grains_of(solid_of(mesh), GrainOf::kPart, kUp, 8).directions, std::vector<Vec3d>{kUp});
 }
 
 TEST(Grain, LegsOfATableHaveAnotherOneThanItsTop) {
   const Solid solid = solid_of(table());
   ASSERT_EQ(solid.parts.size(), 5u);
-  const Grains grains = grains_of(solid, false, {0, 0, 1}, 8);
+  const Grains grains = grains_of(solid, GrainOf::kPart, {0, 0, 1}, 8);
   ASSERT_EQ(grains.directions.size(), 2u);
   for (std::size_t p = 0; p < 5; ++p) {
     const Vec3d size = solid.parts[p].box.size();
     EXPECT_NEAR(along(grains.directions[grains.of_part[p]], size.x > 1 ? Vec3d{1, 0, 0} : kUp), 1, 1e-9);
   }
-  EXPECT_EQ(grains_of(solid, true, kUp, 8).directions.size(), 1u) << "all of one node";
+  EXPECT_EQ(grains_of(solid, GrainOf::kNode, kUp, 8).directions.size(), 1u) << "all of one node";
+}
+
+TEST(Grain, PartsOfOneMaterialHaveOne) {
+  Mesh mesh = table();
+  // The top is of material 0, the legs of 1, but for one face of each that is painted like the top.
+  mesh.material.assign(mesh.triangles.size(), 1);
+  const std::size_t each = mesh.triangles.size() / 5, face = each / 6;
+  std::fill_n(mesh.material.begin(), each, 0);
+  for (std::size_t leg = 1; leg < 5; ++leg)
+    std::fill_n(mesh.material.begin() + static_cast<std::ptrdiff_t>(leg * each), face, 0);
+  const Solid solid = solid_of(mesh);
+  ASSERT_EQ(solid.parts.size(), 5u);
+  const Grains two = grains_of(solid, GrainOf::kMaterial, {0, 0, 1}, 8);
+  EXPECT_EQ(two.directions.size(), 2u);
+  std::set<int> of_legs, of_top;
+  for (std::size_t p = 0; p < 5; ++p)
+    (solid.parts[p].box.size().x > 1 ? of_top : of_legs).insert(two.of_part[p]);
+  ASSERT_EQ(of_top.size(), 1u);
+  ASSERT_EQ(of_legs.size(), 1u);
+  EXPECT_NEAR(along(two.directions[static_cast<std::size_t>(*of_top.begin())], {1, 0, 0}), 1, 1e-9);
+  EXPECT_NE(*of_top.begin(), *of_legs.begin());
+
+  mesh.material.assign(mesh.triangles.size(), 0);
+  EXPECT_EQ(grains_of(solid_of(mesh), GrainOf::kMaterial, {0, 0, 1}, 8).directions.size(), 1u)
+      << "of one material";
 }
 
 TEST(Grain, NoMoreDirectionsThanAreAskedFor) {
@@ -63,8 +89,8 @@ TEST(Grain, NoMoreDirectionsThanAreAskedFor) {
   for (int k = 0; k < 12; ++k)
     fan.push_back(translated(turned(box({0, 0, 0}, {2.0 + 0.1 * k, 0.2, 0.2}), 0.26 * k), {0, 0, 1.0 * k}));
   const Solid solid = solid_of(joined(fan));
-  EXPECT_EQ(grains_of(solid, false, kUp, 64).directions.size(), 12u);
-  const Grains few = grains_of(solid, false, kUp, 4);
+  EXPECT_EQ(grains_of(solid, GrainOf::kPart, kUp, 64).directions.size(), 12u);
+  const Grains few = grains_of(solid, GrainOf::kPart, kUp, 4);
   ASSERT_EQ(few.directions.size(), 4u);
   EXPECT_NEAR(along(few.directions[0], {std::cos(0.26 * 11), std::sin(0.26 * 11), 0}), 1, 1e-6)
       << "the largest";

@@ -1,0 +1,161 @@
+// Materials that are told by more than their pattern: torn sheets, vessels, ice that was hit, slabs, prisms.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/hollow/hollow.hpp"
+#include "tests/pipeline/looks.hpp"
+#include "tests/support/shapes.hpp"
+
+namespace fracture::test {
+namespace {
+
+/// The walls that the material makes of a closed shape.
+Solid vessel(const Mesh& mesh, const char* name) {
+  const MaterialPreset& preset = *find_material_preset(name);
+  return hollowed(solid_of(mesh), {.fraction = preset.shell_fraction, .least_ball = kLeastBall}, {});
+}
+
+/// Mean over the area of a plate of its pieces' outline² / area: 16 of a square, about 20 of a Voronoi cell.
+double raggedness(const char* name, std::uint64_t seed) {
+  constexpr double kThick = 0.01;
+  double sum = 0, all = 0;
+  for (const Fragment& f :
+       fractured(box({0, 0, 0}, {2, 1.5, kThick}, 4), material(name, 40, seed)).set.fragments) {
+    const double outline = (f.mass.area - f.exterior_area) / kThick, area = f.mass.volume / kThick;
+    sum += outline * outline;
+    all += area;
+  }
+  return sum / all;
+}
+
+TEST(MetalLooks, EdgesOfTornSheetsRunBackAndForth) {
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    SCOPED_TRACE(seed);
+    EXPECT_GE(raggedness("metal", seed), 1.5 * raggedness("cast_iron", seed));
+  }
+}
+
+TEST(MetalLooks, LargePlatesHoldMostOfALump) {
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    const FragmentSet set = fractured(ico_sphere(4), material("metal", 40, seed)).set;
+    EXPECT_GE(share_of_largest(set, 0.25), 0.5) << seed;
+  }
+}
+
+TEST(Vessels, OfGlassAndPotteryAreWallsAndLumpsOfOthersAreNot) {
+  for (const MaterialPreset& preset : material_presets()) {
+    SCOPED_TRACE(preset.name);
+    const std::string name = preset.name;
+    const bool walls = name == "glass" || name == "ceramic" || name == "terracotta";
+    EXPECT_EQ(preset.shell_fraction > 0, walls);
+    if (!walls) continue;
+    const Solid ball = vessel(ico_sphere(4), preset.name);
+    EXPECT_EQ(ball.report.parts_hollowed, 1u);
+    // On four pi square metres: at least this share of two metres, and not thicker by more than the triangles of the
+    // inner side have it.
+    const double mean = ball.parts.at(0).volume / (4 * M_PI), asked = 2 * preset.shell_fraction;
+    EXPECT_GT(mean, 0.9 * asked - asked * asked);
+    EXPECT_LT(mean, asked + 0.08);
+    EXPECT_EQ(vessel(box({0, 0, 0}, {3, 2, 0.1}, 3), preset.name).report.parts_hollowed, 0u) << "a pane";
+  }
+}
+
+TEST(GlassLooks, ShardsOfAVesselRunAwayFromTheHit) {
+  const Vec3d hit{0, 0, 1};
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    FractureParameters p = material("glass", 60, seed);
+    std::get<RadialPattern>(p.pattern).impacts = {hit};
+    const FragmentSet set = fractured(vessel(ico_sphere(4), "glass"), p).set;
+    // Cracks that go on from the hit are planes through it: most of the cuts, the others are rings around it.
+    double all = 0, through = 0;
+    for_each_cut(set, [&](const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+      const Vec3d n = cross(b - a, c - a), from_hit = (1.0 / 3) * (a + b + c) - hit;
+      all += length(n);
+      if (std::fabs(dot(n, from_hit)) < std::sin(30 * M_PI / 180) * length(n) * length(from_hit))
+        through += length(n);
+    });
+    EXPECT_GE(through, 0.5 * all) << seed;
+  }
+}
+
+/// Median volume of the fragments nearer to the point than `near`, and of the others.
+std::pair<double, double> near_and_far(const FragmentSet& set, const Vec3d& point, double near) {
+  std::vector<double> inside, outside;
+  for (const Fragment& f : set.fragments)
+    (length(f.mass.center_of_mass - point) < near ? inside : outside).push_back(f.mass.volume);
+  if (inside.size() < 5 || outside.size() < 5)
+    throw std::runtime_error("too few fragments near the hit, or far");
+  return {median(inside), median(outside)};
+}
+
+TEST(IceLooks, AroundACrushedZoneLieLargePlates) {
+  const Vec3d hit{0, 0, 0.5};
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    FractureParameters p = material("ice", 60, seed);
+    std::get<RadialPattern>(p.pattern).impacts = {hit};
+    const FragmentSet set = fractured(cube(4), p).set;
+    const auto [near, far] = near_and_far(set, hit, 0.25);
+    EXPECT_LE(10 * near, far) << seed;
+    EXPECT_GE(share_of_largest(set, 0.25), 0.6) << seed;
+  }
+}
+
+TEST(CeramicLooks, ShardsAreSmallerWhereItWasHit) {
+  const Vec3d hit{0, 0, 1};
+  for (const char* name : {"ceramic", "terracotta"})
+    for (const std::uint64_t seed : {1u, 2u, 3u}) {
+      SCOPED_TRACE(name);
+      FractureParameters p = material(name, 60, seed);
+      std::get<ImpactPattern>(p.pattern).impacts = {hit};
+      const auto [near, far] = near_and_far(fractured(vessel(ico_sphere(4), name), p).set, hit, 0.4);
+      EXPECT_LE(3 * near, far) << seed;
+    }
+}
+
+TEST(PlasterLooks, CrumblingLumpsLieBetweenLargePieces) {
+  for (const std::uint64_t seed : {1u, 2u, 3u})
+    for (const Mesh& mesh : {cube(4), sphere_with(2000)}) {
+      const FragmentSet set = fractured(mesh, material("plaster", 100, seed)).set;
+      EXPECT_GE(share_of_largest(set, 0.1), 0.4) << seed;
+      EXPECT_LE(1 - share_of_largest(set, 0.5), 0.1) << seed;
+    }
+}
+
+/// Median extent along y and across it.
+std::pair<double, double> along_and_across(const FragmentSet& set) {
+  std::vector<double> along, across;
+  for (const Fragment& f : set.fragments) {
+    const Vec3d s = extent_of(f);
+    along.push_back(s.y);
+    across.push_back(s.x);
+    across.push_back(s.z);
+  }
+  return {median(along), median(across)};
+}
+
+TEST(SandstoneLooks, SlabsLieAlongTheBedding) {
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    FractureParameters p = material("sandstone", 100, seed);
+    p.anisotropy.grain = find_material_preset("sandstone")->grain;
+    const auto [along, across] = along_and_across(fractured(cube(4), p).set);
+    EXPECT_LE(along, 0.7 * across) << seed;
+  }
+}
+
+TEST(CrystalLooks, PrismsStandUpright) {
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    FractureParameters p = material("crystal", 100, seed);
+    p.anisotropy.grain = find_material_preset("crystal")->grain;
+    const auto [along, across] = along_and_across(fractured(cube(4), p).set);
+    EXPECT_GE(along, 1.7 * across) << seed;
+  }
+}
+
+}  // namespace
+}  // namespace fracture::test
