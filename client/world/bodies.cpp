@@ -26,8 +26,8 @@ Body& World::State::add(std::unique_ptr<Body> body, btCollisionShape* shape, con
   info.m_startWorldTransform = to_bullet(pose);
   info.m_friction = friction;
   info.m_restitution = restitution;
-  info.m_linearSleepingThreshold = 0.12;
-  info.m_angularSleepingThreshold = 0.4;
+  // calm() says what rests. By thresholds of its own Bullet would wake a heap for one small shard that turns slowly.
+  info.m_linearSleepingThreshold = info.m_angularSleepingThreshold = 1e6;
   info.m_angularDamping = moves ? 0.04 : 0;
   body->rigid = std::make_unique<btRigidBody>(info);
   body->rigid->setUserPointer(body.get());
@@ -110,6 +110,7 @@ void World::State::fade() {
       body->fading += settings.step;
       if (body->fading >= settings.fade_time) {
         owner.body_of[body->members[0]] = nullptr;
+        ledger.brought -= energy(*body);
         remove(*body);
         ++faded;
       }
@@ -131,6 +132,7 @@ void World::State::fade() {
   for (const auto& body : bodies) balls += body->kind == Body::Kind::kBall && !body->gone;
   for (const auto& body : bodies)
     if (balls > settings.max_balls && body->kind == Body::Kind::kBall && !body->gone) {
+      ledger.brought -= energy(*body);
       remove(*body);
       --balls;
     }

@@ -5,6 +5,7 @@
 
 #include "client/world/bond_loads.hpp"
 #include "client/world/bullet.hpp"
+#include "client/world/ground_pairs.hpp"
 #include "client/world/hull_pairs.hpp"
 
 namespace fracture::world {
@@ -39,10 +40,16 @@ struct Body {
   double radius = 0;       ///< of a sphere around it
   std::uint64_t born = 0;  ///< step
   double lively = 1;       ///< m/s of its fastest point, averaged over the last steps
-  double still = 0;        ///< seconds for which it has hardly been lively
+  double still = 0;        ///< seconds for which it has hardly been lively …
+  double quiet = 0;        ///< … and its island on the whole
   double sunk = 0;         ///< metres that it is inside of others, deepest contact of this step
 
+  // before this step
   glm::dvec3 velocity_before{0}, spin_before{0};
+  double kinetic_before = 0;  ///< J
+  double stored_before = -1;  ///< J: Object::stored, where a hit of this step raised it; else negative
+  double height_before = 0;   ///< State::height()
+  std::size_t island = 0;     ///< of this step: equal for what touches, also by way of others; limits.cpp
   bool restore = false;
   double asleep = 0;   ///< seconds
   double fading = -1;  ///< seconds since it began to fade; negative: not yet
@@ -64,6 +71,8 @@ struct Object {
   std::vector<Body*> body_of;    ///< per fragment; null: gone
   std::vector<float> bond_load;  ///< negative: broken
   std::vector<Impact> impacts;   ///< since it asked for its fragments
+  double stored = 0;             ///< J: of what the first of them cost, kept for the pieces
+  std::uint64_t hit_at = 0;      ///< step of the first of them
   bool asked = false, ahead = false;
   double critical_speed = 1;  ///< strength over mass, m/s
 };
@@ -71,6 +80,13 @@ struct Object {
 struct World::State {
   explicit State(WorldSettings s);
   ~State();
+
+  struct Hit {  ///< on whole objects and single fragments, summed over the step
+    Body* body;
+    glm::dvec3 point, impulse;
+    double strongest, approach;  ///< N·s, m/s
+    double lost;                 ///< J: what became neither motion nor height
+  };
 
   // bodies.cpp
   Body& add(std::unique_ptr<Body> body, btCollisionShape* shape, const PrincipalAxes& axes, const Pose& pose,
@@ -83,12 +99,25 @@ struct World::State {
 
   // contacts.cpp
   void collect_contacts();
-  void hit_whole(Body& body, const glm::dvec3& point, const glm::dvec3& impulse, double approach);
+  void hit_whole(const Hit& hit);
   void raise_impacts();
   void split_overloaded();
+  void restore(Body& body) const;  ///< the velocity that it would have without the contacts of this step
+
+  // limits.cpp
+  void keep_above_ground();
+  void limit_gains();  ///< contacts make nothing faster, and nothing more energetic
+  void calm();         ///< what almost rests on something, rests
+
+  // foresight.cpp
   void look_ahead();
-  void limit_speeds();
-  void calm();  ///< what almost rests on something, rests
+  void ask_ahead(ObjectId object, const Pose& asset_to_world, const glm::dvec3& point, const glm::dvec3& push,
+                 double impulse, double approach);
+
+  // ledger.cpp
+  double height(const Body& body) const;  ///< J/kg: the potential energy of its centre, above the origin
+  double energy(const Body& body) const;  ///< J: kinetic and potential
+  void keep_ledger();
 
   // swaps.cpp
   void replace(std::span<Body* const> old, std::span<Body* const> by, Swap swap);
@@ -99,12 +128,14 @@ struct World::State {
   std::vector<Body*> spawn(ObjectId object, std::span<const std::uint32_t> members,
                            std::span<const std::uint32_t> bonds, const Pose& asset_to_world,
                            const Motion& field);
-  void burst(std::span<Body* const> pieces, const glm::dvec3& point, double energy);
+  /// Drives pieces away from a point with so many joules, none of them by more than `fastest` m/s.
+  void burst(std::span<Body* const> pieces, const glm::dvec3& point, double energy, double fastest);
   void split(Body& body);
 
   WorldSettings settings;
   btDefaultCollisionConfiguration configuration;
   std::unique_ptr<HullPair::CreateFunc> hull_pairs;
+  GroundPair::CreateFunc ground_pairs;
   btCollisionDispatcher dispatcher;
   btDbvtBroadphase broadphase;
   btSequentialImpulseConstraintSolver solver;
@@ -119,18 +150,17 @@ struct World::State {
   BallId next_ball = 1;
   std::size_t faded = 0;
 
-  struct Touch {  ///< of this step, both of them bodies of ours
+  Ledger ledger;
+  double least_level = 0;  ///< J: of Ledger::level(), so far
+  struct Touch {           ///< of this step, both of them bodies of ours
     Body *a, *b;
+    bool pressed;  ///< there was an impulse; else they only overlap
   };
   std::vector<Touch> touches;
-  struct Hit {  ///< on whole objects, summed over the step
-    Body* body;
-    glm::dvec3 point, impulse;
-    double strongest, approach;
-  };
   std::vector<Hit> hits;
 };
 
 void set_motion(Body& body, const glm::dvec3& velocity, const glm::dvec3& spin);
+double kinetic_energy(const Body& body);  ///< J
 
 }  // namespace fracture::world

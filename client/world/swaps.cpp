@@ -141,13 +141,18 @@ void World::State::replace(std::span<Body* const> old, std::span<Body* const> by
     set_momentum(now, swap.before.linear, about(swap.before, momentum(now).center));
     set_motions(by, now);
   }
+  // Another mass than the whole had (of an open mesh, say) stands as high.
+  for (const Body* body : old) ledger.brought -= body->mass.mass * height(*body);
+  for (const Body* body : by) ledger.brought += body->mass.mass * height(*body);
+  ledger.last_swap = steps;
   swap.after = momentum(motions(by));
   swap.after.angular = about(swap.after, swap.before.center);
   if (!(swap.before.mass > 0)) swap.after.angular = glm::dvec3(0);
   swaps.push_back(swap);
 }
 
-void World::State::burst(std::span<Body* const> pieces, const glm::dvec3& point, double energy) {
+void World::State::burst(std::span<Body* const> pieces, const glm::dvec3& point, double energy,
+                         double fastest) {
   if (pieces.size() < 2 || !(energy > 0)) return;
   std::vector<Motion> now = motions(pieces);
   const Momentum before = momentum(now);
@@ -159,13 +164,14 @@ void World::State::burst(std::span<Body* const> pieces, const glm::dvec3& point,
     if (distance > 1e-9) body.velocity += away / distance;  // 1 m/s for all: scaled below
   }
   set_momentum(thrown, before.linear, before.angular);
-  double unit = 0;
+  double unit = 0, most = 0;
   for (std::size_t k = 0; k < now.size(); ++k) {
     const glm::dvec3 dv = thrown[k].velocity - now[k].velocity;
     unit += 0.5 * now[k].mass.mass * glm::dot(dv, dv);
+    most = std::max(most, glm::length(dv));
   }
   if (!(unit > 0)) return;
-  const double scale = std::sqrt(energy / unit);
+  const double scale = std::min(std::sqrt(energy / unit), fastest / most);
   for (std::size_t k = 0; k < now.size(); ++k) {
     now[k].velocity += scale * (thrown[k].velocity - now[k].velocity);
     now[k].spin += scale * (thrown[k].spin - now[k].spin);
@@ -206,6 +212,7 @@ void World::fracture(ObjectId id, std::shared_ptr<const PreparedFragments> fragm
     forces.push_back({nearest(set, members, impact.point),
                       impact.impulse / s.settings.contact_time * impact.direction, impact.point, true});
   Swap swap{.object = id};
+  swap.late = object.impacts.empty() ? 0 : s.steps - object.hit_at;
   swap.broken_bonds =
       s.break_bonds(object, members, bonds, forces, glm::conjugate(pose.rotation) * s.settings.gravity);
   std::vector<Body*> made = s.spawn(id, members, bonds, pose, field);
@@ -213,16 +220,18 @@ void World::fracture(ObjectId id, std::shared_ptr<const PreparedFragments> fragm
   s.replace(old, made, swap);
   if (!object.impacts.empty()) {
     const Impact& first = object.impacts.front();
+    const double approach = first.impulse > 0 ? 2 * first.energy / first.impulse : 0;
     if (!whole.held) {
-      s.burst(made, pose.point(first.point), s.settings.burst * first.energy);
+      s.burst(made, pose.point(first.point), object.stored, 0.5 * approach);
     } else if (Body* hit = object.body_of[forces.front().fragment]; hit->moves()) {
       // A held object took the impulse into the ground; what comes loose gets it, as far as the hit was fast.
-      const double fastest = first.impulse > 0 ? 2 * first.energy / first.impulse : 0;
-      const double speed = std::min(first.impulse / hit->mass.mass, fastest);
+      const double speed =
+          std::min({first.impulse / hit->mass.mass, approach, std::sqrt(2 * object.stored / hit->mass.mass)});
       set_motion(*hit, speed * (pose.rotation * first.direction), glm::dvec3(0));
     }
   }
   object.impacts.clear();
+  object.stored = 0;
   s.remove(whole);
   object.whole = nullptr;
   s.sweep_out();

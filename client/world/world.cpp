@@ -45,6 +45,18 @@ struct SystemFilter : btOverlapFilterCallback {
   }
 };
 
+/// With the ground and what stands on it for good the mean, as KHR_physics_rigid_bodies has it where a file says nothing:
+/// Bullet's product would let ice slide over stone as over ice. Among pieces the product: they wedge where real edges
+/// crumble, and with the mean a ball would stick in the hole that it made.
+btScalar friction_between(const btCollisionObject* a, const btCollisionObject* b) {
+  const auto stands = [](const btCollisionObject* object) {
+    const auto* body = static_cast<const Body*>(object->getUserPointer());
+    return body != nullptr && (body->kind == Body::Kind::kGround || body->kind == Body::Kind::kStatic);
+  };
+  return stands(a) || stands(b) ? 0.5 * (a->getFriction() + b->getFriction())
+                                : a->getFriction() * b->getFriction();
+}
+
 /// Bullet's pool takes algorithms up to a size that it has to be told.
 btDefaultCollisionConstructionInfo with_room_for(std::size_t algorithm) {
   btDefaultCollisionConstructionInfo info;
@@ -56,23 +68,27 @@ btDefaultCollisionConstructionInfo with_room_for(std::size_t algorithm) {
 
 World::State::State(WorldSettings s)
     : settings(s),
-      configuration(with_room_for(sizeof(HullPair))),
+      configuration(with_room_for(std::max(sizeof(HullPair), sizeof(GroundPair)))),
       dispatcher(&configuration),
       bullet(&dispatcher, &broadphase, &solver, &configuration) {
-  gDeactivationTime = 0.8;  // seconds of stillness before sleep; one value for all of Bullet
+  gCalculateCombinedFrictionCallback = friction_between;  // one for all of Bullet, as is the next
+  gDeactivationTime = 0.8;                                // seconds of stillness before sleep
   const auto* theirs =
       static_cast<btConvexConvexAlgorithm::CreateFunc*>(configuration.getCollisionAlgorithmCreateFunc(
           CONVEX_HULL_SHAPE_PROXYTYPE, CONVEX_HULL_SHAPE_PROXYTYPE));
   hull_pairs = std::make_unique<HullPair::CreateFunc>(theirs->m_pdSolver);
   dispatcher.registerCollisionCreateFunc(CONVEX_HULL_SHAPE_PROXYTYPE, CONVEX_HULL_SHAPE_PROXYTYPE,
                                          hull_pairs.get());
+  dispatcher.registerCollisionCreateFunc(CONVEX_HULL_SHAPE_PROXYTYPE, STATIC_PLANE_PROXYTYPE, &ground_pairs);
+  dispatcher.registerCollisionCreateFunc(STATIC_PLANE_PROXYTYPE, CONVEX_HULL_SHAPE_PROXYTYPE, &ground_pairs);
   bullet.setGravity(to_bullet(settings.gravity));
   bullet.getDispatchInfo().m_deterministicOverlappingPairs = true;
   bullet.getSolverInfo().m_numIterations = 30;
   // Penetration is mended without adding speed: fragments that touch must not fly apart.
   bullet.getSolverInfo().m_splitImpulse = true;
   bullet.getSolverInfo().m_splitImpulsePenetrationThreshold = 0;  // however little it is
-  bullet.getSolverInfo().m_erp2 = 0.5;  // a thin shard that sank in is out again within a few steps
+  // Hulls of ragged pieces overlap: they part slowly, for they rise by it. What meets the ground is put right at once.
+  bullet.getSolverInfo().m_erp2 = 0.2;
   filter = std::make_unique<SystemFilter>(objects);
   bullet.getPairCache()->setOverlapFilterCallback(filter.get());
   auto ground = std::make_unique<Body>();
@@ -128,7 +144,9 @@ ObjectId World::add_object(const ObjectSpec& spec) {
   }
   const Pose pose = spec.pose * body->local;
   s.objects.push_back(std::move(object));
-  s.objects.back()->whole = &s.add(std::move(body), shape, axes, pose, spec.friction, spec.restitution);
+  Body& whole = s.add(std::move(body), shape, axes, pose, spec.friction, spec.restitution);
+  s.objects.back()->whole = &whole;
+  s.ledger.brought += s.energy(whole);
   return id;
 }
 
@@ -158,6 +176,7 @@ BallId World::throw_ball(const glm::dvec3& from, const glm::dvec3& velocity, dou
   ball.rigid->setCcdMotionThreshold(0.5 * radius);
   ball.rigid->setCcdSweptSphereRadius(0.7 * radius);
   set_motion(ball, velocity, glm::dvec3(0));
+  s.ledger.brought += s.energy(ball);
   return ball.ball;
 }
 
@@ -166,22 +185,41 @@ void World::step() {
   for (const auto& body : s.bodies) {
     body->velocity_before = from_bullet(body->rigid->getLinearVelocity());
     body->spin_before = from_bullet(body->rigid->getAngularVelocity());
+    body->kinetic_before = kinetic_energy(*body);
+    body->height_before = s.height(*body);
   }
   s.bullet.stepSimulation(s.settings.step, 0);
   ++s.steps;
-  s.limit_speeds();
   s.collect_contacts();
+  s.keep_above_ground();
+  s.limit_gains();
   s.calm();
   s.raise_impacts();
   s.split_overloaded();
   s.look_ahead();
   s.fade();
+  s.keep_ledger();
 }
 
 void World::ask_again(ObjectId id) {
   Object& object = *state_->objects.at(id);
   object.asked = object.ahead = false;
   object.impacts.clear();
+  object.stored = 0;
+}
+
+void World::scale_mass(ObjectId id, double factor) {
+  Object& object = *state_->objects.at(id);
+  if (object.whole == nullptr || !(factor > 0)) return;
+  Body& body = *object.whole;
+  state_->ledger.brought += (factor - 1) * state_->energy(body);
+  object.spec.mass.mass *= factor;
+  object.spec.mass.inertia *= factor;
+  if (!body.held) object.spec.strength *= factor;  // what is held breaks where it is hit, whatever it weighs
+  body.mass = object.spec.mass;
+  if (body.moves())
+    body.rigid->setMassProps(body.mass.mass, to_bullet(principal_axes(body.mass.inertia).moments));
+  body.rigid->updateInertiaTensor();
 }
 
 bool World::is_whole(ObjectId object) const { return state_->objects.at(object)->whole != nullptr; }
@@ -254,6 +292,8 @@ Census World::census() const {
   }
   return c;
 }
+
+const Ledger& World::ledger() const { return state_->ledger; }
 
 std::uint64_t World::fingerprint() const {
   std::uint64_t hash = 0xcbf29ce484222325ull;  // FNV-1a

@@ -15,6 +15,9 @@
 // step solves the impact among the pieces: a ball flies on through a wall and loses only the momentum that the
 // masses in its way take. The total momentum stays what it was before the step.
 //
+// Contacts add no energy and no speed (limits.cpp), and end at the ground (ground_pairs.hpp). What an impact on a
+// whole object cost is partly kept for its pieces, which may come later; a Ledger counts all of it.
+//
 // Bullet runs in double precision. The hulls of neighbouring fragments lie a fraction of a millimetre apart; ten
 // metres from the origin floats are a micrometre apart, and GJK and EPA lose three or four digits on slivers.
 // In float, touching pieces would jitter, and groups would creep while they should rest. Double costs memory but
@@ -58,7 +61,7 @@ struct WorldSettings {
   double fade_after = 6;          ///< … for so many seconds …
   double fade_time = 1;           ///< … within so many
   double secondary_share = 0.04;  ///< of an object's volume: larger loose fragments may break again
-  double foresight = 0.5;         ///< seconds that a ball's path is looked ahead for Event::kAhead; 0: not
+  double foresight = 0.5;         ///< seconds that paths of balls and falling things are looked ahead; 0: not
 };
 
 using ObjectId = std::uint32_t;
@@ -90,13 +93,14 @@ struct Impact {
 struct Event {
   enum class Kind {
     kBreak,          ///< a whole object was hit beyond its strength
-    kAhead,          ///< a ball will probably do that within WorldSettings::foresight
+    kAhead,          ///< that will probably happen within WorldSettings::foresight: a ball comes, or it falls
     kBreakFragment,  ///< a large single fragment was hit beyond its share of the strength
   };
   Kind kind;
   ObjectId object;
   std::uint32_t fragment;  ///< index; for kBreakFragment
   Impact impact;
+  glm::dvec3 where{0};  ///< of the impact, in the world
 };
 
 /// One replacement of bodies by others, for tests and figures.
@@ -105,6 +109,9 @@ struct Swap {
   ObjectId object = 0;
   std::size_t fragments = 0, groups = 0, broken_bonds = 0;
   bool held = false;  ///< something static took part: the ground has its share of the momentum
+  /// Of a whole object: steps from the hit that breaks it to its fragments; 0: they were there before. Absent for
+  /// all other swaps.
+  std::optional<std::uint64_t> late{};
   Momentum before{}, after{};
 };
 
@@ -125,6 +132,18 @@ struct Census {
   std::size_t bodies = 0, moving = 0, whole = 0, groups = 0, fragments = 0, bonds = 0, balls = 0, faded = 0;
   double fastest = 0;  ///< m/s, without balls
   double lowest = 0;   ///< y of the lowest point of any hull
+};
+
+/// What the whole run shows: physics that gains nothing, and a ground that nothing sinks into.
+struct Ledger {
+  double brought =
+      0;  ///< J: kinetic and potential energy of all objects and balls when they came, without those gone
+  double energy = 0;      ///< J: now, with what impacts have stored for pieces that are still to come
+  double worst_gain = 0;  ///< J: largest rise of energy − brought above its least value before
+  double deepest =
+      0;  ///< m: how far below height zero the centre of a fragment has been at the end of a step
+  std::uint64_t last_swap = 0;                ///< step
+  std::optional<std::uint64_t> asleep_since;  ///< step from which all fragments sleep
 };
 
 /// Fragments with their collision shapes: made on any thread, used by one World at a time.
@@ -154,6 +173,8 @@ class World {
   std::optional<ObjectId> fracture_fragment(ObjectId object, std::uint32_t fragment,
                                             std::shared_ptr<const PreparedFragments> pieces);
 
+  /// While it is whole: it is so many times as heavy as it was taken for, and bears as much more. It moves as before.
+  void scale_mass(ObjectId object, double factor);
   /// The request for its fragments came to nothing: the next hit may ask again.
   void ask_again(ObjectId object);
 
@@ -171,6 +192,7 @@ class World {
   std::vector<BallState> balls() const;
   Momentum total_momentum() const;
   Census census() const;
+  const Ledger& ledger() const;
   /// Positions, rotations and velocities of all bodies, exactly: equal for equal histories.
   std::uint64_t fingerprint() const;
 

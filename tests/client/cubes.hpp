@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -57,6 +58,11 @@ inline world::ObjectSpec whole_of(const world::FragmentSet& set) {
   spec.mass = world::combine(masses);
   spec.strength = 1e9;
   return spec;
+}
+
+inline void run(world::World& world, double seconds) {
+  const auto steps = static_cast<int>(std::lround(seconds / world.settings().step));
+  for (int k = 0; k < steps; ++k) world.step();
 }
 
 inline std::size_t groups_of(const world::World& world, world::ObjectId object) {

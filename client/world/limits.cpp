@@ -1,0 +1,215 @@
+// What a solver that only nearly converges must not add, and when a heap rests.
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "client/world/state.hpp"
+
+namespace fracture::world {
+namespace {
+
+/// Bodies that move and touch, also by way of others that move.
+struct Island {
+  bool grounded = false;  ///< touches what does not move, which takes momentum and gives no energy
+  double mass = 0, kinetic = 0;
+  double gained = 0;  ///< J, in this step
+  glm::dvec3 momentum{0};
+  double swiftest =
+      0;  ///< m²/s²: twice the kinetic energy for each kilogram, of the body that had most before the step
+  glm::dvec3 taken{0};   ///< momentum, from those that got too fast …
+  double free_mass = 0;  ///< … to those that did not
+};
+
+std::size_t root_of(std::vector<std::size_t>& parent, std::size_t k) {
+  while (parent[k] != k) k = parent[k] = parent[parent[k]];
+  return k;
+}
+
+/// Of a convex shape that stands there.
+double lowest(const btConvexShape& shape, const btTransform& place) {
+  const btVector3 down = place.getBasis().transpose() * btVector3(0, -1, 0);
+  return (place * shape.localGetSupportVertexWithoutMarginNonVirtual(down)).y() - shape.getMarginNonVirtual();
+}
+
+double lowest(const Body& body) {
+  const btTransform& place = body.rigid->getWorldTransform();
+  const btCollisionShape& shape = *body.rigid->getCollisionShape();
+  if (!shape.isCompound()) return lowest(static_cast<const btConvexShape&>(shape), place);
+  const auto& compound = static_cast<const btCompoundShape&>(shape);
+  double least = HUGE_VAL;
+  for (int k = 0; k < compound.getNumChildShapes(); ++k)
+    least = std::min(least, lowest(static_cast<const btConvexShape&>(*compound.getChildShape(k)),
+                                   place * compound.getChildTransform(k)));
+  return least;
+}
+
+glm::dvec3 velocity_of(const Body& body) { return from_bullet(body.rigid->getLinearVelocity()); }
+glm::dvec3 spin_of(const Body& body) { return from_bullet(body.rigid->getAngularVelocity()); }
+
+}  // namespace
+
+/// The solver weighs contacts against one another, and a shard under a heavy block may lose: it is pressed through the
+/// floor, from where it would come back late. What is deeper than Bullet's own slop is put back at once; what lies on
+/// it has to give way, and energy that the lifting took is taken from the motion (limit_gains).
+void World::State::keep_above_ground() {
+  constexpr double kDeepest = 0.002;  // metres
+  for (const auto& body : bodies) {
+    if (!body->moves() || !body->rigid->isActive()) continue;
+    btVector3 low, high;
+    body->rigid->getAabb(low, high);
+    if (low.y() > -kDeepest) continue;
+    const double depth = -lowest(*body);
+    if (!(depth > kDeepest)) continue;
+    btTransform place = body->rigid->getWorldTransform();
+    place.getOrigin().setY(place.getOrigin().y() + depth - kDeepest);
+    body->rigid->setWorldTransform(place);
+    body->rigid->setInterpolationWorldTransform(place);
+  }
+}
+
+/// Two laws that Bullet's contacts break now and then, for each island of bodies that touch:
+///
+/// No body has more kinetic energy for each kilogram after the step than the swiftest had before it, plus what its
+/// own fall gave. Contacts of heavy pieces with light ones with lighter ones would hand on speed as a whip does; real
+/// pieces crumble there. What is taken from a piece in flight goes to the others that it touches: momentum stays.
+///
+/// The island as a whole has no more energy, kinetic and potential, than before. Corrections of overlaps lift bodies,
+/// and impulses of unequal masses miss their mark: what came from nowhere is taken from the motion, in flight from the
+/// motion about the common centre alone.
+///
+/// The bound of a body is that of its island, never of the world, and an island gets none by resting: so it does
+/// not creep upwards from step to step.
+void World::State::limit_gains() {
+  std::vector<std::size_t> parent(bodies.size());
+  for (std::size_t k = 0; k < bodies.size(); ++k) bodies[k]->island = parent[k] = k;
+  for (const Touch& touch : touches)
+    if (touch.a->moves() && touch.b->moves()) {
+      const std::size_t a = root_of(parent, touch.a->island), b = root_of(parent, touch.b->island);
+      parent[std::max(a, b)] = std::min(a, b);
+    }
+  std::vector<Island> islands(bodies.size());
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    Body& body = *bodies[k];
+    body.island = root_of(parent, k);
+    if (!body.moves()) continue;
+    Island& island = islands[body.island];
+    island.swiftest = std::max(island.swiftest, 2 * body.kinetic_before / body.mass.mass);
+  }
+  for (const Touch& touch : touches)
+    if (touch.a->moves() != touch.b->moves())
+      islands[(touch.a->moves() ? touch.a : touch.b)->island].grounded = true;
+
+  const double least = std::pow(settings.step * glm::length(settings.gravity), 2);
+  constexpr int kRounds = 4;  // what is handed on may make another one too fast
+  std::vector<char> limited(bodies.size(), 0);
+  for (int round = 0; round < kRounds; ++round) {
+    bool any = false;
+    for (Island& island : islands) {
+      island.taken = glm::dvec3(0);
+      island.free_mass = 0;
+    }
+    for (std::size_t k = 0; k < bodies.size(); ++k) {
+      Body& body = *bodies[k];
+      if (!body.moves()) continue;
+      Island& island = islands[body.island];
+      const double fall = std::max(0.0, body.height_before - height(body)),
+                   limit = std::max(least, island.swiftest + 2 * fall),
+                   swift = 2 * kinetic_energy(body) / body.mass.mass;
+      if (swift > limit && body.kind != Body::Kind::kBall) {
+        const double kept = std::sqrt(limit / swift);
+        const glm::dvec3 velocity = velocity_of(body);
+        island.taken += body.mass.mass * (1 - kept) * velocity;
+        set_motion(body, kept * velocity, kept * spin_of(body));
+        limited[k] = any = true;
+      }
+      if (!limited[k]) island.free_mass += body.mass.mass;
+    }
+    if (!any) break;
+    for (std::size_t k = 0; k < bodies.size(); ++k) {
+      Body& body = *bodies[k];
+      if (!body.moves() || limited[k]) continue;
+      const Island& island = islands[body.island];
+      if (!island.grounded && island.taken != glm::dvec3(0))
+        set_motion(body, velocity_of(body) + island.taken / island.free_mass, spin_of(body));
+    }
+  }
+
+  for (const auto& body : bodies) {
+    if (!body->moves()) continue;
+    Island& island = islands[body->island];
+    const double kinetic = kinetic_energy(*body);
+    island.mass += body->mass.mass;
+    island.kinetic += kinetic;
+    island.momentum += body->mass.mass * velocity_of(*body);
+    island.gained += kinetic - body->kinetic_before + body->mass.mass * (height(*body) - body->height_before);
+  }
+  for (const auto& body : bodies) {
+    if (!body->moves()) continue;
+    const Island& island = islands[body->island];
+    if (!(island.gained > 0)) continue;
+    const glm::dvec3 common = island.grounded ? glm::dvec3(0) : island.momentum / island.mass;
+    const double inner = island.kinetic - 0.5 * island.mass * glm::dot(common, common);
+    if (!(inner > 0)) continue;
+    const double kept = std::sqrt(std::max(0.0, 1 - island.gained / inner));
+    set_motion(*body, common + kept * (velocity_of(*body) - common), kept * spin_of(*body));
+  }
+}
+
+/// The solver never quite settles a heap of slivers: each step pushes some by what the last left over. Below
+/// the speed that gravity gives within a step and a half such motion is only that. And one shard that
+/// twitches must not keep the heap awake: sleep goes by the mean over some twenty steps, and by that of the
+/// heap.
+void World::State::calm() {
+  const double slow = 1.5 * settings.step * glm::length(settings.gravity);
+  constexpr double kSlowSpin = 1.5, kLeft = 0.8;  // rad/s; of the speed after a step
+  for (const Touch& touch : touches)
+    for (Body* body : {touch.a, touch.b}) {
+      if (!touch.pressed || !body->moves() || !body->rigid->isActive()) continue;
+      const glm::dvec3 velocity = from_bullet(body->rigid->getLinearVelocity()),
+                       spin = from_bullet(body->rigid->getAngularVelocity());
+      if (glm::length(velocity) < slow && glm::length(spin) < kSlowSpin)
+        set_motion(*body, kLeft * velocity, kLeft * spin);
+    }
+  constexpr double kWeight = 0.05;  // of a step in the mean
+  // m/s. Long after something broke, what still moves so much is the solver at work on pieces that are wedged.
+  constexpr double kPatience = 3, kMostPatience = 6;  // seconds; times
+  const double since = settings.step * static_cast<double>(steps - ledger.last_swap);
+  const double still_speed = 0.08 * std::clamp(since / kPatience, 1.0, kMostPatience);
+  // Metres: what is squeezed so far in, has to come out first. What is wedged never does, so that is not waited for long.
+  constexpr double kSunk = 0.004, kLongestWait = 1;  // seconds
+  // By Bullet's island (bodies that touch, also by way of others), which sleeps as a whole or not at all.
+  struct Island {
+    double mass = 0, motion = 0, fastest = 0, sunk = 0;
+    bool quiet(double speed) const { return motion < 0.5 * speed * mass && fastest < 5 * speed; }
+  };
+  std::vector<Island> islands(static_cast<std::size_t>(bullet.getNumCollisionObjects()));
+  const auto island_of = [&](const Body& body) -> Island* {
+    const int tag = body.rigid->getIslandTag();
+    return tag >= 0 && static_cast<std::size_t>(tag) < islands.size()
+               ? &islands[static_cast<std::size_t>(tag)]
+               : nullptr;
+  };
+  for (const auto& body : bodies) {
+    if (!body->moves() || !body->rigid->isActive()) continue;
+    const double speed =
+        body->rigid->getLinearVelocity().length() + body->radius * body->rigid->getAngularVelocity().length();
+    body->lively += kWeight * (speed - body->lively);
+    if (Island* island = island_of(*body)) {
+      island->mass += body->mass.mass;
+      island->motion += body->mass.mass * body->lively;
+      island->fastest = std::max(island->fastest, body->lively);
+      island->sunk = std::max(island->sunk, body->sunk);
+    }
+  }
+  for (const auto& body : bodies) {
+    if (!body->moves() || !body->rigid->isActive()) continue;
+    const Island* island = island_of(*body);
+    body->quiet = island != nullptr && island->quiet(still_speed) ? body->quiet + settings.step : 0;
+    const bool still = body->lively < still_speed ||
+                       (body->quiet > 0 && (island->sunk < kSunk || body->quiet > kLongestWait));
+    body->still = still ? body->still + settings.step : 0;
+    body->rigid->setDeactivationTime(body->still);
+  }
+}
+
+}  // namespace fracture::world

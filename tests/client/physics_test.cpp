@@ -1,0 +1,183 @@
+// What the world may not do: make energy or speed, let things sink into the ground, or see a fall too late.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "client/world/world.hpp"
+#include "tests/client/cubes.hpp"
+
+namespace fracture::world {
+namespace {
+
+using test::cubes;
+using test::run;
+using test::whole_of;
+
+/// The fastest that any group has been at the end of a step.
+double fastest_while(World& world, double seconds) {
+  double fastest = 0;
+  for (int k = 0; k < static_cast<int>(std::lround(seconds / world.settings().step)); ++k) {
+    world.step();
+    fastest = std::max(fastest, world.census().fastest);
+  }
+  return fastest;
+}
+
+/// A thin plate as a fragment of its own: 20 × 20 cm, so many metres thick.
+FragmentSet shard(double thickness) {
+  FragmentSet set;
+  Fragment fragment;
+  fragment.id = 1;
+  fragment.volume = 0.04 * thickness;
+  const double mass = 2400 * fragment.volume, flat = mass * (0.04 + thickness * thickness) / 12;
+  fragment.mass = {mass, glm::dvec3(0), glm::dmat3(flat, 0, 0, 0, mass * 0.08 / 12, 0, 0, 0, flat)};
+  Hull hull;
+  for (int k = 0; k < 8; ++k)
+    hull.push_back({k & 1 ? 0.1 : -0.1, (k & 2 ? 0.5 : -0.5) * thickness, k & 4 ? 0.1 : -0.1});
+  fragment.hulls = {hull};
+  set.fragments.push_back(fragment);
+  return set;
+}
+
+TEST(Physics, WhatFallsFastStopsAtTheGround) {
+  for (const double height : {0.5, 3.0, 20.0})
+    for (const double tilt : {0.0, 0.4, 1.5}) {
+      World world;
+      const FragmentSet set = shard(0.01);
+      ObjectSpec spec = whole_of(set);
+      spec.pose = {{0, height, 0}, glm::angleAxis(tilt, glm::normalize(glm::dvec3(1, 0.2, 0.5)))};
+      const ObjectId object = world.add_object(spec);
+      world.fracture(object, prepare(set));
+      double lowest = 0;
+      for (int k = 0; k < 600; ++k) {
+        world.step();
+        lowest = std::min(lowest, world.census().lowest);
+      }
+      // Of any corner, in any step: at 20 m/s a step is 16 cm long.
+      EXPECT_GT(lowest, -0.003) << height << " " << tilt;
+      EXPECT_LT(world.ledger().deepest, 0.001) << height << " " << tilt;
+      EXPECT_EQ(world.census().moving, 0u) << height << " " << tilt;
+    }
+}
+
+TEST(Physics, AHeapGainsNoEnergy) {
+  for (int turn = 0; turn < 6; ++turn) {
+    World world;
+    FragmentSet set = cubes(6, 6, 0.25, 2000, 2e4);
+    ObjectSpec spec = whole_of(set);
+    spec.strength = 10;
+    spec.pose = {{0, 2 + 0.5 * turn, 0}, glm::angleAxis(0.3 * turn, glm::normalize(glm::dvec3(0.3, 0.1, 1)))};
+    const ObjectId object = world.add_object(spec);
+    const double at_first = world.ledger().brought;
+    EXPECT_GT(at_first, 0);
+    world.throw_ball({0.5, 1.2, 5}, {0, 1, -15}, 0.2, 7800);
+    EXPECT_GT(world.ledger().brought, at_first);
+    for (int k = 0; k < 900; ++k) {
+      world.step();
+      for (const Event& event : world.take_events())
+        if (event.kind == Event::Kind::kBreak) world.fracture(object, prepare(set));
+    }
+    const Ledger& ledger = world.ledger();
+    EXPECT_FALSE(world.is_whole(object)) << turn;
+    EXPECT_LT(ledger.worst_gain, 0.01 * ledger.brought) << turn;
+    EXPECT_LT(ledger.energy, ledger.brought) << turn;
+  }
+}
+
+TEST(Physics, ARowOfLighterAndLighterPiecesIsNoWhip) {
+  // What is fast elsewhere allows nothing here.
+  for (const bool fast_ball_elsewhere : {false, true}) {
+    WorldSettings settings;
+    settings.gravity = glm::dvec3(0);
+    World world(settings);
+    // Cubes in a row, each half as large as the one before; Newton's cradle would end five times as fast.
+    FragmentSet set;
+    double x = 0, side = 0.6;
+    for (std::uint32_t k = 0; k < 5; ++k, side /= 2) {
+      Fragment fragment;
+      fragment.id = k;
+      fragment.volume = side * side * side;
+      fragment.mass = test::cube_mass({x + side / 2, 0, 0}, side, 2000);
+      fragment.hulls = {test::cube_hull({x + side / 2, 0, 0}, side)};
+      set.fragments.push_back(fragment);
+      x += side + 0.01;
+    }
+    set.restitution = 0.9;
+    ObjectSpec spec = whole_of(set);
+    spec.pose.position = {0, 10, 0};
+    const ObjectId object = world.add_object(spec);
+    world.fracture(object, prepare(set));
+    world.throw_ball({-1, 10, 0}, {12, 0, 0}, 0.3, 7800);
+    if (fast_ball_elsewhere) world.throw_ball({0, 500, 0}, {1000, 0, 0}, 0.2, 7800);
+    const glm::dvec3 before = world.total_momentum().linear;
+    EXPECT_LT(fastest_while(world, 1), 12.001);
+    EXPECT_GT(world.census().fastest, 6);  // they were hit
+    EXPECT_LT(glm::distance(world.total_momentum().linear, before), 1e-9 * glm::length(before));
+  }
+}
+
+TEST(Physics, AFallIsSeenAhead) {
+  World world;
+  ObjectSpec spec = whole_of(cubes(2, 2));
+  spec.strength = 500;
+  spec.pose.position = {0, 3, 0};
+  const ObjectId object = world.add_object(spec);
+  std::vector<Event> events;
+  std::uint64_t ahead = 0, contact = 0;
+  for (int k = 0; k < 240; ++k) {
+    world.step();
+    for (const Event& event : world.take_events()) {
+      events.push_back(event);
+      (event.kind == Event::Kind::kAhead ? ahead : contact) = world.steps();
+    }
+  }
+  ASSERT_EQ(events.size(), 2u);  // once each
+  EXPECT_EQ(events[0].kind, Event::Kind::kAhead);
+  EXPECT_EQ(events[0].object, object);
+  EXPECT_NEAR(events[0].impact.point.y, 0, 0.01);
+  EXPECT_NEAR(events[0].impact.direction.y, 1, 1e-6);
+  EXPECT_NEAR(events[0].where.y, 0, 0.02);
+  EXPECT_EQ(events[1].kind, Event::Kind::kBreak);
+  // 3 m take 0.78 s; half a second is looked ahead.
+  EXPECT_NEAR(static_cast<double>(contact - ahead), 0.5 / world.settings().step, 6);
+}
+
+TEST(Physics, WhatLiesOrFallsSoftlyIsNotAskedForAhead) {
+  World world;
+  ObjectSpec spec = whole_of(cubes(2, 2));
+  spec.strength = 2.5 * spec.mass.mass;  // what a fall of 0.3 m would take
+  spec.pose.position = {0, 0.1, 0};
+  world.add_object(spec);
+  run(world, 3);
+  EXPECT_TRUE(world.take_events().empty());
+}
+
+TEST(Physics, FragmentsThatComeLateGetNoMoreEnergyThanTheHitCost) {
+  for (const std::uint64_t late : {1u, 12u, 60u}) {
+    WorldSettings settings;
+    settings.foresight = 0;
+    World world(settings);
+    FragmentSet set = cubes(5, 5, 0.3, 2000, 1e4);
+    for (std::size_t k = 0; k < 5; ++k) set.fragments[k].anchored = true;
+    ObjectSpec spec = whole_of(set);
+    spec.held = true;
+    spec.strength = 10;
+    const ObjectId object = world.add_object(spec);
+    world.throw_ball({0.75, 0.9, 2}, {0, 0.5, -12}, 0.15, 7800);
+    std::optional<std::uint64_t> hit;
+    for (int k = 0; k < 360; ++k) {
+      world.step();
+      for (const Event& event : world.take_events())
+        if (event.kind == Event::Kind::kBreak) hit = world.steps();
+      if (hit && world.is_whole(object) && world.steps() == *hit + late) world.fracture(object, prepare(set));
+    }
+    ASSERT_TRUE(hit);
+    const auto swaps = world.take_swaps();
+    ASSERT_FALSE(swaps.empty());
+    EXPECT_EQ(swaps[0].late, late);
+    EXPECT_LT(world.ledger().worst_gain, 0.01 * world.ledger().brought) << late;
+  }
+}
+
+}  // namespace
+}  // namespace fracture::world
