@@ -3,6 +3,8 @@
 #include <exception>
 #include <map>
 
+#include "client/world/touching.hpp"
+
 namespace fracture::game {
 
 Decoded decode(std::uint64_t ticket, std::string glb) {
@@ -26,6 +28,7 @@ Decoded decode(std::uint64_t ticket, std::string glb) {
     decoded.fragment_of_object.push_back(at == index.end() ? Decoded::kNoFragment : at->second);
   }
   decoded.model = std::make_shared<const render::Model>(std::move(*model));
+  world::bond_touching_parts(*set);
   decoded.fragments = world::prepare(std::move(*set));
   decoded.glb = std::make_shared<const std::string>(std::move(glb));
   return decoded;

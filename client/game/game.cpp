@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <set>
 
 namespace fracture::game {
@@ -10,8 +11,16 @@ using protocol::Answer;
 using protocol::RequestKind;
 
 Game::Game(scenes::Scene scene, protocol::Client& client, GameSettings settings)
-    : scene_(std::move(scene)), client_(client), settings_(std::move(settings)), world_(settings_.world) {
-  std::map<std::pair<const scenes::MeshAsset*, std::string>, std::string> stored;  // with how it is prepared
+    : scene_(std::move(scene)),
+      client_(client),
+      settings_(std::move(settings)),
+      world_(settings_.world),
+      eye_(scene_.eye) {
+  struct Stored {
+    std::string id;
+    protocol::Ticket ticket = 0;
+  };
+  std::map<std::pair<const scenes::MeshAsset*, std::string>, Stored> stored;  // with how it is prepared
   for (std::size_t k = 0; k < scene_.objects.size(); ++k) {
     const scenes::SceneObject& object = scene_.objects[k];
     world::ObjectSpec spec;
@@ -30,9 +39,12 @@ Game::Game(scenes::Scene scene, protocol::Client& client, GameSettings settings)
     thing.id = world_.add_object(spec);
     thing.scene_object = k;
     const std::string query = scenes::preparation_query(object);
-    auto [id, is_new] = stored.try_emplace({object.mesh.get(), query});
-    if (is_new) id->second = client_.add_mesh(object.mesh->bytes, object.mesh->content_type, query);
-    thing.mesh = id->second;
+    auto [known, is_new] = stored.try_emplace({object.mesh.get(), query});
+    Stored& mesh = known->second;
+    if (is_new)
+      mesh.id = client_.add_mesh(object.mesh->bytes, object.mesh->content_type, query, &mesh.ticket);
+    storing_[mesh.ticket].push_back(k);
+    thing.mesh = mesh.id;
     things_.push_back(std::move(thing));
   }
   for (const scenes::SceneBox& box : scene_.boxes) world_.add_static_box(box.pose, box.half_sides);
@@ -68,16 +80,54 @@ void Game::ask(std::size_t index, const world::Impact& impact, std::optional<std
     pending.parameters =
         scenes::fracture_parameters(object, impact, settings_.seed + asked_, settings_.overrides);
   }
+  pending.number = asked_;
   pending.due = world_.steps() + settings_.fixed_latency.value_or(0);
   ++figures_.requests;
   const protocol::Ticket ticket = client_.fracture(thing.mesh, pending.parameters);
   pending_.emplace(ticket, std::move(pending));
 }
 
+void Game::want(Waiting hit) {
+  const auto same = std::find_if(waiting_.begin(), waiting_.end(), [&](const Waiting& other) {
+    return other.thing == hit.thing && other.fragment == hit.fragment;
+  });
+  if (same == waiting_.end())
+    waiting_.push_back(std::move(hit));
+  else if (hit.urgency > same->urgency)
+    *same = std::move(hit);
+}
+
+void Game::ask_most_urgent() {
+  while (!waiting_.empty() && pending_.size() < settings_.max_requests) {
+    const auto next =
+        std::max_element(waiting_.begin(), waiting_.end(),
+                         [](const Waiting& a, const Waiting& b) { return a.urgency < b.urgency; });
+    const Waiting hit = std::move(*next);
+    waiting_.erase(next);
+    ask(hit.thing, hit.impact, hit.fragment);
+  }
+}
+
 void Game::note_failure(Pending& pending, const std::string& what) {
   pending.failed = true;
   ++figures_.failures;
   figures_.last_trouble = what;
+}
+
+void Game::weigh(const std::vector<std::size_t>& things, const std::string& answer) {
+  const nlohmann::json report = nlohmann::json::parse(answer, nullptr, false);
+  const nlohmann::json::json_pointer path("/report/solid/volume");
+  if (!report.is_object() || !report.contains(path) || !report[path].is_number()) return;
+  for (const std::size_t thing : things) {
+    const scenes::SceneObject& object = scene_.objects[things_[thing].scene_object];
+    const double factor = report[path].get<double>() / object.mesh->unit_mass.mass;
+    if (factor > 0 && std::isfinite(factor) && factor != 1) scale_mass(thing, factor);
+  }
+}
+
+void Game::scale_mass(std::size_t thing, double factor) {
+  record({.step = world_.steps(), .kind = RecordedEvent::Kind::kMass, .thing = thing, .factor = factor});
+  world_.scale_mass(things_[thing].id, factor);
 }
 
 void Game::poll() {
@@ -87,6 +137,10 @@ void Game::poll() {
         ++meshes_stored_;
       else
         figures_.last_trouble = "A mesh was not stored: " + answer.detail;
+      if (const auto storing = storing_.find(answer.ticket); storing != storing_.end()) {
+        if (answer.ok() && !settings_.replay) weigh(storing->second, answer.body);
+        storing_.erase(storing);
+      }
     }
     if (answer.kind == RequestKind::kPatterns) {
       if (answer.ok())
@@ -98,6 +152,7 @@ void Game::poll() {
     if (it == pending_.end()) continue;  // of a game before this one
     if (answer.ok()) {
       ++figures_.answers;
+      it->second.milliseconds = answer.milliseconds;
       decoder_.submit(answer.ticket, std::move(answer.body));
     } else {
       note_failure(it->second, std::string(name(answer.failure)) + ": " + answer.detail);
@@ -124,6 +179,10 @@ void Game::apply(Pending& pending) {
     if (!world_.is_whole(things_[index].id)) return;
     world_.fracture(things_[index].id, pending.decoded->fragments);
     things_[index].fragments = pending.decoded;
+    char text[64];
+    std::snprintf(text, sizeof text, ": %zu pieces, asked for in %.0f ms",
+                  world::fragments_of(*pending.decoded->fragments).fragments.size(), pending.milliseconds);
+    figures_.last_break = scene_.objects[things_[index].scene_object].name + text;
     things_[index].parameters = std::move(pending.parameters);
   } else if (const auto id =
                  world_.fracture_fragment(things_[index].id, *pending.fragment, pending.decoded->fragments)) {
@@ -139,21 +198,71 @@ void Game::apply(Pending& pending) {
   ++figures_.swaps;
 }
 
+bool Game::adopt(std::map<protocol::Ticket, Pending>::iterator it) {
+  const bool swapped = !it->second.failed;
+  record({.step = world_.steps(),
+          .kind = swapped ? RecordedEvent::Kind::kAdopt : RecordedEvent::Kind::kFail,
+          .request = it->second.number});
+  apply(it->second);
+  pending_.erase(it);
+  return swapped;
+}
+
 bool Game::apply_due() {
   bool any = false;
   for (auto it = pending_.begin(); it != pending_.end();) {
+    const auto next = std::next(it);
     const bool due = !settings_.fixed_latency || it->second.due <= world_.steps();
-    if (!due || !it->second.finished()) {
-      ++it;
-      continue;
+    if (due && it->second.finished() && adopt(it)) {
+      any = true;
+      if (!settings_.fixed_latency) break;  // one a frame: none is much longer than the others
     }
-    const bool swapped = !it->second.failed;
-    apply(it->second);
-    it = pending_.erase(it);
-    any = any || swapped;
-    if (swapped && !settings_.fixed_latency) break;  // one a frame: none is much longer than the others
+    it = next;
   }
   return any;
+}
+
+void Game::record(const RecordedEvent& event) {
+  if (settings_.recorder) settings_.recorder->add(event);
+}
+
+void Game::set_overrides(nlohmann::json overrides) {
+  if (overrides == settings_.overrides) return;
+  settings_.overrides = std::move(overrides);
+  record({.step = world_.steps(), .kind = RecordedEvent::Kind::kOverrides, .overrides = settings_.overrides});
+}
+
+void Game::play_recorded() {
+  const std::vector<RecordedEvent>& events = settings_.replay->events;
+  for (; next_recorded_ < events.size() && events[next_recorded_].step <= world_.steps(); ++next_recorded_) {
+    const RecordedEvent& event = events[next_recorded_];
+    switch (event.kind) {
+      case RecordedEvent::Kind::kThrow:
+        throw_ball(event.from, event.velocity);
+        break;
+      case RecordedEvent::Kind::kOverrides:
+        set_overrides(event.overrides);
+        break;
+      case RecordedEvent::Kind::kEye:
+        eye_ = event.from;
+        break;
+      case RecordedEvent::Kind::kMass:
+        if (event.thing < things_.size()) scale_mass(event.thing, event.factor);
+        break;
+      case RecordedEvent::Kind::kAdopt:
+      case RecordedEvent::Kind::kFail: {
+        const auto it = std::find_if(pending_.begin(), pending_.end(),
+                                     [&](const auto& entry) { return entry.second.number == event.request; });
+        if (it == pending_.end() || it->second.failed != (event.kind == RecordedEvent::Kind::kFail)) {
+          if (!figures_.diverged) figures_.diverged = world_.steps();
+          if (it == pending_.end()) break;
+        }
+        adopt(it);
+        break;
+      }
+    }
+  }
+  ask_most_urgent();
 }
 
 std::vector<Game::Coming> Game::coming() const {
@@ -165,7 +274,20 @@ std::vector<Game::Coming> Game::coming() const {
 
 bool Game::ready() {
   poll();
+  if (settings_.replay) {
+    // The answers that the next events take.
+    const std::vector<RecordedEvent>& events = settings_.replay->events;
+    for (std::size_t k = next_recorded_; k < events.size() && events[k].step <= world_.steps(); ++k)
+      for (const auto& [ticket, pending] : pending_)
+        if (events[k].request == pending.number && !pending.finished()) {
+          ++figures_.held_steps;
+          return false;
+        }
+    return true;
+  }
   if (!settings_.fixed_latency) return true;
+  if (world_.steps() == 0 && !storing_.empty())
+    return false;  // what things weigh is known from the first step on
   const bool all = std::all_of(pending_.begin(), pending_.end(), [&](const auto& entry) {
     return entry.second.due > world_.steps() || entry.second.finished();
   });
@@ -185,12 +307,21 @@ void Game::take_events() {
       return entry.second.thing == thing && !entry.second.fragment;
     });
     if (!fragment && asked) continue;
-    if (pending_.size() >= settings_.max_requests) {
+    if (settings_.max_requests == 0) {
       if (!fragment) world_.ask_again(event.object);
       continue;
     }
-    ask(thing, event.impact, fragment ? std::optional(event.fragment) : std::nullopt);
+    if (settings_.recorder && recorded_eye_ != eye_) {
+      // Hits are those of the step before; a replay has to know when it plays that.
+      const std::uint64_t step = std::max<std::uint64_t>(world_.steps(), 1) - 1;
+      record({.step = step, .kind = RecordedEvent::Kind::kEye, .from = eye_});
+      recorded_eye_ = eye_;
+    }
+    const glm::dvec3 away = event.where - eye_;
+    want({thing, fragment ? std::optional(event.fragment) : std::nullopt, event.impact,
+          event.impact.impulse / std::max(glm::dot(away, away), 0.25)});
   }
+  ask_most_urgent();
   for (const world::Swap& swap : world_.take_swaps()) {
     if (!swap.held && swap.before.mass > 0) {
       const auto error = [](const glm::dvec3& a, const glm::dvec3& b, double scale) {
@@ -202,19 +333,30 @@ void Game::take_events() {
                     error(swap.before.linear, swap.after.linear, 0.01 * swap.before.mass),
                     error(swap.before.angular, swap.after.angular, 0.01 * swap.before.mass)});
     }
+    if (const std::size_t thing = thing_of(swap.object);
+        swap.late && thing < things_.size() && !scene_.objects[things_[thing].scene_object].at_start)
+      figures_.late.push_back(*swap.late);
     swaps_.push_back(swap);
   }
 }
 
 void Game::step() {
-  if (settings_.fixed_latency) apply_due();
+  if (settings_.replay)
+    play_recorded();
+  else if (settings_.fixed_latency)
+    apply_due();
   const double now = static_cast<double>(world_.steps()) * settings_.world.step;
-  if (settings_.fixed_latency)
+  if (settings_.fixed_latency && !settings_.replay)
     while (next_throw_ < scene_.throws.size() && scene_.throws[next_throw_].time <= now + 1e-9) {
       throw_ball(scene_.throws[next_throw_].from, scene_.throws[next_throw_].velocity);
       ++next_throw_;
     }
+  const std::uint64_t step = world_.steps();
   world_.step();
+  if (settings_.recorder) settings_.recorder->add_hash(step, world_.fingerprint());
+  if (settings_.replay && !figures_.diverged && step < settings_.replay->hashes.size() &&
+      world_.fingerprint() != settings_.replay->hashes[step])
+    figures_.diverged = step;
   take_events();
 }
 
@@ -240,6 +382,7 @@ void Game::advance(double seconds, bool running) {
 }
 
 world::BallId Game::throw_ball(const glm::dvec3& from, const glm::dvec3& velocity) {
+  record({.step = world_.steps(), .kind = RecordedEvent::Kind::kThrow, .from = from, .velocity = velocity});
   return world_.throw_ball(from, velocity, scene_.ball_radius, scene_.ball_density);
 }
 

@@ -13,6 +13,7 @@
 #include <optional>
 
 #include "client/game/decoder.hpp"
+#include "client/game/recording.hpp"
 #include "client/protocol/client.hpp"
 #include "client/scenes/scene.hpp"
 #include "client/world/world.hpp"
@@ -23,9 +24,12 @@ struct GameSettings {
   std::uint64_t seed = 1;
   std::optional<unsigned> fixed_latency;  ///< steps from a request to its answer's effect
   bool anticipate = true;                 ///< asks when a ball is on its way, not only at the contact
-  std::size_t max_requests = 8;           ///< open at the same time; further hits ask later
-  nlohmann::json overrides = nlohmann::json::object();  ///< parameters from the panel
+  std::size_t max_requests = 8;  ///< open at the same time; further hits wait, the most urgent is next
+  nlohmann::json overrides =
+      nlohmann::json::object();  ///< parameters at the start; then Game::set_overrides()
   world::WorldSettings world;
+  std::shared_ptr<Recorder> recorder;       ///< of what happens; null: none
+  std::shared_ptr<const Recording> replay;  ///< what happens, as it was recorded; instead of fixed_latency
 };
 
 /// What stands where, for whoever draws.
@@ -41,7 +45,11 @@ struct Thing {
 struct GameFigures {
   std::uint64_t requests = 0, answers = 0, failures = 0, swaps = 0, secondary = 0, held_steps = 0;
   std::string last_trouble;
+  std::string last_break;           ///< what broke into how many pieces, and how long that took, for people
   double worst_momentum_error = 0;  ///< of all swaps without anchors, relative: linear and angular
+  /// Steps from the hit that broke a whole thing to its fragments, for each; 0: they were there before.
+  std::vector<std::uint64_t> late;
+  std::optional<std::uint64_t> diverged;  ///< the first step after which a replay was not what was recorded
 };
 
 class Game {
@@ -50,7 +58,7 @@ class Game {
   Game(scenes::Scene scene, protocol::Client& client, GameSettings settings);
   ~Game();
 
-  /// Reproducible runs: is everything there that the next step needs? Polls; never waits.
+  /// Reproducible runs and replays: is everything there that the next step needs? Polls; never waits.
   bool ready();
   /// One step of WorldSettings::step. Reproducible runs: only when ready().
   void step();
@@ -70,8 +78,14 @@ class Game {
   const world::World& world() const { return world_; }
   const GameFigures& figures() const { return figures_; }
   const std::vector<world::Swap>& swaps() const { return swaps_; }  ///< all since the start
-  GameSettings& settings() { return settings_; }
+  const GameSettings& settings() const { return settings_; }
   std::size_t open_requests() const { return pending_.size(); }
+  std::size_t waiting_requests() const { return waiting_.size(); }  ///< for one of the open ones to end
+  /// From where it is seen: of two equal hits the nearer one is answered first. At first the scene's.
+  void set_eye(const glm::dvec3& eye) { eye_ = eye; }
+  void set_overrides(nlohmann::json overrides);
+  /// Are all steps of the recording played?
+  bool replayed() const { return settings_.replay && world_.steps() >= settings_.replay->hashes.size(); }
   /// The last answer, for saving; null before the first.
   std::shared_ptr<const std::string> last_glb() const { return last_glb_; }
   std::size_t meshes_stored() const { return meshes_stored_; }
@@ -82,17 +96,35 @@ class Game {
   struct Pending {
     std::size_t thing = 0;
     std::optional<std::uint32_t> fragment;  ///< secondary
+    std::uint64_t number = 0;               ///< of the request, from 1
     std::uint64_t due = 0;                  ///< step; fixed_latency alone
     nlohmann::json parameters;
     std::shared_ptr<const Decoded> decoded;
+    double milliseconds = 0;  ///< from asking to the answer
     bool failed = false;
     bool finished() const { return failed || decoded; }
   };
 
+  /// A hit that is to be asked for.
+  struct Waiting {
+    std::size_t thing = 0;
+    std::optional<std::uint32_t> fragment;
+    world::Impact impact;
+    double urgency = 0;
+  };
+
   void poll();
+  void want(Waiting hit);  ///< keeps the more urgent of two for the same thing
+  void ask_most_urgent();  ///< as many as may be open
   void ask(std::size_t thing, const world::Impact& impact, std::optional<std::uint32_t> fragment);
   void apply(Pending& pending);
   bool apply_due();  ///< whether bodies were swapped
+  /// The server has looked at a mesh, and knows the volume of what will break: of walls, where it makes some.
+  void weigh(const std::vector<std::size_t>& things, const std::string& answer);
+  void scale_mass(std::size_t thing, double factor);
+  bool adopt(std::map<protocol::Ticket, Pending>::iterator pending);  ///< the same
+  void play_recorded();                                               ///< what was recorded before this step
+  void record(const RecordedEvent& event);
   void take_events();
   void note_failure(Pending& pending, const std::string& what);
   std::size_t thing_of(world::ObjectId object) const;
@@ -104,11 +136,16 @@ class Game {
   Decoder decoder_;
   std::vector<Thing> things_;
   std::map<protocol::Ticket, Pending> pending_;
+  std::vector<Waiting> waiting_;
+  glm::dvec3 eye_;
+  std::optional<glm::dvec3> recorded_eye_;
   std::vector<world::Swap> swaps_;
   GameFigures figures_;
   std::shared_ptr<const std::string> last_glb_;
   std::uint64_t asked_ = 0;
-  std::size_t next_throw_ = 0, meshes_stored_ = 0;
+  /// Meshes that the server has not answered to yet, and what is made of them.
+  std::map<protocol::Ticket, std::vector<std::size_t>> storing_;
+  std::size_t next_throw_ = 0, meshes_stored_ = 0, next_recorded_ = 0;
   std::string patterns_;
   double owed_ = 0;  ///< seconds not yet simulated
 };

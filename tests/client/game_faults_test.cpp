@@ -73,6 +73,7 @@ TEST(GameFaults, AReproducibleRunStandsStillInstead) {
   GameSettings settings;
   settings.fixed_latency = 6;
   Game game(falling_box(), client, settings);
+  test::require_eventually(test::kPatience, "the mesh to be stored", [&] { return game.ready(); });
   while (game.ready() && game.figures().requests == 0) game.step();
   const std::uint64_t asked = game.world().steps();
   while (game.ready()) game.step();

@@ -1,0 +1,120 @@
+#include "client/game/recording.hpp"
+
+#include <cstdio>
+#include <cstdlib>
+
+namespace fracture::game {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kFormat = "fracture-game-1";
+
+json vector_of(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+
+glm::dvec3 read_vector(const json& list) {
+  return {list.at(0).get<double>(), list.at(1).get<double>(), list.at(2).get<double>()};
+}
+
+/// Throws json::exception where the line says nothing that is known.
+void read_line(const json& line, Recording& recording) {
+  RecordedEvent event;
+  event.step = line.at("step").get<std::uint64_t>();
+  if (const auto hash = line.find("hash"); hash != line.end()) {
+    if (event.step != recording.hashes.size()) throw std::runtime_error("its step is not the next one");
+    recording.hashes.push_back(std::strtoull(hash->get<std::string>().c_str(), nullptr, 16));
+    return;
+  }
+  if (const auto thrown = line.find("throw"); thrown != line.end()) {
+    event.kind = RecordedEvent::Kind::kThrow;
+    event.from = read_vector(thrown->at(0));
+    event.velocity = read_vector(thrown->at(1));
+  } else if (line.contains("adopt")) {
+    event.kind = RecordedEvent::Kind::kAdopt;
+    event.request = line["adopt"].get<std::uint64_t>();
+  } else if (line.contains("fail")) {
+    event.kind = RecordedEvent::Kind::kFail;
+    event.request = line["fail"].get<std::uint64_t>();
+  } else if (line.contains("overrides")) {
+    event.kind = RecordedEvent::Kind::kOverrides;
+    event.overrides = line["overrides"];
+  } else if (const auto mass = line.find("mass"); mass != line.end()) {
+    event.kind = RecordedEvent::Kind::kMass;
+    event.thing = line.at("thing").get<std::size_t>();
+    event.factor = mass->get<double>();
+  } else {
+    event.kind = RecordedEvent::Kind::kEye;
+    event.from = read_vector(line.at("eye"));
+  }
+  recording.events.push_back(std::move(event));
+}
+
+}  // namespace
+
+Expected<Recording> read_recording(const std::string& path) {
+  std::ifstream in(path);
+  if (!in) return fail(ErrorCode::kFileAccess, "Cannot read " + path + ".");
+  Recording recording;
+  std::size_t number = 0;
+  for (std::string text; std::getline(in, text);) {
+    ++number;
+    try {
+      json line = json::parse(text);
+      if (number > 1) {
+        read_line(line, recording);
+        continue;
+      }
+      if (line.at("format") != kFormat) throw std::runtime_error("it is of another format");
+      recording.header = std::move(line);
+    } catch (const std::exception& error) {
+      return fail(ErrorCode::kBadJson, path + ", line " + std::to_string(number) +
+                                           " is no line of a recorded game: " + error.what());
+    }
+  }
+  if (number == 0) return fail(ErrorCode::kBadJson, path + " is empty.");
+  return recording;
+}
+
+Expected<Recorder> Recorder::create(const std::string& path, const json& header) {
+  std::ofstream out(path);
+  json first = header;
+  first["format"] = kFormat;
+  out << first.dump() << '\n';
+  if (!out.flush()) return fail(ErrorCode::kFileAccess, "Cannot write " + path + ".");
+  return Recorder(std::move(out));
+}
+
+void Recorder::add(const RecordedEvent& event) {
+  json line = {{"step", event.step}};
+  switch (event.kind) {
+    case RecordedEvent::Kind::kThrow:
+      line["throw"] = {vector_of(event.from), vector_of(event.velocity)};
+      break;
+    case RecordedEvent::Kind::kAdopt:
+      line["adopt"] = event.request;
+      break;
+    case RecordedEvent::Kind::kFail:
+      line["fail"] = event.request;
+      break;
+    case RecordedEvent::Kind::kOverrides:
+      line["overrides"] = event.overrides;
+      break;
+    case RecordedEvent::Kind::kMass:
+      line["thing"] = event.thing;
+      line["mass"] = event.factor;
+      break;
+    case RecordedEvent::Kind::kEye:
+      line["eye"] = vector_of(event.from);
+      break;
+  }
+  out_ << line.dump() << '\n';
+}
+
+void Recorder::add_hash(std::uint64_t step, std::uint64_t fingerprint) {
+  char text[64];
+  std::snprintf(text, sizeof text, R"({"step":%llu,"hash":"%016llx"})", static_cast<unsigned long long>(step),
+                static_cast<unsigned long long>(fingerprint));
+  out_ << text << '\n';
+}
+
+}  // namespace fracture::game
