@@ -55,7 +55,7 @@ const std::vector<GameMaterial>& game_materials() {
        SolidLook::kCeramic,
        {{{"material", "ceramic"}}, true, true, 80, 0.45, 1000}},
       {"metal", 7850, 6, 5, 0.5, SolidLook::kMetal, {{{"material", "metal"}}, false, false, 30, 0.5, 5000}},
-      {"ice", 917, 0.8, 3, 0.01, SolidLook::kIce, {{{"material", "ice"}}, true, true, 90, 0.5, 500}},
+      {"ice", 917, 0.8, 3, 0.01, SolidLook::kIce, {{{"material", "ice"}}, true, false, 90, 0.5, 500}},
   };
   return all;
 }
@@ -71,33 +71,41 @@ const std::vector<std::string>& material_names() {
   return names;
 }
 
-void set_material(Scene& scene, const std::string& name) {
+void set_material(SceneObject& object, const std::string& name) {
   const auto& all = game_materials();
   const auto material =
       std::find_if(all.begin(), all.end(), [&](const GameMaterial& m) { return m.name == name; });
   if (material == all.end()) return;
-  for (SceneObject& object : scene.objects) {
-    // What the place of the object demands stays.
-    nlohmann::json kept = nlohmann::json::object();
-    for (const char* key : {"anchor_plane", "anchor_box", "anchor_points"})
-      if (object.breakage.parameters.contains(key)) kept[key] = object.breakage.parameters[key];
-    object.breakage = material->breakage;
-    object.breakage.parameters.update(kept);
-    object.density = material->density;
-    object.reach = material->reach;
-    object.crack_front = material->crack_front;
-    object.look = material->look;
-    object.at_start = false;
-    object.strength = material->critical_speed * object.density * object.mesh->unit_mass.mass;
-    // A held thing does not get faster as a whole: it breaks where it is hit.
-    if (object.held) object.strength = std::min(object.strength, 25 * material->critical_speed);
-  }
+  // What the place of the object demands stays.
+  nlohmann::json kept = nlohmann::json::object();
+  for (const char* key : {"anchor_plane", "anchor_box", "anchor_points"})
+    if (object.breakage.parameters.contains(key)) kept[key] = object.breakage.parameters[key];
+  object.breakage = material->breakage;
+  object.breakage.parameters.update(kept);
+  object.density = material->density;
+  object.reach = material->reach;
+  object.crack_front = material->crack_front;
+  object.look = material->look;
+  object.at_start = false;
+  object.strength = material->critical_speed * object.density * object.mesh->unit_mass.mass;
+  // A held thing does not get faster as a whole: it breaks where it is hit.
+  if (object.held) object.strength = std::min(object.strength, 25 * material->critical_speed);
+}
+
+void set_material(Scene& scene, const std::string& name) {
+  for (SceneObject& object : scene.objects) set_material(object, name);
 }
 
 std::string preparation_query(const SceneObject& object) {
   const nlohmann::json& parameters = object.breakage.parameters;
-  const auto material = parameters.find("material");
-  return material == parameters.end() ? "" : "material=" + material->get<std::string>();
+  std::string query;
+  const auto add = [&](const char* name, const std::string& value) {
+    query += (query.empty() ? "" : "&") + std::string(name) + "=" + value;
+  };
+  if (const auto material = parameters.find("material"); material != parameters.end())
+    add("material", material->get<std::string>());
+  if (!object.mesh->unit.empty()) add("unit", object.mesh->unit);
+  return query;
 }
 
 nlohmann::json fracture_parameters(const SceneObject& object, const world::Impact& impact, std::uint64_t seed,
@@ -106,6 +114,7 @@ nlohmann::json fracture_parameters(const SceneObject& object, const world::Impac
   const double growth = std::clamp(std::cbrt(std::max(impact.energy, 0.0) / b.energy), 0.6, 2.0);
   nlohmann::json parameters = b.parameters;
   parameters["seed"] = seed;
+  if (object.mesh && !object.mesh->unit.empty()) parameters["unit"] = object.mesh->unit;
   const bool counts = !parameters.contains("cell") && !parameters.contains("sites");
   if (counts) parameters["sites"] = std::lround(b.sites * growth);
   // A tenth of a millimetre is enough, and keeps requests of like hits alike.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <glm/gtc/matrix_transform.hpp>
 #include <iterator>
 
 #include "common/import/import.hpp"
@@ -15,13 +16,41 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Expected<MeshAsset> complete(MeshAsset asset, const std::vector<float>& cuts = {}) {
+constexpr float kLargest = 12;  ///< metres that a mesh of unknown unit may be long
+
+float metres_of(const std::string& unit) {
+  return unit == "cm" ? 0.01f : unit == "mm" ? 0.001f : unit == "inch" ? 0.0254f : 1.f;
+}
+
+/// The unit in which things of this length, in units, are of a size that people throw balls at.
+std::string guessed_unit(float length) {
+  return length <= kLargest ? "" : length <= 100 * kLargest ? "cm" : "mm";
+}
+
+Expected<MeshAsset> complete(MeshAsset asset, const std::vector<float>& cuts = {}, bool guess = false) {
   auto model = render::read_model(std::as_bytes(std::span(asset.bytes.data(), asset.bytes.size())));
   if (!model) return fail(model.error().code, to_string(model.error()));
   std::vector<glm::vec3> positions;
   positions.reserve(model->vertices.size());
   for (const render::Vertex& v : model->vertices)
     positions.emplace_back(model->objects[v.object].transform * glm::vec4(v.position, 1));
+  if (guess && asset.unit.empty()) {
+    glm::vec3 low(HUGE_VALF), high(-HUGE_VALF);
+    for (const glm::vec3& p : positions) {
+      low = glm::min(low, p);
+      high = glm::max(high, p);
+    }
+    const glm::vec3 size = high - low;
+    asset.unit = guessed_unit(std::max({size.x, size.y, size.z}));
+    if (!asset.unit.empty())
+      asset.warnings.push_back(asset.name + " is taken to be in " + asset.unit +
+                               " (--unit, or U, says otherwise).");
+  }
+  if (const float scale = metres_of(asset.unit); scale != 1) {
+    for (glm::vec3& p : positions) p *= scale;
+    for (render::Object& object : model->objects)
+      object.transform = glm::scale(glm::mat4(1), glm::vec3(scale)) * object.transform;
+  }
   std::vector<std::array<std::uint32_t, 3>> triangles;
   for (std::size_t k = 0; k + 2 < model->indices.size(); k += 3)
     triangles.push_back({model->indices[k], model->indices[k + 1], model->indices[k + 2]});
@@ -91,9 +120,10 @@ MeshAsset make_asset(const SurfaceMesh& mesh, const std::string& name, const glm
   return std::move(*made);
 }
 
-Expected<MeshAsset> load_asset(const std::string& path) {
+Expected<MeshAsset> load_asset(const std::string& path, const std::string& unit) {
   std::ifstream in(path, std::ios::binary);
   MeshAsset asset;
+  asset.unit = unit;
   asset.name = fs::path(path).stem().string();
   asset.bytes.assign(std::istreambuf_iterator<char>(in), {});
   if (!in.is_open() || in.bad()) return fail(ErrorCode::kMalformedMesh, "Cannot read " + path + ".");
@@ -104,7 +134,7 @@ Expected<MeshAsset> load_asset(const std::string& path) {
   const auto format = format_from_extension(extension);
   if (!format)
     return fail(ErrorCode::kUnknownFormat, path + " has no extension of a mesh format that is read.");
-  if (*format == MeshFormat::kGlb) return complete(std::move(asset));
+  if (*format == MeshFormat::kGlb) return complete(std::move(asset), {}, true);
   // What the file names lies beside it.
   std::vector<std::string> names, contents;
   std::error_code ignored;
@@ -135,6 +165,7 @@ Expected<MeshAsset> load_asset(const std::string& path) {
       for (int k = 0; k < 4; ++k) color[k] = factor[static_cast<std::size_t>(k)].get<float>();
   }
   asset.bytes = to_glb(surface, asset.name, color);
+  asset.unit.clear();  // in metres now
   asset.warnings.push_back(path + " is shown and sent without its textures.");
   return complete(std::move(asset));
 }

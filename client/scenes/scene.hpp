@@ -62,21 +62,22 @@ struct Scene {
   std::vector<std::string> warnings;
 };
 
-/// monkey, panes, wall, temple, crates.
+/// In the order of the menu.
 std::vector<std::string> scene_names();
 
 /// A built-in scene; kBadParameter with the names there are. Meshes are generated; the monkey is read from
 /// assimp-testmodels, and is a vase where that is not installed.
 Expected<Scene> make_scene(const std::string& name);
 
-/// The meshes of files, and of folders all that can be read (at most 40), side by side above the ground.
-/// A file that cannot be read is a warning; kNoFragments where none can.
-Expected<Scene> scene_of_files(const std::vector<std::string>& paths);
+/// The meshes of files, and of folders all that can be read (at most 40), in rows above the ground, the low ones in
+/// front. `unit`: as for load_asset. A file that cannot be read is a warning; kEmptyMesh where none can.
+Expected<Scene> scene_of_files(const std::vector<std::string>& paths, const std::string& unit = {});
 
 /// Materials for the number keys 1 … 8, in the server's order.
 const std::vector<std::string>& material_names();
 
-/// Gives every object another material: parameters, density, look, and a strength in proportion.
+/// Gives an object, or every one, another material: parameters, density, look, and a strength in proportion.
+void set_material(SceneObject& object, const std::string& material);
 void set_material(Scene& scene, const std::string& material);
 
 /// The query of PUT /meshes/… for an object's mesh: its material, which may make walls of it.
