@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <thread>
 
+#include "client/app/recorded_options.hpp"
 #include "client/egl/egl_context.hpp"
 #include "client/render/frame_target.hpp"
 #include "client/view/scene_view.hpp"
@@ -92,6 +93,37 @@ json summary_of_frames(std::vector<double> times) {
           {"each_ms", in_order}};
 }
 
+/// How many things broke, how many of them had their fragments before the contact, and how late the others were.
+json breaks_of(const game::Game& game) {
+  std::vector<std::uint64_t> late = game.figures().late;
+  std::sort(late.begin(), late.end());
+  const auto at = [&](double share) {
+    return late.empty()
+               ? 0.0
+               : 1e3 * game.world().settings().step *
+                     static_cast<double>(
+                         late[static_cast<std::size_t>(share * static_cast<double>(late.size() - 1))]);
+  };
+  return {{"count", late.size()},
+          {"on_time", std::count(late.begin(), late.end(), 0u)},
+          {"late_p50_ms", at(0.5)},
+          {"late_p99_ms", at(0.99)},
+          {"waiting", game.open_requests() + game.waiting_requests()}};
+}
+
+json ledger_of(const world::World& world) {
+  const world::Ledger& ledger = world.ledger();
+  json rest = nullptr;
+  if (ledger.asleep_since)
+    rest = world.settings().step *
+           std::max(0.0, static_cast<double>(*ledger.asleep_since) - static_cast<double>(ledger.last_swap));
+  return {{"brought_j", ledger.brought},
+          {"energy_j", ledger.energy},
+          {"worst_gain", ledger.brought > 0 ? ledger.worst_gain / ledger.brought : 0},
+          {"deepest_mm", 1e3 * ledger.deepest},
+          {"asleep_after_s", rest}};
+}
+
 json fragments_of(const game::Game& game) {
   json list = json::array();
   std::vector<world::FragmentState> states;
@@ -165,6 +197,7 @@ json summary(const game::Game& game, const protocol::Client& client, const Optio
             {"open_requests", game.open_requests()},
             {"meshes_stored", game.meshes_stored()},
             {"trouble", figures.last_trouble},
+            {"diverged", figures.diverged ? json(*figures.diverged) : json()},
             {"worst_momentum_error", figures.worst_momentum_error}}},
           {"bodies",
            {{"all", census.bodies},
@@ -177,6 +210,8 @@ json summary(const game::Game& game, const protocol::Client& client, const Optio
             {"faded", census.faded},
             {"fastest", census.fastest},
             {"lowest", census.lowest}}},
+          {"breaks", breaks_of(game)},
+          {"ledger", ledger_of(game.world())},
           {"swaps", swaps},
           {"fragments", fragments_of(game)}};
 }
@@ -185,6 +220,7 @@ game::GameSettings settings_of(const Options& options) {
   game::GameSettings settings;
   settings.seed = options.seed;
   settings.anticipate = options.anticipate;
+  settings.overrides = options.parameters;
   if (options.fixed_step) settings.fixed_latency = options.answer_steps;
   if (!options.requests) settings.max_requests = 0;
   return settings;
@@ -220,10 +256,10 @@ class FrameTimes {
 /// A game without a window, from its first frame to the summary of all.
 class HeadlessRun {
  public:
-  HeadlessRun(const Options& options, scenes::Scene scene)
+  HeadlessRun(const Options& options, scenes::Scene scene, game::GameSettings settings)
       : options_(options),
         client_(options.server),
-        settings_(settings_of(options)),
+        settings_(std::move(settings)),
         game_(std::move(scene), client_, settings_),
         recorder_(options),
         screenshots_(options.screenshots),
@@ -235,13 +271,15 @@ class HeadlessRun {
     if (options_.draw)  // compiles shaders and uploads the scene, which is no frame's work
       if (const auto drawn = recorder_.draw(game_); !drawn) return tl::unexpected(drawn.error());
     start_ = Clock::now();
-    const auto frames = static_cast<std::uint64_t>(std::llround(options_.seconds / frame_length_));
+    const std::uint64_t frames =
+        settings_.replay ? (settings_.replay->hashes.size() + kStepsPerFrame - 1) / kStepsPerFrame
+                         : static_cast<std::uint64_t>(std::llround(options_.seconds / frame_length_));
     for (std::uint64_t frame = 0; frame <= frames; ++frame) {
       const double now = static_cast<double>(frame) * frame_length_;
       if (auto taken = take_pictures(frame, now); !taken) return tl::unexpected(taken.error());
       if (frame == frames) break;
       const std::uint64_t swaps_before = game_.figures().swaps;
-      double spent = options_.fixed_step ? step_at_fixed_pace() : step_in_real_time(now);
+      double spent = options_.fixed_step || settings_.replay ? step_at_fixed_pace() : step_in_real_time(now);
       if (options_.draw) {
         const Expected<double> drawn = draw();
         if (!drawn) return tl::unexpected(drawn.error());
@@ -278,7 +316,7 @@ class HeadlessRun {
   /// the waiting, as do the next two.
   double step_at_fixed_pace() {
     double spent = 0;
-    for (int k = 0; k < kStepsPerFrame; ++k) {
+    for (int k = 0; k < kStepsPerFrame && !game_.replayed(); ++k) {
       while (!game_.ready()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
       const Clock::time_point begin = Clock::now();
       game_.step();
@@ -341,19 +379,34 @@ class HeadlessRun {
 }  // namespace
 
 Expected<scenes::Scene> scene_of(const Options& options) {
-  Expected<scenes::Scene> scene =
-      options.files.empty() ? scenes::make_scene(options.scene) : scenes::scene_of_files(options.files);
+  Expected<scenes::Scene> scene = options.files.empty() ? scenes::make_scene(options.scene)
+                                                        : scenes::scene_of_files(options.files, options.unit);
   if (scene && !options.material.empty()) set_material(*scene, options.material);
   return scene;
 }
 
-Expected<json> run_headless(const Options& options) {
+Expected<json> run_headless(const Options& asked) {
+  Options options = asked;
+  std::shared_ptr<const game::Recording> replay;
+  if (!options.replay.empty()) {
+    Expected<game::Recording> recording = game::read_recording(options.replay);
+    if (!recording) return tl::unexpected(recording.error());
+    Expected<Options> begun = with_header(options, recording->header);
+    if (!begun) return tl::unexpected(begun.error());
+    options = std::move(*begun);
+    replay = std::make_shared<const game::Recording>(std::move(*recording));
+  }
   Expected<scenes::Scene> scene = scene_of(options);
   if (!scene) return tl::unexpected(scene.error());
-  if (!options.throws) scene->throws.clear();
+  if (!options.throws || replay) scene->throws.clear();
   std::error_code ignored;
   std::filesystem::create_directories(options.out, ignored);
-  return HeadlessRun(options, std::move(*scene)).run();
+  game::GameSettings settings = settings_of(options);
+  auto recorder = recorder_for(options);
+  if (!recorder) return tl::unexpected(recorder.error());
+  settings.recorder = std::move(*recorder);
+  settings.replay = std::move(replay);
+  return HeadlessRun(options, std::move(*scene), std::move(settings)).run();
 }
 
 }  // namespace fracture::app

@@ -16,7 +16,10 @@ int main(int argc, char** argv) {
       return 1;
     }
     if (options->json) std::printf("%s\n", summary->dump(1).c_str());
-    return 0;
+    const auto& diverged = summary->at("game").at("diverged");
+    if (diverged.is_null()) return 0;
+    std::fprintf(stderr, "fracture-client: step %s is not what was recorded\n", diverged.dump().c_str());
+    return 1;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "fracture-client: %s\n", error.what());
     return 4;

@@ -5,6 +5,19 @@
 #include "client/scenes/scene.hpp"
 
 namespace fracture::app {
+namespace {
+
+/// NAME=VALUE as a member: numbers, lists and so on as JSON, everything else as text. False: there is no name.
+bool add_parameter(const std::string& text, nlohmann::json& parameters) {
+  const std::size_t sign = text.find('=');
+  if (sign == std::string::npos || sign == 0) return false;
+  const std::string value = text.substr(sign + 1);
+  nlohmann::json parsed = nlohmann::json::parse(value, nullptr, false);
+  parameters[text.substr(0, sign)] = parsed.is_discarded() ? nlohmann::json(value) : std::move(parsed);
+  return true;
+}
+
+}  // namespace
 
 tl::expected<Options, Exit> parse_options(int argc, char** argv) {
   Options o;
@@ -15,6 +28,18 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
   app.add_option("--scene", o.scene, "Scene")->check(CLI::IsMember(scenes::scene_names()));
   app.add_option("--material", o.material, "Material of everything in it")
       ->check(CLI::IsMember(scenes::material_names()));
+  int sites = 0;
+  app.add_option("--sites", sites, "Sites of every fracture; 0: as many as the hit asks for")
+      ->check(CLI::Range(0, 100000));
+  std::vector<std::string> set;
+  app.add_option("--set", set,
+                 "NAME=VALUE: any parameter of GET /patterns, for every fracture; may be repeated")
+      ->check([](const std::string& text) {
+        nlohmann::json ignored;
+        return add_parameter(text, ignored) ? std::string() : "'" + text + "' is not NAME=VALUE";
+      });
+  app.add_option("--unit", o.unit, "Unit of own meshes' coordinates; without it a guess by their size")
+      ->check(CLI::IsMember({"m", "cm", "mm", "inch"}));
   app.add_option("--host", o.server.host, "Server: name or address");
   app.add_option("--port", o.server.port, "Server: port")->check(CLI::Range(1, 65535));
   app.add_option("--token", o.server.token, "Bearer token, where the server asks for one");
@@ -28,11 +53,15 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
                  "Window: closes after so many seconds and leaves window.png in --out")
       ->check(CLI::Range(0.0, 86400.0));
   app.add_option("--out", o.out, "Folder for pictures and saved files");
+  app.add_option("--log", o.log, "File that the game is recorded in, to be played again");
   CLI::Option* headless = app.add_flag("--headless", o.headless, "Without a window, then exit");
   const auto add = [&](CLI::Option* option) { option->needs(headless); };
   add(app.add_flag("--fixed-step", o.fixed_step,
                    "Reproducible: answers take effect after --answer-steps, and the simulated clock stands "
                    "still for a slower server"));
+  add(app.add_option(
+      "--replay", o.replay,
+      "Plays a game that --log recorded; exit code 1, and the first step, where it is not the same"));
   add(app.add_option("--answer-steps", o.answer_steps, "Steps of 1/120 s")->check(CLI::Range(1, 1200)));
   add(app.add_option("--seconds", o.seconds, "Simulated time")->check(CLI::Range(0.0, 3600.0)));
   add(app.add_option("--screenshot-at", o.screenshots, "Seconds, separated by commas")
@@ -49,6 +78,8 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
     const int code = app.exit(error);
     return tl::unexpected(Exit{code == 0 ? 0 : 2});
   }
+  if (sites > 0) o.parameters["sites"] = sites;
+  for (const std::string& text : set) add_parameter(text, o.parameters);
   o.anticipate = !no_anticipation;
   o.throws = !no_throws;
   o.requests = !no_requests;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <tl/expected.hpp>
 #include <vector>
@@ -14,6 +15,8 @@ struct Options {
   std::string scene = "monkey";
   std::vector<std::string> files;  ///< meshes or folders, instead of a scene
   std::string material;            ///< empty: the scene's own
+  std::string unit;                ///< of own files: m, cm, mm or inch; empty: a guess by their size
+  nlohmann::json parameters = nlohmann::json::object();  ///< of every fracture, above what scene and hit say
   protocol::Settings server;
   std::uint64_t seed = 1;
   int width = 1280, height = 720;
@@ -22,7 +25,10 @@ struct Options {
   double close_after = 0;  ///< seconds; 0: when the player leaves. Leaves a picture window.png
   bool gravity = false;    ///< starts with gravity on
 
+  std::string log;  ///< file that the game is recorded in; empty: none
+
   bool headless = false;
+  std::string replay;  ///< such a file, to be played again; empty: none
   bool fixed_step = false;
   unsigned answer_steps = 6;  ///< fixed_step: from a request to its answer's effect (50 ms)
   double seconds = 5;

@@ -1,4 +1,4 @@
-// What the window shows over the picture (Dear ImGui): panel, help, hints.
+// The panel that F1 opens (Dear ImGui): server, frames, bodies, view, and every parameter of the next fracture.
 #pragma once
 
 #include <array>
@@ -12,16 +12,25 @@
 namespace fracture::app {
 
 struct PanelState {
-  bool help = true, panel = true;
-  bool gravity_held = false, gravity_always = false;
+  bool help = false, panel = false, menu = false;
+  bool gravity_held = false, gravity_always = false, slow_motion = false;
   view::ViewSettings view;
   view::ViewFigures figures;
   std::array<float, 240> frame_ms{};  ///< simulation and submission; a ring
   std::size_t next_frame = 0;
   double frames_per_second = 0;
   ParameterControls parameters;
-  std::string note;  ///< the last thing that happened, for people
+  nlohmann::json given = nlohmann::json::object();  ///< parameters of the command line
+  world::Census census;
+  std::string note;  ///< the last thing that happened, for people; empty after some seconds
   bool loading = false;
+
+  /// Of the next fracture: the command line's, and above them what is set in the panel.
+  nlohmann::json overrides() const {
+    nlohmann::json all = given;
+    all.update(parameters.values());
+    return all;
+  }
 };
 
 /// What the panel may ask for.
@@ -32,8 +41,5 @@ struct PanelActions {
 
 void draw_panel(PanelState& state, game::Game& game, const protocol::Client& client,
                 const PanelActions& actions);
-void draw_help(const PanelState& state);
-/// Numbers on the fragments, for the debug view of groups.
-void draw_fragment_ids(const game::Game& game, const render::Camera& camera, int width, int height);
 
 }  // namespace fracture::app

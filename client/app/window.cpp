@@ -15,9 +15,13 @@
 #include <fstream>
 #include <functional>
 #include <future>
+#include <utility>
 
 #include "client/app/headless.hpp"
+#include "client/app/hud.hpp"
 #include "client/app/panel.hpp"
+#include "client/app/recorded_options.hpp"
+#include "client/app/scene_menu.hpp"
 #include "client/render/frame_target.hpp"
 
 namespace fracture::app {
@@ -93,10 +97,14 @@ class Session {
         static_cast<Session*>(glfwGetWindowUserPointer(w))->press(key);
     });
     glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int) {
-      if (button == GLFW_MOUSE_BUTTON_LEFT && action == GLFW_PRESS && !ImGui::GetIO().WantCaptureMouse)
-        static_cast<Session*>(glfwGetWindowUserPointer(w))->throw_ball();
+      Session& session = *static_cast<Session*>(glfwGetWindowUserPointer(w));
+      if (button == GLFW_MOUSE_BUTTON_RIGHT && action == GLFW_RELEASE) session.look(session.look_always_);
+      if (action != GLFW_PRESS || ImGui::GetIO().WantCaptureMouse) return;
+      if (button == GLFW_MOUSE_BUTTON_RIGHT) session.look(true);
+      if (button == GLFW_MOUSE_BUTTON_LEFT) session.throw_ball();
     });
     state_.gravity_always = options.gravity;
+    state_.given = options.parameters;
     load([options] { return scene_of(options); });
     client_.patterns();
   }
@@ -151,7 +159,7 @@ class Session {
   }
   void set_material(const std::string& name) {
     options_.material = name;
-    state_.note = "material: " + name;
+    note("material: " + name);
     load([options = options_] { return scene_of(options); });
   }
 
@@ -160,22 +168,62 @@ class Session {
     Loaded scene = loading_.get();
     state_.loading = false;
     if (!scene) {
-      state_.note = scene.error().detail;
+      note(scene.error().detail);
       return;
     }
-    for (const std::string& warning : scene->warnings) state_.note = warning;
+    for (const std::string& warning : scene->warnings) note(warning);
     if (!game_ || game_->scene().name != scene->name || scene->name == "files") aim(*scene);
     game::GameSettings settings;
     settings.seed = options_.seed;
     settings.anticipate = options_.anticipate;
-    settings.overrides = state_.parameters.values();
+    settings.overrides = state_.overrides();
+    // Another scene or a reset begins another game, and another recording.
+    Options begun = options_;
+    begun.parameters = settings.overrides;
+    if (auto recorder = recorder_for(begun))
+      settings.recorder = std::move(*recorder);
+    else
+      note(recorder.error().detail);
     view_.reset();
     // The old one ends on another thread: its decoder may be at work.
     if (game_) background([old = std::shared_ptr<game::Game>(std::move(game_))]() mutable { old.reset(); });
     game_ = std::make_unique<game::Game>(std::move(*scene), client_, settings);
   }
 
+  /// Something for people, for some seconds.
+  void note(std::string text) {
+    constexpr std::chrono::seconds kShown(6);
+    state_.note = std::move(text);
+    note_until_ = Clock::now() + kShown;
+  }
+
   // -- camera
+
+  /// The mouse turns the view and has no pointer.
+  void look(bool on) {
+    if (captured_ == on) return;
+    captured_ = on;
+    had_cursor_ = false;
+    glfwSetInputMode(window_, GLFW_CURSOR, on ? GLFW_CURSOR_DISABLED : GLFW_CURSOR_NORMAL);
+  }
+  /// In pixels of the window: the pointer, or the middle where there is none.
+  glm::vec2 aim_point() const {
+    int width = 1, height = 1;
+    glfwGetWindowSize(window_, &width, &height);
+    if (captured_) return {0.5f * static_cast<float>(width), 0.5f * static_cast<float>(height)};
+    return {static_cast<float>(std::clamp(cursor_x_, 0.0, static_cast<double>(width))),
+            static_cast<float>(std::clamp(cursor_y_, 0.0, static_cast<double>(height)))};
+  }
+  glm::dvec3 aim_direction() const {
+    int width = 1, height = 1;
+    glfwGetWindowSize(window_, &width, &height);
+    const glm::vec2 at = aim_point() / glm::vec2(std::max(width, 1), std::max(height, 1));
+    const render::Camera camera = view::look_at(
+        eye_, eye_ + forward(), static_cast<float>(width) / static_cast<float>(std::max(height, 1)));
+    const glm::vec4 far =
+        glm::inverse(camera.view_projection()) * glm::vec4(2 * at.x - 1, 1 - 2 * at.y, 0.9f, 1);
+    return glm::normalize(glm::dvec3(glm::vec3(far) / far.w - eye_));
+  }
 
   void aim(const scenes::Scene& scene) {
     eye_ = scene.eye;
@@ -216,8 +264,34 @@ class Session {
       return set_material(materials[static_cast<std::size_t>(key - GLFW_KEY_1)]);
     switch (key) {
       case GLFW_KEY_ESCAPE:
-        glfwSetWindowShouldClose(window_, GLFW_TRUE);
+        if (state_.menu)
+          state_.menu = false;
+        else if (captured_)
+          look(look_always_ = false);
+        else
+          glfwSetWindowShouldClose(window_, GLFW_TRUE);
         break;
+      case GLFW_KEY_T:
+        state_.slow_motion = !state_.slow_motion;
+        note(state_.slow_motion ? "a fifth of the speed" : "full speed");
+        break;
+      case GLFW_KEY_PERIOD:
+        state_.gravity_always = false;
+        single_step_ = true;
+        break;
+      case GLFW_KEY_M:
+        state_.menu = !state_.menu;
+        if (state_.menu) look(look_always_ = false);
+        break;
+      case GLFW_KEY_U: {
+        if (options_.files.empty()) break;
+        static const std::vector<std::string> kUnits = {"", "m", "cm", "mm", "inch"};
+        const auto at = std::find(kUnits.begin(), kUnits.end(), options_.unit);
+        options_.unit = at == kUnits.end() || at + 1 == kUnits.end() ? kUnits.front() : *(at + 1);
+        note(options_.unit.empty() ? "unit: guessed by size" : "unit: " + options_.unit);
+        load([options = options_] { return scene_of(options); });
+        break;
+      }
       case GLFW_KEY_G:
         state_.gravity_always = !state_.gravity_always;
         break;
@@ -245,8 +319,7 @@ class Session {
         break;
       }
       case GLFW_KEY_TAB:
-        captured_ = !captured_;
-        glfwSetInputMode(window_, GLFW_CURSOR, captured_ ? GLFW_CURSOR_DISABLED : GLFW_CURSOR_NORMAL);
+        look(look_always_ = !captured_);
         break;
       default:
         break;
@@ -255,10 +328,11 @@ class Session {
 
   void throw_ball() {
     if (!game_) return;
-    const glm::dvec3 direction(forward());
+    const glm::dvec3 direction = aim_direction();
     const double radius = game_->scene().ball_radius;
     game_->throw_ball(glm::dvec3(eye_) + (radius + 0.3) * direction, game_->scene().ball_speed * direction);
-    if (!state_.gravity_always && !state_.gravity_held) state_.note = "Paused: hold X and the ball flies.";
+    if (!state_.gravity_always && !state_.gravity_held)
+      note("Paused: hold X, or press G, and the ball flies.");
   }
 
   void screenshot(const std::string& name) {
@@ -269,7 +343,7 @@ class Session {
       if (const auto written = render::write_png(*picture, path); !written)
         std::fprintf(stderr, "fracture-client: %s\n", written.error().detail.c_str());
     });
-    state_.note = "saved " + path;
+    note("saved " + path);
   }
 
   void save_glb() {
@@ -278,7 +352,7 @@ class Session {
     background([glb = game_->last_glb(), path] {
       std::ofstream(path, std::ios::binary).write(glb->data(), static_cast<std::streamsize>(glb->size()));
     });
-    state_.note = "saved " + path;
+    note("saved " + path);
   }
 
   // -- a frame
@@ -286,13 +360,14 @@ class Session {
   void frame(double seconds) {
     move(static_cast<float>(seconds));
     state_.gravity_held = down(GLFW_KEY_X);
+    if (Clock::now() > note_until_) state_.note.clear();
     int width = 0, height = 0;
     glfwGetFramebufferSize(window_, &width, &height);
     if (width < 1 || height < 1) return;
     if (!target_ || target_->width() != width || target_->height() != height) {
       auto made = render::FrameTarget::create(width, height);
       if (!made) {
-        state_.note = made.error().detail;
+        note(made.error().detail);
         return;
       }
       target_ = std::make_unique<render::FrameTarget>(std::move(*made));
@@ -301,12 +376,19 @@ class Session {
         view::look_at(eye_, eye_ + forward(), static_cast<float>(width) / static_cast<float>(height));
     const Clock::time_point begin = Clock::now();
     if (game_) {
-      game_->advance(seconds, state_.gravity_always || state_.gravity_held);
+      game_->set_eye(eye_);
+      constexpr double kSlow = 0.2;
+      const double step = game_->settings().world.step;
+      if (std::exchange(single_step_, false))
+        game_->advance(1.001 * step, true);  // no rounding keeps it from being due
+      else
+        game_->advance(state_.slow_motion ? kSlow * seconds : seconds,
+                       state_.gravity_always || state_.gravity_held);
       const auto drawn = view_.draw(*game_, camera, state_.view, target_->framebuffer(), width, height);
       if (drawn)
         state_.figures = *drawn;
       else
-        state_.note = drawn.error().detail;
+        note(drawn.error().detail);
     }
     state_.frame_ms[state_.next_frame] = static_cast<float>(1e3 * seconds_between(begin, Clock::now()));
     state_.next_frame = (state_.next_frame + 1) % state_.frame_ms.size();
@@ -320,6 +402,8 @@ class Session {
     ImGui_ImplGlfw_NewFrame();
     ImGui::NewFrame();
     if (game_) {
+      constexpr int kEvery = 6;  // frames: it looks at every corner of every piece
+      if (frames_++ % kEvery == 0) state_.census = game_->world().census();
       if (state_.view.debug == view::DebugView::kFragments) draw_fragment_ids(*game_, camera, width, height);
       draw_panel(
           state_, *game_, client_,
@@ -329,8 +413,18 @@ class Session {
            },
            [this](const std::string& material) { set_material(material); },
            [this] { load([options = options_] { return scene_of(options); }); }, [this] { save_glb(); }});
+      draw_hud(state_, *game_, client_);
     }
     draw_help(state_);
+    if (state_.menu) {
+      if (!menu_) menu_ = std::make_unique<SceneMenu>();
+      if (menu_->draw([this](const std::string& scene) {
+            options_.material.clear();
+            load_scene(scene);
+          }))
+        state_.menu = false;
+    }
+    draw_hint(state_, aim_point());
     ImGui::Render();
     glViewport(0, 0, width, height);
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
@@ -347,14 +441,16 @@ class Session {
   view::SceneView view_;
   std::unique_ptr<game::Game> game_;
   std::unique_ptr<render::FrameTarget> target_;
+  std::unique_ptr<SceneMenu> menu_;  ///< once it was asked for
   PanelState state_;
+  Clock::time_point note_until_{};
   std::future<Loaded> loading_;
   std::vector<std::future<void>> background_;
   glm::vec3 eye_{0, 2, 8};
   float yaw_ = 0, pitch_ = 0;
-  bool captured_ = false, had_cursor_ = false;
+  bool captured_ = false, look_always_ = false, had_cursor_ = false, single_step_ = false;
   double cursor_x_ = 0, cursor_y_ = 0;
-  int pictures_ = 0, saved_ = 0;
+  int pictures_ = 0, saved_ = 0, frames_ = 0;
 };
 
 }  // namespace

@@ -1,0 +1,123 @@
+#include "client/app/hud.hpp"
+
+#include <imgui.h>
+
+#include <string>
+
+namespace fracture::app {
+namespace {
+
+constexpr ImGuiWindowFlags kPlain = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs |
+                                    ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoFocusOnAppearing;
+constexpr float kEdge = 12;  // pixels
+
+ImVec4 color_of(protocol::ServerState state) {
+  switch (state) {
+    case protocol::ServerState::kReachable:
+      return {0.35f, 0.85f, 0.4f, 1};
+    case protocol::ServerState::kOverloaded:
+      return {0.95f, 0.75f, 0.2f, 1};
+    default:
+      return {0.95f, 0.35f, 0.3f, 1};
+  }
+}
+
+const char* words_for(protocol::ServerState state) {
+  switch (state) {
+    case protocol::ServerState::kReachable:
+      return "server answers";
+    case protocol::ServerState::kOverloaded:
+      return "server is busy: it is asked again";
+    case protocol::ServerState::kAbsent:
+      return "no server: things stay whole";
+    default:
+      return "looking for the server";
+  }
+}
+
+}  // namespace
+
+void draw_hud(const PanelState& state, const game::Game& game, const protocol::Client& client) {
+  if (state.panel) return;  // which says all of it and more
+  ImGui::SetNextWindowPos(ImVec2(kEdge, kEdge), ImGuiCond_Always);
+  ImGui::SetNextWindowBgAlpha(0.45f);
+  ImGui::Begin("hud", nullptr, kPlain);
+  const protocol::Status status = client.status();
+  ImGui::TextColored(color_of(status.state), "%s", words_for(status.state));
+  if (status.fractures_timed > 0) {
+    ImGui::SameLine();
+    ImGui::Text("in %.0f ms", status.p50_ms);
+  }
+  const game::GameFigures& figures = game.figures();
+  if (!figures.last_break.empty()) ImGui::TextUnformatted(figures.last_break.c_str());
+  const world::Census& census = state.census;
+  ImGui::Text("%zu whole, %zu pieces, %zu moving", census.whole, census.fragments, census.moving);
+  if (state.loading) ImGui::TextUnformatted("loading ...");
+  ImGui::End();
+}
+
+void draw_help(const PanelState& state) {
+  if (!state.help) return;
+  const ImGuiIO& io = ImGui::GetIO();
+  ImGui::SetNextWindowPos(ImVec2(io.DisplaySize.x - kEdge, kEdge), ImGuiCond_Always, ImVec2(1, 0));
+  ImGui::SetNextWindowBgAlpha(0.6f);
+  ImGui::Begin("help", nullptr, kPlain);
+  ImGui::TextUnformatted(
+      "WASD, Q E      move (Shift: faster)\n"
+      "right button   held: look; Tab: look always\n"
+      "click          throw a ball at the pointer\n"
+      "X held         gravity runs\n"
+      "G              gravity always on\n"
+      "T              slow motion; . (dot): one step\n"
+      "1 - 8          material\n"
+      "M              scenes; N: next scene\n"
+      "R              reset\n"
+      "V              debug view\n"
+      "P              screenshot\n"
+      "U              unit of own meshes\n"
+      "F1             panel\n"
+      "H              this help\n"
+      "Esc            leave\n"
+      "drop files     break your own meshes");
+  ImGui::End();
+}
+
+void draw_hint(const PanelState& state, const glm::vec2& aim) {
+  const ImGuiIO& io = ImGui::GetIO();
+  ImGui::SetNextWindowPos(ImVec2(io.DisplaySize.x / 2, io.DisplaySize.y - 16), ImGuiCond_Always,
+                          ImVec2(0.5f, 1));
+  ImGui::SetNextWindowBgAlpha(0.4f);
+  ImGui::Begin("hint", nullptr, kPlain);
+  if (!state.note.empty()) ImGui::TextUnformatted(state.note.c_str());
+  ImGui::TextUnformatted(state.gravity_always ? "click throws a ball - G pauses - H for help"
+                         : state.gravity_held ? "gravity runs"
+                                              : "paused - hold X for gravity, G for always - H for help");
+  ImGui::End();
+  ImDrawList* list = ImGui::GetForegroundDrawList();
+  const ImVec2 at(aim.x, aim.y);
+  list->AddCircle(at, 6, IM_COL32(0, 0, 0, 120), 20, 3);
+  list->AddCircle(at, 6, IM_COL32(255, 255, 255, 200), 20, 1.5f);
+  list->AddCircleFilled(at, 1.5f, IM_COL32(255, 255, 255, 200));
+}
+
+void draw_fragment_ids(const game::Game& game, const render::Camera& camera, int width, int height) {
+  ImDrawList* list = ImGui::GetBackgroundDrawList();
+  const glm::mat4 matrix = camera.view_projection();
+  std::vector<world::FragmentState> states;
+  for (const game::Thing& thing : game.things()) {
+    if (!thing.fragments) continue;
+    const world::FragmentSet& set = world::fragments_of(*thing.fragments->fragments);
+    game.world().fragment_states(thing.id, states);
+    for (std::size_t k = 0; k < states.size(); ++k) {
+      if (!states[k].present) continue;
+      const glm::vec4 clip =
+          matrix * glm::vec4(glm::vec3(states[k].asset_to_world.point(set.fragments[k].mass.center)), 1);
+      if (clip.w <= 0) continue;
+      const ImVec2 at((0.5f + 0.5f * clip.x / clip.w) * static_cast<float>(width),
+                      (0.5f - 0.5f * clip.y / clip.w) * static_cast<float>(height));
+      list->AddText(at, IM_COL32(255, 255, 255, 220), std::to_string(k).c_str());
+    }
+  }
+}
+
+}  // namespace fracture::app

@@ -1,0 +1,15 @@
+// What is always to be seen over the picture: the server's state, what broke last, hints, the cross hairs.
+#pragma once
+
+#include "client/app/panel.hpp"
+
+namespace fracture::app {
+
+void draw_hud(const PanelState& state, const game::Game& game, const protocol::Client& client);
+void draw_help(const PanelState& state);
+/// `aim`: where a ball goes, in pixels of the window.
+void draw_hint(const PanelState& state, const glm::vec2& aim);
+/// Numbers on the fragments, for the debug view of groups.
+void draw_fragment_ids(const game::Game& game, const render::Camera& camera, int width, int height);
+
+}  // namespace fracture::app
