@@ -87,14 +87,14 @@ void Game::ask(std::size_t index, const world::Impact& impact, std::optional<std
   pending_.emplace(ticket, std::move(pending));
 }
 
-void Game::want(Waiting hit) {
+void Game::want(const Waiting& hit) {
   const auto same = std::find_if(waiting_.begin(), waiting_.end(), [&](const Waiting& other) {
     return other.thing == hit.thing && other.fragment == hit.fragment;
   });
   if (same == waiting_.end())
-    waiting_.push_back(std::move(hit));
+    waiting_.push_back(hit);
   else if (hit.urgency > same->urgency)
-    *same = std::move(hit);
+    *same = hit;
 }
 
 void Game::ask_most_urgent() {
@@ -102,7 +102,7 @@ void Game::ask_most_urgent() {
     const auto next =
         std::max_element(waiting_.begin(), waiting_.end(),
                          [](const Waiting& a, const Waiting& b) { return a.urgency < b.urgency; });
-    const Waiting hit = std::move(*next);
+    const Waiting hit = *next;
     waiting_.erase(next);
     ask(hit.thing, hit.impact, hit.fragment);
   }

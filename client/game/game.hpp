@@ -114,8 +114,8 @@ class Game {
   };
 
   void poll();
-  void want(Waiting hit);  ///< keeps the more urgent of two for the same thing
-  void ask_most_urgent();  ///< as many as may be open
+  void want(const Waiting& hit);  ///< keeps the more urgent of two for the same thing
+  void ask_most_urgent();         ///< as many as may be open
   void ask(std::size_t thing, const world::Impact& impact, std::optional<std::uint32_t> fragment);
   void apply(Pending& pending);
   bool apply_due();  ///< whether bodies were swapped
