@@ -288,6 +288,9 @@ class HeadlessRun {
       times_.add(spent, game_.figures().swaps > swaps_before, game_.open_requests() > 0);
       fastest_ = std::max(fastest_, game_.world().census().fastest);
     }
+    if (settings_.recorder && !settings_.recorder->finish())
+      return fail(ErrorCode::kFileAccess,
+                  "The game could not be written to " + options_.log + " as a whole.");
     return result();
   }
 

@@ -49,6 +49,8 @@ class Recorder {
   static Expected<Recorder> create(const std::string& path, const nlohmann::json& header);
   void add(const RecordedEvent& event);
   void add_hash(std::uint64_t step, std::uint64_t fingerprint);
+  /// Whether all of it is in the file; false on a full disk, say.
+  bool finish() { return static_cast<bool>(out_.flush()); }
 
  private:
   explicit Recorder(std::ofstream out) : out_(std::move(out)) {}

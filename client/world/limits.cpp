@@ -49,7 +49,7 @@ glm::dvec3 spin_of(const Body& body) { return from_bullet(body.rigid->getAngular
 }  // namespace
 
 /// The solver weighs contacts against one another, and a shard under a heavy block may lose: it is pressed through the
-/// floor, from where it would come back late. What is deeper than Bullet's own slop is put back at once; what lies on
+/// floor, from where it would come back late. What is deeper than two millimetres is put back at once; what lies on
 /// it has to give way, and energy that the lifting took is taken from the motion (limit_gains).
 void World::State::keep_above_ground() {
   constexpr double kDeepest = 0.002;  // metres

@@ -126,6 +126,17 @@ TEST(EndToEnd, ARecordedGameIsPlayedAgainToTheSameBits) {
   EXPECT_EQ(replayed["swaps"], played["swaps"]);
 }
 
+TEST(EndToEnd, ARecordingThatDoesNotFitIsAnError) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "there is no /dev/full";
+  test::ServeProcess server;
+  Options options = options_for(server, "panes", 0.5);
+  options.log = "/dev/full";
+  const Expected<json> summary = run_headless(options);
+  ASSERT_FALSE(summary);
+  EXPECT_EQ(summary.error().code, ErrorCode::kFileAccess);
+  EXPECT_NE(summary.error().detail.find("/dev/full"), std::string::npos);
+}
+
 TEST(EndToEnd, AnotherSeedBreaksOtherwise) {
   test::ServeProcess server;
   Options options = options_for(server, "monkey", 1.5);
