@@ -1,37 +1,25 @@
 #!/usr/bin/env python3
-"""What an engine has to do to break things with the service, in Python's standard library.
+"""What an engine has to do to break things with the service: store the mesh once, ask at the collision, read the fragments.
 
     integrate.py http://127.0.0.1:8080 barrel.glb out.glb '{"material": "wood", "impacts": [[0, 0.5, 0]]}'
 """
-import base64, hashlib, http.client, json, struct, sys, time, urllib.parse
+import json
+import pathlib
+import sys
 
-server, mesh_file, out_file, parameters = sys.argv[1:5]
-connection = http.client.HTTPConnection(urllib.parse.urlsplit(server).netloc, timeout=30)  # kept for all requests
+# The package lies beside this folder: the example runs from a checkout where nothing was installed.
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "python"))
+from fracture_client import Client, FractureError  # noqa: E402
 
-
-def ask(method, path, body, content_type):
-    while True:
-        connection.request(method, path, body, {"Content-Type": content_type})
-        answer = connection.getresponse()
-        data = answer.read()
-        if answer.status in (200, 201, 404):
-            return answer, data
-        if answer.status not in (429, 503):
-            sys.exit(json.loads(data)["detail"])
-        time.sleep(int(answer.getheader("Retry-After", "1")))  # busy: it says for how long
-
-
-mesh = open(mesh_file, "rb").read()
-path = "/meshes/sha256:" + hashlib.sha256(mesh).hexdigest()
-answer, glb = ask("POST", path + "/fracture", parameters, "application/json")  # a few bytes at the collision
-if answer.status == 404:  # the mesh itself when the level is loaded, and where the server has forgotten it
-    ask("PUT", path, mesh, "model/gltf-binary")
-    answer, glb = ask("POST", path + "/fracture", parameters, "application/json")
-digest = base64.b64encode(hashlib.sha256(glb).digest()).decode()
-assert answer.getheader("Repr-Digest") == f"sha-256=:{digest}:", "damaged on the way"
-open(out_file, "wb").write(glb)
-for node in json.loads(glb[20 : 20 + struct.unpack("<I", glb[12:16])[0]])["nodes"]:
-    fragment = node.get("extras", {}).get("fracture", {})
-    if "id" in fragment:
-        motion = node["extensions"]["KHR_physics_rigid_bodies"]["motion"]
-        print(fragment["id"], f"{motion['mass']:.3f} kg at", node.get("translation", [0, 0, 0]))
+if len(sys.argv) not in (4, 5):
+    sys.exit(__doc__)
+server, mesh_file, out_file, *parameters = sys.argv[1:]
+try:
+    with Client(server) as client:
+        mesh = client.put(mesh_file)  # when the level is loaded: sent only where the server has not got it yet
+        answer = mesh.fracture(json.loads(parameters[0]) if parameters else {})  # at the collision: a few bytes
+        answer.save(out_file)
+except (FractureError, OSError, ValueError) as error:
+    sys.exit(f"integrate.py: {error}")
+for fragment in answer.fragments:  # each is a body of its own, and answer.bonds says what holds them together
+    print(fragment.id, f"{fragment.mass:.3f} kg at", list(fragment.translation))

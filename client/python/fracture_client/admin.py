@@ -1,0 +1,50 @@
+"""The admin listener of a server: probes and figures, on a port of its own that asks for no token."""
+from __future__ import annotations
+
+from typing import Optional
+
+from . import asking
+from .caller import Caller
+from .calls import Cancel
+from .errors import FractureError
+from .http1 import Request
+from .pool import Settings
+
+
+class Admin(Caller):
+    """with Admin("http://127.0.0.1:8081") as admin: admin.is_ready()"""
+
+    def __init__(self, url: str, timeout: Optional[float] = 10.0, *, settings: Settings = Settings()) -> None:
+        """Raises FractureError of type "bad-url"."""
+        super().__init__(url, None, timeout, False, None, settings)
+
+    def __enter__(self) -> "Admin":
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
+    def is_alive(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> bool:
+        """False where nobody answers."""
+        return self._probe("/livez", timeout, cancel)
+
+    def is_ready(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> bool:
+        """False where the server stops, or nobody answers."""
+        return self._probe("/readyz", timeout, cancel)
+
+    def metrics(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> str:
+        """Counts and gauges in the text format of Prometheus. Raises FractureError."""
+        response = self._ask("GET", "/metrics", b"", {}, asking.check_nothing, timeout, cancel)
+        return response.body.decode("utf-8", "replace")
+
+    def _probe(self, path: str, timeout: Optional[float], cancel: Optional[Cancel]) -> bool:
+        """Once: who asks a probe wants to know now."""
+        try:
+            with self._call(timeout, cancel, f"GET {path}") as call:
+                once = Settings(**{**vars(self.settings), "tries": 1})
+                asking.ask(self._pool, once, self._complete(Request("GET", path)), call, asking.check_nothing)
+        except FractureError as error:
+            if error.type in ("connection", "timeout") or error.status == 503:
+                return False
+            raise
+        return True

@@ -1,0 +1,230 @@
+"""The same for asyncio. The calls run in threads; cancelling a task closes its connection at once, so that the server stops."""
+from __future__ import annotations
+
+import asyncio
+import concurrent.futures
+import functools
+import ssl
+from typing import Any, AsyncIterator, Callable, Dict, Iterator, Mapping, Optional, Sequence, TypeVar, Union
+
+from .answer import Answer, Point
+from .calls import Cancel
+from .client import Client
+from .errors import FractureError
+from .http1 import Response
+from .jobs import Job, JobState
+from .mesh import Mesh, Parameters
+from .pool import Settings
+from .upload import Content, Files, Path
+
+T = TypeVar("T")
+THREADS = 64  # most: they wait for connections, of which there are few, and for what jobs say of themselves
+
+
+class _Runner:
+    """Runs calls of the client in threads of its own."""
+
+    def __init__(self) -> None:
+        self._threads = concurrent.futures.ThreadPoolExecutor(THREADS, "fracture_client")
+
+    async def run(self, work: Callable[..., T], *args: Any, **options: Any) -> T:
+        """work(*args, cancel=…, **options), which a cancelled task takes back."""
+        token = Cancel()
+        running = self._threads.submit(functools.partial(work, *args, cancel=token, **options))
+        try:
+            return await asyncio.wrap_future(running)
+        except asyncio.CancelledError:
+            token.cancel()  # a call that has not begun yet ends when it does
+            raise
+
+    async def each(self, items: Iterator[T], token: Cancel) -> AsyncIterator[T]:
+        """What an iterator gives, each in its turn; `token` is what it was given."""
+        end = object()
+        try:
+            while True:
+                item: Any = await asyncio.wrap_future(self._threads.submit(lambda: next(items, end)))
+                if item is end:
+                    return
+                yield item
+        finally:
+            token.cancel()
+
+    async def close(self) -> None:
+        await asyncio.get_running_loop().run_in_executor(None, self._threads.shutdown)
+
+
+class AsyncAnswer(Answer):
+    """An Answer whose hit() is awaited."""
+
+    _runner: _Runner
+
+    async def hit(self, point: Union[Point, Sequence[Point]], radius: Union[float, Sequence[float]],  # type: ignore[override]
+                  sites: Union[int, Sequence[int], None] = None, *, timeout: Optional[float] = None,
+                  realtime: Optional[bool] = None, **parameters: Any) -> "AsyncAnswer":
+        """Answer.hit()."""
+        hit = functools.partial(Answer.hit, self, point, radius, sites, timeout=timeout, realtime=realtime, **parameters)
+        return _of_answer(self._runner, await self._runner.run(hit))
+
+
+class AsyncMesh:
+    """Mesh, awaited."""
+
+    def __init__(self, runner: _Runner, mesh: Mesh) -> None:
+        self._runner = runner
+        self.sync = mesh
+
+    @property
+    def id(self) -> str:
+        return self.sync.id
+
+    @property
+    def stored(self) -> Dict[str, Any]:
+        return self.sync.stored
+
+    @property
+    def report(self) -> Dict[str, Any]:
+        return self.sync.report
+
+    async def refresh(self, *, timeout: Optional[float] = None) -> Dict[str, Any]:
+        return await self._runner.run(self.sync.refresh, timeout=timeout)
+
+    async def fracture(self, parameters: Optional[Parameters] = None, *, timeout: Optional[float] = None,
+                       realtime: Optional[bool] = None, **more: Any) -> AsyncAnswer:
+        answer = await self._runner.run(self.sync.fracture, parameters, timeout=timeout, realtime=realtime, **more)
+        return _of_answer(self._runner, answer)
+
+    async def figures(self, parameters: Optional[Parameters] = None, *, timeout: Optional[float] = None,
+                      realtime: Optional[bool] = None, **more: Any) -> Dict[str, Any]:
+        return await self._runner.run(self.sync.figures, parameters, timeout=timeout, realtime=realtime, **more)
+
+    async def job(self, parameters: Optional[Parameters] = None, *, timeout: Optional[float] = None, **more: Any) -> "AsyncJob":
+        return AsyncJob(self._runner, await self._runner.run(self.sync.job, parameters, timeout=timeout, **more))
+
+    async def forget(self, *, timeout: Optional[float] = None) -> bool:
+        return await self._runner.run(self.sync.forget, timeout=timeout)
+
+
+class AsyncJob:
+    """Job, awaited."""
+
+    def __init__(self, runner: _Runner, job: Job) -> None:
+        self._runner = runner
+        self.sync = job
+
+    @property
+    def id(self) -> str:
+        return self.sync.id
+
+    @property
+    def state(self) -> JobState:
+        return self.sync.state
+
+    async def refresh(self, *, timeout: Optional[float] = None) -> JobState:
+        return await self._runner.run(self.sync.refresh, timeout=timeout)
+
+    def progress(self, *, timeout: Optional[float] = None) -> AsyncIterator[JobState]:
+        """async for state in job.progress(): …"""
+        token = Cancel()
+        return self._runner.each(self.sync.progress(timeout=timeout, cancel=token), token)
+
+    async def wait(self, *, timeout: Optional[float] = None) -> JobState:
+        return await self._runner.run(self.sync.wait, timeout=timeout)
+
+    async def result(self, *, timeout: Optional[float] = None) -> AsyncAnswer:
+        return _of_answer(self._runner, await self._runner.run(self.sync.result, timeout=timeout))
+
+    async def cancel(self, *, timeout: Optional[float] = None) -> bool:
+        return await self._runner.run(self.sync.cancel, timeout=timeout)
+
+
+class AsyncClient:
+    """Client for asyncio: the same calls, awaited. A task that is cancelled closes its connection.
+
+        async with AsyncClient("http://127.0.0.1:8080") as client:
+            mesh = await client.put("barrel.glb")
+            answer = await mesh.fracture(material="wood", fragments=40)
+    """
+
+    def __init__(self, url: str, token: Optional[str] = None, timeout: Optional[float] = 300.0, *, realtime: bool = False,
+                 tls: Optional[ssl.SSLContext] = None, settings: Settings = Settings()) -> None:
+        """As Client."""
+        self.sync = Client(url, token, timeout, realtime=realtime, tls=tls, settings=settings)
+        self._runner = _Runner()
+
+    async def __aenter__(self) -> "AsyncClient":
+        return self
+
+    async def __aexit__(self, *error: object) -> None:
+        await self.close()
+
+    async def close(self) -> None:
+        """Takes back what is open, and closes the connections."""
+        self.sync.close()
+        await self._runner.close()
+
+    async def put(self, mesh: Union[Path, Content], *, files: Optional[Files] = None, format: Optional[str] = None,
+                  timeout: Optional[float] = None, **preparation: Any) -> AsyncMesh:
+        made = await self._runner.run(self.sync.put, mesh, files=files, format=format, timeout=timeout, **preparation)
+        return AsyncMesh(self._runner, made)
+
+    def mesh(self, id: str) -> AsyncMesh:
+        return AsyncMesh(self._runner, self.sync.mesh(id))
+
+    async def inspect(self, mesh: Union[Path, Content], *, files: Optional[Files] = None, format: Optional[str] = None,
+                      timeout: Optional[float] = None, **preparation: Any) -> Dict[str, Any]:
+        return await self._runner.run(self.sync.inspect, mesh, files=files, format=format, timeout=timeout, **preparation)
+
+    async def fracture(self, mesh: Union[AsyncMesh, Path, Content], parameters: Optional[Parameters] = None, *,
+                       files: Optional[Files] = None, format: Optional[str] = None, timeout: Optional[float] = None,
+                       realtime: Optional[bool] = None, **more: Any) -> AsyncAnswer:
+        of = mesh.sync if isinstance(mesh, AsyncMesh) else mesh
+        answer = await self._runner.run(self.sync.fracture, of, parameters, files=files, format=format, timeout=timeout,
+                                        realtime=realtime, **more)
+        return _of_answer(self._runner, answer)
+
+    async def answer(self, location: str, *, unless: Optional[str] = None,
+                     timeout: Optional[float] = None) -> Optional[AsyncAnswer]:
+        answer = await self._runner.run(self.sync.answer, location, unless=unless, timeout=timeout)
+        return None if answer is None else _of_answer(self._runner, answer)
+
+    async def job(self, mesh: Union[AsyncMesh, Path, Content], parameters: Optional[Parameters] = None, *,
+                  timeout: Optional[float] = None, **more: Any) -> AsyncJob:
+        of = mesh.sync if isinstance(mesh, AsyncMesh) else mesh
+        return AsyncJob(self._runner, await self._runner.run(self.sync.job, of, parameters, timeout=timeout, **more))
+
+    async def find_job(self, id: str, *, timeout: Optional[float] = None) -> AsyncJob:
+        return AsyncJob(self._runner, await self._runner.run(self.sync.find_job, id, timeout=timeout))
+
+    async def jobs(self, state: Optional[str] = None, *, timeout: Optional[float] = None) -> AsyncIterator[AsyncJob]:
+        """async for job in client.jobs(): …"""
+        token = Cancel()
+        async for job in self._runner.each(self.sync.jobs(state, timeout=timeout, cancel=token), token):
+            yield AsyncJob(self._runner, job)
+
+    async def index(self, *, timeout: Optional[float] = None) -> Dict[str, Any]:
+        return await self._runner.run(self.sync.index, timeout=timeout)
+
+    async def version(self, *, timeout: Optional[float] = None) -> Dict[str, Any]:
+        return await self._runner.run(self.sync.version, timeout=timeout)
+
+    async def limits(self, *, timeout: Optional[float] = None) -> Dict[str, Any]:
+        return await self._runner.run(self.sync.limits, timeout=timeout)
+
+    async def patterns(self, *, timeout: Optional[float] = None) -> Dict[str, Any]:
+        return await self._runner.run(self.sync.patterns, timeout=timeout)
+
+    async def openapi(self, *, timeout: Optional[float] = None) -> Dict[str, Any]:
+        return await self._runner.run(self.sync.openapi, timeout=timeout)
+
+    async def explain(self, problem: Union[str, FractureError], *, timeout: Optional[float] = None) -> str:
+        return await self._runner.run(self.sync.explain, problem, timeout=timeout)
+
+    async def request(self, method: str, path: str, *, body: bytes = b"", headers: Optional[Mapping[str, str]] = None,
+                      timeout: Optional[float] = None) -> Response:
+        return await self._runner.run(self.sync.request, method, path, body=body, headers=headers, timeout=timeout)
+
+
+def _of_answer(runner: _Runner, answer: Answer) -> AsyncAnswer:
+    made = AsyncAnswer.__new__(AsyncAnswer)  # nothing is read twice
+    made.__dict__.update(answer.__dict__, _runner=runner)
+    return made

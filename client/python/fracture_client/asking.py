@@ -1,0 +1,160 @@
+"""Asks until there is an answer: what goes wrong is tried again as long as tries and time last.
+
+A server that is absent (with growing pauses), one that is busy (after its Retry-After), a mesh that it has forgotten (PUT,
+then once more), an answer that is cut off or whose digest is wrong. All requests are repeatable: the same one gives the
+same bytes. These are the manners of the game's own client (client/protocol/client.hpp).
+"""
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import re
+import time
+from typing import Any, Callable, Dict, Optional
+
+from .calls import Call
+from .errors import FractureError
+from .http1 import Request, Response, Trouble
+from .pool import Pool, Settings
+from .problems import Reaction, reaction_to
+
+DONE = (200, 201, 202, 204, 206, 304)  # 304 and 206 come only where they were asked for
+LONGEST_RETRY_AFTER = 86_400  # s; what is longer is taken for nonsense
+
+# What is wrong with an answer of 200; "" where nothing is.
+Check = Callable[[Response], str]
+
+
+def ask(pool: Pool, settings: Settings, request: Request, call: Call, check: Check,
+        put: Optional[Callable[[float], bool]] = None) -> Response:
+    """Raises FractureError.
+
+    `put`: called when the server says that it has not got the mesh, with the moment at which it was asked
+    (time.monotonic()). It sends the mesh, once for all who miss it, and says whether asking again makes sense.
+    """
+    pause, damaged, tries = settings.first_pause, 0, 0
+    while True:
+        tries += 1
+        sent = time.monotonic()
+        wait = pause
+        try:
+            response = pool.exchange(request, call)
+        except Trouble as trouble:
+            cut = trouble.type == "connection" and trouble.began
+            failure = FractureError("damaged" if cut else trouble.type, _detail(trouble, request, pool, time.monotonic() - sent))
+            if not trouble.again:
+                raise failure from None
+            if failure.type == "damaged":
+                damaged, wait = damaged + 1, 0.0
+        else:
+            if response.status in DONE:
+                wrong = check(response)
+                if not wrong:
+                    return response
+                failure = FractureError("damaged", wrong, status=response.status)
+                damaged, wait = damaged + 1, 0.0
+            else:
+                failure = refusal(response, request)
+                reaction = reaction_to(failure.type, response.status)
+                if reaction is Reaction.WAIT:
+                    after = retry_after(response)
+                    wait = pause if after is None else after
+                elif reaction is Reaction.PUT and response.status == 404 and put is not None and put(sent):
+                    wait, tries = 0.0, tries - 1  # the mesh is there now: that was no try that failed
+                else:
+                    raise failure
+        left = call.remaining()
+        if damaged >= settings.damaged_answers or tries >= settings.tries or (left is not None and left <= wait):
+            raise _with_tries(failure, tries) from None
+        if wait > 0:
+            call.pause(wait)
+            pause = min(2 * pause, settings.longest_pause)
+
+
+def _detail(trouble: Trouble, request: Request, pool: Pool, seconds: float) -> str:
+    detail = trouble.detail
+    if pool.address.authority not in detail:
+        detail = f"{request.what} at {pool.address.authority}: {detail}"
+    return f"{detail} ({seconds:.1f} s)" if trouble.type == "timeout" else detail
+
+
+def _with_tries(failure: FractureError, tries: int) -> FractureError:
+    if tries > 1:
+        failure.detail += f" (asked {tries} times)"
+    return failure
+
+
+def refusal(response: Response, request: Request) -> FractureError:
+    """Of an answer that is none of DONE."""
+    document = json_object(response.body)
+    if document is not None and isinstance(document.get("type"), str) and document["type"].startswith("/problems/"):
+        return FractureError.of_problem(document, response.status)
+    said = re.sub(r"<[^>]*>", " ", response.body[:2000].decode("utf-8", "replace"))  # pages of proxies
+    said = " ".join(said.split())[:200]
+    where = response.headers.get("location")
+    detail = f"{request.what} was answered with HTTP {response.status} and no problem document, which a fracture server sends."
+    if where:
+        detail += f" It leads to {where}."
+    elif said:
+        detail += f" It says: {said}"
+    return FractureError(f"http-{response.status}", detail, status=response.status,
+                         title="Somebody else than a fracture server answered", problem=document)
+
+
+def retry_after(response: Response) -> Optional[float]:
+    """Seconds (RFC 9110, section 10.2.3); None for a date or nonsense, or beyond a day."""
+    text = response.headers.get("retry-after", "").strip()
+    if not re.fullmatch(r"[0-9]{1,9}", text) or int(text) > LONGEST_RETRY_AFTER:
+        return None
+    return float(text)
+
+
+def digest_matches(field: str, content: bytes) -> bool:
+    """Does a Repr-Digest (RFC 9530) name the SHA-256 of this content? False for a field without sha-256."""
+    for entry in field.split(","):
+        entry = entry.strip()
+        if entry.startswith("sha-256="):
+            wanted = base64.b64encode(hashlib.sha256(content).digest()).decode("ascii")
+            return entry[len("sha-256="):] == f":{wanted}:"
+    return False
+
+
+def check_digest(response: Response) -> str:
+    """Of an answer with fragments."""
+    if response.status in (204, 206, 304):
+        return ""  # no body, or a part of one, whose digest is that of the whole
+    field = response.headers.get("repr-digest", "")
+    if not field:
+        return "The answer has no Repr-Digest."
+    if not digest_matches(field, response.body):
+        return "The answer has another digest than its Repr-Digest says."
+    return ""
+
+
+def check_json(response: Response) -> str:
+    """Of an answer that is one JSON object."""
+    if "repr-digest" in response.headers and not digest_matches(response.headers["repr-digest"], response.body):
+        return "The answer has another digest than its Repr-Digest says."
+    return "" if json_object(response.body) is not None else "The answer is no JSON object."
+
+
+def check_figures(response: Response) -> str:
+    return check_digest(response) or check_json(response)
+
+
+def check_digest_if_any(response: Response) -> str:
+    return check_digest(response) if "repr-digest" in response.headers else ""
+
+
+def check_nothing(response: Response) -> str:
+    """Of an answer for people: any text will do, and so will none."""
+    return ""
+
+
+def json_object(content: bytes) -> Optional[Dict[str, Any]]:
+    try:
+        document = json.loads(content)
+    except (ValueError, RecursionError):
+        return None
+    return document if isinstance(document, dict) else None

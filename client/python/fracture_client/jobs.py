@@ -1,0 +1,175 @@
+"""Fractures that nobody waits for on a connection."""
+from __future__ import annotations
+
+import json
+import time
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Optional
+
+from .answer import Answer
+from .asking import refusal
+from .calls import Call, Cancel
+from .errors import FractureError
+from .http1 import Request, Response, Trouble
+
+if TYPE_CHECKING:
+    from .client import Client
+    from .mesh import Mesh
+
+STATES = ("queued", "running", "done", "failed", "cancelled")
+FINISHED = STATES[2:]
+LONGEST_WAIT = 30.0  # s that one request waits for the end of a job: less than proxies have patience for
+SHORTEST_LOOK = 1.0  # s between two looks at a job
+MOST_EVENT_BYTES = 1 << 20  # a job is a few hundred
+
+
+@dataclass(frozen=True)
+class JobState:
+    """A job at one moment."""
+
+    id: str
+    state: str  # "queued", "running", "done", "failed", "cancelled"
+    stage: str  # "", "import", "prepare", "tetrahedralize", "clip", "encode"
+    percent: int  # never falls while the server runs
+    created: str  # RFC 3339
+    finished: str  # "" until then
+    durable: bool  # it survives the server
+    queue_position: Optional[int]  # how many go before it, while it is queued
+    result: str  # the address of the answer, when it is done
+    error: Dict[str, Any]  # the problem document, when it has failed
+    document: Dict[str, Any] = field(repr=False)  # all that the server says
+
+    @property
+    def is_finished(self) -> bool:
+        return self.state in FINISHED
+
+    @classmethod
+    def of(cls, document: Dict[str, Any]) -> "JobState":
+        """Raises FractureError of type "damaged" for what is no job."""
+        try:
+            return cls(str(document["id"]), str(document["state"]), str(document["stage"]), int(document["percent"]),
+                       str(document["created"]), str(document.get("finished", "")), bool(document["durable"]),
+                       document.get("queue_position"), str(document.get("result", "")), dict(document.get("error", {})),
+                       document)
+        except (KeyError, TypeError, ValueError) as error:
+            raise FractureError("damaged", f"The answer is no job: {error!r}.") from None
+
+
+class Job:
+    """A job of the server. Not thread-safe but for cancel()."""
+
+    def __init__(self, client: "Client", state: JobState, mesh: Optional["Mesh"] = None) -> None:
+        self._client = client
+        self._mesh = mesh
+        self.state = state  # as it was heard of last
+
+    @property
+    def id(self) -> str:
+        return self.state.id
+
+    def refresh(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> JobState:
+        """Asks how far it is. Raises FractureError; "not-found" where the server has forgotten it."""
+        self.state = JobState.of(self._client._json("GET", f"/jobs/{self.id}", timeout, cancel))
+        return self.state
+
+    def progress(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Iterator[JobState]:
+        """Each change as it comes (server-sent events), the last one when it has finished. A stream that breaks is opened
+        again. `timeout`: s for all of it; None: no limit but the server's. Raises FractureError."""
+        settings = self._client.settings
+        request = self._client._complete(Request("GET", f"/jobs/{self.id}/events", {"Accept": "text/event-stream"}))
+        pause, tries = settings.first_pause, 0
+        with self._client._call(timeout, cancel, request.what, forever=True) as call:
+            while not self.state.is_finished or tries == 0:
+                heard = False
+                try:
+                    for state in self._listen(request, call):
+                        if state != self.state or not (heard or tries):
+                            self.state = state
+                            yield state
+                        heard = True
+                        if state.is_finished:
+                            return
+                    failure = FractureError("connection", f"{request.what}: the stream ended before the job did.")
+                except Trouble as trouble:
+                    failure = FractureError(trouble.type, f"{request.what}: {trouble.detail}")
+                if heard:  # it goes on; what counts are tries without a word
+                    pause, tries = settings.first_pause, 0
+                tries += 1
+                left = call.remaining()
+                if tries >= settings.tries or (left is not None and left <= pause):
+                    raise failure
+                call.pause(pause)
+                pause = min(2 * pause, settings.longest_pause)
+
+    def wait(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> JobState:
+        """Until it has finished. Raises FractureError; "timeout" where it has not in time, and it goes on then."""
+        end = None if timeout is None else time.monotonic() + timeout
+        longest = max(1.0, min(LONGEST_WAIT, self._client.settings.answer_timeout / 2))
+        while not self.state.is_finished:
+            left = longest if end is None else min(longest, end - time.monotonic())
+            if left <= 0:
+                raise FractureError("timeout", f"The job {self.id} has not finished in {timeout:g} s; it is at "
+                                               f"{self.state.percent} %.")
+            asked = time.monotonic()
+            headers = {"Prefer": f"wait={int(left)}"} if left >= 1 else {}
+            self.state = JobState.of(self._client._json("GET", f"/jobs/{self.id}", None, cancel, headers))
+            if not self.state.is_finished:  # who does not know `wait` answers at once
+                (cancel or Cancel()).wait(max(0.0, min(left, SHORTEST_LOOK) - (time.monotonic() - asked)))
+        return self.state
+
+    def result(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Answer:
+        """The answer, when it has finished. Raises FractureError: that of the job where it has failed or was cancelled;
+        "not-found" where the server has forgotten the result."""
+        state = self.wait(timeout=timeout, cancel=cancel)
+        if state.state != "done":
+            if state.error:
+                raise FractureError.of_problem(state.error)
+            raise FractureError("cancelled", f"The job {self.id} was cancelled.")
+        answer = self._client.answer(state.result, timeout=timeout, cancel=cancel)
+        assert answer is not None  # None only where an etag was given
+        return answer if self._mesh is None else answer.of_mesh(self._mesh)
+
+    def cancel(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> bool:
+        """Stops it, or forgets it where it has finished. From any thread. False where the server did not know it any more.
+        Raises FractureError."""
+        return self._client._delete(f"/jobs/{self.id}", timeout, cancel)
+
+    def _listen(self, request: Request, call: Call) -> Iterator[JobState]:
+        """Raises Trouble, and FractureError for an answer that is no stream of jobs."""
+        from .caller import STALL
+        with self._client._pool.stream(request, call, STALL) as responses:
+            head = next(responses)
+            if head.status != 200:
+                body = b"".join(block.body for block in responses)
+                raise refusal(Response(head.status, head.headers, body), request)
+            for data in events(response.body for response in responses):
+                yield JobState.of(data)
+
+    def __repr__(self) -> str:
+        return f"<Job {self.id} {self.state.state} {self.state.percent} %>"
+
+
+def events(blocks: Iterator[bytes]) -> Iterator[Dict[str, Any]]:
+    """The data of server-sent events (WHATWG HTML, section 9.2), each of them one JSON object. Comments are left out."""
+    text = bytearray()
+    data: List[bytes] = []
+    for block in blocks:
+        text += block
+        if len(text) > MOST_EVENT_BYTES:
+            raise FractureError("damaged", f"An event has more than {MOST_EVENT_BYTES} bytes.")
+        if b"\n" not in block:
+            continue
+        *lines, rest = bytes(text).replace(b"\r\n", b"\n").split(b"\n")
+        text = bytearray(rest)
+        for line in lines:
+            if line.startswith(b"data:"):
+                data.append(line[5:].lstrip(b" "))
+            elif not line and data:
+                try:
+                    document = json.loads(b"\n".join(data))
+                except ValueError:
+                    document = None
+                if not isinstance(document, dict):
+                    raise FractureError("damaged", "An event is no JSON object.")
+                yield document
+                data = []

@@ -1,0 +1,255 @@
+"""The whole of what was hit: an answer, and what the hit changed of it (`delta=only`), as one answer.
+
+What comes out has the fragments, figures and bonds of the answer that the server gives with `delta=stated`, in the same
+order where that can be told: fragments stand in the order of their first site, then of the part of the mesh they are of.
+Only where a cell has several pieces in one part, and a hit leaves some of them as they were, their order may be another.
+"""
+from __future__ import annotations
+
+import copy
+import heapq
+import itertools
+from dataclasses import dataclass
+from typing import Any, Dict, List, Set
+
+from .buffers import Buffers, Json
+from .fragments import extras_of, figures_of, fragment_nodes
+from .glb import Glb, damaged, pack
+
+NAME_ROOM = 51  # bytes of a fragment's name that leave room for what a hull's name adds (63 is the most that tools take)
+KHR, OMI, OMI_SHAPE = "KHR_physics_rigid_bodies", "OMI_physics_body", "OMI_physics_shape"
+
+
+@dataclass
+class _Piece:
+    glb: Glb
+    node: Json
+    own: Json  # its extras.fracture
+    name: str = ""  # in the file that is made
+
+    @property
+    def id(self) -> int:
+        return int(self.own["id"])
+
+
+def merge(whole: Glb, delta: Glb) -> bytes:
+    """The GLB of the whole. Raises FractureError of type "damaged" where `delta` is not one of `whole`."""
+    figures = figures_of(delta)
+    pieces = _pieces(whole, delta, figures)
+    _rename(pieces)
+    # Materials, textures and what passes through uncut are those of the whole: a delta may leave textures out.
+    document: Json = {key: copy.deepcopy(value) for key, value in whole.document.items()
+                      if key not in ("nodes", "meshes", "accessors", "bufferViews", "buffers", "images", "extensions")}
+    if [m.get("name") for m in whole.list("materials")] != [m.get("name") for m in delta.list("materials")]:
+        raise damaged("what the hit changed has other materials than the whole")
+    document["asset"] = _stated(delta.document["asset"], "extras")
+    figures = {**_stated(figures, None), "bonds": _bonds(whole, figures, pieces)}
+    buffers = Buffers()
+    _write_scene(document, whole, pieces, figures, buffers)
+    if "images" in whole.document:
+        document["images"] = [buffers.add_image(whole, image) for image in whole.list("images")]
+    binary = buffers.finish(document)
+    return pack(document, binary)
+
+
+def _stated(holder: Json, below: Any) -> Json:
+    """The same with the parameters of an answer that has all fragments."""
+    holder = copy.deepcopy(holder)
+    inner = holder if below is None else holder.get(below, {})
+    if inner.get("parameters", {}).get("delta") == "only":
+        inner["parameters"]["delta"] = "stated"
+    return holder
+
+
+def _pieces(whole: Glb, delta: Glb, figures: Json) -> List[_Piece]:
+    said = figures.get("delta")
+    if not isinstance(said, dict):
+        raise damaged("it does not say what the hit changed")
+    new, changed, gone = ({int(id) for id in said.get(key, ())} for key in ("new", "changed", "gone"))
+    before = [_Piece(whole, node, own) for _, node, own in fragment_nodes(whole)]
+    after = [_Piece(delta, node, own) for _, node, own in fragment_nodes(delta)]
+    known = {piece.id for piece in before}
+    if not changed | gone <= known or new & known or {piece.id for piece in after} != new | changed:
+        raise damaged("what the hit changed is not of this answer")
+    stay = [piece for piece in before if piece.id not in changed | gone]
+    if len(stay) + len(after) != figures["certificate"]["fragments"]:
+        raise damaged(f"the whole has {figures['certificate']['fragments']} fragments, and {len(stay) + len(after)} came "
+                      "together")
+    before = [piece for piece in before if piece.id not in gone]
+    return _in_order(before, after, changed)
+
+
+def _in_order(before: List[_Piece], after: List[_Piece], changed: Set[int]) -> List[_Piece]:
+    """Both are parts of one order, and what has changed is in both: in between it goes by site and part."""
+    if [p.id for p in before if p.id in changed] != [p.id for p in after if p.id in changed]:
+        raise damaged("what the hit changed stands in another order than before")
+    ordered: List[_Piece] = []
+    old, new = iter(before), iter(after)
+    for _ in range(len(changed) + 1):
+        stay = list(itertools.takewhile(lambda piece: piece.id not in changed, old))
+        come, last = [], None
+        for piece in new:
+            if piece.id in changed:
+                last = piece
+                break
+            come.append(piece)
+        ordered += heapq.merge(stay, come, key=lambda piece: (piece.own["sites"][:1], piece.own.get("part", 0)))
+        ordered += [last] if last is not None else []
+    return ordered
+
+
+def _rename(pieces: List[_Piece]) -> None:
+    """"<node of the mesh>_007": names are unique because the number is, in as many digits as there are fragments."""
+    width = len(str(len(pieces) - 1))
+    for number, piece in enumerate(pieces):
+        base = str(piece.node["name"]).rpartition("_")[0]
+        piece.name = f"{base[:NAME_ROOM - 1 - width]}_{number:0{width}}"
+
+
+def _bonds(whole: Glb, figures: Json, pieces: List[_Piece]) -> Json:
+    """Those between fragments that stay, and those that came: from the lower to the higher fragment, in order."""
+    place = {piece.id: k for k, piece in enumerate(pieces)}
+    stay = {piece.id for piece in pieces if piece.glb is whole}
+    columns = list(figures["bonds"])
+    rows = [row for row in _rows(figures_of(whole)["bonds"], columns) if row["a"] in stay and row["b"] in stay]
+    rows += _rows(figures["bonds"], columns)
+    for row in rows:
+        if row["a"] not in place or row["b"] not in place:
+            raise damaged("a bond leads to a fragment that is not there")
+        if place[row["a"]] > place[row["b"]]:
+            row["a"], row["b"] = row["b"], row["a"]
+            row["normal"] = [-x if x else 0 for x in row["normal"]]
+    rows.sort(key=lambda row: (place[row["a"]], place[row["b"]]))
+    return {column: [row[column] for row in rows] for column in columns}
+
+
+def _rows(bonds: Json, columns: List[str]) -> List[Json]:
+    return [dict(zip(columns, values)) for values in zip(*(bonds[column] for column in columns))]
+
+
+def _write_scene(document: Json, whole: Glb, pieces: List[_Piece], figures: Json, buffers: Buffers) -> None:
+    """Nodes and meshes in the order of the server: the root, fragments, what is below them, what passes through."""
+    meshes: List[Json] = []
+    for piece in pieces:
+        meshes.append({**buffers.add_mesh(piece.glb, piece.node["mesh"]), "name": piece.name})
+    hulls = [_hull_meshes(piece) for piece in pieces]
+    hull_number: List[Dict[int, int]] = []  # of each piece: mesh in its file -> mesh here
+    for piece, old_meshes in zip(pieces, hulls):
+        numbers: Dict[int, int] = {}
+        for mesh in old_meshes:
+            numbers[mesh] = len(meshes)
+            copied = buffers.add_mesh(piece.glb, mesh)
+            meshes.append({**copied, "name": _renamed(copied.get("name", ""), piece)})
+        hull_number.append(numbers)
+    systems = _collision_systems(pieces)
+    nodes: List[Json] = [{}]
+    children: List[Json] = []
+    for k, piece in enumerate(pieces):
+        node = {**copy.deepcopy(piece.node), "name": piece.name, "mesh": k}
+        below = [copy.deepcopy(piece.glb.item("nodes", child)) for child in piece.node.get("children", [])]
+        if below:
+            node["children"] = [1 + len(pieces) + len(children) + n for n in range(len(below))]
+        for held in (node, *below):
+            _refer(held, piece, hull_number[k], systems[k], first_hull=len(pieces))
+        nodes.append(node)
+        children += [{**child, "name": _renamed(child.get("name", ""), piece)} for child in below]
+    nodes += children
+    passing = []
+    for kept in _passing_through(whole):
+        passing.append(len(nodes))
+        nodes.append({**kept, "mesh": len(meshes)})
+        meshes.append(buffers.add_mesh(whole, kept["mesh"]))
+    nodes[0] = {**_root(whole), "children": [*range(1, 1 + len(pieces)), *passing], "extras": {"fracture": figures}}
+    extensions = _document_extensions(whole, pieces, max((s for s in systems if s is not None), default=-1) + 1,
+                                      [mesh for numbers in hull_number for mesh in numbers.values()])
+    if extensions:
+        document["extensions"] = extensions
+    document["nodes"], document["meshes"] = nodes, meshes
+
+
+def _root(whole: Glb) -> Json:
+    return next(node for node in whole.list("nodes") if "certificate" in extras_of(node))
+
+
+def _passing_through(whole: Glb) -> List[Json]:
+    """Nodes of the mesh that were not to be fractured: children of the root that are no fragments."""
+    nodes = [whole.item("nodes", child) for child in _root(whole).get("children", [])]
+    return [node for node in nodes if not extras_of(node)]
+
+
+def _body(node: Json) -> Json:
+    extensions = node.get("extensions", {})
+    return extensions.get(KHR) or extensions.get(OMI) or {}
+
+
+def _hull_meshes(piece: _Piece) -> List[int]:
+    """Each once, in their order: of its collider, or of those below it; the same ones may be there for Unreal."""
+    meshes: List[int] = []
+    for node in (piece.node, *(piece.glb.item("nodes", child) for child in piece.node.get("children", []))):
+        collider = _body(node).get("collider", {})
+        if "geometry" in collider:
+            meshes.append(collider["geometry"]["mesh"])
+        elif "shape" in collider:
+            meshes.append(_shapes(piece.glb)[collider["shape"]]["convex"]["mesh"])
+        elif node is not piece.node and "mesh" in node:
+            meshes.append(node["mesh"])
+    return list(dict.fromkeys(meshes))
+
+
+def _shapes(glb: Glb) -> List[Json]:
+    return glb.document["extensions"][OMI_SHAPE]["shapes"]  # type: ignore[no-any-return]
+
+
+def _refer(node: Json, piece: _Piece, hull_number: Dict[int, int], system: Any, first_hull: int) -> None:
+    """Names hulls and collision systems as they are called here."""
+    collider = _body(node).get("collider", {})
+    if "geometry" in collider:
+        collider["geometry"]["mesh"] = hull_number[collider["geometry"]["mesh"]]
+        collider.pop("collisionFilter", None)
+        if system is not None:
+            collider["collisionFilter"] = system
+    elif "shape" in collider:
+        mesh = _shapes(piece.glb)[collider["shape"]]["convex"]["mesh"]
+        collider["shape"] = hull_number[mesh] - first_hull
+    if not extras_of(node) and "mesh" in node:
+        node["mesh"] = hull_number[node["mesh"]]
+
+
+def _renamed(name: str, piece: _Piece) -> str:
+    return name.replace(str(piece.node["name"]), piece.name, 1)
+
+
+def _collision_systems(pieces: List[_Piece]) -> List[Any]:
+    """Fragments that share a site, also by way of others, overlap and are not to collide: the number of their system, in
+    the order of its first fragment; None for fragments that share none."""
+    first: List[int] = list(range(len(pieces)))
+
+    def find(k: int) -> int:
+        while first[k] != k:
+            first[k] = first[first[k]]
+            k = first[k]
+        return k
+
+    owner: Dict[int, int] = {}
+    shares = [False] * len(pieces)
+    for k, piece in enumerate(pieces):
+        for site in piece.own["sites"]:
+            other = owner.setdefault(site, k)
+            if other != k:
+                shares[k] = shares[other] = True
+                a, b = sorted((find(other), find(k)))
+                first[b] = a
+    numbers: Dict[int, int] = {}
+    return [numbers.setdefault(find(k), len(numbers)) if shares[k] else None for k in range(len(pieces))]
+
+
+def _document_extensions(whole: Glb, pieces: List[_Piece], systems: int, hulls: List[int]) -> Json:
+    extensions: Json = copy.deepcopy(whole.document.get("extensions", {}))
+    if KHR in extensions:
+        extensions[KHR].pop("collisionFilters", None)
+        if systems and hulls:
+            names = [str(k) for k in range(systems)]
+            extensions[KHR]["collisionFilters"] = [{"collisionSystems": [n], "notCollideWithSystems": [n]} for n in names]
+    if OMI_SHAPE in extensions:
+        extensions[OMI_SHAPE]["shapes"] = [{"type": "convex", "convex": {"mesh": mesh}} for mesh in hulls]
+    return extensions

@@ -1,0 +1,14 @@
+export { Admin } from './admin.js';
+export { Answer, type AnswerHead, type HitOptions } from './answer.js';
+export type { Bytes, MeshFormat, MeshInput, NamedFile } from './asset.js';
+export { Client, type Limits, type ParameterDescription, type Patterns, type PutOptions } from './client.js';
+export type { Bond, BondColumns, Figures, Hull, Motion, Primitive } from './fragments.js';
+export { Fragment, Piece } from './fragments.js';
+export { Glb, packGlb } from './glb.js';
+export type { Gltf, GltfAccessor, GltfBufferView, GltfMesh, GltfNode, GltfPrimitive, TypedArray, Vector3 } from './glb.js';
+export { Job, type JobDocument, type JobState } from './jobs.js';
+export { type FractureOptions, Mesh, type StoredMesh } from './mesh.js';
+export { type Operation, type OperationId, operations, problemStatuses, requestFields } from './operations.js';
+export type { Parameters, ParameterValue } from './parameters.js';
+export { FractureError, type LocalProblem, localProblems, type ProblemDocument, type ServerProblem, serverProblems } from './problems.js';
+export type { Ask, CallOptions, Reply, Settings } from './transport.js';

@@ -1,0 +1,120 @@
+// Long work: a job that the server does while nobody waits on a connection.
+import type { Answer } from './answer.js';
+import type { Client } from './client.js';
+import { EventParser } from './events.js';
+import { FractureError, problemIn, type ProblemDocument } from './problems.js';
+import { type CallOptions, json } from './transport.js';
+
+export type JobState = 'queued' | 'running' | 'done' | 'failed' | 'cancelled';
+
+export interface JobDocument {
+  id: string;
+  state: JobState;
+  stage: '' | 'import' | 'prepare' | 'tetrahedralize' | 'clip' | 'encode';
+  /** 0 to 100; never falls while the server runs. */
+  percent: number;
+  created: string;
+  finished?: string;
+  /** It survives the server. */
+  durable: boolean;
+  /** How many go before it, while it is queued. */
+  queue_position?: number;
+  /** Where the fragments are, when it is done. */
+  result?: string;
+  error?: ProblemDocument;
+  links: { self?: string; events?: string };
+}
+
+const KEEP_ALIVE = 30_000;  // ms; an event stream is silent for 10 s at most
+const STREAMS = 3;          // that may break before only polls are trusted
+const WAIT = 20;            // s of a poll
+
+export class Job {
+  private answer: Answer | undefined;
+
+  constructor(private readonly client: Client, /** As the server said it last. */ public document: JobDocument) {}
+
+  /** One whose answer came at once, and of which the server keeps nothing. */
+  static done(client: Client, answer: Answer): Job {
+    const created = new Date().toISOString();
+    const job = new Job(client, { id: '', state: 'done', stage: 'encode', percent: 100, created, durable: false, links: {} });
+    job.answer = answer;
+    return job;
+  }
+
+  get id(): string {
+    return this.document.id;
+  }
+  get state(): JobState {
+    return this.document.state;
+  }
+  get percent(): number {
+    return this.document.percent;
+  }
+  get finished(): boolean {
+    return this.state === 'done' || this.state === 'failed' || this.state === 'cancelled';
+  }
+
+  /** How far it is now; with `wait`, when it has finished or after so many seconds. */
+  async refresh({ wait, ...options }: CallOptions & { wait?: number } = {}): Promise<JobDocument> {
+    if (this.id === '') return this.document;
+    const headers = { Prefer: wait === undefined ? undefined : `wait=${wait}` };
+    const reply = await this.client.request('getJob', { ...options, headers, path: { id: this.id }, json: true });
+    return (this.document = json<JobDocument>(reply));
+  }
+
+  /** Every change until the job has finished, that one too. By server-sent events, and by asking where streams are missing
+   * or break. Aborting stops looking, not the job. */
+  async *progress(options: CallOptions = {}): AsyncGenerator<JobDocument, void, undefined> {
+    yield this.document;
+    for (let broken = 0; !this.finished;) {
+      if (broken < STREAMS && this.client.streams) {
+        try {
+          for await (const document of this.events(options)) yield (this.document = document);
+        } catch (error) {
+          if (!(error instanceof FractureError) || error.problem === 'aborted') throw error;
+          if (error.status !== 0 && error.status !== 429 && error.status !== 503) throw error;
+        }
+        ++broken;
+      }
+      if (this.finished) return;
+      // The server waits no longer than the exchange may take.
+      const wait = Math.max(1, Math.min(WAIT, Math.floor((options.timeout ?? this.client.timeout) / 2000)));
+      const before = JSON.stringify(this.document);
+      await this.refresh({ ...options, wait });
+      if (JSON.stringify(this.document) !== before) yield this.document;
+    }
+  }
+
+  /** The fragments. FractureError where the job failed or was cancelled. Aborting stops waiting, not the job. */
+  async result({ onProgress, ...options }: CallOptions & { onProgress?: (job: JobDocument) => void } = {}): Promise<Answer> {
+    if (this.answer) return this.answer;
+    for await (const document of this.progress(options)) onProgress?.(document);
+    if (this.document.error) throw problemIn(this.document.error);
+    return (this.answer = await this.client.answer(this.document.result!, options));
+  }
+
+  /** Cancels it, or makes the server forget one that has finished. */
+  async cancel(options: CallOptions = {}): Promise<void> {
+    if (this.id !== '') await this.client.request('deleteJob', { ...options, path: { id: this.id } });
+  }
+
+  private async *events({ signal }: CallOptions): AsyncGenerator<JobDocument, void, undefined> {
+    const ask = { signal, path: { id: this.id }, headers: { Accept: 'text/event-stream' } };
+    const { response, watch } = await this.client.stream('getJobEvents', ask, KEEP_ALIVE);
+    const reader = response.body?.getReader(), parser = new EventParser(), utf8 = new TextDecoder();
+    try {
+      while (reader) {
+        const { done, value } = await watch.race(reader.read());
+        if (done) return;
+        watch.restart();
+        for (const { data } of parser.push(utf8.decode(value, { stream: true }))) yield JSON.parse(data) as JobDocument;
+      }
+    } catch (error) {
+      throw this.client.interrupted(error, watch, KEEP_ALIVE, signal);
+    } finally {
+      watch.release();
+      reader?.cancel().catch(() => {});
+    }
+  }
+}

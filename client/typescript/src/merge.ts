@@ -1,0 +1,171 @@
+// An answer that has only what hits changed (delta=only), put into the answer before it: the whole, as the service writes
+// it with delta=stated. The layout is that of its own files (common/gltf), so that the binary chunks are equal to the bit.
+//
+//   before   a b c d e          kept      a c d           order    by the first site, as the service has it
+//   changes      B' x y    ──>  changes     B' x y   ──>  names    numbered anew in that order
+//   gone     e                                            bonds    of kept pairs from before, the others from the changes
+//
+// Of pieces that are of the same cell and part, where some are kept and some are new, no file says which the service has
+// first: they may be numbered, and so named, in another order. Everything else is equal.
+import { type Glb, type Gltf, type GltfMesh, type GltfNode, packGlb, type Vector3 } from './glb.js';
+import { type BondColumns, type Figures, figuresOf } from './fragments.js';
+import { MeshCopier } from './mesh_copier.js';
+
+interface Source {
+  glb: Glb;
+  node: GltfNode;
+  figures: Record<string, any>;
+}
+
+const KHR = 'KHR_physics_rigid_bodies', OMI = 'OMI_physics_body', SHAPES = 'OMI_physics_shape';
+
+const fractureOf = (node: GltfNode): Record<string, any> | undefined => node.extras?.['fracture'];
+
+/** Undefined where the parts do not make the whole that the certificate describes: then the whole has to be asked for. */
+export function merge(before: Glb, changes: Glb): Uint8Array | undefined {
+  const now = figuresOf(changes), was = figuresOf(before);
+  if (!now.delta || now.levels || was.levels || now.mesh !== was.mesh) return undefined;
+  // With interior_detail a delta has neither the maps of the cuts nor the tangents that they need.
+  if (JSON.stringify(before.json.materials) !== JSON.stringify(changes.json.materials)) return undefined;
+  const left = new Set([...now.delta.changed, ...now.delta.gone]);
+  const sources = [...sourcesOf(before).filter(({ figures }) => !left.has(figures['id'])), ...sourcesOf(changes)];
+  const ids = new Set(sources.map(({ figures }) => figures['id']));
+  if (sources.length !== now.certificate.fragments || ids.size !== sources.length) return undefined;
+  const order = (a: Source, b: Source) => a.figures['sites'][0] - b.figures['sites'][0] || a.figures['part'] - b.figures['part'];
+  sources.sort(order);  // stable: kept ones stay before new ones of the same cell and part
+  return write(before, changes, now, sources, bondsOfWhole(was.bonds, now.bonds, sources, left));
+}
+
+function sourcesOf(glb: Glb): Source[] {
+  return (glb.json.nodes ?? []).flatMap(node => {
+    const figures = fractureOf(node);
+    return figures?.['id'] === undefined ? [] : [{ glb, node, figures }];
+  });
+}
+
+/** Each from its lower fragment to its higher one, and in order. */
+function bondsOfWhole(was: BondColumns, now: BondColumns, sources: Source[], left: ReadonlySet<number>): BondColumns {
+  const place = new Map(sources.map(({ figures }, k) => [figures['id'] as number, k]));
+  const rows: { a: number; b: number; area: number; centroid: Vector3; normal: Vector3; strength: number }[] = [];
+  const take = (bonds: BondColumns, wanted: (a: number, b: number) => boolean) => bonds.a.forEach((idA, k) => {
+    const idB = bonds.b[k]!;
+    if (!wanted(idA, idB)) return;
+    const a = place.get(idA), b = place.get(idB), normal = bonds.normal[k]!;
+    if (a === undefined || b === undefined) return;
+    const turned: Vector3 = a > b ? [-normal[0], -normal[1], -normal[2]] : normal;
+    const figures = { area: bonds.area[k]!, centroid: bonds.centroid[k]!, normal: turned, strength: bonds.strength[k]! };
+    rows.push({ a: Math.min(a, b), b: Math.max(a, b), ...figures });
+  });
+  take(was, (a, b) => !left.has(a) && !left.has(b));
+  take(now, () => true);
+  rows.sort((x, y) => x.a - y.a || x.b - y.b);
+  const id = (k: number) => sources[k]!.figures['id'] as number;
+  return {
+    a: rows.map(row => id(row.a)), b: rows.map(row => id(row.b)), area: rows.map(row => row.area),
+    centroid: rows.map(row => row.centroid), normal: rows.map(row => row.normal), strength: rows.map(row => row.strength),
+  };
+}
+
+/** Fragments of the same system share a cell, also by way of a third. Numbered in order. */
+function collisionSystems(sources: Source[]): (number | undefined)[] {
+  const root = sources.map((_, k) => k), owner = new Map<number, number>(), shares = new Set<number>();
+  const find = (k: number): number => (root[k] === k ? k : (root[k] = find(root[k]!)));
+  sources.forEach(({ figures }, k) => (figures['sites'] as number[]).forEach(site => {
+    const other = owner.get(site);
+    owner.set(site, k);
+    if (other === undefined) return;
+    const [low, high] = [find(other), find(k)].sort((x, y) => x - y) as [number, number];
+    root[high] = low;
+    shares.add(other).add(k);
+  }));
+  const numbers = new Map<number, number>();
+  return sources.map((_, k) => {
+    if (!shares.has(k)) return undefined;
+    const first = find(k);
+    if (!numbers.has(first)) numbers.set(first, numbers.size);
+    return numbers.get(first);
+  });
+}
+
+function write(before: Glb, changes: Glb, now: Figures, sources: Source[], bonds: BondColumns): Uint8Array {
+  const width = String(sources.length - 1).length;
+  const nameOf = (name: string, k: number) => `${name.replace(/_\d+$/, '').slice(0, 62 - width)}_${String(k).padStart(width, '0')}`;
+  const systems = collisionSystems(sources), copier = new MeshCopier();
+  const fragmentNodes: GltfNode[] = [], childNodes: GltfNode[] = [], hulls: { glb: Glb; mesh: GltfMesh }[] = [], shapes: unknown[] = [];
+  const meshes: GltfMesh[] = [];
+
+  sources.forEach(({ glb, node }, k) => {
+    const name = nameOf(node.name ?? '', k), rename = (text: string | undefined) => text?.replace(node.name ?? '', name);
+    const hullMesh = new Map<number, number>();  // of the source file to this one
+    const hullOf = (mesh: number) => {
+      if (!hullMesh.has(mesh)) {
+        const source = glb.json.meshes![mesh]!;
+        hullMesh.set(mesh, sources.length + hulls.length);
+        hulls.push({ glb, mesh: { ...source, name: rename(source.name)! } });
+      }
+      return hullMesh.get(mesh)!;
+    };
+    const physics = (extensions: Record<string, any>): Record<string, any> => {
+      const result = { ...extensions }, khr = extensions[KHR], omi = extensions[OMI];
+      if (khr?.collider) {
+        const { collisionFilter: _, ...collider } = khr.collider;
+        result[KHR] = { ...khr, collider: { ...collider, geometry: { ...collider.geometry, mesh: hullOf(collider.geometry.mesh) },
+          ...(systems[k] === undefined ? {} : { collisionFilter: systems[k] }) } };
+      }
+      if (omi?.collider) {
+        const shape = glb.json.extensions![SHAPES].shapes[omi.collider.shape];
+        shapes.push({ ...shape, convex: { ...shape.convex, mesh: hullOf(shape.convex.mesh) } });
+        result[OMI] = { ...omi, collider: { ...omi.collider, shape: shapes.length - 1 } };
+      }
+      return result;
+    };
+    const adopt = (source: GltfNode, more: Partial<GltfNode>): GltfNode => {
+      const { children: _, extensions, ...rest } = source;
+      return { ...rest, name: rename(source.name)!, ...(extensions ? { extensions: physics(extensions) } : {}), ...more };
+    };
+    const own = adopt(node, { mesh: k });
+    if (node.children) own.children = node.children.map(index => {
+      const child = glb.json.nodes![index]!;
+      return childNodes.push(adopt(child, child.mesh === undefined ? {} : { mesh: hullOf(child.mesh) })) + sources.length;
+    });
+    fragmentNodes.push(own);
+    meshes.push({ ...copier.copy(glb, glb.json.meshes![node.mesh!]!), name });
+  });
+  for (const { glb, mesh } of hulls) meshes.push(copier.copy(glb, mesh));
+
+  const root = changes.json.nodes![0]!, others: GltfNode[] = [];  // what passed through whole; a delta may leave it out
+  for (const index of before.json.nodes![0]!.children ?? []) {
+    const node = before.json.nodes![index]!;
+    if (node.mesh === undefined || fractureOf(node)) continue;
+    others.push({ ...node, mesh: meshes.length });
+    meshes.push(copier.copy(before, before.json.meshes![node.mesh]!));
+  }
+  const first = 1 + sources.length, behind = first + childNodes.length;
+  const stated = (parameters: Record<string, any>) => ({ ...parameters, delta: 'stated' });
+  const json: Gltf = {
+    ...changes.json,
+    asset: { ...changes.json.asset, extras: { ...changes.json.asset.extras, parameters: stated(changes.json.asset.extras.parameters) } },
+    extensionsUsed: [...new Set([...(before.json.extensionsUsed ?? []), ...(changes.json.extensionsUsed ?? [])])],
+    nodes: [
+      { ...root, children: [...sources.map((_, k) => 1 + k), ...others.map((_, k) => behind + k)],
+        extras: { fracture: { ...now, parameters: stated(now.parameters), bonds } } },
+      ...fragmentNodes, ...childNodes, ...others,
+    ],
+    meshes,
+  };
+  // A delta without fragments has no textures.
+  for (const member of ['materials', 'textures', 'samplers', 'images'] as const) {
+    delete json[member];
+    if (before.json[member]) json[member] = before.json[member];
+  }
+  const extensions = { ...before.json.extensions, ...changes.json.extensions };
+  if (extensions[KHR]) {
+    const { collisionFilters: _, ...khr } = extensions[KHR], count = new Set(systems.filter(system => system !== undefined)).size;
+    const filters = Array.from({ length: count }, (_, k) => ({ collisionSystems: [String(k)], notCollideWithSystems: [String(k)] }));
+    extensions[KHR] = count > 0 ? { ...khr, collisionFilters: filters } : khr;
+  }
+  if (extensions[SHAPES]) extensions[SHAPES] = { ...extensions[SHAPES], shapes };
+  if (Object.keys(extensions).length > 0) json.extensions = extensions;
+  const binary = copier.finish(before, json);
+  return packGlb(json, binary);
+}

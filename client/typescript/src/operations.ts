@@ -1,0 +1,49 @@
+// The interface as data: every operation of proto/openapi.yaml with its path. Requests are made from this table, and a
+// test holds it and the document together.
+
+export interface Operation {
+  readonly method: 'GET' | 'POST' | 'PUT' | 'DELETE';
+  readonly path: string;
+  /** Statuses of answers that are no problems. */
+  readonly good: readonly number[];
+  /** Answers carry a Repr-Digest, which is checked: one without it counts as damaged. */
+  readonly digest?: boolean;
+  /** On the admin listener, which is another address. */
+  readonly admin?: boolean;
+}
+
+export const operations = {
+  getIndex: { method: 'GET', path: '/', good: [200, 304] },
+  getDocs: { method: 'GET', path: '/docs', good: [200, 304] },  // for browsers, as the next one
+  getPageFile: { method: 'GET', path: '/page/{file}', good: [200, 304] },
+  getVersion: { method: 'GET', path: '/version', good: [200] },
+  getLimits: { method: 'GET', path: '/limits', good: [200] },
+  getPatterns: { method: 'GET', path: '/patterns', good: [200] },
+  getOpenapi: { method: 'GET', path: '/openapi.json', good: [200] },
+  getLlms: { method: 'GET', path: '/llms.txt', good: [200] },
+  getProblem: { method: 'GET', path: '/problems/{name}', good: [200] },
+  postFracture: { method: 'POST', path: '/fracture', good: [200, 202], digest: true },
+  getFracture: { method: 'GET', path: '/fractures/{id}', good: [200, 206, 304], digest: true },
+  postMesh: { method: 'POST', path: '/meshes', good: [200, 201] },
+  putMesh: { method: 'PUT', path: '/meshes/{id}', good: [200, 201] },
+  getMesh: { method: 'GET', path: '/meshes/{id}', good: [200] },
+  deleteMesh: { method: 'DELETE', path: '/meshes/{id}', good: [204] },
+  postMeshFracture: { method: 'POST', path: '/meshes/{id}/fracture', good: [200, 202], digest: true },
+  getJobs: { method: 'GET', path: '/jobs', good: [200] },
+  getJob: { method: 'GET', path: '/jobs/{id}', good: [200] },
+  deleteJob: { method: 'DELETE', path: '/jobs/{id}', good: [204] },
+  getJobEvents: { method: 'GET', path: '/jobs/{id}/events', good: [200] },
+  getLivez: { method: 'GET', path: '/livez', good: [200], admin: true },
+  getReadyz: { method: 'GET', path: '/readyz', good: [200], admin: true },
+  getMetrics: { method: 'GET', path: '/metrics', good: [200], admin: true },
+} as const satisfies Record<string, Operation>;
+
+export type OperationId = keyof typeof operations;
+
+/** Header fields of requests that the document names; the rest (Authorization, Accept) are HTTP's own. */
+export const requestFields = [
+  'If-Match', 'If-None-Match', 'If-Range', 'Prefer', 'Priority', 'Range', 'Request-Timeout',
+] as const;
+
+/** Statuses of problems that the document names; any other one is a FractureError all the same. */
+export const problemStatuses = [400, 404, 406, 408, 412, 413, 415, 416, 422, 503, 504] as const;

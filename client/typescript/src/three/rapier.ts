@@ -1,0 +1,91 @@
+// What is used of Rapier, which the caller passes in: any of its packages for three dimensions will do.
+import type { Fragment } from '../fragments.js';
+import { inertiaOf, type MovingBody, multiply, type Quat, type Vec3 } from './mass.js';
+
+interface Xyz {
+  x: number;
+  y: number;
+  z: number;
+}
+interface Xyzw extends Xyz {
+  w: number;
+}
+export interface RapierBody {
+  readonly handle: number;
+  translation(): Xyz;
+  rotation(): Xyzw;
+  linvel(): Xyz;
+  angvel(): Xyz;
+  setLinvel(velocity: Xyz, wakeUp: boolean): void;
+  setAngvel(velocity: Xyz, wakeUp: boolean): void;
+  mass(): number;
+  worldCom(): Xyz;
+  principalInertia(): Xyz;
+  principalInertiaLocalFrame(): Xyzw;
+  recomputeMassPropertiesFromColliders(): void;
+  isDynamic(): boolean;
+  isSleeping(): boolean;
+}
+export interface RapierCollider {
+  readonly handle: number;
+  parent(): RapierBody | null;
+}
+export interface RapierWorld {
+  gravity: Xyz;
+  timestep: number;
+  createRigidBody(description: any): any;
+  createCollider(description: any, parent?: any): any;
+  removeRigidBody(body: any): void;
+  getCollider(handle: number): any;
+}
+/** The module: import RAPIER from '@dimforge/rapier3d-compat'. */
+export interface Rapier {
+  RigidBodyDesc: any;
+  ColliderDesc: any;
+  ActiveEvents: any;
+}
+/** What EventQueue.drainContactForceEvents() hands out. */
+export interface ContactForce {
+  collider1(): number;
+  collider2(): number;
+  totalForceMagnitude(): number;
+}
+
+export const xyz = ([x, y, z]: Vec3): Xyz => ({ x, y, z });
+export const xyzw = ([x, y, z, w]: Quat): Xyzw => ({ x, y, z, w });
+export const vec = ({ x, y, z }: Xyz): Vec3 => [x, y, z];
+export const quat = ({ x, y, z, w }: Xyzw): Quat => [x, y, z, w];
+
+/** A body of Rapier as it moves now, in double precision. */
+export function movingBody(body: RapierBody): MovingBody {
+  const axes = multiply(quat(body.rotation()), quat(body.principalInertiaLocalFrame()));
+  return {
+    mass: body.mass(), center: vec(body.worldCom()), inertia: inertiaOf(vec(body.principalInertia()), axes),
+    velocity: vec(body.linvel()), spin: vec(body.angvel()),
+  };
+}
+
+/** Gives it the velocities, rounded to floats. */
+export function setMotion(body: RapierBody, { velocity, spin }: Pick<MovingBody, 'velocity' | 'spin'>): void {
+  body.setLinvel(xyz(velocity), true);
+  body.setAngvel(xyz(spin), true);
+}
+
+/** Descriptions of the colliders of a fragment, in the frame of a body in which it stands at `offset`. They weigh nothing: mass
+ * and inertia are the body's. `threshold`: newtons from which on contacts are reported. */
+export function colliders({ ColliderDesc, ActiveEvents }: Rapier, fragment: Fragment, offset: Vec3, threshold: number | undefined): any[] {
+  const { hulls, surface: { friction, restitution }, collisionSystem } = fragment;
+  return hulls.flatMap(({ positions, triangles }) => {
+    // From its points, though it is convex already: faces that are almost flat become one, and a step takes half the time.
+    const shape = ColliderDesc.convexHull(positions) ?? ColliderDesc.convexMesh(positions, Uint32Array.from(triangles));
+    if (!shape) return [];
+    shape.setTranslation(...offset).setDensity(0).setFriction(friction).setRestitution(restitution);
+    // Rapier has sixteen groups: pieces of the same cell, which overlap, are in one of fifteen, and not for one another.
+    if (collisionSystem !== undefined) {
+      const group = 1 << 1 + collisionSystem % 15;
+      shape.setCollisionGroups((group << 16 | 0xffff & ~group) >>> 0);
+    }
+    if (threshold !== undefined) shape.setActiveEvents(ActiveEvents.CONTACT_FORCE_EVENTS).setContactForceEventThreshold(threshold);
+    return [shape];
+  });
+}

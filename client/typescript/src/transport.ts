@@ -1,0 +1,272 @@
+// One request with all that is tried again: a server that is absent (with growing pauses), one that is busy (after its
+// Retry-After), an answer that is cut off or whose digest is wrong (at once). All requests are repeatable: the same one
+// gives the same bytes.
+import { operations, type Operation, type OperationId } from './operations.js';
+import { FractureError, localError, problemOf } from './problems.js';
+import { digestMatches } from './sha256.js';
+import { abortedError, now, pause, Watch } from './watch.js';
+
+export interface Settings {
+  /** Sent as `Authorization: Bearer …`; a function is asked before each request. */
+  token?: string | (() => string | Promise<string>);
+  /** Instead of the global one. */
+  fetch?: typeof globalThis.fetch;
+  /** Milliseconds of one exchange, from the first byte sent to the last one received. Default: 60000. */
+  timeout?: number;
+  /** Milliseconds of one call with all that is tried again. Default: 120000. */
+  deadline?: number;
+  /** How often a call is tried again, at most, whatever the reason. Default: 8. */
+  retries?: number;
+  /** Bytes of an answer. Default: 256 MiB. */
+  maxAnswerBytes?: number;
+  /** Lets answers travel compressed. What a browser unpacks cannot be held to its Repr-Digest, which is that of the
+   * packed bytes; without this, answers come as they are and are checked. Default: false. */
+  compressed?: boolean;
+  /** Can bodies be read while they come? Progress of jobs is asked for where not. Default: what fetch is known to do. */
+  streams?: boolean;
+  /** Further header fields of every request. */
+  headers?: Record<string, string>;
+}
+
+/** What a single call may say otherwise. */
+export interface CallOptions {
+  signal?: AbortSignal | undefined;
+  timeout?: number | undefined;
+  deadline?: number | undefined;
+  retries?: number | undefined;
+}
+
+export interface Ask extends CallOptions {
+  path?: Record<string, string>;
+  query?: Record<string, string | undefined>;
+  headers?: Record<string, string | undefined>;
+  body?: Blob | string;
+  /** The answer is JSON: what is no JSON is damaged. */
+  json?: boolean;
+  /** After a 404 whose problem is not-found: whether to try again. `sentAt`: of the request, by now(); `left`: ms of the deadline. */
+  onMissing?: (sentAt: number, left: number) => Promise<'retry' | 'retry-once' | 'give-up'>;
+}
+
+export interface Reply {
+  status: number;
+  headers: Headers;
+  bytes: Uint8Array<ArrayBuffer>;
+  /** HTTP requests that it took. */
+  exchanges: number;
+}
+
+/** The document of an answer that was asked for with `json`. */
+export function json<Document>({ bytes }: Reply): Document {
+  return JSON.parse(new TextDecoder().decode(bytes)) as Document;
+}
+
+const FIRST_PAUSE = 50, LONGEST_PAUSE = 1000;  // ms, before asking again where nobody answered; doubles
+const DAMAGED_ANSWERS = 3;                     // so many to one request, and it has failed
+
+const textOf = (error: unknown): string => {
+  if (!(error instanceof Error)) return String(error);
+  const cause = error.cause as { code?: string; message?: string } | undefined;
+  return [error.message, cause?.code ?? cause?.message].filter(Boolean).join(': ');
+};
+
+export class Transport {
+  readonly base: URL;
+
+  constructor(url: string | URL, readonly settings: Settings) {
+    // In a page an address may be relative: '' is the server that the page came from.
+    const here = (globalThis as { location?: { href?: string } }).location?.href;
+    try {
+      this.base = new URL(url, here);
+    } catch (cause) {
+      throw localError('bad-argument', `'${url}' is no address of a server, such as http://127.0.0.1:8080.`, { parameter: 'url', cause });
+    }
+    if (!/^https?:$/.test(this.base.protocol))
+      throw localError('bad-argument', `'${url}' is neither http:// nor https://.`, { parameter: 'url' });
+    if (this.base.username || this.base.password)
+      throw localError('bad-argument', 'An address with a name or password in it cannot be asked: give a token, or `headers`.',
+        { parameter: 'url' });
+    this.base.search = this.base.hash = '';
+    if (!settings.fetch && typeof globalThis.fetch !== 'function')
+      throw localError('bad-argument', 'There is no fetch here: give one, or use node 18 or later.', { parameter: 'fetch' });
+  }
+
+  get deadline(): number {
+    return this.settings.deadline ?? 120_000;
+  }
+
+  urlOf(operation: OperationId, ask: Pick<Ask, 'path' | 'query'>): string {
+    const path = operations[operation].path.replace(/\{(\w+)\}/g, (_, name: string) =>
+      encodeURIComponent(ask.path?.[name] ?? '').replaceAll('%3A', ':'));
+    const url = new URL(this.base);
+    url.pathname = this.base.pathname.replace(/\/$/, '') + path;
+    for (const [name, value] of Object.entries(ask.query ?? {})) if (value !== undefined) url.searchParams.set(name, value);
+    return url.href;
+  }
+
+  async request(operation: OperationId, ask: Ask = {}): Promise<Reply> {
+    const { good, digest }: Operation = operations[operation];
+    const timeout = ask.timeout ?? this.settings.timeout ?? 60_000, retries = ask.retries ?? this.settings.retries ?? 8;
+    const end = now() + (ask.deadline ?? this.deadline);
+    let longer = FIRST_PAUSE, damaged = 0;
+    for (let exchanges = 1; ; ++exchanges) {
+      const sentAt = now(), milliseconds = Math.max(0, Math.min(timeout, end - sentAt));
+      let wait = longer, failure: FractureError;
+      const said = { exchanges };
+      try {
+        const reply = { ...(await this.exchange(operation, ask, milliseconds)), exchanges };
+        const { status, headers, bytes } = reply;
+        if (good.includes(status)) {
+          const wrong = status === 304 ? undefined : await damage(reply, digest === true && status !== 202, ask.json === true);
+          if (!wrong) return reply;
+          failure = localError('damaged-answer', wrong, { status, ...said });
+        } else {
+          failure = problemOf(status, headers, bytes, exchanges);
+          if (status === 429 || status === 503) {
+            wait = failure.retryAfter === undefined ? longer : 1000 * failure.retryAfter;
+          } else {
+            const what = status === 404 && failure.problem === 'not-found' ? await ask.onMissing?.(sentAt, end - now()) : undefined;
+            if (what === undefined || what === 'give-up') throw failure;
+            if (what === 'retry-once') ask = { ...ask, onMissing: async () => 'give-up' };
+            wait = 0;
+          }
+        }
+      } catch (error) {
+        if (error instanceof FractureError) error.exchanges = exchanges;
+        if (!(error instanceof Interrupted)) throw error;
+        failure = error.as(this.base, exchanges, milliseconds, ask.signal);
+      }
+      if (failure.problem === 'aborted' || failure.problem === 'answer-too-large' || failure.problem === 'bad-argument') throw failure;
+      if (failure.problem === 'damaged-answer') {
+        if (++damaged >= DAMAGED_ANSWERS) throw failure;
+        wait = 0;
+      }
+      if (exchanges > retries || now() + wait > end) throw failure;
+      if (wait > 0) await pause(wait, ask.signal, exchanges);
+      longer = Math.min(2 * longer, LONGEST_PAUSE);
+    }
+  }
+
+  /** An answer whose body is read as it comes. Nothing is tried again. The watch's time is that between two pieces. */
+  async stream(operation: OperationId, ask: Ask, idle: number): Promise<{ response: Response; watch: Watch }> {
+    const watch = new Watch(ask.signal, idle);
+    try {
+      const response = await this.send(operation, ask, watch);
+      watch.restart();
+      if ((operations[operation].good as readonly number[]).includes(response.status)) return { response, watch };
+      throw problemOf(response.status, response.headers, await readBody(response, watch, 1 << 20), 1);
+    } catch (error) {
+      watch.release();
+      throw error instanceof FractureError ? error : new Interrupted(error, watch, false).as(this.base, 1, idle, ask.signal);
+    }
+  }
+
+  private async exchange(operation: OperationId, ask: Ask, milliseconds: number): Promise<Omit<Reply, 'exchanges'>> {
+    const watch = new Watch(ask.signal, milliseconds);
+    let response: Response | undefined;
+    try {
+      response = await this.send(operation, ask, watch);
+      const bytes = await readBody(response, watch, this.settings.maxAnswerBytes ?? 2 ** 28);
+      return { status: response.status, headers: response.headers, bytes };
+    } catch (error) {
+      throw error instanceof FractureError ? error : new Interrupted(error, watch, response !== undefined);
+    } finally {
+      watch.release();
+    }
+  }
+
+  private async send(operation: OperationId, ask: Ask, watch: Watch): Promise<Response> {
+    const { method, digest }: Operation = operations[operation], { token, headers: everywhere } = this.settings;
+    const fields: Record<string, string | undefined> = { ...everywhere, ...ask.headers };
+    const given = typeof token === 'function' ? await watch.race(asked(token)) : token;
+    if (given) fields['Authorization'] = `Bearer ${given}`;
+    if (digest && !this.settings.compressed) {
+      // Only bytes as they are can be held to their digest. A page may not say so by Accept-Encoding, but where a range is
+      // asked for no coding is (Fetch standard, HTTP-network-or-cache fetch; the service does the same): this one is all of it.
+      fields['Range'] ??= 'bytes=0-';
+    }
+    let headers: Headers;
+    try {
+      headers = new Headers(Object.entries(fields).filter((field): field is [string, string] => field[1] !== undefined));
+    } catch (cause) {
+      throw localError('bad-argument', `A header field cannot be sent: ${textOf(cause)}`, { parameter: 'token', cause });
+    }
+    const request: RequestInit = { method, headers, signal: watch.signal };
+    if (ask.body !== undefined) request.body = ask.body;
+    return watch.race((this.settings.fetch ?? globalThis.fetch)(this.urlOf(operation, ask), request));
+  }
+}
+
+/** An exchange that did not come to its end. */
+export class Interrupted {
+  constructor(private readonly error: unknown, private readonly watch: Watch, private readonly began: boolean) {}
+
+  as(base: URL, exchanges: number, milliseconds: number, signal: AbortSignal | undefined): FractureError {
+    const said = { exchanges, cause: this.error };
+    if (this.watch.cause === 'aborted') return abortedError(signal!, exchanges);
+    if (this.watch.cause === 'timed-out')
+      return localError('timed-out', `${base.origin} did not answer within ${Math.round(milliseconds) / 1000} s.`, said);
+    if (this.began) return localError('damaged-answer', `The answer ended early: ${textOf(this.error)}.`, said);
+    // A browser does not say which it is.
+    const page = (globalThis as { location?: { origin?: string } }).location?.origin;
+    const cors = page && page !== base.origin ? ` Or it runs without --cors-origin ${page}.` : '';
+    return localError('server-absent', `No server answers at ${base.origin} (${textOf(this.error)}).${cors}`, said);
+  }
+}
+
+async function asked(token: () => string | Promise<string>): Promise<string> {
+  try {
+    return await token();
+  } catch (cause) {
+    throw localError('bad-argument', `token() failed: ${textOf(cause)}`, { parameter: 'token', cause });
+  }
+}
+
+/** Was the answer packed on its way? Where a page of another origin may not see Content-Encoding, the ETag says so. */
+const coded = (headers: Headers) => !['', 'identity'].includes(headers.get('content-encoding') ?? '') ||
+                                    /\.(gzip|zstd)"$/.test(headers.get('etag') ?? '');
+
+async function readBody(response: Response, watch: Watch, limit: number): Promise<Uint8Array<ArrayBuffer>> {
+  const tooLarge = () => {
+    response.body?.cancel().catch(() => {});
+    const detail = `The answer has more than the ${limit} bytes that maxAnswerBytes allows.`;
+    return localError('answer-too-large', detail, { status: response.status });
+  };
+  // Where it can be believed the answer is read in place; what is cut off is seen by its digest.
+  const declared = coded(response.headers) ? 0 : Number(response.headers.get('content-length') ?? 0);
+  if (declared > limit) throw tooLarge();
+  if (!response.body) return new Uint8Array(await watch.race(response.arrayBuffer()));
+  const reader = response.body.getReader();
+  let bytes = new Uint8Array(declared > 0 ? declared : 1 << 14), size = 0;
+  for (;;) {
+    const { done, value } = await watch.race(reader.read());
+    if (done) break;
+    if (size + value.byteLength > limit) throw tooLarge();
+    if (size + value.byteLength > bytes.length) {
+      const larger = new Uint8Array(Math.max(2 * bytes.length, size + value.byteLength));
+      larger.set(bytes.subarray(0, size));
+      bytes = larger;
+    }
+    bytes.set(value, size);
+    size += value.byteLength;
+  }
+  return size === bytes.length ? bytes : bytes.slice(0, size);
+}
+
+/** Why the answer is not what was sent; nothing where it is. */
+async function damage({ status, headers, bytes }: Reply, digest: boolean, json: boolean): Promise<string | undefined> {
+  if (json) {
+    try {
+      JSON.parse(new TextDecoder('utf-8', { fatal: true }).decode(bytes));
+    } catch {
+      return 'The answer is not JSON. (Is this the address of a fracture-server?)';
+    }
+  }
+  if (!digest) return undefined;
+  if (status === 206 && headers.get('content-range') !== `bytes 0-${bytes.byteLength - 1}/${bytes.byteLength}`)
+    return 'The answer is not the whole.';
+  const field = headers.get('repr-digest');
+  if (field === null) return 'The answer has no Repr-Digest. (Is this the address of a fracture-server?)';
+  // What was packed on its way has been unpacked, and proved by its coding's own checksum, before it came here.
+  if (coded(headers) || await digestMatches(field, bytes)) return undefined;
+  return 'The answer has another digest than its Repr-Digest says.';
+}

@@ -1,0 +1,198 @@
+#!/usr/bin/env python3
+"""What was hit: the part that the server sends, put together with what was there, is the answer that has all of it.
+
+The judge is the server itself: the same hit asked for with delta=stated, whose answer has every fragment.
+"""
+import copy
+import os
+import pathlib
+import unittest
+
+from support import Client, FaultServer, WithServer, box_obj, caught, digest, answer as http_answer, figures, main, problem, \
+    small_glb
+from fracture_client import Answer, glb
+from fracture_client.merge import merge
+
+OPENED = {"shell": 0}  # glass and pottery as lumps: boxes with walls are other answers, and no better ones here
+
+
+def values(fragment):
+    """All of a fragment but its name and where it stands in the file."""
+    primitives = [(p.material, p.interior, p.indices.tolist(), {s: bytes(a) for s, a in p.attributes.items()})
+                  for p in fragment.primitives]
+    hulls = [(bytes(hull.points), hull.triangles.tolist()) for hull in fragment.hulls]
+    return (fragment.translation, fragment.volume, fragment.mass, fragment.area, fragment.exterior_area, fragment.center_of_mass,
+            fragment.inertia_diagonal, fragment.inertia_orientation, fragment.anchored, fragment.part, fragment.sites, primitives,
+            hulls)
+
+
+def bonds(answer):
+    """Whichever end comes first."""
+    ends = ((b, b.normal) if b.a < b.b else (b, tuple(-x for x in b.normal)) for b in answer.bonds)
+    return sorted((min(b.a, b.b), max(b.a, b.b), b.area, b.centroid, tuple(x + 0.0 for x in normal), b.strength)
+                  for b, normal in ends)
+
+
+class Hits(WithServer):
+    def check(self, merged, stated):
+        """The merged answer is the whole: fragment by fragment, and as a file."""
+        self.assertEqual(merged.parameters, stated.parameters)
+        self.assertEqual(merged.certificate, stated.certificate)
+        self.assertEqual(merged.report, stated.report)
+        self.assertEqual(merged.delta, stated.delta)
+        ours, whole = {f.id: f for f in merged.fragments}, {f.id: f for f in stated.fragments}
+        self.assertEqual(set(ours), set(whole))
+        self.assertEqual(len(ours), len(merged.fragments))
+        for id, fragment in whole.items():
+            self.assertEqual(values(ours[id]), values(fragment), id)
+        self.assertEqual(bonds(merged), bonds(stated))
+        names = [node["name"] for node in merged._file.document["nodes"]]
+        self.assertEqual(len(set(names)), len(names))
+        self.assertLessEqual(max(map(len, names)), 63)
+        for key, value in stated._file.document.items():  # what is beside nodes, meshes and buffers, word for word
+            if key not in ("nodes", "meshes", "accessors", "bufferViews", "extensions"):
+                self.assertEqual(merged._file.document[key], value, key)
+        if [f.id for f in merged.fragments] == [f.id for f in stated.fragments]:
+            self.assertEqual(merged._file.document, stated._file.document)
+            self.assertEqual(bytes(merged._file.binary), bytes(stated._file.binary))
+
+    def hit_twice(self, mesh, radius=0.3, **parameters):
+        """Where fragments are: in the middle of one, then of one that the first hit made."""
+        first = mesh.fracture(parameters)
+        middle = max(first.fragments, key=lambda f: f.volume).center_of_mass
+        merged = first.hit(middle, radius, 12)
+        ask = {"local_point": middle, "local_radius": radius, "local_sites": 12, "delta": "stated"}
+        stated = mesh.fracture(ask, of=first.location)
+        self.assertTrue(stated.delta.new)
+        self.assertNotEqual(merged.location, stated.location)  # a part alone came, and is another resource
+        self.check(merged, stated)
+        new = next(f for f in merged.fragments if f.id in merged.delta.new)
+        again = merged.hit([new.center_of_mass, middle], [radius / 2, radius / 3])
+        ask = {"local_point": [new.center_of_mass, middle], "local_radius": [radius / 2, radius / 3], "delta": "stated"}
+        self.check(again, mesh.fracture(ask, of=stated.location))
+        return first, merged, again
+
+    def test_every_pattern_and_material(self):
+        catalogue = self.client.patterns()
+        requests = [{"pattern": p["name"]} for p in catalogue["patterns"] if p["name"] != "points"]
+        requests += [{"material": m["name"], **OPENED} for m in catalogue["materials"]]
+        mesh = self.client.put(box_obj(1.0, 1.5, 0.7), format="obj")
+        for request in requests:
+            with self.subTest(**request):
+                self.hit_twice(mesh, fragments=24, **request)
+
+    def test_every_kind_of_physics(self):
+        mesh = self.client.put(box_obj(), format="obj")
+        for more in ({"physics": "omi"}, {"physics": "none"}, {"ue_collision": "ucx"}, {"physics": "omi", "ue_collision": "ucx"},
+                     {"physics": "none", "ue_collision": "ucx"}):
+            for cells in (1, 5):  # one hull a fragment, or several
+                with self.subTest(**more, cells=cells):
+                    self.hit_twice(mesh, sites=20, cells_per_fragment=cells, **more)
+
+    def test_look_pivot_and_what_passes_through(self):
+        text = box_obj(extra="o left") + b"o right\nv 2 0 0\nv 3 0 0\nv 2 1 0\nv 2 0 1\nf 9 11 10\nf 9 10 12\nf 9 12 11\nf 10 11 12\n"
+        mesh = self.client.put(text, format="obj")
+        names = mesh.report["nodes"]
+        self.assertEqual(len(names), 2)
+        for more in ({"nodes": [names[0]]}, {"pivot": "source"}, {"interior_color": "#ff0000"}, {"interior_crushed": 0.9},
+                     {"rough_amplitude": 0.05}, {"dual": "barycenter"}, {"min_fraction": 0.02}):
+            with self.subTest(**more):
+                self.hit_twice(mesh, sites=20, **more)
+
+    def test_answers_that_are_about_all_fragments_come_as_a_whole(self):
+        mesh = self.client.put(box_obj(), format="obj")
+        for more in ({"levels": [3, 12]}, {"sites": 12, "anchor_plane": [[0, 0, 0], [0, 1, 0]]}, {"interior_detail": "stone"}):
+            with self.subTest(**more):
+                first = mesh.fracture(more)
+                after = first.hit((0.5, 0.5, 0.5), 0.3)
+                self.assertEqual(after.parameters["delta"], "stated")
+                self.assertEqual(len(after.fragments), after.certificate["fragments"])
+                self.assertEqual(bool(after.levels), "levels" in more)
+
+    def test_the_same_request_without_delta_has_the_same_fragments(self):
+        mesh = self.client.put(box_obj(), format="obj")
+        first, merged, again = self.hit_twice(mesh, material="stone", fragments=20)
+        parameters = {name: value for name, value in again.parameters.items() if name not in ("delta", "local_new")}
+        self.assertEqual(len(parameters["local_point"]), 3)
+        whole = mesh.fracture(parameters)
+        self.assertIsNone(whole.delta)
+        self.assertEqual({f.id: values(f) for f in again.fragments}, {f.id: values(f) for f in whole.fragments})
+        self.assertEqual(bonds(again), bonds(whole))
+        self.assertEqual(again.certificate, whole.certificate)
+
+    def test_a_hit_that_changes_nothing(self):
+        first = self.client.put(box_obj(), format="obj").fracture(sites=20)
+        after = first.hit((50, 50, 50), 0.1)
+        self.assertEqual(after.delta.new + after.delta.changed + after.delta.gone, ())
+        self.assertEqual({f.id: values(f) for f in after.fragments}, {f.id: values(f) for f in first.fragments})
+
+    def test_an_answer_that_the_server_has_forgotten_is_hit_by_its_parameters(self):
+        mesh = self.client.put(box_obj(), format="obj")
+        first = mesh.fracture(sites=20)
+        once = first.hit((0.5, 0.5, 0.5), 0.3, 9)
+        twice = once.hit((0.4, 0.5, 0.5), 0.2)
+        for known, point, radius, sites, wanted in ((first, (0.5, 0.5, 0.5), 0.3, 9, once), (once, (0.4, 0.5, 0.5), 0.2, None, twice)):
+            lost = Answer(known.glb, mesh, {"content-location": "/fractures/sha256:" + "0" * 64})
+            again = lost.hit(point, radius, sites)
+            self.assertEqual(again._file.document, wanted._file.document)
+            self.assertEqual(again.glb, wanted.glb)
+
+    def test_one_of_thousands_of_parameters_too(self):
+        mesh = self.client.put(box_obj(), format="obj")
+        points = [((k * 7919 % 1000) / 1000, (k * 104729 % 997) / 997, (k * 1299709 % 991) / 991) for k in range(1, 301)]
+        first = mesh.fracture(pattern="points", points=points)
+        lost = Answer(first.glb, mesh, {})
+        self.assertEqual(lost.hit((0.5, 0.5, 0.5), 0.3).glb, first.hit((0.5, 0.5, 0.5), 0.3).glb)
+
+    def test_what_would_change_other_fragments_is_refused(self):
+        first = self.client.put(box_obj(), format="obj").fracture(sites=20)
+        error = caught(first.hit, (0.5, 0.5, 0.5), 0.3, seed=2)
+        self.assertEqual((error.type, error.parameter), ("bad-parameter", "seed"))
+        other = first.hit((0.5, 0.5, 0.5), 0.3, delta="none", interior_color="#00ff00")
+        self.assertEqual(len(other.fragments), other.certificate["fragments"])
+        self.assertIsNone(other.delta)
+
+    @unittest.skipUnless(os.environ.get("FRACTURE_TEST_MESHES"), "FRACTURE_TEST_MESHES names no folder of meshes")
+    def test_real_meshes(self):
+        folders = [pathlib.Path(f) for f in os.environ["FRACTURE_TEST_MESHES"].split(":")]
+        for name, material in (("kk_barrel_large.glb", "wood"), ("kk_column.glb", "stone"), ("suzanne.obj", "concrete")):
+            path = next((folder / name for folder in folders if (folder / name).exists()), None)
+            if path is not None:
+                with self.subTest(name):
+                    self.hit_twice(self.client.put(path), fragments=40, material=material, **OPENED)
+
+
+class Parts(unittest.TestCase):
+    """Deltas that are none of this answer."""
+
+    def delta(self, **more):
+        return {"delta": {"new": [], "changed": [], "gone": [], **more}}
+
+    def test_they_are_refused(self):
+        whole = glb.Glb(small_glb())
+        for said in ({}, self.delta(new=[7]), self.delta(changed=[7]), self.delta(gone=[7]),
+                     {**self.delta(), "certificate": {"fragments": 1}}):
+            self.assertEqual(caught(merge, whole, glb.Glb(small_glb(**said))).type, "damaged", said)
+        same = glb.Glb(merge(whole, glb.Glb(small_glb(**self.delta()))))
+        self.assertEqual(same.document["nodes"][0]["extras"]["fracture"]["delta"], self.delta()["delta"])
+
+    def test_a_bond_that_leads_nowhere_is_refused(self):
+        bond = {"a": [1], "b": [2], "area": [1], "centroid": [[0, 0, 0]], "normal": [[0, 0, 0]], "strength": [1]}
+        part = glb.Glb(small_glb(**self.delta(), bonds=bond))
+        self.assertIn("bond", caught(merge, glb.Glb(small_glb()), part).detail)
+
+    def test_only_what_the_server_calls_a_delta_is_put_together(self):
+        """Another problem than a forgotten answer is the caller's, and is not asked for again by parameters."""
+        def handler(asked):
+            if asked.number == 0:
+                return http_answer(200, small_glb(), digest(small_glb()) + "Content-Location: /fractures/sha256:1\r\n")
+            return problem(422, "too-complex")
+        with FaultServer(handler) as server, Client(server.url) as client:
+            answer = client.mesh("sha256:" + "0" * 64).fracture()
+            self.assertEqual(caught(answer.hit, (0, 0, 0), 1).type, "too-complex")
+            self.assertEqual(len(server.asked), 2)
+            self.assertEqual(copy.deepcopy(answer.figures), figures())
+
+
+if __name__ == "__main__":
+    main()
