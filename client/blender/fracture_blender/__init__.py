@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Fracture (exact): breaks objects with a fracture server into watertight fragments, with rigid bodies and bonds.
+
+    run.py            one fracture from the selection to the collections; begin here
+    operators.py      the buttons, Esc and undo        panels.py, presets.py, preferences.py   what is seen
+    description.py    what a server can do             parameters.py, properties.py            the same as properties
+    frame.py          axes and units                   places.py                               hits and regions from empties
+    writer.py         objects as GLB                   materials_out.py                        their colours
+    asking.py         the thread that asks             refusal.py                              what went wrong, and where
+    fragments.py      the answer as objects            materials_in.py, bodies.py              their materials and physics
+"""
+import bpy
+
+from . import operators, panels, preferences, presets, properties
+
+bl_info = {
+    "name": "Fracture (exact)",
+    "author": "The fracture contributors",
+    "version": (1, 0, 0),
+    "blender": (3, 4, 0),
+    "location": "3D view > Sidebar > Fracture",
+    "description": "Exact, watertight fragments from a fracture server",
+    "category": "Object",
+}
+
+CLASSES = (preferences.FracturePreferences, *operators.CLASSES, *presets.CLASSES, *panels.CLASSES)
+
+
+def register():
+    properties.register()
+    properties.use(preferences.kept_description())
+    for entry in CLASSES:
+        bpy.utils.register_class(entry)
+
+
+def unregister():
+    for entry in reversed(CLASSES):
+        bpy.utils.unregister_class(entry)
+    properties.unregister()

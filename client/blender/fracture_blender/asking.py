@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Asks for fragments in a thread of its own, of a server or of `fracture-server bake`, and can be taken back.
+
+Nothing here touches Blender's data: those belong to the main thread, which looks at `state` now and then.
+"""
+import contextlib
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import tempfile
+import threading
+from dataclasses import dataclass
+
+from .package import Answer, Cancel, Client, FractureError
+
+PATIENCE = 10.0  # s that a program may take to end when it is told to
+
+
+@dataclass(frozen=True)
+class Target:
+    """Whom to ask: `program` where it is not empty, else the server at `url`."""
+    url: str = ""
+    token: str = ""
+    program: str = ""
+    timeout: float = 300.0  # s that a server may be absent or busy
+
+
+@dataclass(frozen=True)
+class Request:
+    """One file to be broken."""
+    name: str
+    glb: bytes
+    parameters: dict
+
+
+@dataclass(frozen=True)
+class State:
+    """How far it is, for people."""
+    words: str
+    percent: int
+
+
+class Asking:
+    """Asks for all requests, one after the other. `answers` and `error` are there when it `is_done`."""
+
+    def __init__(self, target, requests):
+        self._target = target
+        self._requests = requests
+        self._cancel = Cancel()
+        self._thread = threading.Thread(target=self._run, name="fracture", daemon=True)
+        self.state = State("asking", 0)
+        self.answers = []
+        self.error = None  # a FractureError
+        self.failed = None  # the number of the request that it is about
+
+    def start(self):
+        self._thread.start()
+
+    @property
+    def is_done(self):
+        return not self._thread.is_alive()
+
+    def cancel(self):
+        """Returns at once; `error` will have the type "cancelled", unless everything is there already."""
+        self._cancel.cancel()
+
+    def wait(self, seconds=None):
+        """Until it is done; False where it is not in time."""
+        self._thread.join(seconds)
+        return self.is_done
+
+    def _run(self):
+        try:
+            ask = self._ask_program if self._target.program else self._ask_server
+            ask()
+        except FractureError as error:
+            self.error = error
+        except Exception as error:  # a thread that dies without a word would look like one without an answer
+            self.error = FractureError("damaged", f"{type(error).__name__}: {error}")
+        if self.error is not None:
+            self.failed = len(self.answers)
+
+    def _say(self, words, percent=0):
+        """`percent`: of the request in work."""
+        done = len(self.answers)
+        of = f" ({done + 1} of {len(self._requests)})" if len(self._requests) > 1 else ""
+        name = self._requests[min(done, len(self._requests) - 1)].name
+        self.state = State(f"{name}{of}: {words}", (100 * done + percent) // len(self._requests))
+
+    # -- a server
+
+    def _ask_server(self):
+        target = self._target
+        with Client(target.url, target.token or None, target.timeout) as client:
+            for request in self._requests:
+                self._say("sending")
+                job = client.put(request.glb, cancel=self._cancel).job(request.parameters, cancel=self._cancel)
+                try:
+                    for state in job.progress(cancel=self._cancel):
+                        self._say(_words(state), state.percent)
+                    self._say("fetching", 100)
+                    self.answers.append(job.result(cancel=self._cancel))
+                except FractureError as error:
+                    if error.type == "cancelled" and self._cancel.cancelled:
+                        with contextlib.suppress(FractureError):  # a job goes on when nobody listens
+                            job.cancel(timeout=PATIENCE)
+                    raise
+
+    # -- a program
+
+    def _ask_program(self):
+        with tempfile.TemporaryDirectory(prefix="fracture-") as folder:
+            for number, request in enumerate(self._requests):
+                self._say("computing here")
+                self.answers.append(self._bake(pathlib.Path(folder), number, request))
+
+    def _bake(self, folder, number, request):
+        """By a manifest, whose parameters are the JSON of a request."""
+        mesh, output, manifest = (folder / f"{number}.{end}" for end in ("mesh.glb", "glb", "ndjson"))
+        mesh.write_bytes(request.glb)
+        job = {"input": mesh.name, "output": output.name, "parameters": request.parameters}
+        manifest.write_text(json.dumps(job) + "\n", encoding="utf-8")
+        report = folder / f"{number}.report"
+        command = [self._target.program, "bake", "--manifest", str(manifest), "--report", str(report), "--quiet"]
+        try:
+            process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        except OSError as error:
+            raise FractureError("connection", f"'{command[0]}' cannot be started: {error.strerror}.") from None
+        with self._cancel.calling(lambda: _interrupt(process)):
+            _, words = process.communicate()
+        if self._cancel.cancelled:
+            raise FractureError("cancelled", "The call was taken back.")
+        line = _last_line(report)
+        if line.get("status") == "made":
+            return Answer.load(output)
+        if isinstance(line.get("problem"), dict):
+            raise FractureError.of_problem(line["problem"])
+        raise FractureError("connection", words.strip() or f"'{command[0]}' ended with {process.returncode} and made nothing.")
+
+
+def _words(state):
+    if state.state == "queued":
+        ahead = state.queue_position
+        return f"waiting, {ahead} before it" if ahead else "waiting"
+    return state.stage or state.state
+
+
+def _interrupt(process):
+    with contextlib.suppress(OSError):
+        if os.name == "nt":
+            process.terminate()
+        else:
+            process.send_signal(signal.SIGINT)
+
+
+def _last_line(report):
+    """Of a report of bake; {} where there is none."""
+    try:
+        lines = [json.loads(line) for line in report.read_text(encoding="utf-8").splitlines() if line.strip()]
+    except (OSError, ValueError):
+        return {}
+    return lines[-1] if lines and isinstance(lines[-1], dict) else {}

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender's frame and that of the interface.
+
+Blender: z is up, a Blender unit is `scale_length` metres. The interface, as glTF: y is up, lengths are metres.
+
+    x = s X        X = x / s
+    y = s Z        Y = -z / s
+    z = -s Y       Z = y / s
+
+This is a rotation: what is right-handed stays so, and triangles keep their winding.
+"""
+import math
+
+
+class Frame:
+    """`scale`: metres in a Blender unit (scene.unit_settings.scale_length)."""
+
+    def __init__(self, scale=1.0):
+        self.scale = short(scale)
+
+    @classmethod
+    def of(cls, scene):
+        """A scene without units has Blender units that are metres, whatever its scale says."""
+        units = scene.unit_settings
+        return cls(1.0 if units.system == "NONE" else units.scale_length)
+
+    def length(self, value, power=1):
+        """`power`: 2 for an area, 3 for a volume."""
+        return value * self.scale ** power
+
+    def length_back(self, value, power=1):
+        return value / self.scale ** power
+
+    def point(self, value):
+        x, y, z = value
+        return [x * self.scale, z * self.scale, 0.0 - y * self.scale]  # 0 - y: never -0
+
+    def point_back(self, value):
+        x, y, z = value
+        return (x / self.scale, 0.0 - z / self.scale, y / self.scale)
+
+    def box(self, corners):
+        """Lowest and highest corner: the turn makes lowest of highest along z."""
+        a, b = (self.point(corner) for corner in corners)
+        return [[min(p, q) for p, q in zip(a, b)], [max(p, q) for p, q in zip(a, b)]]
+
+    def node_matrix(self, world):
+        """A matrix_world as the 16 numbers (by columns) that a node of glTF has. It acts on positions that turned() turned."""
+        across, depth, height, _ = ([float(value) for value in row] for row in world)
+        rows = [across, height, [-value for value in depth]]  # what comes out is turned
+        columns = zip(*((row[0], row[2], -row[1], row[3]) for row in rows))  # what goes in is turned already
+        return [value for number, column in enumerate(columns)
+                for value in (*(0.0 + entry * self.scale for entry in column), 1.0 if number == 3 else 0.0)]
+
+
+def turned(vector):
+    """A direction: y up. Lengths are as they were."""
+    x, y, z = vector
+    return [x, z, 0.0 - y]
+
+
+def turned_back(vector):
+    x, y, z = vector
+    return (x, 0.0 - z, y)
+
+
+def turned_matrix(rows):
+    """A linear map of Blender's space as one of the interface's: C M C^T, where C turns."""
+    columns = list(zip(*[turned(column) for column in zip(*rows)]))  # C M
+    return [turned(row) for row in columns]  # (C M) C^T: each row times C^T is the row turned
+
+
+def turned_matrix_back(rows):
+    columns = list(zip(*[turned_back(column) for column in zip(*rows)]))
+    return [list(turned_back(row)) for row in columns]
+
+
+def short(value):
+    """A number that Blender keeps in single precision as it was typed: 0.3, not 0.30000001192092896."""
+    if not math.isfinite(value):
+        return value
+    return float(f"{value:.7g}")

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Hits, kept and held regions, from the 3D cursor and from empties, as parameters of the interface."""
+from itertools import product
+
+from mathutils import Matrix, Vector
+
+from .frame import Frame, turned
+from .package import wrong
+
+
+def places(context, description, given):
+    """The parameters that the settings of the scene add to those of the panel. Raises FractureError of type
+    "bad-parameter" for a setting that points at nothing."""
+    scene = context.scene
+    settings, frame = scene.fracture_settings, Frame.of(scene)
+    found = {}
+    hits = _hits(context, settings)
+    if hits:
+        points = [frame.point(point) for point, _ in hits]
+        radii = [frame.length(radius) for _, radius in hits]
+        if settings.hit_kind == "LOCAL":
+            found.update(local_point=points, local_radius=radii)
+        else:
+            found.update(impacts=points)
+            if "radius" in description.of_pattern(_pattern_of_impacts(description, given)):
+                found["radius"] = max(radii)  # there is one for all of them
+    if settings.keep is not None:
+        found.update(_kept(settings.keep, frame))
+    if settings.hold is not None:
+        found.update(_held(settings.hold, frame))
+    return found
+
+
+def radius_of(empty):
+    """How far an empty reaches, in Blender units: its display size, scaled as it is shown."""
+    return empty.empty_display_size * max(abs(scale) for scale in empty.matrix_world.to_scale())
+
+
+def box_of(empty):
+    """Lowest and highest corner around a cube empty, which may be turned."""
+    size = empty.empty_display_size
+    corners = [empty.matrix_world @ Vector(corner) for corner in product((-size, size), repeat=3)]
+    return [tuple(end(corner[axis] for corner in corners) for axis in range(3)) for end in (min, max)]
+
+
+def _hits(context, settings):
+    if settings.hits == "CURSOR":
+        return [(context.scene.cursor.location, settings.hit_radius)]
+    if settings.hits == "EMPTIES":
+        regions = (settings.keep, settings.hold)
+        empties = [item for item in context.selected_objects if item.type == "EMPTY" and item not in regions]
+        if not empties:
+            raise wrong("It is to be hit at the selected empties, and none is selected.",
+                        parameter="impacts")
+        empties.sort(key=lambda item: item.name)  # the order decides, and that of a selection is nobody's
+        return [(item.matrix_world.translation, radius_of(item)) for item in empties]
+    return []
+
+
+def _pattern_of_impacts(description, given):
+    """With a material whose pattern knows of no hits it is `impact` (the description of `impacts` says so)."""
+    pattern = description.pattern_of(given)
+    if "pattern" in given or "impacts" in description.of_pattern(pattern):
+        return pattern
+    return "impact"
+
+
+def _kept(empty, frame):
+    if empty.empty_display_type == "CUBE":
+        return {"keep_box": frame.box(box_of(empty))}
+    return {"keep_center": frame.point(empty.matrix_world.translation), "keep_radius": frame.length(radius_of(empty))}
+
+
+def _held(empty, frame):
+    if empty.empty_display_type == "CUBE":
+        return {"anchor_box": frame.box(box_of(empty))}
+    place: Matrix = empty.matrix_world
+    if empty.empty_display_type == "SINGLE_ARROW":  # it points along its z, out of the ground
+        normal = (place.to_3x3() @ Vector((0, 0, 1))).normalized()
+        return {"anchor_plane": [frame.point(place.translation), turned(normal)]}
+    return {"anchor_points": [frame.point(place.translation)]}

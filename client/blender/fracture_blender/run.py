@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One fracture from the selection to the collections, without a user interface: begin(), wait or look in, finish()."""
+from . import bodies, fragments, places, preferences, properties, writer
+from .asking import Asking, Request
+from .package import wrong
+
+
+class Run:
+    """`asking` is at work from begin() on. The main thread calls all of this."""
+
+    def __init__(self, asking, written):
+        self.asking = asking
+        self._written = written  # a list: what was sent, one for each answer
+
+    @property
+    def failed_names(self):
+        """Names of the objects that the error is about."""
+        number = self.asking.failed
+        return self._written[number].objects if number is not None and number < len(self._written) else []
+
+    def finish(self, context):
+        """Makes the fragments of all answers, then hides the originals. Raises the FractureError of the run, and then nothing
+        was made. Returns a list of fragments.Made, and the warnings."""
+        if self.asking.error is not None:
+            raise self.asking.error
+        for answer in self.asking.answers:
+            fragments.check(answer)
+        made, warnings = [], []
+        for answer, written in zip(self.asking.answers, self._written):
+            made.append(_build(context, answer, written))
+            warnings += [f"{written.objects[0]}: {warning}" for warning in answer.warnings]
+        _select(context, made)
+        return made, warnings
+
+
+def begin(context):
+    """Raises FractureError."""
+    chosen = [item for item in context.selected_objects if item.type in writer.MESH_TYPES]
+    if not chosen:
+        raise wrong("Select the objects that are to break.")
+    if context.mode != "OBJECT":
+        raise wrong("Leave edit mode first: what is edited is not in the object yet.")
+    chosen.sort(key=lambda item: item.name)
+    if properties.Known.description is None:
+        properties.use(preferences.ask_description(context))
+    scene = context.scene
+    settings, parameters = scene.fracture_settings, properties.given(scene)
+    parameters.update(places.places(context, properties.Known.description, parameters))
+    if settings.paint != "NONE":
+        parameters["density_from"] = writer.PAINT
+    groups = [chosen] if settings.together else [[item] for item in chosen]
+    written = [writer.write(context, group, settings.paint, settings.paint_name) for group in groups]
+    requests = [Request(group[0].name, file.glb, parameters) for group, file in zip(groups, written)]
+    asking = Asking(preferences.target(context), requests)
+    asking.start()
+    return Run(asking, written)
+
+
+def _build(context, answer, written):
+    scene = context.scene
+    settings = scene.fracture_settings
+    originals = [scene.objects[name] for name in written.objects if name in scene.objects]
+    inside = originals[0].users_collection if originals else ()
+    parent = inside[0] if inside else scene.collection
+    made = fragments.build(context, answer, written, parent, written.objects[0])
+    context.view_layer.update()  # dimensions, and what is linked, are known from then on
+    if settings.bodies:
+        bodies.add_bodies(scene, answer, made.objects, settings.shape)
+        if settings.constraints:
+            bodies.add_constraints(scene, answer, made.objects, made.collection, settings.strength)
+    for item in originals:
+        if settings.bodies:
+            bodies.remove_from_simulation(scene, item)
+        if settings.hide:
+            item.hide_set(True)
+            item.hide_render = True
+    return made
+
+
+def _select(context, made):
+    for item in context.selected_objects:
+        item.select_set(False)
+    for item in (item for entry in made for item in entry.objects.values()):
+        if item.visible_get():  # the collection of the original may be hidden
+            item.select_set(True)
+            context.view_layer.objects.active = item
