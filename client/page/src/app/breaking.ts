@@ -1,0 +1,276 @@
+// A wish becomes an answer: parameters, hits, steps back and forth; at once where that is possible, else as a job.
+import { type Answer, FractureError, type ParameterValue, type Vector3 } from 'fracture-client';
+import { Asker } from '../service/asker';
+import { firstPlace, placesIn, withoutPlace } from '../state/places';
+import { type Hit, History, parametersOf, type Settings, type Step, underPattern, type Wish, withoutExcluded, withSetting } from '../state/request';
+import type { App } from './app';
+import type { Shown } from './state';
+
+/** Milliseconds that a live answer may take, with all that is tried again. What takes longer becomes a job. */
+const IMPATIENT = 6000;
+
+interface Question {
+  wish: Wish;
+  cause: string;
+  /** What the answer is a hit on: only what changes travels. */
+  hitOn: { answer: Answer; hit: Hit } | undefined;
+}
+
+export class Breaking {
+  readonly history = new History();
+  private readonly asker: Asker<Question, Answer>;
+  private job: AbortController | undefined;
+  /** What the page itself set for a sample, as long as nobody has touched it. */
+  private own: Settings = {};
+
+  constructor(private readonly app: App) {
+    this.asker = new Asker<Question, Answer>(
+      (question, signal) => this.answerTo(question, signal),
+      (answer, question, at) => void this.answered(answer, question, at),
+      (error, question) => this.refused(error, question),
+      inFlight => app.set({ inFlight }),
+    );
+  }
+
+  /** A mesh is there, and so is what is wanted of it. */
+  ask(wish: Wish): void {
+    this.asker.put({ wish, cause: '', hitOn: undefined });
+  }
+  owns(settings: Settings): void {
+    this.own = settings;
+  }
+  cancel(): void {
+    this.asker.cancel();
+    this.cancelJob();
+  }
+
+  /** `settled`: the value of a drag that has ended. */
+  setParameter(name: string, value: ParameterValue | undefined, settled = true): void {
+    const { wish } = this.app.state, next = { ...wish, settings: withSetting(wish.settings, name, value) };
+    this.own = withSetting(this.own, name, undefined);
+    this.wishFor(name === 'pattern' ? this.fitting(next) : next, name, settled);
+  }
+  setSettings(settings: Settings): void {
+    this.wishFor({ settings, hits: this.app.state.wish.hits }, '', true);
+  }
+
+  wishFor(wish: Wish, cause: string, settled: boolean): void {
+    // A slider that is let go says its last value again.
+    if (JSON.stringify(wish) === JSON.stringify(this.app.state.wish) && (this.asker.busy || this.app.state.shown?.wish === this.app.state.wish)) {
+      if (settled) this.asker.settle();
+      return;
+    }
+    this.app.set({ wish });
+    this.app.showPlaces();
+    const { source } = this.app.state;
+    if (!source || this.app.state.bringing) return;
+    this.cancelJob();
+    // Another unit, another axis, other repairs: another solid to look at.
+    if (JSON.stringify(this.app.bringing.solidOf(wish.settings)) !== JSON.stringify(this.app.bringing.solidOf(this.app.state.shown?.wish.settings ?? wish.settings))) {
+      this.asker.cancel();
+      if (source.sample) this.app.bringing.sample(source.sample, wish);
+      else if (source.input) void this.app.bringing.mesh(source.input, source.label, { fetched: source.fetched, main: source.main, wish });
+      else void this.app.bringing.known(source.mesh.id, source.label, wish);
+      return;
+    }
+    this.asker.put({ wish, cause, hitOn: undefined }, settled);
+  }
+
+  /** A click with the tool that hits: where the pattern knows of hits the first one is its impact; all others break what is near. */
+  hitAt(point: Vector3): void {
+    const { wish, shown, radius } = this.app.state, rounded = point.map(value => Number(value.toPrecision(6))) as Vector3;
+    if (!shown || this.asker.busy) return;
+    if (wish.settings['impacts'] === undefined && wish.hits.length === 0 && this.takesImpacts(wish.settings)) {
+      this.aimAt(rounded);
+      return;
+    }
+    const hit = { point: rounded, radius }, next = { settings: wish.settings, hits: [...wish.hits, hit] };
+    this.app.set({ wish: next });
+    this.asker.put({ wish: next, cause: '', hitOn: { answer: shown.answer, hit } });
+  }
+  aimAt(point: Vector3): void {
+    const { settings, hits } = this.app.state.wish, known = this.takesImpacts(settings);
+    const next = { ...settings, impacts: [point.map(value => Number(value.toPrecision(6)))] };
+    this.wishFor({ hits, settings: known ? next : { ...next, pattern: 'impact' } }, 'impacts', true);
+  }
+  /** With a material the server chooses a pattern that knows of hits; else the pattern has to. */
+  private takesImpacts(settings: Settings): boolean {
+    const { patterns = [] } = this.app.service.knowledge?.patterns ?? {}, pattern = settings['pattern'];
+    if (pattern === undefined) return settings['material'] !== undefined;
+    return patterns.find(({ name }) => name === pattern)?.parameters.some(({ name }) => name === 'impacts') ?? false;
+  }
+
+  /** Everything as it was asked for, without hits. */
+  clearHits(): void {
+    this.wishFor({ settings: withSetting(this.app.state.wish.settings, 'impacts', undefined), hits: [] }, '', true);
+  }
+
+  private async answerTo({ wish, hitOn }: Question, signal: AbortSignal): Promise<Answer> {
+    // Once more where the server has forgotten the mesh, which it then gets again.
+    const options = { signal, realtime: true, retries: 2, deadline: IMPATIENT };
+    if (hitOn) return hitOn.answer.hit(hitOn.hit.point, hitOn.hit.radius, options);
+    const { mesh } = await this.app.bringing.dressed(wish.settings, signal);
+    return mesh.fracture(parametersOf(wish), options);
+  }
+
+  private async answered(answer: Answer, { wish, cause }: Question, at: number): Promise<void> {
+    const toAnswer = performance.now() - at;
+    if (this.app.state.source && !this.app.bringing.sourceOf(answer)) return;
+    await this.showAnswer(answer, wish, toAnswer, at);
+    this.history.push({ ...wish, answer, cause, at: performance.now() });
+  }
+
+  async showAnswer(answer: Answer, wish: Wish, toAnswer: number, at: number): Promise<void> {
+    const still = new Set([...this.app.state.look.chosen].filter(id => answer.fragment(id)));
+    const source = this.app.bringing.sourceOf(answer) ?? this.app.state.source;
+    this.app.set({ source, problem: undefined, refused: undefined, job: undefined, look: { ...this.app.state.look, chosen: still } });
+    const shown: Shown = { answer, wish, toAnswer, toPicture: 0 };
+    await this.app.view?.show(answer, false);
+    // Who plays goes on with the new pieces.
+    const plays = this.app.state.play !== undefined;
+    if (plays) this.app.playing.leave();
+    this.app.view?.apply(this.app.state.look);
+    this.app.view?.mark([]);
+    this.app.showPlaces();
+    this.app.set({ shown });
+    if (plays) void this.app.playing.enter();
+    await this.app.stage?.drawn();
+    if (this.app.marks.at['picture'] === undefined) {
+      this.app.marks.at['picture'] = performance.now();
+      // Reflections take longer than the first picture may.
+      setTimeout(() => this.app.stage?.reflect(), 50);
+      void this.app.bringing.lookForOffers();
+    }
+    if (this.app.state.shown === shown) this.app.set({ shown: { ...shown, toPicture: performance.now() - at } });
+  }
+
+  private refused(error: unknown, question: Question): void {
+    const problem = error instanceof FractureError ? error.problem : '';
+    // Too long for a moment: it becomes a job, with its progress.
+    if (['deadline-exceeded', 'overloaded', 'over-share', 'request-timeout', 'timed-out'].includes(problem)) {
+      void this.runJob(question);
+      return;
+    }
+    // What somebody wants goes before what the page chose by itself.
+    const details = error instanceof FractureError && problem === 'bad-parameter' ? [error.detail, ...(error.document?.errors ?? []).map(({ detail }) => detail)] : [];
+    const settings = withoutExcluded(question.wish.settings, this.own, details);
+    if (settings && this.app.state.wish === question.wish) {
+      const wish = { ...question.wish, settings };
+      this.app.set({ wish });
+      this.asker.put({ ...question, wish });
+      return;
+    }
+    this.app.set({ unmet: question.wish });
+    this.app.failed(error, () => this.asker.put(question));
+  }
+
+  // -- long work
+
+  private async runJob({ wish, cause }: Question): Promise<void> {
+    const { source } = this.app.state;
+    if (!source) return;
+    this.cancelJob();
+    const abort = this.job = new AbortController(), at = performance.now(), { signal } = abort;
+    try {
+      const { mesh } = await this.app.bringing.dressed(wish.settings, signal), job = await mesh.job(parametersOf(wish), { signal });
+      signal.addEventListener('abort', () => void job.cancel().catch(() => {}));
+      const answer = await job.result({ signal, deadline: 1_800_000, onProgress: document => {
+        if (!signal.aborted) this.app.set({ job: { ...document } });
+      } });
+      if (!signal.aborted) await this.answered(answer, { wish, cause, hitOn: undefined }, at);
+    } catch (error) {
+      this.app.set({ unmet: wish });
+      if (!signal.aborted) this.app.failed(error, () => void this.runJob({ wish, cause, hitOn: undefined }));
+    } finally {
+      if (this.job === abort) {
+        this.job = undefined;
+        this.app.set({ job: undefined });
+      }
+    }
+  }
+  /** Somebody waits no longer. */
+  giveUp(): void {
+    this.cancelJob();
+    this.app.set({ unmet: this.app.state.wish });
+  }
+  cancelJob(): void {
+    this.job?.abort();
+    this.job = undefined;
+    if (this.app.state.job) this.app.set({ job: undefined });
+  }
+
+  // -- back and forth
+
+  get canUndo(): boolean {
+    return this.history.canUndo || this.app.isOfEarlier || this.app.bringing.replaced !== undefined;
+  }
+  async step(by: 1 | -1): Promise<void> {
+    if (by === -1 && this.app.bringing.replaced !== undefined) {
+      await this.app.bringing.restore();
+      return;
+    }
+    // What was refused is no step: back is to what is in the picture.
+    const step: Step | undefined = this.history.move(by === -1 && this.app.isOfEarlier ? 0 : by);
+    if (!step) return;
+    this.cancel();
+    const wish = { settings: step.settings, hits: step.hits }, at = performance.now();
+    this.app.set({ wish, problem: undefined, refused: undefined });
+    if (step.answer) {
+      await this.showAnswer(step.answer, wish, 0, at);
+      return;
+    }
+    try {
+      const { mesh } = await this.app.bringing.dressed(wish.settings);
+      step.answer = await mesh.fracture(parametersOf(wish));
+      if (this.app.state.wish === wish) await this.showAnswer(step.answer, wish, performance.now() - at, at);
+    } catch (error) {
+      this.app.set({ unmet: wish });
+      this.app.failed(error, () => void this.asker.put({ wish, cause: '', hitOn: undefined }));
+    }
+  }
+
+  /** The parameter that the next click on the mesh gives a point. */
+  pickingFor: string | undefined;
+  /** '': of none. */
+  pickFor(name: string): void {
+    this.pickingFor = name === '' || this.pickingFor === name ? undefined : name;
+    this.app.set({});
+  }
+  reseed(): void {
+    this.setParameter('seed', Number(this.app.state.wish.settings['seed'] ?? 1) + 1);
+  }
+
+  /** The next click gave it: the point itself, or one of a list of them. */
+  givePoint(point: Vector3): void {
+    const name = this.pickingFor, parameter = this.app.service.parameters.find(each => each.name === name);
+    this.pickingFor = undefined;
+    if (!name || !parameter) return;
+    const rounded = point.map(value => Number(value.toPrecision(6)));
+    this.setParameter(name, String(parameter['text']).includes(';') ? [rounded] : rounded);
+  }
+  /** A place of that name, to be dragged from where it begins; or none, where there is one. */
+  togglePlace(name: string): void {
+    const { wish } = this.app.state, kind = placesIn(this.app.service.parameters).get(name), bounds = this.app.view?.bounds;
+    if (!kind || !bounds) return;
+    const { service } = this.app, material = service.knowledge?.patterns.materials.find(each => each.name === wish.settings['material']);
+    const known = (material?.parameters[name] ?? service.parameters.find(parameter => parameter.name === name)?.['default']) as ParameterValue | undefined;
+    const settings = wish.settings[name] === undefined ? { ...wish.settings, ...firstPlace(name, kind, bounds, known) } : withoutPlace(wish.settings, name);
+    this.wishFor({ ...wish, settings }, '', true);
+  }
+  /** A handle is dragged. */
+  drag(handle: string, settings: Settings, settled: boolean): void {
+    const { wish } = this.app.state;
+    this.wishFor({ ...wish, settings: { ...wish.settings, ...settings } }, handle, settled);
+  }
+
+  /** A material brings its own pattern, unless one was chosen beside it. */
+  chooseMaterial(material: string | undefined): void {
+    const { wish } = this.app.state, settings = withSetting(withSetting(wish.settings, 'material', material), 'pattern', undefined);
+    this.wishFor(this.fitting({ ...wish, settings }), 'material', true);
+  }
+  /** Without what the pattern does not know, which the server would refuse. */
+  private fitting(wish: Wish): Wish {
+    const { service, state: { radius } } = this.app, takes = this.takesImpacts(wish.settings);
+    return underPattern(wish, service.patternOf(wish.settings), service.parameters.filter(({ name }) => name !== 'impacts' || !takes), radius);
+  }
+}

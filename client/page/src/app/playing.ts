@@ -1,0 +1,58 @@
+// Physics, which is loaded when something is played for the first time. The newest wish wins, whatever is on its way: one entering
+// at a time, which looks at the wish once more when it is ready; leaving waits for nothing; a failure ends at the bench.
+import type { Physics } from '../play/play';
+import type { App } from './app';
+import { asProblem } from './failures';
+import { loadLater } from './later';
+
+export class Playing {
+  physics: Physics | undefined;
+  private wanted = false;
+  private entering = false;
+
+  constructor(private readonly app: App) {}
+
+  async enter(): Promise<void> {
+    const { shown, play } = this.app.state;
+    if (!shown || !this.app.stage || !this.app.view || this.wanted) return;
+    this.wanted = true;
+    if (!play) this.app.set({ play: { loading: true, running: true, slow: false, bodies: 0, resting: false } });
+    if (this.entering) return;
+    this.entering = true;
+    try {
+      const { startPlay } = await loadLater('/page/play.js', () => import('../play/play'));
+      // What is shown by then, which may be another answer.
+      while (this.wanted && !this.physics && this.app.state.shown)
+        await startPlay(this.app, () => (this.wanted ? this.app.state.shown?.answer : undefined), physics => {
+          this.physics = physics;
+        });
+    } catch (error) {
+      this.failed(error);
+    } finally {
+      this.entering = false;
+    }
+  }
+
+  leave(): void {
+    const { physics, app: { view, state } } = this;
+    this.wanted = false;
+    this.physics = undefined;
+    physics?.stop();
+    if (state.play) this.app.set({ play: undefined });
+    if (!view) return;
+    view.held = false;
+    view.apply(this.app.state.look);
+  }
+  toggle(): void {
+    if (this.wanted) this.leave();
+    else void this.enter();
+  }
+
+  /** While it is loaded, or in a step. */
+  failed(error: unknown): void {
+    this.leave();
+    // A server that is away is asked again, and the words go when it is back.
+    this.app.service.noticed(error);
+    this.app.set({ problem: asProblem(error), refused: undefined });
+  }
+}

@@ -1,0 +1,50 @@
+// What was dropped or chosen: files, several, or folders, as the package takes them.
+import type { NamedFile } from 'fracture-client';
+
+export interface Dropped {
+  label: string;
+  files: NamedFile[];
+}
+
+/** Entries must be asked for while the event is handled; reading them may take longer. */
+export async function filesOf(data: DataTransfer): Promise<Dropped | undefined> {
+  const entries = [...data.items].filter(({ kind }) => kind === 'file').map(item => item.webkitGetAsEntry?.() ?? item.getAsFile());
+  const files: NamedFile[] = [];
+  for (const entry of entries) {
+    if (entry instanceof File) files.push({ name: entry.name, data: entry });
+    else if (entry) await walk(entry, '', files);
+  }
+  return named(files);
+}
+
+export function chosenFiles(list: FileList | readonly File[]): Dropped | undefined {
+  return named([...list].map(file => ({ name: file.webkitRelativePath || file.name, data: file })));
+}
+
+/** What systems leave in folders is no part of an asset. */
+const named = (all: NamedFile[]): Dropped | undefined => {
+  const files = all.filter(({ name }) => !/(^|\/)(\.|Thumbs\.db$|desktop\.ini$)/.test(name));
+  return files.length === 0 ? undefined : { files, label: files[0]!.name.split('/').pop()! };
+};
+
+async function walk(entry: FileSystemEntry, folder: string, into: NamedFile[]): Promise<void> {
+  if (entry.isFile) {
+    const file = await new Promise<File>((resolve, reject) => (entry as FileSystemFileEntry).file(resolve, reject));
+    into.push({ name: folder + entry.name, data: file });
+    return;
+  }
+  const reader = (entry as FileSystemDirectoryEntry).createReader();
+  for (;;) {
+    const some = await new Promise<FileSystemEntry[]>((resolve, reject) => reader.readEntries(resolve, reject));
+    if (some.length === 0) return;
+    for (const child of some) await walk(child, `${folder}${entry.name}/`, into);
+  }
+}
+
+/** Of several files those that are meshes, by the formats that the server reads; the largest first, which is the one. */
+export function meshesOf(files: readonly NamedFile[], formats: readonly string[]): NamedFile[] {
+  const ending = (name: string) => /\.([^./]+)$/.exec(name)?.[1]?.toLowerCase() ?? '';
+  const size = ({ data }: NamedFile) => (data instanceof Blob ? data.size : data.byteLength);
+  const meshes = files.filter(({ name }) => formats.includes(ending(name)));
+  return [...meshes].sort((a, b) => size(b) - size(a));
+}

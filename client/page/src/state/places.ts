@@ -1,0 +1,67 @@
+// Parameters that say a place or a direction in the mesh, which belong to one mesh and are dragged in its picture. Known by what the
+// server says of them, so that new ones are found: spheres (x_center with x_radius), boxes (x_box), planes (x_plane: a point and a
+// normal), directions (three numbers without a unit), and families of planes (lists of such).
+import type { ParameterDescription, ParameterValue } from 'fracture-client';
+import type { Settings } from './request';
+
+export type PlaceKind = 'sphere' | 'box' | 'plane' | 'direction' | 'normals';
+type Triple = [number, number, number];
+/** Of the mesh, in metres, in the frame of the answer. */
+export interface Bounds {
+  low: Triple;
+  high: Triple;
+}
+
+const POINT = 'x,y,z', POINTS = 'x,y,z;x,y,z';
+
+/** By the name that holds the place: of a sphere that of its middle. */
+export function placesIn(parameters: readonly ParameterDescription[]): Map<string, PlaceKind> {
+  const names = new Set(parameters.map(({ name }) => name)), places = new Map<string, PlaceKind>();
+  for (const { name, type, text, unit } of parameters) {
+    if (type !== 'array') continue;
+    if (name.endsWith('_center') && names.has(radiusOf(name))) places.set(name, 'sphere');
+    else if (name.endsWith('_box') && text === POINTS) places.set(name, 'box');
+    else if (name.endsWith('_plane') && text === POINTS) places.set(name, 'plane');
+    else if (text === POINT && !unit) places.set(name, 'direction');
+    else if (text === POINTS && !unit) places.set(name, 'normals');
+  }
+  return places;
+}
+
+export const radiusOf = (center: string): string => center.replace(/_center$/, '_radius');
+
+/** What holds for other meshes, too: no lists of metres, no planes, and no radius without its middle. */
+export function withoutPlaces(settings: Settings, parameters: readonly ParameterDescription[]): Settings {
+  const places = placesIn(parameters), gone = new Set(['local_radius', 'local_sites', 'broken']);  // of hits, and of fragments
+  for (const { name, type, unit } of parameters) {
+    const kind = places.get(name);
+    if (type !== 'array' || (unit !== 'm' && kind !== 'plane')) continue;
+    gone.add(name);
+    if (kind === 'sphere') gone.add(radiusOf(name));
+  }
+  return Object.fromEntries(Object.entries(settings).filter(([name]) => !gone.has(name)));
+}
+
+/** Where a place begins before it is dragged: a sphere in the upper half, the lower part as a box, the ground as a plane. */
+export function firstPlace(name: string, kind: PlaceKind, { low, high }: Bounds, known: ParameterValue | undefined): Settings {
+  const size = Math.hypot(...low.map((value, k) => high[k]! - value)), round = rounding(size);
+  const at = (share: Triple): Triple => low.map((value, k) => round(value + share[k]! * (high[k]! - value))) as Triple;
+  switch (kind) {
+    case 'sphere': return { [name]: at([0.5, 0.75, 0.5]), [radiusOf(name)]: round(0.22 * size) };
+    case 'box': return { [name]: [at([-0.02, -0.02, -0.02]), at([1.02, 0.4, 1.02])] };
+    case 'plane': return { [name]: [at([0.5, 0, 0.5]), [0, 1, 0]] };
+    case 'direction': return { [name]: known ?? [0, 1, 0] };
+    case 'normals': return { [name]: known ?? [[0, 1, 0]] };
+  }
+}
+
+/** Without the settings of a place. */
+export function withoutPlace(settings: Settings, name: string): Settings {
+  return Object.fromEntries(Object.entries(settings).filter(([each]) => each !== name && each !== radiusOf(name)));
+}
+
+/** To a ten-thousandth of the mesh, which a hand cannot see: links stay short. */
+export function rounding(size: number): (value: number) => number {
+  const digits = Math.max(0, Math.min(12, 4 - Math.floor(Math.log10(Math.max(1e-9, size)))));
+  return value => Number(value.toFixed(digits)) + 0;
+}

@@ -1,0 +1,100 @@
+// What is asked for, as the page keeps it: what was set, and the hits after it. Everything else is derived from it.
+import type { Answer, ParameterValue, Vector3 } from 'fracture-client';
+
+export type Settings = Readonly<Record<string, ParameterValue>>;
+
+export interface Hit {
+  point: Vector3;
+  /** Metres. */
+  radius: number;
+}
+
+export interface Wish {
+  settings: Settings;
+  hits: readonly Hit[];
+}
+
+/** The parameters of one request that says it all. */
+export function parametersOf({ settings, hits }: Wish): Record<string, ParameterValue> {
+  if (hits.length === 0) return { ...settings };
+  return {
+    ...settings, local_point: hits.map(({ point }) => point), local_radius: hits.map(({ radius }) => radius), local_rest: 'fractured',
+  };
+}
+
+export function withSetting(settings: Settings, name: string, value: ParameterValue | undefined): Settings {
+  const next = { ...settings };
+  if (value === undefined) delete next[name];
+  else next[name] = value;
+  return next;
+}
+
+/** Without those of the page's `own` settings that a problem says exclude one that somebody set: its `details` name both, in
+ * quotes. Undefined where there is none to give up. */
+export function withoutExcluded(settings: Settings, own: Settings, details: readonly string[]): Settings | undefined {
+  const isOwn = (name: string) => own[name] !== undefined && JSON.stringify(own[name]) === JSON.stringify(settings[name]);
+  const gone = new Set(details.flatMap(detail => {
+    const named = [...detail.matchAll(/'(\w+)'/g)].map(([, name]) => name!).filter(name => settings[name] !== undefined);
+    return named.some(name => !isOwn(name)) && new Set(named).size > 1 ? named.filter(isOwn) : [];
+  }));
+  return gone.size === 0 ? undefined : Object.fromEntries(Object.entries(settings).filter(([name]) => !gone.has(name)));
+}
+
+/** What is left of a wish under another pattern, which refuses what belongs to others alone: impacts become hits of this radius. */
+export function underPattern({ settings, hits }: Wish, pattern: string, parameters: readonly { name: string; patterns?: string[] }[], radius: number): Wish {
+  const foreign = new Set(parameters.filter(({ patterns }) => patterns && !patterns.includes(pattern)).map(({ name }) => name)), { impacts } = settings;
+  const moved = foreign.has('impacts') && Array.isArray(impacts) ? (impacts as Vector3[]).map(point => ({ point, radius })) : [];
+  return { settings: Object.fromEntries(Object.entries(settings).filter(([name]) => !foreign.has(name))), hits: [...moved, ...hits] };
+}
+
+/** A wish and what came of it: what undo goes back to. */
+export interface Step extends Wish {
+  answer: Answer | undefined;
+  /** What was changed, so that the values of one drag are one step. */
+  cause: string;
+  at: number;
+}
+
+/** Answers that are kept; older ones are asked for again, and are the same. */
+const KEPT = 8;
+const ONE_GESTURE = 900;  // ms between two values of one drag
+
+export class History {
+  private steps: Step[] = [];
+  private at = -1;
+
+  get canUndo(): boolean {
+    return this.at > 0;
+  }
+  get canRedo(): boolean {
+    return this.at + 1 < this.steps.length;
+  }
+  /** Puts the steps of this moment back. */
+  keep(): () => void {
+    const { steps, at } = this;
+    return () => {
+      this.steps = steps;
+      this.at = at;
+    };
+  }
+  clear(): void {
+    this.steps = [];
+    this.at = -1;
+  }
+
+  push(step: Step): void {
+    const top = this.steps[this.at];
+    this.steps.length = this.at + 1;
+    if (top && this.at > 0 && step.cause !== '' && top.cause === step.cause && step.at - top.at < ONE_GESTURE) this.steps[this.at] = step;
+    else this.at = this.steps.push(step) - 1;
+    this.steps.forEach((old, k) => {
+      if (k < this.at - KEPT) old.answer = undefined;
+    });
+  }
+
+  move(by: 1 | 0 | -1): Step | undefined {
+    const step = this.steps[this.at + by];
+    if (step) this.at += by;
+    return step;
+  }
+}

@@ -1,0 +1,41 @@
+// The same request for who works elsewhere: in a shell, in a script, without a server, in a farm.
+import type { ParameterValue } from 'fracture-client';
+import type { App } from '../app/app';
+import { textOf } from '../panels/lists';
+import { parametersOf } from '../state/request';
+import { words } from '../words/words';
+
+const shell = (text: string) => (/^[\w./:=,+@%-]+$/.test(text) ? text : `'${text.replaceAll('\'', '\'\\\'\'')}'`);
+const json = (value: unknown, indent = 0) => JSON.stringify(value, undefined, indent);
+/** JSON is Python but for three words. */
+const python = (value: ParameterValue) => json(value).replace(/\btrue\b/g, 'True').replace(/\bfalse\b/g, 'False');
+
+export interface Snippets {
+  curl: string;
+  python: string;
+  javascript: string;
+  bake: string;
+  manifest: string;
+}
+
+export function snippets(app: App): Snippets {
+  const { shown, source } = app.state, parameters = parametersOf((shown ?? app.state).wish), server = location.origin;
+  const file = source?.label.includes('.') ? source.label : `${source?.label ?? 'mesh'}.glb`, out = 'fragments.glb', token = app.service.hasToken;
+  const others = Array.isArray(source?.input) ? source.input.map(({ name }) => String(name)).filter(name => name.split('/').pop() !== file) : [];
+  // A sample is on no disk, unless somebody puts it there; shells take a remark on a line of its own, JSON takes none.
+  const remark = (mark: string) => (source?.fetched ? `${mark} ${words.take.sampleFile(file)}` : ''), before = (mark: string) => (source?.fetched ? `${remark(mark)}\n` : '');
+  const after = source?.fetched ? `\n${remark('#')}` : '';
+  return {
+    curl: ['curl', token ? '-H "Authorization: Bearer $TOKEN"' : '', ...[`mesh=@${file}`, ...others.map(name => `file=@${name}`)].map(part => `-F ${shell(part)}`),
+      `\\\n  -F ${shell(`params=${json(parameters)};type=application/json`)}`, `\\\n  ${server}/fracture -o ${out}`].filter(Boolean).join(' ') + after,
+    // What the mesh names is found beside it.
+    python: `${before('#')}from fracture_client import Client\n\nwith Client(${json(server)}${token ? ', token=TOKEN' : ''}) as client:\n    mesh = client.put(${json(file)})\n` +
+      `    answer = mesh.fracture(${Object.entries(parameters).map(([name, value]) => `\n        ${name}=${python(value)},`).join('')}\n    )\n    answer.save(${json(out)})\n`,
+    javascript: `${before('//')}import { readFile, writeFile } from 'node:fs/promises';\nimport { Client } from 'fracture-client';\n\n` +
+      `const client = new Client('${server}'${token ? ', { token: process.env.TOKEN }' : ''});\n` +
+      `const mesh = await client.put(${others.length > 0 ? `await Promise.all(${json([file, ...others])}.map(async name => ({ name, data: await readFile(name) })))` : `{ name: ${json(file)}, data: await readFile(${json(file)}) }`});\n` +
+      `const answer = await mesh.fracture(${json(parameters)});\nawait writeFile('${out}', answer.glb);\n`,
+    bake: ['fracture-server bake', shell(file), `-o ${out}`, ...Object.entries(parameters).map(([name, value]) => `\\\n  --${name} ${shell(textOf(value))}`)].join(' ') + after,
+    manifest: json({ input: file, output: out, parameters }),
+  };
+}

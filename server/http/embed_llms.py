@@ -1,0 +1,53 @@
+#!/usr/bin/env python3
+"""embed_llms.py PROTO_FOLDER OUT.cpp: interface.md, the operations of openapi.yaml and parameters.md as one plain text, /llms.txt,
+from which a program or a person can write a client without looking anywhere else; and that as a C++ function."""
+import pathlib
+import re
+import sys
+
+import yaml
+
+SUMMARY = """# fracture-server
+
+> POST a mesh, get exact, watertight Voronoi fragments of it back as one GLB with hulls, masses and bonds. The same request gives the
+> same bytes. Everything that can be asked stands in this file.
+
+The least that works:
+
+    curl -T mesh.glb -X POST -H 'Content-Type: model/gltf-binary' 'http://SERVER/fracture?material=stone&fragments=40&seed=1' -o fragments.glb
+
+The same for programs: `GET /openapi.json` (every status and header), `GET /limits`, `GET /patterns`.
+"""
+
+
+def plain(text):
+    """Without what leads out of this file: pictures, comments and links to the repository keep their words."""
+    text = re.sub(r"<!--.*?-->\n*", "", text, flags=re.S)
+    text = re.sub(r"!\[[^\]]*\]\([^)]*\)", "", text)
+    text = re.sub(r"\[([^\]]*)\]\((?!https?:)[^)]*\)", r"\1", text)
+    return re.sub(r"^\|  \|", "|", text, flags=re.M)
+
+
+def operations(document):
+    lines = ["# Every operation", ""]
+    for path, item in document["paths"].items():
+        for method, operation in item.items():
+            if method in ("get", "put", "post", "delete"):
+                where = " (admin listener)" if "servers" in item else ""
+                statuses = ", ".join(str(status) for status in operation["responses"] if status != "default")
+                lines.append(f"- `{method.upper()} {path}`{where}: {operation['summary']}. {statuses}")
+    problems = document["components"]["schemas"]["Problem"]["properties"]["type"]["enum"]
+    return "\n".join([*lines, "", "Any of them may be answered with a problem: " + ", ".join(f"`{p}`" for p in problems) + "."])
+
+
+proto, out = pathlib.Path(sys.argv[1]), sys.argv[2]
+parts = [SUMMARY, plain((proto / "interface.md").read_text(encoding="utf-8")),
+         operations(yaml.safe_load((proto / "openapi.yaml").read_text(encoding="utf-8"))),
+         plain((proto / "parameters.md").read_text(encoding="utf-8"))]
+text = "\n\n".join(part.strip("\n") for part in parts) + "\n"
+
+# String literals have a length limit in some compilers: pieces are joined by the compiler.
+pieces = "\n".join(f'R"llms({text[i:i + 4000]})llms"' for i in range(0, len(text), 4000))
+with open(out, "w", encoding="utf-8") as f:
+    f.write('// Generated from proto/.\n#include "server/http/api.hpp"\n\n')
+    f.write(f"std::string_view fracture::http::llms_txt() {{\n  static constexpr std::string_view kText =\n{pieces};\n  return kText;\n}}\n")

@@ -1,0 +1,35 @@
+// What ctest calls.
+//   node run.mjs prepare        npm ci where it is needed, and the build of the page
+//   node run.mjs NAME           NAME.test.mjs by node's own test runner; FRACTURE_TEST_FULL=1: all of it
+// Exits with 77, and says why, where something is missing: that is a skipped test, never a passed one.
+import { spawnSync } from 'node:child_process';
+import fs from 'node:fs';
+import path from 'node:path';
+import { fileURLToPath } from 'node:url';
+
+const here = path.dirname(fileURLToPath(import.meta.url)), folder = path.resolve(here, '../../../client/page'), [name] = process.argv.slice(2);
+const at = (...parts) => path.join(folder, ...parts);
+const skip = why => {
+  console.log(`skipped: ${why}`);
+  process.exit(77);
+};
+const time = file => (fs.existsSync(file) ? fs.statSync(file).mtimeMs : 0);
+
+if (Number(process.versions.node.split('.')[0]) < 18) skip(`node ${process.versions.node} is older than 18`);
+if (name === 'prepare') {
+  if (time(at('package-lock.json')) > time(at('node_modules/.package-lock.json'))) {
+    const { status, error, stderr } = spawnSync('npm', ['ci', '--no-audit', '--no-fund', '--fetch-retries=0'], { cwd: folder, encoding: 'utf8', timeout: 240_000 });
+    if (error || status !== 0) skip(`npm ci in client/page does not work here: ${error?.message ?? stderr.slice(-400)}`);
+  }
+  process.exit(spawnSync('npm', ['run', '--silent', 'build'], { cwd: folder, stdio: 'inherit' }).status ?? 1);
+}
+if (!fs.existsSync(at('node_modules/three'))) skip('node_modules of client/page is missing (npm ci)');
+if (!fs.existsSync(at('dist/index.html'))) skip('client/page is not built (npm run build)');
+if (name !== 'unit') {
+  if (!process.env.FRACTURE_TEST_SERVER) skip('FRACTURE_TEST_SERVER names no fracture-server');
+  if (!['/usr/bin/chromium', '/usr/bin/chromium-browser'].some(file => fs.existsSync(file))) skip('there is no Chromium (scripts/install-deps pictures)');
+}
+// They turn thousands of fragments in software: minutes on a machine that does other work, too.
+if (['play', 'load'].includes(name) && process.env.FRACTURE_TEST_FULL !== '1') skip('FRACTURE_TEST_FULL is not 1');
+if (name === 'meshes' && !process.env.FRACTURE_TEST_MESHES) skip('FRACTURE_TEST_MESHES names no folders');
+process.exit(spawnSync(process.execPath, ['--test', '--test-reporter=spec', path.join(here, `${name}.test.mjs`)], { stdio: 'inherit' }).status ?? 1);

@@ -1,0 +1,134 @@
+// What the tests of the page share: a fracture-server (FRACTURE_TEST_SERVER) behind the site, Chromium with WebGL in software, and a
+// page whose complaints are kept.
+import { spawn } from 'node:child_process';
+import fs from 'node:fs';
+import { createRequire } from 'node:module';
+import os from 'node:os';
+import path from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { Site } from './site.mjs';
+
+export const here = path.dirname(fileURLToPath(import.meta.url)), folder = path.resolve(here, '../../../client/page'), dist = path.join(folder, 'dist');
+export const require = createRequire(path.join(folder, 'package.json'));
+export const full = process.env.FRACTURE_TEST_FULL === '1';
+export const pictures = process.env.FRACTURE_TEST_PICTURES ?? path.join(os.tmpdir(), 'fracture-page');
+export const program = process.env.FRACTURE_TEST_SERVER;
+const chromium = ['/usr/bin/chromium', '/usr/bin/chromium-browser'].find(name => fs.existsSync(name));
+export const skip = !program ? 'FRACTURE_TEST_SERVER names no fracture-server' : !chromium ? 'there is no Chromium (scripts/install-deps pictures)' : false;
+/** Folders of real meshes; the first has the ones of the tests. */
+const meshes = (process.env.FRACTURE_TEST_MESHES ?? '').split(':').filter(Boolean);
+export const meshOf = name => meshes.map(at => path.join(at, name)).find(at => fs.existsSync(at));
+
+const FLAGS = ['--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-dev-shm-usage', '--disable-background-networking',
+  '--disable-component-update', '--disable-sync', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
+  '--enable-precise-memory-info', '--js-flags=--expose-gc'];
+
+/** fracture-server, until this program ends or kill(): {url, port, kill}. */
+export async function realServer({ port = 0, flags = [] } = {}) {
+  const server = spawn(program, ['serve', '--port', String(port), '--admin-port', '0', '--threads', '2', '--drain-delay', '0', '--grace', '1',
+    '--log-format', 'json', ...flags], { stdio: ['ignore', 'ignore', 'pipe'] });
+  const gone = new Promise(resolve => server.once('exit', resolve)), kill = () => {
+    server.ref();
+    server.kill('SIGKILL');
+    return gone;
+  };
+  process.once('exit', () => server.kill('SIGKILL'));
+  let log = '';
+  const found = await new Promise((resolve, reject) => {
+    server.once('error', reject).once('exit', code => reject(new Error(`fracture-server ended with ${code}: ${log}`)));
+    server.stderr.on('data', text => {
+      log += text;
+      const said = /serving on http:\/\/127\.0\.0\.1:(\d+)/.exec(log);
+      if (said) resolve(said);
+    });
+  });
+  server.unref();
+  server.stderr.unref();
+  return { url: `http://127.0.0.1:${found[1]}`, port: Number(found[1]), kill };
+}
+
+/** What a browser writes of an answer that is an error; the page shows it in words. */
+const SAID = /Failed to load resource: the server responded with a status of/;
+/** Of a picture of the page, and of the physics engine's own start. */
+const HARMLESS = /GPU stall due to ReadPixels|using deprecated parameters for the initialization function/;
+
+export class Bench {
+  static async start({ server, flags = [] } = {}) {
+    const bench = new Bench();
+    fs.mkdirSync(pictures, { recursive: true });
+    bench.server = server ?? await realServer();
+    try {
+      bench.site = await new Site(dist, bench.server.url).listen();
+      bench.browser = await require('playwright-core').chromium.launch({ executablePath: chromium, args: [...FLAGS, ...flags], headless: true });
+      return bench;
+    } catch (error) {
+      await bench.stop();
+      throw error;
+    }
+  }
+
+  async stop() {
+    await this.browser?.close();
+    this.site?.close();
+    await this.server?.kill();
+  }
+
+  /** A page in a context of its own, with an empty cache. `complaints`: console errors and warnings, violations of the policy,
+   * exceptions; `foreign`: requests to other origins. */
+  async open({ hash = '', path: at = '/', width = 860, height = 560, wait = true, ...more } = {}) {
+    const context = await this.browser.newContext({ viewport: { width, height }, reducedMotion: 'reduce', ...more }), page = await context.newPage();
+    const complaints = [], foreign = [];
+    page.setDefaultTimeout(20_000);
+    page.on('console', message => {
+      if (['error', 'warning'].includes(message.type()) && !HARMLESS.test(message.text())) complaints.push(message.text());
+    });
+    page.on('pageerror', error => complaints.push(String(error.stack)));
+    page.on('request', request => {
+      if (!request.url().startsWith(this.site.url) && !/^(data|blob):/.test(request.url())) foreign.push(request.url());
+    });
+    await page.addInitScript(() => {
+      globalThis.violations = [];
+      document.addEventListener('securitypolicyviolation', event => globalThis.violations.push(`${event.violatedDirective} ${event.blockedURI}`));
+    });
+    await page.goto(`${this.site.url}${at}${hash}`);
+    if (wait) await shown(page);
+    return { page, complaints, foreign, close: () => context.close() };
+  }
+}
+
+/** Complaints but for the lines that a browser writes of an error of the server. */
+export const serious = complaints => complaints.filter(text => !SAID.test(text));
+
+/** When the answer to the last wish is in the picture. */
+export const shown = (page, timeout = 20_000) => page.waitForFunction(() => {
+  const { state } = globalThis.fracture ?? {};
+  return state && state.inFlight === 0 && !state.bringing && !state.job && state.shown?.toPicture > 0 && state.shown.wish === state.wish;
+}, undefined, { timeout });
+export const problem = (page, timeout = 20_000) => page.waitForFunction(() => globalThis.fracture?.state.problem, undefined, { timeout })
+  .then(() => page.evaluate(() => {
+    const { problem: name, title, detail } = globalThis.fracture.state.problem;
+    return { name, title, detail };
+  }));
+export const state = (page, read) => page.evaluate(`(${read})(globalThis.fracture.state)`);
+
+/** Where a click is on the mesh: the page is asked what is under the pointer. */
+export const onMesh = page => page.evaluate(() => {
+  const { left, top, width, height } = document.querySelector('canvas').getBoundingClientRect();
+  for (let ring = 0; ring < 0.4; ring += 0.04)
+    for (let k = 0; k < 8; ++k) {
+      const x = left + width * (0.5 + ring * Math.cos(k * Math.PI / 4)), y = top + height * (0.5 + ring * Math.sin(k * Math.PI / 4));
+      const picked = globalThis.fracture.view.pick(x, y);
+      if (picked && document.elementFromPoint(x, y) === document.querySelector('canvas')) return [x, y];
+    }
+  return undefined;
+});
+
+/** Files as a person drops them. */
+export async function drop(page, files) {
+  const data = await page.evaluateHandle(given => {
+    const transfer = new DataTransfer();
+    for (const { name, base64 } of given) transfer.items.add(new File([Uint8Array.from(atob(base64), letter => letter.charCodeAt(0))], name));
+    return transfer;
+  }, files.map(({ name, data }) => ({ name, base64: Buffer.from(data).toString('base64') })));
+  await page.dispatchEvent('#viewport', 'drop', { dataTransfer: data });
+}

@@ -1,0 +1,95 @@
+// Five things that somebody does who has the address and nothing else. Everything is found by the words that are seen, and judged by
+// what is seen and what arrives; the page's own state is not asked.
+import assert from 'node:assert/strict';
+import { spawn, spawnSync } from 'node:child_process';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import { after, before, describe, test } from 'node:test';
+import { Bench, skip } from './support.mjs';
+
+for (const [width, height] of [[1280, 800], [360, 740]])
+  describe(`a first visit, ${width} x ${height}`, { skip, timeout: 240_000 }, () => {
+    let bench, opened, page;
+    before(async () => {
+      bench = await Bench.start();
+      opened = await bench.open({ width, height, wait: false });
+      ({ page } = opened);
+    });
+    after(() => bench?.stop());
+
+    const status = () => page.locator('.status'), count = async () => Number(/^\s*([\d,]+)/.exec(await status().textContent())[1].replace(',', ''));
+    const eventually = (what, given) => page.waitForFunction(what, given, { timeout: 20_000 });
+    /** After something was asked: the proved answer to it. */
+    async function answered() {
+      await page.evaluate(() => new Promise(resolve => requestAnimationFrame(() => requestAnimationFrame(resolve))));
+      await eventually(() => /Proved/.test(document.querySelector('.status')?.textContent ?? '') && /\d (ms|s)/.test(document.querySelector('.status .time')?.textContent ?? ''));
+    }
+
+    test('the sample is broken, and the slider breaks it into more', async () => {
+      await answered();
+      const before = await count();
+      assert.ok(before > 1, `${before} fragments without doing anything`);
+      await page.getByRole('tab', { name: 'Break' }).click();
+      const slider = page.getByRole('slider', { name: 'Fragments' });
+      await slider.focus();
+      for (let k = 0; k < 5; ++k) await slider.press('ArrowRight');
+      await eventually(wanted => Number(/\d+/.exec(document.querySelector('.status').textContent)) === wanted, before + 5);
+      await answered();
+    });
+
+    test('it is hit where they point', async () => {
+      assert.match(await page.getByRole('region', { name: 'Hits' }).textContent(), /Click the mesh to hit it there/);
+      await page.getByRole('button', { name: 'Hit', exact: true }).click();
+      const { x, y, width: wide, height: high } = await page.getByRole('img', { name: /Viewport/ }).boundingBox();
+      await page.mouse.click(x + wide / 2, y + high / 2);
+      await page.getByRole('region', { name: 'Hits' }).getByText(/Impact/).waitFor();
+      await answered();
+    });
+
+    test('it is wood', async () => {
+      await page.getByRole('button', { name: 'Wood' }).click();
+      await page.getByRole('button', { name: 'Wood', pressed: true }).waitFor();
+      await answered();
+      assert.equal(await page.getByRole('alert').count(), 0);
+    });
+
+    let smallest;
+    test('the smallest piece is found', async () => {
+      await page.getByRole('tab', { name: 'Pieces' }).click();
+      await page.getByRole('button', { name: 'Smallest' }).click();
+      const row = page.getByRole('table').locator('tr.chosen');
+      // Sorted by volume, smallest first: it is the first of the list.
+      await page.getByRole('button', { name: 'Volume' }).click();
+      await row.waitFor();
+      assert.equal(await page.getByRole('table').locator('tbody tr').first().textContent(), await row.textContent());
+      smallest = await row.getByRole('button').textContent();
+      assert.match(await page.getByRole('region', { name: 'Sizes' }).textContent(), new RegExp(smallest));
+    });
+
+    test('the curl line is taken away, and gives the same pieces', async t => {
+      await page.getByRole('tab', { name: 'Take away' }).click();
+      await page.getByRole('button', { name: 'curl' }).click();
+      const line = await page.getByRole('textbox', { name: 'curl' }).inputValue();
+      assert.match(line, /^curl -F mesh=@vase\.glb/);
+      assert.match(line, /"material":"wood"/);
+      if (spawnSync('curl', ['--version']).error) return t.skip('there is no curl');
+      const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'fracture-page-'));
+      try {
+        // The sample and its fragments as the page downloads them; the line is run as it stands.
+        assert.match(line, /vase\.glb is a sample/);
+        const [sample] = await Promise.all([page.waitForEvent('download'), page.getByRole('button', { name: 'Download this mesh' }).click()]);
+        assert.equal(sample.suggestedFilename(), 'vase.glb');
+        await sample.saveAs(path.join(folder, 'vase.glb'));
+        const [file] = await Promise.all([page.waitForEvent('download'), page.getByRole('button', { name: /^GLB/ }).click()]);
+        const shell = spawn('sh', ['-c', line], { cwd: folder, stdio: 'ignore', timeout: 60_000, env: { PATH: process.env.PATH, no_proxy: '127.0.0.1' } });
+        assert.equal(await new Promise(resolve => shell.once('exit', resolve)), 0);
+        assert.ok(fs.readFileSync(path.join(folder, 'fragments.glb')).equals(fs.readFileSync(await file.path())), 'byte for byte');
+      } finally {
+        fs.rmSync(folder, { recursive: true });
+      }
+      assert.deepEqual(opened.complaints, []);
+      assert.deepEqual(opened.foreign, []);
+      return undefined;
+    });
+  });
