@@ -1,13 +1,19 @@
 #include "client/app/headless.hpp"
 
+#include <time.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <thread>
 
+#include "client/app/break_figures.hpp"
+#include "client/app/output_places.hpp"
 #include "client/app/recorded_options.hpp"
+#include "client/app/sound_track.hpp"
 #include "client/egl/egl_context.hpp"
+#include "client/film/film.hpp"
 #include "client/render/frame_target.hpp"
 #include "client/view/scene_view.hpp"
 
@@ -23,6 +29,13 @@ double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
+/// Of the calling thread's work: what else the machine does is not in it.
+double processor_milliseconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+}
+
 json vec3(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
 /// Pictures: a context and a renderer, made when the first is asked for.
@@ -30,9 +43,9 @@ class Recorder {
  public:
   explicit Recorder(const Options& options) : options_(options) {}
 
-  Expected<json> take(const game::Game& game, const std::string& name) {
+  Expected<json> take(const game::Game& game, const effects::Debris* debris, const std::string& name) {
     constexpr int kStillSkyShadows = 32;  // pictures may take their time
-    const Expected<view::ViewFigures> figures = draw(game, kStillSkyShadows);
+    const Expected<view::ViewFigures> figures = draw(game, debris, kStillSkyShadows);
     if (!figures) return tl::unexpected(figures.error());
     const std::string path = (std::filesystem::path(options_.out) / name).string();
     if (const auto written = write_png(target_->read(), path); !written)
@@ -44,13 +57,17 @@ class Recorder {
                 {"culled", figures->culled}};
   }
 
-  Expected<view::ViewFigures> draw(const game::Game& game,
+  /// What was drawn last.
+  render::Picture picture() const { return target_->read(); }
+
+  Expected<view::ViewFigures> draw(const game::Game& game, const effects::Debris* debris,
                                    int sky_shadows = view::ViewSettings{}.sky_shadows) {
     if (auto ready = prepare(); !ready) return tl::unexpected(ready.error());
     const scenes::Scene& scene = game.scene();
     const float aspect = static_cast<float>(options_.width) / static_cast<float>(options_.height);
     view::ViewSettings settings;
     settings.sky_shadows = sky_shadows;
+    settings.debris = debris;
     const auto figures = view_->draw(game, view::look_at(scene.eye, scene.target, aspect), settings,
                                      target_->framebuffer(), options_.width, options_.height);
     if (!figures) return tl::unexpected(figures.error());
@@ -91,24 +108,6 @@ json summary_of_frames(std::vector<double> times) {
           {"p99_ms", at(0.99)},
           {"worst_ms", worst},
           {"each_ms", in_order}};
-}
-
-/// How many things broke, how many of them had their fragments before the contact, and how late the others were.
-json breaks_of(const game::Game& game) {
-  std::vector<std::uint64_t> late = game.figures().late;
-  std::sort(late.begin(), late.end());
-  const auto at = [&](double share) {
-    return late.empty()
-               ? 0.0
-               : 1e3 * game.world().settings().step *
-                     static_cast<double>(
-                         late[static_cast<std::size_t>(share * static_cast<double>(late.size() - 1))]);
-  };
-  return {{"count", late.size()},
-          {"on_time", std::count(late.begin(), late.end(), 0u)},
-          {"late_p50_ms", at(0.5)},
-          {"late_p99_ms", at(0.99)},
-          {"waiting", game.open_requests() + game.waiting_requests()}};
 }
 
 json ledger_of(const world::World& world) {
@@ -210,7 +209,7 @@ json summary(const game::Game& game, const protocol::Client& client, const Optio
             {"faded", census.faded},
             {"fastest", census.fastest},
             {"lowest", census.lowest}}},
-          {"breaks", breaks_of(game)},
+          {"breaks", break_figures(game)},
           {"ledger", ledger_of(game.world())},
           {"swaps", swaps},
           {"fragments", fragments_of(game)}};
@@ -223,6 +222,8 @@ game::GameSettings settings_of(const Options& options) {
   settings.overrides = options.parameters;
   if (options.fixed_step) settings.fixed_latency = options.answer_steps;
   if (!options.requests) settings.max_requests = 0;
+  const bool drawn = options.draw || !options.record.empty() || !options.screenshots.empty();
+  if (!options.wav.empty() || (drawn && options.effects)) settings.world.max_witnessed = kMostWitnessed;
   return settings;
 }
 
@@ -262,6 +263,7 @@ class HeadlessRun {
         settings_(std::move(settings)),
         game_(std::move(scene), client_, settings_),
         recorder_(options),
+        debris_(options.seed),
         screenshots_(options.screenshots),
         frame_length_(kStepsPerFrame * settings_.world.step) {
     std::sort(screenshots_.begin(), screenshots_.end());
@@ -269,14 +271,41 @@ class HeadlessRun {
 
   Expected<json> run() {
     if (options_.draw)  // compiles shaders and uploads the scene, which is no frame's work
-      if (const auto drawn = recorder_.draw(game_); !drawn) return tl::unexpected(drawn.error());
+      if (const auto drawn = recorder_.draw(game_, debris()); !drawn) return tl::unexpected(drawn.error());
+    if (!options_.wav.empty()) {
+      Expected<SoundTrack> track = SoundTrack::create(options_.wav, game_.scene());
+      if (!track) return tl::unexpected(track.error());
+      sound_.emplace(std::move(*track));
+    }
+    if (!options_.record.empty()) {
+      Expected<film::Film> made =
+          film::Film::create(options_.record, {.width = options_.width, .height = options_.height});
+      if (!made) return tl::unexpected(made.error());
+      film_.emplace(std::move(*made));
+    }
+    Expected<void> first = play();
+    const bool played = first.has_value();
+    // Each of them is whole, whatever became of the others; a film without its end is none.
+    const auto keep = [&first](Expected<void> more) {
+      if (first && !more) first = std::move(more);
+    };
+    if (sound_) keep(sound_->finish());
+    if (settings_.recorder && !settings_.recorder->finish())
+      keep(fail(ErrorCode::kFileAccess, "The game could not be written to " + options_.log + " as a whole."));
+    if (film_ && played) keep(film_->finish());
+    if (!first) return tl::unexpected(first.error());
+    return result();
+  }
+
+ private:
+  Expected<void> play() {
     start_ = Clock::now();
     const std::uint64_t frames =
         settings_.replay ? (settings_.replay->hashes.size() + kStepsPerFrame - 1) / kStepsPerFrame
                          : static_cast<std::uint64_t>(std::llround(options_.seconds / frame_length_));
     for (std::uint64_t frame = 0; frame <= frames; ++frame) {
       const double now = static_cast<double>(frame) * frame_length_;
-      if (auto taken = take_pictures(frame, now); !taken) return tl::unexpected(taken.error());
+      if (auto taken = take_pictures(now); !taken) return tl::unexpected(taken.error());
       if (frame == frames) break;
       const std::uint64_t swaps_before = game_.figures().swaps;
       double spent = options_.fixed_step || settings_.replay ? step_at_fixed_pace() : step_in_real_time(now);
@@ -285,34 +314,28 @@ class HeadlessRun {
         if (!drawn) return tl::unexpected(drawn.error());
         spent += *drawn;
       }
+      work_times_.push_back(std::exchange(work_, 0.0));
       times_.add(spent, game_.figures().swaps > swaps_before, game_.open_requests() > 0);
       fastest_ = std::max(fastest_, game_.world().census().fastest);
+      tell_of_absence();
     }
-    if (settings_.recorder && !settings_.recorder->finish())
-      return fail(ErrorCode::kFileAccess,
-                  "The game could not be written to " + options_.log + " as a whole.");
-    return result();
+    return {};
   }
 
- private:
-  Expected<void> take_pictures(std::uint64_t frame, double now) {
+  Expected<void> take_pictures(double now) {
     for (; next_picture_ < screenshots_.size() && screenshots_[next_picture_] <= now + kSameTime;
          ++next_picture_) {
       char file[64];
       std::snprintf(file, sizeof file, "%s-%.2f.png", game_.scene().name.c_str(),
                     screenshots_[next_picture_]);
-      Expected<json> picture = recorder_.take(game_, file);
+      Expected<json> picture = recorder_.take(game_, debris(), file);
       if (!picture) return tl::unexpected(picture.error());
       (*picture)["seconds"] = screenshots_[next_picture_];
       pictures_.push_back(std::move(*picture));
     }
-    if (options_.record) {
-      char file[64];
-      std::snprintf(file, sizeof file, "frame-%05llu.png", static_cast<unsigned long long>(frame));
-      if (Expected<json> picture = recorder_.take(game_, file); !picture)
-        return tl::unexpected(picture.error());
-    }
-    return {};
+    if (!film_) return {};
+    if (const auto drawn = recorder_.draw(game_, debris()); !drawn) return tl::unexpected(drawn.error());
+    return film_->add(recorder_.picture());
   }
 
   /// Waits for the answers that are due, so that a run is the same on any machine. Returns milliseconds without
@@ -320,10 +343,16 @@ class HeadlessRun {
   double step_at_fixed_pace() {
     double spent = 0;
     for (int k = 0; k < kStepsPerFrame && !game_.replayed(); ++k) {
-      while (!game_.ready()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      while (!game_.ready()) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        tell_of_absence();
+      }
       const Clock::time_point begin = Clock::now();
+      const double busy = processor_milliseconds();
       game_.step();
       spent += milliseconds_since(begin);
+      work_ += processor_milliseconds() - busy;
+      sense();
     }
     return spent;
   }
@@ -332,14 +361,35 @@ class HeadlessRun {
     for (; next_throw_ < throws.size() && throws[next_throw_].time <= now + kSameTime; ++next_throw_)
       game_.throw_ball(throws[next_throw_].from, throws[next_throw_].velocity);
     const Clock::time_point begin = Clock::now();
+    const double busy = processor_milliseconds();
     game_.advance(frame_length_, true);
     const double spent = milliseconds_since(begin);
+    work_ += processor_milliseconds() - busy;
+    sense();
     const std::chrono::duration<double> end(now + frame_length_);
     std::this_thread::sleep_until(start_ + std::chrono::duration_cast<Clock::duration>(end));
     return spent;
   }
+  /// Once: a game that waits for a server that is not there looks like one that hangs.
+  void tell_of_absence() {
+    if (absence_told_ || !options_.requests || client_.status().state != protocol::ServerState::kAbsent)
+      return;
+    absence_told_ = true;
+    std::fprintf(stderr, "fracture-client: no server answers at %s:%d\n", options_.server.host.c_str(),
+                 static_cast<int>(options_.server.port));
+  }
+  /// What there was to see and hear.
+  void sense() {
+    if (!watched()) return;
+    const world::Witnessed witnessed = game_.take_witnessed();
+    debris_.follow(game_.world(), witnessed, materials_of(game_));
+    if (sound_) sound_->add(game_, witnessed);
+  }
+  bool watched() const { return settings_.world.max_witnessed > 0; }
+  const effects::Debris* debris() const { return options_.effects ? &debris_ : nullptr; }
+
   Expected<double> draw() {
-    const auto drawn = recorder_.draw(game_);
+    const auto drawn = recorder_.draw(game_, debris());
     if (!drawn) return tl::unexpected(drawn.error());
     submit_times_.push_back(drawn->submit_ms);
     most_draw_calls_ = std::max(most_draw_calls_, drawn->draw_calls);
@@ -353,6 +403,7 @@ class HeadlessRun {
     json result = summary(game_, client_, options_);
     result["pictures"] = std::move(pictures_);
     std::move(times_).write_to(result);
+    result["frames"]["processor"] = summary_of_frames(std::move(work_times_));
     if (options_.draw) {
       result["submit"] = summary_of_frames(std::move(submit_times_));
       result["submit"]["most_draw_calls"] = most_draw_calls_;
@@ -369,14 +420,20 @@ class HeadlessRun {
   const game::GameSettings settings_;
   game::Game game_;
   Recorder recorder_;
+  std::optional<SoundTrack> sound_;
+  std::optional<film::Film> film_;
+  effects::Debris debris_;
   std::vector<double> screenshots_;  // seconds, in order
   const double frame_length_;        // seconds
   Clock::time_point start_{};
   std::size_t next_picture_ = 0, next_throw_ = 0, most_draw_calls_ = 0;
   json pictures_ = json::array();
   FrameTimes times_;
+  std::vector<double> work_times_;  // milliseconds of the processor, for each frame's simulation
+  double work_ = 0;
   std::vector<double> submit_times_;
   double fastest_ = 0;
+  bool absence_told_ = false;
 };
 
 }  // namespace
@@ -397,6 +454,8 @@ Expected<json> run_headless(const Options& asked) {
     Expected<Options> begun = with_header(options, recording->header);
     if (!begun) return tl::unexpected(begun.error());
     options = std::move(*begun);
+    if (const std::optional<std::string> lost = same_place(options))  // with the meshes that it names
+      return fail(ErrorCode::kFileAccess, *lost);
     replay = std::make_shared<const game::Recording>(std::move(*recording));
   }
   Expected<scenes::Scene> scene = scene_of(options);

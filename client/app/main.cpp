@@ -4,6 +4,8 @@
 
 #include "client/app/headless.hpp"
 #include "client/app/window.hpp"
+#include "common/base/json_text.hpp"
+#include "common/base/printable.hpp"
 
 int main(int argc, char** argv) {
   try {
@@ -12,10 +14,11 @@ int main(int argc, char** argv) {
     if (!options->headless) return fracture::app::run_window(*options);
     const auto summary = fracture::app::run_headless(*options);
     if (!summary) {
-      std::fprintf(stderr, "fracture-client: %s\n", summary.error().detail.c_str());
+      std::fprintf(stderr, "fracture-client: %s\n",
+                   fracture::printable_lines(summary.error().detail).c_str());
       return 1;
     }
-    if (options->json) std::printf("%s\n", summary->dump(1).c_str());
+    if (options->json) std::printf("%s\n", fracture::json_text(*summary, 1).c_str());
     const auto& diverged = summary->at("game").at("diverged");
     if (diverged.is_null()) return 0;
     std::fprintf(stderr, "fracture-client: step %s is not what was recorded\n", diverged.dump().c_str());

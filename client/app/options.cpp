@@ -1,7 +1,9 @@
 #include "client/app/options.hpp"
 
 #include <CLI/CLI.hpp>
+#include <cstdio>
 
+#include "client/app/output_places.hpp"
 #include "client/scenes/scene.hpp"
 
 namespace fracture::app {
@@ -16,6 +18,9 @@ bool add_parameter(const std::string& text, nlohmann::json& parameters) {
   parameters[text.substr(0, sign)] = parsed.is_discarded() ? nlohmann::json(value) : std::move(parsed);
   return true;
 }
+
+/// An empty variable of a script is no wish to go without.
+std::string not_empty(const std::string& text) { return text.empty() ? "a name is missing: it was ''" : ""; }
 
 }  // namespace
 
@@ -46,28 +51,38 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
   app.add_option("--seed", o.seed, "Seed of the fractures");
   app.add_option("--width", o.width, "Pixels")->check(CLI::Range(64, 4096));
   app.add_option("--height", o.height, "Pixels")->check(CLI::Range(64, 4096));
-  bool no_anticipation = false, no_throws = false, no_requests = false;
+  bool no_anticipation = false, no_throws = false, no_requests = false, no_sound = false, no_effects = false;
   app.add_flag("--no-anticipation", no_anticipation, "Ask at the contact, not when a ball is on its way");
   app.add_flag("--gravity", o.gravity, "Window: gravity runs from the start, without holding X");
+  app.add_flag("--no-effects", no_effects, "Without dust, crumbs and marks");
+  app.add_flag("--no-sound", no_sound, "Window: silent");
   app.add_option("--close-after", o.close_after,
                  "Window: closes after so many seconds and leaves window.png in --out")
       ->check(CLI::Range(0.0, 86400.0));
   app.add_option("--out", o.out, "Folder for pictures and saved files");
-  app.add_option("--log", o.log, "File that the game is recorded in, to be played again");
+  app.add_option("--log", o.log, "File that the game is recorded in, to be played again")->check(not_empty);
   CLI::Option* headless = app.add_flag("--headless", o.headless, "Without a window, then exit");
   const auto add = [&](CLI::Option* option) { option->needs(headless); };
   add(app.add_flag("--fixed-step", o.fixed_step,
                    "Reproducible: answers take effect after --answer-steps, and the simulated clock stands "
                    "still for a slower server"));
+  add(app.add_option("--wav", o.wav,
+                     "File of what is heard: 16 bits, stereo, 48 kHz; needs --fixed-step or --replay")
+          ->check(not_empty));
   add(app.add_option(
-      "--replay", o.replay,
-      "Plays a game that --log recorded; exit code 1, and the first step, where it is not the same"));
+             "--replay", o.replay,
+             "Plays a game that --log recorded; exit code 1, and the first step, where it is not the same")
+          ->check(not_empty));
   add(app.add_option("--answer-steps", o.answer_steps, "Steps of 1/120 s")->check(CLI::Range(1, 1200)));
   add(app.add_option("--seconds", o.seconds, "Simulated time")->check(CLI::Range(0.0, 3600.0)));
   add(app.add_option("--screenshot-at", o.screenshots, "Seconds, separated by commas")
           ->delimiter(',')
           ->check(CLI::Range(0.0, 3600.0)));
-  add(app.add_flag("--record", o.record, "Every frame (60 a second) as PNG"));
+  add(app.add_option(
+             "--record", o.record,
+             "Film of every frame (60 a second): a file that ends with .mp4, .gif or .webp (by ffmpeg, where that "
+             "is installed), or a folder of PNG, which must have none of an earlier film")
+          ->check(not_empty));
   add(app.add_flag("--draw", o.draw, "Draws every frame without keeping it: what submitting costs"));
   add(app.add_flag("--json", o.json, "A summary on standard output"));
   add(app.add_flag("--no-throws", no_throws, "Leave out the balls that the scene throws by itself"));
@@ -78,8 +93,18 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
     const int code = app.exit(error);
     return tl::unexpected(Exit{code == 0 ? 0 : 2});
   }
+  if (!o.wav.empty() && !o.fixed_step && o.replay.empty()) {
+    std::fprintf(stderr, "--wav requires --fixed-step or --replay\n");
+    return tl::unexpected(Exit{2});
+  }
+  if (const std::optional<std::string> lost = same_place(o)) {
+    std::fprintf(stderr, "%s\n", lost->c_str());
+    return tl::unexpected(Exit{2});
+  }
   if (sites > 0) o.parameters["sites"] = sites;
   for (const std::string& text : set) add_parameter(text, o.parameters);
+  o.sound = !no_sound;
+  o.effects = !no_effects;
   o.anticipate = !no_anticipation;
   o.throws = !no_throws;
   o.requests = !no_requests;

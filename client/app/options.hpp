@@ -24,6 +24,7 @@ struct Options {
 
   double close_after = 0;  ///< seconds; 0: when the player leaves. Leaves a picture window.png
   bool gravity = false;    ///< starts with gravity on
+  bool sound = true;
 
   std::string log;  ///< file that the game is recorded in; empty: none
 
@@ -33,7 +34,9 @@ struct Options {
   unsigned answer_steps = 6;  ///< fixed_step: from a request to its answer's effect (50 ms)
   double seconds = 5;
   std::vector<double> screenshots;  ///< seconds
-  bool record = false;              ///< every frame as PNG
+  std::string record;               ///< .mp4, .gif, .webp or a folder, of every frame; empty: none
+  bool effects = true;              ///< dust, crumbs and marks
+  std::string wav;                  ///< file that is heard what happens; empty: none
   bool draw = false;                ///< every frame is drawn, and read by nobody: what submitting costs
   std::string out = ".";
   bool json = false;

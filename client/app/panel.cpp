@@ -86,6 +86,13 @@ void draw_panel(PanelState& state, game::Game& game, const protocol::Client& cli
       state.view.debug = static_cast<view::DebugView>(debug);
     ImGui::SliderInt("sky shadows", &state.view.sky_shadows, 0, 32);
     ImGui::Checkbox("sun shadow", &state.view.sun_shadow);
+    ImGui::Checkbox("dust and crumbs", &state.effects);
+  }
+  if (state.sound && ImGui::CollapsingHeader("sound")) {
+    if (state.silent)
+      ImGui::TextDisabled("no device: silent");
+    else
+      ImGui::SliderFloat("volume", &state.volume, 0, 1);
   }
   if (ImGui::CollapsingHeader("next fracture")) {
     for (const std::string& material : scenes::material_names()) {

@@ -24,6 +24,9 @@ struct PanelState {
   world::Census census;
   std::string note;  ///< the last thing that happened, for people; empty after some seconds
   bool loading = false;
+  bool effects = true;
+  bool sound = true, silent = false;  ///< wanted; there is no device for it
+  float volume = 0.8f;                ///< 0 … 1
 
   /// Of the next fracture: the command line's, and above them what is set in the panel.
   nlohmann::json overrides() const {

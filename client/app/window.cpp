@@ -22,7 +22,9 @@
 #include "client/app/panel.hpp"
 #include "client/app/recorded_options.hpp"
 #include "client/app/scene_menu.hpp"
+#include "client/app/sound_track.hpp"
 #include "client/render/frame_target.hpp"
+#include "client/sound/player.hpp"
 
 namespace fracture::app {
 namespace {
@@ -104,6 +106,9 @@ class Session {
       if (button == GLFW_MOUSE_BUTTON_LEFT) session.throw_ball();
     });
     state_.gravity_always = options.gravity;
+    state_.sound = options.sound;
+    state_.effects = options.effects;
+    if (options.sound) player_ = std::make_unique<sound::Player>();
     state_.given = options.parameters;
     load([options] { return scene_of(options); });
     client_.patterns();
@@ -177,6 +182,7 @@ class Session {
     settings.seed = options_.seed;
     settings.anticipate = options_.anticipate;
     settings.overrides = state_.overrides();
+    settings.world.max_witnessed = kMostWitnessed;
     // Another scene or a reset begins another game, and another recording.
     Options begun = options_;
     begun.parameters = settings.overrides;
@@ -185,6 +191,7 @@ class Session {
     else
       note(recorder.error().detail);
     view_.reset();
+    debris_ = effects::Debris(options_.seed);
     // The old one ends on another thread: its decoder may be at work.
     if (game_) background([old = std::shared_ptr<game::Game>(std::move(game_))]() mutable { old.reset(); });
     game_ = std::make_unique<game::Game>(std::move(*scene), client_, settings);
@@ -384,6 +391,7 @@ class Session {
       else
         game_->advance(state_.slow_motion ? kSlow * seconds : seconds,
                        state_.gravity_always || state_.gravity_held);
+      sense(game_->take_witnessed());
       const auto drawn = view_.draw(*game_, camera, state_.view, target_->framebuffer(), width, height);
       if (drawn)
         state_.figures = *drawn;
@@ -395,6 +403,17 @@ class Session {
     target_->copy_to(0);
     overlay(camera, width, height);
     read_patterns();
+  }
+
+  /// What there was to see and hear.
+  void sense(const world::Witnessed& witnessed) {
+    debris_.follow(game_->world(), witnessed, materials_of(*game_));
+    state_.view.debris = state_.effects ? &debris_ : nullptr;
+    if (player_) {
+      player_->set_volume(state_.volume);
+      player_->hear(soundscape_.voices(witnessed, materials_of(*game_)), eye_, forward());
+      state_.silent = player_->state() == sound::Player::State::kNoDevice;
+    }
   }
 
   void overlay(const render::Camera& camera, int width, int height) {
@@ -441,6 +460,9 @@ class Session {
   view::SceneView view_;
   std::unique_ptr<game::Game> game_;
   std::unique_ptr<render::FrameTarget> target_;
+  std::unique_ptr<sound::Player> player_;  ///< null: silent
+  sound::Soundscape soundscape_;
+  effects::Debris debris_;
   std::unique_ptr<SceneMenu> menu_;  ///< once it was asked for
   PanelState state_;
   Clock::time_point note_until_{};

@@ -19,6 +19,12 @@ class PictureMaker {
 
   Expected<render::Picture> draw(const PictureOptions& options);
 
+  /// Gives back the models and warnings so far: a file of the same name is read again.
+  void forget() {
+    scenes_.clear();
+    warnings_.clear();
+  }
+
   const render::FrameStats& stats() const { return stats_; }  ///< of the last picture
   const std::vector<std::string>& warnings() const {
     return warnings_;

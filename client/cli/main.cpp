@@ -2,8 +2,10 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
+#include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "client/cli/draw_list.hpp"
 #include "client/cli/draw_picture.hpp"
 #include "client/cli/sheet.hpp"
 #include "client/egl/egl_context.hpp"
@@ -36,15 +38,15 @@ int exit_code(const Error& error) {
 struct Command {
   std::string output, sheet;
   nlohmann::json options = nlohmann::json::object();
-  bool quiet = false;
+  bool quiet = false, list = false;
 };
 
 Expected<void> run(const Command& command) {
   PictureOptions options;
   fracture::cli::Sheet sheet;
-  if (command.sheet.empty()) {
+  if (command.sheet.empty() && !command.list) {
     if (auto set = set_options(options, command.options, "The command line"); !set) return set;
-  } else {
+  } else if (!command.list) {
     auto read = fracture::cli::read_sheet(command.sheet);
     if (!read) return tl::unexpected(read.error());
     sheet = std::move(*read);
@@ -53,6 +55,16 @@ Expected<void> run(const Command& command) {
   if (!context) return tl::unexpected(context.error());
   auto maker = PictureMaker::create();
   if (!maker) return tl::unexpected(maker.error());
+  if (command.list) {
+    fracture::cli::draw_list(std::cin, std::cout,
+                             [&](const PictureOptions& one, const std::string& output) -> Expected<void> {
+                               const Expected<fracture::render::Picture> picture = maker->draw(one);
+                               maker->forget();
+                               if (!picture) return tl::unexpected(picture.error());
+                               return write_png(*picture, output);
+                             });
+    return {};
+  }
   const Expected<fracture::render::Picture> picture =
       command.sheet.empty()
           ? maker->draw(options)
@@ -71,9 +83,12 @@ int main(int argc, char** argv) {
   Command command;
   app.add_option_function<std::string>(
       "input", [&](const std::string& file) { command.options["file"] = file; }, "GLB to show");
-  app.add_option("-o,--output", command.output, "PNG to write")->required();
+  app.add_option("-o,--output", command.output, "PNG to write");
   app.add_option("--sheet", command.sheet,
                  "Draw the table of pictures that this JSON file describes (client/cli/sheet.hpp)");
+  app.add_flag("--list", command.list,
+               "Draw a picture for each line of standard input, a JSON object of these options, \"file\" and "
+               "\"output\"; each is answered by a line (client/cli/draw_list.hpp)");
   app.add_flag("-q,--quiet", command.quiet, "No warnings");
   for (const OptionSpec& spec : fracture::cli::option_specs()) {
     const std::string name = spec.name;
@@ -95,7 +110,15 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kExitDone : kExitUsage;
   }
-  if (command.sheet.empty() != command.options.contains("file")) {
+  if (command.list) {
+    if (!command.sheet.empty() || !command.output.empty() || !command.options.empty()) {
+      std::fprintf(stderr, "fracture-render: with --list all options stand in the lines.\n");
+      return kExitUsage;
+    }
+  } else if (command.output.empty()) {
+    std::fprintf(stderr, "fracture-render: --output is required.\n");
+    return kExitUsage;
+  } else if (command.sheet.empty() != command.options.contains("file")) {
     std::fprintf(stderr, "fracture-render: give either a GLB or --sheet.\n");
     return kExitUsage;
   }

@@ -125,7 +125,7 @@ constexpr OptionSpec kSpecs[] = {
     {"by-group", "", "Explode the groups of the level, not the fragments",
      [](P& o, J v) { o.view.by_group = yes(v); }},
     {"look", "LOOK",
-     "A material for everything: glass, wood, concrete, stone, brick, ceramic, metal, ice, plaster; none",
+     "A material for everything: glass, wood, concrete, stone, brick, ceramic, metal, ice, plaster, grey (its own, without colours); none",
      [](P& o, J v) {
        const auto look = render::look_by_name(v.is_string() ? v.get<std::string>() : v.dump());
        if (!look) refuse(look.error().detail);

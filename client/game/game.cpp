@@ -62,7 +62,8 @@ std::size_t Game::thing_of(world::ObjectId object) const {
   return static_cast<std::size_t>(it - things_.begin());
 }
 
-void Game::ask(std::size_t index, const world::Impact& impact, std::optional<std::uint32_t> fragment) {
+void Game::ask(std::size_t index, const world::Impact& impact, std::optional<std::uint32_t> fragment,
+               bool ahead) {
   const Thing& thing = things_[index];
   const scenes::SceneObject& object = scene_.objects[thing.scene_object];
   Pending pending;
@@ -80,6 +81,8 @@ void Game::ask(std::size_t index, const world::Impact& impact, std::optional<std
     pending.parameters =
         scenes::fracture_parameters(object, impact, settings_.seed + asked_, settings_.overrides);
   }
+  pending.asked_at = world_.steps();
+  pending.ahead = ahead;
   pending.number = asked_;
   pending.due = world_.steps() + settings_.fixed_latency.value_or(0);
   ++figures_.requests;
@@ -93,18 +96,44 @@ void Game::want(const Waiting& hit) {
   });
   if (same == waiting_.end())
     waiting_.push_back(hit);
-  else if (hit.urgency > same->urgency)
+  else if (hit.urgency > same->urgency || (same->ahead && !hit.ahead))
     *same = hit;
 }
 
+std::size_t Game::open_requests() const {
+  return static_cast<std::size_t>(std::count_if(pending_.begin(), pending_.end(),
+                                                [](const auto& entry) { return !entry.second.finished(); }));
+}
+
+std::size_t Game::counted_requests() const {
+  constexpr std::uint64_t kMoment = 24;  // steps
+  return static_cast<std::size_t>(std::count_if(pending_.begin(), pending_.end(), [&](const auto& entry) {
+    return !entry.second.ahead || world_.steps() < entry.second.asked_at + kMoment;
+  }));
+}
+
+std::size_t Game::kept_answers() const {
+  return static_cast<std::size_t>(std::count_if(pending_.begin(), pending_.end(), [&](const auto& entry) {
+    return entry.second.decoded && is_kept(entry.second);
+  }));
+}
+
+/// Fragments cost more than the whole, step by step: they take its place when a hit is a few steps away, or has come.
+bool Game::is_kept(const Pending& pending) const {
+  const world::ObjectId object = things_[pending.thing].id;
+  return pending.ahead && world_.is_whole(object) && !world_.expects_hit(object);
+}
+
 void Game::ask_most_urgent() {
-  while (!waiting_.empty() && pending_.size() < settings_.max_requests) {
+  std::size_t open = counted_requests();
+  while (!waiting_.empty() && open < settings_.max_requests) {
     const auto next =
         std::max_element(waiting_.begin(), waiting_.end(),
                          [](const Waiting& a, const Waiting& b) { return a.urgency < b.urgency; });
     const Waiting hit = *next;
     waiting_.erase(next);
-    ask(hit.thing, hit.impact, hit.fragment);
+    ask(hit.thing, hit.impact, hit.fragment, hit.ahead);
+    ++open;
   }
 }
 
@@ -213,7 +242,7 @@ bool Game::apply_due() {
   for (auto it = pending_.begin(); it != pending_.end();) {
     const auto next = std::next(it);
     const bool due = !settings_.fixed_latency || it->second.due <= world_.steps();
-    if (due && it->second.finished() && adopt(it)) {
+    if (due && it->second.finished() && (it->second.failed || !is_kept(it->second)) && adopt(it)) {
       any = true;
       if (!settings_.fixed_latency) break;  // one a frame: none is much longer than the others
     }
@@ -319,7 +348,8 @@ void Game::take_events() {
     }
     const glm::dvec3 away = event.where - eye_;
     want({thing, fragment ? std::optional(event.fragment) : std::nullopt, event.impact,
-          event.impact.impulse / std::max(glm::dot(away, away), 0.25)});
+          event.impact.impulse / std::max(glm::dot(away, away), 0.25),
+          event.kind == world::Event::Kind::kAhead});
   }
   ask_most_urgent();
   for (const world::Swap& swap : world_.take_swaps()) {
@@ -333,11 +363,12 @@ void Game::take_events() {
                     error(swap.before.linear, swap.after.linear, 0.01 * swap.before.mass),
                     error(swap.before.angular, swap.after.angular, 0.01 * swap.before.mass)});
     }
-    if (const std::size_t thing = thing_of(swap.object);
-        swap.late && thing < things_.size() && !scene_.objects[things_[thing].scene_object].at_start)
-      figures_.late.push_back(*swap.late);
     swaps_.push_back(swap);
   }
+  for (const world::Break& broken : world_.take_breaks())
+    if (const std::size_t thing = thing_of(broken.object);
+        thing < things_.size() && !scene_.objects[things_[thing].scene_object].at_start)
+      figures_.breaks.push_back(broken);
 }
 
 void Game::step() {
@@ -379,6 +410,12 @@ void Game::advance(double seconds, bool running) {
     ++steps;
   }
   if (steps == most) owed_ = 0;
+}
+
+std::string Game::material_of(world::ObjectId object) const {
+  const std::size_t thing = thing_of(object);
+  if (thing == things_.size()) return {};
+  return scene_.objects[things_[thing].scene_object].breakage.parameters.value("material", "");
 }
 
 world::BallId Game::throw_ball(const glm::dvec3& from, const glm::dvec3& velocity) {

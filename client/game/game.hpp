@@ -45,10 +45,9 @@ struct Thing {
 struct GameFigures {
   std::uint64_t requests = 0, answers = 0, failures = 0, swaps = 0, secondary = 0, held_steps = 0;
   std::string last_trouble;
-  std::string last_break;           ///< what broke into how many pieces, and how long that took, for people
-  double worst_momentum_error = 0;  ///< of all swaps without anchors, relative: linear and angular
-  /// Steps from the hit that broke a whole thing to its fragments, for each; 0: they were there before.
-  std::vector<std::uint64_t> late;
+  std::string last_break;            ///< what broke into how many pieces, and how long that took, for people
+  double worst_momentum_error = 0;   ///< of all swaps without anchors, relative: linear and angular
+  std::vector<world::Break> breaks;  ///< of things whose fragments are not asked for when the level is loaded
   std::optional<std::uint64_t> diverged;  ///< the first step after which a replay was not what was recorded
 };
 
@@ -67,6 +66,11 @@ class Game {
 
   world::BallId throw_ball(const glm::dvec3& from, const glm::dvec3& velocity);
 
+  /// What there was to see and hear since the last call; nothing without WorldSettings::max_witnessed.
+  world::Witnessed take_witnessed() { return world_.take_witnessed(); }
+  /// By the server's name; empty where the object's request names none.
+  std::string material_of(world::ObjectId object) const;
+
   const scenes::Scene& scene() const { return scene_; }
   const std::vector<Thing>& things() const { return things_; }
   /// Fragments that have arrived and take effect in a coming frame, of a thing (for pieces: of their parent).
@@ -79,7 +83,8 @@ class Game {
   const GameFigures& figures() const { return figures_; }
   const std::vector<world::Swap>& swaps() const { return swaps_; }  ///< all since the start
   const GameSettings& settings() const { return settings_; }
-  std::size_t open_requests() const { return pending_.size(); }
+  std::size_t open_requests() const;  ///< without an answer that can be used
+  std::size_t kept_answers() const;   ///< for hits that were foreseen and have not come
   std::size_t waiting_requests() const { return waiting_.size(); }  ///< for one of the open ones to end
   /// From where it is seen: of two equal hits the nearer one is answered first. At first the scene's.
   void set_eye(const glm::dvec3& eye) { eye_ = eye; }
@@ -100,7 +105,9 @@ class Game {
     std::uint64_t due = 0;                  ///< step; fixed_latency alone
     nlohmann::json parameters;
     std::shared_ptr<const Decoded> decoded;
-    double milliseconds = 0;  ///< from asking to the answer
+    double milliseconds = 0;     ///< from asking to the answer
+    std::uint64_t asked_at = 0;  ///< step
+    bool ahead = false;          ///< asked for before a hit: kept until World::expects_hit()
     bool failed = false;
     bool finished() const { return failed || decoded; }
   };
@@ -111,12 +118,18 @@ class Game {
     std::optional<std::uint32_t> fragment;
     world::Impact impact;
     double urgency = 0;
+    bool ahead = false;
   };
 
   void poll();
   void want(const Waiting& hit);  ///< keeps the more urgent of two for the same thing
   void ask_most_urgent();         ///< as many as may be open
-  void ask(std::size_t thing, const world::Impact& impact, std::optional<std::uint32_t> fragment);
+  void ask(std::size_t thing, const world::Impact& impact, std::optional<std::uint32_t> fragment,
+           bool ahead = false);
+  /// How many count for GameSettings::max_requests. When an answer comes is neither reproducible nor recorded, so what
+  /// was foreseen counts for a moment, and other hits until their answer takes effect.
+  std::size_t counted_requests() const;
+  bool is_kept(const Pending& pending) const;  ///< for a hit that has not come
   void apply(Pending& pending);
   bool apply_due();  ///< whether bodies were swapped
   /// The server has looked at a mesh, and knows the volume of what will break: of walls, where it makes some.

@@ -3,6 +3,8 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "common/base/json_text.hpp"
+
 namespace fracture::game {
 namespace {
 
@@ -79,7 +81,7 @@ Expected<Recorder> Recorder::create(const std::string& path, const json& header)
   std::ofstream out(path);
   json first = header;
   first["format"] = kFormat;
-  out << first.dump() << '\n';
+  out << json_text(first) << '\n';
   if (!out.flush()) return fail(ErrorCode::kFileAccess, "Cannot write " + path + ".");
   return Recorder(std::move(out));
 }
@@ -107,7 +109,7 @@ void Recorder::add(const RecordedEvent& event) {
       line["eye"] = vector_of(event.from);
       break;
   }
-  out_ << line.dump() << '\n';
+  out_ << json_text(line) << '\n';
 }
 
 void Recorder::add_hash(std::uint64_t step, std::uint64_t fingerprint) {

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "common/base/error.hpp"
+#include "common/base/json_text.hpp"
 #include "common/exchange/backoff.hpp"
 #include "common/exchange/connection_pool.hpp"
 #include "common/exchange/headers.hpp"
@@ -334,7 +335,7 @@ std::string Client::add_mesh(std::string bytes, const std::string& content_type,
 Ticket Client::fracture(const std::string& mesh, const nlohmann::json& parameters) {
   auto job = std::make_shared<Job>();
   job->mesh = mesh;
-  std::string text = parameters.dump();
+  std::string text = json_text(parameters);
   if (text.size() > kMaxParameterBytes) {
     Answer answer;
     answer.failure = Failure::kTooLarge;

@@ -36,6 +36,28 @@ constexpr LookValues values_of(SolidLook look) {
   }
 }
 
+/// As bright as the colour is (the luminance of linear sRGB, IEC 61966-2-1).
+glm::vec4 grey_of(const glm::vec4& color) {
+  const float luminance = 0.2126f * color.r + 0.7152f * color.g + 0.0722f * color.b;
+  return {luminance, luminance, luminance, color.a};
+}
+
+Material without_color(const Material& source) {
+  Material m = source;
+  m.base_color_texture = m.metallic_roughness_texture = m.emissive_texture = {};
+  m.emissive = {};
+  if (source.interior) {
+    m.base_color = grey_of(source.base_color);
+    return m;
+  }
+  m.base_color = {0.5f, 0.5f, 0.5f, 1};
+  m.alpha_mode = AlphaMode::kOpaque;
+  m.roughness = 0.7f;
+  m.metallic = m.transmission = 0;
+  m.normal_texture = m.occlusion_texture = {};
+  return m;
+}
+
 }  // namespace
 
 Expected<SolidLook> look_by_name(std::string_view name) {
@@ -48,6 +70,7 @@ Expected<SolidLook> look_by_name(std::string_view name) {
 
 Material with_look(const Material& source, SolidLook look) {
   if (look == SolidLook::kNone) return source;
+  if (look == SolidLook::kGrey) return without_color(source);
   const LookValues v = values_of(look);
   Material m;
   m.name = source.name;

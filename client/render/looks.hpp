@@ -12,11 +12,24 @@
 
 namespace fracture::render {
 
-/// In the order of shaders/looks.glsl.
-enum class SolidLook { kNone, kGlass, kWood, kConcrete, kStone, kBrick, kCeramic, kMetal, kIce, kPlaster };
+/// In the order of shaders/looks.glsl. Grey is the file's own materials without their colours: the outside even and
+/// matt, cuts as light, as rough, as metallic and as clear as they are.
+enum class SolidLook {
+  kNone,
+  kGlass,
+  kWood,
+  kConcrete,
+  kStone,
+  kBrick,
+  kCeramic,
+  kMetal,
+  kIce,
+  kPlaster,
+  kGrey
+};
 
-inline constexpr std::array<std::string_view, 10> kLookNames = {
-    "none", "glass", "wood", "concrete", "stone", "brick", "ceramic", "metal", "ice", "plaster"};
+inline constexpr std::array<std::string_view, 11> kLookNames = {
+    "none", "glass", "wood", "concrete", "stone", "brick", "ceramic", "metal", "ice", "plaster", "grey"};
 
 /// kBadOption with the names there are.
 Expected<SolidLook> look_by_name(std::string_view name);

@@ -76,7 +76,9 @@ Expected<SceneView> SceneView::create() {
   if (!renderer) return tl::unexpected(renderer.error());
   Expected<DebugLines> lines = DebugLines::create();
   if (!lines) return tl::unexpected(lines.error());
-  return SceneView(std::move(*renderer), std::move(*lines));
+  Expected<effects::DebrisView> debris = effects::DebrisView::create();
+  if (!debris) return tl::unexpected(debris.error());
+  return SceneView(std::move(*renderer), std::move(*lines), std::move(*debris));
 }
 
 Expected<std::uint32_t> SceneView::add(render::SolidLook look, const render::Model& model,
@@ -240,6 +242,26 @@ Expected<void> SceneView::upload_furniture(const game::Game& game) {
   return {};
 }
 
+void SceneView::place_marks(const game::Game& game, const effects::Debris& debris) {
+  marks_.clear();
+  std::optional<world::ObjectId> last;
+  for (const effects::Mark& mark : debris.marks()) {
+    if (!mark.on_object) {
+      marks_.push_back({&mark, mark.position, mark.normal});
+      continue;
+    }
+    if (last != mark.object) game.world().fragment_states(mark.object, fragment_states_);
+    last = mark.object;
+    // Gone, or broken into pieces that are an object of their own.
+    if (mark.fragment >= fragment_states_.size() || !fragment_states_[mark.fragment].present) continue;
+    const world::FragmentState& state = fragment_states_[mark.fragment];
+    if (state.size < 1) continue;
+    const world::Pose& pose = state.asset_to_world;
+    marks_.push_back({&mark, glm::vec3(pose.point(glm::dvec3(mark.position))),
+                      glm::vec3(pose.rotation * glm::dvec3(mark.normal))});
+  }
+}
+
 void SceneView::set_balls(const game::Game& game) {
   const std::span<ObjectState> states(&batches_.at(render::SolidLook::kNone).states[balls_], kBallObjects);
   for (ObjectState& state : states) state.visible = false;
@@ -286,6 +308,10 @@ Expected<ViewFigures> SceneView::draw(const game::Game& game, const render::Came
       settings.debug == DebugView::kInterior ? render::Highlight::kInterior : render::Highlight::kNone;
   const render::FrameStats stats = renderer_.draw(draws, camera, how, framebuffer, width, height);
   ViewFigures figures{stats.draw_calls, stats.shadow_draw_calls, stats.culled, uploads_, 0};
+  if (settings.debris != nullptr && settings.debug == DebugView::kNone) {
+    place_marks(game, *settings.debris);
+    figures.draw_calls += debris_.draw(*settings.debris, marks_, camera, framebuffer, width, height);
+  }
   if (settings.debug == DebugView::kHulls || settings.debug == DebugView::kBonds) {
     add_lines(game, settings.debug);
     lines_.draw(camera, settings.debug == DebugView::kBonds);

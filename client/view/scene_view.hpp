@@ -4,6 +4,7 @@
 
 #include <map>
 
+#include "client/effects/debris_view.hpp"
 #include "client/game/game.hpp"
 #include "client/render/renderer.hpp"
 #include "client/view/debug_lines.hpp"
@@ -18,6 +19,7 @@ struct ViewSettings {
   DebugView debug = DebugView::kNone;
   int sky_shadows = 12;
   bool sun_shadow = true;
+  const effects::Debris* debris = nullptr;  ///< dust, crumbs and marks; null: none
 };
 
 struct ViewFigures {
@@ -49,8 +51,8 @@ class SceneView {
     std::uint32_t first = 0, count = 0;
     bool broken = false;
   };
-  SceneView(render::Renderer renderer, DebugLines lines)
-      : renderer_(std::move(renderer)), lines_(std::move(lines)) {}
+  SceneView(render::Renderer renderer, DebugLines lines, effects::DebrisView debris)
+      : renderer_(std::move(renderer)), lines_(std::move(lines)), debris_(std::move(debris)) {}
   /// Appends to the batch of a look; the number of the first object.
   Expected<std::uint32_t> add(render::SolidLook look, const render::Model& model,
                               const std::optional<render::SolidPlacement>& solid);
@@ -64,9 +66,12 @@ class SceneView {
   void set_balls(const game::Game& game);
   void add_lines(const game::Game& game, DebugView debug);
   Expected<void> upload_furniture(const game::Game& game);
+  void place_marks(const game::Game& game, const effects::Debris& debris);
 
   render::Renderer renderer_;
   DebugLines lines_;
+  effects::DebrisView debris_;
+  std::vector<effects::PlacedMark> marks_;
   std::map<render::SolidLook, Batch> batches_;
   std::map<std::size_t, Place> places_;                            ///< by thing
   std::map<std::shared_ptr<const game::Decoded>, Place> waiting_;  ///< uploaded ahead

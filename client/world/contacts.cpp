@@ -21,6 +21,14 @@ glm::dvec3 velocity_before(const Body& body, const glm::dvec3& point) {
          glm::cross(body.spin_before, point - from_bullet(body.rigid->getCenterOfMassPosition()));
 }
 
+/// Of a hit of `other` on `body`: what is faster has come.
+Cause cause_of(const Body& body, const Body& other, const glm::dvec3& where) {
+  if (other.kind == Body::Kind::kBall) return Cause::kBall;
+  const bool piece = other.kind == Body::Kind::kGroup &&
+                     glm::length(velocity_before(other, where)) > glm::length(velocity_before(body, where));
+  return piece ? Cause::kPiece : Cause::kFall;
+}
+
 /// A young contact of bodies that came at one another is a hit, whose impulse comes within the contact time.
 /// Others carry weight.
 constexpr int kFreshSteps = 2;
@@ -41,6 +49,7 @@ void World::State::hit_whole(const Hit& hit) {
   known->approach = std::max(known->approach, hit.approach);
   if (hit.strongest > known->strongest) {
     known->strongest = hit.strongest;
+    known->cause = hit.cause;
     known->point = hit.point;
   }
 }
@@ -63,9 +72,12 @@ void World::State::collect_contacts() {
                          first->object == second->object &&
                          steps - std::max(first->born, second->born) < kParting;
     bool overlaps = false, pressed = false;
+    glm::dvec3 meet(0), normal(0);
     for (int k = 0; k < manifold.getNumContacts(); ++k) {
       const btManifoldPoint& point = manifold.getContactPoint(k);
       overlaps = overlaps || point.getDistance() <= 0;
+      meet = from_bullet(point.getPositionWorldOnB());
+      normal = from_bullet(point.m_normalWorldOnB);
       if (!(point.m_appliedImpulse > 0)) continue;
       pressed = true;
       first->sunk = std::max(first->sunk, -point.getDistance());
@@ -81,7 +93,8 @@ void World::State::collect_contacts() {
       for (const bool of_first : {true, false}) {
         Body& body = of_first ? *first : *second;
         const glm::dvec3 on_body = of_first ? impulse : -impulse;
-        const Hit hit{&body, where, on_body, strength, approach, lost};
+        const Cause cause = cause_of(body, of_first ? *second : *first, where);
+        const Hit hit{&body, where, on_body, strength, approach, lost, cause};
         if (body.kind == Body::Kind::kWhole && is_hit) hit_whole(hit);
         if (body.kind != Body::Kind::kGroup || parting) continue;
         if (body.members.size() == 1) {
@@ -93,12 +106,12 @@ void World::State::collect_contacts() {
         const Pose pose = body.asset_to_world();
         const double time = is_hit ? settings.contact_time : settings.step;
         const glm::dvec3 force = glm::conjugate(pose.rotation) * on_body / time;
-        body.forces.push_back(
-            {body.fragment_of_child[static_cast<std::size_t>(child)], force, pose.local(where), is_hit});
+        body.forces.push_back({body.fragment_of_child[static_cast<std::size_t>(child)], force,
+                               pose.local(where), is_hit, cause});
         body.total_force += glm::length(force);
       }
     }
-    if (pressed || overlaps) touches.push_back({first, second, pressed});
+    if (pressed || overlaps) touches.push_back({first, second, pressed, meet, normal});
   }
 }
 
@@ -112,13 +125,17 @@ void World::State::raise_impacts() {
                         impulse, 0.5 * impulse * hit.approach};
     if (hit.body->kind == Body::Kind::kWhole) {
       if (impulse <= object.spec.strength) continue;
-      if (object.impacts.empty()) object.hit_at = steps;
+      if (object.impacts.empty()) {
+        object.hit_at = steps;
+        object.hit_by = hit.cause;
+      }
       hit.body->stored_before = object.stored;
       object.stored = std::max(object.stored, (hit.body->held ? 1 : settings.burst) * hit.lost);
       object.impacts.push_back(impact);
       if (object.asked) continue;
       object.asked = true;
       events.push_back({Event::Kind::kBreak, hit.body->object, 0, impact, hit.point});
+      ask_for_neighbours(*hit.body, impulse, hit.approach);
     } else if (!hit.body->held && !hit.body->asked && hit.body->fading < 0) {
       const std::uint32_t fragment = hit.body->members[0];
       const Fragment& f = object.fragments->set.fragments[fragment];
@@ -146,7 +163,14 @@ void World::State::restore(Body& body) const {
       kept = std::sqrt(std::max(0.0, 1 + 0.5 * body.mass.mass * square / std::max(rest, 1e-12)));
     }
   }
-  set_motion(body, kept * velocity, kept * body.spin_before);
+  velocity *= kept;
+  set_motion(body, velocity, kept * body.spin_before);
+  // It has turned on: about another axis of its own the same spin may be more energy.
+  const double most = body.kinetic_before - body.mass.mass * rose,
+               straight = 0.5 * body.mass.mass * glm::dot(velocity, velocity), all = kinetic_energy(body);
+  if (all > std::max(most, straight))
+    set_motion(body, velocity,
+               kept * std::sqrt(std::max(most - straight, 0.0) / (all - straight)) * body.spin_before);
 }
 
 void World::State::split_overloaded() {
@@ -155,11 +179,27 @@ void World::State::split_overloaded() {
     if (body->kind != Body::Kind::kGroup || body->bonds.empty() || body->gone) continue;
     if (!(body->total_force > 1.05 * body->borne)) continue;
     Object& object = *objects[body->object];
+    if (object.guarded) {
+      glm::dvec3 hits(0);
+      for (const PointForce& f : body->forces)
+        if (f.hit) hits += settings.contact_time * f.force;
+      if (glm::length(hits) <= object.spec.strength) continue;
+      object.guarded = false;
+    }
     const glm::dvec3 gravity = glm::conjugate(body->asset_to_world().rotation) * settings.gravity;
-    if (break_bonds(object, body->members, body->bonds, body->forces, gravity) > 0)
+    if (break_bonds(object, body->members, body->bonds, body->forces, gravity) > 0) {
       overloaded.push_back(body.get());
-    else
+      if (object.sound) {
+        const auto hardest = std::max_element(
+            body->forces.begin(), body->forces.end(), [](const PointForce& a, const PointForce& b) {
+              return glm::dot(a.force, a.force) < glm::dot(b.force, b.force);
+            });
+        breaks.push_back({steps, body->object, hardest->cause, 0});
+        object.sound = false;
+      }
+    } else {
       body->borne = body->total_force;
+    }
   }
   // The impulses were those of bodies that do not exist: see world.hpp. All that touch, also by way of a
   // third, share their momentum, and go back together.

@@ -1,5 +1,6 @@
 // What will be hit soon: its fragments are asked for ahead, and are there at the contact.
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "client/world/state.hpp"
@@ -10,12 +11,18 @@ namespace {
 constexpr std::uint64_t kEvery = 4;  ///< steps
 constexpr double kYouth = 5;         ///< seconds: a ball that is older rolls
 constexpr int kPieces = 5;           ///< of the parabola
+constexpr int kBehind = 3;           ///< things that a ball may meet after the first one
+constexpr double kTopples = 0.3;     ///< m/s: what moves faster on its support may fall over
+/// Of the strength: so hard a contact lets fragments take the place of the whole. There are more where a face lands.
+constexpr double kLikely = 0.5;
+constexpr std::uint64_t kSoon = 6;  ///< steps: the path is looked at once more in that time
 
 struct Sweep : btCollisionWorld::ClosestConvexResultCallback {
   using ClosestConvexResultCallback::ClosestConvexResultCallback;
-  const btCollisionObject* self = nullptr;
+  std::span<const btCollisionObject* const> but;
   bool needsCollision(btBroadphaseProxy* proxy) const override {
-    return proxy->m_clientObject != self && ClosestConvexResultCallback::needsCollision(proxy);
+    return std::find(but.begin(), but.end(), proxy->m_clientObject) == but.end() &&
+           ClosestConvexResultCallback::needsCollision(proxy);
   }
 };
 
@@ -38,15 +45,17 @@ struct Meeting {
   glm::dvec3 point, normal;  ///< in the world; the normal points to the moving body
 };
 
-/// What a convex shape of a body in flight meets first within `ahead` seconds. `place`: the shape in its body.
-std::optional<Meeting> first_meeting(const btDiscreteDynamicsWorld& bullet, const btRigidBody& self,
+/// What a convex shape of a body in flight meets first within seconds, `but` for what it flies through. `place`: the
+/// shape in its body.
+std::optional<Meeting> first_meeting(const btDiscreteDynamicsWorld& bullet,
+                                     std::span<const btCollisionObject* const> but,
                                      const btConvexShape& shape, const Pose& place, const Flight& flight,
-                                     double ahead) {
+                                     double from, double to) {
   for (int k = 0; k < kPieces; ++k) {
-    const double t0 = ahead * k / kPieces, t1 = ahead * (k + 1) / kPieces;
+    const double t0 = from + (to - from) * k / kPieces, t1 = from + (to - from) * (k + 1) / kPieces;
     const btTransform start = to_bullet(flight.at(t0) * place), end = to_bullet(flight.at(t1) * place);
     Sweep sweep(start.getOrigin(), end.getOrigin());
-    sweep.self = &self;
+    sweep.but = but;
     bullet.convexSweepTest(&shape, start, end, sweep);
     if (!sweep.hasHit()) continue;
     const auto* other = static_cast<const Body*>(sweep.m_hitCollisionObject->getUserPointer());
@@ -70,26 +79,58 @@ double mobility(const Body& body, const Pose& pose, const glm::dvec3& point, con
 
 }  // namespace
 
-void World::State::ask_ahead(ObjectId id, const Pose& asset_to_world, const glm::dvec3& point,
-                             const glm::dvec3& push, double impulse, double approach) {
+void World::State::ask_ahead(ObjectId id, const Pose& asset_to_world, const Foreseen& hit) {
   Object& object = *objects[id];
-  if (object.whole == nullptr || object.asked || object.ahead || impulse <= object.spec.strength) return;
+  if (object.whole == nullptr || object.asked || hit.most <= object.spec.strength) return;
+  if (hit.time && hit.impulse > kLikely * object.spec.strength)
+    object.awaited = steps + static_cast<std::uint64_t>(*hit.time / settings.step);
+  if (object.ahead) return;
   object.ahead = true;
   events.push_back({Event::Kind::kAhead,
                     id,
                     0,
-                    {asset_to_world.local(point), glm::conjugate(asset_to_world.rotation) * push, impulse,
-                     0.5 * impulse * approach},
-                    point});
+                    {asset_to_world.local(hit.point), glm::conjugate(asset_to_world.rotation) * hit.push,
+                     hit.impulse, 0.5 * hit.impulse * hit.approach},
+                    hit.point});
+  ask_for_neighbours(*object.whole, hit.impulse, hit.approach);
+}
+
+/// What touches a thing that is hit gets at most the impulse that the thing got.
+void World::State::ask_for_neighbours(const Body& body, double impulse, double approach) {
+  if (!(settings.foresight > 0)) return;
+  for (const Touch& touch : touches) {
+    if (touch.a != &body && touch.b != &body) continue;
+    const Body& other = touch.a == &body ? *touch.b : *touch.a;
+    if (other.kind == Body::Kind::kWhole)
+      ask_ahead(
+          other.object, other.asset_to_world(),
+          {touch.point, touch.a == &body ? -touch.normal : touch.normal, impulse, impulse, approach, {}});
+  }
+}
+
+/// What tilts on its support falls by its radius at most, and half of it weighs on the edge that lands (a guess: it is
+/// asked for once, and waits where nothing comes of it).
+void World::State::ask_for_toppling(const Body& body, const Touch& support) {
+  const double speed = glm::length(from_bullet(body.rigid->getLinearVelocity())) +
+                       body.radius * glm::length(from_bullet(body.rigid->getAngularVelocity()));
+  if (speed < kTopples) return;
+  const double landing = speed + std::sqrt(glm::length(settings.gravity) * body.radius);
+  const double impulse = 0.5 * body.mass.mass * landing;
+  ask_ahead(
+      body.object, body.asset_to_world(),
+      {support.point, support.a == &body ? support.normal : -support.normal, impulse, impulse, landing, {}});
+}
+
+bool World::expects_hit(ObjectId id) const {
+  const Object& object = *state_->objects.at(id);
+  if (object.whole == nullptr) return false;
+  const std::uint64_t now = state_->steps;
+  return object.asked ||
+         (object.awaited && now + kSoon >= *object.awaited && now <= *object.awaited + 2 * kEvery);
 }
 
 void World::State::look_ahead() {
   if (!(settings.foresight > 0)) return;
-  std::vector<const Body*> supported;
-  for (const Touch& touch : touches)
-    if (touch.pressed)
-      for (const Body* body : {touch.a, touch.b})
-        if (body->kind == Body::Kind::kWhole) supported.push_back(body);
   for (const auto& body : bodies) {
     const bool ball = body->kind == Body::Kind::kBall;
     if ((!ball && body->kind != Body::Kind::kWhole) || !body->moves() || !body->rigid->isActive()) continue;
@@ -99,50 +140,70 @@ void World::State::look_ahead() {
       if (static_cast<double>(steps - body->born) * settings.step > kYouth) continue;
     } else {
       const Object& object = *objects[body->object];
-      const double most = glm::length(velocity) + settings.foresight * glm::length(settings.gravity);
-      if (object.asked || object.ahead || body->mass.mass * most <= object.spec.strength ||
-          std::find(supported.begin(), supported.end(), body.get()) != supported.end())
+      if (object.asked) continue;
+      const auto support = std::find_if(touches.begin(), touches.end(), [&](const Touch& touch) {
+        return touch.pressed && (touch.a == body.get() || touch.b == body.get());
+      });
+      if (support != touches.end()) {
+        ask_for_toppling(*body, *support);
         continue;
+      }
+      const double most = glm::length(velocity) + settings.foresight * glm::length(settings.gravity);
+      if (body->mass.mass * most <= object.spec.strength) continue;
     }
     const Pose pose = body->body_pose();
     const glm::dvec3 spin = from_bullet(body->rigid->getAngularVelocity());
     const Flight flight{pose.position, velocity, ball ? glm::dvec3(0) : spin, settings.gravity,
                         pose.rotation};
-    std::optional<Meeting> first;
-    const auto look = [&](const btConvexShape& shape, const Pose& place) {
-      const double ahead = first ? first->time : settings.foresight;
-      if (!(ahead > 0)) return;
-      if (auto meeting = first_meeting(bullet, *body->rigid, shape, place, flight, ahead))
-        if (!first || meeting->time < first->time) first = meeting;
+    std::vector<const btCollisionObject*> but{body->rigid.get()};
+    const auto next_meeting = [&](double from) {
+      std::optional<Meeting> first;
+      const auto look = [&](const btConvexShape& shape, const Pose& place) {
+        const double to = first ? first->time : settings.foresight;
+        if (!(to > from)) return;
+        if (auto meeting = first_meeting(bullet, but, shape, place, flight, from, to))
+          if (!first || meeting->time < first->time) first = meeting;
+      };
+      if (ball) {
+        look(btSphereShape(0.9 * body->radius), {});
+      } else if (const btCollisionShape* shape = body->rigid->getCollisionShape(); shape->isCompound()) {
+        const auto& compound = static_cast<const btCompoundShape&>(*shape);
+        for (int k = 0; k < compound.getNumChildShapes(); ++k)
+          look(static_cast<const btConvexShape&>(*compound.getChildShape(k)),
+               from_bullet(compound.getChildTransform(k)));
+      } else {
+        look(static_cast<const btConvexShape&>(*shape), {});
+      }
+      return first;
     };
-    if (ball) {
-      look(btSphereShape(0.9 * body->radius), {});
-    } else if (const btCollisionShape* shape = body->rigid->getCollisionShape(); shape->isCompound()) {
-      const auto& compound = static_cast<const btCompoundShape&>(*shape);
-      for (int k = 0; k < compound.getNumChildShapes(); ++k)
-        look(static_cast<const btConvexShape&>(*compound.getChildShape(k)),
-             from_bullet(compound.getChildTransform(k)));
-    } else {
-      look(static_cast<const btConvexShape&>(*shape), {});
+    std::optional<Meeting> met = next_meeting(0);
+    for (int behind = 0; met; ++behind) {
+      const Body& other = *met->other;
+      const Pose there = other.body_pose();
+      const auto speed_of = [&](const Body& b, const Pose& at, const glm::dvec3& v) {
+        return v + (b.moves()
+                        ? glm::cross(from_bullet(b.rigid->getAngularVelocity()), met->point - at.position)
+                        : glm::dvec3(0));
+      };
+      const glm::dvec3 mine = speed_of(*body, met->pose, velocity + met->time * settings.gravity),
+                       its = speed_of(other, there, from_bullet(other.rigid->getLinearVelocity()));
+      const double approach = std::max(0.0, -glm::dot(mine - its, met->normal));
+      const double impulse = approach / (mobility(*body, met->pose, met->point, met->normal) +
+                                         mobility(other, there, met->point, met->normal));
+      // All that both could give, if nothing turned: several contacts at once come near it.
+      const double free_mobility =
+          (body->moves() ? 1 / body->mass.mass : 0) + (other.moves() ? 1 / other.mass.mass : 0);
+      Foreseen hit{met->point, met->normal, impulse, approach / free_mobility, approach, {}};
+      // What is behind another thing is hit by less, later, or not at all.
+      if (behind == 0) hit.time = met->time;
+      if (!ball) ask_ahead(body->object, met->pose * inverse(body->local), hit);
+      hit.push = -hit.push;
+      if (other.kind == Body::Kind::kWhole) ask_ahead(other.object, other.asset_to_world(), hit);
+      const bool through = other.kind == Body::Kind::kWhole || other.kind == Body::Kind::kGroup;
+      if (!ball || !through || behind == kBehind) break;
+      but.push_back(other.rigid.get());
+      met = next_meeting(met->time);
     }
-    if (!first) continue;
-    const Body& other = *first->other;
-    const Pose there = other.body_pose();
-    const auto speed_of = [&](const Body& b, const Pose& at, const glm::dvec3& v) {
-      return v + (b.moves()
-                      ? glm::cross(from_bullet(b.rigid->getAngularVelocity()), first->point - at.position)
-                      : glm::dvec3(0));
-    };
-    const glm::dvec3 mine = speed_of(*body, first->pose, velocity + first->time * settings.gravity),
-                     its = speed_of(other, there, from_bullet(other.rigid->getLinearVelocity()));
-    const double approach = std::max(0.0, -glm::dot(mine - its, first->normal));
-    const double impulse = approach / (mobility(*body, first->pose, first->point, first->normal) +
-                                       mobility(other, there, first->point, first->normal));
-    if (!ball)
-      ask_ahead(body->object, first->pose * inverse(body->local), first->point, first->normal, impulse,
-                approach);
-    if (other.kind == Body::Kind::kWhole)
-      ask_ahead(other.object, other.asset_to_world(), first->point, -first->normal, impulse, approach);
   }
 }
 

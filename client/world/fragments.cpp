@@ -182,8 +182,8 @@ class FragmentReader {
   void read_bonds(const json& bonds) {
     const json &a = member(bonds, "a", "bonds"), &b = member(bonds, "b", "bonds"),
                &area = member(bonds, "area", "bonds"), &strength = member(bonds, "strength", "bonds"),
-               &normal = member(bonds, "normal", "bonds");
-    for (const json* column : {&a, &b, &area, &strength, &normal})
+               &normal = member(bonds, "normal", "bonds"), &center = member(bonds, "centroid", "bonds");
+    for (const json* column : {&a, &b, &area, &strength, &normal, &center})
       if (!column->is_array() || column->size() != a.size())
         malformed("The columns of the bonds are no arrays of one length.");
     const auto fragment = [&](const json& value) {
@@ -194,8 +194,12 @@ class FragmentReader {
     };
     set_.bonds.reserve(a.size());
     for (std::size_t k = 0; k < a.size(); ++k) {
-      Bond bond{fragment(a[k]), fragment(b[k]), number(area[k], "bonds.area"),
-                number(strength[k], "bonds.strength"), vector(normal[k], "bonds.normal")};
+      Bond bond{fragment(a[k]),
+                fragment(b[k]),
+                number(area[k], "bonds.area"),
+                number(strength[k], "bonds.strength"),
+                vector(normal[k], "bonds.normal"),
+                vector(center[k], "bonds.centroid")};
       if (bond.a == bond.b) malformed("A bond connects a fragment with itself.");
       if (bond.area < 0 || bond.strength < 0) malformed("A bond's area and strength have to be 0 or more.");
       const double length = glm::length(bond.normal);

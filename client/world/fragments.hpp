@@ -30,6 +30,7 @@ struct Bond {
   double area = 0;             ///< m²
   double strength = 0;         ///< newtons
   glm::dvec3 normal{0};        ///< unit length, from a to b; zero where the two share no plane
+  glm::dvec3 center{0};        ///< of what they share, in the frame of the asset
 };
 
 struct FragmentSet {

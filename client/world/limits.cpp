@@ -13,6 +13,7 @@ struct Island {
   bool grounded = false;  ///< touches what does not move, which takes momentum and gives no energy
   double mass = 0, kinetic = 0;
   double gained = 0;  ///< J, in this step
+  double lifted = 0;  ///< J: by all that went up
   glm::dvec3 momentum{0};
   double swiftest =
       0;  ///< m²/s²: twice the kinetic energy for each kilogram, of the body that had most before the step
@@ -31,17 +32,20 @@ double lowest(const btConvexShape& shape, const btTransform& place) {
   return (place * shape.localGetSupportVertexWithoutMarginNonVirtual(down)).y() - shape.getMarginNonVirtual();
 }
 
+/// Its centre of mass, too: that of a ragged piece may lie outside of its hull, which is cut where a neighbour's begins.
 double lowest(const Body& body) {
   const btTransform& place = body.rigid->getWorldTransform();
   const btCollisionShape& shape = *body.rigid->getCollisionShape();
-  if (!shape.isCompound()) return lowest(static_cast<const btConvexShape&>(shape), place);
+  double least = place.getOrigin().y();
+  if (!shape.isCompound()) return std::min(least, lowest(static_cast<const btConvexShape&>(shape), place));
   const auto& compound = static_cast<const btCompoundShape&>(shape);
-  double least = HUGE_VAL;
   for (int k = 0; k < compound.getNumChildShapes(); ++k)
     least = std::min(least, lowest(static_cast<const btConvexShape&>(*compound.getChildShape(k)),
                                    place * compound.getChildTransform(k)));
   return least;
 }
+
+constexpr double kDeepest = 0.002;  ///< metres below the ground
 
 glm::dvec3 velocity_of(const Body& body) { return from_bullet(body.rigid->getLinearVelocity()); }
 glm::dvec3 spin_of(const Body& body) { return from_bullet(body.rigid->getAngularVelocity()); }
@@ -52,19 +56,28 @@ glm::dvec3 spin_of(const Body& body) { return from_bullet(body.rigid->getAngular
 /// floor, from where it would come back late. What is deeper than two millimetres is put back at once; what lies on
 /// it has to give way, and energy that the lifting took is taken from the motion (limit_gains).
 void World::State::keep_above_ground() {
-  constexpr double kDeepest = 0.002;  // metres
   for (const auto& body : bodies) {
     if (!body->moves() || !body->rigid->isActive()) continue;
+    btTransform place = body->rigid->getWorldTransform();
     btVector3 low, high;
     body->rigid->getAabb(low, high);
-    if (low.y() > -kDeepest) continue;
+    if (std::min(low.y(), place.getOrigin().y()) > -kDeepest) continue;
     const double depth = -lowest(*body);
     if (!(depth > kDeepest)) continue;
-    btTransform place = body->rigid->getWorldTransform();
     place.getOrigin().setY(place.getOrigin().y() + depth - kDeepest);
     body->rigid->setWorldTransform(place);
     body->rigid->setInterpolationWorldTransform(place);
   }
+}
+
+/// By so many J/kg, as far as the ground allows.
+void World::State::lower(Body& body, double by) const {
+  const double g = glm::length(settings.gravity), way = std::min(by / g, lowest(body) + kDeepest);
+  if (!(way > 0)) return;
+  btTransform place = body.rigid->getWorldTransform();
+  place.setOrigin(place.getOrigin() + to_bullet(way / g * settings.gravity));
+  body.rigid->setWorldTransform(place);
+  body.rigid->setInterpolationWorldTransform(place);
 }
 
 /// Two laws that Bullet's contacts break now and then, for each island of bodies that touch:
@@ -75,7 +88,8 @@ void World::State::keep_above_ground() {
 ///
 /// The island as a whole has no more energy, kinetic and potential, than before. Corrections of overlaps lift bodies,
 /// and impulses of unequal masses miss their mark: what came from nowhere is taken from the motion, in flight from the
-/// motion about the common centre alone.
+/// motion about the common centre alone, and where that is too little (a heavy block is lifted out of what has wedged
+/// itself under it) the lifting is taken back: the overlap stays.
 ///
 /// The bound of a body is that of its island, never of the world, and an island gets none by resting: so it does
 /// not creep upwards from step to step.
@@ -141,17 +155,21 @@ void World::State::limit_gains() {
     island.mass += body->mass.mass;
     island.kinetic += kinetic;
     island.momentum += body->mass.mass * velocity_of(*body);
-    island.gained += kinetic - body->kinetic_before + body->mass.mass * (height(*body) - body->height_before);
+    const double rise = height(*body) - body->height_before;
+    island.gained += kinetic - body->kinetic_before + body->mass.mass * rise;
+    island.lifted += body->mass.mass * std::max(rise, 0.0);
   }
   for (const auto& body : bodies) {
     if (!body->moves()) continue;
     const Island& island = islands[body->island];
     if (!(island.gained > 0)) continue;
     const glm::dvec3 common = island.grounded ? glm::dvec3(0) : island.momentum / island.mass;
-    const double inner = island.kinetic - 0.5 * island.mass * glm::dot(common, common);
-    if (!(inner > 0)) continue;
-    const double kept = std::sqrt(std::max(0.0, 1 - island.gained / inner));
+    const double inner = std::max(0.0, island.kinetic - 0.5 * island.mass * glm::dot(common, common));
+    const double kept = island.gained < inner ? std::sqrt(1 - island.gained / inner) : 0;
     set_motion(*body, common + kept * (velocity_of(*body) - common), kept * spin_of(*body));
+    const double rise = height(*body) - body->height_before,
+                 owed = std::min(island.gained - inner, island.lifted);
+    if (island.grounded && owed > 0 && rise > 0) lower(*body, rise * owed / island.lifted);
   }
 }
 

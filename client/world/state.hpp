@@ -1,6 +1,7 @@
 // The inside of World. Private to this folder.
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "client/world/bond_loads.hpp"
@@ -15,6 +16,7 @@ struct PointForce {
   std::uint32_t fragment;
   glm::dvec3 force, point;
   bool hit;  ///< over within the contact time
+  Cause cause = Cause::kFall;
 };
 
 struct Body {
@@ -70,11 +72,18 @@ struct Object {
   std::shared_ptr<const PreparedFragments> fragments;
   std::vector<Body*> body_of;    ///< per fragment; null: gone
   std::vector<float> bond_load;  ///< negative: broken
+  std::vector<bool> cracked;     ///< which of them are known to be; witness.cpp
   std::vector<Impact> impacts;   ///< since it asked for its fragments
   double stored = 0;             ///< J: of what the first of them cost, kept for the pieces
-  std::uint64_t hit_at = 0;      ///< step of the first of them
+  std::uint64_t hit_at = 0;      ///< step of the first of them …
+  Cause hit_by = Cause::kFall;   ///< … and what it was
+  bool sound = false;            ///< has its fragments, and all their bonds
+  /// Has its fragments because a hit was foreseen. Until one comes that would have broken it, it bears what the whole
+  /// bears, whatever its bonds are loaded with: a wrong guess changes nothing.
+  bool guarded = false;
   bool asked = false, ahead = false;
-  double critical_speed = 1;  ///< strength over mass, m/s
+  std::optional<std::uint64_t> awaited;  ///< step of the hit that is foreseen
+  double critical_speed = 1;             ///< strength over mass, m/s
 };
 
 struct World::State {
@@ -86,6 +95,7 @@ struct World::State {
     glm::dvec3 point, impulse;
     double strongest, approach;  ///< N·s, m/s
     double lost;                 ///< J: what became neither motion nor height
+    Cause cause;                 ///< of the strongest
   };
 
   // bodies.cpp
@@ -106,18 +116,35 @@ struct World::State {
 
   // limits.cpp
   void keep_above_ground();
+  void lower(Body& body, double by) const;
   void limit_gains();  ///< contacts make nothing faster, and nothing more energetic
   void calm();         ///< what almost rests on something, rests
 
   // foresight.cpp
+  struct Touch {  ///< of this step, both of them bodies of ours
+    Body *a, *b;
+    bool pressed;              ///< there was an impulse; else they only overlap
+    glm::dvec3 point, normal;  ///< in the world, of one contact; from `b` to `a`
+  };
+  struct Foreseen {
+    glm::dvec3 point, push;      ///< in the world; the push on what is asked for, unit length
+    double impulse, most;        ///< N·s: of one contact; of all of them at most
+    double approach;             ///< m/s
+    std::optional<double> time;  ///< s from now, where it is known
+  };
   void look_ahead();
-  void ask_ahead(ObjectId object, const Pose& asset_to_world, const glm::dvec3& point, const glm::dvec3& push,
-                 double impulse, double approach);
+  void ask_ahead(ObjectId object, const Pose& asset_to_world, const Foreseen& hit);
+  void ask_for_neighbours(const Body& body, double impulse, double approach);
+  void ask_for_toppling(const Body& body, const Touch& support);
 
   // ledger.cpp
   double height(const Body& body) const;  ///< J/kg: the potential energy of its centre, above the origin
   double energy(const Body& body) const;  ///< J: kinetic and potential
   void keep_ledger();
+
+  // witness.cpp
+  void witness_knocks();
+  void witness_cracks();
 
   // swaps.cpp
   void replace(std::span<Body* const> old, std::span<Body* const> by, Swap swap);
@@ -145,6 +172,7 @@ struct World::State {
   std::vector<std::unique_ptr<Object>> objects;
   std::vector<Event> events;
   std::vector<Swap> swaps;
+  std::vector<Break> breaks;
   std::uint64_t steps = 0;
   std::uint32_t next_group = 1;
   BallId next_ball = 1;
@@ -152,12 +180,9 @@ struct World::State {
 
   Ledger ledger;
   double least_level = 0;  ///< J: of Ledger::level(), so far
-  struct Touch {           ///< of this step, both of them bodies of ours
-    Body *a, *b;
-    bool pressed;  ///< there was an impulse; else they only overlap
-  };
   std::vector<Touch> touches;
   std::vector<Hit> hits;
+  Witnessed witnessed;
 };
 
 void set_motion(Body& body, const glm::dvec3& velocity, const glm::dvec3& spin);

@@ -212,7 +212,9 @@ void World::fracture(ObjectId id, std::shared_ptr<const PreparedFragments> fragm
     forces.push_back({nearest(set, members, impact.point),
                       impact.impulse / s.settings.contact_time * impact.direction, impact.point, true});
   Swap swap{.object = id};
-  swap.late = object.impacts.empty() ? 0 : s.steps - object.hit_at;
+  object.sound = object.impacts.empty();
+  object.guarded = object.sound && object.ahead;
+  if (!object.sound) s.breaks.push_back({s.steps, id, object.hit_by, s.steps - object.hit_at});
   swap.broken_bonds =
       s.break_bonds(object, members, bonds, forces, glm::conjugate(pose.rotation) * s.settings.gravity);
   std::vector<Body*> made = s.spawn(id, members, bonds, pose, field);

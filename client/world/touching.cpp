@@ -108,7 +108,8 @@ std::size_t bond_touching_parts(FragmentSet& set) {
       const double area = 0.5 * std::max({common.x * common.y, common.y * common.z, common.z * common.x});
       const glm::dvec3 along = second.mass.center - first.mass.center;
       const double length = glm::length(along);
-      made.push_back({a, b, area, *middle * area, length > 0 ? along / length : glm::dvec3(0)});
+      made.push_back({a, b, area, *middle * area, length > 0 ? along / length : glm::dvec3(0),
+                      0.5 * (glm::max(boxes[a].low, boxes[b].low) + glm::min(boxes[a].high, boxes[b].high))});
     }
   std::sort(made.begin(), made.end(),
             [](const Bond& x, const Bond& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; });

@@ -111,6 +111,8 @@ const WorldSettings& World::settings() const { return state_->settings; }
 std::uint64_t World::steps() const { return state_->steps; }
 std::vector<Event> World::take_events() { return std::exchange(state_->events, {}); }
 std::vector<Swap> World::take_swaps() { return std::exchange(state_->swaps, {}); }
+std::vector<Break> World::take_breaks() { return std::exchange(state_->breaks, {}); }
+Witnessed World::take_witnessed() { return std::exchange(state_->witnessed, {}); }
 
 ObjectId World::add_object(const ObjectSpec& spec) {
   State& s = *state_;
@@ -191,6 +193,7 @@ void World::step() {
   s.bullet.stepSimulation(s.settings.step, 0);
   ++s.steps;
   s.collect_contacts();
+  s.witness_knocks();
   s.keep_above_ground();
   s.limit_gains();
   s.calm();
@@ -199,11 +202,13 @@ void World::step() {
   s.look_ahead();
   s.fade();
   s.keep_ledger();
+  s.witness_cracks();
 }
 
 void World::ask_again(ObjectId id) {
   Object& object = *state_->objects.at(id);
   object.asked = object.ahead = false;
+  object.awaited.reset();
   object.impacts.clear();
   object.stored = 0;
 }

@@ -15,6 +15,9 @@
 // step solves the impact among the pieces: a ball flies on through a wall and loses only the momentum that the
 // masses in its way take. The total momentum stays what it was before the step.
 //
+// Fragments may be there before the hit, because it was foreseen (foresight.cpp). Until a hit comes that would break the
+// whole, its bonds bear everything.
+//
 // Contacts add no energy and no speed (limits.cpp), and end at the ground (ground_pairs.hpp). What an impact on a
 // whole object cost is partly kept for its pieces, which may come later; a Ledger counts all of it.
 //
@@ -62,6 +65,8 @@ struct WorldSettings {
   double fade_time = 1;           ///< … within so many
   double secondary_share = 0.04;  ///< of an object's volume: larger loose fragments may break again
   double foresight = 0.5;         ///< seconds that paths of balls and falling things are looked ahead; 0: not
+  std::size_t max_witnessed =
+      0;  ///< knocks, and cracks, that are kept until they are taken; further ones are not
 };
 
 using ObjectId = std::uint32_t;
@@ -103,15 +108,63 @@ struct Event {
   glm::dvec3 where{0};  ///< of the impact, in the world
 };
 
+/// What comes at an object that breaks.
+enum class Cause : std::uint8_t {
+  kBall,
+  kFall,   ///< it falls on something, or something whole on it
+  kPiece,  ///< a piece of something else flies at it
+};
+
+/// A whole object came apart, for tests and figures.
+struct Break {
+  std::uint64_t step = 0;
+  ObjectId object = 0;
+  Cause cause = Cause::kFall;
+  std::uint64_t late = 0;  ///< steps from the hit that breaks it to its fragments; 0: they were there before
+};
+
+/// Two bodies that met, in one step: what is seen and heard of it. Nothing in the world depends on it.
+struct Knock {
+  struct Side {
+    enum class Kind { kFixed, kObject, kBall };  ///< kFixed: the ground, and what stands on it for good
+    Kind kind = Kind::kFixed;
+    ObjectId object = 0;                      ///< kObject
+    std::optional<std::uint32_t> fragment{};  ///< kObject: which was met; absent while it is whole
+    double mass = 0;                          ///< kg, of all that moves with it; 0: kFixed
+    glm::dvec3 moments{0};                    ///< kg·m², ascending
+    bool held = false;
+  };
+  std::uint64_t step = 0;
+  glm::dvec3 point{0}, normal{0, 1, 0};  ///< in the world; from `b` to `a`, unit length
+  double impulse = 0;                    ///< N·s
+  double approach = 0;                   ///< m/s
+  Side a, b;
+};
+
+/// A bond that broke, where it was then.
+struct Crack {
+  std::uint64_t step = 0;
+  ObjectId object = 0;
+  std::uint32_t bond = 0;
+  glm::dvec3 point{0}, normal{0};  ///< in the world; the normal is zero where the two share no plane
+  double area = 0;                 ///< m²
+  double strength = 0;             ///< newtons
+  glm::dvec3 velocity{0};          ///< m/s, of one of its sides there
+  double mass = 0;                 ///< kg, of the lighter fragment of the two
+  glm::dvec3 moments{0};           ///< kg·m², of that
+};
+
+struct Witnessed {
+  std::vector<Knock> knocks;
+  std::vector<Crack> cracks;
+};
+
 /// One replacement of bodies by others, for tests and figures.
 struct Swap {
   std::uint64_t step = 0;
   ObjectId object = 0;
   std::size_t fragments = 0, groups = 0, broken_bonds = 0;
   bool held = false;  ///< something static took part: the ground has its share of the momentum
-  /// Of a whole object: steps from the hit that breaks it to its fragments; 0: they were there before. Absent for
-  /// all other swaps.
-  std::optional<std::uint64_t> late{};
   Momentum before{}, after{};
 };
 
@@ -175,6 +228,8 @@ class World {
 
   /// While it is whole: it is so many times as heavy as it was taken for, and bears as much more. It moves as before.
   void scale_mass(ObjectId object, double factor);
+  /// It is whole, and was hit beyond its strength or will be within a few steps: now is the time for its fragments.
+  bool expects_hit(ObjectId object) const;
   /// The request for its fragments came to nothing: the next hit may ask again.
   void ask_again(ObjectId object);
 
@@ -182,6 +237,10 @@ class World {
   std::uint64_t steps() const;
   std::vector<Event> take_events();
   std::vector<Swap> take_swaps();
+  /// Once for each object: when its fragments come after the hit, or when the first bond breaks of those that were there.
+  std::vector<Break> take_breaks();
+  /// Since the last call, at most WorldSettings::max_witnessed of each.
+  Witnessed take_witnessed();
 
   bool is_whole(ObjectId object) const;
   Pose object_pose(ObjectId object) const;  ///< while it is whole

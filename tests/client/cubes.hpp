@@ -40,9 +40,19 @@ inline world::FragmentSet cubes(int columns, int rows, double side = 0.5, double
       set.fragments.push_back(std::move(fragment));
       const double area = side * side;
       if (column > 0)
-        set.bonds.push_back({number(column - 1, row), number(column, row), area, strength * area, {1, 0, 0}});
+        set.bonds.push_back({number(column - 1, row),
+                             number(column, row),
+                             area,
+                             strength * area,
+                             {1, 0, 0},
+                             center - glm::dvec3(0.5 * side, 0, 0)});
       if (row > 0)
-        set.bonds.push_back({number(column, row - 1), number(column, row), area, strength * area, {0, 1, 0}});
+        set.bonds.push_back({number(column, row - 1),
+                             number(column, row),
+                             area,
+                             strength * area,
+                             {0, 1, 0},
+                             center - glm::dvec3(0, 0.5 * side, 0)});
     }
   return set;
 }

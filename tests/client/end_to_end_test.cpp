@@ -137,6 +137,34 @@ TEST(EndToEnd, ARecordingThatDoesNotFitIsAnError) {
   EXPECT_NE(summary.error().detail.find("/dev/full"), std::string::npos);
 }
 
+TEST(EndToEnd, AGameIsHeardWhenThingsBreakAndNotBefore) {
+  test::ServeProcess server;
+  test::TemporaryFolder folder;
+  const auto heard = [&](const char* name) {
+    Options options = options_for(server, "panes", 1.5);
+    options.wav = folder / name;
+    run(options);
+    std::ifstream in(options.wav, std::ios::binary);
+    return std::string{std::istreambuf_iterator<char>(in), {}};
+  };
+  const std::string first = heard("first.wav");
+  constexpr std::size_t kHeader = 44, kFrames = 72000;  // 1.5 s
+  ASSERT_EQ(first.size(), kHeader + 4 * kFrames);
+  const auto most = [&](double from, double to) {  // seconds
+    int largest = 0;
+    for (auto k = static_cast<std::size_t>(from * 96000); k < static_cast<std::size_t>(to * 96000); ++k) {
+      const auto low = static_cast<unsigned char>(first[kHeader + 2 * k]),
+                 high = static_cast<unsigned char>(first[kHeader + 2 * k + 1]);
+      largest = std::max(largest, std::abs(static_cast<std::int16_t>(low | high << 8)));
+    }
+    return largest;
+  };
+  EXPECT_EQ(most(0, 0.3), 0);  // the ball is thrown at 0.3 s
+  EXPECT_GT(most(0.3, 1.5), 1000);
+  EXPECT_LT(most(0, 1.5), 32767);
+  EXPECT_EQ(first, heard("second.wav"));
+}
+
 TEST(EndToEnd, AnotherSeedBreaksOtherwise) {
   test::ServeProcess server;
   Options options = options_for(server, "monkey", 1.5);

@@ -142,6 +142,98 @@ TEST(Physics, AFallIsSeenAhead) {
   EXPECT_NEAR(static_cast<double>(contact - ahead), 0.5 / world.settings().step, 6);
 }
 
+TEST(Physics, NeighboursOfWhatIsHitAndWhatABallMeetsBehindItAreAskedForAhead) {
+  World world;
+  ObjectSpec spec = whole_of(cubes(1, 1, 0.5));
+  spec.strength = 30;
+  // Two that touch, one behind them in the path of the ball, one beside it.
+  std::vector<ObjectId> things;
+  for (const glm::dvec3& place : {glm::dvec3(0, 0, 0), {0.499, 0, 0}, {0, 0, -1.5}, {3, 0, -1.5}}) {
+    spec.pose.position = place;
+    things.push_back(world.add_object(spec));
+  }
+  run(world, 0.5);  // they stand
+  EXPECT_TRUE(world.take_events().empty());
+  world.throw_ball({0.25, 0.25, 4}, {0, 1, -20}, 0.1, 7800);
+  std::vector<ObjectId> asked;
+  for (int k = 0; k < 12; ++k) {  // of the 23 steps to the first
+    world.step();
+    for (const Event& event : world.take_events()) {
+      EXPECT_EQ(event.kind, Event::Kind::kAhead);
+      asked.push_back(event.object);
+    }
+  }
+  std::sort(asked.begin(), asked.end());
+  EXPECT_EQ(asked, (std::vector<ObjectId>{things[0], things[1], things[2]}));
+}
+
+TEST(Physics, WhatTiltsOnItsSupportIsAskedForAhead) {
+  World world;
+  ObjectSpec spec = whole_of(cubes(1, 6, 0.25));  // a column
+  spec.strength = 0.6 * spec.mass.mass;
+  spec.pose.position = {0, 0, 0};
+  spec.pose.rotation = glm::angleAxis(0.7, glm::dvec3(0, 0, 1));  // beyond its edge
+  const ObjectId object = world.add_object(spec);
+  std::uint64_t ahead = 0, hit = 0;
+  for (int k = 0; k < 480 && hit == 0; ++k) {
+    world.step();
+    for (const Event& event : world.take_events())
+      (event.kind == Event::Kind::kAhead ? ahead : hit) = world.steps();
+  }
+  EXPECT_TRUE(world.expects_hit(object)) << "it was hit";
+  ASSERT_GT(hit, 0u);
+  ASSERT_GT(ahead, 0u);
+  EXPECT_GE(hit, ahead + 12);  // a tenth of a second
+}
+
+TEST(Physics, AWrongGuessChangesNothing) {
+  // It might break as it falls, does not, and has bonds that would not bear that.
+  World world;
+  const FragmentSet set = cubes(4, 2, 0.25, 1000, 500);
+  ObjectSpec spec = whole_of(set);
+  spec.strength =
+      2.4 * spec.mass.mass;  // what it would take if it came to rest at once, which its corners do not
+  spec.pose = {{0, 0.35, 0}, glm::angleAxis(0.1, glm::dvec3(0, 0, 1))};
+  const ObjectId object = world.add_object(spec);
+  bool foreseen = false;
+  for (int k = 0; k < 240; ++k) {
+    world.step();
+    for (const Event& event : world.take_events()) {
+      ASSERT_EQ(event.kind, Event::Kind::kAhead);
+      foreseen = true;
+    }
+    if (foreseen && world.is_whole(object)) world.fracture(object, prepare(set));
+  }
+  ASSERT_TRUE(foreseen);
+  EXPECT_EQ(test::groups_of(world, object), 1u);
+  EXPECT_TRUE(world.take_breaks().empty());
+  // The same without a guess: its bonds decide.
+  World other;
+  const ObjectId unguarded = other.add_object(spec);
+  other.fracture(unguarded, prepare(set));
+  run(other, 2);
+  EXPECT_GT(test::groups_of(other, unguarded), 1u);
+  // A hit beyond its strength breaks what is guarded.
+  world.throw_ball({0.5, 0.25, 4}, {0, 0.5, -30}, 0.15, 7800);
+  run(world, 0.5);
+  EXPECT_GT(test::groups_of(world, object), 1u);
+  EXPECT_EQ(world.take_breaks().size(), 1u);
+}
+
+TEST(Physics, WhatIsWedgedUnderAHeavyBlockDoesNotLiftIt) {
+  World world;
+  // A block of two tonnes, two centimetres inside of light shards on the ground.
+  const FragmentSet shards = cubes(4, 1, 0.1, 500, 0);
+  ObjectSpec spec = whole_of(shards);
+  const ObjectId below = world.add_object(spec);
+  world.fracture(below, prepare(shards));
+  ObjectSpec block = whole_of(cubes(1, 1, 1, 2000));
+  block.pose.position = {-0.3, 0.08, 0};
+  world.add_object(block);
+  run(world, 3);
+  EXPECT_LT(world.ledger().worst_gain, 1e-4 * world.ledger().brought);
+}
+
 TEST(Physics, WhatLiesOrFallsSoftlyIsNotAskedForAhead) {
   World world;
   ObjectSpec spec = whole_of(cubes(2, 2));
@@ -172,9 +264,10 @@ TEST(Physics, FragmentsThatComeLateGetNoMoreEnergyThanTheHitCost) {
       if (hit && world.is_whole(object) && world.steps() == *hit + late) world.fracture(object, prepare(set));
     }
     ASSERT_TRUE(hit);
-    const auto swaps = world.take_swaps();
-    ASSERT_FALSE(swaps.empty());
-    EXPECT_EQ(swaps[0].late, late);
+    const auto breaks = world.take_breaks();
+    ASSERT_EQ(breaks.size(), 1u);
+    EXPECT_EQ(breaks[0].late, late);
+    EXPECT_EQ(breaks[0].cause, Cause::kBall);
     EXPECT_LT(world.ledger().worst_gain, 0.01 * world.ledger().brought) << late;
   }
 }

@@ -49,7 +49,28 @@ TEST(Requests, TwentyBoxesThatFallTogetherAllBreak) {
   game.advance(kFrame, true);
   EXPECT_LE(most_open, 3u);
   EXPECT_GT(most_waiting, 10u);
-  EXPECT_EQ(game.figures().late.size(), 20u);
+}
+
+TEST(Requests, WhatIsForeseenIsKeptUntilItIsHit) {
+  const std::string bytes = test::two_cubes_glb().bytes();
+  FakeServer server([&](const FakeRequest& request) {
+    return request.method == "PUT" ? FakeReply::answer(201, "{}") : test::glb(bytes);
+  });
+  protocol::Client client(test::settings_for(server));
+  GameSettings settings;
+  settings.fixed_latency = 6;
+  Game game(boxes(1), client, settings);
+  std::uint64_t kept_since = 0;
+  while (game.world().is_whole(0)) {
+    test::require_eventually(test::kPatience, "the answer of the step", [&] { return game.ready(); });
+    game.step();
+    if (kept_since == 0 && game.kept_answers() == 1) kept_since = game.world().steps();
+    ASSERT_LT(game.world().steps(), 1000u);
+  }
+  // Half a second is looked ahead, the answer is there after a tenth of it, and takes effect some steps before the hit.
+  ASSERT_GT(kept_since, 0u);
+  EXPECT_GT(game.world().steps(), kept_since + 24);
+  EXPECT_EQ(game.kept_answers(), 0u);
 }
 
 TEST(Requests, TheHardestAndNearestHitIsFirst) {

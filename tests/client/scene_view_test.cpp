@@ -66,7 +66,9 @@ class SceneViewTest : public testing::Test {
 };
 
 TEST_F(SceneViewTest, FragmentsAreUploadedInAFrameBeforeTheyAreSeen) {
-  game::Game game(falling_box(), client_, {});
+  game::GameSettings settings;
+  settings.anticipate = false;  // else they wait for the hit
+  game::Game game(falling_box(), client_, settings);
   draw(game);
   ASSERT_TRUE(test::eventually(test::kPatience, "fragments to upload", [&] {
     if (!game.coming().empty()) return true;

@@ -202,6 +202,7 @@ TEST(ReadFragments, TakesBodiesHullsAndBondsFromTheFile) {
   EXPECT_EQ(set->bonds[0].a, 0u);
   EXPECT_EQ(set->bonds[0].b, 1u);
   EXPECT_EQ(set->bonds[0].strength, 1e6);
+  EXPECT_EQ(set->bonds[0].center, glm::dvec3(0.5, 0, 0));
   EXPECT_EQ(set->friction, 0.4);
   EXPECT_EQ(set->restitution, 0.25);
 }
@@ -285,6 +286,7 @@ INSTANTIATE_TEST_SUITE_P(
                  bonds(p)["area"] = {1.0, 2.0};
                },
                ErrorCode::kMalformedMesh},
+        Spoilt{"BondIsNowhere", [](GlbParts& p) { bonds(p).erase("centroid"); }, ErrorCode::kMalformedMesh},
         Spoilt{"BondStrengthNegative", [](GlbParts& p) { bonds(p)["strength"] = {-1.0}; },
                ErrorCode::kMalformedMesh},
         Spoilt{"ScaledNode",

@@ -1,0 +1,52 @@
+#include "client/app/output_places.hpp"
+
+#include <filesystem>
+#include <vector>
+
+#include "common/base/printable.hpp"
+
+namespace fracture::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Place {
+  std::string flag;
+  const std::string& path;
+  bool written;
+};
+
+/// Also of files that are not there yet.
+bool are_one(const std::string& a, const std::string& b) {
+  std::error_code error;
+  if (fs::is_character_file(a, error)) return false;  // whatever is written there stays nowhere
+  if (fs::equivalent(a, b, error) && !error) return true;
+  const auto place = [&](const std::string& path) {
+    // What is not there at all would stay relative.
+    fs::path whole = fs::weakly_canonical(fs::absolute(path, error), error);
+    return whole.has_filename() ? whole : whole.parent_path();  // "folder/" is "folder"
+  };
+  const fs::path left = place(a);
+  if (error) return a == b;
+  const fs::path right = place(b);
+  return error ? a == b : left == right;
+}
+
+}  // namespace
+
+std::optional<std::string> same_place(const Options& options) {
+  std::vector<Place> places{{"--record", options.record, true},
+                            {"--wav", options.wav, true},
+                            {"--log", options.log, true},
+                            {"--replay", options.replay, false}};
+  for (const std::string& file : options.files) places.push_back({"the mesh", file, false});
+  for (std::size_t k = 0; k < places.size(); ++k)
+    for (std::size_t other = 0; other < k; ++other) {
+      const Place &a = places[other], &b = places[k];
+      if (a.path.empty() || b.path.empty() || !(a.written || b.written) || !are_one(a.path, b.path)) continue;
+      return a.flag + " and " + b.flag + " are both '" + printable(b.path) + "'.";
+    }
+  return std::nullopt;
+}
+
+}  // namespace fracture::app

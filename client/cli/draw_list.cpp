@@ -1,0 +1,50 @@
+#include "client/cli/draw_list.hpp"
+
+#include <istream>
+#include <ostream>
+
+namespace fracture::cli {
+namespace {
+
+using nlohmann::json;
+
+/// Names of files may be any bytes; an answer is text.
+std::string dump(const json& answer) { return answer.dump(-1, ' ', false, json::error_handler_t::replace); }
+
+struct Line {
+  PictureOptions options;
+  std::string output;
+};
+
+Expected<Line> parse(const std::string& text) {
+  json given = json::parse(text, nullptr, false);
+  if (!given.is_object()) return fail(ErrorCode::kBadJson, "A line has to be a JSON object.");
+  const auto output = given.find("output");
+  if (output == given.end() || !output->is_string() || output->get_ref<const std::string&>().empty())
+    return fail(ErrorCode::kBadParameter, "The line has no 'output', the name of a PNG.");
+  Line line{{}, output->get<std::string>()};
+  given.erase(output);
+  if (const auto set = set_options(line.options, given, "The line"); !set) return tl::unexpected(set.error());
+  if (line.options.file.empty()) return fail(ErrorCode::kBadParameter, "The line has no 'file'.");
+  return line;
+}
+
+}  // namespace
+
+void draw_list(
+    std::istream& in, std::ostream& out,
+    const std::function<Expected<void>(const PictureOptions& options, const std::string& output)>& draw) {
+  for (std::string text; std::getline(in, text);) {
+    json answer{{"output", nullptr}};
+    const Expected<Line> line = parse(text);
+    if (line) answer["output"] = line->output;
+    const Expected<void> drawn =
+        line ? draw(line->options, line->output) : Expected<void>(tl::unexpected(line.error()));
+    if (!drawn)
+      answer["problem"] = {{"type", std::string("/problems/") + slug(drawn.error().code)},
+                           {"detail", drawn.error().detail}};
+    out << dump(answer) << std::endl;  // whoever waits for it sees it now
+  }
+}
+
+}  // namespace fracture::cli

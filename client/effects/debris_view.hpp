@@ -1,0 +1,48 @@
+// Draws debris over a picture of the scene: marks where the surfaces are, crumbs with light and shadow, dust that fades
+// where it meets something. OpenGL 3.3 core.
+#pragma once
+
+#include <span>
+
+#include "client/effects/debris.hpp"
+#include "client/render/camera.hpp"
+#include "client/render/gl_objects.hpp"
+
+namespace fracture::effects {
+
+/// A mark in the world.
+struct PlacedMark {
+  const Mark* mark;
+  glm::vec3 position, normal;
+};
+
+class DebrisView {
+ public:
+  /// kGraphicsDriver where a shader is refused.
+  static Expected<DebrisView> create();
+
+  /// Into `framebuffer`, right after Renderer::draw, whose frame block and shadow maps are still bound. Returns the number
+  /// of draw calls: none where there is no debris.
+  std::size_t draw(const Debris& debris, std::span<const PlacedMark> marks, const render::Camera& camera,
+                   GLuint framebuffer, int width, int height);
+
+ private:
+  DebrisView() = default;
+  Expected<void> build_programs();
+  void make_puff_shapes();
+  void make_boxes();
+  void copy_depth(GLuint framebuffer, int width, int height);
+  void draw_crumbs(const std::vector<Crumb>& crumbs);
+  void draw_marks(std::span<const PlacedMark> marks);
+  void draw_puffs(const std::vector<Puff>& puffs, const render::Camera& camera);
+
+  render::Program puff_, crumb_, mark_;
+  render::VertexArray puffs_, crumbs_, marks_;
+  render::Buffer puff_buffer_, crumb_buffer_, mark_buffer_, crumb_shape_, box_;
+  render::Texture shapes_, depth_;
+  render::Framebuffer depth_framebuffer_;
+  int width_ = 0, height_ = 0;  ///< of the copy of the depth
+  std::vector<float> data_;
+};
+
+}  // namespace fracture::effects

@@ -1,0 +1,279 @@
+#include "client/film/film.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/socket.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <utility>
+#include <vector>
+
+extern char** environ;  // POSIX: what the program inherits
+
+namespace fracture::film {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// A descriptor that closes itself.
+class Descriptor {
+ public:
+  explicit Descriptor(int number = -1) : number_(number) {}
+  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(number_, other.number_);
+    return *this;
+  }
+  ~Descriptor() { close(); }
+  void close() {
+    if (number_ >= 0) ::close(number_);
+    number_ = -1;
+  }
+  int get() const { return number_; }
+
+ private:
+  int number_;
+};
+
+/// Waits for an event; false when the time is over.
+bool wait_for(int descriptor, short events, Clock::time_point end) {
+  for (;;) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now());
+    pollfd entry{descriptor, events, 0};
+    const int ready = ::poll(&entry, 1, static_cast<int>(std::max<std::int64_t>(left.count(), 0)));
+    if (ready > 0) return true;
+    if (ready == 0 || errno != EINTR) return false;
+  }
+}
+
+/// Of a film; null: it is none.
+const char* ending_of(const std::string& path) {
+  for (const char* ending : {".mp4", ".gif", ".webp"})
+    if (path.ends_with(ending)) return ending;
+  return nullptr;
+}
+
+/// A new, empty file beside `path`, of the same ending and without its other letters; empty with errno set.
+std::string file_beside(const std::string& path) {
+  static std::atomic<unsigned> counter{0};
+  constexpr int kTries = 100;  // names that a killed program left
+  for (int k = 0; k < kTries; ++k) {
+    const std::string name =
+        ".film-" + std::to_string(::getpid()) + "-" + std::to_string(counter++) + ".part" + ending_of(path);
+    const std::string place = (std::filesystem::path(path).parent_path() / name).string();
+    const Descriptor made(::open(place.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+    if (made.get() >= 0) return place;
+    if (errno != EEXIST) return {};
+  }
+  return {};
+}
+
+std::vector<std::string> arguments(const std::string& path, const FilmSettings& settings) {
+  std::vector<std::string> list = {settings.program,
+                                   "-hide_banner",
+                                   "-loglevel",
+                                   "error",
+                                   "-y",
+                                   "-f",
+                                   "rawvideo",
+                                   "-pixel_format",
+                                   "rgba",
+                                   "-video_size",
+                                   std::to_string(settings.width) + "x" + std::to_string(settings.height),
+                                   "-framerate",
+                                   std::to_string(settings.rate),
+                                   "-i",
+                                   "pipe:0"};
+  const auto add = [&](std::initializer_list<const char*> more) {
+    list.insert(list.end(), more.begin(), more.end());
+  };
+  if (path.ends_with(".mp4"))  // players want even sides and this layout of colours
+    add({"-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p", "-movflags", "+faststart"});
+  else if (path.ends_with(".gif"))  // of its own colours, and as many pictures as browsers show of one
+    add({"-vf",
+         "fps=25,split[a][b];[a]palettegen=stats_mode=full[p];[b][p]paletteuse=dither=bayer:bayer_scale=4"});
+  else
+    add({"-vf", "fps=30", "-loop", "0", "-quality", "70"});
+  // By its name alone ffmpeg would take x%d.webp for numbered pictures.
+  add({"-f", ending_of(path) + 1});
+  list.push_back("file:" + path);
+  return list;
+}
+
+}  // namespace
+
+class Film::Program {
+ public:
+  static Expected<std::unique_ptr<Program>> start(const std::string& path, const FilmSettings& settings) {
+    auto program = std::unique_ptr<Program>(new Program(settings));
+    // A socket and not a pipe: a program that has gone is then an error of send(), and no signal that ends us.
+    int ends[2];
+    if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
+      return fail(ErrorCode::kNoProgram, "No socket for " + settings.program + ": " + std::strerror(errno));
+    program->ours_ = Descriptor(ends[0]);
+    const Descriptor theirs(ends[1]);
+    program->said_ = std::tmpfile();
+    if (program->said_ == nullptr)
+      return fail(ErrorCode::kNoProgram,
+                  "No file for what " + settings.program + " says: " + std::strerror(errno));
+    std::vector<std::string> list = arguments(path, settings);
+    std::vector<char*> pointers;
+    for (std::string& text : list) pointers.push_back(text.data());
+    pointers.push_back(nullptr);
+    posix_spawn_file_actions_t actions;
+    ::posix_spawn_file_actions_init(&actions);
+    ::posix_spawn_file_actions_adddup2(&actions, theirs.get(), 0);
+    ::posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", O_WRONLY, 0);
+    ::posix_spawn_file_actions_adddup2(&actions, ::fileno(program->said_), 2);
+    pid_t id = -1;
+    const int error =
+        ::posix_spawnp(&id, settings.program.c_str(), &actions, nullptr, pointers.data(), environ);
+    ::posix_spawn_file_actions_destroy(&actions);
+    if (error != 0)
+      return fail(ErrorCode::kNoProgram, settings.program + " cannot be started (" + std::strerror(error) +
+                                             "): install it, or record into a folder of PNG files.");
+    program->id_ = id;
+    // The header of glibc 2.36 gives pidfd_open() to C alone.
+    program->process_ = Descriptor(static_cast<int>(::syscall(SYS_pidfd_open, id, 0)));
+    return program;
+  }
+
+  ~Program() {
+    if (id_ > 0) {
+      ::kill(id_, SIGKILL);
+      ::waitpid(id_, nullptr, 0);  // ends: it has been killed
+    }
+    if (said_ != nullptr) std::fclose(said_);
+  }
+
+  Expected<void> write(const void* bytes, std::size_t count) {
+    const auto* next = static_cast<const char*>(bytes);
+    const Clock::time_point end = Clock::now() + settings_.patience;
+    while (count > 0) {
+      const ssize_t sent = ::send(ours_.get(), next, count, MSG_NOSIGNAL | MSG_DONTWAIT);
+      if (sent > 0) {
+        next += sent;
+        count -= static_cast<std::size_t>(sent);
+      } else if (errno == EAGAIN || errno == EWOULDBLOCK) {
+        if (!wait_for(ours_.get(), POLLOUT, end)) return gone("takes no more pictures");
+      } else if (errno != EINTR) {
+        return gone("has ended");
+      }
+    }
+    return {};
+  }
+
+  Expected<void> finish() {
+    ours_.close();  // the end of its input
+    if (!wait_for(process_.get(), POLLIN, Clock::now() + settings_.patience)) return gone("does not end");
+    int status = 0;
+    ::waitpid(id_, &status, 0);
+    id_ = -1;
+    // ffmpeg ends with 0 also where a disk was full; what it says at this level is an error.
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 0 && words().empty()) return {};
+    return gone("failed");
+  }
+
+ private:
+  explicit Program(const FilmSettings& settings) : settings_(settings) {}
+
+  std::string words() {
+    std::string text;
+    std::rewind(said_);
+    for (int c = std::fgetc(said_); c != EOF && text.size() < 400; c = std::fgetc(said_))
+      text += static_cast<char>(c);
+    while (!text.empty() && text.back() == '\n') text.pop_back();
+    return text;
+  }
+
+  Expected<void> gone(const std::string& what) {
+    const std::string text = words();
+    return fail(ErrorCode::kNoProgram, settings_.program + " " + what + (text.empty() ? "." : ": " + text));
+  }
+
+  FilmSettings settings_;
+  Descriptor ours_, process_;
+  std::FILE* said_ = nullptr;
+  pid_t id_ = -1;
+};
+
+Film::Film(std::string path, FilmSettings settings)
+    : path_(std::move(path)), settings_(std::move(settings)) {}
+Film::Film(Film&& other) noexcept
+    : path_(std::move(other.path_)),
+      settings_(std::move(other.settings_)),
+      part_(std::exchange(other.part_, {})),
+      program_(std::move(other.program_)),
+      frames_(other.frames_) {}
+Film::~Film() {
+  program_.reset();  // before its file: it might write on
+  if (!part_.empty()) ::unlink(part_.c_str());
+}
+
+Expected<Film> Film::create(const std::string& path, FilmSettings settings) {
+  Film film(path, std::move(settings));
+  std::error_code error;
+  if (ending_of(path) != nullptr) {
+    if (std::filesystem::is_directory(path, error))
+      return fail(ErrorCode::kFileAccess, "Cannot write the film " + path + ": it is a folder.");
+    film.part_ = file_beside(path);
+    if (film.part_.empty())
+      return fail(ErrorCode::kFileAccess,
+                  "Cannot write the film " + path + ": " + std::strerror(errno) + ".");
+    auto program = Program::start(film.part_, film.settings_);
+    if (!program) return tl::unexpected(program.error());
+    film.program_ = std::move(*program);
+    return film;
+  }
+  std::filesystem::create_directories(path, error);
+  if (!std::filesystem::is_directory(path, error))
+    return fail(ErrorCode::kFileAccess, "Cannot make the folder " + path + ".");
+  // Nobody would see where a shorter film ends and what is left of a longer one begins.
+  for (std::filesystem::directory_iterator at(path, error), end; !error && at != end; at.increment(error)) {
+    const std::string name = at->path().filename().string();
+    if (name.starts_with("frame-") && name.ends_with(".png"))
+      return fail(ErrorCode::kFileAccess, "The folder " + path + " has pictures of an earlier film (" + name +
+                                              "): take another one.");
+  }
+  if (error)
+    return fail(ErrorCode::kFileAccess, "Cannot read the folder " + path + ": " + error.message() + ".");
+  return film;
+}
+
+Expected<void> Film::add(const render::Picture& picture) {
+  if (picture.width != settings_.width || picture.height != settings_.height)
+    return fail(ErrorCode::kBadParameter, "A picture of the film has another size than the film.");
+  const std::size_t number = frames_++;
+  if (program_) return program_->write(picture.pixels.data(), picture.pixels.size() * sizeof(render::Color));
+  char name[32];
+  std::snprintf(name, sizeof name, "frame-%05zu.png", number);
+  return render::write_png(picture, (std::filesystem::path(path_) / name).string());
+}
+
+Expected<void> Film::finish() {
+  if (!program_) return {};
+  if (auto finished = program_->finish(); !finished) return finished;
+  std::error_code error;
+  const auto bytes = std::filesystem::file_size(part_, error);
+  if (error || bytes == 0)
+    return fail(ErrorCode::kNoProgram, settings_.program + " ended well and made no film of " +
+                                           std::to_string(frames_) +
+                                           (frames_ == 1 ? " picture: one is too short." : " pictures."));
+  std::filesystem::rename(part_, path_, error);
+  if (error)
+    return fail(ErrorCode::kFileAccess, "Cannot write the film " + path_ + ": " + error.message() + ".");
+  part_.clear();
+  return {};
+}
+
+}  // namespace fracture::film
