@@ -7,8 +7,8 @@
 #
 # TARGET      depends on the output; made (as one of `all`) where there is no such target. May have any number of assets.
 # INPUT       relative to the source folder.
-# OUTPUT      relative to the binary folder; a name that ends in .gltf is JSON, one in .glb or without an ending GLB. Default:
-#             the name of the input and .glb.
+# OUTPUT      relative to the binary folder; a name that ends in .gltf is JSON, one in .glb or without an ending GLB; .obj (with
+#             .mtl and textures beside it), .ply and .stl are geometry and looks alone. Default: the name of the input and .glb.
 # PARAMETERS  name=value each, as `fracture-server bake --help` lists them (with - or _); a semicolon in a value as \; .
 # SERVER      http://host:port: through a farm, to the same bytes. FRACTURE_TOKEN of the build's environment is its token.
 # THREADS     of one bake, 1 where it is not given: builds run many at a time. The bytes do not depend on it.
@@ -38,8 +38,13 @@ function(fracture_add_baked_asset)
   cmake_path(ABSOLUTE_PATH ARG_OUTPUT BASE_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR} NORMALIZE OUTPUT_VARIABLE output)
   cmake_path(GET output EXTENSION LAST_ONLY ending)
   string(TOLOWER "${ending}" ending)
-  if(ending AND NOT ending MATCHES "^\\.(glb|gltf)$")
-    message(FATAL_ERROR "${where}: OUTPUT ends in '${ending}', which is not written; say .glb or .gltf")
+  if(ending AND NOT ending MATCHES "^\\.(glb|gltf|obj|ply|stl)$")
+    message(FATAL_ERROR "${where}: OUTPUT ends in '${ending}', which is not written; say .glb, .gltf, .obj, .ply or .stl")
+  endif()
+  set(byproducts)
+  if(ending STREQUAL ".obj")
+    cmake_path(REPLACE_EXTENSION output LAST_ONLY mtl OUTPUT_VARIABLE materials)
+    set(byproducts BYPRODUCTS ${materials})
   endif()
   if(NOT ARG_THREADS)
     set(ARG_THREADS 1)
@@ -58,6 +63,7 @@ function(fracture_add_baked_asset)
   endforeach()
   add_custom_command(
     OUTPUT ${output}
+    ${byproducts}
     COMMAND ${FRACTURE_SERVER_PROGRAM} bake ${input} --output ${output} --depfile ${output}.d ${flags}
     DEPENDS ${input} ${FRACTURE_SERVER_PROGRAM}
     DEPFILE ${output}.d

@@ -5,9 +5,10 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
+#include "common/import/gltf_entries.hpp"
 #include "common/import/text_encoding.hpp"
 #include "common/import/uri.hpp"
 
@@ -33,25 +34,16 @@ class Names {
   std::vector<std::string> list_;
 };
 
-void add_gltf(std::string_view text, Names& names) {
-  // A GLB (glTF 2.0, section 4.4): 12 bytes of header, then the JSON chunk as length, type, text.
-  if (text.size() >= 20 && text.substr(0, 4) == "glTF") {
-    std::uint32_t length = 0;
-    std::memcpy(&length, text.data() + 12, 4);
-    text = text.substr(20, length);
-  }
-  const auto document = nlohmann::json::parse(text.begin(), text.end(), nullptr, /*allow_exceptions=*/false);
-  if (!document.is_object()) return;
-  for (const char* key : {"buffers", "images"}) {
-    const auto list = document.find(key);
-    if (list == document.end() || !list->is_array()) continue;
-    for (const auto& entry : *list) {
-      if (!entry.is_object()) continue;
-      const auto uri = entry.find("uri");
-      if (uri != entry.end() && uri->is_string() && !is_data_uri(uri->get_ref<const std::string&>()))
-        names.add(decode_percent(uri->get_ref<const std::string&>()));
-    }
-  }
+void add_gltf(std::string_view bytes, Names& names) {
+  std::vector<std::string> buffers, images;
+  const bool read = read_gltf_entries(bytes, "uri", [&](const std::string& list, std::string& uri) {
+    if ((list == "buffers" || list == "images") && !is_data_uri(uri))
+      (list == "buffers" ? buffers : images).push_back(decode_percent(uri));
+    return true;
+  });
+  if (!read) return;
+  for (std::vector<std::string>* list : {&buffers, &images})
+    for (std::string& name : *list) names.add(std::move(name));
 }
 
 /// Calls f(keyword, rest) for every line of an OBJ or MTL file that has both.

@@ -46,29 +46,50 @@ bool write_standard_output(std::span<const std::byte> bytes, const std::stop_tok
   return good;
 }
 
-bool write_file(const std::string& path, std::span<const std::byte> bytes) {
+bool AtomicFile::open(const std::string& path) {
   const fs::path target(path);
-  const std::string temporary =
-      (target.parent_path() / ("." + target.filename().string() + ".part")).string();
-  const int fd = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0666);
-  if (fd < 0) return false;
-  std::size_t written = 0;
-  bool good = true;
-  while (good && written < bytes.size()) {
-    const ssize_t n = ::write(fd, bytes.data() + written, bytes.size() - written);
+  path_ = path;
+  temporary_ = (target.parent_path() / ("." + target.filename().string() + ".part")).string();
+  fd_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0666);
+  return fd_ >= 0;
+}
+
+bool AtomicFile::append(std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t n = ::write(fd_, bytes.data(), bytes.size());
     if (n < 0 && errno == EINTR) continue;
-    good = n > 0;
-    if (good) written += static_cast<std::size_t>(n);
+    if (n <= 0) return false;
+    bytes = bytes.subspan(static_cast<std::size_t>(n));
   }
-  good = good && ::fsync(fd) == 0;
-  good = ::close(fd) == 0 && good;
-  good = good && std::rename(temporary.c_str(), path.c_str()) == 0;
-  if (!good) {
-    const int reason = errno;
-    ::unlink(temporary.c_str());
-    errno = reason;
-  }
+  return true;
+}
+
+bool AtomicFile::commit() {
+  bool good = ::fsync(fd_) == 0;
+  good = ::close(fd_) == 0 && good;
+  good = good && std::rename(temporary_.c_str(), path_.c_str()) == 0;
+  fd_ = -1;
+  if (!good) discard();
   return good;
+}
+
+void AtomicFile::discard() {
+  const int reason = errno;
+  ::unlink(temporary_.c_str());
+  errno = reason;
+}
+
+AtomicFile::~AtomicFile() {
+  if (fd_ < 0) return;
+  const int reason = errno;
+  ::close(fd_);
+  errno = reason;
+  discard();
+}
+
+bool write_file(const std::string& path, std::span<const std::byte> bytes) {
+  AtomicFile file;
+  return file.open(path) && file.append(bytes) && file.commit();
 }
 
 bool make_folders_of(const std::string& path) {

@@ -8,8 +8,28 @@
 
 namespace fracture::bake {
 
-/// A temporary file beside the target (".<name>.part", used again by the next try), flushed to the disk, then
-/// renamed over it. False with errno set.
+/// A file that grows unseen and then is there at once: a temporary one beside the target (".<name>.part", used again by
+/// the next try), flushed to the disk, then renamed over it. Gone, if it was not committed. All of them are false with
+/// errno set.
+class AtomicFile {
+ public:
+  bool open(const std::string& path);
+  bool append(std::span<const std::byte> bytes);
+  bool commit();
+
+  AtomicFile() = default;
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+ private:
+  void discard();
+
+  std::string path_, temporary_;
+  int fd_ = -1;
+};
+
+/// The same of bytes that are there. False with errno set.
 bool write_file(const std::string& path, std::span<const std::byte> bytes);
 
 /// All of it, or false with errno set: EPIPE where nobody reads any more, which is no signal here; ECANCELED

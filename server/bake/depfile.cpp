@@ -18,14 +18,16 @@ std::string escaped(const std::string& path) {
 
 }  // namespace
 
-std::string depfile_text(const BakeJob& job, const InputFile& input) {
+std::string depfile_text(const BakeJob& job, const InputFile& input, const std::string& rules) {
   std::string text = escaped(job.output) + ": " + escaped(job.input);
   for (const SiblingFile& file : input.siblings) text += " \\\n  " + escaped(file.path);
+  if (!rules.empty()) text += " \\\n  " + escaped(rules);
   return text + "\n";
 }
 
-bool write_depfile(const std::string& path, const BakeJob& job, const InputFile& input) {
-  const std::string text = depfile_text(job, input);
+bool write_depfile(const std::string& path, const BakeJob& job, const InputFile& input,
+                   const std::string& rules) {
+  const std::string text = depfile_text(job, input, rules);
   return make_folders_of(path) && write_file(path, std::as_bytes(std::span(text)));
 }
 

@@ -32,11 +32,11 @@ Outcome outcome_of(ErrorCode code) {
 
 Error to_error(int status, const protocol::ProblemDocument& problem) {
   if (const std::optional<ErrorCode> code = error_code(problem.slug()))
-    return {*code, problem.detail, problem.parameter};
+    return {*code, problem.detail, problem.parameter, problem.extra};
   const bool failed = status >= 500 && status != 504;
   Error error{failed ? ErrorCode::kServerFailed : ErrorCode::kRefusedByServer, problem.detail,
               problem.parameter};
-  nlohmann::json extra = nlohmann::json::object();
+  nlohmann::json extra = *problem.extra;
   if (!problem.type.empty()) extra["type"] = problem.type;
   if (!problem.title.empty()) extra["title"] = problem.title;
   error.extra = Figures(std::move(extra));
@@ -46,19 +46,17 @@ Error to_error(int status, const protocol::ProblemDocument& problem) {
 nlohmann::json to_problem(const Error& error) {
   nlohmann::json problem{{"detail", error.detail}};
   switch (error.code) {
-    case ErrorCode::kUnavailable:  // no server has worded it
-      break;
-    case ErrorCode::kRefusedByServer:
+    case ErrorCode::kUnavailable:      // no server has worded it
+    case ErrorCode::kRefusedByServer:  // type and title are in `extra`, where there are any
     case ErrorCode::kServerFailed:
-      problem.update(*error.extra);
       break;
     default:
       problem["type"] = std::string("/problems/") + slug(error.code);
       problem["title"] = title(error.code);
-      if (const auto errors = error.extra->find("errors"); errors != error.extra->end() && errors->size() > 1)
-        problem["errors"] = *errors;
   }
   if (!error.pointer.empty()) problem["parameter"] = error.pointer;
+  for (const auto& [name, value] : error.extra->items())
+    if (name != "status" && name != "request_id" && !problem.contains(name)) problem[name] = value;
   return problem;
 }
 

@@ -22,11 +22,12 @@ Outcome outcome_of(ErrorCode code);
 
 /// Of an answer that refuses: the code that its type names, with the same words as here. What is no error of the
 /// pipeline (a proxy's answer, a limit of HTTP) is kRefusedByServer or, by its status, kServerFailed; type and title
-/// are in `extra` where it has any.
+/// are in `extra` where it has any. What else the server says for programs is in `extra` too.
 Error to_error(int status, const protocol::ProblemDocument& problem);
 
-/// type, title, detail and, where one is concerned, parameter: as a server words it. Where more than one thing is
-/// wrong also errors, each with its detail.
+/// As a server words it (to_problem() of server/http/problem.hpp): type, title, detail, parameter where one is concerned,
+/// and all that the error carries for programs (errors, known, figures); without status and request_id, which belong to
+/// an exchange.
 nlohmann::json to_problem(const Error& error);
 /// Of what is unsound, as far as it is known; else null.
 nlohmann::json certificate_of(const Error& error);

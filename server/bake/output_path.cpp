@@ -2,6 +2,7 @@
 
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 #include <system_error>
@@ -32,15 +33,39 @@ bool is_open_descriptor(fs::path path) {
 
 }  // namespace
 
-Expected<OutputFormat> format_of_output(const std::string& path) {
+Expected<OutputKind> kind_of_output(const std::string& path) {
   const std::string ending = fs::path(path).extension().string();
   const std::optional<MeshFormat> format =
       ending.empty() ? MeshFormat::kGlb : format_from_extension(ending.substr(1));
-  if (format == MeshFormat::kGlb) return OutputFormat::kGlb;
-  if (format == MeshFormat::kGltf) return OutputFormat::kGltf;
-  return fail(ErrorCode::kBadParameter,
-              "'" + ending + "' is not written: the output '" + path +
-                  "' must end in .glb, in .gltf (one JSON text), or have no ending (GLB).");
+  if (format == MeshFormat::kGlb) return OutputKind::kGlb;
+  if (format == MeshFormat::kGltf) return OutputKind::kGltf;
+  if (format == MeshFormat::kPly) return OutputKind::kPly;
+  if (format == MeshFormat::kStl) return OutputKind::kStl;
+  if (format != MeshFormat::kObj)
+    return fail(
+        ErrorCode::kBadParameter,
+        "'" + ending + "' is not written: the output '" + path +
+            "' must end in .glb, .gltf (one JSON text), .obj (with .mtl and textures beside it), .ply or "
+            ".stl, or have no ending (GLB).",
+        {}, {{"known", {".glb", ".gltf", ".obj", ".ply", ".stl"}}});
+  const std::string name = fs::path(path).filename().string();
+  const bool breaks = std::any_of(name.begin(), name.end(),
+                                  [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; });
+  if (breaks || name.front() == ' ' || name.front() == '-')
+    return fail(ErrorCode::kBadParameter,
+                "An OBJ cannot name the materials of '" + path +
+                    "': its name must not begin with a blank or '-', nor have control characters.");
+  return OutputKind::kObj;
+}
+
+OutputFormat answer_format(OutputKind kind) {
+  return kind == OutputKind::kGltf ? OutputFormat::kGltf : OutputFormat::kGlb;
+}
+
+std::string materials_beside(const std::string& path) {
+  const Expected<OutputKind> kind = kind_of_output(path);
+  return kind && *kind == OutputKind::kObj ? fs::path(path).replace_extension(".mtl").string()
+                                           : std::string();
 }
 
 std::optional<Error> refuse_output(const std::string& path) {

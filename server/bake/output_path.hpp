@@ -15,8 +15,16 @@ namespace fracture::bake {
 /// As an input: standard input. As an output: standard output.
 inline constexpr const char* kStandardStream = "-";
 
-/// By the ending, in any case: .glb or none is GLB, .gltf one JSON text. kBadParameter for any other.
-Expected<OutputFormat> format_of_output(const std::string& path);
+/// How an output is written: the first two are answers as they are, the others are made of one.
+enum class OutputKind { kGlb, kGltf, kObj, kPly, kStl };
+
+/// By the ending, in any case: .glb or none is GLB, .gltf one JSON text, .obj, .ply and .stl. kBadParameter for any other,
+/// with those that there are in extra.known, and where an OBJ could not name its materials.
+Expected<OutputKind> kind_of_output(const std::string& path);
+/// What is asked of the engine or of a server for it.
+OutputFormat answer_format(OutputKind kind);
+/// The file of an OBJ's materials: x.mtl for x.obj. Empty for all other outputs.
+std::string materials_beside(const std::string& path);
 
 /// kBadParameter where no file may be written: a folder, a device, a pipe, a socket or an open descriptor lies there.
 /// Nothing: a file or nothing does. What cannot be looked at is left to whoever writes it.

@@ -3,8 +3,10 @@
 #include <glob.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -13,8 +15,13 @@
 #include <utility>
 
 #include "common/base/json_reader.hpp"
+#include "common/base/json_text.hpp"
+#include "common/base/printable.hpp"
 #include "common/import/import_input.hpp"
+#include "server/bake/html_report.hpp"
+#include "server/bake/output_files.hpp"
 #include "server/bake/output_path.hpp"
+#include "server/bake/picture_paths.hpp"
 #include "server/bake/report.hpp"
 #include "server/bake/result_file.hpp"
 #include "server/bake/stage_dump.hpp"
@@ -103,9 +110,8 @@ class Search {
   void add(Found mesh) {
     const std::optional<MeshFormat> format =
         format_from_extension(fs::path(mesh.path).extension().string().substr(1));
-    const bool result =
-        (!results_.empty() && results_.contains(identity_of(mesh.path))) ||
-        ((format == MeshFormat::kGlb || format == MeshFormat::kGltf) && is_result_file(mesh.path));
+    const bool result = (!results_.empty() && results_.contains(identity_of(mesh.path))) ||
+                        (format && is_result_file(mesh.path, *format));
     if (result)
       skipped_.push_back(mesh.path);
     else
@@ -122,8 +128,8 @@ Expected<std::vector<BakeJob>> jobs_of_inputs(const BakeSource& source, std::vec
   std::error_code error;
   const bool there = fs::exists(source.output, error),
              file = there && !fs::is_directory(source.output, error);
-  const std::string ending = fs::path(source.output).extension().string();
-  if (file || (!there && (ending == ".glb" || ending == ".gltf")))
+  const bool named_as_one = fs::path(source.output).has_extension() && kind_of_output(source.output);
+  if (file || (!there && named_as_one))
     return wrong("'" + source.output + "' is " + (file ? "no folder" : "the name of a file") +
                  ": several meshes, or those of a folder, need a folder (a new one may end in '/').");
   Search search(source);
@@ -142,24 +148,17 @@ Expected<std::vector<BakeJob>> jobs_of_inputs(const BakeSource& source, std::vec
   return jobs;
 }
 
-/// Those of the line replace those of the command line of the same name.
-void override_by(const nlohmann::json& object, std::vector<RawParameter>& parameters) {
-  for (const auto& [name, value] : object.items()) {
-    std::erase_if(parameters, [&n = name](const RawParameter& p) { return p.name == n; });
-    parameters.push_back({name, value, false});
-  }
-}
-
 Expected<BakeJob> job_of_line(const std::string& line, const fs::path& folder, const BakeSource& source) {
   const auto read = read_json(line, {});
   if (!read && read.error().kind != JsonFault::Kind::kSyntax) return wrong("it " + to_text(read.error()));
-  if (!read || !read->value.is_object()) return wrong("it is no JSON object");
+  if (!read) return wrong("it is no JSON object (column " + std::to_string(read.error().byte) + ")");
+  if (!read->value.is_object()) return wrong("it is no JSON object");
   const nlohmann::json& json = read->value;
   BakeJob job{.input = {}, .output = {}, .parameters = source.parameters};
   for (const auto& [key, value] : json.items()) {
     if (key == "input" || key == "output") {
       if (!value.is_string() || value.get_ref<const std::string&>().empty())
-        return wrong("'" + key + "' must be a path; it was " + value.dump());
+        return wrong("'" + key + "' must be a path; it was " + shortened(json_text(value)));
       if (value == kStandardStream)
         return wrong("'" + key +
                      "' is '-': standard input and output are for one mesh without a manifest; a file "
@@ -168,10 +167,12 @@ Expected<BakeJob> job_of_line(const std::string& line, const fs::path& folder, c
       if (path == kStandardStream) path.insert(0, "./");
       (key == "input" ? job.input : job.output) = std::move(path);
     } else if (key == "parameters") {
-      if (!value.is_object()) return wrong("'parameters' must be an object; it was " + value.dump());
-      override_by(value, job.parameters);
+      if (!value.is_object())
+        return wrong("'parameters' must be an object; it was " + shortened(json_text(value)));
+      for (const auto& [name, given] : value.items()) job.own.push_back({name, given, false});
+      put_over(job.own, job.parameters);
     } else {
-      return wrong("'" + key + "' is none of input, output and parameters");
+      return wrong("'" + shortened(key) + "' is none of input, output and parameters");
     }
   }
   if (job.input.empty()) return wrong("'input' is missing");
@@ -180,8 +181,10 @@ Expected<BakeJob> job_of_line(const std::string& line, const fs::path& folder, c
 }
 
 Expected<std::vector<BakeJob>> jobs_of_manifest(const BakeSource& source) {
+  errno = 0;
   std::ifstream file(source.manifest);
-  if (!file) return wrong("The manifest '" + source.manifest + "' cannot be read.");
+  if (!file)
+    return wrong("The manifest '" + source.manifest + "' cannot be read: " + std::strerror(errno) + ".");
   const fs::path folder = fs::path(source.manifest).parent_path();
   std::vector<BakeJob> jobs;
   std::string line;
@@ -194,7 +197,9 @@ Expected<std::vector<BakeJob>> jobs_of_manifest(const BakeSource& source) {
     job->line = number;
     jobs.push_back(std::move(*job));
   }
-  if (file.bad()) return wrong("The manifest '" + source.manifest + "' cannot be read to its end.");
+  if (file.bad())
+    return wrong("The manifest '" + source.manifest +
+                 "' cannot be read to its end: " + std::strerror(errno != 0 ? errno : EIO) + ".");
   return jobs;
 }
 
@@ -225,6 +230,7 @@ Expected<void> lose_nothing(const BakePlan& plan, const BakeSource& source) {
   Places places;
   for (const BakeJob& job : plan.jobs) places.read(job.input, "the input");
   if (!source.manifest.empty()) places.read(source.manifest, "the manifest");
+  if (!source.rules.empty()) places.read(source.rules, "the rules");
   for (const BakeJob& job : plan.jobs) {
     const auto in_line = [&](const std::string& detail) {
       return wrong(
@@ -232,9 +238,24 @@ Expected<void> lose_nothing(const BakePlan& plan, const BakeSource& source) {
           detail);
     };
     if (job.output != kStandardStream)
-      if (const auto format = format_of_output(job.output); !format) return in_line(format.error().detail);
+      if (const auto kind = kind_of_output(job.output); !kind) return in_line(kind.error().detail);
     if (const auto place = places.write(job.output, "'" + job.input + "'"); !place)
       return in_line(place.error().detail);
+    const std::string materials = materials_beside(job.output);
+    if (materials.empty()) continue;
+    if (const auto place = places.write(materials, "the materials of '" + job.output + "'"); !place)
+      return in_line(place.error().detail);
+    if (is_foreign_mtl(materials))
+      return in_line("'" + materials + "' is there, and no bake made it: the materials of '" + job.output +
+                     "' would be written over it.");
+  }
+  for (const BakeJob& job : plan.jobs)
+    if (!job.picture.empty())
+      if (auto place = places.write(job.picture, "the picture of '" + job.output + "'"); !place) return place;
+  if (!plan.html.empty()) {
+    if (auto place = places.write(plan.html, "the page"); !place) return place;
+    if (!may_be_html_report(plan.html))
+      return wrong("'" + plan.html + "' is there and is no page of a bake; as one it would be written anew.");
   }
   if (!plan.report.empty()) {
     if (plan.report == kStandardStream)
@@ -262,12 +283,7 @@ Expected<void> lose_nothing(const BakePlan& plan, const BakeSource& source) {
 
 /// Beside the outputs, or beside the manifest; one for each shard.
 std::string report_beside(const BakeSource& source) {
-  std::string part;
-  if (source.shard.count > 1)
-    part.append(".")
-        .append(std::to_string(source.shard.index))
-        .append("-of-")
-        .append(std::to_string(source.shard.count));
+  const std::string part = part_of(source.shard);
   return source.manifest.empty() ? source.output + "/bake" + part + ".ndjson"
                                  : source.manifest + part + ".report";
 }
@@ -319,6 +335,11 @@ Expected<BakePlan> plan_bake(const BakeSource& given) {
   if (source.report.empty() && !plan.single) source.report = report_beside(source);
   plan.report = source.report;
 
+  if (!source.rules.empty()) {
+    Expected<RuleFile> rules = read_rules(source.rules);
+    if (!rules) return tl::unexpected(rules.error());
+    plan.rules = std::move(*rules);
+  }
   if (plan.single) {
     plan.jobs.push_back({source.inputs.front(), source.output, source.parameters});
   } else {
@@ -327,6 +348,9 @@ Expected<BakePlan> plan_bake(const BakeSource& given) {
     if (!jobs) return tl::unexpected(jobs.error());
     plan.jobs = std::move(*jobs);
   }
+  plan.html = page_of(source);
+  if (const auto pictures = give_pictures(source, plan.single, plan.jobs); !pictures)
+    return tl::unexpected(pictures.error());
   if (const auto safe = lose_nothing(plan, source); !safe) return tl::unexpected(safe.error());
   plan.all = plan.jobs.size();
   if (source.shard.count > 1) {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "common/base/printable.hpp"
+
 namespace fracture::bake {
 namespace {
 
@@ -57,7 +59,7 @@ void StageProgress::clear() {
 void StageProgress::say(const std::string& line) {
   const std::lock_guard lock(mutex_);
   clear();
-  std::fprintf(stderr, "%s\n", line.c_str());
+  std::fprintf(stderr, "%s\n", printable_lines(line).c_str());
 }
 
 void StageProgress::finish() {
@@ -72,7 +74,7 @@ void JobProgress::say(const std::string& line) {
   const std::lock_guard lock(mutex_);
   if (drawn_) std::fprintf(stderr, "\r\033[K");
   drawn_ = false;
-  std::fprintf(stderr, "%s\n", line.c_str());
+  std::fprintf(stderr, "%s\n", printable_lines(line).c_str());
 }
 
 void JobProgress::done(bool kept, bool refused) {

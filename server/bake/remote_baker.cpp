@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "common/base/json_text.hpp"
 #include "common/exchange/headers.hpp"
 #include "common/exchange/stored_meshes.hpp"
 #include "server/bake/failure.hpp"
@@ -93,7 +94,7 @@ class Conversation {
         parameters_(canonical_parameters(request.parameters)) {}
 
   Expected<Baked> operator()() {
-    bool whole = parameters_.dump().size() > protocol::kMaxParameterBytes;
+    bool whole = json_text(parameters_).size() > protocol::kMaxParameterBytes;
     for (int tries = 0, deadlines = 0; tries < kMostTries; ++tries) {
       // The first two times something was missing that now is there; after that somebody is in trouble.
       if (tries > 2) caller_.pause(caller_.patience().first_pause * tries, stop_);
@@ -134,7 +135,7 @@ class Conversation {
   }
 
   Expected<Step> ask_by_job() {
-    HttpRequest ask = protocol::fracture_request(mesh_, parameters_.dump());
+    HttpRequest ask = protocol::fracture_request(mesh_, json_text(parameters_));
     ask.fields = fields();
     ask.fields.emplace_back("Prefer", "respond-async");
     const Clock::time_point asked = Clock::now();
@@ -202,7 +203,7 @@ class Conversation {
   Expected<Form> form(nlohmann::json parameters) const {
     const char* extension = extension_of(request_.format);
     parameters["format"] = extension;
-    const std::string params = parameters.dump();
+    const std::string params = json_text(parameters);
     const auto text = [](std::span<const std::byte> bytes) {
       return std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     };
@@ -319,6 +320,10 @@ class RemoteBaker : public Baker {
 };
 
 }  // namespace
+
+std::unique_ptr<Baker> unasked_remote_baker(const RemoteConfig& config) {
+  return std::make_unique<RemoteBaker>(config);
+}
 
 Expected<std::unique_ptr<Baker>> remote_baker(const RemoteConfig& config, const std::stop_token& stop,
                                               const std::function<void(const std::string&)>& say) {

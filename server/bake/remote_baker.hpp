@@ -34,5 +34,7 @@ struct RemoteConfig {
 /// local bake. `say`: while it is waited for.
 Expected<std::unique_ptr<Baker>> remote_baker(const RemoteConfig& config, const std::stop_token& stop,
                                               const std::function<void(const std::string&)>& say);
+/// The same without a word to the server: for what parse() says.
+std::unique_ptr<Baker> unasked_remote_baker(const RemoteConfig& config);
 
 }  // namespace fracture::bake

@@ -8,10 +8,10 @@
 #include <set>
 #include <utility>
 
+#include "common/base/json_text.hpp"
 #include "server/bake/atomic_file.hpp"
 
 namespace fracture::bake {
-
 BakeReport::BakeReport(std::string path) : path_(std::move(path)) {
   if (path_.empty()) return;
   std::ifstream file(path_);
@@ -52,12 +52,12 @@ bool BakeReport::may_be(const std::string& path) {
 }
 
 const KnownOutput* BakeReport::find(const std::string& output) const {
-  const auto it = known_.find(output);
+  const auto it = known_.find(as_utf8(output));
   return it == known_.end() ? nullptr : &it->second;
 }
 
 bool BakeReport::add(std::size_t job, const nlohmann::json& line) {
-  std::string text = line.dump() + "\n";
+  std::string text = json_text(line) + "\n";
   const std::lock_guard lock(mutex_);
   bool good = true;
   if (!path_.empty()) {
@@ -73,10 +73,18 @@ bool BakeReport::finish(const std::vector<std::string>& outputs) {
   const std::lock_guard lock(mutex_);
   std::string all;
   for (const auto& [job, line] : lines_) all += line;
-  const std::set<std::string> mine(outputs.begin(), outputs.end());
+  std::set<std::string> mine;
+  for (const std::string& output : outputs) mine.insert(as_utf8(output));
   for (const auto& [output, known] : known_)
-    if (!mine.contains(output)) all += known.line.dump() + "\n";
+    if (!mine.contains(output)) all += json_text(known.line) + "\n";
   return write_file(path_, std::as_bytes(std::span(all)));
+}
+
+std::vector<nlohmann::json> BakeReport::lines() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<nlohmann::json> lines;
+  for (const auto& [job, line] : lines_) lines.push_back(nlohmann::json::parse(line));
+  return lines;
 }
 
 }  // namespace fracture::bake

@@ -36,12 +36,14 @@ class BakeReport {
   /// One line for each job in their order, atomically, and the lines of outputs that are none of this run's
   /// behind them (another shard with the same report). False with errno set.
   bool finish(const std::vector<std::string>& outputs);
+  /// Those of this run so far, in the order of the jobs.
+  std::vector<nlohmann::json> lines() const;
 
  private:
   std::string path_;
   int fd_ = -1;
   std::map<std::string, KnownOutput> known_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::map<std::size_t, std::string> lines_;
 };
 

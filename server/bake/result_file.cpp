@@ -7,6 +7,9 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "common/base/json_reader.hpp"
+#include "common/outputs/answer.hpp"
+
 namespace fracture::bake {
 namespace {
 
@@ -39,13 +42,30 @@ bool has_our_extras(const json& node) {
   return ours != extras->end() && ours->is_object() && ours->contains("certificate");
 }
 
+/// As outputs.hpp writes them; empty for all other formats.
+std::string first_words(MeshFormat format) {
+  if (format == MeshFormat::kObj) return std::string("# ") + outputs::kGenerator;
+  if (format == MeshFormat::kPly)
+    return std::string("ply\nformat binary_little_endian 1.0\ncomment ") + outputs::kGenerator;
+  return format == MeshFormat::kStl ? outputs::kGenerator : "";
+}
+
 }  // namespace
 
-bool is_result_file(const std::string& path) {
+bool is_result_file(const std::string& path, MeshFormat format) {
+  if (const std::string words = first_words(format); !words.empty()) {
+    std::string begin(words.size(), '\0');
+    std::ifstream file(path, std::ios::binary);
+    return file.read(begin.data(), static_cast<std::streamsize>(begin.size())) && begin == words;
+  }
+  if (format != MeshFormat::kGlb && format != MeshFormat::kGltf) return false;
   const std::string text = json_text_of(path);
   if (text.find("fracture") == std::string::npos) return false;  // parsing takes longer than reading
-  const json document = json::parse(text, nullptr, false);
-  if (!document.is_object()) return false;
+  // A folder's meshes are strangers' files: what nests deeper or holds more than any answer of ours is none.
+  constexpr JsonLimits kOfAnAnswer{.depth = 64, .bytes = std::size_t{1} << 30};
+  const auto read = read_json(text, kOfAnAnswer);
+  if (!read || !read->value.is_object()) return false;
+  const json& document = read->value;
   if (const auto asset = document.find("asset"); asset != document.end() && asset->is_object())
     if (const auto by = asset->find("generator");
         by != asset->end() && by->is_string() &&

@@ -7,8 +7,6 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <memory>
 #include <new>
@@ -17,14 +15,18 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/printable.hpp"
 #include "common/gltf/report_text.hpp"
 #include "server/bake/atomic_file.hpp"
 #include "server/bake/depfile.hpp"
+#include "server/bake/explain.hpp"
 #include "server/bake/failure.hpp"
+#include "server/bake/html_report.hpp"
 #include "server/bake/input_file.hpp"
-#include "server/bake/output_path.hpp"
+#include "server/bake/output_files.hpp"
 #include "server/bake/progress.hpp"
 #include "server/bake/report.hpp"
+#include "server/bake/sentences.hpp"
 
 namespace fracture::bake {
 namespace {
@@ -33,19 +35,14 @@ using nlohmann::json;
 
 constexpr double kMaxRelativeError = 1e-9;
 
-bool has_digest(const std::string& path, const std::string& digest) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return false;
-  const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  return !file.bad() && "sha256:" + sha256(bytes).hex() == digest;
-}
-
-std::string name_of_input(const std::string& path) {
-  return path == kStandardStream ? "standard input" : path;
-}
-
-std::string name_of_output(const std::string& path) {
-  return path == kStandardStream ? "standard output" : path;
+/// The bytes that the line says, in the output and in whatever was written beside it.
+bool is_right(const KnownOutput& known, const std::string& output) {
+  if (digest_of_file(output) != known.digest) return false;
+  const auto beside = known.line.find("beside");
+  if (beside == known.line.end()) return materials_beside(output).empty();
+  return beside->is_array() && std::all_of(beside->begin(), beside->end(), [](const json& file) {
+           return file.is_object() && digest_of_file(file.value("path", "")) == file.value("digest", "");
+         });
 }
 
 Error unsound(const Certificate& c) {
@@ -57,29 +54,6 @@ Error unsound(const Certificate& c) {
       static_cast<unsigned long long>(c.open_edges), static_cast<unsigned long long>(c.unmirrored_caps),
       c.volume_in, c.volume_out, c.relative_error);
   return {ErrorCode::kUnsound, detail, {}, Figures(certificate_document(c))};
-}
-
-/// "fragments.glb: 50 fragments, volume in 1 m3, out 1 m3, relative error 2.2e-16, 0 open edges, 51372 bytes,
-/// 0.006 s (import 0.1 ms, ...)"
-std::string sentence_of(const std::string& output, const Baked& baked, double seconds) {
-  const Certificate& c = baked.summary.certificate;
-  char text[300];
-  std::snprintf(
-      text, sizeof text,
-      ": %u fragments, volume in %.9g m3, out %.9g m3, relative error %.2g, %llu open edges, %zu bytes, "
-      "%.3f s",
-      c.fragments, c.volume_in, c.volume_out, c.relative_error, static_cast<unsigned long long>(c.open_edges),
-      baked.file->size(), seconds);
-  std::string sentence = name_of_output(output) + text;
-  const char* separator = " (";
-  for (const StageRow& row : kStages) {
-    if (!baked.timings.ran(row.stage)) continue;
-    std::snprintf(text, sizeof text, "%s%s %.1f ms", separator, row.name,
-                  baked.timings.milliseconds(row.stage));
-    sentence += text;
-    separator = ", ";
-  }
-  return sentence + (baked.timings.empty() ? "" : ")");
 }
 
 std::unique_ptr<Progress> progress_of(const BakePlan& plan, bool quiet) {
@@ -95,6 +69,7 @@ class Run {
         options_(options),
         stop_(stop),
         report_(options.report),
+        tally_(plan.rules),
         progress_(progress_of(plan, options.quiet)) {
     baker_.on_notice([this](const std::string& line) { say(line); });
   }
@@ -119,11 +94,48 @@ class Run {
     for (const BakeJob& job : plan_.jobs) outputs.push_back(job.output);
     // A run that was stopped leaves its lines as they are: the next one goes on from them.
     if (figures_.cancelled == 0 && !report_.finish(outputs)) unwritable(options_.report);
+    write_page();
+    warn_of_rules();
     progress_->finish();
     return figures_;
   }
 
  private:
+  /// Also of a run that was stopped: it says how far that came.
+  void write_page() {
+    if (plan_.html.empty()) return;
+    if (const std::optional<Error> loss = loss_of(plan_.html)) {
+      say("cannot write " + plan_.html + ": " + loss->detail);
+      return count(&RunFigures::unwritable);
+    }
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begun_;
+    const std::string page = html_report({.title = options_.title,
+                                          .jobs = plan_.jobs.size(),
+                                          .kept = figures_.kept,
+                                          .seconds = took.count(),
+                                          .stopped = figures_.cancelled > 0,
+                                          .no_pictures = options_.no_pictures,
+                                          .path = plan_.html},
+                                         report_.lines());
+    if (!make_folders_of(plan_.html) || !write_file(plan_.html, std::as_bytes(std::span(page))))
+      unwritable(plan_.html);
+  }
+
+  /// Puts into the line what there is to see of its output. A picture that cannot be drawn is worth a warning and no more.
+  void show(const BakeJob& job, json& line, bool fresh, std::span<const std::byte> bytes) {
+    if (!options_.previews || job.picture.empty()) return;
+    line.erase("preview");
+    json preview;
+    if (const std::optional<Error> loss = loss_of(job.picture))
+      preview = {{"file", job.picture}, {"warning", "It is not written over: " + loss->detail + "."}};
+    else
+      preview = options_.previews->of(job.output, job.picture, fresh, bytes, stop_);
+    if (preview.is_null()) return;
+    if (const auto warning = preview.find("warning"); warning != preview.end())
+      say(name_of_output(job.output) + ": warning: no picture: " + warning->get<std::string>());
+    line["preview"] = std::move(preview);
+  }
+
   void count(std::size_t RunFigures::*figure) {
     const std::lock_guard lock(mutex_);
     ++(figures_.*figure);
@@ -151,6 +163,7 @@ class Run {
   }
 
   void unreadable(std::size_t job, const std::string& reason) {
+    tally_.add_unread(plan_.jobs[job].input);
     say("cannot read " + name_of_input(plan_.jobs[job].input) + ": " + reason);
     report(job, {{"status", "unreadable"}, {"problem", {{"detail", reason}}}});
     count(&RunFigures::unreadable);
@@ -220,27 +233,64 @@ class Run {
 
   void make_or_keep(std::size_t number) {
     const BakeJob& job = plan_.jobs[number];
-    const Expected<RequestParameters> parameters = baker_.parse(job.parameters);
-    if (!parameters) return fail(number, parameters.error());
     std::optional<std::string> bytes = read_bytes(job.input, stop_);
     if (!bytes) return errno == ECANCELED ? cancelled() : unreadable(number, std::strerror(errno));
+    const Expected<std::vector<RawParameter>> given = given_for(job, *bytes);
+    if (!given) return fail(number, given.error());
+    const Expected<RequestParameters> parameters = baker_.parse(*given);
+    if (!parameters) return fail(number, parameters.error());
     const Expected<InputFile> input = to_input(job.input, std::move(*bytes), *parameters);
     if (!input) return fail(number, input.error());
-    const Expected<OutputFormat> output = format_of_output(job.output);
-    if (!output) return fail(number, output.error());
+    const Expected<OutputKind> kind = kind_of_output(job.output);
+    if (!kind) return fail(number, kind.error());
     const FractureRequest request{input->view(), input->format, *parameters, as_import_files(input->siblings),
-                                  *output};
+                                  answer_format(*kind)};
     const RequestKeys keys = keys_of(request);
+    protect(*input, job);
     if (const KnownOutput* known = options_.force ? nullptr : report_.find(job.output);
-        known && known->key == keys.result && has_digest(job.output, known->digest)) {
-      report(number, known->line);
+        known && known->key == keys.result && is_right(*known, job.output)) {
+      if (!write_depfile_of(number, *input)) return;
+      json line = known->line;
+      show(job, line, false, {});
+      report(number, std::move(line));
       count(&RunFigures::kept);
       conclude(name_of_output(job.output) + ": is right already, kept");
       return progress_->done(true, false);
     }
-    protect(*input, job);
     if (const std::optional<Error> loss = loss_by(job)) return unwritable(number, loss->detail);
-    make(number, request, keys, *input);
+    make(number, *kind, request, keys, *input);
+  }
+
+  Expected<std::vector<RawParameter>> given_for(const BakeJob& job, const std::string& bytes) {
+    if (plan_.rules.rules.empty()) return job.parameters;
+    Expected<MeshNames> names = MeshNames{};
+    if (plan_.rules.by_names())
+      names = names_in(job.input, std::as_bytes(std::span(bytes)), format_given(job));
+    if (!names) {
+      tally_.add_unread(job.input);
+      return tl::unexpected(names.error());
+    }
+    Expected<std::optional<RuleMatch>> match = tally_.find(job.input, *names, stop_);
+    if (!match) return tl::unexpected(match.error());
+    return parameters_of(job, plan_.rules, std::move(*match)).all;
+  }
+
+  /// Of what is kept: whoever asks for it may have lost the one of the run that made the output. False: the job is reported.
+  bool write_depfile_of(std::size_t number, const InputFile& input) {
+    if (options_.depfile.empty()) return true;
+    const BakeJob& job = plan_.jobs[number];
+    if (const std::optional<Error> loss = loss_by(job)) {
+      unwritable(number, loss->detail);
+      return false;
+    }
+    if (!write_depfile(options_.depfile, job, input, plan_.rules.path)) unwritable(options_.depfile);
+    return true;
+  }
+
+  /// A rule that matches none of all meshes is likely to be misspelt; what other shards bake is not known here.
+  void warn_of_rules() {
+    if (figures_.cancelled > 0 || plan_.jobs.size() < plan_.all) return;
+    for (const std::string& warning : tally_.warnings()) say("warning: " + warning);
   }
 
   /// The files that a mesh names are inputs too.
@@ -252,13 +302,21 @@ class Run {
 
   /// kFileAccess where the job would write over a file that a mesh names.
   std::optional<Error> loss_by(const BakeJob& job) {
-    const std::lock_guard lock(mutex_);
-    for (const std::string& path : {job.output, options_.depfile})
+    for (const std::string& path : {job.output, materials_beside(job.output), options_.depfile})
       if (!path.empty() && path != kStandardStream)
-        if (const auto at = named_.find(identity_of(path)); at != named_.end())
-          return Error{ErrorCode::kFileAccess,
-                       (path == job.output ? "it is " : "the depfile " + path + " is ") + at->second};
+        if (std::optional<Error> loss = loss_of(path)) {
+          if (path != job.output)
+            loss->detail = (path == options_.depfile ? "the depfile " : "") + path + ": " + loss->detail;
+          return loss;
+        }
     return std::nullopt;
+  }
+
+  std::optional<Error> loss_of(const std::string& path) {
+    const std::lock_guard lock(mutex_);
+    const auto at = named_.find(identity_of(path));
+    if (at == named_.end()) return std::nullopt;
+    return Error{ErrorCode::kFileAccess, "it is " + at->second};
   }
 
   Expected<Baked> bake(const FractureRequest& request) {
@@ -275,12 +333,25 @@ class Run {
     }
   }
 
-  bool write(const std::string& output, std::span<const std::byte> bytes) {
-    if (output == kStandardStream) return write_standard_output(bytes, stop_);
-    return make_folders_of(output) && write_file(output, bytes);
+  /// kFileAccess: the reason.
+  Expected<std::vector<WrittenFile>> write(const std::string& output, OutputKind kind, const Baked& baked,
+                                           MeshFormat source) {
+    if (kind == OutputKind::kGlb || kind == OutputKind::kGltf) {
+      const auto bytes = std::as_bytes(std::span(*baked.file));
+      const bool good = output == kStandardStream ? write_standard_output(bytes, stop_)
+                                                  : make_folders_of(output) && write_file(output, bytes);
+      if (good) return std::vector<WrittenFile>{{output, baked.digest, bytes.size()}};
+    } else if (make_folders_of(output)) {
+      const bool linear = source == MeshFormat::kGlb || source == MeshFormat::kGltf;
+      return write_output(
+          output, kind, *baked.file, linear ? outputs::VertexColors::kToSrgb : outputs::VertexColors::kKeep,
+          [this](const std::string& path) { return loss_of(path); }, stop_);
+    }
+    return fracture::fail(errno == ECANCELED ? ErrorCode::kCancelled : ErrorCode::kFileAccess,
+                          std::strerror(errno));
   }
 
-  void make(std::size_t number, const FractureRequest& request, const RequestKeys& keys,
+  void make(std::size_t number, OutputKind kind, const FractureRequest& request, const RequestKeys& keys,
             const InputFile& input) {
     const BakeJob& job = plan_.jobs[number];
     const auto start = std::chrono::steady_clock::now();
@@ -291,22 +362,28 @@ class Run {
       return fail(number, baked.error());
     }
     if (const std::optional<Error> loss = loss_by(job)) return unwritable(number, loss->detail);
-    if (!write(job.output, std::as_bytes(std::span(*baked->file))))
-      return errno == ECANCELED ? cancelled() : unwritable(number, std::strerror(errno));
-    if (!options_.depfile.empty() && !write_depfile(options_.depfile, job, input))
+    const Expected<std::vector<WrittenFile>> written = write(job.output, kind, *baked, request.format);
+    if (!written && written.error().code == ErrorCode::kFileAccess)
+      return unwritable(number, written.error().detail);
+    if (!written) return fail(number, written.error());
+    if (!options_.depfile.empty() && !write_depfile(options_.depfile, job, input, plan_.rules.path))
       unwritable(options_.depfile);
     const std::vector<std::string>& warnings = baked->summary.warnings;
     for (const std::string& warning : warnings) say(name_of_input(job.input) + ": warning: " + warning);
     json line = {{"status", "made"},
                  {"key", keys.result},
                  {"mesh", "sha256:" + keys.digest},
-                 {"digest", "sha256:" + baked->digest.hex()},
-                 {"bytes", baked->file->size()},
+                 {"digest", "sha256:" + written->front().digest.hex()},
+                 {"bytes", written->front().bytes},
                  {"seconds", took.count()},
                  {"certificate", certificate_document(baked->summary.certificate)}};
     if (!warnings.empty()) line["warnings"] = warnings;
+    for (const WrittenFile& file : std::span(*written).subspan(1))
+      line["beside"].push_back(
+          {{"path", file.path}, {"digest", "sha256:" + file.digest.hex()}, {"bytes", file.bytes}});
+    show(job, line, true, std::as_bytes(std::span(*baked->file)));
     report(number, std::move(line));
-    conclude(sentence_of(job.output, *baked, took.count()));
+    conclude(sentence_of(*written, *baked, took.count()));
     count(&RunFigures::made);
     progress_->done(false, false);
   }
@@ -316,7 +393,9 @@ class Run {
   const RunOptions& options_;
   const std::stop_token stop_;
   BakeReport report_;
+  RuleTally tally_;
   const std::unique_ptr<Progress> progress_;
+  const std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
   std::atomic<std::size_t> next_{0};
   std::atomic<bool> unavailable_{false};
   std::mutex mutex_;

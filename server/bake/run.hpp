@@ -8,6 +8,7 @@
 
 #include "server/bake/baker.hpp"
 #include "server/bake/plan.hpp"
+#include "server/bake/preview.hpp"
 #include "server/service/failure_keeper.hpp"
 
 namespace fracture::bake {
@@ -20,6 +21,9 @@ struct RunOptions {
   bool force = false;                 ///< make outputs again that are right already
   bool quiet = false;                 ///< no progress; refusals and warnings are said all the same
   FailureKeeper* failures = nullptr;  ///< gets what is unsound or a bug; null: nobody does
+  Previews* previews = nullptr;       ///< draws the picture of each job that has one; null: nobody does
+  std::string title;                  ///< of the plan's page
+  std::string no_pictures;            ///< why the page has none, a sentence; empty: it has
 };
 
 struct RunFigures {

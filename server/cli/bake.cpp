@@ -3,10 +3,13 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <chrono>
 #include <condition_variable>
 #include <cstdio>
+#include <cstring>
 #include <memory>
 #include <mutex>
 #include <stdexcept>
@@ -15,11 +18,15 @@
 #include <thread>
 #include <utility>
 
+#include "common/base/printable.hpp"
+#include "server/bake/explain.hpp"
 #include "server/bake/failure.hpp"
 #include "server/bake/flip_engine.hpp"
 #include "server/bake/import_workers.hpp"
+#include "server/bake/input_file.hpp"
 #include "server/bake/output_path.hpp"
 #include "server/bake/plan.hpp"
+#include "server/bake/preview.hpp"
 #include "server/bake/remote_baker.hpp"
 #include "server/bake/run.hpp"
 #include "server/bake/stage_dump.hpp"
@@ -61,7 +68,9 @@ class StopOnSignal {
   }};
 };
 
-void say(const std::string& line) { std::fprintf(stderr, "fracture-server bake: %s\n", line.c_str()); }
+void say(const std::string& line) {
+  std::fprintf(stderr, "fracture-server bake: %s\n", printable_lines(line).c_str());
+}
 
 int wrong_command_line(const std::string& why) {
   say(why);
@@ -119,6 +128,7 @@ std::unique_ptr<bake::Baker> connect(const BakeOptions& options, int jobs, const
   server->max_answer_bytes = std::size_t{4} << 30;
   bake::RemoteConfig config{std::move(*server), {}};
   config.patience.total = std::chrono::seconds(options.patience_s);
+  if (options.explain) return bake::unasked_remote_baker(config);
   auto baker = bake::remote_baker(config, stop, say);
   if (baker) return std::move(*baker);
   const bool stopped = baker.error().code == ErrorCode::kCancelled;
@@ -145,6 +155,103 @@ struct Watched {
   }
 };
 
+/// What rules by node and material look at.
+Expected<bake::MeshNames> names_for(const bake::BakePlan& plan, const bake::BakeJob& job,
+                                    const std::stop_token& stop) {
+  if (!plan.rules.by_names()) return bake::MeshNames{};
+  const std::optional<std::string> bytes = bake::read_bytes(job.input, stop);
+  if (bytes) return bake::names_in(job.input, std::as_bytes(std::span(*bytes)), bake::format_given(job));
+  if (errno == ECANCELED) return fail(ErrorCode::kCancelled, "Stopped.");
+  return fail(ErrorCode::kFileAccess, "cannot read " + printable(job.input) + ": " + std::strerror(errno));
+}
+
+/// Pixels of each side, where nobody says how many: one picture is looked at, many are compared in a table.
+constexpr int kPictureOfOne = 512, kPictureOfMany = 256;
+
+/// Of the pictures of a bake, as far as there are to be any.
+struct Pictured {
+  std::unique_ptr<bake::Previews> previews;  ///< null: nobody wants pictures
+  std::string none;                          ///< why a page has none, a sentence
+};
+
+/// kNoProgram where --preview asks for what nobody can draw. A page is worth reading without pictures, too.
+Expected<Pictured> pictured(const BakeOptions& options, bool single, int jobs) {
+  const bool asked = !options.source.preview.empty();
+  if (!asked && options.source.html.empty()) {
+    if (!options.renderer.empty())
+      return fail(ErrorCode::kBadParameter, "--renderer draws for --preview or --html: give one of them.");
+    return Pictured{};
+  }
+  const Expected<std::string> renderer = bake::find_renderer(options.renderer);
+  if (!renderer && (asked || !options.renderer.empty())) return tl::unexpected(renderer.error());
+  const int cores = available_cores();
+  const bake::PreviewSettings settings{.renderer = renderer ? *renderer : std::string(),
+                                       .size = options.preview_size > 0 ? options.preview_size
+                                               : single                 ? kPictureOfOne
+                                                                        : kPictureOfMany,
+                                       .fine = single,
+                                       .at_once = std::min(jobs, cores),
+                                       .threads = single ? 0 : 1,
+                                       .limit = std::chrono::seconds(options.preview_timeout_s)};
+  return Pictured{std::make_unique<bake::Previews>(settings, say), renderer ? "" : renderer.error().detail};
+}
+
+/// "assets/ -> broken/", for the head of a page.
+std::string title_of(const bake::BakeSource& source) {
+  if (!source.manifest.empty()) return source.manifest;
+  std::string title;
+  for (const std::string& input : source.inputs) {
+    constexpr std::size_t kMost = 200;  // of a shell's glob with thousands of names
+    if (title.size() > kMost) {
+      title += " …";
+      break;
+    }
+    title += (title.empty() ? "" : " ") + input;
+  }
+  return title + " → " + source.output;
+}
+
+/// Makes nothing, and writes no report.
+int explain(const bake::BakePlan& plan, bake::Baker& baker, std::size_t allowed,
+            const std::stop_token& stop) {
+  std::size_t refused = 0, unreadable = 0;
+  bake::RuleTally tally(plan.rules);
+  for (const bake::BakeJob& job : plan.jobs) {
+    if (stop.stop_requested()) return kExitInterrupted;
+    const Expected<bake::MeshNames> names = names_for(plan, job, stop);
+    if (!names && names.error().code == ErrorCode::kCancelled) return kExitInterrupted;
+    if (!names) tally.add_unread(job.input);
+    if (!names && names.error().code == ErrorCode::kFileAccess) {
+      say(names.error().detail);
+      ++unreadable;
+      continue;
+    }
+    Expected<std::optional<bake::RuleMatch>> match = std::optional<bake::RuleMatch>{};
+    if (names)
+      match = tally.find(job.input, *names, stop);
+    else
+      match = tl::unexpected(names.error());
+    if (!match && match.error().code == ErrorCode::kCancelled) return kExitInterrupted;
+    if (!match) {
+      std::printf("%s -> %s\n  refused: %s\n", printable(job.input).c_str(), printable(job.output).c_str(),
+                  printable(bake::to_line(match.error())).c_str());
+      ++refused;
+      continue;
+    }
+    const bake::JobParameters parameters = bake::parameters_of(job, plan.rules, std::move(*match));
+    std::string text = bake::explanation_of(job, plan.rules, parameters);
+    if (const auto parsed = baker.parse(parameters.all); !parsed) {
+      text += "  refused: " + printable(bake::to_line(parsed.error())) + "\n";
+      ++refused;
+    }
+    std::fputs(text.c_str(), stdout);
+  }
+  if (plan.jobs.size() == plan.all)
+    for (const std::string& warning : tally.warnings()) say("warning: " + warning);
+  if (std::fflush(stdout) != 0 || unreadable > 0) return kExitSystem;
+  return refused > allowed ? kExitRefused : kExitDone;
+}
+
 }  // namespace
 
 int bake(const BakeOptions& options) {
@@ -157,7 +264,7 @@ int bake(const BakeOptions& options) {
   const Expected<bake::BakePlan> plan = bake::plan_bake(source);
   if (!plan) return wrong_command_line(plan.error().detail);
   FILE* const words = words_of(*plan);
-  if (words == stderr && ::isatty(STDOUT_FILENO))
+  if (!options.explain && words == stderr && ::isatty(STDOUT_FILENO))
     return wrong_command_line(
         "'-' is standard output, which is a terminal: a GLB is nothing to look at there.");
   if (const std::size_t results = plan->skipped.size(); results > 0 && !options.quiet)
@@ -190,6 +297,15 @@ int bake(const BakeOptions& options) {
       say("parameters: " + bake::to_lines(parameters.error()));
       return kExitRefused;
     }
+  if (const auto right =
+          bake::check_rules(plan->rules, source.parameters,
+                            [&](const std::vector<RawParameter>& given) { return baker->parse(given); });
+      !right)
+    return wrong_command_line(bake::to_line(right.error()));
+  if (options.explain) return explain(*plan, *baker, options.allow_refused, stop.token());
+  const Expected<Pictured> pictures = pictured(options, plan->single, jobs);
+  if (!pictures) return wrong_command_line(bake::to_line(pictures.error()));
+  if (!pictures->none.empty() && !options.quiet) say("no pictures are drawn: " + pictures->none);
   FailureKeeper failures({.folder = source.failures, .program = "fracture-server " FRACTURE_VERSION}, say);
   bake::RunOptions run;
   run.jobs = jobs;
@@ -199,14 +315,18 @@ int bake(const BakeOptions& options) {
   run.force = options.force || watched.dump;
   run.quiet = options.quiet;
   run.failures = &failures;
+  run.previews = pictures->previews.get();
+  run.title = title_of(source);
+  run.no_pictures = pictures->none;
   const auto start = std::chrono::steady_clock::now();
   const bake::RunFigures f = bake::run_bake(*plan, *baker, run, stop.token());
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   tell_of(failures);
   if (!options.quiet) {
-    const std::string summary =
+    std::string summary =
         plan->single ? f.sentence : summary_of(f, plan->jobs.size(), took.count(), run.report);
-    if (!summary.empty()) std::fprintf(words, "%s\n", summary.c_str());
+    if (!summary.empty() && !plan->html.empty()) summary += "; page in " + plan->html;
+    if (!summary.empty()) std::fprintf(words, "%s\n", printable_lines(summary).c_str());
     if (watched.flips) std::fprintf(words, "%s\n", watched.flips->sentence().c_str());
     if (f.cancelled > 0 && !run.report.empty()) std::fprintf(words, "The same command goes on from there.\n");
   }

@@ -99,19 +99,32 @@ void add_bytes(CLI::App& app, const char* name, std::uint64_t& bytes, const char
       ->type_name("BYTES");
 }
 
+/// An empty variable of a script is no wish to go without.
+std::string not_empty(const std::string& text) { return text.empty() ? "a name is missing: it was ''" : ""; }
+
 void add_bake(CLI::App& app, BakeOptions& o) {
   app.add_option("input", o.source.inputs,
                  "Mesh files, folders (every mesh below them), or globs in quotes; - is standard input")
       ->type_name("");
   app.add_option(
          "-o,--output", o.source.output,
-         "File to write for one mesh: GLB by the ending .glb or without one, one JSON text by .gltf; - is "
-         "standard output. A folder for several, where sub/barrel.obj becomes sub/barrel.obj.glb")
+         "File to write for one mesh: GLB by the ending .glb or without one, one JSON text by .gltf, without "
+         "physics and figures .obj (with .mtl and textures), .ply and .stl; - is standard output. A folder for several, where sub/barrel.obj becomes sub/barrel.obj.glb")
       ->type_name("PATH");
   app.add_option("--manifest", o.source.manifest,
                  "Instead of both: a file of lines {\"input\": ..., \"output\": ..., \"parameters\": {...}}, "
                  "paths relative to it")
-      ->type_name("FILE");
+      ->type_name("FILE")
+      ->check(not_empty);
+  app.add_option(
+         "--rules", o.source.rules,
+         "JSON with parameters for the meshes whose path, nodes or materials are called so: {\"rules\": "
+         "[{\"match\": {\"path\": \"*_glass*\"}, \"parameters\": {\"material\": \"glass\"}}, ...]}; the first "
+         "that matches decides. They go over the command line, a manifest's line over them")
+      ->type_name("FILE")
+      ->check(not_empty);
+  app.add_flag("--explain", o.explain,
+               "Say for each mesh which rule matches, and why, and its parameters; make nothing");
   app.add_option("-j,--jobs", o.jobs, "Meshes at the same time, 0: one for each core, or 8 with --server")
       ->check(CLI::Range(0, 1024))
       ->type_name("N")
@@ -129,20 +142,53 @@ void add_bake(CLI::App& app, BakeOptions& o) {
   app.add_option("--report", o.source.report,
                  "A JSON line for each mesh; what it says and what still is so is kept by the next run. Else "
                  "bake.ndjson in the output folder, or MANIFEST.report")
-      ->type_name("FILE");
+      ->type_name("FILE")
+      ->check(not_empty);
   app.add_flag("--force", o.force, "Make outputs again that are right already");
   app.add_option("--allow-refused", o.allow_refused, "Exit with 0 although so many meshes were refused")
       ->type_name("N")
       ->capture_default_str();
   app.add_option("--depfile", o.source.depfile,
                  "For one mesh: what it was made of, as a rule for make or Ninja")
-      ->type_name("FILE");
+      ->type_name("FILE")
+      ->check(not_empty);
   app.add_option("--keep-failures", o.source.failures,
                  "What fails by a bug of ours, or does not prove itself, goes into this folder with all that "
                  "is needed to see it again: mesh, parameters, versions and command; at most 100 of them and "
                  "1 GiB")
-      ->type_name("FOLDER");
+      ->type_name("FOLDER")
+      ->check(not_empty);
   app.add_flag("-q,--quiet", o.quiet, "No progress and no summary");
+
+  constexpr const char* kLookGroup = "To look at what was made, with fracture-render of the client";
+  app.add_option(
+         "--preview", o.source.preview,
+         "A picture of the fragments, a little apart: a PNG for one mesh, a folder for several, where "
+         "sub/barrel.obj.glb becomes sub/barrel.obj.glb.png; drawn again where it is missing or older")
+      ->type_name("PATH")
+      ->group(kLookGroup);
+  app.add_option(
+         "--html", o.source.html,
+         "A page of all meshes, the slowest first, with what was refused and why; with pictures where "
+         "there is a renderer (in FILE's name with .pictures, or where --preview says)")
+      ->type_name("FILE")
+      ->group(kLookGroup);
+  app.add_option("--preview-size", o.preview_size,
+                 "Pixels of each side, 64 to 2048; else 512 for one mesh, 256 for several")
+      ->check(CLI::Range(64, 2048))
+      ->type_name("N")
+      ->group(kLookGroup);
+  app.add_option("--preview-timeout", o.preview_timeout_s, "Seconds that one picture may take")
+      ->check(CLI::Range(1, 3600))
+      ->type_name("S")
+      ->capture_default_str()
+      ->group(kLookGroup);
+  app.add_option(
+         "--renderer", o.renderer,
+         "The program fracture-render; else it is looked for beside this one, in the client's folder of "
+         "the build tree and in PATH")
+      ->type_name("FILE")
+      ->group(kLookGroup);
 
   constexpr const char* kWatchGroup = "To watch it at work; the bytes stay the same";
   app.add_option("--insertion", o.insertion,
@@ -158,13 +204,15 @@ void add_bake(CLI::App& app, BakeOptions& o) {
                  "For one mesh, which is made again: what each stage made (mesh, solid, sites, tetrahedra, "
                  "fragments moved apart) as OBJ in this folder, where none of them may lie yet")
       ->type_name("FOLDER")
-      ->group(kWatchGroup);
+      ->group(kWatchGroup)
+      ->check(not_empty);
 
   constexpr const char* kServerGroup =
       "Through a server, or a farm behind a proxy: the same files and report";
   app.add_option("--server", o.server, "http://host:port or https://host:port")
       ->type_name("URL")
-      ->group(kServerGroup);
+      ->group(kServerGroup)
+      ->check(not_empty);
   app.add_option("--ca-file", o.ca_file,
                  "Who may have signed the certificate of an https server (PEM); without it: whom this system "
                  "trusts")
@@ -186,6 +234,7 @@ void add_bake(CLI::App& app, BakeOptions& o) {
       "fracture-server bake barrel.obj -o fragments.glb --sites 80 --material wood\n"
       "fracture-server bake assets/ -o broken/ -j 8\n"
       "fracture-server bake --manifest night.ndjson --shard 3/16\n"
+      "fracture-server bake assets/ -o broken/ --html broken.html\n"
       "curl https://example.org/barrel.glb | fracture-server bake - -o - --sites 80 > fragments.glb\n\n"
       "Exits with 0: done, 1: a file could not be read or written, or the server did not answer, 2: wrong "
       "command line or manifest, 3: more refused than --allow-refused, 4: a bug or a certificate that does "

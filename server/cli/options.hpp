@@ -45,6 +45,8 @@ struct ServeOptions {
   std::string farm_key_file;                 ///< empty: what lies in shared tiers is not signed
   std::string token_file;                    ///< empty: no authentication
   std::vector<std::string> trusted_proxies;  ///< networks
+  bool no_page = false;                      ///< browsers get JSON, as programs do
+  std::vector<std::string> page_samples;     ///< files that the page offers
   bool insecure_bind = false;                ///< listen beyond this machine without tokens
   /// Every setting as it is in force, for the log.
   nlohmann::ordered_json configuration;
@@ -61,6 +63,7 @@ struct BakeOptions {
   std::size_t allow_refused = 0;  ///< inputs that may be refused before the exit code says so
   int jobs = 0;                   ///< at the same time, 0: one for each core, or kRemoteJobs
   bool force = false;
+  bool explain = false;  ///< say which parameters each job has, and make nothing
   Insertion insertion = Insertion::kCavity;
   int threads = 0;                ///< for a single file
   std::uint64_t memory = 0;       ///< bytes, of all jobs together; 0: three quarters of what there is
@@ -68,6 +71,9 @@ struct BakeOptions {
   std::string ca_file;            ///< PEM, for https; empty: whom this system trusts
   std::string token;              ///< for the server
   std::uint32_t patience_s = 60;  ///< with the server
+  std::string renderer;           ///< program that draws previews; empty: looked for
+  int preview_size = 0;           ///< pixels; 0: kPictureOfOne or kPictureOfMany
+  int preview_timeout_s = 60;     ///< for one picture
   bool quiet = false;
 };
 

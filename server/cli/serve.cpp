@@ -15,6 +15,7 @@
 #include "server/cli/options.hpp"
 #include "server/ops/log.hpp"
 #include "server/ops/metrics.hpp"
+#include "server/page/samples.hpp"
 
 namespace fracture::cli {
 namespace {
@@ -94,6 +95,15 @@ int serve_until_stopped(const ServeOptions& options) {
     spdlog::critical("{}", e.what());
     return kExitSystem;
   }
+  page::Samples samples;
+  if (!options.no_page) {
+    Expected<page::Samples> read = page::Samples::load(options.page_samples);
+    if (!read) {
+      spdlog::critical("page-sample: {}", read.error().detail);
+      return kExitSystem;
+    }
+    samples = std::move(*read);
+  }
   FractureService service(options.service, make_engine(imports));
   WorkerPool pool(threads, options.max_queue, {options.limits.realtime_deadline, options.limits.deadline});
   FailureKeeper failures({.folder = options.keep_failures, .program = "fracture-server " FRACTURE_VERSION},
@@ -102,6 +112,8 @@ int serve_until_stopped(const ServeOptions& options) {
   if (failures.any()) config.failures = &failures;
   Dispatcher dispatcher(service, pool, config);
   http::Api api(dispatcher, options.limits, options.store, options.jobs);
+  api.show_page(!options.no_page);
+  api.offer(std::move(samples));
   if (const std::optional<Error>& unusable = service.tiers().disk_unusable())
     spdlog::warn("no disk cache: {}", unusable->detail);
   if (const std::optional<Error>& unusable = api.jobs().folder_unusable())

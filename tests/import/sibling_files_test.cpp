@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -26,6 +27,25 @@ TEST(ReferencedFiles, OfGltfAreItsBuffersAndImagesButNoDataUris) {
   EXPECT_THAT(referenced_files(bytes_of(text), MeshFormat::kGltf), ElementsAre("a b.bin", "tex/c.png"));
   const std::string glb = make_glb(nlohmann::json::parse(text), "");
   EXPECT_THAT(referenced_files(bytes_of(glb), MeshFormat::kGlb), ElementsAre("a b.bin", "tex/c.png"));
+}
+
+TEST(ReferencedFiles, OfGltfAreOnlyThoseOfTheListsThemselves) {
+  const char* text =
+      R"({"images":[{"uri":"b.png","extras":{"uri":"no","list":[{"uri":"no"}]}},[{"uri":"no"}],"no",
+      {"uri":["no"]},{"name":"a","uri":"c.png"}],"buffers":[{"uri":"a.bin"}],"extras":{"images":[{"uri":"no"}]},
+      "meshes":[{"uri":"no"}],"uri":"no"})";
+  EXPECT_THAT(referenced_files(bytes_of(text), MeshFormat::kGltf), ElementsAre("a.bin", "b.png", "c.png"));
+  EXPECT_THAT(referenced_files(bytes_of(std::string("[") + text + "]"), MeshFormat::kGltf), IsEmpty());
+}
+
+TEST(ReferencedFiles, OfAGltfThatIsAllBracketsTakeNoMemory) {
+  const std::string brackets(20'000'000, '[');
+  rusage before{}, after{};
+  ASSERT_EQ(::getrusage(RUSAGE_SELF, &before), 0);
+  EXPECT_THAT(referenced_files(bytes_of(brackets), MeshFormat::kGltf), IsEmpty());
+  ASSERT_EQ(::getrusage(RUSAGE_SELF, &after), 0);
+  EXPECT_LT(after.ru_maxrss - before.ru_maxrss, 100'000)
+      << "KiB; a parsed document takes more than a million";
 }
 
 TEST(ReferencedFiles, OfObjAreItsLibrariesAndOfThoseTheirTextures) {

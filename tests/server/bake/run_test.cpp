@@ -187,6 +187,48 @@ TEST_F(BakeRunTest, TheDepfileNamesTheMeshAndWhatItNames) {
                       "/in/box\\ \\#1.mtl \\\n  " + folder.path + "/in/textures/5$$.png\n");
 }
 
+TEST_F(BakeRunTest, TheDepfileOfWhatIsKeptIsWrittenAgain) {
+  BakePlan plan = plan_of({{"a", "x"}});
+  RunOptions options;
+  options.quiet = true;
+  options.report = folder / "report";
+  options.depfile = folder / "a.d";
+  EXPECT_EQ(run_bake(plan, baker, options, {}).made, 1u);
+  fs::remove(options.depfile);
+  EXPECT_EQ(run_bake(plan, baker, options, {}).kept, 1u);
+  std::ifstream file(options.depfile);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_EQ(text, folder.path + "/out/a.obj.glb: " + folder.path + "/in/a.obj\n");
+}
+
+TEST_F(BakeRunTest, NamesThatAreNoUtf8AreReportedAndKeptAsOthers) {
+  const std::map<std::string, std::string> meshes{
+      {"inv\xff", "refuse"}, {"lat\xe9", "x"}, {"b", "y"}, {"open\xff", "open"}};
+  const RunFigures f = run(plan_of(meshes));
+  EXPECT_EQ(f.made, 2u);
+  EXPECT_EQ(f.refused, 1u);
+  EXPECT_EQ(f.unsound, 1u);
+  EXPECT_EQ(output("lat\xe9"), "x1");
+  ASSERT_EQ(report().size(), 4u);
+  EXPECT_EQ(report()[1].at("output"), folder / "out/inv\uFFFD.obj.glb");
+  EXPECT_EQ(run(plan_of(meshes)).kept, 2u);
+  EXPECT_EQ(report().size(), 4u) << "each has one line";
+}
+
+TEST_F(BakeRunTest, ARuleDecidesAndMakesAgainOnlyWhatItChanges) {
+  const std::map<std::string, std::string> meshes{{"a", "o lid\n"}, {"b", "o cup\n"}};
+  BakePlan plan = plan_of(meshes);
+  EXPECT_EQ(run(plan).made, 2u);
+  plan.rules = {"r", {{.nodes = {"lid"}, .parameters = {{"seed", 4, false}}}}};
+  const RunFigures f = run(plan);
+  EXPECT_EQ(f.made, 1u);
+  EXPECT_EQ(f.kept, 1u);
+  EXPECT_EQ(output("a") + output("b"), "o lid\n4o cup\n1");
+  plan.rules = {"r", {{.paths = {"*"}, .parameters = {{"colour", 4, false}}}}};
+  EXPECT_EQ(run(plan).refused, 2u);
+  EXPECT_EQ(report()[1].at("problem").at("type"), "/problems/unknown-parameter");
+}
+
 TEST_F(BakeRunTest, CertificatesThatDoNotHoldAreCountedAndNotKept) {
   const std::map<std::string, std::string> meshes{{"a", "open"}, {"b", "loses"}, {"c", "x"}};
   EXPECT_EQ(run(plan_of(meshes)).unsound, 2u);

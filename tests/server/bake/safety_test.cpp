@@ -69,22 +69,48 @@ const json kAboutFractures = {{"asset", {{"version", "2.0"}, {"generator", "Blen
 
 // -- endings
 
-TEST(FormatOfOutput, IsTheEndingAndNoOtherEndingIsWritten) {
+TEST(KindOfOutput, IsTheEndingAndNoOtherEndingIsWritten) {
   for (const char* path : {"a.glb", "a.GLB", "a", "a/b.c/d", ".glb", "a.b/c"})
-    EXPECT_EQ(format_of_output(path), OutputFormat::kGlb) << path;
+    EXPECT_EQ(kind_of_output(path), OutputKind::kGlb) << path;
   for (const char* path : {"a.gltf", "a.b.GLTF", "x/a.gltf"})
-    EXPECT_EQ(format_of_output(path), OutputFormat::kGltf) << path;
-  for (const char* path : {"a.obj", "a.stl", "a.fbx", "a.glb.obj", "a.json", "a.OBJ", "a.glb2", "a.part"}) {
-    const auto format = format_of_output(path);
-    ASSERT_FALSE(format) << path;
-    EXPECT_NE(format.error().detail.find("'" + fs::path(path).extension().string() + "'"), std::string::npos);
-    EXPECT_NE(format.error().detail.find(".glb"), std::string::npos) << "what is possible";
+    EXPECT_EQ(kind_of_output(path), OutputKind::kGltf) << path;
+  for (const char* path : {"a.obj", "a.glb.obj", "a.OBJ"})
+    EXPECT_EQ(kind_of_output(path), OutputKind::kObj) << path;
+  EXPECT_EQ(kind_of_output("a.PLY"), OutputKind::kPly);
+  EXPECT_EQ(kind_of_output("x.y/a.Stl"), OutputKind::kStl);
+  const json known{".glb", ".gltf", ".obj", ".ply", ".stl"};
+  for (const char* path : {"a.fbx", "a.obj.off", "a.json", "a.mtl", "a.glb2", "a.part", "a.", "a.objx"}) {
+    const auto kind = kind_of_output(path);
+    ASSERT_FALSE(kind) << path;
+    EXPECT_EQ(kind.error().code, ErrorCode::kBadParameter);
+    EXPECT_NE(kind.error().detail.find("'" + fs::path(path).extension().string() + "'"), std::string::npos);
+    EXPECT_EQ(kind.error().extra->at("known"), known);
+    for (const std::string ending : known)
+      EXPECT_NE(kind.error().detail.find(ending), std::string::npos) << "what is possible";
   }
+}
+
+TEST(KindOfOutput, AnObjMayNotBeCalledWhatNoLineOfTextCanName) {
+  for (const char* path : {"a\nb.obj", "x/-s.obj", " a.obj", "a\r.OBJ"}) {
+    const auto kind = kind_of_output(path);
+    ASSERT_FALSE(kind) << path;
+    EXPECT_NE(kind.error().detail.find("materials"), std::string::npos) << kind.error().detail;
+  }
+  EXPECT_TRUE(kind_of_output("a-b c.obj"));
+  EXPECT_TRUE(kind_of_output("-x/a.obj"));
+  EXPECT_TRUE(kind_of_output("a\nb.stl"));
+}
+
+TEST(KindOfOutput, OnlyAnObjHasMaterialsBesideIt) {
+  EXPECT_EQ(materials_beside("x.y/crate.v2.obj"), "x.y/crate.v2.mtl");
+  EXPECT_EQ(materials_beside("A.OBJ"), "A.mtl");
+  for (const char* path : {"a.glb", "a.ply", "a", "-", "a.fbx"})
+    EXPECT_EQ(materials_beside(path), "") << path;
 }
 
 TEST_F(BakeSafety, AnEndingThatIsNotWrittenIsRefusedInManifestsToo) {
   const std::string mesh = put("a.obj");
-  expect_refused({.inputs = {mesh}, .output = folder / "x.obj"}, {"'.obj'", "x.obj"});
+  expect_refused({.inputs = {mesh}, .output = folder / "x.off"}, {"'.off'", "x.off"});
   const std::string manifest = put("m.ndjson",
                                    "{\"input\": \"a.obj\", \"output\": \"b.glb\"}\n"
                                    "{\"input\": \"a.obj\", \"output\": \"c.fbx\"}\n");
@@ -220,17 +246,31 @@ TEST_F(BakeSafety, AFileCalledMinusInAManifestIsAFile) {
 
 // -- results are no meshes
 
+/// By the format that the ending says.
+bool is_result(const std::string& path) {
+  return is_result_file(path, *format_from_extension(fs::path(path).extension().string().substr(1)));
+}
+
 TEST_F(BakeSafety, ResultsAreKnownByTheirContent) {
-  EXPECT_TRUE(is_result_file(put("ours.glb", glb(kOurs) + "binary")));
-  EXPECT_TRUE(is_result_file(put("ours.gltf", kOurs.dump(2))));
-  EXPECT_TRUE(is_result_file(put("edited.glb", glb(kOursThroughAnEditor))));
-  EXPECT_FALSE(is_result_file(put("plain.glb", glb(kPlain))));
-  EXPECT_FALSE(is_result_file(put("about.glb", glb(kAboutFractures))));
-  EXPECT_FALSE(is_result_file(put("plain.gltf", kPlain.dump())));
-  EXPECT_FALSE(is_result_file(put("short.glb", "glTF")));
-  EXPECT_FALSE(is_result_file(put("cut.glb", glb(kOurs).substr(0, 40))));
-  EXPECT_FALSE(is_result_file(put("wrong.gltf", "[\"fracture, algorithm 7\"]")));
-  EXPECT_FALSE(is_result_file(folder / "absent.glb"));
+  EXPECT_TRUE(is_result(put("ours.glb", glb(kOurs) + "binary")));
+  EXPECT_TRUE(is_result(put("ours.gltf", kOurs.dump(2))));
+  EXPECT_TRUE(is_result(put("edited.glb", glb(kOursThroughAnEditor))));
+  EXPECT_FALSE(is_result(put("plain.glb", glb(kPlain))));
+  EXPECT_FALSE(is_result(put("about.glb", glb(kAboutFractures))));
+  EXPECT_FALSE(is_result(put("plain.gltf", kPlain.dump())));
+  EXPECT_FALSE(is_result(put("short.glb", "glTF")));
+  EXPECT_FALSE(is_result(put("cut.glb", glb(kOurs).substr(0, 40))));
+  EXPECT_FALSE(is_result(put("wrong.gltf", "[\"fracture, algorithm 7\"]")));
+  EXPECT_FALSE(is_result(folder / "absent.glb"));
+  EXPECT_TRUE(is_result(put("ours.obj", "# fracture, algorithm 7\n# metres, y up\n")));
+  EXPECT_TRUE(is_result(
+      put("ours.ply", "ply\nformat binary_little_endian 1.0\ncomment fracture, algorithm 7\nelement")));
+  EXPECT_TRUE(is_result(put("ours.STL", "fracture, algorithm 7; metres")));
+  EXPECT_FALSE(is_result(put("plain.obj", "# about fracture, algorithm 7\n")));
+  EXPECT_FALSE(is_result(put("plain.ply", "ply\nformat ascii 1.0\ncomment fracture, algorithm 7\n")));
+  EXPECT_FALSE(is_result(put("plain.stl", "solid fracture, algorithm 7")));
+  EXPECT_FALSE(is_result(put("short.stl", "fracture")));
+  EXPECT_FALSE(is_result(put("other.off", "# fracture, algorithm 7\n")));
 }
 
 TEST_F(BakeSafety, ResultsBelowAFolderOrAGlobAreSkippedAndCounted) {

@@ -24,8 +24,13 @@ std::vector<nlohmann::json> without_times(const std::string& path, const std::st
   for (std::string line; std::getline(file, line);) {
     nlohmann::json json = nlohmann::json::parse(line);
     json.erase("seconds");
-    std::string output = json.at("output");
-    json["output"] = output.erase(output.find("/" + folder + "/"), folder.size() + 1);
+    const auto leave_out_folder = [&](nlohmann::json& path) {
+      std::string text = path;
+      path = text.erase(text.find("/" + folder + "/"), folder.size() + 1);
+    };
+    leave_out_folder(json.at("output"));
+    if (json.contains("beside"))
+      for (nlohmann::json& file : json.at("beside")) leave_out_folder(file.at("path"));
     lines.push_back(std::move(json));
   }
   return lines;
@@ -128,6 +133,35 @@ TEST(BakeThroughAServer, GivesGltfWhereAManifestAsksForIt) {
   EXPECT_EQ(Process({"bake", "--manifest", folder / "farm.ndjson", "-q", "--server", farm.url()}).wait(), 0);
   EXPECT_EQ(read_file(folder / "remote.gltf"), read_file(folder / "local.gltf"));
   EXPECT_TRUE(nlohmann::json::accept(read_file(folder / "local.gltf")));
+}
+
+TEST(BakeThroughAServer, WritesEveryFormatWithTheBytesOfALocalBake) {
+  const TemporaryFolder folder;
+  write_meshes(folder, 2);
+  std::string lines;
+  for (const char* ending : {"obj", "PLY", "stl"})
+    lines += nlohmann::json{{"input", "../in/gltf/box.gltf"},
+                            {"output", std::string("box.") + ending},
+                            {"parameters", {{"sites", 9}}}}
+                 .dump() +
+             "\n";
+  for (const char* name : {"local/m", "remote/m"}) {
+    fs::create_directories(fs::path(folder / name).parent_path());
+    folder.write(name, lines);
+  }
+  EXPECT_EQ(Process({"bake", "--manifest", folder / "local/m", "-q"}).wait(), 0);
+  const Farm farm;
+  EXPECT_EQ(Process({"bake", "--manifest", folder / "remote/m", "-q", "--server", farm.url()}).wait(), 0);
+  auto local = outputs(folder / "local"), remote = outputs(folder / "remote");
+  EXPECT_EQ(without_times(folder / "remote/m.report", "remote"),
+            without_times(folder / "local/m.report", "local"));
+  for (auto* files : {&local, &remote}) files->erase("m.report");
+  EXPECT_EQ(local, remote);
+  ASSERT_EQ(local.size(), 5u) << "the manifest, three outputs and materials";
+  EXPECT_NE(local.at("box.obj").find("\nmtllib box.mtl\n"), std::string::npos);
+  EXPECT_NE(local.at("box.mtl").find("\nnewmtl Interior\n"), std::string::npos);
+  EXPECT_EQ(local.at("box.PLY").substr(0, 4), "ply\n");
+  EXPECT_EQ(local.at("box.stl").substr(0, 20), "fracture, algorithm ");
 }
 
 TEST(BakeThroughAServer, SaysThatThereIsNone) {

@@ -102,7 +102,7 @@ TEST_F(BakeProgram, RefusesWhatItWouldLoseBeforeAnythingIsBaked) {
   ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
   fs::create_symlink("/dev/stdout", folder / "descriptor");
   for (const std::string command :
-       {"$f bake cube.off -o cube.off", "$f bake cube.off -o x.stl", "$f bake cube.glb -o cube.glb",
+       {"$f bake cube.off -o cube.off", "$f bake cube.off -o x.off", "$f bake cube.glb -o cube.glb",
         "$f bake cube.glb -o ./in/../cube.glb", "$f bake cube.glb -o hard.glb",
         "$f bake cube.glb -o soft.glb", "$f bake soft.glb -o cube.glb", "$f bake cube.off -o pipe",
         "$f bake cube.off -o descriptor", "$f bake cube.off -o x.glb --report cube.off",

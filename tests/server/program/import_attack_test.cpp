@@ -156,7 +156,7 @@ std::string gzip(const std::string& text) {
 TEST(ImportAttack, KillerBodiesGetTheirStatusAndLeaveNothingBehind) {
   Server server({"--all-formats"});
   EXPECT_EQ(post(server, "off", kTetrahedron).status, 200);
-  const double before = server.memory();
+  [[maybe_unused]] const double before = server.memory();
 
   struct Killer {
     const char* what;

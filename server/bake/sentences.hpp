@@ -1,0 +1,20 @@
+// How a bake names its files, and says what became of one.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "server/bake/baker.hpp"
+#include "server/bake/output_files.hpp"
+
+namespace fracture::bake {
+
+std::string name_of_input(const std::string& path);
+std::string name_of_output(const std::string& path);
+
+/// "fragments.glb: 50 fragments, volume in 1 m3, out 1 m3, relative error 2.2e-16, 0 open edges, 51372 bytes,
+/// 0.006 s (import 0.1 ms, ...)"
+/// `written`: the output, and what was written beside it.
+std::string sentence_of(std::span<const WrittenFile> written, const Baked& baked, double seconds);
+
+}  // namespace fracture::bake

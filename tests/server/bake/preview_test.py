@@ -1,0 +1,437 @@
+#!/usr/bin/env python3
+"""`fracture-server bake --preview` and `--html` as their user meets them.
+
+preview_test.py FRACTURE_SERVER: with renderers that are scripts, and do what a renderer must not.
+preview_test.py FRACTURE_SERVER FRACTURE_RENDER: with the real one. Exit code 77: it has no OpenGL here.
+"""
+import html.parser
+import json
+import os
+import pathlib
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+import urllib.parse
+import zlib
+
+PROGRAM, RENDERER = "", ""
+
+BOX = """v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1
+f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8
+"""
+HOLED = BOX.replace("f 5 6 7 8", "f 5 6 7")  # filled, which is worth a warning
+OPEN = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+VOID = {"meta", "img", "br", "link", "hr", "input"}
+
+# A renderer as a script: answers as draw_list.hpp says, with a picture of one colour.
+SCRIPT = """#!{python}
+import json, os, signal, struct, sys, zlib
+open({log!r}, "a").write("%d\\n" % os.getpid())
+def chunk(kind, data):
+    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+for text in sys.stdin:
+    line = json.loads(text)
+    width, height = map(int, line["size"].split("x"))
+    assert open(line["file"], "rb").read(4) == b"glTF"
+{body}
+    with open(line["output"], "wb") as out:
+        out.write(b"\\x89PNG\\r\\n\\x1a\\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)) +
+                  chunk(b"IDAT", zlib.compress(bytes((width + 1) * height))) + chunk(b"IEND", b""))
+    print(json.dumps({{"output": line["output"]}}), flush=True)
+"""
+
+
+def png(path):
+    """Width, height and the pixels, row by row, of a PNG with 8 bits of grey, RGB or RGBA."""
+    data = path.read_bytes()
+    assert data[:8] == b"\x89PNG\r\n\x1a\n", path
+    at, packed = 8, b""
+    while at < len(data):
+        size, kind = struct.unpack(">I4s", data[at:at + 8])
+        body = data[at + 8:at + 8 + size]
+        assert struct.unpack(">I", data[at + 8 + size:at + 12 + size])[0] == zlib.crc32(kind + body)
+        if kind == b"IHDR":
+            width, height, bits, color = struct.unpack(">IIBB", body[:10])
+            assert bits == 8
+            channels = {0: 1, 2: 3, 6: 4}[color]
+        if kind == b"IDAT":
+            packed += body
+        at += 12 + size
+    assert kind == b"IEND"
+    raw, stride, rows, above = zlib.decompress(packed), width * channels, [], bytearray(width * channels)
+    for y in range(height):
+        method, row = raw[y * (stride + 1)], bytearray(raw[y * (stride + 1) + 1:(y + 1) * (stride + 1)])
+        for x in range(stride):
+            left = row[x - channels] if x >= channels else 0
+            corner = above[x - channels] if x >= channels else 0
+            up = above[x]
+            if method == 1:
+                row[x] = (row[x] + left) & 255
+            elif method == 2:
+                row[x] = (row[x] + up) & 255
+            elif method == 3:
+                row[x] = (row[x] + (left + up) // 2) & 255
+            elif method == 4:
+                guess = left + up - corner
+                near = min((abs(guess - left), 0, left), (abs(guess - up), 1, up), (abs(guess - corner), 2, corner))[2]
+                row[x] = (row[x] + near) & 255
+        rows.append(bytes(row))
+        above = row
+    return width, height, channels, rows
+
+
+class Page(html.parser.HTMLParser):
+    """What stands in a page; wrong nesting is an error."""
+
+    def __init__(self, text):
+        super().__init__(convert_charrefs=True)
+        self.open, self.tags, self.rows, self.pictures, self.links, self.text = [], set(), [], [], [], ""
+        self.feed(text)
+        self.close()
+        assert not self.open, self.open
+
+    def handle_starttag(self, tag, attributes):
+        self.tags.add(tag)
+        given = dict(attributes)
+        for name in given:
+            assert not name.startswith("on"), name
+        if tag == "tr":
+            self.rows.append([])
+        if tag in ("td", "th"):
+            self.rows[-1].append("")
+        if tag == "img":
+            self.pictures.append(given)
+        if tag == "a":
+            self.links.append(given["href"])
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open and self.open.pop() == tag, f"</{tag}> is out of place"
+
+    def handle_data(self, data):
+        if "style" in self.open:
+            assert "url(" not in data and "@import" not in data
+            return
+        self.text += data
+        if "td" in self.open:
+            self.rows[-1][-1] += data
+
+    def meshes(self):
+        return [row for row in self.rows if row and "".join(row)]
+
+
+class Case(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.write("in/box.obj", BOX)
+        self.write("in/sub/holed.obj", HOLED)
+        self.write("in/open.obj", OPEN)
+
+    def write(self, name, text):
+        path = self.folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    def bake(self, *arguments, code=0, data=None, environment=None):
+        ended = subprocess.run([PROGRAM, "bake", *arguments, "--sites", "12"], cwd=self.folder, capture_output=True,
+                               timeout=300, check=False, input=data, env={**os.environ, **(environment or {})})
+        self.words = ended.stderr.decode("utf-8", "replace")
+        self.assertEqual(ended.returncode, code, self.words)
+        return ended.stdout
+
+    def report(self, name="out/bake.ndjson"):
+        return [json.loads(line) for line in (self.folder / name).read_text(encoding="utf-8").splitlines()]
+
+    def page(self, name="r.html"):
+        return Page((self.folder / name).read_text(encoding="utf-8"))
+
+    def files(self, folder="."):
+        return sorted(str(path.relative_to(self.folder)) for path in (self.folder / folder).rglob("*") if path.is_file())
+
+
+class WithScripts(Case):
+    def renderer(self, body="", name="renderer"):
+        """How often it was started: self.starts()."""
+        script = SCRIPT.format(python=sys.executable, log=str(self.folder / "log"), body=body)
+        path = self.write(name, script)
+        path.chmod(0o755)
+        return ["--renderer", str(path)]
+
+    def starts(self):
+        log = self.folder / "log"
+        return len(log.read_text(encoding="utf-8").split()) if log.exists() else 0
+
+    def test_one_picture_of_one_mesh(self):
+        renderer = self.renderer()
+        self.bake("in/box.obj", "-o", "box.glb", "--preview", "pictures/box.png", *renderer)
+        self.assertEqual(png(self.folder / "pictures/box.png")[:2], (512, 512))
+        self.bake("in/box.obj", "-o", "box.glb", "--preview", "small.png", "--preview-size", "64", *renderer)
+        self.assertEqual(png(self.folder / "small.png")[:2], (64, 64))
+        told = self.bake("-", "-o", "-", "--format", "obj", "--preview", "piped.png", *renderer, data=BOX.encode())
+        self.assertEqual(told, (self.folder / "box.glb").read_bytes(), "standard output has the fragments and no words")
+        self.assertEqual(png(self.folder / "piped.png")[:2], (512, 512))
+        self.assertEqual(list(pathlib.Path(self.folder).rglob(".*.part")), [])
+
+    def test_pictures_of_many_are_drawn_by_few_processes_and_only_once(self):
+        renderer = self.renderer()
+        many = ["in", "-o", "out", "-j", "1", "--allow-refused", "1", "--preview", "pictures", *renderer]
+        self.bake(*many)
+        drawn = ["pictures/box.obj.glb.png", "pictures/sub/holed.obj.glb.png"]
+        self.assertEqual(self.files("pictures"), drawn)
+        self.assertEqual(png(self.folder / drawn[0])[:2], (256, 256))
+        self.assertEqual(self.starts(), 1)
+        lines = self.report()
+        self.assertEqual([line.get("preview") for line in lines],
+                         [{"file": drawn[0]}, None, {"file": drawn[1]}], "what was refused has no picture")
+        before = [(self.folder / name).stat().st_mtime_ns for name in drawn]
+        self.bake(*many)
+        self.assertEqual(self.starts(), 1, "nothing to draw, no renderer")
+        self.assertEqual([(self.folder / name).stat().st_mtime_ns for name in drawn], before)
+        self.assertEqual(self.report(), lines)
+
+        (self.folder / drawn[0]).unlink()
+        self.bake(*many)
+        self.assertEqual(self.starts(), 2)
+        self.assertEqual(png(self.folder / drawn[0])[:2], (256, 256), "missing: drawn again")
+        output = self.folder / "out/box.obj.glb"
+        later = (self.folder / drawn[0]).stat().st_mtime + 10
+        os.utime(output, (later, later))
+        self.bake(*many)
+        self.assertEqual(self.starts(), 3, "older than its output: drawn again")
+        os.utime(output, (1, 1))
+        self.bake(*many, "--preview-size", "128")
+        self.assertEqual([png(self.folder / name)[0] for name in drawn], [128, 128], "of another size: drawn again")
+        self.assertEqual(self.starts(), 4)
+        self.bake(*many, "--preview-size", "128", "--seed", "5")
+        self.assertEqual(self.starts(), 5, "made again: drawn again")
+
+    def test_without_a_renderer_a_preview_is_refused_before_anything_is_made(self):
+        bare = self.folder / "bin"
+        bare.mkdir()
+        for name in ("fracture-server", "fracture-import"):
+            os.link(pathlib.Path(PROGRAM).with_name(name), bare / name) if os.stat(PROGRAM).st_dev == os.stat(
+                bare).st_dev else (bare / name).write_bytes(pathlib.Path(PROGRAM).with_name(name).read_bytes())
+            (bare / name).chmod(0o755)
+
+        def alone(*arguments, code):
+            ended = subprocess.run([str(bare / "fracture-server"), "bake", *arguments], cwd=self.folder,
+                                   capture_output=True, text=True, timeout=120, check=False,
+                                   env={"PATH": str(self.folder / "empty")})
+            self.assertEqual(ended.returncode, code, ended.stderr)
+            return ended.stderr
+        said = alone("in/box.obj", "-o", "box.glb", "--preview", "box.png", code=2)
+        self.assertIn("no-program: There is no fracture-render", said)
+        self.assertIn("--renderer", said)
+        self.assertNotIn("box.glb", self.files())
+        said = alone("in/box.obj", "-o", "box.glb", "--html", "r.html", "--renderer", "absent", code=2)
+        self.assertIn("'absent'", said)
+        self.assertNotIn("box.glb", self.files())
+        said = alone("in", "-o", "out", "--html", "r.html", "--sites", "5", code=3)
+        self.assertIn("no pictures are drawn: There is no fracture-render", said)
+        page = self.page()
+        self.assertEqual(page.pictures, [])
+        self.assertIn("No pictures were drawn: There is no fracture-render", page.text)
+        self.assertEqual(len(page.meshes()), 3)
+
+    def test_a_renderer_that_hangs_crashes_or_lies_is_a_warning(self):
+        ends = {"hangs": ("    signal.pause()", "did not answer within 1 s"),
+                "dies": ("    os.kill(os.getpid(), 11)", "ended by signal 11"),
+                "leaves": ("    sys.stderr.write('no\\x1b[31m display'); sys.exit(7)", "ended with exit code 7: no [31m display"),
+                "babbles": ("    print('hello', flush=True)", "does not answer as fracture-render does"),
+                "floods": ("    print('x' * 1000000, flush=True)", "does not answer as fracture-render does"),
+                "refuses": ("    print('{\"output\": null, \"problem\": {\"detail\": \"' + line['file'] + ' has too much.\"}}', "
+                            "flush=True); continue", "box.glb has too much."),
+                "draws nothing": ("    print('{\"output\": 1}', flush=True); continue", "made no PNG of 512 x 512"),
+                "draws another size": ("    width = 3", "made no PNG of 512 x 512")}
+        for name, (body, why) in ends.items():
+            with self.subTest(name):
+                renderer = self.renderer(body)
+                begun = time.monotonic()
+                self.bake("in/box.obj", "-o", "box.glb", "--preview", "box.png", "--report", "report", "--force",
+                          "--preview-timeout", "1", *renderer)
+                self.assertLess(time.monotonic() - begun, 60, "a wait has an end")
+                self.assertIn("box.glb: warning: no picture: ", self.words)
+                line, = self.report("report")
+                self.assertEqual(line["status"], "made")
+                self.assertEqual(line["preview"]["file"], "box.png")
+                self.assertIn(why, line["preview"]["warning"])
+                self.assertNotIn("\x1b", self.words, "no colours for a terminal")
+                self.assertFalse((self.folder / "box.png").exists())
+        for pid in (self.folder / "log").read_text(encoding="utf-8").split():
+            self.assertFalse(pathlib.Path(f"/proc/{pid}").exists(), "no process is left behind")
+        self.write("renderer", "no program").chmod(0o755)
+        self.bake("in/box.obj", "-o", "box.glb", "--preview", "box.png", "--renderer", "renderer", "--force")
+        self.assertIn("cannot be started", self.words)
+
+    def test_a_renderer_that_fails_again_and_again_is_given_up(self):
+        for k in range(8):
+            self.write(f"many/{k}.obj", BOX)
+        self.bake("many", "-o", "out", "-j", "1", "--preview", "p", *self.renderer("    sys.exit(1)"))
+        self.assertEqual(self.starts(), 3)
+        self.assertIn("failed 3 times in a row", self.words)
+        self.assertEqual([line["status"] for line in self.report()], ["made"] * 8)
+        self.assertTrue(all("warning" in line["preview"] for line in self.report()))
+
+    def test_a_stop_ends_a_picture(self):
+        log = self.folder / "log"
+        with subprocess.Popen([PROGRAM, "bake", "in/box.obj", "-o", "box.glb", "--preview", "box.png", "--report", "r",
+                               *self.renderer("    signal.pause()")], cwd=self.folder, stdout=subprocess.DEVNULL,
+                              stderr=subprocess.PIPE) as child:
+            deadline = time.monotonic() + 60
+            while not log.exists() and time.monotonic() < deadline:
+                time.sleep(0.02)  # pause: between two looks, until the deadline
+            child.send_signal(signal.SIGTERM)
+            child.communicate(timeout=60)
+        line, = self.report("r")
+        self.assertEqual(line["status"], "made", "what is made stays")
+        self.assertNotIn("preview", line)
+
+    def test_the_token_is_not_given_to_the_renderer(self):
+        body = f"    open({str(self.folder / 'seen')!r}, 'w').write(json.dumps(dict(os.environ)))"
+        self.bake("in/box.obj", "-o", "box.glb", "--preview", "box.png", *self.renderer(body),
+                  environment={"FRACTURE_TOKEN": "secret-of-ours"})
+        self.assertNotIn("secret-of-ours", (self.folder / "seen").read_text(encoding="utf-8"))
+
+    def test_the_page_has_a_row_for_each_job_the_slowest_first(self):
+        renderer = self.renderer()
+        self.bake("in", "-o", "out", "-j", "1", "--allow-refused", "1", "--html", "night/r.html", *renderer)
+        page, lines = self.page("night/r.html"), self.report()
+        rows = page.meshes()
+        self.assertEqual(len(rows), len(lines))
+        self.assertIn("open.obj", "".join(rows[0]))
+        self.assertIn(lines[1]["problem"]["type"].rsplit("/", 1)[1], "".join(rows[0]))
+        self.assertIn(lines[1]["problem"]["detail"], "".join(rows[0]))
+        made = sorted((line for line in lines if line["status"] == "made"), key=lambda line: -line["seconds"])
+        for row, line in zip(rows[1:], made):
+            self.assertIn(line["input"], row[1])
+            self.assertEqual(row[2], str(line["certificate"]["fragments"]))
+            for warning in line.get("warnings", []):
+                self.assertIn(warning, row[-1])
+        self.assertEqual([urllib.parse.unquote(picture["src"]) for picture in page.pictures],
+                         [os.path.relpath(line["preview"]["file"], "night") for line in made])
+        for picture in page.pictures:
+            self.assertTrue((self.folder / "night" / urllib.parse.unquote(picture["src"])).exists())
+            self.assertEqual(picture["loading"], "lazy")
+        self.assertEqual(page.tags & {"script", "iframe", "object", "embed", "link", "form", "base"}, set())
+        self.assertTrue(all(link.startswith(("#", "r.pictures/")) for link in page.links), page.links)
+        again = self.bake("in", "-o", "out", "-j", "1", "--allow-refused", "1", "--html", "night/r.html", *renderer)
+        self.assertIn(b"page in night/r.html", again)
+        self.assertEqual(self.page("night/r.html").meshes(), rows, "what was kept has its row, too")
+        self.assertEqual(self.starts(), 1)
+
+    def test_names_are_text(self):
+        names = ['<script>alert(1)<&script>.obj', 'a" onerror="alert(1).obj', "b'><img src=x onerror=alert(1)>.obj",
+                 "javascript:alert(1).obj", "c?d#e%41&amp;.obj", "\u202ejbo.obj", "-o.obj", "new\nline.obj"]
+        for name in names:
+            self.write("evil/" + name, BOX)
+        raw = os.fsencode(self.folder) + b"/evil/no\xff.obj"
+        with open(raw, "w", encoding="utf-8") as file:
+            file.write(BOX)
+        self.write("evil/<b>open&.obj", OPEN)
+        for turn in range(2):
+            self.bake("evil", "-o", "out", "--html", "r.html", "--allow-refused", "1", *self.renderer())
+            page = self.page()
+            self.assertEqual(len(page.meshes()), len(names) + 2)
+            self.assertEqual(page.tags & {"script", "b"}, set())
+            self.assertEqual(len(page.pictures), len(names) + 1)
+            shown = [urllib.parse.unquote(picture["src"]) for picture in page.pictures]
+            for source in shown:
+                self.assertTrue((self.folder / source).is_file(), source)
+            for name in names:
+                self.assertIn(f"r.pictures/{name}.glb.png", shown)
+                self.assertIn("evil/" + name.replace("\n", " "), page.text)
+            self.assertIn("evil/no\ufffd.obj", page.text)
+            self.assertLessEqual(self.starts(), (os.cpu_count() or 1), f"turn {turn}: what is right is kept, whatever it is called")
+
+    def test_what_lies_there_is_not_lost(self):
+        renderer = self.renderer()
+        note = self.write("note.html", "<p>mine</p>")
+        self.bake("in", "-o", "out", "--html", "note.html", *renderer, code=2)
+        self.assertIn("no page of a bake", self.words)
+        self.assertEqual(note.read_text(encoding="utf-8"), "<p>mine</p>")
+        for wrong in (["in", "-o", "out", "--preview", "x.png"], ["in", "-o", "out", "--preview", "in/box.obj"],
+                      ["in", "-o", "out", "--preview", "-"], ["in", "-o", "out", "--html", "-"],
+                      ["in/box.obj", "-o", "box.glb", "--preview", "box.jpg"],
+                      ["in/box.obj", "-o", "x.glb", "--html", "x.glb"],
+                      ["in/box.obj", "-o", "x.glb", "--preview", "x.png", "--html", "x.png"],
+                      ["in/box.obj", "-o", "x.glb", "--html", "in/box.obj"],
+                      ["in/box.obj", "-o", "x.glb", "--html", "in"],
+                      ["in/box.obj", "-o", "x.glb", "--preview", "x.png", "--preview-size", "1"],
+                      ["in/box.obj", "-o", "x.glb", "--preview", "x.png", "--preview-timeout", "0"],
+                      ["in/box.obj", "-o", "x.glb"]):
+            with self.subTest(wrong=wrong):
+                before = self.files()
+                self.bake(*wrong, *renderer, code=2)
+                self.assertEqual(self.files(), before)
+
+        # A texture of a mesh is no place for its picture.
+        texture = b"\x89PNG not ours"
+        (self.folder / "in/wood.png").write_bytes(texture)
+        self.write("in/m.mtl", "newmtl wood\nmap_Kd wood.png\n")
+        self.write("in/textured.obj", "mtllib m.mtl\nusemtl wood\n" + BOX)
+        self.bake("in/textured.obj", "-o", "t.glb", "--preview", "in/wood.png", *renderer)
+        self.assertIn("not written over", self.words)
+        self.assertEqual((self.folder / "in/wood.png").read_bytes(), texture)
+
+    def test_each_shard_has_its_page(self):
+        manifest = [{"input": "in/box.obj", "output": "../a.glb"}, {"input": "in/box.obj", "output": "o/b.glb"}]
+        self.write("work/m", "".join(json.dumps({**line, "input": "../in/box.obj"}) + "\n" for line in manifest))
+        for k in range(2):
+            self.bake("--manifest", "work/m", "--shard", f"{k}/2", "--html", "r.html", *self.renderer())
+        self.assertEqual(self.files("r.pictures"), ["r.pictures/o/b.glb.png", "r.pictures/up/a.glb.png"])
+        for k in range(2):
+            self.assertEqual(len(self.page(f"r.{k}-of-2.html").meshes()), 1)
+
+
+class WithTheRenderer(Case):
+    def test_a_picture_shows_the_fragments_of_its_material(self):
+        seen = {}
+        for material in ("glass", "wood"):
+            ended = subprocess.run([PROGRAM, "bake", "in/box.obj", "-o", "x.glb", "--material", material, "--preview",
+                                    f"{material}.png", "--preview-size", "128", "--renderer", RENDERER], cwd=self.folder,
+                                   capture_output=True, text=True, timeout=300, check=False)
+            self.assertEqual(ended.returncode, 0, ended.stderr)
+            self.assertNotIn("no picture", ended.stderr)
+            width, height, channels, rows = png(self.folder / f"{material}.png")
+            self.assertEqual((width, height), (128, 128))
+            colors = {row[x:x + channels] for row in rows for x in range(0, len(row), channels)}
+            self.assertGreater(len(colors), 200, "something with light and shadow is there")
+            seen[material] = rows
+        pairs = [(a, b) for one, two in zip(seen["glass"], seen["wood"]) for a, b in zip(one, two)]
+        self.assertGreater(sum(abs(a - b) > 16 for a, b in pairs) / len(pairs), 0.05, "other materials look otherwise")
+
+    def test_many_and_their_page(self):
+        (self.folder / "in/broken.obj").write_text("v nan", encoding="utf-8")
+        self.bake("in", "-o", "out", "--allow-refused", "2", "--html", "r.html", "--preview-size", "64", "--renderer", RENDERER)
+        page = self.page()
+        self.assertEqual(len(page.pictures), 2)
+        for picture in page.pictures:
+            width, height, _, rows = png(self.folder / picture["src"])
+            self.assertEqual((width, height), (64, 64))
+            self.assertGreater(len(set(b"".join(rows))), 20)
+        self.bake("in/box.obj", "-o", "box.gltf", "--preview", "gltf.png", "--preview-size", "64", "--renderer", RENDERER)
+        self.assertEqual(png(self.folder / "gltf.png")[:2], (64, 64))
+        told = self.bake("in/box.obj", "-o", "-", "--preview", "piped.png", "--preview-size", "64", "--renderer", RENDERER)
+        self.assertTrue(told.startswith(b"glTF"))
+        self.assertEqual(png(self.folder / "piped.png")[3], png(self.folder / "gltf.png")[3], "the same fragments")
+
+
+if __name__ == "__main__":
+    PROGRAM = str(pathlib.Path(sys.argv.pop(1)).resolve())
+    if len(sys.argv) > 1 and not sys.argv[1].startswith("-") and os.path.exists(sys.argv[1]):
+        RENDERER = str(pathlib.Path(sys.argv.pop(1)).resolve())
+        if subprocess.run([RENDERER, "--list"], stdin=subprocess.DEVNULL, timeout=120, check=False).returncode == 1:
+            print("skipped: no OpenGL here")
+            sys.exit(77)
+        del WithScripts
+    else:
+        del WithTheRenderer
+    unittest.main()
