@@ -1,22 +1,97 @@
 #include "common/bvh/box_tree.hpp"
 
 #include <algorithm>
+#include <bit>
+#include <span>
 
 namespace fracture {
 namespace {
 
 constexpr std::uint32_t kLeaf = 4;  // boxes, at most
-/// Their median takes less than a few milliseconds: no comparison has to count.
-constexpr std::uint32_t kSoonSelected = 1 << 16;
+constexpr int kAxisBits = 21;       // of a Morton code
+
+/// The lowest 21 bits of v, with two zeros before each.
+std::uint64_t spread(std::uint64_t v) {
+  v = (v | v << 32) & 0x001f00000000ffffu;
+  v = (v | v << 16) & 0x001f0000ff0000ffu;
+  v = (v | v << 8) & 0x100f00f00f00f00fu;
+  v = (v | v << 4) & 0x10c30c30c30c30c3u;
+  return (v | v << 2) & 0x1249249249249249u;
+}
+
+/// The Morton code of the middle of a box, in cells of a cube around the middles of those that `keys` name: all axes
+/// have the same scale, so that what is long is divided along its length first.
+class MortonCode {
+ public:
+  MortonCode(const std::vector<Box>& boxes, std::span<const Keyed> keys, Pacer& pacer) {
+    Box middles;
+    for (const Keyed& k : keys) {
+      pacer.step();
+      if (!boxes[k.index].empty()) middles.add(twice_middle(boxes[k.index]));
+    }
+    low_ = middles.min;
+    const double side = middles.empty() ? 0 : middles.longest_side();
+    scale_ = side > 0 && std::isfinite(kCells / side) ? kCells / side : 0;
+  }
+  std::uint64_t of(const Box& box) const {
+    const Vec3d at = scale_ * (twice_middle(box) - low_);
+    return spread(cell(at.x)) | spread(cell(at.y)) << 1 | spread(cell(at.z)) << 2;
+  }
+
+ private:
+  static constexpr double kCells = (1 << kAxisBits) - 1;
+  static Vec3d twice_middle(const Box& box) { return box.min + box.max; }
+  static std::uint64_t cell(double v) { return v > 0 ? static_cast<std::uint64_t>(std::fmin(v, kCells)) : 0; }
+
+  Vec3d low_;
+  double scale_;
+};
+
+/// By code, then by index; the indices come in order.
+void sort_by_code(const std::vector<Box>& boxes, std::span<Keyed> keys, Pacer& pacer) {
+  const MortonCode code(boxes, keys, pacer);
+  for (Keyed& k : keys) {
+    pacer.step();
+    k.key = code.of(boxes[k.index]);
+  }
+  constexpr std::size_t kFew = 256;
+  if (keys.size() > kFew) return radix_sort(keys, 0, 3 * kAxisBits, pacer);
+  std::sort(keys.begin(), keys.end(), [](const Keyed& a, const Keyed& b) {
+    return a.key != b.key ? a.key < b.key : a.index < b.index;
+  });
+}
+
+/// How many of them come before where the codes part at their highest differing bit. Those in one cell get codes of
+/// their own cube first: what is small beside the whole is divided like anything else. Half of them where all
+/// middles are one.
+std::uint32_t parting(const std::vector<Box>& boxes, std::span<Keyed> keys, Pacer& pacer) {
+  if (keys.front().key == keys.back().key) sort_by_code(boxes, keys, pacer);
+  const std::uint64_t low = keys.front().key, high = keys.back().key;
+  if (low == high) return static_cast<std::uint32_t>(keys.size() / 2);
+  const std::uint64_t bound = high & ~(std::bit_floor(low ^ high) - 1);
+  const auto first_above =
+      std::partition_point(keys.begin(), keys.end(), [bound](const Keyed& k) { return k.key < bound; });
+  return static_cast<std::uint32_t>(first_above - keys.begin());
+}
+
+std::vector<Keyed> keys_of(std::uint32_t begin, std::uint32_t end, Pacer& pacer) {
+  std::vector<Keyed> keys;
+  keys.reserve(end - begin);
+  for (std::uint32_t k = begin; k < end; ++k) {
+    pacer.step();
+    keys.push_back({0, k});
+  }
+  return keys;
+}
 
 }  // namespace
 
 BoxTree::BoxTree(const std::vector<Box>& boxes, const Execution& execution) {
   Pacer pacer(execution);
   items_.reserve(boxes.size());
-  for (std::uint32_t k = 0; k < boxes.size(); ++k) items_.push_back({boxes[k], k});
   nodes_.reserve(boxes.size());
-  if (!items_.empty()) build(0, static_cast<std::uint32_t>(items_.size()), kNoGroup, pacer);
+  std::vector<Keyed> keys = keys_of(0, static_cast<std::uint32_t>(boxes.size()), pacer);
+  if (!keys.empty()) build(boxes, keys, kNoGroup, pacer);
 }
 
 BoxTree::BoxTree(const std::vector<Box>& boxes, const std::vector<std::uint32_t>& group_begin,
@@ -24,74 +99,62 @@ BoxTree::BoxTree(const std::vector<Box>& boxes, const std::vector<std::uint32_t>
   Pacer pacer(execution);
   items_.reserve(boxes.size());
   nodes_.reserve(boxes.size() + group_begin.size());
-  std::vector<Item> groups;
+  std::vector<Box> of_group(group_begin.size());
+  std::vector<Keyed> groups;
   for (std::uint32_t g = 0; g + 1 < group_begin.size(); ++g) {
-    Box box;
     for (std::uint32_t k = group_begin[g]; k < group_begin[g + 1]; ++k) {
-      items_.push_back({boxes[k], k});
-      box.add(boxes[k]);
+      of_group[g].add(boxes[k]);
       pacer.step();
     }
-    if (!box.empty()) groups.push_back({box, g});
+    if (group_begin[g] < group_begin[g + 1]) groups.push_back({0, g});
   }
-  if (!groups.empty()) join_groups(groups, 0, static_cast<std::uint32_t>(groups.size()), group_begin, pacer);
+  if (!groups.empty()) join_groups({boxes, of_group, group_begin}, groups, pacer);
 }
 
-/// Items [first, last) with those that lie lower along the longest side of where their middles are before the
-/// middle one; returns its number.
-std::uint32_t BoxTree::halve(std::vector<Item>& items, std::uint32_t first, std::uint32_t last, Box& all,
-                             Pacer& pacer) {
-  pacer.step(last - first);
-  for (std::uint32_t k = first; k < last; ++k) all.add(items[k].box);
-  const std::uint32_t half = first + (last - first) / 2;
-  if (last - first <= kLeaf) return half;
-  const auto twice_middle = [](const Item& item) { return item.box.min + item.box.max; };
-  Box middles;
-  for (std::uint32_t k = first; k < last; ++k) middles.add(twice_middle(items[k]));
-  const Vec3d size = middles.size();
-  int axis = 0;
-  for (int a = 1; a < 3; ++a)
-    if (size[a] > size[axis]) axis = a;
-  const auto less = [&](const Item& x, const Item& y) {
-    const double a = twice_middle(x)[axis], b = twice_middle(y)[axis];
-    return a != b ? a < b : x.index < y.index;
-  };
-  const auto begin = items.begin();
-  if (last - first < kSoonSelected)
-    std::nth_element(begin + first, begin + half, begin + last, less);
-  else
-    std::nth_element(begin + first, begin + half, begin + last, [&](const Item& x, const Item& y) {
-      pacer.step();
-      return less(x, y);
-    });
-  return half;
-}
-
-void BoxTree::build(std::uint32_t first, std::uint32_t last, std::uint32_t group, Pacer& pacer) {
-  Box all;
-  const std::uint32_t half = halve(items_, first, last, all, pacer);
-  const std::size_t node = nodes_.size();
-  nodes_.push_back({all, first, last - first, group});
-  if (last - first <= kLeaf) return;
-  build(first, half, group, pacer);
-  nodes_[node].first = static_cast<std::uint32_t>(nodes_.size());
-  nodes_[node].count = 0;
-  build(half, last, group, pacer);
-}
-
-void BoxTree::join_groups(std::vector<Item>& groups, std::uint32_t first, std::uint32_t last,
-                          const std::vector<std::uint32_t>& group_begin, Pacer& pacer) {
-  if (last - first == 1) {
-    const std::uint32_t g = groups[first].index;
-    return build(group_begin[g], group_begin[g + 1], g, pacer);
+/// The keys are sorted by code, or all the same.
+void BoxTree::build(const std::vector<Box>& boxes, std::span<Keyed> keys, std::uint32_t group, Pacer& pacer) {
+  const std::size_t n = nodes_.size();
+  pacer.step();
+  nodes_.push_back(
+      {{}, static_cast<std::uint32_t>(items_.size()), static_cast<std::uint32_t>(keys.size()), group});
+  if (keys.size() <= kLeaf) {
+    for (const Keyed& k : keys) {
+      items_.push_back({boxes[k.index], k.index});
+      nodes_[n].box.add(boxes[k.index]);
+    }
+    return;
   }
-  Box all;
-  std::uint32_t half = halve(groups, first, last, all, pacer);
-  const std::size_t node = nodes_.size();
-  nodes_.push_back({all, 0, 0, kNoGroup});
-  join_groups(groups, first, half, group_begin, pacer);
-  nodes_[node].first = static_cast<std::uint32_t>(nodes_.size());
-  join_groups(groups, half, last, group_begin, pacer);
+  const std::uint32_t before = parting(boxes, keys, pacer);
+  build(boxes, keys.first(before), group, pacer);
+  const auto second = static_cast<std::uint32_t>(nodes_.size());
+  build(boxes, keys.subspan(before), group, pacer);
+  have_children(n, second);
+}
+
+/// Above the trees of the groups that the keys name.
+void BoxTree::join_groups(const Groups& groups, std::span<Keyed> keys, Pacer& pacer) {
+  if (keys.size() == 1) {
+    const std::uint32_t g = keys[0].index;
+    std::vector<Keyed> items = keys_of(groups.begin[g], groups.begin[g + 1], pacer);
+    return build(groups.items, items, g, pacer);
+  }
+  const std::size_t n = nodes_.size();
+  pacer.step();
+  nodes_.push_back({{}, 0, 0, kNoGroup});
+  const std::uint32_t before = parting(groups.boxes, keys, pacer);
+  join_groups(groups, keys.first(before), pacer);
+  const auto second = static_cast<std::uint32_t>(nodes_.size());
+  join_groups(groups, keys.subspan(before), pacer);
+  have_children(n, second);
+}
+
+/// The first child is the next node.
+void BoxTree::have_children(std::size_t n, std::uint32_t second) {
+  Node& node = nodes_[n];
+  node.first = second;
+  node.count = 0;
+  node.box = nodes_[n + 1].box;
+  node.box.add(nodes_[second].box);
 }
 
 void BoxTree::refit(const std::vector<Box>& boxes, const Execution& execution) {

@@ -1,36 +1,15 @@
 #include "common/delaunay/spatial_order.hpp"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 
 #include "common/base/hilbert_curve.hpp"
 #include "common/base/pacer.hpp"
+#include "common/base/radix_sort.hpp"
 #include "common/base/random.hpp"
 
 namespace fracture {
 namespace {
-
-struct Keyed {
-  std::uint64_t key;
-  std::uint32_t point;
-};
-
-// Stable radix sort by bits [low, high) of the key.
-void radix_sort(std::vector<Keyed>& items, int low, int high, Pacer& pacer) {
-  std::vector<Keyed> other(items.size());
-  for (int shift = low; shift < high; shift += 11) {
-    std::array<std::uint32_t, 2048> start{};
-    for (const Keyed& k : items) ++start[k.key >> shift & 2047];
-    std::uint32_t sum = 0;
-    for (std::uint32_t& s : start) sum += std::exchange(s, sum);
-    for (const Keyed& k : items) {
-      other[start[k.key >> shift & 2047]++] = k;
-      pacer.step();
-    }
-    items.swap(other);
-  }
-}
 
 constexpr int kBits = 19;        // per axis: 57 bits of curve
 constexpr int kCoarseBits = 33;  // sorted by radix; the rest only where it matters
@@ -68,12 +47,12 @@ std::vector<std::uint32_t> spatial_order(std::span<const Vec3d> points, const Ex
       if (end - i > 1)
         sort_with_polls(execution, round.begin() + i, round.begin() + end,
                         [](const Keyed& a, const Keyed& b) {
-                          return a.key != b.key ? a.key < b.key : a.point < b.point;
+                          return a.key != b.key ? a.key < b.key : a.index < b.index;
                         });
       pacer.step(end - i);
       i = end;
     }
-    for (const Keyed& k : round) order.push_back(k.point);
+    for (const Keyed& k : round) order.push_back(k.index);
   }
   return order;
 }

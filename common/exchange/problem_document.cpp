@@ -1,6 +1,7 @@
 #include "common/exchange/problem_document.hpp"
 
 #include <nlohmann/json.hpp>
+#include <utility>
 
 namespace fracture::protocol {
 
@@ -11,8 +12,14 @@ ProblemDocument problem_in(const nlohmann::json& document) {
     const auto it = document.is_object() ? document.find(key) : document.end();
     return it != document.end() && it->is_string() ? it->get<std::string>() : std::string();
   };
-  return {
-      .type = text("type"), .title = text("title"), .detail = text("detail"), .parameter = text("parameter")};
+  nlohmann::json extra = document.is_object() ? document : nlohmann::json::object();
+  for (const char* known : {"type", "title", "status", "detail", "instance", "parameter", "request_id"})
+    extra.erase(known);
+  return {.type = text("type"),
+          .title = text("title"),
+          .detail = text("detail"),
+          .parameter = text("parameter"),
+          .extra = Figures(std::move(extra))};
 }
 
 ProblemDocument problem_in(const Exchange& exchange) {

@@ -4,6 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
+#include "common/base/figures.hpp"
 #include "common/exchange/exchange.hpp"
 
 namespace fracture::protocol {
@@ -13,6 +14,8 @@ struct ProblemDocument {
   std::string type{};  ///< "/problems/mesh-not-closed"
   std::string title{}, detail{};
   std::string parameter{};  ///< the one that is concerned (an extension member of this service)
+  /// All other members (`errors`, `known`, figures), but for those of the exchange: status, instance, request_id.
+  Figures extra{};
 
   /// The last segment of the type: "mesh-not-closed".
   std::string slug() const;

@@ -207,7 +207,13 @@ void count(const Pieces& pieces, const RestrictedDiagram& d, FragmentSet& out) {
 FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownership, Pivot pivot,
                            const SizeLimits& limits, const Execution& execution,
                            const std::vector<Union>& before, PieceRecord* record) {
-  Pieces pieces = gather_pieces(d, ownership, execution);
+  return make_fragments(d, ownership, gather_pieces(d, ownership, execution), pivot, limits, execution,
+                        before, record);
+}
+
+FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownership, Pieces pieces, Pivot pivot,
+                           const SizeLimits& limits, const Execution& execution,
+                           const std::vector<Union>& before, PieceRecord* record) {
   PieceGroups groups(pieces.pieces.size());
   FragmentSet out;
   out.source = d.solid.source;

@@ -25,6 +25,10 @@ struct PieceRecord {
 FragmentSet make_fragments(const RestrictedDiagram& diagram, const Ownership& ownership, Pivot pivot,
                            const SizeLimits& limits, const Execution& execution,
                            const std::vector<Union>& before = {}, PieceRecord* record = nullptr);
+/// The same of pieces that are known: those that gather_pieces() finds.
+FragmentSet make_fragments(const RestrictedDiagram& diagram, const Ownership& ownership, Pieces pieces,
+                           Pivot pivot, const SizeLimits& limits, const Execution& execution,
+                           const std::vector<Union>& before = {}, PieceRecord* record = nullptr);
 
 /// What proves an answer, over all of its fragments.
 struct ProofSums {

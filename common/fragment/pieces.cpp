@@ -138,4 +138,51 @@ Pieces gather_pieces(const RestrictedDiagram& d, const Ownership& ownership, con
   return out;
 }
 
+std::optional<Pieces> with_finer_caps(const Pieces& flat, const RestrictedDiagram& d,
+                                      const Execution& execution) {
+  const std::vector<CapRegion>& regions = d.caps.regions;
+  if (d.caps.crossing > 0 || 2 * regions.size() != flat.piece_of_cap.size()) return std::nullopt;
+  Pacer pacer(execution);
+  bool is_whole = true;
+  pacer.each(0, regions.size(), [&](std::size_t r) { is_whole = is_whole && regions[r].triangle_count > 0; });
+  if (!is_whole) return std::nullopt;
+
+  Pieces out{.pieces = std::vector<Piece>(flat.pieces.size()), .piece_of_cap = flat.piece_of_cap};
+  parallel_for(execution, flat.pieces.size(), 16, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const Piece& before = flat.pieces[k];
+      Piece& now = out.pieces[k];
+      now = {before.owners, before.part, before.island, {}, before.bodies};
+      // The faces of one region follow one another.
+      std::size_t surface = 0, caps = 0;
+      for (std::size_t f = 0; f < before.faces.size(); ++f) {
+        const FaceSource source = before.faces[f].source;
+        if (!is_cap(source))
+          ++surface;
+        else if (f == 0 || before.faces[f - 1].source != source)
+          caps += regions[cap_region(source)].triangle_count;
+      }
+      execution.made(Product::kFragmentTriangles, caps);
+      Pacer each(execution);
+      now.faces.reserve(surface + caps);
+      for (std::size_t f = 0; f < before.faces.size(); ++f) {
+        each.step();
+        const Face& face = before.faces[f];
+        if (!is_cap(face.source)) {
+          now.faces.push_back(face);
+        } else if (f == 0 || before.faces[f - 1].source != face.source) {
+          const CapRegion& r = regions[cap_region(face.source)];
+          each.step(r.triangle_count);
+          for (std::uint32_t t = r.first_triangle; t < r.first_triangle + r.triangle_count; ++t) {
+            const auto& v = d.caps.triangles[t];
+            now.faces.push_back(cap_side(face.source) == 0 ? Face{v, face.source}
+                                                           : Face{{v[0], v[2], v[1]}, face.source});
+          }
+        }
+      }
+    }
+  });
+  return out;
+}
+
 }  // namespace fracture

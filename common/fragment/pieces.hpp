@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "common/clip/restricted_diagram.hpp"
@@ -60,6 +61,12 @@ struct Pieces {
 /// Throws Interrupted.
 Pieces gather_pieces(const RestrictedDiagram& diagram, const Ownership& ownership,
                      const Execution& execution);
+
+/// The pieces of the diagram that `flat` are of, after its caps were triangulated finer and moved (rough/refine.hpp): those that
+/// gather_pieces() would find, without a further search for what hangs together. Nothing where that may have changed: loops of
+/// caps cross, or a region of them has become several, or none. Throws Interrupted.
+std::optional<Pieces> with_finer_caps(const Pieces& flat, const RestrictedDiagram& diagram,
+                                      const Execution& execution);
 
 /// Signed volume of the closed surface `faces` (divergence theorem), from the unrounded positions, m³.
 /// Throws Interrupted.

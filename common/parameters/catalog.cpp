@@ -93,7 +93,7 @@ nlohmann::json ParameterTable::to_json() const {
 
 nlohmann::json ParameterTable::patterns_to_json() const {
   nlohmann::json patterns = nlohmann::json::array(), materials = nlohmann::json::array(),
-                 general = nlohmann::json::array();
+                 general = nlohmann::json::array(), of_mesh = nlohmann::json::array();
   for (std::size_t k = 0; k < std::size(kPatternTraits); ++k) {
     RequestParameters request;
     request.fracture.pattern = default_pattern(k);
@@ -110,7 +110,8 @@ nlohmann::json ParameterTable::patterns_to_json() const {
                         {"parameters", std::move(own)}});
   }
   for (const ParameterSpec& spec : specs_)
-    if (spec.patterns.empty() && spec.decides != Decides::kSolid) general.push_back(describe(spec));
+    if (spec.patterns.empty())
+      (spec.decides == Decides::kSolid ? of_mesh : general).push_back(describe(spec));
 
   const ParameterSpec& material = *find("material");
   const nlohmann::json defaults = default_parameters();
@@ -133,6 +134,7 @@ nlohmann::json ParameterTable::patterns_to_json() const {
   }
   return {{"patterns", std::move(patterns)},
           {"parameters", std::move(general)},
+          {"mesh_parameters", std::move(of_mesh)},
           {"materials", std::move(materials)}};
 }
 

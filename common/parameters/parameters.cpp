@@ -80,8 +80,8 @@ std::string unknown_parameter(const std::vector<ParameterSpec>& specs, const std
   std::vector<std::string> known;
   for (const ParameterSpec& spec : specs) known.push_back(spec.name);
   const std::optional<std::string> nearest = nearest_name(name, known);
-  return "There is no parameter '" + shown(name) + "'. " +
-         (nearest ? "Did you mean '" + *nearest + "'? " : std::string()) +
+  return "There is no parameter '" + shown(name) + "'." + (nearest || first ? " " : "") +
+         (nearest ? "Did you mean '" + *nearest + "'?" : std::string()) + (nearest && first ? " " : "") +
          (first ? "The nearest of the " + std::to_string(known.size()) + " parameters are " +
                       join(nearest_names(name, known, kMostNames)) + "; GET /limits lists all."
                 : std::string());

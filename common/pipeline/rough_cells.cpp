@@ -1,6 +1,8 @@
 #include "common/pipeline/rough_cells.hpp"
 
 #include <algorithm>
+#include <optional>
+#include <utility>
 
 #include "common/fragment/make_fragments.hpp"
 #include "common/fragment/unite.hpp"
@@ -21,10 +23,8 @@ void restrain(const FragmentSet& set, const std::vector<std::uint32_t>& fragment
 }
 
 /// What the limits ask for where all cuts are flat: neither the noise nor a hit decides who is united with whom.
-SizeFigures unite_flat(const RestrictedDiagram& restricted, const Ownership& ownership,
+SizeFigures unite_flat(const RestrictedDiagram& restricted, const Pieces& pieces, const Ownership& ownership,
                        const SizeLimits& limits, std::vector<Union>& unions, const Execution& execution) {
-  if (!limits.any()) return {};
-  const Pieces pieces = gather_pieces(restricted, ownership, execution);
   PieceGroups groups(pieces.pieces.size());
   const SizeFigures figures = unite_by_size(restricted, pieces, limits, groups, execution);
   unions = name_unions(pieces, groups, lowest_cells(ownership), execution);
@@ -42,8 +42,12 @@ void make_rough_fragments(RestrictedDiagram& restricted, const FractureParameter
   SizeLimits limits = limits_in_force(parameters);
   const bool with_hits = !parameters.hits.empty(), rough = roughness.amplitude > 0;
   SizeFigures of_flat;
+  std::optional<Pieces> flat;
   if (!with_hits && rough) {
-    of_flat = unite_flat(restricted, ownership, limits_of_flat_pieces(limits), before, execution);
+    if (const SizeLimits of_pieces = limits_of_flat_pieces(limits); of_pieces.any()) {
+      flat = gather_pieces(restricted, ownership, execution);
+      of_flat = unite_flat(restricted, *flat, ownership, of_pieces, before, execution);
+    }
     limits.fragments = 0;
   }
   PieceRecord record;
@@ -52,7 +56,11 @@ void make_rough_fragments(RestrictedDiagram& restricted, const FractureParameter
     cut.rough = roughen(restricted, ownership.owner_of_site, roughness, restraints, parameters.seed,
                         execution, trace);
     execution.reaches(0.9);
-    cut.set = make_fragments(restricted, ownership, parameters.pivot, limits, execution, before, &record);
+    std::optional<Pieces> pieces;
+    if (flat) pieces = with_finer_caps(*flat, restricted, execution);
+    if (!pieces) pieces = gather_pieces(restricted, ownership, execution);
+    cut.set = make_fragments(restricted, ownership, std::move(*pieces), parameters.pivot, limits, execution,
+                             before, &record);
     cut.set.size.parts += of_flat.parts;
     if (!(roughness.amplitude > 0)) break;
     const Verdict verdict = judged(cut.set);
@@ -75,6 +83,7 @@ void make_rough_fragments(RestrictedDiagram& restricted, const FractureParameter
     cut.pieces[ownership.sites_of_owner[o][0]] = record.pieces[o];
   cut.restrained_cells = static_cast<std::uint32_t>(
       std::count_if(restraints.begin(), restraints.end(), [](Restraint r) { return r != Restraint::kNone; }));
+  if (flat) clear_with_polls(execution, flat->pieces);
   cut.all_flat = roughness.amplitude != parameters.roughness.amplitude;
 }
 

@@ -65,14 +65,19 @@ int run(const Options& options, Hulls hulls) {
   StageTimings stages;
   for (int k = 0; k < options.repeat; ++k) {
     if (!prepare.time([&] { return make_solid(mesh, {}, execution); })) return 1;
-    const Expected<FracturedSolid> all = whole.time([&] {
+    const Expected<FracturedSolid> all = whole.time([&]() -> Expected<FracturedSolid> {
       const Expected<Diagram> diagram = make_diagram(*solid, p, execution, timings);
+      if (!diagram) return tl::unexpected(diagram.error());
       return fracture(*solid, *diagram, p, execution, timings);
     });
+    if (!all) {
+      std::printf("%s: %s\n", slug(all.error().code), all.error().detail.c_str());
+      return 1;
+    }
     StageTimings now;
     Expected<KeptAnswer> hit =
         local.time([&] { return fracture_delta(*solid, base->base, p, {1}, execution, now); });
-    if (!all || !hit || !same(all->set, hit->fractured.set)) {
+    if (!hit || !same(all->set, hit->fractured.set)) {
       std::printf("the answers differ\n");
       return 1;
     }

@@ -41,6 +41,39 @@ TEST(BoxTree, FindsWhatOverlapsABox) {
   }
 }
 
+/// How many boxes of the tree overlap the query, whose items do not count.
+std::size_t entered(const BoxTree& tree, const Box& query) {
+  std::size_t count = 0;
+  tree.each_entered(
+      [&](const Box& box) {
+        const bool in = box.intersects(query);
+        count += in;
+        return in;
+      },
+      [] {}, [](std::uint32_t) {});
+  return count;
+}
+
+TEST(BoxTree, WhatIsSmallBesideTheWholeIsDividedAllTheSame) {
+  constexpr std::uint32_t kBoxes = 20'000;
+  for (const double scale : {1.0, 1e-7, 1e-14, 1e-40, 1e-300}) {
+    std::vector<Box> boxes;
+    std::vector<std::uint32_t> groups{0};
+    Random random(5);
+    for (std::uint32_t k = 0; k < kBoxes; ++k) {
+      const Vec3d at = scale * Vec3d{random.uniform(), random.uniform(), random.uniform()};
+      boxes.push_back({at, at + 0.01 * scale * Vec3d{1, 1, 1}});
+      groups.push_back(k + 1);
+    }
+    boxes.push_back({{1, 1, 1}, {1, 1, 1}});  // far away
+    groups.push_back(kBoxes + 1);
+    const BoxTree alone(boxes), of_one_group(boxes, {0, kBoxes + 1}), of_groups(boxes, groups);
+    for (std::uint32_t k = 0; k < kBoxes; k += 1000)
+      for (const BoxTree* tree : {&alone, &of_one_group, &of_groups})
+        EXPECT_LT(entered(*tree, boxes[k]), 200u) << scale << ": all of it are " << kBoxes;
+  }
+}
+
 TEST(BoxTree, GoesIntoTheBoxesThatAreWantedAndLeavesThem) {
   const std::vector<Box> boxes = random_boxes(300, 1);
   const BoxTree tree(boxes);

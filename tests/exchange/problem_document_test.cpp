@@ -14,6 +14,11 @@ TEST(ProblemDocument, HasWhatIsTextAndNothingElse) {
   EXPECT_EQ(problem.title, "A title");
   EXPECT_EQ(problem.detail, "");
   EXPECT_EQ(problem.parameter, "sites");
+  const nlohmann::json figures{{"type", "/problems/a"}, {"title", "A"},         {"status", 422},
+                               {"detail", "B."},        {"parameter", "nodes"}, {"instance", "/x"},
+                               {"request_id", "1"},     {"known", {"lid"}},     {"open_edges", 3}};
+  EXPECT_EQ(*problem_in(figures).extra, (nlohmann::json{{"known", {"lid"}}, {"open_edges", 3}}));
+  EXPECT_TRUE(problem_in(nlohmann::json("text")).extra->empty());
   EXPECT_EQ(problem_in(nlohmann::json::array({1})).slug(), "");
   EXPECT_EQ(problem_in(nlohmann::json()).detail, "");
 }

@@ -403,10 +403,12 @@ TEST(Parameters, TheCatalogueDescribesEveryPatternAndMaterial) {
       named.insert(parameter.at("name"));
     }
   for (const auto& parameter : catalogue.at("parameters")) named.insert(parameter.at("name"));
-  for (const ParameterSpec& spec : table().specs())
-    if (spec.decides != Decides::kSolid) {
-      EXPECT_EQ(named.count(spec.name), 1u) << spec.name;
-    }
+  std::set<std::string> of_mesh;
+  for (const auto& parameter : catalogue.at("mesh_parameters")) of_mesh.insert(parameter.at("name"));
+  for (const ParameterSpec& spec : table().specs()) {
+    EXPECT_EQ(named.count(spec.name), spec.decides == Decides::kSolid ? 0u : 1u) << spec.name;
+    EXPECT_EQ(of_mesh.count(spec.name), spec.decides == Decides::kSolid ? 1u : 0u) << spec.name;
+  }
   ASSERT_EQ(catalogue.at("materials").size(), 13u);
   for (const auto& material : catalogue.at("materials")) {
     std::vector<RawParameter> given;
