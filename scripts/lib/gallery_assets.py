@@ -117,7 +117,7 @@ class AssetSheets:
 
     def draw_blind(self, seed):
         """Ten cells without colours or names, of seven materials, for somebody who has to say which is which; the answers
-        are in blind.key."""
+        are in blind.key. Cuts are as rough, as metallic and as clear as their material says."""
         draw = random.Random(seed)
         materials = list(BLIND_MATERIALS) + draw.sample(sorted(BLIND_MATERIALS), 3)
         draw.shuffle(materials)
@@ -131,6 +131,6 @@ class AssetSheets:
                            [(letter, {}) for letter in letters],
                            [("exploded", {"view": "exploded", "explode": 0.5}, cells), ("hit", {"view": "impact"}, cells),
                             ("close by", CLOSE, cells)],
-                           {"look": "plaster"})
+                           {"look": "grey"})
         key = "".join(f"{letter} {pair[0]} {pair[1]}\n" for letter, pair in zip(letters, [p for p in pairs if p in made]))
         (self.gallery.folder / "blind.key").write_text(key, encoding="utf-8")

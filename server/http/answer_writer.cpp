@@ -6,7 +6,6 @@
 
 namespace fracture::http {
 
-using error_code = boost::system::error_code;
 namespace bhttp = beast::http;
 
 std::string http_date() {

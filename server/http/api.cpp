@@ -103,7 +103,12 @@ Answered Api::dispatch(const std::shared_ptr<Request>& request, const std::stop_
                        const Reply& reply) {
   switch (request->admission.route->operation) {
     case Operation::kGetIndex:
+      if (page_ && request->admission.representation == kIndexAsHtml) return get_page(*request, "index.html");
       return get_index();
+    case Operation::kGetDocs:
+      return get_page(*request, "docs.html");
+    case Operation::kGetPageFile:
+      return get_page(*request, request->admission.segment);
     case Operation::kGetVersion:
       return get_version();
     case Operation::kGetLimits:
@@ -112,6 +117,8 @@ Answered Api::dispatch(const std::shared_ptr<Request>& request, const std::stop_
       return get_patterns();
     case Operation::kGetOpenapi:
       return get_openapi();
+    case Operation::kGetLlms:
+      return get_llms();
     case Operation::kGetProblem:
       return get_problem(*request);
     case Operation::kPostFracture:

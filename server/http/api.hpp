@@ -25,6 +25,7 @@
 #include "server/http/routes.hpp"
 #include "server/jobs/jobs.hpp"
 #include "server/ops/metrics.hpp"
+#include "server/page/samples.hpp"
 #include "server/service/client_shares.hpp"
 #include "server/service/dispatcher.hpp"
 #include "server/service/memory_budget.hpp"
@@ -37,6 +38,9 @@ namespace fracture::http {
 
 /// What a handler has to say: an answer, or nothing yet (it replies later), or a refusal.
 using Answered = OrProblem<std::optional<Response>>;
+
+/// Whether this asks for the page, which holds no secret.
+bool is_page(Operation operation, const RequestHead& head);
 
 class Api {
  public:
@@ -66,6 +70,11 @@ class Api {
   /// Returns when what has become of the jobs is on the disk.
   void flush_jobs() { jobs_.flush(); }
 
+  /// Whether browsers get the page. Before the first request.
+  void show_page(bool shown) { page_ = shown; }
+  bool shows_page() const { return page_; }
+  /// What the page offers beside its own shapes. Before the first request.
+  void offer(page::Samples samples) { samples_ = std::move(samples); }
   /// Not ready any more. Jobs of an earlier process that have not begun yet stay for the next one.
   void set_draining() {
     draining_ = true;
@@ -169,10 +178,13 @@ class Api {
   Answered delete_job(const Request& request);
   Answered get_job_events(const Request& request);
   Response get_index() const;
+  /// A file of client/page, or why there is none.
+  OrProblem<Response> get_page(const Request& request, std::string_view path) const;
   Response get_version() const;
   Response get_limits() const;
   Response get_patterns() const;
   Response get_openapi() const;
+  Response get_llms() const;
   OrProblem<Response> get_problem(const Request& request) const;
   nlohmann::ordered_json describe_limits() const;
   OrProblem<Response> get_readyz() const;
@@ -200,6 +212,8 @@ class Api {
   Jobs jobs_;
   std::string limits_text_, patterns_text_;  ///< made once: they are long and never change
   VariantFlights variants_;
+  bool page_ = true;
+  page::Samples samples_;
   std::atomic<bool> draining_{false}, closing_{false};
   ops::Metrics metrics_;
 };
@@ -209,5 +223,7 @@ Response refusal(Error error, std::string_view request_id);
 
 /// The OpenAPI document as JSON, generated from proto/openapi.yaml at build time.
 std::string_view openapi_json();
+/// interface.md, operations and parameters.md in one: what a client is written from.
+std::string_view llms_txt();
 
 }  // namespace fracture::http

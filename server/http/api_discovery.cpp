@@ -18,10 +18,10 @@ std::string escaped(std::string_view text) {
 }
 
 /// Of text that lives as long as the server.
-Response lasting(std::string_view json) {
+Response lasting(std::string_view text, std::string content_type = "application/json") {
   Response response;
-  response.content_type = "application/json";
-  response.body = {reinterpret_cast<const std::uint8_t*>(json.data()), json.size()};
+  response.content_type = std::move(content_type);
+  response.body = {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
   return response;
 }
 
@@ -35,6 +35,7 @@ Response Api::get_index() const {
        {"algorithm", kAlgorithmVersion},
        {"links",
         {{"interface", "/openapi.json"},
+         {"text", "/llms.txt"},
          {"limits", "/limits"},
          {"patterns", "/patterns"},
          {"version", "/version"}}}});
@@ -86,6 +87,8 @@ nlohmann::ordered_json Api::describe_limits() const {
 Response Api::get_patterns() const { return lasting(patterns_text_); }
 
 Response Api::get_openapi() const { return lasting(openapi_json()); }
+
+Response Api::get_llms() const { return lasting(llms_txt(), "text/plain; charset=utf-8"); }
 
 OrProblem<Response> Api::get_problem(const Request& request) const {
   const std::span<const ProblemType> types = problem_types();

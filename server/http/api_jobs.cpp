@@ -2,6 +2,7 @@
 #include <atomic>
 #include <stop_token>
 
+#include "common/base/json_text.hpp"
 #include "server/http/api.hpp"
 #include "server/http/job_document.hpp"
 #include "server/http/job_wait.hpp"
@@ -46,7 +47,7 @@ class JobEvents final : public BodyStream {
           state->ended = job.finished();
           once->ready("id: " + std::to_string(job.version) +
                       "\nevent: " + (state->ended ? name_of(job.state) : "progress") +
-                      "\ndata: " + describe(job, state->request_id).dump() + "\n\n");
+                      "\ndata: " + json_text(describe(job, state->request_id)) + "\n\n");
         });
     if (watch)
       watch_ = *watch;

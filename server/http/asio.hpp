@@ -11,6 +11,7 @@ namespace fracture::http {
 
 namespace asio = protocol::asio;
 namespace beast = protocol::beast;
+using error_code = boost::system::error_code;
 using protocol::tcp;
 
 }  // namespace fracture::http

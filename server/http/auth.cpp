@@ -23,6 +23,9 @@ Problem unauthorized(std::string detail, const char* challenge) {
 Scopes needed(Operation operation, const RequestHead& head) {
   switch (operation) {
     case Operation::kGetIndex:
+    case Operation::kGetLlms:
+    case Operation::kGetDocs:
+    case Operation::kGetPageFile:
     case Operation::kGetVersion:
     case Operation::kGetLimits:
     case Operation::kGetPatterns:
@@ -74,10 +77,12 @@ const Route* route_of(const RequestHead& head) {
 
 }  // namespace
 
-OrProblem<AccountPointer> authenticate(const tenants::Accounts& accounts, const RequestHead& head) {
+OrProblem<AccountPointer> authenticate(const tenants::Accounts& accounts, const RequestHead& head,
+                                       bool page) {
   if (accounts.open()) return AccountPointer();
   const Route* const route = route_of(head);
   if (route && route->operation == Operation::kGetProblem) return AccountPointer();  // that of 401 among them
+  if (route && page && is_page(route->operation, head)) return AccountPointer();
   const std::string given = head.field("authorization");
   constexpr std::string_view kScheme = "Bearer ";
   if (given.size() <= kScheme.size() ||

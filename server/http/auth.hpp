@@ -14,8 +14,9 @@ namespace fracture::http {
 
 using AccountPointer = std::shared_ptr<tenants::Account>;
 
-/// Null when nobody is asked for a token. 401 for who shows none, a wrong one or one that has expired.
-OrProblem<AccountPointer> authenticate(const tenants::Accounts& accounts, const RequestHead& head);
+/// Null when nobody is asked for a token. 401 for who shows none, a wrong one or one that has expired. `page`: browsers
+/// get the page, which asks for the token itself.
+OrProblem<AccountPointer> authenticate(const tenants::Accounts& accounts, const RequestHead& head, bool page);
 
 /// Counts the request. 403 where the name's scopes do not hold what is asked (a path that is not there needs
 /// none), 429 over its requests a second.

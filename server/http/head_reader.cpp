@@ -8,7 +8,6 @@
 namespace fracture::http {
 namespace {
 
-using error_code = boost::system::error_code;
 using Clock = TimedSocket::Clock;
 
 /// Whoever asks on the admin listener is near and quick.

@@ -1,5 +1,7 @@
 #include "server/http/message.hpp"
 
+#include "common/base/json_text.hpp"
+
 namespace fracture::http {
 
 std::string_view Response::header(std::string_view name) const {
@@ -19,7 +21,7 @@ Response Response::text(int status, std::string content_type, std::string body) 
 }
 
 Response Response::json(const nlohmann::ordered_json& document, int status) {
-  return text(status, "application/json", document.dump(2) + "\n");
+  return text(status, "application/json", json_text(document, 2) + "\n");
 }
 
 Response Response::problem(const Problem& problem, std::string_view request_id) {

@@ -36,33 +36,33 @@ std::optional<std::string> parameter_of(std::string_view value, std::string_view
   return std::nullopt;
 }
 
-tl::unexpected<Problem> malformed(std::string detail) {
+tl::unexpected<Problem> malformed_form(std::string detail) {
   return refuse(HttpProblem::kMalformedMultipart, std::move(detail));
 }
 
 tl::unexpected<Problem> around(std::size_t bytes, const char* where) {
-  return malformed("The form has " + std::to_string(bytes) + " bytes " + where + " boundary; the limit is " +
-                   std::to_string(kMaxAround) + ".");
+  return malformed_form("The form has " + std::to_string(bytes) + " bytes " + where +
+                        " boundary; the limit is " + std::to_string(kMaxAround) + ".");
 }
 
 OrProblem<FormPart> parse_part(std::string_view text) {
   FormPart part;
   const bool no_header = text.substr(0, 2) == "\r\n";
   const std::size_t end = no_header ? 0 : text.substr(0, kMaxPartHeader).find("\r\n\r\n");
-  if (end == std::string_view::npos) return malformed("A part has no header, or one over 4096 bytes.");
+  if (end == std::string_view::npos) return malformed_form("A part has no header, or one over 4096 bytes.");
   part.body = text.substr(end + (no_header ? 2 : 4));
   bool form_data = false;
   for (std::string_view block = text.substr(0, end); !block.empty();) {
     const std::string_view line = block.substr(0, block.find("\r\n"));
     block.remove_prefix(std::min(block.size(), line.size() + 2));
     const std::size_t colon = line.find(':');
-    if (colon == std::string_view::npos) return malformed("A part's header line has no colon.");
+    if (colon == std::string_view::npos) return malformed_form("A part's header line has no colon.");
     const std::string_view value = trimmed(line.substr(colon + 1));
     if (equals_ignoring_case(line.substr(0, colon), "content-disposition")) {
       if (media_type_of(value) != "form-data")
-        return malformed("A part's Content-Disposition is not form-data.");
+        return malformed_form("A part's Content-Disposition is not form-data.");
       const std::optional<std::string> name = parameter_of(value, "name");
-      if (!name) return malformed("A part has no name.");
+      if (!name) return malformed_form("A part has no name.");
       part.name = *name;
       part.filename = parameter_of(value, "filename");
       form_data = true;
@@ -70,7 +70,7 @@ OrProblem<FormPart> parse_part(std::string_view text) {
       part.content_type = media_type_of(value);
     }
   }
-  if (!form_data) return malformed("A part has no Content-Disposition.");
+  if (!form_data) return malformed_form("A part has no Content-Disposition.");
   return part;
 }
 
@@ -99,7 +99,7 @@ OrProblem<std::vector<FormPart>> parse_multipart(std::string_view body, std::str
   } else {
     at = body.find(delimiter);
     if (at == std::string_view::npos)
-      return malformed("The boundary named in Content-Type never occurs in the body.");
+      return malformed_form("The boundary named in Content-Type never occurs in the body.");
     if (at > kMaxAround) return around(at, "before its first");
     at += delimiter.size();
   }
@@ -111,13 +111,14 @@ OrProblem<std::vector<FormPart>> parse_multipart(std::string_view body, std::str
       return parts;
     }
     while (at < body.size() && (body[at] == ' ' || body[at] == '\t')) ++at;  // transport padding
-    if (body.substr(at, 2) != "\r\n") return malformed("A boundary line has something after the boundary.");
+    if (body.substr(at, 2) != "\r\n")
+      return malformed_form("A boundary line has something after the boundary.");
     at += 2;
     const std::size_t end = body.find(delimiter, at);
     if (end == std::string_view::npos)
-      return malformed("The closing boundary is missing: the body was cut off.");
+      return malformed_form("The closing boundary is missing: the body was cut off.");
     if (parts.size() == kMaxParts)
-      return malformed("There are more than " + std::to_string(kMaxParts) + " parts.");
+      return malformed_form("There are more than " + std::to_string(kMaxParts) + " parts.");
     OrProblem<FormPart> part = parse_part(body.substr(at, end - at));
     if (!part) return tl::unexpected<Problem>(std::move(part.error()));
     parts.push_back(std::move(*part));

@@ -8,7 +8,6 @@
 namespace fracture::http {
 namespace {
 
-using error_code = boost::system::error_code;
 using Clock = TimedSocket::Clock;
 namespace bhttp = beast::http;
 using Parser = bhttp::request_parser<bhttp::string_body>;

@@ -25,7 +25,7 @@ bool is_field_value(std::string_view s) {
 
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; }
 
-tl::unexpected<Problem> malformed(std::string detail) {
+tl::unexpected<Problem> malformed_request(std::string detail) {
   return refuse(HttpProblem::kMalformedRequest, std::move(detail));
 }
 
@@ -46,14 +46,14 @@ bool has_escaped_slash(std::string_view path) {
 OrProblem<bool> parse_request_line(std::string_view line, RequestHead& head, const HttpLimits& limits) {
   const std::size_t first = line.find(' '), last = line.rfind(' ');
   if (first == std::string_view::npos || first == last)
-    return malformed("The request line must be 'METHOD /path HTTP/1.1'.");
+    return malformed_request("The request line must be 'METHOD /path HTTP/1.1'.");
   const std::string_view method = line.substr(0, first), target = line.substr(first + 1, last - first - 1),
                          version = line.substr(last + 1);
-  if (!is_token(method)) return malformed("The method is not a token.");
+  if (!is_token(method)) return malformed_request("The method is not a token.");
   if (version.size() != 8 || version.substr(0, 5) != "HTTP/" || version[6] != '.' ||
       hex_value(version[5]) < 0 || hex_value(version[5]) > 9 || hex_value(version[7]) < 0 ||
       hex_value(version[7]) > 9)
-    return malformed("The protocol must be written 'HTTP/1.1'.");
+    return malformed_request("The protocol must be written 'HTTP/1.1'.");
   if (version != "HTTP/1.1" && version != "HTTP/1.0")
     return refuse(HttpProblem::kVersionNotSupported,
                   "The request names a protocol version other than HTTP/1.1 and HTTP/1.0.");
@@ -62,17 +62,18 @@ OrProblem<bool> parse_request_line(std::string_view line, RequestHead& head, con
                                                 " bytes; the limit is " + std::to_string(limits.max_uri) +
                                                 ".");
   if (target.empty() || target.front() != '/')
-    return malformed("The request target must be a path that begins with '/' (no absolute form, no '*').");
+    return malformed_request(
+        "The request target must be a path that begins with '/' (no absolute form, no '*').");
   for (const char c : target)
     if (static_cast<unsigned char>(c) <= 0x20 || static_cast<unsigned char>(c) >= 0x7f || c == '#')
-      return malformed("The request target has a character that must be percent-encoded.");
+      return malformed_request("The request target has a character that must be percent-encoded.");
   const std::size_t mark = target.find('?');
   if (has_escaped_slash(target.substr(0, mark)))
-    return malformed(
+    return malformed_request(
         "The path has a '/' written as %2F: proxies and servers disagree about what that names.");
   const std::optional<std::string> path = percent_decode(target.substr(0, mark), Plus::kIsPlus);
   if (!path || path->find('\0') != std::string::npos)
-    return malformed("The path has a malformed percent escape.");
+    return malformed_request("The path has a malformed percent escape.");
   head.method = method;
   head.path = *path;
   if (mark != std::string_view::npos) head.query = target.substr(mark + 1);
@@ -86,13 +87,14 @@ OrProblem<bool> parse_fields(std::string_view block, RequestHead& head) {
     const std::string_view line = block.substr(0, end);
     block.remove_prefix(end + 2);
     if (line.front() == ' ' || line.front() == '\t')
-      return malformed("A header field is folded over several lines; write it on one.");
+      return malformed_request("A header field is folded over several lines; write it on one.");
     const std::size_t colon = line.find(':');
     if (colon == std::string_view::npos || !is_token(line.substr(0, colon)))
-      return malformed(
+      return malformed_request(
           "A header line is not 'name: value' with a token as name and no space before the colon.");
     const std::string_view value = trimmed(line.substr(colon + 1));
-    if (!is_field_value(value)) return malformed("A header field has a control character in its value.");
+    if (!is_field_value(value))
+      return malformed_request("A header field has a control character in its value.");
     head.fields.emplace_back(line.substr(0, colon), value);
   }
   return true;
@@ -107,22 +109,23 @@ OrProblem<bool> decide_framing(RequestHead& head) {
     if (equals_ignoring_case(name, "transfer-encoding")) ++codings, coding = value;
   }
   if (hosts > 1 || (hosts == 0 && head.minor_version == 1))
-    return malformed("A request needs exactly one Host field; this one has " + std::to_string(hosts) + ".");
+    return malformed_request("A request needs exactly one Host field; this one has " + std::to_string(hosts) +
+                             ".");
   if (host.find_first_of(" \t,/@") != std::string_view::npos)
-    return malformed("The Host field is not 'host[:port]'.");
+    return malformed_request("The Host field is not 'host[:port]'.");
   if (codings > 0) {
-    if (lengths > 0) return malformed("Content-Length and Transfer-Encoding were both given.");
-    if (head.minor_version == 0) return malformed("Transfer-Encoding does not exist in HTTP/1.0.");
+    if (lengths > 0) return malformed_request("Content-Length and Transfer-Encoding were both given.");
+    if (head.minor_version == 0) return malformed_request("Transfer-Encoding does not exist in HTTP/1.0.");
     if (codings > 1 || !equals_ignoring_case(coding, "chunked"))
       return refuse(HttpProblem::kNotImplemented, "The only transfer coding is 'chunked', given once.");
     head.chunked = true;
   }
-  if (lengths > 1) return malformed("Content-Length was given more than once.");
+  if (lengths > 1) return malformed_request("Content-Length was given more than once.");
   if (lengths == 1) {
     std::uint64_t number = 0;
     const auto [end, error] = std::from_chars(length.data(), length.data() + length.size(), number);
     if (length.empty() || error == std::errc::invalid_argument || end != length.data() + length.size())
-      return malformed("Content-Length must be a whole number in digits.");
+      return malformed_request("Content-Length must be a whole number in digits.");
     if (error == std::errc::result_out_of_range) number = UINT64_MAX;
     head.content_length = number;
   }
@@ -170,13 +173,13 @@ OrProblem<std::optional<std::size_t>> find_head_end(std::string_view received, s
                                                     const HttpLimits& limits) {
   for (std::size_t i = searched; i < received.size() && i < limits.max_header; ++i) {
     const char c = received[i];
-    if (c == '\0') return malformed("The header has a NUL byte.");
+    if (c == '\0') return malformed_request("The header has a NUL byte.");
     if (c == '\n') {
-      if (i == 0 || received[i - 1] != '\r') return malformed("A header line ends in LF without CR.");
-      if (i == 1) return malformed("The request begins with an empty line.");
+      if (i == 0 || received[i - 1] != '\r') return malformed_request("A header line ends in LF without CR.");
+      if (i == 1) return malformed_request("The request begins with an empty line.");
       if (i >= 3 && received[i - 2] == '\n') return std::optional<std::size_t>(i + 1);
     } else if (i > 0 && received[i - 1] == '\r') {
-      return malformed("The header has a CR without LF.");
+      return malformed_request("The header has a CR without LF.");
     }
     searched = i + 1;
   }
@@ -192,7 +195,7 @@ OrProblem<std::optional<std::size_t>> find_head_end(std::string_view received, s
 
 OrProblem<RequestHead> parse_head(std::string_view head, const HttpLimits& limits) {
   if (head.size() < 4 || head.substr(head.size() - 4) != "\r\n\r\n")
-    return malformed("The header does not end with an empty line.");
+    return malformed_request("The header does not end with an empty line.");
   head.remove_suffix(2);  // each remaining line ends in CRLF
   const std::size_t end = head.find("\r\n");
   RequestHead result;

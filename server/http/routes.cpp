@@ -10,12 +10,17 @@ constexpr std::string_view kJsonTypes[] = {"application/json"};
 constexpr std::string_view kEventTypes[] = {"text/event-stream"};
 constexpr std::string_view kTextTypes[] = {"text/plain"};
 constexpr std::string_view kPageTypes[] = {"text/plain", "text/html"};
+constexpr std::string_view kHtmlTypes[] = {"text/html"};
+/// Whatever a page's element asks for (an image by `image/*`) is what stands there.
+constexpr std::string_view kAnyTypes[] = {"*/*"};
 
 using enum Operation;
 using enum Listener;
 
 constexpr Route kRoutes[] = {
-    {kGetIndex, kPublic, "GET", "/", Carries::kNothing, kJsonTypes, "What this is"},
+    {kGetIndex, kPublic, "GET", "/", Carries::kNothing, kIndexTypes, "What this is; the page"},
+    {kGetDocs, kPublic, "GET", "/docs", Carries::kNothing, kHtmlTypes, "This interface for people"},
+    {kGetPageFile, kPublic, "GET", "/page/{file}", Carries::kNothing, kAnyTypes, "What the page loads"},
     {kGetVersion, kPublic, "GET", "/version", Carries::kNothing, kJsonTypes,
      "Versions of the server and of the algorithm"},
     {kGetLimits, kPublic, "GET", "/limits", Carries::kNothing, kJsonTypes, "Limits, parameters and formats"},
@@ -23,6 +28,8 @@ constexpr Route kRoutes[] = {
      "Patterns, materials and their parameters"},
     {kGetOpenapi, kPublic, "GET", "/openapi.json", Carries::kNothing, kJsonTypes,
      "This interface as OpenAPI 3.1"},
+    {kGetLlms, kPublic, "GET", "/llms.txt", Carries::kNothing, kTextTypes,
+     "This interface as one plain text"},
     {kGetProblem, kPublic, "GET", "/problems/{name}", Carries::kNothing, kPageTypes,
      "What a problem type means and what to do"},
     {kPostFracture, kPublic, "POST", "/fracture", Carries::kMeshOrName, kResultTypes, "Fracture a mesh"},

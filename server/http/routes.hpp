@@ -15,10 +15,13 @@ enum class Listener { kPublic, kAdmin };
 /// The operationId of each route in proto/openapi.yaml.
 enum class Operation {
   kGetIndex,
+  kGetDocs,
+  kGetPageFile,
   kGetVersion,
   kGetLimits,
   kGetPatterns,
   kGetOpenapi,
+  kGetLlms,
   kGetProblem,
   kPostFracture,
   kGetFracture,
@@ -67,6 +70,10 @@ std::optional<std::string> match(const Route& route, std::string_view path);
 /// else.
 inline constexpr std::string_view kDigestScheme = "sha256:";
 std::optional<std::string> digest_in(std::string_view segment);
+
+/// Of GET /: programs get JSON, and so does who takes anything; browsers ask for HTML.
+inline constexpr std::string_view kIndexTypes[] = {"application/json", "text/html"};
+inline constexpr std::size_t kIndexAsHtml = 1;
 
 /// Of the offers of the routes that answer with a result.
 inline constexpr std::size_t kAsGlb = 0, kAsFigures = 1, kAsGltf = 2;

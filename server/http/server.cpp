@@ -19,8 +19,6 @@
 namespace fracture::http {
 namespace {
 
-using error_code = boost::system::error_code;
-
 /// File descriptors that are not connections: logs, listeners, event queues, what the libraries open for a
 /// moment.
 constexpr std::size_t kReservedDescriptors = 64;

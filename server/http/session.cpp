@@ -168,7 +168,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
       policy_fields_ = context_.policy.cors.fields(head);
       preflight = context_.policy.cors.preflight(head);
       if (!preflight) {
-        OrProblem<AccountPointer> account = authenticate(context_.policy.accounts, head);
+        OrProblem<AccountPointer> account = authenticate(context_.policy.accounts, head, api_.shows_page());
         if (!account) {
           co_await refuse_and_close(account.error());
           co_return false;

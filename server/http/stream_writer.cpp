@@ -7,7 +7,6 @@ namespace fracture::http {
 namespace {
 
 using std::chrono::steady_clock;
-using error_code = boost::system::error_code;
 namespace bhttp = beast::http;
 
 /// What a stream has delivered. Shared, since either side may outlive the other.

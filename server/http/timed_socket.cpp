@@ -15,8 +15,6 @@
 namespace fracture::http {
 namespace {
 
-using error_code = boost::system::error_code;
-
 constexpr std::chrono::seconds kLingerIdle{2}, kLingerTotal{10};
 
 }  // namespace

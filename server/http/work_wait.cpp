@@ -4,8 +4,6 @@
 
 namespace fracture::http {
 
-using error_code = boost::system::error_code;
-
 WorkWait::WorkWait(std::shared_ptr<TimedSocket> connection)
     : connection_(std::move(connection)), woken_(connection_->socket().get_executor()) {}
 

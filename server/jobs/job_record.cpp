@@ -107,6 +107,7 @@ std::string encode_record(const JobRecord& r) {
                   {"detail", r.error->detail},
                   {"pointer", r.error->pointer},
                   {"extra", *r.error->extra}};
+  // Throws for what is no UTF-8, which would be read back as something else: such a job is refused (Room::kUnfit).
   const std::string text = j.dump() + "\n";
   return std::string(kRecord) + sha256(text).hex() + "\n" + text;
 }

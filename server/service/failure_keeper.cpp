@@ -10,6 +10,7 @@
 #include <system_error>
 #include <utility>
 
+#include "common/base/json_text.hpp"
 #include "common/parameters/as_text.hpp"
 #include "common/pipeline/fracture.hpp"
 
@@ -202,7 +203,7 @@ void FailureKeeper::write(const FractureRequest& request, const Error& error, co
   } else {
     json all = parameters;
     all["format"] = extension;
-    manifest = json{{"input", mesh}, {"output", output}, {"parameters", std::move(all)}}.dump() + "\n";
+    manifest = json_text(json{{"input", mesh}, {"output", output}, {"parameters", std::move(all)}}) + "\n";
     command += " --manifest job.ndjson --report again.ndjson";
   }
   const json document = {
@@ -222,7 +223,7 @@ void FailureKeeper::write(const FractureRequest& request, const Error& error, co
       {"files", std::move(files)},
       {"parameters", parameters},
       {"command", command}};
-  const std::string text = document.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
+  const std::string text = json_text(document, 2) + "\n";
   bytes += text.size() + manifest.size();
 
   fs::create_directories(folder);

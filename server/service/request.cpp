@@ -14,9 +14,9 @@ Digest digest_of(const FractureRequest& request, const Execution& execution) {
   if (request.files.empty()) return sha256(request.mesh, execution);
   std::vector<const ImportFile*> files;
   for (const ImportFile& file : request.files) files.push_back(&file);
-  std::sort(files.begin(), files.end(), [](const ImportFile* a, const ImportFile* b) {
-    return std::lexicographical_compare(a->name.begin(), a->name.end(), b->name.begin(), b->name.end());
-  });
+  // By bytes, as every client sorts them; a char of itself is signed on some machines.
+  std::sort(files.begin(), files.end(),
+            [](const ImportFile* a, const ImportFile* b) { return a->name < b->name; });
   std::string list = "files\n" + sha256(request.mesh, execution).hex() + "\n";
   for (const ImportFile* file : files)  // the length keeps names with line breaks apart
     list += std::to_string(file->name.size()) + " " + file->name + " " +

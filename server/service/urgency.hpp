@@ -113,11 +113,13 @@ class Urgency {
     if (waiting(priority) == 0) waiting_[static_cast<std::size_t>(priority)].flow = flow;
     ++waiting(priority);
   }
-  /// Those who wait have changed. When nobody does, it is being stopped, and ends in the class that it has.
+  /// Those who wait have changed. When nobody does, it is being stopped, and ends in the class that it has: it is not what
+  /// others would have to wait for.
   void decide(WorkerPool& pool) {
     const Priority before = priority_;
     std::size_t most_urgent = 0;
     while (most_urgent < waiting_.size() && waiting_[most_urgent].count == 0) ++most_urgent;
+    if (most_urgent == waiting_.size() && !in_part_) pool.revise(task_, 0);
     if (most_urgent == waiting_.size() || static_cast<Priority>(most_urgent) == before) return;
     priority_ = static_cast<Priority>(most_urgent);
     if (part_) part_->move(pool, before, priority_, flow());

@@ -81,6 +81,21 @@ class ExampleBuild(unittest.TestCase):
         lists.write_text(lists.read_text().replace("sites=40", "sites=41 max-fragments=30"))
         self.expect_made_again(self.crate)  # a parameter
 
+    def test_an_obj_has_its_materials_beside_it(self):
+        lists = self.source / "CMakeLists.txt"
+        lists.write_text(lists.read_text() + "fracture_add_baked_asset(TARGET game INPUT assets/crate.gltf OUTPUT tools/crate.obj\n"
+                         "                         PARAMETERS sites=9)\n")
+        self.make()
+        made = self.build / "tools/crate.obj"
+        self.assertIn("\nmtllib crate.mtl\n", made.read_text())
+        self.assertIn("\nnewmtl Interior\n", made.with_suffix(".mtl").read_text())
+        before = made.stat().st_mtime_ns
+        self.make()
+        self.assertEqual(made.stat().st_mtime_ns, before)
+        self.touch("crate.bin", made)
+        self.make()
+        self.assertGreater(made.stat().st_mtime_ns, before)
+
     def test_a_refused_asset_fails_the_build_with_the_reason(self):
         buffer = self.source / "assets/crate.bin"
         whole = buffer.read_bytes()
@@ -97,8 +112,8 @@ class ExampleBuild(unittest.TestCase):
         lists = self.source / "CMakeLists.txt"
         good = lists.read_text()
         for wrong, reason in (("INPUT assets/crate.gltf PARAMETERS sites", "'sites' is no parameter"),
-                              ("INPUT assets/crate.gltf OUTPUT crate.obj",
-                               "OUTPUT ends in '.obj', which is not written"),
+                              ("INPUT assets/crate.gltf OUTPUT crate.fbx",
+                               "OUTPUT ends in '.fbx', which is not written"),
                               ("PARAMETERS sites=1", "TARGET and INPUT have to be given"),
                               ("nonsense INPUT assets/crate.gltf", "'nonsense' is not understood")):
             lists.write_text(good + f"fracture_add_baked_asset(TARGET game {wrong})\n")

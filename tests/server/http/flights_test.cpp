@@ -75,7 +75,8 @@ TEST_F(FlightsOverHttp, WhenEveryClientIsResetTheComputationStops) {
   for (const auto& client : clients) client->reset();
   server.dispatcher.wait_idle();  // the gate stays closed
   EXPECT_EQ(server.control->cancelled, 1);
-  EXPECT_EQ(server.dispatcher.figures().abandoned, 10u);
+  require_eventually(kPatience, "all to be counted as abandoned",
+                     [&] { return server.dispatcher.figures().abandoned == 10u; });
 }
 
 // Urgent data wakes the watch for a reset: it is no reset, and the watch goes on.

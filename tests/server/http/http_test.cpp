@@ -216,6 +216,12 @@ TEST(Http, DiscoveryDescribesThisServer) {
   EXPECT_EQ(server.get("/limits").json().at("parameters").at(0).at("name"), "material");
   EXPECT_EQ(server.get("/openapi.json").json().at("openapi"), "3.1.0");
   EXPECT_EQ(server.get("/version", "Accept: text/html\r\n").status, 406);
+  const Reply text = server.get("/llms.txt");
+  EXPECT_EQ(text.header("content-type"), "text/plain; charset=utf-8");
+  for (const char* said : {"Content-Type: model/gltf-binary", "`POST /meshes/{id}/fracture`",
+                           "`rough_amplitude`", "/problems/mesh-not-closed"})
+    EXPECT_NE(text.body.find(said), std::string::npos) << said;
+  EXPECT_EQ(text.body.find("]("), std::string::npos) << "nothing leads out of it";
   const nlohmann::json patterns = server.get("/patterns").json();
   EXPECT_EQ(patterns.at("patterns").at(0).at("name"), "uniform");
   EXPECT_EQ(patterns.at("materials").at(0).at("parameters").at("pattern"), "radial");

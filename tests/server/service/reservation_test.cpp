@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <stop_token>
 
 #include "server/service/dispatcher.hpp"
 #include "tests/server/support/fake_engine.hpp"
+#include "tests/server/support/gate.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::test {
@@ -233,6 +235,29 @@ TEST_F(ReservationTest, PredictionsAreRevisedWhenTheMeshIsKnown) {
   EXPECT_GT(pool.predicted_wait(Priority::kBatch).count(), 1'000);
   go = true;
   pool.wait_idle();
+}
+
+TEST_F(ReservationTest, WhatNobodyWaitsForIsNotWaitedFor) {
+  Gate gate;
+  control->during_cut = [&](const Execution&) { gate.pass_without_polls(); };
+  std::stop_source gone;
+  Terms terms;
+  terms.gone = gone.get_token();
+  FractureRequest slow = request(2'000'000);
+  slow.parameters.fracture.sites = 100'000;
+  EXPECT_FALSE(dispatcher.fracture(std::move(slow), terms, [](auto) {}));
+  gate.wait_for(1);
+  const auto retry_after = [&] {
+    const std::optional<Error> full = dispatcher.fracture(request(4'000'000), {}, [](auto) {});
+    return full ? full->retry_after : std::chrono::seconds(0);
+  };
+  EXPECT_GT(retry_after(), std::chrono::seconds(1)) << "it is predicted to take longer";
+  gone.request_stop();  // it has its memory until it polls
+  EXPECT_TRUE(eventually(kPatience, "the prediction to leave it out",
+                         [&] { return pool.predicted_wait(Priority::kBatch).count() == 0; }));
+  EXPECT_EQ(retry_after(), std::chrono::seconds(1));
+  gate.open = true;
+  dispatcher.wait_idle();
 }
 
 }  // namespace

@@ -133,6 +133,11 @@ TEST_F(ServiceTest, FurtherFilesAreInTheDigestByNameAndBytesWhateverTheirOrder) 
                                        digest_with({{"a.bin", bytes("2")}, {"b.bin", bytes("1")}}),
                                        digest_with({{"c.bin", bytes("1")}})};
   EXPECT_EQ(distinct.size(), 5u);
+  // As clients sort them: by bytes, of which those beyond ASCII are the highest.
+  const std::string umlaut = "\xc3\xa4.bin";
+  const std::string list = "files\n" + sha256("mesh").hex() + "\n5 a.bin " + sha256("1").hex() + "\n6 " +
+                           umlaut + " " + sha256("2").hex() + "\n";
+  EXPECT_EQ(digest_with({{umlaut, bytes("2")}, a}), sha256("fracture files 2\n" + sha256(list).hex()).hex());
   FractureRequest with = request("mesh");
   with.files = {a};
   EXPECT_NE(service.fracture(with, {})->result->key, service.fracture(request("mesh"), {})->result->key);

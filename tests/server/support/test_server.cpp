@@ -16,7 +16,7 @@ TestServer::TestServer(const TestServerOptions& options)
       pool(options.threads, options.max_queue),
       dispatcher(service, pool, options.dispatcher),
       api(dispatcher, options.limits, options.store, options.jobs),
-      server(options.server, api) {
+      server(options.server, (api.show_page(options.page), api.offer(options.samples), api)) {
   spdlog::set_level(spdlog::level::off);
 }
 

@@ -22,6 +22,8 @@ struct TestServerOptions {
   std::shared_ptr<FakeControl> control;  ///< of the engine, for what a server does by itself; null: a new one
   int threads = 2;
   std::size_t max_queue = 64;
+  bool page = true;  ///< browsers get it, where the server was built with it
+  page::Samples samples;
 
   TestServerOptions();
 };
