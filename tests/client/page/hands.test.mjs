@@ -5,7 +5,7 @@ import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import { after, before, describe, test } from 'node:test';
-import { Bench, onMesh, pictures, problem, serious, shown, skip, state } from './support.mjs';
+import { Bench, eventually, onMesh, pictures, problem, serious, shown, skip, state } from './support.mjs';
 
 describe('hands', { skip, timeout: 300_000 }, () => {
   let bench;
@@ -164,16 +164,16 @@ describe('hands', { skip, timeout: 300_000 }, () => {
     await field.fill('1');
     await field.press('Tab');
     await shown(page);
-    assert.equal(await control.getByText('was not taken').count(), 0);
-    assert.match(await page.locator('.status').textContent(), /^\s*1\s+fragment\s/);
+    await control.getByText('was not taken').waitFor({ state: 'detached' });
+    await eventually(() => page.locator('.status').textContent(), said => assert.match(said, /^\s*1\s+fragment\s/));
     await page.getByRole('tab', { name: 'Pieces' }).click();
     await page.getByRole('button', { name: 'Smallest' }).click();
     assert.doesNotMatch(await page.locator('#panel').innerText(), /\b1 (fragments|hulls|bodies)/);
     await page.getByRole('tab', { name: 'Break' }).click();
     await control.getByRole('button', { name: /Back to the default/ }).click();
     await shown(page);
-    assert.deepEqual([await field.inputValue(), await field.getAttribute('placeholder')], ['', 'auto']);
-    assert.equal(await page.getByRole('slider', { name: 'Fragments' }).getAttribute('aria-valuetext'), 'auto');
+    await eventually(async () => [await field.inputValue(), await field.getAttribute('placeholder')], found => assert.deepEqual(found, ['', 'auto']));
+    await eventually(() => page.getByRole('slider', { name: 'Fragments' }).getAttribute('aria-valuetext'), said => assert.equal(said, 'auto'));
     assert.deepEqual(opened.complaints, []);
     await opened.close();
   });
@@ -291,7 +291,7 @@ describe('hands', { skip, timeout: 300_000 }, () => {
     await page.getByRole('tab', { name: 'Mesh' }).click();
     await page.setInputFiles('input[type=file] >> nth=0', { name: 'holiday.txt', mimeType: 'text/plain', buffer: Buffer.from('a text') });
     await problem(page);
-    assert.match(await page.getByRole('alert').textContent(), /^\s*holiday\.txt: /);
+    await eventually(() => page.getByRole('alert').textContent(), said => assert.match(said, /^\s*holiday\.txt: /));
     assert.ok(await colours(page) > before / 2);
     assert.equal(await state(page, s => s.source.label), 'vase');
     assert.deepEqual(serious(opened.complaints).filter(text => !/context lost|context restored/i.test(text)), []);

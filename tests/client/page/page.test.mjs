@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
 import { after, before, describe, test } from 'node:test';
-import { Bench, onMesh, pictures, require, serious, shown, skip, state } from './support.mjs';
+import { Bench, eventually, onMesh, pictures, require, serious, shown, skip, state } from './support.mjs';
 
 describe('the page', { skip, timeout: 300_000 }, () => {
   let bench;
@@ -102,9 +102,9 @@ describe('the page', { skip, timeout: 300_000 }, () => {
     await page.keyboard.press('3');
     await page.getByRole('button', { name: 'Smallest' }).click();
     const smallest = await state(page, s => s.shown.answer.fragments.reduce((a, b) => (b.volume < a.volume ? b : a)).id);
-    assert.deepEqual(await state(page, s => [...s.look.chosen]), [smallest]);
+    await eventually(() => state(page, s => [...s.look.chosen]), chosen => assert.deepEqual(chosen, [smallest]));
     await page.keyboard.press('4');
-    assert.match(await page.locator('textarea.code').inputValue(), /^curl -F mesh=@vase\.glb/);
+    await eventually(() => page.locator('textarea.code').inputValue(), line => assert.match(line, /^curl -F mesh=@vase\.glb/));
     const [file] = await Promise.all([page.waitForEvent('download'), page.keyboard.press('d')]);
     assert.equal(fs.readFileSync(await file.path()).subarray(0, 4).toString(), 'glTF');
     await clean(opened);
@@ -122,7 +122,7 @@ describe('the page', { skip, timeout: 300_000 }, () => {
     await shown(page);
     await page.getByRole('button', { name: /All parameters/ }).click();
     await page.fill('input[type=search]', 'never heard');
-    assert.equal(await page.locator('#p-quite_new').inputValue(), '0.25');
+    await eventually(() => page.locator('#p-quite_new').inputValue(), value => assert.equal(value, '0.25'));
     await clean(opened);
     await opened.close();
   });
@@ -130,7 +130,7 @@ describe('the page', { skip, timeout: 300_000 }, () => {
   test('the seal says what it stands for, and a red one what is wrong', async () => {
     const opened = await bench.open(), { page } = opened, sheet = page.getByRole('dialog');
     await page.locator('.status').getByRole('button', { name: 'Proved' }).click();
-    assert.match(await sheet.textContent(), /Every fragment is closed/);
+    await sheet.getByText(/Every fragment is closed/).first().waitFor();
     assert.equal(await sheet.locator('.red').count(), 0);
     await sheet.getByRole('button', { name: 'Close' }).click();
     // The server sends none that is not proved.
@@ -140,7 +140,7 @@ describe('the page', { skip, timeout: 300_000 }, () => {
     });
     await page.locator('.status').getByRole('button', { name: 'Not proved' }).click();
     await sheet.locator('.red').first().waitFor();
-    assert.equal((await sheet.locator('.red').allTextContents()).join().replace(/\s+/g, ' ').trim(), '2 must be 0');
+    await eventually(() => sheet.locator('.red').allTextContents(), said => assert.equal(said.join().replace(/\s+/g, ' ').trim(), '2 must be 0'));
     await clean(opened);
     await opened.close();
   });

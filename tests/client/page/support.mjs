@@ -11,6 +11,8 @@ import { Site } from './site.mjs';
 export const here = path.dirname(fileURLToPath(import.meta.url)), folder = path.resolve(here, '../../../client/page'), dist = path.join(folder, 'dist');
 export const require = createRequire(path.join(folder, 'package.json'));
 export const full = process.env.FRACTURE_TEST_FULL === '1';
+/** Milliseconds by which each frame of a page comes later: what a test reads before it is drawn, it reads too early there, each time. */
+const late = Number(process.env.FRACTURE_TEST_LATE_FRAMES ?? 0);
 export const pictures = process.env.FRACTURE_TEST_PICTURES ?? path.join(os.tmpdir(), 'fracture-page');
 export const program = process.env.FRACTURE_TEST_SERVER;
 const chromium = ['/usr/bin/chromium', '/usr/bin/chromium-browser'].find(name => fs.existsSync(name));
@@ -90,6 +92,17 @@ export class Bench {
       globalThis.violations = [];
       document.addEventListener('securitypolicyviolation', event => globalThis.violations.push(`${event.violatedDirective} ${event.blockedURI}`));
     });
+    if (late > 0)
+      await page.addInitScript(time => {
+        const frame = globalThis.requestAnimationFrame.bind(globalThis);
+        globalThis.requestAnimationFrame = call => setTimeout(() => frame(call), time);
+        globalThis.cancelAnimationFrame = clearTimeout;
+      }, late);
+    const press = page.keyboard.press.bind(page.keyboard);
+    page.keyboard.press = async (...given) => {
+      await press(...given);
+      await painted(page);
+    };
     await page.goto(`${this.site.url}${at}${hash}`);
     if (wait) await shown(page);
     return { page, complaints, foreign, close: () => context.close() };
@@ -99,16 +112,37 @@ export class Bench {
 /** Complaints but for the lines that a browser writes of an error of the server. */
 export const serious = complaints => complaints.filter(text => !SAID.test(text));
 
-/** When the answer to the last wish is in the picture. */
-export const shown = (page, timeout = 20_000) => page.waitForFunction(() => {
-  const { state } = globalThis.fracture ?? {};
-  return state && state.inFlight === 0 && !state.bringing && !state.job && state.shown?.toPicture > 0 && state.shown.wish === state.wish;
-}, undefined, { timeout });
-export const problem = (page, timeout = 20_000) => page.waitForFunction(() => globalThis.fracture?.state.problem, undefined, { timeout })
-  .then(() => page.evaluate(() => {
+/** When panels and words are of the state that the page has now: it draws them with its next frame. */
+export const painted = page => page.evaluate(() => new Promise(resolve => requestAnimationFrame(() => requestAnimationFrame(resolve))));
+
+/** When the answer to the last wish is in the picture, and the panels say so. */
+export async function shown(page, timeout = 20_000) {
+  await page.waitForFunction(() => {
+    const { state } = globalThis.fracture ?? {};
+    return state && state.inFlight === 0 && !state.bringing && !state.job && state.shown?.toPicture > 0 && state.shown.wish === state.wish;
+  }, undefined, { timeout });
+  await painted(page);
+}
+
+/** What is refused: {name, title, detail}, when it is on the page. */
+export async function problem(page, timeout = 20_000) {
+  await page.waitForFunction(() => globalThis.fracture?.state.problem, undefined, { timeout });
+  await painted(page);
+  return page.evaluate(() => {
     const { problem: name, title, detail } = globalThis.fracture.state.problem;
     return { name, title, detail };
-  }));
+  });
+}
+
+/** Reads and judges until it is right, or what was wrong with it at last. */
+export async function eventually(read, judge, timeout = 20_000) {
+  for (const end = Date.now() + timeout; ; await new Promise(resolve => setTimeout(resolve, 50)))  // pause: between two readings
+    try {
+      return judge(await read());
+    } catch (error) {
+      if (Date.now() > end) throw error;
+    }
+}
 export const state = (page, read) => page.evaluate(`(${read})(globalThis.fracture.state)`);
 
 /** Where a click is on the mesh: the page is asked what is under the pointer. */

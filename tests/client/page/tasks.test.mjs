@@ -6,7 +6,7 @@ import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import { after, before, describe, test } from 'node:test';
-import { Bench, skip } from './support.mjs';
+import { Bench, eventually, painted, skip } from './support.mjs';
 
 for (const [width, height] of [[1280, 800], [360, 740]])
   describe(`a first visit, ${width} x ${height}`, { skip, timeout: 240_000 }, () => {
@@ -19,11 +19,11 @@ for (const [width, height] of [[1280, 800], [360, 740]])
     after(() => bench?.stop());
 
     const status = () => page.locator('.status'), count = async () => Number(/^\s*([\d,]+)/.exec(await status().textContent())[1].replace(',', ''));
-    const eventually = (what, given) => page.waitForFunction(what, given, { timeout: 20_000 });
+    const until = (what, given) => page.waitForFunction(what, given, { timeout: 20_000 });
     /** After something was asked: the proved answer to it. */
     async function answered() {
-      await page.evaluate(() => new Promise(resolve => requestAnimationFrame(() => requestAnimationFrame(resolve))));
-      await eventually(() => /Proved/.test(document.querySelector('.status')?.textContent ?? '') && /\d (ms|s)/.test(document.querySelector('.status .time')?.textContent ?? ''));
+      await painted(page);
+      await until(() => /Proved/.test(document.querySelector('.status')?.textContent ?? '') && /\d (ms|s)/.test(document.querySelector('.status .time')?.textContent ?? ''));
     }
 
     test('the sample is broken, and the slider breaks it into more', async () => {
@@ -34,12 +34,12 @@ for (const [width, height] of [[1280, 800], [360, 740]])
       const slider = page.getByRole('slider', { name: 'Fragments' });
       await slider.focus();
       for (let k = 0; k < 5; ++k) await slider.press('ArrowRight');
-      await eventually(wanted => Number(/\d+/.exec(document.querySelector('.status').textContent)) === wanted, before + 5);
+      await until(wanted => Number(/\d+/.exec(document.querySelector('.status').textContent)) === wanted, before + 5);
       await answered();
     });
 
     test('it is hit where they point', async () => {
-      assert.match(await page.getByRole('region', { name: 'Hits' }).textContent(), /Click the mesh to hit it there/);
+      await page.getByRole('region', { name: 'Hits' }).getByText(/Click the mesh to hit it there/).waitFor();
       await page.getByRole('button', { name: 'Hit', exact: true }).click();
       const { x, y, width: wide, height: high } = await page.getByRole('img', { name: /Viewport/ }).boundingBox();
       await page.mouse.click(x + wide / 2, y + high / 2);
@@ -62,9 +62,9 @@ for (const [width, height] of [[1280, 800], [360, 740]])
       // Sorted by volume, smallest first: it is the first of the list.
       await page.getByRole('button', { name: 'Volume' }).click();
       await row.waitFor();
-      assert.equal(await page.getByRole('table').locator('tbody tr').first().textContent(), await row.textContent());
+      await eventually(async () => [await page.getByRole('table').locator('tbody tr').first().textContent(), await row.textContent()], ([first, chosen]) => assert.equal(first, chosen));
       smallest = await row.getByRole('button').textContent();
-      assert.match(await page.getByRole('region', { name: 'Sizes' }).textContent(), new RegExp(smallest));
+      await eventually(() => page.getByRole('region', { name: 'Sizes' }).textContent(), said => assert.match(said, new RegExp(smallest)));
     });
 
     test('the curl line is taken away, and gives the same pieces', async t => {

@@ -4,7 +4,7 @@ import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import { after, before, describe, test } from 'node:test';
-import { Bench, drop, pictures, problem, realServer, serious, shown, skip, state } from './support.mjs';
+import { Bench, drop, eventually, pictures, problem, realServer, serious, shown, skip, state } from './support.mjs';
 
 const SHEET = 'v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n';
 
@@ -81,7 +81,7 @@ describe('in trouble', { skip, timeout: 300_000 }, () => {
     await page.waitForFunction(() => globalThis.fracture.state.source?.label === 'large.obj');
     await shown(page);
     const notice = page.locator('.remark');
-    assert.match(await notice.textContent(), /large\.obj was taken.*small\.obj was left out/s);
+    await eventually(() => notice.textContent(), said => assert.match(said, /large\.obj was taken.*small\.obj was left out/s));
     await notice.getByRole('button', { name: 'Dismiss' }).click();
     await notice.waitFor({ state: 'detached' });
     assert.deepEqual(serious(opened.complaints), []);
@@ -224,8 +224,8 @@ describe('in trouble', { skip, timeout: 300_000 }, () => {
     await shown(page);
     assert.equal(await page.evaluate(() => Object.keys(localStorage).length + Object.keys(sessionStorage).length + document.cookie.length), 0);
     await page.keyboard.press('4');
+    await eventually(() => page.locator('textarea.code').inputValue(), line => assert.match(line, /\$TOKEN/));
     assert.doesNotMatch(await page.content(), /very-secret/);
-    assert.match(await page.locator('textarea.code').inputValue(), /\$TOKEN/);
     assert.doesNotMatch(page.url(), /very-secret/);
     fs.rmSync(file);
     assert.deepEqual(serious(opened.complaints), []);
@@ -249,9 +249,9 @@ describe('in trouble', { skip, timeout: 300_000 }, () => {
     t.after(() => own.stop());
     const opened = await own.open({ wait: false }), { page } = opened;
     await page.waitForFunction(() => globalThis.fracture?.state.shown);
-    assert.match(await page.locator('.instead').textContent(), /WebGL/);
+    await page.locator('.instead').getByText(/WebGL/).waitFor();
     await page.keyboard.press('1');
-    assert.match(await page.locator('#panel').textContent(), /Triangles/);
+    await page.locator('#panel').getByText('Triangles').first().waitFor();
     const [file] = await Promise.all([page.waitForEvent('download'), page.keyboard.press('d')]);
     assert.match(file.suggestedFilename(), /\.glb$/);
     await page.screenshot({ path: path.join(pictures, 'no-webgl.png') });
