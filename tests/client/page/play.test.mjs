@@ -21,7 +21,7 @@ describe('play', { skip, timeout: 300_000 }, () => {
     await page.waitForTimeout(300);  // pause: it falls
     for (let k = 0; k < 3; ++k) await page.keyboard.press(' ');
     await page.screenshot({ path: path.join(pictures, 'ball.png') });
-    await page.waitForFunction(() => globalThis.fracture.state.play.resting, undefined, { timeout: 50_000 }).catch(async error => {
+    await page.waitForFunction(() => globalThis.fracture.state.play.resting, undefined, { timeout: 150_000 }).catch(async error => {
       throw new Error(`${error.message} ${await page.evaluate(() => JSON.stringify([globalThis.fracture.state.play, globalThis.fracture.state.problem, globalThis.fracture.physics.untouched]))}`);
     });
     const rest = await page.evaluate(() => {

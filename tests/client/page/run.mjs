@@ -1,6 +1,7 @@
 // What ctest calls.
 //   node run.mjs prepare        npm ci where it is needed, and the build of the page
 //   node run.mjs NAME           NAME.test.mjs by node's own test runner; FRACTURE_TEST_FULL=1: all of it
+//   node run.mjs late           some of them with every frame 300 ms late: a test that reads before the page has drawn fails each time
 // Exits with 77, and says why, where something is missing: that is a skipped test, never a passed one.
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -30,6 +31,8 @@ if (name !== 'unit') {
   if (!['/usr/bin/chromium', '/usr/bin/chromium-browser'].some(file => fs.existsSync(file))) skip('there is no Chromium (scripts/install-deps pictures)');
 }
 // They turn thousands of fragments in software: minutes on a machine that does other work, too.
-if (['play', 'load'].includes(name) && process.env.FRACTURE_TEST_FULL !== '1') skip('FRACTURE_TEST_FULL is not 1');
+if (['play', 'load', 'late'].includes(name) && process.env.FRACTURE_TEST_FULL !== '1') skip('FRACTURE_TEST_FULL is not 1');
 if (name === 'meshes' && !process.env.FRACTURE_TEST_MESHES) skip('FRACTURE_TEST_MESHES names no folders');
-process.exit(spawnSync(process.execPath, ['--test', '--test-reporter=spec', path.join(here, `${name}.test.mjs`)], { stdio: 'inherit' }).status ?? 1);
+const files = (name === 'late' ? ['trouble', 'tasks', 'offers'] : [name]).map(each => path.join(here, `${each}.test.mjs`));
+const env = name === 'late' ? { ...process.env, FRACTURE_TEST_LATE_FRAMES: '300' } : process.env;
+process.exit(spawnSync(process.execPath, ['--test', '--test-concurrency=1', '--test-reporter=spec', ...files], { stdio: 'inherit', env }).status ?? 1);
