@@ -19,6 +19,10 @@ export class Site {
   delay = 0;
   /** The address of the server; undefined: nobody answers. */
   target;
+  /** Nobody is here: every connection is cut. */
+  away = false;
+  /** What files are instead, by their path: of another build, say. */
+  instead = new Map();
 
   constructor(dist, target) {
     this.dist = dist;
@@ -41,13 +45,14 @@ export class Site {
   }
 
   serve(request, response) {
+    if (this.away) return void response.destroy();
     const { pathname } = new URL(request.url, 'http://page.test'), html = (request.headers.accept ?? '').includes('text/html');
     // What the server offers is its own.
     const offer = /^\/page\/sample(s\.json|-\d+)$/.test(pathname), file = offer ? undefined : pathname === '/' && html ? 'index.html' : pathname === '/docs' ? 'docs.html' : pathname.startsWith('/page/') ? pathname.slice(1) : undefined;
     if (file === undefined) return this.pass(request, response, pathname);
     const full = path.join(this.dist, file);
     if (!full.startsWith(this.dist) || !fs.existsSync(full)) return void response.writeHead(404).end();
-    const bytes = fs.readFileSync(full), tag = `"${createHash('sha256').update(bytes).digest('hex').slice(0, 32)}"`;
+    const bytes = this.instead.get(pathname) ?? fs.readFileSync(full), tag = `"${createHash('sha256').update(bytes).digest('hex').slice(0, 32)}"`;
     const headers = {
       'Content-Type': TYPES[path.extname(file)], 'Content-Security-Policy': POLICY, ETag: tag, 'Cache-Control': 'no-cache', Vary: 'Accept',
       'X-Content-Type-Options': 'nosniff',

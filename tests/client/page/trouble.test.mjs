@@ -181,12 +181,14 @@ describe('in trouble', { skip, timeout: 300_000 }, () => {
 
   test('Play while the server is away, or has another page by now: in plain words, with the way out', async () => {
     const opened = await bench.open({ hash: '#sample=cube&set={"material":"stone","fragments":8}' }), { page } = opened, alert = page.getByRole('alert');
-    const play = () => page.getByRole('button', { name: 'Play', exact: true }).click(), playing = () => page.getByRole('button', { name: 'Throw a ball' }).waitFor();
-    await page.route('**/*', route => route.abort());
+    const play = () => page.getByRole('button', { name: 'Play', exact: true }).click(), playing = () => page.getByRole('button', { name: 'Throw a ball' }).waitFor().catch(async error => {
+      throw new Error(`${error.message} ${await state(page, s => JSON.stringify([s.play, s.problem, globalThis.fracture.service.state]))}`);
+    });
+    bench.site.away = true;
     await play();
     await alert.getByText('The server is away').waitFor();
     assert.doesNotMatch(await alert.textContent(), /module|went wrong/);
-    await page.unroute('**/*');
+    bench.site.away = false;
     await page.waitForSelector('.server.ready');
     await alert.waitFor({ state: 'detached' });
     await play();
@@ -195,11 +197,11 @@ describe('in trouble', { skip, timeout: 300_000 }, () => {
     for (const body of ["import { no } from './shared.js'; export const startPlay = no;", 'export const startPlay = () => {}, build = "of another page";']) {
       await page.reload();
       await shown(page);
-      await page.route('**/page/play.js', route => route.fulfill({ contentType: 'text/javascript', body }));
+      bench.site.instead.set('/page/play.js', Buffer.from(body));
       await play();
       await alert.getByText('The server has another version of this page').waitFor();
       assert.doesNotMatch(await alert.textContent(), /export|module|went wrong/);
-      await page.unroute('**/page/play.js');
+      bench.site.instead.delete('/page/play.js');
       await alert.getByRole('button', { name: 'Load the page again' }).click();
       await page.waitForFunction(() => globalThis.fracture && !globalThis.fracture.state.problem);
       await shown(page);
