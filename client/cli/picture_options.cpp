@@ -147,6 +147,8 @@ constexpr OptionSpec kSpecs[] = {
      [](P& o, J v) { o.camera.field_of_view = real(v, 1, 120); }},
     {"margin", "0.1 to 10", "Room around the object; 1 touches its sphere",
      [](P& o, J v) { o.camera.margin = real(v, 0.1, 10); }},
+    {"target", "x,y,z", "What the camera looks at; default: the middle of the object",
+     [](P& o, J v) { o.camera.target = vector(v); }},
     {"orthographic", "", "Without perspective", [](P& o, J v) { o.camera.orthographic = yes(v); }},
     {"frame", "FRAME", "What the camera is fitted to: view, or assembled (fragments may leave the picture)",
      [](P& o, J v) {

@@ -14,22 +14,22 @@ glm::vec3 direction_to_camera(const CameraPlacement& placement) {
 
 Camera fit_camera(const Sphere& sphere, const CameraPlacement& placement, float aspect) {
   const float radius = placement.margin * (sphere.radius > 0 ? sphere.radius : 1.f);
-  const glm::vec3 towards = direction_to_camera(placement);
+  const glm::vec3 target = placement.target.value_or(sphere.center), towards = direction_to_camera(placement);
   const float wide = std::max(aspect, 1.f), high = std::max(1 / aspect, 1.f);
   Camera camera;
   if (placement.orthographic) {
-    camera.eye = sphere.center + 2 * radius * towards;
+    camera.eye = target + 2 * radius * towards;
     camera.projection =
         glm::ortho(-radius * wide, radius * wide, -radius * high, radius * high, 0.01f * radius, 40 * radius);
   } else {
     const float half = glm::radians(std::clamp(placement.field_of_view, 1.f, 120.f)) / 2;
     const float distance = radius / std::sin(half);
-    camera.eye = sphere.center + distance * towards;
+    camera.eye = target + distance * towards;
     const float near = std::max(0.02f * distance, 0.8f * (distance - radius)), edge = near * std::tan(half);
     camera.projection =
         glm::frustum(-edge * wide, edge * wide, -edge * high, edge * high, near, distance + 40 * radius);
   }
-  camera.view = glm::lookAt(camera.eye, sphere.center, glm::vec3(0, 1, 0));
+  camera.view = glm::lookAt(camera.eye, target, glm::vec3(0, 1, 0));
   return camera;
 }
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <glm/glm.hpp>
+#include <optional>
 
 #include "client/render/model.hpp"
 
@@ -15,14 +16,15 @@ struct Camera {
 };
 
 struct CameraPlacement {
-  float yaw = 35;             ///< degrees around y; 0 looks along -z, 90 along -x
-  float pitch = 18;           ///< degrees above the horizon, -89 … 89
-  float field_of_view = 30;   ///< degrees of the shorter side, 1 … 120; ignored where orthographic
-  float margin = 1.04f;       ///< of the sphere's radius
-  bool orthographic = false;  ///< the shorter side shows margin × the diameter
+  float yaw = 35;                     ///< degrees around y; 0 looks along -z, 90 along -x
+  float pitch = 18;                   ///< degrees above the horizon, -89 … 89
+  float field_of_view = 30;           ///< degrees of the shorter side, 1 … 120; ignored where orthographic
+  float margin = 1.04f;               ///< of the sphere's radius
+  bool orthographic = false;          ///< the shorter side shows margin × the diameter
+  std::optional<glm::vec3> target{};  ///< in the middle of the picture; absent: the centre of the sphere
 };
 
-/// Looks at the centre of the sphere from where all of it is seen. A radius of 0 counts as 1.
+/// Looks at the target from where a sphere of that radius around it is seen. A radius of 0 counts as 1.
 Camera fit_camera(const Sphere& sphere, const CameraPlacement& placement, float aspect);
 
 /// Towards the camera from what it looks at, unit length.

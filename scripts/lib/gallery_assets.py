@@ -23,6 +23,8 @@ MORE_FOR_EACH_PART = 2  # so that what is many parts breaks, too, and does not o
 BLIND_MATERIALS = {"glass": ["glass"], "wood": ["wood"], "brick": ["brick"], "stone or concrete": ["stone", "concrete"],
                    "ice": ["ice"], "ceramic": ["ceramic"], "metal": ["metal"]}
 BLIND_NOT = {"banner", "building", "plate"}
+# Bricks are what walls are made of; of all else the preset makes rubble, which is stone, and says so.
+BLIND_ONLY = {"brick": {"wall", "stairs"}}
 CLOSE = {"view": "exploded", "explode": 0.5, "margin": 0.35}
 
 
@@ -105,11 +107,16 @@ class AssetSheets:
         return {"file": str(output.relative_to(self.gallery.folder)), "impact": hit[0], "impact-radius": hit[1],
                 "impact-direction": [-0.25, 0, -1]}
 
+    @staticmethod
+    def close(cell):
+        """What was hit is in the middle."""
+        return {**cell, "target": cell["impact"]}
+
     def draw(self):
         made, hits = self.broken(None)
         for material in self.gallery.materials:
-            rows = [(label, {}, [self.cell(made[material, label], hit)] * 3)
-                    for label, hit in hits.items() if (material, label) in made]
+            cells = {label: self.cell(made[material, label], hit) for label, hit in hits.items() if (material, label) in made}
+            rows = [(label, {}, [cell, cell, self.close(cell)]) for label, cell in cells.items()]
             self.gallery.sheet(f"real_{material}",
                                f"material={material}, fragments={FRAGMENTS}, {MORE_FOR_EACH_PART} more for each further part",
                                [("exploded", {"view": "exploded", "explode": 0.5}), ("after an impact", {"view": "impact"}),
@@ -123,14 +130,19 @@ class AssetSheets:
         draw.shuffle(materials)
         labels = [label for label in self.files() if label not in BLIND_NOT]
         draw.shuffle(labels)
-        pairs = [(draw.choice(BLIND_MATERIALS[m]), label) for m, label in zip(materials, labels)]
+        pairs = []
+        for m in sorted(materials, key=lambda m: m not in BLIND_ONLY):
+            label = next((each for each in labels if each in BLIND_ONLY.get(m, labels)), labels[0])
+            labels.remove(label)
+            pairs.append((draw.choice(BLIND_MATERIALS[m]), label))
+        draw.shuffle(pairs)
         made, hits = self.broken(pairs)
         cells = [self.cell(made[pair], hits[pair[1]]) for pair in pairs if pair in made]
         letters = "ABCDEFGHIJ"[:len(cells)]
         self.gallery.sheet("blind", "glass, wood, brick, stone or concrete, ice, ceramic, metal?",
                            [(letter, {}) for letter in letters],
                            [("exploded", {"view": "exploded", "explode": 0.5}, cells), ("hit", {"view": "impact"}, cells),
-                            ("close by", CLOSE, cells)],
+                            ("close by", CLOSE, [self.close(cell) for cell in cells])],
                            {"look": "grey"})
         key = "".join(f"{letter} {pair[0]} {pair[1]}\n" for letter, pair in zip(letters, [p for p in pairs if p in made]))
         (self.gallery.folder / "blind.key").write_text(key, encoding="utf-8")

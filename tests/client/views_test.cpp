@@ -39,6 +39,21 @@ TEST(FitCamera, SeesTheWholeSphereAndNotMuchMore) {
     }
 }
 
+TEST(FitCamera, HasItsTargetInTheMiddle) {
+  const Sphere sphere{{3, -2, 5}, 4};
+  for (const bool orthographic : {false, true}) {
+    CameraPlacement placement;
+    placement.orthographic = orthographic;
+    const Camera whole = fit_camera(sphere, placement, 1.5f);
+    placement.target = glm::vec3(4, 0, 4);
+    const Camera camera = fit_camera(sphere, placement, 1.5f);
+    const glm::vec4 clip = camera.view_projection() * glm::vec4(*placement.target, 1);
+    EXPECT_NEAR(clip.x / clip.w, 0, 1e-5);
+    EXPECT_NEAR(clip.y / clip.w, 0, 1e-5);
+    EXPECT_NEAR(glm::distance(camera.eye, *placement.target), glm::distance(whole.eye, sphere.center), 1e-4);
+  }
+}
+
 TEST(FrustumPlanes, TellInsideFromOutside) {
   const Camera camera = fit_camera({{0, 0, 0}, 1}, {}, 1);
   const auto planes = frustum_planes(camera.view_projection());
