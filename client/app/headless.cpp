@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <thread>
 
 #include "client/app/break_figures.hpp"
-#include "client/app/output_places.hpp"
 #include "client/app/recorded_options.hpp"
 #include "client/app/sound_track.hpp"
 #include "client/egl/egl_context.hpp"
@@ -298,17 +298,27 @@ class HeadlessRun {
   }
 
  private:
+  std::uint64_t frames() const {
+    const std::uint64_t recorded =
+        settings_.replay ? (settings_.replay->hashes.size() + kStepsPerFrame - 1) / kStepsPerFrame : 0;
+    if (!options_.replay.empty()) return recorded;
+    return std::max(recorded, static_cast<std::uint64_t>(std::llround(options_.seconds / frame_length_)));
+  }
+  bool replays() const { return game_.settings().replay != nullptr; }
+
   Expected<void> play() {
     start_ = Clock::now();
-    const std::uint64_t frames =
-        settings_.replay ? (settings_.replay->hashes.size() + kStepsPerFrame - 1) / kStepsPerFrame
-                         : static_cast<std::uint64_t>(std::llround(options_.seconds / frame_length_));
+    const std::uint64_t frames = this->frames();
     for (std::uint64_t frame = 0; frame <= frames; ++frame) {
       const double now = static_cast<double>(frame) * frame_length_;
       if (auto taken = take_pictures(now); !taken) return tl::unexpected(taken.error());
       if (frame == frames) break;
       const std::uint64_t swaps_before = game_.figures().swaps;
-      double spent = options_.fixed_step || settings_.replay ? step_at_fixed_pace() : step_in_real_time(now);
+      double spent = options_.fixed_step || replays() ? step_at_fixed_pace() : step_in_real_time(now);
+      if (!options_.continue_from.empty() && game_.figures().diverged)
+        return fail(ErrorCode::kUnavailable, "Step " + std::to_string(*game_.figures().diverged) +
+                                                 " is not what was recorded in " + options_.continue_from +
+                                                 ": there is nothing to go on from.");
       if (options_.draw) {
         const Expected<double> drawn = draw();
         if (!drawn) return tl::unexpected(drawn.error());
@@ -342,7 +352,8 @@ class HeadlessRun {
   /// the waiting, as do the next two.
   double step_at_fixed_pace() {
     double spent = 0;
-    for (int k = 0; k < kStepsPerFrame && !game_.replayed(); ++k) {
+    for (int k = 0; k < kStepsPerFrame; ++k) {
+      if (game_.replayed() && (options_.continue_from.empty() || !go_on())) break;
       while (!game_.ready()) {
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
         tell_of_absence();
@@ -356,10 +367,16 @@ class HeadlessRun {
     }
     return spent;
   }
+  /// The recording has ended. Whether its frame does not: in real time the clock begins with the next one.
+  bool go_on() {
+    game_.hand_over();
+    const std::chrono::duration<double> played(
+        frame_length_ * std::ceil(static_cast<double>(game_.world().steps()) / kStepsPerFrame));
+    start_ = Clock::now() - std::chrono::duration_cast<Clock::duration>(played);
+    return options_.fixed_step;
+  }
   double step_in_real_time(double now) {
-    const std::vector<scenes::Throw>& throws = game_.scene().throws;
-    for (; next_throw_ < throws.size() && throws[next_throw_].time <= now + kSameTime; ++next_throw_)
-      game_.throw_ball(throws[next_throw_].from, throws[next_throw_].velocity);
+    game_.throw_scripted(now);
     const Clock::time_point begin = Clock::now();
     const double busy = processor_milliseconds();
     game_.advance(frame_length_, true);
@@ -426,7 +443,7 @@ class HeadlessRun {
   std::vector<double> screenshots_;  // seconds, in order
   const double frame_length_;        // seconds
   Clock::time_point start_{};
-  std::size_t next_picture_ = 0, next_throw_ = 0, most_draw_calls_ = 0;
+  std::size_t next_picture_ = 0, most_draw_calls_ = 0;
   json pictures_ = json::array();
   FrameTimes times_;
   std::vector<double> work_times_;  // milliseconds of the processor, for each frame's simulation
@@ -448,23 +465,21 @@ Expected<scenes::Scene> scene_of(const Options& options) {
 Expected<json> run_headless(const Options& asked) {
   Options options = asked;
   std::shared_ptr<const game::Recording> replay;
-  if (!options.replay.empty()) {
-    Expected<game::Recording> recording = game::read_recording(options.replay);
+  if (const std::string& path = options.replay.empty() ? options.continue_from : options.replay;
+      !path.empty()) {
+    Expected<std::shared_ptr<const game::Recording>> recording = recording_for(options, path);
     if (!recording) return tl::unexpected(recording.error());
-    Expected<Options> begun = with_header(options, recording->header);
-    if (!begun) return tl::unexpected(begun.error());
-    options = std::move(*begun);
-    if (const std::optional<std::string> lost = same_place(options))  // with the meshes that it names
-      return fail(ErrorCode::kFileAccess, *lost);
-    replay = std::make_shared<const game::Recording>(std::move(*recording));
+    replay = std::move(*recording);
   }
   Expected<scenes::Scene> scene = scene_of(options);
   if (!scene) return tl::unexpected(scene.error());
-  if (!options.throws || replay) scene->throws.clear();
+  if (replay)
+    if (const auto same = check_scene(replay->header, *scene); !same) return tl::unexpected(same.error());
+  if (!options.throws || !options.replay.empty()) scene->throws.clear();
   std::error_code ignored;
   std::filesystem::create_directories(options.out, ignored);
   game::GameSettings settings = settings_of(options);
-  auto recorder = recorder_for(options);
+  auto recorder = recorder_for(options.log, header_of(options, *scene));
   if (!recorder) return tl::unexpected(recorder.error());
   settings.recorder = std::move(*recorder);
   settings.replay = std::move(replay);

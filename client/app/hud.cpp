@@ -69,6 +69,8 @@ void draw_help(const PanelState& state) {
       "X held         gravity runs\n"
       "G              gravity always on\n"
       "T              slow motion; . (dot): one step\n"
+      "B held         back in time; released: on from there\n"
+      "F5             save the game\n"
       "1 - 8          material\n"
       "M              scenes; N: next scene\n"
       "R              reset\n"

@@ -28,27 +28,31 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
   Options o;
   CLI::App app{"fracture-client: things that break, with a fracture-server that breaks them"};
   app.option_defaults()->always_capture_default();
-  app.add_option("files", o.files, "Meshes, or folders of meshes, to drop and break instead of a scene")
-      ->capture_default_str();
-  app.add_option("--scene", o.scene, "Scene")->check(CLI::IsMember(scenes::scene_names()));
-  app.add_option("--material", o.material, "Material of everything in it")
-      ->check(CLI::IsMember(scenes::material_names()));
+  CLI::Option* files =
+      app.add_option("files", o.files, "Meshes, or folders of meshes, to drop and break instead of a scene");
+  files->capture_default_str();
+  CLI::Option* scene = app.add_option("--scene", o.scene, "Scene");
+  scene->check(CLI::IsMember(scenes::scene_names()));
+  CLI::Option* material = app.add_option("--material", o.material, "Material of everything in it");
+  material->check(CLI::IsMember(scenes::material_names()));
   int sites = 0;
-  app.add_option("--sites", sites, "Sites of every fracture; 0: as many as the hit asks for")
-      ->check(CLI::Range(0, 100000));
+  CLI::Option* all_sites =
+      app.add_option("--sites", sites, "Sites of every fracture; 0: as many as the hit asks for");
+  all_sites->check(CLI::Range(0, 100000));
   std::vector<std::string> set;
-  app.add_option("--set", set,
-                 "NAME=VALUE: any parameter of GET /patterns, for every fracture; may be repeated")
-      ->check([](const std::string& text) {
-        nlohmann::json ignored;
-        return add_parameter(text, ignored) ? std::string() : "'" + text + "' is not NAME=VALUE";
-      });
-  app.add_option("--unit", o.unit, "Unit of own meshes' coordinates; without it a guess by their size")
-      ->check(CLI::IsMember({"m", "cm", "mm", "inch"}));
+  CLI::Option* set_values = app.add_option(
+      "--set", set, "NAME=VALUE: any parameter of GET /patterns, for every fracture; may be repeated");
+  set_values->check([](const std::string& text) {
+    nlohmann::json ignored;
+    return add_parameter(text, ignored) ? std::string() : "'" + text + "' is not NAME=VALUE";
+  });
+  CLI::Option* unit =
+      app.add_option("--unit", o.unit, "Unit of own meshes' coordinates; without it a guess by their size");
+  unit->check(CLI::IsMember({"m", "cm", "mm", "inch"}));
   app.add_option("--host", o.server.host, "Server: name or address");
   app.add_option("--port", o.server.port, "Server: port")->check(CLI::Range(1, 65535));
   app.add_option("--token", o.server.token, "Bearer token, where the server asks for one");
-  app.add_option("--seed", o.seed, "Seed of the fractures");
+  CLI::Option* seed = app.add_option("--seed", o.seed, "Seed of the fractures");
   app.add_option("--width", o.width, "Pixels")->check(CLI::Range(64, 4096));
   app.add_option("--height", o.height, "Pixels")->check(CLI::Range(64, 4096));
   bool no_anticipation = false, no_throws = false, no_requests = false, no_sound = false, no_effects = false;
@@ -61,6 +65,11 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
       ->check(CLI::Range(0.0, 86400.0));
   app.add_option("--out", o.out, "Folder for pictures and saved files");
   app.add_option("--log", o.log, "File that the game is recorded in, to be played again")->check(not_empty);
+  CLI::Option* resumed = app.add_option(
+      "--continue", o.continue_from,
+      "Plays a game that --log or the window recorded to its end, and goes on from there; what "
+      "it was played with stands in it");
+  resumed->check(not_empty);
   CLI::Option* headless = app.add_flag("--headless", o.headless, "Without a window, then exit");
   const auto add = [&](CLI::Option* option) { option->needs(headless); };
   add(app.add_flag("--fixed-step", o.fixed_step,
@@ -69,12 +78,16 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
   add(app.add_option("--wav", o.wav,
                      "File of what is heard: 16 bits, stereo, 48 kHz; needs --fixed-step or --replay")
           ->check(not_empty));
-  add(app.add_option(
-             "--replay", o.replay,
-             "Plays a game that --log recorded; exit code 1, and the first step, where it is not the same")
-          ->check(not_empty));
+  CLI::Option* replayed = app.add_option(
+      "--replay", o.replay,
+      "Plays a game that --log recorded; exit code 1, and the first step, where it is not the same");
+  add(replayed->check(not_empty));
+  replayed->excludes(resumed);
+  // The recording says it.
+  for (CLI::Option* said : {scene, files, material, unit, seed, all_sites, set_values})
+    resumed->excludes(said);
   add(app.add_option("--answer-steps", o.answer_steps, "Steps of 1/120 s")->check(CLI::Range(1, 1200)));
-  add(app.add_option("--seconds", o.seconds, "Simulated time")->check(CLI::Range(0.0, 3600.0)));
+  add(app.add_option("--seconds", o.seconds, "Simulated time, all of it")->check(CLI::Range(0.0, 3600.0)));
   add(app.add_option("--screenshot-at", o.screenshots, "Seconds, separated by commas")
           ->delimiter(',')
           ->check(CLI::Range(0.0, 3600.0)));

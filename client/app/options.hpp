@@ -26,7 +26,8 @@ struct Options {
   bool gravity = false;    ///< starts with gravity on
   bool sound = true;
 
-  std::string log;  ///< file that the game is recorded in; empty: none
+  std::string log;            ///< file that the game is recorded in; empty: none
+  std::string continue_from;  ///< such a file, played to its end, where the player goes on; empty: none
 
   bool headless = false;
   std::string replay;  ///< such a file, to be played again; empty: none

@@ -1,5 +1,6 @@
 #include "client/app/output_places.hpp"
 
+#include <ctime>
 #include <filesystem>
 #include <vector>
 
@@ -38,7 +39,8 @@ std::optional<std::string> same_place(const Options& options) {
   std::vector<Place> places{{"--record", options.record, true},
                             {"--wav", options.wav, true},
                             {"--log", options.log, true},
-                            {"--replay", options.replay, false}};
+                            {"--replay", options.replay, false},
+                            {"--continue", options.continue_from, false}};
   for (const std::string& file : options.files) places.push_back({"the mesh", file, false});
   for (std::size_t k = 0; k < places.size(); ++k)
     for (std::size_t other = 0; other < k; ++other) {
@@ -47,6 +49,22 @@ std::optional<std::string> same_place(const Options& options) {
       return a.flag + " and " + b.flag + " are both '" + printable(b.path) + "'.";
     }
   return std::nullopt;
+}
+
+std::string unused_name(const std::string& folder, const std::string& stem, const std::string& ending) {
+  const std::time_t now = std::time(nullptr);
+  std::tm local{};
+  localtime_r(&now, &local);
+  char when[32];
+  std::strftime(when, sizeof when, "-%Y%m%d-%H%M%S", &local);
+  std::error_code ignored;
+  fs::path path;
+  int number = 1;
+  do {
+    path = fs::path(folder) / (stem + when + (number == 1 ? "" : "-" + std::to_string(number)) + ending);
+    ++number;
+  } while (fs::exists(path, ignored));
+  return path.string();
 }
 
 }  // namespace fracture::app

@@ -12,4 +12,7 @@ namespace fracture::app {
 /// a mesh), however it is spelt: links count, devices such as /dev/null do not.
 std::optional<std::string> same_place(const Options& options);
 
+/// A name in the folder that is not there yet: stem, date and time, and a number where that is needed.
+std::string unused_name(const std::string& folder, const std::string& stem, const std::string& ending);
+
 }  // namespace fracture::app

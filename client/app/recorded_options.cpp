@@ -1,14 +1,16 @@
 #include "client/app/recorded_options.hpp"
 
+#include "client/app/output_places.hpp"
+
 namespace fracture::app {
 
 using nlohmann::json;
 
-json header_of(const Options& options) {
+json header_of(const Options& options, const scenes::Scene& scene) {
   return {{"scene", options.scene},           {"files", options.files},
           {"material", options.material},     {"unit", options.unit},
           {"parameters", options.parameters}, {"seed", options.seed},
-          {"anticipate", options.anticipate}};
+          {"anticipate", options.anticipate}, {"digest", scenes::digest_of(scene)}};
 }
 
 Expected<Options> with_header(Options options, const json& header) {
@@ -27,9 +29,29 @@ Expected<Options> with_header(Options options, const json& header) {
   return options;
 }
 
-Expected<std::shared_ptr<game::Recorder>> recorder_for(const Options& options) {
-  if (options.log.empty()) return std::shared_ptr<game::Recorder>();
-  auto recorder = game::Recorder::create(options.log, header_of(options));
+Expected<std::shared_ptr<const game::Recording>> recording_for(Options& options, const std::string& path) {
+  Expected<game::Recording> recording = game::read_recording(path);
+  if (!recording) return tl::unexpected(recording.error());
+  Expected<Options> begun = with_header(options, recording->header);
+  if (!begun) return tl::unexpected(begun.error());
+  options = std::move(*begun);
+  if (const std::optional<std::string> lost = same_place(options))  // with the meshes that it names
+    return fail(ErrorCode::kFileAccess, *lost);
+  return std::make_shared<const game::Recording>(std::move(*recording));
+}
+
+Expected<void> check_scene(const json& header, const scenes::Scene& scene) {
+  // Recordings of before there was a digest are taken for what they are: a step that differs is named.
+  const auto digest = header.find("digest");
+  if (digest == header.end() || *digest == scenes::digest_of(scene)) return {};
+  return fail(ErrorCode::kBadParameter,
+              "The game was played in another scene '" + scene.name +
+                  "' than this program's: a mesh has changed, or another version made it.");
+}
+
+Expected<std::shared_ptr<game::Recorder>> recorder_for(const std::string& path, const json& header) {
+  if (path.empty()) return std::shared_ptr<game::Recorder>();
+  auto recorder = game::Recorder::create(path, header);
   if (!recorder) return tl::unexpected(recorder.error());
   return std::make_shared<game::Recorder>(std::move(*recorder));
 }

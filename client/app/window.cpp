@@ -21,10 +21,12 @@
 #include "client/app/hud.hpp"
 #include "client/app/panel.hpp"
 #include "client/app/recorded_options.hpp"
+#include "client/app/rewind.hpp"
 #include "client/app/scene_menu.hpp"
 #include "client/app/sound_track.hpp"
 #include "client/render/frame_target.hpp"
 #include "client/sound/player.hpp"
+#include "common/base/printable.hpp"
 
 namespace fracture::app {
 namespace {
@@ -88,8 +90,14 @@ class Window {
 /// A scene and the camera in it, and everything that happens in a frame.
 class Session {
  public:
-  Session(const Options& options, GLFWwindow* window, view::SceneView view)
-      : options_(options), window_(window), client_(options.server), view_(std::move(view)) {
+  /// `recording`: of options.continue_from; null without one.
+  Session(const Options& options, std::shared_ptr<const game::Recording> recording, GLFWwindow* window,
+          view::SceneView view)
+      : options_(options),
+        window_(window),
+        client_(options.server),
+        view_(std::move(view)),
+        recording_(std::move(recording)) {
     glfwSetWindowUserPointer(window, this);
     glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
       static_cast<Session*>(glfwGetWindowUserPointer(w))->load_files({paths, paths + count});
@@ -178,23 +186,103 @@ class Session {
     }
     for (const std::string& warning : scene->warnings) note(warning);
     if (!game_ || game_->scene().name != scene->name || scene->name == "files") aim(*scene);
+    // Another scene or a reset begins another game, and another recording.
+    Options begun = options_;
+    begun.parameters = recording_ ? options_.parameters : state_.overrides();
+    nlohmann::json header = header_of(begun, *scene);
+    if (recording_)
+      if (const auto same = check_scene(recording_->header, *scene); !same) {
+        note(same.error().detail);
+        recording_.reset();
+      }
+    answers_ = std::make_shared<game::KeptAnswers>();
+    retire(rewind_.clear());
+    view_.reset();
+    debris_ = effects::Debris(options_.seed);
+    std::unique_ptr<game::Game> made = make_game(std::move(*scene), header, recording_);
+    retire(std::move(game_));
+    if (std::exchange(recording_, nullptr))
+      rewind_.begin(std::move(made), options_.seed);
+    else
+      game_ = std::move(made);
+  }
+
+  /// A game that begins as the header says, or plays the recording of one that did.
+  std::unique_ptr<game::Game> make_game(scenes::Scene scene, const nlohmann::json& header,
+                                        std::shared_ptr<const game::Recording> recording) {
     game::GameSettings settings;
     settings.seed = options_.seed;
     settings.anticipate = options_.anticipate;
-    settings.overrides = state_.overrides();
+    settings.overrides = header.at("parameters");
     settings.world.max_witnessed = kMostWitnessed;
-    // Another scene or a reset begins another game, and another recording.
-    Options begun = options_;
-    begun.parameters = settings.overrides;
-    if (auto recorder = recorder_for(begun))
+    settings.history = std::make_shared<game::History>(header);
+    settings.answers = answers_;
+    settings.replay = std::move(recording);
+    // It may be the file of the game before it, of which nothing may come after this.
+    if (game_ && game_->settings().recorder) game_->settings().recorder->finish();
+    if (auto recorder = recorder_for(options_.log, header))
       settings.recorder = std::move(*recorder);
     else
       note(recorder.error().detail);
-    view_.reset();
-    debris_ = effects::Debris(options_.seed);
-    // The old one ends on another thread: its decoder may be at work.
-    if (game_) background([old = std::shared_ptr<game::Game>(std::move(game_))]() mutable { old.reset(); });
-    game_ = std::make_unique<game::Game>(std::move(*scene), client_, settings);
+    return std::make_unique<game::Game>(std::move(scene), client_, std::move(settings));
+  }
+
+  /// Ends on another thread: its decoder may be at work.
+  void retire(std::unique_ptr<game::Game> game) {
+    if (game) background([old = std::shared_ptr<game::Game>(std::move(game))]() mutable { old.reset(); });
+  }
+
+  // -- the game's time
+
+  void save_game() {
+    if (!game_) return;
+    const std::shared_ptr<game::History>& history = game_->settings().history;
+    const std::string path = unused_name(options_.out, "game", ".jsonl");
+    background([recording = std::make_shared<const game::Recording>(history->until(history->steps())), path] {
+      if (const auto written = game::write_recording(path, *recording); !written)
+        std::fprintf(stderr, "fracture-client: %s\n", written.error().detail.c_str());
+    });
+    note((history->full() ? "saved the beginning of this long game as " : "saved the game as ") + path +
+         ": --continue plays it");
+  }
+
+  /// The key that goes back is held, or was: whether the game stands still for it.
+  bool go_back(double seconds) {
+    if (rewind_.playing()) {
+      catch_up();
+      return true;
+    }
+    if (down(GLFW_KEY_B)) {
+      if (game_->settings().history->full()) {
+        note("This game is too long to go back in. R begins another.");
+        return false;
+      }
+      rewind_.hold(*game_, seconds);
+      char text[64];
+      std::snprintf(text, sizeof text, "%.1f s back", rewind_.seconds_back());
+      note(text);
+      return true;
+    }
+    if (!rewind_.held()) return false;
+    const std::shared_ptr<game::History>& history = game_->settings().history;
+    auto recording = std::make_shared<const game::Recording>(history->until(rewind_.release()));
+    scenes::Scene scene = game_->scene();
+    rewind_.begin(make_game(std::move(scene), recording->header, recording), options_.seed);
+    return true;
+  }
+
+  void catch_up() {
+    std::optional<Rewind::Played> played = rewind_.play_on();
+    if (!played) {
+      note("the game is played again: " + std::to_string(rewind_.percent()) + " %");
+      return;
+    }
+    if (game_) view_.reset();  // else it has been seen all the time
+    retire(std::exchange(game_, std::move(played->game)));
+    debris_ = std::move(played->debris);
+    note(played->diverged ? "Step " + std::to_string(*played->diverged) +
+                                " is not what was recorded: the game goes on from there."
+                          : "the game goes on");
   }
 
   /// Something for people, for some seconds.
@@ -308,6 +396,9 @@ class Session {
       case GLFW_KEY_F1:
         state_.panel = !state_.panel;
         break;
+      case GLFW_KEY_F5:
+        save_game();
+        break;
       case GLFW_KEY_R:
         load([options = options_] { return scene_of(options); });
         break;
@@ -334,7 +425,7 @@ class Session {
   }
 
   void throw_ball() {
-    if (!game_) return;
+    if (!game_ || rewind_.playing() || rewind_.held()) return;
     const glm::dvec3 direction = aim_direction();
     const double radius = game_->scene().ball_radius;
     game_->throw_ball(glm::dvec3(eye_) + (radius + 0.3) * direction, game_->scene().ball_speed * direction);
@@ -382,7 +473,11 @@ class Session {
     const render::Camera camera =
         view::look_at(eye_, eye_ + forward(), static_cast<float>(width) / static_cast<float>(height));
     const Clock::time_point begin = Clock::now();
-    if (game_) {
+    state_.view.past = nullptr;
+    if ((game_ || rewind_.playing()) && go_back(seconds)) {
+      state_.view.past = game_ ? rewind_.shown() : nullptr;
+      draw_game(game_ ? *game_ : *rewind_.playing(), camera, width, height);
+    } else if (game_) {
       game_->set_eye(eye_);
       constexpr double kSlow = 0.2;
       const double step = game_->settings().world.step;
@@ -392,17 +487,25 @@ class Session {
         game_->advance(state_.slow_motion ? kSlow * seconds : seconds,
                        state_.gravity_always || state_.gravity_held);
       sense(game_->take_witnessed());
-      const auto drawn = view_.draw(*game_, camera, state_.view, target_->framebuffer(), width, height);
-      if (drawn)
-        state_.figures = *drawn;
-      else
-        note(drawn.error().detail);
+      rewind_.follow(*game_);
+      if (!std::exchange(too_long_, game_->settings().history->full()) && too_long_)
+        note(
+            "This game is too long to be kept: F5 saves its beginning, and nothing goes back. R begins another.");
+      draw_game(*game_, camera, width, height);
     }
     state_.frame_ms[state_.next_frame] = static_cast<float>(1e3 * seconds_between(begin, Clock::now()));
     state_.next_frame = (state_.next_frame + 1) % state_.frame_ms.size();
     target_->copy_to(0);
     overlay(camera, width, height);
     read_patterns();
+  }
+
+  void draw_game(const game::Game& game, const render::Camera& camera, int width, int height) {
+    const auto drawn = view_.draw(game, camera, state_.view, target_->framebuffer(), width, height);
+    if (drawn)
+      state_.figures = *drawn;
+    else
+      note(drawn.error().detail);
   }
 
   /// What there was to see and hear.
@@ -423,15 +526,18 @@ class Session {
     if (game_) {
       constexpr int kEvery = 6;  // frames: it looks at every corner of every piece
       if (frames_++ % kEvery == 0) state_.census = game_->world().census();
-      if (state_.view.debug == view::DebugView::kFragments) draw_fragment_ids(*game_, camera, width, height);
-      draw_panel(
-          state_, *game_, client_,
-          {[this](const std::string& scene) {
-             options_.material.clear();
-             load_scene(scene);
-           },
-           [this](const std::string& material) { set_material(material); },
-           [this] { load([options = options_] { return scene_of(options); }); }, [this] { save_glb(); }});
+      if (state_.view.debug == view::DebugView::kFragments && state_.view.past == nullptr)
+        draw_fragment_ids(*game_, camera, width, height);
+      // Which sets parameters: of a game that goes on.
+      if (!rewind_.playing() && !rewind_.held())
+        draw_panel(
+            state_, *game_, client_,
+            {[this](const std::string& scene) {
+               options_.material.clear();
+               load_scene(scene);
+             },
+             [this](const std::string& material) { set_material(material); },
+             [this] { load([options = options_] { return scene_of(options); }); }, [this] { save_glb(); }});
       draw_hud(state_, *game_, client_);
     }
     draw_help(state_);
@@ -459,6 +565,10 @@ class Session {
   protocol::Client client_;
   view::SceneView view_;
   std::unique_ptr<game::Game> game_;
+  std::shared_ptr<const game::Recording> recording_;  ///< to go on from, until its scene is there
+  std::shared_ptr<game::KeptAnswers> answers_;        ///< of this game, however often it goes back
+  Rewind rewind_;
+  bool too_long_ = false;
   std::unique_ptr<render::FrameTarget> target_;
   std::unique_ptr<sound::Player> player_;  ///< null: silent
   sound::Soundscape soundscape_;
@@ -477,7 +587,17 @@ class Session {
 
 }  // namespace
 
-int run_window(const Options& options) {
+int run_window(const Options& asked) {
+  Options options = asked;
+  std::shared_ptr<const game::Recording> recording;
+  if (!options.continue_from.empty()) {
+    Expected<std::shared_ptr<const game::Recording>> read = recording_for(options, options.continue_from);
+    if (!read) {
+      std::fprintf(stderr, "fracture-client: %s\n", printable_lines(read.error().detail).c_str());
+      return 1;
+    }
+    recording = std::move(*read);
+  }
   std::error_code ignored;  // what cannot be written there says so then
   std::filesystem::create_directories(options.out, ignored);
   const auto window = Window::open(options);
@@ -491,7 +611,7 @@ int run_window(const Options& options) {
     std::fprintf(stderr, "fracture-client: %s\n", view.error().detail.c_str());
     return 1;
   }
-  Session session(options, (*window)->get(), std::move(*view));
+  Session session(options, std::move(recording), (*window)->get(), std::move(*view));
   (*window)->start_overlay();
   session.run();
   return 0;

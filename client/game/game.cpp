@@ -53,7 +53,7 @@ Game::Game(scenes::Scene scene, protocol::Client& client, GameSettings settings)
 }
 
 Game::~Game() {
-  for (const auto& [ticket, pending] : pending_) client_.cancel(ticket);
+  for (const auto& [number, pending] : pending_) client_.cancel(pending.ticket);
 }
 
 std::size_t Game::thing_of(world::ObjectId object) const {
@@ -83,11 +83,11 @@ void Game::ask(std::size_t index, const world::Impact& impact, std::optional<std
   }
   pending.asked_at = world_.steps();
   pending.ahead = ahead;
-  pending.number = asked_;
   pending.due = world_.steps() + settings_.fixed_latency.value_or(0);
   ++figures_.requests;
-  const protocol::Ticket ticket = client_.fracture(thing.mesh, pending.parameters);
-  pending_.emplace(ticket, std::move(pending));
+  if (settings_.answers) pending.decoded = settings_.answers->find(thing.mesh, pending.parameters);
+  if (!pending.decoded) pending.ticket = client_.fracture(thing.mesh, pending.parameters);
+  pending_.emplace(asked_, std::move(pending));
 }
 
 void Game::want(const Waiting& hit) {
@@ -143,11 +143,17 @@ void Game::note_failure(Pending& pending, const std::string& what) {
   figures_.last_trouble = what;
 }
 
+std::map<std::uint64_t, Game::Pending>::iterator Game::pending_of(protocol::Ticket ticket) {
+  return std::find_if(pending_.begin(), pending_.end(),
+                      [&](const auto& entry) { return entry.second.ticket == ticket; });
+}
+
 void Game::weigh(const std::vector<std::size_t>& things, const std::string& answer) {
   const nlohmann::json report = nlohmann::json::parse(answer, nullptr, false);
   const nlohmann::json::json_pointer path("/report/solid/volume");
   if (!report.is_object() || !report.contains(path) || !report[path].is_number()) return;
   for (const std::size_t thing : things) {
+    if (weighed_.contains(thing)) continue;
     const scenes::SceneObject& object = scene_.objects[things_[thing].scene_object];
     const double factor = report[path].get<double>() / object.mesh->unit_mass.mass;
     if (factor > 0 && std::isfinite(factor) && factor != 1) scale_mass(thing, factor);
@@ -157,6 +163,7 @@ void Game::weigh(const std::vector<std::size_t>& things, const std::string& answ
 void Game::scale_mass(std::size_t thing, double factor) {
   record({.step = world_.steps(), .kind = RecordedEvent::Kind::kMass, .thing = thing, .factor = factor});
   world_.scale_mass(things_[thing].id, factor);
+  weighed_.insert(thing);
 }
 
 void Game::poll() {
@@ -167,7 +174,10 @@ void Game::poll() {
       else
         figures_.last_trouble = "A mesh was not stored: " + answer.detail;
       if (const auto storing = storing_.find(answer.ticket); storing != storing_.end()) {
-        if (answer.ok() && !settings_.replay) weigh(storing->second, answer.body);
+        if (answer.ok() && settings_.replay)
+          to_weigh_.emplace_back(std::move(storing->second), std::move(answer.body));
+        else if (answer.ok())
+          weigh(storing->second, answer.body);
         storing_.erase(storing);
       }
     }
@@ -177,7 +187,7 @@ void Game::poll() {
       else
         client_.patterns();  // it took its patience: no hurry
     }
-    const auto it = pending_.find(answer.ticket);
+    const auto it = pending_of(answer.ticket);
     if (it == pending_.end()) continue;  // of a game before this one
     if (answer.ok()) {
       ++figures_.answers;
@@ -188,12 +198,16 @@ void Game::poll() {
     }
   }
   for (Decoded& decoded : decoder_.poll()) {
-    const auto it = pending_.find(decoded.ticket);
+    const auto it = pending_of(decoded.ticket);
     if (it == pending_.end()) continue;
-    if (decoded.error.empty())
-      it->second.decoded = std::make_shared<const Decoded>(std::move(decoded));
-    else
-      note_failure(it->second, "The answer cannot be used: " + decoded.error);
+    Pending& pending = it->second;
+    if (!decoded.error.empty()) {
+      note_failure(pending, "The answer cannot be used: " + decoded.error);
+      continue;
+    }
+    pending.decoded = std::make_shared<const Decoded>(std::move(decoded));
+    if (settings_.answers)
+      settings_.answers->keep(things_[pending.thing].mesh, pending.parameters, pending.decoded);
   }
 }
 
@@ -227,11 +241,11 @@ void Game::apply(Pending& pending) {
   ++figures_.swaps;
 }
 
-bool Game::adopt(std::map<protocol::Ticket, Pending>::iterator it) {
+bool Game::adopt(std::map<std::uint64_t, Pending>::iterator it) {
   const bool swapped = !it->second.failed;
   record({.step = world_.steps(),
           .kind = swapped ? RecordedEvent::Kind::kAdopt : RecordedEvent::Kind::kFail,
-          .request = it->second.number});
+          .request = it->first});
   apply(it->second);
   pending_.erase(it);
   return swapped;
@@ -253,6 +267,7 @@ bool Game::apply_due() {
 
 void Game::record(const RecordedEvent& event) {
   if (settings_.recorder) settings_.recorder->add(event);
+  if (settings_.history) settings_.history->add(event);
 }
 
 void Game::set_overrides(nlohmann::json overrides) {
@@ -261,42 +276,9 @@ void Game::set_overrides(nlohmann::json overrides) {
   record({.step = world_.steps(), .kind = RecordedEvent::Kind::kOverrides, .overrides = settings_.overrides});
 }
 
-void Game::play_recorded() {
-  const std::vector<RecordedEvent>& events = settings_.replay->events;
-  for (; next_recorded_ < events.size() && events[next_recorded_].step <= world_.steps(); ++next_recorded_) {
-    const RecordedEvent& event = events[next_recorded_];
-    switch (event.kind) {
-      case RecordedEvent::Kind::kThrow:
-        throw_ball(event.from, event.velocity);
-        break;
-      case RecordedEvent::Kind::kOverrides:
-        set_overrides(event.overrides);
-        break;
-      case RecordedEvent::Kind::kEye:
-        eye_ = event.from;
-        break;
-      case RecordedEvent::Kind::kMass:
-        if (event.thing < things_.size()) scale_mass(event.thing, event.factor);
-        break;
-      case RecordedEvent::Kind::kAdopt:
-      case RecordedEvent::Kind::kFail: {
-        const auto it = std::find_if(pending_.begin(), pending_.end(),
-                                     [&](const auto& entry) { return entry.second.number == event.request; });
-        if (it == pending_.end() || it->second.failed != (event.kind == RecordedEvent::Kind::kFail)) {
-          if (!figures_.diverged) figures_.diverged = world_.steps();
-          if (it == pending_.end()) break;
-        }
-        adopt(it);
-        break;
-      }
-    }
-  }
-  ask_most_urgent();
-}
-
 std::vector<Game::Coming> Game::coming() const {
   std::vector<Coming> list;
-  for (const auto& [ticket, pending] : pending_)
+  for (const auto& [number, pending] : pending_)
     if (pending.decoded) list.push_back({pending.thing, pending.decoded});
   return list;
 }
@@ -304,15 +286,9 @@ std::vector<Game::Coming> Game::coming() const {
 bool Game::ready() {
   poll();
   if (settings_.replay) {
-    // The answers that the next events take.
-    const std::vector<RecordedEvent>& events = settings_.replay->events;
-    for (std::size_t k = next_recorded_; k < events.size() && events[k].step <= world_.steps(); ++k)
-      for (const auto& [ticket, pending] : pending_)
-        if (events[k].request == pending.number && !pending.finished()) {
-          ++figures_.held_steps;
-          return false;
-        }
-    return true;
+    if (replay_is_ready()) return true;
+    ++figures_.held_steps;
+    return false;
   }
   if (!settings_.fixed_latency) return true;
   if (world_.steps() == 0 && !storing_.empty())
@@ -340,7 +316,7 @@ void Game::take_events() {
       if (!fragment) world_.ask_again(event.object);
       continue;
     }
-    if (settings_.recorder && recorded_eye_ != eye_) {
+    if (is_recorded() && recorded_eye_ != eye_) {
       // Hits are those of the step before; a replay has to know when it plays that.
       const std::uint64_t step = std::max<std::uint64_t>(world_.steps(), 1) - 1;
       record({.step = step, .kind = RecordedEvent::Kind::kEye, .from = eye_});
@@ -372,23 +348,31 @@ void Game::take_events() {
 }
 
 void Game::step() {
-  if (settings_.replay)
+  if (settings_.replay) {
     play_recorded();
-  else if (settings_.fixed_latency)
+  } else if (settings_.fixed_latency) {
     apply_due();
-  const double now = static_cast<double>(world_.steps()) * settings_.world.step;
-  if (settings_.fixed_latency && !settings_.replay)
-    while (next_throw_ < scene_.throws.size() && scene_.throws[next_throw_].time <= now + 1e-9) {
-      throw_ball(scene_.throws[next_throw_].from, scene_.throws[next_throw_].velocity);
-      ++next_throw_;
-    }
+    ask_most_urgent();  // what has ended makes room now, as where it is played again
+    throw_scripted(static_cast<double>(world_.steps()) * settings_.world.step);
+  }
   const std::uint64_t step = world_.steps();
   world_.step();
-  if (settings_.recorder) settings_.recorder->add_hash(step, world_.fingerprint());
-  if (settings_.replay && !figures_.diverged && step < settings_.replay->hashes.size() &&
-      world_.fingerprint() != settings_.replay->hashes[step])
-    figures_.diverged = step;
+  if (is_recorded() || settings_.replay) {
+    const std::uint64_t fingerprint = world_.fingerprint();
+    if (settings_.recorder) settings_.recorder->add_hash(step, fingerprint);
+    if (settings_.history) settings_.history->add_hash(fingerprint);
+    if (settings_.replay && !figures_.diverged && step < settings_.replay->hashes.size() &&
+        fingerprint != settings_.replay->hashes[step])
+      figures_.diverged = step;
+  }
   take_events();
+}
+
+void Game::throw_scripted(double until) {
+  constexpr double kSameTime = 1e-9;  // seconds
+  for (; next_throw_ < scene_.throws.size() && scene_.throws[next_throw_].time <= until + kSameTime;
+       ++next_throw_)
+    throw_ball(scene_.throws[next_throw_].from, scene_.throws[next_throw_].velocity);
 }
 
 void Game::advance(double seconds, bool running) {

@@ -11,8 +11,9 @@
 
 #include <map>
 #include <optional>
+#include <set>
 
-#include "client/game/decoder.hpp"
+#include "client/game/history.hpp"
 #include "client/game/recording.hpp"
 #include "client/protocol/client.hpp"
 #include "client/scenes/scene.hpp"
@@ -28,8 +29,11 @@ struct GameSettings {
   nlohmann::json overrides =
       nlohmann::json::object();  ///< parameters at the start; then Game::set_overrides()
   world::WorldSettings world;
-  std::shared_ptr<Recorder> recorder;       ///< of what happens; null: none
-  std::shared_ptr<const Recording> replay;  ///< what happens, as it was recorded; instead of fixed_latency
+  std::shared_ptr<Recorder> recorder;    ///< of what happens; null: none
+  std::shared_ptr<History> history;      ///< the same, in memory; null: none
+  std::shared_ptr<KeptAnswers> answers;  ///< to what has been asked before; null: all is asked for
+  /// What happens, as it was recorded: until hand_over() it decides when answers take effect.
+  std::shared_ptr<const Recording> replay;
 };
 
 /// What stands where, for whoever draws.
@@ -91,6 +95,10 @@ class Game {
   void set_overrides(nlohmann::json overrides);
   /// Are all steps of the recording played?
   bool replayed() const { return settings_.replay && world_.steps() >= settings_.replay->hashes.size(); }
+  /// Ends the replay: what comes next is a game like any other, with the answers that are still awaited.
+  void hand_over();
+  /// Throws what the scene throws by itself, up to a time in seconds. Reproducible runs do so in step().
+  void throw_scripted(double until);
   /// The last answer, for saving; null before the first.
   std::shared_ptr<const std::string> last_glb() const { return last_glb_; }
   std::size_t meshes_stored() const { return meshes_stored_; }
@@ -101,7 +109,7 @@ class Game {
   struct Pending {
     std::size_t thing = 0;
     std::optional<std::uint32_t> fragment;  ///< secondary
-    std::uint64_t number = 0;               ///< of the request, from 1
+    protocol::Ticket ticket = 0;            ///< 0: the answer was kept
     std::uint64_t due = 0;                  ///< step; fixed_latency alone
     nlohmann::json parameters;
     std::shared_ptr<const Decoded> decoded;
@@ -135,11 +143,16 @@ class Game {
   /// The server has looked at a mesh, and knows the volume of what will break: of walls, where it makes some.
   void weigh(const std::vector<std::size_t>& things, const std::string& answer);
   void scale_mass(std::size_t thing, double factor);
-  bool adopt(std::map<protocol::Ticket, Pending>::iterator pending);  ///< the same
-  void play_recorded();                                               ///< what was recorded before this step
+  bool adopt(std::map<std::uint64_t, Pending>::iterator pending);  ///< the same
+  void play_recorded();                                            ///< what was recorded before this step
+  void play_answer(const RecordedEvent& event);
   void record(const RecordedEvent& event);
   void take_events();
   void note_failure(Pending& pending, const std::string& what);
+  /// By ticket; pending_.end() for those of a game before this one.
+  std::map<std::uint64_t, Pending>::iterator pending_of(protocol::Ticket ticket);
+  bool replay_is_ready() const;
+  bool is_recorded() const { return settings_.recorder || settings_.history; }
   std::size_t thing_of(world::ObjectId object) const;
 
   scenes::Scene scene_;
@@ -148,7 +161,7 @@ class Game {
   world::World world_;
   Decoder decoder_;
   std::vector<Thing> things_;
-  std::map<protocol::Ticket, Pending> pending_;
+  std::map<std::uint64_t, Pending> pending_;  ///< by the number of the request, from 1
   std::vector<Waiting> waiting_;
   glm::dvec3 eye_;
   std::optional<glm::dvec3> recorded_eye_;
@@ -158,6 +171,9 @@ class Game {
   std::uint64_t asked_ = 0;
   /// Meshes that the server has not answered to yet, and what is made of them.
   std::map<protocol::Ticket, std::vector<std::size_t>> storing_;
+  /// The same, and what the server said of them while a recording was played, which knows better: for the time after it.
+  std::vector<std::pair<std::vector<std::size_t>, std::string>> to_weigh_;
+  std::set<std::size_t> weighed_;  ///< things
   std::size_t next_throw_ = 0, meshes_stored_ = 0, next_recorded_ = 0;
   std::string patterns_;
   double owed_ = 0;  ///< seconds not yet simulated

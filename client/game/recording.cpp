@@ -20,13 +20,32 @@ glm::dvec3 read_vector(const json& list) {
 
 /// Throws json::exception where the line says nothing that is known.
 void read_line(const json& line, Recording& recording) {
-  RecordedEvent event;
-  event.step = line.at("step").get<std::uint64_t>();
-  if (const auto hash = line.find("hash"); hash != line.end()) {
-    if (event.step != recording.hashes.size()) throw std::runtime_error("its step is not the next one");
-    recording.hashes.push_back(std::strtoull(hash->get<std::string>().c_str(), nullptr, 16));
+  const auto hash = line.find("hash");
+  if (hash == line.end()) {
+    recording.events.push_back(event_of(line));
     return;
   }
+  if (line.at("step").get<std::uint64_t>() != recording.hashes.size())
+    throw std::runtime_error("its step is not the next one");
+  recording.hashes.push_back(hash_of(hash->get<std::string>()));
+}
+
+/// Throws std::runtime_error with what is not as here.
+void check_version(const json& header) {
+  if (const json& format = header.at("format"); format != kFormat)
+    throw std::runtime_error("it is of another format, " + format.dump() + "; this program plays \"" +
+                             kFormat + "\"");
+  // Recordings of before there were rules are taken for what they are: a step that differs is named.
+  if (const auto rules = header.find("rules"); rules != header.end() && *rules != kRules)
+    throw std::runtime_error("it was recorded by another version, with rules " + rules->dump() +
+                             "; this program has rules " + std::to_string(kRules));
+}
+
+}  // namespace
+
+RecordedEvent event_of(const json& line) {
+  RecordedEvent event;
+  event.step = line.at("step").get<std::uint64_t>();
   if (const auto thrown = line.find("throw"); thrown != line.end()) {
     event.kind = RecordedEvent::Kind::kThrow;
     event.from = read_vector(thrown->at(0));
@@ -48,10 +67,8 @@ void read_line(const json& line, Recording& recording) {
     event.kind = RecordedEvent::Kind::kEye;
     event.from = read_vector(line.at("eye"));
   }
-  recording.events.push_back(std::move(event));
+  return event;
 }
-
-}  // namespace
 
 Expected<Recording> read_recording(const std::string& path) {
   std::ifstream in(path);
@@ -66,7 +83,7 @@ Expected<Recording> read_recording(const std::string& path) {
         read_line(line, recording);
         continue;
       }
-      if (line.at("format") != kFormat) throw std::runtime_error("it is of another format");
+      check_version(line);
       recording.header = std::move(line);
     } catch (const std::exception& error) {
       return fail(ErrorCode::kBadJson, path + ", line " + std::to_string(number) +
@@ -81,12 +98,13 @@ Expected<Recorder> Recorder::create(const std::string& path, const json& header)
   std::ofstream out(path);
   json first = header;
   first["format"] = kFormat;
+  first["rules"] = kRules;
   out << json_text(first) << '\n';
   if (!out.flush()) return fail(ErrorCode::kFileAccess, "Cannot write " + path + ".");
   return Recorder(std::move(out));
 }
 
-void Recorder::add(const RecordedEvent& event) {
+json line_of(const RecordedEvent& event) {
   json line = {{"step", event.step}};
   switch (event.kind) {
     case RecordedEvent::Kind::kThrow:
@@ -109,14 +127,46 @@ void Recorder::add(const RecordedEvent& event) {
       line["eye"] = vector_of(event.from);
       break;
   }
-  out_ << json_text(line) << '\n';
+  return line;
 }
 
+void Recorder::add(const RecordedEvent& event) { out_ << json_text(line_of(event)) << '\n'; }
+
 void Recorder::add_hash(std::uint64_t step, std::uint64_t fingerprint) {
+  out_ << hash_line(step, fingerprint) << '\n';
+}
+
+std::string hash_line(std::uint64_t step, std::uint64_t fingerprint) {
   char text[64];
   std::snprintf(text, sizeof text, R"({"step":%llu,"hash":"%016llx"})", static_cast<unsigned long long>(step),
                 static_cast<unsigned long long>(fingerprint));
-  out_ << text << '\n';
+  return text;
+}
+
+std::uint64_t hash_of(const std::string& text) {
+  constexpr std::size_t kDigits = 16;
+  if (text.empty() || text.size() > kDigits ||
+      text.find_first_not_of("0123456789abcdef") != std::string::npos)
+    throw std::invalid_argument("its hash is not of at most 16 hexadecimal digits");
+  return std::strtoull(text.c_str(), nullptr, 16);
+}
+
+Expected<void> write_recording(const std::string& path, const Recording& recording) {
+  Expected<Recorder> recorder = Recorder::create(path, recording.header);
+  if (!recorder) return tl::unexpected(recorder.error());
+  std::size_t next = 0;
+  const auto add_events = [&](std::uint64_t until) {
+    for (; next < recording.events.size() && recording.events[next].step <= until; ++next)
+      recorder->add(recording.events[next]);
+  };
+  for (std::uint64_t step = 0; step < recording.hashes.size(); ++step) {
+    add_events(step);
+    recorder->add_hash(step, recording.hashes[step]);
+  }
+  add_events(recording.hashes.size());
+  if (!recorder->finish())
+    return fail(ErrorCode::kFileAccess, "The game could not be written to " + path + " as a whole.");
+  return {};
 }
 
 }  // namespace fracture::game

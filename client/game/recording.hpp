@@ -2,7 +2,7 @@
 // world after every step. Whoever plays it again with a server of the same version gets the same bits, or the first
 // step at which they differ.
 //
-//   {"format": "fracture-game-1", "scene": …}        the first line: whatever the program needs to begin alike
+//   {"format": "fracture-game-1", "rules": 1, "scene": …}  the first line: whatever the program needs to begin alike
 //   {"step": 36, "throw": [[x, y, z], [vx, vy, vz]]}  before step 36 (counted from 0), as are the next five
 //   {"step": 61, "adopt": 1}                          the answer to the first request
 //   {"step": 70, "fail": 2}                           the second came to nothing
@@ -34,14 +34,27 @@ struct RecordedEvent {
   nlohmann::json overrides{};       ///< kOverrides
 };
 
+/// What equal events lead to: raised when the world or the game answers them with other bits.
+inline constexpr int kRules = 1;
+
 struct Recording {
   nlohmann::json header;
   std::vector<RecordedEvent> events;  ///< in the order in which they happened
   std::vector<std::uint64_t> hashes;  ///< of World::fingerprint(), for each step
 };
 
-/// kFileAccess, or kBadJson with the line that is no line of a recording.
+/// The line of an event, and back: what is not an event throws nlohmann::json::exception.
+nlohmann::json line_of(const RecordedEvent& event);
+RecordedEvent event_of(const nlohmann::json& line);
+/// The line of a hash, without its end.
+std::string hash_line(std::uint64_t step, std::uint64_t fingerprint);
+/// "90ab…" as a number. Throws std::invalid_argument where it is none.
+std::uint64_t hash_of(const std::string& text);
+
+/// kFileAccess, or kBadJson with the line that is no line of a recording, or the rules that are not kRules.
 Expected<Recording> read_recording(const std::string& path);
+/// kFileAccess where the file cannot be written, or not all of it.
+Expected<void> write_recording(const std::string& path, const Recording& recording);
 
 class Recorder {
  public:

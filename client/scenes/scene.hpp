@@ -73,6 +73,10 @@ Expected<Scene> make_scene(const std::string& name);
 /// front. `unit`: as for load_asset. A file that cannot be read is a warning; kEmptyMesh where none can.
 Expected<Scene> scene_of_files(const std::vector<std::string>& paths, const std::string& unit = {});
 
+/// Of all that decides how the scene moves and breaks, as 64 hexadecimal digits: meshes, places, materials. Equal digests,
+/// equal beginnings. What is thrown, and what is only seen, is not in it.
+std::string digest_of(const Scene& scene);
+
 /// Materials for the number keys 1 … 8, in the server's order.
 const std::vector<std::string>& material_names();
 

@@ -136,31 +136,50 @@ Expected<void> SceneView::upload_coming(const game::Game& game) {
   return {};
 }
 
-Expected<SceneView::Place> SceneView::place_of(const game::Game& game, std::size_t index) {
-  const game::Thing& thing = game.things()[index];
-  const bool broken = thing.fragments != nullptr;
-  const auto known = places_.find(index);
-  if (known != places_.end() && known->second.broken == broken) return known->second;
-  const auto ahead = waiting_.find(thing.fragments);
-  const Expected<Place> place =
-      ahead != waiting_.end() ? ahead->second : upload(game, index, thing.fragments.get());
-  if (!place) return place;
-  if (known != places_.end()) hide(game, index, known->second);  // the whole is no more
-  places_[index] = *place;
+Expected<SceneView::Place> SceneView::place_of(const game::Game& game, std::size_t index, bool broken) {
+  if (const auto known = places_.find({index, broken}); known != places_.end()) return known->second;
+  const game::Decoded* fragments = broken ? game.things()[index].fragments.get() : nullptr;
+  const auto ahead = broken ? waiting_.find(game.things()[index].fragments) : waiting_.end();
+  const Expected<Place> place = ahead != waiting_.end() ? ahead->second : upload(game, index, fragments);
+  if (place) places_.emplace(std::pair(index, broken), *place);
   return place;
 }
 
-void SceneView::set_states(const game::Game& game, std::size_t index, const Place& place, DebugView debug) {
+Expected<void> SceneView::show(const game::Game& game, std::size_t index, const ViewSettings& settings) {
+  const bool there = settings.past == nullptr || index < settings.past->parts.size();
+  const bool broken = settings.past == nullptr ? game.things()[index].fragments != nullptr
+                                               : there && settings.past->parts[index].broken;
+  for (const bool other : {false, true})
+    if (!there || other != broken)
+      if (const auto place = places_.find({index, other}); place != places_.end())
+        hide(game, index, place->second);
+  if (!there) return {};
+  const Expected<Place> place = place_of(game, index, broken);
+  if (!place) return tl::unexpected(place.error());
+  set_states(game, index, *place, settings);
+  return {};
+}
+
+void SceneView::set_states(const game::Game& game, std::size_t index, const Place& place,
+                           const ViewSettings& settings) {
   const game::Thing& thing = game.things()[index];
+  const game::Moment::Part* past = settings.past != nullptr ? &settings.past->parts[index] : nullptr;
   Batch& batch = batches_.at(game.scene().objects[thing.scene_object].look);
   const std::span<const render::Object> objects(&batch.gpu.model().objects[place.first], place.count);
   const std::span<ObjectState> states(&batch.states[place.first], place.count);
   if (!place.broken) {
-    const glm::mat4 world(game.world().object_pose(thing.id).matrix());
-    for (std::size_t k = 0; k < states.size(); ++k) states[k].transform = world * objects[k].transform;
+    const world::Pose pose = past != nullptr ? past->whole : game.world().object_pose(thing.id);
+    const glm::mat4 world(pose.matrix());
+    for (std::size_t k = 0; k < states.size(); ++k) {
+      states[k].visible = true;
+      states[k].transform = world * objects[k].transform;
+    }
     return;
   }
-  game.world().fragment_states(thing.id, fragment_states_);
+  if (past != nullptr)
+    fragment_states_ = past->fragments;
+  else
+    game.world().fragment_states(thing.id, fragment_states_);
   for (std::size_t k = 0; k < states.size(); ++k) {
     const std::uint32_t fragment = thing.fragments->fragment_of_object[k];
     ObjectState& state = states[k];
@@ -173,8 +192,8 @@ void SceneView::set_states(const game::Game& game, std::size_t index, const Plac
     // The node's own transform is a translation to the fragment's origin: it shrinks about that.
     state.transform = glm::mat4(f.asset_to_world.matrix()) * objects[k].transform;
     if (f.size < 1) state.transform = glm::scale(state.transform, glm::vec3(f.size));
-    state.tint =
-        debug == DebugView::kFragments ? glm::vec4(render::distinct_color(f.group), 0.85f) : glm::vec4(0);
+    state.tint = settings.debug == DebugView::kFragments ? glm::vec4(render::distinct_color(f.group), 0.85f)
+                                                         : glm::vec4(0);
   }
 }
 
@@ -262,11 +281,11 @@ void SceneView::place_marks(const game::Game& game, const effects::Debris& debri
   }
 }
 
-void SceneView::set_balls(const game::Game& game) {
+void SceneView::set_balls(const std::vector<world::BallState>& balls) {
   const std::span<ObjectState> states(&batches_.at(render::SolidLook::kNone).states[balls_], kBallObjects);
   for (ObjectState& state : states) state.visible = false;
   std::size_t next = 0;
-  for (const world::BallState& ball : game.world().balls()) {
+  for (const world::BallState& ball : balls) {
     if (next >= states.size()) break;
     states[next].visible = true;
     states[next].transform =
@@ -276,21 +295,20 @@ void SceneView::set_balls(const game::Game& game) {
 }
 
 Expected<ViewFigures> SceneView::draw(const game::Game& game, const render::Camera& camera,
-                                      const ViewSettings& settings, GLuint framebuffer, int width,
-                                      int height) {
+                                      const ViewSettings& given, GLuint framebuffer, int width, int height) {
+  ViewSettings settings = given;
+  if (settings.past != nullptr) {
+    settings.debug = DebugView::kNone;
+    settings.debris = nullptr;  // which is where it is now
+  }
   const auto start = std::chrono::steady_clock::now();
   uploads_ = 0;
   if (const auto furnished = upload_furniture(game); !furnished) return tl::unexpected(furnished.error());
   std::optional<Error> trouble;
-  for (std::size_t k = 0; k < game.things().size(); ++k) {
-    const Expected<Place> place = place_of(game, k);
-    if (place)
-      set_states(game, k, *place, settings.debug);
-    else
-      trouble = place.error();
-  }
+  for (std::size_t k = 0; k < game.things().size(); ++k)
+    if (const auto shown = show(game, k, settings); !shown) trouble = shown.error();
   if (const auto uploaded = upload_coming(game); !uploaded) trouble = uploaded.error();
-  set_balls(game);
+  set_balls(settings.past != nullptr ? settings.past->balls : game.world().balls());
   std::vector<render::DrawItem> draws;
   for (auto& [look, batch] : batches_) draws.push_back({&batch.gpu, batch.states, look, {0, 1, 0}});
 

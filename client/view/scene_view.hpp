@@ -5,7 +5,7 @@
 #include <map>
 
 #include "client/effects/debris_view.hpp"
-#include "client/game/game.hpp"
+#include "client/game/moment.hpp"
 #include "client/render/renderer.hpp"
 #include "client/view/debug_lines.hpp"
 
@@ -20,6 +20,7 @@ struct ViewSettings {
   int sky_shadows = 12;
   bool sun_shadow = true;
   const effects::Debris* debris = nullptr;  ///< dust, crumbs and marks; null: none
+  const game::Moment* past = nullptr;       ///< shown instead of what the game is now, and without debug view
 };
 
 struct ViewFigures {
@@ -39,8 +40,8 @@ class SceneView {
     furnished_ = nullptr;
   }
   /// Draws the game into the framebuffer. kGl where the driver refuses a mesh; the rest is drawn.
-  Expected<ViewFigures> draw(const game::Game& game, const render::Camera& camera,
-                             const ViewSettings& settings, GLuint framebuffer, int width, int height);
+  Expected<ViewFigures> draw(const game::Game& game, const render::Camera& camera, const ViewSettings& given,
+                             GLuint framebuffer, int width, int height);
 
  private:
   struct Batch {
@@ -56,14 +57,17 @@ class SceneView {
   /// Appends to the batch of a look; the number of the first object.
   Expected<std::uint32_t> add(render::SolidLook look, const render::Model& model,
                               const std::optional<render::SolidPlacement>& solid);
-  Expected<Place> place_of(const game::Game& game, std::size_t thing);
+  Expected<Place> place_of(const game::Game& game, std::size_t thing, bool broken);
+  /// Shows a thing as it is, or was: whole, broken, or not there.
+  Expected<void> show(const game::Game& game, std::size_t thing, const ViewSettings& settings);
   /// Uploads a thing, whole or broken.
   Expected<Place> upload(const game::Game& game, std::size_t thing, const game::Decoded* fragments);
   /// Uploads what is about to break, unseen: the frame in which it breaks has enough to do.
   Expected<void> upload_coming(const game::Game& game);
   void hide(const game::Game& game, std::size_t thing, const Place& place);
-  void set_states(const game::Game& game, std::size_t thing, const Place& place, DebugView debug);
-  void set_balls(const game::Game& game);
+  void set_states(const game::Game& game, std::size_t thing, const Place& place,
+                  const ViewSettings& settings);
+  void set_balls(const std::vector<world::BallState>& balls);
   void add_lines(const game::Game& game, DebugView debug);
   Expected<void> upload_furniture(const game::Game& game);
   void place_marks(const game::Game& game, const effects::Debris& debris);
@@ -73,7 +77,7 @@ class SceneView {
   effects::DebrisView debris_;
   std::vector<effects::PlacedMark> marks_;
   std::map<render::SolidLook, Batch> batches_;
-  std::map<std::size_t, Place> places_;                            ///< by thing
+  std::map<std::pair<std::size_t, bool>, Place> places_;           ///< by thing, whole and broken
   std::map<std::shared_ptr<const game::Decoded>, Place> waiting_;  ///< uploaded ahead
   std::uint32_t balls_ = 0;  ///< first of them in the batch without a look
   const game::Game* furnished_ = nullptr;

@@ -199,7 +199,7 @@ struct Ledger {
   std::optional<std::uint64_t> asleep_since;  ///< step from which all fragments sleep
 };
 
-/// Fragments with their collision shapes: made on any thread, used by one World at a time.
+/// Fragments with their collision shapes: made on any thread, in the step of one World at a time.
 struct PreparedFragments;
 std::shared_ptr<const PreparedFragments> prepare(FragmentSet set);
 const FragmentSet& fragments_of(const PreparedFragments& prepared);

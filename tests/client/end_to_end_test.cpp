@@ -15,6 +15,7 @@
 #include "client/render/image.hpp"
 #include "client/scenes/scene.hpp"
 #include "client/scenes/solid_shapes.hpp"
+#include "tests/client/headless_run.hpp"
 #include "tests/server/support/server_process.hpp"
 #include "tests/server/support/temporary_folder.hpp"
 
@@ -22,21 +23,6 @@ namespace fracture::app {
 namespace {
 
 using nlohmann::json;
-
-Options options_for(const test::ServeProcess& server, const std::string& scene, double seconds) {
-  Options options;
-  options.server.port = server.port;
-  options.scene = scene;
-  options.headless = options.fixed_step = true;
-  options.seconds = seconds;
-  return options;
-}
-
-json run(const Options& options) {
-  Expected<json> summary = run_headless(options);
-  if (!summary) throw std::runtime_error(summary.error().detail);
-  return *summary;
-}
 
 render::Picture read_picture(const std::string& path) {
   std::ifstream in(path, std::ios::binary);

@@ -34,9 +34,10 @@ class SceneViewTest : public testing::Test {
     ASSERT_TRUE(view) << view.error().detail;
     view_.emplace(std::move(*view));
   }
-  ViewFigures draw(const game::Game& game) {
+  ViewFigures draw(const game::Game& game, const game::Moment* past = nullptr) {
     ViewSettings settings;
     settings.sky_shadows = 1;
+    settings.past = past;
     const auto figures =
         view_->draw(game, look_at({0, 2, 6}, {0, 1, 0}, 1), settings, target_->framebuffer(), kSize, kSize);
     if (!figures) throw std::runtime_error(figures.error().detail);
@@ -86,6 +87,37 @@ TEST_F(SceneViewTest, FragmentsAreUploadedInAFrameBeforeTheyAreSeen) {
   EXPECT_EQ(draw(game).uploads, 0u);
   game.advance(test::kFrame, true);
   EXPECT_EQ(game.world().steps(), steps + 3);
+}
+
+TEST_F(SceneViewTest, ThePastIsDrawnAsItWas) {
+  game::GameSettings settings;
+  settings.fixed_latency = 2;
+  game::Game game(falling_box(), client_, settings);
+  const auto step_until = [&](std::uint64_t steps) {
+    while (game.world().steps() < steps) {
+      test::require_eventually(test::kPatience, "the answers of the step", [&] { return game.ready(); });
+      game.step();
+    }
+  };
+  const auto pixels = [&](const game::Moment* past) {
+    draw(game, past);
+    return target_->read().pixels;
+  };
+  std::vector<game::Moment> moments;
+  std::vector<std::vector<render::Color>> seen;
+  // Falling, broken, with a ball, without it.
+  for (const std::uint64_t steps : {10u, 60u, 90u, 240u}) {
+    step_until(steps);
+    if (steps == 60) game.throw_ball({0.5, 1, 3}, {0, 3, -2});
+    moments.push_back(game::moment_of(game));
+    seen.push_back(pixels(nullptr));
+  }
+  ASSERT_FALSE(moments[0].parts[0].broken);
+  ASSERT_TRUE(moments[1].parts[0].broken);
+  EXPECT_NE(seen[0], seen[1]);
+  EXPECT_NE(seen[1], seen[2]);
+  for (const std::size_t k : {2u, 0u, 1u, 3u}) EXPECT_EQ(pixels(&moments[k]), seen[k]) << k;
+  EXPECT_EQ(pixels(nullptr), seen[3]);
 }
 
 /// Buffers, textures and vertex arrays that there are. Names are not given twice: the next is above them all.

@@ -75,6 +75,26 @@ TEST_F(OnADisplay, WithoutAServerTheWindowOpensAllTheSame) {
       << test::read_file(folder_ / "output");
 }
 
+TEST_F(OnADisplay, AGameIsGoneOnWith) {
+  test::ServeProcess server;
+  const std::string port = std::to_string(server.port), first = folder_ / "first.jsonl",
+                    second = folder_ / "second.jsonl";
+  ASSERT_EQ(play({"--headless", "--fixed-step", "--scene", "panes", "--seconds", "1.5", "--port", port,
+                  "--log", first}),
+            0)
+      << test::read_file(folder_ / "output");
+  const std::string recorded = test::read_file(first);
+  ASSERT_NE(recorded.find("adopt"), std::string::npos);
+  ChildProcess client({FRACTURE_CLIENT_PROGRAM, "--continue", first, "--log", second, "--gravity", "--port",
+                       port, "--width", "320", "--height", "240", "--out", folder_.path},
+                      folder_ / "output");
+  ASSERT_TRUE(test::eventually(test::kPatience, "steps after the recorded ones", [&] {
+    return test::read_file(second).size() > recorded.size() || !client.alive();
+  }));
+  EXPECT_TRUE(client.alive()) << test::read_file(folder_ / "output");
+  EXPECT_EQ(test::read_file(second).substr(0, recorded.size()), recorded);
+}
+
 TEST(Window, WithoutADisplayTheProgramSaysSo) {
   test::TemporaryFolder folder;
   ::unsetenv("DISPLAY");
@@ -89,6 +109,7 @@ TEST(CommandLine, MistakesAreNamed) {
   for (const std::vector<std::string>& arguments : {std::vector<std::string>{"--scene", "castle"},
                                                     {"--fixed-step"},
                                                     {"--headless", "--seconds", "-1"},
+                                                    {"--continue", "game.jsonl", "--scene", "wall"},
                                                     {"--port", "x"}}) {
     std::vector<std::string> all = {FRACTURE_CLIENT_PROGRAM};
     all.insert(all.end(), arguments.begin(), arguments.end());

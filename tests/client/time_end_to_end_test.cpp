@@ -1,0 +1,79 @@
+// A game that is gone on with, and what a player may do in it, against a real server.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "tests/client/headless_run.hpp"
+#include "tests/server/support/child_process.hpp"
+#include "tests/server/support/server_process.hpp"
+#include "tests/server/support/temporary_folder.hpp"
+
+namespace fracture::app {
+namespace {
+
+using nlohmann::json;
+
+TEST(TimeEndToEnd, AGameThatIsGoneOnWithIsTheOneThatWasNeverInterrupted) {
+  test::ServeProcess server;
+  test::TemporaryFolder folder;
+  Options whole = options_for(server, "panes", 1.6);
+  whole.log = folder / "whole.jsonl";
+  const json never_interrupted = run(whole);
+  EXPECT_GE(never_interrupted["game"]["swaps"].get<int>(), 2);
+  for (const double stopped : {0.5, 1.2}) {  // after the first ball was thrown, after the second
+    Options first = options_for(server, "panes", stopped);
+    first.log = folder / "first.jsonl";
+    run(first);
+    Options second = options_for(server, "monkey", 1.6);  // the scene stands in the file
+    second.continue_from = first.log;
+    second.log = folder / "second.jsonl";
+    const json gone_on = run(second);
+    EXPECT_EQ(gone_on["fingerprint"], never_interrupted["fingerprint"]) << stopped;
+    EXPECT_EQ(gone_on["swaps"], never_interrupted["swaps"]) << stopped;
+    EXPECT_EQ(test::read_file(second.log), test::read_file(whole.log)) << stopped;
+  }
+  // In real time, too: its own recording is then whole.
+  Options live = options_for(server, "panes", 1.5);
+  live.fixed_step = false;
+  live.continue_from = folder / "first.jsonl";
+  live.log = folder / "live.jsonl";
+  const json lived = run(live);
+  Options again = options_for(server, "panes", 1);
+  again.replay = live.log;
+  const json replayed = run(again);
+  EXPECT_TRUE(replayed["game"]["diverged"].is_null()) << replayed["game"]["diverged"];
+  EXPECT_EQ(replayed["fingerprint"], lived["fingerprint"]);
+}
+
+TEST(TimeEndToEnd, RecordingsOfOtherGamesAreRefusedInWords) {
+  test::ServeProcess server;
+  test::TemporaryFolder folder;
+  Options options = options_for(server, "panes", 0.2);
+  options.requests = false;
+  options.log = folder / "game.jsonl";
+  run(options);
+  const std::string text = test::read_file(options.log);
+  const auto detail = [&](const std::string& from, const std::string& to) {
+    std::string changed = text;
+    const std::size_t at = changed.find(from);
+    if (at == std::string::npos) return "there is no " + from;
+    changed.replace(at, from.size(), to);
+    Options resumed = options_for(server, "panes", 0.4);
+    resumed.continue_from = folder.write("changed.jsonl", changed);
+    const Expected<json> summary = run_headless(resumed);
+    return summary ? std::string() : summary.error().detail;
+  };
+  EXPECT_EQ(detail("\"rules\":1", "\"rules\":1"), "");
+  EXPECT_NE(detail("\"rules\":1", "\"rules\":77").find("another version, with rules 77"), std::string::npos);
+  EXPECT_NE(detail("\"scene\":\"panes\"", "\"scene\":\"shop\"").find("another scene 'shop'"),
+            std::string::npos);
+  EXPECT_NE(detail("\"scene\":\"panes\"", "\"scene\":\"castle\"").find("no scene 'castle'"),
+            std::string::npos);
+  const std::size_t hash = text.find("\"hash\":\"") + 8;
+  const std::string first = text.substr(hash, 16);
+  EXPECT_NE(detail(first, "0123456789abcdef").find("Step 0 is not what was recorded"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace fracture::app
