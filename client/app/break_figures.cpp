@@ -25,7 +25,7 @@ json figures_of(std::vector<double> late_ms) {
 
 json break_figures(const game::Game& game) {
   const double step_ms = 1e3 * game.world().settings().step;
-  std::vector<double> all, by[3];
+  std::vector<double> all, by[4];
   for (const world::Break& broken : game.figures().breaks) {
     const double late = step_ms * static_cast<double>(broken.late);
     all.push_back(late);
@@ -38,7 +38,8 @@ json break_figures(const game::Game& game) {
   json result = figures_of(std::move(all));
   result["cause"] = {{"ball", figures_of(std::move(by[0]))},
                      {"fall", figures_of(std::move(by[1]))},
-                     {"piece", figures_of(std::move(by[2]))}};
+                     {"piece", figures_of(std::move(by[2]))},
+                     {"blast", figures_of(std::move(by[3]))}};
   result["waiting"] = game.open_requests() + game.waiting_requests();
   result["spare"] = game.kept_answers() + fragmented - std::min(fragmented, game.figures().breaks.size());
   return result;

@@ -476,6 +476,7 @@ Expected<json> run_headless(const Options& asked) {
   if (replay)
     if (const auto same = check_scene(replay->header, *scene); !same) return tl::unexpected(same.error());
   if (!options.throws || !options.replay.empty()) scene->throws.clear();
+  if (options.replay.empty()) scene->blasts = options.blasts;
   std::error_code ignored;
   std::filesystem::create_directories(options.out, ignored);
   game::GameSettings settings = settings_of(options);

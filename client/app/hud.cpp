@@ -65,7 +65,8 @@ void draw_help(const PanelState& state) {
   ImGui::TextUnformatted(
       "WASD, Q E      move (Shift: faster)\n"
       "right button   held: look; Tab: look always\n"
-      "click          throw a ball at the pointer\n"
+      "click          throw a ball at the pointer, or\n"
+      "F              another tool: wrecking ball, explosion\n"
       "X held         gravity runs\n"
       "G              gravity always on\n"
       "T              slow motion; . (dot): one step\n"
@@ -91,9 +92,13 @@ void draw_hint(const PanelState& state, const glm::vec2& aim) {
   ImGui::SetNextWindowBgAlpha(0.4f);
   ImGui::Begin("hint", nullptr, kPlain);
   if (!state.note.empty()) ImGui::TextUnformatted(state.note.c_str());
-  ImGui::TextUnformatted(state.gravity_always ? "click throws a ball - G pauses - H for help"
-                         : state.gravity_held ? "gravity runs"
-                                              : "paused - hold X for gravity, G for always - H for help");
+  const std::string click =
+      std::string("click ") + kToolActions[static_cast<std::size_t>(state.tool)] + " - F: another tool - ";
+  const std::string hint = state.gravity_always ? click + "G pauses - H for help"
+                           : state.gravity_held
+                               ? std::string("gravity runs")
+                               : "paused - hold X for gravity, G for always - " + click + "H for help";
+  ImGui::TextUnformatted(hint.c_str());
   ImGui::End();
   ImDrawList* list = ImGui::GetForegroundDrawList();
   const ImVec2 at(aim.x, aim.y);

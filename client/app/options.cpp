@@ -1,7 +1,11 @@
 #include "client/app/options.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <optional>
 
 #include "client/app/output_places.hpp"
 #include "client/scenes/scene.hpp"
@@ -17,6 +21,25 @@ bool add_parameter(const std::string& text, nlohmann::json& parameters) {
   nlohmann::json parsed = nlohmann::json::parse(value, nullptr, false);
   parameters[text.substr(0, sign)] = parsed.is_discarded() ? nlohmann::json(value) : std::move(parsed);
   return true;
+}
+
+/// "T,x,y,z[,IMPULSE[,RADIUS]]"; nothing where it is not that.
+std::optional<scenes::TimedBlast> blast_of(const std::string& text) {
+  std::vector<double> numbers;
+  const char* at = text.c_str();
+  for (char* end = nullptr;; at = end + 1) {
+    const double number = std::strtod(at, &end);
+    if (end == at || !std::isfinite(number) || (*end != '\0' && *end != ',')) return std::nullopt;
+    numbers.push_back(number);
+    if (*end == '\0') break;
+  }
+  constexpr std::size_t kLeast = 4, kMost = 6;
+  if (numbers.size() < kLeast || numbers.size() > kMost || numbers[0] < 0) return std::nullopt;
+  scenes::TimedBlast blast{
+      numbers[0], {{numbers[1], numbers[2], numbers[3]}, scenes::kBlastImpulse, scenes::kBlastRadius}};
+  if (numbers.size() > kLeast) blast.blast.impulse = numbers[kLeast];
+  if (numbers.size() == kMost) blast.blast.radius = numbers[kMost - 1];
+  return blast.blast.impulse > 0 && blast.blast.radius > 0 ? std::optional(blast) : std::nullopt;
 }
 
 /// An empty variable of a script is no wish to go without.
@@ -99,6 +122,14 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
   add(app.add_flag("--draw", o.draw, "Draws every frame without keeping it: what submitting costs"));
   add(app.add_flag("--json", o.json, "A summary on standard output"));
   add(app.add_flag("--no-throws", no_throws, "Leave out the balls that the scene throws by itself"));
+  std::vector<std::string> blasts;
+  add(app.add_option(
+             "--explode", blasts,
+             "T,x,y,z[,IMPULSE[,RADIUS]]: an explosion after T seconds at a place in metres, with so many N·s "
+             "that reach so many metres; may be repeated")
+          ->check([](const std::string& text) {
+            return blast_of(text) ? std::string() : "'" + text + "' is not T,x,y,z[,IMPULSE[,RADIUS]]";
+          }));
   add(app.add_flag("--no-requests", no_requests, "Hits ask for nothing: the same motion, for comparisons"));
   try {
     app.parse(argc, argv);
@@ -115,6 +146,9 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
     return tl::unexpected(Exit{2});
   }
   if (sites > 0) o.parameters["sites"] = sites;
+  for (const std::string& text : blasts) o.blasts.push_back(*blast_of(text));
+  std::stable_sort(o.blasts.begin(), o.blasts.end(),
+                   [](const auto& a, const auto& b) { return a.time < b.time; });
   for (const std::string& text : set) add_parameter(text, o.parameters);
   o.sound = !no_sound;
   o.effects = !no_effects;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "client/protocol/protocol.hpp"
+#include "client/scenes/scene.hpp"
 
 namespace fracture::app {
 
@@ -41,8 +42,9 @@ struct Options {
   bool draw = false;                ///< every frame is drawn, and read by nobody: what submitting costs
   std::string out = ".";
   bool json = false;
-  bool throws = true;    ///< what the scene throws by itself; headless only
-  bool requests = true;  ///< false: hits ask for nothing; headless only
+  bool throws = true;                      ///< what the scene throws by itself; headless only
+  std::vector<scenes::TimedBlast> blasts;  ///< in the order of their times; headless only
+  bool requests = true;                    ///< false: hits ask for nothing; headless only
 };
 
 struct Exit {

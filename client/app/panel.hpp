@@ -11,8 +11,14 @@
 
 namespace fracture::app {
 
+/// What a click does.
+enum class Tool { kBall, kWreckingBall, kExplosion };
+inline constexpr std::array<const char*, 3> kToolActions = {"throws a ball", "throws a wrecking ball",
+                                                            "explodes there"};
+
 struct PanelState {
   bool help = false, panel = false, menu = false;
+  Tool tool = Tool::kBall;
   bool gravity_held = false, gravity_always = false, slow_motion = false;
   view::ViewSettings view;
   view::ViewFigures figures;

@@ -111,7 +111,7 @@ class Session {
       if (button == GLFW_MOUSE_BUTTON_RIGHT && action == GLFW_RELEASE) session.look(session.look_always_);
       if (action != GLFW_PRESS || ImGui::GetIO().WantCaptureMouse) return;
       if (button == GLFW_MOUSE_BUTTON_RIGHT) session.look(true);
-      if (button == GLFW_MOUSE_BUTTON_LEFT) session.throw_ball();
+      if (button == GLFW_MOUSE_BUTTON_LEFT) session.use_tool();
     });
     state_.gravity_always = options.gravity;
     state_.sound = options.sound;
@@ -396,6 +396,9 @@ class Session {
       case GLFW_KEY_F1:
         state_.panel = !state_.panel;
         break;
+      case GLFW_KEY_F:
+        state_.tool = static_cast<Tool>((static_cast<std::size_t>(state_.tool) + 1) % kToolActions.size());
+        break;
       case GLFW_KEY_F5:
         save_game();
         break;
@@ -424,13 +427,23 @@ class Session {
     }
   }
 
-  void throw_ball() {
+  void use_tool() {
     if (!game_ || rewind_.playing() || rewind_.held()) return;
-    const glm::dvec3 direction = aim_direction();
-    const double radius = game_->scene().ball_radius;
-    game_->throw_ball(glm::dvec3(eye_) + (radius + 0.3) * direction, game_->scene().ball_speed * direction);
-    if (!state_.gravity_always && !state_.gravity_held)
-      note("Paused: hold X, or press G, and the ball flies.");
+    const glm::dvec3 direction = aim_direction(), eye(eye_);
+    const scenes::Scene& scene = game_->scene();
+    if (state_.tool == Tool::kExplosion) {
+      constexpr double kFarthest = 200, kBefore = 0.1;  // metres: of the aim; in front of what is met
+      const auto met = game_->world().first_met(eye, eye + kFarthest * direction);
+      if (!met) return note("nothing is there to explode at");
+      game_->explode({*met - kBefore * direction, scenes::kBlastImpulse, scenes::kBlastRadius});
+    } else {
+      const bool wrecks = state_.tool == Tool::kWreckingBall;
+      const double radius = wrecks ? scenes::kWreckingBall.radius : scene.ball_radius;
+      game_->throw_ball(eye + (radius + 0.3) * direction,
+                        (wrecks ? scenes::kWreckingSpeed : scene.ball_speed) * direction,
+                        wrecks ? scenes::kWreckingBall : scenes::Ball{});
+    }
+    if (!state_.gravity_always && !state_.gravity_held) note("Paused: hold X, or press G, and it happens.");
   }
 
   void screenshot(const std::string& name) {

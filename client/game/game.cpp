@@ -270,6 +270,12 @@ void Game::record(const RecordedEvent& event) {
   if (settings_.history) settings_.history->add(event);
 }
 
+void Game::record_eye(std::uint64_t step) {
+  if (!is_recorded() || recorded_eye_ == eye_) return;
+  record({.step = step, .kind = RecordedEvent::Kind::kEye, .from = eye_});
+  recorded_eye_ = eye_;
+}
+
 void Game::set_overrides(nlohmann::json overrides) {
   if (overrides == settings_.overrides) return;
   settings_.overrides = std::move(overrides);
@@ -316,12 +322,7 @@ void Game::take_events() {
       if (!fragment) world_.ask_again(event.object);
       continue;
     }
-    if (is_recorded() && recorded_eye_ != eye_) {
-      // Hits are those of the step before; a replay has to know when it plays that.
-      const std::uint64_t step = std::max<std::uint64_t>(world_.steps(), 1) - 1;
-      record({.step = step, .kind = RecordedEvent::Kind::kEye, .from = eye_});
-      recorded_eye_ = eye_;
-    }
+    record_eye(std::max<std::uint64_t>(world_.steps(), 1) - 1);  // hits are those of the step before
     const glm::dvec3 away = event.where - eye_;
     want({thing, fragment ? std::optional(event.fragment) : std::nullopt, event.impact,
           event.impact.impulse / std::max(glm::dot(away, away), 0.25),
@@ -373,6 +374,9 @@ void Game::throw_scripted(double until) {
   for (; next_throw_ < scene_.throws.size() && scene_.throws[next_throw_].time <= until + kSameTime;
        ++next_throw_)
     throw_ball(scene_.throws[next_throw_].from, scene_.throws[next_throw_].velocity);
+  for (; next_blast_ < scene_.blasts.size() && scene_.blasts[next_blast_].time <= until + kSameTime;
+       ++next_blast_)
+    explode(scene_.blasts[next_blast_].blast);
 }
 
 void Game::advance(double seconds, bool running) {
@@ -402,9 +406,27 @@ std::string Game::material_of(world::ObjectId object) const {
   return scene_.objects[things_[thing].scene_object].breakage.parameters.value("material", "");
 }
 
-world::BallId Game::throw_ball(const glm::dvec3& from, const glm::dvec3& velocity) {
-  record({.step = world_.steps(), .kind = RecordedEvent::Kind::kThrow, .from = from, .velocity = velocity});
-  return world_.throw_ball(from, velocity, scene_.ball_radius, scene_.ball_density);
+world::BallId Game::throw_ball(const glm::dvec3& from, const glm::dvec3& velocity, const scenes::Ball& ball) {
+  record({.step = world_.steps(),
+          .kind = RecordedEvent::Kind::kThrow,
+          .from = from,
+          .velocity = velocity,
+          .radius = ball.radius,
+          .density = ball.density});
+  return world_.throw_ball(from, velocity, ball.radius > 0 ? ball.radius : scene_.ball_radius,
+                           ball.density > 0 ? ball.density : scene_.ball_density);
+}
+
+void Game::explode(const world::Blast& blast) {
+  record_eye(world_.steps());
+  record({.step = world_.steps(),
+          .kind = RecordedEvent::Kind::kExplode,
+          .from = blast.point,
+          .radius = blast.radius,
+          .impulse = blast.impulse});
+  world_.explode(blast);
+  // At once: hits of the next step are seen after it, from where the eye is then.
+  take_events();
 }
 
 }  // namespace fracture::game

@@ -68,7 +68,8 @@ class Game {
   /// Real time: as many steps as `seconds` hold (at most 6; the rest is dropped), or none while paused.
   void advance(double seconds, bool running);
 
-  world::BallId throw_ball(const glm::dvec3& from, const glm::dvec3& velocity);
+  world::BallId throw_ball(const glm::dvec3& from, const glm::dvec3& velocity, const scenes::Ball& ball = {});
+  void explode(const world::Blast& blast);
 
   /// What there was to see and hear since the last call; nothing without WorldSettings::max_witnessed.
   world::Witnessed take_witnessed() { return world_.take_witnessed(); }
@@ -148,6 +149,8 @@ class Game {
   void play_answer(const RecordedEvent& event);
   void record(const RecordedEvent& event);
   void take_events();
+  /// From where it is seen, before a step that decides by it. A replay has to know when it plays that.
+  void record_eye(std::uint64_t step);
   void note_failure(Pending& pending, const std::string& what);
   /// By ticket; pending_.end() for those of a game before this one.
   std::map<std::uint64_t, Pending>::iterator pending_of(protocol::Ticket ticket);
@@ -174,7 +177,7 @@ class Game {
   /// The same, and what the server said of them while a recording was played, which knows better: for the time after it.
   std::vector<std::pair<std::vector<std::size_t>, std::string>> to_weigh_;
   std::set<std::size_t> weighed_;  ///< things
-  std::size_t next_throw_ = 0, meshes_stored_ = 0, next_recorded_ = 0;
+  std::size_t next_throw_ = 0, next_blast_ = 0, meshes_stored_ = 0, next_recorded_ = 0;
   std::string patterns_;
   double owed_ = 0;  ///< seconds not yet simulated
 };

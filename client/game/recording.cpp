@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <optional>
 
 #include "common/base/json_text.hpp"
 
@@ -16,6 +17,14 @@ json vector_of(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
 glm::dvec3 read_vector(const json& list) {
   return {list.at(0).get<double>(), list.at(1).get<double>(), list.at(2).get<double>()};
+}
+
+/// `missing`: for a member that may be left out.
+double read_positive(const json& line, const char* name, std::optional<double> missing = {}) {
+  if (missing && !line.contains(name)) return *missing;
+  const double value = line.at(name).get<double>();
+  if (!(value > 0)) throw std::invalid_argument(std::string(name) + " is not more than 0");
+  return value;
 }
 
 /// Throws json::exception where the line says nothing that is known.
@@ -50,6 +59,13 @@ RecordedEvent event_of(const json& line) {
     event.kind = RecordedEvent::Kind::kThrow;
     event.from = read_vector(thrown->at(0));
     event.velocity = read_vector(thrown->at(1));
+    event.radius = read_positive(line, "radius", 0);
+    event.density = read_positive(line, "density", 0);
+  } else if (const auto blast = line.find("explode"); blast != line.end()) {
+    event.kind = RecordedEvent::Kind::kExplode;
+    event.from = read_vector(*blast);
+    event.impulse = read_positive(line, "impulse");
+    event.radius = read_positive(line, "radius");
   } else if (line.contains("adopt")) {
     event.kind = RecordedEvent::Kind::kAdopt;
     event.request = line["adopt"].get<std::uint64_t>();
@@ -109,6 +125,13 @@ json line_of(const RecordedEvent& event) {
   switch (event.kind) {
     case RecordedEvent::Kind::kThrow:
       line["throw"] = {vector_of(event.from), vector_of(event.velocity)};
+      if (event.radius > 0) line["radius"] = event.radius;
+      if (event.density > 0) line["density"] = event.density;
+      break;
+    case RecordedEvent::Kind::kExplode:
+      line["explode"] = vector_of(event.from);
+      line["impulse"] = event.impulse;
+      line["radius"] = event.radius;
       break;
     case RecordedEvent::Kind::kAdopt:
       line["adopt"] = event.request;

@@ -3,7 +3,9 @@
 // step at which they differ.
 //
 //   {"format": "fracture-game-1", "rules": 1, "scene": …}  the first line: whatever the program needs to begin alike
-//   {"step": 36, "throw": [[x, y, z], [vx, vy, vz]]}  before step 36 (counted from 0), as are the next five
+//   {"step": 36, "throw": [[x, y, z], [vx, vy, vz]]}  before step 36 (counted from 0), as are the next six; "radius" and
+//                                                     "density" where the ball is not the scene's
+//   {"step": 40, "explode": [x, y, z], "impulse": 4e4, "radius": 6}  N·s, metres
 //   {"step": 61, "adopt": 1}                          the answer to the first request
 //   {"step": 70, "fail": 2}                           the second came to nothing
 //   {"step": 71, "overrides": {…}}                    parameters from the panel
@@ -24,11 +26,13 @@
 namespace fracture::game {
 
 struct RecordedEvent {
-  enum class Kind { kThrow, kAdopt, kFail, kOverrides, kMass, kEye };
+  enum class Kind { kThrow, kExplode, kAdopt, kFail, kOverrides, kMass, kEye };
   std::uint64_t step = 0;
   Kind kind = Kind::kThrow;
   std::uint64_t request = 0;        ///< kAdopt, kFail: from 1, in the order of asking
-  glm::dvec3 from{0}, velocity{0};  ///< kThrow; kEye: from
+  glm::dvec3 from{0}, velocity{0};  ///< kThrow; kEye, kExplode: from
+  double radius = 0, density = 0;   ///< kThrow: 0, the scene's ball; kExplode: radius
+  double impulse = 0;               ///< kExplode
   std::size_t thing = 0;            ///< kMass …
   double factor = 1;                ///< … and this
   nlohmann::json overrides{};       ///< kOverrides

@@ -11,7 +11,10 @@ void Game::play_recorded() {
     const RecordedEvent& event = events[next_recorded_];
     switch (event.kind) {
       case RecordedEvent::Kind::kThrow:
-        throw_ball(event.from, event.velocity);
+        throw_ball(event.from, event.velocity, {event.radius, event.density});
+        break;
+      case RecordedEvent::Kind::kExplode:
+        explode({event.from, event.impulse, event.radius});
         break;
       case RecordedEvent::Kind::kOverrides:
         set_overrides(event.overrides);
@@ -65,9 +68,9 @@ void Game::hand_over() {
   // What the scene throws before the next step has been thrown, or was left out.
   const double next = static_cast<double>(world_.steps()) * settings_.world.step;
   constexpr double kSameTime = 1e-9;  // seconds
-  while (next_throw_ < scene_.throws.size() &&
-         scene_.throws[next_throw_].time < next - settings_.world.step + kSameTime)
-    ++next_throw_;
+  const double last = next - settings_.world.step + kSameTime;
+  while (next_throw_ < scene_.throws.size() && scene_.throws[next_throw_].time < last) ++next_throw_;
+  while (next_blast_ < scene_.blasts.size() && scene_.blasts[next_blast_].time < last) ++next_blast_;
 }
 
 }  // namespace fracture::game

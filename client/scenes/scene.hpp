@@ -51,11 +51,29 @@ struct Throw {
   glm::dvec3 from{0}, velocity{0};
 };
 
+/// What may be thrown instead of the scene's ball. 0: as the scene's.
+struct Ball {
+  double radius = 0;   ///< metres
+  double density = 0;  ///< kg/m³
+};
+/// Three tonnes, at the pace of a crane's.
+inline constexpr Ball kWreckingBall{0.45, 7800};
+inline constexpr double kWreckingSpeed = 7;  ///< m/s
+/// Breaks the monkey (2.6 t) from 1.6 m away, and pushes it from 3 m.
+inline constexpr double kBlastImpulse = 8e4;  ///< N·s
+inline constexpr double kBlastRadius = 6;     ///< metres
+
+struct TimedBlast {
+  double time = 0;  ///< seconds
+  world::Blast blast;
+};
+
 struct Scene {
   std::string name, title;
   std::vector<SceneObject> objects;
   std::vector<SceneBox> boxes;
   std::vector<Throw> throws;
+  std::vector<TimedBlast> blasts;  ///< in the order of their times
   double ball_radius = 0.12, ball_density = 7800, ball_speed = 16;
   glm::vec3 eye{0, 2, 8}, target{0, 1, 0};
   render::Sphere bounds{{0, 1, 0}, 5};  ///< what light and shadows cover

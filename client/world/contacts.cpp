@@ -125,7 +125,7 @@ void World::State::raise_impacts() {
                         impulse, 0.5 * impulse * hit.approach};
     if (hit.body->kind == Body::Kind::kWhole) {
       if (impulse <= object.spec.strength) continue;
-      if (object.impacts.empty()) {
+      if (!object.hit()) {
         object.hit_at = steps;
         object.hit_by = hit.cause;
       }

@@ -74,8 +74,9 @@ struct Object {
   std::vector<float> bond_load;  ///< negative: broken
   std::vector<bool> cracked;     ///< which of them are known to be; witness.cpp
   std::vector<Impact> impacts;   ///< since it asked for its fragments
+  std::vector<Blast> blasts;     ///< the same, in the frame of the asset; its pieces take them
   double stored = 0;             ///< J: of what the first of them cost, kept for the pieces
-  std::uint64_t hit_at = 0;      ///< step of the first of them …
+  std::uint64_t hit_at = 0;      ///< step of the first of all …
   Cause hit_by = Cause::kFall;   ///< … and what it was
   bool sound = false;            ///< has its fragments, and all their bonds
   /// Has its fragments because a hit was foreseen. Until one comes that would have broken it, it bears what the whole
@@ -84,6 +85,8 @@ struct Object {
   bool asked = false, ahead = false;
   std::optional<std::uint64_t> awaited;  ///< step of the hit that is foreseen
   double critical_speed = 1;             ///< strength over mass, m/s
+
+  bool hit() const { return !impacts.empty() || !blasts.empty(); }
 };
 
 struct World::State {
@@ -113,6 +116,14 @@ struct World::State {
   void raise_impacts();
   void split_overloaded();
   void restore(Body& body) const;  ///< the velocity that it would have without the contacts of this step
+
+  // blast.cpp
+  void push(Body& body, const Blast& blast);  ///< as one
+  void blast_whole(Body& body, const Blast& blast);
+  void blast_group(Body& body, const Blast& blast);
+  /// On fragments, all in the frame of the asset.
+  std::vector<PointForce> forces_of(const Blast& blast, const FragmentSet& set,
+                                    std::span<const std::uint32_t> members) const;
 
   // limits.cpp
   void keep_above_ground();

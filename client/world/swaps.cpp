@@ -211,8 +211,12 @@ void World::fracture(ObjectId id, std::shared_ptr<const PreparedFragments> fragm
   for (const Impact& impact : object.impacts)
     forces.push_back({nearest(set, members, impact.point),
                       impact.impulse / s.settings.contact_time * impact.direction, impact.point, true});
+  for (const Blast& blast : object.blasts) {
+    const std::vector<PointForce> all = s.forces_of(blast, set, members);
+    forces.insert(forces.end(), all.begin(), all.end());
+  }
   Swap swap{.object = id};
-  object.sound = object.impacts.empty();
+  object.sound = !object.hit();
   object.guarded = object.sound && object.ahead;
   if (!object.sound) s.breaks.push_back({s.steps, id, object.hit_by, s.steps - object.hit_at});
   swap.broken_bonds =
@@ -232,7 +236,10 @@ void World::fracture(ObjectId id, std::shared_ptr<const PreparedFragments> fragm
       set_motion(*hit, speed * (pose.rotation * first.direction), glm::dvec3(0));
     }
   }
+  for (const Blast& blast : object.blasts)
+    for (Body* body : made) s.push(*body, {pose.point(blast.point), blast.impulse, blast.radius});
   object.impacts.clear();
+  object.blasts.clear();
   object.stored = 0;
   s.remove(whole);
   object.whole = nullptr;

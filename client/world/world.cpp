@@ -211,6 +211,12 @@ void World::ask_again(ObjectId id) {
   object.awaited.reset();
   object.impacts.clear();
   object.stored = 0;
+  // Nothing came that could have come apart: it is pushed as it is.
+  if (object.whole != nullptr)
+    for (const Blast& blast : object.blasts)
+      state_->push(*object.whole,
+                   {object.whole->asset_to_world().point(blast.point), blast.impulse, blast.radius});
+  object.blasts.clear();
 }
 
 void World::scale_mass(ObjectId id, double factor) {

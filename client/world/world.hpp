@@ -108,11 +108,19 @@ struct Event {
   glm::dvec3 where{0};  ///< of the impact, in the world
 };
 
+/// An impulse away from a point, on everything within a radius: blast.cpp says who gets how much of it.
+struct Blast {
+  glm::dvec3 point{0};
+  double impulse = 0;  ///< N·s: in all directions together
+  double radius = 1;   ///< metres
+};
+
 /// What comes at an object that breaks.
 enum class Cause : std::uint8_t {
   kBall,
   kFall,   ///< it falls on something, or something whole on it
   kPiece,  ///< a piece of something else flies at it
+  kBlast,
 };
 
 /// A whole object came apart, for tests and figures.
@@ -217,6 +225,12 @@ class World {
   ObjectId add_object(const ObjectSpec& spec);
   void add_static_box(const Pose& pose, const glm::dvec3& half_sides);
   BallId throw_ball(const glm::dvec3& from, const glm::dvec3& velocity, double radius, double density);
+
+  /// Pushes and breaks what is around: wholes that it hits beyond their strength ask for their fragments, which take it when
+  /// they come. The ledger counts what it brings. Nothing where impulse or radius are not positive.
+  void explode(const Blast& blast);
+  /// Where a straight way first meets a body or the ground.
+  std::optional<glm::dvec3> first_met(const glm::dvec3& from, const glm::dvec3& to) const;
 
   /// Replaces a whole object by its fragments; does nothing where it is broken already. Breaks the bonds that
   /// impacts since the request would have overloaded.

@@ -75,5 +75,29 @@ TEST(TimeEndToEnd, RecordingsOfOtherGamesAreRefusedInWords) {
   EXPECT_NE(detail(first, "0123456789abcdef").find("Step 0 is not what was recorded"), std::string::npos);
 }
 
+TEST(TimeEndToEnd, AMonkeyBesideWhichSomethingExplodesBreaksAndSoDoesItsRecording) {
+  test::ServeProcess server;
+  test::TemporaryFolder folder;
+  const Expected<scenes::Scene> scene = scenes::make_scene("monkey");
+  ASSERT_TRUE(scene);
+  Options options = options_for(server, "monkey", 1);
+  options.throws = false;
+  options.blasts = {{0.1,
+                     {scene->objects[0].pose.position + glm::dvec3(0, 0, 1.5), scenes::kBlastImpulse,
+                      scenes::kBlastRadius}}};
+  options.log = folder / "game.jsonl";
+  const json summary = run(options);
+  EXPECT_EQ(summary["breaks"]["cause"]["blast"]["count"], 1) << summary["breaks"];
+  EXPECT_GT(summary["bodies"]["groups"].get<int>(), 10);
+  EXPECT_LT(summary["ledger"]["worst_gain"].get<double>(), 0.01);
+  EXPECT_GT(summary["fastest_fragment"].get<double>(), 2);
+  EXPECT_LT(summary["fastest_fragment"].get<double>(), 25);
+  Options again = options_for(server, "monkey", 1);
+  again.replay = options.log;
+  const json replayed = run(again);
+  EXPECT_TRUE(replayed["game"]["diverged"].is_null()) << replayed["game"]["diverged"];
+  EXPECT_EQ(replayed["fingerprint"], summary["fingerprint"]);
+}
+
 }  // namespace
 }  // namespace fracture::app

@@ -110,6 +110,7 @@ TEST(CommandLine, MistakesAreNamed) {
                                                     {"--fixed-step"},
                                                     {"--headless", "--seconds", "-1"},
                                                     {"--continue", "game.jsonl", "--scene", "wall"},
+                                                    {"--headless", "--explode", "1,2,3"},
                                                     {"--port", "x"}}) {
     std::vector<std::string> all = {FRACTURE_CLIENT_PROGRAM};
     all.insert(all.end(), arguments.begin(), arguments.end());
