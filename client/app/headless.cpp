@@ -7,9 +7,11 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <thread>
 
 #include "client/app/break_figures.hpp"
+#include "client/app/players.hpp"
 #include "client/app/recorded_options.hpp"
 #include "client/app/sound_track.hpp"
 #include "client/egl/egl_context.hpp"
@@ -257,16 +259,19 @@ class FrameTimes {
 /// A game without a window, from its first frame to the summary of all.
 class HeadlessRun {
  public:
-  HeadlessRun(const Options& options, scenes::Scene scene, game::GameSettings settings)
+  HeadlessRun(const Options& options, scenes::Scene scene, game::GameSettings settings, Players players)
       : options_(options),
         client_(options.server),
         settings_(std::move(settings)),
+        players_(std::move(players)),
         game_(std::move(scene), client_, settings_),
         recorder_(options),
         debris_(options.seed),
         screenshots_(options.screenshots),
         frame_length_(kStepsPerFrame * settings_.world.step) {
     std::sort(screenshots_.begin(), screenshots_.end());
+    if (players_.link)
+      lockstep_.emplace(game_, *players_.link, players_.seat, players_.header, players_.theirs);
   }
 
   Expected<json> run() {
@@ -284,6 +289,7 @@ class HeadlessRun {
       film_.emplace(std::move(*made));
     }
     Expected<void> first = play();
+    if (first && lockstep_) first = wait_until([this] { return lockstep_->level(); });
     const bool played = first.has_value();
     // Each of them is whole, whatever became of the others; a film without its end is none.
     const auto keep = [&first](Expected<void> more) {
@@ -314,7 +320,10 @@ class HeadlessRun {
       if (auto taken = take_pictures(now); !taken) return tl::unexpected(taken.error());
       if (frame == frames) break;
       const std::uint64_t swaps_before = game_.figures().swaps;
-      double spent = options_.fixed_step || replays() ? step_at_fixed_pace() : step_in_real_time(now);
+      const Expected<double> stepped =
+          options_.fixed_step || replays() ? step_at_fixed_pace() : Expected<double>(step_in_real_time(now));
+      if (!stepped) return tl::unexpected(stepped.error());
+      double spent = *stepped;
       if (!options_.continue_from.empty() && game_.figures().diverged)
         return fail(ErrorCode::kUnavailable, "Step " + std::to_string(*game_.figures().diverged) +
                                                  " is not what was recorded in " + options_.continue_from +
@@ -350,22 +359,41 @@ class HeadlessRun {
 
   /// Waits for the answers that are due, so that a run is the same on any machine. Returns milliseconds without
   /// the waiting, as do the next two.
-  double step_at_fixed_pace() {
+  Expected<double> step_at_fixed_pace() {
     double spent = 0;
     for (int k = 0; k < kStepsPerFrame; ++k) {
       if (game_.replayed() && (options_.continue_from.empty() || !go_on())) break;
-      while (!game_.ready()) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-        tell_of_absence();
-      }
+      explode_together();
+      if (auto ready = wait_until([this] { return lockstep_ ? lockstep_->ready() : game_.ready(); }); !ready)
+        return tl::unexpected(ready.error());
       const Clock::time_point begin = Clock::now();
       const double busy = processor_milliseconds();
-      game_.step();
+      if (lockstep_)
+        lockstep_->step();
+      else
+        game_.step();
       spent += milliseconds_since(begin);
       work_ += processor_milliseconds() - busy;
       sense();
     }
     return spent;
+  }
+  /// Servers and other players end every wait by themselves, with an answer or without.
+  Expected<void> wait_until(const std::function<bool()>& done) {
+    while (!done()) {
+      if (lockstep_ && lockstep_->trouble()) return fail(ErrorCode::kUnavailable, *lockstep_->trouble());
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      tell_of_absence();
+    }
+    return {};
+  }
+  /// What this player does, in a game of two.
+  void explode_together() {
+    const double now = static_cast<double>(game_.world().steps()) * settings_.world.step;
+    for (; lockstep_ && next_blast_ < options_.blasts.size() &&
+           options_.blasts[next_blast_].time <= now + kSameTime;
+         ++next_blast_)
+      lockstep_->explode(options_.blasts[next_blast_].blast);
   }
   /// The recording has ended. Whether its frame does not: in real time the clock begins with the next one.
   bool go_on() {
@@ -435,7 +463,9 @@ class HeadlessRun {
   const Options& options_;
   protocol::Client client_;
   const game::GameSettings settings_;
+  Players players_;
   game::Game game_;
+  std::optional<game::Lockstep> lockstep_;  ///< in a game of two
   Recorder recorder_;
   std::optional<SoundTrack> sound_;
   std::optional<film::Film> film_;
@@ -443,7 +473,7 @@ class HeadlessRun {
   std::vector<double> screenshots_;  // seconds, in order
   const double frame_length_;        // seconds
   Clock::time_point start_{};
-  std::size_t next_picture_ = 0, most_draw_calls_ = 0;
+  std::size_t next_picture_ = 0, next_blast_ = 0, most_draw_calls_ = 0;
   json pictures_ = json::array();
   FrameTimes times_;
   std::vector<double> work_times_;  // milliseconds of the processor, for each frame's simulation
@@ -471,12 +501,15 @@ Expected<json> run_headless(const Options& asked) {
     if (!recording) return tl::unexpected(recording.error());
     replay = std::move(*recording);
   }
+  Expected<Players> players = meet(options);
+  if (!players) return tl::unexpected(players.error());
   Expected<scenes::Scene> scene = scene_of(options);
   if (!scene) return tl::unexpected(scene.error());
+  if (const auto agreed = agree(*players, options, *scene); !agreed) return tl::unexpected(agreed.error());
   if (replay)
     if (const auto same = check_scene(replay->header, *scene); !same) return tl::unexpected(same.error());
   if (!options.throws || !options.replay.empty()) scene->throws.clear();
-  if (options.replay.empty()) scene->blasts = options.blasts;
+  if (options.replay.empty() && !players->link) scene->blasts = options.blasts;
   std::error_code ignored;
   std::filesystem::create_directories(options.out, ignored);
   game::GameSettings settings = settings_of(options);
@@ -484,7 +517,7 @@ Expected<json> run_headless(const Options& asked) {
   if (!recorder) return tl::unexpected(recorder.error());
   settings.recorder = std::move(*recorder);
   settings.replay = std::move(replay);
-  return HeadlessRun(options, std::move(*scene), std::move(settings)).run();
+  return HeadlessRun(options, std::move(*scene), std::move(settings), std::move(*players)).run();
 }
 
 }  // namespace fracture::app

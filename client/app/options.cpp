@@ -42,6 +42,24 @@ std::optional<scenes::TimedBlast> blast_of(const std::string& text) {
   return blast.blast.impulse > 0 && blast.blast.radius > 0 ? std::optional(blast) : std::nullopt;
 }
 
+/// "[HOST:]PORT"; nothing where it is not that.
+std::optional<Address> address_of(const std::string& text) {
+  Address address;
+  const std::size_t colon = text.rfind(':');
+  if (colon != std::string::npos) address.host = text.substr(0, colon);
+  if (address.host.size() > 1 && address.host.front() == '[' && address.host.back() == ']')
+    address.host = address.host.substr(1, address.host.size() - 2);  // RFC 3986, 3.2.2: an IPv6 address
+  const std::string port = colon == std::string::npos ? text : text.substr(colon + 1);
+  constexpr std::size_t kDigits = 5;
+  if (address.host.empty() || port.empty() || port.size() > kDigits ||
+      port.find_first_not_of("0123456789") != std::string::npos)
+    return std::nullopt;
+  const unsigned long number = std::strtoul(port.c_str(), nullptr, 10);
+  if (number == 0 || number > 65535) return std::nullopt;
+  address.port = static_cast<std::uint16_t>(number);
+  return address;
+}
+
 /// An empty variable of a script is no wish to go without.
 std::string not_empty(const std::string& text) { return text.empty() ? "a name is missing: it was ''" : ""; }
 
@@ -101,11 +119,26 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
   add(app.add_option("--wav", o.wav,
                      "File of what is heard: 16 bits, stereo, 48 kHz; needs --fixed-step or --replay")
           ->check(not_empty));
+  const auto is_address = [](const std::string& text) {
+    return address_of(text) ? std::string() : "'" + text + "' is not [HOST:]PORT";
+  };
+  std::string invite, join;
+  CLI::Option* invites =
+      app.add_option("--invite", invite,
+                     "[ADDRESS:]PORT where another player may join this game; 127.0.0.1 alone "
+                     "where no address is given");
+  invites->check(is_address);
+  CLI::Option* joins =
+      app.add_option("--join", join, "HOST:PORT of a player who invites: that one's scene and settings");
+  for (CLI::Option* option : {invites, joins}) add(option);
+  joins->check(is_address)->excludes(invites)->excludes(resumed);
+  invites->excludes(resumed)->excludes(files);
+  for (CLI::Option* said : {scene, files, material, unit, seed, all_sites, set_values}) joins->excludes(said);
   CLI::Option* replayed = app.add_option(
       "--replay", o.replay,
       "Plays a game that --log recorded; exit code 1, and the first step, where it is not the same");
   add(replayed->check(not_empty));
-  replayed->excludes(resumed);
+  replayed->excludes(resumed)->excludes(invites)->excludes(joins);
   // The recording says it.
   for (CLI::Option* said : {scene, files, material, unit, seed, all_sites, set_values})
     resumed->excludes(said);
@@ -145,6 +178,8 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
     std::fprintf(stderr, "%s\n", lost->c_str());
     return tl::unexpected(Exit{2});
   }
+  if (!invite.empty()) o.invite = *address_of(invite);
+  if (!join.empty()) o.join = *address_of(join);
   if (sites > 0) o.parameters["sites"] = sites;
   for (const std::string& text : blasts) o.blasts.push_back(*blast_of(text));
   std::stable_sort(o.blasts.begin(), o.blasts.end(),

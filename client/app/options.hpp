@@ -12,6 +12,12 @@
 
 namespace fracture::app {
 
+/// Port 0: none.
+struct Address {
+  std::string host = "127.0.0.1";
+  std::uint16_t port = 0;
+};
+
 struct Options {
   std::string scene = "monkey";
   std::vector<std::string> files;  ///< meshes or folders, instead of a scene
@@ -29,6 +35,8 @@ struct Options {
 
   std::string log;            ///< file that the game is recorded in; empty: none
   std::string continue_from;  ///< such a file, played to its end, where the player goes on; empty: none
+
+  Address invite, join;  ///< of another player; at most one of them
 
   bool headless = false;
   std::string replay;  ///< such a file, to be played again; empty: none

@@ -8,6 +8,7 @@
 #include "tests/server/support/child_process.hpp"
 #include "tests/server/support/server_process.hpp"
 #include "tests/server/support/temporary_folder.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace fracture::app {
 namespace {
@@ -97,6 +98,63 @@ TEST(TimeEndToEnd, AMonkeyBesideWhichSomethingExplodesBreaksAndSoDoesItsRecordin
   const json replayed = run(again);
   EXPECT_TRUE(replayed["game"]["diverged"].is_null()) << replayed["game"]["diverged"];
   EXPECT_EQ(replayed["fingerprint"], summary["fingerprint"]);
+}
+
+/// The program, with a player who invites or joins.
+struct PlayerProcess {
+  PlayerProcess(const test::ServeProcess& server, const test::TemporaryFolder& folder,
+                const std::string& name, std::vector<std::string> arguments)
+      : output(folder / (name + ".out")), client(program(server, std::move(arguments)), output) {}
+  static std::vector<std::string> program(const test::ServeProcess& server,
+                                          std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {FRACTURE_CLIENT_PROGRAM, "--headless", "--json", "--port",
+                                         std::to_string(server.port)});
+    return arguments;
+  }
+  /// What it said on standard output and error, which is the summary alone where nothing went wrong.
+  std::string said() const { return test::read_file(output); }
+  json summary() const {
+    const std::string text = said();
+    return json::parse(text.substr(text.find('{')));
+  }
+  std::string output;
+  test::ChildProcess client;
+};
+
+TEST(TimeEndToEnd, TwoProcessesPlayOneGame) {
+  test::ServeProcess server, other_server;
+  test::TemporaryFolder folder;
+  const std::string port = std::to_string(test::free_port());
+  PlayerProcess host(
+      server, folder, "host",
+      {"--invite", port, "--scene", "panes", "--seed", "5", "--seconds", "1.5", "--explode", "0.5,1,0.5,1"});
+  PlayerProcess guest(other_server, folder, "guest",
+                      {"--join", "127.0.0.1:" + port, "--seconds", "1.5", "--explode", "0.9,-1,0.5,1"});
+  EXPECT_EQ(host.client.wait(), 0) << host.said();
+  EXPECT_EQ(guest.client.wait(), 0) << guest.said();
+  const json a = host.summary(), b = guest.summary();
+  EXPECT_EQ(a["fingerprint"], b["fingerprint"]);
+  EXPECT_EQ(a["fragments"], b["fragments"]);
+  EXPECT_EQ(b["scene"], "panes");
+  EXPECT_EQ(a["steps"], 180);
+  EXPECT_GE(a["breaks"]["cause"]["blast"]["count"].get<int>(), 2) << a["breaks"];
+}
+
+TEST(TimeEndToEnd, APlayerWhoIsKilledIsMissed) {
+  test::ServeProcess server;
+  test::TemporaryFolder folder;
+  const std::string port = std::to_string(test::free_port());
+  PlayerProcess host(server, folder, "host",
+                     {"--invite", port, "--scene", "panes", "--seconds", "3600", "--no-throws"});
+  PlayerProcess guest(server, folder, "guest",
+                      {"--join", "127.0.0.1:" + port, "--seconds", "3600", "--log", folder / "guest.jsonl"});
+  test::require_eventually(test::kPatience, "some steps", [&] {
+    return test::read_file(folder / "guest.jsonl").find("\"step\":30,") != std::string::npos;
+  });
+  guest.client.signal(SIGKILL);
+  EXPECT_EQ(guest.client.wait(), 1000 + SIGKILL);
+  EXPECT_EQ(host.client.wait(), 1) << host.said();
+  EXPECT_NE(host.said().find("The other player has left."), std::string::npos) << host.said();
 }
 
 }  // namespace

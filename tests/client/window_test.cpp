@@ -111,6 +111,8 @@ TEST(CommandLine, MistakesAreNamed) {
                                                     {"--headless", "--seconds", "-1"},
                                                     {"--continue", "game.jsonl", "--scene", "wall"},
                                                     {"--headless", "--explode", "1,2,3"},
+                                                    {"--headless", "--invite", "0"},
+                                                    {"--headless", "--join", "7000", "--seed", "1"},
                                                     {"--port", "x"}}) {
     std::vector<std::string> all = {FRACTURE_CLIENT_PROGRAM};
     all.insert(all.end(), arguments.begin(), arguments.end());

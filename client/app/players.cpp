@@ -1,0 +1,86 @@
+#include "client/app/players.hpp"
+
+#include <cstdio>
+#include <thread>
+
+#include "client/app/recorded_options.hpp"
+#include "common/base/json_text.hpp"
+
+namespace fracture::app {
+namespace {
+
+using nlohmann::json;
+
+/// The link ends every wait by itself.
+Expected<std::string> first_line(game::PeerLink& link) {
+  while (true) {
+    const std::optional<std::string> why = link.ended();
+    if (std::vector<std::string> lines = link.poll(1); !lines.empty()) return std::move(lines.front());
+    if (why) return fail(ErrorCode::kUnavailable, *why);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
+
+void refuse(game::PeerLink& link, const std::string& why) { link.send(json_text(json{{"refused", why}})); }
+
+/// What the host says, instead of what the command line does.
+Expected<Options> as_host(Options options, const json& header) {
+  Expected<Options> begun = with_header(std::move(options), header);
+  if (!begun) return begun;
+  if (!begun->files.empty()) return fail(ErrorCode::kBadParameter, "A game of own meshes cannot be joined.");
+  for (const auto& [name, value] :
+       {std::pair("throws", &begun->throws), std::pair("requests", &begun->requests)}) {
+    const json said = header.value(name, json());
+    if (!said.is_boolean())
+      return fail(ErrorCode::kBadJson,
+                  std::string("The host does not say of '") + name + "' whether it is on.");
+    *value = said.get<bool>();
+  }
+  begun->answer_steps = header.at("answer_steps").get<unsigned>();
+  return begun;
+}
+
+}  // namespace
+
+Expected<Players> meet(Options& options) {
+  Players players;
+  if (options.invite.port != 0) {
+    auto link = game::PeerLink::invite(options.invite.host, options.invite.port);
+    if (!link) return tl::unexpected(link.error());
+    players.link = std::move(*link);
+    std::fprintf(stderr, "fracture-client: waiting for another player at %s:%d\n",
+                 options.invite.host.c_str(), static_cast<int>(options.invite.port));
+  } else if (options.join.port != 0) {
+    players.seat = game::Lockstep::Seat::kGuest;
+    players.link = game::PeerLink::join(options.join.host, options.join.port);
+    const Expected<std::string> line = first_line(*players.link);
+    if (!line) return tl::unexpected(line.error());
+    Expected<json> header = game::read_lockstep_header(*line);
+    Expected<Options> begun = header ? as_host(options, *header) : tl::unexpected(header.error());
+    if (!begun) {
+      refuse(*players.link, begun.error().detail);
+      return tl::unexpected(begun.error());
+    }
+    options = std::move(*begun);
+    players.theirs = std::move(*header);
+  } else {
+    return players;
+  }
+  options.fixed_step = true;
+  return players;
+}
+
+Expected<void> agree(Players& players, const Options& options, const scenes::Scene& scene) {
+  if (!players.link) return {};
+  json header = header_of(options, scene);
+  header["throws"] = options.throws;
+  header["requests"] = options.requests;
+  players.header = game::lockstep_header(std::move(header), options.answer_steps);
+  if (players.theirs.is_null()) return {};
+  players.header["delay"] = players.theirs.at("delay");
+  const auto same = check_scene(players.theirs, scene);
+  if (!same) refuse(*players.link, same.error().detail);
+  return same;
+}
+
+}  // namespace fracture::app

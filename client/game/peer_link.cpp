@@ -1,0 +1,266 @@
+#include "client/game/peer_link.hpp"
+
+#include <algorithm>
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/read_until.hpp>
+#include <boost/asio/write.hpp>
+#include <deque>
+#include <iterator>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "common/exchange/asio.hpp"
+
+namespace fracture::game {
+namespace {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+using boost::system::error_code;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::milliseconds kTick(100);  ///< between looks at the clock, and tries to connect
+constexpr std::chrono::seconds kLastWords(1);    ///< for what is not sent yet, at the end
+constexpr const char* kAlive = "{}";
+
+std::string seconds_text(std::chrono::milliseconds time) {
+  const auto tenths = time.count() / 100;
+  return std::to_string(tenths / 10) + (tenths % 10 == 0 ? "" : "." + std::to_string(tenths % 10)) + " s";
+}
+
+}  // namespace
+
+struct PeerLink::State {
+  explicit State(PeerSettings s)
+      : settings(s), acceptor(io), socket(io), resolver(io), timer(io), started(Clock::now()) {}
+
+  void run() {
+    tick();
+    thread = std::thread([this] { io.run(); });
+  }
+
+  // -- from here on: IO thread
+
+  void end(const std::string& why) {
+    {
+      const std::lock_guard lock(mutex);
+      if (!ended) ended = why;
+    }
+    close();
+  }
+  void close() {
+    over = true;
+    error_code ignored;
+    acceptor.close(ignored);
+    socket.close(ignored);
+    resolver.cancel();
+    timer.cancel();
+  }
+
+  void accept() {
+    acceptor.async_accept(socket, [this](const error_code& error) {
+      if (over || error == asio::error::operation_aborted) return;
+      if (error) return accept();
+      error_code ignored;
+      acceptor.close(ignored);  // there are two players
+      begin();
+    });
+  }
+  void connect() {
+    connecting = true;
+    resolver.async_resolve(
+        host, service, [this](const error_code& error, const tcp::resolver::results_type& found) {
+          if (over) return;
+          if (error) {
+            trouble = error.message();
+            connecting = false;
+            return;
+          }
+          asio::async_connect(socket, found, [this](const error_code& failed, const tcp::endpoint&) {
+            if (over) return;
+            connecting = false;
+            if (!failed) return begin();
+            trouble = failed.message();
+            error_code ignored;
+            socket.close(ignored);
+          });
+        });
+  }
+
+  void begin() {
+    connected = true;
+    heard = sent = Clock::now();
+    error_code ignored;
+    socket.set_option(tcp::no_delay(true), ignored);
+    read();
+    write();
+  }
+
+  /// All is said. Closed at once, a socket that has not read everything would take back what it sent (RFC 1122, 4.2.2.13):
+  /// the other one closes first, or kLastWords are over.
+  void part() {
+    error_code ignored;
+    socket.shutdown(tcp::socket::shutdown_send, ignored);
+    read_on();
+  }
+
+  void read() {
+    reading = true;
+    asio::async_read_until(socket, asio::dynamic_buffer(received, settings.most_line), '\n',
+                           [this](const error_code& error, std::size_t size) {
+                             if (!over) take(error, size);
+                           });
+  }
+  void take(const error_code& error, std::size_t size) {
+    reading = false;
+    if (error == asio::error::not_found)
+      return end("The other player sent a line of more than " + std::to_string(settings.most_line) +
+                 " bytes.");
+    if (error) return end("The other player has left.");
+    heard = Clock::now();
+    std::string line = received.substr(0, size - 1);
+    received.erase(0, size);
+    bool room = true;
+    {
+      const std::lock_guard lock(mutex);
+      if (line != kAlive && !stopping) lines.push_back(std::move(line));
+      room = stopping || lines.size() < settings.most_waiting;
+    }
+    if (room) read();
+  }
+  void read_on() {
+    if (connected && !over && !reading) read();
+  }
+
+  void write() {
+    if (!connected || over || writing || outbox.empty()) return;
+    writing = true;
+    sent = Clock::now();
+    asio::async_write(socket, asio::buffer(outbox.front()), [this](const error_code& error, std::size_t) {
+      writing = false;
+      if (over) return;
+      // What the other said before it left is still read.
+      outbox.pop_front();
+      if (error) outbox.clear();
+      if (outbox.empty() && stopping) return part();
+      write();
+    });
+  }
+
+  void tick() {
+    timer.expires_after(kTick);
+    timer.async_wait([this](const error_code& error) {
+      if (over || error) return;
+      const Clock::time_point now = Clock::now();
+      if (stopping && now > *stopping + kLastWords) return close();
+      if (!connected && now > started + settings.patience)
+        return end(host.empty() ? "Nobody joined within " + seconds_text(settings.patience) + "."
+                                : "Nobody plays at " + host + ":" + service + ": not within " +
+                                      seconds_text(settings.patience) +
+                                      (trouble.empty() ? "" : " (" + trouble + ")") + ".");
+      if (connected && !reading) heard = now;  // it is not listened to
+      if (connected && now > heard + settings.silence)
+        return end("The other player was not heard for " + seconds_text(settings.silence) + ".");
+      if (connected && !writing && now > sent + settings.beat) {
+        outbox.push_back(std::string(kAlive) + '\n');
+        write();
+      }
+      if (!connected && !host.empty() && !connecting) connect();
+      tick();
+    });
+  }
+
+  const PeerSettings settings;
+  asio::io_context io{1};
+  tcp::acceptor acceptor;
+  tcp::socket socket;
+  tcp::resolver resolver;
+  asio::steady_timer timer;
+  std::uint16_t port = 0;     ///< of who invites
+  std::string host, service;  ///< of whom is joined; empty for who invites
+  std::string received, trouble;
+  std::deque<std::string> outbox;
+  bool connected = false, connecting = false, reading = false, writing = false, over = false;
+  std::optional<Clock::time_point> stopping;
+  Clock::time_point started, heard, sent;
+
+  mutable std::mutex mutex;  ///< of what follows
+  std::vector<std::string> lines;
+  std::optional<std::string> ended;
+
+  std::thread thread;
+};
+
+PeerLink::PeerLink(std::unique_ptr<State> state) : state_(std::move(state)) { state_->run(); }
+
+Expected<std::unique_ptr<PeerLink>> PeerLink::invite(const std::string& address, std::uint16_t port,
+                                                     PeerSettings settings) {
+  auto state = std::make_unique<State>(settings);
+  error_code error;
+  const auto local = asio::ip::make_address(address, error);
+  const tcp::endpoint endpoint(local, port);
+  if (!error) state->acceptor.open(endpoint.protocol(), error);
+  if (!error) state->acceptor.set_option(tcp::acceptor::reuse_address(true), error);
+  if (!error) state->acceptor.bind(endpoint, error);
+  if (!error) state->acceptor.listen(1, error);
+  if (!error) state->port = state->acceptor.local_endpoint(error).port();
+  if (error)
+    return fail(ErrorCode::kUnavailable, "Nobody can be invited to " + address + ":" + std::to_string(port) +
+                                             ": " + error.message() + ".");
+  state->accept();
+  return std::unique_ptr<PeerLink>(new PeerLink(std::move(state)));
+}
+
+std::unique_ptr<PeerLink> PeerLink::join(std::string host, std::uint16_t port, PeerSettings settings) {
+  auto state = std::make_unique<State>(settings);
+  state->host = std::move(host);
+  state->service = std::to_string(port);
+  state->connect();
+  return std::unique_ptr<PeerLink>(new PeerLink(std::move(state)));
+}
+
+PeerLink::~PeerLink() {
+  asio::post(state_->io, [state = state_.get()] {
+    state->stopping = Clock::now();
+    if (!state->connected) return state->close();
+    if (state->outbox.empty()) state->part();
+  });
+  state_->thread.join();
+}
+
+void PeerLink::send(std::string line) {
+  asio::post(state_->io, [state = state_.get(), line = std::move(line)]() mutable {
+    line += '\n';
+    state->outbox.push_back(std::move(line));
+    state->write();
+  });
+}
+
+std::vector<std::string> PeerLink::poll(std::size_t most) {
+  std::vector<std::string> lines;
+  bool has_room_again = false;
+  {
+    const std::lock_guard lock(state_->mutex);
+    const bool was_full = state_->lines.size() >= state_->settings.most_waiting;
+    if (state_->lines.size() <= most) {
+      lines.swap(state_->lines);
+    } else {
+      const auto end = state_->lines.begin() + static_cast<std::ptrdiff_t>(most);
+      lines.assign(std::make_move_iterator(state_->lines.begin()), std::make_move_iterator(end));
+      state_->lines.erase(state_->lines.begin(), end);
+    }
+    has_room_again = was_full && state_->lines.size() < state_->settings.most_waiting;
+  }
+  if (has_room_again) asio::post(state_->io, [state = state_.get()] { state->read_on(); });
+  return lines;
+}
+
+std::optional<std::string> PeerLink::ended() const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->lines.empty() ? state_->ended : std::nullopt;
+}
+
+std::uint16_t PeerLink::port() const { return state_->port; }
+
+}  // namespace fracture::game
