@@ -20,7 +20,7 @@ struct KeptAnswer {
 struct NewHits {
   std::uint32_t count =
       1;  ///< the last so many, which the answer before has not; at most as many as there are
-  bool only_changed = false;  ///< what they left as it was is not in the answer; without levels and anchors
+  bool only_changed = false;  ///< what they left as it was is not in the answer; without levels
 };
 
 /// fracture(), keeping what further hits need. Errors of fracture().

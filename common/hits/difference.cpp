@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/base/pacer.hpp"
+#include "common/pipeline/make_report.hpp"
 
 namespace fracture {
 
@@ -159,6 +160,9 @@ void keep_changed(FracturedSolid& fractured, const Execution& execution) {
   set.fragments = std::move(fragments);
   all_hulls = std::move(hulls);
   all_held = std::move(held);
+  fractured.anchored.count = static_cast<std::uint32_t>(std::count(all_held.begin(), all_held.end(), 1));
+  fractured.report.anchored.reset();
+  std::erase(fractured.report.warnings, kNothingAnchored);
 }
 
 }  // namespace fracture

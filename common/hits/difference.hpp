@@ -23,8 +23,8 @@ std::vector<std::uint32_t> differing(const std::vector<KeptFragment>& before,
                                      const Execution& execution);
 
 /// Takes out of the set what the delta (which there must be) says is neither new nor changed, with the bonds
-/// between such fragments, their hulls and anchors; the delta gets the neighbours. Certificate, report and the
-/// number of anchored fragments stay those of the whole. Without hierarchy. Throws Interrupted; then it is good
+/// between such fragments, their hulls and anchors; the delta gets the neighbours. Certificate and report stay those of
+/// the whole, but that nothing counts its anchored fragments. Without hierarchy. Throws Interrupted; then it is good
 /// for nothing.
 void keep_changed(FracturedSolid& fractured, const Execution& execution = {});
 

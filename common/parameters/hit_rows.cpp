@@ -163,10 +163,9 @@ std::optional<Error> complete_hits(RequestParameters& r) {
                                           std::to_string(points) + ".");
   if (r.fragment)
     return bad_parameter("delta", "'delta' compares whole answers, not the parts of one 'fragment'.");
-  if (r.delta == DeltaAnswer::kOnly && (!f.levels.empty() || f.anchors.any()))
-    return bad_parameter(
-        "delta",
-        "delta=only leaves fragments out that 'levels' and anchors are about: ask for delta=stated.");
+  if (r.delta == DeltaAnswer::kOnly && !f.levels.empty())
+    return bad_parameter("delta",
+                         "delta=only leaves fragments out that 'levels' are about: ask for delta=stated.");
   r.selection.kept = true;
   if (points > 0) r.selection.new_hits = NewHits{r.local_new, r.delta == DeltaAnswer::kOnly};
   return std::nullopt;

@@ -179,12 +179,14 @@ Expected<FracturedSolid> complete(const Solid& solid, const SiteNotes& sites,
     return tl::unexpected(unsound(verdict, set.certificate));
   execution.poll();
   out.hierarchy = make_hierarchy(set, parameters.levels, execution);
-  if (parameters.anchors.any()) out.anchored = find_anchored(set, parameters.anchors, execution);
+  if (parameters.anchors.any())
+    out.anchored = find_anchored(set, parameters.anchors, solid.box.longest_side(), execution);
   if (parameters.hulls == Hulls::kConvex)
     out.hulls = make_collision_hulls(set, std::move(cut.hulls), execution);
   set.certificate.sites_asked = static_cast<std::uint32_t>(sites.figures.given);
-  out.report =
-      make_report(solid, sites, parameters, cut, out.anchored.count, out.hulls.report(), set, execution);
+  const std::optional<std::uint32_t> anchored =
+      parameters.anchors.any() && !cut.whole ? std::optional(out.anchored.count) : std::nullopt;
+  out.report = make_report(solid, sites, parameters, cut, anchored, out.hulls.report(), set, execution);
   execution.poll();
   return out;
 }

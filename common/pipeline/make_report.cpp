@@ -97,16 +97,14 @@ void report_size(const FractureParameters& p, const SplitFigures& split, const C
                        text_of(largest) + " m3 (united, kept, or the passes or sites ran out)");
 }
 
-void report_structure(const FractureParameters& p, std::size_t kept_cells, std::uint32_t anchored,
-                      Report& report) {
+void report_structure(const FractureParameters& p, std::size_t kept_cells,
+                      std::optional<std::uint32_t> anchored, Report& report) {
   if (p.keep) {
     report.kept_cells = kept_cells;
     if (kept_cells == 0) report.warnings.emplace_back("keep: the region lies outside of the mesh's box");
   }
-  if (p.anchors.any()) {
-    report.anchored = anchored;
-    if (anchored == 0) report.warnings.emplace_back("anchors: no fragment touches one");
-  }
+  report.anchored = anchored;
+  if (anchored == 0u) report.warnings.emplace_back(kNothingAnchored);
 }
 
 /// What was asked of the cuts, and what was made.
@@ -166,7 +164,7 @@ void report_barycenter(const FractureParameters& p, const CutCells& cut, Report&
 }  // namespace
 
 Report make_report(const Solid& solid, const SiteNotes& sites, const FractureParameters& parameters,
-                   const CutCells& cut, std::uint32_t anchored, const HullReport& hulls,
+                   const CutCells& cut, std::optional<std::uint32_t> anchored, const HullReport& hulls,
                    const FragmentSet& set, const Execution& execution) {
   Report report;
   report_sites(solid, sites, set, report);

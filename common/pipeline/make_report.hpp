@@ -1,15 +1,20 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "common/pipeline/fracture_steps.hpp"
 
 namespace fracture {
 
 /// The report but for what the pipeline does not know (Report::frame, passed_through). `cut`: its figures, its set may be gone.
-/// `anchored`: how many fragments are. `hulls`: of the fragments of the set. Throws Interrupted.
+/// `anchored`: how many fragments are; empty where nobody asked, or the set is only a part of the answer. `hulls`: of the
+/// fragments of the set. Throws Interrupted.
 Report make_report(const Solid& solid, const SiteNotes& sites, const FractureParameters& parameters,
-                   const CutCells& cut, std::uint32_t anchored, const HullReport& hulls,
+                   const CutCells& cut, std::optional<std::uint32_t> anchored, const HullReport& hulls,
                    const FragmentSet& set, const Execution& execution);
+
+/// The warning where anchors hold none of all fragments.
+inline constexpr const char* kNothingAnchored = "anchors: no fragment touches one";
 
 }  // namespace fracture

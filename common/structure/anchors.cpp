@@ -179,15 +179,10 @@ class AnchorTrees {
 
 }  // namespace
 
-AnchoredFragments find_anchored(const FragmentSet& set, const Anchors& anchors, const Execution& execution) {
+AnchoredFragments find_anchored(const FragmentSet& set, const Anchors& anchors, double longest_side,
+                                const Execution& execution) {
   Pacer pacer(execution);
-  Box box;
-  for (const Fragment& f : set.fragments)
-    for (const Vec3f& p : f.positions) {
-      pacer.step();
-      box.add(to_double(p) + f.pivot);
-    }
-  const AnchorTrees trees(anchors, kAnchorTolerance * box.longest_side(), execution);
+  const AnchorTrees trees(anchors, kAnchorTolerance * longest_side, execution);
   AnchoredFragments anchored;
   anchored.held.reserve(set.fragments.size());
   for (const Fragment& f : set.fragments) {

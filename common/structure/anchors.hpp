@@ -32,13 +32,14 @@ inline constexpr double kAnchorTolerance = 1e-5;
 /// Which fragments are held. A companion of a FragmentSet.
 struct AnchoredFragments {
   std::vector<char> held;   ///< per fragment; empty: none is
-  std::uint32_t count = 0;  ///< how many are, of the whole answer
+  std::uint32_t count = 0;  ///< how many are
   bool contains(std::size_t fragment) const { return !held.empty() && held[fragment] != 0; }
 };
 
-/// Judged on the final positions. Linear in planes x vertices; boxes and points are looked up in trees. Throws
+/// Judged on the final positions, each fragment by itself: the fragments of a delta are held as they are in the whole.
+/// `longest_side`: of the solid, metres. Linear in planes x vertices; boxes and points are looked up in trees. Throws
 /// Interrupted.
-AnchoredFragments find_anchored(const FragmentSet& set, const Anchors& anchors,
+AnchoredFragments find_anchored(const FragmentSet& set, const Anchors& anchors, double longest_side,
                                 const Execution& execution = {});
 
 }  // namespace fracture

@@ -307,7 +307,8 @@ Expected<FracturedSolid> FractureService::make_result(const PreparedMesh& mesh, 
     if (const auto& rest = mesh.solid.source->passed_through)
       fractured.report.passed_through = rest->triangles.size();
     GltfOptions options = output_options(request.parameters, fractured.set);
-    if (request.parameters.fracture.anchors.any()) {
+    // What holds what is about all fragments.
+    if (request.parameters.fracture.anchors.any() && request.parameters.delta != DeltaAnswer::kOnly) {
       const SupportOptions support{request.parameters.gravity, options.density, options.bond_strength,
                                    request.parameters.broken};
       fractured.support = analyze_support(fractured.set, fractured.anchored, support, execution);

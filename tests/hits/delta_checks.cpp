@@ -204,7 +204,7 @@ int expect_hits(const Mesh& mesh, const FractureParameters& all, int threads) {
     if (!answer.delta || testing::Test::HasFailure()) return local;
     expect_difference(before, after, *answer.delta);
     expect_selection(after, answer);
-    if (p.levels.empty() && !p.anchors.any()) {
+    if (p.levels.empty()) {
       const Expected<KeptAnswer> part =
           fracture_delta(*solid, last->base, p, {1, /*only_changed=*/true}, execution, timings);
       if (!part) throw std::runtime_error(part.error().detail);

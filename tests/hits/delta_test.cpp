@@ -168,6 +168,20 @@ TEST(Delta, WithLevelsAndAnchors) {
   EXPECT_EQ(expect_hits(mesh, p), 3);
 }
 
+TEST(Delta, WhatChangedAloneIsAnchoredAsInTheWhole) {
+  const Mesh mesh = torus(32, 16);
+  FractureParameters p = hits_on(mesh, 60, 0.15);
+  p.anchors.planes.push_back({{1, 0, 0}, 0.3});  // holds three quarters of the ring
+  EXPECT_EQ(expect_hits(mesh, p), 3);
+  // Nothing at all: the whole says so, which is none of the concerns of a part.
+  p.anchors.planes[0].offset = -100;
+  EXPECT_EQ(expect_hits(mesh, p), 3);
+  // Made from nothing.
+  p.anchors.planes[0].offset = 0.3;
+  p.size.max_fragments = 1000;
+  EXPECT_EQ(expect_hits(mesh, p), 0);
+}
+
 TEST(Delta, OnlyPartOfTheFragmentsIsInTheAnswer) {
   const Mesh mesh = sphere_with(20000);
   FractureParameters p = hits_on(mesh, 300, 0.1);

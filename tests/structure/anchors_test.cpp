@@ -19,7 +19,7 @@ FragmentSet tower() {
 }
 
 std::vector<bool> held(const FragmentSet& set, const Anchors& anchors) {
-  const AnchoredFragments anchored = find_anchored(set, anchors);
+  const AnchoredFragments anchored = find_anchored(set, anchors, 5);
   std::vector<bool> result;
   for (std::size_t k = 0; k < set.fragments.size(); ++k) result.push_back(anchored.contains(k));
   EXPECT_EQ(anchored.held.size(), set.fragments.size());

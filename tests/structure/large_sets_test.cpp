@@ -167,6 +167,8 @@ Fragment shape(const Mesh& mesh) {
   return f;
 }
 
+constexpr double kRingSide = 2.8;  ///< of torus()
+
 TEST(LargeSets, AnchorsHoldWhatTheyLieInOrOnHoweverManyThereAre) {
   const Mesh ring = torus(40, 20);
   Random random(5);
@@ -180,17 +182,17 @@ TEST(LargeSets, AnchorsHoldWhatTheyLieInOrOnHoweverManyThereAre) {
       if (const Vec3d p = place(); winding_number(ring, p) < 0.5) anchors.points.push_back(p);
     FragmentSet set;
     set.fragments.push_back(shape(ring));
-    EXPECT_EQ(find_anchored(set, anchors).count, 0u);
+    EXPECT_EQ(find_anchored(set, anchors, kRingSide).count, 0u);
     const Vec3d last = place();
     anchors.points.push_back(last);
-    EXPECT_EQ(find_anchored(set, anchors).count, winding_number(ring, last) > 0.5 ? 1u : 0u);
+    EXPECT_EQ(find_anchored(set, anchors, kRingSide).count, winding_number(ring, last) > 0.5 ? 1u : 0u);
     // On a face, an edge, a corner.
     const auto& t = ring.triangles[static_cast<std::size_t>(random.uniform() * 1600)];
     const Vec3d a = to_double(ring.positions[t[0]]), b = to_double(ring.positions[t[1]]),
                 c = to_double(ring.positions[t[2]]);
     for (const Vec3d& on : {a, 0.5 * (a + b), (1.0 / 3) * (a + b + c)}) {
       anchors.points.back() = on;
-      EXPECT_EQ(find_anchored(set, anchors).count, 1u);
+      EXPECT_EQ(find_anchored(set, anchors, kRingSide).count, 1u);
     }
   }
 }
@@ -205,8 +207,9 @@ TEST(LargeSets, AnchorsAreNotComparedWithEveryTriangle) {
       anchors.points.push_back({0.8 * random.uniform() - 0.4, 0.8 * random.uniform() - 0.4, 0.1});
     FragmentSet set;
     set.fragments.push_back(shape(torus(400 * size, 40)));
-    const Polled found = polled(
-        [&](const Execution& execution) { EXPECT_EQ(find_anchored(set, anchors, execution).count, 0u); });
+    const Polled found = polled([&](const Execution& execution) {
+      EXPECT_EQ(find_anchored(set, anchors, kRingSide, execution).count, 0u);
+    });
     EXPECT_LT(found.longest_ms, kMostPollGapMs);
     polls.push_back(found.polls);
   }
@@ -220,8 +223,9 @@ TEST(LargeSets, AnchorsOfManyVerticesCanBeInterruptedAnywhere) {
   anchors.planes.push_back({{0, 0, 1}, -5});
   anchors.boxes.push_back({{-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1}});
   for (int k = 0; k < 20; ++k) anchors.points.push_back({0.01 * k, 0, 0});
-  const Polled found = polled(
-      [&](const Execution& execution) { EXPECT_EQ(find_anchored(set, anchors, execution).count, 0u); });
+  const Polled found = polled([&](const Execution& execution) {
+    EXPECT_EQ(find_anchored(set, anchors, kRingSide, execution).count, 0u);
+  });
   EXPECT_LT(found.longest_ms, kMostPollGapMs);
 }
 

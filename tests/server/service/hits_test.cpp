@@ -247,6 +247,38 @@ TEST_F(HitsTest, TheDeltaIsTheDifferenceOfBothAnswers) {
   EXPECT_LT(part.result->file.size(), after.result->file.size());
 }
 
+TEST_F(HitsTest, AnchorsHoldWhatChangedAsTheyHoldItInTheWhole) {
+  const FractureAnswer before =
+      ask({{"sites", 60}, {"anchor_plane", {{0, 0.2, 0}, {0, 1, 0}}}, {"gravity", {0, -9.81, 0}}});
+  json hit = {{"of", address(before)}, {"local_point", {2, 0.2, 0.5}}, {"local_radius", 0.3}};
+  const auto anchored = [](const FractureAnswer& answer) {
+    std::map<std::uint64_t, bool> by_id;
+    const json document = document_of(*answer.result);
+    for (const json& node : document.at("nodes"))
+      if (const json own = node.value("extras", json::object()).value("fracture", json::object());
+          own.contains("anchored"))
+        by_id[own.at("id")] = own.at("anchored");
+    return by_id;
+  };
+  const FractureAnswer after = ask(hit);
+  hit["delta"] = "only";
+  const FractureAnswer part = ask(hit);
+  const auto whole = anchored(after), changed = anchored(part);
+  ASSERT_LT(changed.size(), whole.size());
+  std::set<bool> seen;
+  for (const auto& [id, held] : changed) {
+    EXPECT_EQ(held, whole.at(id)) << id;
+    seen.insert(held);
+  }
+  EXPECT_EQ(seen.size(), 2u) << "the hit is at the edge of what is held";
+  // How many are held, and what carries what, is about all of them.
+  const json of_all = figures_of(*after.result).at("report"), of_part = figures_of(*part.result).at("report");
+  for (const char* name : {"anchors", "support"}) {
+    EXPECT_TRUE(of_all.contains(name)) << name;
+    EXPECT_FALSE(of_part.contains(name)) << name;
+  }
+}
+
 TEST_F(HitsTest, SeveralNewHitsAreComparedWithTheAnswerBeforeThemAll) {
   const FractureAnswer before = ask({{"sites", 30}});
   const FractureAnswer after = ask({{"of", address(before)},
@@ -312,7 +344,6 @@ TEST_F(HitsTest, WhatCannotBeMeantIsRefusedByName) {
            {with(hit, {{"local_sites", 0}}), "local_sites"},
            {with(hit, {{"local_point", {{0, 0}}}}), "local_point"},
            {with(hit, {{"of", of}, {"delta", "only"}, {"anchor_points", {{0, 0, 0}}}}), "anchor_points"},
-           {with(hit, {{"delta", "only"}, {"anchor_points", {{0, 0, 0}}}}), "delta"},
            {with(hit, {{"levels", {2, 8}}, {"delta", "only"}}), "delta"},
            {with(hit, {{"fragment", 5}, {"delta", "stated"}}), "delta"},
            {with(hit, {{"delta", "stated"}, {"local_new", 2}}), "local_new"},
