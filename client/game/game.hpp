@@ -25,7 +25,8 @@ struct GameSettings {
   std::uint64_t seed = 1;
   std::optional<unsigned> fixed_latency;  ///< steps from a request to its answer's effect
   bool anticipate = true;                 ///< asks when a ball is on its way, not only at the contact
-  std::size_t max_requests = 8;  ///< open at the same time; further hits wait, the most urgent is next
+  /// Open at the same time, of what is foreseen in a moment (Game::counted_requests()); further hits wait, the most urgent is next.
+  std::size_t max_requests = 8;
   nlohmann::json overrides =
       nlohmann::json::object();  ///< parameters at the start; then Game::set_overrides()
   world::WorldSettings world;

@@ -42,6 +42,9 @@ TEST(Requests, TwentyBoxesThatFallTogetherAllBreak) {
     game.advance(kFrame, true);
     most_open = std::max(most_open, game.open_requests());
     most_waiting = std::max(most_waiting, game.waiting_requests());
+    // What was foreseen counts for a moment, in steps: here every answer comes within its frame.
+    test::require_eventually(test::kPatience, "the answers of this frame",
+                             [&] { return game.ready() && game.open_requests() == 0; });
     for (world::ObjectId k = 0; k < 20; ++k)
       if (game.world().is_whole(k)) return false;
     return true;
