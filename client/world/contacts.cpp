@@ -60,6 +60,7 @@ void World::State::collect_contacts() {
   for (const auto& body : bodies) {
     body->forces.clear();
     body->total_force = body->sunk = 0;
+    body->leans_on.clear();
   }
   for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
     const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
@@ -83,6 +84,11 @@ void World::State::collect_contacts() {
       first->sunk = std::max(first->sunk, -point.getDistance());
       second->sunk = std::max(second->sunk, -point.getDistance());
       const glm::dvec3 where = from_bullet(point.getPositionWorldOnB());
+      for (Body* body : {first, second})
+        if (body->moves()) {
+          const glm::dvec3 arm = where - from_bullet(body->rigid->getCenterOfMassPosition());
+          body->leans_on.emplace_back(arm.x, arm.z);
+        }
       const glm::dvec3 impulse = impulse_on_first(point);
       const double approach =
           std::max(0.0, -glm::dot(velocity_before(*first, where) - velocity_before(*second, where),

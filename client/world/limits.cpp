@@ -45,6 +45,18 @@ double lowest(const Body& body) {
   return least;
 }
 
+/// Its contacts all lie on one side of a line through its centre, seen from above: it tilts over them.
+bool topples(const Body& body) {
+  std::vector<double> angles;
+  for (const glm::dvec2& arm : body.leans_on) angles.push_back(std::atan2(arm.y, arm.x));
+  if (angles.empty()) return true;
+  std::sort(angles.begin(), angles.end());
+  constexpr double kPi = 3.14159265358979323846;
+  double widest = angles.front() + 2 * kPi - angles.back();
+  for (std::size_t k = 1; k < angles.size(); ++k) widest = std::max(widest, angles[k] - angles[k - 1]);
+  return widest > kPi;
+}
+
 constexpr double kDeepest = 0.002;  ///< metres below the ground
 
 glm::dvec3 velocity_of(const Body& body) { return from_bullet(body.rigid->getLinearVelocity()); }
@@ -176,7 +188,7 @@ void World::State::limit_gains() {
 /// The solver never quite settles a heap of slivers: each step pushes some by what the last left over. Below
 /// the speed that gravity gives within a step and a half such motion is only that. And one shard that
 /// twitches must not keep the heap awake: sleep goes by the mean over some twenty steps, and by that of the
-/// heap.
+/// heap. What has its weight beside all of its contacts begins as slowly, but to fall: it is left alone.
 void World::State::calm() {
   const double slow = 1.5 * settings.step * glm::length(settings.gravity);
   constexpr double kSlowSpin = 1.5, kLeft = 0.8;  // rad/s; of the speed after a step
@@ -185,7 +197,7 @@ void World::State::calm() {
       if (!touch.pressed || !body->moves() || !body->rigid->isActive()) continue;
       const glm::dvec3 velocity = from_bullet(body->rigid->getLinearVelocity()),
                        spin = from_bullet(body->rigid->getAngularVelocity());
-      if (glm::length(velocity) < slow && glm::length(spin) < kSlowSpin)
+      if (glm::length(velocity) < slow && glm::length(spin) < kSlowSpin && !topples(*body))
         set_motion(*body, kLeft * velocity, kLeft * spin);
     }
   constexpr double kWeight = 0.05;  // of a step in the mean

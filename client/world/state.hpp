@@ -39,12 +39,13 @@ struct Body {
 
   BallId ball = 0;
 
-  double radius = 0;       ///< of a sphere around it
-  std::uint64_t born = 0;  ///< step
-  double lively = 1;       ///< m/s of its fastest point, averaged over the last steps
-  double still = 0;        ///< seconds for which it has hardly been lively …
-  double quiet = 0;        ///< … and its island on the whole
-  double sunk = 0;         ///< metres that it is inside of others, deepest contact of this step
+  double radius = 0;                 ///< of a sphere around it
+  std::uint64_t born = 0;            ///< step
+  double lively = 1;                 ///< m/s of its fastest point, averaged over the last steps
+  double still = 0;                  ///< seconds for which it has hardly been lively …
+  double quiet = 0;                  ///< … and its island on the whole
+  double sunk = 0;                   ///< metres that it is inside of others, deepest contact of this step
+  std::vector<glm::dvec2> leans_on;  ///< x and z of the contacts of this step that press, from its centre
 
   // before this step
   glm::dvec3 velocity_before{0}, spin_before{0};

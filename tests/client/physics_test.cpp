@@ -234,6 +234,39 @@ TEST(Physics, WhatIsWedgedUnderAHeavyBlockDoesNotLiftIt) {
   EXPECT_LT(world.ledger().worst_gain, 1e-4 * world.ledger().brought);
 }
 
+TEST(Physics, AColumnThatLeansFallsAsAPendulumOverItsEdge) {
+  const double half = 0.3, high = 1.4, mass = 1000, start = 0.3, end = 0.7;  // m, kg, rad
+  ObjectSpec spec;
+  spec.hulls.emplace_back();
+  for (int k = 0; k < 8; ++k)
+    spec.hulls[0].emplace_back(k & 1 ? half : -half, k & 2 ? high : -high, k & 4 ? half : -half);
+  const double along = mass / 3 * (half * half + high * high), across = mass / 3 * 2 * half * half;
+  spec.mass = {mass, glm::dvec3(0), glm::dmat3(along, 0, 0, 0, across, 0, 0, 0, along)};
+  spec.strength = 1e9;
+  const double arm = std::hypot(half, high), balanced = std::atan2(half, high);
+  ASSERT_GT(start, balanced);
+  spec.pose = {{0, arm * std::cos(start - balanced), 0}, glm::angleAxis(-start, glm::dvec3(0, 0, 1))};
+  World world;
+  const ObjectId object = world.add_object(spec);
+  const auto tilt = [&] {
+    const glm::dvec3 up = world.object_pose(object).rotation * glm::dvec3(0, 1, 0);
+    return std::atan2(std::hypot(up.x, up.z), up.y);
+  };
+  double taken = 0;
+  for (; tilt() < end; taken += world.settings().step) {
+    ASSERT_LT(taken, 10) << "it leans by " << tilt();
+    world.step();
+  }
+  // The same from rest: (I + m arm²) φ'' = m g arm sin φ, φ from where it is balanced.
+  double expected = 0, angle = start - balanced, spin = 0;
+  constexpr double kStep = 1e-5;  // seconds
+  for (; angle < end - balanced; expected += kStep) {
+    spin += kStep * mass * 9.81 * arm * std::sin(angle) / (along + mass * arm * arm);
+    angle += kStep * spin;
+  }
+  EXPECT_NEAR(taken, expected, 0.1 * expected);
+}
+
 TEST(Physics, WhatLiesOrFallsSoftlyIsNotAskedForAhead) {
   World world;
   ObjectSpec spec = whole_of(cubes(2, 2));
