@@ -194,6 +194,7 @@ json summary(const game::Game& game, const protocol::Client& client, const Optio
             {"failures", figures.failures},
             {"swaps", figures.swaps},
             {"secondary", figures.secondary},
+            {"hits", {{"applied", figures.hits}, {"too_late", figures.too_late}}},
             {"held_polls", figures.held_steps},
             {"open_requests", game.open_requests()},
             {"meshes_stored", game.meshes_stored()},

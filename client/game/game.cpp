@@ -49,7 +49,7 @@ Game::Game(scenes::Scene scene, protocol::Client& client, GameSettings settings)
   }
   for (const scenes::SceneBox& box : scene_.boxes) world_.add_static_box(box.pose, box.half_sides);
   for (std::size_t k = 0; k < things_.size(); ++k)
-    if (scene_.objects[k].at_start) ask(k, world::Impact{}, std::nullopt);
+    if (scene_.objects[k].at_start) ask({.thing = k});
 }
 
 Game::~Game() {
@@ -62,90 +62,10 @@ std::size_t Game::thing_of(world::ObjectId object) const {
   return static_cast<std::size_t>(it - things_.begin());
 }
 
-void Game::ask(std::size_t index, const world::Impact& impact, std::optional<std::uint32_t> fragment,
-               bool ahead) {
-  const Thing& thing = things_[index];
-  const scenes::SceneObject& object = scene_.objects[thing.scene_object];
-  Pending pending;
-  pending.thing = index;
-  pending.fragment = fragment;
-  ++asked_;
-  if (fragment) {
-    // The server finds the fragment in the answer to the same parameters, which it still knows.
-    pending.parameters = thing.parameters;
-    const auto& set = world::fragments_of(*thing.fragments->fragments);
-    pending.parameters["fragment"] = set.fragments[*fragment].id;
-    pending.parameters["fragment_sites"] = 8;
-    pending.parameters["fragment_seed"] = settings_.seed + asked_;
-  } else {
-    pending.parameters =
-        scenes::fracture_parameters(object, impact, settings_.seed + asked_, settings_.overrides);
-  }
-  pending.asked_at = world_.steps();
-  pending.ahead = ahead;
-  pending.due = world_.steps() + settings_.fixed_latency.value_or(0);
-  ++figures_.requests;
-  if (settings_.answers) pending.decoded = settings_.answers->find(thing.mesh, pending.parameters);
-  if (!pending.decoded) pending.ticket = client_.fracture(thing.mesh, pending.parameters);
-  pending_.emplace(asked_, std::move(pending));
-}
-
-void Game::want(const Waiting& hit) {
-  const auto same = std::find_if(waiting_.begin(), waiting_.end(), [&](const Waiting& other) {
-    return other.thing == hit.thing && other.fragment == hit.fragment;
-  });
-  if (same == waiting_.end())
-    waiting_.push_back(hit);
-  else if (hit.urgency > same->urgency || (same->ahead && !hit.ahead))
-    *same = hit;
-}
-
-std::size_t Game::open_requests() const {
-  return static_cast<std::size_t>(std::count_if(pending_.begin(), pending_.end(),
-                                                [](const auto& entry) { return !entry.second.finished(); }));
-}
-
-std::size_t Game::counted_requests() const {
-  constexpr std::uint64_t kMoment = 24;  // steps
-  return static_cast<std::size_t>(std::count_if(pending_.begin(), pending_.end(), [&](const auto& entry) {
-    return !entry.second.ahead || world_.steps() < entry.second.asked_at + kMoment;
-  }));
-}
-
-std::size_t Game::kept_answers() const {
-  return static_cast<std::size_t>(std::count_if(pending_.begin(), pending_.end(), [&](const auto& entry) {
-    return entry.second.decoded && is_kept(entry.second);
-  }));
-}
-
-/// Fragments cost more than the whole, step by step: they take its place when a hit is a few steps away, or has come.
-bool Game::is_kept(const Pending& pending) const {
-  const world::ObjectId object = things_[pending.thing].id;
-  return pending.ahead && world_.is_whole(object) && !world_.expects_hit(object);
-}
-
-void Game::ask_most_urgent() {
-  std::size_t open = counted_requests();
-  while (!waiting_.empty() && open < settings_.max_requests) {
-    const auto next =
-        std::max_element(waiting_.begin(), waiting_.end(),
-                         [](const Waiting& a, const Waiting& b) { return a.urgency < b.urgency; });
-    const Waiting hit = *next;
-    waiting_.erase(next);
-    ask(hit.thing, hit.impact, hit.fragment, hit.ahead);
-    ++open;
-  }
-}
-
 void Game::note_failure(Pending& pending, const std::string& what) {
   pending.failed = true;
   ++figures_.failures;
   figures_.last_trouble = what;
-}
-
-std::map<std::uint64_t, Game::Pending>::iterator Game::pending_of(protocol::Ticket ticket) {
-  return std::find_if(pending_.begin(), pending_.end(),
-                      [&](const auto& entry) { return entry.second.ticket == ticket; });
 }
 
 void Game::weigh(const std::vector<std::size_t>& things, const std::string& answer) {
@@ -187,34 +107,42 @@ void Game::poll() {
       else
         client_.patterns();  // it took its patience: no hurry
     }
-    const auto it = pending_of(answer.ticket);
+    const auto it = request_of(answer.ticket);
     if (it == pending_.end()) continue;  // of a game before this one
     if (answer.ok()) {
       ++figures_.answers;
       it->second.milliseconds = answer.milliseconds;
-      decoder_.submit(answer.ticket, std::move(answer.body));
+      it->second.location = std::move(answer.location);
+      decoder_.submit(answer.ticket, std::move(answer.body), it->second.before);
+    } else if (answer.problem == "no-such-answer" && it->second.by_name) {
+      ask_by_parameters(it->second);
     } else {
       note_failure(it->second, std::string(name(answer.failure)) + ": " + answer.detail);
     }
   }
   for (Decoded& decoded : decoder_.poll()) {
-    const auto it = pending_of(decoded.ticket);
+    const auto it = request_of(decoded.ticket);
     if (it == pending_.end()) continue;
     Pending& pending = it->second;
     if (!decoded.error.empty()) {
       note_failure(pending, "The answer cannot be used: " + decoded.error);
       continue;
     }
+    decoded.location = std::move(pending.location);
     pending.decoded = std::make_shared<const Decoded>(std::move(decoded));
     if (settings_.answers)
-      settings_.answers->keep(things_[pending.thing].mesh, pending.parameters, pending.decoded);
+      settings_.answers->keep(things_[pending.thing].mesh, pending.wanted, {pending.decoded, pending.before});
   }
 }
 
 void Game::apply(Pending& pending) {
   const std::size_t index = pending.thing;
   if (pending.failed) {
-    if (!pending.fragment) world_.ask_again(things_[index].id);
+    if (!pending.fragment && !pending.before) world_.ask_again(things_[index].id);
+    return;
+  }
+  if (pending.before) {
+    apply_hit(pending);
     return;
   }
   last_glb_ = pending.decoded->glb;
@@ -241,7 +169,23 @@ void Game::apply(Pending& pending) {
   ++figures_.swaps;
 }
 
-bool Game::adopt(std::map<std::uint64_t, Pending>::iterator it) {
+void Game::apply_hit(Pending& pending) {
+  Thing& thing = things_[pending.thing];
+  if (!world_.change(thing.id, pending.decoded->fragments)) {
+    ++figures_.too_late;
+    return;
+  }
+  char text[64];
+  std::snprintf(text, sizeof text, ": %zu finer pieces, asked for in %.0f ms",
+                pending.decoded->layers.back().fragment_of_object.size(), pending.milliseconds);
+  figures_.last_break = scene_.objects[thing.scene_object].name + text;
+  thing.fragments = std::move(pending.decoded);
+  thing.parameters = std::move(pending.parameters);
+  ++figures_.hits;
+  ++figures_.swaps;
+}
+
+bool Game::adopt(Requests::iterator it) {
   const bool swapped = !it->second.failed;
   record({.step = world_.steps(),
           .kind = swapped ? RecordedEvent::Kind::kAdopt : RecordedEvent::Kind::kFail,
@@ -308,7 +252,8 @@ bool Game::ready() {
 
 void Game::take_events() {
   for (const world::Event& event : world_.take_events()) {
-    if (event.kind == world::Event::Kind::kAhead && !settings_.anticipate) continue;
+    const bool again = event.kind == world::Event::Kind::kAgain;
+    if ((again || event.kind == world::Event::Kind::kAhead) && !settings_.anticipate) continue;
     const std::size_t thing = thing_of(event.object);
     if (thing == things_.size()) continue;
     const bool fragment = event.kind == world::Event::Kind::kBreakFragment;
@@ -318,15 +263,17 @@ void Game::take_events() {
       return entry.second.thing == thing && !entry.second.fragment;
     });
     if (!fragment && asked) continue;
+    if (again && !wants_again(things_[thing], event)) continue;
     if (settings_.max_requests == 0) {
-      if (!fragment) world_.ask_again(event.object);
+      if (!fragment && !again) world_.ask_again(event.object);
       continue;
     }
     record_eye(std::max<std::uint64_t>(world_.steps(), 1) - 1);  // hits are those of the step before
+    if (again) things_[thing].hit_by.insert(event.ball);
     const glm::dvec3 away = event.where - eye_;
     want({thing, fragment ? std::optional(event.fragment) : std::nullopt, event.impact,
           event.impact.impulse / std::max(glm::dot(away, away), 0.25),
-          event.kind == world::Event::Kind::kAhead});
+          event.kind == world::Event::Kind::kAhead, again});
   }
   ask_most_urgent();
   for (const world::Swap& swap : world_.take_swaps()) {

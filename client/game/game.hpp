@@ -43,12 +43,15 @@ struct Thing {
   std::size_t scene_object = 0;  ///< index into Scene::objects; secondary pieces have their parent's
   std::string mesh;              ///< id of the stored mesh
   std::shared_ptr<const Decoded> fragments;  ///< null while whole
-  nlohmann::json parameters;                 ///< of the request that made the fragments
+  nlohmann::json parameters;                 ///< of the request that made the fragments, with all hits since
   bool secondary = false;
+  std::set<world::BallId> hit_by;  ///< balls whose hits on its fragments have been asked for: once each
 };
 
 struct GameFigures {
   std::uint64_t requests = 0, answers = 0, failures = 0, swaps = 0, secondary = 0, held_steps = 0;
+  std::uint64_t hits = 0;      ///< further hits that made finer fragments of those that were there …
+  std::uint64_t too_late = 0;  ///< … and those whose fragments had come loose before
   std::string last_trouble;
   std::string last_break;            ///< what broke into how many pieces, and how long that took, for people
   double worst_momentum_error = 0;   ///< of all swaps without anchors, relative: linear and angular
@@ -101,7 +104,7 @@ class Game {
   void hand_over();
   /// Throws what the scene throws by itself, up to a time in seconds. Reproducible runs do so in step().
   void throw_scripted(double until);
-  /// The last answer, for saving; null before the first.
+  /// The last whole answer, for saving; null before the first.
   std::shared_ptr<const std::string> last_glb() const { return last_glb_; }
   std::size_t meshes_stored() const { return meshes_stored_; }
   /// What the server answered to Client::patterns(), which whoever wants it has asked; empty before.
@@ -109,11 +112,17 @@ class Game {
 
  private:
   struct Pending {
+    protocol::Ticket ticket = 0;  ///< 0: the answer was kept
     std::size_t thing = 0;
     std::optional<std::uint32_t> fragment;  ///< secondary
-    protocol::Ticket ticket = 0;            ///< 0: the answer was kept
-    std::uint64_t due = 0;                  ///< step; fixed_latency alone
-    nlohmann::json parameters;
+    nlohmann::json wanted;                  ///< what is asked for, in full
+    nlohmann::json parameters;              ///< of all fragments when it has taken effect
+    /// A further hit: what it is a change of. Where the server knows the answer before by its name no more, it is asked
+    /// for `wanted`.
+    std::shared_ptr<const Decoded> before;
+    bool by_name = false;
+    std::string location;   ///< of the answer
+    std::uint64_t due = 0;  ///< step; fixed_latency alone
     std::shared_ptr<const Decoded> decoded;
     double milliseconds = 0;     ///< from asking to the answer
     std::uint64_t asked_at = 0;  ///< step
@@ -125,36 +134,42 @@ class Game {
   /// A hit that is to be asked for.
   struct Waiting {
     std::size_t thing = 0;
-    std::optional<std::uint32_t> fragment;
-    world::Impact impact;
+    std::optional<std::uint32_t> fragment{};
+    world::Impact impact{};
     double urgency = 0;
     bool ahead = false;
+    bool again = false;  ///< a further hit on its fragments
   };
+  using Requests = std::map<std::uint64_t, Pending>;  ///< by their numbers, from 1, in the order of asking
 
   void poll();
   void want(const Waiting& hit);  ///< keeps the more urgent of two for the same thing
   void ask_most_urgent();         ///< as many as may be open
-  void ask(std::size_t thing, const world::Impact& impact, std::optional<std::uint32_t> fragment,
-           bool ahead = false);
+  void ask(const Waiting& hit);
+  /// Would a further hit make finer fragments than there are, and has nobody asked for it?
+  bool wants_again(const Thing& thing, const world::Event& event) const;
+  /// The server does not know the answer any more that the request names: asks for the same by its parameters.
+  void ask_by_parameters(Pending& pending);
   /// How many count for GameSettings::max_requests. When an answer comes is neither reproducible nor recorded, so what
   /// was foreseen counts for a moment, and other hits until their answer takes effect.
   std::size_t counted_requests() const;
   bool is_kept(const Pending& pending) const;  ///< for a hit that has not come
   void apply(Pending& pending);
+  void apply_hit(Pending& pending);
   bool apply_due();  ///< whether bodies were swapped
   /// The server has looked at a mesh, and knows the volume of what will break: of walls, where it makes some.
   void weigh(const std::vector<std::size_t>& things, const std::string& answer);
   void scale_mass(std::size_t thing, double factor);
-  bool adopt(std::map<std::uint64_t, Pending>::iterator pending);  ///< the same
-  void play_recorded();                                            ///< what was recorded before this step
+  bool adopt(Requests::iterator pending);  ///< the same
+  void play_recorded();                    ///< what was recorded before this step
   void play_answer(const RecordedEvent& event);
   void record(const RecordedEvent& event);
   void take_events();
   /// From where it is seen, before a step that decides by it. A replay has to know when it plays that.
   void record_eye(std::uint64_t step);
   void note_failure(Pending& pending, const std::string& what);
-  /// By ticket; pending_.end() for those of a game before this one.
-  std::map<std::uint64_t, Pending>::iterator pending_of(protocol::Ticket ticket);
+  /// pending_.end() for those of a game before this one.
+  Requests::iterator request_of(protocol::Ticket ticket);
   bool replay_is_ready() const;
   bool is_recorded() const { return settings_.recorder || settings_.history; }
   std::size_t thing_of(world::ObjectId object) const;
@@ -165,7 +180,7 @@ class Game {
   world::World world_;
   Decoder decoder_;
   std::vector<Thing> things_;
-  std::map<std::uint64_t, Pending> pending_;  ///< by the number of the request, from 1
+  Requests pending_;
   std::vector<Waiting> waiting_;
   glm::dvec3 eye_;
   std::optional<glm::dvec3> recorded_eye_;

@@ -43,16 +43,15 @@ std::string key_of(const std::string& mesh, const nlohmann::json& parameters) {
 
 }  // namespace
 
-std::shared_ptr<const Decoded> KeptAnswers::find(const std::string& mesh,
-                                                 const nlohmann::json& parameters) const {
+std::shared_ptr<const Decoded> KeptAnswers::find(const std::string& mesh, const nlohmann::json& parameters,
+                                                 const std::shared_ptr<const Decoded>& before) const {
   const auto known = answers_.find(key_of(mesh, parameters));
-  return known == answers_.end() ? nullptr : known->second;
+  return known == answers_.end() || known->second.before != before ? nullptr : known->second.answer;
 }
 
-void KeptAnswers::keep(const std::string& mesh, const nlohmann::json& parameters,
-                       std::shared_ptr<const Decoded> answer) {
-  if (bytes_ + answer->glb->size() > most_bytes_) return;
-  const std::size_t size = answer->glb->size();
+void KeptAnswers::keep(const std::string& mesh, const nlohmann::json& parameters, Kept answer) {
+  const std::size_t size = answer.answer->glb->size();
+  if (bytes_ + size > most_bytes_) return;
   if (answers_.emplace(key_of(mesh, parameters), std::move(answer)).second) bytes_ += size;
 }
 

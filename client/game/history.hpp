@@ -46,13 +46,18 @@ class History {
 class KeptAnswers {
  public:
   explicit KeptAnswers(std::size_t most_bytes = kMostKeptBytes) : most_bytes_(most_bytes) {}
-  /// Null where it is not kept.
-  std::shared_ptr<const Decoded> find(const std::string& mesh, const nlohmann::json& parameters) const;
+  struct Kept {
+    std::shared_ptr<const Decoded> answer;
+    std::shared_ptr<const Decoded> before;  ///< of a further hit: what it is a change of
+  };
+  /// Null where it is not kept, or is a change of something else.
+  std::shared_ptr<const Decoded> find(const std::string& mesh, const nlohmann::json& parameters,
+                                      const std::shared_ptr<const Decoded>& before = nullptr) const;
   /// Not where all of them would be larger than `most_bytes` (of GLB).
-  void keep(const std::string& mesh, const nlohmann::json& parameters, std::shared_ptr<const Decoded> answer);
+  void keep(const std::string& mesh, const nlohmann::json& parameters, Kept answer);
 
  private:
-  std::map<std::string, std::shared_ptr<const Decoded>> answers_;
+  std::map<std::string, Kept> answers_;
   std::size_t bytes_ = 0;
   const std::size_t most_bytes_;
 };

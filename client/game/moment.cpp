@@ -14,7 +14,7 @@ Moment moment_of(const Game& game) {
   moment.balls = game.world().balls();
   for (const Thing& thing : game.things()) {
     Moment::Part& part = moment.parts.emplace_back();
-    part.broken = thing.fragments != nullptr;
+    part.broken = thing.fragments;
     if (part.broken)
       game.world().fragment_states(thing.id, part.fragments);
     else

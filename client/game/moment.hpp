@@ -9,7 +9,7 @@ namespace fracture::game {
 
 struct Moment {
   struct Part {
-    bool broken = false;
+    std::shared_ptr<const Decoded> broken;        ///< into what; null while it is whole
     world::Pose whole;                            ///< of the asset's frame, while it is whole
     std::vector<world::FragmentState> fragments;  ///< when it is broken
   };

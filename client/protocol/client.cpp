@@ -208,6 +208,7 @@ struct Client::State {
           if (!wrong) {
             answer.server_timing = parse_server_timing(exchange.server_timing);
             answer.body = exchange.body;
+            answer.location = exchange.content_location;
             if (job.kind == RequestKind::kStore) {
               const std::lock_guard lock(mutex);
               ++shown.meshes_stored;

@@ -57,6 +57,8 @@ struct Answer {
   std::string problem;  ///< last segment of a problem's type: "bad-parameter"
   std::string detail;   ///< for people; empty where all is well
   std::string body;     ///< GLB or JSON; its digest has been checked
+  std::string
+      location;  ///< Content-Location of fragments: "/fractures/sha256:…", which `of` of a further request names
   std::vector<StageTime> server_timing;
   double milliseconds = 0;  ///< from the call to the last byte, everything that was tried again included
   int exchanges = 0;        ///< HTTP requests that it took

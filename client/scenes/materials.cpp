@@ -60,6 +60,17 @@ const std::vector<GameMaterial>& game_materials() {
   return all;
 }
 
+/// A tenth of a millimetre is enough, and keeps requests of like hits alike.
+double rounded(double x) { return std::round(1e4 * x) / 1e4; }
+nlohmann::json rounded(const glm::dvec3& p) {
+  return nlohmann::json::array({rounded(p.x), rounded(p.y), rounded(p.z)});
+}
+
+/// Of counts and of the radius.
+double growth_of(const Breakage& breakage, const world::Impact& impact) {
+  return std::clamp(std::cbrt(std::max(impact.energy, 0.0) / breakage.energy), 0.6, 2.0);
+}
+
 }  // namespace
 
 const std::vector<std::string>& material_names() {
@@ -111,17 +122,14 @@ std::string preparation_query(const SceneObject& object) {
 nlohmann::json fracture_parameters(const SceneObject& object, const world::Impact& impact, std::uint64_t seed,
                                    const nlohmann::json& overrides) {
   const Breakage& b = object.breakage;
-  const double growth = std::clamp(std::cbrt(std::max(impact.energy, 0.0) / b.energy), 0.6, 2.0);
+  const double growth = growth_of(b, impact);
   nlohmann::json parameters = b.parameters;
   parameters["seed"] = seed;
   if (object.mesh && !object.mesh->unit.empty()) parameters["unit"] = object.mesh->unit;
   const bool counts = !parameters.contains("cell") && !parameters.contains("sites");
   if (counts) parameters["sites"] = std::lround(b.sites * growth);
-  // A tenth of a millimetre is enough, and keeps requests of like hits alike.
-  const auto rounded = [](double x) { return std::round(1e4 * x) / 1e4; };
   if (b.impacts && !parameters.contains("impacts"))
-    parameters["impacts"] = nlohmann::json::array(
-        {nlohmann::json::array({rounded(impact.point.x), rounded(impact.point.y), rounded(impact.point.z)})});
+    parameters["impacts"] = nlohmann::json::array({rounded(impact.point)});
   if (b.radius) parameters["radius"] = rounded(b.reach * growth);
   if (overrides.is_object()) {
     // Another pattern takes other parameters.
@@ -130,6 +138,35 @@ nlohmann::json fracture_parameters(const SceneObject& object, const world::Impac
         parameters.erase(key);
     parameters.update(overrides);
   }
+  return parameters;
+}
+
+LocalHit local_hit(const SceneObject& object, const world::Impact& impact) {
+  constexpr double kShare = 0.5;
+  const Breakage& b = object.breakage;
+  const double growth = kShare * growth_of(b, impact);
+  return {impact.point, rounded(growth * b.reach), static_cast<int>(std::lround(growth * b.sites))};
+}
+
+bool takes_hits(const nlohmann::json& parameters) {
+  constexpr std::size_t kMostHits = 64;
+  return !parameters.contains("levels") && parameters.value("interior_detail", "none") == "none" &&
+         parameters.value("local_point", nlohmann::json::array()).size() < kMostHits;
+}
+
+nlohmann::json hit_parameters(const std::string& of, const LocalHit& hit) {
+  return {{"of", of},
+          {"delta", "only"},
+          {"local_point", nlohmann::json::array({rounded(hit.point)})},
+          {"local_radius", nlohmann::json::array({hit.radius})},
+          {"local_sites", nlohmann::json::array({hit.sites})}};
+}
+
+nlohmann::json with_hit(nlohmann::json parameters, const LocalHit& hit) {
+  parameters["local_point"].push_back(rounded(hit.point));
+  parameters["local_radius"].push_back(hit.radius);
+  parameters["local_sites"].push_back(hit.sites);
+  parameters["local_rest"] = "fractured";
   return parameters;
 }
 

@@ -109,4 +109,21 @@ std::string preparation_query(const SceneObject& object);
 nlohmann::json fracture_parameters(const SceneObject& object, const world::Impact& impact, std::uint64_t seed,
                                    const nlohmann::json& overrides);
 
+/// A further hit on what is fractured already: finer fragments near a place.
+struct LocalHit {
+  glm::dvec3 point{0};  ///< in the asset's frame
+  double radius = 0;    ///< metres
+  int sites = 0;
+};
+/// As the request for fragments it grows with the energy; at `Breakage::energy` it has half of its sites within half of its
+/// reach.
+LocalHit local_hit(const SceneObject& object, const world::Impact& impact);
+/// Can an answer to these parameters be hit again, and the client put together what that changes? Not where they divide it
+/// into levels, or give its cuts maps that such an answer leaves out; and one answer takes at most 64 hits.
+bool takes_hits(const nlohmann::json& parameters);
+/// The body of the request beside the answer's address.
+nlohmann::json hit_parameters(const std::string& of, const LocalHit& hit);
+/// The parameters of an answer with one more hit: what the same request is without an address.
+nlohmann::json with_hit(nlohmann::json parameters, const LocalHit& hit);
+
 }  // namespace fracture::scenes

@@ -98,9 +98,9 @@ Expected<std::uint32_t> SceneView::add(render::SolidLook look, const render::Mod
 }
 
 Expected<SceneView::Place> SceneView::upload(const game::Game& game, std::size_t index,
-                                             const game::Decoded* fragments) {
+                                             const LayerModel& layer) {
   const scenes::SceneObject& object = game.scene().objects[game.things()[index].scene_object];
-  const render::Model& model = fragments != nullptr ? *fragments->model : *object.mesh->model;
+  const render::Model& model = layer ? *layer : *object.mesh->model;
   // The solid texture is that of the whole object, so that it stays when it breaks.
   render::SolidPlacement solid;
   solid.frame = bounding_sphere(*object.mesh->model, {});
@@ -111,7 +111,7 @@ Expected<SceneView::Place> SceneView::upload(const game::Game& game, std::size_t
   solid.brick_high = glm::vec2(object.mesh->high);
   const Expected<std::uint32_t> first = add(object.look, model, solid);
   if (!first) return tl::unexpected(first.error());
-  return Place{*first, static_cast<std::uint32_t>(model.objects.size()), fragments != nullptr};
+  return Place{*first, static_cast<std::uint32_t>(model.objects.size())};
 }
 
 void SceneView::hide(const game::Game& game, std::size_t index, const Place& place) {
@@ -122,66 +122,80 @@ void SceneView::hide(const game::Game& game, std::size_t index, const Place& pla
 
 Expected<void> SceneView::upload_coming(const game::Game& game) {
   const std::vector<game::Game::Coming> coming = game.coming();
+  // Of a hit the last layer is new: the others are there already.
+  const auto model_of = [](const game::Game::Coming& next) { return next.fragments->layers.back().model; };
   std::erase_if(waiting_, [&](const auto& entry) {
     return std::none_of(coming.begin(), coming.end(),
-                        [&](const game::Game::Coming& next) { return next.fragments == entry.first; });
+                        [&](const game::Game::Coming& next) { return model_of(next) == entry.first; });
   });
   for (const game::Game::Coming& next : coming) {
-    if (waiting_.contains(next.fragments)) continue;
-    const Expected<Place> place = upload(game, next.thing, next.fragments.get());
+    if (waiting_.contains(model_of(next))) continue;
+    const Expected<Place> place = upload(game, next.thing, model_of(next));
     if (!place) return tl::unexpected(place.error());
     hide(game, next.thing, *place);
-    waiting_.emplace(next.fragments, *place);
+    waiting_.emplace(model_of(next), *place);
   }
   return {};
 }
 
-Expected<SceneView::Place> SceneView::place_of(const game::Game& game, std::size_t index, bool broken) {
-  if (const auto known = places_.find({index, broken}); known != places_.end()) return known->second;
-  const game::Decoded* fragments = broken ? game.things()[index].fragments.get() : nullptr;
-  const auto ahead = broken ? waiting_.find(game.things()[index].fragments) : waiting_.end();
-  const Expected<Place> place = ahead != waiting_.end() ? ahead->second : upload(game, index, fragments);
-  if (place) places_.emplace(std::pair(index, broken), *place);
+Expected<SceneView::Place> SceneView::place_of(const game::Game& game, std::size_t index,
+                                               const LayerModel& model) {
+  if (const auto known = places_.find({index, model}); known != places_.end()) return known->second;
+  const auto ahead = waiting_.find(model);
+  const Expected<Place> place = ahead != waiting_.end() ? ahead->second : upload(game, index, model);
+  if (place) places_.emplace(std::pair(index, model), *place);
   return place;
 }
 
 Expected<void> SceneView::show(const game::Game& game, std::size_t index, const ViewSettings& settings) {
-  const bool there = settings.past == nullptr || index < settings.past->parts.size();
-  const bool broken = settings.past == nullptr ? game.things()[index].fragments != nullptr
-                                               : there && settings.past->parts[index].broken;
-  for (const bool other : {false, true})
-    if (!there || other != broken)
-      if (const auto place = places_.find({index, other}); place != places_.end())
-        hide(game, index, place->second);
-  if (!there) return {};
-  const Expected<Place> place = place_of(game, index, broken);
-  if (!place) return tl::unexpected(place.error());
-  set_states(game, index, *place, settings);
-  return {};
-}
-
-void SceneView::set_states(const game::Game& game, std::size_t index, const Place& place,
-                           const ViewSettings& settings) {
   const game::Thing& thing = game.things()[index];
-  const game::Moment::Part* past = settings.past != nullptr ? &settings.past->parts[index] : nullptr;
-  Batch& batch = batches_.at(game.scene().objects[thing.scene_object].look);
-  const std::span<const render::Object> objects(&batch.gpu.model().objects[place.first], place.count);
-  const std::span<ObjectState> states(&batch.states[place.first], place.count);
-  if (!place.broken) {
-    const world::Pose pose = past != nullptr ? past->whole : game.world().object_pose(thing.id);
-    const glm::mat4 world(pose.matrix());
-    for (std::size_t k = 0; k < states.size(); ++k) {
-      states[k].visible = true;
-      states[k].transform = world * objects[k].transform;
-    }
-    return;
+  const bool there = settings.past == nullptr || index < settings.past->parts.size();
+  const game::Moment::Part* past = settings.past != nullptr && there ? &settings.past->parts[index] : nullptr;
+  const game::Decoded* broken = past != nullptr ? past->broken.get() : thing.fragments.get();
+  const auto is_seen = [&](const LayerModel& model) {
+    if (!there) return false;
+    if (broken == nullptr) return model == nullptr;
+    return std::any_of(broken->layers.begin(), broken->layers.end(),
+                       [&](const game::Decoded::Layer& layer) { return layer.model == model; });
+  };
+  for (auto it = places_.lower_bound({index, nullptr}); it != places_.end() && it->first.first == index; ++it)
+    if (!is_seen(it->first.second)) hide(game, index, it->second);
+  if (!there) return {};
+  if (broken == nullptr) {
+    const Expected<Place> place = place_of(game, index, nullptr);
+    if (!place) return tl::unexpected(place.error());
+    set_whole(game, index, *place, past != nullptr ? past->whole : game.world().object_pose(thing.id));
+    return {};
   }
   if (past != nullptr)
     fragment_states_ = past->fragments;
   else
     game.world().fragment_states(thing.id, fragment_states_);
+  for (const game::Decoded::Layer& layer : broken->layers) {
+    const Expected<Place> place = place_of(game, index, layer.model);
+    if (!place) return tl::unexpected(place.error());
+    set_fragments(game, index, *place, layer, settings.debug);
+  }
+  return {};
+}
+
+void SceneView::set_whole(const game::Game& game, std::size_t index, const Place& place,
+                          const world::Pose& pose) {
+  Batch& batch = batches_.at(game.scene().objects[game.things()[index].scene_object].look);
+  const glm::mat4 world(pose.matrix());
+  for (std::uint32_t k = place.first; k < place.first + place.count; ++k) {
+    batch.states[k].visible = true;
+    batch.states[k].transform = world * batch.gpu.model().objects[k].transform;
+  }
+}
+
+void SceneView::set_fragments(const game::Game& game, std::size_t index, const Place& place,
+                              const game::Decoded::Layer& layer, DebugView debug) {
+  Batch& batch = batches_.at(game.scene().objects[game.things()[index].scene_object].look);
+  const std::span<const render::Object> objects(&batch.gpu.model().objects[place.first], place.count);
+  const std::span<ObjectState> states(&batch.states[place.first], place.count);
   for (std::size_t k = 0; k < states.size(); ++k) {
-    const std::uint32_t fragment = thing.fragments->fragment_of_object[k];
+    const std::uint32_t fragment = layer.fragment_of_object[k];
     ObjectState& state = states[k];
     if (fragment == game::Decoded::kNoFragment || !fragment_states_[fragment].present) {
       state.visible = false;
@@ -192,8 +206,8 @@ void SceneView::set_states(const game::Game& game, std::size_t index, const Plac
     // The node's own transform is a translation to the fragment's origin: it shrinks about that.
     state.transform = glm::mat4(f.asset_to_world.matrix()) * objects[k].transform;
     if (f.size < 1) state.transform = glm::scale(state.transform, glm::vec3(f.size));
-    state.tint = settings.debug == DebugView::kFragments ? glm::vec4(render::distinct_color(f.group), 0.85f)
-                                                         : glm::vec4(0);
+    state.tint =
+        debug == DebugView::kFragments ? glm::vec4(render::distinct_color(f.group), 0.85f) : glm::vec4(0);
   }
 }
 

@@ -48,25 +48,27 @@ class SceneView {
     render::GpuModel gpu;
     std::vector<render::ObjectState> states;
   };
-  struct Place {  ///< of a thing's objects in the batch of its look
+  struct Place {  ///< of a model's objects in the batch of its thing's look
     std::uint32_t first = 0, count = 0;
-    bool broken = false;
   };
   SceneView(render::Renderer renderer, DebugLines lines, effects::DebrisView debris)
       : renderer_(std::move(renderer)), lines_(std::move(lines)), debris_(std::move(debris)) {}
   /// Appends to the batch of a look; the number of the first object.
   Expected<std::uint32_t> add(render::SolidLook look, const render::Model& model,
                               const std::optional<render::SolidPlacement>& solid);
-  Expected<Place> place_of(const game::Game& game, std::size_t thing, bool broken);
+  using LayerModel = std::shared_ptr<const render::Model>;  ///< of a layer of its fragments; null: the whole
+  /// Where a model of a thing is in its batch; uploads what is not there yet.
+  Expected<Place> place_of(const game::Game& game, std::size_t thing, const LayerModel& model);
   /// Shows a thing as it is, or was: whole, broken, or not there.
   Expected<void> show(const game::Game& game, std::size_t thing, const ViewSettings& settings);
-  /// Uploads a thing, whole or broken.
-  Expected<Place> upload(const game::Game& game, std::size_t thing, const game::Decoded* fragments);
+  Expected<Place> upload(const game::Game& game, std::size_t thing, const LayerModel& model);
   /// Uploads what is about to break, unseen: the frame in which it breaks has enough to do.
   Expected<void> upload_coming(const game::Game& game);
   void hide(const game::Game& game, std::size_t thing, const Place& place);
-  void set_states(const game::Game& game, std::size_t thing, const Place& place,
-                  const ViewSettings& settings);
+  void set_whole(const game::Game& game, std::size_t thing, const Place& place, const world::Pose& pose);
+  /// Of fragment_states_.
+  void set_fragments(const game::Game& game, std::size_t thing, const Place& place,
+                     const game::Decoded::Layer& layer, DebugView debug);
   void set_balls(const std::vector<world::BallState>& balls);
   void add_lines(const game::Game& game, DebugView debug);
   Expected<void> upload_furniture(const game::Game& game);
@@ -77,9 +79,9 @@ class SceneView {
   effects::DebrisView debris_;
   std::vector<effects::PlacedMark> marks_;
   std::map<render::SolidLook, Batch> batches_;
-  std::map<std::pair<std::size_t, bool>, Place> places_;           ///< by thing, whole and broken
-  std::map<std::shared_ptr<const game::Decoded>, Place> waiting_;  ///< uploaded ahead
-  std::uint32_t balls_ = 0;  ///< first of them in the batch without a look
+  std::map<std::pair<std::size_t, LayerModel>, Place> places_;  ///< by thing and model
+  std::map<LayerModel, Place> waiting_;                         ///< uploaded ahead
+  std::uint32_t balls_ = 0;                                     ///< first of them in the batch without a look
   const game::Game* furnished_ = nullptr;
   std::vector<world::FragmentState> fragment_states_;
   std::size_t uploads_ = 0;

@@ -15,6 +15,8 @@ constexpr int kBehind = 3;           ///< things that a ball may meet after the 
 constexpr double kTopples = 0.3;     ///< m/s: what moves faster on its support may fall over
 /// Of the strength: so hard a contact lets fragments take the place of the whole. There are more where a face lands.
 constexpr double kLikely = 0.5;
+constexpr double kInTime =
+    0.1;  ///< seconds: an answer takes half of it; a later one finds pieces that have come loose
 constexpr std::uint64_t kSoon = 6;  ///< steps: the path is looked at once more in that time
 
 struct Sweep : btCollisionWorld::ClosestConvexResultCallback {
@@ -121,6 +123,27 @@ void World::State::ask_for_toppling(const Body& body, const Touch& support) {
       {support.point, support.a == &body ? support.normal : -support.normal, impulse, impulse, landing, {}});
 }
 
+/// Bonded fragments that stand still, in time for finer ones to take their place: once they are hit, they part where
+/// they are. What lies near the hit is finer than what is farther away, so that balls at other places find it coarse.
+void World::State::ask_again(const Body& ball, const Body& other, const Foreseen& hit) {
+  if (other.kind != Body::Kind::kGroup || other.bonds.empty() || !(*hit.time > kInTime)) return;
+  const Object& object = *objects[other.object];
+  if (other.moves() && glm::length(from_bullet(other.rigid->getLinearVelocity())) +
+                               other.radius * glm::length(from_bullet(other.rigid->getAngularVelocity())) >
+                           kTopples)
+    return;
+  const double strength = other.held ? object.spec.strength : object.critical_speed * other.mass.mass;
+  if (hit.impulse <= strength) return;
+  const Pose pose = other.asset_to_world();
+  events.push_back({Event::Kind::kAgain,
+                    other.object,
+                    other.members.front(),
+                    {pose.local(hit.point), glm::conjugate(pose.rotation) * hit.push, hit.impulse,
+                     0.5 * hit.impulse * hit.approach},
+                    hit.point,
+                    ball.ball});
+}
+
 bool World::expects_hit(ObjectId id) const {
   const Object& object = *state_->objects.at(id);
   if (object.whole == nullptr) return false;
@@ -199,6 +222,7 @@ void World::State::look_ahead() {
       if (!ball) ask_ahead(body->object, met->pose * inverse(body->local), hit);
       hit.push = -hit.push;
       if (other.kind == Body::Kind::kWhole) ask_ahead(other.object, other.asset_to_world(), hit);
+      if (ball && behind == 0) ask_again(*body, other, hit);
       const bool through = other.kind == Body::Kind::kWhole || other.kind == Body::Kind::kGroup;
       if (!ball || !through || behind == kBehind) break;
       but.push_back(other.rigid.get());

@@ -89,6 +89,46 @@ class FragmentReader {
       : document_(document), model_(model), surfaces_(surfaces) {}
 
   FragmentSet read() {
+    const json& root = read_nodes();
+    std::vector<FragmentChange::End> ends;
+    if (root.contains("bonds")) read_bonds(root["bonds"], set_.bonds, ends);
+    for (std::size_t k = 0; k < ends.size(); ++k) {
+      set_.bonds[k].a = index_of(ends[k].a);
+      set_.bonds[k].b = index_of(ends[k].b);
+    }
+    read_surface();
+    return std::move(set_);
+  }
+
+  FragmentChange read_change() {
+    const json& root = read_nodes();
+    FragmentChange change;
+    const json& delta = member(root, "delta", "extras.fracture");
+    const auto ids = [&](const char* key) {
+      const std::string where = std::string("extras.fracture.delta.") + key;
+      const json& list = member(delta, key, "extras.fracture.delta");
+      if (!list.is_array()) malformed(where + " is not an array.");
+      std::vector<std::uint64_t> result;
+      for (const json& id : list) result.push_back(whole(id, where));
+      return result;
+    };
+    change.added = ids("new");
+    change.changed = ids("changed");
+    change.gone = ids("gone");
+    for (const auto* list : {&change.added, &change.changed})
+      for (const std::uint64_t id : *list) index_of(id);
+    if (change.added.size() + change.changed.size() != set_.fragments.size())
+      malformed("The answer to a hit has " + std::to_string(set_.fragments.size()) + " fragments and names " +
+                std::to_string(change.added.size() + change.changed.size()) + ".");
+    read_bonds(member(root, "bonds", "extras.fracture"), change.bonds, change.ends);
+    change.fragments = std::move(set_.fragments);
+    return change;
+  }
+
+ private:
+  /// Fragments, and the extras of the root of all.
+  const json& read_nodes() {
+    static const json kNothing = json::object();
     const GltfScene graph = walk_gltf_scene(model_);
     const json* root = nullptr;
     for (const int index : graph.order) {
@@ -101,12 +141,9 @@ class FragmentReader {
     }
     if (set_.fragments.empty())
       refuse(ErrorCode::kNoFragments, "The file has no node with extras.fracture.id.");
-    if (root != nullptr) read_bonds(member(*root, "bonds", "extras.fracture"));
-    read_surface();
-    return std::move(set_);
+    return root != nullptr ? *root : kNothing;
   }
 
- private:
   void read_fragment(const json& node, const json& own, const GltfScene& graph, int index) {
     if (set_.fragments.size() >= kMaxFragments)
       refuse(ErrorCode::kTooLarge, "The file has more than " + std::to_string(kMaxFragments) + " fragments.");
@@ -179,32 +216,33 @@ class FragmentReader {
       fragment.system = static_cast<int>(whole(*system, "A collider's collisionFilter") & 0x7fffffff);
   }
 
-  void read_bonds(const json& bonds) {
+  std::uint32_t index_of(std::uint64_t id) const {
+    const auto it = index_.find(id);
+    if (it == index_.end())
+      malformed("A bond or a hit names the fragment " + std::to_string(id) + ", which is not there.");
+    return it->second;
+  }
+
+  static void read_bonds(const json& bonds, std::vector<Bond>& read, std::vector<FragmentChange::End>& ends) {
     const json &a = member(bonds, "a", "bonds"), &b = member(bonds, "b", "bonds"),
                &area = member(bonds, "area", "bonds"), &strength = member(bonds, "strength", "bonds"),
                &normal = member(bonds, "normal", "bonds"), &center = member(bonds, "centroid", "bonds");
     for (const json* column : {&a, &b, &area, &strength, &normal, &center})
       if (!column->is_array() || column->size() != a.size())
         malformed("The columns of the bonds are no arrays of one length.");
-    const auto fragment = [&](const json& value) {
-      const auto it = index_.find(whole(value, "An end of a bond"));
-      if (it == index_.end())
-        malformed("A bond names the fragment " + value.dump() + ", which is not there.");
-      return it->second;
-    };
-    set_.bonds.reserve(a.size());
+    read.reserve(a.size());
+    ends.reserve(a.size());
     for (std::size_t k = 0; k < a.size(); ++k) {
-      Bond bond{fragment(a[k]),
-                fragment(b[k]),
-                number(area[k], "bonds.area"),
-                number(strength[k], "bonds.strength"),
-                vector(normal[k], "bonds.normal"),
-                vector(center[k], "bonds.centroid")};
-      if (bond.a == bond.b) malformed("A bond connects a fragment with itself.");
+      ends.push_back({whole(a[k], "An end of a bond"), whole(b[k], "An end of a bond")});
+      Bond bond{.area = number(area[k], "bonds.area"),
+                .strength = number(strength[k], "bonds.strength"),
+                .normal = vector(normal[k], "bonds.normal"),
+                .center = vector(center[k], "bonds.centroid")};
+      if (ends.back().a == ends.back().b) malformed("A bond connects a fragment with itself.");
       if (bond.area < 0 || bond.strength < 0) malformed("A bond's area and strength have to be 0 or more.");
       const double length = glm::length(bond.normal);
       bond.normal = length > 1e-9 ? bond.normal / length : glm::dvec3(0);
-      set_.bonds.push_back(bond);
+      read.push_back(bond);
     }
   }
 
@@ -239,21 +277,31 @@ json document_extensions(std::span<const std::byte> glb) {
   });
 }
 
-}  // namespace
-
-Expected<FragmentSet> read_fragments(std::span<const std::byte> glb) {
+/// What `read` makes of a FragmentReader of the file.
+template <class Result, class Read>
+Expected<Result> read_with(std::span<const std::byte> glb, const Read& read) {
   try {
     GltfDocument document = read_gltf_document(glb, MeshFormat::kGlb, ImportLimits{}, {});
     if (!document.json.contains("nodes")) refuse(ErrorCode::kNoFragments, "The glTF has no nodes.", "/nodes");
     const tinygltf::Model model = load_gltf_model(document);
     const json surfaces = document_extensions(glb);
-    return FragmentReader(document.json, model, surfaces).read();
+    return read(FragmentReader(document.json, model, surfaces));
   } catch (const Refused& refused) {
     return tl::unexpected<Error>(refused.error);
   } catch (const json::exception& error) {
     return fail(ErrorCode::kMalformedMesh,
                 std::string("The glTF has a value of the wrong type: ") + error.what() + ".");
   }
+}
+
+}  // namespace
+
+Expected<FragmentSet> read_fragments(std::span<const std::byte> glb) {
+  return read_with<FragmentSet>(glb, [](FragmentReader reader) { return reader.read(); });
+}
+
+Expected<FragmentChange> read_change(std::span<const std::byte> glb) {
+  return read_with<FragmentChange>(glb, [](FragmentReader reader) { return reader.read_change(); });
 }
 
 }  // namespace fracture::world

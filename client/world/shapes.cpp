@@ -84,26 +84,53 @@ std::unique_ptr<btConvexHullShape> make_hull(std::span<const glm::dvec3> points)
   return shape;
 }
 
+namespace {
+
+PreparedFragments::Part part_of(const Fragment& fragment) {
+  const PrincipalAxes axes = principal_axes(fragment.mass.inertia);
+  PreparedFragments::Part part;
+  part.frame = {fragment.mass.center, axes.rotation};
+  part.moments = axes.moments;
+  for (const Hull& hull : fragment.hulls) {
+    Hull local;
+    local.reserve(hull.size());
+    for (const glm::dvec3& p : hull) local.push_back(part.frame.local(p));
+    part.hulls.push_back(make_hull(local));
+  }
+  return part;
+}
+
+}  // namespace
+
 std::shared_ptr<const PreparedFragments> prepare(FragmentSet set) {
   auto prepared = std::make_shared<PreparedFragments>();
   for (const Fragment& fragment : set.fragments) {
-    const PrincipalAxes axes = principal_axes(fragment.mass.inertia);
-    PreparedFragments::Part& part = prepared->parts.emplace_back();
-    part.frame = {fragment.mass.center, axes.rotation};
-    part.moments = axes.moments;
-    for (const Hull& hull : fragment.hulls) {
-      Hull local;
-      local.reserve(hull.size());
-      for (const glm::dvec3& p : hull) local.push_back(part.frame.local(p));
-      part.hulls.push_back(make_hull(local));
-    }
+    prepared->parts.push_back(part_of(fragment));
     prepared->volume += fragment.volume;
   }
   prepared->set = std::move(set);
   return prepared;
 }
 
+Expected<std::shared_ptr<const PreparedFragments>> prepare(
+    const std::shared_ptr<const PreparedFragments>& before, FragmentChange change) {
+  Expected<ChangedFragments> changed = apply_change(before->set, std::move(change));
+  if (!changed) return tl::unexpected(changed.error());
+  auto prepared = std::make_shared<PreparedFragments>();
+  prepared->before = before;
+  prepared->volume = before->volume;
+  prepared->parts = before->parts;
+  prepared->parts.resize(changed->set.fragments.size());
+  for (const std::uint32_t k : changed->made) prepared->parts[k] = part_of(changed->set.fragments[k]);
+  static_cast<ChangedFragments&>(*prepared) = std::move(*changed);
+  return prepared;
+}
+
 const FragmentSet& fragments_of(const PreparedFragments& prepared) { return prepared.set; }
+
+bool is_replaced(const PreparedFragments& prepared, std::uint32_t fragment) {
+  return std::binary_search(prepared.replaced.begin(), prepared.replaced.end(), fragment);
+}
 
 Hull reduced_hull(std::span<const glm::vec3> points, std::size_t most) {
   // The farthest points in evenly spread directions (a Fibonacci sphere): some of the hull's own corners.

@@ -146,6 +146,7 @@ struct World::State {
   };
   void look_ahead();
   void ask_ahead(ObjectId object, const Pose& asset_to_world, const Foreseen& hit);
+  void ask_again(const Body& ball, const Body& other, const Foreseen& hit);
   void ask_for_neighbours(const Body& body, double impulse, double approach);
   void ask_for_toppling(const Body& body, const Touch& support);
 

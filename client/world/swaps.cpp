@@ -1,6 +1,7 @@
 // Bodies replaced by others: at the answer of the server, and where bonds break.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "client/world/state.hpp"
 
@@ -28,6 +29,13 @@ void set_motions(std::span<Body* const> bodies, std::span<const Motion> wanted) 
 /// The same angular momentum about another point.
 glm::dvec3 about(const Momentum& momentum, const glm::dvec3& center) {
   return momentum.angular + glm::cross(momentum.center - center, momentum.linear);
+}
+
+std::size_t broken_bonds(const Object& object) {
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < object.bond_load.size(); ++k)
+    count += object.bond_load[k] < 0 && !object.fragments->set.bonds[k].gone;
+  return count;
 }
 
 std::uint32_t nearest(const FragmentSet& set, std::span<const std::uint32_t> members,
@@ -183,7 +191,7 @@ void World::State::burst(std::span<Body* const> pieces, const glm::dvec3& point,
 void World::State::split(Body& body) {
   Object& object = *objects[body.object];
   Swap swap{.object = body.object};
-  for (const float load : object.bond_load) swap.broken_bonds += load < 0;
+  swap.broken_bonds = broken_bonds(object);
   const Pose pose = body.asset_to_world();
   const Motion field = body.moves() ? body.motion() : Motion{};
   const std::vector<std::uint32_t> members = body.members, bonds = body.bonds;
@@ -244,6 +252,71 @@ void World::fracture(ObjectId id, std::shared_ptr<const PreparedFragments> fragm
   s.remove(whole);
   object.whole = nullptr;
   s.sweep_out();
+}
+
+bool World::change(ObjectId id, std::shared_ptr<const PreparedFragments> changed) {
+  State& s = *state_;
+  Object& object = *s.objects.at(id);
+  if (!changed || !object.fragments || changed->before.lock() != object.fragments) return false;
+  Body* body = nullptr;
+  for (const std::uint32_t k : changed->replaced) {
+    Body* const holder = object.body_of[k];
+    if (holder == nullptr || (body != nullptr && holder != body)) return false;
+    body = holder;
+  }
+  if (body == nullptr || body->fading >= 0) return false;
+  const std::shared_ptr<const PreparedFragments> was = std::exchange(object.fragments, std::move(changed));
+  const PreparedFragments& now = *object.fragments;
+  std::vector<bool> broken;
+  for (const float load : object.bond_load) broken.push_back(load < 0);
+
+  std::vector<std::uint32_t> members, bonds;
+  std::set_difference(body->members.begin(), body->members.end(), now.replaced.begin(), now.replaced.end(),
+                      std::back_inserter(members));
+  members.insert(members.end(), now.made.begin(), now.made.end());
+  std::sort(members.begin(), members.end());
+  for (const std::uint32_t bond : body->bonds)
+    if (!now.set.bonds[bond].gone) bonds.push_back(bond);
+  object.body_of.resize(now.set.fragments.size(), nullptr);
+  object.bond_load.resize(now.set.bonds.size(), 0);
+  object.cracked.resize(now.set.bonds.size(), false);
+  const auto is_member = [&](std::uint32_t k) {
+    return std::binary_search(members.begin(), members.end(), k);
+  };
+  for (std::size_t k = 0; k < now.set.bonds.size(); ++k) {
+    const Bond& bond = now.set.bonds[k];
+    if (k >= now.first_bond && is_member(bond.a) && is_member(bond.b) &&
+        !is_cracked(now, was->set, k, broken)) {
+      bonds.push_back(static_cast<std::uint32_t>(k));
+    } else if (k >= now.first_bond || bond.gone) {
+      object.bond_load[k] = -1;
+      object.cracked[k] = true;  // not now, and nobody heard it
+    }
+  }
+  const Pose pose = body->asset_to_world();
+  const Motion field = body->moves() ? body->motion() : Motion{};
+  for (const std::uint32_t k : now.replaced) object.body_of[k] = nullptr;
+  const std::vector<Body*> made = s.spawn(id, members, bonds, pose, field);
+  for (Body* part : made) {
+    part->born = body->born;
+    part->borne = body->borne;
+  }
+  Body* const old[] = {body};
+  s.replace(old, made, {.object = id, .broken_bonds = broken_bonds(object)});
+  s.remove(*body);
+  s.sweep_out();
+  return true;
+}
+
+std::size_t World::bonded_within(ObjectId id, std::uint32_t fragment, const glm::dvec3& point,
+                                 double radius) const {
+  const Object& object = *state_->objects.at(id);
+  const Body* body = fragment < object.body_of.size() ? object.body_of[fragment] : nullptr;
+  if (body == nullptr) return 0;
+  return static_cast<std::size_t>(
+      std::count_if(body->members.begin(), body->members.end(), [&](std::uint32_t k) {
+        return glm::distance(object.fragments->set.fragments[k].mass.center, point) <= radius;
+      }));
 }
 
 std::optional<ObjectId> World::fracture_fragment(ObjectId id, std::uint32_t fragment,

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "client/world/bond_loads.hpp"
 #include "client/world/bullet.hpp"
@@ -70,9 +69,11 @@ bool touch(const Fragment& a, const Fragment& b, double gap) {
 
 std::size_t bond_touching_parts(FragmentSet& set) {
   if (set.bonds.empty()) return 0;
-  std::vector<std::uint32_t> all_fragments(set.fragments.size()), all_bonds(set.bonds.size());
-  std::iota(all_fragments.begin(), all_fragments.end(), 0u);
-  std::iota(all_bonds.begin(), all_bonds.end(), 0u);
+  std::vector<std::uint32_t> all_fragments, all_bonds;
+  for (std::uint32_t k = 0; k < set.fragments.size(); ++k)
+    if (!set.fragments[k].gone) all_fragments.push_back(k);
+  for (std::uint32_t k = 0; k < set.bonds.size(); ++k)
+    if (!set.bonds[k].gone) all_bonds.push_back(k);
   const auto parts = components(all_fragments, all_bonds, set);
   if (parts.size() < 2) return 0;
   std::vector<std::uint32_t> part_of(set.fragments.size());

@@ -9,6 +9,7 @@
 //                   ──> loads on the bonds of groups ──> broken bonds ──> split
 //                   ──> single large fragments hit hard ──> Event::kBreakFragment
 //   fracture(object, fragments): the whole body is replaced where and as it moves *now*
+//   change(object, fragments): a part of a group is replaced by smaller fragments, before it is hit again
 //
 // When an impulse breaks bonds, Bullet has computed it against a body that was too heavy, because the group had
 // not come apart yet. So we give the bodies that touched their velocities from before the step, and the next
@@ -100,12 +101,14 @@ struct Event {
     kBreak,          ///< a whole object was hit beyond its strength
     kAhead,          ///< that will probably happen within WorldSettings::foresight: a ball comes, or it falls
     kBreakFragment,  ///< a large single fragment was hit beyond its share of the strength
+    kAgain,  ///< a ball will probably hit bonded fragments beyond their strength; said every few steps
   };
   Kind kind;
   ObjectId object;
   std::uint32_t fragment;  ///< index; for kBreakFragment
   Impact impact;
   glm::dvec3 where{0};  ///< of the impact, in the world
+  BallId ball = 0;      ///< kAgain
 };
 
 /// An impulse away from a point, on everything within a radius: blast.cpp says who gets how much of it.
@@ -210,7 +213,12 @@ struct Ledger {
 /// Fragments with their collision shapes: made on any thread, in the step of one World at a time.
 struct PreparedFragments;
 std::shared_ptr<const PreparedFragments> prepare(FragmentSet set);
+/// `before` with what a further hit changed of it (change.hpp). Errors of apply_change().
+Expected<std::shared_ptr<const PreparedFragments>> prepare(
+    const std::shared_ptr<const PreparedFragments>& before, FragmentChange change);
 const FragmentSet& fragments_of(const PreparedFragments& prepared);
+/// Of a change: is this fragment of the set before gone or changed?
+bool is_replaced(const PreparedFragments& prepared, std::uint32_t fragment);
 
 /// The convex hull of points with at most `most` of them, for ObjectSpec::hulls.
 Hull reduced_hull(std::span<const glm::vec3> points, std::size_t most = 64);
@@ -239,6 +247,16 @@ class World {
   /// Nothing where the fragment is gone.
   std::optional<ObjectId> fracture_fragment(ObjectId object, std::uint32_t fragment,
                                             std::shared_ptr<const PreparedFragments> pieces);
+
+  /// Replaces fragments by what a further hit made of them: of the present ones that prepare() was given as `before`, where
+  /// and as they move now. All of those that it replaces have to hang together, by whatever way: a change is all or
+  /// nothing, for its new fragments fill the place of the old ones together, and what has come loose is elsewhere. Else
+  /// false, and nothing happens.
+  bool change(ObjectId object, std::shared_ptr<const PreparedFragments> changed);
+  /// How many fragments that hang together with this one have their centres within `radius` metres of a point, in the
+  /// asset's frame; 0 for one that is gone.
+  std::size_t bonded_within(ObjectId object, std::uint32_t fragment, const glm::dvec3& point,
+                            double radius) const;
 
   /// While it is whole: it is so many times as heavy as it was taken for, and bears as much more. It moves as before.
   void scale_mass(ObjectId object, double factor);

@@ -70,6 +70,12 @@ inline world::ObjectSpec whole_of(const world::FragmentSet& set) {
   return spec;
 }
 
+inline world::WorldSettings without_gravity() {
+  world::WorldSettings settings;
+  settings.gravity = glm::dvec3(0);
+  return settings;
+}
+
 inline void run(world::World& world, double seconds) {
   const auto steps = static_cast<int>(std::lround(seconds / world.settings().step));
   for (int k = 0; k < steps; ++k) world.step();
@@ -173,6 +179,50 @@ inline GlbParts two_cubes_glb() {
        {{{"buffer", 0}, {"byteOffset", 0}, {"byteLength", 96}},
         {{"buffer", 0}, {"byteOffset", 96}, {"byteLength", 72}}}},
       {"buffers", {{{"byteLength", 168}}}}};
+  return parts;
+}
+
+/// What a hit on the second of the two cubes changes: it is two slabs now, ids 11 and 12, as the service writes it with
+/// delta=only.
+inline GlbParts halved_cube_glb() {
+  using nlohmann::json;
+  GlbParts parts = two_cubes_glb();
+  std::vector<float> corners;
+  for (int k = 0; k < 8; ++k)
+    for (const int bit : {1, 2, 4}) corners.push_back((k & bit ? 0.5f : -0.5f) * (bit == 1 ? 0.5f : 1.f));
+  const std::size_t offset = parts.binary.size();
+  parts.binary.append(reinterpret_cast<const char*>(corners.data()), 96);
+  json& document = parts.json;
+  document["buffers"][0]["byteLength"] = parts.binary.size();
+  document["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", offset}, {"byteLength", 96}});
+  document["accessors"].push_back({{"bufferView", 2},
+                                   {"componentType", 5126},
+                                   {"count", 8},
+                                   {"type", "VEC3"},
+                                   {"min", {-0.25, -0.5, -0.5}},
+                                   {"max", {0.25, 0.5, 0.5}}});
+  for (json& mesh : document["meshes"]) mesh["primitives"][0]["attributes"]["POSITION"] = 2;
+  for (const int k : {1, 2}) {
+    json& node = document["nodes"][k];
+    node["translation"] = {k == 1 ? 0.75 : 1.25, 0, 0};
+    json& own = node["extras"]["fracture"];
+    own["id"] = 10 + k;
+    own["volume"] = 0.5;
+    own["mass"] = 1000;
+    own["anchored"] = false;
+    json& motion = node["extensions"]["KHR_physics_rigid_bodies"]["motion"];
+    motion["mass"] = 1000.0;
+    motion["inertiaDiagonal"] = {1000.0 / 6, 1250.0 / 12, 1250.0 / 12};
+  }
+  json& root = document["nodes"][0]["extras"]["fracture"];
+  const double strength = root["bonds"]["strength"][0];
+  root["delta"] = {{"new", {11, 12}}, {"changed", json::array()}, {"gone", {9}}};
+  root["bonds"] = {{"a", {7, 11}},
+                   {"b", {11, 12}},
+                   {"area", {1.0, 1.0}},
+                   {"centroid", {{0.5, 0, 0}, {1.0, 0, 0}}},
+                   {"normal", {{1.0, 0.0, 0.0}, {1.0, 0.0, 0.0}}},
+                   {"strength", {strength, strength}}};
   return parts;
 }
 

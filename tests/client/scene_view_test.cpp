@@ -120,6 +120,55 @@ TEST_F(SceneViewTest, ThePastIsDrawnAsItWas) {
   EXPECT_EQ(pixels(nullptr), seen[3]);
 }
 
+TEST_F(SceneViewTest, OfAFurtherHitOnlyWhatItChangedIsUploaded) {
+  const auto sound = [](test::GlbParts parts) {
+    for (auto& strength : parts.json["nodes"][0]["extras"]["fracture"]["bonds"]["strength"]) strength = 1e12;
+    return parts.bytes();
+  };
+  const std::string whole = sound(test::two_cubes_glb()), change = sound(test::halved_cube_glb());
+  FakeServer server([&](const FakeRequest& request) {
+    if (request.method == "PUT") return FakeReply::answer(201, "{}");
+    const bool again = request.body.find("\"of\"") != std::string::npos;
+    const std::string& bytes = again ? change : whole;
+    return FakeReply::answer(200, bytes,
+                             test::digest_field(bytes) + "Content-Location: /fractures/sha256:aa\r\n");
+  });
+  protocol::Client client(test::settings_for(server));
+  scenes::Scene scene = falling_box();
+  scene.objects[0].held = true;
+  game::GameSettings settings;
+  settings.fixed_latency = 6;
+  game::Game game(std::move(scene), client, settings);
+  draw(game);
+  std::size_t uploads = 0;
+  const auto play = [&](const auto& done) {
+    for (int k = 0; k < 200 && !done(); ++k) {
+      test::require_eventually(test::kPatience, "the answer of the step", [&] { return game.ready(); });
+      game.step();
+      uploads += draw(game).uploads;
+    }
+  };
+  game.throw_ball({0, 1.6, 4}, {0, 0.5, -20});
+  play([&] { return !game.world().is_whole(0); });
+  EXPECT_EQ(uploads, 1u);
+  play([&] { return game.world().steps() > 60; });
+  const auto pixels = [&](const game::Moment* past) {
+    draw(game, past);
+    return target_->read().pixels;
+  };
+  const game::Moment before = game::moment_of(game);
+  const auto seen_before = pixels(nullptr);
+  game.throw_ball({1, 1.6, 6}, {0, 0.5, -20});
+  play([&] { return game.figures().hits > 0; });
+  EXPECT_EQ(game.figures().hits, 1u);
+  EXPECT_EQ(uploads, 2u);
+  // Of the past what was seen then, with fragments that are no more.
+  const auto seen_now = pixels(nullptr);
+  EXPECT_NE(seen_now, seen_before);
+  EXPECT_EQ(pixels(&before), seen_before);
+  EXPECT_EQ(pixels(nullptr), seen_now);
+}
+
 /// Buffers, textures and vertex arrays that there are. Names are not given twice: the next is above them all.
 std::size_t gl_objects() {
   GLuint buffer = 0, texture = 0, array = 0;

@@ -13,14 +13,9 @@ using test::cubes;
 using test::groups_of;
 using test::run;
 using test::whole_of;
+using test::without_gravity;
 
 constexpr double kMomentum = 1e-4;  ///< what the swap has to conserve, relative
-
-WorldSettings without_gravity() {
-  WorldSettings settings;
-  settings.gravity = glm::dvec3(0);
-  return settings;
-}
 
 void expect_conserved(const Swap& swap) {
   EXPECT_FALSE(swap.held);
