@@ -117,7 +117,8 @@ json ledger_of(const world::World& world) {
   json rest = nullptr;
   if (ledger.asleep_since)
     rest = world.settings().step *
-           std::max(0.0, static_cast<double>(*ledger.asleep_since) - static_cast<double>(ledger.last_swap));
+           std::max(0.0, static_cast<double>(*ledger.asleep_since) -
+                             static_cast<double>(std::max(ledger.last_swap, ledger.last_woken)));
   return {{"brought_j", ledger.brought},
           {"energy_j", ledger.energy},
           {"worst_gain", ledger.brought > 0 ? ledger.worst_gain / ledger.brought : 0},

@@ -193,6 +193,8 @@ struct World::State {
 
   Ledger ledger;
   double least_level = 0;  ///< J: of Ledger::level(), so far
+  std::optional<std::uint64_t>
+      awake_since;  ///< step after which not all slept, until it is known what met them
   std::vector<Touch> touches;
   std::vector<Hit> hits;
   Witnessed witnessed;

@@ -206,7 +206,9 @@ struct Ledger {
   double worst_gain = 0;  ///< J: largest rise of energy − brought above its least value before
   double deepest =
       0;  ///< m: how far below height zero the centre of a fragment has been at the end of a step
-  std::uint64_t last_swap = 0;                ///< step
+  std::uint64_t last_swap = 0;  ///< step
+  std::uint64_t last_woken =
+      0;  ///< step at which a ball or a whole thing woke fragments that all slept; 0: none has
   std::optional<std::uint64_t> asleep_since;  ///< step from which all fragments sleep
 };
 

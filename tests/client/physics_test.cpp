@@ -60,6 +60,30 @@ TEST(Physics, WhatFallsFastStopsAtTheGround) {
     }
 }
 
+TEST(Physics, ABallThatWakesWhatSleepsIsInTheLedger) {
+  World world;
+  const FragmentSet set = shard(0.2);
+  const ObjectId object = world.add_object(whole_of(set));
+  world.fracture(object, prepare(set));
+  const auto step_until = [&](const auto& done) {
+    for (int k = 0; k < 1200 && !done(); ++k) world.step();
+    return done();
+  };
+  ASSERT_TRUE(step_until([&] { return world.ledger().asleep_since.has_value(); }));
+  const std::uint64_t slept = *world.ledger().asleep_since;
+  EXPECT_EQ(world.ledger().last_woken, 0u);
+  // One that rolls beside it wakes nothing.
+  world.throw_ball({0.8, 0.1, 2}, {0, 0, -3}, 0.1, 7800);
+  for (int k = 0; k < 240; ++k) world.step();
+  EXPECT_EQ(world.ledger().last_woken, 0u);
+  EXPECT_EQ(world.ledger().asleep_since, slept);
+  world.throw_ball({0, 0.1, 2}, {0, 0, -3}, 0.1, 7800);
+  ASSERT_TRUE(step_until([&] { return world.ledger().last_woken > 0; }));
+  EXPECT_GT(world.ledger().last_woken, slept);
+  EXPECT_FALSE(world.ledger().asleep_since);
+  EXPECT_TRUE(step_until([&] { return world.ledger().asleep_since.has_value(); }));
+}
+
 TEST(Physics, AHeapGainsNoEnergy) {
   for (int turn = 0; turn < 6; ++turn) {
     World world;
