@@ -1,15 +1,11 @@
 #include "client/app/window.hpp"
 
-#include <epoxy/gl.h>
-// GLFW after epoxy, which brings OpenGL's names.
-#include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -17,6 +13,8 @@
 #include <future>
 #include <utility>
 
+#include "client/app/fly_camera.hpp"
+#include "client/app/glfw_window.hpp"
 #include "client/app/headless.hpp"
 #include "client/app/hud.hpp"
 #include "client/app/panel.hpp"
@@ -37,56 +35,6 @@ double seconds_between(Clock::time_point a, Clock::time_point b) {
   return std::chrono::duration<double>(b - a).count();
 }
 
-/// Window, context and Dear ImGui, which end together.
-class Window {
- public:
-  static Expected<std::unique_ptr<Window>> open(const Options& options) {
-    if (glfwInit() == GLFW_FALSE) return fail(ErrorCode::kNoGraphics, last_error());
-    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
-    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
-    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
-    GLFWwindow* window = glfwCreateWindow(options.width, options.height, "fracture", nullptr, nullptr);
-    if (window == nullptr) {
-      std::string why = last_error();
-      glfwTerminate();
-      return fail(ErrorCode::kNoGraphics, std::move(why));
-    }
-    glfwMakeContextCurrent(window);
-    glfwSwapInterval(1);
-    return std::unique_ptr<Window>(new Window(window));
-  }
-  ~Window() {
-    if (overlay_) {
-      ImGui_ImplOpenGL3_Shutdown();
-      ImGui_ImplGlfw_Shutdown();
-    }
-    ImGui::DestroyContext();
-    glfwDestroyWindow(window_);
-    glfwTerminate();
-  }
-  /// After the callbacks of the game are set: Dear ImGui puts its own in front and calls them.
-  void start_overlay() {
-    ImGui_ImplGlfw_InitForOpenGL(window_, true);
-    ImGui_ImplOpenGL3_Init("#version 330");
-    overlay_ = true;
-  }
-  GLFWwindow* get() const { return window_; }
-
- private:
-  explicit Window(GLFWwindow* window) : window_(window) {
-    ImGui::CreateContext();
-    ImGui::GetIO().IniFilename = nullptr;
-    ImGui::StyleColorsDark();
-  }
-  static std::string last_error() {
-    const char* text = nullptr;
-    glfwGetError(&text);
-    return text != nullptr ? text : "no reason given";
-  }
-  GLFWwindow* window_;
-  bool overlay_ = false;
-};
-
 /// A scene and the camera in it, and everything that happens in a frame.
 class Session {
  public:
@@ -95,6 +43,7 @@ class Session {
           view::SceneView view)
       : options_(options),
         window_(window),
+        camera_(window),
         client_(options.server),
         view_(std::move(view)),
         recording_(std::move(recording)) {
@@ -108,9 +57,10 @@ class Session {
     });
     glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int) {
       Session& session = *static_cast<Session*>(glfwGetWindowUserPointer(w));
-      if (button == GLFW_MOUSE_BUTTON_RIGHT && action == GLFW_RELEASE) session.look(session.look_always_);
+      if (button == GLFW_MOUSE_BUTTON_RIGHT && action == GLFW_RELEASE)
+        session.camera_.look(session.look_always_);
       if (action != GLFW_PRESS || ImGui::GetIO().WantCaptureMouse) return;
-      if (button == GLFW_MOUSE_BUTTON_RIGHT) session.look(true);
+      if (button == GLFW_MOUSE_BUTTON_RIGHT) session.camera_.look(true);
       if (button == GLFW_MOUSE_BUTTON_LEFT) session.use_tool();
     });
     state_.gravity_always = options.gravity;
@@ -185,7 +135,7 @@ class Session {
       return;
     }
     for (const std::string& warning : scene->warnings) note(warning);
-    if (!game_ || game_->scene().name != scene->name || scene->name == "files") aim(*scene);
+    if (!game_ || game_->scene().name != scene->name || scene->name == "files") camera_.aim(*scene);
     // Another scene or a reset begins another game, and another recording.
     Options begun = options_;
     begun.parameters = recording_ ? options_.parameters : state_.overrides();
@@ -292,66 +242,9 @@ class Session {
     note_until_ = Clock::now() + kShown;
   }
 
-  // -- camera
-
-  /// The mouse turns the view and has no pointer.
-  void look(bool on) {
-    if (captured_ == on) return;
-    captured_ = on;
-    had_cursor_ = false;
-    glfwSetInputMode(window_, GLFW_CURSOR, on ? GLFW_CURSOR_DISABLED : GLFW_CURSOR_NORMAL);
-  }
-  /// In pixels of the window: the pointer, or the middle where there is none.
-  glm::vec2 aim_point() const {
-    int width = 1, height = 1;
-    glfwGetWindowSize(window_, &width, &height);
-    if (captured_) return {0.5f * static_cast<float>(width), 0.5f * static_cast<float>(height)};
-    return {static_cast<float>(std::clamp(cursor_x_, 0.0, static_cast<double>(width))),
-            static_cast<float>(std::clamp(cursor_y_, 0.0, static_cast<double>(height)))};
-  }
-  glm::dvec3 aim_direction() const {
-    int width = 1, height = 1;
-    glfwGetWindowSize(window_, &width, &height);
-    const glm::vec2 at = aim_point() / glm::vec2(std::max(width, 1), std::max(height, 1));
-    const render::Camera camera = view::look_at(
-        eye_, eye_ + forward(), static_cast<float>(width) / static_cast<float>(std::max(height, 1)));
-    const glm::vec4 far =
-        glm::inverse(camera.view_projection()) * glm::vec4(2 * at.x - 1, 1 - 2 * at.y, 0.9f, 1);
-    return glm::normalize(glm::dvec3(glm::vec3(far) / far.w - eye_));
-  }
-
-  void aim(const scenes::Scene& scene) {
-    eye_ = scene.eye;
-    const glm::vec3 d = glm::normalize(scene.target - scene.eye);
-    yaw_ = std::atan2(d.x, -d.z);
-    pitch_ = std::asin(std::clamp(d.y, -1.f, 1.f));
-  }
-  glm::vec3 forward() const {
-    return {std::sin(yaw_) * std::cos(pitch_), std::sin(pitch_), -std::cos(yaw_) * std::cos(pitch_)};
-  }
-  bool down(int key) const { return !ImGui::GetIO().WantTextInput && glfwGetKey(window_, key) == GLFW_PRESS; }
-  void move(float seconds) {
-    const glm::vec3 ahead = forward(), right = glm::normalize(glm::cross(ahead, glm::vec3(0, 1, 0)));
-    const float speed = (down(GLFW_KEY_LEFT_SHIFT) || down(GLFW_KEY_RIGHT_SHIFT) ? 12.f : 4.f) * seconds;
-    const auto axis = [&](int plus, int minus) {
-      return static_cast<float>(down(plus)) - static_cast<float>(down(minus));
-    };
-    eye_ += speed * (axis(GLFW_KEY_W, GLFW_KEY_S) * ahead + axis(GLFW_KEY_D, GLFW_KEY_A) * right +
-                     axis(GLFW_KEY_E, GLFW_KEY_Q) * glm::vec3(0, 1, 0));
-    eye_.y = std::max(eye_.y, 0.1f);
-    double x = 0, y = 0;
-    glfwGetCursorPos(window_, &x, &y);
-    if (captured_ && had_cursor_) {
-      constexpr float kRadiansPerPixel = 0.0025f;
-      yaw_ += kRadiansPerPixel * static_cast<float>(x - cursor_x_);
-      pitch_ = std::clamp(pitch_ - kRadiansPerPixel * static_cast<float>(y - cursor_y_), -1.5f, 1.5f);
-    }
-    had_cursor_ = captured_;
-    cursor_x_ = x;
-    cursor_y_ = y;
-  }
-
   // -- events
+
+  bool down(int key) const { return !ImGui::GetIO().WantTextInput && glfwGetKey(window_, key) == GLFW_PRESS; }
 
   void press(int key) {
     const auto& materials = scenes::material_names();
@@ -361,8 +254,8 @@ class Session {
       case GLFW_KEY_ESCAPE:
         if (state_.menu)
           state_.menu = false;
-        else if (captured_)
-          look(look_always_ = false);
+        else if (camera_.looks())
+          camera_.look(look_always_ = false);
         else
           glfwSetWindowShouldClose(window_, GLFW_TRUE);
         break;
@@ -376,7 +269,7 @@ class Session {
         break;
       case GLFW_KEY_M:
         state_.menu = !state_.menu;
-        if (state_.menu) look(look_always_ = false);
+        if (state_.menu) camera_.look(look_always_ = false);
         break;
       case GLFW_KEY_U: {
         if (options_.files.empty()) break;
@@ -420,7 +313,7 @@ class Session {
         break;
       }
       case GLFW_KEY_TAB:
-        look(look_always_ = !captured_);
+        camera_.look(look_always_ = !camera_.looks());
         break;
       default:
         break;
@@ -429,7 +322,7 @@ class Session {
 
   void use_tool() {
     if (!game_ || rewind_.playing() || rewind_.held()) return;
-    const glm::dvec3 direction = aim_direction(), eye(eye_);
+    const glm::dvec3 direction = camera_.aim_direction(), eye(camera_.eye());
     const scenes::Scene& scene = game_->scene();
     if (state_.tool == Tool::kExplosion) {
       constexpr double kFarthest = 200, kBefore = 0.1;  // metres: of the aim; in front of what is met
@@ -469,7 +362,7 @@ class Session {
   // -- a frame
 
   void frame(double seconds) {
-    move(static_cast<float>(seconds));
+    camera_.move(static_cast<float>(seconds));
     state_.gravity_held = down(GLFW_KEY_X);
     if (Clock::now() > note_until_) state_.note.clear();
     int width = 0, height = 0;
@@ -483,15 +376,15 @@ class Session {
       }
       target_ = std::make_unique<render::FrameTarget>(std::move(*made));
     }
-    const render::Camera camera =
-        view::look_at(eye_, eye_ + forward(), static_cast<float>(width) / static_cast<float>(height));
+    const render::Camera camera = view::look_at(camera_.eye(), camera_.eye() + camera_.forward(),
+                                                static_cast<float>(width) / static_cast<float>(height));
     const Clock::time_point begin = Clock::now();
     state_.view.past = nullptr;
     if ((game_ || rewind_.playing()) && go_back(seconds)) {
       state_.view.past = game_ ? rewind_.shown() : nullptr;
       draw_game(game_ ? *game_ : *rewind_.playing(), camera, width, height);
     } else if (game_) {
-      game_->set_eye(eye_);
+      game_->set_eye(camera_.eye());
       constexpr double kSlow = 0.2;
       const double step = game_->settings().world.step;
       if (std::exchange(single_step_, false))
@@ -527,7 +420,7 @@ class Session {
     state_.view.debris = state_.effects ? &debris_ : nullptr;
     if (player_) {
       player_->set_volume(state_.volume);
-      player_->hear(soundscape_.voices(witnessed, materials_of(*game_)), eye_, forward());
+      player_->hear(soundscape_.voices(witnessed, materials_of(*game_)), camera_.eye(), camera_.forward());
       state_.silent = player_->state() == sound::Player::State::kNoDevice;
     }
   }
@@ -562,7 +455,7 @@ class Session {
           }))
         state_.menu = false;
     }
-    draw_hint(state_, aim_point());
+    draw_hint(state_, camera_.aim_point());
     ImGui::Render();
     glViewport(0, 0, width, height);
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
@@ -575,6 +468,7 @@ class Session {
 
   Options options_;
   GLFWwindow* window_;
+  FlyCamera camera_;
   protocol::Client client_;
   view::SceneView view_;
   std::unique_ptr<game::Game> game_;
@@ -591,10 +485,7 @@ class Session {
   Clock::time_point note_until_{};
   std::future<Loaded> loading_;
   std::vector<std::future<void>> background_;
-  glm::vec3 eye_{0, 2, 8};
-  float yaw_ = 0, pitch_ = 0;
-  bool captured_ = false, look_always_ = false, had_cursor_ = false, single_step_ = false;
-  double cursor_x_ = 0, cursor_y_ = 0;
+  bool look_always_ = false, single_step_ = false;
   int pictures_ = 0, saved_ = 0, frames_ = 0;
 };
 
@@ -613,7 +504,7 @@ int run_window(const Options& asked) {
   }
   std::error_code ignored;  // what cannot be written there says so then
   std::filesystem::create_directories(options.out, ignored);
-  const auto window = Window::open(options);
+  const auto window = GlfwWindow::open(options.width, options.height);
   if (!window) {
     std::fprintf(stderr, "fracture-client: no window: %s. --headless needs none.\n",
                  window.error().detail.c_str());

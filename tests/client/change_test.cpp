@@ -17,6 +17,7 @@ using test::cube_mass;
 using test::cubes;
 using test::groups_of;
 using test::run;
+using test::struck_from_aside;
 using test::whole_of;
 using test::without_gravity;
 
@@ -148,11 +149,7 @@ TEST(Change, OfAnotherSetIsATypedErrorThatSaysWhat) {
 TEST(Change, AMovingGroupMovesOnAsOneBodyWithTheSameMomentum) {
   World world(without_gravity());
   const FragmentSet set = cubes(3, 2);
-  ObjectSpec spec = whole_of(set);
-  spec.pose = {{0, 10, 0}, glm::angleAxis(0.7, glm::normalize(glm::dvec3(1, 2, 3)))};
-  const ObjectId object = world.add_object(spec);
-  world.throw_ball({-2, 10.4, 0.3}, {15, 1, 0.5}, 0.2, 5000);
-  run(world, 0.5);
+  const ObjectId object = struck_from_aside(world, set);
   const auto first = prepare(set);
   world.fracture(object, first);
   world.take_swaps();

@@ -81,6 +81,16 @@ inline void run(world::World& world, double seconds) {
   for (int k = 0; k < steps; ++k) world.step();
 }
 
+/// The whole of a set, askew at a height of 10 m, half a second after a ball from aside made it move and turn.
+inline world::ObjectId struck_from_aside(world::World& world, const world::FragmentSet& set) {
+  world::ObjectSpec spec = whole_of(set);
+  spec.pose = {{0, 10, 0}, glm::angleAxis(0.7, glm::normalize(glm::dvec3(1, 2, 3)))};
+  const world::ObjectId object = world.add_object(spec);
+  world.throw_ball({-2, 10.4, 0.3}, {15, 1, 0.5}, 0.2, 5000);
+  run(world, 0.5);
+  return object;
+}
+
 inline std::size_t groups_of(const world::World& world, world::ObjectId object) {
   std::vector<world::FragmentState> states;
   world.fragment_states(object, states);

@@ -12,6 +12,7 @@ namespace {
 using test::cubes;
 using test::groups_of;
 using test::run;
+using test::struck_from_aside;
 using test::whole_of;
 using test::without_gravity;
 
@@ -42,12 +43,7 @@ TEST(World, AWholeObjectFallsAndRestsOnTheGround) {
 TEST(World, ABondedSwapMovesOnAsOneBodyWithTheSameMomentum) {
   World world(without_gravity());
   const FragmentSet set = cubes(3, 2);
-  ObjectSpec spec = whole_of(set);
-  spec.pose = {{0, 10, 0}, glm::angleAxis(0.7, glm::normalize(glm::dvec3(1, 2, 3)))};
-  const ObjectId object = world.add_object(spec);
-  // A ball from aside makes it move and turn.
-  world.throw_ball({-2, 10.4, 0.3}, {15, 1, 0.5}, 0.2, 5000);
-  run(world, 0.5);
+  const ObjectId object = struck_from_aside(world, set);
   ASSERT_GT(glm::length(world.total_momentum().angular), 1);
   const Pose before = world.object_pose(object);
   world.fracture(object, prepare(set));
