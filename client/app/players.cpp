@@ -5,6 +5,7 @@
 
 #include "client/app/recorded_options.hpp"
 #include "common/base/json_text.hpp"
+#include "common/base/printable.hpp"
 
 namespace fracture::app {
 namespace {
@@ -53,6 +54,8 @@ Expected<Players> meet(Options& options) {
   } else if (options.join.port != 0) {
     players.seat = game::Lockstep::Seat::kGuest;
     players.link = game::PeerLink::join(options.join.host, options.join.port);
+    std::fprintf(stderr, "fracture-client: looking for another player at %s:%d\n",
+                 printable(options.join.host).c_str(), static_cast<int>(options.join.port));
     const Expected<std::string> line = first_line(*players.link);
     if (!line) return tl::unexpected(line.error());
     Expected<json> header = game::read_lockstep_header(*line);
