@@ -3,7 +3,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -13,6 +12,7 @@
 #include "common/mesh/material_library.hpp"
 #include "tests/import/make_files.hpp"
 #include "tests/support/mesh_files.hpp"
+#include "tests/support/peak_memory.hpp"
 
 namespace fracture::test {
 namespace {
@@ -40,12 +40,9 @@ TEST(ReferencedFiles, OfGltfAreOnlyThoseOfTheListsThemselves) {
 
 TEST(ReferencedFiles, OfAGltfThatIsAllBracketsTakeNoMemory) {
   const std::string brackets(20'000'000, '[');
-  rusage before{}, after{};
-  ASSERT_EQ(::getrusage(RUSAGE_SELF, &before), 0);
+  const PeakMemory peak;
   EXPECT_THAT(referenced_files(bytes_of(brackets), MeshFormat::kGltf), IsEmpty());
-  ASSERT_EQ(::getrusage(RUSAGE_SELF, &after), 0);
-  EXPECT_LT(after.ru_maxrss - before.ru_maxrss, 100'000)
-      << "KiB; a parsed document takes more than a million";
+  EXPECT_TRUE(peak.grew_by_less_than(100'000'000)) << "a parsed document takes more than a billion";
 }
 
 TEST(ReferencedFiles, OfObjAreItsLibrariesAndOfThoseTheirTextures) {

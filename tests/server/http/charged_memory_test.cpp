@@ -9,10 +9,10 @@
 #include "common/mesh/material_library.hpp"
 #include "tests/server/support/gate.hpp"
 #include "tests/server/support/gzip.hpp"
-#include "tests/server/support/peak_memory.hpp"
 #include "tests/server/support/temporary_folder.hpp"
 #include "tests/server/support/test_server.hpp"
 #include "tests/support/eventually.hpp"
+#include "tests/support/peak_memory.hpp"
 
 namespace fracture::test {
 namespace {
@@ -45,9 +45,7 @@ TEST(ChargedMemory, ParametersThatRepeatThemselvesAreRefusedByNameAndCostNoMemor
   EXPECT_EQ(reply.problem(), "bad-parameter") << reply.body.substr(0, 500);
   EXPECT_EQ(reply.json().value("parameter", ""), "a");
   EXPECT_LT(reply.body.size(), 2'000u);
-#ifndef FRACTURE_SANITIZED
-  EXPECT_LT(peak.more_bytes(), 48 << 20);
-#endif
+  EXPECT_TRUE(peak.grew_by_less_than(48 << 20));
 }
 
 TEST(ChargedMemory, ARepeatedParameterOfACollisionIsRefused) {
@@ -67,9 +65,7 @@ TEST(ChargedMemory, ParametersThatHoldTooMuchAreRefused) {
       server.post("/fracture", gzip(form_of("{\"points\": [{}" + many(",{}", 1'000'000) + "]}")),
                   kForm + "Content-Encoding: gzip\r\n");
   EXPECT_EQ(reply.problem(), "bad-json") << reply.body.substr(0, 500);
-#ifndef FRACTURE_SANITIZED
-  EXPECT_LT(peak.more_bytes(), 48 << 20);
-#endif
+  EXPECT_TRUE(peak.grew_by_less_than(48 << 20));
 }
 
 // -- what is stored

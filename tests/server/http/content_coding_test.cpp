@@ -2,7 +2,6 @@
 #include "server/http/content_coding.hpp"
 
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <zlib.h>
 #include <zstd.h>
 
@@ -14,6 +13,7 @@
 #include "tests/server/support/gzip.hpp"
 #include "tests/server/support/test_server.hpp"
 #include "tests/support/eventually.hpp"
+#include "tests/support/peak_memory.hpp"
 
 namespace fracture::test {
 namespace {
@@ -33,12 +33,6 @@ std::string zstd(const std::string& text, int window_log = 0) {
 
 std::string fields(const std::string& coding) {
   return "Content-Type: model/obj\r\nContent-Encoding: " + coding + "\r\n";
-}
-
-long peak_mib() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return usage.ru_maxrss / 1024;
 }
 
 /// Text like that of figures, but for the numbers: it shrinks to less than half.
@@ -180,15 +174,13 @@ TEST(ContentCoding, ABombIs413AndCostsNoMemory) {
     bomb_g += g;
     bomb_z += z;
   }
-  [[maybe_unused]] const long before = peak_mib();
+  const PeakMemory peak;
   for (const auto& [coding, body] : {std::pair("gzip", bomb_g), std::pair("zstd", bomb_z)}) {
     const Reply reply = server.post("/fracture", body, fields(coding));
     EXPECT_EQ(reply.problem(), "body-too-large") << coding;
     EXPECT_NE(reply.body.find("268435456"), std::string::npos) << "the limit is named";
   }
-#ifndef FRACTURE_SANITIZED
-  EXPECT_LT(peak_mib() - before, 32);
-#endif
+  EXPECT_TRUE(peak.grew_by_less_than(32 << 20));
   EXPECT_EQ(server.control->imports, 0);
   EXPECT_TRUE(all_given_back(server));
 }

@@ -13,6 +13,7 @@
 #include "tests/server/support/requests.hpp"
 #include "tests/server/support/test_server.hpp"
 #include "tests/support/eventually.hpp"
+#include "tests/support/peak_memory.hpp"
 
 namespace fracture::test {
 namespace {
@@ -23,13 +24,6 @@ std::size_t count(const std::string& text, const std::string& what) {
   std::size_t n = 0;
   for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++n;
   return n;
-}
-
-/// Peak resident memory of this process in MiB.
-long peak_mib() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return usage.ru_maxrss / 1024;
 }
 
 #define EXPECT_ALIVE(server) EXPECT_EQ((server).get("/version").status, 200)
@@ -48,7 +42,7 @@ TEST(Hostile, AGiantTrailerFieldIsAnsweredAndTheProcessLives) {
 
 TEST(Hostile, AnEndlessChunkExtensionIsCutOffWithoutGrowingMemory) {
   TestServer server;
-  const long before = peak_mib();
+  const PeakMemory peak;
   RawClient client(server.port());
   client.send(kPostObj + "Transfer-Encoding: chunked\r\n\r\n4;x=");
   const std::string block(1 << 20, 'x');
@@ -58,7 +52,7 @@ TEST(Hostile, AnEndlessChunkExtensionIsCutOffWithoutGrowingMemory) {
   if (reply) {
     EXPECT_EQ(reply->status, 431);
   }
-  EXPECT_LT(peak_mib() - before, 32);
+  EXPECT_TRUE(peak.grew_by_less_than(32 << 20));
   EXPECT_ALIVE(server);
 }
 

@@ -1,6 +1,8 @@
 // How much more memory than before this process has had resident at its peak.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <cstdint>
 #include <fstream>
 #include <string>
@@ -13,7 +15,17 @@ class PeakMemory {
     std::ofstream("/proc/self/clear_refs") << 5;  // the peak begins anew (proc(5))
     before_ = status("VmRSS:");
   }
-  std::int64_t more_bytes() const { return status("VmHWM:") - before_; }
+
+  /// A sanitizer keeps what is freed, and shadows of all: under it everything passes.
+  testing::AssertionResult grew_by_less_than(std::int64_t bytes) const {
+#ifdef FRACTURE_SANITIZED
+    return testing::AssertionSuccess() << bytes << " bytes are not measured under a sanitizer";
+#else
+    const std::int64_t more = status("VmHWM:") - before_;
+    if (more < bytes) return testing::AssertionSuccess();
+    return testing::AssertionFailure() << more << " more bytes were resident at the peak";
+#endif
+  }
 
  private:
   static std::int64_t status(const std::string& name) {
@@ -22,7 +34,7 @@ class PeakMemory {
       if (std::int64_t kib = 0; word == name && file >> kib) return kib * 1024;
     return 0;
   }
-  std::int64_t before_ = 0;
+  [[maybe_unused]] std::int64_t before_ = 0;
 };
 
 }  // namespace fracture::test
