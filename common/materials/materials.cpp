@@ -90,12 +90,13 @@ std::vector<MaterialPreset> make_presets() {
                      1,
                      {0.012, 6, 1},
                      {2400, 0.5, 0.2, 35e6},
-                     {"#e9dfd0", 0.25, 1, 0.6, 0},
+                     {"#e9dfd0", 0.25, 1, 0.85, 0},
                      "Porcelain: 2400 kg/m3, bending strength 35 to 70 MPa (IEC 60672-3, C 110 to C 120)",
                      std::nullopt,
                      0.04});
 
-  // What tears has clean edges, which follow the long cells back and forth.
+  // What tears has clean edges, which follow the long cells back and forth. Bare steel reflects 0.55 to 0.6 of visible
+  // light (CRC Handbook, iron).
   presets.push_back(
       {"metal",
        "Torn into large plates and strips, with saw-toothed edges; nothing bends. With `shell`, sheet metal.",
@@ -104,7 +105,7 @@ std::vector<MaterialPreset> make_presets() {
        2.5,
        {},
        {7850, 0.57, 0.2, 360e6},
-       {"#b4b7bb", 0.3, 1.2, 0.3, 1},
+       {"#c5c6c7", 0.1, 1, 0.4, 1},
        "EN 1991-1-1 (steel 78.5 kN/m3); S235: tensile strength 360 MPa (EN 10025-2); kinetic friction "
        "steel on steel 0.57 (CRC Handbook)",
        std::nullopt,
@@ -136,7 +137,7 @@ std::vector<MaterialPreset> make_presets() {
        1,
        {0.04, 3, 1},
        {917, 0.05, 0.1, 1.4e6},
-       {"#d8ecf5", 0.3, 1.1, 0.15, 0, 0.7, 0.25},
+       {"#d8ecf5", 0.3, 1.1, 0.4, 0, 0.7, 0.25},
        "917 kg/m3 at 0 C (CRC Handbook); tensile strength 1.4 MPa at -10 C (Petrovic 2003); friction 0.02 "
        "to 0.1"});
 

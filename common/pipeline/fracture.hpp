@@ -45,7 +45,8 @@ namespace fracture {
 /// 13  2026-11-24  plates however they stand; unions of patterns with sites outside of the box, and max_volume,
 ///                 beside hits; clear cuts; hulls of fragments of many cells
 /// 14  2026-11-24  metal in large torn plates; crushed ice is white; walls as fine as the outside
-inline constexpr int kAlgorithmVersion = 14;
+/// 15  2026-11-26  cuts of metal are as bright as bare steel, those of ceramic matt, those of ice frosted
+inline constexpr int kAlgorithmVersion = 15;
 
 enum class Dual {
   kCircumcenter,  ///< the Voronoi diagram: fragments partition the solid exactly

@@ -25,6 +25,9 @@ BLIND_MATERIALS = {"glass": ["glass"], "wood": ["wood"], "brick": ["brick"], "st
 BLIND_NOT = {"banner", "building", "plate"}
 # Bricks are what walls are made of; of all else the preset makes rubble, which is stone, and says so.
 BLIND_ONLY = {"brick": {"wall", "stairs"}}
+BLIND_COLUMNS = 5  # of a sheet: more, and who looks at it sees small pictures
+DETAILS = {"stone", "concrete", "wood", "brick"}  # materials whose cuts have a grain to be seen close by
+REPEATS = 2  # of it, along the longest side
 CLOSE = {"view": "exploded", "explode": 0.5, "margin": 0.35}
 
 
@@ -97,6 +100,9 @@ class AssetSheets:
             parameters = {"material": material, "fragments": FRAGMENTS + MORE_FOR_EACH_PART * (parts[label] - 1), "seed": 7}
             if "impacts" in {p["name"] for p in self.gallery.patterns[self.gallery.materials[material]["pattern"]]}:
                 parameters["impacts"] = [hits[label][0]]
+            if material in DETAILS:
+                size = max(h - l for l, h in zip(*boxes[label]))
+                parameters.update({"interior_detail": material, "interior_uv_scale": round(REPEATS / size, 6)})
             output = made[material, label] = self.folder / f"{label}_{material}.glb"
             jobs.append((files[label], output, parameters))
         self.bake(jobs)
@@ -124,11 +130,16 @@ class AssetSheets:
 
     def draw_blind(self, seed):
         """Ten cells without colours or names, of seven materials, for somebody who has to say which is which; the answers
-        are in blind.key. Cuts are as rough, as metallic and as clear as their material says."""
+        are in blind.key. Cuts are as rough, as metallic, as clear and as
+        grained as their material says."""
         draw = random.Random(seed)
         materials = list(BLIND_MATERIALS) + draw.sample(sorted(BLIND_MATERIALS), 3)
         draw.shuffle(materials)
         labels = [label for label in self.files() if label not in BLIND_NOT]
+        if len(labels) < len(materials):
+            self.gallery.failures.append(f"blind: {len(labels)} of the {len(materials)} assets that it needs are here; the folders of "
+                                         "FRACTURE_TEST_MESHES have the others.")
+            return
         draw.shuffle(labels)
         pairs = []
         for m in sorted(materials, key=lambda m: m not in BLIND_ONLY):
@@ -139,10 +150,12 @@ class AssetSheets:
         made, hits = self.broken(pairs)
         cells = [self.cell(made[pair], hits[pair[1]]) for pair in pairs if pair in made]
         letters = "ABCDEFGHIJ"[:len(cells)]
-        self.gallery.sheet("blind", "glass, wood, brick, stone or concrete, ice, ceramic, metal?",
-                           [(letter, {}) for letter in letters],
-                           [("exploded", {"view": "exploded", "explode": 0.5}, cells), ("hit", {"view": "impact"}, cells),
-                            ("close by", CLOSE, [self.close(cell) for cell in cells])],
-                           {"look": "grey"})
+        for first in range(0, len(cells), BLIND_COLUMNS):
+            some = cells[first:first + BLIND_COLUMNS]
+            self.gallery.sheet(f"blind_{first // BLIND_COLUMNS + 1}", "glass, wood, brick, stone or concrete, ice, ceramic, metal?",
+                               [(letter, {}) for letter in letters[first:first + BLIND_COLUMNS]],
+                               [("exploded", {"view": "exploded", "explode": 0.5}, some), ("hit", {"view": "impact"}, some),
+                                ("close by", CLOSE, [self.close(cell) for cell in some])],
+                               {"look": "grey"})
         key = "".join(f"{letter} {pair[0]} {pair[1]}\n" for letter, pair in zip(letters, [p for p in pairs if p in made]))
         (self.gallery.folder / "blind.key").write_text(key, encoding="utf-8")
