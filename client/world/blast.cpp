@@ -11,7 +11,7 @@
 namespace fracture::world {
 namespace {
 
-/// m/s: no faster than the gas that pushes. What is small and near would fly off like a bullet.
+/// m/s: no faster than the gas that pushes, however many blasts do. What is small and near would fly off like a bullet.
 constexpr double kGasSpeed = 20;
 
 /// Of the solid ball with the same mass and the same sum of moments, 3 · 2/5 m r².
@@ -40,11 +40,13 @@ void World::State::push(Body& body, const Blast& blast) {
   if (!body.moves() || body.gone) return;
   const glm::dvec3 impulse = impulse_on(blast, body.motion().mass);
   if (impulse == glm::dvec3(0)) return;
+  const glm::dvec3 velocity = from_bullet(body.rigid->getLinearVelocity()), away = glm::normalize(impulse);
+  const double along = glm::dot(velocity, away),
+               gained = std::min(glm::length(impulse) / body.mass.mass, std::max(0.0, kGasSpeed - along));
   const double before = kinetic_energy(body);
-  set_motion(body, from_bullet(body.rigid->getLinearVelocity()) + impulse / body.mass.mass,
-             from_bullet(body.rigid->getAngularVelocity()));
+  set_motion(body, velocity + gained * away, from_bullet(body.rigid->getAngularVelocity()));
   body.rigid->activate(true);
-  body.lively = std::max(body.lively, glm::length(impulse) / body.mass.mass);
+  body.lively = std::max(body.lively, gained);
   body.still = body.quiet = body.asleep = 0;
   ledger.brought += kinetic_energy(body) - before;
 }

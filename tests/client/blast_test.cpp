@@ -56,6 +56,18 @@ TEST(Blast, WhatIsNearIsNoFasterThanTheGas) {
   EXPECT_NEAR(glm::length(momentum.linear) / momentum.mass, 20, 1e-9);
 }
 
+TEST(Blast, ManyTogetherMakeNothingFasterThanTheGas) {
+  World world(weightless());
+  world.throw_ball({0.5, 10, 0}, {}, 0.05, 500);
+  world.throw_ball({0, 10, 3}, {0, 0, 30}, 0.05, 500);  // faster before, and no slower after
+  for (int k = 0; k < 50; ++k) world.explode({{0, 10, 0}, 1e4, 5});
+  world.step();
+  const std::vector<BallState> balls = world.balls();
+  world.step();
+  EXPECT_NEAR(world.balls()[0].pose.position.x - balls[0].pose.position.x, 20 * world.settings().step, 1e-4);
+  EXPECT_NEAR(world.balls()[1].pose.position.z - balls[1].pose.position.z, 30 * world.settings().step, 1e-4);
+}
+
 TEST(Blast, TheLedgerCountsWhatItBrings) {
   World world(weightless());
   world.throw_ball({1, 10, 0}, {-3, 0, 0}, 0.2, 7800);  // towards it: it may also take
