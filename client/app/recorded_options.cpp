@@ -1,6 +1,10 @@
 #include "client/app/recorded_options.hpp"
 
+#include <cstdio>
+
 #include "client/app/output_places.hpp"
+#include "common/base/json_text.hpp"
+#include "common/base/printable.hpp"
 
 namespace fracture::app {
 
@@ -23,8 +27,7 @@ Expected<Options> with_header(Options options, const json& header) {
     header.at("seed").get_to(options.seed);
     header.at("anticipate").get_to(options.anticipate);
   } catch (const json::exception& error) {
-    return fail(ErrorCode::kBadJson,
-                "The recorded game does not say how it began: " + std::string(error.what()));
+    return fail(ErrorCode::kBadJson, "The game does not say how it began: " + json_trouble(error) + ".");
   }
   return options;
 }
@@ -35,6 +38,9 @@ Expected<std::shared_ptr<const game::Recording>> recording_for(Options& options,
   Expected<Options> begun = with_header(options, recording->header);
   if (!begun) return tl::unexpected(begun.error());
   options = std::move(*begun);
+  if (recording->cut_off)
+    std::fprintf(stderr, "fracture-client: %s ends within a line: the %zu steps before it are played\n",
+                 printable(path).c_str(), recording->hashes.size());
   if (const std::optional<std::string> lost = same_place(options))  // with the meshes that it names
     return fail(ErrorCode::kFileAccess, *lost);
   return std::make_shared<const game::Recording>(std::move(*recording));

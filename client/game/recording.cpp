@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <optional>
 
 #include "common/base/json_text.hpp"
@@ -87,6 +88,9 @@ RecordedEvent event_of(const json& line) {
 }
 
 Expected<Recording> read_recording(const std::string& path) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored))
+    return fail(ErrorCode::kFileAccess, path + " is a folder, not a recorded game.");
   std::ifstream in(path);
   if (!in) return fail(ErrorCode::kFileAccess, "Cannot read " + path + ".");
   Recording recording;
@@ -102,8 +106,10 @@ Expected<Recording> read_recording(const std::string& path) {
       check_version(line);
       recording.header = std::move(line);
     } catch (const std::exception& error) {
+      recording.cut_off = in.eof() && number > 1;
+      if (recording.cut_off) break;
       return fail(ErrorCode::kBadJson, path + ", line " + std::to_string(number) +
-                                           " is no line of a recorded game: " + error.what());
+                                           " is no line of a recorded game: " + json_trouble(error));
     }
   }
   if (number == 0) return fail(ErrorCode::kBadJson, path + " is empty.");

@@ -45,6 +45,7 @@ struct Recording {
   nlohmann::json header;
   std::vector<RecordedEvent> events;  ///< in the order in which they happened
   std::vector<std::uint64_t> hashes;  ///< of World::fingerprint(), for each step
+  bool cut_off = false;               ///< the file ends within a line, which is left out: a full disk, say
 };
 
 /// The line of an event, and back: what is not an event throws nlohmann::json::exception.

@@ -70,9 +70,23 @@ TEST_F(Recordings, WhatIsNoRecordingIsRefusedWithItsLine) {
   EXPECT_NE(detail(header + "\n{\"step\": 0, \"throw\": [[1, 2], [0, 0, 0]]}\n").find("line 2"),
             std::string::npos);
   EXPECT_NE(detail(header + "\n{\"step\": 1, \"hash\": \"00\"}\n").find("not the next"), std::string::npos);
-  EXPECT_NE(detail(header + "\n{\"step\": 0, \"hash\": \"00\"}\n{\"step\": 1, \"ha").find("line 3"),
+  EXPECT_NE(detail(header + "\n{\"step\": 0, \"ha\n{\"step\": 0, \"hash\": \"00\"}\n").find("line 2"),
             std::string::npos);
+  EXPECT_NE(detail(header.substr(0, 9)).find("line 1"), std::string::npos);
+  EXPECT_NE(read_recording(folder_.path).error().detail.find("is a folder"), std::string::npos);
   EXPECT_NE(read_recording(folder_ / "nowhere").error().detail.find("nowhere"), std::string::npos);
+}
+
+TEST_F(Recordings, OfAFullDiskArePlayedUpToTheLastWholeLine) {
+  const std::string whole = R"({"format": "fracture-game-1"})"
+                            "\n{\"step\": 0, \"hash\": \"1f\"}\n";
+  for (const std::string& rest :
+       {std::string(), std::string("{\"step\":1,"), std::string("{\"step\": 1, \"ha")}) {
+    const Expected<Recording> recording = read_recording(folder_.write("cut.jsonl", whole + rest));
+    ASSERT_TRUE(recording) << recording.error().detail;
+    EXPECT_EQ(recording->hashes, (std::vector<std::uint64_t>{0x1f}));
+    EXPECT_EQ(recording->cut_off, !rest.empty());
+  }
 }
 
 }  // namespace
