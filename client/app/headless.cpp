@@ -18,6 +18,7 @@
 #include "client/film/film.hpp"
 #include "client/render/frame_target.hpp"
 #include "client/view/scene_view.hpp"
+#include "common/base/printable.hpp"
 
 namespace fracture::app {
 namespace {
@@ -292,6 +293,7 @@ class HeadlessRun {
     }
     Expected<void> first = play();
     if (first && lockstep_) first = wait_until([this] { return lockstep_->level(); });
+    if (!first && lockstep_) lockstep_->leave(first.error().detail);
     const bool played = first.has_value();
     // Each of them is whole, whatever became of the others; a film without its end is none.
     const auto keep = [&first](Expected<void> more) {
@@ -380,12 +382,16 @@ class HeadlessRun {
     }
     return spent;
   }
-  /// Servers and other players end every wait by themselves, with an answer or without.
+  /// Other players, and servers that are there, end every wait by themselves, with an answer or without.
   Expected<void> wait_until(const std::function<bool()>& done) {
     while (!done()) {
       if (lockstep_ && lockstep_->trouble()) return fail(ErrorCode::kUnavailable, *lockstep_->trouble());
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
       tell_of_absence();
+      if (absent_since_ && Clock::now() - *absent_since_ > options_.longest_absence)
+        return fail(ErrorCode::kUnavailable, "No server has answered at " + server() + " for " +
+                                                 std::to_string(options_.longest_absence.count() / 1000) +
+                                                 " s.");
     }
     return {};
   }
@@ -419,11 +425,16 @@ class HeadlessRun {
   }
   /// Once: a game that waits for a server that is not there looks like one that hangs.
   void tell_of_absence() {
-    if (absence_told_ || !options_.requests || client_.status().state != protocol::ServerState::kAbsent)
+    if (!options_.requests || client_.status().state != protocol::ServerState::kAbsent) {
+      absent_since_.reset();
       return;
-    absence_told_ = true;
-    std::fprintf(stderr, "fracture-client: no server answers at %s:%d\n", options_.server.host.c_str(),
-                 static_cast<int>(options_.server.port));
+    }
+    if (!absent_since_) absent_since_ = Clock::now();
+    if (std::exchange(absence_told_, true)) return;
+    std::fprintf(stderr, "fracture-client: no server answers at %s\n", server().c_str());
+  }
+  std::string server() const {
+    return printable(options_.server.host) + ":" + std::to_string(options_.server.port);
   }
   /// What there was to see and hear.
   void sense() {
@@ -483,7 +494,20 @@ class HeadlessRun {
   std::vector<double> submit_times_;
   double fastest_ = 0;
   bool absence_told_ = false;
+  std::optional<Clock::time_point> absent_since_;
 };
+
+/// What is asked for after the end never happens.
+void warn_of_what_is_late(const Options& options) {
+  const auto warn = [&](const char* what, double time) {
+    std::fprintf(stderr, "fracture-client: the %s at %g s comes after the end at %g s\n", what, time,
+                 options.seconds);
+  };
+  for (const double time : options.screenshots)
+    if (time > options.seconds) warn("picture", time);
+  for (const scenes::TimedBlast& blast : options.blasts)
+    if (blast.time >= options.seconds) warn("explosion", blast.time);
+}
 
 }  // namespace
 
@@ -505,6 +529,12 @@ Expected<json> run_headless(const Options& asked) {
   }
   Expected<Players> players = meet(options);
   if (!players) return tl::unexpected(players.error());
+  if (!replay) warn_of_what_is_late(options);
+  if (options.fixed_step) {  // what a slow server gives up would depend on how slow it is
+    options.server.realtime = false;
+    options.server.answer_timeout = std::chrono::seconds(60);
+    options.server.patience = std::chrono::seconds(120);
+  }
   Expected<scenes::Scene> scene = scene_of(options);
   if (!scene) return tl::unexpected(scene.error());
   if (const auto agreed = agree(*players, options, *scene); !agreed) return tl::unexpected(agreed.error());

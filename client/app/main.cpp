@@ -19,7 +19,15 @@ int main(int argc, char** argv) {
       return 1;
     }
     if (options->json) std::printf("%s\n", fracture::json_text(*summary, 1).c_str());
-    const auto& diverged = summary->at("game").at("diverged");
+    const auto& game = summary->at("game");
+    if (const auto failures = game.at("failures").get<std::uint64_t>(); failures > 0) {
+      std::fprintf(stderr, "fracture-client: %llu of %llu requests failed; the last: %s\n",
+                   static_cast<unsigned long long>(failures),
+                   static_cast<unsigned long long>(game.at("requests").get<std::uint64_t>()),
+                   fracture::printable_lines(game.at("trouble").get<std::string>()).c_str());
+      if (game.at("answers") == 0) return 1;  // nothing of it is what was asked for
+    }
+    const auto& diverged = game.at("diverged");
     if (diverged.is_null()) return 0;
     std::fprintf(stderr, "fracture-client: step %s is not what was recorded\n", diverged.dump().c_str());
     return 1;

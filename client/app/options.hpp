@@ -1,6 +1,7 @@
 // What the command line says.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -41,6 +42,7 @@ struct Options {
   bool headless = false;
   std::string replay;  ///< such a file, to be played again; empty: none
   bool fixed_step = false;
+  std::chrono::milliseconds longest_absence{60'000};  ///< of a server for which a reproducible run waits
   unsigned answer_steps = 6;  ///< fixed_step: from a request to its answer's effect (50 ms)
   double seconds = 5;
   std::vector<double> screenshots;  ///< seconds

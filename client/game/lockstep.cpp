@@ -50,17 +50,19 @@ Expected<json> read_lockstep_header(const std::string& line) {
   return header;
 }
 
-Lockstep::Lockstep(Game& game, PeerLink& link, Seat seat, json header, json theirs)
+Lockstep::Lockstep(Game& game, PeerLink& link, Seat seat, json header, json theirs,
+                   std::chrono::milliseconds patience)
     : game_(game),
       link_(link),
       seat_(seat),
       header_(std::move(header)),
-      delay_(header_.at("delay").get<unsigned>()) {
+      delay_(header_.at("delay").get<unsigned>()),
+      patience_(patience) {
   link_.send(json_text(header_));
   if (!theirs.is_null()) take_header(theirs);
 }
 
-void Lockstep::refuse(const std::string& why) {
+void Lockstep::leave(const std::string& why) {
   if (!trouble_) link_.send(json_text(json{{"refused", why}}));
   end(why);
 }
@@ -68,8 +70,8 @@ void Lockstep::refuse(const std::string& why) {
 void Lockstep::take_header(const json& theirs) {
   for (const auto& [name, value] : header_.items())
     if (!theirs.contains(name) || theirs[name] != value)
-      return refuse("The players' games differ in " + name + ": " + printable(json_text(value)) + " here, " +
-                    (theirs.contains(name) ? printable(json_text(theirs[name])) : "none") + " there.");
+      return leave("The players' games differ in " + name + ": " + printable(json_text(value)) + " here, " +
+                   (theirs.contains(name) ? printable(json_text(theirs[name])) : "none") + " there.");
   met_ = true;
 }
 
@@ -99,7 +101,7 @@ void Lockstep::take(const std::string& line) {
     const Expected<json> header = read_lockstep_header(line);
     if (header) return take_header(*header);
     return header.error().code == ErrorCode::kUnavailable ? end(header.error().detail)
-                                                          : refuse(header.error().detail);
+                                                          : leave(header.error().detail);
   }
   try {
     const json read = json::parse(line);
@@ -122,8 +124,8 @@ void Lockstep::take(const std::string& line) {
     theirs_.push_back(std::move(event));
   } catch (const std::exception& error) {
     constexpr std::size_t kShown = 200;
-    refuse("The other player's line cannot be used (" + printable(error.what()) +
-           "): " + printable(line.substr(0, kShown)));
+    leave("The other player's line cannot be used (" + printable(json_trouble(error)) +
+          "): " + printable(line.substr(0, kShown)));
   }
 }
 
@@ -132,8 +134,8 @@ void Lockstep::compare() {
     const auto mine = my_hashes_.begin(), theirs = their_hashes_.begin();
     if (mine->second != theirs->second) {
       diverged_ = mine->first;
-      return refuse("Step " + std::to_string(*diverged_) + " is not the same on both machines." +
-                    (game_.figures().last_trouble.empty() ? "" : " " + game_.figures().last_trouble));
+      return leave("Step " + std::to_string(*diverged_) + " is not the same on both machines." +
+                   (game_.figures().last_trouble.empty() ? "" : " " + game_.figures().last_trouble));
     }
     my_hashes_.erase(mine);
     their_hashes_.erase(theirs);
@@ -149,9 +151,25 @@ void Lockstep::poll() {
 bool Lockstep::ready() {
   poll();
   if (trouble_) return false;
-  if (may_play()) return game_.ready();
-  if (const auto why = link_.ended()) end(*why);
+  if (may_play()) {
+    waits_since_.reset();
+    return game_.ready();
+  }
+  wait_on();
   return false;
+}
+
+/// Nothing can be played before the other one goes on.
+void Lockstep::wait_on() {
+  if (const auto why = link_.ended()) return end(*why);
+  const Clock::time_point now = Clock::now();
+  if (!waits_since_ || waits_for_ != heard_) {
+    waits_since_ = now;
+    waits_for_ = heard_;
+  }
+  if (met_ && now - *waits_since_ > patience_)
+    leave("The other player is there, but has not played a step for " +
+          std::to_string(std::chrono::duration_cast<std::chrono::seconds>(patience_).count()) + " s.");
 }
 
 void Lockstep::step() {
@@ -171,7 +189,7 @@ bool Lockstep::level() {
   poll();
   if (trouble_) return false;
   if (met_ && heard_ >= game_.world().steps()) return true;
-  if (const auto why = link_.ended()) end(*why);
+  wait_on();
   return false;
 }
 

@@ -13,6 +13,7 @@
 // (GameSettings::fixed_latency), seen from the scene's eye, whoever looks at it from where.
 #pragma once
 
+#include <chrono>
 #include <deque>
 #include <map>
 #include <optional>
@@ -35,7 +36,9 @@ class Lockstep {
   enum class Seat { kHost, kGuest };
   /// `game` has been made as the header says, and outlives this, as does the link. `theirs`: the other's header, where it
   /// has been read already; else null.
-  Lockstep(Game& game, PeerLink& link, Seat seat, nlohmann::json header, nlohmann::json theirs = nullptr);
+  /// `patience`: for one who is there, but does not go on; more than a client waits for its server.
+  Lockstep(Game& game, PeerLink& link, Seat seat, nlohmann::json header, nlohmann::json theirs = nullptr,
+           std::chrono::milliseconds patience = std::chrono::seconds(90));
 
   void throw_ball(const glm::dvec3& from, const glm::dvec3& velocity, const scenes::Ball& ball = {});
   void explode(const world::Blast& blast);
@@ -46,12 +49,15 @@ class Lockstep {
   void step();
   /// The other one has played every step that this one has, to the same bits. Polls.
   bool level();
+  /// Ends the game, and tells the other player why.
+  void leave(const std::string& why);
   /// Why the game is over; for people.
   const std::optional<std::string>& trouble() const { return trouble_; }
   /// The first step that was not the same on both.
   const std::optional<std::uint64_t>& diverged() const { return diverged_; }
 
  private:
+  using Clock = std::chrono::steady_clock;
   void add(RecordedEvent event);
   void poll();
   void take(const std::string& line);
@@ -60,7 +66,7 @@ class Lockstep {
   void end(const std::string& why) {
     if (!trouble_) trouble_ = why;
   }
-  void refuse(const std::string& why);
+  void wait_on();
   bool may_play() const { return met_ && game_.world().steps() < heard_ + delay_; }
 
   Game& game_;
@@ -68,8 +74,11 @@ class Lockstep {
   const Seat seat_;
   const nlohmann::json header_;
   const unsigned delay_;
-  bool met_ = false;                                                 ///< the other's header was this one's
-  std::uint64_t heard_ = 0;                                          ///< so many steps the other has played
+  const std::chrono::milliseconds patience_;
+  bool met_ = false;                              ///< the other's header was this one's
+  std::uint64_t heard_ = 0;                       ///< so many steps the other has played
+  std::optional<Clock::time_point> waits_since_;  ///< for the other to go on, from this step
+  std::uint64_t waits_for_ = 0;
   std::deque<RecordedEvent> mine_, theirs_;                          ///< in the order of their steps
   std::map<std::uint64_t, std::uint64_t> my_hashes_, their_hashes_;  ///< not compared yet
   std::optional<std::string> trouble_;

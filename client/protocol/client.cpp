@@ -349,6 +349,7 @@ Ticket Client::fracture(const std::string& mesh, const nlohmann::json& parameter
     return answer.ticket;
   }
   job->request = fracture_request(mesh, std::move(text));
+  if (!state_->settings.realtime) job->request.fields.emplace_back("Priority", "u=3");  // RFC 9218
   return state_->submit(std::move(job));
 }
 

@@ -28,6 +28,8 @@ struct Settings {
   Milliseconds idle{10'000};     ///< a connection unused for longer is replaced (the server's limit is 15 s)
   Milliseconds heartbeat{1000};  ///< GET /version when nothing was asked for so long; 0: never
   std::size_t max_answer_bytes = std::size_t{256} << 20;
+  /// The server's realtime class, which goes before others and is given up after two seconds. Without it: its batch class.
+  bool realtime = true;
   int damaged_answers = 3;  ///< so many damaged answers to one request, and it has failed
 };
 

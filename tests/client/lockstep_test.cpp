@@ -18,10 +18,10 @@ class Lockstepped : public Recordings {
   /// A player with a server's client, a game and a seat.
   struct Player {
     Player(const FakeServer& server, scenes::Scene scene, PeerLink& link, Lockstep::Seat seat,
-           const nlohmann::json& header)
+           const nlohmann::json& header, std::chrono::milliseconds patience = test::kPatience)
         : client(test::settings_for(server)),
           game(std::move(scene), client, settings()),
-          play(game, link, seat, header) {}
+          play(game, link, seat, header, nullptr, patience) {}
     GameSettings settings() const {
       GameSettings s;
       s.fixed_latency = kAnswerSteps;
@@ -219,6 +219,31 @@ TEST_F(Lockstepped, WhoLeavesIsMissed) {
   }
   guest_link.reset();
   EXPECT_EQ(words_of(host), "The other player has left.");
+}
+
+TEST_F(Lockstepped, WhoIsThereButDoesNotGoOnIsLeftAndToldSo) {
+  const auto host_link = invite(), guest_link = PeerLink::join("127.0.0.1", host_link->port());
+  Player host(server_, scene(), *host_link, Lockstep::Seat::kHost, header(), std::chrono::milliseconds(50)),
+      guest(server_, scene(), *guest_link, Lockstep::Seat::kGuest, header());
+  test::require_eventually(test::kPatience, "both to have met", [&] {
+    guest.play.ready();
+    return step(host);
+  });
+  EXPECT_NE(words_of(host).find("has not played a step"), std::string::npos);
+  EXPECT_EQ(host.steps(), kLockstepDelay);  // as far as it may without the other
+  EXPECT_EQ(words_of(guest), "The other player refused: " + *host.play.trouble());
+}
+
+TEST_F(Lockstepped, WhoGivesUpSaysWhy) {
+  const auto host_link = invite(), guest_link = PeerLink::join("127.0.0.1", host_link->port());
+  Player host(server_, scene(), *host_link, Lockstep::Seat::kHost, header()),
+      guest(server_, scene(), *guest_link, Lockstep::Seat::kGuest, header());
+  test::require_eventually(test::kPatience, "some steps", [&] {
+    step(guest);
+    return step(host) && host.steps() > 5;
+  });
+  host.play.leave("No server has answered.");
+  EXPECT_EQ(words_of(guest), "The other player refused: No server has answered.");
 }
 
 TEST_F(Lockstepped, WhoIsSilentIsGone) {

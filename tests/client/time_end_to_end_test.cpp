@@ -121,6 +121,28 @@ struct PlayerProcess {
   test::ChildProcess client;
 };
 
+TEST(TimeEndToEnd, AServerThatIsNotThereEndsAReproducibleRunInWords) {
+  Options options;
+  options.server.port = static_cast<std::uint16_t>(test::free_port());
+  options.headless = options.fixed_step = true;
+  options.longest_absence = std::chrono::milliseconds(100);
+  const Expected<json> summary = run_headless(options);
+  ASSERT_FALSE(summary);
+  EXPECT_EQ(summary.error().code, ErrorCode::kUnavailable);
+  EXPECT_NE(summary.error().detail.find("No server has answered at 127.0.0.1:"), std::string::npos)
+      << summary.error().detail;
+}
+
+TEST(TimeEndToEnd, ARunWhoseRequestsAreAllRefusedIsNoSuccess) {
+  test::ServeProcess server;
+  test::TemporaryFolder folder;
+  PlayerProcess player(server, folder, "player",
+                       {"--fixed-step", "--scene", "panes", "--seconds", "1", "--set", "interior=off"});
+  EXPECT_EQ(player.client.wait(), 1);
+  EXPECT_NE(player.said().find("requests failed; the last: refused: 'interior' must be"), std::string::npos)
+      << player.said();
+}
+
 TEST(TimeEndToEnd, TwoProcessesPlayOneGame) {
   test::ServeProcess server, other_server;
   test::TemporaryFolder folder;
@@ -129,7 +151,7 @@ TEST(TimeEndToEnd, TwoProcessesPlayOneGame) {
       server, folder, "host",
       {"--invite", port, "--scene", "panes", "--seed", "5", "--seconds", "1.5", "--explode", "0.5,1,0.5,1"});
   PlayerProcess guest(other_server, folder, "guest",
-                      {"--join", "127.0.0.1:" + port, "--seconds", "1.5", "--explode", "0.9,-1,0.5,1"});
+                      {"--join", "127.0.0.1:" + port, "--explode", "0.9,-1,0.5,1"});
   EXPECT_EQ(host.client.wait(), 0) << host.said();
   EXPECT_EQ(guest.client.wait(), 0) << guest.said();
   const json a = host.summary(), b = guest.summary();
@@ -147,7 +169,7 @@ TEST(TimeEndToEnd, APlayerWhoIsKilledIsMissed) {
   PlayerProcess host(server, folder, "host",
                      {"--invite", port, "--scene", "panes", "--seconds", "3600", "--no-throws"});
   PlayerProcess guest(server, folder, "guest",
-                      {"--join", "127.0.0.1:" + port, "--seconds", "3600", "--log", folder / "guest.jsonl"});
+                      {"--join", "127.0.0.1:" + port, "--log", folder / "guest.jsonl"});
   test::require_eventually(test::kPatience, "some steps", [&] {
     return test::read_file(folder / "guest.jsonl").find("\"step\":30,") != std::string::npos;
   });
