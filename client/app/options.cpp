@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -23,23 +24,28 @@ bool add_parameter(const std::string& text, nlohmann::json& parameters) {
   return true;
 }
 
-/// "T,x,y,z[,IMPULSE[,RADIUS]]"; nothing where it is not that.
-std::optional<scenes::TimedBlast> blast_of(const std::string& text) {
+/// "T,x,y,z[,IMPULSE[,RADIUS]]", or what is wrong with it.
+tl::expected<scenes::TimedBlast, std::string> blast_of(const std::string& text) {
+  const auto wrong = [&](const char* why) { return tl::unexpected("'" + text + "' " + why); };
+  constexpr const char* kForm = "is not T,x,y,z[,IMPULSE[,RADIUS]] in numbers";
   std::vector<double> numbers;
   const char* at = text.c_str();
   for (char* end = nullptr;; at = end + 1) {
     const double number = std::strtod(at, &end);
-    if (end == at || !std::isfinite(number) || (*end != '\0' && *end != ',')) return std::nullopt;
+    if (end == at || !std::isfinite(number) || (*end != '\0' && *end != ',')) return wrong(kForm);
     numbers.push_back(number);
     if (*end == '\0') break;
   }
   constexpr std::size_t kLeast = 4, kMost = 6;
-  if (numbers.size() < kLeast || numbers.size() > kMost || numbers[0] < 0) return std::nullopt;
+  if (numbers.size() < kLeast || numbers.size() > kMost) return wrong(kForm);
+  if (numbers[0] < 0) return wrong("explodes before the start: T is less than 0");
   scenes::TimedBlast blast{
       numbers[0], {{numbers[1], numbers[2], numbers[3]}, scenes::kBlastImpulse, scenes::kBlastRadius}};
   if (numbers.size() > kLeast) blast.blast.impulse = numbers[kLeast];
   if (numbers.size() == kMost) blast.blast.radius = numbers[kMost - 1];
-  return blast.blast.impulse > 0 && blast.blast.radius > 0 ? std::optional(blast) : std::nullopt;
+  if (!(blast.blast.impulse > 0)) return wrong("has an impulse that is not more than 0");
+  if (!(blast.blast.radius > 0)) return wrong("has a radius that is not more than 0");
+  return blast;
 }
 
 /// "[HOST:]PORT"; nothing where it is not that.
@@ -58,6 +64,20 @@ std::optional<Address> address_of(const std::string& text) {
   if (number == 0 || number > 65535) return std::nullopt;
   address.port = static_cast<std::uint16_t>(number);
   return address;
+}
+
+/// As CLI::Range, which takes what is no number for one between the two.
+std::string not_a_number(const std::string& text) {
+  return std::isnan(std::strtod(text.c_str(), nullptr)) ? "'" + text + "' is no number" : "";
+}
+
+/// A number without a sign that fits: what does not is wrapped or cut by the library that reads it.
+std::string no_seed(const std::string& text) {
+  std::uint64_t seed = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
+  return error == std::errc() && end == text.data() + text.size()
+             ? ""
+             : "'" + text + "' is not a whole number from 0 to 18446744073709551615";
 }
 
 /// An empty variable of a script is no wish to go without.
@@ -93,16 +113,18 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
   app.add_option("--host", o.server.host, "Server: name or address");
   app.add_option("--port", o.server.port, "Server: port")->check(CLI::Range(1, 65535));
   app.add_option("--token", o.server.token, "Bearer token, where the server asks for one");
-  CLI::Option* seed = app.add_option("--seed", o.seed, "Seed of the fractures");
+  CLI::Option* seed = app.add_option("--seed", o.seed, "Seed of the fractures")->check(no_seed);
   app.add_option("--width", o.width, "Pixels")->check(CLI::Range(64, 4096));
   app.add_option("--height", o.height, "Pixels")->check(CLI::Range(64, 4096));
   bool no_anticipation = false, no_throws = false, no_requests = false, no_sound = false, no_effects = false;
-  app.add_flag("--no-anticipation", no_anticipation, "Ask at the contact, not when a ball is on its way");
+  CLI::Option* without_anticipation =
+      app.add_flag("--no-anticipation", no_anticipation, "Ask at the contact, not when a ball is on its way");
   app.add_flag("--gravity", o.gravity, "Window: gravity runs from the start, without holding X");
   app.add_flag("--no-effects", no_effects, "Without dust, crumbs and marks");
   app.add_flag("--no-sound", no_sound, "Window: silent");
   app.add_option("--close-after", o.close_after,
                  "Window: closes after so many seconds and leaves window.png in --out")
+      ->check(not_a_number)
       ->check(CLI::Range(0.0, 86400.0));
   app.add_option("--out", o.out, "Folder for pictures and saved files");
   app.add_option("--log", o.log, "File that the game is recorded in, to be played again")->check(not_empty);
@@ -128,8 +150,8 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
                      "[ADDRESS:]PORT where another player may join this game; 127.0.0.1 alone "
                      "where no address is given");
   invites->check(is_address);
-  CLI::Option* joins =
-      app.add_option("--join", join, "HOST:PORT of a player who invites: that one's scene and settings");
+  CLI::Option* joins = app.add_option(
+      "--join", join, "[HOST:]PORT of a player who invites: that one's scene, settings and seconds");
   for (CLI::Option* option : {invites, joins}) add(option);
   joins->check(is_address)->excludes(invites)->excludes(resumed);
   invites->excludes(resumed)->excludes(files);
@@ -142,10 +164,13 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
   // The recording says it.
   for (CLI::Option* said : {scene, files, material, unit, seed, all_sites, set_values})
     resumed->excludes(said);
-  add(app.add_option("--answer-steps", o.answer_steps, "Steps of 1/120 s")->check(CLI::Range(1, 1200)));
-  add(app.add_option("--seconds", o.seconds, "Simulated time, all of it")->check(CLI::Range(0.0, 3600.0)));
+  CLI::Option* answer_steps = app.add_option("--answer-steps", o.answer_steps, "Steps of 1/120 s");
+  add(answer_steps->check(CLI::Range(1, 1200)));
+  CLI::Option* seconds = app.add_option("--seconds", o.seconds, "Simulated time, all of it");
+  add(seconds->check(not_a_number)->check(CLI::Range(0.0, 3600.0)));
   add(app.add_option("--screenshot-at", o.screenshots, "Seconds, separated by commas")
           ->delimiter(',')
+          ->check(not_a_number)
           ->check(CLI::Range(0.0, 3600.0)));
   add(app.add_option(
              "--record", o.record,
@@ -154,16 +179,24 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
           ->check(not_empty));
   add(app.add_flag("--draw", o.draw, "Draws every frame without keeping it: what submitting costs"));
   add(app.add_flag("--json", o.json, "A summary on standard output"));
-  add(app.add_flag("--no-throws", no_throws, "Leave out the balls that the scene throws by itself"));
+  CLI::Option* without_throws =
+      app.add_flag("--no-throws", no_throws, "Leave out the balls that the scene throws by itself");
+  add(without_throws);
   std::vector<std::string> blasts;
   add(app.add_option(
              "--explode", blasts,
-             "T,x,y,z[,IMPULSE[,RADIUS]]: an explosion after T seconds at a place in metres, with so many N·s "
-             "that reach so many metres; may be repeated")
+             "T,x,y,z[,IMPULSE[,RADIUS]]: an explosion after T seconds at a place in metres, with so many N·s (" +
+                 std::to_string(std::llround(scenes::kBlastImpulse)) + ") that reach so many metres (" +
+                 std::to_string(std::llround(scenes::kBlastRadius)) + "); may be repeated")
           ->check([](const std::string& text) {
-            return blast_of(text) ? std::string() : "'" + text + "' is not T,x,y,z[,IMPULSE[,RADIUS]]";
+            const auto blast = blast_of(text);
+            return blast ? std::string() : blast.error();
           }));
-  add(app.add_flag("--no-requests", no_requests, "Hits ask for nothing: the same motion, for comparisons"));
+  CLI::Option* without_requests =
+      app.add_flag("--no-requests", no_requests, "Hits ask for nothing: the same motion, for comparisons");
+  add(without_requests);
+  for (CLI::Option* said : {answer_steps, seconds, without_anticipation, without_throws, without_requests})
+    joins->excludes(said);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

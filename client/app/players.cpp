@@ -37,6 +37,11 @@ Expected<Options> as_host(Options options, const json& header) {
                   std::string("The host does not say of '") + name + "' whether it is on.");
     *value = said.get<bool>();
   }
+  const json seconds = header.value("seconds", json());
+  constexpr double kMostSeconds = 3600;
+  if (!seconds.is_number() || !(seconds >= 0) || !(seconds <= kMostSeconds))
+    return fail(ErrorCode::kBadJson, "The host does not say for how many seconds the game is, 0 to 3600.");
+  begun->seconds = seconds.get<double>();
   begun->answer_steps = header.at("answer_steps").get<unsigned>();
   return begun;
 }
@@ -78,6 +83,7 @@ Expected<void> agree(Players& players, const Options& options, const scenes::Sce
   json header = header_of(options, scene);
   header["throws"] = options.throws;
   header["requests"] = options.requests;
+  header["seconds"] = options.seconds;
   players.header = game::lockstep_header(std::move(header), options.answer_steps);
   if (players.theirs.is_null()) return {};
   players.header["delay"] = players.theirs.at("delay");

@@ -113,6 +113,13 @@ TEST(CommandLine, MistakesAreNamed) {
                                                     {"--headless", "--explode", "1,2,3"},
                                                     {"--headless", "--invite", "0"},
                                                     {"--headless", "--join", "7000", "--seed", "1"},
+                                                    {"--headless", "--join", "7000", "--seconds", "1"},
+                                                    {"--headless", "--explode", "-1,0,0,0"},
+                                                    {"--headless", "--explode", "1,0,0,0,-5"},
+                                                    {"--headless", "--seconds", "nan"},
+                                                    {"--headless", "--screenshot-at", "nan"},
+                                                    {"--seed", "-1"},
+                                                    {"--seed", "18446744073709551616"},
                                                     {"--port", "x"}}) {
     std::vector<std::string> all = {FRACTURE_CLIENT_PROGRAM};
     all.insert(all.end(), arguments.begin(), arguments.end());
