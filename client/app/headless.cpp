@@ -71,8 +71,11 @@ class Recorder {
     view::ViewSettings settings;
     settings.sky_shadows = sky_shadows;
     settings.debris = debris;
-    const auto figures = view_->draw(game, view::look_at(scene.eye, scene.target, aspect), settings,
-                                     target_->framebuffer(), options_.width, options_.height);
+    const std::vector<game::Game::Coming> coming = game.coming();
+    settings.coming = &coming;
+    const auto figures =
+        view_->draw(scene, game::moment_of(game), view::look_at(scene.eye, scene.target, aspect), settings,
+                    target_->framebuffer(), options_.width, options_.height);
     if (!figures) return tl::unexpected(figures.error());
     return *figures;
   }

@@ -37,7 +37,7 @@ const char* words_for(protocol::ServerState state) {
 
 }  // namespace
 
-void draw_hud(const PanelState& state, const game::Game& game, const protocol::Client& client) {
+void draw_hud(const PanelState& state, const Snapshot& now, const protocol::Client& client) {
   if (state.panel) return;  // which says all of it and more
   ImGui::SetNextWindowPos(ImVec2(kEdge, kEdge), ImGuiCond_Always);
   ImGui::SetNextWindowBgAlpha(0.45f);
@@ -48,9 +48,9 @@ void draw_hud(const PanelState& state, const game::Game& game, const protocol::C
     ImGui::SameLine();
     ImGui::Text("in %.0f ms", status.p50_ms);
   }
-  const game::GameFigures& figures = game.figures();
+  const game::GameFigures& figures = now.figures;
   if (!figures.last_break.empty()) ImGui::TextUnformatted(figures.last_break.c_str());
-  const world::Census& census = state.census;
+  const world::Census& census = now.census;
   ImGui::Text("%zu whole, %zu pieces, %zu moving", census.whole, census.fragments, census.moving);
   if (state.loading) ImGui::TextUnformatted("loading ...");
   ImGui::End();
@@ -107,14 +107,13 @@ void draw_hint(const PanelState& state, const glm::vec2& aim) {
   list->AddCircleFilled(at, 1.5f, IM_COL32(255, 255, 255, 200));
 }
 
-void draw_fragment_ids(const game::Game& game, const render::Camera& camera, int width, int height) {
+void draw_fragment_ids(const game::Moment& moment, const render::Camera& camera, int width, int height) {
   ImDrawList* list = ImGui::GetBackgroundDrawList();
   const glm::mat4 matrix = camera.view_projection();
-  std::vector<world::FragmentState> states;
-  for (const game::Thing& thing : game.things()) {
-    if (!thing.fragments) continue;
-    const world::FragmentSet& set = world::fragments_of(*thing.fragments->fragments);
-    game.world().fragment_states(thing.id, states);
+  for (const game::Moment::Part& part : moment.parts) {
+    if (!part.broken) continue;
+    const world::FragmentSet& set = world::fragments_of(*part.broken->fragments);
+    const std::vector<world::FragmentState>& states = part.fragments;
     for (std::size_t k = 0; k < states.size(); ++k) {
       if (!states[k].present) continue;
       const glm::vec4 clip =

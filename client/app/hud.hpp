@@ -5,11 +5,11 @@
 
 namespace fracture::app {
 
-void draw_hud(const PanelState& state, const game::Game& game, const protocol::Client& client);
+void draw_hud(const PanelState& state, const Snapshot& now, const protocol::Client& client);
 void draw_help(const PanelState& state);
 /// `aim`: where a ball goes, in pixels of the window.
 void draw_hint(const PanelState& state, const glm::vec2& aim);
 /// Numbers on the fragments, for the debug view of groups.
-void draw_fragment_ids(const game::Game& game, const render::Camera& camera, int width, int height);
+void draw_fragment_ids(const game::Moment& moment, const render::Camera& camera, int width, int height);
 
 }  // namespace fracture::app

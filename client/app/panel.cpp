@@ -47,28 +47,28 @@ void frame_section(const PanelState& state) {
   ImGui::Text("%zu draw calls, submitted in %.2f ms", state.figures.draw_calls, state.figures.submit_ms);
 }
 
-void bodies_section(const PanelState& state, const game::Game& game) {
-  const world::Census& c = state.census;
-  const game::GameFigures& f = game.figures();
+void bodies_section(const Snapshot& now) {
+  const world::Census& c = now.census;
+  const game::GameFigures& f = now.figures;
   ImGui::Text("%zu bodies, %zu moving, %zu whole", c.bodies, c.moving, c.whole);
   ImGui::Text("%zu fragments in %zu groups, %zu bonds", c.fragments, c.groups, c.bonds);
   ImGui::Text("%" PRIu64 " requests, %" PRIu64 " swaps, %" PRIu64 " secondary, %zu faded", f.requests,
               f.swaps, f.secondary, c.faded);
-  const world::Ledger& ledger = game.world().ledger();
-  ImGui::Text("energy %.0f of %.0f J", ledger.energy, ledger.brought);
+  ImGui::Text("energy %.0f of %.0f J", now.ledger.energy, now.ledger.brought);
+  ImGui::Text("a step took %.2f ms", now.step_ms);
   if (!f.last_break.empty()) ImGui::TextWrapped("%s", f.last_break.c_str());
   if (!f.last_trouble.empty()) ImGui::TextWrapped("%s", f.last_trouble.c_str());
 }
 
 }  // namespace
 
-void draw_panel(PanelState& state, game::Game& game, const protocol::Client& client,
-                const PanelActions& actions) {
+void draw_panel(PanelState& state, const scenes::Scene& shown, const Snapshot& now,
+                const protocol::Client& client, const PanelActions& actions) {
   if (!state.panel) return;
   ImGui::SetNextWindowPos(ImVec2(12, 12), ImGuiCond_FirstUseEver);
   ImGui::SetNextWindowSize(ImVec2(340, 620), ImGuiCond_FirstUseEver);
   ImGui::Begin("fracture", &state.panel);
-  ImGui::TextWrapped("%s", game.scene().title.c_str());
+  ImGui::TextWrapped("%s", shown.title.c_str());
   for (const std::string& scene : scenes::scene_names()) {
     if (ImGui::SmallButton(scene.c_str())) actions.load_scene(scene);
     ImGui::SameLine();
@@ -78,7 +78,7 @@ void draw_panel(PanelState& state, game::Game& game, const protocol::Client& cli
   if (!state.note.empty()) ImGui::TextWrapped("%s", state.note.c_str());
   if (ImGui::CollapsingHeader("server", ImGuiTreeNodeFlags_DefaultOpen)) server_section(client);
   if (ImGui::CollapsingHeader("frame", ImGuiTreeNodeFlags_DefaultOpen)) frame_section(state);
-  if (ImGui::CollapsingHeader("bodies", ImGuiTreeNodeFlags_DefaultOpen)) bodies_section(state, game);
+  if (ImGui::CollapsingHeader("bodies", ImGuiTreeNodeFlags_DefaultOpen)) bodies_section(now);
   if (ImGui::CollapsingHeader("view")) {
     int debug = static_cast<int>(state.view.debug);
     if (ImGui::Combo("show", &debug, view::kDebugViewNames.data(),
@@ -103,9 +103,9 @@ void draw_panel(PanelState& state, game::Game& game, const protocol::Client& cli
     if (state.parameters.empty())
       ImGui::TextDisabled("waiting for GET /patterns");
     else if (state.parameters.draw())
-      game.set_overrides(state.overrides());
+      actions.set_overrides();
   }
-  if (game.last_glb() && ImGui::Button("save last answer as GLB")) actions.save_glb();
+  if (now.last_glb && ImGui::Button("save last answer as GLB")) actions.save_glb();
   ImGui::End();
 }
 

@@ -6,7 +6,9 @@
 #include <string>
 
 #include "client/app/parameter_controls.hpp"
-#include "client/game/game.hpp"
+#include "client/app/snapshot.hpp"
+#include "client/protocol/client.hpp"
+#include "client/scenes/scene.hpp"
 #include "client/view/scene_view.hpp"
 
 namespace fracture::app {
@@ -22,12 +24,11 @@ struct PanelState {
   bool gravity_held = false, gravity_always = false, slow_motion = false;
   view::ViewSettings view;
   view::ViewFigures figures;
-  std::array<float, 240> frame_ms{};  ///< simulation and submission; a ring
+  std::array<float, 240> frame_ms{};  ///< until all is submitted; a ring
   std::size_t next_frame = 0;
   double frames_per_second = 0;
   ParameterControls parameters;
   nlohmann::json given = nlohmann::json::object();  ///< parameters of the command line
-  world::Census census;
   std::string note;  ///< the last thing that happened, for people; empty after some seconds
   bool loading = false;
   bool effects = true;
@@ -45,10 +46,10 @@ struct PanelState {
 /// What the panel may ask for.
 struct PanelActions {
   std::function<void(const std::string&)> load_scene, set_material;
-  std::function<void()> reset, save_glb;
+  std::function<void()> reset, save_glb, set_overrides;
 };
 
-void draw_panel(PanelState& state, game::Game& game, const protocol::Client& client,
-                const PanelActions& actions);
+void draw_panel(PanelState& state, const scenes::Scene& scene, const Snapshot& now,
+                const protocol::Client& client, const PanelActions& actions);
 
 }  // namespace fracture::app

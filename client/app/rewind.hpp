@@ -7,45 +7,44 @@
 #include <memory>
 #include <optional>
 
-#include "client/effects/debris.hpp"
-#include "client/game/moment.hpp"
+#include "client/app/playback.hpp"
 
 namespace fracture::app {
 
 class Rewind {
  public:
+  using Moment = std::shared_ptr<const game::Moment>;
+
   /// A frame of a game that goes on.
-  void follow(const game::Game& game) { past_.add(game); }
-  /// The key is held for so many seconds more.
-  void hold(const game::Game& game, double seconds);
+  void follow(Moment now) { past_.add(std::move(now)); }
+  /// The key is held for so many seconds more, in a game that is here now and has steps of that length.
+  void hold(const Moment& now, double step_length, double seconds);
   bool held() const { return cursor_.has_value(); }
   /// What is seen meanwhile, and until the game is there; null: the game as it is.
-  const game::Moment* shown() const { return shown_ ? &*shown_ : nullptr; }
+  const game::Moment* shown() const { return shown_.get(); }
   double seconds_back() const { return seconds_back_; }
   /// The key is released: so many steps have to be played again.
   std::uint64_t release();
 
   /// Plays a game, which has GameSettings::replay, to the end of that.
-  void begin(std::unique_ptr<game::Game> again, std::uint64_t debris_seed);
-  const game::Game* playing() const { return again_.get(); }
-  int percent() const;
+  void begin(std::unique_ptr<LiveGame> again) { again_ = std::move(again); }
+  const LiveGame* playing() const { return again_.get(); }
+  int percent() const { return again_->playback.latest().played_again_percent.value_or(100); }
   struct Played {
-    std::unique_ptr<game::Game> game;         ///< handed over
-    effects::Debris debris;                   ///< marks and crumbs as they lay then
+    std::unique_ptr<LiveGame> game;           ///< handed over
     std::optional<std::uint64_t> diverged{};  ///< it is there, for it was another game from this step on
   };
-  /// For some milliseconds, so that the window stays alive; nothing before the end.
-  std::optional<Played> play_on();
+  /// A frame that took so many seconds; nothing before the end.
+  std::optional<Played> play_on(const Tick& tick, double seconds);
   /// Another game: its past is none of this one's. Returns what was being played, whose end takes a moment.
-  std::unique_ptr<game::Game> clear();
+  std::unique_ptr<LiveGame> clear();
 
  private:
   game::Past past_;
   std::optional<double> cursor_;  ///< step
-  std::optional<game::Moment> shown_;
+  Moment shown_;
   double seconds_back_ = 0;
-  std::unique_ptr<game::Game> again_;
-  effects::Debris debris_;
+  std::unique_ptr<LiveGame> again_;
 };
 
 }  // namespace fracture::app

@@ -8,18 +8,18 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <future>
 #include <utility>
 
+#include "client/app/background.hpp"
 #include "client/app/fly_camera.hpp"
 #include "client/app/glfw_window.hpp"
 #include "client/app/headless.hpp"
 #include "client/app/hud.hpp"
 #include "client/app/panel.hpp"
+#include "client/app/played_game.hpp"
 #include "client/app/recorded_options.hpp"
-#include "client/app/rewind.hpp"
 #include "client/app/scene_menu.hpp"
 #include "client/app/sound_track.hpp"
 #include "client/render/frame_target.hpp"
@@ -99,17 +99,10 @@ class Session {
   void load(std::function<Loaded()> make) {
     // One that is overtaken is forgotten: its end is awaited in the background.
     if (loading_.valid())
-      background(
+      background_.run(
           [overtaken = std::make_shared<std::future<Loaded>>(std::move(loading_))] { overtaken->wait(); });
     loading_ = std::async(std::launch::async, std::move(make));
     state_.loading = true;
-  }
-  /// Work that no frame waits for; the window's end does.
-  void background(std::function<void()> work) {
-    std::erase_if(background_, [](std::future<void>& f) {
-      return f.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
-    });
-    background_.push_back(std::async(std::launch::async, std::move(work)));
   }
   void load_scene(const std::string& name) {
     options_.scene = name;
@@ -135,7 +128,9 @@ class Session {
       return;
     }
     for (const std::string& warning : scene->warnings) note(warning);
-    if (!game_ || game_->scene().name != scene->name || scene->name == "files") camera_.aim(*scene);
+    if (game_.now() == nullptr || game_.seen()->simulation.scene().name != scene->name ||
+        scene->name == "files")
+      camera_.aim(*scene);
     // Another scene or a reset begins another game, and another recording.
     Options begun = options_;
     begun.parameters = recording_ ? options_.parameters : state_.overrides();
@@ -145,94 +140,8 @@ class Session {
         note(same.error().detail);
         recording_.reset();
       }
-    answers_ = std::make_shared<game::KeptAnswers>();
-    retire(rewind_.clear());
     view_.reset();
-    debris_ = effects::Debris(options_.seed);
-    std::unique_ptr<game::Game> made = make_game(std::move(*scene), header, recording_);
-    retire(std::move(game_));
-    if (std::exchange(recording_, nullptr))
-      rewind_.begin(std::move(made), options_.seed);
-    else
-      game_ = std::move(made);
-  }
-
-  /// A game that begins as the header says, or plays the recording of one that did.
-  std::unique_ptr<game::Game> make_game(scenes::Scene scene, const nlohmann::json& header,
-                                        std::shared_ptr<const game::Recording> recording) {
-    game::GameSettings settings;
-    settings.seed = options_.seed;
-    settings.anticipate = options_.anticipate;
-    settings.overrides = header.at("parameters");
-    settings.world.max_witnessed = kMostWitnessed;
-    settings.history = std::make_shared<game::History>(header);
-    settings.answers = answers_;
-    settings.replay = std::move(recording);
-    // It may be the file of the game before it, of which nothing may come after this.
-    if (game_ && game_->settings().recorder) game_->settings().recorder->finish();
-    if (auto recorder = recorder_for(options_.log, header))
-      settings.recorder = std::move(*recorder);
-    else
-      note(recorder.error().detail);
-    return std::make_unique<game::Game>(std::move(scene), client_, std::move(settings));
-  }
-
-  /// Ends on another thread: its decoder may be at work.
-  void retire(std::unique_ptr<game::Game> game) {
-    if (game) background([old = std::shared_ptr<game::Game>(std::move(game))]() mutable { old.reset(); });
-  }
-
-  // -- the game's time
-
-  void save_game() {
-    if (!game_) return;
-    const std::shared_ptr<game::History>& history = game_->settings().history;
-    const std::string path = unused_name(options_.out, "game", ".jsonl");
-    background([recording = std::make_shared<const game::Recording>(history->until(history->steps())), path] {
-      if (const auto written = game::write_recording(path, *recording); !written)
-        std::fprintf(stderr, "fracture-client: %s\n", written.error().detail.c_str());
-    });
-    note((history->full() ? "saved the beginning of this long game as " : "saved the game as ") + path +
-         ": --continue plays it");
-  }
-
-  /// The key that goes back is held, or was: whether the game stands still for it.
-  bool go_back(double seconds) {
-    if (rewind_.playing()) {
-      catch_up();
-      return true;
-    }
-    if (down(GLFW_KEY_B)) {
-      if (game_->settings().history->full()) {
-        note("This game is too long to go back in. R begins another.");
-        return false;
-      }
-      rewind_.hold(*game_, seconds);
-      char text[64];
-      std::snprintf(text, sizeof text, "%.1f s back", rewind_.seconds_back());
-      note(text);
-      return true;
-    }
-    if (!rewind_.held()) return false;
-    const std::shared_ptr<game::History>& history = game_->settings().history;
-    auto recording = std::make_shared<const game::Recording>(history->until(rewind_.release()));
-    scenes::Scene scene = game_->scene();
-    rewind_.begin(make_game(std::move(scene), recording->header, recording), options_.seed);
-    return true;
-  }
-
-  void catch_up() {
-    std::optional<Rewind::Played> played = rewind_.play_on();
-    if (!played) {
-      note("the game is played again: " + std::to_string(rewind_.percent()) + " %");
-      return;
-    }
-    if (game_) view_.reset();  // else it has been seen all the time
-    retire(std::exchange(game_, std::move(played->game)));
-    debris_ = std::move(played->debris);
-    note(played->diverged ? "Step " + std::to_string(*played->diverged) +
-                                " is not what was recorded: the game goes on from there."
-                          : "the game goes on");
+    game_.begin(std::move(*scene), options_, header, std::exchange(recording_, nullptr));
   }
 
   /// Something for people, for some seconds.
@@ -265,7 +174,7 @@ class Session {
         break;
       case GLFW_KEY_PERIOD:
         state_.gravity_always = false;
-        single_step_ = true;
+        game_.step_once();
         break;
       case GLFW_KEY_M:
         state_.menu = !state_.menu;
@@ -293,7 +202,7 @@ class Session {
         state_.tool = static_cast<Tool>((static_cast<std::size_t>(state_.tool) + 1) % kToolActions.size());
         break;
       case GLFW_KEY_F5:
-        save_game();
+        game_.save(options_.out);
         break;
       case GLFW_KEY_R:
         load([options = options_] { return scene_of(options); });
@@ -321,21 +230,8 @@ class Session {
   }
 
   void use_tool() {
-    if (!game_ || rewind_.playing() || rewind_.held()) return;
-    const glm::dvec3 direction = camera_.aim_direction(), eye(camera_.eye());
-    const scenes::Scene& scene = game_->scene();
-    if (state_.tool == Tool::kExplosion) {
-      constexpr double kFarthest = 200, kBefore = 0.1;  // metres: of the aim; in front of what is met
-      const auto met = game_->world().first_met(eye, eye + kFarthest * direction);
-      if (!met) return note("nothing is there to explode at");
-      game_->explode({*met - kBefore * direction, scenes::kBlastImpulse, scenes::kBlastRadius});
-    } else {
-      const bool wrecks = state_.tool == Tool::kWreckingBall;
-      const double radius = wrecks ? scenes::kWreckingBall.radius : scene.ball_radius;
-      game_->throw_ball(eye + (radius + 0.3) * direction,
-                        (wrecks ? scenes::kWreckingSpeed : scene.ball_speed) * direction,
-                        wrecks ? scenes::kWreckingBall : scenes::Ball{});
-    }
+    if (!game_.goes_on()) return;
+    game_.use(state_.tool, glm::dvec3(camera_.eye()), camera_.aim_direction());
     if (!state_.gravity_always && !state_.gravity_held) note("Paused: hold X, or press G, and it happens.");
   }
 
@@ -343,19 +239,14 @@ class Session {
     if (!target_) return;
     // Reading waits for the driver, as a picture on demand may; encoding and writing do not.
     const std::string path = (std::filesystem::path(options_.out) / name).string();
-    background([picture = std::make_shared<const render::Picture>(target_->read()), path] {
-      if (const auto written = render::write_png(*picture, path); !written)
-        std::fprintf(stderr, "fracture-client: %s\n", written.error().detail.c_str());
-    });
+    background_.write_picture(target_->read(), path);
     note("saved " + path);
   }
 
   void save_glb() {
     const std::string path =
         (std::filesystem::path(options_.out) / ("fragments-" + std::to_string(++saved_) + ".glb")).string();
-    background([glb = game_->last_glb(), path] {
-      std::ofstream(path, std::ios::binary).write(glb->data(), static_cast<std::streamsize>(glb->size()));
-    });
+    background_.write_bytes(game_.now()->last_glb, path);
     note("saved " + path);
   }
 
@@ -379,72 +270,68 @@ class Session {
     const render::Camera camera = view::look_at(camera_.eye(), camera_.eye() + camera_.forward(),
                                                 static_cast<float>(width) / static_cast<float>(height));
     const Clock::time_point begin = Clock::now();
-    state_.view.past = nullptr;
-    if ((game_ || rewind_.playing()) && go_back(seconds)) {
-      state_.view.past = game_ ? rewind_.shown() : nullptr;
-      draw_game(game_ ? *game_ : *rewind_.playing(), camera, width, height);
-    } else if (game_) {
-      game_->set_eye(camera_.eye());
-      constexpr double kSlow = 0.2;
-      const double step = game_->settings().world.step;
-      if (std::exchange(single_step_, false))
-        game_->advance(1.001 * step, true);  // no rounding keeps it from being due
-      else
-        game_->advance(state_.slow_motion ? kSlow * seconds : seconds,
-                       state_.gravity_always || state_.gravity_held);
-      sense(game_->take_witnessed());
-      rewind_.follow(*game_);
-      if (!std::exchange(too_long_, game_->settings().history->full()) && too_long_)
-        note(
-            "This game is too long to be kept: F5 saves its beginning, and nothing goes back. R begins another.");
-      draw_game(*game_, camera, width, height);
-    }
+    play(seconds);
+    if (const LiveGame* seen = game_.seen()) draw_game(*seen, camera, width, height);
     state_.frame_ms[state_.next_frame] = static_cast<float>(1e3 * seconds_between(begin, Clock::now()));
     state_.next_frame = (state_.next_frame + 1) % state_.frame_ms.size();
     target_->copy_to(0);
     overlay(camera, width, height);
-    read_patterns();
   }
 
-  void draw_game(const game::Game& game, const render::Camera& camera, int width, int height) {
-    const auto drawn = view_.draw(game, camera, state_.view, target_->framebuffer(), width, height);
+  /// The game's part of a frame: it gets its time, and is heard.
+  void play(double seconds) {
+    constexpr double kSlow = 0.2;
+    Tick tick;
+    tick.seconds = state_.slow_motion ? kSlow * seconds : seconds;
+    tick.running = state_.gravity_always || state_.gravity_held;
+    tick.eye = camera_.eye();
+    tick.loads = state_.view.debug == view::DebugView::kBonds;
+    if (game_.frame(tick, seconds, down(GLFW_KEY_B))) view_.reset();
+    if (state_.parameters.empty() && !game_.patterns().empty()) state_.parameters.read(game_.patterns());
+    std::vector<sound::Voice> voices = game_.take_voices();
+    if (!player_) return;
+    player_->set_volume(state_.volume);
+    player_->hear(std::move(voices), camera_.eye(), camera_.forward());
+    state_.silent = player_->state() == sound::Player::State::kNoDevice;
+  }
+
+  void draw_game(const LiveGame& live, const render::Camera& camera, int width, int height) {
+    const game::Moment* past = game_.past();
+    const std::vector<game::Game::Coming> coming = live.playback.coming();
+    view::ViewSettings settings = state_.view;
+    if (past != nullptr) {
+      settings.debug = view::DebugView::kNone;  // debris is where it is now
+    } else {
+      settings.coming = &coming;
+      settings.debris = state_.effects ? &live.playback.debris() : nullptr;
+    }
+    const auto drawn = view_.draw(live.simulation.scene(), past != nullptr ? *past : live.playback.moment(),
+                                  camera, settings, target_->framebuffer(), width, height);
     if (drawn)
       state_.figures = *drawn;
     else
       note(drawn.error().detail);
   }
 
-  /// What there was to see and hear.
-  void sense(const world::Witnessed& witnessed) {
-    debris_.follow(game_->world(), witnessed, materials_of(*game_));
-    state_.view.debris = state_.effects ? &debris_ : nullptr;
-    if (player_) {
-      player_->set_volume(state_.volume);
-      player_->hear(soundscape_.voices(witnessed, materials_of(*game_)), camera_.eye(), camera_.forward());
-      state_.silent = player_->state() == sound::Player::State::kNoDevice;
-    }
-  }
-
   void overlay(const render::Camera& camera, int width, int height) {
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
     ImGui::NewFrame();
-    if (game_) {
-      constexpr int kEvery = 6;  // frames: it looks at every corner of every piece
-      if (frames_++ % kEvery == 0) state_.census = game_->world().census();
-      if (state_.view.debug == view::DebugView::kFragments && state_.view.past == nullptr)
-        draw_fragment_ids(*game_, camera, width, height);
+    if (const Snapshot* now = game_.now()) {
+      const LiveGame& seen = *game_.seen();
+      if (state_.view.debug == view::DebugView::kFragments && game_.past() == nullptr)
+        draw_fragment_ids(seen.playback.moment(), camera, width, height);
       // Which sets parameters: of a game that goes on.
-      if (!rewind_.playing() && !rewind_.held())
-        draw_panel(
-            state_, *game_, client_,
-            {[this](const std::string& scene) {
-               options_.material.clear();
-               load_scene(scene);
-             },
-             [this](const std::string& material) { set_material(material); },
-             [this] { load([options = options_] { return scene_of(options); }); }, [this] { save_glb(); }});
-      draw_hud(state_, *game_, client_);
+      if (game_.goes_on())
+        draw_panel(state_, seen.simulation.scene(), *now, client_,
+                   {[this](const std::string& scene) {
+                      options_.material.clear();
+                      load_scene(scene);
+                    },
+                    [this](const std::string& material) { set_material(material); },
+                    [this] { load([options = options_] { return scene_of(options); }); },
+                    [this] { save_glb(); }, [this] { game_.set_overrides(state_.overrides()); }});
+      draw_hud(state_, *now, client_);
     }
     draw_help(state_);
     if (state_.menu) {
@@ -461,32 +348,22 @@ class Session {
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   }
 
-  void read_patterns() {
-    if (!state_.parameters.empty() || !game_) return;
-    if (const std::string& text = game_->patterns(); !text.empty()) state_.parameters.read(text);
-  }
-
   Options options_;
   GLFWwindow* window_;
   FlyCamera camera_;
   protocol::Client client_;
   view::SceneView view_;
-  std::unique_ptr<game::Game> game_;
   std::shared_ptr<const game::Recording> recording_;  ///< to go on from, until its scene is there
-  std::shared_ptr<game::KeptAnswers> answers_;        ///< of this game, however often it goes back
-  Rewind rewind_;
-  bool too_long_ = false;
+  Background background_;
+  PlayedGame game_{client_, background_, [this](std::string text) { note(std::move(text)); }};
   std::unique_ptr<render::FrameTarget> target_;
   std::unique_ptr<sound::Player> player_;  ///< null: silent
-  sound::Soundscape soundscape_;
-  effects::Debris debris_;
-  std::unique_ptr<SceneMenu> menu_;  ///< once it was asked for
+  std::unique_ptr<SceneMenu> menu_;        ///< once it was asked for
   PanelState state_;
   Clock::time_point note_until_{};
   std::future<Loaded> loading_;
-  std::vector<std::future<void>> background_;
-  bool look_always_ = false, single_step_ = false;
-  int pictures_ = 0, saved_ = 0, frames_ = 0;
+  bool look_always_ = false;
+  int pictures_ = 0, saved_ = 0;
 };
 
 }  // namespace

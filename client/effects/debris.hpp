@@ -56,6 +56,9 @@ class Debris {
   /// move on. `world`: for the places of marks.
   void follow(const world::World& world, const world::Witnessed& witnessed, const MaterialOf& material_of);
 
+  /// All of them move on, without anything new: to draw them between two steps, in a copy.
+  void move(float seconds);
+
   const std::vector<Crumb>& crumbs() const { return crumbs_; }
   const std::vector<Puff>& puffs() const { return puffs_; }
   const std::vector<Mark>& marks() const { return marks_; }
@@ -68,7 +71,6 @@ class Debris {
   void knock(const world::World& world, const world::Knock& knock, const MaterialOf& material_of);
   void mark(const world::World& world, const world::Knock& knock, const world::Knock::Side& side,
             const std::string& material, const std::string& other);
-  void move(float seconds);
   float random();  ///< 0 … 1
   glm::vec3 random_direction();
   /// So many on average.

@@ -229,7 +229,8 @@ void Game::set_overrides(nlohmann::json overrides) {
 std::vector<Game::Coming> Game::coming() const {
   std::vector<Coming> list;
   for (const auto& [number, pending] : pending_)
-    if (pending.decoded) list.push_back({pending.thing, pending.decoded});
+    if (pending.decoded)
+      list.push_back({pending.thing, things_[pending.thing].scene_object, pending.decoded});
   return list;
 }
 
@@ -326,10 +327,15 @@ void Game::throw_scripted(double until) {
     explode(scene_.blasts[next_blast_].blast);
 }
 
-void Game::advance(double seconds, bool running) {
+bool Game::attend() {
   const bool swapped = apply_due();
   poll();
   take_events();
+  return swapped;
+}
+
+void Game::advance(double seconds, bool running) {
+  const bool swapped = attend();
   if (!running) {
     owed_ = 0;
     return;

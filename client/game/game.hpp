@@ -2,7 +2,7 @@
 //
 // In real time nothing waits: advance() runs the steps that are due, polls, and applies what had been decoded
 // by the frame before (one answer a frame): coming() shows it to whoever draws while there is still time to
-// upload it. With GameSettings::fixed_latency the run is reproducible instead: an answer is
+// upload it. A window has a thread for that, which calls attend() and step() by itself (app/simulation.hpp). With GameSettings::fixed_latency the run is reproducible instead: an answer is
 // applied exactly so many steps after its request. Should the server be slower than that, simulated time
 // stands still until it has answered (ready() is false); should it be faster, the answer is kept. What the
 // server says depends only on what it is asked, that only on the motion before it, and the motion only on the
@@ -69,6 +69,9 @@ class Game {
   bool ready();
   /// One step of WorldSettings::step. Reproducible runs: only when ready().
   void step();
+  /// Real time, before each step, and now and then while paused: applies one answer, polls, and asks. Whether bodies were
+  /// swapped.
+  bool attend();
   /// Real time: as many steps as `seconds` hold (at most 6; the rest is dropped), or none while paused.
   void advance(double seconds, bool running);
 
@@ -85,6 +88,7 @@ class Game {
   /// Fragments that have arrived and take effect in a coming frame, of a thing (for pieces: of their parent).
   struct Coming {
     std::size_t thing;
+    std::size_t scene_object;  ///< of the thing
     std::shared_ptr<const Decoded> fragments;
   };
   std::vector<Coming> coming() const;

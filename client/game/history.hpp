@@ -42,7 +42,7 @@ class History {
 };
 
 /// Answers by what was asked: equal requests have equal answers, so that a game that is played again needs none. A cache:
-/// whatever is not in it is asked for. On one thread.
+/// whatever is not in it is asked for. For one thread at a time.
 class KeptAnswers {
  public:
   explicit KeptAnswers(std::size_t most_bytes = kMostKeptBytes) : most_bytes_(most_bytes) {}

@@ -97,9 +97,7 @@ Expected<std::uint32_t> SceneView::add(render::SolidLook look, const render::Mod
   return first;
 }
 
-Expected<SceneView::Place> SceneView::upload(const game::Game& game, std::size_t index,
-                                             const LayerModel& layer) {
-  const scenes::SceneObject& object = game.scene().objects[game.things()[index].scene_object];
+Expected<SceneView::Place> SceneView::upload(const scenes::SceneObject& object, const LayerModel& layer) {
   const render::Model& model = layer ? *layer : *object.mesh->model;
   // The solid texture is that of the whole object, so that it stays when it breaks.
   render::SolidPlacement solid;
@@ -111,17 +109,16 @@ Expected<SceneView::Place> SceneView::upload(const game::Game& game, std::size_t
   solid.brick_high = glm::vec2(object.mesh->high);
   const Expected<std::uint32_t> first = add(object.look, model, solid);
   if (!first) return tl::unexpected(first.error());
-  return Place{*first, static_cast<std::uint32_t>(model.objects.size())};
+  return Place{object.look, *first, static_cast<std::uint32_t>(model.objects.size())};
 }
 
-void SceneView::hide(const game::Game& game, std::size_t index, const Place& place) {
-  const scenes::SceneObject& object = game.scene().objects[game.things()[index].scene_object];
-  std::vector<ObjectState>& states = batches_.at(object.look).states;
+void SceneView::hide(const Place& place) {
+  std::vector<ObjectState>& states = batches_.at(place.look).states;
   for (std::uint32_t k = 0; k < place.count; ++k) states[place.first + k].visible = false;
 }
 
-Expected<void> SceneView::upload_coming(const game::Game& game) {
-  const std::vector<game::Game::Coming> coming = game.coming();
+Expected<void> SceneView::upload_coming(const scenes::Scene& scene,
+                                        const std::vector<game::Game::Coming>& coming) {
   // Of a hit the last layer is new: the others are there already.
   const auto model_of = [](const game::Game::Coming& next) { return next.fragments->layers.back().model; };
   std::erase_if(waiting_, [&](const auto& entry) {
@@ -129,59 +126,45 @@ Expected<void> SceneView::upload_coming(const game::Game& game) {
                         [&](const game::Game::Coming& next) { return model_of(next) == entry.first; });
   });
   for (const game::Game::Coming& next : coming) {
-    if (waiting_.contains(model_of(next))) continue;
-    const Expected<Place> place = upload(game, next.thing, model_of(next));
+    const LayerModel model = model_of(next);
+    if (waiting_.contains(model) || places_.contains({next.thing, model})) continue;
+    const Expected<Place> place = upload(scene.objects[next.scene_object], model);
     if (!place) return tl::unexpected(place.error());
-    hide(game, next.thing, *place);
-    waiting_.emplace(model_of(next), *place);
+    hide(*place);
+    waiting_.emplace(model, *place);
   }
   return {};
 }
 
-Expected<SceneView::Place> SceneView::place_of(const game::Game& game, std::size_t index,
+Expected<SceneView::Place> SceneView::place_of(const scenes::SceneObject& object, std::size_t index,
                                                const LayerModel& model) {
   if (const auto known = places_.find({index, model}); known != places_.end()) return known->second;
   const auto ahead = waiting_.find(model);
-  const Expected<Place> place = ahead != waiting_.end() ? ahead->second : upload(game, index, model);
+  const Expected<Place> place = ahead != waiting_.end() ? ahead->second : upload(object, model);
   if (place) places_.emplace(std::pair(index, model), *place);
   return place;
 }
 
-Expected<void> SceneView::show(const game::Game& game, std::size_t index, const ViewSettings& settings) {
-  const game::Thing& thing = game.things()[index];
-  const bool there = settings.past == nullptr || index < settings.past->parts.size();
-  const game::Moment::Part* past = settings.past != nullptr && there ? &settings.past->parts[index] : nullptr;
-  const game::Decoded* broken = past != nullptr ? past->broken.get() : thing.fragments.get();
-  const auto is_seen = [&](const LayerModel& model) {
-    if (!there) return false;
-    if (broken == nullptr) return model == nullptr;
-    return std::any_of(broken->layers.begin(), broken->layers.end(),
-                       [&](const game::Decoded::Layer& layer) { return layer.model == model; });
-  };
-  for (auto it = places_.lower_bound({index, nullptr}); it != places_.end() && it->first.first == index; ++it)
-    if (!is_seen(it->first.second)) hide(game, index, it->second);
-  if (!there) return {};
-  if (broken == nullptr) {
-    const Expected<Place> place = place_of(game, index, nullptr);
+Expected<void> SceneView::show(const scenes::Scene& scene, const game::Moment& moment, std::size_t index,
+                               DebugView debug) {
+  const game::Moment::Part& part = moment.parts[index];
+  const scenes::SceneObject& object = scene.objects[part.scene_object];
+  if (!part.broken) {
+    const Expected<Place> place = place_of(object, index, nullptr);
     if (!place) return tl::unexpected(place.error());
-    set_whole(game, index, *place, past != nullptr ? past->whole : game.world().object_pose(thing.id));
+    set_whole(*place, part.whole);
     return {};
   }
-  if (past != nullptr)
-    fragment_states_ = past->fragments;
-  else
-    game.world().fragment_states(thing.id, fragment_states_);
-  for (const game::Decoded::Layer& layer : broken->layers) {
-    const Expected<Place> place = place_of(game, index, layer.model);
+  for (const game::Decoded::Layer& layer : part.broken->layers) {
+    const Expected<Place> place = place_of(object, index, layer.model);
     if (!place) return tl::unexpected(place.error());
-    set_fragments(game, index, *place, layer, settings.debug);
+    set_fragments(*place, layer, part.fragments, debug);
   }
   return {};
 }
 
-void SceneView::set_whole(const game::Game& game, std::size_t index, const Place& place,
-                          const world::Pose& pose) {
-  Batch& batch = batches_.at(game.scene().objects[game.things()[index].scene_object].look);
+void SceneView::set_whole(const Place& place, const world::Pose& pose) {
+  Batch& batch = batches_.at(place.look);
   const glm::mat4 world(pose.matrix());
   for (std::uint32_t k = place.first; k < place.first + place.count; ++k) {
     batch.states[k].visible = true;
@@ -189,19 +172,19 @@ void SceneView::set_whole(const game::Game& game, std::size_t index, const Place
   }
 }
 
-void SceneView::set_fragments(const game::Game& game, std::size_t index, const Place& place,
-                              const game::Decoded::Layer& layer, DebugView debug) {
-  Batch& batch = batches_.at(game.scene().objects[game.things()[index].scene_object].look);
+void SceneView::set_fragments(const Place& place, const game::Decoded::Layer& layer,
+                              const std::vector<world::FragmentState>& fragments, DebugView debug) {
+  Batch& batch = batches_.at(place.look);
   const std::span<const render::Object> objects(&batch.gpu.model().objects[place.first], place.count);
   const std::span<ObjectState> states(&batch.states[place.first], place.count);
   for (std::size_t k = 0; k < states.size(); ++k) {
     const std::uint32_t fragment = layer.fragment_of_object[k];
     ObjectState& state = states[k];
-    if (fragment == game::Decoded::kNoFragment || !fragment_states_[fragment].present) {
+    if (fragment == game::Decoded::kNoFragment || !fragments[fragment].present) {
       state.visible = false;
       continue;
     }
-    const world::FragmentState& f = fragment_states_[fragment];
+    const world::FragmentState& f = fragments[fragment];
     state.visible = true;
     // The node's own transform is a translation to the fragment's origin: it shrinks about that.
     state.transform = glm::mat4(f.asset_to_world.matrix()) * objects[k].transform;
@@ -211,16 +194,16 @@ void SceneView::set_fragments(const game::Game& game, std::size_t index, const P
   }
 }
 
-void SceneView::add_lines(const game::Game& game, DebugView debug) {
-  for (const game::Thing& thing : game.things()) {
-    if (!thing.fragments) continue;
-    const world::FragmentSet& set = world::fragments_of(*thing.fragments->fragments);
-    game.world().fragment_states(thing.id, fragment_states_);
+void SceneView::add_lines(const game::Moment& moment, DebugView debug) {
+  for (const game::Moment::Part& part : moment.parts) {
+    if (!part.broken) continue;
+    const world::FragmentSet& set = world::fragments_of(*part.broken->fragments);
+    const std::vector<world::FragmentState>& states = part.fragments;
     if (debug == DebugView::kHulls) {
       for (std::size_t k = 0; k < set.fragments.size(); ++k) {
-        if (!fragment_states_[k].present) continue;
+        if (!states[k].present) continue;
         const glm::vec3 color = render::distinct_color(static_cast<std::uint32_t>(k));
-        const world::Pose& pose = fragment_states_[k].asset_to_world;
+        const world::Pose& pose = states[k].asset_to_world;
         // From each corner to its three nearest: enough to see the hull.
         for (const world::Hull& hull : set.fragments[k].hulls)
           for (std::size_t a = 0; a < hull.size(); ++a) {
@@ -235,24 +218,24 @@ void SceneView::add_lines(const game::Game& game, DebugView debug) {
       }
       continue;
     }
-    const std::vector<float> loads = game.world().bond_states(thing.id);
-    for (std::size_t k = 0; k < set.bonds.size(); ++k) {
+    const std::vector<float>& loads = part.loads;
+    for (std::size_t k = 0; k < std::min(set.bonds.size(), loads.size()); ++k) {
       const world::Bond& bond = set.bonds[k];
-      if (loads[k] < 0 || !fragment_states_[bond.a].present || !fragment_states_[bond.b].present) continue;
-      lines_.add(glm::vec3(fragment_states_[bond.a].asset_to_world.point(set.fragments[bond.a].mass.center)),
-                 glm::vec3(fragment_states_[bond.b].asset_to_world.point(set.fragments[bond.b].mass.center)),
+      if (loads[k] < 0 || !states[bond.a].present || !states[bond.b].present) continue;
+      lines_.add(glm::vec3(states[bond.a].asset_to_world.point(set.fragments[bond.a].mass.center)),
+                 glm::vec3(states[bond.b].asset_to_world.point(set.fragments[bond.b].mass.center)),
                  load_color(loads[k]));
     }
   }
 }
 
-Expected<void> SceneView::upload_furniture(const game::Game& game) {
-  if (furnished_ == &game) return {};
+Expected<void> SceneView::upload_furniture(const scenes::Scene& scene) {
+  if (furnished_) return {};
   render::Material paint;
   paint.base_color = {0.055f, 0.06f, 0.07f, 1};
   paint.metallic = 0;
   paint.roughness = 0.55f;
-  for (const scenes::SceneBox& box : game.scene().boxes) {
+  for (const scenes::SceneBox& box : scene.boxes) {
     const glm::vec3 size(2.0 * box.half_sides);
     const auto model =
         scene_of({scenes::box(size, std::min(0.01f, 0.1f * std::min({size.x, size.y, size.z})))}, paint);
@@ -271,23 +254,28 @@ Expected<void> SceneView::upload_furniture(const game::Game& game) {
   const Expected<std::uint32_t> first = add(render::SolidLook::kNone, *balls, std::nullopt);
   if (!first) return tl::unexpected(first.error());
   balls_ = *first;
-  furnished_ = &game;
+  furnished_ = true;
   return {};
 }
 
-void SceneView::place_marks(const game::Game& game, const effects::Debris& debris) {
+void SceneView::place_marks(const game::Moment& moment, const effects::Debris& debris) {
   marks_.clear();
-  std::optional<world::ObjectId> last;
+  const game::Moment::Part* part = nullptr;
   for (const effects::Mark& mark : debris.marks()) {
     if (!mark.on_object) {
       marks_.push_back({&mark, mark.position, mark.normal});
       continue;
     }
-    if (last != mark.object) game.world().fragment_states(mark.object, fragment_states_);
-    last = mark.object;
+    if (part == nullptr || part->id != mark.object) {
+      const auto found =
+          std::find_if(moment.parts.begin(), moment.parts.end(),
+                       [&](const game::Moment::Part& other) { return other.id == mark.object; });
+      if (found == moment.parts.end()) continue;
+      part = &*found;
+    }
     // Gone, or broken into pieces that are an object of their own.
-    if (mark.fragment >= fragment_states_.size() || !fragment_states_[mark.fragment].present) continue;
-    const world::FragmentState& state = fragment_states_[mark.fragment];
+    if (mark.fragment >= part->fragments.size() || !part->fragments[mark.fragment].present) continue;
+    const world::FragmentState& state = part->fragments[mark.fragment];
     if (state.size < 1) continue;
     const world::Pose& pose = state.asset_to_world;
     marks_.push_back({&mark, glm::vec3(pose.point(glm::dvec3(mark.position))),
@@ -308,21 +296,19 @@ void SceneView::set_balls(const std::vector<world::BallState>& balls) {
   }
 }
 
-Expected<ViewFigures> SceneView::draw(const game::Game& game, const render::Camera& camera,
-                                      const ViewSettings& given, GLuint framebuffer, int width, int height) {
-  ViewSettings settings = given;
-  if (settings.past != nullptr) {
-    settings.debug = DebugView::kNone;
-    settings.debris = nullptr;  // which is where it is now
-  }
+Expected<ViewFigures> SceneView::draw(const scenes::Scene& scene, const game::Moment& moment,
+                                      const render::Camera& camera, const ViewSettings& settings,
+                                      GLuint framebuffer, int width, int height) {
   const auto start = std::chrono::steady_clock::now();
   uploads_ = 0;
-  if (const auto furnished = upload_furniture(game); !furnished) return tl::unexpected(furnished.error());
+  if (const auto furnished = upload_furniture(scene); !furnished) return tl::unexpected(furnished.error());
   std::optional<Error> trouble;
-  for (std::size_t k = 0; k < game.things().size(); ++k)
-    if (const auto shown = show(game, k, settings); !shown) trouble = shown.error();
-  if (const auto uploaded = upload_coming(game); !uploaded) trouble = uploaded.error();
-  set_balls(settings.past != nullptr ? settings.past->balls : game.world().balls());
+  for (const auto& [key, place] : places_) hide(place);
+  for (std::size_t k = 0; k < moment.parts.size(); ++k)
+    if (const auto shown = show(scene, moment, k, settings.debug); !shown) trouble = shown.error();
+  if (settings.coming != nullptr)
+    if (const auto uploaded = upload_coming(scene, *settings.coming); !uploaded) trouble = uploaded.error();
+  set_balls(moment.balls);
   std::vector<render::DrawItem> draws;
   for (auto& [look, batch] : batches_) draws.push_back({&batch.gpu, batch.states, look, {0, 1, 0}});
 
@@ -332,7 +318,7 @@ Expected<ViewFigures> SceneView::draw(const game::Game& game, const render::Came
   how.ground_color = {0.30f, 0.31f, 0.32f};
   how.background_top = {0.20f, 0.33f, 0.52f};
   how.background_bottom = {0.66f, 0.72f, 0.78f};
-  how.lit = game.scene().bounds;
+  how.lit = scene.bounds;
   how.lighting.sky_shadows = settings.sky_shadows;
   how.lighting.sun_shadow = settings.sun_shadow;
   how.wireframe = settings.debug == DebugView::kWireframe;
@@ -341,11 +327,11 @@ Expected<ViewFigures> SceneView::draw(const game::Game& game, const render::Came
   const render::FrameStats stats = renderer_.draw(draws, camera, how, framebuffer, width, height);
   ViewFigures figures{stats.draw_calls, stats.shadow_draw_calls, stats.culled, uploads_, 0};
   if (settings.debris != nullptr && settings.debug == DebugView::kNone) {
-    place_marks(game, *settings.debris);
+    place_marks(moment, *settings.debris);
     figures.draw_calls += debris_.draw(*settings.debris, marks_, camera, framebuffer, width, height);
   }
   if (settings.debug == DebugView::kHulls || settings.debug == DebugView::kBonds) {
-    add_lines(game, settings.debug);
+    add_lines(moment, settings.debug);
     lines_.draw(camera, settings.debug == DebugView::kBonds);
     ++figures.draw_calls;
   }

@@ -1,4 +1,4 @@
-// A game's things as the renderer takes them: uploads what is new, carries transforms over, draws. Everything
+// A moment of a game as the renderer takes it: uploads what is new, carries transforms over, draws. Everything
 // of one look is one batch, so that what wears equal materials is one draw call, however many things it is.
 #pragma once
 
@@ -20,7 +20,8 @@ struct ViewSettings {
   int sky_shadows = 12;
   bool sun_shadow = true;
   const effects::Debris* debris = nullptr;  ///< dust, crumbs and marks; null: none
-  const game::Moment* past = nullptr;       ///< shown instead of what the game is now, and without debug view
+  /// What will be broken soon, to upload it ahead; null: what was uploaded so waits on.
+  const std::vector<game::Game::Coming>* coming = nullptr;
 };
 
 struct ViewFigures {
@@ -37,11 +38,13 @@ class SceneView {
     batches_.clear();
     places_.clear();
     waiting_.clear();
-    furnished_ = nullptr;
+    furnished_ = false;
   }
-  /// Draws the game into the framebuffer. kGl where the driver refuses a mesh; the rest is drawn.
-  Expected<ViewFigures> draw(const game::Game& game, const render::Camera& camera, const ViewSettings& given,
-                             GLuint framebuffer, int width, int height);
+  /// Draws a moment of a game in this scene into the framebuffer. It is the same scene until reset(); things that the moment
+  /// has not are not seen. kGl where the driver refuses a mesh; the rest is drawn.
+  Expected<ViewFigures> draw(const scenes::Scene& scene, const game::Moment& moment,
+                             const render::Camera& camera, const ViewSettings& settings, GLuint framebuffer,
+                             int width, int height);
 
  private:
   struct Batch {
@@ -49,6 +52,7 @@ class SceneView {
     std::vector<render::ObjectState> states;
   };
   struct Place {  ///< of a model's objects in the batch of its thing's look
+    render::SolidLook look = render::SolidLook::kNone;
     std::uint32_t first = 0, count = 0;
   };
   SceneView(render::Renderer renderer, DebugLines lines, effects::DebrisView debris)
@@ -58,21 +62,21 @@ class SceneView {
                               const std::optional<render::SolidPlacement>& solid);
   using LayerModel = std::shared_ptr<const render::Model>;  ///< of a layer of its fragments; null: the whole
   /// Where a model of a thing is in its batch; uploads what is not there yet.
-  Expected<Place> place_of(const game::Game& game, std::size_t thing, const LayerModel& model);
-  /// Shows a thing as it is, or was: whole, broken, or not there.
-  Expected<void> show(const game::Game& game, std::size_t thing, const ViewSettings& settings);
-  Expected<Place> upload(const game::Game& game, std::size_t thing, const LayerModel& model);
+  Expected<Place> place_of(const scenes::SceneObject& object, std::size_t thing, const LayerModel& model);
+  /// Shows a thing as it is in the moment: whole, broken, or not there.
+  Expected<void> show(const scenes::Scene& scene, const game::Moment& moment, std::size_t thing,
+                      DebugView debug);
+  Expected<Place> upload(const scenes::SceneObject& object, const LayerModel& model);
   /// Uploads what is about to break, unseen: the frame in which it breaks has enough to do.
-  Expected<void> upload_coming(const game::Game& game);
-  void hide(const game::Game& game, std::size_t thing, const Place& place);
-  void set_whole(const game::Game& game, std::size_t thing, const Place& place, const world::Pose& pose);
-  /// Of fragment_states_.
-  void set_fragments(const game::Game& game, std::size_t thing, const Place& place,
-                     const game::Decoded::Layer& layer, DebugView debug);
+  Expected<void> upload_coming(const scenes::Scene& scene, const std::vector<game::Game::Coming>& coming);
+  void hide(const Place& place);
+  void set_whole(const Place& place, const world::Pose& pose);
+  void set_fragments(const Place& place, const game::Decoded::Layer& layer,
+                     const std::vector<world::FragmentState>& fragments, DebugView debug);
   void set_balls(const std::vector<world::BallState>& balls);
-  void add_lines(const game::Game& game, DebugView debug);
-  Expected<void> upload_furniture(const game::Game& game);
-  void place_marks(const game::Game& game, const effects::Debris& debris);
+  void add_lines(const game::Moment& moment, DebugView debug);
+  Expected<void> upload_furniture(const scenes::Scene& scene);
+  void place_marks(const game::Moment& moment, const effects::Debris& debris);
 
   render::Renderer renderer_;
   DebugLines lines_;
@@ -82,8 +86,7 @@ class SceneView {
   std::map<std::pair<std::size_t, LayerModel>, Place> places_;  ///< by thing and model
   std::map<LayerModel, Place> waiting_;                         ///< uploaded ahead
   std::uint32_t balls_ = 0;                                     ///< first of them in the batch without a look
-  const game::Game* furnished_ = nullptr;
-  std::vector<world::FragmentState> fragment_states_;
+  bool furnished_ = false;
   std::size_t uploads_ = 0;
 };
 

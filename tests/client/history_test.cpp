@@ -178,9 +178,10 @@ TEST_F(Histories, ThePastIsBoundedAndFoundByStep) {
   EXPECT_EQ(few.at(0), nullptr);
   for (int k = 0; k < 40; ++k) {
     game.step();
-    few.add(game);
-    few.add(game);  // the same step once
-    small.add(game);
+    const auto moment = std::make_shared<const Moment>(moment_of(game));
+    few.add(moment);
+    few.add(moment);  // the same step once
+    small.add(moment);
   }
   EXPECT_EQ(few.size(), 21u);
   EXPECT_EQ(few.at(30)->step, 30u);

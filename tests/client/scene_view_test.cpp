@@ -37,9 +37,11 @@ class SceneViewTest : public testing::Test {
   ViewFigures draw(const game::Game& game, const game::Moment* past = nullptr) {
     ViewSettings settings;
     settings.sky_shadows = 1;
-    settings.past = past;
+    const std::vector<game::Game::Coming> coming = game.coming();
+    if (past == nullptr) settings.coming = &coming;
     const auto figures =
-        view_->draw(game, look_at({0, 2, 6}, {0, 1, 0}, 1), settings, target_->framebuffer(), kSize, kSize);
+        view_->draw(game.scene(), past != nullptr ? *past : game::moment_of(game),
+                    look_at({0, 2, 6}, {0, 1, 0}, 1), settings, target_->framebuffer(), kSize, kSize);
     if (!figures) throw std::runtime_error(figures.error().detail);
     return *figures;
   }

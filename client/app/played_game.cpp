@@ -1,0 +1,165 @@
+#include "client/app/played_game.hpp"
+
+#include <cstdio>
+#include <future>
+#include <utility>
+
+#include "client/app/output_places.hpp"
+#include "client/app/recorded_options.hpp"
+#include "client/app/sound_track.hpp"
+
+namespace fracture::app {
+
+void PlayedGame::begin(scenes::Scene scene, const Options& options, const nlohmann::json& header,
+                       std::shared_ptr<const game::Recording> recording) {
+  options_ = options;
+  answers_ = std::make_shared<game::KeptAnswers>();
+  if (std::unique_ptr<LiveGame> played = rewind_.clear()) {
+    halt(*played);
+    background_.retire(std::move(played));
+  }
+  const bool goes_on_with = recording != nullptr;
+  std::unique_ptr<LiveGame> made = make(std::move(scene), header, std::move(recording));
+  background_.retire(std::move(game_));
+  if (goes_on_with)
+    rewind_.begin(std::move(made));
+  else
+    game_ = std::move(made);
+}
+
+/// A game that begins as the header says, or plays the recording of one that did. The game before it is halted.
+std::unique_ptr<LiveGame> PlayedGame::make(scenes::Scene scene, const nlohmann::json& header,
+                                           std::shared_ptr<const game::Recording> recording) {
+  if (game_) halt(*game_);
+  game::GameSettings settings;
+  settings.seed = options_.seed;
+  settings.anticipate = options_.anticipate;
+  settings.overrides = header.at("parameters");
+  settings.world.max_witnessed = kMostWitnessed;
+  settings.history = std::make_shared<game::History>(header);
+  settings.answers = answers_;
+  settings.replay = std::move(recording);
+  if (auto recorder = recorder_for(options_.log, header))
+    settings.recorder = std::move(*recorder);
+  else
+    note_(recorder.error().detail);
+  return std::make_unique<LiveGame>(
+      std::make_unique<game::Game>(std::move(scene), client_, std::move(settings)), options_.seed);
+}
+
+/// Waits for its step. Two games that ask by one client would take each other's answers, and nothing of one may come into the
+/// other's file.
+void PlayedGame::halt(LiveGame& live) {
+  live.simulation.halt();
+  const game::Game& game = live.simulation.game();
+  if (patterns_.empty()) patterns_ = game.patterns();
+  if (game.settings().recorder) game.settings().recorder->finish();
+}
+
+bool PlayedGame::frame(Tick tick, double seconds, bool back) {
+  if (rewind_.playing()) return catch_up(tick, seconds);
+  if (!game_) return false;
+  const bool stands = go_back(seconds, back);
+  tick.running = tick.running && !stands;
+  for (std::string& said : game_->frame(tick, seconds)) note_(std::move(said));
+  if (!stands) rewind_.follow(now()->moment);
+  if (patterns_.empty() && now()->patterns) patterns_ = *now()->patterns;
+  if (!std::exchange(too_long_, now()->history_full) && too_long_)
+    note_(
+        "This game is too long to be kept: F5 saves its beginning, and nothing goes back. R begins another.");
+  return false;
+}
+
+/// Whether the game stands still for it.
+bool PlayedGame::go_back(double seconds, bool held) {
+  if (held) {
+    if (now()->history_full) {
+      note_("This game is too long to go back in. R begins another.");
+      return false;
+    }
+    rewind_.hold(now()->moment, game_->simulation.step_length(), seconds);
+    char text[64];
+    std::snprintf(text, sizeof text, "%.1f s back", rewind_.seconds_back());
+    note_(text);
+    return true;
+  }
+  if (!rewind_.held()) return false;
+  halt(*game_);
+  const game::Game& game = game_->simulation.game();
+  auto recording = std::make_shared<const game::Recording>(game.settings().history->until(rewind_.release()));
+  rewind_.begin(make(game.scene(), recording->header, recording));
+  return true;
+}
+
+bool PlayedGame::catch_up(const Tick& tick, double seconds) {
+  std::optional<Rewind::Played> played = rewind_.play_on(tick, seconds);
+  if (!played) {
+    note_("the game is played again: " + std::to_string(rewind_.percent()) + " %");
+    return false;
+  }
+  const bool another = game_ != nullptr;  // else it has been seen all the time
+  background_.retire(std::exchange(game_, std::move(played->game)));
+  note_(played->diverged ? "Step " + std::to_string(*played->diverged) +
+                               " is not what was recorded: the game goes on from there."
+                         : "the game goes on");
+  return another;
+}
+
+std::vector<sound::Voice> PlayedGame::take_voices() {
+  return game_ ? game_->playback.take_voices() : std::vector<sound::Voice>();
+}
+
+/// Something to do of which there is nothing to say.
+void PlayedGame::post(std::function<void(game::Game&)> command) {
+  if (!game_) return;
+  game_->simulation.post([command = std::move(command)](game::Game& game) {
+    command(game);
+    return std::string();
+  });
+}
+
+void PlayedGame::use(Tool tool, const glm::dvec3& eye, const glm::dvec3& direction) {
+  if (!goes_on()) return;
+  if (tool == Tool::kExplosion) {
+    game_->simulation.post([eye, direction](game::Game& game) -> std::string {
+      constexpr double kFarthest = 200, kBefore = 0.1;  // metres: of the aim; in front of what is met
+      const auto met = game.world().first_met(eye, eye + kFarthest * direction);
+      if (!met) return "nothing is there to explode at";
+      game.explode({*met - kBefore * direction, scenes::kBlastImpulse, scenes::kBlastRadius});
+      return {};
+    });
+    return;
+  }
+  const scenes::Scene& scene = game_->simulation.scene();
+  const bool wrecks = tool == Tool::kWreckingBall;
+  const double radius = wrecks ? scenes::kWreckingBall.radius : scene.ball_radius;
+  const glm::dvec3 from = eye + (radius + 0.3) * direction,
+                   velocity = (wrecks ? scenes::kWreckingSpeed : scene.ball_speed) * direction;
+  post([from, velocity, ball = wrecks ? scenes::kWreckingBall : scenes::Ball{}](game::Game& game) {
+    game.throw_ball(from, velocity, ball);
+  });
+}
+
+void PlayedGame::step_once() {
+  if (goes_on()) game_->simulation.step_once();
+}
+
+void PlayedGame::set_overrides(nlohmann::json overrides) {
+  if (goes_on())
+    post([overrides = std::move(overrides)](game::Game& game) { game.set_overrides(overrides); });
+}
+
+void PlayedGame::save(const std::string& folder) {
+  if (!game_) return;
+  const std::string path = unused_name(folder, "game", ".jsonl");
+  const auto saved = std::make_shared<std::promise<game::Recording>>();
+  background_.write_recording(saved->get_future(), path);
+  post([saved](game::Game& game) {
+    const game::History& history = *game.settings().history;
+    saved->set_value(history.until(history.steps()));
+  });
+  note_((now()->history_full ? "saved the beginning of this long game as " : "saved the game as ") + path +
+        ": --continue plays it");
+}
+
+}  // namespace fracture::app
