@@ -14,8 +14,8 @@ void Background::run(std::function<void()> work) {
   working_.push_back(std::async(std::launch::async, std::move(work)));
 }
 
-void Background::write_picture(render::Picture picture, const std::string& path) {
-  run([picture = std::make_shared<const render::Picture>(std::move(picture)), path] {
+void Background::write_picture(std::shared_ptr<const render::Picture> picture, const std::string& path) {
+  run([picture = std::move(picture), path] {
     if (const auto written = render::write_png(*picture, path); !written)
       std::fprintf(stderr, "fracture-client: %s\n", written.error().detail.c_str());
   });

@@ -23,7 +23,7 @@ class Background {
   }
 
   // What cannot be written is said on stderr.
-  void write_picture(render::Picture picture, const std::string& path);
+  void write_picture(std::shared_ptr<const render::Picture> picture, const std::string& path);
   void write_bytes(std::shared_ptr<const std::string> bytes, const std::string& path);
   /// When it is there.
   void write_recording(std::future<game::Recording> recording, const std::string& path);

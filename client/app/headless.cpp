@@ -70,11 +70,12 @@ class Recorder {
     const float aspect = static_cast<float>(options_.width) / static_cast<float>(options_.height);
     view::ViewSettings settings;
     settings.sky_shadows = sky_shadows;
+    settings.tier = options_.picture == render::TierWish::kHigh ? render::Tier::kHigh : render::Tier::kLow;
     settings.debris = debris;
     const std::vector<game::Game::Coming> coming = game.coming();
     settings.coming = &coming;
     const auto figures =
-        view_->draw(scene, game::moment_of(game), view::look_at(scene.eye, scene.target, aspect), settings,
+        view_->draw(scene, game::moment_of(game, settings.tier == render::Tier::kHigh), view::look_at(scene.eye, scene.target, aspect), settings,
                     target_->framebuffer(), options_.width, options_.height);
     if (!figures) return tl::unexpected(figures.error());
     return *figures;

@@ -116,6 +116,12 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
   CLI::Option* seed = app.add_option("--seed", o.seed, "Seed of the fractures")->check(no_seed);
   app.add_option("--width", o.width, "Pixels")->check(CLI::Range(64, 4096));
   app.add_option("--height", o.height, "Pixels")->check(CLI::Range(64, 4096));
+  std::string picture = render::kTierWishNames[static_cast<std::size_t>(o.picture)];
+  app.add_option(
+         "--picture", picture,
+         "Tier of the picture: low, which two cores draw without a graphics card; high, for one; auto: in "
+         "the window high where the card has room for it, else low")
+      ->check(CLI::IsMember(render::kTierWishNames));
   bool no_anticipation = false, no_throws = false, no_requests = false, no_sound = false, no_effects = false;
   CLI::Option* without_anticipation =
       app.add_flag("--no-anticipation", no_anticipation, "Ask at the contact, not when a ball is on its way");
@@ -218,6 +224,8 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
   std::stable_sort(o.blasts.begin(), o.blasts.end(),
                    [](const auto& a, const auto& b) { return a.time < b.time; });
   for (const std::string& text : set) add_parameter(text, o.parameters);
+  const auto wish = std::find(render::kTierWishNames.begin(), render::kTierWishNames.end(), picture);
+  o.picture = static_cast<render::TierWish>(wish - render::kTierWishNames.begin());
   o.sound = !no_sound;
   o.effects = !no_effects;
   o.anticipate = !no_anticipation;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "client/protocol/protocol.hpp"
+#include "client/render/tier.hpp"
 #include "client/scenes/scene.hpp"
 
 namespace fracture::app {
@@ -28,6 +29,7 @@ struct Options {
   protocol::Settings server;
   std::uint64_t seed = 1;
   int width = 1280, height = 720;
+  render::TierWish picture = render::TierWish::kAuto;  ///< without a window auto is low
   bool anticipate = true;
 
   double close_after = 0;  ///< seconds; 0: when the player leaves. Leaves a picture window.png

@@ -84,6 +84,13 @@ void draw_panel(PanelState& state, const scenes::Scene& shown, const Snapshot& n
     if (ImGui::Combo("show", &debug, view::kDebugViewNames.data(),
                      static_cast<int>(view::kDebugViewNames.size())))
       state.view.debug = static_cast<view::DebugView>(debug);
+    int picture = static_cast<int>(state.picture);
+    if (ImGui::Combo("picture", &picture, render::kTierWishNames.data(),
+                     static_cast<int>(render::kTierWishNames.size())))
+      state.picture = static_cast<render::TierWish>(picture);
+    if (state.picture == render::TierWish::kAuto)
+      ImGui::TextDisabled("picture: %s now",
+                          render::kTierWishNames[static_cast<std::size_t>(state.figures.tier)]);
     ImGui::SliderInt("sky shadows", &state.view.sky_shadows, 0, 32);
     ImGui::Checkbox("sun shadow", &state.view.sun_shadow);
     ImGui::Checkbox("dust and crumbs", &state.effects);

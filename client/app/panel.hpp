@@ -7,22 +7,19 @@
 
 #include "client/app/parameter_controls.hpp"
 #include "client/app/snapshot.hpp"
+#include "client/app/tools.hpp"
 #include "client/protocol/client.hpp"
 #include "client/scenes/scene.hpp"
 #include "client/view/scene_view.hpp"
 
 namespace fracture::app {
 
-/// What a click does.
-enum class Tool { kBall, kWreckingBall, kExplosion };
-inline constexpr std::array<const char*, 3> kToolActions = {"throws a ball", "throws a wrecking ball",
-                                                            "explodes there"};
-
 struct PanelState {
   bool help = false, panel = false, menu = false;
   Tool tool = Tool::kBall;
   bool gravity_held = false, gravity_always = false, slow_motion = false;
   view::ViewSettings view;
+  render::TierWish picture = render::TierWish::kAuto;
   view::ViewFigures figures;
   std::array<float, 240> frame_ms{};  ///< until all is submitted; a ring
   std::size_t next_frame = 0;

@@ -120,23 +120,8 @@ void PlayedGame::post(std::function<void(game::Game&)> command) {
 
 void PlayedGame::use(Tool tool, const glm::dvec3& eye, const glm::dvec3& direction) {
   if (!goes_on()) return;
-  if (tool == Tool::kExplosion) {
-    game_->simulation.post([eye, direction](game::Game& game) -> std::string {
-      constexpr double kFarthest = 200, kBefore = 0.1;  // metres: of the aim; in front of what is met
-      const auto met = game.world().first_met(eye, eye + kFarthest * direction);
-      if (!met) return "nothing is there to explode at";
-      game.explode({*met - kBefore * direction, scenes::kBlastImpulse, scenes::kBlastRadius});
-      return {};
-    });
-    return;
-  }
-  const scenes::Scene& scene = game_->simulation.scene();
-  const bool wrecks = tool == Tool::kWreckingBall;
-  const double radius = wrecks ? scenes::kWreckingBall.radius : scene.ball_radius;
-  const glm::dvec3 from = eye + (radius + 0.3) * direction,
-                   velocity = (wrecks ? scenes::kWreckingSpeed : scene.ball_speed) * direction;
-  post([from, velocity, ball = wrecks ? scenes::kWreckingBall : scenes::Ball{}](game::Game& game) {
-    game.throw_ball(from, velocity, ball);
+  game_->simulation.post([tool, eye, direction](game::Game& game) {
+    return use_tool(tool, game, eye, direction) ? std::string() : "nothing is there to explode at";
   });
 }
 

@@ -17,12 +17,13 @@
 #include "client/app/glfw_window.hpp"
 #include "client/app/headless.hpp"
 #include "client/app/hud.hpp"
+#include "client/app/output_places.hpp"
 #include "client/app/panel.hpp"
 #include "client/app/played_game.hpp"
 #include "client/app/recorded_options.hpp"
 #include "client/app/scene_menu.hpp"
 #include "client/app/sound_track.hpp"
-#include "client/render/frame_target.hpp"
+#include "client/app/window_picture.hpp"
 #include "client/sound/player.hpp"
 #include "common/base/printable.hpp"
 
@@ -45,7 +46,7 @@ class Session {
         window_(window),
         camera_(window),
         client_(options.server),
-        view_(std::move(view)),
+        picture_(std::move(view)),
         recording_(std::move(recording)) {
     glfwSetWindowUserPointer(window, this);
     glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
@@ -61,11 +62,12 @@ class Session {
         session.camera_.look(session.look_always_);
       if (action != GLFW_PRESS || ImGui::GetIO().WantCaptureMouse) return;
       if (button == GLFW_MOUSE_BUTTON_RIGHT) session.camera_.look(true);
-      if (button == GLFW_MOUSE_BUTTON_LEFT) session.use_tool();
+      if (button == GLFW_MOUSE_BUTTON_LEFT) session.click();
     });
     state_.gravity_always = options.gravity;
     state_.sound = options.sound;
     state_.effects = options.effects;
+    state_.picture = options.picture;
     if (options.sound) player_ = std::make_unique<sound::Player>();
     state_.given = options.parameters;
     load([options] { return scene_of(options); });
@@ -140,7 +142,7 @@ class Session {
         note(same.error().detail);
         recording_.reset();
       }
-    view_.reset();
+    picture_.reset();
     game_.begin(std::move(*scene), options_, header, std::exchange(recording_, nullptr));
   }
 
@@ -208,7 +210,7 @@ class Session {
         load([options = options_] { return scene_of(options); });
         break;
       case GLFW_KEY_P:
-        screenshot("fracture-" + std::to_string(++pictures_) + ".png");
+        screenshot("fracture-" + std::to_string(++screenshots_) + ".png");
         break;
       case GLFW_KEY_V:
         state_.view.debug = static_cast<view::DebugView>((static_cast<int>(state_.view.debug) + 1) %
@@ -229,17 +231,18 @@ class Session {
     }
   }
 
-  void use_tool() {
+  void click() {
     if (!game_.goes_on()) return;
     game_.use(state_.tool, glm::dvec3(camera_.eye()), camera_.aim_direction());
     if (!state_.gravity_always && !state_.gravity_held) note("Paused: hold X, or press G, and it happens.");
   }
 
   void screenshot(const std::string& name) {
-    if (!target_) return;
+    auto picture = picture_.read();
+    if (!picture) return;
     // Reading waits for the driver, as a picture on demand may; encoding and writing do not.
     const std::string path = (std::filesystem::path(options_.out) / name).string();
-    background_.write_picture(target_->read(), path);
+    background_.write_picture(std::move(picture), path);
     note("saved " + path);
   }
 
@@ -259,22 +262,15 @@ class Session {
     int width = 0, height = 0;
     glfwGetFramebufferSize(window_, &width, &height);
     if (width < 1 || height < 1) return;
-    if (!target_ || target_->width() != width || target_->height() != height) {
-      auto made = render::FrameTarget::create(width, height);
-      if (!made) {
-        note(made.error().detail);
-        return;
-      }
-      target_ = std::make_unique<render::FrameTarget>(std::move(*made));
-    }
+    if (const auto ready = picture_.prepare(width, height); !ready) return note(ready.error().detail);
     const render::Camera camera = view::look_at(camera_.eye(), camera_.eye() + camera_.forward(),
                                                 static_cast<float>(width) / static_cast<float>(height));
     const Clock::time_point begin = Clock::now();
     play(seconds);
-    if (const LiveGame* seen = game_.seen()) draw_game(*seen, camera, width, height);
+    if (const LiveGame* seen = game_.seen()) draw_game(*seen, camera);
     state_.frame_ms[state_.next_frame] = static_cast<float>(1e3 * seconds_between(begin, Clock::now()));
     state_.next_frame = (state_.next_frame + 1) % state_.frame_ms.size();
-    target_->copy_to(0);
+    picture_.show();
     overlay(camera, width, height);
   }
 
@@ -285,8 +281,8 @@ class Session {
     tick.seconds = state_.slow_motion ? kSlow * seconds : seconds;
     tick.running = state_.gravity_always || state_.gravity_held;
     tick.eye = camera_.eye();
-    tick.loads = state_.view.debug == view::DebugView::kBonds;
-    if (game_.frame(tick, seconds, down(GLFW_KEY_B))) view_.reset();
+    tick.loads = state_.view.debug == view::DebugView::kBonds || state_.figures.tier == render::Tier::kHigh;
+    if (game_.frame(tick, seconds, down(GLFW_KEY_B))) picture_.reset();
     if (state_.parameters.empty() && !game_.patterns().empty()) state_.parameters.read(game_.patterns());
     std::vector<sound::Voice> voices = game_.take_voices();
     if (!player_) return;
@@ -295,7 +291,7 @@ class Session {
     state_.silent = player_->state() == sound::Player::State::kNoDevice;
   }
 
-  void draw_game(const LiveGame& live, const render::Camera& camera, int width, int height) {
+  void draw_game(const LiveGame& live, const render::Camera& camera) {
     const game::Moment* past = game_.past();
     const std::vector<game::Game::Coming> coming = live.playback.coming();
     view::ViewSettings settings = state_.view;
@@ -305,8 +301,9 @@ class Session {
       settings.coming = &coming;
       settings.debris = state_.effects ? &live.playback.debris() : nullptr;
     }
-    const auto drawn = view_.draw(live.simulation.scene(), past != nullptr ? *past : live.playback.moment(),
-                                  camera, settings, target_->framebuffer(), width, height);
+    const auto drawn =
+        picture_.draw(live.simulation.scene(), past != nullptr ? *past : live.playback.moment(), camera,
+                      settings, state_.picture);
     if (drawn)
       state_.figures = *drawn;
     else
@@ -352,18 +349,17 @@ class Session {
   GLFWwindow* window_;
   FlyCamera camera_;
   protocol::Client client_;
-  view::SceneView view_;
+  WindowPicture picture_;
   std::shared_ptr<const game::Recording> recording_;  ///< to go on from, until its scene is there
   Background background_;
   PlayedGame game_{client_, background_, [this](std::string text) { note(std::move(text)); }};
-  std::unique_ptr<render::FrameTarget> target_;
   std::unique_ptr<sound::Player> player_;  ///< null: silent
   std::unique_ptr<SceneMenu> menu_;        ///< once it was asked for
   PanelState state_;
   Clock::time_point note_until_{};
   std::future<Loaded> loading_;
   bool look_always_ = false;
-  int pictures_ = 0, saved_ = 0;
+  int screenshots_ = 0, saved_ = 0;
 };
 
 }  // namespace

@@ -22,7 +22,8 @@ Expected<Line> parse(const std::string& text) {
   const auto output = given.find("output");
   if (output == given.end() || !output->is_string() || output->get_ref<const std::string&>().empty())
     return fail(ErrorCode::kBadParameter, "The line has no 'output', the name of a PNG.");
-  Line line{{}, output->get<std::string>()};
+  Line line;
+  line.output = output->get<std::string>();
   given.erase(output);
   if (const auto set = set_options(line.options, given, "The line"); !set) return tl::unexpected(set.error());
   if (line.options.file.empty()) return fail(ErrorCode::kBadParameter, "The line has no 'file'.");

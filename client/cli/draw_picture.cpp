@@ -38,6 +38,8 @@ Expected<render::Picture> PictureMaker::draw(const PictureOptions& options) {
   const float aspect = static_cast<float>(options.width) / static_cast<float>(options.height);
   stats_ = renderer_.draw(**gpu, states, fit_camera(sphere, options.camera, aspect), options.settings,
                           target_->framebuffer(), width, height);
+  if (stats_.tier != options.settings.tier && renderer_.trouble())
+    return tl::unexpected(*renderer_.trouble());
   return downsample(target_->read(), options.supersample);
 }
 

@@ -81,6 +81,7 @@ constexpr std::array kViews = {std::pair{"assembled", View::kAssembled},
                                std::pair{"exploded", View::kExploded}, std::pair{"impact", View::kImpact}};
 constexpr std::array kGrounds = {std::pair{"none", Ground::kNone}, std::pair{"plane", Ground::kPlane},
                                  std::pair{"grid", Ground::kGrid}};
+constexpr std::array kTiers = {std::pair{"low", render::Tier::kLow}, std::pair{"high", render::Tier::kHigh}};
 enum class ColorChoice { kMaterial, kFragment, kLevel, kInterior };
 constexpr std::array kColors = {
     std::pair{"material", ColorChoice::kMaterial}, std::pair{"fragment", ColorChoice::kFragment},
@@ -160,6 +161,8 @@ constexpr OptionSpec kSpecs[] = {
      [](P& o, J v) { o.settings.lighting.exposure = real(v, 0.01, 100); }},
     {"sky-shadows", "0 to 64", "Directions of the sky that throw shadows",
      [](P& o, J v) { o.settings.lighting.sky_shadows = whole(v, 0, render::kMaxSkyDirections); }},
+    {"picture", "PICTURE", "low (for two cores), high (for graphics cards)",
+     [](P& o, J v) { o.settings.tier = choose(v, kTiers); }},
     {"supersample", "1 to 4", "Drawn so many times larger and averaged",
      [](P& o, J v) { o.supersample = whole(v, 1, 4); }},
 };

@@ -2,24 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 
 #include "client/render/gpu_model.hpp"
+#include "client/render/programs.hpp"
 
 namespace fracture::effects {
 namespace {
 
-// Units that the renderer does not use.
-constexpr int kShapes = render::kSkyShadows + 1, kDepth = render::kSkyShadows + 2;
-constexpr GLuint kFrameBinding = 0;  // as in the renderer
-constexpr int kShapeSide = 64;       // texels
+// Units that the renderer uses where it draws surfaces alone.
+constexpr int kShapes = render::kBehind, kDepth = render::kSceneDepth;
+constexpr int kShapeSide = 64;  // texels
 constexpr int kCrumbVertices = 24, kBoxVertices = 36;
-
-std::string shader(std::initializer_list<const char*> parts) {
-  std::string text = "#version 330 core\n";
-  for (const char* part : parts) text += render::shader_text(part);
-  return text;
-}
 
 /// Attributes of four floats each, from the first on, of which `divisor` instances share one.
 void attributes(GLuint buffer, GLuint first, std::initializer_list<int> sizes, GLuint divisor) {
@@ -62,31 +55,33 @@ float noise(int x, int y, int cell, int shape) {
 
 }  // namespace
 
-Expected<void> DebrisView::build_programs() {
-  const auto build = [](render::Program& program, const char* name, std::initializer_list<const char*> vertex,
-                        std::initializer_list<const char*> fragment) -> Expected<void> {
-    auto built = render::Program::build(name, shader(vertex), shader(fragment));
+Expected<void> DebrisView::build_programs(render::Tier tier) {
+  const auto build = [tier](render::Program& program, const char* name, render::ShaderParts vertex,
+                            render::ShaderParts low, render::ShaderParts high) -> Expected<void> {
+    auto built = render::build_program(name, tier, vertex, tier == render::Tier::kHigh ? high : low);
     if (!built) return tl::unexpected(built.error());
     program = std::move(*built);
-    program.use();
-    program.bind_block("Frame", kFrameBinding);
-    program.set("sun_map", render::kSunShadow);
-    program.set("sky_maps", render::kSkyShadows);
     program.set("puff_shapes", kShapes);
     program.set("scene_depth", kDepth);
     return {};
   };
-  auto built = build(puff_, "puff", {"frame", "puff_vertex"}, {"frame", "lighting", "puff_fragment"});
+  auto built = build(puff_, "puff", {"frame", "puff_vertex"},
+                     {"frame", "brdf", "lighting", "tone_map", "puff_fragment"},
+                     {"frame", "brdf", "noise", "sky", "lighting_high", "puff_fragment"});
   if (built)
-    built = build(crumb_, "crumb", {"frame", "crumb_vertex"}, {"frame", "lighting", "crumb_fragment"});
+    built = build(crumb_, "crumb", {"frame", "crumb_vertex"},
+                  {"frame", "brdf", "lighting", "tone_map", "crumb_fragment"},
+                  {"frame", "brdf", "noise", "sky", "lighting_high", "crumb_fragment"});
   if (built)
-    built = build(mark_, "mark", {"frame", "mark_vertex"}, {"frame", "lighting", "noise", "mark_fragment"});
+    built = build(mark_, "mark", {"frame", "mark_vertex"},
+                  {"frame", "brdf", "lighting", "tone_map", "noise", "mark_fragment"},
+                  {"frame", "brdf", "noise", "sky", "lighting_high", "mark_fragment"});
   return built;
 }
 
-Expected<DebrisView> DebrisView::create() {
+Expected<DebrisView> DebrisView::create(render::Tier tier) {
   DebrisView view;
-  if (const auto built = view.build_programs(); !built) return tl::unexpected(built.error());
+  if (const auto built = view.build_programs(tier); !built) return tl::unexpected(built.error());
   for (render::Buffer* buffer :
        {&view.puff_buffer_, &view.crumb_buffer_, &view.mark_buffer_, &view.crumb_shape_, &view.box_})
     *buffer = render::make_buffer();

@@ -7,6 +7,7 @@
 #include "client/effects/debris.hpp"
 #include "client/render/camera.hpp"
 #include "client/render/gl_objects.hpp"
+#include "client/render/tier.hpp"
 
 namespace fracture::effects {
 
@@ -18,17 +19,17 @@ struct PlacedMark {
 
 class DebrisView {
  public:
-  /// kGraphicsDriver where a shader is refused.
-  static Expected<DebrisView> create();
+  /// For pictures of a tier. kGraphicsDriver where a shader is refused.
+  static Expected<DebrisView> create(render::Tier tier = render::Tier::kLow);
 
-  /// Into `framebuffer`, right after Renderer::draw, whose frame block and shadow maps are still bound. Returns the number
+  /// Into `framebuffer`, as the overlay of Renderer::draw or right after it (low tier), whose frame block and shadow maps are still bound. Returns the number
   /// of draw calls: none where there is no debris.
   std::size_t draw(const Debris& debris, std::span<const PlacedMark> marks, const render::Camera& camera,
                    GLuint framebuffer, int width, int height);
 
  private:
   DebrisView() = default;
-  Expected<void> build_programs();
+  Expected<void> build_programs(render::Tier tier);
   void make_puff_shapes();
   void make_boxes();
   void copy_depth(GLuint framebuffer, int width, int height);

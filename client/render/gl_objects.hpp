@@ -36,6 +36,7 @@ inline void delete_texture(GLuint name) { glDeleteTextures(1, &name); }
 inline void delete_vertex_array(GLuint name) { glDeleteVertexArrays(1, &name); }
 inline void delete_framebuffer(GLuint name) { glDeleteFramebuffers(1, &name); }
 inline void delete_renderbuffer(GLuint name) { glDeleteRenderbuffers(1, &name); }
+inline void delete_query(GLuint name) { glDeleteQueries(1, &name); }
 inline void delete_sampler(GLuint name) { glDeleteSamplers(1, &name); }
 inline void delete_program(GLuint name) { glDeleteProgram(name); }
 }  // namespace gl
@@ -45,6 +46,7 @@ using Texture = GlName<gl::delete_texture>;
 using VertexArray = GlName<gl::delete_vertex_array>;
 using Framebuffer = GlName<gl::delete_framebuffer>;
 using Renderbuffer = GlName<gl::delete_renderbuffer>;
+using Query = GlName<gl::delete_query>;
 using Sampler = GlName<gl::delete_sampler>;
 
 template <class Name>
@@ -67,6 +69,9 @@ inline Framebuffer make_framebuffer() {
 }
 inline Renderbuffer make_renderbuffer() {
   return generate<Renderbuffer>([](GLsizei n, GLuint* x) { glGenRenderbuffers(n, x); });
+}
+inline Query make_query() {
+  return generate<Query>([](GLsizei n, GLuint* x) { glGenQueries(n, x); });
 }
 inline Sampler make_sampler() {
   return generate<Sampler>([](GLsizei n, GLuint* x) { glGenSamplers(n, x); });

@@ -15,7 +15,7 @@
 
 namespace fracture::render {
 
-/// Texture units of the surface program, in this order.
+/// Texture units of all programs, in this order. Sixteen are what every driver has for a fragment.
 enum TextureUnit : int {
   kObjectTable,
   kBaseColor,
@@ -25,6 +25,15 @@ enum TextureUnit : int {
   kEmissive,
   kSunShadow,
   kSkyShadows,
+  // The high tier's; the first two are others' where no surface is drawn (effects, passes over the whole picture).
+  kBehind,
+  kSceneDepth,
+  kSunDepths,
+  kClearShadow,
+  kSkyMap,
+  kScreenOcclusion,
+  kGlassFront,
+  kGlassBack,
 };
 
 class GpuModel {

@@ -4,11 +4,15 @@
 //
 // A frame is: table of objects → sun depth → sky depths → background, opaque surfaces, ground, blended
 // surfaces (their back faces, then their front faces: for closed fragments of one glass the order among them
-// changes little, as absorption multiplies). Neighbouring surfaces of one material are one draw call.
+// changes little, as absorption multiplies). Neighbouring surfaces of one material are one draw call. That is the low
+// tier; high_picture.hpp says what the high one does after the depths of sun and sky.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <glm/glm.hpp>
+#include <memory>
 #include <optional>
 #include <span>
 
@@ -16,6 +20,7 @@
 #include "client/render/gpu_model.hpp"
 #include "client/render/looks.hpp"
 #include "client/render/shadow_maps.hpp"
+#include "client/render/tier.hpp"
 
 namespace fracture::render {
 
@@ -48,6 +53,10 @@ struct RenderSettings {
   /// What light and shadow maps cover, and the middle of the ground; around all visible objects when empty.
   std::optional<Sphere> lit;
   bool wireframe = false;  ///< edges of the surfaces alone
+  Tier tier = Tier::kLow;  ///< high draws a sky instead of the background's colours, and no edges
+  /// Called with the framebuffer that more can be drawn into, after all surfaces and, in the high tier, before what is done
+  /// to the picture as a whole: there it takes light, not colours.
+  std::function<void(GLuint framebuffer)> overlay{};
 };
 
 /// One of several models that stand in the same picture, with a look of its own.
@@ -56,6 +65,8 @@ struct DrawItem {
   std::span<const ObjectState> states;  ///< one for each object
   SolidLook look = SolidLook::kNone;
   glm::vec3 grain{0, 1, 0};  ///< of objects without a placement of their own
+  /// One for each object, or empty: 1 where its interior surfaces are not drawn (they throw shadows all the same).
+  std::span<const std::uint8_t> uncut{};
 };
 
 struct FrameStats {
@@ -63,38 +74,44 @@ struct FrameStats {
   std::size_t shadow_draw_calls = 0;  ///< of the depth passes: a few for each shadow map
   std::size_t surfaces = 0;           ///< drawn in the visible pass
   std::size_t culled = 0;             ///< outside the view
+  Tier tier = Tier::kLow;             ///< that was drawn
 };
+
+struct FrameBlock;
+class HighPicture;
 
 class Renderer {
  public:
   /// kNoDevice below OpenGL 3.3, kGl where a shader or a map is refused.
   static Expected<Renderer> create();
+  Renderer(Renderer&&) noexcept;
+  Renderer& operator=(Renderer&&) noexcept;
+  ~Renderer();
 
   /// Draws into `framebuffer`, of width × height pixels, and clears it first. `states` has one for each
-  /// object.
+  /// object. Where the driver refuses the high tier, the low one is drawn, and trouble() says why.
   FrameStats draw(GpuModel& model, std::span<const ObjectState> states, const Camera& camera,
                   const RenderSettings& settings, GLuint framebuffer, int width, int height);
   /// Several models in one picture; the looks of the items replace that of the settings.
   FrameStats draw(std::span<const DrawItem> items, const Camera& camera, const RenderSettings& settings,
                   GLuint framebuffer, int width, int height);
 
+  const std::optional<Error>& trouble() const { return trouble_; }
+
  private:
-  struct Frame;
-  struct Draw;
-  Renderer() = default;
-  void upload_frame(const Frame& frame) const;
-  void depth_passes(std::span<const DrawItem> items, const RenderSettings& settings, FrameStats& stats) const;
-  void draw_depth(const DrawItem& item, const RenderSettings& settings, int map, FrameStats& stats) const;
-  void begin_surfaces(const DrawItem& item) const;
-  void draw_surfaces(const DrawItem& item, const Camera& camera, bool blended, const RenderSettings& settings,
-                     FrameStats& stats) const;
-  void set_material(const GpuModel& model, const Material& material, const RenderSettings& settings) const;
+  Renderer();
+  void upload_frame(const FrameBlock& frame) const;
+  void depth_passes(std::span<const DrawItem> items, const RenderSettings& settings, Tier tier,
+                    FrameStats& stats);
   void draw_ground(const RenderSettings& settings) const;
+  bool prepare_high(int width, int height);  ///< false: trouble()
 
   Program surface_, depth_, ground_, background_;
   Buffer frame_block_;
   VertexArray empty_;
   std::optional<ShadowMaps> shadows_;
+  std::unique_ptr<HighPicture> high_;  ///< once it was asked for
+  std::optional<Error> trouble_;
 };
 
 }  // namespace fracture::render

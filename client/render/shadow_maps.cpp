@@ -67,9 +67,11 @@ Expected<ShadowMaps> ShadowMaps::create(int sun_side, int sky_side, int sky_coun
   return maps;
 }
 
-void ShadowMaps::begin_sun() const {
+void ShadowMaps::begin_sun() const { begin_map(sun_); }
+
+void ShadowMaps::begin_map(const Texture& map) const {
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.get());
-  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, sun_.get(), 0);
+  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, map.get(), 0);
   glDrawBuffer(GL_NONE);
   glReadBuffer(GL_NONE);
   glViewport(0, 0, sun_side_, sun_side_);
@@ -85,11 +87,38 @@ void ShadowMaps::begin_sky(int direction) const {
   glClear(GL_DEPTH_BUFFER_BIT);
 }
 
+Expected<void> ShadowMaps::add_clear() {
+  if (clear_.get() != 0) return {};
+  clear_ = make_texture();
+  glBindTexture(GL_TEXTURE_2D, clear_.get());
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, sun_side_, sun_side_, 0, GL_DEPTH_COMPONENT,
+               GL_UNSIGNED_INT, nullptr);
+  set_depth_parameters(GL_TEXTURE_2D);
+  depths_ = make_sampler();
+  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    glSamplerParameteri(depths_.get(), filter, GL_NEAREST);
+  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+    glSamplerParameteri(depths_.get(), wrap, GL_CLAMP_TO_EDGE);
+  begin_clear();
+  if (const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER); status != GL_FRAMEBUFFER_COMPLETE)
+    return fail(ErrorCode::kGraphicsDriver,
+                "The driver refuses a second shadow map (status " + std::to_string(status) + ").");
+  return {};
+}
+
+void ShadowMaps::begin_clear() const { begin_map(clear_); }
+
 void ShadowMaps::bind() const {
   glActiveTexture(GL_TEXTURE0 + kSunShadow);
   glBindTexture(GL_TEXTURE_2D, sun_.get());
   glActiveTexture(GL_TEXTURE0 + kSkyShadows);
   glBindTexture(GL_TEXTURE_2D_ARRAY, sky_.get());
+  if (clear_.get() == 0) return;
+  glActiveTexture(GL_TEXTURE0 + kClearShadow);
+  glBindTexture(GL_TEXTURE_2D, clear_.get());
+  glActiveTexture(GL_TEXTURE0 + kSunDepths);
+  glBindTexture(GL_TEXTURE_2D, sun_.get());
+  glBindSampler(kSunDepths, depths_.get());
 }
 
 }  // namespace fracture::render

@@ -30,15 +30,20 @@ class ShadowMaps {
   /// Makes the map the target of the depth pass that follows and clears it.
   void begin_sun() const;
   void begin_sky(int direction) const;
-  void bind() const;  ///< both, to their texture units
+  /// Of the high tier: a second map of the sun, for what lets light through; and the first one's depths as numbers. kGraphicsDriver.
+  Expected<void> add_clear();
+  void begin_clear() const;
+  void bind() const;  ///< all there are, to their texture units
   int sun_side() const { return sun_side_; }
   int sky_side() const { return sky_side_; }
   int sky_count() const { return sky_count_; }
 
  private:
   ShadowMaps() = default;
+  void begin_map(const Texture& map) const;
   int sun_side_ = 0, sky_side_ = 0, sky_count_ = 0;
-  Texture sun_, sky_;
+  Texture sun_, sky_, clear_;
+  Sampler depths_;  ///< reads a map without comparison
   Framebuffer framebuffer_;
 };
 

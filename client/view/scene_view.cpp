@@ -6,6 +6,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "client/render/fragment_views.hpp"
+#include "client/view/held_cuts.hpp"
 
 namespace fracture::view {
 namespace {
@@ -87,12 +88,13 @@ Expected<std::uint32_t> SceneView::add(render::SolidLook look, const render::Mod
   if (batch == batches_.end()) {
     Expected<render::GpuModel> gpu = render::GpuModel::batch();
     if (!gpu) return tl::unexpected(gpu.error());
-    batch = batches_.emplace(look, Batch{std::move(*gpu), {}}).first;
+    batch = batches_.emplace(look, Batch{std::move(*gpu), {}, {}}).first;
   }
   const Expected<std::uint32_t> first = batch->second.gpu.append(model, solid, look);
   if (!first) return first;
   const std::vector<ObjectState> states = initial_states(model);
   batch->second.states.insert(batch->second.states.end(), states.begin(), states.end());
+  batch->second.uncut.resize(batch->second.states.size(), 0);
   ++uploads_;
   return first;
 }
@@ -146,7 +148,7 @@ Expected<SceneView::Place> SceneView::place_of(const scenes::SceneObject& object
 }
 
 Expected<void> SceneView::show(const scenes::Scene& scene, const game::Moment& moment, std::size_t index,
-                               DebugView debug) {
+                               const ViewSettings& settings) {
   const game::Moment::Part& part = moment.parts[index];
   const scenes::SceneObject& object = scene.objects[part.scene_object];
   if (!part.broken) {
@@ -158,7 +160,10 @@ Expected<void> SceneView::show(const scenes::Scene& scene, const game::Moment& m
   for (const game::Decoded::Layer& layer : part.broken->layers) {
     const Expected<Place> place = place_of(object, index, layer.model);
     if (!place) return tl::unexpected(place.error());
-    set_fragments(*place, layer, part.fragments, debug);
+    set_fragments(*place, layer, part.fragments, settings.debug);
+    if (settings.tier == render::Tier::kHigh)
+      hide_held_cuts(object, part, layer,
+                     std::span(batches_.at(object.look).uncut).subspan(place->first, place->count));
   }
   return {};
 }
@@ -296,40 +301,54 @@ void SceneView::set_balls(const std::vector<world::BallState>& balls) {
   }
 }
 
+Expected<effects::DebrisView*> SceneView::debris_for(render::Tier tier) {
+  if (tier == render::Tier::kLow) return &debris_;
+  if (!high_debris_) {
+    Expected<effects::DebrisView> made = effects::DebrisView::create(tier);
+    if (!made) return tl::unexpected(made.error());
+    high_debris_.emplace(std::move(*made));
+  }
+  return &*high_debris_;
+}
+
 Expected<ViewFigures> SceneView::draw(const scenes::Scene& scene, const game::Moment& moment,
-                                      const render::Camera& camera, const ViewSettings& settings,
+                                      const render::Camera& camera, const ViewSettings& given,
                                       GLuint framebuffer, int width, int height) {
+  ViewSettings settings = given;
+  if (settings.debug != DebugView::kNone) settings.tier = render::Tier::kLow;
   const auto start = std::chrono::steady_clock::now();
   uploads_ = 0;
   if (const auto furnished = upload_furniture(scene); !furnished) return tl::unexpected(furnished.error());
   std::optional<Error> trouble;
   for (const auto& [key, place] : places_) hide(place);
   for (std::size_t k = 0; k < moment.parts.size(); ++k)
-    if (const auto shown = show(scene, moment, k, settings.debug); !shown) trouble = shown.error();
+    if (const auto shown = show(scene, moment, k, settings); !shown) trouble = shown.error();
   if (settings.coming != nullptr)
     if (const auto uploaded = upload_coming(scene, *settings.coming); !uploaded) trouble = uploaded.error();
   set_balls(moment.balls);
   std::vector<render::DrawItem> draws;
-  for (auto& [look, batch] : batches_) draws.push_back({&batch.gpu, batch.states, look, {0, 1, 0}});
+  for (auto& [look, batch] : batches_)
+    draws.push_back({&batch.gpu,
+                     batch.states,
+                     look,
+                     {0, 1, 0},
+                     settings.tier == render::Tier::kHigh ? std::span<const std::uint8_t>(batch.uncut)
+                                                          : std::span<const std::uint8_t>()});
 
-  render::RenderSettings how;
-  how.ground = render::Ground::kGrid;
-  how.ground_height = 0.f;
-  how.ground_color = {0.30f, 0.31f, 0.32f};
-  how.background_top = {0.20f, 0.33f, 0.52f};
-  how.background_bottom = {0.66f, 0.72f, 0.78f};
-  how.lit = scene.bounds;
-  how.lighting.sky_shadows = settings.sky_shadows;
-  how.lighting.sun_shadow = settings.sun_shadow;
-  how.wireframe = settings.debug == DebugView::kWireframe;
-  how.highlight =
-      settings.debug == DebugView::kInterior ? render::Highlight::kInterior : render::Highlight::kNone;
-  const render::FrameStats stats = renderer_.draw(draws, camera, how, framebuffer, width, height);
-  ViewFigures figures{stats.draw_calls, stats.shadow_draw_calls, stats.culled, uploads_, 0};
+  render::RenderSettings how = render_settings(scene, settings);
+  std::size_t debris_calls = 0;
   if (settings.debris != nullptr && settings.debug == DebugView::kNone) {
+    const Expected<effects::DebrisView*> debris = debris_for(settings.tier);
+    if (!debris) return tl::unexpected(debris.error());
     place_marks(moment, *settings.debris);
-    figures.draw_calls += debris_.draw(*settings.debris, marks_, camera, framebuffer, width, height);
+    how.overlay = [&, view = *debris](GLuint into) {
+      debris_calls = view->draw(*settings.debris, marks_, camera, into, width, height);
+    };
   }
+  const render::FrameStats stats = renderer_.draw(draws, camera, how, framebuffer, width, height);
+  if (stats.tier != settings.tier) trouble = renderer_.trouble();
+  ViewFigures figures{
+      stats.draw_calls + debris_calls, stats.shadow_draw_calls, stats.culled, uploads_, 0, stats.tier};
   if (settings.debug == DebugView::kHulls || settings.debug == DebugView::kBonds) {
     add_lines(moment, settings.debug);
     lines_.draw(camera, settings.debug == DebugView::kBonds);

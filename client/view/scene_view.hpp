@@ -8,25 +8,14 @@
 #include "client/game/moment.hpp"
 #include "client/render/renderer.hpp"
 #include "client/view/debug_lines.hpp"
+#include "client/view/view_settings.hpp"
 
 namespace fracture::view {
-
-enum class DebugView { kNone, kWireframe, kHulls, kBonds, kFragments, kInterior };
-inline constexpr std::array<const char*, 6> kDebugViewNames = {
-    "nothing", "wireframe", "collision hulls", "bonds by load", "groups", "cut faces"};
-
-struct ViewSettings {
-  DebugView debug = DebugView::kNone;
-  int sky_shadows = 12;
-  bool sun_shadow = true;
-  const effects::Debris* debris = nullptr;  ///< dust, crumbs and marks; null: none
-  /// What will be broken soon, to upload it ahead; null: what was uploaded so waits on.
-  const std::vector<game::Game::Coming>* coming = nullptr;
-};
 
 struct ViewFigures {
   std::size_t draw_calls = 0, shadow_draw_calls = 0, culled = 0, uploads = 0;
   double submit_ms = 0;  ///< processor time from the first to the last call of a frame
+  render::Tier tier = render::Tier::kLow;
 };
 
 class SceneView {
@@ -50,6 +39,7 @@ class SceneView {
   struct Batch {
     render::GpuModel gpu;
     std::vector<render::ObjectState> states;
+    std::vector<std::uint8_t> uncut;  ///< 1: nobody sees its interior surfaces
   };
   struct Place {  ///< of a model's objects in the batch of its thing's look
     render::SolidLook look = render::SolidLook::kNone;
@@ -65,7 +55,7 @@ class SceneView {
   Expected<Place> place_of(const scenes::SceneObject& object, std::size_t thing, const LayerModel& model);
   /// Shows a thing as it is in the moment: whole, broken, or not there.
   Expected<void> show(const scenes::Scene& scene, const game::Moment& moment, std::size_t thing,
-                      DebugView debug);
+                      const ViewSettings& settings);
   Expected<Place> upload(const scenes::SceneObject& object, const LayerModel& model);
   /// Uploads what is about to break, unseen: the frame in which it breaks has enough to do.
   Expected<void> upload_coming(const scenes::Scene& scene, const std::vector<game::Game::Coming>& coming);
@@ -75,12 +65,15 @@ class SceneView {
                      const std::vector<world::FragmentState>& fragments, DebugView debug);
   void set_balls(const std::vector<world::BallState>& balls);
   void add_lines(const game::Moment& moment, DebugView debug);
+  /// The debris of a tier's shaders.
+  Expected<effects::DebrisView*> debris_for(render::Tier tier);
   Expected<void> upload_furniture(const scenes::Scene& scene);
   void place_marks(const game::Moment& moment, const effects::Debris& debris);
 
   render::Renderer renderer_;
   DebugLines lines_;
   effects::DebrisView debris_;
+  std::optional<effects::DebrisView> high_debris_;  ///< once it was asked for
   std::vector<effects::PlacedMark> marks_;
   std::map<render::SolidLook, Batch> batches_;
   std::map<std::pair<std::size_t, LayerModel>, Place> places_;  ///< by thing and model

@@ -8,6 +8,7 @@
 
 #include "client/egl/egl_context.hpp"
 #include "client/render/frame_target.hpp"
+#include "client/view/held_cuts.hpp"
 #include "tests/client/falling_box.hpp"
 #include "tests/support/eventually.hpp"
 
@@ -67,6 +68,54 @@ class SceneViewTest : public testing::Test {
   std::optional<render::FrameTarget> target_;
   std::optional<SceneView> view_;
 };
+
+TEST_F(SceneViewTest, TheHighTierIsDrawnAndDebugViewsAreLow) {
+  game::Game game(falling_box(), client_, {});
+  const auto drawn = [&](render::Tier tier, DebugView debug) {
+    ViewSettings settings;
+    settings.tier = tier;
+    settings.debug = debug;
+    const auto figures =
+        view_->draw(game, look_at({0, 2, 6}, {0, 1, 0}, 1), settings, target_->framebuffer(), kSize, kSize);
+    EXPECT_TRUE(figures);
+    EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
+    return figures ? figures->tier : render::Tier::kLow;
+  };
+  EXPECT_EQ(drawn(render::Tier::kHigh, DebugView::kNone), render::Tier::kHigh);
+  const auto high = target_->read().pixels;
+  EXPECT_EQ(drawn(render::Tier::kHigh, DebugView::kBonds), render::Tier::kLow);
+  EXPECT_EQ(drawn(render::Tier::kLow, DebugView::kNone), render::Tier::kLow);
+  EXPECT_NE(target_->read().pixels, high);
+}
+
+TEST(HeldCuts, OnlyOfFragmentsWhoseBondsAllHold) {
+  world::FragmentSet set;
+  set.fragments.resize(5);
+  const auto bond = [&](std::uint32_t a, std::uint32_t b, bool gone = false) {
+    world::Bond made;
+    made.a = a;
+    made.b = b;
+    made.gone = gone;
+    set.bonds.push_back(made);
+  };
+  // A row of four, and one by itself.
+  bond(0, 1);
+  bond(1, 2);
+  bond(2, 3);
+  std::vector<world::FragmentState> states(5);
+  for (world::FragmentState& s : states) s.present = true;
+  using Held = std::vector<bool>;
+  EXPECT_EQ(held_by_all(set, states, {0, 0.5f, 0}), (Held{true, true, true, true, false}));
+  EXPECT_EQ(held_by_all(set, states, {0, -1, 0}), (Held{true, false, false, true, false}));
+  states[3].group = 7;
+  EXPECT_EQ(held_by_all(set, states, {0, 0, 0}), (Held{true, true, false, false, false}));
+  states[3].group = states[2].group;
+  states[0].present = false;
+  EXPECT_FALSE(held_by_all(set, states, {0, 0, 0})[1]);
+  // What a later hit took away is no gap: others are in its place.
+  set.bonds[0].gone = true;
+  EXPECT_EQ(held_by_all(set, states, {-1, 0, 0}), (Held{false, true, true, true, false}));
+}
 
 TEST_F(SceneViewTest, FragmentsAreUploadedInAFrameBeforeTheyAreSeen) {
   game::GameSettings settings;

@@ -109,6 +109,7 @@ TEST(CommandLine, MistakesAreNamed) {
   for (const std::vector<std::string>& arguments : {std::vector<std::string>{"--scene", "castle"},
                                                     {"--fixed-step"},
                                                     {"--headless", "--seconds", "-1"},
+                                                    {"--picture", "best"},
                                                     {"--continue", "game.jsonl", "--scene", "wall"},
                                                     {"--headless", "--explode", "1,2,3"},
                                                     {"--headless", "--invite", "0"},

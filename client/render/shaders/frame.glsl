@@ -14,6 +14,7 @@ layout(std140) uniform Frame {
   vec4 plane;        // of the ground: colour, height
   vec4 texel;        // metres of a texel: sun, sky; 1 / side: sun, sky
   vec4 forward;      // the camera's direction
+  vec4 fog;          // high tier: 1 / metres to fog; radius of occlusion, metres; 1 / pixels of the picture
 };
 
 vec3 background_at(float ndc_y) { return mix(background_bottom.rgb, background_top.rgb, 0.5 + 0.5 * ndc_y); }

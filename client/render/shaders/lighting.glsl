@@ -1,6 +1,4 @@
-// Light and its reflection. Reflection: glTF 2.0 specification, appendix B.3 (GGX of Trowbridge-Reitz, visibility
-// term of Smith correlated by height, Heitz 2014; Fresnel by Schlick 1994).
-const float PI = 3.14159265358979;
+// Light and shadows of the low tier.
 uniform sampler2DShadow sun_map;
 uniform sampler2DArrayShadow sky_maps;
 
@@ -62,37 +60,4 @@ vec3 environment(vec3 r, float roughness) {
   color += 2.6 * soft_box(r, normalize(vec3(-0.55, 0.62, 0.56)), vec3(0, 1, 0), vec2(0.45, 0.30), blur);
   color += 1.5 * soft_box(r, normalize(vec3(0.92, 0.28, -0.1)), vec3(0, 1, 0), vec2(0.16, 0.75), blur);
   return color;
-}
-
-// The environment's share of reflected light: Karis, "Physically Based Shading on Mobile", 2014, after Lazarov.
-vec3 environment_brdf(vec3 f0, float roughness, float n_dot_v) {
-  vec4 r = roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
-  float a = min(r.x * r.x, exp2(-9.28 * n_dot_v)) * r.x + r.y;
-  vec2 ab = vec2(-1.04, 1.04) * a + r.zw;
-  return f0 * ab.x + ab.y;
-}
-
-vec3 fresnel(vec3 f0, float v_dot_h) { return f0 + (1.0 - f0) * pow(clamp(1.0 - v_dot_h, 0.0, 1.0), 5.0); }
-
-// D · V of appendix B.3.2, alpha = roughness².
-float ggx(float n_dot_h, float n_dot_l, float n_dot_v, float alpha) {
-  float a2 = alpha * alpha, f = n_dot_h * n_dot_h * (a2 - 1.0) + 1.0;
-  float d = a2 / (PI * f * f);
-  float v = 0.5 / max(n_dot_l * sqrt(n_dot_v * n_dot_v * (1.0 - a2) + a2) +
-                      n_dot_v * sqrt(n_dot_l * n_dot_l * (1.0 - a2) + a2), 1e-5);
-  return d * v;
-}
-
-// Khronos PBR Neutral tone mapper, as KhronosGroup/ToneMapping specifies it: base colours come out as they went in,
-// highlights are compressed and lose their colour.
-vec3 tone_map(vec3 c) {
-  const float kF90 = 0.04, kStart = 0.8 - kF90, kDesaturation = 0.15;
-  c = max(c, vec3(0.0));
-  float x = min(c.r, min(c.g, c.b));
-  c -= x <= 2.0 * kF90 ? x - x * x / (4.0 * kF90) : kF90;
-  float peak = max(c.r, max(c.g, c.b));
-  if (peak <= kStart) return c;
-  float new_peak = 1.0 - (1.0 - kStart) * (1.0 - kStart) / (peak + 1.0 - 2.0 * kStart);
-  float keep = 1.0 / (kDesaturation * (peak - new_peak) + 1.0);
-  return mix(vec3(new_peak), c * new_peak / peak, keep);
 }

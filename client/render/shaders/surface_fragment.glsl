@@ -9,6 +9,10 @@ uniform vec4 more;        // normal scale (0: no map), occlusion strength, alpha
 uniform vec3 emissive;
 uniform int uv_set[5];
 uniform int interior, highlight;
+#ifdef HIGH
+uniform sampler2D screen_occlusion;
+uniform int layer;  // 0: opaque; of glass 1: what the nearest front hides, 2: the nearest front
+#endif
 
 // Two colours for the blender: what comes from the surface, and the share of what lies behind that comes through.
 layout(location = 0, index = 0) out vec4 reflected;
@@ -58,6 +62,14 @@ vec3 relief_normal(vec3 n, vec3 q, bool cut) {
 }
 
 void main() {
+#ifdef HIGH
+  // Of the glass that is nearest to the eye its front is drawn last, over all that it bends.
+  const float kSameDepth = 4e-7;
+  if (layer > 0 && gl_FrontFacing) {
+    bool nearest = gl_FragCoord.z <= texelFetch(glass_front, ivec2(gl_FragCoord.xy), 0).r + kSameDepth;
+    if (nearest != (layer == 2)) discard;
+  }
+#endif
   vec4 base = base_color * vertex_color * texture(base_color_map, uv_of(0));
   if (more.z >= 0.0 && base.a < more.z) discard;
   if (more.w < 0.5) base.a = 1.0;
@@ -93,6 +105,16 @@ void main() {
 
   float sky_share = sky_visibility(world_position, flat_normal);
   float occlusion = 1.0 + more.y * (texture(occlusion_map, uv_of(3)).r - 1.0);
+#ifdef HIGH
+  float open = layer == 0 ? texelFetch(screen_occlusion, ivec2(gl_FragCoord.xy), 0).r : 1.0;
+  // Bright corners light themselves (Jimenez et al. 2016, fitted there); mirrors see past what is near (Lagarde & de
+  // Rousiers, "Moving Frostbite to Physically Based Rendering", 2014).
+  vec3 lit_corner = max(vec3(open), ((2.0404 * diffuse - 0.3324) * open + (-4.7951 * diffuse + 0.6417)) * open * open +
+                                        (2.7552 * diffuse + 0.6903) * open);
+  float mirror_open = clamp(pow(n_dot_v + open, exp2(-16.0 * roughness - 1.0)) - 1.0 + open, 0.0, 1.0);
+#else
+  const float lit_corner = 1.0, mirror_open = 1.0;
+#endif
 
   // The sun.
   vec3 l = towards_sun.xyz, h = normalize(l + v);
@@ -107,9 +129,9 @@ void main() {
   // The hemispheres: sky above, ground below (light that the ground sends back where the object does not shade it).
   float above = 0.5 + 0.5 * n.y;
   vec3 ambient = mix(ground.rgb * mix(0.55, 1.0, sky_share), sky.rgb * sky_share, above);
-  from_diffuse += ambient * occlusion * diffuse;
+  from_diffuse += ambient * occlusion * diffuse * lit_corner;
   vec3 mirror = environment(reflect(-v, n), roughness);
-  from_gloss += mirror * environment_brdf(f0, roughness, n_dot_v) * occlusion * mix(sky_share, 1.0, 0.3 + 0.5 * transmission);
+  from_gloss += mirror * environment_brdf(f0, roughness, n_dot_v) * occlusion * mix(sky_share, 1.0, 0.3 + 0.5 * transmission) * mirror_open;
 
   vec3 glow = emissive * texture(emissive_map, uv_of(4)).rgb;
   vec3 through = vec3(1.0 - base.a);
@@ -118,7 +140,17 @@ void main() {
     vec3 absorbed = pow(max(base.rgb, vec3(1e-3)), vec3(0.5 / max(n_dot_v, 0.18)));
     through = transmission * absorbed * (1.0 - fresnel(f0, n_dot_v)) * base.a + (1.0 - base.a);
   }
-  reflected = vec4(tone_map(eye.w * (base.a * from_diffuse + from_gloss * (more.w > 0.5 ? base.a : 1.0) + glow)),
-                   1.0 - dot(through, vec3(1.0 / 3.0)));
+  vec3 shown = eye.w * (base.a * from_diffuse + from_gloss * (more.w > 0.5 ? base.a : 1.0) + glow);
+#ifdef HIGH
+  shown = layer == 0 ? fogged(shown, world_position) : shown * (1.0 - fog_at(world_position));
+  if (layer == 2) {
+    vec3 seen = transmission > 0.0 ? behind_glass(world_position, n, v, pbr.w, roughness)
+                                   : texelFetch(behind, ivec2(gl_FragCoord.xy), 0).rgb;
+    reflected = vec4(tone_map(shown + through * seen), 1.0 - dot(through, vec3(1.0 / 3.0)));
+    transmitted = vec4(0.0, 0.0, 0.0, 1.0);
+    return;
+  }
+#endif
+  reflected = vec4(tone_map(shown), 1.0 - dot(through, vec3(1.0 / 3.0)));
   transmitted = vec4(through, 1.0);
 }

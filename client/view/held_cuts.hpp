@@ -1,0 +1,23 @@
+// Whole glass shows no faces inside: which cuts of clear fragments are not to be seen.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "client/game/moment.hpp"
+
+namespace fracture::view {
+
+/// For each fragment: has it bonds, and do all of them hold? `loads` as World::bond_states says; a bond between fragments of
+/// different groups, or of one that is gone, does not hold.
+std::vector<bool> held_by_all(const world::FragmentSet& set,
+                              const std::vector<world::FragmentState>& fragments,
+                              const std::vector<float>& loads);
+
+/// Hides the cuts of a broken part's fragments that hold to all their neighbours, where it is of glass or ice and its loads are
+/// known. `uncut`: of the layer's objects, 1 where they are hidden.
+void hide_held_cuts(const scenes::SceneObject& object, const game::Moment::Part& part,
+                    const game::Decoded::Layer& layer, std::span<std::uint8_t> uncut);
+
+}  // namespace fracture::view
