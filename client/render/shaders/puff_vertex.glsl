@@ -30,5 +30,8 @@ void main() {
     }
   }
   lit = vec4(albedo.rgb * (0.3 * sun.rgb * sunny + 0.6 * sky.rgb + 0.3 * ground.rgb), albedo.w);
+#ifdef HIGH
+  lit.rgb *= 0.7;  // a brighter sun: white dust is no lamp
+#endif
   thick = center.w;
 }
