@@ -74,9 +74,9 @@ class Recorder {
     settings.debris = debris;
     const std::vector<game::Game::Coming> coming = game.coming();
     settings.coming = &coming;
-    const auto figures =
-        view_->draw(scene, game::moment_of(game, settings.tier == render::Tier::kHigh), view::look_at(scene.eye, scene.target, aspect), settings,
-                    target_->framebuffer(), options_.width, options_.height);
+    const auto figures = view_->draw(scene, game::moment_of(game, settings.tier == render::Tier::kHigh),
+                                     view::look_at(scene.eye, scene.target, aspect), settings,
+                                     target_->framebuffer(), options_.width, options_.height);
     if (!figures) return tl::unexpected(figures.error());
     return *figures;
   }

@@ -76,7 +76,8 @@ TEST_F(SceneViewTest, TheHighTierIsDrawnAndDebugViewsAreLow) {
     settings.tier = tier;
     settings.debug = debug;
     const auto figures =
-        view_->draw(game, look_at({0, 2, 6}, {0, 1, 0}, 1), settings, target_->framebuffer(), kSize, kSize);
+        view_->draw(game.scene(), game::moment_of(game, tier == render::Tier::kHigh),
+                    look_at({0, 2, 6}, {0, 1, 0}, 1), settings, target_->framebuffer(), kSize, kSize);
     EXPECT_TRUE(figures);
     EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
     return figures ? figures->tier : render::Tier::kLow;
