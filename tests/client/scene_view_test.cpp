@@ -89,7 +89,7 @@ TEST_F(SceneViewTest, TheHighTierIsDrawnAndDebugViewsAreLow) {
   EXPECT_NE(target_->read().pixels, high);
 }
 
-TEST(HeldCuts, OnlyOfFragmentsWhoseBondsAllHold) {
+TEST(HeldCuts, OnlyOfGroupsWhoseBondsAllHold) {
   world::FragmentSet set;
   set.fragments.resize(5);
   const auto bond = [&](std::uint32_t a, std::uint32_t b, bool gone = false) {
@@ -106,16 +106,23 @@ TEST(HeldCuts, OnlyOfFragmentsWhoseBondsAllHold) {
   std::vector<world::FragmentState> states(5);
   for (world::FragmentState& s : states) s.present = true;
   using Held = std::vector<bool>;
-  EXPECT_EQ(held_by_all(set, states, {0, 0.5f, 0}), (Held{true, true, true, true, false}));
-  EXPECT_EQ(held_by_all(set, states, {0, -1, 0}), (Held{true, false, false, true, false}));
+  EXPECT_EQ(in_whole_groups(set, states, {0, 0.5f, 0}), (Held{true, true, true, true, false}));
+  EXPECT_EQ(in_whole_groups(set, states, {0, -1, 0}), (Held{false, false, false, false, false}));
   states[3].group = 7;
-  EXPECT_EQ(held_by_all(set, states, {0, 0, 0}), (Held{true, true, false, false, false}));
-  states[3].group = states[2].group;
+  EXPECT_EQ(in_whole_groups(set, states, {0, 0, 0}), (Held{false, false, false, false, false}))
+      << "both have lost one";
+  states[2].group = 7;  // two that hang together have come off the others, which know it
+  EXPECT_EQ(in_whole_groups(set, states, {0, 0, 0}), (Held{false, false, false, false, false}));
+  set.bonds[1].gone = true;  // and were replaced by others
+  EXPECT_EQ(in_whole_groups(set, states, {0, 0, 0}), (Held{true, true, true, true, false}));
+  EXPECT_EQ(in_whole_groups(set, states, {-1, 0, 0}), (Held{false, false, true, true, false}));
+  set.bonds[1].gone = false;
+  states[3].group = states[2].group = states[1].group;
   states[0].present = false;
-  EXPECT_FALSE(held_by_all(set, states, {0, 0, 0})[1]);
+  EXPECT_FALSE(in_whole_groups(set, states, {0, 0, 0})[1]);
   // What a later hit took away is no gap: others are in its place.
   set.bonds[0].gone = true;
-  EXPECT_EQ(held_by_all(set, states, {-1, 0, 0}), (Held{false, true, true, true, false}));
+  EXPECT_EQ(in_whole_groups(set, states, {-1, 0, 0}), (Held{false, true, true, true, false}));
 }
 
 TEST_F(SceneViewTest, FragmentsAreUploadedInAFrameBeforeTheyAreSeen) {
