@@ -4,6 +4,7 @@
 const vec3 kAir = vec3(0.049, 0.097, 0.221);
 const float kHaze = 0.035;
 const float kTurbid = 1.9;           // as if there were so much more air: a sky that is not too dark overhead
+const float kMostAir = 11.0;         // air masses: from a hill, not in a plain, where all that is far is white
 const float kDaylight = 1.5;         // endless air is so much brighter than the sky in the mean
 
 float air_mass(float height) {
@@ -13,7 +14,7 @@ float air_mass(float height) {
 
 // At the horizon and below it, too: what fog has for its colour.
 vec3 clear_sky(vec3 d) {
-  vec3 scattered = 1.0 - exp(-(kTurbid * kAir + kHaze) * air_mass(d.y));
+  vec3 scattered = 1.0 - exp(-(kTurbid * kAir + kHaze) * min(air_mass(d.y), kMostAir));
   const float kForward = 0.76;
   float c = dot(normalize(vec3(d.x, max(d.y, 0.0), d.z)), towards_sun.xyz);
   float haze = (1.0 - kForward * kForward) / (4.0 * PI * pow(1.0 + kForward * kForward - 2.0 * kForward * c, 1.5));
