@@ -62,10 +62,18 @@ struct PeerLink::State {
     acceptor.async_accept(socket, [this](const error_code& error) {
       if (over || error == asio::error::operation_aborted) return;
       if (error) return accept();
-      error_code ignored;
-      acceptor.close(ignored);  // there are two players
+      outbox = greeting;
       begin();
     });
+  }
+  /// Of a connection. Who invites waits on where it was no player's: a port is looked at by others, too.
+  void lose(const std::string& why) {
+    if (known || stopping) return end(why);
+    error_code ignored;
+    socket.close(ignored);
+    connected = reading = false;
+    received.clear();
+    accept();
   }
   void connect() {
     connecting = true;
@@ -114,13 +122,21 @@ struct PeerLink::State {
   }
   void take(const error_code& error, std::size_t size) {
     reading = false;
+    if (error == asio::error::operation_aborted) return;
     if (error == asio::error::not_found)
-      return end("The other player sent a line of more than " + std::to_string(settings.most_line) +
-                 " bytes.");
-    if (error) return end("The other player has left.");
+      return lose("The other player sent a line of more than " + std::to_string(settings.most_line) +
+                  " bytes.");
+    if (error) return lose("The other player has left.");
     heard = Clock::now();
     std::string line = received.substr(0, size - 1);
     received.erase(0, size);
+    if (!known) {
+      if (!line.starts_with('{')) return lose("");
+      known = true;
+      greeting.clear();
+      error_code ignored;
+      acceptor.close(ignored);  // there are two players
+    }
     bool room = true;
     {
       const std::lock_guard lock(mutex);
@@ -139,7 +155,7 @@ struct PeerLink::State {
     sent = Clock::now();
     asio::async_write(socket, asio::buffer(outbox.front()), [this](const error_code& error, std::size_t) {
       writing = false;
-      if (over) return;
+      if (over || !connected) return;
       // What the other said before it left is still read.
       outbox.pop_front();
       if (error) outbox.clear();
@@ -154,14 +170,15 @@ struct PeerLink::State {
       if (over || error) return;
       const Clock::time_point now = Clock::now();
       if (stopping && now > *stopping + kLastWords) return close();
-      if (!connected && now > started + settings.patience)
+      if ((!connected || !known) && now > started + settings.patience)
         return end(host.empty() ? "Nobody joined within " + seconds_text(settings.patience) + "."
                                 : "Nobody plays at " + host + ":" + service + ": not within " +
                                       seconds_text(settings.patience) +
                                       (trouble.empty() ? "" : " (" + trouble + ")") + ".");
       if (connected && !reading) heard = now;  // it is not listened to
-      if (connected && now > heard + settings.silence)
-        return end("The other player was not heard for " + seconds_text(settings.silence) + ".");
+      if (connected && now > heard + (known ? settings.silence : settings.strange_silence))
+        lose("The other player was not heard for " + seconds_text(settings.silence) + ".");
+      if (over) return;
       if (connected && !writing && now > sent + settings.beat) {
         outbox.push_back(std::string(kAlive) + '\n');
         write();
@@ -181,6 +198,8 @@ struct PeerLink::State {
   std::string host, service;  ///< of whom is joined; empty for who invites
   std::string received, trouble;
   std::deque<std::string> outbox;
+  std::deque<std::string> greeting;  ///< what everybody hears who might be the other player
+  bool known = false;                ///< whoever is connected speaks as a player does: in JSON objects
   bool connected = false, connecting = false, reading = false, writing = false, over = false;
   std::optional<Clock::time_point> stopping;
   Clock::time_point started, heard, sent;
@@ -216,6 +235,7 @@ std::unique_ptr<PeerLink> PeerLink::join(std::string host, std::uint16_t port, P
   auto state = std::make_unique<State>(settings);
   state->host = std::move(host);
   state->service = std::to_string(port);
+  state->known = true;
   state->connect();
   return std::unique_ptr<PeerLink>(new PeerLink(std::move(state)));
 }
@@ -232,7 +252,8 @@ PeerLink::~PeerLink() {
 void PeerLink::send(std::string line) {
   asio::post(state_->io, [state = state_.get(), line = std::move(line)]() mutable {
     line += '\n';
-    state->outbox.push_back(std::move(line));
+    if (!state->known) state->greeting.push_back(line);
+    if (state->known || state->connected) state->outbox.push_back(std::move(line));
     state->write();
   });
 }

@@ -22,15 +22,17 @@ namespace fracture::game {
 
 struct PeerSettings {
   std::chrono::milliseconds patience{60'000};  ///< for the other to come, or to be there
-  std::chrono::milliseconds silence{10'000};   ///< who says nothing for so long is gone
-  std::chrono::milliseconds beat{1'000};       ///< between signs of life
-  std::size_t most_line = 64 * 1024;           ///< bytes of a line, with its end
-  std::size_t most_waiting = 4096;             ///< lines that nobody has polled: until then no more are read
+  std::chrono::milliseconds silence{10'000};   ///< who says nothing for so long is gone …
+  std::chrono::milliseconds strange_silence{
+      3'000};  ///< … and who came to an invitation, but has not said anything yet
+  std::chrono::milliseconds beat{1'000};  ///< between signs of life
+  std::size_t most_line = 64 * 1024;      ///< bytes of a line, with its end
+  std::size_t most_waiting = 4096;        ///< lines that nobody has polled: until then no more are read
 };
 
 class PeerLink {
  public:
-  /// Listens on a local address; one may join. Port 0: a free one. kUnavailable where that cannot be listened on.
+  /// Listens on a local address; one may join. Whose first line is no JSON object is no player: it listens on. Port 0: a free one. kUnavailable where that cannot be listened on.
   static Expected<std::unique_ptr<PeerLink>> invite(const std::string& address, std::uint16_t port,
                                                     PeerSettings settings = {});
   /// Connects, again and again until the patience is over.

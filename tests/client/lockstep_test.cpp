@@ -221,6 +221,40 @@ TEST_F(Lockstepped, WhoLeavesIsMissed) {
   EXPECT_EQ(words_of(host), "The other player has left.");
 }
 
+TEST_F(Lockstepped, WhoIsNoPlayerDoesNotEndAnInvitation) {
+  PeerSettings impatient, mute;
+  impatient.strange_silence = std::chrono::milliseconds(50);
+  mute.beat = std::chrono::hours(1);
+  const auto host_link = invite(impatient);
+  const std::string first = header().dump();
+  host_link->send(first);
+  const auto is_greeted_and_lost = [&](PeerLink& stranger) {
+    std::vector<std::string> heard;
+    test::require_eventually(test::kPatience, "the stranger to be left", [&] {
+      for (std::string& line : stranger.poll()) heard.push_back(std::move(line));
+      return stranger.ended().has_value();
+    });
+    EXPECT_EQ(heard, (std::vector<std::string>{first}));
+  };
+  for (const std::string& said : {std::string("GET / HTTP/1.1\r"), std::string(70'000, 'x'), std::string()}) {
+    const auto stranger = PeerLink::join("127.0.0.1", host_link->port(), mute);
+    if (!said.empty()) stranger->send(said);
+    is_greeted_and_lost(*stranger);
+  }
+  PeerLink::join("127.0.0.1", host_link->port());  // and is gone
+  const auto guest_link = PeerLink::join("127.0.0.1", host_link->port());
+  guest_link->send(first);
+  std::string answered, greeted;
+  test::require_eventually(test::kPatience, "the two players to hear one another", [&] {
+    for (const std::string& line : host_link->poll()) answered = line;
+    for (const std::string& line : guest_link->poll()) greeted = line;
+    return !answered.empty() && !greeted.empty();
+  });
+  EXPECT_EQ(answered, first);
+  EXPECT_EQ(greeted, first);
+  EXPECT_FALSE(host_link->ended());
+}
+
 TEST_F(Lockstepped, WhoIsThereButDoesNotGoOnIsLeftAndToldSo) {
   const auto host_link = invite(), guest_link = PeerLink::join("127.0.0.1", host_link->port());
   Player host(server_, scene(), *host_link, Lockstep::Seat::kHost, header(), std::chrono::milliseconds(50)),
@@ -251,6 +285,7 @@ TEST_F(Lockstepped, WhoIsSilentIsGone) {
   impatient.silence = std::chrono::milliseconds(300);
   mute.beat = std::chrono::hours(1);
   const auto host_link = invite(impatient), guest_link = PeerLink::join("127.0.0.1", host_link->port(), mute);
+  guest_link->send("{hello}");
   EXPECT_EQ(words_of(*host_link), "The other player was not heard for 0.3 s.");
 }
 
@@ -258,14 +293,14 @@ TEST_F(Lockstepped, ASignOfLifeIsNoLine) {
   PeerSettings lively;
   lively.beat = std::chrono::milliseconds(1);
   const auto host_link = invite(), guest_link = PeerLink::join("127.0.0.1", host_link->port(), lively);
-  guest_link->send("first");
-  guest_link->send("second");
+  guest_link->send("{first}");
+  guest_link->send("{second}");
   std::vector<std::string> lines;
   test::require_eventually(test::kPatience, "both lines", [&] {
     for (std::string& line : host_link->poll()) lines.push_back(std::move(line));
     return lines.size() >= 2;
   });
-  EXPECT_EQ(lines, (std::vector<std::string>{"first", "second"}));
+  EXPECT_EQ(lines, (std::vector<std::string>{"{first}", "{second}"}));
 }
 
 TEST_F(Lockstepped, WhatNobodyPollsIsNotReadWithoutEnd) {
@@ -274,13 +309,13 @@ TEST_F(Lockstepped, WhatNobodyPollsIsNotReadWithoutEnd) {
   few.silence = std::chrono::milliseconds(300);
   const auto host_link = invite(few), guest_link = PeerLink::join("127.0.0.1", host_link->port());
   constexpr int kLines = 1000;
-  for (int k = 0; k < kLines; ++k) guest_link->send(std::to_string(k));
+  for (int k = 0; k < kLines; ++k) guest_link->send('{' + std::to_string(k));
   std::size_t most = 0;
   int next = 0;
   test::require_eventually(test::kPatience, "all lines", [&] {
     const std::vector<std::string> lines = host_link->poll();
     most = std::max(most, lines.size());
-    for (const std::string& line : lines) EXPECT_EQ(line, std::to_string(next++));
+    for (const std::string& line : lines) EXPECT_EQ(line, '{' + std::to_string(next++));
     return next == kLines;
   });
   EXPECT_LE(most, few.most_waiting);
