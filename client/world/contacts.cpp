@@ -56,6 +56,11 @@ void World::State::hit_whole(const Hit& hit) {
 
 void World::State::collect_contacts() {
   touches.clear();
+  knocked = false;
+  const auto knocks = [](const Body& a, const Body& b) {
+    return (a.kind == Body::Kind::kBall || a.kind == Body::Kind::kWhole) && a.moves() &&
+           b.kind == Body::Kind::kGroup;
+  };
   hits.clear();
   for (const auto& body : bodies) {
     body->forces.clear();
@@ -117,7 +122,9 @@ void World::State::collect_contacts() {
         body.total_force += glm::length(force);
       }
     }
-    if (pressed || overlaps) touches.push_back({first, second, pressed, meet, normal});
+    if (!pressed && !overlaps) continue;
+    touches.push_back({first, second, pressed, meet, normal});
+    knocked = knocked || knocks(*first, *second) || knocks(*second, *first);
   }
 }
 

@@ -37,18 +37,10 @@ void World::State::keep_ledger() {
       ledger.deepest = std::max(
           ledger.deepest, -pose.point(objects[body->object]->fragments->set.fragments[m].mass.center).y);
   }
-  const auto is_knocked = [](const Touch& touch) {
-    const auto meets = [](const Body& a, const Body& b) {
-      return (a.kind == Body::Kind::kBall || a.kind == Body::Kind::kWhole) && a.moves() &&
-             b.kind == Body::Kind::kGroup;
-    };
-    return meets(*touch.a, *touch.b) || meets(*touch.b, *touch.a);
-  };
   // Bullet wakes what comes near before it touches.
   constexpr std::uint64_t kNear = 12;  // steps
   if (!asleep && ledger.asleep_since) awake_since = steps;
-  if (awake_since && steps <= *awake_since + kNear &&
-      std::any_of(touches.begin(), touches.end(), is_knocked)) {
+  if (awake_since && steps <= *awake_since + kNear && knocked) {
     ledger.last_woken = *awake_since;
     awake_since = std::nullopt;
   }

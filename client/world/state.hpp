@@ -195,7 +195,9 @@ struct World::State {
   double least_level = 0;  ///< J: of Ledger::level(), so far
   std::optional<std::uint64_t>
       awake_since;  ///< step after which not all slept, until it is known what met them
+  /// Of this step. Behind split_overloaded() some of their bodies are gone: pointers to compare, not to follow.
   std::vector<Touch> touches;
+  bool knocked = false;  ///< a ball or a whole thing has met a piece in this step
   std::vector<Hit> hits;
   Witnessed witnessed;
 };
