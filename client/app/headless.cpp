@@ -537,7 +537,7 @@ Expected<json> run_headless(const Options& asked) {
   if (options.fixed_step) {  // what a slow server gives up would depend on how slow it is
     options.server.realtime = false;
     options.server.answer_timeout = std::chrono::seconds(60);
-    options.server.patience = std::chrono::seconds(120);
+    options.server.patience = std::chrono::seconds(80);  // less than another player waits (Lockstep)
   }
   Expected<scenes::Scene> scene = scene_of(options);
   if (!scene) return tl::unexpected(scene.error());

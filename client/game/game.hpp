@@ -2,7 +2,8 @@
 //
 // In real time nothing waits: advance() runs the steps that are due, polls, and applies what had been decoded
 // by the frame before (one answer a frame): coming() shows it to whoever draws while there is still time to
-// upload it. A window has a thread for that, which calls attend() and step() by itself (app/simulation.hpp). With GameSettings::fixed_latency the run is reproducible instead: an answer is
+// upload it. A window has a thread for that, which calls attend() and step() by itself (app/simulation.hpp).
+// With GameSettings::fixed_latency the run is reproducible instead: an answer is
 // applied exactly so many steps after its request. Should the server be slower than that, simulated time
 // stands still until it has answered (ready() is false); should it be faster, the answer is kept. What the
 // server says depends only on what it is asked, that only on the motion before it, and the motion only on the

@@ -32,7 +32,8 @@ struct PeerSettings {
 
 class PeerLink {
  public:
-  /// Listens on a local address; one may join. Whose first line is no JSON object is no player: it listens on. Port 0: a free one. kUnavailable where that cannot be listened on.
+  /// Listens on a local address; one may join. Whose first line is no JSON object is no player: it listens on. Port 0: a
+  /// free one. kUnavailable where that cannot be listened on.
   static Expected<std::unique_ptr<PeerLink>> invite(const std::string& address, std::uint16_t port,
                                                     PeerSettings settings = {});
   /// Connects, again and again until the patience is over.
