@@ -17,6 +17,7 @@ from .calls import Call, OutOfTime
 
 MOST_HEAD_BYTES = 64 << 10  # of an answer's header; the server's have less than one KiB
 BLOCK = 1 << 18  # bytes of one read: enough that the system calls do not count
+TURN = 0.2  # s; an interrupt is never noticed later than this
 
 _STATUS = re.compile(rb"HTTP/1\.[01] ([1-5][0-9][0-9])(?: [^\r\n]*)?")
 _FIELD = re.compile(rb"([!#$%&'*+.^_`|~0-9A-Za-z-]+):[ \t]*([^\r\n]*?)[ \t]*")
@@ -147,9 +148,8 @@ class Connection:
     def _receive(self, call: Call) -> bool:
         """More into the buffer; False at the end of the stream."""
         try:
-            self.socket.settimeout(call.left())
-            block = self.socket.recv(BLOCK)
-        except (socket.timeout, OutOfTime):
+            block = self._next_block(call)
+        except OutOfTime:
             raise Trouble("timeout", "There was no whole answer in time.", began=self._began) from None
         except (OSError, ValueError) as error:  # ValueError: a TLS socket that has lost its connection
             call.check()
@@ -160,6 +160,17 @@ class Connection:
             return True
         call.check()
         return False
+
+    def _next_block(self, call: Call) -> bytes:
+        """What has come, waited for in short turns: an interrupt that comes just before the thread begins to wait is kept by
+        Python until the wait is over."""
+        while True:
+            left = call.left()
+            self.socket.settimeout(TURN if left is None else min(left, TURN))
+            try:
+                return self.socket.recv(BLOCK)
+            except socket.timeout:
+                pass  # the turn is over; left() knows whether the time is
 
     def _until(self, mark: bytes, most: int, call: Call) -> bytes:
         """What stands before the mark, which is dropped."""

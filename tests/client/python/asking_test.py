@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Meshes are stored once, fractures asked for, refusals understood: the manners of tests/client/protocol_test.cpp."""
 import json
+import socket
 import threading
 import unittest
 from unittest import mock
@@ -9,7 +10,7 @@ from support import (FRAGMENTS, PATIENCE, Client, FaultServer, answer, box_obj, 
                      quick, stored)
 from fracture_client import Mesh, asking
 from fracture_client.calls import Call
-from fracture_client.http1 import Response
+from fracture_client.http1 import TURN, Connection, Request, Response, Trouble
 from fracture_client.upload import mesh_id
 
 ID = "sha256:" + "0" * 64
@@ -277,6 +278,34 @@ class Fields(unittest.TestCase):
         with FaultServer(handler) as server, Client(server.url, settings=quick()) as client:
             self.assertEqual(client.patterns(), {"patterns": []})
             eventually("two requests", lambda: len(server.asked) == 2)
+
+
+class Turns(unittest.TestCase):
+    def test_no_wait_for_an_answer_is_long(self):
+        """An interrupt that comes just before a wait is noticed only at its end."""
+        waits = []
+
+        class Watched(socket.socket):
+            def settimeout(self, seconds):
+                waits.append(seconds)
+                super().settimeout(seconds)
+
+        for limit in (0.5, None):
+            here, there = socket.socketpair()
+            connection = Connection(Watched(fileno=here.detach()))
+            call = Call(limit, "GET /")
+            try:
+                if limit is None:  # ends because the other side hangs up
+                    threading.Timer(0.5, there.close).start()
+                with self.assertRaises(Trouble) as raised:
+                    connection.exchange(Request("GET", "/"), "host", call, 100)
+                self.assertEqual(raised.exception.type, "timeout" if limit else "connection")
+                self.assertGreater(len(waits), 3)
+                self.assertLessEqual(max(waits[1:]), TURN)  # the first is that of sending
+            finally:
+                waits.clear()
+                connection.close()
+                there.close()
 
 
 if __name__ == "__main__":
