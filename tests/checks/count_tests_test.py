@@ -1,0 +1,62 @@
+#!/usr/bin/env python3
+"""scripts/lib/count_tests.py: what it counts of a ctest run, and of a second try."""
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+COUNT = pathlib.Path(__file__).resolve().parents[2] / "scripts" / "lib" / "count_tests.py"
+
+
+class Counting(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.run_folder = pathlib.Path(folder.name) / "release"
+
+    def write(self, programs, folder="", reports=None):
+        """`programs`: name and status, as ctest writes them. `reports`: of a GoogleTest program its cases, with what came of each."""
+        place = self.run_folder / folder
+        (place / "gtest").mkdir(parents=True)
+        cases = "".join(f'<testcase name="{name}" status="{"run" if status == "skipped" else status}">'
+                        f'{"<skipped/>" if status == "skipped" else ""}{"<failure/>" if status == "fail" else ""}</testcase>'
+                        for name, status in programs.items())
+        (place / "junit.xml").write_text(f"<testsuite>{cases}</testsuite>")
+        for program, outcomes in (reports or {}).items():
+            tests = [{"name": case, "result": "SKIPPED" if came == "skipped" else "COMPLETED",
+                      **({"failures": [{}]} if came == "fail" else {})} for case, came in outcomes.items()]
+            (place / "gtest" / f"{program}.json").write_text(json.dumps({"testsuites": [{"name": "Suite", "testsuite": tests}]}))
+
+    def counted(self, *lines, code):
+        done = subprocess.run([sys.executable, COUNT, self.run_folder], capture_output=True, text=True, timeout=60)
+        self.assertEqual((done.stdout.splitlines(), done.returncode, done.stderr), (list(lines), code, ""))
+
+    def test_programs_and_their_cases(self):
+        self.write({"script": "run", "absent": "skipped", "cases": "run"}, reports={"cases": {"A": "good", "B": "good", "C": "skipped"}})
+        self.counted("3 passed, 0 failed, 2 skipped", code=0)
+
+    def test_a_failure_and_a_crash(self):
+        self.write({"script": "fail", "cases": "fail", "crash": "fail"},
+                   reports={"cases": {"A": "good", "B": "fail"}, "crash": {"A": "good"}})
+        self.counted("FAILED release: script", "FAILED release: cases: Suite.B", "FAILED release: crash", "2 passed, 3 failed, 0 skipped", code=1)
+
+    def test_what_passes_at_the_second_try_counts_and_is_named(self):
+        self.write({"script": "fail", "steady": "run"})
+        self.write({"script": "run"}, "again")
+        self.counted("UNSTEADY release: passed only at the second try, alone: script", "2 passed, 0 failed, 0 skipped", code=0)
+
+    def test_what_fails_twice_has_failed(self):
+        self.write({"cases": "fail"}, reports={"cases": {"A": "fail", "B": "good"}})
+        self.write({"cases": "fail"}, "again", {"cases": {"A": "good", "B": "fail"}})
+        self.counted("FAILED release: cases: Suite.A", "1 passed, 1 failed, 0 skipped", code=1)
+
+    def test_no_report_and_no_test_are_failures(self):
+        self.counted("FAILED release: ctest left no report", "0 passed, 1 failed, 0 skipped", code=1)
+        self.write({})
+        self.counted("0 passed, 0 failed, 0 skipped", code=1)
+
+
+if __name__ == "__main__":
+    unittest.main()
