@@ -148,7 +148,7 @@ std::vector<bool> assemble_groups(Assembly& assembly, const SizeLimits& limits,
   out.size = unite_by_size(assembly.d, assembly.pieces, limits, assembly.groups, assembly.execution);
   out.size.united += again;
   if (record)
-    *record = {name_unions(assembly.pieces, assembly.groups, lowest, assembly.execution),
+    *record = {name_unions(assembly.d, assembly.pieces, assembly.groups, lowest, assembly.execution),
                pieces_of_owners(assembly.pieces, lowest.size())};
   out.certificate.united = out.size.united;
   resize_with_polls(assembly.execution, assembly.fragments, n);
@@ -202,6 +202,31 @@ void count(const Pieces& pieces, const RestrictedDiagram& d, FragmentSet& out) {
   certificate.crossing_caps = d.caps.crossing;
 }
 
+/// Owners that are not wanted, by their lowest cells, and touch a group of pieces that is smaller than `least`: without
+/// their pieces nobody knows with which neighbour it unites. Ascending.
+std::vector<SiteId> beside_small_groups(const RestrictedDiagram& d, const Ownership& ownership,
+                                        const Pieces& pieces, const PieceGroups& groups,
+                                        const std::vector<SiteId>& lowest, double least,
+                                        const Execution& execution) {
+  const std::vector<double> volumes = volumes_of_groups(d, pieces, groups, execution);
+  Pacer pacer(execution);
+  std::vector<SiteId> beside;
+  for (std::uint32_t p = 0; p < pieces.pieces.size(); ++p) {
+    pacer.step();
+    if (volumes[groups.of(p)] >= least) continue;
+    for (const Face& face : pieces.pieces[p].faces) {
+      pacer.step();
+      if (!is_cap(face.source)) continue;
+      const CapRegion& region = d.caps.regions[cap_region(face.source)];
+      const std::uint32_t owner = ownership.owner_of_site[cap_side(face.source) == 0 ? region.hi : region.lo];
+      if (!ownership.wanted[owner]) beside.push_back(lowest[owner]);
+    }
+  }
+  sort_with_polls(execution, beside.begin(), beside.end());
+  beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
+  return beside;
+}
+
 }  // namespace
 
 FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownership, Pivot pivot,
@@ -231,14 +256,21 @@ FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownershi
 
 std::optional<WantedFragments> make_wanted_fragments(const RestrictedDiagram& d, const Ownership& ownership,
                                                      const OwnersInWhole& whole,
-                                                     const std::vector<Union>& before, Pivot pivot,
-                                                     const Execution& execution) {
+                                                     const std::vector<Union>& before, double least,
+                                                     Pivot pivot, const Execution& execution) {
   Pieces pieces = gather_pieces(d, ownership, execution);
   const std::size_t n = pieces.pieces.size();
   PieceGroups groups(n);
   unite_again(before, d, pieces, whole.lowest, groups, execution);
   WantedFragments out;
   out.crossing_caps = d.caps.crossing;
+  if (least > 0) {
+    out.further = beside_small_groups(d, ownership, pieces, groups, whole.lowest, least, execution);
+    if (!out.further.empty()) return out;
+    const std::vector<Union> earlier = name_unions(d, pieces, groups, whole.lowest, execution);
+    if (unite_by_size(d, pieces, {.min_volume = least}, groups, execution).united > 0)
+      out.late = unions_since(earlier, name_unions(d, pieces, groups, whole.lowest, execution));
+  }
   std::vector<std::uint32_t> names;  // of the groups, in the order of the fragments
   for (std::uint32_t p = 0; p < n; ++p)
     if (groups.is_group(p)) names.push_back(p);

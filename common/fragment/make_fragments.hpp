@@ -50,19 +50,23 @@ struct WantedFragments {
   std::vector<std::uint32_t> first_of;  ///< per owner + 1: range of all fragments that begin there
   std::vector<std::uint32_t> pieces;    ///< per owner: how many it has, united ones too
   std::vector<Bond> bonds;              ///< of the fragments here, by numbers among all
+  std::vector<Union> late;              ///< what was united beyond `before`; ascending
   std::uint64_t crossing_caps = 0;
+  /// Owners that would have to be wanted, too, by their lowest cells: they touch what is too small. Where there are some,
+  /// nothing else is filled.
+  std::vector<SiteId> further;
 };
 /// The owners around what is wanted, as the whole has them.
 struct OwnersInWhole {
   std::vector<SiteId> lowest;         ///< per owner: of its cells in the whole; ascending
   std::vector<std::uint32_t> others;  ///< per owner that is not wanted: how many fragments it has
 };
-/// The pieces of the wanted owners alone, united as `before` says and else one fragment each; nothing where a piece would
-/// have to be united besides, or dropped. Bonds to an owner that is not wanted lead to its first fragment, whichever of
-/// several they belong to.
+/// The pieces of the wanted owners alone, united as `before` says, then where they are smaller than `least`, m³; nothing
+/// where a piece would have to be united or dropped for its sign. Bonds to an owner that is not wanted lead to its first
+/// fragment, whichever of several they belong to.
 std::optional<WantedFragments> make_wanted_fragments(const RestrictedDiagram& diagram,
                                                      const Ownership& ownership, const OwnersInWhole& whole,
-                                                     const std::vector<Union>& before, Pivot pivot,
-                                                     const Execution& execution);
+                                                     const std::vector<Union>& before, double least,
+                                                     Pivot pivot, const Execution& execution);
 
 }  // namespace fracture

@@ -1,6 +1,7 @@
 #include "common/fragment/unions.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "common/base/pacer.hpp"
@@ -15,10 +16,15 @@ std::uint32_t owner_of(SiteId cell, const std::vector<SiteId>& lowest) {
   return static_cast<std::uint32_t>(at - lowest.begin());
 }
 
+std::uint32_t part_in_whole(const RestrictedDiagram& diagram, const Piece& piece) {
+  return diagram.part_in_whole ? (*diagram.part_in_whole)[piece.part] : piece.part;
+}
+
 }  // namespace
 
-std::vector<Union> name_unions(const Pieces& pieces, const PieceGroups& groups,
-                               const std::vector<SiteId>& lowest, const Execution& execution) {
+std::vector<Union> name_unions(const RestrictedDiagram& diagram, const Pieces& pieces,
+                               const PieceGroups& groups, const std::vector<SiteId>& lowest,
+                               const Execution& execution) {
   Pacer pacer(execution);
   std::vector<std::uint32_t> islands(pieces.pieces.size());  // of their owner and part
   for (std::size_t p = pieces.pieces.size(); p-- > 0;) {
@@ -34,7 +40,7 @@ std::vector<Union> name_unions(const Pieces& pieces, const PieceGroups& groups,
     Union names;
     for (const std::uint32_t p : groups.members(g, execution)) {
       const Piece& piece = pieces.pieces[p];
-      names.push_back({lowest[piece.owners[0]], piece.part, piece.island, islands[p]});
+      names.push_back({lowest[piece.owners[0]], part_in_whole(diagram, piece), piece.island, islands[p]});
     }
     if (std::any_of(names.begin(), names.end(), [](const PieceName& n) { return n.lowest == kNoSite; }))
       continue;
@@ -46,6 +52,12 @@ std::vector<Union> name_unions(const Pieces& pieces, const PieceGroups& groups,
     return a.front() < b.front();
   });
   return unions;
+}
+
+std::vector<Union> unions_since(const std::vector<Union>& earlier, const std::vector<Union>& all) {
+  std::vector<Union> since;
+  std::set_difference(all.begin(), all.end(), earlier.begin(), earlier.end(), std::back_inserter(since));
+  return since;
 }
 
 std::vector<Union> active_unions(const std::vector<Union>& unions, const std::vector<SiteId>& lowest,
@@ -67,15 +79,14 @@ std::uint32_t unite_again(const std::vector<Union>& unions, const RestrictedDiag
                           const Pieces& pieces, const std::vector<SiteId>& lowest, PieceGroups& groups,
                           const Execution& execution) {
   Pacer pacer(execution);
-  const auto part_of = [&](const Piece& piece) {
-    return diagram.part_in_whole ? (*diagram.part_in_whole)[piece.part] : piece.part;
-  };
   const auto all = pieces.pieces.begin();
   // kNoIndex: there are more islands or fewer than when it was named.
   const auto number = [&](const PieceName& name) {
     pacer.step(64);
     const std::uint32_t owner = owner_of(name.lowest, lowest);
-    const auto order = [&](const Piece& piece) { return std::pair(piece.owners[0], part_of(piece)); };
+    const auto order = [&](const Piece& piece) {
+      return std::pair(piece.owners[0], part_in_whole(diagram, piece));
+    };
     const std::pair wanted(owner, name.part);
     const auto begin = std::partition_point(all, pieces.pieces.end(),
                                             [&](const Piece& piece) { return order(piece) < wanted; });

@@ -24,10 +24,14 @@ struct PieceName {
 /// Pieces that are one fragment: two or more, ascending.
 using Union = std::vector<PieceName>;
 
-/// Ascending. `lowest`: per owner the lowest of its cells, kNoSite: what is united with its pieces has no name. Throws
-/// Interrupted, as all here.
-std::vector<Union> name_unions(const Pieces& pieces, const PieceGroups& groups,
-                               const std::vector<SiteId>& lowest, const Execution& execution);
+/// Ascending, by parts of the whole. `lowest`: per owner the lowest of its cells, kNoSite: what is united with its pieces
+/// has no name. Throws Interrupted, as all here.
+std::vector<Union> name_unions(const RestrictedDiagram& diagram, const Pieces& pieces,
+                               const PieceGroups& groups, const std::vector<SiteId>& lowest,
+                               const Execution& execution);
+
+/// Of all unions those that are not among the earlier ones, or have grown since. Both ascending.
+std::vector<Union> unions_since(const std::vector<Union>& earlier, const std::vector<Union>& all);
 
 /// Those of the unions of which no piece belongs to an owner that is `touched` (per owner), or is no owner any more.
 std::vector<Union> active_unions(const std::vector<Union>& unions, const std::vector<SiteId>& lowest,

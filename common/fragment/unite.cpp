@@ -95,19 +95,6 @@ void join_surfaces(const RestrictedDiagram& d, const Pieces& pieces,
   }
 }
 
-/// m³ of each group of pieces; 0 where there is no group of that name.
-std::vector<double> volumes_of(const RestrictedDiagram& d, const Pieces& pieces, const PieceGroups& groups,
-                               const Execution& execution) {
-  std::vector<double> volumes(pieces.pieces.size());
-  Pacer pacer(execution);
-  for (std::uint32_t p = 0; p < volumes.size(); ++p) {
-    const std::vector<Face>& faces = pieces.pieces[p].faces;
-    volumes[groups.of(p)] += signed_volume(d, faces.data(), faces.size(), d.point(faces[0].v[0]), execution);
-    pacer.step(4 + faces.size());
-  }
-  return volumes;
-}
-
 /// Contacts of the groups while they grow, and the groups by volume. Of two groups that unite the one of
 /// fewer contacts moves these to the other: each contact moves at most log2 of their number times. So a group
 /// has a seat besides its name, which is always that of its smallest piece.
@@ -285,6 +272,18 @@ class TriangleCount {
 
 }  // namespace
 
+std::vector<double> volumes_of_groups(const RestrictedDiagram& d, const Pieces& pieces,
+                                      const PieceGroups& groups, const Execution& execution) {
+  std::vector<double> volumes(pieces.pieces.size());
+  Pacer pacer(execution);
+  for (std::uint32_t p = 0; p < volumes.size(); ++p) {
+    const std::vector<Face>& faces = pieces.pieces[p].faces;
+    volumes[groups.of(p)] += signed_volume(d, faces.data(), faces.size(), d.point(faces[0].v[0]), execution);
+    pacer.step(4 + faces.size());
+  }
+  return volumes;
+}
+
 Piece join_pieces(const RestrictedDiagram& d, const Pieces& pieces, const PieceGroups& groups,
                   std::uint32_t group, const Execution& execution) {
   Pacer pacer(execution);
@@ -320,7 +319,7 @@ SizeFigures unite_by_size(const RestrictedDiagram& d, const Pieces& pieces, cons
   execution.poll();
   SizeFigures figures;
   if (!limits.any() || pieces.pieces.empty()) return figures;
-  const std::vector<double> volumes = volumes_of(d, pieces, groups, execution);
+  const std::vector<double> volumes = volumes_of_groups(d, pieces, groups, execution);
   std::uint32_t count = 0;
   double smallest = HUGE_VAL;
   for (std::uint32_t g = 0; g < volumes.size(); ++g) {

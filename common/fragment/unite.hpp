@@ -23,6 +23,10 @@ std::vector<Contact> find_contacts(const RestrictedDiagram& diagram, const Piece
                                    const std::vector<std::uint32_t>& group_of_piece,
                                    const Execution& execution);
 
+/// Of each group of pieces, by its name, m³; 0 where there is no group of that name. Throws Interrupted.
+std::vector<double> volumes_of_groups(const RestrictedDiagram& diagram, const Pieces& pieces,
+                                      const PieceGroups& groups, const Execution& execution);
+
 /// The faces of a group of pieces as one piece. Throws Interrupted.
 Piece join_pieces(const RestrictedDiagram& diagram, const Pieces& pieces, const PieceGroups& groups,
                   std::uint32_t group, const Execution& execution);

@@ -128,8 +128,8 @@ Expected<KeptAnswer> fracture_and_keep(const Solid& solid, const Diagram& diagra
         local ? &trace : nullptr);
     if (!cut) return tl::unexpected(cut.error());
     const Certificate& c = cut->set.certificate;
-    local = local && c.united == cut->set.size.united && !cut->united_late && c.dropped == 0 &&
-            c.crossing_caps == 0 && (trace || !(parameters.roughness.amplitude > 0));
+    local = local && c.united == cut->set.size.united && (cut->late.empty() || !parameters.hits.empty()) &&
+            c.dropped == 0 && c.crossing_caps == 0 && (trace || !(parameters.roughness.amplitude > 0));
     if (local) maker.see(*cut);
     const RoughReport rough = cut->rough;
     KeptAnswer out;

@@ -56,20 +56,25 @@ void HitArea::join_new_cells(const std::vector<std::uint32_t>& points, std::span
 void HitArea::complete(std::vector<SiteId>& sites) {
   for (SiteId& s : sites) s = next_.lowest_of(s);
   sort_once(sites, execution_);
-  if (!base_.unions->all.empty()) {
-    IdTable there, done;
+  if (!base_.unions->all.empty() || !base_.late->all.empty()) {
+    IdTable there, done, late_done;
     for (const SiteId s : sites) there.slot(s) = 1;
-    for (std::size_t k = 0; k < sites.size(); ++k)
-      base_.unions->each_of(sites[k], [&](std::uint32_t number) {
+    const auto follow = [&](const KeptUnions& unions, IdTable& followed, SiteId s) {
+      unions.each_of(s, [&](std::uint32_t number) {
         pacer_.step();
-        if (std::exchange(done.slot(number), 1) == 1) return;
-        for (const PieceName& piece : base_.unions->all[number]) {
+        if (std::exchange(followed.slot(number), 1) == 1) return;
+        for (const PieceName& piece : unions.all[number]) {
           pacer_.step(4);
           std::uint32_t& slot = there.slot(piece.lowest);
           if (slot == IdTable::kEmpty) sites.push_back(piece.lowest);
           slot = 1;
         }
       });
+    };
+    for (std::size_t k = 0; k < sites.size(); ++k) {
+      follow(*base_.unions, done, sites[k]);
+      follow(*base_.late, late_done, sites[k]);
+    }
   }
   for (std::size_t k = sites.size(); k-- > 0;) {
     const std::vector<SiteId>& members = members_of(sites[k]);
@@ -80,7 +85,8 @@ void HitArea::complete(std::vector<SiteId>& sites) {
 
 bool HitArea::has_unions(SiteId owner) const {
   bool has = false;
-  base_.unions->each_of(owner, [&](std::uint32_t) { has = true; });
+  for (const KeptUnions* unions : {base_.unions.get(), base_.late.get()})
+    unions->each_of(owner, [&](std::uint32_t) { has = true; });
   return has;
 }
 
@@ -92,7 +98,7 @@ void HitArea::find_wanted(const std::vector<TetId>& made, const std::vector<Site
   complete(changed_);
   wanted_ = changed_;
   const FragmentFigures& before = base_.figures;
-  if (before.cells == before.pieces && base_.unions->all.empty())
+  if (before.cells == before.pieces && base_.unions->all.empty() && base_.late->all.empty())
     return;  // each has one piece, and for itself
   KeptTetrahedralization::PartMaker beside(next_.tetrahedra, execution_);
   for (const SiteId s : changed_)
@@ -148,27 +154,35 @@ Ownership HitArea::ownership() const {
   return o;
 }
 
-std::vector<std::uint32_t> HitArea::unions_of_wanted() const {
+std::vector<std::uint32_t> HitArea::of_wanted(const KeptUnions& unions) const {
   std::vector<std::uint32_t> numbers;
-  for (const SiteId s : wanted_)
-    base_.unions->each_of(s, [&](std::uint32_t number) { numbers.push_back(number); });
+  for (const SiteId s : wanted_) unions.each_of(s, [&](std::uint32_t number) { numbers.push_back(number); });
   sort_with_polls(execution_, numbers.begin(), numbers.end());
   numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
   return numbers;
 }
 
 std::vector<Union> HitArea::active_unions(const Ownership& ownership) const {
-  const PatternUnions& unions = *base_.unions;
-  std::vector<Union> of_wanted;
-  for (const std::uint32_t number : unions_of_wanted()) of_wanted.push_back(unions.all[number]);
-  if (of_wanted.empty()) return {};
-  const auto is_of_hit = [&](SiteId s) { return part_.sites[s] >= unions.sites; };
+  std::vector<Union> unions;
+  for (const std::uint32_t number : of_wanted(*base_.unions)) unions.push_back(base_.unions->all[number]);
+  if (unions.empty()) return {};
+  const auto is_of_hit = [&](SiteId s) { return part_.sites[s] >= base_.pattern_sites; };
   return fracture::active_unions(
-      of_wanted, owners_, touched_owners(part_.tetrahedra, ownership, is_of_hit, execution_), execution_);
+      unions, owners_, touched_owners(part_.tetrahedra, ownership, is_of_hit, execution_), execution_);
+}
+
+std::vector<Union> HitArea::lasting_late_unions() const {
+  std::vector<Union> unions;
+  for (const std::uint32_t number : of_wanted(*base_.late)) {
+    const Union& pieces = base_.late->all[number];
+    // With one of its cells all change.
+    if (!changes(pieces.front().lowest)) unions.push_back(pieces);
+  }
+  return unions;
 }
 
 bool HitArea::takes_unions_apart() const {
-  const std::size_t all = unions_of_wanted().size();
+  const std::size_t all = of_wanted(*base_.unions).size();
   return all > 0 && active_unions(ownership()).size() < all;
 }
 

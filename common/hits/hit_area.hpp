@@ -57,6 +57,8 @@ class HitArea {
   Ownership ownership() const;
   /// Unions of the pieces of wanted cells that no hit is beside, this one or one before.
   std::vector<Union> active_unions(const Ownership& ownership) const;
+  /// Unions of what is too small beside earlier hits, of wanted cells that do not change.
+  std::vector<Union> lasting_late_unions() const;
   /// Is one of these beside a hit?
   bool takes_unions_apart() const;
 
@@ -65,7 +67,7 @@ class HitArea {
                       LocalBase& next);
   void complete(std::vector<SiteId>& sites);
   bool has_unions(SiteId owner) const;
-  std::vector<std::uint32_t> unions_of_wanted() const;  ///< ascending
+  std::vector<std::uint32_t> of_wanted(const KeptUnions& unions) const;  ///< ascending
   void find_wanted(const std::vector<TetId>& made, const std::vector<SiteId>& further);
   void find_part(std::size_t triangle_count);
 

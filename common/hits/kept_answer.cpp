@@ -10,8 +10,7 @@
 
 namespace fracture {
 
-PatternUnions::PatternUnions(std::uint32_t sites, std::vector<Union> all, const Execution& execution)
-    : sites(sites), all(std::move(all)) {
+KeptUnions::KeptUnions(std::vector<Union> all, const Execution& execution) : all(std::move(all)) {
   for (std::uint32_t k = 0; k < this->all.size(); ++k)
     for (const PieceName& piece : this->all[k]) of_cell.emplace_back(piece.lowest, k);
   sort_with_polls(execution, of_cell.begin(), of_cell.end());
@@ -40,7 +39,8 @@ std::size_t memory_size(const FracturedBase& base) {
              heap(image.shell) + heap(image.part) + heap(image.parts);
   }
   if (local.rough) bytes += heap_size(*local.rough);
-  bytes += heap(local.unions->of_cell) + nested_heap(local.unions->all);
+  for (const KeptUnions* unions : {local.unions.get(), local.late.get()})
+    bytes += heap(unions->of_cell) + nested_heap(unions->all);
   for (std::uint32_t k = 0; k < local.states->size(); ++k)  // as a vector, and as a key of the map
     bytes += 2 * (sizeof(std::vector<PartWinding>) + heap((*local.states)[k])) + 48;
   return bytes + kPerSite * local.cells.size() +
@@ -119,6 +119,7 @@ void LocalBaseMaker::see(CutCells& cut) {
   lowest_ = std::move(cut.lowest);
   pieces_ = std::move(cut.pieces);
   unions_ = std::move(cut.unions);
+  late_ = std::move(cut.late);
 }
 
 std::optional<LocalBase> LocalBaseMaker::make(const FracturedSolid& answer, const Diagram& diagram,
@@ -131,20 +132,21 @@ std::optional<LocalBase> LocalBaseMaker::make(const FracturedSolid& answer, cons
   std::vector<KeptFragment> kept;
   kept.reserve(fragments.size());
   for (std::uint32_t k = 0; k < fragments.size(); ++k) kept.push_back(kept_fragment(answer, k, execution));
-  LocalBase base{
-      std::move(*tetrahedra),
-      SharedBlocks<std::uint32_t, 256>(std::move(state_)),
-      std::make_shared<const WindingStates>(std::move(states_)),
-      SharedBlocks<SiteId, 256>(std::move(label_)),
-      {},
-      {},
-      {},
-      figures_of(kept, pieces_, execution),
-      diagram.map,
-      notes_of(diagram),
-      std::move(image_),
-      answer.set.size,
-      std::make_shared<const PatternUnions>(sites_of_pattern(diagram), std::move(unions_), execution)};
+  LocalBase base{std::move(*tetrahedra),
+                 SharedBlocks<std::uint32_t, 256>(std::move(state_)),
+                 std::make_shared<const WindingStates>(std::move(states_)),
+                 SharedBlocks<SiteId, 256>(std::move(label_)),
+                 {},
+                 {},
+                 {},
+                 figures_of(kept, pieces_, execution),
+                 diagram.map,
+                 notes_of(diagram),
+                 std::move(image_),
+                 answer.set.size,
+                 sites_of_pattern(diagram),
+                 std::make_shared<const KeptUnions>(std::move(unions_), execution),
+                 std::make_shared<const KeptUnions>(std::move(late_), execution)};
   const std::vector<std::uint32_t>& first_of = base.figures.first_of;
   Pacer pacer(execution);
   std::vector<std::vector<SiteId>> members(lowest_.size());

@@ -62,16 +62,14 @@ class WindingStates {
   std::map<std::vector<PartWinding>, std::uint32_t> numbers_{{{}, kNothing}};
 };
 
-/// What the limits of size had united before hits came. Which of these are fragments depends on where hits are
-/// (unions_beside_hits() in pipeline/before_hits.hpp).
-struct PatternUnions {
-  std::uint32_t sites = 0;  ///< those of the pattern: the first ones
-  std::vector<Union> all;
+/// Unions of pieces, and which cells have pieces in them.
+struct KeptUnions {
+  std::vector<Union> all;  ///< ascending
   std::vector<std::pair<SiteId, std::uint32_t>>
       of_cell;  ///< the lowest cells that have pieces in them; ascending
 
-  PatternUnions() = default;
-  PatternUnions(std::uint32_t sites, std::vector<Union> all, const Execution& execution);
+  KeptUnions() = default;
+  KeptUnions(std::vector<Union> all, const Execution& execution);
   /// Calls visit(number) for each that a piece of the cell, or of those that it is the lowest of, belongs to.
   template <class Visit>
   void each_of(SiteId lowest, const Visit& visit) const {
@@ -96,8 +94,12 @@ struct LocalBase {
   SiteNotes notes;
   std::shared_ptr<const Solid> image{};  ///< of the solid under the map, where there is one
   SizeFigures size{};
-  std::shared_ptr<const PatternUnions> unions{};
-  std::optional<LocalRough> rough{};  ///< where cuts are
+  std::uint32_t pattern_sites = 0;  ///< those of the pattern: the first ones
+  /// What the limits of size had united before hits came. Which of these are fragments depends on where hits are
+  /// (unions_beside_hits() in pipeline/before_hits.hpp).
+  std::shared_ptr<const KeptUnions> unions{};
+  std::shared_ptr<const KeptUnions> late{};  ///< CutCells::late, all of them fragments or parts of one
+  std::optional<LocalRough> rough{};         ///< where cuts are
   std::size_t cell_bytes = 0;  ///< of memory behind `cells`; those that answers share are counted by each
 
   SiteId lowest_of(SiteId s) const { return lowest.size() == 0 ? s : lowest[s]; }
@@ -105,9 +107,9 @@ struct LocalBase {
 
 /// An answer as far as further hits need it: reusable for any number of them.
 struct FracturedBase {
-  /// Hits can be local: every fragment is a piece of one cell, or of cells that stay together, or united of some of the
-  /// pattern because of their size with flat cuts; nothing else was united, nor dropped, kept or split. Where not, the
-  /// whole is fractured again.
+  /// Hits can be local: every fragment is a piece of one cell, or of cells that stay together, or united because of its
+  /// size: with flat cuts, of some of the pattern, or beside hits; nothing else was united, nor dropped, kept or split. Where
+  /// not, the whole is fractured again.
   std::optional<LocalBase> local{};
   /// Where it is not: the fragments, in the order of the answer.
   std::vector<KeptFragment> fragments{};
@@ -141,7 +143,7 @@ class LocalBaseMaker {
   std::shared_ptr<const Solid> image_;
   std::vector<SiteId> lowest_;
   std::vector<std::uint32_t> pieces_;  // per site
-  std::vector<Union> unions_;
+  std::vector<Union> unions_, late_;
 };
 
 /// Fragment k with its hulls.

@@ -19,8 +19,8 @@
 namespace fracture {
 namespace {
 
-/// Of all cells with rough cuts, made in all tries together.
-constexpr double kMostOfCells = 0.75;
+/// Of all cells with rough cuts: made in one try, and in all tries together.
+constexpr double kMostOfCells = 0.75, kMostInAllTries = 1.1;
 
 class LocalHit {
  public:
@@ -34,6 +34,7 @@ class LocalHit {
         further_(further),
         made_in_all_(made),
         execution_(execution),
+        limits_(limits_in_force(parameters, solid.report.volume, base.pattern_sites)),
         pacer_(execution),
         out_{base} {}
 
@@ -46,16 +47,19 @@ class LocalHit {
     sites.duplicates_merged = now().duplicates_merged();
     if (inserted->made.empty()) return keeps_to_limits() ? std::optional(std::move(out_)) : std::nullopt;
     area_.emplace(base_, out_.next, *inserted, groups, further_, solid_.triangles.size(), execution_);
-    // To make most cells, perhaps in vain, and then the whole, is worse than the whole.
+    // To make most cells, perhaps in vain, and then the whole, is worse than the whole. A try that follows another mostly
+    // succeeds.
     made_in_all_ += area_->wanted().size();
-    if (base_.rough && static_cast<double>(made_in_all_) > kMostOfCells * now().site_count())
+    const double cells = now().site_count();
+    if (base_.rough && (static_cast<double>(area_->wanted().size()) > kMostOfCells * cells ||
+                        static_cast<double>(made_in_all_) > kMostInAllTries * cells))
       return std::nullopt;
     // What they united is too small, but for what the hit made of it; beside hits these limits are what they were.
-    if (const SizeLimits limits = limits_in_force(parameters_);
-        (limits.min_volume > 0 || limits.min_fraction > 0) && area_->takes_unions_apart())
+    if ((parameters_.size.min_volume > 0 || parameters_.size.min_fraction > 0) && area_->takes_unions_apart())
       return std::nullopt;
     if (!make_fragments(inserted->made) || !others_are_as_they_were()) return std::nullopt;
     replace_cells();
+    replace_late_unions();
     if (!sum_up_again() || !keeps_to_limits()) return std::nullopt;
     replace_bonds();
     replace_surface();
@@ -124,9 +128,11 @@ class LocalHit {
     OwnersInWhole whole{owners, std::vector<std::uint32_t>(owners.size(), 0)};
     for (std::size_t o = 0; o < owners.size(); ++o)
       if (!ownership.wanted[o]) whole.others[o] = area_->fragments_before(owners[o]);
-    std::optional<WantedFragments> result = make_wanted_fragments(
-        r, ownership, whole, area_->active_unions(ownership), parameters_.pivot, execution_);
-    if (!result || result->crossing_caps > 0) return false;
+    std::vector<Union> before = area_->active_unions(ownership);
+    for (Union& late : area_->lasting_late_unions()) before.push_back(std::move(late));
+    std::optional<WantedFragments> result =
+        make_wanted_fragments(r, ownership, whole, before, limits_.min_volume, parameters_.pivot, execution_);
+    if (!result || result->crossing_caps > 0 || !late_unions_change(*result)) return false;
     made_ = std::move(*result);
     make_hulls_of_aggregates(diagram);
     for (Fragment& f : made_.fragments)
@@ -136,6 +142,16 @@ class LocalHit {
     label_ = std::move(r.cuts.label);
     inner_vertices_ = std::move(r.winding.inner_vertices);
     return true;
+  }
+
+  /// What is too small unites with cells that change, too: false where they are not among these.
+  bool late_unions_change(const WantedFragments& made) {
+    const std::size_t before = further_.size();
+    further_.insert(further_.end(), made.further.begin(), made.further.end());
+    for (const Union& pieces : made.late)
+      for (const PieceName& piece : pieces)
+        if (!area_->changes(piece.lowest)) further_.push_back(piece.lowest);
+    return further_.size() == before;
   }
 
   void make_hulls_of_aggregates(const VoronoiDiagram& diagram) {
@@ -192,8 +208,8 @@ class LocalHit {
     for (const SiteId s : area_ ? area_->changed() : kNone)
       for (const KeptFragment& kept : out_.next.cells[s]->fragments)
         smallest = std::fmin(smallest, kept.fragment.mass.volume);
-    const std::optional<SizeFigures> size = size_after(limits_in_force(parameters_), solid_.report.volume,
-                                                       base_.size, out_.next.figures, smallest);
+    const std::optional<SizeFigures> size =
+        size_after(limits_, solid_.report.volume, base_.size, out_.next.figures, smallest);
     if (!size) return false;
     out_.next.size = *size;
     out_.next.size.united =
@@ -246,6 +262,18 @@ class LocalHit {
         cells.at(s) = std::make_shared<const KeptCell>(std::move(cell));
       }
     }
+  }
+
+  void replace_late_unions() {
+    std::vector<Union> late = std::move(made_.late);
+    const std::size_t made = late.size();
+    for (const Union& pieces : base_.late->all) {
+      pacer_.step(8);
+      if (!area_->changes(pieces.front().lowest)) late.push_back(pieces);
+    }
+    if (made == 0 && late.size() == base_.late->all.size()) return;
+    std::sort(late.begin(), late.end());
+    out_.next.late = std::make_shared<const KeptUnions>(std::move(late), execution_);
   }
 
   /// False where two fragments have the same id: the whole answer resolves that.
@@ -339,6 +367,7 @@ class LocalHit {
   std::vector<SiteId>& further_;
   std::size_t& made_in_all_;
   const Execution& execution_;
+  const SizeLimits limits_;
   Pacer pacer_;
   HitOutcome out_;
   std::optional<HitArea> area_;

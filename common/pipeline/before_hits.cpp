@@ -17,6 +17,13 @@ namespace fracture {
 
 namespace {
 
+/// Rough cuts take less than half of nearly every piece that is as small as the limit: so little is united after the noise,
+/// and hits stay local. Of 252 answers (seven assets, nine rough materials) 31 united something then without this factor,
+/// none with it.
+constexpr double kTakenByNoise = 2;
+/// Only of crumbs: larger limits are wishes for larger fragments.
+constexpr double kCrumbs = 0.05;
+
 /// The pattern's diagram, with the further sites of max_volume.
 Expected<Diagram> without_hits(const SeenSolid& seen, const FractureParameters& parameters, SitePlan& plan,
                                const Execution& execution) {
@@ -136,15 +143,18 @@ std::uint32_t sites_of_pattern(const Diagram& diagram) {
   return count;
 }
 
-SizeLimits limits_of_flat_pieces(SizeLimits limits) {
+SizeLimits limits_of_flat_pieces(const FractureParameters& parameters) {
+  SizeLimits limits = parameters.size;
   limits.max_triangles = 0;
+  if (parameters.roughness.amplitude > 0)
+    limits.min_of_mean = std::max(limits.min_of_mean, std::min(kTakenByNoise * limits.min_of_mean, kCrumbs));
   return limits;
 }
 
 Expected<std::vector<Union>> unions_before_hits(const SeenSolid& seen, const Diagram& diagram,
                                                 const FractureParameters& parameters,
                                                 const Execution& execution) {
-  const SizeLimits limits = limits_of_flat_pieces(parameters.size);
+  const SizeLimits limits = limits_of_flat_pieces(parameters);
   if (!limits.any()) return std::vector<Union>();
   const Allowance::Temporary temporary(execution.allowance);
   const auto first = [&](const auto& all) {
@@ -164,7 +174,7 @@ Expected<std::vector<Union>> unions_before_hits(const SeenSolid& seen, const Dia
   const Pieces pieces = gather_pieces(restricted, ownership, execution);
   PieceGroups groups(pieces.pieces.size());
   unite_by_size(restricted, pieces, limits, groups, execution);
-  return name_unions(pieces, groups,
+  return name_unions(restricted, pieces, groups,
                      lowest_in_the_whole(restricted, *t, ownership, diagram.tetrahedralization, execution),
                      execution);
 }

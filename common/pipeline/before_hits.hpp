@@ -29,8 +29,9 @@ void keep_together(std::uint32_t sites, const std::vector<SiteId>& kept, std::ve
 /// How many sites are those of the pattern: the first ones.
 std::uint32_t sites_of_pattern(const Diagram& diagram);
 
-/// The limits that unite pieces however rough their cuts are: all but the budget of triangles.
-SizeLimits limits_of_flat_pieces(SizeLimits limits);
+/// The limits that unite pieces before their cuts become rough: all but the budget of triangles, with room for what the
+/// noise takes.
+SizeLimits limits_of_flat_pieces(const FractureParameters& parameters);
 
 /// What the limits of size unite of the pattern's pieces. Errors of tetrahedralize(). Throws Interrupted.
 Expected<std::vector<Union>> unions_before_hits(const SeenSolid& seen, const Diagram& diagram,

@@ -132,7 +132,8 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
       before = unions_beside_hits(cut.unions, diagram, ownership, execution);
     }
     make_rough_fragments(
-        restricted, parameters, ownership, std::move(before),
+        restricted, parameters, limits_in_force(parameters, solid.report.volume, sites_of_pattern(diagram)),
+        ownership, std::move(before),
         [&](const FragmentSet& set) { return judge(set, solid, Promise::kPartition); }, execution, cut,
         trace);
     if (parameters.hulls == Hulls::kConvex && is_aggregated(parameters))
@@ -151,10 +152,13 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
 /// What a hit breaks off is small beside the mean of a large thing, and is to be there all the same.
 constexpr double kShareBesideHits = 0.01;
 
-SizeLimits limits_in_force(const FractureParameters& parameters) {
+SizeLimits limits_in_force(const FractureParameters& parameters, double volume, std::uint32_t pattern_sites) {
   SizeLimits limits = parameters.size;
   if (parameters.hits.empty()) return limits;
-  limits.min_of_mean *= kShareBesideHits;
+  const double fragments = static_cast<double>(pattern_sites) / cells_per_fragment(parameters);
+  limits.min_volume = std::max({limits.min_volume, limits.min_fraction * volume,
+                                kShareBesideHits * limits.min_of_mean * volume / std::max(fragments, 1.0)});
+  limits.min_fraction = limits.min_of_mean = 0;
   limits.fragments = 0;  // those of the pattern are united already
   return limits;
 }

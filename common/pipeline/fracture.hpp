@@ -46,7 +46,9 @@ namespace fracture {
 ///                 beside hits; clear cuts; hulls of fragments of many cells
 /// 14  2026-11-24  metal in large torn plates; crushed ice is white; walls as fine as the outside
 /// 15  2026-11-26  cuts of metal are as bright as bare steel, those of ceramic matt, those of ice frosted
-inline constexpr int kAlgorithmVersion = 15;
+/// 16  2026-11-26  little is united for its size after the noise; beside hits one smallest volume; cuts of cast iron
+///                 are grey and matt
+inline constexpr int kAlgorithmVersion = 16;
 
 enum class Dual {
   kCircumcenter,  ///< the Voronoi diagram: fragments partition the solid exactly

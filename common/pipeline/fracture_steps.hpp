@@ -45,8 +45,8 @@ struct CutCells {
   std::vector<SiteId> lowest{};         ///< per site, where some stay together: the lowest of these
   std::vector<std::uint32_t> pieces{};  ///< per site; those of cells that stay together at the lowest of them
   std::vector<Union> unions{};          ///< what the limits of size unite where no hit has come
-  /// Something is too small because its cuts are rough, or of what hits broke off, and was united after these.
-  bool united_late = false;
+  /// What was united after these, because it is too small with its rough cuts, or of what hits broke off.
+  std::vector<Union> late{};
   BarycentricResult barycentric;  ///< its figures, with Dual::kBarycenter
   RoughReport rough;
   /// What the net under rough cuts did (rough_cells.hpp): cells with less roughness than asked, or all flat.
@@ -63,8 +63,9 @@ struct CutCells {
 
 /// The limits of size as they hold for all cells, beyond what they unite of the pattern's pieces before hits come: what
 /// hits break off comes on top of the fragments that the pattern shall make, and is smaller beside the mean than crumbs
-/// are elsewhere.
-SizeLimits limits_in_force(const FractureParameters& parameters);
+/// are elsewhere. With hits a volume alone, which is the same however many there are. `volume`: of the solid, m³.
+/// `pattern_sites`: sites_of_pattern().
+SizeLimits limits_in_force(const FractureParameters& parameters, double volume, std::uint32_t pattern_sites);
 
 /// What an answer says of its sites.
 struct SiteNotes {

@@ -83,7 +83,7 @@ void report_size(const FractureParameters& p, const SplitFigures& split, const C
   if (set.size.alone > 0)
     warnings.push_back(std::to_string(set.size.alone) + " pieces below " + text_of(set.size.min_volume) +
                        " m3 touch no other piece; they stay as they are");
-  report_fragments(limits_in_force(p).fragments, set, warnings);
+  report_fragments(p.hits.empty() ? p.size.fragments : 0, set, warnings);
   if (p.size.max_fragments > 0 && set.fragments.size() > p.size.max_fragments)
     warnings.push_back("max_fragments: " + std::to_string(p.size.max_fragments) + " asked, " +
                        std::to_string(set.fragments.size()) +

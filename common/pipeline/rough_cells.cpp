@@ -27,24 +27,23 @@ SizeFigures unite_flat(const RestrictedDiagram& restricted, const Pieces& pieces
                        const SizeLimits& limits, std::vector<Union>& unions, const Execution& execution) {
   PieceGroups groups(pieces.pieces.size());
   const SizeFigures figures = unite_by_size(restricted, pieces, limits, groups, execution);
-  unions = name_unions(pieces, groups, lowest_cells(ownership), execution);
+  unions = name_unions(restricted, pieces, groups, lowest_cells(ownership), execution);
   return figures;
 }
 
 }  // namespace
 
 void make_rough_fragments(RestrictedDiagram& restricted, const FractureParameters& parameters,
-                          const Ownership& ownership, std::vector<Union> before,
+                          SizeLimits limits, const Ownership& ownership, std::vector<Union> before,
                           const std::function<Verdict(const FragmentSet&)>& judged,
                           const Execution& execution, CutCells& cut, std::optional<RoughTrace>* trace) {
   Roughness roughness = parameters.roughness;
   Restraints restraints;
-  SizeLimits limits = limits_in_force(parameters);
   const bool with_hits = !parameters.hits.empty(), rough = roughness.amplitude > 0;
   SizeFigures of_flat;
   std::optional<Pieces> flat;
   if (!with_hits && rough) {
-    if (const SizeLimits of_pieces = limits_of_flat_pieces(limits); of_pieces.any()) {
+    if (const SizeLimits of_pieces = limits_of_flat_pieces(parameters); of_pieces.any()) {
       flat = gather_pieces(restricted, ownership, execution);
       of_flat = unite_flat(restricted, *flat, ownership, of_pieces, before, execution);
     }
@@ -72,11 +71,7 @@ void make_rough_fragments(RestrictedDiagram& restricted, const FractureParameter
       roughness.amplitude = 0;
     restricted.place_and_cap(execution);
   }
-  if (with_hits || rough) {
-    std::size_t united = 0;
-    for (const Union& pieces : before) united += pieces.size() - 1;
-    cut.united_late = cut.set.size.united > united;
-  }
+  if (with_hits || rough) cut.late = unions_since(before, record.united);
   if (!with_hits) cut.unions = rough ? std::move(before) : std::move(record.united);
   cut.pieces.assign(restricted.diagram.dual().site_count(), 0);
   for (std::size_t o = 0; o < record.pieces.size(); ++o)

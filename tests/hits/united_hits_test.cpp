@@ -77,6 +77,35 @@ TEST(UnitedHits, InAStretchedDiagram) {
   EXPECT_GE(expect_hits(mesh, p), 2);
 }
 
+/// Hits whose splinters are smaller than a hundredth of the limit, so that they are united with what they broke off from.
+FractureParameters with_splinters(const Mesh& mesh, std::uint64_t seed) {
+  FractureParameters p = hits_on(mesh, 200, 0.02, seed);
+  p.hits.erase(p.hits.begin());  // it misses some of the shapes
+  for (LocalImpact& hit : p.hits) hit.sites = 200;
+  p.size.min_of_mean = 0.025;
+  return p;
+}
+
+TEST(UnitedHits, WhoseSplintersAreTooSmall) {
+  const Mesh mesh = torus(48, 24);
+  const Solid solid = solid_of(mesh);
+  for (const double amplitude : {0.0, 0.01}) {
+    SCOPED_TRACE(amplitude);
+    FractureParameters p = with_splinters(mesh, 5);
+    p.roughness = {amplitude, 6, 1};
+    EXPECT_EQ(expect_hits(mesh, p), 2) << "both are local";
+    p.hits.resize(1);
+    StageTimings timings;
+    const auto before = fracture_and_keep(solid, before_hits(p, 1), {}, timings);
+    ASSERT_TRUE(before);
+    const auto after = fracture_delta(solid, before->base, p, {}, {}, timings);
+    ASSERT_TRUE(after);
+    EXPECT_TRUE(after->local);
+    ASSERT_TRUE(after->base.local);
+    EXPECT_GE(after->base.local->late->all.size(), 3u) << "or nothing is tested here";
+  }
+}
+
 // A hit takes its share from the fragments beside it, and from no other.
 TEST(UnitedHits, LeaveWhatTheyAreNotNearTo) {
   const Mesh mesh = torus(48, 24);
@@ -190,6 +219,19 @@ TEST(UnitedHits, OfEveryMaterial) {
     if (HasFailure()) return;
   }
   EXPECT_GE(local, materials - 2);
+}
+
+TEST(UnitedHits, WhoseSplintersAreTooSmallForManySeeds) {
+  if (!std::getenv("FRACTURE_TEST_FULL")) GTEST_SKIP() << "only with FRACTURE_TEST_FULL";
+  for (std::uint64_t seed = 1; seed <= 6; ++seed)
+    for (const NamedMesh& shape : closed_shapes()) {
+      SCOPED_TRACE(shape.name + ", seed " + std::to_string(seed));
+      FractureParameters p = with_splinters(shape.mesh, seed);
+      expect_hits(shape.mesh, p);
+      p.roughness = {0.03, 6, 1};
+      expect_hits(shape.mesh, p);
+      if (HasFailure()) return;
+    }
 }
 
 TEST(UnitedHits, ForManySeeds) {
