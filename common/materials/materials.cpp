@@ -112,6 +112,7 @@ std::vector<MaterialPreset> make_presets() {
        0,
        {6, 1.2}});
 
+  // It breaks along its flakes of graphite, which are grey and matt beside the iron.
   presets.push_back({"cast_iron",
                      "Blocky pieces of even size with a grainy break.",
                      UniformPattern{},
@@ -119,7 +120,7 @@ std::vector<MaterialPreset> make_presets() {
                      1.5,
                      {0.02, 8, 1},
                      {7200, 0.5, 0.15, 200e6},
-                     {"#83868a", 0.2, 0.9, 0.6, 1},
+                     {"#a9abad", 0.1, 0.9, 0.75, 0.6},
                      "EN 1561 (EN-GJL-200: tensile strength 200 MPa; 7200 kg/m3)"});
 
   // Few cracks, which run far: splitting around a crushed zone (Jordaan 2001, "Mechanics of ice-structure
