@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "common/clip/caps.hpp"
@@ -25,6 +26,16 @@ struct RestrictedDiagram {
   Caps caps{};
   /// Where `solid` is a patch of a larger one: per part its number there; null: the number it has here.
   const std::vector<std::uint32_t>* part_in_whole = nullptr;
+  /// Per site, or of the first ones: the brick or stone of a masonry that its cell is of; kNoIndex: of none. Empty: of
+  /// none.
+  std::span<const std::uint32_t> bricks{};
+
+  std::uint32_t brick_of(SiteId s) const { return s < bricks.size() ? bricks[s] : kNoIndex; }
+  /// Whether the cut between two cells is where two bricks were laid, not through one.
+  bool is_joint(const CapRegion& cut) const {
+    const std::uint32_t a = brick_of(cut.lo), b = brick_of(cut.hi);
+    return a != b && a != kNoIndex && b != kNoIndex;
+  }
 
   /// The corners of a triangle of the solid.
   std::array<CutVertexId, 3> corners(std::uint32_t triangle) const {

@@ -1,4 +1,5 @@
 #include "common/debug/dump_obj.hpp"
+#include "common/solid/cut_materials.hpp"
 
 #include <charconv>
 #include <ostream>
@@ -28,6 +29,7 @@ void write_face(std::ostream& out, std::size_t first, std::size_t a, std::size_t
 
 std::string slot_name(std::uint32_t material) {
   if (material == kInteriorMaterial) return "interior";
+  if (material == kMortarMaterial) return "mortar";
   return material == kNoIndex ? "none" : "slot_" + std::to_string(material);
 }
 

@@ -10,6 +10,7 @@
 #include "common/fragment/mass_properties.hpp"
 #include "common/fragment/mirror_sum.hpp"
 #include "common/fragment/vertex_attributes.hpp"
+#include "common/solid/cut_materials.hpp"
 
 namespace fracture {
 namespace {
@@ -84,19 +85,24 @@ class Assembler {
  private:
   // -- which vertices there are, and which triangles
 
-  // Faces by material, in their order within each; interior last, "no material" just before it.
+  std::uint32_t material_of(FaceSource source) const {
+    if (!is_cap(source)) return d_.solid.material[source];
+    return d_.is_joint(d_.caps.regions[cap_region(source)]) ? kMortarMaterial : kInteriorMaterial;
+  }
+
+  // Faces by material, in their order within each; cuts last, mortar after the others, "no material" just before them.
   void find_runs_by_material(const std::vector<Face>& faces) {
     std::vector<Run>& runs = s_.runs;
     runs.clear();
     pacer_.each(0, faces.size(), [&](std::size_t n) {
       const auto f = static_cast<std::uint32_t>(n);
       const FaceSource source = faces[f].source;
-      const std::uint32_t material = is_cap(source) ? kInteriorMaterial : d_.solid.material[source];
+      const std::uint32_t material = material_of(source);
       if (runs.empty() || runs.back().material != material) runs.push_back({material, f, f});
       ++runs.back().end;
     });
-    const auto rank = [](std::uint32_t m) {
-      return m == kInteriorMaterial ? 0xffffffffu : m == kNoIndex ? 0xfffffffeu : m;
+    const auto rank = [](std::uint32_t m) -> std::uint64_t {
+      return m == kMortarMaterial ? 0x1'0000'0001 : m == kInteriorMaterial ? 0x1'0000'0000 : m;
     };
     const auto before = [&](const Run& x, const Run& y) { return rank(x.material) < rank(y.material); };
     if (!std::is_sorted(runs.begin(), runs.end(), before)) std::stable_sort(runs.begin(), runs.end(), before);
@@ -119,7 +125,7 @@ class Assembler {
         out_.primitives.push_back({run.material, static_cast<std::uint32_t>(index - out_.indices.data()), 0});
       out_.primitives.back().index_count += 3 * (run.end - run.begin);
       const Face *face = piece.faces.data() + run.begin, *end = piece.faces.data() + run.end;
-      if (run.material == kInteriorMaterial) {
+      if (is_of_cuts(run.material)) {
         FaceSource flat = kNoIndex;
         std::uint32_t nth = 0;  // triangle of the region
         for (; face != end; ++face, ++nth) {
@@ -323,8 +329,10 @@ class Assembler {
       });
       next = std::max(next, end);
     };
-    const FragmentPrimitive& last = out_.primitives.back();  // the interior comes last
-    add_until(last.material == kInteriorMaterial ? last.first_index : last.first_index + last.index_count);
+    const auto first_cut = std::find_if(out_.primitives.begin(), out_.primitives.end(),
+                                        [](const FragmentPrimitive& p) { return is_of_cuts(p.material); });
+    add_until(first_cut != out_.primitives.end() ? first_cut->first_index
+                                                 : static_cast<std::uint32_t>(out_.indices.size()));
     out_.exterior_area = all.area();
     double caps = 0;
     for (const IndexRange& range : out_.caps) {

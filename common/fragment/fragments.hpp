@@ -17,7 +17,8 @@ namespace fracture {
 
 /// Triangles of one fragment with one material: a range of Fragment::indices.
 struct FragmentPrimitive {
-  std::uint32_t material;  ///< index into the source's materials, kNoIndex (none), or kInteriorMaterial
+  std::uint32_t
+      material;  ///< index into the source's materials, kNoIndex (none), or one of solid/cut_materials.hpp
   std::uint32_t first_index, index_count;
 };
 
@@ -50,8 +51,9 @@ struct Fragment {
   std::vector<Vec3f> positions;  ///< local: float32(world - pivot), exact for constructed vertices
   Attributes
       attributes;  ///< per vertex, same arrays as the source's (interior vertices: own normals and UVs)
-  std::vector<std::uint32_t> indices;         ///< 3 per triangle, counter-clockwise from outside
-  std::vector<FragmentPrimitive> primitives;  ///< exterior ones in material order, the interior one last
+  std::vector<std::uint32_t> indices;  ///< 3 per triangle, counter-clockwise from outside
+  std::vector<FragmentPrimitive>
+      primitives;  ///< exterior ones in material order, then the interior, then the mortar
   /// Per vertex: the index of the first vertex with the same position key (topology across attribute seams).
   std::vector<std::uint32_t> topology;
   MassProperties mass;  ///< from the unrounded positions

@@ -149,6 +149,15 @@ json crushed_of(const json& cut) {
            {{"baseColorFactor", {0.85, 0.88, 0.9, 1}}, {"metallicFactor", 0}, {"roughnessFactor", 0.9}}}};
 }
 
+/// Sand and lime or cement, without relief of its own: matt.
+json mortar_of(const json& cut, const Vec3d& color) {
+  return {{"name", cut["name"].get<std::string>() + "_Mortar"},
+          {"pbrMetallicRoughness",
+           {{"baseColorFactor", {color.x, color.y, color.z, 1}},
+            {"metallicFactor", 0},
+            {"roughnessFactor", 0.95}}}};
+}
+
 }  // namespace
 
 json plain_interior_material() {
@@ -169,6 +178,10 @@ Expected<InteriorMaterials> interior_materials(const InteriorLook& look, const S
   if (solid.report.parts_hollowed > 0)
     for (const json& cut : made.materials)
       made.cavities.push_back(cavity_of(cut, base_color, made.cavities.size()));
+  if (look.mortar) {
+    made.mortar = static_cast<std::uint32_t>(made.materials.size());
+    made.materials.push_back(mortar_of(made.materials.front(), *look.mortar));
+  }
   if (look.crushed > 0) {
     double volume = 0;
     for (const Part& part : solid.parts) {

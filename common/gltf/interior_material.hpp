@@ -48,6 +48,8 @@ struct InteriorLook {
   std::optional<double> mix{};
   double shade = 0.8;  ///< how much of its light that colour keeps
   double crushed = 0;  ///< cuts of fragments below this share of the mean that is asked for are white, 0 … 1
+  std::optional<Vec3d>
+      mortar{};  ///< base colour of the joints between bricks, as `color`; none: as other cuts
   CutUvs uvs{};
   CutDetail detail = CutDetail::kNone;
   friend bool operator==(const InteriorLook&, const InteriorLook&) = default;
@@ -57,14 +59,15 @@ struct InteriorLook {
 struct InteriorMaterials {
   std::vector<nlohmann::json> materials{};  ///< at least one; all names begin with that of the first
   std::vector<std::uint32_t> of_part{};     ///< empty: all parts have the first
-  /// Of the inner sides of walls, one for each of `materials` but that of what is crushed, and of its look: empty where
-  /// there are no walls.
+  /// Of the inner sides of walls, one for each of `materials` but those of mortar and of what is crushed, and of its
+  /// look: empty where there are no walls.
   std::vector<nlohmann::json> cavities{};
   CutUvs uvs{};
   CutDetail detail = CutDetail::kNone;  ///< its two textures stand behind those of the source
   /// The last of `materials` is for the cuts of fragments smaller than this, m³. 0: of none, and there is no such
   /// material.
   double crushed_below = 0;
+  std::uint32_t mortar = kNoIndex;  ///< index into `materials`, for kMortarMaterial; kNoIndex: there is none
 
   /// Index into `materials` and `cavities`.
   std::uint32_t of(std::size_t part) const { return part < of_part.size() ? of_part[part] : 0; }
@@ -74,7 +77,7 @@ struct InteriorMaterials {
   }
 };
 
-/// Parts whose cuts look alike share one; there are at most so many, and that of what is crushed.
+/// Parts whose cuts look alike share one; there are at most so many, and those of mortar and of what is crushed.
 inline constexpr std::size_t kMostInteriorMaterials = 16;
 
 /// A reused material is called "Interior_<its name>", so that tools still tell cut faces from the outside. Its

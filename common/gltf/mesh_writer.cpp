@@ -6,6 +6,7 @@
 #include "common/gltf/mesh_manifold.hpp"
 #include "common/mesh/gltf_component.hpp"
 #include "common/mesh/material_library.hpp"
+#include "common/solid/cut_materials.hpp"
 #include "common/solid/solid.hpp"
 
 namespace fracture {
@@ -40,6 +41,8 @@ MeshWriter::MeshWriter(const MaterialLibrary& library, const InteriorMaterials& 
 
 std::optional<std::size_t> MeshWriter::material_of(const Fragment& f, const FragmentPrimitive& p) const {
   if (p.material == kInteriorMaterial) return first_interior_ + interior_.of(f.source_part, f.mass.volume);
+  if (p.material == kMortarMaterial && interior_.mortar != kNoIndex)
+    return first_interior_ + interior_.mortar;
   if (p.material == kCavityMaterial && !interior_.cavities.empty())
     return first_interior_ + interior_.materials.size() + interior_.of(f.source_part);
   if (p.material < first_interior_) return p.material;
@@ -58,7 +61,7 @@ const std::vector<Vec2f>& MeshWriter::uvs_of(const Fragment& f, std::size_t set)
   uvs_ = uvs;
   Pacer pacer(accessors_.execution());
   for (const FragmentPrimitive& p : f.primitives) {
-    if (p.material != kInteriorMaterial) continue;
+    if (!is_of_cuts(p.material)) continue;
     for (std::uint32_t k = p.first_index; k < p.first_index + p.index_count; ++k) {
       pacer.step();
       const std::uint32_t vertex = f.indices[k];  // of cut faces alone: the outside has vertices of its own

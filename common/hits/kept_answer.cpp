@@ -41,6 +41,7 @@ std::size_t memory_size(const FracturedBase& base) {
   if (local.rough) bytes += heap_size(*local.rough);
   for (const KeptUnions* unions : {local.unions.get(), local.late.get()})
     bytes += heap(unions->of_cell) + nested_heap(unions->all);
+  if (local.bricks) bytes += heap(*local.bricks);
   for (std::uint32_t k = 0; k < local.states->size(); ++k)  // as a vector, and as a key of the map
     bytes += 2 * (sizeof(std::vector<PartWinding>) + heap((*local.states)[k])) + 48;
   return bytes + kPerSite * local.cells.size() +
@@ -71,6 +72,9 @@ void LocalBaseMaker::see(const RestrictedDiagram& restricted, const Execution& e
   const Tetrahedralization& t = restricted.diagram.dual();
   box_ = restricted.seen.box;
   label_ = restricted.cuts.label;
+  if (!restricted.bricks.empty())
+    bricks_ = std::make_shared<const std::vector<std::uint32_t>>(restricted.bricks.begin(),
+                                                                 restricted.bricks.end());
   if (restricted.diagram.map()) image_ = std::make_shared<const Solid>(restricted.seen);
   triangles_ = triangles_by_cell(restricted.seen, restricted.cuts, t.site_count(), execution);
 
@@ -147,6 +151,7 @@ std::optional<LocalBase> LocalBaseMaker::make(const FracturedSolid& answer, cons
                  sites_of_pattern(diagram),
                  std::make_shared<const KeptUnions>(std::move(unions_), execution),
                  std::make_shared<const KeptUnions>(std::move(late_), execution)};
+  base.bricks = std::move(bricks_);
   const std::vector<std::uint32_t>& first_of = base.figures.first_of;
   Pacer pacer(execution);
   std::vector<std::vector<SiteId>> members(lowest_.size());

@@ -100,6 +100,8 @@ struct LocalBase {
   std::shared_ptr<const KeptUnions> unions{};
   std::shared_ptr<const KeptUnions> late{};  ///< CutCells::late, all of them fragments or parts of one
   std::optional<LocalRough> rough{};         ///< where cuts are
+  std::shared_ptr<const std::vector<std::uint32_t>>
+      bricks{};                ///< RestrictedDiagram::bricks; null: there are none
   std::size_t cell_bytes = 0;  ///< of memory behind `cells`; those that answers share are counted by each
 
   SiteId lowest_of(SiteId s) const { return lowest.size() == 0 ? s : lowest[s]; }
@@ -144,6 +146,7 @@ class LocalBaseMaker {
   std::vector<SiteId> lowest_;
   std::vector<std::uint32_t> pieces_;  // per site
   std::vector<Union> unions_, late_;
+  std::shared_ptr<const std::vector<std::uint32_t>> bricks_;
 };
 
 /// Fragment k with its hulls.

@@ -119,6 +119,11 @@ class LocalHit {
     RestrictedDiagram r{surface_.solid, seen, diagram,
                         cut_surface(seen, diagram, std::move(label), execution_)};
     r.part_in_whole = &surface_.parts;
+    std::vector<std::uint32_t> bricks;
+    if (base_.bricks)
+      for (const SiteId s : part().sites)
+        bricks.push_back(s < base_.bricks->size() ? (*base_.bricks)[s] : kNoIndex);
+    r.bricks = bricks;
     r.winding = wind_voronoi_edges_of(seen, diagram, r.cuts, {wanted, known_, known_windings_}, execution_);
     r.place_and_cap(execution_, &wanted);
     const Ownership ownership = area_->ownership();

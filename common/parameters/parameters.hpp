@@ -61,6 +61,7 @@ struct RequestParameters {
   PhysicalProperties physical;
   InteriorLook interior;
   std::string interior_color;        ///< as given, when interior.color is set
+  std::string mortar;                ///< as given, when interior.mortar is set
   std::optional<double> mass;        ///< kg, of all fragments; when given it decides the density
   std::optional<MeshFormat> format;  ///< as given by `format=`; nothing when absent
 };

@@ -173,7 +173,8 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
       [](auto& r) -> auto& { return r.interior.material; });
   reused.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     r.interior = {.material = std::get<std::string>(value),
-                  .choice = r.interior.choice};  // nothing of `material`
+                  .choice = r.interior.choice,  // nothing of `material`
+                  .mortar = r.interior.mortar};
     r.interior_color.clear();
   };
   rows.push_back(std::move(reused));

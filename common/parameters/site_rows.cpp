@@ -367,6 +367,26 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .type = Type::kChoice,
        .choices = {"stack", "half", "third"},
        .doc = "By how much of a brick each course is shifted against the one below."}));
+  ParameterSpec mortar{
+      .name = "mortar",
+      .type = Type::kColor,
+      .doc =
+          "Colour of the joints, sRGB as #rrggbb (lime and cement: #b9b4a8): cuts between bricks, or stones of rubble, that "
+          "parted where they were laid have a matt material of their own, whose name ends with _Mortar; what broke shows "
+          "its inside. Joints have no width, and there are none with dual=barycenter. Without it: all cuts look alike.",
+      .decides = Decides::kSites,
+      .patterns = {pattern_name<BrickPattern>()}};
+  mortar.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
+    auto* bricks = std::get_if<BrickPattern>(&r.fracture.pattern);
+    if (!bricks) return;
+    bricks->mortar = true;
+    r.mortar = std::get<std::string>(value);
+    r.interior.mortar = linear_color(r.mortar);
+  };
+  mortar.get = [](const RequestParameters& r, const ParameterSpec&) {
+    return r.mortar.empty() ? nlohmann::json() : nlohmann::json(r.mortar);
+  };
+  rows.push_back(std::move(mortar));
   ParameterSpec normals = with_pattern_member<&SlicePattern::normals>(
       {.name = "normals",
        .type = Type::kVectors,

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "common/base/pacer.hpp"
 #include "common/physics/aggregate_hulls.hpp"
 #include "common/physics/collision_hulls.hpp"
 #include "common/pipeline/aggregate.hpp"
@@ -28,6 +29,20 @@ std::vector<SiteId> lowest_of_sites(const Ownership& ownership) {
   for (const std::uint32_t owner : ownership.owner_of_site)
     lowest.push_back(ownership.sites_of_owner[owner][0]);
   return lowest;
+}
+
+/// Per site the brick that its cell is of. Of merged points the first one decides.
+std::vector<std::uint32_t> bricks_of_sites(const Tetrahedralization& t,
+                                           const std::vector<std::uint32_t>& bricks_of_input,
+                                           const Execution& execution) {
+  if (bricks_of_input.empty()) return {};
+  std::vector<std::uint32_t> bricks(t.site_count(), kNoIndex);
+  Pacer pacer(execution);
+  for (std::size_t k = bricks_of_input.size(); k-- > 0;) {
+    pacer.step();
+    if (const SiteId s = t.site_of_input[k]; s != kNoSite) bricks[s] = bricks_of_input[k];
+  }
+  return bricks;
 }
 
 /// Does something stay whole whatever its size?
@@ -79,6 +94,7 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
     if (!t) return tl::unexpected(t.error());
     diagram.sites = std::move(plan->points);
     diagram.groups = std::move(plan->groups);
+    diagram.bricks = std::move(plan->bricks);
     diagram.map = plan->map;
     diagram.notes = std::move(plan->notes);
     diagram.tetrahedralization = std::move(*t);
@@ -116,6 +132,8 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
     cut.set = std::move(cut.barycentric.set);
   } else {
     RestrictedDiagram restricted = restrict_to_solid(seen, voronoi, execution);
+    const std::vector<std::uint32_t> bricks = bricks_of_sites(t, diagram.bricks, execution);
+    restricted.bricks = bricks;
     if (inspect) inspect(restricted);
     std::vector<std::uint32_t> groups = diagram.groups.empty() && is_aggregated(parameters)
                                             ? aggregate(restricted, parameters, execution)

@@ -81,6 +81,7 @@ struct FractureParameters : SiteParameters {
 struct Diagram {
   std::vector<Vec3d> sites;
   std::vector<std::uint32_t> groups{};  ///< per site, or empty: cells with equal ids stay together
+  std::vector<std::uint32_t> bricks{};  ///< SitePlan::bricks
   /// Sites and tetrahedralization are those of the solid's image under this map (none: of itself).
   CellMap map{};
   std::vector<std::string> notes{};       ///< about the sites, for people

@@ -228,9 +228,10 @@ SitePlan break_up(const Task& task, const BrickPattern& pattern, Bricks bricks, 
     single = std::min(count, halved + share(kSingle));
   }
   std::uint32_t next = 0;
-  const auto add = [&](const Vec3d& site, std::uint32_t group) {
+  const auto add = [&](const Vec3d& site, std::uint32_t group, std::uint32_t brick) {
     plan.points.push_back(site);
     plan.groups.push_back(group);
+    if (pattern.mortar) plan.bricks.push_back(brick);
   };
   for (std::size_t k = 0; k < single; ++k) {
     pacer.step(4);
@@ -239,13 +240,13 @@ SitePlan break_up(const Task& task, const BrickPattern& pattern, Bricks bricks, 
       for (std::uint32_t crumb = 0; crumb < kCrumbs; ++crumb) {
         Vec3d at = brick.middle;
         for (int a = 0; a < 3; ++a) at[a] += (2 * random.uniform() - 1) * brick.half[a];
-        add(at, next++);
+        add(at, next++, kNoIndex);  // its cuts are anywhere but in the joints
       }
       continue;
     }
     for (std::uint32_t c = brick.first; c < bricks.end_of(order[k]); ++c) {
       if (k < halved && c == brick.first + 1) ++next;
-      add(bricks.cells[c], next);
+      add(bricks.cells[c], next, order[k]);
     }
     ++next;
   }
@@ -260,7 +261,7 @@ SitePlan break_up(const Task& task, const BrickPattern& pattern, Bricks bricks, 
     pacer.step(4);
     const std::uint32_t group = next + (lumps ? lump_of[order[k]] : static_cast<std::uint32_t>(k - single));
     for (std::uint32_t c = bricks.bricks[order[k]].first; c < bricks.end_of(order[k]); ++c)
-      add(bricks.cells[c], group);
+      add(bricks.cells[c], group, order[k]);
   }
   return plan;
 }

@@ -13,6 +13,7 @@
 #include "common/base/pacer.hpp"
 #include "common/sites/arithmetic.hpp"
 #include "common/sites/moments.hpp"
+#include "common/solid/cut_materials.hpp"
 
 namespace fracture {
 namespace {
@@ -37,7 +38,7 @@ std::vector<std::uint32_t> main_materials(const Solid& solid, Pacer& pacer) {
   std::vector<std::map<std::uint32_t, double>> area_of(solid.parts.size());
   for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
     pacer.step(8);
-    if (solid.material[t] == kInteriorMaterial || solid.material[t] == kCavityMaterial) continue;
+    if (is_of_cuts(solid.material[t]) || solid.material[t] == kCavityMaterial) continue;
     const auto& [a, b, c] = solid.triangles[t];
     const Vec3d corner = to_double(solid.positions[a]);
     area_of[solid.part[t]][solid.material[t]] +=

@@ -86,6 +86,7 @@ struct BrickPattern {
   Bond bond = Bond::kHalf;
   double jitter = 0;             ///< as in GridPattern
   std::vector<Vec3d> impacts{};  ///< bricks near these are crushed, or break in halves
+  bool mortar = false;           ///< joints are told from broken bricks: SitePlan::bricks
   friend bool operator==(const BrickPattern&, const BrickPattern&) = default;
 };
 
@@ -191,6 +192,10 @@ struct SitePlan {
   std::vector<std::string> notes;     ///< what could not be done as asked, for people
   /// Of the last points, which hits made: cells with equal ids stay together (pipeline/local_impact.hpp). Empty: none do.
   std::vector<std::uint32_t> groups_of_hits{};
+  /// With BrickPattern::mortar, per point (or of the first ones, where hits made the others): the brick or stone that its
+  /// cell is of, kNoIndex of crumbs and of what belongs to none. A cut between two of them is a joint, others go through
+  /// bricks.
+  std::vector<std::uint32_t> bricks{};
 };
 
 /// How many cells are made for each fragment: what Aggregation asks for, unless kMaxPatternSites are fewer; 1 where the

@@ -89,16 +89,19 @@ void order_along_curve(const Box& box, SitePlan& plan, const Execution& executio
   }
   sort_with_polls(execution, order.begin(), order.end());
   std::vector<Vec3d> points;
-  std::vector<std::uint32_t> groups;
+  std::vector<std::uint32_t> groups, bricks;
   points.reserve(plan.points.size());
   groups.reserve(plan.groups.size());
+  bricks.reserve(plan.bricks.size());
   for (const Keyed& k : order) {
     pacer.step();
     points.push_back(plan.points[k.site]);
     if (!plan.groups.empty()) groups.push_back(plan.groups[k.site]);
+    if (!plan.bricks.empty()) bricks.push_back(plan.bricks[k.site]);
   }
   plan.points = std::move(points);
   plan.groups = std::move(groups);
+  plan.bricks = std::move(bricks);
 }
 
 /// Several families: their coordinates q -> (n1·q, n2·q, n3·q), in which the slices are a grid. Two families
@@ -264,6 +267,7 @@ void fill_frames(const SeenSolid& solid, SitePlan& plan, const Execution& execut
     plan.points.push_back(middle);
     if (!plan.groups.empty())
       plan.groups.push_back(1 + *std::max_element(plan.groups.begin(), plan.groups.end()));
+    if (!plan.bricks.empty()) plan.bricks.push_back(kNoIndex);
   }
 }
 

@@ -35,7 +35,7 @@ SUBJECTS = [
      ["cells_per_fragment", "size_spread", "max_hulls"]),
     ("Of single patterns", "Each belongs to the patterns that list it [below](#patterns), and is refused with any other.",
      ["points", "impacts", "radius", "exponent", "share", "clusters", "around", "axis", "spokes", "rings", "growth", "merge", "crushed", "jitter",
-      "cell", "bond", "normals", "spacing", "tilt"]),
+      "cell", "bond", "mortar", "normals", "spacing", "tilt"]),
     ("Rough cuts", "Noise on the cut faces; both sides still match. `rough_amplitude=0` makes a material's cuts flat.",
      ["rough_amplitude", "rough_frequency", "rough_octaves"]),
     ("Sizes and budgets", "`report.size` of the answer says what was made, and how the volumes are distributed.",

@@ -45,8 +45,8 @@ namespace {
 
 std::size_t memory_size(const Diagram& diagram) {
   const Tetrahedralization& t = diagram.tetrahedralization;
-  return sizeof diagram + heap(diagram.sites) + heap(diagram.groups) + heap(t.points) + heap(t.tets) +
-         heap(t.tet_of_site) + heap(t.site_of_input);
+  return sizeof diagram + heap(diagram.sites) + heap(diagram.groups) + heap(diagram.bricks) + heap(t.points) +
+         heap(t.tets) + heap(t.tet_of_site) + heap(t.site_of_input);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "common/gltf/gltf_writer.hpp"
+#include "common/solid/cut_materials.hpp"
 #include "tests/gltf/glb_file.hpp"
 #include "tests/gltf/two_halves.hpp"
 
@@ -20,6 +21,20 @@ TEST(CutLooks, CutFacesHaveTheMaterialOfTheirPart) {
   options.interior.of_part = {1, 0};
   const Glb glb(write_glb(made, options));
   ASSERT_EQ(glb.document["materials"].size(), 4u);
+  EXPECT_EQ(glb.document["meshes"][0]["primitives"][2]["material"], 3);
+  EXPECT_EQ(glb.document["meshes"][1]["primitives"][2]["material"], 2);
+  EXPECT_EQ(glb.document["nodes"][0]["extras"]["fracture"]["interior_materials"], json({2, 3}));
+}
+
+TEST(CutLooks, JointsHaveTheMaterialOfMortar) {
+  FracturedSolid made = two_halves();
+  made.set.fragments[0].primitives[2].material = kMortarMaterial;
+  GltfOptions options;
+  EXPECT_EQ(Glb(write_glb(made, options)).document["meshes"][0]["primitives"][2].count("material"), 0u)
+      << "there is none";
+  options.interior.materials = {{{"name", "Interior"}}, {{"name", "Interior_Mortar"}}};
+  options.interior.mortar = 1;
+  const Glb glb(write_glb(made, options));
   EXPECT_EQ(glb.document["meshes"][0]["primitives"][2]["material"], 3);
   EXPECT_EQ(glb.document["meshes"][1]["primitives"][2]["material"], 2);
   EXPECT_EQ(glb.document["nodes"][0]["extras"]["fracture"]["interior_materials"], json({2, 3}));

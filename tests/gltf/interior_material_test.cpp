@@ -104,6 +104,23 @@ TEST(InteriorMaterial, CavitiesStandBehindWhatIsCrushed) {
   EXPECT_EQ(made.of(0) + made.of(1), 1u);
 }
 
+TEST(InteriorMaterial, MortarStandsBetweenOtherCutsAndWhatIsCrushed) {
+  Solid solid = solid_of(two_materials(), {LinearColor{65535, 0, 0}, LinearColor{0, 0, 65535}});
+  solid.report.parts_hollowed = 2;
+  const Vec3d grey{0.5, 0.45, 0.4};
+  const auto made = interior_materials({.crushed = 0.5, .mortar = grey}, solid).value();
+  ASSERT_EQ(made.materials.size(), 4u);
+  ASSERT_EQ(made.mortar, 2u);
+  EXPECT_EQ(made.of(0, 0), 3u) << "crumbs are white";
+  EXPECT_EQ(made.of(0) + made.of(1), 1u);
+  EXPECT_EQ(made.cavities.size(), 2u);
+  const json& mortar = made.materials[2];
+  EXPECT_EQ(mortar.at("name"), "Interior_Mortar");
+  EXPECT_EQ(mortar.at("pbrMetallicRoughness").at("baseColorFactor"), json({0.5, 0.45, 0.4, 1}));
+  EXPECT_GE(mortar.at("pbrMetallicRoughness").at("roughnessFactor"), 0.9);
+  EXPECT_EQ(interior_materials({}, solid)->mortar, kNoIndex);
+}
+
 /// `two_materials` with the first one changed.
 Mesh with_rock(float reach, const json& change) {
   Mesh mesh = two_materials(reach);

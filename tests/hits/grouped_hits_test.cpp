@@ -47,6 +47,14 @@ TEST(GroupedHits, OnRoughAggregates) {
   EXPECT_GE(expect_hits(mesh, p), 2);
 }
 
+TEST(GroupedHits, OnBricksWithMortarKeepTheJoints) {
+  const Mesh mesh = box({0, 0, 0}, {2.4, 1.5, 0.24}, 3);
+  FractureParameters p = hits_on(mesh, 40, 0.06);
+  p.pattern = BrickPattern{.jitter = 0.05, .impacts = {{1.2, 0.7, 0.24}}, .mortar = true};
+  EXPECT_GE(expect_hits(mesh, p), 2);
+  EXPECT_GE(expect_hits(mesh, p, 2), 2);
+}
+
 TEST(GroupedHits, InAStretchedDiagram) {
   const Mesh mesh = ico_sphere(3);
   FractureParameters p = aggregates_on(mesh, 40, 0.12);

@@ -267,6 +267,29 @@ TEST(Parameters, AColorOfOnesOwnIsNotMixedUnlessOneSaysSo) {
   EXPECT_EQ(mix({{"interior_mix", "0.25"}, {"interior_color", "#ff0080"}}), 0.25);
 }
 
+TEST(Parameters, MortarIsOfBricksAloneAndStaysWhateverTheCutsLookLike) {
+  const auto off = table().parse({{"material", "brick"}});
+  EXPECT_FALSE(std::get<BrickPattern>(off->fracture.pattern).mortar);
+  EXPECT_FALSE(off->interior.mortar);
+  EXPECT_FALSE(canonical_parameters(*off).contains("mortar"));
+  const std::vector<RawParameter> given{
+      {"interior_material", "Rock"}, {"material", "brick"}, {"mortar", "#ff0080"}};
+  const auto on = table().parse(given);
+  ASSERT_TRUE(on);
+  EXPECT_TRUE(std::get<BrickPattern>(on->fracture.pattern).mortar);
+  ASSERT_TRUE(on->interior.mortar);
+  EXPECT_EQ(on->interior.mortar->x, 1);
+  EXPECT_EQ(on->interior.mortar->y, 0);
+  EXPECT_EQ(canonical_parameters(*on).at("mortar"), "#ff0080");
+  EXPECT_NE(canonical_site_parameters(*on), canonical_site_parameters(*off));
+  const nlohmann::json canonical = canonical_parameters(*on);
+  std::vector<RawParameter> again;
+  for (const auto& [name, value] : canonical.items()) again.push_back({name, value, false});
+  EXPECT_EQ(table().parse(again)->interior.mortar, on->interior.mortar);
+  EXPECT_FALSE(table().parse({{"material", "stone"}, {"mortar", "#ff0080"}}));
+  EXPECT_FALSE(table().parse({{"material", "brick"}, {"mortar", "grey"}}));
+}
+
 TEST(Parameters, VectorsAreTextOrArrays) {
   const auto text = table().parse({{"pattern", "impact"}, {"impacts", "1,-2.5,1e-3;0,0,0"}});
   ASSERT_TRUE(text) << text.error().detail;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/pipeline/fracture.hpp"
+#include "common/solid/cut_materials.hpp"
 #include "tests/support/pattern_requests.hpp"
 #include "tests/support/solids.hpp"
 
@@ -38,7 +39,7 @@ template <class Visit>
 void for_each_cut(const FragmentSet& set, const Visit& visit) {
   for (const Fragment& f : set.fragments)
     for (const FragmentPrimitive& p : f.primitives) {
-      if (p.material != kInteriorMaterial) continue;
+      if (!is_of_cuts(p.material)) continue;
       for (std::uint32_t k = p.first_index; k < p.first_index + p.index_count; k += 3)
         visit(world(f, f.indices[k]), world(f, f.indices[k + 1]), world(f, f.indices[k + 2]));
     }

@@ -1,4 +1,5 @@
 #include "tests/property/violations.hpp"
+#include "common/solid/cut_materials.hpp"
 
 #include <algorithm>
 #include <array>
@@ -98,7 +99,7 @@ Violations partition_violations(const FragmentSet& set, const Whole& whole) {
                  cross(to_double(f.positions[f.indices[k + 1]]), to_double(f.positions[f.indices[k + 2]])));
     file += six / 6;
     for (const FragmentPrimitive& p : f.primitives) {
-      if (p.material != kInteriorMaterial) continue;
+      if (!is_of_cuts(p.material)) continue;
       for (std::uint32_t k = p.first_index; k < p.first_index + p.index_count; k += 3) {
         std::array<Key, 3> t;
         for (std::uint32_t c = 0; c < 3; ++c) {
@@ -142,7 +143,7 @@ Violations outside_violations(const FragmentSet& set, const Mesh& traced, bool e
   const double reach = 2 * (h.x + h.y + h.z);
   for (const Fragment& f : set.fragments)
     for (const FragmentPrimitive& p : f.primitives) {
-      if (p.material == kInteriorMaterial) continue;
+      if (is_of_cuts(p.material)) continue;
       if (p.material >= n) {
         broken.add("an exterior triangle of no triangle of the mesh: %u", p.material);
         return broken.all();

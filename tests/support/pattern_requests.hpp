@@ -74,6 +74,7 @@ inline std::vector<NamedParameters> pattern_requests(const Box& box, std::uint32
                                   .jitter = 0.4});
   add("brick_stack", BrickPattern{.bond = BrickPattern::Bond::kStack});
   add("brick_hit", BrickPattern{.impacts = {corner}});
+  add("brick_mortar", BrickPattern{.jitter = 0.3, .impacts = {corner}, .mortar = true});
   add("slice", SlicePattern{});
   add("slice_tilted", SlicePattern{.normals = {{1, 0.5, 0.2}}, .jitter = 0.6, .tilt = 20});
   add("slice_two", SlicePattern{.normals = {{1, 0.3, 0}, {0, 1, 0.2}}});
