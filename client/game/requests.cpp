@@ -5,6 +5,16 @@
 
 namespace fracture::game {
 
+namespace {
+
+/// A server keeps what hits start from where the answer before says that it is to be compared: then the first hit takes no
+/// longer than the next. What is there from the start is never hit so.
+bool takes_hits_later(const scenes::SceneObject& object, const nlohmann::json& parameters) {
+  return !object.at_start && !parameters.contains("delta") && scenes::takes_hits(parameters);
+}
+
+}  // namespace
+
 void Game::ask(const Waiting& hit) {
   const Thing& thing = things_[hit.thing];
   const scenes::SceneObject& object = scene_.objects[thing.scene_object];
@@ -35,7 +45,10 @@ void Game::ask(const Waiting& hit) {
     pending.parameters = pending.wanted = body;
   } else {
     body = scenes::fracture_parameters(object, hit.impact, settings_.seed + asked_, settings_.overrides);
-    pending.parameters = pending.wanted = body;
+    pending.parameters = body;
+    // What falls comes apart, and keeps nothing that a ball could hit again.
+    if (world_.stands(thing.id) && takes_hits_later(object, body)) body["delta"] = "stated";
+    pending.wanted = body;
   }
   if (settings_.answers)
     pending.decoded = settings_.answers->find(thing.mesh, pending.wanted, pending.before);

@@ -234,6 +234,11 @@ void World::scale_mass(ObjectId id, double factor) {
 }
 
 bool World::is_whole(ObjectId object) const { return state_->objects.at(object)->whole != nullptr; }
+bool World::stands(ObjectId object) const {
+  constexpr double kStands = 0.05;  // m/s: after one step of its fall it is faster
+  const Body* whole = state_->objects.at(object)->whole;
+  return whole != nullptr && glm::length(from_bullet(whole->rigid->getLinearVelocity())) < kStands;
+}
 Pose World::object_pose(ObjectId object) const {
   const Body* whole = state_->objects.at(object)->whole;
   return whole != nullptr ? whole->asset_to_world() : Pose{};

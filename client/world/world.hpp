@@ -278,6 +278,7 @@ class World {
 
   bool is_whole(ObjectId object) const;
   Pose object_pose(ObjectId object) const;  ///< while it is whole
+  bool stands(ObjectId object) const;       ///< it is whole and hardly moves
   /// Empty while it is whole.
   void fragment_states(ObjectId object, std::vector<FragmentState>& states) const;
   /// Load over strength at the last evaluation, for each bond; negative for a broken one.

@@ -95,6 +95,7 @@ TEST_F(Hits, AskForWhatTheyChangeOfTheAnswerAndHaveItInTime) {
   Game game(scene(), client, settings());
   break_whole(game);
   ASSERT_EQ(bodies(server).size(), 1u) << "the hit that breaks the whole has its fragments";
+  EXPECT_EQ(bodies(server)[0].at("delta"), "stated") << "the server keeps what the first hit starts from";
   game.throw_ball({1, 0.7, 6}, {0, 0.5, -20});
   while (game.figures().hits == 0) {
     steps(game, 1);
@@ -206,6 +207,22 @@ TEST_F(Hits, OnFragmentsThatAreThereFromTheStartAskForNothing) {
   ASSERT_FALSE(game.world().is_whole(0));
   hit(game);
   EXPECT_EQ(bodies(server).size(), 1u);
+}
+
+TEST_F(Hits, AreNotExpectedByWhatFallsNorByWhatIsBrokenFromTheStart) {
+  FakeServer server([this](const FakeRequest& request) { return answer(request); });
+  protocol::Client client(test::settings_for(server));
+  scenes::Scene falling = test::falling_box(), bricks = scene(), levels = scene();
+  bricks.objects[0].at_start = true;
+  levels.objects[0].breakage.parameters["levels"] = {4, 2};
+  for (scenes::Scene* one : {&falling, &bricks, &levels}) {
+    const std::size_t before = bodies(server).size();
+    Game game(std::move(*one), client, settings());
+    if (one == &levels) game.throw_ball({0, 0.7, 4}, {0, 0.5, -20});
+    steps(game, 60);
+    ASSERT_GT(bodies(server).size(), before);
+    EXPECT_FALSE(bodies(server)[before].contains("delta"));
+  }
 }
 
 TEST_F(Hits, AreReadTogetherWithTheAnswerBefore) {
