@@ -59,7 +59,8 @@ void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
   size(
       "min_of_mean", 1, "",
       "The same as a fraction of the fragments' mean volume; beside hits a hundredth of that, of the mean that the "
-      "pattern's sites give. With a `material` 0.002; without one 0: no limit.",
+      "pattern's sites give. Before cuts become rough pieces below twice that, up to 0.05, are united, too. With a "
+      "`material` 0.002; without one 0: no limit.",
       [](auto& r) -> auto& { return r.fracture.size.min_of_mean; });
   // With a material none is something else than what it sets.
   rows.back().matters = [](const RequestParameters& r) {

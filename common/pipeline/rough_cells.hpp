@@ -15,9 +15,10 @@ namespace fracture {
 inline constexpr int kMostRestraints = 3;
 
 /// Roughens the caps of `restricted`, which are flat, and makes the fragments. Fills `rough` and `set` of
-/// `cut`. With an amplitude of 0 the caps stay flat. `judged` says what holds of the fragments: judge(). `trace`:
-/// roughen(). `limits`: limits_in_force(). `before`: what is united whatever its size. Where there are no hits, pieces are united by their size with
-/// flat cuts, too, and these are the `unions` of `cut`; then by that with rough ones. Throws Interrupted.
+/// `cut`. With an amplitude of 0 the caps stay flat. `limits`: limits_in_force(). `judged` says what holds of the
+/// fragments: judge(). `trace`: roughen(). `before`: what is united whatever its size. Where there are no hits, pieces
+/// are united by their size with flat cuts, too, and these are the `unions` of `cut`; then by that with rough ones: the
+/// `late` ones. Throws Interrupted.
 void make_rough_fragments(RestrictedDiagram& restricted, const FractureParameters& parameters,
                           SizeLimits limits, const Ownership& ownership, std::vector<Union> before,
                           const std::function<Verdict(const FragmentSet&)>& judged,
