@@ -270,19 +270,23 @@ int run(int argc, char** argv) {
                        "fracture-server " FRACTURE_VERSION " algorithm " + std::to_string(kAlgorithmVersion));
   app.require_subcommand(1);
 
+  // Each has its options only when it is the one that is meant: two hundred of them take longer than a small bake's cuts.
   ServeOptions serve_options;
   serve_options.drain_delay = std::chrono::milliseconds(::isatty(STDERR_FILENO) ? 0 : 5'000);
-  std::vector<Setting> settings = serve_settings(serve_options);
+  std::vector<Setting> settings;
   GivenSettings flags;
   ServeCommand command;
   CLI::App& serve_command = *app.add_subcommand("serve", "Answer HTTP requests until SIGTERM or SIGINT");
-  add_serve(serve_command, settings, flags, command);
+  serve_command.preparse_callback([&](std::size_t) {
+    settings = serve_settings(serve_options);
+    add_serve(serve_command, settings, flags, command);
+  });
 
   BakeOptions bake_options;
   bake_options.service.formats = FormatSet::all();  // the file is the caller's own
   CLI::App& bake_command =
       *app.add_subcommand("bake", "Fracture files: the same bytes as the server's answers");
-  add_bake(bake_command, bake_options);
+  bake_command.preparse_callback([&](std::size_t) { add_bake(bake_command, bake_options); });
 
   InspectOptions inspect_options;
   inspect_options.service.formats = FormatSet::all();
@@ -291,12 +295,12 @@ int run(int argc, char** argv) {
                           "Say what a mesh is worth without fracturing it. Exits with 0: a closed solid as "
                           "it is, 1: usable after "
                           "repair, 2: refused, 3: wrong command line or unreadable file");
-  add_inspect(inspect_command, inspect_options);
+  inspect_command.preparse_callback([&](std::size_t) { add_inspect(inspect_command, inspect_options); });
 
   HealthOptions health_options;
   CLI::App& health_command = *app.add_subcommand(
       "health", "Ask a server whether it is alive. Exits with 0: yes, 1: no, or it cannot be asked");
-  add_health(health_command, health_options);
+  health_command.preparse_callback([&](std::size_t) { add_health(health_command, health_options); });
 
   try {
     app.parse(argc, argv);
