@@ -9,6 +9,7 @@
 
 #include <cerrno>
 #include <charconv>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -95,15 +96,17 @@ std::uint64_t address_space() {
   return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
 }
 
-/// What is free in the zygote's heap would be copied page by page where a fork writes to it, and what it has
-/// not got it has to ask for. So what was used goes back, and room that was never touched takes its place:
-/// for the 16 MiB that Assimp's reader of OBJ fills before it reads, whatever the size of the file.
-void leave_room() {
-  constexpr std::size_t kRoom = 20u << 20, kMost = 32u << 20;
-  ::malloc_trim(0);
+/// Room on the heap that was never touched, for the 16 MiB that Assimp's reader of OBJ fills before it reads, whatever
+/// the size of the file: in large pages, where the system has them, which are handed out in eight steps instead of 4096.
+void make_room() {
+  constexpr std::size_t kRoom = 20u << 20, kMost = 32u << 20, kPage = 2u << 20;
   ::mallopt(M_MMAP_THRESHOLD, kMost);
   ::mallopt(M_TRIM_THRESHOLD, 2 * kMost);
-  void* volatile room = std::malloc(kRoom);
+  char* volatile room = static_cast<char*>(std::malloc(kRoom));
+  if (room) {
+    const std::size_t before = (kPage - reinterpret_cast<std::uintptr_t>(room) % kPage) % kPage;
+    (void)::madvise(room + before, (kRoom - before) / kPage * kPage, MADV_HUGEPAGE);
+  }
   std::free(room);
 }
 
@@ -153,8 +156,11 @@ Expected<Mesh> import_job(const ImportJob& job) {
 int run_zygote(int control, const SandboxLimits& limits, const ImportFunction& import) {
   std::set_new_handler(no_memory);
   std::set_terminate(ended);
+  make_room();
   warm_up(import);
-  leave_room();
+  // What is free in the zygote's heap would be copied page by page where a fork writes to it.
+  ::malloc_trim(0);
+  make_room();
   const SyscallFilter filter;
   ZygoteHello hello;
   hello.address_space = address_space();
