@@ -16,7 +16,8 @@ std::vector<MaterialPreset> make_presets() {
   glass.around = RadialPattern::Around::kShape;
   presets.push_back(
       {"glass",
-       "Cracks from the impact: rings and spokes of a pane, long shards of a vessel, smooth waves in a lump.",
+       "Cracks from the impact, each part by its shape: rings and spokes of a pane, lengths of a rod, long shards of a "
+       "vessel, smooth waves in a lump.",
        glass,
        0,
        1,

@@ -48,7 +48,9 @@ namespace fracture {
 /// 15  2026-11-26  cuts of metal are as bright as bare steel, those of ceramic matt, those of ice frosted
 /// 16  2026-11-26  little is united for its size after the noise; beside hits one smallest volume; cuts of cast iron
 ///                 are grey and matt
-inline constexpr int kAlgorithmVersion = 16;
+/// 17  2026-11-26  of several parts of glass each breaks as its shape has it; hulls without corners that hardly
+///                 stick out
+inline constexpr int kAlgorithmVersion = 17;
 
 enum class Dual {
   kCircumcenter,  ///< the Voronoi diagram: fragments partition the solid exactly

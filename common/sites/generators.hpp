@@ -50,6 +50,9 @@ double expected_sites(const BrickPattern& pattern, double count, const Vec3d& si
 double expected_sites(const SlicePattern& pattern, double count, const Vec3d& sides);
 double expected_sites(const ClusteredPattern& pattern, double count, const Vec3d& sides);
 
+/// Whether each part breaks as its shape has it (sites/shapes.hpp): where nothing of the wheel is given but its centre.
+bool breaks_by_parts(const RadialPattern& pattern);
+
 /// Places of the frame of the answer in the image, of a map that has one frame at most.
 std::vector<Vec3d> mapped(std::vector<Vec3d> points, const ImageMap& map);
 /// The box of the solid in the image; where that has several frames, one like that of each of them together.

@@ -53,7 +53,9 @@ struct RadialPattern {
   enum class Around {
     kAxis,
     kPoint,  ///< spokes in all directions
-    kShape,  ///< an axis where one is given or the solid is a plate, else a point
+    /// An axis where one is given or the solid is a plate, else a point. Of several parts each for itself, where neither
+    /// axis nor spokes nor rings are given: a plate around an axis, a body around a point, a rod across (sites/shapes.hpp).
+    kShape,
   };
   Around around = Around::kAxis;
   std::vector<Vec3d> impacts{};  ///< the first one is the centre; empty: the middle of the box, or of a side

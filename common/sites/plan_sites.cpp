@@ -7,6 +7,7 @@
 #include "common/sites/generators.hpp"
 #include "common/sites/grain.hpp"
 #include "common/sites/masonry.hpp"
+#include "common/sites/shapes.hpp"
 #include "common/sites/sites.hpp"
 #include "common/solid/image.hpp"
 
@@ -50,6 +51,19 @@ CellMap map_of(const Solid& solid, const std::vector<Matrix3>& matrices,
   return CellMap(matrices, of_part, boxes);
 }
 
+/// Of parts that break each for itself. A place is twice as wide as what is in it: that far beyond a part rings may lie.
+CellMap map_of_parts(const Solid& solid, const Execution& execution) {
+  const Shapes shapes = shapes_of(solid, CellMap::kMostFrames, execution);
+  if (shapes.frames < 2) return {};
+  std::vector<Box> boxes(shapes.frames);
+  for (std::size_t p = 0; p < solid.parts.size(); ++p) {
+    boxes[shapes.frame_of_part[p]].add(solid.parts[p].box.min);
+    boxes[shapes.frame_of_part[p]].add(solid.parts[p].box.max);
+  }
+  for (Box& box : boxes) box = {box.center() - box.size(), box.center() + box.size()};
+  return CellMap(std::vector<Matrix3>(shapes.frames), shapes.frame_of_part, boxes);
+}
+
 CellMap map_of(const Solid& solid, const SiteParameters& p, const Execution& execution) {
   const Anisotropy& anisotropy = p.anisotropy;
   if (anisotropy.matrix) return positive(anisotropy.matrix->inverse());
@@ -59,6 +73,9 @@ CellMap map_of(const Solid& solid, const SiteParameters& p, const Execution& exe
     for (const Masonry::Frame& frame : masonry.frames) matrices.push_back(frame.axes);
     return map_of(solid, matrices, masonry.of_part, execution);
   }
+  if (const auto* radial = std::get_if<RadialPattern>(&p.pattern);
+      radial && sites_detail::breaks_by_parts(*radial) && anisotropy.stretch == 1)
+    return map_of_parts(solid, execution);
   if (anisotropy.stretch == 1) return {};
   const auto along = [&](const Vec3d& grain) { return along_grain(grain, anisotropy.stretch); };
   if (anisotropy.grain) return along(*anisotropy.grain);

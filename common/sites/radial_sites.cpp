@@ -13,6 +13,9 @@
 // at random (`merge`), which leaves long shards and staggered ring cracks, and near the centre some pairs of
 // neighbouring spokes do, so that radial cracks begin at different distances.
 //
+// Of a solid of several parts each breaks as its shape has it, with cells of its own (a frame of the map): a plate around
+// an axis, a body around a point, and a rod across, into lengths, where these are no slices.
+//
 // Where it was hit, brittle and weak things (ice) are crushed: there sites lie as those of an impact do, in the place of
 // the innermost rings.
 #include <algorithm>
@@ -20,11 +23,11 @@
 #include <optional>
 
 #include "common/base/disjoint_sets.hpp"
-#include "common/base/long_axis.hpp"
 #include "common/base/pacer.hpp"
+#include "common/bvh/box_tree.hpp"
 #include "common/sites/arithmetic.hpp"
 #include "common/sites/generators.hpp"
-#include "common/sites/moments.hpp"
+#include "common/sites/shapes.hpp"
 
 namespace fracture::sites_detail {
 namespace {
@@ -41,30 +44,6 @@ Vec3d shortest_side(const Box& box) {
   Vec3d direction;
   direction[axis] = 1;
   return direction;
-}
-
-/// The direction in which a plate is thin, however it stands; none of what is no plate: a plate is at most kPlate as thick
-/// as it is wide, by its second moments, which go with the square.
-std::optional<Vec3d> thin_axis(const Task& task) {
-  constexpr double kPlate = 0.2;
-  const Solid& solid = task.solid;
-  const Vec3d origin = solid.box.center();
-  Moments moments;
-  Pacer pacer(task.execution);
-  for (const auto& [a, b, c] : solid.triangles) {
-    pacer.step(8);
-    moments.add(to_double(solid.positions[a]) - origin, to_double(solid.positions[b]) - origin,
-                to_double(solid.positions[c]) - origin);
-  }
-  if (!(moments.volume > 0)) return std::nullopt;
-  const std::optional<ShortAxis> shortest = short_axis(moments.central());
-  if (!shortest || !(shortest->ratio <= kPlate * kPlate)) return std::nullopt;
-  Vec3d axis = without_noise(shortest->axis);
-  // Of either sign: the one whose largest component is positive.
-  int largest = 0;
-  for (const int k : {1, 2})
-    if (std::fabs(axis[k]) > std::fabs(axis[largest])) largest = k;
-  return axis[largest] < 0 ? -1.0 * axis : axis;
 }
 
 /// A hit nearer to the middle than this, of the longest side, has no direction.
@@ -173,44 +152,39 @@ SitePlan with_crumbs(const Task& task, const Wheel& wheel, std::uint32_t crumbs,
   return plan;
 }
 
-}  // namespace
+/// Where a wheel goes.
+struct Place {
+  Box box;                      ///< of what is to break
+  std::optional<Vec3d> thin{};  ///< the way in which it is thin, of a plate
+  std::optional<Vec3d> center{}, axis{};
+  std::uint32_t count = 1;  ///< of pieces
+  double least_spokes = kLeastSpokes;
+};
 
-double expected_sites(const RadialPattern& pattern, double count, const Vec3d&) {
-  // A ring crack that stays away leaves one piece of several cells.
-  if (pattern.spokes && pattern.rings)
-    return static_cast<double>(*pattern.spokes) * *pattern.rings + pattern.crushed * count;
-  return 2 * count;
-}
-
-Expected<SitePlan> generate(const Task& task, const RadialPattern& pattern, const ImageMap& map) {
+Expected<SitePlan> wheel_in(const Task& task, const RadialPattern& pattern, const Place& place,
+                            Random& random) {
   using Around = RadialPattern::Around;
-  const Box& box = task.solid.box;
-  const std::vector<Vec3d> impacts = mapped(pattern.impacts, map);
-  // With an axis of its own the shape matters only for where what is crushed begins.
-  const bool shape_matters = pattern.around != Around::kPoint && (!pattern.axis || pattern.crushed > 0);
-  const std::optional<Vec3d> thin = shape_matters ? thin_axis(task) : std::nullopt;
+  const Box& box = place.box;
   const bool around_point =
-      pattern.around == Around::kPoint || (pattern.around == Around::kShape && !pattern.axis && !thin);
+      pattern.around == Around::kPoint || (pattern.around == Around::kShape && !place.axis && !place.thin);
   // About 0.7 of the cells of a disc around a square meet the square, half of those around a point on a body meet the
   // body, and `merge` of them go.
-  const auto crumbs = static_cast<std::uint32_t>(std::nearbyint(pattern.crushed * task.count));
-  const double cells = (task.count - crumbs) / ((around_point ? 0.5 : 0.7) * (1 - pattern.merge));
+  const auto crumbs = static_cast<std::uint32_t>(std::nearbyint(pattern.crushed * place.count));
+  const double cells = (place.count - crumbs) / ((around_point ? 0.5 : 0.7) * (1 - pattern.merge));
   const auto count = [](const std::optional<std::uint32_t>& given, double wanted, double least, double most) {
     return given.value_or(
         static_cast<std::uint32_t>(std::nearbyint(std::fmin(most, std::fmax(least, wanted)))));
   };
   const std::uint32_t spokes =
       around_point ? count(pattern.spokes, power(1 / std::fmax(1, cells), 1.0 / 3) * cells * 1.5, 6, 100'000)
-                   : count(pattern.spokes, std::sqrt(2 * cells), kLeastSpokes, kMostSpokes);
+                   : count(pattern.spokes, std::sqrt(2 * cells), place.least_spokes, kMostSpokes);
   const std::uint32_t rings = count(pattern.rings, cells / spokes, 2, 1000);
   if (static_cast<double>(spokes) * rings > task.most_sites)
     return too_many_sites(task, static_cast<double>(spokes) * rings);
 
-  Random random(task.seed ^ kRadialStream);
   // Without an impact: of a body the middle of the side that faces the viewer.
-  const bool body = around_point || (pattern.crushed > 0 && !thin);
-  const Vec3d center =
-      !impacts.empty() ? impacts[0] : box.center() + Vec3d{0, 0, body ? 0.5 * box.size().z : 0};
+  const bool body = around_point || (pattern.crushed > 0 && !place.thin);
+  const Vec3d center = place.center.value_or(box.center() + Vec3d{0, 0, body ? 0.5 * box.size().z : 0});
   if (around_point) {
     Wheel wheel{center, {}, rings, reach(box, [&](const Vec3d& p) { return length(p - center); })};
     const std::vector<double> radius = radii(pattern, wheel, random);
@@ -230,12 +204,10 @@ Expected<SitePlan> generate(const Task& task, const RadialPattern& pattern, cons
                        nullptr);
   }
 
-  const std::optional<Vec3d> given =
-      map && pattern.axis ? map.of_part(0).matrix * *pattern.axis : pattern.axis;
-  Vec3d axis = given ? *given : thin ? *thin : shortest_side(box);
+  Vec3d axis = place.axis ? *place.axis : place.thin ? *place.thin : shortest_side(box);
   // What is crushed splits along the way of what hit it.
   if (const Vec3d inwards = box.center() - center;
-      !given && body && length(inwards) > kInwards * box.longest_side())
+      !place.axis && body && length(inwards) > kInwards * box.longest_side())
     axis = inwards;
   const Across frame = across(axis);
   Wheel wheel{center, {}, rings, reach(box, [&](const Vec3d& p) {
@@ -249,6 +221,139 @@ Expected<SitePlan> generate(const Task& task, const RadialPattern& pattern, cons
   }
   return with_crumbs(task, wheel, crumbs, plan_of(pattern, wheel, radius, true, random, task.execution),
                      &axis);
+}
+
+/// How much denser pieces of a rod are at the hit: places along it go with the power of their share of the pieces.
+constexpr double kTowardsHit = 1.7;
+/// How far sites lie beside the axis, of its width or of a piece's length, whichever is less: so cuts are oblique.
+constexpr double kBeside = 0.15;
+
+/// A piece of a rod is no shorter than this, of its width: more pieces than that would be slices.
+constexpr double kShortest = 0.5;
+
+/// A rod breaks across.
+SitePlan across_rod(const Task& task, const RadialPattern& pattern, const PartShape& shape,
+                    const CellMap::Frame& frame, const Vec3d* hit, std::uint32_t count, Random& random) {
+  const PartShape::Rod& rod = *shape.rod;
+  const double whole = rod.to - rod.from;
+  const double at = !hit ? 0 : std::clamp((dot(*hit - shape.middle, rod.axis) - rod.from) / whole, 0.0, 1.0);
+  const auto along = [&](double share) {
+    if (!hit) return share;
+    const double side = share < at ? at : 1 - at, from_hit = std::fabs(share - at);
+    const double far = side > 0 ? side * power(std::fmin(1, from_hit / side), kTowardsHit) : 0;
+    return share < at ? at - far : at + far;
+  };
+  const Across frame_across = across(rod.axis);
+  const double aside = 2 * kBeside * std::fmin(rod.width, whole / count);
+  Pacer pacer(task.execution);
+  SitePlan plan;
+  for (std::uint32_t k = 0; k < count; ++k) {
+    pacer.step(4);
+    const double off = pattern.jitter * (random.uniform() - 0.5), x = random.uniform() - 0.5;
+    const double y = random.uniform() - 0.5;
+    const Vec3d beside = aside * (x * frame_across.u + y * frame_across.v);
+    const double share = along((k + 0.5 + off) / count);
+    plan.points.push_back(frame.image(shape.middle + (rod.from + share * whole) * rod.axis + beside));
+    plan.groups.push_back(k);
+  }
+  return plan;
+}
+
+Vec3d nearest_in(const Box& box, Vec3d p) {
+  for (int k = 0; k < 3; ++k) p[k] = std::clamp(p[k], box.min[k], box.max[k]);
+  return p;
+}
+
+/// Each part for itself, with as many pieces as are its share by volume: a plate around an axis, a body around a point,
+/// a rod across. What is hit is hit there, all others where they are nearest to the hit.
+Expected<SitePlan> by_parts(const Task& task, const RadialPattern& pattern) {
+  const Solid& solid = task.seen.original();
+  const CellMap& map = task.seen.map();
+  const Shapes shapes = shapes_of(solid, CellMap::kMostFrames, task.execution);
+  const Vec3d* const hit = pattern.impacts.empty() ? nullptr : pattern.impacts.data();
+  Pacer pacer(task.execution);
+  double volume = 0;
+  std::vector<std::uint32_t> in_frame(shapes.frames, 0);
+  std::size_t crushed = 0;  // the part that is hit: the nearest, or the largest
+  const auto later = [&](std::size_t p) {
+    return hit ? square_distance(solid.parts[p].box, *hit) : -solid.parts[p].volume;
+  };
+  for (std::size_t p = 0; p < solid.parts.size(); ++p) {
+    pacer.step(4);
+    volume += solid.parts[p].volume;
+    ++in_frame[shapes.frame_of_part[p]];
+    if (later(p) < later(crushed)) crushed = p;
+  }
+  SitePlan plan;
+  std::uint32_t groups = 0;
+  for (std::size_t p = 0; p < solid.parts.size(); ++p) {
+    pacer.step(16);
+    const PartShape& shape = shapes.of_part[p];
+    const CellMap::Frame& frame = map.of_part(static_cast<std::uint32_t>(p));
+    const Box& box = solid.parts[p].box;
+    const auto count =
+        static_cast<std::uint32_t>(std::nearbyint(task.count * solid.parts[p].volume / volume));
+    // Those that share a frame and are too small for a piece belong to their neighbours' cells there.
+    if (count == 0 && in_frame[shapes.frame_of_part[p]] > 1) continue;
+    Random random(mix64(task.seed ^ kRadialStream, p));
+    Expected<SitePlan> own = SitePlan{{frame.image(shape.middle)}, {0}, {}, {}};
+    if (count > 1 && shape.rod && shape.rod->to - shape.rod->from >= kShortest * count * shape.rod->width) {
+      own = across_rod(task, pattern, shape, frame, hit, count, random);
+    } else if (count > 1) {
+      RadialPattern of_part = pattern;
+      if (p != crushed) of_part.crushed = 0;
+      Place place;
+      place.box.add(frame.image(box.min));
+      place.box.add(frame.image(box.max));
+      place.thin = shape.thin;
+      if (hit) place.center = frame.image(nearest_in(box, *hit));
+      place.count = count;
+      place.least_spokes = std::fmin(kLeastSpokes, std::fmax(4, count));
+      own = wheel_in(task, of_part, place, random);
+    }
+    if (!own) return own;
+    std::uint32_t most = 0;
+    for (std::size_t k = 0; k < own->points.size(); ++k) {
+      pacer.step();
+      plan.points.push_back(own->points[k]);
+      plan.groups.push_back(groups + own->groups[k]);
+      most = std::max(most, own->groups[k]);
+    }
+    groups += most + 1;
+  }
+  if (plan.points.size() > task.most_sites)
+    return too_many_sites(task, static_cast<double>(plan.points.size()));
+  return plan;
+}
+
+}  // namespace
+
+bool breaks_by_parts(const RadialPattern& pattern) {
+  return pattern.around == RadialPattern::Around::kShape && !pattern.axis && !pattern.spokes &&
+         !pattern.rings;
+}
+
+double expected_sites(const RadialPattern& pattern, double count, const Vec3d&) {
+  // A ring crack that stays away leaves one piece of several cells.
+  if (pattern.spokes && pattern.rings)
+    return static_cast<double>(*pattern.spokes) * *pattern.rings + pattern.crushed * count;
+  return 2 * count;
+}
+
+Expected<SitePlan> generate(const Task& task, const RadialPattern& pattern, const ImageMap& map) {
+  if (breaks_by_parts(pattern) && map.frames().size() > 1) return by_parts(task, pattern);
+  const std::vector<Vec3d> impacts = mapped(pattern.impacts, map);
+  // With an axis of its own the shape matters only for where what is crushed begins.
+  const bool shape_matters =
+      pattern.around != RadialPattern::Around::kPoint && (!pattern.axis || pattern.crushed > 0);
+  Place place;
+  place.box = task.solid.box;
+  if (shape_matters) place.thin = thin_axis(task.solid, task.execution);
+  place.count = task.count;
+  if (!impacts.empty()) place.center = impacts[0];
+  if (pattern.axis) place.axis = map ? map.of_part(0).matrix * *pattern.axis : *pattern.axis;
+  Random random(task.seed ^ kRadialStream);
+  return wheel_in(task, pattern, place, random);
 }
 
 }  // namespace fracture::sites_detail

@@ -66,6 +66,29 @@ TEST(Vessels, OfGlassAndPotteryAreWallsAndLumpsOfOthersAreNot) {
   }
 }
 
+TEST(GlassLooks, LegsOfATableBreakAcrossAndItsTopAsAPane) {
+  std::vector<Mesh> parts{box({0, 1, 0}, {3, 1.05, 2}, 4)};
+  for (const double x : {0.1, 2.7})
+    for (const double z : {0.1, 1.7}) parts.push_back(box({x, 0, z}, {x + 0.2, 0.99, z + 0.2}, 4));
+  const Solid table = solid_of(joined(parts));
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    SCOPED_TRACE(seed);
+    FractureParameters p = material("glass", 80, seed);
+    std::get<RadialPattern>(p.pattern).impacts = {{1, 1.05, 0.8}};
+    double legs = 0, across = 0, top = 0, upright = 0;
+    for_each_cut(fractured(table, p).set, [&](const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+      const Vec3d n = cross(b - a, c - a);
+      const bool steep = std::fabs(n.y) > std::cos(45 * M_PI / 180) * length(n);
+      const bool of_top = a.y + b.y + c.y > 3;
+      (of_top ? top : legs) += length(n);
+      if (of_top ? !steep : steep) (of_top ? upright : across) += length(n);
+    });
+    EXPECT_GE(across, 0.8 * legs);
+    EXPECT_GE(upright, 0.8 * top);
+    EXPECT_GT(legs, 0);
+  }
+}
+
 TEST(GlassLooks, ShardsOfAVesselRunAwayFromTheHit) {
   const Vec3d hit{0, 0, 1};
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
