@@ -247,7 +247,7 @@ class FewHulls {
       const std::vector<Vec3f>& body = f_->bodies[member->body];
       s_.points.insert(s_.points.end(), body.begin(), body.end());
     }
-    const auto& triangles = s_.maker.builder.build(s_.points, kMaxHullPoints, execution_);
+    const auto& triangles = s_.maker.builder.build(s_.points, kMaxHullPoints, execution_, {}, kHullTolerance);
     if (triangles.empty() || s_.members.size() == 1)
       return add_hull(f_->bodies[largest->body], {}, s_.maker, out, execution_);
     const bool simplified = s_.maker.builder.stopped_early();

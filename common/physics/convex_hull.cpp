@@ -1,6 +1,7 @@
 #include "common/physics/convex_hull.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/mesh/mesh.hpp"
 
@@ -13,6 +14,12 @@ bool ConvexHullBuilder::lexicographic_less(std::uint32_t a, std::uint32_t b) con
   return p.z < q.z;
 }
 
+std::int64_t ConvexHullBuilder::least_above(const GridPoint& normal) const {
+  if (tolerance_ == 0) return 0;
+  const auto real = [](std::int64_t x) { return static_cast<double>(x); };
+  return static_cast<std::int64_t>(tolerance_ * length({real(normal.x), real(normal.y), real(normal.z)}));
+}
+
 std::uint32_t ConvexHullBuilder::add_face(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
   const GridPoint &p = points_[a], &q = points_[b], &r = points_[c];
   const GridPoint u{q.x - p.x, q.y - p.y, q.z - p.z}, v{r.x - p.x, r.y - p.y, r.z - p.z};
@@ -21,6 +28,7 @@ std::uint32_t ConvexHullBuilder::add_face(std::uint32_t a, std::uint32_t b, std:
                     {kNoIndex, kNoIndex, kNoIndex},
                     n,
                     n.x * p.x + n.y * p.y + n.z * p.z,
+                    least_above(n),
                     kNoIndex,
                     kNoIndex,
                     0,
@@ -30,13 +38,14 @@ std::uint32_t ConvexHullBuilder::add_face(std::uint32_t a, std::uint32_t b, std:
   return static_cast<std::uint32_t>(faces_.size() - 1);
 }
 
-/// Puts p on the list of the first of the faces that it lies above; points above none are inside.
+/// Puts p on the list of the first of the faces that it lies above by more than the tolerance; points above none are
+/// inside, or as good.
 void ConvexHullBuilder::put_outside(std::uint32_t p, std::uint32_t first_face, std::uint32_t end_face,
                                     Pacer& pacer) {
   for (std::uint32_t f = first_face; f < end_face; ++f) {
     Face& face = faces_[f];
     const std::int64_t h = above(face, p);
-    if (h <= 0) continue;
+    if (h <= face.least) continue;
     next_[p] = face.first_outside;
     face.first_outside = p;
     // Ties go to the lexicographically last: an extreme point even within a facet of coplanar points.
@@ -118,7 +127,7 @@ void ConvexHullBuilder::insert_farthest(std::uint32_t face, Pacer& pacer) {
 }
 
 void ConvexHullBuilder::quickhull(const std::array<std::uint32_t, 4>& first, std::uint32_t max_points,
-                                  Pacer& pacer) {
+                                  double tolerance, Pacer& pacer) {
   const auto [a, b, c, d] = first;
   const auto whole = [](double x) { return static_cast<std::int64_t>(x); };
   points_.resize(grid_.size());
@@ -129,6 +138,9 @@ void ConvexHullBuilder::quickhull(const std::array<std::uint32_t, 4>& first, std
   next_.resize(points_.size());
   stamp_ = 0;
   faces_.clear();
+  // Of the height of the first tetrahedron, not of the length of the body: what is thin keeps its edges.
+  const Vec3d normal = grid_.plane(a, b, c).normal;
+  tolerance_ = tolerance * std::fabs(static_cast<double>(grid_.exact_height(normal, a, d))) / length(normal);
   add_face(a, b, c);
   add_face(a, d, b);
   add_face(b, d, c);
@@ -156,26 +168,29 @@ void ConvexHullBuilder::quickhull(const std::array<std::uint32_t, 4>& first, std
 const ConvexHullBuilder::Triangles& ConvexHullBuilder::build(std::span<const Vec3f> points,
                                                              std::uint32_t max_points,
                                                              const Execution& execution,
-                                                             const BodySurface& surface) {
+                                                             const BodySurface& surface, double tolerance) {
   Pacer pacer(execution);
   triangles_.clear();
   stopped_early_ = false;
   if (points.size() < 4) return triangles_;
   grid_.round(points, pacer);
-  const SurfaceHull::Shape shape = surface_.shape_of(grid_, surface, max_points, pacer);
+  // What cannot be its own hull is not asked whether it bends outwards, where Quickhull leaves out what hardly does.
+  const bool asked = tolerance == 0 || grid_.size() <= max_points;
+  const SurfaceHull::Shape shape =
+      asked ? surface_.shape_of(grid_, surface, max_points, pacer) : SurfaceHull::Shape::kOther;
   if (shape == SurfaceHull::Shape::kHull) {
     triangles_.reserve(surface.size());
     for (std::size_t t = 0; t < surface.size(); ++t) triangles_.push_back(surface[t]);
     return triangles_;
   }
   if (shape == SurfaceHull::Shape::kOther) {
-    if (const auto first = grid_.first_tetrahedron(pacer)) quickhull(*first, max_points, pacer);
+    if (const auto first = grid_.first_tetrahedron(pacer)) quickhull(*first, max_points, tolerance, pacer);
     return triangles_;
   }
   surface_.list_sharp(number_);
   pacer.step(number_.size());
   grid_.keep(number_);
-  if (const auto first = grid_.first_tetrahedron(pacer)) quickhull(*first, max_points, pacer);
+  if (const auto first = grid_.first_tetrahedron(pacer)) quickhull(*first, max_points, tolerance, pacer);
   for (auto& t : triangles_) t = {number_[t[0]], number_[t[1]], number_[t[2]]};
   return triangles_;
 }

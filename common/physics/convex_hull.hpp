@@ -26,10 +26,14 @@ class ConvexHullBuilder {
   /// extreme points, the hull of a well-spread choice of them, which lies within the whole one. Empty when
   /// the points are flat (within four steps of the grid, 1e-5 of the box) or fewer than four. Valid until the
   /// next call. Throws Interrupted.
+  /// `tolerance`, of the height of a tetrahedron of four far points (half of the least width, about, and at most all of
+  /// it): corners that stick out of a face by less may be left out, so that what is round has as many as its bend needs.
+  /// 0: all extreme points.
   /// `surface`: where known, the triangles that enclose the body whose corners the points are. Where they are
   /// convex but for rounding (surface_hull.hpp) they are the hull, or its corners those of them that stick out.
   const Triangles& build(std::span<const Vec3f> points, std::uint32_t max_points,
-                         const Execution& execution = {}, const BodySurface& surface = {});
+                         const Execution& execution = {}, const BodySurface& surface = {},
+                         double tolerance = 0);
 
   /// Whether the last hull had more than max_points.
   bool stopped_early() const { return stopped_early_; }
@@ -55,6 +59,7 @@ class ConvexHullBuilder {
     std::array<std::uint32_t, 3> neighbour;
     GridPoint normal;             ///< |component| < 2^39
     std::int64_t offset;          ///< of the plane: dot(normal, v[0]) < 3 * 2^58
+    std::int64_t least;           ///< above() of what is no higher is nothing
     std::uint32_t first_outside;  ///< head of the list of points above it that are not on the hull yet
     std::uint32_t farthest;       ///< of them
     std::int64_t highest;         ///< above() that one
@@ -71,7 +76,9 @@ class ConvexHullBuilder {
     std::uint32_t a, b, unseen;  ///< from a to b as the visible face has it, and the face across
   };
 
-  void quickhull(const std::array<std::uint32_t, 4>& first, std::uint32_t max_points, Pacer& pacer);
+  void quickhull(const std::array<std::uint32_t, 4>& first, std::uint32_t max_points, double tolerance,
+                 Pacer& pacer);
+  std::int64_t least_above(const GridPoint& normal) const;
   std::uint32_t add_face(std::uint32_t a, std::uint32_t b, std::uint32_t c);
   /// Twice the area times the distance above the face's plane; exact.
   std::int64_t above(const Face& f, std::uint32_t p) const {
@@ -93,6 +100,7 @@ class ConvexHullBuilder {
   std::vector<std::uint32_t> visible_, pending_;
   std::vector<Step> steps_;
   std::vector<HorizonEdge> horizon_;  ///< one cycle
+  double tolerance_ = 0;              ///< in steps of the grid
   std::uint32_t stamp_ = 0;
   bool stopped_early_ = false;
   Triangles triangles_;

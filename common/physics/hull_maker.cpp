@@ -77,7 +77,8 @@ void inset(CollisionHull& hull) {
 
 void add_hull(std::span<const Vec3f> points, const BodySurface& surface, HullMaker& maker, FragmentHulls& out,
               const Execution& execution) {
-  const Triangles& triangles = maker.builder.build(points, kMaxHullPoints, execution, surface);
+  const Triangles& triangles =
+      maker.builder.build(points, kMaxHullPoints, execution, surface, kHullTolerance);
   out.simplified += maker.builder.stopped_early();
   if (triangles.empty()) {
     ++out.flat;

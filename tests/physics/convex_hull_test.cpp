@@ -123,6 +123,38 @@ TEST(ConvexHull, EveryCornerSticksOutOfTheHullOfTheOthers) {
   EXPECT_GT(compared, 300);
 }
 
+// A convex body has V >= A r / 3, its inscribed ball r >= w / sqrt(12) for the least width w (Steinhagen 1922). What is
+// left out lies within tolerance x w of a face: at most 3 sqrt(12) = 10.4 times the tolerance of the volume.
+TEST(ConvexHull, WithAToleranceLittleIsLeftOutHoweverThinTheBody) {
+  ConvexHullBuilder builder;
+  for (const Family& f : families())
+    for (const double tolerance : {0.002, 0.01}) {
+      SCOPED_TRACE(f.name);
+      const ConvexHullBuilder::Triangles whole = builder.build(f.points, 1u << 20);
+      const auto& triangles = builder.build(f.points, 1u << 20, {}, {}, tolerance);
+      ASSERT_FALSE(triangles.empty());
+      EXPECT_FALSE(builder.stopped_early());
+      EXPECT_EQ(open_directed_edges(mesh_of(f.points, triangles)), 0u);
+      EXPECT_EQ(triangles.size(), 2 * corners(triangles).size() - 4);
+      EXPECT_LE(triangles.size(), whole.size());
+      EXPECT_GE(volume_of(mesh_of(f.points, triangles)),
+                (1 - 10.4 * tolerance) * volume_of(mesh_of(f.points, whole)));
+    }
+}
+
+TEST(ConvexHull, WithAToleranceABallHasAsManyCornersAsItsBendNeeds) {
+  Points ball;
+  for (const Family& f : families())
+    if (f.name.starts_with("ball") && f.points.size() > ball.size()) ball = f.points;
+  ConvexHullBuilder builder;
+  const std::size_t all = corners(builder.build(ball, 1u << 20)).size();
+  ASSERT_GT(all, 300u) << "the largest family";
+  // A face of the size at which a ball bends away by the tolerance has a third of a cap's area for each of its corners.
+  const std::size_t few = corners(builder.build(ball, 1u << 20, {}, {}, 0.05)).size();
+  EXPECT_LT(few, all / 2);
+  EXPECT_GT(few, 20u);
+}
+
 using Surface = std::vector<std::array<std::uint32_t, 3>>;
 
 /// A surface whose corners are the points.
