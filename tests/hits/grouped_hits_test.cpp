@@ -83,6 +83,25 @@ TEST(GroupedHits, OnLumpsOfBricks) {
   EXPECT_GE(expect_hits(mesh, p), 2);
 }
 
+// A plate, rods and a body, each in a frame of its own.
+TEST(GroupedHits, OnAThingOfGlassWhosePartsBreakByTheirShape) {
+  std::vector<Mesh> parts{box({0, 1, 0}, {3, 1.1, 1}, 4), translated(ico_sphere(3), {1.5, 2.1, 0.5})};
+  for (const double x : {0.1, 2.7})
+    for (const double z : {0.1, 0.7}) parts.push_back(box({x, 0, z}, {x + 0.2, 1, z + 0.2}, 4));
+  const Mesh mesh = joined(parts);
+  for (const double rough : {0.0, 0.06}) {
+    SCOPED_TRACE(rough);
+    FractureParameters p = hits_on(mesh, 120, 0.12);
+    p.pattern = RadialPattern{.around = RadialPattern::Around::kShape, .impacts = {{2, 1.1, 0.5}}};
+    p.roughness.amplitude = rough;
+    ASSERT_EQ(p.hits.size(), 3u);
+    p.hits[0].point = {0.2, 0.5, 0.2};  // on a leg
+    p.hits[1].point = {0.2, 1.0, 0.2};  // where it meets the top
+    p.hits[2].point = {1.5, 1.1, 0.5};  // where the ball does
+    EXPECT_EQ(expect_hits(mesh, p), 3);
+  }
+}
+
 TEST(GroupedHits, ThatMissAndThatMeetAgain) {
   const Mesh mesh = torus(32, 16);
   FractureParameters p = aggregates_on(mesh, 40, 0.12);
