@@ -201,10 +201,12 @@ void World::State::calm() {
         set_motion(*body, kLeft * velocity, kLeft * spin);
     }
   constexpr double kWeight = 0.05;  // of a step in the mean
-  // m/s. Long after something broke, what still moves so much is the solver at work on pieces that are wedged.
+  // m/s. Long after something broke, what still moves so much is the solver at work on pieces that are wedged: the longer,
+  // the surer.
   constexpr double kPatience = 3, kMostPatience = 6;  // seconds; times
   const double since = settings.step * static_cast<double>(steps - ledger.last_swap);
-  const double still_speed = 0.08 * std::clamp(since / kPatience, 1.0, kMostPatience);
+  const double waited = since / kPatience,
+               still_speed = 0.08 * std::clamp(waited * waited, 1.0, kMostPatience);
   // Metres: what is squeezed so far in, has to come out first. What is wedged never does, so that is not waited for long.
   constexpr double kSunk = 0.004, kLongestWait = 1;  // seconds
   // By Bullet's island (bodies that touch, also by way of others), which sleeps as a whole or not at all.
