@@ -55,8 +55,12 @@ bool has_rest(const FractureParameters& parameters) {
 Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& parameters,
                                const Execution& execution, StageTimings& timings) {
   return stage(timings, execution, Stage::kTetrahedralize, [&]() -> Expected<Diagram> {
-    const Expected<CellMap> map = map_of_cells(solid, parameters, execution);
+    Expected<CellMap> map = map_of_cells(solid, parameters, execution);
     if (!map) return tl::unexpected(map.error());
+    // Barycentric cells know no frames, and a region that is kept means one diagram: all parts break as one.
+    if (std::holds_alternative<RadialPattern>(parameters.pattern) && map->frames().size() > 1 &&
+        (parameters.dual == Dual::kBarycenter || parameters.keep))
+      map = CellMap();
     const SeenSolid seen(solid, *map, execution);
     Expected<SitePlan> plan = plan_enough_sites(seen, parameters, execution);
     if (!plan) return tl::unexpected(plan.error());

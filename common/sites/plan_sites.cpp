@@ -56,7 +56,9 @@ CellMap map_of_parts(const Solid& solid, const Execution& execution) {
   const Shapes shapes = shapes_of(solid, CellMap::kMostFrames, execution);
   if (shapes.frames < 2) return {};
   std::vector<Box> boxes(shapes.frames);
+  Pacer pacer(execution);
   for (std::size_t p = 0; p < solid.parts.size(); ++p) {
+    pacer.step(2);
     boxes[shapes.frame_of_part[p]].add(solid.parts[p].box.min);
     boxes[shapes.frame_of_part[p]].add(solid.parts[p].box.max);
   }

@@ -259,6 +259,9 @@ SitePlan across_rod(const Task& task, const RadialPattern& pattern, const PartSh
   return plan;
 }
 
+/// Pieces, of the part that is hit or else the largest: of many parts that have less than one each it breaks, too.
+constexpr std::uint32_t kLeastOfOne = 8;
+
 Vec3d nearest_in(const Box& box, Vec3d p) {
   for (int k = 0; k < 3; ++k) p[k] = std::clamp(p[k], box.min[k], box.max[k]);
   return p;
@@ -291,8 +294,8 @@ Expected<SitePlan> by_parts(const Task& task, const RadialPattern& pattern) {
     const PartShape& shape = shapes.of_part[p];
     const CellMap::Frame& frame = map.of_part(static_cast<std::uint32_t>(p));
     const Box& box = solid.parts[p].box;
-    const auto count =
-        static_cast<std::uint32_t>(std::nearbyint(task.count * solid.parts[p].volume / volume));
+    auto count = static_cast<std::uint32_t>(std::nearbyint(task.count * solid.parts[p].volume / volume));
+    if (p == crushed && count < 2) count = std::min(task.count, kLeastOfOne);
     // Those that share a frame and are too small for a piece belong to their neighbours' cells there.
     if (count == 0 && in_frame[shapes.frame_of_part[p]] > 1) continue;
     Random random(mix64(task.seed ^ kRadialStream, p));
@@ -320,9 +323,9 @@ Expected<SitePlan> by_parts(const Task& task, const RadialPattern& pattern) {
       most = std::max(most, own->groups[k]);
     }
     groups += most + 1;
+    if (plan.points.size() > task.most_sites)
+      return too_many_sites(task, static_cast<double>(plan.points.size()));
   }
-  if (plan.points.size() > task.most_sites)
-    return too_many_sites(task, static_cast<double>(plan.points.size()));
   return plan;
 }
 

@@ -32,12 +32,16 @@ std::optional<Vec3d> thin_axis(const Moments& moments) {
   return with_sign(sites_detail::without_noise(shortest->axis));
 }
 
-/// Of moments about `origin`; but for where a rod begins and ends.
-PartShape shape_of(const Moments& moments, const Vec3d& origin) {
+/// Of moments about the middle of the part's box; but for where a rod begins and ends.
+PartShape shape_of(const Moments& moments, const Box& box) {
   PartShape shape;
+  const Vec3d origin = box.center();
   shape.middle = origin;
   if (!(moments.volume > 0)) return shape;
-  shape.middle = origin + (1 / moments.volume) * moments.first;
+  // Of a surface that crosses itself it may be anywhere.
+  const Vec3d middle = origin + (1 / moments.volume) * moments.first;
+  for (int k = 0; k < 3; ++k) shape.middle[k] = std::fmin(std::fmax(middle[k], box.min[k]), box.max[k]);
+  if (length(shape.middle - middle) > 0) return shape;
   shape.thin = thin_axis(moments);
   const Matrix3 central = moments.central();
   const std::optional<LongAxis> longest = long_axis(central);
@@ -47,6 +51,20 @@ PartShape shape_of(const Moments& moments, const Vec3d& origin) {
   const double across = 0.5 * (trace - dot(axis, central * axis));
   shape.rod = {axis, 0, 0, std::sqrt(12 * std::fmax(0, across) / moments.volume)};
   return shape;
+}
+
+/// Whether most of it by volume is plates that lie as the whole does: panes of a window, not bottles on a table.
+bool are_one_plate(const Solid& solid, const std::vector<PartShape>& of_part, const Execution& execution) {
+  constexpr double kSameDirection = 0.985;  // cosine of ten degrees
+  const std::optional<Vec3d> thin = thin_axis(solid, execution);
+  if (!thin) return false;
+  double all = 0, along = 0;
+  for (std::size_t p = 0; p < of_part.size(); ++p) {
+    all += solid.parts[p].volume;
+    if (of_part[p].thin && std::fabs(dot(*of_part[p].thin, *thin)) > kSameDirection)
+      along += solid.parts[p].volume;
+  }
+  return along > 0.5 * all;
 }
 
 }  // namespace
@@ -66,7 +84,7 @@ std::optional<Vec3d> thin_axis(const Solid& solid, const Execution& execution) {
 Shapes shapes_of(const Solid& solid, std::size_t most, const Execution& execution) {
   Shapes shapes;
   const std::size_t parts = solid.parts.size();
-  if (parts < 2 || thin_axis(solid, execution)) return shapes;
+  if (parts < 2) return shapes;
   Pacer pacer(execution);
   std::vector<Moments> moments;
   resize_with_polls(execution, moments, parts);
@@ -80,8 +98,9 @@ Shapes shapes_of(const Solid& solid, std::size_t most, const Execution& executio
   }
   for (std::size_t p = 0; p < parts; ++p) {
     pacer.step(16);
-    shapes.of_part.push_back(shape_of(moments[p], solid.parts[p].box.center()));
+    shapes.of_part.push_back(shape_of(moments[p], solid.parts[p].box));
   }
+  if (are_one_plate(solid, shapes.of_part, execution)) return {};
   for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
     pacer.step(4);
     PartShape& shape = shapes.of_part[solid.part[t]];

@@ -32,8 +32,8 @@ struct Shapes {
   std::size_t frames = 0;  ///< 0 … `most`
 };
 
-/// None (no part, no frame) of what breaks as one: a single part, or parts that are a plate together, such as the panes
-/// of a window. By second moments, which go with the square of lengths; of equal volumes the earlier part is the larger.
+/// None (no part, no frame) of what breaks as one: a single part, or plates that are one together, such as the panes of
+/// a window. By second moments, which go with the square of lengths; of equal volumes the earlier part is the larger.
 /// Linear in the triangles. Throws Interrupted.
 Shapes shapes_of(const Solid& solid, std::size_t most, const Execution& execution = {});
 

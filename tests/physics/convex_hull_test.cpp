@@ -123,8 +123,8 @@ TEST(ConvexHull, EveryCornerSticksOutOfTheHullOfTheOthers) {
   EXPECT_GT(compared, 300);
 }
 
-// A convex body has V >= A r / 3, its inscribed ball r >= w / sqrt(12) for the least width w (Steinhagen 1922). What is
-// left out lies within tolerance x w of a face: at most 3 sqrt(12) = 10.4 times the tolerance of the volume.
+// A convex body has V >= A r / 3, its inscribed ball r >= w / sqrt(12) for the least width w (Steinhagen 1922): a layer of
+// tolerance x w on all of it is 3 sqrt(12) = 10.4 times the tolerance of the volume, at most.
 TEST(ConvexHull, WithAToleranceLittleIsLeftOutHoweverThinTheBody) {
   ConvexHullBuilder builder;
   for (const Family& f : families())

@@ -66,11 +66,45 @@ TEST(Vessels, OfGlassAndPotteryAreWallsAndLumpsOfOthersAreNot) {
   }
 }
 
-TEST(GlassLooks, LegsOfATableBreakAcrossAndItsTopAsAPane) {
+/// A top, and four legs that are not thinner than a fifth of their length.
+Mesh glass_table() {
   std::vector<Mesh> parts{box({0, 1, 0}, {3, 1.05, 2}, 4)};
   for (const double x : {0.1, 2.7})
     for (const double z : {0.1, 1.7}) parts.push_back(box({x, 0, z}, {x + 0.2, 0.99, z + 0.2}, 4));
-  const Solid table = solid_of(joined(parts));
+  return joined(parts);
+}
+
+TEST(GlassLooks, AHitOnALegBreaksTheLegAlone) {
+  const Solid table = solid_of(glass_table());
+  FractureParameters p = material("glass", 80);
+  p.roughness = {};
+  const auto pieces_of_the_leg = [&](const FragmentSet& set) {
+    std::size_t count = 0;
+    for (const Fragment& f : set.fragments) {
+      Box bounds;
+      for (std::uint32_t v = 0; v < f.positions.size(); ++v) bounds.add(world(f, v));
+      count += bounds.max.y < 1 && bounds.max.x < 0.4 && bounds.max.z < 0.4;
+    }
+    return count;
+  };
+  const FragmentSet before = fractured(table, p).set;
+  p.rest = LocalRest::kFractured;
+  p.hits = {{.point = {0.2, 0.5, 0.3}, .radius = 0.12, .sites = 20}};
+  const FragmentSet after = fractured(table, p).set;
+  EXPECT_GE(pieces_of_the_leg(after), pieces_of_the_leg(before) + 5);
+  EXPECT_EQ(after.fragments.size() - pieces_of_the_leg(after),
+            before.fragments.size() - pieces_of_the_leg(before));
+}
+
+TEST(GlassLooks, BarycentricCellsOfSeveralPartsAreThoseOfOne) {
+  FractureParameters p = material("glass", 40);
+  p.roughness = {};
+  p.dual = Dual::kBarycenter;
+  EXPECT_GT(fractured(glass_table(), p).set.fragments.size(), 5u);
+}
+
+TEST(GlassLooks, LegsOfATableBreakAcrossAndItsTopAsAPane) {
+  const Solid table = solid_of(glass_table());
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
     SCOPED_TRACE(seed);
     FractureParameters p = material("glass", 80, seed);

@@ -85,6 +85,16 @@ TEST(Shapes, WhatIsOneBreaksAsOne) {
   EXPECT_FALSE(map_of_cells(solid_of(panes), by_shape(40), {}).value());
 }
 
+TEST(Shapes, BottlesOnATableAreNoPlate) {
+  std::vector<Mesh> bottles;
+  for (int k = 0; k < 9; ++k)
+    bottles.push_back(
+        box({1.0 * (k % 3), 0, 1.0 * (k / 3)}, {1.0 * (k % 3) + 0.1, 0.3, 1.0 * (k / 3) + 0.1}));
+  const Solid solid = solid_of(joined(bottles));
+  EXPECT_TRUE(thin_axis(solid)) << "all of them together";
+  EXPECT_EQ(shapes_of(solid, kMost).frames, kMost);
+}
+
 TEST(Shapes, TheLargestPartsHaveAFrameEachTheOthersShareOne) {
   std::vector<Mesh> bars;
   for (int k = 0; k < 12; ++k)  // the last one is the largest
@@ -174,6 +184,21 @@ TEST(RadialByParts, WhatIsSmallIsWholeAndTinyThingsInOneFrameMakeNoSites) {
       EXPECT_EQ(of_frame.size(), 1u) << frame;
     }
   EXPECT_EQ(sites.size(), kMost - 1) << "what shares a frame has none before fill_frames()";
+}
+
+TEST(RadialByParts, OfManyPartsThatHaveLessThanAPieceEachTheOneThatIsHitBreaks) {
+  std::vector<Mesh> prisms;
+  for (int k = 0; k < 100; ++k)
+    prisms.push_back(box({1.0 * (k % 10), 1.0 * (k / 10 % 5), 1.0 * (k / 50)},
+                         {1.0 * (k % 10) + 0.2, 1.0 * (k / 10 % 5) + 0.4, 1.0 * (k / 50) + 0.2}));
+  const Solid solid = solid_of(joined(prisms));
+  const SitePlan plan = plan_sites(solid, by_shape(50, {{3.1, 0.4, 0.1}}), {}).value();
+  std::size_t in_it = 0;
+  for (const Vec3d& site : plan.points) {
+    const Vec3d place = plan.map.at(site).place(site);
+    in_it += place.x > 2.9 && place.x < 3.3 && place.y > -0.1 && place.y < 0.5 && place.z < 0.3;
+  }
+  EXPECT_GE(in_it, 4u);
 }
 
 TEST(RadialByParts, AWheelThatIsGivenIsOneForAll) {
