@@ -76,15 +76,16 @@ export class Breaking {
     this.asker.put({ wish, cause, hitOn: undefined }, settled);
   }
 
-  /** A click with the tool that hits: where the pattern knows of hits the first one is its impact; all others break what is near. */
+  /** A click with the tool that hits breaks what is near; the first one is the pattern's impact, too, where it knows of impacts. */
   hitAt(point: Vector3): void {
     const { wish, shown, radius } = this.app.state, rounded = point.map(value => Number(value.toPrecision(6))) as Vector3;
     if (!shown || this.asker.busy) return;
+    const hit = { point: rounded, radius };
     if (wish.settings['impacts'] === undefined && wish.hits.length === 0 && this.takesImpacts(wish.settings)) {
-      this.aimAt(rounded);
+      this.wishFor({ hits: [hit], settings: { ...wish.settings, impacts: [rounded] } }, 'impacts', true);
       return;
     }
-    const hit = { point: rounded, radius }, next = { settings: wish.settings, hits: [...wish.hits, hit] };
+    const next = { settings: wish.settings, hits: [...wish.hits, hit] };
     this.app.set({ wish: next });
     this.asker.put({ wish: next, cause: '', hitOn: { answer: shown.answer, hit } });
   }

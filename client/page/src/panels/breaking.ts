@@ -31,7 +31,7 @@ export function breakPanel(app: App): TemplateResult {
       <div class="control"><label for="p-pattern">${words.break.pattern}</label>
         <select id="p-pattern" .value=${live(String(settings['pattern'] ?? ''))} @change=${(event: Event) => app.breaking.setParameter('pattern', (event.target as HTMLSelectElement).value || undefined)}>
           <option value="">${settings['material'] ? words.break.ofMaterial : `${all.find(({ name }) => name === 'pattern')?.['default'] ?? words.break.none}`}</option>
-          ${patterns.map(({ name, description }) => html`<option value=${name} title=${description} ?selected=${settings['pattern'] === name}>${name}</option>`)}
+          ${patterns.map(({ name, description }) => html`<option value=${name} title=${description.replaceAll('`', '')} ?selected=${settings['pattern'] === name}>${name}</option>`)}
         </select></div>
     </section>
     <section aria-label=${words.break.hits}>${hits(app)}</section>
@@ -62,7 +62,7 @@ function places(app: App): TemplateResult {
   const known = app.service.parameters.filter(({ name, patterns }) => kinds.has(name) && (!patterns || patterns.includes(pattern) || settings[name] !== undefined));
   const any = known.some(({ name }) => settings[name] !== undefined);
   return html`<h3>${words.break.places}</h3>
-    <div class="chips" role="group" aria-label=${words.break.places}>${known.map(({ name, description }) => html`<button class="chip" aria-pressed=${settings[name] !== undefined} title=${description}
+    <div class="chips" role="group" aria-label=${words.break.places}>${known.map(({ name, description }) => html`<button class="chip" aria-pressed=${settings[name] !== undefined} title=${description.replaceAll('`', '')}
       ?disabled=${!app.state.shown || !app.stage} @click=${() => app.breaking.togglePlace(name)}>${kinds.get(name) === 'sphere' ? words.break.sphere(title(name.replace(/_center$/, ''))) : title(name)}</button>`)}</div>
     ${any ? html`<p class="hint">${words.break.placesHint}</p>` : nothing}`;
 }

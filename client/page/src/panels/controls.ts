@@ -32,7 +32,7 @@ export function control(app: App, parameter: ParameterDescription): TemplateResu
   const { name, type, description } = parameter, set = app.state.wish.settings[name] !== undefined, id = `p-${name}`;
   const unit = parameter['unit'] as string | undefined;
   return html`<div class="control ${set ? 'is-set' : ''}">
-    <label for=${id} title=${description}>${title(name)}${unit ? html` <span class="unit">${unit}</span>` : nothing}</label>
+    <label for=${id} title=${description.replaceAll('`', '')}>${title(name)}${unit ? html` <span class="unit">${unit}</span>` : nothing}</label>
     ${set ? html`<button class="plain small" title=${words.break.reset} aria-label="${words.break.reset}: ${title(name)}"
         @click=${() => {
           refused.delete(name);

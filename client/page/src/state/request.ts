@@ -40,10 +40,10 @@ export function withoutExcluded(settings: Settings, own: Settings, details: read
   return gone.size === 0 ? undefined : Object.fromEntries(Object.entries(settings).filter(([name]) => !gone.has(name)));
 }
 
-/** What is left of a wish under another pattern, which refuses what belongs to others alone: impacts become hits of this radius. */
+/** What is left of a wish under another pattern, which refuses what belongs to others alone: impacts become hits of this radius, where there are none yet. */
 export function underPattern({ settings, hits }: Wish, pattern: string, parameters: readonly { name: string; patterns?: string[] }[], radius: number): Wish {
   const foreign = new Set(parameters.filter(({ patterns }) => patterns && !patterns.includes(pattern)).map(({ name }) => name)), { impacts } = settings;
-  const moved = foreign.has('impacts') && Array.isArray(impacts) ? (impacts as Vector3[]).map(point => ({ point, radius })) : [];
+  const moved = foreign.has('impacts') && Array.isArray(impacts) ? (impacts as Vector3[]).map(point => ({ point, radius })).filter(({ point }) => !hits.some(hit => String(hit.point) === String(point))) : [];
   return { settings: Object.fromEntries(Object.entries(settings).filter(([name]) => !foreign.has(name))), hits: [...moved, ...hits] };
 }
 

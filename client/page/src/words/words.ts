@@ -30,7 +30,7 @@ export const words = {
   break: {
     material: 'Material', pattern: 'Pattern', ofMaterial: 'of the material', none: 'none', more: 'All parameters', fewer: 'Fewer',
     filter: 'Find a parameter', reset: 'Back to the default', hits: 'Hits', clear: 'Clear', radius: 'Radius of a hit',
-    noHits: 'Click the mesh to hit it there.', impact: 'Impact', again: (count: number) => `${count} more ${count === 1 ? 'hit' : 'hits'}`,
+    noHits: 'Click the mesh to hit it there.', impact: 'Impact', again: (count: number) => `${count} ${count === 1 ? 'hit' : 'hits'}`,
     pickHint: 'Click the mesh again to hit it again.', only: (patterns: string) => `of the pattern ${patterns}`, solid: 'The solid', common: 'Of all patterns',
     ofPattern: (name: string) => `Of the pattern ${name}`, other: 'Other', unset: 'not set', pickPoint: 'Take the next click on the mesh', reseed: 'Another seed',
     places: 'Places to drag', placesHint: 'Drag the dots in the picture. Figures stand under all parameters.', sphere: (stem: string) => `${stem} sphere`,
