@@ -303,8 +303,9 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .doc =
            "What rings and spokes go around. axis: of a pane. point: spokes in all directions, through a vessel or a "
            "lump. shape: an axis where one is given or the solid is a plate (however it stands, at most a fifth as thick "
-           "as it is wide), else a point; of several parts, where neither axis nor spokes nor rings are given, each for itself, "
-           "and what is four times as long as it is wide across."}));
+           "as it is wide), else a point; of several parts, where neither axis nor spokes nor rings nor a stretch are given, each "
+           "for itself (of more than eight the seven largest), and what is four times as long as it is wide across; with "
+           "dual=barycenter or a region that is kept all as one."}));
   rows.push_back(with_pattern_member<&RadialPattern::axis>(
       {.name = "axis",
        .type = Type::kDirection,
