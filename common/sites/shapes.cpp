@@ -55,13 +55,13 @@ PartShape shape_of(const Moments& moments, const Box& box) {
 
 /// Whether most of it by volume is plates that lie as the whole does: panes of a window, not bottles on a table.
 bool are_one_plate(const Solid& solid, const std::vector<PartShape>& of_part, const Execution& execution) {
-  constexpr double kSameDirection = 0.985;  // cosine of ten degrees
+  constexpr double kWithinTenDegrees = 0.985;
   const std::optional<Vec3d> thin = thin_axis(solid, execution);
   if (!thin) return false;
   double all = 0, along = 0;
   for (std::size_t p = 0; p < of_part.size(); ++p) {
     all += solid.parts[p].volume;
-    if (of_part[p].thin && std::fabs(dot(*of_part[p].thin, *thin)) > kSameDirection)
+    if (of_part[p].thin && std::fabs(dot(*of_part[p].thin, *thin)) > kWithinTenDegrees)
       along += solid.parts[p].volume;
   }
   return along > 0.5 * all;
