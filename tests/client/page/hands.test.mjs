@@ -5,7 +5,7 @@ import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import { after, before, describe, test } from 'node:test';
-import { Bench, eventually, onMesh, pictures, problem, serious, shown, skip, state } from './support.mjs';
+import { Bench, eventually, onMesh, painted, pictures, problem, serious, shown, skip, state } from './support.mjs';
 
 describe('hands', { skip, timeout: 300_000 }, () => {
   let bench;
@@ -151,6 +151,22 @@ describe('hands', { skip, timeout: 300_000 }, () => {
     await page.getByRole('button', { name: 'Back to the bench' }).click();
     assert.ok(await onBench());
     assert.deepEqual(opened.complaints, []);
+    await opened.close();
+  });
+
+  test('the number beside the radius takes as much room as any other, and both have all of theirs', async () => {
+    const opened = await bench.open({ hash: '#sample=cube&set={"fragments":8}' }), { page } = opened;
+    const slider = page.locator('#radius'), widths = new Set();
+    for (let k = 0; k <= 1000; k += 50) {
+      await slider.evaluate((input, value) => {
+        input.value = value;
+        input.dispatchEvent(new Event('input'));
+      }, k);
+      await painted(page);
+      widths.add(await slider.evaluate(input => input.getBoundingClientRect().width));
+      assert.deepEqual(await page.locator('.control:has(#radius)').evaluate(control => [...control.querySelectorAll('label, output')].filter(each => each.scrollWidth > each.clientWidth).map(each => each.textContent)), []);
+    }
+    assert.equal(widths.size, 1, `${[...widths]}`);
     await opened.close();
   });
 

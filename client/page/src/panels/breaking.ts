@@ -53,7 +53,7 @@ function hits(app: App): TemplateResult {
     <div class="control"><label for="radius">${words.break.radius}</label><span class="row">
       <input class="grow" type="range" id="radius" min="0" max="1000" .value=${live(String(Math.round(to(radius))))} aria-valuetext=${metric(radius, 1)}
         @input=${(event: Event) => app.set({ radius: Number((size * 0.005 * 100 ** (Number((event.target as HTMLInputElement).value) / 1000)).toPrecision(2)) })}>
-      <output class="figure">${metric(radius, 1)}</output></span></div>`;
+      <output class="figure" for="radius">${metric(radius, 1)}</output></span></div>`;
 }
 
 /** What is dragged in the picture: the places and directions that the pattern knows of. */

@@ -29,7 +29,7 @@ export const words = {
   },
   break: {
     material: 'Material', pattern: 'Pattern', ofMaterial: 'of the material', none: 'none', more: 'All parameters', fewer: 'Fewer',
-    filter: 'Find a parameter', reset: 'Back to the default', hits: 'Hits', clear: 'Clear', radius: 'Radius of a hit',
+    filter: 'Find a parameter', reset: 'Back to the default', hits: 'Hits', clear: 'Clear', radius: 'Radius, next hit', radiusHint: 'Hits that are there already keep theirs.',
     noHits: 'Click the mesh to hit it there.', impact: 'Impact', again: (count: number) => `${count} ${count === 1 ? 'hit' : 'hits'}`,
     pickHint: 'Click the mesh again to hit it again.', only: (patterns: string) => `of the pattern ${patterns}`, solid: 'The solid', common: 'Of all patterns',
     ofPattern: (name: string) => `Of the pattern ${name}`, other: 'Other', unset: 'not set', pickPoint: 'Take the next click on the mesh', reseed: 'Another seed',
@@ -91,7 +91,7 @@ export const words = {
   lost: 'The graphics card has gone away. The picture comes back with it; reports and downloads work.',
   keys: [
     ['H', 'the tool that hits'], ['A', 'the tool that aims'], ['S', 'the tool that selects'], ['Enter', 'use the tool in the middle of the view (with the view in focus)'],
-    ['Arrows', 'turn the view (in focus); with Shift: move it'], ['+  −', 'nearer, farther (in focus)'], ['[  ]', 'smaller, larger radius of a hit'],
+    ['Arrows', 'turn the view (in focus); with Shift: move it'], ['+  −', 'nearer, farther (in focus)'], ['[  ]', 'smaller, larger radius of the next hit'],
     ['E', 'assembled or exploded'], ['C', 'cut faces alone'], ['W', 'wireframe'], ['B', 'bonds'], ['K', 'next colours'], ['F', 'fit'],
     ['R', 'another seed; reset (while playing)'], ['P', 'play, and back'], ['Space', 'throw a ball (while playing)'], ['T', 'slow motion (while playing)'], ['1 … 4', 'panels'], ['Ctrl Z, Ctrl Y', 'undo, redo'],
     ['D', 'download the GLB'], ['Esc', 'close, select none'], ['?', 'this sheet'],
