@@ -154,6 +154,33 @@ describe('hands', { skip, timeout: 300_000 }, () => {
     await opened.close();
   });
 
+  test('what is about the bench goes with Play: rings, and hints of clicks', async () => {
+    const opened = await bench.open({ hash: '#sample=vase&set={"material":"terracotta","fragments":300}' }), { page } = opened;
+    const rings = () => page.evaluate(() => globalThis.fracture.view.rings.children.length), hits = page.getByRole('region', { name: 'Hits' });
+    await page.getByRole('tab', { name: 'Pieces' }).click();
+    await page.getByRole('button', { name: 'Smallest' }).click();
+    assert.equal(await rings(), 1, 'the smallest is small');
+    await page.getByRole('tab', { name: 'Break' }).click();
+    await page.mouse.click(...await onMesh(page));
+    await shown(page);
+    await hits.getByText('Click the mesh again').waitFor();
+    for (const [tool, said] of [['Aim', 0], ['Select', 0], ['Hit', 1]]) {
+      await page.getByRole('button', { name: tool, exact: true }).click();
+      await eventually(() => hits.getByText('Click the mesh').count(), count => assert.equal(count, said, tool));
+    }
+    await page.keyboard.press('p');
+    await page.waitForFunction(() => globalThis.fracture.physics);
+    await page.evaluate(() => globalThis.fracture.look({}));
+    assert.equal(await rings(), 0, 'nothing stays where the piece was');
+    await eventually(() => hits.textContent(), text => assert.match(text, /Impact, 1 hit\.\s/));
+    assert.doesNotMatch(await hits.textContent(), /Click the mesh/);
+    await page.keyboard.press('p');
+    await hits.getByText('Click the mesh again').waitFor();
+    assert.equal(await rings(), await state(page, s => s.look.chosen.size));
+    assert.deepEqual(opened.complaints, []);
+    await opened.close();
+  });
+
   test('the number beside the radius takes as much room as any other, and both have all of theirs', async () => {
     const opened = await bench.open({ hash: '#sample=cube&set={"fragments":8}' }), { page } = opened;
     const slider = page.locator('#radius'), widths = new Set();

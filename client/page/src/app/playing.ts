@@ -39,9 +39,7 @@ export class Playing {
     this.physics = undefined;
     physics?.stop();
     if (state.play) this.app.set({ play: undefined });
-    if (!view) return;
-    view.held = false;
-    view.apply(this.app.state.look);
+    view?.letGo(this.app.state.look);
   }
   toggle(): void {
     if (this.wanted) this.leave();

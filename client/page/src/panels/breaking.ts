@@ -44,13 +44,15 @@ export function breakPanel(app: App): TemplateResult {
 }
 
 function hits(app: App): TemplateResult {
-  const { wish: { settings, hits }, radius, shown } = app.state, impacts = settings['impacts'], any = impacts !== undefined || hits.length > 0;
+  const { wish: { settings, hits }, radius, shown, tool, play } = app.state, impacts = settings['impacts'], any = impacts !== undefined || hits.length > 0;
+  const given = [impacts !== undefined ? words.break.impact : '', hits.length > 0 ? words.break.again(hits.length) : ''].filter(Boolean).join(', ');
+  // Other tools do something else, and so does a click that gives a parameter its point, or throws a ball.
+  const hitsNow = shown && app.stage && tool === 'hit' && !play && app.breaking.pickingFor === undefined;
   const size = app.view?.size ?? 1, to = (value: number) => 1000 * Math.log(value / (size * 0.005)) / Math.log(100);
   return html`<div class="row between"><h3>${words.break.hits}</h3>
       ${any ? html`<button class="plain" @click=${() => app.breaking.clearHits()}>${words.break.clear}</button>` : nothing}</div>
-    <p class="hint">${any ? [impacts !== undefined ? words.break.impact : '', hits.length > 0 ? words.break.again(hits.length) : ''].filter(Boolean).join(', ') + '. ' + words.break.pickHint
-    : shown ? words.break.noHits : ''}</p>
-    <div class="control"><label for="radius">${words.break.radius}</label><span class="row">
+    ${any || hitsNow ? html`<p class="hint">${any ? `${given}. ` : ''}${hitsNow ? (any ? words.break.pickHint : words.break.noHits) : ''}</p>` : nothing}
+    <div class="control"><label for="radius" title=${words.break.radiusHint}>${words.break.radius}</label><span class="row">
       <input class="grow" type="range" id="radius" min="0" max="1000" .value=${live(String(Math.round(to(radius))))} aria-valuetext=${metric(radius, 1)}
         @input=${(event: Event) => app.set({ radius: Number((size * 0.005 * 100 ** (Number((event.target as HTMLInputElement).value) / 1000)).toPrecision(2)) })}>
       <output class="figure" for="radius">${metric(radius, 1)}</output></span></div>`;

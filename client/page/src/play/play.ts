@@ -56,7 +56,7 @@ export class Physics {
   private shown = '';
 
   constructor(private readonly app: App, private readonly answer: Answer) {
-    app.view!.held = true;
+    app.view!.hold();
     app.stage!.add(this.ballGroup);
     app.stage!.retreat(RETREAT);
   }

@@ -60,7 +60,7 @@ export class View {
   size = 1;
   private corners: Bounds = { low: [0, 0, 0], high: [1, 1, 1] };
   /** Physics moves the fragments: the look does not. */
-  held = false;
+  private held = false;
 
   constructor(readonly stage: Stage, accent: Color) {
     this.reach = hitSphere(accent);
@@ -139,6 +139,18 @@ export class View {
     this.stage.invalidate();
   }
 
+  /** Physics moves the fragments from now on: what is drawn around places where they were goes. */
+  hold(): void {
+    this.held = true;
+    this.rings.clear();
+    this.reach.visible = false;
+  }
+  /** They are where the look says again. */
+  letGo(look: Look): void {
+    this.held = false;
+    this.apply(look);
+  }
+
   /** What the explode slider spreads is seen as a whole. */
   makeRoom(explode: number): void {
     this.stage.makeRoom(this.size / 2 * (1 + USUAL), Math.max(1, (1 + explode) / (1 + USUAL)));
@@ -171,6 +183,7 @@ export class View {
   /** Rings around few that are chosen, so that crumbs are found. */
   private haloes(batch: Batch, { chosen }: Look): void {
     this.rings.clear();
+    if (this.held) return;
     const k = chosen.size > 0 && chosen.size <= FEW ? [...chosen].flatMap(id => batch.indexOf.get(id) ?? []).filter(index => batch.pieces[index]!.bounds.radius < SMALL * this.size) : [];
     for (const index of k) this.rings.add(ring(this.centers[index]!.clone().sub(new Vector3(...batch.pieces[index]!.origin)).add(new Vector3(...batch.poses.get(index).at)),
       (this.reach.material as MeshBasicMaterial).color));
