@@ -195,6 +195,22 @@ describe('the page', { skip, timeout: 300_000 }, () => {
     await opened.close();
   });
 
+  test('a number of pieces that is another one than was asked for is explained, and so is a hit that nobody made', async () => {
+    const opened = await bench.open({ hash: '#sample=vase&set={"material":"terracotta","fragments":40}' }), { page } = opened, panel = page.locator('#panel');
+    assert.equal(await panel.getByText(/asked for/).count(), 0);
+    await page.getByRole('tab', { name: 'Pieces' }).click();
+    await panel.getByText('Warnings').click();
+    await panel.getByText(/^Nothing says where it was hit/).waitFor();
+    assert.doesNotMatch(await panel.textContent(), /sites/);
+    await page.getByRole('tab', { name: 'Break' }).click();
+    await page.mouse.click(...await onMesh(page));
+    await shown(page);
+    const made = await state(page, s => s.shown.answer.fragments.length);
+    await panel.getByText(`40 asked for, ${made} made: what the hit broke off comes on top.`).waitFor();
+    await clean(opened);
+    await opened.close();
+  });
+
   test('files are asked for again by their ETag', async () => {
     const first = await fetch(`${bench.site.url}/page/app.js`), tag = first.headers.get('etag');
     await first.arrayBuffer();

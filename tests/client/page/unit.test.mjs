@@ -18,8 +18,8 @@ async function source(...names) {
   return import(pathToFileURL(path.join(out, 'out.mjs')));
 }
 const { Asker, History, parseNumbers, textOf, readLink, trianglesOf, samples, parametersOf, meshesOf, underPattern, placesIn, withoutPlaces, firstPlace, withoutPlace,
-  handlesOf, presetOf, readPreset, Ray, Vector3 } = await source('service/asker', 'state/request', 'panels/lists', 'take/link', 'mesh/preview', 'mesh/samples', 'mesh/files',
-  'state/places', 'scene/gizmos', 'take/presets', '../node_modules/three/src/math/Ray.js', '../node_modules/three/src/math/Vector3.js');
+  handlesOf, presetOf, readPreset, countRemark, warningsOf, Ray, Vector3 } = await source('service/asker', 'state/request', 'panels/lists', 'take/link', 'mesh/preview', 'mesh/samples', 'mesh/files',
+  'state/places', 'scene/gizmos', 'take/presets', 'panels/remarks', '../node_modules/three/src/math/Ray.js', '../node_modules/three/src/math/Vector3.js');
 
 describe('Asker', () => {
   /** Questions that are answered when the test says so. */
@@ -105,6 +105,34 @@ describe('History', () => {
     history.push(step(0, 'sites', 0));
     history.push(step(1, 'sites', 10));
     assert.equal(history.move(-1).settings.value, 0);
+  });
+});
+
+describe('what an answer says about itself', () => {
+  const hit = { point: [0, 0, 0], radius: 1 };
+  const shown = ({ asked, made, warnings = [], settings = {}, hits = [] }) => ({
+    answer: { parameters: asked === undefined ? {} : { fragments: asked }, fragments: Array(made).fill({}), warnings }, wish: { settings, hits },
+  });
+
+  test('AsManyAsWereAskedForAreNoNews', () => {
+    for (const same of [{ asked: 40, made: 40 }, { asked: 40, made: 40, hits: [hit] }, { asked: 0, made: 105 }, { made: 105 }]) assert.equal(countRemark(shown(same)), undefined);
+  });
+  test('MoreAreOfTheHits', () => {
+    assert.equal(countRemark(shown({ asked: 40, made: 108, hits: [hit, hit] })), '40 asked for, 108 made: what 2 hits broke off comes on top.');
+    assert.match(countRemark(shown({ asked: 40, made: 52, hits: [hit] })), /: what the hit broke off/);
+    assert.equal(countRemark(shown({ asked: 40, made: 35, hits: [hit] })), '40 asked for, 35 made.', 'fewer are not');
+  });
+  test('WhatTheServerSaysOfTheNumberIsSaid', () => {
+    const warnings = ['max_triangles: 9 asked, 12 made; nothing', 'fragments: 1200 asked, 1900 made; the mesh has 1900 separate parts, each of which is at least one'];
+    assert.equal(countRemark(shown({ asked: 1200, made: 1900, warnings })), '1,200 asked for, 1,900 made: the mesh has 1900 separate parts, each of which is at least one.');
+    assert.match(countRemark(shown({ asked: 40, made: 37 })), /^40 asked for, 37 made: up to a tenth/);
+  });
+  test('AnImpactThatNobodyMadeIsSaidSo', () => {
+    const around = '1 of 44 sites found no place in the solid within the radius of their impact and were placed uniformly', other = 'keep: the region lies outside';
+    const [first, second] = warningsOf(shown({ made: 40, warnings: [around, other] }));
+    assert.match(first, /^Nothing says where it was hit/);
+    assert.equal(second, other);
+    assert.deepEqual(warningsOf(shown({ made: 40, warnings: [around, other], settings: { impacts: [[9, 9, 9]] } })), [around, other], 'where somebody hit beside the mesh it is news');
   });
 });
 

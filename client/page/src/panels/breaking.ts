@@ -7,6 +7,7 @@ import { placesIn } from '../state/places';
 import { words } from '../words/words';
 import { control } from './controls';
 import { metric, title } from './format';
+import { countRemark } from './remarks';
 import { swatch } from './swatch';
 
 /** Shown first where the server has them. Everything else is found by itself. */
@@ -35,12 +36,17 @@ export function breakPanel(app: App): TemplateResult {
         </select></div>
     </section>
     <section aria-label=${words.break.hits}>${hits(app)}</section>
-    <section>${often.map(parameter => control(app, parameter))}</section>
+    <section>${often.map(parameter => html`${control(app, parameter)}${parameter.name === 'fragments' ? remark(app) : nothing}`)}</section>
     <section aria-label=${words.break.places}>${places(app)}</section>
     <section>
       <button class="wide" aria-expanded=${app.state.more} @click=${() => app.set({ more: !app.state.more })}>${app.state.more ? words.break.fewer : `${words.break.more} (${all.length})`}</button>
       ${app.state.more ? others(app, all.filter(({ name }) => !OFTEN.includes(name))) : nothing}
     </section>`;
+}
+
+function remark(app: App): TemplateResult | typeof nothing {
+  const { shown } = app.state, said = shown && !app.isOfEarlier ? countRemark(shown) : undefined;
+  return said ? html`<p class="hint">${said}</p>` : nothing;
 }
 
 function hits(app: App): TemplateResult {

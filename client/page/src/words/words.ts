@@ -36,6 +36,8 @@ export const words = {
     places: 'Places to drag', placesHint: 'Drag the dots in the picture. Figures stand under all parameters.', sphere: (stem: string) => `${stem} sphere`,
     auto: 'auto', noLimit: 'no limit',
     beyond: (value: number, low: number, high: number) => `${value.toLocaleString('en')} was not taken: ${low.toLocaleString('en')} to ${high.toLocaleString('en')}.`,
+    made: (asked: number, made: number, why: string | undefined) => `${asked.toLocaleString('en')} asked for, ${made.toLocaleString('en')} made${why ? `: ${why}` : ''}.`,
+    withinTenth: 'up to a tenth more or less is as near as it comes', brokenOff: (hits: number) => `what ${hits === 1 ? 'the hit' : `${hits} hits`} broke off comes on top`,
     noMatch: 'No parameter has this in its name or description.',
   },
   look: {
@@ -46,7 +48,9 @@ export const words = {
   },
   pieces: {
     count: (count: number) => `${count.toLocaleString('en')} ${count === 1 ? 'fragment' : 'fragments'}`,
-    none: 'Nothing is broken yet.', sizes: 'Sizes', sizesHint: 'Volumes, on a logarithmic scale. A bar selects its fragments.',
+    none: 'Nothing is broken yet.',
+    notHit: 'Nothing says where it was hit: it breaks around its middle, where there is little of it, so that some pieces lie elsewhere. Hit or Aim says where.',
+    sizes: 'Sizes', sizesHint: 'Volumes, on a logarithmic scale. A bar selects its fragments.',
     bar: (count: number, from: string, to: string) => `${count} ${count === 1 ? 'fragment' : 'fragments'} of ${from} to ${to}`,
     hulls: (count: number) => `${count} ${count === 1 ? 'hull' : 'hulls'}`,
     list: 'Fragments', name: 'Name', volume: 'Volume', mass: 'Mass', triangles: 'Triangles', more: (count: number) => `${count} more`,
