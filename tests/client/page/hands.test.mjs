@@ -181,6 +181,24 @@ describe('hands', { skip, timeout: 300_000 }, () => {
     await opened.close();
   });
 
+  test('the piece that is found is seen in the list, however far down', async () => {
+    for (const [width, height] of [[1024, 700], [360, 740]]) {
+      const opened = await bench.open({ hash: '#sample=cube&set={"material":"stone","fragments":120}', width, height }), { page } = opened;
+      await page.getByRole('tab', { name: 'Pieces' }).click();
+      const listed = page.getByRole('table').locator('tbody tr');
+      await eventually(() => listed.count(), count => assert.equal(count, 50, 'the list begins with fifty'));
+      for (const name of ['Smallest', 'Largest']) {
+        await page.getByRole('button', { name, exact: true }).click();
+        await eventually(() => page.evaluate(() => {
+          const row = document.querySelector('.fragments tr.chosen'), { left, right, top, bottom } = row.getBoundingClientRect();
+          return [top + 1, bottom - 1].map(y => row.contains(document.elementFromPoint((left + right) / 2, y)));
+        }), seen => assert.deepEqual(seen, [true, true], `${name}, ${width} x ${height}`));
+      }
+      assert.deepEqual(opened.complaints, []);
+      await opened.close();
+    }
+  });
+
   test('the number beside the radius takes as much room as any other, and both have all of theirs', async () => {
     const opened = await bench.open({ hash: '#sample=cube&set={"fragments":8}' }), { page } = opened;
     const slider = page.locator('#radius'), widths = new Set();

@@ -23,8 +23,8 @@ export function piecesPanel(app: App): TemplateResult {
     <section aria-label=${words.pieces.sizes}>
       <h3>${words.pieces.sizes}</h3>${histogram(app, fragments)}
       <div class="row">
-        <button @click=${() => app.chooseAndShow(extreme(fragments, -1))}>${words.pieces.smallest}</button>
-        <button @click=${() => app.chooseAndShow(extreme(fragments, 1))}>${words.pieces.largest}</button>
+        <button @click=${() => find(app, extreme(fragments, -1))}>${words.pieces.smallest}</button>
+        <button @click=${() => find(app, extreme(fragments, 1))}>${words.pieces.largest}</button>
         ${chosen.size > 0 ? html`<button @click=${() => app.choose([])}>${words.pieces.unselect}</button>` : nothing}
       </div>
       ${chosen.size > 1 ? html`<p class="hint">${words.pieces.selected(chosen.size)}</p>` : nothing}
@@ -36,6 +36,12 @@ export function piecesPanel(app: App): TemplateResult {
 
 const extreme = (fragments: readonly Fragment[], sign: 1 | -1): number =>
   fragments.reduce((best, fragment) => (sign * fragment.volume > sign * best.volume ? fragment : best)).id;
+
+/** In the picture and in the list, which is drawn with the next frame. */
+function find(app: App, id: number): void {
+  app.chooseAndShow(id);
+  requestAnimationFrame(() => document.querySelector('.fragments tr.chosen')?.scrollIntoView({ block: 'nearest' }));
+}
 
 function details(fragment: Fragment | undefined): TemplateResult {
   if (!fragment) return html``;
@@ -68,15 +74,17 @@ function table(app: App, answer: Answer): TemplateResult {
     const [x, y] = [value(a), value(b)];
     return (sort.down ? -1 : 1) * (x < y ? -1 : x > y ? 1 : 0);
   });
+  // One that is chosen is in the list however far down it is.
+  const listed = sorted.filter(({ id }, k) => k < rows || (chosen.size === 1 && chosen.has(id)));
   const head = (by: State['sort']['by'], label: string) => html`<th aria-sort=${sort.by !== by ? 'none' : sort.down ? 'descending' : 'ascending'}>
     <button class="plain" @click=${() => app.set({ sort: { by, down: sort.by === by ? !sort.down : by !== 'name' } })}>${label}<span aria-hidden="true" class="arrow">${sort.by === by ? (sort.down ? '▾' : '▴') : ''}</span></button></th>`;
   return html`<div class="scroll"><table class="fragments">
     <thead><tr>${head('name', words.pieces.name)}${head('volume', words.pieces.volume)}${head('mass', words.pieces.mass)}${head('triangles', words.pieces.triangles)}</tr></thead>
-    <tbody>${repeat(sorted.slice(0, rows), ({ id }) => id, ({ id, name, volume, mass, triangles }) => html`<tr class=${chosen.has(id) ? 'chosen' : ''}>
+    <tbody>${repeat(listed, ({ id }) => id, ({ id, name, volume, mass, triangles }, k) => html`<tr class="${chosen.has(id) ? 'chosen' : ''} ${k >= rows ? 'beyond' : ''}">
       <td><button class="plain" aria-pressed=${chosen.has(id)} @click=${(event: MouseEvent) => app.toggle(id, event.ctrlKey || event.metaKey || event.shiftKey)}>${name}</button></td>
       <td>${metric(volume, 3)}</td><td>${kilograms(mass)}</td><td>${(triangles.length / 3).toLocaleString('en')}</td></tr>`)}</tbody>
   </table></div>
-  ${sorted.length > rows ? html`<button class="wide" @click=${() => app.set({ rows: rows + 200 })}>${words.pieces.more(sorted.length - rows)}</button>` : nothing}`;
+  ${sorted.length > listed.length ? html`<button class="wide" @click=${() => app.set({ rows: rows + 200 })}>${words.pieces.more(sorted.length - listed.length)}</button>` : nothing}`;
 }
 
 function timings({ answer, toAnswer, toPicture }: Shown): TemplateResult {
