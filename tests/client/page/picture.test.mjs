@@ -1,7 +1,7 @@
 // What is seen: the same picture after Play and after a size that changed, also where frames are slow; and as few frames as it takes.
 import assert from 'node:assert/strict';
 import { after, before, describe, test } from 'node:test';
-import { Bench, drop, shown, skip, state } from './support.mjs';
+import { Bench, drop, onMesh, shown, skip, state } from './support.mjs';
 
 describe('the picture', { skip, timeout: 300_000 }, () => {
   let bench;
@@ -68,6 +68,34 @@ describe('the picture', { skip, timeout: 300_000 }, () => {
       await becomes(page, before, plays ? 'while it plays' : 'at the bench');
     }
     assert.deepEqual(opened.complaints, []);
+    await opened.close();
+  });
+
+  test('the mesh fills a window of another shape as it would one that was so from the start, unless somebody has moved it', async () => {
+    const opened = await bench.open({ hash: '#sample=cube&set={"material":"stone","fragments":6}', width: 1024, height: 700 }), { page } = opened;
+    const camera = () => page.evaluate(() => globalThis.fracture.stage.camera.position.toArray().map(value => Number(value.toFixed(6))));
+    /** The camera, when it knows of the window. */
+    const resized = async (width, height) => {
+      await page.setViewportSize({ width, height });
+      await page.waitForFunction(() => {
+        const { clientWidth, clientHeight } = document.querySelector('#viewport');
+        return Math.abs(globalThis.fracture.stage.camera.aspect - clientWidth / clientHeight) < 1e-6;
+      });
+      return camera();
+    };
+    const wide = await camera(), narrow = await resized(360, 740);
+    assert.notDeepEqual(narrow, wide);
+    await page.keyboard.press('f');
+    assert.deepEqual(await camera(), narrow, 'Fit has nothing to do');
+    // A click breaks, and moves nothing.
+    await page.mouse.click(...await onMesh(page));
+    await shown(page);
+    assert.deepEqual(await resized(1024, 700), wide);
+    await page.focus('canvas');
+    await page.keyboard.press('ArrowLeft');
+    const moved = await camera();
+    assert.notDeepEqual(moved, wide);
+    assert.deepEqual(await resized(360, 740), moved);
     await opened.close();
   });
 

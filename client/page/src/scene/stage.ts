@@ -15,6 +15,9 @@ const PACES = [2, 0.8, 0.6, 0.45] as const;
 /** Milliseconds without a frame after which it stands still. */
 const STILL = 250;
 
+/** Of the distance to what it looks at: by less the camera is moved by rounding alone. */
+const UNMOVED = 1e-6;
+
 /** Pixels of the canvas that lie under what floats on it, above and below; on one so narrow (style/small.css) two rows of it stand below. */
 const OVERLAYS = 112, NARROW = 430, OVERLAYS_NARROW = 164;
 
@@ -132,6 +135,14 @@ export class Stage {
     this.controls.target.copy(middle);
     this.camera.position.copy(middle).add(new Vector3().setFromSpherical(new Spherical(distance, 1.28, 0.55)));
     this.controls.update();
+    this.placed = { at: this.camera.position.clone(), target: middle.clone(), fit: this.distanceFor(1) };
+  }
+
+  /** Where the stage itself put the camera, and what `distanceFor` said of a radius of 1: until somebody moves it, it goes with the window. */
+  private placed: { at: Vector3; target: Vector3; fit: number } | undefined;
+  private get isAsPlaced(): boolean {
+    const { placed, camera: { position }, controls: { target } } = this;
+    return placed !== undefined && Math.max(position.distanceTo(placed.at), target.distanceTo(placed.target)) < UNMOVED * placed.at.distanceTo(placed.target);
   }
 
   private makeGrid(radius: number, y: number): void {
@@ -222,6 +233,11 @@ export class Stage {
     if (width === 0 || height === 0) return;
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
+    if (this.placed) {
+      const fit = this.distanceFor(1);
+      if (this.isAsPlaced) this.retreat(fit / this.placed.fit);
+      this.placed.fit = fit;
+    }
     this.invalidate(false);
   }
 
@@ -258,8 +274,10 @@ export class Stage {
 
   /** Farther away, so that what falls apart is in the picture. */
   retreat(factor: number): void {
+    const { isAsPlaced } = this;
     this.camera.position.sub(this.controls.target).multiplyScalar(factor).add(this.controls.target);
     this.controls.update();
+    if (isAsPlaced) this.placed!.at.copy(this.camera.position);
   }
 
   add(object: Object3D): void {
