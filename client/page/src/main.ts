@@ -3,6 +3,7 @@ import { Color } from 'three';
 import { render } from 'lit';
 import { App } from './app/app';
 import { listenToKeys } from './app/keys';
+import { takeTheme } from './app/theme';
 import { listen } from './app/viewport';
 import { filesOf } from './mesh/files';
 import { shell } from './panels/shell';
@@ -41,6 +42,7 @@ function colours(): void {
   if (app.state.shown) app.look({});
 }
 
+takeTheme();
 // It answers while the renderer is made.
 void app.service.start();
 render(shell(app, canvas), root);

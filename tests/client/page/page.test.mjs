@@ -195,6 +195,39 @@ describe('the page', { skip, timeout: 300_000 }, () => {
     await opened.close();
   });
 
+  test('dark or light as it was chosen, also after a reload and in the interface for people', async () => {
+    const opened = await bench.open({ colorScheme: 'dark' }), { page } = opened, ground = () => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
+    const dark = await ground();
+    await page.getByRole('button', { name: 'Dark or light' }).click();
+    const light = await ground();
+    assert.notEqual(light, dark);
+    await page.reload();
+    await shown(page);
+    assert.equal(await ground(), light);
+    await page.goto(`${bench.site.url}/docs`);
+    await page.waitForSelector('article');
+    assert.equal(await ground(), light);
+    await page.goto(bench.site.url);
+    await shown(page);
+    await page.getByRole('button', { name: 'Dark or light' }).click();
+    assert.equal(await ground(), dark);
+    await clean(opened);
+    await opened.close();
+  });
+
+  test('a browser that keeps nothing shows the page all the same', async () => {
+    const opened = await bench.open({ wait: false, colorScheme: 'dark' }), { page } = opened;
+    await page.addInitScript(() => Object.defineProperty(globalThis, 'localStorage', { get: () => {
+      throw new DOMException('', 'SecurityError');
+    } }));
+    await page.reload();
+    await shown(page);
+    await page.getByRole('button', { name: 'Dark or light' }).click();
+    assert.equal(await page.evaluate(() => document.documentElement.dataset.theme), 'light');
+    await clean(opened);
+    await opened.close();
+  });
+
   test('a number of pieces that is another one than was asked for is explained, and so is a hit that nobody made', async () => {
     const opened = await bench.open({ hash: '#sample=vase&set={"material":"terracotta","fragments":40}' }), { page } = opened, panel = page.locator('#panel');
     assert.equal(await panel.getByText(/asked for/).count(), 0);

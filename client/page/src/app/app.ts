@@ -11,6 +11,7 @@ import { Bringing } from './bringing';
 import { asProblem, placesOf } from './failures';
 import { Playing } from './playing';
 import { firstState, type State } from './state';
+import { chooseTheme } from './theme';
 
 export class App {
   state: State = firstState();
@@ -100,8 +101,7 @@ export class App {
   }
   turnTheme(): void {
     const dark = getComputedStyle(document.documentElement).colorScheme === 'dark', theme = dark ? 'light' : 'dark';
-    document.documentElement.dataset['theme'] = theme;
-    this.set({ theme });
+    chooseTheme(theme);
     this.themeChanged();
   }
   themeChanged: () => void = () => {};

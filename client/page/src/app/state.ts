@@ -78,7 +78,6 @@ export interface State {
   sort: { by: 'name' | 'volume' | 'mass' | 'triangles'; down: boolean };
   rows: number;
   play: PlayState | undefined;
-  theme: 'dark' | 'light' | 'system';
   webgl: boolean;
   /** The graphics card is away: the picture comes back with it. */
   lost: boolean;
@@ -90,5 +89,5 @@ export const firstState = (): State => ({
   look: {
     explode: 0.18, cutsOnly: false, colours: 'material', level: 99, bonds: false, wireframe: false, repairs: false, person: false, chosen: new Set(),
   },
-  tab: 'break', sheet: undefined, filter: '', more: false, sort: { by: 'volume', down: true }, rows: 50, play: undefined, theme: 'system', webgl: true, lost: false,
+  tab: 'break', sheet: undefined, filter: '', more: false, sort: { by: 'volume', down: true }, rows: 50, play: undefined, webgl: true, lost: false,
 });

@@ -1,5 +1,6 @@
 // The interface for people: /openapi.json of the server that sent this page, as text that can be read and searched.
 import { html, nothing, render, type TemplateResult } from 'lit';
+import { takeTheme } from '../app/theme';
 import { words } from '../words/docs';
 import { examplesOf, type Operation, type Schema, typeOf } from './document';
 
@@ -92,5 +93,6 @@ function parameter(name: string, source: unknown): TemplateResult {
 /** `code` as it stands in descriptions. */
 const marked = (text = '') => text.split('`').map((part, k) => (k % 2 === 1 ? html`<code>${part}</code>` : part));
 
+takeTheme();
 show();
 void load();
