@@ -195,6 +195,29 @@ describe('the page', { skip, timeout: 300_000 }, () => {
     await opened.close();
   });
 
+  test('the way back from it leads to what was there, and without one to a new page', async () => {
+    const opened = await bench.open({ hash: '#sample=cube&set={"material":"stone","fragments":20}' }), { page } = opened;
+    await page.evaluate(() => globalThis.fracture.breaking.setParameter('fragments', 23));
+    await shown(page);
+    await page.waitForFunction(() => location.hash.includes('23'));
+    const address = page.url();
+    await page.getByRole('link', { name: 'Interface' }).click();
+    // What is followed there are further entries of the history.
+    await page.locator('.docs-nav').getByRole('link', { name: 'POST /fracture', exact: true }).click();
+    await page.locator('.docs-nav').getByRole('link', { name: /^Parameters/ }).click();
+    await page.getByRole('link', { name: 'Back to the page' }).click();
+    await page.waitForURL(address);
+    await shown(page);
+    assert.deepEqual(await state(page, s => [s.source.label, s.shown.answer.fragments.length]), ['cube', 23]);
+    assert.deepEqual(opened.complaints, []);
+    await opened.close();
+    const direct = await bench.open({ path: '/docs', wait: false });
+    await direct.page.getByRole('link', { name: 'Back to the page' }).click();
+    await direct.page.waitForURL(url => url.pathname === '/');
+    await shown(direct.page);
+    await direct.close();
+  });
+
   test('dark or light as it was chosen, also after a reload and in the interface for people', async () => {
     const opened = await bench.open({ colorScheme: 'dark' }), { page } = opened, ground = () => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
     const dark = await ground();

@@ -2,6 +2,7 @@
 import { html, nothing, render, type TemplateResult } from 'lit';
 import { takeTheme } from '../app/theme';
 import { words } from '../words/docs';
+import { backToPage } from './back';
 import { examplesOf, type Operation, type Schema, typeOf } from './document';
 
 interface Document {
@@ -50,7 +51,7 @@ function contents(document: Document): TemplateResult {
     .map(([method, operation]) => ({ path, method, operation, text: `${method} ${path} ${operation.summary} ${operation.description ?? ''}`.toLowerCase() })));
   const found = operations.filter(({ text }) => text.includes(search)), properties = Object.entries(components.schemas?.['Parameters']?.properties ?? {});
   const parameters = properties.filter(([name, schema]) => `${name} ${resolve<Schema>(schema).description ?? ''}`.toLowerCase().includes(search));
-  return html`<nav class="docs-nav" aria-label=${words.contents}><a class="home" href="/">${words.home}</a>
+  return html`<nav class="docs-nav" aria-label=${words.contents}><a class="home" href="/" @click=${backToPage}>${words.home}</a>
       <input type="search" aria-label=${words.search} placeholder=${words.search} @input=${(event: Event) => {
         filter = (event.target as HTMLInputElement).value;
         show();
