@@ -190,6 +190,7 @@ describe('the page', { skip, timeout: 300_000 }, () => {
     await page.waitForSelector('article[id="post /fracture"]');
     await page.fill('input[type=search]', 'restitution');
     await page.waitForSelector('[id="parameter restitution"]');
+    assert.doesNotMatch(await page.locator('main > p').first().textContent(), /this file|edit/i, 'it is about the service, not about how its document is made');
     await clean(opened);
     assert.deepEqual(serious(opened.complaints), []);
     await opened.close();
