@@ -40,7 +40,8 @@ Response page_response(const page::File& file, const RequestHead& head) {
                                 "no-cache");  // asked for again, and mostly answered with 304
   response.headers.emplace_back("Vary", "Accept, Accept-Encoding");
   response.headers.emplace_back("Content-Security-Policy", kPolicy);
-  response.headers.emplace_back("Referrer-Policy", "no-referrer");
+  // Nobody else learns where somebody is. With "no-referrer" the page would be hidden from /docs, too, which leads back to it.
+  response.headers.emplace_back("Referrer-Policy", "same-origin");
   return response;
 }
 

@@ -268,6 +268,14 @@ describe('the page', { skip, timeout: 300_000 }, () => {
     await opened.close();
   });
 
+  test('what these tests allow the page is what the server allows it', async () => {
+    for (const at of ['/', '/docs']) {
+      const [own, real] = await Promise.all([bench.site.url, bench.server.url].map(url => fetch(url + at, { headers: { Accept: 'text/html' } })));
+      for (const name of ['content-security-policy', 'referrer-policy', 'x-content-type-options', 'cache-control'])
+        assert.equal(own.headers.get(name), real.headers.get(name), `${name} of ${at}`);
+    }
+  });
+
   test('files are asked for again by their ETag', async () => {
     const first = await fetch(`${bench.site.url}/page/app.js`), tag = first.headers.get('etag');
     await first.arrayBuffer();

@@ -6,7 +6,7 @@ import http from 'node:http';
 import path from 'node:path';
 
 export const POLICY = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; worker-src 'self' blob:; " +
-  "img-src 'self' blob: data:; connect-src 'self'; frame-ancestors 'none'";
+  "img-src 'self' blob: data:; connect-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
 const TYPES = { '.html': 'text/html; charset=utf-8', '.js': 'text/javascript; charset=utf-8', '.css': 'text/css; charset=utf-8', '.svg': 'image/svg+xml', '.txt': 'text/plain; charset=utf-8' };
 
 export class Site {
@@ -55,7 +55,7 @@ export class Site {
     const bytes = this.instead.get(pathname) ?? fs.readFileSync(full), tag = `"${createHash('sha256').update(bytes).digest('hex').slice(0, 32)}"`;
     const headers = {
       'Content-Type': TYPES[path.extname(file)], 'Content-Security-Policy': POLICY, ETag: tag, 'Cache-Control': 'no-cache', Vary: 'Accept',
-      'X-Content-Type-Options': 'nosniff',
+      'Referrer-Policy': 'same-origin', 'X-Content-Type-Options': 'nosniff',
     };
     if (request.headers['if-none-match'] === tag) return void response.writeHead(304, headers).end();
     response.writeHead(200, { ...headers, 'Content-Length': bytes.length }).end(bytes);
