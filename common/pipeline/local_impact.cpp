@@ -66,11 +66,9 @@ Expected<void> append_hits(const Solid& solid, const SiteParameters& parameters,
     near.lloyd = 0;
     near.aggregation.cells = cells_per_fragment(parameters);  // with the pattern at hand
     near.density_from.clear();
-    // A map of bricks only turns, one of parts that break by their shape only shifts, which their patterns alone ask for.
-    const bool own_map =
-        std::holds_alternative<BrickPattern>(parameters.pattern) ||
-        (std::holds_alternative<RadialPattern>(parameters.pattern) && plan.map.frames().size() > 1);
-    Expected<SitePlan> further = own_map ? plan_sites(SeenSolid(solid, plan.map, execution), near, execution)
+    // As the pattern sees it. But slices have a map that makes a grid of them.
+    const bool as_seen = !std::holds_alternative<SlicePattern>(parameters.pattern);
+    Expected<SitePlan> further = as_seen ? plan_sites(SeenSolid(solid, plan.map, execution), near, execution)
                                          : plan_sites(solid, near, execution);
     if (!further) return tl::unexpected(further.error());
     // What found no place near the point was placed elsewhere: no part of a hit.

@@ -119,12 +119,21 @@ SitePlan plan_of(const RadialPattern& pattern, const Wheel& wheel, const std::ve
 constexpr double kCrushedZone = 0.3, kCrushedExponent = 1.5, kWithoutRings = 0.6;
 
 /// The plan with crumbs around the centre in the place of the innermost cells. Of those around an axis (along `inwards`)
-/// the middle one stays, behind the crumbs: else theirs would go on through the body.
+/// the middle one stays, behind the crumbs: else theirs would go on through the body. A part that is not `alone` and has
+/// nothing near the centre has no crumbs: those that find no place would be in other parts.
 SitePlan with_crumbs(const Task& task, const Wheel& wheel, std::uint32_t crumbs, const SitePlan& rings,
-                     const Vec3d* inwards) {
+                     const Vec3d* inwards, bool alone) {
   if (crumbs == 0) return rings;
   const Cloud zone{wheel.center, kCrushedZone * wheel.reach};
   ColumnSampler sampler(task.solid, task.seed, task.execution);
+  const std::vector<std::uint32_t> cloud_of(crumbs, 0);
+  std::vector<Vec3d> points =
+      points_in_clouds(task, sampler, std::span(&zone, 1), cloud_of, kCrushedExponent);
+  if (alone) {  // the others lie anywhere in it
+    const std::vector<Vec3d> rest = sampler.sample(crumbs - static_cast<std::uint32_t>(points.size()));
+    points.insert(points.end(), rest.begin(), rest.end());
+  }
+  if (points.empty()) return rings;
   Pacer pacer(task.execution);
   SitePlan plan;
   std::uint32_t next = 0;
@@ -139,12 +148,6 @@ SitePlan with_crumbs(const Task& task, const Wheel& wheel, std::uint32_t crumbs,
     plan.points.push_back(zone.center + zone.radius * normalized(*inwards));
     plan.groups.push_back(rings.groups[0]);
   }
-  const std::vector<std::uint32_t> cloud_of(crumbs, 0);
-  std::vector<Vec3d> points =
-      points_in_clouds(task, sampler, std::span(&zone, 1), cloud_of, kCrushedExponent);
-  // Where little of the solid is near the centre, the others lie anywhere in it.
-  const std::vector<Vec3d> rest = sampler.sample(crumbs - static_cast<std::uint32_t>(points.size()));
-  points.insert(points.end(), rest.begin(), rest.end());
   for (const Vec3d& p : points) {
     plan.points.push_back(p);
     plan.groups.push_back(next++);
@@ -159,6 +162,7 @@ struct Place {
   std::optional<Vec3d> center{}, axis{};
   std::uint32_t count = 1;  ///< of pieces
   double least_spokes = kLeastSpokes;
+  bool alone = true;  ///< nothing but what is to break is there
 };
 
 Expected<SitePlan> wheel_in(const Task& task, const RadialPattern& pattern, const Place& place,
@@ -201,7 +205,7 @@ Expected<SitePlan> wheel_in(const Task& task, const RadialPattern& pattern, cons
       wheel.spokes.push_back(normalized(Vec3d{across * d.x, z, across * d.y} + off));
     }
     return with_crumbs(task, wheel, crumbs, plan_of(pattern, wheel, radius, false, random, task.execution),
-                       nullptr);
+                       nullptr, place.alone);
   }
 
   Vec3d axis = place.axis ? *place.axis : place.thin ? *place.thin : shortest_side(box);
@@ -220,7 +224,7 @@ Expected<SitePlan> wheel_in(const Task& task, const RadialPattern& pattern, cons
     wheel.spokes.push_back(d.x * frame.u + d.y * frame.v);
   }
   return with_crumbs(task, wheel, crumbs, plan_of(pattern, wheel, radius, true, random, task.execution),
-                     &axis);
+                     &axis, place.alone);
 }
 
 /// How much denser pieces of a rod are at the hit: places along it go with the power of their share of the pieces.
@@ -267,6 +271,22 @@ Vec3d nearest_in(const Box& box, Vec3d p) {
   return p;
 }
 
+/// Leaves out sites that are nearer to another part of the frame, but for the first.
+void keep_at(const Box& part, const BoxTree& tree, const std::vector<Box>& parts, Pacer& pacer,
+             SitePlan& plan) {
+  SitePlan kept;
+  for (std::size_t k = 0; k < plan.points.size(); ++k) {
+    pacer.step(16);
+    const Vec3d& p = plan.points[k];
+    const double away = std::sqrt(square_distance(part, p));
+    const auto from = [&](std::uint32_t i) { return std::sqrt(square_distance(parts[i], p)); };
+    if (k > 0 && tree.nearest(p, away, 0, from) < away) continue;
+    kept.points.push_back(p);
+    kept.groups.push_back(plan.groups[k]);
+  }
+  plan = std::move(kept);
+}
+
 /// Each part for itself, with as many pieces as are its share by volume: a plate around an axis, a body around a point,
 /// a rod across. What is hit is hit there, all others where they are nearest to the hit.
 Expected<SitePlan> by_parts(const Task& task, const RadialPattern& pattern) {
@@ -287,6 +307,15 @@ Expected<SitePlan> by_parts(const Task& task, const RadialPattern& pattern) {
     ++in_frame[shapes.frame_of_part[p]];
     if (later(p) < later(crushed)) crushed = p;
   }
+  // Of those that share a frame.
+  std::vector<Box> beside;
+  for (std::size_t p = 0; p < solid.parts.size(); ++p) {
+    const Box& box = solid.parts[p].box;
+    const CellMap::Frame& frame = map.of_part(static_cast<std::uint32_t>(p));
+    pacer.step(4);
+    if (in_frame[shapes.frame_of_part[p]] > 1) beside.push_back({frame.image(box.min), frame.image(box.max)});
+  }
+  const BoxTree tree(beside, task.execution);
   SitePlan plan;
   std::uint32_t groups = 0;
   for (std::size_t p = 0; p < solid.parts.size(); ++p) {
@@ -296,8 +325,9 @@ Expected<SitePlan> by_parts(const Task& task, const RadialPattern& pattern) {
     const Box& box = solid.parts[p].box;
     auto count = static_cast<std::uint32_t>(std::nearbyint(task.count * solid.parts[p].volume / volume));
     if (p == crushed && count < 2) count = std::min(task.count, kLeastOfOne);
+    const bool alone = in_frame[shapes.frame_of_part[p]] == 1;
     // Those that share a frame and are too small for a piece belong to their neighbours' cells there.
-    if (count == 0 && in_frame[shapes.frame_of_part[p]] > 1) continue;
+    if (count == 0 && !alone) continue;
     Random random(mix64(task.seed ^ kRadialStream, p));
     Expected<SitePlan> own = SitePlan{{frame.image(shape.middle)}, {0}, {}, {}};
     if (count > 1 && shape.rod && shape.rod->to - shape.rod->from >= kShortest * count * shape.rod->width) {
@@ -312,7 +342,9 @@ Expected<SitePlan> by_parts(const Task& task, const RadialPattern& pattern) {
       if (hit) place.center = frame.image(nearest_in(box, *hit));
       place.count = count;
       place.least_spokes = std::fmin(kLeastSpokes, std::fmax(4, count));
+      place.alone = false;
       own = wheel_in(task, of_part, place, random);
+      if (own && !alone) keep_at(place.box, tree, beside, pacer, *own);
     }
     if (!own) return own;
     std::uint32_t most = 0;

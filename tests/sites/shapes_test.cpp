@@ -8,6 +8,7 @@
 #include <set>
 #include <vector>
 
+#include "common/bvh/box_tree.hpp"
 #include "common/sites/pattern.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/solids.hpp"
@@ -199,6 +200,62 @@ TEST(RadialByParts, OfManyPartsThatHaveLessThanAPieceEachTheOneThatIsHitBreaks) 
     in_it += place.x > 2.9 && place.x < 3.3 && place.y > -0.1 && place.y < 0.5 && place.z < 0.3;
   }
   EXPECT_GE(in_it, 4u);
+}
+
+TEST(RadialByParts, AWheelHasNoSitesInPartsThatShareItsFrame) {
+  constexpr int kSide = 4;
+  std::vector<Mesh> cubes;
+  for (int k = 0; k < kSide * kSide * kSide; ++k) {
+    const Vec3d low{1.02 * (k % kSide), 1.02 * (k / kSide % kSide), 1.02 * (k / kSide / kSide)};
+    cubes.push_back(box(low, low + Vec3d{1, 1, 1}, 2));
+  }
+  const Solid solid = solid_of(joined(cubes));
+  const Shapes shapes = shapes_of(solid, kMost);
+  const auto sites =
+      sites_by_frame(plan_sites(solid, by_shape(20 * kSide * kSide * kSide, {{2.0, 2.0, 2.0}}), {}).value());
+  std::vector<std::size_t> alone, shared;
+  for (std::size_t p = 0; p < solid.parts.size(); ++p) {
+    const auto& of_frame = sites.at(shapes.frame_of_part[p]);
+    (shapes.frame_of_part[p] == kMost - 1 ? shared : alone)
+        .push_back(
+            static_cast<std::size_t>(std::count_if(of_frame.begin(), of_frame.end(), [&](const Vec3d& site) {
+              return square_distance(solid.parts[p].box, site) < 1e-9;
+            })));
+  }
+  const auto mean = [](const std::vector<std::size_t>& counts) {
+    double sum = 0;
+    for (const std::size_t count : counts) sum += static_cast<double>(count);
+    return sum / static_cast<double>(counts.size());
+  };
+  ASSERT_EQ(alone.size(), kMost - 1);
+  EXPECT_GT(mean(alone), 3);
+  EXPECT_NEAR(mean(shared) / mean(alone), 1, 0.35);
+}
+
+TEST(RadialByParts, CrumbsAreInThePartThatIsHit) {
+  // At the corner of its box that a tetrahedron is farthest from: nothing of it is crushed.
+  const Solid solid =
+      solid_of(joined({tetrahedron(), translated(cube(2), {8, 0, 0}), translated(cube(2), {16, 0, 0})}));
+  const Shapes shapes = shapes_of(solid, kMost);
+  const std::size_t hit = static_cast<std::size_t>(
+      std::min_element(solid.parts.begin(), solid.parts.end(),
+                       [](const Part& a, const Part& b) { return a.volume < b.volume; }) -
+      solid.parts.begin());
+  std::set<std::size_t> in_others;
+  const Box& around = solid.parts[hit].box;
+  for (int corner = 0; corner < 8; ++corner) {
+    SiteParameters p =
+        by_shape(200, {{corner & 1 ? around.max.x : around.min.x, corner & 2 ? around.max.y : around.min.y,
+                        corner & 4 ? around.max.z : around.min.z}});
+    for (const double crushed : {0.0, 0.9}) {
+      std::get<RadialPattern>(p.pattern).crushed = crushed;
+      std::size_t others = 0;
+      for (const auto& [frame, of_frame] : sites_by_frame(plan_sites(solid, p, {}).value()))
+        others += frame == shapes.frame_of_part[hit] ? 0 : of_frame.size();
+      in_others.insert(others);
+    }
+  }
+  EXPECT_EQ(in_others.size(), 1u) << "as many, crushed or not";
 }
 
 TEST(RadialByParts, AWheelThatIsGivenIsOneForAll) {
