@@ -37,6 +37,10 @@ bool HullPair::separated(const btCollisionObjectWrapper& first, const btCollisio
 
 void HullPair::processCollision(const btCollisionObjectWrapper* first, const btCollisionObjectWrapper* second,
                                 const btDispatcherInfo& info, btManifoldResult* result) {
+  if (steadiness_.holds(*first, *second)) {
+    refresh_contacts(*this, manifolds_);
+    return;
+  }
   const btPersistentManifold* manifold = getManifold();
   // Contacts of the last step are Bullet's to keep or to drop.
   const bool touched = manifold != nullptr && manifold->getNumContacts() > 0;

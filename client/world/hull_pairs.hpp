@@ -4,6 +4,7 @@
 #include <BulletCollision/CollisionDispatch/btConvexConvexAlgorithm.h>
 
 #include "client/world/bullet.hpp"
+#include "client/world/steady_pairs.hpp"
 
 namespace fracture::world {
 
@@ -13,7 +14,7 @@ namespace fracture::world {
 /// touch, and Bullet runs GJK from scratch for each of them in every step. We keep a direction along which the
 /// two hulls are farther apart than a contact may be: it saves that work, and mostly still separates them in the
 /// next step (Chung and Wang, "Quick elimination of non-interference polytopes in virtual environments", 1996).
-/// Where we find no such direction, Bullet decides.
+/// Where we find no such direction, Bullet decides. What stands as it did is not looked at (steady_pairs.hpp).
 class HullPair final : public btConvexConvexAlgorithm {
  public:
   using btConvexConvexAlgorithm::btConvexConvexAlgorithm;
@@ -30,6 +31,8 @@ class HullPair final : public btConvexConvexAlgorithm {
  private:
   bool separated(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second);
 
+  Steadiness steadiness_;
+  btManifoldArray manifolds_;
   btVector3 direction_{0, 0, 0};  ///< from the first to the second, in the first's frame; zero: none yet
 };
 

@@ -32,19 +32,6 @@ double lowest(const btConvexShape& shape, const btTransform& place) {
   return (place * shape.localGetSupportVertexWithoutMarginNonVirtual(down)).y() - shape.getMarginNonVirtual();
 }
 
-/// Its centre of mass, too: that of a ragged piece may lie outside of its hull, which is cut where a neighbour's begins.
-double lowest(const Body& body) {
-  const btTransform& place = body.rigid->getWorldTransform();
-  const btCollisionShape& shape = *body.rigid->getCollisionShape();
-  double least = place.getOrigin().y();
-  if (!shape.isCompound()) return std::min(least, lowest(static_cast<const btConvexShape&>(shape), place));
-  const auto& compound = static_cast<const btCompoundShape&>(shape);
-  for (int k = 0; k < compound.getNumChildShapes(); ++k)
-    least = std::min(least, lowest(static_cast<const btConvexShape&>(*compound.getChildShape(k)),
-                                   place * compound.getChildTransform(k)));
-  return least;
-}
-
 /// Its contacts all lie on one side of a line through its centre, seen from above: it tilts over them.
 bool topples(const Body& body) {
   std::vector<double> angles;
@@ -63,6 +50,18 @@ glm::dvec3 velocity_of(const Body& body) { return from_bullet(body.rigid->getLin
 glm::dvec3 spin_of(const Body& body) { return from_bullet(body.rigid->getAngularVelocity()); }
 
 }  // namespace
+
+double lowest(const Body& body) {
+  const btTransform& place = body.rigid->getWorldTransform();
+  const btCollisionShape& shape = *body.rigid->getCollisionShape();
+  double least = place.getOrigin().y();
+  if (!shape.isCompound()) return std::min(least, lowest(static_cast<const btConvexShape&>(shape), place));
+  const auto& compound = static_cast<const btCompoundShape&>(shape);
+  for (int k = 0; k < compound.getNumChildShapes(); ++k)
+    least = std::min(least, lowest(static_cast<const btConvexShape&>(*compound.getChildShape(k)),
+                                   place * compound.getChildTransform(k)));
+  return least;
+}
 
 /// The solver weighs contacts against one another, and a shard under a heavy block may lose: it is pressed through the
 /// floor, from where it would come back late. What is deeper than two millimetres is put back at once; what lies on

@@ -5,9 +5,11 @@
 #include <span>
 
 #include "client/world/bond_loads.hpp"
+#include "client/world/boxed_world.hpp"
 #include "client/world/bullet.hpp"
 #include "client/world/ground_pairs.hpp"
 #include "client/world/hull_pairs.hpp"
+#include "client/world/steady_pairs.hpp"
 
 namespace fracture::world {
 
@@ -176,10 +178,12 @@ struct World::State {
   btDefaultCollisionConfiguration configuration;
   std::unique_ptr<HullPair::CreateFunc> hull_pairs;
   GroundPair::CreateFunc ground_pairs;
+  SteadyCompoundPair::CreateFunc compound_pairs{false};
+  SteadyCompoundAndHull::CreateFunc compounds_and_hulls{false}, hulls_and_compounds{true};
   btCollisionDispatcher dispatcher;
   btDbvtBroadphase broadphase;
   btSequentialImpulseConstraintSolver solver;
-  btDiscreteDynamicsWorld bullet;
+  BoxedWorld bullet;
   std::unique_ptr<btOverlapFilterCallback> filter;
   std::vector<std::unique_ptr<Body>> bodies;
   std::vector<std::unique_ptr<Object>> objects;
@@ -204,5 +208,8 @@ struct World::State {
 
 void set_motion(Body& body, const glm::dvec3& velocity, const glm::dvec3& spin);
 double kinetic_energy(const Body& body);  ///< J
+/// Metres above the ground, of its shape and of its centre of mass, too: that of a ragged piece may lie outside of its
+/// hull, which is cut where a neighbour's begins.
+double lowest(const Body& body);
 
 }  // namespace fracture::world

@@ -68,7 +68,8 @@ btDefaultCollisionConstructionInfo with_room_for(std::size_t algorithm) {
 
 World::State::State(WorldSettings s)
     : settings(s),
-      configuration(with_room_for(std::max(sizeof(HullPair), sizeof(GroundPair)))),
+      configuration(with_room_for(std::max({sizeof(HullPair), sizeof(GroundPair), sizeof(SteadyCompoundPair),
+                                            sizeof(SteadyCompoundAndHull)}))),
       dispatcher(&configuration),
       bullet(&dispatcher, &broadphase, &solver, &configuration) {
   gCalculateCombinedFrictionCallback = friction_between;  // one for all of Bullet, as is the next
@@ -81,6 +82,11 @@ World::State::State(WorldSettings s)
                                          hull_pairs.get());
   dispatcher.registerCollisionCreateFunc(CONVEX_HULL_SHAPE_PROXYTYPE, STATIC_PLANE_PROXYTYPE, &ground_pairs);
   dispatcher.registerCollisionCreateFunc(STATIC_PLANE_PROXYTYPE, CONVEX_HULL_SHAPE_PROXYTYPE, &ground_pairs);
+  dispatcher.registerCollisionCreateFunc(COMPOUND_SHAPE_PROXYTYPE, COMPOUND_SHAPE_PROXYTYPE, &compound_pairs);
+  dispatcher.registerCollisionCreateFunc(COMPOUND_SHAPE_PROXYTYPE, CONVEX_HULL_SHAPE_PROXYTYPE,
+                                         &compounds_and_hulls);
+  dispatcher.registerCollisionCreateFunc(CONVEX_HULL_SHAPE_PROXYTYPE, COMPOUND_SHAPE_PROXYTYPE,
+                                         &hulls_and_compounds);
   bullet.setGravity(to_bullet(settings.gravity));
   bullet.getDispatchInfo().m_deterministicOverlappingPairs = true;
   bullet.getSolverInfo().m_numIterations = 30;
@@ -295,15 +301,13 @@ Census World::census() const {
     if (body->kind == Body::Kind::kGround || body->kind == Body::Kind::kStatic) continue;
     if (body->kind != Body::Kind::kBall && body->moves())
       c.fastest = std::max(c.fastest, glm::length(from_bullet(body->rigid->getLinearVelocity())));
-    btVector3 low, high;
-    body->rigid->getCollisionShape()->getAabb(body->rigid->getWorldTransform(), low, high);
     if (body->kind == Body::Kind::kGroup) {
       const Pose pose = body->asset_to_world();
       for (const std::uint32_t m : body->members)
         for (const Hull& hull : state_->objects[body->object]->fragments->set.fragments[m].hulls)
           for (const glm::dvec3& p : hull) c.lowest = std::min(c.lowest, pose.point(p).y);
     } else {
-      c.lowest = std::min(c.lowest, static_cast<double>(low.y()));
+      c.lowest = std::min(c.lowest, lowest(*body));
     }
   }
   return c;

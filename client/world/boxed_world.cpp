@@ -1,0 +1,30 @@
+#include "client/world/boxed_world.hpp"
+
+namespace fracture::world {
+
+BoxedWorld::BoxedWorld(btDispatcher* dispatcher, btBroadphaseInterface* boxes, btConstraintSolver* solver,
+                       btCollisionConfiguration* configuration)
+    : btDiscreteDynamicsWorld(dispatcher, boxes, solver, configuration) {
+  gDbvtMargin = 0.01;  // metres that a box in the tree is too large; one for all of Bullet
+}
+
+void BoxedWorld::updateAabbs() {
+  for (int k = 0; k < m_collisionObjects.size(); ++k) {
+    btCollisionObject& object = *m_collisionObjects[k];
+    const btCollisionShape& shape = *object.getCollisionShape();
+    // Contacts reach as far as the lesser one of two shapes says, which is at most half of both.
+    const btScalar reach = 0.5 * shape.getContactBreakingThreshold(gContactBreakingThreshold);
+    btVector3 low, high;
+    shape.getAabb(object.getWorldTransform(), low, high);
+    if (!object.isStaticOrKinematicObject()) {  // and where it is going
+      btVector3 next_low, next_high;
+      shape.getAabb(object.getInterpolationWorldTransform(), next_low, next_high);
+      low.setMin(next_low);
+      high.setMax(next_high);
+    }
+    const btVector3 by(reach, reach, reach);
+    m_broadphasePairCache->setAabb(object.getBroadphaseHandle(), low - by, high + by, m_dispatcher1);
+  }
+}
+
+}  // namespace fracture::world

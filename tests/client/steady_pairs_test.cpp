@@ -1,0 +1,154 @@
+#include "client/world/steady_pairs.hpp"
+
+#include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace fracture::world {
+namespace {
+
+constexpr btScalar kStill = Steadiness::kStill;
+
+btTransform at(const btVector3& place, const btVector3& axis = {0, 1, 0}, btScalar angle = 0) {
+  return btTransform(btQuaternion(axis, angle), place);
+}
+
+class SteadinessOf {
+ public:
+  bool holds(const btTransform& first, const btTransform& second) {
+    const btCollisionObjectWrapper a(nullptr, &box_, &object_, first, -1, -1),
+        b(nullptr, &box_, &object_, second, -1, -1);
+    return steadiness_.holds(a, b);
+  }
+  /// Of a corner from the middle, metres.
+  static constexpr btScalar kReach = 3;
+
+ private:
+  btBoxShape box_{btVector3(2, 2, 1)};
+  btCollisionObject object_;
+  Steadiness steadiness_;
+};
+
+TEST(Steadiness, WhatMovesTogetherIsSteady) {
+  SteadinessOf pair;
+  EXPECT_FALSE(pair.holds(at({0, 0, 0}), at({5, 0, 0}))) << "not seen before";
+  EXPECT_TRUE(pair.holds(at({0, 0, 0}), at({5, 0, 0})));
+  // A quarter of a turn about the z axis, and elsewhere.
+  const btTransform moved = at({7, -3, 2}, {0, 0, 1}, SIMD_HALF_PI);
+  EXPECT_TRUE(pair.holds(moved, moved * at({5, 0, 0})));
+}
+
+TEST(Steadiness, SmallStepsAddUp) {
+  SteadinessOf pair;
+  EXPECT_FALSE(pair.holds(at({0, 0, 0}), at({5, 0, 0})));
+  int steady = 0;
+  for (int step = 1; step <= 100; ++step)
+    steady += pair.holds(at({0, 0, 0}), at({5, 0.3 * kStill * step, 0}));
+  EXPECT_EQ(steady, 75) << "three of four steps";
+}
+
+TEST(Steadiness, TurnsCountByWhatTheyMove) {
+  for (const btScalar far : {0.5, 2.0}) {
+    SteadinessOf pair;
+    EXPECT_FALSE(pair.holds(at({0, 0, 0}), at({5, 0, 0})));
+    const btScalar angle = far * kStill / SteadinessOf::kReach;
+    EXPECT_EQ(pair.holds(at({0, 0, 0}), at({5, 0, 0}, {1, 1, 0}, angle)), far < 1) << far;
+  }
+}
+
+/// A pair of blocks of two hulls each, or a block and a hull, in a world of their own.
+class Blocks {
+ public:
+  Blocks(bool ours, bool second_is_compound)
+      : configuration_(room()),
+        dispatcher_(&configuration_),
+        world_(&dispatcher_, &broadphase_, &configuration_) {
+    if (ours) {
+      const int compound = COMPOUND_SHAPE_PROXYTYPE, hull = CONVEX_HULL_SHAPE_PROXYTYPE;
+      dispatcher_.registerCollisionCreateFunc(compound, compound, &both_);
+      dispatcher_.registerCollisionCreateFunc(compound, hull, &first_has_several_);
+      dispatcher_.registerCollisionCreateFunc(hull, compound, &second_has_several_);
+    }
+    for (const btScalar x : {-1.0, 1.0})
+      for (const btScalar y : {-1.0, 1.0})
+        for (const btScalar z : {-1.0, 1.0}) half_.addPoint(btVector3(x, y, z), false);
+    half_.recalcLocalAabb();
+    for (const btScalar x : {-1.0, 1.0}) block_.addChildShape(at({x, 0, 0}), &half_);
+    first_.setCollisionShape(&block_);
+    if (second_is_compound)
+      second_.setCollisionShape(&block_);
+    else
+      second_.setCollisionShape(&half_);
+    for (btCollisionObject* object : {&first_, &second_}) world_.addCollisionObject(object);
+  }
+  ~Blocks() {
+    for (btCollisionObject* object : {&first_, &second_}) world_.removeCollisionObject(object);
+  }
+  /// The least distance of all contacts; 1 if there is none.
+  btScalar distance(const btTransform& first, const btTransform& second) {
+    first_.setWorldTransform(first);
+    second_.setWorldTransform(second);
+    world_.performDiscreteCollisionDetection();
+    btScalar least = 1;
+    for (int m = 0; m < dispatcher_.getNumManifolds(); ++m) {
+      const btPersistentManifold& manifold = *dispatcher_.getManifoldByIndexInternal(m);
+      for (int k = 0; k < manifold.getNumContacts(); ++k)
+        least = btMin(least, manifold.getContactPoint(k).getDistance());
+    }
+    return least;
+  }
+
+ private:
+  static btDefaultCollisionConstructionInfo room() {
+    btDefaultCollisionConstructionInfo info;
+    info.m_customCollisionAlgorithmMaxElementSize =
+        static_cast<int>(std::max(sizeof(SteadyCompoundPair), sizeof(SteadyCompoundAndHull)));
+    return info;
+  }
+  btDefaultCollisionConfiguration configuration_;
+  SteadyCompoundPair::CreateFunc both_{false};
+  SteadyCompoundAndHull::CreateFunc first_has_several_{false}, second_has_several_{true};
+  btCollisionDispatcher dispatcher_;
+  btDbvtBroadphase broadphase_;
+  btCollisionWorld world_;
+  btConvexHullShape half_;
+  btCompoundShape block_;
+  btCollisionObject first_, second_;
+};
+
+TEST(SteadyPair, DepthsAreThoseThatBulletHas) {
+  for (const bool compound : {true, false})
+    for (const bool swapped : {true, false}) {
+      SCOPED_TRACE(::testing::Message() << compound << swapped);
+      Blocks ours(true, compound), bullet(false, compound);
+      std::size_t touching = 0, late = 0;
+      // One is lowered upon the other, a fifth of what counts as still in each step, rests in it, and is lifted again.
+      for (int step = 0; step < 400; ++step) {
+        const btScalar down = step < 150 ? step : step < 250 ? 150 : 400 - step;
+        const btTransform low = at({0, 0, 0}), high = at({0.1, 2.02 - 0.2 * kStill * down, 0.2});
+        const btScalar expected = swapped ? bullet.distance(high, low) : bullet.distance(low, high),
+                       distance = swapped ? ours.distance(high, low) : ours.distance(low, high);
+        if ((distance < 1) != (expected < 1)) {
+          ++late;
+          continue;
+        }
+        EXPECT_NEAR(distance, expected, 1e-9) << step;
+        touching += expected < 1;
+      }
+      EXPECT_GT(touching, 200u);
+      EXPECT_LE(late, 10u) << "five steps where they come together, and where they part";
+    }
+}
+
+TEST(SteadyPair, WhatIsPulledAwayHasNoContacts) {
+  Blocks pair(true, true);
+  const btTransform low = at({0, 0, 0});
+  EXPECT_LT(pair.distance(low, at({0, 2.0, 0})), 0.05);
+  EXPECT_LT(pair.distance(low, at({0, 2.0, 0})), 0.05) << "as it was";
+  EXPECT_EQ(pair.distance(low, at({0, 2.5, 0})), 1);
+  EXPECT_LT(pair.distance(low, at({0, 2.0, 0})), 0.05) << "and back";
+}
+
+}  // namespace
+}  // namespace fracture::world
