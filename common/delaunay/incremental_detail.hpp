@@ -23,7 +23,7 @@ IncrementalDelaunay::Insertion IncrementalDelaunay::insert_with(const Vec3d& p, 
 ///   6u |d|^2                        (each difference 1 rounding, squares 3, sums 5, last subtraction 6)
 /// + (error + 6u max|axis|) |d|_1    (axis itself, and the same roundings of the dot product)
 /// where set_sphere() has put the second term's 6u max|axis| into `error` already. 1e-300 covers underflow.
-inline bool IncrementalDelaunay::in_conflict(const Tet& t, const Vec3d& p) const {
+[[gnu::always_inline]] inline bool IncrementalDelaunay::in_conflict(const Tet& t, const Vec3d& p) const {
   const Vertex& o = vertices_[t.v[0]];
   const double dx = p.x - o.x, dy = p.y - o.y, dz = p.z - o.z;
   const double d2 = dx * dx + dy * dy + dz * dz;
