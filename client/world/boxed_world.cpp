@@ -1,6 +1,9 @@
 #include "client/world/boxed_world.hpp"
 
 namespace fracture::world {
+namespace {
+constexpr btScalar kLargest = 1e12;  // square metres, of a box from corner to corner
+}  // namespace
 
 BoxedWorld::BoxedWorld(btDispatcher* dispatcher, btBroadphaseInterface* boxes, btConstraintSolver* solver,
                        btCollisionConfiguration* configuration)
@@ -21,6 +24,11 @@ void BoxedWorld::updateAabbs() {
       shape.getAabb(object.getInterpolationWorldTransform(), next_low, next_high);
       low.setMin(next_low);
       high.setMax(next_high);
+    }
+    // What has no place (NaN) would spoil the boxes of others in the tree: it is left out, as Bullet does.
+    if (!((high - low).length2() < kLargest) && !object.isStaticOrKinematicObject()) {
+      object.setActivationState(DISABLE_SIMULATION);
+      continue;
     }
     const btVector3 by(reach, reach, reach);
     m_broadphasePairCache->setAabb(object.getBroadphaseHandle(), low - by, high + by, m_dispatcher1);

@@ -8,7 +8,7 @@
 
 namespace fracture::world {
 
-/// Replaces Bullet's own algorithm for pairs of hulls and makes the same contacts.
+/// Replaces Bullet's own algorithm for pairs of hulls and makes the same contacts where they are looked at.
 ///
 /// Right after something broke, the boxes of many fragments overlap, but five in six of these pairs do not
 /// touch, and Bullet runs GJK from scratch for each of them in every step. We keep a direction along which the

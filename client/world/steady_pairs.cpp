@@ -4,17 +4,34 @@
 
 namespace fracture::world {
 
+namespace {
+
+/// The root of all squares of what a rotation changed by: no vector of unit length is turned by more.
+btScalar turned(const btMatrix3x3& from, const btMatrix3x3& to) {
+  btScalar sum = 0;
+  for (int row = 0; row < 3; ++row) sum += (to[row] - from[row]).length2();
+  return btSqrt(sum);
+}
+
+btScalar reach_of_contacts(const btCollisionObjectWrapper& body) {
+  return body.getCollisionObject()->getCollisionShape()->getContactBreakingThreshold(
+      gContactBreakingThreshold);
+}
+
+}  // namespace
+
 bool Steadiness::holds(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second) {
   const btTransform now = first.getWorldTransform().inverseTimes(second.getWorldTransform());
-  if (reach_ >= 0) {
-    // No vector is turned by more than the root of all squares of what the matrix changed by.
-    btScalar turned = 0;
-    for (int row = 0; row < 3; ++row)
-      turned += (now.getBasis()[row] - second_in_first_.getBasis()[row]).length2();
+  const btMatrix3x3& basis = first.getWorldTransform().getBasis();
+  if (still_ >= 0) {
     const btScalar moved = (now.getOrigin() - second_in_first_.getOrigin()).length();
-    if (moved + reach_ * btSqrt(turned) <= kStill) return true;
+    if (moved + reach_ * turned(second_in_first_.getBasis(), now.getBasis()) <= still_ &&
+        turned(first_, basis) <= kTurned)
+      return true;
   }
+  first_ = basis;
   second_in_first_ = now;
+  still_ = btMin(kStill, 0.5 * btMin(reach_of_contacts(first), reach_of_contacts(second)));
   reach_ = second.getCollisionShape()->getAngularMotionDisc();
   return false;
 }

@@ -13,15 +13,18 @@ namespace fracture::world {
 /// Developers Conference 2022). Of two bodies; what it remembers goes with their pair.
 class Steadiness {
  public:
-  /// Metres.
-  static constexpr btScalar kStill = 0.0005;
+  static constexpr btScalar kStill = 0.0005;  ///< metres, of bodies from 5 cm on
+  static constexpr btScalar kTurned = 0.01;   ///< radians
   /// True where no point of the second shape is farther than kStill from where it was, as the first one sees it, when the
-  /// answer was false for the last time.
+  /// answer was false for the last time: of small bodies half of what their contacts may move, which else would go. And
+  /// where the first has not turned by kTurned: normals of contacts stay as they are in the world.
   bool holds(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second);
 
  private:
+  btMatrix3x3 first_;
   btTransform second_in_first_;
-  btScalar reach_ = -1;  ///< of the second shape from its origin; negative: not seen yet
+  btScalar still_ = -1;  ///< metres; negative: not seen yet
+  btScalar reach_ = 0;   ///< of the second shape from its origin
 };
 
 /// Depths of a pair's contacts as the bodies stand now; those that came apart go. `manifolds`: room for the work.

@@ -271,19 +271,26 @@ Vec3d nearest_in(const Box& box, Vec3d p) {
   return p;
 }
 
-/// Leaves out sites that are nearer to another part of the frame, but for the first.
+/// Leaves out sites that are nearer to another part of the frame. Where all are, the one nearest to its own part stays.
 void keep_at(const Box& part, const BoxTree& tree, const std::vector<Box>& parts, Pacer& pacer,
              SitePlan& plan) {
   SitePlan kept;
+  std::size_t nearest = 0;
+  double least = HUGE_VAL;
   for (std::size_t k = 0; k < plan.points.size(); ++k) {
     pacer.step(16);
     const Vec3d& p = plan.points[k];
     const double away = std::sqrt(square_distance(part, p));
+    if (away < least) {
+      least = away;
+      nearest = k;
+    }
     const auto from = [&](std::uint32_t i) { return std::sqrt(square_distance(parts[i], p)); };
-    if (k > 0 && tree.nearest(p, away, 0, from) < away) continue;
+    if (tree.nearest(p, away, 0, from) < away) continue;
     kept.points.push_back(p);
     kept.groups.push_back(plan.groups[k]);
   }
+  if (kept.points.empty()) kept = {{plan.points[nearest]}, {0}, {}, {}};
   plan = std::move(kept);
 }
 

@@ -16,16 +16,19 @@ btTransform at(const btVector3& place, const btVector3& axis = {0, 1, 0}, btScal
 
 class SteadinessOf {
  public:
+  explicit SteadinessOf(btScalar size = 1) : box_(size * btVector3(2, 2, 1)) {
+    object_.setCollisionShape(&box_);
+  }
   bool holds(const btTransform& first, const btTransform& second) {
     const btCollisionObjectWrapper a(nullptr, &box_, &object_, first, -1, -1),
         b(nullptr, &box_, &object_, second, -1, -1);
     return steadiness_.holds(a, b);
   }
-  /// Of a corner from the middle, metres.
+  /// Of a corner from the middle, metres, where the size is 1.
   static constexpr btScalar kReach = 3;
 
  private:
-  btBoxShape box_{btVector3(2, 2, 1)};
+  btBoxShape box_;
   btCollisionObject object_;
   Steadiness steadiness_;
 };
@@ -34,9 +37,28 @@ TEST(Steadiness, WhatMovesTogetherIsSteady) {
   SteadinessOf pair;
   EXPECT_FALSE(pair.holds(at({0, 0, 0}), at({5, 0, 0}))) << "not seen before";
   EXPECT_TRUE(pair.holds(at({0, 0, 0}), at({5, 0, 0})));
-  // A quarter of a turn about the z axis, and elsewhere.
-  const btTransform moved = at({7, -3, 2}, {0, 0, 1}, SIMD_HALF_PI);
+  const btTransform moved = at({7, -3, 2}, {0, 0, 1}, 0.5 * Steadiness::kTurned);
   EXPECT_TRUE(pair.holds(moved, moved * at({5, 0, 0})));
+}
+
+TEST(Steadiness, WhatTurnsTogetherIsLookedAtAgain) {
+  SteadinessOf pair;
+  EXPECT_FALSE(pair.holds(at({0, 0, 0}), at({5, 0, 0})));
+  int steady = 0;
+  for (int step = 1; step <= 100; ++step) {
+    const btTransform turned = at({0, 0, 0}, {0, 0, 1}, 0.1 * Steadiness::kTurned * step);
+    steady += pair.holds(turned, turned * at({5, 0, 0}));
+  }
+  EXPECT_GE(steady, 80);
+  EXPECT_LE(steady, 95) << "once for each hundredth of a radian";
+}
+
+TEST(Steadiness, SmallBodiesHaveLessRoom) {
+  constexpr btScalar kSize = 0.005;  // 3 cm from corner to corner, contacts reach 0.3 mm
+  SteadinessOf pair(kSize);
+  EXPECT_FALSE(pair.holds(at({0, 0, 0}), at({0.02, 0, 0})));
+  EXPECT_TRUE(pair.holds(at({0, 0, 0}), at({0.0201, 0, 0})));
+  EXPECT_FALSE(pair.holds(at({0, 0, 0}), at({0.0202, 0, 0})));
 }
 
 TEST(Steadiness, SmallStepsAddUp) {
@@ -98,6 +120,21 @@ class Blocks {
     }
     return least;
   }
+  /// Of the deepest contact, from the first body to the second.
+  btVector3 normal() {
+    btVector3 normal(0, 0, 0);
+    btScalar least = 1;
+    for (int m = 0; m < dispatcher_.getNumManifolds(); ++m) {
+      const btPersistentManifold& manifold = *dispatcher_.getManifoldByIndexInternal(m);
+      for (int k = 0; k < manifold.getNumContacts(); ++k) {
+        const btManifoldPoint& point = manifold.getContactPoint(k);
+        if (!(point.getDistance() < least)) continue;
+        least = point.getDistance();
+        normal = manifold.getBody0() == &first_ ? -point.m_normalWorldOnB : point.m_normalWorldOnB;
+      }
+    }
+    return normal;
+  }
 
  private:
   static btDefaultCollisionConstructionInfo room() {
@@ -139,6 +176,17 @@ TEST(SteadyPair, DepthsAreThoseThatBulletHas) {
       EXPECT_GT(touching, 200u);
       EXPECT_LE(late, 10u) << "five steps where they come together, and where they part";
     }
+}
+
+/// A block that lies on another one: both turn over together, and what carries it turns with them.
+TEST(SteadyPair, NormalsTurnWithTheBodies) {
+  Blocks pair(true, true);
+  for (int step = 0; step <= 200; ++step) {
+    const btTransform turned = at({0, 0, 0}, {0, 0, 1}, 0.004 * step);
+    EXPECT_LT(pair.distance(turned, turned * at({0.1, 1.99, 0.2})), 0.05);
+    const btVector3 up = turned.getBasis() * btVector3(0, 1, 0);
+    EXPECT_LT((pair.normal() - up).length(), 2 * Steadiness::kTurned) << step;
+  }
 }
 
 TEST(SteadyPair, WhatIsPulledAwayHasNoContacts) {
