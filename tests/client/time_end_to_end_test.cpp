@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "client/game/recording.hpp"
 #include "tests/client/headless_run.hpp"
 #include "tests/server/support/child_process.hpp"
 #include "tests/server/support/server_process.hpp"
@@ -65,8 +66,9 @@ TEST(TimeEndToEnd, RecordingsOfOtherGamesAreRefusedInWords) {
     const Expected<json> summary = run_headless(resumed);
     return summary ? std::string() : summary.error().detail;
   };
-  EXPECT_EQ(detail("\"rules\":1", "\"rules\":1"), "");
-  EXPECT_NE(detail("\"rules\":1", "\"rules\":77").find("another version, with rules 77"), std::string::npos);
+  const std::string rules = "\"rules\":" + std::to_string(game::kRules);
+  EXPECT_EQ(detail(rules, rules), "");
+  EXPECT_NE(detail(rules, "\"rules\":77").find("another version, with rules 77"), std::string::npos);
   EXPECT_NE(detail("\"scene\":\"panes\"", "\"scene\":\"shop\"").find("another scene 'shop'"),
             std::string::npos);
   EXPECT_NE(detail("\"scene\":\"panes\"", "\"scene\":\"castle\"").find("no scene 'castle'"),
