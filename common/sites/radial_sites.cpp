@@ -119,17 +119,17 @@ SitePlan plan_of(const RadialPattern& pattern, const Wheel& wheel, const std::ve
 constexpr double kCrushedZone = 0.3, kCrushedExponent = 1.5, kWithoutRings = 0.6;
 
 /// The plan with crumbs around the centre in the place of the innermost cells. Of those around an axis (along `inwards`)
-/// the middle one stays, behind the crumbs: else theirs would go on through the body. A part that is not `alone` and has
-/// nothing near the centre has no crumbs: those that find no place would be in other parts.
+/// the middle one stays, behind the crumbs: else theirs would go on through the body. Where that is not the `whole`
+/// solid and nothing of it is near the centre there are no crumbs: those that find no place would be in other parts.
 SitePlan with_crumbs(const Task& task, const Wheel& wheel, std::uint32_t crumbs, const SitePlan& rings,
-                     const Vec3d* inwards, bool alone) {
+                     const Vec3d* inwards, bool whole) {
   if (crumbs == 0) return rings;
   const Cloud zone{wheel.center, kCrushedZone * wheel.reach};
   ColumnSampler sampler(task.solid, task.seed, task.execution);
   const std::vector<std::uint32_t> cloud_of(crumbs, 0);
   std::vector<Vec3d> points =
       points_in_clouds(task, sampler, std::span(&zone, 1), cloud_of, kCrushedExponent);
-  if (alone) {  // the others lie anywhere in it
+  if (whole) {  // the others lie anywhere in it
     const std::vector<Vec3d> rest = sampler.sample(crumbs - static_cast<std::uint32_t>(points.size()));
     points.insert(points.end(), rest.begin(), rest.end());
   }
@@ -162,7 +162,7 @@ struct Place {
   std::optional<Vec3d> center{}, axis{};
   std::uint32_t count = 1;  ///< of pieces
   double least_spokes = kLeastSpokes;
-  bool alone = true;  ///< nothing but what is to break is there
+  bool whole = true;  ///< that is all of the solid
 };
 
 Expected<SitePlan> wheel_in(const Task& task, const RadialPattern& pattern, const Place& place,
@@ -205,7 +205,7 @@ Expected<SitePlan> wheel_in(const Task& task, const RadialPattern& pattern, cons
       wheel.spokes.push_back(normalized(Vec3d{across * d.x, z, across * d.y} + off));
     }
     return with_crumbs(task, wheel, crumbs, plan_of(pattern, wheel, radius, false, random, task.execution),
-                       nullptr, place.alone);
+                       nullptr, place.whole);
   }
 
   Vec3d axis = place.axis ? *place.axis : place.thin ? *place.thin : shortest_side(box);
@@ -224,7 +224,7 @@ Expected<SitePlan> wheel_in(const Task& task, const RadialPattern& pattern, cons
     wheel.spokes.push_back(d.x * frame.u + d.y * frame.v);
   }
   return with_crumbs(task, wheel, crumbs, plan_of(pattern, wheel, radius, true, random, task.execution),
-                     &axis, place.alone);
+                     &axis, place.whole);
 }
 
 /// How much denser pieces of a rod are at the hit: places along it go with the power of their share of the pieces.
@@ -349,7 +349,7 @@ Expected<SitePlan> by_parts(const Task& task, const RadialPattern& pattern) {
       if (hit) place.center = frame.image(nearest_in(box, *hit));
       place.count = count;
       place.least_spokes = std::fmin(kLeastSpokes, std::fmax(4, count));
-      place.alone = false;
+      place.whole = false;
       own = wheel_in(task, of_part, place, random);
       if (own && !alone) keep_at(place.box, tree, beside, pacer, *own);
     }
