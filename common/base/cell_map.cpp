@@ -1,6 +1,20 @@
 #include "common/base/cell_map.hpp"
 
+#include "common/base/long_axis.hpp"
+
 namespace fracture {
+
+std::optional<Vec3d> grain_under(const Matrix3& map) {
+  constexpr double kLonger = 1.4;  // than the next direction: cells that are hardly longer have no grain
+  Matrix3 square{
+      {Vec3d{}, Vec3d{}, Vec3d{}}};  // its eigenvalues are one over the squares of the cells' lengths
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      for (const Vec3d& row : map.rows) square.rows[static_cast<std::size_t>(i)][j] += row[i] * row[j];
+  const std::optional<ShortAxis> least = short_axis(square);
+  if (!least || least->ratio * kLonger * kLonger > 1) return std::nullopt;
+  return least->axis;
+}
 
 CellMap::CellMap(std::span<const Matrix3> matrices, std::vector<std::uint8_t> frame_of_part,
                  std::span<const Box> boxes) {

@@ -15,6 +15,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -24,12 +25,16 @@
 
 namespace fracture {
 
+/// The direction of unit length, of either sign, in which the cells of a map are by far the longest; none where none is.
+std::optional<Vec3d> grain_under(const Matrix3& map);
+
 class CellMap {
  public:
   struct Frame {
     Matrix3 matrix{};
     Vec3d shift{};
     Matrix3 inverse = matrix.inverse();
+    std::optional<Vec3d> grain = grain_under(matrix);
     Vec3d image(const Vec3d& place) const { return matrix * place + shift; }
     Vec3d place(const Vec3d& image) const { return inverse * (image - shift); }
     friend bool operator==(const Frame&, const Frame&) = default;

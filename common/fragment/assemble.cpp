@@ -270,7 +270,7 @@ class Assembler {
           writer.blend(d_.solid.wedges[s.a], barycentric(s.a, points_[k]));
           break;
         case VertexSource::kInterior:
-          if (s.a != frame_of) frame = FlatFrame(flat_normal(s.a));
+          if (s.a != frame_of) frame = FlatFrame(flat_normal(s.a), grain_at(s.a));
           frame_of = s.a;
           if (rough_ && is_cap(s.a)) {
             const Vec3d normal = (cap_side(s.a) == 0 ? 1.0 : -1.0) * to_double(d_.caps.normals[s.b]);
@@ -281,6 +281,12 @@ class Assembler {
           break;
       }
     }
+  }
+
+  std::optional<Vec3d> grain_at(FaceSource face) const {
+    const CellMap& map = d_.diagram.map();
+    if (!map || !is_cap(face)) return std::nullopt;
+    return map.of_part(d_.caps.regions[cap_region(face)].part).grain;
   }
 
   Vec3d flat_normal(FaceSource face) const {

@@ -47,8 +47,18 @@ Vec3d tangent_of(const Vec3d& n) {
 
 }  // namespace
 
-FlatFrame::FlatFrame(const Vec3d& unit_normal)
-    : normal(unit_normal), tangent(tangent_of(unit_normal)), bitangent(cross(unit_normal, tangent)) {}
+FlatFrame::FlatFrame(const Vec3d& unit_normal, const std::optional<Vec3d>& grain) : normal(unit_normal) {
+  constexpr double kAcross =
+      0.3;  // the sine of the angle between grain and normal, below which the face is across
+  const Vec3d along = grain ? *grain - dot(*grain, normal) * normal : Vec3d{};
+  if (const double size = length(along); size > kAcross) {
+    bitangent = (1 / size) * along;
+    tangent = cross(bitangent, normal);
+  } else {
+    tangent = tangent_of(normal);
+    bitangent = cross(normal, tangent);
+  }
+}
 
 AttributeWriter::AttributeWriter(const Attributes& source, Attributes& out, std::size_t count)
     : in_(source), out_(out) {

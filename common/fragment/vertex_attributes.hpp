@@ -3,16 +3,18 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "common/fragment/fragments.hpp"
 #include "common/mesh/mesh.hpp"
 
 namespace fracture {
 
-/// A flat interior face: its unit normal and two unit vectors that span it, functions of the normal alone.
+/// A flat interior face: its unit normal and two unit vectors that span it, functions of the normal and the grain alone.
+/// The second lies along the grain (of unit length), so that a texture of fibres does, too; not where the face is across it.
 struct FlatFrame {
   Vec3d normal, tangent, bitangent;
-  explicit FlatFrame(const Vec3d& unit_normal);
+  explicit FlatFrame(const Vec3d& unit_normal, const std::optional<Vec3d>& grain = std::nullopt);
 };
 
 /// Appends vertices to a fragment's attribute arrays: those of the source, and always one set of UVs

@@ -250,6 +250,33 @@ TEST(Fragments, AttributesAreInterpolatedLinearlyAtCuts) {
   EXPECT_GT(cut, 0);
 }
 
+TEST(Fragments, TexturesOfCutsLieAlongTheGrain) {
+  const Vec3d grain = (1.0 / 3) * Vec3d{1, 2, 2};
+  FractureParameters p;
+  p.pattern = PointsPattern{{{-0.3, 0.1, 0.05}, {0.2, 0.2, -0.1}, {0.1, -0.3, 0.2}, {0.05, 0.1, 0.3}}};
+  p.anisotropy = {.stretch = 4, .grain = grain};
+  StageTimings timings;
+  const Expected<Solid> solid = make_solid(std::make_shared<Mesh>(cube_with_seams()), {}, {});
+  const FragmentSet set = fracture(*solid, *make_diagram(*solid, p, {}, timings), p, {}, timings).value().set;
+  int along = 0;
+  for (const Fragment& f : set.fragments)
+    for (const FragmentPrimitive& cuts : f.primitives) {
+      if (cuts.material != kInteriorMaterial) continue;
+      for (std::uint32_t k = cuts.first_index; k < cuts.first_index + cuts.index_count; k += 3) {
+        const auto corner = [&](std::uint32_t n) { return to_double(f.positions[f.indices[k + n]]); };
+        const auto v_of = [&](std::uint32_t n) { return f.attributes.uvs[0][f.indices[k + n]].y; };
+        const Vec3d normal = cross(corner(1) - corner(0), corner(2) - corner(0));
+        const Vec3d in_plane = grain - (dot(grain, normal) / dot(normal, normal)) * normal;
+        if (!(length(normal) > 1e-6) || length(in_plane) < 0.4) continue;  // across the grain
+        ++along;
+        // The second coordinate is metres along the grain, as far as the face has it.
+        for (const std::uint32_t n : {1u, 2u})
+          EXPECT_NEAR(v_of(n) - v_of(0), dot(corner(n) - corner(0), (1 / length(in_plane)) * in_plane), 1e-5);
+      }
+    }
+  EXPECT_GT(along, 5);
+}
+
 TEST(Fragments, InteriorNormalsPointOutOfTheFragment) {
   const FragmentSet set =
       fracture_at(cube_with_seams(), {{-0.3, 0.1, 0.05}, {0.2, 0.2, -0.1}, {0.1, -0.3, 0.2}});
