@@ -50,10 +50,7 @@ Material without_color(const Material& source) {
     m.base_color = grey_of(source.base_color);
     return m;
   }
-  m.base_color = {0.5f, 0.5f, 0.5f, 1};
-  m.alpha_mode = AlphaMode::kOpaque;
-  m.roughness = 0.7f;
-  m.metallic = m.transmission = 0;
+  m.base_color = {0.5f, 0.5f, 0.5f, source.base_color.a};
   m.normal_texture = m.occlusion_texture = {};
   return m;
 }

@@ -12,8 +12,8 @@
 
 namespace fracture::render {
 
-/// In the order of shaders/looks.glsl. Grey is the file's own materials without their colours: the outside even and
-/// matt, cuts as light, as rough, as metallic and as clear as they are.
+/// In the order of shaders/looks.glsl. Grey is the file's own materials without their colours and their
+/// relief: as rough, as metallic and as clear as they are, cuts as light, the outside of one lightness.
 enum class SolidLook {
   kNone,
   kGlass,

@@ -177,11 +177,12 @@ TextRange write_nodes(JsonText& json, const FracturedSolid& fractured, const Glt
   return figures;
 }
 
-/// The source's materials, textures and samplers in source order, behind the materials those of the cuts.
+/// The source's materials, textures and samplers in source order, behind the materials those of the cuts and of the outside.
 void write_materials(JsonText& json, const MaterialLibrary& library, const GltfOptions& options) {
   json.key("materials").begin_array();
   for (const auto& material : library.materials) json.value(material);
-  for (const auto* list : {&options.interior.materials, &options.interior.cavities})
+  for (const auto* list :
+       {&options.interior.materials, &options.interior.cavities, &options.exterior.materials})
     for (const auto& material : *list) json.value(material);
   json.end_array();
   nlohmann::json textures = library.textures;
@@ -216,13 +217,14 @@ void write_meshes(JsonText& json, const FracturedSolid& fractured, const GltfOpt
                   const SceneLayout& layout, const std::vector<WholeNode>& whole, Accessors& accessors) {
   const FragmentSet& set = fractured.set;
   if (set.fragments.empty()) return;
-  MeshWriter writer(*set.source->library, options.interior, options.mesh_manifold, accessors);
+  MeshWriter writer(*set.source->library, options.interior, options.exterior, options.mesh_manifold,
+                    accessors);
   json.key("meshes").begin_array();
   for (std::size_t k = 0; k < set.fragments.size(); ++k) writer.write(json, set.fragments[k], layout.name(k));
   for (std::size_t k = 0; k < set.fragments.size(); ++k)
     for (std::size_t hull = 0; hull < layout.hulls(k); ++hull)
       writer.write(json, fractured.hulls.of(k)[hull], layout.hull_name(k, hull));
-  for (const WholeNode& node : whole) writer.write(json, node.mesh, node.name);
+  for (const WholeNode& node : whole) writer.write_whole(json, node.mesh, node.name);
   json.end_array();
 }
 

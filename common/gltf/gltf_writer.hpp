@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "common/base/execution.hpp"
+#include "common/gltf/exterior_material.hpp"
 #include "common/gltf/interior_material.hpp"
 #include "common/pipeline/fractured_solid.hpp"
 
@@ -58,6 +59,7 @@ struct GltfOptions {
   /// The materials of the cut faces; their names should contain "Interior" (that is how tools tell cut faces from
   /// the outside). Textures are indices into the source's.
   InteriorMaterials interior{.materials = {plain_interior_material()}};
+  ExteriorMaterials exterior{};
 };
 
 /// How the fragments are written down.

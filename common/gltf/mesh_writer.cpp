@@ -26,32 +26,31 @@ bool has_normal_texture(const nlohmann::json& value, Pacer& pacer) {
 
 }  // namespace
 
-MeshWriter::MeshWriter(const MaterialLibrary& library, const InteriorMaterials& interior, bool mesh_manifold,
-                       Accessors& accessors)
+MeshWriter::MeshWriter(const MaterialLibrary& library, const InteriorMaterials& interior,
+                       const ExteriorMaterials& exterior, bool mesh_manifold, Accessors& accessors)
     : accessors_(accessors),
       mesh_manifold_(mesh_manifold),
       interior_(interior),
-      first_interior_(library.materials.size()) {
+      exterior_(exterior),
+      first_interior_(library.materials.size()),
+      first_exterior_(first_interior_ + interior.materials.size() + interior.cavities.size()) {
   Pacer pacer(accessors.execution());
   for (const auto& material : library.materials)
     normal_mapped_.push_back(has_normal_texture(material, pacer));
-  for (const auto* list : {&interior.materials, &interior.cavities})
+  for (const auto* list : {&interior.materials, &interior.cavities, &exterior.materials})
     for (const auto& material : *list) normal_mapped_.push_back(has_normal_texture(material, pacer));
 }
 
-std::optional<std::size_t> MeshWriter::material_of(const Fragment& f, const FragmentPrimitive& p) const {
+std::optional<std::size_t> MeshWriter::material_of(const Fragment& f, const FragmentPrimitive& p,
+                                                   const ExteriorMaterials& exterior) const {
   if (p.material == kInteriorMaterial) return first_interior_ + interior_.of(f.source_part, f.mass.volume);
   if (p.material == kMortarMaterial && interior_.mortar != kNoIndex)
     return first_interior_ + interior_.mortar;
   if (p.material == kCavityMaterial && !interior_.cavities.empty())
     return first_interior_ + interior_.materials.size() + interior_.of(f.source_part);
+  if (const std::uint32_t made = exterior.of(p.material); made != kNoIndex) return first_exterior_ + made;
   if (p.material < first_interior_) return p.material;
   return std::nullopt;
-}
-
-bool MeshWriter::needs_tangents(const Fragment& f, const FragmentPrimitive& p) const {
-  const std::optional<std::size_t> material = material_of(f, p);
-  return material && normal_mapped_[*material];
 }
 
 const std::vector<Vec2f>& MeshWriter::uvs_of(const Fragment& f, std::size_t set) {
@@ -81,9 +80,20 @@ std::size_t MeshWriter::write_positions(const std::vector<Vec3f>& positions) {
 }
 
 void MeshWriter::write(JsonText& json, const Fragment& f, const std::string& name) {
+  write(json, f, name, exterior_);
+}
+
+void MeshWriter::write_whole(JsonText& json, const Fragment& f, const std::string& name) {
+  write(json, f, name, {});
+}
+
+void MeshWriter::write(JsonText& json, const Fragment& f, const std::string& name,
+                       const ExteriorMaterials& exterior) {
+  materials_.clear();
+  for (const FragmentPrimitive& p : f.primitives) materials_.push_back(material_of(f, p, exterior));
+  const auto needs_tangents = [&](const auto& material) { return material && normal_mapped_[*material]; };
   const bool tangents =
-      !f.attributes.tangents.empty() && std::any_of(f.primitives.begin(), f.primitives.end(),
-                                                    [&](const auto& p) { return needs_tangents(f, p); });
+      !f.attributes.tangents.empty() && std::any_of(materials_.begin(), materials_.end(), needs_tangents);
   attributes_.clear();
   const std::size_t count = f.positions.size();
   attributes_.emplace_back("POSITION", write_positions(f.positions));
@@ -110,17 +120,18 @@ void MeshWriter::write(JsonText& json, const Fragment& f, const std::string& nam
       append_indices(accessors_.bytes(index_view), f.indices.data(), f.indices.size(), wide);
 
   json.begin_object().member("name", name).key("primitives").begin_array();
-  for (const FragmentPrimitive& p : f.primitives) {
+  for (std::size_t k = 0; k < f.primitives.size(); ++k) {
+    const FragmentPrimitive& p = f.primitives[k];
     const std::size_t bytes = wide ? 4 : 2;
     json.begin_object().key("attributes").begin_object();
     for (const auto& [semantic, accessor] : attributes_)
-      if (semantic != "TANGENT" || needs_tangents(f, p)) json.member(semantic, accessor);
+      if (semantic != "TANGENT" || needs_tangents(materials_[k])) json.member(semantic, accessor);
     json.end_object();
     json.member("indices",
                 accessors_.add(index_view, indices_at + bytes * p.first_index,
                                wide ? component_type::kUnsignedInt : component_type::kUnsignedShort,
                                p.index_count, "SCALAR"));
-    if (const auto material = material_of(f, p)) json.member("material", *material);
+    if (materials_[k]) json.member("material", *materials_[k]);
     json.end_object();
   }
   json.end_array();

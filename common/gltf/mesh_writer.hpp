@@ -8,6 +8,7 @@
 
 #include "common/fragment/fragments.hpp"
 #include "common/gltf/accessors.hpp"
+#include "common/gltf/exterior_material.hpp"
 #include "common/gltf/interior_material.hpp"
 #include "common/gltf/json_text.hpp"
 #include "common/physics/collision_hulls.hpp"
@@ -16,18 +17,23 @@ namespace fracture {
 
 class MeshWriter {
  public:
-  MeshWriter(const MaterialLibrary& library, const InteriorMaterials& interior, bool mesh_manifold,
-             Accessors& accessors);
+  /// The file has the materials of the library, then those of the interior and its cavities, then those of the exterior.
+  MeshWriter(const MaterialLibrary& library, const InteriorMaterials& interior,
+             const ExteriorMaterials& exterior, bool mesh_manifold, Accessors& accessors);
 
   /// Attribute accessors shared by the primitives, indices of all of them in one run.
   void write(JsonText& json, const Fragment& fragment, const std::string& name);
+  /// The same of what was not fractured: it keeps the source's materials.
+  void write_whole(JsonText& json, const Fragment& mesh, const std::string& name);
   /// One primitive without a material. Throws InternalError when a triangle names a point that is not there.
   void write(JsonText& json, const CollisionHull& hull, const std::string& name);
 
  private:
+  void write(JsonText& json, const Fragment& fragment, const std::string& name,
+             const ExteriorMaterials& exterior);
   /// Index of a material of the file; none without a material.
-  std::optional<std::size_t> material_of(const Fragment& fragment, const FragmentPrimitive& p) const;
-  bool needs_tangents(const Fragment& fragment, const FragmentPrimitive& p) const;
+  std::optional<std::size_t> material_of(const Fragment& fragment, const FragmentPrimitive& p,
+                                         const ExteriorMaterials& exterior) const;
   /// With those of cut faces where the interior has them. Until the next call.
   const std::vector<Vec2f>& uvs_of(const Fragment& fragment, std::size_t set);
   /// Returns the accessor.
@@ -36,10 +42,13 @@ class MeshWriter {
   Accessors& accessors_;
   bool mesh_manifold_;
   const InteriorMaterials& interior_;
-  std::size_t first_interior_ = 0;  ///< of the materials of the file
+  const ExteriorMaterials& exterior_;
+  std::size_t first_interior_ = 0, first_exterior_ = 0;  ///< of the materials of the file
   std::vector<bool> normal_mapped_;
   std::vector<Vec2f> uvs_;
-  std::vector<std::pair<std::string, std::size_t>> attributes_;  ///< of the mesh that is written: accessors
+  // Of the mesh that is written: accessors, and the material of each primitive.
+  std::vector<std::pair<std::string, std::size_t>> attributes_;
+  std::vector<std::optional<std::size_t>> materials_;
 };
 
 }  // namespace fracture

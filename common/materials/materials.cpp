@@ -14,6 +14,8 @@ std::vector<MaterialPreset> make_presets() {
   // Cracks from the hit; what is thick parts in smooth waves (conchoidal fracture), which fade out in panes and walls.
   RadialPattern glass;
   glass.around = RadialPattern::Around::kShape;
+  glass.jitter = 0.9;
+  glass.merge = 0.7;
   presets.push_back(
       {"glass",
        "Cracks from the impact, each part by its shape: rings and spokes of a pane, lengths of a rod, long shards of a "
@@ -23,11 +25,11 @@ std::vector<MaterialPreset> make_presets() {
        1,
        {0.08, 1.2, 1},
        {2500, 0.4, 0.25, 45e6},
-       {"#cfe6dd", 0.3, 1, 0.05, 0, 0.4},
+       {"#cfe6dd", 0.3, 1, 0.05, 0, 0.05, 0.4},
        "EN 572-1 (soda-lime: 2500 kg/m3, bending strength 45 MPa); kinetic friction glass on glass 0.4 "
        "(CRC Handbook)",
        std::nullopt,
-       0.03});
+       0.02});
 
   presets.push_back(
       {"wood",
@@ -37,7 +39,7 @@ std::vector<MaterialPreset> make_presets() {
        8,
        {0.03, 6, 1},
        {500, 0.4, 0.15, 2.6e6},
-       {"#c79a63", 0.6, 1.2, 0.85, 0},
+       {"#c79a63", 0.6, 1.2, 0.85, 0, 0.6},
        "Wood Handbook, FPL-GTR-190 (pine: 500 kg/m3 at 12 % moisture, tension across the grain 2.6 MPa)"});
 
   ClusteredPattern concrete, chunks;
@@ -49,7 +51,7 @@ std::vector<MaterialPreset> make_presets() {
                      1,
                      {0.03, 8, 1},
                      {2400, 0.65, 0.1, 2.6e6},
-                     {"#8d8a84", 0.5, 0.8, 0.95, 0},
+                     {"#8d8a84", 0.5, 0.8, 0.95, 0, 0.9},
                      "EN 1991-1-1 (24 kN/m3), EN 1992-1-1 table 3.1 (C25/30: mean tensile strength 2.6 MPa)",
                      std::nullopt,
                      0,
@@ -62,7 +64,7 @@ std::vector<MaterialPreset> make_presets() {
                      1,
                      {0.04, 8, 1},
                      {2700, 0.65, 0.15, 10e6},
-                     {"#7d7a76", 0.7, 0.8, 0.9, 0},
+                     {"#7d7a76", 0.7, 0.8, 0.9, 0, 0.8},
                      "EN 1991-1-1 (granite 27 kN/m3); Brazilian tensile strength of granite about 10 MPa",
                      std::nullopt,
                      0,
@@ -78,7 +80,7 @@ std::vector<MaterialPreset> make_presets() {
        1,
        {},
        {1900, 0.65, 0.1, 0.3e6},
-       {"#9c4a33", 0.6, 0.8, 0.95, 0},
+       {"#9c4a33", 0.6, 0.8, 0.95, 0, 0.9},
        "EN 1991-1-1 (clay bricks 19 kN/m3); bond of mortar to brick 0.1 to 0.5 MPa (EN 1996-1-1)"});
 
   ImpactPattern ceramic;
@@ -91,7 +93,7 @@ std::vector<MaterialPreset> make_presets() {
                      1,
                      {0.012, 6, 1},
                      {2400, 0.5, 0.2, 35e6},
-                     {"#e9dfd0", 0.25, 1, 0.85, 0},
+                     {"#e9dfd0", 0.25, 1, 0.85, 0, 0.15},
                      "Porcelain: 2400 kg/m3, bending strength 35 to 70 MPa (IEC 60672-3, C 110 to C 120)",
                      std::nullopt,
                      0.04});
@@ -100,18 +102,18 @@ std::vector<MaterialPreset> make_presets() {
   // light (CRC Handbook, iron).
   presets.push_back(
       {"metal",
-       "Torn into large plates and strips, with saw-toothed edges; nothing bends. With `shell`, sheet metal.",
+       "Sheet metal, torn into large plates and strips with saw-toothed edges; nothing bends.",
        UniformPattern{},
        0,
-       2.5,
+       3,
        {},
        {7850, 0.57, 0.2, 360e6},
-       {"#c5c6c7", 0.1, 1, 0.4, 1},
+       {"#c5c6c7", 0.1, 1, 0.4, 1, 0.3},
        "EN 1991-1-1 (steel 78.5 kN/m3); S235: tensile strength 360 MPa (EN 10025-2); kinetic friction "
        "steel on steel 0.57 (CRC Handbook)",
        std::nullopt,
-       0,
-       {6, 1.2}});
+       0.015,
+       {6, 1.4}});
 
   // It breaks along its flakes of graphite, which are grey and matt beside the iron.
   presets.push_back({"cast_iron",
@@ -121,25 +123,22 @@ std::vector<MaterialPreset> make_presets() {
                      1.5,
                      {0.02, 8, 1},
                      {7200, 0.5, 0.15, 200e6},
-                     {"#a9abad", 0.1, 0.9, 0.75, 0.6},
+                     {"#a9abad", 0.1, 0.9, 0.75, 0.6, 0.6},
                      "EN 1561 (EN-GJL-200: tensile strength 200 MPa; 7200 kg/m3)"});
 
-  // Few cracks, which run far: splitting around a crushed zone (Jordaan 2001, "Mechanics of ice-structure
-  // interaction").
-  RadialPattern ice;
-  ice.growth = 1.8;
-  ice.jitter = 0.9;
-  ice.merge = 0.7;
-  ice.crushed = 0.4;
+  // Few cracks, which run far, around a small crushed zone (Jordaan 2001, "Mechanics of ice-structure interaction").
+  ImpactPattern ice;
+  ice.exponent = 2.8;
+  ice.share = 0.5;
   presets.push_back(
       {"ice",
-       "Large plates between long cracks from the impact, around a crushed zone.",
+       "Large clear blocks around a white crushed zone.",
        ice,
        0,
        1,
-       {0.04, 3, 1},
+       {0.03, 3, 1},
        {917, 0.05, 0.1, 1.4e6},
-       {"#d8ecf5", 0.3, 1.1, 0.4, 0, 0.7, 0.25},
+       {"#d8ecf5", 0.3, 1.1, 0.4, 0, 0.15, 0.7, 0.4},
        "917 kg/m3 at 0 C (CRC Handbook); tensile strength 1.4 MPa at -10 C (Petrovic 2003); friction 0.02 "
        "to 0.1"});
 
@@ -151,7 +150,7 @@ std::vector<MaterialPreset> make_presets() {
        1,
        {0.05, 6, 2},
        {1000, 0.6, 0.1, 1e6},
-       {"#ece8df", 0.3, 1, 0.95, 0},
+       {"#ece8df", 0.3, 1, 0.95, 0, 0.9},
        "EN 13279-1 (gypsum plaster B1: flexural strength at least 1 MPa); about 1000 kg/m3 when dry"});
 
   presets.push_back({"terracotta",
@@ -161,7 +160,7 @@ std::vector<MaterialPreset> make_presets() {
                      1,
                      {0.02, 6, 2},
                      {1900, 0.6, 0.15, 10e6},
-                     {"#b5653f", 0.35, 0.9, 0.9, 0},
+                     {"#b5653f", 0.35, 0.9, 0.9, 0, 0.8},
                      "Fired clay: 1800 to 2000 kg/m3 (EN 1991-1-1), bending strength about 10 MPa",
                      std::nullopt,
                      0.06});
@@ -173,7 +172,7 @@ std::vector<MaterialPreset> make_presets() {
                      0.5,
                      {0.05, 6, 2},
                      {2300, 0.65, 0.1, 4e6},
-                     {"#c8a878", 0.5, 0.9, 0.95, 0},
+                     {"#c8a878", 0.5, 0.9, 0.95, 0, 0.95},
                      "EN 1991-1-1 (sandstone 21 to 27 kN/m3); Brazilian tensile strength 2 to 6 MPa",
                      Vec3d{0, 1, 0}});
 
@@ -184,7 +183,7 @@ std::vector<MaterialPreset> make_presets() {
                      2.5,
                      {},
                      {2650, 0.4, 0.3, 50e6},
-                     {"#dcd3f0", 0.4, 1.2, 0.05, 0, 0.5},
+                     {"#dcd3f0", 0.4, 1.2, 0.05, 0, 0.05, 0.5},
                      "Quartz: 2650 kg/m3 (CRC Handbook), tensile strength about 50 MPa",
                      Vec3d{0, 1, 0}});
   return presets;

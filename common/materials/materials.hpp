@@ -21,12 +21,14 @@ struct PhysicalProperties {
   friend bool operator==(const PhysicalProperties&, const PhysicalProperties&) = default;
 };
 
-/// The look of a cut face: a colour of its own, mixed with that of the outside.
+/// The look of a cut face: a colour of its own, mixed with that of the outside. The outside of what is made of the material
+/// all over has the same colour, metal and opacity, and a roughness of its own.
 struct CutLook {
   const char* color;  ///< sRGB as "#rrggbb"
   double mix;         ///< share of the outside's mean colour, 0 … 1
   double shade;       ///< how much of its light that mean keeps; above 1: what was cut is brighter
   double roughness, metallic;
+  double outside_roughness;
   std::optional<double> opacity{};  ///< none: as the surface's
   double crushed = 0;               ///< as InteriorLook::crushed
 };

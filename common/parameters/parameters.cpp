@@ -204,6 +204,8 @@ Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter
                            "The pattern points needs 'points': " + expectation(*find("points")) + ".");
     result.fracture.sites = static_cast<std::uint32_t>(points->points.size());
   }
+  if (result.exterior.choice == ExteriorChoice::kMaterial && result.material.empty() && result.of.empty())
+    offences.add_missing("exterior", "'exterior' is 'material', but there is no 'material': say which.");
   // The parameters of an answer name both, and may be sent again.
   const auto levels = values.find("levels"), sites = values.find("sites");
   if (levels != values.end() && sites != values.end() &&

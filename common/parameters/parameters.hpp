@@ -60,6 +60,7 @@ struct RequestParameters {
   std::string material;  ///< name of the preset that the other members started from; empty: none
   PhysicalProperties physical;
   InteriorLook interior;
+  ExteriorLook exterior;
   std::string interior_color;        ///< as given, when interior.color is set
   std::string mortar;                ///< as given, when interior.mortar is set
   std::optional<double> mass;        ///< kg, of all fragments; when given it decides the density

@@ -154,6 +154,20 @@ void add_output_rows(std::vector<ParameterSpec>& rows) {
       [](auto& r) -> auto& { return r.fracture.pivot; }));
 }
 
+void add_exterior_row(std::vector<ParameterSpec>& rows) {
+  ParameterSpec exterior = with_member(
+      {.name = "exterior",
+       .type = Type::kChoice,
+       .choices = {"auto", "asset", "material"},
+       .doc =
+           "auto: what the mesh gives no material has the colour, roughness, metal and opacity of `material`; all "
+           "else looks as the mesh has it. asset: all does. material: all has the roughness, metal and opacity of "
+           "`material`, in the colours and textures of the mesh where it has some."},
+      [](auto& r) -> auto& { return r.exterior.choice; });
+  exterior.matters = [](const RequestParameters& r) { return r.exterior.any(); };
+  rows.push_back(std::move(exterior));
+}
+
 void add_interior_rows(std::vector<ParameterSpec>& rows) {
   rows.push_back(with_member(
       {.name = "interior",
@@ -354,6 +368,7 @@ std::vector<ParameterSpec> parameter_rows(std::uint32_t max_sites, const FormatS
   for (ParameterSpec& row : rough_parameter_rows()) rows.push_back(std::move(row));
   add_solid_rows(rows);
   add_output_rows(rows);
+  add_exterior_row(rows);
   add_interior_rows(rows);
   add_physical_rows(rows);
   rows.push_back(format_row(formats));

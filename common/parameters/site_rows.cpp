@@ -43,6 +43,11 @@ ParameterSpec material_row() {
                   .mix = preset.look.mix,
                   .shade = preset.look.shade,
                   .crushed = preset.look.crushed};
+    r.exterior = {.choice = r.exterior.choice,
+                  .color = linear_color(preset.look.color),
+                  .roughness = preset.look.outside_roughness,
+                  .metallic = preset.look.metallic,
+                  .opacity = preset.look.opacity};
   };
   spec.get = [](const RequestParameters& r, const ParameterSpec&) {
     return r.material.empty() ? nlohmann::json() : nlohmann::json(r.material);

@@ -50,7 +50,9 @@ namespace fracture {
 ///                 are grey and matt
 /// 17  2026-11-26  of several parts of glass each breaks as its shape has it; hulls without corners that hardly
 ///                 stick out
-inline constexpr int kAlgorithmVersion = 17;
+/// 18  2026-11-27  metal is sheet, ice breaks in blocks, glass in longer shards and thinner walls; what has no material
+///                 is made of the one that is asked for
+inline constexpr int kAlgorithmVersion = 18;
 
 enum class Dual {
   kCircumcenter,  ///< the Voronoi diagram: fragments partition the solid exactly

@@ -28,6 +28,8 @@ BLIND_ONLY = {"brick": {"wall", "stairs"}}
 BLIND_COLUMNS = 5  # of a sheet: more, and who looks at it sees small pictures
 DETAILS = {"stone", "concrete", "wood", "brick"}  # materials whose cuts have a grain to be seen close by
 REPEATS = 2  # of it, along the longest side
+EXPLODED = {"view": "exploded", "explode": 0.5, "margin": 0.8}
+HIT = {"view": "impact", "margin": 0.85}
 CLOSE = {"view": "exploded", "explode": 0.5, "margin": 0.35}
 
 
@@ -81,7 +83,7 @@ class AssetSheets:
         subprocess.run([self.gallery.root / "build/release/server/fracture-server", "bake", "--quiet", "--manifest", manifest],
                        check=False)
 
-    def broken(self, pairs):
+    def broken(self, pairs, more=None):
         """The files of (material, label) pairs that were made, and where each asset is hit: point and radius."""
         files = self.files()
         intact = {label: self.folder / f"{label}.glb" for label in files}
@@ -97,7 +99,8 @@ class AssetSheets:
         for material, label in pairs or [(m, label) for m in self.gallery.materials for label in boxes]:
             if label not in boxes:
                 continue
-            parameters = {"material": material, "fragments": FRAGMENTS + MORE_FOR_EACH_PART * (parts[label] - 1), "seed": 7}
+            parameters = {"material": material, "fragments": FRAGMENTS + MORE_FOR_EACH_PART * (parts[label] - 1), "seed": 7,
+                          **(more or {})}
             if "impacts" in {p["name"] for p in self.gallery.patterns[self.gallery.materials[material]["pattern"]]}:
                 parameters["impacts"] = [hits[label][0]]
             if material in DETAILS:
@@ -125,13 +128,12 @@ class AssetSheets:
             rows = [(label, {}, [cell, cell, self.close(cell)]) for label, cell in cells.items()]
             self.gallery.sheet(f"real_{material}",
                                f"material={material}, fragments={FRAGMENTS}, {MORE_FOR_EACH_PART} more for each further part",
-                               [("exploded", {"view": "exploded", "explode": 0.5}), ("after an impact", {"view": "impact"}),
+                               [("exploded", EXPLODED), ("after an impact", HIT),
                                 ("close by", CLOSE)], rows)
 
     def draw_blind(self, seed):
         """Ten cells without colours or names, of seven materials, for somebody who has to say which is which; the answers
-        are in blind.key. Cuts are as rough, as metallic, as clear and as
-        grained as their material says."""
+        are in blind.key. All is made of its material, and as rough, as metallic, as clear and as grained as that says."""
         draw = random.Random(seed)
         materials = list(BLIND_MATERIALS) + draw.sample(sorted(BLIND_MATERIALS), 3)
         draw.shuffle(materials)
@@ -147,14 +149,14 @@ class AssetSheets:
             labels.remove(label)
             pairs.append((draw.choice(BLIND_MATERIALS[m]), label))
         draw.shuffle(pairs)
-        made, hits = self.broken(pairs)
+        made, hits = self.broken(pairs, {"exterior": "material"})
         cells = [self.cell(made[pair], hits[pair[1]]) for pair in pairs if pair in made]
         letters = "ABCDEFGHIJ"[:len(cells)]
         for first in range(0, len(cells), BLIND_COLUMNS):
             some = cells[first:first + BLIND_COLUMNS]
             self.gallery.sheet(f"blind_{first // BLIND_COLUMNS + 1}", "glass, wood, brick, stone or concrete, ice, ceramic, metal?",
                                [(letter, {}) for letter in letters[first:first + BLIND_COLUMNS]],
-                               [("exploded", {"view": "exploded", "explode": 0.5}, some), ("hit", {"view": "impact"}, some),
+                               [("exploded", EXPLODED, some), ("hit", HIT, some),
                                 ("close by", CLOSE, [self.close(cell) for cell in some])],
                                {"look": "grey"})
         key = "".join(f"{letter} {pair[0]} {pair[1]}\n" for letter, pair in zip(letters, [p for p in pairs if p in made]))

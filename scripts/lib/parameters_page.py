@@ -47,6 +47,7 @@ SUBJECTS = [
     ("A fragment again", "", ["fragment", "fragment_sites", "fragment_seed"]),
     ("What holds", "`report.support` says what each bond carries, which are too weak, and what falls.",
      ["anchor_plane", "anchor_box", "anchor_points", "gravity", "broken"]),
+    ("Look of the outside", "", ["exterior"]),
     ("Look of the cuts", "", ["interior", "interior_color", "interior_mix", "interior_shade", "interior_opacity", "interior_crushed",
                                 "interior_roughness", "interior_metallic", "interior_material", "interior_name",
                                 "interior_detail", "interior_uv_scale", "interior_uv_u", "interior_uv_v"]),

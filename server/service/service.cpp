@@ -314,6 +314,7 @@ Expected<FracturedSolid> FractureService::make_result(const PreparedMesh& mesh, 
       fractured.support = analyze_support(fractured.set, fractured.anchored, support, execution);
     }
     options.interior = std::move(*interior);
+    options.exterior = exterior_materials(request.parameters.exterior, *mesh.solid.source, execution);
     options.mesh_digest = result->mesh_digest;
     GltfFile encoded = engine_->encode(fractured, options, request.output, execution);
     result->file = std::move(encoded.bytes);

@@ -443,6 +443,7 @@ TEST(Parameters, TheCatalogueDescribesEveryPatternAndMaterial) {
     EXPECT_EQ(spelled->physical, named_only->physical);
     EXPECT_EQ(spelled->fracture.roughness, named_only->fracture.roughness);
     EXPECT_EQ(spelled->interior, named_only->interior);
+    EXPECT_TRUE(named_only->exterior.any());
     EXPECT_EQ(spelled->hollow, named_only->hollow);
     EXPECT_EQ(canonical_site_parameters(*spelled), canonical_site_parameters(*named_only));
     for (const char* said : {"description", "source", "use", "mechanics"})
@@ -548,6 +549,26 @@ TEST(Parameters, OneSpellingForEveryWayToAsk) {
       R"("interior_shade":0.8,"lloyd":0,"pattern":"uniform",)"
       R"("physics":"khr","pivot":"center_of_mass","repair":"fill","restitution":0.1,"seed":3,"sites":50,"stretch":1.0,)"
       R"("thickness":0.0,"ue_collision":"none","unit":"file","up":"file","weld_tolerance":1e-06})");
+}
+
+TEST(Parameters, TheOutsideIsOfAMaterialOnlyWhereThereIsOne) {
+  const auto refused = table().parse({{"exterior", "material"}});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().pointer, "exterior");
+  EXPECT_NE(refused.error().detail.find("say which"), std::string::npos);
+  EXPECT_TRUE(table().parse({{"exterior", "material"}, {"of", "sha256:" + std::string(64, 'a')}}))
+      << "the earlier answer has one";
+  EXPECT_FALSE(table().parse({{"exterior", "auto"}})->exterior.any());
+  EXPECT_FALSE(canonical_parameters(*table().parse({{"exterior", "asset"}})).contains("exterior"));
+
+  const auto glass = table().parse({{"material", "glass"}, {"exterior", "material"}});
+  ASSERT_TRUE(glass);
+  EXPECT_EQ(glass->exterior.choice, ExteriorChoice::kMaterial);
+  EXPECT_EQ(glass->exterior.opacity, glass->interior.opacity);
+  EXPECT_EQ(canonical_parameters(*glass).at("exterior"), "material");
+  const auto pottery = table().parse({{"material", "ceramic"}});
+  EXPECT_EQ(pottery->exterior.choice, ExteriorChoice::kAuto);
+  EXPECT_LT(*pottery->exterior.roughness, *pottery->interior.roughness) << "glazed outside, biscuit inside";
 }
 
 TEST(Parameters, WallsOfAMaterialAreItsDefault) {

@@ -48,11 +48,11 @@ TEST(MetalLooks, LargePlatesHoldMostOfALump) {
   }
 }
 
-TEST(Vessels, OfGlassAndPotteryAreWallsAndLumpsOfOthersAreNot) {
+TEST(Vessels, OfGlassPotteryAndSheetMetalAreWallsAndLumpsOfOthersAreNot) {
   for (const MaterialPreset& preset : material_presets()) {
     SCOPED_TRACE(preset.name);
     const std::string name = preset.name;
-    const bool walls = name == "glass" || name == "ceramic" || name == "terracotta";
+    const bool walls = name == "glass" || name == "ceramic" || name == "terracotta" || name == "metal";
     EXPECT_EQ(preset.shell_fraction > 0, walls);
     if (!walls) continue;
     const Solid ball = vessel(ico_sphere(4), preset.name);
@@ -151,11 +151,11 @@ std::pair<double, double> near_and_far(const FragmentSet& set, const Vec3d& poin
   return {median(inside), median(outside)};
 }
 
-TEST(IceLooks, AroundACrushedZoneLieLargePlates) {
+TEST(IceLooks, AroundACrushedZoneLieLargeBlocks) {
   const Vec3d hit{0, 0, 0.5};
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
     FractureParameters p = material("ice", 60, seed);
-    std::get<RadialPattern>(p.pattern).impacts = {hit};
+    std::get<ImpactPattern>(p.pattern).impacts = {hit};
     const FragmentSet set = fractured(cube(4), p).set;
     const auto [near, far] = near_and_far(set, hit, 0.25);
     EXPECT_LE(10 * near, far) << seed;

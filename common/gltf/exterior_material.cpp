@@ -1,0 +1,76 @@
+#include "common/gltf/exterior_material.hpp"
+
+#include <utility>
+
+#include "common/base/pacer.hpp"
+#include "common/gltf/reused_material.hpp"
+#include "common/mesh/material_library.hpp"
+
+namespace fracture {
+namespace {
+
+using nlohmann::json;
+
+/// What light does at a surface, which a preset decides, is in these as well.
+constexpr const char* kOfOtherMaterials[] = {"KHR_materials_pbrSpecularGlossiness",
+                                             "KHR_materials_transmission",
+                                             "KHR_materials_volume",
+                                             "KHR_materials_ior",
+                                             "KHR_materials_clearcoat",
+                                             "KHR_materials_sheen",
+                                             "KHR_materials_specular",
+                                             "KHR_materials_iridescence",
+                                             "KHR_materials_anisotropy",
+                                             "KHR_materials_unlit"};
+
+void finish(json& material, const ExteriorLook& look) {
+  json& pbr = sound_pbr(material);
+  if (look.roughness || look.metallic) pbr.erase("metallicRoughnessTexture");
+  if (look.roughness) pbr["roughnessFactor"] = *look.roughness;
+  if (look.metallic) pbr["metallicFactor"] = *look.metallic;
+  if (look.opacity) set_opacity(material, *look.opacity);
+  if (const auto extensions = material.find("extensions");
+      extensions != material.end() && extensions->is_object()) {
+    for (const char* name : kOfOtherMaterials) extensions->erase(name);
+    if (extensions->empty()) material.erase("extensions");
+  }
+}
+
+json bare(const ExteriorLook& look, const Mesh& source) {
+  json material = {{"name", "Exterior"}};
+  const bool colored = !source.attributes.colors.empty();
+  set_base_color(material, colored ? Vec3d{1, 1, 1} : look.color.value_or(Vec3d{1, 1, 1}));
+  finish(material, look);
+  return material;
+}
+
+}  // namespace
+
+ExteriorMaterials exterior_materials(const ExteriorLook& look, const Mesh& source,
+                                     const Execution& execution) {
+  ExteriorMaterials made;
+  if (!look.any() || look.choice == ExteriorChoice::kAsset) return made;
+  Pacer pacer(execution);
+  const json& own = source.library->materials;
+  std::vector<bool> used(own.size() + 1, false);
+  for (const std::uint32_t material : source.material) {
+    pacer.step();
+    used[material < own.size() ? material : own.size()] = true;
+  }
+  made.of_source.assign(used.size(), kNoIndex);
+  const auto add = [&](std::size_t slot, json material) {
+    made.of_source[slot] = static_cast<std::uint32_t>(made.materials.size());
+    made.materials.push_back(std::move(material));
+  };
+  for (std::size_t k = 0; look.choice == ExteriorChoice::kMaterial && k < own.size(); ++k) {
+    pacer.step(16);
+    if (!used[k]) continue;
+    json material = own[k];
+    finish(material, look);
+    add(k, std::move(material));
+  }
+  if (used.back()) add(own.size(), bare(look, source));
+  return made;
+}
+
+}  // namespace fracture
