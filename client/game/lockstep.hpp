@@ -2,7 +2,7 @@
 //
 // Lines of JSON, as in a recording (recording.hpp). First the header of the game, from both, which has to be the same:
 //
-//   {"format": "fracture-lockstep-1", "rules": 2, "answer_steps": 6, "delay": 12, "scene": …, "seed": …, "digest": …}
+//   {"format": "fracture-lockstep-1", "rules": 3, "answer_steps": 6, "delay": 12, "scene": …, "seed": …, "digest": …}
 //   {"step": 48, "throw": …}       what this player does takes effect so many steps later (`delay`), on both machines
 //   {"step": 35, "hash": "90ab…"}  after each step. It also says that all is sent that this player does before
 //                                  step 36 + delay: the other one may go on so far, and no further

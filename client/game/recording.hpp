@@ -2,7 +2,7 @@
 // world after every step. Whoever plays it again with a server of the same version gets the same bits, or the first
 // step at which they differ.
 //
-//   {"format": "fracture-game-1", "rules": 2, "scene": …}  the first line: whatever the program needs to begin alike
+//   {"format": "fracture-game-1", "rules": 3, "scene": …}  the first line: whatever the program needs to begin alike
 //   {"step": 36, "throw": [[x, y, z], [vx, vy, vz]]}  before step 36 (counted from 0), as are the next six; "radius" and
 //                                                     "density" where the ball is not the scene's
 //   {"step": 40, "explode": [x, y, z], "impulse": 4e4, "radius": 6}  N·s, metres
@@ -39,7 +39,7 @@ struct RecordedEvent {
 };
 
 /// What equal events lead to: raised when the world or the game answers them with other bits.
-inline constexpr int kRules = 2;
+inline constexpr int kRules = 3;
 
 struct Recording {
   nlohmann::json header;

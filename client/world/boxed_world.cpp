@@ -3,6 +3,7 @@
 namespace fracture::world {
 namespace {
 constexpr btScalar kLargest = 1e12;  // square metres, of a box from corner to corner
+constexpr int kBoxed = 1;            // marks a body that has its box
 }  // namespace
 
 BoxedWorld::BoxedWorld(btDispatcher* dispatcher, btBroadphaseInterface* boxes, btConstraintSolver* solver,
@@ -14,6 +15,8 @@ BoxedWorld::BoxedWorld(btDispatcher* dispatcher, btBroadphaseInterface* boxes, b
 void BoxedWorld::updateAabbs() {
   for (int k = 0; k < m_collisionObjects.size(); ++k) {
     btCollisionObject& object = *m_collisionObjects[k];
+    if (!object.isActive() && object.getUserIndex2() == kBoxed) continue;  // it sleeps where its box is
+    object.setUserIndex2(kBoxed);
     const btCollisionShape& shape = *object.getCollisionShape();
     // Contacts reach as far as the lesser one of two shapes says, which is at most half of both.
     const btScalar reach = 0.5 * shape.getContactBreakingThreshold(gContactBreakingThreshold);

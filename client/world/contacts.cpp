@@ -66,6 +66,7 @@ void World::State::collect_contacts() {
     body->forces.clear();
     body->total_force = body->sunk = 0;
     body->leans_on.clear();
+    body->tips.reset();
   }
   for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
     const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
@@ -193,10 +194,10 @@ void World::State::split_overloaded() {
     if (!(body->total_force > 1.05 * body->borne)) continue;
     Object& object = *objects[body->object];
     if (object.guarded) {
-      glm::dvec3 hits(0);
+      glm::dvec3 struck(0);
       for (const PointForce& f : body->forces)
-        if (f.hit) hits += settings.contact_time * f.force;
-      if (glm::length(hits) <= object.spec.strength) continue;
+        if (f.hit) struck += settings.contact_time * f.force;
+      if (glm::length(struck) <= object.spec.strength) continue;
       object.guarded = false;
     }
     const glm::dvec3 gravity = glm::conjugate(body->asset_to_world().rotation) * settings.gravity;

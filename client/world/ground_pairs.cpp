@@ -55,18 +55,37 @@ int choose(const std::vector<Corner>& corners, const btVector3& up, std::array<c
 }  // namespace
 
 GroundPair::~GroundPair() {
-  if (manifold_ != nullptr) m_dispatcher->releaseManifold(manifold_);
+  for (btPersistentManifold* manifold : manifolds_)
+    if (manifold != nullptr) m_dispatcher->releaseManifold(manifold);
 }
 
 void GroundPair::getAllContactManifolds(btManifoldArray& manifolds) {
-  if (manifold_ != nullptr) manifolds.push_back(manifold_);
+  for (btPersistentManifold* manifold : manifolds_)
+    if (manifold != nullptr) manifolds.push_back(manifold);
 }
 
 void GroundPair::processCollision(const btCollisionObjectWrapper* first,
                                   const btCollisionObjectWrapper* second, const btDispatcherInfo& info,
-                                  btManifoldResult* result) {
+                                  btManifoldResult*) {
   const bool swapped = first->getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE;
-  const btCollisionObjectWrapper &hull = swapped ? *second : *first, &plane = swapped ? *first : *second;
+  const btCollisionObjectWrapper &body = swapped ? *second : *first, &plane = swapped ? *first : *second;
+  if (!body.getCollisionShape()->isCompound()) {
+    manifolds_.resize(1, nullptr);
+    meet(body, plane, info.m_timeStep, manifolds_[0]);
+    return;
+  }
+  const auto& compound = static_cast<const btCompoundShape&>(*body.getCollisionShape());
+  manifolds_.resize(static_cast<std::size_t>(compound.getNumChildShapes()), nullptr);
+  for (int k = 0; k < compound.getNumChildShapes(); ++k) {
+    const btTransform place = body.getWorldTransform() * compound.getChildTransform(k);
+    const btCollisionObjectWrapper hull(&body, compound.getChildShape(k), body.getCollisionObject(), place,
+                                        -1, k);
+    meet(hull, plane, info.m_timeStep, manifolds_[static_cast<std::size_t>(k)]);
+  }
+}
+
+void GroundPair::meet(const btCollisionObjectWrapper& hull, const btCollisionObjectWrapper& plane,
+                      btScalar step, btPersistentManifold*& manifold) {
   const auto& shape = static_cast<const btConvexHullShape&>(*hull.getCollisionShape());
   const auto& ground = static_cast<const btStaticPlaneShape&>(*plane.getCollisionShape());
   const btTransform &pose = hull.getWorldTransform(), &floor = plane.getWorldTransform();
@@ -77,17 +96,12 @@ void GroundPair::processCollision(const btCollisionObjectWrapper* first,
   const btVector3 velocity = body != nullptr ? body->getLinearVelocity() : btVector3(0, 0, 0),
                   spin = body != nullptr ? body->getAngularVelocity() : btVector3(0, 0, 0),
                   center = hull.getCollisionObject()->getWorldTransform().getOrigin();
-  const btScalar step = info.m_timeStep;
-
-  if (manifold_ == nullptr)
-    manifold_ = m_dispatcher->getNewManifold(hull.getCollisionObject(), plane.getCollisionObject());
-  result->setPersistentManifold(manifold_);
   // A corner that meets the ground turns the body, and the others come down faster than they would have: hence twice.
   const btScalar radius = shape.getAngularMotionDisc(),
                  farthest = (pose.getOrigin() - center).length() + radius,
                  reach = kNear + 2 * step * (velocity.length() + spin.length() * farthest);
   if (up.dot(pose.getOrigin()) - level - radius - margin > reach) {
-    manifold_->setNumContacts(0);
+    if (manifold != nullptr) manifold->setNumContacts(0);
     return;
   }
 
@@ -102,16 +116,18 @@ void GroundPair::processCollision(const btCollisionObjectWrapper* first,
                        1 - std::max(height, btScalar(0)) / reach});
   }
   if (corners.empty()) {
-    manifold_->setNumContacts(0);
+    if (manifold != nullptr) manifold->setNumContacts(0);
     return;
   }
+  if (manifold == nullptr)
+    manifold = m_dispatcher->getNewManifold(hull.getCollisionObject(), plane.getCollisionObject());
   std::array<const Corner*, 4> chosen{};
   const int count = choose(corners, up, chosen);
 
   std::array<btManifoldPoint, 4> before;
-  const int known = manifold_->getNumContacts();
-  for (int k = 0; k < known; ++k) before[static_cast<std::size_t>(k)] = manifold_->getContactPoint(k);
-  manifold_->setNumContacts(count);
+  const int known = manifold->getNumContacts();
+  for (int k = 0; k < known; ++k) before[static_cast<std::size_t>(k)] = manifold->getContactPoint(k);
+  manifold->setNumContacts(count);
   for (int k = 0; k < count; ++k) {
     const Corner& corner = *chosen[static_cast<std::size_t>(k)];
     const btVector3 below = corner.world - corner.height * up;
@@ -137,7 +153,7 @@ void GroundPair::processCollision(const btCollisionObjectWrapper* first,
     point.m_combinedRestitution = btManifoldResult::calculateCombinedRestitution(&a, &b);
     point.m_combinedRollingFriction = btManifoldResult::calculateCombinedRollingFriction(&a, &b);
     point.m_combinedSpinningFriction = btManifoldResult::calculateCombinedSpinningFriction(&a, &b);
-    manifold_->getContactPoint(k) = point;
+    manifold->getContactPoint(k) = point;
   }
 }
 

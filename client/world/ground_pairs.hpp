@@ -4,6 +4,8 @@
 #include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
 #include <BulletCollision/CollisionDispatch/btCollisionCreateFunc.h>
 
+#include <vector>
+
 #include "client/world/bullet.hpp"
 
 class btPersistentManifold;
@@ -16,9 +18,11 @@ namespace fracture::world {
 /// be at the ground after this step, and keep four of them that spread widely. A contact that is not
 /// closed yet lets the corner come exactly as far as the ground (speculative contacts: Catto, "Continuous Collision",
 /// Game Developers Conference 2013).
+///
+/// Of a compound each hull has contacts of its own.
 class GroundPair final : public btCollisionAlgorithm {
  public:
-  using btCollisionAlgorithm::btCollisionAlgorithm;
+  explicit GroundPair(const btCollisionAlgorithmConstructionInfo& info) : btCollisionAlgorithm(info) {}
   ~GroundPair() override;
   void processCollision(const btCollisionObjectWrapper* first, const btCollisionObjectWrapper* second,
                         const btDispatcherInfo& info, btManifoldResult* result) override;
@@ -35,7 +39,11 @@ class GroundPair final : public btCollisionAlgorithm {
   };
 
  private:
-  btPersistentManifold* manifold_ = nullptr;  ///< of the hull, then the plane
+  void meet(const btCollisionObjectWrapper& hull, const btCollisionObjectWrapper& plane, btScalar step,
+            btPersistentManifold*& manifold);
+
+  std::vector<btPersistentManifold*>
+      manifolds_;  ///< of the body, then the plane; one for each hull, null: not yet
 };
 
 }  // namespace fracture::world

@@ -4,7 +4,7 @@
 
 namespace fracture::world {
 
-bool HullPair::separated(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second) {
+btScalar HullPair::gap(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second) {
   constexpr int kTries = 2;  // more find little, and cost what GJK does
   const auto& a = *static_cast<const btConvexShape*>(first.getCollisionShape());
   const auto& b = *static_cast<const btConvexShape*>(second.getCollisionShape());
@@ -22,30 +22,35 @@ bool HullPair::separated(const btCollisionObjectWrapper& first, const btCollisio
     const btVector3 from = a.localGetSupportVertexWithoutMarginNonVirtual(direction),
                     to = b_in_a *
                          b.localGetSupportVertexWithoutMarginNonVirtual(-(direction * b_in_a.getBasis()));
-    const btVector3 gap = to - from;
-    if (gap.dot(direction) > reach) {
+    const btVector3 way = to - from;
+    if (const btScalar beyond = way.dot(direction) - reach; beyond > 0) {
       direction_ = direction;
-      return true;
+      return beyond;
     }
-    if (gap.fuzzyZero()) break;
-    const btVector3 r = gap.normalized();
+    if (way.fuzzyZero()) break;
+    const btVector3 r = way.normalized();
     direction -= 2 * r.dot(direction) * r;
   }
   direction_.setZero();
-  return false;
+  return 0;
+}
+
+btScalar HullPair::collide(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
+                           const btDispatcherInfo& info, btManifoldResult& result) {
+  const btPersistentManifold* manifold = getManifold();
+  // Contacts of the last step are Bullet's to keep or to drop.
+  if (manifold == nullptr || manifold->getNumContacts() == 0)
+    if (const btScalar beyond = gap(first, second); beyond > 0) return beyond;
+  btConvexConvexAlgorithm::processCollision(&first, &second, info, &result);
+  return 0;
 }
 
 void HullPair::processCollision(const btCollisionObjectWrapper* first, const btCollisionObjectWrapper* second,
                                 const btDispatcherInfo& info, btManifoldResult* result) {
-  if (steadiness_.holds(*first, *second)) {
+  if (steadiness_.holds(*first, *second))
     refresh_contacts(*this, manifolds_);
-    return;
-  }
-  const btPersistentManifold* manifold = getManifold();
-  // Contacts of the last step are Bullet's to keep or to drop.
-  const bool touched = manifold != nullptr && manifold->getNumContacts() > 0;
-  if (touched || !separated(*first, *second))
-    btConvexConvexAlgorithm::processCollision(first, second, info, result);
+  else
+    steadiness_.part(collide(*first, *second, info, *result));
 }
 
 btCollisionAlgorithm* HullPair::CreateFunc::CreateCollisionAlgorithm(

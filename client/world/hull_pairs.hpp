@@ -20,6 +20,10 @@ class HullPair final : public btConvexConvexAlgorithm {
   using btConvexConvexAlgorithm::btConvexConvexAlgorithm;
   void processCollision(const btCollisionObjectWrapper* first, const btCollisionObjectWrapper* second,
                         const btDispatcherInfo& info, btManifoldResult* result) override;
+  /// The same without regard to how they stood. Metres by which the two are apart beyond the reach of contacts; zero: not
+  /// known.
+  btScalar collide(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
+                   const btDispatcherInfo& info, btManifoldResult& result);
 
   struct CreateFunc final : btConvexConvexAlgorithm::CreateFunc {
     using btConvexConvexAlgorithm::CreateFunc::CreateFunc;
@@ -29,7 +33,7 @@ class HullPair final : public btConvexConvexAlgorithm {
   };
 
  private:
-  bool separated(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second);
+  btScalar gap(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second);
 
   Steadiness steadiness_;
   btManifoldArray manifolds_;

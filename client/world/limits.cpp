@@ -33,8 +33,8 @@ double lowest(const btConvexShape& shape, const btTransform& place) {
 }
 
 /// Its contacts all lie on one side of a line through its centre, seen from above: it tilts over them.
-bool topples(const Body& body) {
-  std::vector<double> angles;
+bool topples(const Body& body, std::vector<double>& angles) {
+  angles.clear();
   for (const glm::dvec2& arm : body.leans_on) angles.push_back(std::atan2(arm.y, arm.x));
   if (angles.empty()) return true;
   std::sort(angles.begin(), angles.end());
@@ -191,13 +191,15 @@ void World::State::limit_gains() {
 void World::State::calm() {
   const double slow = 1.5 * settings.step * glm::length(settings.gravity);
   constexpr double kSlowSpin = 1.5, kLeft = 0.8;  // rad/s; of the speed after a step
+  std::vector<double> room;
   for (const Touch& touch : touches)
     for (Body* body : {touch.a, touch.b}) {
       if (!touch.pressed || !body->moves() || !body->rigid->isActive()) continue;
       const glm::dvec3 velocity = from_bullet(body->rigid->getLinearVelocity()),
                        spin = from_bullet(body->rigid->getAngularVelocity());
-      if (glm::length(velocity) < slow && glm::length(spin) < kSlowSpin && !topples(*body))
-        set_motion(*body, kLeft * velocity, kLeft * spin);
+      if (!(glm::length(velocity) < slow) || !(glm::length(spin) < kSlowSpin)) continue;
+      if (!body->tips) body->tips = topples(*body, room);
+      if (!*body->tips) set_motion(*body, kLeft * velocity, kLeft * spin);
     }
   constexpr double kWeight = 0.05;  // of a step in the mean
   // m/s. Long after something broke, what still moves so much is the solver at work on pieces that are wedged: the longer,

@@ -7,9 +7,10 @@
 #include "client/world/bond_loads.hpp"
 #include "client/world/boxed_world.hpp"
 #include "client/world/bullet.hpp"
+#include "client/world/compound_pairs.hpp"
 #include "client/world/ground_pairs.hpp"
 #include "client/world/hull_pairs.hpp"
-#include "client/world/steady_pairs.hpp"
+#include "client/world/pair_dispatcher.hpp"
 
 namespace fracture::world {
 
@@ -47,7 +48,8 @@ struct Body {
   double still = 0;                  ///< seconds for which it has hardly been lively …
   double quiet = 0;                  ///< … and its island on the whole
   double sunk = 0;                   ///< metres that it is inside of others, deepest contact of this step
-  std::vector<glm::dvec2> leans_on;  ///< x and z of the contacts of this step that press, from its centre
+  std::vector<glm::dvec2> leans_on;  ///< x and z of the contacts of this step that press, from its centre …
+  std::optional<bool> tips;          ///< … and whether it tilts over them, where somebody has asked
 
   // before this step
   glm::dvec3 velocity_before{0}, spin_before{0};
@@ -178,9 +180,8 @@ struct World::State {
   btDefaultCollisionConfiguration configuration;
   std::unique_ptr<HullPair::CreateFunc> hull_pairs;
   GroundPair::CreateFunc ground_pairs;
-  SteadyCompoundPair::CreateFunc compound_pairs{false};
-  SteadyCompoundAndHull::CreateFunc compounds_and_hulls{false}, hulls_and_compounds{true};
-  btCollisionDispatcher dispatcher;
+  std::unique_ptr<CompoundPair::CreateFunc> compound_pairs;
+  PairDispatcher dispatcher;
   btDbvtBroadphase broadphase;
   btSequentialImpulseConstraintSolver solver;
   BoxedWorld bullet;

@@ -21,27 +21,43 @@ btScalar reach_of_contacts(const btCollisionObjectWrapper& body) {
 }  // namespace
 
 bool Steadiness::holds(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second) {
-  const btTransform now = first.getWorldTransform().inverseTimes(second.getWorldTransform());
-  const btMatrix3x3& basis = first.getWorldTransform().getBasis();
-  if (still_ >= 0) {
-    const btScalar moved = (now.getOrigin() - second_in_first_.getOrigin()).length();
-    if (moved + reach_ * turned(second_in_first_.getBasis(), now.getBasis()) <= still_ &&
-        turned(first_, basis) <= kTurned)
+  const bool known = still_ >= 0;
+  if (!known) {
+    const btScalar a = first.getCollisionShape()->getAngularMotionDisc(),
+                   b = second.getCollisionShape()->getAngularMotionDisc();
+    second_is_larger_ = b > a;
+    reach_ = btMin(a, b);
+    least_ = btMin(kStill, 0.5 * btMin(reach_of_contacts(first), reach_of_contacts(second)));
+  }
+  const btTransform &outer = (second_is_larger_ ? second : first).getWorldTransform(),
+                    &inner = (second_is_larger_ ? first : second).getWorldTransform();
+  const btTransform now = outer.inverseTimes(inner);
+  if (known) {
+    const btScalar moved = (now.getOrigin() - inner_in_outer_.getOrigin()).length();
+    if (moved <= still_ && moved + reach_ * turned(inner_in_outer_.getBasis(), now.getBasis()) <= still_ &&
+        (apart_ || turned(outer_, outer.getBasis()) <= kTurned))
       return true;
   }
-  first_ = basis;
-  second_in_first_ = now;
-  still_ = btMin(kStill, 0.5 * btMin(reach_of_contacts(first), reach_of_contacts(second)));
-  reach_ = second.getCollisionShape()->getAngularMotionDisc();
+  outer_ = outer.getBasis();
+  inner_in_outer_ = now;
+  still_ = least_;
+  apart_ = false;
   return false;
+}
+
+void Steadiness::part(btScalar gap) {
+  if (!(gap > still_)) return;
+  still_ = gap;
+  apart_ = true;
 }
 
 void refresh_contacts(btCollisionAlgorithm& pair, btManifoldArray& manifolds) {
   manifolds.resize(0);
   pair.getAllContactManifolds(manifolds);
   for (int m = 0; m < manifolds.size(); ++m)
-    manifolds[m]->refreshContactPoints(manifolds[m]->getBody0()->getWorldTransform(),
-                                       manifolds[m]->getBody1()->getWorldTransform());
+    if (manifolds[m]->getNumContacts() > 0)
+      manifolds[m]->refreshContactPoints(manifolds[m]->getBody0()->getWorldTransform(),
+                                         manifolds[m]->getBody1()->getWorldTransform());
 }
 
 }  // namespace fracture::world

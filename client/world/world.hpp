@@ -59,13 +59,14 @@ struct WorldSettings {
   /// Share of the impact's energy that drives the pieces of a loose object apart at the swap, as cracks that
   /// open do. Adds no momentum.
   double burst = 0.05;
-  std::size_t max_bodies = 800;   ///< that move; beyond it the smallest loose fragments fade at once
+  std::size_t max_bodies = 800;  ///< that move; beyond it the smallest loose fragments fade at once
   std::size_t max_balls = 24;     ///< beyond it the oldest goes
   double debris_share = 0.02;     ///< of an object's volume: smaller loose fragments fade once they sleep …
   double fade_after = 6;          ///< … for so many seconds …
   double fade_time = 1;           ///< … within so many
   double secondary_share = 0.04;  ///< of an object's volume: larger loose fragments may break again
   double foresight = 0.5;         ///< seconds that paths of balls and falling things are looked ahead; 0: not
+  std::size_t threads = 2;        ///< that look for contacts; the motion is the same with any number
   std::size_t max_witnessed =
       0;  ///< knocks, and cracks, that are kept until they are taken; further ones are not
 };
