@@ -150,7 +150,7 @@ void World::State::raise_impacts() {
       object.asked = true;
       events.push_back({Event::Kind::kBreak, hit.body->object, 0, impact, hit.point});
       ask_for_neighbours(*hit.body, impulse, hit.approach);
-    } else if (!hit.body->held && !hit.body->asked && hit.body->fading < 0) {
+    } else if (!hit.body->held && !hit.body->asked && hit.body->fading < 0 && live <= settings.live_bodies) {
       const std::uint32_t fragment = hit.body->members[0];
       const Fragment& f = object.fragments->set.fragments[fragment];
       if (f.volume < settings.secondary_share * object.fragments->volume ||

@@ -34,6 +34,7 @@ struct Body {
   bool held = false;
 
   // of a group
+  bool crumb = false;  ///< small, and came when there were many: meets no other crumb
   std::uint32_t group = 0;
   std::vector<std::uint32_t> members, bonds;
   std::vector<std::uint32_t> fragment_of_child;
@@ -195,6 +196,7 @@ struct World::State {
   std::uint32_t next_group = 1;
   BallId next_ball = 1;
   std::size_t faded = 0;
+  std::size_t live = 0;  ///< bodies that were moving at the end of the last step, and what came since
 
   Ledger ledger;
   double least_level = 0;  ///< J: of Ledger::level(), so far

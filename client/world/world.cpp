@@ -20,7 +20,7 @@ Pose inverse(const Pose& pose) {
 
 namespace {
 
-/// Pieces of one cell may overlap: the file says which must not collide.
+/// Pieces of one cell may overlap: the file says which must not collide. Crumbs do not collide with one another.
 struct SystemFilter : btOverlapFilterCallback {
   const std::vector<std::unique_ptr<Object>>& objects;
   explicit SystemFilter(const std::vector<std::unique_ptr<Object>>& o) : objects(o) {}
@@ -39,7 +39,9 @@ struct SystemFilter : btOverlapFilterCallback {
         (b->m_collisionFilterGroup & a->m_collisionFilterMask) == 0)
       return false;
     const Body *first = body_of(a), *second = body_of(b);
-    if (first == nullptr || second == nullptr || first->object != second->object) return true;
+    if (first == nullptr || second == nullptr) return true;
+    if (first->crumb && second->crumb) return false;
+    if (first->object != second->object) return true;
     const int s = system(*first);
     return s < 0 || s != system(*second);
   }
@@ -186,7 +188,9 @@ BallId World::throw_ball(const glm::dvec3& from, const glm::dvec3& velocity, dou
 
 void World::step() {
   State& s = *state_;
+  s.live = 0;
   for (const auto& body : s.bodies) {
+    s.live += body->moves() && body->rigid->isActive();
     body->velocity_before = from_bullet(body->rigid->getLinearVelocity());
     body->spin_before = from_bullet(body->rigid->getAngularVelocity());
     body->kinetic_before = kinetic_energy(*body);

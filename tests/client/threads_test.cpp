@@ -28,6 +28,7 @@ TEST(Crew, EverythingIsDoneOnceWhenItReturns) {
 std::vector<std::uint64_t> heap_with(std::size_t threads) {
   WorldSettings settings;
   settings.threads = threads;
+  settings.live_bodies = 1000;
   World world(settings);
   const FragmentSet set = test::cubes(8, 8);
   FragmentSet loose = set;
