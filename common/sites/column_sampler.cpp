@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
+#include <utility>
 
 #include "common/base/pacer.hpp"
 
@@ -49,6 +51,9 @@ Range within(const std::array<Vec3d, 3>& p, const Frame& f, double v0, double v1
 
 /// Held at a time. A batch of columns has about kCrossingsPerBatch where its depth was estimated well.
 constexpr std::size_t kMostCrossings = 2 * ColumnSampler::kCrossingsPerBatch;
+
+/// Vertices or triangles of a block of parallel work, and crossings that a thread counts at a time.
+constexpr std::size_t kAtOnce = 1024, kCountedTogether = 4096;
 
 constexpr std::uint64_t kSiteStream = 0x5173'0000'0000'0001ull, kProbeStream = 0x5173'0000'0000'0002ull;
 
@@ -166,22 +171,24 @@ bool ColumnSampler::cross_all(int axis, std::span<const Column> columns, std::ve
   // Where the columns stand close together nearly all triangles lie beyond one side of all of them; what takes time
   // is only done for the others.
   std::vector<std::uint8_t> beyond(solid_.positions.size());
-  pacer.each(0, beyond.size(), [&](std::size_t v) {
-    const Vec3d p = to_double(solid_.positions[v]);
-    const double at_u = p[f.u], at_v = p[f.v];
-    beyond[v] = static_cast<std::uint8_t>((at_u < low_u) | (at_u > high_u) << 1 | (at_v < low_v) << 2 |
-                                          (at_v > high_v) << 3);
-  });
-  constexpr CellOfVertex kUnknown{0xffff, 0xffff};
-  std::vector<CellOfVertex> cells(beyond.size(), kUnknown);
-  const auto cell_of_vertex = [&](VertexId v) {
-    if (cells[v] == kUnknown) {
-      const Vec3d p = to_double(solid_.positions[v]);
-      cells[v] = {static_cast<std::uint16_t>(cell_u(p[f.u])), static_cast<std::uint16_t>(cell_v(p[f.v]))};
-    }
-    return cells[v];
+  std::vector<CellOfVertex> cells(beyond.size());  // of those that are not beyond
+  const auto find_cell = [&](const Vec3d& p) {
+    return CellOfVertex{static_cast<std::uint16_t>(cell_u(p[f.u])),
+                        static_cast<std::uint16_t>(cell_v(p[f.v]))};
   };
-  const auto cross = [&](std::uint32_t t, std::uint32_t item) {
+  parallel_for(execution_, beyond.size(), kAtOnce, [&](std::size_t first, std::size_t last) {
+    for (std::size_t v = first; v < last; ++v) {
+      const Vec3d p = to_double(solid_.positions[v]);
+      const double at_u = p[f.u], at_v = p[f.v];
+      beyond[v] = static_cast<std::uint8_t>((at_u < low_u) | (at_u > high_u) << 1 | (at_v < low_v) << 2 |
+                                            (at_v > high_v) << 3);
+      if (beyond[v] == 0) cells[v] = find_cell(p);
+    }
+  });
+  const auto cell_of_vertex = [&](VertexId v) {
+    return beyond[v] == 0 ? cells[v] : find_cell(to_double(solid_.positions[v]));
+  };
+  const auto cross = [&](std::uint32_t t, std::uint32_t item, std::vector<Crossing>& out) {
     const Column& column = columns[item];
     const auto& id = solid_.triangles[t];
     const Vec3d a = to_double(solid_.positions[id[0]]), b = to_double(solid_.positions[id[1]]),
@@ -194,7 +201,7 @@ bool ColumnSampler::cross_all(int axis, std::span<const Column> columns, std::ve
     const double sum = sa + sb + sc;
     if (sum == 0) return;
     // Left of all three edges: counter-clockwise across the axis, so the normal points along it: a way out.
-    crossings.push_back({item, (sa * a[axis] + sb * b[axis] + sc * c[axis]) / sum, lc ? -1 : 1, t});
+    out.push_back({item, (sa * a[axis] + sb * b[axis] + sc * c[axis]) / sum, lc ? -1 : 1, t});
   };
   // Rows and cells of the grid are far wider than the rounding of coordinates: what lies a whole row or cell
   // off is off for sure.
@@ -202,21 +209,19 @@ bool ColumnSampler::cross_all(int axis, std::span<const Column> columns, std::ve
   const bool wide = scale_u > 0 && scale_v > 0 && 1 / scale_u > 1e-12 * reach(low_u, high_u) &&
                     1 / scale_v > 1e-12 * reach(low_v, high_v);
   constexpr std::uint32_t kManyCells = 64;
-  for (std::uint32_t t = 0; t < solid_.triangles.size(); ++t) {
-    pacer.step();
+  const auto cross_triangle = [&](std::uint32_t t, std::vector<Crossing>& out, std::uint64_t& comparisons,
+                                  Pacer& own_pacer) {
     const auto& id = solid_.triangles[t];
-    if ((beyond[id[0]] & beyond[id[1]] & beyond[id[2]]) != 0) continue;
-    if (crossings.size() > kMostCrossings && columns.size() > 16) return false;
+    if ((beyond[id[0]] & beyond[id[1]] & beyond[id[2]]) != 0) return;
     const CellOfVertex a = cell_of_vertex(id[0]), b = cell_of_vertex(id[1]), c = cell_of_vertex(id[2]);
     const auto compare = [&](std::uint32_t first, std::uint32_t end) {
-      comparisons_ += end - first;
-      pacer.step(end - first);
-      for (std::uint32_t k = first; k < end; ++k) cross(t, items[k]);
+      comparisons += end - first;
+      own_pacer.step(end - first);
+      for (std::uint32_t k = first; k < end; ++k) cross(t, items[k], out);
     };
     if (a == b && b == c) {  // most triangles are smaller than a cell
       const std::uint32_t at = a.v * side_count + a.u;
-      compare(start[at], start[at + 1]);
-      continue;
+      return compare(start[at], start[at + 1]);
     }
     const std::uint32_t u0 = std::min(std::min(a.u, b.u), c.u), u1 = std::max(std::max(a.u, b.u), c.u);
     const std::uint32_t v0 = std::min(std::min(a.v, b.v), c.v), v1 = std::max(std::max(a.v, b.v), c.v);
@@ -226,7 +231,7 @@ bool ColumnSampler::cross_all(int axis, std::span<const Column> columns, std::ve
     for (std::uint32_t v = v0; v <= v1; ++v) {
       std::uint32_t first = u0, last = u1;
       if (by_rows) {  // a triangle that is long and thin meets few of the cells of its box
-        pacer.step();
+        own_pacer.step();
         const double row = low_v + (static_cast<double>(v) - 1) / scale_v;
         const Range range = within(corners, f, row - 1 / scale_v, row + 2 / scale_v);
         if (range.low > range.high) continue;
@@ -236,12 +241,57 @@ bool ColumnSampler::cross_all(int axis, std::span<const Column> columns, std::ve
       }
       compare(start[v * side_count + first], start[v * side_count + last + 1]);
     }
-  }
-  sort_with_polls(execution_, crossings.begin(), crossings.end(), [](const Crossing& x, const Crossing& y) {
-    if (x.column != y.column) return x.column < y.column;
-    if (x.at != y.at) return x.at < y.at;
-    if (x.enters != y.enters) return x.enters > y.enters;
-    return x.triangle < y.triangle;
+  };
+  // Whether all together find too many does not depend on who finds them when.
+  std::atomic<std::size_t> held{0};
+  std::atomic<std::uint64_t> comparisons{0};
+  const auto are_too_many = [&] { return held > kMostCrossings && columns.size() > 16; };
+  const std::size_t triangles = solid_.triangles.size();
+  std::vector<std::vector<Crossing>> found((triangles + kAtOnce - 1) / kAtOnce);
+  parallel_for(execution_, triangles, kAtOnce, [&](std::size_t first, std::size_t last) {
+    if (are_too_many()) return;
+    Pacer own_pacer(execution_);
+    std::vector<Crossing>& out = found[first / kAtOnce];
+    std::size_t counted = 0;
+    const auto count = [&] { held += out.size() - std::exchange(counted, out.size()); };
+    std::uint64_t own_comparisons = 0;
+    for (std::size_t t = first; t < last; ++t) {
+      own_pacer.step();
+      cross_triangle(static_cast<std::uint32_t>(t), out, own_comparisons, own_pacer);
+      if (out.size() - counted < kCountedTogether) continue;
+      count();
+      if (are_too_many()) break;
+    }
+    count();
+    comparisons += own_comparisons;
+  });
+  comparisons_ += comparisons;
+  if (are_too_many()) return false;
+
+  // By column (counting sort), then the few of each.
+  std::vector<std::size_t> begin(columns.size() + 1, 0);
+  const auto each = [&](const auto& visit) {
+    for (const std::vector<Crossing>& some : found) {
+      pacer.step(1 + some.size());
+      for (const Crossing& c : some) visit(c);
+    }
+  };
+  each([&](const Crossing& c) { ++begin[c.column + 1]; });
+  for (std::size_t k = 0; k < columns.size(); ++k) begin[k + 1] += begin[k];
+  resize_with_polls(execution_, crossings, begin.back());
+  std::vector<std::size_t> next(begin.begin(), begin.end() - 1);
+  each([&](const Crossing& c) { crossings[next[c.column]++] = c; });
+  parallel_for(execution_, columns.size(), kAtOnce / 4, [&](std::size_t first, std::size_t last) {
+    const auto at = [&](std::size_t n) { return crossings.begin() + static_cast<std::ptrdiff_t>(n); };
+    Pacer own_pacer(execution_);
+    for (std::size_t k = first; k < last; ++k) {
+      own_pacer.step(4 * (begin[k + 1] - begin[k]));
+      sort_with_polls(execution_, at(begin[k]), at(begin[k + 1]), [](const Crossing& x, const Crossing& y) {
+        if (x.at != y.at) return x.at < y.at;
+        if (x.enters != y.enters) return x.enters > y.enters;
+        return x.triangle < y.triangle;
+      });
+    }
   });
   return true;
 }
@@ -361,11 +411,10 @@ std::vector<Vec3d> ColumnSampler::sample(std::uint32_t count) {
     const double wanted = static_cast<double>(count - points.size()) / std::fmax(rate, 1e-3);
     // Columns that meet very many triangles (tangled surfaces) come in small batches, to bound the memory.
     const auto tried = static_cast<std::uint64_t>(std::fmin(1.1 * wanted + 32, static_cast<double>(batch())));
-    columns.clear();
-    for (std::uint64_t k = 0; k < tried; ++k) {
-      pacer.step(8);
-      columns.push_back(column(kSiteStream, candidate + k));
-    }
+    columns.resize(tried);
+    parallel_for(execution_, tried, kAtOnce / 4, [&](std::size_t first, std::size_t last) {
+      for (std::size_t k = first; k < last; ++k) columns[k] = column(kSiteStream, candidate + k);
+    });
     const std::vector<Chord> found = chords(columns);
     for (std::size_t k = 0; k < columns.size() && points.size() < count; ++k) {
       pacer.step(2);
