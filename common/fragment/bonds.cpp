@@ -14,6 +14,7 @@ std::vector<Bond> find_bonds(const RestrictedDiagram& d, const Pieces& pieces,
     bool reversed;  // the cap's normal leads from b to a
   };
   std::vector<Contact> contacts;
+  contacts.reserve(d.caps.regions.size());
   for (std::uint32_t r = 0; r < d.caps.regions.size(); ++r) {
     pacer.step();
     const std::uint32_t p = pieces.piece_of_cap[2 * r], q = pieces.piece_of_cap[2 * r + 1];
@@ -31,14 +32,22 @@ std::vector<Bond> find_bonds(const RestrictedDiagram& d, const Pieces& pieces,
   if (!std::is_sorted(contacts.begin(), contacts.end(), before))
     sort_with_polls(execution, contacts.begin(), contacts.end(), before);
 
-  std::vector<Bond> bonds;
-  for (std::size_t k = 0; k < contacts.size();) {
-    Bond bond{contacts[k].a, contacts[k].b, 0, {}, {}};
+  // The contacts of two groups follow one another; each such run is a bond.
+  std::vector<std::size_t> begin;
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    pacer.step();
+    if (k == 0 || contacts[k].a != contacts[k - 1].a || contacts[k].b != contacts[k - 1].b)
+      begin.push_back(k);
+  }
+  std::vector<Bond> bonds(begin.size());
+  begin.push_back(contacts.size());
+  const bool rough = d.positions.are_rough();
+  const auto measured = [&](std::size_t first, std::size_t last, Pacer& own_pacer) {
+    Bond bond{contacts[first].a, contacts[first].b, 0, {}, {}};
     Vec3d normal, moment;
-    const bool rough = d.positions.are_rough();
-    for (; k < contacts.size() && contacts[k].a == bond.a && contacts[k].b == bond.b; ++k) {
+    for (std::size_t k = first; k < last; ++k) {
       const CapRegion& r = d.caps.regions[contacts[k].region];
-      pacer.step(2 * r.triangle_count);
+      own_pacer.step(2 * r.triangle_count);
       const Vec3d across = rough ? d.diagram.facet_normal(r.lo, r.hi) : Vec3d{};
       for (std::uint32_t t = r.first_triangle; t < r.first_triangle + r.triangle_count; ++t) {
         const auto& v = d.caps.triangles[t];
@@ -50,12 +59,17 @@ std::vector<Bond> find_bonds(const RestrictedDiagram& d, const Pieces& pieces,
         moment = moment + (area / 3) * (a + b + c);
       }
     }
-    if (!(bond.area > 0)) continue;
+    if (!(bond.area > 0)) return bond;
     bond.centroid = (1 / bond.area) * moment;
     const double l = length(normal);
     bond.normal = l > 0 ? (1 / l) * normal : Vec3d{0, 0, 1};
-    bonds.push_back(bond);
-  }
+    return bond;
+  };
+  parallel_for(execution, bonds.size(), 128, [&](std::size_t first, std::size_t last) {
+    Pacer own_pacer(execution);
+    for (std::size_t k = first; k < last; ++k) bonds[k] = measured(begin[k], begin[k + 1], own_pacer);
+  });
+  std::erase_if(bonds, [](const Bond& bond) { return !(bond.area > 0); });
   return bonds;
 }
 

@@ -167,7 +167,8 @@ std::vector<bool> assemble_groups(Assembly& assembly, const SizeLimits& limits,
 std::vector<std::uint32_t> take_fragments(Assembly& assembly, const std::vector<bool>& dropped,
                                           FragmentSet& out) {
   const std::size_t n = assembly.pieces.pieces.size();
-  out.fragments.reserve(n);
+  std::vector<Fragment>& fragments = assembly.fragments;
+  std::uint32_t count = 0;
   std::vector<std::uint32_t> fragment_of_piece(n, kNoIndex);
   std::unordered_set<std::uint64_t> ids;  // only asked for membership
   ids.reserve(n);                         // to move a million of them into a larger table takes a while
@@ -180,14 +181,17 @@ std::vector<std::uint32_t> take_fragments(Assembly& assembly, const std::vector<
       fragment_of_piece[g] = fragment_of_piece[name];
       continue;
     }
-    fragment_of_piece[g] = static_cast<std::uint32_t>(out.fragments.size());
-    Fragment& f = assembly.fragments[g];
+    fragment_of_piece[g] = count;
+    if (count != g) fragments[count] = std::move(fragments[g]);
+    Fragment& f = fragments[count++];
     f.id = fragment_id(assembly.d.diagram, f, assembly.pieces.pieces[g].island, assembly.execution);
     while (!ids.insert(f.id).second) f.id = (f.id + 1) & ((1ull << 53) - 1);
     out.certificate.volume_out += f.mass.volume;
     out.certificate.volume_file += assembly.volumes[g].volume;
-    out.fragments.push_back(std::move(f));
   }
+  fragments.resize(count);
+  fragments.shrink_to_fit();
+  out.fragments = std::move(fragments);
   clear_nodes(pacer, ids);
   return fragment_of_piece;
 }

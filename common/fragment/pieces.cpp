@@ -60,6 +60,27 @@ double signed_volume(const RestrictedDiagram& d, const Face* faces, std::size_t 
   return six / 6;
 }
 
+namespace {
+
+/// Notes that the caps among the faces are those of this piece. Each side of a region is of one owner.
+void note_caps(const std::vector<Face>& faces, std::uint32_t piece,
+               std::vector<std::uint32_t>& piece_of_cap) {
+  FaceSource last = kNoIndex;  // the faces of one region follow one another
+  for (const Face& f : faces) {
+    if (!is_cap(f.source) || f.source == last) continue;
+    last = f.source;
+    // Uniting two pieces takes a region away as a whole: a region of several pieces would leave them open.
+    std::uint32_t& of_cap = piece_of_cap[f.source & ~kCapFace];
+    if (of_cap != kNoIndex && of_cap != piece)
+      throw InternalError("region " + std::to_string(cap_region(f.source)) +
+                          " of the caps is part of pieces " + std::to_string(of_cap) + " and " +
+                          std::to_string(piece));
+    of_cap = piece;
+  }
+}
+
+}  // namespace
+
 Pieces gather_pieces(const RestrictedDiagram& d, const Ownership& ownership, const Execution& execution) {
   const OwnedFaces surface = divide_surface(d, ownership, execution);
   const std::size_t owners = ownership.sites_of_owner.size();
@@ -104,36 +125,28 @@ Pieces gather_pieces(const RestrictedDiagram& d, const Ownership& ownership, con
     }
   });
 
+  // Each owner's follow those of the one before.
+  std::vector<std::size_t> begin(owners + 1, 0);
+  for (std::size_t o = 0; o < owners; ++o) begin[o + 1] = begin[o] + found[o].size();
   Pieces out;
-  std::size_t count = 0;
-  for (const std::vector<Component>& of_owner : found) count += of_owner.size();
-  out.pieces.reserve(count);
+  resize_with_polls(execution, out.pieces, begin[owners]);
   out.piece_of_cap.assign(2 * d.caps.regions.size(), kNoIndex);
-  for (std::uint32_t o = 0; o < owners; ++o) {
-    pacer.step();
-    std::uint32_t island = 0, last_part = kNoIndex;
-    for (Component& c : found[o]) {
-      pacer.step(8 + c.faces.size());
-      island = c.part == last_part ? island + 1 : 0;
-      last_part = c.part;
-      const auto piece = static_cast<std::uint32_t>(out.pieces.size());
-      FaceSource last = kNoIndex;  // the faces of one region follow one another
-      for (const Face& f : c.faces) {
-        if (!is_cap(f.source) || f.source == last) continue;
-        last = f.source;
-        // Uniting two pieces takes a region away as a whole: a region of several pieces would leave them
-        // open.
-        std::uint32_t& of_cap = out.piece_of_cap[f.source & ~kCapFace];
-        if (of_cap != kNoIndex && of_cap != piece)
-          throw InternalError("region " + std::to_string(cap_region(f.source)) +
-                              " of the caps is part of pieces " + std::to_string(of_cap) + " and " +
-                              std::to_string(piece));
-        of_cap = piece;
+  parallel_for(execution, owners, kBlock, [&](std::size_t first, std::size_t last) {
+    Pacer own_pacer(execution);
+    for (std::size_t o = first; o < last; ++o) {
+      std::uint32_t island = 0, last_part = kNoIndex;
+      for (std::size_t n = 0; n < found[o].size(); ++n) {
+        Component& c = found[o][n];
+        own_pacer.step(8 + c.faces.size());
+        island = c.part == last_part ? island + 1 : 0;
+        last_part = c.part;
+        note_caps(c.faces, static_cast<std::uint32_t>(begin[o] + n), out.piece_of_cap);
+        out.pieces[begin[o] + n] = {
+            {static_cast<std::uint32_t>(o)}, c.part, island, std::move(c.faces), std::move(c.bodies)};
       }
-      out.pieces.push_back({{o}, c.part, island, std::move(c.faces), std::move(c.bodies)});
+      std::vector<Component>().swap(found[o]);
     }
-  }
-  clear_with_polls(execution, found);
+  });
   clear_with_polls(execution, polygons);
   return out;
 }
