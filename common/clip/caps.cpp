@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "common/base/pacer.hpp"
 #include "common/base/stamped_map.hpp"
@@ -13,9 +14,14 @@ namespace fracture {
 namespace {
 
 /// The boundary pieces of all facets, by facet: a facet is (lo, hi, part).
-std::vector<CapSegment> gather_segments(const Solid& solid, const VoronoiDiagram& diagram,
-                                        const SurfaceCuts& cuts, const Winding& winding,
-                                        const Execution& execution, const std::vector<char>* wanted) {
+struct FacetSegments {
+  std::vector<CapSegment> all;
+  std::vector<std::uint32_t> begin;  ///< per facet, and the end of the last one
+};
+
+FacetSegments gather_segments(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
+                              const Winding& winding, const Execution& execution,
+                              const std::vector<char>* wanted) {
   // Counting sort by lo, then a stable sort of each cell's few facets: the order inside a facet is that of
   // gathering.
   const std::uint32_t sites = diagram.dual().site_count();
@@ -56,7 +62,8 @@ std::vector<CapSegment> gather_segments(const Solid& solid, const VoronoiDiagram
   each([&](const CapSegment& s) { sorted[next[s.lo]++] = s; });
   const WorkBlocks blocks(execution, sites, 400'000,
                           [&](std::size_t s) { return 10 + 50 * (begin[s + 1] - begin[s]); });
-  parallel_for_blocks(execution, blocks, [&](std::size_t, std::size_t first, std::size_t last) {
+  std::vector<std::vector<std::uint32_t>> facets(blocks.count());
+  parallel_for_blocks(execution, blocks, [&](std::size_t block, std::size_t first, std::size_t last) {
     Pacer own_pacer(execution);
     struct Place {
       std::uint64_t facet;
@@ -73,10 +80,19 @@ std::vector<CapSegment> gather_segments(const Solid& solid, const VoronoiDiagram
         order.push_back({static_cast<std::uint64_t>(sorted[from + k].hi) << 32 | sorted[from + k].part, k});
       sort_with_polls(execution, order.begin(), order.end());
       of_cell.assign(sorted.begin() + from, sorted.begin() + from + count);
-      for (std::uint32_t k = 0; k < count; ++k) sorted[from + k] = of_cell[order[k].from];
+      for (std::uint32_t k = 0; k < count; ++k) {
+        sorted[from + k] = of_cell[order[k].from];
+        if (k == 0 || order[k].facet != order[k - 1].facet) facets[block].push_back(from + k);
+      }
     }
   });
-  return sorted;
+  FacetSegments out{std::move(sorted), {}};
+  for (const std::vector<std::uint32_t>& of_block : facets) {
+    pacer.step(of_block.size());
+    out.begin.insert(out.begin.end(), of_block.begin(), of_block.end());
+  }
+  out.begin.push_back(static_cast<std::uint32_t>(count));
+  return out;
 }
 
 /// Builds the caps of one facet after the other; keeps its buffers between them.
@@ -222,25 +238,14 @@ class FacetBuilder {
 /// The two sides of a region have 31 bits of a face's source.
 constexpr std::size_t kMostRegions = std::size_t{1} << 30;
 
-bool same_facet(const CapSegment& a, const CapSegment& b) {
-  return a.lo == b.lo && a.hi == b.hi && a.part == b.part;
-}
-
 }  // namespace
 
 Caps build_caps(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
                 const Winding& winding, const VertexPositions& positions, const Execution& execution,
                 const std::vector<char>* wanted) {
-  const std::vector<CapSegment> segments = gather_segments(solid, diagram, cuts, winding, execution, wanted);
-  Pacer pacer(execution);
-  std::vector<std::uint32_t> facet_begin;
-  for (std::uint32_t s = 0; s < segments.size(); ++s) {
-    pacer.step();
-    if (s == 0 || !same_facet(segments[s - 1], segments[s])) facet_begin.push_back(s);
-  }
-  const std::size_t facets = facet_begin.size();
-  facet_begin.push_back(static_cast<std::uint32_t>(segments.size()));
-
+  const FacetSegments segments = gather_segments(solid, diagram, cuts, winding, execution, wanted);
+  const std::vector<std::uint32_t>& facet_begin = segments.begin;
+  const std::size_t facets = facet_begin.size() - 1;
   const WorkBlocks blocks(execution, facets, 200'000, [&](std::size_t f) {
     return 200 + 100 * static_cast<std::uint64_t>(facet_begin[f + 1] - facet_begin[f]);
   });
@@ -248,10 +253,11 @@ Caps build_caps(const Solid& solid, const VoronoiDiagram& diagram, const Surface
   parallel_for_blocks(execution, blocks, [&](std::size_t block, std::size_t begin, std::size_t end) {
     FacetBuilder builder(diagram, positions, execution, found[block]);
     for (std::size_t f = begin; f < end; ++f)
-      builder.build(segments.data() + facet_begin[f], segments.data() + facet_begin[f + 1]);
+      builder.build(segments.all.data() + facet_begin[f], segments.all.data() + facet_begin[f + 1]);
     builder.count_all_triangles();
   });
 
+  Pacer pacer(execution);
   Caps out;
   std::size_t regions = 0, triangles = 0;
   for (const Caps& block : found) {
@@ -282,10 +288,9 @@ void begin_at_coinciding_corners(const VertexPositions& positions, Caps& caps, c
   const auto at = [&](CutVertexId v) -> const auto& {
     return positions.steps[v - positions.first_constructed];
   };
-  Pacer pacer(execution);
-  pacer.each(0, caps.triangles.size(), [&](std::size_t k) {
-    auto& t = caps.triangles[k];
-    if (at(t[1]) == at(t[2])) t = {t[1], t[2], t[0]};
+  parallel_for(execution, caps.triangles.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k)
+      if (auto& t = caps.triangles[k]; at(t[1]) == at(t[2])) t = {t[1], t[2], t[0]};
   });
 }
 
