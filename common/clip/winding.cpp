@@ -245,7 +245,7 @@ class WindingTraversal {
   // -- the intervals with w != 0
 
   void emit_intervals() {
-    constexpr std::size_t kTetsPerBlock = 2048;
+    constexpr std::size_t kTetsPerBlock = 256;
     std::vector<std::vector<CapSegment>> found((tets_.size() + kTetsPerBlock - 1) / kTetsPerBlock);
     parallel_for(execution_, tets_.size(), kTetsPerBlock, [&](std::size_t begin, std::size_t end) {
       Pacer pacer(execution_);
