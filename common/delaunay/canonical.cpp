@@ -59,28 +59,34 @@ std::vector<TetId> canonicalize(Tetrahedralization& t, const Execution& executio
     entries[next[v[0]]++] = {{v[1], v[2], v[3]}, i};
   }
   std::vector<TetId> new_id(count);
-  for (std::size_t s = 0; s < t.points.size(); ++s) {
-    pacer.step(8 * (begin[s + 1] - begin[s]));
-    sort_with_polls(execution, entries.begin() + begin[s], entries.begin() + begin[s + 1],
-                    [](const Entry& a, const Entry& b) { return a.rest < b.rest; });
-    for (std::uint32_t k = begin[s]; k < begin[s + 1]; ++k) new_id[entries[k].tet] = TetId{k};
-  }
+  parallel_for(execution, t.points.size(), 64, [&](std::size_t first, std::size_t last) {
+    Pacer own_pacer(execution);
+    for (std::size_t s = first; s < last; ++s) {
+      own_pacer.step(8 * (begin[s + 1] - begin[s]));
+      sort_with_polls(execution, entries.begin() + begin[s], entries.begin() + begin[s + 1],
+                      [](const Entry& a, const Entry& b) { return a.rest < b.rest; });
+      for (std::uint32_t k = begin[s]; k < begin[s + 1]; ++k) new_id[entries[k].tet] = TetId{k};
+    }
+  });
   std::vector<Entry>().swap(entries);
   // In the order of before, in which neighbours are near each other: what is read is at hand, and only what is
   // written lies anywhere.
   std::vector<Tetrahedron> tets;
   resize_with_polls(execution, tets, count);
-  std::fill(t.tet_of_site.begin(), t.tet_of_site.end(), kNoTet);
-  for (const TetId old : ids<TetId>(count)) {
-    pacer.step(2);
-    const TetId now = new_id[old];
-    Tetrahedron tet = t.tets[old];
-    for (TetId& n : tet.n)
-      if (n != kNoTet) n = new_id[n];
-    for (const SiteId s : tet.v) t.tet_of_site[s] = std::min(t.tet_of_site[s], now);
-    tets[now] = tet;
-  }
+  parallel_for(execution, count, 2048, [&](std::size_t first, std::size_t last) {
+    for (const TetId old : ids<TetId>(first, last)) {
+      Tetrahedron& tet = tets[new_id[old]];
+      tet = t.tets[old];
+      for (TetId& n : tet.n)
+        if (n != kNoTet) n = new_id[n];
+    }
+  });
   t.tets = std::move(tets);
+  std::fill(t.tet_of_site.begin(), t.tet_of_site.end(), kNoTet);
+  for (std::size_t k = count; k-- > 0;) {  // so that the first tetrahedron of each site stays
+    pacer.step();
+    for (const SiteId s : t.tets[k].v) t.tet_of_site[s] = TetId{k};
+  }
   return new_id;
 }
 
