@@ -64,31 +64,36 @@ ColumnSampler::ColumnSampler(const Solid& solid, std::uint64_t seed, const Execu
 
 void ColumnSampler::choose_axis() {
   const Solid& solid = solid_;
-  // The axis along which most candidates are kept: least (projected area × width).
-  Pacer pacer(execution_);
+  // The axis along which most candidates are kept: least (projected area × width). Normals are found on all threads,
+  // some at a time, and added up in the order of the triangles.
+  const std::size_t triangles = solid.triangles.size(), some = std::min(triangles, 16 * kAtOnce);
+  std::vector<Vec3d> normals(some);
+  const auto each_normal = [&](const auto& visit) {
+    for (std::size_t first = 0; first < triangles; first += some) {
+      const std::size_t count = std::min(some, triangles - first);
+      parallel_for(execution_, count, kAtOnce, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+          const auto& c = solid.triangles[first + k];
+          const Vec3d a = to_double(solid.positions[c[0]]);
+          normals[k] = cross(to_double(solid.positions[c[1]]) - a, to_double(solid.positions[c[2]]) - a);
+        }
+      });
+      for (std::size_t k = 0; k < count; ++k) visit(first + k, normals[k]);
+    }
+  };
   std::array<double, 3> area{};
-  for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
-    pacer.step();
-    const auto& c = solid.triangles[t];
-    const Vec3d a = to_double(solid.positions[c[0]]);
-    const Vec3d n = cross(to_double(solid.positions[c[1]]) - a, to_double(solid.positions[c[2]]) - a);
+  each_normal([&](std::size_t, const Vec3d& n) {
     for (int k = 0; k < 3; ++k) area[k] += n[k] < 0 ? -0.5 * n[k] : 0;
-  }
+  });
   const Vec3d size = solid.box.size();
   for (int k = 1; k < 3; ++k)
     if (area[k] * size[k] < area[axis_] * size[axis_]) axis_ = k;
-  entry_area_.resize(solid.triangles.size());
-  const Frame f = frame_of(axis_);
+  resize_with_polls(execution_, entry_area_, triangles);
   double sum = 0;
-  for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
-    pacer.step();
-    const auto& c = solid.triangles[t];
-    const Vec3d a = to_double(solid.positions[c[0]]), b = to_double(solid.positions[c[1]]) - a,
-                d = to_double(solid.positions[c[2]]) - a;
-    const double n = b[f.u] * d[f.v] - b[f.v] * d[f.u];  // of the normal, along the axis
-    if (n < 0) sum -= n;
+  each_normal([&](std::size_t t, const Vec3d& n) {
+    if (n[axis_] < 0) sum -= n[axis_];
     entry_area_[t] = sum;
-  }
+  });
 
   cap_ = size[axis_];
   if (solid.report.volume >= area[axis_] * size[axis_] / 64) return;
