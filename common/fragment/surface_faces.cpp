@@ -137,21 +137,20 @@ OwnedFaces divide_surface(const RestrictedDiagram& d, const Ownership& ownership
   const auto owners = static_cast<std::uint32_t>(ownership.sites_of_owner.size());
 
   // The faces of triangles that several owners share, by input triangle; all other triangles stay whole.
-  Pacer pacer(execution);
   std::vector<std::uint32_t> whole(count);  // per triangle: its only owner, or kNoIndex
-  std::vector<CutTriangle> cut;
-  std::size_t p = 0;
-  for (std::uint32_t t = 0; t < count; ++t) {
-    pacer.step();
-    if (p == polygons.size() || polygons[p].triangle != t) {  // not cut
+  parallel_for(execution, count, 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) {
       const std::uint32_t o = ownership.owner_of_site[d.cuts.label[d.solid.triangles[t][0]]];
       whole[t] = ownership.wanted.empty() || ownership.wanted[o] ? o : kNoIndex;
-      continue;
     }
+  });
+  Pacer pacer(execution);
+  std::vector<CutTriangle> cut;
+  for (std::size_t p = 0; p < polygons.size();) {
     const std::size_t first = p;
-    while (p < polygons.size() && polygons[p].triangle == t) ++p;
+    while (p < polygons.size() && polygons[p].triangle == polygons[first].triangle) ++p;
     pacer.step(p - first);
-    cut.push_back({t, first, p});
+    cut.push_back({polygons[first].triangle, first, p});
   }
   const WorkBlocks blocks(execution, cut.size(), 400'000,
                           [&](std::size_t k) { return 100 * (cut[k].last - cut[k].first); });
