@@ -37,7 +37,7 @@ struct CutLook {
 /// sees cost as much as others.
 inline constexpr double kLeastOfMean = 0.002;
 
-/// Things of glass and pottery are hollow, their meshes are not. What holds a ball of this diameter, as a fraction of
+/// Things of glass, pottery and sheet metal are hollow, their meshes are not. What holds a ball of this diameter, as a fraction of
 /// its longest side, is such a thing; panes, rods and legs are not.
 inline constexpr double kLeastBall = 0.2;
 

@@ -53,7 +53,7 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
        .high = 0.5,
        .doc =
            "The same as a fraction of the longest side of each part's box. 0 without shell: nothing becomes hollow. "
-           "Glass, ceramic and terracotta have it by default."},
+           "Glass, ceramic, terracotta and metal have it by default."},
       [](auto& r) -> auto& { return r.hollow.fraction; });
   fraction.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     r.hollow.fraction = std::get<double>(value);

@@ -16,7 +16,7 @@
 // Of a solid of several parts each breaks as its shape has it, with cells of its own (a frame of the map): a plate around
 // an axis, a body around a point, and a rod across, into lengths, where these are no slices.
 //
-// Where it was hit, brittle and weak things (ice) are crushed: there sites lie as those of an impact do, in the place of
+// Where it was hit, brittle and weak things are crushed (`crushed`): there sites lie as those of an impact do, in the place of
 // the innermost rings.
 #include <algorithm>
 #include <cmath>
