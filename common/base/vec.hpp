@@ -53,28 +53,24 @@ struct Box {
   Vec3d min{HUGE_VAL, HUGE_VAL, HUGE_VAL}, max{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
 
   bool empty() const { return !(min.x <= max.x); }
-  void add(const Vec3d& p) {
-    for (int a = 0; a < 3; ++a) {
-      min[a] = p[a] < min[a] ? p[a] : min[a];
-      max[a] = p[a] > max[a] ? p[a] : max[a];
-    }
-  }
-  void add(const Box& b) {  // an empty one changes nothing
-    for (int a = 0; a < 3; ++a) {
-      min[a] = b.min[a] < min[a] ? b.min[a] : min[a];
-      max[a] = b.max[a] > max[a] ? b.max[a] : max[a];
-    }
-  }
+  void add(const Vec3d& p) { add(p, p); }
+  void add(const Box& b) { add(b.min, b.max); }  // an empty one changes nothing
   Vec3d size() const { return empty() ? Vec3d{} : max - min; }
   Vec3d center() const { return 0.5 * (min + max); }
   double longest_side() const {
     const Vec3d s = size();
     return std::fmax(s.x, std::fmax(s.y, s.z));
   }
+  /// Without branches: which side parts two boxes is not to be foreseen.
   bool intersects(const Box& b) const {
-    for (int a = 0; a < 3; ++a)
-      if (b.max[a] < min[a] || b.min[a] > max[a]) return false;
-    return true;
+    return (b.max.x >= min.x) & (b.min.x <= max.x) & (b.max.y >= min.y) & (b.min.y <= max.y) &
+           (b.max.z >= min.z) & (b.min.z <= max.z);
+  }
+
+ private:
+  void add(const Vec3d& low, const Vec3d& high) {
+    min = {low.x < min.x ? low.x : min.x, low.y < min.y ? low.y : min.y, low.z < min.z ? low.z : min.z};
+    max = {high.x > max.x ? high.x : max.x, high.y > max.y ? high.y : max.y, high.z > max.z ? high.z : max.z};
   }
 };
 

@@ -18,12 +18,12 @@ namespace fracture {
 
 /// Square of the distance from p to the box; 0 inside.
 inline double square_distance(const Box& box, const Vec3d& p) {
-  double sum = 0;
-  for (int a = 0; a < 3; ++a) {
-    const double beyond = p[a] < box.min[a] ? box.min[a] - p[a] : p[a] > box.max[a] ? p[a] - box.max[a] : 0;
-    sum += beyond * beyond;
-  }
-  return sum;
+  const auto beyond = [](double low, double high, double x) {
+    return x < low ? low - x : x > high ? x - high : 0;
+  };
+  const double x = beyond(box.min.x, box.max.x, p.x), y = beyond(box.min.y, box.max.y, p.y),
+               z = beyond(box.min.z, box.max.z, p.z);
+  return x * x + y * y + z * z;
 }
 
 class BoxTree {

@@ -125,11 +125,12 @@ class ComponentFinder {
     // Most vertices of a cell stand in several of its faces: of the first cells, each is noted once.
     const std::vector<SiteId>& cells = ownership_.sites_of_owner[share.owner];
     std::vector<std::uint64_t> noted(sets_.size(), 0);  // a bit for each of these cells
-    const auto add = [&](SiteId cell, CutVertexId v) {
+    const auto number_of = [&](SiteId cell) {
+      return static_cast<std::size_t>(std::lower_bound(cells.begin(), cells.end(), cell) - cells.begin());
+    };
+    const auto add = [&](SiteId cell, std::size_t number, CutVertexId v) {
       pacer_.step();
       const std::uint32_t local = local_.slot(v);
-      const auto number =
-          static_cast<std::size_t>(std::lower_bound(cells.begin(), cells.end(), cell) - cells.begin());
       if (number < 64) {
         const std::uint64_t bit = std::uint64_t{1} << number;
         if (noted[local] & bit) return;
@@ -142,19 +143,21 @@ class ComponentFinder {
       for (const Face& f : c.faces)
         if (!is_cap(f.source))
           for (const CutVertexId v : f.v)
-            if (v < d_.cuts.first_b()) add(d_.cuts.label[v], v);
+            if (v < d_.cuts.first_b()) add(d_.cuts.label[v], number_of(d_.cuts.label[v]), v);
     for (const FaceSource source : share.caps) {
       const CapRegion& r = d_.caps.regions[cap_region(source)];
       for (const SiteId cell : {r.lo, r.hi}) {
         if (ownership_.owner_of_site[cell] != share.owner) continue;
+        const std::size_t number = number_of(cell);
         for (std::uint32_t k = 0; k < r.triangle_count; ++k)
-          for (const CutVertexId v : d_.caps.triangles[r.first_triangle + k]) add(cell, v);
+          for (const CutVertexId v : d_.caps.triangles[r.first_triangle + k]) add(cell, number, v);
       }
     }
     for (const std::uint32_t p : share.polygons) {
       const CutPolygon& polygon = d_.cuts.polygons[p];
+      const std::size_t number = number_of(polygon.cell);
       for (std::uint32_t k = 0; k < polygon.count; ++k)
-        add(polygon.cell, d_.cuts.vertices[polygon.first + k]);
+        add(polygon.cell, number, d_.cuts.vertices[polygon.first + k]);
     }
     sort_with_polls(execution_, shares.begin(), shares.end());
     shares.erase(std::unique(shares.begin(), shares.end()), shares.end());
