@@ -84,7 +84,7 @@ Expected<SitePlan> plan_enough_sites(const SeenSolid& solid, const FractureParam
     if (count > kMostSamples || count * plan->points.size() > kMostDistances) break;
     if (samples.empty())
       samples =
-          sites_detail::ColumnSampler(solid.seen(), 0, execution).sample(static_cast<std::uint32_t>(count));
+          sites_detail::ColumnSampler(solid.seen(), 0, execution).spread(static_cast<std::uint32_t>(count));
     if (changed) met = groups_met(samples, *plan, execution);
     if (met >= wanted) break;
     // Divisions are whole numbers: a plan for more may be the same or meet less, and only the one after it more.

@@ -83,6 +83,22 @@ TEST(LargeInputs, ThinTrianglesHaveTheirShareOfThePoints) {
   }
 }
 
+TEST(LargeInputs, SpreadPointsAreEvenInThinWallsAndCostLittle) {
+  // A hollow cube and one twice as large.
+  const Mesh small = joined({cube(), reversed(scaled(cube(), {0.96, 0.96, 0.96}))});
+  const Solid solid = solid_of(joined({small, translated(scaled(small, {2, 2, 2}), {3, 0, 0})}));
+  sites_detail::ColumnSampler spread(solid, 0, kAlone), sampled(solid, 0, kAlone);
+  const std::vector<Vec3d> points = spread.spread(900);
+  ASSERT_NEAR(static_cast<double>(points.size()), 900, 1);
+  int in_small = 0;
+  for (const Vec3d& p : points) in_small += p.x < 1;
+  EXPECT_NEAR(in_small, 100, 30);  // 1 to 8 by volume
+  const std::vector<bool> inside = sites_detail::ColumnSampler(solid, 0, kAlone).inside(points);
+  EXPECT_EQ(std::count(inside.begin(), inside.end(), false), 0);
+  EXPECT_EQ(sampled.sample(900).size(), 900u);
+  EXPECT_LT(4 * spread.comparisons(), sampled.comparisons());
+}
+
 // A thousand boxes, one around the other: columns cross them all, and as many columns as a plain surface
 // allows would hold hundreds of times as many crossings.
 TEST(LargeInputs, ManyLayersAreLookedThroughInSmallBatches) {
