@@ -52,7 +52,9 @@ namespace fracture {
 ///                 stick out
 /// 18  2026-11-27  metal is sheet, ice breaks in blocks, glass in longer shards and thinner walls; what has no material
 ///                 is made of the one that is asked for
-inline constexpr int kAlgorithmVersion = 18;
+/// 19  2026-11-27  rough cuts of longer edges, flat across thin walls; inner sides of walls have as many triangles as they
+///                 bend
+inline constexpr int kAlgorithmVersion = 19;
 
 enum class Dual {
   kCircumcenter,  ///< the Voronoi diagram: fragments partition the solid exactly

@@ -11,38 +11,6 @@
 namespace fracture {
 namespace {
 
-using Corners = std::array<Vec3d, 3>;
-
-double height(const PlaneTriangle& t, const Vec3d& p) { return dot(t.normal, p - t.corners[0]); }
-
-/// Are there corners on both sides of the plane of t?
-bool is_parted(const PlaneTriangle& t, const Corners& corners, double tolerance) {
-  const double a = height(t, corners[0]), b = height(t, corners[1]), c = height(t, corners[2]);
-  return (a > tolerance || b > tolerance || c > tolerance) &&
-         (a < -tolerance || b < -tolerance || c < -tolerance);
-}
-
-/// x in the plane: farther than the tolerance inside all sides?
-bool contains(const PlaneTriangle& t, const Vec3d& x, double tolerance) {
-  for (std::size_t k = 0; k < 3; ++k) {
-    const Vec3d side = t.corners[(k + 1) % 3] - t.corners[k];
-    if (!(dot(t.normal, cross(side, x - t.corners[k])) > tolerance * length(side))) return false;
-  }
-  return true;
-}
-
-bool edges_pierce(const PlaneTriangle& s, const PlaneTriangle& t, double tolerance) {
-  std::array<double, 3> h{};
-  for (std::size_t k = 0; k < 3; ++k) h[k] = height(t, s.corners[k]);
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double p = h[k], q = h[(k + 1) % 3];
-    if (!((p > tolerance && q < -tolerance) || (p < -tolerance && q > tolerance))) continue;
-    const Vec3d& from = s.corners[k];
-    if (contains(t, from + (p / (p - q)) * (s.corners[(k + 1) % 3] - from), tolerance)) return true;
-  }
-  return false;
-}
-
 std::vector<std::uint32_t> numbers_of(const std::vector<char>& flags) {
   std::vector<std::uint32_t> numbers;
   for (std::uint32_t k = 0; k < flags.size(); ++k)
@@ -78,17 +46,6 @@ class PairCount {
 };
 
 }  // namespace
-
-PlaneTriangle::PlaneTriangle(const Corners& t) : corners(t), normal(cross(t[1] - t[0], t[2] - t[0])) {
-  const double l = length(normal);
-  normal = l > 0 ? (1 / l) * normal : Vec3d{};
-}
-
-bool cross_each_other(const PlaneTriangle& s, const PlaneTriangle& t, double tolerance) {
-  // Where one lies on one side of the other's plane, nothing is pierced.
-  if (!is_parted(t, s.corners, tolerance) || !is_parted(s, t.corners, tolerance)) return false;
-  return edges_pierce(s, t, tolerance) || edges_pierce(t, s, tolerance);
-}
 
 Crossings::Crossings(const CapSurface& caps, const SurfaceTree& outside, double tolerance,
                      const Execution& execution)
@@ -197,6 +154,14 @@ std::optional<std::uint64_t> Crossings::find(const std::vector<char>& suspects, 
     changed.push_back(k);
   }
   if (looked_) tree_.refit(boxes_, execution);
+  // Where only few can be a pair's moved one these ask the tree, one by one; else it is walked against itself.
+  std::vector<char> asks(n, 0);
+  std::size_t asking = 0;
+  for (const std::uint32_t k : changed) {
+    asks[k] = is_moved(k) || looked_;
+    asking += asks[k];
+  }
+  const bool one_by_one = asking < n / kFewMoved;
 
   std::atomic<std::uint64_t> count{0}, pairs{pairs_};
   const std::uint64_t most = kMostPairs * n;
@@ -211,9 +176,9 @@ std::optional<std::uint64_t> Crossings::find(const std::vector<char>& suspects, 
     if (named->size() < kMostNamed) named->push_back({seen_[i], seen_[j]});
   };
   const auto look = [&](std::uint32_t i, std::uint32_t j, PairCount& budget) {
-    if (budget.one_more() && pair_crosses(i, j)) mark(i, j);
+    if ((asks[i] || asks[j]) && budget.one_more() && pair_crosses(i, j)) mark(i, j);
   };
-  if (!looked_) {
+  if (!one_by_one) {
     const std::vector<BoxTree::Task> tasks = tree_.pair_tasks(1024);
     parallel_for(execution, tasks.size(), 16, [&](std::size_t begin, std::size_t end) {
       PairCount budget(pairs, most, execution);
@@ -227,10 +192,10 @@ std::optional<std::uint64_t> Crossings::find(const std::vector<char>& suspects, 
     for (std::size_t c = begin, next = begin; c < end && pairs.load(std::memory_order_relaxed) <= most;
          c = next) {
       for (; next < end && region_[changed[next]] == region_[changed[c]]; ++next) {
-        if (!looked_) continue;
         const std::uint32_t k = changed[next];
+        if (!one_by_one || !asks[k]) continue;
         tree_.each_overlapping(boxes_[k], [&](std::uint32_t other) {
-          if (other != k && (!suspects[seen_[other]] || k < other)) look(k, other, budget);
+          if (other != k && (!asks[other] || k < other)) look(k, other, budget);
         });
       }
       each_leaving({changed.data() + c, next - c}, beside, [&](std::uint32_t k) { mark(k, k); });

@@ -12,6 +12,7 @@
 
 #include "common/base/execution.hpp"
 #include "common/bvh/surface_tree.hpp"
+#include "common/bvh/triangle_crossing.hpp"
 #include "common/clip/caps.hpp"
 
 namespace fracture {
@@ -36,13 +37,6 @@ struct CapSurface {
 /// Indices of two triangles that cross, or of one, twice, that does not lie as it should: for other reasons than
 /// another.
 using CrossingPair = std::array<std::uint32_t, 2>;
-
-/// A triangle with its plane.
-struct PlaneTriangle {
-  std::array<Vec3d, 3> corners;
-  Vec3d normal;  ///< unit; zero where the triangle is flat: then every height is 0
-  explicit PlaneTriangle(const std::array<Vec3d, 3>& t);
-};
 
 /// Keeps references: what the caps are made of may change between two looks.
 class Crossings {
@@ -79,6 +73,7 @@ class Crossings {
   };
   static constexpr std::size_t kFewBeside = 64;       // of which asking each is cheaper than asking the tree
   static constexpr std::size_t kFewOutside = 20'000;  // of which looking for these takes no time to speak of
+  static constexpr std::uint32_t kFewMoved = 4;       // one of so many triangles, at most
   template <class Leaves>
   void each_leaving(std::span<const std::uint32_t> triangles, SurfaceBeside& beside,
                     const Leaves& leaves) const;
@@ -94,8 +89,5 @@ class Crossings {
   bool looked_ = false;
   std::uint64_t pairs_ = 0;
 };
-
-/// Does an edge of one pierce the inside of the other, by more than `tolerance` on all sides?
-bool cross_each_other(const PlaneTriangle& s, const PlaneTriangle& t, double tolerance);
 
 }  // namespace fracture

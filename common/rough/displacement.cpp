@@ -38,8 +38,13 @@ double bound_of_norm(const Matrix3& m) {
 }  // namespace
 
 Displacement::Displacement(double amplitude, double frequency, std::uint32_t octaves, std::uint64_t seed,
-                           const CellMap& map)
-    : amplitude_(amplitude), frequency_(frequency), octaves_(octaves), seed_(seed) {
+                           const CellMap& map, double still)
+    : amplitude_(amplitude),
+      frequency_(frequency),
+      fading_(fading(amplitude)),
+      still_(still),
+      octaves_(octaves),
+      seed_(seed) {
   double sum = 0, share = 1;
   for (std::uint32_t o = 0; o < octaves; ++o, share *= 0.5) sum += share;
   amplitude_ /= sum * kNoiseBound;
@@ -63,20 +68,16 @@ Displacement::Displacement(double amplitude, double frequency, std::uint32_t oct
   }
 }
 
-double Displacement::fading() const {
-  double sum = 0, share = 1;
-  for (std::uint32_t o = 0; o < octaves_; ++o, share *= 0.5) sum += share;
-  return kFade * amplitude_ * sum * kNoiseBound;
-}
+double Displacement::fading(double amplitude) { return kFade * amplitude; }
 
 double Displacement::reach() const {
   double further = 0;
   for (const Grain& grain : grain_) further = std::fmax(further, grain.further);
-  return (1 + further) * fading();
+  return still_ + (1 + further) * fading_;
 }
 
 Vec3d Displacement::at(const Vec3d& p, double surface, std::size_t frame) const {
-  if (surface == 0) return {};
+  if (surface <= still_) return {};
   const Vec3d q = to_waves_[frame] * p;
   Vec3d d;
   double share = 1, frequency = frequency_;
@@ -84,7 +85,7 @@ Vec3d Displacement::at(const Vec3d& p, double surface, std::size_t frame) const 
     d = d + share * gradient_noise(frequency * q, seed_ * kGoldenGamma + o);
   // Along the grain it fades as much farther from the surface as it moves farther.
   const Grain& grain = grain_[frame];
-  const double faded = surface / fading(), across = std::fmin(1, faded),
+  const double faded = (surface - still_) / fading_, across = std::fmin(1, faded),
                along = std::fmin(1 + grain.further, faded);
   d = amplitude_ * (across * d + ((along - across) * dot(grain.direction, d)) * grain.direction);
   const double l = length(d), most = kMostOfDistance * surface;

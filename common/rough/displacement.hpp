@@ -15,9 +15,12 @@ class Displacement {
   /// `amplitude` in metres, `frequency` in waves per metre; `map`: waves are counted in its image (scaled so
   /// that none is shorter than without it). Where cells are longer along a grain points move as many times as far
   /// along it, up to four: what breaks across fibres ends in splinters. In the image, where waves are as long in all
-  /// directions, that is no steeper than without.
+  /// directions, that is no steeper than without. `still` (m): nothing moves that is nearer to the surface.
   Displacement(double amplitude, double frequency, std::uint32_t octaves, std::uint64_t seed,
-               const CellMap& map);
+               const CellMap& map, double still);
+
+  /// Across a grain, movement fades over so many metres.
+  static double fading(double amplitude);
 
   /// The distance to the surface from which on the movement is not faded, m: the most that matters.
   double reach() const;
@@ -25,8 +28,7 @@ class Displacement {
   Vec3d at(const Vec3d& p, double surface, std::size_t frame = 0) const;
 
  private:
-  double fading() const;  ///< across the grain
-  double amplitude_, frequency_;
+  double amplitude_, frequency_, fading_, still_;
   std::uint32_t octaves_;
   std::uint64_t seed_;
   struct Grain {

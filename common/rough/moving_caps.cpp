@@ -171,14 +171,17 @@ void MovingCaps::find_expected() {
 }
 
 /// Triangles that face away from their facet's normal. Those that are no higher than the tolerance have no side:
-/// such a one counts where it faced the right way when it was flat, or is higher now.
-void MovingCaps::add_turned_over(double tolerance, std::vector<char>& bad, std::vector<CrossingPair>* named) {
+/// such a one counts where it faced the right way when it was flat, or is higher now. Only suspects are asked, if there
+/// are any: the others lie as they did.
+void MovingCaps::add_turned_over(double tolerance, const std::vector<char>& suspects, std::vector<char>& bad,
+                                 std::vector<CrossingPair>* named) {
   for (std::size_t r = 0; r < made_regions_; ++r) {
     const std::uint32_t begin = region_begin_[r], end = region_begin_[r + 1];
     pacer_.step(8 + end - begin);
     if (begin == end || !seen_[begin]) continue;
     const Vec3d& u = facets_[r].normal;
     for (std::uint32_t t = begin; t < end; ++t) {
+      if (!suspects.empty() && !suspects[t]) continue;
       const auto corner = [&](const std::vector<Vec3d>& points, std::size_t k) {
         return points[number(caps_.triangles[t][k % 3])];
       };
@@ -285,7 +288,7 @@ MovingCaps::Outcome MovingCaps::calm(const SurfaceTree& outside, bool trace) {
       });
       break;
     }
-    add_turned_over(tolerance, bad, names);
+    add_turned_over(tolerance, suspects, bad, names);
     if (named.size() >= Crossings::kMostNamed) {
       out.complete = false;
       named.clear();

@@ -76,7 +76,8 @@ class MovingCaps {
   void find_expected();
   void sort_calmings(std::vector<Calming>& calmings) const;
   std::vector<SiteId> changed_otherwise();
-  void add_turned_over(double tolerance, std::vector<char>& bad, std::vector<CrossingPair>* named);
+  void add_turned_over(double tolerance, const std::vector<char>& suspects, std::vector<char>& bad,
+                       std::vector<CrossingPair>* named);
   bool calm_round(std::uint32_t round, const std::vector<char>& bad, const std::vector<CrossingPair>& named,
                   std::vector<char>& calmed, Outcome& out);
   void take_away_given();

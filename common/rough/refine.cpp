@@ -55,12 +55,10 @@ class RegionRefiner {
     collar_.clear();
     triangles_.clear();
     fresh_.clear();
+    is_one_ = false;
     local_.next_epoch(positions_.points.size());
     gather_loops(old);
-    if (ring_.empty()) {  // all sides are shared: nothing of it is divided
-      for (const auto& t : old) triangles_.push_back({local(t[0]), local(t[1]), local(t[2])});
-      return;
-    }
+    if (ring_.empty()) return keep(old);  // all sides are shared
     flatten(region);
     const double area = planar_area();
     if (loop_begin_.size() == 2 && plane_.size() <= kLongestSliver && area < kThin * length_ * perimeter()) {
@@ -69,8 +67,12 @@ class RegionRefiner {
     }
     if (area > 0) {
       core_.build(plane_, loop_begin_, length_, area, execution_);
+      if (core_.points().empty() && ring_.size() == boundary_.size()) return keep(old);
       for (const Vec2d& p : core_.points()) fresh_.push_back(origin_ + p.x * across_ + p.y * up_);
-      if (triangulate_with_core()) return;
+      if (triangulate_with_core()) {
+        is_one_ = loop_begin_.size() < 3 && collar_.regions() < 2;
+        return;
+      }
     }
     triangles_.clear();
     fresh_.clear();
@@ -80,12 +82,17 @@ class RegionRefiner {
     }
   }
 
+  /// Nothing of it is divided.
+  void keep(std::span<const std::array<CutVertexId, 3>> old) {
+    for (const auto& t : old) triangles_.push_back({local(t[0]), local(t[1]), local(t[2])});
+  }
+
   // Where loops cross, triangles of opposite sense cancel, and what is left of a region may be several: two
   // loops that only cancelled triangles held together. A region is what one piece and one other piece share
   // (Pieces::piece_of_cap), so each has to be a region of its own.
   void find_components() {
     component_.clear();
-    if (loop_begin_.size() < 3 && collar_.regions() < 2) return;
+    if (is_one_) return;
     joined_ = DisjointSets(ids_.size() + fresh_.size());
     for (const Triangle& t : triangles_) {
       joined_.unite(t[0], t[1]);
@@ -320,6 +327,7 @@ class RegionRefiner {
   std::vector<CutVertexId> ids_;
   std::vector<Vec3d> fresh_;
   std::vector<Triangle> triangles_;
+  bool is_one_ = false;  // for sure, without looking
   DisjointSets joined_;
   std::vector<std::uint32_t> number_, component_;
 };

@@ -17,6 +17,9 @@ namespace {
 
 /// Edges are no shorter than so many lattice steps.
 constexpr double kLeastSteps = 32;
+/// Lengths from the outer surface up to which a cut has no corners but those of its outline (refine.hpp, and some more):
+/// they would move alone, and straight strips between them, as across a thin wall.
+constexpr double kOutlineAlone = 0.7;
 
 /// By Newton's iteration, from + * / alone: the C library's cbrt is not rounded alike everywhere.
 double cube_root(double v) {
@@ -95,6 +98,13 @@ RoughReport asked_of(double size, const Roughness& roughness) {
   return report;
 }
 
+/// What movement fades over shows as roughness; where that ends before a cut has corners within its outline, nothing moves.
+Displacement displacement_of(const RoughReport& report, const Roughness& roughness, double size,
+                             std::uint64_t seed, const CellMap& map) {
+  const double still = std::fmax(0, kOutlineAlone * report.length - Displacement::fading(report.amplitude));
+  return {report.amplitude, roughness.frequency / size, roughness.octaves, seed, map, still};
+}
+
 /// An equilateral triangle of side l has 0.433 l² of area; edges have ends of their own; and what is shorter than the
 /// lattice is rounded away.
 double least_length(double area, double edges, const SeamLattice& lattice) {
@@ -148,8 +158,7 @@ RoughReport roughen(RestrictedDiagram& restricted, const std::vector<std::uint32
   for (const CapRegion& r : caps.regions)
     if (wanted(r.lo, r.hi)) report.triangles += r.triangle_count;
 
-  const Displacement displacement(report.amplitude, roughness.frequency / size, roughness.octaves, seed,
-                                  diagram.map());
+  const Displacement displacement = displacement_of(report, roughness, size, seed, diagram.map());
   const SurfaceTree outside(corners_of(solid, execution), execution);
   MovingCaps moving(restricted, seen_of(caps, parts), {}, execution);
   if (!restraints.empty()) moving.restrain(restraints);
@@ -192,8 +201,7 @@ std::optional<RoughPart> roughen_part(RestrictedDiagram& restricted,
   positions.flat_steps = positions.steps;
   refine_caps(diagram, restricted.winding, part.report.length, {wanted, plain}, caps, positions, execution);
 
-  const Displacement displacement(part.report.amplitude, roughness.frequency / size, roughness.octaves, seed,
-                                  diagram.map());
+  const Displacement displacement = displacement_of(part.report, roughness, size, seed, diagram.map());
   Box box;
   for (const Vec3d& p : positions.points) box.add(p);
   const SurfaceTree outside(corners_near(whole.solid, box, displacement.reach(), execution), execution);

@@ -40,7 +40,7 @@ struct RoughReport {
 /// Larger amplitudes are lowered: amplitude times frequency of the coarsest octave.
 inline constexpr double kMostSteepness = 0.5;
 /// Edges of the refined caps per wave of the finest octave.
-inline constexpr double kEdgesPerWave = 2.5;
+inline constexpr double kEdgesPerWave = 2;
 /// Edges are made longer until the caps have at most about so many triangles, and the edges between them so
 /// many ends, beyond those of flat caps.
 inline constexpr double kMostRoughTriangles = 400'000;

@@ -133,12 +133,25 @@ TEST(CrossingsOfCaps, WhatIsNoCutIsInNobodysWay) {
 TEST(CrossingsOfCaps, GivesUpWhereAllLieInEachOthersBoxes) {
   TwoCaps caps;
   caps.add(3 * Crossings::kMostPairs);
+  EXPECT_EQ(caps.find(), 0u) << "nothing was moved: nobody asks";
+  caps.moved[0] = 1;
   EXPECT_EQ(caps.find(), std::nullopt);
+}
+
+TEST(CrossingsOfCaps, FindsTheSameWhereOnlyFewAreMoved) {
+  TwoCaps caps;
+  caps.points[7] = {0.15, -0.05, -0.1};  // of triangle 3, through triangle 0
+  caps.moved[7] = 1;
+  const std::uint64_t few = caps.find().value();  // of four: all pairs are looked at
+  ASSERT_TRUE(caps.crossing[0]);
+  caps.add(100);  // as triangle 0, and never moved: triangle 3 alone asks who is in its way
+  EXPECT_EQ(caps.find(), few + 100);
 }
 
 TEST(CrossingsOfCaps, IsInterrupted) {
   TwoCaps caps;
   caps.add(1000);
+  caps.moved[0] = 1;
   std::stop_source stop;
   stop.request_stop();
   Execution execution;

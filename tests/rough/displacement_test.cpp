@@ -15,7 +15,7 @@ Vec3d point_in_unit_cube(Random& random) {
 }
 
 TEST(Displacement, StaysWithinTheAmplitudeAndUsesMuchOfIt) {
-  const Displacement displacement(0.02, 8, 3, 1, {});
+  const Displacement displacement(0.02, 8, 3, 1, {}, 0);
   Random random(1);
   double most = 0;
   for (int n = 0; n < 50'000; ++n) {
@@ -27,7 +27,7 @@ TEST(Displacement, StaysWithinTheAmplitudeAndUsesMuchOfIt) {
 }
 
 TEST(Displacement, FadesToNothingAtTheSurfaceAndNeverReachesIt) {
-  const Displacement displacement(0.02, 8, 1, 1, {});
+  const Displacement displacement(0.02, 8, 1, 1, {}, 0);
   Random random(2);
   for (int n = 0; n < 20'000; ++n) {
     const Vec3d p = point_in_unit_cube(random);
@@ -37,10 +37,23 @@ TEST(Displacement, FadesToNothingAtTheSurfaceAndNeverReachesIt) {
   }
 }
 
+TEST(Displacement, NothingMovesNearerToTheSurfaceThanIsSaid) {
+  const Displacement displacement(0.02, 8, 1, 1, {}, 0.1);
+  EXPECT_NEAR(displacement.reach(), 0.1 + Displacement::fading(0.02), 1e-12);
+  Random random(5);
+  for (int n = 0; n < 1000; ++n) {
+    const Vec3d p = point_in_unit_cube(random);
+    EXPECT_EQ(displacement.at(p, 0.1 * random.uniform()), Vec3d{});
+    // Beyond, it fades as it does from a surface that lies there, and is whole where that is far.
+    EXPECT_LT(length(displacement.at(p, 0.1 + 1e-6)), 2e-6);
+    EXPECT_EQ(displacement.at(p, 1), Displacement(0.02, 8, 1, 1, {}, 0).at(p, 1));
+  }
+}
+
 TEST(Displacement, AMapStretchesTheWavesButShortensNone) {
   // Across the grain as without it, along it eight times as long; and points move four times as far along it.
   const Matrix3 map{{Vec3d{3, 0, 0}, Vec3d{0, 3, 0}, Vec3d{0, 0, 3.0 / 8}}};
-  const Displacement plain(0.01, 5, 1, 4, {}), stretched(0.01, 5, 1, 4, map);
+  const Displacement plain(0.01, 5, 1, 4, {}, 0), stretched(0.01, 5, 1, 4, map, 0);
   Random random(3);
   for (int n = 0; n < 1000; ++n) {
     const Vec3d p = point_in_unit_cube(random), q{p.x, p.y, 8 * p.z};
@@ -54,7 +67,7 @@ TEST(Displacement, WithoutOneGrainItIsTheSameInAllDirections) {
   const double c = std::cos(0.5), s = std::sin(0.5);
   for (const Matrix3& map : {Matrix3{{Vec3d{c, s, 0}, Vec3d{-s, c, 0}, Vec3d{0, 0, 1}}},    // turned
                              Matrix3{{Vec3d{1, 0, 0}, Vec3d{0, 2, 0}, Vec3d{0, 0, 1}}}}) {  // flat cells
-    const Displacement displacement(0.02, 8, 3, 1, map);
+    const Displacement displacement(0.02, 8, 3, 1, map, 0);
     Random random(4);
     Vec3d most;
     for (int n = 0; n < 50'000; ++n) {

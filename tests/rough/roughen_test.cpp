@@ -78,6 +78,23 @@ TEST(Roughen, VerticesMoveByTheAmplitudeAtMostAndByMuchOfIt) {
   EXPECT_GT(most, 0.01);
 }
 
+// Walls of a fiftieth of the box: there is room for edges of a fortieth of the size, not for those of a quarter.
+TEST(Roughen, AcrossAWallThatIsThinnerThanItsEdgesACutStaysFlat) {
+  const Mesh walls = joined({cube(), reversed(scaled(cube(), {0.96, 0.96, 0.96}))});
+  FractureParameters p = rough(20, 0.01, 5, 1);
+  p.pivot = Pivot::kSource;
+  const auto area_of_cuts = [&](double amplitude, double frequency) {
+    p.roughness.amplitude = amplitude;
+    p.roughness.frequency = frequency;
+    double area = 0;
+    for (const Fragment& f : fracture_roughly(walls, p).set.fragments) area += f.mass.area - f.exterior_area;
+    return area;
+  };
+  const double flat = area_of_cuts(0, 5);
+  EXPECT_NEAR(area_of_cuts(0.003, 2), flat, 1e-7 * flat);
+  EXPECT_GT(area_of_cuts(0.003, 20), 1.0001 * flat);
+}
+
 TEST(Roughen, AmplitudeAndFrequencyAreInTermsOfTheSize) {
   FractureParameters p = rough(12, 0.03, 4, 2);
   const Fractured small = fracture_roughly(cube(), p);
