@@ -108,11 +108,14 @@ void finish(SolidReport& report, const HollowOptions& options, std::uint32_t ask
                            " times as thick as 'shell' asks: thinner ones take more triangles than may be.");
 }
 
-/// Of walls that a material has by itself every fracture pays for the triangles: no finer than the outside asks for.
-std::uint32_t fine_enough(std::size_t outside) {
-  constexpr std::size_t kForEach = 4, kLeast = 4000;
-  return static_cast<std::uint32_t>(
-      std::clamp<std::size_t>(kForEach * outside, kLeast, HollowOptions{}.max_triangles));
+/// Of walls that a material has by itself every fracture pays for the triangles: no finer than the outside asks for, and
+/// those of an eye no finer than those of its head. `share`: of the longest side of the largest part.
+hollow_detail::InnerSurfaceLimits fine_enough(std::size_t outside, double share, std::uint32_t most) {
+  constexpr std::size_t kForEach = 4, kLarge = 4000, kLeast = 1000, kMarched = 4;
+  const auto of_size = static_cast<std::size_t>(kLarge * share * share);
+  const std::size_t triangles = std::min<std::size_t>(most, std::max({kForEach * outside, of_size, kLeast}));
+  return {static_cast<std::uint32_t>(triangles), static_cast<std::uint32_t>(std::min<std::size_t>(
+                                                     kMarched * triangles, HollowOptions{}.max_triangles))};
 }
 
 /// Writes the parts anew, each with its cavity behind its own triangles.
@@ -246,6 +249,8 @@ Solid hollowed(Solid solid, const HollowOptions& options, const Execution& execu
   }
   auto waiting = static_cast<std::uint32_t>(chosen.size());
   const std::uint32_t asked = waiting;
+  double longest = 0;
+  for (const std::size_t p : chosen) longest = std::fmax(longest, solid.parts[p].box.longest_side());
   std::uint32_t left = options.max_all;
   std::vector<Cavity> cavities;
   double area = 0;
@@ -253,10 +258,11 @@ Solid hollowed(Solid solid, const HollowOptions& options, const Execution& execu
     Part& part = solid.parts[p];
     execution.poll();
     execution.reaches(0.2 + 0.6 * (asked - waiting + 1) / asked);
-    std::uint32_t most = std::min(options.max_triangles, left / waiting--);
-    if (least_ball > 0) most = std::min(most, fine_enough(runs[p].end - runs[p].begin));
-    const hollow_detail::InnerSurfaceLimits limits{most};
-    if (limits.triangles < kLeastTriangles) continue;
+    const std::uint32_t most = std::min(options.max_triangles, left / waiting--);
+    if (most < kLeastTriangles) continue;
+    const hollow_detail::InnerSurfaceLimits limits =
+        least_ball > 0 ? fine_enough(runs[p].end - runs[p].begin, part.box.longest_side() / longest, most)
+                       : hollow_detail::InnerSurfaceLimits{.triangles = most};
     const SurfaceTree outside = surface_of(p);
     Cavity cavity{p, inner_surface(outside, part.box, thickness_of(part), limits, execution), {}};
     const double volume = volume_of(cavity.surface, part.box.center());

@@ -19,7 +19,7 @@ struct HollowOptions {
   double least_ball =
       0;  ///< diameter, as a fraction of that side: only what holds such a ball becomes walls; 0: whatever is
   ///< thick enough; else at least kSmallestBall. With it the inner side of a part has at most four times
-  ///< as many triangles as its outside, or 4000
+  ///< as many triangles as its outside, or 4000, of parts that are smaller than others down to 1000
   std::uint32_t max_triangles = 20'000;  ///< of the inner side of one part
   std::uint32_t max_all =
       400'000;  ///< of all: parts for which fewer than kLeastTriangles are left stay solid

@@ -6,6 +6,7 @@
 #include "common/base/id.hpp"
 #include "common/base/pacer.hpp"
 #include "common/hollow/deep_points.hpp"
+#include "common/hollow/simplify.hpp"
 
 namespace fracture::hollow_detail {
 namespace {
@@ -139,6 +140,18 @@ class March {
   InnerSurface out_;
 };
 
+/// What is deep where it was made may be less so where triangles are larger: a share of what corners have to spare is
+/// left for that.
+InnerSurface as_simple_as_may_be(InnerSurface inner, const SurfaceTree& surface, double thickness,
+                                 double step, const Execution& execution) {
+  const double to_spare = std::sqrt(thickness * thickness + step * step) - thickness;
+  for (double tolerance = step / 8; tolerance > step / 64; tolerance /= 4) {
+    InnerSurface simple = simplified(inner, tolerance, surface, thickness + to_spare / 4, execution);
+    if (is_deep(simple, surface, thickness, execution) && !crosses_itself(simple, execution)) return simple;
+  }
+  return inner;
+}
+
 }  // namespace
 
 InnerSurface inner_surface(const SurfaceTree& surface, const Box& box, double thickness,
@@ -150,12 +163,14 @@ InnerSurface inner_surface(const SurfaceTree& surface, const Box& box, double th
   const double area = area_of(surface, pacer);
   double step = std::ldexp(1, std::ilogb(std::fmax(thickness / 2, least)));
   while (step < least || expected_points(box, step) > limits.lattice_points ||
-         kTrianglesPerSquare / 2 * area / (step * step) > limits.triangles)
+         kTrianglesPerSquare / 2 * area / (step * step) > limits.marched)
     step = coarser(step);
   for (;; step = coarser(step)) {
     execution.poll();
     if (2 * std::sqrt(thickness * thickness + step * step) >= box.longest_side()) return {};
     InnerSurface inner = March(surface, box, thickness, step, execution).run();
+    if (inner.triangles.size() > limits.marched) continue;
+    inner = as_simple_as_may_be(std::move(inner), surface, thickness, step, execution);
     if (inner.triangles.size() <= limits.triangles) return inner;
   }
 }

@@ -19,6 +19,8 @@ struct InnerSurface {
 
 struct InnerSurfaceLimits {
   std::uint32_t triangles = 20'000;
+  std::uint32_t marched =
+      20'000;  ///< as many as the lattice may make, before those that nobody would miss go
   std::uint32_t lattice_points = 1u << 18;
 };
 
@@ -32,6 +34,10 @@ struct InnerSurfaceLimits {
 /// mean of the v weighted by w, and any y, sum w |v - y|^2 = |x - y|^2 + sum w |v - x|^2, whose last sum is at most
 /// h^2, h the step of the lattice; so it is enough that corners are sqrt(t^2 + h^2) deep. h is at most half of t
 /// unless the limits want it larger, and then the wall is thicker than was asked.
+///
+/// The triangles of a lattice are as many where the surface is flat as where it bends: it is simplified (simplify.hpp) by
+/// at most an eighth of a step, and looked at again; where it then came too near to the outside, or crossed itself, it is
+/// simplified less or stays as it was.
 ///
 /// Throws Interrupted.
 InnerSurface inner_surface(const SurfaceTree& surface, const Box& box, double thickness,
