@@ -37,9 +37,10 @@ Blast moved(const Blast& blast, const glm::dvec3& point) { return {point, blast.
 }  // namespace
 
 void World::State::push(Body& body, const Blast& blast) {
-  if (!body.moves() || body.gone) return;
+  if (!body.is_loose() || body.gone) return;
   const glm::dvec3 impulse = impulse_on(blast, body.motion().mass);
   if (impulse == glm::dvec3(0)) return;
+  wake(body);
   const glm::dvec3 velocity = from_bullet(body.rigid->getLinearVelocity()), away = glm::normalize(impulse);
   const double along = glm::dot(velocity, away),
                gained = std::min(glm::length(impulse) / body.mass.mass, std::max(0.0, kGasSpeed - along));

@@ -37,6 +37,7 @@ Body& World::State::add(std::unique_ptr<Body> body, btCollisionShape* shape, con
     shape->getBoundingSphere(center, radius);
     body->radius = radius;
   }
+  body->number = next_body++;
   bullet.addRigidBody(body->rigid.get());
   bodies.push_back(std::move(body));
   return *bodies.back();
@@ -102,7 +103,7 @@ void World::State::sweep_out() {
 
 void World::State::fade() {
   std::size_t moving = 0;
-  for (const auto& body : bodies) moving += body->moves() && body->fading < 0;
+  for (const auto& body : bodies) moving += body->is_loose() && body->fading < 0;
   std::vector<std::pair<double, Body*>> loose;  // volume, for the budget
   for (const auto& body : bodies) {
     if (body->kind != Body::Kind::kGroup || body->held || body->members.size() != 1 || body->gone) continue;

@@ -38,4 +38,9 @@ void BoxedWorld::updateAabbs() {
   }
 }
 
+void BoxedWorld::calculateSimulationIslands() {
+  if (when_contacts_are_found) when_contacts_are_found();
+  btDiscreteDynamicsWorld::calculateSimulationIslands();
+}
+
 }  // namespace fracture::world

@@ -1,6 +1,8 @@
 // Bullet's world with boxes that reach no farther than contacts do. Private to this folder.
 #pragma once
 
+#include <functional>
+
 #include "client/world/bullet.hpp"
 
 namespace fracture::world {
@@ -13,6 +15,9 @@ class BoxedWorld final : public btDiscreteDynamicsWorld {
   BoxedWorld(btDispatcher* dispatcher, btBroadphaseInterface* boxes, btConstraintSolver* solver,
              btCollisionConfiguration* configuration);
   void updateAabbs() override;
+  void calculateSimulationIslands() override;
+
+  std::function<void()> when_contacts_are_found;  ///< before they are solved
 };
 
 }  // namespace fracture::world

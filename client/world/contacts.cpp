@@ -73,6 +73,8 @@ void World::State::collect_contacts() {
     auto* first = static_cast<Body*>(manifold.getBody0()->getUserPointer());
     auto* second = static_cast<Body*>(manifold.getBody1()->getUserPointer());
     if (first == nullptr || second == nullptr || first->gone || second->gone) continue;
+    // Of two that sleep Bullet keeps impulses of long ago.
+    if (!first->rigid->isActive() && !second->rigid->isActive()) continue;
     // What has just come off wedges itself fast in the hole that it leaves; real edges crumble there. It
     // loads no bonds before it is out, else every hit would run through a wall from end to end.
     const bool parting = first->kind == Body::Kind::kGroup && second->kind == Body::Kind::kGroup &&
@@ -108,7 +110,7 @@ void World::State::collect_contacts() {
         const Cause cause = cause_of(body, of_first ? *second : *first, where);
         const Hit hit{&body, where, on_body, strength, approach, lost, cause};
         if (body.kind == Body::Kind::kWhole && is_hit) hit_whole(hit);
-        if (body.kind != Body::Kind::kGroup || parting) continue;
+        if (body.kind != Body::Kind::kGroup || parting || (body.dozes && !is_hit)) continue;
         if (body.members.size() == 1) {
           if (is_hit) hit_whole(hit);
           continue;

@@ -61,12 +61,26 @@ struct Body {
   bool restore = false;
   double asleep = 0;   ///< seconds
   double fading = -1;  ///< seconds since it began to fade; negative: not yet
+
+  // dozing.cpp
+  struct Touched {
+    std::uint64_t number;  ///< of a body
+    btTransform then;      ///< where it was
+  };
+  std::uint64_t number = 0;    ///< of all bodies that there have been
+  btTransform watched_from;    ///< where it was …
+  double watched = -1;         ///< … so many seconds ago; it has hardly moved since; negative: not seen yet
+  bool dozes = false;          ///< sleeps by itself, and is a part of the ground meanwhile
+  btVector3 moments{0, 0, 0};  ///< kg·m², while it dozes
+  std::vector<Touched> touched;  ///< when it fell asleep; empty while it is awake
+
   bool asked = false;  ///< has raised kBreakFragment
   bool gone = false;
 
-  bool moves() const {
+  bool is_loose() const {
     return !held && (kind == Kind::kWhole || kind == Kind::kGroup || kind == Kind::kBall);
   }
+  bool moves() const { return is_loose() && !dozes; }
   Pose body_pose() const { return from_bullet(rigid->getWorldTransform()); }
   Pose asset_to_world() const { return body_pose() * inverse(local); }
   Motion motion() const;
@@ -137,6 +151,15 @@ struct World::State {
   void limit_gains();  ///< contacts make nothing faster, and nothing more energetic
   void calm();         ///< what almost rests on something, rests
 
+  // dozing.cpp
+  void doze();         ///< what lies in a heap
+  void rouse() const;  ///< what is hit, or has lost its hold: before contacts are solved
+  Body* numbered(std::uint64_t number) const;  ///< null: gone
+  void lay(Body& body) const;
+  void wake(Body& body) const;  ///< if it dozes
+  void wake_around(const Body& gone) const;
+  void wake_by(Body& struck, double momentum) const;
+
   // foresight.cpp
   struct Touch {  ///< of this step, both of them bodies of ours
     Body *a, *b;
@@ -194,6 +217,7 @@ struct World::State {
   std::vector<Break> breaks;
   std::uint64_t steps = 0;
   std::uint32_t next_group = 1;
+  std::uint64_t next_body = 1;
   BallId next_ball = 1;
   std::size_t faded = 0;
   std::size_t live = 0;  ///< bodies that were moving at the end of the last step, and what came since

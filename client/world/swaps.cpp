@@ -153,6 +153,7 @@ void World::State::replace(std::span<Body* const> old, std::span<Body* const> by
   for (const Body* body : old) ledger.brought -= body->mass.mass * height(*body);
   for (const Body* body : by) ledger.brought += body->mass.mass * height(*body);
   ledger.last_swap = steps;
+  for (const Body* body : old) wake_around(*body);
   swap.after = momentum(motions(by));
   swap.after.angular = about(swap.after, swap.before.center);
   if (!(swap.before.mass > 0)) swap.after.angular = glm::dvec3(0);

@@ -94,6 +94,7 @@ World::State::State(WorldSettings s)
   // Hulls of ragged pieces overlap: they part slowly, for they rise by it. What meets the ground is put right at once.
   bullet.getSolverInfo().m_erp2 = 0.2;
   filter = std::make_unique<SystemFilter>(objects);
+  bullet.when_contacts_are_found = [this] { rouse(); };
   bullet.getPairCache()->setOverlapFilterCallback(filter.get());
   auto ground = std::make_unique<Body>();
   ground->kind = Body::Kind::kGround;
@@ -203,6 +204,7 @@ void World::step() {
   s.keep_above_ground();
   s.limit_gains();
   s.calm();
+  s.doze();
   s.raise_impacts();
   s.split_overloaded();
   s.look_ahead();

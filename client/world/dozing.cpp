@@ -1,0 +1,162 @@
+// Pieces of a heap sleep one by one while others move.
+//
+// Bullet lets what touches sleep together or not at all: one shard that creeps keeps hundreds awake, for seconds. Here a
+// piece that has hardly moved for a moment, as far as its size goes, dozes: it is as fast as the ground, and to Bullet it
+// is a part of the ground, so that contacts among those that doze cost nothing, and what still moves falls into small
+// islands. (Sleep of single bodies is that of Schmidl and Milenkovic, "A Fast Impulsive Contact Suite for Rigid Body
+// Simulation", 2004; the rules are ours.) It wakes
+//
+//   where something is about to hit it, with those around it, as many as the blow can move;
+//   where something that it touched when it fell asleep has moved away, so that nothing hangs in the air;
+//   where that has come apart, or a blast goes off.
+//
+// It gains nothing: it has no motion when it wakes. A bond breaks in it by hits alone, for what lies on it bears on the
+// ground. A few pieces are not worth it, and sleep as Bullet has it.
+#include <algorithm>
+#include <cmath>
+
+#include "client/world/state.hpp"
+
+namespace fracture::world {
+namespace {
+
+constexpr std::size_t kFewPieces = 40;  ///< are no heap
+/// Of its radius: what moves by less within the time lies. A shard of 10 cm may creep by 2 cm a second, and what falls
+/// moves by as much in a thirtieth of a second.
+constexpr double kHardly = 0.05, kMoment = 0.3;  // seconds
+/// Times as long, for what has its weight beside its contacts: it begins to fall slowly.
+constexpr double kTilted = 4;
+/// Of its radius: so far its neighbours may go. More than they may creep until they doze themselves.
+constexpr double kGone = 0.1;
+constexpr double kHitSpeed = 0.3;  ///< m/s of approach, as of all hits
+/// m/s: a blow wakes what it could give this speed, all of it together. The rest would not be seen to move.
+constexpr double kFelt = 0.5;
+constexpr double kInTouch = 0.002;  ///< metres: a contact that will be as near at the end of the step is one
+
+/// Metres by which its farthest point has moved, at most.
+double moved(const Body& body, const btTransform& from) {
+  const btTransform& now = body.rigid->getWorldTransform();
+  double turned = 0;
+  for (int row = 0; row < 3; ++row) turned += (now.getBasis()[row] - from.getBasis()[row]).length2();
+  return (now.getOrigin() - from.getOrigin()).length() + body.radius * std::sqrt(turned);
+}
+
+/// How fast a body comes at what it touches within the step, m/s.
+double approach_of(const Body& body, const btPersistentManifold& manifold, double step) {
+  double fastest = 0;
+  for (int k = 0; k < manifold.getNumContacts(); ++k) {
+    const btManifoldPoint& point = manifold.getContactPoint(k);
+    const btVector3 arm = point.getPositionWorldOnB() - body.rigid->getCenterOfMassPosition();
+    const double along = body.rigid->getVelocityInLocalPoint(arm).dot(point.m_normalWorldOnB);
+    const double speed = manifold.getBody0() == body.rigid.get() ? -along : along;
+    if (point.getDistance() < kInTouch + step * speed) fastest = std::max(fastest, speed);
+  }
+  return fastest;
+}
+
+}  // namespace
+
+/// Bodies stand in the order of their numbers.
+Body* World::State::numbered(std::uint64_t number) const {
+  const auto at =
+      std::lower_bound(bodies.begin(), bodies.end(), number,
+                       [](const auto& body, std::uint64_t wanted) { return body->number < wanted; });
+  return at != bodies.end() && (*at)->number == number ? at->get() : nullptr;
+}
+
+void World::State::lay(Body& body) const {
+  body.dozes = true;
+  body.moments = body.rigid->getLocalInertia();
+  set_motion(body, glm::dvec3(0), glm::dvec3(0));
+  body.rigid->setInterpolationWorldTransform(body.rigid->getWorldTransform());
+  body.rigid->clearForces();
+  body.rigid->setMassProps(0, btVector3(0, 0, 0));
+  body.rigid->updateInertiaTensor();
+  body.rigid->forceActivationState(ISLAND_SLEEPING);
+}
+
+void World::State::wake(Body& body) const {
+  if (!body.dozes) return;
+  body.dozes = false;
+  body.touched.clear();
+  body.rigid->setMassProps(body.mass.mass, body.moments);
+  body.rigid->updateInertiaTensor();
+  body.rigid->forceActivationState(ACTIVE_TAG);
+  body.rigid->setDeactivationTime(0);
+  body.still = body.quiet = body.asleep = 0;
+  body.watched = -1;
+}
+
+void World::State::wake_around(const Body& gone) const {
+  for (const auto& body : bodies)
+    if (std::any_of(body->touched.begin(), body->touched.end(),
+                    [&](const Body::Touched& other) { return other.number == gone.number; }))
+      wake(*body);
+}
+
+/// From neighbour to neighbour, until they are heavier than what the blow could move.
+void World::State::wake_by(Body& struck, double momentum) const {
+  std::vector<Body*> reached{&struck};
+  double mass = 0;
+  for (std::size_t k = 0; k < reached.size() && kFelt * mass <= momentum; ++k) {
+    Body& body = *reached[k];
+    if (!body.dozes) continue;
+    mass += body.mass.mass;
+    for (const Body::Touched& other : body.touched)
+      if (Body* next = numbered(other.number); next != nullptr && next->dozes) reached.push_back(next);
+    wake(body);
+  }
+}
+
+void World::State::rouse() const {
+  for (const auto& body : bodies) {
+    const bool lost =
+        std::any_of(body->touched.begin(), body->touched.end(), [&](const Body::Touched& other) {
+          const Body* now = numbered(other.number);  // none: it has faded, or come apart, which woke this one
+          return now != nullptr && now->moves() && moved(*now, other.then) > kGone * body->radius;
+        });
+    if (lost) wake(*body);
+  }
+  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
+    // Of Bullet's own, which gives its list to those alone who may change it.
+    const btPersistentManifold& manifold =
+        *const_cast<PairDispatcher&>(dispatcher).getManifoldByIndexInternal(m);
+    auto &first = *static_cast<Body*>(manifold.getBody0()->getUserPointer()),
+         &second = *static_cast<Body*>(manifold.getBody1()->getUserPointer());
+    if (first.dozes == second.dozes) continue;
+    Body &lying = first.dozes ? first : second, &other = first.dozes ? second : first;
+    if (!other.moves() || !other.rigid->isActive()) continue;
+    const double approach = approach_of(other, manifold, settings.step),
+                 momentum = other.mass.mass * approach;
+    if (approach > kHitSpeed && momentum > kFelt * lying.mass.mass) wake_by(lying, momentum);
+  }
+}
+
+void World::State::doze() {
+  std::size_t pieces = 0;
+  for (const auto& body : bodies)
+    pieces += body->kind == Body::Kind::kGroup && (body->dozes || (body->moves() && body->rigid->isActive()));
+  std::vector<Body*> tired;
+  for (const auto& body : bodies) {
+    if (body->kind != Body::Kind::kGroup || !body->moves() || !body->rigid->isActive()) continue;
+    if (body->watched < 0 || moved(*body, body->watched_from) > kHardly * body->radius) {
+      body->watched_from = body->rigid->getWorldTransform();
+      body->watched = 0;
+      continue;
+    }
+    body->watched += settings.step;
+    const double enough = body->tips.value_or(false) ? kTilted * kMoment : kMoment;
+    if (pieces > kFewPieces && body->watched >= enough && !body->leans_on.empty())
+      tired.push_back(body.get());
+  }
+  if (tired.empty()) return;
+  for (Body* body : tired) lay(*body);
+  for (const Touch& touch : touches)
+    if (touch.pressed && touch.a->is_loose() && touch.b->is_loose())
+      for (const auto& [body, other] : {std::pair(touch.a, touch.b), std::pair(touch.b, touch.a)})
+        if (std::binary_search(tired.begin(), tired.end(), body,
+                               [](const Body* a, const Body* b) { return a->number < b->number; }))
+          body->touched.push_back({other->number, other->rigid->getWorldTransform()});
+}
+
+}  // namespace fracture::world

@@ -1,0 +1,98 @@
+// Pieces of a heap sleep one by one, and wake where they have to.
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "tests/client/cubes.hpp"
+
+namespace fracture::world {
+namespace {
+
+constexpr double kCube = 0.2;
+constexpr double kMoment = 1;  ///< seconds: Bullet lets nothing sleep before 1.2 have passed
+
+FragmentSet loose_cubes(int columns, int rows) {
+  FragmentSet set = test::cubes(columns, rows, kCube);
+  set.bonds.clear();
+  return set;
+}
+
+/// A wall of loose cubes that stands on the ground.
+ObjectId wall_of(World& world, int columns, int rows) {
+  const FragmentSet set = loose_cubes(columns, rows);
+  const ObjectId id = world.add_object(test::whole_of(set));
+  world.fracture(id, prepare(set));
+  return id;
+}
+
+std::vector<glm::dvec3> centers(const World& world, ObjectId id, const FragmentSet& set) {
+  std::vector<FragmentState> states;
+  world.fragment_states(id, states);
+  std::vector<glm::dvec3> result;
+  for (std::size_t k = 0; k < states.size(); ++k)
+    result.push_back(states[k].asset_to_world.point(set.fragments[k].mass.center));
+  return result;
+}
+
+/// How fast a ball of 8 kg is, a tenth of a second after it met the first of so many cubes that stand apart from one another.
+double ball_after_hit(int cubes) {
+  World world;
+  for (int k = 0; k < cubes; ++k) {
+    const FragmentSet one = loose_cubes(1, 1);
+    ObjectSpec spec = test::whole_of(one);
+    spec.pose.position.x = 3.0 * k;
+    world.fracture(world.add_object(spec), prepare(one));
+  }
+  test::run(world, kMoment);
+  world.throw_ball({kCube / 2, kCube / 2, 0.8}, {0, 0, -8}, 0.1, 2000);
+  const double before = 0.9 - kCube / 2;
+  test::run(world, 0.2);
+  const glm::dvec3 at = world.balls().at(0).pose.position;
+  return (before - at.z) / 0.2;
+}
+
+TEST(Dozing, PiecesOfAHeapSleepBeforeItDoes) {
+  World heap, few;
+  wall_of(heap, 8, 6);
+  wall_of(few, 6, 4);
+  test::run(heap, kMoment);
+  test::run(few, kMoment);
+  EXPECT_LE(heap.census().moving, 1u);
+  EXPECT_EQ(few.census().moving, 24u) << "which are no heap";
+}
+
+TEST(Dozing, NothingHangsInTheAirWhereItsSupportIsGone) {
+  World world;
+  const FragmentSet two = loose_cubes(1, 2);
+  for (int k = 0; k < 25; ++k) {
+    ObjectSpec spec = test::whole_of(two);
+    spec.pose.position.x = 3.0 * k;
+    world.fracture(world.add_object(spec), prepare(two));
+  }
+  test::run(world, kMoment);
+  ASSERT_LE(world.census().moving, 1u);
+  EXPECT_NEAR(centers(world, 0, two)[1].y, 1.5 * kCube, 0.01);
+  world.throw_ball({kCube / 2, kCube / 2, 1}, {0, 0, -25}, 0.09, 7800);
+  test::run(world, 2);
+  EXPECT_LT(centers(world, 0, two)[1].y, 0.8 * kCube) << "the upper one lies where the lower one was";
+  EXPECT_NEAR(centers(world, 1, two)[1].y, 1.5 * kCube, 0.01) << "and nothing else has changed";
+}
+
+TEST(Dozing, WhatDozesIsHitLikeWhatIsAwake) {
+  const double awake = ball_after_hit(1), dozing = ball_after_hit(45);
+  EXPECT_GT(awake, 1) << "the ball flies on";
+  EXPECT_NEAR(dozing, awake, 0.05 * awake);
+}
+
+TEST(Dozing, ABlastWakes) {
+  World world;
+  wall_of(world, 8, 6);
+  test::run(world, kMoment);
+  ASSERT_LE(world.census().moving, 1u);
+  world.explode({{0.8, 0.5, 0.5}, 400, 5});
+  EXPECT_GT(world.census().moving, 40u);
+  EXPECT_GT(world.census().fastest, 0.1);
+}
+
+}  // namespace
+}  // namespace fracture::world
