@@ -34,7 +34,7 @@ const std::vector<GameMaterial>& game_materials() {
        2,
        0.08,
        SolidLook::kStone,
-       {{{"material", "stone"}, {"pattern", "impact"}, {"share", 0.55}, {"exponent", 1.2}},
+       {{{"material", "stone"}, {"pattern", "impact"}, {"share", 0.55}, {"exponent", 1.2}, {"max_hulls", 2}},
         true,
         true,
         70,

@@ -58,7 +58,8 @@ Body& World::State::add_group(ObjectId object, std::vector<std::uint32_t> member
     body->held = body->held || prepared.set.fragments[m].anchored;
   }
   body->mass = combine(masses);
-  body->crumb = members.size() == 1 && !body->held && ++live > settings.live_bodies &&
+  if (!body->held) ++live;
+  body->crumb = members.size() == 1 && !body->held && live > settings.live_bodies &&
                 prepared.set.fragments[members[0]].volume < settings.debris_share * prepared.volume;
   PrincipalAxes axes;
   btCollisionShape* shape = nullptr;

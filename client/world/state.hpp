@@ -193,6 +193,10 @@ struct World::State {
   std::size_t break_bonds(Object& object, std::span<const std::uint32_t> members,
                           std::vector<std::uint32_t>& bonds, std::span<const PointForce> forces,
                           const glm::dvec3& gravity);
+  /// Of the bonds that have just broken, some hold on while many bodies move: holding.cpp. `before`: all of them, `bonds`:
+  /// what is left, ascending. Returns how many.
+  std::size_t hold_together(Object& object, std::span<const std::uint32_t> members,
+                            std::span<const std::uint32_t> before, std::vector<std::uint32_t>& bonds) const;
   std::vector<Body*> spawn(ObjectId object, std::span<const std::uint32_t> members,
                            std::span<const std::uint32_t> bonds, const Pose& asset_to_world,
                            const Motion& field);

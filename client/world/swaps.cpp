@@ -62,6 +62,7 @@ std::size_t World::State::break_bonds(Object& object, std::span<const std::uint3
   const FragmentSet& set = object.fragments->set;
   std::vector<std::uint32_t> part_of(set.fragments.size());
   std::size_t broken = 0;
+  const std::vector<std::uint32_t> before_all = bonds;
   for (int round = 0; round < kRounds; ++round) {
     const auto parts = components(members, bonds, set);
     for (std::uint32_t p = 0; p < parts.size(); ++p)
@@ -111,7 +112,7 @@ std::size_t World::State::break_bonds(Object& object, std::span<const std::uint3
     bonds = std::move(kept);
     if (broken == before) break;
   }
-  return broken;
+  return broken > 0 ? broken - hold_together(object, members, before_all, bonds) : 0;
 }
 
 std::vector<Body*> World::State::spawn(ObjectId object, std::span<const std::uint32_t> members,
