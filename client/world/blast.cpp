@@ -111,6 +111,7 @@ void World::State::blast_group(Body& body, const Blast& blast) {
   if (std::exchange(object.sound, false)) breaks.push_back({steps, body.object, Cause::kBlast, 0});
   const std::size_t first = bodies.size();
   split(body);
+  if (!body.gone) push(body, blast);
   for (std::size_t k = first; k < bodies.size(); ++k) push(*bodies[k], blast);
 }
 

@@ -154,7 +154,8 @@ void World::State::replace(std::span<Body* const> old, std::span<Body* const> by
   for (const Body* body : old) ledger.brought -= body->mass.mass * height(*body);
   for (const Body* body : by) ledger.brought += body->mass.mass * height(*body);
   ledger.last_swap = steps;
-  for (const Body* body : old) wake_around(*body);
+  for (const Body* body : old)
+    if (std::find(by.begin(), by.end(), body) == by.end()) wake_around(*body);
   swap.after = momentum(motions(by));
   swap.after.angular = about(swap.after, swap.before.center);
   if (!(swap.before.mass > 0)) swap.after.angular = glm::dvec3(0);
@@ -197,8 +198,13 @@ void World::State::split(Body& body) {
   const Pose pose = body.asset_to_world();
   const Motion field = body.moves() ? body.motion() : Motion{};
   const std::vector<std::uint32_t> members = body.members, bonds = body.bonds;
-  std::vector<Body*> made = spawn(body.object, members, bonds, pose, field);
   Body* const old[] = {&body};
+  // A crack that parts nothing leaves the body as it is: another one would have to find all of its contacts anew.
+  if (components(members, bonds, object.fragments->set).size() == 1) {
+    body.borne = 0;
+    return replace(old, old, swap);
+  }
+  std::vector<Body*> made = spawn(body.object, members, bonds, pose, field);
   replace(old, made, swap);
   remove(body);
 }
