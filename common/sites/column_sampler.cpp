@@ -194,13 +194,15 @@ std::vector<Vec3d> ColumnSampler::spread(std::uint32_t count) {
   std::vector<Vec3d> points;
   if (!(all > 0)) return points;
   const double apart = all / count;
-  double before = 0, next = apart / 2;  // along all chords, one after the other
+  double before = 0;  // along all chords, one after the other
+  std::uint32_t next = 0;
+  const auto at = [&] { return (next + columns[next].share) * apart; };
   for (std::size_t k = 0; k < columns.size(); ++k) {
     const Chord& chord = found[k];
     if (!(chord.length > 0)) continue;
-    for (; next < before + chord.length; next += apart) {
+    for (; next < count && at() < before + chord.length; ++next) {
       pacer.step();
-      points.push_back(place(columns[k], chord.begin + (next - before)));
+      points.push_back(place(columns[k], chord.begin + std::fmax(at() - before, 0)));
     }
     before += chord.length;
   }

@@ -43,8 +43,8 @@ class ColumnSampler {
   /// candidate is kept as it is, which bounds the work.
   std::vector<Vec3d> sample(std::uint32_t count);
 
-  /// About `count` points, fewer where hardly a chord is found: spread evenly along the chords of two columns for each
-  /// (systematic sampling, Madow & Madow 1944). No candidate is refused: in a thin wall, where sample() refuses nearly
+  /// About `count` points, none where no chord is found: the chords of two columns for each are laid end to end and divided
+  /// into as many parts, and each part has a point (stratified sampling, Neyman 1934). No candidate is refused: in a thin wall, where sample() refuses nearly
   /// all, these take a tenth of its time; several may lie on one column.
   std::vector<Vec3d> spread(std::uint32_t count);
 

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -95,6 +96,13 @@ TEST(LargeInputs, SpreadPointsAreEvenInThinWallsAndCostLittle) {
   EXPECT_NEAR(in_small, 100, 30);  // 1 to 8 by volume
   const std::vector<bool> inside = sites_detail::ColumnSampler(solid, 0, kAlone).inside(points);
   EXPECT_EQ(std::count(inside.begin(), inside.end(), false), 0);
+  // Chords that are all of one length: points lie at both of their ends and between.
+  const Solid whole = solid_of(cube());
+  const std::vector<Vec3d> in_cube = sites_detail::ColumnSampler(whole, 0, kAlone).spread(800);
+  std::array<int, 8> octants{};
+  for (const Vec3d& p : in_cube)
+    ++octants[static_cast<std::size_t>((p.x > 0) + 2 * (p.y > 0) + 4 * (p.z > 0))];
+  for (const int n : octants) EXPECT_NEAR(n, 100, 50);
   EXPECT_EQ(sampled.sample(900).size(), 900u);
   EXPECT_LT(4 * spread.comparisons(), sampled.comparisons());
 }
