@@ -225,7 +225,8 @@ TEST(EndToEnd, FilesFromTheCommandLineFallAndBreak) {
   const json summary = run(options);
   EXPECT_EQ(summary["scene"], "files");
   EXPECT_EQ(summary["game"]["meshes_stored"], 2);
-  EXPECT_EQ(summary["game"]["swaps"], 2);
+  EXPECT_GE(summary["game"]["swaps"], 2);  // each of them, and maybe a piece once more
+  EXPECT_LE(summary["game"]["swaps"], 4);
   ASSERT_EQ(summary["warnings"].size(), 2u) << summary["warnings"];  // the notes, and the OBJ's textures
 }
 
