@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 
+#include "common/materials/materials.hpp"
 #include "common/parameters/parameters.hpp"
 #include "server/http/api.hpp"
 #include "server/http/problem.hpp"
@@ -141,6 +142,26 @@ TEST(Contract, EveryParameterIsListedWithItsRangeAndDefault) {
        document().at("components").at("schemas").at("Parameters").at("properties").items())
     in_json.insert(name);
   EXPECT_EQ(in_json, known);
+}
+
+TEST(Contract, TheDocumentNamesTheMaterialsThatHaveWallsAndHowThick) {
+  const std::string words = document()
+                                .at("components")
+                                .at("schemas")
+                                .at("Parameters")
+                                .at("properties")
+                                .at("shell_fraction")
+                                .at("description");
+  std::size_t listed = 0;
+  for (std::size_t at = 0; (at = words.find(" 0.0", at)) != std::string::npos; ++at) ++listed;
+  std::size_t hollow = 0;
+  for (const MaterialPreset& preset : material_presets()) {
+    if (preset.shell_fraction == 0) continue;
+    ++hollow;
+    const std::string sentence = std::string("f ") + preset.name + " " + json(preset.shell_fraction).dump();
+    EXPECT_NE(words.find(sentence), std::string::npos) << sentence << " is not in: " << words;
+  }
+  EXPECT_EQ(listed, hollow) << words;
 }
 
 TEST(Contract, AStoredMeshIsFracturedWithTheSameParametersButItsFormat) {
