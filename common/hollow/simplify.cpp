@@ -18,8 +18,8 @@ namespace {
 constexpr double kMostTurn = 0.5;
 /// Twice its area by the square of its longest edge: of a needle less.
 constexpr double kLeastHeight = 0.05;
-/// Triangles at one corner, at most.
-constexpr std::size_t kMostAtACorner = 24;
+/// Triangles at one corner, at most: those of the two that become one, less the two between them, which both had.
+constexpr std::size_t kMostAtACorner = 24, kBetween = 4;
 /// Halvings of a triangle until it has to be proved deep.
 constexpr int kMostHalvings = 12;
 
@@ -143,7 +143,7 @@ class Simplifier {
     std::set_intersection(neighbours_.begin(), neighbours_.end(), others_.begin(), others_.end(),
                           std::back_inserter(common_));
     if (common_.size() != 2 || at_[common_[0]].size() < 4 || at_[common_[1]].size() < 4) return false;
-    if (at_[v].size() + at_[u].size() > kMostAtACorner + 4) return false;
+    if (at_[v].size() + at_[u].size() > kMostAtACorner + kBetween) return false;
     pacer_.step(8 * at_[v].size());
     bool bulges = false;  // towards the outside: where it does not, all of it is as deep as it was
     for (const std::uint32_t t : at_[v]) {

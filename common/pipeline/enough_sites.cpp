@@ -85,6 +85,7 @@ Expected<SitePlan> plan_enough_sites(const SeenSolid& solid, const FractureParam
     if (samples.empty())
       samples =
           sites_detail::ColumnSampler(solid.seen(), 0, execution).spread(static_cast<std::uint32_t>(count));
+    if (samples.empty()) break;  // so thin that no column finds it: nothing is known of what a plan meets
     if (changed) met = groups_met(samples, *plan, execution);
     if (met >= wanted) break;
     // Divisions are whole numbers: a plan for more may be the same or meet less, and only the one after it more.

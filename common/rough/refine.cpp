@@ -61,18 +61,13 @@ class RegionRefiner {
     if (ring_.empty()) return keep(old);  // all sides are shared
     flatten(region);
     const double area = planar_area();
-    if (loop_begin_.size() == 2 && plane_.size() <= kLongestSliver && area < kThin * length_ * perimeter()) {
-      triangulate_shortest();
-      return;
-    }
+    if (loop_begin_.size() == 2 && plane_.size() <= kLongestSliver && area < kThin * length_ * perimeter())
+      return triangulate_shortest();
     if (area > 0) {
       core_.build(plane_, loop_begin_, length_, area, execution_);
       if (core_.points().empty() && ring_.size() == boundary_.size()) return keep(old);
       for (const Vec2d& p : core_.points()) fresh_.push_back(origin_ + p.x * across_ + p.y * up_);
-      if (triangulate_with_core()) {
-        is_one_ = loop_begin_.size() < 3 && collar_.regions() < 2;
-        return;
-      }
+      if (triangulate_with_core()) return;
     }
     triangles_.clear();
     fresh_.clear();
@@ -274,6 +269,7 @@ class RegionRefiner {
       triangles_.push_back({corner_[t[0]], corner_[t[1]], corner_[t[2]]});
     for (const Triangle& t : core_.triangles())
       triangles_.push_back({known + t[0], known + t[1], known + t[2]});
+    is_one_ = loop_begin_.size() < 3 && collar_.regions() < 2;
     return true;
   }
 

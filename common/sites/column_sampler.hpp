@@ -43,9 +43,10 @@ class ColumnSampler {
   /// candidate is kept as it is, which bounds the work.
   std::vector<Vec3d> sample(std::uint32_t count);
 
-  /// About `count` points, none where no chord is found: the chords of two columns for each are laid end to end and divided
-  /// into as many parts, and each part has a point (stratified sampling, Neyman 1934). No candidate is refused: in a thin wall, where sample() refuses nearly
-  /// all, these take a tenth of its time; several may lie on one column.
+  /// As many points, one less where rounding takes the last; none where no chord is found. The chords of two columns for
+  /// each are laid end to end and divided into `count` parts, and each part has a point (stratified sampling, Neyman
+  /// 1934). No candidate is refused: in a thin wall, where sample() refuses nearly all, these take less than half of its
+  /// time. Several may lie on one column.
   std::vector<Vec3d> spread(std::uint32_t count);
 
   /// Which of these points lie in the solid (winding number at least 1). A point within rounding error of
