@@ -60,9 +60,9 @@ SUBJECTS = [
 COSTS = {
     "pattern=uniform": 1.0, "pattern=points": 1.0, "pattern=impact": 1.0, "pattern=radial": 1.2, "pattern=grid": 1.5,
     "pattern=brick": 2.1, "pattern=slice": 2.0, "pattern=clustered": 1.0,
-    "lloyd=1": 1.1, "levels=5,20,50": 1.0, "rough_amplitude=0.05": 2.6, "dual=barycenter": 1.9, "physics=none": 0.9,
-    "sites=500": 3.4, "sites=5000": 25.8, "cells_per_fragment=6": 2.0,
-    "shell_fraction=0.05": 17.1,
+    "lloyd=1": 1.1, "levels=5,20,50": 1.0, "rough_amplitude=0.05": 2.2, "dual=barycenter": 2.0, "physics=none": 0.9,
+    "sites=500": 3.4, "sites=5000": 25.9, "cells_per_fragment=6": 2.0,
+    "shell_fraction=0.05": 32.8,
 }
 
 
