@@ -51,7 +51,7 @@ class Absent(unittest.TestCase):
 
     def test_it_is_a_failure_when_the_time_ends(self):
         with Client(deserted_url(), timeout=0.05, settings=quick(tries=1_000_000)) as client:
-            self.assertEqual(caught(client.version).type, "connection")
+            self.assertIn(caught(client.version).type, ("connection", "timeout"))  # the end may cut the last try short
 
     def test_a_name_that_does_not_exist_is_said_at_once(self):
         with Client("http://no-such-host.invalid", settings=quick()) as client:  # RFC 2606: never exists
