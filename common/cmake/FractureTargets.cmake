@@ -54,13 +54,16 @@ macro(fracture_unoptimized_under_sanitizers)
   endif()
 endmacro()
 
-# fracture_library(name SOURCES ... DEPS ...): one stage of the pipeline, also known as fracture::name.
+# fracture_library(name SOURCES ... DEPS ...): one stage of the pipeline, also known as fracture::name. Static, but made so
+# that a shared library could hold it: g++ then inlines no function that a program might put another one in place of.
+# Nobody does here.
 function(fracture_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPS" ${ARGN})
   add_library(fracture_${name} STATIC ${ARG_SOURCES})
   add_library(fracture::${name} ALIAS fracture_${name})
   set_target_properties(fracture_${name} PROPERTIES UNITY_BUILD ${FRACTURE_UNITY})
   target_include_directories(fracture_${name} PUBLIC ${CMAKE_SOURCE_DIR})
+  target_compile_options(fracture_${name} PRIVATE -fno-semantic-interposition)
   target_link_libraries(fracture_${name} PUBLIC ${ARG_DEPS} fracture_strict_fp fracture_sanitizers
                         PRIVATE fracture_warnings)
 endfunction()
