@@ -330,9 +330,14 @@ class Assembler {
     std::uint32_t next = 0;
     const auto add_until = [&](std::uint32_t end) {
       const std::uint32_t* const index = out_.indices.data();
-      pacer_.each(next / 3, end / 3, [&](std::size_t t) {
-        all.add(points_[index[3 * t]], points_[index[3 * t + 1]], points_[index[3 * t + 2]]);
+      const auto corner = [&](std::size_t k) { return &points_[index[k]]; };
+      const std::size_t pairs = end > next ? (end - next) / 6 : 0;
+      pacer_.each(0, pairs, [&](std::size_t pair) {
+        const std::size_t k = next + 6 * pair;
+        all.add_both({corner(k), corner(k + 1), corner(k + 2)},
+                     {corner(k + 3), corner(k + 4), corner(k + 5)});
       });
+      if (next + 6 * pairs < end) all.add(*corner(end - 3), *corner(end - 2), *corner(end - 1));
       next = std::max(next, end);
     };
     const auto first_cut = std::find_if(out_.primitives.begin(), out_.primitives.end(),

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 
 #include "common/fragment/fragments.hpp"
 
@@ -16,18 +17,14 @@ class MassIntegral {
 
   /// A triangle, counter-clockwise from outside.
   void add(const Vec3d& p, const Vec3d& q, const Vec3d& r) {
-    const Vec3d a = p - origin_, b = q - origin_, c = r - origin_, s = a + b + c;
-    const Vec3d ab = b - a, ac = c - a, normal = cross(ab, ac);
-    const double det = dot(a, normal);  // = a . (b x c)
-    six_volume_ += det;
-    moment_ = moment_ + det * s;
-    xx_ += det * (a.x * a.x + b.x * b.x + c.x * c.x + s.x * s.x);
-    yy_ += det * (a.y * a.y + b.y * b.y + c.y * c.y + s.y * s.y);
-    zz_ += det * (a.z * a.z + b.z * b.z + c.z * c.z + s.z * s.z);
-    xy_ += det * (a.x * a.y + b.x * b.y + c.x * c.y + s.x * s.y);
-    xz_ += det * (a.x * a.z + b.x * b.z + c.x * c.z + s.x * s.z);
-    yz_ += det * (a.y * a.z + b.y * b.z + c.y * c.z + s.y * s.z);
-    twice_area_ += length(normal);
+    add_terms(terms<double>(p - origin_, q - origin_, r - origin_), [](double x) { return x; });
+  }
+
+  /// The same as add() of each in turn, bit for bit, in little more than the time of one.
+  void add_both(const std::array<const Vec3d*, 3>& s, const std::array<const Vec3d*, 3>& t) {
+    const Terms<Two> both = terms<Two>(abreast(*s[0], *t[0]), abreast(*s[1], *t[1]), abreast(*s[2], *t[2]));
+    add_terms(both, [](const Two& x) { return x[0]; });
+    add_terms(both, [](const Two& x) { return x[1]; });
   }
 
   double area() const { return 0.5 * twice_area_; }
@@ -56,6 +53,58 @@ class MassIntegral {
   }
 
  private:
+  /// Two numbers in one register: g++ and clang compute with both at once, each rounded as by itself.
+  using Two = double __attribute__((vector_size(2 * sizeof(double))));
+  struct TwoPoints {
+    Two x, y, z;
+    friend TwoPoints operator-(const TwoPoints& a, const TwoPoints& b) {
+      return {a.x - b.x, a.y - b.y, a.z - b.z};
+    }
+    friend TwoPoints operator+(const TwoPoints& a, const TwoPoints& b) {
+      return {a.x + b.x, a.y + b.y, a.z + b.z};
+    }
+  };
+  TwoPoints abreast(const Vec3d& p, const Vec3d& q) const {
+    return {Two{p.x, q.x} - origin_.x, Two{p.y, q.y} - origin_.y, Two{p.z, q.z} - origin_.z};
+  }
+
+  /// What a triangle (or each of two) adds to every sum.
+  template <class Real>
+  struct Terms {
+    Real six_volume, moment_x, moment_y, moment_z, xx, yy, zz, xy, xz, yz, squared_twice_area;
+  };
+  template <class Real, class Point>
+  static Terms<Real> terms(const Point& a, const Point& b, const Point& c) {
+    const Point s = a + b + c, ab = b - a, ac = c - a;
+    const Real nx = ab.y * ac.z - ab.z * ac.y, ny = ab.z * ac.x - ab.x * ac.z, nz = ab.x * ac.y - ab.y * ac.x;
+    const Real det = a.x * nx + a.y * ny + a.z * nz;  // = a . (b x c)
+    return {det,
+            det * s.x,
+            det * s.y,
+            det * s.z,
+            det * (a.x * a.x + b.x * b.x + c.x * c.x + s.x * s.x),
+            det * (a.y * a.y + b.y * b.y + c.y * c.y + s.y * s.y),
+            det * (a.z * a.z + b.z * b.z + c.z * c.z + s.z * s.z),
+            det * (a.x * a.y + b.x * b.y + c.x * c.y + s.x * s.y),
+            det * (a.x * a.z + b.x * b.z + c.x * c.z + s.x * s.z),
+            det * (a.y * a.z + b.y * b.z + c.y * c.z + s.y * s.z),
+            nx * nx + ny * ny + nz * nz};
+  }
+  template <class Real, class Pick>
+  void add_terms(const Terms<Real>& t, const Pick& pick) {
+    six_volume_ += pick(t.six_volume);
+    moment_.x += pick(t.moment_x);
+    moment_.y += pick(t.moment_y);
+    moment_.z += pick(t.moment_z);
+    xx_ += pick(t.xx);
+    yy_ += pick(t.yy);
+    zz_ += pick(t.zz);
+    xy_ += pick(t.xy);
+    xz_ += pick(t.xz);
+    yz_ += pick(t.yz);
+    twice_area_ += std::sqrt(pick(t.squared_twice_area));
+  }
+
   Vec3d origin_;
   double six_volume_ = 0, twice_area_ = 0;
   Vec3d moment_;
