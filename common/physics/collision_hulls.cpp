@@ -27,6 +27,15 @@ void collect_corners(const Fragment& f, HullMaker& maker, const Execution& execu
   }
 }
 
+/// Whether it is one cell of the diagram, whole: convex, though its corners were rounded to the seam lattice, since it
+/// is far wider than a step of that. The width of a convex body is at least 2 V / A.
+bool is_whole_cell(const Fragment& f, const Vec3d& lattice_step) {
+  constexpr double kWide = 1e4;
+  return f.bodies.empty() && f.sites.size() == 1 && f.caps.size() == 1 &&
+         f.caps[0].count == f.indices.size() &&
+         2 * f.mass.volume > kWide * length(lattice_step) * f.mass.area;
+}
+
 }  // namespace
 
 HullReport CollisionHulls::report() const {
@@ -51,7 +60,12 @@ CollisionHulls make_collision_hulls(const FragmentSet& set, CollisionHulls known
       if (!hulls.hulls.empty() || f.positions.empty()) continue;
       if (f.bodies.empty()) {
         collect_corners(f, maker, execution);
-        add_hull(maker.corners, {f.indices, maker.corner_of}, maker, hulls, execution);
+        const BodySurface surface(f.indices, maker.corner_of);
+        const bool is_known =
+            is_whole_cell(f, set.lattice_step) &&
+            add_convex(maker.corners, surface, {f.mass.volume, f.mass.area, f.mass.center_of_mass - f.pivot},
+                       hulls);
+        if (!is_known) add_hull(maker.corners, surface, maker, hulls, execution);
       }
       for (const std::vector<Vec3f>& body : f.bodies) add_hull(body, {}, maker, hulls, execution);
     }

@@ -18,7 +18,7 @@ namespace fracture {
 /// Most engines cap convex hulls at 255 or 256 points.
 inline constexpr std::uint32_t kMaxHullPoints = 255;
 /// What sticks out of a hull by less, of half of its body's least width or some more, is left out (DECISION.md).
-inline constexpr double kHullTolerance = 2e-3;
+inline constexpr double kHullTolerance = 0.01;
 /// m: how far a hull's faces are moved inwards, about (at least half of it, more on round hulls). In metres,
 /// because the tolerances of the engines are: with none, Rapier's GJK takes some splinters for overlapping
 /// (DECISION.md).

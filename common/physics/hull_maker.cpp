@@ -49,6 +49,15 @@ CollisionHull compact(std::span<const Vec3f> points, const Triangles& triangles,
   return hull;
 }
 
+/// By `wanted`, within what a hull may be scaled by.
+void shrink(CollisionHull& hull, const Vec3d& center, double wanted) {
+  const double by = std::clamp(wanted, kLeastHullShrink, kMostHullShrink);
+  for (Vec3f& q : hull.points) {
+    const Vec3d p = center + (1 - by) * (to_double(q) - center);
+    q = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+  }
+}
+
 }  // namespace
 
 // Scaling about c by 1 - s moves the face at distance d from c inwards by s d. For the centre of volume d is
@@ -67,12 +76,24 @@ void inset(CollisionHull& hull) {
     two_areas += length(cross(b - a, c - a));
   }
   const double wanted = six_volumes > 0 ? kHullInset * 3 * two_areas / six_volumes : kMostHullShrink;
-  const double shrink = std::clamp(wanted, kLeastHullShrink, kMostHullShrink);
-  const Vec3d center = origin + (six_volumes > 0 ? 0.25 / six_volumes : 0) * moment;
-  for (Vec3f& q : hull.points) {
-    const Vec3d p = center + (1 - shrink) * (to_double(q) - center);
-    q = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+  shrink(hull, origin + (six_volumes > 0 ? 0.25 / six_volumes : 0) * moment, wanted);
+}
+
+bool add_convex(std::span<const Vec3f> points, const BodySurface& surface, const ConvexMass& mass,
+                FragmentHulls& out) {
+  if (points.size() > kMaxHullPoints || surface.size() + 4 != 2 * points.size())
+    return false;  // Euler: no sphere
+  CollisionHull hull;
+  hull.triangles.reserve(surface.size());
+  for (std::size_t t = 0; t < surface.size(); ++t) {
+    const auto& [a, b, c] = hull.triangles.emplace_back(surface[t]);
+    const Vec3d p = to_double(points[a]);
+    if (cross(to_double(points[b]) - p, to_double(points[c]) - p) == Vec3d{}) return false;
   }
+  hull.points.assign(points.begin(), points.end());
+  shrink(hull, mass.center, kHullInset * mass.area / mass.volume);
+  out.hulls.push_back(std::move(hull));
+  return true;
 }
 
 void add_hull(std::span<const Vec3f> points, const BodySurface& surface, HullMaker& maker, FragmentHulls& out,

@@ -28,6 +28,17 @@ struct HullMaker {
 /// Moves the faces of a hull inwards (collision_hulls.hpp).
 void inset(CollisionHull& hull);
 
+/// Of a convex body, in the frame of its points.
+struct ConvexMass {
+  double volume, area;  ///< m³, m², both > 0
+  Vec3d center;         ///< of mass, m
+};
+
+/// The hull of a body that is known to be convex, inset: its own surface. Of the points each is a corner. False, and no
+/// hull, where that surface is no sphere of triangles with an area, or has more than kMaxHullPoints corners.
+bool add_convex(std::span<const Vec3f> points, const BodySurface& surface, const ConvexMass& mass,
+                FragmentHulls& out);
+
 /// The hull of these points, inset; a small box where they are flat. `surface`: as ConvexHullBuilder::build() has it.
 void add_hull(std::span<const Vec3f> points, const BodySurface& surface, HullMaker& maker, FragmentHulls& out,
               const Execution& execution);

@@ -54,7 +54,8 @@ namespace fracture {
 ///                 is made of the one that is asked for
 /// 19  2026-11-27  rough cuts of longer edges, flat across thin walls; inner sides of walls have as many triangles as they
 ///                 bend
-inline constexpr int kAlgorithmVersion = 19;
+/// 20  2026-11-27  hulls leave out more of what hardly sticks out
+inline constexpr int kAlgorithmVersion = 20;
 
 enum class Dual {
   kCircumcenter,  ///< the Voronoi diagram: fragments partition the solid exactly
