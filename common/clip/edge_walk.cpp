@@ -11,7 +11,6 @@ namespace fracture {
 void EdgeWalk::cut(std::uint32_t e, std::vector<EdgeCut>& cuts) {
   pacer_.step();
   const auto [lo, hi] = solid_.edge_vertices[e];
-  if (label_[lo] == label_[hi]) return;
   a_ = to_double(solid_.positions[lo]);
   b_ = to_double(solid_.positions[hi]);
   for (SiteId cell = label_[lo]; cell != label_[hi];) {

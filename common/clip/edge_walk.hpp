@@ -15,7 +15,7 @@ class EdgeWalk {
            const Execution& execution)
       : solid_(solid), diagram_(diagram), label_(label), pacer_(execution) {}
 
-  /// Appends the cuts of edge e, in order. Throws Interrupted.
+  /// Appends the cuts of edge e, in order: none where both ends lie in one cell. Throws Interrupted.
   void cut(std::uint32_t e, std::vector<EdgeCut>& cuts);
 
  private:

@@ -1,9 +1,11 @@
 #include "common/clip/surface_cuts.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <utility>
 
+#include "common/clip/cell_filter.hpp"
 #include "common/clip/edge_walk.hpp"
 #include "common/clip/polygon_clipper.hpp"
 #include "common/clip/work_blocks.hpp"
@@ -12,6 +14,9 @@ namespace fracture {
 namespace {
 
 constexpr std::size_t kBlock = 1024;  // vertices or edges per block of parallel work
+
+/// Of a mesh, for each site.
+constexpr std::size_t kVerticesForFilter = 8;
 
 /// Ids of vertices below this leave kBlockLocalC free.
 constexpr std::size_t kMostCorners = kBlockLocalC;
@@ -22,10 +27,12 @@ std::vector<SiteId> label_vertices(const Solid& solid, const VoronoiDiagram& dia
   // Any neighbour with a lower id is a good place to start the walk.
   std::vector<std::uint32_t> hint(n, kNoIndex);
   Pacer pacer(execution);
-  for (const auto& [lo, hi] : solid.edge_vertices) {
+  pacer.each(0, solid.edge_vertices.size(), [&](std::size_t e) {
+    const auto& [lo, hi] = solid.edge_vertices[e];
     hint[hi] = lo;
-    pacer.step();
-  }
+  });
+  std::optional<CellFilter> filter;  // takes as long to make as to look at three vertices for each site
+  if (n > kVerticesForFilter * diagram.dual().site_count()) filter.emplace(diagram, solid.box, execution);
   std::vector<SiteId> label(n);
   parallel_for(execution, n, kBlock, [&](std::size_t begin, std::size_t end) {
     Pacer own_pacer(execution);
@@ -34,7 +41,8 @@ std::vector<SiteId> label_vertices(const Solid& solid, const VoronoiDiagram& dia
     for (std::size_t v = begin; v < end; ++v) {
       const SiteId start = hint[v] != kNoIndex && hint[v] >= begin ? label[hint[v]] : last;
       const std::uint64_t before = walk.looked_at;
-      last = label[v] = diagram.nearest(to_double(solid.positions[v]), start, walk);
+      const Vec3d at = to_double(solid.positions[v]);
+      last = label[v] = filter && filter->surely_holds(start, at) ? start : diagram.nearest(at, start, walk);
       own_pacer.step(1 + walk.looked_at - before);
     }
   });
@@ -47,7 +55,11 @@ void cut_edges(const Solid& solid, const VoronoiDiagram& diagram, const Executio
   std::vector<std::vector<EdgeCut>> found(blocks);
   parallel_for(execution, n, kBlock, [&](std::size_t begin, std::size_t end) {
     EdgeWalk walk(solid, diagram, out.label, execution);
-    for (std::size_t e = begin; e < end; ++e) walk.cut(static_cast<std::uint32_t>(e), found[begin / kBlock]);
+    Pacer own_pacer(execution);
+    own_pacer.each(begin, end, [&](std::size_t e) {
+      const auto& [lo, hi] = solid.edge_vertices[e];
+      if (out.label[lo] != out.label[hi]) walk.cut(static_cast<std::uint32_t>(e), found[begin / kBlock]);
+    });
   });
   Pacer pacer(execution);
   for (const auto& cuts : found) {
@@ -55,14 +67,9 @@ void cut_edges(const Solid& solid, const VoronoiDiagram& diagram, const Executio
     pacer.step(cuts.size());
   }
   out.edge_cut_begin.assign(n + 1, 0);
-  for (const EdgeCut& c : out.edge_cuts) {
-    ++out.edge_cut_begin[c.edge + 1];
-    pacer.step();
-  }
-  for (std::size_t e = 0; e < n; ++e) {
-    out.edge_cut_begin[e + 1] += out.edge_cut_begin[e];
-    pacer.step();
-  }
+  pacer.each(0, out.edge_cuts.size(),
+             [&](std::size_t c) { ++out.edge_cut_begin[out.edge_cuts[c].edge + 1]; });
+  pacer.each(0, n, [&](std::size_t e) { out.edge_cut_begin[e + 1] += out.edge_cut_begin[e]; });
 }
 
 /// Joins the blocks; C ids were counted from each block's start.
@@ -113,11 +120,11 @@ void cut_triangles(const Solid& solid, const VoronoiDiagram& diagram, const Exec
                    SurfaceCuts& out) {
   std::vector<std::uint32_t> cut;
   Pacer pacer(execution);
-  for (std::uint32_t t = 0; t < solid.triangles.size(); ++t) {
-    pacer.step();
+  pacer.each(0, solid.triangles.size(), [&](std::size_t t) {
     const auto& v = solid.triangles[t];
-    if (out.label[v[0]] != out.label[v[1]] || out.label[v[1]] != out.label[v[2]]) cut.push_back(t);
-  }
+    if (out.label[v[0]] != out.label[v[1]] || out.label[v[1]] != out.label[v[2]])
+      cut.push_back(static_cast<std::uint32_t>(t));
+  });
   // A large triangle whose edges have n cuts in all has about n²/24 polygons, and each takes some hundred
   // nanoseconds.
   const WorkBlocks blocks(execution, cut.size(), 400'000, [&](std::size_t k) {
