@@ -111,13 +111,16 @@ bool ColumnSampler::cross_all(int axis, std::span<const Column> columns, std::ve
     return CellOfVertex{static_cast<std::uint16_t>(cell_u(p[f.u])),
                         static_cast<std::uint16_t>(cell_v(p[f.v]))};
   };
+  const auto inner_cell = [last = side_count - 2](double t, double low, double scaling) {  // as cell() has it
+    return static_cast<std::uint16_t>(std::min(1 + static_cast<std::uint32_t>((t - low) * scaling), last));
+  };
   parallel_for(execution_, beyond.size(), kAtOnce, [&](std::size_t first, std::size_t last) {
     for (std::size_t v = first; v < last; ++v) {
       const Vec3d p = to_double(solid_.positions[v]);
       const double at_u = p[f.u], at_v = p[f.v];
       beyond[v] = static_cast<std::uint8_t>((at_u < low_u) | (at_u > high_u) << 1 | (at_v < low_v) << 2 |
                                             (at_v > high_v) << 3);
-      if (beyond[v] == 0) cells[v] = find_cell(p);
+      if (beyond[v] == 0) cells[v] = {inner_cell(at_u, low_u, scale_u), inner_cell(at_v, low_v, scale_v)};
     }
   });
   const auto cell_of_vertex = [&](VertexId v) {
@@ -171,14 +174,13 @@ bool ColumnSampler::cross_all(int axis, std::span<const Column> columns, std::ve
       own_pacer.step(end - first);
       for (std::uint32_t k = first; k < end; ++k) cross(triangle, items[k], out);
     };
-    if (a == b && b == c) {  // most triangles are smaller than a cell
-      const std::uint32_t at = a.v * side_count + a.u;
-      if (start[at] < start[at + 1]) compare(seen(t), start[at], start[at + 1]);
-      return;
-    }
-    const Crossed triangle = seen(t);
     const std::uint32_t u0 = std::min(std::min(a.u, b.u), c.u), u1 = std::max(std::max(a.u, b.u), c.u);
     const std::uint32_t v0 = std::min(std::min(a.v, b.v), c.v), v1 = std::max(std::max(a.v, b.v), c.v);
+    bool any = false;  // most triangles are as small as a cell, and most cells are empty
+    for (std::uint32_t v = v0; v <= v1 && !any; ++v)
+      any = start[v * side_count + u0] < start[v * side_count + u1 + 1];
+    if (!any) return;
+    const Crossed triangle = seen(t);
     const bool by_rows = wide && (u1 - u0) * (v1 - v0) > kManyCells;
     for (std::uint32_t v = v0; v <= v1; ++v) {
       std::uint32_t first = u0, last = u1;

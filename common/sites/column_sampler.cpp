@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "common/base/pacer.hpp"
 
@@ -18,44 +19,47 @@ ColumnSampler::ColumnSampler(const Solid& solid, std::uint64_t seed, const Execu
 
 void ColumnSampler::choose_axis() {
   const Solid& solid = solid_;
-  // The axis along which most candidates are kept: least (projected area × width). Normals are found on all threads,
-  // some at a time, and added up in the order of the triangles.
+  // The axis along which most candidates are kept: least (projected area × width). Twice the areas through which columns
+  // enter are found on all threads, some at a time, and added up in the order of the triangles, for each axis.
   const std::size_t triangles = solid.triangles.size(), some = std::min(triangles, 16 * kAtOnce);
-  std::vector<Vec3d> normals(some);
-  const auto each_normal = [&](const auto& visit) {
-    for (std::size_t first = 0; first < triangles; first += some) {
-      const std::size_t count = std::min(some, triangles - first);
-      parallel_for(execution_, count, kAtOnce, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k) {
-          const auto& c = solid.triangles[first + k];
-          const Vec3d a = to_double(solid.positions[c[0]]);
-          normals[k] = cross(to_double(solid.positions[c[1]]) - a, to_double(solid.positions[c[2]]) - a);
-        }
-      });
-      for (std::size_t k = 0; k < count; ++k) visit(first + k, normals[k]);
+  std::vector<Vec3d> areas(some);
+  std::array<std::vector<double>, 3> entry_area;
+  for (std::vector<double>& sums : entry_area) resize_with_polls(execution_, sums, triangles);
+  Vec3d area;
+  for (std::size_t first = 0; first < triangles; first += some) {
+    const std::size_t count = std::min(some, triangles - first);
+    parallel_for(execution_, count, kAtOnce, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) {
+        const auto& c = solid.triangles[first + k];
+        const Vec3d a = to_double(solid.positions[c[0]]);
+        const Vec3d n = cross(to_double(solid.positions[c[1]]) - a, to_double(solid.positions[c[2]]) - a);
+        areas[k] = {std::max(0.0, -n.x), std::max(0.0, -n.y), std::max(0.0, -n.z)};
+      }
+    });
+    for (std::size_t k = 0; k < count; ++k) {
+      area = area + areas[k];
+      entry_area[0][first + k] = area.x;
+      entry_area[1][first + k] = area.y;
+      entry_area[2][first + k] = area.z;
     }
-  };
-  std::array<double, 3> area{};
-  each_normal([&](std::size_t, const Vec3d& n) {
-    for (int k = 0; k < 3; ++k) area[k] += n[k] < 0 ? -0.5 * n[k] : 0;
-  });
+  }
+  area = 0.5 * area;
   const Vec3d size = solid.box.size();
   for (int k = 1; k < 3; ++k)
     if (area[k] * size[k] < area[axis_] * size[axis_]) axis_ = k;
-  resize_with_polls(execution_, entry_area_, triangles);
-  double sum = 0;
-  each_normal([&](std::size_t t, const Vec3d& n) {
-    if (n[axis_] < 0) sum -= n[axis_];
-    entry_area_[t] = sum;
-  });
+  entry_area_ = std::move(entry_area[static_cast<std::size_t>(axis_)]);
 
+  // A candidate is kept with this probability: all chords together have the volume.
+  const auto probability = [&] { return std::fmin(solid.report.volume / (area[axis_] * cap_), 1); };
   cap_ = size[axis_];
+  rate_ = probability();
   if (solid.report.volume >= area[axis_] * size[axis_] / 64) return;
   std::vector<Column> probes;
   for (std::uint64_t k = 0; k < 256; ++k) probes.push_back(column(kProbeStream, k));
   double longest = 0;
   for (const Chord& chord : chords(probes)) longest = std::fmax(longest, chord.length);
   if (longest > 0) cap_ = longest;
+  rate_ = probability();
 }
 
 ColumnSampler::Column ColumnSampler::column(std::uint64_t stream, std::uint64_t number) const {
@@ -216,7 +220,7 @@ std::vector<Vec3d> ColumnSampler::sample(std::uint32_t count) {
   std::uint64_t candidate = 0;
   std::uint32_t refused = 0;
   std::uint64_t looked_at = 0;
-  double rate = 0.5;  // kept candidates per candidate, so far: only the size of the next batch depends on it
+  double rate = rate_;  // kept candidates per candidate: only the size of the next batch depends on it
   std::vector<Column> columns;
   Pacer pacer(execution_);
   while (points.size() < count) {

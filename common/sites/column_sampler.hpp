@@ -97,6 +97,7 @@ class ColumnSampler {
   std::uint64_t seed_;
   int axis_ = 0;
   double cap_ = 0;
+  double rate_ = 0.5;      ///< of candidates, how many are kept, about
   std::size_t depth_ = 8;  ///< crossings per column, in the last batch
   std::uint64_t comparisons_ = 0;
   std::vector<double> entry_area_;  ///< running sums over the triangles; empty until choose_axis()
