@@ -231,6 +231,7 @@ class LocalHit {
   void replace_cells() {
     if (parameters_.hulls == Hulls::kConvex) {
       FragmentSet set;
+      state_lattice(solid_, set);
       set.fragments.swap(made_.fragments);
       hulls_ = make_collision_hulls(set, std::move(hulls_), execution_);
       set.fragments.swap(made_.fragments);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -27,13 +28,16 @@ void collect_corners(const Fragment& f, HullMaker& maker, const Execution& execu
   }
 }
 
-/// Whether it is one cell of the diagram, whole: convex, though its corners were rounded to the seam lattice, since it
-/// is far wider than a step of that. The width of a convex body is at least 2 V / A.
-bool is_whole_cell(const Fragment& f, const Vec3d& lattice_step) {
+/// How many of the triangles of a fragment may bend inwards, all of them at its beginning: the others are cuts by the
+/// bisectors of one cell, which is convex. Its corners were rounded to the seam lattice: so this is only known of what
+/// is far wider than a step of that. (The width of a convex body is at least 2 V / A.)
+std::optional<std::size_t> count_uncut(const Fragment& f, const Vec3d& lattice_step) {
   constexpr double kWide = 1e4;
-  return f.bodies.empty() && f.sites.size() == 1 && f.caps.size() == 1 &&
-         f.caps[0].count == f.indices.size() &&
-         2 * f.mass.volume > kWide * length(lattice_step) * f.mass.area;
+  const bool is_known = f.bodies.empty() && f.sites.size() == 1 && f.open_edges == 0 && f.caps.size() == 1 &&
+                        f.caps[0].first + f.caps[0].count == f.indices.size() &&
+                        2 * f.mass.volume > kWide * length(lattice_step) * f.mass.area;
+  if (!is_known) return std::nullopt;
+  return f.caps[0].first / 3;
 }
 
 }  // namespace
@@ -60,9 +64,9 @@ CollisionHulls make_collision_hulls(const FragmentSet& set, CollisionHulls known
       if (!hulls.hulls.empty() || f.positions.empty()) continue;
       if (f.bodies.empty()) {
         collect_corners(f, maker, execution);
-        const BodySurface surface(f.indices, maker.corner_of);
+        const BodySurface surface(f.indices, maker.corner_of, count_uncut(f, set.lattice_step));
         const bool is_known =
-            is_whole_cell(f, set.lattice_step) &&
+            surface.uncut() == 0 &&
             add_convex(maker.corners, surface, {f.mass.volume, f.mass.area, f.mass.center_of_mass - f.pivot},
                        hulls);
         if (!is_known) add_hull(maker.corners, surface, maker, hulls, execution);

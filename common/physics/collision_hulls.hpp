@@ -57,7 +57,7 @@ struct CollisionHulls {
 };
 
 /// One hull for each body, in the fragment's local frame, of every fragment that has a shape and no hulls in
-/// `known`, which may be empty. Throws Interrupted.
+/// `known`, which may be empty. The set's lattice step says what rounding did to their corners. Throws Interrupted.
 CollisionHulls make_collision_hulls(const FragmentSet& set, CollisionHulls known, const Execution& execution);
 
 }  // namespace fracture

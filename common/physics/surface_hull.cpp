@@ -49,6 +49,7 @@ bool SurfaceHull::nothing_above_the_largest(const HullGrid& grid, Pacer& pacer) 
   largest_.resize(faces_.size());
   std::iota(largest_.begin(), largest_.end(), 0u);
   const std::size_t count = std::min(kLargest, largest_.size());
+  if (count == 0) return true;
   std::nth_element(largest_.begin(), largest_.begin() + static_cast<std::ptrdiff_t>(count) - 1,
                    largest_.end(), [&](std::uint32_t f, std::uint32_t g) {
                      const double a = faces_[f].rounding, b = faces_[g].rounding;
@@ -74,20 +75,21 @@ bool SurfaceHull::nothing_above_the_largest(const HullGrid& grid, Pacer& pacer) 
   return true;
 }
 
-/// False, too, where a triangle is degenerate, an edge is not that of two triangles, once in each direction, or the
-/// body is flat: the width of a convex body is at least 2 V / A. Most bodies that are not convex are known after a
-/// few triangles.
+/// False, too, where a triangle is degenerate, an edge is not that of two triangles, once in each direction (but for
+/// those between what is uncut and cuts), or the body is flat: the width of a convex body is at least 2 V / A. Most
+/// bodies that are not convex are known after a few triangles.
 bool SurfaceHull::bends_outwards(const HullGrid& grid, const BodySurface& surface, Pacer& pacer) {
   faces_.clear();
   corners_.clear();
   after_.clear();
-  faces_.reserve(surface.size());
-  corners_.reserve(4 * surface.size());
-  after_.reserve(4 * surface.size());
+  const std::size_t count = surface.uncut().value_or(surface.size());
+  faces_.reserve(count);
+  corners_.reserve(4 * count);
+  after_.reserve(4 * count);
   points_.assign(grid.size(), {kNoIndex, 0, 0, false});
   double six_volumes = 0, sizes = 0;
   std::size_t pairs = 0;
-  for (std::size_t f = 0; f < surface.size(); ++f) {
+  for (std::size_t f = 0; f < count; ++f) {
     const auto [a0, b0, c0] = surface[f];
     const HullGrid::Plane plane = grid.plane(a0, b0, c0);
     const double size = largest(plane.normal);
@@ -114,8 +116,29 @@ bool SurfaceHull::bends_outwards(const HullGrid& grid, const BodySurface& surfac
       ++pairs;
     }
   }
+  if (surface.uncut()) {
+    look_at_cuts(grid, surface, pacer);
+    return true;
+  }
   return 2 * pairs == 3 * faces_.size() &&
          six_volumes > 3 * kThick * sizes;  // twice an area is at most sqrt(3) times its size
+}
+
+/// The cell bends outwards at its own edges, and so does the body where a cut ends at its surface: what sticks out
+/// there is not asked by how much.
+void SurfaceHull::look_at_cuts(const HullGrid& grid, const BodySurface& surface, Pacer& pacer) {
+  const auto climb = [&](std::uint32_t a, std::uint32_t b) {
+    const bool rises = grid.less(a, b);
+    points_[a].climbs |= rises;
+    points_[b].climbs |= !rises;
+  };
+  pacer.each(*surface.uncut(), surface.size(), [&](std::size_t f) {
+    const auto [a, b, c] = surface[f];
+    climb(a, b);
+    climb(b, c);
+    climb(c, a);
+    for (const std::uint32_t p : {a, b, c}) points_[p].edges = points_[p].creases = 3;
+  });
 }
 
 SurfaceHull::Shape SurfaceHull::shape_of(const HullGrid& grid, const BodySurface& surface,

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -15,11 +16,15 @@ namespace fracture {
 class BodySurface {
  public:
   BodySurface() = default;
-  /// `indices`: three vertices each; `corner_of`: of each vertex, which corner it stands at.
-  BodySurface(std::span<const std::uint32_t> indices, std::span<const std::uint32_t> corner_of)
-      : indices_(indices), corner_of_(corner_of.data()) {}
+  /// `indices`: three vertices each; `corner_of`: of each vertex, which corner it stands at. `uncut`: where it is known
+  /// that the surface is closed and that only its first triangles can bend inwards, among themselves, how many these are;
+  /// the others are then cuts, faces of a convex cell.
+  BodySurface(std::span<const std::uint32_t> indices, std::span<const std::uint32_t> corner_of,
+              std::optional<std::size_t> uncut = {})
+      : indices_(indices), corner_of_(corner_of.data()), uncut_(uncut) {}
 
   std::size_t size() const { return indices_.size() / 3; }
+  std::optional<std::size_t> uncut() const { return uncut_; }
   std::array<std::uint32_t, 3> operator[](std::size_t triangle) const {
     const std::uint32_t* const v = indices_.data() + 3 * triangle;
     return {corner_of_[v[0]], corner_of_[v[1]], corner_of_[v[2]]};
@@ -28,6 +33,7 @@ class BodySurface {
  private:
   std::span<const std::uint32_t> indices_;
   const std::uint32_t* corner_of_ = nullptr;
+  std::optional<std::size_t> uncut_;
 };
 
 class SurfaceHull {
@@ -68,6 +74,7 @@ class SurfaceHull {
   };
 
   bool bends_outwards(const HullGrid& grid, const BodySurface& surface, Pacer& pacer);
+  void look_at_cuts(const HullGrid& grid, const BodySurface& surface, Pacer& pacer);
   bool nothing_above_the_largest(const HullGrid& grid, Pacer& pacer);
   bool add_edge(const HullGrid& grid, std::uint32_t a, std::uint32_t b, const Face& left, const Face& right);
 
