@@ -15,13 +15,15 @@ Scene concrete() {
   object.breakage.parameters["anchor_plane"] = ground_plane(-height / 2 + 0.03);
   scene.objects.push_back(object);
   set_material(scene, "concrete");
+  // Old and lean, so that the ball goes through where it hits.
+  scene.objects.front().breakage.parameters["bond_strength"] = 6e5;
   scene.ball_radius = 0.26;
   scene.ball_density = 7800;
-  scene.ball_speed = 15;
+  scene.ball_speed = 24;
   scene.eye = {2.7f, 1.7f, 4.0f};
   scene.target = {0.1f, 1.05f, -0.3f};
   scene.bounds = {{0, 1, -0.5f}, 4.5f};
-  scene.throws = {{0.3, {0.9, 1.5, 6}, {-1.0, 1.6, -15}}, {1.6, {-1.9, 1.2, 6}, {0.9, 1.4, -15}}};
+  scene.throws = {{0.4, {0.9, 1.5, 6}, {-1.0, 0.8, -24}}, {1.5, {-1.6, 1.2, 6}, {2.4, 0.2, -24}}};
   return scene;
 }
 
