@@ -247,9 +247,12 @@ class FewHulls {
       const std::vector<Vec3f>& body = f_->bodies[member->body];
       s_.points.insert(s_.points.end(), body.begin(), body.end());
     }
+    const auto add_largest = [&] {
+      add_hull(f_->bodies[largest->body], {}, s_.maker, out, execution_);
+    };
+    if (s_.members.size() == 1) return add_largest();
     const auto& triangles = s_.maker.builder.build(s_.points, kMaxHullPoints, execution_, {}, kHullTolerance);
-    if (triangles.empty() || s_.members.size() == 1)
-      return add_hull(f_->bodies[largest->body], {}, s_.maker, out, execution_);
+    if (triangles.empty()) return add_largest();
     const bool simplified = s_.maker.builder.stopped_early();
     s_.body.set(s_.points, triangles);
     Box box;
