@@ -247,9 +247,7 @@ class FewHulls {
       const std::vector<Vec3f>& body = f_->bodies[member->body];
       s_.points.insert(s_.points.end(), body.begin(), body.end());
     }
-    const auto add_largest = [&] {
-      add_hull(f_->bodies[largest->body], {}, s_.maker, out, execution_);
-    };
+    const auto add_largest = [&] { add_hull(f_->bodies[largest->body], {}, s_.maker, out, execution_); };
     if (s_.members.size() == 1) return add_largest();
     const auto& triangles = s_.maker.builder.build(s_.points, kMaxHullPoints, execution_, {}, kHullTolerance);
     if (triangles.empty()) return add_largest();

@@ -1,4 +1,5 @@
-// Rough cuts against flat ones: the whole of make_diagram() and fracture() with hulls.
+// Rough cuts, and fragments of six cells, against flat cuts and one cell: the whole of make_diagram() and fracture() with
+// hulls.
 //
 //   bench_rough [--repeat N] [--sites N] [FILE]
 //
@@ -43,23 +44,28 @@ int run(int repeat, std::uint32_t sites, const std::string& file) {
   if (!mesh) return std::puts(mesh.error().detail.c_str()), 1;
   const Expected<Solid> solid = make_solid(std::make_shared<Mesh>(std::move(*mesh)), {}, {});
   if (!solid) return std::puts(solid.error().detail.c_str()), 1;
-  for (const MaterialPreset& preset : material_presets()) {
-    if (!(preset.roughness.amplitude > 0)) continue;
-    FractureParameters flat;
-    flat.sites = sites;
-    flat.hulls = Hulls::kConvex;
-    FractureParameters rough = flat;
-    rough.roughness = preset.roughness;
+  FractureParameters flat;
+  flat.sites = sites;
+  flat.hulls = Hulls::kConvex;
+  const auto compare = [&](const std::string& name, const FractureParameters& other) {
     Run without, with;
     for (int k = 0; k < repeat; ++k) {
       fracture_once(*solid, flat, without);
-      fracture_once(*solid, rough, with);
+      fracture_once(*solid, other, with);
     }
     std::printf(
-        "%-9s flat %6.2f ms, %6zu triangles; rough %6.2f ms, %6zu triangles, %llu vertices calmed; %.1f "
-        "times as long\n",
-        std::string(preset.name).c_str(), without.ms, without.triangles, with.ms, with.triangles,
-        static_cast<unsigned long long>(with.calmed), with.ms / without.ms);
+        "%-10s %6.2f ms, %6zu triangles, %llu vertices calmed; %.1f times as long as flat, %.2f ms, %zu triangles\n",
+        name.c_str(), with.ms, with.triangles, static_cast<unsigned long long>(with.calmed),
+        with.ms / without.ms, without.ms, without.triangles);
+  };
+  FractureParameters aggregates = flat;
+  aggregates.aggregation.cells = 6;
+  compare("six cells", aggregates);
+  for (const MaterialPreset& preset : material_presets()) {
+    if (!(preset.roughness.amplitude > 0)) continue;
+    FractureParameters rough = flat;
+    rough.roughness = preset.roughness;
+    compare(std::string(preset.name), rough);
   }
   return 0;
 }
