@@ -32,7 +32,7 @@ constexpr LookValues values_of(SolidLook look) {
     case SolidLook::kIce:
       return {{0.78f, 0.92f, 0.98f}, {0.88f, 0.96f, 1.00f}, 0.12f, 0.45f, 0, 0.75f, 0.35f};
     default:
-      return {{0.75f, 0.73f, 0.70f}, {0.62f, 0.55f, 0.46f}, 0.80f, 0.95f, 0, 0, 0};
+      return {{0.75f, 0.73f, 0.70f}, {0.74f, 0.71f, 0.66f}, 0.80f, 0.95f, 0, 0, 0};
   }
 }
 
