@@ -115,6 +115,7 @@ void World::State::fade() {
       if (body->fading >= settings.fade_time) {
         owner.body_of[body->members[0]] = nullptr;
         ledger.brought -= energy(*body);
+        wake_around(*body);
         remove(*body);
         ++faded;
       }
@@ -137,6 +138,7 @@ void World::State::fade() {
   for (const auto& body : bodies)
     if (balls > settings.max_balls && body->kind == Body::Kind::kBall && !body->gone) {
       ledger.brought -= energy(*body);
+      wake_around(*body);
       remove(*body);
       --balls;
     }

@@ -8,7 +8,7 @@
 //
 //   where something is about to hit it, with those around it, as many as the blow can move;
 //   where something that it touched when it fell asleep has moved away, so that nothing hangs in the air;
-//   where that has come apart, or a blast goes off.
+//   where that has come apart or faded, held or not, or a blast goes off.
 //
 // It gains nothing: it has no motion when it wakes. A bond breaks in it by hits alone, for what lies on it bears on the
 // ground. A few pieces are not worth it, and sleep as Bullet has it.
@@ -32,6 +32,9 @@ constexpr double kHitSpeed = 0.3;  ///< m/s of approach, as of all hits
 /// m/s: a blow wakes what it could give this speed, all of it together. The rest would not be seen to move.
 constexpr double kFelt = 0.5;
 constexpr double kInTouch = 0.002;  ///< metres: a contact that will be as near at the end of the step is one
+
+/// All others may be taken away from under a piece.
+bool stays(const Body& body) { return body.kind == Body::Kind::kGround || body.kind == Body::Kind::kStatic; }
 
 /// Metres by which its farthest point has moved, at most.
 double moved(const Body& body, const btTransform& from) {
@@ -87,11 +90,21 @@ void World::State::wake(Body& body) const {
   body.watched = -1;
 }
 
-void World::State::wake_around(const Body& gone) const {
+/// Those that sleep as Bullet has it, too: it wakes nobody when a body is taken away.
+void World::State::wake_around(const Body& gone) {
   for (const auto& body : bodies)
     if (std::any_of(body->touched.begin(), body->touched.end(),
                     [&](const Body::Touched& other) { return other.number == gone.number; }))
       wake(*body);
+  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
+    const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
+    const auto *first = manifold.getBody0(), *second = manifold.getBody1();
+    if (manifold.getNumContacts() == 0 || (first != gone.rigid.get() && second != gone.rigid.get())) continue;
+    Body& other = *static_cast<Body*>((first == gone.rigid.get() ? second : first)->getUserPointer());
+    if (!other.moves() || other.rigid->isActive()) continue;
+    other.rigid->activate(true);
+    other.still = other.quiet = other.asleep = 0;
+  }
 }
 
 /// From neighbour to neighbour, until they are heavier than what the blow could move.
@@ -112,7 +125,7 @@ void World::State::rouse() const {
   for (const auto& body : bodies) {
     const bool lost =
         std::any_of(body->touched.begin(), body->touched.end(), [&](const Body::Touched& other) {
-          const Body* now = numbered(other.number);  // none: it has faded, or come apart, which woke this one
+          const Body* now = numbered(other.number);  // none: it is gone, which woke this one
           return now != nullptr && now->moves() && moved(*now, other.then) > kGone * body->radius;
         });
     if (lost) wake(*body);
@@ -152,7 +165,7 @@ void World::State::doze() {
   if (tired.empty()) return;
   for (Body* body : tired) lay(*body);
   for (const Touch& touch : touches)
-    if (touch.pressed && touch.a->is_loose() && touch.b->is_loose())
+    if (touch.pressed && !stays(*touch.a) && !stays(*touch.b))
       for (const auto& [body, other] : {std::pair(touch.a, touch.b), std::pair(touch.b, touch.a)})
         if (std::binary_search(tired.begin(), tired.end(), body,
                                [](const Body* a, const Body* b) { return a->number < b->number; }))

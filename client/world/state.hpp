@@ -156,8 +156,8 @@ struct World::State {
   void rouse() const;  ///< what is hit, or has lost its hold: before contacts are solved
   Body* numbered(std::uint64_t number) const;  ///< null: gone
   void lay(Body& body) const;
-  void wake(Body& body) const;  ///< if it dozes
-  void wake_around(const Body& gone) const;
+  void wake(Body& body) const;         ///< if it dozes
+  void wake_around(const Body& gone);  ///< before it goes
   void wake_by(Body& struck, double momentum) const;
 
   // foresight.cpp

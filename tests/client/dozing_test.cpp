@@ -34,15 +34,20 @@ std::vector<glm::dvec3> centers(const World& world, ObjectId id, const FragmentS
   return result;
 }
 
-/// How fast a ball of 8 kg is, a tenth of a second after it met the first of so many cubes that stand apart from one another.
-double ball_after_hit(int cubes) {
-  World world;
-  for (int k = 0; k < cubes; ++k) {
-    const FragmentSet one = loose_cubes(1, 1);
+/// So many loose cubes, 3 m apart from one another, from `first` on.
+void add_loose_cubes(World& world, int first, int count) {
+  const FragmentSet one = loose_cubes(1, 1);
+  for (int k = first; k < first + count; ++k) {
     ObjectSpec spec = test::whole_of(one);
     spec.pose.position.x = 3.0 * k;
     world.fracture(world.add_object(spec), prepare(one));
   }
+}
+
+/// How fast a ball of 8 kg is, a tenth of a second after it met the first of so many cubes that stand apart from one another.
+double ball_after_hit(int cubes) {
+  World world;
+  add_loose_cubes(world, 0, cubes);
   test::run(world, kMoment);
   world.throw_ball({kCube / 2, kCube / 2, 0.8}, {0, 0, -8}, 0.1, 2000);
   const double before = 0.9 - kCube / 2;
@@ -76,6 +81,69 @@ TEST(Dozing, NothingHangsInTheAirWhereItsSupportIsGone) {
   test::run(world, 2);
   EXPECT_LT(centers(world, 0, two)[1].y, 0.8 * kCube) << "the upper one lies where the lower one was";
   EXPECT_NEAR(centers(world, 1, two)[1].y, 1.5 * kCube, 0.01) << "and nothing else has changed";
+}
+
+TEST(Dozing, NothingHangsInTheAirWhereItsSupportHasFaded) {
+  for (const int others : {45, 0}) {
+    WorldSettings settings;
+    settings.debris_share = 0.2;
+    settings.fade_after = 1;
+    World world(settings);
+    FragmentSet two = loose_cubes(1, 2);
+    two.fragments[0].volume *= 0.1;  // the lower one fades
+    const ObjectId id = world.add_object(test::whole_of(two));
+    world.fracture(id, prepare(two));
+    add_loose_cubes(world, 1, others);
+    test::run(world, 6);
+    ASSERT_EQ(world.census().faded, 1u);
+    EXPECT_LT(centers(world, id, two)[1].y, 0.8 * kCube) << "where the lower one was; " << others;
+    EXPECT_LT(world.ledger().worst_gain, 1e-3);
+  }
+}
+
+TEST(Dozing, NothingHangsInTheAirWhereABallIsGone) {
+  WorldSettings settings;
+  settings.max_balls = 1;
+  World world(settings);
+  add_loose_cubes(world, 1, 45);
+  world.throw_ball({0, 0.3, 0}, {0, 0, 0}, 0.3, 2000);
+  world.add_static_box({{0.45, 0.6, 0}, {1, 0, 0, 0}},
+                       {0.15, 0.6, 0.5});  // the cube between them lies on the ball
+  world.add_static_box({{-0.45, 0.6, 0}, {1, 0, 0, 0}}, {0.15, 0.6, 0.5});
+  world.add_static_box({{0, 0.6, 0.45}, {1, 0, 0, 0}}, {0.3, 0.6, 0.15});
+  world.add_static_box({{0, 0.6, -0.45}, {1, 0, 0, 0}}, {0.3, 0.6, 0.15});
+  FragmentSet one = loose_cubes(1, 1);
+  const ObjectSpec plain = test::whole_of(one);
+  ObjectSpec spec = plain;
+  spec.pose.position = {-kCube / 2, 0.6, 0};
+  const ObjectId id = world.add_object(spec);
+  world.fracture(id, prepare(one));
+  test::run(world, 2 * kMoment);
+  ASSERT_GT(centers(world, id, one)[0].y, 0.65);
+  ASSERT_LE(world.census().moving, 2u);
+  world.throw_ball({-5, 0.1, 8}, {0, 0, 0}, 0.1, 2000);
+  test::run(world, kMoment);
+  ASSERT_EQ(world.balls().size(), 1u);
+  EXPECT_LT(centers(world, id, one)[0].y, 0.3) << "it lies on the ground";
+}
+
+TEST(Dozing, NothingHangsInTheAirWhereWhatWasHeldBreaks) {
+  World world;
+  add_loose_cubes(world, 1, 45);
+  const FragmentSet one = loose_cubes(1, 1);
+  ObjectSpec shelf = test::whole_of(one), above = shelf;
+  shelf.held = true;
+  shelf.pose.position.y = 1;
+  above.pose.position.y = 1 + kCube;
+  const ObjectId held = world.add_object(shelf), id = world.add_object(above);
+  world.fracture(id, prepare(one));
+  test::run(world, 2 * kMoment);
+  ASSERT_EQ(world.census().moving, 0u);
+  ASSERT_NEAR(centers(world, id, one)[0].y, 1 + 1.5 * kCube, 0.01);
+  world.fracture(held, prepare(one));  // of which nothing is anchored: it falls
+  test::run(world, 2);
+  ASSERT_LT(centers(world, held, one)[0].y, 2 * kCube);
+  EXPECT_LT(centers(world, id, one)[0].y, 2 * kCube) << "what lay on it has come down, too";
 }
 
 TEST(Dozing, WhatDozesIsHitLikeWhatIsAwake) {
