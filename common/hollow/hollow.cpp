@@ -108,14 +108,21 @@ void finish(SolidReport& report, const HollowOptions& options, std::uint32_t ask
                            " times as thick as 'shell' asks: thinner ones take more triangles than may be.");
 }
 
+/// Triangles of the lattice for each that a part may have: more are work for nothing where many parts share them.
+constexpr std::uint32_t kMarched = 4;
+
+std::uint32_t most_marched(std::size_t triangles) {
+  return static_cast<std::uint32_t>(
+      std::min<std::size_t>(kMarched * triangles, HollowOptions{}.max_triangles));
+}
+
 /// Of walls that a material has by itself every fracture pays for the triangles: no finer than the outside asks for, and
 /// those of an eye no finer than those of its head. `share`: of the longest side of the largest part.
 hollow_detail::InnerSurfaceLimits fine_enough(std::size_t outside, double share, std::uint32_t most) {
-  constexpr std::size_t kForEach = 4, kLarge = 4000, kLeast = 1000, kMarched = 4;
+  constexpr std::size_t kForEach = 4, kLarge = 4000, kLeast = 1000;
   const auto of_size = static_cast<std::size_t>(kLarge * share * share);
   const std::size_t triangles = std::min<std::size_t>(most, std::max({kForEach * outside, of_size, kLeast}));
-  return {static_cast<std::uint32_t>(triangles), static_cast<std::uint32_t>(std::min<std::size_t>(
-                                                     kMarched * triangles, HollowOptions{}.max_triangles))};
+  return {static_cast<std::uint32_t>(triangles), most_marched(triangles)};
 }
 
 /// Writes the parts anew, each with its cavity behind its own triangles.
@@ -262,7 +269,7 @@ Solid hollowed(Solid solid, const HollowOptions& options, const Execution& execu
     if (most < kLeastTriangles) continue;
     const hollow_detail::InnerSurfaceLimits limits =
         least_ball > 0 ? fine_enough(runs[p].end - runs[p].begin, part.box.longest_side() / longest, most)
-                       : hollow_detail::InnerSurfaceLimits{.triangles = most};
+                       : hollow_detail::InnerSurfaceLimits{.triangles = most, .marched = most_marched(most)};
     const SurfaceTree outside = surface_of(p);
     Cavity cavity{p, inner_surface(outside, part.box, thickness_of(part), limits, execution), {}};
     const double volume = volume_of(cavity.surface, part.box.center());

@@ -133,6 +133,18 @@ TEST(Hollow, ManyPartsShareTheTriangles) {
   EXPECT_NE(few.report.notes.back().find("stayed solid"), std::string::npos);
 }
 
+TEST(Hollow, FewerTrianglesForEachPartAreLessWork) {
+  const Solid balls = solid_of(joined({ico_sphere(3), translated(ico_sphere(3), {3, 0, 0})}));
+  const auto polls = [&](std::uint32_t most) {
+    std::uint64_t count = 0;
+    EXPECT_EQ(hollowed(balls, {.fraction = 0.02, .max_all = most}, {.watch = [&] { ++count; }})
+                  .report.parts_hollowed,
+              2u);
+    return count;
+  };
+  EXPECT_LT(2 * polls(2 * 1'000), polls(2 * 20'000));
+}
+
 TEST(Hollow, UnequalPartsAddUp) {
   const Solid parts =
       hollowed(solid_of(joined({box({0, 0, 0}, {1, 0.7, 0.9}, 3), box({3, 0, 0}, {3.3, 0.31, 0.37}, 2),
