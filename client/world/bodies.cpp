@@ -1,5 +1,7 @@
 // Making, removing and fading of bodies.
 #include <algorithm>
+#include <optional>
+#include <vector>
 
 #include "client/world/state.hpp"
 
@@ -102,8 +104,23 @@ void World::State::sweep_out() {
   std::erase_if(bodies, [](const std::unique_ptr<Body>& body) { return body->gone; });
 }
 
+/// Ascending, by number: what something else lies on.
+std::vector<std::uint64_t> World::State::bearers() {
+  std::vector<std::uint64_t> found;
+  for (const auto& body : bodies)
+    for (const Body::Touched& other : body->touched)
+      if (other.bears) found.push_back(other.number);
+  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
+    const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
+    if (const Body* lower = bearer(manifold)) found.push_back(lower->number);
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
 void World::State::fade() {
   std::size_t moving = 0;
+  std::optional<std::vector<std::uint64_t>> bearing;  // looked for where it is asked
   for (const auto& body : bodies) moving += body->is_loose() && body->fading < 0;
   std::vector<std::pair<double, Body*>> loose;  // volume, for the budget
   for (const auto& body : bodies) {
@@ -115,14 +132,20 @@ void World::State::fade() {
       if (body->fading >= settings.fade_time) {
         owner.body_of[body->members[0]] = nullptr;
         ledger.brought -= energy(*body);
-        wake_around(*body);
+        wake_around(*body, true);
         remove(*body);
         ++faded;
       }
       continue;
     }
     body->asleep = body->rigid->isActive() ? 0 : body->asleep + settings.step;
-    if (body->asleep > settings.fade_after && volume < settings.debris_share * owner.fragments->volume)
+    bool fades =
+        body->asleep > settings.fade_after && volume < settings.debris_share * owner.fragments->volume;
+    if (fades) {  // not from under something, which would fall
+      if (!bearing) bearing = bearers();
+      fades = !std::binary_search(bearing->begin(), bearing->end(), body->number);
+    }
+    if (fades)
       body->fading = 0;
     else if (moving > settings.max_bodies)
       loose.emplace_back(volume, body.get());
@@ -138,7 +161,7 @@ void World::State::fade() {
   for (const auto& body : bodies)
     if (balls > settings.max_balls && body->kind == Body::Kind::kBall && !body->gone) {
       ledger.brought -= energy(*body);
-      wake_around(*body);
+      wake_around(*body, true);
       remove(*body);
       --balls;
     }

@@ -14,6 +14,7 @@
 // ground. A few pieces are not worth it, and sleep as Bullet has it.
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "client/world/state.hpp"
 
@@ -31,6 +32,8 @@ constexpr double kGone = 0.1;
 constexpr double kHitSpeed = 0.3;  ///< m/s of approach, as of all hits
 /// m/s: a blow wakes what it could give this speed, all of it together. The rest would not be seen to move.
 constexpr double kFelt = 0.5;
+/// Of the normal of a contact, upwards: there one bears the other.
+constexpr double kBears = 0.3;
 constexpr double kInTouch = 0.002;  ///< metres: a contact that will be as near at the end of the step is one
 
 /// All others may be taken away from under a piece.
@@ -90,11 +93,20 @@ void World::State::wake(Body& body) const {
   body.watched = -1;
 }
 
-/// Those that sleep as Bullet has it, too: it wakes nobody when a body is taken away.
-void World::State::wake_around(const Body& gone) {
+const Body* bearer(const btPersistentManifold& manifold) {
+  if (manifold.getNumContacts() == 0) return nullptr;
+  const double up = manifold.getContactPoint(0).m_normalWorldOnB.y();  // from the second to the first
+  if (std::fabs(up) < kBears) return nullptr;
+  return static_cast<const Body*>((up > 0 ? manifold.getBody1() : manifold.getBody0())->getUserPointer());
+}
+
+/// Those that sleep as Bullet has it, too: it wakes nobody when a body is taken away. (A crumb that fades beside a heap
+/// is no reason for the heap to wake.)
+void World::State::wake_around(const Body& gone, bool only_borne) {
   for (const auto& body : bodies)
-    if (std::any_of(body->touched.begin(), body->touched.end(),
-                    [&](const Body::Touched& other) { return other.number == gone.number; }))
+    if (std::any_of(body->touched.begin(), body->touched.end(), [&](const Body::Touched& other) {
+          return other.number == gone.number && (other.bears || !only_borne);
+        }))
       wake(*body);
   for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
     const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
@@ -102,6 +114,7 @@ void World::State::wake_around(const Body& gone) {
     if (manifold.getNumContacts() == 0 || (first != gone.rigid.get() && second != gone.rigid.get())) continue;
     Body& other = *static_cast<Body*>((first == gone.rigid.get() ? second : first)->getUserPointer());
     if (!other.moves() || other.rigid->isActive()) continue;
+    if (only_borne && bearer(manifold) != &gone) continue;
     other.rigid->activate(true);
     other.still = other.quiet = other.asleep = 0;
   }
@@ -166,10 +179,11 @@ void World::State::doze() {
   for (Body* body : tired) lay(*body);
   for (const Touch& touch : touches)
     if (touch.pressed && !stays(*touch.a) && !stays(*touch.b))
-      for (const auto& [body, other] : {std::pair(touch.a, touch.b), std::pair(touch.b, touch.a)})
+      for (const auto& [body, other, up] :
+           {std::tuple(touch.a, touch.b, touch.normal.y), std::tuple(touch.b, touch.a, -touch.normal.y)})
         if (std::binary_search(tired.begin(), tired.end(), body,
                                [](const Body* a, const Body* b) { return a->number < b->number; }))
-          body->touched.push_back({other->number, other->rigid->getWorldTransform()});
+          body->touched.push_back({other->number, other->rigid->getWorldTransform(), up > kBears});
 }
 
 }  // namespace fracture::world

@@ -66,6 +66,7 @@ struct Body {
   struct Touched {
     std::uint64_t number;  ///< of a body
     btTransform then;      ///< where it was
+    bool bears;            ///< this one, from below
   };
   std::uint64_t number = 0;    ///< of all bodies that there have been
   btTransform watched_from;    ///< where it was …
@@ -108,6 +109,9 @@ struct Object {
 
   bool hit() const { return !impacts.empty() || !blasts.empty(); }
 };
+
+/// Which of the two lies below the other, where one does: a contact that is not upright enough bears nobody. Null: none.
+const Body* bearer(const btPersistentManifold& manifold);
 
 struct World::State {
   explicit State(WorldSettings s);
@@ -156,8 +160,10 @@ struct World::State {
   void rouse() const;  ///< what is hit, or has lost its hold: before contacts are solved
   Body* numbered(std::uint64_t number) const;  ///< null: gone
   void lay(Body& body) const;
-  void wake(Body& body) const;         ///< if it dozes
-  void wake_around(const Body& gone);  ///< before it goes
+  void wake(Body& body) const;  ///< if it dozes
+  std::vector<std::uint64_t> bearers();
+  /// Before it goes: all that it touches, or only what lies on it.
+  void wake_around(const Body& gone, bool only_borne = false);
   void wake_by(Body& struck, double momentum) const;
 
   // foresight.cpp

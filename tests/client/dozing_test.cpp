@@ -83,14 +83,31 @@ TEST(Dozing, NothingHangsInTheAirWhereItsSupportIsGone) {
   EXPECT_NEAR(centers(world, 1, two)[1].y, 1.5 * kCube, 0.01) << "and nothing else has changed";
 }
 
-TEST(Dozing, NothingHangsInTheAirWhereItsSupportHasFaded) {
+TEST(Dozing, WhatBearsSomethingDoesNotFade) {
   for (const int others : {45, 0}) {
     WorldSettings settings;
     settings.debris_share = 0.2;
     settings.fade_after = 1;
     World world(settings);
     FragmentSet two = loose_cubes(1, 2);
-    two.fragments[0].volume *= 0.1;  // the lower one fades
+    two.fragments[0].volume *= 0.1;  // the lower one would fade
+    const ObjectId id = world.add_object(test::whole_of(two));
+    world.fracture(id, prepare(two));
+    add_loose_cubes(world, 1, others);
+    test::run(world, 6);
+    EXPECT_EQ(world.census().faded, 0u);
+    EXPECT_EQ(world.census().moving, 0u);
+    EXPECT_NEAR(centers(world, id, two)[1].y, 1.5 * kCube, 0.01);
+  }
+}
+
+TEST(Dozing, NothingHangsInTheAirWhereItsSupportHasFaded) {
+  for (const int others : {45, 0}) {
+    WorldSettings settings;
+    settings.max_bodies = static_cast<std::size_t>(others) + 1;  // the smallest fades at once
+    World world(settings);
+    FragmentSet two = loose_cubes(1, 2);
+    two.fragments[0].volume *= 0.1;
     const ObjectId id = world.add_object(test::whole_of(two));
     world.fracture(id, prepare(two));
     add_loose_cubes(world, 1, others);
