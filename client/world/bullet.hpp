@@ -5,6 +5,7 @@
 #include <btBulletDynamicsCommon.h>
 
 #include "client/world/change.hpp"
+#include "client/world/hull_shape.hpp"
 #include "client/world/world.hpp"
 
 #ifndef BT_USE_DOUBLE_PRECISION
@@ -25,7 +26,7 @@ inline Pose from_bullet(const btTransform& t) {
 }
 
 /// A hull shape whose surface with Bullet's margin is that of the hull: points are moved inwards by it.
-std::unique_ptr<btConvexHullShape> make_hull(std::span<const glm::dvec3> points);
+std::unique_ptr<HullShape> make_hull(std::span<const glm::dvec3> points);
 
 struct PreparedFragments : ChangedFragments {
   /// What they are a change of, if they are; the fragments that stay have the same shapes there.
@@ -33,7 +34,7 @@ struct PreparedFragments : ChangedFragments {
   struct Part {
     Pose frame;  ///< centre of mass and principal axes, in the asset's frame
     glm::dvec3 moments;
-    std::vector<std::shared_ptr<btConvexHullShape>> hulls;  ///< in `frame`
+    std::vector<std::shared_ptr<HullShape>> hulls;  ///< in `frame`
   };
   std::vector<Part> parts;
   double volume = 0;

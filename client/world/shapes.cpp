@@ -63,7 +63,7 @@ Hull inner_corners(std::span<const glm::dvec3> points, const btConvexHullCompute
 
 }  // namespace
 
-std::unique_ptr<btConvexHullShape> make_hull(std::span<const glm::dvec3> points) {
+std::unique_ptr<HullShape> make_hull(std::span<const glm::dvec3> points) {
   glm::dvec3 low(HUGE_VAL), high(-HUGE_VAL);
   for (const glm::dvec3& p : points) {
     low = glm::min(low, p);
@@ -74,13 +74,13 @@ std::unique_ptr<btConvexHullShape> make_hull(std::span<const glm::dvec3> points)
   btConvexHullComputer computer;
   const btScalar shrunk = computer.compute(&points[0].x, static_cast<int>(sizeof(glm::dvec3)),
                                            static_cast<int>(points.size()), margin, 0.5);
-  auto shape = std::make_unique<btConvexHullShape>();
+  auto shape = std::make_unique<HullShape>();
   // A flat hull cannot be shrunk; it keeps its points.
   const bool usable = shrunk >= 0 && computer.vertices.size() >= 4;
   const Hull corners = usable ? inner_corners(points, computer, margin) : Hull(points.begin(), points.end());
   for (const glm::dvec3& p : corners) shape->addPoint(to_bullet(p), false);
   shape->setMargin(std::max(margin, 1e-5));
-  shape->recalcLocalAabb();
+  shape->finish();
   return shape;
 }
 

@@ -76,7 +76,7 @@ World::State::State(WorldSettings s)
     dispatcher.registerCollisionCreateFunc(first, second, &algorithm);
     dispatcher.registerCollisionCreateFunc(second, first, &algorithm);
   };
-  constexpr int kHull = CONVEX_HULL_SHAPE_PROXYTYPE, kCompound = COMPOUND_SHAPE_PROXYTYPE,
+  constexpr int kHull = HullShape::kType, kCompound = COMPOUND_SHAPE_PROXYTYPE,
                 kBox = BOX_SHAPE_PROXYTYPE, kPlane = STATIC_PLANE_PROXYTYPE;
   for (const int hull : {kHull, kBox}) {
     meet_by(kHull, hull, *hull_pairs);
