@@ -83,7 +83,6 @@ struct Leaves : btDbvt::ICollide {
 /// What one look at the two bodies needs.
 struct CompoundPair::Look {
   const Hulls &first, &second;
-  const btDispatcherInfo& info;
   btManifoldResult& result;
 };
 
@@ -126,20 +125,20 @@ void CompoundPair::meet(const Look& look, int first, int second, btScalar& gap) 
   result.setBody1Wrap(&b);
   result.setShapeIdentifiersA(-1, look.first.index(first));
   result.setShapeIdentifiersB(-1, look.second.index(second));
-  gap = btMin(gap, at->pair->collide(a, b, look.info, result));
+  gap = btMin(gap, at->pair->collide(a, b, result));
   result.setBody0Wrap(of_first);
   result.setBody1Wrap(of_second);
 }
 
 void CompoundPair::processCollision(const btCollisionObjectWrapper* first,
-                                    const btCollisionObjectWrapper* second, const btDispatcherInfo& info,
+                                    const btCollisionObjectWrapper* second, const btDispatcherInfo&,
                                     btManifoldResult* result) {
   if (steadiness_.holds(*first, *second)) {
     if (!meetings_.empty()) refresh_contacts(*this, manifolds_);
     return;
   }
   const Hulls a(*first), b(*second);
-  const Look look{a, b, info, *result};
+  const Look look{a, b, *result};
   for (Meeting& meeting : meetings_) meeting.seen = false;
   // The one with fewer hulls is compared, hull by hull, with those of the other.
   const bool first_has_more = a.count() >= b.count();

@@ -1,5 +1,7 @@
 #include "client/world/world.hpp"
 
+#include <BulletCollision/CollisionDispatch/btConvexConvexAlgorithm.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -76,8 +78,8 @@ World::State::State(WorldSettings s)
     dispatcher.registerCollisionCreateFunc(first, second, &algorithm);
     dispatcher.registerCollisionCreateFunc(second, first, &algorithm);
   };
-  constexpr int kHull = HullShape::kType, kCompound = COMPOUND_SHAPE_PROXYTYPE,
-                kBox = BOX_SHAPE_PROXYTYPE, kPlane = STATIC_PLANE_PROXYTYPE;
+  constexpr int kHull = HullShape::kType, kCompound = COMPOUND_SHAPE_PROXYTYPE, kBox = BOX_SHAPE_PROXYTYPE,
+                kPlane = STATIC_PLANE_PROXYTYPE;
   for (const int hull : {kHull, kBox}) {
     meet_by(kHull, hull, *hull_pairs);
     meet_by(kCompound, hull, *compound_pairs);

@@ -1,6 +1,7 @@
 #include "client/world/steady_pairs.hpp"
 
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
+#include <BulletCollision/CollisionDispatch/btConvexConvexAlgorithm.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
