@@ -152,6 +152,29 @@ bool World::expects_hit(ObjectId id) const {
          (object.awaited && now + kSoon >= *object.awaited && now <= *object.awaited + 2 * kEvery);
 }
 
+/// Nothing that is there bears less than what the ball could give it. One that lies on something falls no more: it may roll
+/// in a heap for seconds, among dozens of pieces that its path would be tried on.
+bool World::State::is_harmless(const Body& ball) const {
+  const auto speed_of = [](const Body& body) {
+    return body.moves() ? glm::length(from_bullet(body.rigid->getLinearVelocity())) +
+                              body.radius * glm::length(from_bullet(body.rigid->getAngularVelocity()))
+                        : 0;
+  };
+  const bool lies = std::any_of(touches.begin(), touches.end(), [&](const Touch& touch) {
+    return touch.pressed && (touch.a == &ball || touch.b == &ball);
+  });
+  const double fastest = speed_of(ball) + (lies ? 0 : settings.foresight * glm::length(settings.gravity));
+  return std::none_of(bodies.begin(), bodies.end(), [&](const auto& body) {
+    const Object* object =
+        body->kind == Body::Kind::kWhole || !body->bonds.empty() ? objects[body->object].get() : nullptr;
+    if (object == nullptr) return false;
+    const double bears = body->kind == Body::Kind::kWhole || body->held
+                             ? object->spec.strength
+                             : object->critical_speed * body->mass.mass;
+    return ball.mass.mass * (fastest + speed_of(*body)) > bears;
+  });
+}
+
 void World::State::look_ahead() {
   if (!(settings.foresight > 0)) return;
   for (const auto& body : bodies) {
@@ -161,6 +184,7 @@ void World::State::look_ahead() {
     const glm::dvec3 velocity = from_bullet(body->rigid->getLinearVelocity());
     if (ball) {
       if (static_cast<double>(steps - body->born) * settings.step > kYouth) continue;
+      if (is_harmless(*body)) continue;
     } else {
       const Object& object = *objects[body->object];
       if (object.asked) continue;

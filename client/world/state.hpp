@@ -179,6 +179,7 @@ struct World::State {
     std::optional<double> time;  ///< s from now, where it is known
   };
   void look_ahead();
+  bool is_harmless(const Body& ball) const;
   void ask_ahead(ObjectId object, const Pose& asset_to_world, const Foreseen& hit);
   void ask_again(const Body& ball, const Body& other, const Foreseen& hit);
   void ask_for_neighbours(const Body& body, double impulse, double approach);

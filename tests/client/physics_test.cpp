@@ -166,6 +166,27 @@ TEST(Physics, AFallIsSeenAhead) {
   EXPECT_NEAR(static_cast<double>(contact - ahead), 0.5 / world.settings().step, 6);
 }
 
+TEST(Physics, ABallThatRollsIsSeenAheadWhereItCouldBreakSomething) {
+  for (const double speed : {4.0, 1.0}) {
+    SCOPED_TRACE(speed);
+    World world;
+    ObjectSpec spec = whole_of(cubes(2, 2));
+    spec.strength = 60;
+    spec.held = true;
+    world.add_object(spec);
+    // 33 kg.
+    world.throw_ball({0.5, 0.1, 1.5}, {0, 0, -speed}, 0.1, 7800);
+    std::size_t ahead = 0, broken = 0;
+    for (int k = 0; k < 240; ++k) {
+      world.step();
+      for (const Event& event : world.take_events())
+        ++(event.kind == Event::Kind::kAhead && broken == 0 ? ahead : broken);
+    }
+    EXPECT_EQ(ahead, speed > 3 ? 1U : 0U);
+    EXPECT_EQ(broken, speed > 3 ? 1U : 0U);
+  }
+}
+
 TEST(Physics, NeighboursOfWhatIsHitAndWhatABallMeetsBehindItAreAskedForAhead) {
   World world;
   ObjectSpec spec = whole_of(cubes(1, 1, 0.5));
