@@ -12,6 +12,9 @@ BoxedWorld::BoxedWorld(btDispatcher* dispatcher, btBroadphaseInterface* boxes, b
   gDbvtMargin = 0.01;  // metres that a box in the tree is too large; one for all of Bullet
 }
 
+/// Those that Bullet foresaw for a ball in the last step: it leaves them to its pool, and ours are no pool's.
+BoxedWorld::~BoxedWorld() { releasePredictiveContacts(); }
+
 void BoxedWorld::updateAabbs() {
   for (int k = 0; k < m_collisionObjects.size(); ++k) {
     btCollisionObject& object = *m_collisionObjects[k];

@@ -14,6 +14,7 @@ class BoxedWorld final : public btDiscreteDynamicsWorld {
  public:
   BoxedWorld(btDispatcher* dispatcher, btBroadphaseInterface* boxes, btConstraintSolver* solver,
              btCollisionConfiguration* configuration);
+  ~BoxedWorld() override;
   void updateAabbs() override;
   void calculateSimulationIslands() override;
 
