@@ -162,6 +162,8 @@ class Blocks {
  private:
   static btDefaultCollisionConstructionInfo room() {
     btDefaultCollisionConstructionInfo info;
+    // Bullet lays out 4096 of each, which takes longer than the test.
+    info.m_defaultMaxPersistentManifoldPoolSize = info.m_defaultMaxCollisionAlgorithmPoolSize = 64;
     info.m_customCollisionAlgorithmMaxElementSize =
         static_cast<int>(std::max(sizeof(HullPair), sizeof(CompoundPair)));
     return info;
