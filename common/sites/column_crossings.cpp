@@ -176,6 +176,7 @@ bool ColumnSampler::cross_all(int axis, std::span<const Column> columns, std::ve
     };
     const std::uint32_t u0 = std::min(std::min(a.u, b.u), c.u), u1 = std::max(std::max(a.u, b.u), c.u);
     const std::uint32_t v0 = std::min(std::min(a.v, b.v), c.v), v1 = std::max(std::max(a.v, b.v), c.v);
+    own_pacer.step((v1 - v0) / 8);
     bool any = false;  // most triangles are as small as a cell, and most cells are empty
     for (std::uint32_t v = v0; v <= v1 && !any; ++v)
       any = start[v * side_count + u0] < start[v * side_count + u1 + 1];
