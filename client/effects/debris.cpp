@@ -42,6 +42,11 @@ const Crumbling& crumbling(const std::string& material) {
   return known != kCrumbling.end() ? *known : kCrumbling.front();
 }
 
+/// A mark is painted on what the depth of the picture shows, and that is what lies behind these.
+bool is_clear(const std::string& material) {
+  return material == "glass" || material == "ice" || material == "crystal";
+}
+
 constexpr float kGravity = 9.81f, kAirDrag = 2.2f;  // m/s²; 1/s, of dust
 constexpr float kShrink = 1;                        // seconds, at the end of a crumb
 constexpr double kScuffing = 2;                     // N·s: an impulse that leaves a mark …
@@ -135,6 +140,7 @@ void Debris::mark(const world::World& world, const world::Knock& knock, const wo
   glm::dvec3 normal = knock.normal;
   if (side.kind == world::Knock::Side::Kind::kObject) {
     if (!side.fragment) return;  // it is about to break there, or was not hit hard
+    if (is_clear(material)) return;
     std::vector<world::FragmentState> states;
     world.fragment_states(side.object, states);
     if (*side.fragment >= states.size() || !states[*side.fragment].present) return;

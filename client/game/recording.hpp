@@ -39,7 +39,7 @@ struct RecordedEvent {
 };
 
 /// What equal events lead to: raised when the world or the game answers them with other bits.
-inline constexpr int kRules = 5;
+inline constexpr int kRules = 6;
 
 struct Recording {
   nlohmann::json header;

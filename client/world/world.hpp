@@ -62,7 +62,7 @@ struct WorldSettings {
   std::size_t max_bodies = 800;  ///< that move; beyond it the smallest loose fragments fade at once
   /// While more than so many move, things come apart into fewer and larger pieces (holding.cpp), small loose fragments
   /// (debris_share) that come meet the ground and what is larger, but not one another, and no loose fragment breaks again.
-  std::size_t live_bodies = 75;
+  std::size_t live_bodies = 120;
   std::size_t max_balls = 24;  ///< beyond it the oldest goes
   double debris_share =
       0.02;  ///< of an object's volume: smaller loose fragments that bear nothing fade once they sleep …

@@ -126,11 +126,16 @@ TEST(DebrisTest, HitsLeaveMarksOnTheGroundAndOnWhatTheyMeet) {
   seen.knocks[0].a.fragment = 1;
   seen.knocks[0].point = {0.75, 5.5, 0};
   Debris debris;
-  debris.follow(world, seen, [](world::ObjectId) { return std::string("glass"); });
+  debris.follow(world, seen, [](world::ObjectId) { return std::string("ceramic"); });
   ASSERT_EQ(debris.marks().size(), 2u);
   EXPECT_TRUE(debris.marks()[0].on_object);
   EXPECT_TRUE(debris.marks()[0].cracks);
   EXPECT_LT(glm::distance(debris.marks()[0].position, glm::vec3(0.75, 0.5, 0)), 1e-6f);
+  // On what is clear it would be painted on what lies behind.
+  Debris clear;
+  clear.follow(world, seen, [](world::ObjectId) { return std::string("glass"); });
+  ASSERT_EQ(clear.marks().size(), 1u);
+  EXPECT_FALSE(clear.marks()[0].on_object);
   // Too soft.
   seen.knocks[0].impulse = 0.1;
   Debris soft;

@@ -225,8 +225,8 @@ TEST(EndToEnd, FilesFromTheCommandLineFallAndBreak) {
   const json summary = run(options);
   EXPECT_EQ(summary["scene"], "files");
   EXPECT_EQ(summary["game"]["meshes_stored"], 2);
-  EXPECT_GE(summary["game"]["swaps"], 2);  // each of them, and maybe a piece once more
-  EXPECT_LE(summary["game"]["swaps"], 4);
+  EXPECT_GE(summary["game"]["swaps"], 2);  // each of them, and some pieces once more
+  EXPECT_LE(summary["game"]["swaps"], 6);
   ASSERT_EQ(summary["warnings"].size(), 2u) << summary["warnings"];  // the notes, and the OBJ's textures
 }
 
@@ -310,8 +310,16 @@ TEST_P(ScenePictures, LookAsTheyDidWhenSomebodyLooked) {
     for (const std::size_t other : {(k + 1) % 3, (k + 2) % 3})
       EXPECT_LT(own, 0.6 * difference(now[k], 2, known[other], 2)) << moments[k] << " " << moments[other];
   }
-  const render::Picture shown = read_picture(FRACTURE_PICTURES "/" + scene + ".png");
-  EXPECT_LT(difference(now[2], 2, shown, 4), difference(now[0], 2, shown, 4));
+  // What the README shows is of the high tier.
+  options.picture = render::TierWish::kHigh;
+  options.screenshots = {0, moments.back()};
+  const json high = run(options);
+  const auto away = [&](std::size_t shot) {
+    return difference(read_picture(high["pictures"][shot]["file"].get<std::string>()), 2,
+                      read_picture(FRACTURE_PICTURES "/" + scene + ".png"), 4);
+  };
+  EXPECT_LT(away(1), 3);
+  EXPECT_LT(away(1), 0.8 * away(0));  // panes are clear: little changes
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ScenePictures, testing::ValuesIn(scenes::scene_names()),

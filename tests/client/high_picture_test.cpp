@@ -76,7 +76,7 @@ TEST_F(RendererTest, HighAnEdgeBeforeTheSkyHasNoHalo) {
 
 // -- shadows
 
-TEST_F(RendererTest, HighShadowsHaveNoPattern) {
+TEST_F(RendererTest, SoftShadowsHaveNoPattern) {
   Model model;
   model.materials = {paint({0.5f, 0.5f, 0.5f})};
   add_box(model, {0, 0.5f, 0}, {0.5f, 1, 2});
@@ -99,10 +99,9 @@ TEST_F(RendererTest, HighShadowsHaveNoPattern) {
       }
     return sum / count;
   };
-  const double of_low = noise(draw(model, camera, settings, 400, 400)),
-               of_high = noise(draw(model, camera, high(settings), 400, 400));
-  EXPECT_GT(of_low, 0.003) << "the low tier has some";
-  EXPECT_LT(of_high, 0.3 * of_low);
+  // Taps that turned from pixel to pixel gave more than 0.003.
+  EXPECT_LT(noise(draw(model, camera, settings, 400, 400)), 0.001);
+  EXPECT_LT(noise(draw(model, camera, high(settings), 400, 400)), 0.001);
 }
 
 TEST_F(RendererTest, HighGlassThrowsAnEvenFaintShadow) {

@@ -19,15 +19,15 @@ using nlohmann::json;
 TEST(TimeEndToEnd, AGameThatIsGoneOnWithIsTheOneThatWasNeverInterrupted) {
   test::ServeProcess server;
   test::TemporaryFolder folder;
-  Options whole = options_for(server, "panes", 1.6);
+  Options whole = options_for(server, "panes", 2.8);
   whole.log = folder / "whole.jsonl";
   const json never_interrupted = run(whole);
   EXPECT_GE(never_interrupted["game"]["swaps"].get<int>(), 2);
-  for (const double stopped : {0.5, 1.2}) {  // after the first ball was thrown, after the second
+  for (const double stopped : {0.5, 2.3}) {  // after the first ball was thrown, after the second
     Options first = options_for(server, "panes", stopped);
     first.log = folder / "first.jsonl";
     run(first);
-    Options second = options_for(server, "monkey", 1.6);  // the scene stands in the file
+    Options second = options_for(server, "monkey", 2.8);  // the scene stands in the file
     second.continue_from = first.log;
     second.log = folder / "second.jsonl";
     const json gone_on = run(second);
@@ -36,7 +36,7 @@ TEST(TimeEndToEnd, AGameThatIsGoneOnWithIsTheOneThatWasNeverInterrupted) {
     EXPECT_EQ(test::read_file(second.log), test::read_file(whole.log)) << stopped;
   }
   // In real time, too: its own recording is then whole.
-  Options live = options_for(server, "panes", 1.5);
+  Options live = options_for(server, "panes", 2.6);
   live.fixed_step = false;
   live.continue_from = folder / "first.jsonl";
   live.log = folder / "live.jsonl";

@@ -2,21 +2,19 @@
 uniform sampler2DShadow sun_map;
 uniform sampler2DArrayShadow sky_maps;
 
-// Interleaved gradient noise: Jimenez, "Next Generation Post Processing in Call of Duty: Advanced Warfare", 2014.
-float dither(vec2 p) { return fract(52.9829189 * fract(dot(p, vec2(0.06711056, 0.00583715)))); }
-
-// Percentage-closer filtering (Reeves, Salesin, Cook, 1987) over a Vogel disc that turns from pixel to pixel. The
-// point is moved along its normal by what a texel can hide (Holbert, "Saying Goodbye to Shadow Acne", 2011).
+// Percentage-closer filtering (Reeves, Salesin, Cook, 1987) over a Vogel disc. All pixels have the same disc: one that
+// turned from pixel to pixel left a pattern in the shadows, and what is between two taps the map's own filter smooths.
+// The point is moved along its normal by what a texel can hide (Holbert, "Saying Goodbye to Shadow Acne", 2011).
 float sun_visibility(vec3 p, vec3 n) {
   if (sun.w < 0.5) return 1.0;
   float facing = clamp(dot(n, towards_sun.xyz), 0.0, 1.0);
   float radius = max(towards_sun.w, 0.75);
   p += n * texel.x * (1.0 + radius * (1.0 - facing));
   vec3 q = (sun_matrix * vec4(p, 1.0)).xyz;
-  float turn = 2.0 * PI * dither(gl_FragCoord.xy), lit = 0.0;
+  float lit = 0.0;
   const int kTaps = 16;
   for (int k = 0; k < kTaps; ++k) {
-    float r = sqrt((float(k) + 0.5) / float(kTaps)), angle = 2.39996323 * float(k) + turn;
+    float r = sqrt((float(k) + 0.5) / float(kTaps)), angle = 2.39996323 * float(k);
     lit += texture(sun_map, vec3(q.xy + radius * texel.z * r * vec2(cos(angle), sin(angle)), q.z));
   }
   return lit / float(kTaps);
@@ -28,13 +26,12 @@ float sky_visibility(vec3 p, vec3 n) {
   if (count == 0) return 1.0;
   const float kRadius = 3.0;  // texels: neighbouring directions run into each other
   vec3 moved = p + n * (1.0 + kRadius) * texel.y;
-  float turn = 2.0 * PI * dither(gl_FragCoord.xy);
   float all = 0.02, lit = 0.02;
   for (int k = 0; k < count; ++k) {
     float weight = dot(n, sky_direction[k].xyz) + 0.15;  // a little beyond the horizon: no hard edge of the sum
     if (weight <= 0.0) continue;
     vec3 q = (sky_matrix[k] * vec4(moved, 1.0)).xyz;
-    float angle = turn + 2.39996323 * float(k);
+    float angle = 2.39996323 * float(k);
     all += weight;
     lit += weight * texture(sky_maps, vec4(q.xy + kRadius * sqrt(fract(0.618034 * float(k) + 0.3)) * texel.w * vec2(cos(angle), sin(angle)), float(k), q.z));
   }

@@ -36,6 +36,10 @@ Scene building() {
   set_material(scene, "concrete");
   for (SceneObject& object : scene.objects) {
     object.breakage.sites = object.name == "slab" ? 40 : 24;
+    if (object.name == "slab") {  // thin for its span: it breaks where it lands
+      object.breakage.parameters["bond_strength"] = 1e6;
+      object.strength *= 0.3;
+    }
     if (object.held) object.strength = 120;
   }
   scene.ball_radius = 0.5;

@@ -38,13 +38,17 @@ Scene panes() {
     }
   }
   set_material(scene, "glass");
-  for (SceneObject& object : scene.objects) object.strength = 6;
+  for (SceneObject& object : scene.objects) {
+    object.strength = 6;
+    object.breakage.parameters["merge"] = 0.3;  // shards that end before the frame, which would hold them
+    object.breakage.parameters["bond_strength"] = 20e6;  // scratched
+  }
   scene.ball_radius = 0.09;
   scene.ball_speed = 14;
   scene.eye = {3.0f, 1.8f, 3.9f};
   scene.target = {0.45f, 0.95f, 0};
   scene.bounds = {{0, 1, 0}, 5};
-  scene.throws = {{0.3, {0.3, 1.6, 6}, {-0.2, 1.2, -15}}, {1.1, {2.2, 1.8, 6}, {-1.2, 0.9, -15}}};
+  scene.throws = {{0.3, {0.3, 1.6, 6}, {-0.2, 1.2, -15}}, {2.2, {2.2, 1.8, 6}, {-1.2, 0.9, -15}}};
   return scene;
 }
 
