@@ -38,7 +38,7 @@ void write_khr_physics_body(JsonText& json, const Fragment& f, std::size_t index
                             const GltfOptions& options) {
   const PrincipalAxes axes = body_inertia(f);
   json.key(kName).begin_object().key("motion").begin_object();
-  json.member("mass", f.mass.volume * options.density);
+  json.member("mass", body_volume(f) * options.density);
   json.member("centerOfMass", f.mass.center_of_mass - f.pivot);
   json.key("inertiaDiagonal").begin_array();
   for (const double moment : axes.moments) json.value(moment * options.density);

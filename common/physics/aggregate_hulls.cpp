@@ -271,14 +271,13 @@ class FewHulls {
         continue;
       pacer_.step(members.size() * s_.body.corners().size());
       const Plane plane = best_bisector(j, members, *largest);
-      s_.body.cut(plane.normal, plane.offset);
+      s_.body.cut(plane.normal, plane.offset, rounding / plane.scale);
     }
     CollisionHull hull;
     s_.body.write(hull.points, hull.triangles);
-    if (hull.points.size() > kMaxHullPoints || hull.triangles.size() < 4)
-      return add_hull(hull.triangles.size() < 4 ? std::span<const Vec3f>(f_->bodies[largest->body])
-                                                : std::span<const Vec3f>(hull.points),
-                      {}, s_.maker, out, execution_);
+    if (hull.triangles.size() < 4) return add_largest();
+    if (hull.points.size() > kMaxHullPoints || !bounds_a_body(hull))
+      return add_hull(hull.points, {}, s_.maker, out, execution_);
     out.simplified += simplified;
     inset(hull);
     out.hulls.push_back(std::move(hull));

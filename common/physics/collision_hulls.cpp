@@ -28,14 +28,27 @@ void collect_corners(const Fragment& f, HullMaker& maker, const Execution& execu
   }
 }
 
+/// Is every triangle from `first` on wider than so much? Rounding gives narrower ones any plane, or none.
+bool all_wider(const Fragment& f, std::size_t first, double width) {
+  for (std::size_t k = first; k < f.indices.size(); k += 3) {
+    const Vec3d a = to_double(f.positions[f.indices[k]]), ab = to_double(f.positions[f.indices[k + 1]]) - a,
+                ac = to_double(f.positions[f.indices[k + 2]]) - a, bc = ac - ab, n = cross(ab, ac);
+    const double longest = std::max({dot(ab, ab), dot(ac, ac), dot(bc, bc)});
+    if (!(dot(n, n) > width * width * longest)) return false;
+  }
+  return true;
+}
+
 /// How many of the triangles of a fragment may bend inwards, all of them at its beginning: the others are cuts by the
 /// bisectors of one cell, which is convex. Its corners were rounded to the seam lattice: so this is only known of what
-/// is far wider than a step of that. (The width of a convex body is at least 2 V / A.)
+/// is far wider than a step of that, and where each cut is wider than a few (corners of a cell that are nearer to each
+/// other become one). (The width of a convex body is at least 2 V / A.)
 std::optional<std::size_t> count_uncut(const Fragment& f, const Vec3d& lattice_step) {
-  constexpr double kWide = 1e4;
+  constexpr double kWide = 1e4, kClear = 16;
   const bool is_known = f.bodies.empty() && f.sites.size() == 1 && f.open_edges == 0 && f.caps.size() == 1 &&
                         f.caps[0].first + f.caps[0].count == f.indices.size() &&
-                        2 * f.mass.volume > kWide * length(lattice_step) * f.mass.area;
+                        2 * f.mass.volume > kWide * length(lattice_step) * f.mass.area &&
+                        all_wider(f, f.caps[0].first, kClear * length(lattice_step));
   if (!is_known) return std::nullopt;
   return f.caps[0].first / 3;
 }

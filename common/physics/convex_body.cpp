@@ -30,8 +30,9 @@ double ConvexBody::beyond(const Vec3d& normal, double offset) const {
   return most;
 }
 
-std::uint32_t ConvexBody::cut_edge(std::uint32_t a, std::uint32_t b) {
-  const std::uint32_t lo = std::min(a, b), hi = std::max(a, b);
+std::uint32_t ConvexBody::cut_edge(std::uint32_t kept, std::uint32_t gone, double rounding) {
+  if (height_[kept] >= -rounding) return kept;
+  const std::uint32_t lo = std::min(kept, gone), hi = std::max(kept, gone);
   for (const Made& m : made_)
     if (m.lo == lo && m.hi == hi) return m.corner;
   const double t = height_[lo] / (height_[lo] - height_[hi]);
@@ -41,37 +42,40 @@ std::uint32_t ConvexBody::cut_edge(std::uint32_t a, std::uint32_t b) {
   return corner;
 }
 
-void ConvexBody::cut(const Vec3d& normal, double offset) {
+void ConvexBody::cut(const Vec3d& normal, double offset, double rounding) {
   height_.clear();
   bool any = false;
   for (const Vec3d& p : points_) {
     height_.push_back(dot(normal, p) - offset);
-    any = any || height_.back() > 0;
+    any = any || height_.back() > rounding;
   }
   if (!any) return;
-  const auto is_kept = [&](std::uint32_t v) { return height_[v] <= 0; };
+  const auto is_kept = [&](std::uint32_t v) { return height_[v] <= rounding; };
   const std::size_t before = points_.size();
   made_.clear();
   new_corners_.clear();
   new_begin_.assign(1, 0);
-  next_.clear();
-  const auto end_face = [&] {
-    if (new_corners_.size() > new_begin_.back())
+  next_.assign(before, kNoIndex);
+  const auto end_face = [&] {  // what has two corners only is an edge on the plane
+    if (new_corners_.size() > new_begin_.back() + 2)
       new_begin_.push_back(static_cast<std::uint32_t>(new_corners_.size()));
+    else
+      new_corners_.resize(new_begin_.back());
   };
   for (std::size_t f = 0; f + 1 < begin_.size(); ++f) {
     const std::uint32_t first = begin_[f], last = begin_[f + 1];
     std::uint32_t left = kNoIndex, first_entered = kNoIndex;  // where the face leaves and enters what is kept
     const auto close = [&](std::uint32_t entered) {
-      if (next_.size() <= entered - before) next_.resize(entered - before + 1, kNoIndex);
-      next_[entered - before] = left;
+      if (entered == left) return;  // a corner on the plane, and nothing else
+      if (next_.size() <= entered) next_.resize(entered + 1, kNoIndex);
+      next_[entered] = left;
     };
     for (std::uint32_t k = first; k < last; ++k) {
       const std::uint32_t a = corners_[k], b = corners_[k + 1 < last ? k + 1 : first];
       if (is_kept(a)) new_corners_.push_back(a);
       if (is_kept(a) == is_kept(b)) continue;
-      const std::uint32_t x = cut_edge(a, b);
-      new_corners_.push_back(x);
+      const std::uint32_t x = is_kept(a) ? cut_edge(a, b, rounding) : cut_edge(b, a, rounding);
+      if (x >= before) new_corners_.push_back(x);
       if (is_kept(a))
         left = x;
       else if (left != kNoIndex)
@@ -83,11 +87,11 @@ void ConvexBody::cut(const Vec3d& normal, double offset) {
     end_face();
   }
   // The rim of the cut, which the faces run along the other way.
-  next_.resize(points_.size() - before, kNoIndex);
+  next_.resize(points_.size(), kNoIndex);
   for (std::uint32_t start = 0; start < next_.size(); ++start) {
     for (std::uint32_t v = start; next_[v] != kNoIndex;) {
-      new_corners_.push_back(static_cast<std::uint32_t>(before) + v);
-      const std::uint32_t following = next_[v] - static_cast<std::uint32_t>(before);
+      new_corners_.push_back(v);
+      const std::uint32_t following = next_[v];
       next_[v] = kNoIndex;
       v = following;
     }
@@ -95,9 +99,10 @@ void ConvexBody::cut(const Vec3d& normal, double offset) {
   }
   // Only the corners that are left.
   number_.assign(points_.size(), kNoIndex);
+  for (const std::uint32_t v : new_corners_) number_[v] = 0;
   std::size_t count = 0;
   for (std::uint32_t v = 0; v < points_.size(); ++v)
-    if (v >= before || is_kept(v)) {
+    if (number_[v] == 0) {
       number_[v] = static_cast<std::uint32_t>(count);
       points_[count++] = points_[v];
     }

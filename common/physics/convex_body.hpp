@@ -23,8 +23,9 @@ class ConvexBody {
   }  ///< after a cut those that are kept, and no others
   /// How far a corner lies beyond the plane, in lengths of the normal, at most; <= 0: the cut would change nothing.
   double beyond(const Vec3d& normal, double offset) const;
-  /// Keeps what has normal · x <= offset.
-  void cut(const Vec3d& normal, double offset);
+  /// Keeps what has normal · x <= offset. Corners that are no more than `rounding` (in lengths of the normal) off the plane
+  /// lie on it: a plane that grazes a face leaves it whole.
+  void cut(const Vec3d& normal, double offset, double rounding);
 
   /// Corners and triangles, counter-clockwise from outside; nothing where nothing is left.
   void write(std::vector<Vec3f>& points, std::vector<std::array<std::uint32_t, 3>>& triangles) const;
@@ -41,7 +42,7 @@ class ConvexBody {
   struct Made {
     std::uint32_t lo, hi, corner;  ///< where the edge (lo, hi) was cut
   };
-  std::uint32_t cut_edge(std::uint32_t a, std::uint32_t b);
+  std::uint32_t cut_edge(std::uint32_t kept, std::uint32_t gone, double rounding);
 
   std::vector<Vec3d> points_;
   std::vector<std::uint32_t> corners_, begin_;  // of the faces, one after the other

@@ -7,8 +7,6 @@
 namespace fracture {
 namespace {
 
-/// 2^19 - 1: components of normals stay below 2^39, their products with points below 3 * 2^58.
-constexpr double kLastStep = 524287;
 /// Steps of the grid: what is no thicker may be flat but for rounding.
 constexpr double kFlat = 4;
 
@@ -19,7 +17,7 @@ void HullGrid::round(std::span<const Vec3f> points, Pacer& pacer) {
   for (const Vec3f& p : points) box.add(to_double(p));
   // Each axis has a scale of its own: affine maps keep hulls.
   Vec3d scale;
-  for (int a = 0; a < 3; ++a) scale[a] = box.max[a] > box.min[a] ? kLastStep / (box.max[a] - box.min[a]) : 0;
+  for (int a = 0; a < 3; ++a) scale[a] = box.max[a] > box.min[a] ? kSide / (box.max[a] - box.min[a]) : 0;
   // Of what is not negative the integer part is the floor.
   const auto whole = [](double x) { return static_cast<double>(static_cast<std::int32_t>(x)); };
   points_.resize(points.size());

@@ -21,6 +21,8 @@ class HullGrid {
   /// What a height may be off by: six products below 2^58 are each rounded by 2^4 at most, five sums below
   /// 2^61 by 2^7.
   static constexpr double kHeightError = 1024;
+  /// Of the box, in steps: components of normals stay below 2^39, their products with points below 3 * 2^58.
+  static constexpr double kSide = 524287;  // 2^19 - 1
 
   /// dot(normal, x) = offset; the normal is exact, its components are below 2^39.
   struct Plane {

@@ -9,16 +9,18 @@ namespace {
 using Triangles = ConvexHullBuilder::Triangles;
 
 /// What stands in for a body that is flat on the hull's grid: a box of a hundredth of its extent about its
-/// middle.
+/// middle, and of some steps of floats there at least.
 CollisionHull stand_in(std::span<const Vec3f> points) {
   Box box;
   for (const Vec3f& p : points) box.add(to_double(p));
   const double least = 1e-4 * box.longest_side();
+  constexpr double kSteps = 8 * 0x1p-23;
   CollisionHull hull;
   for (int k = 0; k < 8; ++k) {
     Vec3d p = box.center();
     for (int a = 0; a < 3; ++a)
-      p[a] += (k >> a & 1 ? 0.005 : -0.005) * std::fmax(box.max[a] - box.min[a], least);
+      p[a] += (k >> a & 1 ? 1 : -1) *
+              std::fmax(0.005 * std::fmax(box.max[a] - box.min[a], least), kSteps * std::fabs(p[a]));
     hull.points.push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
   }
   hull.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
@@ -79,17 +81,25 @@ void inset(CollisionHull& hull) {
   shrink(hull, origin + (six_volumes > 0 ? 0.25 / six_volumes : 0) * moment, wanted);
 }
 
+bool bounds_a_body(const CollisionHull& hull) {
+  if (hull.triangles.size() < 4 || hull.triangles.size() + 4 != 2 * hull.points.size())
+    return false;  // Euler
+  Vec3d middle;
+  for (const Vec3f& p : hull.points) middle = middle + to_double(p);
+  middle = (1.0 / static_cast<double>(hull.points.size())) * middle;
+  return std::all_of(hull.triangles.begin(), hull.triangles.end(), [&](const auto& t) {
+    const Vec3d a = to_double(hull.points[t[0]]);
+    return dot(cross(to_double(hull.points[t[1]]) - a, to_double(hull.points[t[2]]) - a), middle - a) < 0;
+  });
+}
+
 bool add_convex(std::span<const Vec3f> points, const BodySurface& surface, const ConvexMass& mass,
                 FragmentHulls& out) {
   if (points.size() > kMaxHullPoints || surface.size() + 4 != 2 * points.size())
     return false;  // Euler: no sphere
   CollisionHull hull;
   hull.triangles.reserve(surface.size());
-  for (std::size_t t = 0; t < surface.size(); ++t) {
-    const auto& [a, b, c] = hull.triangles.emplace_back(surface[t]);
-    const Vec3d p = to_double(points[a]);
-    if (cross(to_double(points[b]) - p, to_double(points[c]) - p) == Vec3d{}) return false;
-  }
+  for (std::size_t t = 0; t < surface.size(); ++t) hull.triangles.push_back(surface[t]);
   hull.points.assign(points.begin(), points.end());
   shrink(hull, mass.center, kHullInset * mass.area / mass.volume);
   out.hulls.push_back(std::move(hull));

@@ -34,8 +34,12 @@ struct ConvexMass {
   Vec3d center;         ///< of mass, m
 };
 
-/// The hull of a body that is known to be convex, inset: its own surface. Of the points each is a corner. False, and no
-/// hull, where that surface is no sphere of triangles with an area, or has more than kMaxHullPoints corners.
+/// Is it a sphere of triangles, each of which sees the middle of the corners below itself?
+bool bounds_a_body(const CollisionHull& hull);
+
+/// The hull of a body that is known to be convex, inset: its own surface, whose triangles are wider than what rounding
+/// does to them. Of the points each is a corner. False, and no
+/// hull, where that surface is no sphere of triangles, or has more than kMaxHullPoints corners.
 bool add_convex(std::span<const Vec3f> points, const BodySurface& surface, const ConvexMass& mass,
                 FragmentHulls& out);
 

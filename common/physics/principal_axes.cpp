@@ -53,7 +53,14 @@ PrincipalAxes body_inertia(const Fragment& f) {
   if (a + b - c > least && b + c - a > least && c + a - b > least) return axes;
   Box box;
   for (const Vec3f& p : f.positions) box.add(to_double(p) + f.pivot - f.mass.center_of_mass);
-  return principal_axes(inertia_of_box(box, f.mass.volume));
+  return principal_axes(inertia_of_box(box, body_volume(f)));
+}
+
+double body_volume(const Fragment& f) {
+  if (f.mass.volume > 0) return f.mass.volume;
+  Box box;
+  for (const Vec3f& p : f.positions) box.add(to_double(p));
+  return 0.5e-6 * f.mass.area * box.longest_side();
 }
 
 PrincipalAxes principal_axes(const std::array<double, 6>& inertia) {

@@ -24,4 +24,9 @@ PrincipalAxes principal_axes(const std::array<double, 6>& inertia);
 /// never turns): then that of a solid box of the fragment's extent and mass.
 PrincipalAxes body_inertia(const Fragment& f);
 
+/// m³, more than 0: the fragment's, where it has one. A sheet that was filled flat, or whose surface crosses itself, may
+/// have 0 or less, and engines take a mass of 0 for a body that never moves: then that of half of its surface, a
+/// millionth of its longest side thick.
+double body_volume(const Fragment& f);
+
 }  // namespace fracture

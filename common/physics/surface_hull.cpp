@@ -23,8 +23,7 @@ double largest(const Vec3d& v) { return std::max(std::fabs(v.x), std::max(std::f
 /// False where the edge (a, b) bends inwards: where the diagonals of its two triangles pass each other at a
 /// distance. Unlike the height of a corner above the plane of a sliver that is no larger than what rounding did
 /// to the corners.
-bool SurfaceHull::add_edge(const HullGrid& grid, std::uint32_t a, std::uint32_t b, const Face& left,
-                           const Face& right) {
+bool SurfaceHull::add_edge(const HullGrid& grid, std::uint32_t a, std::uint32_t b, Face& left, Face& right) {
   Point &from = points_[a], &to = points_[b];
   const bool rises = grid.less(a, b);
   from.climbs |= rises;
@@ -40,6 +39,7 @@ bool SurfaceHull::add_edge(const HullGrid& grid, std::uint32_t a, std::uint32_t 
   from.edges += outwards;
   to.edges += outwards;
   if (outwards || six_volumes <= 0) return true;
+  left.bent = right.bent = true;
   const std::uint32_t other = left.corners_sum - a - b;
   return six_volumes <= kRounding * largest(cross(grid[b] - grid[a], grid[apex] - grid[other]));
 }
@@ -75,7 +75,26 @@ bool SurfaceHull::nothing_above_the_largest(const HullGrid& grid, Pacer& pacer) 
   return true;
 }
 
-/// False, too, where a triangle is degenerate, an edge is not that of two triangles, once in each direction (but for
+/// A row of strips may bend inwards a little at each edge, and much from end to end: while all of it is smaller than the
+/// largest triangles. What rounding turns the plane of a triangle by is allowed for.
+bool SurfaceHull::nothing_above_the_bent(const HullGrid& grid, Pacer& pacer) const {
+  for (std::size_t f = 0; f < faces_.size(); ++f) {
+    const Face& face = faces_[f];
+    if (!face.bent) continue;
+    double longest = 0;
+    for (std::size_t h = 4 * f; h < 4 * f + 3; ++h)
+      longest = std::max(longest, largest(grid[corners_[h + 1]] - grid[corners_[h]]));
+    const double turned =
+        HullGrid::kSide * longest / largest(face.plane.normal);  // by a step, at the far end
+    const double most = (kMostAbove + turned) * face.rounding;
+    for (std::uint32_t p = 0; p < grid.size(); ++p)
+      if (grid.height(face.plane, p) > most) return false;
+    pacer.step(grid.size());
+  }
+  return true;
+}
+
+/// False, too, where a triangle is degenerate or inside out, an edge is not that of two triangles, once in each direction (but for
 /// those between what is uncut and cuts), or the body is flat: the width of a convex body is at least 2 V / A. Most
 /// bodies that are not convex are known after a few triangles.
 bool SurfaceHull::bends_outwards(const HullGrid& grid, const BodySurface& surface, Pacer& pacer) {
@@ -89,12 +108,15 @@ bool SurfaceHull::bends_outwards(const HullGrid& grid, const BodySurface& surfac
   points_.assign(grid.size(), {kNoIndex, 0, 0, false});
   double six_volumes = 0, sizes = 0;
   std::size_t pairs = 0;
+  Vec3d middle;
+  for (std::uint32_t p = 0; p < grid.size(); ++p) middle = middle + grid[p];
+  middle = (1.0 / grid.size()) * middle;
   for (std::size_t f = 0; f < count; ++f) {
     const auto [a0, b0, c0] = surface[f];
     const HullGrid::Plane plane = grid.plane(a0, b0, c0);
     const double size = largest(plane.normal);
-    if (size == 0) return false;
-    faces_.push_back({plane, kRounding * size, a0 + b0 + c0});
+    if (size == 0 || dot(plane.normal, middle) >= plane.offset) return false;
+    faces_.push_back({plane, kRounding * size, a0 + b0 + c0, false});
     corners_.insert(corners_.end(), {a0, b0, c0, a0});
     after_.insert(after_.end(), 4, kNoIndex);
     six_volumes += plane.offset;
@@ -154,7 +176,7 @@ SurfaceHull::Shape SurfaceHull::shape_of(const HullGrid& grid, const BodySurface
   }
   if (summits != 1) return Shape::kOther;
   const bool hull = grid.size() <= max_points && blunt <= points_.size() / kFewBlunt &&
-                    nothing_above_the_largest(grid, pacer);
+                    nothing_above_the_largest(grid, pacer) && nothing_above_the_bent(grid, pacer);
   return hull ? Shape::kHull : Shape::kConvex;
 }
 

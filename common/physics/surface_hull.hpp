@@ -65,6 +65,7 @@ class SurfaceHull {
     HullGrid::Plane plane;
     double rounding;            ///< of twice its area times a height: kRounding steps
     std::uint32_t corners_sum;  ///< less two of them: the third
+    bool bent;                  ///< inwards at one of its edges, by no more than rounding
   };
   struct Point {
     HalfEdge open;          ///< the first half-edge from it whose twin is not found yet
@@ -76,7 +77,8 @@ class SurfaceHull {
   bool bends_outwards(const HullGrid& grid, const BodySurface& surface, Pacer& pacer);
   void look_at_cuts(const HullGrid& grid, const BodySurface& surface, Pacer& pacer);
   bool nothing_above_the_largest(const HullGrid& grid, Pacer& pacer);
-  bool add_edge(const HullGrid& grid, std::uint32_t a, std::uint32_t b, const Face& left, const Face& right);
+  bool nothing_above_the_bent(const HullGrid& grid, Pacer& pacer) const;
+  bool add_edge(const HullGrid& grid, std::uint32_t a, std::uint32_t b, Face& left, Face& right);
 
   std::vector<Face> faces_;
   std::vector<Point> points_;

@@ -55,7 +55,9 @@ namespace fracture {
 /// 19  2026-11-27  rough cuts of longer edges, flat across thin walls; inner sides of walls have as many triangles as they
 ///                 bend
 /// 20  2026-11-27  hulls leave out more of what hardly sticks out
-inline constexpr int kAlgorithmVersion = 20;
+/// 21  2026-11-28  hulls without corners twice or triangles inside out; what bends inwards a little at many edges is no
+///                 hull; bodies without volume have a mass; walls with flat sides have fewer triangles
+inline constexpr int kAlgorithmVersion = 21;
 
 enum class Dual {
   kCircumcenter,  ///< the Voronoi diagram: fragments partition the solid exactly

@@ -70,6 +70,19 @@ TEST(BodyInertia, IsTheFragmentsOwnUnlessNoBodyHasIt) {
   for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(tensor[k], f.mass.inertia[k], 1e-12);
 }
 
+TEST(BodyVolume, IsThatOfAThinSheetWhereThereIsNone) {
+  Fragment f;
+  f.positions = {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 1, 0}};
+  f.mass.area = 4;  // both sides
+  for (const double none : {0.0, -6e-20}) {
+    f.mass.volume = none;
+    EXPECT_DOUBLE_EQ(body_volume(f), 2 * 2e-6);
+    for (const double moment : body_inertia(f).moments) EXPECT_GT(moment, 0);
+  }
+  f.mass.volume = 1e-9;
+  EXPECT_EQ(body_volume(f), 1e-9);
+}
+
 Mesh mesh_of(const CollisionHull& hull) {
   Mesh m;
   m.positions = hull.points;
