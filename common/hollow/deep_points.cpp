@@ -1,6 +1,7 @@
 #include "common/hollow/deep_points.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -33,16 +34,88 @@ double winding(const SurfaceTree& surface, const Vec3d& point, Pacer& pacer) {
   return angle / (4 * std::numbers::pi);
 }
 
+/// Tells for blocks of points what one distance tells: how far a point is from the surface differs from how far another
+/// is by no more than lies between them.
+class Depths {
+ public:
+  Depths(const SurfaceTree& surface, const Lattice& lattice, double depth, std::vector<std::uint8_t>& deep,
+         const Execution& execution)
+      : surface_(surface), lattice_(lattice), depth_(depth), deep_(deep), pacer_(execution) {
+    for (int axis = 0; axis < 3; ++axis)
+      rounding_ = std::fmax(rounding_, std::fabs(lattice.low(axis)) + lattice.size(axis) * lattice.step());
+    rounding_ *= kRounding;
+  }
+
+  struct Block {
+    std::array<std::uint32_t, 3> low, high;  ///< the points from low to before high
+  };
+
+  void tell(const Block& block) {
+    std::size_t longest = 0;
+    Vec3d first = lattice_.place(at(block.low)), last = first;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::uint32_t sides = block.high[axis] - block.low[axis] - 1;
+      last[static_cast<int>(axis)] += lattice_.step() * sides;
+      if (block.high[axis] - block.low[axis] > block.high[longest] - block.low[longest]) longest = axis;
+    }
+    pacer_.step();
+    if (block.high[longest] - block.low[longest] == 1) {
+      deep_[at(block.low)] = !surface_.within(first, depth_, pacer_);
+      return;
+    }
+    const double radius = length(last - first) / 2 + rounding_;
+    const Vec3d middle = 0.5 * (first + last);
+    if (!surface_.within(middle, depth_ + radius, pacer_)) return fill(block, 1);
+    if (depth_ > radius && surface_.within(middle, depth_ - radius, pacer_)) return fill(block, 0);
+    Block lower = block, upper = block;
+    lower.high[longest] = upper.low[longest] = (block.low[longest] + block.high[longest]) / 2;
+    tell(lower);
+    tell(upper);
+  }
+
+ private:
+  /// More than a distance may be wrong by, of the largest coordinate: nothing is told otherwise than point by point.
+  static constexpr double kRounding = 1e-11;
+
+  std::uint32_t at(const std::array<std::uint32_t, 3>& p) const { return lattice_.at(p[0], p[1], p[2]); }
+
+  void fill(const Block& block, std::uint8_t is_deep) {
+    for (std::uint32_t z = block.low[2]; z < block.high[2]; ++z)
+      for (std::uint32_t y = block.low[1]; y < block.high[1]; ++y)
+        std::fill_n(deep_.begin() + lattice_.at(block.low[0], y, z), block.high[0] - block.low[0], is_deep);
+  }
+
+  const SurfaceTree& surface_;
+  const Lattice& lattice_;
+  const double depth_;
+  std::vector<std::uint8_t>& deep_;
+  Pacer pacer_;
+  double rounding_ = 0;  ///< m
+};
+
+/// Points along a side of the blocks that threads take.
+constexpr std::uint32_t kBlock = 16;
+
+std::vector<Depths::Block> blocks_of(const Lattice& lattice) {
+  const auto after = [&](std::uint32_t low, int axis) { return std::min(low + kBlock, lattice.size(axis)); };
+  std::vector<Depths::Block> blocks;
+  for (std::uint32_t z = 0; z < lattice.size(2); z += kBlock)
+    for (std::uint32_t y = 0; y < lattice.size(1); y += kBlock)
+      for (std::uint32_t x = 0; x < lattice.size(0); x += kBlock)
+        blocks.push_back({{x, y, z}, {after(x, 0), after(y, 1), after(z, 2)}});
+  return blocks;
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> deep_points(const SurfaceTree& surface, const Lattice& lattice, double depth,
                                       std::uint32_t smallest, const Execution& execution) {
   const std::uint32_t points = lattice.points();
   std::vector<std::uint8_t> deep(points, 0);
-  parallel_for(execution, points, 512, [&](std::size_t begin, std::size_t end) {
-    Pacer pacer(execution);
-    for (std::size_t p = begin; p < end; ++p)
-      deep[p] = !surface.within(lattice.place(static_cast<std::uint32_t>(p)), depth, pacer);
+  const std::vector<Depths::Block> blocks = blocks_of(lattice);
+  parallel_for(execution, blocks.size(), 1, [&](std::size_t begin, std::size_t end) {
+    Depths depths(surface, lattice, depth, deep, execution);
+    for (std::size_t k = begin; k < end; ++k) depths.tell(blocks[k]);
   });
 
   // The balls around two neighbours cover what is between them: both are on one side of the surface, and one

@@ -74,13 +74,24 @@ double volume_of(const InnerSurface& surface, const Vec3d& origin) {
 /// Adds what the walls of a part measure; sums of thickness times area, which the caller divides.
 void measure(const InnerSurface& surface, const SurfaceTree& outside, SolidReport& report, double& area,
              Pacer& pacer) {
+  // Nothing is farther from the outside than its neighbour is, and that one from it.
+  constexpr double kBeyondRounding = 1 + 1e-9;
+  const auto depth_near = [&](const Vec3d& p, const Vec3d& q, double depth) {
+    return outside.distance(p, kBeyondRounding * (depth + length(p - q)), pacer);
+  };
   double least = report.parts_hollowed == 0 ? HUGE_VAL : report.least_thickness;
-  for (const Vec3f& p : surface.positions)
-    least = std::fmin(least, outside.distance(to_double(p), HUGE_VAL, pacer));
+  std::vector<double> depths;
+  depths.reserve(surface.positions.size());
+  for (std::size_t v = 0; v < surface.positions.size(); ++v) {
+    const Vec3d p = to_double(surface.positions[v]);
+    depths.push_back(v == 0 ? outside.distance(p, HUGE_VAL, pacer)
+                            : depth_near(p, to_double(surface.positions[v - 1]), depths.back()));
+    least = std::fmin(least, depths.back());
+  }
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
     const auto [a, b, c] = corners_of(surface, t);
     const double size = length(cross(b - a, c - a)) / 2;
-    const double thickness = outside.distance((1.0 / 3) * (a + b + c), HUGE_VAL, pacer);
+    const double thickness = depth_near((1.0 / 3) * (a + b + c), a, depths[surface.triangles[t][0]]);
     least = std::fmin(least, thickness);
     report.mean_thickness += thickness * size;
     area += size;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "common/base/id.hpp"
 #include "common/base/pacer.hpp"
@@ -52,25 +54,47 @@ class March {
         execution_(execution),
         pacer_(execution) {}
 
-  InnerSurface run() {
+  /// Nothing where it would have more triangles than that.
+  std::optional<InnerSurface> run(std::uint32_t most) {
     // Points from which a sixteenth of an edge still leads to a place that is deep enough.
     const double depth = depth_ + 1.0001 * std::sqrt(3.0) / kParts * lattice_.step();
     deep_ = deep_points(surface_, lattice_, depth, kSmallest, execution_);
+    // How many there will be does not depend on where on its edge a corner lies, which takes most of the time.
+    std::size_t count = 0;
+    lattice_.each_cube([&](std::uint32_t point) {
+      pacer_.step();
+      count += triangles_in(point);
+    });
+    if (count > most) return std::nullopt;
+    out_.positions.reserve(count / 2 + 2);
+    out_.triangles.reserve(count);
     corner_of_edge_.assign(std::size_t{8} * lattice_.points(), kNoIndex);
     lattice_.each_cube([&](std::uint32_t point) {
       pacer_.step();
-      cube(point);
+      if (is_divided(point))
+        for (const auto& [first, second] : kPaths) tetrahedron(point, {0, first, second, 7});
     });
     return std::move(out_);
   }
 
  private:
-  void cube(std::uint32_t p) {
+  /// Of the six tetrahedra of a cube, each along its edges from corner 0 to 7.
+  static constexpr std::uint32_t kPaths[6][2] = {{1, 3}, {1, 5}, {2, 3}, {2, 6}, {4, 5}, {4, 6}};
+
+  bool is_divided(std::uint32_t cube) const {
     std::uint32_t deep = 0;
-    for (std::uint32_t bits = 0; bits < 8; ++bits) deep += deep_[lattice_.neighbour(p, bits)];
-    if (deep == 0 || deep == 8) return;
-    constexpr std::uint32_t kPaths[6][2] = {{1, 3}, {1, 5}, {2, 3}, {2, 6}, {4, 5}, {4, 6}};  // from 0 to 7
-    for (const auto& [first, second] : kPaths) tetrahedron(p, {0, first, second, 7});
+    for (std::uint32_t bits = 0; bits < 8; ++bits) deep += deep_[lattice_.neighbour(cube, bits)];
+    return deep > 0 && deep < 8;
+  }
+
+  std::size_t triangles_in(std::uint32_t cube) const {
+    if (!is_divided(cube)) return 0;
+    constexpr std::size_t kOfDeepCorners[5] = {0, 1, 2, 1, 0};
+    const auto deep = [&](std::uint32_t bits) { return deep_[lattice_.neighbour(cube, bits)]; };
+    std::size_t count = 0;
+    for (const auto& [first, second] : kPaths)
+      count += kOfDeepCorners[deep(0) + deep(first) + deep(second) + deep(7)];
+    return count;
   }
 
   /// Edges of a cube: an end inside, and one outside.
@@ -168,9 +192,9 @@ InnerSurface inner_surface(const SurfaceTree& surface, const Box& box, double th
   for (;; step = coarser(step)) {
     execution.poll();
     if (2 * std::sqrt(thickness * thickness + step * step) >= box.longest_side()) return {};
-    InnerSurface inner = March(surface, box, thickness, step, execution).run();
-    if (inner.triangles.size() > limits.marched) continue;
-    inner = as_simple_as_may_be(std::move(inner), surface, thickness, step, execution);
+    std::optional<InnerSurface> marched = March(surface, box, thickness, step, execution).run(limits.marched);
+    if (!marched) continue;
+    InnerSurface inner = as_simple_as_may_be(*std::move(marched), surface, thickness, step, execution);
     if (inner.triangles.size() <= limits.triangles) return inner;
   }
 }

@@ -19,6 +19,8 @@ class Lattice {
     }
   }
   std::uint32_t size(int axis) const { return size_[axis]; }
+  /// Coordinate of the lowest points, m.
+  double low(int axis) const { return step_ * low_[axis]; }
   std::uint32_t points() const { return size_[0] * size_[1] * size_[2]; }
   double step() const { return step_; }
   std::uint32_t at(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {

@@ -22,6 +22,8 @@ constexpr double kLeastHeight = 0.05;
 constexpr std::size_t kMostAtACorner = 24, kBetween = 4;
 /// Halvings of a triangle until it has to be proved deep.
 constexpr int kMostHalvings = 12;
+/// More than rounding does to a distance, of it.
+constexpr double kRounding = 1e-9;
 
 using Corners = std::array<Vec3d, 3>;
 using Triangle = std::array<std::uint32_t, 3>;
@@ -71,22 +73,37 @@ class Simplifier {
 
   InnerSurface run() {
     gather();
-    for (std::uint32_t v = 0; v < points_.size(); ++v) offer(v);
+    for (std::uint32_t v = 0; v < points_.size(); ++v) {
+      find_ways(v);
+      offer_best(v);
+    }
     while (!offers_.empty()) {
       const Offer best = offers_.top();
       offers_.pop();
       pacer_.step(4);
-      if (best.version != version_[best.from] || !may_go(best.from, best.to)) continue;
-      go(best.from, best.to);
+      if (best.to != best_[best.from].to || best.error != best_[best.from].error) continue;
+      if (may_go(best.from, best.to)) {
+        go(best.from, best.to);
+      } else {
+        refuse(best.from, best.to);
+        offer_best(best.from);
+      }
     }
     return left();
   }
 
  private:
-  /// Of a corner to go into a neighbour; what has changed since makes it void.
+  /// Where a corner may go, and what that changes.
+  struct Way {
+    double error;
+    std::uint32_t to;
+    bool refused;  ///< until something changes around the corner
+  };
+  /// The best way of a corner: of what is in the queue only those count that still are. With all the ways of all
+  /// corners in it, it would get some forty for each corner that goes.
   struct Offer {
     double error;
-    std::uint32_t from, to, version;
+    std::uint32_t from, to;
     bool operator<(const Offer& other) const {  // the queue has its greatest on top
       return std::tie(other.error, other.from, other.to) < std::tie(error, from, to);
     }
@@ -102,8 +119,9 @@ class Simplifier {
     middle_ = box.center();
     for (const Vec3f& p : surface_.positions) points_.push_back(to_double(p) - middle_);
     at_.resize(points_.size());
+    ways_.resize(points_.size());
     quadric_.resize(points_.size());
-    version_.assign(points_.size(), 0);
+    best_.assign(points_.size(), {0, kNoIndex, false});
     for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
       pacer_.step(8);
       const Vec3d n = twice_area(corners(triangles_[t]));
@@ -115,35 +133,55 @@ class Simplifier {
     }
   }
 
+  /// Each once: an edge has two triangles, and in one of them it leads away from v.
   void list_neighbours(std::uint32_t v, std::vector<std::uint32_t>& out) const {
     out.clear();
-    for (const std::uint32_t t : at_[v])
-      for (const std::uint32_t w : triangles_[t])
-        if (w != v) out.push_back(w);
-    std::sort(out.begin(), out.end());
-    out.erase(std::unique(out.begin(), out.end()), out.end());
+    for (const std::uint32_t t : at_[v]) {
+      const auto& [a, b, c] = triangles_[t];
+      out.push_back(v == a ? b : v == b ? c : a);
+    }
   }
 
-  void offer(std::uint32_t v) {
+  void find_ways(std::uint32_t v) {
     list_neighbours(v, neighbours_);
     pacer_.step(neighbours_.size());
     for (const std::uint32_t u : neighbours_) {
       Quadric both = quadric_[v];
       both.add(quadric_[u]);
-      const double error = std::fmax(both.at(point(u)), 0) / both.area;
-      if (error <= most_) offers_.push({error, v, u, version_[v]});
+      add_way(v, u, both);
     }
   }
 
+  void add_way(std::uint32_t from, std::uint32_t to, const Quadric& both) {
+    const double error = std::fmax(both.at(point(to)), 0) / both.area;
+    if (error <= most_) ways_[from].push_back({error, to, false});
+  }
+
+  void refuse(std::uint32_t from, std::uint32_t to) {
+    for (Way& way : ways_[from]) way.refused |= way.to == to;
+  }
+
+  void offer_best(std::uint32_t v) {
+    const Way* best = nullptr;
+    for (const Way& way : ways_[v])
+      if (!way.refused && (!best || std::tie(way.error, way.to) < std::tie(best->error, best->to)))
+        best = &way;
+    Way& before = best_[v];
+    if (!best)
+      before.to = kNoIndex;
+    else if (best->to != before.to || best->error != before.error)
+      offers_.push({best->error, v, best->to});  // else it is in the queue
+    if (best) before = *best;
+  }
+
   bool may_go(std::uint32_t v, std::uint32_t u) {
+    if (at_[v].size() + at_[u].size() > kMostAtACorner + kBetween) return false;
     list_neighbours(v, neighbours_);
-    if (!std::binary_search(neighbours_.begin(), neighbours_.end(), u)) return false;
     list_neighbours(u, others_);
     common_.clear();
-    std::set_intersection(neighbours_.begin(), neighbours_.end(), others_.begin(), others_.end(),
-                          std::back_inserter(common_));
+    for (const std::uint32_t w : neighbours_)
+      if (std::find(others_.begin(), others_.end(), w) != others_.end()) common_.push_back(w);
     if (common_.size() != 2 || at_[common_[0]].size() < 4 || at_[common_[1]].size() < 4) return false;
-    if (at_[v].size() + at_[u].size() > kMostAtACorner + kBetween) return false;
     pacer_.step(8 * at_[v].size());
     bool bulges = false;  // towards the outside: where it does not, all of it is as deep as it was
     for (const std::uint32_t t : at_[v]) {
@@ -196,14 +234,22 @@ class Simplifier {
       }
     }
     at_[v].clear();
-    ++version_[v];
+    ways_[v].clear();
+    best_[v].to = kNoIndex;
     quadric_[u].add(quadric_[v]);
     list_neighbours(u, changed_);
-    changed_.push_back(u);
+    ways_[u].clear();
+    pacer_.step(4 * changed_.size());
     for (const std::uint32_t w : changed_) {
-      ++version_[w];
-      offer(w);
+      std::erase_if(ways_[w], [&](const Way& way) { return way.to == v || way.to == u; });
+      for (Way& way : ways_[w]) way.refused = false;
+      Quadric both = quadric_[w];
+      both.add(quadric_[u]);
+      add_way(w, u, both);
+      add_way(u, w, both);
     }
+    changed_.push_back(u);
+    for (const std::uint32_t w : changed_) offer_best(w);
   }
 
   InnerSurface left() const {
@@ -228,8 +274,9 @@ class Simplifier {
   Vec3d middle_;
   std::vector<Vec3d> points_;
   std::vector<std::vector<std::uint32_t>> at_;  // triangles of each corner
+  std::vector<std::vector<Way>> ways_;          // of each corner
+  std::vector<Way> best_;                       // of them, that is in the queue; or to kNoIndex
   std::vector<Quadric> quadric_;
-  std::vector<std::uint32_t> version_;
   std::priority_queue<Offer> offers_;
   std::vector<std::uint32_t> neighbours_, others_, common_, changed_;
 };
@@ -253,8 +300,9 @@ bool is_deep(const Corners& t, const SurfaceTree& outside, double depth, int hal
       longest = k;
     }
   }
-  if (outside.distance(middle, depth + radius, pacer) >= depth + radius) return true;
-  if (halvings == 0) return false;
+  const double distance = outside.distance(middle, depth + radius, pacer);
+  if (distance >= depth + radius) return true;
+  if (halvings == 0 || distance < (1 - kRounding) * depth) return false;
   const Vec3d &a = t[longest], &b = t[(longest + 1) % 3], &c = t[(longest + 2) % 3], half = 0.5 * (a + b);
   return is_deep({a, half, c}, outside, depth, halvings - 1, pacer) &&
          is_deep({half, b, c}, outside, depth, halvings - 1, pacer);

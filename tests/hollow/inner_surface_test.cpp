@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "common/hollow/deep_points.hpp"
+#include "common/hollow/lattice.hpp"
 #include "tests/hollow/expect_closed.hpp"
 #include "tests/support/shapes.hpp"
 
@@ -120,6 +121,24 @@ TEST(InnerSurface, IsTheSameForAnyNumberOfThreads) {
   const InnerSurface four = inner_surface(ring.tree, ring.box, 0.1, {}, {.threads = 4});
   EXPECT_EQ(one.positions, four.positions);
   EXPECT_EQ(one.triangles, four.triangles);
+}
+
+TEST(DeepPoints, AreThoseThatEachIsAskedFor) {
+  const Part ball = part_of(test::ico_sphere(3), {7, -2, 1});
+  const Part ring = part_of(test::torus(32, 16));
+  Pacer pacer(kUninterrupted);
+  for (const Part* part : {&ball, &ring})
+    for (const double depth : {0.11, 0.29}) {
+      const Lattice lattice(part->box, 0.0625);
+      const std::vector<std::uint8_t> deep = deep_points(part->tree, lattice, depth, 1, {.threads = 2});
+      ASSERT_EQ(deep.size(), lattice.points());
+      for (std::uint32_t p = 0; p < lattice.points(); ++p) {
+        const Vec3d place = lattice.place(p), from_middle = place - part->box.center();
+        const double from_circle = std::hypot(std::hypot(from_middle.x, from_middle.y) - 1, from_middle.z);
+        const bool inside = part == &ball ? length(from_middle) < 1 : from_circle < 0.4;
+        ASSERT_EQ(deep[p] != 0, inside && !part->tree.within(place, depth, pacer)) << p;
+      }
+    }
 }
 
 TEST(HoldsBall, WhatIsLargerIsSeenAndNothingSmaller) {
