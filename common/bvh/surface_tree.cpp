@@ -4,6 +4,9 @@
 #include <cmath>
 #include <utility>
 
+#include "common/bvh/triangle_crossing.hpp"
+#include "common/bvh/triangle_distance.hpp"
+
 namespace fracture {
 namespace {
 
@@ -80,6 +83,33 @@ bool SurfaceTree::within(const Vec3d& p, double distance, Pacer& pacer) const {
     // Nothing is nearer than that: the search ends.
     return nearer(p, triangle, distance, pacer) < distance ? -slack_ : distance;
   }) < distance;
+}
+
+std::optional<bool> SurfaceTree::near_triangle(const std::array<Vec3d, 3>& triangle, double distance,
+                                               Pacer& pacer) const {
+  const double near = kBeyondRounding * distance + 4 * slack_;
+  Box around = box_of(triangle);
+  around.add({around.min - Vec3d{near, near, near}, around.max + Vec3d{near, near, near}});
+  const PlaneTriangle plane(triangle);
+  const Vec3d along{std::fabs(plane.normal.x), std::fabs(plane.normal.y), std::fabs(plane.normal.z)};
+  std::array<std::uint32_t, kMostAsked> asked;
+  std::size_t count = 0;
+  tree_.each_entered(
+      [&](const Box& box) {
+        pacer.step();
+        return count <= kMostAsked && box.intersects(around) &&
+               std::fabs(dot(plane.normal, box.center() - triangle[0])) <=
+                   near + dot(along, 0.5 * box.size());
+      },
+      [] {},
+      [&](std::uint32_t k) {
+        if (count < kMostAsked) asked[count] = k;
+        ++count;
+      });
+  if (count > kMostAsked) return std::nullopt;
+  pacer.step(4 * count);
+  return std::any_of(asked.begin(), asked.begin() + count,
+                     [&](std::uint32_t k) { return are_within(triangle, corners_[k], near); });
 }
 
 void SurfaceTree::distances(std::span<const Vec3d> points, double most, std::span<double> out,

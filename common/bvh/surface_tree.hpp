@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -24,6 +25,11 @@ class SurfaceTree {
   double distance(const Vec3d& p, double most, Pacer& pacer) const;
   /// Whether the surface is nearer to p than that, m: ends at the first triangle that is.
   bool within(const Vec3d& p, double distance, Pacer& pacer) const;
+  /// Whether the surface is nearer to any place of the triangle than that, m; where rounding hides it, it is. Nothing
+  /// where more than kMostAsked triangles of the surface may be.
+  std::optional<bool> near_triangle(const std::array<Vec3d, 3>& triangle, double distance,
+                                    Pacer& pacer) const;
+  static constexpr std::size_t kMostAsked = 32;
   /// min(distance from p to the surface, most) of many points; quicker where neighbours follow one another.
   void distances(std::span<const Vec3d> points, double most, std::span<double> out, Pacer& pacer) const;
   /// visit(triangle) for every one whose box overlaps.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <queue>
 #include <tuple>
 #include <utility>
@@ -303,6 +304,8 @@ bool is_deep(const Corners& t, const SurfaceTree& outside, double depth, int hal
   const double distance = outside.distance(middle, depth + radius, pacer);
   if (distance >= depth + radius) return true;
   if (halvings == 0 || distance < (1 - kRounding) * depth) return false;
+  // What is large beside what it has to spare would take thousands of middles.
+  if (const std::optional<bool> near = outside.near_triangle(t, depth, pacer)) return !*near;
   const Vec3d &a = t[longest], &b = t[(longest + 1) % 3], &c = t[(longest + 2) % 3], half = 0.5 * (a + b);
   return is_deep({a, half, c}, outside, depth, halvings - 1, pacer) &&
          is_deep({half, b, c}, outside, depth, halvings - 1, pacer);

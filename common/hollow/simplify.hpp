@@ -19,7 +19,7 @@ InnerSurface simplified(const InnerSurface& surface, double tolerance, const Sur
                         double depth, const Execution& execution);
 
 /// Whether nothing of it is nearer to `outside` than `depth`, for sure: triangles are divided until the distance of
-/// their middles proves it. Throws Interrupted.
+/// their middles proves it, or until so few of the outside are near that each is asked. Throws Interrupted.
 bool is_deep(const InnerSurface& surface, const SurfaceTree& outside, double depth,
              const Execution& execution);
 

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 
 #include "common/base/random.hpp"
+#include "common/bvh/triangle_distance.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace fracture::test {
@@ -56,6 +58,38 @@ TEST(SurfaceTree, DistanceIsThatOfTheNearestTriangleUpToTheMost) {
       }
     }
   }
+}
+
+TEST(SurfaceTree, KnowsWhetherItIsNearATriangle) {
+  Pacer pacer(kUninterrupted);
+  Random random(7);
+  int within = 0, beyond = 0;
+  for (const Mesh& mesh : {torus(24, 12), box({0, 0, 0}, {3, 0.1, 2}, 2), tetrahedron()}) {
+    const SurfaceTree surface(corners_of(mesh));
+    Box around;
+    for (const Vec3f& p : mesh.positions) around.add(to_double(p));
+    for (int n = 0; n < 300; ++n) {
+      const Vec3d a = point_around(around, random), b = a + 0.1 * point_around(around, random),
+                  c = a + 0.1 * point_around(around, random);
+      const std::array<Vec3d, 3> triangle{a, b, c};
+      const bool expected =
+          std::any_of(surface.corners().begin(), surface.corners().end(),
+                      [&](const std::array<Vec3d, 3>& t) { return are_within(triangle, t, 0.08); });
+      const std::optional<bool> said = surface.near_triangle(triangle, 0.08, pacer);
+      if (said) {
+        EXPECT_EQ(*said, expected) << n;
+        ++(expected ? within : beyond);
+      } else {
+        EXPECT_GT(surface.triangles(), SurfaceTree::kMostAsked);
+      }
+    }
+  }
+  EXPECT_GT(within, 50);
+  EXPECT_GT(beyond, 50);
+  const auto flat = [](double z) -> std::array<Vec3d, 3> { return {{{0, 0, z}, {1, 0, z}, {0, 1, z}}}; };
+  const SurfaceTree many(std::vector<std::array<Vec3d, 3>>(SurfaceTree::kMostAsked + 1, flat(0)));
+  EXPECT_FALSE(many.near_triangle(flat(0.1), 1, pacer).has_value());
+  EXPECT_EQ(many.near_triangle(flat(2), 1, pacer), false);
 }
 
 TEST(SurfaceTree, MissesNoTriangleThatMeetsABox) {

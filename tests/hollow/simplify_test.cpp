@@ -88,6 +88,24 @@ TEST(IsDeep, ProvesAndDenies) {
   EXPECT_FALSE(is_deep(inner, ball, 0.21, {}));
 }
 
+TEST(IsDeep, ProvesItOfLargeTrianglesWithLittleToSpare) {
+  // Middles alone would have to be four thousand to an edge.
+  const SurfaceTree cube = tree_of(test::cube(2));
+  const InnerSurface inner = inner_side(test::scaled(test::cube(), {0.75, 0.75, 0.75}));
+  EXPECT_TRUE(is_deep(inner, cube, 0.125 - 1e-4, {}));
+  EXPECT_FALSE(is_deep(inner, cube, 0.125 + 1e-4, {}));
+}
+
+TEST(IsDeep, SeesWhatComesNearBetweenCornersAndMiddles) {
+  const InnerSurface inner = inner_side(test::cube());
+  const auto spike = [](double top) {
+    return tree_of({{0.2f, 0.1f, static_cast<float>(top)}, {0.21f, 0.1f, 3}, {0.2f, 0.11f, 3}}, {{0, 1, 2}});
+  };
+  EXPECT_TRUE(is_deep(inner, spike(0.61), 0.1, {}));
+  EXPECT_FALSE(is_deep(inner, spike(0.59), 0.1, {}));
+  EXPECT_FALSE(is_deep(inner, spike(-3), 0.1, {})) << "right through";
+}
+
 TEST(CrossesItself, WhereTwoTrianglesDo) {
   EXPECT_FALSE(crosses_itself(inner_side(test::ico_sphere(2)), {}));
   const Mesh apart = test::translated(test::tetrahedron(), {10, 0, 0});
