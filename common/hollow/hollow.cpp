@@ -5,9 +5,9 @@
 #include <map>
 #include <utility>
 
-#include "common/base/disjoint_sets.hpp"
 #include "common/base/pacer.hpp"
 #include "common/bvh/surface_tree.hpp"
+#include "common/hollow/cavity.hpp"
 #include "common/hollow/deep_points.hpp"
 #include "common/hollow/extended_source.hpp"
 #include "common/hollow/inner_surface.hpp"
@@ -16,7 +16,7 @@
 namespace fracture {
 namespace {
 
-using hollow_detail::corners_of;
+using hollow_detail::Cavity;
 using hollow_detail::ExtendedSource;
 using hollow_detail::InnerSurface;
 
@@ -33,70 +33,6 @@ std::vector<Run> runs_of_parts(const Solid& solid) {
     run.end = t + 1;
   }
   return runs;
-}
-
-/// A surface of one part, divided into the shells that hang together.
-struct Cavity {
-  std::size_t part;
-  InnerSurface surface;
-  std::vector<std::uint32_t> shell_of_triangle;
-  std::uint32_t shells = 0;
-};
-
-std::vector<std::uint32_t> shells_of(const InnerSurface& surface, std::uint32_t& count) {
-  DisjointSets sets;
-  sets.reserve(surface.positions.size());
-  for (std::size_t v = 0; v < surface.positions.size(); ++v) sets.add();
-  for (const auto& [a, b, c] : surface.triangles) {
-    sets.unite(a, b);
-    sets.unite(a, c);
-  }
-  std::vector<std::uint32_t> number(surface.positions.size(), kNoIndex), shells;
-  shells.reserve(surface.triangles.size());
-  for (const auto& triangle : surface.triangles) {
-    std::uint32_t& n = number[sets.find(triangle[0])];
-    if (n == kNoIndex) n = count++;
-    shells.push_back(n);
-  }
-  return shells;
-}
-
-/// The middle of a part's box is the origin of volumes, so that little is lost to rounding.
-double volume_of(const InnerSurface& surface, const Vec3d& origin) {
-  double six = 0;
-  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-    const auto [a, b, c] = corners_of(surface, t);
-    six -= dot(a - origin, cross(b - origin, c - origin));
-  }
-  return six / 6;
-}
-
-/// Adds what the walls of a part measure; sums of thickness times area, which the caller divides.
-void measure(const InnerSurface& surface, const SurfaceTree& outside, SolidReport& report, double& area,
-             Pacer& pacer) {
-  // Nothing is farther from the outside than its neighbour is, and that one from it.
-  constexpr double kBeyondRounding = 1 + 1e-9;
-  const auto depth_near = [&](const Vec3d& p, const Vec3d& q, double depth) {
-    return outside.distance(p, kBeyondRounding * (depth + length(p - q)), pacer);
-  };
-  double least = report.parts_hollowed == 0 ? HUGE_VAL : report.least_thickness;
-  std::vector<double> depths;
-  depths.reserve(surface.positions.size());
-  for (std::size_t v = 0; v < surface.positions.size(); ++v) {
-    const Vec3d p = to_double(surface.positions[v]);
-    depths.push_back(v == 0 ? outside.distance(p, HUGE_VAL, pacer)
-                            : depth_near(p, to_double(surface.positions[v - 1]), depths.back()));
-    least = std::fmin(least, depths.back());
-  }
-  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-    const auto [a, b, c] = corners_of(surface, t);
-    const double size = length(cross(b - a, c - a)) / 2;
-    const double thickness = depth_near((1.0 / 3) * (a + b + c), a, depths[surface.triangles[t][0]]);
-    least = std::fmin(least, thickness);
-    report.mean_thickness += thickness * size;
-    area += size;
-  }
-  report.least_thickness = least;
 }
 
 /// Divides the sum of thicknesses by the area, and says in words what the figures do not.
@@ -135,6 +71,140 @@ hollow_detail::InnerSurfaceLimits fine_enough(std::size_t outside, double share,
   const std::size_t triangles = std::min<std::size_t>(most, std::max({kForEach * outside, of_size, kLeast}));
   return {static_cast<std::uint32_t>(triangles), most_marched(triangles)};
 }
+
+/// Makes the cavities of parts that share a number of triangles: each may have as many as are left for it when those
+/// before it have theirs. That is no fewer than are left for each now, so many are made at once with that, and those
+/// that would be others with what they may have in the end are made again: the same come for any number of threads.
+class Hollower {
+ public:
+  Hollower(Solid& solid, const HollowOptions& options, const Execution& execution)
+      : solid_(solid),
+        options_(options),
+        execution_(execution),
+        least_ball_(options.least_ball > 0 ? std::fmax(options.least_ball, kSmallestBall) : 0),
+        runs_(runs_of_parts(solid)),
+        left_(options.max_all) {}
+
+  std::vector<Cavity> run() {
+    choose();
+    const std::size_t at_once = execution_.threads > 1 ? std::size_t{kForAThread} * execution_.threads : 1;
+    for (std::size_t done = 0; done < chosen_.size(); done += at_once) {
+      const std::size_t end = std::min(done + at_once, chosen_.size());
+      execution_.reaches(0.2 + 0.6 * static_cast<double>(end) / static_cast<double>(chosen_.size()));
+      make(done, end);
+    }
+    finish(solid_.report, options_, asked(), area_);
+    return std::move(cavities_);
+  }
+  /// Of the inner sides, m².
+  double area() const { return area_; }
+
+ private:
+  /// More are made again the more there are at once.
+  static constexpr int kForAThread = 4;
+
+  std::uint32_t asked() const { return static_cast<std::uint32_t>(chosen_.size()); }
+  double thickness_of(const Part& part) const {
+    return options_.thickness > 0 ? options_.thickness : options_.fraction * part.box.longest_side();
+  }
+  SurfaceTree surface_of(std::size_t p) const {
+    return SurfaceTree(corners_of(solid_, runs_[p].begin, runs_[p].end, execution_), execution_);
+  }
+
+  bool may(std::size_t p) const {
+    const Part& part = solid_.parts[p];
+    const Vec3d size = part.box.size();
+    const double longest = part.box.longest_side(), shortest = std::fmin(size.x, std::fmin(size.y, size.z));
+    if (part.shells.size() > 1 || !(shortest > std::fmax(2 * thickness_of(part), least_ball_ * longest)))
+      return false;
+    return least_ball_ == 0 ||
+           hollow_detail::holds_ball(surface_of(p), part.box, least_ball_ / 2 * longest, execution_);
+  }
+
+  void choose() {
+    execution_.reaches(0.2);
+    std::vector<std::uint8_t> may_be(solid_.parts.size());
+    parallel_for(execution_, may_be.size(), 8, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t p = begin; p < end; ++p) may_be[p] = may(p);
+    });
+    for (std::size_t p = 0; p < may_be.size(); ++p) {
+      if (!may_be[p]) continue;
+      chosen_.push_back(p);
+      longest_ = std::fmax(longest_, solid_.parts[p].box.longest_side());
+    }
+    waiting_ = asked();
+  }
+
+  /// Triangles for the next of those that wait, or for any of them at least.
+  std::uint32_t most() const { return std::min(options_.max_triangles, left_ / waiting_); }
+
+  hollow_detail::InnerSurfaceLimits limits_of(std::size_t p, std::uint32_t most) const {
+    if (least_ball_ > 0)
+      return fine_enough(runs_[p].end - runs_[p].begin, solid_.parts[p].box.longest_side() / longest_, most);
+    return {.triangles = most, .marched = most_marched(most)};
+  }
+
+  Cavity cavity(std::size_t p, std::uint32_t most) const {
+    const Part& part = solid_.parts[p];
+    return cavity_of(p, surface_of(p), part.box, thickness_of(part), limits_of(p, most), execution_);
+  }
+
+  void make(std::size_t begin, std::size_t end) {
+    const std::uint32_t foreseen = most();
+    std::vector<Cavity> made(end - begin);
+    if (foreseen >= kLeastTriangles && made.size() > 1)
+      parallel_for(execution_, made.size(), 1,
+                   [&](std::size_t k, std::size_t) { made[k] = cavity(chosen_[begin + k], foreseen); });
+    else
+      for (Cavity& none : made) none.other = {0, 0, 0};
+    for (std::size_t k = begin; k < end; ++k) {
+      execution_.poll();
+      const std::uint32_t may_have = most();
+      --waiting_;
+      if (may_have < kLeastTriangles) continue;
+      const hollow_detail::InnerSurfaceLimits limits = limits_of(chosen_[k], may_have);
+      const hollow_detail::InnerSurfaceLimits& other = made[k - begin].other;
+      if (limits.triangles >= other.triangles || limits.marched >= other.marched)
+        made[k - begin] = cavity(chosen_[k], may_have);
+      keep(std::move(made[k - begin]));
+    }
+  }
+
+  void keep(Cavity cavity) {
+    Part& part = solid_.parts[cavity.part];
+    SolidReport& report = solid_.report;
+    // A surface that crosses itself may enclose less than its deep places do.
+    if (cavity.surface.triangles.empty() || cavity.volume >= part.volume) return;
+    left_ -= static_cast<std::uint32_t>(cavity.surface.triangles.size());
+    execution_.made(Product::kSurfaceTriangles, cavity.surface.triangles.size());
+    report.least_thickness = report.parts_hollowed == 0
+                                 ? cavity.least_thickness
+                                 : std::fmin(report.least_thickness, cavity.least_thickness);
+    // A sum that finish() divides.
+    for (const Cavity::Wall& wall : cavity.walls) {
+      report.mean_thickness += wall.thickness * wall.area;
+      area_ += wall.area;
+    }
+    cavity.walls = {};
+    part.volume -= cavity.volume;
+    report.absolute_volume += cavity.volume;
+    ++report.parts_hollowed;
+    report.hollow_triangles += cavity.surface.triangles.size();
+    report.hollow_volume += cavity.volume;
+    cavities_.push_back(std::move(cavity));
+  }
+
+  Solid& solid_;
+  const HollowOptions& options_;
+  const Execution& execution_;
+  const double least_ball_;
+  const std::vector<Run> runs_;
+  std::vector<std::size_t> chosen_;  // parts that may become walls
+  std::uint32_t waiting_ = 0;        // of them
+  std::uint32_t left_;               // triangles
+  double longest_ = 0, area_ = 0;
+  std::vector<Cavity> cavities_;
+};
 
 /// Writes the parts anew, each with its cavity behind its own triangles.
 class Rebuilder {
@@ -240,66 +310,11 @@ class Rebuilder {
 
 Solid hollowed(Solid solid, const HollowOptions& options, const Execution& execution) {
   if (!options.any()) return solid;
-  Pacer pacer(execution);
-  SolidReport& report = solid.report;
-  const std::vector<Run> runs = runs_of_parts(solid);
-  const auto thickness_of = [&](const Part& part) {
-    return options.thickness > 0 ? options.thickness : options.fraction * part.box.longest_side();
-  };
-  const double least_ball = options.least_ball > 0 ? std::fmax(options.least_ball, kSmallestBall) : 0;
-  const auto surface_of = [&](std::size_t p) {
-    return SurfaceTree(corners_of(solid, runs[p].begin, runs[p].end, execution), execution);
-  };
-  const auto may = [&](std::size_t p) {
-    const Part& part = solid.parts[p];
-    const Vec3d size = part.box.size();
-    const double longest = part.box.longest_side(), shortest = std::fmin(size.x, std::fmin(size.y, size.z));
-    if (part.shells.size() > 1 || !(shortest > std::fmax(2 * thickness_of(part), least_ball * longest)))
-      return false;
-    return least_ball == 0 ||
-           hollow_detail::holds_ball(surface_of(p), part.box, least_ball / 2 * longest, execution);
-  };
-  execution.reaches(0.2);
-  std::vector<std::size_t> chosen;
-  for (std::size_t p = 0; p < solid.parts.size(); ++p) {
-    pacer.step(8);
-    if (may(p)) chosen.push_back(p);
-  }
-  auto waiting = static_cast<std::uint32_t>(chosen.size());
-  const std::uint32_t asked = waiting;
-  double longest = 0;
-  for (const std::size_t p : chosen) longest = std::fmax(longest, solid.parts[p].box.longest_side());
-  std::uint32_t left = options.max_all;
-  std::vector<Cavity> cavities;
-  double area = 0;
-  for (const std::size_t p : chosen) {
-    Part& part = solid.parts[p];
-    execution.poll();
-    execution.reaches(0.2 + 0.6 * (asked - waiting + 1) / asked);
-    const std::uint32_t most = std::min(options.max_triangles, left / waiting--);
-    if (most < kLeastTriangles) continue;
-    const hollow_detail::InnerSurfaceLimits limits =
-        least_ball > 0 ? fine_enough(runs[p].end - runs[p].begin, part.box.longest_side() / longest, most)
-                       : hollow_detail::InnerSurfaceLimits{.triangles = most, .marched = most_marched(most)};
-    const SurfaceTree outside = surface_of(p);
-    Cavity cavity{p, inner_surface(outside, part.box, thickness_of(part), limits, execution), {}};
-    const double volume = volume_of(cavity.surface, part.box.center());
-    // A surface that crosses itself may enclose less than its deep places do.
-    if (cavity.surface.triangles.empty() || volume >= part.volume) continue;
-    left -= static_cast<std::uint32_t>(cavity.surface.triangles.size());
-    execution.made(Product::kSurfaceTriangles, cavity.surface.triangles.size());
-    cavity.shell_of_triangle = shells_of(cavity.surface, cavity.shells);
-    measure(cavity.surface, outside, report, area, pacer);
-    part.volume -= volume;
-    report.absolute_volume += volume;
-    ++report.parts_hollowed;
-    report.hollow_triangles += cavity.surface.triangles.size();
-    report.hollow_volume += volume;
-    cavities.push_back(std::move(cavity));
-  }
-  finish(report, options, asked, area);
+  Hollower hollower(solid, options, execution);
+  const std::vector<Cavity> cavities = hollower.run();
   if (cavities.empty()) return solid;
-  report.area += area;
+  SolidReport& report = solid.report;
+  report.area += hollower.area();
   report.volume = 0;
   for (const Part& part : solid.parts) report.volume += part.volume;
   execution.reaches(1);

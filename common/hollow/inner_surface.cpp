@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <utility>
 
 #include "common/base/id.hpp"
@@ -54,18 +53,21 @@ class March {
         execution_(execution),
         pacer_(execution) {}
 
-  /// Nothing where it would have more triangles than that.
-  std::optional<InnerSurface> run(std::uint32_t most) {
+  /// Empty where it would have more triangles than that: how many is said instead.
+  InnerSurface run(std::uint32_t most, std::uint32_t& too_many) {
     // Points from which a sixteenth of an edge still leads to a place that is deep enough.
     const double depth = depth_ + 1.0001 * std::sqrt(3.0) / kParts * lattice_.step();
     deep_ = deep_points(surface_, lattice_, depth, kSmallest, execution_);
     // How many there will be does not depend on where on its edge a corner lies, which takes most of the time.
-    std::size_t count = 0;
+    std::uint32_t count = 0;
     lattice_.each_cube([&](std::uint32_t point) {
       pacer_.step();
       count += triangles_in(point);
     });
-    if (count > most) return std::nullopt;
+    if (count > most) {
+      too_many = count;
+      return {};
+    }
     out_.positions.reserve(count / 2 + 2);
     out_.triangles.reserve(count);
     corner_of_edge_.assign(std::size_t{8} * lattice_.points(), kNoIndex);
@@ -87,11 +89,11 @@ class March {
     return deep > 0 && deep < 8;
   }
 
-  std::size_t triangles_in(std::uint32_t cube) const {
+  std::uint32_t triangles_in(std::uint32_t cube) const {
     if (!is_divided(cube)) return 0;
-    constexpr std::size_t kOfDeepCorners[5] = {0, 1, 2, 1, 0};
+    constexpr std::uint32_t kOfDeepCorners[5] = {0, 1, 2, 1, 0};
     const auto deep = [&](std::uint32_t bits) { return deep_[lattice_.neighbour(cube, bits)]; };
-    std::size_t count = 0;
+    std::uint32_t count = 0;
     for (const auto& [first, second] : kPaths)
       count += kOfDeepCorners[deep(0) + deep(first) + deep(second) + deep(7)];
     return count;
@@ -179,23 +181,37 @@ InnerSurface as_simple_as_may_be(InnerSurface inner, const SurfaceTree& surface,
 }  // namespace
 
 InnerSurface inner_surface(const SurfaceTree& surface, const Box& box, double thickness,
-                           const InnerSurfaceLimits& limits, const Execution& execution) {
+                           const InnerSurfaceLimits& limits, const Execution& execution,
+                           InnerSurfaceLimits* other) {
+  constexpr std::uint32_t kAnyNumber = 0xffffffffu;
+  InnerSurfaceLimits unused;
+  InnerSurfaceLimits& enough = other ? *other : unused;
+  enough = {kAnyNumber, kAnyNumber, limits.lattice_points};
   double reach = 0;
   for (int axis = 0; axis < 3; ++axis) reach = std::fmax(reach, std::fmax(-box.min[axis], box.max[axis]));
   const double least = std::fmax(kFloatSteps * reach / (1 << 23), box.longest_side() / limits.lattice_points);
   Pacer pacer(execution);
   const double area = area_of(surface, pacer);
   double step = std::ldexp(1, std::ilogb(std::fmax(thickness / 2, least)));
-  while (step < least || expected_points(box, step) > limits.lattice_points ||
-         kTrianglesPerSquare / 2 * area / (step * step) > limits.marched)
-    step = coarser(step);
+  for (;; step = coarser(step)) {
+    if (step < least || expected_points(box, step) > limits.lattice_points) continue;
+    const double expected = kTrianglesPerSquare / 2 * area / (step * step);
+    if (!(expected > limits.marched)) break;
+    if (expected < kAnyNumber)
+      enough.marched = std::min(enough.marched, static_cast<std::uint32_t>(std::ceil(expected)));
+  }
   for (;; step = coarser(step)) {
     execution.poll();
     if (2 * std::sqrt(thickness * thickness + step * step) >= box.longest_side()) return {};
-    std::optional<InnerSurface> marched = March(surface, box, thickness, step, execution).run(limits.marched);
-    if (!marched) continue;
-    InnerSurface inner = as_simple_as_may_be(*std::move(marched), surface, thickness, step, execution);
+    std::uint32_t too_many = 0;
+    InnerSurface inner = March(surface, box, thickness, step, execution).run(limits.marched, too_many);
+    if (too_many > 0) {
+      enough.marched = std::min(enough.marched, too_many);
+      continue;
+    }
+    inner = as_simple_as_may_be(std::move(inner), surface, thickness, step, execution);
     if (inner.triangles.size() <= limits.triangles) return inner;
+    enough.triangles = std::min(enough.triangles, static_cast<std::uint32_t>(inner.triangles.size()));
   }
 }
 

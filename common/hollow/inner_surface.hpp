@@ -39,8 +39,10 @@ struct InnerSurfaceLimits {
 /// at most an eighth of a step, and looked at again; where it then came too near to the outside, or crossed itself, it is
 /// simplified less or stays as it was.
 ///
-/// Throws Interrupted.
+/// `other`, where asked for, becomes the least that would have to be allowed for another surface: with limits that are
+/// no less than those given, and both below `other`, the same comes. Throws Interrupted.
 InnerSurface inner_surface(const SurfaceTree& surface, const Box& box, double thickness,
-                           const InnerSurfaceLimits& limits, const Execution& execution);
+                           const InnerSurfaceLimits& limits, const Execution& execution,
+                           InnerSurfaceLimits* other = nullptr);
 
 }  // namespace fracture::hollow_detail

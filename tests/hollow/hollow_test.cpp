@@ -147,6 +147,23 @@ TEST(Hollow, FewerTrianglesForEachPartAreLessWork) {
   EXPECT_LT(2 * polls(2 * 1'000), polls(2 * 20'000));
 }
 
+TEST(Hollow, PartsThatShareTrianglesAreTheSameForAnyNumberOfThreads) {
+  // What the first cubes leave makes the balls after them finer than was foreseen for all.
+  std::vector<Mesh> things;
+  for (int k = 0; k < 14; ++k)
+    things.push_back(translated(k < 6 ? cube(2) : ico_sphere(2, 0.5), {2.0 * k, 0, 0}));
+  const Solid solid = solid_of(joined(things));
+  const HollowOptions options{.fraction = 0.03, .max_all = 14 * 500};
+  const Solid one = hollowed(solid, options, {}), three = hollowed(solid, options, {.threads = 3});
+  EXPECT_EQ(one.report.parts_hollowed, 14u);
+  EXPECT_EQ(one.positions, three.positions);
+  EXPECT_EQ(one.triangles, three.triangles);
+  EXPECT_EQ(one.shell, three.shell);
+  EXPECT_EQ(one.report.mean_thickness, three.report.mean_thickness);
+  EXPECT_EQ(one.report.least_thickness, three.report.least_thickness);
+  EXPECT_EQ(one.report.volume, three.report.volume);
+}
+
 TEST(Hollow, UnequalPartsAddUp) {
   const Solid parts =
       hollowed(solid_of(joined({box({0, 0, 0}, {1, 0.7, 0.9}, 3), box({3, 0, 0}, {3.3, 0.31, 0.37}, 2),

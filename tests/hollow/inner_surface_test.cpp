@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -92,6 +93,23 @@ TEST(InnerSurface, StaysWithinItsLimitByBeingCoarser) {
   EXPECT_LE(s.triangles.size(), 2000u);
   EXPECT_GT(s.triangles.size(), 100u);
   EXPECT_GE(least_depth(s, ball.tree), 0.02);
+}
+
+TEST(InnerSurface, SaysWithWhichLimitsAnotherWouldCome) {
+  const Part ball = part_of(test::ico_sphere(3));
+  for (const InnerSurfaceLimits& limits : {InnerSurfaceLimits{.triangles = 20'000, .marched = 3000},
+                                           InnerSurfaceLimits{.triangles = 400, .marched = 20'000}}) {
+    InnerSurfaceLimits other;
+    const InnerSurface s = inner_surface(ball.tree, ball.box, 0.02, limits, {}, &other);
+    const auto with = [&](std::uint32_t triangles, std::uint32_t marched) {
+      return inner_surface(ball.tree, ball.box, 0.02, {triangles, marched}, {}).triangles;
+    };
+    const std::uint32_t below = std::min(other.triangles - 1, 30'000u),
+                        marched = std::min(other.marched - 1, 30'000u);
+    EXPECT_EQ(with(below, marched), s.triangles) << "below both";
+    const bool by_marched = other.marched < other.triangles;
+    EXPECT_NE(with(by_marched ? below : other.triangles, by_marched ? other.marched : marched), s.triangles);
+  }
 }
 
 TEST(InnerSurface, OfAWallThinnerThanNumbersAreEnds) {

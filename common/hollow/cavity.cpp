@@ -1,0 +1,81 @@
+#include "common/hollow/cavity.hpp"
+
+#include <cmath>
+
+#include "common/base/disjoint_sets.hpp"
+#include "common/base/id.hpp"
+#include "common/base/pacer.hpp"
+#include "common/hollow/extended_source.hpp"
+
+namespace fracture::hollow_detail {
+namespace {
+
+std::vector<std::uint32_t> shells_of(const InnerSurface& surface, std::uint32_t& count) {
+  DisjointSets sets;
+  sets.reserve(surface.positions.size());
+  for (std::size_t v = 0; v < surface.positions.size(); ++v) sets.add();
+  for (const auto& [a, b, c] : surface.triangles) {
+    sets.unite(a, b);
+    sets.unite(a, c);
+  }
+  std::vector<std::uint32_t> number(surface.positions.size(), kNoIndex), shells;
+  shells.reserve(surface.triangles.size());
+  for (const auto& triangle : surface.triangles) {
+    std::uint32_t& n = number[sets.find(triangle[0])];
+    if (n == kNoIndex) n = count++;
+    shells.push_back(n);
+  }
+  return shells;
+}
+
+/// The middle of a part's box is the origin of volumes, so that little is lost to rounding.
+double volume_of(const InnerSurface& surface, const Vec3d& origin) {
+  double six = 0;
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    const auto [a, b, c] = corners_of(surface, t);
+    six -= dot(a - origin, cross(b - origin, c - origin));
+  }
+  return six / 6;
+}
+
+void measure(Cavity& cavity, const SurfaceTree& outside, Pacer& pacer) {
+  // Nothing is farther from the outside than its neighbour is, and that one from it.
+  constexpr double kBeyondRounding = 1 + 1e-9;
+  const auto depth_near = [&](const Vec3d& p, const Vec3d& q, double depth) {
+    return outside.distance(p, kBeyondRounding * (depth + length(p - q)), pacer);
+  };
+  const InnerSurface& surface = cavity.surface;
+  double least = HUGE_VAL;
+  std::vector<double> depths;
+  depths.reserve(surface.positions.size());
+  for (std::size_t v = 0; v < surface.positions.size(); ++v) {
+    const Vec3d p = to_double(surface.positions[v]);
+    depths.push_back(v == 0 ? outside.distance(p, HUGE_VAL, pacer)
+                            : depth_near(p, to_double(surface.positions[v - 1]), depths.back()));
+    least = std::fmin(least, depths.back());
+  }
+  cavity.walls.reserve(surface.triangles.size());
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    const auto [a, b, c] = corners_of(surface, t);
+    const double thickness = depth_near((1.0 / 3) * (a + b + c), a, depths[surface.triangles[t][0]]);
+    least = std::fmin(least, thickness);
+    cavity.walls.push_back({thickness, length(cross(b - a, c - a)) / 2});
+  }
+  cavity.least_thickness = least;
+}
+
+}  // namespace
+
+Cavity cavity_of(std::size_t part, const SurfaceTree& outside, const Box& box, double thickness,
+                 const InnerSurfaceLimits& limits, const Execution& execution) {
+  Cavity cavity;
+  cavity.part = part;
+  cavity.surface = inner_surface(outside, box, thickness, limits, execution, &cavity.other);
+  cavity.volume = volume_of(cavity.surface, box.center());
+  cavity.shell_of_triangle = shells_of(cavity.surface, cavity.shells);
+  Pacer pacer(execution);
+  measure(cavity, outside, pacer);
+  return cavity;
+}
+
+}  // namespace fracture::hollow_detail
