@@ -325,7 +325,9 @@ class HeadlessRun {
     const std::uint64_t frames = this->frames();
     for (std::uint64_t frame = 0; frame <= frames; ++frame) {
       const double now = static_cast<double>(frame) * frame_length_;
-      if (auto taken = take_pictures(now); !taken) return tl::unexpected(taken.error());
+      // The end may lie a part of a frame beyond the last one.
+      const double until = frame == frames ? std::max(now, options_.seconds) : now;
+      if (auto taken = take_pictures(until); !taken) return tl::unexpected(taken.error());
       if (frame == frames) break;
       const std::uint64_t swaps_before = game_.figures().swaps;
       const Expected<double> stepped =

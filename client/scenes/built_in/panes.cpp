@@ -45,8 +45,8 @@ Scene panes() {
   }
   scene.ball_radius = 0.09;
   scene.ball_speed = 14;
-  scene.eye = {3.0f, 1.8f, 3.9f};
-  scene.target = {0.45f, 0.95f, 0};
+  scene.eye = {2.5f, 1.9f, 3.0f};
+  scene.target = {0.55f, 1.0f, 0};
   scene.bounds = {{0, 1, 0}, 5};
   scene.throws = {{0.3, {0.3, 1.6, 6}, {-0.2, 1.2, -15}}, {2.2, {2.2, 1.8, 6}, {-1.2, 0.9, -15}}};
   return scene;

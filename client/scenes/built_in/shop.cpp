@@ -104,13 +104,15 @@ Scene shop() {
     scene.boxes.push_back({at(side * (width / 2 + board / 2), high / 2, 0),
                            {board / 2, high / 2, depth / 2},
                            SolidLook::kWood});
-  scene.ball_radius = 0.06;
+  scene.ball_radius = 0.08;
   scene.ball_density = 7800;
   scene.ball_speed = 10;
-  scene.eye = {1.3f, 1.5f, 2.6f};
-  scene.target = {0.05f, 0.95f, 0};
+  scene.eye = {1.05f, 1.55f, 2.3f};
+  scene.target = {0.05f, 1.06f, 0};
   scene.bounds = {{0, 1, 0}, 2.6f};
-  scene.throws = {{0.3, {0.5, 1.5, 4}, {-0.5, 1.0, -10}}, {0.9, {-0.6, 1.7, 4}, {0.4, 2.0, -10}}};
+  scene.throws = {{0.3, {0.5, 1.5, 4}, {-0.5, 1.0, -10}},
+                  {0.9, {-0.6, 1.7, 4}, {0.4, 2.0, -10}},
+                  {1.0, {0.9, 1.7, 4}, {-1.1, 2.0, -10}}};
   return scene;
 }
 
