@@ -21,11 +21,11 @@ struct Crumbling {
 
 const glm::vec3 kWhite(0.80f, 0.80f, 0.78f), kGrey(0.42f, 0.41f, 0.39f), kSand(0.52f, 0.46f, 0.37f);
 const std::array<Crumbling, 8> kCrumbling = {{
-    {"stone", {0.40f, 0.38f, 0.35f}, {0.34f, 0.32f, 0.30f}, 26, 0.30f, 300, 0.014f, 1.4f, true},
+    {"stone", {0.40f, 0.38f, 0.35f}, {0.34f, 0.32f, 0.30f}, 26, 0.20f, 300, 0.014f, 1.4f, true},
     {"glass", kWhite, {0.62f, 0.74f, 0.72f}, 6, 0.10f, 1400, 0.007f, 2.2f, true},
     {"wood", kSand, {0.36f, 0.24f, 0.13f}, 5, 0.14f, 500, 0.020f, 6.0f, false},
-    {"concrete", kGrey, {0.38f, 0.37f, 0.35f}, 42, 0.36f, 420, 0.016f, 1.3f, true},
-    {"brick", {0.45f, 0.25f, 0.17f}, {0.40f, 0.17f, 0.10f}, 38, 0.32f, 420, 0.014f, 1.4f, false},
+    {"concrete", kGrey, {0.38f, 0.37f, 0.35f}, 42, 0.22f, 420, 0.016f, 1.3f, true},
+    {"brick", {0.45f, 0.25f, 0.17f}, {0.40f, 0.17f, 0.10f}, 38, 0.20f, 420, 0.014f, 1.4f, false},
     {"ceramic", kWhite, {0.70f, 0.69f, 0.66f}, 12, 0.18f, 700, 0.009f, 2.0f, true},
     {"metal", kGrey, {0.30f, 0.30f, 0.31f}, 0, 0, 20, 0.006f, 3.0f, false},
     {"ice", {0.80f, 0.86f, 0.90f}, {0.72f, 0.82f, 0.88f}, 22, 0.20f, 900, 0.012f, 1.6f, true},

@@ -30,7 +30,7 @@ void main() {
   }
   albedo *= 1.0 + tone;
   float open = texelFetch(screen_occlusion, ivec2(gl_FragCoord.xy), 0).r;
-  float sky_share = sky_visibility(p, n) * open, sunny = sun_visibility(p, n);
+  float sky_share = min(sky_visibility(p, n), open), sunny = sun_visibility(p, n);
   vec3 v = ground.w > 0.5 ? -forward.xyz : normalize(eye.xyz - p);
   vec3 irradiance = sky.rgb * sky_share + sun.rgb / PI * max(towards_sun.y, 0.0) * sunny;
   vec3 mirrored = environment(reflect(-v, n), roughness) * environment_brdf(vec3(0.04), roughness, max(v.y, 1e-3));

@@ -113,7 +113,8 @@ void main() {
                                         (2.7552 * diffuse + 0.6903) * open);
   float mirror_open = clamp(pow(n_dot_v + open, exp2(-16.0 * roughness - 1.0)) - 1.0 + open, 0.0, 1.0);
 #else
-  const float lit_corner = 1.0, mirror_open = 1.0;
+  const vec3 lit_corner = vec3(1.0);
+  const float mirror_open = 1.0;
 #endif
 
   // The sun.
@@ -128,8 +129,10 @@ void main() {
   }
   // The hemispheres: sky above, ground below (light that the ground sends back where the object does not shade it).
   float above = 0.5 + 0.5 * n.y;
-  vec3 ambient = mix(ground.rgb * mix(0.55, 1.0, sky_share), sky.rgb * sky_share, above);
-  from_diffuse += ambient * occlusion * diffuse * lit_corner;
+  // What a corner does not see of the sky is not counted twice: sky_share knows the large ones.
+  vec3 sky_seen = min(vec3(sky_share), lit_corner);
+  vec3 ambient = mix(ground.rgb * mix(0.55, 1.0, sky_share) * lit_corner, sky.rgb * sky_seen, above);
+  from_diffuse += ambient * occlusion * diffuse;
   vec3 mirror = environment(reflect(-v, n), roughness);
   from_gloss += mirror * environment_brdf(f0, roughness, n_dot_v) * occlusion * mix(sky_share, 1.0, 0.3 + 0.5 * transmission) * mirror_open;
 
