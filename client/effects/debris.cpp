@@ -151,7 +151,7 @@ void Debris::mark(const world::World& world, const world::Knock& knock, const wo
     mark.position = glm::vec3(pose.local(knock.point));
     normal = glm::conjugate(pose.rotation) * normal;
     const Crumbling& how = crumbling(material);
-    mark.color = 0.45f * how.crumb;
+    mark.color = 0.85f * how.dust;  // a scuff is powder
     mark.cracks = how.rays;
   } else {
     mark.position = glm::vec3(knock.point);
@@ -160,7 +160,7 @@ void Debris::mark(const world::World& world, const world::Knock& knock, const wo
   }
   mark.normal = glm::normalize(glm::vec3(normal));
   mark.turn = 6.2831853f * random();
-  mark.radius = std::clamp(0.035f * std::cbrt(static_cast<float>(knock.impulse)), 0.03f, 0.35f) *
+  mark.radius = std::clamp(0.035f * std::cbrt(static_cast<float>(knock.impulse)), 0.03f, 0.2f) *
                 (0.8f + 0.4f * random());
   mark.opacity = std::clamp(0.12f * static_cast<float>(knock.approach), 0.15f, 0.6f);
   marks_.push_back(mark);

@@ -131,7 +131,14 @@ void main() {
   float above = 0.5 + 0.5 * n.y;
   // What a corner does not see of the sky is not counted twice: sky_share knows the large ones.
   vec3 sky_seen = min(vec3(sky_share), lit_corner);
-  vec3 ambient = mix(ground.rgb * mix(0.55, 1.0, sky_share) * lit_corner, sky.rgb * sky_seen, above);
+#ifdef HIGH
+  // What hides the sky is lit itself, and sends some of that back from all sides.
+  const float kBack = 0.4, kLeast = 0.75;
+#else
+  const float kBack = 0.0, kLeast = 0.55;
+#endif
+  vec3 back = kBack * (1.0 - sky_share) * ground.rgb * lit_corner;
+  vec3 ambient = mix(ground.rgb * mix(kLeast, 1.0, sky_share) * lit_corner, sky.rgb * sky_seen + back, above);
   from_diffuse += ambient * occlusion * diffuse;
   vec3 mirror = environment(reflect(-v, n), roughness);
   from_gloss += mirror * environment_brdf(f0, roughness, n_dot_v) * occlusion * mix(sky_share, 1.0, 0.3 + 0.5 * transmission) * mirror_open;
