@@ -2,6 +2,7 @@
 
 #include "common/gltf/report_text.hpp"
 #include "common/mesh/material_library.hpp"
+#include "common/physics/principal_axes.hpp"
 
 namespace fracture {
 namespace {
@@ -120,7 +121,7 @@ void write_fragment_extras(JsonText& json, const FracturedSolid& fractured, std:
   json.begin_object()
       .member("id", fragment.id)
       .member("volume", mass.volume)
-      .member("mass", mass.volume * options.density)
+      .member("mass", body_volume(fragment) * options.density)
       .member("area", mass.area)
       .member("exterior_area", fragment.exterior_area)
       .member("center_of_mass", mass.center_of_mass)

@@ -276,11 +276,17 @@ class FewHulls {
     CollisionHull hull;
     s_.body.write(hull.points, hull.triangles);
     if (hull.triangles.size() < 4) return add_largest();
-    if (hull.points.size() > kMaxHullPoints || !bounds_a_body(hull))
-      return add_hull(hull.points, {}, s_.maker, out, execution_);
-    out.simplified += simplified;
-    inset(hull);
-    out.hulls.push_back(std::move(hull));
+    if (hull.points.size() <= kMaxHullPoints) {
+      CollisionHull smaller = hull;
+      inset(smaller);  // and rounds: corners that were two may be one
+      if (bounds_a_body(smaller)) {
+        out.simplified += simplified;
+        out.hulls.push_back(std::move(smaller));
+        return;
+      }
+    }
+    add_hull(hull.points, {}, s_.maker, out, execution_);
+    out.simplified += simplified && !s_.maker.builder.stopped_early();
   }
 
   const VoronoiDiagram& diagram_;

@@ -45,8 +45,10 @@ bool all_wider(const Fragment& f, std::size_t first, double width) {
 /// other become one). (The width of a convex body is at least 2 V / A.)
 std::optional<std::size_t> count_uncut(const Fragment& f, const Vec3d& lattice_step) {
   constexpr double kWide = 1e4, kClear = 16;
+  // No hull has more triangles than this, and no loop over them has to be polled.
   const bool is_known = f.bodies.empty() && f.sites.size() == 1 && f.open_edges == 0 && f.caps.size() == 1 &&
                         f.caps[0].first + f.caps[0].count == f.indices.size() &&
+                        f.caps[0].count / 3 <= 2 * kMaxHullPoints &&
                         2 * f.mass.volume > kWide * length(lattice_step) * f.mass.area &&
                         all_wider(f, f.caps[0].first, kClear * length(lattice_step));
   if (!is_known) return std::nullopt;

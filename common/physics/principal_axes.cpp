@@ -50,7 +50,7 @@ PrincipalAxes body_inertia(const Fragment& f) {
   // Each moment is less than the sum of the others, but for what is infinitely thin: so thin that the tensor
   // may be half rounding is not told from impossible.
   const double least = 1e-9 * (a + b + c);
-  if (a + b - c > least && b + c - a > least && c + a - b > least) return axes;
+  if (f.mass.volume > 0 && a + b - c > least && b + c - a > least && c + a - b > least) return axes;
   Box box;
   for (const Vec3f& p : f.positions) box.add(to_double(p) + f.pivot - f.mass.center_of_mass);
   return principal_axes(inertia_of_box(box, body_volume(f)));

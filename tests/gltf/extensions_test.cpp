@@ -62,6 +62,16 @@ TEST(KhrPhysics, MotionOfACubeHasAllFourMembersAtTheDensity) {
   EXPECT_EQ(motion["inertiaOrientation"], json({0, 0, 0, 1}));
 }
 
+TEST(KhrPhysics, ABodyWithoutVolumeHasOneMassThatIsMoreThanNothing) {
+  FracturedSolid made = two_halves_with_hulls();
+  made.set.fragments[0].mass.volume = -1e-20;
+  const json node = Glb(write_glb(made, {})).document["nodes"][1];
+  const json& motion = node["extensions"][kKhrName]["motion"];
+  EXPECT_GT(motion["mass"].get<double>(), 0);
+  EXPECT_EQ(node["extras"]["fracture"]["mass"], motion["mass"]);
+  EXPECT_EQ(node["extras"]["fracture"]["volume"], -1e-20);
+}
+
 TEST(KhrPhysics, InertiaIsTurnedIntoItsPrincipalAxes) {
   FracturedSolid made = two_halves_with_hulls();
   // Moments 3, 4 and 5 about axes turned by 45 degrees around z.
