@@ -1,5 +1,7 @@
 #include "common/gltf/omi_physics.hpp"
 
+#include "common/physics/principal_axes.hpp"
+
 namespace fracture {
 namespace {
 
