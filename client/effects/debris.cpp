@@ -17,18 +17,20 @@ struct Crumbling {
   float size;             ///< metres, of the larger crumbs
   float stretch;
   bool rays;  ///< a hit leaves cracks
+  bool
+      clear;  ///< and no mark, which would be painted on what the depth of the picture shows: what lies behind
 };
 
 const glm::vec3 kWhite(0.80f, 0.80f, 0.78f), kGrey(0.42f, 0.41f, 0.39f), kSand(0.52f, 0.46f, 0.37f);
 const std::array<Crumbling, 8> kCrumbling = {{
-    {"stone", {0.40f, 0.38f, 0.35f}, {0.34f, 0.32f, 0.30f}, 26, 0.20f, 300, 0.014f, 1.4f, true},
-    {"glass", kWhite, {0.62f, 0.74f, 0.72f}, 6, 0.10f, 1400, 0.007f, 2.2f, true},
-    {"wood", kSand, {0.36f, 0.24f, 0.13f}, 5, 0.14f, 500, 0.020f, 6.0f, false},
-    {"concrete", kGrey, {0.38f, 0.37f, 0.35f}, 42, 0.22f, 420, 0.016f, 1.3f, true},
-    {"brick", {0.45f, 0.25f, 0.17f}, {0.40f, 0.17f, 0.10f}, 38, 0.20f, 420, 0.014f, 1.4f, false},
-    {"ceramic", kWhite, {0.70f, 0.69f, 0.66f}, 12, 0.18f, 700, 0.009f, 2.0f, true},
-    {"metal", kGrey, {0.30f, 0.30f, 0.31f}, 0, 0, 20, 0.006f, 3.0f, false},
-    {"ice", {0.80f, 0.86f, 0.90f}, {0.72f, 0.82f, 0.88f}, 22, 0.20f, 900, 0.012f, 1.6f, true},
+    {"stone", {0.40f, 0.38f, 0.35f}, {0.34f, 0.32f, 0.30f}, 26, 0.20f, 300, 0.014f, 1.4f, true, false},
+    {"glass", kWhite, {0.62f, 0.74f, 0.72f}, 6, 0.10f, 1400, 0.007f, 2.2f, true, true},
+    {"wood", kSand, {0.36f, 0.24f, 0.13f}, 5, 0.14f, 500, 0.020f, 6.0f, false, false},
+    {"concrete", kGrey, {0.38f, 0.37f, 0.35f}, 42, 0.22f, 420, 0.016f, 1.3f, true, false},
+    {"brick", {0.45f, 0.25f, 0.17f}, {0.40f, 0.17f, 0.10f}, 38, 0.20f, 420, 0.014f, 1.4f, false, false},
+    {"ceramic", kWhite, {0.70f, 0.69f, 0.66f}, 12, 0.18f, 700, 0.009f, 2.0f, true, false},
+    {"metal", kGrey, {0.30f, 0.30f, 0.31f}, 0, 0, 20, 0.006f, 3.0f, false, false},
+    {"ice", {0.80f, 0.86f, 0.90f}, {0.72f, 0.82f, 0.88f}, 22, 0.20f, 900, 0.012f, 1.6f, true, true},
 }};
 
 const Crumbling& crumbling(const std::string& material) {
@@ -36,15 +38,11 @@ const Crumbling& crumbling(const std::string& material) {
   const std::string name = material == "terracotta"                           ? "brick"
                            : material == "sandstone" || material == "plaster" ? "stone"
                            : material == "cast_iron"                          ? "metal"
+                           : material == "crystal"                            ? "glass"
                                                                               : material;
   const auto known = std::find_if(kCrumbling.begin(), kCrumbling.end(),
                                   [&](const Crumbling& entry) { return name == entry.name; });
   return known != kCrumbling.end() ? *known : kCrumbling.front();
-}
-
-/// A mark is painted on what the depth of the picture shows, and that is what lies behind these.
-bool is_clear(const std::string& material) {
-  return material == "glass" || material == "ice" || material == "crystal";
 }
 
 constexpr float kGravity = 9.81f, kAirDrag = 2.2f;  // m/s²; 1/s, of dust
@@ -140,7 +138,8 @@ void Debris::mark(const world::World& world, const world::Knock& knock, const wo
   glm::dvec3 normal = knock.normal;
   if (side.kind == world::Knock::Side::Kind::kObject) {
     if (!side.fragment) return;  // it is about to break there, or was not hit hard
-    if (is_clear(material)) return;
+    const Crumbling& how = crumbling(material);
+    if (how.clear) return;
     std::vector<world::FragmentState> states;
     world.fragment_states(side.object, states);
     if (*side.fragment >= states.size() || !states[*side.fragment].present) return;
@@ -150,7 +149,6 @@ void Debris::mark(const world::World& world, const world::Knock& knock, const wo
     mark.fragment = *side.fragment;
     mark.position = glm::vec3(pose.local(knock.point));
     normal = glm::conjugate(pose.rotation) * normal;
-    const Crumbling& how = crumbling(material);
     mark.color = 0.85f * how.dust;  // a scuff is powder
     mark.cracks = how.rays;
   } else {

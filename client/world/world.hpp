@@ -64,8 +64,8 @@ struct WorldSettings {
   /// (debris_share) that come meet the ground and what is larger, but not one another, and no loose fragment breaks again.
   std::size_t live_bodies = 120;
   std::size_t max_balls = 24;  ///< beyond it the oldest goes
-  double debris_share =
-      0.02;  ///< of an object's volume: smaller loose fragments that bear nothing fade once they sleep …
+  /// Of an object's volume: smaller loose fragments that bear nothing fade once they sleep …
+  double debris_share = 0.02;
   double fade_after = 6;          ///< … for so many seconds …
   double fade_time = 1;           ///< … within so many
   double secondary_share = 0.04;  ///< of an object's volume: larger loose fragments may break again

@@ -10,13 +10,14 @@ namespace {
 
 using Corners = std::array<Vec3d, 3>;
 
-/// Of the corners over the plane of t, m; none where it is flat.
+/// Of the corners over the plane of t, m; none where it is a needle, whose plane rounding decides.
 struct Heights {
+  static constexpr double kNeedle = 1e-3;
   double least = 0, most = 0;
   Heights(const Corners& t, const Corners& corners) {
     const Vec3d across = cross(t[1] - t[0], t[2] - t[0]);
-    const double size = length(across);
-    if (!(size > 0)) return;
+    const double size = length(across), longest = std::max(length(t[1] - t[0]), length(t[2] - t[0]));
+    if (!(size > kNeedle * longest * longest)) return;
     const Vec3d normal = (1 / size) * across;
     const double a = dot(normal, corners[0] - t[0]), b = dot(normal, corners[1] - t[0]),
                  c = dot(normal, corners[2] - t[0]);

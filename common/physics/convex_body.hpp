@@ -1,6 +1,6 @@
 // A convex polyhedron that is cut by planes, one after the other (Sutherland & Hodgman 1974, face by face, and the cut
-// closed by its rim). Which corners are kept is decided once for each plane and corner, so that the surface stays closed but
-// where, within rounding, the plane passes a corner twice: the caller looks (bounds_a_body).
+// closed by its rim). Which corners are kept is decided once for each plane and corner: the surface stays closed, but
+// where, within rounding, a plane passes a corner twice. The caller looks (bounds_a_body).
 #pragma once
 
 #include <array>

@@ -38,8 +38,8 @@ struct ConvexMass {
 bool bounds_a_body(const CollisionHull& hull);
 
 /// The hull of a body that is known to be convex, inset: its own surface, whose triangles are wider than what rounding
-/// does to them. Of the points each is a corner. False, and no
-/// hull, where that surface is no sphere of triangles, or has more than kMaxHullPoints corners.
+/// does to them. Of the points each is a corner. False, and no hull, where that surface is no sphere of triangles, or has
+/// more than kMaxHullPoints corners.
 bool add_convex(std::span<const Vec3f> points, const BodySurface& surface, const ConvexMass& mass,
                 FragmentHulls& out);
 

@@ -21,7 +21,8 @@ PrincipalAxes principal_axes(const std::array<double, 6>& inertia);
 
 /// Of the fragment about its centre of mass, at 1 kg/m³. Where the surface crosses itself parts of the volume
 /// count negative and the tensor can be one that no body has (engines take a moment of 0 for a body that
-/// never turns); where there is no volume it is that of rounding. Then that of a solid box of the fragment's extent and mass.
+/// never turns); where there is no volume it is that of rounding. Then that of a solid box of the fragment's extent
+/// and mass.
 PrincipalAxes body_inertia(const Fragment& f);
 
 /// m³, more than 0: the fragment's, where it has one. A sheet that was filled flat, or whose surface crosses itself, may

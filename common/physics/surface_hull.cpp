@@ -94,9 +94,9 @@ bool SurfaceHull::nothing_above_the_bent(const HullGrid& grid, Pacer& pacer) con
   return true;
 }
 
-/// False, too, where a triangle is degenerate or inside out, an edge is not that of two triangles, once in each direction (but for
-/// those between what is uncut and cuts), or the body is flat: the width of a convex body is at least 2 V / A. Most
-/// bodies that are not convex are known after a few triangles.
+/// False, too, where a triangle is degenerate or inside out, an edge is not that of two triangles, once in each direction
+/// (but for those between what is uncut and cuts), or the body is flat: the width of a convex body is at least 2 V / A.
+/// Most bodies that are not convex are known after a few triangles.
 bool SurfaceHull::bends_outwards(const HullGrid& grid, const BodySurface& surface, Pacer& pacer) {
   faces_.clear();
   corners_.clear();
@@ -109,7 +109,7 @@ bool SurfaceHull::bends_outwards(const HullGrid& grid, const BodySurface& surfac
   double six_volumes = 0, sizes = 0;
   std::size_t pairs = 0;
   Vec3d middle;
-  for (std::uint32_t p = 0; p < grid.size(); ++p) middle = middle + grid[p];
+  pacer.each(0, grid.size(), [&](std::size_t p) { middle = middle + grid[static_cast<std::uint32_t>(p)]; });
   middle = (1.0 / grid.size()) * middle;
   for (std::size_t f = 0; f < count; ++f) {
     const auto [a0, b0, c0] = surface[f];
