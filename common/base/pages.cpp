@@ -7,11 +7,19 @@
 
 namespace fracture {
 
-void forget_pages(void* memory, std::size_t bytes) {
+namespace {
+
+void advise_pages(void* memory, std::size_t bytes, int advice) {
   static const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
   const auto begin = reinterpret_cast<std::uintptr_t>(memory);
   const std::uintptr_t first = (begin + page - 1) / page * page, last = (begin + bytes) / page * page;
-  if (first < last) madvise(reinterpret_cast<void*>(first), last - first, MADV_DONTNEED);
+  if (first < last) madvise(reinterpret_cast<void*>(first), last - first, advice);
 }
+
+}  // namespace
+
+void forget_pages(void* memory, std::size_t bytes) { advise_pages(memory, bytes, MADV_DONTNEED); }
+
+void populate_pages(void* memory, std::size_t bytes) { advise_pages(memory, bytes, MADV_POPULATE_WRITE); }
 
 }  // namespace fracture

@@ -1,9 +1,12 @@
 #include "common/base/pages.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
+#include <cstdint>
 #include <fstream>
+#include <memory>
 #include <vector>
 
 namespace fracture::test {
@@ -33,6 +36,20 @@ TEST(ForgetPages, LessThanAPageStays) {
   forget_pages(memory.data(), memory.size());
   EXPECT_EQ(memory, std::vector<char>(1000, 1));
   forget_pages(nullptr, 0);
+}
+
+TEST(PopulatePages, HandsOutMemoryBeforeItIsWritten) {
+  constexpr std::size_t kSize = std::size_t{64} << 20;
+  const std::unique_ptr<char[]> memory(new char[kSize]);  // not written
+  memory[7] = 3;
+  if (madvise(memory.get() + (4096 - reinterpret_cast<std::uintptr_t>(memory.get()) % 4096), 4096,
+              MADV_POPULATE_WRITE) != 0)
+    GTEST_SKIP() << "Linux has this since 5.14";
+  const std::size_t before = resident();
+  populate_pages(memory.get(), kSize);
+  EXPECT_GT(resident(), before + 9 * kSize / 10);
+  EXPECT_EQ(memory[7], 3);
+  populate_pages(nullptr, 0);
 }
 
 }  // namespace
